@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "scenarios/mission.h"
+#include "sim/truth.h"
+
+namespace kestrel {
+
+// One frame of a flight: a line of telemetry.csv.
+struct LogRow {
+  std::int64_t sequence = 0;
+  Truth exposure;         // when the frame was exposed: what the fix is judged by
+  Truth now;              // when the decision was made
+  VehicleState estimate;  // when the decision was made
+  Decision decision;      // its texts are string literals of the mission
+};
+
+struct Criterion {
+  std::string name;  // a metric: "touchdown_error_m"
+  double value = 0;
+  double limit = 0;
+  bool at_least = false;  // otherwise at most
+  bool passed = false;
+};
+
+struct StageTime {
+  double mean_ms = 0, p99_ms = 0;
+};
+
+// summary.json
+struct Summary {
+  std::string scenario, version, renderer, outcome, error;  // error: why a run broke off, empty when it did not
+  std::uint64_t seed = 0;
+  bool complete = false, passed = false;
+  std::vector<Criterion> criteria;
+  std::map<std::string, double> metrics;  // unit in the name
+  double sim_s = 0, wall_s = 0;
+  std::map<std::string, StageTime> stages;  // physics, render, sensor, vision, control, record
+  std::uint64_t state_hash = 0, image_hash = 0;
+};
+
+}  // namespace kestrel

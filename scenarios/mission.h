@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string_view>
+
+#include "control/autopilot.h"
+#include "vision/camera.h"
+
+namespace kestrel {
+
+// Where the aircraft is by what the camera saw at the exposure of the frame, and how far to trust it.
+struct TargetFix {
+  Eigen::Vector3d p_TB = Eigen::Vector3d::Zero();  // m, the aircraft in the target's frame
+  double yaw_TB = 0;                               // rad
+  int inliers = 0;                                 // point pairs that agree
+  double residual_px = 0;                          // their root mean square error
+  double visible = 0;                              // share of the target that was matched, 0 to 1
+  bool registered = false;                         // against the reference appearance, so free of drift
+};
+
+// What the flight code decided on one frame.
+struct Decision {
+  std::optional<Setpoint> setpoint;   // none: the last one stands until it is stale
+  std::string_view phase;             // of the flight plan: "search", "centre", "descend", ...
+  std::string_view target;            // "tracked", "found" (in this frame), "lost"
+  std::optional<TargetFix> fix;       // none while the target is lost
+  double fix_age_s = 0;               // time since the exposure of the newest fix; grows while lost
+  std::string_view outcome;           // not empty: the flight is over, and this is how
+  double vision_s = 0, control_s = 0;  // processor time spent on this frame
+};
+
+// A flight's own code: vision pipeline and control law with their state. It sees frames and the autopilot's estimate,
+// never the simulator, its truth or a clock.
+class Mission {
+ public:
+  virtual ~Mission() = default;
+  virtual Decision Step(const Frame& frame, const VehicleState& state) = 0;
+  // Draws what the vision code saw in the last frame on a colour copy of it.
+  virtual void Draw(cv::Mat& bgr) const = 0;
+};
+
+}  // namespace kestrel

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+
+#include "geometry/pose.h"
+
+namespace kestrel {
+
+// What the simulator knows and no flight code may see: for records, criteria and tests.
+struct Truth {
+  double t_s = 0;
+  Pose X_NB;                                         // the aircraft
+  Eigen::Vector3d v_N = Eigen::Vector3d::Zero();     // m/s
+  Eigen::Vector3d w_B = Eigen::Vector3d::Zero();     // rad/s
+  Eigen::Vector3d wind_N = Eigen::Vector3d::Zero();  // velocity of the air at the aircraft, m/s
+  Pose X_NT;                                         // the pad: x along its long side, z down, origin at its centre
+  bool touching = false;                             // the skids touch something
+};
+
+}  // namespace kestrel
