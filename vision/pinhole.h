@@ -4,6 +4,8 @@
 #include <Eigen/Core>
 #include <optional>
 
+#include "geometry/fields.h"
+
 namespace kestrel {
 
 // Pinhole camera without distortion, thesis 3.16 and 5.1. Pixels: the centre of the first pixel is (0, 0), u to the
@@ -28,5 +30,15 @@ struct Pinhole {
     return k;
   }
 };
+
+template <class Visitor>
+void Fields(Visitor& v, Pinhole& c) {
+  v(Required("width_px"), c.width_px, 16, 8192);
+  v(Required("height_px"), c.height_px, 16, 8192);
+  v(Required("fx_px"), c.fx, 1.0, 1e5);
+  v(Required("fy_px"), c.fy, 1.0, 1e5);
+  v(Required("cx_px"), c.cx, -1e5, 1e5);
+  v(Required("cy_px"), c.cy, -1e5, 1e5);
+}
 
 }  // namespace kestrel

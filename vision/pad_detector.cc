@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vision/pad_detector.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <opencv2/core/eigen.hpp>
+#include <opencv2/imgproc.hpp>
+#include <vector>
+
+#include "vision/homography.h"
+#include "vision/plane_pose.h"
+
+namespace kestrel {
+namespace {
+
+constexpr double kLeastArea_px2 = 250;
+constexpr double kAspectTolerance = 1.35;     // factor; far away the tilt makes the ratio uncertain
+constexpr double kLeastCorrelation = 0.55;
+constexpr double kCompare_px_per_m = 60;      // scale at which candidates are compared with the reference
+constexpr std::size_t kMostCandidates = 40;
+
+using Quad = std::array<Eigen::Vector2d, 4>;
+
+// A straight line through the contour's points between two corners, away from the corners themselves.
+Eigen::Vector3d LineBetween(const std::vector<cv::Point>& contour, int from, int to) {
+  const int n = static_cast<int>(contour.size());
+  const int count = (to - from + n) % n;
+  const int skip = count / 8 + 1;
+  std::vector<cv::Point2f> points;
+  for (int k = skip; k <= count - skip; ++k) points.push_back(contour[(from + k) % n]);
+  if (points.size() < 2) points = {contour[from], contour[to]};
+  cv::Vec4f line;
+  cv::fitLine(points, line, cv::DIST_HUBER, 0, 0.01, 0.01);
+  const Eigen::Vector3d a(line[2], line[3], 1), b(line[2] + line[0], line[3] + line[1], 1);
+  return a.cross(b);
+}
+
+// The contour as a quadrilateral with corners at the crossings of its fitted sides.
+std::optional<Quad> QuadOf(const std::vector<cv::Point>& contour) {
+  std::vector<cv::Point> corners;
+  cv::approxPolyDP(contour, corners, 0.03 * cv::arcLength(contour, true), true);
+  if (corners.size() != 4 || !cv::isContourConvex(corners)) return std::nullopt;
+  std::array<int, 4> at;
+  for (int k = 0; k < 4; ++k) {
+    at[k] = static_cast<int>(std::find(contour.begin(), contour.end(), corners[k]) - contour.begin());
+  }
+  std::array<Eigen::Vector3d, 4> side;
+  for (int k = 0; k < 4; ++k) side[k] = LineBetween(contour, at[k], at[(k + 1) % 4]);
+  Quad quad;
+  for (int k = 0; k < 4; ++k) {
+    quad[k] = side[(k + 3) % 4].cross(side[k]).hnormalized();
+    // Fitted crossings far from the polygon's corner: not a quadrilateral after all.
+    if (!((quad[k] - Eigen::Vector2d(corners[k].x, corners[k].y)).norm() < 12)) return std::nullopt;
+  }
+  const double turn = (quad[1] - quad[0]).x() * (quad[2] - quad[1]).y() - (quad[1] - quad[0]).y() * (quad[2] - quad[1]).x();
+  if (turn < 0) std::swap(quad[1], quad[3]);  // clockwise in the image, like PadReference::Outline
+  return quad;
+}
+
+std::vector<Quad> Quads(const cv::Mat& grey) {
+  std::vector<Quad> quads;
+  cv::Mat smooth, binary;
+  cv::GaussianBlur(grey, smooth, {3, 3}, 0);
+  for (const int block : {0, 31, 101}) {  // a global threshold, then local ones against uneven light
+    if (block == 0) {
+      cv::threshold(smooth, binary, 0, 255, cv::THRESH_BINARY | cv::THRESH_OTSU);
+    } else {
+      cv::adaptiveThreshold(smooth, binary, 255, cv::ADAPTIVE_THRESH_MEAN_C, cv::THRESH_BINARY, block, 0);
+    }
+    std::vector<std::vector<cv::Point>> contours;
+    cv::findContours(binary, contours, cv::RETR_LIST, cv::CHAIN_APPROX_NONE);
+    std::erase_if(contours, [](const auto& c) { return c.size() < 40 || std::abs(cv::contourArea(c)) < kLeastArea_px2; });
+    std::sort(contours.begin(), contours.end(), [](const auto& a, const auto& b) { return a.size() > b.size(); });
+    if (contours.size() > kMostCandidates) contours.resize(kMostCandidates);
+    for (const auto& contour : contours) {
+      if (const auto quad = QuadOf(contour)) quads.push_back(*quad);
+    }
+  }
+  return quads;
+}
+
+}  // namespace
+
+std::optional<Eigen::Matrix3d> DetectPad(const cv::Mat& grey, const PadReference& reference, const Pinhole& camera) {
+  const PadReference::Level& level = reference.LevelFor(kCompare_px_per_m);
+  const std::vector<Eigen::Vector2d> outline = reference.Outline();
+  const double aspect = reference.width_m / reference.length_m;
+  std::optional<Eigen::Matrix3d> best;
+  double best_correlation = kLeastCorrelation;
+  for (const Quad& quad : Quads(grey)) {
+    for (int turn = 0; turn < 4; ++turn) {
+      std::array<PointPair, 4> unit, metric;
+      const std::array<Eigen::Vector2d, 4> square = {{{1, 0}, {1, 1}, {0, 1}, {0, 0}}};  // corners as in Outline()
+      for (int k = 0; k < 4; ++k) {
+        unit[k] = {square[k], quad[(k + turn) % 4]};
+        metric[k] = {outline[k], quad[(k + turn) % 4]};
+      }
+      const auto H_unit = FitHomography(unit), H_w = FitHomography(metric);
+      if (!H_unit || !H_w || !PoseFromHomography(*H_w, camera)) continue;
+      const double off = RectangleAspect(*H_unit, camera) / aspect;
+      if (!(off < kAspectTolerance && off > 1 / kAspectTolerance)) continue;
+      cv::Mat map, view, correlation;
+      cv::eigen2cv(Eigen::Matrix3d(*H_w * level.pixel_from_T.inverse()), map);
+      cv::warpPerspective(grey, view, map, level.image.size(), cv::INTER_AREA | cv::WARP_INVERSE_MAP);
+      cv::matchTemplate(view, level.image, correlation, cv::TM_CCOEFF_NORMED);
+      if (correlation.at<float>(0, 0) > best_correlation) {
+        best_correlation = correlation.at<float>(0, 0);
+        best = H_w;
+      }
+    }
+  }
+  return best;
+}
+
+}  // namespace kestrel

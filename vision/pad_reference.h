@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <opencv2/core.hpp>
+#include <vector>
+
+namespace kestrel {
+
+// The reference appearance of a rectangular helipad, at scales half of each other, with its corners by Shi and Tomasi.
+// T is the pad's frame: origin at its centre, x along its length towards the top of the picture, y to the right of the
+// picture, z down into the ground.
+struct PadReference {
+  struct Level {
+    cv::Mat image;                         // CV_8UC1
+    Eigen::Matrix3d pixel_from_T;          // affine: (x, y, 1) of T, m, to a pixel of this level
+    std::vector<Eigen::Vector2d> corners;  // in T, m; the strongest first, none so near the rim that the ground shows
+    double px_per_m = 0;
+  };
+  double length_m = 0, width_m = 0;
+  std::vector<Level> levels;  // the finest first
+
+  // The four corners in T, m, clockwise as seen from above, from the picture's top left.
+  std::vector<Eigen::Vector2d> Outline() const;
+  // The level whose pixels are at least as fine as px_per_m and nearest to it, the finest where none is.
+  const Level& LevelFor(double px_per_m) const;
+};
+
+// picture: the pad seen from above, CV_8UC1 or CV_8UC3, filled to its rim.
+PadReference MakePadReference(const cv::Mat& picture, double length_m, double width_m);
+
+}  // namespace kestrel
