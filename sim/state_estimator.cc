@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/state_estimator.h"
+
+#include <cmath>
+
+#include "geometry/tait_bryan.h"
+
+namespace kestrel {
+namespace {
+
+constexpr double kGravity = 9.80665;
+// The wander of GPS and barometer is not white: taking each sample for worse than it is keeps the filter from
+// believing that many samples average it away.
+constexpr double kGpsPositionSigma_m = 1.0;
+constexpr double kBarometerSigma_m = 0.4;
+constexpr double kCompassSigma_rad = 0.03;
+
+}  // namespace
+
+StateEstimator::StateEstimator(const SensorParameters& sensors, const Pose& X_NB, const Eigen::Vector3d& v_N,
+                               const Eigen::Vector3d& gyro_bias)
+    : sensors_(sensors), X_NB_(X_NB), v_N_(v_N), gyro_bias_(gyro_bias) {
+  P_.diagonal() << Eigen::Vector3d::Constant(0.01), Eigen::Vector3d::Constant(0.01),
+      Eigen::Vector3d::Constant(std::pow(Radians(1.5), 2)), Eigen::Vector3d::Constant(1e-6),
+      Eigen::Vector3d::Constant(std::pow(sensors.accelerometer_turn_on_m_s2, 2));
+}
+
+void StateEstimator::Step(double dt_s, const SensorReadings& readings) {
+  Predict(dt_s, readings.imu);
+  if (readings.gps) {
+    for (int i = 0; i < 3; ++i) {
+      const double position_sigma = i < 2 ? kGpsPositionSigma_m : 3 * kGpsPositionSigma_m;
+      Correct(Vector15::Unit(i), readings.gps->p_N(i) - X_NB_.p(i), position_sigma * position_sigma);
+      Correct(Vector15::Unit(3 + i), readings.gps->v_N(i) - v_N_(i), std::pow(sensors_.gps_velocity_m_s.white, 2));
+    }
+  }
+  if (readings.height_m) Correct(-Vector15::Unit(2), *readings.height_m + X_NB_.p.z(), kBarometerSigma_m * kBarometerSigma_m);
+  if (readings.field_B) {
+    const Eigen::Vector3d field_N = X_NB_.R * *readings.field_B;
+    Vector15 h = Vector15::Zero();
+    h.segment<3>(6) = X_NB_.R.conjugate() * Eigen::Vector3d::UnitZ();  // a turn of B about down
+    Correct(h, -std::atan2(field_N.y(), field_N.x()), kCompassSigma_rad * kCompassSigma_rad);
+  }
+  X_NB_.p += error_.segment<3>(0);
+  v_N_ += error_.segment<3>(3);
+  X_NB_.R = (X_NB_.R * ExpRotation(error_.segment<3>(6))).normalized();
+  gyro_bias_ += error_.segment<3>(9);
+  accelerometer_bias_ += error_.segment<3>(12);
+  error_.setZero();
+}
+
+void StateEstimator::Predict(double dt_s, const ImuSample& imu) {
+  w_B_ = imu.w_B - gyro_bias_;
+  const Eigen::Vector3d force_B = imu.specific_force_B - accelerometer_bias_;
+  const Eigen::Matrix3d R = X_NB_.R.toRotationMatrix();
+  const Eigen::Vector3d a_N = R * force_B + Eigen::Vector3d(0, 0, kGravity);
+  X_NB_.p += dt_s * v_N_ + dt_s * dt_s / 2 * a_N;
+  v_N_ += dt_s * a_N;
+  X_NB_.R = (X_NB_.R * ExpRotation(dt_s * w_B_)).normalized();
+
+  Matrix15 F = Matrix15::Identity();
+  F.block<3, 3>(0, 3) = dt_s * Eigen::Matrix3d::Identity();
+  F.block<3, 3>(3, 6) = -dt_s * R * Skew(force_B);
+  F.block<3, 3>(3, 12) = -dt_s * R;
+  F.block<3, 3>(6, 6) -= dt_s * Skew(w_B_);
+  F.block<3, 3>(6, 9) = -dt_s * Eigen::Matrix3d::Identity();
+  P_ = (F * P_ * F.transpose()).eval();
+  const auto add = [&](int at, double density) { P_.diagonal().segment<3>(at).array() += density * density * dt_s; };
+  add(3, sensors_.accelerometer_noise_m_s2_rthz);
+  add(6, sensors_.gyro_noise_rad_s_rthz);
+  add(9, sensors_.gyro_walk_rad_s2_rthz);
+  add(12, sensors_.accelerometer_walk_m_s3_rthz);
+}
+
+void StateEstimator::Correct(const Vector15& h, double innovation, double variance) {
+  const Vector15 Ph = P_ * h;
+  const double s = h.dot(Ph) + variance;
+  const Vector15 k = Ph / s;
+  error_ += k * (innovation - h.dot(error_));
+  P_ -= k * Ph.transpose();
+  P_ = ((P_ + P_.transpose()) / 2).eval();
+}
+
+}  // namespace kestrel
