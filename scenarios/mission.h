@@ -27,8 +27,10 @@ struct Decision {
   std::string_view target;            // "tracked", "found" (in this frame), "lost"
   std::optional<TargetFix> fix;       // none while the target is lost
   double fix_age_s = 0;               // time since the exposure of the newest fix; grows while lost
+  std::optional<Eigen::Vector3d> goal_T;  // where the aircraft is meant to be, in the target's frame, m
   std::string_view outcome;           // not empty: the flight is over, and this is how
-  double vision_s = 0, control_s = 0;  // processor time spent on this frame
+  double vision_s = 0;                // time spent on the image; the mission measures it
+  double control_s = 0;               // the rest of the step; the flight loop measures it
 };
 
 // A flight's own code: vision pipeline and control law with their state. It sees frames and the autopilot's estimate,

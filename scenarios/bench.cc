@@ -1,0 +1,291 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scenarios/bench.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <thread>
+
+#include "geometry/tait_bryan.h"
+#include "scenarios/files.h"
+#include "scenarios/runner.h"
+#include "vision/pad_tracker.h"
+
+namespace kestrel {
+namespace {
+
+struct Figure {
+  std::string name;
+  double value = 0;
+  std::string unit;
+  double target = 0;
+  bool at_least = false;
+  std::string reference;  // the thesis's figure
+  bool Met() const { return at_least ? value >= target : value <= target; }
+};
+
+struct Seeds {
+  std::uint64_t first = 1, last = 20;
+};
+
+Seeds ParseSeeds(const std::string& text) {
+  const std::size_t dots = text.find("..");
+  const auto number = [](std::string_view s, std::uint64_t& value) {
+    const auto end = std::from_chars(s.data(), s.data() + s.size(), value);
+    return end.ec == std::errc{} && end.ptr == s.data() + s.size();
+  };
+  Seeds seeds;
+  if (dots == std::string::npos || !number(std::string_view(text).substr(0, dots), seeds.first) ||
+      !number(std::string_view(text).substr(dots + 2), seeds.last) || seeds.last < seeds.first) {
+    throw InputError({fmt::format("--seeds: '{}' is not a range; valid: A..B with A <= B, such as 1..20", text)});
+  }
+  return seeds;
+}
+
+// Flies a scenario once for each seed, several at a time; results in the order of the seeds, whatever the order of
+// their ends.
+std::vector<FlightResult> FlyAll(const std::string& scenario, const std::vector<std::string>& overrides, Seeds seeds,
+                                 int jobs, const std::string& title) {
+  std::vector<LoadedScenario> flights;
+  for (std::uint64_t seed = seeds.first; seed <= seeds.last; ++seed) {
+    auto all = overrides;
+    all.push_back(fmt::format("seed={}", seed));
+    flights.push_back(LoadScenario(scenario, all));
+  }
+  std::vector<FlightResult> results(flights.size());
+  std::atomic<std::size_t> next = 0, done = 0;
+  std::exception_ptr failure;
+  std::mutex mutex;
+  std::vector<std::thread> workers;
+  for (int w = 0; w < jobs; ++w) {
+    workers.emplace_back([&] {
+      for (std::size_t i; (i = next++) < flights.size();) {
+        try {
+          results[i] = RunFlight(flights[i], {});
+          if (!results[i].summary.complete) throw std::runtime_error(results[i].summary.error);
+        } catch (...) {
+          const std::lock_guard lock(mutex);
+          if (!failure) failure = std::current_exception();
+        }
+        ++done;
+        const std::lock_guard lock(mutex);
+        if (isatty(STDERR_FILENO)) fmt::print(stderr, "\r\033[K{}: {} of {} flights", title, done.load(), flights.size());
+      }
+    });
+  }
+  for (std::thread& worker : workers) worker.join();
+  if (isatty(STDERR_FILENO)) fmt::print(stderr, "\r\033[K");
+  if (failure) std::rethrow_exception(failure);
+  return results;
+}
+
+// Errors of the fixes against the truth, over all flights together.
+struct FixErrors {
+  double x = 0, y = 0, z = 0, yaw = 0;  // sums of squares, then roots of their means
+  int fixes = 0, frames = 0;
+};
+
+FixErrors ErrorsOf(const std::vector<FlightResult>& flights, double from_s = 0) {
+  FixErrors e;
+  for (const FlightResult& flight : flights) {
+    for (const LogRow& row : flight.rows) {
+      if (row.exposure.t_s < from_s) continue;
+      ++e.frames;
+      if (!row.decision.fix) continue;
+      ++e.fixes;
+      const Pose X_TB = row.exposure.X_NT.Inverse() * row.exposure.X_NB;
+      const Eigen::Vector3d d = row.decision.fix->p_TB - X_TB.p;
+      e.x += d.x() * d.x(), e.y += d.y() * d.y(), e.z += d.z() * d.z();
+      e.yaw += std::pow(Degrees(WrapAngle(row.decision.fix->yaw_TB - YawOf(X_TB.R))), 2);
+    }
+  }
+  for (double* sum : {&e.x, &e.y, &e.z, &e.yaw}) *sum = std::sqrt(*sum / std::max(e.fixes, 1));
+  return e;
+}
+
+std::vector<double> Values(const std::vector<FlightResult>& flights, const std::string& metric) {
+  std::vector<double> values;
+  for (const FlightResult& flight : flights) {
+    const auto found = flight.summary.metrics.find(metric);
+    values.push_back(found != flight.summary.metrics.end() ? found->second : std::numeric_limits<double>::infinity());
+  }
+  return values;
+}
+
+double Quantile(std::vector<double> values, double q) {
+  std::sort(values.begin(), values.end());
+  const double at = q * static_cast<double>(values.size() - 1);
+  const std::size_t low = static_cast<std::size_t>(at);
+  if (low + 1 >= values.size()) return values.back();
+  return values[low] + (at - static_cast<double>(low)) * (values[low + 1] - values[low]);
+}
+double Largest(const std::vector<double>& values) { return *std::max_element(values.begin(), values.end()); }
+double Rms(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double v : values) sum += v * v;
+  return std::sqrt(sum / static_cast<double>(values.size()));
+}
+
+void BenchFlights(Seeds seeds, int jobs, std::vector<Figure>& table) {
+  const auto share = [](const FixErrors& e) { return static_cast<double>(e.fixes) / std::max(e.frames, 1); };
+  {
+    const auto open = FlyAll("pose", {}, seeds, jobs, "pose at 4.2 m");
+    const FixErrors e = ErrorsOf(open);
+    table.push_back({"pose 4.2 m, x RMSE", e.x, "m", 0.05, false, "0.42"});
+    table.push_back({"pose 4.2 m, y RMSE", e.y, "m", 0.05, false, "0.16"});
+    table.push_back({"pose 4.2 m, z RMSE", e.z, "m", 0.04, false, "0.16"});
+    table.push_back({"pose 4.2 m, yaw RMSE", e.yaw, "deg", 0.5, false, "2"});
+    table.push_back({"pose 4.2 m, frames with a fix", share(e), "share", 0.95, true, ""});
+    constexpr double kHiddenFrom_s = 10;
+    const auto hidden = FlyAll("pose", {"occlusion.share=0.7", fmt::format("occlusion.from_s={}", kHiddenFrom_s)}, seeds,
+                               jobs, "pose, 70 % of the pad hidden");
+    const FixErrors before = ErrorsOf(open, kHiddenFrom_s), after = ErrorsOf(hidden, kHiddenFrom_s);
+    const auto level = [](const FixErrors& f) { return std::hypot(f.x, f.y); };
+    table.push_back({"70 % hidden, horizontal RMSE over that in the open", level(after) / level(before), "", 2, false, ""});
+    table.push_back({"70 % hidden, z RMSE over that in the open", after.z / before.z, "", 2, false, ""});
+    table.push_back({"70 % hidden, yaw RMSE over that in the open", after.yaw / before.yaw, "", 2, false, ""});
+    table.push_back({"70 % hidden, horizontal RMSE", level(after), "m", 0.1, false, "still tracked"});
+    table.push_back({"70 % hidden, frames with a fix", share(after), "share", 0.9, true, "still tracked"});
+  }
+  {
+    const FixErrors e = ErrorsOf(FlyAll("pose_high", {}, seeds, jobs, "pose at 10 m"));
+    table.push_back({"pose 10 m, x RMSE", e.x, "m", 0.15, false, ""});
+    table.push_back({"pose 10 m, y RMSE", e.y, "m", 0.15, false, ""});
+    table.push_back({"pose 10 m, z RMSE", e.z, "m", 0.10, false, "0.85"});
+    table.push_back({"pose 10 m, yaw RMSE", e.yaw, "deg", 1, false, "4"});
+    table.push_back({"pose 10 m, frames with a fix", share(e), "share", 0.95, true, ""});
+  }
+  {
+    const auto flights = FlyAll("hover", {}, seeds, jobs, "hover at 3 m");
+    table.push_back({"hover 3 m, horizontal RMSE", Rms(Values(flights, "hold_horizontal_rmse_m")), "m", 0.08, false, "about 0.5"});
+    table.push_back({"hover 3 m, vertical RMSE", Rms(Values(flights, "hold_vertical_rmse_m")), "m", 0.05, false, "about 0.5"});
+    table.push_back({"hover 3 m, latest settling", Largest(Values(flights, "settle_s")), "s", 15, false, ""});
+  }
+  {
+    const auto flights = FlyAll("landing", {}, seeds, jobs, "landing");
+    const auto landed = std::count_if(flights.begin(), flights.end(), [](const FlightResult& f) {
+      return f.summary.outcome == "landed" && f.summary.metrics.contains("rest_error_m");
+    });
+    const std::vector<double> error = Values(flights, "touchdown_error_m");
+    table.push_back({"landing, share that landed", static_cast<double>(landed) / static_cast<double>(flights.size()), "", 1, true, ""});
+    table.push_back({"landing, touch-down error, median", Quantile(error, 0.5), "m", 0.05, false, "not given"});
+    table.push_back({"landing, touch-down error, 95th percentile", Quantile(error, 0.95), "m", 0.12, false, "not given"});
+    table.push_back({"landing, greatest sink rate", Largest(Values(flights, "touchdown_sink_m_s")), "m/s", 0.4, false, "0.2"});
+    table.push_back({"landing, greatest tilt", Largest(Values(flights, "touchdown_tilt_deg")), "deg", 8, false, ""});
+  }
+}
+
+void BenchDrift(Seeds seeds, int jobs, std::vector<Figure>& table) {
+  const auto errors = [&](bool registration) {
+    return ErrorsOf(FlyAll("pose", {fmt::format("pilot.tracker.registration={}", registration), "duration_s=60"}, seeds, jobs,
+                           registration ? "registered" : "chained"),
+                    30);
+  };
+  const FixErrors chained = errors(false), registered = errors(true);
+  const auto all = [](const FixErrors& e) { return std::sqrt(e.x * e.x + e.y * e.y + e.z * e.z); };
+  table.push_back({"chain of homographies alone, position RMSE after 30 to 60 s", all(chained), "m", 10, false, ""});
+  table.push_back({"registered to the reference, position RMSE after 30 to 60 s", all(registered), "m", 0.08, false, ""});
+  table.push_back({"gain of the registration", all(chained) / all(registered), "times", 3, true, ""});
+}
+
+// The tracker alone, on images drawn along a path that goes from 3 m to each height and stays there, swaying.
+void BenchHeights(Seeds seeds, std::vector<Figure>& table) {
+  const LoadedScenario loaded = LoadScenario("pose");
+  const ModelPtr model = MakeModel(loaded.simulator.scene);
+  const DataPtr data = MakeData(model.get());
+  data->qpos[2] = 100;  // the aircraft itself, out of the picture
+  mj_forward(model.get(), data.get());
+  const Pose X_NT = PadPose(model.get(), data.get());
+  Renderer renderer(model.get(), loaded.simulator.camera, loaded.simulator.render);
+  for (const double height : {0.3, 0.5, 1.0, 2.0, 6.0, 12.0, 15.0}) {
+    int frames = 0, seen = 0;
+    double square = 0;
+    for (std::uint64_t seed = seeds.first; seed <= seeds.last; ++seed) {
+      RandomStream random(seed, "path");
+      Eigen::Matrix<double, 6, 1> phase;
+      for (int i = 0; i < 6; ++i) phase(i) = random.Uniform(0, 6.28);
+      PadTracker tracker(loaded.pad, loaded.simulator.camera, loaded.scenario.pilot.tracker);
+      const ImageSensor sensor(loaded.simulator.image, seed);
+      constexpr int kTravel = 80, kStay = 40;
+      for (int k = 0; k < kTravel + kStay; ++k) {
+        const double t = k / 20.0;
+        const double h = 3 * std::pow(height / 3, std::min(1.0, static_cast<double>(k) / kTravel));
+        const auto sway = [&](int i, double hz) { return std::sin(6.283 * hz * t + phase(i)); };
+        const Pose X_TC = Pose{Eigen::Quaterniond(RotationFromTaitBryan({0.2 * sway(0, 0.1), 0.06 * sway(1, 0.5),
+                                                                         0.06 * sway(2, 0.4)})),
+                               {0.06 * h * sway(3, 0.3), 0.06 * h * sway(4, 0.25), -h * (1 + 0.03 * sway(5, 0.2))}} *
+                          MountPose({.position_m = Eigen::Vector3d::Zero()});
+        const auto observation = tracker.Track(sensor.Expose(renderer.Render(data.get(), X_NT * X_TC), k), std::nullopt);
+        if (k < kTravel) continue;
+        ++frames;
+        if (!observation || !observation->registered) continue;
+        ++seen;
+        square += (observation->X_CT.Inverse().p - X_TC.p).squaredNorm();
+      }
+    }
+    table.push_back({fmt::format("{:g} m, frames tracked", height), static_cast<double>(seen) / frames, "share", 0.95, true,
+                     height < 0.5 || height > 12 ? "beyond 0.5 to 12 m" : "tracked"});
+    table.push_back({fmt::format("{:g} m, position RMSE, vision alone", height), std::sqrt(square / std::max(seen, 1)), "m",
+                     0.02 + 0.03 * height, false, ""});
+  }
+}
+
+void BenchSpeed(Seeds seeds, std::vector<Figure>& table) {
+  seeds.last = std::min(seeds.last, seeds.first + 4);
+  std::vector<double> vision, factor;
+  for (const FlightResult& flight : FlyAll("landing", {}, seeds, 1, "landing, one at a time")) {
+    vision.push_back(flight.summary.stages.at("vision").mean_ms);
+    factor.push_back(flight.summary.sim_s / flight.summary.wall_s);
+    const Summary& s = flight.summary;
+    fmt::print("seed {}: {:.1f} x real time; ms a frame, mean and 99th percentile:", s.seed, s.sim_s / s.wall_s);
+    for (const auto& [stage, time] : s.stages) fmt::print("  {} {:.2f} {:.2f}", stage, time.mean_ms, time.p99_ms);
+    fmt::print("\n");
+  }
+  table.push_back({"vision, one core, mean a frame", Quantile(vision, 0.5), "ms", 8, false, "83"});
+  table.push_back({"whole loop, 640x480, 20 frames/s, no video", Quantile(factor, 0.5), "x real time", 4, true, "1"});
+}
+
+void Print(const std::vector<Figure>& table) {
+  fmt::print("| {:<58} | {:>9} | {:>11} | {:>12} | {:>14} |   |\n", "figure", "thesis", "target", "measured", "unit");
+  fmt::print("|{:-<60}|{:-<11}|{:-<13}|{:-<14}|{:-<16}|---|\n", "", "", "", "", "");
+  for (const Figure& f : table) {
+    fmt::print("| {:<58} | {:>9} | {:>2} {:>8.4g} | {:>12.4g} | {:>14} | {} |\n", f.name, f.reference,
+               f.at_least ? ">=" : "<=", f.target, f.value, f.unit, f.Met() ? " " : "X");
+  }
+}
+
+void WriteJson(const std::string& file, const std::vector<Figure>& table) {
+  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+  for (const Figure& f : table) {
+    all.push_back({{"name", f.name}, {"value", f.value}, {"unit", f.unit}, {"target", f.target},
+                   {"reference", f.reference}, {"met", f.Met()}});
+  }
+  WriteFile(file, all.dump(2) + "\n");
+}
+
+}  // namespace
+
+std::vector<std::string> BenchNames() { return {"flights", "drift", "heights", "speed"}; }
+
+bool Bench(const BenchArguments& arguments) {
+  const Seeds seeds = ParseSeeds(arguments.seeds);
+  const auto chosen = [&](const char* name) { return arguments.name.empty() || arguments.name == name; };
+  std::vector<Figure> table;
+  if (chosen("flights")) BenchFlights(seeds, arguments.jobs, table);
+  if (chosen("drift")) BenchDrift(seeds, arguments.jobs, table);
+  if (chosen("heights")) BenchHeights(seeds, table);
+  if (chosen("speed")) BenchSpeed(seeds, table);
+  Print(table);
+  if (!arguments.json.empty()) WriteJson(arguments.json, table);
+  return std::all_of(table.begin(), table.end(), [](const Figure& f) { return f.Met(); });
+}
+
+}  // namespace kestrel

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+
+#include "scenarios/helipad_pilot.h"
+
+namespace kestrel {
+
+// Thesis 5.3.1, positioning control: centre over the pad first, then go to the height.
+struct HoverFlight {
+  static constexpr const char* kName = "hover";
+  double height_m = 3;
+  double centred_m = 0.5;  // horizontal error under which the height follows
+  double yaw_deg = 0;      // in the pad's frame
+};
+
+template <class Visitor>
+void Fields(Visitor& v, HoverFlight& p) {
+  v("height_m", p.height_m, 0.3, 60.0);
+  v("centred_m", p.centred_m, 0.05, 5.0);
+  v("yaw_deg", p.yaw_deg, -180.0, 180.0);
+}
+
+std::unique_ptr<Mission> MakeMission(const HoverFlight& flight, HelipadPilot pilot);
+
+}  // namespace kestrel

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scenarios/landing/landing.h"
+
+#include <algorithm>
+
+#include "geometry/tait_bryan.h"
+
+namespace kestrel {
+namespace {
+
+class LandingMission final : public Mission {
+ public:
+  LandingMission(const LandingFlight& flight, HelipadPilot pilot) : flight_(flight), pilot_(std::move(pilot)) {}
+
+  Decision Step(const Frame& frame, const VehicleState& state) override {
+    Decision decision = pilot_.See(frame, state);
+    decision.goal_T = Eigen::Vector3d::Zero();
+    if (state.landed) {
+      phase_ = "landed";
+      decision.outcome = "landed";
+    } else if (committed_ && !pilot_.Knows()) {
+      // Too low to see: on with the last course, level and straight down.
+      decision.setpoint = VelocitySetpoint{{0, 0, flight_.commit_sink_m_s}, 0};
+    } else if (!pilot_.Knows()) {
+      phase_ = "search";
+      decision.setpoint = pilot_.Search(state);
+      if (!decision.setpoint) decision.outcome = "pad not found";
+    } else {
+      decision.setpoint = Descend();
+    }
+    decision.phase = phase_;
+    return decision;
+  }
+  void Draw(cv::Mat& bgr) const override { pilot_.Draw(bgr, phase_); }
+
+ private:
+  VelocitySetpoint Descend() {
+    const Eigen::Vector3d& p_TB = pilot_.where().p_TB;
+    const double height = -p_TB.z(), off = p_TB.head<2>().norm();
+    const double yaw = Radians(flight_.yaw_deg);
+    committed_ = height < flight_.blind_m;
+    if (height < flight_.commit_m) {
+      phase_ = "touch down";
+      return pilot_.DescendTo({0, 0}, yaw, flight_.commit_sink_m_s);
+    }
+    if (off > flight_.centred_m + 0.1 * height) {
+      phase_ = "centre";
+      return pilot_.GoTo({0, 0, p_TB.z()}, yaw);
+    }
+    phase_ = "descend";
+    // Slower towards the height of commitment, where the constant speed takes over.
+    const double sink = std::clamp(0.7 * (height - flight_.commit_m) + flight_.commit_sink_m_s, flight_.commit_sink_m_s,
+                                   flight_.descent_m_s);
+    return pilot_.DescendTo({0, 0}, yaw, sink);
+  }
+
+  LandingFlight flight_;
+  HelipadPilot pilot_;
+  std::string_view phase_ = "search";
+  bool committed_ = false;  // so low that the camera need no longer see the pad
+};
+
+}  // namespace
+
+std::unique_ptr<Mission> MakeMission(const LandingFlight& flight, HelipadPilot pilot) {
+  return std::make_unique<LandingMission>(flight, std::move(pilot));
+}
+
+}  // namespace kestrel

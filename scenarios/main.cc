@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+// The command line: reads what is asked for, has it done, and turns the end into an exit status.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <opencv2/core/utility.hpp>
+
+#include "scenarios/bench.h"
+#include "scenarios/files.h"
+#include "scenarios/junit.h"
+#include "scenarios/runner.h"
+
+namespace kestrel {
+namespace {
+
+enum ExitStatus { kMet = 0, kNotMet = 1, kBadInput = 2, kBrokeOff = 3 };
+
+std::atomic<bool> interrupted = false;
+
+struct RunArguments {
+  std::string scenario, out, junit;
+  std::vector<std::string> overrides;
+  std::optional<std::uint64_t> seed;
+  bool no_video = false, quiet = false;
+};
+
+// One line on a terminal, rewritten ten times a second.
+class Progress {
+ public:
+  explicit Progress(double duration_s) : duration_s_(duration_s) {}
+  ~Progress() {
+    if (shown_) fmt::print(stderr, "\r\033[K");
+  }
+  void Show(const LogRow& row) {
+    const auto now = std::chrono::steady_clock::now();
+    if (shown_ && now - last_ < std::chrono::milliseconds(100)) return;
+    last_ = now;
+    shown_ = true;
+    const double wall_s = std::chrono::duration<double>(now - start_).count();
+    fmt::print(stderr, "\r\033[K{:6.1f} of at most {:.0f} s  {:4.1f} x real time  {:<10} pad {:<8} height {:5.2f} m",
+               row.now.t_s, duration_s_, row.now.t_s / std::max(wall_s, 1e-3), row.decision.phase, row.decision.target,
+               row.now.X_NT.p.z() - row.now.X_NB.p.z());
+    std::fflush(stderr);
+  }
+
+ private:
+  double duration_s_;
+  bool shown_ = false;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now(), last_;
+};
+
+void Report(const Summary& s, const std::string& folder) {
+  fmt::print("{}, seed {}: {}\n", s.scenario, s.seed, s.error.empty() ? s.outcome : "broke off: " + s.error);
+  for (const Criterion& c : s.criteria) {
+    fmt::print("  {:<4} {:<26} {:>9.4g}   {} {:g}\n", c.passed ? "ok" : "NOT", c.name, c.value,
+               c.at_least ? "at least" : "at most", c.limit);
+  }
+  fmt::print("  {:.1f} s flown in {:.1f} s, {:.1f} x real time, drawn by {}\n", s.sim_s, s.wall_s,
+             s.sim_s / std::max(s.wall_s, 1e-9), s.renderer);
+  fmt::print("  {}\n", folder);
+}
+
+int Run(const RunArguments& arguments) {
+  std::vector<std::string> overrides = arguments.overrides;
+  if (arguments.seed) overrides.push_back(fmt::format("seed={}", *arguments.seed));
+  const LoadedScenario loaded = LoadScenario(arguments.scenario, overrides);
+  RunOptions options;
+  options.folder = arguments.out.empty()
+                       ? fmt::format("results/runs/{}-{}", loaded.scenario.name, loaded.scenario.seed)
+                       : arguments.out;
+  options.video = !arguments.no_video;
+  FlightResult result;
+  {
+    Progress progress(loaded.scenario.duration_s);
+    const bool terminal = isatty(STDERR_FILENO) && !arguments.quiet;
+    options.progress = [&](const LogRow& row) {
+      if (terminal) progress.Show(row);
+      return !interrupted.load();
+    };
+    std::signal(SIGINT, [](int) { interrupted = true; });
+    std::signal(SIGTERM, [](int) { interrupted = true; });
+    result = RunFlight(loaded, options);
+  }
+  const Summary& summary = result.summary;
+  if (!arguments.quiet) Report(summary, options.folder->string());
+  if (!arguments.junit.empty()) WriteFile(arguments.junit, ToJunit({summary}));
+  if (!summary.complete) {
+    if (arguments.quiet) fmt::print(stderr, "kestrel: {}\n", summary.error);
+    return kBrokeOff;
+  }
+  return summary.passed ? kMet : kNotMet;
+}
+
+int List() {
+  for (const std::string& name : ScenarioNames()) {
+    try {
+      const Scenario s = LoadScenario(name).scenario;
+      fmt::print("{:<18} mission {:<8} {:>4.0f} s  {}, {}, {}\n", name, s.mission, s.duration_s, s.vehicle, s.camera,
+                 s.world);
+    } catch (const InputError& e) {
+      fmt::print("{:<18} not valid: {}\n", name, e.what());
+    }
+  }
+  return kMet;
+}
+
+int Main(int argc, char** argv) {
+  // The second core draws the next image; threads inside OpenCV would only wait for it.
+  cv::setNumThreads(1);
+  CLI::App app{"Kestrel: flight by vision, in the loop.\n\nExit status: 0 the run met its criteria, 1 it did not, "
+               "2 bad input, 3 the run broke off."};
+  app.require_subcommand(1);
+  app.set_version_flag("--version", KESTREL_VERSION);
+  app.footer("Examples:\n  kestrel run landing\n  kestrel run hover --seed 7 --set wind.mean_m_s=5 --out /tmp/hover\n"
+             "  kestrel check my_flight.yaml\n  kestrel bench flights --seeds 1..20");
+
+  RunArguments run;
+  CLI::App* run_command = app.add_subcommand("run", "Fly a scenario and record it");
+  run_command->add_option("scenario", run.scenario, "A name that `list` shows, or a YAML file")->required();
+  run_command->add_option("--seed", run.seed, "Of everything random, instead of the scenario's");
+  run_command->add_option("--set", run.overrides, "key.path=value, instead of the scenario's; may be repeated");
+  run_command->add_option("--out", run.out, "Folder for the records (default results/runs/NAME-SEED)");
+  run_command->add_flag("--no-video", run.no_video, "Do not write video.mp4");
+  run_command->add_option("--junit", run.junit, "Also write the criteria as JUnit XML to this file");
+  run_command->add_flag("--quiet", run.quiet, "Print nothing but errors");
+
+  CLI::App* list_command = app.add_subcommand("list", "Show the scenarios that there are");
+
+  std::string check_file;
+  std::vector<std::string> check_overrides;
+  CLI::App* check_command = app.add_subcommand("check", "Validate a scenario and its models without flying it");
+  check_command->add_option("file", check_file, "A name that `list` shows, or a YAML file")->required();
+  check_command->add_option("--set", check_overrides, "key.path=value, as for run");
+
+  BenchArguments bench;
+  CLI::App* bench_command = app.add_subcommand("bench", "Measure: a table of figures beside their targets");
+  bench_command->add_option("name", bench.name, "flights, drift, heights, speed; all when none is given")
+      ->check(CLI::IsMember(BenchNames()));
+  bench_command->add_option("--seeds", bench.seeds, "A..B, first and last")->capture_default_str();
+  bench_command->add_option("--jobs", bench.jobs, "Flights at the same time")->check(CLI::Range(1, 256))->capture_default_str();
+  bench_command->add_option("--json", bench.json, "Also write the figures as JSON to this file");
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? kMet : kBadInput;
+  }
+  try {
+    if (*run_command) return Run(run);
+    if (*list_command) return List();
+    if (*check_command) {
+      LoadScenario(check_file, check_overrides);
+      fmt::print("{} is valid\n", check_file);
+      return kMet;
+    }
+    if (*bench_command) return Bench(bench) ? kMet : kNotMet;
+  } catch (const InputError& e) {
+    fmt::print(stderr, "{}\n", e.what());
+    return kBadInput;
+  } catch (const std::exception& e) {
+    fmt::print(stderr, "kestrel: {}\n", e.what());
+    return kBrokeOff;
+  }
+  return kBadInput;
+}
+
+}  // namespace
+}  // namespace kestrel
+
+int main(int argc, char** argv) { return kestrel::Main(argc, argv); }

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scenarios/metrics.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "geometry/tait_bryan.h"
+
+namespace kestrel {
+namespace {
+
+constexpr double kSettled_m = 0.15;
+constexpr double kSettledFor_s = 3;
+constexpr double kHoldFrom_s = 15;
+
+struct MeanSquare {
+  double sum = 0;
+  int count = 0;
+  void Add(double e) { sum += e * e, ++count; }
+  double Root() const { return std::sqrt(sum / count); }
+};
+
+double TiltOf(const Pose& X_NB) {
+  return Degrees(std::acos(std::clamp((X_NB.R * Eigen::Vector3d::UnitZ()).z(), -1.0, 1.0)));
+}
+
+}  // namespace
+
+std::vector<std::string> MetricNames() {
+  return {"fix_x_rmse_m",          "fix_y_rmse_m",      "fix_z_rmse_m",       "fix_yaw_rmse_deg",
+          "fix_share",             "longest_loss_s",    "settle_s",           "hold_horizontal_rmse_m",
+          "hold_vertical_rmse_m",  "hold_yaw_rmse_deg", "touchdown_error_m",  "touchdown_sink_m_s",
+          "touchdown_tilt_deg",    "touchdown_speed_m_s", "touchdown_s",      "rest_error_m",
+          "rest_tilt_deg",         "greatest_tilt_deg"};
+}
+
+std::map<std::string, double> Metrics(const std::vector<LogRow>& rows, const std::optional<Truth>& touch) {
+  std::map<std::string, double> m;
+  if (rows.empty()) return m;
+  MeanSquare x, y, z, yaw, horizontal, vertical, hold_yaw;
+  int fixes = 0;
+  double tilt = 0, longest_loss = 0;
+  std::optional<double> last_fix_s, settled_since_s, settle_s;
+  for (const LogRow& row : rows) {
+    if (row.decision.fix) {
+      const Pose X_TB = row.exposure.X_NT.Inverse() * row.exposure.X_NB;
+      const Eigen::Vector3d e = row.decision.fix->p_TB - X_TB.p;
+      x.Add(e.x()), y.Add(e.y()), z.Add(e.z());
+      yaw.Add(Degrees(WrapAngle(row.decision.fix->yaw_TB - YawOf(X_TB.R))));
+      ++fixes;
+    }
+    if (last_fix_s) longest_loss = std::max(longest_loss, row.exposure.t_s - *last_fix_s);
+    if (row.decision.fix) last_fix_s = row.exposure.t_s;
+    if (row.decision.goal_T) {
+      const Pose X_TB = row.now.X_NT.Inverse() * row.now.X_NB;
+      const Eigen::Vector3d e = X_TB.p - *row.decision.goal_T;
+      if (e.norm() < kSettled_m) {
+        if (!settled_since_s) settled_since_s = row.now.t_s;
+        if (!settle_s && row.now.t_s - *settled_since_s >= kSettledFor_s) settle_s = settled_since_s;
+      } else {
+        settled_since_s.reset();
+      }
+      if (row.now.t_s >= kHoldFrom_s) {
+        horizontal.Add(e.head<2>().norm());
+        vertical.Add(e.z());
+        hold_yaw.Add(Degrees(YawOf(X_TB.R)));
+      }
+    }
+    tilt = std::max(tilt, TiltOf(row.now.X_NB));
+  }
+  m["fix_share"] = static_cast<double>(fixes) / static_cast<double>(rows.size());
+  m["greatest_tilt_deg"] = tilt;
+  if (fixes > 0) {
+    m["fix_x_rmse_m"] = x.Root(), m["fix_y_rmse_m"] = y.Root(), m["fix_z_rmse_m"] = z.Root();
+    m["fix_yaw_rmse_deg"] = yaw.Root();
+    m["longest_loss_s"] = longest_loss;
+  }
+  if (settle_s) m["settle_s"] = *settle_s;
+  if (horizontal.count > 0 && !touch) {
+    m["hold_horizontal_rmse_m"] = horizontal.Root();
+    m["hold_vertical_rmse_m"] = vertical.Root();
+    m["hold_yaw_rmse_deg"] = hold_yaw.Root();
+  }
+  if (touch) {
+    const Pose X_TB = touch->X_NT.Inverse() * touch->X_NB;
+    m["touchdown_s"] = touch->t_s;
+    m["touchdown_error_m"] = X_TB.p.head<2>().norm();
+    m["touchdown_sink_m_s"] = touch->v_N.z();
+    m["touchdown_speed_m_s"] = touch->v_N.head<2>().norm();
+    m["touchdown_tilt_deg"] = TiltOf(touch->X_NB);
+    if (rows.back().estimate.landed) {
+      const Truth& end = rows.back().now;
+      m["rest_error_m"] = (end.X_NT.Inverse() * end.X_NB).p.head<2>().norm();
+      m["rest_tilt_deg"] = TiltOf(end.X_NB);
+    }
+  }
+  return m;
+}
+
+}  // namespace kestrel

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scenarios/runner.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <opencv2/imgproc.hpp>
+
+#include "scenarios/event_log.h"
+#include "scenarios/files.h"
+#include "scenarios/flight_loop.h"
+#include "scenarios/metrics.h"
+#include "scenarios/recorder.h"
+
+namespace kestrel {
+namespace {
+
+double SecondsSince(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+StageTime Statistics(std::vector<double> seconds) {
+  if (seconds.empty()) return {};
+  double sum = 0;
+  for (const double s : seconds) sum += s;
+  const std::size_t rank = static_cast<std::size_t>(std::ceil(0.99 * static_cast<double>(seconds.size()))) - 1;
+  std::nth_element(seconds.begin(), seconds.begin() + static_cast<std::ptrdiff_t>(rank), seconds.end());
+  return {1e3 * sum / static_cast<double>(seconds.size()), 1e3 * seconds[rank]};
+}
+
+void Judge(const std::map<std::string, Limit>& limits, Summary& summary) {
+  const auto add = [&](const std::string& name, double limit, bool at_least) {
+    const auto found = summary.metrics.find(name);
+    // What could not be measured did not happen: no touch-down, no fix.
+    const double value = found != summary.metrics.end() ? found->second : std::numeric_limits<double>::quiet_NaN();
+    summary.criteria.push_back({name, value, limit, at_least, at_least ? value >= limit : value <= limit});
+  };
+  for (const auto& [name, limit] : limits) {
+    if (limit.max) add(name, *limit.max, false);
+    if (limit.min) add(name, *limit.min, true);
+  }
+}
+
+}  // namespace
+
+FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) {
+  const Scenario& scenario = loaded.scenario;
+  FlightResult result;
+  Summary& summary = result.summary;
+  summary.scenario = scenario.name;
+  summary.version = KESTREL_VERSION;
+  summary.seed = scenario.seed;
+
+  std::unique_ptr<Mission> mission = MakeMission(loaded);
+  Simulator simulator(loaded.simulator);
+  summary.renderer = simulator.renderer_name();
+  const auto start = std::chrono::steady_clock::now();
+
+  std::optional<Recorder> recorder;
+  std::optional<EventLog> events;
+  if (options.folder) {
+    RecorderOptions record;
+    record.video = options.video;
+    record.rate_hz = scenario.image.rate_hz;
+    record.plots.title = scenario.name + ", seed " + std::to_string(scenario.seed);
+    record.plots.pad_size_m = loaded.simulator.scene.pad.size_m;
+    recorder.emplace(*options.folder, record);
+    WriteFile(*options.folder / "scenario.yaml", ToYaml(scenario));
+    events.emplace(*options.folder);
+  }
+
+  std::vector<double> vision_s, control_s, record_s;
+  bool stopped = false;
+  try {
+    summary.outcome = Fly(simulator, simulator, *mission,
+                          [&](const Frame& frame, const VehicleState& state, const Decision& decision) {
+                            const auto began = std::chrono::steady_clock::now();
+                            result.rows.push_back({frame.sequence, simulator.exposure(), simulator.truth(), state, decision});
+                            const LogRow& row = result.rows.back();
+                            if (recorder) {
+                              recorder->Write(row);
+                              events->Write(row);
+                              if (recorder->wants_images()) {
+                                cv::Mat drawn;
+                                if (frame.image.channels() == 1) {
+                                  cv::cvtColor(frame.image, drawn, cv::COLOR_GRAY2BGR);
+                                } else {
+                                  drawn = frame.image.clone();
+                                }
+                                mission->Draw(drawn);
+                                recorder->WriteImage(drawn);
+                              }
+                            }
+                            vision_s.push_back(decision.vision_s);
+                            control_s.push_back(decision.control_s);
+                            record_s.push_back(SecondsSince(began));
+                            stopped = options.progress && !options.progress(row);
+                            return !stopped;
+                          });
+    if (summary.outcome.empty()) summary.outcome = stopped ? "interrupted" : "completed";
+    if (stopped) summary.error = "interrupted";
+  } catch (const std::exception& e) {
+    summary.outcome = "broke off";
+    summary.error = e.what();
+  }
+
+  summary.complete = summary.error.empty();
+  summary.sim_s = simulator.truth().t_s;
+  summary.wall_s = SecondsSince(start);
+  summary.state_hash = simulator.state_hash();
+  summary.image_hash = simulator.image_hash();
+  summary.metrics = Metrics(result.rows, simulator.touch());
+  Judge(scenario.criteria, summary);
+  summary.passed = summary.complete && std::all_of(summary.criteria.begin(), summary.criteria.end(),
+                                                   [](const Criterion& c) { return c.passed; });
+  summary.stages = {{"physics", Statistics(simulator.timing().physics_s)},
+                    {"render", Statistics(simulator.timing().render_s)},
+                    {"sensor", Statistics(simulator.timing().sensor_s)},
+                    {"vision", Statistics(vision_s)},
+                    {"control", Statistics(control_s)},
+                    {"record", Statistics(record_s)}};
+  if (events) events->End(summary.sim_s, summary.error.empty() ? summary.outcome : summary.error);
+  if (recorder) summary = recorder->Finish(summary);
+  return result;
+}
+
+}  // namespace kestrel

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scenarios/scenario.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <opencv2/imgcodecs.hpp>
+
+#include "scenarios/metrics.h"
+
+namespace kestrel {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A vehicle's file: the airframe, and how its autopilot is tuned.
+struct VehicleFile {
+  MultirotorParameters airframe;
+  AutopilotParameters autopilot;
+};
+
+template <class Visitor>
+void Fields(Visitor& v, VehicleFile& f) {
+  Fields(v, f.airframe);
+  v("autopilot", f.autopilot);
+}
+
+template <class... Each>
+std::vector<std::string> NamesOf(const std::variant<Each...>&) {
+  return {Each::kName...};
+}
+
+template <std::size_t index = 0>
+void Select(const std::string& mission, Flight& flight) {
+  if constexpr (index < std::variant_size_v<Flight>) {
+    if (std::variant_alternative_t<index, Flight>::kName != mission) return Select<index + 1>(mission, flight);
+    if (flight.index() != index) flight.emplace<index>();
+  }
+}
+
+// Folders, or files of an ending, in a folder.
+std::vector<std::string> NamesIn(const fs::path& folder, const std::string& ending) {
+  std::vector<std::string> names;
+  std::error_code none;
+  for (const auto& entry : fs::directory_iterator(folder, none)) {
+    if (ending.empty() ? entry.is_directory() : entry.path().extension() == ending) {
+      names.push_back(entry.path().stem().string());
+    }
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+// Whether a model of that name exists; otherwise says which there are.
+bool Known(const std::string& what, const std::string& name, const std::vector<std::string>& names,
+           const std::string& where, Mistakes& mistakes) {
+  if (std::find(names.begin(), names.end(), name) != names.end()) return true;
+  const auto near = NearestName(name, names);
+  mistakes.Add(where, what, fmt::format("there is no {} '{}'; {}", what, name,
+                                        near ? fmt::format("did you mean '{}'?", *near)
+                                             : fmt::format("valid: {}", fmt::join(names, ", "))));
+  return false;
+}
+
+}  // namespace
+
+std::vector<std::string> MissionNames() { return NamesOf(Flight{}); }
+void SelectFlight(const std::string& mission, Flight& flight) { Select(mission, flight); }
+
+fs::path Root() {
+  const char* root = std::getenv("KESTREL_ROOT");
+  return root && *root ? fs::path(root) : fs::path(KESTREL_SOURCE_DIR);
+}
+
+std::vector<std::string> ScenarioNames() {
+  std::vector<std::string> names;
+  for (const std::string& folder : NamesIn(Root() / "scenarios", "")) {
+    for (const std::string& name : NamesIn(Root() / "scenarios" / folder, ".yaml")) names.push_back(name);
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<std::string>& overrides) {
+  Mistakes mistakes;
+  fs::path file = name_or_file;
+  if (file.extension() != ".yaml" && file.extension() != ".yml") {
+    file.clear();
+    for (const std::string& folder : NamesIn(Root() / "scenarios", "")) {
+      const fs::path candidate = Root() / "scenarios" / folder / (name_or_file + ".yaml");
+      if (fs::exists(candidate)) file = candidate;
+    }
+    if (file.empty()) {
+      Known("scenario", name_or_file, ScenarioNames(), "kestrel", mistakes);
+      mistakes.ThrowIfAny();
+    }
+  }
+
+  LoadedScenario loaded;
+  Scenario& s = loaded.scenario;
+  Read(LoadConfig(file, overrides, mistakes), s, mistakes);
+  mistakes.ThrowIfAny();  // nothing more can be said before the names in it are known
+  if (s.name.empty()) s.name = file.stem().string();
+  const std::string where = file.string();
+  for (const auto& [metric, limit] : s.criteria) {
+    Known("criteria", metric, MetricNames(), where, mistakes);
+    if (!limit.max && !limit.min) mistakes.Add(where, "criteria." + metric, "has no limit; valid: max, min or both");
+  }
+
+  SimulatorParameters& sim = loaded.simulator;
+  const fs::path models = Root() / "models";
+  VehicleFile vehicle;
+  if (Known("vehicle", s.vehicle, NamesIn(models / "vehicles", ""), where, mistakes)) {
+    const fs::path folder = models / "vehicles" / s.vehicle;
+    Read(LoadConfig(folder / (s.vehicle + ".yaml"), {}, mistakes), vehicle, mistakes);
+    sim.scene.vehicle = folder / (s.vehicle + ".xml");
+  }
+  sim.vehicle = vehicle.airframe;
+  sim.autopilot = vehicle.autopilot;
+  if (Known("world", s.world, NamesIn(models / "worlds", ""), where, mistakes)) {
+    sim.scene.world = models / "worlds" / s.world / (s.world + ".xml");
+  }
+  if (Known("camera", s.camera, NamesIn(models / "cameras", ".yaml"), where, mistakes)) {
+    const fs::path camera = models / "cameras" / (s.camera + ".yaml");
+    Read(LoadConfig(camera, {}, mistakes), sim.camera, mistakes);
+    if (std::abs(sim.camera.fx - sim.camera.fy) > 1e-9 * sim.camera.fx) {
+      mistakes.Add(camera.string(), "fy_px", fmt::format("{} differs from fx_px = {}; the renderer draws square pixels only",
+                                                         sim.camera.fy, sim.camera.fx));
+    }
+  }
+  if (Known("pad", s.pad.name, NamesIn(models / "pads", ""), where, mistakes)) {
+    const fs::path folder = models / "pads" / s.pad.name;
+    Read(LoadConfig(folder / (s.pad.name + ".yaml"), {}, mistakes), sim.scene.pad, mistakes);
+    sim.scene.pad_texture = folder / sim.scene.pad.texture;
+    const cv::Mat picture = cv::imread(sim.scene.pad_texture.string(), cv::IMREAD_GRAYSCALE);
+    if (picture.empty()) {
+      mistakes.Add((folder / (s.pad.name + ".yaml")).string(), "texture",
+                   fmt::format("{} cannot be read as an image", sim.scene.pad_texture.string()));
+    } else {
+      loaded.pad = MakePadReference(picture, sim.scene.pad.size_m.x(), sim.scene.pad.size_m.y());
+    }
+  }
+  sim.scene.pad_position_m = s.pad.position_m;
+  sim.scene.pad_yaw_deg = s.pad.yaw_deg;
+  sim.sensors = s.sensors;
+  sim.mount = s.mount;
+  sim.image = s.image;
+  sim.render = s.render;
+  sim.wind = s.wind;
+  sim.start = s.start;
+  sim.occlusion = s.occlusion;
+  sim.seed = s.seed;
+  sim.duration_s = s.duration_s;
+  mistakes.ThrowIfAny();
+  try {
+    MakeModel(sim.scene);  // world, vehicle and pad together: what only the compiler of MuJoCo can refuse
+  } catch (const std::runtime_error& e) {
+    mistakes.Add(where, "", e.what());
+  }
+  mistakes.ThrowIfAny();
+  return loaded;
+}
+
+std::unique_ptr<Mission> MakeMission(const LoadedScenario& loaded) {
+  HelipadPilot pilot(loaded.pad, loaded.simulator.camera, MountPose(loaded.simulator.mount), loaded.scenario.pilot);
+  return std::visit([&](const auto& flight) { return MakeMission(flight, std::move(pilot)); }, loaded.scenario.flight);
+}
+
+}  // namespace kestrel

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "geometry/fields.h"
+#include "scenarios/hover/hover.h"
+#include "scenarios/landing/landing.h"
+#include "scenarios/pose/pose.h"
+#include "scenarios/yaml_fields.h"
+#include "sim/simulator.h"
+
+namespace kestrel {
+
+// The flights that there are, by the name of their mission: a new one is a folder and its name here.
+using Flight = std::variant<PoseFlight, HoverFlight, LandingFlight>;
+
+std::vector<std::string> MissionNames();
+void SelectFlight(const std::string& mission, Flight& flight);  // with its defaults, unless it is that one already
+
+// What a metric must keep to for the run to pass.
+struct Limit {
+  std::optional<double> max, min;
+};
+
+template <class Visitor>
+void Fields(Visitor& v, Limit& l) {
+  v("max", l.max, -1e9, 1e9);
+  v("min", l.min, -1e9, 1e9);
+}
+
+// Where the pad lies.
+struct PadPlacement {
+  std::string name = "helipad";
+  Eigen::Vector2d position_m = Eigen::Vector2d::Zero();  // north, east
+  double yaw_deg = 0;
+};
+
+template <class Visitor>
+void Fields(Visitor& v, PadPlacement& p) {
+  v("name", p.name);
+  v("position_m", p.position_m, -1e4, 1e4);
+  v("yaw_deg", p.yaw_deg, -360.0, 360.0);
+}
+
+// A flight as data. Everything that a run depends on is here, in the models it names, or in the program.
+struct Scenario {
+  std::string name;  // of the run; the file's own when none is given
+  std::string mission;
+  Flight flight;
+  std::uint64_t seed = 1;
+  double duration_s = 60;
+  std::string vehicle = "pelican", world = "airfield", camera = "thesis_6mm";
+  PadPlacement pad;
+  StartParameters start;
+  CameraMount mount;
+  ImageParameters image;
+  RenderOptions render;
+  WindParameters wind;
+  SensorParameters sensors;
+  OcclusionParameters occlusion;
+  PilotParameters pilot;
+  std::map<std::string, Limit> criteria;  // by the name of a metric
+};
+
+template <class Visitor>
+void Fields(Visitor& v, Scenario& s) {
+  v("name", s.name);
+  v(Required("mission"), s.mission, MissionNames());
+  SelectFlight(s.mission, s.flight);
+  std::visit([&](auto& flight) { v("flight", flight); }, s.flight);
+  v("seed", s.seed);
+  v("duration_s", s.duration_s, 0.1, 36000.0);
+  v("vehicle", s.vehicle);
+  v("world", s.world);
+  v("camera", s.camera);
+  v("pad", s.pad);
+  v("start", s.start);
+  v("mount", s.mount);
+  v("image", s.image);
+  v("render", s.render);
+  v("wind", s.wind);
+  v("sensors", s.sensors);
+  v("occlusion", s.occlusion);
+  v("pilot", s.pilot);
+  v("criteria", s.criteria);
+}
+
+// A scenario with the models that it names, ready to fly.
+struct LoadedScenario {
+  Scenario scenario;
+  SimulatorParameters simulator;
+  PadReference pad;
+};
+
+// The folder that holds scenarios/ and models/: KESTREL_ROOT of the environment, or where the program was built from.
+std::filesystem::path Root();
+std::vector<std::string> ScenarioNames();
+
+// A name in scenarios/, or a YAML file. overrides: "key.path=value". Throws InputError with every mistake that the
+// scenario and its models hold.
+LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<std::string>& overrides = {});
+
+std::unique_ptr<Mission> MakeMission(const LoadedScenario& loaded);
+
+}  // namespace kestrel
