@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/multirotor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include "sim/frames.h"
+
+namespace kestrel {
+namespace {
+
+constexpr std::array<Spin, 4> kSpins = {Spin::kClockwise, Spin::kCounterclockwise, Spin::kClockwise,
+                                        Spin::kCounterclockwise};
+
+std::array<Eigen::Vector3d, 4> Hubs(const MultirotorParameters& p) {
+  const double l = p.arm_m, z = -p.rotor_height_m;
+  return {{{l, 0, z}, {0, l, z}, {-l, 0, z}, {0, -l, z}}};
+}
+
+}  // namespace
+
+RotorSpeeds Allocate(const MultirotorParameters& p, double thrust, const Eigen::Vector3d& torque_B) {
+  const double k_f = p.rotor.thrust_coefficient_n_s2;
+  const double most = k_f * p.rotor.max_speed_rad_s * p.rotor.max_speed_rad_s;  // thrust of one rotor
+
+  double roll = torque_B.x() / (2 * p.arm_m);   // more on the left, less on the right
+  double pitch = torque_B.y() / (2 * p.arm_m);  // more in front, less at the back
+  const double swing = std::max(std::abs(roll), std::abs(pitch));
+  if (swing > most / 2) {
+    roll *= most / 2 / swing;
+    pitch *= most / 2 / swing;
+  }
+  const double margin = std::min(swing, most / 2);
+  const double mean = std::clamp(thrust / 4, margin, most - margin);
+  // yaw loads the counterclockwise pair by what it takes off the clockwise pair
+  const double yaw = std::clamp(torque_B.z() / (4 * p.rotor.moment_coefficient_m),
+                                std::max(std::abs(pitch) + mean - most, std::abs(roll) - mean),
+                                std::min(mean - std::abs(pitch), most - std::abs(roll) - mean));
+
+  const std::array<double, 4> thrusts = {mean + pitch - yaw, mean - roll + yaw, mean - pitch - yaw,
+                                         mean + roll + yaw};
+  RotorSpeeds speeds;
+  std::ranges::transform(thrusts, speeds.begin(),
+                         [&](double t) { return std::sqrt(std::clamp(t, 0.0, most) / k_f); });
+  return speeds;
+}
+
+Wrench AerodynamicWrench(const MultirotorParameters& p, const RotorSpeeds& speeds, const Eigen::Vector3d& v_B,
+                         const Eigen::Vector3d& w_B, const std::array<double, 4>& heights_m) {
+  Wrench total;
+  total.force = -0.5 * kAirDensity * v_B.norm() * p.drag_area_m2.cwiseProduct(v_B);
+  const auto hubs = Hubs(p);
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Wrench hub = RotorWrench(p.rotor, speeds[i], kSpins[i], v_B + w_B.cross(hubs[i]),
+                                   GroundEffect(p.rotor.radius_m, heights_m[i]));
+    total.force += hub.force;
+    total.torque += hub.torque + hubs[i].cross(hub.force);
+  }
+  return total;
+}
+
+Multirotor::Multirotor(const MultirotorParameters& parameters, mjModel* model, const char* body_name)
+    : parameters_(parameters), body_(mj_name2id(model, mjOBJ_BODY, body_name)) {
+  if (body_ < 0) throw std::invalid_argument("the model has no body named " + std::string(body_name));
+  const int joint = model->body_jntadr[body_];
+  if (joint < 0 || model->jnt_type[joint] != mjJNT_FREE) {
+    throw std::invalid_argument("the body " + std::string(body_name) + " has no free joint");
+  }
+  position_ = model->jnt_qposadr[joint];
+  velocity_ = model->jnt_dofadr[joint];
+  gravity_m_s2_ = mju_norm3(model->opt.gravity);
+
+  model->body_mass[body_] = parameters.mass_kg;
+  mju_copy3(model->body_inertia + 3 * body_, parameters.inertia_kg_m2.data());
+  mju_zero3(model->body_ipos + 3 * body_);
+  mju_unit4(model->body_iquat + 4 * body_);
+
+  // mj_setConst brings what is derived from mass and inertia up to date. It also measures the model afresh,
+  // over what the file says of its extent and centre, which the near and far planes of every camera depend
+  // on.
+  const mjStatistic file = model->stat;
+  const std::unique_ptr<mjData, decltype(&mj_deleteData)> data(mj_makeData(model), mj_deleteData);
+  mj_setConst(model, data.get());
+  model->stat.extent = file.extent;
+  model->stat.meansize = file.meansize;
+  mju_copy3(model->stat.center, file.center);
+}
+
+void Multirotor::Command(const RotorSpeeds& speeds) {
+  for (std::size_t i = 0; i < 4; ++i)
+    command_[i] = std::clamp(speeds[i], 0.0, parameters_.rotor.max_speed_rad_s);
+}
+
+void Multirotor::Apply(mjData* data, double dt_s, const Eigen::Vector3d& wind_N, double surface_m) {
+  for (std::size_t i = 0; i < 4; ++i)
+    speeds_[i] = StepMotor(parameters_.rotor, speeds_[i], command_[i], dt_s);
+
+  const Pose X_NB = PoseFromMujoco(data->qpos + position_);
+  const Eigen::Vector3d v_N = VectorFromMujoco(data->qvel + velocity_);
+  const Eigen::Vector3d w_B = VectorFromMujoco(data->qvel + velocity_ + 3);
+  const auto hubs = Hubs(parameters_);
+  std::array<double, 4> heights_m;
+  for (std::size_t i = 0; i < 4; ++i) heights_m[i] = -(X_NB * hubs[i]).z() - surface_m;
+
+  const Wrench wrench =
+      AerodynamicWrench(parameters_, speeds_, X_NB.R.conjugate() * (v_N - wind_N), w_B, heights_m);
+  mjtNum* const applied = data->xfrc_applied + 6 * body_;  // force, then torque, at the centre of mass, in M
+  VectorToMujoco(X_NB.R * wrench.force, applied);
+  VectorToMujoco(X_NB.R * wrench.torque, applied + 3);
+}
+
+bool Multirotor::saturated() const {
+  // Allocate reaches the limits to within rounding
+  const double most = parameters_.rotor.max_speed_rad_s;
+  const auto [low, high] = std::ranges::minmax(command_);
+  return high > (1 - 1e-9) * most || (low < 1e-6 * most && high > 1e-6 * most);
+}
+
+double Multirotor::HoverSpeed() const {
+  return std::sqrt(parameters_.mass_kg * gravity_m_s2_ / (4 * parameters_.rotor.thrust_coefficient_n_s2));
+}
+
+}  // namespace kestrel
