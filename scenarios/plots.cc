@@ -41,6 +41,16 @@ struct Span {
   }
 };
 
+// A round distance between ticks for a handful of them.
+double TickStep(const Span& span, double least) {
+  const double wanted = std::max(span.high - span.low, least) / 5;
+  const double power = std::pow(10, std::floor(std::log10(wanted)));
+  for (const double each : {1, 2, 5}) {
+    if (each * power >= wanted) return each * power;
+  }
+  return 10 * power;
+}
+
 Eigen::Vector3d HeightUp(const Eigen::Vector3d& p_T) { return {p_T.x(), p_T.y(), -p_T.z()}; }
 
 std::vector<Sample> SamplesOf(const std::vector<LogRow>& rows) {
@@ -91,11 +101,11 @@ std::string Data(const std::vector<Sample>& samples, const std::vector<LogRow>& 
   return text + "END_OF_FLIGHT\n";
 }
 
-// A line where each phase of the flight begins, with its name above the topmost panel.
+// A line where each phase of the flight begins, with its name above the topmost panel where there is room.
 std::string PhaseLines(const std::vector<LogRow>& rows, bool named) {
-  const double first_s = rows.front().exposure.t_s, all_s = rows.back().exposure.t_s - first_s;
+  const double first_s = rows.front().exposure.t_s, all_s = rows.back().now.t_s - first_s;
   std::string text = "unset arrow\nunset label\n";
-  double labelled_s = -std::numeric_limits<double>::infinity();
+  double free_s = first_s;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (i > 0 && rows[i].decision.phase == rows[i - 1].decision.phase) continue;
     const double t_s = rows[i].exposure.t_s;
@@ -104,13 +114,21 @@ std::string PhaseLines(const std::vector<LogRow>& rows, bool named) {
           "set arrow from first {0:.4f}, graph 0 to first {0:.4f}, graph 1 nohead dt 3 lc rgb '#999999'\n",
           t_s);
     }
-    if (!named || t_s - labelled_s < 0.1 * all_s || t_s - first_s > 0.93 * all_s) continue;
-    labelled_s = t_s;
+    const std::string name(rows[i].decision.phase);
+    const double end_s =
+        t_s + 0.008 * all_s * static_cast<double>(name.size() + 1);  // so wide are its letters
+    if (!named || t_s < free_s || end_s > first_s + 1.02 * all_s) continue;
+    free_s = end_s;
     text +=
         fmt::format("set label {} at first {:.4f}, graph 1.05 left tc rgb '#666666' font ',10' noenhanced\n",
-                    Quoted(std::string(rows[i].decision.phase)), t_s);
+                    Quoted(name), t_s);
   }
   return text;
+}
+
+// As a label, so that those of all panels stand in one line.
+std::string Vertical(const std::string& name) {
+  return fmt::format("set label '{}' at graph -0.07, 0.5 center rotate\n", name);
 }
 
 std::string Begin(const std::filesystem::path& file, int width_px, int height_px) {
@@ -122,8 +140,10 @@ std::string Begin(const std::filesystem::path& file, int width_px, int height_px
       width_px, height_px, Quoted(PartOf(file).string()));
 }
 
-constexpr const char* kTruth = "lines lw 2.5 lc rgb '#222222'";
-constexpr const char* kFix = "points pt 7 ps 0.45 lc rgb '#D55E00'";
+constexpr const char* kKey =
+    "set key at screen 0.97, 0.965 right top horizontal noautotitle samplen 2 width 2\n";
+constexpr const char* kTruth = "lines lw 1.6 lc rgb '#222222'";
+constexpr const char* kFix = "points pt 7 ps 0.6 lc rgb '#E69F00'";
 constexpr const char* kEstimate = "lines lw 1.8 dt (8,4) lc rgb '#0072B2'";
 
 std::string Panels(const std::string& title) {
@@ -144,12 +164,12 @@ std::string Position(const std::filesystem::path& file, const std::vector<Sample
       span.Add(s.truth[axis]), span.Add(s.fix[axis]), span.Add(s.estimate[axis]);
     text += PhaseLines(rows, axis == 0);
     if (axis == 2) text += "set format x '%g'\nset xlabel 'time (s)'\n";
-    text += axis == 0 ? "set key top right opaque noautotitle samplen 2\n" : "unset key\n";
+    text += Vertical(kAxes[axis]) + (axis == 0 ? kKey : "unset key\n");
     text += fmt::format(
-        "set ylabel '{}' offset 1\nset yrange {}\n"
-        "plot $flight using 8:{} with {} title 'autopilot', '' using 1:{} with {} title 'truth', "
-        "'' using 1:{} with {} title 'vision fix'\n",
-        kAxes[axis], span.Range(0.5), 9 + axis, kEstimate, 2 + axis, kTruth, 5 + axis, kFix);
+        "set yrange {}\n"
+        "plot $flight using 8:{} with {} title 'autopilot', '' using 1:{} with {} title 'vision fix', "
+        "'' using 1:{} with {} title 'truth'\n",
+        span.Range(0.5), 9 + axis, kEstimate, 5 + axis, kFix, 2 + axis, kTruth);
   }
   return text + "unset multiplot\nunset output\n";
 }
@@ -165,21 +185,21 @@ std::string Error(const std::filesystem::path& file, const std::vector<Sample>& 
   }
   std::string text = Begin(file, 1200, 1100) + Panels("Error of the vision fix: " + title);
   text += "set xrange " + times + "\nset xzeroaxis lc rgb '#888888'\n";
-  text += PhaseLines(rows, true) + "set key top right opaque horizontal noautotitle samplen 1\n";
+  text += PhaseLines(rows, true) + Vertical("fix less truth (m)") + kKey;
   text += fmt::format(
-      "set ylabel 'fix less truth (m)' offset 1\nset yrange {}\n"
-      "plot $flight using 1:12 with points pt 7 ps 0.45 lc rgb '#D55E00' title 'x', "
-      "'' using 1:13 with points pt 7 ps 0.45 lc rgb '#0072B2' title 'y', "
-      "'' using 1:14 with points pt 7 ps 0.45 lc rgb '#009E73' title 'z, down'\n",
+      "set yrange {}\n"
+      "plot $flight using 1:14 with points pt 7 ps 0.45 lc rgb '#009E73' title 'z (down)', "
+      "'' using 1:12 with points pt 7 ps 0.45 lc rgb '#D55E00' title 'x', "
+      "'' using 1:13 with points pt 7 ps 0.45 lc rgb '#0072B2' title 'y'\n",
       position.Range(0.02));
-  text += PhaseLines(rows, false) + "unset key\n";
+  text += PhaseLines(rows, false) + Vertical("yaw, fix less truth (°)") + "unset key\n";
   text += fmt::format(
-      "set ylabel 'yaw, fix less truth (°)' offset 1\nset yrange {}\n"
+      "set yrange {}\n"
       "plot $flight using 1:15 with points pt 7 ps 0.45 lc rgb '#882255'\n",
       yaw.Range(0.5));
+  text += PhaseLines(rows, false) + Vertical("horizontal distance (m)");
   text += fmt::format(
-      "set format x '%g'\nset xlabel 'time (s)'\n"
-      "set ylabel 'distance from the pad (m)' offset 1\nset yrange {}\n"
+      "set format x '%g'\nset xlabel 'time (s)'\nset yrange {}\n"
       "plot $flight using 1:16 with {}\n",
       distance.Range(0.5), kTruth);
   return text + "unset multiplot\nunset output\n";
@@ -202,13 +222,16 @@ std::string Trajectory(const std::filesystem::path& file, const std::vector<Samp
       "{}\nEND_OF_END\n",
       start.y(), start.x(), start.z(), end.y(), end.x(), end.z());
   text += fmt::format(
-      "set title {} noenhanced font ',14' offset 0,-1\nset border 4095 lc rgb '#bbbbbb'\nset tics textcolor "
-      "rgb '#333333'\n"
-      "set xyplane at 0\nset view 62,35,1,1.0\nset view equal xy\nset grid xtics ytics ztics vertical\n"
-      "set xrange {}\nset yrange {}\nset zrange [0:{:.6g}]\nset xtics autofreq\n"
-      "set xlabel 'y of the pad, right (m)'\nset ylabel 'x of the pad, forward (m)'\n"
-      "set zlabel 'height (m)' rotate parallel\nset key top left noautotitle\n",
-      Quoted("True trajectory: " + title), y.Range(1.0), x.Range(1.0), 1.06 * std::max(height.high, 0.5));
+      "set label 1 {} at screen 0.5, 0.965 center noenhanced font ',14'\nset border 895 lc rgb '#bbbbbb'\n"
+      "set tics textcolor rgb '#333333'\n"
+      "set xyplane at 0\nset view 62,35,1.12,1.0\nset view equal xy\nset grid xtics ytics ztics vertical\n"
+      "set xrange {}\nset yrange {}\nset zrange [0:{:.6g}]\nset xtics {}\nset ytics {}\nset ztics {}\n"
+      "set xlabel 'y of the pad, right (m)' rotate parallel offset 0,-1\n"
+      "set ylabel 'x of the pad, forward (m)' rotate parallel offset 0,-1\n"
+      "set zlabel 'height (m)' rotate parallel\n"
+      "set key at screen 0.03, 0.93 left top vertical Left reverse noautotitle\n",
+      Quoted("True trajectory: " + title), y.Range(1.0), x.Range(1.0), 1.06 * std::max(height.high, 0.5),
+      TickStep(y, 1.0), TickStep(x, 1.0), TickStep(height, 0.5));
   return text +
          "splot $flight using 3:2:(0) with lines lw 1.5 lc rgb '#bbbbbb' title 'track on the ground', "
          "$pad using 1:2:(0) with lines lw 3 lc rgb '#009E73' title 'pad', "
