@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "scenarios/flight_log.h"
+
+namespace kestrel {
+
+// JUnit XML of one or several runs, as CI servers read it: a suite for each scenario, a case for each
+// criterion of each run with its value and limit where it failed, and a case "flight" for a run that broke
+// off (an error), that has no criteria, or that did not pass for another reason than a criterion.
+std::string ToJunit(const std::vector<Summary>& runs);
+
+}  // namespace kestrel

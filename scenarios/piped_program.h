@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <sys/types.h>
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace kestrel {
+
+// Another program that eats what is written to it, started without a shell. It does not hear the terminal's
+// interrupt, so that it can finish its file when the run is broken off. Throws std::runtime_error: the
+// program is missing, or it failed, with the last line that it said.
+class PipedProgram {
+ public:
+  explicit PipedProgram(std::vector<std::string> command);
+  ~PipedProgram();
+  PipedProgram(const PipedProgram&) = delete;
+  PipedProgram& operator=(const PipedProgram&) = delete;
+
+  void Write(std::string_view bytes);
+  void Close();  // the end of its input; waits for it
+
+ private:
+  void Wait();
+  [[noreturn]] void Fail();
+
+  std::string name_;
+  pid_t child_ = -1;
+  int input_ = -1, said_ = -1, status_ = 0;
+  bool failed_ = false;
+};
+
+}  // namespace kestrel

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "scenarios/flight_log.h"
+
+namespace kestrel {
+
+struct PlotOptions {
+  std::string title;                                     // of every figure: the scenario and its seed
+  Eigen::Vector2d pad_size_m = Eigen::Vector2d::Zero();  // along its x and y, for its outline
+};
+
+// The names of the figures, in the order in which they are drawn.
+std::vector<std::string> PlotNames();
+
+// Draws the figures of a flight with the program gnuplot into an existing folder: position.png, the aircraft
+// in the pad's frame against time, by the truth, the fix and the autopilot; error.png, the fix less the truth
+// at its exposure, and the distance from the pad; trajectory.png, the true flight in space. Without rows
+// there are none. Throws std::runtime_error with the folder and what gnuplot said.
+void DrawPlots(const std::filesystem::path& folder, const std::vector<LogRow>& rows,
+               const PlotOptions& options);
+
+}  // namespace kestrel

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scenarios/recorder.h"
+
+#include <fmt/format.h>
+
+#include <initializer_list>
+#include <stdexcept>
+#include <string_view>
+
+#include "geometry/tait_bryan.h"
+#include "scenarios/summary.h"
+
+namespace kestrel {
+namespace {
+
+// The names and the values of the columns, side by side, so that neither shifts against the other.
+class Columns {
+ public:
+  explicit Columns(const LogRow& row);
+
+  std::string names, values;
+
+ private:
+  void Add(std::string_view name, std::string_view value) {
+    const char* separator = names.empty() ? "" : ",";
+    names += fmt::format("{}{}", separator, name);
+    values += fmt::format("{}{}", separator, value);
+  }
+  void Text(std::string_view name, std::string_view value) {
+    if (value.find_first_of(",\"\n\r") == std::string_view::npos) return Add(name, value);
+    std::string quoted = "\"";
+    for (const char c : value) quoted.append(c == '"' ? 2 : 1, c);
+    Add(name, quoted + '"');
+  }
+  void Flag(std::string_view name, bool value) { Add(name, value ? "1" : "0"); }
+  void Number(std::string_view name, double value) { Add(name, fmt::format("{:.9g}", value)); }
+  template <class T>
+  void Number(std::string_view name, bool given, T value) {
+    Add(name, given ? fmt::format("{:.9g}", static_cast<double>(value)) : "");
+  }
+  // The names have {} where x, y, z stand.
+  void Vector(std::string_view name, const Eigen::Vector3d& v, std::string_view letters = "xyz") {
+    for (int i = 0; i < 3; ++i) Number(fmt::format(fmt::runtime(name), letters[i]), v[i]);
+  }
+  void Vector(std::string_view name, bool given, const Eigen::Vector3d& v) {
+    for (int i = 0; i < 3; ++i) Number(fmt::format(fmt::runtime(name), "xyz"[i]), given, v[i]);
+  }
+  void Angles(std::string_view of, const Eigen::Quaterniond& R) {
+    const TaitBryan angles = TaitBryanFromRotation(R.toRotationMatrix());
+    Number(fmt::format("{}_yaw_deg", of), Degrees(angles.yaw));
+    Number(fmt::format("{}_pitch_deg", of), Degrees(angles.pitch));
+    Number(fmt::format("{}_roll_deg", of), Degrees(angles.roll));
+  }
+};
+
+Columns::Columns(const LogRow& row) {
+  const Decision& decision = row.decision;
+  Add("sequence", fmt::format("{}", row.sequence));
+  Number("t_s", row.now.t_s);
+  Number("exposure_t_s", row.exposure.t_s);
+  Text("phase", decision.phase);
+  Text("target", decision.target);
+  Text("mode", NameOf(row.estimate.mode));
+  Flag("landed", row.estimate.landed);
+  Flag("saturated", row.estimate.saturated);
+
+  Vector("truth_{}_m", row.now.X_NB.p);
+  Vector("truth_v{}_m_s", row.now.v_N);
+  Angles("truth", row.now.X_NB.R);
+  Vector("truth_rate_{}_deg_s", row.now.w_B * Degrees(1));
+  Flag("truth_touching", row.now.touching);
+  Vector("wind_{}_m_s", row.now.wind_N, "ned");
+
+  Vector("estimate_{}_m", row.estimate.p_NB);
+  Vector("estimate_v{}_m_s", row.estimate.v_N);
+  Angles("estimate", row.estimate.R_NB);
+
+  const Pose X_TB = row.exposure.X_NT.Inverse() * row.exposure.X_NB;
+  Vector("target_{}_m", X_TB.p);
+  Number("target_yaw_deg", Degrees(YawOf(X_TB.R)));
+  const bool seen = decision.fix.has_value();
+  const TargetFix fix = decision.fix.value_or(TargetFix{});
+  Vector("fix_{}_m", seen, fix.p_TB);
+  Number("fix_yaw_deg", seen, Degrees(fix.yaw_TB));
+  Number("fix_inliers", seen, fix.inliers);
+  Number("fix_residual_px", seen, fix.residual_px);
+  Number("fix_visible", seen, fix.visible);
+  Number("fix_registered", seen, fix.registered);
+  Number("fix_age_s", decision.fix_age_s);
+
+  const Setpoint* setpoint = decision.setpoint ? &*decision.setpoint : nullptr;
+  const auto* velocity = std::get_if<VelocitySetpoint>(setpoint);
+  const auto* position = std::get_if<PositionSetpoint>(setpoint);
+  const auto* attitude = std::get_if<AttitudeSetpoint>(setpoint);
+  Vector("setpoint_v{}_m_s", velocity, velocity ? velocity->v_H : Eigen::Vector3d::Zero());
+  Number("setpoint_yaw_rate_deg_s", velocity || attitude,
+         Degrees(velocity   ? velocity->yaw_rate
+                 : attitude ? attitude->yaw_rate
+                            : 0));
+  Vector("setpoint_{}_m", position, position ? position->p_N : Eigen::Vector3d::Zero());
+  Number("setpoint_yaw_deg", position, position ? Degrees(position->yaw) : 0);
+  Number("setpoint_pitch_deg", attitude, attitude ? Degrees(attitude->pitch) : 0);
+  Number("setpoint_roll_deg", attitude, attitude ? Degrees(attitude->roll) : 0);
+  Number("setpoint_thrust", attitude, attitude ? attitude->thrust : 0);
+  Text("outcome", decision.outcome);
+}
+
+}  // namespace
+
+std::string TelemetryHeader() { return Columns(LogRow{}).names; }
+std::string TelemetryLine(const LogRow& row) { return Columns(row).values; }
+
+Recorder::Recorder(std::filesystem::path folder, RecorderOptions options)
+    : folder_(std::move(folder)), options_(std::move(options)) {
+  std::error_code error;
+  std::filesystem::create_directories(folder_ / "plots", error);
+  if (error) throw std::runtime_error(fmt::format("cannot write {}: {}", folder_.string(), error.message()));
+  std::vector<std::filesystem::path> files = {"summary.json", "telemetry.csv", "video.mp4"};
+  for (const std::string& name : PlotNames()) files.push_back(std::filesystem::path("plots") / name);
+  for (const std::filesystem::path& each : files) {
+    for (const std::filesystem::path& file : {folder_ / each, PartOf(folder_ / each)}) {
+      std::filesystem::remove(file, error);
+      if (error)
+        throw std::runtime_error(fmt::format("cannot remove {}: {}", file.string(), error.message()));
+    }
+  }
+  telemetry_.emplace(folder_ / "telemetry.csv");
+  telemetry_->Write(TelemetryHeader() + '\n');
+  if (options_.video) video_.emplace(folder_ / "video.mp4", options_.rate_hz);
+}
+
+void Recorder::Write(const LogRow& row) {
+  telemetry_->Write(TelemetryLine(row) + '\n');
+  rows_.push_back(row);
+}
+
+void Recorder::WriteImage(const cv::Mat& bgr) {
+  if (video_) video_->Write(bgr);
+}
+
+Summary Recorder::Finish(Summary summary) {
+  const auto attempt = [&summary](auto&& action) {
+    try {
+      action();
+    } catch (const std::runtime_error& e) {
+      summary.complete = summary.passed = false;
+      if (summary.error.find(e.what()) == std::string::npos) {
+        summary.error += fmt::format("{}{}", summary.error.empty() ? "" : "; ", e.what());
+      }
+    }
+  };
+  attempt([&] { telemetry_->Close(); });
+  if (video_) attempt([&] { video_->Close(); });
+  attempt([&] { DrawPlots(folder_ / "plots", rows_, options_.plots); });
+  WriteFile(folder_ / "summary.json", ToJson(summary));
+  return summary;
+}
+
+}  // namespace kestrel

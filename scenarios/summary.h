@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "scenarios/flight_log.h"
+
+namespace kestrel {
+
+// The text of summary.json. Numbers that are not finite are written as null.
+std::string ToJson(const Summary& summary);
+
+// Reads it back; null is NaN. Throws std::runtime_error with the name and what is wrong.
+Summary SummaryFromJson(const std::string& json, const std::string& name);
+Summary ReadSummary(const std::filesystem::path& file);
+
+}  // namespace kestrel

@@ -1,0 +1,408 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scenarios/yaml_fields.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <numeric>
+#include <sstream>
+
+namespace kestrel {
+namespace {
+
+using Kind = ConfigNode::Kind;
+
+constexpr int kGreatestDepth = 32;  // an anchor may hold itself
+
+ConfigNode FromYaml(const YAML::Node& yaml, const std::string& where, const auto& where_of, int depth) {
+  if (depth > kGreatestDepth) throw YAML::Exception(yaml.Mark(), "nested too deeply");
+  ConfigNode node;
+  node.where = where;
+  if (yaml.IsScalar()) {
+    node.kind = Kind::kText;
+    node.text = yaml.Scalar();
+    node.quoted = yaml.Tag() == "!";
+  } else if (yaml.IsSequence()) {
+    node.kind = Kind::kList;
+    for (const auto& each : yaml) {
+      node.members.emplace_back(std::to_string(node.members.size()),
+                                FromYaml(each, where_of(each.Mark()), where_of, depth + 1));
+    }
+  } else if (yaml.IsMap()) {
+    node.kind = Kind::kMap;
+    for (const auto& each : yaml) {
+      if (!each.first.IsScalar()) throw YAML::Exception(each.first.Mark(), "a key must be a name");
+      node.members.emplace_back(each.first.Scalar(),
+                                FromYaml(each.second, where_of(each.first.Mark()), where_of, depth + 1));
+    }
+  }
+  return node;
+}
+
+void Override(ConfigNode& root, const std::string& text, Mistakes& mistakes) {
+  const std::string where = "--set " + text;
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos || equals == 0)
+    return mistakes.Add(where, "", "not of the form key.path=value");
+  ConfigNode value;
+  try {
+    value = FromYaml(
+        YAML::Load(text.substr(equals + 1)), where, [&](const YAML::Mark&) { return where; }, 0);
+  } catch (const YAML::Exception& e) {
+    return mistakes.Add(where, text.substr(0, equals), "the value is not valid YAML: " + e.msg);
+  }
+
+  ConfigNode* node = &root;
+  std::istringstream path(text.substr(0, equals));
+  std::string walked;
+  for (std::string key; std::getline(path, key, '.');) {
+    if (node->kind == Kind::kText)
+      return mistakes.Add(where, walked, "is a single value: it has no keys below it");
+    walked += (walked.empty() ? "" : ".") + key;
+    // The last of equal keys is the one that a repeated override means; in a file they are refused anyway.
+    const auto found = std::find_if(node->members.rbegin(), node->members.rend(),
+                                    [&](const auto& member) { return member.first == key; });
+    if (found != node->members.rend()) {
+      node = &found->second;
+    } else if (node->kind == Kind::kList) {
+      return mistakes.Add(where, walked,
+                          fmt::format("the list has {} elements, counted from 0", node->members.size()));
+    } else {
+      node->kind = Kind::kMap;
+      node = &node->members.emplace_back(key, ConfigNode{Kind::kNothing, "", false, where, {}}).second;
+    }
+  }
+  *node = std::move(value);
+}
+
+std::string Shown(const ConfigNode& node) {
+  switch (node.kind) {
+    case Kind::kNothing:
+      return "nothing";
+    case Kind::kText:
+      return '\'' + node.text + '\'';
+    case Kind::kList:
+      return fmt::format("a list of {}", node.members.size());
+    case Kind::kMap:
+      return "a map";
+  }
+  return "";
+}
+
+enum class Parsed { kNumber, kNotFinite, kNotANumber };
+
+Parsed ParseNumber(const ConfigNode& node, double& value) {
+  if (node.kind != Kind::kText || node.quoted) return Parsed::kNotANumber;
+  std::string_view text = node.text;
+  if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
+  std::string_view magnitude = text;
+  if (!magnitude.empty() && magnitude[0] == '-') magnitude.remove_prefix(1);
+  std::string lower(magnitude);
+  std::transform(lower.begin(), lower.end(), lower.begin(), [](unsigned char c) { return std::tolower(c); });
+  if (lower == ".inf" || lower == "inf" || lower == ".nan" || lower == "nan") return Parsed::kNotFinite;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error == std::errc::result_out_of_range) return Parsed::kNotFinite;
+  const bool whole = error == std::errc() && end == text.data() + text.size();
+  return whole && std::isfinite(value) ? Parsed::kNumber : Parsed::kNotANumber;
+}
+
+std::string QuotedIfNeeded(const std::string& text) {
+  const auto plain = [](unsigned char c) { return std::isalnum(c) || std::strchr("_./-", c); };
+  static const std::vector<std::string> kSpecial = {"true", "false", "null", "yes", "no", "on", "off"};
+  std::string lower(text);
+  std::transform(lower.begin(), lower.end(), lower.begin(), [](unsigned char c) { return std::tolower(c); });
+  if (!text.empty() && (std::isalpha(static_cast<unsigned char>(text[0])) || text[0] == '_') &&
+      text.find('\0') == std::string::npos && std::all_of(text.begin(), text.end(), plain) &&
+      std::find(kSpecial.begin(), kSpecial.end(), lower) == kSpecial.end()) {
+    return text;
+  }
+  std::string quoted = "\"";
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (c == '"' || c == '\\')
+      quoted += {'\\', c};
+    else if (byte < 0x20 || byte == 0x7f)
+      quoted += fmt::format("\\x{:02x}", byte);
+    else
+      quoted += c;
+  }
+  return quoted + '"';
+}
+
+}  // namespace
+
+InputError::InputError(std::vector<std::string> all)
+    : std::runtime_error(fmt::format("{}", fmt::join(all, "\n"))), messages(std::move(all)) {}
+
+void Mistakes::Add(std::string_view where, std::string_view key, std::string_view what) {
+  messages_.push_back(key.empty() ? fmt::format("{}: {}", where, what)
+                                  : fmt::format("{}: {}: {}", where, key, what));
+}
+
+void Mistakes::ThrowIfAny() const {
+  if (!messages_.empty()) throw InputError(messages_);
+}
+
+Config LoadConfig(const std::filesystem::path& file, const std::vector<std::string>& overrides,
+                  Mistakes& mistakes) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(file, ignored)) {
+    mistakes.Add(file.string(), "", "is a folder, not a YAML file");
+    return {};
+  }
+  errno = 0;
+  std::ifstream in(file, std::ios::binary);
+  std::ostringstream text;
+  if (in && in.peek() != std::ifstream::traits_type::eof()) text << in.rdbuf();
+  if (!in.is_open() || in.bad()) {
+    mistakes.Add(file.string(), "", fmt::format("cannot be read: {}", std::strerror(errno ? errno : EIO)));
+    return {};
+  }
+  return ParseConfig(text.str(), file.string(), overrides, mistakes);
+}
+
+Config ParseConfig(const std::string& text, const std::string& name,
+                   const std::vector<std::string>& overrides, Mistakes& mistakes) {
+  Config config;
+  const auto where_of = [&](const YAML::Mark& mark) { return fmt::format("{}:{}", name, mark.line + 1); };
+  try {
+    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
+    config.root.where = name + ":1";
+    if (documents.size() > 1) throw YAML::Exception(documents[1].Mark(), "more than one document");
+    if (!documents.empty()) config.root = FromYaml(documents[0], name + ":1", where_of, 0);
+    config.readable = true;
+  } catch (const YAML::Exception& e) {
+    mistakes.Add(where_of(e.mark), "", "not valid YAML: " + e.msg);
+    return config;
+  }
+  for (const std::string& each : overrides) Override(config.root, each, mistakes);
+  return config;
+}
+
+std::optional<std::string> NearestName(std::string_view name, const std::vector<std::string>& valid) {
+  const auto distance = [](std::string_view a, std::string_view b) {  // Levenshtein
+    std::vector<std::size_t> row(b.size() + 1);
+    std::iota(row.begin(), row.end(), 0u);
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      std::size_t diagonal = row[0]++;
+      for (std::size_t j = 0; j < b.size(); ++j) {
+        const std::size_t changed = diagonal + (a[i] != b[j]);
+        diagonal = row[j + 1];
+        row[j + 1] = std::min({changed, row[j] + 1, diagonal + 1});
+      }
+    }
+    return row.back();
+  };
+  std::optional<std::string> nearest;
+  // Beyond a third of the letters it would be a guess.
+  std::size_t least = (name.size() < 4 ? 1 : std::max<std::size_t>(2, name.size() / 3)) + 1;
+  for (const std::string& each : valid) {
+    if (const std::size_t d = distance(name, each); d < least) least = d, nearest = each;
+  }
+  return nearest;
+}
+
+FieldReader::FieldReader(const ConfigNode& node, std::string path, Mistakes& mistakes)
+    : node_(node), path_(std::move(path)), mistakes_(mistakes) {
+  RefuseRepeated(node_, path_);
+}
+
+const ConfigNode* FieldReader::Find(FieldKey key) {
+  keys_.push_back(key.name);
+  if (node_.kind == Kind::kMap) {
+    for (auto it = node_.members.rbegin(); it != node_.members.rend(); ++it) {
+      if (it->first == key.name) return &it->second;
+    }
+  }
+  if (key.required && (node_.kind == Kind::kMap || node_.kind == Kind::kNothing)) {
+    mistakes_.Add(node_.where, Path(key.name), "must be given");
+  }
+  return nullptr;
+}
+
+ConfigNode FieldReader::Nothing() const { return {Kind::kNothing, "", false, node_.where, {}}; }
+
+std::string FieldReader::Path(std::string_view key) const {
+  return path_.empty() ? std::string(key) : fmt::format("{}.{}", path_, key);
+}
+
+bool FieldReader::Holds(const ConfigNode& node, Kind kind, FieldKey key) const {
+  if (node.kind == kind || node.kind == Kind::kNothing) return true;
+  Wrong(node, key.name, fmt::format("{} is not a {}", Shown(node), kind == Kind::kList ? "list" : "map"));
+  return false;
+}
+
+void FieldReader::Wrong(const ConfigNode& node, std::string_view key, std::string_view what) const {
+  mistakes_.Add(node.where, Path(key), what);
+}
+
+bool FieldReader::Number(const ConfigNode& node, std::string_view key, double low, double high,
+                         double& value) const {
+  double number = 0;
+  switch (ParseNumber(node, number)) {
+    case Parsed::kNotANumber:
+      Wrong(node, key, fmt::format("{} is not a number; valid: {} to {}", Shown(node), low, high));
+      return false;
+    case Parsed::kNotFinite:
+      Wrong(node, key, fmt::format("{} is not a finite number; valid: {} to {}", node.text, low, high));
+      return false;
+    case Parsed::kNumber:
+      break;
+  }
+  if (!(number >= low && number <= high)) {
+    Wrong(node, key, fmt::format("{} is out of range; valid: {} to {}", node.text, low, high));
+    return false;
+  }
+  value = number;
+  return true;
+}
+
+void FieldReader::operator()(FieldKey key, double& value, double low, double high) {
+  if (const ConfigNode* node = Find(key)) Number(*node, key.name, low, high, value);
+}
+
+void FieldReader::operator()(FieldKey key, std::optional<double>& value, double low, double high) {
+  const ConfigNode* node = Find(key);
+  if (!node) return;
+  if (node->kind == Kind::kNothing) return value.reset();
+  double number = 0;
+  if (Number(*node, key.name, low, high, number)) value = number;
+}
+
+void FieldReader::operator()(FieldKey key, int& value, int low, int high) {
+  const ConfigNode* node = Find(key);
+  double number = 0;
+  if (!node || !Number(*node, key.name, low, high, number)) return;
+  if (number != std::floor(number)) {
+    return Wrong(*node, key.name,
+                 fmt::format("{} is not a whole number; valid: {} to {}", node->text, low, high));
+  }
+  value = static_cast<int>(number);
+}
+
+void FieldReader::operator()(FieldKey key, std::uint64_t& value) {
+  const ConfigNode* node = Find(key);
+  if (!node) return;
+  std::uint64_t number = 0;
+  const char* last = node->text.data() + node->text.size();
+  const auto [end, error] = std::from_chars(node->text.data(), last, number);
+  if (node->kind != Kind::kText || node->quoted || error != std::errc() || end != last) {
+    return Wrong(*node, key.name,
+                 fmt::format("{} is not valid; valid: a whole number, 0 to {}", Shown(*node), UINT64_MAX));
+  }
+  value = number;
+}
+
+void FieldReader::operator()(FieldKey key, bool& value) {
+  const ConfigNode* node = Find(key);
+  if (!node) return;
+  if (node->kind != Kind::kText || node->quoted || (node->text != "true" && node->text != "false")) {
+    return Wrong(*node, key.name, fmt::format("{} is not valid; valid: true, false", Shown(*node)));
+  }
+  value = node->text == "true";
+}
+
+void FieldReader::operator()(FieldKey key, std::string& value) {
+  const ConfigNode* node = Find(key);
+  if (!node) return;
+  if (node->kind != Kind::kText) return Wrong(*node, key.name, fmt::format("{} is not a text", Shown(*node)));
+  value = node->text;
+}
+
+void FieldReader::operator()(FieldKey key, std::string& value, std::initializer_list<const char*> valid) {
+  (*this)(key, value, std::vector<std::string>(valid.begin(), valid.end()));
+}
+
+void FieldReader::operator()(FieldKey key, std::string& value, const std::vector<std::string>& valid) {
+  const ConfigNode* node = Find(key);
+  if (!node) return;
+  if (node->kind != Kind::kText || std::find(valid.begin(), valid.end(), node->text) == valid.end()) {
+    const auto nearest = NearestName(node->text, valid);
+    return Wrong(
+        *node, key.name,
+        fmt::format("{} is not valid;{} valid: {}", Shown(*node),
+                    nearest ? fmt::format(" did you mean '{}'?", *nearest) : "", fmt::join(valid, ", ")));
+  }
+  value = node->text;
+}
+
+void FieldReader::Numbers(FieldKey key, double* values, int size, double low, double high) {
+  const ConfigNode* node = Find(key);
+  if (!node) return;
+  if (node->kind != Kind::kList || node->members.size() != static_cast<std::size_t>(size)) {
+    return Wrong(*node, key.name,
+                 fmt::format("{} is not valid; valid: a list of {} numbers, each {} to {}", Shown(*node),
+                             size, low, high));
+  }
+  std::vector<double> read(values, values + size);
+  bool all = true;
+  for (int i = 0; i < size; ++i) {
+    all &= Number(node->members[i].second, fmt::format("{}.{}", key.name, i), low, high, read[i]);
+  }
+  if (all) std::copy(read.begin(), read.end(), values);
+}
+
+void FieldReader::RefuseRepeated(const ConfigNode& node, const std::string& path) const {
+  for (auto it = node.members.begin(); it != node.members.end(); ++it) {
+    const auto first =
+        std::find_if(node.members.begin(), it, [&](const auto& m) { return m.first == it->first; });
+    if (first == it) continue;
+    const std::string& before = first->second.where;
+    mistakes_.Add(it->second.where, path.empty() ? it->first : path + '.' + it->first,
+                  "given twice, first at " + before);
+  }
+}
+
+void FieldReader::Finish() const {
+  if (node_.kind == Kind::kText || node_.kind == Kind::kList) {
+    return mistakes_.Add(
+        node_.where, path_,
+        fmt::format("{} is not valid; valid: a map of {}", Shown(node_), fmt::join(keys_, ", ")));
+  }
+  for (const auto& [key, member] : node_.members) {
+    if (std::find(keys_.begin(), keys_.end(), key) != keys_.end()) continue;
+    const auto nearest = NearestName(key, keys_);
+    Wrong(member, key,
+          nearest ? fmt::format("unknown key; did you mean '{}'?", *nearest)
+                  : fmt::format("unknown key; valid: {}", fmt::join(keys_, ", ")));
+  }
+}
+
+void FieldWriter::operator()(FieldKey key, double& value, double, double) {
+  Line(key.name, fmt::format("{}", value));
+}
+void FieldWriter::operator()(FieldKey key, std::optional<double>& value, double, double) {
+  Line(key.name, value ? fmt::format("{}", *value) : "null");
+}
+void FieldWriter::operator()(FieldKey key, int& value, int, int) { Line(key.name, fmt::format("{}", value)); }
+void FieldWriter::operator()(FieldKey key, std::uint64_t& value) { Line(key.name, fmt::format("{}", value)); }
+void FieldWriter::operator()(FieldKey key, bool& value) { Line(key.name, value ? "true" : "false"); }
+void FieldWriter::operator()(FieldKey key, std::string& value) { Line(key.name, QuotedIfNeeded(value)); }
+
+void FieldWriter::Numbers(std::string_view key, const double* values, int size) {
+  Line(key, fmt::format("[{}]", fmt::join(values, values + size, ", ")));
+}
+
+void FieldWriter::Line(std::string_view key, std::string_view value) {
+  text_ += fmt::format("{:{}}{}: {}\n", "", 2 * indent_, QuotedIfNeeded(std::string(key)), value);
+}
+
+void FieldWriter::Block(std::string_view key, const std::string& block, const char* empty) {
+  if (block.empty()) return Line(key, empty);
+  text_ += fmt::format("{:{}}{}:\n{}", "", 2 * indent_, QuotedIfNeeded(std::string(key)), block);
+}
+
+std::string FieldWriter::AsListItem(std::string block) const {
+  const std::size_t dash = 2 * (indent_ + 1);
+  if (block.empty()) return fmt::format("{:{}}- {{}}\n", "", dash);
+  return block[dash] = '-', block;
+}
+
+}  // namespace kestrel
