@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "geometry/tait_bryan.h"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -17,8 +16,9 @@ Eigen::Matrix3d RotationFromTaitBryan(const TaitBryan& a) {
 TaitBryan TaitBryanFromRotation(const Eigen::Matrix3d& R_AB) {
   const Eigen::Matrix3d r = R_AB.transpose();  // the thesis's matrix, eq. (4.4)
   TaitBryan a;
-  a.pitch = -std::asin(std::clamp(r(0, 2), -1.0, 1.0));  // eq. (4.5)
-  if (std::hypot(r(0, 0), r(0, 1)) > 1e-9) {
+  const double level = std::hypot(r(0, 0), r(0, 1));
+  a.pitch = std::atan2(-r(0, 2), level);  // eq. (4.5); the arctangent keeps its digits near the poles
+  if (level > 1e-9) {
     a.yaw = std::atan2(r(0, 1), r(0, 0));
     a.roll = std::atan2(r(1, 2), r(2, 2));
   } else {

@@ -40,7 +40,8 @@ Wind::Wind(const WindParameters& parameters, std::uint64_t seed)
       turbulence_stream_(seed, "wind turbulence"),
       gust_stream_(seed, "wind gusts"),
       next_gust_s_(NextArrival(gust_stream_, parameters.gusts.rate_per_min)) {
-  const double from = Radians(parameters.from_deg);
+  const double turn = parameters.from_scatter_deg * RandomStream(seed, "wind direction").Uniform(-1, 1);
+  const double from = Radians(parameters.from_deg + turn);
   along_N_ = {-std::cos(from), -std::sin(from), 0};
   across_N_ = {std::sin(from), -std::cos(from), 0};
   mean_N_ = parameters.mean_m_s * along_N_;

@@ -26,6 +26,7 @@ void Fields(Visitor& v, GustParameters& p) {
 struct WindParameters {
   double mean_m_s = 0;      // the same at every height; also the wind at 20 ft that scales the turbulence
   double from_deg = 0;      // where the mean wind blows from, clockwise from north
+  double from_scatter_deg = 0;  // from anywhere within this of from_deg, by the seed
   bool turbulence = false;  // without mean wind there is none
   GustParameters gusts{};
 };
@@ -34,6 +35,7 @@ template <class Visitor>
 void Fields(Visitor& v, WindParameters& p) {
   v("mean_m_s", p.mean_m_s, 0.0, 20.0);
   v("from_deg", p.from_deg, 0.0, 360.0);
+  v("from_scatter_deg", p.from_scatter_deg, 0.0, 180.0);
   v("turbulence", p.turbulence);
   v("gusts", p.gusts);
 }
