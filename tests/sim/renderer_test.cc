@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/renderer.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <cstring>
+#include <memory>
+#include <opencv2/imgproc.hpp>
+#include <stdexcept>
+#include <thread>
+#include <vector>
+
+#include "geometry/tait_bryan.h"
+#include "sim/frames.h"
+#include "sim/random.h"
+#include "sim/scene.h"
+
+namespace kestrel {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+const Pinhole kCamera{640, 480, 810.81, 810.81, 319.5, 239.5};
+
+// An aircraft's camera that looks ahead: its x to the right, its z forward.
+Pose LookingAlong(const TaitBryan& angles, const Eigen::Vector3d& p_NC) {
+  const Eigen::Matrix3d R_BC = (Eigen::Matrix3d() << 0, 0, 1, 1, 0, 0, 0, 1, 0).finished();
+  return {Eigen::Quaterniond(RotationFromTaitBryan(angles) * R_BC), p_NC};
+}
+
+ModelPtr ModelOf(const std::string& xml) {
+  const auto files = std::make_unique<mjVFS>();
+  mj_defaultVFS(files.get());
+  mj_makeEmptyFileVFS(files.get(), "test.xml", static_cast<int>(xml.size()));
+  std::memcpy(files->filedata[0], xml.data(), xml.size());
+  char error[500] = "";
+  ModelPtr model(mj_loadXML("test.xml", files.get(), error, sizeof error));
+  mj_deleteVFS(files.get());
+  EXPECT_TRUE(model) << error;
+  return model;
+}
+
+// A black room in which colours show as they are given, with things in it.
+ModelPtr DarkRoom(const std::string& geoms) {
+  return ModelOf(fmt::format(R"(<mujoco>
+  <visual><headlight ambient="1 1 1" diffuse="0 0 0" specular="0 0 0"/><quality numslices="64"/></visual>
+  <worldbody>{}</worldbody>
+</mujoco>)",
+                             geoms));
+}
+
+DataPtr Computed(const mjModel* model) {
+  DataPtr data = MakeData(model);
+  mj_forward(model, data.get());
+  return data;
+}
+
+// A flat disc in the plane of the image: its picture is a circle round the projection of its centre.
+std::string Disc(const Pose& X_NC, const Eigen::Vector3d& p_CQ, double radius, const char* rgb) {
+  mjtNum qpos[7];
+  PoseToMujoco({X_NC.R, X_NC * p_CQ}, qpos);
+  return fmt::format(
+      R"(<geom type="cylinder" pos="{} {} {}" quat="{} {} {} {}" size="{} 1e-5" rgba="{} 1"/>)", qpos[0],
+      qpos[1], qpos[2], qpos[3], qpos[4], qpos[5], qpos[6], radius, rgb);
+}
+
+Eigen::Vector2d Centroid(const cv::Mat& image, int channel) {
+  cv::Mat one;
+  cv::extractChannel(image, one, channel);
+  const cv::Moments m = cv::moments(one);
+  return {m.m10 / m.m00, m.m01 / m.m00};
+}
+
+ModelPtr Colourful() {
+  return ModelOf(R"(<mujoco>
+  <asset>
+    <texture name="sky" type="skybox" builtin="gradient" rgb1="0.2 0.4 0.8" rgb2="1 1 1" width="64" height="384"/>
+    <texture name="ground" type="2d" builtin="checker" rgb1="0.2 0.5 0.2" rgb2="0.5 0.4 0.3" width="256" height="256"/>
+    <material name="ground" texture="ground" texrepeat="1 1" texuniform="true"/>
+  </asset>
+  <worldbody>
+    <light directional="true" dir="0.3 0.2 -1"/>
+    <geom type="plane" size="200 200 1" material="ground"/>
+    <geom type="box" pos="6 1 1" size="0.5 0.8 1" rgba="0.8 0.2 0.1 1"/>
+    <geom type="sphere" pos="5 -1 0.5" size="0.5" rgba="0.1 0.3 0.9 1"/>
+  </worldbody>
+</mujoco>)");
+}
+
+std::vector<cv::Mat> FlyPast(const mjModel* model, const std::string& backend) {
+  const DataPtr data = Computed(model);
+  Renderer renderer(model, kCamera, {.backend = backend});
+  std::vector<cv::Mat> images;
+  for (int i = 0; i < 4; ++i)
+    images.push_back(renderer.Render(
+        data.get(), LookingAlong({.yaw = 0.1 * i, .pitch = -0.2, .roll = 0.05 * i}, {0.2 * i, -0.3, -1.5})));
+  return images;
+}
+
+bool Same(const std::vector<cv::Mat>& a, const std::vector<cv::Mat>& b) {
+  for (std::size_t i = 0; i < a.size(); ++i)
+    if (cv::norm(a[i], b[i], cv::NORM_INF) != 0) return false;
+  return a.size() == b.size();
+}
+
+double Difference(const std::vector<cv::Mat>& a, const std::vector<cv::Mat>& b) {
+  double worst = 0;
+  for (std::size_t i = 0; i < a.size(); ++i)
+    worst = std::max(worst, cv::norm(a[i], b[i], cv::NORM_L1) / static_cast<double>(a[i].total() * 3));
+  return worst;
+}
+
+TEST(Renderer, DrawsEachPointWhereThePinholeModelPutsIt) {
+  const std::vector<Pinhole> cameras{
+      kCamera, {640, 480, 700, 700, 250.3, 300.7}, {331, 257, 300, 300, 201.4, 101.8}};
+  RandomStream random(7, "poses");
+  for (const Pinhole& camera : cameras) {
+    for (int i = 0; i < 4; ++i) {
+      const Pose X_NC = LookingAlong(
+          {.yaw = random.Uniform(-3, 3), .pitch = random.Uniform(-1.4, 1.4), .roll = random.Uniform(-3, 3)},
+          {random.Uniform(-5, 5), random.Uniform(-5, 5), random.Uniform(-9, -1)});
+      // Off the middle to all sides, at several distances, apart from each other; blue, green, red.
+      const std::vector<std::pair<Eigen::Vector2d, double>> places{
+          {{0.17, 0.25}, 0.7}, {{0.8, 0.21}, 2.0}, {{0.62, 0.78}, 11.0}};
+      const std::vector<const char*> colours{"0 0 1", "0 1 0", "1 0 0"};
+      std::vector<Eigen::Vector3d> points_C;
+      std::string discs;
+      for (std::size_t k = 0; k < places.size(); ++k) {
+        const Eigen::Vector2d uv =
+            places[k].first.cwiseProduct(Eigen::Vector2d(camera.width_px, camera.height_px)) +
+            Eigen::Vector2d(random.Uniform(-1, 1), random.Uniform(-1, 1));
+        const Eigen::Vector3d ray = camera.Ray(uv);
+        points_C.push_back(ray / ray.z() * places[k].second);
+        discs += Disc(X_NC, points_C.back(), 35 / camera.fx * places[k].second, colours[k]);
+      }
+      const ModelPtr model = DarkRoom(discs);
+      const cv::Mat image = Renderer(model.get(), camera, {}).Render(Computed(model.get()).get(), X_NC);
+      for (std::size_t k = 0; k < places.size(); ++k)
+        EXPECT_LT((Centroid(image, static_cast<int>(k)) - *camera.Project(points_C[k])).norm(), 0.05)
+            << "point " << k << ", pose " << i << ", camera of " << camera.width_px << " px";
+    }
+  }
+}
+
+TEST(Renderer, ImageIsUprightWithEastOnTheRightOfNorth) {
+  const Pose X_NC = LookingAlong({}, {0, 0, -2});  // level, to the north
+  const ModelPtr model = DarkRoom(R"(<geom type="sphere" pos="10 0 4" size="0.5" rgba="1 0 0 1"/>
+    <geom type="sphere" pos="10 -2 2" size="0.5" rgba="0 1 0 1"/>)");
+  const cv::Mat image = Renderer(model.get(), kCamera, {}).Render(Computed(model.get()).get(), X_NC);
+  EXPECT_LT(Centroid(image, 2).y(), 100);  // red: above
+  EXPECT_NEAR(Centroid(image, 2).x(), kCamera.cx, 0.5);
+  EXPECT_GT(Centroid(image, 1).x(), 460);  // green: east
+  EXPECT_NEAR(Centroid(image, 1).y(), kCamera.cy, 0.5);
+}
+
+TEST(Renderer, SameStateGivesTheSameBitsOnEveryThread) {
+  const ModelPtr model = Colourful();
+  const std::vector<cv::Mat> here = FlyPast(model.get(), "auto");
+  EXPECT_FALSE(Same({here[0]}, {here[1]}));
+  std::vector<int> same(2);
+  std::vector<std::thread> threads;
+  for (int& s : same)
+    threads.emplace_back([&] {
+      s = 1;
+      for (int i = 0; i < 3; ++i) s &= Same(FlyPast(model.get(), "auto"), here);
+    });
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_THAT(same, ::testing::Each(1));
+}
+
+TEST(Renderer, BackendsAgreeInOneProcessWhicheverComesFirst) {
+  const ModelPtr model = Colourful();
+  const std::vector<cv::Mat> egl = FlyPast(model.get(), "egl");
+  const std::vector<cv::Mat> osmesa = FlyPast(model.get(), "osmesa");
+  const std::vector<cv::Mat> egl_again = FlyPast(model.get(), "egl");
+  EXPECT_LT(Difference(egl, osmesa), 0.5);
+  EXPECT_TRUE(Same(egl, egl_again));
+}
+
+TEST(Renderer, BackendsWorkSideBySideOnTwoThreads) {
+  const ModelPtr model = Colourful();
+  const std::vector<cv::Mat> osmesa = FlyPast(model.get(), "osmesa");
+  const std::vector<cv::Mat> egl = FlyPast(model.get(), "egl");
+  bool egl_same = true, osmesa_same = true;
+  std::thread other([&] {
+    for (int i = 0; i < 3; ++i) egl_same &= Same(FlyPast(model.get(), "egl"), egl);
+  });
+  for (int i = 0; i < 3; ++i) osmesa_same &= Same(FlyPast(model.get(), "osmesa"), osmesa);
+  other.join();
+  EXPECT_TRUE(egl_same);
+  EXPECT_TRUE(osmesa_same);
+}
+
+TEST(Renderer, DrawsShadowsAndSmoothEdgesOnlyWhenAsked) {
+  const ModelPtr model = Colourful();
+  const DataPtr data = Computed(model.get());
+  const Pose X_NC = LookingAlong({.pitch = -0.2}, {0, 0, -1.5});
+  const auto image = [&](const RenderOptions& o) {
+    return Renderer(model.get(), kCamera, o).Render(data.get(), X_NC);
+  };
+  const cv::Mat plain = image({});
+  EXPECT_LT(cv::mean(image({.shadows = true}))[0], cv::mean(plain)[0] - 0.05);
+  EXPECT_GT(cv::norm(image({.samples = 4}), plain, cv::NORM_INF), 20);
+}
+
+TEST(Renderer, DrawsNoSites) {
+  const ModelPtr model = DarkRoom(R"(<site pos="2 0 0" size="0.3" rgba="1 1 1 1"/>)");
+  const cv::Mat image =
+      Renderer(model.get(), kCamera, {}).Render(Computed(model.get()).get(), LookingAlong({}, {0, 0, 0}));
+  EXPECT_EQ(cv::norm(image, cv::NORM_INF), 0);
+}
+
+TEST(Renderer, RefusesCamerasItCannotDrawAndSaysWhy) {
+  const ModelPtr model = DarkRoom("");
+  const auto message = [&](const Pinhole& camera) -> std::string {
+    try {
+      Renderer(model.get(), camera, {});
+    } catch (const std::runtime_error& e) {
+      return e.what();
+    }
+    return "accepted";
+  };
+  EXPECT_THAT(message({640, 480, 800, 801, 319.5, 239.5}),
+              AllOf(HasSubstr("square pixels"), HasSubstr("800"), HasSubstr("801")));
+  EXPECT_EQ(message({640, 480, 800, 800 * (1 + 1e-10), 319.5, 239.5}), "accepted");
+  EXPECT_THAT(message({0, 480, 800, 800, 319.5, 239.5}), HasSubstr("0 x 480"));
+  EXPECT_THAT(message({640, 480, -1, -1, 319.5, 239.5}), HasSubstr("positive focal length"));
+}
+
+}  // namespace
+}  // namespace kestrel
