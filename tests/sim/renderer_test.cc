@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 
 #include <cstring>
-#include <numbers>
+#include <memory>
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 #include <thread>
@@ -31,14 +31,13 @@ Pose LookingAlong(const TaitBryan& angles, const Eigen::Vector3d& p_NC) {
 }
 
 ModelPtr ModelOf(const std::string& xml) {
-  mjVFS* const files = new mjVFS;
-  mj_defaultVFS(files);
-  mj_makeEmptyFileVFS(files, "test.xml", static_cast<int>(xml.size()));
+  const auto files = std::make_unique<mjVFS>();
+  mj_defaultVFS(files.get());
+  mj_makeEmptyFileVFS(files.get(), "test.xml", static_cast<int>(xml.size()));
   std::memcpy(files->filedata[0], xml.data(), xml.size());
   char error[500] = "";
-  ModelPtr model(mj_loadXML("test.xml", files, error, sizeof error));
-  mj_deleteVFS(files);
-  delete files;
+  ModelPtr model(mj_loadXML("test.xml", files.get(), error, sizeof error));
+  mj_deleteVFS(files.get());
   EXPECT_TRUE(model) << error;
   return model;
 }
