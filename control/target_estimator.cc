@@ -29,13 +29,10 @@ std::optional<TargetEstimator::Estimate> TargetEstimator::At(double t_s) const {
   e.velocity_error_T = velocity_error_T_;
   e.v_T = R_TN * state->v_N - velocity_error_T_;
   e.yaw_TB = WrapAngle(YawOf(state->R_NB) - yaw_NT_);
-  // Over the image's latency the filter's own velocity, then the autopilot's, which feels the gusts in between.
-  const auto then = history_.At(filter_t_s_);
-  if (then) {
-    e.p_TB = filter_->position() + R_TN * (state->p_NB - then->p_NB) - velocity_error_T_ * e.age_s;
-  } else {
-    e.p_TB = filter_->position() + filter_->velocity() * e.age_s;
-  }
+  // The filter's velocity, and what the autopilot has felt since: not its position, which jumps when GPS corrects it.
+  Eigen::Vector3d v_T = filter_->velocity();
+  if (const auto then = history_.At(filter_t_s_)) v_T += R_TN * (state->v_N - then->v_N) / 2;
+  e.p_TB = filter_->position() + v_T * e.age_s;
   return e;
 }
 

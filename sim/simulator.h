@@ -31,7 +31,7 @@ struct StartParameters {
   bool on_ground = false;
   double yaw_deg = 0;
   double yaw_scatter_deg = 0;
-  double settle_s = 8;  // held there by the autopilot before the first frame
+  double settle_s = 20; // held there by the autopilot before the first frame
 };
 
 // The camera's place on the aircraft: looking down with the top of the image forward, then turned by the angles.

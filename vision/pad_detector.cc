@@ -18,6 +18,8 @@ constexpr double kLeastArea_px2 = 250;
 constexpr double kAspectTolerance = 1.35;     // factor; far away the tilt makes the ratio uncertain
 constexpr double kLeastCorrelation = 0.55;
 constexpr double kCompare_px_per_m = 60;      // scale at which candidates are compared with the reference
+constexpr double kRectangles_px_per_m = 300;  // scale at which the reference is searched for its own rectangles
+constexpr double kLeastRectangle = 0.3;       // share of the pad that such a rectangle covers
 constexpr std::size_t kMostCandidates = 40;
 
 using Quad = std::array<Eigen::Vector2d, 4>;
@@ -80,33 +82,65 @@ std::vector<Quad> Quads(const cv::Mat& grey) {
   return quads;
 }
 
+double AreaOf(const Quad& quad) {
+  const Eigen::Vector2d a = quad[2] - quad[0], b = quad[3] - quad[1];
+  return std::abs(a.x() * b.y() - a.y() * b.x()) / 2;
+}
+
 }  // namespace
 
-std::optional<Eigen::Matrix3d> DetectPad(const cv::Mat& grey, const PadReference& reference, const Pinhole& camera) {
-  const PadReference::Level& level = reference.LevelFor(kCompare_px_per_m);
+PadDetector::PadDetector(const PadReference& reference, const Pinhole& camera)
+    : camera_(camera), level_(reference.LevelFor(kCompare_px_per_m)) {
   const std::vector<Eigen::Vector2d> outline = reference.Outline();
-  const double aspect = reference.width_m / reference.length_m;
+  rectangles_.push_back({outline[0], outline[1], outline[2], outline[3]});
+  const PadReference::Level& fine = reference.LevelFor(kRectangles_px_per_m);
+  constexpr int kBorder_px = 20;
+  cv::Mat bordered;
+  cv::copyMakeBorder(fine.image, bordered, kBorder_px, kBorder_px, kBorder_px, kBorder_px, cv::BORDER_CONSTANT, 128);
+  const Eigen::Matrix3d T_from_pixel = fine.pixel_from_T.inverse();
+  const double side = std::sqrt(AreaOf(rectangles_[0]));
+  for (const Quad& quad : Quads(bordered)) {
+    Quad quad_T;
+    for (int k = 0; k < 4; ++k) quad_T[k] = Transfer(T_from_pixel, quad[k] - Eigen::Vector2d(kBorder_px, kBorder_px));
+    if (AreaOf(quad_T) < kLeastRectangle * side * side) continue;
+    // First the corner nearest to the picture's top left, as in the outline.
+    int first = 0;
+    for (int k = 1; k < 4; ++k) {
+      if ((quad_T[k] - outline[0]).norm() < (quad_T[first] - outline[0]).norm()) first = k;
+    }
+    std::rotate(quad_T.begin(), quad_T.begin() + first, quad_T.end());
+    const bool known = std::any_of(rectangles_.begin(), rectangles_.end(), [&](const Quad& other) {
+      return (other[0] - quad_T[0]).norm() + (other[2] - quad_T[2]).norm() < 0.02 * side;
+    });
+    if (!known) rectangles_.push_back(quad_T);
+  }
+}
+
+std::optional<Eigen::Matrix3d> PadDetector::Detect(const cv::Mat& grey) const {
+  const Quad square = {{{1, 0}, {1, 1}, {0, 1}, {0, 0}}};  // the corners of a unit rectangle, in the outline's order
   std::optional<Eigen::Matrix3d> best;
   double best_correlation = kLeastCorrelation;
   for (const Quad& quad : Quads(grey)) {
-    for (int turn = 0; turn < 4; ++turn) {
-      std::array<PointPair, 4> unit, metric;
-      const std::array<Eigen::Vector2d, 4> square = {{{1, 0}, {1, 1}, {0, 1}, {0, 0}}};  // corners as in Outline()
-      for (int k = 0; k < 4; ++k) {
-        unit[k] = {square[k], quad[(k + turn) % 4]};
-        metric[k] = {outline[k], quad[(k + turn) % 4]};
-      }
-      const auto H_unit = FitHomography(unit), H_w = FitHomography(metric);
-      if (!H_unit || !H_w || !PoseFromHomography(*H_w, camera)) continue;
-      const double off = RectangleAspect(*H_unit, camera) / aspect;
-      if (!(off < kAspectTolerance && off > 1 / kAspectTolerance)) continue;
-      cv::Mat map, view, correlation;
-      cv::eigen2cv(Eigen::Matrix3d(*H_w * level.pixel_from_T.inverse()), map);
-      cv::warpPerspective(grey, view, map, level.image.size(), cv::INTER_AREA | cv::WARP_INVERSE_MAP);
-      cv::matchTemplate(view, level.image, correlation, cv::TM_CCOEFF_NORMED);
-      if (correlation.at<float>(0, 0) > best_correlation) {
-        best_correlation = correlation.at<float>(0, 0);
-        best = H_w;
+    for (const Quad& rectangle : rectangles_) {
+      const double aspect = (rectangle[1] - rectangle[0]).norm() / (rectangle[3] - rectangle[0]).norm();
+      for (int turn = 0; turn < 4; ++turn) {
+        std::array<PointPair, 4> unit, metric;
+        for (int k = 0; k < 4; ++k) {
+          unit[k] = {square[k], quad[(k + turn) % 4]};
+          metric[k] = {rectangle[k], quad[(k + turn) % 4]};
+        }
+        const auto H_unit = FitHomography(unit), H_w = FitHomography(metric);
+        if (!H_unit || !H_w || !PoseFromHomography(*H_w, camera_)) continue;
+        const double off = RectangleAspect(*H_unit, camera_) / aspect;
+        if (!(off < kAspectTolerance && off > 1 / kAspectTolerance)) continue;
+        cv::Mat map, view, correlation;
+        cv::eigen2cv(Eigen::Matrix3d(*H_w * level_.pixel_from_T.inverse()), map);
+        cv::warpPerspective(grey, view, map, level_.image.size(), cv::INTER_AREA | cv::WARP_INVERSE_MAP);
+        cv::matchTemplate(view, level_.image, correlation, cv::TM_CCOEFF_NORMED);
+        if (correlation.at<float>(0, 0) > best_correlation) {
+          best_correlation = correlation.at<float>(0, 0);
+          best = H_w;
+        }
       }
     }
   }

@@ -2,18 +2,33 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <opencv2/core.hpp>
 #include <optional>
+#include <vector>
 
 #include "vision/pad_reference.h"
 #include "vision/pinhole.h"
 
 namespace kestrel {
 
-// Finds the whole pad in one image, without any guess: quadrilaterals of the image whose rectangle has the pad's
-// aspect ratio (thesis 3.21), compared with the reference appearance in both directions. It stands in for the person
-// who clicks four corners in thesis 4.4. Returns H_w, the homography from T, m, to the image, good to about a pixel.
-// None: no quadrilateral looks like the pad.
-std::optional<Eigen::Matrix3d> DetectPad(const cv::Mat& grey, const PadReference& reference, const Pinhole& camera);
+// Finds the whole pad in one image without any guess: it stands in for the person who clicks four corners in thesis
+// 4.4. Quadrilaterals of the image are matched with the large rectangles of the pad's own picture (its outline, its
+// frames) of the same aspect ratio (thesis 3.21), and what such a match makes of the image is compared with the
+// reference appearance, in every direction.
+class PadDetector {
+ public:
+  PadDetector(const PadReference& reference, const Pinhole& camera);
+
+  // H_w, the homography from T, m, to the image (CV_8UC1), good to about a pixel. None: nothing looks like the pad.
+  std::optional<Eigen::Matrix3d> Detect(const cv::Mat& grey) const;
+
+ private:
+  using Quad = std::array<Eigen::Vector2d, 4>;
+
+  Pinhole camera_;
+  PadReference::Level level_;     // the scale at which candidates are compared
+  std::vector<Quad> rectangles_;  // of the pad's picture, in T, m, clockwise from the picture's top left
+};
 
 }  // namespace kestrel

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/pad_reference.h"
 
+#include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
@@ -8,7 +10,7 @@ namespace kestrel {
 namespace {
 
 constexpr int kSmallestSide_px = 24;
-constexpr int kMostCorners = 600;
+constexpr int kMostCorners = 6000;
 constexpr double kCornerQuality = 0.02;
 constexpr double kCornerDistance_px = 5;
 constexpr int kRim_px = 4;

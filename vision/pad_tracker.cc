@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "vision/homography.h"
-#include "vision/pad_detector.h"
 #include "vision/plane_pose.h"
 
 namespace kestrel {
@@ -73,7 +72,7 @@ double Correlation(const cv::Mat& a, const cv::Point2f& at_a, const cv::Mat& b, 
 }  // namespace
 
 PadTracker::PadTracker(PadReference reference, const Pinhole& camera, const PadTrackerOptions& options)
-    : reference_(std::move(reference)), camera_(camera), options_(options) {}
+    : reference_(std::move(reference)), detector_(reference_, camera), camera_(camera), options_(options) {}
 
 std::optional<PadObservation> PadTracker::Track(const cv::Mat& grey, const std::optional<Pose>& X_CT_expected) {
   ++frames_;
@@ -93,7 +92,7 @@ std::optional<PadObservation> PadTracker::Track(const cv::Mat& grey, const std::
   }
   if (!seen) {
     exposure_known_ = false;
-    if (const auto H_found = DetectPad(grey, reference_, camera_)) seen = Settle(grey, *H_found, 3);
+    if (const auto H_found = detector_.Detect(grey)) seen = Settle(grey, *H_found, 3);
     if (seen) seen->found = true;
   }
   if (seen) {

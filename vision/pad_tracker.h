@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "geometry/pose.h"
+#include "vision/pad_detector.h"
 #include "vision/pad_reference.h"
 #include "vision/pinhole.h"
 
@@ -47,7 +48,7 @@ struct PadObservation {
 // RANSAC homography (algorithm 1), the chain of 3.19 and 3.20, the pose of 3.22 to 3.25. The thesis names the drift of
 // that chain as its weakness: here the chain is only the prediction, and the reference appearance, drawn as the
 // prediction would see it, is registered to the frame, again by Lucas-Kanade and RANSAC. The pad is found anew by
-// DetectPad when there is nothing to track.
+// PadDetector when there is nothing to track.
 class PadTracker {
  public:
   PadTracker(PadReference reference, const Pinhole& camera, const PadTrackerOptions& options);
@@ -70,6 +71,7 @@ class PadTracker {
   void Forget();
 
   PadReference reference_;
+  PadDetector detector_;
   Pinhole camera_;
   PadTrackerOptions options_;
   std::uint32_t frames_ = 0;
