@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <bit>
 #include <cstdlib>
 #include <opencv2/imgcodecs.hpp>
 
@@ -138,6 +139,12 @@ LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<s
     if (picture.empty()) {
       mistakes.Add((folder / (s.pad.name + ".yaml")).string(), "texture",
                    fmt::format("{} cannot be read as an image", sim.scene.pad_texture.string()));
+    } else if (!std::has_single_bit(static_cast<unsigned>(picture.cols)) ||
+               !std::has_single_bit(static_cast<unsigned>(picture.rows))) {
+      mistakes.Add((folder / (s.pad.name + ".yaml")).string(), "texture",
+                   fmt::format("{} has {} x {} pixels; the sides must be powers of two (2048 x 2048), or OpenGL draws the "
+                               "pad askew from far away",
+                               sim.scene.pad_texture.string(), picture.cols, picture.rows));
     } else {
       loaded.pad = MakePadReference(picture, sim.scene.pad.size_m.x(), sim.scene.pad.size_m.y());
     }
