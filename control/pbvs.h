@@ -15,14 +15,14 @@ struct Twist {
   Eigen::Vector3d w = Eigen::Vector3d::Zero();
 };
 
-// The decoupled law, eq. (5.13): v = -lambda R_DC^T t_DC, w = -lambda theta u, where X_DC is the pose of the moving
-// frame C in the desired frame D. Under it the position error falls along a straight line and the rotation about a
-// fixed axis, both as exp(-lambda t).
+// The decoupled law, eq. (5.13): v = -lambda R_DC^T t_DC, w = -lambda theta u, where X_DC is the pose of the
+// moving frame C in the desired frame D. Under it the position error falls along a straight line and the
+// rotation about a fixed axis, both as exp(-lambda t).
 Twist PbvsTwist(const Pose& X_DC, double lambda_per_s);
 
 struct ServoGains {
-  double lambda_per_s = 0.9;          // horizontal
-  double lambda_vertical_per_s = 0.9;
+  double lambda_per_s = 1.3;  // horizontal
+  double lambda_vertical_per_s = 1.3;
   double lambda_yaw_per_s = 0.8;
   double speed_limit_m_s = 1.5;
   double climb_limit_m_s = 0.8;
@@ -39,8 +39,8 @@ void Fields(Visitor& v, ServoGains& g) {
   v("yaw_rate_limit_deg_s", g.yaw_rate_limit_deg_s, 1.0, 180.0);
 }
 
-// The law applied to what an autopilot holds level itself: X_DH is the pose of the aircraft's heading frame in the
-// desired one, so the rotation is a yaw. Each limit scales its own motion and keeps the direction.
+// The law applied to what an autopilot holds level itself: X_DH is the pose of the aircraft's heading frame
+// in the desired one, so the rotation is a yaw. Each limit scales its own motion and keeps the direction.
 VelocitySetpoint ServoSetpoint(const Pose& X_DH, const ServoGains& gains);
 
 }  // namespace kestrel

@@ -29,7 +29,8 @@ std::optional<TargetEstimator::Estimate> TargetEstimator::At(double t_s) const {
   e.velocity_error_T = velocity_error_T_;
   e.v_T = R_TN * state->v_N - velocity_error_T_;
   e.yaw_TB = WrapAngle(YawOf(state->R_NB) - yaw_NT_);
-  // The filter's velocity, and what the autopilot has felt since: not its position, which jumps when GPS corrects it.
+  // The filter's velocity, and what the autopilot has felt since: not its position, which jumps when GPS
+  // corrects it.
   Eigen::Vector3d v_T = filter_->velocity();
   if (const auto then = history_.At(filter_t_s_)) v_T += R_TN * (state->v_N - then->v_N) / 2;
   e.p_TB = filter_->position() + v_T * e.age_s;
@@ -61,14 +62,16 @@ std::optional<Pose> TargetEstimator::Correct(double t_s, const Pose& X_CT_seen,
   if (options_.tilt_alignment) {
     const Eigen::Vector3d down_C = X_BC_.R.conjugate() * (state->R_NB.conjugate() * Eigen::Vector3d::UnitZ());
     tilt_.Predict(dt);
-    // The offset learns from vision alone, before vision is mended by it: nothing is counted twice in one frame.
+    // The offset learns from vision alone, before vision is mended by it: nothing is counted twice in one
+    // frame.
     const TiltAlignment before = tilt_;
-    tilt_.Correct(down_C, X_CT.R * Eigen::Vector3d::UnitZ(), covariance.bottomRightCorner<3, 3>());
+    tilt_.Correct(dt, down_C, X_CT.R * Eigen::Vector3d::UnitZ(), covariance.bottomRightCorner<3, 3>());
     FuseNormal(before.Apply(down_C), before.sigma(), X_CT, covariance);
   }
   const Pose X_TB = (X_BC_ * X_CT).Inverse();
 
-  // Position of B in T: -R^T t, so its error is that of t less that of the arm turned by the attitude's error.
+  // Position of B in T: -R^T t, so its error is that of t less that of the arm turned by the attitude's
+  // error.
   Eigen::Matrix<double, 3, 6> J;
   const Eigen::Matrix3d R_TC = X_CT.R.conjugate().toRotationMatrix();
   J << -R_TC, -R_TC * Skew(X_CT.p);
@@ -86,7 +89,8 @@ std::optional<Pose> TargetEstimator::Correct(double t_s, const Pose& X_CT_seen,
   refused_ = 0;
   const Eigen::Vector3d v_reported_T = HeadingRotation(-yaw_NT) * state->v_N;
   if (!filter_) {
-    filter_.emplace(X_TB.p, std::sqrt(R.trace() / 3), v_reported_T - velocity_error_T_, 0.3, options_.acceleration_m_s2);
+    filter_.emplace(X_TB.p, std::sqrt(R.trace() / 3), v_reported_T - velocity_error_T_, 0.3,
+                    options_.acceleration_m_s2);
     yaw_NT_ = yaw_NT;
   } else {
     filter_->Predict(dt);

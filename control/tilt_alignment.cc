@@ -2,6 +2,7 @@
 #include "control/tilt_alignment.h"
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 
 #include "geometry/tait_bryan.h"
@@ -25,12 +26,13 @@ void TiltAlignment::Predict(double dt_s) {
   P_.diagonal().array() += std::pow(Radians(options_.drift_deg_per_root_s), 2) * dt_s;
 }
 
-void TiltAlignment::Correct(const Eigen::Vector3d& down_C, const Eigen::Vector3d& normal_C,
+void TiltAlignment::Correct(double dt_s, const Eigen::Vector3d& down_C, const Eigen::Vector3d& normal_C,
                             const Eigen::Matrix3d& covariance) {
   // The camera looks down within some tens of degrees, so x and y of C span the tilts.
   const Eigen::Vector2d seen = Turn(down_C, normal_C).head<2>();
-  const Eigen::Matrix2d R = covariance.topLeftCorner<2, 2>() +
-                            Eigen::Matrix2d::Identity() * std::pow(Radians(options_.autopilot_noise_deg), 2);
+  Eigen::Matrix2d R = covariance.topLeftCorner<2, 2>() +
+                      Eigen::Matrix2d::Identity() * std::pow(Radians(options_.autopilot_noise_deg), 2);
+  if (dt_s > 0) R *= std::max(1.0, options_.correlation_s / dt_s);
   const Eigen::Matrix2d K = P_ * (P_ + R).inverse();
   offset_ += K * (seen - offset_);
   P_ = ((Eigen::Matrix2d::Identity() - K) * P_).eval();
@@ -45,7 +47,8 @@ double TiltAlignment::sigma() const {
   return std::sqrt(P_.trace() / 2 + std::pow(Radians(options_.autopilot_noise_deg), 2));
 }
 
-void FuseNormal(const Eigen::Vector3d& normal_C, double sigma, Pose& X_CT, Eigen::Matrix<double, 6, 6>& covariance) {
+void FuseNormal(const Eigen::Vector3d& normal_C, double sigma, Pose& X_CT,
+                Eigen::Matrix<double, 6, 6>& covariance) {
   const Eigen::Vector3d n = X_CT.R * Eigen::Vector3d::UnitZ();
   // Two directions perpendicular to the normal: the tilts that it shows.
   const Eigen::Vector3d a = n.unitOrthogonal(), b = n.cross(a);
