@@ -125,8 +125,10 @@ LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<s
   }
   if (Known("camera", s.camera, NamesIn(models / "cameras", ".yaml"), where, mistakes)) {
     const fs::path camera = models / "cameras" / (s.camera + ".yaml");
+    const std::size_t mistakes_before = mistakes.messages().size();
     Read(LoadConfig(camera, {}, mistakes), sim.camera, mistakes);
-    if (std::abs(sim.camera.fx - sim.camera.fy) > 1e-9 * sim.camera.fx) {
+    if (mistakes.messages().size() == mistakes_before &&
+        std::abs(sim.camera.fx - sim.camera.fy) > 1e-9 * sim.camera.fx) {
       mistakes.Add(camera.string(), "fy_px", fmt::format("{} differs from fx_px = {}; the renderer draws square pixels only",
                                                          sim.camera.fy, sim.camera.fx));
     }

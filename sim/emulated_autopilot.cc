@@ -104,6 +104,8 @@ EmulatedAutopilot::Demand EmulatedAutopilot::Navigate(double dt_s) {
     case FlightMode::kAttitude: {
       const auto& a = std::get<AttitudeSetpoint>(setpoint_);
       v_N_command_ = estimator_.v_N();
+      const double limit = Radians(parameters_.tilt_limit_deg);
+      tilt_limited_ = std::abs(a.roll) * parameters_.roll.gain > limit || std::abs(a.pitch) * parameters_.pitch.gain > limit;
       const double max_thrust = 4 * aircraft_.rotor.thrust_coefficient_n_s2 * std::pow(aircraft_.rotor.max_speed_rad_s, 2);
       return {a.roll, a.pitch, a.yaw_rate, std::clamp(a.thrust, 0.0, 1.0) * max_thrust};
     }

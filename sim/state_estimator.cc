@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/state_estimator.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "geometry/tait_bryan.h"
@@ -14,6 +15,8 @@ constexpr double kGravity = 9.80665;
 constexpr double kGpsPositionSigma_m = 1.0;
 constexpr double kBarometerSigma_m = 0.4;
 constexpr double kCompassSigma_rad = 0.03;
+// Least deviation taken for a GPS velocity: a measurement without any leaves the filter 0 / 0.
+constexpr double kGpsVelocitySigma_m_s = 0.01;
 
 }  // namespace
 
@@ -31,7 +34,8 @@ void StateEstimator::Step(double dt_s, const SensorReadings& readings) {
     for (int i = 0; i < 3; ++i) {
       const double position_sigma = i < 2 ? kGpsPositionSigma_m : 3 * kGpsPositionSigma_m;
       Correct(Vector15::Unit(i), readings.gps->p_N(i) - X_NB_.p(i), position_sigma * position_sigma);
-      Correct(Vector15::Unit(3 + i), readings.gps->v_N(i) - v_N_(i), std::pow(sensors_.gps_velocity_m_s.white, 2));
+      const double velocity_sigma = std::max(sensors_.gps_velocity_m_s.white, kGpsVelocitySigma_m_s);
+      Correct(Vector15::Unit(3 + i), readings.gps->v_N(i) - v_N_(i), velocity_sigma * velocity_sigma);
     }
   }
   if (readings.height_m) Correct(-Vector15::Unit(2), *readings.height_m + X_NB_.p.z(), kBarometerSigma_m * kBarometerSigma_m);

@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whole flights, judged by the simulator's truth, on seeds that no tuning was done on.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "geometry/tait_bryan.h"
+#include "scenarios/runner.h"
+
+namespace kestrel {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr std::uint64_t kSeeds[] = {101, 102, 103};
+// The scenarios' limits are met by most flights; a single one in bad gusts may exceed a limit by half of it.
+constexpr double kSlack = 1.5;
+
+FlightResult Flown(const std::string& scenario, std::uint64_t seed, std::vector<std::string> overrides = {}) {
+  overrides.push_back("seed=" + std::to_string(seed));
+  const FlightResult result = RunFlight(LoadScenario(scenario, overrides), {});
+  EXPECT_EQ(result.summary.error, "");
+  EXPECT_FALSE(result.rows.empty());
+  return result;
+}
+
+void ExpectCriteria(const FlightResult& result) {
+  EXPECT_FALSE(result.summary.criteria.empty());
+  for (const Criterion& c : result.summary.criteria) {
+    if (c.at_least) {
+      EXPECT_GE(c.value, c.limit) << c.name << ", seed " << result.summary.seed;
+    } else {
+      EXPECT_LE(c.value, kSlack * c.limit) << c.name << ", seed " << result.summary.seed;
+    }
+  }
+}
+
+Pose InPadFrame(const Truth& t) { return t.X_NT.Inverse() * t.X_NB; }
+double HeightOverPad(const Truth& t) { return -InPadFrame(t).p.z(); }
+
+bool EverTouched(const FlightResult& result, double from_s = 0, double until_s = 1e9) {
+  return std::any_of(result.rows.begin(), result.rows.end(), [&](const LogRow& row) {
+    return row.now.t_s >= from_s && row.now.t_s < until_s && row.now.touching;
+  });
+}
+
+// The greatest distance from a place over the pad from a time on.
+double FarthestFrom(const FlightResult& result, const Vector3d& p_T, double from_s) {
+  double farthest = 0;
+  int rows = 0;
+  for (const LogRow& row : result.rows) {
+    if (row.now.t_s < from_s) continue;
+    ++rows;
+    farthest = std::max(farthest, (InPadFrame(row.now).p - p_T).norm());
+  }
+  EXPECT_GT(rows, 20);
+  return farthest;
+}
+
+class EveryScenario : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(EveryScenario, FlownTwiceIsTheSameFlight) {
+  const std::vector<std::string> moment = {"duration_s=1.5", "start.settle_s=1"};
+  const Summary first = Flown(GetParam(), 101, moment).summary, second = Flown(GetParam(), 101, moment).summary;
+  EXPECT_EQ(first.state_hash, second.state_hash);
+  EXPECT_EQ(first.image_hash, second.image_hash);
+  EXPECT_EQ(first.metrics, second.metrics);
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenarios, EveryScenario, ::testing::ValuesIn(ScenarioNames()), [](const auto& scenario) {
+  std::string name = scenario.param;
+  std::replace_if(name.begin(), name.end(), [](unsigned char c) { return !std::isalnum(c); }, '_');
+  return name;
+});
+
+TEST(Pose, AtFourMetresTheFixIsGood) {
+  for (const std::uint64_t seed : kSeeds) ExpectCriteria(Flown("pose", seed, {"duration_s=25"}));
+}
+
+TEST(Pose, AtTenMetresTheFixIsGood) {
+  for (const std::uint64_t seed : kSeeds) ExpectCriteria(Flown("pose_high", seed, {"duration_s=25"}));
+}
+
+TEST(Pose, WithSeventyPercentOfThePadHiddenItIsStillTracked) {
+  for (const std::uint64_t seed : kSeeds) {
+    const FlightResult result =
+        Flown("pose", seed, {"duration_s=20", "occlusion={share: 0.7, from_s: 3}"});
+    int seen = 0, frames = 0;
+    for (const LogRow& row : result.rows) {
+      if (row.exposure.t_s < 3) continue;
+      ++frames;
+      if (!row.decision.fix) continue;
+      ++seen;
+      EXPECT_LT((row.decision.fix->p_TB - InPadFrame(row.exposure).p).norm(), 0.5) << row.exposure.t_s;
+    }
+    EXPECT_GT(frames, 300);
+    EXPECT_GT(seen, 0.9 * frames) << seed;
+  }
+}
+
+TEST(Pose, ALateOrPromptImageIsAsGood) {
+  for (const char* latency : {"image.latency_s=0", "image.latency_s=0.23"}) {
+    ExpectCriteria(Flown("pose", 101, {"duration_s=12", latency}));
+  }
+}
+
+TEST(Hover, CentresComesDownAndStays) {
+  for (const std::uint64_t seed : kSeeds) {
+    const FlightResult result = Flown("hover", seed, {"duration_s=35"});
+    ExpectCriteria(result);
+    EXPECT_LT(FarthestFrom(result, {0, 0, -3}, 15), 0.5) << seed;
+    EXPECT_FALSE(EverTouched(result)) << seed;
+  }
+}
+
+TEST(Hover, OverATurnedPadFarFromTheOriginWithATurnedCamera) {
+  const FlightResult result = Flown("hover", 101,
+                                    {"duration_s=30", "pad={position_m: [15, -22], yaw_deg: 130}", "flight.yaw_deg=-20",
+                                     "start.offset_m=[0.6, 0.4]", "start.yaw_deg=40", "mount={yaw_deg: 80, pitch_deg: 4, roll_deg: -3}"});
+  EXPECT_LT(FarthestFrom(result, {0, 0, -3}, 22), 0.5);
+  EXPECT_NEAR(Degrees(YawOf(InPadFrame(result.rows.back().now).R)), -20, 5);
+}
+
+TEST(Hover, TakesOffFromThePadThenHovers) {
+  const FlightResult result = Flown("hover", 101, {"duration_s=35", "start={on_ground: true, settle_s: 3}"});
+  EXPECT_TRUE(result.rows.front().now.touching);
+  EXPECT_LT(HeightOverPad(result.rows.front().now), 0.2);
+  EXPECT_FALSE(EverTouched(result, 5));
+  EXPECT_LT(FarthestFrom(result, {0, 0, -3}, 25), 0.5);
+}
+
+TEST(Landing, LandsOnThePad) {
+  for (const std::uint64_t seed : kSeeds) {
+    const FlightResult result = Flown("landing", seed);
+    EXPECT_EQ(result.summary.outcome, "landed") << seed;
+    ExpectCriteria(result);
+    EXPECT_LT(result.summary.sim_s, 45) << seed;
+    const Truth& end = result.rows.back().now;
+    EXPECT_TRUE(end.touching) << seed;
+    EXPECT_TRUE(result.rows.back().estimate.landed) << seed;
+    EXPECT_LT(end.v_N.norm(), 0.1) << seed;
+  }
+}
+
+TEST(Landing, LandsTurnedAsAskedOnATurnedPad) {
+  const FlightResult result =
+      Flown("landing", 102, {"pad={position_m: [-12, 18], yaw_deg: -75}", "flight.yaw_deg=60", "start.yaw_deg=-30"});
+  EXPECT_EQ(result.summary.outcome, "landed");
+  const Pose X_TB = InPadFrame(result.rows.back().now);
+  EXPECT_LT(X_TB.p.head<2>().norm(), 0.25);
+  EXPECT_NEAR(Degrees(YawOf(X_TB.R)), 60, 10);
+}
+
+TEST(Landing, WhenThePadIsHiddenItStopsClimbsAndLandsOnceItShowsAgain) {
+  constexpr double kHidden_s = 3, kShown_s = 10;
+  for (const std::uint64_t seed : kSeeds) {
+    const FlightResult result =
+        Flown("landing", seed, {"start={height_m: 4, scatter_m: 0.2}", "occlusion={share: 1, from_s: 3, until_s: 10}"});
+    double at_hiding_m = 0, lowest_m = 1e9, at_showing_m = 0;
+    bool searched = false;
+    for (const LogRow& row : result.rows) {
+      const double height = HeightOverPad(row.now);
+      if (row.exposure.t_s < kHidden_s) at_hiding_m = height;
+      if (row.exposure.t_s < kHidden_s || row.exposure.t_s >= kShown_s) continue;
+      EXPECT_FALSE(row.now.touching) << seed << ", " << row.now.t_s << " s";
+      EXPECT_FALSE(row.decision.fix) << seed << ", " << row.now.t_s << " s: there is nothing to see";
+      lowest_m = std::min(lowest_m, height);
+      at_showing_m = height;
+      searched = searched || row.decision.phase == "search";
+    }
+    EXPECT_LT(at_hiding_m, 3.9) << seed << ": it was on its way down";
+    EXPECT_GT(at_hiding_m, 1) << seed;
+    EXPECT_TRUE(searched) << seed;
+    EXPECT_GT(lowest_m, at_hiding_m - 1) << seed;  // 0.7 m/s for half a second, then it stops
+    EXPECT_GT(at_showing_m, at_hiding_m + 1) << seed;
+    EXPECT_EQ(result.summary.outcome, "landed") << seed;
+    ASSERT_TRUE(result.summary.metrics.count("touchdown_error_m")) << seed;
+    EXPECT_GT(result.summary.metrics.at("touchdown_s"), kShown_s) << seed;
+    EXPECT_LT(result.summary.metrics.at("touchdown_error_m"), 0.25) << seed;
+  }
+}
+
+TEST(Landing, WithoutAPadItGivesUpInTheAir) {
+  const FlightResult result =
+      Flown("landing", 101, {"start.offset_m=[-18, 24]", "pilot.search.give_up_s=8"});
+  EXPECT_EQ(result.summary.outcome, "pad not found");
+  EXPECT_FALSE(result.summary.passed);
+  EXPECT_FALSE(EverTouched(result));
+  EXPECT_EQ(result.summary.metrics.at("fix_share"), 0);
+  EXPECT_NEAR(result.summary.sim_s, 8, 1);
+  EXPECT_GT(HeightOverPad(result.rows.back().now), 5);
+}
+
+TEST(Landing, FindsAPadThatIsNotInSightAtFirst) {
+  const FlightResult result = Flown("landing", 102, {"duration_s=110", "start={offset_m: [4.5, -3], height_m: 5, scatter_m: 0}"});
+  EXPECT_FALSE(result.rows.front().decision.fix);
+  EXPECT_EQ(result.summary.outcome, "landed");
+  EXPECT_LT(result.summary.metrics.at("touchdown_error_m"), 0.25);
+}
+
+}  // namespace
+}  // namespace kestrel

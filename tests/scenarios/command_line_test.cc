@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <pugixml.hpp>
+#include <sstream>
+#include <thread>
+
+namespace kestrel {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+struct Ended {
+  int status;  // of the exit
+  std::string out, err;
+};
+
+std::string Content(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+// Runs the program in a folder of its own.
+class CommandLineTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = (fs::temp_directory_path() / "kestrel_XXXXXX").string();
+    ASSERT_TRUE(mkdtemp(name.data()));
+    folder_ = name;
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  Ended Kestrel(const std::string& arguments, const std::string& environment = "") const {
+    const std::string command = fmt::format("cd {0} && {1} " KESTREL_PROGRAM " {2} >{0}/out.txt 2>{0}/err.txt", folder_.string(),
+                                            environment, arguments);
+    const int status = std::system(command.c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, Content(folder_ / "out.txt"), Content(folder_ / "err.txt")};
+  }
+  std::string Write(const char* name, const std::string& text) const {
+    std::ofstream(folder_ / name) << text;
+    return (folder_ / name).string();
+  }
+
+  fs::path folder_;
+};
+
+constexpr char kShort[] = "run pose --no-video --set duration_s=0.5 --set start.settle_s=1 ";
+
+TEST_F(CommandLineTest, ARunThatMeetsItsCriteriaEndsWithZero) {
+  const Ended run = Kestrel(std::string(kShort) + "--seed 7 --set criteria='{fix_share: {min: 0.1}}'");
+  EXPECT_EQ(run.status, 0) << run.err;
+  EXPECT_THAT(run.out, AllOf(HasSubstr("pose, seed 7: completed"), HasSubstr("fix_share"), HasSubstr("at least 0.1"),
+                             HasSubstr("results/runs/pose-7")));
+  EXPECT_THAT(run.err, IsEmpty());  // no progress where nobody watches
+  const auto summary = nlohmann::json::parse(Content(folder_ / "results/runs/pose-7/summary.json"));
+  EXPECT_EQ(summary["seed"], 7);
+  EXPECT_EQ(summary["passed"], true);
+  EXPECT_EQ(summary["complete"], true);
+  EXPECT_FALSE(fs::exists(folder_ / "results/runs/pose-7/video.mp4"));
+}
+
+TEST_F(CommandLineTest, ARunThatMissesThemEndsWithOne) {
+  const Ended run = Kestrel(std::string(kShort) + "--out here --junit report.xml --set criteria='{fix_share: {max: 0}}'");
+  EXPECT_EQ(run.status, 1) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("NOT"));
+  EXPECT_EQ(nlohmann::json::parse(Content(folder_ / "here/summary.json"))["passed"], false);
+  pugi::xml_document junit;
+  ASSERT_TRUE(junit.load_file((folder_ / "report.xml").c_str()));
+  EXPECT_TRUE(junit.select_node("//failure"));
+}
+
+TEST_F(CommandLineTest, QuietPrintsNothing) {
+  const Ended run = Kestrel(std::string(kShort) + "--quiet --out here --set criteria='{fix_share: {min: 0.1}}'");
+  EXPECT_EQ(run.status, 0);
+  EXPECT_THAT(run.out, IsEmpty());
+  EXPECT_THAT(run.err, IsEmpty());
+}
+
+TEST_F(CommandLineTest, TheSeedOfTheCommandLineWins) {
+  const Ended run = Kestrel(std::string(kShort) + "--set seed=5 --seed 6 --out here");
+  EXPECT_EQ(nlohmann::json::parse(Content(folder_ / "here/summary.json"))["seed"], 6);
+}
+
+TEST_F(CommandLineTest, BadInputEndsWithTwoBeforeAnythingIsWritten) {
+  const std::string file = Write("bad.yaml", "mission: pose\nwind: {mean_ms: 3}\nduration_s: -1\n");
+  for (const char* verb : {"run ", "check "}) {
+    const Ended bad = Kestrel(verb + file);
+    EXPECT_EQ(bad.status, 2);
+    EXPECT_THAT(bad.err, AllOf(HasSubstr("bad.yaml:2: wind.mean_ms: unknown key; did you mean 'mean_m_s'?"),
+                               HasSubstr("bad.yaml:3: duration_s: -1")));
+    EXPECT_THAT(bad.out, IsEmpty());
+  }
+  EXPECT_FALSE(fs::exists(folder_ / "results"));
+}
+
+TEST_F(CommandLineTest, WrongArgumentsEndWithTwo) {
+  for (const char* arguments : {"", "fly", "run", "run pose --no-such-option", "run pose --seed x", "run posse", "check none.yaml",
+                                "run pose --set wind.mean_m_s", "run pose --set wind.mean_m_s=fast", "bench no_such_bench",
+                                "bench flights --seeds 5..1", "bench flights --jobs 0"}) {
+    const Ended wrong = Kestrel(arguments);
+    EXPECT_EQ(wrong.status, 2) << arguments;
+    EXPECT_THAT(wrong.err, Not(IsEmpty())) << arguments;
+  }
+  EXPECT_THAT(Kestrel("run landin").err, HasSubstr("did you mean 'landing'?"));
+  EXPECT_FALSE(fs::exists(folder_ / "results"));
+}
+
+TEST_F(CommandLineTest, AFolderThatCannotBeWrittenEndsWithThree) {
+  Write("file", "in the way");
+  const Ended run = Kestrel(std::string(kShort) + "--out file/run");
+  EXPECT_EQ(run.status, 3);
+  EXPECT_THAT(run.err, HasSubstr("file"));
+}
+
+TEST_F(CommandLineTest, AnInterruptEndsWithThreeAndLeavesWhatThereIs) {
+  const pid_t child = fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    execl(KESTREL_PROGRAM, "kestrel", "run", "pose", "--no-video", "--quiet", "--set", "duration_s=3000", "--out",
+          (folder_ / "run").c_str(), nullptr);
+    _exit(127);
+  }
+  for (int i = 0; i < 600 && !fs::exists(folder_ / "run/scenario.yaml"); ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  kill(child, SIGINT);
+  int status = 0;
+  waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 3);
+  const auto summary = nlohmann::json::parse(Content(folder_ / "run/summary.json"));
+  EXPECT_EQ(summary["complete"], false);
+  EXPECT_EQ(summary["error"], "interrupted");
+  EXPECT_TRUE(fs::exists(folder_ / "run/telemetry.csv"));
+}
+
+TEST_F(CommandLineTest, TheScenarioOfARunGivesItAgain) {
+  EXPECT_LE(Kestrel(std::string(kShort) + "--seed 9 --out first").status, 1);
+  EXPECT_LE(Kestrel("run first/scenario.yaml --no-video --out second").status, 1);
+  const auto first = nlohmann::json::parse(Content(folder_ / "first/summary.json"));
+  const auto second = nlohmann::json::parse(Content(folder_ / "second/summary.json"));
+  EXPECT_EQ(first["state_hash"], second["state_hash"]);
+  EXPECT_EQ(first["image_hash"], second["image_hash"]);
+  EXPECT_EQ(second["seed"], 9);
+  EXPECT_EQ(Content(folder_ / "first/telemetry.csv"), Content(folder_ / "second/telemetry.csv"));
+}
+
+TEST_F(CommandLineTest, ListShowsTheScenarios) {
+  const Ended list = Kestrel("list");
+  EXPECT_EQ(list.status, 0);
+  for (const char* name : {"hover", "landing", "pose", "pose_high", "pelican", "thesis_6mm", "airfield"}) {
+    EXPECT_THAT(list.out, HasSubstr(name));
+  }
+}
+
+TEST_F(CommandLineTest, CheckSaysThatAFileIsValid) {
+  const std::string file = Write("good.yaml", "mission: hover\n");
+  const Ended check = Kestrel("check " + file);
+  EXPECT_EQ(check.status, 0) << check.err;
+  EXPECT_THAT(check.out, HasSubstr("good.yaml is valid"));
+  EXPECT_EQ(Kestrel("check landing --set flight.blind_m=0.1").status, 0);
+  EXPECT_EQ(Kestrel("check landing --set flight.blind_m=10").status, 2);
+}
+
+TEST_F(CommandLineTest, HelpShowsExamplesAndTheExitStatus) {
+  const Ended help = Kestrel("--help");
+  EXPECT_EQ(help.status, 0);
+  EXPECT_THAT(help.out, AllOf(HasSubstr("kestrel run landing"), HasSubstr("Exit status"), HasSubstr("bench"), HasSubstr("check")));
+  const Ended run = Kestrel("run --help");
+  EXPECT_EQ(run.status, 0);
+  for (const char* option : {"--seed", "--set", "--out", "--no-video", "--junit", "--quiet"}) EXPECT_THAT(run.out, HasSubstr(option));
+  EXPECT_EQ(Kestrel("--version").status, 0);
+}
+
+TEST_F(CommandLineTest, BrokenModelsUnderAnotherRootAreRefused) {
+  const fs::path root = fs::path(__FILE__).parent_path().parent_path().parent_path();
+  for (const char* part : {"models", "scenarios"}) fs::copy(root / part, folder_ / part, fs::copy_options::recursive);
+  const std::string here = "KESTREL_ROOT=" + folder_.string();
+  EXPECT_EQ(Kestrel("check pose", here).status, 0);
+  fs::remove(folder_ / "models/vehicles/pelican/pelican.xml");
+  const Ended broken = Kestrel("run pose", here);
+  EXPECT_EQ(broken.status, 2);
+  EXPECT_THAT(broken.err, HasSubstr((folder_ / "models/vehicles/pelican/pelican.xml").string()));
+  fs::remove_all(folder_ / "models/cameras");
+  EXPECT_THAT(Kestrel("run pose", here).err, HasSubstr("no camera 'thesis_6mm'"));
+}
+
+}  // namespace
+}  // namespace kestrel
