@@ -31,14 +31,29 @@ std::optional<Eigen::Matrix3d> Finish(const Eigen::Matrix3d& normalised, const E
   return H;
 }
 
+// Three of four points on one line leave the system without a unique solution, which rounding would hide.
+bool AnyThreeCollinear(const std::array<Eigen::Vector2d, 4>& p) {
+  for (int skip = 0; skip < 4; ++skip) {
+    const Eigen::Vector2d a = p[(skip + 2) % 4] - p[(skip + 1) % 4], b = p[(skip + 3) % 4] - p[(skip + 1) % 4];
+    if (!(std::abs(a.x() * b.y() - a.y() * b.x()) > 1e-6)) return true;
+  }
+  return false;
+}
+
 // eq. (3.15) with the centroid at the origin: h33 is the denominator at the centroid, which a plane in front of the
 // camera never makes zero.
 std::optional<Eigen::Matrix3d> FitFour(std::span<const PointPair> pairs) {
   const Eigen::Matrix3d n_from = Normaliser(pairs, &PointPair::from), n_to = Normaliser(pairs, &PointPair::to);
+  std::array<Eigen::Vector2d, 4> from, to;
+  for (int i = 0; i < 4; ++i) {
+    from[i] = Transfer(n_from, pairs[i].from);
+    to[i] = Transfer(n_to, pairs[i].to);
+  }
+  if (AnyThreeCollinear(from) || AnyThreeCollinear(to)) return std::nullopt;
   Eigen::Matrix<double, 8, 8> A;
   Eigen::Matrix<double, 8, 1> b;
   for (int i = 0; i < 4; ++i) {
-    const Eigen::Vector2d x = Transfer(n_from, pairs[i].from), y = Transfer(n_to, pairs[i].to);
+    const Eigen::Vector2d &x = from[i], &y = to[i];
     A.row(2 * i) << x.x(), x.y(), 1, 0, 0, 0, -x.x() * y.x(), -x.y() * y.x();
     A.row(2 * i + 1) << 0, 0, 0, x.x(), x.y(), 1, -x.x() * y.y(), -x.y() * y.y();
     b.segment<2>(2 * i) = y;
