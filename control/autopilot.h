@@ -18,11 +18,11 @@ enum class FlightMode {
 
 // The autopilot's own estimate, never the truth.
 struct VehicleState {
-  double t_s = 0;                                            // the autopilot's clock
-  Eigen::Vector3d p_NB = Eigen::Vector3d::Zero();            // m, from the origin of N: where it was switched on
-  Eigen::Vector3d v_N = Eigen::Vector3d::Zero();             // m/s
+  double t_s = 0;                                  // the autopilot's clock
+  Eigen::Vector3d p_NB = Eigen::Vector3d::Zero();  // m, from the origin of N: where it was switched on
+  Eigen::Vector3d v_N = Eigen::Vector3d::Zero();   // m/s
   Eigen::Quaterniond R_NB = Eigen::Quaterniond::Identity();
-  Eigen::Vector3d w_B = Eigen::Vector3d::Zero();             // rad/s, in B
+  Eigen::Vector3d w_B = Eigen::Vector3d::Zero();  // rad/s, in B
   FlightMode mode = FlightMode::kStopped;
   bool landed = true;      // on the ground, motors stopped by the touch-down logic
   bool saturated = false;  // a motor or the tilt is at its limit
@@ -46,9 +46,9 @@ struct AttitudeSetpoint {
 
 using Setpoint = std::variant<VelocitySetpoint, PositionSetpoint, AttitudeSetpoint>;
 
-// An autopilot on the far end of a wire, emulated or real. A setpoint holds until the next one, or until it is stale
-// by the autopilot's own time-out: then the aircraft holds its place. On the ground, a position above it is the
-// command to take off.
+// An autopilot on the far end of a wire, emulated or real. A setpoint holds until the next one, or until it
+// is stale by the autopilot's own time-out: then the aircraft holds its place. On the ground, a position
+// above it is the command to take off.
 class Autopilot {
  public:
   virtual ~Autopilot() = default;

@@ -27,13 +27,14 @@ void StateHistory::Add(const VehicleState& state) {
 }
 
 std::optional<VehicleState> StateHistory::At(double t_s, double slack_s) const {
-  if (states_.empty() || t_s < states_.front().t_s - slack_s || t_s > states_.back().t_s + slack_s) return std::nullopt;
+  if (states_.empty() || t_s < states_.front().t_s - slack_s || t_s > states_.back().t_s + slack_s)
+    return std::nullopt;
   const auto after = std::lower_bound(states_.begin(), states_.end(), t_s,
                                       [](const VehicleState& s, double t) { return s.t_s < t; });
   if (after == states_.begin()) return Extrapolate(*after, t_s);
   if (after == states_.end()) return Extrapolate(states_.back(), t_s);
-  // Between two states: each carried to the time by its own rates, weighted by nearness. At either end this meets the
-  // state itself with its rates.
+  // Between two states: each carried to the time by its own rates, weighted by nearness. At either end this
+  // meets the state itself with its rates.
   const VehicleState& before = *(after - 1);
   const double w = (t_s - before.t_s) / (after->t_s - before.t_s);
   const double weight = w * w * (3 - 2 * w);

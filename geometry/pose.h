@@ -18,8 +18,12 @@ struct Pose {
   }
 };
 
-inline Pose operator*(const Pose& X_AB, const Pose& X_BC) { return {X_AB.R * X_BC.R, X_AB.R * X_BC.p + X_AB.p}; }
-inline Eigen::Vector3d operator*(const Pose& X_AB, const Eigen::Vector3d& p_BQ) { return X_AB.R * p_BQ + X_AB.p; }
+inline Pose operator*(const Pose& X_AB, const Pose& X_BC) {
+  return {X_AB.R * X_BC.R, X_AB.R * X_BC.p + X_AB.p};
+}
+inline Eigen::Vector3d operator*(const Pose& X_AB, const Eigen::Vector3d& p_BQ) {
+  return X_AB.R * p_BQ + X_AB.p;
+}
 
 // [v]x, so that Skew(a) * b = a x b.
 inline Eigen::Matrix3d Skew(const Eigen::Vector3d& v) {
@@ -28,7 +32,8 @@ inline Eigen::Matrix3d Skew(const Eigen::Vector3d& v) {
   return m;
 }
 
-// The rotation about v by |v| rad, and its inverse: the vector (axis times angle, angle in [0, pi]) of a rotation.
+// The rotation about v by |v| rad, and its inverse: the vector (axis times angle, angle in [0, pi]) of a
+// rotation.
 Eigen::Quaterniond ExpRotation(const Eigen::Vector3d& v_rad);
 Eigen::Vector3d LogRotation(const Eigen::Quaterniond& R);
 

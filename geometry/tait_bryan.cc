@@ -8,7 +8,8 @@ namespace kestrel {
 
 Eigen::Matrix3d RotationFromTaitBryan(const TaitBryan& a) {
   // eq. (4.3) are the transposes of these three: they turn the axes, these turn the vectors
-  return (Eigen::AngleAxisd(a.yaw, Eigen::Vector3d::UnitZ()) * Eigen::AngleAxisd(a.pitch, Eigen::Vector3d::UnitY()) *
+  return (Eigen::AngleAxisd(a.yaw, Eigen::Vector3d::UnitZ()) *
+          Eigen::AngleAxisd(a.pitch, Eigen::Vector3d::UnitY()) *
           Eigen::AngleAxisd(a.roll, Eigen::Vector3d::UnitX()))
       .toRotationMatrix();
 }

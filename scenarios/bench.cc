@@ -45,15 +45,16 @@ Seeds ParseSeeds(const std::string& text) {
   Seeds seeds;
   if (dots == std::string::npos || !number(std::string_view(text).substr(0, dots), seeds.first) ||
       !number(std::string_view(text).substr(dots + 2), seeds.last) || seeds.last < seeds.first) {
-    throw InputError({fmt::format("--seeds: '{}' is not a range; valid: A..B with A <= B, such as 1..20", text)});
+    throw InputError(
+        {fmt::format("--seeds: '{}' is not a range; valid: A..B with A <= B, such as 1..20", text)});
   }
   return seeds;
 }
 
-// Flies a scenario once for each seed, several at a time; results in the order of the seeds, whatever the order of
-// their ends.
-std::vector<FlightResult> FlyAll(const std::string& scenario, const std::vector<std::string>& overrides, Seeds seeds,
-                                 int jobs, const std::string& title) {
+// Flies a scenario once for each seed, several at a time; results in the order of the seeds, whatever the
+// order of their ends.
+std::vector<FlightResult> FlyAll(const std::string& scenario, const std::vector<std::string>& overrides,
+                                 Seeds seeds, int jobs, const std::string& title) {
   std::vector<LoadedScenario> flights;
   for (std::uint64_t seed = seeds.first; seed <= seeds.last; ++seed) {
     auto all = overrides;
@@ -77,7 +78,8 @@ std::vector<FlightResult> FlyAll(const std::string& scenario, const std::vector<
         }
         ++done;
         const std::lock_guard lock(mutex);
-        if (isatty(STDERR_FILENO)) fmt::print(stderr, "\r\033[K{}: {} of {} flights", title, done.load(), flights.size());
+        if (isatty(STDERR_FILENO))
+          fmt::print(stderr, "\r\033[K{}: {} of {} flights", title, done.load(), flights.size());
       }
     });
   }
@@ -115,7 +117,8 @@ std::vector<double> Values(const std::vector<FlightResult>& flights, const std::
   std::vector<double> values;
   for (const FlightResult& flight : flights) {
     const auto found = flight.summary.metrics.find(metric);
-    values.push_back(found != flight.summary.metrics.end() ? found->second : std::numeric_limits<double>::infinity());
+    values.push_back(found != flight.summary.metrics.end() ? found->second
+                                                           : std::numeric_limits<double>::infinity());
   }
   return values;
 }
@@ -145,13 +148,16 @@ void BenchFlights(Seeds seeds, int jobs, std::vector<Figure>& table) {
     table.push_back({"pose 4.2 m, yaw RMSE", e.yaw, "deg", 0.5, false, "2"});
     table.push_back({"pose 4.2 m, frames with a fix", share(e), "share", 0.95, true, ""});
     constexpr double kHiddenFrom_s = 10;
-    const auto hidden = FlyAll("pose", {"occlusion.share=0.7", fmt::format("occlusion.from_s={}", kHiddenFrom_s)}, seeds,
-                               jobs, "pose, 70 % of the pad hidden");
+    const auto hidden =
+        FlyAll("pose", {"occlusion.share=0.7", fmt::format("occlusion.from_s={}", kHiddenFrom_s)}, seeds,
+               jobs, "pose, 70 % of the pad hidden");
     const FixErrors before = ErrorsOf(open, kHiddenFrom_s), after = ErrorsOf(hidden, kHiddenFrom_s);
     const auto level = [](const FixErrors& f) { return std::hypot(f.x, f.y); };
-    table.push_back({"70 % hidden, horizontal RMSE over that in the open", level(after) / level(before), "", 2, false, ""});
+    table.push_back({"70 % hidden, horizontal RMSE over that in the open", level(after) / level(before), "",
+                     2, false, ""});
     table.push_back({"70 % hidden, z RMSE over that in the open", after.z / before.z, "", 2, false, ""});
-    table.push_back({"70 % hidden, yaw RMSE over that in the open", after.yaw / before.yaw, "", 2, false, ""});
+    table.push_back(
+        {"70 % hidden, yaw RMSE over that in the open", after.yaw / before.yaw, "", 2, false, ""});
     table.push_back({"70 % hidden, horizontal RMSE", level(after), "m", 0.1, false, "still tracked"});
     table.push_back({"70 % hidden, frames with a fix", share(after), "share", 0.9, true, "still tracked"});
   }
@@ -165,8 +171,10 @@ void BenchFlights(Seeds seeds, int jobs, std::vector<Figure>& table) {
   }
   {
     const auto flights = FlyAll("hover", {}, seeds, jobs, "hover at 3 m");
-    table.push_back({"hover 3 m, horizontal RMSE", Rms(Values(flights, "hold_horizontal_rmse_m")), "m", 0.08, false, "about 0.5"});
-    table.push_back({"hover 3 m, vertical RMSE", Rms(Values(flights, "hold_vertical_rmse_m")), "m", 0.05, false, "about 0.5"});
+    table.push_back({"hover 3 m, horizontal RMSE", Rms(Values(flights, "hold_horizontal_rmse_m")), "m", 0.08,
+                     false, "about 0.5"});
+    table.push_back({"hover 3 m, vertical RMSE", Rms(Values(flights, "hold_vertical_rmse_m")), "m", 0.05,
+                     false, "about 0.5"});
     table.push_back({"hover 3 m, latest settling", Largest(Values(flights, "settle_s")), "s", 15, false, ""});
   }
   {
@@ -175,24 +183,32 @@ void BenchFlights(Seeds seeds, int jobs, std::vector<Figure>& table) {
       return f.summary.outcome == "landed" && f.summary.metrics.contains("rest_error_m");
     });
     const std::vector<double> error = Values(flights, "touchdown_error_m");
-    table.push_back({"landing, share that landed", static_cast<double>(landed) / static_cast<double>(flights.size()), "", 1, true, ""});
-    table.push_back({"landing, touch-down error, median", Quantile(error, 0.5), "m", 0.05, false, "not given"});
-    table.push_back({"landing, touch-down error, 95th percentile", Quantile(error, 0.95), "m", 0.12, false, "not given"});
-    table.push_back({"landing, greatest sink rate", Largest(Values(flights, "touchdown_sink_m_s")), "m/s", 0.4, false, "0.2"});
-    table.push_back({"landing, greatest tilt", Largest(Values(flights, "touchdown_tilt_deg")), "deg", 8, false, ""});
+    table.push_back({"landing, share that landed",
+                     static_cast<double>(landed) / static_cast<double>(flights.size()), "", 1, true, ""});
+    table.push_back(
+        {"landing, touch-down error, median", Quantile(error, 0.5), "m", 0.05, false, "not given"});
+    table.push_back(
+        {"landing, touch-down error, 95th percentile", Quantile(error, 0.95), "m", 0.12, false, "not given"});
+    table.push_back({"landing, greatest sink rate", Largest(Values(flights, "touchdown_sink_m_s")), "m/s",
+                     0.4, false, "0.2"});
+    table.push_back(
+        {"landing, greatest tilt", Largest(Values(flights, "touchdown_tilt_deg")), "deg", 8, false, ""});
   }
 }
 
 void BenchDrift(Seeds seeds, int jobs, std::vector<Figure>& table) {
   const auto errors = [&](bool registration) {
-    return ErrorsOf(FlyAll("pose", {fmt::format("pilot.tracker.registration={}", registration), "duration_s=60"}, seeds, jobs,
-                           registration ? "registered" : "chained"),
-                    30);
+    return ErrorsOf(
+        FlyAll("pose", {fmt::format("pilot.tracker.registration={}", registration), "duration_s=60"}, seeds,
+               jobs, registration ? "registered" : "chained"),
+        30);
   };
   const FixErrors chained = errors(false), registered = errors(true);
   const auto all = [](const FixErrors& e) { return std::sqrt(e.x * e.x + e.y * e.y + e.z * e.z); };
-  table.push_back({"chain of homographies alone, position RMSE after 30 to 60 s", all(chained), "m", 10, false, ""});
-  table.push_back({"registered to the reference, position RMSE after 30 to 60 s", all(registered), "m", 0.08, false, ""});
+  table.push_back(
+      {"chain of homographies alone, position RMSE after 30 to 60 s", all(chained), "m", 10, false, ""});
+  table.push_back(
+      {"registered to the reference, position RMSE after 30 to 60 s", all(registered), "m", 0.08, false, ""});
   table.push_back({"gain of the registration", all(chained) / all(registered), "times", 3, true, ""});
 }
 
@@ -219,11 +235,13 @@ void BenchHeights(Seeds seeds, std::vector<Figure>& table) {
         const double t = k / 20.0;
         const double h = 3 * std::pow(height / 3, std::min(1.0, static_cast<double>(k) / kTravel));
         const auto sway = [&](int i, double hz) { return std::sin(6.283 * hz * t + phase(i)); };
-        const Pose X_TC = Pose{Eigen::Quaterniond(RotationFromTaitBryan({0.2 * sway(0, 0.1), 0.06 * sway(1, 0.5),
-                                                                         0.06 * sway(2, 0.4)})),
-                               {0.06 * h * sway(3, 0.3), 0.06 * h * sway(4, 0.25), -h * (1 + 0.03 * sway(5, 0.2))}} *
-                          MountPose({.position_m = Eigen::Vector3d::Zero()});
-        const auto observation = tracker.Track(sensor.Expose(renderer.Render(data.get(), X_NT * X_TC), k), std::nullopt);
+        const Pose X_TC =
+            Pose{Eigen::Quaterniond(
+                     RotationFromTaitBryan({0.2 * sway(0, 0.1), 0.06 * sway(1, 0.5), 0.06 * sway(2, 0.4)})),
+                 {0.06 * h * sway(3, 0.3), 0.06 * h * sway(4, 0.25), -h * (1 + 0.03 * sway(5, 0.2))}} *
+            MountPose({.position_m = Eigen::Vector3d::Zero()});
+        const auto observation =
+            tracker.Track(sensor.Expose(renderer.Render(data.get(), X_NT * X_TC), k), std::nullopt);
         if (k < kTravel) continue;
         ++frames;
         if (!observation || !observation->registered) continue;
@@ -231,10 +249,10 @@ void BenchHeights(Seeds seeds, std::vector<Figure>& table) {
         square += (observation->X_CT.Inverse().p - X_TC.p).squaredNorm();
       }
     }
-    table.push_back({fmt::format("{:g} m, frames tracked", height), static_cast<double>(seen) / frames, "share", 0.95, true,
-                     height < 0.5 || height > 12 ? "beyond 0.5 to 12 m" : "tracked"});
-    table.push_back({fmt::format("{:g} m, position RMSE, vision alone", height), std::sqrt(square / std::max(seen, 1)), "m",
-                     0.02 + 0.03 * height, false, ""});
+    table.push_back({fmt::format("{:g} m, frames tracked", height), static_cast<double>(seen) / frames,
+                     "share", 0.95, true, height < 0.5 || height > 12 ? "beyond 0.5 to 12 m" : "tracked"});
+    table.push_back({fmt::format("{:g} m, position RMSE, vision alone", height),
+                     std::sqrt(square / std::max(seen, 1)), "m", 0.02 + 0.03 * height, false, ""});
   }
 }
 
@@ -245,16 +263,20 @@ void BenchSpeed(Seeds seeds, std::vector<Figure>& table) {
     vision.push_back(flight.summary.stages.at("vision").mean_ms);
     factor.push_back(flight.summary.sim_s / flight.summary.wall_s);
     const Summary& s = flight.summary;
-    fmt::print("seed {}: {:.1f} x real time; ms a frame, mean and 99th percentile:", s.seed, s.sim_s / s.wall_s);
-    for (const auto& [stage, time] : s.stages) fmt::print("  {} {:.2f} {:.2f}", stage, time.mean_ms, time.p99_ms);
+    fmt::print("seed {}: {:.1f} x real time; ms a frame, mean and 99th percentile:", s.seed,
+               s.sim_s / s.wall_s);
+    for (const auto& [stage, time] : s.stages)
+      fmt::print("  {} {:.2f} {:.2f}", stage, time.mean_ms, time.p99_ms);
     fmt::print("\n");
   }
   table.push_back({"vision, one core, mean a frame", Quantile(vision, 0.5), "ms", 8, false, "83"});
-  table.push_back({"whole loop, 640x480, 20 frames/s, no video", Quantile(factor, 0.5), "x real time", 4, true, "1"});
+  table.push_back(
+      {"whole loop, 640x480, 20 frames/s, no video", Quantile(factor, 0.5), "x real time", 4, true, "1"});
 }
 
 void Print(const std::vector<Figure>& table) {
-  fmt::print("| {:<58} | {:>9} | {:>11} | {:>12} | {:>14} |   |\n", "figure", "thesis", "target", "measured", "unit");
+  fmt::print("| {:<58} | {:>9} | {:>11} | {:>12} | {:>14} |   |\n", "figure", "thesis", "target", "measured",
+             "unit");
   fmt::print("|{:-<60}|{:-<11}|{:-<13}|{:-<14}|{:-<16}|---|\n", "", "", "", "", "");
   for (const Figure& f : table) {
     fmt::print("| {:<58} | {:>9} | {:>2} {:>8.4g} | {:>12.4g} | {:>14} | {} |\n", f.name, f.reference,
@@ -265,8 +287,12 @@ void Print(const std::vector<Figure>& table) {
 void WriteJson(const std::string& file, const std::vector<Figure>& table) {
   nlohmann::ordered_json all = nlohmann::ordered_json::array();
   for (const Figure& f : table) {
-    all.push_back({{"name", f.name}, {"value", f.value}, {"unit", f.unit}, {"target", f.target},
-                   {"reference", f.reference}, {"met", f.Met()}});
+    all.push_back({{"name", f.name},
+                   {"value", f.value},
+                   {"unit", f.unit},
+                   {"target", f.target},
+                   {"reference", f.reference},
+                   {"met", f.Met()}});
   }
   WriteFile(file, all.dump(2) + "\n");
 }

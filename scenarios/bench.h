@@ -7,7 +7,7 @@
 namespace kestrel {
 
 struct BenchArguments {
-  std::string name;            // empty: all
+  std::string name;  // empty: all
   std::string seeds = "1..20";
   int jobs = 2;
   std::string json;

@@ -33,7 +33,8 @@ struct StageTime {
 
 // summary.json
 struct Summary {
-  std::string scenario, version, renderer, outcome, error;  // error: why a run broke off, empty when it did not
+  std::string scenario, version, renderer, outcome,
+      error;  // error: why a run broke off, empty when it did not
   std::uint64_t seed = 0;
   bool complete = false, passed = false;
   std::vector<Criterion> criteria;

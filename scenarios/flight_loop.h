@@ -16,9 +16,9 @@ struct NotANumber : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// The flight loop, the same for the simulator and for a real aircraft: until the camera's stream or the mission ends.
-// record is called once for each frame and returns whether to go on. Returns the mission's outcome; empty: the
-// stream ended first, or record said so.
+// The flight loop, the same for the simulator and for a real aircraft: until the camera's stream or the
+// mission ends. record is called once for each frame and returns whether to go on. Returns the mission's
+// outcome; empty: the stream ended first, or record said so.
 std::string Fly(Camera& camera, Autopilot& autopilot, Mission& mission,
                 const std::function<bool(const Frame&, const VehicleState&, const Decision&)>& record);
 

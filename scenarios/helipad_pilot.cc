@@ -42,8 +42,8 @@ Decision HelipadPilot::See(const Frame& frame, const VehicleState& state) {
   fix_.reset();
   if (seen_) {
     if (const auto X_TB = estimator_.Correct(frame.t_s, seen_->X_CT, seen_->covariance)) {
-      fix_ = TargetFix{X_TB->p,           YawOf(X_TB->R), seen_->inliers,
-                       seen_->residual_px, seen_->visible, seen_->registered};
+      fix_ = TargetFix{X_TB->p,        YawOf(X_TB->R),   seen_->inliers, seen_->residual_px,
+                       seen_->visible, seen_->registered};
     }
   }
   estimate_ = estimator_.At(state.t_s);
@@ -86,7 +86,8 @@ std::optional<Setpoint> HelipadPilot::Search(const VehicleState& state) {
   return GrowingSquare(state);
 }
 
-// Legs north, east, south, west, each pair one stride longer, about where the pad was last seen or the search began.
+// Legs north, east, south, west, each pair one stride longer, about where the pad was last seen or the search
+// began.
 Setpoint HelipadPilot::GrowingSquare(const VehicleState& state) {
   const bool reached = (state.p_NB - waypoint_.p_N).norm() < kWaypointReached_m;
   if (leg_ < 0) {
@@ -94,7 +95,8 @@ Setpoint HelipadPilot::GrowingSquare(const VehicleState& state) {
     waypoint_ = {{last_place_N_.x(), last_place_N_.y(), state.p_NB.z()}, YawOf(state.R_NB)};
     if (!placed_) waypoint_.p_N = state.p_NB;
   } else if (reached) {
-    const double view_m = -state.p_NB.z() * std::min(camera_.width_px / camera_.fx, camera_.height_px / camera_.fy);
+    const double view_m =
+        -state.p_NB.z() * std::min(camera_.width_px / camera_.fx, camera_.height_px / camera_.fy);
     const double length = kLegOverlap * view_m * (1 + leg_ / 2);
     const int direction = leg_++ % 4;
     waypoint_.p_N.x() += direction == 0 ? length : direction == 2 ? -length : 0;
@@ -110,7 +112,8 @@ void HelipadPilot::Draw(cv::Mat& bgr, std::string_view phase) const {
   if (seen_) {
     for (const auto& p : tracker_.inlier_points()) cv::circle(bgr, point(p), 3, kInlier, 1, cv::LINE_AA);
     std::vector<cv::Point> outline;
-    for (const auto& corner : tracker_.reference().Outline()) outline.push_back(point(Transfer(seen_->H_w, corner)));
+    for (const auto& corner : tracker_.reference().Outline())
+      outline.push_back(point(Transfer(seen_->H_w, corner)));
     cv::polylines(bgr, outline, true, kOutline, 2, cv::LINE_AA);
     const auto origin = camera_.Project(seen_->X_CT.p);
     const cv::Scalar colours[3] = {{60, 60, 255}, {60, 220, 60}, {255, 120, 60}};
@@ -118,7 +121,8 @@ void HelipadPilot::Draw(cv::Mat& bgr, std::string_view phase) const {
       // z is drawn upwards: down into the ground it would hide behind the pad
       const Eigen::Vector3d tip = (axis == 2 ? -0.35 : 0.35) * Eigen::Vector3d::Unit(axis);
       const auto end = camera_.Project(seen_->X_CT * tip);
-      if (origin && end) cv::arrowedLine(bgr, point(*origin), point(*end), colours[axis], 2, cv::LINE_AA, 0, 0.12);
+      if (origin && end)
+        cv::arrowedLine(bgr, point(*origin), point(*end), colours[axis], 2, cv::LINE_AA, 0, 0.12);
     }
   }
   const auto line = [&](int row, const std::string& text) {

@@ -15,9 +15,9 @@ namespace kestrel {
 
 // What to do while the pad is out of sight: stop, climb to see more, then fly a growing square.
 struct SearchParameters {
-  double stop_s = 0.5;       // a pad lost for less is waited for
+  double stop_s = 0.5;  // a pad lost for less is waited for
   double climb_m_s = 0.8;
-  double ceiling_m = 12;     // of the aircraft above the origin of N
+  double ceiling_m = 12;  // of the aircraft above the origin of N
   double give_up_s = 90;
 };
 
@@ -44,11 +44,12 @@ void Fields(Visitor& v, PilotParameters& p) {
   v("search", p.search);
 }
 
-// What every helipad flight shares: it sees the pad, knows where the aircraft is over it, servoes to a place over it,
-// and searches when it is lost.
+// What every helipad flight shares: it sees the pad, knows where the aircraft is over it, servoes to a place
+// over it, and searches when it is lost.
 class HelipadPilot {
  public:
-  HelipadPilot(PadReference reference, const Pinhole& camera, const Pose& X_BC, const PilotParameters& parameters);
+  HelipadPilot(PadReference reference, const Pinhole& camera, const Pose& X_BC,
+               const PilotParameters& parameters);
 
   // Looks at a frame: fills the target, fix and vision_s of a new decision.
   Decision See(const Frame& frame, const VehicleState& state);
@@ -80,7 +81,7 @@ class HelipadPilot {
   std::optional<TargetFix> fix_;
   double latency_s_ = 0;
 
-  std::optional<double> lost_since_s_;          // of the search
+  std::optional<double> lost_since_s_;                      // of the search
   Eigen::Vector3d last_place_N_ = Eigen::Vector3d::Zero();  // the pad on the autopilot's map, when last seen
   bool placed_ = false;
   int leg_ = -1;

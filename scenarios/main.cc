@@ -42,9 +42,10 @@ class Progress {
     last_ = now;
     shown_ = true;
     const double wall_s = std::chrono::duration<double>(now - start_).count();
-    fmt::print(stderr, "\r\033[K{:6.1f} of at most {:.0f} s  {:4.1f} x real time  {:<10} pad {:<8} height {:5.2f} m",
-               row.now.t_s, duration_s_, row.now.t_s / std::max(wall_s, 1e-3), row.decision.phase, row.decision.target,
-               row.now.X_NT.p.z() - row.now.X_NB.p.z());
+    fmt::print(stderr,
+               "\r\033[K{:6.1f} of at most {:.0f} s  {:4.1f} x real time  {:<10} pad {:<8} height {:5.2f} m",
+               row.now.t_s, duration_s_, row.now.t_s / std::max(wall_s, 1e-3), row.decision.phase,
+               row.decision.target, row.now.X_NT.p.z() - row.now.X_NB.p.z());
     std::fflush(stderr);
   }
 
@@ -100,8 +101,8 @@ int List() {
   for (const std::string& name : ScenarioNames()) {
     try {
       const Scenario s = LoadScenario(name).scenario;
-      fmt::print("{:<18} mission {:<8} {:>4.0f} s  {}, {}, {}\n", name, s.mission, s.duration_s, s.vehicle, s.camera,
-                 s.world);
+      fmt::print("{:<18} mission {:<8} {:>4.0f} s  {}, {}, {}\n", name, s.mission, s.duration_s, s.vehicle,
+                 s.camera, s.world);
     } catch (const InputError& e) {
       fmt::print("{:<18} not valid: {}\n", name, e.what());
     }
@@ -112,18 +113,22 @@ int List() {
 int Main(int argc, char** argv) {
   // The second core draws the next image; threads inside OpenCV would only wait for it.
   cv::setNumThreads(1);
-  CLI::App app{"Kestrel: flight by vision, in the loop.\n\nExit status: 0 the run met its criteria, 1 it did not, "
-               "2 bad input, 3 the run broke off."};
+  CLI::App app{
+      "Kestrel: flight by vision, in the loop.\n\nExit status: 0 the run met its criteria, 1 it did not, "
+      "2 bad input, 3 the run broke off."};
   app.require_subcommand(1);
   app.set_version_flag("--version", KESTREL_VERSION);
-  app.footer("Examples:\n  kestrel run landing\n  kestrel run hover --seed 7 --set wind.mean_m_s=5 --out /tmp/hover\n"
-             "  kestrel check my_flight.yaml\n  kestrel bench flights --seeds 1..20");
+  app.footer(
+      "Examples:\n  kestrel run landing\n  kestrel run hover --seed 7 --set wind.mean_m_s=5 --out "
+      "/tmp/hover\n"
+      "  kestrel check my_flight.yaml\n  kestrel bench flights --seeds 1..20");
 
   RunArguments run;
   CLI::App* run_command = app.add_subcommand("run", "Fly a scenario and record it");
   run_command->add_option("scenario", run.scenario, "A name that `list` shows, or a YAML file")->required();
   run_command->add_option("--seed", run.seed, "Of everything random, instead of the scenario's");
-  run_command->add_option("--set", run.overrides, "key.path=value, instead of the scenario's; may be repeated");
+  run_command->add_option("--set", run.overrides,
+                          "key.path=value, instead of the scenario's; may be repeated");
   run_command->add_option("--out", run.out, "Folder for the records (default results/runs/NAME-SEED)");
   run_command->add_flag("--no-video", run.no_video, "Do not write video.mp4");
   run_command->add_option("--junit", run.junit, "Also write the criteria as JUnit XML to this file");
@@ -133,7 +138,8 @@ int Main(int argc, char** argv) {
 
   std::string check_file;
   std::vector<std::string> check_overrides;
-  CLI::App* check_command = app.add_subcommand("check", "Validate a scenario and its models without flying it");
+  CLI::App* check_command =
+      app.add_subcommand("check", "Validate a scenario and its models without flying it");
   check_command->add_option("file", check_file, "A name that `list` shows, or a YAML file")->required();
   check_command->add_option("--set", check_overrides, "key.path=value, as for run");
 
@@ -142,7 +148,9 @@ int Main(int argc, char** argv) {
   bench_command->add_option("name", bench.name, "flights, drift, heights, speed; all when none is given")
       ->check(CLI::IsMember(BenchNames()));
   bench_command->add_option("--seeds", bench.seeds, "A..B, first and last")->capture_default_str();
-  bench_command->add_option("--jobs", bench.jobs, "Flights at the same time")->check(CLI::Range(1, 256))->capture_default_str();
+  bench_command->add_option("--jobs", bench.jobs, "Flights at the same time")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
   bench_command->add_option("--json", bench.json, "Also write the figures as JSON to this file");
 
   try {

@@ -27,11 +27,24 @@ double TiltOf(const Pose& X_NB) {
 }  // namespace
 
 std::vector<std::string> MetricNames() {
-  return {"fix_x_rmse_m",          "fix_y_rmse_m",      "fix_z_rmse_m",       "fix_yaw_rmse_deg",
-          "fix_share",             "longest_loss_s",    "settle_s",           "hold_horizontal_rmse_m",
-          "hold_vertical_rmse_m",  "hold_yaw_rmse_deg", "touchdown_error_m",  "touchdown_sink_m_s",
-          "touchdown_tilt_deg",    "touchdown_speed_m_s", "touchdown_s",      "rest_error_m",
-          "rest_tilt_deg",         "greatest_tilt_deg"};
+  return {"fix_x_rmse_m",
+          "fix_y_rmse_m",
+          "fix_z_rmse_m",
+          "fix_yaw_rmse_deg",
+          "fix_share",
+          "longest_loss_s",
+          "settle_s",
+          "hold_horizontal_rmse_m",
+          "hold_vertical_rmse_m",
+          "hold_yaw_rmse_deg",
+          "touchdown_error_m",
+          "touchdown_sink_m_s",
+          "touchdown_tilt_deg",
+          "touchdown_speed_m_s",
+          "touchdown_s",
+          "rest_error_m",
+          "rest_tilt_deg",
+          "greatest_tilt_deg"};
 }
 
 std::map<std::string, double> Metrics(const std::vector<LogRow>& rows, const std::optional<Truth>& touch) {

@@ -13,16 +13,17 @@ namespace kestrel {
 // Every metric that a run may have, for checking the names of criteria.
 std::vector<std::string> MetricNames();
 
-// What a flight did, judged by the truth alone. touch: the instant before the first touch-down. Metrics that do not
-// apply (no fix, no goal, no landing) are not there.
+// What a flight did, judged by the truth alone. touch: the instant before the first touch-down. Metrics that
+// do not apply (no fix, no goal, no landing) are not there.
 //   fix_{x,y,z}_rmse_m, fix_yaw_rmse_deg  camera fix less truth in the pad's frame, at the exposures
 //   fix_share                             share of the frames with a fix
 //   longest_loss_s                        longest time without one, from the first fix on
-//   settle_s                              first time from which the flight stayed within 0.15 m of its goal for 3 s
-//   hold_horizontal_rmse_m, hold_vertical_rmse_m, hold_yaw_rmse_deg
+//   settle_s                              first time from which the flight stayed within 0.15 m of its goal
+//   for 3 s hold_horizontal_rmse_m, hold_vertical_rmse_m, hold_yaw_rmse_deg
 //                                         distance from the goal from 15 s on
 //   touchdown_error_m, touchdown_sink_m_s, touchdown_tilt_deg, touchdown_speed_m_s, touchdown_s
-//                                         at the first touch: from the pad's centre, downwards, from level, sideways
+//                                         at the first touch: from the pad's centre, downwards, from level,
+//                                         sideways
 //   rest_error_m, rest_tilt_deg           at the end of a landing
 //   greatest_tilt_deg                     of the flight
 std::map<std::string, double> Metrics(const std::vector<LogRow>& rows, const std::optional<Truth>& touch);

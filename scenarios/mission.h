@@ -22,19 +22,19 @@ struct TargetFix {
 
 // What the flight code decided on one frame.
 struct Decision {
-  std::optional<Setpoint> setpoint;   // none: the last one stands until it is stale
-  std::string_view phase;             // of the flight plan: "search", "centre", "descend", ...
-  std::string_view target;            // "tracked", "found" (in this frame), "lost"
-  std::optional<TargetFix> fix;       // none while the target is lost
-  double fix_age_s = 0;               // time since the exposure of the newest fix; grows while lost
+  std::optional<Setpoint> setpoint;       // none: the last one stands until it is stale
+  std::string_view phase;                 // of the flight plan: "search", "centre", "descend", ...
+  std::string_view target;                // "tracked", "found" (in this frame), "lost"
+  std::optional<TargetFix> fix;           // none while the target is lost
+  double fix_age_s = 0;                   // time since the exposure of the newest fix; grows while lost
   std::optional<Eigen::Vector3d> goal_T;  // where the aircraft is meant to be, in the target's frame, m
-  std::string_view outcome;           // not empty: the flight is over, and this is how
-  double vision_s = 0;                // time spent on the image; the mission measures it
-  double control_s = 0;               // the rest of the step; the flight loop measures it
+  std::string_view outcome;               // not empty: the flight is over, and this is how
+  double vision_s = 0;                    // time spent on the image; the mission measures it
+  double control_s = 0;                   // the rest of the step; the flight loop measures it
 };
 
-// A flight's own code: vision pipeline and control law with their state. It sees frames and the autopilot's estimate,
-// never the simulator, its truth or a clock.
+// A flight's own code: vision pipeline and control law with their state. It sees frames and the autopilot's
+// estimate, never the simulator, its truth or a clock.
 class Mission {
  public:
   virtual ~Mission() = default;

@@ -24,7 +24,8 @@ StageTime Statistics(std::vector<double> seconds) {
   if (seconds.empty()) return {};
   double sum = 0;
   for (const double s : seconds) sum += s;
-  const std::size_t rank = static_cast<std::size_t>(std::ceil(0.99 * static_cast<double>(seconds.size()))) - 1;
+  const std::size_t rank =
+      static_cast<std::size_t>(std::ceil(0.99 * static_cast<double>(seconds.size()))) - 1;
   std::nth_element(seconds.begin(), seconds.begin() + static_cast<std::ptrdiff_t>(rank), seconds.end());
   return {1e3 * sum / static_cast<double>(seconds.size()), 1e3 * seconds[rank]};
 }
@@ -33,7 +34,8 @@ void Judge(const std::map<std::string, Limit>& limits, Summary& summary) {
   const auto add = [&](const std::string& name, double limit, bool at_least) {
     const auto found = summary.metrics.find(name);
     // What could not be measured did not happen: no touch-down, no fix.
-    const double value = found != summary.metrics.end() ? found->second : std::numeric_limits<double>::quiet_NaN();
+    const double value =
+        found != summary.metrics.end() ? found->second : std::numeric_limits<double>::quiet_NaN();
     summary.criteria.push_back({name, value, limit, at_least, at_least ? value >= limit : value <= limit});
   };
   for (const auto& [name, limit] : limits) {
@@ -73,31 +75,32 @@ FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) 
   std::vector<double> vision_s, control_s, record_s;
   bool stopped = false;
   try {
-    summary.outcome = Fly(simulator, simulator, *mission,
-                          [&](const Frame& frame, const VehicleState& state, const Decision& decision) {
-                            const auto began = std::chrono::steady_clock::now();
-                            result.rows.push_back({frame.sequence, simulator.exposure(), simulator.truth(), state, decision});
-                            const LogRow& row = result.rows.back();
-                            if (recorder) {
-                              recorder->Write(row);
-                              events->Write(row);
-                              if (recorder->wants_images()) {
-                                cv::Mat drawn;
-                                if (frame.image.channels() == 1) {
-                                  cv::cvtColor(frame.image, drawn, cv::COLOR_GRAY2BGR);
-                                } else {
-                                  drawn = frame.image.clone();
-                                }
-                                mission->Draw(drawn);
-                                recorder->WriteImage(drawn);
-                              }
-                            }
-                            vision_s.push_back(decision.vision_s);
-                            control_s.push_back(decision.control_s);
-                            record_s.push_back(SecondsSince(began));
-                            stopped = options.progress && !options.progress(row);
-                            return !stopped;
-                          });
+    summary.outcome = Fly(
+        simulator, simulator, *mission,
+        [&](const Frame& frame, const VehicleState& state, const Decision& decision) {
+          const auto began = std::chrono::steady_clock::now();
+          result.rows.push_back({frame.sequence, simulator.exposure(), simulator.truth(), state, decision});
+          const LogRow& row = result.rows.back();
+          if (recorder) {
+            recorder->Write(row);
+            events->Write(row);
+            if (recorder->wants_images()) {
+              cv::Mat drawn;
+              if (frame.image.channels() == 1) {
+                cv::cvtColor(frame.image, drawn, cv::COLOR_GRAY2BGR);
+              } else {
+                drawn = frame.image.clone();
+              }
+              mission->Draw(drawn);
+              recorder->WriteImage(drawn);
+            }
+          }
+          vision_s.push_back(decision.vision_s);
+          control_s.push_back(decision.control_s);
+          record_s.push_back(SecondsSince(began));
+          stopped = options.progress && !options.progress(row);
+          return !stopped;
+        });
     if (summary.outcome.empty()) summary.outcome = stopped ? "interrupted" : "completed";
     if (stopped) summary.error = "interrupted";
   } catch (const std::exception& e) {

@@ -12,9 +12,9 @@
 namespace kestrel {
 
 struct RunOptions {
-  std::optional<std::filesystem::path> folder;         // of the records; none: nothing is written
+  std::optional<std::filesystem::path> folder;  // of the records; none: nothing is written
   bool video = true;
-  std::function<bool(const LogRow&)> progress;         // after each frame; false breaks the run off
+  std::function<bool(const LogRow&)> progress;  // after each frame; false breaks the run off
 };
 
 struct FlightResult {
@@ -22,8 +22,8 @@ struct FlightResult {
   std::vector<LogRow> rows;
 };
 
-// Flies a scenario in the simulator. What breaks a run off (a state that is no number, a disk that is full) is in the
-// summary's error. Throws std::runtime_error if it cannot even begin: no OpenGL context, no folder.
+// Flies a scenario in the simulator. What breaks a run off (a state that is no number, a disk that is full)
+// is in the summary's error. Throws std::runtime_error if it cannot even begin: no OpenGL context, no folder.
 FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options);
 
 }  // namespace kestrel

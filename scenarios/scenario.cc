@@ -36,7 +36,8 @@ std::vector<std::string> NamesOf(const std::variant<Each...>&) {
 template <std::size_t index = 0>
 void Select(const std::string& mission, Flight& flight) {
   if constexpr (index < std::variant_size_v<Flight>) {
-    if (std::variant_alternative_t<index, Flight>::kName != mission) return Select<index + 1>(mission, flight);
+    if (std::variant_alternative_t<index, Flight>::kName != mission)
+      return Select<index + 1>(mission, flight);
     if (flight.index() != index) flight.emplace<index>();
   }
 }
@@ -59,9 +60,10 @@ bool Known(const std::string& what, const std::string& name, const std::vector<s
            const std::string& where, Mistakes& mistakes) {
   if (std::find(names.begin(), names.end(), name) != names.end()) return true;
   const auto near = NearestName(name, names);
-  mistakes.Add(where, what, fmt::format("there is no {} '{}'; {}", what, name,
-                                        near ? fmt::format("did you mean '{}'?", *near)
-                                             : fmt::format("valid: {}", fmt::join(names, ", "))));
+  mistakes.Add(where, what,
+               fmt::format("there is no {} '{}'; {}", what, name,
+                           near ? fmt::format("did you mean '{}'?", *near)
+                                : fmt::format("valid: {}", fmt::join(names, ", "))));
   return false;
 }
 
@@ -107,7 +109,8 @@ LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<s
   const std::string where = file.string();
   for (const auto& [metric, limit] : s.criteria) {
     Known("criteria", metric, MetricNames(), where, mistakes);
-    if (!limit.max && !limit.min) mistakes.Add(where, "criteria." + metric, "has no limit; valid: max, min or both");
+    if (!limit.max && !limit.min)
+      mistakes.Add(where, "criteria." + metric, "has no limit; valid: max, min or both");
   }
 
   SimulatorParameters& sim = loaded.simulator;
@@ -129,8 +132,9 @@ LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<s
     Read(LoadConfig(camera, {}, mistakes), sim.camera, mistakes);
     if (mistakes.messages().size() == mistakes_before &&
         std::abs(sim.camera.fx - sim.camera.fy) > 1e-9 * sim.camera.fx) {
-      mistakes.Add(camera.string(), "fy_px", fmt::format("{} differs from fx_px = {}; the renderer draws square pixels only",
-                                                         sim.camera.fy, sim.camera.fx));
+      mistakes.Add(camera.string(), "fy_px",
+                   fmt::format("{} differs from fx_px = {}; the renderer draws square pixels only",
+                               sim.camera.fy, sim.camera.fx));
     }
   }
   if (Known("pad", s.pad.name, NamesIn(models / "pads", ""), where, mistakes)) {
@@ -143,10 +147,12 @@ LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<s
                    fmt::format("{} cannot be read as an image", sim.scene.pad_texture.string()));
     } else if (!std::has_single_bit(static_cast<unsigned>(picture.cols)) ||
                !std::has_single_bit(static_cast<unsigned>(picture.rows))) {
-      mistakes.Add((folder / (s.pad.name + ".yaml")).string(), "texture",
-                   fmt::format("{} has {} x {} pixels; the sides must be powers of two (2048 x 2048), or OpenGL draws the "
-                               "pad askew from far away",
-                               sim.scene.pad_texture.string(), picture.cols, picture.rows));
+      mistakes.Add(
+          (folder / (s.pad.name + ".yaml")).string(), "texture",
+          fmt::format(
+              "{} has {} x {} pixels; the sides must be powers of two (2048 x 2048), or OpenGL draws the "
+              "pad askew from far away",
+              sim.scene.pad_texture.string(), picture.cols, picture.rows));
     } else {
       loaded.pad = MakePadReference(picture, sim.scene.pad.size_m.x(), sim.scene.pad.size_m.y());
     }
@@ -173,8 +179,10 @@ LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<s
 }
 
 std::unique_ptr<Mission> MakeMission(const LoadedScenario& loaded) {
-  HelipadPilot pilot(loaded.pad, loaded.simulator.camera, MountPose(loaded.simulator.mount), loaded.scenario.pilot);
-  return std::visit([&](const auto& flight) { return MakeMission(flight, std::move(pilot)); }, loaded.scenario.flight);
+  HelipadPilot pilot(loaded.pad, loaded.simulator.camera, MountPose(loaded.simulator.mount),
+                     loaded.scenario.pilot);
+  return std::visit([&](const auto& flight) { return MakeMission(flight, std::move(pilot)); },
+                    loaded.scenario.flight);
 }
 
 }  // namespace kestrel

@@ -22,7 +22,8 @@ namespace kestrel {
 using Flight = std::variant<PoseFlight, HoverFlight, LandingFlight>;
 
 std::vector<std::string> MissionNames();
-void SelectFlight(const std::string& mission, Flight& flight);  // with its defaults, unless it is that one already
+void SelectFlight(const std::string& mission,
+                  Flight& flight);  // with its defaults, unless it is that one already
 
 // What a metric must keep to for the run to pass.
 struct Limit {
@@ -99,12 +100,13 @@ struct LoadedScenario {
   PadReference pad;
 };
 
-// The folder that holds scenarios/ and models/: KESTREL_ROOT of the environment, or where the program was built from.
+// The folder that holds scenarios/ and models/: KESTREL_ROOT of the environment, or where the program was
+// built from.
 std::filesystem::path Root();
 std::vector<std::string> ScenarioNames();
 
-// A name in scenarios/, or a YAML file. overrides: "key.path=value". Throws InputError with every mistake that the
-// scenario and its models hold.
+// A name in scenarios/, or a YAML file. overrides: "key.path=value". Throws InputError with every mistake
+// that the scenario and its models hold.
 LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<std::string>& overrides = {});
 
 std::unique_ptr<Mission> MakeMission(const LoadedScenario& loaded);

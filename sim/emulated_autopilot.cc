@@ -10,7 +10,8 @@ namespace kestrel {
 namespace {
 
 constexpr double kGravity = 9.80665;
-// The inner loop that makes the aircraft follow the identified model: fast against it, slow against the motors.
+// The inner loop that makes the aircraft follow the identified model: fast against it, slow against the
+// motors.
 constexpr double kInnerFrequency_rad_s = 20;
 constexpr double kInnerDamping = 0.9;
 constexpr double kYawInnerFrequency_rad_s = 8;
@@ -105,8 +106,10 @@ EmulatedAutopilot::Demand EmulatedAutopilot::Navigate(double dt_s) {
       const auto& a = std::get<AttitudeSetpoint>(setpoint_);
       v_N_command_ = estimator_.v_N();
       const double limit = Radians(parameters_.tilt_limit_deg);
-      tilt_limited_ = std::abs(a.roll) * parameters_.roll.gain > limit || std::abs(a.pitch) * parameters_.pitch.gain > limit;
-      const double max_thrust = 4 * aircraft_.rotor.thrust_coefficient_n_s2 * std::pow(aircraft_.rotor.max_speed_rad_s, 2);
+      tilt_limited_ = std::abs(a.roll) * parameters_.roll.gain > limit ||
+                      std::abs(a.pitch) * parameters_.pitch.gain > limit;
+      const double max_thrust =
+          4 * aircraft_.rotor.thrust_coefficient_n_s2 * std::pow(aircraft_.rotor.max_speed_rad_s, 2);
       return {a.roll, a.pitch, a.yaw_rate, std::clamp(a.thrust, 0.0, 1.0) * max_thrust};
     }
     case FlightMode::kTakeOff: {
@@ -114,7 +117,8 @@ EmulatedAutopilot::Demand EmulatedAutopilot::Navigate(double dt_s) {
       v.z() = -kTakeOffClimb_m_s;
       if (estimator_.X_NB().p.z() < hold_.p_N.z() - kClearOfGround_m) {
         mode_ = FlightMode::kPosition;
-        if (!std::holds_alternative<PositionSetpoint>(setpoint_)) setpoint_ = PositionSetpoint{estimator_.X_NB().p, hold_.yaw};
+        if (!std::holds_alternative<PositionSetpoint>(setpoint_))
+          setpoint_ = PositionSetpoint{estimator_.X_NB().p, hold_.yaw};
       } else {
         v.head<2>().setZero();  // no leaning against skids that still stand
         integral_N_.head<2>().setZero();
@@ -155,10 +159,12 @@ EmulatedAutopilot::Demand EmulatedAutopilot::FollowVelocity(double dt_s, const E
   tilt_limited_ = level.norm() < a_N.head<2>().norm() - 1e-9;
   // Integrals stand still against a limit, so that nothing has to be unwound when it ends.
   if (!tilt_limited_) integral_N_.head<2>() += dt_s * parameters_.velocity_integral_per_s2 * error.head<2>();
-  if (!rotor_limited_ && throttle_down_ >= 1) integral_N_.z() += dt_s * parameters_.climb_integral_per_s2 * error.z();
+  if (!rotor_limited_ && throttle_down_ >= 1)
+    integral_N_.z() += dt_s * parameters_.climb_integral_per_s2 * error.z();
   integral_N_ = integral_N_.cwiseMax(-kIntegralLimit_m_s2).cwiseMin(kIntegralLimit_m_s2);
 
-  const Eigen::Vector3d a_H = HeadingRotation(-YawOf(estimator_.X_NB().R)) * Eigen::Vector3d(level.x(), level.y(), 0);
+  const Eigen::Vector3d a_H =
+      HeadingRotation(-YawOf(estimator_.X_NB().R)) * Eigen::Vector3d(level.x(), level.y(), 0);
   const double pitch = -std::atan2(a_H.x(), kGravity);
   const double roll = std::atan2(a_H.y() * std::cos(pitch), kGravity);
   demand.roll = roll / parameters_.roll.gain;  // the loop answers with its gain
@@ -170,18 +176,20 @@ EmulatedAutopilot::Demand EmulatedAutopilot::FollowVelocity(double dt_s, const E
   return demand;
 }
 
-// Makes the aircraft follow the identified models, whose state is the reference: feed-forward of its acceleration,
-// feedback on attitude and rate.
+// Makes the aircraft follow the identified models, whose state is the reference: feed-forward of its
+// acceleration, feedback on attitude and rate.
 RotorSpeeds EmulatedAutopilot::Stabilise(double dt_s, const Demand& demand) {
   const double limit = Radians(parameters_.tilt_limit_deg);
   const double rate_limit = Radians(parameters_.yaw_rate_limit_deg_s);
   yaw_command_ += dt_s * std::clamp(demand.yaw_rate, -rate_limit, rate_limit);
-  roll_.Step(dt_s, parameters_.roll, std::clamp(demand.roll, -limit / parameters_.roll.gain, limit / parameters_.roll.gain));
+  roll_.Step(dt_s, parameters_.roll,
+             std::clamp(demand.roll, -limit / parameters_.roll.gain, limit / parameters_.roll.gain));
   pitch_.Step(dt_s, parameters_.pitch,
               std::clamp(demand.pitch, -limit / parameters_.pitch.gain, limit / parameters_.pitch.gain));
   yaw_.Step(dt_s, parameters_.yaw, yaw_command_);
 
-  const Eigen::Quaterniond R_NR(RotationFromTaitBryan({yaw_.angle, pitch_.angle, roll_.angle}));  // R: the reference
+  const Eigen::Quaterniond R_NR(
+      RotationFromTaitBryan({yaw_.angle, pitch_.angle, roll_.angle}));  // R: the reference
   const Eigen::Vector3d error_B = LogRotation(estimator_.X_NB().R.conjugate() * R_NR);
   // Rates of the angles as a rate of the body.
   const double sr = std::sin(roll_.angle), cr = std::cos(roll_.angle);
@@ -206,7 +214,8 @@ void EmulatedAutopilot::WatchTouchDown(double dt_s, double descent_wanted) {
     touch_s_ = suspicious ? touch_s_ + dt_s : 0;
     if (touch_s_ < kTouchTime_s) return;
   }
-  if (sinking > kTouchFalling_m_s || descent_wanted <= kTouchDescent_m_s) {  // it falls, or wants to go: in the air
+  if (sinking > kTouchFalling_m_s ||
+      descent_wanted <= kTouchDescent_m_s) {  // it falls, or wants to go: in the air
     throttle_down_ = 1;
     touch_s_ = 0;
     return;

@@ -57,9 +57,9 @@ void Fields(Visitor& v, AutopilotParameters& p) {
   v("command_timeout_s", p.command_timeout_s, 0.05, 10.0);
 }
 
-// An AscTec-like low-level autopilot: an attitude loop with the identified closed-loop dynamics, velocity and height
-// loops above it, position hold above those; limits, take-off, stopping the motors on touch-down, and a hold when
-// setpoints go stale. It knows nothing but its sensors.
+// An AscTec-like low-level autopilot: an attitude loop with the identified closed-loop dynamics, velocity and
+// height loops above it, position hold above those; limits, take-off, stopping the motors on touch-down, and
+// a hold when setpoints go stale. It knows nothing but its sensors.
 class EmulatedAutopilot {
  public:
   // Switched on at the pose; flying: in the air, motors on, holding that place, otherwise on the ground.
@@ -76,7 +76,7 @@ class EmulatedAutopilot {
   void SetClock(double t_s) { t_s_ = t_s; }
 
  private:
-  struct Demand {           // what the outer loops ask of the inner
+  struct Demand {                              // what the outer loops ask of the inner
     double roll = 0, pitch = 0, yaw_rate = 0;  // rad, rad, rad/s
     double thrust_n = 0;
   };
@@ -106,8 +106,8 @@ class EmulatedAutopilot {
   double yaw_command_ = 0;
   Eigen::Vector3d v_N_command_ = Eigen::Vector3d::Zero();  // slewed by the acceleration limit
   Eigen::Vector3d integral_N_ = Eigen::Vector3d::Zero();   // m/s^2: what wind and weight ask for
-  double touch_s_ = 0;                                     // how long it has looked like standing on the ground
-  double throttle_down_ = 1;                               // share of the thrust left while making sure of that
+  double touch_s_ = 0;        // how long it has looked like standing on the ground
+  double throttle_down_ = 1;  // share of the thrust left while making sure of that
   bool tilt_limited_ = false, rotor_limited_ = false;
 };
 

@@ -5,9 +5,9 @@
 
 #include "geometry/pose.h"
 
-// The only place that knows MuJoCo's frames. M is MuJoCo's world, read as north-west-up; F is a MuJoCo body, forward-
-// left-up; G is a MuJoCo camera, looking along -z with y up. M and N, and F and B, differ by (x, -y, -z): half a turn
-// about x, its own inverse.
+// The only place that knows MuJoCo's frames. M is MuJoCo's world, read as north-west-up; F is a MuJoCo body,
+// forward- left-up; G is a MuJoCo camera, looking along -z with y up. M and N, and F and B, differ by (x, -y,
+// -z): half a turn about x, its own inverse.
 namespace kestrel {
 
 inline Eigen::Vector3d SwapNedNwu(const Eigen::Vector3d& v) { return {v.x(), -v.y(), -v.z()}; }
@@ -15,7 +15,9 @@ inline Eigen::Vector3d SwapNedNwu(const Eigen::Vector3d& v) { return {v.x(), -v.
 // R_NB from R_MF and back: the axes of both sides are swapped.
 inline Eigen::Quaterniond SwapNedNwu(const Eigen::Quaterniond& R) { return {R.w(), R.x(), -R.y(), -R.z()}; }
 
-inline Eigen::Vector3d VectorFromMujoco(const double v_M[3]) { return SwapNedNwu(Eigen::Vector3d(v_M[0], v_M[1], v_M[2])); }
+inline Eigen::Vector3d VectorFromMujoco(const double v_M[3]) {
+  return SwapNedNwu(Eigen::Vector3d(v_M[0], v_M[1], v_M[2]));
+}
 
 inline void VectorToMujoco(const Eigen::Vector3d& v_N, double v_M[3]) {
   Eigen::Map<Eigen::Vector3d>{v_M} = SwapNedNwu(v_N);

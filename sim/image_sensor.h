@@ -22,8 +22,8 @@ void Fields(Visitor& v, ImageParameters& p) {
   v("noise_grey", p.noise_grey, 0.0, 60.0);
 }
 
-// Makes a sensor's image of a rendered one: monochrome unless colour is asked for, with noise that depends on the seed
-// and the frame's sequence alone, so that frames may be made in any order on any thread.
+// Makes a sensor's image of a rendered one: monochrome unless colour is asked for, with noise that depends on
+// the seed and the frame's sequence alone, so that frames may be made in any order on any thread.
 class ImageSensor {
  public:
   ImageSensor(const ImageParameters& parameters, std::uint64_t seed);
@@ -32,8 +32,8 @@ class ImageSensor {
  private:
   bool colour_;
   std::uint64_t seed_;
-  // Noise is drawn once: each row of each frame reads it from a place of its own, so that no frame costs a million
-  // Gaussian numbers.
+  // Noise is drawn once: each row of each frame reads it from a place of its own, so that no frame costs a
+  // million Gaussian numbers.
   std::vector<std::int8_t> noise_;
 };
 

@@ -7,13 +7,13 @@
 
 namespace kestrel {
 
-// All randomness of a run comes from its one seed, through named streams ("wind", "gps", ...): a new consumer takes
-// a new name and shifts nobody else's numbers.
+// All randomness of a run comes from its one seed, through named streams ("wind", "gps", ...): a new consumer
+// takes a new name and shifts nobody else's numbers.
 class RandomStream {
  public:
   RandomStream(std::uint64_t seed, std::string_view name) : engine_(Mix(seed ^ Mix(HashOf(name)))) {}
 
-  double Normal() { return normal_(engine_); }                                   // mean 0, deviation 1
+  double Normal() { return normal_(engine_); }  // mean 0, deviation 1
   double Uniform(double low, double high) { return low + (high - low) * unit_(engine_); }  // [low, high)
 
   // A well-mixed 64-bit value of its argument (the finaliser of splitmix64).

@@ -40,12 +40,13 @@ Sensors::Sensors(const SensorParameters& parameters, std::uint64_t seed)
       accelerometer_turn_on_(parameters.accelerometer_turn_on_m_s2 * Normal3(imu_random_)),
       magnetometer_turn_on_(parameters.magnetometer_turn_on_t * Normal3(magnetometer_random_)) {}
 
-SensorReadings Sensors::Read(double dt_s, const Pose& X_NB, const Eigen::Vector3d& v_N, const Eigen::Vector3d& w_B,
-                             const Eigen::Vector3d& specific_force_B) {
+SensorReadings Sensors::Read(double dt_s, const Pose& X_NB, const Eigen::Vector3d& v_N,
+                             const Eigen::Vector3d& w_B, const Eigen::Vector3d& specific_force_B) {
   ++steps_;
   const SensorParameters& p = parameters_;
   // A walk of density k that is pulled back with time T has the stationary deviation k sqrt(T / 2).
-  gyro_.Step(dt_s, p.gyro_walk_rad_s2_rthz * std::sqrt(p.gyro_walk_time_s / 2), p.gyro_walk_time_s, imu_random_);
+  gyro_.Step(dt_s, p.gyro_walk_rad_s2_rthz * std::sqrt(p.gyro_walk_time_s / 2), p.gyro_walk_time_s,
+             imu_random_);
   accelerometer_.Step(dt_s, p.accelerometer_walk_m_s3_rthz * std::sqrt(p.accelerometer_walk_time_s / 2),
                       p.accelerometer_walk_time_s, imu_random_);
   const double root_rate = std::sqrt(1 / dt_s);
@@ -66,7 +67,8 @@ SensorReadings Sensors::Read(double dt_s, const Pose& X_NB, const Eigen::Vector3
     r.gps = gps;
   }
   if (Due(steps_, dt_s, p.barometer_rate_hz)) {
-    barometer_.Step(1 / p.barometer_rate_hz, p.barometer_m.wander, p.barometer_m.wander_time_s, barometer_random_);
+    barometer_.Step(1 / p.barometer_rate_hz, p.barometer_m.wander, p.barometer_m.wander_time_s,
+                    barometer_random_);
     r.height_m = -X_NB.p.z() + barometer_.value.x() + p.barometer_m.white * barometer_random_.Normal();
   }
   if (Due(steps_, dt_s, p.magnetometer_rate_hz)) {

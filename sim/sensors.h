@@ -12,8 +12,8 @@ namespace kestrel {
 
 // A slow wander (first-order Gauss-Markov) with white noise on top.
 struct SensorError {
-  double white = 0;          // deviation of one sample
-  double wander = 0;         // stationary deviation of the slow part
+  double white = 0;   // deviation of one sample
+  double wander = 0;  // stationary deviation of the slow part
   double wander_time_s = 100;
 };
 
@@ -29,14 +29,15 @@ struct SensorParameters {
   double accelerometer_turn_on_m_s2 = 0.196;
 
   double gps_rate_hz = 5;  // AscTec: a packet every 200 ms
-  SensorError gps_horizontal_m{0.05, 2.1, 1100};  // u-blox 6: 2.5 m half inside; time by Rankin; white part assumed
-  SensorError gps_vertical_m{0.1, 3.5, 1100};     // worse than level by the usual 1.7
-  SensorError gps_velocity_m_s{0.1, 0.03, 30};    // u-blox 6: 0.1 m/s; wander assumed
+  SensorError gps_horizontal_m{0.05, 2.1,
+                               1100};  // u-blox 6: 2.5 m half inside; time by Rankin; white part assumed
+  SensorError gps_vertical_m{0.1, 3.5, 1100};   // worse than level by the usual 1.7
+  SensorError gps_velocity_m_s{0.1, 0.03, 30};  // u-blox 6: 0.1 m/s; wander assumed
   double barometer_rate_hz = 25;
-  SensorError barometer_m{0.1, 0.5, 300};         // assumed: no figure of the AscTec's is published
+  SensorError barometer_m{0.1, 0.5, 300};  // assumed: no figure of the AscTec's is published
   double magnetometer_rate_hz = 25;
-  double magnetometer_white_t = 80e-9;            // RotorS
-  double magnetometer_turn_on_t = 400e-9;         // RotorS
+  double magnetometer_white_t = 80e-9;     // RotorS
+  double magnetometer_turn_on_t = 400e-9;  // RotorS
 };
 
 template <class Visitor>
@@ -80,21 +81,22 @@ struct GpsSample {
 struct SensorReadings {
   ImuSample imu;
   std::optional<GpsSample> gps;
-  std::optional<double> height_m;        // of the barometer, above the origin of N
+  std::optional<double> height_m;          // of the barometer, above the origin of N
   std::optional<Eigen::Vector3d> field_B;  // magnetometer, T
 };
 
-// The earth's magnetic field in N, T: Madrid, 44.5 uT with a dip of 55 degrees; declination left out, so that magnetic
-// north is north.
+// The earth's magnetic field in N, T: Madrid, 44.5 uT with a dip of 55 degrees; declination left out, so that
+// magnetic north is north.
 Eigen::Vector3d EarthField_N();
 
-// The sensors of an autopilot: truth in, readings with their errors out. GPS and barometer are referred to where and
-// when the autopilot was switched on, so their wander starts at zero.
+// The sensors of an autopilot: truth in, readings with their errors out. GPS and barometer are referred to
+// where and when the autopilot was switched on, so their wander starts at zero.
 class Sensors {
  public:
   Sensors(const SensorParameters& parameters, std::uint64_t seed);
 
-  // Truth over the last step: the aircraft's pose and velocity at its end, its angular rate and specific force in B.
+  // Truth over the last step: the aircraft's pose and velocity at its end, its angular rate and specific
+  // force in B.
   SensorReadings Read(double dt_s, const Pose& X_NB, const Eigen::Vector3d& v_N, const Eigen::Vector3d& w_B,
                       const Eigen::Vector3d& specific_force_B);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/simulator.h"
 
+#include <fmt/format.h>
 #include <xxhash.h>
 
 #include <chrono>
@@ -12,8 +13,6 @@
 #include <queue>
 #include <thread>
 #include <utility>
-
-#include <fmt/format.h>
 
 #include "geometry/tait_bryan.h"
 #include "sim/frames.h"
@@ -176,7 +175,8 @@ Simulator::Simulator(const SimulatorParameters& parameters)
   const double radius = start.scatter_m * std::sqrt(random.Uniform(0, 1));
   const double direction = random.Uniform(0, 2 * std::numbers::pi);
   Pose X_NB;
-  X_NB.p << X_NT.p.head<2>() + start.offset_m + radius * Eigen::Vector2d(std::cos(direction), std::sin(direction)),
+  X_NB.p << X_NT.p.head<2>() + start.offset_m +
+                radius * Eigen::Vector2d(std::cos(direction), std::sin(direction)),
       X_NT.p.z() - start.height_m;
   X_NB.R = HeadingRotation(Radians(start.yaw_deg + start.yaw_scatter_deg * random.Uniform(-1, 1)));
   if (start.on_ground) {
@@ -186,7 +186,8 @@ Simulator::Simulator(const SimulatorParameters& parameters)
     mj_kinematics(model_.get(), data_.get());
     double lowest = 0;
     for (int g = 0; g < model_->ngeom; ++g) {
-      if (model_->body_rootid[model_->geom_bodyid[g]] != mj_name2id(model_.get(), mjOBJ_BODY, "vehicle")) continue;
+      if (model_->body_rootid[model_->geom_bodyid[g]] != mj_name2id(model_.get(), mjOBJ_BODY, "vehicle"))
+        continue;
       if (model_->geom_contype[g] == 0 && model_->geom_conaffinity[g] == 0) continue;
       const double below = -(data_->geom_xpos[3 * g + 2] - model_->geom_size[3 * g]) - X_NB.p.z();
       lowest = std::max(lowest, below);
@@ -202,10 +203,12 @@ Simulator::Simulator(const SimulatorParameters& parameters)
   constexpr int kSamples = 1000;
   const double dt = model_->opt.timestep;
   for (int i = 0; i < kSamples; ++i) {
-    bias += at_rest.Read(dt, X_NB, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), {0, 0, -9.80665}).imu.w_B / kSamples;
+    bias +=
+        at_rest.Read(dt, X_NB, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), {0, 0, -9.80665}).imu.w_B /
+        kSamples;
   }
-  autopilot_ = std::make_unique<EmulatedAutopilot>(parameters.autopilot, parameters.sensors, parameters.vehicle, X_NB,
-                                                   !start.on_ground, bias);
+  autopilot_ = std::make_unique<EmulatedAutopilot>(parameters.autopilot, parameters.sensors,
+                                                   parameters.vehicle, X_NB, !start.on_ground, bias);
   steps_ = -std::lround(start.settle_s / dt);
   autopilot_->SetClock(static_cast<double>(steps_) * dt);
   truth_ = Look();
@@ -245,8 +248,8 @@ void Simulator::Step() {
   ++steps_;
   for (const int warning : {mjWARN_BADQPOS, mjWARN_BADQVEL, mjWARN_BADQACC, mjWARN_BADCTRL}) {
     if (data_->warning[warning].number > 0) {
-      throw RunError(fmt::format("at {:.3f} s: the physical state of the aircraft is not a number ({})", before.t_s,
-                                 mju_warningText(warning, data_->warning[warning].lastinfo)));
+      throw RunError(fmt::format("at {:.3f} s: the physical state of the aircraft is not a number ({})",
+                                 before.t_s, mju_warningText(warning, data_->warning[warning].lastinfo)));
     }
   }
   truth_ = Look();

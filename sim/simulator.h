@@ -31,10 +31,11 @@ struct StartParameters {
   bool on_ground = false;
   double yaw_deg = 0;
   double yaw_scatter_deg = 0;
-  double settle_s = 20; // held there by the autopilot before the first frame
+  double settle_s = 20;  // held there by the autopilot before the first frame
 };
 
-// The camera's place on the aircraft: looking down with the top of the image forward, then turned by the angles.
+// The camera's place on the aircraft: looking down with the top of the image forward, then turned by the
+// angles.
 struct CameraMount {
   Eigen::Vector3d position_m{0, 0, 0.05};  // in B
   double yaw_deg = 0, pitch_deg = 0, roll_deg = 0;
@@ -94,9 +95,10 @@ struct RunError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// The far end of both wires: the camera and the autopilot of an aircraft in a simulated world. Lockstep: time passes
-// only in Next(), which advances the world until the next frame has come through its latency. An image is drawn on a
-// second thread while the flight code works on the one before; what is drawn depends on the snapshot alone.
+// The far end of both wires: the camera and the autopilot of an aircraft in a simulated world. Lockstep: time
+// passes only in Next(), which advances the world until the next frame has come through its latency. An image
+// is drawn on a second thread while the flight code works on the one before; what is drawn depends on the
+// snapshot alone.
 class Simulator final : public Camera, public Autopilot {
  public:
   explicit Simulator(const SimulatorParameters& parameters);
@@ -107,8 +109,8 @@ class Simulator final : public Camera, public Autopilot {
   void Send(const Setpoint& setpoint) override;
 
   const Truth& truth() const { return truth_; }
-  const Truth& exposure() const { return exposure_; }                 // of the frame that Next() gave last
-  const std::optional<Truth>& touch() const { return touch_; }        // the instant before the first touch-down
+  const Truth& exposure() const { return exposure_; }           // of the frame that Next() gave last
+  const std::optional<Truth>& touch() const { return touch_; }  // the instant before the first touch-down
   const Pose& X_BC() const { return X_BC_; }
   std::string renderer_name() const;
 

@@ -38,7 +38,8 @@ void StateEstimator::Step(double dt_s, const SensorReadings& readings) {
       Correct(Vector15::Unit(3 + i), readings.gps->v_N(i) - v_N_(i), velocity_sigma * velocity_sigma);
     }
   }
-  if (readings.height_m) Correct(-Vector15::Unit(2), *readings.height_m + X_NB_.p.z(), kBarometerSigma_m * kBarometerSigma_m);
+  if (readings.height_m)
+    Correct(-Vector15::Unit(2), *readings.height_m + X_NB_.p.z(), kBarometerSigma_m * kBarometerSigma_m);
   if (readings.field_B) {
     const Eigen::Vector3d field_N = X_NB_.R * *readings.field_B;
     Vector15 h = Vector15::Zero();
@@ -69,7 +70,9 @@ void StateEstimator::Predict(double dt_s, const ImuSample& imu) {
   F.block<3, 3>(6, 6) -= dt_s * Skew(w_B_);
   F.block<3, 3>(6, 9) = -dt_s * Eigen::Matrix3d::Identity();
   P_ = (F * P_ * F.transpose()).eval();
-  const auto add = [&](int at, double density) { P_.diagonal().segment<3>(at).array() += density * density * dt_s; };
+  const auto add = [&](int at, double density) {
+    P_.diagonal().segment<3>(at).array() += density * density * dt_s;
+  };
   add(3, sensors_.accelerometer_noise_m_s2_rthz);
   add(6, sensors_.gyro_noise_rad_s_rthz);
   add(9, sensors_.gyro_walk_rad_s2_rthz);

@@ -8,10 +8,10 @@
 
 namespace kestrel {
 
-// The autopilot's own navigation: an error-state Kalman filter of position, velocity, attitude and the biases of
-// gyroscopes and accelerometers, driven by the IMU and corrected by GPS, barometer and compass. J. Solà, "Quaternion
-// kinematics for the error-state Kalman filter", 2017, with the attitude error in B. Its errors are those of such a
-// filter on such sensors; no truth goes in after the start.
+// The autopilot's own navigation: an error-state Kalman filter of position, velocity, attitude and the biases
+// of gyroscopes and accelerometers, driven by the IMU and corrected by GPS, barometer and compass. J. Solà,
+// "Quaternion kinematics for the error-state Kalman filter", 2017, with the attitude error in B. Its errors
+// are those of such a filter on such sensors; no truth goes in after the start.
 class StateEstimator {
  public:
   // At switch-on: where it thinks it stands, and the gyro bias that it averaged before take-off.
@@ -25,7 +25,8 @@ class StateEstimator {
   const Eigen::Vector3d& w_B() const { return w_B_; }  // without the bias
 
  private:
-  using Vector15 = Eigen::Matrix<double, 15, 1>;  // p_N, v_N, attitude (rotation vector in B), gyro and accelerometer bias
+  using Vector15 =
+      Eigen::Matrix<double, 15, 1>;  // p_N, v_N, attitude (rotation vector in B), gyro and accelerometer bias
   using Matrix15 = Eigen::Matrix<double, 15, 15>;
 
   void Predict(double dt_s, const ImuSample& imu);
@@ -34,7 +35,8 @@ class StateEstimator {
 
   SensorParameters sensors_;
   Pose X_NB_;
-  Eigen::Vector3d v_N_, w_B_ = Eigen::Vector3d::Zero(), gyro_bias_, accelerometer_bias_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d v_N_, w_B_ = Eigen::Vector3d::Zero(), gyro_bias_,
+                        accelerometer_bias_ = Eigen::Vector3d::Zero();
   Matrix15 P_ = Matrix15::Zero();
   Vector15 error_ = Vector15::Zero();  // found by this step's corrections, not yet moved into the state
 };

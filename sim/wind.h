@@ -24,10 +24,10 @@ void Fields(Visitor& v, GustParameters& p) {
 }
 
 struct WindParameters {
-  double mean_m_s = 0;      // the same at every height; also the wind at 20 ft that scales the turbulence
-  double from_deg = 0;      // where the mean wind blows from, clockwise from north
+  double mean_m_s = 0;          // the same at every height; also the wind at 20 ft that scales the turbulence
+  double from_deg = 0;          // where the mean wind blows from, clockwise from north
   double from_scatter_deg = 0;  // from anywhere within this of from_deg, by the seed
-  bool turbulence = false;  // without mean wind there is none
+  bool turbulence = false;      // without mean wind there is none
   GustParameters gusts{};
 };
 

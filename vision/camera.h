@@ -8,8 +8,8 @@
 namespace kestrel {
 
 struct Frame {
-  cv::Mat image;           // CV_8UC1, or CV_8UC3 in the order blue, green, red; row 0 is the top
-  double t_s = 0;          // middle of the exposure, on the autopilot's clock
+  cv::Mat image;              // CV_8UC1, or CV_8UC3 in the order blue, green, red; row 0 is the top
+  double t_s = 0;             // middle of the exposure, on the autopilot's clock
   std::int64_t sequence = 0;  // counts exposures from 0; a gap is a lost frame
 };
 

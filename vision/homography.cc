@@ -10,7 +10,7 @@ namespace kestrel {
 namespace {
 
 // Moves the centroid to the origin and the mean distance to sqrt(2).
-Eigen::Matrix3d Normaliser(std::span<const PointPair> pairs, Eigen::Vector2d PointPair::* side) {
+Eigen::Matrix3d Normaliser(std::span<const PointPair> pairs, Eigen::Vector2d PointPair::*side) {
   Eigen::Vector2d centre = Eigen::Vector2d::Zero();
   for (const PointPair& pair : pairs) centre += pair.*side;
   centre /= static_cast<double>(pairs.size());
@@ -34,16 +34,18 @@ std::optional<Eigen::Matrix3d> Finish(const Eigen::Matrix3d& normalised, const E
 // Three of four points on one line leave the system without a unique solution, which rounding would hide.
 bool AnyThreeCollinear(const std::array<Eigen::Vector2d, 4>& p) {
   for (int skip = 0; skip < 4; ++skip) {
-    const Eigen::Vector2d a = p[(skip + 2) % 4] - p[(skip + 1) % 4], b = p[(skip + 3) % 4] - p[(skip + 1) % 4];
+    const Eigen::Vector2d a = p[(skip + 2) % 4] - p[(skip + 1) % 4],
+                          b = p[(skip + 3) % 4] - p[(skip + 1) % 4];
     if (!(std::abs(a.x() * b.y() - a.y() * b.x()) > 1e-6)) return true;
   }
   return false;
 }
 
-// eq. (3.15) with the centroid at the origin: h33 is the denominator at the centroid, which a plane in front of the
-// camera never makes zero.
+// eq. (3.15) with the centroid at the origin: h33 is the denominator at the centroid, which a plane in front
+// of the camera never makes zero.
 std::optional<Eigen::Matrix3d> FitFour(std::span<const PointPair> pairs) {
-  const Eigen::Matrix3d n_from = Normaliser(pairs, &PointPair::from), n_to = Normaliser(pairs, &PointPair::to);
+  const Eigen::Matrix3d n_from = Normaliser(pairs, &PointPair::from),
+                        n_to = Normaliser(pairs, &PointPair::to);
   std::array<Eigen::Vector2d, 4> from, to;
   for (int i = 0; i < 4; ++i) {
     from[i] = Transfer(n_from, pairs[i].from);
@@ -67,7 +69,8 @@ std::optional<Eigen::Matrix3d> FitFour(std::span<const PointPair> pairs) {
 
 // Symmetric transfer distance squared: d(x', Hx)^2 + d(x, H^-1 x')^2.
 double TransferError2(const Eigen::Matrix3d& H, const Eigen::Matrix3d& H_inverse, const PointPair& pair) {
-  return (Transfer(H, pair.from) - pair.to).squaredNorm() + (Transfer(H_inverse, pair.to) - pair.from).squaredNorm();
+  return (Transfer(H, pair.from) - pair.to).squaredNorm() +
+         (Transfer(H_inverse, pair.to) - pair.from).squaredNorm();
 }
 
 std::vector<int> InliersOf(const Eigen::Matrix3d& H, std::span<const PointPair> pairs, double threshold) {
@@ -96,7 +99,8 @@ Eigen::Vector2d Transfer(const Eigen::Matrix3d& H, const Eigen::Vector2d& x) {
 std::optional<Eigen::Matrix3d> FitHomography(std::span<const PointPair> pairs) {
   if (pairs.size() < 4) return std::nullopt;
   if (pairs.size() == 4) return FitFour(pairs);
-  const Eigen::Matrix3d n_from = Normaliser(pairs, &PointPair::from), n_to = Normaliser(pairs, &PointPair::to);
+  const Eigen::Matrix3d n_from = Normaliser(pairs, &PointPair::from),
+                        n_to = Normaliser(pairs, &PointPair::to);
   // The 9x9 normal matrix of eq. (3.14): after the normalisation its condition is that of the problem.
   Eigen::Matrix<double, 9, 9> AtA = Eigen::Matrix<double, 9, 9>::Zero();
   for (const PointPair& pair : pairs) {
@@ -107,7 +111,8 @@ std::optional<Eigen::Matrix3d> FitHomography(std::span<const PointPair> pairs) {
     AtA.noalias() += A.transpose() * A;
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 9, 9>> solver(AtA);
-  // A second vanishing eigenvalue: the points do not fix the homography (collinear, or too few distinct ones).
+  // A second vanishing eigenvalue: the points do not fix the homography (collinear, or too few distinct
+  // ones).
   if (!(solver.eigenvalues()(1) > 1e-12 * solver.eigenvalues()(8))) return std::nullopt;
   const Eigen::Matrix<double, 9, 1> h = solver.eigenvectors().col(0);
   Eigen::Matrix3d normalised;
@@ -115,8 +120,8 @@ std::optional<Eigen::Matrix3d> FitHomography(std::span<const PointPair> pairs) {
   return Finish(normalised, n_from, n_to);
 }
 
-std::optional<RobustHomography> RansacHomography(std::span<const PointPair> pairs, const RansacOptions& options,
-                                                 std::uint32_t seed) {
+std::optional<RobustHomography> RansacHomography(std::span<const PointPair> pairs,
+                                                 const RansacOptions& options, std::uint32_t seed) {
   const int n = static_cast<int>(pairs.size());
   if (n < std::max(4, options.min_inliers)) return std::nullopt;
   std::minstd_rand rng(seed);

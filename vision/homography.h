@@ -14,10 +14,10 @@ struct PointPair {
   Eigen::Vector2d from, to;
 };
 
-// H with to ~ H from, scaled to unit Frobenius norm. Exactly four pairs: the inhomogeneous solution, eq. (3.15),
-// through the pair set's own scale, so that h33 = 0 is no special case. More: the homogeneous solution of eq. (3.14)
-// by SVD, after Hartley's normalisation, which the thesis leaves out and without which the algebraic error means
-// little. None: fewer than four pairs or a degenerate set.
+// H with to ~ H from, scaled to unit Frobenius norm. Exactly four pairs: the inhomogeneous solution, eq.
+// (3.15), through the pair set's own scale, so that h33 = 0 is no special case. More: the homogeneous
+// solution of eq. (3.14) by SVD, after Hartley's normalisation, which the thesis leaves out and without which
+// the algebraic error means little. None: fewer than four pairs or a degenerate set.
 std::optional<Eigen::Matrix3d> FitHomography(std::span<const PointPair> pairs);
 
 // H x, dehomogenised.
@@ -36,9 +36,9 @@ struct RobustHomography {
   double rms = 0;            // root mean square of the inliers' forward distance, px
 };
 
-// Algorithm 1 of the thesis. Deviations: the final fit is repeated once on the inliers of the fit itself, and the
-// outlier share starts at 1 (no guess needed). The sample sequence depends on the seed alone.
-std::optional<RobustHomography> RansacHomography(std::span<const PointPair> pairs, const RansacOptions& options,
-                                                 std::uint32_t seed = 1);
+// Algorithm 1 of the thesis. Deviations: the final fit is repeated once on the inliers of the fit itself, and
+// the outlier share starts at 1 (no guess needed). The sample sequence depends on the seed alone.
+std::optional<RobustHomography> RansacHomography(std::span<const PointPair> pairs,
+                                                 const RansacOptions& options, std::uint32_t seed = 1);
 
 }  // namespace kestrel

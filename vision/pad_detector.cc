@@ -15,11 +15,12 @@ namespace kestrel {
 namespace {
 
 constexpr double kLeastArea_px2 = 250;
-constexpr double kAspectTolerance = 1.35;     // factor; far away the tilt makes the ratio uncertain
+constexpr double kAspectTolerance = 1.35;  // factor; far away the tilt makes the ratio uncertain
 constexpr double kLeastCorrelation = 0.55;
-constexpr double kCompare_px_per_m = 60;      // scale at which candidates are compared with the reference
-constexpr double kRectangles_px_per_m = 300;  // scale at which the reference is searched for its own rectangles
-constexpr double kLeastRectangle = 0.3;       // share of the pad that such a rectangle covers
+constexpr double kCompare_px_per_m = 60;  // scale at which candidates are compared with the reference
+constexpr double kRectangles_px_per_m =
+    300;                                 // scale at which the reference is searched for its own rectangles
+constexpr double kLeastRectangle = 0.3;  // share of the pad that such a rectangle covers
 constexpr std::size_t kMostCandidates = 40;
 
 using Quad = std::array<Eigen::Vector2d, 4>;
@@ -55,7 +56,8 @@ std::optional<Quad> QuadOf(const std::vector<cv::Point>& contour) {
     // Fitted crossings far from the polygon's corner: not a quadrilateral after all.
     if (!((quad[k] - Eigen::Vector2d(corners[k].x, corners[k].y)).norm() < 12)) return std::nullopt;
   }
-  const double turn = (quad[1] - quad[0]).x() * (quad[2] - quad[1]).y() - (quad[1] - quad[0]).y() * (quad[2] - quad[1]).x();
+  const double turn =
+      (quad[1] - quad[0]).x() * (quad[2] - quad[1]).y() - (quad[1] - quad[0]).y() * (quad[2] - quad[1]).x();
   if (turn < 0) std::swap(quad[1], quad[3]);  // clockwise in the image, like PadReference::Outline
   return quad;
 }
@@ -72,8 +74,11 @@ std::vector<Quad> Quads(const cv::Mat& grey) {
     }
     std::vector<std::vector<cv::Point>> contours;
     cv::findContours(binary, contours, cv::RETR_LIST, cv::CHAIN_APPROX_NONE);
-    std::erase_if(contours, [](const auto& c) { return c.size() < 40 || std::abs(cv::contourArea(c)) < kLeastArea_px2; });
-    std::sort(contours.begin(), contours.end(), [](const auto& a, const auto& b) { return a.size() > b.size(); });
+    std::erase_if(contours, [](const auto& c) {
+      return c.size() < 40 || std::abs(cv::contourArea(c)) < kLeastArea_px2;
+    });
+    std::sort(contours.begin(), contours.end(),
+              [](const auto& a, const auto& b) { return a.size() > b.size(); });
     if (contours.size() > kMostCandidates) contours.resize(kMostCandidates);
     for (const auto& contour : contours) {
       if (const auto quad = QuadOf(contour)) quads.push_back(*quad);
@@ -96,12 +101,14 @@ PadDetector::PadDetector(const PadReference& reference, const Pinhole& camera)
   const PadReference::Level& fine = reference.LevelFor(kRectangles_px_per_m);
   constexpr int kBorder_px = 20;
   cv::Mat bordered;
-  cv::copyMakeBorder(fine.image, bordered, kBorder_px, kBorder_px, kBorder_px, kBorder_px, cv::BORDER_CONSTANT, 128);
+  cv::copyMakeBorder(fine.image, bordered, kBorder_px, kBorder_px, kBorder_px, kBorder_px,
+                     cv::BORDER_CONSTANT, 128);
   const Eigen::Matrix3d T_from_pixel = fine.pixel_from_T.inverse();
   const double side = std::sqrt(AreaOf(rectangles_[0]));
   for (const Quad& quad : Quads(bordered)) {
     Quad quad_T;
-    for (int k = 0; k < 4; ++k) quad_T[k] = Transfer(T_from_pixel, quad[k] - Eigen::Vector2d(kBorder_px, kBorder_px));
+    for (int k = 0; k < 4; ++k)
+      quad_T[k] = Transfer(T_from_pixel, quad[k] - Eigen::Vector2d(kBorder_px, kBorder_px));
     if (AreaOf(quad_T) < kLeastRectangle * side * side) continue;
     // First the corner nearest to the picture's top left, as in the outline.
     int first = 0;
@@ -117,7 +124,8 @@ PadDetector::PadDetector(const PadReference& reference, const Pinhole& camera)
 }
 
 std::optional<Eigen::Matrix3d> PadDetector::Detect(const cv::Mat& grey) const {
-  const Quad square = {{{1, 0}, {1, 1}, {0, 1}, {0, 0}}};  // the corners of a unit rectangle, in the outline's order
+  const Quad square = {
+      {{1, 0}, {1, 1}, {0, 1}, {0, 0}}};  // the corners of a unit rectangle, in the outline's order
   std::optional<Eigen::Matrix3d> best;
   double best_correlation = kLeastCorrelation;
   for (const Quad& quad : Quads(grey)) {

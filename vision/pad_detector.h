@@ -12,15 +12,16 @@
 
 namespace kestrel {
 
-// Finds the whole pad in one image without any guess: it stands in for the person who clicks four corners in thesis
-// 4.4. Quadrilaterals of the image are matched with the large rectangles of the pad's own picture (its outline, its
-// frames) of the same aspect ratio (thesis 3.21), and what such a match makes of the image is compared with the
-// reference appearance, in every direction.
+// Finds the whole pad in one image without any guess: it stands in for the person who clicks four corners in
+// thesis 4.4. Quadrilaterals of the image are matched with the large rectangles of the pad's own picture (its
+// outline, its frames) of the same aspect ratio (thesis 3.21), and what such a match makes of the image is
+// compared with the reference appearance, in every direction.
 class PadDetector {
  public:
   PadDetector(const PadReference& reference, const Pinhole& camera);
 
-  // H_w, the homography from T, m, to the image (CV_8UC1), good to about a pixel. None: nothing looks like the pad.
+  // H_w, the homography from T, m, to the image (CV_8UC1), good to about a pixel. None: nothing looks like
+  // the pad.
   std::optional<Eigen::Matrix3d> Detect(const cv::Mat& grey) const;
 
  private:

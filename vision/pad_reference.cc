@@ -53,7 +53,8 @@ PadReference MakePadReference(const cv::Mat& picture, double length_m, double wi
   if (picture.channels() == 3) cv::cvtColor(picture, grey, cv::COLOR_BGR2GRAY);
   PadReference reference{length_m, width_m, {}};
   for (double scale = 1;; scale /= 2) {
-    const cv::Size size(static_cast<int>(std::lround(grey.cols * scale)), static_cast<int>(std::lround(grey.rows * scale)));
+    const cv::Size size(static_cast<int>(std::lround(grey.cols * scale)),
+                        static_cast<int>(std::lround(grey.rows * scale)));
     if (std::min(size.width, size.height) < kSmallestSide_px && scale < 1) break;
     cv::Mat image;
     cv::resize(grey, image, size, 0, 0, cv::INTER_AREA);

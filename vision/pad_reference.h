@@ -7,14 +7,15 @@
 
 namespace kestrel {
 
-// The reference appearance of a rectangular helipad, at scales half of each other, with its corners by Shi and Tomasi.
-// T is the pad's frame: origin at its centre, x along its length towards the top of the picture, y to the right of the
-// picture, z down into the ground.
+// The reference appearance of a rectangular helipad, at scales half of each other, with its corners by Shi
+// and Tomasi. T is the pad's frame: origin at its centre, x along its length towards the top of the picture,
+// y to the right of the picture, z down into the ground.
 struct PadReference {
   struct Level {
-    cv::Mat image;                         // CV_8UC1
-    Eigen::Matrix3d pixel_from_T;          // affine: (x, y, 1) of T, m, to a pixel of this level
-    std::vector<Eigen::Vector2d> corners;  // in T, m; the strongest first, none so near the rim that the ground shows
+    cv::Mat image;                 // CV_8UC1
+    Eigen::Matrix3d pixel_from_T;  // affine: (x, y, 1) of T, m, to a pixel of this level
+    std::vector<Eigen::Vector2d>
+        corners;  // in T, m; the strongest first, none so near the rim that the ground shows
     double px_per_m = 0;
   };
   double length_m = 0, width_m = 0;

@@ -19,8 +19,9 @@ const cv::Size kFollowWindow(15, 15);
 constexpr int kFollowLevels = 3;
 constexpr int kRegisterLevels = 2;
 constexpr double kFollowThreshold_px = 2;
-constexpr double kLeastCorrelation = 0.7;   // of a patch with the reference, for the point to count
-constexpr double kLargeCorrection_px = 1.5;  // a registration that moves the outline this far is done once more
+constexpr double kLeastCorrelation = 0.7;  // of a patch with the reference, for the point to count
+constexpr double kLargeCorrection_px =
+    1.5;  // a registration that moves the outline this far is done once more
 constexpr double kLeastVisibleArea_px2 = 300;
 const cv::TermCriteria kLucasKanadeEnd(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 20, 0.01);
 
@@ -28,7 +29,8 @@ cv::Point2f ToCv(const Eigen::Vector2d& p) { return {static_cast<float>(p.x()), 
 Eigen::Vector2d FromCv(const cv::Point2f& p) { return {p.x, p.y}; }
 
 // The part of the pad that lies in the image, as a convex polygon; empty where there is none.
-std::vector<cv::Point2f> VisiblePart(const PadReference& reference, const Eigen::Matrix3d& H_w, const cv::Size& size) {
+std::vector<cv::Point2f> VisiblePart(const PadReference& reference, const Eigen::Matrix3d& H_w,
+                                     const cv::Size& size) {
   std::vector<cv::Point2f> outline, visible;
   const double side = (H_w.row(2) * Eigen::Vector3d(0, 0, 1))(0);
   for (const Eigen::Vector2d& corner : reference.Outline()) {
@@ -74,7 +76,8 @@ double Correlation(const cv::Mat& a, const cv::Point2f& at_a, const cv::Mat& b, 
 PadTracker::PadTracker(PadReference reference, const Pinhole& camera, const PadTrackerOptions& options)
     : reference_(std::move(reference)), detector_(reference_, camera), camera_(camera), options_(options) {}
 
-std::optional<PadObservation> PadTracker::Track(const cv::Mat& grey, const std::optional<Pose>& X_CT_expected) {
+std::optional<PadObservation> PadTracker::Track(const cv::Mat& grey,
+                                                const std::optional<Pose>& X_CT_expected) {
   ++frames_;
   tracked_.clear();
   agreed_.clear();
@@ -116,8 +119,8 @@ std::optional<Eigen::Matrix3d> PadTracker::Follow(const std::vector<cv::Mat>& py
   }
   std::vector<uchar> status;
   std::vector<float> error;
-  cv::calcOpticalFlowPyrLK(last_pyramid_, pyramid, last_points_, points, status, error, kFollowWindow, kFollowLevels,
-                           kLucasKanadeEnd, flags, 1e-3);
+  cv::calcOpticalFlowPyrLK(last_pyramid_, pyramid, last_points_, points, status, error, kFollowWindow,
+                           kFollowLevels, kLucasKanadeEnd, flags, 1e-3);
   std::vector<PointPair> pairs;
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (status[i]) pairs.push_back({FromCv(last_points_[i]), FromCv(points[i])});
@@ -135,7 +138,8 @@ std::optional<Eigen::Matrix3d> PadTracker::Follow(const std::vector<cv::Mat>& py
 }
 
 // Registers until the correction is small, at most `passes` times.
-std::optional<PadObservation> PadTracker::Settle(const cv::Mat& grey, const Eigen::Matrix3d& H_guess, int passes) {
+std::optional<PadObservation> PadTracker::Settle(const cv::Mat& grey, const Eigen::Matrix3d& H_guess,
+                                                 int passes) {
   Eigen::Matrix3d H = H_guess;
   for (int pass = 1;; ++pass) {
     const auto seen = Register(grey, H);
@@ -149,8 +153,8 @@ std::optional<PadObservation> PadTracker::Settle(const cv::Mat& grey, const Eige
   }
 }
 
-// Draws the reference as the camera would see it under H_predicted, in the exposure of the last frame, and finds
-// its corners in the image.
+// Draws the reference as the camera would see it under H_predicted, in the exposure of the last frame, and
+// finds its corners in the image.
 std::optional<PadObservation> PadTracker::Register(const cv::Mat& grey, const Eigen::Matrix3d& H_predicted) {
   const std::vector<cv::Point2f> visible = VisiblePart(reference_, H_predicted, grey.size());
   if (visible.empty()) return std::nullopt;
@@ -194,7 +198,9 @@ std::optional<PadObservation> PadTracker::Register(const cv::Mat& grey, const Ei
   const double inset = 3;
   for (const Eigen::Vector2d& corner : level.corners) {
     const Eigen::Vector2d uv = Transfer(H_predicted, corner);
-    if (!(uv.x() > inset && uv.y() > inset && uv.x() < grey.cols - 1 - inset && uv.y() < grey.rows - 1 - inset)) continue;
+    if (!(uv.x() > inset && uv.y() > inset && uv.x() < grey.cols - 1 - inset &&
+          uv.y() < grey.rows - 1 - inset))
+      continue;
     if (!taken.emplace(static_cast<int>(uv.x() / cell), static_cast<int>(uv.y() / cell)).second) continue;
     corners_T.push_back(corner);
     from.push_back(ToCv(uv) - cv::Point2f(static_cast<float>(box.x), static_cast<float>(box.y)));
@@ -203,11 +209,11 @@ std::optional<PadObservation> PadTracker::Register(const cv::Mat& grey, const Ei
   if (static_cast<int>(from.size()) < options_.min_inliers) return std::nullopt;
   std::vector<uchar> status;
   std::vector<float> error;
-  cv::calcOpticalFlowPyrLK(drawn, seen_box, from, to, status, error, {window, window}, kRegisterLevels, kLucasKanadeEnd,
-                           0, 1e-3);
+  cv::calcOpticalFlowPyrLK(drawn, seen_box, from, to, status, error, {window, window}, kRegisterLevels,
+                           kLucasKanadeEnd, 0, 1e-3);
 
-  std::vector<PointPair> pairs;           // drawn pixel to seen pixel
-  std::vector<PointPair> pairs_T;         // pad to seen pixel
+  std::vector<PointPair> pairs;    // drawn pixel to seen pixel
+  std::vector<PointPair> pairs_T;  // pad to seen pixel
   std::vector<cv::Point2f> at_drawn;
   const cv::Point2f corner_of_box(static_cast<float>(box.x), static_cast<float>(box.y));
   std::vector<Eigen::Vector2d> tracked;
@@ -262,7 +268,8 @@ std::optional<PadObservation> PadTracker::Register(const cv::Mat& grey, const Ei
   }
   const double slope = (sxy - sx * sy / n) / std::max(sxx - sx * sx / n, 1e-9);
   if (slope > 0.5 && slope < 2) {
-    // drawn = gain * reference + offset and seen = slope * drawn + shift: the two affine maps one after the other
+    // drawn = gain * reference + offset and seen = slope * drawn + shift: the two affine maps one after the
+    // other
     offset_ = slope * offset_ + (sy - slope * sx) / n;
     gain_ = std::clamp(slope * gain_, 0.1, 10.0);
     exposure_known_ = true;
@@ -272,7 +279,8 @@ std::optional<PadObservation> PadTracker::Register(const cv::Mat& grey, const Ei
 
 std::optional<PadObservation> PadTracker::FromChain(const Eigen::Matrix3d& H_w) const {
   const auto X_CT = PoseFromHomography(H_w, camera_);
-  if (!X_CT || VisiblePart(reference_, H_w, {camera_.width_px, camera_.height_px}).empty()) return std::nullopt;
+  if (!X_CT || VisiblePart(reference_, H_w, {camera_.width_px, camera_.height_px}).empty())
+    return std::nullopt;
   PadObservation seen;
   seen.X_CT = *X_CT;
   seen.H_w = H_w;

@@ -15,12 +15,13 @@
 namespace kestrel {
 
 struct PadTrackerOptions {
-  bool registration = true;  // against the reference appearance; without it, the thesis's chain of homographies alone
+  bool registration =
+      true;  // against the reference appearance; without it, the thesis's chain of homographies alone
   int max_points = 90;
   int min_inliers = 10;
-  double threshold_px = 1.5;       // symmetric transfer distance of an inlier
-  int max_chained_frames = 10;     // frames that may pass on the chain alone before the pad counts as lost
-  double sigma_px = 0.08;          // deviation of a registered point, for the covariance
+  double threshold_px = 1.5;    // symmetric transfer distance of an inlier
+  int max_chained_frames = 10;  // frames that may pass on the chain alone before the pad counts as lost
+  double sigma_px = 0.08;       // deviation of a registered point, for the covariance
 };
 
 template <class Visitor>
@@ -41,20 +42,20 @@ struct PadObservation {
   double residual_px = 0;  // root mean square of the inliers
   double visible = 0;      // area spanned by the inliers, as a share of the pad
   bool registered = false;
-  bool found = false;      // by search in this frame, not by tracking
+  bool found = false;  // by search in this frame, not by tracking
 };
 
-// The helipad from image to image, thesis 4.4: corners followed by pyramidal Lucas-Kanade from the last frame, a
-// RANSAC homography (algorithm 1), the chain of 3.19 and 3.20, the pose of 3.22 to 3.25. The thesis names the drift of
-// that chain as its weakness: here the chain is only the prediction, and the reference appearance, drawn as the
-// prediction would see it, is registered to the frame, again by Lucas-Kanade and RANSAC. The pad is found anew by
-// PadDetector when there is nothing to track.
+// The helipad from image to image, thesis 4.4: corners followed by pyramidal Lucas-Kanade from the last
+// frame, a RANSAC homography (algorithm 1), the chain of 3.19 and 3.20, the pose of 3.22 to 3.25. The thesis
+// names the drift of that chain as its weakness: here the chain is only the prediction, and the reference
+// appearance, drawn as the prediction would see it, is registered to the frame, again by Lucas-Kanade and
+// RANSAC. The pad is found anew by PadDetector when there is nothing to track.
 class PadTracker {
  public:
   PadTracker(PadReference reference, const Pinhole& camera, const PadTrackerOptions& options);
 
-  // The pad in the next image (CV_8UC1). X_CT_expected: where it should be, from a filter, if known; it helps over
-  // fast turns and short losses. None: the pad is lost in this image. There is never an old pose.
+  // The pad in the next image (CV_8UC1). X_CT_expected: where it should be, from a filter, if known; it helps
+  // over fast turns and short losses. None: the pad is lost in this image. There is never an old pose.
   std::optional<PadObservation> Track(const cv::Mat& grey, const std::optional<Pose>& X_CT_expected);
 
   // What the last Track() looked at, for the overlay: corners followed, and those that agreed, in pixels.
@@ -63,7 +64,8 @@ class PadTracker {
   const PadReference& reference() const { return reference_; }
 
  private:
-  std::optional<Eigen::Matrix3d> Follow(const std::vector<cv::Mat>& pyramid, const std::optional<Pose>& X_CT_expected);
+  std::optional<Eigen::Matrix3d> Follow(const std::vector<cv::Mat>& pyramid,
+                                        const std::optional<Pose>& X_CT_expected);
   std::optional<PadObservation> Register(const cv::Mat& grey, const Eigen::Matrix3d& H_predicted);
   std::optional<PadObservation> Settle(const cv::Mat& grey, const Eigen::Matrix3d& H_guess, int passes);
   std::optional<PadObservation> FromChain(const Eigen::Matrix3d& H_w) const;

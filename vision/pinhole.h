@@ -8,13 +8,14 @@
 
 namespace kestrel {
 
-// Pinhole camera without distortion, thesis 3.16 and 5.1. Pixels: the centre of the first pixel is (0, 0), u to the
-// right, v down.
+// Pinhole camera without distortion, thesis 3.16 and 5.1. Pixels: the centre of the first pixel is (0, 0), u
+// to the right, v down.
 struct Pinhole {
   int width_px = 0, height_px = 0;
   double fx = 0, fy = 0, cx = 0, cy = 0;  // px
 
-  // The pixel of a point given in C, m. Valid domain: z > 0; none outside it. The pixel may lie off the image.
+  // The pixel of a point given in C, m. Valid domain: z > 0; none outside it. The pixel may lie off the
+  // image.
   std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& p_CQ) const {
     if (!(p_CQ.z() > 0)) return std::nullopt;
     return Eigen::Vector2d(fx * p_CQ.x() / p_CQ.z() + cx, fy * p_CQ.y() / p_CQ.z() + cy);

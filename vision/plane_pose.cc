@@ -37,8 +37,8 @@ Eigen::Matrix3d HomographyFromPose(const Pose& X_CT, const Pinhole& camera) {
   return camera.K() * M;
 }
 
-std::optional<PlanePose> RefinePlanePose(std::span<const PointPair> pairs, const Pinhole& camera, const Pose& X_CT_start,
-                                         double sigma_px) {
+std::optional<PlanePose> RefinePlanePose(std::span<const PointPair> pairs, const Pinhole& camera,
+                                         const Pose& X_CT_start, double sigma_px) {
   if (pairs.size() < 4) return std::nullopt;
   Pose X_CT = X_CT_start;
   for (int iteration = 0;; ++iteration) {
@@ -68,7 +68,8 @@ std::optional<PlanePose> RefinePlanePose(std::span<const PointPair> pairs, const
       const double n = static_cast<double>(pairs.size());
       const double seen = std::sqrt(sum / std::max(2 * n - 6, 1.0));  // deviation of one coordinate
       const double sigma = std::max(sigma_px, seen);
-      return PlanePose{X_CT, sigma * sigma * solver.solve(Eigen::Matrix<double, 6, 6>::Identity()), std::sqrt(sum / n)};
+      return PlanePose{X_CT, sigma * sigma * solver.solve(Eigen::Matrix<double, 6, 6>::Identity()),
+                       std::sqrt(sum / n)};
     }
     X_CT.p += step.head<3>();
     X_CT.R = (ExpRotation(step.tail<3>()) * X_CT.R).normalized();

@@ -17,7 +17,8 @@ class HoverMission final : public Mission {
     if (state.landed) {
       phase_ = "take off";
       centred_ = false;
-      decision.setpoint = PositionSetpoint{{state.p_NB.x(), state.p_NB.y(), -flight_.height_m}, YawOf(state.R_NB)};
+      decision.setpoint =
+          PositionSetpoint{{state.p_NB.x(), state.p_NB.y(), -flight_.height_m}, YawOf(state.R_NB)};
     } else if (!pilot_.Knows()) {
       phase_ = "search";
       centred_ = false;

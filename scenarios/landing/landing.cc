@@ -10,7 +10,8 @@ namespace {
 
 class LandingMission final : public Mission {
  public:
-  LandingMission(const LandingFlight& flight, HelipadPilot pilot) : flight_(flight), pilot_(std::move(pilot)) {}
+  LandingMission(const LandingFlight& flight, HelipadPilot pilot)
+      : flight_(flight), pilot_(std::move(pilot)) {}
 
   Decision Step(const Frame& frame, const VehicleState& state) override {
     Decision decision = pilot_.See(frame, state);
@@ -49,8 +50,8 @@ class LandingMission final : public Mission {
     }
     phase_ = "descend";
     // Slower towards the height of commitment, where the constant speed takes over.
-    const double sink = std::clamp(0.7 * (height - flight_.commit_m) + flight_.commit_sink_m_s, flight_.commit_sink_m_s,
-                                   flight_.descent_m_s);
+    const double sink = std::clamp(0.7 * (height - flight_.commit_m) + flight_.commit_sink_m_s,
+                                   flight_.commit_sink_m_s, flight_.descent_m_s);
     return pilot_.DescendTo({0, 0}, yaw, sink);
   }
 

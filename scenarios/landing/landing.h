@@ -7,16 +7,16 @@
 
 namespace kestrel {
 
-// Thesis 5.3.1, landing control: centre, descend over the pad, and below a height sink at a constant speed. It lands
-// on a pad that it sees and on no other place: lost above blind_m, it stops, climbs and searches.
+// Thesis 5.3.1, landing control: centre, descend over the pad, and below a height sink at a constant speed.
+// It lands on a pad that it sees and on no other place: lost above blind_m, it stops, climbs and searches.
 struct LandingFlight {
   static constexpr const char* kName = "landing";
-  double yaw_deg = 0;          // in the pad's frame
-  double descent_m_s = 0.7;    // greatest speed of the descent
-  double commit_m = 0.7;       // height below which the aircraft sinks at a constant speed
+  double yaw_deg = 0;        // in the pad's frame
+  double descent_m_s = 0.7;  // greatest speed of the descent
+  double commit_m = 0.7;     // height below which the aircraft sinks at a constant speed
   double commit_sink_m_s = 0.2;
-  double blind_m = 0.35;       // height below which it goes on without seeing the pad
-  double centred_m = 0.12;     // horizontal error, plus a tenth of the height, up to which it descends
+  double blind_m = 0.35;    // height below which it goes on without seeing the pad
+  double centred_m = 0.12;  // horizontal error, plus a tenth of the height, up to which it descends
 };
 
 template <class Visitor>

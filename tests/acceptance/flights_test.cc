@@ -62,17 +62,21 @@ class EveryScenario : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(EveryScenario, FlownTwiceIsTheSameFlight) {
   const std::vector<std::string> moment = {"duration_s=1.5", "start.settle_s=1"};
-  const Summary first = Flown(GetParam(), 101, moment).summary, second = Flown(GetParam(), 101, moment).summary;
+  const Summary first = Flown(GetParam(), 101, moment).summary,
+                second = Flown(GetParam(), 101, moment).summary;
   EXPECT_EQ(first.state_hash, second.state_hash);
   EXPECT_EQ(first.image_hash, second.image_hash);
   EXPECT_EQ(first.metrics, second.metrics);
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenarios, EveryScenario, ::testing::ValuesIn(ScenarioNames()), [](const auto& scenario) {
-  std::string name = scenario.param;
-  std::replace_if(name.begin(), name.end(), [](unsigned char c) { return !std::isalnum(c); }, '_');
-  return name;
-});
+INSTANTIATE_TEST_SUITE_P(Scenarios, EveryScenario, ::testing::ValuesIn(ScenarioNames()),
+                         [](const auto& scenario) {
+                           std::string name = scenario.param;
+                           std::replace_if(
+                               name.begin(), name.end(), [](unsigned char c) { return !std::isalnum(c); },
+                               '_');
+                           return name;
+                         });
 
 TEST(Pose, AtFourMetresTheFixIsGood) {
   for (const std::uint64_t seed : kSeeds) ExpectCriteria(Flown("pose", seed, {"duration_s=25"}));
@@ -84,8 +88,7 @@ TEST(Pose, AtTenMetresTheFixIsGood) {
 
 TEST(Pose, WithSeventyPercentOfThePadHiddenItIsStillTracked) {
   for (const std::uint64_t seed : kSeeds) {
-    const FlightResult result =
-        Flown("pose", seed, {"duration_s=20", "occlusion={share: 0.7, from_s: 3}"});
+    const FlightResult result = Flown("pose", seed, {"duration_s=20", "occlusion={share: 0.7, from_s: 3}"});
     int seen = 0, frames = 0;
     for (const LogRow& row : result.rows) {
       if (row.exposure.t_s < 3) continue;
@@ -115,9 +118,10 @@ TEST(Hover, CentresComesDownAndStays) {
 }
 
 TEST(Hover, OverATurnedPadFarFromTheOriginWithATurnedCamera) {
-  const FlightResult result = Flown("hover", 101,
-                                    {"duration_s=30", "pad={position_m: [15, -22], yaw_deg: 130}", "flight.yaw_deg=-20",
-                                     "start.offset_m=[0.6, 0.4]", "start.yaw_deg=40", "mount={yaw_deg: 80, pitch_deg: 4, roll_deg: -3}"});
+  const FlightResult result = Flown(
+      "hover", 101,
+      {"duration_s=30", "pad={position_m: [15, -22], yaw_deg: 130}", "flight.yaw_deg=-20",
+       "start.offset_m=[0.6, 0.4]", "start.yaw_deg=40", "mount={yaw_deg: 80, pitch_deg: 4, roll_deg: -3}"});
   EXPECT_LT(FarthestFrom(result, {0, 0, -3}, 22), 0.5);
   EXPECT_NEAR(Degrees(YawOf(InPadFrame(result.rows.back().now).R)), -20, 5);
 }
@@ -145,7 +149,8 @@ TEST(Landing, LandsOnThePad) {
 
 TEST(Landing, LandsTurnedAsAskedOnATurnedPad) {
   const FlightResult result =
-      Flown("landing", 102, {"pad={position_m: [-12, 18], yaw_deg: -75}", "flight.yaw_deg=60", "start.yaw_deg=-30"});
+      Flown("landing", 102,
+            {"pad={position_m: [-12, 18], yaw_deg: -75}", "flight.yaw_deg=60", "start.yaw_deg=-30"});
   EXPECT_EQ(result.summary.outcome, "landed");
   const Pose X_TB = InPadFrame(result.rows.back().now);
   EXPECT_LT(X_TB.p.head<2>().norm(), 0.25);
@@ -156,7 +161,8 @@ TEST(Landing, WhenThePadIsHiddenItStopsClimbsAndLandsOnceItShowsAgain) {
   constexpr double kHidden_s = 3, kShown_s = 10;
   for (const std::uint64_t seed : kSeeds) {
     const FlightResult result =
-        Flown("landing", seed, {"start={height_m: 4, scatter_m: 0.2}", "occlusion={share: 1, from_s: 3, until_s: 10}"});
+        Flown("landing", seed,
+              {"start={height_m: 4, scatter_m: 0.2}", "occlusion={share: 1, from_s: 3, until_s: 10}"});
     double at_hiding_m = 0, lowest_m = 1e9, at_showing_m = 0;
     bool searched = false;
     for (const LogRow& row : result.rows) {
@@ -182,8 +188,7 @@ TEST(Landing, WhenThePadIsHiddenItStopsClimbsAndLandsOnceItShowsAgain) {
 }
 
 TEST(Landing, WithoutAPadItGivesUpInTheAir) {
-  const FlightResult result =
-      Flown("landing", 101, {"start.offset_m=[-18, 24]", "pilot.search.give_up_s=8"});
+  const FlightResult result = Flown("landing", 101, {"start.offset_m=[-18, 24]", "pilot.search.give_up_s=8"});
   EXPECT_EQ(result.summary.outcome, "pad not found");
   EXPECT_FALSE(result.summary.passed);
   EXPECT_FALSE(EverTouched(result));
@@ -193,7 +198,8 @@ TEST(Landing, WithoutAPadItGivesUpInTheAir) {
 }
 
 TEST(Landing, FindsAPadThatIsNotInSightAtFirst) {
-  const FlightResult result = Flown("landing", 102, {"duration_s=110", "start={offset_m: [4.5, -3], height_m: 5, scatter_m: 0}"});
+  const FlightResult result =
+      Flown("landing", 102, {"duration_s=110", "start={offset_m: [4.5, -3], height_m: 5, scatter_m: 0}"});
   EXPECT_FALSE(result.rows.front().decision.fix);
   EXPECT_EQ(result.summary.outcome, "landed");
   EXPECT_LT(result.summary.metrics.at("touchdown_error_m"), 0.25);

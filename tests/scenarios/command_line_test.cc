@@ -47,10 +47,12 @@ class CommandLineTest : public ::testing::Test {
   void TearDown() override { fs::remove_all(folder_); }
 
   Ended Kestrel(const std::string& arguments, const std::string& environment = "") const {
-    const std::string command = fmt::format("cd {0} && {1} " KESTREL_PROGRAM " {2} >{0}/out.txt 2>{0}/err.txt", folder_.string(),
-                                            environment, arguments);
+    const std::string command =
+        fmt::format("cd {0} && {1} " KESTREL_PROGRAM " {2} >{0}/out.txt 2>{0}/err.txt", folder_.string(),
+                    environment, arguments);
     const int status = std::system(command.c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, Content(folder_ / "out.txt"), Content(folder_ / "err.txt")};
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, Content(folder_ / "out.txt"),
+            Content(folder_ / "err.txt")};
   }
   std::string Write(const char* name, const std::string& text) const {
     std::ofstream(folder_ / name) << text;
@@ -65,8 +67,8 @@ constexpr char kShort[] = "run pose --no-video --set duration_s=0.5 --set start.
 TEST_F(CommandLineTest, ARunThatMeetsItsCriteriaEndsWithZero) {
   const Ended run = Kestrel(std::string(kShort) + "--seed 7 --set criteria='{fix_share: {min: 0.1}}'");
   EXPECT_EQ(run.status, 0) << run.err;
-  EXPECT_THAT(run.out, AllOf(HasSubstr("pose, seed 7: completed"), HasSubstr("fix_share"), HasSubstr("at least 0.1"),
-                             HasSubstr("results/runs/pose-7")));
+  EXPECT_THAT(run.out, AllOf(HasSubstr("pose, seed 7: completed"), HasSubstr("fix_share"),
+                             HasSubstr("at least 0.1"), HasSubstr("results/runs/pose-7")));
   EXPECT_THAT(run.err, IsEmpty());  // no progress where nobody watches
   const auto summary = nlohmann::json::parse(Content(folder_ / "results/runs/pose-7/summary.json"));
   EXPECT_EQ(summary["seed"], 7);
@@ -76,7 +78,8 @@ TEST_F(CommandLineTest, ARunThatMeetsItsCriteriaEndsWithZero) {
 }
 
 TEST_F(CommandLineTest, ARunThatMissesThemEndsWithOne) {
-  const Ended run = Kestrel(std::string(kShort) + "--out here --junit report.xml --set criteria='{fix_share: {max: 0}}'");
+  const Ended run =
+      Kestrel(std::string(kShort) + "--out here --junit report.xml --set criteria='{fix_share: {max: 0}}'");
   EXPECT_EQ(run.status, 1) << run.err;
   EXPECT_THAT(run.out, HasSubstr("NOT"));
   EXPECT_EQ(nlohmann::json::parse(Content(folder_ / "here/summary.json"))["passed"], false);
@@ -86,7 +89,8 @@ TEST_F(CommandLineTest, ARunThatMissesThemEndsWithOne) {
 }
 
 TEST_F(CommandLineTest, QuietPrintsNothing) {
-  const Ended run = Kestrel(std::string(kShort) + "--quiet --out here --set criteria='{fix_share: {min: 0.1}}'");
+  const Ended run =
+      Kestrel(std::string(kShort) + "--quiet --out here --set criteria='{fix_share: {min: 0.1}}'");
   EXPECT_EQ(run.status, 0);
   EXPECT_THAT(run.out, IsEmpty());
   EXPECT_THAT(run.err, IsEmpty());
@@ -110,9 +114,10 @@ TEST_F(CommandLineTest, BadInputEndsWithTwoBeforeAnythingIsWritten) {
 }
 
 TEST_F(CommandLineTest, WrongArgumentsEndWithTwo) {
-  for (const char* arguments : {"", "fly", "run", "run pose --no-such-option", "run pose --seed x", "run posse", "check none.yaml",
-                                "run pose --set wind.mean_m_s", "run pose --set wind.mean_m_s=fast", "bench no_such_bench",
-                                "bench flights --seeds 5..1", "bench flights --jobs 0"}) {
+  for (const char* arguments :
+       {"", "fly", "run", "run pose --no-such-option", "run pose --seed x", "run posse", "check none.yaml",
+        "run pose --set wind.mean_m_s", "run pose --set wind.mean_m_s=fast", "bench no_such_bench",
+        "bench flights --seeds 5..1", "bench flights --jobs 0"}) {
     const Ended wrong = Kestrel(arguments);
     EXPECT_EQ(wrong.status, 2) << arguments;
     EXPECT_THAT(wrong.err, Not(IsEmpty())) << arguments;
@@ -132,8 +137,8 @@ TEST_F(CommandLineTest, AnInterruptEndsWithThreeAndLeavesWhatThereIs) {
   const pid_t child = fork();
   ASSERT_GE(child, 0);
   if (child == 0) {
-    execl(KESTREL_PROGRAM, "kestrel", "run", "pose", "--no-video", "--quiet", "--set", "duration_s=3000", "--out",
-          (folder_ / "run").c_str(), nullptr);
+    execl(KESTREL_PROGRAM, "kestrel", "run", "pose", "--no-video", "--quiet", "--set", "duration_s=3000",
+          "--out", (folder_ / "run").c_str(), nullptr);
     _exit(127);
   }
   for (int i = 0; i < 600 && !fs::exists(folder_ / "run/scenario.yaml"); ++i) {
@@ -182,16 +187,19 @@ TEST_F(CommandLineTest, CheckSaysThatAFileIsValid) {
 TEST_F(CommandLineTest, HelpShowsExamplesAndTheExitStatus) {
   const Ended help = Kestrel("--help");
   EXPECT_EQ(help.status, 0);
-  EXPECT_THAT(help.out, AllOf(HasSubstr("kestrel run landing"), HasSubstr("Exit status"), HasSubstr("bench"), HasSubstr("check")));
+  EXPECT_THAT(help.out, AllOf(HasSubstr("kestrel run landing"), HasSubstr("Exit status"), HasSubstr("bench"),
+                              HasSubstr("check")));
   const Ended run = Kestrel("run --help");
   EXPECT_EQ(run.status, 0);
-  for (const char* option : {"--seed", "--set", "--out", "--no-video", "--junit", "--quiet"}) EXPECT_THAT(run.out, HasSubstr(option));
+  for (const char* option : {"--seed", "--set", "--out", "--no-video", "--junit", "--quiet"})
+    EXPECT_THAT(run.out, HasSubstr(option));
   EXPECT_EQ(Kestrel("--version").status, 0);
 }
 
 TEST_F(CommandLineTest, BrokenModelsUnderAnotherRootAreRefused) {
   const fs::path root = fs::path(__FILE__).parent_path().parent_path().parent_path();
-  for (const char* part : {"models", "scenarios"}) fs::copy(root / part, folder_ / part, fs::copy_options::recursive);
+  for (const char* part : {"models", "scenarios"})
+    fs::copy(root / part, folder_ / part, fs::copy_options::recursive);
   const std::string here = "KESTREL_ROOT=" + folder_.string();
   EXPECT_EQ(Kestrel("check pose", here).status, 0);
   fs::remove(folder_ / "models/vehicles/pelican/pelican.xml");

@@ -69,7 +69,8 @@ TEST(FlightLoop, EachFrameIsSeenDecidedSentAndRecordedInThatOrder) {
   f.frames = 2;
   f.decisions[0].setpoint = VelocitySetpoint{{1, 2, 3}, 4};
   EXPECT_EQ(f.Run(), "");
-  EXPECT_THAT(f.calls, ElementsAre("next", "state", "step", "send", "record", "next", "state", "step", "send", "record", "next"));
+  EXPECT_THAT(f.calls, ElementsAre("next", "state", "step", "send", "record", "next", "state", "step", "send",
+                                   "record", "next"));
   ASSERT_EQ(f.sent.size(), 2u);
   EXPECT_EQ(std::get<VelocitySetpoint>(f.sent[0]).v_H, Eigen::Vector3d(1, 2, 3));
 }
@@ -120,7 +121,8 @@ TEST(FlightLoop, AStateThatIsNoNumberStopsItBeforeTheMissionSeesIt) {
       {[](Fakes& f) { f.state.p_NB.y() = kNaN; }, "the autopilot's position"},
       {[](Fakes& f) { f.state.v_N.z() = kNaN; }, "the autopilot's velocity"},
       {[](Fakes& f) { f.state.R_NB.w() = kNaN; }, "the autopilot's attitude"},
-      {[](Fakes& f) { f.state.w_B.x() = std::numeric_limits<double>::infinity(); }, "the autopilot's angular rate"},
+      {[](Fakes& f) { f.state.w_B.x() = std::numeric_limits<double>::infinity(); },
+       "the autopilot's angular rate"},
       {[](Fakes& f) { f.frame.t_s = kNaN; }, "the frame's time"},
   };
   for (const auto& c : cases) {
@@ -148,7 +150,8 @@ TEST(FlightLoop, ADecisionThatIsNoNumberIsNotSent) {
       {AttitudeSetpoint{0, 0, kNaN, 0}, "the attitude setpoint"},
       {AttitudeSetpoint{0, 0, 0, kNaN}, "the attitude setpoint"},
   };
-  for (std::size_t i = 0; i < 8; ++i) cases[i + 2].first.setpoint = setpoints[i].first, cases[i + 2].second = setpoints[i].second;
+  for (std::size_t i = 0; i < 8; ++i)
+    cases[i + 2].first.setpoint = setpoints[i].first, cases[i + 2].second = setpoints[i].second;
   for (const auto& [decision, name] : cases) {
     Fakes f;
     f.decisions = {decision};

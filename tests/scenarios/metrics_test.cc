@@ -55,7 +55,7 @@ TEST(Metrics, FixesAreJudgedAtTheExposureInThePadsFrame) {
   for (const double sign : {1.0, -1.0}) {
     LogRow row = Row(0, {1, -2, -4}, {Radians(179), 0, 0});
     row.decision.fix = Fix({1 + 0.3 * sign, -2, -4 - 0.4}, -178.5);  // 2.5 degrees further round
-    row.now = Over(0.1, {9, 9, -9});                                // where it went meanwhile does not matter
+    row.now = Over(0.1, {9, 9, -9});  // where it went meanwhile does not matter
     rows.push_back(row);
   }
   rows[1].decision.fix->p_TB.y() += 0.5;
@@ -81,10 +81,10 @@ TEST(Metrics, TheLongestLossIsCountedFromTheFirstFixOnToTheEnd) {
   const auto loss = [&](const std::vector<bool>& seen) {
     return Metrics(rows_with_fixes(seen), std::nullopt).at("longest_loss_s");
   };
-  EXPECT_NEAR(loss({true, true, true}), 1, 1e-12);                             // from one frame to the next
-  EXPECT_NEAR(loss({false, false, false, false, true, true}), 1, 1e-12);       // not before the first
-  EXPECT_NEAR(loss({true, false, false, true, false, true}), 3, 1e-12);        // the longest of several
-  EXPECT_NEAR(loss({true, true, false, false, false, false}), 4, 1e-12);       // one that does not end
+  EXPECT_NEAR(loss({true, true, true}), 1, 1e-12);                        // from one frame to the next
+  EXPECT_NEAR(loss({false, false, false, false, true, true}), 1, 1e-12);  // not before the first
+  EXPECT_NEAR(loss({true, false, false, true, false, true}), 3, 1e-12);   // the longest of several
+  EXPECT_NEAR(loss({true, true, false, false, false, false}), 4, 1e-12);  // one that does not end
 }
 
 // A flight towards its goal: distance from it at each second, counted from now.t_s = 0.
@@ -103,8 +103,8 @@ TEST(Metrics, SettledIsTheFirstTimeFromWhichItStays) {
   };
   EXPECT_NEAR(settle({1, 0.5, 0.14, 0.1, 0.1, 0.1, 0.1}).at("settle_s"), 2, 1e-9);
   EXPECT_NEAR(settle({1, 0.1, 0.1, 0.16, 0.1, 0.1, 0.1, 0.1}).at("settle_s"), 4, 1e-9);  // it left once more
-  EXPECT_NEAR(settle({0.1, 0.1, 0.1, 0.1, 2, 2}).at("settle_s"), 0, 1e-9);               // the first time counts
-  EXPECT_EQ(settle({1, 0.1, 0.1, 0.1}).count("settle_s"), 0u);                           // two seconds are too few
+  EXPECT_NEAR(settle({0.1, 0.1, 0.1, 0.1, 2, 2}).at("settle_s"), 0, 1e-9);  // the first time counts
+  EXPECT_EQ(settle({1, 0.1, 0.1, 0.1}).count("settle_s"), 0u);              // two seconds are too few
 }
 
 TEST(Metrics, TheHoldIsMeasuredFromFifteenSecondsOn) {
@@ -120,7 +120,8 @@ TEST(Metrics, TheHoldIsMeasuredFromFifteenSecondsOn) {
 }
 
 TEST(Metrics, TheGreatestTiltIsTheTrueAngleFromLevel) {
-  std::vector<LogRow> rows = {Row(0, {0, 0, -3}, {0.4, 0, Radians(5)}), Row(1, {0, 0, -3}, {1, Radians(-9), Radians(12)}),
+  std::vector<LogRow> rows = {Row(0, {0, 0, -3}, {0.4, 0, Radians(5)}),
+                              Row(1, {0, 0, -3}, {1, Radians(-9), Radians(12)}),
                               Row(2, {0, 0, -3}, {2, Radians(3), 0})};
   const double expected = Degrees(std::acos(std::cos(Radians(9)) * std::cos(Radians(12))));
   EXPECT_NEAR(Metrics(rows, std::nullopt).at("greatest_tilt_deg"), expected, 1e-9);
@@ -136,7 +137,8 @@ TEST(Metrics, ATouchDownIsJudgedAtItsInstantAndTheRestAtTheEnd) {
   EXPECT_NEAR(m.at("touchdown_error_m"), 0.1, 1e-9);
   EXPECT_NEAR(m.at("touchdown_sink_m_s"), 0.25, 1e-9);
   EXPECT_NEAR(m.at("touchdown_speed_m_s"), 0.05, 1e-9);
-  EXPECT_NEAR(m.at("touchdown_tilt_deg"), Degrees(std::acos(std::cos(Radians(3)) * std::cos(Radians(4)))), 1e-9);
+  EXPECT_NEAR(m.at("touchdown_tilt_deg"), Degrees(std::acos(std::cos(Radians(3)) * std::cos(Radians(4)))),
+              1e-9);
   EXPECT_EQ(m.count("rest_error_m"), 0u);  // it touched but did not stay
 
   rows.back().estimate.landed = true;

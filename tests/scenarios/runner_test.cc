@@ -57,7 +57,8 @@ TEST_F(RunnerTest, ARunLeavesAllItsRecords) {
     EXPECT_GT(fs::file_size(folder_ / "run" / file), 50u) << file;
   }
   EXPECT_FALSE(fs::is_empty(folder_ / "run/plots"));
-  for (const auto& each : fs::recursive_directory_iterator(folder_)) EXPECT_NE(each.path().extension(), ".part");
+  for (const auto& each : fs::recursive_directory_iterator(folder_))
+    EXPECT_NE(each.path().extension(), ".part");
   EXPECT_EQ(Content(folder_ / "run/scenario.yaml"), ToYaml(loaded.scenario));
 
   // the rows, the file of rows and the summary tell the same
@@ -84,7 +85,8 @@ TEST_F(RunnerTest, ARunLeavesAllItsRecords) {
   const auto json = nlohmann::json::parse(Content(folder_ / "run/summary.json"));
   for (const char* stage : {"physics", "render", "sensor", "vision", "control", "record"}) {
     ASSERT_TRUE(json["timing"]["stages"].contains(stage)) << stage;
-    EXPECT_GE(json["timing"]["stages"][stage]["p99_ms"], json["timing"]["stages"][stage]["mean_ms"].get<double>() / 100);
+    EXPECT_GE(json["timing"]["stages"][stage]["p99_ms"],
+              json["timing"]["stages"][stage]["mean_ms"].get<double>() / 100);
   }
   EXPECT_GT(json["timing"]["stages"]["render"]["mean_ms"], 0);
   EXPECT_GT(json["timing"]["real_time_factor"], 0);
@@ -109,13 +111,17 @@ TEST_F(RunnerTest, ItsScenarioFileGivesTheSameRunAgain) {
 
 TEST_F(RunnerTest, CriteriaAreJudgedByTheMetrics) {
   const FlightResult met = RunFlight(
-      LoadScenario("pose", {"duration_s=1", "start.settle_s=1", "criteria={fix_share: {min: 0.5, max: 1}, greatest_tilt_deg: {max: 30}}"}), {});
+      LoadScenario("pose", {"duration_s=1", "start.settle_s=1",
+                            "criteria={fix_share: {min: 0.5, max: 1}, greatest_tilt_deg: {max: 30}}"}),
+      {});
   EXPECT_TRUE(met.summary.passed);
   ASSERT_EQ(met.summary.criteria.size(), 3u);
   for (const Criterion& c : met.summary.criteria) EXPECT_EQ(c.value, met.summary.metrics.at(c.name));
 
-  const FlightResult missed = RunFlight(
-      LoadScenario("pose", {"duration_s=1", "start.settle_s=1", "criteria={fix_share: {min: 0.5}, greatest_tilt_deg: {max: 0.001}}"}), {});
+  const FlightResult missed =
+      RunFlight(LoadScenario("pose", {"duration_s=1", "start.settle_s=1",
+                                      "criteria={fix_share: {min: 0.5}, greatest_tilt_deg: {max: 0.001}}"}),
+                {});
   EXPECT_FALSE(missed.summary.passed);
   int failed = 0;
   for (const Criterion& c : missed.summary.criteria) {
@@ -125,8 +131,10 @@ TEST_F(RunnerTest, CriteriaAreJudgedByTheMetrics) {
   EXPECT_EQ(failed, 1);
 
   // what did not happen is not met
-  const FlightResult absent = RunFlight(
-      LoadScenario("pose", {"duration_s=1", "start.settle_s=1", "criteria={touchdown_error_m: {max: 100}, rest_error_m: {min: 0}}"}), {});
+  const FlightResult absent =
+      RunFlight(LoadScenario("pose", {"duration_s=1", "start.settle_s=1",
+                                      "criteria={touchdown_error_m: {max: 100}, rest_error_m: {min: 0}}"}),
+                {});
   EXPECT_FALSE(absent.summary.passed);
   for (const Criterion& c : absent.summary.criteria) {
     EXPECT_FALSE(c.passed);
@@ -136,7 +144,8 @@ TEST_F(RunnerTest, CriteriaAreJudgedByTheMetrics) {
 
 TEST_F(RunnerTest, ARunThatIsInterruptedKeepsWhatItHadAndSaysSo) {
   int frames = 0;
-  const FlightResult result = RunFlight(Short(), {folder_ / "run", true, [&](const LogRow&) { return ++frames < 10; }});
+  const FlightResult result =
+      RunFlight(Short(), {folder_ / "run", true, [&](const LogRow&) { return ++frames < 10; }});
   EXPECT_FALSE(result.summary.complete);
   EXPECT_FALSE(result.summary.passed);
   EXPECT_EQ(result.summary.outcome, "interrupted");
@@ -152,7 +161,8 @@ TEST_F(RunnerTest, ARunThatIsInterruptedKeepsWhatItHadAndSaysSo) {
 TEST_F(RunnerTest, AnErrorInTheMiddleBreaksTheRunOff) {
   int frames = 0;
   const FlightResult result = RunFlight(Short(), {folder_ / "run", false, [&](const LogRow&) -> bool {
-                                                    if (++frames == 5) throw std::runtime_error("the mast broke");
+                                                    if (++frames == 5)
+                                                      throw std::runtime_error("the mast broke");
                                                     return true;
                                                   }});
   EXPECT_EQ(result.summary.outcome, "broke off");

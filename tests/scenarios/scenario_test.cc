@@ -43,7 +43,8 @@ class ScenarioTest : public ::testing::Test {
   }
   // From here on the models and scenarios are those of a copy in the folder.
   void CopyRoot() const {
-    for (const char* part : {"models", "scenarios"}) fs::copy(Root() / part, folder_ / part, fs::copy_options::recursive);
+    for (const char* part : {"models", "scenarios"})
+      fs::copy(Root() / part, folder_ / part, fs::copy_options::recursive);
     setenv("KESTREL_ROOT", folder_.c_str(), 1);
   }
   void Replace(const fs::path& file, const std::string& what, const std::string& with) const {
@@ -57,7 +58,8 @@ class ScenarioTest : public ::testing::Test {
   fs::path folder_;
 };
 
-std::vector<std::string> Refusal(const std::string& name_or_file, const std::vector<std::string>& overrides = {}) {
+std::vector<std::string> Refusal(const std::string& name_or_file,
+                                 const std::vector<std::string>& overrides = {}) {
   try {
     LoadScenario(name_or_file, overrides);
   } catch (const InputError& e) {
@@ -70,9 +72,9 @@ TEST_F(ScenarioTest, EveryScenarioIsValidAndItsResolvedTextReadsBackTheSame) {
   const std::vector<std::string> names = ScenarioNames();
   EXPECT_THAT(names, ::testing::IsSupersetOf({"hover", "landing", "pose", "pose_high"}));
   for (const std::string& name : names) {
-    const LoadedScenario loaded =
-        LoadScenario(name, {"seed=18446744073709551615", "wind.mean_m_s=1.2345678901234567", "duration_s=12.5",
-                            "start.offset_m=[0.1, -0.2]", "criteria.fix_share={min: 0.3, max: 0.99}"});
+    const LoadedScenario loaded = LoadScenario(
+        name, {"seed=18446744073709551615", "wind.mean_m_s=1.2345678901234567", "duration_s=12.5",
+               "start.offset_m=[0.1, -0.2]", "criteria.fix_share={min: 0.3, max: 0.99}"});
     const std::string text = ToYaml(loaded.scenario);
     const LoadedScenario again = LoadScenario(Write("again.yaml", text));
     EXPECT_EQ(ToYaml(again.scenario), text);
@@ -88,8 +90,9 @@ TEST_F(ScenarioTest, EveryScenarioIsValidAndItsResolvedTextReadsBackTheSame) {
 
 TEST_F(ScenarioTest, TheResolvedTextHoldsEveryValue) {
   const std::string text = ToYaml(LoadScenario("landing").scenario);
-  for (const char* key : {"seed:", "duration_s:", "vehicle: pelican", "world: airfield", "camera: thesis_6mm", "blind_m:",
-                          "gps_rate_hz:", "latency_s:", "lambda_per_s:", "give_up_s:", "touchdown_error_m:"}) {
+  for (const char* key :
+       {"seed:", "duration_s:", "vehicle: pelican", "world: airfield", "camera: thesis_6mm",
+        "blind_m:", "gps_rate_hz:", "latency_s:", "lambda_per_s:", "give_up_s:", "touchdown_error_m:"}) {
     EXPECT_THAT(text, HasSubstr(key));
   }
 }
@@ -108,8 +111,8 @@ TEST_F(ScenarioTest, AFileNeedsNothingButItsMission) {
 
 TEST_F(ScenarioTest, OverridesReachTheSimulatorAndTheFlight) {
   const LoadedScenario loaded =
-      LoadScenario("landing", {"flight.blind_m=0.5", "seed=42", "image.latency_s=0.2", "occlusion.share=0.7", "pad.yaw_deg=33",
-                               "mount.pitch_deg=10", "sensors.gps_horizontal_m.white=0.7"});
+      LoadScenario("landing", {"flight.blind_m=0.5", "seed=42", "image.latency_s=0.2", "occlusion.share=0.7",
+                               "pad.yaw_deg=33", "mount.pitch_deg=10", "sensors.gps_horizontal_m.white=0.7"});
   EXPECT_EQ(std::get<LandingFlight>(loaded.scenario.flight).blind_m, 0.5);
   EXPECT_EQ(loaded.simulator.seed, 42u);
   EXPECT_EQ(loaded.simulator.image.latency_s, 0.2);
@@ -121,7 +124,8 @@ TEST_F(ScenarioTest, OverridesReachTheSimulatorAndTheFlight) {
 
 TEST_F(ScenarioTest, AListTakesAnOverrideOfOneElementOnlyWhereItIsGiven) {
   const std::string file = Write("a.yaml", "mission: pose\npad: {position_m: [1, 2]}\n");
-  EXPECT_EQ(LoadScenario(file, {"pad.position_m.1=-4"}).simulator.scene.pad_position_m, Eigen::Vector2d(1, -4));
+  EXPECT_EQ(LoadScenario(file, {"pad.position_m.1=-4"}).simulator.scene.pad_position_m,
+            Eigen::Vector2d(1, -4));
 }
 
 TEST_F(ScenarioTest, EveryMistakeIsNamedWithFileLineKeyAndWhatWouldBeValid) {
@@ -136,13 +140,18 @@ TEST_F(ScenarioTest, EveryMistakeIsNamedWithFileLineKeyAndWhatWouldBeValid) {
                                  "render: {backend: opengl}\n");
   const auto mistakes = Refusal(file, {"image.rate_hz=0", "seed=-1"});
   ASSERT_EQ(mistakes.size(), 8u);
-  EXPECT_THAT(mistakes, Contains(AllOf(StartsWith(file + ":2: flight.blind_m: 7"), HasSubstr("valid: 0 to 2"))));
+  EXPECT_THAT(mistakes,
+              Contains(AllOf(StartsWith(file + ":2: flight.blind_m: 7"), HasSubstr("valid: 0 to 2"))));
   EXPECT_THAT(mistakes, Contains(file + ":3: durations_s: unknown key; did you mean 'duration_s'?"));
-  EXPECT_THAT(mistakes, Contains(AllOf(StartsWith(file + ":5: wind.mean_m_s: 'strong'"), HasSubstr("0 to 20"))));
+  EXPECT_THAT(mistakes,
+              Contains(AllOf(StartsWith(file + ":5: wind.mean_m_s: 'strong'"), HasSubstr("0 to 20"))));
   EXPECT_THAT(mistakes, Contains(file + ":6: wind.turbulance: unknown key; did you mean 'turbulence'?"));
-  EXPECT_THAT(mistakes, Contains(AllOf(StartsWith(file + ":7: start.height_m: -3"), HasSubstr("valid: 0 to 120"))));
-  EXPECT_THAT(mistakes, Contains(AllOf(StartsWith(file + ":8: render.backend: 'opengl'"), HasSubstr("osmesa, egl"))));
-  EXPECT_THAT(mistakes, Contains(AllOf(StartsWith("--set image.rate_hz=0: image.rate_hz"), HasSubstr("0.5 to 500"))));
+  EXPECT_THAT(mistakes,
+              Contains(AllOf(StartsWith(file + ":7: start.height_m: -3"), HasSubstr("valid: 0 to 120"))));
+  EXPECT_THAT(mistakes,
+              Contains(AllOf(StartsWith(file + ":8: render.backend: 'opengl'"), HasSubstr("osmesa, egl"))));
+  EXPECT_THAT(mistakes,
+              Contains(AllOf(StartsWith("--set image.rate_hz=0: image.rate_hz"), HasSubstr("0.5 to 500"))));
   EXPECT_THAT(mistakes, Contains(StartsWith("--set seed=-1: seed")));
 }
 
@@ -152,28 +161,38 @@ TEST_F(ScenarioTest, AMissingFileIsNamed) {
 }
 
 TEST_F(ScenarioTest, NamesThatAreNotKnownGetTheNearest) {
-  EXPECT_THAT(Refusal("landin"), ElementsAre(AllOf(HasSubstr("there is no scenario 'landin'"), HasSubstr("did you mean 'landing'?"))));
+  EXPECT_THAT(Refusal("landin"), ElementsAre(AllOf(HasSubstr("there is no scenario 'landin'"),
+                                                   HasSubstr("did you mean 'landing'?"))));
   EXPECT_THAT(Refusal("xyzzy"), ElementsAre(AllOf(HasSubstr("valid: "), HasSubstr("hover, landing"))));
   const auto one = [](const char* override_) { return Refusal("pose", {override_}); };
-  EXPECT_THAT(one("mission=landnig"), ElementsAre(AllOf(HasSubstr("mission"), HasSubstr("did you mean 'landing'?"))));
-  EXPECT_THAT(one("vehicle=pelikan"), ElementsAre(AllOf(HasSubstr("no vehicle 'pelikan'"), HasSubstr("did you mean 'pelican'?"))));
-  EXPECT_THAT(one("world=airfeld"), ElementsAre(AllOf(HasSubstr("no world 'airfeld'"), HasSubstr("did you mean 'airfield'?"))));
-  EXPECT_THAT(one("camera=thesis6mm"), ElementsAre(AllOf(HasSubstr("no camera 'thesis6mm'"), HasSubstr("did you mean 'thesis_6mm'?"))));
-  EXPECT_THAT(one("pad.name=hellipad"), ElementsAre(AllOf(HasSubstr("no pad 'hellipad'"), HasSubstr("did you mean 'helipad'?"))));
-  EXPECT_THAT(one("criteria.touchdown_eror_m={max: 1}"), ElementsAre(HasSubstr("did you mean 'touchdown_error_m'?")));
+  EXPECT_THAT(one("mission=landnig"),
+              ElementsAre(AllOf(HasSubstr("mission"), HasSubstr("did you mean 'landing'?"))));
+  EXPECT_THAT(one("vehicle=pelikan"),
+              ElementsAre(AllOf(HasSubstr("no vehicle 'pelikan'"), HasSubstr("did you mean 'pelican'?"))));
+  EXPECT_THAT(one("world=airfeld"),
+              ElementsAre(AllOf(HasSubstr("no world 'airfeld'"), HasSubstr("did you mean 'airfield'?"))));
+  EXPECT_THAT(one("camera=thesis6mm"), ElementsAre(AllOf(HasSubstr("no camera 'thesis6mm'"),
+                                                         HasSubstr("did you mean 'thesis_6mm'?"))));
+  EXPECT_THAT(one("pad.name=hellipad"),
+              ElementsAre(AllOf(HasSubstr("no pad 'hellipad'"), HasSubstr("did you mean 'helipad'?"))));
+  EXPECT_THAT(one("criteria.touchdown_eror_m={max: 1}"),
+              ElementsAre(HasSubstr("did you mean 'touchdown_error_m'?")));
 }
 
 TEST_F(ScenarioTest, MistakesInTheNamesComeTogether) {
-  const auto mistakes = Refusal("pose", {"vehicle=a", "world=b", "camera=c", "pad.name=d", "criteria.e={min: 1}"});
+  const auto mistakes =
+      Refusal("pose", {"vehicle=a", "world=b", "camera=c", "pad.name=d", "criteria.e={min: 1}"});
   EXPECT_EQ(mistakes.size(), 5u);
 }
 
 TEST_F(ScenarioTest, AMissionMustBeGiven) {
-  EXPECT_THAT(Refusal(Write("a.yaml", "seed: 3\n")), Contains(AllOf(HasSubstr("mission"), HasSubstr("must be given"))));
+  EXPECT_THAT(Refusal(Write("a.yaml", "seed: 3\n")),
+              Contains(AllOf(HasSubstr("mission"), HasSubstr("must be given"))));
 }
 
 TEST_F(ScenarioTest, ACriterionNeedsALimit) {
-  EXPECT_THAT(Refusal("pose", {"criteria.fix_share={}"}), ElementsAre(HasSubstr("criteria.fix_share: has no limit")));
+  EXPECT_THAT(Refusal("pose", {"criteria.fix_share={}"}),
+              ElementsAre(HasSubstr("criteria.fix_share: has no limit")));
 }
 
 TEST_F(ScenarioTest, ACameraMustBeWholeAndSquare) {
@@ -182,7 +201,8 @@ TEST_F(ScenarioTest, ACameraMustBeWholeAndSquare) {
   Replace("models/cameras/thesis_6mm.yaml", "fy_px: 810.81", "fy_px: 800");
   EXPECT_THAT(Refusal("pose"), ElementsAre(AllOf(HasSubstr(file), HasSubstr("fy_px"), HasSubstr("810.81"))));
   Replace("models/cameras/thesis_6mm.yaml", "fx_px: 810.81\n", "");
-  EXPECT_THAT(Refusal("pose"), Contains(AllOf(HasSubstr(file), HasSubstr("fx_px"), HasSubstr("must be given"))));
+  EXPECT_THAT(Refusal("pose"),
+              Contains(AllOf(HasSubstr(file), HasSubstr("fx_px"), HasSubstr("must be given"))));
   EXPECT_THAT(Refusal("pose"), Not(Contains(HasSubstr("differs"))));  // said once
 }
 
@@ -194,14 +214,16 @@ TEST_F(ScenarioTest, MistakesOfTheModelsNameTheirOwnFiles) {
   const auto mistakes = Refusal("pose");
   EXPECT_EQ(mistakes.size(), 3u);
   EXPECT_THAT(mistakes, Contains(AllOf(HasSubstr("pelican.yaml:"), HasSubstr("mass_kg: 1300"))));
-  EXPECT_THAT(mistakes, Contains(AllOf(HasSubstr("pelican.yaml:"), HasSubstr("did you mean 'tilt_limit_deg'?"))));
+  EXPECT_THAT(mistakes,
+              Contains(AllOf(HasSubstr("pelican.yaml:"), HasSubstr("did you mean 'tilt_limit_deg'?"))));
   EXPECT_THAT(mistakes, Contains(AllOf(HasSubstr("helipad.yaml:"), HasSubstr("size_m"))));
 }
 
 TEST_F(ScenarioTest, APadsTextureMustBeAnImage) {
   CopyRoot();
   Write("models/pads/helipad/helipad.png", "no picture");
-  EXPECT_THAT(Refusal("pose"), ElementsAre(AllOf(HasSubstr("helipad.yaml: texture"), HasSubstr("cannot be read as an image"))));
+  EXPECT_THAT(Refusal("pose"), ElementsAre(AllOf(HasSubstr("helipad.yaml: texture"),
+                                                 HasSubstr("cannot be read as an image"))));
 }
 
 TEST_F(ScenarioTest, APadMustFitIntoItsWorld) {
@@ -223,7 +245,8 @@ TEST_F(ScenarioTest, TheLimitsOfTheCriteriaInTheScenariosAreOfKnownMetrics) {
   for (const std::string& name : ScenarioNames()) {
     const auto loaded = LoadScenario(name);
     EXPECT_FALSE(loaded.scenario.criteria.empty()) << name;
-    for (const auto& [metric, limit] : loaded.scenario.criteria) EXPECT_TRUE(known.count(metric)) << name << ' ' << metric;
+    for (const auto& [metric, limit] : loaded.scenario.criteria)
+      EXPECT_TRUE(known.count(metric)) << name << ' ' << metric;
   }
 }
 

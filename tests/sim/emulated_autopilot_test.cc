@@ -29,7 +29,8 @@ ModelPtr PelicanOverAPlane() {
   const auto root = std::filesystem::path(__FILE__).parent_path().parent_path().parent_path();
   const std::string xml = R"(<mujoco><option timestep="0.002" gravity="0 0 -9.80665"/><worldbody>
       <geom type="plane" size="100 100 1"/><include file=")" +
-                          (root / "models/vehicles/pelican/pelican.xml").string() + R"("/></worldbody></mujoco>)";
+                          (root / "models/vehicles/pelican/pelican.xml").string() +
+                          R"("/></worldbody></mujoco>)";
   mjVFS vfs;
   mj_defaultVFS(&vfs);
   mj_makeEmptyFileVFS(&vfs, "world.xml", static_cast<int>(xml.size()) + 1);
@@ -121,7 +122,9 @@ class Flight {
   EmulatedAutopilot autopilot;
 };
 
-Pose At(double height_m, double yaw_deg = 0) { return {HeadingRotation(Radians(yaw_deg)), {0, 0, -height_m}}; }
+Pose At(double height_m, double yaw_deg = 0) {
+  return {HeadingRotation(Radians(yaw_deg)), {0, 0, -height_m}};
+}
 
 double HoverThrust() {
   const MultirotorParameters p;
@@ -153,7 +156,8 @@ TEST(EmulatedAutopilot, RollAnswersAsIdentified) {
     EXPECT_LT(worst, 0.05 * std::abs(command));
     EXPECT_EQ(flight.mode(), FlightMode::kAttitude);
     EXPECT_GT(flight.Angles().roll * command, 0);
-    EXPECT_GT(flight.v_N().dot(HeadingRotation(Radians(30)) * Vector3d::UnitY()) * command, 0);  // right wing down: right
+    EXPECT_GT(flight.v_N().dot(HeadingRotation(Radians(30)) * Vector3d::UnitY()) * command,
+              0);  // right wing down: right
   }
 }
 
@@ -168,7 +172,8 @@ TEST(EmulatedAutopilot, PitchAnswersAsIdentified) {
       worst = std::max(worst, std::abs(flight.Angles().pitch - model));
     });
     EXPECT_LT(worst, 0.05 * std::abs(command));
-    EXPECT_LT(flight.v_N().dot(HeadingRotation(Radians(-50)) * Vector3d::UnitX()) * command, 0);  // nose up: backwards
+    EXPECT_LT(flight.v_N().dot(HeadingRotation(Radians(-50)) * Vector3d::UnitX()) * command,
+              0);  // nose up: backwards
   }
 }
 
@@ -199,7 +204,10 @@ TEST(EmulatedAutopilot, ThrustIsAShareOfTheGreatest) {
 TEST(EmulatedAutopilot, VelocityIsFlownInTheHeadingFrame) {
   const struct {
     Vector3d v_H, v_N;
-  } cases[] = {{{1, 0, 0}, {0, 1, 0}}, {{0, 1, 0}, {-1, 0, 0}}, {{-0.5, 0.8, 0}, {-0.8, -0.5, 0}}, {{0, 0, -0.6}, {0, 0, -0.6}}};
+  } cases[] = {{{1, 0, 0}, {0, 1, 0}},
+               {{0, 1, 0}, {-1, 0, 0}},
+               {{-0.5, 0.8, 0}, {-0.8, -0.5, 0}},
+               {{0, 0, -0.6}, {0, 0, -0.6}}};
   for (const auto& c : cases) {
     Flight flight(At(30, 90), true);
     flight.Keep(VelocitySetpoint{c.v_H, 0}, 6);
@@ -261,16 +269,25 @@ TEST(EmulatedAutopilot, KeepsItsLimits) {
   };
   expect_near_limit(most(VelocitySetpoint{{8, -6, 0}, 0}, 8, level_speed), 3, 0.12);
   expect_near_limit(most(PositionSetpoint{{30, 40, -60}, 0}, 8, level_speed), 3, 0.12);
-  expect_near_limit(most(VelocitySetpoint{{0, 0, -9}, 0}, 4, [](const Flight& f) { return -f.v_N().z(); }), 2, 0.15);
-  expect_near_limit(most(VelocitySetpoint{{0, 0, 9}, 0}, 4, [](const Flight& f) { return f.v_N().z(); }), 2, 0.15);
+  expect_near_limit(most(VelocitySetpoint{{0, 0, -9}, 0}, 4, [](const Flight& f) { return -f.v_N().z(); }), 2,
+                    0.15);
+  expect_near_limit(most(VelocitySetpoint{{0, 0, 9}, 0}, 4, [](const Flight& f) { return f.v_N().z(); }), 2,
+                    0.15);
   // 4.6 % is the overshoot of a step at that damping
-  expect_near_limit(most(AttitudeSetpoint{1.2, 0, 0, HoverThrust()}, 1.5, [](const Flight& f) { return f.TiltDeg(); }), 25, 0.06);
-  expect_near_limit(most(AttitudeSetpoint{0, -1.2, 0, HoverThrust()}, 1.5, [](const Flight& f) { return f.TiltDeg(); }), 25, 0.06);
-  expect_near_limit(most(VelocitySetpoint{{0, 0, 0}, 6}, 4, [](const Flight& f) { return Degrees(f.w_B().z()); }), 90, 0.06);
+  expect_near_limit(
+      most(AttitudeSetpoint{1.2, 0, 0, HoverThrust()}, 1.5, [](const Flight& f) { return f.TiltDeg(); }), 25,
+      0.06);
+  expect_near_limit(
+      most(AttitudeSetpoint{0, -1.2, 0, HoverThrust()}, 1.5, [](const Flight& f) { return f.TiltDeg(); }), 25,
+      0.06);
+  expect_near_limit(
+      most(VelocitySetpoint{{0, 0, 0}, 6}, 4, [](const Flight& f) { return Degrees(f.w_B().z()); }), 90,
+      0.06);
 }
 
 TEST(EmulatedAutopilot, ASetpointThatIsNotKeptUpGoesStaleAndThePlaceIsHeld) {
-  for (const Setpoint& setpoint : {Setpoint(VelocitySetpoint{{1.5, -1, 0}, 0.3}), Setpoint(AttitudeSetpoint{0.1, 0, 0, HoverThrust()})}) {
+  for (const Setpoint& setpoint : {Setpoint(VelocitySetpoint{{1.5, -1, 0}, 0.3}),
+                                   Setpoint(AttitudeSetpoint{0.1, 0, 0, HoverThrust()})}) {
     Flight flight(At(30, 70), true);
     flight.Keep(setpoint, 2);  // last sent 0.05 s before the end
     flight.Run(0.43);
@@ -293,9 +310,9 @@ TEST(EmulatedAutopilot, TakesOffOnAPositionAboveItAndOnlyThen) {
   Flight flight(At(kStandingHeight_m, 25), false);
   flight.Run(1);
   EXPECT_TRUE(flight.autopilot.State().landed);
-  const Setpoint no_take_off[] = {VelocitySetpoint{{0, 0, -1}, 0}, AttitudeSetpoint{0, 0, 0, 0.8},
-                                  PositionSetpoint{{0, 0, 0}, 0}, PositionSetpoint{{0, 0, -kStandingHeight_m - 0.2}, 0},
-                                  PositionSetpoint{{3, 0, 5}, 0}};
+  const Setpoint no_take_off[] = {
+      VelocitySetpoint{{0, 0, -1}, 0}, AttitudeSetpoint{0, 0, 0, 0.8}, PositionSetpoint{{0, 0, 0}, 0},
+      PositionSetpoint{{0, 0, -kStandingHeight_m - 0.2}, 0}, PositionSetpoint{{3, 0, 5}, 0}};
   for (const Setpoint& setpoint : no_take_off) {
     flight.Keep(setpoint, 0.5);
     EXPECT_EQ(flight.mode(), FlightMode::kStopped);

@@ -88,7 +88,8 @@ TEST(ImageSensor, BlackAndWhiteAreTheEndsOfTheScale) {
   for (const int level : {0, 255}) {
     const cv::Mat image = sensor.Expose(Grey(level), 0);
     const double clipped = cv::countNonZero(image == level) / static_cast<double>(kSize.area());
-    EXPECT_NEAR(clipped, 0.5, 0.03);  // half the noise would go beyond, and must not come round at the other end
+    EXPECT_NEAR(clipped, 0.5,
+                0.03);  // half the noise would go beyond, and must not come round at the other end
     EXPECT_EQ(cv::countNonZero(cv::abs(image - level) > 120), 0);
   }
 }
@@ -100,7 +101,8 @@ TEST(ImageSensor, EachChannelOfColourHasNoiseOfItsOwn) {
   ASSERT_EQ(noise.channels(), 3);
   cv::Mat channels[3];
   cv::split(noise, channels);
-  for (const cv::Mat& c : channels) EXPECT_NEAR(std::sqrt(c.dot(c) / kSize.area()), std::sqrt(4 + 1.0 / 12), 0.06);
+  for (const cv::Mat& c : channels)
+    EXPECT_NEAR(std::sqrt(c.dot(c) / kSize.area()), std::sqrt(4 + 1.0 / 12), 0.06);
   EXPECT_LT(std::abs(Correlation(channels[0], channels[1])), 0.02);
   EXPECT_LT(std::abs(Correlation(channels[1], channels[2])), 0.02);
 }

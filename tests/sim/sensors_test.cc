@@ -19,7 +19,9 @@ constexpr double kGravity = 9.80665;
 const Vector3d kZero = Vector3d::Zero();
 const Vector3d kAtRest(0, 0, -kGravity);
 
-SensorReadings ReadAtRest(Sensors& sensors, double dt_s) { return sensors.Read(dt_s, {}, kZero, kZero, kAtRest); }
+SensorReadings ReadAtRest(Sensors& sensors, double dt_s) {
+  return sensors.Read(dt_s, {}, kZero, kZero, kAtRest);
+}
 
 double Deviation(const std::vector<double>& x) {  // about zero, which is the mean of every error
   double sum = 0;
@@ -34,9 +36,11 @@ double Correlation(const std::vector<double>& x, std::size_t lag) {
   return sum / static_cast<double>(x.size() - lag) / (deviation * deviation);
 }
 
-// A first-order Gauss-Markov process: its deviation, and a correlation of exp(-lag / T). samples one period apart.
+// A first-order Gauss-Markov process: its deviation, and a correlation of exp(-lag / T). samples one period
+// apart.
 void ExpectWander(const std::vector<double>& x, double deviation, double time_s, double period_s) {
-  ASSERT_GT(static_cast<double>(x.size()) * period_s, 2000 * time_s);  // 2000 T: three deviations of the estimate are 7 %
+  ASSERT_GT(static_cast<double>(x.size()) * period_s,
+            2000 * time_s);  // 2000 T: three deviations of the estimate are 7 %
   EXPECT_NEAR(Deviation(x) / deviation, 1, 0.07);
   for (const double lags : {0.5, 1.0, 2.0}) {
     const auto lag = static_cast<std::size_t>(std::lround(lags * time_s / period_s));
@@ -190,7 +194,8 @@ TEST(Sensors, GpsAndBarometerWanderSlowlyFromZero) {
   ExpectWander(height, 0.5, 5, kPeriod);
   double product = 0;
   for (std::size_t i = 0; i < north.size(); ++i) product += north[i] * east[i];
-  EXPECT_LT(std::abs(product / static_cast<double>(north.size())), 0.1 * 2.1 * 2.1);  // north and east on their own
+  EXPECT_LT(std::abs(product / static_cast<double>(north.size())),
+            0.1 * 2.1 * 2.1);  // north and east on their own
 }
 
 TEST(Sensors, WhiteErrorsOfTheSlowSensorsHaveTheirDeviation) {
@@ -242,8 +247,9 @@ TEST(Sensors, TheMagnetometerTurnsAgainstTheAircraft) {
 
 bool Same(const SensorReadings& a, const SensorReadings& b) {
   return a.imu.w_B == b.imu.w_B && a.imu.specific_force_B == b.imu.specific_force_B &&
-         a.gps.has_value() == b.gps.has_value() && (!a.gps || (a.gps->p_N == b.gps->p_N && a.gps->v_N == b.gps->v_N)) &&
-         a.height_m == b.height_m && a.field_B == b.field_B;
+         a.gps.has_value() == b.gps.has_value() &&
+         (!a.gps || (a.gps->p_N == b.gps->p_N && a.gps->v_N == b.gps->v_N)) && a.height_m == b.height_m &&
+         a.field_B == b.field_B;
 }
 
 TEST(Sensors, TheSameSeedGivesTheSameBitsAndAnotherOthers) {

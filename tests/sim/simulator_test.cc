@@ -350,8 +350,7 @@ TEST(Simulator, AStateThatIsNoNumberEndsTheRun) {
   Simulator simulator(Hover());
   simulator.Send(AttitudeSetpoint{std::numeric_limits<double>::quiet_NaN(), 0, 0, 0.5});
   try {
-    while (simulator.Next()) {
-    }
+    while (simulator.Next()) {}
     ADD_FAILURE() << "nothing was thrown";
   } catch (const RunError& e) {
     EXPECT_THAT(e.what(), ::testing::HasSubstr("not a number"));

@@ -25,8 +25,8 @@ struct Motion {
 };
 using Path = std::function<Motion(double)>;
 
-// A level circle, clockwise from above, flown as a coordinated turn: the nose along the course, banked so that the
-// specific force is along the body's z. In closed form.
+// A level circle, clockwise from above, flown as a coordinated turn: the nose along the course, banked so
+// that the specific force is along the body's z. In closed form.
 Motion BankedCircle(double t_s) {
   constexpr double kSpeed_m_s = 3, kRadius_m = 6;
   const double w = kSpeed_m_s / kRadius_m, yaw = w * t_s;
@@ -60,12 +60,14 @@ Errors ErrorsOf(const StateEstimator& estimator, const Motion& truth) {
   const Vector3d down_E = estimator.X_NB().R.conjugate() * Vector3d::UnitZ();
   return {(estimator.X_NB().p - truth.X_NB.p).norm(), (estimator.v_N() - truth.v_N).norm(),
           Degrees(std::acos(std::min(1.0, down_B.dot(down_E)))),
-          Degrees(WrapAngle(YawOf(estimator.X_NB().R) - YawOf(truth.X_NB.R))), (estimator.w_B() - truth.w_B).norm()};
+          Degrees(WrapAngle(YawOf(estimator.X_NB().R) - YawOf(truth.X_NB.R))),
+          (estimator.w_B() - truth.w_B).norm()};
 }
 
 // Flies a path; returns the greatest errors after a time. What the IMU says is the mean of each step, as of a
 // sensor that integrates.
-Errors Fly(StateEstimator& estimator, Sensors& sensors, const Path& path, double duration_s, double judged_from_s) {
+Errors Fly(StateEstimator& estimator, Sensors& sensors, const Path& path, double duration_s,
+           double judged_from_s) {
   Errors worst;
   const auto steps = std::lround(duration_s / kDt);
   for (long i = 1; i <= steps; ++i) {
@@ -115,10 +117,12 @@ TEST(StateEstimator, WithThePublishedSensorsItsErrorsAreThoseOfSuchAnAutopilot) 
     const Motion start = BankedCircle(0);
     Vector3d bias = kZero;  // as averaged at rest before the flight
     Sensors at_rest = sensors;
-    for (int i = 0; i < 1000; ++i) bias += at_rest.Read(kDt, {}, kZero, kZero, {0, 0, -kGravity}).imu.w_B / 1000;
+    for (int i = 0; i < 1000; ++i)
+      bias += at_rest.Read(kDt, {}, kZero, kZero, {0, 0, -kGravity}).imu.w_B / 1000;
     StateEstimator estimator({}, start.X_NB, start.v_N, bias);
     Fly(estimator, sensors, BankedCircle, 30, 30);
-    const Errors e = Fly(estimator, sensors, [](double t) { return BankedCircle(t + 30); }, 30, 0);
+    const Errors e = Fly(
+        estimator, sensors, [](double t) { return BankedCircle(t + 30); }, 30, 0);
     EXPECT_LT(e.position_m, 8) << seed;
     EXPECT_LT(e.velocity_m_s, 0.6) << seed;
     EXPECT_LT(e.tilt_deg, 3) << seed;
@@ -143,7 +147,9 @@ TEST(StateEstimator, LearnsTheBiasOfTheGyroscopesInTurns) {
   Sensors sensors(p, 5);
   StateEstimator estimator({}, TurningToAndFro(0).X_NB, kZero, kZero);  // which knows nothing of the bias
   const double before = Fly(estimator, sensors, TurningToAndFro, 1, 0).rate_rad_s;
-  const double after = Fly(estimator, sensors, [](double t) { return TurningToAndFro(t + 1); }, 90, 80).rate_rad_s;
+  const double after = Fly(
+                           estimator, sensors, [](double t) { return TurningToAndFro(t + 1); }, 90, 80)
+                           .rate_rad_s;
   EXPECT_GT(before, 0.001);
   EXPECT_LT(after, before / 4);
 }
@@ -157,7 +163,10 @@ TEST(StateEstimator, LearnsTheBiasOfTheAccelerometersInTurns) {
     Sensors sensors(p, seed);
     StateEstimator estimator({}, TurningToAndFro(0).X_NB, kZero, kZero);
     early += Fly(estimator, sensors, TurningToAndFro, 10, 2).tilt_deg / kSeeds;
-    late += Fly(estimator, sensors, [](double t) { return TurningToAndFro(t + 10); }, 60, 55).tilt_deg / kSeeds;
+    late += Fly(
+                estimator, sensors, [](double t) { return TurningToAndFro(t + 10); }, 60, 55)
+                .tilt_deg /
+            kSeeds;
   }
   EXPECT_GT(early, 0.2);  // of the degree or more that such a bias is worth
   EXPECT_LT(late, early / 4);
