@@ -23,6 +23,8 @@ constexpr double kLeastCorrelation = 0.7;  // of a patch with the reference, for
 constexpr double kLargeCorrection_px =
     1.5;  // a registration that moves the outline this far is done once more
 constexpr double kLeastVisibleArea_px2 = 300;
+constexpr int kFramesBetweenFeatures =
+    5;  // the dear search for a part of the pad is not made in every lost frame
 const cv::TermCriteria kLucasKanadeEnd(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 20, 0.01);
 
 cv::Point2f ToCv(const Eigen::Vector2d& p) { return {static_cast<float>(p.x()), static_cast<float>(p.y())}; }
@@ -93,16 +95,25 @@ std::optional<PadObservation> PadTracker::Track(const cv::Mat& grey,
     if (!seen && X_CT_expected) seen = Settle(grey, HomographyFromPose(*X_CT_expected, camera_), 3);
     if (!seen && H_chain && chained_frames_ < options_.max_chained_frames) seen = FromChain(*H_chain);
   }
-  if (!seen) {
-    exposure_known_ = false;
-    if (const auto H_found = detector_.Detect(grey)) seen = Settle(grey, *H_found, 3);
-    if (seen) seen->found = true;
-  }
+  if (!seen) seen = Find(grey);
   if (seen) {
     Remember(grey, std::move(pyramid), *seen);
   } else {
     Forget();
   }
+  return seen;
+}
+
+// A search without a guess.
+std::optional<PadObservation> PadTracker::Find(const cv::Mat& grey) {
+  exposure_known_ = false;
+  std::optional<PadObservation> seen;
+  if (const auto H = detector_.Detect(grey)) seen = Settle(grey, *H, 3);
+  if (!seen && lost_frames_++ % kFramesBetweenFeatures == 0) {
+    if (!features_) features_.emplace(reference_, camera_);
+    if (const auto H = features_->Find(grey, frames_)) seen = Settle(grey, *H, 3);
+  }
+  if (seen) seen->found = true;
   return seen;
 }
 
@@ -296,6 +307,7 @@ std::optional<PadObservation> PadTracker::FromChain(const Eigen::Matrix3d& H_w) 
 }
 
 void PadTracker::Remember(const cv::Mat& grey, std::vector<cv::Mat> pyramid, const PadObservation& seen) {
+  lost_frames_ = 0;
   chained_frames_ = seen.registered ? 0 : chained_frames_ + 1;
   last_pyramid_ = std::move(pyramid);
   last_H_w_ = seen.H_w;

@@ -9,6 +9,7 @@
 
 #include "geometry/pose.h"
 #include "vision/pad_detector.h"
+#include "vision/pad_features.h"
 #include "vision/pad_reference.h"
 #include "vision/pinhole.h"
 
@@ -68,12 +69,14 @@ class PadTracker {
                                         const std::optional<Pose>& X_CT_expected);
   std::optional<PadObservation> Register(const cv::Mat& grey, const Eigen::Matrix3d& H_predicted);
   std::optional<PadObservation> Settle(const cv::Mat& grey, const Eigen::Matrix3d& H_guess, int passes);
+  std::optional<PadObservation> Find(const cv::Mat& grey);
   std::optional<PadObservation> FromChain(const Eigen::Matrix3d& H_w) const;
   void Remember(const cv::Mat& grey, std::vector<cv::Mat> pyramid, const PadObservation& seen);
   void Forget();
 
   PadReference reference_;
   PadDetector detector_;
+  std::optional<PadFeatures> features_;  // made when first needed
   Pinhole camera_;
   PadTrackerOptions options_;
   std::uint32_t frames_ = 0;
@@ -82,6 +85,7 @@ class PadTracker {
   std::vector<cv::Mat> last_pyramid_;
   std::vector<cv::Point2f> last_points_;
   Eigen::Matrix3d last_H_w_;
+  int lost_frames_ = 0;
   int chained_frames_ = 0;
   int chain_inliers_ = 0;
   double chain_rms_px_ = 0;

@@ -56,7 +56,7 @@ TEST(TiltAlignment, LearnsTheOffsetOfTheAutopilot) {
   for (int i = 0; i < 400; ++i) {
     const Vector3d down = Vector3d(0.1 * random.Normal(), 0.1 * random.Normal(), 1).normalized();
     const Vector3d noise(Radians(0.5) * random.Normal(), Radians(0.5) * random.Normal(), 0);
-    tilt.Correct(down, ExpRotation(offset + noise) * down, covariance);
+    tilt.Correct(0, down, ExpRotation(offset + noise) * down, covariance);
   }
   const Vector3d down = Vector3d(-0.1, 0.15, 1).normalized();
   EXPECT_LT(AngleBetween(tilt.Apply(down), ExpRotation(offset) * down), Radians(0.1));
@@ -75,7 +75,7 @@ TEST(TiltAlignment, WeighsWhatItSeesAsTheBatchSolutionDoes) {
     Matrix3d covariance = Matrix3d::Identity();
     covariance.topLeftCorner<2, 2>() = L * L.transpose();
     const Vector3d turn(seen.x(), seen.y(), 0);
-    tilt.Correct(Vector3d::UnitZ(), ExpRotation(turn) * Vector3d::UnitZ(), covariance);
+    tilt.Correct(0, Vector3d::UnitZ(), ExpRotation(turn) * Vector3d::UnitZ(), covariance);
     const Eigen::Matrix2d R = L * L.transpose() + noise * noise * Eigen::Matrix2d::Identity();
     information += R.inverse();
     weighted += R.inverse() * seen;
