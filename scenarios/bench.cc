@@ -4,20 +4,25 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <charconv>
 #include <cmath>
 #include <limits>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <opencv2/imgproc.hpp>
 #include <optional>
 #include <thread>
 
 #include "geometry/tait_bryan.h"
 #include "scenarios/files.h"
 #include "scenarios/runner.h"
+#include "vision/homography.h"
 #include "vision/pad_tracker.h"
+#include "vision/plane_pose.h"
 
 namespace kestrel {
 namespace {
@@ -26,10 +31,10 @@ struct Figure {
   std::string name;
   double value = 0;
   std::string unit;
-  double target = 0;
+  std::optional<double> target;  // none: shown for comparison
   bool at_least = false;
   std::string reference;  // the thesis's figure
-  bool Met() const { return at_least ? value >= target : value <= target; }
+  bool Met() const { return !target || (at_least ? value >= *target : value <= *target); }
 };
 
 struct Seeds {
@@ -51,17 +56,23 @@ Seeds ParseSeeds(const std::string& text) {
   return seeds;
 }
 
+// A flight with what it was flown by.
+struct FlownScenario {
+  LoadedScenario loaded;
+  Summary summary;
+  std::vector<LogRow> rows;
+};
+
 // Flies a scenario once for each seed, several at a time; results in the order of the seeds, whatever the
 // order of their ends.
-std::vector<FlightResult> FlyAll(const std::string& scenario, const std::vector<std::string>& overrides,
-                                 Seeds seeds, int jobs, const std::string& title) {
-  std::vector<LoadedScenario> flights;
+std::vector<FlownScenario> FlyAll(const std::string& scenario, const std::vector<std::string>& overrides,
+                                  Seeds seeds, int jobs, const std::string& title) {
+  std::vector<FlownScenario> flights;
   for (std::uint64_t seed = seeds.first; seed <= seeds.last; ++seed) {
     auto all = overrides;
     all.push_back(fmt::format("seed={}", seed));
-    flights.push_back(LoadScenario(scenario, all));
+    flights.push_back({LoadScenario(scenario, all), {}, {}});
   }
-  std::vector<FlightResult> results(flights.size());
   std::atomic<std::size_t> next = 0, done = 0;
   std::exception_ptr failure;
   std::mutex mutex;
@@ -70,8 +81,10 @@ std::vector<FlightResult> FlyAll(const std::string& scenario, const std::vector<
     workers.emplace_back([&] {
       for (std::size_t i; (i = next++) < flights.size();) {
         try {
-          results[i] = RunFlight(flights[i], {});
-          if (!results[i].summary.complete) throw std::runtime_error(results[i].summary.error);
+          FlightResult result = RunFlight(flights[i].loaded, {});
+          if (!result.summary.complete) throw std::runtime_error(result.summary.error);
+          flights[i].summary = std::move(result.summary);
+          flights[i].rows = std::move(result.rows);
         } catch (...) {
           const std::lock_guard lock(mutex);
           if (!failure) failure = std::current_exception();
@@ -86,20 +99,52 @@ std::vector<FlightResult> FlyAll(const std::string& scenario, const std::vector<
   for (std::thread& worker : workers) worker.join();
   if (isatty(STDERR_FILENO)) fmt::print(stderr, "\r\033[K");
   if (failure) std::rethrow_exception(failure);
-  return results;
+  return flights;
+}
+
+// The share of the pad that the camera can truly see in a frame: inside the image and not under the occluder,
+// which covers the pad from its +x end.
+double InView(const LogRow& row, const LoadedScenario& loaded) {
+  const OcclusionParameters& o = loaded.simulator.occlusion;
+  const bool hidden = row.exposure.t_s >= o.from_s && row.exposure.t_s < o.until_s;
+  const Eigen::Vector2d size = loaded.simulator.scene.pad.size_m;
+  const double x0 = -size.x() / 2, x1 = size.x() * (0.5 - (hidden ? o.share : 0)), y = size.y() / 2;
+  const Pinhole& camera = loaded.simulator.camera;
+  const Pose X_CT =
+      (row.exposure.X_NT.Inverse() * row.exposure.X_NB * MountPose(loaded.simulator.mount)).Inverse();
+  const Eigen::Matrix3d H = HomographyFromPose(X_CT, camera), H_inverse = H.inverse();
+  std::vector<cv::Point2f> open, seen, on_pad;
+  const auto add = [](std::vector<cv::Point2f>& to, const Eigen::Vector2d& p) {
+    to.emplace_back(static_cast<float>(p.x()), static_cast<float>(p.y()));
+  };
+  for (const auto& corner :
+       {Eigen::Vector2d(x0, -y), Eigen::Vector2d(x1, -y), Eigen::Vector2d(x1, y), Eigen::Vector2d(x0, y)}) {
+    add(open, Transfer(H, corner));
+  }
+  const float w = static_cast<float>(camera.width_px), h = static_cast<float>(camera.height_px);
+  const std::vector<cv::Point2f> image = {{0, 0}, {w, 0}, {w, h}, {0, h}};
+  if (!(cv::intersectConvexConvex(open, image, seen) > 0)) return 0;
+  for (const cv::Point2f& p : seen) add(on_pad, Transfer(H_inverse, {p.x, p.y}));
+  return cv::contourArea(on_pad) / size.prod();
 }
 
 // Errors of the fixes against the truth, over all flights together.
 struct FixErrors {
   double x = 0, y = 0, z = 0, yaw = 0;  // sums of squares, then roots of their means
   int fixes = 0, frames = 0;
+  double Level() const { return std::hypot(x, y); }
+  double Share() const { return static_cast<double>(fixes) / std::max(frames, 1); }
 };
 
-FixErrors ErrorsOf(const std::vector<FlightResult>& flights, double from_s = 0) {
+// Of the frames from a time on in which between least and most of the pad is in view.
+FixErrors ErrorsOf(const std::vector<FlownScenario>& flights, double from_s = 0, double least = 0,
+                   double most = 1) {
   FixErrors e;
-  for (const FlightResult& flight : flights) {
+  for (const FlownScenario& flight : flights) {
     for (const LogRow& row : flight.rows) {
       if (row.exposure.t_s < from_s) continue;
+      const double in_view = InView(row, flight.loaded);
+      if (in_view < least || in_view > most + 1e-6) continue;
       ++e.frames;
       if (!row.decision.fix) continue;
       ++e.fixes;
@@ -113,9 +158,9 @@ FixErrors ErrorsOf(const std::vector<FlightResult>& flights, double from_s = 0) 
   return e;
 }
 
-std::vector<double> Values(const std::vector<FlightResult>& flights, const std::string& metric) {
+std::vector<double> Values(const std::vector<FlownScenario>& flights, const std::string& metric) {
   std::vector<double> values;
-  for (const FlightResult& flight : flights) {
+  for (const FlownScenario& flight : flights) {
     const auto found = flight.summary.metrics.find(metric);
     values.push_back(found != flight.summary.metrics.end() ? found->second
                                                            : std::numeric_limits<double>::infinity());
@@ -137,37 +182,44 @@ double Rms(const std::vector<double>& values) {
   return std::sqrt(sum / static_cast<double>(values.size()));
 }
 
+// What a pose flight reached, beside its targets.
+void AddPose(const std::string& name, const FixErrors& e, double level, double height, double yaw,
+             const std::array<const char*, 4>& thesis, std::vector<Figure>& table) {
+  table.push_back({name + ", x RMSE", e.x, "m", level, false, thesis[0]});
+  table.push_back({name + ", y RMSE", e.y, "m", level, false, thesis[1]});
+  table.push_back({name + ", z RMSE", e.z, "m", height, false, thesis[2]});
+  table.push_back({name + ", yaw RMSE", e.yaw, "deg", yaw, false, thesis[3]});
+}
+
 void BenchFlights(Seeds seeds, int jobs, std::vector<Figure>& table) {
-  const auto share = [](const FixErrors& e) { return static_cast<double>(e.fixes) / std::max(e.frames, 1); };
+  constexpr double kHalf = 0.5;    // in view: enough to ask for a fix in every frame
+  constexpr double kLeast = 0.25;  // 70 % hidden leaves 30 %, less what hangs over the image's edge
+  constexpr double kHiddenFrom_s = 10;
   {
     const auto open = FlyAll("pose", {}, seeds, jobs, "pose at 4.2 m");
-    const FixErrors e = ErrorsOf(open);
-    table.push_back({"pose 4.2 m, x RMSE", e.x, "m", 0.05, false, "0.42"});
-    table.push_back({"pose 4.2 m, y RMSE", e.y, "m", 0.05, false, "0.16"});
-    table.push_back({"pose 4.2 m, z RMSE", e.z, "m", 0.04, false, "0.16"});
-    table.push_back({"pose 4.2 m, yaw RMSE", e.yaw, "deg", 0.5, false, "2"});
-    table.push_back({"pose 4.2 m, frames with a fix", share(e), "share", 0.95, true, ""});
-    constexpr double kHiddenFrom_s = 10;
+    AddPose("pose 4.2 m", ErrorsOf(open), 0.05, 0.04, 0.5, {"0.42", "0.16", "0.16", "2"}, table);
+    table.push_back({"pose 4.2 m, frames tracked with half of the pad in view",
+                     ErrorsOf(open, 0, kHalf).Share(), "share", 0.98, true, ""});
     const auto hidden =
         FlyAll("pose", {"occlusion.share=0.7", fmt::format("occlusion.from_s={}", kHiddenFrom_s)}, seeds,
                jobs, "pose, 70 % of the pad hidden");
-    const FixErrors before = ErrorsOf(open, kHiddenFrom_s), after = ErrorsOf(hidden, kHiddenFrom_s);
-    const auto level = [](const FixErrors& f) { return std::hypot(f.x, f.y); };
-    table.push_back({"70 % hidden, horizontal RMSE over that in the open", level(after) / level(before), "",
-                     2, false, ""});
-    table.push_back({"70 % hidden, z RMSE over that in the open", after.z / before.z, "", 2, false, ""});
+    const FixErrors before = ErrorsOf(open, kHiddenFrom_s), after = ErrorsOf(hidden, kHiddenFrom_s, kLeast);
+    AddPose("70 % hidden, within twice the open targets", after, 0.10, 0.08, 1.0,
+            {"tracked", "tracked", "tracked", "tracked"}, table);
+    table.push_back({"70 % hidden, frames tracked with 25 % of the pad in view", after.Share(), "share", 0.95,
+                     true, "tracked"});
+    table.push_back({"70 % hidden, horizontal RMSE over our own in the open", after.Level() / before.Level(),
+                     "times", 2, false, ""});
     table.push_back(
-        {"70 % hidden, yaw RMSE over that in the open", after.yaw / before.yaw, "", 2, false, ""});
-    table.push_back({"70 % hidden, horizontal RMSE", level(after), "m", 0.1, false, "still tracked"});
-    table.push_back({"70 % hidden, frames with a fix", share(after), "share", 0.9, true, "still tracked"});
+        {"70 % hidden, z RMSE over our own in the open", after.z / before.z, "times", 2, false, ""});
+    table.push_back(
+        {"70 % hidden, yaw RMSE over our own in the open", after.yaw / before.yaw, "times", 2, false, ""});
   }
   {
-    const FixErrors e = ErrorsOf(FlyAll("pose_high", {}, seeds, jobs, "pose at 10 m"));
-    table.push_back({"pose 10 m, x RMSE", e.x, "m", 0.15, false, ""});
-    table.push_back({"pose 10 m, y RMSE", e.y, "m", 0.15, false, ""});
-    table.push_back({"pose 10 m, z RMSE", e.z, "m", 0.10, false, "0.85"});
-    table.push_back({"pose 10 m, yaw RMSE", e.yaw, "deg", 1, false, "4"});
-    table.push_back({"pose 10 m, frames with a fix", share(e), "share", 0.95, true, ""});
+    const auto flights = FlyAll("pose_high", {}, seeds, jobs, "pose at 10 m");
+    AddPose("pose 10 m", ErrorsOf(flights), 0.15, 0.10, 1, {"", "", "0.85", "4"}, table);
+    table.push_back({"pose 10 m, frames tracked with half of the pad in view",
+                     ErrorsOf(flights, 0, kHalf).Share(), "share", 0.98, true, ""});
   }
   {
     const auto flights = FlyAll("hover", {}, seeds, jobs, "hover at 3 m");
@@ -179,7 +231,7 @@ void BenchFlights(Seeds seeds, int jobs, std::vector<Figure>& table) {
   }
   {
     const auto flights = FlyAll("landing", {}, seeds, jobs, "landing");
-    const auto landed = std::count_if(flights.begin(), flights.end(), [](const FlightResult& f) {
+    const auto landed = std::count_if(flights.begin(), flights.end(), [](const FlownScenario& f) {
       return f.summary.outcome == "landed" && f.summary.metrics.contains("rest_error_m");
     });
     const std::vector<double> error = Values(flights, "touchdown_error_m");
@@ -206,7 +258,7 @@ void BenchDrift(Seeds seeds, int jobs, std::vector<Figure>& table) {
   const FixErrors chained = errors(false), registered = errors(true);
   const auto all = [](const FixErrors& e) { return std::sqrt(e.x * e.x + e.y * e.y + e.z * e.z); };
   table.push_back(
-      {"chain of homographies alone, position RMSE after 30 to 60 s", all(chained), "m", 10, false, ""});
+      {"chain of homographies alone, position RMSE after 30 to 60 s", all(chained), "m", {}, false, ""});
   table.push_back(
       {"registered to the reference, position RMSE after 30 to 60 s", all(registered), "m", 0.08, false, ""});
   table.push_back({"gain of the registration", all(chained) / all(registered), "times", 3, true, ""});
@@ -250,7 +302,7 @@ void BenchHeights(Seeds seeds, std::vector<Figure>& table) {
       }
     }
     table.push_back({fmt::format("{:g} m, frames tracked", height), static_cast<double>(seen) / frames,
-                     "share", 0.95, true, height < 0.5 || height > 12 ? "beyond 0.5 to 12 m" : "tracked"});
+                     "share", 0.95, true, height < 0.5 || height > 12 ? "-" : "tracked"});
     table.push_back({fmt::format("{:g} m, position RMSE, vision alone", height),
                      std::sqrt(square / std::max(seen, 1)), "m", 0.02 + 0.03 * height, false, ""});
   }
@@ -259,7 +311,7 @@ void BenchHeights(Seeds seeds, std::vector<Figure>& table) {
 void BenchSpeed(Seeds seeds, std::vector<Figure>& table) {
   seeds.last = std::min(seeds.last, seeds.first + 4);
   std::vector<double> vision, factor;
-  for (const FlightResult& flight : FlyAll("landing", {}, seeds, 1, "landing, one at a time")) {
+  for (const FlownScenario& flight : FlyAll("landing", {}, seeds, 1, "landing, one at a time")) {
     vision.push_back(flight.summary.stages.at("vision").mean_ms);
     factor.push_back(flight.summary.sim_s / flight.summary.wall_s);
     const Summary& s = flight.summary;
@@ -275,12 +327,13 @@ void BenchSpeed(Seeds seeds, std::vector<Figure>& table) {
 }
 
 void Print(const std::vector<Figure>& table) {
-  fmt::print("| {:<58} | {:>9} | {:>11} | {:>12} | {:>14} |   |\n", "figure", "thesis", "target", "measured",
+  fmt::print("| {:<60} | {:>9} | {:>9} | {:>9} | {:<11} |    |\n", "figure", "thesis", "target", "measured",
              "unit");
-  fmt::print("|{:-<60}|{:-<11}|{:-<13}|{:-<14}|{:-<16}|---|\n", "", "", "", "", "");
+  fmt::print("|{:-<62}|{:->10}:|{:->10}:|{:->10}:|{:-<13}|----|\n", "", "", "", "", "");
   for (const Figure& f : table) {
-    fmt::print("| {:<58} | {:>9} | {:>2} {:>8.4g} | {:>12.4g} | {:>14} | {} |\n", f.name, f.reference,
-               f.at_least ? ">=" : "<=", f.target, f.value, f.unit, f.Met() ? " " : "X");
+    const std::string target = f.target ? fmt::format("{} {:.4g}", f.at_least ? ">=" : "<=", *f.target) : "";
+    fmt::print("| {:<60} | {:>9} | {:>9} | {:>9.3g} | {:<11} | {} |\n", f.name, f.reference, target, f.value,
+               f.unit, f.Met() ? "  " : "no");
   }
 }
 
@@ -290,7 +343,7 @@ void WriteJson(const std::string& file, const std::vector<Figure>& table) {
     all.push_back({{"name", f.name},
                    {"value", f.value},
                    {"unit", f.unit},
-                   {"target", f.target},
+                   {"target", f.target ? nlohmann::ordered_json(*f.target) : nlohmann::ordered_json()},
                    {"reference", f.reference},
                    {"met", f.Met()}});
   }
