@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "tests/vision/pad_photographer.h"
@@ -99,7 +100,8 @@ TEST_F(PadTrackerTest, FollowsThePadAtEveryHeight) {
   }
 }
 
-// sigma_px bounds it from below, so on these clean images it may be a few times what the errors are, and never less.
+// sigma_px bounds it from below, so on these clean images it may be a few times what the errors are, and
+// never less.
 TEST_F(PadTrackerTest, CovarianceCoversTheErrors) {
   PadTracker tracker = NewTracker();
   double nees = 0;
@@ -179,6 +181,31 @@ TEST_F(PadTrackerTest, SurvivesAChangeOfExposure) {
     EXPECT_TRUE(seen->registered) << frame;
     EXPECT_EQ(seen->found, frame == 0) << frame;
     EXPECT_LT(ErrorsOf(*seen, truth).place_m, 0.004) << frame;
+  }
+}
+
+TEST_F(PadTrackerTest, FollowsThePadInDimAndInPaleLight) {
+  for (const auto& [gain, offset] : {std::pair{0.3, 5.0}, std::pair{0.35, 150.0}}) {
+    PadTracker tracker = NewTracker();
+    for (int frame = 0; frame < 8; ++frame) {
+      const Pose truth = PathPose(frame);
+      const auto seen = tracker.Track(photographer_->At(truth, frame, gain, offset), std::nullopt);
+      ASSERT_TRUE(seen) << frame << ' ' << gain;
+      EXPECT_EQ(seen->found, frame == 0) << frame << ' ' << gain;
+      EXPECT_LT(ErrorsOf(*seen, truth).place_m, 0.006) << frame << ' ' << gain;
+    }
+  }
+}
+
+TEST_F(PadTrackerTest, SearchesAnewAfterALoss) {
+  for (const bool registration : {true, false}) {
+    PadTracker tracker = NewTracker({.registration = registration});
+    const Pose truth = PathPose(0);
+    ASSERT_TRUE(tracker.Track(photographer_->At(truth, 0), std::nullopt));
+    EXPECT_FALSE(tracker.Track(ground_->At(truth, 1), std::nullopt));
+    const auto seen = tracker.Track(photographer_->At(truth, 2), std::nullopt);  // where it was
+    ASSERT_TRUE(seen);
+    EXPECT_TRUE(seen->found);
   }
 }
 
