@@ -76,7 +76,7 @@ std::map<std::string, double> Metrics(const std::vector<LogRow>& rows, const std
       if (row.now.t_s >= kHoldFrom_s) {
         horizontal.Add(e.head<2>().norm());
         vertical.Add(e.z());
-        hold_yaw.Add(Degrees(YawOf(X_TB.R)));
+        hold_yaw.Add(Degrees(WrapAngle(YawOf(X_TB.R) - row.decision.goal_yaw_TB)));
       }
     }
     tilt = std::max(tilt, TiltOf(row.now.X_NB));

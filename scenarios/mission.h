@@ -28,6 +28,7 @@ struct Decision {
   std::optional<TargetFix> fix;           // none while the target is lost
   double fix_age_s = 0;                   // time since the exposure of the newest fix; grows while lost
   std::optional<Eigen::Vector3d> goal_T;  // where the aircraft is meant to be, in the target's frame, m
+  double goal_yaw_TB = 0;                 // the yaw that goes with it, rad
   std::string_view outcome;               // not empty: the flight is over, and this is how
   double vision_s = 0;                    // time spent on the image; the mission measures it
   double control_s = 0;                   // the rest of the step; the flight loop measures it

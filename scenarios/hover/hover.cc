@@ -14,6 +14,7 @@ class HoverMission final : public Mission {
     Decision decision = pilot_.See(frame, state);
     const Eigen::Vector3d goal_T(0, 0, -flight_.height_m);
     decision.goal_T = goal_T;
+    decision.goal_yaw_TB = Radians(flight_.yaw_deg);
     if (state.landed) {
       phase_ = "take off";
       centred_ = false;

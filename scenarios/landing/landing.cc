@@ -16,6 +16,7 @@ class LandingMission final : public Mission {
   Decision Step(const Frame& frame, const VehicleState& state) override {
     Decision decision = pilot_.See(frame, state);
     decision.goal_T = Eigen::Vector3d::Zero();
+    decision.goal_yaw_TB = Radians(flight_.yaw_deg);
     if (state.landed) {
       phase_ = "landed";
       decision.outcome = "landed";

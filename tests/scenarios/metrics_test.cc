@@ -111,8 +111,9 @@ TEST(Metrics, TheHoldIsMeasuredFromFifteenSecondsOn) {
   std::vector<double> distances(15, 5.0);  // 0 to 14 s: not counted
   distances.insert(distances.end(), {0.1, 0.3});
   auto rows = Approach(distances);
-  rows[15].now.X_NB = kPad * Pose{HeadingRotation(Radians(-4)), {0.06, 0.08, -3 + 0.2}};
-  rows[16].now.X_NB = kPad * Pose{HeadingRotation(Radians(4)), {-0.06, 0.08, -3 - 0.2}};
+  rows[15].now.X_NB = kPad * Pose{HeadingRotation(Radians(176)), {0.06, 0.08, -3 + 0.2}};
+  rows[16].now.X_NB = kPad * Pose{HeadingRotation(Radians(-176)), {-0.06, 0.08, -3 - 0.2}};
+  rows[15].decision.goal_yaw_TB = Radians(-180), rows[16].decision.goal_yaw_TB = Radians(180);
   const auto m = Metrics(rows, std::nullopt);
   EXPECT_NEAR(m.at("hold_horizontal_rmse_m"), 0.1, 1e-9);
   EXPECT_NEAR(m.at("hold_vertical_rmse_m"), 0.2, 1e-9);

@@ -107,7 +107,7 @@ TEST(Parameters, DefaultsLieInTheirRanges) {
   EXPECT_EQ(check.count, 9 + 10);
   WindParameters wind;
   Fields(check, wind);
-  EXPECT_EQ(check.count, 9 + 10 + 6);
+  EXPECT_EQ(check.count, 9 + 10 + 7);
 }
 
 RotorSpeeds Same(double speed) { return {speed, speed, speed, speed}; }
