@@ -82,7 +82,8 @@ std::optional<Pose> TargetEstimator::Correct(double t_s, const Pose& X_CT_seen,
   if (filter_) {
     const auto expected = At(t_s);
     const double off = expected ? (X_TB.p - expected->p_TB).norm() : 0;
-    const double limit = 0.3 + 0.1 * std::abs(X_TB.p.z()) + 6 * std::sqrt(R.trace()) + 0.5 * dt;
+    const double limit =
+        0.3 + 0.1 * std::abs(X_TB.p.z()) + std::min(0.5, 6 * std::sqrt(R.trace())) + 0.5 * dt;
     if (off > limit && ++refused_ < kRefusalsToBelieve) return std::nullopt;
     if (off > limit) filter_.reset();
   }

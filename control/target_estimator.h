@@ -55,7 +55,7 @@ class TargetEstimator {
   // that it is not believed; a run of such fixes is believed in the end.
   std::optional<Pose> Correct(double t_s, const Pose& X_CT, const Eigen::Matrix<double, 6, 6>& covariance);
 
-  // The estimate carried to a time by the autopilot's mended velocity. None: the target has never been seen.
+  // The estimate carried to a time by the filter's velocity and what the autopilot has felt since. None: the target has never been seen.
   std::optional<Estimate> At(double t_s) const;
 
   void Forget();  // the target's place, not the autopilot's errors

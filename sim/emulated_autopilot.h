@@ -24,8 +24,8 @@ struct AutopilotParameters {
   double speed_limit_m_s = 3;
   double climb_limit_m_s = 2;
   double acceleration_limit_m_s2 = 2;
-  double velocity_gain_per_s = 2.8;
-  double velocity_integral_per_s2 = 1.6;
+  double velocity_gain_per_s = 3.0;
+  double velocity_integral_per_s2 = 2.4;
   double climb_gain_per_s = 3.5;
   double climb_integral_per_s2 = 2.0;
   double position_gain_per_s = 0.9;

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <initializer_list>
+#include <mutex>
 #include <stdexcept>
 
 namespace kestrel {
@@ -152,17 +153,29 @@ std::unique_ptr<GlContext> MakeGlContext(std::string_view backend) {
   if (backend != "auto" && backend != "osmesa" && backend != "egl")
     throw std::runtime_error(
         fmt::format("There is no OpenGL backend \"{}\": use \"auto\", \"osmesa\" or \"egl\".", backend));
+  // MuJoCo keeps one table of OpenGL functions for the process, filled by what it finds first.
+  static std::mutex mutex;
+  static std::string chosen;
+  const std::lock_guard lock(mutex);
+  if (!chosen.empty() && backend != "auto" && backend != chosen)
+    throw std::runtime_error(
+        fmt::format("This process draws with {} already: {} needs a process of its own.", chosen, backend));
+  if (!chosen.empty()) backend = chosen;
   std::string osmesa_failure, egl_failure;
   if (backend != "egl") {
     try {
-      return std::make_unique<OsMesa>();
+      auto context = std::make_unique<OsMesa>();
+      chosen = "osmesa";
+      return context;
     } catch (const std::runtime_error& e) {
       osmesa_failure = fmt::format("OSMesa ({}; Debian package libosmesa6)", e.what());
     }
   }
   if (backend != "osmesa") {
     try {
-      return std::make_unique<Egl>();
+      auto context = std::make_unique<Egl>();
+      chosen = "egl";
+      return context;
     } catch (const std::runtime_error& e) {
       egl_failure = fmt::format("surfaceless EGL ({}; Debian packages libegl1 and libegl-mesa0)", e.what());
     }

@@ -93,7 +93,6 @@ std::optional<PadObservation> PadTracker::Track(const cv::Mat& grey,
   } else {
     if (H_chain) seen = Settle(grey, *H_chain, 2);
     if (!seen && X_CT_expected) seen = Settle(grey, HomographyFromPose(*X_CT_expected, camera_), 3);
-    if (!seen && H_chain && chained_frames_ < options_.max_chained_frames) seen = FromChain(*H_chain);
   }
   if (!seen) seen = Find(grey);
   if (seen) {
@@ -297,8 +296,8 @@ std::optional<PadObservation> PadTracker::FromChain(const Eigen::Matrix3d& H_w) 
   seen.H_w = H_w;
   seen.inliers = chain_inliers_;
   seen.residual_px = chain_rms_px_;
-  // A chain has no error of its own to measure: each link adds about the residual, spread over its points.
-  const double sigma = chain_rms_px_ * std::sqrt((1.0 + chained_frames_) / std::max(chain_inliers_, 1));
+  // A chain has no error of its own to measure: this is that of its last link.
+  const double sigma = chain_rms_px_ / std::sqrt(std::max(chain_inliers_, 1));
   const double angle = sigma / (camera_.fx * 0.1);
   seen.covariance.setZero();
   seen.covariance.diagonal() << Eigen::Vector3d::Constant(std::pow(X_CT->p.z() * sigma / camera_.fx, 2)),
@@ -308,7 +307,6 @@ std::optional<PadObservation> PadTracker::FromChain(const Eigen::Matrix3d& H_w) 
 
 void PadTracker::Remember(const cv::Mat& grey, std::vector<cv::Mat> pyramid, const PadObservation& seen) {
   lost_frames_ = 0;
-  chained_frames_ = seen.registered ? 0 : chained_frames_ + 1;
   last_pyramid_ = std::move(pyramid);
   last_H_w_ = seen.H_w;
   last_points_.clear();
@@ -332,7 +330,6 @@ void PadTracker::Remember(const cv::Mat& grey, std::vector<cv::Mat> pyramid, con
 void PadTracker::Forget() {
   last_pyramid_.clear();
   last_points_.clear();
-  chained_frames_ = 0;
   exposure_known_ = false;
 }
 

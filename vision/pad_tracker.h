@@ -20,9 +20,8 @@ struct PadTrackerOptions {
       true;  // against the reference appearance; without it, the thesis's chain of homographies alone
   int max_points = 90;
   int min_inliers = 10;
-  double threshold_px = 1.5;    // symmetric transfer distance of an inlier
-  int max_chained_frames = 10;  // frames that may pass on the chain alone before the pad counts as lost
-  double sigma_px = 0.08;       // deviation of a registered point, for the covariance
+  double threshold_px = 1.5;  // symmetric transfer distance of an inlier
+  double sigma_px = 0.08;     // deviation of a registered point, for the covariance
 };
 
 template <class Visitor>
@@ -31,7 +30,6 @@ void Fields(Visitor& v, PadTrackerOptions& o) {
   v("max_points", o.max_points, 20, 400);
   v("min_inliers", o.min_inliers, 6, 100);
   v("threshold_px", o.threshold_px, 0.2, 10.0);
-  v("max_chained_frames", o.max_chained_frames, 0, 1000);
   v("sigma_px", o.sigma_px, 0.001, 5.0);
 }
 
@@ -86,7 +84,6 @@ class PadTracker {
   std::vector<cv::Point2f> last_points_;
   Eigen::Matrix3d last_H_w_;
   int lost_frames_ = 0;
-  int chained_frames_ = 0;
   int chain_inliers_ = 0;
   double chain_rms_px_ = 0;
 
