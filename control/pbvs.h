@@ -21,8 +21,8 @@ struct Twist {
 Twist PbvsTwist(const Pose& X_DC, double lambda_per_s);
 
 struct ServoGains {
-  double lambda_per_s = 1.4;  // horizontal
-  double lambda_vertical_per_s = 1.4;
+  double lambda_per_s = 1.1;  // horizontal
+  double lambda_vertical_per_s = 1.2;
   double lambda_yaw_per_s = 0.8;
   double speed_limit_m_s = 1.5;
   double climb_limit_m_s = 0.8;

@@ -15,7 +15,7 @@ namespace kestrel {
 struct TargetEstimatorOptions {
   double acceleration_m_s2 = 0.6;   // of the constant-velocity model, per root hertz
   double position_sigma_m = 0.004;  // least deviation of a fix, beside its own covariance
-  double velocity_time_s = 3;       // over which the error of the autopilot's velocity is learnt
+  double velocity_time_s = 0.9;       // over which the error of the autopilot's velocity is learnt
   bool tilt_alignment = true;       // mend the pose by the autopilot's tilt, and that tilt by the pose
 };
 

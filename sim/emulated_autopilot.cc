@@ -17,6 +17,7 @@ constexpr double kInnerDamping = 0.9;
 constexpr double kYawInnerFrequency_rad_s = 8;
 constexpr double kYawGain_per_s = 1.0;
 constexpr double kIntegralLimit_m_s2 = 3;
+constexpr double kDragTime_s = 0.15;
 constexpr double kTakeOffClimb_m_s = 0.7;
 constexpr double kClearOfGround_m = 0.3;
 // Touch-down: asked to sink, yet not sinking, for this long; then the thrust is taken away bit by bit, and an
@@ -80,6 +81,13 @@ RotorSpeeds EmulatedAutopilot::Step(double dt_s, const SensorReadings& readings)
   t_s_ += dt_s;
   setpoint_age_s_ += dt_s;
   estimator_.Step(dt_s, readings);
+  // Across the thrust an accelerometer feels nothing but the air's drag: leaned against at once, it does not
+  // have to become an error of velocity first.
+  Eigen::Vector3d drag_B = readings.imu.specific_force_B;
+  drag_B.z() = 0;
+  Eigen::Vector3d drag_N = estimator_.X_NB().R * drag_B;
+  drag_N.z() = 0;
+  drag_N_ += (1 - std::exp(-dt_s / kDragTime_s)) * (drag_N - drag_N_);
   if (mode_ == FlightMode::kStopped) return {};
   // A position stands until the next one; velocities and attitudes must be kept up.
   if ((mode_ == FlightMode::kVelocity || mode_ == FlightMode::kAttitude) &&
@@ -149,7 +157,7 @@ EmulatedAutopilot::Demand EmulatedAutopilot::FollowVelocity(double dt_s, const E
   v_N_command_.z() = v_N_wanted.z();
   const Eigen::Vector3d error = v_N_command_ - estimator_.v_N();
 
-  Eigen::Vector3d a_N = integral_N_;
+  Eigen::Vector3d a_N = integral_N_ - drag_N_;
   a_N.head<2>() += parameters_.velocity_gain_per_s * error.head<2>() + slewed / dt_s;
   a_N.z() += parameters_.climb_gain_per_s * error.z();
 

@@ -24,8 +24,8 @@ struct AutopilotParameters {
   double speed_limit_m_s = 3;
   double climb_limit_m_s = 2;
   double acceleration_limit_m_s2 = 2;
-  double velocity_gain_per_s = 3.0;
-  double velocity_integral_per_s2 = 2.4;
+  double velocity_gain_per_s = 2.6;
+  double velocity_integral_per_s2 = 1.2;
   double climb_gain_per_s = 3.5;
   double climb_integral_per_s2 = 2.0;
   double position_gain_per_s = 0.9;
@@ -106,6 +106,7 @@ class EmulatedAutopilot {
   double yaw_command_ = 0;
   Eigen::Vector3d v_N_command_ = Eigen::Vector3d::Zero();  // slewed by the acceleration limit
   Eigen::Vector3d integral_N_ = Eigen::Vector3d::Zero();   // m/s^2: what wind and weight ask for
+  Eigen::Vector3d drag_N_ = Eigen::Vector3d::Zero();       // felt by the accelerometers, m/s^2, level
   double touch_s_ = 0;        // how long it has looked like standing on the ground
   double throttle_down_ = 1;  // share of the thrust left while making sure of that
   bool tilt_limited_ = false, rotor_limited_ = false;

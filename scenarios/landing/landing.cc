@@ -8,6 +8,8 @@
 namespace kestrel {
 namespace {
 
+constexpr double kRest_s = 1;  // after the motors have stopped, until the aircraft stands still
+
 class LandingMission final : public Mission {
  public:
   LandingMission(const LandingFlight& flight, HelipadPilot pilot)
@@ -19,7 +21,8 @@ class LandingMission final : public Mission {
     decision.goal_yaw_TB = Radians(flight_.yaw_deg);
     if (state.landed) {
       phase_ = "landed";
-      decision.outcome = "landed";
+      if (!landed_s_) landed_s_ = state.t_s;
+      if (state.t_s - *landed_s_ >= kRest_s) decision.outcome = "landed";
     } else if (committed_ && !pilot_.Knows()) {
       // Too low to see: on with the last course, level and straight down.
       decision.setpoint = VelocitySetpoint{{0, 0, flight_.commit_sink_m_s}, 0};
@@ -59,6 +62,7 @@ class LandingMission final : public Mission {
   LandingFlight flight_;
   HelipadPilot pilot_;
   std::string_view phase_ = "search";
+  std::optional<double> landed_s_;
   bool committed_ = false;  // so low that the camera need no longer see the pad
 };
 

@@ -73,7 +73,12 @@ TEST(ServoSetpoint, TurnsTheShorterWay) {
 }
 
 TEST(ServoSetpoint, LimitsKeepTheDirection) {
-  const ServoGains gains{.speed_limit_m_s = 1.5, .climb_limit_m_s = 0.8, .yaw_rate_limit_deg_s = 40};
+  const ServoGains gains{.lambda_per_s = 0.9,
+                         .lambda_vertical_per_s = 0.9,
+                         .lambda_yaw_per_s = 0.8,
+                         .speed_limit_m_s = 1.5,
+                         .climb_limit_m_s = 0.8,
+                         .yaw_rate_limit_deg_s = 40};
   const Pose far = HeadingPose({30, -40, 20}, 120), near = HeadingPose({0.3, -0.4, 0.2}, 12);
   const VelocitySetpoint limited = ServoSetpoint(far, gains);
   EXPECT_NEAR(limited.v_H.head<2>().norm(), 1.5, 1e-12);
@@ -88,7 +93,12 @@ TEST(ServoSetpoint, LimitsKeepTheDirection) {
 }
 
 TEST(ServoSetpoint, FliesHomeAtConstantHeightAndYawGains) {
-  const ServoGains gains{.speed_limit_m_s = 10, .climb_limit_m_s = 5, .yaw_rate_limit_deg_s = 180};
+  const ServoGains gains{.lambda_per_s = 0.9,
+                         .lambda_vertical_per_s = 0.9,
+                         .lambda_yaw_per_s = 0.8,
+                         .speed_limit_m_s = 10,
+                         .climb_limit_m_s = 5,
+                         .yaw_rate_limit_deg_s = 180};
   Pose X_DH = HeadingPose({2, -1, -1.5}, -140);
   const double dt = 1e-3;
   for (int step = 0; step < 2000; ++step) {
