@@ -267,8 +267,8 @@ TEST(EmulatedAutopilot, KeepsItsLimits) {
     EXPECT_LT(value, (1 + overshoot) * limit);
     EXPECT_GT(value, 0.95 * limit);  // it is the limit that acts, nothing slower
   };
-  expect_near_limit(most(VelocitySetpoint{{8, -6, 0}, 0}, 8, level_speed), 3, 0.12);
-  expect_near_limit(most(PositionSetpoint{{30, 40, -60}, 0}, 8, level_speed), 3, 0.12);
+  expect_near_limit(most(VelocitySetpoint{{8, -6, 0}, 0}, 8, level_speed), 3, 0.15);
+  expect_near_limit(most(PositionSetpoint{{30, 40, -60}, 0}, 8, level_speed), 3, 0.15);
   expect_near_limit(most(VelocitySetpoint{{0, 0, -9}, 0}, 4, [](const Flight& f) { return -f.v_N().z(); }), 2,
                     0.15);
   expect_near_limit(most(VelocitySetpoint{{0, 0, 9}, 0}, 4, [](const Flight& f) { return f.v_N().z(); }), 2,
