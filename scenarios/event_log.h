@@ -12,8 +12,8 @@
 namespace kestrel {
 
 // events.log of a run: a line, with the time of the flight, whenever a state changes its name: the phase of
-// the flight plan, the target (tracked, chained, lost, found), the autopilot's mode (hold: its setpoints went
-// stale), its saturation, the touch-down.
+// the flight plan, the target (tracked, found, chained, refused, lost), the autopilot's mode (hold: its
+// setpoints went stale), its saturation, the touch-down.
 class EventLog {
  public:
   explicit EventLog(const std::filesystem::path& folder);

@@ -49,7 +49,11 @@ Decision HelipadPilot::See(const Frame& frame, const VehicleState& state) {
   estimate_ = estimator_.At(state.t_s);
   decision.fix = fix_;
   decision.fix_age_s = estimate_ ? estimate_->age_s : state.t_s;
-  decision.target = !fix_ ? "lost" : seen_->found ? "found" : seen_->registered ? "tracked" : "chained";
+  decision.target = !seen_              ? "lost"
+                    : !fix_             ? "refused"
+                    : seen_->found      ? "found"
+                    : seen_->registered ? "tracked"
+                                        : "chained";
   if (fix_) {
     lost_since_s_.reset();
     leg_ = -1;

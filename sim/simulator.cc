@@ -26,7 +26,6 @@ double SecondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-// The seed of the run, spread so that neighbouring seeds share nothing.
 SceneParameters WithOccluder(SceneParameters scene, const OcclusionParameters& occlusion) {
   scene.occluder = occlusion.share > 0;
   return scene;
