@@ -1,23 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scenarios/event_log.h"
 
-#include <spdlog/sinks/basic_file_sink.h>
+#include <fmt/format.h>
 
 namespace kestrel {
 
-EventLog::EventLog(const std::filesystem::path& folder) {
-  auto sink = std::make_shared<spdlog::sinks::basic_file_sink_st>((folder / "events.log").string(), true);
-  log_ = std::make_shared<spdlog::logger>("events", std::move(sink));
-  log_->set_pattern("%v");  // the time that counts is that of the flight: the same run gives the same file
+void EventLog::Line(double t_s, std::string_view what, std::string_view is) {
+  file_.Write(fmt::format("{:9.3f} s  {}: {}\n", t_s, what, is));
 }
-
-EventLog::~EventLog() { log_->flush(); }
 
 void EventLog::Write(const LogRow& row) {
   const double t = row.now.t_s;
   const auto changed = [&](std::string& was, std::string_view is, const char* what) {
     if (was == is) return;
-    log_->info("{:9.3f} s  {}: {}", t, what, is);
+    Line(t, what, is);
     was = is;
   };
   changed(phase_, row.decision.phase, "phase");
@@ -25,14 +21,17 @@ void EventLog::Write(const LogRow& row) {
   changed(mode_, NameOf(row.estimate.mode), "autopilot");
   if (row.estimate.saturated != saturated_) {
     saturated_ = row.estimate.saturated;
-    log_->info("{:9.3f} s  autopilot: {}", t, saturated_ ? "saturated" : "no longer saturated");
+    Line(t, "autopilot", saturated_ ? "saturated" : "no longer saturated");
   }
   if (row.now.touching != touching_) {
     touching_ = row.now.touching;
-    log_->info("{:9.3f} s  truth: {}", t, touching_ ? "skids touch" : "skids clear");
+    Line(t, "truth", touching_ ? "skids touch" : "skids clear");
   }
 }
 
-void EventLog::End(double t_s, const std::string& how) { log_->info("{:9.3f} s  end: {}", t_s, how); }
+void EventLog::End(double t_s, std::string_view how) {
+  Line(t_s, "end", how);
+  file_.Close();
+}
 
 }  // namespace kestrel

@@ -8,6 +8,8 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <filesystem>
+#include <fstream>
 #include <opencv2/core/utility.hpp>
 
 #include "scenarios/bench.h"
@@ -25,7 +27,7 @@ std::atomic<bool> interrupted = false;
 struct RunArguments {
   std::string scenario, out, junit;
   std::vector<std::string> overrides;
-  std::optional<std::uint64_t> seed;
+  std::string seed;
   bool no_video = false, quiet = false;
 };
 
@@ -66,10 +68,20 @@ void Report(const Summary& s, const std::string& folder) {
   fmt::print("  {}\n", folder);
 }
 
+// Refuses a file that could not be written after the flight, before it. Empty: none is asked for.
+void RequireWritable(const std::string& file, const char* option) {
+  if (file.empty()) return;
+  const bool existed = std::filesystem::exists(file);
+  if (!std::ofstream(file, std::ios::app))
+    throw InputError({fmt::format("{}: '{}' cannot be written", option, file)});
+  if (!existed) std::filesystem::remove(file);
+}
+
 int Run(const RunArguments& arguments) {
   std::vector<std::string> overrides = arguments.overrides;
-  if (arguments.seed) overrides.push_back(fmt::format("seed={}", *arguments.seed));
+  if (!arguments.seed.empty()) overrides.push_back("seed=" + arguments.seed);
   const LoadedScenario loaded = LoadScenario(arguments.scenario, overrides);
+  RequireWritable(arguments.junit, "--junit");
   RunOptions options;
   options.folder = arguments.out.empty()
                        ? fmt::format("results/runs/{}-{}", loaded.scenario.name, loaded.scenario.seed)
@@ -83,8 +95,13 @@ int Run(const RunArguments& arguments) {
       if (terminal) progress.Show(row);
       return !interrupted.load();
     };
-    std::signal(SIGINT, [](int) { interrupted = true; });
-    std::signal(SIGTERM, [](int) { interrupted = true; });
+    // The first asks the flight to end in good order; a second one ends the program.
+    const auto stop = [](int signal) {
+      interrupted = true;
+      std::signal(signal, SIG_DFL);
+    };
+    std::signal(SIGINT, stop);
+    std::signal(SIGTERM, stop);
     result = RunFlight(loaded, options);
   }
   const Summary& summary = result.summary;
@@ -98,6 +115,8 @@ int Run(const RunArguments& arguments) {
 }
 
 int List() {
+  if (ScenarioNames().empty())
+    throw InputError({fmt::format("KESTREL_ROOT: '{}' holds no scenarios", Root().string())});
   for (const std::string& name : ScenarioNames()) {
     try {
       const Scenario s = LoadScenario(name).scenario;
@@ -166,6 +185,7 @@ int Main(int argc, char** argv) {
       fmt::print("{} is valid\n", check_file);
       return kMet;
     }
+    if (*bench_command) RequireWritable(bench.json, "--json");
     if (*bench_command) return Bench(bench) ? kMet : kNotMet;
   } catch (const InputError& e) {
     fmt::print(stderr, "{}\n", e.what());

@@ -41,6 +41,8 @@ class Mission {
  public:
   virtual ~Mission() = default;
   virtual Decision Step(const Frame& frame, const VehicleState& state) = 0;
+  // Whether the flight, were it to end now, has done what it is for.
+  virtual bool Accomplished() const { return true; }
   // Draws what the vision code saw in the last frame on a colour copy of it.
   virtual void Draw(cv::Mat& bgr) const = 0;
 };

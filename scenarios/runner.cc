@@ -68,6 +68,7 @@ FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) 
     record.plots.title = scenario.name + ", seed " + std::to_string(scenario.seed);
     record.plots.pad_size_m = loaded.simulator.scene.pad.size_m;
     recorder.emplace(*options.folder, record);
+    std::filesystem::remove(*options.folder / "events.log");  // of an earlier run
     WriteFile(*options.folder / "scenario.yaml", ToYaml(scenario));
     events.emplace(*options.folder);
   }
@@ -115,16 +116,27 @@ FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) 
   summary.image_hash = simulator.image_hash();
   summary.metrics = Metrics(result.rows, simulator.touch());
   Judge(scenario.criteria, summary);
-  summary.passed = summary.complete && std::all_of(summary.criteria.begin(), summary.criteria.end(),
-                                                   [](const Criterion& c) { return c.passed; });
+  summary.passed = summary.complete && mission->Accomplished() &&
+                   std::all_of(summary.criteria.begin(), summary.criteria.end(),
+                               [](const Criterion& c) { return c.passed; });
   summary.stages = {{"physics", Statistics(simulator.timing().physics_s)},
                     {"render", Statistics(simulator.timing().render_s)},
                     {"sensor", Statistics(simulator.timing().sensor_s)},
                     {"vision", Statistics(vision_s)},
                     {"control", Statistics(control_s)},
                     {"record", Statistics(record_s)}};
-  if (events) events->End(summary.sim_s, summary.error.empty() ? summary.outcome : summary.error);
-  if (recorder) summary = recorder->Finish(summary);
+  if (!recorder) return result;
+  try {
+    events->End(summary.sim_s, summary.error.empty() ? summary.outcome : summary.error);
+  } catch (const std::runtime_error& e) {
+    if (summary.error.empty()) summary.error = e.what();
+    summary.complete = summary.passed = false;
+  }
+  try {
+    summary = recorder->Finish(summary);
+  } catch (const std::runtime_error& e) {
+    throw std::runtime_error(summary.error.empty() ? e.what() : summary.error + "; " + e.what());
+  }
   return result;
 }
 

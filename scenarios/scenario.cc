@@ -67,6 +67,14 @@ bool Known(const std::string& what, const std::string& name, const std::vector<s
   return false;
 }
 
+// Where a key of the file was written; the file alone where it was not.
+std::string WhereOf(const Config& config, std::string_view key, const std::string& file) {
+  for (const auto& [name, node] : config.root.members) {
+    if (name == key) return node.where;
+  }
+  return file;
+}
+
 }  // namespace
 
 std::vector<std::string> MissionNames() { return NamesOf(Flight{}); }
@@ -89,7 +97,10 @@ std::vector<std::string> ScenarioNames() {
 LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<std::string>& overrides) {
   Mistakes mistakes;
   fs::path file = name_or_file;
-  if (file.extension() != ".yaml" && file.extension() != ".yml") {
+  if (!fs::exists(Root() / "scenarios")) {
+    throw InputError({fmt::format("KESTREL_ROOT: '{}' holds no scenarios", Root().string())});
+  }
+  if (file.extension() != ".yaml" && file.extension() != ".yml" && !fs::is_regular_file(file)) {
     file.clear();
     for (const std::string& folder : NamesIn(Root() / "scenarios", "")) {
       const fs::path candidate = Root() / "scenarios" / folder / (name_or_file + ".yaml");
@@ -103,12 +114,26 @@ LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<s
 
   LoadedScenario loaded;
   Scenario& s = loaded.scenario;
-  Read(LoadConfig(file, overrides, mistakes), s, mistakes);
-  mistakes.ThrowIfAny();  // nothing more can be said before the names in it are known
+  const Config config = LoadConfig(file, overrides, mistakes);
+  Read(config, s, mistakes);
+  if (!config.readable) mistakes.ThrowIfAny();
   if (s.name.empty()) s.name = file.stem().string();
   const std::string where = file.string();
+  if (s.name.find_first_of("/\\") != std::string::npos || s.name.starts_with('.')) {
+    mistakes.Add(WhereOf(config, "name", where), "name",
+                 fmt::format("'{}' cannot name a folder; valid: no slash, no leading dot", s.name));
+  }
+  if (std::holds_alternative<LandingFlight>(s.flight) && s.start.on_ground) {
+    mistakes.Add(WhereOf(config, "start", where), "start.on_ground",
+                 "true, but a landing begins in the air; valid: false");
+  }
+  if (s.occlusion.until_s <= s.occlusion.from_s) {
+    mistakes.Add(WhereOf(config, "occlusion", where), "occlusion.until_s",
+                 fmt::format("{} is not after from_s = {}", s.occlusion.until_s, s.occlusion.from_s));
+  }
+  const std::string criteria = WhereOf(config, "criteria", where);
   for (const auto& [metric, limit] : s.criteria) {
-    Known("criteria", metric, MetricNames(), where, mistakes);
+    Known("criteria", metric, MetricNames(), criteria, mistakes);
     if (!limit.max && !limit.min)
       mistakes.Add(where, "criteria." + metric, "has no limit; valid: max, min or both");
   }
@@ -116,17 +141,19 @@ LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<s
   SimulatorParameters& sim = loaded.simulator;
   const fs::path models = Root() / "models";
   VehicleFile vehicle;
-  if (Known("vehicle", s.vehicle, NamesIn(models / "vehicles", ""), where, mistakes)) {
+  if (Known("vehicle", s.vehicle, NamesIn(models / "vehicles", ""), WhereOf(config, "vehicle", where),
+            mistakes)) {
     const fs::path folder = models / "vehicles" / s.vehicle;
     Read(LoadConfig(folder / (s.vehicle + ".yaml"), {}, mistakes), vehicle, mistakes);
     sim.scene.vehicle = folder / (s.vehicle + ".xml");
   }
   sim.vehicle = vehicle.airframe;
   sim.autopilot = vehicle.autopilot;
-  if (Known("world", s.world, NamesIn(models / "worlds", ""), where, mistakes)) {
+  if (Known("world", s.world, NamesIn(models / "worlds", ""), WhereOf(config, "world", where), mistakes)) {
     sim.scene.world = models / "worlds" / s.world / (s.world + ".xml");
   }
-  if (Known("camera", s.camera, NamesIn(models / "cameras", ".yaml"), where, mistakes)) {
+  if (Known("camera", s.camera, NamesIn(models / "cameras", ".yaml"), WhereOf(config, "camera", where),
+            mistakes)) {
     const fs::path camera = models / "cameras" / (s.camera + ".yaml");
     const std::size_t mistakes_before = mistakes.messages().size();
     Read(LoadConfig(camera, {}, mistakes), sim.camera, mistakes);
@@ -137,7 +164,7 @@ LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<s
                                sim.camera.fy, sim.camera.fx));
     }
   }
-  if (Known("pad", s.pad.name, NamesIn(models / "pads", ""), where, mistakes)) {
+  if (Known("pad", s.pad.name, NamesIn(models / "pads", ""), WhereOf(config, "pad", where), mistakes)) {
     const fs::path folder = models / "pads" / s.pad.name;
     Read(LoadConfig(folder / (s.pad.name + ".yaml"), {}, mistakes), sim.scene.pad, mistakes);
     sim.scene.pad_texture = folder / sim.scene.pad.texture;
@@ -170,8 +197,20 @@ LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<s
   sim.duration_s = s.duration_s;
   mistakes.ThrowIfAny();
   try {
-    MakeModel(sim.scene);  // world, vehicle and pad together: what only the compiler of MuJoCo can refuse
-  } catch (const std::runtime_error& e) {
+    const ModelPtr model =
+        MakeModel(sim.scene);  // world, vehicle and pad together: what only the compiler of MuJoCo can refuse
+    const Multirotor vehicle_in_it(sim.vehicle, model.get());
+    const RotorParameters& rotor = sim.vehicle.rotor;
+    const double thrust = 4 * rotor.thrust_coefficient_n_s2 * rotor.max_speed_rad_s * rotor.max_speed_rad_s;
+    const double weight = sim.vehicle.mass_kg * 9.80665;
+    if (thrust < 1.2 * weight) {
+      mistakes.Add(
+          sim.scene.vehicle.replace_extension(".yaml").string(), "mass_kg",
+          fmt::format(
+              "{} weighs {:.3g} N, and the rotors give {:.3g} N at most; valid: a fifth more than the weight",
+              sim.vehicle.mass_kg, weight, thrust));
+    }
+  } catch (const std::exception& e) {
     mistakes.Add(where, "", e.what());
   }
   mistakes.ThrowIfAny();

@@ -35,6 +35,7 @@ class HoverMission final : public Mission {
     decision.phase = phase_;
     return decision;
   }
+  bool Accomplished() const override { return centred_; }
   void Draw(cv::Mat& bgr) const override { pilot_.Draw(bgr, phase_); }
 
  private:

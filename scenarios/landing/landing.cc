@@ -23,10 +23,11 @@ class LandingMission final : public Mission {
       phase_ = "landed";
       if (!landed_s_) landed_s_ = state.t_s;
       if (state.t_s - *landed_s_ >= kRest_s) decision.outcome = "landed";
-    } else if (committed_ && !pilot_.Knows()) {
+    } else if (committed_ && !pilot_.Knows() && decision.fix_age_s < BlindTime_s()) {
       // Too low to see: on with the last course, level and straight down.
       decision.setpoint = VelocitySetpoint{{0, 0, flight_.commit_sink_m_s}, 0};
     } else if (!pilot_.Knows()) {
+      committed_ = false;
       phase_ = "search";
       decision.setpoint = pilot_.Search(state);
       if (!decision.setpoint) decision.outcome = "pad not found";
@@ -36,9 +37,13 @@ class LandingMission final : public Mission {
     decision.phase = phase_;
     return decision;
   }
+  bool Accomplished() const override { return landed_s_.has_value(); }
   void Draw(cv::Mat& bgr) const override { pilot_.Draw(bgr, phase_); }
 
  private:
+  // The ground must come within this, or something else has.
+  double BlindTime_s() const { return 2 * flight_.blind_m / flight_.commit_sink_m_s + 1; }
+
   VelocitySetpoint Descend() {
     const Eigen::Vector3d& p_TB = pilot_.where().p_TB;
     const double height = -p_TB.z(), off = p_TB.head<2>().norm();

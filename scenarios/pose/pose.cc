@@ -12,7 +12,8 @@ class PoseMission final : public Mission {
 
   Decision Step(const Frame& frame, const VehicleState& state) override {
     Decision decision = pilot_.See(frame, state);
-    if (!hold_) hold_ = PositionSetpoint{{0, 0, -flight_.height_m}, YawOf(state.R_NB)};
+    if (!hold_)
+      hold_ = PositionSetpoint{{state.p_NB.x(), state.p_NB.y(), -flight_.height_m}, YawOf(state.R_NB)};
     decision.phase = "hover";
     decision.setpoint = *hold_;
     return decision;
