@@ -19,12 +19,13 @@ const cv::Size kFollowWindow(15, 15);
 constexpr int kFollowLevels = 3;
 constexpr int kRegisterLevels = 2;
 constexpr double kFollowThreshold_px = 2;
-constexpr double kLeastCorrelation = 0.7;  // of a patch with the reference, for the point to count
-constexpr double kLargeCorrection_px =
-    1.5;  // a registration that moves the outline this far is done once more
 constexpr double kLeastVisibleArea_px2 = 300;
-constexpr int kFramesBetweenFeatures =
-    5;  // the dear search for a part of the pad is not made in every lost frame
+// Correlation of a patch with the reference from which on the point counts.
+constexpr double kLeastCorrelation = 0.7;
+// A registration that moves the outline this far is done once more.
+constexpr double kLargeCorrection_px = 1.5;
+// The dear search for a part of the pad is not made in every lost frame.
+constexpr int kFramesBetweenFeatures = 10;
 const cv::TermCriteria kLucasKanadeEnd(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 20, 0.01);
 
 cv::Point2f ToCv(const Eigen::Vector2d& p) { return {static_cast<float>(p.x()), static_cast<float>(p.y())}; }

@@ -14,8 +14,6 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr std::uint64_t kSeeds[] = {101, 102, 103};
-// The scenarios' limits are met by most flights; a single one in bad gusts may exceed a limit by half of it.
-constexpr double kSlack = 1.5;
 
 FlightResult Flown(const std::string& scenario, std::uint64_t seed, std::vector<std::string> overrides = {}) {
   overrides.push_back("seed=" + std::to_string(seed));
@@ -31,7 +29,7 @@ void ExpectCriteria(const FlightResult& result) {
     if (c.at_least) {
       EXPECT_GE(c.value, c.limit) << c.name << ", seed " << result.summary.seed;
     } else {
-      EXPECT_LE(c.value, kSlack * c.limit) << c.name << ", seed " << result.summary.seed;
+      EXPECT_LE(c.value, c.limit) << c.name << ", seed " << result.summary.seed;
     }
   }
 }
