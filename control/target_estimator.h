@@ -15,7 +15,7 @@ namespace kestrel {
 struct TargetEstimatorOptions {
   double acceleration_m_s2 = 0.6;   // of the constant-velocity model, per root hertz
   double position_sigma_m = 0.004;  // least deviation of a fix, beside its own covariance
-  double velocity_time_s = 0.9;       // over which the error of the autopilot's velocity is learnt
+  double velocity_time_s = 0.9;     // over which the error of the autopilot's velocity is learnt
   bool tilt_alignment = true;       // mend the pose by the autopilot's tilt, and that tilt by the pose
 };
 
@@ -55,7 +55,8 @@ class TargetEstimator {
   // that it is not believed; a run of such fixes is believed in the end.
   std::optional<Pose> Correct(double t_s, const Pose& X_CT, const Eigen::Matrix<double, 6, 6>& covariance);
 
-  // The estimate carried to a time by the filter's velocity and what the autopilot has felt since. None: the target has never been seen.
+  // The estimate carried to a time by the filter's velocity and what the autopilot has felt since. None: the
+  // target has never been seen.
   std::optional<Estimate> At(double t_s) const;
 
   void Forget();  // the target's place, not the autopilot's errors
