@@ -118,7 +118,7 @@ double InView(const LogRow& row, const LoadedScenario& loaded) {
   const bool hidden = row.exposure.t_s >= o.from_s && row.exposure.t_s < o.until_s;
   const Eigen::Vector2d size = loaded.simulator.scene.pad.size_m;
   const double x0 = -size.x() / 2, x1 = size.x() * (0.5 - (hidden ? o.share : 0)), y = size.y() / 2;
-  const Pinhole& camera = loaded.simulator.camera;
+  const Pinhole& camera = std::get<Pinhole>(loaded.simulator.camera);
   const Pose X_CT =
       (row.exposure.X_NT.Inverse() * row.exposure.X_NB * MountPose(loaded.simulator.mount)).Inverse();
   const Eigen::Matrix3d H = HomographyFromPose(X_CT, camera), H_inverse = H.inverse();
@@ -292,7 +292,8 @@ void BenchHeights(Seeds seeds, std::vector<Figure>& table) {
       RandomStream random(seed, "path");
       Eigen::Matrix<double, 6, 1> phase;
       for (int i = 0; i < 6; ++i) phase(i) = random.Uniform(0, 6.28);
-      PadTracker tracker(loaded.pad, loaded.simulator.camera, loaded.scenario.pilot.tracker);
+      PadTracker tracker(loaded.pad, std::get<Pinhole>(loaded.simulator.camera),
+                         loaded.scenario.pilot.tracker);
       const ImageSensor sensor(loaded.simulator.image, seed);
       constexpr int kTravel = 80, kStay = 40;
       for (int k = 0; k < kTravel + kStay; ++k) {

@@ -155,14 +155,14 @@ LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<s
   if (Known("camera", s.camera, NamesIn(models / "cameras", ".yaml"), WhereOf(config, "camera", where),
             mistakes)) {
     const fs::path camera = models / "cameras" / (s.camera + ".yaml");
-    const std::size_t mistakes_before = mistakes.messages().size();
-    Read(LoadConfig(camera, {}, mistakes), sim.camera, mistakes);
-    if (mistakes.messages().size() == mistakes_before &&
-        std::abs(sim.camera.fx - sim.camera.fy) > 1e-9 * sim.camera.fx) {
+    Pinhole pinhole;
+    Read(LoadConfig(camera, {}, mistakes), pinhole, mistakes);
+    if (std::abs(pinhole.fx - pinhole.fy) > 1e-9 * pinhole.fx) {
       mistakes.Add(camera.string(), "fy_px",
                    fmt::format("{} differs from fx_px = {}; the renderer draws square pixels only",
-                               sim.camera.fy, sim.camera.fx));
+                               pinhole.fy, pinhole.fx));
     }
+    sim.camera = pinhole;
   }
   if (Known("pad", s.pad.name, NamesIn(models / "pads", ""), WhereOf(config, "pad", where), mistakes)) {
     const fs::path folder = models / "pads" / s.pad.name;
@@ -218,8 +218,8 @@ LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<s
 }
 
 std::unique_ptr<Mission> MakeMission(const LoadedScenario& loaded) {
-  HelipadPilot pilot(loaded.pad, loaded.simulator.camera, MountPose(loaded.simulator.mount),
-                     loaded.scenario.pilot);
+  HelipadPilot pilot(loaded.pad, std::get<Pinhole>(loaded.simulator.camera),
+                     MountPose(loaded.simulator.mount), loaded.scenario.pilot);
   return std::visit([&](const auto& flight) { return MakeMission(flight, std::move(pilot)); },
                     loaded.scenario.flight);
 }

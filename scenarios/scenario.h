@@ -9,11 +9,11 @@
 #include <variant>
 #include <vector>
 
-#include "geometry/fields.h"
+#include "config/fields.h"
+#include "config/yaml_fields.h"
 #include "scenarios/hover/hover.h"
 #include "scenarios/landing/landing.h"
 #include "scenarios/pose/pose.h"
-#include "scenarios/yaml_fields.h"
 #include "sim/simulator.h"
 
 namespace kestrel {

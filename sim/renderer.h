@@ -5,13 +5,16 @@
 
 #include <memory>
 #include <opencv2/core.hpp>
+#include <span>
 #include <string>
+#include <variant>
 
 #include "geometry/pose.h"
-#include "sim/gl_context.h"
-#include "vision/pinhole.h"
+#include "vision/camera_model.h"
 
 namespace kestrel {
+
+class OpenGlRenderer;
 
 struct RenderOptions {
   std::string backend = "auto";  // see MakeGlContext
@@ -26,37 +29,50 @@ void Fields(Visitor& v, RenderOptions& o) {
   v("samples", o.samples, 0, 16);
 }
 
-// Draws what a pinhole camera sees, by OpenGL, from 2 cm to 500 m in front of it. A Renderer belongs to the
-// thread that made it, and one thread holds one at a time: its context is current there. Renderers on several
-// threads may share the model. The same state gives the same image, bit for bit, with the same name().
+// The world and the camera in it at one instant. Positions and lights of data are computed (mj_kinematics and
+// mj_camlight, mj_forward or mj_step).
+struct Instant {
+  double t_s = 0;
+  const mjData* data = nullptr;
+  Pose X_NC;  // optical: x right, y down, z forward
+};
+
+// When the pixels are open. Row v is open for exposure_s around row_0_s + v * line_s. Light is gathered at
+// samples instants, evenly spread over that; 1: in the middle, a sharp image.
+struct Shutter {
+  double row_0_s = 0;
+  double exposure_s = 0;
+  double line_s = 0;  // 0: global shutter
+  int samples = 1;
+};
+
+// What is seen in each pixel, at its centre, by the camera's own geometry: the truth for tests of vision.
+struct Surfaces {
+  cv::Mat depth_m;  // CV_32F, distance from the viewpoint along the ray; infinite in the sky, NaN outside the
+                    // lens
+  cv::Mat geom;     // CV_32S, id of the geom; -1: sky, -2: outside the lens
+};
+
+// Draws what a camera sees, by one of two means: see RenderOptions. The same instants give the same image,
+// bit for bit, with the same name().
 class Renderer {
  public:
-  // The model must outlive it. Throws std::runtime_error if no context can be had, if the image is empty or
-  // larger than the context draws, or if fx and fy differ by more than 1e-9 of fx: OpenGL by way of MuJoCo
-  // draws square pixels only.
-  Renderer(const mjModel* model, const Pinhole& camera, const RenderOptions& options);
+  // The model must outlive it. Throws std::runtime_error with one sentence that names what cannot be drawn.
+  Renderer(const mjModel* model, const CameraModel& camera, const RenderOptions& options);
   ~Renderer();
-  Renderer(const Renderer&) = delete;
-  Renderer& operator=(const Renderer&) = delete;
 
-  // The image, CV_8UC3 in the order blue, green, red, from the pose X_NC of the camera (optical: x right, y
-  // down, z forward). Positions and light of data must be computed (mj_forward or mj_step); data may be a
-  // private copy.
+  // The image, CV_8UC3 in the order blue, green, red; black outside the lens.
   cv::Mat Render(const mjData* data, const Pose& X_NC);
+  // The same while the world and the camera move: instants in the order of time; between two of them poses
+  // are interpolated, beyond the ends the nearest holds.
+  cv::Mat Render(std::span<const Instant> instants, const Shutter& shutter);
+  Surfaces See(const mjData* data, const Pose& X_NC);
 
-  // The backend, what draws, and its version.
-  const std::string& name() const { return name_; }
+  // What draws, and its version.
+  const std::string& name() const;
 
  private:
-  const mjModel* model_;
-  Pinhole camera_;
-  bool shadows_;
-  std::unique_ptr<GlContext> context_;
-  std::string name_;
-  mjvScene scene_;
-  mjvOption visible_;
-  mjrContext gpu_;
-  cv::Mat rgb_;  // bottom row first, as read back
+  std::unique_ptr<OpenGlRenderer> opengl_;
 };
 
 }  // namespace kestrel

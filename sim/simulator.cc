@@ -132,7 +132,7 @@ class Simulator::Studio {
 
   const mjModel* model_;
   ImageSensor sensor_;
-  Pinhole camera_;
+  CameraModel camera_;
   RenderOptions options_;
   std::unique_ptr<Renderer> renderer_;
   DataPtr data_;

@@ -19,7 +19,7 @@
 #include "sim/truth.h"
 #include "sim/wind.h"
 #include "vision/camera.h"
-#include "vision/pinhole.h"
+#include "vision/camera_model.h"
 
 namespace kestrel {
 
@@ -79,7 +79,7 @@ struct SimulatorParameters {
   MultirotorParameters vehicle;
   AutopilotParameters autopilot;
   SensorParameters sensors;
-  Pinhole camera;
+  CameraModel camera;
   CameraMount mount;
   ImageParameters image;
   RenderOptions render;

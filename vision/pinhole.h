@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <optional>
 
-#include "geometry/fields.h"
+#include "config/fields.h"
 
 namespace kestrel {
 

@@ -30,7 +30,7 @@ SimulatorParameters Hover() {
   p.scene.world = kModels / "worlds/airfield/airfield.xml";
   p.scene.vehicle = kModels / "vehicles/pelican/pelican.xml";
   p.scene.pad_texture = kModels / "pads/helipad/helipad.png";
-  p.camera = {160, 120, 202.7, 202.7, 79.5, 59.5};
+  p.camera = Pinhole{160, 120, 202.7, 202.7, 79.5, 59.5};
   p.start.height_m = 4;
   p.start.settle_s = 0.5;
   p.wind.mean_m_s = 3, p.wind.turbulence = true;
@@ -84,7 +84,7 @@ TEST(Simulator, EachFrameComesItsLatencyAfterItsExposure) {
   for (const double rate_hz : {20.0, 30.0, 7.3}) {
     for (const double latency_s : {0.0, 0.05, 0.0133, 0.31}) {
       SimulatorParameters p = Hover();
-      p.camera = {16, 16, 20, 20, 7.5, 7.5};
+      p.camera = Pinhole{16, 16, 20, 20, 7.5, 7.5};
       p.start.settle_s = 0;
       p.image.rate_hz = rate_hz, p.image.latency_s = latency_s;
       Simulator simulator(p);
@@ -180,7 +180,7 @@ TEST(Simulator, TheNumberOfDrawingThreadsChangesNothing) {
 TEST(Simulator, WhatOneConsumerDrawsDoesNotShiftAnother) {
   const Flown usual = Fly(Hover());
   SimulatorParameters camera = Hover();
-  camera.image.noise_grey = 9, camera.image.colour = true, camera.camera = {64, 48, 81, 81, 31.5, 23.5};
+  camera.image.noise_grey = 9, camera.image.colour = true, camera.camera = Pinhole{64, 48, 81, 81, 31.5, 23.5};
   EXPECT_EQ(Fly(camera).state_hash, usual.state_hash);  // what the camera draws
 
   // what the sensors draw does not change the gusts, though the aircraft flies a little differently
@@ -216,7 +216,7 @@ TEST(Simulator, StartsWhereItIsTold) {
 
 TEST(Simulator, ScattersItsStartBySeedWithinItsBounds) {
   SimulatorParameters p = Hover();
-  p.camera = {16, 16, 20, 20, 7.5, 7.5};
+  p.camera = Pinhole{16, 16, 20, 20, 7.5, 7.5};
   p.start.settle_s = 0, p.start.scatter_m = 2, p.start.yaw_scatter_deg = 15, p.start.yaw_deg = 30;
   double farthest = 0, least_yaw = 90, greatest_yaw = -90;
   Vector2d sum = Vector2d::Zero();
@@ -322,14 +322,14 @@ TEST(Simulator, TheMountTurnsTheCameraInTheAircraft) {
 TEST(Simulator, TheCameraSeesThePadWhereTheTruthSaysItIs) {
   for (const CameraMount& mount : {CameraMount{}, CameraMount{{0.12, -0.08, 0.03}, 35, 6, -9}}) {
     SimulatorParameters p = Hover();
-    p.camera = {640, 480, 810.81, 810.81, 319.5, 239.5};
+    p.camera = Pinhole{640, 480, 810.81, 810.81, 319.5, 239.5};
     p.mount = mount;
     p.scene.pad_position_m = {5, -7}, p.scene.pad_yaw_deg = 15;
     p.start.offset_m = {0.45, -0.3}, p.start.yaw_deg = 40, p.start.height_m = 4;
     p.duration_s = 0.1;
     Simulator simulator(p);
     const cv::Mat picture = cv::imread(p.scene.pad_texture.string(), cv::IMREAD_GRAYSCALE);
-    PadTracker tracker(MakePadReference(picture, 1.19, 0.91), p.camera, {});
+    PadTracker tracker(MakePadReference(picture, 1.19, 0.91), std::get<Pinhole>(p.camera), {});
     int seen = 0;
     while (const auto frame = simulator.Next()) {
       const auto observation = tracker.Track(frame->image, std::nullopt);

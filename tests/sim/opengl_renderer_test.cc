@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/renderer.h"
+#include "sim/opengl_renderer.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -93,7 +93,7 @@ ModelPtr Colourful() {
 
 std::vector<cv::Mat> FlyPast(const mjModel* model, const std::string& backend) {
   const DataPtr data = Computed(model);
-  Renderer renderer(model, kCamera, {.backend = backend});
+  OpenGlRenderer renderer(model, kCamera, {.backend = backend});
   std::vector<cv::Mat> images;
   for (int i = 0; i < 4; ++i)
     images.push_back(renderer.Render(
@@ -114,7 +114,7 @@ double Difference(const std::vector<cv::Mat>& a, const std::vector<cv::Mat>& b) 
   return worst;
 }
 
-TEST(Renderer, DrawsEachPointWhereThePinholeModelPutsIt) {
+TEST(OpenGlRenderer, DrawsEachPointWhereThePinholeModelPutsIt) {
   const std::vector<Pinhole> cameras{
       kCamera, {640, 480, 700, 700, 250.3, 300.7}, {331, 257, 300, 300, 201.4, 101.8}};
   RandomStream random(7, "poses");
@@ -138,7 +138,7 @@ TEST(Renderer, DrawsEachPointWhereThePinholeModelPutsIt) {
         discs += Disc(X_NC, points_C.back(), 35 / camera.fx * places[k].second, colours[k]);
       }
       const ModelPtr model = DarkRoom(discs);
-      const cv::Mat image = Renderer(model.get(), camera, {}).Render(Computed(model.get()).get(), X_NC);
+      const cv::Mat image = OpenGlRenderer(model.get(), camera, {}).Render(Computed(model.get()).get(), X_NC);
       for (std::size_t k = 0; k < places.size(); ++k)
         EXPECT_LT((Centroid(image, static_cast<int>(k)) - *camera.Project(points_C[k])).norm(), 0.05)
             << "point " << k << ", pose " << i << ", camera of " << camera.width_px << " px";
@@ -146,18 +146,18 @@ TEST(Renderer, DrawsEachPointWhereThePinholeModelPutsIt) {
   }
 }
 
-TEST(Renderer, ImageIsUprightWithEastOnTheRightOfNorth) {
+TEST(OpenGlRenderer, ImageIsUprightWithEastOnTheRightOfNorth) {
   const Pose X_NC = LookingAlong({}, {0, 0, -2});  // level, to the north
   const ModelPtr model = DarkRoom(R"(<geom type="sphere" pos="10 0 4" size="0.5" rgba="1 0 0 1"/>
     <geom type="sphere" pos="10 -2 2" size="0.5" rgba="0 1 0 1"/>)");
-  const cv::Mat image = Renderer(model.get(), kCamera, {}).Render(Computed(model.get()).get(), X_NC);
+  const cv::Mat image = OpenGlRenderer(model.get(), kCamera, {}).Render(Computed(model.get()).get(), X_NC);
   EXPECT_LT(Centroid(image, 2).y(), 100);  // red: above
   EXPECT_NEAR(Centroid(image, 2).x(), kCamera.cx, 0.5);
   EXPECT_GT(Centroid(image, 1).x(), 460);  // green: east
   EXPECT_NEAR(Centroid(image, 1).y(), kCamera.cy, 0.5);
 }
 
-TEST(Renderer, SameStateGivesTheSameBitsOnEveryThread) {
+TEST(OpenGlRenderer, SameStateGivesTheSameBitsOnEveryThread) {
   const ModelPtr model = Colourful();
   const std::vector<cv::Mat> here = FlyPast(model.get(), "auto");
   EXPECT_FALSE(Same({here[0]}, {here[1]}));
@@ -174,7 +174,7 @@ TEST(Renderer, SameStateGivesTheSameBitsOnEveryThread) {
 
 // A process draws with one backend: EGL draws in another, which starts this test anew, and leaves its images
 // behind.
-TEST(Renderer, BackendsAgree) {
+TEST(OpenGlRenderer, BackendsAgree) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   const auto folder = std::filesystem::temp_directory_path();
   const auto file = [&](std::size_t i) {
@@ -198,30 +198,30 @@ TEST(Renderer, BackendsAgree) {
   EXPECT_LT(Difference(egl, osmesa), 0.5);
 }
 
-TEST(Renderer, DrawsShadowsAndSmoothEdgesOnlyWhenAsked) {
+TEST(OpenGlRenderer, DrawsShadowsAndSmoothEdgesOnlyWhenAsked) {
   const ModelPtr model = Colourful();
   const DataPtr data = Computed(model.get());
   const Pose X_NC = LookingAlong({.pitch = -0.2}, {0, 0, -1.5});
   const auto image = [&](const RenderOptions& o) {
-    return Renderer(model.get(), kCamera, o).Render(data.get(), X_NC);
+    return OpenGlRenderer(model.get(), kCamera, o).Render(data.get(), X_NC);
   };
   const cv::Mat plain = image({});
   EXPECT_LT(cv::mean(image({.shadows = true}))[0], cv::mean(plain)[0] - 0.05);
   EXPECT_GT(cv::norm(image({.samples = 4}), plain, cv::NORM_INF), 20);
 }
 
-TEST(Renderer, DrawsNoSites) {
+TEST(OpenGlRenderer, DrawsNoSites) {
   const ModelPtr model = DarkRoom(R"(<site pos="2 0 0" size="0.3" rgba="1 1 1 1"/>)");
-  const cv::Mat image =
-      Renderer(model.get(), kCamera, {}).Render(Computed(model.get()).get(), LookingAlong({}, {0, 0, 0}));
+  const cv::Mat image = OpenGlRenderer(model.get(), kCamera, {})
+                            .Render(Computed(model.get()).get(), LookingAlong({}, {0, 0, 0}));
   EXPECT_EQ(cv::norm(image, cv::NORM_INF), 0);
 }
 
-TEST(Renderer, RefusesCamerasItCannotDrawAndSaysWhy) {
+TEST(OpenGlRenderer, RefusesCamerasItCannotDrawAndSaysWhy) {
   const ModelPtr model = DarkRoom("");
   const auto message = [&](const Pinhole& camera) -> std::string {
     try {
-      Renderer(model.get(), camera, {});
+      OpenGlRenderer(model.get(), camera, {});
     } catch (const std::runtime_error& e) {
       return e.what();
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "scenarios/yaml_fields.h"
+#include "config/yaml_fields.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

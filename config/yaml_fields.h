@@ -13,9 +13,9 @@
 #include <utility>
 #include <vector>
 
-#include "geometry/fields.h"
+#include "config/fields.h"
 
-// Parameter structs to and from YAML, checked: the visitors of the Fields that geometry/fields.h describes.
+// Parameter structs to and from YAML, checked: the visitors of the Fields that config/fields.h describes.
 // They understand: double, int, std::uint64_t, bool, std::string, Eigen vectors of fixed size with the range
 // of their elements, std::optional<double>, and structs with Fields, alone or in std::optional, std::vector
 // or std::map by free names. What has no key in the file keeps the value that it had.
