@@ -10,6 +10,7 @@ namespace kestrel {
 namespace {
 
 const cv::Size kSize(320, 240);
+const Pinhole kCamera{320, 240, 300, 300, 159.5, 119.5};
 
 cv::Mat Grey(int level) { return cv::Mat(kSize, CV_8UC3, cv::Scalar::all(level)); }
 
@@ -33,16 +34,16 @@ TEST(ImageSensor, WithoutNoiseItPassesTheImageOn) {
   cv::randu(bgr, 0, 256);
   cv::Mat grey;
   cv::cvtColor(bgr, grey, cv::COLOR_BGR2GRAY);
-  EXPECT_TRUE(Same(ImageSensor(p, 1).Expose(bgr, 7), grey));
+  EXPECT_TRUE(Same(ImageSensor(p, kCamera, 1).Expose(bgr, 7), grey));
   p.colour = true;
-  EXPECT_TRUE(Same(ImageSensor(p, 1).Expose(bgr, 7), bgr));
+  EXPECT_TRUE(Same(ImageSensor(p, kCamera, 1).Expose(bgr, 7), bgr));
 }
 
 TEST(ImageSensor, NoiseHasItsDeviationAndNoMean) {
   for (const double sigma : {1.0, 2.0, 8.0}) {
     ImageParameters p;
     p.noise_grey = sigma;
-    const ImageSensor sensor(p, 3);
+    const ImageSensor sensor(p, kCamera, 3);
     double sum = 0, squares = 0;
     constexpr int kFrames = 8;
     for (int i = 0; i < kFrames; ++i) {
@@ -57,7 +58,7 @@ TEST(ImageSensor, NoiseHasItsDeviationAndNoMean) {
 }
 
 TEST(ImageSensor, NoiseIsWhiteInTheImageAndInTime) {
-  const ImageSensor sensor({}, 4);
+  const ImageSensor sensor({}, kCamera, 4);
   const cv::Mat first = Noise(sensor, 0);
   constexpr double kBound = 0.02;  // five deviations for 76800 pixels
   EXPECT_LT(std::abs(Correlation(first, Noise(sensor, 1))), kBound);
@@ -70,7 +71,7 @@ TEST(ImageSensor, NoiseIsWhiteInTheImageAndInTime) {
 }
 
 TEST(ImageSensor, SeedAndSequenceAloneDecide) {
-  const ImageSensor a({}, 5), again({}, 5), other({}, 6);
+  const ImageSensor a({}, kCamera, 5), again({}, kCamera, 5), other({}, kCamera, 6);
   const cv::Mat bgr = Grey(90);
   // in another order, and by another sensor of the same seed
   const cv::Mat third = a.Expose(bgr, 3), first = a.Expose(bgr, 1);
@@ -84,7 +85,7 @@ TEST(ImageSensor, SeedAndSequenceAloneDecide) {
 TEST(ImageSensor, BlackAndWhiteAreTheEndsOfTheScale) {
   ImageParameters p;
   p.noise_grey = 20;
-  const ImageSensor sensor(p, 7);
+  const ImageSensor sensor(p, kCamera, 7);
   for (const int level : {0, 255}) {
     const cv::Mat image = sensor.Expose(Grey(level), 0);
     const double clipped = cv::countNonZero(image == level) / static_cast<double>(kSize.area());
@@ -97,7 +98,7 @@ TEST(ImageSensor, BlackAndWhiteAreTheEndsOfTheScale) {
 TEST(ImageSensor, EachChannelOfColourHasNoiseOfItsOwn) {
   ImageParameters p;
   p.colour = true;
-  const cv::Mat noise = Noise(ImageSensor(p, 8), 2);
+  const cv::Mat noise = Noise(ImageSensor(p, kCamera, 8), 2);
   ASSERT_EQ(noise.channels(), 3);
   cv::Mat channels[3];
   cv::split(noise, channels);
@@ -111,7 +112,7 @@ TEST(ImageSensor, TheRenderedImageIsLeftAsItWas) {
   const cv::Mat bgr = Grey(50);
   ImageParameters p;
   p.colour = true;
-  ImageSensor(p, 9).Expose(bgr, 0);
+  ImageSensor(p, kCamera, 9).Expose(bgr, 0);
   EXPECT_TRUE(Same(bgr, Grey(50)));
 }
 
