@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <opencv2/imgcodecs.hpp>
 
+#include "scenarios/check_image.h"
 #include "scenarios/metrics.h"
 
 namespace kestrel {
@@ -131,6 +132,7 @@ LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<s
     mistakes.Add(WhereOf(config, "occlusion", where), "occlusion.until_s",
                  fmt::format("{} is not after from_s = {}", s.occlusion.until_s, s.occlusion.from_s));
   }
+  CheckMount(s.mount, WhereOf(config, "mount", where), mistakes);
   const std::string criteria = WhereOf(config, "criteria", where);
   for (const auto& [metric, limit] : s.criteria) {
     Known("criteria", metric, MetricNames(), criteria, mistakes);
@@ -163,6 +165,7 @@ LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<s
                                pinhole.fy, pinhole.fx));
     }
     sim.camera = pinhole;
+    CheckImage(s.image, pinhole.height_px, WhereOf(config, "image", where), mistakes);
   }
   if (Known("pad", s.pad.name, NamesIn(models / "pads", ""), WhereOf(config, "pad", where), mistakes)) {
     const fs::path folder = models / "pads" / s.pad.name;

@@ -123,16 +123,13 @@ cv::Mat ImageSensor::Expose(const cv::Mat& bgr, std::int64_t sequence, const Exp
 // Row by row, so that a row stays in the cache from the first part to the last.
 void ImageSensor::Develop(cv::Mat& image, std::int64_t sequence, const ExposureSetting& setting) const {
   const std::size_t length = static_cast<std::size_t>(image.cols) * image.channels();
-  std::array<float, 256> light_of;
   cv::Mat blurred;
   if (!defocus_.sharp()) {
     cv::Mat light(image.size(), CV_MAKETYPE(CV_32F, image.channels()));
-    for (int y = 0; y < image.rows; ++y)
-      for (std::size_t x = 0; x < length; ++x) light.ptr<float>(y)[x] = tone_.Light(image.ptr(y)[x]);
+    for (int y = 0; y < image.rows; ++y) tone_.Decode(image.ptr(y), 1, light.ptr<float>(y), length);
     blurred = defocus_.Spread(light);
   }
   const float brightness = static_cast<float>(setting.light * setting.gain);
-  for (int b = 0; b < 256; ++b) light_of[b] = brightness * tone_.Light(static_cast<std::uint8_t>(b));
   const double read = parameters_.noise_grey * setting.gain;
   const float variance = static_cast<float>(read * read);
   const float growth =
@@ -141,7 +138,7 @@ void ImageSensor::Develop(cv::Mat& image, std::int64_t sequence, const ExposureS
   for (int y = 0; y < image.rows; ++y) {
     std::uint8_t* bytes = image.ptr(y);
     if (blurred.empty()) {
-      for (std::size_t x = 0; x < length; ++x) row[x] = light_of[bytes[x]];
+      tone_.Decode(bytes, brightness, row.data(), length);
     } else {
       const float* light = blurred.ptr<float>(y);
       for (std::size_t x = 0; x < length; ++x) row[x] = brightness * light[x];

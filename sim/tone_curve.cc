@@ -36,6 +36,14 @@ ToneCurve::ToneCurve(double gamma, int bits) : straight_(gamma == 1) {
   }
 }
 
+void ToneCurve::Decode(const std::uint8_t* bytes, float factor, float* light, std::size_t count) const {
+  if (straight_) {
+    for (std::size_t i = 0; i < count; ++i) light[i] = factor * static_cast<float>(bytes[i]);
+  } else {
+    for (std::size_t i = 0; i < count; ++i) light[i] = factor * light_[bytes[i]];
+  }
+}
+
 void ToneCurve::Encode(const float* light, std::uint8_t* bytes, std::size_t count) const {
   if (straight_) {
     const float levels = static_cast<float>(byte_.size()), scale = (levels - 1) / 255;

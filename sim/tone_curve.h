@@ -14,7 +14,8 @@ class ToneCurve {
  public:
   ToneCurve(double gamma, int bits);
 
-  float Light(std::uint8_t byte) const { return light_[byte]; }
+  // The light of bytes, times a factor.
+  void Decode(const std::uint8_t* bytes, float factor, float* light, std::size_t count) const;
   // The byte whose light is nearest on the curve (halves go up); light beyond black and white is clipped.
   void Encode(const float* light, std::uint8_t* bytes, std::size_t count) const;
 
