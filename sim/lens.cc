@@ -31,7 +31,7 @@ Eigen::Vector2d PrincipalPoint(const CameraModel& camera) {
 // The discrete analogue of the Gaussian (Lindeberg 1990): exp(-s^2) I_n(s^2) has the variance s^2 exactly,
 // however narrow, which samples of the Gaussian itself do not.
 cv::Mat GaussianKernel(double sigma) {
-  const int reach = std::max(1, static_cast<int>(std::ceil(4 * sigma)));
+  const int reach = static_cast<int>(std::ceil(4 * sigma)) + 1;
   cv::Mat kernel(2 * reach + 1, 1, CV_32F);
   double sum = 0;
   std::vector<double> weights(reach + 1);

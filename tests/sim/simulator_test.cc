@@ -180,7 +180,8 @@ TEST(Simulator, TheNumberOfDrawingThreadsChangesNothing) {
 TEST(Simulator, WhatOneConsumerDrawsDoesNotShiftAnother) {
   const Flown usual = Fly(Hover());
   SimulatorParameters camera = Hover();
-  camera.image.noise_grey = 9, camera.image.colour = true, camera.camera = Pinhole{64, 48, 81, 81, 31.5, 23.5};
+  camera.image.noise_grey = 9, camera.image.colour = true,
+  camera.camera = Pinhole{64, 48, 81, 81, 31.5, 23.5};
   EXPECT_EQ(Fly(camera).state_hash, usual.state_hash);  // what the camera draws
 
   // what the sensors draw does not change the gusts, though the aircraft flies a little differently
