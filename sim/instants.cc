@@ -61,6 +61,14 @@ void Instants::Add(double t_s, const Moment& before, const Moment& after, double
   if (share > 0) {
     mj_differentiatePos(model_, data->qvel, 1, before.qpos.data(), after.qpos.data());
     mj_integratePos(model_, data->qpos, data->qvel, share);
+    for (int i = 0; i < 3 * model_->nmocap; ++i)
+      data->mocap_pos[i] += share * (after.mocap_pos[i] - before.mocap_pos[i]);
+    for (int i = 0; i < model_->nmocap; ++i) {
+      mjtNum* q = data->mocap_quat + 4 * i;
+      mjtNum turn[3];
+      mju_subQuat(turn, after.mocap_quat.data() + 4 * i, q);
+      mju_quatIntegrate(q, turn, share);
+    }
   }
   mj_kinematics(model_, data);
   mj_camlight(model_, data);
