@@ -31,8 +31,8 @@ struct Line {
 // A surface that faces the ray, in the frame of its geom.
 struct Crossing {
   double t = 0;
-  Vector3d normal;                    // outward, unit
-  Vector3d q;                         // the coordinates that textures go by
+  Vector3d normal;                     // outward, unit
+  Vector3d q;                          // the coordinates that textures go by
   std::optional<Vector2d> texcoord{};  // of a mesh that has its own
 };
 
@@ -43,7 +43,8 @@ using Crossings = std::vector<Crossing>;
 void CrossPlane(const Line& line, const Vector3d& half, Crossings& out) {
   const double t = -line.origin.z() / line.direction.z();
   const Vector3d p = line.At(t);
-  if (!(t > 0) || (half.x() > 0 && std::abs(p.x()) > half.x()) || (half.y() > 0 && std::abs(p.y()) > half.y()))
+  if (!(t > 0) || (half.x() > 0 && std::abs(p.x()) > half.x()) ||
+      (half.y() > 0 && std::abs(p.y()) > half.y()))
     return;
   out.push_back({t, Vector3d::UnitZ(), p});
 }
@@ -55,7 +56,8 @@ void CrossBox(const Line& line, const Vector3d& half, Crossings& out) {
       const double t = (side * half[axis] - line.origin[axis]) / line.direction[axis];
       const Vector3d q = line.At(t).cwiseQuotient(half);
       const int b = (axis + 1) % 3, c = (axis + 2) % 3;
-      if (t > 0 && std::abs(q[b]) <= 1 && std::abs(q[c]) <= 1) out.push_back({t, side * Vector3d::Unit(axis), q});
+      if (t > 0 && std::abs(q[b]) <= 1 && std::abs(q[c]) <= 1)
+        out.push_back({t, side * Vector3d::Unit(axis), q});
     }
   }
 }
@@ -95,7 +97,8 @@ void CrossCylinder(const Line& line, const Vector3d& half, Crossings& out) {
     if (line.direction.z() * side >= 0) continue;
     const double t = (side * half.z() - line.origin.z()) / line.direction.z();
     const Vector3d p = line.At(t);
-    if (t > 0 && p.head<2>().norm() <= half.x()) out.push_back({t, side * Vector3d::UnitZ(), p.cwiseQuotient(half)});
+    if (t > 0 && p.head<2>().norm() <= half.x())
+      out.push_back({t, side * Vector3d::UnitZ(), p.cwiseQuotient(half)});
   }
 }
 
@@ -110,13 +113,15 @@ void CrossCapsule(const Line& line, const Vector3d& half, Crossings& out) {
   }
 }
 
+using Triangle = std::array<Vector3d, 3>;  // counter-clockwise from the front
+
 // Weights of the corners where the line meets the front of a triangle, and how far that is.
 struct TriangleHit {
   double t;
   Vector3d weights, normal;
 };
 
-std::optional<TriangleHit> CrossTriangle(const Line& line, const std::array<Vector3d, 3>& v) {
+std::optional<TriangleHit> CrossTriangle(const Line& line, const Triangle& v) {
   const Vector3d normal = (v[1] - v[0]).cross(v[2] - v[0]);
   const double slope = normal.dot(line.direction);
   if (slope >= 0) return std::nullopt;
@@ -125,7 +130,8 @@ std::optional<TriangleHit> CrossTriangle(const Line& line, const std::array<Vect
   const Vector3d p = line.At(t);
   Vector3d weights;
   for (int i = 0; i < 3; ++i)
-    weights[i] = normal.dot((v[(i + 2) % 3] - v[(i + 1) % 3]).cross(p - v[(i + 1) % 3])) / normal.squaredNorm();
+    weights[i] =
+        normal.dot((v[(i + 2) % 3] - v[(i + 1) % 3]).cross(p - v[(i + 1) % 3])) / normal.squaredNorm();
   if (weights.minCoeff() < 0) return std::nullopt;
   return TriangleHit{t, weights, normal.normalized()};
 }
@@ -136,7 +142,8 @@ void CrossMesh(const Line& line, const mjModel* m, int mesh, Crossings& out) {
     std::array<Vector3d, 3> v;
     for (int i = 0; i < 3; ++i) {
       corners[i] = m->mesh_face[3 * face + i];
-      v[i] = Eigen::Map<const Eigen::Vector3f>(m->mesh_vert + 3 * (corners[i] + m->mesh_vertadr[mesh])).cast<double>();
+      v[i] = Eigen::Map<const Eigen::Vector3f>(m->mesh_vert + 3 * (corners[i] + m->mesh_vertadr[mesh]))
+                 .cast<double>();
     }
     const auto hit = CrossTriangle(line, v);
     if (!hit) continue;
@@ -145,45 +152,38 @@ void CrossMesh(const Line& line, const mjModel* m, int mesh, Crossings& out) {
     const bool mapped = m->mesh_texcoordadr[mesh] >= 0;
     for (int i = 0; i < 3; ++i) {
       const Vector3d smooth =
-          Eigen::Map<const Eigen::Vector3f>(m->mesh_normal + 3 * (corners[i] + m->mesh_vertadr[mesh])).cast<double>();
+          Eigen::Map<const Eigen::Vector3f>(m->mesh_normal + 3 * (corners[i] + m->mesh_vertadr[mesh]))
+              .cast<double>();
       normal += hit->weights[i] * (smooth.dot(hit->normal) < 0.8 ? hit->normal : smooth);
       if (mapped)
-        texcoord += hit->weights[i] *
-                    Eigen::Map<const Eigen::Vector2f>(m->mesh_texcoord + 2 * (corners[i] + m->mesh_texcoordadr[mesh]))
-                        .cast<double>();
+        texcoord += hit->weights[i] * Eigen::Map<const Eigen::Vector2f>(
+                                          m->mesh_texcoord + 2 * (corners[i] + m->mesh_texcoordadr[mesh]))
+                                          .cast<double>();
     }
-    out.push_back({hit->t, normal.normalized(), line.At(hit->t), mapped ? std::optional(texcoord) : std::nullopt});
+    out.push_back(
+        {hit->t, normal.normalized(), line.At(hit->t), mapped ? std::optional(texcoord) : std::nullopt});
   }
 }
 
 // A surface of triangles over a grid, walls down from its rim, and a floor.
-void CrossHeightField(const Line& line, const mjModel* m, int field, Crossings& out) {
-  const int rows = m->hfield_nrow[field], columns = m->hfield_ncol[field];
+std::vector<Triangle> HeightField(const mjModel* m, int field) {
+  const int last_row = m->hfield_nrow[field] - 1, last_column = m->hfield_ncol[field] - 1;
   const mjtNum* const size = m->hfield_size + 4 * field;
-  const auto xy = [&](int r, int c) {
-    return Vector2d(size[0] * (2.0 * c / (columns - 1) - 1), size[1] * (2.0 * r / (rows - 1) - 1));
+  const auto at = [&](int r, int c, double z) {
+    return Vector3d(size[0] * (2.0 * c / last_column - 1), size[1] * (2.0 * r / last_row - 1), z);
   };
   const auto top = [&](int r, int c) {
-    const Vector2d at = xy(r, c);
-    return Vector3d(at.x(), at.y(), size[2] * m->hfield_data[m->hfield_adr[field] + r * columns + c]);
+    return at(r, c, size[2] * m->hfield_data[m->hfield_adr[field] + r * (last_column + 1) + c]);
   };
-  const auto floor = [&](int r, int c) {
-    const Vector2d at = xy(r, c);
-    return Vector3d(at.x(), at.y(), -size[3]);
-  };
-  const auto triangle = [&](const Vector3d& a, const Vector3d& b, const Vector3d& c) {
-    if (const auto hit = CrossTriangle(line, {a, b, c})) out.push_back({hit->t, hit->normal, line.At(hit->t)});
-  };
+  const auto floor = [&](int r, int c) { return at(r, c, -size[3]); };
+  std::vector<Triangle> all;
   const auto quad = [&](const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vector3d& d) {
-    triangle(a, b, c);
-    triangle(a, c, d);
+    all.push_back({a, b, c});
+    all.push_back({a, c, d});
   };
-  const int last_row = rows - 1, last_column = columns - 1;
+  for (int r = 0; r < last_row; ++r)
+    for (int c = 0; c < last_column; ++c) quad(top(r, c), top(r, c + 1), top(r + 1, c + 1), top(r + 1, c));
   for (int r = 0; r < last_row; ++r) {
-    for (int c = 0; c < last_column; ++c) {
-      triangle(top(r, c), top(r + 1, c + 1), top(r + 1, c));
-      triangle(top(r, c), top(r, c + 1), top(r + 1, c + 1));
-    }
     quad(floor(r + 1, 0), floor(r, 0), top(r, 0), top(r + 1, 0));
     quad(floor(r, last_column), floor(r + 1, last_column), top(r + 1, last_column), top(r, last_column));
   }
@@ -192,6 +192,12 @@ void CrossHeightField(const Line& line, const mjModel* m, int field, Crossings& 
     quad(floor(last_row, c + 1), floor(last_row, c), top(last_row, c), top(last_row, c + 1));
   }
   quad(floor(0, 0), floor(last_row, 0), floor(last_row, last_column), floor(0, last_column));
+  return all;
+}
+
+void CrossHeightField(const Line& line, const std::vector<Triangle>& field, Crossings& out) {
+  for (const Triangle& triangle : field)
+    if (const auto hit = CrossTriangle(line, triangle)) out.push_back({hit->t, hit->normal, line.At(hit->t)});
 }
 
 // ---- textures: red, green, blue from 0 to 1
@@ -200,7 +206,8 @@ struct Picture {
   const mjtByte* rgb;
   int width, height;
   Vector3d Texel(int column, int row) const {
-    return Eigen::Map<const Eigen::Matrix<mjtByte, 3, 1>>(rgb + 3 * (row * width + column)).cast<double>() / 255;
+    return Eigen::Map<const Eigen::Matrix<mjtByte, 3, 1>>(rgb + 3 * (row * width + column)).cast<double>() /
+           255;
   }
 };
 
@@ -256,7 +263,8 @@ Vector3d OnCube(const mjModel* m, int texture, const Vector3d& d) {
   return Interpolated(at.st, n, n, [&](int column, int row) {
     if (column < 0 || column >= n) row = std::clamp(row, 0, n - 1);
     const OnFace centre = FaceOf(DirectionOf({at.axis, at.sign, Vector2d(column + 0.5, row + 0.5) / n}));
-    const int first_row = picture.height == n ? 0 : n * (2 * centre.axis + (centre.sign < 0));  // one for all, or six
+    const int first_row =
+        picture.height == n ? 0 : n * (2 * centre.axis + (centre.sign < 0));  // one for all, or six
     const auto index = [&](double s) { return std::clamp(static_cast<int>(s * n), 0, n - 1); };
     return picture.Texel(index(centre.st.x()), first_row + index(centre.st.y()));
   });
@@ -300,41 +308,7 @@ Vector3d HalfSize(const mjModel* m, int geom) {
   }
 }
 
-bool Shown(const mjModel* m, int geom) {
-  return m->geom_group[geom] <= 2 && MaterialOf(m, geom).alpha > 0;
-}
-
-Crossings Cross(const mjModel* m, int geom, const Line& line) {
-  const Vector3d half = HalfSize(m, geom);
-  Crossings out;
-  switch (m->geom_type[geom]) {
-    case mjGEOM_PLANE:
-      CrossPlane(line, half, out);
-      break;
-    case mjGEOM_HFIELD:
-      CrossHeightField(line, m, m->geom_dataid[geom], out);
-      break;
-    case mjGEOM_SPHERE:
-    case mjGEOM_ELLIPSOID:
-      CrossEllipsoid(line, half, out);
-      break;
-    case mjGEOM_CAPSULE:
-      CrossCapsule(line, half, out);
-      break;
-    case mjGEOM_CYLINDER:
-      CrossCylinder(line, half, out);
-      break;
-    case mjGEOM_BOX:
-      CrossBox(line, half, out);
-      break;
-    case mjGEOM_MESH:
-      CrossMesh(line, m, m->geom_dataid[geom], out);
-      break;
-    default:
-      break;
-  }
-  return out;
-}
+bool Shown(const mjModel* m, int geom) { return m->geom_group[geom] <= 2 && MaterialOf(m, geom).alpha > 0; }
 
 Vector3d TextureAt(const mjModel* m, int geom, const Crossing& at) {
   const int material = m->geom_matid[geom], texture = material < 0 ? -1 : m->mat_texid[material];
@@ -342,7 +316,8 @@ Vector3d TextureAt(const mjModel* m, int geom, const Crossing& at) {
   if (at.texcoord) return Repeated(PictureOf(m, texture), *at.texcoord);
   const Vector3d half = HalfSize(m, geom);
   const bool uniform = m->mat_texuniform[material];
-  if (m->tex_type[texture] != mjTEXTURE_2D) return OnCube(m, texture, uniform ? at.q.cwiseProduct(half) : at.q);
+  if (m->tex_type[texture] != mjTEXTURE_2D)
+    return OnCube(m, texture, uniform ? at.q.cwiseProduct(half) : at.q);
   Vector2d repeat(m->mat_texrepeat[2 * material], m->mat_texrepeat[2 * material + 1]);
   const int type = m->geom_type[geom];
   const bool metric = type == mjGEOM_PLANE || type == mjGEOM_MESH || type == mjGEOM_HFIELD;
@@ -360,11 +335,12 @@ class View {
  public:
   View(const mjModel* m, const mjData* d, const Pose& X_NC)
       : m_(m), d_(d), eye_(SwapNedNwu(X_NC.p)), gaze_(SwapNedNwu(X_NC.R * Vector3d::UnitZ())) {
-    const auto kind = [&](int i) { return m->tex_type[i] == mjTEXTURE_SKYBOX; };
+    for (int i = 0; i < m->nhfield; ++i) fields_.push_back(HeightField(m, i));
     for (int i = m->ntex - 1; i >= 0; --i)
-      if (kind(i)) sky_ = i;
+      if (m->tex_type[i] == mjTEXTURE_SKYBOX) sky_ = i;
     for (int i = m->ngeom - 1; i >= 0; --i)
-      if (Shown(m, i) && m->geom_type[i] == mjGEOM_PLANE && m->geom_size[3 * i] == 0 && m->geom_size[3 * i + 1] == 0)
+      if (Shown(m, i) && m->geom_type[i] == mjGEOM_PLANE && m->geom_size[3 * i] == 0 &&
+          m->geom_size[3 * i + 1] == 0)
         endless_plane_ = i;
     for (int i = 0; i < m->ngeom; ++i) {
       if (!Shown(m, i)) continue;
@@ -392,16 +368,17 @@ class View {
     return colour;
   }
 
-  std::optional<Hit> Nearest(const Vector3d& direction_M) const {
+  std::vector<Hit> Hits(const Vector3d& direction_M) const {
     const Line ray{eye_, direction_M};
-    Hit nearest{kInfinity, -1, Vector3d::Zero()};
-    for (int geom = 0; geom < m_->ngeom; ++geom) {
+    std::vector<Hit> hits;
+    for (int geom = m_->ngeom - 1; geom >= 0; --geom) {
       if (!Shown(m_, geom)) continue;
       for (const Crossing& at : CrossingsOf(geom, ray))
-        if (at.t <= nearest.distance_m) nearest = {at.t, geom, Rotation(geom) * at.normal};
+        if (sky_ < 0 || at.t < SkyDistance(ray)) hits.push_back({at.t, geom, Rotation(geom) * at.normal});
     }
-    if (sky_ >= 0 && nearest.distance_m > SkyDistance(ray)) return std::nullopt;
-    return nearest.geom < 0 ? std::nullopt : std::optional(nearest);
+    std::stable_sort(hits.begin(), hits.end(),
+                     [](const Hit& a, const Hit& b) { return a.distance_m < b.distance_m; });
+    return hits;
   }
 
  private:
@@ -416,8 +393,39 @@ class View {
     return (Position(geom) - eye_).norm() - m_->geom_rbound[geom];
   }
   Crossings CrossingsOf(int geom, const Line& ray) const {
+    const double reach = m_->geom_rbound[geom];  // 0: endless
+    if (reach > 0 && (Position(geom) - ray.origin).cross(ray.direction).norm() > 1.001 * reach) return {};
     const Matrix3 R = Rotation(geom);
-    return Cross(m_, geom, {R.transpose() * (ray.origin - Position(geom)), R.transpose() * ray.direction});
+    const Line line{R.transpose() * (ray.origin - Position(geom)), R.transpose() * ray.direction};
+    const Vector3d half = HalfSize(m_, geom);
+    Crossings out;
+    switch (m_->geom_type[geom]) {
+      case mjGEOM_PLANE:
+        CrossPlane(line, half, out);
+        break;
+      case mjGEOM_HFIELD:
+        CrossHeightField(line, fields_[m_->geom_dataid[geom]], out);
+        break;
+      case mjGEOM_SPHERE:
+      case mjGEOM_ELLIPSOID:
+        CrossEllipsoid(line, half, out);
+        break;
+      case mjGEOM_CAPSULE:
+        CrossCapsule(line, half, out);
+        break;
+      case mjGEOM_CYLINDER:
+        CrossCylinder(line, half, out);
+        break;
+      case mjGEOM_BOX:
+        CrossBox(line, half, out);
+        break;
+      case mjGEOM_MESH:
+        CrossMesh(line, m_, m_->geom_dataid[geom], out);
+        break;
+      default:
+        break;
+    }
+    return out;
   }
 
   Vector3d Lit(int geom, const Crossing& at, const Line& ray) const {
@@ -433,7 +441,9 @@ class View {
     if (lights.size() > 8) lights.resize(8);  // OpenGL has no more
     for (const int i : lights) {
       const bool head = i < 0;
-      const auto rgb = [](const float* c) -> Vector3d { return Eigen::Map<const Eigen::Vector3f>(c).cast<double>(); };
+      const auto rgb = [](const float* c) -> Vector3d {
+        return Eigen::Map<const Eigen::Vector3f>(c).cast<double>();
+      };
       const Vector3d ambient = rgb(head ? m_->vis.headlight.ambient : m_->light_ambient + 3 * i);
       const Vector3d diffuse = rgb(head ? m_->vis.headlight.diffuse : m_->light_diffuse + 3 * i);
       const Vector3d specular = rgb(head ? m_->vis.headlight.specular : m_->light_specular + 3 * i);
@@ -475,7 +485,8 @@ class View {
       colour = OnCube(m_, sky_, {d.x(), d.z(), -d.y()});
     }
     if (endless_plane_ < 0) return;
-    // A truncated cone, from the plane at a share 1 - r of the sky's distance up to the eye's height at all of it.
+    // A truncated cone, from the plane at a share 1 - r of the sky's distance up to the eye's height at all
+    // of it.
     const double height = EyeHeight(endless_plane_), r = m_->vis.map.haze;
     const Vector3d up = Rotation(endless_plane_).col(2);
     const double sunk = -d.dot(up), out = std::sqrt(std::max(0.0, 1 - sunk * sunk));
@@ -498,11 +509,14 @@ class View {
   const mjModel* m_;
   const mjData* d_;
   Vector3d eye_, gaze_;
+  std::vector<std::vector<Triangle>> fields_;
   int sky_ = -1, endless_plane_ = -1;
   std::vector<int> opaque_, transparent_;  // the latter as they are drawn first: near to far
 };
 
-Vector3d Direction(const Pose& X_NC, const Vector3d& ray_C) { return SwapNedNwu(X_NC.R * ray_C).normalized(); }
+Vector3d Direction(const Pose& X_NC, const Vector3d& ray_C) {
+  return SwapNedNwu(X_NC.R * ray_C).normalized();
+}
 
 }  // namespace
 
@@ -526,31 +540,44 @@ cv::Mat Render(const mjModel* model, const mjData* data, const Pose& X_NC, const
   return image;
 }
 
-std::optional<Hit> HitAt(const mjModel* model, const mjData* data, const Pose& X_NC, const CameraModel& camera,
-                         const Vector2d& uv) {
-  const auto ray = Ray(camera, uv);
-  return ray ? View(model, data, X_NC).Nearest(Direction(X_NC, *ray)) : std::nullopt;
+std::vector<std::vector<Hit>> Hits(const mjModel* model, const mjData* data, const Pose& X_NC,
+                                   const CameraModel& camera) {
+  const View view(model, data, X_NC);
+  std::vector<std::vector<Hit>> hits;
+  for (int v = 0; v < HeightPx(camera); ++v) {
+    for (int u = 0; u < WidthPx(camera); ++u) {
+      const auto ray = Ray(camera, Vector2d(u, v));
+      hits.push_back(ray ? view.Hits(Direction(X_NC, *ray)) : std::vector<Hit>{});
+    }
+  }
+  return hits;
 }
 
-std::optional<Vector2d> FlowAt(const mjModel* model, const mjData* data, const Pose& X_NC, const mjData* next_data,
-                               const Pose& X_NC_next, const CameraModel& camera, const Vector2d& uv) {
-  const auto ray = Ray(camera, uv);
-  if (!ray) return std::nullopt;
-  const Vector3d direction_M = Direction(X_NC, *ray);
-  const auto hit = View(model, data, X_NC).Nearest(direction_M);
-  Vector3d p_C;
-  if (hit) {
-    const auto rotation = [&](const mjData* d) -> Matrix3 { return Eigen::Map<const Matrix3>(d->geom_xmat + 9 * hit->geom); };
-    const auto position = [&](const mjData* d) -> Vector3d { return Eigen::Map<const Vector3d>(d->geom_xpos + 3 * hit->geom); };
-    const Vector3d p_M = SwapNedNwu(X_NC.p) + hit->distance_m * direction_M;
-    const Vector3d p_G = rotation(data).transpose() * (p_M - position(data));
-    const Vector3d next_M = rotation(next_data) * p_G + position(next_data);
-    p_C = X_NC_next.R.conjugate() * (SwapNedNwu(next_M) - X_NC_next.p);
-  } else {
-    p_C = X_NC_next.R.conjugate() * (X_NC.R * *ray);
-  }
-  const auto next = Project(camera, p_C);
-  return next ? std::optional<Vector2d>(*next - uv) : std::nullopt;
+cv::Mat Flow(const mjModel* model, const mjData* data, const Pose& X_NC, const mjData* next_data,
+             const Pose& X_NC_next, const CameraModel& camera) {
+  const auto rotation = [](const mjData* d, int geom) -> Matrix3 {
+    return Eigen::Map<const Matrix3>(d->geom_xmat + 9 * geom);
+  };
+  const auto position = [](const mjData* d, int geom) -> Vector3d {
+    return Eigen::Map<const Vector3d>(d->geom_xpos + 3 * geom);
+  };
+  const auto hits = Hits(model, data, X_NC, camera);
+  cv::Mat flow(HeightPx(camera), WidthPx(camera), CV_64FC2, cv::Scalar::all(std::nan("")));
+  flow.forEach<cv::Vec2d>([&](cv::Vec2d& pixel, const int* place) {
+    const Vector2d uv(place[1], place[0]);
+    const auto ray = Ray(camera, uv);
+    if (!ray) return;
+    Vector3d p_C = X_NC_next.R.conjugate() * (X_NC.R * *ray);
+    if (const auto& on_ray = hits[place[0] * flow.cols + place[1]]; !on_ray.empty()) {
+      const int geom = on_ray[0].geom;
+      const Vector3d p_M = SwapNedNwu(X_NC * (on_ray[0].distance_m * *ray));
+      const Vector3d p_G = rotation(data, geom).transpose() * (p_M - position(data, geom));
+      const Vector3d next_M = rotation(next_data, geom) * p_G + position(next_data, geom);
+      p_C = X_NC_next.Inverse() * SwapNedNwu(next_M);
+    }
+    if (const auto next = Project(camera, p_C)) pixel = cv::Vec2d(next->x() - uv.x(), next->y() - uv.y());
+  });
+  return flow;
 }
 
 }  // namespace kestrel::reference

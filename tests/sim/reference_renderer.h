@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 #include <opencv2/core.hpp>
-#include <optional>
+#include <vector>
 
 #include "geometry/pose.h"
 #include "vision/camera_model.h"
@@ -16,7 +16,7 @@
 // vertices, and textures are only interpolated: many rays through each pixel do the filtering.
 namespace kestrel::reference {
 
-// A pixel at its centre. No hit: sky, or black outside the lens.
+// A surface that a ray meets.
 struct Hit {
   double distance_m = 0;
   int geom = -1;
@@ -28,15 +28,16 @@ struct Hit {
 // not count.
 cv::Mat Render(const mjModel* model, const mjData* data, const Pose& X_NC, const CameraModel& camera, int n);
 
-// What is opaque, or transparent and nearer, on the ray of a place in the image; none in the sky and outside
-// of the lens.
-std::optional<Hit> HitAt(const mjModel* model, const mjData* data, const Pose& X_NC,
-                         const CameraModel& camera, const Eigen::Vector2d& uv);
+// For each pixel, row after row, all surfaces on the ray through its centre, the nearest first, transparent
+// or not, with what they hide; none in the sky and outside of the lens. At the same distance, the geom that
+// is drawn later comes first.
+std::vector<std::vector<Hit>> Hits(const mjModel* model, const mjData* data, const Pose& X_NC,
+                                   const CameraModel& camera);
 
-// Where the surface seen at uv goes, px: the point moves with its geom into the next state, or stays in the
-// same direction if it is sky. None outside the lens, before or after.
-std::optional<Eigen::Vector2d> FlowAt(const mjModel* model, const mjData* data, const Pose& X_NC,
-                                      const mjData* next_data, const Pose& X_NC_next,
-                                      const CameraModel& camera, const Eigen::Vector2d& uv);
+// Where the surface seen at each pixel's centre goes, px, CV_64FC2: the point moves with its geom into the
+// next state, or stays in the same direction if it is sky. NaN where the lens does not show it, before or
+// after.
+cv::Mat Flow(const mjModel* model, const mjData* data, const Pose& X_NC, const mjData* next_data,
+             const Pose& X_NC_next, const CameraModel& camera);
 
 }  // namespace kestrel::reference

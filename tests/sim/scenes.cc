@@ -20,17 +20,17 @@ cv::Mat Picture() {
     for (int u = 0; u < image.cols; ++u) {
       const double s = (u + 0.5) / image.cols, t = (v + 0.5) / image.rows;
       const double corner = std::exp(-20 * ((s - 0.2) * (s - 0.2) + (t - 0.3) * (t - 0.3)));
-      const double wave = 0.5 + 0.5 * std::sin(2 * M_PI * (s + 2 * t));
-      image.at<cv::Vec3b>(v, u) = cv::Vec3b(cv::saturate_cast<uchar>(40 + 160 * wave),
-                                            cv::saturate_cast<uchar>(60 + 190 * corner),
-                                            cv::saturate_cast<uchar>(230 - 150 * corner));
+      const double wave = 0.5 + 0.5 * std::sin(2 * M_PI * (s + t));
+      image.at<cv::Vec3b>(v, u) =
+          cv::Vec3b(cv::saturate_cast<uchar>(60 + 120 * wave), cv::saturate_cast<uchar>(60 + 190 * corner),
+                    cv::saturate_cast<uchar>(230 - 150 * corner));
     }
   return image;
 }
 
 cv::Mat Faces() {
   constexpr int kSide = 32;
-  const std::vector<cv::Vec3d> base{{200, 80, 60}, {60, 200, 80}, {80, 60, 200},
+  const std::vector<cv::Vec3d> base{{200, 80, 60},  {60, 200, 80},  {80, 60, 200},
                                     {60, 190, 190}, {190, 60, 190}, {190, 190, 60}};
   cv::Mat image(6 * kSide, kSide, CV_8UC3);
   for (int f = 0; f < 6; ++f)
@@ -38,18 +38,18 @@ cv::Mat Faces() {
       for (int u = 0; u < kSide; ++u) {
         const double s = (u + 0.5) / kSide, t = (v + 0.5) / kSide;
         const cv::Vec3d c = base[f] * (0.5 + 0.3 * s + 0.45 * t * t);
-        image.at<cv::Vec3b>(f * kSide + v, u) =
-            cv::Vec3b(cv::saturate_cast<uchar>(c[0]), cv::saturate_cast<uchar>(c[1]), cv::saturate_cast<uchar>(c[2]));
+        image.at<cv::Vec3b>(f * kSide + v, u) = cv::Vec3b(
+            cv::saturate_cast<uchar>(c[0]), cv::saturate_cast<uchar>(c[1]), cv::saturate_cast<uchar>(c[2]));
       }
   return image;
 }
 
 cv::Mat Relief() {
-  cv::Mat image(7, 9, CV_8UC1);
+  cv::Mat image(5, 6, CV_8UC1);
   for (int v = 0; v < image.rows; ++v)
     for (int u = 0; u < image.cols; ++u)
-      image.at<uchar>(v, u) =
-          cv::saturate_cast<uchar>(255 * std::exp(-0.15 * ((u - 2.5) * (u - 2.5) + (v - 4.2) * (v - 4.2))) + 8 * u);
+      image.at<uchar>(v, u) = cv::saturate_cast<uchar>(
+          255 * std::exp(-0.3 * ((u - 1.5) * (u - 1.5) + (v - 2.8) * (v - 2.8))) + 12 * u);
   return image;
 }
 
@@ -71,7 +71,7 @@ constexpr const char* kAssets = R"(
     <texture name="faces" type="cube" file="faces.png" gridsize="6 1" gridlayout="RLUDFB"/>
     <material name="picture" texture="picture" specular="0"/>
     <material name="picture_metric" texture="picture" texuniform="true" texrepeat="1.3 0.9" specular="0"/>
-    <material name="picture_often" texture="picture" texrepeat="2 3" specular="0"/>
+    <material name="picture_often" texture="picture" texrepeat="2 1.5" specular="0"/>
     <material name="faces" texture="faces" specular="0"/>
     <material name="faces_metric" texture="faces" texuniform="true" specular="0"/>)";
 
@@ -119,38 +119,46 @@ std::vector<TestScene> Make() {
   add("pictures on shapes", World(kWhite, "", Nine("picture", "picture_metric")), ahead);
   add("picture repeated", World(kWhite, "", Nine("picture_often", "picture_often")), ahead);
   add("cubes on shapes", World(kWhite, "", Nine("faces", "faces_metric")), ahead);
-  add("sunlit shapes", World(kDim, "<material name='red' rgba='0.8 0.3 0.2 1'/><material name='own' rgba='.2 .3 .9 1'/>",
-                             std::string(kSun) + Nine("red", "own")),
+  add("sunlit shapes",
+      World(kDim, "<material name='red' rgba='0.8 0.3 0.2 1'/><material name='own' rgba='.2 .3 .9 1'/>",
+            std::string(kSun) + Nine("red", "own")),
       ahead);
   add("planes",
       World(kWhite, "",
             "<geom type='plane' pos='6 1.8 1' size='1.2 1.5 1' euler='10 -60 20' material='picture'/>"
-            "<geom type='plane' pos='6 -1.8 1' size='1.2 1.5 0.3' euler='-10 -60 -30' material='picture_metric'/>"
+            "<geom type='plane' pos='6 -1.8 1' size='1.2 1.5 0.3' euler='-10 -60 -30' "
+            "material='picture_metric'/>"
             "<geom type='plane' pos='6 1.8 -1.5' size='1.4 0.9 1' euler='10 -60 20' material='faces'/>"
-            "<geom type='plane' pos='6 -1.8 -1.5' size='1.4 0.9 1' euler='-10 -60 120' material='faces_metric'/>"),
+            "<geom type='plane' pos='6 -1.8 -1.5' size='1.4 0.9 1' euler='-10 -60 120' "
+            "material='faces_metric'/>"),
       ahead);
   add("meshes",
       World(kDim, kMeshes,
-            std::string(kSun) + "<geom type='mesh' mesh='wedge' pos='5 1.5 1' euler='20 10 70' material='picture'/>"
-            "<geom type='mesh' mesh='wedge' pos='5 -1.5 1' euler='-60 10 30' material='picture_metric'/>"
-            "<geom type='mesh' mesh='wedge' pos='5 -1.5 -1' euler='100 40 30' material='faces'/>"
-            "<geom type='mesh' mesh='mapped' pos='5 1.5 -1' euler='20 -60 30' material='picture'/>"
-            "<geom type='mesh' mesh='wedge' pos='6 0 0' euler='20 -60 30' rgba='0.7 0.7 0.2 1'/>"),
+            std::string(kSun) +
+                "<geom type='mesh' mesh='wedge' pos='5 1.5 1' euler='20 10 70' material='picture'/>"
+                "<geom type='mesh' mesh='wedge' pos='5 -1.5 1' euler='-60 10 30' material='picture_metric'/>"
+                "<geom type='mesh' mesh='wedge' pos='5 -1.5 -1' euler='100 40 30' material='faces'/>"
+                "<geom type='mesh' mesh='mapped' pos='5 1.5 -1' euler='20 -60 30' material='picture'/>"
+                "<geom type='mesh' mesh='wedge' pos='6 0 0' euler='20 -60 30' rgba='0.7 0.7 0.2 1'/>"),
       ahead);
   add("height fields",
-      World(kDim, "<hfield name='hill' file='relief.png' size='3 2 1.5 0.4'/>",
-            std::string(kSun) + "<geom type='hfield' hfield='hill' pos='5 2.2 -1.2' euler='0 0 20' material='picture'/>"
-            "<geom type='hfield' hfield='hill' pos='7 -2.5 -1.2' euler='0 0 -70' material='faces_metric'/>"
-            "<geom type='hfield' hfield='hill' pos='6 0 2.5' euler='170 0 30' rgba='0.3 0.8 0.4 1'/>"),
+      World(
+          kDim, "<hfield name='hill' file='relief.png' size='3 2 1.5 0.4'/>",
+          std::string(kSun) +
+              "<geom type='hfield' hfield='hill' pos='5 2.2 -1.2' euler='0 0 20' material='picture'/>"
+              "<geom type='hfield' hfield='hill' pos='7 -2.5 -1.2' euler='0 0 -70' material='faces_metric'/>"
+              "<geom type='hfield' hfield='hill' pos='6 0 2.5' euler='170 0 30' rgba='0.3 0.8 0.4 1'/>"),
       ahead);
   add("lamps",
       World("<headlight ambient='0.1 0.1 0.1' diffuse='0.3 0.3 0.3' specular='0.3 0.3 0.3'/>",
             "<material name='matt' rgba='0.7 0.6 0.5 1' specular='0'/>"
             "<material name='shiny' rgba='0.3 0.4 0.6 1' specular='0.8' shininess='0.3'/>"
             "<material name='glow' rgba='0.4 0.3 0.2 1' emission='0.6' specular='0.5' shininess='0.05'/>",
-            "<light pos='4 2 3' dir='0.6 -0.6 -1' cutoff='40' exponent='5' diffuse='0.7 0.2 0.2' ambient='0.1 0.1 0' "
+            "<light pos='4 2 3' dir='0.6 -0.6 -1' cutoff='40' exponent='5' diffuse='0.7 0.2 0.2' "
+            "ambient='0.1 0.1 0' "
             "attenuation='0.5 0.1 0.02' specular='0.6 0.6 0.6'/>"
-            "<light pos='3 -3 2' dir='1 0.8 -0.5' cutoff='80' exponent='0' diffuse='0.2 0.6 0.3' specular='0.2 0.2 0.5'/>"
+            "<light pos='3 -3 2' dir='1 0.8 -0.5' cutoff='80' exponent='0' diffuse='0.2 0.6 0.3' "
+            "specular='0.2 0.2 0.5'/>"
             "<light directional='true' dir='0.2 0.9 -0.4' diffuse='0.1 0.1 0.4' specular='0.5 0.5 0.5'/>"
             "<light active='false' pos='3 -3 2' dir='1 0.8 -0.5'/>"
             "<geom type='plane' size='20 20 0.05' pos='0 0 -2' material='matt'/>" +
@@ -161,13 +169,19 @@ std::vector<TestScene> Make() {
       "<texture name='sky' type='skybox' file='faces.png' gridsize='6 1' gridlayout='RLUDFB'/>";
   const std::string still = "<map znear='0.001' zfar='60' haze='0.3'/><rgba haze='0.9 0.8 0.3 1'/>";
   add("sky", World(kWhite, outdoors, Nine("picture", "faces")), LookingFrom({0, 0, 0}, 0.6, 0.5, 0.3));
-  add("sky behind", World(kWhite, outdoors, Nine("picture", "faces")), LookingFrom({0, 0, 0}, -2.2, -0.6, 1.0));
-  add("haze", World(kWhite + still, outdoors, "<geom type='plane' size='0 0 1' material='picture_metric'/>"
-                    "<geom type='box' pos='300 40 20' size='10 20 20' rgba='0.2 0.2 0.2 1'/>"),
+  add("sky behind", World(kWhite, outdoors, Nine("picture", "faces")),
+      LookingFrom({0, 0, 0}, -2.2, -0.6, 1.0));
+  add("haze",
+      World(kWhite + still,
+            outdoors + "<material name='field' texture='picture' texuniform='true' texrepeat='0.02 0.01'/>",
+            "<geom type='plane' size='0 0 1' material='field'/>"
+            "<geom type='box' pos='300 40 20' size='10 20 20' rgba='0.2 0.2 0.2 1'/>"),
       LookingFrom({0, 0, -40}, 0.1, -0.15));
   add("glass",
-      World(kDim, "<material name='red' rgba='0.9 0.2 0.1 0.4'/><material name='blue' rgba='0.1 0.2 0.9 0.6' "
-                  "texture='picture' specular='0'/>" + outdoors,
+      World(kDim,
+            "<material name='red' rgba='0.9 0.2 0.1 0.4'/><material name='blue' rgba='0.1 0.2 0.9 0.6' "
+            "texture='picture' specular='0'/>" +
+                outdoors,
             std::string(kSun) +
                 "<geom type='box' pos='4 0.5 0.2' size='0.4 0.6 0.6' euler='0 0 30' material='red'/>"
                 "<geom type='sphere' pos='6 0.2 0.3' size='1' material='blue'/>"
@@ -182,15 +196,20 @@ std::vector<TestScene> Make() {
   add("odds",
       World("<headlight ambient='.02 .02 .02' diffuse='.1 .1 .1'/>",
             std::string(kMeshes) +
-                "<texture name='square' type='cube' file='square.png'/><material name='square' texture='square'/>"
+                "<texture name='square' type='cube' file='square.png'/><material name='square' "
+                "texture='square'/>"
                 "<texture name='sky' type='skybox' file='faces.png' gridsize='6 1' gridlayout='RLUDFB'/>"
                 "<material name='skyish' texture='sky' texuniform='true' rgba='1 .8 1 1'/>"
                 "<material name='hidden' rgba='1 1 1 0'/><material name='glass' rgba='.2 .9 .9 .5'/>"
                 "<hfield name='hill' file='relief.png' size='1.5 1 0.6 0.2'/>",
-            "<light directional='true' dir='1 .1 -.2' diffuse='.2 .1 .1'/><light pos='2 0 2' dir='1 0 -1' diffuse='.1 .2 .3' cutoff='120' exponent='3'/>"
-            "<light directional='true' dir='1 .3 .2' diffuse='.1 .1 .2'/><light directional='true' dir='1 -.1 -.2' diffuse='.1 .1 .1'/>"
-            "<light directional='true' dir='1 .1 -.2' diffuse='.1 .1 .1'/><light directional='true' dir='1 .1 .2' diffuse='.1 .1 .1'/>"
-            "<light directional='true' dir='1 .1 -.2' diffuse='.1 .1 .1'/><light directional='true' dir='1 .1 -.2' diffuse='.9 .1 .1'/>"
+            "<light directional='true' dir='1 .1 -.2' diffuse='.2 .1 .1'/><light pos='2 0 2' dir='1 0 -1' "
+            "diffuse='.1 .2 .3' cutoff='120' exponent='3'/>"
+            "<light directional='true' dir='1 .3 .2' diffuse='.1 .1 .2'/><light directional='true' dir='1 "
+            "-.1 -.2' diffuse='.1 .1 .1'/>"
+            "<light directional='true' dir='1 .1 -.2' diffuse='.1 .1 .1'/><light directional='true' dir='1 "
+            ".1 .2' diffuse='.1 .1 .1'/>"
+            "<light directional='true' dir='1 .1 -.2' diffuse='.1 .1 .1'/><light directional='true' dir='1 "
+            ".1 -.2' diffuse='.9 .1 .1'/>"
             "<light directional='true' dir='1 .1 -.2' diffuse='.1 .9 .1'/>"
             "<geom type='box' pos='6 2.5 1.5' size='0.7 0.5 0.6' euler='20 25 40' material='square'/>"
             "<geom type='capsule' pos='6 0.8 1.5' size='0.4 0.5' euler='20 65 40' material='skyish'/>"
@@ -203,13 +222,15 @@ std::vector<TestScene> Make() {
             "<geom type='box' pos='340 150 40' size='20 20 20' rgba='1 0 0 1'/>"),
       ahead);
   add("slanting haze",
-      World(kWhite + still, outdoors, "<geom type='plane' size='0 0 1' euler='6 3 0' rgba='.4 .5 .3 1'/>"
+      World(kWhite + still, outdoors,
+            "<geom type='plane' size='0 0 1' euler='6 3 0' rgba='.4 .5 .3 1'/>"
             "<geom type='box' pos='300 40 20' size='10 20 20' rgba='0.2 0.2 0.2 1'/>"
             "<geom type='box' pos='260 -40 20' size='10 20 40' rgba='0.9 0.9 0.9 .7'/>"
             "<geom type='box' pos='340 -90 20' size='10 20 40' rgba='0.9 0.9 0.9 .7'/>"),
       LookingFrom({0, 0, -60}, 0.1, -0.15));
   add("inside",
-      World(kWhite, "", "<geom type='box' size='1 1 1' rgba='0.9 0.1 0.1 1'/>"
+      World(kWhite, "",
+            "<geom type='box' size='1 1 1' rgba='0.9 0.1 0.1 1'/>"
             "<geom type='sphere' size='2' rgba='0.1 0.9 0.1 1'/>"
             "<geom type='box' pos='5 2 0' size='0.5 0.5 0.5' group='3'/>"
             "<geom type='box' pos='5 0 0' size='0.5 0.5 0.5' group='2' material='picture'/>"

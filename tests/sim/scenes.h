@@ -14,7 +14,7 @@
 namespace kestrel {
 
 // The text compiled, with these files at hand: picture.png (2-D, 48 x 32, nothing of it symmetric),
-// faces.png (the six faces of a cube, 32 x 32 each, all different) and relief.png (9 x 7, heights). Fails the
+// faces.png (the six faces of a cube, 32 x 32 each, all different) and relief.png (6 x 5, heights). Fails the
 // test that calls it if the text does not compile.
 ModelPtr CompileScene(const std::string& xml);
 
