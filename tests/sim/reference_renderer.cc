@@ -20,6 +20,7 @@ using Eigen::Vector3d;
 using Matrix3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;  // as MuJoCo stores them
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kOpaque = 0.995;              // alpha from which MuJoCo takes a geom for opaque
 constexpr double kFar_m = 500;                 // of the OpenGL renderer
 constexpr double kSkyDistance = 0.7 * kFar_m;  // radius and half height of the cylinder that carries the sky
 
@@ -115,25 +116,24 @@ void CrossCapsule(const Line& line, const Vector3d& half, Crossings& out) {
 
 using Triangle = std::array<Vector3d, 3>;  // counter-clockwise from the front
 
-// Weights of the corners where the line meets the front of a triangle, and how far that is.
+// How far it is to the front of a triangle, and the weights of its corners there.
 struct TriangleHit {
   double t;
   Vector3d weights, normal;
 };
 
 std::optional<TriangleHit> CrossTriangle(const Line& line, const Triangle& v) {
-  const Vector3d normal = (v[1] - v[0]).cross(v[2] - v[0]);
-  const double slope = normal.dot(line.direction);
-  if (slope >= 0) return std::nullopt;
-  const double t = normal.dot(v[0] - line.origin) / slope;
-  if (!(t > 0)) return std::nullopt;
-  const Vector3d p = line.At(t);
+  // A line meets a triangle if it passes all edges on the same side.
+  const Triangle from_eye{v[0] - line.origin, v[1] - line.origin, v[2] - line.origin};
   Vector3d weights;
-  for (int i = 0; i < 3; ++i)
-    weights[i] =
-        normal.dot((v[(i + 2) % 3] - v[(i + 1) % 3]).cross(p - v[(i + 1) % 3])) / normal.squaredNorm();
-  if (weights.minCoeff() < 0) return std::nullopt;
-  return TriangleHit{t, weights, normal.normalized()};
+  for (int i = 0; i < 3; ++i) {
+    weights[i] = -line.direction.dot(from_eye[(i + 1) % 3].cross(from_eye[(i + 2) % 3]));
+    if (weights[i] < 0) return std::nullopt;
+  }
+  const Vector3d normal = (v[1] - v[0]).cross(v[2] - v[0]);
+  const double slope = normal.dot(line.direction), t = normal.dot(from_eye[0]) / slope;
+  if (!(slope < 0) || !(t > 0)) return std::nullopt;
+  return TriangleHit{t, weights / weights.sum(), normal.normalized()};
 }
 
 void CrossMesh(const Line& line, const mjModel* m, int mesh, Crossings& out) {
@@ -333,8 +333,12 @@ Vector3d TextureAt(const mjModel* m, int geom, const Crossing& at) {
 
 class View {
  public:
-  View(const mjModel* m, const mjData* d, const Pose& X_NC)
-      : m_(m), d_(d), eye_(SwapNedNwu(X_NC.p)), gaze_(SwapNedNwu(X_NC.R * Vector3d::UnitZ())) {
+  View(const mjModel* m, const mjData* d, const Pose& X_NC, bool shadows = false)
+      : m_(m),
+        d_(d),
+        shadows_(shadows),
+        eye_(SwapNedNwu(X_NC.p)),
+        gaze_(SwapNedNwu(X_NC.R * Vector3d::UnitZ())) {
     for (int i = 0; i < m->nhfield; ++i) fields_.push_back(HeightField(m, i));
     for (int i = m->ntex - 1; i >= 0; --i)
       if (m->tex_type[i] == mjTEXTURE_SKYBOX) sky_ = i;
@@ -344,7 +348,7 @@ class View {
         endless_plane_ = i;
     for (int i = 0; i < m->ngeom; ++i) {
       if (!Shown(m, i)) continue;
-      (Alpha(i) < 0.995 || Behind(i) ? transparent_ : opaque_).push_back(i);
+      (Alpha(i) < kOpaque ? transparent_ : opaque_).push_back(i);
     }
     std::stable_sort(transparent_.begin(), transparent_.end(),
                      [&](int a, int b) { return SortingDistance(a) < SortingDistance(b); });
@@ -374,7 +378,8 @@ class View {
     for (int geom = m_->ngeom - 1; geom >= 0; --geom) {
       if (!Shown(m_, geom)) continue;
       for (const Crossing& at : CrossingsOf(geom, ray))
-        if (sky_ < 0 || at.t < SkyDistance(ray)) hits.push_back({at.t, geom, Rotation(geom) * at.normal});
+        if (sky_ < 0 || at.t < SkyDistance(ray))
+          hits.push_back({at.t, geom, Rotation(geom) * at.normal, Alpha(geom) >= kOpaque});
     }
     std::stable_sort(hits.begin(), hits.end(),
                      [](const Hit& a, const Hit& b) { return a.distance_m < b.distance_m; });
@@ -449,10 +454,10 @@ class View {
       const Vector3d specular = rgb(head ? m_->vis.headlight.specular : m_->light_specular + 3 * i);
       const Vector3d beam = head ? gaze_ : Vector3d(Eigen::Map<const Vector3d>(d_->light_xdir + 3 * i));
       Vector3d to_light = -beam.normalized();
-      double strength = 1;
+      double strength = 1, distance = kInfinity;
       if (!head && !m_->light_directional[i]) {
         const Vector3d away = Eigen::Map<const Vector3d>(d_->light_xpos + 3 * i) - p;
-        const double d = away.norm();
+        const double d = distance = away.norm();
         to_light = away / d;
         const float* const a = m_->light_attenuation + 3 * i;
         strength = 1 / (a[0] + d * (a[1] + d * a[2]));
@@ -461,6 +466,9 @@ class View {
         if (m_->light_cutoff[i] <= 90)  // OpenGL takes no wider cone: such a lamp shines to all sides
           strength *= along < std::cos(cutoff) ? 0 : std::pow(along, m_->light_exponent[i]);
       }
+      if (shadows_ && !head && m_->light_castshadow[i] && material.alpha >= kOpaque &&
+          Hidden({p + 1e-6 * n, to_light}, distance))
+        continue;
       Vector3d sum = ambient.cwiseProduct(material.rgb);
       const double incidence = n.dot(to_light);
       if (incidence > 0) {
@@ -471,6 +479,13 @@ class View {
       light += strength * sum;
     }
     return light.cwiseMin(1).cwiseProduct(TextureAt(m_, geom, at));
+  }
+
+  bool Hidden(const Line& ray, double distance) const {
+    for (const int geom : opaque_)
+      for (const Crossing& at : CrossingsOf(geom, ray))
+        if (at.t < distance) return true;
+    return false;
   }
 
   double SkyDistance(const Line& ray) const {
@@ -508,11 +523,17 @@ class View {
 
   const mjModel* m_;
   const mjData* d_;
+  bool shadows_;
   Vector3d eye_, gaze_;
   std::vector<std::vector<Triangle>> fields_;
   int sky_ = -1, endless_plane_ = -1;
   std::vector<int> opaque_, transparent_;  // the latter as they are drawn first: near to far
 };
+
+const Hit* FirstOpaque(const std::vector<Hit>& hits) {
+  const auto hit = std::find_if(hits.begin(), hits.end(), [](const Hit& h) { return h.opaque; });
+  return hit == hits.end() ? nullptr : &*hit;
+}
 
 Vector3d Direction(const Pose& X_NC, const Vector3d& ray_C) {
   return SwapNedNwu(X_NC.R * ray_C).normalized();
@@ -520,8 +541,9 @@ Vector3d Direction(const Pose& X_NC, const Vector3d& ray_C) {
 
 }  // namespace
 
-cv::Mat Render(const mjModel* model, const mjData* data, const Pose& X_NC, const CameraModel& camera, int n) {
-  const View view(model, data, X_NC);
+cv::Mat Render(const mjModel* model, const mjData* data, const Pose& X_NC, const CameraModel& camera, int n,
+               bool shadows) {
+  const View view(model, data, X_NC, shadows);
   cv::Mat image(HeightPx(camera), WidthPx(camera), CV_8UC3, cv::Scalar::all(0));
   image.forEach<cv::Vec3b>([&](cv::Vec3b& pixel, const int* place) {
     const Vector2d centre(place[1], place[0]);
@@ -553,6 +575,24 @@ std::vector<std::vector<Hit>> Hits(const mjModel* model, const mjData* data, con
   return hits;
 }
 
+SurfaceErrors ErrorsOf(const Surfaces& seen, const mjModel* model, const mjData* data, const Pose& X_NC,
+                       const CameraModel& camera) {
+  const auto hits = Hits(model, data, X_NC, camera);
+  SurfaceErrors errors;
+  for (int v = 0; v < HeightPx(camera); ++v) {
+    for (int u = 0; u < WidthPx(camera); ++u) {
+      if (!Ray(camera, Vector2d(u, v))) continue;
+      const Hit* const hit = FirstOpaque(hits[v * WidthPx(camera) + u]);
+      if (seen.geom.at<int>(v, u) != (hit ? hit->geom : -1)) {
+        ++errors.other_geom;
+      } else if (hit) {
+        errors.depth = std::max(errors.depth, std::abs(seen.depth_m.at<float>(v, u) / hit->distance_m - 1));
+      }
+    }
+  }
+  return errors;
+}
+
 cv::Mat Flow(const mjModel* model, const mjData* data, const Pose& X_NC, const mjData* next_data,
              const Pose& X_NC_next, const CameraModel& camera) {
   const auto rotation = [](const mjData* d, int geom) -> Matrix3 {
@@ -568,9 +608,10 @@ cv::Mat Flow(const mjModel* model, const mjData* data, const Pose& X_NC, const m
     const auto ray = Ray(camera, uv);
     if (!ray) return;
     Vector3d p_C = X_NC_next.R.conjugate() * (X_NC.R * *ray);
-    if (const auto& on_ray = hits[place[0] * flow.cols + place[1]]; !on_ray.empty()) {
-      const int geom = on_ray[0].geom;
-      const Vector3d p_M = SwapNedNwu(X_NC * (on_ray[0].distance_m * *ray));
+    const auto& on_ray = hits[place[0] * flow.cols + place[1]];
+    if (const Hit* const hit = FirstOpaque(on_ray)) {
+      const int geom = hit->geom;
+      const Vector3d p_M = SwapNedNwu(X_NC * (hit->distance_m * *ray));
       const Vector3d p_G = rotation(data, geom).transpose() * (p_M - position(data, geom));
       const Vector3d next_M = rotation(next_data, geom) * p_G + position(next_data, geom);
       p_C = X_NC_next.Inverse() * SwapNedNwu(next_M);

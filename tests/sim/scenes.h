@@ -14,8 +14,8 @@
 namespace kestrel {
 
 // The text compiled, with these files at hand: picture.png (2-D, 48 x 32, nothing of it symmetric),
-// faces.png (the six faces of a cube, 32 x 32 each, all different) and relief.png (6 x 5, heights). Fails the
-// test that calls it if the text does not compile.
+// faces.png (the six faces of a cube, 32 x 32 each, all different), square.png (one of them) and relief.png
+// (6 x 5, heights). Throws std::runtime_error if the text does not compile.
 ModelPtr CompileScene(const std::string& xml);
 
 // MakeData, and all positions computed.
@@ -24,6 +24,9 @@ DataPtr StateOf(const mjModel* model);
 struct TestScene {
   std::string name, xml;
   Pose X_NC;
+  // It shows what follows from the order in which OpenGL draws, not from what there is: all layers of a
+  // hollow transparent thing, things that are hidden by the sky's cylinder or by the haze's cone.
+  bool opengl_alone = false;
 };
 
 const std::vector<TestScene>& TestScenes();
