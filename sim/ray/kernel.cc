@@ -255,25 +255,24 @@ constexpr float kWeightScale = 16384;
 // Places of the four texels round (s, t) in 0 to 1 and their weights, in pairs: 16 bits each, left below
 // right.
 struct Taps {
-  alignas(64) std::int32_t offset[kLanes], stride[kLanes], upper[kLanes], lower[kLanes];
+  alignas(64) std::int32_t offset[kLanes], below[kLanes], upper[kLanes], lower[kLanes];
 };
 
-HWY_INLINE void MakeTaps(const LevelOf& level, VF s, VF t, VI face, VF share, Taps& taps) {
+HWY_INLINE void MakeTaps(const LevelOf& level, VF s, VF t, VI face, Taps& taps) {
   const VF x = hn::MulSub(s, level.width, F(0.5f)), y = hn::MulSub(t, level.height, F(0.5f));
   const VF xf = hn::Min(hn::Max(hn::Floor(x), F(-1)), hn::Sub(level.width, F(1)));
   const VF yf = hn::Min(hn::Max(hn::Floor(y), F(-1)), hn::Sub(level.height, F(1)));
   const VF fx = hn::Min(hn::Max(hn::Sub(x, xf), hn::Zero(df)), F(1));
-  const VF fy = hn::Min(hn::Max(hn::Sub(y, yf), hn::Zero(df)), F(1));
+  const VF low = hn::Mul(hn::Min(hn::Max(hn::Sub(y, yf), hn::Zero(df)), F(1)), F(kWeightScale));
+  const VF up = hn::Sub(F(kWeightScale), low);
   const VI offset = hn::Add(hn::Add(level.offset, face),
                             hn::Add(hn::Mul(hn::ConvertTo(di, yf), level.stride), hn::ConvertTo(di, xf)));
-  const VF weight = hn::Mul(share, F(kWeightScale));
-  const VF low = hn::Mul(weight, fy), up = hn::Sub(weight, low);
   const auto pair = [&](VF row) {
     const VF right = hn::Mul(row, fx);
     return hn::Or(hn::NearestInt(hn::Sub(row, right)), hn::ShiftLeft<16>(hn::NearestInt(right)));
   };
   hn::Store(offset, di, taps.offset);
-  hn::Store(level.stride, di, taps.stride);
+  hn::Store(hn::Add(offset, level.stride), di, taps.below);
   hn::Store(pair(up), di, taps.upper);
   hn::Store(pair(low), di, taps.lower);
 }
@@ -286,61 +285,70 @@ HWY_INLINE VF Log2(VF x) {
   return hn::Add(exponent, hn::MulAdd(hn::MulAdd(m, F(-1.0f / 3), F(2)), m, F(-5.0f / 3)));
 }
 
-// Trilinear: two levels of the pyramid, four texels each. s, t in 0 to 1; footprint2: of a pixel, in texels
-// of the whole picture, squared; face: offset of the cube's face. lanes: where a colour is wanted.
-HWY_INLINE Colours Sample(const Pyramid& p, VF s, VF t, VF footprint2, VI face, MF wanted) {
-  const VF level =
-      hn::Min(hn::Max(hn::Mul(F(0.5f), Log2(footprint2)), hn::Zero(df)), F(static_cast<float>(p.levels - 1)));
-  const VI whole = hn::ConvertTo(di, level);
-  const VF share = hn::Sub(level, hn::ConvertTo(df, whole));
-  const int first_lane = static_cast<int>(hn::FindFirstTrue(df, wanted));
+// Which texels a packet mixes: planned with all lanes at once, fetched one by one. The two are apart so that
+// the processor can plan for one packet while it waits for the texels of others.
+struct Fetch {
+  Taps taps;
+  const std::uint32_t* texels = nullptr;  // null: no texture
+};
+
+// From the level of the pyramid that suits the footprint, between its four nearest texels. s, t in 0 to 1;
+// footprint2: the width of a pixel in texels of the whole picture, squared; face: offset of the cube's face.
+HWY_INLINE void Plan(const Pyramid& p, VF s, VF t, VF footprint2, VI face, MF wanted, Fetch& fetch) {
+  // Exponent and first bit of the mantissa: half octaves of the square.
+  const VI halves = hn::Sub(hn::ShiftRight<22>(hn::BitCast(di, footprint2)), hn::Set(di, (127 << 1) - 1));
+  const VI level = hn::Min(hn::Max(halves, hn::Zero(di)), hn::Set(di, p.levels - 1));
   alignas(64) std::int32_t levels[kLanes];
-  hn::Store(whole, di, levels);
-  const int first = levels[first_lane];
-  const MF unwanted = hn::Not(wanted);
-  const bool same = hn::AllTrue(df, hn::Or(unwanted, hn::RebindMask(df, hn::Eq(whole, hn::Set(di, first)))));
-  const bool one = hn::AllTrue(df, hn::Or(unwanted, hn::Eq(share, hn::Zero(df))));
-  const bool all = hn::AllTrue(df, wanted);
+  hn::Store(level, di, levels);
+  const int first = levels[hn::FindFirstTrue(df, wanted)];
+  const bool same =
+      hn::AllTrue(df, hn::Or(hn::Not(wanted), hn::RebindMask(df, hn::Eq(level, hn::Set(di, first)))));
+  MakeTaps(Level(p, level, same, first), s, t, face, fetch.taps);
+  fetch.texels = p.texels.data();
+}
 
-  Taps fine, coarse;
-  MakeTaps(Level(p, whole, same, first), s, t, face, hn::Sub(F(1), share), fine);
-  if (!one) {
-    const VI next = hn::Min(hn::Add(whole, hn::Set(di, 1)), hn::Set(di, p.levels - 1));
-    MakeTaps(Level(p, next, same, std::min(first + 1, p.levels - 1)), s, t, face, share, coarse);
-  }
-
-  std::uint8_t lanes[8] = {};
-  hn::StoreMaskBits(df, wanted, lanes);
-  std::uint64_t bits =
-      all ? (std::uint64_t{1} << kLanes) - 1 : std::uint64_t{lanes[0]} | std::uint64_t{lanes[1]} << 8;
-  bits &= (std::uint64_t{1} << kLanes) - 1;
-  alignas(64) std::int32_t mixed[4 * kLanes];
-  const hn::FixedTag<std::uint8_t, 8> d8;
+// Mixes the four texels of each lane: mixed + 4 lane is blue, green, red, 0, times kWeightScale.
+HWY_INLINE void Mix(const Fetch& fetch, std::uint32_t bits, std::int32_t* mixed) {
+  const hn::FixedTag<std::uint8_t, 16> d8;
+  const hn::FixedTag<std::uint64_t, 2> d64;
   const hn::FixedTag<std::int16_t, 8> d16;
   const hn::FixedTag<std::int32_t, 4> d32;
-  const auto row = [&](const std::uint64_t* at, std::int32_t weights, hn::Vec<decltype(d32)> sum) {
-    const auto texels = hn::PromoteTo(d16, hn::LoadU(d8, reinterpret_cast<const std::uint8_t*>(at)));
+  // Of two texels side by side, channel by channel, 16 bits each: b b' g g' r r' 0 0.
+  alignas(16) static constexpr std::uint8_t kSideBySide[16] = {0, 0x80, 4, 0x80, 1, 0x80, 5, 0x80,
+                                                               2, 0x80, 6, 0x80, 3, 0x80, 7, 0x80};
+  const auto order = hn::Load(d8, kSideBySide);
+  const auto row = [&](std::int32_t at, std::int32_t weights, hn::Vec<decltype(d32)> sum) {
+    std::uint64_t two;
+    std::memcpy(&two, fetch.texels + at, sizeof two);
+    const auto texels = hn::TableLookupBytesOr0(hn::BitCast(d8, hn::Set(d64, two)), order);
     auto none = hn::Zero(d32);
-    return hn::ReorderWidenMulAccumulate(d32, texels, hn::BitCast(d16, hn::Set(d32, weights)), sum, none);
+    return hn::ReorderWidenMulAccumulate(d32, hn::BitCast(d16, texels),
+                                         hn::BitCast(d16, hn::Set(d32, weights)), sum, none);
   };
-  const std::uint64_t* texels = p.texels.data();
-  for (; bits != 0; bits &= bits - 1) {
-    const int i = std::countr_zero(bits);
-    const std::uint64_t* at = texels + fine.offset[i];
-    auto sum = row(at, fine.upper[i], hn::Zero(d32));
-    sum = row(at + fine.stride[i], fine.lower[i], sum);
-    if (!one) {
-      at = texels + coarse.offset[i];
-      sum = row(at, coarse.upper[i], sum);
-      sum = row(at + coarse.stride[i], coarse.lower[i], sum);
-    }
-    hn::Store(sum, d32, mixed + 4 * i);
+  const Taps& taps = fetch.taps;
+  const auto lane = [&](int i) {
+    const auto upper = row(taps.offset[i], taps.upper[i], hn::Zero(d32));
+    hn::Store(row(taps.below[i], taps.lower[i], upper), d32, mixed + 4 * i);
+  };
+  if (bits == (1u << kLanes) - 1) {
+    for (int i = 0; i < kLanes; ++i) lane(i);
+  } else {
+    for (; bits != 0; bits &= bits - 1) lane(std::countr_zero(bits));
   }
+}
+
+HWY_INLINE Colours Unpack(const std::int32_t* mixed) {
   VI b, g, r, unused;
   hn::LoadInterleaved4(di, mixed, b, g, r, unused);
   const VF scale = F(1 / kWeightScale);
   return {hn::Mul(hn::ConvertTo(df, r), scale), hn::Mul(hn::ConvertTo(df, g), scale),
           hn::Mul(hn::ConvertTo(df, b), scale)};
+}
+
+HWY_INLINE std::uint32_t BitsOf(MF mask) {
+  std::uint8_t lanes[8] = {};
+  hn::StoreMaskBits(df, mask, lanes);
+  return (lanes[0] | lanes[1] << 8) & ((1u << kLanes) - 1);
 }
 
 // The longer side of a pixel's footprint, in texels, squared.
@@ -350,13 +358,15 @@ HWY_INLINE VF Footprint2(const Pyramid& p, VF s_u, VF t_u, VF s_v, VF t_v) {
   return hn::Max(hn::MulAdd(a, a, hn::Mul(b, b)), hn::MulAdd(c, c, hn::Mul(d, d)));
 }
 
-HWY_INLINE Colours SampleRepeating(const Pyramid& p, VF s, VF t, VF s_u, VF t_u, VF s_v, VF t_v, MF wanted) {
-  return Sample(p, hn::Sub(s, hn::Floor(s)), hn::Sub(t, hn::Floor(t)), Footprint2(p, s_u, t_u, s_v, t_v),
-                hn::Zero(di), wanted);
+HWY_INLINE void PlanRepeating(const Pyramid& p, VF s, VF t, VF s_u, VF t_u, VF s_v, VF t_v, MF wanted,
+                              Fetch& fetch) {
+  Plan(p, hn::Sub(s, hn::Floor(s)), hn::Sub(t, hn::Floor(t)), Footprint2(p, s_u, t_u, s_v, t_v), hn::Zero(di),
+       wanted, fetch);
 }
 
 // By direction, as OpenGL numbers and turns the faces of a cube.
-HWY_INLINE Colours SampleCube(const Pyramid& p, const Vec3& q, const Vec3& q_u, const Vec3& q_v, MF wanted) {
+HWY_INLINE void PlanCube(const Pyramid& p, const Vec3& q, const Vec3& q_u, const Vec3& q_v, MF wanted,
+                         Fetch& fetch) {
   const VF ax = hn::Abs(q.x), ay = hn::Abs(q.y), az = hn::Abs(q.z);
   const MF on_x = hn::And(hn::Ge(ax, ay), hn::Ge(ax, az));
   const MF on_y = hn::AndNot(on_x, hn::Ge(ay, az));
@@ -382,7 +392,7 @@ HWY_INLINE Colours SampleCube(const Pyramid& p, const Vec3& q, const Vec3& q_u, 
                                    change(c_v.x, ratio_x, c_v.z), change(c_v.y, ratio_y, c_v.z));
   const VF face = hn::Add(hn::IfThenElse(on_x, F(0), hn::IfThenElse(on_y, F(2), F(4))),
                           hn::IfThenElse(negative, F(1), F(0)));
-  return Sample(p, s, t, footprint2, hn::Mul(hn::ConvertTo(di, face), hn::Set(di, p.face_stride)), wanted);
+  Plan(p, s, t, footprint2, hn::Mul(hn::ConvertTo(di, face), hn::Set(di, p.face_stride)), wanted, fetch);
 }
 
 // --- Light. ---
@@ -459,9 +469,11 @@ HWY_INLINE Colours Light(const Slice& slice, const Thing& thing, const Vec3& p, 
 
 // --- The colour of a surface. ---
 
+// A surface lit, 0 to 255, and the texels that colour it.
 struct Surface {
-  Colours colour;
+  Colours lit;
   VI side;  // which of the thing's sides, for telling edges
+  Fetch fetch;
 };
 
 // Normal in G at the point p_G, and the side.
@@ -536,43 +548,50 @@ HWY_INLINE Vec3 Step(const Vec3& e, const Vec3& d, const Vec3& n, VF t) {
   return Scale(Along(e, along, d), t);
 }
 
-Surface Shade(const Slice& slice, int index, const Rays& rays, VF t, const TriangleHits& hits, MF wanted) {
+HWY_INLINE void Shade(const Slice& slice, int index, const Rays& rays, VF t, const TriangleHits& hits,
+                      MF wanted, Surface& surface) {
   const Thing& thing = slice.things->all[index];
   const Placed& placed = slice.placement->things[index];
   const bool flat = placed.flat && !(slice.shadows && slice.things->lit);
+  const auto constant = [&](int side) {
+    const float* c = placed.face[side];
+    return Colours{F(c[0]), F(c[1]), F(c[2])};
+  };
   t = hn::IfThenElse(wanted, t, F(1));
+  surface.fetch.texels = nullptr;
   if (flat && thing.type == mjGEOM_PLANE && !thing.texture) {
-    const float* c = placed.face[4];
-    return {{F(c[0]), F(c[1]), F(c[2])}, hn::Set(di, 4)};
+    surface.lit = constant(4);
+    surface.side = hn::Set(di, 4);
+    return;
   }
   const Vec3 d = Rotate(placed.R, rays.d);
   const Vec3 p = Along(Load3(placed.o), t, d);
   Vec3 n;
-  Surface surface;
   NormalOf(thing, p, hits, wanted, n, surface.side);
-  Colours& colour = surface.colour;
+  Colours& colour = surface.lit;
   if (flat && thing.type == mjGEOM_PLANE) {
-    const float* c = placed.face[4];
-    colour = {F(c[0]), F(c[1]), F(c[2])};
+    colour = constant(4);
   } else if (flat) {
-    const VI at = hn::Mul(surface.side, hn::Set(di, 3));
-    const float* c = &placed.face[0][0];
-    colour = {hn::GatherIndex(df, c, at), hn::GatherIndex(df, c + 1, at), hn::GatherIndex(df, c + 2, at)};
+    // Of the two sides along an axis only the one towards the viewpoint is seen.
+    const auto seen = [&](int axis) { return constant(2 * axis + (placed.o[axis] < 0 ? 1 : 0)); };
+    const Colours x = seen(0), y = seen(1), z = seen(2);
+    const MF on_x = hn::RebindMask(df, hn::Lt(surface.side, hn::Set(di, 2)));
+    const MF on_xy = hn::RebindMask(df, hn::Lt(surface.side, hn::Set(di, 4)));
+    const auto pick = [&](VF a, VF b, VF c) { return hn::IfThenElse(on_x, a, hn::IfThenElse(on_xy, b, c)); };
+    colour = {pick(x.r, y.r, z.r), pick(x.g, y.g, z.g), pick(x.b, y.b, z.b)};
   } else {
     colour = Light(slice, thing, Scale(rays.d, t), RotateBack(placed.R, n), rays.d, wanted);
     const VF whole = F(255);
     colour = {hn::Mul(colour.r, whole), hn::Mul(colour.g, whole), hn::Mul(colour.b, whole)};
   }
-  if (!thing.texture) return surface;
+  if (!thing.texture) return;
 
   const Vec3 p_u = Step(Rotate(placed.R, rays.du), d, n, t), p_v = Step(Rotate(placed.R, rays.dv), d, n, t);
-  Colours texel;
   switch (thing.mapping) {
     case Mapping::kPlanar: {
       const VF a = F(thing.scale_s), b = F(thing.scale_t), half = F(0.5f);
-      texel =
-          SampleRepeating(*thing.texture, hn::MulSub(p.x, a, half), hn::MulSub(p.y, b, half),
-                          hn::Mul(p_u.x, a), hn::Mul(p_u.y, b), hn::Mul(p_v.x, a), hn::Mul(p_v.y, b), wanted);
+      PlanRepeating(*thing.texture, hn::MulSub(p.x, a, half), hn::MulSub(p.y, b, half), hn::Mul(p_u.x, a),
+                    hn::Mul(p_u.y, b), hn::Mul(p_v.x, a), hn::Mul(p_v.y, b), wanted, surface.fetch);
       break;
     }
     case Mapping::kExplicit: {
@@ -591,8 +610,8 @@ Surface Shade(const Slice& slice, int index, const Rays& rays, VF t, const Trian
       }
       const Vec3 grad_s{hn::Load(df, gradient[0]), hn::Load(df, gradient[1]), hn::Load(df, gradient[2])};
       const Vec3 grad_t{hn::Load(df, gradient[3]), hn::Load(df, gradient[4]), hn::Load(df, gradient[5])};
-      texel = SampleRepeating(*thing.texture, hn::Load(df, s), hn::Load(df, tt), Dot(grad_s, p_u),
-                              Dot(grad_t, p_u), Dot(grad_s, p_v), Dot(grad_t, p_v), wanted);
+      PlanRepeating(*thing.texture, hn::Load(df, s), hn::Load(df, tt), Dot(grad_s, p_u), Dot(grad_t, p_u),
+                    Dot(grad_s, p_v), Dot(grad_t, p_v), wanted, surface.fetch);
       break;
     }
     default: {
@@ -609,23 +628,37 @@ Surface Shade(const Slice& slice, int index, const Rays& rays, VF t, const Trian
         q_u.z = hn::IfThenElse(cap, hn::Mul(p_u.z, stretch), p_u.z);
         q_v.z = hn::IfThenElse(cap, hn::Mul(p_v.z, stretch), p_v.z);
       }
-      texel = SampleCube(*thing.texture, scaled(q), scaled(q_u), scaled(q_v), wanted);
+      PlanCube(*thing.texture, scaled(q), scaled(q_u), scaled(q_v), wanted, surface.fetch);
       break;
     }
   }
-  const VF part = F(1.0f / 255);
-  colour = {hn::Mul(colour.r, hn::Mul(texel.r, part)), hn::Mul(colour.g, hn::Mul(texel.g, part)),
-            hn::Mul(colour.b, hn::Mul(texel.b, part))};
-  return surface;
 }
 
-Colours Sky(const Slice& slice, const Rays& rays, MF wanted) {
-  if (!slice.things->sky) return {hn::Zero(df), hn::Zero(df), hn::Zero(df)};
+HWY_INLINE void ShadeSky(const Slice& slice, const Rays& rays, MF wanted, Surface& surface) {
+  surface.side = hn::Zero(di);
+  surface.fetch.texels = nullptr;
+  const VF light = slice.things->sky ? F(255) : hn::Zero(df);
+  surface.lit = {light, light, light};
+  if (!slice.things->sky) return;
   const auto turned = [&](const Vec3& v) {
     const Vec3 m = Rotate(slice.placement->R_MC, v);
     return Vec3{m.x, m.z, hn::Neg(m.y)};
   };
-  return SampleCube(*slice.things->sky, turned(rays.d), turned(rays.du), turned(rays.dv), wanted);
+  PlanCube(*slice.things->sky, turned(rays.d), turned(rays.du), turned(rays.dv), wanted, surface.fetch);
+}
+
+HWY_INLINE Colours Tinted(const Colours& lit, const std::int32_t* mixed) {
+  const Colours texel = Unpack(mixed);
+  const VF part = F(1.0f / 255);
+  return {hn::Mul(lit.r, hn::Mul(texel.r, part)), hn::Mul(lit.g, hn::Mul(texel.g, part)),
+          hn::Mul(lit.b, hn::Mul(texel.b, part))};
+}
+
+HWY_INLINE Colours Finish(const Surface& surface, MF wanted) {
+  if (!surface.fetch.texels) return surface.lit;
+  alignas(64) std::int32_t mixed[4 * kLanes];
+  Mix(surface.fetch, BitsOf(wanted), mixed);
+  return Tinted(surface.lit, mixed);
 }
 
 HWY_INLINE Colours Over(const Colours& above, VF alpha, const Colours& below, MF where) {
@@ -722,35 +755,40 @@ struct Picture {
   VI code;
 };
 
+// Shades what is opaque, or the sky (index -1).
+HWY_INLINE void ShadeHit(const Slice& slice, int index, const Rays& rays, VF t, const TriangleHits& triangles,
+                         MF wanted, Surface& surface) {
+  if (index < 0) return ShadeSky(slice, rays, wanted, surface);
+  Shade(slice, index, rays, t, triangles, wanted, surface);
+  if (slice.things->all[index].triangles) {
+    // What is in front of itself shows by a leap of the distance.
+    const VF octave = hn::Mul(F(4), Log2(hn::IfThenElse(wanted, t, F(1))));
+    surface.side = hn::And(hn::ConvertTo(di, hn::Floor(octave)), hn::Set(di, 255));
+  }
+}
+
+HWY_INLINE VI CodeOf(const Surface& surface, int index) {
+  return hn::Add(hn::ShiftLeft<12>(surface.side), hn::Set(di, index + 1));
+}
+
 // Colours of a packet: what is opaque, the sky behind, haze, what is transparent.
-HWY_INLINE Picture Look(const Slice& slice, const Seen& seen, const Rays& rays, MF wanted) {
-  TriangleHits triangles{};
-  const Hit hit = Trace(slice, seen, rays.d, triangles);
+HWY_NOINLINE Picture Look(const Slice& slice, const Seen& seen, const Rays& rays, const Hit& hit,
+                          const TriangleHits& triangles, MF wanted) {
   Picture picture{{hn::Zero(df), hn::Zero(df), hn::Zero(df)}, hn::Zero(di)};
   alignas(64) std::int32_t index[kLanes];
   hn::Store(hit.thing, di, index);
+  Surface surface;
   MF left = wanted;
   while (!hn::AllFalse(df, left)) {
     const int i = index[hn::FindFirstTrue(df, left)];
     const MF here = hn::And(left, hn::RebindMask(df, hn::Eq(hit.thing, hn::Set(di, i))));
     left = hn::AndNot(here, left);
-    Surface surface;
-    if (i < 0) {
-      surface = {Sky(slice, rays, here), hn::Zero(di)};
-    } else {
-      surface = Shade(slice, i, rays, hit.t, triangles, here);
-      if (slice.things->all[i].triangles) {
-        // What is in front of itself shows by a leap of the distance.
-        const VF octave = hn::Mul(F(4), Log2(hn::IfThenElse(here, hit.t, F(1))));
-        surface.side = hn::And(hn::ConvertTo(di, hn::Floor(octave)), hn::Set(di, 255));
-      }
-    }
-    const Colours& c = surface.colour;
+    ShadeHit(slice, i, rays, hit.t, triangles, here, surface);
+    const Colours c = Finish(surface, here);
     picture.colour = {hn::IfThenElse(here, c.r, picture.colour.r),
                       hn::IfThenElse(here, c.g, picture.colour.g),
                       hn::IfThenElse(here, c.b, picture.colour.b)};
-    const VI code = hn::Add(hn::ShiftLeft<12>(surface.side), hn::Set(di, i + 1));
-    picture.code = hn::IfThenElse(hn::RebindMask(di, here), code, picture.code);
+    picture.code = hn::IfThenElse(hn::RebindMask(di, here), CodeOf(surface, i), picture.code);
   }
   if (slice.things->haze.thing >= 0) picture.colour = Hazed(slice, rays, hit.t, picture.colour);
 
@@ -764,8 +802,8 @@ HWY_INLINE Picture Look(const Slice& slice, const Seen& seen, const Rays& rays, 
     const VF t = Enter(thing, thing.size, Load3(placed.o), Rotate(placed.R, rays.d), own);
     const MF here = hn::And(wanted, hn::Lt(t, hit.t));
     if (hn::AllFalse(df, here)) continue;
-    const Surface surface = Shade(slice, i, rays, t, own, here);
-    picture.colour = Over(surface.colour, F(placed.alpha), picture.colour, here);
+    Shade(slice, i, rays, t, own, here, surface);
+    picture.colour = Over(Finish(surface, here), F(placed.alpha), picture.colour, here);
     const VI mark = hn::Set(di, static_cast<std::int32_t>((i + 1) * 0x9e3779b1u & 0x0fffffff));
     picture.code = hn::Add(picture.code, hn::IfThenElseZero(hn::RebindMask(di, here), mark));
   }
@@ -834,47 +872,93 @@ void CullImpl(const Slice& slice, int tile_row) {
   }
 }
 
+// A packet of a row that shows one thing alone, planned but not yet fetched.
+struct Job {
+  Surface surface;
+  alignas(64) std::int32_t mixed[4 * kLanes];
+  MF inside;
+  std::uint8_t* to = nullptr;
+  int pixels = 0;
+};
+
+HWY_INLINE void StorePixels(const Colours& colour, MF inside, int pixels, std::uint8_t* to) {
+  const hn::Rebind<std::uint8_t, DF> d8;
+  const auto bytes = [&](VF c) {
+    return hn::U8FromU32(hn::BitCast(hn::RebindToUnsigned<DF>(), Rounded(hn::IfThenElseZero(inside, c))));
+  };
+  if (pixels >= kLanes)
+    return hn::StoreInterleaved3(bytes(colour.b), bytes(colour.g), bytes(colour.r), d8, to);
+  std::uint8_t last[3 * kLanes + 16];
+  hn::StoreInterleaved3(bytes(colour.b), bytes(colour.g), bytes(colour.r), d8, last);
+  std::memcpy(to, last, 3 * static_cast<std::size_t>(pixels));
+}
+
 void DrawRowsImpl(const Slice& slice, int begin, int end, const Canvas& canvas) {
   const Lens& lens = *slice.lens;
   const int tile_row = begin / Lens::kTile;
-  Seen seen;
-  for (int column = 0; column < lens.tiles_x; ++column) {
-    const int u0 = column * Lens::kTile;
-    const bool dark = lens.reach[tile_row * lens.tiles_x + column] < 0;
-    if (!dark) ListSeen(slice, column, seen);
-    for (int v = begin; v < end; ++v) {
+  std::vector<Seen> seen(lens.tiles_x);
+  for (int column = 0; column < lens.tiles_x; ++column) ListSeen(slice, column, seen[column]);
+  const auto jobs =
+      hwy::MakeUniqueAlignedArray<Job>(static_cast<std::size_t>(lens.tiles_x) * (Lens::kTile / kLanes));
+  // Row by row, as the table and the image lie in memory.
+  for (int v = begin; v < end; ++v) {
+    int planned = 0;
+    for (int column = 0; column < lens.tiles_x; ++column) {
+      const int u0 = column * Lens::kTile;
       std::uint8_t* row = canvas.bgr + v * canvas.step + 3 * static_cast<std::size_t>(u0);
-      const int pixels = std::min(Lens::kTile, lens.width - u0);
       std::uint32_t* codes = canvas.code + static_cast<std::ptrdiff_t>(v) * lens.stride + u0;
-      if (dark) {
-        std::memset(row, 0, 3 * static_cast<std::size_t>(pixels));
+      if (lens.reach[tile_row * lens.tiles_x + column] < 0) {
+        std::memset(row, 0, 3 * static_cast<std::size_t>(std::min(Lens::kTile, lens.width - u0)));
         std::fill(codes, codes + Lens::kTile, kOutside);
         continue;
       }
-      alignas(64) std::uint8_t bgr[3 * Lens::kTile + 64];
-      for (int k = 0; k < Lens::kTile; k += kLanes) {
+      const Seen& here = seen[column];
+      for (int k = 0; k < Lens::kTile && u0 + k < lens.width; k += kLanes) {
         const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(v) * lens.stride + u0 + k;
+        const int pixels = std::min(kLanes, lens.width - u0 - k);
         const MF inside = InsideAt(lens, at);
-        Picture picture{{hn::Zero(df), hn::Zero(df), hn::Zero(df)}, hn::Zero(di)};
+        if (hn::AllFalse(df, inside)) {
+          std::memset(row + 3 * k, 0, 3 * static_cast<std::size_t>(pixels));
+          std::fill(codes + k, codes + k + kLanes, kOutside);
+          continue;
+        }
         const Rays rays = RaysAt(lens, at);
-        if (!hn::AllFalse(df, inside)) picture = Look(slice, seen, rays, inside);
-        const auto bytes = [&](VF c) {
-          const hn::Rebind<std::uint8_t, DF> d8;
-          return hn::DemoteTo(d8, Rounded(hn::IfThenElseZero(inside, c)));
-        };
-        const hn::Rebind<std::uint8_t, DF> d8;
-        hn::StoreInterleaved3(bytes(picture.colour.b), bytes(picture.colour.g), bytes(picture.colour.r), d8,
-                              bgr + 3 * k);
-        VI code = hn::IfThenElse(hn::RebindMask(di, inside), picture.code,
-                                 hn::Set(di, static_cast<std::int32_t>(kOutside)));
-        if (seen.thin) {
-          const MF always = hn::And(inside, NearThin(slice, seen, rays.d));
+        TriangleHits triangles;
+        const Hit hit = Trace(slice, here, rays.d, triangles);
+        VI code;
+        alignas(64) std::int32_t index[kLanes];
+        hn::Store(hit.thing, di, index);
+        const int first = index[hn::FindFirstTrue(df, inside)];
+        const bool alone = hn::AllTrue(
+            df, hn::Or(hn::RebindMask(df, hn::Eq(hit.thing, hn::Set(di, first))), hn::Not(inside)));
+        if (alone && here.transparent.empty() && slice.things->haze.thing < 0) {
+          Job& job = jobs[planned++];
+          ShadeHit(slice, first, rays, hit.t, triangles, inside, job.surface);
+          job.inside = inside;
+          job.to = row + 3 * k;
+          job.pixels = pixels;
+          code = hn::And(CodeOf(job.surface, first), hn::Set(di, 0x3fffffff));
+        } else {
+          const Picture picture = Look(slice, here, rays, hit, triangles, inside);
+          StorePixels(picture.colour, inside, pixels, row + 3 * k);
+          code = picture.code;
+        }
+        code = hn::IfThenElse(hn::RebindMask(di, inside), code,
+                              hn::Set(di, static_cast<std::int32_t>(kOutside)));
+        if (here.thin) {
+          const MF always = hn::And(inside, NearThin(slice, here, rays.d));
           code = hn::Or(code, hn::IfThenElseZero(hn::RebindMask(di, always),
                                                  hn::Set(di, static_cast<std::int32_t>(kAlwaysSmooth))));
         }
         hn::StoreU(code, di, reinterpret_cast<std::int32_t*>(codes + k));
       }
-      std::memcpy(row, bgr, 3 * static_cast<std::size_t>(pixels));
+    }
+    for (int i = 0; i < planned; ++i)
+      if (jobs[i].surface.fetch.texels) Mix(jobs[i].surface.fetch, BitsOf(jobs[i].inside), jobs[i].mixed);
+    for (int i = 0; i < planned; ++i) {
+      const Job& job = jobs[i];
+      const Colours& lit = job.surface.lit;
+      StorePixels(job.surface.fetch.texels ? Tinted(lit, job.mixed) : lit, job.inside, job.pixels, job.to);
     }
   }
 }
@@ -899,7 +983,9 @@ void SmoothPixel(const Slice& slice, const Seen& seen, std::ptrdiff_t at, std::u
     rays.d = Along(Along(middle, hn::Load(df, kAcross + k), across), hn::Load(df, kDown + k), down);
     rays.du = Scale(across, F(0.5f));
     rays.dv = Scale(down, F(0.5f));
-    const Colours c = Look(slice, seen, rays, all).colour;
+    TriangleHits triangles;
+    const Hit hit = Trace(slice, seen, rays.d, triangles);
+    const Colours c = Look(slice, seen, rays, hit, triangles, all).colour;
     sum[0] += hn::GetLane(hn::SumOfLanes(df, c.b));
     sum[1] += hn::GetLane(hn::SumOfLanes(df, c.g));
     sum[2] += hn::GetLane(hn::SumOfLanes(df, c.r));
