@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/renderer.h"
 
-#include <stdexcept>
-
 #include "sim/opengl_renderer.h"
 #include "sim/ray_renderer.h"
 
@@ -12,13 +10,21 @@ Renderer::Renderer(const mjModel* model, const CameraModel& camera, const Render
   if (options.backend == "ray" || options.backend == "auto") {
     by_ = std::make_unique<RayRenderer>(model, camera, options);
   } else {
-    by_ = std::make_unique<OpenGlRenderer>(model, std::get<Pinhole>(camera), options);
+    by_ = std::make_unique<OpenGlRenderer>(model, camera, options);
   }
 }
 Renderer::~Renderer() = default;
 
 cv::Mat Renderer::Render(const mjData* data, const Pose& X_NC) {
   return std::visit([&](auto& r) { return r->Render(data, X_NC); }, by_);
+}
+
+cv::Mat Renderer::Render(std::span<const Instant> instants, const Shutter& shutter) {
+  return std::visit([&](auto& r) { return r->Render(instants, shutter); }, by_);
+}
+
+Surfaces Renderer::See(const mjData* data, const Pose& X_NC) {
+  return std::visit([&](auto& r) { return r->See(data, X_NC); }, by_);
 }
 
 const std::string& Renderer::name() const {
