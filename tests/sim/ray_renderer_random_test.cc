@@ -94,13 +94,14 @@ TEST(RandomWorlds, AreSeenAsTheReferenceSeesThem) {
 
 // A pixel is 0.2 m wide at these.
 TEST(ThinThings, KeepTheirShareOfLight) {
-  for (const char* thing :
-       {R"(type="cylinder" size="0.02 6" euler="10 0 0")", R"(type="capsule" size="0.04 4" euler="80 0 0")",
-        R"(type="box" size="0.01 0.03 5" euler="-40 0 0")", R"(type="sphere" size="0.05")",
-        R"(type="ellipsoid" size="0.08 0.08 0.05" rgba="1 1 1 0.5")"}) {
+  for (const char* thing : {R"(type="cylinder" size="0.02 6" euler="10 0 0" rgba="1 1 1 1")",
+                            R"(type="capsule" size="0.04 4" euler="80 0 0" rgba="1 1 1 1")",
+                            R"(type="box" size="0.01 0.03 5" euler="-40 0 0" rgba="1 1 1 1")",
+                            R"(type="sphere" size="0.05" rgba="1 1 1 1")",
+                            R"(type="ellipsoid" size="0.08 0.08 0.05" rgba="1 1 1 0.5")"}) {
     const ModelPtr model = CompileScene(fmt::format(R"(<mujoco>
   <visual><headlight ambient="1 1 1" diffuse="0 0 0" specular="0 0 0"/></visual>
-  <worldbody><geom pos="20 0.13 0.04" rgba="1 1 1 1" {}/></worldbody>
+  <worldbody><geom pos="20 0.13 0.04" {}/></worldbody>
 </mujoco>)",
                                                     thing));
     const DataPtr data = StateOf(model.get());

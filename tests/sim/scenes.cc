@@ -77,7 +77,7 @@ std::string World(const std::string& visual, const std::string& assets, const st
     <texture name="faces" type="cube" file="faces.png" gridsize="6 1" gridlayout="RLUDFB"/>
     <material name="picture" texture="picture" specular="0"/>
     <material name="picture_metric" texture="picture" texuniform="true" texrepeat="1.3 0.9" specular="0"/>
-    <material name="picture_often" texture="picture" texrepeat="2 1.5" specular="0"/>
+    <material name="picture_often" texture="picture" texrepeat="1.6 1.2" specular="0"/>
     <material name="faces" texture="faces" specular="0"/>
     <material name="faces_metric" texture="faces" texuniform="true" specular="0"/>)" +
          assets + R"(

@@ -3,6 +3,7 @@
 
 #include <mujoco/mujoco.h>
 
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,7 @@ struct TestScene {
   // hollow transparent thing, things that are hidden by the sky's cylinder or by the haze's cone.
   bool opengl_alone = false;
 };
+inline std::ostream& operator<<(std::ostream& out, const TestScene& scene) { return out << scene.name; }
 
 const std::vector<TestScene>& TestScenes();
 
