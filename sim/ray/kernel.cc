@@ -307,33 +307,56 @@ HWY_INLINE void Plan(const Pyramid& p, VF s, VF t, VF footprint2, VI face, MF wa
   fetch.texels = p.texels.data();
 }
 
-// Mixes the four texels of each lane: mixed + 4 lane is blue, green, red, 0, times kWeightScale.
-HWY_INLINE void Mix(const Fetch& fetch, std::uint32_t bits, std::int32_t* mixed) {
-  const hn::FixedTag<std::uint8_t, 16> d8;
-  const hn::FixedTag<std::uint64_t, 2> d64;
-  const hn::FixedTag<std::int16_t, 8> d16;
-  const hn::FixedTag<std::int32_t, 4> d32;
-  // Of two texels side by side, channel by channel, 16 bits each: b b' g g' r r' 0 0.
-  alignas(16) static constexpr std::uint8_t kSideBySide[16] = {0, 0x80, 4, 0x80, 1, 0x80, 5, 0x80,
-                                                               2, 0x80, 6, 0x80, 3, 0x80, 7, 0x80};
-  const auto order = hn::Load(d8, kSideBySide);
-  const auto row = [&](std::int32_t at, std::int32_t weights, hn::Vec<decltype(d32)> sum) {
-    std::uint64_t two;
-    std::memcpy(&two, fetch.texels + at, sizeof two);
-    const auto texels = hn::TableLookupBytesOr0(hn::BitCast(d8, hn::Set(d64, two)), order);
-    auto none = hn::Zero(d32);
-    return hn::ReorderWidenMulAccumulate(d32, hn::BitCast(d16, texels),
-                                         hn::BitCast(d16, hn::Set(d32, weights)), sum, none);
-  };
-  const Taps& taps = fetch.taps;
-  const auto lane = [&](int i) {
-    const auto upper = row(taps.offset[i], taps.upper[i], hn::Zero(d32));
-    hn::Store(row(taps.below[i], taps.lower[i], upper), d32, mixed + 4 * i);
-  };
-  if (bits == (1u << kLanes) - 1) {
-    for (int i = 0; i < kLanes; ++i) lane(i);
+// Two texels from each of two places, for so many pixels: one block of 16 bytes each.
+template <int blocks>
+HWY_INLINE auto Blocks(const std::uint32_t* texels, const std::int32_t* above, const std::int32_t* below) {
+  if constexpr (blocks == 1) {
+    const hn::FixedTag<std::uint64_t, 2> d;
+    std::uint64_t two[2];
+    std::memcpy(two, texels + above[0], 8);
+    std::memcpy(two + 1, texels + below[0], 8);
+    return hn::InterleaveLower(d, hn::Set(d, two[0]), hn::Set(d, two[1]));
   } else {
-    for (; bits != 0; bits &= bits - 1) lane(std::countr_zero(bits));
+    const hn::FixedTag<std::uint64_t, 2 * blocks> d;
+    return hn::Combine(d, Blocks<blocks / 2>(texels, above + blocks / 2, below + blocks / 2),
+                       Blocks<blocks / 2>(texels, above, below));
+  }
+}
+
+// Each number over a block of its own.
+template <int blocks>
+HWY_INLINE auto Spread(const std::int32_t* numbers) {
+  if constexpr (blocks == 1) {
+    return hn::Set(hn::FixedTag<std::int32_t, 4>(), numbers[0]);
+  } else {
+    const hn::FixedTag<std::int32_t, 4 * blocks> d;
+    return hn::Combine(d, Spread<blocks / 2>(numbers + blocks / 2), Spread<blocks / 2>(numbers));
+  }
+}
+
+// Mixes the four texels of each lane: mixed + 4 lane is blue, green, red, 0, times kWeightScale. Every lane
+// has a place in the picture, wanted or not. A block of 16 bytes holds the upper and the lower two texels of
+// one lane.
+HWY_INLINE void Mix(const Fetch& fetch, std::int32_t* mixed) {
+  const hn::Repartition<std::uint8_t, DF> d8;
+  const hn::Repartition<std::int16_t, DF> d16;
+  constexpr int kBlocks = kLanes / 4;
+  // Of two texels side by side, channel by channel, 16 bits each: b b' g g' r r' 0 0.
+  alignas(16) static constexpr std::uint8_t kUpper[16] = {0, 0x80, 4, 0x80, 1, 0x80, 5, 0x80,
+                                                          2, 0x80, 6, 0x80, 3, 0x80, 7, 0x80};
+  alignas(16) static constexpr std::uint8_t kLower[16] = {8,  0x80, 12, 0x80, 9,  0x80, 13, 0x80,
+                                                          10, 0x80, 14, 0x80, 11, 0x80, 15, 0x80};
+  const auto upper = hn::LoadDup128(d8, kUpper), lower = hn::LoadDup128(d8, kLower);
+  const Taps& taps = fetch.taps;
+  for (int i = 0; i < kLanes; i += kBlocks) {
+    const auto texels = hn::BitCast(d8, Blocks<kBlocks>(fetch.texels, taps.offset + i, taps.below + i));
+    const auto weights = [&](const std::int32_t* of) { return hn::BitCast(d16, Spread<kBlocks>(of + i)); };
+    auto none = hn::Zero(di);
+    const VI sum = hn::ReorderWidenMulAccumulate(di, hn::BitCast(d16, hn::TableLookupBytesOr0(texels, upper)),
+                                                 weights(taps.upper), hn::Zero(di), none);
+    hn::Store(hn::ReorderWidenMulAccumulate(di, hn::BitCast(d16, hn::TableLookupBytesOr0(texels, lower)),
+                                            weights(taps.lower), sum, none),
+              di, mixed + 4 * i);
   }
 }
 
@@ -539,14 +562,26 @@ HWY_INLINE void NormalOf(const Thing& thing, const Vec3& p, const TriangleHits& 
   n = Scale(n, hn::Div(one, hn::Max(LengthOf(n), F(1e-30f))));
 }
 
-// How the point on the surface moves from a pixel to its neighbour, whose ray differs by e.
-HWY_INLINE Vec3 Step(const Vec3& e, const Vec3& d, const Vec3& n, VF t) {
-  const VF n_d = Dot(n, d);
-  // Near the outline the surface is seen edge on, and the linear step would be endless.
-  const VF steep = hn::IfThenElse(hn::Lt(hn::Abs(n_d), F(1e-4f)), hn::CopySign(F(1e-4f), n_d), n_d);
-  const VF along = hn::Div(hn::Neg(Dot(n, e)), steep);
-  return Scale(Along(e, along, d), t);
-}
+// How the point on a surface moves from a pixel to its neighbour, whose ray differs by e.
+class Steps {
+ public:
+  HWY_INLINE Steps(const Thing& thing, const Vec3& d, const Vec3& n, VF t) : d_(d), n_(n), t_(t) {
+    is_plane_ = thing.type == mjGEOM_PLANE;
+    const VF n_d = is_plane_ ? d.z : Dot(n, d);
+    // Near the outline the surface is seen edge on, and the linear step would be endless.
+    const VF steep = hn::IfThenElse(hn::Lt(hn::Abs(n_d), F(1e-4f)), hn::CopySign(F(1e-4f), n_d), n_d);
+    inverse_ = hn::Div(F(-1), steep);
+  }
+  HWY_INLINE Vec3 To(const Vec3& e) const {
+    const VF along = hn::Mul(is_plane_ ? e.z : Dot(n_, e), inverse_);
+    return Scale(Along(e, along, d_), t_);
+  }
+
+ private:
+  const Vec3 &d_, &n_;
+  VF t_, inverse_;
+  bool is_plane_;
+};
 
 HWY_INLINE void Shade(const Slice& slice, int index, const Rays& rays, VF t, const TriangleHits& hits,
                       MF wanted, Surface& surface) {
@@ -586,7 +621,8 @@ HWY_INLINE void Shade(const Slice& slice, int index, const Rays& rays, VF t, con
   }
   if (!thing.texture) return;
 
-  const Vec3 p_u = Step(Rotate(placed.R, rays.du), d, n, t), p_v = Step(Rotate(placed.R, rays.dv), d, n, t);
+  const Steps steps(thing, d, n, t);
+  const Vec3 p_u = steps.To(Rotate(placed.R, rays.du)), p_v = steps.To(Rotate(placed.R, rays.dv));
   switch (thing.mapping) {
     case Mapping::kPlanar: {
       const VF a = F(thing.scale_s), b = F(thing.scale_t), half = F(0.5f);
@@ -654,10 +690,10 @@ HWY_INLINE Colours Tinted(const Colours& lit, const std::int32_t* mixed) {
           hn::Mul(lit.b, hn::Mul(texel.b, part))};
 }
 
-HWY_INLINE Colours Finish(const Surface& surface, MF wanted) {
+HWY_INLINE Colours Finish(const Surface& surface) {
   if (!surface.fetch.texels) return surface.lit;
   alignas(64) std::int32_t mixed[4 * kLanes];
-  Mix(surface.fetch, BitsOf(wanted), mixed);
+  Mix(surface.fetch, mixed);
   return Tinted(surface.lit, mixed);
 }
 
@@ -784,7 +820,7 @@ HWY_NOINLINE Picture Look(const Slice& slice, const Seen& seen, const Rays& rays
     const MF here = hn::And(left, hn::RebindMask(df, hn::Eq(hit.thing, hn::Set(di, i))));
     left = hn::AndNot(here, left);
     ShadeHit(slice, i, rays, hit.t, triangles, here, surface);
-    const Colours c = Finish(surface, here);
+    const Colours c = Finish(surface);
     picture.colour = {hn::IfThenElse(here, c.r, picture.colour.r),
                       hn::IfThenElse(here, c.g, picture.colour.g),
                       hn::IfThenElse(here, c.b, picture.colour.b)};
@@ -803,7 +839,7 @@ HWY_NOINLINE Picture Look(const Slice& slice, const Seen& seen, const Rays& rays
     const MF here = hn::And(wanted, hn::Lt(t, hit.t));
     if (hn::AllFalse(df, here)) continue;
     Shade(slice, i, rays, t, own, here, surface);
-    picture.colour = Over(Finish(surface, here), F(placed.alpha), picture.colour, here);
+    picture.colour = Over(Finish(surface), F(placed.alpha), picture.colour, here);
     const VI mark = hn::Set(di, static_cast<std::int32_t>((i + 1) * 0x9e3779b1u & 0x0fffffff));
     picture.code = hn::Add(picture.code, hn::IfThenElseZero(hn::RebindMask(di, here), mark));
   }
@@ -811,7 +847,8 @@ HWY_NOINLINE Picture Look(const Slice& slice, const Seen& seen, const Rays& rays
   return picture;
 }
 
-HWY_INLINE VI Rounded(VF colour) { return hn::NearestInt(hn::Min(hn::Max(colour, hn::Zero(df)), F(255))); }
+// Of a colour, which is in 0 to 255 by its making.
+HWY_INLINE VI Rounded(VF colour) { return hn::NearestInt(colour); }
 
 HWY_INLINE Rays RaysAt(const Lens& lens, std::ptrdiff_t at) {
   const auto load = [&](std::ptrdiff_t i) {
@@ -907,12 +944,17 @@ void DrawRowsImpl(const Slice& slice, int begin, int end, const Canvas& canvas) 
       const int u0 = column * Lens::kTile;
       std::uint8_t* row = canvas.bgr + v * canvas.step + 3 * static_cast<std::size_t>(u0);
       std::uint32_t* codes = canvas.code + static_cast<std::ptrdiff_t>(v) * lens.stride + u0;
+      std::uint32_t& common = canvas.common[static_cast<std::ptrdiff_t>(v) * lens.tiles_x + column];
+      common = Canvas::kMixed;
       if (lens.reach[tile_row * lens.tiles_x + column] < 0) {
         std::memset(row, 0, 3 * static_cast<std::size_t>(std::min(Lens::kTile, lens.width - u0)));
         std::fill(codes, codes + Lens::kTile, kOutside);
+        common = kOutside;
         continue;
       }
       const Seen& here = seen[column];
+      auto differ = hn::Ne(hn::Zero(di), hn::Zero(di));
+      VI reference = hn::Zero(di);
       for (int k = 0; k < Lens::kTile && u0 + k < lens.width; k += kLanes) {
         const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(v) * lens.stride + u0 + k;
         const int pixels = std::min(kLanes, lens.width - u0 - k);
@@ -951,10 +993,13 @@ void DrawRowsImpl(const Slice& slice, int begin, int end, const Canvas& canvas) 
                                                  hn::Set(di, static_cast<std::int32_t>(kAlwaysSmooth))));
         }
         hn::StoreU(code, di, reinterpret_cast<std::int32_t*>(codes + k));
+        if (k == 0) reference = hn::Set(di, hn::GetLane(code));
+        differ = hn::Or(differ, hn::Ne(code, reference));
       }
+      if (hn::AllFalse(di, differ)) common = codes[0];
     }
     for (int i = 0; i < planned; ++i)
-      if (jobs[i].surface.fetch.texels) Mix(jobs[i].surface.fetch, BitsOf(jobs[i].inside), jobs[i].mixed);
+      if (jobs[i].surface.fetch.texels) Mix(jobs[i].surface.fetch, jobs[i].mixed);
     for (int i = 0; i < planned; ++i) {
       const Job& job = jobs[i];
       const Colours& lit = job.surface.lit;
@@ -1004,7 +1049,16 @@ void SmoothRowImpl(const Slice& slice, int v, const Canvas& canvas) {
     return hn::LoadU(di, reinterpret_cast<const std::int32_t*>(p));
   };
   const VI outside = hn::Set(di, static_cast<std::int32_t>(kOutside));
+  const std::uint32_t* common = canvas.common + static_cast<std::ptrdiff_t>(v) * lens.tiles_x;
   for (int column = 0; column < lens.tiles_x; ++column) {
+    const int left = column * Lens::kTile, right = left + Lens::kTile;
+    const std::uint32_t one = common[column];
+    if (one < kAlwaysSmooth && above[left] == one && below[left] == one &&
+        (v == 0 || common[column - lens.tiles_x] == one) &&
+        (v + 1 == lens.height || common[column + lens.tiles_x] == one) &&
+        (left == 0 || row[left - 1] == one) && (right >= lens.width || row[right] == one)) {
+      continue;
+    }
     bool listed = false;
     for (int k = 0; k < Lens::kTile; k += kLanes) {
       const int u = column * Lens::kTile + k;
