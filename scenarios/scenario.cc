@@ -218,8 +218,8 @@ LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<s
 }
 
 std::unique_ptr<Mission> MakeMission(const LoadedScenario& loaded) {
-  HelipadPilot pilot(loaded.pad, std::get<Pinhole>(loaded.simulator.camera),
-                     MountPose(loaded.simulator.mount), loaded.scenario.pilot);
+  HelipadPilot pilot(loaded.pad, loaded.simulator.camera, MountPose(loaded.simulator.mount),
+                     loaded.scenario.pilot);
   return std::visit([&](const auto& flight) { return MakeMission(flight, std::move(pilot)); },
                     loaded.scenario.flight);
 }
