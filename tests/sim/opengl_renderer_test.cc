@@ -133,7 +133,7 @@ TEST(OpenGlRenderer, DrawsEachPointWhereThePinholeModelPutsIt) {
         const Eigen::Vector2d uv =
             places[k].first.cwiseProduct(Eigen::Vector2d(camera.width_px, camera.height_px)) +
             Eigen::Vector2d(random.Uniform(-1, 1), random.Uniform(-1, 1));
-        const Eigen::Vector3d ray = camera.Ray(uv);
+        const Eigen::Vector3d ray = *camera.Ray(uv);
         points_C.push_back(ray / ray.z() * places[k].second);
         discs += Disc(X_NC, points_C.back(), 35 / camera.fx * places[k].second, colours[k]);
       }

@@ -36,7 +36,7 @@ TEST(Pinhole, ProjectsAsOpenCvDoes) {
 TEST(Pinhole, ProjectingARayReturnsItsPixel) {
   for (double u = -20; u < 660; u += 40) {
     for (double v = -20; v < 500; v += 40) {
-      const Vector3d ray = kCamera.Ray({u, v});
+      const Vector3d ray = *kCamera.Ray({u, v});
       EXPECT_NEAR(ray.norm(), 1, 1e-15);
       const auto back = kCamera.Project(3 * ray);
       ASSERT_TRUE(back) << u << ' ' << v;

@@ -34,7 +34,7 @@ class Random {
     const double azimuth = Uniform(-std::numbers::pi, std::numbers::pi), tilt = Uniform(0, 0.87);
     const Eigen::Quaterniond R_CT = ExpRotation(tilt * Vector3d(std::cos(azimuth), std::sin(azimuth), 0)) *
                                     ExpRotation({0, 0, Uniform(-std::numbers::pi, std::numbers::pi)});
-    const Vector3d ray = kCamera.Ray({Uniform(150, 490), Uniform(120, 360)});
+    const Vector3d ray = *kCamera.Ray({Uniform(150, 490), Uniform(120, 360)});
     return {R_CT, Uniform(2, 15) / ray.z() * ray};
   }
 
