@@ -129,7 +129,9 @@ void HelipadPilot::Draw(cv::Mat& bgr, std::string_view phase) const {
   const cv::Scalar kTracked(0, 200, 255), kInlier(80, 255, 80), kOutline(255, 220, 0), kText(255, 255, 255);
   const auto circles = [&](const std::vector<Eigen::Vector2d>& points, int radius, const cv::Scalar& colour) {
     for (const Eigen::Vector2d& p : points) {
-      if (const auto at = InFrame(view_.Ray(p))) cv::circle(bgr, *at, radius, colour, 1, cv::LINE_AA);
+      const auto ray = view_.Ray(p);
+      const auto at = ray ? InFrame(*ray) : std::nullopt;
+      if (at) cv::circle(bgr, *at, radius, colour, 1, cv::LINE_AA);
     }
   };
   circles(tracker_.tracked_points(), 2, kTracked);

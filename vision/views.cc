@@ -46,7 +46,8 @@ Vector3d Direction(double azimuth, double elevation) {  // in V
 }
 
 std::optional<Vector2d> Source(const PerspectiveView& view, const CameraModel& camera, const Vector2d& uv) {
-  return InImage(camera, view.R_VC.transpose() * view.camera.Ray(uv));  // eq. (6.6), backwards
+  const auto ray = view.camera.Ray(uv);
+  return ray ? InImage(camera, view.R_VC.transpose() * *ray) : std::nullopt;  // eq. (6.6), backwards
 }
 
 std::optional<Vector2d> Source(const Panorama& p, const CameraModel& camera, const Vector2d& uv) {
