@@ -27,6 +27,9 @@ std::array<double, 5> SlopeBySquare(const KannalaBrandt& c) {
   return {1, 3 * c.k1, 5 * c.k2, 7 * c.k3, 9 * c.k4};
 }
 
+// As far as the polynomial grows.
+double OwnMaxAngle(const KannalaBrandt& c) { return std::min(M_PI, std::sqrt(FirstZero(SlopeBySquare(c)))); }
+
 }  // namespace
 
 bool KannalaBrandt::Holds(double theta) const {
@@ -82,13 +85,19 @@ std::optional<Vector3d> KannalaBrandt::Ray(const Vector2d& uv, Eigen::Matrix<dou
 
 // Newton's method from the axis, with steps cut so that they stay in the domain and come nearer.
 std::optional<double> KannalaBrandt::Theta(double distorted) const {
+  bool reachable = false;
   double theta = 0, left = distorted;
   for (int i = 0; i < 100 && std::abs(left) > 1e-15; ++i) {
     const double step = left / Slope(*this, theta);
     double share = 1;
     for (; share > 1e-18; share /= 2) {
       const double next = theta + share * step, next_left = distorted - Distort(*this, next);
-      if (!(std::abs(next_left) < std::abs(left)) || !Holds(next)) continue;
+      if (!Holds(next)) {  // asked once, for it takes its time
+        if (!reachable && distorted > Distort(*this, OwnMaxAngle(*this))) return std::nullopt;
+        reachable = true;
+        continue;
+      }
+      if (!(std::abs(next_left) < std::abs(left))) continue;
       theta = next, left = next_left;
       break;
     }
@@ -98,9 +107,7 @@ std::optional<double> KannalaBrandt::Theta(double distorted) const {
   return theta;
 }
 
-double KannalaBrandt::MaxAngle() const {
-  return std::min({max_angle_rad, M_PI, std::sqrt(FirstZero(SlopeBySquare(*this)))});
-}
+double KannalaBrandt::MaxAngle() const { return std::min(max_angle_rad, OwnMaxAngle(*this)); }
 
 std::vector<std::string> KannalaBrandt::ParameterNames() const {
   return {"fx", "fy", "cx", "cy", "k1", "k2", "k3", "k4"};

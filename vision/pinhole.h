@@ -36,6 +36,7 @@ struct Pinhole {
   // Unit vector in C through a pixel, with its derivative; none where the lens shows nothing.
   std::optional<Eigen::Vector3d> Ray(const Eigen::Vector2d& uv,
                                      Eigen::Matrix<double, 3, 2>* d_pixel = nullptr) const {
+    if (!uv.allFinite()) return std::nullopt;
     const Eigen::Vector3d ray = Eigen::Vector3d((uv.x() - cx) / fx, (uv.y() - cy) / fy, 1).normalized();
     if (!(ray.z() > 0) || !WithinAngle(ray, max_angle_rad)) return std::nullopt;
     if (d_pixel) {
