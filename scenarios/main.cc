@@ -16,6 +16,7 @@
 #include "scenarios/files.h"
 #include "scenarios/junit.h"
 #include "scenarios/runner.h"
+#include "scenarios/view_command.h"
 
 namespace kestrel {
 namespace {
@@ -164,13 +165,17 @@ int Main(int argc, char** argv) {
 
   BenchArguments bench;
   CLI::App* bench_command = app.add_subcommand("bench", "Measure: a table of figures beside their targets");
-  bench_command->add_option("name", bench.name, "flights, drift, heights, speed; all when none is given")
+  bench_command
+      ->add_option("name", bench.name, "flights, fisheye, drift, heights, speed; all when none is given")
       ->check(CLI::IsMember(BenchNames()));
   bench_command->add_option("--seeds", bench.seeds, "A..B, first and last")->capture_default_str();
   bench_command->add_option("--jobs", bench.jobs, "Flights at the same time")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
   bench_command->add_option("--json", bench.json, "Also write the figures as JSON to this file");
+
+  ViewArguments view;
+  const CLI::App* view_command = AddViewCommand(app, view);
 
   try {
     app.parse(argc, argv);
@@ -183,6 +188,10 @@ int Main(int argc, char** argv) {
     if (*check_command) {
       LoadScenario(check_file, check_overrides);
       fmt::print("{} is valid\n", check_file);
+      return kMet;
+    }
+    if (*view_command) {
+      ViewCommand(view);
       return kMet;
     }
     if (*bench_command) RequireWritable(bench.json, "--json");
