@@ -17,7 +17,7 @@ namespace {
 constexpr double kWaypointReached_m = 1.0;
 constexpr double kLegOverlap = 0.7;  // of the field of view, between neighbouring legs of the search
 
-constexpr double kMostField_deg = 110;  // of the virtual camera: its rim is three times finer than its middle
+constexpr double kMostField_deg = 100;  // of the virtual camera: about as many pixels as a fisheye has
 
 double SecondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

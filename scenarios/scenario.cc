@@ -10,6 +10,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "scenarios/metrics.h"
+#include "vision/calibration_file.h"
 
 namespace kestrel {
 namespace {
@@ -155,14 +156,12 @@ LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<s
   if (Known("camera", s.camera, NamesIn(models / "cameras", ".yaml"), WhereOf(config, "camera", where),
             mistakes)) {
     const fs::path camera = models / "cameras" / (s.camera + ".yaml");
-    Pinhole pinhole;
-    Read(LoadConfig(camera, {}, mistakes), pinhole, mistakes);
-    if (std::abs(pinhole.fx - pinhole.fy) > 1e-9 * pinhole.fx) {
-      mistakes.Add(camera.string(), "fy_px",
-                   fmt::format("{} differs from fx_px = {}; the renderer draws square pixels only",
-                               pinhole.fy, pinhole.fx));
+    const std::size_t before = mistakes.messages().size();
+    sim.camera = LoadCamera(camera, mistakes);
+    if (mistakes.messages().size() == before && !TrackersCamera(sim.camera)) {
+      mistakes.Add(camera.string(), "",
+                   "does not see along its own optical axis, where these flights look for the pad");
     }
-    sim.camera = pinhole;
   }
   if (Known("pad", s.pad.name, NamesIn(models / "pads", ""), WhereOf(config, "pad", where), mistakes)) {
     const fs::path folder = models / "pads" / s.pad.name;

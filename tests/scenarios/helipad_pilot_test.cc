@@ -91,7 +91,7 @@ TEST(TrackersCameraTest, IsAPinholeItselfOrTheVirtualOneOfAWideLens) {
   const auto within = TrackersCamera(Fisheye());
   ASSERT_TRUE(within);
   EXPECT_NEAR(within->fx, 241, 0.1);
-  EXPECT_NEAR(2 * Degrees(std::atan2(within->width_px, 2 * within->fx)), 110, 1);
+  EXPECT_NEAR(2 * Degrees(std::atan2(within->width_px, 2 * within->fx)), 100, 1);
   KannalaBrandt aside = Fisheye();
   aside.cx = -20;
   EXPECT_FALSE(TrackersCamera(aside));
