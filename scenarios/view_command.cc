@@ -30,7 +30,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kMostSide_px = 16384;
+constexpr int kMostSide_px = 8192;
 constexpr double kSteepest_deg = 89;  // of a cylinder's rows: at 90 they never end
 
 // Which options go with which picture.
