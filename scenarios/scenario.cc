@@ -95,6 +95,22 @@ std::vector<std::string> ScenarioNames() {
   return names;
 }
 
+std::optional<fs::path> CameraFile(std::string& name, const fs::path& beside, const std::string& where,
+                                   Mistakes& mistakes) {
+  const fs::path folder = Root() / "models" / "cameras";
+  if (name.find('/') == std::string::npos && !name.ends_with(".yaml") && !name.ends_with(".yml")) {
+    if (!Known("camera", name, NamesIn(folder, ".yaml"), where, mistakes)) return std::nullopt;
+    return folder / (name + ".yaml");
+  }
+  for (const fs::path& candidate : {beside / name, fs::path(name)}) {
+    if (!fs::is_regular_file(candidate)) continue;
+    name = fs::absolute(candidate).lexically_normal().string();
+    return name;
+  }
+  mistakes.Add(where, "camera", fmt::format("there is no file '{}'", name));
+  return std::nullopt;
+}
+
 LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<std::string>& overrides) {
   Mistakes mistakes;
   fs::path file = name_or_file;
@@ -153,13 +169,12 @@ LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<s
   if (Known("world", s.world, NamesIn(models / "worlds", ""), WhereOf(config, "world", where), mistakes)) {
     sim.scene.world = models / "worlds" / s.world / (s.world + ".xml");
   }
-  if (Known("camera", s.camera, NamesIn(models / "cameras", ".yaml"), WhereOf(config, "camera", where),
-            mistakes)) {
-    const fs::path camera = models / "cameras" / (s.camera + ".yaml");
+  if (const auto camera =
+          CameraFile(s.camera, file.parent_path(), WhereOf(config, "camera", where), mistakes)) {
     const std::size_t before = mistakes.messages().size();
-    sim.camera = LoadCamera(camera, mistakes);
+    sim.camera = LoadCamera(*camera, mistakes);
     if (mistakes.messages().size() == before && !TrackersCamera(sim.camera)) {
-      mistakes.Add(camera.string(), "",
+      mistakes.Add(camera->string(), "",
                    "does not see along its own optical axis, where these flights look for the pad");
     }
   }

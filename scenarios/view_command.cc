@@ -227,24 +227,6 @@ class Progress {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now(), last_ = start_;
 };
 
-// The file of a camera that is named, or that is a file itself. Empty: neither, and a mistake is noted.
-fs::path CameraFile(const std::string& name, Mistakes& mistakes) {
-  if (fs::is_regular_file(name)) return name;
-  const fs::path folder = Root() / "models" / "cameras";
-  std::vector<std::string> names;
-  std::error_code none;
-  for (const auto& entry : fs::directory_iterator(folder, none))
-    names.push_back(entry.path().stem().string());
-  std::sort(names.begin(), names.end());
-  if (std::find(names.begin(), names.end(), name) != names.end()) return folder / (name + ".yaml");
-  const auto near = NearestName(name, names);
-  mistakes.Add("--camera", "",
-               fmt::format("'{}' is no file and no camera; {}", name,
-                           near ? fmt::format("did you mean '{}'?", *near)
-                                : fmt::format("valid: a calibration file, or {}", fmt::join(names, ", "))));
-  return {};
-}
-
 bool HasEnding(const fs::path& file, std::initializer_list<const char*> endings) {
   std::string ending = file.extension().string();
   std::transform(ending.begin(), ending.end(), ending.begin(),
@@ -320,8 +302,9 @@ void ViewCommand(const ViewArguments& a) {
     }
   }
   CameraModel camera;
-  if (const fs::path file = CameraFile(a.camera, mistakes); !file.empty())
-    camera = LoadCamera(file, mistakes, a.camera_name, size);
+  std::string name = a.camera;
+  if (const auto file = CameraFile(name, "", "--camera", mistakes))
+    camera = LoadCamera(*file, mistakes, a.camera_name, size);
   if (video ? !HasEnding(a.out, {".mp4"}) : !HasEnding(a.out, {".png", ".jpg", ".jpeg"})) {
     mistakes.Add(
         "--out", "",

@@ -178,7 +178,7 @@ TEST_F(ViewCommandTest, SaysEveryMistakeOfTheArgumentsAtOnce) {
   arguments_.azimuth_deg = "10..-10";
   arguments_.elevation_deg = "-100..20";
   EXPECT_THAT(Mistake(),
-              AllOf(HasSubstr("'fisheyes_of_nobody' is no file and no camera"),
+              AllOf(HasSubstr("there is no camera 'fisheyes_of_nobody'"),
                     HasSubstr("none.png: there is no such file"), HasSubstr("valid: an ending .png or .jpg"),
                     HasSubstr("--fov_deg: means nothing for --as panorama"),
                     HasSubstr("--pitch_deg: 200 is out of range"), HasSubstr("--size: '3x' is not a size"),
