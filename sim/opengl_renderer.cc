@@ -18,8 +18,9 @@ namespace kestrel {
 namespace {
 
 constexpr DepthRange kVisible{0.02, 500};
-// For the depth buffer: its steps grow with z^2 / near, so one for 2 cm would know 500 m to a metre only.
-constexpr DepthRange kNearPart{0.02, 4.001}, kFarPart{4, 500};
+// For depth, far ones first. The steps of a depth buffer grow with z^2 / near: one for all would know 500 m
+// to a metre only.
+constexpr std::array<DepthRange, 3> kDepthParts{{{12, 500}, {0.5, 12.01}, {0.02, 0.501}}};
 constexpr int kMaxSide_px = 8192;
 constexpr int kSceneRoom = 2000;  // drawn things beyond the geoms of the model
 constexpr int kBandRows = 16;
@@ -289,7 +290,7 @@ Surfaces OpenGlRenderer::See(const mjData* data, const Pose& X_NC) {
   std::vector<float> inverse_depth(lens_.pixels), depth(lens_.pixels);
   for (const Face& face : lens_.faces) {
     const mjrRect whole{0, 0, face.camera.width_px, face.camera.height_px};
-    for (const DepthRange& range : {kFarPart, kNearPart}) {
+    for (const DepthRange& range : kDepthParts) {
       Draw(face, range);
       mjr_readPixels(rgb_.data() + 3 * face.first, depth.data() + face.first, whole, &gpu_);
       const std::size_t end = face.first + static_cast<std::size_t>(whole.width) * whole.height;
