@@ -81,6 +81,11 @@ struct TriangleHits {
   alignas(64) float u[kLanes], v[kLanes];
 };
 
+struct Hit {
+  VF t;
+  VI thing;  // -1: none
+};
+
 // --- Where a ray enters a shape. Rays that start inside see nothing of it: MuJoCo does not draw backs. ---
 
 HWY_INLINE VF Entry(MF hit, VF t) {
@@ -435,9 +440,10 @@ MF InShadow(const Slice& slice, const Vec3& p_C, const Vec3& d_C, VF reach, MF w
   return dark;
 }
 
-// Light on the points, 0 to 1 of the thing's colour, each channel; normals of length 1, in C.
+// Light on the points, 0 to 1 of the thing's colour, each channel; normals of length 1, in C. Shadows are
+// marked in the side.
 HWY_INLINE Colours Light(const Slice& slice, const Thing& thing, const Vec3& p, const Vec3& n, const Vec3& d,
-                         MF wanted) {
+                         MF wanted, VI& side) {
   const Things& things = *slice.things;
   const VF none = things.lit ? hn::Zero(df) : F(0.3f);
   const auto start = [&](int k) { return hn::Mul(F(thing.rgba[k]), hn::Add(none, F(thing.emission))); };
@@ -470,6 +476,9 @@ HWY_INLINE Colours Light(const Slice& slice, const Thing& thing, const Vec3& p, 
       const VF lift = hn::MulAdd(LengthOf(p), F(1e-5f), F(1e-4f));
       const MF dark = InShadow(slice, Along(p, lift, n), towards, distance, wanted);
       strength = hn::IfThenElse(dark, hn::Zero(df), strength);
+      // The outline of a shadow is an edge.
+      const VI mark = hn::Set(di, static_cast<std::int32_t>(1 << (17 - 2 * std::min<std::size_t>(i, 3))));
+      side = hn::Xor(side, hn::IfThenElseZero(hn::RebindMask(di, dark), mark));
     }
     const MF faces = hn::Gt(cosine, hn::Zero(df));
     VF shine = hn::Zero(df);
@@ -556,7 +565,11 @@ HWY_INLINE void NormalOf(const Thing& thing, const Vec3& p, const TriangleHits& 
         x[i] = normal.x(), y[i] = normal.y(), z[i] = normal.z();
       }
       n = {hn::Load(df, x), hn::Load(df, y), hn::Load(df, z)};
-      break;
+      n = Scale(n, hn::Div(one, hn::Max(LengthOf(n), F(1e-30f))));
+      // A crease shows by a turn of the normal.
+      const auto part = [&](VF v) { return hn::NearestInt(hn::MulAdd(v, F(3), F(3))); };
+      side = hn::Or(part(n.x), hn::Or(hn::ShiftLeft<3>(part(n.y)), hn::ShiftLeft<6>(part(n.z))));
+      return;
     }
   }
   n = Scale(n, hn::Div(one, hn::Max(LengthOf(n), F(1e-30f))));
@@ -615,7 +628,7 @@ HWY_INLINE void Shade(const Slice& slice, int index, const Rays& rays, VF t, con
     const auto pick = [&](VF a, VF b, VF c) { return hn::IfThenElse(on_x, a, hn::IfThenElse(on_xy, b, c)); };
     colour = {pick(x.r, y.r, z.r), pick(x.g, y.g, z.g), pick(x.b, y.b, z.b)};
   } else {
-    colour = Light(slice, thing, Scale(rays.d, t), RotateBack(placed.R, n), rays.d, wanted);
+    colour = Light(slice, thing, Scale(rays.d, t), RotateBack(placed.R, n), rays.d, wanted, surface.side);
     const VF whole = F(255);
     colour = {hn::Mul(colour.r, whole), hn::Mul(colour.g, whole), hn::Mul(colour.b, whole)};
   }
@@ -703,17 +716,37 @@ HWY_INLINE Colours Over(const Colours& above, VF alpha, const Colours& below, MF
   return {mix(above.r, below.r), mix(above.g, below.g), mix(above.b, below.b)};
 }
 
+// Where the haze is, a ray below the horizon: 0 at the horizon, 1 where it stands on the plane; and how far
+// away.
+HWY_INLINE void HazeAt(const Placed& plane, float width, const Vec3& d, VF& u, VF& down, VF& distance) {
+  const VF up = Rotate(plane.R, d).z;
+  const VF level = hn::Sqrt(hn::Max(hn::NegMulAdd(up, up, Dot(d, d)), F(1e-20f)));
+  u = hn::Div(hn::Mul(hn::Neg(up), F(kSkyDistance_m / plane.o[2])), level);
+  down = hn::Div(u, hn::MulAdd(u, F(width), F(1)));
+  distance = hn::Div(hn::Mul(hn::NegMulAdd(down, F(width), F(1)), F(kSkyDistance_m)), level);
+}
+
+// Behind the haze an endless plane gives way to the sky, into which the haze fades.
+HWY_INLINE void EndPlane(const Slice& slice, const Vec3& d, Hit& hit) {
+  const Haze& haze = slice.things->haze;
+  if (haze.thing < 0) return;
+  const Placed& plane = slice.placement->things[haze.thing];
+  if (!(plane.o[2] > 0)) return;
+  VF u, down, distance;
+  HazeAt(plane, haze.width, d, u, down, distance);
+  const MF beyond = hn::And(hn::Lt(u, F(1)), hn::RebindMask(df, hn::Eq(hit.thing, hn::Set(di, haze.thing))));
+  hit.thing = hn::IfThenElse(hn::RebindMask(di, beyond), hn::Set(di, -1), hit.thing);
+  hit.t = hn::IfThenElse(beyond, F(kNone), hit.t);
+}
+
 // A truncated cone round the viewpoint, from the height of the plane up to the horizon, faded at both ends.
 Colours Hazed(const Slice& slice, const Rays& rays, VF t, const Colours& below) {
   const Haze& haze = slice.things->haze;
   const Placed& plane = slice.placement->things[haze.thing];
-  const float height = plane.o[2], width = haze.width;
-  if (!(height > 0)) return below;
-  const VF up = Rotate(plane.R, rays.d).z;
-  const VF level = hn::Sqrt(hn::Max(hn::NegMulAdd(up, up, Dot(rays.d, rays.d)), F(1e-20f)));
-  const VF u = hn::Div(hn::Mul(hn::Neg(up), F(kSkyDistance_m / height)), level);
-  const VF down = hn::Div(u, hn::MulAdd(u, F(width), F(1)));  // 0 at the horizon, 1 at the plane
-  const VF distance = hn::Div(hn::Mul(hn::NegMulAdd(down, F(width), F(1)), F(kSkyDistance_m)), level);
+  const float width = haze.width;
+  if (!(plane.o[2] > 0)) return below;
+  VF u, down, distance;
+  HazeAt(plane, width, rays.d, u, down, distance);
   const float turn = width / (1 + width);
   const VF h = hn::Sub(F(1), down);
   const VF alpha =
@@ -754,14 +787,12 @@ void ListSeen(const Slice& slice, int tile_column, Seen& seen) {
       seen.thin = seen.thin || IsThin(slice, i);
     }
   }
-  for (const int i : slice.placement->transparent)
-    if (words[i / 64] >> (i % 64) & 1) seen.transparent.push_back(i);
+  for (const int i : slice.placement->transparent) {
+    if (!(words[i / 64] >> (i % 64) & 1)) continue;
+    seen.transparent.push_back(i);
+    seen.thin = seen.thin || IsThin(slice, i);
+  }
 }
-
-struct Hit {
-  VF t;
-  VI thing;  // -1: none
-};
 
 HWY_INLINE Hit Trace(const Slice& slice, const Seen& seen, const Vec3& d_C, TriangleHits& triangles) {
   Hit hit{F(kNone), hn::Set(di, -1)};
@@ -799,7 +830,8 @@ HWY_INLINE void ShadeHit(const Slice& slice, int index, const Rays& rays, VF t, 
   if (slice.things->all[index].triangles) {
     // What is in front of itself shows by a leap of the distance.
     const VF octave = hn::Mul(F(4), Log2(hn::IfThenElse(wanted, t, F(1))));
-    surface.side = hn::And(hn::ConvertTo(di, hn::Floor(octave)), hn::Set(di, 255));
+    const VI leap = hn::And(hn::ConvertTo(di, hn::Floor(octave)), hn::Set(di, 255));
+    surface.side = hn::Or(surface.side, hn::ShiftLeft<9>(leap));
   }
 }
 
@@ -871,14 +903,16 @@ HWY_INLINE MF InsideAt(const Lens& lens, std::ptrdiff_t at) {
 MF NearThin(const Slice& slice, const Seen& seen, const Vec3& d) {
   MF near = hn::Lt(F(1), F(0));
   TriangleHits unused;
-  for (const int i : seen.opaque) {
-    if (!IsThin(slice, i)) continue;
+  const auto add = [&](int i) {
+    if (!IsThin(slice, i)) return;
     const Thing& thing = slice.things->all[i];
     const Placed& placed = slice.placement->things[i];
     const float room = slice.lens->pixel_rad * (placed.distance + thing.box_half.norm());
     const Eigen::Vector3f wider = thing.size + Eigen::Vector3f::Constant(room);
     near = hn::Or(near, hn::Lt(Enter(thing, wider, Load3(placed.o), Rotate(placed.R, d), unused), F(kFar)));
-  }
+  };
+  for (const int i : seen.opaque) add(i);
+  for (const int i : seen.transparent) add(i);
   return near;
 }
 
@@ -966,7 +1000,8 @@ void DrawRowsImpl(const Slice& slice, int begin, int end, const Canvas& canvas) 
         }
         const Rays rays = RaysAt(lens, at);
         TriangleHits triangles;
-        const Hit hit = Trace(slice, here, rays.d, triangles);
+        Hit hit = Trace(slice, here, rays.d, triangles);
+        EndPlane(slice, rays.d, hit);
         VI code;
         alignas(64) std::int32_t index[kLanes];
         hn::Store(hit.thing, di, index);
@@ -1029,7 +1064,8 @@ void SmoothPixel(const Slice& slice, const Seen& seen, std::ptrdiff_t at, std::u
     rays.du = Scale(across, F(0.5f));
     rays.dv = Scale(down, F(0.5f));
     TriangleHits triangles;
-    const Hit hit = Trace(slice, seen, rays.d, triangles);
+    Hit hit = Trace(slice, seen, rays.d, triangles);
+    EndPlane(slice, rays.d, hit);
     const Colours c = Look(slice, seen, rays, hit, triangles, all).colour;
     sum[0] += hn::GetLane(hn::SumOfLanes(df, c.b));
     sum[1] += hn::GetLane(hn::SumOfLanes(df, c.g));
