@@ -41,13 +41,13 @@ int SideFor(const CameraModel& camera) {
 
 }  // namespace
 
-PeerRenderer::PeerRenderer(const mjModel* model, const CameraModel& camera, int samples) : model_(model) {
+PeerRenderer::PeerRenderer(const mjModel* model, const CameraModel& camera, int samples, double finer) : model_(model) {
   const Pinhole* const pinhole = std::get_if<Pinhole>(&camera);
   if (pinhole) {
     picture_ = *pinhole;
     R_CV_ = {Eigen::Quaterniond::Identity()};
   } else {
-    face_px_ = SideFor(camera);
+    face_px_ = static_cast<int>(SideFor(camera) * finer);
     const double middle = (face_px_ - 1) / 2.0;
     picture_ = {face_px_, face_px_, face_px_ / 2.0, face_px_ / 2.0, middle, middle};
     const std::vector<Eigen::Quaterniond> cube = CubeFaces();

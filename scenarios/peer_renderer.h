@@ -20,7 +20,7 @@ namespace kestrel {
 class PeerRenderer {
  public:
   // The model must outlive it. samples: for each pixel; MuJoCo's own default is 4.
-  PeerRenderer(const mjModel* model, const CameraModel& camera, int samples);
+  PeerRenderer(const mjModel* model, const CameraModel& camera, int samples, double finer = 1);
   ~PeerRenderer();
   PeerRenderer(const PeerRenderer&) = delete;
   PeerRenderer& operator=(const PeerRenderer&) = delete;

@@ -38,7 +38,7 @@ Vector2d Centroid(const cv::Mat& image, const Vector2d& around, int reach_px) {
   return Vector2d(m.m10 / m.m00 + window.x, m.m01 / m.m00 + window.y);
 }
 
-// Where the middle of a spot's light lies in the image: the mean of where the model puts the texels of its
+// Where the middle of a spot's light lies in the image: the mean of where the model puts the patches of its
 // picture, by their brightness and by how large they are there.
 Vector2d MiddleOfLight(const CameraModel& camera, const mjModel* model, const Pose& X_CD, double radius) {
   const int side = model->tex_width[0];
@@ -149,11 +149,11 @@ TEST_P(OpenGlLenses, FacesMeetWithoutASeam) {
       const std::size_t i = static_cast<std::size_t>(v) * straight.width_px + u;
       const auto at_seam = [&](const LensFaces& lens) {
         for (const std::size_t next : {i - 1, i + 1, i - lens.width_px, i + lens.width_px})
-          if (lens.texels[next].face != lens.texels[i].face && lens.texels[next].at != Texel::kOutside)
+          if (lens.patches[next].face != lens.patches[i].face && lens.patches[next].face != Patch::kOutside)
             return true;
         return false;
       };
-      if (straight.texels[i].at == Texel::kOutside) continue;
+      if (straight.patches[i].face == Patch::kOutside) continue;
       const bool differs = cv::norm(difference.at<cv::Vec3b>(v, u), cv::NORM_INF) > 2;
       ++all, wrong += differs;
       if (at_seam(straight) || at_seam(turned)) ++seams, wrong_at_seams += differs;
