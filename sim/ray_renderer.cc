@@ -51,7 +51,7 @@ struct RayRenderer::Stage {
   Things things;
   bool shadows = false;
   int threads = 1;
-  cv::Mat code;                        // CV_32S, as Canvas::code
+  cv::Mat code, common;                // CV_32S, as in Canvas
   std::vector<Placement> placements;   // one, or one for each row
   std::vector<std::uint64_t> seen;     // of each row of tiles, or of each row
   std::vector<ray::WorldPose> worlds;  // of the instants
@@ -72,7 +72,7 @@ struct RayRenderer::Stage {
   template <class Fill>
   void Draw(cv::Mat& bgr, bool rolling, const Fill& fill) {
     bgr.create(lens.height, lens.width, CV_8UC3);
-    const ray::Canvas canvas{bgr.data, bgr.step, code.ptr<std::uint32_t>()};
+    const ray::Canvas canvas{bgr.data, bgr.step, code.ptr<std::uint32_t>(), common.ptr<std::uint32_t>()};
     placements.resize(rolling ? lens.height : 1);
     seen.resize(static_cast<std::size_t>(rolling ? lens.height : lens.tiles_y) * SeenOfRow());
     if (!rolling) fill(0, placements[0]);
@@ -128,6 +128,7 @@ RayRenderer::RayRenderer(const mjModel* model, const CameraModel& camera, const 
                                         : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   const Lens& lens = stage_->lens;
   stage_->code = cv::Mat(lens.tiles_y * Lens::kTile, lens.stride, CV_32S, cv::Scalar(0x7fffffff));
+  stage_->common = cv::Mat(lens.height, lens.tiles_x, CV_32S);
   name_ = fmt::format("ray renderer ({})", ray::InstructionSet());
 }
 

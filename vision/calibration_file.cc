@@ -215,7 +215,8 @@ void FromOpenCv(const ConfigNode& root, const std::optional<cv::Size>& image, Sh
 
 void FromOwn(const ConfigNode& root, const std::optional<cv::Size>& image, Sheet& sheet) {
   sheet.node = root;
-  if (root.kind == Kind::kMap && !Find(root, "model") && !Find(root, "fx_px")) {
+  const auto has = [&](const char* key) { return Find(root, key) != nullptr; };
+  if (root.kind == Kind::kMap && !has("model") && !has("width_px") && !has("fx_px")) {
     sheet.mistakes.Add(
         root.where, "",
         "is not a camera; valid: a file of this project (fx_px, ...), a camchain of Kalibr (cam0) or a "

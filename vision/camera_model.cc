@@ -4,17 +4,17 @@
 namespace kestrel {
 
 double ShareCovered(const CameraModel& camera) {
+  // From the centre of the first pixel to that of the last, corners included: those stand for less.
   constexpr int kSteps = 64;
-  int seen = 0;
-  for (int i = 0; i < kSteps; ++i) {
-    for (int j = 0; j < kSteps; ++j) {
-      // From the centre of the first pixel to that of the last, corners included.
-      const Eigen::Vector2d uv((WidthPx(camera) - 1.0) * i / (kSteps - 1),
-                               (HeightPx(camera) - 1.0) * j / (kSteps - 1));
-      seen += Ray(camera, uv).has_value();
+  const auto weight = [](int i) { return i == 0 || i == kSteps ? 0.5 : 1.0; };
+  double seen = 0;
+  for (int i = 0; i <= kSteps; ++i) {
+    for (int j = 0; j <= kSteps; ++j) {
+      const Eigen::Vector2d uv((WidthPx(camera) - 1.0) * i / kSteps, (HeightPx(camera) - 1.0) * j / kSteps);
+      if (Ray(camera, uv)) seen += weight(i) * weight(j);
     }
   }
-  return seen / static_cast<double>(kSteps * kSteps);
+  return seen / (kSteps * kSteps);
 }
 
 }  // namespace kestrel

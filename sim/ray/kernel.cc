@@ -5,7 +5,6 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
-#include <limits>
 #include <vector>
 
 // Compiled once for each of AVX-512, AVX2 and SSSE3, which is the least that Highway has for x86-64.
@@ -14,680 +13,16 @@
 #define HWY_TARGET_INCLUDE "sim/ray/kernel.cc"
 #include <hwy/foreach_target.h>
 // After foreach_target.
-#include <hwy/contrib/math/math-inl.h>
 #include <hwy/highway.h>
+
+#include "sim/ray/surface-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace kestrel::ray::HWY_NAMESPACE {
 namespace {
 
-namespace hn = hwy::HWY_NAMESPACE;
-using DF = hn::CappedTag<float, 16>;
-using DI = hn::RebindToSigned<DF>;
-using VF = hn::Vec<DF>;
-using VI = hn::Vec<DI>;
-using MF = hn::Mask<DF>;
-constexpr DF df;
-constexpr DI di;
-constexpr int kLanes = static_cast<int>(hn::MaxLanes(df));
-
-constexpr float kFar = 1e8f;  // m: nothing is farther
-constexpr float kNone = std::numeric_limits<float>::infinity();
-constexpr float kSkyDistance_m = 350;  // of the haze: as far as MuJoCo puts the sky of the OpenGL renderer
-
 constexpr std::uint32_t kOutside = 0x7fffffff;  // codes of a pixel
 constexpr std::uint32_t kAlwaysSmooth = 0x80000000;
-
-HWY_INLINE VF F(float x) { return hn::Set(df, x); }
-
-struct Vec3 {
-  VF x, y, z;
-};
-HWY_INLINE Vec3 operator+(const Vec3& a, const Vec3& b) {
-  return {hn::Add(a.x, b.x), hn::Add(a.y, b.y), hn::Add(a.z, b.z)};
-}
-HWY_INLINE Vec3 operator-(const Vec3& a, const Vec3& b) {
-  return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
-}
-HWY_INLINE Vec3 Scale(const Vec3& a, VF s) { return {hn::Mul(a.x, s), hn::Mul(a.y, s), hn::Mul(a.z, s)}; }
-HWY_INLINE VF Dot(const Vec3& a, const Vec3& b) {
-  return hn::MulAdd(a.x, b.x, hn::MulAdd(a.y, b.y, hn::Mul(a.z, b.z)));
-}
-HWY_INLINE Vec3 Along(const Vec3& o, VF t, const Vec3& d) {
-  return {hn::MulAdd(t, d.x, o.x), hn::MulAdd(t, d.y, o.y), hn::MulAdd(t, d.z, o.z)};
-}
-HWY_INLINE Vec3 Load3(const float* v) { return {F(v[0]), F(v[1]), F(v[2])}; }
-// R v, R row after row.
-HWY_INLINE Vec3 Rotate(const float* R, const Vec3& v) {
-  return {hn::MulAdd(F(R[0]), v.x, hn::MulAdd(F(R[1]), v.y, hn::Mul(F(R[2]), v.z))),
-          hn::MulAdd(F(R[3]), v.x, hn::MulAdd(F(R[4]), v.y, hn::Mul(F(R[5]), v.z))),
-          hn::MulAdd(F(R[6]), v.x, hn::MulAdd(F(R[7]), v.y, hn::Mul(F(R[8]), v.z)))};
-}
-HWY_INLINE Vec3 RotateBack(const float* R, const Vec3& v) {
-  return {hn::MulAdd(F(R[0]), v.x, hn::MulAdd(F(R[3]), v.y, hn::Mul(F(R[6]), v.z))),
-          hn::MulAdd(F(R[1]), v.x, hn::MulAdd(F(R[4]), v.y, hn::Mul(F(R[7]), v.z))),
-          hn::MulAdd(F(R[2]), v.x, hn::MulAdd(F(R[5]), v.y, hn::Mul(F(R[8]), v.z)))};
-}
-HWY_INLINE VF LengthOf(const Vec3& v) { return hn::Sqrt(Dot(v, v)); }
-
-// Rays of one packet with the width of their pixels: the differences to the neighbours' rays.
-struct Rays {
-  Vec3 d, du, dv;
-};
-
-// What of a triangle a ray met; valid in the lanes where a thing of triangles was met last.
-struct TriangleHits {
-  alignas(64) std::uint32_t face[kLanes];
-  alignas(64) float u[kLanes], v[kLanes];
-};
-
-// --- Where a ray enters a shape. Rays that start inside see nothing of it: MuJoCo does not draw backs. ---
-
-HWY_INLINE VF Entry(MF hit, VF t) {
-  hit = hn::And(hit, hn::And(hn::Gt(t, hn::Zero(df)), hn::Lt(t, F(kFar))));
-  return hn::IfThenElse(hit, t, F(kNone));
-}
-
-HWY_INLINE VF EnterPlane(const Eigen::Vector3f& size, const Vec3& o, const Vec3& d) {
-  const VF t = hn::Div(hn::Neg(o.z), d.z);
-  MF hit = hn::Eq(t, t);
-  if (size.x() > 0) hit = hn::And(hit, hn::Le(hn::Abs(hn::MulAdd(t, d.x, o.x)), F(size.x())));
-  if (size.y() > 0) hit = hn::And(hit, hn::Le(hn::Abs(hn::MulAdd(t, d.y, o.y)), F(size.y())));
-  return Entry(hit, t);
-}
-
-HWY_INLINE VF EnterBox(const Eigen::Vector3f& size, const Vec3& o, const Vec3& d) {
-  const auto slab = [](float half, VF from, VF along, VF& in, VF& out) {
-    const VF inverse = hn::Div(F(1), along);
-    const VF towards = hn::CopySign(F(half), along);
-    in = hn::Mul(hn::Neg(hn::Add(towards, from)), inverse);
-    out = hn::Mul(hn::Sub(towards, from), inverse);
-  };
-  VF in_x, out_x, in_y, out_y, in_z, out_z;
-  slab(size.x(), o.x, d.x, in_x, out_x);
-  slab(size.y(), o.y, d.y, in_y, out_y);
-  slab(size.z(), o.z, d.z, in_z, out_z);
-  const VF in = hn::Max(in_x, hn::Max(in_y, in_z));
-  const VF out = hn::Min(out_x, hn::Min(out_y, out_z));
-  return Entry(hn::Le(in, out), in);
-}
-
-// By the foot of the perpendicular from the centre: the usual discriminant loses small spheres far away.
-HWY_INLINE VF EnterSphere(VF radius2, const Vec3& o, const Vec3& d) {
-  const VF a = Dot(d, d), b = Dot(o, d);
-  const VF inverse = hn::Div(F(1), a);
-  const Vec3 foot = Along(o, hn::Neg(hn::Mul(b, inverse)), d);
-  const VF rest = hn::Sub(radius2, Dot(foot, foot));
-  const VF t = hn::Mul(hn::Neg(hn::Add(b, hn::Sqrt(hn::Mul(a, hn::Max(rest, hn::Zero(df)))))), inverse);
-  return Entry(hn::Ge(rest, hn::Zero(df)), t);
-}
-
-HWY_INLINE VF EnterEllipsoid(const Eigen::Vector3f& size, const Vec3& o, const Vec3& d) {
-  const Vec3 by{F(1 / size.x()), F(1 / size.y()), F(1 / size.z())};
-  const Vec3 oo{hn::Mul(o.x, by.x), hn::Mul(o.y, by.y), hn::Mul(o.z, by.z)};
-  const Vec3 dd{hn::Mul(d.x, by.x), hn::Mul(d.y, by.y), hn::Mul(d.z, by.z)};
-  return EnterSphere(F(1), oo, dd);
-}
-
-HWY_INLINE VF EnterBarrel(const Eigen::Vector3f& size, const Vec3& o, const Vec3& d) {
-  const VF a = hn::MulAdd(d.x, d.x, hn::Mul(d.y, d.y));
-  const VF b = hn::MulAdd(o.x, d.x, hn::Mul(o.y, d.y));
-  const VF inverse = hn::Div(F(1), a);
-  const VF back = hn::Neg(hn::Mul(b, inverse));
-  const VF x = hn::MulAdd(back, d.x, o.x), y = hn::MulAdd(back, d.y, o.y);
-  const VF rest = hn::Sub(F(size.x() * size.x()), hn::MulAdd(x, x, hn::Mul(y, y)));
-  const VF t = hn::Mul(hn::Neg(hn::Add(b, hn::Sqrt(hn::Mul(a, hn::Max(rest, hn::Zero(df)))))), inverse);
-  const VF z = hn::MulAdd(t, d.z, o.z);
-  return Entry(hn::And(hn::Ge(rest, hn::Zero(df)), hn::Le(hn::Abs(z), F(size.z()))), t);
-}
-
-HWY_INLINE VF EnterCylinder(const Eigen::Vector3f& size, const Vec3& o, const Vec3& d) {
-  const VF t = hn::Div(hn::Sub(hn::CopySign(F(size.z()), o.z), o.z), d.z);
-  const VF x = hn::MulAdd(t, d.x, o.x), y = hn::MulAdd(t, d.y, o.y);
-  const MF on_cap = hn::And(hn::Gt(hn::Abs(o.z), F(size.z())),
-                            hn::Le(hn::MulAdd(x, x, hn::Mul(y, y)), F(size.x() * size.x())));
-  return hn::Min(Entry(on_cap, t), EnterBarrel(size, o, d));
-}
-
-HWY_INLINE VF EnterCapsule(const Eigen::Vector3f& size, const Vec3& o, const Vec3& d) {
-  VF nearest = EnterBarrel(size, o, d);
-  for (const float end : {size.z(), -size.z()}) {
-    const Vec3 from{o.x, o.y, hn::Sub(o.z, F(end))};
-    const VF t = EnterSphere(F(size.x() * size.x()), from, d);
-    const VF beyond = hn::Mul(hn::MulAdd(t, d.z, from.z), F(end < 0 ? -1.0f : 1.0f));
-    nearest = hn::Min(nearest, hn::IfThenElse(hn::Ge(beyond, hn::Zero(df)), t, F(kNone)));
-  }
-  return nearest;
-}
-
-VF EnterTriangles(const Triangles& triangles, const Vec3& o, const Vec3& d, TriangleHits& hits) {
-  RTCRayHit16 packet;
-  alignas(64) int valid[16];
-  const auto put = [](VF v, float* to) { hn::StoreU(v, df, to); };
-  for (int i = 0; i < 16; ++i) valid[i] = i < kLanes ? -1 : 0;
-  put(o.x, packet.ray.org_x), put(o.y, packet.ray.org_y), put(o.z, packet.ray.org_z);
-  put(d.x, packet.ray.dir_x), put(d.y, packet.ray.dir_y), put(d.z, packet.ray.dir_z);
-  put(F(0), packet.ray.tnear), put(F(kFar), packet.ray.tfar), put(F(0), packet.ray.time);
-  for (int i = 0; i < kLanes; ++i) {
-    packet.ray.mask[i] = ~0u;
-    packet.ray.flags[i] = packet.ray.id[i] = 0;
-    packet.hit.geomID[i] = packet.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
-  }
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  rtcIntersect16(valid, triangles.scene(), &context, &packet);
-  alignas(64) float t[kLanes];
-  for (int i = 0; i < kLanes; ++i) {
-    const bool met = packet.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID;
-    t[i] = met ? packet.ray.tfar[i] : kNone;
-    hits.face[i] = met ? packet.hit.primID[i] : 0;
-    hits.u[i] = packet.hit.u[i];
-    hits.v[i] = packet.hit.v[i];
-  }
-  return hn::Load(df, t);
-}
-
-HWY_INLINE VF Enter(const Thing& thing, const Eigen::Vector3f& size, const Vec3& o, const Vec3& d,
-                    TriangleHits& hits) {
-  switch (thing.type) {
-    case mjGEOM_PLANE:
-      return EnterPlane(size, o, d);
-    case mjGEOM_BOX:
-      return EnterBox(size, o, d);
-    case mjGEOM_SPHERE:
-    case mjGEOM_ELLIPSOID:
-      return EnterEllipsoid(size, o, d);
-    case mjGEOM_CYLINDER:
-      return EnterCylinder(size, o, d);
-    case mjGEOM_CAPSULE:
-      return EnterCapsule(size, o, d);
-    default:
-      return EnterTriangles(*thing.triangles, o, d, hits);
-  }
-}
-
-// --- What may be seen. ---
-
-// A ray of the tile is o + t d with every |d_k - a_k| <= reach: the thing may be met if for some t >= 0 the
-// point o + t a is within half + t reach of its box. Each of the six faces bounds t from one side.
-HWY_INLINE MF MayMeet(const Thing& thing, const Placed& p, const Vec3& axis, VF reach) {
-  VF low = hn::Zero(df), high = F(kFar);
-  const Vec3 a = Rotate(p.R, axis);
-  const auto face = [&](VF slope, float room) {  // slope t <= room
-    const VF at = hn::Div(F(room), slope);
-    const MF rises = hn::Gt(slope, hn::Zero(df));
-    high = hn::IfThenElse(rises, hn::Min(high, at), high);
-    low = hn::IfThenElse(rises, low, hn::IfThenElse(hn::Lt(slope, hn::Zero(df)), hn::Max(low, at), low));
-    if (room < 0) high = hn::IfThenElse(hn::Eq(slope, hn::Zero(df)), F(-1), high);
-  };
-  const VF along[3] = {a.x, a.y, a.z};
-  for (int k = 0; k < 3; ++k) {
-    const float from = p.o[k] - thing.box_centre[k];
-    face(hn::Sub(along[k], reach), thing.box_half[k] - from);
-    face(hn::Sub(hn::Neg(along[k]), reach), thing.box_half[k] + from);
-  }
-  return hn::And(hn::Le(low, high), hn::Ge(reach, hn::Zero(df)));
-}
-
-// --- Textures. ---
-
-struct Colours {
-  VF r, g, b;  // 0 to 255
-};
-
-// Level of a pyramid, in each lane its own.
-struct LevelOf {
-  VF width, height;
-  VI stride, offset;
-};
-
-HWY_INLINE LevelOf Level(const Pyramid& p, VI level, bool same, int first) {
-  if (same) {
-    return {F(p.width[first]), F(p.height[first]), hn::Set(di, p.stride[first]),
-            hn::Set(di, p.offset[first])};
-  }
-  return {hn::GatherIndex(df, p.width, level), hn::GatherIndex(df, p.height, level),
-          hn::GatherIndex(di, p.stride, level), hn::GatherIndex(di, p.offset, level)};
-}
-
-constexpr float kWeightScale = 16384;
-
-// Places of the four texels round (s, t) in 0 to 1 and their weights, in pairs: 16 bits each, left below
-// right.
-struct Taps {
-  alignas(64) std::int32_t offset[kLanes], below[kLanes], upper[kLanes], lower[kLanes];
-};
-
-HWY_INLINE void MakeTaps(const LevelOf& level, VF s, VF t, VI face, Taps& taps) {
-  const VF x = hn::MulSub(s, level.width, F(0.5f)), y = hn::MulSub(t, level.height, F(0.5f));
-  const VF xf = hn::Min(hn::Max(hn::Floor(x), F(-1)), hn::Sub(level.width, F(1)));
-  const VF yf = hn::Min(hn::Max(hn::Floor(y), F(-1)), hn::Sub(level.height, F(1)));
-  const VF fx = hn::Min(hn::Max(hn::Sub(x, xf), hn::Zero(df)), F(1));
-  const VF low = hn::Mul(hn::Min(hn::Max(hn::Sub(y, yf), hn::Zero(df)), F(1)), F(kWeightScale));
-  const VF up = hn::Sub(F(kWeightScale), low);
-  const VI offset = hn::Add(hn::Add(level.offset, face),
-                            hn::Add(hn::Mul(hn::ConvertTo(di, yf), level.stride), hn::ConvertTo(di, xf)));
-  const auto pair = [&](VF row) {
-    const VF right = hn::Mul(row, fx);
-    return hn::Or(hn::NearestInt(hn::Sub(row, right)), hn::ShiftLeft<16>(hn::NearestInt(right)));
-  };
-  hn::Store(offset, di, taps.offset);
-  hn::Store(hn::Add(offset, level.stride), di, taps.below);
-  hn::Store(pair(up), di, taps.upper);
-  hn::Store(pair(low), di, taps.lower);
-}
-
-// log2 to 0.01, of positive numbers.
-HWY_INLINE VF Log2(VF x) {
-  const VI bits = hn::BitCast(di, x);
-  const VF exponent = hn::ConvertTo(df, hn::Sub(hn::ShiftRight<23>(bits), hn::Set(di, 127)));
-  const VF m = hn::BitCast(df, hn::Or(hn::And(bits, hn::Set(di, 0x7fffff)), hn::Set(di, 0x3f800000)));
-  return hn::Add(exponent, hn::MulAdd(hn::MulAdd(m, F(-1.0f / 3), F(2)), m, F(-5.0f / 3)));
-}
-
-// Which texels a packet mixes: planned with all lanes at once, fetched one by one. The two are apart so that
-// the processor can plan for one packet while it waits for the texels of others.
-struct Fetch {
-  Taps taps;
-  const std::uint32_t* texels = nullptr;  // null: no texture
-};
-
-// From the level of the pyramid that suits the footprint, between its four nearest texels. s, t in 0 to 1;
-// footprint2: the width of a pixel in texels of the whole picture, squared; face: offset of the cube's face.
-HWY_INLINE void Plan(const Pyramid& p, VF s, VF t, VF footprint2, VI face, MF wanted, Fetch& fetch) {
-  // Exponent and first bit of the mantissa: half octaves of the square.
-  const VI halves = hn::Sub(hn::ShiftRight<22>(hn::BitCast(di, footprint2)), hn::Set(di, (127 << 1) - 1));
-  const VI level = hn::Min(hn::Max(halves, hn::Zero(di)), hn::Set(di, p.levels - 1));
-  alignas(64) std::int32_t levels[kLanes];
-  hn::Store(level, di, levels);
-  const int first = levels[hn::FindFirstTrue(df, wanted)];
-  const bool same =
-      hn::AllTrue(df, hn::Or(hn::Not(wanted), hn::RebindMask(df, hn::Eq(level, hn::Set(di, first)))));
-  MakeTaps(Level(p, level, same, first), s, t, face, fetch.taps);
-  fetch.texels = p.texels.data();
-}
-
-// Mixes the four texels of each lane: mixed + 4 lane is blue, green, red, 0, times kWeightScale.
-HWY_INLINE void Mix(const Fetch& fetch, std::uint32_t bits, std::int32_t* mixed) {
-  const hn::FixedTag<std::uint8_t, 16> d8;
-  const hn::FixedTag<std::uint64_t, 2> d64;
-  const hn::FixedTag<std::int16_t, 8> d16;
-  const hn::FixedTag<std::int32_t, 4> d32;
-  // Of two texels side by side, channel by channel, 16 bits each: b b' g g' r r' 0 0.
-  alignas(16) static constexpr std::uint8_t kSideBySide[16] = {0, 0x80, 4, 0x80, 1, 0x80, 5, 0x80,
-                                                               2, 0x80, 6, 0x80, 3, 0x80, 7, 0x80};
-  const auto order = hn::Load(d8, kSideBySide);
-  const auto row = [&](std::int32_t at, std::int32_t weights, hn::Vec<decltype(d32)> sum) {
-    std::uint64_t two;
-    std::memcpy(&two, fetch.texels + at, sizeof two);
-    const auto texels = hn::TableLookupBytesOr0(hn::BitCast(d8, hn::Set(d64, two)), order);
-    auto none = hn::Zero(d32);
-    return hn::ReorderWidenMulAccumulate(d32, hn::BitCast(d16, texels),
-                                         hn::BitCast(d16, hn::Set(d32, weights)), sum, none);
-  };
-  const Taps& taps = fetch.taps;
-  const auto lane = [&](int i) {
-    const auto upper = row(taps.offset[i], taps.upper[i], hn::Zero(d32));
-    hn::Store(row(taps.below[i], taps.lower[i], upper), d32, mixed + 4 * i);
-  };
-  if (bits == (1u << kLanes) - 1) {
-    for (int i = 0; i < kLanes; ++i) lane(i);
-  } else {
-    for (; bits != 0; bits &= bits - 1) lane(std::countr_zero(bits));
-  }
-}
-
-HWY_INLINE Colours Unpack(const std::int32_t* mixed) {
-  VI b, g, r, unused;
-  hn::LoadInterleaved4(di, mixed, b, g, r, unused);
-  const VF scale = F(1 / kWeightScale);
-  return {hn::Mul(hn::ConvertTo(df, r), scale), hn::Mul(hn::ConvertTo(df, g), scale),
-          hn::Mul(hn::ConvertTo(df, b), scale)};
-}
-
-HWY_INLINE std::uint32_t BitsOf(MF mask) {
-  std::uint8_t lanes[8] = {};
-  hn::StoreMaskBits(df, mask, lanes);
-  return (lanes[0] | lanes[1] << 8) & ((1u << kLanes) - 1);
-}
-
-// The longer side of a pixel's footprint, in texels, squared.
-HWY_INLINE VF Footprint2(const Pyramid& p, VF s_u, VF t_u, VF s_v, VF t_v) {
-  const VF w = F(p.width[0]), h = F(p.height[0]);
-  const VF a = hn::Mul(s_u, w), b = hn::Mul(t_u, h), c = hn::Mul(s_v, w), d = hn::Mul(t_v, h);
-  return hn::Max(hn::MulAdd(a, a, hn::Mul(b, b)), hn::MulAdd(c, c, hn::Mul(d, d)));
-}
-
-HWY_INLINE void PlanRepeating(const Pyramid& p, VF s, VF t, VF s_u, VF t_u, VF s_v, VF t_v, MF wanted,
-                              Fetch& fetch) {
-  Plan(p, hn::Sub(s, hn::Floor(s)), hn::Sub(t, hn::Floor(t)), Footprint2(p, s_u, t_u, s_v, t_v), hn::Zero(di),
-       wanted, fetch);
-}
-
-// By direction, as OpenGL numbers and turns the faces of a cube.
-HWY_INLINE void PlanCube(const Pyramid& p, const Vec3& q, const Vec3& q_u, const Vec3& q_v, MF wanted,
-                         Fetch& fetch) {
-  const VF ax = hn::Abs(q.x), ay = hn::Abs(q.y), az = hn::Abs(q.z);
-  const MF on_x = hn::And(hn::Ge(ax, ay), hn::Ge(ax, az));
-  const MF on_y = hn::AndNot(on_x, hn::Ge(ay, az));
-  // (sc, tc, ma): the two across and the major one, without their signs, of any vector.
-  const auto across = [&](const Vec3& v) {
-    return Vec3{hn::IfThenElse(on_x, v.z, v.x), hn::IfThenElse(on_y, v.z, v.y),
-                hn::IfThenElse(on_x, v.x, hn::IfThenElse(on_y, v.y, v.z))};
-  };
-  const Vec3 c = across(q), c_u = across(q_u), c_v = across(q_v);
-  const MF negative = hn::Lt(c.z, hn::Zero(df));
-  const VF sign = hn::IfThenElse(negative, F(-1), F(1));
-  // sc: -z, z on x; x, x on y; x, -x on z.   tc: -y, -y on x; z, -z on y; -y, -y on z.
-  const VF sign_s = hn::IfThenElse(on_x, hn::Neg(sign), hn::IfThenElse(on_y, F(1), sign));
-  const VF sign_t = hn::IfThenElse(on_y, sign, F(-1));
-  const VF inverse = hn::Div(F(0.5f), hn::Max(hn::Abs(c.z), F(1e-30f)));
-  const VF s = hn::MulAdd(hn::Mul(sign_s, c.x), inverse, F(0.5f));
-  const VF t = hn::MulAdd(hn::Mul(sign_t, c.y), inverse, F(0.5f));
-  const VF ratio_x = hn::Div(c.x, c.z), ratio_y = hn::Div(c.y, c.z);
-  const auto change = [&](VF part, VF ratio, VF major) {
-    return hn::Mul(hn::NegMulAdd(ratio, major, part), inverse);
-  };
-  const VF footprint2 = Footprint2(p, change(c_u.x, ratio_x, c_u.z), change(c_u.y, ratio_y, c_u.z),
-                                   change(c_v.x, ratio_x, c_v.z), change(c_v.y, ratio_y, c_v.z));
-  const VF face = hn::Add(hn::IfThenElse(on_x, F(0), hn::IfThenElse(on_y, F(2), F(4))),
-                          hn::IfThenElse(negative, F(1), F(0)));
-  Plan(p, s, t, footprint2, hn::Mul(hn::ConvertTo(di, face), hn::Set(di, p.face_stride)), wanted, fetch);
-}
-
-// --- Light. ---
-
-// Which rays from the points to the light (directions not normalised; t up to reach) meet something opaque.
-MF InShadow(const Slice& slice, const Vec3& p_C, const Vec3& d_C, VF reach, MF wanted) {
-  MF dark = hn::Lt(F(1), F(0));
-  TriangleHits unused;
-  for (std::size_t i = 0; i < slice.things->all.size(); ++i) {
-    const Placed& placed = slice.placement->things[i];
-    if (placed.transparent) continue;
-    const Thing& thing = slice.things->all[i];
-    const Vec3 o = Rotate(placed.R, p_C) + Load3(placed.o), d = Rotate(placed.R, d_C);
-    dark = hn::Or(dark, hn::Lt(Enter(thing, thing.size, o, d, unused), reach));
-    if (hn::AllTrue(df, hn::Or(dark, hn::Not(wanted)))) break;
-  }
-  return dark;
-}
-
-// Light on the points, 0 to 1 of the thing's colour, each channel; normals of length 1, in C.
-HWY_INLINE Colours Light(const Slice& slice, const Thing& thing, const Vec3& p, const Vec3& n, const Vec3& d,
-                         MF wanted) {
-  const Things& things = *slice.things;
-  const VF none = things.lit ? hn::Zero(df) : F(0.3f);
-  const auto start = [&](int k) { return hn::Mul(F(thing.rgba[k]), hn::Add(none, F(thing.emission))); };
-  VF sum[3] = {start(0), start(1), start(2)};
-  for (std::size_t i = 0; i < things.lights.size(); ++i) {
-    const ray::Light& light = things.lights[i];
-    const PlacedLight& placed = slice.placement->lights[i];
-    Vec3 towards = Scale(Load3(placed.direction), F(-1));
-    VF strength = F(1), distance = F(kNone);
-    if (!light.directional) {
-      const Vec3 to_light = Load3(placed.position) - p;
-      distance = LengthOf(to_light);
-      const Vec3 axis = Load3(placed.direction);
-      towards = Scale(to_light, hn::Div(F(1), hn::Max(distance, F(1e-9f))));
-      strength =
-          hn::Div(F(1), hn::MulAdd(hn::MulAdd(F(light.attenuation[2]), distance, F(light.attenuation[1])),
-                                   distance, F(light.attenuation[0])));
-      if (light.cutoff_cos > -1.5f) {
-        const VF cosine = hn::Neg(Dot(towards, axis));
-        VF spot = F(1);
-        if (light.exponent > 0) {
-          spot = hn::Exp(df, hn::Mul(F(light.exponent), hn::Log(df, hn::Max(cosine, F(1e-6f)))));
-        }
-        strength = hn::Mul(strength, hn::IfThenElseZero(hn::Ge(cosine, F(light.cutoff_cos)), spot));
-      }
-    }
-    const VF cosine = Dot(n, towards);
-    if (slice.shadows && light.shadows) {
-      // From just above the surface, by what rounding may do at that distance.
-      const VF lift = hn::MulAdd(LengthOf(p), F(1e-5f), F(1e-4f));
-      const MF dark = InShadow(slice, Along(p, lift, n), towards, distance, wanted);
-      strength = hn::IfThenElse(dark, hn::Zero(df), strength);
-    }
-    const MF faces = hn::Gt(cosine, hn::Zero(df));
-    VF shine = hn::Zero(df);
-    if (thing.specular > 0 && light.specular.maxCoeff() > 0) {
-      const Vec3 half = towards - Scale(d, hn::Div(F(1), LengthOf(d)));
-      const VF c = hn::Div(Dot(n, half), hn::Max(LengthOf(half), F(1e-9f)));
-      shine = hn::Exp(df, hn::Mul(F(128 * thing.shininess), hn::Log(df, hn::Max(c, F(1e-6f)))));
-      shine = hn::IfThenElseZero(hn::And(faces, hn::Gt(c, hn::Zero(df))), hn::Mul(shine, F(thing.specular)));
-    }
-    const VF diffuse = hn::IfThenElseZero(faces, cosine);
-    for (int k = 0; k < 3; ++k) {
-      const VF of_colour =
-          hn::Mul(F(thing.rgba[k]), hn::MulAdd(diffuse, F(light.diffuse[k]), F(light.ambient[k])));
-      sum[k] = hn::MulAdd(strength, hn::MulAdd(shine, F(light.specular[k]), of_colour), sum[k]);
-    }
-  }
-  const auto limited = [](VF v) { return hn::Min(hn::Max(v, hn::Zero(df)), F(1)); };
-  return {limited(sum[0]), limited(sum[1]), limited(sum[2])};
-}
-
-// --- The colour of a surface. ---
-
-// A surface lit, 0 to 255, and the texels that colour it.
-struct Surface {
-  Colours lit;
-  VI side;  // which of the thing's sides, for telling edges
-  Fetch fetch;
-};
-
-// Normal in G at the point p_G, and the side.
-HWY_INLINE void NormalOf(const Thing& thing, const Vec3& p, const TriangleHits& hits, MF wanted, Vec3& n,
-                         VI& side) {
-  const VF zero = hn::Zero(df), one = F(1);
-  side = hn::Zero(di);
-  n = {zero, zero, one};
-  const auto number = [](VF v) { return hn::ConvertTo(di, v); };
-  switch (thing.type) {
-    case mjGEOM_PLANE:
-      side = hn::Set(di, 4);
-      return;
-    case mjGEOM_BOX: {
-      const VF x = hn::Mul(p.x, F(1 / thing.size.x())), y = hn::Mul(p.y, F(1 / thing.size.y())),
-               z = hn::Mul(p.z, F(1 / thing.size.z()));
-      const VF ax = hn::Abs(x), ay = hn::Abs(y), az = hn::Abs(z);
-      const MF on_x = hn::And(hn::Ge(ax, ay), hn::Ge(ax, az));
-      const MF on_y = hn::AndNot(on_x, hn::Ge(ay, az));
-      const VF major = hn::IfThenElse(on_x, x, hn::IfThenElse(on_y, y, z));
-      const VF sign = hn::CopySign(one, major);
-      n = {hn::IfThenElseZero(on_x, sign), hn::IfThenElseZero(on_y, sign),
-           hn::IfThenZeroElse(hn::Or(on_x, on_y), sign)};
-      side = number(hn::Add(hn::IfThenElse(on_x, zero, hn::IfThenElse(on_y, F(2), F(4))),
-                            hn::IfThenElse(hn::Lt(major, zero), one, zero)));
-      return;
-    }
-    case mjGEOM_SPHERE:
-    case mjGEOM_ELLIPSOID: {
-      const Eigen::Vector3f by = thing.size.cwiseProduct(thing.size).cwiseInverse();
-      n = {hn::Mul(p.x, F(by.x())), hn::Mul(p.y, F(by.y())), hn::Mul(p.z, F(by.z()))};
-      break;
-    }
-    case mjGEOM_CYLINDER: {
-      const VF round = hn::MulAdd(p.x, p.x, hn::Mul(p.y, p.y));
-      const float rr = thing.size.x() * thing.size.x(), hh = thing.size.z() * thing.size.z();
-      const MF on_cap = hn::Gt(hn::Mul(hn::Mul(p.z, p.z), F(rr)), hn::Mul(round, F(hh)));
-      n = {hn::IfThenZeroElse(on_cap, p.x), hn::IfThenZeroElse(on_cap, p.y), hn::IfThenElseZero(on_cap, p.z)};
-      side = number(hn::IfThenElse(on_cap, hn::IfThenElse(hn::Lt(p.z, zero), F(2), one), zero));
-      break;
-    }
-    case mjGEOM_CAPSULE: {
-      const VF h = F(thing.size.z());
-      n = {p.x, p.y, hn::Sub(p.z, hn::Min(hn::Max(p.z, hn::Neg(h)), h))};
-      break;
-    }
-    default: {
-      alignas(64) float x[kLanes] = {}, y[kLanes] = {}, z[kLanes] = {};
-      std::uint8_t lanes[8] = {};
-      hn::StoreMaskBits(df, wanted, lanes);
-      for (int i = 0; i < kLanes; ++i) {
-        if (!(lanes[i / 8] >> (i % 8) & 1)) continue;
-        const Triangles::Corner* corner =
-            &thing.triangles->corners[3 * static_cast<std::size_t>(hits.face[i])];
-        const Eigen::Vector3f normal = (1 - hits.u[i] - hits.v[i]) * corner[0].normal +
-                                       hits.u[i] * corner[1].normal + hits.v[i] * corner[2].normal;
-        x[i] = normal.x(), y[i] = normal.y(), z[i] = normal.z();
-      }
-      n = {hn::Load(df, x), hn::Load(df, y), hn::Load(df, z)};
-      break;
-    }
-  }
-  n = Scale(n, hn::Div(one, hn::Max(LengthOf(n), F(1e-30f))));
-}
-
-// How the point on the surface moves from a pixel to its neighbour, whose ray differs by e.
-HWY_INLINE Vec3 Step(const Vec3& e, const Vec3& d, const Vec3& n, VF t) {
-  const VF n_d = Dot(n, d);
-  // Near the outline the surface is seen edge on, and the linear step would be endless.
-  const VF steep = hn::IfThenElse(hn::Lt(hn::Abs(n_d), F(1e-4f)), hn::CopySign(F(1e-4f), n_d), n_d);
-  const VF along = hn::Div(hn::Neg(Dot(n, e)), steep);
-  return Scale(Along(e, along, d), t);
-}
-
-HWY_INLINE void Shade(const Slice& slice, int index, const Rays& rays, VF t, const TriangleHits& hits,
-                      MF wanted, Surface& surface) {
-  const Thing& thing = slice.things->all[index];
-  const Placed& placed = slice.placement->things[index];
-  const bool flat = placed.flat && !(slice.shadows && slice.things->lit);
-  const auto constant = [&](int side) {
-    const float* c = placed.face[side];
-    return Colours{F(c[0]), F(c[1]), F(c[2])};
-  };
-  t = hn::IfThenElse(wanted, t, F(1));
-  surface.fetch.texels = nullptr;
-  if (flat && thing.type == mjGEOM_PLANE && !thing.texture) {
-    surface.lit = constant(4);
-    surface.side = hn::Set(di, 4);
-    return;
-  }
-  const Vec3 d = Rotate(placed.R, rays.d);
-  const Vec3 p = Along(Load3(placed.o), t, d);
-  Vec3 n;
-  NormalOf(thing, p, hits, wanted, n, surface.side);
-  Colours& colour = surface.lit;
-  if (flat && thing.type == mjGEOM_PLANE) {
-    colour = constant(4);
-  } else if (flat) {
-    // Of the two sides along an axis only the one towards the viewpoint is seen.
-    const auto seen = [&](int axis) { return constant(2 * axis + (placed.o[axis] < 0 ? 1 : 0)); };
-    const Colours x = seen(0), y = seen(1), z = seen(2);
-    const MF on_x = hn::RebindMask(df, hn::Lt(surface.side, hn::Set(di, 2)));
-    const MF on_xy = hn::RebindMask(df, hn::Lt(surface.side, hn::Set(di, 4)));
-    const auto pick = [&](VF a, VF b, VF c) { return hn::IfThenElse(on_x, a, hn::IfThenElse(on_xy, b, c)); };
-    colour = {pick(x.r, y.r, z.r), pick(x.g, y.g, z.g), pick(x.b, y.b, z.b)};
-  } else {
-    colour = Light(slice, thing, Scale(rays.d, t), RotateBack(placed.R, n), rays.d, wanted);
-    const VF whole = F(255);
-    colour = {hn::Mul(colour.r, whole), hn::Mul(colour.g, whole), hn::Mul(colour.b, whole)};
-  }
-  if (!thing.texture) return;
-
-  const Vec3 p_u = Step(Rotate(placed.R, rays.du), d, n, t), p_v = Step(Rotate(placed.R, rays.dv), d, n, t);
-  switch (thing.mapping) {
-    case Mapping::kPlanar: {
-      const VF a = F(thing.scale_s), b = F(thing.scale_t), half = F(0.5f);
-      PlanRepeating(*thing.texture, hn::MulSub(p.x, a, half), hn::MulSub(p.y, b, half), hn::Mul(p_u.x, a),
-                    hn::Mul(p_u.y, b), hn::Mul(p_v.x, a), hn::Mul(p_v.y, b), wanted, surface.fetch);
-      break;
-    }
-    case Mapping::kExplicit: {
-      alignas(64) float s[kLanes] = {}, tt[kLanes] = {}, gradient[6][kLanes] = {};
-      std::uint8_t lanes[8] = {};
-      hn::StoreMaskBits(df, wanted, lanes);
-      for (int i = 0; i < kLanes; ++i) {
-        if (!(lanes[i / 8] >> (i % 8) & 1)) continue;
-        const Triangles::Corner* corner =
-            &thing.triangles->corners[3 * static_cast<std::size_t>(hits.face[i])];
-        const Eigen::Vector2f st =
-            (1 - hits.u[i] - hits.v[i]) * corner[0].st + hits.u[i] * corner[1].st + hits.v[i] * corner[2].st;
-        s[i] = st.x(), tt[i] = st.y();
-        const auto& g = thing.triangles->st_gradient[hits.face[i]];
-        for (int k = 0; k < 6; ++k) gradient[k][i] = g(k / 3, k % 3);
-      }
-      const Vec3 grad_s{hn::Load(df, gradient[0]), hn::Load(df, gradient[1]), hn::Load(df, gradient[2])};
-      const Vec3 grad_t{hn::Load(df, gradient[3]), hn::Load(df, gradient[4]), hn::Load(df, gradient[5])};
-      PlanRepeating(*thing.texture, hn::Load(df, s), hn::Load(df, tt), Dot(grad_s, p_u), Dot(grad_t, p_u),
-                    Dot(grad_s, p_v), Dot(grad_t, p_v), wanted, surface.fetch);
-      break;
-    }
-    default: {
-      Vec3 q = p, q_u = p_u, q_v = p_v;
-      const Vec3 scale{F(thing.cube_scale.x()), F(thing.cube_scale.y()), F(thing.cube_scale.z())};
-      const auto scaled = [&](const Vec3& v) {
-        return Vec3{hn::Mul(v.x, scale.x), hn::Mul(v.y, scale.y), hn::Mul(v.z, scale.z)};
-      };
-      if (thing.type == mjGEOM_CAPSULE) {  // MuJoCo draws the caps by a sphere of their own scale
-        const VF h = F(thing.size.z()), stretch = F(thing.size.z() / thing.size.x());
-        const MF cap = hn::Gt(hn::Abs(p.z), h);
-        const VF end = hn::CopySign(h, p.z);
-        q.z = hn::IfThenElse(cap, hn::MulAdd(hn::Sub(p.z, end), stretch, end), p.z);
-        q_u.z = hn::IfThenElse(cap, hn::Mul(p_u.z, stretch), p_u.z);
-        q_v.z = hn::IfThenElse(cap, hn::Mul(p_v.z, stretch), p_v.z);
-      }
-      PlanCube(*thing.texture, scaled(q), scaled(q_u), scaled(q_v), wanted, surface.fetch);
-      break;
-    }
-  }
-}
-
-HWY_INLINE void ShadeSky(const Slice& slice, const Rays& rays, MF wanted, Surface& surface) {
-  surface.side = hn::Zero(di);
-  surface.fetch.texels = nullptr;
-  const VF light = slice.things->sky ? F(255) : hn::Zero(df);
-  surface.lit = {light, light, light};
-  if (!slice.things->sky) return;
-  const auto turned = [&](const Vec3& v) {
-    const Vec3 m = Rotate(slice.placement->R_MC, v);
-    return Vec3{m.x, m.z, hn::Neg(m.y)};
-  };
-  PlanCube(*slice.things->sky, turned(rays.d), turned(rays.du), turned(rays.dv), wanted, surface.fetch);
-}
-
-HWY_INLINE Colours Tinted(const Colours& lit, const std::int32_t* mixed) {
-  const Colours texel = Unpack(mixed);
-  const VF part = F(1.0f / 255);
-  return {hn::Mul(lit.r, hn::Mul(texel.r, part)), hn::Mul(lit.g, hn::Mul(texel.g, part)),
-          hn::Mul(lit.b, hn::Mul(texel.b, part))};
-}
-
-HWY_INLINE Colours Finish(const Surface& surface, MF wanted) {
-  if (!surface.fetch.texels) return surface.lit;
-  alignas(64) std::int32_t mixed[4 * kLanes];
-  Mix(surface.fetch, BitsOf(wanted), mixed);
-  return Tinted(surface.lit, mixed);
-}
-
-HWY_INLINE Colours Over(const Colours& above, VF alpha, const Colours& below, MF where) {
-  const VF a = hn::IfThenElseZero(where, alpha);
-  const auto mix = [&](VF x, VF y) { return hn::MulAdd(a, hn::Sub(x, y), y); };
-  return {mix(above.r, below.r), mix(above.g, below.g), mix(above.b, below.b)};
-}
-
-// A truncated cone round the viewpoint, from the height of the plane up to the horizon, faded at both ends.
-Colours Hazed(const Slice& slice, const Rays& rays, VF t, const Colours& below) {
-  const Haze& haze = slice.things->haze;
-  const Placed& plane = slice.placement->things[haze.thing];
-  const float height = plane.o[2], width = haze.width;
-  if (!(height > 0)) return below;
-  const VF up = Rotate(plane.R, rays.d).z;
-  const VF level = hn::Sqrt(hn::Max(hn::NegMulAdd(up, up, Dot(rays.d, rays.d)), F(1e-20f)));
-  const VF u = hn::Div(hn::Mul(hn::Neg(up), F(kSkyDistance_m / height)), level);
-  const VF down = hn::Div(u, hn::MulAdd(u, F(width), F(1)));  // 0 at the horizon, 1 at the plane
-  const VF distance = hn::Div(hn::Mul(hn::NegMulAdd(down, F(width), F(1)), F(kSkyDistance_m)), level);
-  const float turn = width / (1 + width);
-  const VF h = hn::Sub(F(1), down);
-  const VF alpha =
-      hn::Min(hn::Div(h, F(std::max(turn, 1e-6f))), hn::Mul(down, F(1 / std::max(1 - turn, 1e-6f))));
-  const MF where = hn::And(hn::And(hn::Gt(u, hn::Zero(df)), hn::Le(down, F(1))), hn::Lt(distance, t));
-  const Colours colour{F(255 * haze.rgb.x()), F(255 * haze.rgb.y()), F(255 * haze.rgb.z())};
-  return Over(colour, alpha, below, where);
-}
-
-// --- Packets. ---
 
 // The things that a tile may see.
 struct Seen {
@@ -718,14 +53,12 @@ void ListSeen(const Slice& slice, int tile_column, Seen& seen) {
       seen.thin = seen.thin || IsThin(slice, i);
     }
   }
-  for (const int i : slice.placement->transparent)
-    if (words[i / 64] >> (i % 64) & 1) seen.transparent.push_back(i);
+  for (const int i : slice.placement->transparent) {
+    if (!(words[i / 64] >> (i % 64) & 1)) continue;
+    seen.transparent.push_back(i);
+    seen.thin = seen.thin || IsThin(slice, i);
+  }
 }
-
-struct Hit {
-  VF t;
-  VI thing;  // -1: none
-};
 
 HWY_INLINE Hit Trace(const Slice& slice, const Seen& seen, const Vec3& d_C, TriangleHits& triangles) {
   Hit hit{F(kNone), hn::Set(di, -1)};
@@ -763,7 +96,8 @@ HWY_INLINE void ShadeHit(const Slice& slice, int index, const Rays& rays, VF t, 
   if (slice.things->all[index].triangles) {
     // What is in front of itself shows by a leap of the distance.
     const VF octave = hn::Mul(F(4), Log2(hn::IfThenElse(wanted, t, F(1))));
-    surface.side = hn::And(hn::ConvertTo(di, hn::Floor(octave)), hn::Set(di, 255));
+    const VI leap = hn::And(hn::ConvertTo(di, hn::Floor(octave)), hn::Set(di, 255));
+    surface.side = hn::Or(surface.side, hn::ShiftLeft<9>(leap));
   }
 }
 
@@ -784,7 +118,7 @@ HWY_NOINLINE Picture Look(const Slice& slice, const Seen& seen, const Rays& rays
     const MF here = hn::And(left, hn::RebindMask(df, hn::Eq(hit.thing, hn::Set(di, i))));
     left = hn::AndNot(here, left);
     ShadeHit(slice, i, rays, hit.t, triangles, here, surface);
-    const Colours c = Finish(surface, here);
+    const Colours c = Finish(surface);
     picture.colour = {hn::IfThenElse(here, c.r, picture.colour.r),
                       hn::IfThenElse(here, c.g, picture.colour.g),
                       hn::IfThenElse(here, c.b, picture.colour.b)};
@@ -803,7 +137,7 @@ HWY_NOINLINE Picture Look(const Slice& slice, const Seen& seen, const Rays& rays
     const MF here = hn::And(wanted, hn::Lt(t, hit.t));
     if (hn::AllFalse(df, here)) continue;
     Shade(slice, i, rays, t, own, here, surface);
-    picture.colour = Over(Finish(surface, here), F(placed.alpha), picture.colour, here);
+    picture.colour = Over(Finish(surface), F(placed.alpha), picture.colour, here);
     const VI mark = hn::Set(di, static_cast<std::int32_t>((i + 1) * 0x9e3779b1u & 0x0fffffff));
     picture.code = hn::Add(picture.code, hn::IfThenElseZero(hn::RebindMask(di, here), mark));
   }
@@ -811,7 +145,8 @@ HWY_NOINLINE Picture Look(const Slice& slice, const Seen& seen, const Rays& rays
   return picture;
 }
 
-HWY_INLINE VI Rounded(VF colour) { return hn::NearestInt(hn::Min(hn::Max(colour, hn::Zero(df)), F(255))); }
+// Of a colour, which is in 0 to 255 by its making.
+HWY_INLINE VI Rounded(VF colour) { return hn::NearestInt(colour); }
 
 HWY_INLINE Rays RaysAt(const Lens& lens, std::ptrdiff_t at) {
   const auto load = [&](std::ptrdiff_t i) {
@@ -834,14 +169,16 @@ HWY_INLINE MF InsideAt(const Lens& lens, std::ptrdiff_t at) {
 MF NearThin(const Slice& slice, const Seen& seen, const Vec3& d) {
   MF near = hn::Lt(F(1), F(0));
   TriangleHits unused;
-  for (const int i : seen.opaque) {
-    if (!IsThin(slice, i)) continue;
+  const auto add = [&](int i) {
+    if (!IsThin(slice, i)) return;
     const Thing& thing = slice.things->all[i];
     const Placed& placed = slice.placement->things[i];
     const float room = slice.lens->pixel_rad * (placed.distance + thing.box_half.norm());
     const Eigen::Vector3f wider = thing.size + Eigen::Vector3f::Constant(room);
     near = hn::Or(near, hn::Lt(Enter(thing, wider, Load3(placed.o), Rotate(placed.R, d), unused), F(kFar)));
-  }
+  };
+  for (const int i : seen.opaque) add(i);
+  for (const int i : seen.transparent) add(i);
   return near;
 }
 
@@ -858,11 +195,7 @@ void CullImpl(const Slice& slice, int tile_row) {
       const auto load = [&](const Aligned<float>& v) { return hn::LoadU(df, v.get() + first + c); };
       const Vec3 axis{load(lens.axis_x), load(lens.axis_y), load(lens.axis_z)};
       const MF may = MayMeet(thing, placed, axis, load(lens.reach));
-      std::uint8_t lanes[8] = {};
-      hn::StoreMaskBits(df, may, lanes);
-      std::uint32_t bits = lanes[0] | lanes[1] << 8;
-      bits &= (1u << kLanes) - 1;
-      for (; bits != 0; bits &= bits - 1) {
+      for (std::uint32_t bits = BitsOf(may); bits != 0; bits &= bits - 1) {
         const int column = c + std::countr_zero(bits);
         if (column >= lens.tiles_x) break;
         slice.seen[static_cast<std::ptrdiff_t>(column) * slice.words + static_cast<std::ptrdiff_t>(i / 64)] |=
@@ -907,12 +240,17 @@ void DrawRowsImpl(const Slice& slice, int begin, int end, const Canvas& canvas) 
       const int u0 = column * Lens::kTile;
       std::uint8_t* row = canvas.bgr + v * canvas.step + 3 * static_cast<std::size_t>(u0);
       std::uint32_t* codes = canvas.code + static_cast<std::ptrdiff_t>(v) * lens.stride + u0;
+      std::uint32_t& common = canvas.common[static_cast<std::ptrdiff_t>(v) * lens.tiles_x + column];
+      common = Canvas::kMixed;
       if (lens.reach[tile_row * lens.tiles_x + column] < 0) {
         std::memset(row, 0, 3 * static_cast<std::size_t>(std::min(Lens::kTile, lens.width - u0)));
         std::fill(codes, codes + Lens::kTile, kOutside);
+        common = kOutside;
         continue;
       }
       const Seen& here = seen[column];
+      auto differ = hn::Ne(hn::Zero(di), hn::Zero(di));
+      VI reference = hn::Zero(di);
       for (int k = 0; k < Lens::kTile && u0 + k < lens.width; k += kLanes) {
         const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(v) * lens.stride + u0 + k;
         const int pixels = std::min(kLanes, lens.width - u0 - k);
@@ -924,7 +262,8 @@ void DrawRowsImpl(const Slice& slice, int begin, int end, const Canvas& canvas) 
         }
         const Rays rays = RaysAt(lens, at);
         TriangleHits triangles;
-        const Hit hit = Trace(slice, here, rays.d, triangles);
+        Hit hit = Trace(slice, here, rays.d, triangles);
+        EndPlane(slice, rays.d, hit);
         VI code;
         alignas(64) std::int32_t index[kLanes];
         hn::Store(hit.thing, di, index);
@@ -951,10 +290,13 @@ void DrawRowsImpl(const Slice& slice, int begin, int end, const Canvas& canvas) 
                                                  hn::Set(di, static_cast<std::int32_t>(kAlwaysSmooth))));
         }
         hn::StoreU(code, di, reinterpret_cast<std::int32_t*>(codes + k));
+        if (k == 0) reference = hn::Set(di, hn::GetLane(code));
+        differ = hn::Or(differ, hn::Ne(code, reference));
       }
+      if (hn::AllFalse(di, differ)) common = codes[0];
     }
     for (int i = 0; i < planned; ++i)
-      if (jobs[i].surface.fetch.texels) Mix(jobs[i].surface.fetch, BitsOf(jobs[i].inside), jobs[i].mixed);
+      if (jobs[i].surface.fetch.texels) Mix(jobs[i].surface.fetch, jobs[i].mixed);
     for (int i = 0; i < planned; ++i) {
       const Job& job = jobs[i];
       const Colours& lit = job.surface.lit;
@@ -984,7 +326,8 @@ void SmoothPixel(const Slice& slice, const Seen& seen, std::ptrdiff_t at, std::u
     rays.du = Scale(across, F(0.5f));
     rays.dv = Scale(down, F(0.5f));
     TriangleHits triangles;
-    const Hit hit = Trace(slice, seen, rays.d, triangles);
+    Hit hit = Trace(slice, seen, rays.d, triangles);
+    EndPlane(slice, rays.d, hit);
     const Colours c = Look(slice, seen, rays, hit, triangles, all).colour;
     sum[0] += hn::GetLane(hn::SumOfLanes(df, c.b));
     sum[1] += hn::GetLane(hn::SumOfLanes(df, c.g));
@@ -1004,7 +347,16 @@ void SmoothRowImpl(const Slice& slice, int v, const Canvas& canvas) {
     return hn::LoadU(di, reinterpret_cast<const std::int32_t*>(p));
   };
   const VI outside = hn::Set(di, static_cast<std::int32_t>(kOutside));
+  const std::uint32_t* common = canvas.common + static_cast<std::ptrdiff_t>(v) * lens.tiles_x;
   for (int column = 0; column < lens.tiles_x; ++column) {
+    const int left = column * Lens::kTile, right = left + Lens::kTile;
+    const std::uint32_t one = common[column];
+    if (one < kAlwaysSmooth && above[left] == one && below[left] == one &&
+        (v == 0 || common[column - lens.tiles_x] == one) &&
+        (v + 1 == lens.height || common[column + lens.tiles_x] == one) &&
+        (left == 0 || row[left - 1] == one) && (right >= lens.width || row[right] == one)) {
+      continue;
+    }
     bool listed = false;
     for (int k = 0; k < Lens::kTile; k += kLanes) {
       const int u = column * Lens::kTile + k;
@@ -1026,10 +378,7 @@ void SmoothRowImpl(const Slice& slice, int v, const Canvas& canvas) {
       }
       edge = hn::Or(edge, hn::Lt(coded, hn::Zero(di)));
       edge = hn::And(edge, hn::Ne(own, outside));
-      std::uint8_t lanes[8] = {};
-      hn::StoreMaskBits(di, edge, lanes);
-      std::uint32_t bits = (lanes[0] | lanes[1] << 8) & ((1u << kLanes) - 1);
-      for (; bits != 0; bits &= bits - 1) {
+      for (std::uint32_t bits = BitsOf(hn::RebindMask(df, edge)); bits != 0; bits &= bits - 1) {
         const int at = u + std::countr_zero(bits);
         if (at >= lens.width) break;
         if (!listed) ListSeen(slice, column, seen);

@@ -17,6 +17,9 @@ struct Canvas {
   // What each pixel shows: the thing, which side of it, what lies over it. Where neighbours differ there is
   // an edge. Row stride as the lens's table.
   std::uint32_t* code = nullptr;
+  // Of each row, tile by tile: the code that all of its pixels in the tile have, or kMixed.
+  std::uint32_t* common = nullptr;
+  static constexpr std::uint32_t kMixed = 0xffffffff;
 };
 
 // What is needed to draw a row.

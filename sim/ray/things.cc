@@ -142,7 +142,12 @@ Things CompileThings(const mjModel* m) {
       throw std::runtime_error(fmt::format("The ray renderer does not draw skins, and the model has one: {}.",
                                            NameOf(m, mjOBJ_SKIN, g.objid)));
     }
-    if (g.objtype != mjOBJ_GEOM || g.rgba[3] <= 0) continue;
+    if (g.objtype != mjOBJ_GEOM) {
+      throw std::runtime_error(fmt::format(
+          "The ray renderer draws geoms alone, and MuJoCo would draw something for the {} {} too.",
+          mju_type2Str(g.objtype), NameOf(m, g.objtype, g.objid)));
+    }
+    if (g.rgba[3] <= 0) continue;
     Thing t;
     t.geom = g.objid;
     t.type = g.type;
@@ -178,6 +183,12 @@ Things CompileThings(const mjModel* m) {
                         NameOf(m, mjOBJ_GEOM, t.geom)));
     }
     if (const int material = m->geom_matid[t.geom]; material >= 0 && g.texid >= 0) {
+      if (t.triangles && t.triangles->has_st && m->tex_type[g.texid] != mjTEXTURE_2D) {
+        throw std::runtime_error(fmt::format(
+            "The ray renderer does not draw a cube texture on a mesh with texture coordinates of its own, "
+            "and the model has one: geom {}.",
+            NameOf(m, mjOBJ_GEOM, t.geom)));
+      }
       t.texture = texture(g.texid);
       MapTexture(m, material, t);
     }
@@ -210,7 +221,8 @@ Things CompileThings(const mjModel* m) {
     light.diffuse = rgb(l.diffuse);
     light.specular = rgb(l.specular);
     light.attenuation = rgb(l.attenuation);
-    light.cutoff_cos = l.cutoff >= 180 ? -2.0f : std::cos(l.cutoff * 3.14159265f / 180);
+    // OpenGL knows cones up to 90 degrees, and no cone at all.
+    light.cutoff_cos = l.cutoff > 90 ? -2.0f : std::cos(l.cutoff * 3.14159265f / 180);
     light.exponent = l.exponent;
     things.lights.push_back(light);
   }

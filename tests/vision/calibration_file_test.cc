@@ -278,5 +278,16 @@ TEST(CalibrationFile, ACameraOfTheModelsFolderLoadsFromItsFile) {
   EXPECT_THAT(mistakes.messages(), ElementsAre(HasSubstr("nowhere.yaml: cannot be read")));
 }
 
+TEST(CalibrationFile, TheFisheyeOfTheModelsFolderFillsItsImageTo190Degrees) {
+  Mistakes mistakes;
+  const CameraModel camera =
+      LoadCamera(std::filesystem::path(KESTREL_SOURCE_DIR) / "models/cameras/fisheye.yaml", mistakes);
+  EXPECT_THAT(mistakes.messages(), IsEmpty());
+  EXPECT_EQ(ShareCovered(camera), 1);
+  const auto corner = Ray(camera, {0, 0});
+  ASSERT_TRUE(corner);
+  EXPECT_NEAR(2 * Degrees(AngleFromAxis(*corner)), 190, 0.5);
+}
+
 }  // namespace
 }  // namespace kestrel
