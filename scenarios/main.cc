@@ -12,9 +12,11 @@
 #include <fstream>
 #include <opencv2/core/utility.hpp>
 
+#include "geometry/tait_bryan.h"
 #include "scenarios/bench.h"
 #include "scenarios/files.h"
 #include "scenarios/junit.h"
+#include "scenarios/mirror_command.h"
 #include "scenarios/runner.h"
 
 namespace kestrel {
@@ -129,6 +131,18 @@ int List() {
   return kMet;
 }
 
+int Check(const std::string& scenario, const std::vector<std::string>& overrides) {
+  const LoadedScenario loaded = LoadScenario(scenario, overrides);
+  fmt::print("{} is valid\n", scenario);
+  const CameraModel& camera = loaded.simulator.camera;
+  if (const double covered = ShareCovered(camera); covered < 1) {
+    fmt::print(
+        "  the camera '{}' fills {:.0f} % of its image, to {:.4g} deg from its axis; the rest is black\n",
+        loaded.scenario.camera, 100 * covered, Degrees(MaxAngle(camera)));
+  }
+  return kMet;
+}
+
 int Main(int argc, char** argv) {
   // The second core draws the next image; threads inside OpenCV would only wait for it.
   cv::setNumThreads(1);
@@ -172,6 +186,9 @@ int Main(int argc, char** argv) {
       ->capture_default_str();
   bench_command->add_option("--json", bench.json, "Also write the figures as JSON to this file");
 
+  MirrorArguments mirror;
+  CLI::App* mirror_command = AddMirrorCommand(app, mirror);
+
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
@@ -180,9 +197,11 @@ int Main(int argc, char** argv) {
   try {
     if (*run_command) return Run(run);
     if (*list_command) return List();
-    if (*check_command) {
-      LoadScenario(check_file, check_overrides);
-      fmt::print("{} is valid\n", check_file);
+    if (*check_command) return Check(check_file, check_overrides);
+    if (*mirror_command) {
+      RequireWritable(mirror.drawing, "--out");
+      RequireWritable(mirror.camera, "--camera");
+      MirrorCommand(mirror);
       return kMet;
     }
     if (*bench_command) RequireWritable(bench.json, "--json");

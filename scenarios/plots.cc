@@ -5,12 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <stdexcept>
 
 #include "geometry/tait_bryan.h"
 #include "scenarios/files.h"
+#include "scenarios/gnuplot.h"
 #include "scenarios/piped_program.h"
 
 namespace kestrel {
@@ -75,18 +75,6 @@ std::vector<Sample> SamplesOf(const std::vector<LogRow>& rows) {
   return samples;
 }
 
-// In single quotes gnuplot runs nothing that a name may hold.
-std::string Quoted(const std::string& text) {
-  std::string quoted = "'";
-  for (const char c : text) {
-    if (c == '\'')
-      quoted += "''";
-    else
-      quoted += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
-  }
-  return quoted + '\'';
-}
-
 std::string Data(const std::vector<Sample>& samples, const std::vector<LogRow>& rows) {
   std::string text = "$flight << END_OF_FLIGHT\n";
   for (std::size_t i = 0; i < samples.size(); ++i) {
@@ -121,7 +109,7 @@ std::string PhaseLines(const std::vector<LogRow>& rows, bool named) {
     free_s = end_s;
     text +=
         fmt::format("set label {} at first {:.4f}, graph 1.05 left tc rgb '#666666' font ',10' noenhanced\n",
-                    Quoted(name), t_s);
+                    GnuplotQuoted(name), t_s);
   }
   return text;
 }
@@ -137,7 +125,7 @@ std::string Begin(const std::filesystem::path& file, int width_px, int height_px
       "set output {}\nset encoding utf8\n"
       "set border 3 lc rgb '#444444'\nset tics nomirror out scale 0.6\n"
       "set grid lc rgb '#dddddd' lt 1 lw 1\n",
-      width_px, height_px, Quoted(PartOf(file).string()));
+      width_px, height_px, GnuplotQuoted(PartOf(file).string()));
 }
 
 constexpr const char* kKey =
@@ -150,7 +138,7 @@ std::string Panels(const std::string& title) {
   return fmt::format(
       "set multiplot layout 3,1 title {} noenhanced font ',14' margins 0.09,0.97,0.07,0.90 spacing 0,0.035\n"
       "set format x ''\n",
-      Quoted(title));
+      GnuplotQuoted(title));
 }
 
 std::string Position(const std::filesystem::path& file, const std::vector<Sample>& samples,
@@ -230,25 +218,14 @@ std::string Trajectory(const std::filesystem::path& file, const std::vector<Samp
       "set ylabel 'x of the pad, forward (m)' rotate parallel offset 0,-1\n"
       "set zlabel 'height (m)' rotate parallel\n"
       "set key at screen 0.03, 0.93 left top vertical Left reverse noautotitle\n",
-      Quoted("True trajectory: " + title), y.Range(1.0), x.Range(1.0), 1.06 * std::max(height.high, 0.5),
-      TickStep(y, 1.0), TickStep(x, 1.0), TickStep(height, 0.5));
+      GnuplotQuoted("True trajectory: " + title), y.Range(1.0), x.Range(1.0),
+      1.06 * std::max(height.high, 0.5), TickStep(y, 1.0), TickStep(x, 1.0), TickStep(height, 0.5));
   return text +
          "splot $flight using 3:2:(0) with lines lw 1.5 lc rgb '#bbbbbb' title 'track on the ground', "
          "$pad using 1:2:(0) with lines lw 3 lc rgb '#009E73' title 'pad', "
          "$flight using 3:2:4 with lines lw 2.5 lc rgb '#222222' title 'aircraft', "
          "$start using 1:2:3 with points pt 7 ps 2 lc rgb '#0072B2' title 'start', "
          "$end using 1:2:3 with points pt 9 ps 2 lc rgb '#D55E00' title 'end'\nunset output\n";
-}
-
-// gnuplot says nothing when the disk is full: a picture is whole if it ends as PNG ends.
-void CheckWhole(const std::filesystem::path& file) {
-  std::ifstream in(PartOf(file), std::ios::binary);
-  in.seekg(-8, std::ios::end);
-  char end[8] = {};
-  in.read(end, sizeof end);
-  if (!in || std::string_view(end, 4) != "IEND") {
-    throw std::runtime_error(fmt::format("cannot write {}: the picture is not whole", file.string()));
-  }
 }
 
 }  // namespace
@@ -274,7 +251,7 @@ void DrawPlots(const std::filesystem::path& folder, const std::vector<LogRow>& r
     throw std::runtime_error(fmt::format("cannot draw {}: {}", folder.string(), e.what()));
   }
   for (const std::string& name : names) {
-    CheckWhole(folder / name);
+    RequireWholePng(folder / name);
     Complete(folder / name);
   }
 }

@@ -10,6 +10,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "scenarios/metrics.h"
+#include "vision/calibration_file.h"
 
 namespace kestrel {
 namespace {
@@ -73,6 +74,38 @@ std::string WhereOf(const Config& config, std::string_view key, const std::strin
     if (name == key) return node.where;
   }
   return file;
+}
+
+// The file of a camera: one of models/cameras by its name, or any file, looked for beside the scenario and
+// then from the working directory. Its path becomes whole, so that the resolved scenario can lie elsewhere.
+std::optional<fs::path> CameraFile(std::string& name, const fs::path& beside, const std::string& where,
+                                   Mistakes& mistakes) {
+  const fs::path folder = Root() / "models" / "cameras";
+  if (name.find('/') == std::string::npos && !name.ends_with(".yaml") && !name.ends_with(".yml")) {
+    if (!Known("camera", name, NamesIn(folder, ".yaml"), where, mistakes)) return std::nullopt;
+    return folder / (name + ".yaml");
+  }
+  for (const fs::path& candidate : {beside / name, fs::path(name)}) {
+    if (!fs::is_regular_file(candidate)) continue;
+    name = fs::absolute(candidate).lexically_normal().string();
+    return name;
+  }
+  mistakes.Add(where, "camera", fmt::format("there is no file '{}'", name));
+  return std::nullopt;
+}
+
+// What a good camera may still be unfit for.
+void CheckUse(const CameraModel& camera, const fs::path& file, Mistakes& mistakes) {
+  const auto* pinhole = std::get_if<Pinhole>(&camera);
+  if (!pinhole) {
+    mistakes.Add(file.string(), "model",
+                 fmt::format("a '{}' camera cannot follow the pad: the flights over it need a '{}' one",
+                             NameOf(camera), Pinhole::kName));
+  } else if (std::abs(pinhole->fx - pinhole->fy) > 1e-9 * pinhole->fx) {  // OpenGL's frustum
+    mistakes.Add(
+        file.string(), "fy_px",
+        fmt::format("{} differs from fx_px = {}; OpenGL draws square pixels only", pinhole->fy, pinhole->fx));
+  }
 }
 
 }  // namespace
@@ -152,17 +185,11 @@ LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<s
   if (Known("world", s.world, NamesIn(models / "worlds", ""), WhereOf(config, "world", where), mistakes)) {
     sim.scene.world = models / "worlds" / s.world / (s.world + ".xml");
   }
-  if (Known("camera", s.camera, NamesIn(models / "cameras", ".yaml"), WhereOf(config, "camera", where),
-            mistakes)) {
-    const fs::path camera = models / "cameras" / (s.camera + ".yaml");
-    Pinhole pinhole;
-    Read(LoadConfig(camera, {}, mistakes), pinhole, mistakes);
-    if (std::abs(pinhole.fx - pinhole.fy) > 1e-9 * pinhole.fx) {
-      mistakes.Add(camera.string(), "fy_px",
-                   fmt::format("{} differs from fx_px = {}; the renderer draws square pixels only",
-                               pinhole.fy, pinhole.fx));
-    }
-    sim.camera = pinhole;
+  if (const auto camera =
+          CameraFile(s.camera, file.parent_path(), WhereOf(config, "camera", where), mistakes)) {
+    const std::size_t before = mistakes.messages().size();
+    sim.camera = LoadCamera(*camera, mistakes);
+    if (mistakes.messages().size() == before) CheckUse(sim.camera, *camera, mistakes);
   }
   if (Known("pad", s.pad.name, NamesIn(models / "pads", ""), WhereOf(config, "pad", where), mistakes)) {
     const fs::path folder = models / "pads" / s.pad.name;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/brown_conrady.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace kestrel {

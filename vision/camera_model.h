@@ -56,4 +56,7 @@ inline void SetParameters(CameraModel& camera, const Eigen::VectorXd& all) {
   std::visit([&](auto& c) { c.SetParameters(all); }, camera);
 }
 
+// How much of the image the lens fills, by a grid of rays; 1: it all, corners included.
+double ShareCovered(const CameraModel& camera);
+
 }  // namespace kestrel

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/double_sphere.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace kestrel {

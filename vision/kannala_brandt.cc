@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/kannala_brandt.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 

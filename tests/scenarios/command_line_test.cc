@@ -184,6 +184,48 @@ TEST_F(CommandLineTest, CheckSaysThatAFileIsValid) {
   EXPECT_EQ(Kestrel("check landing --set flight.blind_m=10").status, 2);
 }
 
+TEST_F(CommandLineTest, CheckSaysWhenTheLensDoesNotFillTheImage) {
+  Write("narrow.yaml",
+        "width_px: 640\nheight_px: 480\nfx_px: 800\nfy_px: 800\ncx_px: 319.5\ncy_px: 239.5\nfield_deg: 30\n");
+  const Ended check = Kestrel("check pose --set camera=narrow.yaml");
+  EXPECT_EQ(check.status, 0) << check.err;
+  // A circle with a radius of 800 px * tan(15 deg).
+  EXPECT_THAT(check.out, AllOf(HasSubstr("fills 47 % of its image"), HasSubstr("15 deg from its axis")));
+  EXPECT_THAT(Kestrel("check pose").out, Not(HasSubstr("fills")));
+}
+
+TEST_F(CommandLineTest, MirrorDesignsTheThesisMirror) {
+  const Ended mirror = Kestrel("mirror --camera mirror.yaml");
+  EXPECT_EQ(mirror.status, 0) << mirror.err;
+  for (const char* value : {"39.2920", "19.6460", "121.2585", "12.0000", "133.3333", "0.9938"})
+    EXPECT_THAT(mirror.out, HasSubstr(value));
+  EXPECT_THAT(Content(folder_ / "mirror.yaml"),
+              AllOf(HasSubstr("model: unified"), HasSubstr("xi: 0.99380798")));
+  EXPECT_EQ(Content(folder_ / "mirror.png").substr(1, 3), "PNG");
+}
+
+TEST_F(CommandLineTest, MirrorTakesAnyTwoOfHeightRimAndFocalLength) {
+  for (const char* two :
+       {"--height-mm 100 --rim-px 240", "--height-mm 100 --focal-mm 12", "--rim-px 240 --focal-mm 12"}) {
+    const Ended mirror = Kestrel(std::string("mirror --out '' ") + two);
+    EXPECT_EQ(mirror.status, 0) << mirror.err;
+    for (const char* value : {"39.2920", "100.0000  mm", "240.0000  px", "12.0000  mm"})
+      EXPECT_THAT(mirror.out, HasSubstr(value)) << two;
+  }
+}
+
+TEST_F(CommandLineTest, AMirrorThatCannotBeIsRefusedWithAReason) {
+  const Ended flat = Kestrel("mirror --ratio 5");
+  EXPECT_EQ(flat.status, 2);
+  EXPECT_THAT(flat.err, AllOf(HasSubstr("no hyperboloid of a / b = 5"), HasSubstr("below 5")));
+  EXPECT_THAT(Kestrel("mirror --height-mm 100 --rim-px 240 --focal-mm 13").err,
+              AllOf(HasSubstr("--focal-mm"), HasSubstr("need 12")));
+  EXPECT_THAT(Kestrel("mirror --ratio -5 --pixel-um 0").err,
+              AllOf(HasSubstr("--ratio"), HasSubstr("--pixel-um")));
+  EXPECT_EQ(Kestrel("mirror --out nowhere/mirror.png").status, 2);
+  EXPECT_TRUE(!fs::exists(folder_ / "mirror.png"));
+}
+
 TEST_F(CommandLineTest, HelpShowsExamplesAndTheExitStatus) {
   const Ended help = Kestrel("--help");
   EXPECT_EQ(help.status, 0);

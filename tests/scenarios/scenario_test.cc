@@ -206,6 +206,38 @@ TEST_F(ScenarioTest, ACameraMustBeWholeAndSquare) {
   EXPECT_THAT(Refusal("pose"), Not(Contains(HasSubstr("differs"))));  // said once
 }
 
+constexpr char kCamchain[] =
+    "cam0:\n  camera_model: pinhole\n  distortion_coeffs: []\n  distortion_model: none\n"
+    "  intrinsics: [800, 800, 320, 240]\n  resolution: [640, 480]\n";
+
+TEST_F(ScenarioTest, ACameraMayBeACalibrationFileBesideTheScenario) {
+  const std::string camera = Write("flights/cameras/kalibr.yaml", kCamchain);
+  const std::string file = Write("flights/a.yaml", "mission: pose\ncamera: cameras/kalibr.yaml\n");
+  const LoadedScenario loaded = LoadScenario(file);
+  EXPECT_EQ(Parameters(loaded.simulator.camera), Eigen::Vector4d(800, 800, 320, 240));
+  // And the resolved scenario means the same file from wherever it lies.
+  EXPECT_EQ(loaded.scenario.camera, camera);
+  EXPECT_EQ(Parameters(LoadScenario(Write("runs/1/again.yaml", ToYaml(loaded.scenario))).simulator.camera),
+            Parameters(loaded.simulator.camera));
+  EXPECT_THAT(Refusal("pose", {"camera=cameras/none.yaml"}),
+              ElementsAre(AllOf(HasSubstr("camera"), HasSubstr("no file 'cameras/none.yaml'"))));
+}
+
+TEST_F(ScenarioTest, MistakesInACalibrationFileNameTheParameter) {
+  const std::string camera =
+      Write("kalibr.yaml",
+            "cam0:\n  camera_model: omni\n  distortion_coeffs: []\n  distortion_model: none\n"
+            "  intrinsics: [-1, 800, 800, 320, 240]\n  resolution: [640, 480]\n");
+  EXPECT_THAT(Refusal("pose", {"camera=" + camera}),
+              ElementsAre(AllOf(StartsWith(camera + ":5: cam0.xi: -1 is out of range"))));
+}
+
+TEST_F(ScenarioTest, ACameraThatTheFlightsCannotUseIsRefused) {
+  EXPECT_THAT(
+      Refusal("landing", {"camera=fisheye"}),
+      ElementsAre(AllOf(HasSubstr("fisheye.yaml"), HasSubstr("kannala_brandt"), HasSubstr("pinhole"))));
+}
+
 TEST_F(ScenarioTest, MistakesOfTheModelsNameTheirOwnFiles) {
   CopyRoot();
   Replace("models/vehicles/pelican/pelican.yaml", "mass_kg: 1.3", "mass_kg: 1300");

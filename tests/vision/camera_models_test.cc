@@ -112,16 +112,16 @@ TEST_P(CameraModels, APixelHasARayJustWhenItLiesInThePictureOfTheDomain) {
   const double limit = MaxAngle(camera());
   std::vector<cv::Point2f> rim;
   bool bounded = true;
-  for (int j = 0; j < 3600 && bounded; ++j) {
-    const auto uv = Project(camera(), Direction(limit * (1 - 1e-9), 2 * M_PI * j / 3600));
+  for (int j = 0; j < 720 && bounded; ++j) {
+    const auto uv = Project(camera(), Direction(limit * (1 - 1e-9), 2 * M_PI * j / 720));
     bounded = uv && uv->norm() < 1e5;
     if (bounded) rim.emplace_back(static_cast<float>(uv->x()), static_cast<float>(uv->y()));
   }
   int with_ray = 0, tried = 0;
-  for (double v = -1000; v < 1500; v += 13.7) {
-    for (double u = -1000; u < 1700; u += 13.3) {
+  for (double v = -1000; v < 1500; v += 39.7) {
+    for (double u = -1000; u < 1700; u += 41.3) {
       const double inside = bounded ? cv::pointPolygonTest(rim, cv::Point2f(u, v), true) : 1;
-      if (std::abs(inside) < 0.01) continue;
+      if (std::abs(inside) < 0.05) continue;  // the rim is a polygon
       ++tried;
       const auto ray = Ray(camera(), {u, v});
       EXPECT_EQ(ray.has_value(), inside > 0) << u << ' ' << v;
@@ -133,8 +133,8 @@ TEST_P(CameraModels, APixelHasARayJustWhenItLiesInThePictureOfTheDomain) {
       EXPECT_LT((*back - Vector2d(u, v)).norm(), 1e-9) << u << ' ' << v;
     }
   }
-  EXPECT_GT(tried, 37000);
-  EXPECT_GT(with_ray, 500);
+  EXPECT_GT(tried, 4000);
+  EXPECT_GT(with_ray, 100);
 }
 
 // The derivative of f at x by central differences of fourth order.

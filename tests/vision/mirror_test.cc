@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "geometry/tait_bryan.h"
+#include "vision/calibration_file.h"
 
 namespace kestrel {
 namespace {
@@ -122,6 +123,16 @@ TEST(Mirror, RaysTracedOffTheHyperboloidShowItsSingleViewpointAndTheUnifiedPixel
   EXPECT_GT(on_mirror, 3500);
   EXPECT_NEAR(std::acos(least_cosine), mirror.ViewAngle(), Radians(0.3));
   EXPECT_NEAR(Degrees(mirror.ViewAngle()), 121.26, 0.01);  // eq. (6.8): 90 deg + atan(12.14 mm / 20 mm)
+}
+
+TEST(Mirror, TheModelsFolderHasTheThesisMirror) {
+  Mistakes mistakes;
+  const CameraModel file = LoadCamera(
+      std::filesystem::path(KESTREL_SOURCE_DIR) / "models/cameras/hyperbolic_mirror.yaml", mistakes);
+  ASSERT_TRUE(mistakes.messages().empty());
+  const Unified camera = CameraOf(kThesisMirror, FocalLengthPx(0.02, 0.1, 240), 640, 480);
+  EXPECT_LT((Parameters(file) - camera.Parameters()).norm(), 1e-12);
+  EXPECT_NEAR(MaxAngle(file), camera.MaxAngle(), 1e-14);
 }
 
 TEST(Mirror, TheRimIsAsLargeInTheImageAsItWasAskedFor) {
