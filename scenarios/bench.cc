@@ -18,6 +18,7 @@
 #include <thread>
 
 #include "geometry/tait_bryan.h"
+#include "scenarios/bench_render.h"
 #include "scenarios/files.h"
 #include "scenarios/runner.h"
 #include "vision/homography.h"
@@ -26,16 +27,6 @@
 
 namespace kestrel {
 namespace {
-
-struct Figure {
-  std::string name;
-  double value = 0;
-  std::string unit;
-  std::optional<double> target;  // none: shown for comparison
-  bool at_least = false;
-  std::string reference;  // the thesis's figure
-  bool Met() const { return !target || (at_least ? value >= *target : value <= *target); }
-};
 
 struct Seeds {
   std::uint64_t first = 1, last = 20;
@@ -344,8 +335,8 @@ void BenchSpeed(Seeds seeds, std::vector<Figure>& table) {
 }
 
 void Print(const std::vector<Figure>& table) {
-  fmt::print("| {:<60} | {:>9} | {:>9} | {:>9} | {:<11} |    |\n", "figure", "thesis", "target", "measured",
-             "unit");
+  fmt::print("| {:<60} | {:>9} | {:>9} | {:>9} | {:<11} |    |\n", "figure", "reference", "target",
+             "measured", "unit");
   fmt::print("|{:-<62}|{:->10}:|{:->10}:|{:->10}:|{:-<13}|----|\n", "", "", "", "", "");
   for (const Figure& f : table) {
     const std::string target = f.target ? fmt::format("{} {:.4g}", f.at_least ? ">=" : "<=", *f.target) : "";
@@ -369,7 +360,7 @@ void WriteJson(const std::string& file, const std::vector<Figure>& table) {
 
 }  // namespace
 
-std::vector<std::string> BenchNames() { return {"flights", "drift", "heights", "speed"}; }
+std::vector<std::string> BenchNames() { return {"flights", "drift", "heights", "speed", "render"}; }
 
 bool Bench(const BenchArguments& arguments) {
   const Seeds seeds = ParseSeeds(arguments.seeds);
@@ -379,6 +370,7 @@ bool Bench(const BenchArguments& arguments) {
   if (chosen("drift")) BenchDrift(seeds, arguments.jobs, table);
   if (chosen("heights")) BenchHeights(seeds, table);
   if (chosen("speed")) BenchSpeed(seeds, table);
+  if (chosen("render")) BenchRender(seeds.first, seeds.last, table);
   Print(table);
   if (!arguments.json.empty()) WriteJson(arguments.json, table);
   return std::all_of(table.begin(), table.end(), [](const Figure& f) { return f.Met(); });

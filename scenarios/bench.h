@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,17 @@ struct BenchArguments {
   std::string seeds = "1..20";
   int jobs = 2;
   std::string json;
+};
+
+// One line of the table.
+struct Figure {
+  std::string name;
+  double value = 0;
+  std::string unit;
+  std::optional<double> target;  // none: shown for comparison
+  bool at_least = false;
+  std::string reference;  // the thesis's figure, or the peers'
+  bool Met() const { return !target || (at_least ? value >= *target : value <= *target); }
 };
 
 std::vector<std::string> BenchNames();

@@ -178,7 +178,7 @@ int Main(int argc, char** argv) {
 
   BenchArguments bench;
   CLI::App* bench_command = app.add_subcommand("bench", "Measure: a table of figures beside their targets");
-  bench_command->add_option("name", bench.name, "flights, drift, heights, speed; all when none is given")
+  bench_command->add_option("name", bench.name, "flights, drift, heights, speed, render; all when none is given")
       ->check(CLI::IsMember(BenchNames()));
   bench_command->add_option("--seeds", bench.seeds, "A..B, first and last")->capture_default_str();
   bench_command->add_option("--jobs", bench.jobs, "Flights at the same time")

@@ -15,7 +15,9 @@ using Eigen::Vector3d;
 
 constexpr double kFinerThanLens = 2;
 constexpr double kShareThatMayBeCoarser = 1e-3;
-constexpr int kBorder_px = 2;             // beyond the outermost rays: interpolation reads one
+constexpr int kBorder_px = 2;         // beyond the outermost patches: interpolation reads one
+constexpr double kWidestPatch = 0.1;  // on the plane one before a face: at a fold a pixel sees far and wide
+constexpr int kMostAcross = 16;       // of a patch: farther apart than a pixel where it is larger
 constexpr double kLeastForward = 0.2588;  // cos 75 deg: a plane grows with the tangent
 // What a face costs beside its pixels: the geometry, in pixels that are drawn meanwhile. Measured with
 // OSMesa.
@@ -52,13 +54,34 @@ double LeastStretch(const Eigen::Matrix2d& m) {
 // A place on the plane one before the face, and how it moves with the pixel of the lens.
 struct OnPlane {
   Vector2d at;
-  double least_stretch;
+  Eigen::Matrix2d d_pixel;
 };
 OnPlane Tangent(const LensPixel& pixel, const Eigen::Matrix3d& R_VC) {
   const Vector3d ray = R_VC * pixel.ray;
   const Eigen::Matrix<double, 3, 2> d = R_VC * pixel.d_pixel;
-  const Vector2d at = ray.head<2>() / ray.z();
-  return {at, LeastStretch((d.topRows<2>() - at * d.row(2)) / ray.z())};
+  OnPlane place;
+  place.at = ray.head<2>() / ray.z();
+  place.d_pixel = (d.topRows<2>() - place.at * d.row(2)) / ray.z();
+  for (int i = 0; i < 2; ++i)
+    place.d_pixel.col(i) *= std::min(1.0, kWidestPatch / place.d_pixel.col(i).norm());
+  return place;
+}
+
+Patch PatchOf(const OnPlane& place, const Pinhole& c, std::size_t face) {
+  const auto fixed = [](double px) { return static_cast<std::int32_t>(std::lround(px * 65536)); };
+  const auto across = [](const Vector2d& side) {
+    return static_cast<std::uint8_t>(std::clamp(static_cast<int>(std::ceil(side.norm())), 1, kMostAcross));
+  };
+  const Eigen::Matrix2d d = c.fx * place.d_pixel;
+  return {static_cast<std::uint16_t>(face),
+          across(d.col(0)),
+          across(d.col(1)),
+          fixed(c.fx * place.at.x() + c.cx),
+          fixed(c.height_px - 1 - (c.fy * place.at.y() + c.cy)),
+          fixed(d(0, 0)),
+          fixed(-d(1, 0)),
+          fixed(d(0, 1)),
+          fixed(-d(1, 1))};
 }
 
 std::optional<LensFaces> Plan(const CameraModel& camera, const std::vector<LensPixel>& pixels,
@@ -73,7 +96,7 @@ std::optional<LensFaces> Plan(const CameraModel& camera, const std::vector<LensP
   for (const Eigen::Quaterniond& R_CV : layout) R_VC.push_back(R_CV.conjugate().toRotationMatrix());
 
   LensFaces plan{WidthPx(camera), HeightPx(camera), {}, 0, {}, {}};
-  plan.texels.resize(pixels.size());
+  plan.patches.resize(pixels.size());
   plan.stretch.resize(pixels.size());
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     if (!pixels[i].seen) continue;
@@ -86,14 +109,15 @@ std::optional<LensFaces> Plan(const CameraModel& camera, const std::vector<LensP
     if (forward < kLeastForward) return std::nullopt;
     const OnPlane place = Tangent(pixels[i], R_VC[nearest]);
     Use& use = uses[nearest];
-    use.least = use.least.cwiseMin(place.at);
-    use.most = use.most.cwiseMax(place.at);
-    use.stretches.push_back(static_cast<float>(place.least_stretch));
-    plan.texels[i].face = static_cast<std::uint32_t>(nearest);
+    const Vector2d reach = place.d_pixel.cwiseAbs().rowwise().sum() / 2;
+    use.least = use.least.cwiseMin(place.at - reach);
+    use.most = use.most.cwiseMax(place.at + reach);
+    use.stretches.push_back(static_cast<float>(LeastStretch(place.d_pixel)));
+    plan.patches[i].face = static_cast<std::uint16_t>(nearest);
     plan.stretch[i] = static_cast<float>(1 / forward);
   }
 
-  std::vector<std::uint32_t> index(layout.size());
+  std::vector<std::size_t> index(layout.size());
   for (std::size_t k = 0; k < layout.size(); ++k) {
     Use& use = uses[k];
     if (use.stretches.empty()) continue;
@@ -106,7 +130,7 @@ std::optional<LensFaces> Plan(const CameraModel& camera, const std::vector<LensP
                               (max_side_px - 2 * kBorder_px - 2) / range.maxCoeff());
     const Vector2d size = (f * range).array().ceil() + 1 + 2 * kBorder_px;
     const Vector2d middle = Vector2d::Constant(kBorder_px) - f * use.least;
-    index[k] = static_cast<std::uint32_t>(plan.faces.size());
+    index[k] = plan.faces.size();
     plan.faces.push_back(
         {layout[k],
          {static_cast<int>(size.x()), static_cast<int>(size.y()), f, f, middle.x(), middle.y()},
@@ -116,20 +140,8 @@ std::optional<LensFaces> Plan(const CameraModel& camera, const std::vector<LensP
 
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     if (!pixels[i].seen) continue;
-    Texel& texel = plan.texels[i];
-    const Vector3d ray = R_VC[texel.face] * pixels[i].ray;
-    texel.face = index[texel.face];
-    const Face& face = plan.faces[texel.face];
-    const Pinhole& c = face.camera;
-    const double x = c.fx * ray.x() / ray.z() + c.cx;
-    const double y = c.height_px - 1 - (c.fy * ray.y() / ray.z() + c.cy);
-    // The nearest 65536th, with care that it does not become a whole.
-    const auto fixed_x = static_cast<std::int64_t>(std::lround(x * 65536));
-    const auto fixed_y = static_cast<std::int64_t>(std::lround(y * 65536));
-    texel.at = static_cast<std::uint32_t>(face.first + static_cast<std::size_t>(fixed_y >> 16) * c.width_px +
-                                          static_cast<std::size_t>(fixed_x >> 16));
-    texel.right = static_cast<std::uint16_t>(fixed_x & 0xFFFF);
-    texel.up = static_cast<std::uint16_t>(fixed_y & 0xFFFF);
+    const std::size_t k = plan.patches[i].face;
+    plan.patches[i] = PatchOf(Tangent(pixels[i], R_VC[k]), plan.faces[index[k]].camera, index[k]);
   }
   return plan;
 }
@@ -145,11 +157,13 @@ std::optional<LensFaces> OnlyFace(const CameraModel& camera) {
   LensFaces lens{c->width_px, c->height_px, {{Eigen::Quaterniond::Identity(), *c, 0}}, 0, {}, {}};
   for (int v = 0; v < c->height_px; ++v) {
     for (int u = 0; u < c->width_px; ++u) {
-      lens.texels.push_back({static_cast<std::uint32_t>((c->height_px - 1 - v) * c->width_px + u), 0, 0, 0});
+      Patch& patch = lens.patches.emplace_back();
+      patch.face = 0;
+      patch.x = u << 16, patch.y = (c->height_px - 1 - v) << 16;
       lens.stretch.push_back(static_cast<float>(1 / c->Ray(Vector2d(u, v))->z()));
     }
   }
-  lens.pixels = lens.texels.size();
+  lens.pixels = lens.patches.size();
   return lens;
 }
 

@@ -19,20 +19,21 @@ struct Face {
   std::size_t first = 0;    // where its first pixel lies when all faces lie in one array
 };
 
-// Where a pixel of the lens lies in the faces: between four of their pixels.
-struct Texel {
-  static constexpr std::uint32_t kOutside = ~std::uint32_t{0};
-  std::uint32_t at =
-      kOutside;  // the one to the lower left, in the array of all faces; rows go up, as in OpenGL
-  std::uint16_t right = 0, up = 0;  // how far from it, in 65536ths of a pixel
-  std::uint32_t face = 0;
+// The part of a face that a pixel of the lens shows: a parallelogram. Places are in 65536ths of a pixel of
+// the face, from the middle of its lower left pixel; rows go up, as in OpenGL.
+struct Patch {
+  static constexpr std::uint16_t kOutside = 0xFFFF;
+  std::uint16_t face = kOutside;                    // of a pixel outside the lens: none
+  std::uint8_t across_u = 1, across_v = 1;          // face pixels along its sides, rounded up
+  std::int32_t x = 0, y = 0;                        // its middle
+  std::int32_t u_x = 0, u_y = 0, v_x = 0, v_y = 0;  // its sides: one pixel of the lens further
 };
 
 struct LensFaces {
   int width_px = 0, height_px = 0;  // of the lens's image
   std::vector<Face> faces;
   std::size_t pixels = 0;      // of all faces
-  std::vector<Texel> texels;   // one for each pixel of the lens, row by row
+  std::vector<Patch> patches;  // one for each pixel of the lens, row by row
   std::vector<float> stretch;  // of each: the distance along its ray for a depth of 1 in its face
 };
 

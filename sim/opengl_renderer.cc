@@ -18,8 +18,9 @@ namespace kestrel {
 namespace {
 
 constexpr DepthRange kVisible{0.02, 500};
-// For the depth buffer: its steps grow with z^2 / near, so one for 2 cm would know 500 m to a metre only.
-constexpr DepthRange kNearPart{0.02, 4.001}, kFarPart{4, 500};
+// For depth, far ones first. The steps of a depth buffer grow with z^2 / near: one for all would know 500 m
+// to a metre only.
+constexpr std::array<DepthRange, 3> kDepthParts{{{12, 500}, {0.5, 12.01}, {0.02, 0.501}}};
 constexpr int kMaxSide_px = 8192;
 constexpr int kSceneRoom = 2000;  // drawn things beyond the geoms of the model
 constexpr int kBandRows = 16;
@@ -90,18 +91,28 @@ void MoveBetween(const Between& b, mjvGeom& geom) {
   for (int i = 0; i < 9; ++i) geom.mat[i] = static_cast<float>(R.data()[i]);
 }
 
-// Blue, green, red between four pixels of a face that are red, green, blue.
-cv::Vec3b Interpolated(const unsigned char* rgb, const Texel& texel, int width_px) {
-  const unsigned char* const low = rgb + 3 * static_cast<std::size_t>(texel.at);
-  const unsigned char* const high = low + 3 * static_cast<std::size_t>(width_px);
-  const std::uint32_t right = texel.right, up = texel.up, left = 65536 - right, down = 65536 - up;
-  cv::Vec3b bgr;
-  for (int i = 0; i < 3; ++i) {
-    const std::uint32_t below = (left * low[i] + right * low[i + 3]) >> 8;  // in 256ths of a grey level
-    const std::uint32_t above = (left * high[i] + right * high[i + 3]) >> 8;
-    bgr[2 - i] = static_cast<unsigned char>((down * below + up * above + (1u << 23)) >> 24);
+// The mean over a patch, in blue, green, red: interpolated at as many places as it is pixels across.
+// rgb: of its face.
+cv::Vec3b Mean(const unsigned char* rgb, int width_px, const Patch& patch) {
+  const int n_u = patch.across_u, n_v = patch.across_v;
+  std::uint32_t sum[3] = {};
+  for (int j = 0; j < n_v; ++j) {
+    for (int i = 0; i < n_u; ++i) {
+      const int x =
+          patch.x + (patch.u_x * (2 * i + 1 - n_u)) / (2 * n_u) + (patch.v_x * (2 * j + 1 - n_v)) / (2 * n_v);
+      const int y =
+          patch.y + (patch.u_y * (2 * i + 1 - n_u)) / (2 * n_u) + (patch.v_y * (2 * j + 1 - n_v)) / (2 * n_v);
+      const std::uint32_t right = (x >> 8) & 255, up = (y >> 8) & 255, left = 256 - right, down = 256 - up;
+      const unsigned char* const low =
+          rgb + 3 * (static_cast<std::ptrdiff_t>(y >> 16) * width_px + (x >> 16));
+      const unsigned char* const high = low + 3 * width_px;
+      for (int k = 0; k < 3; ++k)
+        sum[k] += down * (left * low[k] + right * low[k + 3]) + up * (left * high[k] + right * high[k + 3]);
+    }
   }
-  return bgr;
+  const std::uint32_t all = static_cast<std::uint32_t>(n_u * n_v) << 16;
+  const auto mean = [&](std::uint32_t s) { return static_cast<unsigned char>((s + all / 2) / all); };
+  return {mean(sum[2]), mean(sum[1]), mean(sum[0])};
 }
 
 void Check(const CameraModel& camera, const RenderOptions& options) {
@@ -224,12 +235,11 @@ void OpenGlRenderer::Draw(const Face& face, DepthRange range) {
 }
 
 void OpenGlRenderer::DrawRows(Rows rows, cv::Mat& image) {
-  const Texel* const texels = lens_.texels.data();
   const auto begin = static_cast<std::ptrdiff_t>(rows.first) * lens_.width_px;
   const auto end = static_cast<std::ptrdiff_t>(rows.end) * lens_.width_px;
   std::vector<bool> used(lens_.faces.size());
   for (std::ptrdiff_t i = begin; i < end; ++i)
-    if (texels[i].at != Texel::kOutside) used[texels[i].face] = true;
+    if (lens_.patches[i].face != Patch::kOutside) used[lens_.patches[i].face] = true;
   for (std::size_t k = 0; k < lens_.faces.size(); ++k) {
     if (!used[k]) continue;
     const Face& face = lens_.faces[k];
@@ -245,11 +255,12 @@ void OpenGlRenderer::DrawRows(Rows rows, cv::Mat& image) {
     return;
   }
   for (std::ptrdiff_t i = begin; i < end; ++i) {
-    const Texel& texel = texels[i];
+    const Patch& patch = lens_.patches[i];
     cv::Vec3b& pixel = reinterpret_cast<cv::Vec3b*>(image.data)[i];
-    pixel = texel.at == Texel::kOutside
-                ? cv::Vec3b()
-                : Interpolated(rgb_.data(), texel, lens_.faces[texel.face].camera.width_px);
+    pixel = cv::Vec3b();
+    if (patch.face == Patch::kOutside) continue;
+    const Face& face = lens_.faces[patch.face];
+    pixel = Mean(rgb_.data() + 3 * face.first, face.camera.width_px, patch);
   }
 }
 
@@ -289,7 +300,7 @@ Surfaces OpenGlRenderer::See(const mjData* data, const Pose& X_NC) {
   std::vector<float> inverse_depth(lens_.pixels), depth(lens_.pixels);
   for (const Face& face : lens_.faces) {
     const mjrRect whole{0, 0, face.camera.width_px, face.camera.height_px};
-    for (const DepthRange& range : {kFarPart, kNearPart}) {
+    for (const DepthRange& range : kDepthParts) {
       Draw(face, range);
       mjr_readPixels(rgb_.data() + 3 * face.first, depth.data() + face.first, whole, &gpu_);
       const std::size_t end = face.first + static_cast<std::size_t>(whole.width) * whole.height;
@@ -306,20 +317,21 @@ Surfaces OpenGlRenderer::See(const mjData* data, const Pose& X_NC) {
 
   Surfaces seen{cv::Mat(lens_.height_px, lens_.width_px, CV_32F),
                 cv::Mat(lens_.height_px, lens_.width_px, CV_32S)};
-  for (std::size_t i = 0; i < lens_.texels.size(); ++i) {
-    const Texel& texel = lens_.texels[i];
+  for (std::size_t i = 0; i < lens_.patches.size(); ++i) {
+    const Patch& patch = lens_.patches[i];
     float& distance = seen.depth_m.ptr<float>()[i];
     int& geom = seen.geom.ptr<int>()[i];
-    if (texel.at == Texel::kOutside) {
+    if (patch.face == Patch::kOutside) {
       distance = std::numeric_limits<float>::quiet_NaN();
       geom = -2;
       continue;
     }
-    const std::size_t row = lens_.faces[texel.face].camera.width_px;
-    const bool has_right = texel.right > 0, has_up = texel.up > 0;  // not beyond the last row or column
-    const std::size_t low = texel.at, high = low + (has_up ? row : 0);
-    const double right = texel.right / 65536.0, up = texel.up / 65536.0;
-    const std::array<std::size_t, 4> four{low, low + has_right, high, high + has_right};
+    const Face& face = lens_.faces[patch.face];
+    const double right = (patch.x & 0xFFFF) / 65536.0, up = (patch.y & 0xFFFF) / 65536.0;
+    const std::size_t row = face.camera.width_px;
+    const std::size_t low = face.first + (patch.y >> 16) * row + (patch.x >> 16);
+    const std::size_t high = low + (up > 0 ? row : 0);  // not beyond the last row or column
+    const std::array<std::size_t, 4> four{low, low + (right > 0), high, high + (right > 0)};
     const std::size_t nearest = four[(right >= 0.5) + 2 * (up >= 0.5)];
     geom = ids[nearest];
     if (geom < 0) {

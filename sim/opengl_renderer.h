@@ -40,8 +40,8 @@ class OpenGlRenderer {
   // See Renderer. Where rows are exposed one after the other, bands of 16 share the times of their middle.
   cv::Mat Render(const mjData* data, const Pose& X_NC);
   cv::Mat Render(std::span<const Instant> instants, const Shutter& shutter);
-  // Depth is that of OpenGL's depth buffer, drawn in two parts, near and far: good to 1e-5 of itself and 3
-  // mm. What light shines through counts like any other thing.
+  // Depth is that of the depth buffer: good to 1e-4 of itself, but at the edge of a thing seen aslant only to
+  // half a pixel of a face. What light shines through counts like any other thing.
   Surfaces See(const mjData* data, const Pose& X_NC);
 
   // The backend, what draws, and its version.

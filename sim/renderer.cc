@@ -2,21 +2,33 @@
 #include "sim/renderer.h"
 
 #include "sim/opengl_renderer.h"
+#include "sim/ray_renderer.h"
 
 namespace kestrel {
 
-Renderer::Renderer(const mjModel* model, const CameraModel& camera, const RenderOptions& options)
-    : opengl_(std::make_unique<OpenGlRenderer>(model, camera, options)) {}
+Renderer::Renderer(const mjModel* model, const CameraModel& camera, const RenderOptions& options) {
+  if (options.backend == "ray" || options.backend == "auto") {
+    by_ = std::make_unique<RayRenderer>(model, camera, options);
+  } else {
+    by_ = std::make_unique<OpenGlRenderer>(model, camera, options);
+  }
+}
 Renderer::~Renderer() = default;
 
-cv::Mat Renderer::Render(const mjData* data, const Pose& X_NC) { return opengl_->Render(data, X_NC); }
-
-cv::Mat Renderer::Render(std::span<const Instant> instants, const Shutter& shutter) {
-  return opengl_->Render(instants, shutter);
+cv::Mat Renderer::Render(const mjData* data, const Pose& X_NC) {
+  return std::visit([&](auto& r) { return r->Render(data, X_NC); }, by_);
 }
 
-Surfaces Renderer::See(const mjData* data, const Pose& X_NC) { return opengl_->See(data, X_NC); }
+cv::Mat Renderer::Render(std::span<const Instant> instants, const Shutter& shutter) {
+  return std::visit([&](auto& r) { return r->Render(instants, shutter); }, by_);
+}
 
-const std::string& Renderer::name() const { return opengl_->name(); }
+Surfaces Renderer::See(const mjData* data, const Pose& X_NC) {
+  return std::visit([&](auto& r) { return r->See(data, X_NC); }, by_);
+}
+
+const std::string& Renderer::name() const {
+  return std::visit([](auto& r) -> const std::string& { return r->name(); }, by_);
+}
 
 }  // namespace kestrel

@@ -15,18 +15,21 @@
 namespace kestrel {
 
 class OpenGlRenderer;
+class RayRenderer;
 
 struct RenderOptions {
-  std::string backend = "auto";  // see MakeGlContext
+  std::string backend = "auto";  // ray; or OpenGL by osmesa or egl; auto: ray
   bool shadows = false;
-  int samples = 0;  // for each pixel, to smooth edges; 0: none
+  int samples = 0;  // OpenGL: for each pixel, to smooth edges; 0: none
+  int threads = 1;  // ray: 0: as many as the machine has cores. The picture is the same.
 };
 
 template <class Visitor>
 void Fields(Visitor& v, RenderOptions& o) {
-  v("backend", o.backend, {"auto", "osmesa", "egl"});
+  v("backend", o.backend, {"auto", "ray", "osmesa", "egl"});
   v("shadows", o.shadows);
   v("samples", o.samples, 0, 16);
+  v("threads", o.threads, 0, 256);
 }
 
 // The world and the camera in it at one instant. Positions and lights of data are computed (mj_kinematics and
@@ -72,7 +75,7 @@ class Renderer {
   const std::string& name() const;
 
  private:
-  std::unique_ptr<OpenGlRenderer> opengl_;
+  std::variant<std::unique_ptr<RayRenderer>, std::unique_ptr<OpenGlRenderer>> by_;
 };
 
 }  // namespace kestrel

@@ -1,0 +1,447 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/ray/kernel.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <vector>
+
+// Compiled once for each of AVX-512, AVX2 and SSSE3, which is the least that Highway has for x86-64.
+#define HWY_DISABLED_TARGETS (HWY_SSE4 | HWY_AVX3_DL)
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "sim/ray/kernel.cc"
+#include <hwy/foreach_target.h>
+// After foreach_target.
+#include <hwy/highway.h>
+
+#include "sim/ray/surface-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace kestrel::ray::HWY_NAMESPACE {
+namespace {
+
+constexpr std::uint32_t kOutside = 0x7fffffff;  // codes of a pixel
+constexpr std::uint32_t kAlwaysSmooth = 0x80000000;
+
+// The things that a tile may see.
+struct Seen {
+  std::vector<int> opaque, transparent;
+  bool thin = false;  // some are so thin that a pixel's ray may miss them
+};
+
+// A rod or a dot less than about two pixels wide.
+bool IsThin(const Slice& slice, int index) {
+  const Thing& thing = slice.things->all[index];
+  if (thing.type == mjGEOM_PLANE || thing.triangles) return false;
+  Eigen::Vector3f half = thing.box_half;
+  std::sort(half.data(), half.data() + 3);
+  const float nearest = std::max(slice.placement->things[index].distance - thing.box_half.norm(), 0.0f);
+  return half[1] < slice.lens->pixel_rad * nearest;
+}
+
+void ListSeen(const Slice& slice, int tile_column, Seen& seen) {
+  seen.opaque.clear();
+  seen.transparent.clear();
+  seen.thin = false;
+  const std::uint64_t* words = slice.seen + static_cast<std::ptrdiff_t>(tile_column) * slice.words;
+  for (int w = 0; w < slice.words; ++w) {
+    for (std::uint64_t bits = words[w]; bits != 0; bits &= bits - 1) {
+      const int i = 64 * w + std::countr_zero(bits);
+      if (slice.placement->things[i].transparent) continue;
+      seen.opaque.push_back(i);
+      seen.thin = seen.thin || IsThin(slice, i);
+    }
+  }
+  for (const int i : slice.placement->transparent) {
+    if (!(words[i / 64] >> (i % 64) & 1)) continue;
+    seen.transparent.push_back(i);
+    seen.thin = seen.thin || IsThin(slice, i);
+  }
+}
+
+HWY_INLINE Hit Trace(const Slice& slice, const Seen& seen, const Vec3& d_C, TriangleHits& triangles) {
+  Hit hit{F(kNone), hn::Set(di, -1)};
+  for (const int i : seen.opaque) {
+    const Thing& thing = slice.things->all[i];
+    const Placed& placed = slice.placement->things[i];
+    TriangleHits own;
+    const VF t = Enter(thing, thing.size, Load3(placed.o), Rotate(placed.R, d_C), own);
+    const MF nearer = hn::Lt(t, hit.t);
+    hit.t = hn::IfThenElse(nearer, t, hit.t);
+    hit.thing = hn::IfThenElse(hn::RebindMask(di, nearer), hn::Set(di, i), hit.thing);
+    if (thing.triangles) {
+      const auto keep = [&](const auto& from, auto& to, auto d) {
+        hn::Store(hn::IfThenElse(hn::RebindMask(d, nearer), hn::Load(d, from), hn::Load(d, to)), d, to);
+      };
+      const hn::RebindToUnsigned<DF> du;
+      keep(own.face, triangles.face, du);
+      keep(own.u, triangles.u, df);
+      keep(own.v, triangles.v, df);
+    }
+  }
+  return hit;
+}
+
+struct Picture {
+  Colours colour;
+  VI code;
+};
+
+// Shades what is opaque, or the sky (index -1).
+HWY_INLINE void ShadeHit(const Slice& slice, int index, const Rays& rays, VF t, const TriangleHits& triangles,
+                         MF wanted, Surface& surface) {
+  if (index < 0) return ShadeSky(slice, rays, wanted, surface);
+  Shade(slice, index, rays, t, triangles, wanted, surface);
+  if (slice.things->all[index].triangles) {
+    // What is in front of itself shows by a leap of the distance.
+    const VF octave = hn::Mul(F(4), Log2(hn::IfThenElse(wanted, t, F(1))));
+    const VI leap = hn::And(hn::ConvertTo(di, hn::Floor(octave)), hn::Set(di, 255));
+    surface.side = hn::Or(surface.side, hn::ShiftLeft<9>(leap));
+  }
+}
+
+HWY_INLINE VI CodeOf(const Surface& surface, int index) {
+  return hn::Add(hn::ShiftLeft<12>(surface.side), hn::Set(di, index + 1));
+}
+
+// Colours of a packet: what is opaque, the sky behind, haze, what is transparent.
+HWY_NOINLINE Picture Look(const Slice& slice, const Seen& seen, const Rays& rays, const Hit& hit,
+                          const TriangleHits& triangles, MF wanted) {
+  Picture picture{{hn::Zero(df), hn::Zero(df), hn::Zero(df)}, hn::Zero(di)};
+  alignas(64) std::int32_t index[kLanes];
+  hn::Store(hit.thing, di, index);
+  Surface surface;
+  MF left = wanted;
+  while (!hn::AllFalse(df, left)) {
+    const int i = index[hn::FindFirstTrue(df, left)];
+    const MF here = hn::And(left, hn::RebindMask(df, hn::Eq(hit.thing, hn::Set(di, i))));
+    left = hn::AndNot(here, left);
+    ShadeHit(slice, i, rays, hit.t, triangles, here, surface);
+    const Colours c = Finish(surface);
+    picture.colour = {hn::IfThenElse(here, c.r, picture.colour.r),
+                      hn::IfThenElse(here, c.g, picture.colour.g),
+                      hn::IfThenElse(here, c.b, picture.colour.b)};
+    picture.code = hn::IfThenElse(hn::RebindMask(di, here), CodeOf(surface, i), picture.code);
+  }
+  if (slice.things->haze.thing >= 0) picture.colour = Hazed(slice, rays, hit.t, picture.colour);
+
+  // As MuJoCo draws them: all from front to back, then all from back to front.
+  const int layers = static_cast<int>(seen.transparent.size());
+  for (int k = 0; k < 2 * layers; ++k) {
+    const int i = seen.transparent[k < layers ? k : 2 * layers - 1 - k];
+    const Thing& thing = slice.things->all[i];
+    const Placed& placed = slice.placement->things[i];
+    TriangleHits own;
+    const VF t = Enter(thing, thing.size, Load3(placed.o), Rotate(placed.R, rays.d), own);
+    const MF here = hn::And(wanted, hn::Lt(t, hit.t));
+    if (hn::AllFalse(df, here)) continue;
+    Shade(slice, i, rays, t, own, here, surface);
+    picture.colour = Over(Finish(surface), F(placed.alpha), picture.colour, here);
+    const VI mark = hn::Set(di, static_cast<std::int32_t>((i + 1) * 0x9e3779b1u & 0x0fffffff));
+    picture.code = hn::Add(picture.code, hn::IfThenElseZero(hn::RebindMask(di, here), mark));
+  }
+  picture.code = hn::And(picture.code, hn::Set(di, 0x3fffffff));
+  return picture;
+}
+
+// Of a colour, which is in 0 to 255 by its making.
+HWY_INLINE VI Rounded(VF colour) { return hn::NearestInt(colour); }
+
+HWY_INLINE Rays RaysAt(const Lens& lens, std::ptrdiff_t at) {
+  const auto load = [&](std::ptrdiff_t i) {
+    return Vec3{hn::LoadU(df, lens.x.get() + i), hn::LoadU(df, lens.y.get() + i),
+                hn::LoadU(df, lens.z.get() + i)};
+  };
+  Rays rays;
+  rays.d = load(at);
+  rays.du = load(at + 1) - rays.d;
+  rays.dv = load(at + lens.stride) - rays.d;
+  return rays;
+}
+
+HWY_INLINE MF InsideAt(const Lens& lens, std::ptrdiff_t at) {
+  const hn::Rebind<std::uint8_t, DF> d8;
+  return hn::RebindMask(df, hn::Ne(hn::PromoteTo(di, hn::LoadU(d8, lens.inside.get() + at)), hn::Zero(di)));
+}
+
+// Rays that pass so near a thin thing that it covers part of their pixel.
+MF NearThin(const Slice& slice, const Seen& seen, const Vec3& d) {
+  MF near = hn::Lt(F(1), F(0));
+  TriangleHits unused;
+  const auto add = [&](int i) {
+    if (!IsThin(slice, i)) return;
+    const Thing& thing = slice.things->all[i];
+    const Placed& placed = slice.placement->things[i];
+    const float room = slice.lens->pixel_rad * (placed.distance + thing.box_half.norm());
+    const Eigen::Vector3f wider = thing.size + Eigen::Vector3f::Constant(room);
+    near = hn::Or(near, hn::Lt(Enter(thing, wider, Load3(placed.o), Rotate(placed.R, d), unused), F(kFar)));
+  };
+  for (const int i : seen.opaque) add(i);
+  for (const int i : seen.transparent) add(i);
+  return near;
+}
+
+const char* Name() { return hwy::TargetName(HWY_TARGET); }
+
+void CullImpl(const Slice& slice, int tile_row) {
+  const Lens& lens = *slice.lens;
+  std::fill(slice.seen, slice.seen + static_cast<std::ptrdiff_t>(lens.tiles_x) * slice.words, 0);
+  const int first = tile_row * lens.tiles_x;
+  for (std::size_t i = 0; i < slice.things->all.size(); ++i) {
+    const Thing& thing = slice.things->all[i];
+    const Placed& placed = slice.placement->things[i];
+    for (int c = 0; c < lens.tiles_x; c += kLanes) {
+      const auto load = [&](const Aligned<float>& v) { return hn::LoadU(df, v.get() + first + c); };
+      const Vec3 axis{load(lens.axis_x), load(lens.axis_y), load(lens.axis_z)};
+      const MF may = MayMeet(thing, placed, axis, load(lens.reach));
+      for (std::uint32_t bits = BitsOf(may); bits != 0; bits &= bits - 1) {
+        const int column = c + std::countr_zero(bits);
+        if (column >= lens.tiles_x) break;
+        slice.seen[static_cast<std::ptrdiff_t>(column) * slice.words + static_cast<std::ptrdiff_t>(i / 64)] |=
+            std::uint64_t{1} << (i % 64);
+      }
+    }
+  }
+}
+
+// A packet of a row that shows one thing alone, planned but not yet fetched.
+struct Job {
+  Surface surface;
+  alignas(64) std::int32_t mixed[4 * kLanes];
+  MF inside;
+  std::uint8_t* to = nullptr;
+  int pixels = 0;
+};
+
+HWY_INLINE void StorePixels(const Colours& colour, MF inside, int pixels, std::uint8_t* to) {
+  const hn::Rebind<std::uint8_t, DF> d8;
+  const auto bytes = [&](VF c) {
+    return hn::U8FromU32(hn::BitCast(hn::RebindToUnsigned<DF>(), Rounded(hn::IfThenElseZero(inside, c))));
+  };
+  if (pixels >= kLanes)
+    return hn::StoreInterleaved3(bytes(colour.b), bytes(colour.g), bytes(colour.r), d8, to);
+  std::uint8_t last[3 * kLanes + 16];
+  hn::StoreInterleaved3(bytes(colour.b), bytes(colour.g), bytes(colour.r), d8, last);
+  std::memcpy(to, last, 3 * static_cast<std::size_t>(pixels));
+}
+
+void DrawRowsImpl(const Slice& slice, int begin, int end, const Canvas& canvas) {
+  const Lens& lens = *slice.lens;
+  const int tile_row = begin / Lens::kTile;
+  std::vector<Seen> seen(lens.tiles_x);
+  for (int column = 0; column < lens.tiles_x; ++column) ListSeen(slice, column, seen[column]);
+  const auto jobs =
+      hwy::MakeUniqueAlignedArray<Job>(static_cast<std::size_t>(lens.tiles_x) * (Lens::kTile / kLanes));
+  // Row by row, as the table and the image lie in memory.
+  for (int v = begin; v < end; ++v) {
+    int planned = 0;
+    for (int column = 0; column < lens.tiles_x; ++column) {
+      const int u0 = column * Lens::kTile;
+      std::uint8_t* row = canvas.bgr + v * canvas.step + 3 * static_cast<std::size_t>(u0);
+      std::uint32_t* codes = canvas.code + static_cast<std::ptrdiff_t>(v) * lens.stride + u0;
+      std::uint32_t& common = canvas.common[static_cast<std::ptrdiff_t>(v) * lens.tiles_x + column];
+      common = Canvas::kMixed;
+      if (lens.reach[tile_row * lens.tiles_x + column] < 0) {
+        std::memset(row, 0, 3 * static_cast<std::size_t>(std::min(Lens::kTile, lens.width - u0)));
+        std::fill(codes, codes + Lens::kTile, kOutside);
+        common = kOutside;
+        continue;
+      }
+      const Seen& here = seen[column];
+      auto differ = hn::Ne(hn::Zero(di), hn::Zero(di));
+      VI reference = hn::Zero(di);
+      for (int k = 0; k < Lens::kTile && u0 + k < lens.width; k += kLanes) {
+        const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(v) * lens.stride + u0 + k;
+        const int pixels = std::min(kLanes, lens.width - u0 - k);
+        const MF inside = InsideAt(lens, at);
+        if (hn::AllFalse(df, inside)) {
+          std::memset(row + 3 * k, 0, 3 * static_cast<std::size_t>(pixels));
+          std::fill(codes + k, codes + k + kLanes, kOutside);
+          continue;
+        }
+        const Rays rays = RaysAt(lens, at);
+        TriangleHits triangles;
+        Hit hit = Trace(slice, here, rays.d, triangles);
+        EndPlane(slice, rays.d, hit);
+        VI code;
+        alignas(64) std::int32_t index[kLanes];
+        hn::Store(hit.thing, di, index);
+        const int first = index[hn::FindFirstTrue(df, inside)];
+        const bool alone = hn::AllTrue(
+            df, hn::Or(hn::RebindMask(df, hn::Eq(hit.thing, hn::Set(di, first))), hn::Not(inside)));
+        if (alone && here.transparent.empty() && slice.things->haze.thing < 0) {
+          Job& job = jobs[planned++];
+          ShadeHit(slice, first, rays, hit.t, triangles, inside, job.surface);
+          job.inside = inside;
+          job.to = row + 3 * k;
+          job.pixels = pixels;
+          code = hn::And(CodeOf(job.surface, first), hn::Set(di, 0x3fffffff));
+        } else {
+          const Picture picture = Look(slice, here, rays, hit, triangles, inside);
+          StorePixels(picture.colour, inside, pixels, row + 3 * k);
+          code = picture.code;
+        }
+        code = hn::IfThenElse(hn::RebindMask(di, inside), code,
+                              hn::Set(di, static_cast<std::int32_t>(kOutside)));
+        if (here.thin) {
+          const MF always = hn::And(inside, NearThin(slice, here, rays.d));
+          code = hn::Or(code, hn::IfThenElseZero(hn::RebindMask(di, always),
+                                                 hn::Set(di, static_cast<std::int32_t>(kAlwaysSmooth))));
+        }
+        hn::StoreU(code, di, reinterpret_cast<std::int32_t*>(codes + k));
+        if (k == 0) reference = hn::Set(di, hn::GetLane(code));
+        differ = hn::Or(differ, hn::Ne(code, reference));
+      }
+      if (hn::AllFalse(di, differ)) common = codes[0];
+    }
+    for (int i = 0; i < planned; ++i)
+      if (jobs[i].surface.fetch.texels) Mix(jobs[i].surface.fetch, jobs[i].mixed);
+    for (int i = 0; i < planned; ++i) {
+      const Job& job = jobs[i];
+      const Colours& lit = job.surface.lit;
+      StorePixels(job.surface.fetch.texels ? Tinted(lit, job.mixed) : lit, job.inside, job.pixels, job.to);
+    }
+  }
+}
+
+// Sixteen places in a pixel, each in a column and a row of its own.
+constexpr int kSubpixels = 16;
+alignas(64) constexpr float kAcross[kSubpixels] = {
+    -15 / 32.f, -13 / 32.f, -11 / 32.f, -9 / 32.f, -7 / 32.f, -5 / 32.f, -3 / 32.f, -1 / 32.f,
+    1 / 32.f,   3 / 32.f,   5 / 32.f,   7 / 32.f,  9 / 32.f,  11 / 32.f, 13 / 32.f, 15 / 32.f};
+alignas(64) constexpr float kDown[kSubpixels] = {
+    -15 / 32.f, 1 / 32.f, -7 / 32.f, 9 / 32.f,  -11 / 32.f, 5 / 32.f, -3 / 32.f, 13 / 32.f,
+    -13 / 32.f, 3 / 32.f, -5 / 32.f, 11 / 32.f, -9 / 32.f,  7 / 32.f, -1 / 32.f, 15 / 32.f};
+
+void SmoothPixel(const Slice& slice, const Seen& seen, std::ptrdiff_t at, std::uint8_t* bgr) {
+  const Lens& lens = *slice.lens;
+  const auto ray = [&](std::ptrdiff_t i) { return Vec3{F(lens.x[i]), F(lens.y[i]), F(lens.z[i])}; };
+  const Vec3 middle = ray(at), across = ray(at + 1) - middle, down = ray(at + lens.stride) - middle;
+  const MF all = hn::Eq(middle.x, middle.x);
+  float sum[3] = {};
+  for (int k = 0; k < kSubpixels; k += kLanes) {
+    Rays rays;
+    rays.d = Along(Along(middle, hn::Load(df, kAcross + k), across), hn::Load(df, kDown + k), down);
+    rays.du = Scale(across, F(0.5f));
+    rays.dv = Scale(down, F(0.5f));
+    TriangleHits triangles;
+    Hit hit = Trace(slice, seen, rays.d, triangles);
+    EndPlane(slice, rays.d, hit);
+    const Colours c = Look(slice, seen, rays, hit, triangles, all).colour;
+    sum[0] += hn::GetLane(hn::SumOfLanes(df, c.b));
+    sum[1] += hn::GetLane(hn::SumOfLanes(df, c.g));
+    sum[2] += hn::GetLane(hn::SumOfLanes(df, c.r));
+  }
+  for (int k = 0; k < 3; ++k)
+    bgr[k] = static_cast<std::uint8_t>(std::lround(std::clamp(sum[k] / kSubpixels, 0.0f, 255.0f)));
+}
+
+void SmoothRowImpl(const Slice& slice, int v, const Canvas& canvas) {
+  const Lens& lens = *slice.lens;
+  const std::uint32_t* row = canvas.code + static_cast<std::ptrdiff_t>(v) * lens.stride;
+  const std::uint32_t* above = v > 0 ? row - lens.stride : row;
+  const std::uint32_t* below = v + 1 < lens.height ? row + lens.stride : row;
+  Seen seen;
+  const auto load = [&](const std::uint32_t* p) {
+    return hn::LoadU(di, reinterpret_cast<const std::int32_t*>(p));
+  };
+  const VI outside = hn::Set(di, static_cast<std::int32_t>(kOutside));
+  const std::uint32_t* common = canvas.common + static_cast<std::ptrdiff_t>(v) * lens.tiles_x;
+  for (int column = 0; column < lens.tiles_x; ++column) {
+    const int left = column * Lens::kTile, right = left + Lens::kTile;
+    const std::uint32_t one = common[column];
+    if (one < kAlwaysSmooth && above[left] == one && below[left] == one &&
+        (v == 0 || common[column - lens.tiles_x] == one) &&
+        (v + 1 == lens.height || common[column + lens.tiles_x] == one) &&
+        (left == 0 || row[left - 1] == one) && (right >= lens.width || row[right] == one)) {
+      continue;
+    }
+    bool listed = false;
+    for (int k = 0; k < Lens::kTile; k += kLanes) {
+      const int u = column * Lens::kTile + k;
+      if (u >= lens.width) break;
+      const VI coded = load(row + u);
+      const VI own = hn::And(coded, outside);  // without the top bit
+      const auto differs = [&](const std::uint32_t* other) {
+        const VI o = hn::And(load(other), outside);
+        return hn::And(hn::Ne(own, o), hn::Ne(o, outside));
+      };
+      // Left of the first pixel and right of the last there is no neighbour: compare the row with itself.
+      auto edge = hn::Or(hn::Or(differs(above + u), differs(below + u)),
+                         hn::Or(differs(row + (u > 0 ? u - 1 : u)), differs(row + u + 1)));
+      if (u == 0) {
+        alignas(64) std::uint32_t shifted[kLanes];
+        shifted[0] = row[0];
+        for (int i = 1; i < kLanes; ++i) shifted[i] = row[i - 1];
+        edge = hn::Or(edge, differs(shifted));
+      }
+      edge = hn::Or(edge, hn::Lt(coded, hn::Zero(di)));
+      edge = hn::And(edge, hn::Ne(own, outside));
+      for (std::uint32_t bits = BitsOf(hn::RebindMask(df, edge)); bits != 0; bits &= bits - 1) {
+        const int at = u + std::countr_zero(bits);
+        if (at >= lens.width) break;
+        if (!listed) ListSeen(slice, column, seen);
+        listed = true;
+        SmoothPixel(slice, seen, static_cast<std::ptrdiff_t>(v) * lens.stride + at,
+                    canvas.bgr + v * canvas.step + 3 * static_cast<std::size_t>(at));
+      }
+    }
+  }
+}
+
+void SeeRowsImpl(const Slice& slice, int begin, int end, float* depth_m, std::int32_t* geom,
+                 std::size_t stride) {
+  const Lens& lens = *slice.lens;
+  Seen seen;
+  for (int column = 0; column < lens.tiles_x; ++column) {
+    const int u0 = column * Lens::kTile;
+    ListSeen(slice, column, seen);
+    for (int v = begin; v < end; ++v) {
+      for (int k = 0; k < Lens::kTile && u0 + k < lens.width; k += kLanes) {
+        const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(v) * lens.stride + u0 + k;
+        const Rays rays = RaysAt(lens, at);
+        TriangleHits unused;
+        const Hit hit = Trace(slice, seen, rays.d, unused);
+        alignas(64) float t[kLanes];
+        alignas(64) std::int32_t thing[kLanes];
+        hn::Store(hn::Mul(hit.t, LengthOf(rays.d)), df, t);
+        hn::Store(hit.thing, di, thing);
+        for (int i = 0; i < kLanes && u0 + k + i < lens.width; ++i) {
+          const std::size_t to = v * stride + u0 + k + i;
+          const bool inside = lens.inside[at + i];
+          depth_m[to] = inside ? t[i] : std::numeric_limits<float>::quiet_NaN();
+          geom[to] = !inside ? -2 : thing[i] < 0 ? -1 : slice.things->all[thing[i]].geom;
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace kestrel::ray::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace kestrel::ray {
+
+HWY_EXPORT(Name);
+HWY_EXPORT(CullImpl);
+HWY_EXPORT(DrawRowsImpl);
+HWY_EXPORT(SmoothRowImpl);
+HWY_EXPORT(SeeRowsImpl);
+
+const char* InstructionSet() { return HWY_DYNAMIC_DISPATCH(Name)(); }
+void Cull(const Slice& slice, int tile_row) { HWY_DYNAMIC_DISPATCH(CullImpl)(slice, tile_row); }
+void DrawRows(const Slice& slice, int begin, int end, const Canvas& canvas) {
+  HWY_DYNAMIC_DISPATCH(DrawRowsImpl)(slice, begin, end, canvas);
+}
+void SmoothRow(const Slice& slice, int row, const Canvas& canvas) {
+  HWY_DYNAMIC_DISPATCH(SmoothRowImpl)(slice, row, canvas);
+}
+void SeeRows(const Slice& slice, int begin, int end, float* depth_m, std::int32_t* geom, std::size_t stride) {
+  HWY_DYNAMIC_DISPATCH(SeeRowsImpl)(slice, begin, end, depth_m, geom, stride);
+}
+
+}  // namespace kestrel::ray
+#endif

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <mujoco/mujoco.h>
+
+#include <cstdint>
+#include <vector>
+
+namespace kestrel::ray {
+
+// A picture at all sizes down to one texel, for filtering by footprint; or the six faces of a cube, in
+// OpenGL's order (+x, -x, +y, -y, +z, -z). Trilinear filtering mixes the two sizes next to the footprint,
+// four texels of each. Here they are mixed beforehand, for four footprints in each octave, so that four
+// texels do.
+//
+// A texel is four bytes: blue, green, red, 0. Every level has a border of one texel: that of the opposite
+// side where the picture repeats, the same again on the face of a cube.
+struct Pyramid {
+  static constexpr int kMostLevels = 64;
+
+  std::vector<std::uint32_t> texels;
+  int levels = 0;
+  int faces = 1;
+  std::int32_t face_stride = 0;  // from a face's texel to the same one of the next face
+  // Of each level; offset: of the texel (0, 0) of the first face. Level 0 is the picture itself, for
+  // footprints below one texel; the others are for those whose square is in one half octave each, [1, 1.5),
+  // [1.5, 2), ...
+  alignas(64) float width[kMostLevels] = {}, height[kMostLevels] = {};
+  alignas(64) std::int32_t stride[kMostLevels] = {}, offset[kMostLevels] = {};
+};
+
+// Of a texture of the model.
+Pyramid MakePyramid(const mjModel* model, int texture);
+
+}  // namespace kestrel::ray

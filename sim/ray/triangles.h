@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <embree3/rtcore.h>
+#include <mujoco/mujoco.h>
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+namespace kestrel::ray {
+
+// A mesh or a height field in its geom's frame, in an Embree scene of its own: a moving mesh needs no new
+// tree.
+class Triangles {
+ public:
+  static Triangles OfMesh(const mjModel* model, int mesh);
+  static Triangles OfHeightField(const mjModel* model, int field);
+  Triangles(Triangles&&) noexcept;
+  Triangles& operator=(Triangles&&) = delete;
+  ~Triangles();
+
+  // Of the corners of each triangle; empty: the triangle's own normal.
+  struct Corner {
+    Eigen::Vector3f normal;
+    Eigen::Vector2f st;
+  };
+  std::vector<Eigen::Vector3f> vertices;
+  std::vector<Eigen::Vector3i> faces;
+  std::vector<Corner> corners;  // three for each face
+  // Of each face: how s and t change along x, y, z.
+  std::vector<Eigen::Matrix<float, 2, 3>> st_gradient;
+  bool has_st = false;
+  Eigen::Vector3f low, high;  // bounds
+
+  RTCScene scene() const { return scene_; }
+
+ private:
+  Triangles() = default;
+  void Finish();
+  RTCDevice device_ = nullptr;
+  RTCScene scene_ = nullptr;
+};
+
+}  // namespace kestrel::ray
