@@ -110,12 +110,12 @@ struct RayRenderer::Stage {
     while (after < instants.size() && instants[after].t_s < t_s) ++after;
     if (after == 0 || after == instants.size()) {
       const std::size_t i = after == 0 ? 0 : after - 1;
-      return ray::Place(things, worlds[i], instants[i].X_NC, placement);
+      return ray::Place(things, worlds[i], instants[i].X_NC, lens.pixel_rad, placement);
     }
     const Instant &a = instants[after - 1], &b = instants[after];
     const double share = (t_s - a.t_s) / (b.t_s - a.t_s);
     ray::Place(things, ray::Interpolate(things, worlds[after - 1], worlds[after], share),
-               InterpolatePose(a.X_NC, b.X_NC, share), placement);
+               InterpolatePose(a.X_NC, b.X_NC, share), lens.pixel_rad, placement);
   }
 };
 
@@ -137,8 +137,9 @@ RayRenderer::~RayRenderer() = default;
 cv::Mat RayRenderer::Render(const mjData* data, const Pose& X_NC) {
   const ray::WorldPose world = ray::PoseOfWorld(stage_->things, data);
   cv::Mat bgr;
-  stage_->Draw(bgr, false,
-               [&](int, Placement& placement) { ray::Place(stage_->things, world, X_NC, placement); });
+  stage_->Draw(bgr, false, [&](int, Placement& placement) {
+    ray::Place(stage_->things, world, X_NC, stage_->lens.pixel_rad, placement);
+  });
   return bgr;
 }
 
@@ -167,7 +168,7 @@ Surfaces RayRenderer::See(const mjData* data, const Pose& X_NC) {
   const ray::WorldPose world = ray::PoseOfWorld(s.things, data);
   s.placements.resize(1);
   s.seen.resize(static_cast<std::size_t>(s.lens.tiles_y) * s.SeenOfRow());
-  ray::Place(s.things, world, X_NC, s.placements[0]);
+  ray::Place(s.things, world, X_NC, s.lens.pixel_rad, s.placements[0]);
   Surfaces surfaces{cv::Mat(s.lens.height, s.lens.width, CV_32F),
                     cv::Mat(s.lens.height, s.lens.width, CV_32S)};
   InParallel(s.threads, s.lens.tiles_y, [&](int tile_row) {
