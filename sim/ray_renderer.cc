@@ -55,6 +55,7 @@ struct RayRenderer::Stage {
   std::vector<Placement> placements;   // one, or one for each row
   std::vector<std::uint64_t> seen;     // of each row of tiles, or of each row
   std::vector<ray::WorldPose> worlds;  // of the instants
+  std::vector<cv::Mat> given_out;
 
   int SeenOfRow() const { return lens.tiles_x * ray::SeenWords(things); }
 
@@ -67,11 +68,20 @@ struct RayRenderer::Stage {
             shadows};
   }
 
+  // An image to draw into: one given out before that nobody holds any more, since its memory is warm; fresh
+  // memory costs a page fault for every 4 kB.
+  cv::Mat Blank() {
+    for (const cv::Mat& old : given_out)
+      if (old.u && old.u->refcount == 1) return old;
+    if (given_out.size() == 4) given_out.erase(given_out.begin());
+    given_out.emplace_back(lens.height, lens.width, CV_8UC3);
+    return given_out.back();
+  }
+
   // One sharp picture; `instant_of_row` gives world and camera of a row, or none if all rows share
   // placements[0].
   template <class Fill>
   void Draw(cv::Mat& bgr, bool rolling, const Fill& fill) {
-    bgr.create(lens.height, lens.width, CV_8UC3);
     const ray::Canvas canvas{bgr.data, bgr.step, code.ptr<std::uint32_t>(), common.ptr<std::uint32_t>()};
     placements.resize(rolling ? lens.height : 1);
     seen.resize(static_cast<std::size_t>(rolling ? lens.height : lens.tiles_y) * SeenOfRow());
@@ -136,7 +146,7 @@ RayRenderer::~RayRenderer() = default;
 
 cv::Mat RayRenderer::Render(const mjData* data, const Pose& X_NC) {
   const ray::WorldPose world = ray::PoseOfWorld(stage_->things, data);
-  cv::Mat bgr;
+  cv::Mat bgr = stage_->Blank();
   stage_->Draw(bgr, false, [&](int, Placement& placement) {
     ray::Place(stage_->things, world, X_NC, stage_->lens.pixel_rad, placement);
   });
@@ -149,7 +159,7 @@ cv::Mat RayRenderer::Render(std::span<const Instant> instants, const Shutter& sh
   for (const Instant& i : instants) stage_->worlds.push_back(ray::PoseOfWorld(stage_->things, i.data));
   const bool rolling = shutter.line_s != 0;
   const int samples = std::max(1, shutter.samples);
-  cv::Mat sum, bgr;
+  cv::Mat sum, bgr = stage_->Blank();
   for (int k = 0; k < samples; ++k) {
     const double offset_s = shutter.exposure_s * ((k + 0.5) / samples - 0.5);
     stage_->Draw(bgr, rolling, [&](int row, Placement& placement) {

@@ -219,10 +219,14 @@ HWY_INLINE void StorePixels(const Colours& colour, MF inside, int pixels, std::u
 void DrawRowsImpl(const Slice& slice, int begin, int end, const Canvas& canvas) {
   const Lens& lens = *slice.lens;
   const int tile_row = begin / Lens::kTile;
-  std::vector<Seen> seen(lens.tiles_x);
+  // Kept from call to call: to ask for memory thousands of times a frame costs.
+  static thread_local std::vector<Seen> kept_seen;
+  static thread_local std::vector<Job> kept_jobs;
+  std::vector<Seen>& seen = kept_seen;
+  std::vector<Job>& jobs = kept_jobs;
+  seen.resize(lens.tiles_x);
+  jobs.resize(static_cast<std::size_t>(lens.tiles_x) * (Lens::kTile / kLanes));
   for (int column = 0; column < lens.tiles_x; ++column) ListSeen(slice, column, seen[column]);
-  const auto jobs =
-      hwy::MakeUniqueAlignedArray<Job>(static_cast<std::size_t>(lens.tiles_x) * (Lens::kTile / kLanes));
   // Row by row, as the table and the image lie in memory.
   for (int v = begin; v < end; ++v) {
     int planned = 0;
@@ -345,7 +349,8 @@ void SmoothRowImpl(const Slice& slice, int v, const Canvas& canvas) {
   const std::uint32_t* row = canvas.code + static_cast<std::ptrdiff_t>(v) * lens.stride;
   const std::uint32_t* above = v > 0 ? row - lens.stride : row;
   const std::uint32_t* below = v + 1 < lens.height ? row + lens.stride : row;
-  Seen seen;
+  static thread_local Seen kept;
+  Seen& seen = kept;
   const auto load = [&](const std::uint32_t* p) {
     return hn::LoadU(di, reinterpret_cast<const std::int32_t*>(p));
   };
