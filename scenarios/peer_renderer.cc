@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scenarios/peer_renderer.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -30,13 +31,19 @@ std::size_t FaceOf(const std::vector<Eigen::Quaterniond>& R_CV, const Eigen::Vec
   return best;
 }
 
-// In a face of this side a pixel in the middle is half of one in the middle of the lens's image.
-int SideFor(const CameraModel& camera) {
-  Eigen::Matrix<double, 3, 2> d_pixel;
-  const Eigen::VectorXd p = Parameters(camera);
-  if (!Ray(camera, Eigen::Vector2d(p[2], p[3]), &d_pixel))
-    throw std::runtime_error("The lens shows nothing in the middle of its image.");
-  return static_cast<int>(std::lround(4 / std::sqrt(d_pixel.col(0).cross(d_pixel.col(1)).norm())));
+// In faces of this side no pixel in the middle of one is larger than half of one of the lens's there.
+int SideFor(const CameraModel& camera, const std::vector<Eigen::Quaterniond>& R_CV) {
+  double side = 0;
+  for (const Eigen::Quaterniond& R : R_CV) {
+    const auto uv = Project(camera, R * Eigen::Vector3d::UnitZ());
+    Eigen::Matrix<double, 3, 2> d_pixel;
+    if (!uv || uv->x() < 0 || uv->y() < 0 || uv->x() > WidthPx(camera) - 1 || uv->y() > HeightPx(camera) - 1 ||
+        !Ray(camera, *uv, &d_pixel))
+      continue;
+    side = std::max(side, 4 / std::sqrt(d_pixel.col(0).cross(d_pixel.col(1)).norm()));
+  }
+  if (!(side > 0)) throw std::runtime_error("The lens sees no face of a cube in its middle.");
+  return static_cast<int>(std::lround(side));
 }
 
 }  // namespace
@@ -47,10 +54,10 @@ PeerRenderer::PeerRenderer(const mjModel* model, const CameraModel& camera, int 
     picture_ = *pinhole;
     R_CV_ = {Eigen::Quaterniond::Identity()};
   } else {
-    face_px_ = static_cast<int>(SideFor(camera) * finer);
+    const std::vector<Eigen::Quaterniond> cube = CubeFaces();
+    face_px_ = static_cast<int>(SideFor(camera, cube) * finer);
     const double middle = (face_px_ - 1) / 2.0;
     picture_ = {face_px_, face_px_, face_px_ / 2.0, face_px_ / 2.0, middle, middle};
-    const std::vector<Eigen::Quaterniond> cube = CubeFaces();
     std::array<bool, 6> used{};
     for (int v = 0; v < HeightPx(camera); ++v)
       for (int u = 0; u < WidthPx(camera); ++u)

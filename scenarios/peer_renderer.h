@@ -19,7 +19,7 @@ namespace kestrel {
 // that the lens does not see is left out. Belongs to the thread that made it.
 class PeerRenderer {
  public:
-  // The model must outlive it. samples: for each pixel; MuJoCo's own default is 4.
+  // The model must outlive it. samples: for each pixel; MuJoCo's own default is 4. finer: than said above.
   PeerRenderer(const mjModel* model, const CameraModel& camera, int samples, double finer = 1);
   ~PeerRenderer();
   PeerRenderer(const PeerRenderer&) = delete;

@@ -133,9 +133,10 @@ TEST(Hover, TakesOffFromThePadThenHovers) {
   EXPECT_LT(FarthestFrom(result, {0, 0, -3}, 25), 0.5);
 }
 
-TEST(Landing, LandsOnThePad) {
+// Whole landings, by whatever camera.
+void ExpectLandings(const std::string& scenario) {
   for (const std::uint64_t seed : kSeeds) {
-    const FlightResult result = Flown("landing", seed);
+    const FlightResult result = Flown(scenario, seed);
     EXPECT_EQ(result.summary.outcome, "landed") << seed;
     ExpectCriteria(result);
     EXPECT_LT(result.summary.sim_s, 45) << seed;
@@ -145,6 +146,10 @@ TEST(Landing, LandsOnThePad) {
     EXPECT_LT(end.v_N.norm(), 0.1) << seed;
   }
 }
+
+TEST(Landing, LandsOnThePad) { ExpectLandings("landing"); }
+
+TEST(Landing, LandsAsWellByAFisheye) { ExpectLandings("landing_fisheye"); }
 
 TEST(Landing, LandsTurnedAsAskedOnATurnedPad) {
   const FlightResult result =
