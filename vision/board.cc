@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/board.h"
 
+#include <apriltag/tag36h11.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/aruco.hpp>
 
 namespace kestrel {
 namespace {
@@ -166,15 +166,23 @@ BoardPicture DrawBoard(const Board& board, int side_px) {
 }
 
 std::uint64_t TagCode(int id) {
-  // OpenCV draws the tags of this family upside down.
-  static const cv::Ptr<cv::aruco::Dictionary> family =
-      cv::aruco::getPredefinedDictionary(cv::aruco::DICT_APRILTAG_36h11);
-  const cv::Mat bits = cv::aruco::Dictionary::getBitsFromByteList(family->bytesList.row(id), kCells);
-  std::uint64_t code = 0;
-  for (int i = kCells - 1; i >= 0; --i) {
-    for (int j = kCells - 1; j >= 0; --j) code = code << 1 | (bits.at<std::uint8_t>(i, j) != 0);
-  }
-  return code;
+  static const std::vector<std::uint64_t> codes = [] {
+    // The library counts a code's bits along its own way through the cells, with a border of one.
+    apriltag_family_t* const family = tag36h11_create();
+    std::vector<std::uint64_t> all;
+    for (std::uint32_t i = 0; i < family->ncodes; ++i) {
+      std::uint64_t code = 0;
+      for (std::uint32_t bit = 0; bit < family->nbits; ++bit) {
+        const std::uint64_t white = family->codes[i] >> (family->nbits - 1 - bit) & 1;
+        const std::uint32_t cell = (family->bit_y[bit] - 1) * kCells + family->bit_x[bit] - 1;
+        code |= white << (family->nbits - 1 - cell);
+      }
+      all.push_back(code);
+    }
+    tag36h11_destroy(family);
+    return all;
+  }();
+  return codes[static_cast<std::size_t>(id)];
 }
 
 Board LoadBoard(const std::filesystem::path& file, Mistakes& mistakes) {

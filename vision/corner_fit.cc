@@ -33,12 +33,13 @@ struct Edge {
     along = Eigen::Rotation2Dd(angle) * along;
     side = Eigen::Rotation2Dd(angle) * side;
   }
-  // Signed distance of a point d from the corner, and its derivatives by d and by the edge's angle.
-  double Distance(const Vector2d& d, Vector2d& d_d, double& d_angle) const {
+  // Signed distance of a point d from the corner, and its derivatives by d and by the edge's angle. Blur of a
+  // deviation moves the middle grey of a bent edge to its inside.
+  double Distance(const Vector2d& d, double blur, Vector2d& d_d, double& d_angle) const {
     const double t = along.dot(d), n = side.dot(d);
     d_d = side - bend * t * along;
     d_angle = -turn * t - bend * t * turn * n;
-    return n - bend / 2 * t * t;
+    return n - bend / 2 * (t * t + blur * blur);
   }
 };
 
@@ -81,7 +82,7 @@ std::optional<FittedCorner> FitCorner(const cv::Mat& grey, const CornerGuess& gu
         if (!(weight > 0)) continue;
         Vector2d dx_d, dy_d;
         double dx_angle, dy_angle;
-        const double sx = x.Distance(d, dx_d, dx_angle), sy = y.Distance(d, dy_d, dy_angle);
+        const double sx = x.Distance(d, blur, dx_d, dx_angle), sy = y.Distance(d, blur, dy_d, dy_angle);
         const double ex = std::erf(sx / (std::numbers::sqrt2 * blur));
         const double ey = std::erf(sy / (std::numbers::sqrt2 * blur));
         const double peak = std::sqrt(2 / std::numbers::pi) / blur;
@@ -131,7 +132,8 @@ std::optional<FittedCorner> FitCorner(const cv::Mat& grey, const CornerGuess& gu
       return std::nullopt;
     }
     const Matrix inverse = factors.solve(Matrix::Identity());
-    const auto spread = inverse * weighted.leftCols(rows);  // of the pixels' noise to the parameters
+    const Eigen::MatrixXd spread =
+        inverse * weighted.leftCols(rows);  // of the pixels' noise to the parameters
     const Matrix covariance = variance * spread * spread.transpose();
     return FittedCorner{p, covariance.topLeftCorner<2, 2>(), blur, contrast};
   }

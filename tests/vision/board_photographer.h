@@ -65,36 +65,48 @@ struct Photograph {
 inline cv::Mat PhotographBoard(const CameraModel& camera, const BoardPicture& picture, const Pose& X_CT,
                                std::uint64_t seed, const Photograph& p = {}) {
   const int width = WidthPx(camera), height = HeightPx(camera);
-  // Where the rays through the corners of pixels meet the plane, in pixels of the picture; between them it is
-  // interpolated.
+  // From a ray in C to the picture, whose pixels count from its upper left corner here, homogeneous.
   const Pose X_TC = X_CT.Inverse();
   const Eigen::Vector2d px_per_m = Eigen::Vector2d(picture.grey.cols, picture.grey.rows)
                                        .cwiseQuotient(picture.sheet.high - picture.sheet.low);
-  cv::Mat plane(height + 1, width + 1, CV_64FC2, cv::Scalar::all(NAN));
+  Eigen::Matrix3d T_from_ray, picture_from_T;
+  T_from_ray << -X_TC.p.z(), 0, X_TC.p.x(), 0, -X_TC.p.z(), X_TC.p.y(), 0, 0, 1;
+  picture_from_T << px_per_m.x(), 0, -px_per_m.x() * picture.sheet.low.x(),  //
+      0, -px_per_m.y(), px_per_m.y() * picture.sheet.high.y(),               //
+      0, 0, 1;
+  const Eigen::Matrix3d M = picture_from_T * T_from_ray * X_TC.R.toRotationMatrix();
+  // Rays through the corners of pixels; within a pixel they are interpolated.
+  std::vector<std::optional<Eigen::Vector3d>> rays;
   for (int v = 0; v <= height; ++v) {
     for (int u = 0; u <= width; ++u) {
-      const auto ray = Ray(camera, {u - 0.5, v - 0.5});
-      if (!ray) continue;
-      const Eigen::Vector3d d_T = X_TC.R * *ray;
-      if (!(d_T.z() * X_TC.p.z() < 0)) continue;
-      const Eigen::Vector2d q = (X_TC.p - d_T * (X_TC.p.z() / d_T.z())).head<2>();
-      plane.at<cv::Vec2d>(v, u) = {(q.x() - picture.sheet.low.x()) * px_per_m.x(),
-                                   (picture.sheet.high.y() - q.y()) * px_per_m.y()};
+      auto ray = Ray(camera, {u - 0.5, v - 0.5});
+      if (ray) ray = M * *ray;
+      if (ray && !(ray->z() * X_TC.p.z() < 0)) ray.reset();  // never meets the plane
+      rays.push_back(ray);
     }
   }
   cv::Mat fine(height * p.fine, width * p.fine, CV_32FC1);
+  const auto light = [&](double share, int u) {
+    return static_cast<float>((p.black + share * (p.white - p.black)) *
+                              (1 + p.shade_per_px * (u - width / 2.0)));
+  };
   for (int v = 0; v < height; ++v) {
     for (int u = 0; u < width; ++u) {
-      const cv::Vec2d a = plane.at<cv::Vec2d>(v, u), b = plane.at<cv::Vec2d>(v, u + 1);
-      const cv::Vec2d c = plane.at<cv::Vec2d>(v + 1, u), d = plane.at<cv::Vec2d>(v + 1, u + 1);
+      const auto* above = &rays[static_cast<std::size_t>(v * (width + 1) + u)];
+      const auto* below = above + width + 1;
+      const bool all = above[0] && above[1] && below[0] && below[1];
       for (int i = 0; i < p.fine; ++i) {
         for (int j = 0; j < p.fine; ++j) {
-          const double y = (i + 0.5) / p.fine, x = (j + 0.5) / p.fine;
-          const cv::Vec2d at = (1 - y) * ((1 - x) * a + x * b) + y * ((1 - x) * c + x * d);
-          const bool on = at[0] >= 0 && at[1] >= 0 && at[0] < picture.grey.cols && at[1] < picture.grey.rows;
-          const double share = on ? picture.grey.at<std::uint8_t>(int(at[1]), int(at[0])) / 255.0 : 0.4;
-          fine.at<float>(v * p.fine + i, u * p.fine + j) = static_cast<float>(
-              (p.black + share * (p.white - p.black)) * (1 + p.shade_per_px * (u - width / 2.0)));
+          double share = 0.4;  // the wall
+          if (all) {
+            const double y = (i + 0.5) / p.fine, x = (j + 0.5) / p.fine;
+            const Eigen::Vector2d at =
+                ((1 - y) * ((1 - x) * *above[0] + x * *above[1]) + y * ((1 - x) * *below[0] + x * *below[1]))
+                    .hnormalized();
+            if (at.x() >= 0 && at.y() >= 0 && at.x() < picture.grey.cols && at.y() < picture.grey.rows)
+              share = picture.grey.at<std::uint8_t>(int(at.y()), int(at.x())) / 255.0;
+          }
+          fine.at<float>(v * p.fine + i, u * p.fine + j) = light(share, u);
         }
       }
     }
