@@ -417,7 +417,8 @@ void SeeRowsImpl(const Slice& slice, int begin, int end, float* depth_m, std::in
         const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(v) * lens.stride + u0 + k;
         const Rays rays = RaysAt(lens, at);
         TriangleHits unused;
-        const Hit hit = Trace(slice, seen, rays.d, unused);
+        Hit hit = Trace(slice, seen, rays.d, unused);
+        EndPlane(slice, rays.d, hit);
         alignas(64) float t[kLanes];
         alignas(64) std::int32_t thing[kLanes];
         hn::Store(hn::Mul(hit.t, LengthOf(rays.d)), df, t);

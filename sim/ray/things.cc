@@ -150,9 +150,10 @@ Things CompileThings(const mjModel* m) {
                                            NameOf(m, mjOBJ_SKIN, g.objid)));
     }
     if (g.objtype != mjOBJ_GEOM) {
-      throw std::runtime_error(fmt::format(
-          "The ray renderer draws geoms alone, and MuJoCo would draw something for the {} {} too.",
-          mju_type2Str(g.objtype), NameOf(m, g.objtype, g.objid)));
+      throw std::runtime_error(
+          fmt::format("The ray renderer draws geoms alone, and the model has the {} {}.",
+                      g.objtype == mjOBJ_ACTUATOR ? "slider-crank" : mju_type2Str(g.objtype),
+                      NameOf(m, g.objtype, g.objid)));
     }
     if (g.rgba[3] <= 0) continue;
     Thing t;
