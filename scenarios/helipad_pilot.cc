@@ -6,11 +6,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstring>
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
 #include "geometry/tait_bryan.h"
-#include "vision/homography.h"
 
 namespace kestrel {
 namespace {
@@ -18,27 +18,49 @@ namespace {
 constexpr double kWaypointReached_m = 1.0;
 constexpr double kLegOverlap = 0.7;  // of the field of view, between neighbouring legs of the search
 
+constexpr double kMostField_deg = 100;  // of the virtual camera: about as many pixels as a fisheye has
+
 double SecondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
+bool SamePixels(const cv::Mat& a, const cv::Mat& b) {
+  if (a.size() != b.size() || a.type() != b.type()) return false;
+  for (int y = 0; y < a.rows; ++y)
+    if (std::memcmp(a.ptr(y), b.ptr(y), a.cols * a.elemSize()) != 0) return false;
+  return true;
+}
+
 }  // namespace
 
-HelipadPilot::HelipadPilot(PadReference reference, const Pinhole& camera, const Pose& X_BC,
+std::optional<Pinhole> TrackersCamera(const CameraModel& camera) {
+  if (const auto* pinhole = std::get_if<Pinhole>(&camera)) return *pinhole;
+  return CentralPinhole(camera, Radians(kMostField_deg));
+}
+
+HelipadPilot::HelipadPilot(PadReference reference, const CameraModel& camera, const Pose& X_BC,
                            const PilotParameters& parameters)
     : parameters_(parameters),
       camera_(camera),
-      tracker_(std::move(reference), camera, parameters.tracker),
-      estimator_(X_BC, parameters.estimator) {}
+      view_(TrackersCamera(camera).value()),
+      tracker_(std::move(reference), view_, parameters.tracker),
+      estimator_(X_BC, parameters.estimator) {
+  if (!std::holds_alternative<Pinhole>(camera)) to_view_ = MakeViewTable(PerspectiveView{view_}, camera);
+}
 
 Decision HelipadPilot::See(const Frame& frame, const VehicleState& state) {
   const auto start = std::chrono::steady_clock::now();
   Decision decision;
   cv::Mat grey = frame.image;
   if (grey.channels() == 3) cv::cvtColor(frame.image, grey, cv::COLOR_BGR2GRAY);
+  if (to_view_) grey = Look(*to_view_, grey);
   estimator_.Hear(state);
   latency_s_ = state.t_s - frame.t_s;
-  seen_ = tracker_.Track(grey, estimator_.ExpectedPose(frame.t_s));
+  // Noise never repeats itself: the same image again is an old one under a new time, and to follow it would
+  // be to fly blind without knowing.
+  const bool frozen = SamePixels(grey, last_image_);
+  grey.copyTo(last_image_);
+  seen_ = frozen ? std::nullopt : tracker_.Track(grey, estimator_.ExpectedPose(frame.t_s));
   fix_.reset();
   if (seen_) {
     if (const auto X_TB = estimator_.Correct(frame.t_s, seen_->X_CT, seen_->covariance)) {
@@ -49,7 +71,8 @@ Decision HelipadPilot::See(const Frame& frame, const VehicleState& state) {
   estimate_ = estimator_.At(state.t_s);
   decision.fix = fix_;
   decision.fix_age_s = estimate_ ? estimate_->age_s : state.t_s;
-  decision.target = !seen_              ? "lost"
+  decision.target = frozen              ? "frozen"
+                    : !seen_            ? "lost"
                     : !fix_             ? "refused"
                     : seen_->found      ? "found"
                     : seen_->registered ? "tracked"
@@ -99,8 +122,7 @@ Setpoint HelipadPilot::GrowingSquare(const VehicleState& state) {
     waypoint_ = {{last_place_N_.x(), last_place_N_.y(), state.p_NB.z()}, YawOf(state.R_NB)};
     if (!placed_) waypoint_.p_N = state.p_NB;
   } else if (reached) {
-    const double view_m =
-        -state.p_NB.z() * std::min(camera_.width_px / camera_.fx, camera_.height_px / camera_.fy);
+    const double view_m = -state.p_NB.z() * std::min(view_.width_px / view_.fx, view_.height_px / view_.fy);
     const double length = kLegOverlap * view_m * (1 + leg_ / 2);
     const int direction = leg_++ % 4;
     waypoint_.p_N.x() += direction == 0 ? length : direction == 2 ? -length : 0;
@@ -109,24 +131,45 @@ Setpoint HelipadPilot::GrowingSquare(const VehicleState& state) {
   return waypoint_;
 }
 
+std::optional<cv::Point2d> HelipadPilot::InFrame(const Eigen::Vector3d& p_CQ) const {
+  constexpr double kFarOff_px = 1e4;  // what OpenCV still draws
+  const auto uv = Project(camera_, p_CQ);
+  if (!uv || !(uv->cwiseAbs().maxCoeff() < kFarOff_px)) return std::nullopt;
+  return cv::Point2d(uv->x(), uv->y());
+}
+
 void HelipadPilot::Draw(cv::Mat& bgr, std::string_view phase) const {
   const cv::Scalar kTracked(0, 200, 255), kInlier(80, 255, 80), kOutline(255, 220, 0), kText(255, 255, 255);
-  const auto point = [](const Eigen::Vector2d& p) { return cv::Point2d(p.x(), p.y()); };
-  for (const auto& p : tracker_.tracked_points()) cv::circle(bgr, point(p), 2, kTracked, 1, cv::LINE_AA);
+  const auto circles = [&](const std::vector<Eigen::Vector2d>& points, int radius, const cv::Scalar& colour) {
+    for (const Eigen::Vector2d& p : points) {
+      const auto ray = view_.Ray(p);
+      const auto at = ray ? InFrame(*ray) : std::nullopt;
+      if (at) cv::circle(bgr, *at, radius, colour, 1, cv::LINE_AA);
+    }
+  };
+  circles(tracker_.tracked_points(), 2, kTracked);
   if (seen_) {
-    for (const auto& p : tracker_.inlier_points()) cv::circle(bgr, point(p), 3, kInlier, 1, cv::LINE_AA);
-    std::vector<cv::Point> outline;
-    for (const auto& corner : tracker_.reference().Outline())
-      outline.push_back(point(Transfer(seen_->H_w, corner)));
-    cv::polylines(bgr, outline, true, kOutline, 2, cv::LINE_AA);
-    const auto origin = camera_.Project(seen_->X_CT.p);
+    circles(tracker_.inlier_points(), 3, kInlier);
+    // A straight side is a curve in a wide image.
+    constexpr int kPieces = 16;
+    const std::vector<Eigen::Vector2d> corners = tracker_.reference().Outline();
+    std::optional<cv::Point2d> last;
+    for (std::size_t k = 0; k <= corners.size() * kPieces; ++k) {
+      const Eigen::Vector2d &from = corners[k / kPieces % corners.size()],
+                            &to = corners[(k / kPieces + 1) % corners.size()];
+      const double share = static_cast<double>(k % kPieces) / kPieces;
+      const Eigen::Vector2d p_T = (1 - share) * from + share * to;
+      const auto at = InFrame(seen_->X_CT * Eigen::Vector3d(p_T.x(), p_T.y(), 0));
+      if (at && last) cv::line(bgr, *last, *at, kOutline, 2, cv::LINE_AA);
+      last = at;
+    }
+    const auto origin = InFrame(seen_->X_CT.p);
     const cv::Scalar colours[3] = {{60, 60, 255}, {60, 220, 60}, {255, 120, 60}};
     for (int axis = 0; axis < 3; ++axis) {
       // z is drawn upwards: down into the ground it would hide behind the pad
       const Eigen::Vector3d tip = (axis == 2 ? -0.35 : 0.35) * Eigen::Vector3d::Unit(axis);
-      const auto end = camera_.Project(seen_->X_CT * tip);
-      if (origin && end)
-        cv::arrowedLine(bgr, point(*origin), point(*end), colours[axis], 2, cv::LINE_AA, 0, 0.12);
+      const auto end = InFrame(seen_->X_CT * tip);
+      if (origin && end) cv::arrowedLine(bgr, *origin, *end, colours[axis], 2, cv::LINE_AA, 0, 0.12);
     }
   }
   const auto line = [&](int row, const std::string& text) {

@@ -7,11 +7,16 @@
 #include "control/pbvs.h"
 #include "control/target_estimator.h"
 #include "scenarios/mission.h"
+#include "vision/camera_model.h"
 #include "vision/pad_reference.h"
 #include "vision/pad_tracker.h"
-#include "vision/pinhole.h"
+#include "vision/views.h"
 
 namespace kestrel {
+
+// What the tracker looks through: a pinhole itself, or within any other camera the virtual one along its axis
+// (thesis 6.6). None: the camera does not see along its own axis.
+std::optional<Pinhole> TrackersCamera(const CameraModel& camera);
 
 // What to do while the pad is out of sight: stop, climb to see more, then fly a growing square.
 struct SearchParameters {
@@ -48,10 +53,12 @@ void Fields(Visitor& v, PilotParameters& p) {
 // over it, and searches when it is lost.
 class HelipadPilot {
  public:
-  HelipadPilot(PadReference reference, const Pinhole& camera, const Pose& X_BC,
+  // A camera that has a TrackersCamera.
+  HelipadPilot(PadReference reference, const CameraModel& camera, const Pose& X_BC,
                const PilotParameters& parameters);
 
-  // Looks at a frame: fills the target, fix and vision_s of a new decision.
+  // Looks at a frame: fills the target, fix and vision_s of a new decision. An image that is the one before,
+  // to the last bit, shows nothing: the camera is frozen.
   Decision See(const Frame& frame, const VehicleState& state);
 
   // The pad is in sight, or was a moment ago.
@@ -67,17 +74,21 @@ class HelipadPilot {
   // Not Knows(): the next move of the search. None: given up.
   std::optional<Setpoint> Search(const VehicleState& state);
 
-  void Draw(cv::Mat& bgr, std::string_view phase) const;
+  void Draw(cv::Mat& bgr, std::string_view phase) const;  // on a frame as the camera gives it
 
  private:
   Setpoint GrowingSquare(const VehicleState& state);
+  std::optional<cv::Point2d> InFrame(const Eigen::Vector3d& p_CQ) const;
 
   PilotParameters parameters_;
-  Pinhole camera_;
+  CameraModel camera_;
+  Pinhole view_;                      // the tracker's camera, of the same C
+  std::optional<ViewTable> to_view_;  // from a frame; none: the frame is the view
   PadTracker tracker_;
   TargetEstimator estimator_;
   std::optional<TargetEstimator::Estimate> estimate_;
   std::optional<PadObservation> seen_;
+  cv::Mat last_image_;
   std::optional<TargetFix> fix_;
   double latency_s_ = 0;
 

@@ -18,6 +18,7 @@
 #include "scenarios/junit.h"
 #include "scenarios/mirror_command.h"
 #include "scenarios/runner.h"
+#include "scenarios/view_command.h"
 
 namespace kestrel {
 namespace {
@@ -178,7 +179,9 @@ int Main(int argc, char** argv) {
 
   BenchArguments bench;
   CLI::App* bench_command = app.add_subcommand("bench", "Measure: a table of figures beside their targets");
-  bench_command->add_option("name", bench.name, "flights, drift, heights, speed, render; all when none is given")
+  bench_command
+      ->add_option("name", bench.name,
+                   "flights, fisheye, drift, heights, speed, render; all when none is given")
       ->check(CLI::IsMember(BenchNames()));
   bench_command->add_option("--seeds", bench.seeds, "A..B, first and last")->capture_default_str();
   bench_command->add_option("--jobs", bench.jobs, "Flights at the same time")
@@ -188,6 +191,8 @@ int Main(int argc, char** argv) {
 
   MirrorArguments mirror;
   CLI::App* mirror_command = AddMirrorCommand(app, mirror);
+  ViewArguments view;
+  const CLI::App* view_command = AddViewCommand(app, view);
 
   try {
     app.parse(argc, argv);
@@ -202,6 +207,10 @@ int Main(int argc, char** argv) {
       RequireWritable(mirror.drawing, "--out");
       RequireWritable(mirror.camera, "--camera");
       MirrorCommand(mirror);
+      return kMet;
+    }
+    if (*view_command) {
+      ViewCommand(view);
       return kMet;
     }
     if (*bench_command) RequireWritable(bench.json, "--json");

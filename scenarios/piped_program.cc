@@ -36,20 +36,22 @@ std::string LastLine(int file) {
 
 }  // namespace
 
-PipedProgram::PipedProgram(std::vector<std::string> command) : name_(command.at(0)) {
+PipedProgram::PipedProgram(std::vector<std::string> command, Does does) : name_(command.at(0)) {
   // A socket rather than a pipe: a write to a program that has died is then an error, not a signal. And what
   // the program says goes to a file in memory, so that it can say much before anyone listens.
   int ends[2];
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) {
     throw std::runtime_error(fmt::format("cannot start {}: {}", name_, std::strerror(errno)));
   }
-  input_ = ends[0];
+  pipe_ = ends[0];
   said_ = memfd_create("said", MFD_CLOEXEC);
 
   posix_spawn_file_actions_t files;
   posix_spawn_file_actions_init(&files);
-  posix_spawn_file_actions_adddup2(&files, ends[1], STDIN_FILENO);
-  posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  const int piped = does == Does::kEat ? STDIN_FILENO : STDOUT_FILENO;
+  const int other = does == Does::kEat ? STDOUT_FILENO : STDIN_FILENO;
+  posix_spawn_file_actions_adddup2(&files, ends[1], piped);
+  posix_spawn_file_actions_addopen(&files, other, "/dev/null", O_RDWR, 0);
   posix_spawn_file_actions_adddup2(&files, said_, STDERR_FILENO);
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
@@ -63,7 +65,7 @@ PipedProgram::PipedProgram(std::vector<std::string> command) : name_(command.at(
   posix_spawn_file_actions_destroy(&files);
   close(ends[1]);
   if (error == 0) return;
-  close(input_), close(said_);
+  close(pipe_), close(said_);
   throw std::runtime_error(
       error == ENOENT
           ? fmt::format("the program {0} is not installed: install the package that has it", name_)
@@ -78,11 +80,23 @@ PipedProgram::~PipedProgram() {
 void PipedProgram::Write(std::string_view bytes) {
   if (child_ < 0) Fail();
   while (!bytes.empty()) {
-    const ssize_t n = send(input_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+    const ssize_t n = send(pipe_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
     if (n < 0 && errno == EINTR) continue;
     if (n < 0) Wait(), Fail();
     bytes.remove_prefix(static_cast<std::size_t>(n));
   }
+}
+
+std::size_t PipedProgram::Read(char* bytes, std::size_t most) {
+  if (child_ < 0) Fail();
+  std::size_t got = 0;
+  while (got < most) {
+    const ssize_t n = recv(pipe_, bytes + got, most - got, 0);
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) break;  // why it ended is Close's to say
+    got += static_cast<std::size_t>(n);
+  }
+  return got;
 }
 
 void PipedProgram::Close() {
@@ -92,7 +106,7 @@ void PipedProgram::Close() {
 
 void PipedProgram::Wait() {
   if (child_ < 0) return;
-  close(std::exchange(input_, -1));
+  close(std::exchange(pipe_, -1));
   while (waitpid(child_, &status_, 0) < 0 && errno == EINTR) {}
   child_ = -1;
 }

@@ -9,18 +9,20 @@
 
 namespace kestrel {
 
-// Another program that eats what is written to it, started without a shell. It does not hear the terminal's
-// interrupt, so that it can finish its file when the run is broken off. Throws std::runtime_error: the
-// program is missing, or it failed, with the last line that it said.
+// Another program that eats what is written to it, or gives what is read from it, started without a shell.
+// It does not hear the terminal's interrupt, so that it can finish its file when the run is broken off.
+// Throws std::runtime_error: the program is missing, or it failed, with the last line that it said.
 class PipedProgram {
  public:
-  explicit PipedProgram(std::vector<std::string> command);
+  enum class Does { kEat, kGive };
+  explicit PipedProgram(std::vector<std::string> command, Does does = Does::kEat);
   ~PipedProgram();
   PipedProgram(const PipedProgram&) = delete;
   PipedProgram& operator=(const PipedProgram&) = delete;
 
   void Write(std::string_view bytes);
-  void Close();  // the end of its input; waits for it
+  std::size_t Read(char* bytes, std::size_t most);  // less than most: its output has ended
+  void Close();                                     // the end of the pipe; waits for the program
 
  private:
   void Wait();
@@ -28,7 +30,7 @@ class PipedProgram {
 
   std::string name_;
   pid_t child_ = -1;
-  int input_ = -1, said_ = -1, status_ = 0;
+  int pipe_ = -1, said_ = -1, status_ = 0;
   bool failed_ = false;
 };
 

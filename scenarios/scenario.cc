@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <opencv2/imgcodecs.hpp>
 
+#include "scenarios/check_image.h"
 #include "scenarios/metrics.h"
 #include "vision/calibration_file.h"
 
@@ -76,38 +77,6 @@ std::string WhereOf(const Config& config, std::string_view key, const std::strin
   return file;
 }
 
-// The file of a camera: one of models/cameras by its name, or any file, looked for beside the scenario and
-// then from the working directory. Its path becomes whole, so that the resolved scenario can lie elsewhere.
-std::optional<fs::path> CameraFile(std::string& name, const fs::path& beside, const std::string& where,
-                                   Mistakes& mistakes) {
-  const fs::path folder = Root() / "models" / "cameras";
-  if (name.find('/') == std::string::npos && !name.ends_with(".yaml") && !name.ends_with(".yml")) {
-    if (!Known("camera", name, NamesIn(folder, ".yaml"), where, mistakes)) return std::nullopt;
-    return folder / (name + ".yaml");
-  }
-  for (const fs::path& candidate : {beside / name, fs::path(name)}) {
-    if (!fs::is_regular_file(candidate)) continue;
-    name = fs::absolute(candidate).lexically_normal().string();
-    return name;
-  }
-  mistakes.Add(where, "camera", fmt::format("there is no file '{}'", name));
-  return std::nullopt;
-}
-
-// What a good camera may still be unfit for.
-void CheckUse(const CameraModel& camera, const fs::path& file, Mistakes& mistakes) {
-  const auto* pinhole = std::get_if<Pinhole>(&camera);
-  if (!pinhole) {
-    mistakes.Add(file.string(), "model",
-                 fmt::format("a '{}' camera cannot follow the pad: the flights over it need a '{}' one",
-                             NameOf(camera), Pinhole::kName));
-  } else if (std::abs(pinhole->fx - pinhole->fy) > 1e-9 * pinhole->fx) {  // OpenGL's frustum
-    mistakes.Add(
-        file.string(), "fy_px",
-        fmt::format("{} differs from fx_px = {}; OpenGL draws square pixels only", pinhole->fy, pinhole->fx));
-  }
-}
-
 }  // namespace
 
 std::vector<std::string> MissionNames() { return NamesOf(Flight{}); }
@@ -125,6 +94,22 @@ std::vector<std::string> ScenarioNames() {
   }
   std::sort(names.begin(), names.end());
   return names;
+}
+
+std::optional<fs::path> CameraFile(std::string& name, const fs::path& beside, const std::string& where,
+                                   Mistakes& mistakes) {
+  const fs::path folder = Root() / "models" / "cameras";
+  if (name.find('/') == std::string::npos && !name.ends_with(".yaml") && !name.ends_with(".yml")) {
+    if (!Known("camera", name, NamesIn(folder, ".yaml"), where, mistakes)) return std::nullopt;
+    return folder / (name + ".yaml");
+  }
+  for (const fs::path& candidate : {beside / name, fs::path(name)}) {
+    if (!fs::is_regular_file(candidate)) continue;
+    name = fs::absolute(candidate).lexically_normal().string();
+    return name;
+  }
+  mistakes.Add(where, "camera", fmt::format("there is no file '{}'", name));
+  return std::nullopt;
 }
 
 LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<std::string>& overrides) {
@@ -164,6 +149,7 @@ LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<s
     mistakes.Add(WhereOf(config, "occlusion", where), "occlusion.until_s",
                  fmt::format("{} is not after from_s = {}", s.occlusion.until_s, s.occlusion.from_s));
   }
+  CheckMount(s.mount, WhereOf(config, "mount", where), mistakes);
   const std::string criteria = WhereOf(config, "criteria", where);
   for (const auto& [metric, limit] : s.criteria) {
     Known("criteria", metric, MetricNames(), criteria, mistakes);
@@ -189,7 +175,13 @@ LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<s
           CameraFile(s.camera, file.parent_path(), WhereOf(config, "camera", where), mistakes)) {
     const std::size_t before = mistakes.messages().size();
     sim.camera = LoadCamera(*camera, mistakes);
-    if (mistakes.messages().size() == before) CheckUse(sim.camera, *camera, mistakes);
+    if (mistakes.messages().size() == before) {
+      CheckImage(s.image, HeightPx(sim.camera), WhereOf(config, "image", where), mistakes);
+      if (!TrackersCamera(sim.camera)) {
+        mistakes.Add(camera->string(), "",
+                     "does not see along its own optical axis, where these flights look for the pad");
+      }
+    }
   }
   if (Known("pad", s.pad.name, NamesIn(models / "pads", ""), WhereOf(config, "pad", where), mistakes)) {
     const fs::path folder = models / "pads" / s.pad.name;
@@ -245,8 +237,8 @@ LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<s
 }
 
 std::unique_ptr<Mission> MakeMission(const LoadedScenario& loaded) {
-  HelipadPilot pilot(loaded.pad, std::get<Pinhole>(loaded.simulator.camera),
-                     MountPose(loaded.simulator.mount), loaded.scenario.pilot);
+  HelipadPilot pilot(loaded.pad, loaded.simulator.camera, MountPose(loaded.simulator.mount),
+                     loaded.scenario.pilot);
   return std::visit([&](const auto& flight) { return MakeMission(flight, std::move(pilot)); },
                     loaded.scenario.flight);
 }

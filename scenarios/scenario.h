@@ -105,6 +105,11 @@ struct LoadedScenario {
 std::filesystem::path Root();
 std::vector<std::string> ScenarioNames();
 
+// The file of a camera: one of models/cameras by its name, or any file, looked for beside a folder and then
+// from the working directory; its name becomes the whole path. None: there is no such, and it is a mistake.
+std::optional<std::filesystem::path> CameraFile(std::string& name, const std::filesystem::path& beside,
+                                                const std::string& where, Mistakes& mistakes);
+
 // A name in scenarios/, or a YAML file. overrides: "key.path=value". Throws InputError with every mistake
 // that the scenario and its models hold.
 LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<std::string>& overrides = {});

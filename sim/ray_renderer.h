@@ -19,7 +19,7 @@ namespace kestrel {
 // OpenGL renderer does: planes, boxes, spheres, capsules, cylinders, ellipsoids, meshes and height fields;
 // planar and cube textures, materials, lights, skybox, haze, transparency; light for each pixel. Beyond that:
 // - textures are filtered over the footprint of each pixel (trilinear);
-// - pixels at edges, and on things thinner than a pixel, are drawn by 16 rays each;
+// - pixels at edges, and on things thinner than a pixel, are drawn by 8 rays each;
 // - round things are round;
 // - the sky is infinitely far: nothing is hidden by it.
 // What a pixel shows does not depend on the number of threads. It is compiled for several instruction sets

@@ -88,6 +88,7 @@ const std::vector<KalibrForm>& KalibrForms() {
     const Keys spheres{"xi", "alpha", "fx_px", "fy_px", "cx_px", "cy_px"};
     const Keys radtan{"k1", "k2", "p1", "p2"}, equi{"k1", "k2", "k3", "k4"};
     return std::vector<KalibrForm>{{"pinhole", "radtan", BrownConrady::kName, pinhole, radtan},
+                                   {"pinhole", "equidistant", KannalaBrandt::kName, pinhole, equi},
                                    {"pinhole", "equi", KannalaBrandt::kName, pinhole, equi},
                                    {"pinhole", "none", Pinhole::kName, pinhole, {}},
                                    {"omni", "radtan", Unified::kName, omni, radtan},
