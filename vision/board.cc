@@ -137,9 +137,14 @@ Rectangle Sheet(const Board& board) {
 
 BoardPicture DrawBoard(const Board& board, int side_px) {
   const CellGrid grid = Cells(board);
-  // Pixels of a cell, and of white beyond the sheet: whole numbers, so that edges fall between pixels.
-  const Eigen::Vector2d cell_px = (side_px / grid.cells.array()).floor();
-  const Eigen::Vector2d beyond_px = ((side_px - cell_px.array() * grid.cells.array()) / 2).floor();
+  // Pixels of a cell, and of white beyond the sheet: whole numbers, so that edges fall between pixels; and
+  // where there is room, divisible by 4, so that they do so too when a renderer halves the picture twice.
+  Eigen::Vector2d cell_px, beyond_px;
+  for (int axis = 0; axis < 2; ++axis) {
+    const double most = side_px / grid.cells[axis], step = most < 16 ? 1 : 4;
+    cell_px[axis] = std::floor(most / step) * step;
+    beyond_px[axis] = std::floor((side_px - cell_px[axis] * grid.cells[axis]) / 2 / step) * step;
+  }
   const Eigen::Vector2d px_m = grid.cell_m.cwiseQuotient(cell_px);
   BoardPicture picture;
   picture.sheet.low = Sheet(board).low - beyond_px.cwiseProduct(px_m);

@@ -19,7 +19,7 @@ namespace kestrel {
 
 // cols x rows corners where four squares meet. The square at the lower left is black.
 struct Chessboard {
-  int cols = 11, rows = 8;
+  int cols = 9, rows = 6;
   double col_m = 0.05, row_m = 0.05;  // sides of a square along x and y
 };
 

@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
 #include "vision/corner_fit.h"
-#include "vision/homography.h"
 #include "vision/tag_finder.h"
 
 namespace kestrel {
@@ -18,9 +18,11 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kLeastClear_px = 3.2;  // around a corner, free of anything else
+// Around a corner, free of anything else: to place it well, and to find it at all.
+constexpr double kLeastClear_px = 3.2, kLeastToFind_px = 2;
 constexpr double kLeastRadius_px = 2.5, kMostRadius_px = 7;
-constexpr int kMostWrongCells = 8;  // of the 100 of a tag that is where it was expected
+constexpr Eigen::Index kMostDegree = 4;  // of the polynomial along a line of corners
+constexpr int kMostWrongCells = 8;       // of the 100 of a tag that is where it was expected
 
 // Where the corners of a board have been seen so far: by row and column of its grid.
 class CornerMap {
@@ -36,8 +38,8 @@ class CornerMap {
   std::size_t Index(int col, int row) const { return static_cast<std::size_t>(row * grid_.x() + col); }
 
   // How the image of the line through a corner along axis 0 (x) or 1 (y) of the board runs there: its
-  // derivatives by the board's coordinate, px/m and px/m^2, from the nearest three corners on it; with two,
-  // the first alone.
+  // derivatives by the board's coordinate, px/m and px/m^2, of the polynomial through it and the nearest
+  // others on it; with a single one, the first alone.
   struct Line {
     Vector2d tangent, second = Vector2d::Zero();
     bool bend_known = false;
@@ -54,11 +56,18 @@ class CornerMap {
     if (others.empty()) return std::nullopt;
     std::sort(others.begin(), others.end(),
               [](const auto& a, const auto& b) { return std::abs(a.first) < std::abs(b.first); });
-    const auto& [x1, u1] = others[0];
-    if (others.size() == 1) return Line{u1 / x1};
-    const auto& [x2, u2] = others[1];
-    const Vector2d half_second = (u2 / x2 - u1 / x1) / (x2 - x1);
-    return Line{u1 / x1 - half_second * x1, 2 * half_second, true};
+    const Eigen::Index degree = std::min<Eigen::Index>(kMostDegree, static_cast<Eigen::Index>(others.size()));
+    // u(x) / x = tangent + second / 2 x + ...; x in units of the farthest, for the numbers' sake.
+    const double unit = std::abs(others[static_cast<std::size_t>(degree - 1)].first);
+    Eigen::MatrixXd powers(degree, degree), slopes(degree, 2);
+    for (Eigen::Index i = 0; i < degree; ++i) {
+      const auto& [x, u] = others[static_cast<std::size_t>(i)];
+      for (Eigen::Index j = 0; j < degree; ++j) powers(i, j) = std::pow(x / unit, j);
+      slopes.row(i) = u.transpose() / x;
+    }
+    const Eigen::MatrixXd fit = powers.partialPivLu().solve(slopes);
+    if (degree == 1) return Line{fit.row(0)};
+    return Line{fit.row(0), 2 * fit.row(1) / unit, true};
   }
 
  private:
@@ -92,11 +101,12 @@ double Bend(const CornerMap::Line& line, const Vector2d& other) {
 
 // What is to be expected at a corner whose lines are known. None: too small to be placed.
 std::optional<CornerGuess> GuessOf(const Board& board, int col, int row, const Vector2d& pixel,
-                                   const CornerMap::Line& x, const CornerMap::Line& y) {
+                                   const CornerMap::Line& x, const CornerMap::Line& y,
+                                   double least_clear_px) {
   const Surroundings around = SurroundingsOf(board, col, row);
   const Vector2d a = x.tangent * around.clear_m.x(), b = y.tangent * around.clear_m.y();
   const double clear = std::abs(Cross(a, b)) / std::max({a.norm(), b.norm(), 1e-12});
-  if (!(clear >= kLeastClear_px)) return std::nullopt;
+  if (!(clear >= least_clear_px)) return std::nullopt;
   return CornerGuess{pixel,
                      x.tangent,
                      y.tangent,
@@ -106,13 +116,39 @@ std::optional<CornerGuess> GuessOf(const Board& board, int col, int row, const V
                      std::clamp(clear - 1, kLeastRadius_px, kMostRadius_px)};
 }
 
-std::optional<CornerGuess> GuessAt(const Board& board, const CornerMap& map, int col, int row) {
-  const auto x = map.LineAt(col, row, 0), y = map.LineAt(col, row, 1);
-  if (!x || !y) return std::nullopt;
-  return GuessOf(board, col, row, *map.At(col, row), *x, *y);
+// Corner k of a tag in the grid of corners.
+std::pair<int, int> TagCorner(int tag_col, int tag_row, std::size_t k) {
+  return {2 * tag_col + (k == 1 || k == 2 ? 1 : 0), 2 * tag_row + (k > 1 ? 1 : 0)};
 }
 
-// Fits every corner of the map. Twice, since the curvature of the edges is known only once their corners
+// How the line along an axis runs at a place of a tag's patch, by differences of it.
+CornerMap::Line LineIn(const TagPatch& patch, double side_m, double x, double y, int axis) {
+  constexpr double kStep = 0.1;
+  const Vector2d step = kStep * Vector2d::Unit(axis);
+  const Vector2d before = patch.At(x - step.x(), y - step.y()), at = patch.At(x, y);
+  const Vector2d after = patch.At(x + step.x(), y + step.y());
+  const double step_m = kStep * side_m;
+  return {(after - before) / (2 * step_m), (after - 2 * at + before) / (step_m * step_m), true};
+}
+
+// By the corners on the line; where these are too few, as of a tag that has no neighbour there, by the tag's
+// own sides.
+std::optional<CornerMap::Line> LineAt(const cv::Mat& grey, const Board& board, const CornerMap& map, int col,
+                                      int row, int axis) {
+  const auto line = map.LineAt(col, row, axis);
+  const AprilGrid* grid = std::get_if<AprilGrid>(&board);
+  if (!line || line->bend_known || !grid) return line;
+  std::array<Vector2d, 4> corners;
+  for (std::size_t k = 0; k < 4; ++k) {
+    const auto [c, r] = TagCorner(col / 2, row / 2, k);
+    if (!map.At(c, r)) return line;
+    corners[k] = *map.At(c, r);
+  }
+  const auto patch = TagPatch::Of(grey, corners);
+  return patch ? LineIn(*patch, grid->tag_m, col % 2, row % 2, axis) : line;
+}
+
+// Fits every corner of the map. Thrice, since the curvature of the edges is known only once their corners
 // are; a corner where it is never known is left out, as is one that cannot be fitted.
 std::vector<BoardCorner> FitAll(const cv::Mat& grey, const Board& board, CornerMap map) {
   std::vector<BoardCorner> corners;
@@ -122,7 +158,9 @@ std::vector<BoardCorner> FitAll(const cv::Mat& grey, const Board& board, CornerM
     for (int row = 0; row < map.rows(); ++row) {
       for (int col = 0; col < map.cols(); ++col) {
         fitted.At(col, row).reset();
-        auto guess = GuessAt(board, map, col, row);
+        const auto x = LineAt(grey, board, map, col, row, 0), y = LineAt(grey, board, map, col, row, 1);
+        if (!x || !y) continue;
+        auto guess = GuessOf(board, col, row, *map.At(col, row), *x, *y, kLeastClear_px);
         if (!guess) continue;
         if (pass == 0) guess->bend_x = guess->bend_y = 0;
         auto fit = FitCorner(grey, *guess);
@@ -135,8 +173,7 @@ std::vector<BoardCorner> FitAll(const cv::Mat& grey, const Board& board, CornerM
         }
         if (!fit) continue;
         fitted.At(col, row) = fit->pixel;
-        const bool bends_known = map.LineAt(col, row, 0)->bend_known && map.LineAt(col, row, 1)->bend_known;
-        if (bends_known)
+        if (x->bend_known && y->bend_known)
           corners.push_back({static_cast<int>(map.Index(col, row)), fit->pixel, fit->covariance});
       }
     }
@@ -150,7 +187,16 @@ std::vector<BoardCorner> FitAll(const cv::Mat& grey, const Board& board, CornerM
 std::optional<CornerMap> FindChessboard(const cv::Mat& grey, const Board& board, const Chessboard& chess) {
   std::vector<cv::Point2f> points;
   const int flags = cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_ACCURACY;
-  if (!cv::findChessboardCornersSB(grey, {chess.cols, chess.rows}, points, flags)) return std::nullopt;
+  const cv::Size size(chess.cols, chess.rows);
+  if (!cv::findChessboardCornersSB(grey, size, points, flags)) {
+    // Squares of ten pixels are too small for it.
+    constexpr std::size_t kMostPixels = 2'000'000;
+    cv::Mat large;
+    if (grey.total() > kMostPixels) return std::nullopt;
+    cv::resize(grey, large, {}, 2, 2, cv::INTER_CUBIC);
+    if (!cv::findChessboardCornersSB(large, size, points, flags)) return std::nullopt;
+    for (cv::Point2f& p : points) p = {(p.x - 0.5f) / 2, (p.y - 0.5f) / 2};
+  }
   CornerMap map(board);
   const auto place = [&](bool rows_down, bool cols_left) {
     for (int row = 0; row < chess.rows; ++row) {
@@ -165,7 +211,10 @@ std::optional<CornerMap> FindChessboard(const cv::Mat& grey, const Board& board,
   for (const auto& [rows_down, cols_left] :
        {std::pair{true, false}, {false, true}, {false, false}, {true, true}}) {
     place(rows_down, cols_left);
-    const auto guess = GuessAt(board, map, chess.cols / 2, chess.rows / 2);
+    const auto x = map.LineAt(chess.cols / 2, chess.rows / 2, 0),
+               y = map.LineAt(chess.cols / 2, chess.rows / 2, 1);
+    const Vector2d& at = *map.At(chess.cols / 2, chess.rows / 2);
+    const auto guess = GuessOf(board, chess.cols / 2, chess.rows / 2, at, *x, *y, kLeastClear_px);
     if (!guess || Cross(guess->along_x, guess->along_y) > 0) continue;  // rows of the image count downwards
     if (SearchCorner(grey, *guess, 1)) return map;
   }
@@ -199,32 +248,39 @@ class GridTracer {
   }
 
  private:
-  // Corner k of a tag in the grid of corners.
-  static std::pair<int, int> Corner(int col, int row, int k) {
-    return {2 * col + (k == 1 || k == 2 ? 1 : 0), 2 * row + (k > 1 ? 1 : 0)};
+  // What is to be expected at corner (c, r) of the grid, which is at (x, y) of a tag's patch.
+  std::optional<CornerGuess> GuessIn(const TagPatch& patch, double x, double y, int c, int r) const {
+    return GuessOf(board_, c, r, patch.At(x, y), LineIn(patch, grid_.tag_m, x, y, 0),
+                   LineIn(patch, grid_.tag_m, x, y, 1), kLeastToFind_px);
+  }
+
+  // The corner near a guess. None: there is none.
+  std::optional<Vector2d> Find(CornerGuess guess, double within_px) const {
+    const auto near = SearchCorner(grey_, guess, within_px);
+    if (!near) return std::nullopt;
+    guess.pixel = *near;
+    const auto fit = FitCorner(grey_, guess);
+    return fit ? fit->pixel : *near;
   }
 
   // Finds the exact corners of a tag near the rough ones; with all four, it is on the map.
   bool Place(const SeenTag& tag) {
     const int col = tag.id % grid_.cols, row = tag.id / grid_.cols;
+    const auto patch = TagPatch::Of(grey_, tag.corners);
+    if (!patch) return false;
     SeenTag exact = tag;
     for (std::size_t k = 0; k < 4; ++k) {
-      const Vector2d& corner = tag.corners[k];
-      const Vector2d x = (k == 0 || k == 3) ? tag.corners[k ^ 1] - corner : corner - tag.corners[k ^ 1];
-      const Vector2d y = k < 2 ? tag.corners[3 - k] - corner : corner - tag.corners[3 - k];
-      const auto [c, r] = Corner(col, row, static_cast<int>(k));
-      auto guess = GuessOf(board_, c, r, corner, {x / grid_.tag_m}, {y / grid_.tag_m});
-      if (!guess) return false;
-      const double side = std::min(x.norm(), y.norm());
-      const auto near = SearchCorner(grey_, *guess, std::clamp(0.12 * side, 2.0, 8.0));
-      if (!near) return false;
-      guess->pixel = *near;
-      const auto fit = FitCorner(grey_, *guess);
-      exact.corners[k] = fit ? fit->pixel : *near;
+      const auto [c, r] = TagCorner(col, row, k);
+      const auto guess = GuessIn(*patch, c % 2, r % 2, c, r);
+      const double side = std::min((tag.corners[k] - tag.corners[k ^ 1]).norm(),
+                                   (tag.corners[k] - tag.corners[3 - k]).norm());
+      const auto found = guess ? Find(*guess, std::clamp(0.12 * side, 2.0, 8.0)) : std::nullopt;
+      if (!found) return false;
+      exact.corners[k] = *found;
     }
     if (WrongCells(grey_, exact) > kMostWrongCells) return false;
     for (std::size_t k = 0; k < 4; ++k) {
-      const auto [c, r] = Corner(col, row, static_cast<int>(k));
+      const auto [c, r] = TagCorner(col, row, k);
       map_.At(c, r) = exact.corners[k];
     }
     return true;
@@ -232,68 +288,49 @@ class GridTracer {
 
   // From a tag to the next one: across the gap to the near corners, then along both lines to the far ones.
   bool Step(int col, int row, int to_col, int to_row) {
-    std::array<PointPair, 4> pairs;
+    std::array<Vector2d, 4> corners;
     for (std::size_t k = 0; k < 4; ++k) {
-      const auto [c, r] = Corner(col, row, static_cast<int>(k));
-      pairs[k] = {map_.Place(c, r), *map_.At(c, r)};
+      const auto [c, r] = TagCorner(col, row, k);
+      corners[k] = *map_.At(c, r);
     }
-    const auto H = FitHomography(pairs);
-    if (!H) return false;
+    const auto patch = TagPatch::Of(grey_, corners);
+    if (!patch) return false;
     SeenTag next;
-    const int next_col = col + to_col, next_row = row + to_row;
+    const int next_col = col + to_col, next_row = row + to_row, toward = to_col + to_row;
     next.id = next_row * grid_.cols + next_col;
-    const int axis = to_col != 0 ? 0 : 1;
-    for (int pass = 0; pass < 2; ++pass) {  // near, far
-      for (std::size_t k = 0; k < 4; ++k) {
-        const auto [c, r] = Corner(next_col, next_row, static_cast<int>(k));
-        const bool high = axis == 0 ? c % 2 == 1 : r % 2 == 1;
-        const bool far = high == (to_col + to_row > 0);
-        if (far != (pass == 1)) continue;
-        if (!far) {
-          next.corners[k] = Transfer(*H, map_.Place(c, r));
-          if (const auto near = NearCorner(c, r, next.corners[k], *H)) next.corners[k] = *near;
-          continue;
-        }
-        // The last three corners on the line, of which the nearest was just found.
-        const int toward = to_col + to_row;
-        const auto on_line = [&](int back) {
-          return axis == 0 ? std::pair{c - back * toward, r} : std::pair{c, r - back * toward};
-        };
-        std::array<double, 3> x;
-        std::array<Vector2d, 3> u;
-        for (int back = 1; back <= 3; ++back) {
-          const auto [bc, br] = on_line(back);
-          const std::size_t i = static_cast<std::size_t>(back - 1);
-          x[i] = map_.Place(bc, br)[axis];
-          if (back > 1) u[i] = *map_.At(bc, br);
-        }
-        u[0] = next.corners[axis == 0 ? k ^ 1 : 3 - k];
-        const double at = map_.Place(c, r)[axis];
-        next.corners[k] = Vector2d::Zero();
-        for (std::size_t i = 0; i < 3; ++i) {  // Lagrange's parabola
-          double weight = 1;
-          for (std::size_t j = 0; j < 3; ++j) {
-            if (j != i) weight *= (at - x[j]) / (x[i] - x[j]);
-          }
-          next.corners[k] += weight * u[i];
-        }
+    const auto is_far = [&](int c, int r) { return ((to_col != 0 ? c : r) % 2 == 1) == (toward > 0); };
+    for (std::size_t k = 0; k < 4; ++k) {
+      const auto [c, r] = TagCorner(next_col, next_row, k);
+      if (is_far(c, r)) continue;
+      const Vector2d tag = (map_.Place(c, r) - map_.Place(2 * col, 2 * row)) / grid_.tag_m;
+      next.corners[k] = patch->At(tag.x(), tag.y());
+      const double side = (corners[0] - corners[2]).norm() / std::numbers::sqrt2;
+      const auto guess = GuessIn(*patch, tag.x(), tag.y(), c, r);
+      const auto found = guess ? Find(*guess, std::clamp(0.1 * side, 2.0, 6.0)) : std::nullopt;
+      if (found) next.corners[k] = *found;
+    }
+    for (std::size_t k = 0; k < 4; ++k) {
+      const auto [c, r] = TagCorner(next_col, next_row, k);
+      if (!is_far(c, r)) continue;
+      // Lagrange's parabola through the last three corners on the line, of which the nearest was just found.
+      const auto on_line = [&, c = c, r = r](int back) {
+        return to_col != 0 ? std::pair{c - back * toward, r} : std::pair{c, r - back * toward};
+      };
+      std::array<double, 3> x;
+      std::array<Vector2d, 3> u;
+      for (std::size_t i = 0; i < 3; ++i) {
+        const auto [back_c, back_r] = on_line(static_cast<int>(i) + 1);
+        x[i] = map_.Place(back_c, back_r)[to_col != 0 ? 0 : 1];
+        u[i] = i == 0 ? next.corners[to_col != 0 ? k ^ 1 : 3 - k] : *map_.At(back_c, back_r);
+      }
+      const double at = map_.Place(c, r)[to_col != 0 ? 0 : 1];
+      next.corners[k].setZero();
+      for (std::size_t i = 0; i < 3; ++i) {
+        const std::size_t a = (i + 1) % 3, b = (i + 2) % 3;
+        next.corners[k] += (at - x[a]) * (at - x[b]) / ((x[i] - x[a]) * (x[i] - x[b])) * u[i];
       }
     }
     return Place(next);
-  }
-
-  std::optional<Vector2d> NearCorner(int c, int r, const Vector2d& expected, const Eigen::Matrix3d& H) const {
-    const double step = 0.1 * grid_.tag_m;
-    const Vector2d x = (Transfer(H, map_.Place(c, r) + Vector2d(step, 0)) - expected) / step;
-    const Vector2d y = (Transfer(H, map_.Place(c, r) + Vector2d(0, step)) - expected) / step;
-    auto guess = GuessOf(board_, c, r, expected, {x}, {y});
-    if (!guess) return std::nullopt;
-    const auto near =
-        SearchCorner(grey_, *guess, std::clamp(0.1 * std::min(x.norm(), y.norm()) * grid_.tag_m, 2.0, 6.0));
-    if (!near) return std::nullopt;
-    guess->pixel = *near;
-    const auto fit = FitCorner(grey_, *guess);
-    return fit ? fit->pixel : *near;
   }
 
   const cv::Mat& grey_;

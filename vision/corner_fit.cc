@@ -141,7 +141,7 @@ std::optional<FittedCorner> FitCorner(const cv::Mat& grey, const CornerGuess& gu
 }
 
 std::optional<Vector2d> SearchCorner(const cv::Mat& grey, const CornerGuess& guess, double within_px) {
-  const Edge x(guess.along_x, guess.along_y, 0), y(guess.along_y, guess.along_x, 0);
+  const Edge x(guess.along_x, guess.along_y, guess.bend_x), y(guess.along_y, guess.along_x, guess.bend_y);
   const double radius = guess.radius_px, black = guess.black_between ? -1 : 1;
   const int reach = static_cast<int>(std::ceil(within_px)), half = static_cast<int>(radius);
   const Vector2d middle = guess.pixel.array().round();
@@ -156,8 +156,10 @@ std::optional<Vector2d> SearchCorner(const cv::Mat& grey, const CornerGuess& gue
         for (int u = -half; u <= half; ++u) {
           const Vector2d d(u, v);
           if (d.norm() > radius) continue;
-          const double soft_x = std::clamp(x.side.dot(d), -1.0, 1.0),
-                       soft_y = std::clamp(y.side.dot(d), -1.0, 1.0);
+          Vector2d unused;
+          double unused_angle;
+          const double soft_x = std::clamp(x.Distance(d, 0, unused, unused_angle), -1.0, 1.0);
+          const double soft_y = std::clamp(y.Distance(d, 0, unused, unused_angle), -1.0, 1.0);
           const double form = black * soft_x * soft_y;
           const double value =
               grey.at<std::uint8_t>(static_cast<int>(at.y()) + v, static_cast<int>(at.x()) + u);

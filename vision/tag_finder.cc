@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/tag_finder.h"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -18,35 +19,63 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr int kCells = 6, kBorder = 2, kAcross = kCells + 2 * kBorder;
+constexpr std::size_t kCellCount = kAcross * kAcross;
 constexpr double kLeastContrast = 12;  // grey levels
 constexpr int kMostWrongBits = 3;      // two codes of the family differ in 11
 constexpr int kMostWrongBorder = 6;    // of 64 cells
 constexpr double kLeastSide_px = 12;
 
-// White or not, of the cells row by row from the top left; none where they do not differ or lie outside.
-std::optional<std::array<bool, kAcross * kAcross>> ReadCells(const cv::Mat& grey,
-                                                             const std::array<Vector2d, 4>& corners) {
-  const std::array<PointPair, 4> pairs{PointPair{{0, kAcross}, corners[0]},
-                                       PointPair{{kAcross, kAcross}, corners[1]},
-                                       PointPair{{kAcross, 0}, corners[2]}, PointPair{{0, 0}, corners[3]}};
-  const auto H = FitHomography(pairs);
-  if (!H) return std::nullopt;
-  std::array<double, kAcross * kAcross> light;
-  for (int i = 0; i < kAcross * kAcross; ++i) {
-    const Vector2d at = Transfer(*H, {i % kAcross + 0.5, i / kAcross + 0.5});
-    const int u = static_cast<int>(std::floor(at.x())), v = static_cast<int>(std::floor(at.y()));
-    if (!(u >= 0 && v >= 0 && u + 1 < grey.cols && v + 1 < grey.rows)) return std::nullopt;
-    const double du = at.x() - u, dv = at.y() - v;
-    const std::uint8_t *top = grey.ptr(v) + u, *low = grey.ptr(v + 1) + u;
-    light[static_cast<std::size_t>(i)] =
-        (1 - dv) * ((1 - du) * top[0] + du * top[1]) + dv * ((1 - du) * low[0] + du * low[1]);
+double LightAt(const cv::Mat& grey, const Vector2d& at) {
+  const int u = static_cast<int>(std::floor(at.x())), v = static_cast<int>(std::floor(at.y()));
+  if (!(u >= 0 && v >= 0 && u + 1 < grey.cols && v + 1 < grey.rows)) return std::nan("");
+  const double du = at.x() - u, dv = at.y() - v;
+  const std::uint8_t *top = grey.ptr(v) + u, *low = grey.ptr(v + 1) + u;
+  return (1 - dv) * ((1 - du) * top[0] + du * top[1]) + dv * ((1 - du) * low[0] + du * low[1]);
+}
+
+// How far the middle of a tag's side is bowed from the straight line between its ends, px, by a parabola
+// through where the light grows most from the black border to the gap outside. That the ends are not exact
+// only shifts and turns the line, which the parabola allows for.
+Vector2d Bow(const cv::Mat& grey, const Vector2d& from, const Vector2d& to, const Vector2d& inside) {
+  const Vector2d along = to - from;
+  Vector2d outwards(-along.y(), along.x());
+  outwards.normalize();
+  if (outwards.dot(inside - from) > 0) outwards = -outwards;
+  const double reach = 0.14 * along.norm() + 1;
+  constexpr int kPlaces = 9;
+  Eigen::Matrix<double, kPlaces, 3> powers;
+  Eigen::Matrix<double, kPlaces, 1> offsets;
+  for (int i = 0; i < kPlaces; ++i) {
+    const double t = (i + 1.0) / (kPlaces + 1);
+    const Vector2d at = from + t * along;
+    double steepest = 0, offset = 0;
+    for (double d = -reach; d <= reach; d += 0.25) {
+      const double rise = LightAt(grey, at + (d + 1.5) * outwards) - LightAt(grey, at + (d - 1.5) * outwards);
+      if (rise > steepest) steepest = rise, offset = d;
+    }
+    powers.row(i) << 1, t, 4 * t * (1 - t);
+    offsets[i] = offset;
   }
-  std::array<double, kAcross* kAcross> sorted = light;
+  return powers.colPivHouseholderQr().solve(offsets)[2] * outwards;
+}
+
+// White or not, of the cells row by row from the top left; none where they do not differ or lie outside.
+std::optional<std::array<bool, kCellCount>> ReadCells(const cv::Mat& grey,
+                                                      const std::array<Vector2d, 4>& corners) {
+  const auto patch = TagPatch::Of(grey, corners);
+  if (!patch) return std::nullopt;
+  std::array<double, kCellCount> light;
+  for (int i = 0; i < kAcross * kAcross; ++i) {
+    double& cell = light[static_cast<std::size_t>(i)];
+    cell = LightAt(grey, patch->At((i % kAcross + 0.5) / kAcross, 1 - (i / kAcross + 0.5) / kAcross));
+    if (!std::isfinite(cell)) return std::nullopt;
+  }
+  std::array<double, kCellCount> sorted = light;
   std::sort(sorted.begin(), sorted.end());
   // Every tag has at least 75 black cells and 10 white ones.
   const double black = sorted[37], white = sorted[94];
   if (!(white - black > kLeastContrast)) return std::nullopt;
-  std::array<bool, kAcross * kAcross> cells;
+  std::array<bool, kCellCount> cells;
   for (std::size_t i = 0; i < cells.size(); ++i) cells[i] = light[i] > (black + white) / 2;
   return cells;
 }
@@ -115,6 +144,23 @@ std::optional<std::array<Vector2d, 4>> Quadrangle(const std::vector<cv::Point>& 
 }
 
 }  // namespace
+
+std::optional<TagPatch> TagPatch::Of(const cv::Mat& grey, const std::array<Vector2d, 4>& corners) {
+  const std::array<PointPair, 4> pairs{PointPair{{0, 0}, corners[0]}, PointPair{{1, 0}, corners[1]},
+                                       PointPair{{1, 1}, corners[2]}, PointPair{{0, 1}, corners[3]}};
+  const auto H = FitHomography(pairs);
+  if (!H) return std::nullopt;
+  TagPatch patch;
+  patch.H_ = *H;
+  const Vector2d inside = (corners[0] + corners[1] + corners[2] + corners[3]) / 4;
+  for (std::size_t i = 0; i < 4; ++i) patch.bows_[i] = Bow(grey, corners[i], corners[(i + 1) % 4], inside);
+  return patch;
+}
+
+Vector2d TagPatch::At(double x, double y) const {
+  return Transfer(H_, {x, y}) + 4 * x * (1 - x) * ((1 - y) * bows_[0] + y * bows_[2]) +
+         4 * y * (1 - y) * (x * bows_[1] + (1 - x) * bows_[3]);
+}
 
 std::vector<SeenTag> FindTags(const cv::Mat& grey, int ids) {
   std::vector<SeenTag> tags;

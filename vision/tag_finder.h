@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <vector>
 
 namespace kestrel {
@@ -13,6 +14,20 @@ namespace kestrel {
 struct SeenTag {
   int id = 0;
   std::array<Eigen::Vector2d, 4> corners;
+};
+
+// Where the picture of a tag is in an image: as its corners have it in perspective, and bent as its sides
+// are, which through a wide lens bow by as much as a tenth of their length.
+class TagPatch {
+ public:
+  // None: the corners are not of a quadrangle.
+  static std::optional<TagPatch> Of(const cv::Mat& grey, const std::array<Eigen::Vector2d, 4>& corners);
+  // The pixel of a place, in sides of the tag, right and up from its lower left corner; also outside it.
+  Eigen::Vector2d At(double x, double y) const;
+
+ private:
+  Eigen::Matrix3d H_;
+  std::array<Eigen::Vector2d, 4> bows_;  // of the lower, right, upper and left side at their middle, px
 };
 
 // The tags below an id that stand alone enough to be told by their outline: dark quadrangles with a code that
