@@ -150,7 +150,7 @@ int Main(int argc, char** argv) {
   cv::setNumThreads(1);
 #ifdef __GLIBC__
   // Images come and go with each frame: their memory is kept, not given back and faulted in again.
-  mallopt(M_MMAP_THRESHOLD, 1 << 30);
+  mallopt(M_MMAP_THRESHOLD, 1 << 25);
   mallopt(M_TRIM_THRESHOLD, 1 << 30);
 #endif
   CLI::App app{

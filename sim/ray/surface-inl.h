@@ -319,8 +319,8 @@ HWY_INLINE void HazeAt(const Placed& plane, float width, const Vec3& d, VF& u, V
   distance = hn::Div(hn::Mul(hn::NegMulAdd(down, F(width), F(1)), F(kSkyDistance_m)), level);
 }
 
-// Behind the haze an endless plane gives way to the sky, into which the haze fades: to the upright cylinder that
-// MuJoCo shows it on.
+// Behind the haze an endless plane gives way to the sky, into which the haze fades: to the upright cylinder
+// that MuJoCo shows it on.
 HWY_INLINE void EndPlane(const Slice& slice, const Vec3& d, Hit& hit) {
   const Haze& haze = slice.things->haze;
   if (haze.thing < 0 || !(slice.placement->things[haze.thing].o[2] > 0)) return;
