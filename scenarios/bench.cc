@@ -292,7 +292,7 @@ void BenchHeights(Seeds seeds, std::vector<Figure>& table) {
       for (int i = 0; i < 6; ++i) phase(i) = random.Uniform(0, 6.28);
       PadTracker tracker(loaded.pad, std::get<Pinhole>(loaded.simulator.camera),
                          loaded.scenario.pilot.tracker);
-      const ImageSensor sensor(loaded.simulator.image, seed);
+      const ImageSensor sensor(DrawScatter(loaded.simulator.image, seed), loaded.simulator.camera, seed);
       constexpr int kTravel = 80, kStay = 40;
       for (int k = 0; k < kTravel + kStay; ++k) {
         const double t = k / 20.0;

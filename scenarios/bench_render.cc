@@ -190,74 +190,82 @@ class World {
   DataPtr data_;
 };
 
+constexpr std::uint64_t kTurn = 5;
+
 const RenderOptions kByRay{.backend = "ray"}, kByOpenGl{.backend = "osmesa"};
 
 void Speed(const BenchCamera& bench, World& world, std::uint64_t first_seed, std::uint64_t last_seed,
            std::vector<Figure>& table) {
-  Drawer<PeerRenderer> peer(world.model(), bench.camera, 0, 1.0);
+  Drawer<PeerRenderer> peer(world.model(), bench.camera, 0, 1.0), coarse(world.model(), bench.camera, 0, 0.5);
   Drawer<Renderer> ray(world.model(), bench.camera, kByRay), opengl(world.model(), bench.camera, kByOpenGl);
-  const auto median_of_others = [&](int samples, double finer) {
-    Drawer<PeerRenderer> other(world.model(), bench.camera, samples, finer);
-    std::vector<double> times_ms;
-    for (int i = 0; i < 12; ++i) {  // the first ones warm up
+  const PeerRenderer& faces = peer.drawing();
+  const bool wide = faces.face_px() > 0;
+  std::vector<double> smoothed_ms;
+  {
+    Drawer<PeerRenderer> smoothed(world.model(), bench.camera, world.model()->vis.quality.offsamples, 1.0);
+    for (std::size_t i = 0; i < 9; ++i) {
       const Pose X_NC = world.Put(AircraftPose(bench, kHeights[i % 3], first_seed));
-      const double time_ms = other.Time(world.data(), X_NC);
-      if (i >= 3) times_ms.push_back(time_ms);
+      const double time_ms = smoothed.Time(world.data(), X_NC);
+      if (i >= 3) smoothed_ms.push_back(time_ms);
+      if (i >= 3) continue;  // the first ones warm up
+      peer.Time(world.data(), X_NC), coarse.Time(world.data(), X_NC);
+      ray.Time(world.data(), X_NC), opengl.Time(world.data(), X_NC);
     }
-    return Quantile(times_ms, 0.5);
-  };
-  const double smoothed_ms = median_of_others(world.model()->vis.quality.offsamples, 1);
-  const double coarser_ms = median_of_others(0, 0.5);
-  for (int i = 0; i < 3; ++i) {
-    const Pose X_NC = world.Put(AircraftPose(bench, kHeights[i], first_seed));
-    peer.Render(world.data(), X_NC), ray.Render(world.data(), X_NC), opengl.Render(world.data(), X_NC);
   }
   struct Times {
-    std::vector<double> peer_ms, ray_ms, opengl_ms, ray_gain, opengl_gain;
+    std::vector<double> peer_ms, coarse_ms, ray_ms, opengl_ms;
   };
   Times all;
   for (std::size_t h = 0; h < kHeights.size(); ++h) {
     Times here;
-    for (std::uint64_t seed = first_seed; seed <= last_seed; ++seed) {
-      Progress(fmt::format("{}, {}, speed: seed {} of {}..{}", bench.name, kHeightNames[h], seed, first_seed,
+    // Turn about, a few poses each: so that each is as warm as in a flight, and none has a quiet machine for
+    // itself.
+    for (std::uint64_t from = first_seed; from <= last_seed; from += kTurn) {
+      const std::uint64_t until = std::min(from + kTurn - 1, last_seed);
+      Progress(fmt::format("{}, {}, speed: seed {} of {}..{}", bench.name, kHeightNames[h], from, first_seed,
                            last_seed));
-      const Pose X_NC = world.Put(AircraftPose(bench, kHeights[h], seed));
-      here.peer_ms.push_back(peer.Time(world.data(), X_NC));
-      here.ray_ms.push_back(ray.Time(world.data(), X_NC));
-      here.ray_gain.push_back(here.peer_ms.back() / here.ray_ms.back());
-      here.opengl_ms.push_back(opengl.Time(world.data(), X_NC));
-      here.opengl_gain.push_back(here.peer_ms.back() / here.opengl_ms.back());
+      const auto turn = [&](auto& drawer, std::vector<double>& times_ms) {
+        for (std::uint64_t seed = from; seed <= until; ++seed) {
+          const Pose X_NC = world.Put(AircraftPose(bench, kHeights[h], seed));
+          times_ms.push_back(drawer.Time(world.data(), X_NC));
+        }
+      };
+      turn(peer, here.peer_ms), turn(ray, here.ray_ms), turn(opengl, here.opengl_ms);
+      if (wide) turn(coarse, here.coarse_ms);
     }
     Progress("");
-    fmt::print(
-        "{}, {}: ms a frame, median and 95th percentile: peers' way {:.1f} {:.1f}, ray {:.2f} {:.2f}, OpenGL "
-        "{:.1f} {:.1f}\n",
-        bench.name, kHeightNames[h], Quantile(here.peer_ms, 0.5), Quantile(here.peer_ms, 0.95),
-        Quantile(here.ray_ms, 0.5), Quantile(here.ray_ms, 0.95), Quantile(here.opengl_ms, 0.5),
-        Quantile(here.opengl_ms, 0.95));
-    const auto append = [](std::vector<double>& to, const std::vector<double>& more) {
-      to.insert(to.end(), more.begin(), more.end());
+    const auto both = [](const std::vector<double>& ms) {
+      return fmt::format("{:.1f} {:.1f}", Quantile(ms, 0.5), Quantile(ms, 0.95));
     };
-    append(all.peer_ms, here.peer_ms), append(all.ray_ms, here.ray_ms), append(all.opengl_ms, here.opengl_ms);
-    append(all.ray_gain, here.ray_gain), append(all.opengl_gain, here.opengl_gain);
+    fmt::print("{}, {}: ms a frame, median and 95th percentile: the peers' way {}, ray {}, OpenGL {}\n",
+               bench.name, kHeightNames[h], both(here.peer_ms), both(here.ray_ms), both(here.opengl_ms));
+    for (const auto times : {&Times::peer_ms, &Times::coarse_ms, &Times::ray_ms, &Times::opengl_ms})
+      (all.*times).insert((all.*times).end(), (here.*times).begin(), (here.*times).end());
   }
-  const double peer_ms = Quantile(all.peer_ms, 0.5), ray_ms = Quantile(all.ray_ms, 0.5);
-  const std::string peers = fmt::format("{:.3g}", 1000 / peer_ms);
+  const std::string way = wide ? fmt::format("{} faces of {} px", faces.faces(), faces.face_px())
+                               : std::string("MuJoCo's own way");
+  const std::string coarse_way = fmt::format("{} faces of {} px", faces.faces(), faces.face_px() / 2);
+  // The median of the ratios, pose by pose.
+  const auto gain = [](const std::vector<double>& slow_ms, const std::vector<double>& fast_ms) {
+    std::vector<double> ratios;
+    for (std::size_t i = 0; i < fast_ms.size(); ++i) ratios.push_back(slow_ms[i] / fast_ms[i]);
+    return Quantile(ratios, 0.5);
+  };
+  const double peer_rate = 1000 / Quantile(all.peer_ms, 0.5);
   const auto add = [&](const std::string& what, double value, const char* unit, std::optional<double> target,
                        const std::string& reference) {
     table.push_back({bench.name + ", " + what, value, unit, target, true, reference});
   };
-  const PeerRenderer& faces = peer.drawing();
-  const bool wide = faces.face_px() > 0;
-  const std::string way = wide ? fmt::format("{} faces of {} px", faces.faces(), faces.face_px()) : "MuJoCo";
-  add(way, 1000 / peer_ms, "frames/s", {}, "");
-  add(way + ", MuJoCo's own samples", 1000 / smoothed_ms, "frames/s", {}, "");
-  if (wide) add(fmt::format("faces of {} px", faces.face_px() / 2), 1000 / coarser_ms, "frames/s", {}, "");
-  add("ray", 1000 / ray_ms, "frames/s", bench.frames_s > 0 ? std::optional(bench.frames_s) : std::nullopt, peers);
-  add("ray, 5 of 100 frames are slower", 1000 / Quantile(all.ray_ms, 0.95), "frames/s", {}, "");
-  add("ray over " + way, Quantile(all.ray_gain, 0.5), "times", bench.times, "1");
-  add("OpenGL", 1000 / Quantile(all.opengl_ms, 0.5), "frames/s", {}, peers);
-  add("OpenGL over " + way, Quantile(all.opengl_gain, 0.5), "times", {}, "1");
+  add(way, peer_rate, "frames/s", {}, "");
+  if (wide) add(coarse_way, 1000 / Quantile(all.coarse_ms, 0.5), "frames/s", {}, "");
+  add(way + ", MuJoCo's own samples", 1000 / Quantile(smoothed_ms, 0.5), "frames/s", {}, "");
+  add("ray", 1000 / Quantile(all.ray_ms, 0.5), "frames/s",
+      bench.frames_s > 0 ? std::optional(bench.frames_s) : std::nullopt, fmt::format("{:.3g}", peer_rate));
+  add("ray, 95th percentile", Quantile(all.ray_ms, 0.95), "ms a frame", {}, "");
+  add("ray over " + way, gain(all.peer_ms, all.ray_ms), "times", bench.times, "1");
+  if (wide) add("ray over " + coarse_way, gain(all.coarse_ms, all.ray_ms), "times", {}, "1");
+  add("OpenGL", 1000 / Quantile(all.opengl_ms, 0.5), "frames/s", {}, fmt::format("{:.3g}", peer_rate));
+  add("OpenGL over " + way, gain(all.peer_ms, all.opengl_ms), "times", {}, "1");
 }
 
 // Pixels with no edge of a thing within two of them.

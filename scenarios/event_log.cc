@@ -29,6 +29,12 @@ void EventLog::Write(const LogRow& row) {
   }
 }
 
+void EventLog::Write(const CameraCondition& change) {
+  if (change.name == camera_) return;
+  Line(change.from_s, "camera", change.name);
+  camera_ = change.name;
+}
+
 void EventLog::End(double t_s, std::string_view how) {
   Line(t_s, "end", how);
   file_.Close();

@@ -7,24 +7,27 @@
 
 #include "scenarios/files.h"
 #include "scenarios/flight_log.h"
+#include "sim/camera_faults.h"
 
 namespace kestrel {
 
 // events.log of a run: a line, with the time of the flight, whenever a state changes its name: the phase of
-// the flight plan, the target (tracked, found, chained, refused, lost), the autopilot's mode (hold: its
-// setpoints went stale), its saturation, the touch-down. Throws std::runtime_error with the file and the
-// reason.
+// the flight plan, the target (tracked, found, chained, refused, lost, frozen), the autopilot's mode (hold:
+// its setpoints went stale), its saturation, the camera's faults, the touch-down. Throws std::runtime_error
+// with the file and the reason.
 class EventLog {
  public:
   explicit EventLog(const std::filesystem::path& folder) : file_(folder / "events.log") {}
+  // In the order of time.
   void Write(const LogRow& row);
+  void Write(const CameraCondition& change);
   void End(double t_s, std::string_view how);
 
  private:
   void Line(double t_s, std::string_view what, std::string_view is);
 
   PartFile file_;
-  std::string phase_, target_, mode_;
+  std::string phase_, target_, mode_, camera_ = "ok";
   bool saturated_ = false, touching_ = false;
 };
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstring>
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
@@ -21,6 +22,13 @@ constexpr double kMostField_deg = 100;  // of the virtual camera: about as many 
 
 double SecondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+bool SamePixels(const cv::Mat& a, const cv::Mat& b) {
+  if (a.size() != b.size() || a.type() != b.type()) return false;
+  for (int y = 0; y < a.rows; ++y)
+    if (std::memcmp(a.ptr(y), b.ptr(y), a.cols * a.elemSize()) != 0) return false;
+  return true;
 }
 
 }  // namespace
@@ -48,7 +56,11 @@ Decision HelipadPilot::See(const Frame& frame, const VehicleState& state) {
   if (to_view_) grey = Look(*to_view_, grey);
   estimator_.Hear(state);
   latency_s_ = state.t_s - frame.t_s;
-  seen_ = tracker_.Track(grey, estimator_.ExpectedPose(frame.t_s));
+  // Noise never repeats itself: the same image again is an old one under a new time, and to follow it would
+  // be to fly blind without knowing.
+  const bool frozen = SamePixels(grey, last_image_);
+  grey.copyTo(last_image_);
+  seen_ = frozen ? std::nullopt : tracker_.Track(grey, estimator_.ExpectedPose(frame.t_s));
   fix_.reset();
   if (seen_) {
     if (const auto X_TB = estimator_.Correct(frame.t_s, seen_->X_CT, seen_->covariance)) {
@@ -59,7 +71,8 @@ Decision HelipadPilot::See(const Frame& frame, const VehicleState& state) {
   estimate_ = estimator_.At(state.t_s);
   decision.fix = fix_;
   decision.fix_age_s = estimate_ ? estimate_->age_s : state.t_s;
-  decision.target = !seen_              ? "lost"
+  decision.target = frozen              ? "frozen"
+                    : !seen_            ? "lost"
                     : !fix_             ? "refused"
                     : seen_->found      ? "found"
                     : seen_->registered ? "tracked"

@@ -57,7 +57,8 @@ class HelipadPilot {
   HelipadPilot(PadReference reference, const CameraModel& camera, const Pose& X_BC,
                const PilotParameters& parameters);
 
-  // Looks at a frame: fills the target, fix and vision_s of a new decision.
+  // Looks at a frame: fills the target, fix and vision_s of a new decision. An image that is the one before,
+  // to the last bit, shows nothing: the camera is frozen.
   Decision See(const Frame& frame, const VehicleState& state);
 
   // The pad is in sight, or was a moment ago.
@@ -87,6 +88,7 @@ class HelipadPilot {
   TargetEstimator estimator_;
   std::optional<TargetEstimator::Estimate> estimate_;
   std::optional<PadObservation> seen_;
+  cv::Mat last_image_;
   std::optional<TargetFix> fix_;
   double latency_s_ = 0;
 

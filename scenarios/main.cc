@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The command line: reads what is asked for, has it done, and turns the end into an exit status.
 #include <fmt/format.h>
+#include <malloc.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -147,6 +148,11 @@ int Check(const std::string& scenario, const std::vector<std::string>& overrides
 int Main(int argc, char** argv) {
   // The second core draws the next image; threads inside OpenCV would only wait for it.
   cv::setNumThreads(1);
+#ifdef __GLIBC__
+  // Images come and go with each frame: their memory is kept, not given back and faulted in again.
+  mallopt(M_MMAP_THRESHOLD, 1 << 30);
+  mallopt(M_TRIM_THRESHOLD, 1 << 30);
+#endif
   CLI::App app{
       "Kestrel: flight by vision, in the loop.\n\nExit status: 0 the run met its criteria, 1 it did not, "
       "2 bad input, 3 the run broke off."};

@@ -25,7 +25,7 @@ struct Decision {
   std::optional<Setpoint> setpoint;  // none: the last one stands until it is stale
   std::string_view phase;            // of the flight plan: "search", "centre", "descend", ...
   std::string_view target;  // "tracked", "found" (in this frame), "chained", "refused" (seen where it cannot
-                            // be), "lost"
+                            // be), "lost", "frozen" (the image repeats itself)
   std::optional<TargetFix> fix;           // none while the target is lost
   double fix_age_s = 0;                   // time since the exposure of the newest fix; grows while lost
   std::optional<Eigen::Vector3d> goal_T;  // where the aircraft is meant to be, in the target's frame, m

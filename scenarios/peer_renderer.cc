@@ -37,8 +37,8 @@ int SideFor(const CameraModel& camera, const std::vector<Eigen::Quaterniond>& R_
   for (const Eigen::Quaterniond& R : R_CV) {
     const auto uv = Project(camera, R * Eigen::Vector3d::UnitZ());
     Eigen::Matrix<double, 3, 2> d_pixel;
-    if (!uv || uv->x() < 0 || uv->y() < 0 || uv->x() > WidthPx(camera) - 1 || uv->y() > HeightPx(camera) - 1 ||
-        !Ray(camera, *uv, &d_pixel))
+    if (!uv || uv->x() < 0 || uv->y() < 0 || uv->x() > WidthPx(camera) - 1 ||
+        uv->y() > HeightPx(camera) - 1 || !Ray(camera, *uv, &d_pixel))
       continue;
     side = std::max(side, 4 / std::sqrt(d_pixel.col(0).cross(d_pixel.col(1)).norm()));
   }
@@ -48,7 +48,8 @@ int SideFor(const CameraModel& camera, const std::vector<Eigen::Quaterniond>& R_
 
 }  // namespace
 
-PeerRenderer::PeerRenderer(const mjModel* model, const CameraModel& camera, int samples, double finer) : model_(model) {
+PeerRenderer::PeerRenderer(const mjModel* model, const CameraModel& camera, int samples, double finer)
+    : model_(model) {
   const Pinhole* const pinhole = std::get_if<Pinhole>(&camera);
   if (pinhole) {
     picture_ = *pinhole;

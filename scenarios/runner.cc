@@ -73,6 +73,12 @@ FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) 
     events.emplace(*options.folder);
   }
 
+  std::size_t changes_written = 0;
+  const auto write_camera_changes = [&] {
+    const auto changes = simulator.camera_changes();
+    for (; changes_written < changes.size(); ++changes_written) events->Write(changes[changes_written]);
+  };
+
   std::vector<double> vision_s, control_s, record_s;
   bool stopped = false;
   try {
@@ -84,6 +90,7 @@ FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) 
           const LogRow& row = result.rows.back();
           if (recorder) {
             recorder->Write(row);
+            write_camera_changes();
             events->Write(row);
             if (recorder->wants_images()) {
               cv::Mat drawn;
@@ -102,7 +109,11 @@ FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) 
           stopped = options.progress && !options.progress(row);
           return !stopped;
         });
-    if (summary.outcome.empty()) summary.outcome = stopped ? "interrupted" : "completed";
+    if (summary.outcome.empty()) {
+      const auto changes = simulator.camera_changes();
+      const bool blind = !changes.empty() && changes.back().off;
+      summary.outcome = stopped ? "interrupted" : blind ? "camera off" : "completed";
+    }
     if (stopped) summary.error = "interrupted";
   } catch (const std::exception& e) {
     summary.outcome = "broke off";
@@ -127,6 +138,7 @@ FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) 
                     {"record", Statistics(record_s)}};
   if (!recorder) return result;
   try {
+    write_camera_changes();
     events->End(summary.sim_s, summary.error.empty() ? summary.outcome : summary.error);
   } catch (const std::runtime_error& e) {
     if (summary.error.empty()) summary.error = e.what();

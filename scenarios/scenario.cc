@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <opencv2/imgcodecs.hpp>
 
+#include "scenarios/check_image.h"
 #include "scenarios/metrics.h"
 #include "vision/calibration_file.h"
 
@@ -148,6 +149,7 @@ LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<s
     mistakes.Add(WhereOf(config, "occlusion", where), "occlusion.until_s",
                  fmt::format("{} is not after from_s = {}", s.occlusion.until_s, s.occlusion.from_s));
   }
+  CheckMount(s.mount, WhereOf(config, "mount", where), mistakes);
   const std::string criteria = WhereOf(config, "criteria", where);
   for (const auto& [metric, limit] : s.criteria) {
     Known("criteria", metric, MetricNames(), criteria, mistakes);
@@ -173,9 +175,12 @@ LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<s
           CameraFile(s.camera, file.parent_path(), WhereOf(config, "camera", where), mistakes)) {
     const std::size_t before = mistakes.messages().size();
     sim.camera = LoadCamera(*camera, mistakes);
-    if (mistakes.messages().size() == before && !TrackersCamera(sim.camera)) {
-      mistakes.Add(camera->string(), "",
-                   "does not see along its own optical axis, where these flights look for the pad");
+    if (mistakes.messages().size() == before) {
+      CheckImage(s.image, HeightPx(sim.camera), WhereOf(config, "image", where), mistakes);
+      if (!TrackersCamera(sim.camera)) {
+        mistakes.Add(camera->string(), "",
+                     "does not see along its own optical axis, where these flights look for the pad");
+      }
     }
   }
   if (Known("pad", s.pad.name, NamesIn(models / "pads", ""), WhereOf(config, "pad", where), mistakes)) {

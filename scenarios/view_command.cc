@@ -193,7 +193,7 @@ View MakeView(const std::string& as, const Wish& w, const CameraModel& camera) {
 }
 
 // The view of an image; of a sphere the part without image is dark, so that it is seen to be a ball.
-cv::Mat Picture(const View& view, const ViewTable& table, const cv::Mat& image) {
+cv::Mat PictureOf(const View& view, const ViewTable& table, const cv::Mat& image) {
   cv::Mat seen = Look(table, image);
   if (!std::holds_alternative<SpherePicture>(view)) return seen;
   cv::Mat ball(seen.size(), seen.type(), cv::Scalar::all(0));
@@ -239,7 +239,7 @@ int TurnVideo(VideoReader& video, const View& view, const ViewTable& table, cons
   Video out(a.out, video.rate_hz());
   Progress progress(video.frames(), !a.quiet);
   int frames = 0;
-  for (; const auto frame = video.Next(); progress.Show(++frames)) out.Write(Picture(view, table, *frame));
+  for (; const auto frame = video.Next(); progress.Show(++frames)) out.Write(PictureOf(view, table, *frame));
   if (frames == 0) throw std::runtime_error(fmt::format("{} has no frames", a.input));
   out.Close();
   return frames;
@@ -327,7 +327,7 @@ void ViewCommand(const ViewArguments& a) {
     if (!a.quiet) fmt::print("{} frames, ", frames);
   } else {
     std::vector<uchar> bytes;
-    cv::imencode(fs::path(a.out).extension().string(), Picture(view, table, image), bytes);
+    cv::imencode(fs::path(a.out).extension().string(), PictureOf(view, table, image), bytes);
     WriteFile(a.out, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
   }
   if (!a.quiet) {

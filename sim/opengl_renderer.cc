@@ -95,13 +95,13 @@ void MoveBetween(const Between& b, mjvGeom& geom) {
 // rgb: of its face.
 cv::Vec3b Mean(const unsigned char* rgb, int width_px, const Patch& patch) {
   const int n_u = patch.across_u, n_v = patch.across_v;
+  const int u_x = patch.u_x / n_u, u_y = patch.u_y / n_u, v_x = patch.v_x / n_v, v_y = patch.v_y / n_v;
+  const int first_x = patch.x - (u_x * (n_u - 1) + v_x * (n_v - 1)) / 2;
+  const int first_y = patch.y - (u_y * (n_u - 1) + v_y * (n_v - 1)) / 2;
   std::uint32_t sum[3] = {};
   for (int j = 0; j < n_v; ++j) {
     for (int i = 0; i < n_u; ++i) {
-      const int x =
-          patch.x + (patch.u_x * (2 * i + 1 - n_u)) / (2 * n_u) + (patch.v_x * (2 * j + 1 - n_v)) / (2 * n_v);
-      const int y =
-          patch.y + (patch.u_y * (2 * i + 1 - n_u)) / (2 * n_u) + (patch.v_y * (2 * j + 1 - n_v)) / (2 * n_v);
+      const int x = first_x + i * u_x + j * v_x, y = first_y + i * u_y + j * v_y;
       const std::uint32_t right = (x >> 8) & 255, up = (y >> 8) & 255, left = 256 - right, down = 256 - up;
       const unsigned char* const low =
           rgb + 3 * (static_cast<std::ptrdiff_t>(y >> 16) * width_px + (x >> 16));

@@ -15,6 +15,7 @@ class RandomStream {
 
   double Normal() { return normal_(engine_); }  // mean 0, deviation 1
   double Uniform(double low, double high) { return low + (high - low) * unit_(engine_); }  // [low, high)
+  std::uint64_t Bits() { return engine_(); }
 
   // A well-mixed 64-bit value of its argument (the finaliser of splitmix64).
   static constexpr std::uint64_t Mix(std::uint64_t z) {

@@ -55,6 +55,7 @@ struct RayRenderer::Stage {
   std::vector<Placement> placements;   // one, or one for each row
   std::vector<std::uint64_t> seen;     // of each row of tiles, or of each row
   std::vector<ray::WorldPose> worlds;  // of the instants
+  std::vector<cv::Mat> given_out;
 
   int SeenOfRow() const { return lens.tiles_x * ray::SeenWords(things); }
 
@@ -67,11 +68,20 @@ struct RayRenderer::Stage {
             shadows};
   }
 
+  // An image to draw into: one given out before that nobody holds any more, since its memory is warm; fresh
+  // memory costs a page fault for every 4 kB.
+  cv::Mat Blank() {
+    for (const cv::Mat& old : given_out)
+      if (old.u && old.u->refcount == 1) return old;
+    if (given_out.size() == 4) given_out.erase(given_out.begin());
+    given_out.emplace_back(lens.height, lens.width, CV_8UC3);
+    return given_out.back();
+  }
+
   // One sharp picture; `instant_of_row` gives world and camera of a row, or none if all rows share
   // placements[0].
   template <class Fill>
   void Draw(cv::Mat& bgr, bool rolling, const Fill& fill) {
-    bgr.create(lens.height, lens.width, CV_8UC3);
     const ray::Canvas canvas{bgr.data, bgr.step, code.ptr<std::uint32_t>(), common.ptr<std::uint32_t>()};
     placements.resize(rolling ? lens.height : 1);
     seen.resize(static_cast<std::size_t>(rolling ? lens.height : lens.tiles_y) * SeenOfRow());
@@ -110,12 +120,12 @@ struct RayRenderer::Stage {
     while (after < instants.size() && instants[after].t_s < t_s) ++after;
     if (after == 0 || after == instants.size()) {
       const std::size_t i = after == 0 ? 0 : after - 1;
-      return ray::Place(things, worlds[i], instants[i].X_NC, placement);
+      return ray::Place(things, worlds[i], instants[i].X_NC, lens.pixel_rad, placement);
     }
     const Instant &a = instants[after - 1], &b = instants[after];
     const double share = (t_s - a.t_s) / (b.t_s - a.t_s);
     ray::Place(things, ray::Interpolate(things, worlds[after - 1], worlds[after], share),
-               InterpolatePose(a.X_NC, b.X_NC, share), placement);
+               InterpolatePose(a.X_NC, b.X_NC, share), lens.pixel_rad, placement);
   }
 };
 
@@ -136,9 +146,10 @@ RayRenderer::~RayRenderer() = default;
 
 cv::Mat RayRenderer::Render(const mjData* data, const Pose& X_NC) {
   const ray::WorldPose world = ray::PoseOfWorld(stage_->things, data);
-  cv::Mat bgr;
-  stage_->Draw(bgr, false,
-               [&](int, Placement& placement) { ray::Place(stage_->things, world, X_NC, placement); });
+  cv::Mat bgr = stage_->Blank();
+  stage_->Draw(bgr, false, [&](int, Placement& placement) {
+    ray::Place(stage_->things, world, X_NC, stage_->lens.pixel_rad, placement);
+  });
   return bgr;
 }
 
@@ -148,7 +159,7 @@ cv::Mat RayRenderer::Render(std::span<const Instant> instants, const Shutter& sh
   for (const Instant& i : instants) stage_->worlds.push_back(ray::PoseOfWorld(stage_->things, i.data));
   const bool rolling = shutter.line_s != 0;
   const int samples = std::max(1, shutter.samples);
-  cv::Mat sum, bgr;
+  cv::Mat sum, bgr = stage_->Blank();
   for (int k = 0; k < samples; ++k) {
     const double offset_s = shutter.exposure_s * ((k + 0.5) / samples - 0.5);
     stage_->Draw(bgr, rolling, [&](int row, Placement& placement) {
@@ -167,7 +178,7 @@ Surfaces RayRenderer::See(const mjData* data, const Pose& X_NC) {
   const ray::WorldPose world = ray::PoseOfWorld(s.things, data);
   s.placements.resize(1);
   s.seen.resize(static_cast<std::size_t>(s.lens.tiles_y) * s.SeenOfRow());
-  ray::Place(s.things, world, X_NC, s.placements[0]);
+  ray::Place(s.things, world, X_NC, s.lens.pixel_rad, s.placements[0]);
   Surfaces surfaces{cv::Mat(s.lens.height, s.lens.width, CV_32F),
                     cv::Mat(s.lens.height, s.lens.width, CV_32S)};
   InParallel(s.threads, s.lens.tiles_y, [&](int tile_row) {

@@ -19,9 +19,10 @@ namespace kestrel {
 // OpenGL renderer does: planes, boxes, spheres, capsules, cylinders, ellipsoids, meshes and height fields;
 // planar and cube textures, materials, lights, skybox, haze, transparency; light for each pixel. Beyond that:
 // - textures are filtered over the footprint of each pixel (trilinear);
-// - pixels at edges, and on things thinner than a pixel, are drawn by 16 rays each;
+// - pixels at edges, and on things thinner than a pixel, are drawn by 8 rays each;
 // - round things are round;
-// - the sky is infinitely far: nothing is hidden by it.
+// - the sky is infinitely far: it hides nothing but what lies behind haze of an endless plane;
+// - of transparent meshes and height fields the nearest face shows, and what is transparent casts no shadow.
 // What a pixel shows does not depend on the number of threads. It is compiled for several instruction sets
 // and takes the best at run time; name() tells which.
 class RayRenderer {

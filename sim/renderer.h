@@ -49,7 +49,8 @@ struct Shutter {
   int samples = 1;
 };
 
-// What is seen in each pixel, at its centre, by the camera's own geometry: the truth for tests of vision.
+// What is seen in each pixel, at its centre, by the camera's own geometry: the truth for tests of vision. Rays see
+// what is opaque, at any distance; OpenGL sees what is transparent too, and nothing beyond 500 m.
 struct Surfaces {
   cv::Mat depth_m;  // CV_32F, distance from the viewpoint along the ray; infinite in the sky, NaN outside the
                     // lens

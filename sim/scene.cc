@@ -9,15 +9,14 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
-#include <mutex>
 #include <pugixml.hpp>
 #include <sstream>
 #include <stdexcept>
-#include <string_view>
 #include <vector>
 
 #include "geometry/tait_bryan.h"
 #include "sim/frames.h"
+#include "sim/mjcf.h"
 
 namespace kestrel {
 namespace {
@@ -102,44 +101,10 @@ void AppendPad(pugi::xml_node model, const SceneParameters& p) {
   for (const pugi::xml_node section : part.document_element().children()) model.append_copy(section);
 }
 
-// MuJoCo's message as part of a sentence: it has a line with the fault, then one with the place. The numbers
-// in it count in the composed model, which nobody sees.
-std::string OneSentence(const std::string& message) {
-  std::istringstream lines(message);
-  std::string sentence;
-  for (std::string line; std::getline(lines, line);) {
-    for (const char* const number : {" in texture id = ", ", id = ", ", line ", ", column "})
-      line = line.substr(0, line.find(number));
-    for (const std::string_view label : {"XML Error: ", "Error: ", "Object name = "})
-      if (line.starts_with(label)) line.erase(0, label.size());
-    if (!line.empty()) sentence += (sentence.empty() ? "" : ", ") + line;
-  }
-  return sentence;
-}
-
-// Empty message: it compiled.
-struct Compiled {
-  ModelPtr model;
-  std::string message;
-};
-
-Compiled Compile(const pugi::xml_document& document) {
-  static std::mutex parser;  // MuJoCo keeps the last parsed model in a global variable
-  const std::lock_guard lock(parser);
-
-  constexpr const char* kName = "composed scene.xml";
+CompiledModel Compile(const pugi::xml_document& document) {
   std::ostringstream text;
   document.save(text);
-  const std::string bytes = text.str();
-  const auto files = std::make_unique<mjVFS>();
-  mj_defaultVFS(files.get());
-  mj_makeEmptyFileVFS(files.get(), kName, static_cast<int>(bytes.size()));
-  std::memcpy(files->filedata[mj_findFileVFS(files.get(), kName)], bytes.data(), bytes.size());
-  char message[1000] = "";
-  Compiled compiled{ModelPtr(mj_loadXML(kName, files.get(), message, sizeof message)), ""};
-  mj_deleteVFS(files.get());
-  if (!compiled.model) compiled.message = OneSentence(message);
-  return compiled;
+  return CompileMjcf(text.str());
 }
 
 struct Part {
@@ -147,7 +112,7 @@ struct Part {
   std::filesystem::path path;
 };
 
-Compiled Compose(const SceneParameters& p, int parts) {
+CompiledModel Compose(const SceneParameters& p, int parts) {
   pugi::xml_document document;
   pugi::xml_node model = document.append_child("mujoco");
   model.append_attribute("model") = "kestrel";
@@ -195,7 +160,7 @@ ModelPtr MakeModel(const SceneParameters& parameters) {
   const std::array<Part, kParts> parts{{{"world", parameters.world},
                                         {"pad's picture", parameters.pad_texture},
                                         {"vehicle", parameters.vehicle}}};
-  Compiled whole = Compose(parameters, kParts);
+  CompiledModel whole = Compose(parameters, kParts);
   if (!whole.model) {
     // MuJoCo does not say which file: the first part without which it would have compiled.
     int at_fault = 1;

@@ -4,14 +4,12 @@
 #include <fmt/format.h>
 #include <xxhash.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <condition_variable>
-#include <future>
-#include <mutex>
+#include <iterator>
+#include <limits>
 #include <numbers>
-#include <queue>
-#include <thread>
 #include <utility>
 
 #include "geometry/tait_bryan.h"
@@ -21,6 +19,7 @@ namespace kestrel {
 namespace {
 
 constexpr double kAirborne_m = 0.3;
+constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();  // a step
 
 double SecondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -29,6 +28,11 @@ double SecondsSince(std::chrono::steady_clock::time_point start) {
 SceneParameters WithOccluder(SceneParameters scene, const OcclusionParameters& occlusion) {
   scene.occluder = occlusion.share > 0;
   return scene;
+}
+
+SimulatorParameters WithScatterDrawn(SimulatorParameters parameters) {
+  parameters.image = DrawScatter(parameters.image, parameters.seed);
+  return parameters;
 }
 
 }  // namespace
@@ -40,110 +44,6 @@ Pose MountPose(const CameraMount& mount) {
       RotationFromTaitBryan({Radians(mount.yaw_deg), Radians(mount.pitch_deg), Radians(mount.roll_deg)});
   return {Eigen::Quaterniond(Eigen::Matrix3d(turn * R_BD)), mount.position_m};
 }
-
-// Draws snapshots in their order, on a thread of its own that holds the OpenGL context.
-class Simulator::Studio {
- public:
-  struct Picture {
-    cv::Mat image;
-    double render_s = 0, sensor_s = 0;
-  };
-  struct Snapshot {
-    std::vector<mjtNum> qpos, mocap_pos, mocap_quat;
-    Pose X_NC;
-    std::int64_t sequence = 0;
-  };
-
-  Studio(const mjModel* model, const SimulatorParameters& p)
-      : model_(model), sensor_(p.image, p.seed), camera_(p.camera), options_(p.render) {
-    std::promise<std::string> ready;
-    std::future<std::string> name = ready.get_future();
-    thread_ = std::thread([this, ready = std::move(ready)]() mutable { Work(std::move(ready)); });
-    try {
-      name_ = name.get();
-    } catch (...) {
-      thread_.join();
-      throw;
-    }
-  }
-  ~Studio() {
-    {
-      const std::lock_guard lock(mutex_);
-      stop_ = true;
-    }
-    wake_.notify_one();
-    if (thread_.joinable()) thread_.join();
-  }
-
-  void Submit(Snapshot snapshot) {
-    std::packaged_task<Picture()> task([this, s = std::move(snapshot)] { return Draw(s); });
-    pictures_.push_back(task.get_future());
-    {
-      const std::lock_guard lock(mutex_);
-      tasks_.push(std::move(task));
-    }
-    wake_.notify_one();
-  }
-  Picture Take() {
-    Picture picture = pictures_.front().get();
-    pictures_.pop_front();
-    return picture;
-  }
-  const std::string& name() const { return name_; }
-
- private:
-  void Work(std::promise<std::string> ready) {
-    try {
-      renderer_ = std::make_unique<Renderer>(model_, camera_, options_);
-      data_ = MakeData(model_);
-      ready.set_value(renderer_->name());
-    } catch (...) {
-      renderer_.reset();
-      ready.set_exception(std::current_exception());
-      return;
-    }
-    for (;;) {
-      std::unique_lock lock(mutex_);
-      wake_.wait(lock, [this] { return stop_ || !tasks_.empty(); });
-      if (stop_) break;
-      std::packaged_task<Picture()> task = std::move(tasks_.front());
-      tasks_.pop();
-      lock.unlock();
-      task();
-    }
-    renderer_.reset();  // on the thread of its context
-  }
-
-  Picture Draw(const Snapshot& s) {
-    Picture picture;
-    auto start = std::chrono::steady_clock::now();
-    std::copy(s.qpos.begin(), s.qpos.end(), data_->qpos);
-    std::copy(s.mocap_pos.begin(), s.mocap_pos.end(), data_->mocap_pos);
-    std::copy(s.mocap_quat.begin(), s.mocap_quat.end(), data_->mocap_quat);
-    mj_kinematics(model_, data_.get());
-    mj_camlight(model_, data_.get());
-    const cv::Mat bgr = renderer_->Render(data_.get(), s.X_NC);
-    picture.render_s = SecondsSince(start);
-    start = std::chrono::steady_clock::now();
-    picture.image = sensor_.Expose(bgr, s.sequence);
-    picture.sensor_s = SecondsSince(start);
-    return picture;
-  }
-
-  const mjModel* model_;
-  ImageSensor sensor_;
-  CameraModel camera_;
-  RenderOptions options_;
-  std::unique_ptr<Renderer> renderer_;
-  DataPtr data_;
-  std::string name_;
-  std::deque<std::future<Picture>> pictures_;
-  std::mutex mutex_;
-  std::condition_variable wake_;
-  std::queue<std::packaged_task<Picture()>> tasks_;
-  bool stop_ = false;
-  std::thread thread_;
-};
 
 struct Simulator::Hashes {
   XXH3_state_t *state = XXH3_createState(), *image = XXH3_createState();
@@ -158,15 +58,18 @@ struct Simulator::Hashes {
 };
 
 Simulator::Simulator(const SimulatorParameters& parameters)
-    : parameters_(parameters),
+    : parameters_(WithScatterDrawn(parameters)),
       model_(MakeModel(WithOccluder(parameters.scene, parameters.occlusion))),
       data_(MakeData(model_.get())),
       vehicle_(parameters.vehicle, model_.get()),
       wind_(parameters.wind, parameters.seed),
       sensors_(parameters.sensors, parameters.seed),
       X_BC_(MountPose(parameters.mount)),
-      studio_(std::make_unique<Studio>(model_.get(), parameters)),
-      hashes_(std::make_unique<Hashes>()) {
+      studio_(std::make_unique<Studio>(model_.get(), parameters.camera, parameters.render, parameters_.image,
+                                       X_BC_, Vibration(parameters.mount.vibration, parameters.seed),
+                                       parameters.seed)),
+      hashes_(std::make_unique<Hashes>()),
+      faults_(parameters.image.faults, parameters.seed, parameters.duration_s) {
   mj_forward(model_.get(), data_.get());
   const Pose X_NT = PadPose(model_.get(), data_.get());
   const StartParameters& start = parameters.start;
@@ -212,8 +115,11 @@ Simulator::Simulator(const SimulatorParameters& parameters)
   autopilot_->SetClock(static_cast<double>(steps_) * dt);
   truth_ = Look();
   airborne_ = !start.on_ground;
+  const double open_s =
+      LongestExposure_s(parameters_.image) + LongestReadout_s(parameters_.image, HeightPx(parameters.camera));
+  half_exposure_ = static_cast<std::int64_t>(std::ceil(open_s / 2 / dt - 1e-6));
+  RunCamera();
   AdvanceTo(0);
-  Expose();
 }
 
 Simulator::~Simulator() = default;
@@ -263,55 +169,94 @@ void Simulator::Step() {
   if (!touch_ && airborne_ && truth_.touching && !before.touching && truth_.t_s > 0) touch_ = before;
 }
 
-// Takes the picture of this instant, to be drawn on the other thread.
-void Simulator::Expose() {
+// Puts the sheet over the pad, or takes it away, when its time comes.
+void Simulator::CoverPad() {
   const OcclusionParameters& o = parameters_.occlusion;
-  if (o.share > 0) {
-    const double wanted = truth_.t_s >= o.from_s && truth_.t_s < o.until_s ? o.share : 0;
-    if (wanted != occluded_ || exposures_ == 0) PlaceOccluder(model_.get(), data_.get(), wanted);
-    occluded_ = wanted;
-  }
-  Studio::Snapshot s;
-  s.qpos.assign(data_->qpos, data_->qpos + model_->nq);
-  s.mocap_pos.assign(data_->mocap_pos, data_->mocap_pos + 3 * model_->nmocap);
-  s.mocap_quat.assign(data_->mocap_quat, data_->mocap_quat + 4 * model_->nmocap);
-  s.X_NC = truth_.X_NB * X_BC_;
-  s.sequence = exposures_++;
-  XXH3_64bits_update(hashes_->state, data_->qpos, sizeof(mjtNum) * model_->nq);
-  XXH3_64bits_update(hashes_->state, data_->qvel, sizeof(mjtNum) * model_->nv);
-  exposed_.push_back(truth_);
-  studio_->Submit(std::move(s));
+  if (o.share <= 0) return;
+  const double wanted = truth_.t_s >= o.from_s && truth_.t_s < o.until_s ? o.share : 0;
+  if (wanted != occluded_) PlaceOccluder(model_.get(), data_.get(), wanted);
+  occluded_ = wanted;
 }
 
-// Steps to a time, exposing on the way whatever falls due.
-void Simulator::AdvanceTo(double t_s) {
+std::int64_t Simulator::StepOf(double t_s) const { return std::llround(t_s / model_->opt.timestep); }
+
+std::int64_t Simulator::TickStep() const {
+  const double due_s = static_cast<double>(tick_) / parameters_.image.rate_hz;
+  return due_s <= parameters_.duration_s ? StepOf(due_s) : kNever;
+}
+
+// What happens to the camera at this instant: moments are kept, exposures begin and end.
+void Simulator::RunCamera() {
+  CoverPad();
+  if (!open_.empty() || TickStep() <= steps_ + half_exposure_)
+    moments_.push_back(MomentOf(model_.get(), data_.get(), truth_.t_s));
+  if (steps_ == TickStep()) Tick();
   const double dt = model_->opt.timestep;
-  const std::int64_t last = std::llround(t_s / dt);
-  while (steps_ < last) {
+  const double half_s = (static_cast<double>(half_exposure_) + 0.5) * dt;  // half a step more, for rounding
+  while (!open_.empty() && StepOf(open_.front().t_s) + half_exposure_ <= steps_) {
+    Shot shot = std::move(open_.front());
+    open_.pop_front();
+    std::copy_if(moments_.begin(), moments_.end(), std::back_inserter(shot.moments),
+                 [&](const Moment& m) { return m.t_s > shot.t_s - half_s; });
+    studio_->Submit(std::move(shot));
+  }
+  const double next_s = open_.empty() ? static_cast<double>(TickStep()) * dt : open_.front().t_s;
+  while (!moments_.empty() && moments_.front().t_s < next_s - half_s) moments_.pop_front();
+}
+
+// A tick of the camera's clock: the middle of an exposure, unless a fault takes it.
+void Simulator::Tick() {
+  XXH3_64bits_update(hashes_->state, data_->qpos, sizeof(mjtNum) * model_->nq);
+  XXH3_64bits_update(hashes_->state, data_->qvel, sizeof(mjtNum) * model_->nv);
+  const ImageParameters& image = parameters_.image;
+  const CameraCondition& condition = faults_.At(truth_.t_s);
+  const std::int64_t tick = tick_++;
+  const double due_s = static_cast<double>(tick) / image.rate_hz;
+  if (condition.off) {
+    ++sequence_;
+    return;
+  }
+  if (due_s < last_frame_s_ + condition.period_s - 1e-9) return;
+  last_frame_s_ = due_s;
+  const std::int64_t sequence = sequence_++;
+  if (faults_.Loses(condition, tick)) return;
+
+  Coming coming{truth_, sequence, StepOf(due_s + image.latency_s + condition.delay_s)};
+  coming.due_step = std::max(coming.due_step, steps_ + half_exposure_);
+  if (!coming_.empty()) coming.due_step = std::max(coming.due_step, coming_.back().due_step);
+  coming_.push_back(coming);
+  const auto content = condition.stuck     ? Shot::Content::kRepeat
+                       : condition.garbage ? Shot::Content::kGarbage
+                                           : Shot::Content::kScene;
+  open_.push_back({truth_.t_s, sequence, content, {}});
+}
+
+void Simulator::AdvanceTo(std::int64_t step) {
+  while (steps_ < step) {
     Step();
-    const double due_s = static_cast<double>(exposures_) / parameters_.image.rate_hz;
-    if (steps_ > 0 && steps_ >= std::llround(due_s / dt) && due_s <= parameters_.duration_s) Expose();
+    RunCamera();
   }
 }
 
 std::optional<Frame> Simulator::Next() {
-  const double due_s = static_cast<double>(delivered_) / parameters_.image.rate_hz;
-  if (due_s > parameters_.duration_s) return std::nullopt;
   const auto start = std::chrono::steady_clock::now();
-  AdvanceTo(due_s + parameters_.image.latency_s);
+  while (coming_.empty() && TickStep() != kNever) AdvanceTo(TickStep());
+  if (coming_.empty()) return std::nullopt;
+  const Coming coming = coming_.front();
+  coming_.pop_front();
+  AdvanceTo(coming.due_step);
   timing_.physics_s.push_back(SecondsSince(start));
-  Studio::Picture picture = studio_->Take();
+  const Picture picture = studio_->Take();
   timing_.render_s.push_back(picture.render_s);
   timing_.sensor_s.push_back(picture.sensor_s);
-  exposure_ = exposed_.front();
-  exposed_.pop_front();
+  exposure_ = coming.exposure;
   XXH3_64bits_update(hashes_->image, picture.image.data, picture.image.total() * picture.image.elemSize());
-  return Frame{picture.image, exposure_.t_s, delivered_++};
+  return Frame{picture.image, exposure_.t_s, coming.sequence};
 }
 
 VehicleState Simulator::State() const { return autopilot_->State(); }
 void Simulator::Send(const Setpoint& setpoint) { autopilot_->Send(setpoint); }
-std::string Simulator::renderer_name() const { return studio_->name(); }
+std::string Simulator::renderer_name() const { return studio_->renderer_name(); }
 std::uint64_t Simulator::state_hash() const { return XXH3_64bits_digest(hashes_->state); }
 std::uint64_t Simulator::image_hash() const { return XXH3_64bits_digest(hashes_->image); }
 

@@ -6,17 +6,22 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "control/autopilot.h"
+#include "sim/camera_faults.h"
 #include "sim/emulated_autopilot.h"
 #include "sim/image_sensor.h"
+#include "sim/instants.h"
 #include "sim/multirotor.h"
 #include "sim/renderer.h"
 #include "sim/scene.h"
 #include "sim/sensors.h"
+#include "sim/studio.h"
 #include "sim/truth.h"
+#include "sim/vibration.h"
 #include "sim/wind.h"
 #include "vision/camera.h"
 #include "vision/camera_model.h"
@@ -35,12 +40,13 @@ struct StartParameters {
 };
 
 // The camera's place on the aircraft: looking down with the top of the image forward, then turned by the
-// angles.
+// angles (pitch 90: looking ahead; roll 180: looking up). Parts of the aircraft that are in view are seen.
 struct CameraMount {
   Eigen::Vector3d position_m{0, 0, 0.05};  // in B
   double yaw_deg = 0, pitch_deg = 0, roll_deg = 0;
+  std::vector<VibrationBand> vibration = {};
 };
-Pose MountPose(const CameraMount& mount);  // X_BC
+Pose MountPose(const CameraMount& mount);  // X_BC, of a mount that is still
 
 // A dark sheet over part of the pad for some time.
 struct OcclusionParameters {
@@ -64,7 +70,8 @@ void Fields(Visitor& v, CameraMount& m) {
   v("position_m", m.position_m, -1.0, 1.0);
   v("yaw_deg", m.yaw_deg, -180.0, 180.0);
   v("pitch_deg", m.pitch_deg, -90.0, 90.0);
-  v("roll_deg", m.roll_deg, -90.0, 90.0);
+  v("roll_deg", m.roll_deg, -180.0, 180.0);
+  v("vibration", m.vibration);
 }
 
 template <class Visitor>
@@ -96,15 +103,20 @@ struct RunError : std::runtime_error {
 };
 
 // The far end of both wires: the camera and the autopilot of an aircraft in a simulated world. Lockstep: time
-// passes only in Next(), which advances the world until the next frame has come through its latency. An image
-// is drawn on a second thread while the flight code works on the one before; what is drawn depends on the
-// snapshot alone.
+// passes only in Next(), which advances the world until the next frame has come through its latency, or to
+// the end if none comes any more. An image is drawn on a second thread while the flight code works on the one
+// before; what is drawn depends on the moments of its exposure, and on the frames before it, alone.
+//
+// The camera's clock ticks at its rate, and each tick is a frame unless a fault takes it. A frame's time,
+// from which its latency counts, is the middle of the exposure of the middle row; exposure and readout reach
+// to both sides of it, and the latency and the period must leave room for them (a frame whose latency does
+// not comes as soon as it is read out). Both the time and the latency are kept to the nearest step.
 class Simulator final : public Camera, public Autopilot {
  public:
   explicit Simulator(const SimulatorParameters& parameters);
   ~Simulator() override;
 
-  std::optional<Frame> Next() override;  // none: the next exposure would be after the duration
+  std::optional<Frame> Next() override;  // none: no exposure is left within the duration
   VehicleState State() const override;
   void Send(const Setpoint& setpoint) override;
 
@@ -112,6 +124,8 @@ class Simulator final : public Camera, public Autopilot {
   const Truth& exposure() const { return exposure_; }           // of the frame that Next() gave last
   const std::optional<Truth>& touch() const { return touch_; }  // the instant before the first touch-down
   const Pose& X_BC() const { return X_BC_; }
+  // The changes of the camera's condition until now.
+  std::span<const CameraCondition> camera_changes() const { return faults_.ChangesUntil(truth_.t_s); }
   std::string renderer_name() const;
 
   std::uint64_t state_hash() const;  // of the physical state at every exposure
@@ -122,15 +136,22 @@ class Simulator final : public Camera, public Autopilot {
   const Timing& timing() const { return timing_; }
 
  private:
-  class Studio;  // the drawing thread
   struct Hashes;
+  struct Coming {  // a frame under way
+    Truth exposure;
+    std::int64_t sequence = 0, due_step = 0;
+  };
 
   void Step();
-  void Expose();
-  void AdvanceTo(double t_s);
+  void AdvanceTo(std::int64_t step);
+  void CoverPad();
+  void RunCamera();
+  void Tick();
+  std::int64_t StepOf(double t_s) const;
+  std::int64_t TickStep() const;  // of the next tick; kNever when there is none
   Truth Look() const;
 
-  SimulatorParameters parameters_;
+  SimulatorParameters parameters_;  // with the camera's scatter drawn
   ModelPtr model_;
   DataPtr data_;
   Multirotor vehicle_;
@@ -142,12 +163,19 @@ class Simulator final : public Camera, public Autopilot {
   std::unique_ptr<Hashes> hashes_;
 
   std::int64_t steps_ = 0;  // since time 0, negative while settling
-  std::int64_t exposures_ = 0, delivered_ = 0;
-  std::deque<Truth> exposed_;  // of the frames under way
   Truth truth_, exposure_;
   std::optional<Truth> touch_;
   bool airborne_ = false;
-  double occluded_ = 0;
+  std::optional<double> occluded_;
+
+  CameraFaults faults_;
+  std::int64_t half_exposure_ = 0;  // steps on either side of a tick in which pixels may be open
+  std::int64_t tick_ = 0;           // the next one
+  std::int64_t sequence_ = 0;       // of the next frame
+  double last_frame_s_ = -1e9;      // when the last one that was not lost was due
+  std::deque<Shot> open_;           // their exposures have not ended
+  std::deque<Moment> moments_;      // that open exposures need, or the next one
+  std::deque<Coming> coming_;
   Timing timing_;
 };
 

@@ -30,16 +30,6 @@ struct Seen {
   bool thin = false;  // some are so thin that a pixel's ray may miss them
 };
 
-// A rod or a dot less than about two pixels wide.
-bool IsThin(const Slice& slice, int index) {
-  const Thing& thing = slice.things->all[index];
-  if (thing.type == mjGEOM_PLANE || thing.triangles) return false;
-  Eigen::Vector3f half = thing.box_half;
-  std::sort(half.data(), half.data() + 3);
-  const float nearest = std::max(slice.placement->things[index].distance - thing.box_half.norm(), 0.0f);
-  return half[1] < slice.lens->pixel_rad * nearest;
-}
-
 void ListSeen(const Slice& slice, int tile_column, Seen& seen) {
   seen.opaque.clear();
   seen.transparent.clear();
@@ -50,13 +40,13 @@ void ListSeen(const Slice& slice, int tile_column, Seen& seen) {
       const int i = 64 * w + std::countr_zero(bits);
       if (slice.placement->things[i].transparent) continue;
       seen.opaque.push_back(i);
-      seen.thin = seen.thin || IsThin(slice, i);
+      seen.thin = seen.thin || slice.placement->things[i].thin;
     }
   }
   for (const int i : slice.placement->transparent) {
     if (!(words[i / 64] >> (i % 64) & 1)) continue;
     seen.transparent.push_back(i);
-    seen.thin = seen.thin || IsThin(slice, i);
+    seen.thin = seen.thin || slice.placement->things[i].thin;
   }
 }
 
@@ -170,9 +160,9 @@ MF NearThin(const Slice& slice, const Seen& seen, const Vec3& d) {
   MF near = hn::Lt(F(1), F(0));
   TriangleHits unused;
   const auto add = [&](int i) {
-    if (!IsThin(slice, i)) return;
     const Thing& thing = slice.things->all[i];
     const Placed& placed = slice.placement->things[i];
+    if (!placed.thin) return;
     const float room = slice.lens->pixel_rad * (placed.distance + thing.box_half.norm());
     const Eigen::Vector3f wider = thing.size + Eigen::Vector3f::Constant(room);
     near = hn::Or(near, hn::Lt(Enter(thing, wider, Load3(placed.o), Rotate(placed.R, d), unused), F(kFar)));
@@ -229,10 +219,14 @@ HWY_INLINE void StorePixels(const Colours& colour, MF inside, int pixels, std::u
 void DrawRowsImpl(const Slice& slice, int begin, int end, const Canvas& canvas) {
   const Lens& lens = *slice.lens;
   const int tile_row = begin / Lens::kTile;
-  std::vector<Seen> seen(lens.tiles_x);
+  // Kept from call to call: to ask for memory thousands of times a frame costs.
+  static thread_local std::vector<Seen> kept_seen;
+  static thread_local std::vector<Job> kept_jobs;
+  std::vector<Seen>& seen = kept_seen;
+  std::vector<Job>& jobs = kept_jobs;
+  seen.resize(lens.tiles_x);
+  jobs.resize(static_cast<std::size_t>(lens.tiles_x) * (Lens::kTile / kLanes));
   for (int column = 0; column < lens.tiles_x; ++column) ListSeen(slice, column, seen[column]);
-  const auto jobs =
-      hwy::MakeUniqueAlignedArray<Job>(static_cast<std::size_t>(lens.tiles_x) * (Lens::kTile / kLanes));
   // Row by row, as the table and the image lie in memory.
   for (int v = begin; v < end; ++v) {
     int planned = 0;
@@ -305,21 +299,33 @@ void DrawRowsImpl(const Slice& slice, int begin, int end, const Canvas& canvas) 
   }
 }
 
-// Sixteen places in a pixel, each in a column and a row of its own.
-constexpr int kSubpixels = 16;
-alignas(64) constexpr float kAcross[kSubpixels] = {
-    -15 / 32.f, -13 / 32.f, -11 / 32.f, -9 / 32.f, -7 / 32.f, -5 / 32.f, -3 / 32.f, -1 / 32.f,
-    1 / 32.f,   3 / 32.f,   5 / 32.f,   7 / 32.f,  9 / 32.f,  11 / 32.f, 13 / 32.f, 15 / 32.f};
-alignas(64) constexpr float kDown[kSubpixels] = {
-    -15 / 32.f, 1 / 32.f, -7 / 32.f, 9 / 32.f,  -11 / 32.f, 5 / 32.f, -3 / 32.f, 13 / 32.f,
-    -13 / 32.f, 3 / 32.f, -5 / 32.f, 11 / 32.f, -9 / 32.f,  7 / 32.f, -1 / 32.f, 15 / 32.f};
+// Eight places in a pixel, each in a column and a row of its own.
+constexpr int kSubpixels = 8;
+alignas(64) constexpr float kAcross[2 * kSubpixels] = {
+    1 / 16.f, -1 / 16.f, 5 / 16.f, -3 / 16.f, -5 / 16.f, -7 / 16.f, 3 / 16.f, 7 / 16.f,
+    1 / 16.f, -1 / 16.f, 5 / 16.f, -3 / 16.f, -5 / 16.f, -7 / 16.f, 3 / 16.f, 7 / 16.f};
+alignas(64) constexpr float kDown[2 * kSubpixels] = {
+    -3 / 16.f, 3 / 16.f, 1 / 16.f, -5 / 16.f, 5 / 16.f, -1 / 16.f, 7 / 16.f, -7 / 16.f,
+    -3 / 16.f, 3 / 16.f, 1 / 16.f, -5 / 16.f, 5 / 16.f, -1 / 16.f, 7 / 16.f, -7 / 16.f};
+constexpr int kPixelsTogether = std::max(1, kLanes / kSubpixels);
 
-void SmoothPixel(const Slice& slice, const Seen& seen, std::ptrdiff_t at, std::uint8_t* bgr) {
+// So many pixels of one tile; the places of those that are missing are given twice.
+void SmoothPixels(const Slice& slice, const Seen& seen, const std::ptrdiff_t* at, std::uint8_t* const* bgr) {
   const Lens& lens = *slice.lens;
-  const auto ray = [&](std::ptrdiff_t i) { return Vec3{F(lens.x[i]), F(lens.y[i]), F(lens.z[i])}; };
-  const Vec3 middle = ray(at), across = ray(at + 1) - middle, down = ray(at + lens.stride) - middle;
-  const MF all = hn::Eq(middle.x, middle.x);
-  float sum[3] = {};
+  // Of one component of the rays: this pixel's own, and the steps to its neighbours.
+  const auto gather = [&](const Aligned<float>& of, VF& middle, VF& across, VF& down) {
+    alignas(64) float m[kLanes], a[kLanes], d[kLanes];
+    for (int i = 0; i < kLanes; ++i) {
+      const std::ptrdiff_t pixel = at[i / kSubpixels];
+      m[i] = of[pixel], a[i] = of[pixel + 1] - m[i], d[i] = of[pixel + lens.stride] - m[i];
+    }
+    middle = hn::Load(df, m), across = hn::Load(df, a), down = hn::Load(df, d);
+  };
+  Vec3 middle, across, down;
+  gather(lens.x, middle.x, across.x, down.x);
+  gather(lens.y, middle.y, across.y, down.y);
+  gather(lens.z, middle.z, across.z, down.z);
+  float sum[kPixelsTogether][3] = {};
   for (int k = 0; k < kSubpixels; k += kLanes) {
     Rays rays;
     rays.d = Along(Along(middle, hn::Load(df, kAcross + k), across), hn::Load(df, kDown + k), down);
@@ -328,13 +334,14 @@ void SmoothPixel(const Slice& slice, const Seen& seen, std::ptrdiff_t at, std::u
     TriangleHits triangles;
     Hit hit = Trace(slice, seen, rays.d, triangles);
     EndPlane(slice, rays.d, hit);
-    const Colours c = Look(slice, seen, rays, hit, triangles, all).colour;
-    sum[0] += hn::GetLane(hn::SumOfLanes(df, c.b));
-    sum[1] += hn::GetLane(hn::SumOfLanes(df, c.g));
-    sum[2] += hn::GetLane(hn::SumOfLanes(df, c.r));
+    const Colours c = Look(slice, seen, rays, hit, triangles, hn::Eq(middle.x, middle.x)).colour;
+    alignas(64) float channel[3][kLanes];
+    hn::Store(c.b, df, channel[0]), hn::Store(c.g, df, channel[1]), hn::Store(c.r, df, channel[2]);
+    for (int i = 0; i < kLanes; ++i)
+      for (int j = 0; j < 3; ++j) sum[i / kSubpixels][j] += channel[j][i];
   }
-  for (int k = 0; k < 3; ++k)
-    bgr[k] = static_cast<std::uint8_t>(std::lround(std::clamp(sum[k] / kSubpixels, 0.0f, 255.0f)));
+  for (int i = 0; i < kPixelsTogether; ++i)
+    for (int j = 0; j < 3; ++j) bgr[i][j] = static_cast<std::uint8_t>(std::lround(sum[i][j] / kSubpixels));
 }
 
 void SmoothRowImpl(const Slice& slice, int v, const Canvas& canvas) {
@@ -342,7 +349,8 @@ void SmoothRowImpl(const Slice& slice, int v, const Canvas& canvas) {
   const std::uint32_t* row = canvas.code + static_cast<std::ptrdiff_t>(v) * lens.stride;
   const std::uint32_t* above = v > 0 ? row - lens.stride : row;
   const std::uint32_t* below = v + 1 < lens.height ? row + lens.stride : row;
-  Seen seen;
+  static thread_local Seen kept;
+  Seen& seen = kept;
   const auto load = [&](const std::uint32_t* p) {
     return hn::LoadU(di, reinterpret_cast<const std::int32_t*>(p));
   };
@@ -357,7 +365,9 @@ void SmoothRowImpl(const Slice& slice, int v, const Canvas& canvas) {
         (left == 0 || row[left - 1] == one) && (right >= lens.width || row[right] == one)) {
       continue;
     }
-    bool listed = false;
+    std::ptrdiff_t found[Lens::kTile + kPixelsTogether];
+    std::uint8_t* to[Lens::kTile + kPixelsTogether];
+    int edges = 0;
     for (int k = 0; k < Lens::kTile; k += kLanes) {
       const int u = column * Lens::kTile + k;
       if (u >= lens.width) break;
@@ -381,12 +391,17 @@ void SmoothRowImpl(const Slice& slice, int v, const Canvas& canvas) {
       for (std::uint32_t bits = BitsOf(hn::RebindMask(df, edge)); bits != 0; bits &= bits - 1) {
         const int at = u + std::countr_zero(bits);
         if (at >= lens.width) break;
-        if (!listed) ListSeen(slice, column, seen);
-        listed = true;
-        SmoothPixel(slice, seen, static_cast<std::ptrdiff_t>(v) * lens.stride + at,
-                    canvas.bgr + v * canvas.step + 3 * static_cast<std::size_t>(at));
+        found[edges] = static_cast<std::ptrdiff_t>(v) * lens.stride + at;
+        to[edges++] = canvas.bgr + v * canvas.step + 3 * static_cast<std::size_t>(at);
       }
     }
+    if (edges == 0) continue;
+    ListSeen(slice, column, seen);
+    for (int i = edges; i % kPixelsTogether != 0; ++i) {
+      found[i] = found[edges - 1];
+      to[i] = to[edges - 1];
+    }
+    for (int i = 0; i < edges; i += kPixelsTogether) SmoothPixels(slice, seen, found + i, to + i);
   }
 }
 
@@ -402,7 +417,8 @@ void SeeRowsImpl(const Slice& slice, int begin, int end, float* depth_m, std::in
         const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(v) * lens.stride + u0 + k;
         const Rays rays = RaysAt(lens, at);
         TriangleHits unused;
-        const Hit hit = Trace(slice, seen, rays.d, unused);
+        Hit hit = Trace(slice, seen, rays.d, unused);
+        EndPlane(slice, rays.d, hit);
         alignas(64) float t[kLanes];
         alignas(64) std::int32_t thing[kLanes];
         hn::Store(hn::Mul(hit.t, LengthOf(rays.d)), df, t);

@@ -319,15 +319,15 @@ HWY_INLINE void HazeAt(const Placed& plane, float width, const Vec3& d, VF& u, V
   distance = hn::Div(hn::Mul(hn::NegMulAdd(down, F(width), F(1)), F(kSkyDistance_m)), level);
 }
 
-// Behind the haze an endless plane gives way to the sky, into which the haze fades.
+// Behind the haze an endless plane gives way to the sky, into which the haze fades: to the upright cylinder that
+// MuJoCo shows it on.
 HWY_INLINE void EndPlane(const Slice& slice, const Vec3& d, Hit& hit) {
   const Haze& haze = slice.things->haze;
-  if (haze.thing < 0) return;
-  const Placed& plane = slice.placement->things[haze.thing];
-  if (!(plane.o[2] > 0)) return;
-  VF u, down, distance;
-  HazeAt(plane, haze.width, d, u, down, distance);
-  const MF beyond = hn::And(hn::Lt(u, F(1)), hn::RebindMask(df, hn::Eq(hit.thing, hn::Set(di, haze.thing))));
+  if (haze.thing < 0 || !(slice.placement->things[haze.thing].o[2] > 0)) return;
+  const Vec3 d_M = Rotate(slice.placement->R_MC, d);
+  const VF level = hn::Sqrt(hn::MulAdd(d_M.x, d_M.x, hn::Mul(d_M.y, d_M.y)));
+  const MF beyond = hn::And(hn::Gt(hn::Mul(hit.t, hn::Max(level, hn::Abs(d_M.z))), F(kSkyDistance_m)),
+                            hn::RebindMask(df, hn::Eq(hit.thing, hn::Set(di, haze.thing))));
   hit.thing = hn::IfThenElse(hn::RebindMask(di, beyond), hn::Set(di, -1), hit.thing);
   hit.t = hn::IfThenElse(beyond, F(kNone), hit.t);
 }

@@ -108,6 +108,13 @@ void MapTexture(const mjModel* m, int material, Thing& t) {
   }
 }
 
+bool IsThin(const Thing& t, float distance, float pixel_rad) {
+  if (t.type == mjGEOM_PLANE || t.triangles) return false;
+  Eigen::Vector3f half = t.box_half;
+  std::sort(half.data(), half.data() + 3);
+  return half[1] < pixel_rad * std::max(distance - t.box_half.norm(), 0.0f);
+}
+
 void PlaceLight(const Light& light, int index, const WorldPose& world, const Eigen::Matrix3d& R_CM,
                 const Eigen::Vector3d& p_MC, PlacedLight& placed) {
   Eigen::Vector3d direction = Eigen::Vector3d::UnitZ(), position = Eigen::Vector3d::Zero();
@@ -143,9 +150,10 @@ Things CompileThings(const mjModel* m) {
                                            NameOf(m, mjOBJ_SKIN, g.objid)));
     }
     if (g.objtype != mjOBJ_GEOM) {
-      throw std::runtime_error(fmt::format(
-          "The ray renderer draws geoms alone, and MuJoCo would draw something for the {} {} too.",
-          mju_type2Str(g.objtype), NameOf(m, g.objtype, g.objid)));
+      throw std::runtime_error(
+          fmt::format("The ray renderer draws geoms alone, and the model has the {} {}.",
+                      g.objtype == mjOBJ_ACTUATOR ? "slider-crank" : mju_type2Str(g.objtype),
+                      NameOf(m, g.objtype, g.objid)));
     }
     if (g.rgba[3] <= 0) continue;
     Thing t;
@@ -260,7 +268,8 @@ WorldPose Interpolate(const Things& things, const WorldPose& a, const WorldPose&
   return world;
 }
 
-void Place(const Things& things, const WorldPose& world, const Pose& X_NC, Placement& placement) {
+void Place(const Things& things, const WorldPose& world, const Pose& X_NC, float pixel_rad,
+           Placement& placement) {
   // M and N share their origin; their axes differ by sign alone.
   Eigen::Matrix3d R_MC;
   for (int k = 0; k < 3; ++k) R_MC.col(k) = SwapNedNwu(X_NC.R * Eigen::Vector3d::Unit(k));
@@ -293,6 +302,7 @@ void Place(const Things& things, const WorldPose& world, const Pose& X_NC, Place
       placed.towards[r] = static_cast<float>(towards_C[r] / std::max(towards_C.norm(), 1e-12));
     }
     placed.behind = t.type == mjGEOM_PLANE && o.z() < 0;
+    placed.thin = IsThin(t, placed.distance, pixel_rad);
     placed.transparent = t.rgba[3] < kOpaque || placed.behind;
     placed.alpha = placed.behind ? 0.3f * t.rgba[3] : t.rgba[3];
     if (placed.transparent) {

@@ -85,6 +85,7 @@ struct Placed {
   float alpha = 1;
   float order = 0;      // of transparent things: the nearest first
   bool behind = false;  // a plane seen from its back
+  bool thin = false;    // a rod or a dot less than about two pixels wide: a pixel's ray may miss it
 };
 
 struct PlacedLight {
@@ -107,6 +108,8 @@ struct WorldPose {
 WorldPose PoseOfWorld(const Things& things, const mjData* data);
 WorldPose Interpolate(const Things& things, const WorldPose& a, const WorldPose& b, double share);
 
-void Place(const Things& things, const WorldPose& world, const Pose& X_NC, Placement& placement);
+// pixel_rad: the angle between pixels.
+void Place(const Things& things, const WorldPose& world, const Pose& X_NC, float pixel_rad,
+           Placement& placement);
 
 }  // namespace kestrel::ray

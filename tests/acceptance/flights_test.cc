@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Whole flights, judged by the simulator's truth, on seeds that no tuning was done on.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -188,6 +189,93 @@ TEST(Landing, WhenThePadIsHiddenItStopsClimbsAndLandsOnceItShowsAgain) {
     ASSERT_TRUE(result.summary.metrics.count("touchdown_error_m")) << seed;
     EXPECT_GT(result.summary.metrics.at("touchdown_s"), kShown_s) << seed;
     EXPECT_LT(result.summary.metrics.at("touchdown_error_m"), 0.25) << seed;
+  }
+}
+
+constexpr double kFails_s = 3, kWorks_s = 8;
+
+FlightResult LandedDespite(const std::string& fault, std::uint64_t seed) {
+  const FlightResult result =
+      Flown("landing", seed,
+            {"start={height_m: 4, scatter_m: 0.2}", "image.faults=[{from_s: 3, until_s: 8, " + fault + "}]"});
+  EXPECT_EQ(result.summary.outcome, "landed") << fault << ", " << seed;
+  EXPECT_LT(result.summary.metrics.at("touchdown_error_m"), 0.25) << fault << ", " << seed;
+  EXPECT_LT(result.summary.metrics.at("touchdown_sink_m_s"), 0.4) << fault << ", " << seed;
+  return result;
+}
+
+TEST(CameraFaults, OffTheAircraftStopsAndLandsOnceItSeesAgain) {
+  for (const std::uint64_t seed : kSeeds) {
+    const FlightResult result = LandedDespite("type: off", seed);
+    const LogRow *last = nullptr, *next = nullptr;
+    for (const LogRow& row : result.rows) {
+      EXPECT_TRUE(row.exposure.t_s < kFails_s || row.exposure.t_s >= kWorks_s - 1e-9) << row.exposure.t_s;
+      if (row.exposure.t_s < kFails_s) last = &row;
+      if (row.exposure.t_s >= kWorks_s - 1e-9 && !next) next = &row;
+    }
+    ASSERT_TRUE(last && next);
+    EXPECT_EQ(next->sequence - last->sequence, 101);  // 5 s at 20 frames a second were lost
+    EXPECT_EQ(next->estimate.mode, FlightMode::kHold);
+    EXPECT_LT(next->now.v_N.norm(), 0.5) << seed;
+    EXPECT_GT(HeightOverPad(next->now), HeightOverPad(last->now) - 1.2) << seed;  // 0.7 m/s until it holds
+    EXPECT_GT(result.summary.metrics.at("touchdown_s"), kWorks_s) << seed;
+  }
+}
+
+TEST(CameraFaults, StuckOrWithGarbageItStopsClimbsAndLandsOnceItSeesAgain) {
+  for (const char* type : {"stuck", "garbage"}) {
+    for (const std::uint64_t seed : kSeeds) {
+      const FlightResult result = LandedDespite(std::string("type: ") + type, seed);
+      double at_fault_m = 0, lowest_m = 1e9, at_end_m = 0;
+      for (const LogRow& row : result.rows) {
+        const double height = HeightOverPad(row.now);
+        if (row.exposure.t_s < kFails_s - 1e-9) at_fault_m = height;
+        if (row.exposure.t_s < kFails_s - 1e-9 || row.exposure.t_s >= kWorks_s - 1e-9) continue;
+        EXPECT_FALSE(row.decision.fix) << type << ' ' << row.exposure.t_s;
+        EXPECT_EQ(row.decision.target == "frozen", type == std::string("stuck")) << row.exposure.t_s;
+        lowest_m = std::min(lowest_m, height);
+        at_end_m = height;
+      }
+      EXPECT_GT(lowest_m, at_fault_m - 1) << type << ' ' << seed;
+      EXPECT_GT(at_end_m, at_fault_m + 1) << type << ' ' << seed;
+      EXPECT_GT(result.summary.metrics.at("touchdown_s"), kWorks_s) << type << ' ' << seed;
+    }
+  }
+}
+
+TEST(CameraFaults, SlowDelayedOrIntermittentItLandsAllTheSame) {
+  for (const char* fault :
+       {"type: slow, rate_hz: 4", "type: delayed, delay_s: 0.3", "type: intermittent, loss: 0.7"}) {
+    for (const std::uint64_t seed : kSeeds) LandedDespite(fault, seed);
+  }
+}
+
+TEST(CameraFaults, ManyAtRandomEndInANamedState) {
+  const std::string faults =
+      "image.faults=[{type: off, rate_per_min: 6, length_s: 0.8}, {type: stuck, rate_per_min: 6, length_s: "
+      "0.5}, "
+      "{type: garbage, rate_per_min: 6, length_s: 0.3}, {type: slow, rate_per_min: 6, length_s: 2}, "
+      "{type: delayed, rate_per_min: 6, length_s: 2}, {type: intermittent, probability: 0.5}]";
+  for (const char* scenario : {"landing", "hover", "pose"}) {
+    const FlightResult result = Flown(scenario, 101, {faults, "duration_s=30"});
+    EXPECT_TRUE(result.summary.complete);
+    EXPECT_THAT((std::vector<std::string>{"landed", "completed", "pad not found", "camera off"}),
+                ::testing::Contains(result.summary.outcome));
+    EXPECT_GT(result.rows.size(), 100u);
+  }
+}
+
+TEST(Sensor, WithEveryPartOnItStillLands) {
+  for (const std::uint64_t seed : kSeeds) {
+    const FlightResult result = Flown(
+        "landing", seed,
+        {"image.exposure={time_s: 0.006, samples: 3}", "image.auto_exposure.target_grey=110",
+         "image.lens={cos_power: 4, vignetting: [-0.1, 0, 0], defocus_px: 0.7}", "image.full_well_e=10000",
+         "image.gamma=2.2", "image.bits=7", "image.jpeg_quality=80",
+         "image.scatter={defocus_px: 0.5, gain: 0.3}",
+         "mount.vibration=[{from_hz: 60, until_hz: 120, rms_deg: 0.05, rms_mm: 0.2}]"});
+    EXPECT_EQ(result.summary.outcome, "landed") << seed;
+    ExpectCriteria(result);
   }
 }
 

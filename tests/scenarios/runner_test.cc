@@ -142,6 +142,43 @@ TEST_F(RunnerTest, CriteriaAreJudgedByTheMetrics) {
   }
 }
 
+TEST_F(RunnerTest, AFaultOfTheCameraAndItsEndAreInTheLogWithTheirTimes) {
+  const FlightResult result = RunFlight(Short({"image.faults=[{type: off, from_s: 0.52, until_s: 1.31}, "
+                                               "{type: stuck, from_s: 1.7, until_s: 1.8}]"}),
+                                        {folder_ / "run", true, {}});
+  EXPECT_EQ(result.summary.error, "");
+  EXPECT_EQ(result.summary.outcome, "completed");
+  EXPECT_EQ(result.rows.size(), 41u - 16);
+  const std::string log = Content(folder_ / "run/events.log");
+  std::vector<double> times;
+  std::vector<std::string> camera;
+  std::istringstream lines(log);
+  for (std::string line; std::getline(lines, line);) {
+    times.push_back(std::stod(line));
+    if (line.find("camera: ") != std::string::npos) camera.push_back(line);
+  }
+  EXPECT_TRUE(std::is_sorted(times.begin(), times.end())) << log;
+  EXPECT_THAT(camera, ::testing::ElementsAre("    0.520 s  camera: off", "    1.310 s  camera: ok",
+                                             "    1.700 s  camera: stuck", "    1.800 s  camera: ok"));
+}
+
+TEST_F(RunnerTest, ACameraThatStaysOffEndsTheRunUnderThatName) {
+  const FlightResult later =
+      RunFlight(Short({"image.faults=[{type: off, from_s: 0.5}]"}), {folder_ / "later", true, {}});
+  const FlightResult never = RunFlight(Short({"image.faults=[{type: off}]"}), {folder_ / "never", true, {}});
+  EXPECT_EQ(later.rows.size(), 10u);
+  EXPECT_EQ(never.rows.size(), 0u);
+  for (const FlightResult* result : {&later, &never}) {
+    EXPECT_EQ(result->summary.error, "");
+    EXPECT_TRUE(result->summary.complete);
+    EXPECT_FALSE(result->summary.passed);
+    EXPECT_EQ(result->summary.outcome, "camera off");
+    EXPECT_NEAR(result->summary.sim_s, 2, 1e-9);
+  }
+  EXPECT_THAT(Content(folder_ / "later/events.log"), HasSubstr("0.500 s  camera: off"));
+  EXPECT_THAT(Content(folder_ / "never/events.log"), HasSubstr("0.000 s  camera: off"));
+}
+
 TEST_F(RunnerTest, ARunThatIsInterruptedKeepsWhatItHadAndSaysSo) {
   int frames = 0;
   const FlightResult result =

@@ -214,6 +214,80 @@ TEST_F(ScenarioTest, AnyCameraWillDoThatSeesAlongItsAxis) {
                                 HasSubstr("does not see along its own optical axis"))));
 }
 
+TEST_F(ScenarioTest, TheSensorsPartsAndFaultsReadBackTheSame) {
+  const std::string file = Write("a.yaml", R"(
+mission: landing
+mount:
+  vibration: [{from_hz: 60, until_hz: 90, rms_deg: 0.1}, {rms_mm: 0.2}]
+image:
+  latency_s: 0.06
+  exposure: {time_s: 0.004, line_s: 0.00003, samples: 6}
+  auto_exposure: {target_grey: 110, lag_s: 0.4, longest_s: 0.015}
+  lens: {cos_power: 4, vignetting: [-0.2, 0.1, 0], defocus_px: 0.6, defocus: disc, rim_px: 300}
+  full_well_e: 12000
+  gamma: 2.2
+  jpeg_quality: 80
+  scatter: {defocus_px: 0.4}
+  faults:
+    - {type: slow, from_s: 4, rate_hz: 3}
+    - {type: intermittent, loss: 0.2, probability: 0.5}
+    - {type: delayed, rate_per_min: 3, length_s: 2, delay_s: 0.1}
+)");
+  const LoadedScenario loaded = LoadScenario(file);
+  const ImageParameters& image = loaded.simulator.image;
+  EXPECT_EQ(image.exposure.samples, 6);
+  EXPECT_EQ(image.lens.defocus, "disc");
+  EXPECT_EQ(image.scatter.defocus_px, 0.4);
+  ASSERT_EQ(image.faults.size(), 3u);
+  EXPECT_EQ(image.faults[0].rate_hz, 3);
+  EXPECT_EQ(image.faults[1].loss, 0.2);
+  EXPECT_EQ(image.faults[2].delay_s, 0.1);
+  ASSERT_EQ(loaded.simulator.mount.vibration.size(), 2u);
+  EXPECT_EQ(loaded.simulator.mount.vibration[1].rms_mm, 0.2);
+  const std::string text = ToYaml(loaded.scenario);
+  EXPECT_EQ(ToYaml(LoadScenario(Write("again.yaml", text)).scenario), text);
+}
+
+TEST_F(ScenarioTest, AnImageMustHaveTimeToBeExposedAndReadOut) {
+  const auto one = [](std::vector<std::string> overrides) { return Refusal("pose", overrides); };
+  EXPECT_THAT(
+      one({"image.exposure.time_s=0.06", "image.latency_s=0.1"}),
+      ElementsAre(AllOf(HasSubstr("image.exposure.time_s"), HasSubstr("0.06 s"), HasSubstr("0.05 s"))));
+  EXPECT_THAT(one({"image.exposure.line_s=0.0002", "image.latency_s=0.1"}),
+              ElementsAre(AllOf(HasSubstr("image.exposure.line_s"), HasSubstr("480 rows take up to 0.0958 s"),
+                                HasSubstr("0.000104"))));
+  EXPECT_THAT(one({"image.exposure={time_s: 0.02, line_s: 0.00005}", "image.latency_s=0.02"}),
+              ElementsAre(AllOf(HasSubstr("image.latency_s"), HasSubstr("valid: 0.021975 or more"))));
+  EXPECT_THAT(one({"image.exposure={time_s: 0.02, line_s: 0.00005}", "image.latency_s=0.021975"}), IsEmpty());
+  // what scatter and auto-exposure may make of it counts
+  EXPECT_THAT(one({"image.exposure.time_s=0.03", "image.scatter.time_s=0.03"}),
+              ElementsAre(HasSubstr("image.exposure.time_s")));
+  EXPECT_THAT(one({"image.exposure.time_s=0.01", "image.auto_exposure={target_grey: 90, longest_s: 0.06}"}),
+              ElementsAre(HasSubstr("image.auto_exposure.longest_s")));
+  EXPECT_THAT(one({"image.auto_exposure={target_grey: 90, longest_s: 0.06}"}),
+              IsEmpty());  // no time to change
+  EXPECT_THAT(one({"image.auto_exposure={target_grey: 90, shortest_s: 0.02, longest_s: 0.01}"}),
+              ElementsAre(AllOf(HasSubstr("image.auto_exposure.longest_s"), HasSubstr("not above"))));
+}
+
+TEST_F(ScenarioTest, AFaultMustBeOneAndHaveItsOwnKeysAlone) {
+  const auto one = [](const std::string& fault) { return Refusal("pose", {"image.faults=[" + fault + "]"}); };
+  EXPECT_THAT(one("{from_s: 3}"),
+              ElementsAre(AllOf(HasSubstr("image.faults.0.type"), HasSubstr("must be given"))));
+  EXPECT_THAT(one("{type: stock}"),
+              ElementsAre(AllOf(HasSubstr("image.faults.0.type"), HasSubstr("did you mean 'stuck'?"))));
+  EXPECT_THAT(one("{type: off, delay_s: 2}"),
+              ElementsAre(AllOf(HasSubstr("image.faults.0.delay_s"), HasSubstr("unknown key"))));
+  EXPECT_THAT(one("{type: off}, {type: off, from_s: 5, until_s: 5}"),
+              ElementsAre(AllOf(HasSubstr("image.faults.1.until_s"), HasSubstr("not after from_s = 5"))));
+  EXPECT_THAT(one("{type: slow, rate_hz: 20}"),
+              ElementsAre(AllOf(HasSubstr("image.faults.0.rate_hz"), HasSubstr("not slower"))));
+  EXPECT_THAT(one("{type: slow, rate_hz: 19}, {type: delayed, delay_s: 1}, {type: intermittent, loss: 0.9}"),
+              IsEmpty());
+  EXPECT_THAT(Refusal("pose", {"mount.vibration=[{from_hz: 90, until_hz: 60}]"}),
+              ElementsAre(AllOf(HasSubstr("mount.vibration.0.until_hz"), HasSubstr("below from_hz = 90"))));
+}
+
 constexpr char kCamchain[] =
     "cam0:\n  camera_model: pinhole\n  distortion_coeffs: []\n  distortion_model: none\n"
     "  intrinsics: [800, 800, 320, 240]\n  resolution: [640, 480]\n";

@@ -8,6 +8,7 @@
 #include "sim/opengl_renderer.h"
 #include "sim/random.h"
 #include "tests/sim/lenses.h"
+#include "tests/sim/scenes.h"
 #include "tests/sim/small_worlds.h"
 
 namespace kestrel {
@@ -65,7 +66,7 @@ TEST_P(OpenGlLenses, DrawsEachPointWhereTheModelPutsIt) {
   constexpr double kRadius_px = 6;
   const CameraModel& camera = GetParam().camera;
   RandomStream random(11, "markers");
-  const Pose X_NC = LookingAlong({.yaw = 0.4, .pitch = -0.9, .roll = 0.2}, {3, -2, -4});
+  const Pose X_NC = LookingFrom({3, -2, -4}, 0.4, -0.9, 0.2);
   std::vector<std::pair<Pose, double>> spots;  // X_CD, radius
   std::string geoms;
   for (double v = 12; v < HeightPx(camera) - 12; v += 24) {
@@ -83,7 +84,7 @@ TEST_P(OpenGlLenses, DrawsEachPointWhereTheModelPutsIt) {
   }
   EXPECT_GT(spots.size(), 50u);
   const ModelPtr model = RoomWithSpots(geoms);
-  const cv::Mat image = OpenGlRenderer(model.get(), camera, {}).Render(Computed(model.get()).get(), X_NC);
+  const cv::Mat image = OpenGlRenderer(model.get(), camera, {}).Render(StateOf(model.get()).get(), X_NC);
   for (const auto& [X_CD, radius] : spots) {
     const Vector2d uv = MiddleOfLight(camera, model.get(), X_CD, radius);
     EXPECT_LT((Centroid(image, uv, 9) - uv).norm(), 0.05) << "at " << uv.transpose();
@@ -93,12 +94,12 @@ TEST_P(OpenGlLenses, DrawsEachPointWhereTheModelPutsIt) {
 TEST_P(OpenGlLenses, IsBlackOutsideTheLensAndNowhereElse) {
   const CameraModel& camera = GetParam().camera;
   const ModelPtr model =
-      ModelOf(R"(<mujoco><asset><texture type="skybox" builtin="flat" rgb1="1 1 1" rgb2="1 1 1"
+      CompileScene(R"(<mujoco><asset><texture type="skybox" builtin="flat" rgb1="1 1 1" rgb2="1 1 1"
     width="8" height="48"/></asset><worldbody/></mujoco>)");
-  const DataPtr data = Computed(model.get());
+  const DataPtr data = StateOf(model.get());
   OpenGlRenderer renderer(model.get(), camera, {});
-  const cv::Mat image = renderer.Render(data.get(), LookingAlong({}, {0, 0, -1}));
-  const Surfaces seen = renderer.See(data.get(), LookingAlong({}, {0, 0, -1}));
+  const cv::Mat image = renderer.Render(data.get(), LookingFrom({0, 0, -1}, 0, 0));
+  const Surfaces seen = renderer.See(data.get(), LookingFrom({0, 0, -1}, 0, 0));
   for (int v = 0; v < image.rows; ++v) {
     for (int u = 0; u < image.cols; ++u) {
       const bool inside = Ray(camera, Vector2d(u, v)).has_value();
@@ -111,7 +112,7 @@ TEST_P(OpenGlLenses, IsBlackOutsideTheLensAndNowhereElse) {
 }
 
 ModelPtr SmoothWorld() {
-  return ModelOf(R"(<mujoco>
+  return CompileScene(R"(<mujoco>
   <visual><headlight ambient="0.3 0.3 0.3" diffuse="0.6 0.6 0.6" specular="0 0 0"/></visual>
   <asset>
     <texture name="sky" type="skybox" builtin="gradient" rgb1="0.2 0.4 0.8" rgb2="1 1 1" width="256" height="1536"/>
@@ -133,10 +134,10 @@ ModelPtr SmoothWorld() {
 TEST_P(OpenGlLenses, FacesMeetWithoutASeam) {
   const CameraModel& camera = GetParam().camera;
   const ModelPtr model = SmoothWorld();
-  const DataPtr data = Computed(model.get());
+  const DataPtr data = StateOf(model.get());
   const auto image = [&](const LensFaces& faces) {
     return OpenGlRenderer(model.get(), camera, {}, faces)
-        .Render(data.get(), LookingAlong({.yaw = 0.3, .pitch = -1.2, .roll = 0.2}, {0.5, 0.2, -3}));
+        .Render(data.get(), LookingFrom({0.5, 0.2, -3}, 0.3, -1.2, 0.2));
   };
   const Eigen::AngleAxisd turn(Radians(45), Vector3d(1, 1, 1).normalized());
   const LensFaces straight = *PlanFaces(camera, Cube(), 8192);
@@ -168,15 +169,15 @@ TEST_P(OpenGlLenses, FacesMeetWithoutASeam) {
 // round things as polyhedra.
 TEST_P(OpenGlLenses, SeesWhatRaysMeetAndHowFarAway) {
   const CameraModel& camera = GetParam().camera;
-  const ModelPtr model = ModelOf(R"(<mujoco><worldbody>
+  const ModelPtr model = CompileScene(R"(<mujoco><worldbody>
     <geom type="plane" size="90 90 1"/>
     <geom type="box" pos="3 2 0.5" size="0.5 0.8 0.5" euler="0 0 30"/>
     <geom type="box" pos="-4 1 1" size="0.7 0.3 1"/>
     <geom type="box" pos="1 -0.5 1.5" size="0.1 0.1 0.1" euler="10 20 30"/>
     <geom type="box" pos="40 -30 10" size="5 5 10"/>
   </worldbody></mujoco>)");
-  const DataPtr data = Computed(model.get());
-  const Pose X_NC = LookingAlong({.yaw = -0.2, .pitch = -1.1, .roll = 0.4}, {0.5, 0.2, -3});
+  const DataPtr data = StateOf(model.get());
+  const Pose X_NC = LookingFrom({0.5, 0.2, -3}, -0.2, -1.1, 0.4);
   const Surfaces seen = OpenGlRenderer(model.get(), camera, {}).See(data.get(), X_NC);
   const auto same_around = [&](int u, int v) {
     for (int dv = -1; dv <= 1; ++dv)
@@ -212,23 +213,23 @@ TEST_P(OpenGlLenses, SeesWhatRaysMeetAndHowFarAway) {
 }
 
 TEST(OpenGlRenderer, ImageDoesNotDependOnTheFrameBefore) {
-  const ModelPtr model = ModelOf(R"(<mujoco>
+  const ModelPtr model = CompileScene(R"(<mujoco>
   <asset><texture name="ground" type="2d" builtin="checker" rgb1="0.2 0.5 0.2" rgb2="0.5 0.4 0.3" width="64" height="64"/>
     <material name="ground" texture="ground" texrepeat="1 1" texuniform="true"/></asset>
   <worldbody><geom type="plane" size="0 0 1" material="ground"/></worldbody></mujoco>)");
-  const DataPtr data = Computed(model.get());
+  const DataPtr data = StateOf(model.get());
   const CameraModel camera = LensNamed("fisheye");
-  const Pose here = LookingAlong({.pitch = -0.7}, {700, 300, -2});
+  const Pose here = LookingFrom({700, 300, -2}, 0, -0.7);
   OpenGlRenderer renderer(model.get(), camera, {});
   const cv::Mat first = renderer.Render(data.get(), here);
-  renderer.Render(data.get(), LookingAlong({.yaw = 2, .pitch = -0.3}, {-900, 0, -5}));
+  renderer.Render(data.get(), LookingFrom({-900, 0, -5}, 2, -0.3));
   EXPECT_EQ(cv::norm(first, renderer.Render(data.get(), here), cv::NORM_INF), 0);
   EXPECT_GT(cv::mean(first)[0], 5);  // there is ground, however far one went
 }
 
 // A box on a rail, and a camera that passes by.
 struct PassingBy {
-  ModelPtr model = ModelOf(R"(<mujoco><worldbody>
+  ModelPtr model = CompileScene(R"(<mujoco><worldbody>
     <body><joint type="slide" axis="0 1 0"/><geom type="box" pos="5 0 1" size="0.5 0.5 0.5" euler="0 20 30"/></body>
     <geom type="box" pos="6 1 0.6" size="0.3 0.3 0.3" rgba="1 0 0 1"/></worldbody></mujoco>)");
   std::vector<DataPtr> states;
@@ -238,8 +239,7 @@ struct PassingBy {
       states.push_back(MakeData(model.get()));
       states.back()->qpos[0] = 0.4 * i * i;
       mj_forward(model.get(), states.back().get());
-      instants.push_back(
-          {0.1 * i, states.back().get(), LookingAlong({.yaw = 0.02 * i, .pitch = -0.1}, {0, 0.1 * i, -1.5})});
+      instants.push_back({0.1 * i, states.back().get(), LookingFrom({0, 0.1 * i, -1.5}, 0.02 * i, -0.1)});
     }
   }
   // Drawn by a state and a pose of that very time.

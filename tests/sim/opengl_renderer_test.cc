@@ -14,6 +14,7 @@
 #include "geometry/tait_bryan.h"
 #include "sim/random.h"
 #include "sim/scene.h"
+#include "tests/sim/scenes.h"
 #include "tests/sim/small_worlds.h"
 
 namespace kestrel {
@@ -31,7 +32,7 @@ Eigen::Vector2d Centroid(const cv::Mat& image, int channel) {
 }
 
 ModelPtr Colourful() {
-  return ModelOf(R"(<mujoco>
+  return CompileScene(R"(<mujoco>
   <asset>
     <texture name="sky" type="skybox" builtin="gradient" rgb1="0.2 0.4 0.8" rgb2="1 1 1" width="64" height="384"/>
     <texture name="ground" type="2d" builtin="checker" rgb1="0.2 0.5 0.2" rgb2="0.5 0.4 0.3" width="256" height="256"/>
@@ -47,12 +48,12 @@ ModelPtr Colourful() {
 }
 
 std::vector<cv::Mat> FlyPast(const mjModel* model, const std::string& backend) {
-  const DataPtr data = Computed(model);
+  const DataPtr data = StateOf(model);
   OpenGlRenderer renderer(model, kCamera, {.backend = backend});
   std::vector<cv::Mat> images;
   for (int i = 0; i < 4; ++i)
-    images.push_back(renderer.Render(
-        data.get(), LookingAlong({.yaw = 0.1 * i, .pitch = -0.2, .roll = 0.05 * i}, {0.2 * i, -0.3, -1.5})));
+    images.push_back(
+        renderer.Render(data.get(), LookingFrom({0.2 * i, -0.3, -1.5}, 0.1 * i, -0.2, 0.05 * i)));
   return images;
 }
 
@@ -75,9 +76,8 @@ TEST(OpenGlRenderer, DrawsEachPointWhereThePinholeModelPutsIt) {
   RandomStream random(7, "poses");
   for (const Pinhole& camera : cameras) {
     for (int i = 0; i < 4; ++i) {
-      const Pose X_NC = LookingAlong(
-          {.yaw = random.Uniform(-3, 3), .pitch = random.Uniform(-1.4, 1.4), .roll = random.Uniform(-3, 3)},
-          {random.Uniform(-5, 5), random.Uniform(-5, 5), random.Uniform(-9, -1)});
+      const Pose X_NC = LookingFrom({random.Uniform(-5, 5), random.Uniform(-5, 5), random.Uniform(-9, -1)},
+                                    random.Uniform(-3, 3), random.Uniform(-1.4, 1.4), random.Uniform(-3, 3));
       // Off the middle to all sides, at several distances, apart from each other; blue, green, red.
       const std::vector<std::pair<Eigen::Vector2d, double>> places{
           {{0.17, 0.25}, 0.7}, {{0.8, 0.21}, 2.0}, {{0.62, 0.78}, 11.0}};
@@ -93,7 +93,7 @@ TEST(OpenGlRenderer, DrawsEachPointWhereThePinholeModelPutsIt) {
         discs += Disc(X_NC, points_C.back(), 35 / camera.fx * places[k].second, colours[k]);
       }
       const ModelPtr model = DarkRoom(discs);
-      const cv::Mat image = OpenGlRenderer(model.get(), camera, {}).Render(Computed(model.get()).get(), X_NC);
+      const cv::Mat image = OpenGlRenderer(model.get(), camera, {}).Render(StateOf(model.get()).get(), X_NC);
       for (std::size_t k = 0; k < places.size(); ++k)
         EXPECT_LT((Centroid(image, static_cast<int>(k)) - *camera.Project(points_C[k])).norm(), 0.05)
             << "point " << k << ", pose " << i << ", camera of " << camera.width_px << " px";
@@ -102,10 +102,10 @@ TEST(OpenGlRenderer, DrawsEachPointWhereThePinholeModelPutsIt) {
 }
 
 TEST(OpenGlRenderer, ImageIsUprightWithEastOnTheRightOfNorth) {
-  const Pose X_NC = LookingAlong({}, {0, 0, -2});  // level, to the north
+  const Pose X_NC = LookingFrom({0, 0, -2}, 0, 0);  // level, to the north
   const ModelPtr model = DarkRoom(R"(<geom type="sphere" pos="10 0 4" size="0.5" rgba="1 0 0 1"/>
     <geom type="sphere" pos="10 -2 2" size="0.5" rgba="0 1 0 1"/>)");
-  const cv::Mat image = OpenGlRenderer(model.get(), kCamera, {}).Render(Computed(model.get()).get(), X_NC);
+  const cv::Mat image = OpenGlRenderer(model.get(), kCamera, {}).Render(StateOf(model.get()).get(), X_NC);
   EXPECT_LT(Centroid(image, 2).y(), 100);  // red: above
   EXPECT_NEAR(Centroid(image, 2).x(), kCamera.cx, 0.5);
   EXPECT_GT(Centroid(image, 1).x(), 460);  // green: east
@@ -155,8 +155,8 @@ TEST(OpenGlRenderer, BackendsAgree) {
 
 TEST(OpenGlRenderer, DrawsShadowsAndSmoothEdgesOnlyWhenAsked) {
   const ModelPtr model = Colourful();
-  const DataPtr data = Computed(model.get());
-  const Pose X_NC = LookingAlong({.pitch = -0.2}, {0, 0, -1.5});
+  const DataPtr data = StateOf(model.get());
+  const Pose X_NC = LookingFrom({0, 0, -1.5}, 0, -0.2);
   const auto image = [&](const RenderOptions& o) {
     return OpenGlRenderer(model.get(), kCamera, o).Render(data.get(), X_NC);
   };
@@ -168,7 +168,7 @@ TEST(OpenGlRenderer, DrawsShadowsAndSmoothEdgesOnlyWhenAsked) {
 TEST(OpenGlRenderer, DrawsNoSites) {
   const ModelPtr model = DarkRoom(R"(<site pos="2 0 0" size="0.3" rgba="1 1 1 1"/>)");
   const cv::Mat image = OpenGlRenderer(model.get(), kCamera, {})
-                            .Render(Computed(model.get()).get(), LookingAlong({}, {0, 0, 0}));
+                            .Render(StateOf(model.get()).get(), LookingFrom({0, 0, 0}, 0, 0));
   EXPECT_EQ(cv::norm(image, cv::NORM_INF), 0);
 }
 

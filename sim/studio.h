@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <future>
+#include <memory>
+#include <mutex>
+#include <opencv2/core.hpp>
+#include <queue>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "sim/exposure.h"
+#include "sim/image_sensor.h"
+#include "sim/instants.h"
+#include "sim/renderer.h"
+
+namespace kestrel {
+
+// A frame that is to be drawn.
+struct Shot {
+  enum class Content { kScene, kRepeat, kGarbage };  // kRepeat: the image of the shot before
+  double t_s = 0;                                    // middle of the exposure of the middle row
+  std::int64_t sequence = 0;
+  Content content = Content::kScene;
+  std::vector<Moment> moments;  // around its exposure
+};
+
+struct Picture {
+  cv::Mat image;
+  double render_s = 0, sensor_s = 0;  // time spent
+};
+
+// Draws shots on a thread of its own, which holds the renderer, in the order in which they come: renders what
+// is seen while the shutter is open, makes the sensor's image of it, and meters that for the next.
+class Studio {
+ public:
+  // image: without scatter. The model must outlive it. Throws what the Renderer throws.
+  Studio(const mjModel* model, const CameraModel& camera, const RenderOptions& render,
+         const ImageParameters& image, const Pose& X_BC, const Vibration& vibration, std::uint64_t seed);
+  ~Studio();
+  Studio(const Studio&) = delete;
+  Studio& operator=(const Studio&) = delete;
+
+  void Submit(Shot shot);
+  Picture Take();  // of the earliest shot that is not taken yet; waits for it
+  const std::string& renderer_name() const { return name_; }
+
+ private:
+  void Work(std::promise<std::string> ready);
+  Picture Draw(const Shot& shot);
+  cv::Mat Render(const Shot& shot, const ExposureSetting& setting);
+
+  const mjModel* model_;
+  CameraModel camera_;
+  RenderOptions options_;
+  ImageParameters parameters_;
+  ImageSensor sensor_;
+  ExposureControl control_;
+  Instants instants_;
+  std::unique_ptr<Renderer> renderer_;
+  bool may_repeat_;
+  cv::Mat last_;  // only while it may be asked for again
+  std::string name_;
+
+  std::deque<std::future<Picture>> pictures_;
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  std::queue<std::packaged_task<Picture()>> tasks_;
+  bool stop_ = false;
+  std::thread thread_;
+};
+
+}  // namespace kestrel

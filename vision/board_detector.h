@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "vision/board.h"
+
+namespace kestrel {
+
+struct BoardCorner {
+  int index = 0;  // among Corners(board)
+  Eigen::Vector2d pixel;
+  Eigen::Matrix2d covariance;  // px^2, by what is left where it was fitted (vision/corner_fit.h)
+};
+
+// The corners of a board in an image, by index: of a chessboard only when all of it is in view, of tags those
+// that are. Nothing is known of the lens, whose distortion may be strong. Each is placed by FitCorner with
+// the curvature that its neighbours on the board show; one that cannot be is left out. Empty: no board. A
+// chessboard that looks the same upside down is taken to stand upright. image: 8 bits, grey or blue, green,
+// red.
+std::vector<BoardCorner> FindBoard(const cv::Mat& image, const Board& board);
+
+}  // namespace kestrel
