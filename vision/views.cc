@@ -199,8 +199,26 @@ std::optional<Pinhole> CentralPinhole(const CameraModel& camera, double most_fie
                  f * up};
 }
 
+double MeanResolution(const CameraModel& camera) {
+  // The solid angle that is seen, by directions spread evenly over the sphere on a spiral.
+  constexpr int kDirections = 40000;
+  const double golden_turn = pi * (3 - std::sqrt(5.0));
+  int seen = 0;
+  for (int i = 0; i < kDirections; ++i) {
+    const double z = 1 - (2 * i + 1.0) / kDirections, r = std::sqrt(1 - z * z);
+    if (InImage(camera, {r * std::cos(golden_turn * i), r * std::sin(golden_turn * i), z})) ++seen;
+  }
+  int pixels = 0;
+  constexpr int kStep_px = 2;
+  for (int v = 0; v < HeightPx(camera); v += kStep_px) {
+    for (int u = 0; u < WidthPx(camera); u += kStep_px) pixels += Ray(camera, Vector2d(u, v)) ? 1 : 0;
+  }
+  if (seen == 0 || pixels == 0) return CentralResolution(camera);
+  return std::sqrt(pixels * kStep_px * kStep_px / (4 * pi * seen / kDirections));
+}
+
 cv::Size MatchedSize(const Panorama& p, const CameraModel& camera) {
-  const double px_per_rad = CentralResolution(camera);
+  const double px_per_rad = MeanResolution(camera);
   const auto px = [&](double extent) {
     return std::max(1, static_cast<int>(std::lround(px_per_rad * std::abs(extent))));
   };

@@ -86,7 +86,10 @@ double CentralResolution(const CameraModel& camera);
 // lens does to each side, but at most half of the given field. None: the lens does not see its own axis.
 std::optional<Pinhole> CentralPinhole(const CameraModel& camera, double most_field_rad);
 
-// The size at which a panorama has the resolution of the lens' middle.
+// Pixels per radian over the whole picture: the square root of its pixels per steradian.
+double MeanResolution(const CameraModel& camera);
+
+// The size at which a panorama has the mean resolution of the camera.
 cv::Size MatchedSize(const Panorama& panorama, const CameraModel& camera);
 
 // The least range of azimuth and elevation that holds all that the lens sees, in the matched size. Rows by

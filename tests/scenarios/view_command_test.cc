@@ -98,8 +98,11 @@ TEST_F(ViewCommandTest, EveryKindHasASizeOfItsOwnThatFitsTheImage) {
     arguments_.azimuth_deg = "-60..30.5", arguments_.elevation_deg = "-20..20";
     ViewCommand(arguments_);
     const cv::Size size = cv::imread(arguments_.out).size();
-    EXPECT_NEAR(size.width, Radians(90.5) * 120, 1) << as;
-    EXPECT_NEAR(size.height, arguments_.as == "panorama" ? Radians(40) * 120 : 240 * std::tan(Radians(20)), 1)
+    const double px_per_rad = MeanResolution(camera_);
+    EXPECT_NEAR(size.width, Radians(90.5) * px_per_rad, 1) << as;
+    EXPECT_NEAR(
+        size.height,
+        arguments_.as == "panorama" ? Radians(40) * px_per_rad : 2 * px_per_rad * std::tan(Radians(20)), 1)
         << as;
   }
 }

@@ -275,7 +275,7 @@ TEST(PanoramaTest, TheWholeHoldsWhatTheLensSees) {
           EXPECT_TRUE(!ray || Project(roomy, *ray)) << u << ' ' << v;
         }
       }
-      EXPECT_NEAR(whole->width_px / (whole->azimuth_to - whole->azimuth_from), CentralResolution(camera), 1);
+      EXPECT_NEAR(whole->width_px / (whole->azimuth_to - whole->azimuth_from), MeanResolution(camera), 1);
     }
   }
   // Ahead only what is there, and all around where the camera looks straight down.
@@ -376,6 +376,14 @@ TEST(ViewTableTest, HoldsTheSourcesAndIsBlackWhereTheLensShowsNothing) {
 TEST(ViewTableTest, BehindTheLensThereIsNothing) {
   const PerspectiveView behind{{200, 200, 300, 300, 99.5, 99.5}, ViewRotation(pi, 0, 0)};
   EXPECT_EQ(ShownShare(MakeViewTable(behind, CameraModel(Fisheye()))), 0);
+}
+
+TEST(MeanResolutionTest, IsThatOfTheSolidAngle) {
+  KannalaBrandt round = Fisheye();  // the whole circle of the lens within the image
+  round.fx = round.fy = 120, round.k1 = round.k2 = 0;
+  const double angle = round.max_angle_rad;
+  const double expected = std::sqrt(pi * std::pow(120 * angle, 2) / (2 * pi * (1 - std::cos(angle))));
+  EXPECT_NEAR(MeanResolution(round), expected, 0.01 * expected);
 }
 
 TEST(CentralPinholeTest, KeepsTheResolutionOfTheMiddleAndEndsWhereTheLensDoes) {
