@@ -269,7 +269,7 @@ TEST(Sensor, WithEveryPartOnItStillLands) {
   for (const std::uint64_t seed : kSeeds) {
     const FlightResult result = Flown(
         "landing", seed,
-        {"image.exposure={time_s: 0.006, samples: 3}", "image.auto_exposure.target_grey=110",
+        {"image.exposure={time_s: 0.006, line_s: 0.00003, samples: 3}", "image.auto_exposure.target_grey=110",
          "image.lens={cos_power: 4, vignetting: [-0.1, 0, 0], defocus_px: 0.7}", "image.full_well_e=10000",
          "image.gamma=2.2", "image.bits=7", "image.jpeg_quality=80",
          "image.scatter={defocus_px: 0.5, gain: 0.3}",
