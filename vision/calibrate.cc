@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
+#include <opencv2/imgproc.hpp>
 
 #include "geometry/tait_bryan.h"
 #include "vision/calibration_start.h"
@@ -29,6 +29,9 @@ constexpr double kMostSigmaXi = 0.1;
 constexpr double kFirstCommon_px = 0.05;   // see PointsOf; until it is known
 constexpr double kOutlier = 5;             // deviations
 constexpr double kMostOutliers = 1.0 / 3;  // of a view's corners
+
+// Of a unified camera: fx, fy, cx, cy and xi alone.
+const std::vector<int> kUndistorted = {0, 1, 2, 3, 4};
 
 std::vector<int> FreeParameters(const CameraModel& camera) {
   std::vector<int> free;
@@ -160,6 +163,8 @@ void AddNotes(Calibration& c) {
                     "known all the same",
                     c.sigma[4]));
   }
+  if (std::holds_alternative<Unified>(c.camera) && c.free == kUndistorted)
+    c.notes.push_back("the images ask for no distortion: k1, k2, p1 and p2 are held at 0");
   for (const CalibratedView& view : c.views) {
     if (!view.left_out.empty())
       c.notes.push_back(fmt::format("{} was left out: {}", view.name, view.left_out));
@@ -274,20 +279,19 @@ PlacedViews AdjustRobustly(const CameraModel& start, const std::vector<int>& fre
 // xi and k1 bend the view alike to the first order: free together, neither is known, and no covariance says
 // so. "As well": the distortion's gain is less than Schwarz's criterion asks for (Ann. Statist. 6, 1978).
 void DropDistortion(const CameraModel& like, Agreeing& agreeing, std::vector<int>& free) {
-  const std::vector<int> few = {0, 1, 2, 3, 4};
   std::vector<std::vector<SeenPoint>> points;
   for (const AdjustedView& view : agreeing.adjustment.views) points.push_back(view.points);
-  const auto start = StartCalibration(like, few, points);
+  const auto start = StartCalibration(like, kUndistorted, points);
   if (!start) return;
-  PlacedViews plain = AdjustRobustly(start->camera, few, points);
+  PlacedViews plain = AdjustRobustly(start->camera, kUndistorted, points);
   if (plain.numbers.size() < points.size()) return;
   constexpr double kAll = std::numeric_limits<double>::infinity();
-  const double plain_cost = Adjust(plain.adjustment, {.free = few});
+  const double plain_cost = Adjust(plain.adjustment, {.free = kUndistorted});
   const double cost = CostOf(agreeing.adjustment, kAll), freedom = FreedomOf(agreeing, free.size());
-  const double dropped = static_cast<double>(free.size() - few.size());
+  const double dropped = static_cast<double>(free.size() - kUndistorted.size());
   if (!(plain_cost - cost < dropped * std::log(freedom) * cost / freedom)) return;
   agreeing.adjustment = std::move(plain.adjustment);
-  free = few;
+  free = kUndistorted;
 }
 
 // What the corners of the used views are beside the calibration.
@@ -428,17 +432,26 @@ CameraModel CameraLike(const std::string& model, cv::Size image) {
   return camera;
 }
 
-Coverage CoverageOf(const Calibration& calibration) {
+Coverage CoverageOf(const Calibration& calibration, std::span<const cv::Mat> images) {
   Coverage c;
-  const std::size_t cells = static_cast<std::size_t>(c.cols * c.rows);
-  c.in_lens.resize(cells), c.corners.resize(cells);
   const double width = WidthPx(calibration.camera), height = HeightPx(calibration.camera);
+  // A cell is as bright as in the image where it is brightest.
+  cv::Mat brightest(c.rows, c.cols, CV_32FC1, cv::Scalar(0));
+  for (const cv::Mat& image : images) {
+    cv::Mat cells;
+    cv::resize(image, cells, brightest.size(), 0, 0, cv::INTER_AREA);
+    cells.convertTo(cells, CV_32F);
+    cv::max(brightest, cells, brightest);
+  }
+  constexpr double kDark = 0.1;
+  const double dark = kDark * cv::mean(brightest)[0];
   for (int row = 0; row < c.rows; ++row) {
     for (int col = 0; col < c.cols; ++col) {
       const Vector2d middle((col + 0.5) * width / c.cols - 0.5, (row + 0.5) * height / c.rows - 0.5);
-      c.in_lens[static_cast<std::size_t>(row * c.cols + col)] = Ray(calibration.camera, middle).has_value();
+      c.in_lens.push_back(Ray(calibration.camera, middle) && !(brightest.at<float>(row, col) < dark));
     }
   }
+  c.corners.resize(c.in_lens.size());
   for (const CalibratedView& view : calibration.views) {
     for (const CornerResidual& corner : view.corners) {
       if (!corner.used) continue;
@@ -448,7 +461,7 @@ Coverage CoverageOf(const Calibration& calibration) {
     }
   }
   int in_lens = 0, covered = 0;
-  for (std::size_t i = 0; i < cells; ++i) {
+  for (std::size_t i = 0; i < c.in_lens.size(); ++i) {
     in_lens += c.in_lens[i] || c.corners[i] > 0;
     covered += c.corners[i] > 0;
   }

@@ -71,13 +71,14 @@ std::vector<BoardView> Refit(const Board& board, std::span<const cv::Mat> images
 std::vector<std::string> CalibratedModels();
 CameraModel CameraLike(const std::string& model, cv::Size image);
 
-// The image in cells: which of them lie within the lens, and how many used corners each has.
+// The image in cells: which of them lie within the lens, and how many used corners each has. What is dark in
+// all the images, grey ones of the views, is beyond the rim of the lens or mirror.
 struct Coverage {
   int cols = 16, rows = 12;
   std::vector<bool> in_lens;  // by rows
   std::vector<int> corners;
   double share = 0;  // of the cells within the lens that have a corner
 };
-Coverage CoverageOf(const Calibration& calibration);
+Coverage CoverageOf(const Calibration& calibration, std::span<const cv::Mat> images);
 
 }  // namespace kestrel
