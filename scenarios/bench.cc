@@ -18,6 +18,7 @@
 #include <thread>
 
 #include "geometry/tait_bryan.h"
+#include "scenarios/bench_calibration.h"
 #include "scenarios/bench_render.h"
 #include "scenarios/files.h"
 #include "scenarios/runner.h"
@@ -368,7 +369,7 @@ void WriteJson(const std::string& file, const std::vector<Figure>& table) {
 }  // namespace
 
 std::vector<std::string> BenchNames() {
-  return {"flights", "fisheye", "drift", "heights", "speed", "render"};
+  return {"flights", "fisheye", "drift", "heights", "speed", "render", "calibration"};
 }
 
 bool Bench(const BenchArguments& arguments) {
@@ -381,6 +382,7 @@ bool Bench(const BenchArguments& arguments) {
   if (chosen("heights")) BenchHeights(seeds, table);
   if (chosen("speed")) BenchSpeed(seeds, table);
   if (chosen("render")) BenchRender(seeds.first, seeds.last, table);
+  if (chosen("calibration")) BenchCalibration(seeds.first, seeds.last, arguments.jobs, table);
   Print(table);
   if (!arguments.json.empty()) WriteJson(arguments.json, table);
   return std::all_of(table.begin(), table.end(), [](const Figure& f) { return f.Met(); });

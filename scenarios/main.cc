@@ -15,9 +15,11 @@
 
 #include "geometry/tait_bryan.h"
 #include "scenarios/bench.h"
+#include "scenarios/calibrate_command.h"
 #include "scenarios/files.h"
 #include "scenarios/junit.h"
 #include "scenarios/mirror_command.h"
+#include "scenarios/render_board.h"
 #include "scenarios/runner.h"
 #include "scenarios/view_command.h"
 
@@ -187,7 +189,7 @@ int Main(int argc, char** argv) {
   CLI::App* bench_command = app.add_subcommand("bench", "Measure: a table of figures beside their targets");
   bench_command
       ->add_option("name", bench.name,
-                   "flights, fisheye, drift, heights, speed, render; all when none is given")
+                   "flights, fisheye, drift, heights, speed, render, calibration; all when none is given")
       ->check(CLI::IsMember(BenchNames()));
   bench_command->add_option("--seeds", bench.seeds, "A..B, first and last")->capture_default_str();
   bench_command->add_option("--jobs", bench.jobs, "Flights at the same time")
@@ -199,6 +201,10 @@ int Main(int argc, char** argv) {
   CLI::App* mirror_command = AddMirrorCommand(app, mirror);
   ViewArguments view;
   const CLI::App* view_command = AddViewCommand(app, view);
+  CalibrateArguments calibrate;
+  const CLI::App* calibrate_command = AddCalibrateCommand(app, calibrate);
+  RenderBoardArguments render_board;
+  const CLI::App* render_board_command = AddRenderBoardCommand(app, render_board);
 
   try {
     app.parse(argc, argv);
@@ -217,6 +223,14 @@ int Main(int argc, char** argv) {
     }
     if (*view_command) {
       ViewCommand(view);
+      return kMet;
+    }
+    if (*calibrate_command) {
+      CalibrateCommand(calibrate);
+      return kMet;
+    }
+    if (*render_board_command) {
+      RenderBoardCommand(render_board);
       return kMet;
     }
     if (*bench_command) RequireWritable(bench.json, "--json");

@@ -148,6 +148,17 @@ std::optional<CornerMap::Line> LineAt(const cv::Mat& grey, const Board& board, c
   return patch ? LineIn(*patch, grid->tag_m, col % 2, row % 2, axis) : line;
 }
 
+// Fits a corner; once more within a smaller radius where what stands around it spreads by the blur.
+std::optional<FittedCorner> FitFree(const cv::Mat& grey, CornerGuess guess) {
+  const auto fit = FitCorner(grey, guess);
+  if (!fit) return std::nullopt;
+  const double free_px = std::max(guess.radius_px + 1 - 2 * fit->blur_px, kLeastRadius_px);
+  if (free_px >= guess.radius_px) return fit;
+  guess.pixel = fit->pixel;
+  guess.radius_px = free_px;
+  return FitCorner(grey, guess);
+}
+
 // Fits every corner of the map. Thrice, since the curvature of the edges is known only once their corners
 // are; a corner where it is never known is left out, as is one that cannot be fitted.
 std::vector<BoardCorner> FitAll(const cv::Mat& grey, const Board& board, CornerMap map) {
@@ -163,14 +174,7 @@ std::vector<BoardCorner> FitAll(const cv::Mat& grey, const Board& board, CornerM
         auto guess = GuessOf(board, col, row, *map.At(col, row), *x, *y, kLeastClear_px);
         if (!guess) continue;
         if (pass == 0) guess->bend_x = guess->bend_y = 0;
-        auto fit = FitCorner(grey, *guess);
-        // What stands around the corner spreads by its own blur.
-        const double free_px = std::max(guess->radius_px + 1 - 2 * (fit ? fit->blur_px : 1), kLeastRadius_px);
-        if (fit && free_px < guess->radius_px) {
-          guess->pixel = fit->pixel;
-          guess->radius_px = free_px;
-          fit = FitCorner(grey, *guess);
-        }
+        const auto fit = FitFree(grey, *guess);
         if (!fit) continue;
         fitted.At(col, row) = fit->pixel;
         if (x->bend_known && y->bend_known)
@@ -339,15 +343,51 @@ class GridTracer {
   CornerMap map_;
 };
 
+cv::Mat Grey(const cv::Mat& image) {
+  if (image.channels() == 1) return image;
+  cv::Mat grey;
+  cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
+  return grey;
+}
+
 }  // namespace
 
 std::vector<BoardCorner> FindBoard(const cv::Mat& image, const Board& board) {
-  cv::Mat grey = image;
-  if (image.channels() == 3) cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
+  const cv::Mat grey = Grey(image);
   const Chessboard* chess = std::get_if<Chessboard>(&board);
   const auto map = chess ? FindChessboard(grey, board, *chess) : GridTracer(grey, board).Trace();
   if (!map) return {};
   return FitAll(grey, board, *map);
+}
+
+std::vector<BoardCorner> RefitBoard(const cv::Mat& image, const Board& board,
+                                    std::span<const BoardCorner> corners, const CameraModel& camera,
+                                    const Pose& X_CT) {
+  const cv::Mat grey = Grey(image);
+  const std::vector<Vector2d> places = Corners(board);
+  const int cols = CornerGrid(board).x();
+  std::vector<BoardCorner> refitted;
+  for (const BoardCorner& corner : corners) {
+    const int col = corner.index % cols, row = corner.index / cols;
+    const Vector2d& place = places[static_cast<std::size_t>(corner.index)];
+    const auto at = [&](const Vector2d& p) {
+      return Project(camera, X_CT * Eigen::Vector3d(p.x(), p.y(), 0));
+    };
+    const auto line = [&](int axis) -> std::optional<CornerMap::Line> {
+      const double step_m = 0.1 * SurroundingsOf(board, col, row).clear_m[axis];
+      const auto before = at(place - step_m * Vector2d::Unit(axis)), here = at(place);
+      const auto after = at(place + step_m * Vector2d::Unit(axis));
+      if (!before || !here || !after) return std::nullopt;
+      return CornerMap::Line{(*after - *before) / (2 * step_m),
+                             (*after - 2 * *here + *before) / (step_m * step_m), true};
+    };
+    const auto x = line(0), y = line(1);
+    if (!x || !y) continue;
+    const auto guess = GuessOf(board, col, row, corner.pixel, *x, *y, kLeastClear_px);
+    const auto fit = guess ? FitFree(grey, *guess) : std::nullopt;
+    if (fit) refitted.push_back({corner.index, fit->pixel, fit->covariance});
+  }
+  return refitted;
 }
 
 }  // namespace kestrel

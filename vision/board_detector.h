@@ -3,9 +3,12 @@
 
 #include <Eigen/Core>
 #include <opencv2/core.hpp>
+#include <span>
 #include <vector>
 
+#include "geometry/pose.h"
 #include "vision/board.h"
+#include "vision/camera_model.h"
 
 namespace kestrel {
 
@@ -21,5 +24,12 @@ struct BoardCorner {
 // chessboard that looks the same upside down is taken to stand upright. image: 8 bits, grey or blue, green,
 // red.
 std::vector<BoardCorner> FindBoard(const cv::Mat& image, const Board& board);
+
+// The same corners placed anew, now that the camera and the pose X_CT of the board are known well: then the
+// directions and the curvature of the edges are, too. In a wide lens that moves them by some thousandths of a
+// pixel, which many corners together would notice. One that can no longer be placed is left out.
+std::vector<BoardCorner> RefitBoard(const cv::Mat& image, const Board& board,
+                                    std::span<const BoardCorner> corners, const CameraModel& camera,
+                                    const Pose& X_CT);
 
 }  // namespace kestrel

@@ -7,10 +7,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
+#include <opencv2/imgproc.hpp>
 
 #include "geometry/tait_bryan.h"
-#include "vision/ray_pose.h"
+#include "vision/calibration_start.h"
 #include "vision/view_adjustment.h"
 
 namespace kestrel {
@@ -20,17 +20,18 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr int kLeastViews = 4;
-constexpr std::size_t kLeastCorners = 8;
 constexpr double kSamePose = 0.02;      // of the image's diagonal: views nearer than this are one
 constexpr double kLeastReach = 0.5;     // of half the image's smaller side: the outermost corner
 constexpr double kLeastTilts_deg = 6;   // between the two boards that differ most
 constexpr double kMostResidual_px = 3;  // beyond it the model is not of this lens
 constexpr double kMostUncertainty_px = 5;
 constexpr double kMostSigmaXi = 0.1;
-// What a corner's own covariance does not know: sampling, the pixel's shape.
-constexpr double kCornerFloor_px = 0.01;
+constexpr double kFirstCommon_px = 0.05;   // see PointsOf; until it is known
 constexpr double kOutlier = 5;             // deviations
 constexpr double kMostOutliers = 1.0 / 3;  // of a view's corners
+
+// Of a unified camera: fx, fy, cx, cy and xi alone.
+const std::vector<int> kUndistorted = {0, 1, 2, 3, 4};
 
 std::vector<int> FreeParameters(const CameraModel& camera) {
   std::vector<int> free;
@@ -43,184 +44,8 @@ std::vector<int> FreeParameters(const CameraModel& camera) {
   return free;
 }
 
-// Focal lengths and what bends the view most, for the first stage.
-std::vector<int> CoarseParameters(const CameraModel& camera) {
-  if (std::holds_alternative<Unified>(camera)) return {0, 1, 4};
-  if (std::holds_alternative<DoubleSphere>(camera)) return {0, 1, 4, 5};
-  return {0, 1};
-}
-
 Vector2d MiddleOf(const CameraModel& camera) {
   return {(WidthPx(camera) - 1) / 2.0, (HeightPx(camera) - 1) / 2.0};
-}
-
-SeenPoint PointOf(const BoardCorner& corner, const std::vector<Vector2d>& places) {
-  const Eigen::Matrix2d covariance =
-      corner.covariance + kCornerFloor_px * kCornerFloor_px * Eigen::Matrix2d::Identity();
-  const Eigen::Matrix2d L = covariance.llt().matrixL();
-  return {places[static_cast<std::size_t>(corner.index)], corner.pixel, L.inverse()};
-}
-
-// The error of a point in px; none where the camera cannot see it.
-std::optional<Vector2d> ErrorOf(const CameraModel& camera, const Pose& X_CT, const SeenPoint& point) {
-  const auto uv = Project(camera, X_CT * Vector3d(point.p_T.x(), point.p_T.y(), 0));
-  if (!uv) return std::nullopt;
-  return *uv - point.pixel;
-}
-
-double Median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-// The deviation along one axis of whitened errors, whatever some of them are.
-double RobustScale(const Adjustment& a) {
-  std::vector<double> norms;
-  for (const AdjustedView& view : a.views) {
-    for (const SeenPoint& point : view.points) {
-      const auto error = WhitenedError(a.camera, view.X_CT, point);
-      norms.push_back(error ? error->norm() : std::numeric_limits<double>::infinity());
-    }
-  }
-  constexpr double kMedianOfRayleigh = 1.1774;
-  return std::max(Median(std::move(norms)) / kMedianOfRayleigh, 1e-9);
-}
-
-// The pose of a view under a camera: by its rays, then by a few steps of adjustment. None: too few rays.
-std::optional<Pose> PoseOf(const CameraModel& camera, const std::vector<SeenPoint>& points, int steps) {
-  std::vector<PlaneRay> rays;
-  for (const SeenPoint& point : points) {
-    if (const auto ray = Ray(camera, point.pixel)) rays.push_back({point.p_T, *ray});
-  }
-  if (rays.size() < kLeastCorners || 3 * rays.size() < 2 * points.size()) return std::nullopt;
-  const auto X_CT = PlanePoseFromRays(rays);
-  if (!X_CT) return std::nullopt;
-  Adjustment one{camera, {{*X_CT, points}}};
-  Adjust(one, {.free = {}, .huber = 3 * RobustScale(one), .max_steps = steps});
-  return one.views[0].X_CT;
-}
-
-double MedianError(const CameraModel& camera, const Pose& X_CT, const std::vector<SeenPoint>& points) {
-  std::vector<double> errors;
-  for (const SeenPoint& point : points) {
-    const auto error = ErrorOf(camera, X_CT, point);
-    errors.push_back(error ? error->norm() : kLostError_px);
-  }
-  return Median(std::move(errors));
-}
-
-// Cameras without distortion, about the middle of the image: for each shape of the lens, many focal lengths.
-// reach_px: how far from the middle corners were seen; each start sees them there at another angle.
-std::vector<std::vector<CameraModel>> Starts(const CameraModel& like, double reach_px) {
-  std::vector<std::vector<CameraModel>> starts;
-  const auto add = [&](std::initializer_list<double> own) {
-    CameraModel camera = like;
-    Eigen::VectorXd all = Eigen::VectorXd::Zero(Parameters(like).size());
-    std::copy(own.begin(), own.end(), all.begin() + 4);
-    starts.emplace_back();
-    for (const double angle_deg : {10, 18, 26, 35, 45, 55, 65, 76, 88, 101}) {
-      const double angle = Radians(angle_deg);
-      all.head<2>().setOnes(), all.segment<2>(2).setZero();
-      SetParameters(camera, all);
-      const auto m = Project(camera, {std::sin(angle), 0, std::cos(angle)});
-      if (!m) continue;
-      all.head<2>().setConstant(reach_px / m->x());
-      all.segment<2>(2) = MiddleOf(like);
-      SetParameters(camera, all);
-      starts.back().push_back(camera);
-    }
-  };
-  if (std::holds_alternative<Unified>(like)) {
-    for (const double xi : {0.3, 0.8, 1.3, 2.2}) add({xi});
-  } else if (std::holds_alternative<DoubleSphere>(like)) {
-    for (const auto& [xi, alpha] : {std::pair{0.0, 0.3}, {0.0, 0.5}, {-0.2, 0.6}, {0.2, 0.65}})
-      add({xi, alpha});
-  } else {
-    add({});
-  }
-  return starts;
-}
-
-// How badly a start fits, px: the mean over some views of the median error of their corners.
-double Misfit(const CameraModel& camera, const std::vector<AdjustedView>& views) {
-  constexpr std::size_t kSome = 8, kSomePoints = 30;
-  constexpr double kLost_px = 50;
-  double sum = 0;
-  const std::size_t count = std::min(kSome, views.size());
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::vector<SeenPoint>& all = views[i * views.size() / count].points;
-    std::vector<SeenPoint> points;
-    const std::size_t few = std::min(kSomePoints, all.size());
-    for (std::size_t j = 0; j < few; ++j) points.push_back(all[j * all.size() / few]);
-    const auto X_CT = PoseOf(camera, points, 4);
-    sum += X_CT ? std::min(MedianError(camera, *X_CT, points), kLost_px) : kLost_px;
-  }
-  return sum / static_cast<double>(count);
-}
-
-// The views of an adjustment that a camera can place; the others, by their number, are lost.
-struct Placed {
-  Adjustment adjustment;
-  std::vector<std::size_t> from;  // the view's number
-};
-Placed PlaceAll(const CameraModel& camera, const std::vector<AdjustedView>& views) {
-  Placed placed{{camera, {}}, {}};
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    const auto X_CT = PoseOf(camera, views[i].points, 10);
-    if (!X_CT) continue;
-    placed.adjustment.views.push_back({*X_CT, views[i].points});
-    placed.from.push_back(i);
-  }
-  return placed;
-}
-
-// The camera that fits best of those to which the starts lead, the best start of each shape of the lens. And
-// one elsewhere that fits as well within three deviations, if there is any.
-struct Beginning {
-  CameraModel best;
-  std::optional<CameraModel> rival;
-};
-// None: no start sees enough.
-std::optional<Beginning> Begin(const CameraModel& like, const std::vector<AdjustedView>& views) {
-  double reach_px = 0;
-  for (const AdjustedView& view : views) {
-    for (const SeenPoint& point : view.points)
-      reach_px = std::max(reach_px, (point.pixel - MiddleOf(like)).norm());
-  }
-  std::vector<Adjustment> ends;
-  for (const std::vector<CameraModel>& shape : Starts(like, reach_px)) {
-    std::vector<double> misfits;
-    for (const CameraModel& start : shape) misfits.push_back(Misfit(start, views));
-    if (misfits.empty()) continue;
-    const auto least = std::min_element(misfits.begin(), misfits.end()) - misfits.begin();
-    Adjustment a{shape[static_cast<std::size_t>(least)], {}};
-    for (const std::vector<int>& free : {CoarseParameters(like), FreeParameters(like)}) {
-      a = PlaceAll(a.camera, views).adjustment;
-      if (a.views.empty()) break;
-      Adjust(a, {.free = free, .huber = 2 * RobustScale(a), .max_steps = 30});
-    }
-    if (!a.views.empty()) ends.push_back(std::move(a));
-  }
-  if (ends.empty()) return std::nullopt;
-
-  // A start that leaves more views without a pose is no better for that.
-  std::size_t most = 0;
-  for (const Adjustment& a : ends) most = std::max(most, a.views.size());
-  std::erase_if(ends, [&](const Adjustment& a) { return a.views.size() < most; });
-  double scale = std::numeric_limits<double>::infinity();
-  for (const Adjustment& a : ends) scale = std::min(scale, RobustScale(a));
-  const auto cost = [&](const Adjustment& a) { return CostOf(a, 3 * scale) / (scale * scale); };
-  std::stable_sort(ends.begin(), ends.end(),
-                   [&](const Adjustment& a, const Adjustment& b) { return cost(a) < cost(b); });
-  Beginning beginning{ends[0].camera, std::nullopt};
-  for (const Adjustment& a : ends) {
-    const double f = Parameters(ends[0].camera)[0];
-    if (cost(a) < cost(ends[0]) + 9 && std::abs(Parameters(a.camera)[0] / f - 1) > 0.03)
-      beginning.rival = a.camera;
-  }
-  return beginning;
 }
 
 // Of views that show the same, the first; their numbers.
@@ -338,6 +163,8 @@ void AddNotes(Calibration& c) {
                     "known all the same",
                     c.sigma[4]));
   }
+  if (std::holds_alternative<Unified>(c.camera) && c.free == kUndistorted)
+    c.notes.push_back("the images ask for no distortion: k1, k2, p1 and p2 are held at 0");
   for (const CalibratedView& view : c.views) {
     if (!view.left_out.empty())
       c.notes.push_back(fmt::format("{} was left out: {}", view.name, view.left_out));
@@ -346,6 +173,157 @@ void AddNotes(Calibration& c) {
     c.notes.push_back(fmt::format("{} of {} corners were set aside: more than {:g} deviations off",
                                   c.corners_not_used, c.corners, kOutlier));
   }
+}
+
+// The corners of the usable views. A corner's error has a part of its own, which its fit knows, and one that
+// is common to all: what the models of corner and lens leave out.
+std::vector<std::vector<SeenPoint>> PointsOf(const Board& board, std::span<const BoardView> views,
+                                             const std::vector<std::size_t>& usable, double common_px) {
+  const std::vector<Vector2d> places = Corners(board);
+  std::vector<std::vector<SeenPoint>> all;
+  for (const std::size_t i : usable) {
+    std::vector<SeenPoint> points;
+    for (const BoardCorner& corner : views[i].corners) {
+      const Eigen::Matrix2d covariance =
+          corner.covariance + common_px * common_px * Eigen::Matrix2d::Identity();
+      const Eigen::Matrix2d L = covariance.llt().matrixL();
+      points.push_back({places[static_cast<std::size_t>(corner.index)], corner.pixel, L.inverse()});
+    }
+    all.push_back(std::move(points));
+  }
+  return all;
+}
+
+// The views that agree, with those of their corners whose errors are noise.
+struct Agreeing {
+  Adjustment adjustment;
+  std::vector<std::size_t> numbers;               // of its views, among the usable
+  std::vector<std::vector<std::size_t>> corners;  // of their points, among the view's
+};
+
+double FreedomOf(const Agreeing& a, std::size_t free) {
+  double points = 0;
+  for (const AdjustedView& view : a.adjustment.views) points += static_cast<double>(view.points.size());
+  return 2 * points - static_cast<double>(free) - 6 * static_cast<double>(a.adjustment.views.size());
+}
+
+// left_out: of the usable views, why one does not agree; empty where it does.
+Agreeing SelectAgreeing(const PlacedViews& placed, std::vector<std::string>& left_out) {
+  const double limit = kOutlier * RobustScale(placed.adjustment);
+  Agreeing agreeing{{placed.adjustment.camera, {}}, {}, {}};
+  std::fill(left_out.begin(), left_out.end(), "no pose of the board fits it");
+  for (std::size_t i = 0; i < placed.numbers.size(); ++i) {
+    const AdjustedView& all = placed.adjustment.views[i];
+    AdjustedView noise{all.X_CT, {}};
+    std::vector<std::size_t> corners;
+    for (std::size_t j = 0; j < all.points.size(); ++j) {
+      const auto error = WhitenedError(placed.adjustment.camera, all.X_CT, all.points[j]);
+      if (!error || error->norm() > limit) continue;
+      noise.points.push_back(all.points[j]);
+      corners.push_back(j);
+    }
+    const std::size_t wild = all.points.size() - corners.size();
+    std::string& reason = left_out[placed.numbers[i]];
+    reason.clear();
+    if (static_cast<double>(wild) > kMostOutliers * static_cast<double>(all.points.size()) ||
+        corners.size() < kLeastCorners) {
+      reason = fmt::format("{} of its {} corners do not fit the other views", wild, all.points.size());
+      continue;
+    }
+    agreeing.adjustment.views.push_back(std::move(noise));
+    agreeing.numbers.push_back(placed.numbers[i]);
+    agreeing.corners.push_back(std::move(corners));
+  }
+  return agreeing;
+}
+
+// The common part of the corners' errors, px: with it, errors are as large as they are expected to be.
+double CommonError(std::span<const BoardView> views, const std::vector<std::size_t>& usable,
+                   const Agreeing& a, std::size_t free) {
+  std::vector<std::pair<double, double>> squares;  // of the error, and expected by the corner's own part
+  for (std::size_t i = 0; i < a.numbers.size(); ++i) {
+    const AdjustedView& view = a.adjustment.views[i];
+    for (std::size_t j = 0; j < view.points.size(); ++j) {
+      const auto error = PixelError(a.adjustment.camera, view.X_CT, view.points[j]);
+      const Eigen::Matrix2d& own = views[usable[a.numbers[i]]].corners[a.corners[i][j]].covariance;
+      if (error) squares.emplace_back(error->squaredNorm() / 2, own.trace() / 2);
+    }
+  }
+  const double expected = FreedomOf(a, free) / 2;
+  const auto excess = [&](double common) {
+    double sum = -expected;
+    for (const auto& [square, own] : squares) sum += square / (own + common * common);
+    return sum;
+  };
+  double low = 0, high = 100;
+  if (!(excess(1e-6) > 0)) return 0;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = (low + high) / 2;
+    (excess(middle) > 0 ? low : high) = middle;
+  }
+  return high;
+}
+
+// Large errors count less and less as the rest gets better.
+PlacedViews AdjustRobustly(const CameraModel& start, const std::vector<int>& free,
+                           const std::vector<std::vector<SeenPoint>>& points) {
+  PlacedViews placed = PlaceViews(start, points);
+  for (int round = 0; round < 3; ++round) {
+    Adjust(placed.adjustment, {.free = free, .huber = 2.5 * RobustScale(placed.adjustment)});
+    placed = PlaceViews(placed.adjustment.camera, points);  // once more, now that the camera is known better
+  }
+  return placed;
+}
+
+// The unified model without its distortion, where that does as well. Of a mirror that is nearly a parabola,
+// xi and k1 bend the view alike to the first order: free together, neither is known, and no covariance says
+// so. "As well": the distortion's gain is less than Schwarz's criterion asks for (Ann. Statist. 6, 1978).
+void DropDistortion(const CameraModel& like, Agreeing& agreeing, std::vector<int>& free) {
+  std::vector<std::vector<SeenPoint>> points;
+  for (const AdjustedView& view : agreeing.adjustment.views) points.push_back(view.points);
+  const auto start = StartCalibration(like, kUndistorted, points);
+  if (!start) return;
+  PlacedViews plain = AdjustRobustly(start->camera, kUndistorted, points);
+  if (plain.numbers.size() < points.size()) return;
+  constexpr double kAll = std::numeric_limits<double>::infinity();
+  const double plain_cost = Adjust(plain.adjustment, {.free = kUndistorted});
+  const double cost = CostOf(agreeing.adjustment, kAll), freedom = FreedomOf(agreeing, free.size());
+  const double dropped = static_cast<double>(free.size() - kUndistorted.size());
+  if (!(plain_cost - cost < dropped * std::log(freedom) * cost / freedom)) return;
+  agreeing.adjustment = std::move(plain.adjustment);
+  free = kUndistorted;
+}
+
+// What the corners of the used views are beside the calibration.
+void AddResiduals(std::span<const BoardView> views, const std::vector<std::size_t>& usable,
+                  const std::vector<std::vector<SeenPoint>>& points, const Agreeing& agreeing,
+                  Calibration& c) {
+  double square = 0;
+  for (std::size_t i = 0; i < agreeing.numbers.size(); ++i) {
+    const std::size_t number = agreeing.numbers[i];
+    CalibratedView& view = c.views[usable[number]];
+    const Pose& X_CT = agreeing.adjustment.views[i].X_CT;
+    view.X_CT = X_CT;
+    double view_square = 0;
+    std::size_t next = 0;
+    for (std::size_t j = 0; j < points[number].size(); ++j) {
+      const SeenPoint& point = points[number][j];
+      const auto error = PixelError(c.camera, X_CT, point);
+      const bool used = next < agreeing.corners[i].size() && agreeing.corners[i][next] == j && error;
+      next += used;
+      view.corners.push_back({views[usable[number]].corners[j].index, point.pixel,
+                              error.value_or(Vector2d::Constant(std::nan(""))), used});
+      if (!used) continue;
+      view_square += error->squaredNorm();
+      c.max_angle_seen_rad =
+          std::max(c.max_angle_seen_rad, AngleFromAxis(X_CT * Vector3d(point.p_T.x(), point.p_T.y(), 0)));
+    }
+    view.rms_px = std::sqrt(view_square / static_cast<double>(next));
+    square += view_square;
+    c.corners += static_cast<int>(points[number].size());
+    c.corners_not_used += static_cast<int>(points[number].size() - next);
+  }
+  c.rms_px = std::sqrt(square / (c.corners - c.corners_not_used));
 }
 
 }  // namespace
@@ -357,135 +335,68 @@ Calibration Calibrate(const Board& board, std::span<const BoardView> views, cons
   }
   CheckViews(board, views, usable, like);
 
-  const std::vector<Vector2d> places = Corners(board);
-  std::vector<AdjustedView> seen;
-  for (const std::size_t i : usable) {
-    AdjustedView view;
-    for (const BoardCorner& corner : views[i].corners) view.points.push_back(PointOf(corner, places));
-    seen.push_back(std::move(view));
-  }
-  const std::vector<int> free = FreeParameters(like);
-  const auto start = Begin(like, seen);
+  std::vector<int> free = FreeParameters(like);
+  std::vector<std::vector<SeenPoint>> points = PointsOf(board, views, usable, kFirstCommon_px);
+  const auto start = StartCalibration(like, free, points);
   if (!start)
     throw InputError({fmt::format("no start of the {} model sees the board in these images", NameOf(like))});
-
-  // Large errors count less and less as the rest gets better.
-  Placed placed = PlaceAll(start->best, seen);
+  PlacedViews placed = AdjustRobustly(start->camera, free, points);
+  Agreeing agreeing;
+  std::vector<std::string> left_out(usable.size());
   for (int round = 0; round < 3; ++round) {
-    Adjust(placed.adjustment, {.free = free, .huber = 2.5 * RobustScale(placed.adjustment)});
-    placed = PlaceAll(placed.adjustment.camera, seen);  // once more, now that the camera is known better
-  }
-  Calibration c{placed.adjustment.camera, free, {}, {}, {}, 0, 0, 0, 0, 0, {}};
-  c.views.resize(views.size());
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    c.views[i].name = views[i].name;
-    if (views[i].corners.size() < kLeastCorners) {
-      c.views[i].left_out = views[i].corners.empty()
-                                ? "the board was not found"
-                                : fmt::format("only {} corners were found", views[i].corners.size());
-    } else {
-      c.views[i].left_out = "no pose of the board fits it";  // until one does
-    }
-  }
-
-  // What is noise takes part, by least squares; what is not is set aside, and named.
-  Adjustment a;
-  std::vector<std::size_t> from;
-  for (int round = 0; round < 2; ++round) {
-    const double limit = kOutlier * RobustScale(placed.adjustment);
-    a = {placed.adjustment.camera, {}};
-    from.clear();
-    for (std::size_t v = 0; v < placed.from.size(); ++v) {
-      const AdjustedView& all = placed.adjustment.views[v];
-      CalibratedView& view = c.views[usable[placed.from[v]]];
-      AdjustedView used{all.X_CT, {}};
-      for (const SeenPoint& point : all.points) {
-        const auto error = WhitenedError(a.camera, all.X_CT, point);
-        if (error && error->norm() <= limit) used.points.push_back(point);
-      }
-      const std::size_t wild = all.points.size() - used.points.size();
-      if (static_cast<double>(wild) > kMostOutliers * static_cast<double>(all.points.size()) ||
-          used.points.size() < kLeastCorners) {
-        view.left_out =
-            fmt::format("{} of its {} corners do not fit the other views", wild, all.points.size());
-        continue;
-      }
-      view.left_out.clear();
-      a.views.push_back(std::move(used));
-      from.push_back(v);
-    }
-    if (a.views.size() < kLeastViews) {
+    agreeing = SelectAgreeing(placed, left_out);
+    if (agreeing.numbers.size() < kLeastViews) {
       throw InputError({fmt::format("only {} of {} views agree on a {} camera; a calibration needs {}",
-                                    a.views.size(), usable.size(), NameOf(like), kLeastViews)});
+                                    agreeing.numbers.size(), usable.size(), NameOf(like), kLeastViews)});
     }
-    Adjust(a, {.free = free});
-    placed.adjustment.camera = a.camera;
-    for (std::size_t i = 0; i < from.size(); ++i) placed.adjustment.views[from[i]].X_CT = a.views[i].X_CT;
+    Adjust(agreeing.adjustment, {.free = free});
+    if (round == 2) break;
+    points = PointsOf(board, views, usable, CommonError(views, usable, agreeing, free.size()));
+    placed = PlaceViews(agreeing.adjustment.camera, points);
   }
-  c.camera = a.camera;
+  if (std::holds_alternative<Unified>(like)) DropDistortion(like, agreeing, free);
 
-  double square = 0, whitened_square = 0;
-  int used = 0;
-  for (std::size_t i = 0; i < from.size(); ++i) {
-    const std::size_t number = usable[placed.from[from[i]]];
-    CalibratedView& view = c.views[number];
-    view.X_CT = a.views[i].X_CT;
-    double view_square = 0;
-    int view_used = 0;
-    for (const BoardCorner& corner : views[number].corners) {
-      const SeenPoint point = PointOf(corner, places);
-      const auto error = ErrorOf(c.camera, *view.X_CT, point);
-      const bool is_used = std::any_of(a.views[i].points.begin(), a.views[i].points.end(),
-                                       [&](const SeenPoint& p) { return p.p_T == point.p_T; });
-      view.corners.push_back(
-          {corner.index, corner.pixel, error.value_or(Vector2d::Constant(std::nan(""))), is_used});
-      ++c.corners;
-      if (!is_used || !error) {
-        ++c.corners_not_used;
-        continue;
-      }
-      view_square += error->squaredNorm();
-      whitened_square += (point.whiten * *error).squaredNorm();
-      ++view_used;
-      c.max_angle_seen_rad = std::max(c.max_angle_seen_rad,
-                                      AngleFromAxis(*view.X_CT * Vector3d(point.p_T.x(), point.p_T.y(), 0)));
-    }
-    view.rms_px = std::sqrt(view_square / std::max(view_used, 1));
-    square += view_square;
-    used += view_used;
+  Calibration c;
+  c.camera = agreeing.adjustment.camera;
+  c.free = free;
+  for (const BoardView& view : views) {
+    c.views.push_back({.name = view.name, .left_out = "", .X_CT = {}, .rms_px = 0, .corners = {}});
+    if (view.corners.empty())
+      c.views.back().left_out = "the board was not found";
+    else if (view.corners.size() < kLeastCorners)
+      c.views.back().left_out = fmt::format("only {} corners were found", view.corners.size());
   }
-  c.rms_px = std::sqrt(square / used);
-
+  for (std::size_t i = 0; i < usable.size(); ++i) c.views[usable[i]].left_out = left_out[i];
+  AddResiduals(views, usable, points, agreeing, c);
   if (!(c.rms_px < kMostResidual_px)) {
     throw InputError(
         {fmt::format("the {} model does not fit: {:.1f} px are left between what it says and what "
                      "is seen; try another model, or check the board's description",
                      NameOf(like), c.rms_px)});
   }
-  const double tilts = Degrees(SpreadOfTilts(a.views));
+  const double tilts = Degrees(SpreadOfTilts(agreeing.adjustment.views));
   if (tilts < kLeastTilts_deg) {
     throw InputError(
         {fmt::format("in all {} views the board stands parallel to itself, within {:.1f} deg: tilt it "
-                     "by 20 to 50 deg this way and that, or focal length and distance cannot be told "
-                     "apart",
-                     a.views.size(), tilts)});
+                     "by 20 to 50 deg this way and that, or focal length and distance cannot be told apart",
+                     agreeing.numbers.size(), tilts)});
   }
-  const auto covariance = ParameterCovariance(a, free);
-  const double freedom =
-      2.0 * used - static_cast<double>(free.size()) - 6.0 * static_cast<double>(a.views.size());
+  const auto covariance = ParameterCovariance(agreeing.adjustment, free);
+  const double freedom = FreedomOf(agreeing, free.size());
   if (!covariance || !(freedom > 0)) {
     throw InputError({fmt::format("{} corners in {} views do not determine the {} parameters of the {} model",
-                                  used, a.views.size(), free.size(), NameOf(like))});
+                                  c.corners, agreeing.numbers.size(), free.size(), NameOf(like))});
   }
-  c.covariance = *covariance * (whitened_square / freedom);
+  constexpr double kAll = std::numeric_limits<double>::infinity();
+  c.covariance = *covariance * (CostOf(agreeing.adjustment, kAll) / freedom);
   c.sigma = c.covariance.diagonal().cwiseSqrt();
   c.worst_uncertainty_px = WorstUncertainty(c);
   if (!(c.worst_uncertainty_px < kMostUncertainty_px)) {
-    throw InputError(
-        {fmt::format("the views leave the {} model uncertain by {:.1f} px, with boards tilted by up "
-                     "to {:.0f} deg against each other: show more of the field and more tilt, or take "
-                     "a model with fewer parameters",
-                     NameOf(like), c.worst_uncertainty_px, tilts)});
+    throw InputError({fmt::format(
+        "the views leave the {} model uncertain by {:.1f} px, with boards tilted by up "
+        "to {:.0f} deg against each other: show more of the field and more tilt, or take a model with fewer "
+        "parameters",
+        NameOf(like), c.worst_uncertainty_px, tilts)});
   }
   AddNotes(c);
   if (start->rival && std::abs(Parameters(*start->rival)[0] - Parameters(c.camera)[0]) > 5 * c.sigma[0]) {
@@ -500,6 +411,16 @@ Calibration Calibrate(const Board& board, std::span<const BoardView> views, cons
   return c;
 }
 
+std::vector<BoardView> Refit(const Board& board, std::span<const cv::Mat> images,
+                             std::span<const BoardView> views, const Calibration& calibration) {
+  std::vector<BoardView> refitted(views.begin(), views.end());
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const auto& X_CT = calibration.views[i].X_CT;
+    if (X_CT) refitted[i].corners = RefitBoard(images[i], board, views[i].corners, calibration.camera, *X_CT);
+  }
+  return refitted;
+}
+
 std::vector<std::string> CalibratedModels() { return {"pinhole", "unified", "fisheye", "double_sphere"}; }
 
 CameraModel CameraLike(const std::string& model, cv::Size image) {
@@ -511,17 +432,26 @@ CameraModel CameraLike(const std::string& model, cv::Size image) {
   return camera;
 }
 
-Coverage CoverageOf(const Calibration& calibration) {
+Coverage CoverageOf(const Calibration& calibration, std::span<const cv::Mat> images) {
   Coverage c;
-  const std::size_t cells = static_cast<std::size_t>(c.cols * c.rows);
-  c.in_lens.resize(cells), c.corners.resize(cells);
   const double width = WidthPx(calibration.camera), height = HeightPx(calibration.camera);
+  // A cell is as bright as in the image where it is brightest.
+  cv::Mat brightest(c.rows, c.cols, CV_32FC1, cv::Scalar(0));
+  for (const cv::Mat& image : images) {
+    cv::Mat cells;
+    cv::resize(image, cells, brightest.size(), 0, 0, cv::INTER_AREA);
+    cells.convertTo(cells, CV_32F);
+    cv::max(brightest, cells, brightest);
+  }
+  constexpr double kDark = 0.1;
+  const double dark = kDark * cv::mean(brightest)[0];
   for (int row = 0; row < c.rows; ++row) {
     for (int col = 0; col < c.cols; ++col) {
       const Vector2d middle((col + 0.5) * width / c.cols - 0.5, (row + 0.5) * height / c.rows - 0.5);
-      c.in_lens[static_cast<std::size_t>(row * c.cols + col)] = Ray(calibration.camera, middle).has_value();
+      c.in_lens.push_back(Ray(calibration.camera, middle) && !(brightest.at<float>(row, col) < dark));
     }
   }
+  c.corners.resize(c.in_lens.size());
   for (const CalibratedView& view : calibration.views) {
     for (const CornerResidual& corner : view.corners) {
       if (!corner.used) continue;
@@ -531,7 +461,7 @@ Coverage CoverageOf(const Calibration& calibration) {
     }
   }
   int in_lens = 0, covered = 0;
-  for (std::size_t i = 0; i < cells; ++i) {
+  for (std::size_t i = 0; i < c.in_lens.size(); ++i) {
     in_lens += c.in_lens[i] || c.corners[i] > 0;
     covered += c.corners[i] > 0;
   }

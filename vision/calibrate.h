@@ -39,8 +39,9 @@ struct CalibratedView {
 
 struct Calibration {
   CameraModel camera;
-  // What was found of Parameters(camera): everything but k3 and skew, which Kalibr's models do not have and
-  // which stay 0. The covariance is (J^T J)^-1 times the variance that the residuals show.
+  // What was found of Parameters(camera): everything but k3 and skew, which Kalibr's models do not have, and
+  // the distortion of a unified camera that shows none; these stay 0. The covariance is (J^T J)^-1 times the
+  // variance that the residuals show.
   std::vector<int> free;
   Eigen::VectorXd sigma;       // of free
   Eigen::MatrixXd covariance;  // of free
@@ -60,18 +61,24 @@ struct Calibration {
 // four different ones, boards all parallel or all in the middle of the image, or a model that does not fit.
 Calibration Calibrate(const Board& board, std::span<const BoardView> views, const CameraModel& like);
 
+// The views with their corners placed anew by a calibration of them (RefitBoard), for another one; views that
+// it did not use stay as they are. images: those of the views.
+std::vector<BoardView> Refit(const Board& board, std::span<const cv::Mat> images,
+                             std::span<const BoardView> views, const Calibration& calibration);
+
 // The models that a calibration can find, by name: "pinhole" (with the distortion of Brown and Conrady),
 // "unified", "fisheye" (Kannala and Brandt), "double_sphere".
 std::vector<std::string> CalibratedModels();
 CameraModel CameraLike(const std::string& model, cv::Size image);
 
-// The image in cells: which of them lie within the lens, and how many used corners each has.
+// The image in cells: which of them lie within the lens, and how many used corners each has. What is dark in
+// all the images, grey ones of the views, is beyond the rim of the lens or mirror.
 struct Coverage {
   int cols = 16, rows = 12;
   std::vector<bool> in_lens;  // by rows
   std::vector<int> corners;
   double share = 0;  // of the cells within the lens that have a corner
 };
-Coverage CoverageOf(const Calibration& calibration);
+Coverage CoverageOf(const Calibration& calibration, std::span<const cv::Mat> images);
 
 }  // namespace kestrel

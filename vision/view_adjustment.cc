@@ -110,10 +110,16 @@ VectorXd SolveScaled(const MatrixXd& matrix, const VectorXd& right) {
 
 }  // namespace
 
-std::optional<Vector2d> WhitenedError(const CameraModel& camera, const Pose& X_CT, const SeenPoint& point) {
+std::optional<Vector2d> PixelError(const CameraModel& camera, const Pose& X_CT, const SeenPoint& point) {
   const auto uv = Project(camera, PointInCamera(X_CT, point));
   if (!uv) return std::nullopt;
-  return point.whiten * (*uv - point.pixel);
+  return *uv - point.pixel;
+}
+
+std::optional<Vector2d> WhitenedError(const CameraModel& camera, const Pose& X_CT, const SeenPoint& point) {
+  const auto error = PixelError(camera, X_CT, point);
+  if (!error) return std::nullopt;
+  return point.whiten * *error;
 }
 
 double CostOf(const Adjustment& a, double huber) {

@@ -44,7 +44,10 @@ double Adjust(Adjustment& adjustment, const AdjustOptions& options);
 // What Adjust minimises.
 double CostOf(const Adjustment& adjustment, double huber);
 
-// The whitened error of a point; none where the camera cannot see it.
+// Where a camera says that a point is less where it was seen, px, and that whitened; none where the camera
+// cannot see it.
+std::optional<Eigen::Vector2d> PixelError(const CameraModel& camera, const Pose& X_CT,
+                                          const SeenPoint& point);
 std::optional<Eigen::Vector2d> WhitenedError(const CameraModel& camera, const Pose& X_CT,
                                              const SeenPoint& point);
 

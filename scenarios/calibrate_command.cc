@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scenarios/calibrate_command.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <opencv2/imgcodecs.hpp>
+
+#include "scenarios/board_file.h"
+#include "scenarios/calibration_report.h"
+#include "vision/calibrate.h"
+
+namespace kestrel {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Grey images of one size. What is not is a mistake.
+std::vector<cv::Mat> ReadImages(const std::vector<std::string>& files, Mistakes& mistakes) {
+  std::vector<cv::Mat> images;
+  std::map<std::pair<int, int>, int> sizes;
+  for (const std::string& file : files) {
+    cv::Mat image;
+    if (!fs::is_regular_file(file)) {
+      mistakes.Add(file, "", "there is no such file");
+    } else {
+      image = cv::imread(file, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
+      if (image.empty()) mistakes.Add(file, "", "cannot be read as an image");
+    }
+    if (!image.empty()) ++sizes[{image.cols, image.rows}];
+    images.push_back(image);
+  }
+  if (sizes.size() > 1) {
+    const auto usual = std::max_element(sizes.begin(), sizes.end(),
+                                        [](const auto& a, const auto& b) { return a.second < b.second; });
+    const auto [width, height] = usual->first;
+    for (std::size_t i = 0; i < files.size(); ++i) {
+      if (images[i].empty() || (images[i].cols == width && images[i].rows == height)) continue;
+      mistakes.Add(
+          files[i], "",
+          fmt::format("{} x {} pixels, where others have {} x {}: images of one camera have one size",
+                      images[i].cols, images[i].rows, width, height));
+    }
+  }
+  return images;
+}
+
+}  // namespace
+
+CLI::App* AddCalibrateCommand(CLI::App& app, CalibrateArguments& a) {
+  CLI::App* command = app.add_subcommand("calibrate", "Find a camera's parameters from images of a board");
+  command->add_option("images", a.images, "Image files, all of one camera and one board")->required();
+  command->add_option("--board", a.board, "chessboard, aprilgrid, or a target file of Kalibr")
+      ->capture_default_str();
+  command
+      ->add_option(
+          "--model", a.model,
+          "pinhole (to some 120 degrees of view), unified (mirrors, most fisheyes), fisheye, double_sphere")
+      ->required()
+      ->check(CLI::IsMember(CalibratedModels()));
+  command->add_option("--out", a.out, "Folder for camchain.yaml, report.txt and pictures")->required();
+  command->footer(
+      "Examples:\n"
+      "  kestrel calibrate photos/*.jpg --model pinhole --out calibration\n"
+      "  kestrel calibrate boards/*.png --model fisheye --board my_target.yaml --out calibration\n"
+      "Show the board everywhere in the image and to its rim, near and far, tilted by 20 to 50 degrees this "
+      "way "
+      "and that: some 30 images.");
+  return command;
+}
+
+void CalibrateCommand(const CalibrateArguments& a) {
+  Mistakes mistakes;
+  const Board board = LoadBoardNamed(a.board, "--board", mistakes);
+  const std::vector<cv::Mat> images = ReadImages(a.images, mistakes);
+  if (fs::exists(a.out) && !fs::is_directory(a.out))
+    mistakes.Add("--out", "", fmt::format("'{}' is not a folder", a.out));
+  mistakes.ThrowIfAny();
+
+  const bool terminal = isatty(STDERR_FILENO);
+  std::vector<BoardView> views;
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    if (terminal) fmt::print(stderr, "\r\033[Klooking for the board: {} of {}", i + 1, images.size());
+    views.push_back({a.images[i], FindBoard(images[i], board)});
+  }
+  if (terminal) fmt::print(stderr, "\r\033[Kcalibrating");
+  const CameraModel like = CameraLike(a.model, images.front().size());
+  const Calibration calibration = [&] {
+    try {
+      const Calibration first = Calibrate(board, views, like);
+      return Calibrate(board, Refit(board, images, views, first), like);
+    } catch (const InputError&) {
+      if (terminal) fmt::print(stderr, "\r\033[K");
+      throw;
+    }
+  }();
+  if (terminal) fmt::print(stderr, "\r\033[K");
+  fs::create_directories(a.out);
+  WriteCalibration(a.out, calibration, board, images);
+  fmt::print("{}{}\n", CalibrationReport(calibration, board, images), a.out);
+}
+
+}  // namespace kestrel

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+}
+
+namespace kestrel {
+
+// `kestrel calibrate`: a camera from images of a board.
+struct CalibrateArguments {
+  std::vector<std::string> images;
+  std::string board = "chessboard", model, out;
+};
+
+CLI::App* AddCalibrateCommand(CLI::App& app, CalibrateArguments& arguments);
+
+// Finds the board in every image, calibrates, and writes to the folder what scenarios/calibration_report.h
+// says. Throws InputError: images that cannot be read or differ in size, all of them by name, or that do not
+// determine the camera; then nothing is written.
+void CalibrateCommand(const CalibrateArguments& arguments);
+
+}  // namespace kestrel
