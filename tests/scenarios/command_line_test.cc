@@ -239,7 +239,7 @@ TEST_F(CommandLineTest, HelpShowsExamplesAndTheExitStatus) {
 }
 
 TEST_F(CommandLineTest, BrokenModelsUnderAnotherRootAreRefused) {
-  const fs::path root = fs::path(__FILE__).parent_path().parent_path().parent_path();
+  const fs::path root = KESTREL_SOURCE_DIR;
   for (const char* part : {"models", "scenarios"})
     fs::copy(root / part, folder_ / part, fs::copy_options::recursive);
   const std::string here = "KESTREL_ROOT=" + folder_.string();

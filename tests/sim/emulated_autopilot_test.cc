@@ -26,7 +26,7 @@ constexpr double kGravity = 9.80665;
 constexpr double kStandingHeight_m = 0.16;  // of the origin of B while the skids stand
 
 ModelPtr PelicanOverAPlane() {
-  const auto root = std::filesystem::path(__FILE__).parent_path().parent_path().parent_path();
+  const std::filesystem::path root = KESTREL_SOURCE_DIR;
   const std::string xml = R"(<mujoco><option timestep="0.002" gravity="0 0 -9.80665"/><worldbody>
       <geom type="plane" size="100 100 1"/><include file=")" +
                           (root / "models/vehicles/pelican/pelican.xml").string() +

@@ -38,7 +38,7 @@ constexpr char kWorld[] =
     <inertial pos="0.1 0.2 0.3" mass="7" fullinertia="3 4 5 0.1 0.2 0.3"/></body></worldbody></mujoco>)";
 
 std::string PelicanWorld() {
-  const auto root = std::filesystem::path(__FILE__).parent_path().parent_path().parent_path();
+  const std::filesystem::path root = KESTREL_SOURCE_DIR;
   return R"(<mujoco><option timestep="0.002"/><worldbody><geom type="plane" size="10 10 1"/><include file=")" +
          (root / "models/vehicles/pelican/pelican.xml").string() + R"("/></worldbody></mujoco>)";
 }

@@ -21,7 +21,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-const std::filesystem::path kModels = std::filesystem::path(__FILE__).parent_path() / "../../models";
+const std::filesystem::path kModels = KESTREL_SOURCE_DIR "/models";
 const Pinhole kCamera{640, 480, 810.81, 810.81, 319.5, 239.5};
 
 // Straight down, the top of the image towards a heading.

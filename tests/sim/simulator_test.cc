@@ -23,8 +23,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-const std::filesystem::path kModels =
-    std::filesystem::path(__FILE__).parent_path().parent_path().parent_path() / "models";
+const std::filesystem::path kModels = KESTREL_SOURCE_DIR "/models";
 
 // A hover over the helipad in a gusty wind, seen by a small camera.
 SimulatorParameters Hover() {
