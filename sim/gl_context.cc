@@ -18,7 +18,10 @@ constexpr int kEglNone = 0x3038, kEglSurfaceType = 0x3033, kEglPbufferBit = 0x00
               kEglRenderableType = 0x3040, kEglOpenGlBit = 0x0008;
 constexpr unsigned kEglOpenGlApi = 0x30A2, kEglPlatformSurfacelessMesa = 0x31DD;
 
+constexpr unsigned kGlTextureFilterControl = 0x8500, kGlTextureLodBias = 0x8501;
+
 using GetString = const unsigned char* (*)(unsigned);
+using TexEnvf = void (*)(unsigned, unsigned, float);
 
 void* OpenLibrary(std::initializer_list<const char*> names, int flags) {
   std::string why;
@@ -60,6 +63,7 @@ class OsMesa final : public GlContext {
     make_current_ = Find<MakeCurrent>(library, "OSMesaMakeCurrent");
     destroy_ = Find<void (*)(void*)>(library, "OSMesaDestroyContext");
     get_string_ = reinterpret_cast<GetString>(get("glGetString"));
+    tex_env_ = reinterpret_cast<TexEnvf>(get("glTexEnvf"));
     context_ = create(kGlRgba, 24, 8, 0, nullptr);
     if (context_ == nullptr) throw std::runtime_error("OSMesaCreateContextExt failed");
     if (!make_current_(context_, window_.data(), kGlUnsignedByte, kSide, kSide)) {
@@ -75,6 +79,9 @@ class OsMesa final : public GlContext {
   OsMesa& operator=(const OsMesa&) = delete;
 
   std::string RendererName() const override { return NameOf("osmesa", get_string_); }
+  void BlurTextures(double octaves) override {
+    tex_env_(kGlTextureFilterControl, kGlTextureLodBias, static_cast<float>(octaves));
+  }
 
  private:
   using MakeCurrent = unsigned char (*)(void*, void*, unsigned, int, int);
@@ -84,6 +91,7 @@ class OsMesa final : public GlContext {
   MakeCurrent make_current_ = nullptr;
   void (*destroy_)(void*) = nullptr;
   GetString get_string_ = nullptr;
+  TexEnvf tex_env_ = nullptr;
   std::array<unsigned char, 4 * kSide * kSide> window_{};
 };
 
@@ -103,6 +111,7 @@ class Egl final : public GlContext {
     destroy_ = Find<unsigned (*)(void*, void*)>(library, "eglDestroyContext");
     release_thread_ = Find<unsigned (*)()>(library, "eglReleaseThread");
     get_string_ = reinterpret_cast<GetString>(get("glGetString"));
+    tex_env_ = reinterpret_cast<TexEnvf>(get("glTexEnvf"));
     if (get_display == nullptr) throw std::runtime_error("the library has no eglGetPlatformDisplayEXT");
 
     // One display serves the whole process and is never terminated: that would end the contexts of other
@@ -135,6 +144,9 @@ class Egl final : public GlContext {
   Egl& operator=(const Egl&) = delete;
 
   std::string RendererName() const override { return NameOf("egl", get_string_); }
+  void BlurTextures(double octaves) override {
+    tex_env_(kGlTextureFilterControl, kGlTextureLodBias, static_cast<float>(octaves));
+  }
 
  private:
   using MakeCurrent = unsigned (*)(void*, void*, void*, void*);
@@ -145,6 +157,7 @@ class Egl final : public GlContext {
   unsigned (*destroy_)(void*, void*) = nullptr;
   unsigned (*release_thread_)() = nullptr;
   GetString get_string_ = nullptr;
+  TexEnvf tex_env_ = nullptr;
 };
 
 }  // namespace

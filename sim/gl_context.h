@@ -14,6 +14,8 @@ class GlContext {
   virtual ~GlContext() = default;
   // The backend, what draws, and its version: "osmesa: llvmpipe (LLVM 15.0.6, 256 bits), Mesa 22.3.6".
   virtual std::string RendererName() const = 0;
+  // Textures are taken from pictures that are smaller by so many octaves than OpenGL would choose.
+  virtual void BlurTextures(double octaves) = 0;
 };
 
 // Makes a context and makes it current on the calling thread, in place of any other. The libraries are opened

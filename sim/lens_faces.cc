@@ -13,7 +13,6 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kFinerThanLens = 2;
 constexpr double kShareThatMayBeCoarser = 1e-3;
 constexpr int kBorder_px = 2;         // beyond the outermost patches: interpolation reads one
 constexpr double kWidestPatch = 0.1;  // on the plane one before a face: at a fold a pixel sees far and wide

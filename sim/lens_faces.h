@@ -45,10 +45,13 @@ using FaceLayout = std::vector<Eigen::Quaterniond>;  // R_CV of each
 // A cube turned by R_CK: K has a face to each side along each of its axes.
 FaceLayout Cube(const Eigen::Quaterniond& R_CK = Eigen::Quaterniond::Identity());
 
-// Faces so fine that their pixels are at most half of the lens's: measured on each face where the lens is
-// densest, but for a thousandth of the pixels, since a lens may fold at its rim. No side is longer than
-// max_side_px, even if a face has to be coarser for that. Faces overlap by enough for interpolation; those
-// that the lens does not use are left out. None at all where a ray is 75 degrees or more from every axis.
+constexpr double kFinerThanLens = 2;
+
+// Faces so fine that their pixels are at most half of the lens's, by kFinerThanLens: measured on each face
+// where the lens is densest, but for a thousandth of the pixels, since a lens may fold at its rim. No side is
+// longer than max_side_px, even if a face has to be coarser for that. Faces overlap by enough for
+// interpolation; those that the lens does not use are left out. None at all where a ray is 75 degrees or more
+// from every axis.
 std::optional<LensFaces> PlanFaces(const CameraModel& camera, const FaceLayout& layout, int max_side_px);
 // One plane if it is drawn sooner than a cube.
 LensFaces PlanFaces(const CameraModel& camera, int max_side_px);

@@ -170,6 +170,9 @@ OpenGlRenderer::OpenGlRenderer(const mjModel* model, const CameraModel& camera, 
     const std::unique_lock lock(gl_functions);
     mjr_makeContext(&shown, &gpu_, mjFONTSCALE_50);
   }
+  // The faces' finer pixels are for edges. Of textures, a pixel of the lens shows what its own size lets
+  // through.
+  if (!direct_) context_->BlurTextures(std::log2(kFinerThanLens));
   mjr_setBuffer(mjFB_OFFSCREEN, &gpu_);
   if (gpu_.currentBuffer != mjFB_OFFSCREEN || gpu_.offWidth != width || gpu_.offHeight != height) {
     mjr_freeContext(&gpu_);
