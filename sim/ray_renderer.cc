@@ -108,8 +108,8 @@ struct RayRenderer::Stage {
     });
     InParallel(threads, lens.tiles_y, [&](int tile_row) {
       rows_of(tile_row, [&](int begin, int end) {
-        for (int v = begin; v < end; ++v)
-          ray::SmoothRow(rolling ? SliceOf(v, v) : SliceOf(0, tile_row), v, canvas);
+        if (!rolling) return ray::SmoothRows(SliceOf(0, tile_row), begin, end, canvas);
+        for (int v = begin; v < end; ++v) ray::SmoothRows(SliceOf(v, v), v, v + 1, canvas);
       });
     });
   }

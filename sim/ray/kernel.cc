@@ -50,6 +50,17 @@ void ListSeen(const Slice& slice, int tile_column, Seen& seen) {
   }
 }
 
+// Where the mask is, `to` becomes `from`.
+HWY_INLINE void Keep(MF where, const TriangleHits& from, TriangleHits& to) {
+  const auto keep = [&](const auto& a, auto& b, auto d) {
+    hn::Store(hn::IfThenElse(hn::RebindMask(d, where), hn::Load(d, a), hn::Load(d, b)), d, b);
+  };
+  const hn::RebindToUnsigned<DF> du;
+  keep(from.face, to.face, du);
+  keep(from.u, to.u, df);
+  keep(from.v, to.v, df);
+}
+
 HWY_INLINE Hit Trace(const Slice& slice, const Seen& seen, const Vec3& d_C, TriangleHits& triangles) {
   Hit hit{F(kNone), hn::Set(di, -1)};
   for (const int i : seen.opaque) {
@@ -60,17 +71,22 @@ HWY_INLINE Hit Trace(const Slice& slice, const Seen& seen, const Vec3& d_C, Tria
     const MF nearer = hn::Lt(t, hit.t);
     hit.t = hn::IfThenElse(nearer, t, hit.t);
     hit.thing = hn::IfThenElse(hn::RebindMask(di, nearer), hn::Set(di, i), hit.thing);
-    if (thing.triangles) {
-      const auto keep = [&](const auto& from, auto& to, auto d) {
-        hn::Store(hn::IfThenElse(hn::RebindMask(d, nearer), hn::Load(d, from), hn::Load(d, to)), d, to);
-      };
-      const hn::RebindToUnsigned<DF> du;
-      keep(own.face, triangles.face, du);
-      keep(own.u, triangles.u, df);
-      keep(own.v, triangles.v, df);
-    }
+    if (thing.triangles) Keep(nearer, own, triangles);
   }
   return hit;
+}
+
+// Which rays meet something transparent before what they hit.
+HWY_INLINE MF Veiled(const Slice& slice, const Seen& seen, const Vec3& d_C, VF t) {
+  MF veiled = hn::Lt(F(1), F(0));
+  TriangleHits unused;
+  for (const int i : seen.transparent) {
+    const Thing& thing = slice.things->all[i];
+    const Placed& placed = slice.placement->things[i];
+    const VF entry = Enter(thing, thing.size, Load3(placed.o), Rotate(placed.R, d_C), unused);
+    veiled = hn::Or(veiled, hn::Lt(entry, t));
+  }
+  return veiled;
 }
 
 struct Picture {
@@ -78,22 +94,35 @@ struct Picture {
   VI code;
 };
 
+// What is in front of itself shows by a leap of the distance.
+HWY_INLINE VI Leap(VF t, MF wanted) {
+  const VF octave = hn::Mul(F(4), Log2(hn::IfThenElse(wanted, t, F(1))));
+  return hn::ShiftLeft<9>(hn::And(hn::ConvertTo(di, hn::Floor(octave)), hn::Set(di, 255)));
+}
+
 // Shades what is opaque, or the sky (index -1).
 HWY_INLINE void ShadeHit(const Slice& slice, int index, const Rays& rays, VF t, const TriangleHits& triangles,
                          MF wanted, Surface& surface) {
   if (index < 0) return ShadeSky(slice, rays, wanted, surface);
   Shade(slice, index, rays, t, triangles, wanted, surface);
-  if (slice.things->all[index].triangles) {
-    // What is in front of itself shows by a leap of the distance.
-    const VF octave = hn::Mul(F(4), Log2(hn::IfThenElse(wanted, t, F(1))));
-    const VI leap = hn::And(hn::ConvertTo(di, hn::Floor(octave)), hn::Set(di, 255));
-    surface.side = hn::Or(surface.side, hn::ShiftLeft<9>(leap));
-  }
+  if (slice.things->all[index].triangles) surface.side = hn::Or(surface.side, Leap(t, wanted));
 }
 
-HWY_INLINE VI CodeOf(const Surface& surface, int index) {
-  return hn::Add(hn::ShiftLeft<12>(surface.side), hn::Set(di, index + 1));
+HWY_INLINE VI SideOf(const Slice& slice, int index, const Vec3& d_C, VF t, const TriangleHits& triangles,
+                     MF wanted) {
+  const Thing& thing = slice.things->all[index];
+  if (thing.type == mjGEOM_PLANE || thing.type == mjGEOM_SPHERE || thing.type == mjGEOM_ELLIPSOID ||
+      thing.type == mjGEOM_CAPSULE)
+    return hn::Zero(di);
+  const Placed& placed = slice.placement->things[index];
+  const VF far = hn::IfThenElse(wanted, t, F(1));
+  Vec3 normal;
+  VI side;
+  NormalOf(thing, Along(Load3(placed.o), far, Rotate(placed.R, d_C)), triangles, wanted, normal, side);
+  return thing.triangles ? hn::Or(side, Leap(far, wanted)) : side;
 }
+
+HWY_INLINE VI CodeOf(VI side, int index) { return hn::Add(hn::ShiftLeft<12>(side), hn::Set(di, index + 1)); }
 
 // Colours of a packet: what is opaque, the sky behind, haze, what is transparent.
 HWY_NOINLINE Picture Look(const Slice& slice, const Seen& seen, const Rays& rays, const Hit& hit,
@@ -112,14 +141,18 @@ HWY_NOINLINE Picture Look(const Slice& slice, const Seen& seen, const Rays& rays
     picture.colour = {hn::IfThenElse(here, c.r, picture.colour.r),
                       hn::IfThenElse(here, c.g, picture.colour.g),
                       hn::IfThenElse(here, c.b, picture.colour.b)};
-    picture.code = hn::IfThenElse(hn::RebindMask(di, here), CodeOf(surface, i), picture.code);
+    picture.code = hn::IfThenElse(hn::RebindMask(di, here), CodeOf(surface.side, i), picture.code);
   }
   if (slice.things->haze.thing >= 0) picture.colour = Hazed(slice, rays, hit.t, picture.colour);
 
   // As MuJoCo draws them: all from front to back, then all from back to front.
-  const int layers = static_cast<int>(seen.transparent.size());
-  for (int k = 0; k < 2 * layers; ++k) {
-    const int i = seen.transparent[k < layers ? k : 2 * layers - 1 - k];
+  struct Layer {
+    alignas(64) float r[kLanes], g[kLanes], b[kLanes], alpha[kLanes];
+  };
+  static thread_local std::vector<Layer> kept;
+  std::vector<Layer>& layers = kept;
+  layers.clear();
+  for (const int i : seen.transparent) {
     const Thing& thing = slice.things->all[i];
     const Placed& placed = slice.placement->things[i];
     TriangleHits own;
@@ -127,9 +160,18 @@ HWY_NOINLINE Picture Look(const Slice& slice, const Seen& seen, const Rays& rays
     const MF here = hn::And(wanted, hn::Lt(t, hit.t));
     if (hn::AllFalse(df, here)) continue;
     Shade(slice, i, rays, t, own, here, surface);
-    picture.colour = Over(Finish(surface), F(placed.alpha), picture.colour, here);
-    const VI mark = hn::Set(di, static_cast<std::int32_t>((i + 1) * 0x9e3779b1u & 0x0fffffff));
+    const Colours c = Finish(surface);
+    Layer& layer = layers.emplace_back();
+    hn::Store(c.r, df, layer.r), hn::Store(c.g, df, layer.g), hn::Store(c.b, df, layer.b);
+    hn::Store(hn::IfThenElseZero(here, F(placed.alpha)), df, layer.alpha);
+    const VI mark = hn::Set(di, static_cast<std::int32_t>(2 * ((i + 1) * 0x9e3779b1u & 0x0fffffff)));
     picture.code = hn::Add(picture.code, hn::IfThenElseZero(hn::RebindMask(di, here), mark));
+  }
+  const std::size_t count = layers.size();
+  for (std::size_t k = 0; k < 2 * count; ++k) {
+    const Layer& l = layers[k < count ? k : 2 * count - 1 - k];
+    const Colours c{hn::Load(df, l.r), hn::Load(df, l.g), hn::Load(df, l.b)};
+    picture.colour = Over(c, hn::Load(df, l.alpha), picture.colour, wanted);
   }
   picture.code = hn::And(picture.code, hn::Set(di, 0x3fffffff));
   return picture;
@@ -264,13 +306,14 @@ void DrawRowsImpl(const Slice& slice, int begin, int end, const Canvas& canvas) 
         const int first = index[hn::FindFirstTrue(df, inside)];
         const bool alone = hn::AllTrue(
             df, hn::Or(hn::RebindMask(df, hn::Eq(hit.thing, hn::Set(di, first))), hn::Not(inside)));
-        if (alone && here.transparent.empty() && slice.things->haze.thing < 0) {
+        if (alone && slice.things->haze.thing < 0 &&
+            hn::AllFalse(df, hn::And(inside, Veiled(slice, here, rays.d, hit.t)))) {
           Job& job = jobs[planned++];
           ShadeHit(slice, first, rays, hit.t, triangles, inside, job.surface);
           job.inside = inside;
           job.to = row + 3 * k;
           job.pixels = pixels;
-          code = hn::And(CodeOf(job.surface, first), hn::Set(di, 0x3fffffff));
+          code = hn::And(CodeOf(job.surface.side, first), hn::Set(di, 0x3fffffff));
         } else {
           const Picture picture = Look(slice, here, rays, hit, triangles, inside);
           StorePixels(picture.colour, inside, pixels, row + 3 * k);
@@ -299,109 +342,179 @@ void DrawRowsImpl(const Slice& slice, int begin, int end, const Canvas& canvas) 
   }
 }
 
-// Eight places in a pixel, each in a column and a row of its own.
+// Eight places in a pixel, each in a column and a row of its own, the nearest to the middle first.
 constexpr int kSubpixels = 8;
-alignas(64) constexpr float kAcross[2 * kSubpixels] = {
-    1 / 16.f, -1 / 16.f, 5 / 16.f, -3 / 16.f, -5 / 16.f, -7 / 16.f, 3 / 16.f, 7 / 16.f,
-    1 / 16.f, -1 / 16.f, 5 / 16.f, -3 / 16.f, -5 / 16.f, -7 / 16.f, 3 / 16.f, 7 / 16.f};
-alignas(64) constexpr float kDown[2 * kSubpixels] = {
-    -3 / 16.f, 3 / 16.f, 1 / 16.f, -5 / 16.f, 5 / 16.f, -1 / 16.f, 7 / 16.f, -7 / 16.f,
-    -3 / 16.f, 3 / 16.f, 1 / 16.f, -5 / 16.f, 5 / 16.f, -1 / 16.f, 7 / 16.f, -7 / 16.f};
-constexpr int kPixelsTogether = std::max(1, kLanes / kSubpixels);
+constexpr float kAcross[kSubpixels] = {1 / 16.f,  -1 / 16.f, 5 / 16.f, -3 / 16.f,
+                                       -5 / 16.f, -7 / 16.f, 3 / 16.f, 7 / 16.f};
+constexpr float kDown[kSubpixels] = {-3 / 16.f, 3 / 16.f,  1 / 16.f, -5 / 16.f,
+                                     5 / 16.f,  -1 / 16.f, 7 / 16.f, -7 / 16.f};
 
-// So many pixels of one tile; the places of those that are missing are given twice.
-void SmoothPixels(const Slice& slice, const Seen& seen, const std::ptrdiff_t* at, std::uint8_t* const* bgr) {
-  const Lens& lens = *slice.lens;
-  // Of one component of the rays: this pixel's own, and the steps to its neighbours.
-  const auto gather = [&](const Aligned<float>& of, VF& middle, VF& across, VF& down) {
-    alignas(64) float m[kLanes], a[kLanes], d[kLanes];
-    for (int i = 0; i < kLanes; ++i) {
-      const std::ptrdiff_t pixel = at[i / kSubpixels];
-      m[i] = of[pixel], a[i] = of[pixel + 1] - m[i], d[i] = of[pixel + lens.stride] - m[i];
-    }
-    middle = hn::Load(df, m), across = hn::Load(df, a), down = hn::Load(df, d);
-  };
-  Vec3 middle, across, down;
-  gather(lens.x, middle.x, across.x, down.x);
-  gather(lens.y, middle.y, across.y, down.y);
-  gather(lens.z, middle.z, across.z, down.z);
-  float sum[kPixelsTogether][3] = {};
-  for (int k = 0; k < kSubpixels; k += kLanes) {
-    Rays rays;
-    rays.d = Along(Along(middle, hn::Load(df, kAcross + k), across), hn::Load(df, kDown + k), down);
-    rays.du = Scale(across, F(0.5f));
-    rays.dv = Scale(down, F(0.5f));
+// Up to kLanes pixels of one tile, a lane each. `wanted`: the lanes in use.
+struct EdgePixels {
+  Vec3 middle, across, down;  // the rays of the pixels, and the steps to the neighbours'
+  MF wanted;
+
+  Rays At(int k) const {
+    return {Along(Along(middle, F(kAcross[k]), across), F(kDown[k]), down), across, down};
+  }
+};
+
+HWY_INLINE void Add(const Colours& c, VF weight, Colours& sum) {
+  sum = {hn::MulAdd(c.r, weight, sum.r), hn::MulAdd(c.g, weight, sum.g), hn::MulAdd(c.b, weight, sum.b)};
+}
+
+// Each ray with a colour of its own.
+void MeanOfAll(const Slice& slice, const Seen& seen, const EdgePixels& pixels, Colours& sum) {
+  sum = {hn::Zero(df), hn::Zero(df), hn::Zero(df)};
+  for (int k = 0; k < kSubpixels; ++k) {
+    Rays rays = pixels.At(k);
+    rays.du = Scale(rays.du, F(0.5f)), rays.dv = Scale(rays.dv, F(0.5f));
     TriangleHits triangles;
     Hit hit = Trace(slice, seen, rays.d, triangles);
     EndPlane(slice, rays.d, hit);
-    const Colours c = Look(slice, seen, rays, hit, triangles, hn::Eq(middle.x, middle.x)).colour;
-    alignas(64) float channel[3][kLanes];
-    hn::Store(c.b, df, channel[0]), hn::Store(c.g, df, channel[1]), hn::Store(c.r, df, channel[2]);
-    for (int i = 0; i < kLanes; ++i)
-      for (int j = 0; j < 3; ++j) sum[i / kSubpixels][j] += channel[j][i];
+    Add(Look(slice, seen, rays, hit, triangles, pixels.wanted).colour, F(1.0f / kSubpixels), sum);
   }
-  for (int i = 0; i < kPixelsTogether; ++i)
-    for (int j = 0; j < 3; ++j) bgr[i][j] = static_cast<std::uint8_t>(std::lround(sum[i][j] / kSubpixels));
 }
 
-void SmoothRowImpl(const Slice& slice, int v, const Canvas& canvas) {
+// One colour for each side of each thing in a pixel, where it shows nearest to the middle, by how many of the
+// rays meet it. Not where something transparent is before it.
+bool MeanBySides(const Slice& slice, const Seen& seen, const EdgePixels& pixels, Colours& sum) {
+  Hit hits[kSubpixels];
+  TriangleHits triangles[kSubpixels];
+  VI code[kSubpixels];
+  for (int k = 0; k < kSubpixels; ++k) {
+    const Vec3 d = pixels.At(k).d;
+    hits[k] = Trace(slice, seen, d, triangles[k]);
+    if (!hn::AllFalse(df, hn::And(pixels.wanted, Veiled(slice, seen, d, hits[k].t)))) return false;
+    alignas(64) std::int32_t index[kLanes];
+    hn::Store(hits[k].thing, di, index);
+    code[k] = hn::Zero(di);
+    for (MF left = pixels.wanted; !hn::AllFalse(df, left);) {
+      const int i = index[hn::FindFirstTrue(df, left)];
+      const MF here = hn::And(left, hn::RebindMask(df, hn::Eq(hits[k].thing, hn::Set(di, i))));
+      left = hn::AndNot(here, left);
+      const VI side = i < 0 ? hn::Zero(di) : SideOf(slice, i, d, hits[k].t, triangles[k], here);
+      code[k] = hn::IfThenElse(hn::RebindMask(di, here), CodeOf(side, i), code[k]);
+    }
+  }
+  sum = {hn::Zero(df), hn::Zero(df), hn::Zero(df)};
+  for (int first = 0; first < kSubpixels; ++first) {
+    // Codes that are done are set to -1.
+    alignas(64) std::int32_t codes[kLanes], index[kLanes];
+    hn::Store(hits[first].thing, di, index);
+    for (;;) {
+      const MF left = hn::And(pixels.wanted, hn::RebindMask(df, hn::Ne(code[first], hn::Set(di, -1))));
+      if (hn::AllFalse(df, left)) break;
+      hn::Store(code[first], di, codes);
+      const auto lane = hn::FindFirstTrue(df, left);
+      const VI one = hn::Set(di, codes[lane]);
+      VF t = F(1), weight = hn::Zero(df);
+      Rays rays = pixels.At(first);
+      TriangleHits met = triangles[first];
+      MF here = hn::Lt(F(1), F(0));
+      for (int k = first; k < kSubpixels; ++k) {
+        const auto same = hn::Eq(code[k], one);
+        const MF same_f = hn::RebindMask(df, same), fresh = hn::AndNot(here, same_f);
+        code[k] = hn::IfThenElse(same, hn::Set(di, -1), code[k]);
+        weight = hn::Add(weight, hn::IfThenElseZero(same_f, F(1.0f / kSubpixels)));
+        if (hn::AllFalse(df, fresh)) continue;
+        here = hn::Or(here, fresh);
+        const Vec3 d = pixels.At(k).d;
+        t = hn::IfThenElse(fresh, hits[k].t, t);
+        rays.d = {hn::IfThenElse(fresh, d.x, rays.d.x), hn::IfThenElse(fresh, d.y, rays.d.y),
+                  hn::IfThenElse(fresh, d.z, rays.d.z)};
+        if (k > first && index[lane] >= 0 && slice.things->all[index[lane]].triangles)
+          Keep(fresh, triangles[k], met);
+      }
+      Surface surface;
+      ShadeHit(slice, index[lane], rays, t, met, here, surface);
+      Add(Finish(surface), weight, sum);
+    }
+  }
+  return true;
+}
+
+void SmoothRowsImpl(const Slice& slice, int begin, int end, const Canvas& canvas) {
   const Lens& lens = *slice.lens;
-  const std::uint32_t* row = canvas.code + static_cast<std::ptrdiff_t>(v) * lens.stride;
-  const std::uint32_t* above = v > 0 ? row - lens.stride : row;
-  const std::uint32_t* below = v + 1 < lens.height ? row + lens.stride : row;
-  static thread_local Seen kept;
-  Seen& seen = kept;
   const auto load = [&](const std::uint32_t* p) {
     return hn::LoadU(di, reinterpret_cast<const std::int32_t*>(p));
   };
   const VI outside = hn::Set(di, static_cast<std::int32_t>(kOutside));
-  const std::uint32_t* common = canvas.common + static_cast<std::ptrdiff_t>(v) * lens.tiles_x;
+  static thread_local Seen kept;
+  Seen& seen = kept;
   for (int column = 0; column < lens.tiles_x; ++column) {
     const int left = column * Lens::kTile, right = left + Lens::kTile;
-    const std::uint32_t one = common[column];
-    if (one < kAlwaysSmooth && above[left] == one && below[left] == one &&
-        (v == 0 || common[column - lens.tiles_x] == one) &&
-        (v + 1 == lens.height || common[column + lens.tiles_x] == one) &&
-        (left == 0 || row[left - 1] == one) && (right >= lens.width || row[right] == one)) {
-      continue;
-    }
-    std::ptrdiff_t found[Lens::kTile + kPixelsTogether];
-    std::uint8_t* to[Lens::kTile + kPixelsTogether];
+    struct Place {
+      int u, v;
+    };
+    Place found[Lens::kTile * Lens::kTile];
     int edges = 0;
-    for (int k = 0; k < Lens::kTile; k += kLanes) {
-      const int u = column * Lens::kTile + k;
-      if (u >= lens.width) break;
-      const VI coded = load(row + u);
-      const VI own = hn::And(coded, outside);  // without the top bit
-      const auto differs = [&](const std::uint32_t* other) {
-        const VI o = hn::And(load(other), outside);
-        return hn::And(hn::Ne(own, o), hn::Ne(o, outside));
-      };
-      // Left of the first pixel and right of the last there is no neighbour: compare the row with itself.
-      auto edge = hn::Or(hn::Or(differs(above + u), differs(below + u)),
-                         hn::Or(differs(row + (u > 0 ? u - 1 : u)), differs(row + u + 1)));
-      if (u == 0) {
-        alignas(64) std::uint32_t shifted[kLanes];
-        shifted[0] = row[0];
-        for (int i = 1; i < kLanes; ++i) shifted[i] = row[i - 1];
-        edge = hn::Or(edge, differs(shifted));
+    for (int v = begin; v < end; ++v) {
+      const std::uint32_t* row = canvas.code + static_cast<std::ptrdiff_t>(v) * lens.stride;
+      const std::uint32_t* above = v > 0 ? row - lens.stride : row;
+      const std::uint32_t* below = v + 1 < lens.height ? row + lens.stride : row;
+      const std::uint32_t* common = canvas.common + static_cast<std::ptrdiff_t>(v) * lens.tiles_x + column;
+      const std::uint32_t one = *common;
+      if (one < kAlwaysSmooth && above[left] == one && below[left] == one &&
+          (v == 0 || common[-lens.tiles_x] == one) && (v + 1 == lens.height || common[lens.tiles_x] == one) &&
+          (left == 0 || row[left - 1] == one) && (right >= lens.width || row[right] == one)) {
+        continue;
       }
-      edge = hn::Or(edge, hn::Lt(coded, hn::Zero(di)));
-      edge = hn::And(edge, hn::Ne(own, outside));
-      for (std::uint32_t bits = BitsOf(hn::RebindMask(df, edge)); bits != 0; bits &= bits - 1) {
-        const int at = u + std::countr_zero(bits);
-        if (at >= lens.width) break;
-        found[edges] = static_cast<std::ptrdiff_t>(v) * lens.stride + at;
-        to[edges++] = canvas.bgr + v * canvas.step + 3 * static_cast<std::size_t>(at);
+      for (int u = left; u < std::min(right, lens.width); u += kLanes) {
+        const VI coded = load(row + u);
+        const VI own = hn::And(coded, outside);  // without the top bit
+        const auto differs = [&](const std::uint32_t* other) {
+          const VI o = hn::And(load(other), outside);
+          return hn::And(hn::Ne(own, o), hn::Ne(o, outside));
+        };
+        // Left of the first pixel and right of the last there is no neighbour: compare the row with itself.
+        auto edge = hn::Or(hn::Or(differs(above + u), differs(below + u)),
+                           hn::Or(differs(row + (u > 0 ? u - 1 : u)), differs(row + u + 1)));
+        if (u == 0) {
+          alignas(64) std::uint32_t shifted[kLanes];
+          shifted[0] = row[0];
+          for (int i = 1; i < kLanes; ++i) shifted[i] = row[i - 1];
+          edge = hn::Or(edge, differs(shifted));
+        }
+        edge = hn::Or(edge, hn::Lt(coded, hn::Zero(di)));
+        edge = hn::And(edge, hn::Ne(own, outside));
+        for (std::uint32_t bits = BitsOf(hn::RebindMask(df, edge)); bits != 0; bits &= bits - 1) {
+          const int at = u + std::countr_zero(bits);
+          if (at < lens.width) found[edges++] = {at, v};
+        }
       }
     }
     if (edges == 0) continue;
     ListSeen(slice, column, seen);
-    for (int i = edges; i % kPixelsTogether != 0; ++i) {
-      found[i] = found[edges - 1];
-      to[i] = to[edges - 1];
+    const bool simple = !slice.shadows && slice.things->haze.thing < 0;
+    for (int from = 0; from < edges; from += kLanes) {
+      const int count = std::min(kLanes, edges - from);
+      EdgePixels pixels;
+      const auto gather = [&](const Aligned<float>& of, VF& middle, VF& across, VF& down) {
+        alignas(64) float m[kLanes], a[kLanes], d[kLanes];
+        for (int i = 0; i < kLanes; ++i) {
+          const Place& place = found[from + std::min(i, count - 1)];
+          const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(place.v) * lens.stride + place.u;
+          m[i] = of[at], a[i] = of[at + 1] - m[i], d[i] = of[at + lens.stride] - m[i];
+        }
+        middle = hn::Load(df, m), across = hn::Load(df, a), down = hn::Load(df, d);
+      };
+      gather(lens.x, pixels.middle.x, pixels.across.x, pixels.down.x);
+      gather(lens.y, pixels.middle.y, pixels.across.y, pixels.down.y);
+      gather(lens.z, pixels.middle.z, pixels.across.z, pixels.down.z);
+      pixels.wanted = hn::FirstN(df, static_cast<std::size_t>(count));
+      Colours mean;
+      if (!simple || !MeanBySides(slice, seen, pixels, mean)) MeanOfAll(slice, seen, pixels, mean);
+      alignas(64) std::int32_t channel[3][kLanes];
+      hn::Store(Rounded(mean.b), di, channel[0]);
+      hn::Store(Rounded(mean.g), di, channel[1]);
+      hn::Store(Rounded(mean.r), di, channel[2]);
+      for (int i = 0; i < count; ++i) {
+        const Place& place = found[from + i];
+        std::uint8_t* const bgr = canvas.bgr + place.v * canvas.step + 3 * static_cast<std::size_t>(place.u);
+        for (int j = 0; j < 3; ++j) bgr[j] = static_cast<std::uint8_t>(channel[j][i]);
+      }
     }
-    for (int i = 0; i < edges; i += kPixelsTogether) SmoothPixels(slice, seen, found + i, to + i);
   }
 }
 
@@ -444,7 +557,7 @@ namespace kestrel::ray {
 HWY_EXPORT(Name);
 HWY_EXPORT(CullImpl);
 HWY_EXPORT(DrawRowsImpl);
-HWY_EXPORT(SmoothRowImpl);
+HWY_EXPORT(SmoothRowsImpl);
 HWY_EXPORT(SeeRowsImpl);
 
 const char* InstructionSet() { return HWY_DYNAMIC_DISPATCH(Name)(); }
@@ -452,8 +565,8 @@ void Cull(const Slice& slice, int tile_row) { HWY_DYNAMIC_DISPATCH(CullImpl)(sli
 void DrawRows(const Slice& slice, int begin, int end, const Canvas& canvas) {
   HWY_DYNAMIC_DISPATCH(DrawRowsImpl)(slice, begin, end, canvas);
 }
-void SmoothRow(const Slice& slice, int row, const Canvas& canvas) {
-  HWY_DYNAMIC_DISPATCH(SmoothRowImpl)(slice, row, canvas);
+void SmoothRows(const Slice& slice, int begin, int end, const Canvas& canvas) {
+  HWY_DYNAMIC_DISPATCH(SmoothRowsImpl)(slice, begin, end, canvas);
 }
 void SeeRows(const Slice& slice, int begin, int end, float* depth_m, std::int32_t* geom, std::size_t stride) {
   HWY_DYNAMIC_DISPATCH(SeeRowsImpl)(slice, begin, end, depth_m, geom, stride);

@@ -39,8 +39,9 @@ inline int SeenWords(const Things& things) { return static_cast<int>((things.all
 void Cull(const Slice& slice, int tile_row);
 // Draws the rows [begin, end) of one row of tiles, a ray to a pixel.
 void DrawRows(const Slice& slice, int begin, int end, const Canvas& canvas);
-// Draws the pixels at edges again, 8 rays to each. All rows of the canvas are drawn.
-void SmoothRow(const Slice& slice, int row, const Canvas& canvas);
+// Draws the pixels at edges in the rows [begin, end) of one row of tiles again, 8 rays to each. All rows of
+// the canvas are drawn.
+void SmoothRows(const Slice& slice, int begin, int end, const Canvas& canvas);
 // Distance along the ray and id of the geom of each pixel of the rows [begin, end), of what is opaque.
 void SeeRows(const Slice& slice, int begin, int end, float* depth_m, std::int32_t* geom, std::size_t stride);
 
