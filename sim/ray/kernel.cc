@@ -359,6 +359,10 @@ struct EdgePixels {
   }
 };
 
+HWY_INLINE Vec3 Either(MF where, const Vec3& a, const Vec3& b) {
+  return {hn::IfThenElse(where, a.x, b.x), hn::IfThenElse(where, a.y, b.y), hn::IfThenElse(where, a.z, b.z)};
+}
+
 HWY_INLINE void Add(const Colours& c, VF weight, Colours& sum) {
   sum = {hn::MulAdd(c.r, weight, sum.r), hn::MulAdd(c.g, weight, sum.g), hn::MulAdd(c.b, weight, sum.b)};
 }
@@ -376,8 +380,8 @@ void MeanOfAll(const Slice& slice, const Seen& seen, const EdgePixels& pixels, C
   }
 }
 
-// One colour for each side of each thing in a pixel, where it shows nearest to the middle, by how many of the
-// rays meet it. Not where something transparent is before it.
+// One colour for each side of each thing in a pixel, by how many of the rays meet it. False: something
+// transparent is before them.
 bool MeanBySides(const Slice& slice, const Seen& seen, const EdgePixels& pixels, Colours& sum) {
   Hit hits[kSubpixels];
   TriangleHits triangles[kSubpixels];
@@ -408,23 +412,39 @@ bool MeanBySides(const Slice& slice, const Seen& seen, const EdgePixels& pixels,
       hn::Store(code[first], di, codes);
       const auto lane = hn::FindFirstTrue(df, left);
       const VI one = hn::Set(di, codes[lane]);
+      const bool triangular = index[lane] >= 0 && slice.things->all[index[lane]].triangles;
       VF t = F(1), weight = hn::Zero(df);
       Rays rays = pixels.At(first);
+      rays.du = Scale(rays.du, F(0.5f)), rays.dv = Scale(rays.dv, F(0.5f));
       TriangleHits met = triangles[first];
+      Vec3 middle{hn::Zero(df), hn::Zero(df), hn::Zero(df)};
       MF here = hn::Lt(F(1), F(0));
       for (int k = first; k < kSubpixels; ++k) {
         const auto same = hn::Eq(code[k], one);
         const MF same_f = hn::RebindMask(df, same), fresh = hn::AndNot(here, same_f);
         code[k] = hn::IfThenElse(same, hn::Set(di, -1), code[k]);
-        weight = hn::Add(weight, hn::IfThenElseZero(same_f, F(1.0f / kSubpixels)));
+        const VF share = hn::IfThenElseZero(same_f, F(1.0f / kSubpixels));
+        weight = hn::Add(weight, share);
+        const Vec3 d = pixels.At(k).d;
+        middle = Along(middle, share, d);
         if (hn::AllFalse(df, fresh)) continue;
         here = hn::Or(here, fresh);
-        const Vec3 d = pixels.At(k).d;
         t = hn::IfThenElse(fresh, hits[k].t, t);
-        rays.d = {hn::IfThenElse(fresh, d.x, rays.d.x), hn::IfThenElse(fresh, d.y, rays.d.y),
-                  hn::IfThenElse(fresh, d.z, rays.d.z)};
-        if (k > first && index[lane] >= 0 && slice.things->all[index[lane]].triangles)
-          Keep(fresh, triangles[k], met);
+        rays.d = Either(fresh, d, rays.d);
+        if (k > first && triangular) Keep(fresh, triangles[k], met);
+      }
+      if (!triangular) {
+        // In the middle of the rays that meet it, unless it bends away from there.
+        middle = Scale(middle, hn::Div(F(1), hn::Max(weight, F(1.0f / kSubpixels))));
+        VF t_middle = F(1);
+        if (index[lane] >= 0) {
+          const Thing& thing = slice.things->all[index[lane]];
+          const Placed& placed = slice.placement->things[index[lane]];
+          t_middle = Enter(thing, thing.size, Load3(placed.o), Rotate(placed.R, middle), met);
+        }
+        const MF meets = hn::Lt(t_middle, F(kFar));
+        rays.d = Either(meets, middle, rays.d);
+        t = hn::IfThenElse(meets, t_middle, t);
       }
       Surface surface;
       ShadeHit(slice, index[lane], rays, t, met, here, surface);
