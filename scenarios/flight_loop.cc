@@ -6,6 +6,8 @@
 #include <chrono>
 #include <cmath>
 
+#include "sim/stopwatch.h"
+
 namespace kestrel {
 namespace {
 
@@ -47,8 +49,7 @@ std::string Fly(Camera& camera, Autopilot& autopilot, Mission& mission,
     Check(state, *frame);
     const auto start = std::chrono::steady_clock::now();
     Decision decision = mission.Step(*frame, state);
-    decision.control_s =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() - decision.vision_s;
+    decision.control_s = SecondsSince(start) - decision.vision_s;
     Check(decision, frame->t_s);
     if (decision.setpoint) autopilot.Send(*decision.setpoint);
     if (!record(*frame, state, decision)) break;

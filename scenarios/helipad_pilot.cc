@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "geometry/tait_bryan.h"
+#include "sim/stopwatch.h"
 
 namespace kestrel {
 namespace {
@@ -19,10 +20,6 @@ constexpr double kWaypointReached_m = 1.0;
 constexpr double kLegOverlap = 0.7;  // of the field of view, between neighbouring legs of the search
 
 constexpr double kMostField_deg = 100;  // of the virtual camera: about as many pixels as a fisheye has
-
-double SecondsSince(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 bool SamePixels(const cv::Mat& a, const cv::Mat& b) {
   if (a.size() != b.size() || a.type() != b.type()) return false;

@@ -80,7 +80,9 @@ void RenderBoardCommand(const RenderBoardArguments& a) {
   }
   BoardStudio studio(board, camera, {.blur_px = a.blur_px, .noise_grey = a.noise_grey, .backend = a.backend});
   fs::create_directories(folder);
-  WritePng(folder / "board.png", DrawBoard(board).grey);
+  // In a folder of its own, so that all pictures of this one are the camera's.
+  fs::create_directories(folder / "to_print");
+  WritePng(folder / "to_print" / "board.png", DrawBoard(board).grey);
   WriteFile(folder / "board.yaml", ToKalibr(board));
   std::string truth = fmt::format(
       "# The camera `{}` that drew these images, as Kalibr's camchain, and the poses of the {}\n"

@@ -22,8 +22,8 @@ struct RenderBoardArguments {
 
 CLI::App* AddRenderBoardCommand(CLI::App& app, RenderBoardArguments& arguments);
 
-// Writes to the folder: image_000.png and so on; board.png, the board's picture, and board.yaml, Kalibr's
-// target file of it; truth.yaml, the camera as Kalibr's camchain with the poses of the board. Throws
+// Writes to the folder: image_000.png and so on; to_print/board.png, the board's picture, and board.yaml,
+// Kalibr's target file of it; truth.yaml, the camera as Kalibr's camchain with the poses of the board. Throws
 // InputError with every mistake.
 void RenderBoardCommand(const RenderBoardArguments& arguments);
 

@@ -12,13 +12,10 @@
 #include "scenarios/flight_loop.h"
 #include "scenarios/metrics.h"
 #include "scenarios/recorder.h"
+#include "sim/stopwatch.h"
 
 namespace kestrel {
 namespace {
-
-double SecondsSince(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 StageTime Statistics(std::vector<double> seconds) {
   if (seconds.empty()) return {};

@@ -14,16 +14,13 @@
 
 #include "geometry/tait_bryan.h"
 #include "sim/frames.h"
+#include "sim/stopwatch.h"
 
 namespace kestrel {
 namespace {
 
 constexpr double kAirborne_m = 0.3;
 constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();  // a step
-
-double SecondsSince(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 SceneParameters WithOccluder(SceneParameters scene, const OcclusionParameters& occlusion) {
   scene.occluder = occlusion.share > 0;

@@ -5,14 +5,10 @@
 #include <chrono>
 #include <utility>
 
+#include "sim/stopwatch.h"
+
 namespace kestrel {
-namespace {
-
-double SecondsSince(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-}  // namespace
+namespace {}  // namespace
 
 Studio::Studio(const mjModel* model, const CameraModel& camera, const RenderOptions& render,
                const ImageParameters& image, const Pose& X_BC, const Vibration& vibration, std::uint64_t seed)

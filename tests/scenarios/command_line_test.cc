@@ -15,6 +15,8 @@
 #include <sstream>
 #include <thread>
 
+#include "tests/scenarios/temporary_folder.h"
+
 namespace kestrel {
 namespace {
 
@@ -37,15 +39,8 @@ std::string Content(const fs::path& file) {
 }
 
 // Runs the program in a folder of its own.
-class CommandLineTest : public ::testing::Test {
+class CommandLineTest : public InTemporaryFolder {
  protected:
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "kestrel_XXXXXX").string();
-    ASSERT_TRUE(mkdtemp(name.data()));
-    folder_ = name;
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
   Ended Kestrel(const std::string& arguments, const std::string& environment = "") const {
     const std::string command =
         fmt::format("cd {0} && {1} " KESTREL_PROGRAM " {2} >{0}/out.txt 2>{0}/err.txt", folder_.string(),
@@ -58,8 +53,6 @@ class CommandLineTest : public ::testing::Test {
     std::ofstream(folder_ / name) << text;
     return (folder_ / name).string();
   }
-
-  fs::path folder_;
 };
 
 constexpr char kShort[] = "run pose --no-video --set duration_s=0.5 --set start.settle_s=1 ";

@@ -9,22 +9,14 @@
 #include <vector>
 
 #include "geometry/tait_bryan.h"
+#include "tests/scenarios/temporary_folder.h"
 
 namespace kestrel {
 namespace {
 
-class PlotsTest : public ::testing::Test {
+class PlotsTest : public InTemporaryFolder {
  protected:
-  void SetUp() override {
-    std::string name = (std::filesystem::temp_directory_path() / "kestrel_XXXXXX").string();
-    ASSERT_TRUE(mkdtemp(name.data()));
-    folder_ = name;
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
   cv::Mat Picture(const char* name) const { return cv::imread((folder_ / name).string()); }
-
-  std::filesystem::path folder_;
 };
 
 const cv::Rect kTopPanel(110, 115, 1050, 265), kMiddlePanel(110, 435, 1050, 265),

@@ -17,6 +17,7 @@
 #include "scenarios/recorder.h"
 #include "scenarios/summary.h"
 #include "scenarios/video.h"
+#include "tests/scenarios/temporary_folder.h"
 
 namespace kestrel {
 namespace {
@@ -28,15 +29,8 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::UnorderedElementsAre;
 
-class Folder : public ::testing::Test {
+class Folder : public InTemporaryFolder {
  protected:
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "kestrel_XXXXXX").string();
-    ASSERT_TRUE(mkdtemp(name.data()));
-    folder_ = name;
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
   std::vector<std::string> Files() const {
     std::vector<std::string> files;
     for (const auto& each : fs::recursive_directory_iterator(folder_)) {
@@ -44,8 +38,6 @@ class Folder : public ::testing::Test {
     }
     return files;
   }
-
-  fs::path folder_;
 };
 
 using PartFileTest = Folder;

@@ -12,6 +12,7 @@
 #include "scenarios/metrics.h"
 #include "scenarios/recorder.h"
 #include "scenarios/summary.h"
+#include "tests/scenarios/temporary_folder.h"
 
 namespace kestrel {
 namespace {
@@ -19,16 +20,8 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 
-class RunnerTest : public ::testing::Test {
+class RunnerTest : public InTemporaryFolder {
  protected:
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "kestrel_XXXXXX").string();
-    ASSERT_TRUE(mkdtemp(name.data()));
-    folder_ = name;
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  fs::path folder_;
 };
 
 LoadedScenario Short(const std::vector<std::string>& more = {}) {

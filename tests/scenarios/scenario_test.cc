@@ -12,6 +12,7 @@
 #include <sstream>
 
 #include "scenarios/metrics.h"
+#include "tests/scenarios/temporary_folder.h"
 
 namespace kestrel {
 namespace {
@@ -25,16 +26,11 @@ using ::testing::IsEmpty;
 using ::testing::StartsWith;
 
 // A folder for files of scenarios and, where a test asks for it, a copy of the models that it may break.
-class ScenarioTest : public ::testing::Test {
+class ScenarioTest : public InTemporaryFolder {
  protected:
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "kestrel_XXXXXX").string();
-    ASSERT_TRUE(mkdtemp(name.data()));
-    folder_ = name;
-  }
   void TearDown() override {
     unsetenv("KESTREL_ROOT");
-    fs::remove_all(folder_);
+    InTemporaryFolder::TearDown();
   }
   std::string Write(const fs::path& file, const std::string& text) const {
     fs::create_directories((folder_ / file).parent_path());
@@ -54,8 +50,6 @@ class ScenarioTest : public ::testing::Test {
     ASSERT_NE(at, std::string::npos) << what;
     Write(file, text.replace(at, what.size(), with));
   }
-
-  fs::path folder_;
 };
 
 std::vector<std::string> Refusal(const std::string& name_or_file,

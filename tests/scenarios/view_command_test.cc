@@ -14,6 +14,7 @@
 #include "geometry/tait_bryan.h"
 #include "scenarios/video.h"
 #include "scenarios/video_reader.h"
+#include "tests/scenarios/temporary_folder.h"
 #include "vision/views.h"
 
 namespace kestrel {
@@ -25,12 +26,10 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 // A folder with a camera, an image and a video of it.
-class ViewCommandTest : public ::testing::Test {
+class ViewCommandTest : public InTemporaryFolder {
  protected:
   void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "kestrel_XXXXXX").string();
-    ASSERT_TRUE(mkdtemp(name.data()));
-    folder_ = name;
+    InTemporaryFolder::SetUp();
     std::ofstream(File("camera.yaml")) << "model: kannala_brandt\nwidth_px: 320\nheight_px: 240\n"
                                           "fx_px: 120\nfy_px: 120\ncx_px: 159.5\ncy_px: 119.5\n"
                                           "field_deg: 190\n";
@@ -44,7 +43,6 @@ class ViewCommandTest : public ::testing::Test {
     arguments_.out = File("out.png");
     arguments_.quiet = true;
   }
-  void TearDown() override { fs::remove_all(folder_); }
 
   std::string File(const char* name) const { return (folder_ / name).string(); }
 
@@ -66,7 +64,6 @@ class ViewCommandTest : public ::testing::Test {
     return "none";
   }
 
-  fs::path folder_;
   KannalaBrandt camera_;
   cv::Mat image_;
   ViewArguments arguments_;
