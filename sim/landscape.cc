@@ -17,7 +17,7 @@ namespace {
 
 using namespace landscape;
 
-constexpr int kSkyTexels = 640;     // to a side of the cube
+constexpr int kSkyTexels = 512;     // to a side of the cube
 constexpr int kPlainTexels = 1024;  // to a side of the plane, and of the lawn
 constexpr float kLawnHalf_m = 30;   // finer ground round the origin
 constexpr float kLawnHeight_m = 0.005;
@@ -119,10 +119,17 @@ Colour PlainLight(const Sky& sky) { return sky.LevelLight().cwiseMax(0.02f).cwis
 LandscapeModel MakeLandscape(const LandscapeParameters& p, std::uint64_t run_seed) {
   const Parts parts(p, SeedOf(p, run_seed));
   LandscapeModel model;
-  model.files["landscape_round.msh"] = Msh(parts.terrain.ToMesh());
+  std::string meshes, geoms;
+  const auto add = [&](const std::string& name, const char* material, const Mesh& mesh) {
+    model.files["landscape_" + name + ".msh"] = Msh(mesh);
+    meshes += fmt::format(R"(<mesh name="{0}" file="landscape_{0}.msh"/>)", name);
+    geoms +=
+        fmt::format(R"(<geom name="{0}" type="mesh" mesh="{0}" material="{1}" contype="0" conaffinity="0"/>)",
+                    name, material);
+  };
+  add("round", "round", parts.terrain.ToMesh());
   const Scenery scenery = MakeScenery(p, SeedOf(p, run_seed), parts.terrain, parts.sky, parts.ground);
-  const bool stands = !scenery.colours.empty();
-  if (stands) model.files["landscape_scenery.msh"] = Msh(scenery.mesh);
+  if (!scenery.colours.empty()) add("scenery", "scenery", scenery.mesh);
 
   const Eigen::Vector3f sun = parts.sky.sun();
   const Colour ambient = static_cast<float>(p.light) * p.ambient.cast<float>();
@@ -142,23 +149,18 @@ LandscapeModel MakeLandscape(const LandscapeParameters& p, std::uint64_t run_see
     <material name="lawn" texture="lawn" specular="0"/>
     <material name="round" texture="round" specular="0" emission="1"/>
     <material name="scenery" texture="scenery" specular="0" emission="1"/>
-    <mesh name="round" file="landscape_round.msh"/>
     {6}
   </asset>
   <worldbody>
     <light name="sun" directional="true" pos="0 0 60" dir="{7} {8} {9}" ambient="{10}" diffuse="{11}" specular="0 0 0"/>
     <geom name="ground" type="plane" size="{12} {12} 1" material="plain"/>
     <geom name="lawn" type="box" pos="0 0 {13}" size="{14} {14} {13}" material="lawn" contype="0" conaffinity="0"/>
-    <geom name="round" type="mesh" mesh="round" material="round" contype="0" conaffinity="0"/>
     {15}
   </worldbody>
 </mujoco>)",
-      kSkyTexels, 6 * kSkyTexels, kPlainTexels, kRoundTexels[0], kRoundTexels[1], kPalette,
-      stands ? R"(<mesh name="scenery" file="landscape_scenery.msh"/>)" : "", -sun.x(), sun.y(),
-      -std::max(sun.z(), 0.01f), Rgb(ambient), Rgb(sunlight), kPlaneHalf_m, kLawnHeight_m / 2, kLawnHalf_m,
-      stands
-          ? R"(<geom name="scenery" type="mesh" mesh="scenery" material="scenery" contype="0" conaffinity="0"/>)"
-          : "");
+      kSkyTexels, 6 * kSkyTexels, kPlainTexels, kRoundTexels[0], kRoundTexels[1], kPalette, meshes, -sun.x(),
+      sun.y(), -std::max(sun.z(), 0.01f), Rgb(ambient), Rgb(sunlight), kPlaneHalf_m, kLawnHeight_m / 2,
+      kLawnHalf_m, geoms);
   return model;
 }
 

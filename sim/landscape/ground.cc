@@ -66,17 +66,21 @@ Colour Ground::Albedo(float north, float east, float texel) const {
       (1 - blend) * (1 - Step(1.2f, 1.2f + std::max(1.2f, texel), edge)) / std::max(1.0f, texel / 3);
   colour = Mixed(colour, Hashed(column, 3, salt_) < 0.5f ? kPath : forest_, 0.8f * rim);
 
-  const float wood = woods_.Fractal(north / kWoods_m, east / kWoods_m, Octaves(kWoods_m, texel, 6));
-  const float far_from_start = Step(60, 160, std::hypot(north, east));
-  const float wooded = far_from_start * Step(forest_above_ - 0.004f, forest_above_ + 0.008f, wood);
-  // The crowns of trees, seen as mottle.
-  const float crowns = detail_.Fractal(north / 9, east / 9, Octaves(9, texel, 2));
-  colour = Mixed(colour, forest_ * (0.55f + 0.9f * crowns), wooded);
+  float wooded = Step(60, 160, std::hypot(north, east));  // the start stays free
+  if (wooded > 0) {
+    const float wood = woods_.Fractal(north / kWoods_m, east / kWoods_m, Octaves(kWoods_m, texel, 6));
+    wooded *= Step(forest_above_ - 0.004f, forest_above_ + 0.008f, wood);
+  }
+  if (wooded > 0) {
+    // The crowns of trees, seen as mottle.
+    const float crowns = detail_.Fractal(north / 9, east / 9, Octaves(9, texel, 2));
+    colour = Mixed(colour, forest_ * (0.55f + 0.9f * crowns), wooded);
+  }
 
-  const float rough = detail_.Fractal(north / 40, east / 40, Octaves(40, texel, 9));
-  const float blades = texel < 1 ? detail_.At(north / 0.21f, east / 0.21f) - 0.5f : 0;
-  colour *= std::max(0.2f, 0.4f + 1.2f * rough + 0.25f * blades * (1 - wooded));
-  const float dry = Step(0.45f, 0.7f, detail_.Fractal(north / 15 + 100, east / 15, Octaves(15, texel, 5)));
+  const float rough = detail_.Fractal(north / 40, east / 40, Octaves(40, texel, 7));
+  const float blades = texel < 0.2f ? detail_.Fractal(north / 0.5f, east / 0.5f, 3) - 0.5f : 0;
+  colour *= std::max(0.2f, 0.4f + 1.2f * rough + 1.1f * blades * (1 - wooded));
+  const float dry = Step(0.45f, 0.7f, detail_.Fractal(north / 15 + 100, east / 15, Octaves(15, texel, 4)));
   colour = Mixed(colour, soil_ * (0.7f + 0.6f * rough), 0.35f * dry * (1 - wooded));
 
   if (p_.snow_share > 0) {

@@ -57,18 +57,18 @@ struct Site {
 // A leafy crown: a rough ball of rings, wider than high or the other way.
 void Crown(Builder& builder, const Point& centre, float radius, float half_height, const Colour& leaves,
            RandomStream& random) {
-  constexpr int kBands = 5, kAround = 9;
+  constexpr int kBands = 9, kAround = 14;
   Point p[kBands + 1][kAround];
   Colour light[kBands][kAround];
   for (int i = 0; i <= kBands; ++i) {
     const float polar = std::numbers::pi_v<float> * static_cast<float>(i) / kBands;
     for (int j = 0; j < kAround; ++j) {
       const float around = kTurn * (static_cast<float>(j) + 0.5f * static_cast<float>(i % 2)) / kAround;
-      const float bump = i == 0 || i == kBands ? 1.0f : static_cast<float>(random.Uniform(0.72, 1.15));
+      const float bump = i == 0 || i == kBands ? 1.0f : static_cast<float>(random.Uniform(0.70, 1.18));
       p[i][j] = centre + Point(bump * radius * std::sin(polar) * std::cos(around),
                                bump * radius * std::sin(polar) * std::sin(around),
                                bump * half_height * std::cos(polar));
-      if (i < kBands) light[i][j] = leaves * static_cast<float>(random.Uniform(0.6, 1.3));
+      if (i < kBands) light[i][j] = leaves * static_cast<float>(random.Uniform(0.5, 1.4));
     }
   }
   for (int i = 0; i < kBands; ++i) {
@@ -96,29 +96,51 @@ void Cone(Builder& builder, const Point& base, float radius, float height, const
   }
 }
 
-// What keeps the sun off level ground: an ellipse from the foot, away from the sun.
-void Shadow(Builder& builder, const Site& site, float radius, float height, const Sky& sky,
-            const Ground& ground) {
-  const Point sun = sky.sun();
-  if (sun.z() < 0.06f || site.up > 3 || std::hypot(site.north, site.east) > 800) return;
-  const Eigen::Vector2f away = -sun.head<2>().normalized();
-  const float length = std::min(height * sun.head<2>().norm() / sun.z(), 12 * height);
-  const Colour lit = ground.At(site.north, site.east, 2);
-  const Colour dark = 0.62f * lit;
-  const Point middle(site.north + 0.55f * length * away.x(), site.east + 0.55f * length * away.y(),
-                     site.up + 0.04f);
-  constexpr int kAround = 16;
-  const auto at = [&](int k) {
-    const float turn = kTurn * static_cast<float>(k % kAround) / kAround;
-    const float along = (0.5f * length + 0.6f * radius) * std::cos(turn), across = radius * std::sin(turn);
-    return Point(middle +
-                 Point(along * away.x() - across * away.y(), along * away.y() + across * away.x(), 0));
-  };
-  for (int k = 0; k < kAround; ++k) builder.Paint(middle, at(k), at(k + 1), dark);
-}
+// Where the sun does not reach level ground: an ellipse from the foot, away from it, in the colours of the
+// ground without the sun. Each shadow lies a little above the one before it.
+class Shadows {
+ public:
+  Shadows(const LandscapeParameters& p, const Sky& sky, const Ground& ground)
+      : sky_(sky),
+        ground_(ground),
+        left_(p.ambient.cast<float>().cwiseQuotient(
+            (p.ambient.cast<float>() + std::max(sky.sun().z(), 0.0f) * p.sunlight.cast<float>())
+                .cwiseMax(1e-3f))) {}
 
-void Tree(Builder& builder, const LandscapeParameters& p, const Site& site, const Sky& sky,
-          const Ground& ground, RandomStream& random) {
+  void Cast(Builder& builder, const Site& site, float radius, float height) {
+    const Point sun = sky_.sun();
+    const float away_m = std::hypot(site.north, site.east);
+    if (left_.mean() > 0.96f || sun.z() < 0.1f || site.up > 3 || away_m > 800) return;
+    const Eigen::Vector2f away = -sun.head<2>().normalized();
+    const float length = std::min(height * sun.head<2>().norm() / sun.z(), 12 * height);
+    const float half = 0.5f * length + 0.6f * radius;
+    const Point middle(site.north + 0.55f * length * away.x(), site.east + 0.55f * length * away.y(), 0);
+    const float up = site.up + 0.02f + 0.0005f * static_cast<float>(count_++ % 200);
+    const int steps = 4 + static_cast<int>(half / 3);
+    const auto at = [&](int k, float side) {
+      const float along = 2 * static_cast<float>(k) / static_cast<float>(steps) - 1;
+      const float across = side * radius * std::sqrt(std::max(0.0f, 1 - along * along));
+      return Point(middle + Point(half * along * away.x() - across * away.y(),
+                                  half * along * away.y() + across * away.x(), up));
+    };
+    for (int k = 0; k < steps; ++k) {
+      const Point a = at(k, -1), b = at(k + 1, -1), c = at(k + 1, 1), d = at(k, 1);
+      const Point centre = (a + b + c + d) / 4;
+      const Colour dark = left_.cwiseProduct(ground_.At(centre.x(), centre.y(), 3));
+      builder.Paint(a, b, c, dark);
+      builder.Paint(a, c, d, dark);
+    }
+  }
+
+ private:
+  const Sky& sky_;
+  const Ground& ground_;
+  Colour left_;  // of the light
+  int count_ = 0;
+};
+
+void Tree(Builder& builder, const LandscapeParameters& p, const Site& site, Shadows& shadows,
+          RandomStream& random) {
   const float height = static_cast<float>(random.Uniform(6, 17));
   const float which = static_cast<float>(random.Uniform(0, 1));
   const bool conifer = random.Uniform(0, 1) < 0.3;
@@ -126,7 +148,7 @@ void Tree(Builder& builder, const LandscapeParameters& p, const Site& site, cons
                                 : Mixed(p.leaves.cast<float>(), p.leaves_other.cast<float>(), which);
   const Point foot(site.north, site.east, site.up - 0.5f);
   const float radius = conifer ? 0.2f * height : 0.30f * height;
-  Shadow(builder, site, radius, height, sky, ground);
+  shadows.Cast(builder, site, radius, height);
   constexpr int kSides = 5;
   const float thick = 0.025f * height, top = conifer ? 0.25f * height : 0.45f * height;
   for (int k = 0; k < kSides; ++k) {
@@ -142,8 +164,7 @@ void Tree(Builder& builder, const LandscapeParameters& p, const Site& site, cons
     Cone(builder, foot + Point(0, 0, from * height), radius * (1.1f - from), 0.42f * height, leaves, random);
 }
 
-void Building(Builder& builder, const Site& site, const Sky& sky, const Ground& ground,
-              RandomStream& random) {
+void Building(Builder& builder, const Site& site, Shadows& shadows, RandomStream& random) {
   const float length = static_cast<float>(random.Uniform(9, 32)),
               width = static_cast<float>(random.Uniform(7, 14));
   const int storeys = 1 + static_cast<int>(random.Uniform(0, 3.5));
@@ -154,7 +175,7 @@ void Building(Builder& builder, const Site& site, const Sky& sky, const Ground& 
   const Colour wall(grey, grey * (1 - 0.4f * warm), grey * (1 - warm));
   const bool gable = random.Uniform(0, 1) < 0.75;
   const Colour roof = random.Uniform(0, 1) < 0.6 ? Colour(0.46f, 0.24f, 0.18f) : Colour(0.33f, 0.34f, 0.37f);
-  Shadow(builder, site, 0.5f * width, height, sky, ground);
+  shadows.Cast(builder, site, 0.5f * width, height);
   const auto at = [&](float along, float across, float up) {
     return Point(site.north + along * std::cos(turn) - across * std::sin(turn),
                  site.east + along * std::sin(turn) + across * std::cos(turn), site.up + up);
@@ -203,6 +224,7 @@ Scenery MakeScenery(const LandscapeParameters& p, std::uint64_t seed, const Terr
                     const Ground& ground) {
   Scenery scenery;
   Builder builder(scenery, sky);
+  Shadows shadows(p, sky, ground);
   RandomStream random(seed, "landscape scenery");
   const auto site = [&](float nearest, float farthest) {
     Site s{};
@@ -215,7 +237,7 @@ Scenery MakeScenery(const LandscapeParameters& p, std::uint64_t seed, const Terr
     s.up = terrain.Height(s.north, s.east);
     return s;
   };
-  for (int i = 0; i < p.buildings; ++i) Building(builder, site(70, 1500), sky, ground, random);
+  for (int i = 0; i < p.buildings; ++i) Building(builder, site(70, 1500), shadows, random);
   for (int i = 0; i < p.trees;) {
     const Site first = site(40, 1500);
     const int group = random.Uniform(0, 1) < 0.5 ? 1 : 2 + static_cast<int>(random.Uniform(0, 9));
@@ -228,7 +250,7 @@ Scenery MakeScenery(const LandscapeParameters& p, std::uint64_t seed, const Terr
         s.up = terrain.Height(s.north, s.east);
       }
       if (std::hypot(s.north, s.east) < 25) continue;  // the start stays free
-      Tree(builder, p, s, sky, ground, random);
+      Tree(builder, p, s, shadows, random);
     }
   }
   return scenery;

@@ -56,6 +56,7 @@ Colour Sky::Haze(float azimuth) const {
 Colour Sky::At(const Eigen::Vector3f& d) const {
   const float light = static_cast<float>(p_.light);
   const float azimuth = std::atan2(d.y(), d.x());
+  if (d.z() < -0.05f) return Haze(azimuth);  // behind the ground
   const float up = std::max(d.z(), 0.0f);
   const float elevation = std::asin(std::min(up, 1.0f));
   const Colour haze = Haze(azimuth) / light;

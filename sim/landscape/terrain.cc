@@ -84,7 +84,7 @@ float Terrain::Radius(int ring) const {
 
 float Terrain::HillHeight(float north, float east) const {
   const float r = std::hypot(north, east);
-  if (r <= kInner_m) return 0;
+  if (r <= 500) return 0;  // there is none so near
   const float ring = std::min(std::log(r / kInner_m) / std::log(kOuter_m / kInner_m) * (kRings - 1),
                               static_cast<float>(kRings) - 1.001f);
   float sector = std::atan2(east, north) / kTurn * kSectors;

@@ -31,7 +31,7 @@ MF InShadow(const Slice& slice, const Vec3& p_C, const Vec3& d_C, VF reach, MF w
     if (placed.transparent) continue;
     const Thing& thing = slice.things->all[i];
     const Vec3 o = Rotate(placed.R, p_C) + Load3(placed.o), d = Rotate(placed.R, d_C);
-    dark = hn::Or(dark, hn::Lt(Enter(thing, thing.size, o, d, unused), reach));
+    dark = hn::Or(dark, hn::Lt(Enter(thing, thing.size, o, d, reach, unused), reach));
     if (hn::AllTrue(df, hn::Or(dark, hn::Not(wanted)))) break;
   }
   return dark;
@@ -210,6 +210,15 @@ HWY_INLINE void Shade(const Slice& slice, int index, const Rays& rays, VF t, con
   const Vec3 p = Along(Load3(placed.o), t, d);
   Vec3 n;
   NormalOf(thing, p, hits, wanted, n, surface.side);
+  if (thing.triangles) {
+    // What is in front of itself shows by a leap of its tangent plane's distance, which on level ground is
+    // the same near and far.
+    const Vec3 from = Scale(d, t);
+    const VF plane = hn::Max(hn::Abs(Dot(n, from)), hn::Mul(F(1e-2f), LengthOf(from)));
+    const VF octave = Log2(hn::Max(plane, F(1e-9f)));
+    const VI leap = hn::And(hn::ConvertTo(di, hn::Floor(octave)), hn::Set(di, 255));
+    surface.side = hn::Or(surface.side, hn::ShiftLeft<9>(leap));
+  }
   Colours& colour = surface.lit;
   if (flat && thing.type == mjGEOM_PLANE) {
     colour = constant(4);
