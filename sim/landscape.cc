@@ -3,9 +3,12 @@
 
 #include <fmt/format.h>
 
+#include <atomic>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
+#include <thread>
+#include <vector>
 
 #include "sim/landscape/ground.h"
 #include "sim/landscape/scenery.h"
@@ -42,6 +45,19 @@ void Put(const Colour& colour, mjtByte* rgb) {
     rgb[k] = static_cast<mjtByte>(std::lround(255 * std::clamp(colour[k], 0.0f, 1.0f)));
 }
 
+// Calls paint(row) for every row. What a row shows depends on nothing but its number.
+template <class Paint>
+void InRows(int rows, const Paint& paint) {
+  const int threads = std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 8);
+  std::atomic<int> next = 0;
+  const auto run = [&] {
+    for (int row = next++; row < rows; row = next++) paint(row);
+  };
+  std::vector<std::jthread> others;
+  for (int i = 1; i < threads; ++i) others.emplace_back(run);
+  run();
+}
+
 // The picture of a name, and its number of columns.
 mjtByte* Picture(mjModel* m, const char* name, int columns) {
   const int id = mj_name2id(m, mjOBJ_TEXTURE, name);
@@ -51,20 +67,22 @@ mjtByte* Picture(mjModel* m, const char* name, int columns) {
 }
 
 // A square of level ground, whose light MuJoCo multiplies again; the first row is the west, columns go north.
-void PaintPlain(const Ground& ground, const Colour& light, float half_m, mjtByte* rgb) {
+void PaintPlain(const Ground& ground, const Colour& light, float half_m, mjtByte* picture) {
   const float texel = 2 * half_m / kPlainTexels;
-  for (int row = 0; row < kPlainTexels; ++row) {
+  InRows(kPlainTexels, [&](int row) {
+    mjtByte* rgb = picture + 3 * static_cast<std::ptrdiff_t>(row) * kPlainTexels;
     for (int column = 0; column < kPlainTexels; ++column, rgb += 3) {
       const float north = (static_cast<float>(column) + 0.5f) * texel - half_m;
       const float east = (static_cast<float>(row) + 0.5f) * texel - half_m;
       Put(ground.At(north, east, texel).cwiseQuotient(light), rgb);
     }
-  }
+  });
 }
 
-void PaintRound(const Ground& ground, mjtByte* rgb) {
+void PaintRound(const Ground& ground, mjtByte* picture) {
   const float spread = std::log(kOuter_m / kInner_m);
-  for (int row = 0; row < kRoundTexels[1]; ++row) {
+  InRows(kRoundTexels[1], [&](int row) {
+    mjtByte* rgb = picture + 3 * static_cast<std::ptrdiff_t>(row) * kRoundTexels[0];
     const float r = kInner_m * std::exp(spread * (static_cast<float>(row) + 0.5f) / kRoundTexels[1]);
     const float texel = r * spread / kRoundTexels[1];
     for (int column = 0; column < kRoundTexels[0]; ++column, rgb += 3) {
@@ -72,41 +90,22 @@ void PaintRound(const Ground& ground, mjtByte* rgb) {
           2 * std::numbers::pi_v<float> * (static_cast<float>(column) + 0.5f) / kRoundTexels[0];
       Put(ground.At(r * std::cos(azimuth), r * std::sin(azimuth), texel), rgb);
     }
-  }
+  });
 }
 
 // The faces of the cube as OpenGL numbers and turns them; its axes are x north, y up, z east.
-void PaintSky(const Sky& sky, mjtByte* rgb) {
-  for (int face = 0; face < 6; ++face) {
-    for (int row = 0; row < kSkyTexels; ++row) {
-      for (int column = 0; column < kSkyTexels; ++column, rgb += 3) {
-        const float s = (2 * static_cast<float>(column) + 1) / kSkyTexels - 1;
-        const float t = (2 * static_cast<float>(row) + 1) / kSkyTexels - 1;
-        Eigen::Vector3f q;
-        switch (face) {
-          case 0:
-            q = {1, -t, -s};
-            break;
-          case 1:
-            q = {-1, -t, s};
-            break;
-          case 2:
-            q = {s, 1, t};
-            break;
-          case 3:
-            q = {s, -1, -t};
-            break;
-          case 4:
-            q = {s, -t, 1};
-            break;
-          default:
-            q = {-s, -t, -1};
-            break;
-        }
-        Put(sky.At(Eigen::Vector3f(q.x(), q.z(), q.y()).normalized()), rgb);
-      }
+void PaintSky(const Sky& sky, mjtByte* picture) {
+  InRows(6 * kSkyTexels, [&](int row) {
+    mjtByte* rgb = picture + 3 * static_cast<std::ptrdiff_t>(row) * kSkyTexels;
+    const float t = (2 * static_cast<float>(row % kSkyTexels) + 1) / kSkyTexels - 1;
+    for (int column = 0; column < kSkyTexels; ++column, rgb += 3) {
+      const float s = (2 * static_cast<float>(column) + 1) / kSkyTexels - 1;
+      const Eigen::Vector3f faces[6] = {{1, -t, -s}, {-1, -t, s}, {s, 1, t},
+                                        {s, -1, -t}, {s, -t, 1},  {-s, -t, -1}};
+      const Eigen::Vector3f& q = faces[row / kSkyTexels];
+      Put(sky.At(Eigen::Vector3f(q.x(), q.z(), q.y()).normalized()), rgb);
     }
-  }
+  });
 }
 
 std::string Rgb(const Colour& c) { return fmt::format("{} {} {}", c.x(), c.y(), c.z()); }

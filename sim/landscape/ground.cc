@@ -78,8 +78,12 @@ Colour Ground::Albedo(float north, float east, float texel) const {
   }
 
   const float rough = detail_.Fractal(north / 40, east / 40, Octaves(40, texel, 7));
-  const float blades = texel < 0.2f ? detail_.Fractal(north / 0.5f, east / 0.5f, 3) - 0.5f : 0;
-  colour *= std::max(0.2f, 0.4f + 1.2f * rough + 1.1f * blades * (1 - wooded));
+  float blades = 0;  // round the origin alone, where the picture is fine
+  if (texel < 0.2f) {
+    const float inner = 1 - Step(12, 29, std::max(std::abs(north), std::abs(east)));
+    blades = inner * (detail_.Fractal(north / 0.4f, east / 0.4f, 3) - 0.5f);
+  }
+  colour *= std::max(0.2f, 0.4f + 1.2f * rough + 0.6f * blades * (1 - wooded));
   const float dry = Step(0.45f, 0.7f, detail_.Fractal(north / 15 + 100, east / 15, Octaves(15, texel, 4)));
   colour = Mixed(colour, soil_ * (0.7f + 0.6f * rough), 0.35f * dry * (1 - wooded));
 

@@ -175,8 +175,10 @@ class Steps {
   HWY_INLINE Steps(const Thing& thing, const Vec3& d, const Vec3& n, VF t) : d_(d), n_(n), t_(t) {
     is_plane_ = thing.type == mjGEOM_PLANE;
     const VF n_d = is_plane_ ? d.z : Dot(n, d);
-    // Near the outline the surface is seen edge on, and the linear step would be endless.
-    const VF steep = hn::IfThenElse(hn::Lt(hn::Abs(n_d), F(1e-4f)), hn::CopySign(F(1e-4f), n_d), n_d);
+    // Near the outline the surface is seen edge on, and the linear step would be endless; on a mesh it would
+    // leave the part that is seen long before.
+    const VF least = thing.triangles ? hn::Mul(F(0.03f), LengthOf(d)) : F(1e-4f);
+    const VF steep = hn::IfThenElse(hn::Lt(hn::Abs(n_d), least), hn::CopySign(least, n_d), n_d);
     inverse_ = hn::Div(F(-1), steep);
   }
   HWY_INLINE Vec3 To(const Vec3& e) const {

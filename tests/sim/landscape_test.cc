@@ -147,15 +147,15 @@ TEST(Landscape, TheBrightestOfTheSkyIsWhereTheSunIs) {
     cv::cvtColor(renderer.Render(data.get(), X_NC), grey, cv::COLOR_BGR2GRAY);
     double brightest = 0;
     cv::minMaxLoc(grey, nullptr, &brightest);
-    cv::Moments moments = cv::moments(grey >= brightest, true);
+    cv::Moments moments = cv::moments(grey >= brightest - 20, true);
     const Eigen::Vector2d seen(moments.m10 / moments.m00, moments.m01 / moments.m00);
     const double a = Radians(azimuth_deg), e = Radians(elevation_deg);
     const Eigen::Vector3d sun_N(std::cos(a) * std::cos(e), std::sin(a) * std::cos(e), -std::sin(e));
     const auto expected = Project(CameraModel(camera), Eigen::Vector3d(X_NC.R.conjugate() * sun_N));
     ASSERT_TRUE(expected);
     EXPECT_LT((seen - *expected).norm(), 2.0) << seen.transpose() << " not " << expected->transpose();
-    EXPECT_GT(moments.m00, 5);
-    EXPECT_LT(moments.m00, 4000);
+    EXPECT_GT(moments.m00, 2);
+    EXPECT_LT(moments.m00, 60);  // half a degree across: 11 px
     ++checked;
   }
   EXPECT_EQ(checked, 2);
@@ -177,9 +177,7 @@ TEST(Landscape, TheSameSeedMakesTheSameBitsAndAnotherOneOthers) {
     PaintLandscape(p, run_seed, compiled.model.get());
     return BytesOf(compiled.model.get());
   };
-  const std::string first = made(1);
-  EXPECT_TRUE(first == made(1));
-  const std::string other = made(2);
+  const std::string first = made(1), other = made(2);
   EXPECT_FALSE(first == other);
   p.seed = 2;
   EXPECT_TRUE(other == made(1)) << "a landscape with a seed of its own does not depend on the run's";
