@@ -281,8 +281,8 @@ LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<s
   sim.duration_s = s.duration_s;
   mistakes.ThrowIfAny();
   try {
-    const ModelPtr model =
-        MakeModel(sim.scene);  // world, vehicle and pad together: what only the compiler of MuJoCo can refuse
+    const ModelPtr model = MakeModel(
+        sim.scene, false);  // world, vehicle and pad together: what only the compiler of MuJoCo can refuse
     const Multirotor vehicle_in_it(sim.vehicle, model.get());
     const RotorParameters& rotor = sim.vehicle.rotor;
     const double thrust = 4 * rotor.thrust_coefficient_n_s2 * rotor.max_speed_rad_s * rotor.max_speed_rad_s;

@@ -171,7 +171,7 @@ void CheckGround(const mjModel* model, const SceneParameters& p) {
 
 }  // namespace
 
-ModelPtr MakeModel(const SceneParameters& parameters) {
+ModelPtr MakeModel(const SceneParameters& parameters, bool paint) {
   constexpr int kParts = 3;
   const std::array<Part, kParts> parts{{{"world", parameters.world},
                                         {"pad's picture", parameters.pad_texture},
@@ -189,7 +189,8 @@ ModelPtr MakeModel(const SceneParameters& parameters) {
   if (Find(whole.model.get(), mjOBJ_BODY, "vehicle") < 0)
     throw std::runtime_error(
         fmt::format("The vehicle {} has no body named \"vehicle\".", parameters.vehicle.string()));
-  if (parameters.landscape) PaintLandscape(*parameters.landscape, parameters.seed, whole.model.get());
+  if (parameters.landscape && paint)
+    PaintLandscape(*parameters.landscape, parameters.seed, whole.model.get());
   whole.model->opt.timestep = kTimestep_s;
   whole.model->opt.gravity[0] = whole.model->opt.gravity[1] = 0;
   whole.model->opt.gravity[2] = -kGravity_m_s2;

@@ -51,8 +51,9 @@ struct SceneParameters {
 // The MuJoCo model of a flight: world, vehicle and pad, stepped at 2 ms under 9.80665 m/s2. Names of files
 // within the world and the vehicle are relative to the file they stand in. The pad is a body and a geom
 // "pad", its top 1 cm above the ground; without a picture the body has no geom and lies on the ground. Throws
-// std::runtime_error with one sentence that names the file at fault. May be called on any thread.
-ModelPtr MakeModel(const SceneParameters& parameters);
+// std::runtime_error with one sentence that names the file at fault. May be called on any thread. paint: a
+// landscape's pictures too, which take longer than all the rest.
+ModelPtr MakeModel(const SceneParameters& parameters, bool paint = true);
 DataPtr MakeData(const mjModel* model);
 
 // X_NT: origin in the middle of the pad's top face, x along the up of its picture, y to the right of it, z
