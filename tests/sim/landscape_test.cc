@@ -201,6 +201,20 @@ TEST(Landscape, HazeDrawsTheFarGroundToTheSkyAboveIt) {
   EXPECT_LT(std::abs(thick), 12);
 }
 
+TEST(Landscape, MayBeWithoutAPadButItsPlaceStays) {
+  SceneParameters scene;
+  scene.landscape = Bare();
+  scene.vehicle = KESTREL_SOURCE_DIR "/models/vehicles/pelican/pelican.xml";
+  scene.pad_position_m = {3, 4};
+  scene.pad_yaw_deg = 30;
+  const ModelPtr model = MakeModel(scene, false);
+  const DataPtr data = Computed(model.get());
+  EXPECT_EQ(mj_name2id(model.get(), mjOBJ_GEOM, "pad"), -1);
+  const Pose X_NT = PadPose(model.get(), data.get());
+  EXPECT_LT((X_NT.p - Eigen::Vector3d(3, 4, 0)).norm(), 1e-9);
+  EXPECT_LT(X_NT.R.angularDistance(HeadingRotation(Radians(30))), 1e-9);
+}
+
 TEST(Landscape, StandsOnPlaneGroundAndItsMeshesTouchNothing) {
   const ModelPtr model = Unpainted(LandscapeParameters());
   const int ground = mj_name2id(model.get(), mjOBJ_GEOM, "ground");
