@@ -147,7 +147,7 @@ TEST_F(ScenarioTest, EveryMistakeIsNamedWithFileLineKeyAndWhatWouldBeValid) {
               Contains(AllOf(StartsWith(file + ":5: wind.mean_m_s: 'strong'"), HasSubstr("0 to 20"))));
   EXPECT_THAT(mistakes, Contains(file + ":6: wind.turbulance: unknown key; did you mean 'turbulence'?"));
   EXPECT_THAT(mistakes,
-              Contains(AllOf(StartsWith(file + ":7: start.height_m: -3"), HasSubstr("valid: 0.3 to 120"))));
+              Contains(AllOf(StartsWith(file + ":7: start.height_m: -3"), HasSubstr("valid: 0.3 to 600"))));
   EXPECT_THAT(mistakes,
               Contains(AllOf(StartsWith(file + ":8: render.backend: 'opengl'"), HasSubstr("osmesa, egl"))));
   EXPECT_THAT(mistakes,
