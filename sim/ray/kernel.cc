@@ -26,8 +26,9 @@ constexpr std::uint32_t kAlwaysSmooth = 0x80000000;
 
 // The things that a tile may see.
 struct Seen {
-  std::vector<int> opaque, transparent;
-  bool thin = false;  // some are so thin that a pixel's ray may miss them
+  std::vector<int> opaque, transparent;  // of the opaque, those of triangles last: what is before them spares
+                                         // most of the search
+  bool thin = false;                     // some are so thin that a pixel's ray may miss them
 };
 
 void ListSeen(const Slice& slice, int tile_column, Seen& seen) {
@@ -42,6 +43,12 @@ void ListSeen(const Slice& slice, int tile_column, Seen& seen) {
       seen.opaque.push_back(i);
       seen.thin = seen.thin || slice.placement->things[i].thin;
     }
+  }
+  for (std::size_t last = seen.opaque.size(), k = 0; k < last;) {
+    if (slice.things->all[seen.opaque[k]].triangles)
+      std::rotate(seen.opaque.begin() + k, seen.opaque.begin() + k + 1, seen.opaque.end()), --last;
+    else
+      ++k;
   }
   for (const int i : slice.placement->transparent) {
     if (!(words[i / 64] >> (i % 64) & 1)) continue;
@@ -67,7 +74,7 @@ HWY_INLINE Hit Trace(const Slice& slice, const Seen& seen, const Vec3& d_C, Tria
     const Thing& thing = slice.things->all[i];
     const Placed& placed = slice.placement->things[i];
     TriangleHits own;
-    const VF t = Enter(thing, thing.size, Load3(placed.o), Rotate(placed.R, d_C), own);
+    const VF t = Enter(thing, thing.size, Load3(placed.o), Rotate(placed.R, d_C), hit.t, own);
     const MF nearer = hn::Lt(t, hit.t);
     hit.t = hn::IfThenElse(nearer, t, hit.t);
     hit.thing = hn::IfThenElse(hn::RebindMask(di, nearer), hn::Set(di, i), hit.thing);
@@ -83,7 +90,7 @@ HWY_INLINE MF Veiled(const Slice& slice, const Seen& seen, const Vec3& d_C, VF t
   for (const int i : seen.transparent) {
     const Thing& thing = slice.things->all[i];
     const Placed& placed = slice.placement->things[i];
-    const VF entry = Enter(thing, thing.size, Load3(placed.o), Rotate(placed.R, d_C), unused);
+    const VF entry = Enter(thing, thing.size, Load3(placed.o), Rotate(placed.R, d_C), t, unused);
     veiled = hn::Or(veiled, hn::Lt(entry, t));
   }
   return veiled;
@@ -94,18 +101,11 @@ struct Picture {
   VI code;
 };
 
-// What is in front of itself shows by a leap of the distance.
-HWY_INLINE VI Leap(VF t, MF wanted) {
-  const VF octave = hn::Mul(F(4), Log2(hn::IfThenElse(wanted, t, F(1))));
-  return hn::ShiftLeft<9>(hn::And(hn::ConvertTo(di, hn::Floor(octave)), hn::Set(di, 255)));
-}
-
 // Shades what is opaque, or the sky (index -1).
 HWY_INLINE void ShadeHit(const Slice& slice, int index, const Rays& rays, VF t, const TriangleHits& triangles,
                          MF wanted, Surface& surface) {
   if (index < 0) return ShadeSky(slice, rays, wanted, surface);
   Shade(slice, index, rays, t, triangles, wanted, surface);
-  if (slice.things->all[index].triangles) surface.side = hn::Or(surface.side, Leap(t, wanted));
 }
 
 HWY_INLINE VI SideOf(const Slice& slice, int index, const Vec3& d_C, VF t, const TriangleHits& triangles,
@@ -118,8 +118,9 @@ HWY_INLINE VI SideOf(const Slice& slice, int index, const Vec3& d_C, VF t, const
   const VF far = hn::IfThenElse(wanted, t, F(1));
   Vec3 normal;
   VI side;
-  NormalOf(thing, Along(Load3(placed.o), far, Rotate(placed.R, d_C)), triangles, wanted, normal, side);
-  return thing.triangles ? hn::Or(side, Leap(far, wanted)) : side;
+  const Vec3 d = Rotate(placed.R, d_C);
+  NormalOf(thing, Along(Load3(placed.o), far, d), triangles, wanted, normal, side);
+  return thing.triangles ? hn::Or(side, LeapOf(normal, Scale(d, far))) : side;
 }
 
 HWY_INLINE VI CodeOf(VI side, int index) { return hn::Add(hn::ShiftLeft<12>(side), hn::Set(di, index + 1)); }
@@ -156,7 +157,7 @@ HWY_NOINLINE Picture Look(const Slice& slice, const Seen& seen, const Rays& rays
     const Thing& thing = slice.things->all[i];
     const Placed& placed = slice.placement->things[i];
     TriangleHits own;
-    const VF t = Enter(thing, thing.size, Load3(placed.o), Rotate(placed.R, rays.d), own);
+    const VF t = Enter(thing, thing.size, Load3(placed.o), Rotate(placed.R, rays.d), hit.t, own);
     const MF here = hn::And(wanted, hn::Lt(t, hit.t));
     if (hn::AllFalse(df, here)) continue;
     Shade(slice, i, rays, t, own, here, surface);
@@ -207,7 +208,8 @@ MF NearThin(const Slice& slice, const Seen& seen, const Vec3& d) {
     if (!placed.thin) return;
     const float room = slice.lens->pixel_rad * (placed.distance + thing.box_half.norm());
     const Eigen::Vector3f wider = thing.size + Eigen::Vector3f::Constant(room);
-    near = hn::Or(near, hn::Lt(Enter(thing, wider, Load3(placed.o), Rotate(placed.R, d), unused), F(kFar)));
+    near = hn::Or(
+        near, hn::Lt(Enter(thing, wider, Load3(placed.o), Rotate(placed.R, d), F(kFar), unused), F(kFar)));
   };
   for (const int i : seen.opaque) add(i);
   for (const int i : seen.transparent) add(i);
@@ -440,7 +442,7 @@ bool MeanBySides(const Slice& slice, const Seen& seen, const EdgePixels& pixels,
         if (index[lane] >= 0) {
           const Thing& thing = slice.things->all[index[lane]];
           const Placed& placed = slice.placement->things[index[lane]];
-          t_middle = Enter(thing, thing.size, Load3(placed.o), Rotate(placed.R, middle), met);
+          t_middle = Enter(thing, thing.size, Load3(placed.o), Rotate(placed.R, middle), F(kFar), met);
         }
         const MF meets = hn::Lt(t_middle, F(kFar));
         rays.d = Either(meets, middle, rays.d);

@@ -103,14 +103,15 @@ HWY_INLINE VF EnterCapsule(const Eigen::Vector3f& size, const Vec3& o, const Vec
   return nearest;
 }
 
-VF EnterTriangles(const Triangles& triangles, const Vec3& o, const Vec3& d, TriangleHits& hits) {
+// Nearer than most. Rays side by side go the same way through the tree of triangles.
+VF EnterTriangles(const Triangles& triangles, const Vec3& o, const Vec3& d, VF most, TriangleHits& hits) {
   RTCRayHit16 packet;
   alignas(64) int valid[16];
   const auto put = [](VF v, float* to) { hn::StoreU(v, df, to); };
   for (int i = 0; i < 16; ++i) valid[i] = i < kLanes ? -1 : 0;
   put(o.x, packet.ray.org_x), put(o.y, packet.ray.org_y), put(o.z, packet.ray.org_z);
   put(d.x, packet.ray.dir_x), put(d.y, packet.ray.dir_y), put(d.z, packet.ray.dir_z);
-  put(F(0), packet.ray.tnear), put(F(kFar), packet.ray.tfar), put(F(0), packet.ray.time);
+  put(F(0), packet.ray.tnear), put(hn::Min(most, F(kFar)), packet.ray.tfar), put(F(0), packet.ray.time);
   for (int i = 0; i < kLanes; ++i) {
     packet.ray.mask[i] = ~0u;
     packet.ray.flags[i] = packet.ray.id[i] = 0;
@@ -118,6 +119,7 @@ VF EnterTriangles(const Triangles& triangles, const Vec3& o, const Vec3& d, Tria
   }
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   rtcIntersect16(valid, triangles.scene(), &context, &packet);
   alignas(64) float t[kLanes];
   for (int i = 0; i < kLanes; ++i) {
@@ -130,7 +132,8 @@ VF EnterTriangles(const Triangles& triangles, const Vec3& o, const Vec3& d, Tria
   return hn::Load(df, t);
 }
 
-HWY_INLINE VF Enter(const Thing& thing, const Eigen::Vector3f& size, const Vec3& o, const Vec3& d,
+// most: of triangles, none that is farther need be found.
+HWY_INLINE VF Enter(const Thing& thing, const Eigen::Vector3f& size, const Vec3& o, const Vec3& d, VF most,
                     TriangleHits& hits) {
   switch (thing.type) {
     case mjGEOM_PLANE:
@@ -145,7 +148,7 @@ HWY_INLINE VF Enter(const Thing& thing, const Eigen::Vector3f& size, const Vec3&
     case mjGEOM_CAPSULE:
       return EnterCapsule(size, o, d);
     default:
-      return EnterTriangles(*thing.triangles, o, d, hits);
+      return EnterTriangles(*thing.triangles, o, d, most, hits);
   }
 }
 

@@ -31,7 +31,7 @@ MF InShadow(const Slice& slice, const Vec3& p_C, const Vec3& d_C, VF reach, MF w
     if (placed.transparent) continue;
     const Thing& thing = slice.things->all[i];
     const Vec3 o = Rotate(placed.R, p_C) + Load3(placed.o), d = Rotate(placed.R, d_C);
-    dark = hn::Or(dark, hn::Lt(Enter(thing, thing.size, o, d, unused), reach));
+    dark = hn::Or(dark, hn::Lt(Enter(thing, thing.size, o, d, reach, unused), reach));
     if (hn::AllTrue(df, hn::Or(dark, hn::Not(wanted)))) break;
   }
   return dark;
@@ -169,14 +169,25 @@ HWY_INLINE void NormalOf(const Thing& thing, const Vec3& p, const TriangleHits& 
   n = Scale(n, hn::Div(one, hn::Max(LengthOf(n), F(1e-30f))));
 }
 
+// A mesh in front of itself shows by a leap of its tangent plane's distance from the viewpoint, which on
+// level ground is the same near and far. In bits of the side that the normal leaves free; from: the
+// viewpoint, to the point.
+HWY_INLINE VI LeapOf(const Vec3& n, const Vec3& from) {
+  const VF plane = hn::Max(hn::Abs(Dot(n, from)), hn::Mul(F(1e-2f), LengthOf(from)));
+  const VI octave = hn::ConvertTo(di, hn::Floor(Log2(hn::Max(plane, F(1e-9f)))));
+  return hn::ShiftLeft<9>(hn::And(octave, hn::Set(di, 255)));
+}
+
 // How the point on a surface moves from a pixel to its neighbour, whose ray differs by e.
 class Steps {
  public:
   HWY_INLINE Steps(const Thing& thing, const Vec3& d, const Vec3& n, VF t) : d_(d), n_(n), t_(t) {
     is_plane_ = thing.type == mjGEOM_PLANE;
     const VF n_d = is_plane_ ? d.z : Dot(n, d);
-    // Near the outline the surface is seen edge on, and the linear step would be endless.
-    const VF steep = hn::IfThenElse(hn::Lt(hn::Abs(n_d), F(1e-4f)), hn::CopySign(F(1e-4f), n_d), n_d);
+    // Near the outline the surface is seen edge on, and the linear step would be endless; on a mesh it would
+    // leave the part that is seen long before.
+    const VF least = thing.triangles ? hn::Mul(F(0.03f), LengthOf(d)) : F(1e-4f);
+    const VF steep = hn::IfThenElse(hn::Lt(hn::Abs(n_d), least), hn::CopySign(least, n_d), n_d);
     inverse_ = hn::Div(F(-1), steep);
   }
   HWY_INLINE Vec3 To(const Vec3& e) const {
@@ -210,6 +221,7 @@ HWY_INLINE void Shade(const Slice& slice, int index, const Rays& rays, VF t, con
   const Vec3 p = Along(Load3(placed.o), t, d);
   Vec3 n;
   NormalOf(thing, p, hits, wanted, n, surface.side);
+  if (thing.triangles) surface.side = hn::Or(surface.side, LeapOf(n, Scale(d, t)));
   Colours& colour = surface.lit;
   if (flat && thing.type == mjGEOM_PLANE) {
     colour = constant(4);

@@ -141,12 +141,40 @@ TEST_F(ScenarioTest, EveryMistakeIsNamedWithFileLineKeyAndWhatWouldBeValid) {
               Contains(AllOf(StartsWith(file + ":5: wind.mean_m_s: 'strong'"), HasSubstr("0 to 20"))));
   EXPECT_THAT(mistakes, Contains(file + ":6: wind.turbulance: unknown key; did you mean 'turbulence'?"));
   EXPECT_THAT(mistakes,
-              Contains(AllOf(StartsWith(file + ":7: start.height_m: -3"), HasSubstr("valid: 0.3 to 120"))));
+              Contains(AllOf(StartsWith(file + ":7: start.height_m: -3"), HasSubstr("valid: 0.3 to 600"))));
   EXPECT_THAT(mistakes,
               Contains(AllOf(StartsWith(file + ":8: render.backend: 'opengl'"), HasSubstr("osmesa, egl"))));
   EXPECT_THAT(mistakes,
               Contains(AllOf(StartsWith("--set image.rate_hz=0: image.rate_hz"), HasSubstr("0.5 to 500"))));
   EXPECT_THAT(mistakes, Contains(StartsWith("--set seed=-1: seed")));
+}
+
+TEST_F(ScenarioTest, ALandscapeIsAsItsWorldHasItButForTheScenariosOwnWords) {
+  const LoadedScenario plain = LoadScenario("pose", {"world=winter_cloudy"});
+  const LoadedScenario own = LoadScenario("pose", {"world=winter_cloudy", "landscape.haze_m=1234"});
+  ASSERT_TRUE(plain.simulator.scene.landscape);
+  ASSERT_TRUE(own.simulator.scene.landscape);
+  EXPECT_EQ(own.simulator.scene.landscape->haze_m, 1234);
+  EXPECT_NE(plain.simulator.scene.landscape->haze_m, 1234);
+  EXPECT_EQ(own.simulator.scene.landscape->snow_share, plain.simulator.scene.landscape->snow_share);
+  EXPECT_GT(plain.simulator.scene.landscape->snow_share, 0);
+  const std::string resolved = ToYaml(own.scenario);
+  EXPECT_EQ(ToYaml(LoadScenario(Write("again.yaml", resolved)).scenario), resolved);
+}
+
+TEST_F(ScenarioTest, WhatDoesNotGoWithALandscapeIsRefused) {
+  const auto refusal = [](const std::vector<std::string>& overrides) {
+    try {
+      LoadScenario("pose", overrides);
+    } catch (const InputError& e) {
+      return std::string(e.what());
+    }
+    return std::string("accepted");
+  };
+  EXPECT_THAT(refusal({"world=summer_sun", "render.backend=egl"}), HasSubstr("render.backend: 'egl'"));
+  EXPECT_THAT(refusal({"landscape.haze_m=3000"}), AllOf(HasSubstr("airfield"), HasSubstr("summer_sun")));
+  EXPECT_THAT(refusal({"world=summer_sun", "landscape.haze=3"}), HasSubstr("did you mean 'haze_m'?"));
+  EXPECT_THAT(refusal({"pad.name=none"}), HasSubstr("pad.name: none"));
 }
 
 TEST_F(ScenarioTest, AMissingFileIsNamed) {
