@@ -218,6 +218,22 @@ MF NearThin(const Slice& slice, const Seen& seen, const Vec3& d) {
 
 const char* Name() { return hwy::TargetName(HWY_TARGET); }
 
+// Of large meshes and height fields by their parts.
+HWY_INLINE MF MayMeet(const Thing& thing, const Placed& placed, const Vec3& axis, VF reach) {
+  const MF may = MayMeet(thing.box_centre, thing.box_half, placed, axis, reach);
+  if (!thing.triangles || hn::AllFalse(df, may)) return may;
+  const std::vector<Triangles::Part>& parts = thing.triangles->parts;
+  MF found = hn::Lt(F(1), F(0));
+  for (std::size_t i = 0; i < parts.size();) {
+    const MF here =
+        hn::And(hn::AndNot(found, may), MayMeet(parts[i].centre, parts[i].half, placed, axis, reach));
+    const bool leaf = parts[i].next == i + 1;
+    if (leaf) found = hn::Or(found, here);
+    i = hn::AllFalse(df, here) ? parts[i].next : i + 1;
+  }
+  return found;
+}
+
 void CullImpl(const Slice& slice, int tile_row) {
   const Lens& lens = *slice.lens;
   std::fill(slice.seen, slice.seen + static_cast<std::ptrdiff_t>(lens.tiles_x) * slice.words, 0);
@@ -228,7 +244,7 @@ void CullImpl(const Slice& slice, int tile_row) {
     for (int c = 0; c < lens.tiles_x; c += kLanes) {
       const auto load = [&](const Aligned<float>& v) { return hn::LoadU(df, v.get() + first + c); };
       const Vec3 axis{load(lens.axis_x), load(lens.axis_y), load(lens.axis_z)};
-      const MF may = MayMeet(thing, placed, axis, load(lens.reach));
+      const MF may = MayMeet(thing, placed, Rotate(placed.R, axis), load(lens.reach));
       for (std::uint32_t bits = BitsOf(may); bits != 0; bits &= bits - 1) {
         const int column = c + std::countr_zero(bits);
         if (column >= lens.tiles_x) break;

@@ -152,11 +152,12 @@ HWY_INLINE VF Enter(const Thing& thing, const Eigen::Vector3f& size, const Vec3&
   }
 }
 
-// A ray of the tile is o + t d with every |d_k - a_k| <= reach: the thing may be met if for some t >= 0 the
-// point o + t a is within half + t reach of its box. Each of the six faces bounds t from one side.
-HWY_INLINE MF MayMeet(const Thing& thing, const Placed& p, const Vec3& axis, VF reach) {
+// A ray of the tile is o + t d with every |d_k - a_k| <= reach: a box may be met if for some t >= 0 the point
+// o + t a is within half + t reach of it. Each of the six faces bounds t from one side. axis: in the frame of
+// the thing.
+HWY_INLINE MF MayMeet(const Eigen::Vector3f& centre, const Eigen::Vector3f& half, const Placed& p,
+                      const Vec3& a, VF reach) {
   VF low = hn::Zero(df), high = F(kFar);
-  const Vec3 a = Rotate(p.R, axis);
   const auto face = [&](VF slope, float room) {  // slope t <= room
     const VF at = hn::Div(F(room), slope);
     const MF rises = hn::Gt(slope, hn::Zero(df));
@@ -166,9 +167,9 @@ HWY_INLINE MF MayMeet(const Thing& thing, const Placed& p, const Vec3& axis, VF 
   };
   const VF along[3] = {a.x, a.y, a.z};
   for (int k = 0; k < 3; ++k) {
-    const float from = p.o[k] - thing.box_centre[k];
-    face(hn::Sub(along[k], reach), thing.box_half[k] - from);
-    face(hn::Sub(hn::Neg(along[k]), reach), thing.box_half[k] + from);
+    const float from = p.o[k] - centre[k];
+    face(hn::Sub(along[k], reach), half[k] - from);
+    face(hn::Sub(hn::Neg(along[k]), reach), half[k] + from);
   }
   return hn::And(hn::Le(low, high), hn::Ge(reach, hn::Zero(df)));
 }

@@ -3,6 +3,8 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <algorithm>
+#include <numeric>
 #include <stdexcept>
 #include <utility>
 
@@ -33,6 +35,7 @@ Triangles::Triangles(Triangles&& other) noexcept
       has_st(other.has_st),
       low(other.low),
       high(other.high),
+      parts(std::move(other.parts)),
       device_(std::exchange(other.device_, nullptr)),
       scene_(std::exchange(other.scene_, nullptr)) {}
 
@@ -114,12 +117,42 @@ Triangles Triangles::OfHeightField(const mjModel* m, int field) {
   return t;
 }
 
+void Triangles::Divide(std::vector<int>::iterator begin, std::vector<int>::iterator end) {
+  constexpr std::ptrdiff_t kLeast = 256;  // faces of a part
+  const auto middle_of = [&](int f) -> Eigen::Vector3f {
+    return (vertices[faces[f][0]] + vertices[faces[f][1]] + vertices[faces[f][2]]) / 3;
+  };
+  Eigen::AlignedBox3f box, middles;
+  for (auto f = begin; f != end; ++f) {
+    for (int k = 0; k < 3; ++k) box.extend(vertices[faces[*f][k]]);
+    middles.extend(middle_of(*f));
+  }
+  const std::size_t own = parts.size();
+  // Somewhat larger, for what rounding does.
+  parts.push_back({box.center(), 0.5001f * box.sizes() + Eigen::Vector3f::Constant(1e-4f), 0});
+  if (end - begin > 2 * kLeast) {
+    Eigen::Index axis;
+    middles.sizes().maxCoeff(&axis);
+    const auto half = begin + (end - begin) / 2;
+    std::nth_element(begin, half, end, [&](int a, int b) {
+      const float at_a = middle_of(a)[axis], at_b = middle_of(b)[axis];
+      return at_a != at_b ? at_a < at_b : a < b;
+    });
+    Divide(begin, half);
+    Divide(half, end);
+  }
+  parts[own].next = parts.size();
+}
+
 void Triangles::Finish() {
   low = high = vertices.empty() ? Eigen::Vector3f::Zero().eval() : vertices.front();
   for (const Eigen::Vector3f& v : vertices) {
     low = low.cwiseMin(v);
     high = high.cwiseMax(v);
   }
+  std::vector<int> all(faces.size());
+  std::iota(all.begin(), all.end(), 0);
+  Divide(all.begin(), all.end());
   if (has_st) {
     for (std::size_t f = 0; f < faces.size(); ++f) {
       const Eigen::Vector3f a = vertices[faces[f][1]] - vertices[faces[f][0]];

@@ -32,12 +32,20 @@ class Triangles {
   std::vector<Eigen::Matrix<float, 2, 3>> st_gradient;
   bool has_st = false;
   Eigen::Vector3f low, high;  // bounds
+  // Boxes in boxes, that say where the triangles are more closely than the bounds: each is followed by those
+  // within it, and `next` is the first that is not. The first holds all.
+  struct Part {
+    Eigen::Vector3f centre, half;
+    std::size_t next;
+  };
+  std::vector<Part> parts;
 
   RTCScene scene() const { return scene_; }
 
  private:
   Triangles() = default;
   void Finish();
+  void Divide(std::vector<int>::iterator begin, std::vector<int>::iterator end);
   RTCDevice device_ = nullptr;
   RTCScene scene_ = nullptr;
 };
