@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "vision/band_sampler.h"
+
+namespace kestrel {
+
+// The contour between sky and ground on the meridians of a band: where each stops looking like the ground
+// below and starts looking like the sky above it. What the two look like is learnt from the band itself, in
+// sectors of azimuth: the side of the sun is another world than the side away from it.
+struct ProfileOptions {
+  double gap = 0.02;    // rad on either side of the contour that teach nothing
+  double reach = 0.10;  // rad from the contour that teach
+  int passes = 2;
+};
+
+struct ProfilePoint {
+  bool shown = false;    // the meridian is in view over most of the band
+  bool found = false;    // and has a step in it
+  double elevation = 0;  // of the step, rad
+  double gain = 0;       // how much better the step explains the meridian than either body alone, nats
+};
+
+// contour: where the step is about, per azimuth of the grid. Returns one point per azimuth.
+std::vector<ProfilePoint> FindContour(const BandSamples& band, const BandGrid& grid,
+                                      const std::vector<double>& contour, const ProfileOptions& options);
+
+}  // namespace kestrel
