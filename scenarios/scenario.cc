@@ -69,12 +69,61 @@ bool Known(const std::string& what, const std::string& name, const std::vector<s
   return false;
 }
 
+const ConfigNode* Find(const Config& config, std::string_view key) {
+  for (const auto& [name, node] : config.root.members) {
+    if (name == key) return &node;
+  }
+  return nullptr;
+}
+
 // Where a key of the file was written; the file alone where it was not.
 std::string WhereOf(const Config& config, std::string_view key, const std::string& file) {
-  for (const auto& [name, node] : config.root.members) {
-    if (name == key) return node.where;
+  const ConfigNode* node = Find(config, key);
+  return node ? node->where : file;
+}
+
+// The file of a world that is a landscape, if it is one.
+std::optional<fs::path> LandscapeFile(const std::string& world) {
+  const fs::path file = Root() / "models" / "worlds" / world / (world + ".yaml");
+  return fs::is_regular_file(file) ? std::optional(file) : std::nullopt;
+}
+
+// A landscape as its world has it, before the scenario's own words.
+std::optional<LandscapeParameters> LandscapeOf(const std::string& world, Mistakes& mistakes) {
+  const auto file = LandscapeFile(world);
+  if (!file) return std::nullopt;
+  LandscapeParameters landscape;
+  Read(LoadConfig(*file, {}, mistakes), landscape, mistakes);
+  return landscape;
+}
+
+// Whether a flight looks for the pad: all do that do not say otherwise, by a constant kPadless.
+bool NeedsPad(const Flight& flight) {
+  return std::visit(
+      []<class Each>(const Each&) {
+        if constexpr (requires { Each::kPadless; }) return !Each::kPadless;
+        return true;
+      },
+      flight);
+}
+
+// What of a scenario and a landscape does not go together.
+void CheckLandscape(const Scenario& s, const Config& config, const std::string& where, Mistakes& mistakes) {
+  if (LandscapeFile(s.world)) {
+    if (s.render.backend != "auto" && s.render.backend != "ray") {
+      mistakes.Add(WhereOf(config, "render", where), "render.backend",
+                   fmt::format("'{}' draws to 500 m alone, and the world '{}' reaches beyond its horizon; "
+                               "valid: ray",
+                               s.render.backend, s.world));
+    }
+  } else if (s.landscape) {
+    std::vector<std::string> landscapes;
+    for (const std::string& name : NamesIn(Root() / "models" / "worlds", ""))
+      if (LandscapeFile(name)) landscapes.push_back(name);
+    mistakes.Add(WhereOf(config, "landscape", where), "landscape",
+                 fmt::format("the world '{}' is not made from numbers; worlds that are: {}", s.world,
+                             fmt::join(landscapes, ", ")));
   }
-  return file;
 }
 
 }  // namespace
@@ -133,7 +182,10 @@ LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<s
   LoadedScenario loaded;
   Scenario& s = loaded.scenario;
   const Config config = LoadConfig(file, overrides, mistakes);
+  if (const ConfigNode* world = Find(config, "world")) s.landscape = LandscapeOf(world->text, mistakes);
+  const auto landscape = s.landscape;
   Read(config, s, mistakes);
+  if (!s.landscape) s.landscape = landscape;  // it was given without a word
   if (!config.readable) mistakes.ThrowIfAny();
   if (s.name.empty()) s.name = file.stem().string();
   const std::string where = file.string();
@@ -149,6 +201,7 @@ LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<s
     mistakes.Add(WhereOf(config, "occlusion", where), "occlusion.until_s",
                  fmt::format("{} is not after from_s = {}", s.occlusion.until_s, s.occlusion.from_s));
   }
+  CheckLandscape(s, config, where, mistakes);
   CheckMount(s.mount, WhereOf(config, "mount", where), mistakes);
   const std::string criteria = WhereOf(config, "criteria", where);
   for (const auto& [metric, limit] : s.criteria) {
@@ -169,7 +222,10 @@ LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<s
   sim.vehicle = vehicle.airframe;
   sim.autopilot = vehicle.autopilot;
   if (Known("world", s.world, NamesIn(models / "worlds", ""), WhereOf(config, "world", where), mistakes)) {
-    sim.scene.world = models / "worlds" / s.world / (s.world + ".xml");
+    const fs::path folder = models / "worlds" / s.world;
+    sim.scene.world = folder / (s.world + (s.landscape ? ".yaml" : ".xml"));
+    sim.scene.landscape = s.landscape;
+    sim.scene.seed = s.seed;
   }
   if (const auto camera =
           CameraFile(s.camera, file.parent_path(), WhereOf(config, "camera", where), mistakes)) {
@@ -183,7 +239,16 @@ LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<s
       }
     }
   }
-  if (Known("pad", s.pad.name, NamesIn(models / "pads", ""), WhereOf(config, "pad", where), mistakes)) {
+  if (s.pad.name == "none") {
+    if (s.occlusion.share > 0)
+      mistakes.Add(WhereOf(config, "occlusion", where), "occlusion.share",
+                   fmt::format("{}, but there is no pad to be covered; valid: 0", s.occlusion.share));
+    if (NeedsPad(s.flight))
+      mistakes.Add(WhereOf(config, "pad", where), "pad.name",
+                   fmt::format("none, but the mission '{}' looks for a pad; valid: {}", s.mission,
+                               fmt::join(NamesIn(models / "pads", ""), ", ")));
+  } else if (Known("pad", s.pad.name, NamesIn(models / "pads", ""), WhereOf(config, "pad", where),
+                   mistakes)) {
     const fs::path folder = models / "pads" / s.pad.name;
     Read(LoadConfig(folder / (s.pad.name + ".yaml"), {}, mistakes), sim.scene.pad, mistakes);
     sim.scene.pad_texture = folder / sim.scene.pad.texture;

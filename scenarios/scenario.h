@@ -38,7 +38,7 @@ void Fields(Visitor& v, Limit& l) {
 
 // Where the pad lies.
 struct PadPlacement {
-  std::string name = "helipad";
+  std::string name = "helipad";                          // none: there is no pad, only its place
   Eigen::Vector2d position_m = Eigen::Vector2d::Zero();  // north, east
   double yaw_deg = 0;
 };
@@ -58,6 +58,7 @@ struct Scenario {
   std::uint64_t seed = 1;
   double duration_s = 60;
   std::string vehicle = "pelican", world = "airfield", camera = "thesis_6mm";
+  std::optional<LandscapeParameters> landscape;  // of a world that is one: as the world has it, but for these
   PadPlacement pad;
   StartParameters start;
   CameraMount mount;
@@ -81,6 +82,7 @@ void Fields(Visitor& v, Scenario& s) {
   v("vehicle", s.vehicle);
   v("world", s.world);
   v("camera", s.camera);
+  v("landscape", s.landscape);
   v("pad", s.pad);
   v("start", s.start);
   v("mount", s.mount);

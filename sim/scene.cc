@@ -60,7 +60,17 @@ void Append(pugi::xml_node model, const std::filesystem::path& path, const char*
   }
 }
 
+void AppendPlaceOfPad(pugi::xml_node model, const SceneParameters& p) {
+  pugi::xml_node body = model.append_child("worldbody").append_child("body");
+  body.append_attribute("name") = "pad";
+  body.append_attribute("pos") = fmt::format("{} {} 0", p.pad_position_m.x(), -p.pad_position_m.y()).c_str();
+  body.append_attribute("quat") =
+      fmt::format("{} 0 0 {}", std::cos(Radians(p.pad_yaw_deg) / 2), -std::sin(Radians(p.pad_yaw_deg) / 2))
+          .c_str();
+}
+
 void AppendPad(pugi::xml_node model, const SceneParameters& p) {
+  if (p.pad_texture.empty()) return AppendPlaceOfPad(model, p);
   if (!std::filesystem::is_regular_file(p.pad_texture))
     throw std::runtime_error(fmt::format("The pad's picture {} is not there.", p.pad_texture.string()));
   // MuJoCo spreads a picture over a box with its right along x and its up along y of the geom.
@@ -101,10 +111,10 @@ void AppendPad(pugi::xml_node model, const SceneParameters& p) {
   for (const pugi::xml_node section : part.document_element().children()) model.append_copy(section);
 }
 
-CompiledModel Compile(const pugi::xml_document& document) {
-  std::ostringstream text;
-  document.save(text);
-  return CompileMjcf(text.str());
+void AppendLandscape(pugi::xml_node model, const LandscapeModel& landscape) {
+  pugi::xml_document part;
+  part.load_string(landscape.mjcf.c_str());
+  for (const pugi::xml_node section : part.document_element().children()) model.append_copy(section);
 }
 
 struct Part {
@@ -113,13 +123,19 @@ struct Part {
 };
 
 CompiledModel Compose(const SceneParameters& p, int parts) {
+  const LandscapeModel landscape = p.landscape ? MakeLandscape(*p.landscape, p.seed) : LandscapeModel{};
   pugi::xml_document document;
   pugi::xml_node model = document.append_child("mujoco");
   model.append_attribute("model") = "kestrel";
-  Append(model, p.world, "world");
+  if (p.landscape)
+    AppendLandscape(model, landscape);
+  else
+    Append(model, p.world, "world");
   if (parts > 1) AppendPad(model, p);
   if (parts > 2) Append(model, p.vehicle, "vehicle");
-  return Compile(document);
+  std::ostringstream text;
+  document.save(text);
+  return CompileMjcf(text.str(), landscape.files);
 }
 
 int Find(const mjModel* model, mjtObj type, const char* name) { return mj_name2id(model, type, name); }
@@ -173,6 +189,7 @@ ModelPtr MakeModel(const SceneParameters& parameters) {
   if (Find(whole.model.get(), mjOBJ_BODY, "vehicle") < 0)
     throw std::runtime_error(
         fmt::format("The vehicle {} has no body named \"vehicle\".", parameters.vehicle.string()));
+  if (parameters.landscape) PaintLandscape(*parameters.landscape, parameters.seed, whole.model.get());
   whole.model->opt.timestep = kTimestep_s;
   whole.model->opt.gravity[0] = whole.model->opt.gravity[1] = 0;
   whole.model->opt.gravity[2] = -kGravity_m_s2;

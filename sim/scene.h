@@ -6,9 +6,11 @@
 #include <Eigen/Core>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "geometry/pose.h"
+#include "sim/landscape.h"
 
 namespace kestrel {
 
@@ -34,10 +36,13 @@ void Fields(Visitor& v, PadParameters& p) {
 }
 
 struct SceneParameters {
-  std::filesystem::path world;    // MJCF with a plane "ground": level, at height 0, x north, y west
+  std::filesystem::path world;  // MJCF, or the file that describes a landscape, with a plane "ground": level,
+                                // at height 0, x north, y west
   std::filesystem::path vehicle;  // MJCF or a fragment of it (<mujocoinclude>) with one body "vehicle"
-  std::filesystem::path pad_texture;
-  PadParameters pad;  // its texture is not used: pad_texture is the file found
+  std::optional<LandscapeParameters> landscape;  // instead of the MJCF of the world
+  std::uint64_t seed = 1;                        // of the landscape that has none of its own
+  std::filesystem::path pad_texture;             // none: there is no pad to be seen, only its place
+  PadParameters pad;                             // its texture is not used: pad_texture is the file found
   Eigen::Vector2d pad_position_m = Eigen::Vector2d::Zero();  // north, east
   double pad_yaw_deg = 0;                                    // clockwise from north
   bool occluder = false;                                     // with a dark sheet that can be put over the pad
@@ -45,8 +50,8 @@ struct SceneParameters {
 
 // The MuJoCo model of a flight: world, vehicle and pad, stepped at 2 ms under 9.80665 m/s2. Names of files
 // within the world and the vehicle are relative to the file they stand in. The pad is a body and a geom
-// "pad", its top 1 cm above the ground. Throws std::runtime_error with one sentence that names the file at
-// fault. May be called on any thread.
+// "pad", its top 1 cm above the ground; without a picture the body has no geom and lies on the ground. Throws
+// std::runtime_error with one sentence that names the file at fault. May be called on any thread.
 ModelPtr MakeModel(const SceneParameters& parameters);
 DataPtr MakeData(const mjModel* model);
 

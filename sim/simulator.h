@@ -56,9 +56,9 @@ struct OcclusionParameters {
 
 template <class Visitor>
 void Fields(Visitor& v, StartParameters& p) {
-  v("offset_m", p.offset_m, -100.0, 100.0);
+  v("offset_m", p.offset_m, -300.0, 300.0);
   v("scatter_m", p.scatter_m, 0.0, 20.0);
-  v("height_m", p.height_m, 0.3, 120.0);
+  v("height_m", p.height_m, 0.3, 600.0);
   v("on_ground", p.on_ground);
   v("yaw_deg", p.yaw_deg, -360.0, 360.0);
   v("yaw_scatter_deg", p.yaw_scatter_deg, 0.0, 180.0);

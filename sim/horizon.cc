@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/horizon.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/landscape.h"
+
+namespace kestrel {
+
+HorizonTruth HorizonOf(const Pose& X_NC) {
+  HorizonTruth truth;
+  truth.up_C = X_NC.R.conjugate() * Eigen::Vector3d(0, 0, -1);
+  truth.height_m = std::max(0.0, -X_NC.p.z());
+  truth.dip_rad = std::sqrt(2 * truth.height_m / kEarth_m);
+  return truth;
+}
+
+cv::Mat ClassifySky(const mjModel* model, const Surfaces& surfaces) {
+  cv::Mat classes(surfaces.geom.size(), CV_8U);
+  for (int v = 0; v < classes.rows; ++v) {
+    for (int u = 0; u < classes.cols; ++u) {
+      const int geom = surfaces.geom.at<int>(v, u);
+      classes.at<unsigned char>(v, u) = geom == -1                                          ? kSky
+                                        : geom < 0                                          ? kNeither
+                                        : model->body_weldid[model->geom_bodyid[geom]] == 0 ? kGround
+                                                                                            : kNeither;
+    }
+  }
+  return classes;
+}
+
+std::vector<SkylinePoint> TrueSkyline(const cv::Mat& classes, const CameraModel& camera, const Pose& X_NC) {
+  std::vector<SkylinePoint> line;
+  const auto is_edge = [](int a, int b) { return std::min(a, b) == kGround && std::max(a, b) == kSky; };
+  const auto add = [&](double u, double v) {
+    const auto ray_C = Ray(camera, Eigen::Vector2d(u, v));
+    if (!ray_C) return;
+    const Eigen::Vector3d d = (X_NC.R * *ray_C).normalized();
+    line.push_back({{u, v}, std::atan2(d.y(), d.x()), std::asin(std::clamp(-d.z(), -1.0, 1.0))});
+  };
+  for (int v = 0; v < classes.rows; ++v) {
+    for (int u = 0; u < classes.cols; ++u) {
+      const int here = classes.at<unsigned char>(v, u);
+      if (u + 1 < classes.cols && is_edge(here, classes.at<unsigned char>(v, u + 1))) add(u + 0.5, v);
+      if (v + 1 < classes.rows && is_edge(here, classes.at<unsigned char>(v + 1, u))) add(u, v + 0.5);
+    }
+  }
+  return line;
+}
+
+}  // namespace kestrel

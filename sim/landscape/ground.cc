@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/landscape/ground.h"
+
+#include <cmath>
+
+namespace kestrel::landscape {
+namespace {
+
+constexpr float kField_m = 260, kStrip_m = 130;
+constexpr float kWoods_m = 1300, kLakes_m = 2400;
+const Colour kSnow(0.93f, 0.94f, 0.97f), kPath(0.55f, 0.51f, 0.45f);
+
+int Octaves(float largest_m, float texel_m, int most) {
+  return std::clamp(static_cast<int>(std::log2(std::max(1.0f, largest_m / texel_m))), 1, most);
+}
+
+}  // namespace
+
+Ground::Ground(const LandscapeParameters& p, std::uint64_t seed, const Terrain& terrain, const Sky& sky)
+    : p_(p),
+      salt_(RandomStream(seed, "landscape fields").Bits()),
+      terrain_(terrain),
+      sky_(sky),
+      detail_(seed, "landscape grass"),
+      woods_(seed, "landscape woods"),
+      lakes_(seed, "landscape lakes"),
+      drifts_(seed, "landscape snow"),
+      grass_(p.grass.cast<float>()),
+      crop_(p.crop.cast<float>()),
+      soil_(p.soil.cast<float>()),
+      forest_(p.forest.cast<float>()),
+      forest_above_(Threshold(p.forest_share)),
+      water_above_(Threshold(p.water_share)),
+      snow_above_(Threshold(p.snow_share)) {}
+
+bool Ground::IsWater(float north, float east) const {
+  if (p_.water_share <= 0 || north * north + east * east < 150 * 150) return false;
+  return lakes_.Fractal(north / kLakes_m, east / kLakes_m, 5) > water_above_ &&
+         terrain_.HillHeight(north, east) < 0.004f * std::hypot(north, east);
+}
+
+Colour Ground::Albedo(float north, float east, float texel) const {
+  // Fields: strips that bend a little, cut across at places of their own.
+  const float bend = 60 * (detail_.At(north / 700 + 5, east / 700 + 9) - 0.5f);
+  const float x = (0.92f * north + 0.39f * east + bend) / kField_m;
+  const float y = (-0.39f * north + 0.92f * east - bend) / kStrip_m;
+  const int column = static_cast<int>(std::floor(y));
+  const float shifted = x + Hashed(column, 7, salt_);
+  const int row = static_cast<int>(std::floor(shifted));
+  const float kind = Hashed(row, column, salt_), shade = Hashed(row, column, salt_ + 1);
+  Colour colour = kind < 0.45f   ? grass_
+                  : kind < 0.75f ? crop_
+                  : kind < 0.9f  ? soil_
+                                 : Mixed(grass_, crop_, 0.5f);
+  colour *= 0.85f + 0.3f * shade;
+  // Fields smaller than a texel melt together.
+  const float blend = Step(60, 400, texel);
+  if (blend > 0) {
+    const float wide = detail_.Fractal(north / 5000, east / 5000, Octaves(5000, texel, 5));
+    colour = Mixed(colour, Mixed(Mixed(grass_, crop_, Step(0.35f, 0.65f, wide)), soil_, 0.15f), blend);
+  }
+  const float across = (y - static_cast<float>(column)) * kStrip_m,
+              along = (shifted - static_cast<float>(row)) * kField_m;
+  const float edge = std::min({across, kStrip_m - across, along, kField_m - along});
+  const float rim =
+      (1 - blend) * (1 - Step(1.2f, 1.2f + std::max(1.2f, texel), edge)) / std::max(1.0f, texel / 3);
+  colour = Mixed(colour, Hashed(column, 3, salt_) < 0.5f ? kPath : forest_, 0.8f * rim);
+
+  const float wood = woods_.Fractal(north / kWoods_m, east / kWoods_m, Octaves(kWoods_m, texel, 6));
+  const float far_from_start = Step(60, 160, std::hypot(north, east));
+  const float wooded = far_from_start * Step(forest_above_ - 0.004f, forest_above_ + 0.008f, wood);
+  // The crowns of trees, seen as mottle.
+  const float crowns = detail_.Fractal(north / 9, east / 9, Octaves(9, texel, 2));
+  colour = Mixed(colour, forest_ * (0.55f + 0.9f * crowns), wooded);
+
+  const float rough = detail_.Fractal(north / 40, east / 40, Octaves(40, texel, 9));
+  const float blades = texel < 1 ? detail_.At(north / 0.21f, east / 0.21f) - 0.5f : 0;
+  colour *= std::max(0.2f, 0.4f + 1.2f * rough + 0.25f * blades * (1 - wooded));
+  const float dry = Step(0.45f, 0.7f, detail_.Fractal(north / 15 + 100, east / 15, Octaves(15, texel, 5)));
+  colour = Mixed(colour, soil_ * (0.7f + 0.6f * rough), 0.35f * dry * (1 - wooded));
+
+  if (p_.snow_share > 0) {
+    const float height = 0.0006f * terrain_.HillHeight(north, east);
+    const float drift = drifts_.Fractal(north / 170, east / 170, Octaves(170, texel, 8)) + height -
+                        0.12f * wooded + 0.1f * (shade - 0.5f) * (1 - blend);
+    colour = Mixed(colour, kSnow * (0.92f + 0.16f * (rough - 0.5f)),
+                   Step(snow_above_ - 0.03f, snow_above_ + 0.03f, drift));
+  }
+  return colour;
+}
+
+Colour Ground::At(float north, float east, float texel) const {
+  const float r = std::hypot(north, east), azimuth = std::atan2(east, north);
+  Colour colour;
+  if (IsWater(north, east)) {
+    // A mirror of the sky, ruffled: what is seen in it lies somewhat higher than the image of the eye, 60 m
+    // up.
+    const float up = std::atan2(60.0f, r) + 0.05f + 0.04f * (detail_.At(north / 30, east / 30) - 0.5f);
+    colour =
+        0.82f * sky_.At({std::cos(azimuth) * std::cos(up), std::sin(azimuth) * std::cos(up), std::sin(up)});
+  } else {
+    colour = sky_.Lit(Albedo(north, east, texel), terrain_.Normal(north, east), north, east);
+  }
+  return sky_.Hazed(colour, r, azimuth);
+}
+
+}  // namespace kestrel::landscape

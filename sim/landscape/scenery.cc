@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/landscape/scenery.h"
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <numbers>
+
+namespace kestrel::landscape {
+namespace {
+
+constexpr float kTurn = 2 * std::numbers::pi_v<float>;
+const Colour kTrunk(0.28f, 0.22f, 0.17f), kWindow(0.16f, 0.19f, 0.24f);
+
+using Point = Eigen::Vector3f;  // north, east, up
+
+class Builder {
+ public:
+  Builder(Scenery& scenery, const Sky& sky) : scenery_(scenery), sky_(sky) {}
+
+  // Corners clockwise as seen: counterclockwise in the numbers of north, east, up, which are left-handed.
+  void Triangle(const Point& a, const Point& b, const Point& c, const Colour& albedo) {
+    const Eigen::Vector3f normal = (b - a).cross(c - a).normalized();
+    if (!normal.allFinite()) return;
+    const Point middle = (a + b + c) / 3;
+    Paint(a, b, c, sky_.Lit(albedo, normal, middle.x(), middle.y()));
+  }
+  void Quad(const Point& a, const Point& b, const Point& c, const Point& d, const Colour& albedo) {
+    Triangle(a, b, c, albedo);
+    Triangle(a, c, d, albedo);
+  }
+  // In a colour that is lit already.
+  void Paint(const Point& a, const Point& b, const Point& c, const Colour& lit) {
+    const int face = static_cast<int>(scenery_.colours.size());
+    if (face >= kPalette * kPalette) return;
+    const Point middle = (a + b + c) / 3;
+    Mesh& mesh = scenery_.mesh;
+    for (const Point& p : {a, c, b}) {  // the other way round in M
+      mesh.vertices.emplace_back(p.x(), -p.y(), p.z());
+      mesh.normals.emplace_back(0.0f, 0.0f, 1.0f);  // it is drawn as painted
+      mesh.st.emplace_back((static_cast<float>(face % kPalette) + 0.5f) / kPalette,
+                           (static_cast<float>(face / kPalette) + 0.5f) / kPalette);
+    }
+    mesh.faces.emplace_back(3 * face, 3 * face + 1, 3 * face + 2);
+    scenery_.colours.push_back(
+        sky_.Hazed(lit, std::hypot(middle.x(), middle.y()), std::atan2(middle.y(), middle.x())));
+  }
+
+ private:
+  Scenery& scenery_;
+  const Sky& sky_;
+};
+
+struct Site {
+  float north, east, up;
+};
+
+// A leafy crown: a rough ball of rings, wider than high or the other way.
+void Crown(Builder& builder, const Point& centre, float radius, float half_height, const Colour& leaves,
+           RandomStream& random) {
+  constexpr int kBands = 5, kAround = 9;
+  Point p[kBands + 1][kAround];
+  Colour light[kBands][kAround];
+  for (int i = 0; i <= kBands; ++i) {
+    const float polar = std::numbers::pi_v<float> * static_cast<float>(i) / kBands;
+    for (int j = 0; j < kAround; ++j) {
+      const float around = kTurn * (static_cast<float>(j) + 0.5f * static_cast<float>(i % 2)) / kAround;
+      const float bump = i == 0 || i == kBands ? 1.0f : static_cast<float>(random.Uniform(0.72, 1.15));
+      p[i][j] = centre + Point(bump * radius * std::sin(polar) * std::cos(around),
+                               bump * radius * std::sin(polar) * std::sin(around),
+                               bump * half_height * std::cos(polar));
+      if (i < kBands) light[i][j] = leaves * static_cast<float>(random.Uniform(0.6, 1.3));
+    }
+  }
+  for (int i = 0; i < kBands; ++i) {
+    for (int j = 0; j < kAround; ++j) {
+      const int k = (j + 1) % kAround, odd = i % 2;
+      // Rows are half a step apart: which diagonal is the short one alternates.
+      const Point &a = p[i][j], &b = p[i][k], &c = p[i + 1][odd ? k : j],
+                  &e = p[i + 1][odd ? (k + 1) % kAround : k];
+      if (i > 0) builder.Triangle(a, c, b, light[i][j]);
+      if (i + 1 < kBands) builder.Triangle(b, c, e, 0.9f * light[i][j]);
+    }
+  }
+}
+
+void Cone(Builder& builder, const Point& base, float radius, float height, const Colour& colour,
+          RandomStream& random) {
+  constexpr int kAround = 9;
+  const Point tip = base + Point(0, 0, height);
+  for (int j = 0; j < kAround; ++j) {
+    const auto at = [&](int k) {
+      const float around = kTurn * static_cast<float>(k % kAround) / kAround;
+      return Point(base + radius * Point(std::cos(around), std::sin(around), 0));
+    };
+    builder.Triangle(tip, at(j), at(j + 1), colour * static_cast<float>(random.Uniform(0.7, 1.2)));
+  }
+}
+
+// What keeps the sun off level ground: an ellipse from the foot, away from the sun.
+void Shadow(Builder& builder, const Site& site, float radius, float height, const Sky& sky,
+            const Ground& ground) {
+  const Point sun = sky.sun();
+  if (sun.z() < 0.06f || site.up > 3 || std::hypot(site.north, site.east) > 800) return;
+  const Eigen::Vector2f away = -sun.head<2>().normalized();
+  const float length = std::min(height * sun.head<2>().norm() / sun.z(), 12 * height);
+  const Colour lit = ground.At(site.north, site.east, 2);
+  const Colour dark = 0.62f * lit;
+  const Point middle(site.north + 0.55f * length * away.x(), site.east + 0.55f * length * away.y(),
+                     site.up + 0.04f);
+  constexpr int kAround = 16;
+  const auto at = [&](int k) {
+    const float turn = kTurn * static_cast<float>(k % kAround) / kAround;
+    const float along = (0.5f * length + 0.6f * radius) * std::cos(turn), across = radius * std::sin(turn);
+    return Point(middle +
+                 Point(along * away.x() - across * away.y(), along * away.y() + across * away.x(), 0));
+  };
+  for (int k = 0; k < kAround; ++k) builder.Paint(middle, at(k), at(k + 1), dark);
+}
+
+void Tree(Builder& builder, const LandscapeParameters& p, const Site& site, const Sky& sky,
+          const Ground& ground, RandomStream& random) {
+  const float height = static_cast<float>(random.Uniform(6, 17));
+  const float which = static_cast<float>(random.Uniform(0, 1));
+  const bool conifer = random.Uniform(0, 1) < 0.3;
+  const Colour leaves = conifer ? p.forest.cast<float>() * 0.9f
+                                : Mixed(p.leaves.cast<float>(), p.leaves_other.cast<float>(), which);
+  const Point foot(site.north, site.east, site.up - 0.5f);
+  const float radius = conifer ? 0.2f * height : 0.30f * height;
+  Shadow(builder, site, radius, height, sky, ground);
+  constexpr int kSides = 5;
+  const float thick = 0.025f * height, top = conifer ? 0.25f * height : 0.45f * height;
+  for (int k = 0; k < kSides; ++k) {
+    const auto at = [&](int j, float up) {
+      const float turn = kTurn * static_cast<float>(j % kSides) / kSides;
+      return Point(foot + Point(thick * std::cos(turn), thick * std::sin(turn), up));
+    };
+    builder.Quad(at(k, top), at(k, 0), at(k + 1, 0), at(k + 1, top), kTrunk);
+  }
+  if (!conifer)
+    return Crown(builder, foot + Point(0, 0, 0.64f * height), radius, 0.36f * height, leaves, random);
+  for (const float from : {0.16f, 0.42f, 0.66f})
+    Cone(builder, foot + Point(0, 0, from * height), radius * (1.1f - from), 0.42f * height, leaves, random);
+}
+
+void Building(Builder& builder, const Site& site, const Sky& sky, const Ground& ground,
+              RandomStream& random) {
+  const float length = static_cast<float>(random.Uniform(9, 32)),
+              width = static_cast<float>(random.Uniform(7, 14));
+  const int storeys = 1 + static_cast<int>(random.Uniform(0, 3.5));
+  const float height = 3.2f * static_cast<float>(storeys);
+  const float turn = static_cast<float>(random.Uniform(0, kTurn));
+  const float grey = static_cast<float>(random.Uniform(0.45, 0.9)),
+              warm = static_cast<float>(random.Uniform(0, 0.25));
+  const Colour wall(grey, grey * (1 - 0.4f * warm), grey * (1 - warm));
+  const bool gable = random.Uniform(0, 1) < 0.75;
+  const Colour roof = random.Uniform(0, 1) < 0.6 ? Colour(0.46f, 0.24f, 0.18f) : Colour(0.33f, 0.34f, 0.37f);
+  Shadow(builder, site, 0.5f * width, height, sky, ground);
+  const auto at = [&](float along, float across, float up) {
+    return Point(site.north + along * std::cos(turn) - across * std::sin(turn),
+                 site.east + along * std::sin(turn) + across * std::cos(turn), site.up + up);
+  };
+  const float l = length / 2, w = width / 2;
+  const Eigen::Vector2f corners[5] = {{l, w}, {-l, w}, {-l, -w}, {l, -w}, {l, w}};
+  for (int k = 0; k < 4; ++k) {
+    const Eigen::Vector2f a = corners[k], b = corners[k + 1];
+    builder.Quad(at(a.x(), a.y(), height), at(a.x(), a.y(), -1), at(b.x(), b.y(), -1),
+                 at(b.x(), b.y(), height), wall);
+    const Eigen::Vector2f outward = 0.03f * Eigen::Vector2f((a + b).normalized());
+    const float span = (b - a).norm();
+    const int windows = static_cast<int>(span / 3);
+    for (int s = 0; s < storeys; ++s) {
+      for (int i = 0; i < windows; ++i) {
+        const auto corner = [&](float along, float up) {
+          const Eigen::Vector2f q =
+              a + outward + (b - a) * ((static_cast<float>(i) + along) / static_cast<float>(windows));
+          return at(q.x(), q.y(), 3.2f * static_cast<float>(s) + up);
+        };
+        builder.Quad(corner(0.3f, 2.4f), corner(0.3f, 0.9f), corner(0.7f, 0.9f), corner(0.7f, 2.4f), kWindow);
+      }
+    }
+  }
+  const float eaves = height, ridge = gable ? height + 0.42f * width : height;
+  const float o = 0.5f;  // how far the roof reaches over
+  if (!gable) {
+    builder.Quad(at(l, w, eaves), at(l, -w, eaves), at(-l, -w, eaves), at(-l, w, eaves), roof);
+    builder.Quad(at(l, w, eaves), at(-l, w, eaves), at(-l, -w, eaves), at(l, -w, eaves), roof);
+    return;
+  }
+  for (const float side : {1.0f, -1.0f}) {
+    const Point a = at(l + o, side * (w + o), eaves - 0.2f), b = at(-l - o, side * (w + o), eaves - 0.2f);
+    const Point c = at(-l - o, 0, ridge), d = at(l + o, 0, ridge);
+    builder.Quad(a, b, c, d, roof);
+    builder.Quad(d, c, b, a, roof);
+    const Point e = at(side * l, w, eaves), f = at(side * l, -w, eaves), g = at(side * l, 0, ridge);
+    builder.Triangle(e, f, g, wall);
+    builder.Triangle(g, f, e, wall);
+  }
+}
+
+}  // namespace
+
+Scenery MakeScenery(const LandscapeParameters& p, std::uint64_t seed, const Terrain& terrain, const Sky& sky,
+                    const Ground& ground) {
+  Scenery scenery;
+  Builder builder(scenery, sky);
+  RandomStream random(seed, "landscape scenery");
+  const auto site = [&](float nearest, float farthest) {
+    Site s{};
+    for (int attempt = 0; attempt < 8; ++attempt) {
+      const float r = nearest * std::pow(farthest / nearest, static_cast<float>(random.Uniform(0, 1)));
+      const float azimuth = static_cast<float>(random.Uniform(0, kTurn));
+      s = {r * std::cos(azimuth), r * std::sin(azimuth), 0};
+      if (!ground.IsWater(s.north, s.east)) break;
+    }
+    s.up = terrain.Height(s.north, s.east);
+    return s;
+  };
+  for (int i = 0; i < p.buildings; ++i) Building(builder, site(70, 1500), sky, ground, random);
+  for (int i = 0; i < p.trees;) {
+    const Site first = site(40, 1500);
+    const int group = random.Uniform(0, 1) < 0.5 ? 1 : 2 + static_cast<int>(random.Uniform(0, 9));
+    const float spread = 0.8f * static_cast<float>(group) + 6;
+    for (int k = 0; k < group && i < p.trees; ++k, ++i) {
+      Site s = first;
+      if (k > 0) {
+        s.north += spread * static_cast<float>(random.Normal());
+        s.east += spread * static_cast<float>(random.Normal());
+        s.up = terrain.Height(s.north, s.east);
+      }
+      if (std::hypot(s.north, s.east) < 25) continue;  // the start stays free
+      Tree(builder, p, s, sky, ground, random);
+    }
+  }
+  return scenery;
+}
+
+}  // namespace kestrel::landscape

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "sim/landscape.h"
+#include "sim/landscape/mesh.h"
+
+namespace kestrel::landscape {
+
+inline constexpr float kPlaneHalf_m = 300;  // of the flat ground round the origin
+inline constexpr float kInner_m = 290, kOuter_m = 120e3f;
+
+// The round ground with its hills beyond the plane, on rings that grow with the distance.
+class Terrain {
+ public:
+  Terrain(const LandscapeParameters& parameters, std::uint64_t seed);
+
+  // Above the plane of the origin, m; of hills alone: without the Earth's roundness.
+  float Height(float north, float east) const;
+  float HillHeight(float north, float east) const;
+  Eigen::Vector3f Normal(float north, float east) const;  // north, east, up
+  // s: azimuth from 0 to 1; t: the logarithm of the distance, 0 at kInner_m, 1 at kOuter_m.
+  Mesh ToMesh() const;
+
+ private:
+  static constexpr int kRings = 160, kSectors = 512;
+  float Grid(const std::vector<float>& of, float north, float east) const;
+  float Radius(int ring) const;
+
+  std::vector<float> hills_;  // ring after ring
+};
+
+}  // namespace kestrel::landscape
