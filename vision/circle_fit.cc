@@ -42,7 +42,7 @@ class Fitter {
       const Stories s = Tell(Residual(i, x), scatter, o_);
       sum -= contour_[i].weight * std::log(s.on + s.raised + s.wrong);
     }
-    const double u = (-x.z() - o_.dip) / o_.dip_sigma;
+    const double u = (-x.z() - o_.dip) / DipSigma(x);
     return sum * static_cast<double>(stride) + PriorWeight() * u * u / 2;
   }
 
@@ -76,8 +76,8 @@ class Fitter {
   // One step of the maximisation: who belongs where, then weighted least squares. The pull of raised points,
   // constant in their height, enters on the right.
   void Step(Eigen::Vector3d& x, double& scatter) const {
-    Eigen::Matrix3d H = Prior();
-    Eigen::Vector3d g = Prior() * Eigen::Vector3d(0, 0, -o_.dip);
+    Eigen::Matrix3d H = Prior(x);
+    Eigen::Vector3d g = H * Eigen::Vector3d(0, 0, -o_.dip);
     double spread = 0, mass = 0;
     for (std::size_t i = 0; i < rows_.size(); ++i) {
       const double r = Residual(i, x);
@@ -98,7 +98,7 @@ class Fitter {
     CircleFit fit;
     fit.state = x;
     fit.scatter = scatter;
-    Eigen::Matrix3d H = Prior();
+    Eigen::Matrix3d H = Prior(x);
     std::vector<Eigen::Vector3d> gradients;
     double mass = 0, on_mass = 0, raised_sum = 0;
     for (std::size_t i = 0; i < rows_.size(); ++i) {
@@ -115,7 +115,7 @@ class Fitter {
     fit.raised = mass > 0 ? raised_sum / mass : 0;
     // Sandwich with the correlation of neighbours (Newey, West 1987), by azimuth.
     const Eigen::Matrix3d inverse = H.inverse();
-    Eigen::Matrix3d meat = PriorWeight() * Prior();
+    Eigen::Matrix3d meat = PriorWeight() * Prior(x);
     const std::size_t n = rows_.size();
     for (std::size_t i = 0; i < n; ++i)
       for (std::size_t k = 0; k < n; ++k) {
@@ -139,10 +139,13 @@ class Fitter {
 
  private:
   // The prior of the dip counts as much as a few arcs of the contour, not as one of hundreds of points.
-  double PriorWeight() const { return std::max(1.0, static_cast<double>(rows_.size()) / 60); }
-  Eigen::Matrix3d Prior() const {
+  double PriorWeight() const { return std::max(1.0, static_cast<double>(rows_.size()) / 24); }
+  double DipSigma(const Eigen::Vector3d& x) const {
+    return -x.z() > o_.dip ? o_.dip_over_sigma : o_.dip_under_sigma;
+  }
+  Eigen::Matrix3d Prior(const Eigen::Vector3d& x) const {
     Eigen::Matrix3d p = Eigen::Matrix3d::Zero();
-    p(2, 2) = PriorWeight() / (o_.dip_sigma * o_.dip_sigma);
+    p(2, 2) = PriorWeight() / (DipSigma(x) * DipSigma(x));
     p(0, 0) = p(1, 1) = 1e-3;
     return p;
   }

@@ -26,15 +26,16 @@ struct ContourPoint {
 // How a contour strays from the horizon. Whatever stands before it raises it: most points scatter narrowly
 // about the circle, the others lie above it, exponentially fewer with height, and a few are plain wrong.
 struct CircleFitOptions {
-  double raised_scale = 0.05;    // mean height of what stands before the horizon, rad
-  double raised_share = 0.4;     // of the points, beforehand
-  double least_scatter = 0.001;  // of the points on the circle, rad
-  double most_scatter = 0.012;   // rad
-  double dip = 0.007;            // expected, rad
-  double dip_sigma = 0.010;      // rad
-  double least_sigma = 0.0006;   // of the answer: what repeats from azimuth to azimuth, such as the lens
-  double relief_share = 0.12;    // of the raised points' mean height, in the deviation of the answer
-  double correlation = 0.35;     // azimuth over which points err alike at most, rad
+  double raised_scale = 0.05;      // mean height of what stands before the horizon, rad
+  double raised_share = 0.4;       // of the points, beforehand
+  double least_scatter = 0.001;    // of the points on the circle, rad
+  double most_scatter = 0.012;     // rad
+  double dip = 0.005;              // expected, rad
+  double dip_over_sigma = 0.008;   // rad: the horizon of a greater height; more in haze, which hides it
+  double dip_under_sigma = 0.006;  // rad: hills all round
+  double least_sigma = 0.0006;     // of the answer: what repeats from azimuth to azimuth, such as the lens
+  double relief_share = 0.12;      // of the raised points' mean height, in the deviation of the answer
+  double correlation = 0.35;       // azimuth over which points err alike at most, rad
 };
 
 // The contour as elevation = -dip + a cos(azimuth) + b sin(azimuth): a and b tilt the vertical.

@@ -23,17 +23,25 @@ constexpr double kFineLowest_deg = -3.5, kFineHighest_deg = 6.5;
 struct Contour {
   std::vector<ContourPoint> points;
   std::vector<double> gains;
+  double blur = 0;  // median, rad
   int shown = 0;
 };
 
 Contour Gathered(const std::vector<ProfilePoint>& profile, const BandGrid& grid) {
   Contour contour;
+  std::vector<double> blurs;
   for (int i = 0; i < grid.azimuths; ++i) {
     const ProfilePoint& p = profile[static_cast<std::size_t>(i)];
     contour.shown += p.shown;
     if (!p.found) continue;
     contour.points.push_back({grid.Azimuth(i), p.elevation, std::min(1.0, p.gain / 12)});
     contour.gains.push_back(p.gain);
+    blurs.push_back(p.blur);
+  }
+  if (!blurs.empty()) {
+    const auto middle = blurs.begin() + static_cast<std::ptrdiff_t>(blurs.size() / 2);
+    std::nth_element(blurs.begin(), middle, blurs.end());
+    contour.blur = *middle;
   }
   return contour;
 }
@@ -75,6 +83,8 @@ std::optional<Skyline::Close> Skyline::LookClosely(const cv::Mat& half, const Ei
     const auto profile =
         FindContour(band, kWide, start, {Radians(round ? 1.0 : 2.2), Radians(round ? 8.0 : 11.0), 2});
     const Contour contour = Gathered(profile, kWide);
+    // Haze hides the ground next to the horizon: what is seen ends lower, and not sharply.
+    fit_options.dip_over_sigma = 0.02 + 2 * contour.blur;
     const auto fit = FitCircle(contour.points, fit_options);
     if (!fit) return std::nullopt;
     close.horizontal =
@@ -93,7 +103,7 @@ std::optional<Skyline::Close> Skyline::LookClosely(const cv::Mat& half, const Ei
 SkylineResult Skyline::Refine(const cv::Mat& image, const Close& close) const {
   const double step_deg = 0.25;
   const BandGrid grid{kFineAzimuths, static_cast<int>((kFineHighest_deg - kFineLowest_deg) / step_deg) + 1,
-                      Radians(kFineLowest_deg), Radians(step_deg)};
+                      Radians(kFineLowest_deg) - std::clamp(close.dip, 0.0, 0.15), Radians(step_deg)};
   Horizontal h = close.horizontal;
   Eigen::Vector3d state(0, 0, -close.dip);
   std::optional<CircleFit> fit;
@@ -102,7 +112,9 @@ SkylineResult Skyline::Refine(const cv::Mat& image, const Close& close) const {
     const BandSamples band = sampler_.Read(image, 1, h, grid);
     const auto profile = FindContour(band, grid, CircleOf(state, grid), {Radians(0.6), Radians(3.0), 2});
     contour = Gathered(profile, grid);
-    fit = FitCircle(contour.points);
+    CircleFitOptions fit_options;
+    fit_options.dip_over_sigma += 2 * std::max(0.0, contour.blur - 3 * grid.step);
+    fit = FitCircle(contour.points, fit_options);
     if (!fit) return NoSkyline::kTooLittle;
     if (round == 0 && fit->state.head<2>().norm() < Radians(0.3)) break;
     if (round == 0) {

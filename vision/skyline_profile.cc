@@ -40,7 +40,7 @@ struct Body {
 // Log of the odds that a colour is sky: linear, for two bodies that scatter alike (Fisher 1936).
 struct Judge {
   Eigen::Vector3f direction = Eigen::Vector3f::Zero();
-  float offset = 0;
+  float offset = 0, high = 0;  // high: the odds of the mean of the sky
   bool knows = false;
   float Odds(const cv::Vec3f& c) const {
     return direction[0] * c[0] + direction[1] * c[1] + direction[2] * c[2] - offset;
@@ -55,7 +55,8 @@ Judge Learn(const Body& sky, const Body& ground) {
   within.diagonal().array() += kNoise2;
   judge.direction = within.ldlt().solve(apart);
   judge.offset = judge.direction.dot(sky.Mean() + ground.Mean()) / 2;
-  judge.knows = judge.direction.dot(apart) > 0.2f;
+  judge.high = judge.direction.dot(apart) / 2;
+  judge.knows = judge.high > 0.1f;
   return judge;
 }
 
@@ -110,6 +111,12 @@ ProfilePoint Judged(const cv::Vec3f* colour, const uchar* shown, const BandGrid&
   const float above = odds[static_cast<std::size_t>(step)], below = odds[static_cast<std::size_t>(step - 1)];
   const float part = above > 0 && below < 0 ? below / (below - above) : 0.5f;
   point.found = true;
+  // From the step to where the odds are those of the middle half of either body.
+  int up = step, down = step - 1;
+  const float sky = judge.high / 2, ground = -judge.high / 2;
+  while (up < last && odds[static_cast<std::size_t>(up)] < sky) ++up;
+  while (down > first && odds[static_cast<std::size_t>(down)] > ground) --down;
+  point.blur = (up - down) * grid.step;
   point.elevation = grid.Elevation(step - 1) + static_cast<double>(part) * grid.step;
   return point;
 }

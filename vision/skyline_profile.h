@@ -20,6 +20,7 @@ struct ProfilePoint {
   bool shown = false;    // the meridian is in view over most of the band
   bool found = false;    // and has a step in it
   double elevation = 0;  // of the step, rad
+  double blur = 0;       // over which the odds turn at the step, rad: haze, hardly less than a sample
   double gain = 0;       // how much better the step explains the meridian than either body alone, nats
 };
 
