@@ -18,7 +18,7 @@ namespace {
 // of the lens.
 const BandGrid kWide{72, 37, Radians(-13.5), Radians(0.75)};
 constexpr int kFineAzimuths = 240;
-constexpr double kFineLowest_deg = -3.5, kFineHighest_deg = 6.5;
+constexpr double kFineLowest_deg = -3.5, kFineHighest_deg = 13;
 
 struct Contour {
   std::vector<ContourPoint> points;
@@ -80,8 +80,8 @@ std::optional<Skyline::Close> Skyline::LookClosely(const cv::Mat& half, const Ei
   for (int round = 0; round < 2; ++round) {
     const BandSamples band = sampler_.Read(half, 2, close.horizontal, kWide);
     const std::vector<double> start(static_cast<std::size_t>(kWide.azimuths), round ? -close.dip : 0.0);
-    const auto profile =
-        FindContour(band, kWide, start, {Radians(round ? 1.0 : 2.2), Radians(round ? 8.0 : 11.0), 2});
+    const auto profile = FindContour(
+        band, kWide, start, {Radians(round ? 1.0 : 2.2), Radians(round ? 8.0 : 11.0), Radians(13.0), 2});
     const Contour contour = Gathered(profile, kWide);
     // Haze hides the ground next to the horizon: what is seen ends lower, and not sharply.
     fit_options.dip_over_sigma = 0.02 + 2 * contour.blur;
@@ -101,7 +101,7 @@ std::optional<Skyline::Close> Skyline::LookClosely(const cv::Mat& half, const Ei
 }
 
 SkylineResult Skyline::Refine(const cv::Mat& image, const Close& close) const {
-  const double step_deg = 0.25;
+  const double step_deg = 0.3;
   const BandGrid grid{kFineAzimuths, static_cast<int>((kFineHighest_deg - kFineLowest_deg) / step_deg) + 1,
                       Radians(kFineLowest_deg) - std::clamp(close.dip, 0.0, 0.15), Radians(step_deg)};
   Horizontal h = close.horizontal;
@@ -110,7 +110,8 @@ SkylineResult Skyline::Refine(const cv::Mat& image, const Close& close) const {
   Contour contour;
   for (int round = 0; round < 2; ++round) {
     const BandSamples band = sampler_.Read(image, 1, h, grid);
-    const auto profile = FindContour(band, grid, CircleOf(state, grid), {Radians(0.6), Radians(3.0), 2});
+    const auto profile =
+        FindContour(band, grid, CircleOf(state, grid), {Radians(0.6), Radians(3.0), Radians(9.0), 2});
     contour = Gathered(profile, grid);
     CircleFitOptions fit_options;
     fit_options.dip_over_sigma += 2 * std::max(0.0, contour.blur - 3 * grid.step);

@@ -11,8 +11,8 @@ namespace kestrel {
 // below and starts looking like the sky above it. What the two look like is learnt from the band itself, in
 // sectors of azimuth: the side of the sun is another world than the side away from it.
 struct ProfileOptions {
-  double gap = 0.02;    // rad on either side of the contour that teach nothing
-  double reach = 0.10;  // rad from the contour that teach
+  double gap = 0.02;                             // rad on either side of the contour that teach nothing
+  double ground_reach = 0.10, sky_reach = 0.15;  // rad from the contour that teach
   int passes = 2;
 };
 
