@@ -10,17 +10,25 @@ namespace kestrel {
 
 namespace {
 
+constexpr double kNear = 0.015;  // rad, of the consensus
 constexpr double kWrongShare = 0.04, kWrongRange = 0.35;  // wrong points: evenly over that range, rad
 
-// Densities of a residual under the three stories of CircleFitOptions.
+// Densities of a residual under the stories of CircleFitOptions, and how steeply the log of that of a raised
+// point falls with its height.
 struct Stories {
-  double on = 0, raised = 0, wrong = 0;
+  double on = 0, raised = 0, wrong = 0, pull = 0;
+  double All() const { return on + raised + wrong; }
 };
 Stories Tell(double residual, double scatter, const CircleFitOptions& o) {
   Stories s;
   const double u = residual / scatter;
-  s.on = u * u < 50 ? (1 - o.raised_share - kWrongShare) * 0.3989 / scatter * std::exp(-u * u / 2) : 0;
-  if (residual > 0) s.raised = o.raised_share / o.raised_scale * std::exp(-residual / o.raised_scale);
+  s.on = u * u < 50 ? (1 - o.hill_share - o.tall_share - kWrongShare) * 0.3989 / scatter * std::exp(-u * u / 2) : 0;
+  if (residual > 0) {
+    const double hill = o.hill_share / o.hill_scale * std::exp(-residual / o.hill_scale);
+    const double tall = o.tall_share / o.tall_scale * std::exp(-residual / o.tall_scale);
+    s.raised = hill + tall;
+    s.pull = (hill / o.hill_scale + tall / o.tall_scale) / s.raised;
+  }
   s.wrong = kWrongShare / kWrongRange;
   return s;
 }
@@ -36,14 +44,17 @@ class Fitter {
     return contour_[i].elevation - rows_[i].dot(x);
   }
 
-  double Cost(const Eigen::Vector3d& x, double scatter, std::size_t stride) const {
+  // How many points are not near the circle. Hills touch a wrong circle narrowly, so that a narrow agreement
+  // proves nothing: within kNear all are alike, nearly. Ground below the sky's edge is worse than what stands
+  // above it.
+  double Cost(const Eigen::Vector3d& x, std::size_t stride) const {
     double sum = 0;
     for (std::size_t i = 0; i < rows_.size(); i += stride) {
-      const Stories s = Tell(Residual(i, x), scatter, o_);
-      sum -= contour_[i].weight * std::log(s.on + s.raised + s.wrong);
+      const double u = Residual(i, x) / kNear;
+      sum += contour_[i].weight * (u > 0 ? std::min(u * u, 1.0) : std::min(u * u, 1.6));
     }
     const double u = (-x.z() - o_.dip) / DipSigma(x);
-    return sum * static_cast<double>(stride) + PriorWeight() * u * u / 2;
+    return sum * static_cast<double>(stride) + PriorWeight() * std::min(u * u, 16.0) / 2;
   }
 
   Eigen::Vector3d Consensus() const {
@@ -55,8 +66,8 @@ class Fitter {
     };
     const std::size_t stride = std::max<std::size_t>(1, rows_.size() / 60);
     Eigen::Vector3d best(0, 0, -o_.dip);
-    double best_cost = Cost(best, 2 * o_.least_scatter + 0.004, stride);
-    for (int trial = 0; trial < 80; ++trial) {
+    double best_cost = Cost(best, stride);
+    for (int trial = 0; trial < 200; ++trial) {
       Eigen::Matrix3d A;
       Eigen::Vector3d b;
       for (int k = 0; k < 3; ++k) {
@@ -67,7 +78,7 @@ class Fitter {
       if (std::abs(A.determinant()) < 0.2) continue;
       const Eigen::Vector3d x = A.inverse() * b;
       if (x.z() > 0.06 || x.z() < -0.12 || x.head<2>().norm() > 0.5) continue;
-      const double cost = Cost(x, 2 * o_.least_scatter + 0.004, stride);
+      const double cost = Cost(x, stride);
       if (cost < best_cost) best_cost = cost, best = x;
     }
     return best;
@@ -86,7 +97,7 @@ class Fitter {
       const double raised = contour_[i].weight * s.raised / (s.on + s.raised + s.wrong);
       const double w = on / (scatter * scatter);
       H += w * rows_[i] * rows_[i].transpose();
-      g += (w * contour_[i].elevation + raised / o_.raised_scale) * rows_[i];
+      g += (w * contour_[i].elevation + raised * s.pull) * rows_[i];
       spread += on * r * r;
       mass += on;
     }
@@ -108,7 +119,7 @@ class Fitter {
       const double w = contour_[i].weight;
       fit.belongs.push_back(on);
       H += w * on / (scatter * scatter) * rows_[i] * rows_[i].transpose();
-      gradients.push_back(w * (on * r / (scatter * scatter) + raised / o_.raised_scale) * rows_[i]);
+      gradients.push_back(w * (on * r / (scatter * scatter) + raised * s.pull) * rows_[i]);
       mass += w, on_mass += w * on, raised_sum += w * raised * r;
     }
     fit.on_circle = mass > 0 ? on_mass / mass : 0;
@@ -139,7 +150,7 @@ class Fitter {
 
  private:
   // The prior of the dip counts as much as a few arcs of the contour, not as one of hundreds of points.
-  double PriorWeight() const { return std::max(1.0, static_cast<double>(rows_.size()) / 24); }
+  double PriorWeight() const { return std::max(1.0, static_cast<double>(rows_.size()) / 100); }
   double DipSigma(const Eigen::Vector3d& x) const {
     return -x.z() > o_.dip ? o_.dip_over_sigma : o_.dip_under_sigma;
   }
@@ -177,7 +188,7 @@ std::optional<CircleFit> FitCircle(const std::vector<ContourPoint>& contour,
   if (contour.size() < 8) return std::nullopt;
   const Fitter fitter(contour, options);
   Eigen::Vector3d x = fitter.Consensus();
-  double scatter = options.least_scatter + 0.004;
+  double scatter = options.most_scatter;
   for (int k = 0; k < 12; ++k) {
     const Eigen::Vector3d before = x;
     fitter.Step(x, scatter);

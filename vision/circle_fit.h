@@ -26,10 +26,10 @@ struct ContourPoint {
 // How a contour strays from the horizon. Whatever stands before it raises it: most points scatter narrowly
 // about the circle, the others lie above it, exponentially fewer with height, and a few are plain wrong.
 struct CircleFitOptions {
-  double raised_scale = 0.05;      // mean height of what stands before the horizon, rad
-  double raised_share = 0.4;       // of the points, beforehand
+  double hill_scale = 0.018, tall_scale = 0.20;  // mean heights of hills and of trees, houses, ridges, rad
+  double hill_share = 0.35, tall_share = 0.25;   // of the points, beforehand
   double least_scatter = 0.001;    // of the points on the circle, rad
-  double most_scatter = 0.012;     // rad
+  double most_scatter = 0.008;    // rad
   double dip = 0.005;              // expected, rad
   double dip_over_sigma = 0.008;   // rad: the horizon of a greater height; more in haze, which hides it
   double dip_under_sigma = 0.006;  // rad: hills all round
