@@ -5,12 +5,15 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 
 namespace kestrel {
 
 namespace {
 
-constexpr double kNear = 0.015;  // rad, of the consensus
+constexpr double kUneven = 0.028;                         // rad
+constexpr double kElsewhere = 0.06;                       // rad of tilt between two different answers
+constexpr double kNear = 0.015;                           // rad, of the consensus
 constexpr double kWrongShare = 0.04, kWrongRange = 0.35;  // wrong points: evenly over that range, rad
 
 // Densities of a residual under the stories of CircleFitOptions, and how steeply the log of that of a raised
@@ -22,7 +25,9 @@ struct Stories {
 Stories Tell(double residual, double scatter, const CircleFitOptions& o) {
   Stories s;
   const double u = residual / scatter;
-  s.on = u * u < 50 ? (1 - o.hill_share - o.tall_share - kWrongShare) * 0.3989 / scatter * std::exp(-u * u / 2) : 0;
+  s.on = u * u < 50
+             ? (1 - o.hill_share - o.tall_share - kWrongShare) * 0.3989 / scatter * std::exp(-u * u / 2)
+             : 0;
   if (residual > 0) {
     const double hill = o.hill_share / o.hill_scale * std::exp(-residual / o.hill_scale);
     const double tall = o.tall_share / o.tall_scale * std::exp(-residual / o.tall_scale);
@@ -57,7 +62,7 @@ class Fitter {
     return sum * static_cast<double>(stride) + PriorWeight() * std::min(u * u, 16.0) / 2;
   }
 
-  Eigen::Vector3d Consensus() const {
+  Eigen::Vector3d Consensus(double& rival) const {
     // Multiplicative congruence: the draw must be the same on every machine.
     std::uint64_t seed = 0x9E3779B97F4A7C15u;
     const auto draw = [&] {
@@ -67,6 +72,7 @@ class Fitter {
     const std::size_t stride = std::max<std::size_t>(1, rows_.size() / 60);
     Eigen::Vector3d best(0, 0, -o_.dip);
     double best_cost = Cost(best, stride);
+    std::vector<std::pair<double, Eigen::Vector3d>> trials;
     for (int trial = 0; trial < 200; ++trial) {
       Eigen::Matrix3d A;
       Eigen::Vector3d b;
@@ -79,8 +85,16 @@ class Fitter {
       const Eigen::Vector3d x = A.inverse() * b;
       if (x.z() > 0.06 || x.z() < -0.12 || x.head<2>().norm() > 0.5) continue;
       const double cost = Cost(x, stride);
+      trials.emplace_back(cost, x);
       if (cost < best_cost) best_cost = cost, best = x;
     }
+    // By what agrees, not by what does not.
+    double mass = 0;
+    for (const ContourPoint& p : contour_) mass += p.weight;
+    rival = 0;
+    for (const auto& [cost, x] : trials)
+      if ((x - best).head<2>().norm() > kElsewhere)
+        rival = std::max(rival, (mass - cost) / std::max(1e-9, mass - best_cost));
     return best;
   }
 
@@ -111,7 +125,7 @@ class Fitter {
     fit.scatter = scatter;
     Eigen::Matrix3d H = Prior(x);
     std::vector<Eigen::Vector3d> gradients;
-    double mass = 0, on_mass = 0, raised_sum = 0;
+    double mass = 0, on_mass = 0, uneven = 0;
     for (std::size_t i = 0; i < rows_.size(); ++i) {
       const double r = Residual(i, x);
       const Stories s = Tell(r, scatter, o_);
@@ -120,10 +134,10 @@ class Fitter {
       fit.belongs.push_back(on);
       H += w * on / (scatter * scatter) * rows_[i] * rows_[i].transpose();
       gradients.push_back(w * (on * r / (scatter * scatter) + raised * s.pull) * rows_[i]);
-      mass += w, on_mass += w * on, raised_sum += w * raised * r;
+      mass += w, on_mass += w * (std::abs(r) < kNear), uneven += w * std::min(r * r, kUneven * kUneven);
     }
     fit.on_circle = mass > 0 ? on_mass / mass : 0;
-    fit.raised = mass > 0 ? raised_sum / mass : 0;
+    fit.unevenness = mass > 0 ? std::sqrt(uneven / mass) : 0;
     // Sandwich with the correlation of neighbours (Newey, West 1987), by azimuth.
     const Eigen::Matrix3d inverse = H.inverse();
     Eigen::Matrix3d meat = PriorWeight() * Prior(x);
@@ -143,7 +157,9 @@ class Fitter {
     const double arc_points =
         std::max(1.0, o_.correlation / 2 * static_cast<double>(rows_.size()) / (2 * M_PI));
     fit.covariance += inverse * arc_points * 0.25;
-    const double relief = o_.relief_share * fit.raised;
+    // Hills wider than the correlation, and what is hidden by them or out of view, by experience.
+    const double seen = static_cast<double>(n) / o_.azimuths;
+    const double relief = o_.relief_share * fit.unevenness * std::pow(std::max(seen, 0.05), -0.6);
     fit.covariance.diagonal().array() += o_.least_sigma * o_.least_sigma + relief * relief;
     return fit;
   }
@@ -187,14 +203,17 @@ std::optional<CircleFit> FitCircle(const std::vector<ContourPoint>& contour,
                                    const CircleFitOptions& options) {
   if (contour.size() < 8) return std::nullopt;
   const Fitter fitter(contour, options);
-  Eigen::Vector3d x = fitter.Consensus();
+  double rival = 0;
+  Eigen::Vector3d x = fitter.Consensus(rival);
   double scatter = options.most_scatter;
   for (int k = 0; k < 12; ++k) {
     const Eigen::Vector3d before = x;
     fitter.Step(x, scatter);
     if ((x - before).norm() < 1e-6) break;
   }
-  return fitter.Finish(x, scatter);
+  CircleFit fit = fitter.Finish(x, scatter);
+  fit.rival = rival;
+  return fit;
 }
 
 }  // namespace kestrel

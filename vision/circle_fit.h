@@ -28,13 +28,14 @@ struct ContourPoint {
 struct CircleFitOptions {
   double hill_scale = 0.018, tall_scale = 0.20;  // mean heights of hills and of trees, houses, ridges, rad
   double hill_share = 0.35, tall_share = 0.25;   // of the points, beforehand
-  double least_scatter = 0.001;    // of the points on the circle, rad
-  double most_scatter = 0.008;    // rad
-  double dip = 0.005;              // expected, rad
+  double least_scatter = 0.001;                  // of the points on the circle, rad
+  double most_scatter = 0.008;                   // rad
+  double dip = 0.005;                            // expected, rad
   double dip_over_sigma = 0.008;   // rad: the horizon of a greater height; more in haze, which hides it
   double dip_under_sigma = 0.006;  // rad: hills all round
   double least_sigma = 0.0006;     // of the answer: what repeats from azimuth to azimuth, such as the lens
-  double relief_share = 0.12;      // of the raised points' mean height, in the deviation of the answer
+  double relief_share = 0.55;      // of the contour's unevenness, in the deviation of the answer
+  int azimuths = 240;              // all round, of which the contour's points are some
   double correlation = 0.35;       // azimuth over which points err alike at most, rad
 };
 
@@ -43,8 +44,9 @@ struct CircleFit {
   Eigen::Vector3d state = Eigen::Vector3d::Zero();  // (a, b, -dip), rad
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   double scatter = 0;           // of the points on the circle, rad
-  double on_circle = 0;         // share of the points, by weight
-  double raised = 0;            // mean height of the points above the circle, over all points, rad
+  double on_circle = 0;         // share of the points within a degree of the circle, by weight
+  double unevenness = 0;        // root mean square of the residuals, none over kUneven, rad
+  double rival = 0;             // how nearly as good the best circle elsewhere is, 0 to 1
   std::vector<double> belongs;  // per point, 0 to 1
 };
 // The contour in the order of its azimuths, 0 to 2 pi. Consensus of random triples (of a fixed seed), then

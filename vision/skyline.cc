@@ -16,7 +16,7 @@ namespace {
 
 // Coarse: about a candidate that is off by several degrees. Fine: about the coarse answer, by the resolution
 // of the lens.
-const BandGrid kWide{72, 37, Radians(-13.5), Radians(0.75)};
+const BandGrid kWide{72, 39, Radians(-16), Radians(1)};
 constexpr int kFineAzimuths = 240;
 constexpr double kFineLowest_deg = -3.5, kFineHighest_deg = 13;
 
@@ -81,10 +81,10 @@ std::optional<Skyline::Close> Skyline::LookClosely(const cv::Mat& half, const Ei
     const BandSamples band = sampler_.Read(half, 2, close.horizontal, kWide);
     const std::vector<double> start(static_cast<std::size_t>(kWide.azimuths), round ? -close.dip : 0.0);
     const auto profile = FindContour(
-        band, kWide, start, {Radians(round ? 1.0 : 2.2), Radians(round ? 8.0 : 11.0), Radians(13.0), 2});
+        band, kWide, start, {Radians(round ? 1.0 : 4.0), Radians(round ? 8.0 : 14.0), Radians(22.0), 3});
     const Contour contour = Gathered(profile, kWide);
     // Haze hides the ground next to the horizon: what is seen ends lower, and not sharply.
-    fit_options.dip_over_sigma = 0.02 + 2 * contour.blur;
+    fit_options.dip_over_sigma = 0.01 + std::max(0.0, contour.blur - 2 * kWide.step);
     const auto fit = FitCircle(contour.points, fit_options);
     if (!fit) return std::nullopt;
     close.horizontal =
@@ -95,7 +95,9 @@ std::optional<Skyline::Close> Skyline::LookClosely(const cv::Mat& half, const Ei
     double support = 0;
     for (std::size_t i = 0; i < contour.points.size(); ++i)
       support += (0.35 + 0.65 * fit->belongs[i]) * std::min(1.0, contour.gains[i] / 20);
-    close.support = support / std::max<double>(contour.shown, n / 6);
+    close.support = support / std::max<double>(contour.shown, n / 6) +
+                    0.3 * ContourSeparation(band, kWide, profile) -
+                    0.1 * std::max(0.0, Degrees(std::abs(close.dip)) - 2);
   }
   return close;
 }
@@ -132,10 +134,17 @@ SkylineResult Skyline::Refine(const cv::Mat& image, const Close& close) const {
   fix.dip = -fit->state[2];
   fix.circle_seen = static_cast<double>(contour.points.size()) / grid.azimuths;
   fix.agreement = fit->on_circle;
+  fix.rival = fit->rival;
   for (std::size_t i = 0; i < contour.points.size(); ++i)
     fix.points.push_back({h.Direction(contour.points[i].azimuth, contour.points[i].elevation),
                           fit->belongs[i] * contour.points[i].weight});
   if (fix.circle_seen < options_.least_circle) return NoSkyline::kTooLittle;
+  // A short arc is matched by more circles.
+  const double least = options_.least_agreement + 0.25 * std::clamp(2 * (0.55 - fix.circle_seen), 0.0, 1.0);
+  if (fix.agreement < least) return NoSkyline::kUneven;
+  if (fix.rival > options_.most_rival) return NoSkyline::kAmbiguous;
+  if (fix.down_C.dot(R_BC_.transpose() * Eigen::Vector3d::UnitZ()) < std::cos(Radians(options_.max_tilt_deg)))
+    return NoSkyline::kTooLittle;
   const double worst = std::sqrt(fix.covariance.trace());
   if (!(worst < Radians(options_.most_sigma_deg))) return NoSkyline::kTooLittle;
   return fix;

@@ -13,10 +13,12 @@
 namespace kestrel {
 
 struct SkylineOptions {
-  double max_tilt_deg = 75;     // of the aircraft: rules out what would be upside down
-  int candidates = 5;           // directions of the overview that are looked at closely
-  double most_sigma_deg = 2.5;  // of the tilt; worse is no answer
-  double least_circle = 0.10;   // share of the azimuths with a contour
+  double max_tilt_deg = 75;      // of the aircraft: rules out what would be upside down
+  int candidates = 5;            // directions of the overview that are looked at closely
+  double most_sigma_deg = 2.5;   // of the tilt; worse is no answer
+  double least_agreement = 0.5;  // of the contour with one circle; more where less of the circle is seen
+  double most_rival = 0.9;       // a second answer so nearly as good makes it ambiguous
+  double least_circle = 0.10;    // share of the azimuths with a contour
 };
 
 // Attitude from the skyline of one image of any central camera, thesis 6.3.1 to 6.3.3 in its purpose, not its

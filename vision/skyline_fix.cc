@@ -20,6 +20,8 @@ const char* NameOf(NoSkyline reason) {
       return "no_sky";
     case NoSkyline::kNoGround:
       return "no_ground";
+    case NoSkyline::kUneven:
+      return "uneven_skyline";
     case NoSkyline::kAmbiguous:
       return "ambiguous";
     case NoSkyline::kTooLittle:

@@ -20,7 +20,8 @@ struct SkylineFix {
   Eigen::Matrix3d covariance;  // of down_C, rad^2; of rank 2: none along down_C
   double dip = 0;              // of the horizon below the horizontal, rad
   double circle_seen = 0;      // share of the azimuths in which the contour was found, 0 to 1
-  double agreement = 0;        // share of those whose contour lies on the fitted circle
+  double agreement = 0;        // share of those whose contour lies within a degree of the fitted circle
+  double rival = 0;            // how nearly as good the best answer elsewhere is, 0 to 1
   std::vector<SkylineRay> points;
 };
 
@@ -32,6 +33,7 @@ enum class NoSkyline {
   kNoContrast,  // one even surface: a capped lens, dense fog
   kNoSky,       // ground alone in view
   kNoGround,    // sky alone in view
+  kUneven,      // the contour lies on no one circle: hills, houses or haze nearly all round
   kAmbiguous,   // two answers are nearly as good
   kTooLittle,   // so little of the skyline is seen that its tilt is not known
   kFrozen,      // the very image of the last time: only a wrapper with a memory says so

@@ -15,7 +15,7 @@ constexpr float kMost = 3;            // nats that one sample may say: clouds an
 constexpr float kLeastGain = 4;       // nats of a step
 constexpr float kLeastApart = 0.08f;  // Bhattacharyya's distance of two bodies
 constexpr float kSkyReach2 = 9;       // squared distance from the sky's mean, in its scatter
-constexpr float kElsewhere = 0.05f;   // weight of the other sectors
+constexpr float kElsewhere = 0.08f;   // weight of the other sectors
 constexpr float kNoise2 = 3;          // of the sensor and of the quantisation, grey levels squared
 
 struct Body {
@@ -212,6 +212,31 @@ std::vector<ProfilePoint> FindContour(const BandSamples& band, const BandGrid& g
     }
   }
   return points;
+}
+
+double ContourSeparation(const BandSamples& band, const BandGrid& grid,
+                         const std::vector<ProfilePoint>& points) {
+  Body sky, ground;
+  for (int i = 0; i < grid.azimuths; ++i) {
+    const ProfilePoint& point = points[static_cast<std::size_t>(i)];
+    if (!point.found) continue;
+    const auto* colour = band.colour.ptr<cv::Vec3f>(i);
+    const auto* shown = band.shown.ptr<uchar>(i);
+    const double middle = (point.elevation - grid.lowest) / grid.step;
+    for (int j = 0; j < grid.elevations; ++j) {
+      if (!shown[j] || std::abs(j - middle) < 1) continue;
+      (j > middle ? sky : ground).Add(colour[j]);
+    }
+  }
+  if (sky.n < 12 || ground.n < 12) return 0;
+  Body both = sky;
+  both.Add(ground, 1);
+  const auto volume = [](const Body& body) {
+    Eigen::Matrix3f covariance = body.Scatter() / body.n;
+    covariance.diagonal().array() += kNoise2;
+    return 0.5f * std::log(covariance.determinant());
+  };
+  return static_cast<double>(volume(both) - (sky.n * volume(sky) + ground.n * volume(ground)) / both.n);
 }
 
 }  // namespace kestrel

@@ -28,4 +28,9 @@ struct ProfilePoint {
 std::vector<ProfilePoint> FindContour(const BandSamples& band, const BandGrid& grid,
                                       const std::vector<double>& contour, const ProfileOptions& options);
 
+// How much better the contour's two bodies explain the band than one does, nats per sample: bodies over all
+// azimuths, so that a contour which has ground on its upper side anywhere explains less.
+double ContourSeparation(const BandSamples& band, const BandGrid& grid,
+                         const std::vector<ProfilePoint>& points);
+
 }  // namespace kestrel
