@@ -13,7 +13,7 @@
 namespace kestrel {
 
 struct SkylineOptions {
-  double max_tilt_deg = 75;      // of the aircraft: rules out what would be upside down
+  double max_tilt_deg = 60;      // of the aircraft: rules out what would be upside down
   int candidates = 5;            // directions of the overview that are looked at closely
   double most_sigma_deg = 2.5;   // of the tilt; worse is no answer
   double least_agreement = 0.5;  // of the contour with one circle; more where less of the circle is seen
