@@ -20,7 +20,6 @@ constexpr double kWrongShare = 0.04, kWrongRange = 0.35;  // wrong points: evenl
 // point falls with its height.
 struct Stories {
   double on = 0, raised = 0, wrong = 0, pull = 0;
-  double All() const { return on + raised + wrong; }
 };
 Stories Tell(double residual, double scatter, const CircleFitOptions& o) {
   Stories s;
@@ -159,7 +158,7 @@ class Fitter {
     fit.covariance += inverse * arc_points * 0.25;
     // Hills wider than the correlation, and what is hidden by them or out of view, by experience.
     const double seen = static_cast<double>(n) / o_.azimuths;
-    const double relief = o_.relief_share * fit.unevenness * std::pow(std::max(seen, 0.05), -0.6);
+    const double relief = o_.relief_share * fit.unevenness * std::pow(std::max(seen, 0.05), -0.8);
     fit.covariance.diagonal().array() += o_.least_sigma * o_.least_sigma + relief * relief;
     return fit;
   }
