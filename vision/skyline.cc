@@ -18,6 +18,7 @@ namespace {
 // of the lens.
 const BandGrid kWide{72, 39, Radians(-16), Radians(1)};
 constexpr int kFineAzimuths = 240;
+constexpr double kLeastFound = 0.45;  // of the meridians in view
 constexpr double kFineLowest_deg = -3.5, kFineHighest_deg = 13;
 
 struct Contour {
@@ -141,7 +142,9 @@ SkylineResult Skyline::Refine(const cv::Mat& image, const Close& close) const {
   if (fix.circle_seen < options_.least_circle) return NoSkyline::kTooLittle;
   // A short arc is matched by more circles.
   const double least = options_.least_agreement + 0.25 * std::clamp(2 * (0.55 - fix.circle_seen), 0.0, 1.0);
-  if (fix.agreement < least) return NoSkyline::kUneven;
+  // A horizon leaves its step on most of the meridians that are in view.
+  const bool sparse = static_cast<double>(contour.points.size()) < kLeastFound * contour.shown;
+  if (fix.agreement < least || sparse) return NoSkyline::kUneven;
   if (fix.rival > options_.most_rival) return NoSkyline::kAmbiguous;
   if (fix.down_C.dot(R_BC_.transpose() * Eigen::Vector3d::UnitZ()) < std::cos(Radians(options_.max_tilt_deg)))
     return NoSkyline::kTooLittle;
