@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <opencv2/core.hpp>
+#include <optional>
+
+#include "vision/horizon_drawing.h"
+#include "vision/skyline.h"
+#include "vision/visual_compass.h"
+
+namespace kestrel {
+
+// Attitude and heading from one camera, image by image: the skyline's raw "down", with the one thing that
+// takes a memory (an image that is the last one over again tells nothing new), and the compass on top of it.
+class HorizonAttitude {
+ public:
+  struct Measurement {
+    SkylineResult skyline;
+    std::optional<RollPitch> attitude;  // of B; none as skyline says
+    std::optional<Eigen::Vector3d> down_B;
+    Eigen::Matrix3d covariance_B = Eigen::Matrix3d::Zero();  // of down_B
+    CompassResult compass;
+  };
+
+  HorizonAttitude(const CameraModel& camera, const Eigen::Matrix3d& R_BC, const cv::Mat& forbidden,
+                  const SkylineOptions& skyline, const CompassOptions& compass);
+
+  // expected_down_B, expected_turn: what other sensors say, if they do; they help to choose and are not mixed
+  // into the measurement.
+  Measurement Measure(const cv::Mat& image, const std::optional<Eigen::Vector3d>& expected_down_B = {},
+                      const std::optional<double>& expected_turn = {});
+
+  cv::Mat Draw(const cv::Mat& image, const Measurement& measurement) const;
+
+ private:
+  CameraModel camera_;
+  Eigen::Matrix3d R_BC_;
+  Skyline skyline_;
+  VisualCompass compass_;
+  std::optional<std::uint64_t> last_hash_;
+};
+
+}  // namespace kestrel
