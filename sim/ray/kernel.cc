@@ -362,18 +362,43 @@ void DrawRowsImpl(const Slice& slice, int begin, int end, const Canvas& canvas) 
 
 // Eight places in a pixel, each in a column and a row of its own, the nearest to the middle first.
 constexpr int kSubpixels = 8;
-constexpr float kAcross[kSubpixels] = {1 / 16.f,  -1 / 16.f, 5 / 16.f, -3 / 16.f,
-                                       -5 / 16.f, -7 / 16.f, 3 / 16.f, 7 / 16.f};
-constexpr float kDown[kSubpixels] = {-3 / 16.f, 3 / 16.f,  1 / 16.f, -5 / 16.f,
-                                     5 / 16.f,  -1 / 16.f, 7 / 16.f, -7 / 16.f};
+alignas(64) constexpr float kAcross[kSubpixels] = {1 / 16.f,  -1 / 16.f, 5 / 16.f, -3 / 16.f,
+                                                   -5 / 16.f, -7 / 16.f, 3 / 16.f, 7 / 16.f};
+alignas(64) constexpr float kDown[kSubpixels] = {-3 / 16.f, 3 / 16.f,  1 / 16.f, -5 / 16.f,
+                                                 5 / 16.f,  -1 / 16.f, 7 / 16.f, -7 / 16.f};
 
 // Up to kLanes pixels of one tile, a lane each. `wanted`: the lanes in use.
 struct EdgePixels {
-  Vec3 middle, across, down;  // the rays of the pixels, and the steps to the neighbours'
-  MF wanted;
+  int count = 0;
+  // The rays of the pixels, and the steps to the neighbours': x, y, z of each. Beyond `count` the last again.
+  alignas(64) float middle[3][kLanes], across[3][kLanes], down[3][kLanes];
 
+  MF Wanted() const { return hn::FirstN(df, static_cast<std::size_t>(count)); }
+  // Of each pixel the k-th ray.
   Rays At(int k) const {
-    return {Along(Along(middle, F(kAcross[k]), across), F(kDown[k]), down), across, down};
+    const auto load = [](const float(&of)[3][kLanes]) {
+      return Vec3{hn::Load(df, of[0]), hn::Load(df, of[1]), hn::Load(df, of[2])};
+    };
+    const Vec3 du = load(across), dv = load(down);
+    return {Along(Along(load(middle), F(kAcross[k]), du), F(kDown[k]), dv), du, dv};
+  }
+  // The rays of one or two pixels, one after the other: side by side, they go the same way.
+  static constexpr int kTogether = std::max(1, kLanes / kSubpixels);
+  Vec3 Of(int pixel, int first_ray) const {
+    const MF one = hn::FirstN(df, kSubpixels);
+    const int other = std::min(pixel + kTogether - 1, kLanes - 1);
+    const auto spread = [&](const float(&of)[kLanes]) {
+      return kTogether == 1 ? F(of[pixel]) : hn::IfThenElse(one, F(of[pixel]), F(of[other]));
+    };
+    const auto load = [&](const float(&of)[3][kLanes]) {
+      return Vec3{spread(of[0]), spread(of[1]), spread(of[2])};
+    };
+    alignas(64) float a[kLanes], d[kLanes];
+    for (int i = 0; i < kLanes; ++i) {
+      a[i] = kAcross[(first_ray + i) % kSubpixels];
+      d[i] = kDown[(first_ray + i) % kSubpixels];
+    }
+    return Along(Along(load(middle), hn::Load(df, a), load(across)), hn::Load(df, d), load(down));
   }
 };
 
@@ -394,24 +419,46 @@ void MeanOfAll(const Slice& slice, const Seen& seen, const EdgePixels& pixels, C
     TriangleHits triangles;
     Hit hit = Trace(slice, seen, rays.d, triangles);
     EndPlane(slice, rays.d, hit);
-    Add(Look(slice, seen, rays, hit, triangles, pixels.wanted).colour, F(1.0f / kSubpixels), sum);
+    Add(Look(slice, seen, rays, hit, triangles, pixels.Wanted()).colour, F(1.0f / kSubpixels), sum);
   }
 }
 
 // One colour for each side of each thing in a pixel, by how many of the rays meet it. False: something
 // transparent is before them.
 bool MeanBySides(const Slice& slice, const Seen& seen, const EdgePixels& pixels, Colours& sum) {
-  Hit hits[kSubpixels];
+  alignas(64) float t_of[kSubpixels][kLanes] = {};
+  alignas(64) std::int32_t thing_of[kSubpixels][kLanes] = {};
   TriangleHits triangles[kSubpixels];
+  for (int ray = 0; ray < pixels.count * kSubpixels; ray += kLanes) {
+    const Vec3 d = pixels.Of(ray / kSubpixels, ray % kSubpixels);
+    TriangleHits met;
+    const Hit hit = Trace(slice, seen, d, met);
+    if (!hn::AllFalse(df, Veiled(slice, seen, d, hit.t))) return false;
+    alignas(64) float t[kLanes];
+    alignas(64) std::int32_t thing[kLanes];
+    hn::Store(hit.t, df, t);
+    hn::Store(hit.thing, di, thing);
+    for (int i = 0; i < kLanes; ++i) {
+      const int k = (ray + i) % kSubpixels, pixel = (ray + i) / kSubpixels;
+      if (pixel >= kLanes) break;
+      t_of[k][pixel] = t[i];
+      thing_of[k][pixel] = thing[i];
+      if (thing[i] < 0 || !slice.things->all[thing[i]].triangles) continue;
+      triangles[k].face[pixel] = met.face[i];
+      triangles[k].u[pixel] = met.u[i];
+      triangles[k].v[pixel] = met.v[i];
+    }
+  }
+  const MF wanted = pixels.Wanted();
+  Hit hits[kSubpixels];
   VI code[kSubpixels];
   for (int k = 0; k < kSubpixels; ++k) {
     const Vec3 d = pixels.At(k).d;
-    hits[k] = Trace(slice, seen, d, triangles[k]);
-    if (!hn::AllFalse(df, hn::And(pixels.wanted, Veiled(slice, seen, d, hits[k].t)))) return false;
+    hits[k] = {hn::Load(df, t_of[k]), hn::Load(di, thing_of[k])};
     alignas(64) std::int32_t index[kLanes];
     hn::Store(hits[k].thing, di, index);
     code[k] = hn::Zero(di);
-    for (MF left = pixels.wanted; !hn::AllFalse(df, left);) {
+    for (MF left = wanted; !hn::AllFalse(df, left);) {
       const int i = index[hn::FindFirstTrue(df, left)];
       const MF here = hn::And(left, hn::RebindMask(df, hn::Eq(hits[k].thing, hn::Set(di, i))));
       left = hn::AndNot(here, left);
@@ -425,7 +472,7 @@ bool MeanBySides(const Slice& slice, const Seen& seen, const EdgePixels& pixels,
     alignas(64) std::int32_t codes[kLanes], index[kLanes];
     hn::Store(hits[first].thing, di, index);
     for (;;) {
-      const MF left = hn::And(pixels.wanted, hn::RebindMask(df, hn::Ne(code[first], hn::Set(di, -1))));
+      const MF left = hn::And(wanted, hn::RebindMask(df, hn::Ne(code[first], hn::Set(di, -1))));
       if (hn::AllFalse(df, left)) break;
       hn::Store(code[first], di, codes);
       const auto lane = hn::FindFirstTrue(df, left);
@@ -528,19 +575,18 @@ void SmoothRowsImpl(const Slice& slice, int begin, int end, const Canvas& canvas
     for (int from = 0; from < edges; from += kLanes) {
       const int count = std::min(kLanes, edges - from);
       EdgePixels pixels;
-      const auto gather = [&](const Aligned<float>& of, VF& middle, VF& across, VF& down) {
-        alignas(64) float m[kLanes], a[kLanes], d[kLanes];
-        for (int i = 0; i < kLanes; ++i) {
-          const Place& place = found[from + std::min(i, count - 1)];
-          const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(place.v) * lens.stride + place.u;
-          m[i] = of[at], a[i] = of[at + 1] - m[i], d[i] = of[at + lens.stride] - m[i];
+      pixels.count = count;
+      const Aligned<float>* const table[3] = {&lens.x, &lens.y, &lens.z};
+      for (int i = 0; i < kLanes; ++i) {
+        const Place& place = found[from + std::min(i, count - 1)];
+        const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(place.v) * lens.stride + place.u;
+        for (int c = 0; c < 3; ++c) {
+          const float* const of = table[c]->get() + at;
+          pixels.middle[c][i] = of[0];
+          pixels.across[c][i] = of[1] - of[0];
+          pixels.down[c][i] = of[lens.stride] - of[0];
         }
-        middle = hn::Load(df, m), across = hn::Load(df, a), down = hn::Load(df, d);
-      };
-      gather(lens.x, pixels.middle.x, pixels.across.x, pixels.down.x);
-      gather(lens.y, pixels.middle.y, pixels.across.y, pixels.down.y);
-      gather(lens.z, pixels.middle.z, pixels.across.z, pixels.down.z);
-      pixels.wanted = hn::FirstN(df, static_cast<std::size_t>(count));
+      }
       Colours mean;
       if (!simple || !MeanBySides(slice, seen, pixels, mean)) MeanOfAll(slice, seen, pixels, mean);
       alignas(64) std::int32_t channel[3][kLanes];
