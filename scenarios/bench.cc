@@ -259,6 +259,56 @@ void BenchFisheye(Seeds seeds, int jobs, std::vector<Figure>& table) {
               table);
 }
 
+// Thesis table 6.3: our own and the thesis's method on the same images.
+void BenchAttitude(Seeds seeds, int jobs, std::vector<Figure>& table) {
+  struct Reference {
+    const char *roll, *pitch, *yaw;
+  };
+  constexpr Reference kThesis[] = {
+      {"0.18", "4.37", "1.25"}, {"2.75", "2.83", "10.8"}, {"0.94", "4.09", "6.04"}, {"2.86", "1.92", "5.01"}};
+  double outliers = 0;
+  std::vector<double> within, vision_ms;
+  for (int k = 0; k < 4; ++k) {
+    const std::string name = fmt::format("attitude_{}", k + 1);
+    const auto flights = FlyAll(name, {"flight.baseline=true"}, seeds, jobs, name);
+    const auto add = [&](const char* what, const char* metric, double target, const char* thesis) {
+      const std::string line = fmt::format("{}, {}", name, what);
+      table.push_back({line, Rms(Values(flights, metric)), "deg", target, false, thesis});
+      table.push_back({line + ", the thesis's method",
+                       Rms(Values(flights, std::string("baseline_") + metric)),
+                       "deg",
+                       {},
+                       false,
+                       thesis});
+    };
+    add("roll RMSE", "roll_rmse_deg", 0.4, kThesis[k].roll);
+    add("pitch RMSE", "pitch_rmse_deg", 0.4, kThesis[k].pitch);
+    add("yaw RMSE", "yaw_rmse_deg", 1, kThesis[k].yaw);
+    table.push_back(
+        {name + ", yaw RMSE in the second half over the first",
+         Rms(Values(flights, "yaw_rmse_second_half_deg")) / Rms(Values(flights, "yaw_rmse_first_half_deg")),
+         "times",
+         {},
+         false,
+         ""});
+    const std::vector<double> share = Values(flights, "attitude_share");
+    table.push_back({name + ", frames with an attitude",
+                     *std::min_element(share.begin(), share.end()),
+                     "share",
+                     {},
+                     true,
+                     ""});
+    for (const double n : Values(flights, "attitude_outliers")) outliers += n;
+    for (const double w : Values(flights, "attitude_within_2_sigma")) within.push_back(w);
+    for (const FlownScenario& f : flights) vision_ms.push_back(f.summary.stages.at("vision").mean_ms);
+  }
+  table.push_back({"attitude, errors over 5 degrees said to be valid", outliers, "frames", 0, false, "seen"});
+  double mean_within = 0;
+  for (const double w : within) mean_within += w / static_cast<double>(within.size());
+  table.push_back({"attitude, within 2 of its own deviations", mean_within, "share", 0.9, true, "none"});
+  table.push_back({"attitude and heading, mean a frame", Quantile(vision_ms, 0.5), "ms", 5, false, "50"});
+}
+
 void BenchDrift(Seeds seeds, int jobs, std::vector<Figure>& table) {
   const auto errors = [&](bool registration) {
     return ErrorsOf(
@@ -369,7 +419,7 @@ void WriteJson(const std::string& file, const std::vector<Figure>& table) {
 }  // namespace
 
 std::vector<std::string> BenchNames() {
-  return {"flights", "fisheye", "drift", "heights", "speed", "render", "calibration"};
+  return {"flights", "fisheye", "attitude", "drift", "heights", "speed", "render", "calibration"};
 }
 
 bool Bench(const BenchArguments& arguments) {
@@ -378,6 +428,7 @@ bool Bench(const BenchArguments& arguments) {
   std::vector<Figure> table;
   if (chosen("flights")) BenchFlights(seeds, arguments.jobs, table);
   if (chosen("fisheye")) BenchFisheye(seeds, arguments.jobs, table);
+  if (chosen("attitude")) BenchAttitude(seeds, arguments.jobs, table);
   if (chosen("drift")) BenchDrift(seeds, arguments.jobs, table);
   if (chosen("heights")) BenchHeights(seeds, table);
   if (chosen("speed")) BenchSpeed(seeds, table);

@@ -17,6 +17,7 @@
 #include "scenarios/bench.h"
 #include "scenarios/calibrate_command.h"
 #include "scenarios/files.h"
+#include "scenarios/horizon_command.h"
 #include "scenarios/junit.h"
 #include "scenarios/mirror_command.h"
 #include "scenarios/render_board.h"
@@ -188,8 +189,9 @@ int Main(int argc, char** argv) {
   BenchArguments bench;
   CLI::App* bench_command = app.add_subcommand("bench", "Measure: a table of figures beside their targets");
   bench_command
-      ->add_option("name", bench.name,
-                   "flights, fisheye, drift, heights, speed, render, calibration; all when none is given")
+      ->add_option(
+          "name", bench.name,
+          "flights, fisheye, attitude, drift, heights, speed, render, calibration; all when none is given")
       ->check(CLI::IsMember(BenchNames()));
   bench_command->add_option("--seeds", bench.seeds, "A..B, first and last")->capture_default_str();
   bench_command->add_option("--jobs", bench.jobs, "Flights at the same time")
@@ -201,6 +203,8 @@ int Main(int argc, char** argv) {
   CLI::App* mirror_command = AddMirrorCommand(app, mirror);
   ViewArguments view;
   const CLI::App* view_command = AddViewCommand(app, view);
+  HorizonArguments horizon;
+  const CLI::App* horizon_command = AddHorizonCommand(app, horizon);
   CalibrateArguments calibrate;
   const CLI::App* calibrate_command = AddCalibrateCommand(app, calibrate);
   RenderBoardArguments render_board;
@@ -223,6 +227,10 @@ int Main(int argc, char** argv) {
     }
     if (*view_command) {
       ViewCommand(view);
+      return kMet;
+    }
+    if (*horizon_command) {
+      HorizonCommand(horizon);
       return kMet;
     }
     if (*calibrate_command) {

@@ -26,6 +26,12 @@ std::vector<std::string> MetricNames();
 //                                         sideways
 //   rest_error_m, rest_tilt_deg           at the end of a landing
 //   greatest_tilt_deg                     of the flight
+//   roll_rmse_deg, pitch_rmse_deg         of the attitude that images gave, at their exposures
+//   attitude_share, attitude_outliers     share of the frames with one; how many were wrong by over 5 degrees
+//   attitude_within_2_sigma               share of rolls and pitches no farther off than they state
+//   yaw_rmse_deg, yaw_rmse_first_half_deg, yaw_rmse_second_half_deg
+//                                         of the heading since the first image that had one
+//   baseline_...                          the same of the thesis's own method
 std::map<std::string, double> Metrics(const std::vector<LogRow>& rows, const std::optional<Truth>& touch);
 
 }  // namespace kestrel

@@ -20,14 +20,25 @@ struct TargetFix {
   bool registered = false;                         // against the reference appearance, so free of drift
 };
 
+// What one image says of the attitude, before any filter.
+struct AttitudeFix {
+  double roll = 0, pitch = 0;              // rad
+  double roll_sigma = 0, pitch_sigma = 0;  // rad, as the measurement itself states them
+  std::optional<double> turned;            // rad, clockwise since the first image, over any number of turns
+  double turned_sigma = 0;                 // rad
+};
+
 // What the flight code decided on one frame.
 struct Decision {
   std::optional<Setpoint> setpoint;  // none: the last one stands until it is stale
   std::string_view phase;            // of the flight plan: "search", "centre", "descend", ...
   std::string_view target;  // "tracked", "found" (in this frame), "chained", "refused" (seen where it cannot
-                            // be), "lost", "frozen" (the image repeats itself)
-  std::optional<TargetFix> fix;           // none while the target is lost
-  double fix_age_s = 0;                   // time since the exposure of the newest fix; grows while lost
+                            // be), "lost", "frozen" (the image repeats itself); of an attitude "horizon",
+                            // or the reason why there is none
+  std::optional<TargetFix> fix;  // none while the target is lost
+  double fix_age_s = 0;          // time since the exposure of the newest fix; grows while lost
+  std::optional<AttitudeFix> attitude;
+  std::optional<AttitudeFix> baseline;    // the thesis's own way, where both are compared
   std::optional<Eigen::Vector3d> goal_T;  // where the aircraft is meant to be, in the target's frame, m
   double goal_yaw_TB = 0;                 // the yaw that goes with it, rad
   std::string_view outcome;               // not empty: the flight is over, and this is how

@@ -87,6 +87,15 @@ Columns::Columns(const LogRow& row) {
   Number("fix_visible", seen, fix.visible);
   Number("fix_registered", seen, fix.registered);
   Number("fix_age_s", decision.fix_age_s);
+  const bool level = decision.attitude.has_value();
+  const AttitudeFix attitude_fix = decision.attitude.value_or(AttitudeFix{});
+  Number("horizon_roll_deg", level, Degrees(attitude_fix.roll));
+  Number("horizon_pitch_deg", level, Degrees(attitude_fix.pitch));
+  Number("horizon_roll_sigma_deg", level, Degrees(attitude_fix.roll_sigma));
+  Number("horizon_pitch_sigma_deg", level, Degrees(attitude_fix.pitch_sigma));
+  const bool headed = attitude_fix.turned.has_value();
+  Number("compass_turned_deg", headed, Degrees(attitude_fix.turned.value_or(0)));
+  Number("compass_sigma_deg", headed, Degrees(attitude_fix.turned_sigma));
 
   const Setpoint* setpoint = decision.setpoint ? &*decision.setpoint : nullptr;
   const auto* velocity = std::get_if<VelocitySetpoint>(setpoint);

@@ -11,6 +11,7 @@
 
 #include "scenarios/check_image.h"
 #include "scenarios/metrics.h"
+#include "sim/horizon.h"
 #include "vision/calibration_file.h"
 
 namespace kestrel {
@@ -98,13 +99,13 @@ std::optional<LandscapeParameters> LandscapeOf(const std::string& world, Mistake
 }
 
 // Whether a flight looks for the pad: all do that do not say otherwise, by a constant kPadless.
+template <class Each>
+constexpr bool kLooksForPad = [] {
+  if constexpr (requires { Each::kPadless; }) return !Each::kPadless;
+  return true;
+}();
 bool NeedsPad(const Flight& flight) {
-  return std::visit(
-      []<class Each>(const Each&) {
-        if constexpr (requires { Each::kPadless; }) return !Each::kPadless;
-        return true;
-      },
-      flight);
+  return std::visit([]<class Each>(const Each&) { return kLooksForPad<Each>; }, flight);
 }
 
 // What of a scenario and a landscape does not go together.
@@ -233,7 +234,7 @@ LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<s
     sim.camera = LoadCamera(*camera, mistakes);
     if (mistakes.messages().size() == before) {
       CheckImage(s.image, HeightPx(sim.camera), WhereOf(config, "image", where), mistakes);
-      if (!TrackersCamera(sim.camera)) {
+      if (NeedsPad(s.flight) && !TrackersCamera(sim.camera)) {
         mistakes.Add(camera->string(), "",
                      "does not see along its own optical axis, where these flights look for the pad");
       }
@@ -302,10 +303,18 @@ LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<s
 }
 
 std::unique_ptr<Mission> MakeMission(const LoadedScenario& loaded) {
-  HelipadPilot pilot(loaded.pad, loaded.simulator.camera, MountPose(loaded.simulator.mount),
-                     loaded.scenario.pilot);
-  return std::visit([&](const auto& flight) { return MakeMission(flight, std::move(pilot)); },
-                    loaded.scenario.flight);
+  const SimulatorParameters& sim = loaded.simulator;
+  const Pose X_BC = MountPose(sim.mount);
+  return std::visit(
+      [&]<class Each>(const Each& flight) {
+        if constexpr (kLooksForPad<Each>) {
+          return MakeMission(flight, HelipadPilot(loaded.pad, sim.camera, X_BC, loaded.scenario.pilot));
+        } else {
+          const ModelPtr model = MakeModel(sim.scene, false);
+          return MakeMission(flight, sim.camera, X_BC, OwnParts(model.get(), sim.camera, X_BC), sim.seed);
+        }
+      },
+      loaded.scenario.flight);
 }
 
 }  // namespace kestrel

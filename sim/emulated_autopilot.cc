@@ -113,7 +113,7 @@ EmulatedAutopilot::Demand EmulatedAutopilot::Navigate(double dt_s) {
     case FlightMode::kAttitude: {
       const auto& a = std::get<AttitudeSetpoint>(setpoint_);
       v_N_command_ = estimator_.v_N();
-      const double limit = Radians(parameters_.tilt_limit_deg);
+      const double limit = Radians(parameters_.stick_limit_deg);
       tilt_limited_ = std::abs(a.roll) * parameters_.roll.gain > limit ||
                       std::abs(a.pitch) * parameters_.pitch.gain > limit;
       const double max_thrust =
@@ -187,7 +187,8 @@ EmulatedAutopilot::Demand EmulatedAutopilot::FollowVelocity(double dt_s, const E
 // Makes the aircraft follow the identified models, whose state is the reference: feed-forward of its
 // acceleration, feedback on attitude and rate.
 RotorSpeeds EmulatedAutopilot::Stabilise(double dt_s, const Demand& demand) {
-  const double limit = Radians(parameters_.tilt_limit_deg);
+  const double limit =
+      Radians(mode_ == FlightMode::kAttitude ? parameters_.stick_limit_deg : parameters_.tilt_limit_deg);
   const double rate_limit = Radians(parameters_.yaw_rate_limit_deg_s);
   yaw_command_ += dt_s * std::clamp(demand.yaw_rate, -rate_limit, rate_limit);
   roll_.Step(dt_s, parameters_.roll,

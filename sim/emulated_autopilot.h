@@ -20,6 +20,7 @@ struct AxisLoop {
 struct AutopilotParameters {
   AxisLoop roll{7.07, 0.72, 0.80}, pitch{7.07, 0.76, 0.84}, yaw{5.0, 0.95, 1.0};
   double tilt_limit_deg = 25;
+  double stick_limit_deg = 45;  // the same for attitudes that are asked for themselves
   double yaw_rate_limit_deg_s = 90;
   double speed_limit_m_s = 3;
   double climb_limit_m_s = 2;
@@ -45,6 +46,7 @@ void Fields(Visitor& v, AutopilotParameters& p) {
   v("pitch", p.pitch);
   v("yaw", p.yaw);
   v("tilt_limit_deg", p.tilt_limit_deg, 1.0, 60.0);
+  v("stick_limit_deg", p.stick_limit_deg, 1.0, 60.0);
   v("yaw_rate_limit_deg_s", p.yaw_rate_limit_deg_s, 1.0, 360.0);
   v("speed_limit_m_s", p.speed_limit_m_s, 0.1, 30.0);
   v("climb_limit_m_s", p.climb_limit_m_s, 0.1, 10.0);

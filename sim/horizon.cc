@@ -3,8 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <opencv2/imgproc.hpp>
 
+#include "sim/frames.h"
 #include "sim/landscape.h"
+#include "sim/scene.h"
 
 namespace kestrel {
 
@@ -28,6 +31,22 @@ cv::Mat ClassifySky(const mjModel* model, const Surfaces& surfaces) {
     }
   }
   return classes;
+}
+
+cv::Mat OwnParts(const mjModel* model, const CameraModel& camera, const Pose& X_BC) {
+  constexpr double kHigh_m = 5000;  // over all that is fixed to the world
+  const DataPtr data(mj_makeData(model));
+  const Pose X_NB{Eigen::Quaterniond::Identity(), {0, 0, -kHigh_m}};
+  PoseToMujoco(X_NB,
+               data->qpos + model->jnt_qposadr[model->body_jntadr[mj_name2id(model, mjOBJ_BODY, "vehicle")]]);
+  mj_forward(model, data.get());
+  RenderOptions by_ray;
+  by_ray.backend = "ray";
+  by_ray.threads = 1;
+  const Surfaces seen = Renderer(model, camera, by_ray).See(data.get(), X_NB * X_BC);
+  cv::Mat own = ClassifySky(model, seen) == kNeither;
+  cv::dilate(own, own, cv::Mat::ones(5, 5, CV_8U));
+  return own;
 }
 
 std::vector<SkylinePoint> TrueSkyline(const cv::Mat& classes, const CameraModel& camera, const Pose& X_NC) {

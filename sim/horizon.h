@@ -25,6 +25,9 @@ HorizonTruth HorizonOf(const Pose& X_NC);
 enum SkyClass : unsigned char { kGround = 0, kNeither = 128, kSky = 255 };
 cv::Mat ClassifySky(const mjModel* model, const Surfaces& surfaces);
 
+// Where a camera on the aircraft sees the aircraft itself: CV_8U, 255 there and two pixels around.
+cv::Mat OwnParts(const mjModel* model, const CameraModel& camera, const Pose& X_BC);
+
 // A place where sky and ground are neighbours in a column or in a row: half way between the two pixels, known
 // to half a pixel.
 struct SkylinePoint {

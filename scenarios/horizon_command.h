@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+namespace CLI {
+class App;
+}
+
+namespace kestrel {
+
+// `kestrel horizon`: attitude from the skyline and heading from the visual compass, of any image or video.
+struct HorizonArguments {
+  std::string input, camera, camera_name, mask, out, csv;
+  double yaw_deg = 0, pitch_deg = 0, roll_deg = 0;  // of the mount, as in a scenario
+  bool quiet = false;
+};
+
+CLI::App* AddHorizonCommand(CLI::App& app, HorizonArguments& arguments);
+
+// Prints a line for an image, or writes a row for each frame. Throws InputError with every mistake of the
+// arguments and files, and std::runtime_error if reading or writing fails on the way.
+void HorizonCommand(const HorizonArguments& arguments);
+
+}  // namespace kestrel
