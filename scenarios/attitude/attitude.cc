@@ -23,7 +23,7 @@ CompassBaseline::Ring RingOf(const CameraModel& camera, const Eigen::Matrix3d& R
   };
   CompassBaseline::Ring ring;
   ring.centre = Parameters(camera).segment<2>(2);
-  const auto inner = at(-20), outer = at(20);
+  const auto inner = at(-6), outer = at(10);
   if (inner && outer) {
     ring.radius_inner = (*inner - ring.centre).norm();
     ring.radius_outer = (*outer - ring.centre).norm();

@@ -26,7 +26,7 @@ class Terrain {
   Mesh ToMesh() const;
 
  private:
-  static constexpr int kRings = 160, kSectors = 512;
+  static constexpr int kRings = 96, kSectors = 360;
   float Grid(const std::vector<float>& of, float north, float east) const;
   float Radius(int ring) const;
 
