@@ -297,5 +297,28 @@ TEST(Landing, FindsAPadThatIsNotInSightAtFirst) {
   EXPECT_LT(result.summary.metrics.at("touchdown_error_m"), 0.25);
 }
 
+// The attitude by the skyline and the heading by the surroundings.
+class AttitudeFlights : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(AttitudeFlights, AreMeasuredAsWellAsTheyAsk) {
+  const FlightResult result = Flown(GetParam(), 101, {"duration_s=8", "start.settle_s=5"});
+  ExpectCriteria(result);
+  EXPECT_GT(result.summary.metrics.at("attitude_share"), 0.9);
+}
+
+INSTANTIATE_TEST_SUITE_P(HighUp, AttitudeFlights, ::testing::Values("attitude_1", "attitude_2", "attitude_3"),
+                         [](const auto& each) { return each.param; });
+
+TEST(Attitude, ACappedLensGivesNoAttitudeAndItsReason) {
+  const FlightResult result = Flown(
+      "attitude_1", 101, {"duration_s=3", "start.settle_s=3", "image.gain=0.001", "image.noise_grey=0.5"});
+  for (const LogRow& row : result.rows) {
+    EXPECT_FALSE(row.decision.attitude);
+    EXPECT_TRUE(row.decision.target == "too_dark" || row.decision.target == "frozen_image" ||
+                row.decision.target == "no_contrast" || row.decision.target == "frozen")
+        << row.decision.target;
+  }
+}
+
 }  // namespace
 }  // namespace kestrel
