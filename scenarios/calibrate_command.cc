@@ -12,6 +12,8 @@
 
 #include "scenarios/board_file.h"
 #include "scenarios/calibration_report.h"
+#include "scenarios/files.h"
+#include "scenarios/read_image.h"
 #include "vision/calibrate.h"
 
 namespace kestrel {
@@ -24,13 +26,7 @@ std::vector<cv::Mat> ReadImages(const std::vector<std::string>& files, Mistakes&
   std::vector<cv::Mat> images;
   std::map<std::pair<int, int>, int> sizes;
   for (const std::string& file : files) {
-    cv::Mat image;
-    if (!fs::is_regular_file(file)) {
-      mistakes.Add(file, "", "there is no such file");
-    } else {
-      image = cv::imread(file, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
-      if (image.empty()) mistakes.Add(file, "", "cannot be read as an image");
-    }
+    const cv::Mat image = ReadImage(file, cv::IMREAD_GRAYSCALE, mistakes);
     if (!image.empty()) ++sizes[{image.cols, image.rows}];
     images.push_back(image);
   }
@@ -63,6 +59,12 @@ CLI::App* AddCalibrateCommand(CLI::App& app, CalibrateArguments& a) {
       ->required()
       ->check(CLI::IsMember(CalibratedModels()));
   command->add_option("--out", a.out, "Folder for camchain.yaml, report.txt and pictures")->required();
+  command
+      ->add_option("--accept-residual", a.accepted_px,
+                   "What may be left between the camera and what is seen, root mean square, px: with more "
+                   "nothing is written")
+      ->check(CLI::Range(0.001, 1000.0))
+      ->capture_default_str();
   command->footer(
       "Examples:\n"
       "  kestrel calibrate photos/*.jpg --model pinhole --out calibration\n"
@@ -77,8 +79,7 @@ void CalibrateCommand(const CalibrateArguments& a) {
   Mistakes mistakes;
   const Board board = LoadBoardNamed(a.board, "--board", mistakes);
   const std::vector<cv::Mat> images = ReadImages(a.images, mistakes);
-  if (fs::exists(a.out) && !fs::is_directory(a.out))
-    mistakes.Add("--out", "", fmt::format("'{}' is not a folder", a.out));
+  CheckWritableFolder(a.out, "--out", mistakes);
   mistakes.ThrowIfAny();
 
   const bool terminal = isatty(STDERR_FILENO);
@@ -91,8 +92,11 @@ void CalibrateCommand(const CalibrateArguments& a) {
   const CameraModel like = CameraLike(a.model, images.front().size());
   const Calibration calibration = [&] {
     try {
-      const Calibration first = Calibrate(board, views, like);
-      return Calibrate(board, Refit(board, images, views, first), like);
+      const Calibration first = Calibrate(board, views, like, a.accepted_px);
+      return Calibrate(board, Refit(board, images, views, first), like, a.accepted_px);
+    } catch (const PoorFit& e) {
+      if (terminal) fmt::print(stderr, "\r\033[K");
+      throw InputError({std::string(e.what()) + "; --accept-residual PX takes more"});
     } catch (const InputError&) {
       if (terminal) fmt::print(stderr, "\r\033[K");
       throw;

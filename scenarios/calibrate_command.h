@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "vision/calibrate.h"
+
 namespace CLI {
 class App;
 }
@@ -14,13 +16,14 @@ namespace kestrel {
 struct CalibrateArguments {
   std::vector<std::string> images;
   std::string board = "chessboard", model, out;
+  double accepted_px = kAcceptedResidual_px;
 };
 
 CLI::App* AddCalibrateCommand(CLI::App& app, CalibrateArguments& arguments);
 
 // Finds the board in every image, calibrates, and writes to the folder what scenarios/calibration_report.h
 // says. Throws InputError: images that cannot be read or differ in size, all of them by name, or that do not
-// determine the camera; then nothing is written.
+// determine the camera, or leave more residual than is accepted; then nothing is written.
 void CalibrateCommand(const CalibrateArguments& arguments);
 
 }  // namespace kestrel

@@ -209,7 +209,7 @@ std::string CalibrationReport(const Calibration& c, const Board& board, std::spa
       std::count_if(c.views.begin(), c.views.end(), [](const auto& view) { return view.left_out.empty(); });
   const Coverage coverage = CoverageOf(c, images);
   std::string text = fmt::format(
-      "{} camera of {} x {} pixels, from {} of {} images of a {}\n"
+      "{} camera of {} x {} pixels, from {} of {} images of the {}\n"
       "  residual {:.4f} px rms over {} corners\n{}"
       "  corners seen to {:.1f} deg from the axis, in {:.0f} % of the image's cells within the lens\n"
       "  a known ray is seen where it is to {:.3g} px at worst (one deviation)\n",

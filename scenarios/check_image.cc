@@ -3,10 +3,15 @@
 
 #include <fmt/format.h>
 
+#include <optional>
+
+#include "geometry/tait_bryan.h"
+
 namespace kestrel {
 namespace {
 
 constexpr double kRounding_s = 1e-9;
+constexpr double kLeastLit = 1e-3;  // of the pixels: with less there is no image
 
 void CheckTiming(const ImageParameters& p, int rows, const std::string& where, Mistakes& mistakes) {
   const double exposure_s = LongestExposure_s(p), readout_s = LongestReadout_s(p, rows);
@@ -35,6 +40,44 @@ void CheckTiming(const ImageParameters& p, int rows, const std::string& where, M
   }
 }
 
+// The pixels to which light comes; none where nothing can keep it off.
+std::optional<int> LitPixels(const LensParameters& lens, const CameraModel& camera) {
+  const cv::Mat shade = Shade(lens, camera);
+  if (shade.empty()) return std::nullopt;
+  int lit = 0;
+  for (int y = 0; y < shade.rows; ++y) {
+    for (int x = 0; x < shade.cols; ++x)
+      lit += shade.at<float>(y, x) > 0 && Ray(camera, Eigen::Vector2d(x, y)).has_value();
+  }
+  return lit;
+}
+
+void CheckLight(const LensParameters& lens, const CameraModel& camera, const std::string& where,
+                Mistakes& mistakes) {
+  const int pixels = WidthPx(camera) * HeightPx(camera);
+  const auto dark = [&](const std::optional<int>& lit) { return lit && *lit < kLeastLit * pixels; };
+  const auto lit = LitPixels(lens, camera);
+  if (!dark(lit)) return;
+  LensParameters rim, reflection;
+  rim.rim_px = lens.rim_px, reflection.reflection_deg = lens.reflection_deg;
+  const std::string left = fmt::format("leaves light to {} of {} pixels", *lit, pixels);
+  if (dark(LitPixels(rim, camera))) {
+    const Eigen::VectorXd numbers = Parameters(camera);
+    mistakes.Add(where, "image.lens.rim_px",
+                 fmt::format("{} {}: it is the radius in pixels about the principal point ({:g}, {:g}) of an "
+                             "image of {} x {} px; valid: 0 for no rim, or more",
+                             lens.rim_px, left, numbers[2], numbers[3], WidthPx(camera), HeightPx(camera)));
+  } else if (dark(LitPixels(reflection, camera))) {
+    mistakes.Add(where, "image.lens.reflection_deg",
+                 fmt::format("{} {}: the lens sees to {:.4g} deg from its axis; valid: less than that",
+                             lens.reflection_deg, left, Degrees(MaxAngle(camera))));
+  } else {
+    mistakes.Add(
+        where, "image.lens",
+        fmt::format("vignetting, rim and reflection together leave light to {} of {} pixels", *lit, pixels));
+  }
+}
+
 void CheckAutoExposure(const ImageParameters& p, const std::string& where, Mistakes& mistakes) {
   const AutoExposureParameters& a = p.auto_exposure;
   if (a.target_grey > 0 && a.longest_s <= a.shortest_s) {
@@ -59,8 +102,10 @@ void CheckFaults(const ImageParameters& p, const std::string& where, Mistakes& m
 
 }  // namespace
 
-void CheckImage(const ImageParameters& image, int rows, const std::string& where, Mistakes& mistakes) {
-  CheckTiming(image, rows, where, mistakes);
+void CheckImage(const ImageParameters& image, const CameraModel* camera, const std::string& where,
+                Mistakes& mistakes) {
+  CheckTiming(image, camera ? HeightPx(*camera) : 1, where, mistakes);
+  if (camera) CheckLight(image.lens, *camera, where, mistakes);
   CheckAutoExposure(image, where, mistakes);
   CheckFaults(image, where, mistakes);
 }

@@ -3,12 +3,37 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <cstring>
+#include <fstream>
 #include <stdexcept>
 #include <utility>
+#include <vector>
+
+#include "config/yaml_fields.h"
 
 namespace kestrel {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Why a file of that name could not be written; empty: it could.
+std::string WhyNotWritten(const fs::path& file) {
+  std::error_code none;
+  if (fs::is_directory(file, none)) return "it is a folder";
+  if (file.has_parent_path() && !fs::is_directory(file.parent_path(), none))
+    return fmt::format("there is no folder '{}'", file.parent_path().string());
+  const fs::path part = PartOf(file);
+  const bool existed = fs::exists(part, none);
+  errno = 0;
+  if (!std::ofstream(part, std::ios::app)) return std::strerror(errno ? errno : EIO);
+  if (!existed) fs::remove(part, none);
+  return {};
+}
+
+}  // namespace
 
 std::filesystem::path PartOf(const std::filesystem::path& file) { return file.string() + ".part"; }
 
@@ -22,6 +47,41 @@ void WriteFile(const std::filesystem::path& file, std::string_view content) {
   PartFile part(file);
   part.Write(content);
   part.Close();
+}
+
+void CheckWritableFile(const fs::path& file, const char* option, Mistakes& mistakes) {
+  if (file.empty()) return;
+  const std::string why = WhyNotWritten(file);
+  if (!why.empty()) mistakes.Add(option, "", fmt::format("'{}' cannot be written: {}", file.string(), why));
+}
+
+void CheckWritableFolder(const fs::path& folder, const char* option, Mistakes& mistakes) {
+  if (folder.empty()) return;
+  std::error_code error;
+  if (fs::exists(folder, error) && !fs::is_directory(folder, error))
+    return mistakes.Add(option, "", fmt::format("'{}' is not a folder", folder.string()));
+  std::vector<fs::path> missing;  // the innermost first
+  for (fs::path each = fs::absolute(folder).lexically_normal(); !fs::exists(each, error);
+       each = each.parent_path())
+    missing.push_back(each);
+  fs::create_directories(folder, error);
+  const std::string why = error ? error.message() : WhyNotWritten(folder / "summary.json");
+  for (const fs::path& each : missing) fs::remove(each, error);
+  if (!why.empty()) mistakes.Add(option, "", fmt::format("'{}' cannot be written: {}", folder.string(), why));
+}
+
+bool SameFile(const fs::path& a, const fs::path& b) {
+  if (a.empty() || b.empty()) return false;
+  std::error_code error;
+  if (fs::equivalent(a, b, error)) return true;
+  return fs::weakly_canonical(a, error) == fs::weakly_canonical(b, error);
+}
+
+bool HasEnding(const fs::path& file, std::initializer_list<const char*> endings) {
+  std::string ending = file.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  return std::find(endings.begin(), endings.end(), ending) != endings.end();
 }
 
 PartFile::PartFile(std::filesystem::path file) : file_(std::move(file)) {

@@ -39,6 +39,7 @@ struct Summary {
   bool complete = false, passed = false;
   std::vector<Criterion> criteria;
   std::map<std::string, double> metrics;  // unit in the name
+  std::map<std::string, double> drawn;    // what scatter gave this run's camera, by key of the scenario
   double sim_s = 0, wall_s = 0;
   std::map<std::string, StageTime> stages;  // physics, render, sensor, vision, control, record
   std::uint64_t state_hash = 0, image_hash = 0;

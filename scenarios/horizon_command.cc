@@ -116,19 +116,14 @@ void HorizonCommand(const HorizonArguments& a) {
                                size->width, size->height));
     }
   }
-  const std::string ending = fs::path(a.out).extension().string();
-  if (!a.out.empty() &&
-      (video ? ending != ".mp4" : ending != ".png" && ending != ".jpg" && ending != ".jpeg"))
+  if (!a.out.empty() && !(video ? HasEnding(a.out, {".mp4"}) : HasEnding(a.out, {".png", ".jpg", ".jpeg"})))
     mistakes.Add(
         "--out", "",
         fmt::format("'{}' does not name {}", a.out,
                     video ? "a video; valid: an ending .mp4" : "an image; valid: an ending .png or .jpg"));
   for (const auto& [option, file] : {std::pair{"--out", a.out}, {"--csv", a.csv}}) {
-    const fs::path folder = fs::path(file).parent_path();
-    if (!file.empty() && !folder.empty() && !fs::is_directory(folder))
-      mistakes.Add(option, "", fmt::format("'{}': there is no folder '{}'", file, folder.string()));
-    std::error_code error;
-    if (!file.empty() && fs::equivalent(file, a.input, error))
+    CheckWritableFile(file, option, mistakes);
+    if (!file.empty() && SameFile(file, a.input))
       mistakes.Add(option, "", fmt::format("'{}' is the input", file));
   }
   mistakes.ThrowIfAny();

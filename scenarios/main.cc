@@ -7,13 +7,11 @@
 #include <CLI/CLI.hpp>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
-#include <filesystem>
-#include <fstream>
 #include <opencv2/core/utility.hpp>
 
-#include "geometry/tait_bryan.h"
 #include "scenarios/bench.h"
 #include "scenarios/calibrate_command.h"
 #include "scenarios/files.h"
@@ -67,7 +65,9 @@ class Progress {
 void Report(const Summary& s, const std::string& folder) {
   fmt::print("{}, seed {}: {}\n", s.scenario, s.seed, s.error.empty() ? s.outcome : "broke off: " + s.error);
   for (const Criterion& c : s.criteria) {
-    fmt::print("  {:<4} {:<26} {:>9.4g}   {} {:g}\n", c.passed ? "ok" : "NOT", c.name, c.value,
+    // What did not happen has no value: an error at touch-down of a flight that never touched down.
+    const std::string value = std::isnan(c.value) ? "not reached" : fmt::format("{:.4g}", c.value);
+    fmt::print("  {:<4} {:<26} {:>11}   {} {:g}\n", c.passed ? "ok" : "NOT", c.name, value,
                c.at_least ? "at least" : "at most", c.limit);
   }
   fmt::print("  {:.1f} s flown in {:.1f} s, {:.1f} x real time, drawn by {}\n", s.sim_s, s.wall_s,
@@ -75,25 +75,24 @@ void Report(const Summary& s, const std::string& folder) {
   fmt::print("  {}\n", folder);
 }
 
-// Refuses a file that could not be written after the flight, before it. Empty: none is asked for.
-void RequireWritable(const std::string& file, const char* option) {
-  if (file.empty()) return;
-  const bool existed = std::filesystem::exists(file);
-  if (!std::ofstream(file, std::ios::app))
-    throw InputError({fmt::format("{}: '{}' cannot be written", option, file)});
-  if (!existed) std::filesystem::remove(file);
+void PrintNotes(const LoadedScenario& loaded) {
+  for (const std::string& note : loaded.notes) fmt::print("  {}\n", note);
 }
 
 int Run(const RunArguments& arguments) {
   std::vector<std::string> overrides = arguments.overrides;
   if (!arguments.seed.empty()) overrides.push_back("seed=" + arguments.seed);
   const LoadedScenario loaded = LoadScenario(arguments.scenario, overrides);
-  RequireWritable(arguments.junit, "--junit");
   RunOptions options;
   options.folder = arguments.out.empty()
                        ? fmt::format("results/runs/{}-{}", loaded.scenario.name, loaded.scenario.seed)
                        : arguments.out;
   options.video = !arguments.no_video;
+  Mistakes mistakes;
+  CheckWritableFolder(*options.folder, "--out", mistakes);
+  CheckWritableFile(arguments.junit, "--junit", mistakes);
+  mistakes.ThrowIfAny();
+  if (!arguments.quiet) PrintNotes(loaded);
   FlightResult result;
   {
     Progress progress(loaded.scenario.duration_s);
@@ -139,12 +138,7 @@ int List() {
 int Check(const std::string& scenario, const std::vector<std::string>& overrides) {
   const LoadedScenario loaded = LoadScenario(scenario, overrides);
   fmt::print("{} is valid\n", scenario);
-  const CameraModel& camera = loaded.simulator.camera;
-  if (const double covered = ShareCovered(camera); covered < 1) {
-    fmt::print(
-        "  the camera '{}' fills {:.0f} % of its image, to {:.4g} deg from its axis; the rest is black\n",
-        loaded.scenario.camera, 100 * covered, Degrees(MaxAngle(camera)));
-  }
+  PrintNotes(loaded);
   return kMet;
 }
 
@@ -161,11 +155,6 @@ int Main(int argc, char** argv) {
       "2 bad input, 3 the run broke off."};
   app.require_subcommand(1);
   app.set_version_flag("--version", KESTREL_VERSION);
-  app.footer(
-      "Examples:\n  kestrel run landing\n  kestrel run hover --seed 7 --set wind.mean_m_s=5 --out "
-      "/tmp/hover\n"
-      "  kestrel check my_flight.yaml\n  kestrel bench flights --seeds 1..20");
-
   RunArguments run;
   CLI::App* run_command = app.add_subcommand("run", "Fly a scenario and record it");
   run_command->add_option("scenario", run.scenario, "A name that `list` shows, or a YAML file")->required();
@@ -176,6 +165,9 @@ int Main(int argc, char** argv) {
   run_command->add_flag("--no-video", run.no_video, "Do not write video.mp4");
   run_command->add_option("--junit", run.junit, "Also write the criteria as JUnit XML to this file");
   run_command->add_flag("--quiet", run.quiet, "Print nothing but errors");
+  run_command->footer(
+      "Examples:\n  kestrel run landing\n"
+      "  kestrel run hover --seed 7 --set wind.mean_m_s=5 --out /tmp/hover");
 
   CLI::App* list_command = app.add_subcommand("list", "Show the scenarios that there are");
 
@@ -185,6 +177,7 @@ int Main(int argc, char** argv) {
       app.add_subcommand("check", "Validate a scenario and its models without flying it");
   check_command->add_option("file", check_file, "A name that `list` shows, or a YAML file")->required();
   check_command->add_option("--set", check_overrides, "key.path=value, as for run");
+  check_command->footer("Examples:\n  kestrel check my_flight.yaml --set camera=fisheye");
 
   BenchArguments bench;
   CLI::App* bench_command = app.add_subcommand("bench", "Measure: a table of figures beside their targets");
@@ -198,6 +191,7 @@ int Main(int argc, char** argv) {
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
   bench_command->add_option("--json", bench.json, "Also write the figures as JSON to this file");
+  bench_command->footer("Examples:\n  kestrel bench flights --seeds 1..20\n  kestrel bench render");
 
   MirrorArguments mirror;
   CLI::App* mirror_command = AddMirrorCommand(app, mirror);
@@ -210,6 +204,12 @@ int Main(int argc, char** argv) {
   RenderBoardArguments render_board;
   const CLI::App* render_board_command = AddRenderBoardCommand(app, render_board);
 
+  // Last, or each verb without a footer of its own would have this one.
+  app.footer(
+      "Examples:\n  kestrel run landing\n  kestrel check my_flight.yaml\n"
+      "  kestrel bench flights --seeds 1..20\n"
+      "  kestrel calibrate photos/*.jpg --model pinhole --out calibration");
+
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
@@ -220,8 +220,6 @@ int Main(int argc, char** argv) {
     if (*list_command) return List();
     if (*check_command) return Check(check_file, check_overrides);
     if (*mirror_command) {
-      RequireWritable(mirror.drawing, "--out");
-      RequireWritable(mirror.camera, "--camera");
       MirrorCommand(mirror);
       return kMet;
     }
@@ -241,8 +239,12 @@ int Main(int argc, char** argv) {
       RenderBoardCommand(render_board);
       return kMet;
     }
-    if (*bench_command) RequireWritable(bench.json, "--json");
-    if (*bench_command) return Bench(bench) ? kMet : kNotMet;
+    if (*bench_command) {
+      Mistakes mistakes;
+      CheckWritableFile(bench.json, "--json", mistakes);
+      mistakes.ThrowIfAny();
+      return Bench(bench) ? kMet : kNotMet;
+    }
   } catch (const InputError& e) {
     fmt::print(stderr, "{}\n", e.what());
     return kBadInput;

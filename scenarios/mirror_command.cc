@@ -57,11 +57,18 @@ void Refuse(const MirrorArguments& a) {
   if (a.height_mm) range("--height-mm", *a.height_mm, 0.1, 1e5);
   if (a.rim_px) range("--rim-px", *a.rim_px, 1, 1e5);
   if (a.focal_mm) range("--focal-mm", *a.focal_mm, 0.01, 1e4);
-  if (a.width_px < 16 || a.height_px < 16 || a.width_px > 8192 || a.height_px > 8192) {
-    mistakes.Add("--image", "",
-                 fmt::format("{} x {} pixels are out of range; valid: 16 to 8192 for each side", a.width_px,
-                             a.height_px));
-  }
+  range("--width-px", a.width_px, 16, 8192);
+  range("--height-px", a.height_px, 16, 8192);
+  const auto ending = [&](const char* option, const std::string& file, std::initializer_list<const char*> of,
+                          const char* valid) {
+    if (file.empty()) return;
+    if (!HasEnding(file, of))
+      mistakes.Add(option, "", fmt::format("'{}' does not end as it should; valid: {}", file, valid));
+    else
+      CheckWritableFile(file, option, mistakes);
+  };
+  ending("--out", a.drawing, {".png"}, "an ending .png");
+  ending("--camera", a.camera, {".yaml", ".yml"}, "an ending .yaml");
   mistakes.ThrowIfAny();
 
   if (a.height_mm && a.rim_px && a.focal_mm) {

@@ -37,6 +37,7 @@ CLI::App* AddRenderBoardCommand(CLI::App& app, RenderBoardArguments& a) {
   CLI::App* command =
       app.add_subcommand("render-board", "Draw images of a calibration board as a camera sees it");
   command->add_option("--camera", a.camera, "One of models/cameras, or a camera's file")->required();
+  command->add_option("--camera-name", a.camera_name, "Which camera of a Kalibr file (default: its first)");
   command->add_option("--board", a.board, "chessboard, aprilgrid, or a target file of Kalibr")
       ->capture_default_str();
   command->add_option("--count", a.count, "Images")->check(CLI::Range(1, 1000))->capture_default_str();
@@ -54,8 +55,8 @@ CLI::App* AddRenderBoardCommand(CLI::App& app, RenderBoardArguments& a) {
   command->footer(
       "Examples:\n"
       "  kestrel render-board --camera fisheye --out boards\n"
-      "  kestrel render-board --camera hyperbolic_mirror --board aprilgrid --seed 7 --blur 0.8 --out boards\n"
-      "  kestrel calibrate boards/image_*.png --model unified --board aprilgrid --out calibration");
+      "  kestrel render-board --camera hyperbolic_mirror --board aprilgrid --seed 7 --blur 0.8 --out tags\n"
+      "  kestrel calibrate tags/image_*.png --model unified --board aprilgrid --out calibration");
   return command;
 }
 
@@ -63,12 +64,15 @@ void RenderBoardCommand(const RenderBoardArguments& a) {
   Mistakes mistakes;
   CameraModel camera;
   std::string name = a.camera;
-  if (const auto file = CameraFile(name, "", "--camera", mistakes)) camera = LoadCamera(*file, mistakes);
+  if (const auto file = CameraFile(name, "", "--camera", mistakes))
+    camera = LoadCamera(*file, mistakes, a.camera_name);
   const Board board = LoadBoardNamed(a.board, "--board", mistakes);
   const fs::path folder = a.out;
   std::error_code error;
   if (fs::exists(folder) && !fs::is_empty(folder, error))
     mistakes.Add("--out", "", fmt::format("'{}' is not an empty folder; valid: a new one", a.out));
+  else
+    CheckWritableFolder(folder, "--out", mistakes);
   mistakes.ThrowIfAny();
 
   const std::string kalibr = ToKalibr(camera);  // refuses what it cannot say
@@ -76,7 +80,7 @@ void RenderBoardCommand(const RenderBoardArguments& a) {
   try {
     poses = SpreadPoses(camera, board, a.count, a.seed);
   } catch (const std::runtime_error& e) {
-    throw InputError({fmt::format("--board: {}", e.what())});
+    throw InputError({fmt::format("--camera, --board: {}", e.what())});
   }
   BoardStudio studio(board, camera, {.blur_px = a.blur_px, .noise_grey = a.noise_grey, .backend = a.backend});
   fs::create_directories(folder);

@@ -13,7 +13,7 @@ namespace kestrel {
 // `kestrel render-board`: images of a board as a camera sees it, with the truth about both beside them, to
 // try a calibration on.
 struct RenderBoardArguments {
-  std::string camera, board = "chessboard", out;
+  std::string camera, camera_name, board = "chessboard", out;
   int count = 30;
   std::uint64_t seed = 1;
   double blur_px = 0.3, noise_grey = 2;

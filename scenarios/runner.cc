@@ -27,6 +27,27 @@ StageTime Statistics(std::vector<double> seconds) {
   return {1e3 * sum / static_cast<double>(seconds.size()), 1e3 * seconds[rank]};
 }
 
+// What scatter makes of the camera in this run, of the values that have any.
+std::map<std::string, double> DrawnValues(const ImageParameters& image, std::uint64_t seed) {
+  const ImageParameters drawn = DrawScatter(image, seed);
+  const ImageScatter& s = image.scatter;
+  std::map<std::string, double> values;
+  const auto add = [&](const char* key, double scatter, double value) {
+    if (scatter > 0) values[std::string("image.") + key] = value;
+  };
+  add("noise_grey", s.noise_grey, drawn.noise_grey);
+  add("gain", s.gain, drawn.gain);
+  add("full_well_e", s.full_well_e, drawn.full_well_e);
+  add("gamma", s.gamma, drawn.gamma);
+  add("jpeg_quality", s.jpeg_quality, drawn.jpeg_quality);
+  add("exposure.time_s", s.time_s, drawn.exposure.time_s);
+  add("exposure.line_s", s.line_s, drawn.exposure.line_s);
+  add("lens.cos_power", s.cos_power, drawn.lens.cos_power);
+  add("lens.vignetting.0", s.vignetting, drawn.lens.vignetting[0]);
+  add("lens.defocus_px", s.defocus_px, drawn.lens.defocus_px);
+  return values;
+}
+
 void Judge(const std::map<std::string, Limit>& limits, Summary& summary) {
   const auto add = [&](const std::string& name, double limit, bool at_least) {
     const auto found = summary.metrics.find(name);
@@ -50,6 +71,7 @@ FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) 
   summary.scenario = scenario.name;
   summary.version = KESTREL_VERSION;
   summary.seed = scenario.seed;
+  summary.drawn = DrawnValues(scenario.image, scenario.seed);
 
   std::unique_ptr<Mission> mission = MakeMission(loaded);
   Simulator simulator(loaded.simulator);

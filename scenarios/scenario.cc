@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <opencv2/imgcodecs.hpp>
 
+#include "geometry/tait_bryan.h"
 #include "scenarios/check_image.h"
 #include "scenarios/metrics.h"
 #include "sim/horizon.h"
@@ -127,6 +128,24 @@ void CheckLandscape(const Scenario& s, const Config& config, const std::string& 
   }
 }
 
+std::vector<std::string> NotesOn(const Scenario& s, const CameraModel& camera) {
+  std::vector<std::string> notes;
+  if (const double covered = ShareCovered(camera); covered < 1) {
+    notes.push_back(fmt::format(
+        "the camera '{}' fills {:.0f} % of its image, to {:.4g} deg from its axis; the rest is black",
+        s.camera, 100 * covered, Degrees(MaxAngle(camera))));
+  }
+  Mistakes none;
+  const auto file = s.camera.find('/') == std::string::npos ? std::nullopt : std::optional(s.camera);
+  const auto names = file ? CameraNames(LoadConfig(*file, {}, none)) : std::vector<std::string>();
+  if (names.size() > 1) {
+    notes.push_back(fmt::format("the camera is {} of '{}', which has {}",
+                                s.camera_name.empty() ? names.front() : s.camera_name, s.camera,
+                                fmt::join(names, ", ")));
+  }
+  return notes;
+}
+
 }  // namespace
 
 std::vector<std::string> MissionNames() { return NamesOf(Flight{}); }
@@ -149,16 +168,23 @@ std::vector<std::string> ScenarioNames() {
 std::optional<fs::path> CameraFile(std::string& name, const fs::path& beside, const std::string& where,
                                    Mistakes& mistakes) {
   const fs::path folder = Root() / "models" / "cameras";
-  if (name.find('/') == std::string::npos && !name.ends_with(".yaml") && !name.ends_with(".yml")) {
-    if (!Known("camera", name, NamesIn(folder, ".yaml"), where, mistakes)) return std::nullopt;
-    return folder / (name + ".yaml");
-  }
+  const std::vector<std::string> names = NamesIn(folder, ".yaml");
+  if (std::find(names.begin(), names.end(), name) != names.end()) return folder / (name + ".yaml");
   for (const fs::path& candidate : {beside / name, fs::path(name)}) {
     if (!fs::is_regular_file(candidate)) continue;
     name = fs::absolute(candidate).lexically_normal().string();
     return name;
   }
-  mistakes.Add(where, "camera", fmt::format("there is no file '{}'", name));
+  const std::string key = where == "--camera" ? "" : "camera";
+  if (name.find('/') != std::string::npos || name.ends_with(".yaml") || name.ends_with(".yml")) {
+    mistakes.Add(where, key, fmt::format("there is no file '{}'", name));
+  } else {
+    const auto near = NearestName(name, names);
+    mistakes.Add(where, key,
+                 fmt::format("there is no camera '{}'; {}", name,
+                             near ? fmt::format("did you mean '{}'?", *near)
+                                  : fmt::format("valid: {}", fmt::join(names, ", "))));
+  }
   return std::nullopt;
 }
 
@@ -228,18 +254,23 @@ LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<s
     sim.scene.landscape = s.landscape;
     sim.scene.seed = s.seed;
   }
+  bool has_camera = false;
   if (const auto camera =
           CameraFile(s.camera, file.parent_path(), WhereOf(config, "camera", where), mistakes)) {
     const std::size_t before = mistakes.messages().size();
-    sim.camera = LoadCamera(*camera, mistakes);
-    if (mistakes.messages().size() == before) {
-      CheckImage(s.image, HeightPx(sim.camera), WhereOf(config, "image", where), mistakes);
-      if (NeedsPad(s.flight) && !TrackersCamera(sim.camera)) {
-        mistakes.Add(camera->string(), "",
-                     "does not see along its own optical axis, where these flights look for the pad");
-      }
+    sim.camera = LoadCamera(*camera, mistakes, s.camera_name);
+    has_camera = mistakes.messages().size() == before;
+    if (has_camera && NeedsPad(s.flight) && !TrackersCamera(sim.camera)) {
+      const Eigen::VectorXd numbers = Parameters(sim.camera);
+      mistakes.Add(
+          WhereOf(config, "camera", where), "camera",
+          fmt::format("'{}' does not see along its own optical axis, where these flights look for "
+                      "the pad: its principal point ({:g}, {:g}) is too near to the edge of the image "
+                      "of {} x {} px or beyond it; valid: a camera that has it well within",
+                      s.camera, numbers[2], numbers[3], WidthPx(sim.camera), HeightPx(sim.camera)));
     }
   }
+  CheckImage(s.image, has_camera ? &sim.camera : nullptr, WhereOf(config, "image", where), mistakes);
   if (s.pad.name == "none") {
     if (s.occlusion.share > 0)
       mistakes.Add(WhereOf(config, "occlusion", where), "occlusion.share",
@@ -299,6 +330,7 @@ LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<s
     mistakes.Add(where, "", e.what());
   }
   mistakes.ThrowIfAny();
+  loaded.notes = NotesOn(s, sim.camera);
   return loaded;
 }
 

@@ -59,6 +59,7 @@ struct Scenario {
   std::uint64_t seed = 1;
   double duration_s = 60;
   std::string vehicle = "pelican", world = "airfield", camera = "thesis_6mm";
+  std::string camera_name;                       // which of a file of Kalibr; empty: its first
   std::optional<LandscapeParameters> landscape;  // of a world that is one: as the world has it, but for these
   PadPlacement pad;
   StartParameters start;
@@ -83,6 +84,7 @@ void Fields(Visitor& v, Scenario& s) {
   v("vehicle", s.vehicle);
   v("world", s.world);
   v("camera", s.camera);
+  v("camera_name", s.camera_name);
   v("landscape", s.landscape);
   v("pad", s.pad);
   v("start", s.start);
@@ -101,6 +103,7 @@ struct LoadedScenario {
   Scenario scenario;
   SimulatorParameters simulator;
   PadReference pad;
+  std::vector<std::string> notes;  // what is valid and may yet surprise, in words
 };
 
 // The folder that holds scenarios/ and models/: KESTREL_ROOT of the environment, or where the program was

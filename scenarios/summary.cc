@@ -34,7 +34,7 @@ std::uint64_t Hash(const Json& json) {
 }  // namespace
 
 std::string ToJson(const Summary& s) {
-  Json criteria = Json::array(), metrics = Json::object(), stages = Json::object();
+  Json criteria = Json::array(), metrics = Json::object(), stages = Json::object(), drawn = Json::object();
   for (const Criterion& c : s.criteria) {
     criteria.push_back({{"name", c.name},
                         {"value", c.value},
@@ -43,6 +43,7 @@ std::string ToJson(const Summary& s) {
                         {"passed", c.passed}});
   }
   for (const auto& [name, value] : s.metrics) metrics[name] = value;
+  for (const auto& [key, value] : s.drawn) drawn[key] = value;
   for (const auto& [name, time] : s.stages)
     stages[name] = {{"mean_ms", time.mean_ms}, {"p99_ms", time.p99_ms}};
   const Json json = {{"scenario", s.scenario},
@@ -54,6 +55,7 @@ std::string ToJson(const Summary& s) {
                      {"error", s.error},
                      {"criteria", criteria},
                      {"metrics", metrics},
+                     {"drawn", drawn},
                      {"timing",
                       {{"sim_s", s.sim_s},
                        {"wall_s", s.wall_s},
@@ -81,6 +83,7 @@ Summary SummaryFromJson(const std::string& text, const std::string& name) {
           {c.at("name"), Number(c.at("value")), Number(c.at("limit")), c.at("at_least"), c.at("passed")});
     }
     for (const auto& [key, value] : json.at("metrics").items()) s.metrics[key] = Number(value);
+    for (const auto& [key, value] : json.at("drawn").items()) s.drawn[key] = Number(value);
     const Json& timing = json.at("timing");
     s.sim_s = Number(timing.at("sim_s"));
     s.wall_s = Number(timing.at("wall_s"));

@@ -7,7 +7,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <chrono>
 #include <cmath>
@@ -19,6 +18,7 @@
 #include "config/yaml_fields.h"
 #include "geometry/tait_bryan.h"
 #include "scenarios/files.h"
+#include "scenarios/read_image.h"
 #include "scenarios/scenario.h"
 #include "scenarios/video.h"
 #include "scenarios/video_reader.h"
@@ -35,11 +35,11 @@ constexpr double kSteepest_deg = 89;  // of a cylinder's rows: at 90 they never 
 
 // Which options go with which picture.
 const std::map<std::string, std::vector<std::string>> kOptions = {
-    {"perspective", {"--yaw_deg", "--pitch_deg", "--roll_deg", "--fov_deg"}},
-    {"panorama", {"--yaw_deg", "--pitch_deg", "--roll_deg", "--azimuth_deg", "--elevation_deg"}},
-    {"cylinder", {"--yaw_deg", "--pitch_deg", "--roll_deg", "--azimuth_deg", "--elevation_deg"}},
-    {"polar", {"--alpha_deg", "--radius_px"}},
-    {"sphere", {"--yaw_deg", "--pitch_deg", "--roll_deg"}}};
+    {"perspective", {"--yaw-deg", "--pitch-deg", "--roll-deg", "--fov-deg"}},
+    {"panorama", {"--yaw-deg", "--pitch-deg", "--roll-deg", "--azimuth-deg", "--elevation-deg"}},
+    {"cylinder", {"--yaw-deg", "--pitch-deg", "--roll-deg", "--azimuth-deg", "--elevation-deg"}},
+    {"polar", {"--alpha-deg", "--radius-px"}},
+    {"sphere", {"--yaw-deg", "--pitch-deg", "--roll-deg"}}};
 
 std::vector<std::string> KindsOfView() {
   std::vector<std::string> kinds;
@@ -110,10 +110,10 @@ double Angle(const char* option, const std::optional<double>& degrees, double ot
 
 void RefuseOptionsOfOthers(const ViewArguments& a, Mistakes& mistakes) {
   const std::pair<const char*, bool> given[] = {
-      {"--yaw_deg", a.yaw_deg.has_value()},      {"--pitch_deg", a.pitch_deg.has_value()},
-      {"--roll_deg", a.roll_deg.has_value()},    {"--fov_deg", a.fov_deg.has_value()},
-      {"--azimuth_deg", !a.azimuth_deg.empty()}, {"--elevation_deg", !a.elevation_deg.empty()},
-      {"--alpha_deg", !a.alpha_deg.empty()},     {"--radius_px", !a.radius_px.empty()}};
+      {"--yaw-deg", a.yaw_deg.has_value()},      {"--pitch-deg", a.pitch_deg.has_value()},
+      {"--roll-deg", a.roll_deg.has_value()},    {"--fov-deg", a.fov_deg.has_value()},
+      {"--azimuth-deg", !a.azimuth_deg.empty()}, {"--elevation-deg", !a.elevation_deg.empty()},
+      {"--alpha-deg", !a.alpha_deg.empty()},     {"--radius-px", !a.radius_px.empty()}};
   const std::vector<std::string>& valid = kOptions.at(a.as);
   for (const auto& [option, is_given] : given) {
     if (is_given && std::find(valid.begin(), valid.end(), option) == valid.end())
@@ -136,18 +136,18 @@ Wish ReadWish(const ViewArguments& a, Mistakes& mistakes) {
   w.size = ParseSize(a.size, mistakes);
   // A sphere is looked at from in front, a little from the side and from above.
   const bool sphere = a.as == "sphere";
-  const double yaw = Angle("--yaw_deg", a.yaw_deg, sphere ? 150 : 0, -360, 360, mistakes);
-  const double pitch = Angle("--pitch_deg", a.pitch_deg, sphere ? -25 : 0, -180, 180, mistakes);
-  const double roll = Angle("--roll_deg", a.roll_deg, 0, -360, 360, mistakes);
+  const double yaw = Angle("--yaw-deg", a.yaw_deg, sphere ? 150 : 0, -360, 360, mistakes);
+  const double pitch = Angle("--pitch-deg", a.pitch_deg, sphere ? -25 : 0, -180, 180, mistakes);
+  const double roll = Angle("--roll-deg", a.roll_deg, 0, -360, 360, mistakes);
   w.R_VC = ViewRotation(yaw, pitch, roll);
-  w.field = Angle("--fov_deg", a.fov_deg, 90, 1, 175, mistakes);
+  w.field = Angle("--fov-deg", a.fov_deg, 90, 1, 175, mistakes);
   const double steepest = a.as == "cylinder" ? kSteepest_deg : 90;
-  w.azimuth = ParseRising("--azimuth_deg", a.azimuth_deg, -360, 360, mistakes);
-  w.elevation = ParseRising("--elevation_deg", a.elevation_deg, -steepest, steepest, mistakes);
-  w.alpha = ParseRising("--alpha_deg", a.alpha_deg, -720, 720, mistakes);
-  w.radius = ParseRange("--radius_px", a.radius_px, 0, 1e5, mistakes);
+  w.azimuth = ParseRising("--azimuth-deg", a.azimuth_deg, -360, 360, mistakes);
+  w.elevation = ParseRising("--elevation-deg", a.elevation_deg, -steepest, steepest, mistakes);
+  w.alpha = ParseRising("--alpha-deg", a.alpha_deg, -720, 720, mistakes);
+  w.radius = ParseRange("--radius-px", a.radius_px, 0, 1e5, mistakes);
   if (w.azimuth && w.azimuth->to - w.azimuth->from > 360)
-    mistakes.Add("--azimuth_deg", "", fmt::format("'{}' is more than a whole turn", a.azimuth_deg));
+    mistakes.Add("--azimuth-deg", "", fmt::format("'{}' is more than a whole turn", a.azimuth_deg));
   return w;
 }
 
@@ -227,13 +227,6 @@ class Progress {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now(), last_ = start_;
 };
 
-bool HasEnding(const fs::path& file, std::initializer_list<const char*> endings) {
-  std::string ending = file.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
-  return std::find(endings.begin(), endings.end(), ending) != endings.end();
-}
-
 // Returns the number of frames.
 int TurnVideo(VideoReader& video, const View& view, const ViewTable& table, const ViewArguments& a) {
   Video out(a.out, video.rate_hz());
@@ -253,7 +246,7 @@ CLI::App* AddViewCommand(CLI::App& app, ViewArguments& a) {
   view->add_option("--camera", a.camera,
                    "A name in models/cameras, or a calibration file of Kestrel, Kalibr or OpenCV")
       ->required();
-  view->add_option("--camera_name", a.camera_name, "Which camera of a Kalibr file (default: its first)");
+  view->add_option("--camera-name", a.camera_name, "Which camera of a Kalibr file (default: its first)");
   view->add_option("--as", a.as,
                    "perspective: as a camera without distortion would see it; panorama: even in azimuth and "
                    "elevation; cylinder: a panorama with upright walls in proportion; polar: the image's own "
@@ -261,24 +254,24 @@ CLI::App* AddViewCommand(CLI::App& app, ViewArguments& a) {
       ->check(CLI::IsMember(KindsOfView()))
       ->capture_default_str();
   view->add_option("--out", a.out, "The file to write: .png or .jpg, or .mp4 of a video")->required();
-  view->add_option("--yaw_deg", a.yaw_deg, "Turns the view to the right, off the camera's axis");
-  view->add_option("--pitch_deg", a.pitch_deg,
+  view->add_option("--yaw-deg", a.yaw_deg, "Turns the view to the right, off the camera's axis");
+  view->add_option("--pitch-deg", a.pitch_deg,
                    "then up; +90 makes a panorama of a camera that looks straight down, -90 straight up");
-  view->add_option("--roll_deg", a.roll_deg, "then clockwise");
-  view->add_option("--fov_deg", a.fov_deg, "Field over the width of a perspective view (default 90)");
-  view->add_option("--azimuth_deg", a.azimuth_deg,
+  view->add_option("--roll-deg", a.roll_deg, "then clockwise");
+  view->add_option("--fov-deg", a.fov_deg, "Field over the width of a perspective view (default 90)");
+  view->add_option("--azimuth-deg", a.azimuth_deg,
                    "A..B of a panorama, right of straight ahead (default: all that the lens sees)");
-  view->add_option("--elevation_deg", a.elevation_deg, "A..B of a panorama, upwards (default: likewise)");
-  view->add_option("--alpha_deg", a.alpha_deg,
+  view->add_option("--elevation-deg", a.elevation_deg, "A..B of a panorama, upwards (default: likewise)");
+  view->add_option("--alpha-deg", a.alpha_deg,
                    "A..B of a polar view, from the image's right downwards (default 0..360)");
-  view->add_option("--radius_px", a.radius_px,
+  view->add_option("--radius-px", a.radius_px,
                    "A..B of a polar view, top row to bottom row (default: the image's edge to its centre)");
   view->add_option("--size", a.size, "WIDTHxHEIGHT in pixels (default: about the image's own resolution)");
   view->add_flag("--quiet", a.quiet, "Print nothing but errors");
   view->footer(
       "Examples:\n"
-      "  kestrel view flight.mp4 --camera calib-camchain.yaml --yaw_deg 30 --fov_deg 80 --out ahead.mp4\n"
-      "  kestrel view mirror.png --camera hyperbolic_mirror --as panorama --pitch_deg 90 --out around.png\n"
+      "  kestrel view flight.mp4 --camera calib-camchain.yaml --yaw-deg 30 --fov-deg 80 --out ahead.mp4\n"
+      "  kestrel view mirror.png --camera hyperbolic_mirror --as panorama --pitch-deg 90 --out around.png\n"
       "  kestrel view down.png --camera fisheye --as sphere --out ball.png\n"
       "A view finer than the image is blurred; one that is much coarser shows aliases.");
   return view;
@@ -290,15 +283,14 @@ void ViewCommand(const ViewArguments& a) {
   cv::Mat image;
   std::optional<VideoReader> video;
   std::optional<cv::Size> size;  // of the input, if it can be read
-  if (!fs::is_regular_file(a.input)) {
-    mistakes.Add(a.input, "", "there is no such file");
+  if (!fs::is_regular_file(a.input) || LooksLikeImage(a.input)) {
+    image = ReadImage(a.input, cv::IMREAD_ANYCOLOR, mistakes);
+    if (!image.empty()) size = image.size();
   } else {
-    image = cv::imread(a.input, cv::IMREAD_ANYCOLOR | cv::IMREAD_IGNORE_ORIENTATION);
     try {
-      if (image.empty()) video.emplace(a.input);
-      size = video ? video->size() : image.size();
-    } catch (const std::runtime_error& e) {
-      mistakes.Add(a.input, "", fmt::format("neither an image nor a video: {}", e.what()));
+      size = video.emplace(a.input).size();
+    } catch (const std::runtime_error&) {
+      mistakes.Add(a.input, "", "is neither an image nor a video that can be read");
     }
   }
   CameraModel camera;
@@ -310,6 +302,10 @@ void ViewCommand(const ViewArguments& a) {
         "--out", "",
         fmt::format("'{}' does not name {}", a.out,
                     video ? "a video; valid: an ending .mp4" : "an image; valid: an ending .png or .jpg"));
+  } else if (SameFile(a.out, a.input)) {
+    mistakes.Add("--out", "", fmt::format("'{}' is the input itself; valid: another file", a.out));
+  } else {
+    CheckWritableFile(a.out, "--out", mistakes);
   }
   mistakes.ThrowIfAny();
 

@@ -11,6 +11,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "geometry/tait_bryan.h"
 #include "sim/mjcf.h"
 #include "sim/random.h"
 
@@ -120,9 +121,16 @@ std::vector<Pose> SpreadPoses(const CameraModel& camera, const Board& board, int
   std::vector<Pose> poses;
   for (int place = 0; static_cast<int>(poses.size()) < count; ++place) {
     if (place == kMostPlaces || (place == 200 && poses.empty())) {
-      throw std::runtime_error(fmt::format(
-          "The camera of {} x {} pixels cannot show the {} well: its squares or tags would be too small.",
-          WidthPx(camera), HeightPx(camera), Describe(board)));
+      const bool chess = std::holds_alternative<Chessboard>(board);
+      throw std::runtime_error(
+          fmt::format("no place before this camera of {} x {} pixels, whose lens sees {:.1f} deg from its "
+                      "axis, shows {} of "
+                      "the {} with {} of {:g} px at least; valid: a wider lens, more pixels, or a board of "
+                      "fewer and larger "
+                      "{}",
+                      WidthPx(camera), HeightPx(camera), Degrees(MaxAngle(camera)), chess ? "all" : "a third",
+                      Describe(board), chess ? "squares" : "tags", chess ? kLeastSquare_px : kLeastTag_px,
+                      chess ? "squares" : "tags"));
     }
     share.x() = std::fmod(share.x() + 1 / kPlastic, 1.0);
     share.y() = std::fmod(share.y() + 1 / (kPlastic * kPlastic), 1.0);

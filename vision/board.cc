@@ -193,6 +193,15 @@ std::uint64_t TagCode(int id) {
 Board LoadBoard(const std::filesystem::path& file, Mistakes& mistakes) {
   const Config config = LoadConfig(file, {}, mistakes);
   TargetFile target;
+  for (const auto& [key, node] : config.root.members) {
+    // Of a board that is not known, no other key can be judged.
+    if (key == "target_type" && node.kind == ConfigNode::Kind::kText && node.text != "checkerboard" &&
+        node.text != "aprilgrid") {
+      mistakes.Add(node.where, key,
+                   fmt::format("'{}' is not valid; valid: checkerboard, aprilgrid", node.text));
+      return {};
+    }
+  }
   Read(config, target, mistakes);
   if (target.target_type != "aprilgrid") return target.chessboard;
   const AprilGrid& grid = target.april_grid;

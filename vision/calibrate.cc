@@ -20,14 +20,18 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr int kLeastViews = 4;
-constexpr double kSamePose = 0.02;      // of the image's diagonal: views nearer than this are one
-constexpr double kLeastReach = 0.5;     // of half the image's smaller side: the outermost corner
-constexpr double kLeastTilts_deg = 6;   // between the two boards that differ most
-constexpr double kMostResidual_px = 3;  // beyond it the model is not of this lens
+constexpr double kSamePose = 0.02;     // of the image's diagonal: views nearer than this are one
+constexpr double kLeastReach = 0.5;    // of half the image's smaller side: the outermost corner
+constexpr double kLeastTilts_deg = 6;  // between the two boards that differ most
+constexpr double kMostAlike = 2;       // see AllowForImages; of noise alone it is 0.5 to 1
+// Of the focal length. The double sphere has a valley of cameras that fit alike, of which its deviations,
+// straight lines, see only the floor nearby.
+constexpr double kMostSigmaFocal = 0.05, kMostSigmaFocalOfSpheres = 0.02;
 constexpr double kMostUncertainty_px = 5;
 constexpr double kMostSigmaXi = 0.1;
 constexpr double kFirstCommon_px = 0.05;   // see PointsOf; until it is known
 constexpr double kOutlier = 5;             // deviations
+constexpr double kMostLeftOut = 1.0 / 3;   // of the views that show enough of the board
 constexpr double kMostOutliers = 1.0 / 3;  // of a view's corners
 
 // Of a unified camera: fx, fy, cx, cy and xi alone.
@@ -326,9 +330,85 @@ void AddResiduals(std::span<const BoardView> views, const std::vector<std::size_
   c.rms_px = std::sqrt(square / (c.corners - c.corners_not_used));
 }
 
+// What else to try for views that leave the parameters of a model open.
+const char* RemedyFor(const CameraModel& camera) {
+  if (std::holds_alternative<BrownConrady>(camera)) return "show more of the field, with more tilt";
+  if (std::holds_alternative<DoubleSphere>(camera))
+    return "take the model pinhole (to some 120 deg of view) or unified, or show more of the field, with "
+           "more tilt";
+  return "take the model pinhole (to some 120 deg of view), or show more of the field, with more tilt";
+}
+
+// How much larger than by independent corners the deviations are where the errors of an image may be alike,
+// root mean square over the parameters; if that is much, the covariance becomes the larger one.
+double AllowForImages(const Adjustment& adjustment, const std::vector<int>& free, Calibration& c) {
+  const auto clustered = ClusteredCovariance(adjustment, free);
+  if (!clustered) return 1;
+  const Eigen::VectorXd scale = c.covariance.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::MatrixXd one = scale.asDiagonal() * c.covariance * scale.asDiagonal();
+  const Eigen::MatrixXd other = scale.asDiagonal() * *clustered * scale.asDiagonal();
+  const double alike = std::sqrt(one.ldlt().solve(other).trace() / static_cast<double>(free.size()));
+  if (alike > kMostAlike) c.covariance = *clustered;
+  return alike;
+}
+
+// Refuses a camera that is only of some of the images.
+void CheckLeftOut(std::span<const BoardView> views, const std::vector<std::size_t>& usable,
+                  const std::vector<std::string>& left_out, const CameraModel& like) {
+  std::string names;
+  double count = 0;
+  for (std::size_t i = 0; i < usable.size(); ++i) {
+    if (left_out[i].empty()) continue;
+    names += fmt::format("{}{}", count == 0 ? "" : ", ", views[usable[i]].name);
+    ++count;
+  }
+  if (count <= kMostLeftOut * static_cast<double>(usable.size())) return;
+  throw InputError({fmt::format(
+      "{:g} of {} images do not fit the {} camera of the others: {}. They may be of another camera, or of "
+      "one whose zoom or focus changed; or the board's numbers (counts, side, spacing) are wrong, or the "
+      "lens is one for another model",
+      count, usable.size(), NameOf(like), names)});
+}
+
+void CheckResidual(const Calibration& c, double accepted_px) {
+  if (c.rms_px <= accepted_px) return;
+  std::vector<const CalibratedView*> used;
+  for (const CalibratedView& view : c.views) {
+    if (view.left_out.empty()) used.push_back(&view);
+  }
+  std::stable_sort(used.begin(), used.end(), [](auto* a, auto* b) { return a->rms_px > b->rms_px; });
+  std::string worst;
+  for (std::size_t i = 0; i < std::min<std::size_t>(used.size(), 3); ++i)
+    worst += fmt::format("{}{} {:.2f}", i == 0 ? "" : ", ", used[i]->name, used[i]->rms_px);
+  throw PoorFit({fmt::format(
+      "the {} model does not fit: {:.2f} px rms are left between what it says and what {} images show, where "
+      "{:g} px are accepted; worst: {}. The board's numbers may be wrong (counts, side, spacing), the images "
+      "of several cameras, or of one whose zoom or focus changed, the board not flat, or the lens one for "
+      "another model",
+      NameOf(c.camera), c.rms_px, used.size(), accepted_px, worst)});
+}
+
+// Refuses parameters that the views leave open, though they may say well where rays go.
+void CheckFocalLength(const Calibration& c) {
+  const double most =
+      std::holds_alternative<DoubleSphere>(c.camera) ? kMostSigmaFocalOfSpheres : kMostSigmaFocal;
+  if (c.sigma.head<2>().maxCoeff() <= most * Parameters(c.camera)[0]) return;
+  const std::vector<std::string> names = ParameterNames(c.camera);
+  std::string open;
+  for (std::size_t i = 0; i < c.free.size(); ++i) {
+    const std::string& name = names[static_cast<std::size_t>(c.free[i])];
+    if (name == "fx" || name == "xi" || name == "alpha")
+      open += fmt::format("{}{} {:.4g} +- {:.2g}", open.empty() ? "" : ", ", name,
+                          Parameters(c.camera)[c.free[i]], c.sigma[static_cast<Eigen::Index>(i)]);
+  }
+  throw InputError({fmt::format("the images do not determine the {} model: {}; {}", NameOf(c.camera), open,
+                                RemedyFor(c.camera))});
+}
+
 }  // namespace
 
-Calibration Calibrate(const Board& board, std::span<const BoardView> views, const CameraModel& like) {
+Calibration Calibrate(const Board& board, std::span<const BoardView> views, const CameraModel& like,
+                      double accepted_px) {
   std::vector<std::size_t> usable;
   for (std::size_t i = 0; i < views.size(); ++i) {
     if (views[i].corners.size() >= kLeastCorners) usable.push_back(i);
@@ -354,6 +434,7 @@ Calibration Calibrate(const Board& board, std::span<const BoardView> views, cons
     points = PointsOf(board, views, usable, CommonError(views, usable, agreeing, free.size()));
     placed = PlaceViews(agreeing.adjustment.camera, points);
   }
+  CheckLeftOut(views, usable, left_out, like);
   if (std::holds_alternative<Unified>(like)) DropDistortion(like, agreeing, free);
 
   Calibration c;
@@ -368,12 +449,7 @@ Calibration Calibrate(const Board& board, std::span<const BoardView> views, cons
   }
   for (std::size_t i = 0; i < usable.size(); ++i) c.views[usable[i]].left_out = left_out[i];
   AddResiduals(views, usable, points, agreeing, c);
-  if (!(c.rms_px < kMostResidual_px)) {
-    throw InputError(
-        {fmt::format("the {} model does not fit: {:.1f} px are left between what it says and what "
-                     "is seen; try another model, or check the board's description",
-                     NameOf(like), c.rms_px)});
-  }
+  CheckResidual(c, accepted_px);
   const double tilts = Degrees(SpreadOfTilts(agreeing.adjustment.views));
   if (tilts < kLeastTilts_deg) {
     throw InputError(
@@ -384,21 +460,30 @@ Calibration Calibrate(const Board& board, std::span<const BoardView> views, cons
   const auto covariance = ParameterCovariance(agreeing.adjustment, free);
   const double freedom = FreedomOf(agreeing, free.size());
   if (!covariance || !(freedom > 0)) {
-    throw InputError({fmt::format("{} corners in {} views do not determine the {} parameters of the {} model",
-                                  c.corners, agreeing.numbers.size(), free.size(), NameOf(like))});
+    throw InputError(
+        {fmt::format("{} corners in {} views do not determine the {} parameters of the {} model; {}",
+                     c.corners, agreeing.numbers.size(), free.size(), NameOf(like), RemedyFor(like))});
   }
   constexpr double kAll = std::numeric_limits<double>::infinity();
   c.covariance = *covariance * (CostOf(agreeing.adjustment, kAll) / freedom);
+  const double alike = AllowForImages(agreeing.adjustment, free, c);
   c.sigma = c.covariance.diagonal().cwiseSqrt();
   c.worst_uncertainty_px = WorstUncertainty(c);
   if (!(c.worst_uncertainty_px < kMostUncertainty_px)) {
-    throw InputError({fmt::format(
-        "the views leave the {} model uncertain by {:.1f} px, with boards tilted by up "
-        "to {:.0f} deg against each other: show more of the field and more tilt, or take a model with fewer "
-        "parameters",
-        NameOf(like), c.worst_uncertainty_px, tilts)});
+    throw InputError(
+        {fmt::format("the views leave the {} model uncertain by {:.1f} px, with boards tilted by up "
+                     "to {:.0f} deg against each other; {}",
+                     NameOf(like), c.worst_uncertainty_px, tilts, RemedyFor(like))});
   }
+  CheckFocalLength(c);
   AddNotes(c);
+  if (alike > kMostAlike) {
+    c.notes.push_back(fmt::format(
+        "the images contradict each other: errors within one are alike, which makes the deviations {:.1f} "
+        "times as large as errors of single corners would; are all images of one camera with one zoom and "
+        "focus, the board flat and its numbers right?",
+        alike));
+  }
   if (start->rival && std::abs(Parameters(*start->rival)[0] - Parameters(c.camera)[0]) > 5 * c.sigma[0]) {
     std::string other;
     for (const int i : free) {

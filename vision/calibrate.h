@@ -41,7 +41,8 @@ struct Calibration {
   CameraModel camera;
   // What was found of Parameters(camera): everything but k3 and skew, which Kalibr's models do not have, and
   // the distortion of a unified camera that shows none; these stay 0. The covariance is (J^T J)^-1 times the
-  // variance that the residuals show.
+  // variance that the residuals show; where the errors of one image are alike, so much that this would say
+  // too little, it is ClusteredCovariance (vision/view_adjustment.h), and a note says so.
   std::vector<int> free;
   Eigen::VectorXd sigma;       // of free
   Eigen::MatrixXd covariance;  // of free
@@ -53,13 +54,24 @@ struct Calibration {
   std::vector<std::string> notes;         // what a user should know, in words
 };
 
+// The best camera of the model leaves more residual than is accepted.
+struct PoorFit : InputError {
+  using InputError::InputError;
+};
+
+inline constexpr double kAcceptedResidual_px = 0.5;  // usual among users of Kalibr and OpenCV
+
 // Finds a camera of the same model and image size as `like`, whose numbers do not matter, and the pose of the
 // board in every view. Starts from many focal lengths and shapes of the lens, so that it holds from 20 to 200
 // degrees of view; large errors count less (Huber), and corners more than five deviations off are set aside,
 // as is a view with more than a third of such; every view that is not used says why. Corners weigh by their
 // covariance. Throws InputError, with what was seen, if the views cannot determine the camera: fewer than
-// four different ones, boards all parallel or all in the middle of the image, or a model that does not fit.
-Calibration Calibrate(const Board& board, std::span<const BoardView> views, const CameraModel& like);
+// four different ones, boards all parallel or all in the middle of the image, a focal length that stays open
+// by more than a twentieth (a fiftieth of a double sphere), more than a third of the views not of the camera
+// of the others; PoorFit if more than accepted_px are left, root mean square, as when the board's numbers are
+// wrong, the images are of two cameras, or the model is not of this lens.
+Calibration Calibrate(const Board& board, std::span<const BoardView> views, const CameraModel& like,
+                      double accepted_px = kAcceptedResidual_px);
 
 // The views with their corners placed anew by a calibration of them (RefitBoard), for another one; views that
 // it did not use stay as they are. images: those of the views.

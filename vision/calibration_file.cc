@@ -7,7 +7,9 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <fstream>
 #include <span>
+#include <string_view>
 
 namespace kestrel {
 namespace {
@@ -284,8 +286,23 @@ ValueWriter ValuesOf(CameraModel camera) {
 
 CameraModel LoadCamera(const std::filesystem::path& file, Mistakes& mistakes, const std::string& name,
                        const std::optional<cv::Size>& image) {
+  char begin[256] = {};
+  std::ifstream in(file, std::ios::binary);
+  in.read(begin, sizeof begin);
+  const std::string_view text(begin, static_cast<std::size_t>(in.gcount()));
+  if (text.starts_with("<?xml") || text.starts_with("<opencv_storage")) {
+    mistakes.Add(file.string(), "",
+                 "is XML, which is not read; valid: YAML, which OpenCV writes to a file that ends in .yml");
+    return {};
+  }
+  if (text.find('\0') != std::string_view::npos) {
+    mistakes.Add(file.string(), "", "is not a calibration file but an image or the like; valid: YAML");
+    return {};
+  }
   return ParseCamera(LoadConfig(file, {}, mistakes), mistakes, name, image);
 }
+
+std::vector<std::string> CameraNames(const Config& config) { return CamerasOf(config.root); }
 
 CameraModel ParseCamera(const Config& config, Mistakes& mistakes, const std::string& name,
                         const std::optional<cv::Size>& image) {

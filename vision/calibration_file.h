@@ -5,6 +5,7 @@
 #include <opencv2/core.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "config/yaml_fields.h"
 #include "vision/camera_model.h"
@@ -26,6 +27,9 @@ CameraModel LoadCamera(const std::filesystem::path& file, Mistakes& mistakes, co
                        const std::optional<cv::Size>& image = {});
 CameraModel ParseCamera(const Config& config, Mistakes& mistakes, const std::string& name = "",
                         const std::optional<cv::Size>& image = {});
+
+// The cameras of a camchain of Kalibr, the first first; of any other file none.
+std::vector<std::string> CameraNames(const Config& config);
 
 // The same camera as a file of this project, and as Kalibr's cam0. Numbers read back to the same bits,
 // field_deg to the last one or two. Throws InputError for what Kalibr's models cannot say: k3 or a skew.

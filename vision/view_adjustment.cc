@@ -172,18 +172,41 @@ double Adjust(Adjustment& a, const AdjustOptions& options) {
   return cost;
 }
 
-std::optional<MatrixXd> ParameterCovariance(const Adjustment& a, const std::vector<int>& free) {
-  const auto reduced = Eliminate(Linearise(a, free, std::numeric_limits<double>::infinity()), 0);
-  if (!reduced) return std::nullopt;
-  const VectorXd diagonal = reduced->camera.diagonal();
+namespace {
+
+// None: not positive definite, as far as the numbers go.
+std::optional<MatrixXd> InverseScaled(const MatrixXd& matrix) {
+  const VectorXd diagonal = matrix.diagonal();
   if (!(diagonal.minCoeff() > 0)) return std::nullopt;
   const VectorXd scale = diagonal.cwiseSqrt().cwiseInverse();
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(scale.asDiagonal() * reduced->camera *
-                                                       scale.asDiagonal());
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(scale.asDiagonal() * matrix * scale.asDiagonal());
   if (solver.info() != Eigen::Success || !(solver.eigenvalues()[0] > 1e-13)) return std::nullopt;
   const MatrixXd inverse = solver.eigenvectors() * solver.eigenvalues().cwiseInverse().asDiagonal() *
                            solver.eigenvectors().transpose();
   return MatrixXd(scale.asDiagonal() * inverse * scale.asDiagonal());
+}
+
+}  // namespace
+
+std::optional<MatrixXd> ParameterCovariance(const Adjustment& a, const std::vector<int>& free) {
+  const auto reduced = Eliminate(Linearise(a, free, std::numeric_limits<double>::infinity()), 0);
+  if (!reduced) return std::nullopt;
+  return InverseScaled(reduced->camera);
+}
+
+std::optional<MatrixXd> ClusteredCovariance(const Adjustment& a, const std::vector<int>& free) {
+  constexpr double kAll = std::numeric_limits<double>::infinity();
+  const auto reduced = Eliminate(Linearise(a, free, kAll), 0);
+  const auto inverse = reduced ? InverseScaled(reduced->camera) : std::nullopt;
+  if (!inverse || a.views.size() < 2) return std::nullopt;
+  MatrixXd pulls = MatrixXd::Zero(inverse->rows(), inverse->cols());
+  for (const AdjustedView& view : a.views) {
+    const auto alone = Eliminate(Linearise({a.camera, {view}}, free, kAll), 0);
+    if (!alone) return std::nullopt;
+    pulls += alone->gradient * alone->gradient.transpose();
+  }
+  const double views = static_cast<double>(a.views.size());
+  return MatrixXd(*inverse * pulls * *inverse * (views / (views - 1)));
 }
 
 }  // namespace kestrel

@@ -56,4 +56,10 @@ std::optional<Eigen::Vector2d> WhitenedError(const CameraModel& camera, const Po
 std::optional<Eigen::MatrixXd> ParameterCovariance(const Adjustment& adjustment,
                                                    const std::vector<int>& free);
 
+// The same where the errors of one view may be alike, whatever deviation they have: from how far each view
+// alone pulls at the camera (Liang and Zeger, Biometrika 73, 1986, with views as clusters). Of many views; of
+// few it is too small, as each pulls the camera its own way.
+std::optional<Eigen::MatrixXd> ClusteredCovariance(const Adjustment& adjustment,
+                                                   const std::vector<int>& free);
+
 }  // namespace kestrel

@@ -5,12 +5,14 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
 #include <pugixml.hpp>
 #include <sstream>
 #include <thread>
@@ -119,11 +121,117 @@ TEST_F(CommandLineTest, WrongArgumentsEndWithTwo) {
   EXPECT_FALSE(fs::exists(folder_ / "results"));
 }
 
-TEST_F(CommandLineTest, AFolderThatCannotBeWrittenEndsWithThree) {
+TEST_F(CommandLineTest, AnOutputThatCannotBeWrittenIsRefusedBeforeTheWork) {
   Write("file", "in the way");
-  const Ended run = Kestrel(std::string(kShort) + "--out file/run");
-  EXPECT_EQ(run.status, 3);
-  EXPECT_THAT(run.err, HasSubstr("file"));
+  cv::imwrite((folder_ / "grey.png").string(), cv::Mat(480, 640, CV_8UC1, cv::Scalar(77)));
+  for (const char* arguments :
+       {"run pose --no-video --out file/run", "run pose --no-video --out file", "run pose --out /proc/x",
+        "view grey.png --camera thesis_6mm --out none/y.png",
+        "calibrate grey.png --model pinhole --out /proc/x", "render-board --camera fisheye --out /proc/x",
+        "render-board --camera fisheye --out file", "mirror --out none/mirror.png",
+        "bench render --json none/x.json"}) {
+    const Ended refused = Kestrel(arguments);
+    EXPECT_EQ(refused.status, 2) << arguments << refused.err;
+    EXPECT_THAT(refused.err, HasSubstr(std::string(arguments).starts_with("bench") ? "--json: " : "--out: "))
+        << arguments;
+  }
+  EXPECT_EQ(Content(folder_ / "file"), "in the way");
+  // What could be written is not there yet when something else is refused.
+  EXPECT_EQ(Kestrel("calibrate none.png --model pinhole --out new/calibration").status, 2);
+  EXPECT_FALSE(fs::exists(folder_ / "new"));
+}
+
+TEST_F(CommandLineTest, FilesThatAreNotImagesAreRefusedByWhatTheyAre) {
+  cv::imwrite((folder_ / "grey.png").string(), cv::Mat(480, 640, CV_8UC1, cv::Scalar(77)));
+  Write("cut.png", Content(folder_ / "grey.png").substr(0, 200));
+  Write("film.mp4", "x");
+  Write("text.txt", "x");
+  fs::create_directory(folder_ / "folder");
+  const Ended calibrate =
+      Kestrel("calibrate grey.png cut.png film.mp4 text.txt folder none.png --model pinhole --out c");
+  EXPECT_EQ(calibrate.status, 2);
+  EXPECT_THAT(calibrate.err, AllOf(HasSubstr("cut.png: is a damaged image"),
+                                   HasSubstr("film.mp4: is a video; valid: images"),
+                                   HasSubstr("text.txt: is not an image"), HasSubstr("folder: is a folder"),
+                                   HasSubstr("none.png: there is no such file"), Not(HasSubstr("libpng"))));
+  const auto viewed = [&](const char* file) {
+    return Kestrel(std::string("view ") + file + " --camera thesis_6mm --out out.png").err;
+  };
+  EXPECT_EQ(viewed("cut.png"), "cut.png: is a damaged image: it breaks off before its end\n");
+  EXPECT_EQ(viewed("text.txt"), "text.txt: is neither an image nor a video that can be read\n");
+  EXPECT_THAT(viewed("folder"), HasSubstr("folder: is a folder"));
+}
+
+TEST_F(CommandLineTest, FilesThatAreNotCamerasAreRefusedByWhatTheyAre) {
+  cv::imwrite((folder_ / "grey.png").string(), cv::Mat(480, 640, CV_8UC1, cv::Scalar(77)));
+  Write("opencv.xml", "<?xml version=\"1.0\"?>\n<opencv_storage>\n<fx>1</fx></opencv_storage>\n");
+  EXPECT_EQ(Kestrel("render-board --camera nosuch --out x").err.rfind("--camera: there is no camera", 0), 0u);
+  EXPECT_THAT(Kestrel("render-board --camera grey.png --out x").err, HasSubstr("is not a calibration file"));
+  const std::string xml = Kestrel("render-board --camera opencv.xml --out x").err;
+  EXPECT_THAT(xml, AllOf(HasSubstr("is XML, which is not read"), Not(HasSubstr("<fx>"))));
+  Write("circles.yaml", "target_type: circlegrid\ntargetCols: 6\nspacingMeters: 0.02\n");
+  const std::string circles = Kestrel("render-board --camera fisheye --board circles.yaml --out x").err;
+  EXPECT_EQ(std::count(circles.begin(), circles.end(), '\n'), 1) << circles;
+  EXPECT_THAT(circles,
+              HasSubstr("circles.yaml:1: target_type: 'circlegrid' is not valid; valid: checkerboard"));
+}
+
+TEST_F(CommandLineTest, MirrorRefusesFilesThatAreNotWhatTheirNamesSay) {
+  const Ended mirror = Kestrel("mirror --out x.txt --camera hyper.png --width-px 0");
+  EXPECT_EQ(mirror.status, 2);
+  EXPECT_THAT(mirror.err,
+              AllOf(HasSubstr("--out: 'x.txt'"), HasSubstr("valid: an ending .png"),
+                    HasSubstr("--camera: 'hyper.png'"), HasSubstr("--width-px: 0 is out of range")));
+}
+
+TEST_F(CommandLineTest, ARunSaysWhatACheckSays) {
+  Write("narrow.yaml",
+        "width_px: 640\nheight_px: 480\nfx_px: 800\nfy_px: 800\ncx_px: 319.5\ncy_px: 239.5\nfield_deg: 30\n");
+  const std::string run = std::string(kShort) + "--set camera=narrow.yaml --out run ";
+  EXPECT_THAT(Kestrel(run).out, HasSubstr("fills 47 % of its image"));
+  EXPECT_THAT(Kestrel(run + "--quiet").out, IsEmpty());
+}
+
+TEST_F(CommandLineTest, WhatWasNotReachedIsSaidToBeSo) {
+  const Ended run =
+      Kestrel(std::string(kShort) + "--out run --set criteria='{touchdown_error_m: {max: 0.1}}'");
+  EXPECT_EQ(run.status, 1);
+  EXPECT_THAT(run.out, AllOf(HasSubstr("not reached"), Not(HasSubstr("nan"))));
+}
+
+TEST_F(CommandLineTest, TheSummaryHasWhatScatterDrew) {
+  const std::string run = std::string(kShort) + "--no-video --set image.scatter.gain=0.5 --out ";
+  EXPECT_LE(Kestrel(run + "one --seed 1").status, 1);
+  EXPECT_LE(Kestrel(run + "two --seed 2").status, 1);
+  const auto drawn = [&](const char* folder) {
+    return nlohmann::json::parse(Content(folder_ / folder / "summary.json"))["drawn"];
+  };
+  ASSERT_EQ(drawn("one").size(), 1u);
+  EXPECT_NEAR(drawn("one")["image.gain"], 1, 0.5);
+  EXPECT_NE(drawn("one")["image.gain"], drawn("two")["image.gain"]);
+}
+
+TEST_F(CommandLineTest, CheckSaysWhichCameraOfAFileOfKalibrItTook) {
+  const auto camera = [](const char* name) {
+    return fmt::format(
+        "{}:\n  camera_model: pinhole\n  distortion_coeffs: []\n  distortion_model: none\n"
+        "  intrinsics: [800, 800, 320, 240]\n  resolution: [640, 480]\n",
+        name);
+  };
+  Write("two.yaml", camera("cam0") + camera("cam1"));
+  Write("one.yaml", camera("cam0"));
+  EXPECT_THAT(Kestrel("check pose --set camera=two.yaml").out,
+              AllOf(HasSubstr("the camera is cam0 of "), HasSubstr("which has cam0, cam1")));
+  EXPECT_THAT(Kestrel("check pose --set camera=two.yaml --set camera_name=cam1").out,
+              HasSubstr("the camera is cam1 of "));
+  EXPECT_EQ(Kestrel("check pose --set camera=two.yaml --set camera_name=cam2").status, 2);
+  EXPECT_THAT(Kestrel("check pose --set camera=one.yaml").out, Not(HasSubstr("cam0")));
+}
+
+TEST_F(CommandLineTest, AVerbHasNoExamplesOfOthers) {
+  EXPECT_THAT(Kestrel("check --help").out,
+              AllOf(HasSubstr("kestrel check"), Not(HasSubstr("kestrel bench"))));
+  EXPECT_THAT(Kestrel("list --help").out, Not(HasSubstr("kestrel run")));
 }
 
 TEST_F(CommandLineTest, AnInterruptEndsWithThreeAndLeavesWhatThereIs) {

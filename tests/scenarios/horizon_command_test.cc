@@ -74,7 +74,7 @@ TEST_F(HorizonCommandTest, EveryMistakeIsToldAtOnce) {
   arguments_.mask = File("mask.png");
   arguments_.out = File("nowhere/seen.gif");
   EXPECT_THAT(Refusal(), AllOf(HasSubstr("none.png"), HasSubstr("none.yaml"), HasSubstr("--mask"),
-                               HasSubstr(".png or .jpg"), HasSubstr("no folder")));
+                               HasSubstr(".png or .jpg"), HasSubstr("nowhere")));
 }
 
 TEST_F(HorizonCommandTest, TheInputIsNotOverwritten) {

@@ -232,7 +232,7 @@ TEST_F(ScenarioTest, AnyCameraWillDoThatSeesAlongItsAxis) {
   EXPECT_THAT(Refusal("landing", {"camera=fisheye"}), IsEmpty());
   Replace("models/cameras/fisheye.yaml", "cx_px: 319.5", "cx_px: -100");
   EXPECT_THAT(Refusal("landing", {"camera=fisheye"}),
-              ElementsAre(AllOf(HasSubstr((folder_ / "models/cameras/fisheye.yaml").string()),
+              ElementsAre(AllOf(HasSubstr("camera=fisheye: camera: 'fisheye'"), HasSubstr("(-100, "),
                                 HasSubstr("does not see along its own optical axis"))));
 }
 
@@ -290,6 +290,22 @@ TEST_F(ScenarioTest, AnImageMustHaveTimeToBeExposedAndReadOut) {
               IsEmpty());  // no time to change
   EXPECT_THAT(one({"image.auto_exposure={target_grey: 90, shortest_s: 0.02, longest_s: 0.01}"}),
               ElementsAre(AllOf(HasSubstr("image.auto_exposure.longest_s"), HasSubstr("not above"))));
+}
+
+TEST_F(ScenarioTest, AnExposureThatDoesNotFitIsReportedBesideOtherMistakes) {
+  const auto mistakes =
+      Refusal("pose", {"image.exposure.time_s=0.06", "camera=none", "image.gain=0", "world=x"});
+  EXPECT_EQ(mistakes.size(), 4u);
+  EXPECT_THAT(mistakes, Contains(AllOf(HasSubstr("image.exposure.time_s"), HasSubstr("0.06 s"))));
+}
+
+TEST_F(ScenarioTest, ALensThatLetsNoLightThroughIsRefused) {
+  EXPECT_THAT(Refusal("pose", {"image.lens.rim_px=1"}),
+              ElementsAre(AllOf(HasSubstr("image.lens.rim_px: 1 leaves light to 4 of 307200 pixels"),
+                                HasSubstr("(319.5, 239.5)"))));
+  EXPECT_THAT(Refusal("pose", {"image.lens.reflection_deg=80"}),
+              ElementsAre(AllOf(HasSubstr("image.lens.reflection_deg: 80 leaves light to 0 of"))));
+  EXPECT_THAT(Refusal("pose", {"image.lens.rim_px=100", "image.lens.reflection_deg=5"}), IsEmpty());
 }
 
 TEST_F(ScenarioTest, AFaultMustBeOneAndHaveItsOwnKeysAlone) {
