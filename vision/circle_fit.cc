@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kUneven = 0.028;                         // rad
 constexpr double kElsewhere = 0.06;                       // rad of tilt between two different answers
+constexpr std::size_t kArcs = 16;
 constexpr double kNear = 0.015;                           // rad, on the circle
 constexpr double kConsensusScatter = 0.006;               // rad
 constexpr double kBelow = 0.04, kBin = 0.001;             // rad
@@ -66,7 +67,10 @@ class Fitter {
     for (std::size_t i = 0; i < rows_.size(); i += stride)
       sum += contour_[i].weight * Surprise(Residual(i, x));
     const double u = (-x.z() - o_.dip) / DipSigma(x);
-    return sum * static_cast<double>(stride) + PriorWeight() * std::min(u * u, 16.0) / 2;
+    // Haze may hide the horizon by more than its deviation; hardly anything raises all of it.
+    const double off = (x.head<2>() - o_.near).norm() / o_.reach;
+    return sum * static_cast<double>(stride) + PriorWeight() * std::min(u * u, u > 0 ? 16.0 : 60.0) / 2 +
+           o_.near_weight * static_cast<double>(rows_.size()) * off * off;
   }
 
   Eigen::Vector3d Consensus(double& rival) const {
@@ -132,7 +136,7 @@ class Fitter {
     fit.scatter = scatter;
     Eigen::Matrix3d H = Prior(x);
     std::vector<Eigen::Vector3d> gradients;
-    double mass = 0, on_mass = 0, uneven = 0, below = 0;
+    double mass = 0, on_mass = 0, below = 0;
     for (std::size_t i = 0; i < rows_.size(); ++i) {
       const double r = Residual(i, x);
       const Stories s = Tell(r, scatter, o_);
@@ -143,12 +147,11 @@ class Fitter {
       gradients.push_back(w * (on * r / (scatter * scatter) + raised * s.pull) * rows_[i]);
       fit.explained += w * std::max(0.0, 1 - Surprise(r));
       below += w * (r < -kNear);
-      mass += w, on_mass += w * (std::abs(r) < kNear), uneven += w * std::min(r * r, kUneven * kUneven);
+      mass += w, on_mass += w * (std::abs(r) < kNear);
     }
     fit.below = mass > 0 ? below / mass : 0;
     fit.strain = (-x.z() - o_.dip) / DipSigma(x);
     fit.on_circle = mass > 0 ? on_mass / mass : 0;
-    fit.unevenness = mass > 0 ? std::sqrt(uneven / mass) : 0;
     // Sandwich with the correlation of neighbours (Newey, West 1987), by azimuth.
     const Eigen::Matrix3d inverse = H.inverse();
     Eigen::Matrix3d meat = PriorWeight() * Prior(x);
@@ -169,9 +172,13 @@ class Fitter {
         std::max(1.0, o_.correlation / 2 * static_cast<double>(rows_.size()) / (2 * M_PI));
     fit.covariance += inverse * arc_points * 0.25;
     // Hills wider than the correlation, and what is hidden by them or out of view, by experience.
+    fit.unevenness = Unevenness(x);
     const double seen = static_cast<double>(n) / o_.azimuths;
     const double relief = o_.relief_share * fit.unevenness * std::pow(std::max(seen, 0.05), -0.8);
-    fit.covariance.diagonal().array() += o_.least_sigma * o_.least_sigma + relief * relief;
+    // What raises the whole circle beyond what is expected hardly does so evenly.
+    const double raised = o_.raised_share * std::max(0.0, std::abs(x.z() + o_.dip) - o_.dip_under_sigma / 2);
+    fit.covariance.diagonal().array() +=
+        o_.least_sigma * o_.least_sigma + relief * relief + raised * raised;
     return fit;
   }
 
@@ -186,6 +193,24 @@ class Fitter {
     p(2, 2) = PriorWeight() / (DipSigma(x) * DipSigma(x));
     p(0, 0) = p(1, 1) = 1e-3;
     return p;
+  }
+
+  // Of the lower quartiles of arcs: trees and houses leave gaps, hills do not.
+  double Unevenness(const Eigen::Vector3d& x) const {
+    std::array<std::vector<double>, kArcs> arcs;
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+      const double turn = contour_[i].azimuth / (2 * M_PI);
+      arcs[static_cast<std::size_t>((turn - std::floor(turn)) * kArcs) % kArcs].push_back(Residual(i, x));
+    }
+    double sum = 0, n = 0;
+    for (auto& arc : arcs) {
+      if (arc.size() < 3) continue;
+      const auto low = arc.begin() + static_cast<std::ptrdiff_t>(arc.size() / 4);
+      std::nth_element(arc.begin(), low, arc.end());
+      const auto size = static_cast<double>(arc.size());
+      sum += size * std::min(*low * *low, kUneven * kUneven), n += size;
+    }
+    return n > 0 ? std::sqrt(sum / n) : kUneven;
   }
 
   double Surprise(double residual) const {

@@ -23,7 +23,8 @@ constexpr double kMostBelow = 0.25;   // of the contour's points under the circl
 constexpr double kSure = Radians(4);  // rad: what is expected as well as this needs no search
 constexpr double kDeep = Radians(1);  // rad
 constexpr double kAlike = Radians(1.5);
-constexpr double kKnownDipSigma = Radians(0.12);
+constexpr double kTie = 0.15;  // of the quality of two answers
+constexpr double kKnownDipSigma = Radians(0.2);
 constexpr double kEarth_m = 6371e3;
 constexpr double kFineLowest_deg = -3.5, kFineHighest_deg = 13;
 
@@ -68,7 +69,7 @@ std::vector<double> CircleOf(const Eigen::Vector3d& state, const BandGrid& grid)
 }
 
 double DipAt(double height_m) { return std::sqrt(2 * std::max(0.0, height_m) / kEarth_m); }
-double Reach(const SkylineExpected& e) { return std::min(0.5, 4 * e.down_sigma + 0.02); }
+double Reach(const SkylineExpected& e) { return std::min(0.5, 3 * e.down_sigma + 0.02); }
 
 }  // namespace
 
@@ -128,12 +129,13 @@ Skyline::Refined Skyline::Refine(const cv::Mat& image, const Close& close,
     CircleFitOptions fit_options;
     if (expected.height_m) {
       fit_options.dip = DipAt(*expected.height_m);
-      fit_options.dip_over_sigma = fit_options.dip_under_sigma = kKnownDipSigma + 0.2 * fit_options.dip;
+      fit_options.dip_over_sigma = kKnownDipSigma + 0.3 * fit_options.dip;
     }
     fit_options.dip_over_sigma += 2 * std::max(0.0, contour.blur - 3 * grid.step);
     if (expected.down_C) {
       fit_options.near = {expected.down_C->dot(h.forward), expected.down_C->dot(h.right)};
       fit_options.reach = Reach(expected);
+      fit_options.near_weight = 0.1;
     }
     fit = FitCircle(contour.points, fit_options);
     if (!fit) return {NoSkyline::kTooLittle, 0};
@@ -161,7 +163,9 @@ Skyline::Refined Skyline::Refine(const cv::Mat& image, const Close& close,
   const auto no = [&](NoSkyline reason) { return Refined{reason, quality}; };
   if (fix.circle_seen < options_.least_circle) return no(NoSkyline::kTooLittle);
   // A short arc is matched by more circles.
-  const double least = options_.least_agreement + 0.25 * std::clamp(2 * (0.55 - fix.circle_seen), 0.0, 1.0);
+  const double agreement =
+      expected.down_C ? options_.least_agreement_expected : options_.least_agreement;
+  const double least = agreement + 0.25 * std::clamp(2 * (0.55 - fix.circle_seen), 0.0, 1.0);
   // A horizon leaves its step on most of the meridians that are in view.
   const bool sparse = static_cast<double>(contour.points.size()) < kLeastFound * contour.shown;
   if (fix.agreement < least || fit->below > kMostBelow || sparse) return no(NoSkyline::kUneven);
@@ -218,12 +222,22 @@ SkylineResult Skyline::Measure(const cv::Mat& image, const SkylineExpected& expe
       starts.push_back(closes[k]);
       break;
     }
-  best.quality = -1e9;
+  std::vector<Refined> answers;
   for (const Close& start : starts) {
-    Refined refined = Refine(colour, start, expected);
-    if (refined.quality > best.quality) best = std::move(refined);
+    answers.push_back(Refine(colour, start, expected));
+    answers.back().quality += start.support / 2;
   }
-  return best.result;
+  const auto top = std::max_element(answers.begin(), answers.end(), [](const Refined& a, const Refined& b) {
+    return a.quality < b.quality;
+  });
+  const auto* fix = std::get_if<SkylineFix>(&top->result);
+  for (const Refined& answer : answers) {
+    const auto* other = std::get_if<SkylineFix>(&answer.result);
+    if (fix && other && answer.quality > top->quality - kTie &&
+        fix->down_C.dot(other->down_C) < std::cos(2 * kAlike))
+      return NoSkyline::kAmbiguous;
+  }
+  return top->result;
 }
 
 }  // namespace kestrel

@@ -159,8 +159,8 @@ TurnFit RefineTurn(const StripReference& then, const StripReference& now, double
   // Neighbours in the pattern err together: some six of them count as one. What is at unlike ranges shifts
   // unlike; a part of the parallax stays in the turn.
   const Matrix6 P = H.inverse();
-  const double floor = Radians(0.03), rest = 0.15 * fit.parallax;
-  fit.variance = 6 * P(0, 0) / (per_rad * per_rad) + floor * floor + rest * rest;
+  const double floor = Radians(0.03), rest = 0.15 * fit.parallax, unlike = Radians(0.6) * (1 - fit.likeness);
+  fit.variance = 6 * P(0, 0) / (per_rad * per_rad) + floor * floor + rest * rest + unlike * unlike;
   return fit;
 }
 

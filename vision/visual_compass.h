@@ -65,13 +65,14 @@ class VisualCompass {
     double turn = 0, likeness = -1;
     bool ambiguous = false;
   };
-  Guess Compare(std::size_t keyframe, const StripReference& now, const std::optional<double>& expected) const;
+  Guess Compare(const Keyframe& k, const StripReference& now, const std::optional<double>& expected) const;
   std::vector<std::size_t> ToCompare();
-  void Learn(StripReference now, double heading, double variance);
+  void Learn(const StripReference& now, double heading, double variance);
 
   StripMaker maker_;
   CompassOptions options_;
   std::vector<Keyframe> keyframes_;
+  std::optional<Keyframe> last_;  // the image before: if no keyframe is like this one, it may be
   std::size_t current_ = 0, next_other_ = 0;
   double total_ = 0;
   PanoramaStrip last_strip_;
