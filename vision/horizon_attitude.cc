@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/horizon_attitude.h"
 
+#include <cmath>
 #include <cstring>
 #include <opencv2/imgproc.hpp>
 
@@ -46,13 +47,15 @@ HorizonAttitude::Measurement HorizonAttitude::Measure(const cv::Mat& image, cons
   cv::Mat colour = image;
   if (image.channels() == 1) cv::cvtColor(image, colour, cv::COLOR_GRAY2BGR);
   out.skyline = skyline_.Measure(colour, beforehand);
+  std::optional<VisualCompass::Expected> turn;
+  if (expected.turn) turn = {*expected.turn, expected.turn_sigma};
   if (const auto* fix = std::get_if<SkylineFix>(&out.skyline)) {
     out.down_B = R_BC_ * fix->down_C;
     out.covariance_B = R_BC_ * fix->covariance * R_BC_.transpose();
     out.attitude = RollPitchFromDown(*out.down_B, out.covariance_B);
-    out.compass = compass_.Turn(colour, fix->down_C, expected.turn);
+    out.compass = compass_.Turn(colour, fix->down_C, turn);
   } else if (beforehand.down_C && expected.down_sigma < Radians(3)) {
-    out.compass = compass_.Turn(colour, beforehand.down_C, expected.turn);
+    out.compass = compass_.Turn(colour, beforehand.down_C, turn);
   }
   return out;
 }

@@ -34,6 +34,7 @@ class HorizonAttitude {
     double down_sigma = 0.05;        // rad
     std::optional<double> height_m;  // over the ground
     std::optional<double> turn;      // since the first image, rad
+    double turn_sigma = 0.05;        // rad
   };
   Measurement Measure(const cv::Mat& image, const Expected& expected);
   Measurement Measure(const cv::Mat& image) { return Measure(image, Expected()); }

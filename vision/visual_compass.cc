@@ -12,6 +12,7 @@ namespace kestrel {
 
 namespace {
 constexpr double kLeastSeen = 0.08;  // share of the azimuths
+constexpr double kSlack = 0.03;      // rad
 }
 
 const char* NameOf(NoHeading reason) {
@@ -40,22 +41,20 @@ void VisualCompass::Forget() {
 }
 
 VisualCompass::Guess VisualCompass::Compare(const Keyframe& k, const StripReference& now,
-                                            const std::optional<double>& expected) const {
+                                            const std::optional<Expected>& expected) const {
   const std::vector<float> likeness = TurnLikeness(k.reference, now);
   const auto n = static_cast<int>(likeness.size());
   const double per = 2 * M_PI / n;
   Guess guess;
-  int best = -1;
+  const double reach = expected ? 3 * std::hypot(expected->sigma, std::sqrt(k.variance)) + kSlack : 0;
+  int best = 0;
   double best_score = -2;
   for (int i = 0; i < n; ++i) {
-    double score = static_cast<double>(likeness[static_cast<std::size_t>(i)]);
-    if (expected) {  // worth a little: it decides only between turns that are nearly as alike
-      const double off = WrapAngle(i * per + k.heading - *expected);
-      score += 0.15 * std::exp(-off * off / (2 * 0.15 * 0.15));
-    }
+    const auto score = static_cast<double>(likeness[static_cast<std::size_t>(i)]);
+    if (expected && std::abs(WrapAngle(i * per + k.heading - expected->turn)) > reach) continue;
     if (score > best_score) best_score = score, best = i;
   }
-  guess.likeness = static_cast<double>(likeness[static_cast<std::size_t>(best)]);
+  guess.likeness = best_score;
   guess.turn = WrapAngle(best * per);
   if (!expected)
     for (int i = 0; i < n; ++i) {
@@ -92,7 +91,7 @@ void VisualCompass::Learn(const StripReference& now, double heading, double vari
 }
 
 CompassResult VisualCompass::Turn(const cv::Mat& image, const std::optional<Eigen::Vector3d>& down_C,
-                                  const std::optional<double>& expected) {
+                                  const std::optional<Expected>& expected) {
   if (!down_C) return NoHeading::kNoVertical;
   last_strip_ = maker_.Make(image, *down_C);
   if (last_strip_.seen < kLeastSeen) return NoHeading::kTooLittle;
@@ -118,7 +117,7 @@ CompassResult VisualCompass::Turn(const cv::Mat& image, const std::optional<Eige
       continue;
     }
     // What the heading by this keyframe is worth: the keyframe's own error and that of the comparison.
-    const double matched = Radians(0.1 + 3 * (1 - guess.likeness));
+    const double matched = Radians(0.1 + 2 * (1 - guess.likeness));
     const double sigma = std::sqrt(keyframes_[k].variance + matched * matched);
     if (sigma < best_sigma) best_sigma = sigma, best = guess;
   }
@@ -137,7 +136,8 @@ CompassResult VisualCompass::Turn(const cv::Mat& image, const std::optional<Eige
   } else {
     current_ = best.keyframe;
   }
-  total_ += WrapAngle(k->heading + fit.turn - total_);
+  const double about = expected ? expected->turn : total_;  // which of the whole turns
+  total_ = about + WrapAngle(k->heading + fit.turn - about);
   heading.turned = total_;
   heading.variance = k->variance + fit.variance;
   heading.likeness = fit.likeness;
