@@ -3,6 +3,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <utility>
@@ -13,7 +14,10 @@ namespace {
 
 constexpr double kUneven = 0.028;                         // rad
 constexpr double kElsewhere = 0.06;                       // rad of tilt between two different answers
-constexpr double kNear = 0.015;                           // rad, of the consensus
+constexpr std::size_t kArcs = 16;
+constexpr double kNear = 0.015;                           // rad, on the circle
+constexpr double kConsensusScatter = 0.006;               // rad
+constexpr double kBelow = 0.04, kBin = 0.001;             // rad
 constexpr double kWrongShare = 0.04, kWrongRange = 0.35;  // wrong points: evenly over that range, rad
 
 // Densities of a residual under the stories of CircleFitOptions, and how steeply the log of that of a raised
@@ -42,23 +46,31 @@ class Fitter {
   Fitter(const std::vector<ContourPoint>& contour, const CircleFitOptions& options)
       : contour_(contour), o_(options) {
     for (const ContourPoint& p : contour) rows_.emplace_back(std::cos(p.azimuth), std::sin(p.azimuth), 1.0);
+    const Stories wrong = Tell(-1, kConsensusScatter, o_);
+    const auto surprise = [&](double r) {
+      const Stories s = Tell(r, kConsensusScatter, o_);
+      return -std::log(s.on + s.raised + s.wrong);
+    };
+    const double least = surprise(0), most = -std::log(wrong.wrong) - least;
+    for (std::size_t k = 0; k < surprise_.size(); ++k)
+      surprise_[k] = (surprise((static_cast<double>(k) + 0.5) * kBin - kBelow) - least) / most;
   }
 
   double Residual(std::size_t i, const Eigen::Vector3d& x) const {
     return contour_[i].elevation - rows_[i].dot(x);
   }
 
-  // How many points are not near the circle. Hills touch a wrong circle narrowly, so that a narrow agreement
-  // proves nothing: within kNear all are alike, nearly. Ground below the sky's edge is worse than what stands
-  // above it.
+  // How badly the stories explain the contour, 0 to 1 per point: a raised point is better than one below the
+  // circle, which nothing explains.
   double Cost(const Eigen::Vector3d& x, std::size_t stride) const {
     double sum = 0;
-    for (std::size_t i = 0; i < rows_.size(); i += stride) {
-      const double u = Residual(i, x) / kNear;
-      sum += contour_[i].weight * (u > 0 ? std::min(u * u, 1.0) : std::min(u * u, 1.6));
-    }
+    for (std::size_t i = 0; i < rows_.size(); i += stride)
+      sum += contour_[i].weight * Surprise(Residual(i, x));
     const double u = (-x.z() - o_.dip) / DipSigma(x);
-    return sum * static_cast<double>(stride) + PriorWeight() * std::min(u * u, 16.0) / 2;
+    // Haze may hide the horizon by more than its deviation; hardly anything raises all of it.
+    const double off = (x.head<2>() - o_.near).norm() / o_.reach;
+    return sum * static_cast<double>(stride) + PriorWeight() * std::min(u * u, u > 0 ? 16.0 : 60.0) / 2 +
+           o_.near_weight * static_cast<double>(rows_.size()) * off * off;
   }
 
   Eigen::Vector3d Consensus(double& rival) const {
@@ -69,7 +81,7 @@ class Fitter {
       return static_cast<std::size_t>((seed >> 33) % rows_.size());
     };
     const std::size_t stride = std::max<std::size_t>(1, rows_.size() / 60);
-    Eigen::Vector3d best(0, 0, -o_.dip);
+    Eigen::Vector3d best(o_.near.x(), o_.near.y(), -o_.dip);
     double best_cost = Cost(best, stride);
     std::vector<std::pair<double, Eigen::Vector3d>> trials;
     for (int trial = 0; trial < 200; ++trial) {
@@ -82,7 +94,7 @@ class Fitter {
       }
       if (std::abs(A.determinant()) < 0.2) continue;
       const Eigen::Vector3d x = A.inverse() * b;
-      if (x.z() > 0.06 || x.z() < -0.12 || x.head<2>().norm() > 0.5) continue;
+      if (x.z() > 0.06 || x.z() < -0.12 || (x.head<2>() - o_.near).norm() > o_.reach) continue;
       const double cost = Cost(x, stride);
       trials.emplace_back(cost, x);
       if (cost < best_cost) best_cost = cost, best = x;
@@ -124,7 +136,7 @@ class Fitter {
     fit.scatter = scatter;
     Eigen::Matrix3d H = Prior(x);
     std::vector<Eigen::Vector3d> gradients;
-    double mass = 0, on_mass = 0, uneven = 0;
+    double mass = 0, on_mass = 0, below = 0;
     for (std::size_t i = 0; i < rows_.size(); ++i) {
       const double r = Residual(i, x);
       const Stories s = Tell(r, scatter, o_);
@@ -133,10 +145,13 @@ class Fitter {
       fit.belongs.push_back(on);
       H += w * on / (scatter * scatter) * rows_[i] * rows_[i].transpose();
       gradients.push_back(w * (on * r / (scatter * scatter) + raised * s.pull) * rows_[i]);
-      mass += w, on_mass += w * (std::abs(r) < kNear), uneven += w * std::min(r * r, kUneven * kUneven);
+      fit.explained += w * std::max(0.0, 1 - Surprise(r));
+      below += w * (r < -kNear);
+      mass += w, on_mass += w * (std::abs(r) < kNear);
     }
+    fit.below = mass > 0 ? below / mass : 0;
+    fit.strain = (-x.z() - o_.dip) / DipSigma(x);
     fit.on_circle = mass > 0 ? on_mass / mass : 0;
-    fit.unevenness = mass > 0 ? std::sqrt(uneven / mass) : 0;
     // Sandwich with the correlation of neighbours (Newey, West 1987), by azimuth.
     const Eigen::Matrix3d inverse = H.inverse();
     Eigen::Matrix3d meat = PriorWeight() * Prior(x);
@@ -157,9 +172,13 @@ class Fitter {
         std::max(1.0, o_.correlation / 2 * static_cast<double>(rows_.size()) / (2 * M_PI));
     fit.covariance += inverse * arc_points * 0.25;
     // Hills wider than the correlation, and what is hidden by them or out of view, by experience.
+    fit.unevenness = Unevenness(x);
     const double seen = static_cast<double>(n) / o_.azimuths;
     const double relief = o_.relief_share * fit.unevenness * std::pow(std::max(seen, 0.05), -0.8);
-    fit.covariance.diagonal().array() += o_.least_sigma * o_.least_sigma + relief * relief;
+    // What raises the whole circle beyond what is expected hardly does so evenly.
+    const double raised = o_.raised_share * std::max(0.0, std::abs(x.z() + o_.dip) - o_.dip_under_sigma / 2);
+    fit.covariance.diagonal().array() +=
+        o_.least_sigma * o_.least_sigma + relief * relief + raised * raised;
     return fit;
   }
 
@@ -176,8 +195,32 @@ class Fitter {
     return p;
   }
 
+  // Of the lower quartiles of arcs: trees and houses leave gaps, hills do not.
+  double Unevenness(const Eigen::Vector3d& x) const {
+    std::array<std::vector<double>, kArcs> arcs;
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+      const double turn = contour_[i].azimuth / (2 * M_PI);
+      arcs[static_cast<std::size_t>((turn - std::floor(turn)) * kArcs) % kArcs].push_back(Residual(i, x));
+    }
+    double sum = 0, n = 0;
+    for (auto& arc : arcs) {
+      if (arc.size() < 3) continue;
+      const auto low = arc.begin() + static_cast<std::ptrdiff_t>(arc.size() / 4);
+      std::nth_element(arc.begin(), low, arc.end());
+      const auto size = static_cast<double>(arc.size());
+      sum += size * std::min(*low * *low, kUneven * kUneven), n += size;
+    }
+    return n > 0 ? std::sqrt(sum / n) : kUneven;
+  }
+
+  double Surprise(double residual) const {
+    const auto k = static_cast<std::ptrdiff_t>((residual + kBelow) / kBin);
+    return k < 0 ? 1 : surprise_[std::min(static_cast<std::size_t>(k), surprise_.size() - 1)];
+  }
+
   const std::vector<ContourPoint>& contour_;
   const CircleFitOptions& o_;
+  std::array<double, 320> surprise_;  // by residual
   std::vector<Eigen::Vector3d> rows_;
 };
 

@@ -35,7 +35,12 @@ struct CircleFitOptions {
   double dip_under_sigma = 0.006;  // rad: hills all round
   double least_sigma = 0.0006;     // of the answer: what repeats from azimuth to azimuth, such as the lens
   double relief_share = 0.55;      // of the contour's unevenness, in the deviation of the answer
+  double raised_share = 0.3;       // of what the circle stands above or below the expected, likewise
   int azimuths = 240;              // all round, of which the contour's points are some
+  // Only circles whose (a, b) lies within reach of this are looked for, if it is known beforehand.
+  Eigen::Vector2d near = Eigen::Vector2d::Zero();
+  double reach = 0.5;              // rad
+  double near_weight = 0;          // of the points, that a circle at the end of the reach must win over
   double correlation = 0.35;       // azimuth over which points err alike at most, rad
 };
 
@@ -45,7 +50,10 @@ struct CircleFit {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   double scatter = 0;           // of the points on the circle, rad
   double on_circle = 0;         // share of the points within a degree of the circle, by weight
-  double unevenness = 0;        // root mean square of the residuals, none over kUneven, rad
+  double unevenness = 0;        // root mean square of the lower edge's residuals, arc by arc, rad
+  double below = 0;             // share of the points more than a degree below the circle
+  double explained = 0;         // how well the points are, 0 to 1 each, summed up by weight
+  double strain = 0;            // of the dip, in its deviations beforehand
   double rival = 0;             // how nearly as good the best circle elsewhere is, 0 to 1
   std::vector<double> belongs;  // per point, 0 to 1
 };

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/horizon_attitude.h"
 
+#include <cmath>
 #include <cstring>
 #include <opencv2/imgproc.hpp>
+
+#include "geometry/tait_bryan.h"
 
 namespace kestrel {
 
@@ -33,25 +36,27 @@ HorizonAttitude::HorizonAttitude(const CameraModel& camera, const Eigen::Matrix3
       skyline_(camera, R_BC, forbidden, skyline),
       compass_(camera, R_BC, forbidden, compass) {}
 
-HorizonAttitude::Measurement HorizonAttitude::Measure(const cv::Mat& image,
-                                                      const std::optional<Eigen::Vector3d>& expected_down_B,
-                                                      const std::optional<double>& expected_turn) {
+HorizonAttitude::Measurement HorizonAttitude::Measure(const cv::Mat& image, const Expected& expected) {
   Measurement out{NoSkyline::kFrozen, {}, {}, Eigen::Matrix3d::Zero(), NoHeading::kNoVertical};
   const std::uint64_t hash = HashOf(image);
   const bool frozen = last_hash_ && *last_hash_ == hash;
   last_hash_ = hash;
   if (frozen) return out;
-  std::optional<Eigen::Vector3d> expected;
-  if (expected_down_B) expected = R_BC_.transpose() * *expected_down_B;
+  SkylineExpected beforehand{{}, expected.down_sigma, expected.height_m};
+  if (expected.down_B) beforehand.down_C = R_BC_.transpose() * *expected.down_B;
   cv::Mat colour = image;
   if (image.channels() == 1) cv::cvtColor(image, colour, cv::COLOR_GRAY2BGR);
-  out.skyline = skyline_.Measure(colour, expected);
-  const auto* fix = std::get_if<SkylineFix>(&out.skyline);
-  if (!fix) return out;
-  out.down_B = R_BC_ * fix->down_C;
-  out.covariance_B = R_BC_ * fix->covariance * R_BC_.transpose();
-  out.attitude = RollPitchFromDown(*out.down_B, out.covariance_B);
-  out.compass = compass_.Turn(colour, fix->down_C, expected_turn);
+  out.skyline = skyline_.Measure(colour, beforehand);
+  std::optional<VisualCompass::Expected> turn;
+  if (expected.turn) turn = {*expected.turn, expected.turn_sigma};
+  if (const auto* fix = std::get_if<SkylineFix>(&out.skyline)) {
+    out.down_B = R_BC_ * fix->down_C;
+    out.covariance_B = R_BC_ * fix->covariance * R_BC_.transpose();
+    out.attitude = RollPitchFromDown(*out.down_B, out.covariance_B);
+    out.compass = compass_.Turn(colour, fix->down_C, turn);
+  } else if (beforehand.down_C && expected.down_sigma < Radians(3)) {
+    out.compass = compass_.Turn(colour, beforehand.down_C, turn);
+  }
   return out;
 }
 

@@ -27,10 +27,17 @@ class HorizonAttitude {
   HorizonAttitude(const CameraModel& camera, const Eigen::Matrix3d& R_BC, const cv::Mat& forbidden,
                   const SkylineOptions& skyline, const CompassOptions& compass);
 
-  // expected_down_B, expected_turn: what other sensors say, if they do; they help to choose and are not mixed
-  // into the measurement.
-  Measurement Measure(const cv::Mat& image, const std::optional<Eigen::Vector3d>& expected_down_B = {},
-                      const std::optional<double>& expected_turn = {});
+  // What other sensors say, if they do; it helps to choose and to refuse and is not mixed into the
+  // measurement. The one exception: an image without a skyline gives its heading by the expected "down".
+  struct Expected {
+    std::optional<Eigen::Vector3d> down_B;
+    double down_sigma = 0.05;        // rad
+    std::optional<double> height_m;  // over the ground
+    std::optional<double> turn;      // since the first image, rad
+    double turn_sigma = 0.05;        // rad
+  };
+  Measurement Measure(const cv::Mat& image, const Expected& expected);
+  Measurement Measure(const cv::Mat& image) { return Measure(image, Expected()); }
 
   cv::Mat Draw(const cv::Mat& image, const Measurement& measurement) const;
 

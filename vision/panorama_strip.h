@@ -17,7 +17,8 @@ struct PanoramaStrip {
   double seen = 0;  // share of the azimuths
 };
 
-inline const BandGrid kStripGrid{720, 15, -6 * M_PI / 180, M_PI / 180};
+// Little of the ground: it is near, and shifts as the camera moves.
+inline const BandGrid kStripGrid{720, 15, -2.5 * M_PI / 180, M_PI / 180};
 
 // Makes strips of one camera's images.
 class StripMaker {

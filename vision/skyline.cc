@@ -19,6 +19,13 @@ namespace {
 const BandGrid kWide{72, 39, Radians(-16), Radians(1)};
 constexpr int kFineAzimuths = 240;
 constexpr double kLeastFound = 0.45;  // of the meridians in view
+constexpr double kMostBelow = 0.25;   // of the contour's points under the circle
+constexpr double kSure = Radians(4);  // rad: what is expected as well as this needs no search
+constexpr double kDeep = Radians(1);  // rad
+constexpr double kAlike = Radians(1.5);
+constexpr double kTie = 0.15;  // of the quality of two answers
+constexpr double kKnownDipSigma = Radians(0.2);
+constexpr double kEarth_m = 6371e3;
 constexpr double kFineLowest_deg = -3.5, kFineHighest_deg = 13;
 
 struct Contour {
@@ -61,6 +68,9 @@ std::vector<double> CircleOf(const Eigen::Vector3d& state, const BandGrid& grid)
   return out;
 }
 
+double DipAt(double height_m) { return std::sqrt(2 * std::max(0.0, height_m) / kEarth_m); }
+double Reach(const SkylineExpected& e) { return std::min(0.5, 3 * e.down_sigma + 0.02); }
+
 }  // namespace
 
 Skyline::Skyline(const CameraModel& camera, const Eigen::Matrix3d& R_BC, const cv::Mat& forbidden,
@@ -91,8 +101,6 @@ std::optional<Skyline::Close> Skyline::LookClosely(const cv::Mat& half, const Ei
     close.horizontal =
         HorizontalAbout(Tilted(close.horizontal, fit->state), R_BC_.transpose() * Eigen::Vector3d::UnitX());
     close.dip = -fit->state[2];
-    close.shown = contour.shown / n;
-    close.found = static_cast<double>(contour.points.size()) / n;
     double support = 0;
     for (std::size_t i = 0; i < contour.points.size(); ++i)
       support += (0.35 + 0.65 * fit->belongs[i]) * std::min(1.0, contour.gains[i] / 20);
@@ -103,10 +111,12 @@ std::optional<Skyline::Close> Skyline::LookClosely(const cv::Mat& half, const Ei
   return close;
 }
 
-SkylineResult Skyline::Refine(const cv::Mat& image, const Close& close) const {
+Skyline::Refined Skyline::Refine(const cv::Mat& image, const Close& close,
+                                 const SkylineExpected& expected) const {
   const double step_deg = 0.3;
   const BandGrid grid{kFineAzimuths, static_cast<int>((kFineHighest_deg - kFineLowest_deg) / step_deg) + 1,
                       Radians(kFineLowest_deg) - std::clamp(close.dip, 0.0, 0.15), Radians(step_deg)};
+  const Eigen::Vector3d nose = R_BC_.transpose() * Eigen::Vector3d::UnitX();
   Horizontal h = close.horizontal;
   Eigen::Vector3d state(0, 0, -close.dip);
   std::optional<CircleFit> fit;
@@ -117,12 +127,21 @@ SkylineResult Skyline::Refine(const cv::Mat& image, const Close& close) const {
         FindContour(band, grid, CircleOf(state, grid), {Radians(0.6), Radians(3.0), Radians(9.0), 2});
     contour = Gathered(profile, grid);
     CircleFitOptions fit_options;
+    if (expected.height_m) {
+      fit_options.dip = DipAt(*expected.height_m);
+      fit_options.dip_over_sigma = kKnownDipSigma + 0.3 * fit_options.dip;
+    }
     fit_options.dip_over_sigma += 2 * std::max(0.0, contour.blur - 3 * grid.step);
+    if (expected.down_C) {
+      fit_options.near = {expected.down_C->dot(h.forward), expected.down_C->dot(h.right)};
+      fit_options.reach = Reach(expected);
+      fit_options.near_weight = 0.1;
+    }
     fit = FitCircle(contour.points, fit_options);
-    if (!fit) return NoSkyline::kTooLittle;
+    if (!fit) return {NoSkyline::kTooLittle, 0};
     if (round == 0 && fit->state.head<2>().norm() < Radians(0.3)) break;
     if (round == 0) {
-      h = HorizontalAbout(Tilted(h, fit->state), R_BC_.transpose() * Eigen::Vector3d::UnitX());
+      h = HorizontalAbout(Tilted(h, fit->state), nose);
       state = Eigen::Vector3d(0, 0, fit->state[2]);
     }
   }
@@ -139,42 +158,86 @@ SkylineResult Skyline::Refine(const cv::Mat& image, const Close& close) const {
   for (std::size_t i = 0; i < contour.points.size(); ++i)
     fix.points.push_back({h.Direction(contour.points[i].azimuth, contour.points[i].elevation),
                           fit->belongs[i] * contour.points[i].weight});
-  if (fix.circle_seen < options_.least_circle) return NoSkyline::kTooLittle;
+  const double quality = fit->explained / std::max<double>(contour.shown, grid.azimuths / 6.0) -
+                         0.03 * std::min(9.0, fit->strain * fit->strain);
+  const auto no = [&](NoSkyline reason) { return Refined{reason, quality}; };
+  if (fix.circle_seen < options_.least_circle) return no(NoSkyline::kTooLittle);
   // A short arc is matched by more circles.
-  const double least = options_.least_agreement + 0.25 * std::clamp(2 * (0.55 - fix.circle_seen), 0.0, 1.0);
+  const double agreement =
+      expected.down_C ? options_.least_agreement_expected : options_.least_agreement;
+  const double least = agreement + 0.25 * std::clamp(2 * (0.55 - fix.circle_seen), 0.0, 1.0);
   // A horizon leaves its step on most of the meridians that are in view.
   const bool sparse = static_cast<double>(contour.points.size()) < kLeastFound * contour.shown;
-  if (fix.agreement < least || sparse) return NoSkyline::kUneven;
-  if (fix.rival > options_.most_rival) return NoSkyline::kAmbiguous;
+  if (fix.agreement < least || fit->below > kMostBelow || sparse) return no(NoSkyline::kUneven);
+  if (!expected.down_C && fix.rival > options_.most_rival) return no(NoSkyline::kAmbiguous);
   if (fix.down_C.dot(R_BC_.transpose() * Eigen::Vector3d::UnitZ()) < std::cos(Radians(options_.max_tilt_deg)))
-    return NoSkyline::kTooLittle;
-  const double worst = std::sqrt(fix.covariance.trace());
-  if (!(worst < Radians(options_.most_sigma_deg))) return NoSkyline::kTooLittle;
-  return fix;
+    return no(NoSkyline::kTooLittle);
+  const double sigma = std::sqrt(fix.covariance.trace());
+  if (!(sigma < Radians(options_.most_sigma_deg))) return no(NoSkyline::kTooLittle);
+  if (expected.down_C) {
+    const double off = std::acos(std::clamp(fix.down_C.dot(expected.down_C->normalized()), -1.0, 1.0));
+    if (off > options_.gate * std::hypot(expected.down_sigma, sigma)) return no(NoSkyline::kImplausible);
+  }
+  return {std::move(fix), quality};
 }
 
-SkylineResult Skyline::Measure(const cv::Mat& image, const std::optional<Eigen::Vector3d>& expected) const {
+SkylineResult Skyline::Measure(const cv::Mat& image, const SkylineExpected& expected) const {
   if (image.cols != WidthPx(camera_) || image.rows != HeightPx(camera_)) return NoSkyline::kWrongSize;
   cv::Mat colour = image;
   if (image.channels() == 1) cv::cvtColor(image, colour, cv::COLOR_GRAY2BGR);
+  const Eigen::Vector3d nose = R_BC_.transpose() * Eigen::Vector3d::UnitX();
+  Refined best{NoSkyline::kNoSky, -1};
+  if (expected.down_C && expected.down_sigma < kSure) {
+    const double dip = expected.height_m ? DipAt(*expected.height_m) : 0.003;
+    best = Refine(colour, {HorizontalAbout(*expected.down_C, nose), 1, dip}, expected);
+    if (std::holds_alternative<SkylineFix>(best.result)) return best.result;
+  }
   cv::Mat half;
   cv::resize(colour, half, {image.cols / 2, image.rows / 2}, 0, 0, cv::INTER_AREA);
   auto overview = search_.Look(half, static_cast<std::size_t>(options_.candidates));
   if (overview.dark > 0.97) return NoSkyline::kTooDark;
   if (overview.white > 0.9) return NoSkyline::kWhiteOut;
   if (overview.spread < 3 && overview.rough < 3) return NoSkyline::kNoContrast;
-  if (expected) overview.candidates.push_back({expected->normalized(), 0});
+  if (expected.down_C) {
+    if (expected.down_sigma < kSure) return best.result;
+    overview.candidates.push_back({expected.down_C->normalized(), 0});
+  }
   std::vector<Close> closes;
   for (const auto& candidate : overview.candidates)
     if (auto close = LookClosely(half, candidate.down_C)) {
       close->support += 0.25 * candidate.score;
       closes.push_back(*close);
     }
-  if (closes.empty()) return overview.rough < 2.5 ? NoSkyline::kNoGround : NoSkyline::kNoSky;
   std::sort(closes.begin(), closes.end(),
             [](const Close& a, const Close& b) { return a.support > b.support; });
-  if (closes[0].support < 0.35) return overview.rough < 2.5 ? NoSkyline::kNoGround : NoSkyline::kNoSky;
-  return Refine(colour, closes[0]);
+  if (closes.empty() || closes[0].support < 0.35)
+    return overview.rough < 2.5 ? NoSkyline::kNoGround : NoSkyline::kNoSky;
+  // What the coarse look cannot tell apart, the fine one can. A dip that no height explains may be a shore
+  // or the edge of a field: what does the horizon look like from there?
+  std::vector<Close> starts{closes[0]};
+  if (closes[0].dip > kDeep) starts.push_back({closes[0].horizontal, closes[0].support, 0.003});
+  for (std::size_t k = 1; k < closes.size() && starts.size() < 3; ++k)
+    if (closes[k].support > 0.75 * closes[0].support &&
+        closes[k].horizontal.down.dot(closes[0].horizontal.down) < std::cos(kAlike)) {
+      starts.push_back(closes[k]);
+      break;
+    }
+  std::vector<Refined> answers;
+  for (const Close& start : starts) {
+    answers.push_back(Refine(colour, start, expected));
+    answers.back().quality += start.support / 2;
+  }
+  const auto top = std::max_element(answers.begin(), answers.end(), [](const Refined& a, const Refined& b) {
+    return a.quality < b.quality;
+  });
+  const auto* fix = std::get_if<SkylineFix>(&top->result);
+  for (const Refined& answer : answers) {
+    const auto* other = std::get_if<SkylineFix>(&answer.result);
+    if (fix && other && answer.quality > top->quality - kTie &&
+        fix->down_C.dot(other->down_C) < std::cos(2 * kAlike))
+      return NoSkyline::kAmbiguous;
+  }
+  return top->result;
 }
 
 }  // namespace kestrel

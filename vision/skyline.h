@@ -13,12 +13,23 @@
 namespace kestrel {
 
 struct SkylineOptions {
-  double max_tilt_deg = 60;      // of the aircraft: rules out what would be upside down
-  int candidates = 5;            // directions of the overview that are looked at closely
-  double most_sigma_deg = 2.5;   // of the tilt; worse is no answer
-  double least_agreement = 0.5;  // of the contour with one circle; more where less of the circle is seen
-  double most_rival = 0.9;       // a second answer so nearly as good makes it ambiguous
-  double least_circle = 0.10;    // share of the azimuths with a contour
+  double max_tilt_deg = 60;       // of the aircraft: rules out what would be upside down
+  int candidates = 4;             // directions of the overview that are looked at closely
+  double most_sigma_deg = 2.5;    // of the tilt; worse is no answer
+  // Of the contour with one circle; more where less of the circle is seen. The second where "down" was
+  // expected: then less has to be told from the contour.
+  double least_agreement = 0.5, least_agreement_expected = 0.35;
+  double most_rival = 0.9;        // a second answer so nearly as good makes it ambiguous
+  double least_circle = 0.10;     // share of the azimuths with a contour
+  double gate = 3;                // deviations from what is expected, beyond which an answer is refused
+};
+
+// What else is known at the time of the image. It says where to look and what to refuse, and is not mixed
+// into the measurement.
+struct SkylineExpected {
+  std::optional<Eigen::Vector3d> down_C;
+  double down_sigma = 0.05;        // rad
+  std::optional<double> height_m;  // over the ground: tells the dip of the horizon
 };
 
 // Attitude from the skyline of one image of any central camera, thesis 6.3.1 to 6.3.3 in its purpose, not its
@@ -31,10 +42,9 @@ class Skyline {
   Skyline(const CameraModel& camera, const Eigen::Matrix3d& R_BC, const cv::Mat& forbidden,
           const SkylineOptions& options);
 
-  // image: CV_8UC3 (blue, green, red) or CV_8UC1. expected_down_C: one more candidate, if something else
-  // knows it, and what decides between two that are nearly as good.
-  SkylineResult Measure(const cv::Mat& image,
-                        const std::optional<Eigen::Vector3d>& expected_down_C = {}) const;
+  // image: CV_8UC3 (blue, green, red) or CV_8UC1. If "down" is expected, its horizon is looked at first; all
+  // others only if nothing is found there.
+  SkylineResult Measure(const cv::Mat& image, const SkylineExpected& expected = {}) const;
 
   const BandSampler& sampler() const { return sampler_; }
 
@@ -42,10 +52,13 @@ class Skyline {
   struct Close {  // a candidate after a close look
     Horizontal horizontal;
     double support = 0, dip = 0;
-    double shown = 0, found = 0;
+  };
+  struct Refined {
+    SkylineResult result;
+    double quality = 0;  // about 0 to 1
   };
   std::optional<Close> LookClosely(const cv::Mat& half, const Eigen::Vector3d& down_C) const;
-  SkylineResult Refine(const cv::Mat& image, const Close& close) const;
+  Refined Refine(const cv::Mat& image, const Close& close, const SkylineExpected& expected) const;
 
   CameraModel camera_;
   Eigen::Matrix3d R_BC_;

@@ -26,6 +26,8 @@ const char* NameOf(NoSkyline reason) {
       return "ambiguous";
     case NoSkyline::kTooLittle:
       return "too_little_skyline";
+    case NoSkyline::kImplausible:
+      return "implausible";
     case NoSkyline::kFrozen:
       return "frozen";
   }

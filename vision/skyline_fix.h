@@ -36,6 +36,7 @@ enum class NoSkyline {
   kUneven,      // the contour lies on no one circle: hills, houses or haze nearly all round
   kAmbiguous,   // two answers are nearly as good
   kTooLittle,   // so little of the skyline is seen that its tilt is not known
+  kImplausible,  // what is seen lies too far from what was expected
   kFrozen,      // the very image of the last time: only a wrapper with a memory says so
 };
 const char* NameOf(NoSkyline reason);

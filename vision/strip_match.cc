@@ -15,7 +15,7 @@ namespace kestrel {
 namespace {
 
 constexpr float kLeastShared = 0.06f;  // of the strip, in which two must overlap
-constexpr double kTukey = 1.6;         // where a difference says nothing more, in units of the pattern
+constexpr double kTukey = 1.6;          // where a difference says nothing more, in units of the pattern
 
 cv::Mat Halved(const cv::Mat& full) {
   cv::Mat half;
@@ -96,7 +96,7 @@ TurnFit RefineTurn(const StripReference& then, const StripReference& now, double
   x[0] = turn * per_rad;
   // Beforehand: parallax of some degrees, verticals that err by half a degree, a horizon by less.
   Vector6 prior;
-  prior << 0, 1 / (8.0 * 8.0), 1 / (8.0 * 8.0), 1 / 0.25, 1 / 0.25, 1 / 0.1;
+  prior << 0, 1 / (0.3 * 0.3), 1 / (0.3 * 0.3), 1 / 0.25, 1 / 0.25, 1 / 0.1;
   TurnFit fit;
   std::vector<float> cosines(static_cast<std::size_t>(columns)), sines(cosines.size());
   for (int i = 0; i < columns; ++i) {
@@ -159,8 +159,8 @@ TurnFit RefineTurn(const StripReference& then, const StripReference& now, double
   // Neighbours in the pattern err together: some six of them count as one. What is at unlike ranges shifts
   // unlike; a part of the parallax stays in the turn.
   const Matrix6 P = H.inverse();
-  const double floor = Radians(0.03), rest = 0.15 * fit.parallax;
-  fit.variance = 6 * P(0, 0) / (per_rad * per_rad) + floor * floor + rest * rest;
+  const double floor = Radians(0.03), rest = 0.15 * fit.parallax, unlike = Radians(1.2) * (1 - fit.likeness);
+  fit.variance = 6 * P(0, 0) / (per_rad * per_rad) + floor * floor + rest * rest + unlike * unlike;
   return fit;
 }
 

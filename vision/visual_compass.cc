@@ -12,6 +12,7 @@ namespace kestrel {
 
 namespace {
 constexpr double kLeastSeen = 0.08;  // share of the azimuths
+constexpr double kSlack = 0.03;      // rad
 }
 
 const char* NameOf(NoHeading reason) {
@@ -34,29 +35,26 @@ VisualCompass::VisualCompass(const CameraModel& camera, const Eigen::Matrix3d& R
 
 void VisualCompass::Forget() {
   keyframes_.clear();
+  last_.reset();
   current_ = next_other_ = 0;
   total_ = 0;
 }
 
-VisualCompass::Guess VisualCompass::Compare(std::size_t keyframe, const StripReference& now,
-                                            const std::optional<double>& expected) const {
-  const Keyframe& k = keyframes_[keyframe];
+VisualCompass::Guess VisualCompass::Compare(const Keyframe& k, const StripReference& now,
+                                            const std::optional<Expected>& expected) const {
   const std::vector<float> likeness = TurnLikeness(k.reference, now);
   const auto n = static_cast<int>(likeness.size());
   const double per = 2 * M_PI / n;
   Guess guess;
-  guess.keyframe = keyframe;
-  int best = -1;
+  const double reach = expected ? 3 * std::hypot(expected->sigma, std::sqrt(k.variance)) + kSlack : 0;
+  int best = 0;
   double best_score = -2;
   for (int i = 0; i < n; ++i) {
-    double score = static_cast<double>(likeness[static_cast<std::size_t>(i)]);
-    if (expected) {  // worth a little: it decides only between turns that are nearly as alike
-      const double off = WrapAngle(i * per + k.heading - *expected);
-      score += 0.15 * std::exp(-off * off / (2 * 0.15 * 0.15));
-    }
+    const auto score = static_cast<double>(likeness[static_cast<std::size_t>(i)]);
+    if (expected && std::abs(WrapAngle(i * per + k.heading - expected->turn)) > reach) continue;
     if (score > best_score) best_score = score, best = i;
   }
-  guess.likeness = static_cast<double>(likeness[static_cast<std::size_t>(best)]);
+  guess.likeness = best_score;
   guess.turn = WrapAngle(best * per);
   if (!expected)
     for (int i = 0; i < n; ++i) {
@@ -80,7 +78,7 @@ std::vector<std::size_t> VisualCompass::ToCompare() {
   return out;
 }
 
-void VisualCompass::Learn(StripReference now, double heading, double variance) {
+void VisualCompass::Learn(const StripReference& now, double heading, double variance) {
   if (keyframes_.size() >= static_cast<std::size_t>(options_.most_keyframes)) {
     // Gives up the least certain, but never the first.
     const auto worst =
@@ -88,19 +86,20 @@ void VisualCompass::Learn(StripReference now, double heading, double variance) {
                          [](const Keyframe& a, const Keyframe& b) { return a.variance < b.variance; });
     keyframes_.erase(worst);
   }
-  keyframes_.push_back({std::move(now), heading, variance});
+  keyframes_.push_back({now, heading, variance});
   current_ = keyframes_.size() - 1;
 }
 
 CompassResult VisualCompass::Turn(const cv::Mat& image, const std::optional<Eigen::Vector3d>& down_C,
-                                  const std::optional<double>& expected) {
+                                  const std::optional<Expected>& expected) {
   if (!down_C) return NoHeading::kNoVertical;
   last_strip_ = maker_.Make(image, *down_C);
   if (last_strip_.seen < kLeastSeen) return NoHeading::kTooLittle;
   StripReference now = MakeReference(last_strip_);
   CompassHeading heading;
   if (keyframes_.empty()) {
-    Learn(std::move(now), 0, 0);
+    Learn(now, 0, 0);
+    last_ = Keyframe{std::move(now), 0, 0};
     heading.likeness = 1;
     heading.learnt = true;
     return heading;
@@ -109,7 +108,8 @@ CompassResult VisualCompass::Turn(const cv::Mat& image, const std::optional<Eige
   double best_sigma = 1e9, most_alike = -1;
   bool ambiguous = false;
   for (const std::size_t k : ToCompare()) {
-    const Guess guess = Compare(k, now, expected);
+    Guess guess = Compare(keyframes_[k], now, expected);
+    guess.keyframe = k;
     most_alike = std::max(most_alike, guess.likeness);
     if (guess.likeness < options_.lost_below) continue;
     if (guess.ambiguous) {
@@ -117,24 +117,36 @@ CompassResult VisualCompass::Turn(const cv::Mat& image, const std::optional<Eige
       continue;
     }
     // What the heading by this keyframe is worth: the keyframe's own error and that of the comparison.
-    const double matched = Radians(0.1 + 3 * (1 - guess.likeness));
+    const double matched = Radians(0.1 + 2 * (1 - guess.likeness));
     const double sigma = std::sqrt(keyframes_[k].variance + matched * matched);
     if (sigma < best_sigma) best_sigma = sigma, best = guess;
   }
-  if (best.likeness < 0) return ambiguous ? NoHeading::kAmbiguous : NoHeading::kNothingMatches;
-  const Keyframe& k = keyframes_[best.keyframe];
-  const TurnFit fit = RefineTurn(k.reference, now, best.turn);
-  if (!fit.good || fit.likeness < options_.lost_below) return NoHeading::kNothingMatches;
-  total_ += WrapAngle(k.heading + fit.turn - total_);
+  const Keyframe* k = best.likeness < 0 ? nullptr : &keyframes_[best.keyframe];
+  TurnFit fit;
+  if (k) fit = RefineTurn(k->reference, now, best.turn);
+  if (!fit.good || fit.likeness < options_.lost_below) {
+    const Guess guess = Compare(*last_, now, expected);
+    ambiguous |= guess.ambiguous;
+    if (guess.likeness < options_.lost_below || guess.ambiguous)
+      return ambiguous ? NoHeading::kAmbiguous : NoHeading::kNothingMatches;
+    k = &*last_;
+    fit = RefineTurn(k->reference, now, guess.turn);
+    if (!fit.good || fit.likeness < options_.lost_below) return NoHeading::kNothingMatches;
+    most_alike = -1;
+  } else {
+    current_ = best.keyframe;
+  }
+  const double about = expected ? expected->turn : total_;  // which of the whole turns
+  total_ = about + WrapAngle(k->heading + fit.turn - about);
   heading.turned = total_;
-  heading.variance = k.variance + fit.variance;
+  heading.variance = k->variance + fit.variance;
   heading.likeness = fit.likeness;
-  heading.keyframe = static_cast<int>(best.keyframe);
-  current_ = best.keyframe;
-  if (std::max(most_alike, fit.likeness) < options_.new_keyframe_below) {
-    Learn(std::move(now), total_, heading.variance);
+  heading.keyframe = static_cast<int>(current_);
+  if (k == &*last_ || std::max(most_alike, fit.likeness) < options_.new_keyframe_below) {
+    Learn(now, total_, heading.variance);
     heading.learnt = true;
   }
+  last_ = Keyframe{std::move(now), total_, heading.variance};
   return heading;
 }
 

@@ -13,7 +13,7 @@
 namespace kestrel {
 
 struct CompassOptions {
-  double new_keyframe_below = 0.65;  // likeness to all that are known
+  double new_keyframe_below = 0.75;  // likeness to all that are known
   double lost_below = 0.35;
   double ambiguous_share = 0.93;  // a second turn that is nearly as alike, by this share of the first
   int most_keyframes = 48;
@@ -46,10 +46,14 @@ class VisualCompass {
   VisualCompass(const CameraModel& camera, const Eigen::Matrix3d& R_BC, const cv::Mat& forbidden,
                 const CompassOptions& options);
 
-  // image: CV_8UC3 of the camera's size. expected: the heading that something else says, rad, to tell
-  // repeated surroundings apart.
+  // image: CV_8UC3 of the camera's size. expected: what something else says; only turns near it are looked
+  // for.
+  struct Expected {
+    double turn = 0;      // rad
+    double sigma = 0.05;  // rad
+  };
   CompassResult Turn(const cv::Mat& image, const std::optional<Eigen::Vector3d>& down_C,
-                     const std::optional<double>& expected = {});
+                     const std::optional<Expected>& expected = {});
 
   int keyframes() const { return static_cast<int>(keyframes_.size()); }
   const PanoramaStrip& last_strip() const { return last_strip_; }
@@ -65,13 +69,14 @@ class VisualCompass {
     double turn = 0, likeness = -1;
     bool ambiguous = false;
   };
-  Guess Compare(std::size_t keyframe, const StripReference& now, const std::optional<double>& expected) const;
+  Guess Compare(const Keyframe& k, const StripReference& now, const std::optional<Expected>& expected) const;
   std::vector<std::size_t> ToCompare();
-  void Learn(StripReference now, double heading, double variance);
+  void Learn(const StripReference& now, double heading, double variance);
 
   StripMaker maker_;
   CompassOptions options_;
   std::vector<Keyframe> keyframes_;
+  std::optional<Keyframe> last_;  // the image before: if no keyframe is like this one, it may be
   std::size_t current_ = 0, next_other_ = 0;
   double total_ = 0;
   PanoramaStrip last_strip_;
