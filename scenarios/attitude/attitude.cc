@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scenarios/attitude/attitude.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <numbers>
@@ -13,6 +14,9 @@
 
 namespace kestrel {
 namespace {
+
+// Of the attitude that gyros predict from image to image: they are heard once an image.
+constexpr double kPredictionSigma = 0.02;  // rad
 
 // The ring of the image that the thesis unrolls: of a camera that looks straight down, about the horizon.
 CompassBaseline::Ring RingOf(const CameraModel& camera, const Eigen::Matrix3d& R_BC) {
@@ -61,14 +65,21 @@ class AttitudeMission final : public Mission {
   void See(const Frame& frame, const VehicleState& state, Decision& decision) {
     const auto start = std::chrono::steady_clock::now();
     filter_.Add({state.t_s, state.w_B});
-    std::optional<Eigen::Vector3d> expected;
+    // What gyros and barometer say of the moment of the exposure: to choose and to refuse by.
+    HorizonAttitude::Expected expected;
+    double yaw = 0;
     if (const auto now = filter_.Now()) {
       const Eigen::Vector3d turned = state.w_B * (state.t_s - frame.t_s);
       const double angle = turned.norm();
       const Eigen::Quaterniond since(
           Eigen::AngleAxisd(angle, angle > 0 ? Eigen::Vector3d(turned / angle) : Eigen::Vector3d::UnitX()));
-      expected = since * (now->R_NB.conjugate() * Eigen::Vector3d::UnitZ());
+      const Eigen::Quaterniond R_NB = now->R_NB * since.conjugate();
+      expected.down_B = R_NB.conjugate() * Eigen::Vector3d::UnitZ();
+      expected.down_sigma = std::hypot(std::sqrt(now->P.topLeftCorner<2, 2>().trace()), kPredictionSigma);
+      yaw = YawOf(R_NB);
+      if (last_turned_) expected.turn = *last_turned_ + WrapAngle(yaw - last_yaw_);
     }
+    expected.height_m = std::max(0.0, -state.p_NB.z());
     measured_ = horizon_.Measure(frame.image, expected);
     const HorizonAttitude::Measurement& m = *measured_;
     decision.target = "horizon";
@@ -87,6 +98,7 @@ class AttitudeMission final : public Mission {
         fix.turned_sigma = std::sqrt(heading->variance);
         raw.heading = WrapAngle(heading->turned);
         raw.heading_variance = heading->variance;
+        last_turned_ = heading->turned, last_yaw_ = yaw;
       }
       filter_.Correct(raw);
       decision.attitude = fix;
@@ -128,6 +140,8 @@ class AttitudeMission final : public Mission {
   std::optional<HorizonAttitude::Measurement> measured_;
   std::optional<Eigen::Vector3d> home_N_;
   double home_yaw_ = 0;
+  std::optional<double> last_turned_;  // by the compass, and the filter's yaw then
+  double last_yaw_ = 0;
   bool seen_ = false;
 };
 
