@@ -12,8 +12,8 @@ namespace kestrel {
 
 namespace {
 
-constexpr double kUneven = 0.028;                         // rad
-constexpr double kElsewhere = 0.06;                       // rad of tilt between two different answers
+constexpr double kUneven = 0.028;    // rad
+constexpr double kElsewhere = 0.06;  // rad of tilt between two different answers
 constexpr std::size_t kArcs = 16;
 constexpr double kNear = 0.015;                           // rad, on the circle
 constexpr double kConsensusScatter = 0.006;               // rad
@@ -177,8 +177,7 @@ class Fitter {
     const double relief = o_.relief_share * fit.unevenness * std::pow(std::max(seen, 0.05), -0.8);
     // What raises the whole circle beyond what is expected hardly does so evenly.
     const double raised = o_.raised_share * std::max(0.0, std::abs(x.z() + o_.dip) - o_.dip_under_sigma / 2);
-    fit.covariance.diagonal().array() +=
-        o_.least_sigma * o_.least_sigma + relief * relief + raised * raised;
+    fit.covariance.diagonal().array() += o_.least_sigma * o_.least_sigma + relief * relief + raised * raised;
     return fit;
   }
 

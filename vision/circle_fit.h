@@ -39,9 +39,9 @@ struct CircleFitOptions {
   int azimuths = 240;              // all round, of which the contour's points are some
   // Only circles whose (a, b) lies within reach of this are looked for, if it is known beforehand.
   Eigen::Vector2d near = Eigen::Vector2d::Zero();
-  double reach = 0.5;              // rad
-  double near_weight = 0;          // of the points, that a circle at the end of the reach must win over
-  double correlation = 0.35;       // azimuth over which points err alike at most, rad
+  double reach = 0.5;         // rad
+  double near_weight = 0;     // of the points, that a circle at the end of the reach must win over
+  double correlation = 0.35;  // azimuth over which points err alike at most, rad
 };
 
 // The contour as elevation = -dip + a cos(azimuth) + b sin(azimuth): a and b tilt the vertical.

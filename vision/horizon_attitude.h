@@ -27,8 +27,9 @@ class HorizonAttitude {
   HorizonAttitude(const CameraModel& camera, const Eigen::Matrix3d& R_BC, const cv::Mat& forbidden,
                   const SkylineOptions& skyline, const CompassOptions& compass);
 
-  // What other sensors say, if they do; it helps to choose and to refuse and is not mixed into the
-  // measurement. The one exception: an image without a skyline gives its heading by the expected "down".
+  // What other sensors say, if they do, such as a filter with gyros; it helps to choose and to refuse and is
+  // not mixed into the attitude. An image without a skyline gives its heading by the expected "down"; for
+  // the turn see VisualCompass.
   struct Expected {
     std::optional<Eigen::Vector3d> down_B;
     double down_sigma = 0.05;        // rad

@@ -163,8 +163,7 @@ Skyline::Refined Skyline::Refine(const cv::Mat& image, const Close& close,
   const auto no = [&](NoSkyline reason) { return Refined{reason, quality}; };
   if (fix.circle_seen < options_.least_circle) return no(NoSkyline::kTooLittle);
   // A short arc is matched by more circles.
-  const double agreement =
-      expected.down_C ? options_.least_agreement_expected : options_.least_agreement;
+  const double agreement = expected.down_C ? options_.least_agreement_expected : options_.least_agreement;
   const double least = agreement + 0.25 * std::clamp(2 * (0.55 - fix.circle_seen), 0.0, 1.0);
   // A horizon leaves its step on most of the meridians that are in view.
   const bool sparse = static_cast<double>(contour.points.size()) < kLeastFound * contour.shown;
@@ -227,9 +226,8 @@ SkylineResult Skyline::Measure(const cv::Mat& image, const SkylineExpected& expe
     answers.push_back(Refine(colour, start, expected));
     answers.back().quality += start.support / 2;
   }
-  const auto top = std::max_element(answers.begin(), answers.end(), [](const Refined& a, const Refined& b) {
-    return a.quality < b.quality;
-  });
+  const auto top = std::max_element(answers.begin(), answers.end(),
+                                    [](const Refined& a, const Refined& b) { return a.quality < b.quality; });
   const auto* fix = std::get_if<SkylineFix>(&top->result);
   for (const Refined& answer : answers) {
     const auto* other = std::get_if<SkylineFix>(&answer.result);

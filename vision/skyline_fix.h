@@ -29,15 +29,15 @@ struct SkylineFix {
 enum class NoSkyline {
   kWrongSize,  // of the image: the calibration is not this camera's
   kTooDark,
-  kWhiteOut,    // nearly all of it saturated
-  kNoContrast,  // one even surface: a capped lens, dense fog
-  kNoSky,       // ground alone in view
-  kNoGround,    // sky alone in view
-  kUneven,      // the contour lies on no one circle: hills, houses or haze nearly all round
-  kAmbiguous,   // two answers are nearly as good
-  kTooLittle,   // so little of the skyline is seen that its tilt is not known
+  kWhiteOut,     // nearly all of it saturated
+  kNoContrast,   // one even surface: a capped lens, dense fog
+  kNoSky,        // ground alone in view
+  kNoGround,     // sky alone in view
+  kUneven,       // the contour lies on no one circle: hills, houses or haze nearly all round
+  kAmbiguous,    // two answers are nearly as good
+  kTooLittle,    // so little of the skyline is seen that its tilt is not known
   kImplausible,  // what is seen lies too far from what was expected
-  kFrozen,      // the very image of the last time: only a wrapper with a memory says so
+  kFrozen,       // the very image of the last time: only a wrapper with a memory says so
 };
 const char* NameOf(NoSkyline reason);
 

@@ -15,7 +15,7 @@ namespace kestrel {
 namespace {
 
 constexpr float kLeastShared = 0.06f;  // of the strip, in which two must overlap
-constexpr double kTukey = 1.6;          // where a difference says nothing more, in units of the pattern
+constexpr double kTukey = 1.6;         // where a difference says nothing more, in units of the pattern
 
 cv::Mat Halved(const cv::Mat& full) {
   cv::Mat half;

@@ -13,7 +13,7 @@ namespace kestrel {
 namespace {
 constexpr double kLeastSeen = 0.08;  // share of the azimuths
 constexpr double kSlack = 0.03;      // rad
-}
+}  // namespace
 
 const char* NameOf(NoHeading reason) {
   switch (reason) {
@@ -126,7 +126,7 @@ CompassResult VisualCompass::Turn(const cv::Mat& image, const std::optional<Eige
   if (k) fit = RefineTurn(k->reference, now, best.turn);
   if (!fit.good || fit.likeness < options_.lost_below) {
     const Guess guess = Compare(*last_, now, expected);
-    ambiguous |= guess.ambiguous;
+    ambiguous |= guess.ambiguous && guess.likeness >= options_.lost_below;
     if (guess.likeness < options_.lost_below || guess.ambiguous)
       return ambiguous ? NoHeading::kAmbiguous : NoHeading::kNothingMatches;
     k = &*last_;
@@ -143,7 +143,14 @@ CompassResult VisualCompass::Turn(const cv::Mat& image, const std::optional<Eige
   heading.likeness = fit.likeness;
   heading.keyframe = static_cast<int>(current_);
   if (k == &*last_ || std::max(most_alike, fit.likeness) < options_.new_keyframe_below) {
-    Learn(now, total_, heading.variance);
+    // Where both err on their own way, a keyframe is better by both.
+    double learnt = total_, variance = heading.variance;
+    if (expected) {
+      const double share = variance / (variance + expected->sigma * expected->sigma);
+      learnt += share * WrapAngle(expected->turn - total_);
+      variance *= 1 - share / 2;  // but the expected heading comes from this compass too
+    }
+    Learn(now, learnt, variance);
     heading.learnt = true;
   }
   last_ = Keyframe{std::move(now), total_, heading.variance};

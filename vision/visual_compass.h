@@ -47,7 +47,8 @@ class VisualCompass {
                 const CompassOptions& options);
 
   // image: CV_8UC3 of the camera's size. expected: what something else says; only turns near it are looked
-  // for.
+  // for, and what becomes a keyframe keeps the mean of both headings by their variances, so that it must be
+  // told without this compass, or with it as a filter with gyros does, over a longer time.
   struct Expected {
     double turn = 0;      // rad
     double sigma = 0.05;  // rad

@@ -7,6 +7,7 @@
 
 #include "tests/vision/skyline_photographer.h"
 #include "vision/calibration_file.h"
+#include "vision/horizon_attitude.h"
 #include "vision/skyline_baseline.h"
 
 namespace kestrel {
@@ -47,16 +48,48 @@ TEST(VisualCompass, PureTurnsAreMeasuredToATenthOfADegreeAtAnyTilt) {
   EXPECT_LT(worst, 0.1);
 }
 
+TEST(VisualCompass, APinholeMeasuresTurnsWithinItsView) {
+  const Pinhole camera{640, 480, 420, 420, 319.5, 239.5};
+  const SkylinePhotographer photographer(camera);
+  VisualCompass compass(camera, LooksForward(), {}, {});
+  int k = 0;
+  for (const double turn_deg : {0.0, 4.0, 11.0, 19.0}) {
+    const Eigen::Matrix3d R_NC = RotationFromTaitBryan({Radians(turn_deg), 0.05, -0.1}) * LooksForward();
+    const auto result = compass.Turn(photographer.Paint(Hills(), R_NC, k++),
+                                     Eigen::Vector3d(R_NC.transpose() * Eigen::Vector3d::UnitZ()));
+    const auto* heading = std::get_if<CompassHeading>(&result);
+    ASSERT_TRUE(heading) << turn_deg << ": " << NameOf(std::get<NoHeading>(result));
+    EXPECT_NEAR(Degrees(heading->turned), turn_deg, 0.3);
+    EXPECT_LE(std::abs(heading->turned - Radians(turn_deg)), 2 * std::sqrt(heading->variance));
+  }
+}
+
+TEST(HorizonAttitude, WithoutASkylineTheExpectedDownStillGivesAHeading) {
+  SkylineOptions none_is_good_enough;  // once "down" is expected
+  none_is_good_enough.least_agreement_expected = 2;
+  HorizonAttitude horizon(TheMirror(), LooksDown(), {}, none_is_good_enough, {});
+  const Eigen::Matrix3d R_NC = LooksDown(), R_NC_later = RotationFromTaitBryan({0.2, 0, 0}) * LooksDown();
+  ASSERT_TRUE(horizon.Measure(Photographer().Paint(Hills(), R_NC, 1)).attitude);
+  HorizonAttitude::Expected expected;
+  expected.down_B = Eigen::Vector3d::UnitZ();
+  expected.down_sigma = Radians(1);
+  const auto said = horizon.Measure(Photographer().Paint(Hills(), R_NC_later, 2), expected);
+  ASSERT_FALSE(said.attitude);
+  const auto* heading = std::get_if<CompassHeading>(&said.compass);
+  ASSERT_TRUE(heading);
+  EXPECT_NEAR(Degrees(heading->turned), Degrees(0.2), 0.15);
+}
+
 TEST(VisualCompass, SeveralTurnsAreCountedAndTheErrorDoesNotGrow) {
   VisualCompass compass(TheMirror(), LooksDown(), {}, {});
-  for (int k = 0; k <= 36; ++k) {
-    const double turn = Radians(25.0 * k);
+  for (int k = 0; k <= 18; ++k) {
+    const double turn = Radians(50.0 * k);
     const Eigen::Matrix3d R_NC = RotationFromTaitBryan({turn, 0, 0}) * LooksDown();
     const auto result =
         compass.Turn(Photographer().Paint(Hills(), R_NC, k), Eigen::Vector3d(Eigen::Vector3d::UnitZ()));
     const auto* heading = std::get_if<CompassHeading>(&result);
     ASSERT_TRUE(heading) << k;
-    EXPECT_NEAR(Degrees(heading->turned), 25.0 * k, 0.15) << k;
+    EXPECT_NEAR(Degrees(heading->turned), 50.0 * k, 0.15) << k;
   }
   EXPECT_EQ(compass.keyframes(), 1);
 }
