@@ -35,16 +35,23 @@ cv::Mat ClassifySky(const mjModel* model, const Surfaces& surfaces) {
 
 cv::Mat OwnParts(const mjModel* model, const CameraModel& camera, const Pose& X_BC) {
   constexpr double kHigh_m = 5000;  // over all that is fixed to the world
-  const DataPtr data(mj_makeData(model));
+  // What light shines through counts too, and See() leaves it out.
+  const ModelPtr opaque(mj_copyModel(nullptr, model));
+  for (int g = 0; g < opaque->ngeom; ++g) {
+    if (opaque->body_weldid[opaque->geom_bodyid[g]] == 0) continue;
+    if (opaque->geom_rgba[4 * g + 3] > 0) opaque->geom_rgba[4 * g + 3] = 1;
+    if (const int material = opaque->geom_matid[g]; material >= 0) opaque->mat_rgba[4 * material + 3] = 1;
+  }
+  const DataPtr data(mj_makeData(opaque.get()));
   const Pose X_NB{Eigen::Quaterniond::Identity(), {0, 0, -kHigh_m}};
-  PoseToMujoco(X_NB,
-               data->qpos + model->jnt_qposadr[model->body_jntadr[mj_name2id(model, mjOBJ_BODY, "vehicle")]]);
-  mj_forward(model, data.get());
+  const int joint = opaque->body_jntadr[mj_name2id(opaque.get(), mjOBJ_BODY, "vehicle")];
+  PoseToMujoco(X_NB, data->qpos + opaque->jnt_qposadr[joint]);
+  mj_forward(opaque.get(), data.get());
   RenderOptions by_ray;
   by_ray.backend = "ray";
   by_ray.threads = 1;
-  const Surfaces seen = Renderer(model, camera, by_ray).See(data.get(), X_NB * X_BC);
-  cv::Mat own = ClassifySky(model, seen) == kNeither;
+  const Surfaces seen = Renderer(opaque.get(), camera, by_ray).See(data.get(), X_NB * X_BC);
+  cv::Mat own = ClassifySky(opaque.get(), seen) == kNeither;
   cv::dilate(own, own, cv::Mat::ones(5, 5, CV_8U));
   return own;
 }
