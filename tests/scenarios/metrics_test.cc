@@ -187,6 +187,8 @@ TEST(Metrics, AFlightThatTouchedHeldNothing) {
 TEST(Metrics, TheNamesAreThoseThatAFlightCanHave) {
   auto rows = Approach(std::vector<double>(20, 0.1));
   rows[3].decision.fix = Fix({0, 0, -3}, 0);
+  for (LogRow& row : rows)
+    row.decision.attitude = row.decision.baseline = AttitudeFix{0, 0, 0.01, 0.01, 0.0, 0.01};
   std::vector<std::string> names;
   for (const auto& [name, value] : Metrics(rows, std::nullopt)) names.push_back(name);
   rows.back().estimate.landed = true;

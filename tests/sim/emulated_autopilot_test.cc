@@ -275,10 +275,10 @@ TEST(EmulatedAutopilot, KeepsItsLimits) {
                     0.15);
   // 4.6 % is the overshoot of a step at that damping
   expect_near_limit(
-      most(AttitudeSetpoint{1.2, 0, 0, HoverThrust()}, 1.5, [](const Flight& f) { return f.TiltDeg(); }), 25,
+      most(AttitudeSetpoint{1.2, 0, 0, HoverThrust()}, 1.5, [](const Flight& f) { return f.TiltDeg(); }), 45,
       0.06);
   expect_near_limit(
-      most(AttitudeSetpoint{0, -1.2, 0, HoverThrust()}, 1.5, [](const Flight& f) { return f.TiltDeg(); }), 25,
+      most(AttitudeSetpoint{0, -1.2, 0, HoverThrust()}, 1.5, [](const Flight& f) { return f.TiltDeg(); }), 45,
       0.06);
   expect_near_limit(
       most(VelocitySetpoint{{0, 0, 0}, 6}, 4, [](const Flight& f) { return Degrees(f.w_B().z()); }), 90,
