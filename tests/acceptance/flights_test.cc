@@ -310,8 +310,9 @@ INSTANTIATE_TEST_SUITE_P(HighUp, AttitudeFlights, ::testing::Values("attitude_1"
                          [](const auto& each) { return each.param; });
 
 TEST(Attitude, ACappedLensGivesNoAttitudeAndItsReason) {
-  const FlightResult result = Flown(
-      "attitude_1", 101, {"duration_s=3", "start.settle_s=3", "image.gain=0.001", "image.noise_grey=0.5"});
+  const FlightResult result = Flown("attitude_1", 101,
+                                    {"duration_s=3", "start.settle_s=3", "landscape.light=0.02",
+                                     "image.gain=0.05", "image.noise_grey=0.5"});
   for (const LogRow& row : result.rows) {
     EXPECT_FALSE(row.decision.attitude);
     EXPECT_TRUE(row.decision.target == "too_dark" || row.decision.target == "frozen_image" ||
