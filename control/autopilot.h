@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <optional>
 #include <variant>
 
 namespace kestrel {
@@ -26,6 +27,9 @@ struct VehicleState {
   FlightMode mode = FlightMode::kStopped;
   bool landed = true;      // on the ground, motors stopped by the touch-down logic
   bool saturated = false;  // a motor or the tilt is at its limit
+  bool aided = false;      // R_NB is an AttitudeAid's, turned on by the rate gyros
+  // By its own sensors alone, whatever it flies by; none: it has no attitude.
+  std::optional<Eigen::Quaterniond> R_NB_inertial = Eigen::Quaterniond::Identity();
 };
 
 struct VelocitySetpoint {
@@ -46,6 +50,12 @@ struct AttitudeSetpoint {
 
 using Setpoint = std::variant<VelocitySetpoint, PositionSetpoint, AttitudeSetpoint>;
 
+// An attitude from elsewhere, a camera, at the time of the autopilot's own state.
+struct AttitudeAid {
+  Eigen::Quaterniond R_NB = Eigen::Quaterniond::Identity();
+  double sigma = 0;  // rad, about any axis
+};
+
 // An autopilot on the far end of a wire, emulated or real. A setpoint holds until the next one, or until it
 // is stale by the autopilot's own time-out: then the aircraft holds its place. On the ground, a position
 // above it is the command to take off.
@@ -54,6 +64,8 @@ class Autopilot {
   virtual ~Autopilot() = default;
   virtual VehicleState State() const = 0;
   virtual void Send(const Setpoint& setpoint) = 0;
+  // The autopilot flies by this attitude in place of its own, until it is stale like a setpoint.
+  virtual void Aid(const AttitudeAid& aid) = 0;
 };
 
 const char* NameOf(FlightMode mode);

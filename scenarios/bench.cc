@@ -2,26 +2,23 @@
 #include "scenarios/bench.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <charconv>
 #include <cmath>
 #include <limits>
-#include <mutex>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgproc.hpp>
 #include <optional>
-#include <thread>
 
 #include "geometry/tait_bryan.h"
+#include "scenarios/bench_attitude.h"
 #include "scenarios/bench_calibration.h"
 #include "scenarios/bench_render.h"
 #include "scenarios/files.h"
-#include "scenarios/runner.h"
+#include "scenarios/fly_all.h"
 #include "vision/homography.h"
 #include "vision/pad_tracker.h"
 #include "vision/plane_pose.h"
@@ -29,19 +26,15 @@
 namespace kestrel {
 namespace {
 
-struct Seeds {
-  std::uint64_t first = 1, last = 20;
-};
-
 constexpr std::uint64_t kMostSeeds = 1000;  // their flights are held in memory
 
-Seeds ParseSeeds(const std::string& text) {
+SeedRange ParseSeeds(const std::string& text) {
   const std::size_t dots = text.find("..");
   const auto number = [](std::string_view s, std::uint64_t& value) {
     const auto end = std::from_chars(s.data(), s.data() + s.size(), value);
     return end.ec == std::errc{} && end.ptr == s.data() + s.size();
   };
-  Seeds seeds;
+  SeedRange seeds;
   if (dots == std::string::npos || !number(std::string_view(text).substr(0, dots), seeds.first) ||
       !number(std::string_view(text).substr(dots + 2), seeds.last) || seeds.last < seeds.first) {
     throw InputError(
@@ -52,55 +45,6 @@ Seeds ParseSeeds(const std::string& text) {
         {fmt::format("--seeds: '{}' is too much; valid: at most {} seeds, below 2^63", text, kMostSeeds)});
   }
   return seeds;
-}
-
-// A flight with what it was flown by.
-struct FlownScenario {
-  LoadedScenario loaded;
-  Summary summary;
-  std::vector<LogRow> rows;
-};
-
-// Flies a scenario once for each seed, several at a time; results in the order of the seeds, whatever the
-// order of their ends.
-std::vector<FlownScenario> FlyAll(const std::string& scenario, const std::vector<std::string>& overrides,
-                                  Seeds seeds, int jobs, const std::string& title) {
-  std::vector<FlownScenario> flights;
-  for (std::uint64_t seed = seeds.first; seed <= seeds.last; ++seed) {
-    auto all = overrides;
-    all.push_back(fmt::format("seed={}", seed));
-    flights.push_back({LoadScenario(scenario, all), {}, {}});
-  }
-  std::atomic<std::size_t> next = 0, done = 0;
-  std::exception_ptr failure;
-  std::mutex mutex;
-  std::vector<std::thread> workers;
-  for (int w = 0; w < jobs; ++w) {
-    workers.emplace_back([&] {
-      for (std::size_t i; (i = next++) < flights.size();) {
-        try {
-          FlightResult result = RunFlight(flights[i].loaded, {});
-          if (!result.summary.complete) {
-            throw std::runtime_error(fmt::format("{}, seed {}: {}", scenario, flights[i].loaded.scenario.seed,
-                                                 result.summary.error));
-          }
-          flights[i].summary = std::move(result.summary);
-          flights[i].rows = std::move(result.rows);
-        } catch (...) {
-          const std::lock_guard lock(mutex);
-          if (!failure) failure = std::current_exception();
-        }
-        ++done;
-        const std::lock_guard lock(mutex);
-        if (isatty(STDERR_FILENO))
-          fmt::print(stderr, "\r\033[K{}: {} of {} flights", title, done.load(), flights.size());
-      }
-    });
-  }
-  for (std::thread& worker : workers) worker.join();
-  if (isatty(STDERR_FILENO)) fmt::print(stderr, "\r\033[K");
-  if (failure) std::rethrow_exception(failure);
-  return flights;
 }
 
 // The share of the pad that the camera can truly see in a frame: inside the image and not under the occluder,
@@ -162,30 +106,6 @@ FixErrors ErrorsOf(const std::vector<FlownScenario>& flights, double from_s = 0,
   return e;
 }
 
-std::vector<double> Values(const std::vector<FlownScenario>& flights, const std::string& metric) {
-  std::vector<double> values;
-  for (const FlownScenario& flight : flights) {
-    const auto found = flight.summary.metrics.find(metric);
-    values.push_back(found != flight.summary.metrics.end() ? found->second
-                                                           : std::numeric_limits<double>::infinity());
-  }
-  return values;
-}
-
-double Quantile(std::vector<double> values, double q) {
-  std::sort(values.begin(), values.end());
-  const double at = q * static_cast<double>(values.size() - 1);
-  const std::size_t low = static_cast<std::size_t>(at);
-  if (low + 1 >= values.size()) return values.back();
-  return values[low] + (at - static_cast<double>(low)) * (values[low + 1] - values[low]);
-}
-double Largest(const std::vector<double>& values) { return *std::max_element(values.begin(), values.end()); }
-double Rms(const std::vector<double>& values) {
-  double sum = 0;
-  for (const double v : values) sum += v * v;
-  return std::sqrt(sum / static_cast<double>(values.size()));
-}
-
 // What a pose flight reached, beside its targets.
 void AddPose(const std::string& name, const FixErrors& e, double level, double height, double yaw,
              const std::array<const char*, 4>& thesis, std::vector<Figure>& table) {
@@ -213,7 +133,7 @@ void AddLandings(const std::string& name, const std::vector<FlownScenario>& flig
       {name + ", greatest tilt", Largest(Values(flights, "touchdown_tilt_deg")), "deg", 8, false, ""});
 }
 
-void BenchFlights(Seeds seeds, int jobs, std::vector<Figure>& table) {
+void BenchFlights(SeedRange seeds, int jobs, std::vector<Figure>& table) {
   constexpr double kHalf = 0.5;    // in view: enough to ask for a fix in every frame
   constexpr double kLeast = 0.25;  // 70 % hidden leaves 30 %, less what hangs over the image's edge
   constexpr double kHiddenFrom_s = 10;
@@ -254,62 +174,12 @@ void BenchFlights(Seeds seeds, int jobs, std::vector<Figure>& table) {
   AddLandings("landing", FlyAll("landing", {}, seeds, jobs, "landing"), table);
 }
 
-void BenchFisheye(Seeds seeds, int jobs, std::vector<Figure>& table) {
+void BenchFisheye(SeedRange seeds, int jobs, std::vector<Figure>& table) {
   AddLandings("fisheye landing", FlyAll("landing_fisheye", {}, seeds, jobs, "landing with the fisheye"),
               table);
 }
 
-// Thesis table 6.3: our own and the thesis's method on the same images.
-void BenchAttitude(Seeds seeds, int jobs, std::vector<Figure>& table) {
-  struct Reference {
-    const char *roll, *pitch, *yaw;
-  };
-  constexpr Reference kThesis[] = {
-      {"0.18", "4.37", "1.25"}, {"2.75", "2.83", "10.8"}, {"0.94", "4.09", "6.04"}, {"2.86", "1.92", "5.01"}};
-  double outliers = 0;
-  std::vector<double> within, vision_ms;
-  for (int k = 0; k < 4; ++k) {
-    const std::string name = fmt::format("attitude_{}", k + 1);
-    const auto flights = FlyAll(name, {"flight.baseline=true"}, seeds, jobs, name);
-    const auto add = [&](const char* what, const char* metric, double target, const char* thesis) {
-      const std::string line = fmt::format("{}, {}", name, what);
-      table.push_back({line, Rms(Values(flights, metric)), "deg", target, false, thesis});
-      table.push_back({line + ", the thesis's method",
-                       Rms(Values(flights, std::string("baseline_") + metric)),
-                       "deg",
-                       {},
-                       false,
-                       thesis});
-    };
-    add("roll RMSE", "roll_rmse_deg", 0.4, kThesis[k].roll);
-    add("pitch RMSE", "pitch_rmse_deg", 0.4, kThesis[k].pitch);
-    add("yaw RMSE", "yaw_rmse_deg", 1, kThesis[k].yaw);
-    table.push_back(
-        {name + ", yaw RMSE in the second half over the first",
-         Rms(Values(flights, "yaw_rmse_second_half_deg")) / Rms(Values(flights, "yaw_rmse_first_half_deg")),
-         "times",
-         {},
-         false,
-         ""});
-    const std::vector<double> share = Values(flights, "attitude_share");
-    table.push_back({name + ", frames with an attitude",
-                     *std::min_element(share.begin(), share.end()),
-                     "share",
-                     {},
-                     true,
-                     ""});
-    for (const double n : Values(flights, "attitude_outliers")) outliers += n;
-    for (const double w : Values(flights, "attitude_within_2_sigma")) within.push_back(w);
-    for (const FlownScenario& f : flights) vision_ms.push_back(f.summary.stages.at("vision").mean_ms);
-  }
-  table.push_back({"attitude, errors over 5 degrees said to be valid", outliers, "frames", 0, false, "seen"});
-  double mean_within = 0;
-  for (const double w : within) mean_within += w / static_cast<double>(within.size());
-  table.push_back({"attitude, within 2 of its own deviations", mean_within, "share", 0.9, true, "none"});
-  table.push_back({"attitude and heading, mean a frame", Quantile(vision_ms, 0.5), "ms", 5, false, "50"});
-}
-
-void BenchDrift(Seeds seeds, int jobs, std::vector<Figure>& table) {
+void BenchDrift(SeedRange seeds, int jobs, std::vector<Figure>& table) {
   const auto errors = [&](bool registration) {
     return ErrorsOf(
         FlyAll("pose", {fmt::format("pilot.tracker.registration={}", registration), "duration_s=60"}, seeds,
@@ -326,7 +196,7 @@ void BenchDrift(Seeds seeds, int jobs, std::vector<Figure>& table) {
 }
 
 // The tracker alone, on images drawn along a path that goes from 3 m to each height and stays there, swaying.
-void BenchHeights(Seeds seeds, std::vector<Figure>& table) {
+void BenchHeights(SeedRange seeds, std::vector<Figure>& table) {
   const LoadedScenario loaded = LoadScenario("pose");
   const ModelPtr model = MakeModel(loaded.simulator.scene);
   const DataPtr data = MakeData(model.get());
@@ -374,7 +244,7 @@ void BenchHeights(Seeds seeds, std::vector<Figure>& table) {
   }
 }
 
-void BenchSpeed(Seeds seeds, std::vector<Figure>& table) {
+void BenchSpeed(SeedRange seeds, std::vector<Figure>& table) {
   seeds.last = std::min(seeds.last, seeds.first + 4);
   std::vector<double> vision, factor;
   for (const FlownScenario& flight : FlyAll("landing", {}, seeds, 1, "landing, one at a time")) {
@@ -419,16 +289,18 @@ void WriteJson(const std::string& file, const std::vector<Figure>& table) {
 }  // namespace
 
 std::vector<std::string> BenchNames() {
-  return {"flights", "fisheye", "attitude", "drift", "heights", "speed", "render", "calibration"};
+  return {"flights", "fisheye", "attitude", "gyro_failure", "drift",
+          "heights", "speed",   "render",   "calibration"};
 }
 
 bool Bench(const BenchArguments& arguments) {
-  const Seeds seeds = ParseSeeds(arguments.seeds);
+  const SeedRange seeds = ParseSeeds(arguments.seeds);
   const auto chosen = [&](const char* name) { return arguments.name.empty() || arguments.name == name; };
   std::vector<Figure> table;
   if (chosen("flights")) BenchFlights(seeds, arguments.jobs, table);
   if (chosen("fisheye")) BenchFisheye(seeds, arguments.jobs, table);
   if (chosen("attitude")) BenchAttitude(seeds, arguments.jobs, table);
+  if (chosen("gyro_failure")) BenchGyroFailure(seeds, arguments.jobs, table);
   if (chosen("drift")) BenchDrift(seeds, arguments.jobs, table);
   if (chosen("heights")) BenchHeights(seeds, table);
   if (chosen("speed")) BenchSpeed(seeds, table);

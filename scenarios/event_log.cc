@@ -23,6 +23,14 @@ void EventLog::Write(const LogRow& row) {
     saturated_ = row.estimate.saturated;
     Line(t, "autopilot", saturated_ ? "saturated" : "no longer saturated");
   }
+  if (row.estimate.aided != aided_) {
+    aided_ = row.estimate.aided;
+    Line(t, "autopilot", aided_ ? "flies by an attitude from outside" : "flies by its own attitude");
+  }
+  if (row.now.attitude_failed != attitude_failed_) {
+    attitude_failed_ = row.now.attitude_failed;
+    Line(t, "truth", attitude_failed_ ? "the autopilot's own attitude fails" : "it is back");
+  }
   if (row.now.touching != touching_) {
     touching_ = row.now.touching;
     Line(t, "truth", touching_ ? "skids touch" : "skids clear");

@@ -28,6 +28,7 @@ void Check(const Decision& decision, double t_s) {
     RequireNumbers(fix->p_TB.allFinite(), "the measured position", t_s);
     RequireNumbers(std::isfinite(fix->yaw_TB), "the measured yaw", t_s);
   }
+  if (decision.aid) RequireNumbers(decision.aid->R_NB.coeffs().allFinite(), "the attitude aid", t_s);
   if (!decision.setpoint) return;
   if (const auto* v = std::get_if<VelocitySetpoint>(&*decision.setpoint)) {
     RequireNumbers(v->v_H.allFinite() && std::isfinite(v->yaw_rate), "the velocity setpoint", t_s);
@@ -51,6 +52,7 @@ std::string Fly(Camera& camera, Autopilot& autopilot, Mission& mission,
     Decision decision = mission.Step(*frame, state);
     decision.control_s = SecondsSince(start) - decision.vision_s;
     Check(decision, frame->t_s);
+    if (decision.aid) autopilot.Aid(*decision.aid);
     if (decision.setpoint) autopilot.Send(*decision.setpoint);
     if (!record(*frame, state, decision)) break;
     if (!decision.outcome.empty()) return std::string(decision.outcome);

@@ -20,6 +20,7 @@
 #include "scenarios/mirror_command.h"
 #include "scenarios/render_board.h"
 #include "scenarios/runner.h"
+#include "scenarios/version.h"
 #include "scenarios/view_command.h"
 
 namespace kestrel {
@@ -154,7 +155,7 @@ int Main(int argc, char** argv) {
       "Kestrel: flight by vision, in the loop.\n\nExit status: 0 the run met its criteria, 1 it did not, "
       "2 bad input, 3 the run broke off."};
   app.require_subcommand(1);
-  app.set_version_flag("--version", KESTREL_VERSION);
+  app.set_version_flag("--version", Version());
   RunArguments run;
   CLI::App* run_command = app.add_subcommand("run", "Fly a scenario and record it");
   run_command->add_option("scenario", run.scenario, "A name that `list` shows, or a YAML file")->required();

@@ -63,6 +63,31 @@ void AddAttitude(const std::vector<LogRow>& rows, std::optional<AttitudeFix> Dec
   if (late.count > 0) m[prefix + "yaw_rmse_second_half_deg"] = late.Root();
 }
 
+// Of the time in which the autopilot's own attitude had failed.
+void AddFailure(const std::vector<LogRow>& rows, std::map<std::string, double>& m) {
+  const Truth* start = nullptr;
+  std::optional<double> noticed_s;
+  MeanSquare tilt;
+  double heading = 0, height = 0, place = 0;
+  for (const LogRow& row : rows) {
+    if (start && row.estimate.aided && !noticed_s) noticed_s = row.now.t_s - start->t_s;
+    if (!row.now.attitude_failed) continue;
+    if (!start) start = &row.now;
+    const Eigen::Vector3d away = row.now.X_NB.p - start->X_NB.p;
+    tilt.Add(TiltOf(row.now.X_NB));
+    heading = std::max(heading, std::abs(WrapAngle(YawOf(row.now.X_NB.R) - YawOf(start->X_NB.R))));
+    height = std::max(height, std::abs(away.z()));
+    place = std::max(place, away.head<2>().norm());
+  }
+  if (!start) return;
+  m["failure_tilt_rms_deg"] = tilt.Root();
+  m["failure_heading_worst_deg"] = Degrees(heading);
+  m["failure_height_worst_m"] = height;
+  m["failure_place_worst_m"] = place;
+  if (noticed_s) m["failure_noticed_s"] = *noticed_s;
+  m["failure_returned"] = !rows.back().now.attitude_failed && !rows.back().estimate.aided;
+}
+
 }  // namespace
 
 std::vector<std::string> MetricNames() {
@@ -83,7 +108,13 @@ std::vector<std::string> MetricNames() {
                                     "touchdown_s",
                                     "rest_error_m",
                                     "rest_tilt_deg",
-                                    "greatest_tilt_deg"};
+                                    "greatest_tilt_deg",
+                                    "failure_tilt_rms_deg",
+                                    "failure_heading_worst_deg",
+                                    "failure_height_worst_m",
+                                    "failure_place_worst_m",
+                                    "failure_noticed_s",
+                                    "failure_returned"};
   for (const std::string prefix : {"", "baseline_"})
     for (const char* name :
          {"attitude_share", "attitude_outliers", "attitude_within_2_sigma", "roll_rmse_deg", "pitch_rmse_deg",
@@ -135,6 +166,7 @@ std::map<std::string, double> Metrics(const std::vector<LogRow>& rows, const std
   }
   AddAttitude(rows, &Decision::attitude, "", m);
   AddAttitude(rows, &Decision::baseline, "baseline_", m);
+  AddFailure(rows, m);
   if (settle_s) m["settle_s"] = *settle_s;
   if (horizontal.count > 0 && !touch) {
     m["hold_horizontal_rmse_m"] = horizontal.Root();

@@ -32,6 +32,12 @@ std::vector<std::string> MetricNames();
 //   yaw_rmse_deg, yaw_rmse_first_half_deg, yaw_rmse_second_half_deg
 //                                         of the heading since the first image that had one
 //   baseline_...                          the same of the thesis's own method
+//   failure_tilt_rms_deg                  while the autopilot's own attitude has failed: from level
+//   failure_heading_worst_deg, failure_height_worst_m, failure_place_worst_m
+//                                         the same time: farthest from where the aircraft was at its
+//                                         beginning
+//   failure_noticed_s                     until the autopilot flew by another attitude for the first time
+//   failure_returned                      1: at the end of the flight it flew by its own again
 std::map<std::string, double> Metrics(const std::vector<LogRow>& rows, const std::optional<Truth>& touch);
 
 }  // namespace kestrel

@@ -45,11 +45,11 @@ class Columns {
   void Vector(std::string_view name, bool given, const Eigen::Vector3d& v) {
     for (int i = 0; i < 3; ++i) Number(fmt::format(fmt::runtime(name), "xyz"[i]), given, v[i]);
   }
-  void Angles(std::string_view of, const Eigen::Quaterniond& R) {
-    const TaitBryan angles = TaitBryanFromRotation(R.toRotationMatrix());
-    Number(fmt::format("{}_yaw_deg", of), Degrees(angles.yaw));
-    Number(fmt::format("{}_pitch_deg", of), Degrees(angles.pitch));
-    Number(fmt::format("{}_roll_deg", of), Degrees(angles.roll));
+  void Angles(std::string_view of, const std::optional<Eigen::Quaterniond>& R) {
+    const TaitBryan angles = R ? TaitBryanFromRotation(R->toRotationMatrix()) : TaitBryan{};
+    Number(fmt::format("{}_yaw_deg", of), R.has_value(), Degrees(angles.yaw));
+    Number(fmt::format("{}_pitch_deg", of), R.has_value(), Degrees(angles.pitch));
+    Number(fmt::format("{}_roll_deg", of), R.has_value(), Degrees(angles.roll));
   }
 };
 
@@ -69,11 +69,14 @@ Columns::Columns(const LogRow& row) {
   Angles("truth", row.now.X_NB.R);
   Vector("truth_rate_{}_deg_s", row.now.w_B * Degrees(1));
   Flag("truth_touching", row.now.touching);
+  Flag("truth_attitude_failed", row.now.attitude_failed);
   Vector("wind_{}_m_s", row.now.wind_N, "ned");
 
   Vector("estimate_{}_m", row.estimate.p_NB);
   Vector("estimate_v{}_m_s", row.estimate.v_N);
   Angles("estimate", row.estimate.R_NB);
+  Flag("aided", row.estimate.aided);
+  Angles("inertial", row.estimate.R_NB_inertial);
 
   const Pose X_TB = row.exposure.X_NT.Inverse() * row.exposure.X_NB;
   Vector("target_{}_m", X_TB.p);

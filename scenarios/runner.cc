@@ -12,6 +12,7 @@
 #include "scenarios/flight_loop.h"
 #include "scenarios/metrics.h"
 #include "scenarios/recorder.h"
+#include "scenarios/version.h"
 #include "sim/stopwatch.h"
 
 namespace kestrel {
@@ -69,7 +70,7 @@ FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) 
   FlightResult result;
   Summary& summary = result.summary;
   summary.scenario = scenario.name;
-  summary.version = KESTREL_VERSION;
+  summary.version = Version();
   summary.seed = scenario.seed;
   summary.drawn = DrawnValues(scenario.image, scenario.seed);
 

@@ -228,6 +228,12 @@ LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<s
     mistakes.Add(WhereOf(config, "occlusion", where), "occlusion.until_s",
                  fmt::format("{} is not after from_s = {}", s.occlusion.until_s, s.occlusion.from_s));
   }
+  for (const AttitudeFault& fault : s.sensors.attitude_faults) {
+    if (fault.until_s <= fault.from_s)
+      mistakes.Add(WhereOf(config, "sensors", where), "sensors.attitude_faults",
+                   fmt::format("a fault from {} s until {} s; valid: until_s after from_s", fault.from_s,
+                               fault.until_s));
+  }
   CheckLandscape(s, config, where, mistakes);
   CheckMount(s.mount, WhereOf(config, "mount", where), mistakes);
   const std::string criteria = WhereOf(config, "criteria", where);

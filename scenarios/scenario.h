@@ -12,6 +12,7 @@
 #include "config/fields.h"
 #include "config/yaml_fields.h"
 #include "scenarios/attitude/attitude.h"
+#include "scenarios/gyro_failure/gyro_failure.h"
 #include "scenarios/hover/hover.h"
 #include "scenarios/landing/landing.h"
 #include "scenarios/pose/pose.h"
@@ -20,7 +21,7 @@
 namespace kestrel {
 
 // The flights that there are, by the name of their mission: a new one is a folder and its name here.
-using Flight = std::variant<PoseFlight, HoverFlight, LandingFlight, AttitudeFlight>;
+using Flight = std::variant<PoseFlight, HoverFlight, LandingFlight, AttitudeFlight, GyroFailureFlight>;
 
 std::vector<std::string> MissionNames();
 void SelectFlight(const std::string& mission,

@@ -48,7 +48,7 @@ EmulatedAutopilot::EmulatedAutopilot(const AutopilotParameters& parameters, cons
                                      const Eigen::Vector3d& gyro_bias)
     : parameters_(parameters),
       aircraft_(aircraft),
-      estimator_(sensors, X_NB, Eigen::Vector3d::Zero(), gyro_bias),
+      navigation_(sensors, parameters.command_timeout_s, X_NB, gyro_bias),
       mode_(flying ? FlightMode::kPosition : FlightMode::kStopped) {
   hold_ = {X_NB.p, YawOf(X_NB.R)};
   setpoint_ = hold_;
@@ -60,10 +60,10 @@ void EmulatedAutopilot::Send(const Setpoint& setpoint) {
   setpoint_age_s_ = 0;
   if (mode_ == FlightMode::kStopped) {
     const auto* position = std::get_if<PositionSetpoint>(&setpoint);
-    if (!position || !(position->p_N.z() < estimator_.X_NB().p.z() - kClearOfGround_m)) return;
+    if (!position || !(position->p_N.z() < navigation_.InUse().X_NB().p.z() - kClearOfGround_m)) return;
     mode_ = FlightMode::kTakeOff;
-    const TaitBryan now = TaitBryanFromRotation(estimator_.X_NB().R.toRotationMatrix());
-    hold_ = {estimator_.X_NB().p, now.yaw};
+    const TaitBryan now = TaitBryanFromRotation(navigation_.InUse().X_NB().R.toRotationMatrix());
+    hold_ = {navigation_.InUse().X_NB().p, now.yaw};
     roll_ = {}, pitch_ = {}, yaw_ = {};
     yaw_.angle = yaw_command_ = now.yaw;
     integral_N_.setZero();
@@ -80,12 +80,12 @@ void EmulatedAutopilot::Send(const Setpoint& setpoint) {
 RotorSpeeds EmulatedAutopilot::Step(double dt_s, const SensorReadings& readings) {
   t_s_ += dt_s;
   setpoint_age_s_ += dt_s;
-  estimator_.Step(dt_s, readings);
+  navigation_.Step(dt_s, t_s_, readings);
   // Across the thrust an accelerometer feels nothing but the air's drag: leaned against at once, it does not
   // have to become an error of velocity first.
   Eigen::Vector3d drag_B = readings.imu.specific_force_B;
   drag_B.z() = 0;
-  Eigen::Vector3d drag_N = estimator_.X_NB().R * drag_B;
+  Eigen::Vector3d drag_N = navigation_.InUse().X_NB().R * drag_B;
   drag_N.z() = 0;
   drag_N_ += (1 - std::exp(-dt_s / kDragTime_s)) * (drag_N - drag_N_);
   if (mode_ == FlightMode::kStopped) return {};
@@ -93,7 +93,7 @@ RotorSpeeds EmulatedAutopilot::Step(double dt_s, const SensorReadings& readings)
   if ((mode_ == FlightMode::kVelocity || mode_ == FlightMode::kAttitude) &&
       setpoint_age_s_ > parameters_.command_timeout_s) {
     mode_ = FlightMode::kHold;
-    hold_ = {estimator_.X_NB().p, YawOf(estimator_.X_NB().R)};
+    hold_ = {navigation_.InUse().X_NB().p, YawOf(navigation_.InUse().X_NB().R)};
   }
   const Demand demand = Navigate(dt_s);
   if (mode_ == FlightMode::kStopped) return {};
@@ -101,7 +101,7 @@ RotorSpeeds EmulatedAutopilot::Step(double dt_s, const SensorReadings& readings)
 }
 
 EmulatedAutopilot::Demand EmulatedAutopilot::Navigate(double dt_s) {
-  const double yaw = YawOf(estimator_.X_NB().R);
+  const double yaw = YawOf(navigation_.InUse().X_NB().R);
   const auto turn_to = [&](double wanted) { return kYawGain_per_s * WrapAngle(wanted - yaw_.angle); };
   switch (mode_) {
     case FlightMode::kVelocity: {
@@ -112,7 +112,7 @@ EmulatedAutopilot::Demand EmulatedAutopilot::Navigate(double dt_s) {
     }
     case FlightMode::kAttitude: {
       const auto& a = std::get<AttitudeSetpoint>(setpoint_);
-      v_N_command_ = estimator_.v_N();
+      v_N_command_ = navigation_.InUse().v_N();
       const double limit = Radians(parameters_.stick_limit_deg);
       tilt_limited_ = std::abs(a.roll) * parameters_.roll.gain > limit ||
                       std::abs(a.pitch) * parameters_.pitch.gain > limit;
@@ -123,10 +123,10 @@ EmulatedAutopilot::Demand EmulatedAutopilot::Navigate(double dt_s) {
     case FlightMode::kTakeOff: {
       Eigen::Vector3d v = VelocityToward(hold_.p_N);
       v.z() = -kTakeOffClimb_m_s;
-      if (estimator_.X_NB().p.z() < hold_.p_N.z() - kClearOfGround_m) {
+      if (navigation_.InUse().X_NB().p.z() < hold_.p_N.z() - kClearOfGround_m) {
         mode_ = FlightMode::kPosition;
         if (!std::holds_alternative<PositionSetpoint>(setpoint_))
-          setpoint_ = PositionSetpoint{estimator_.X_NB().p, hold_.yaw};
+          setpoint_ = PositionSetpoint{navigation_.InUse().X_NB().p, hold_.yaw};
       } else {
         v.head<2>().setZero();  // no leaning against skids that still stand
         integral_N_.head<2>().setZero();
@@ -143,7 +143,7 @@ EmulatedAutopilot::Demand EmulatedAutopilot::Navigate(double dt_s) {
 }
 
 Eigen::Vector3d EmulatedAutopilot::VelocityToward(const Eigen::Vector3d& p_N) const {
-  return parameters_.position_gain_per_s * (p_N - estimator_.X_NB().p);
+  return parameters_.position_gain_per_s * (p_N - navigation_.InUse().X_NB().p);
 }
 
 EmulatedAutopilot::Demand EmulatedAutopilot::FollowVelocity(double dt_s, const Eigen::Vector3d& v_N_asked,
@@ -155,7 +155,7 @@ EmulatedAutopilot::Demand EmulatedAutopilot::FollowVelocity(double dt_s, const E
   const Eigen::Vector2d slewed = Limited(step, parameters_.acceleration_limit_m_s2 * dt_s);
   v_N_command_.head<2>() += slewed;
   v_N_command_.z() = v_N_wanted.z();
-  const Eigen::Vector3d error = v_N_command_ - estimator_.v_N();
+  const Eigen::Vector3d error = v_N_command_ - navigation_.InUse().v_N();
 
   Eigen::Vector3d a_N = integral_N_ - drag_N_;
   a_N.head<2>() += parameters_.velocity_gain_per_s * error.head<2>() + slewed / dt_s;
@@ -172,13 +172,13 @@ EmulatedAutopilot::Demand EmulatedAutopilot::FollowVelocity(double dt_s, const E
   integral_N_ = integral_N_.cwiseMax(-kIntegralLimit_m_s2).cwiseMin(kIntegralLimit_m_s2);
 
   const Eigen::Vector3d a_H =
-      HeadingRotation(-YawOf(estimator_.X_NB().R)) * Eigen::Vector3d(level.x(), level.y(), 0);
+      HeadingRotation(-YawOf(navigation_.InUse().X_NB().R)) * Eigen::Vector3d(level.x(), level.y(), 0);
   const double pitch = -std::atan2(a_H.x(), kGravity);
   const double roll = std::atan2(a_H.y() * std::cos(pitch), kGravity);
   demand.roll = roll / parameters_.roll.gain;  // the loop answers with its gain
   demand.pitch = pitch / parameters_.pitch.gain;
   demand.yaw_rate = yaw_rate;
-  const TaitBryan now = TaitBryanFromRotation(estimator_.X_NB().R.toRotationMatrix());
+  const TaitBryan now = TaitBryanFromRotation(navigation_.InUse().X_NB().R.toRotationMatrix());
   const double upright = std::max(0.5, std::cos(now.roll) * std::cos(now.pitch));
   demand.thrust_n = aircraft_.mass_kg * std::max(0.0, kGravity - a_N.z()) / upright * throttle_down_;
   return demand;
@@ -199,7 +199,7 @@ RotorSpeeds EmulatedAutopilot::Stabilise(double dt_s, const Demand& demand) {
 
   const Eigen::Quaterniond R_NR(
       RotationFromTaitBryan({yaw_.angle, pitch_.angle, roll_.angle}));  // R: the reference
-  const Eigen::Vector3d error_B = LogRotation(estimator_.X_NB().R.conjugate() * R_NR);
+  const Eigen::Vector3d error_B = LogRotation(navigation_.InUse().X_NB().R.conjugate() * R_NR);
   // Rates of the angles as a rate of the body.
   const double sr = std::sin(roll_.angle), cr = std::cos(roll_.angle);
   const double sp = std::sin(pitch_.angle), cp = std::cos(pitch_.angle);
@@ -208,7 +208,7 @@ RotorSpeeds EmulatedAutopilot::Stabilise(double dt_s, const Demand& demand) {
   const Eigen::Vector3d feed(roll_.acceleration, pitch_.acceleration, yaw_.acceleration);
   const Eigen::Vector3d frequency(kInnerFrequency_rad_s, kInnerFrequency_rad_s, kYawInnerFrequency_rad_s);
   const Eigen::Vector3d alpha = feed + frequency.cwiseAbs2().cwiseProduct(error_B) +
-                                2 * kInnerDamping * frequency.cwiseProduct(w - estimator_.w_B());
+                                2 * kInnerDamping * frequency.cwiseProduct(w - navigation_.InUse().w_B());
   const Eigen::Vector3d torque_B = aircraft_.inertia_kg_m2.cwiseProduct(alpha);
   const RotorSpeeds speeds = Allocate(aircraft_, demand.thrust_n, torque_B);
   const double most = aircraft_.rotor.max_speed_rad_s * 0.999;
@@ -217,7 +217,7 @@ RotorSpeeds EmulatedAutopilot::Stabilise(double dt_s, const Demand& demand) {
 }
 
 void EmulatedAutopilot::WatchTouchDown(double dt_s, double descent_wanted) {
-  const double sinking = estimator_.v_N().z();
+  const double sinking = navigation_.InUse().v_N().z();
   const bool suspicious = descent_wanted > kTouchDescent_m_s && sinking < kTouchStill_m_s;
   if (throttle_down_ >= 1) {
     touch_s_ = suspicious ? touch_s_ + dt_s : 0;
@@ -244,13 +244,15 @@ void EmulatedAutopilot::StopMotors() {
 VehicleState EmulatedAutopilot::State() const {
   VehicleState s;
   s.t_s = t_s_;
-  s.p_NB = estimator_.X_NB().p;
-  s.v_N = estimator_.v_N();
-  s.R_NB = estimator_.X_NB().R;
-  s.w_B = estimator_.w_B();
+  s.p_NB = navigation_.InUse().X_NB().p;
+  s.v_N = navigation_.InUse().v_N();
+  s.R_NB = navigation_.InUse().X_NB().R;
+  s.w_B = navigation_.InUse().w_B();
   s.mode = mode_;
   s.landed = mode_ == FlightMode::kStopped;
   s.saturated = tilt_limited_ || rotor_limited_;
+  s.aided = navigation_.aided();
+  s.R_NB_inertial = navigation_.InertialAttitude();
   return s;
 }
 

@@ -5,8 +5,8 @@
 
 #include "control/autopilot.h"
 #include "sim/multirotor.h"
+#include "sim/navigation.h"
 #include "sim/sensors.h"
-#include "sim/state_estimator.h"
 
 namespace kestrel {
 
@@ -61,7 +61,7 @@ void Fields(Visitor& v, AutopilotParameters& p) {
 
 // An AscTec-like low-level autopilot: an attitude loop with the identified closed-loop dynamics, velocity and
 // height loops above it, position hold above those; limits, take-off, stopping the motors on touch-down, and
-// a hold when setpoints go stale. It knows nothing but its sensors.
+// a hold when setpoints go stale. It knows nothing but its sensors, and an attitude that it may be sent.
 class EmulatedAutopilot {
  public:
   // Switched on at the pose; flying: in the air, motors on, holding that place, otherwise on the ground.
@@ -70,6 +70,7 @@ class EmulatedAutopilot {
                     const Eigen::Vector3d& gyro_bias);
 
   void Send(const Setpoint& setpoint);
+  void Aid(const AttitudeAid& aid) { navigation_.Aid(aid); }
   // Advances by one step of the simulation; returns the commanded rotor speeds, rad/s.
   RotorSpeeds Step(double dt_s, const SensorReadings& readings);
 
@@ -96,7 +97,7 @@ class EmulatedAutopilot {
 
   AutopilotParameters parameters_;
   MultirotorParameters aircraft_;
-  StateEstimator estimator_;
+  Navigation navigation_;
   double t_s_ = 0;
 
   FlightMode mode_;

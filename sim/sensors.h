@@ -4,8 +4,11 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <optional>
+#include <vector>
 
+#include "config/fields.h"
 #include "geometry/pose.h"
+#include "sim/attitude_fault.h"
 #include "sim/random.h"
 
 namespace kestrel {
@@ -38,6 +41,7 @@ struct SensorParameters {
   double magnetometer_rate_hz = 25;
   double magnetometer_white_t = 80e-9;     // RotorS
   double magnetometer_turn_on_t = 400e-9;  // RotorS
+  std::vector<AttitudeFault> attitude_faults;
 };
 
 template <class Visitor>
@@ -66,6 +70,7 @@ void Fields(Visitor& v, SensorParameters& p) {
   v("magnetometer_rate_hz", p.magnetometer_rate_hz, 0.1, 500.0);
   v("magnetometer_white_t", p.magnetometer_white_t, 0.0, 1e-4);
   v("magnetometer_turn_on_t", p.magnetometer_turn_on_t, 0.0, 1e-4);
+  v("attitude_faults", p.attitude_faults);
 }
 
 struct ImuSample {

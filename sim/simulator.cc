@@ -128,6 +128,7 @@ Truth Simulator::Look() const {
   t.v_N = VectorFromMujoco(data_->qvel);
   t.w_B = VectorFromMujoco(data_->qvel + 3);
   t.wind_N = wind_.Velocity();
+  t.attitude_failed = FaultAt(parameters_.sensors.attitude_faults, t.t_s) != nullptr;
   t.X_NT = PadPose(model_.get(), data_.get());
   const int vehicle = mj_name2id(model_.get(), mjOBJ_BODY, "vehicle");
   for (int c = 0; c < data_->ncon; ++c) {
@@ -253,6 +254,7 @@ std::optional<Frame> Simulator::Next() {
 
 VehicleState Simulator::State() const { return autopilot_->State(); }
 void Simulator::Send(const Setpoint& setpoint) { autopilot_->Send(setpoint); }
+void Simulator::Aid(const AttitudeAid& aid) { autopilot_->Aid(aid); }
 std::string Simulator::renderer_name() const { return studio_->renderer_name(); }
 std::uint64_t Simulator::state_hash() const { return XXH3_64bits_digest(hashes_->state); }
 std::uint64_t Simulator::image_hash() const { return XXH3_64bits_digest(hashes_->image); }

@@ -119,6 +119,7 @@ class Simulator final : public Camera, public Autopilot {
   std::optional<Frame> Next() override;  // none: no exposure is left within the duration
   VehicleState State() const override;
   void Send(const Setpoint& setpoint) override;
+  void Aid(const AttitudeAid& aid) override;
 
   const Truth& truth() const { return truth_; }
   const Truth& exposure() const { return exposure_; }           // of the frame that Next() gave last

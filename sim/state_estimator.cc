@@ -54,6 +54,13 @@ void StateEstimator::Step(double dt_s, const SensorReadings& readings) {
   error_.setZero();
 }
 
+void StateEstimator::SetAttitude(const Eigen::Quaterniond& R_NB, double sigma) {
+  X_NB_.R = R_NB;
+  P_.middleRows<3>(6).setZero();
+  P_.middleCols<3>(6).setZero();
+  P_.diagonal().segment<3>(6).setConstant(sigma * sigma);
+}
+
 void StateEstimator::Predict(double dt_s, const ImuSample& imu) {
   w_B_ = imu.w_B - gyro_bias_;
   const Eigen::Vector3d force_B = imu.specific_force_B - accelerometer_bias_;

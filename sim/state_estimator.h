@@ -19,6 +19,8 @@ class StateEstimator {
                  const Eigen::Vector3d& gyro_bias);
 
   void Step(double dt_s, const SensorReadings& readings);
+  // Takes an attitude for its own; sigma: rad, about any axis.
+  void SetAttitude(const Eigen::Quaterniond& R_NB, double sigma);
 
   const Pose& X_NB() const { return X_NB_; }
   const Eigen::Vector3d& v_N() const { return v_N_; }

@@ -14,8 +14,9 @@ struct Truth {
   Eigen::Vector3d v_N = Eigen::Vector3d::Zero();     // m/s
   Eigen::Vector3d w_B = Eigen::Vector3d::Zero();     // rad/s
   Eigen::Vector3d wind_N = Eigen::Vector3d::Zero();  // velocity of the air at the aircraft, m/s
-  Pose X_NT;              // the pad: x along its long side, z down, origin at its centre
-  bool touching = false;  // the skids touch something
+  Pose X_NT;                     // the pad: x along its long side, z down, origin at its centre
+  bool touching = false;         // the skids touch something
+  bool attitude_failed = false;  // a fault of the autopilot's own attitude is on
 };
 
 }  // namespace kestrel

@@ -1,22 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scenarios/attitude/attitude.h"
 
-#include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <numbers>
 #include <optional>
 
 #include "geometry/tait_bryan.h"
-#include "sim/stopwatch.h"
-#include "vision/horizon_attitude.h"
+#include "scenarios/attitude/horizon_watch.h"
 #include "vision/skyline_baseline.h"
 
 namespace kestrel {
 namespace {
-
-// Of the attitude that gyros predict from image to image: they are heard once an image.
-constexpr double kPredictionSigma = 0.02;  // rad
 
 // The ring of the image that the thesis unrolls: of a camera that looks straight down, about the horizon.
 CompassBaseline::Ring RingOf(const CameraModel& camera, const Eigen::Matrix3d& R_BC) {
@@ -41,10 +34,7 @@ class AttitudeMission final : public Mission {
  public:
   AttitudeMission(const AttitudeFlight& flight, const CameraModel& camera, const Pose& X_BC,
                   const cv::Mat& forbidden, std::uint64_t seed)
-      : flight_(flight),
-        pilot_(flight.manoeuvres, seed),
-        horizon_(camera, X_BC.R.toRotationMatrix(), forbidden, {}, {}),
-        filter_(HorizonFilterOptions{}) {
+      : flight_(flight), pilot_(flight.manoeuvres, seed), watch_(camera, X_BC, forbidden) {
     if (!flight.baseline) return;
     skyline_baseline_.emplace(camera, X_BC.R.toRotationMatrix());
     compass_baseline_.emplace(camera, RingOf(camera, X_BC.R.toRotationMatrix()));
@@ -52,59 +42,17 @@ class AttitudeMission final : public Mission {
 
   Decision Step(const Frame& frame, const VehicleState& state) override {
     Decision decision;
-    See(frame, state, decision);
+    watch_.See(frame, state, decision);
+    if (skyline_baseline_) Compare(frame, decision);
     Steer(state, decision);
     return decision;
   }
-  bool Accomplished() const override { return seen_; }
-  void Draw(cv::Mat& bgr) const override {
-    if (measured_) bgr = horizon_.Draw(bgr, *measured_);
-  }
+  bool Accomplished() const override { return watch_.seen(); }
+  void Draw(cv::Mat& bgr) const override { watch_.Draw(bgr); }
 
  private:
-  void See(const Frame& frame, const VehicleState& state, Decision& decision) {
-    const auto start = std::chrono::steady_clock::now();
-    filter_.Add({state.t_s, state.w_B});
-    // What gyros and barometer say of the moment of the exposure: to choose and to refuse by.
-    HorizonAttitude::Expected expected;
-    double yaw = 0;
-    if (const auto now = filter_.Now()) {
-      const Eigen::Vector3d turned = state.w_B * (state.t_s - frame.t_s);
-      const double angle = turned.norm();
-      const Eigen::Quaterniond since(
-          Eigen::AngleAxisd(angle, angle > 0 ? Eigen::Vector3d(turned / angle) : Eigen::Vector3d::UnitX()));
-      const Eigen::Quaterniond R_NB = now->R_NB * since.conjugate();
-      expected.down_B = R_NB.conjugate() * Eigen::Vector3d::UnitZ();
-      expected.down_sigma = std::hypot(std::sqrt(now->P.topLeftCorner<2, 2>().trace()), kPredictionSigma);
-      yaw = YawOf(R_NB);
-      if (last_turned_) expected.turn = *last_turned_ + WrapAngle(yaw - last_yaw_);
-    }
-    expected.height_m = std::max(0.0, -state.p_NB.z());
-    measured_ = horizon_.Measure(frame.image, expected);
-    const HorizonAttitude::Measurement& m = *measured_;
-    decision.target = "horizon";
-    if (const auto* reason = std::get_if<NoSkyline>(&m.skyline)) decision.target = NameOf(*reason);
-    if (m.attitude) {
-      seen_ = true;
-      AttitudeFix fix{m.attitude->roll,
-                      m.attitude->pitch,
-                      std::sqrt(m.attitude->covariance(0, 0)),
-                      std::sqrt(m.attitude->covariance(1, 1)),
-                      {},
-                      0};
-      HorizonFilter::Attitude raw{frame.t_s, *m.down_B, m.covariance_B, {}, 0};
-      if (const auto* heading = std::get_if<CompassHeading>(&m.compass)) {
-        fix.turned = heading->turned;
-        fix.turned_sigma = std::sqrt(heading->variance);
-        raw.heading = WrapAngle(heading->turned);
-        raw.heading_variance = heading->variance;
-        last_turned_ = heading->turned, last_yaw_ = yaw;
-      }
-      filter_.Correct(raw);
-      decision.attitude = fix;
-    }
-    decision.vision_s = SecondsSince(start);
-    if (!skyline_baseline_) return;
+  // The thesis's own way, on the same image.
+  void Compare(const Frame& frame, Decision& decision) {
     AttitudeFix fix{};
     fix.turned = compass_baseline_->Turn(frame.image);
     if (const auto attitude = skyline_baseline_->Measure(frame.image)) {
@@ -133,16 +81,11 @@ class AttitudeMission final : public Mission {
 
   AttitudeFlight flight_;
   ManualPilot pilot_;
-  HorizonAttitude horizon_;
-  HorizonFilter filter_;
+  HorizonWatch watch_;
   std::optional<SkylineBaseline> skyline_baseline_;
   std::optional<CompassBaseline> compass_baseline_;
-  std::optional<HorizonAttitude::Measurement> measured_;
   std::optional<Eigen::Vector3d> home_N_;
   double home_yaw_ = 0;
-  std::optional<double> last_turned_;  // by the compass, and the filter's yaw then
-  double last_yaw_ = 0;
-  bool seen_ = false;
 };
 
 }  // namespace

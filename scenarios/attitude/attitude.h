@@ -6,7 +6,6 @@
 #include <opencv2/core.hpp>
 #include <string>
 
-#include "control/horizon_filter.h"
 #include "geometry/pose.h"
 #include "scenarios/attitude/manual_pilot.h"
 #include "scenarios/mission.h"

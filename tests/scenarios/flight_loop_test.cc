@@ -39,6 +39,10 @@ struct Fakes final : public Camera, public Autopilot, public Mission {
     calls.push_back("send");
     sent.push_back(setpoint);
   }
+  void Aid(const AttitudeAid& aid) override {
+    calls.push_back("aid");
+    EXPECT_EQ(aid.sigma, decisions[steps - 1].aid->sigma);
+  }
   Decision Step(const Frame& seen, const VehicleState& s) override {
     calls.push_back("step");
     EXPECT_EQ(seen.sequence, frame.sequence);
@@ -73,6 +77,17 @@ TEST(FlightLoop, EachFrameIsSeenDecidedSentAndRecordedInThatOrder) {
                                    "record", "next"));
   ASSERT_EQ(f.sent.size(), 2u);
   EXPECT_EQ(std::get<VelocitySetpoint>(f.sent[0]).v_H, Eigen::Vector3d(1, 2, 3));
+}
+
+TEST(FlightLoop, AnAttitudeGoesOutBeforeTheSetpointThatIsFlownByIt) {
+  Fakes f;
+  f.decisions[0].setpoint = VelocitySetpoint{};
+  f.decisions[0].aid = AttitudeAid{Eigen::Quaterniond::Identity(), 0.25};
+  EXPECT_EQ(f.Run(), "");
+  EXPECT_THAT(f.calls, ElementsAre("next", "state", "step", "aid", "send", "record", "next"));
+  f.frames = 1;
+  f.decisions[0].aid->R_NB.x() = kNaN;
+  EXPECT_THAT(f.Complaint(), HasSubstr("the attitude aid is not a number"));
 }
 
 TEST(FlightLoop, WithoutASetpointNothingIsSent) {

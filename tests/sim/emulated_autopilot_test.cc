@@ -419,5 +419,76 @@ TEST(EmulatedAutopilot, ItsClockRunsFromWhereItIsSet) {
   EXPECT_NEAR(flight.autopilot.State().t_s, -1.5, 1e-9);
 }
 
+Conditions WithFault(const std::string& type, double from_s, double until_s) {
+  Conditions c;
+  c.sensors = {};
+  c.wind = GustyWind();
+  c.sensors.attitude_faults = {{type, from_s, until_s, {3, -2, 2}}};
+  return c;
+}
+
+TEST(EmulatedAutopilot, AFailingAttitudeTakesTheAircraftWithIt) {
+  for (const char* type : {"drift", "freeze", "silent"}) {
+    Flight flight(At(60), true, WithFault(type, 2, 60));
+    flight.Run(2);
+    double tilt = 0;
+    flight.Run(12, [&] { tilt = std::max(tilt, flight.TiltDeg()); });
+    EXPECT_GT(tilt, 15) << type;
+  }
+}
+
+TEST(EmulatedAutopilot, AnAttitudeFromOutsideTakesThePlaceOfAFailingOne) {
+  for (const char* type : {"drift", "freeze", "silent"}) {
+    Flight flight(At(60, 40), true, WithFault(type, 5, 35));
+    flight.Run(5);
+    const Pose before = flight.X_NB();
+    double tilt = 0, turned = 0, climbed = 0;
+    int steps = 0;
+    flight.Run(30, [&] {
+      if (steps++ % 25 == 0) flight.autopilot.Aid({flight.X_NB().R, 0.01});
+      tilt = std::max(tilt, flight.TiltDeg());
+      turned = std::max(turned, std::abs(WrapAngle(YawOf(flight.X_NB().R) - YawOf(before.R))));
+      climbed = std::max(climbed, std::abs(flight.X_NB().p.z() - before.p.z()));
+      EXPECT_TRUE(flight.autopilot.State().aided);
+    });
+    EXPECT_LT(tilt, 12) << type;
+    EXPECT_LT(Degrees(turned), 3) << type;
+    EXPECT_LT(climbed, 1) << type;
+  }
+}
+
+TEST(EmulatedAutopilot, AnAttitudeFromOutsideGoesStale) {
+  Flight flight(At(60), true);
+  const Eigen::Quaterniond other(RotationFromTaitBryan({0, 0.02, 0}));
+  flight.autopilot.Aid({other, 0.01});
+  EXPECT_EQ(flight.autopilot.State().R_NB.coeffs(), other.coeffs());
+  flight.Run(AutopilotParameters{}.command_timeout_s - 0.01);
+  EXPECT_TRUE(flight.autopilot.State().aided);
+  flight.Run(0.02);
+  EXPECT_FALSE(flight.autopilot.State().aided);
+  EXPECT_LT(flight.autopilot.State().R_NB.angularDistance(flight.X_NB().R), 1e-3);
+}
+
+TEST(EmulatedAutopilot, ItsOwnAttitudeIsSilentOrFrozenWhileItFailsAndLevelledAnewAfterwards) {
+  for (const char* type : {"drift", "freeze", "silent"}) {
+    Flight flight(At(60), true, WithFault(type, 1, 6));
+    const auto own = [&] { return flight.autopilot.State().R_NB_inertial; };
+    flight.Run(1.01);
+    const auto first = own();
+    int steps = 0;
+    flight.Run(4.9, [&] {
+      if (steps++ % 25 == 0) flight.autopilot.Aid({flight.X_NB().R, 0.01});
+      EXPECT_EQ(own().has_value(), type != std::string("silent"));
+      if (type == std::string("freeze")) EXPECT_EQ(own()->coeffs(), first->coeffs());
+    });
+    if (type == std::string("drift")) EXPECT_GT(Degrees(own()->angularDistance(flight.X_NB().R)), 5);
+    flight.Run(0.2);
+    ASSERT_TRUE(own()) << type;
+    EXPECT_LT(Degrees(own()->angularDistance(flight.X_NB().R)), 6) << type;
+    flight.Run(10);
+    EXPECT_LT(Degrees(own()->angularDistance(flight.X_NB().R)), 3) << type;
+  }
+}
+
 }  // namespace
 }  // namespace kestrel

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <opencv2/core.hpp>
+
+#include "geometry/pose.h"
+#include "scenarios/mission.h"
+#include "vision/camera_model.h"
+
+namespace kestrel {
+
+// What thesis 6.3 proposes the skyline for, a second source of the attitude: the aircraft holds its place and
+// heading; when the autopilot's own attitude goes silent, freezes, or parts from what the camera sees, the
+// camera's takes its place, until the own one is back and has agreed with it for a while.
+struct GyroFailureFlight {
+  static constexpr const char* kName = "gyro_failure";
+  static constexpr bool kPadless = true;
+  double disagree_deg = 3;  // between both attitudes: the own one is wrong
+  double agree_deg = 2;     // it is right again
+  double agree_s = 3;       // if it stays so for this long
+  double coast_s = 5;       // without a skyline for which the gyros alone may carry the camera's attitude on
+};
+
+template <class Visitor>
+void Fields(Visitor& v, GyroFailureFlight& p) {
+  v("disagree_deg", p.disagree_deg, 0.5, 30.0);
+  v("agree_deg", p.agree_deg, 0.1, 30.0);
+  v("agree_s", p.agree_s, 0.1, 60.0);
+  v("coast_s", p.coast_s, 0.1, 60.0);
+}
+
+// forbidden: where the aircraft itself is seen, as in Skyline. Nothing in this flight is left to the seed.
+std::unique_ptr<Mission> MakeMission(const GyroFailureFlight& flight, const CameraModel& camera,
+                                     const Pose& X_BC, const cv::Mat& forbidden, std::uint64_t seed);
+
+}  // namespace kestrel
