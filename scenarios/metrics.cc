@@ -21,6 +21,12 @@ struct MeanSquare {
   double Root() const { return std::sqrt(sum / count); }
 };
 
+Eigen::Vector3d Down_B(const Eigen::Quaterniond& R_NB) { return R_NB.conjugate() * Eigen::Vector3d::UnitZ(); }
+
+double AngleBetween(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
+
 double TiltOf(const Pose& X_NB) {
   return Degrees(std::acos(std::clamp((X_NB.R * Eigen::Vector3d::UnitZ()).z(), -1.0, 1.0)));
 }
@@ -67,7 +73,7 @@ void AddAttitude(const std::vector<LogRow>& rows, std::optional<AttitudeFix> Dec
 void AddFailure(const std::vector<LogRow>& rows, std::map<std::string, double>& m) {
   const Truth* start = nullptr;
   std::optional<double> noticed_s;
-  MeanSquare tilt;
+  MeanSquare tilt, attitude;
   double heading = 0, height = 0, place = 0;
   for (const LogRow& row : rows) {
     if (start && row.estimate.aided && !noticed_s) noticed_s = row.now.t_s - start->t_s;
@@ -75,11 +81,13 @@ void AddFailure(const std::vector<LogRow>& rows, std::map<std::string, double>& 
     if (!start) start = &row.now;
     const Eigen::Vector3d away = row.now.X_NB.p - start->X_NB.p;
     tilt.Add(TiltOf(row.now.X_NB));
+    attitude.Add(Degrees(AngleBetween(Down_B(row.now.X_NB.R), Down_B(row.estimate.R_NB))));
     heading = std::max(heading, std::abs(WrapAngle(YawOf(row.now.X_NB.R) - YawOf(start->X_NB.R))));
     height = std::max(height, std::abs(away.z()));
     place = std::max(place, away.head<2>().norm());
   }
   if (!start) return;
+  m["failure_attitude_rms_deg"] = attitude.Root();
   m["failure_tilt_rms_deg"] = tilt.Root();
   m["failure_heading_worst_deg"] = Degrees(heading);
   m["failure_height_worst_m"] = height;
@@ -109,6 +117,7 @@ std::vector<std::string> MetricNames() {
                                     "rest_error_m",
                                     "rest_tilt_deg",
                                     "greatest_tilt_deg",
+                                    "failure_attitude_rms_deg",
                                     "failure_tilt_rms_deg",
                                     "failure_heading_worst_deg",
                                     "failure_height_worst_m",

@@ -32,7 +32,10 @@ std::vector<std::string> MetricNames();
 //   yaw_rmse_deg, yaw_rmse_first_half_deg, yaw_rmse_second_half_deg
 //                                         of the heading since the first image that had one
 //   baseline_...                          the same of the thesis's own method
-//   failure_tilt_rms_deg                  while the autopilot's own attitude has failed: from level
+//   failure_attitude_rms_deg              while the autopilot's own attitude has failed: "down" as it is
+//   flown
+//                                         by, from the truth
+//   failure_tilt_rms_deg                  the same time: from level, lean against the wind and all
 //   failure_heading_worst_deg, failure_height_worst_m, failure_place_worst_m
 //                                         the same time: farthest from where the aircraft was at its
 //                                         beginning

@@ -12,7 +12,7 @@ namespace kestrel {
 // A fault of the attitude that an autopilot has from its own sensors, while t is in [from_s, until_s). The
 // rate gyros that damp the aircraft go on in each.
 //
-//   drift   the gyros turn by drift_deg_s that is not there, and the attitude with them
+//   drift   the attitude turns by drift_deg_s more than the aircraft, and no correction holds it
 //   freeze  the attitude stays what it was
 //   silent  there is none
 struct AttitudeFault {

@@ -9,7 +9,7 @@ namespace kestrel {
 namespace {
 
 constexpr double kForceTime_s = 1;
-const double kFrozenSigma = Radians(1.5);
+const double kFailedSigma = Radians(1.5);
 
 // The attitude in which "down" and magnetic north are where they are felt.
 Eigen::Quaterniond LevelledBy(const Eigen::Vector3d& down_B, const Eigen::Vector3d& field_B) {
@@ -37,15 +37,17 @@ void Navigation::Step(double dt_s, double t_s, const SensorReadings& readings) {
   if (failed_ && !fault) LevelAnew();
   failed_ = fault != nullptr;
   silent_ = fault && fault->type == "silent";
-  SensorReadings felt = readings;
-  if (fault && fault->type == "drift") felt.imu.w_B += fault->drift_deg_s.unaryExpr(&Radians);
   const Eigen::Quaterniond before = own_.X_NB().R;
-  own_.Step(dt_s, felt);
-  if (fault && fault->type != "drift") own_.SetAttitude(before, kFrozenSigma);
+  own_.Step(dt_s, readings);
+  if (fault) {  // its corrections no longer reach it
+    Eigen::Vector3d rate = Eigen::Vector3d::Zero();
+    if (fault->type == "drift") rate = own_.w_B() + fault->drift_deg_s.unaryExpr(&Radians);
+    own_.SetAttitude((before * ExpRotation(dt_s * rate)).normalized(), kFailedSigma);
+  }
 
   if (!aided_) return;
   aid_age_s_ += dt_s;
-  aided_->Step(dt_s, felt);
+  aided_->Step(dt_s, readings);
   if (aid_age_s_ > timeout_s_) aided_.reset();
 }
 

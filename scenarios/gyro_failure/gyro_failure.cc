@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scenarios/gyro_failure/gyro_failure.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <string_view>
 
@@ -11,8 +13,9 @@
 namespace kestrel {
 namespace {
 
-constexpr int kFrames = 3;            // in a row that must say the same before anything is believed
-constexpr double kHeadingTime_s = 5;  // over which the camera's heading is matched to the autopilot's
+constexpr int kFrames = 3;             // in a row that must say the same before anything is believed
+constexpr double kLearnTime_s = 5;     // over which what is usual between both attitudes is learnt
+constexpr double kUsual = Radians(3);  // the most that it may be: an accelerometer's bias is 1 or 2 degrees
 constexpr double kSoundSigma = Radians(1), kFresh_s = 0.5;  // of a camera's attitude that may accuse
 
 class GyroFailureMission final : public Mission {
@@ -30,11 +33,11 @@ class GyroFailureMission final : public Mission {
     const std::string_view fault = FaultOf(state, seen);
     if (!by_vision_) {
       decision.phase = "by own attitude";
-      if (!fault.empty() && north_ && seen) by_vision_ = true, agreed_since_s_.reset();
-      if (fault.empty() && seen) LearnNorth(state, *seen);
+      if (!fault.empty() && usual_ && seen) by_vision_ = true, agreed_since_s_.reset();
+      if (fault.empty() && seen) LearnWhatIsUsual(state, *seen);
     }
     if (by_vision_) {
-      FlyBySight(state, *seen, fault, decision);
+      FlyBySight(*seen, fault, decision);
       MayReturn(state, fault);
     }
     last_inertial_ = state.R_NB_inertial;
@@ -47,15 +50,19 @@ class GyroFailureMission final : public Mission {
  private:
   using Estimate = HorizonFilter::Estimate;
 
-  Eigen::Quaterniond Sighted(const Estimate& seen) const { return HeadingRotation(*north_) * seen.R_NB; }
+  // The camera's attitude, about the autopilot's north.
+  Eigen::Quaterniond Sighted(const Estimate& seen) const {
+    return HeadingRotation(usual_->north) * seen.R_NB;
+  }
 
   // What is wrong with the autopilot's own attitude; empty: nothing.
   std::string_view FaultOf(const VehicleState& state, const std::optional<Estimate>& seen) {
     const auto& own = state.R_NB_inertial;
     still_ = own && last_inertial_ && own->coeffs() == last_inertial_->coeffs() ? still_ + 1 : 0;
-    const bool sound = seen && north_ && seen->coasting_s < kFresh_s &&
+    const bool sound = seen && usual_ && seen->coasting_s < kFresh_s &&
                        std::sqrt(seen->P.topLeftCorner<3, 3>().trace()) < kSoundSigma;
-    if (own && sound) apart_ = Sighted(*seen).angularDistance(*own);
+    apart_ = std::numeric_limits<double>::infinity();
+    if (own && sound) apart_ = (Sighted(*seen) * ExpRotation(usual_->tilt_B)).angularDistance(*own);
     apart_frames_ = own && sound && apart_ > Radians(flight_.disagree_deg) ? apart_frames_ + 1 : 0;
     if (!own) return "by sight: own attitude silent";
     if (still_ >= kFrames) return "by sight: own attitude frozen";
@@ -63,16 +70,24 @@ class GyroFailureMission final : public Mission {
     return {};
   }
 
-  // The camera knows how far it has turned; what north is it learns while all is well.
-  void LearnNorth(const VehicleState& state, const Estimate& seen) {
-    const double now = YawOf(*state.R_NB_inertial) - YawOf(seen.R_NB);
-    if (!north_) north_ = now;
+  // The camera knows how far the aircraft has turned, but not from where, and the autopilot's level is off by
+  // a degree or two for as long as it flies.
+  void LearnWhatIsUsual(const VehicleState& state, const Estimate& seen) {
     if (apart_frames_ > 0) return;
-    const double share = 1 - std::exp(-(state.t_s - last_s_) / kHeadingTime_s);
-    north_ = WrapAngle(*north_ + share * WrapAngle(now - *north_));
+    const Eigen::Quaterniond& own = *state.R_NB_inertial;
+    const double north = YawOf(own) - YawOf(seen.R_NB);
+    const auto tilt_B = [&] { return LogRotation(Sighted(seen).conjugate() * own); };
+    if (!usual_) {
+      usual_.emplace().north = north;
+      usual_->tilt_B = tilt_B();
+    }
+    const double share = 1 - std::exp(-(state.t_s - last_s_) / kLearnTime_s);
+    usual_->north = WrapAngle(usual_->north + share * WrapAngle(north - usual_->north));
+    usual_->tilt_B += share * (tilt_B() - usual_->tilt_B);
+    usual_->tilt_B *= std::min(1.0, kUsual / std::max(usual_->tilt_B.norm(), 1e-9));
   }
 
-  void FlyBySight(const VehicleState&, const Estimate& seen, std::string_view fault, Decision& decision) {
+  void FlyBySight(const Estimate& seen, std::string_view fault, Decision& decision) {
     decision.phase = fault.empty() ? "by sight: own attitude on trial" : fault;
     if (seen.coasting_s > flight_.coast_s) {
       decision.phase = "blind";
@@ -93,11 +108,15 @@ class GyroFailureMission final : public Mission {
   GyroFailureFlight flight_;
   HorizonWatch watch_;
   std::optional<PositionSetpoint> home_;
-  std::optional<double> north_;  // yaw of the autopilot's less yaw of the camera's, rad
+  struct Usual {                                       // between both attitudes
+    double north = 0;                                  // yaw of the autopilot's less yaw of the camera's, rad
+    Eigen::Vector3d tilt_B = Eigen::Vector3d::Zero();  // the rest as a rotation vector, rad
+  };
+  std::optional<Usual> usual_;
   std::optional<Eigen::Quaterniond> last_inertial_;
   double last_s_ = 0;
   int still_ = 0, apart_frames_ = 0;
-  double apart_ = 0;  // rad, between both attitudes, when they were last compared
+  double apart_ = 0;  // rad, between both attitudes beyond the usual; infinite: they cannot be compared
   bool by_vision_ = false;
   std::optional<double> agreed_since_s_;
 };

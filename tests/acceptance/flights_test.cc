@@ -309,6 +309,21 @@ TEST_P(AttitudeFlights, AreMeasuredAsWellAsTheyAsk) {
 INSTANTIATE_TEST_SUITE_P(HighUp, AttitudeFlights, ::testing::Values("attitude_1", "attitude_2", "attitude_3"),
                          [](const auto& each) { return each.param; });
 
+// The camera's attitude takes the place of the autopilot's own, and gives it back.
+class GyroFailures : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(GyroFailures, LeaveTheAircraftLevelOnItsHeadingAndItsHeight) {
+  const FlightResult result =
+      Flown("gyro_failure", 101,
+            {"duration_s=17", "start.settle_s=8", "sensors.attitude_faults.0.type=" + GetParam(),
+             "sensors.attitude_faults.0.from_s=3", "sensors.attitude_faults.0.until_s=11"});
+  ExpectCriteria(result);
+  EXPECT_LT(result.summary.metrics.at("failure_noticed_s"), 2);
+}
+
+INSTANTIATE_TEST_SUITE_P(InWind, GyroFailures, ::testing::Values("drift", "freeze", "silent"),
+                         [](const auto& each) { return each.param; });
+
 TEST(Attitude, ACappedLensGivesNoAttitudeAndItsReason) {
   const FlightResult result = Flown("attitude_1", 101,
                                     {"duration_s=3", "start.settle_s=3", "landscape.light=0.02",

@@ -184,11 +184,40 @@ TEST(Metrics, AFlightThatTouchedHeldNothing) {
   EXPECT_EQ(Metrics(rows, Over(5, {0, 0, 0})).count("hold_horizontal_rmse_m"), 0u);
 }
 
+TEST(Metrics, AFailureIsJudgedWhileItLastsAndFromWhereItBegan) {
+  std::vector<LogRow> rows;
+  const auto add = [&](double t_s, const TaitBryan& angles, const Vector3d& p, double believed_roll) {
+    LogRow row;
+    row.now.t_s = t_s;
+    row.now.X_NB = {Eigen::Quaterniond(RotationFromTaitBryan(angles)), p};
+    row.now.attitude_failed = t_s >= 2 && t_s < 6;
+    row.estimate.R_NB = Eigen::Quaterniond(RotationFromTaitBryan({angles.yaw + 1, 0, believed_roll}));
+    row.estimate.aided = t_s >= 3 && t_s < 8;
+    rows.push_back(row);
+  };
+  add(1, {0, 0, Radians(40)}, {9, 9, 9}, 0);  // all before and after it does not count
+  add(2, {Radians(179), 0, Radians(3)}, {1, 1, -5}, Radians(1));
+  add(3, {Radians(-177), 0, Radians(-4)}, {1, 4, -4.5}, Radians(-4));
+  add(5, {Radians(178), 0, 0}, {-3, 1, -5.25}, Radians(-1));
+  add(6, {0, 0, Radians(40)}, {9, 9, 9}, 0);
+  auto m = Metrics(rows, std::nullopt);
+  EXPECT_NEAR(m.at("failure_tilt_rms_deg"), std::sqrt(25 / 3.0), 1e-9);
+  EXPECT_NEAR(m.at("failure_attitude_rms_deg"), std::sqrt(5 / 3.0), 1e-9);
+  EXPECT_NEAR(m.at("failure_heading_worst_deg"), 4, 1e-9);
+  EXPECT_NEAR(m.at("failure_height_worst_m"), 0.5, 1e-12);
+  EXPECT_NEAR(m.at("failure_place_worst_m"), 4, 1e-12);
+  EXPECT_NEAR(m.at("failure_noticed_s"), 1, 1e-12);
+  EXPECT_EQ(m.at("failure_returned"), 0);
+  add(9, {0, 0, 0}, Vector3d::Zero(), 0);
+  EXPECT_EQ(Metrics(rows, std::nullopt).at("failure_returned"), 1);
+}
+
 TEST(Metrics, TheNamesAreThoseThatAFlightCanHave) {
   auto rows = Approach(std::vector<double>(20, 0.1));
   rows[3].decision.fix = Fix({0, 0, -3}, 0);
   for (LogRow& row : rows)
     row.decision.attitude = row.decision.baseline = AttitudeFix{0, 0, 0.01, 0.01, 0.0, 0.01};
+  rows[5].now.attitude_failed = rows[6].estimate.aided = true;
   std::vector<std::string> names;
   for (const auto& [name, value] : Metrics(rows, std::nullopt)) names.push_back(name);
   rows.back().estimate.landed = true;
