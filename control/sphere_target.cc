@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "control/sphere_target.h"
 
-#include <cmath>
-
 #include "control/point_servo.h"
 
 namespace kestrel {
@@ -50,25 +48,15 @@ Eigen::Matrix3d DecoupledInverse(const SphereImage& image, double Z) {
   return inverse;
 }
 
-ServoStep FollowVelocity(const SphereImage& now, const SphereImage& wanted, double Z, FollowCoupling coupling,
-                         double lambda_per_s) {
-  ServoStep step;
-  step.velocity = Eigen::Vector3d::Zero();
-  if (Z <= 0 || now.diameter <= 0) {
-    step.state = ServoState::kDepthNotPositive;
-    return step;
-  }
+FollowStep FollowVelocity(const SphereImage& now, const SphereImage& wanted, double Z,
+                          FollowCoupling coupling, double lambda_per_s) {
+  if (Z <= 0 || now.diameter <= 0) return {ServoState::kDepthNotPositive, Eigen::Vector3d::Zero()};
   const Eigen::Matrix3d inverse =
       coupling == FollowCoupling::kWhole ? FollowInverse(now, Z) : DecoupledInverse(now, Z);
   const Eigen::Vector3d velocity =
       -lambda_per_s * (inverse * (now.Vector() - wanted.Vector()));  // eq. (5.21)
-  step.state = ServoState::kNotFinite;
-  if (!velocity.allFinite()) return step;
-  step.state = ServoState::kRegular;
-  step.velocity = velocity;
-  step.rank = 3;
-  step.reach = 1;
-  return step;
+  if (!velocity.allFinite()) return {};
+  return {ServoState::kRegular, velocity};
 }
 
 }  // namespace kestrel

@@ -6,9 +6,9 @@
 #include "control/servo_law.h"
 
 // Following a sphere, such as a balloon, by the centre and the diameter of its image; thesis 5.4, eqs. (5.16)
-// to (5.25), which agree with their definitions. What they define is the image of a disc that is held parallel
-// to the image plane: the outline of a sphere of diameter D at the distance d is larger, on the axis by
-// 1 / sqrt(1 - (D / 2d)^2), and off it an ellipse.
+// to (5.25), which agree with their definitions. What they define is the image of a disc that is held
+// parallel to the image plane: the outline of a sphere of diameter D at the distance d is larger, on the axis
+// by 1 / sqrt(1 - (D / 2d)^2), and off it an ellipse.
 namespace kestrel {
 
 struct SphereImage {
@@ -39,7 +39,11 @@ Eigen::Matrix3d DecoupledInverse(const SphereImage& image, double Z);
 // whole inverse the three errors fall as exp(-lambda t) along a straight line in (x, y, diameter); decoupled,
 // each as its own loop, disturbed by the others away from the axis.
 enum class FollowCoupling { kWhole, kDecoupled };
-ServoStep FollowVelocity(const SphereImage& now, const SphereImage& wanted, double Z, FollowCoupling coupling,
-                         double lambda_per_s);
+struct FollowStep {
+  ServoState state = ServoState::kNotFinite;
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // zero unless the state is kRegular
+};
+FollowStep FollowVelocity(const SphereImage& now, const SphereImage& wanted, double Z,
+                          FollowCoupling coupling, double lambda_per_s);
 
 }  // namespace kestrel

@@ -20,6 +20,7 @@
 #include "geometry/tait_bryan.h"
 #include "scenarios/bench_calibration.h"
 #include "scenarios/bench_render.h"
+#include "scenarios/bench_servo.h"
 #include "scenarios/files.h"
 #include "scenarios/runner.h"
 #include "vision/homography.h"
@@ -419,7 +420,7 @@ void WriteJson(const std::string& file, const std::vector<Figure>& table) {
 }  // namespace
 
 std::vector<std::string> BenchNames() {
-  return {"flights", "fisheye", "attitude", "drift", "heights", "speed", "render", "calibration"};
+  return {"flights", "fisheye", "attitude", "drift", "heights", "speed", "render", "calibration", "servo"};
 }
 
 bool Bench(const BenchArguments& arguments) {
@@ -434,6 +435,7 @@ bool Bench(const BenchArguments& arguments) {
   if (chosen("speed")) BenchSpeed(seeds, table);
   if (chosen("render")) BenchRender(seeds.first, seeds.last, table);
   if (chosen("calibration")) BenchCalibration(seeds.first, seeds.last, arguments.jobs, table);
+  if (chosen("servo")) BenchServo(table);
   Print(table);
   if (!arguments.json.empty()) WriteJson(arguments.json, table);
   return std::all_of(table.begin(), table.end(), [](const Figure& f) { return f.Met(); });

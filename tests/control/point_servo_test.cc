@@ -126,7 +126,7 @@ TEST(PointServo, ThreePointsSeenFromTheirCylinderAreSingularAndDampingBoundsTheV
   EXPECT_EQ(step.state, ServoState::kSingular);
   EXPECT_EQ(step.rank, 5);
   // and a hair's breadth beside it
-  for (ImagePoint& p : now) p.s.x() += 1e-5 * p.s.y();
+  now[0].s.x() += 1e-4;
   const ServoStep wild = PointServo(now, wanted, InteractionChoice::kCurrent, 1),
                   tame = PointServo(now, wanted, InteractionChoice::kCurrent, 1, {.damping = 0.01});
   EXPECT_EQ(wild.state, ServoState::kRegular);

@@ -54,7 +54,7 @@ TEST(SphereInteraction, OnTheAxisTheDecoupledFormIsTheWhole) {
 }
 
 // The camera moves with (v_y, v_z, w_y); the sphere stands still.
-Vector3d Seen(const Vector3d& p_CT, const Eigen::VectorXd& velocity, double dt) {
+Vector3d Seen(const Vector3d& p_CT, const Vector3d& velocity, double dt) {
   const Pose X_CD{ExpRotation({0, dt * velocity[2], 0}), {0, dt * velocity[0], dt * velocity[1]}};
   return X_CD.Inverse() * p_CT;
 }
@@ -68,7 +68,7 @@ TEST(FollowVelocity, WholeItBringsTheImageHomeOnAStraightLineDecoupledItAlsoArri
     double off_line = 0;
     for (int i = 1; i <= 8000; ++i) {
       const SphereImage now = SphereImageOf(p, kDiameter);
-      const ServoStep step = FollowVelocity(now, wanted, p.z(), coupling, lambda);
+      const FollowStep step = FollowVelocity(now, wanted, p.z(), coupling, lambda);
       ASSERT_EQ(step.state, ServoState::kRegular);
       p = Seen(p, step.velocity, dt);
       const Vector3d error = SphereImageOf(p, kDiameter).Vector() - wanted.Vector();
@@ -88,9 +88,9 @@ TEST(FollowVelocity, WithoutADepthOrAnImageItStandsStillAndSaysWhy) {
   EXPECT_EQ(FollowVelocity(image, image, -1, FollowCoupling::kWhole, 1).state, ServoState::kDepthNotPositive);
   EXPECT_EQ(FollowVelocity({{0.1, 0}, 0}, image, 1, FollowCoupling::kWhole, 1).state,
             ServoState::kDepthNotPositive);
-  const ServoStep step = FollowVelocity({{std::nan(""), 0}, 0.1}, image, 1, FollowCoupling::kDecoupled, 1);
+  const FollowStep step = FollowVelocity({{std::nan(""), 0}, 0.1}, image, 1, FollowCoupling::kDecoupled, 1);
   EXPECT_EQ(step.state, ServoState::kNotFinite);
-  EXPECT_EQ(step.velocity, Eigen::VectorXd::Zero(3));
+  EXPECT_EQ(step.velocity, Vector3d::Zero());
 }
 
 }  // namespace
