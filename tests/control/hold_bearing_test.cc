@@ -106,6 +106,13 @@ TEST(HoldBearing, AHeldBearingOf50DegreesSpiralsInAndOneOf90Circles) {
   }
 }
 
+TEST(HoldBearing, TurnsTheShorterWay) {
+  // From 170 degrees to the left to 50 to the right it is 140 over the stern: the bow turns right.
+  const HoldBearingStep step = HoldBearing({PassingSide::kLeft}, Radians(-170), {});
+  EXPECT_NEAR(step.error, Radians(140), 1e-12);
+  EXPECT_GT(step.yaw_rate, 0);
+}
+
 TEST(HoldBearing, WithoutABearingItFliesStraightOnAndRemembersTheSide) {
   for (const std::optional<double> none : {std::optional<double>(), std::optional(std::nan(""))}) {
     const HoldBearingStep step = HoldBearing({PassingSide::kLeft}, none, {});

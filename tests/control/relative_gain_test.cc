@@ -75,6 +75,17 @@ TEST(RelativeGainArray, AvoidsAPairWhoseSignTurnsWhenTheOthersClose) {
   EXPECT_EQ(rga->input_of, (std::vector<int>{1, 0}));
 }
 
+TEST(RelativeGainArray, DoesSoEvenWhereThatPairIsTheNearestToOne) {
+  Matrix3d L;
+  L << -1, -2, 3, 3, 1, 1, 4, 2, -2;
+  const auto rga = RelativeGainArray(L);
+  ASSERT_TRUE(rga);
+  Matrix3d by_hand;
+  by_hand << -0.4, 2, -0.6, -0.6, 1, 0.6, 2, -2, 1;
+  EXPECT_LT((rga->gains - by_hand).norm(), 1e-12);
+  EXPECT_EQ(rga->input_of, (std::vector<int>{1, 2, 0}));  // the diagonal would be nearer, but for its -0.4
+}
+
 TEST(RelativeGainArray, HasNoneWhereThereIsNoInverse) {
   Matrix2d singular, gone;
   singular << 1, 2, 2, 4;
