@@ -8,9 +8,9 @@
 #include "geometry/pose.h"
 
 // Position-based visual servoing, thesis 5.2.3 and 5.3: dynamic look-and-move, figure 5.4.
-// Deviations: the print writes the second term of (5.9) with a minus and its first cross matrix with a square;
-// for theta u of R_DC, the moving frame seen in the desired one, the sign is a plus. (5.10) has lost an
-// inverse in its last block, (5.11) its stars.
+// Deviations: the print writes the second term of (5.9) with a minus and its first cross matrix with a
+// square; for theta u of R_DC, the moving frame seen in the desired one, the sign is a plus. (5.10) has lost
+// an inverse in its last block, (5.11) its stars.
 namespace kestrel {
 
 // The decoupled law, eq. (5.13): v = -lambda R_DC^T t_DC, w = -lambda theta u, where X_DC is the pose of the

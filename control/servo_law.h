@@ -9,11 +9,11 @@
 namespace kestrel {
 
 enum class ServoState {
-  kRegular,       // L has the rank that its size allows
-  kSingular,      // it has not: the velocity leaves out the directions that the features do not see
-  kNoFeatures,    // no velocity
+  kRegular,           // L has the rank that its size allows
+  kSingular,          // it has not: the velocity leaves out the directions that the features do not see
+  kNoFeatures,        // no velocity
   kDepthNotPositive,  // a point behind the camera: no velocity
-  kNotFinite,     // of the features, lambda or the velocity: no velocity
+  kNotFinite,         // of the features, lambda or the velocity: no velocity
 };
 const char* Name(ServoState state);
 
