@@ -17,6 +17,7 @@
 #include "scenarios/bench_attitude.h"
 #include "scenarios/bench_calibration.h"
 #include "scenarios/bench_render.h"
+#include "scenarios/bench_servo.h"
 #include "scenarios/files.h"
 #include "scenarios/fly_all.h"
 #include "vision/homography.h"
@@ -290,7 +291,7 @@ void WriteJson(const std::string& file, const std::vector<Figure>& table) {
 
 std::vector<std::string> BenchNames() {
   return {"flights", "fisheye", "attitude", "gyro_failure", "drift",
-          "heights", "speed",   "render",   "calibration"};
+          "heights", "speed",   "render",   "calibration",  "servo"};
 }
 
 bool Bench(const BenchArguments& arguments) {
@@ -306,6 +307,7 @@ bool Bench(const BenchArguments& arguments) {
   if (chosen("speed")) BenchSpeed(seeds, table);
   if (chosen("render")) BenchRender(seeds.first, seeds.last, table);
   if (chosen("calibration")) BenchCalibration(seeds.first, seeds.last, arguments.jobs, table);
+  if (chosen("servo")) BenchServo(table);
   Print(table);
   if (!arguments.json.empty()) WriteJson(arguments.json, table);
   return std::all_of(table.begin(), table.end(), [](const Figure& f) { return f.Met(); });

@@ -49,6 +49,45 @@ TEST(PbvsTwist, IsNothingAtTheGoal) {
   EXPECT_EQ(twist.w, Vector3d::Zero());
 }
 
+TEST(PbvsTargetTwist, TheTargetComesHomeOnAStraightLineInTheCameraAndTheTurnAboutAFixedAxis) {
+  std::mt19937 rng(8);
+  std::normal_distribution<double> normal;
+  const double lambda = 0.8, dt = 1e-3;
+  for (int i = 0; i < 20; ++i) {
+    const Vector3d axis = Vector3d(normal(rng), normal(rng), normal(rng)).normalized();
+    const double angle = 0.3 + 0.13 * i;
+    const Pose X_DO{ExpRotation({0.2, -0.4, 0.1}), {0.1, -0.2, 2}};
+    Pose X_CO = Pose{ExpRotation(angle * axis), {normal(rng), normal(rng), normal(rng)}}.Inverse() * X_DO;
+    const Vector3d start = X_CO.p - X_DO.p;
+    for (int step = 1; step <= 3000; ++step) {
+      const Twist twist = PbvsTargetTwist(X_CO, X_DO, lambda);
+      X_CO = Moved({}, twist, dt).Inverse() * X_CO;
+      if (step % 500 != 0) continue;
+      const double left = std::exp(-lambda * step * dt);
+      // the integrator's own error, as above, with the lever of the target
+      EXPECT_LT((X_CO.p - X_DO.p - left * start).norm(), 5e-3 * (start.norm() + X_DO.p.norm()));
+      const Vector3d turn = LogRotation(X_DO.R * X_CO.R.conjugate());
+      EXPECT_LT((turn - left * angle * axis).norm(), 1e-3 * angle);
+    }
+  }
+}
+
+TEST(RotationVectorInteraction, IsTheDerivativeByItsDefinition) {
+  std::mt19937 rng(9);
+  std::normal_distribution<double> normal;
+  const double h = 1e-5;  // central differences: errors of h^2 and of the rounding over h, both near 1e-10
+  for (const double angle : {0.0, 1e-9, 1e-4, 0.0099, 0.0101, 0.5, 1.5, 3.0}) {
+    const Vector3d theta_u = angle * Vector3d(normal(rng), normal(rng), normal(rng)).normalized();
+    const Eigen::Matrix3d L = RotationVectorInteraction(theta_u);
+    for (int i = 0; i < 3; ++i) {
+      const auto turned = [&](double by) -> Vector3d {
+        return LogRotation(ExpRotation(theta_u) * ExpRotation(by * Vector3d::Unit(i)));
+      };
+      EXPECT_LT((L.col(i) - (turned(h) - turned(-h)) / (2 * h)).norm(), 1e-8) << angle;
+    }
+  }
+}
+
 TEST(ServoSetpoint, NorthOfTheGoalFacingEastItFliesToItsRightAndTurnsBackToTheLeft) {
   const VelocitySetpoint setpoint =
       ServoSetpoint(HeadingPose({1, 0, 0}, 90), {.lambda_per_s = 0.5, .lambda_yaw_per_s = 0.2});
