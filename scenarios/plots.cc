@@ -228,9 +228,73 @@ std::string Trajectory(const std::filesystem::path& file, const std::vector<Samp
          "$end using 1:2:3 with points pt 9 ps 2 lc rgb '#D55E00' title 'end'\nunset output\n";
 }
 
+// Columns: time, then of roll, pitch and heading the truth, what the camera gave, its error and twice the
+// deviation that it states; in degrees, headings from the camera's first.
+std::string AttitudeData(const std::vector<LogRow>& rows) {
+  std::string text = "$attitude << END_OF_ATTITUDE\n";
+  double turned = 0, last_yaw = YawOf(rows.front().exposure.X_NB.R), zero = kNone;
+  for (const LogRow& row : rows) {
+    const TaitBryan truth = TaitBryanFromRotation(row.exposure.X_NB.R.toRotationMatrix());
+    turned += WrapAngle(truth.yaw - last_yaw);
+    last_yaw = truth.yaw;
+    const auto& fix = row.decision.attitude;
+    const bool headed = fix && fix->turned;
+    if (headed && std::isnan(zero)) zero = turned - *fix->turned;
+    text += fmt::format("{:.4f}", row.exposure.t_s);
+    const auto add = [&](double is, double seen, double sigma) {
+      text += fmt::format(" {:.6g} {:.6g} {:.6g} {:.6g}", Degrees(is), Degrees(seen), Degrees(seen - is),
+                          Degrees(2 * sigma));
+    };
+    add(truth.roll, fix ? fix->roll : kNone, fix ? fix->roll_sigma : kNone);
+    add(truth.pitch, fix ? fix->pitch : kNone, fix ? fix->pitch_sigma : kNone);
+    add(turned - zero, headed ? *fix->turned : kNone, headed ? fix->turned_sigma : kNone);
+    text += '\n';
+  }
+  return text + "END_OF_ATTITUDE\n";
+}
+
+std::string Attitude(const std::filesystem::path& file, const std::vector<LogRow>& rows,
+                     const std::string& title, const std::string& times) {
+  static constexpr const char* kAngles[] = {"roll", "pitch", "heading"};
+  std::string text =
+      Begin(file, 1600, 1000) +
+      fmt::format(
+          "set multiplot layout 3,2 title {} noenhanced font ',14' margins 0.06,0.98,0.07,0.90 "
+          "spacing 0.07,0.05\nset format x ''\nset xrange {}\n",
+          GnuplotQuoted("Attitude by the skyline, heading by the surroundings: " + title), times);
+  const bool headed = std::any_of(rows.begin(), rows.end(), [](const LogRow& row) {
+    return row.decision.attitude && row.decision.attitude->turned;
+  });
+  for (int i = 0; i < 3; ++i) {
+    const int truth = 2 + 4 * i;
+    const char* range = i == 2 && !headed ? "set yrange [-1:1]\n" : "set autoscale y\n";
+    if (i == 2) text += "set format x '%g'\nset xlabel 'time (s)'\n";
+    text +=
+        PhaseLines(rows, i == 0) + range + "unset xzeroaxis\n" +
+        fmt::format("set ylabel '{} (°)' offset 1,0\n", kAngles[i]) +
+        (i == 0 ? "set key at screen 0.49, 0.955 right top horizontal noautotitle samplen 2\n"
+                : "unset key\n") +
+        fmt::format("plot $attitude using 1:{} with {} title 'camera', '' using 1:{} with {} title 'truth'\n",
+                    truth + 1, kFix, truth, kTruth);
+    text +=
+        PhaseLines(rows, false) + "set xzeroaxis lc rgb '#888888'\n" +
+        fmt::format("set ylabel '{}, camera less truth (°)' offset 1,0\n", kAngles[i]) +
+        (i == 0 ? "set key at screen 0.98, 0.955 right top horizontal noautotitle samplen 2\n"
+                : "unset key\n") +
+        fmt::format(
+            "plot $attitude using 1:{0} with lines lw 1 lc rgb '#999999' title '2 deviations, as stated', "
+            "'' using 1:(-${0}) with lines lw 1 lc rgb '#999999', "
+            "'' using 1:{1} with points pt 7 ps 0.35 lc rgb '#D55E00' title 'error'\n",
+            truth + 3, truth + 2);
+  }
+  return text + "unset multiplot\nunset output\n";
+}
+
 }  // namespace
 
-std::vector<std::string> PlotNames() { return {"position.png", "error.png", "trajectory.png"}; }
+std::vector<std::string> PlotNames() {
+  return {"position.png", "error.png", "trajectory.png", "attitude.png"};
+}
 
 void DrawPlots(const std::filesystem::path& folder, const std::vector<LogRow>& rows,
                const PlotOptions& options) {
@@ -239,13 +303,22 @@ void DrawPlots(const std::filesystem::path& folder, const std::vector<LogRow>& r
   const double first_s = samples.front().t_s;
   const std::string times =
       fmt::format("[{:.4f}:{:.4f}]", first_s, std::max(rows.back().now.t_s, first_s + 0.1));
-  const std::vector<std::string> names = PlotNames();
+  const bool attitude =
+      std::any_of(rows.begin(), rows.end(), [](const LogRow& row) { return row.decision.attitude; });
+  const bool fix = std::any_of(rows.begin(), rows.end(), [](const LogRow& row) { return row.decision.fix; });
+  std::vector<std::string> names = {"position.png", "trajectory.png"};
+  if (fix || !attitude) names.push_back("error.png");
+  if (attitude) names.push_back("attitude.png");
   try {
     PipedProgram gnuplot({"gnuplot", "-d"});
     gnuplot.Write(Data(samples, rows));
-    gnuplot.Write(Position(folder / names[0], samples, rows, options.title, times));
-    gnuplot.Write(Error(folder / names[1], samples, rows, options.title, times));
-    gnuplot.Write(Trajectory(folder / names[2], samples, options.title, options.pad_size_m));
+    gnuplot.Write(Position(folder / "position.png", samples, rows, options.title, times));
+    gnuplot.Write(Trajectory(folder / "trajectory.png", samples, options.title, options.pad_size_m));
+    if (fix || !attitude) gnuplot.Write(Error(folder / "error.png", samples, rows, options.title, times));
+    if (attitude) {
+      gnuplot.Write(AttitudeData(rows));
+      gnuplot.Write(Attitude(folder / "attitude.png", rows, options.title, times));
+    }
     gnuplot.Close();
   } catch (const std::runtime_error& e) {
     throw std::runtime_error(fmt::format("cannot draw {}: {}", folder.string(), e.what()));

@@ -15,13 +15,15 @@ struct PlotOptions {
   Eigen::Vector2d pad_size_m = Eigen::Vector2d::Zero();  // along its x and y, for its outline
 };
 
-// The names of the figures, in the order in which they are drawn.
+// The names of all figures that there may be.
 std::vector<std::string> PlotNames();
 
 // Draws the figures of a flight with the program gnuplot into an existing folder: position.png, the aircraft
-// in the pad's frame against time, by the truth, the fix and the autopilot; error.png, the fix less the truth
-// at its exposure, and the distance from the pad; trajectory.png, the true flight in space. Without rows
-// there are none. Throws std::runtime_error with the folder and what gnuplot said.
+// in the pad's frame against time, by the truth, the fix and the autopilot; trajectory.png, the true flight
+// in space; error.png, the fix less the truth at its exposure, and the distance from the pad; attitude.png,
+// of flights that measure it, roll, pitch and heading by the truth and by the camera, and their errors beside
+// the stated deviations. Without rows there are none. Throws std::runtime_error with the folder and what
+// gnuplot said.
 void DrawPlots(const std::filesystem::path& folder, const std::vector<LogRow>& rows,
                const PlotOptions& options);
 

@@ -85,6 +85,23 @@ TEST_F(PlotsTest, ErrorIsTheFixLessTheTruthInThePadsFrame) {
   EXPECT_NEAR(CentreOf(picture, kMiddlePanel, kYaw, 0, 1).y, kMiddlePanel.y + kMiddlePanel.height / 2, 25);
 }
 
+TEST_F(PlotsTest, AnAttitudeIsDrawnBesideItsErrors) {
+  std::vector<LogRow> rows = Climb({0, 0, 0}, 0);
+  for (LogRow& row : rows) {
+    row.decision.fix.reset();
+    const double t = row.exposure.t_s, roll = Radians(2 * t);
+    row.exposure.X_NB.R = Eigen::Quaterniond(RotationFromTaitBryan({0, 0, roll}));
+    row.decision.attitude = AttitudeFix{roll + Radians(t < 5 ? -1 : 1), 0, Radians(1), Radians(1), {}, 0};
+  }
+  DrawPlots(folder_, rows, {});
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "error.png"));
+  const cv::Mat picture = Picture("attitude.png");
+  ASSERT_EQ(picture.size(), cv::Size(1600, 1000));
+  const cv::Rect roll(100, 105, 690, 245), error(890, 125, 670, 225);
+  EXPECT_GT(CentreOf(picture, roll, kTruth, 0, 0.3).y, CentreOf(picture, roll, kTruth, 0.7, 1).y + 50);
+  EXPECT_GT(CentreOf(picture, error, kX, 0, 0.45).y, CentreOf(picture, error, kX, 0.55, 1).y + 50);
+}
+
 TEST_F(PlotsTest, WithoutRowsThereIsNothingToDraw) {
   DrawPlots(folder_, {}, {});
   EXPECT_TRUE(std::filesystem::is_empty(folder_));

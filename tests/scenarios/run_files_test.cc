@@ -270,7 +270,7 @@ TEST_F(RecorderTest, LeavesAWholeFolderAfterAWholeRun) {
   const std::string telemetry = Content(folder_ / "telemetry.csv");
   EXPECT_EQ(std::count(telemetry.begin(), telemetry.end(), '\n'), 61);
   EXPECT_EQ(ReadSummary(folder_ / "summary.json").scenario, "land");
-  for (const std::string& name : PlotNames()) {
+  for (const char* name : {"position.png", "error.png", "trajectory.png"}) {
     cv::Mat gray = cv::imread((folder_ / "plots" / name).string(), cv::IMREAD_GRAYSCALE);
     ASSERT_FALSE(gray.empty()) << name;
     EXPECT_GT(cv::countNonZero(gray < 128), 2000) << name;  // something is drawn
