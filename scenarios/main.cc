@@ -34,7 +34,7 @@ struct RunArguments {
   std::string scenario, out, junit;
   std::vector<std::string> overrides;
   std::string seed;
-  bool no_video = false, quiet = false;
+  bool no_video = false, truth = false, quiet = false;
 };
 
 // One line on a terminal, rewritten ten times a second.
@@ -51,7 +51,7 @@ class Progress {
     shown_ = true;
     const double wall_s = std::chrono::duration<double>(now - start_).count();
     fmt::print(stderr,
-               "\r\033[K{:6.1f} of at most {:.0f} s  {:4.1f} x real time  {:<10} pad {:<8} height {:5.2f} m",
+               "\r\033[K{:6.1f} of at most {:.0f} s  {:4.1f} x real time  {:<10} {:<8} height {:5.2f} m",
                row.now.t_s, duration_s_, row.now.t_s / std::max(wall_s, 1e-3), row.decision.phase,
                row.decision.target, row.now.X_NT.p.z() - row.now.X_NB.p.z());
     std::fflush(stderr);
@@ -89,6 +89,7 @@ int Run(const RunArguments& arguments) {
                        ? fmt::format("results/runs/{}-{}", loaded.scenario.name, loaded.scenario.seed)
                        : arguments.out;
   options.video = !arguments.no_video;
+  options.truth = arguments.truth;
   Mistakes mistakes;
   CheckWritableFolder(*options.folder, "--out", mistakes);
   CheckWritableFile(arguments.junit, "--junit", mistakes);
@@ -164,6 +165,9 @@ int Main(int argc, char** argv) {
                           "key.path=value, instead of the scenario's; may be repeated");
   run_command->add_option("--out", run.out, "Folder for the records (default results/runs/NAME-SEED)");
   run_command->add_flag("--no-video", run.no_video, "Do not write video.mp4");
+  run_command->add_flag("--truth", run.truth,
+                        "Write each frame with its true depth, segmentation and optical flow to DIR/truth "
+                        "(some 4 MB a frame at 640 x 480)");
   run_command->add_option("--junit", run.junit, "Also write the criteria as JUnit XML to this file");
   run_command->add_flag("--quiet", run.quiet, "Print nothing but errors");
   run_command->footer(

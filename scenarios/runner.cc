@@ -12,6 +12,7 @@
 #include "scenarios/flight_loop.h"
 #include "scenarios/metrics.h"
 #include "scenarios/recorder.h"
+#include "scenarios/truth_images.h"
 #include "scenarios/version.h"
 #include "sim/stopwatch.h"
 
@@ -75,12 +76,15 @@ FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) 
   summary.drawn = DrawnValues(scenario.image, scenario.seed);
 
   std::unique_ptr<Mission> mission = MakeMission(loaded);
-  Simulator simulator(loaded.simulator);
+  SimulatorParameters parameters = loaded.simulator;
+  parameters.surfaces = options.folder && options.truth;
+  Simulator simulator(parameters);
   summary.renderer = simulator.renderer_name();
   const auto start = std::chrono::steady_clock::now();
 
   std::optional<Recorder> recorder;
   std::optional<EventLog> events;
+  std::optional<TruthImages> truth;
   if (options.folder) {
     RecorderOptions record;
     record.video = options.video;
@@ -91,6 +95,7 @@ FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) 
     std::filesystem::remove(*options.folder / "events.log");  // of an earlier run
     WriteFile(*options.folder / "scenario.yaml", ToYaml(scenario));
     events.emplace(*options.folder);
+    if (options.truth) truth.emplace(*options.folder / "truth", simulator.model());
   }
 
   std::size_t changes_written = 0;
@@ -112,6 +117,7 @@ FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) 
             recorder->Write(row);
             write_camera_changes();
             events->Write(row);
+            if (truth) truth->Write(frame.sequence, simulator.picture());
             if (recorder->wants_images()) {
               cv::Mat drawn;
               if (frame.image.channels() == 1) {

@@ -27,6 +27,11 @@ Surfaces Renderer::See(const mjData* data, const Pose& X_NC) {
   return std::visit([&](auto& r) { return r->See(data, X_NC); }, by_);
 }
 
+cv::Mat Renderer::Flow(const Instant& now, const Instant& next) {
+  auto* ray = std::get_if<std::unique_ptr<RayRenderer>>(&by_);
+  return ray ? (*ray)->Flow(now, next) : cv::Mat();
+}
+
 const std::string& Renderer::name() const {
   return std::visit([](auto& r) -> const std::string& { return r->name(); }, by_);
 }

@@ -71,6 +71,8 @@ class Renderer {
   // are interpolated, beyond the ends the nearest holds.
   cv::Mat Render(std::span<const Instant> instants, const Shutter& shutter);
   Surfaces See(const mjData* data, const Pose& X_NC);
+  // As in RayRenderer; empty by OpenGL, which cannot tell.
+  cv::Mat Flow(const Instant& now, const Instant& next);
 
   // What draws, and its version.
   const std::string& name() const;

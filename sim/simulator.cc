@@ -64,7 +64,7 @@ Simulator::Simulator(const SimulatorParameters& parameters)
       X_BC_(MountPose(parameters.mount)),
       studio_(std::make_unique<Studio>(model_.get(), parameters.camera, parameters.render, parameters_.image,
                                        X_BC_, Vibration(parameters.mount.vibration, parameters.seed),
-                                       parameters.seed)),
+                                       parameters.seed, parameters.surfaces)),
       hashes_(std::make_unique<Hashes>()),
       faults_(parameters.image.faults, parameters.seed, parameters.duration_s) {
   mj_forward(model_.get(), data_.get());
@@ -244,12 +244,12 @@ std::optional<Frame> Simulator::Next() {
   coming_.pop_front();
   AdvanceTo(coming.due_step);
   timing_.physics_s.push_back(SecondsSince(start));
-  const Picture picture = studio_->Take();
-  timing_.render_s.push_back(picture.render_s);
-  timing_.sensor_s.push_back(picture.sensor_s);
+  picture_ = studio_->Take();
+  timing_.render_s.push_back(picture_.render_s);
+  timing_.sensor_s.push_back(picture_.sensor_s);
   exposure_ = coming.exposure;
-  XXH3_64bits_update(hashes_->image, picture.image.data, picture.image.total() * picture.image.elemSize());
-  return Frame{picture.image, exposure_.t_s, coming.sequence};
+  XXH3_64bits_update(hashes_->image, picture_.image.data, picture_.image.total() * picture_.image.elemSize());
+  return Frame{picture_.image, exposure_.t_s, coming.sequence};
 }
 
 VehicleState Simulator::State() const { return autopilot_->State(); }

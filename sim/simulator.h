@@ -95,6 +95,7 @@ struct SimulatorParameters {
   OcclusionParameters occlusion;
   std::uint64_t seed = 1;
   double duration_s = 60;
+  bool surfaces = false;  // of each frame, and the flow between them, for records: see picture()
 };
 
 // Something in a run is not a number, or the physics gave up: names what and when.
@@ -123,8 +124,10 @@ class Simulator final : public Camera, public Autopilot {
 
   const Truth& truth() const { return truth_; }
   const Truth& exposure() const { return exposure_; }           // of the frame that Next() gave last
+  const Picture& picture() const { return picture_; }           // of the same
   const std::optional<Truth>& touch() const { return touch_; }  // the instant before the first touch-down
   const Pose& X_BC() const { return X_BC_; }
+  const mjModel* model() const { return model_.get(); }
   // The changes of the camera's condition until now.
   std::span<const CameraCondition> camera_changes() const { return faults_.ChangesUntil(truth_.t_s); }
   std::string renderer_name() const;
@@ -165,6 +168,7 @@ class Simulator final : public Camera, public Autopilot {
 
   std::int64_t steps_ = 0;  // since time 0, negative while settling
   Truth truth_, exposure_;
+  Picture picture_;
   std::optional<Truth> touch_;
   bool airborne_ = false;
   std::optional<double> occluded_;

@@ -8,10 +8,10 @@
 #include "sim/stopwatch.h"
 
 namespace kestrel {
-namespace {}  // namespace
 
 Studio::Studio(const mjModel* model, const CameraModel& camera, const RenderOptions& render,
-               const ImageParameters& image, const Pose& X_BC, const Vibration& vibration, std::uint64_t seed)
+               const ImageParameters& image, const Pose& X_BC, const Vibration& vibration, std::uint64_t seed,
+               bool surfaces)
     : model_(model),
       camera_(camera),
       options_(render),
@@ -20,7 +20,8 @@ Studio::Studio(const mjModel* model, const CameraModel& camera, const RenderOpti
       control_(image.exposure, image.auto_exposure, image.gain, image.gamma),
       instants_(model, X_BC, vibration),
       may_repeat_(std::any_of(image.faults.begin(), image.faults.end(),
-                              [](const CameraFault& f) { return f.type == "stuck"; })) {
+                              [](const CameraFault& f) { return f.type == "stuck"; })),
+      surfaces_(surfaces) {
   std::promise<std::string> ready;
   std::future<std::string> name = ready.get_future();
   thread_ = std::thread([this, ready = std::move(ready)]() mutable { Work(std::move(ready)); });
@@ -80,6 +81,7 @@ void Studio::Work(std::promise<std::string> ready) {
 
 Picture Studio::Draw(const Shot& shot) {
   Picture picture;
+  if (surfaces_) Survey(shot, picture);
   if (shot.content == Shot::Content::kRepeat && !last_.empty()) {
     picture.image = last_.clone();
     return picture;
@@ -98,6 +100,19 @@ Picture Studio::Draw(const Shot& shot) {
   picture.sensor_s = SecondsSince(start);
   if (may_repeat_) last_ = picture.image.clone();
   return picture;
+}
+
+void Studio::Survey(const Shot& shot, Picture& picture) {
+  std::vector<Moment> moments = std::move(surveyed_);
+  const bool first = moments.empty();
+  if (first) surveyed_s_ = shot.t_s;
+  moments.insert(moments.end(), shot.moments.begin(), shot.moments.end());
+  const auto instants = instants_.Of(moments, surveyed_s_, shot.t_s);
+  const Instant &before = instants.front(), &now = instants.back();
+  picture.surfaces = renderer_->See(now.data, now.X_NC);
+  if (!first) picture.flow_here = renderer_->Flow(before, now);
+  surveyed_ = shot.moments;
+  surveyed_s_ = shot.t_s;
 }
 
 cv::Mat Studio::Render(const Shot& shot, const ExposureSetting& setting) {

@@ -32,15 +32,21 @@ struct Shot {
 struct Picture {
   cv::Mat image;
   double render_s = 0, sensor_s = 0;  // time spent
+  // If asked for, at the middle of the exposure of the middle row: what is truly there, whatever the sensor
+  // makes of it, and how what was in the shot before has moved since.
+  Surfaces surfaces;
+  cv::Mat flow_here;  // as in Renderer::Flow, of the shot before; empty for the first
 };
 
 // Draws shots on a thread of its own, which holds the renderer, in the order in which they come: renders what
 // is seen while the shutter is open, makes the sensor's image of it, and meters that for the next.
 class Studio {
  public:
-  // image: without scatter. The model must outlive it. Throws what the Renderer throws.
+  // image: without scatter. surfaces: whether they and the flow are asked for. The model must outlive it.
+  // Throws what the Renderer throws.
   Studio(const mjModel* model, const CameraModel& camera, const RenderOptions& render,
-         const ImageParameters& image, const Pose& X_BC, const Vibration& vibration, std::uint64_t seed);
+         const ImageParameters& image, const Pose& X_BC, const Vibration& vibration, std::uint64_t seed,
+         bool surfaces = false);
   ~Studio();
   Studio(const Studio&) = delete;
   Studio& operator=(const Studio&) = delete;
@@ -53,6 +59,7 @@ class Studio {
   void Work(std::promise<std::string> ready);
   Picture Draw(const Shot& shot);
   cv::Mat Render(const Shot& shot, const ExposureSetting& setting);
+  void Survey(const Shot& shot, Picture& picture);
 
   const mjModel* model_;
   CameraModel camera_;
@@ -62,7 +69,9 @@ class Studio {
   ExposureControl control_;
   Instants instants_;
   std::unique_ptr<Renderer> renderer_;
-  bool may_repeat_;
+  bool may_repeat_, surfaces_;
+  std::vector<Moment> surveyed_;  // the moments around the last shot, if surfaces are asked for
+  double surveyed_s_ = 0;
   cv::Mat last_;  // only while it may be asked for again
   std::string name_;
 

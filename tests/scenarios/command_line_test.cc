@@ -13,6 +13,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/video/tracking.hpp>
 #include <pugixml.hpp>
 #include <sstream>
 #include <thread>
@@ -197,6 +198,29 @@ TEST_F(CommandLineTest, WhatWasNotReachedIsSaidToBeSo) {
       Kestrel(std::string(kShort) + "--out run --set criteria='{touchdown_error_m: {max: 0.1}}'");
   EXPECT_EQ(run.status, 1);
   EXPECT_THAT(run.out, AllOf(HasSubstr("not reached"), Not(HasSubstr("nan"))));
+}
+
+TEST_F(CommandLineTest, TheTruthOfEachFrameIsWrittenWhenAskedFor) {
+  EXPECT_EQ(Kestrel(std::string(kShort) + "--truth --out t").status, 0);
+  const auto read = [&](const char* name) {
+    return cv::imread((folder_ / "t" / "truth" / name).string(), cv::IMREAD_UNCHANGED);
+  };
+  const cv::Mat image = read("000001_image.png"), depth = read("000001_depth.tiff"),
+                geom = read("000001_geom.png");
+  ASSERT_EQ(image.size(), cv::Size(640, 480));
+  ASSERT_EQ(depth.type(), CV_32F);
+  ASSERT_EQ(geom.type(), CV_16U);
+  double nearest = 0, farthest = 0;
+  cv::minMaxLoc(depth, &nearest, &farthest);
+  EXPECT_GT(nearest, 3);  // it hovers at 4.2 m and looks down
+  EXPECT_LT(farthest, 12);
+  const cv::Mat flow = cv::readOpticalFlow((folder_ / "t" / "truth" / "000001_flow.flo").string());
+  ASSERT_EQ(flow.size(), image.size());
+  EXPECT_LT(cv::norm(flow.at<cv::Vec2f>(240, 320)), 20);
+  EXPECT_FALSE(fs::exists(folder_ / "t" / "truth" / "000010_flow.flo"));  // the last frame goes nowhere
+  const std::string geoms = Content(folder_ / "t" / "truth" / "geoms.csv");
+  EXPECT_THAT(geoms, HasSubstr("value,name,body"));
+  EXPECT_THAT(geoms, HasSubstr(fmt::format("\n{},", geom.at<std::uint16_t>(240, 320))));
 }
 
 TEST_F(CommandLineTest, TheSummaryHasWhatScatterDrew) {

@@ -84,6 +84,29 @@ class StudioTest : public ::testing::Test {
   ImageParameters image_;
 };
 
+// The camera goes 0.1 m east between two shots, and later the slab with it; each shot also knows how far away
+// everything is.
+TEST_F(StudioTest, SurveysWhatIsThereAndHowItMovedSinceTheShotBefore) {
+  image_.exposure.time_s = 0.01, image_.exposure.line_s = 1e-5;
+  Studio studio(model_.get(), kCamera, {}, image_, MountPose({{0, 0, 0}, 0, 0, 0}), Vibration({}, 1), 1,
+                true);
+  const Way east = [](double t) { return t - 3; };
+  studio.Submit(ShotOf(3, east, Still));
+  studio.Submit(ShotOf(3.1, east, Still, 1));
+  studio.Submit(ShotOf(3.2, east, east, 2));
+  const Picture first = studio.Take(), second = studio.Take(), third = studio.Take();
+  EXPECT_TRUE(first.flow_here.empty());
+  const cv::Point ground(10, 47), slab(150, 47);
+  const double across = 1 / Ray(kCamera, {10, 47})->z();
+  EXPECT_NEAR(first.surfaces.depth_m.at<float>(ground), (kHeight_m + 0.1) * across, 1e-4);
+  EXPECT_NEAR(first.surfaces.depth_m.at<float>(slab), kHeight_m / Ray(kCamera, {150, 47})->z(), 1e-4);
+  EXPECT_EQ(first.surfaces.geom.at<int>(ground), 1);
+  EXPECT_EQ(first.surfaces.geom.at<int>(slab), 2);
+  EXPECT_NEAR(second.flow_here.at<cv::Vec2f>(ground)[0], -200 * 0.1 / (kHeight_m + 0.1), 1e-3);
+  EXPECT_NEAR(second.flow_here.at<cv::Vec2f>(slab)[0], -200 * 0.1 / kHeight_m, 1e-3);
+  EXPECT_NEAR(third.flow_here.at<cv::Vec2f>(slab)[0], 200 * (0.2 - 0.1) / kHeight_m, 1e-3);
+}
+
 TEST_F(StudioTest, AnInstantIsSharp) {
   const cv::Mat image = Picture(ShotOf(
       3, [](double t) { return 10 * (t - 3); }, Still));

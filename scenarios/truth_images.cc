@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scenarios/truth_images.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/video/tracking.hpp>
+#include <regex>
+#include <stdexcept>
+#include <string>
+
+#include "scenarios/files.h"
+
+namespace kestrel {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr float kUnknownFlow = 1e10f;
+constexpr int kFirstGeom = 2;  // value of geom 0; below it the sky and what is outside the lens
+
+std::string NameOr(const mjModel* model, mjtObj kind, int id) {
+  const char* name = mj_id2name(model, kind, id);
+  return name && *name ? name : fmt::format("{}", id);
+}
+
+void Require(bool written, const fs::path& file) {
+  if (!written) throw std::runtime_error(fmt::format("cannot write {}", file.string()));
+}
+
+void WriteImage(const fs::path& file, const cv::Mat& image) {
+  bool written = false;
+  try {
+    written = cv::imwrite(file.string(), image);
+  } catch (const cv::Exception&) {}
+  Require(written, file);
+}
+
+}  // namespace
+
+TruthImages::TruthImages(fs::path folder, const mjModel* model) : folder_(std::move(folder)) {
+  std::error_code error;
+  fs::create_directories(folder_, error);
+  if (error) throw std::runtime_error(fmt::format("cannot write {}: {}", folder_.string(), error.message()));
+  static const std::regex ours(R"(\d{6,}_(image\.png|depth\.tiff|geom\.png|flow\.flo))");
+  for (const auto& entry : fs::directory_iterator(folder_))
+    if (std::regex_match(entry.path().filename().string(), ours)) fs::remove(entry.path());
+  std::string geoms = "value,name,body\n0,outside the lens,\n1,sky,\n";
+  for (int g = 0; g < model->ngeom; ++g)
+    geoms += fmt::format("{},{},{}\n", g + kFirstGeom, NameOr(model, mjOBJ_GEOM, g),
+                         NameOr(model, mjOBJ_BODY, model->geom_bodyid[g]));
+  WriteFile(folder_ / "geoms.csv", geoms);
+}
+
+fs::path TruthImages::Name(std::int64_t sequence, const char* what) const {
+  return folder_ / fmt::format("{:06}_{}", sequence, what);
+}
+
+void TruthImages::Write(std::int64_t sequence, const Picture& picture) {
+  WriteImage(Name(sequence, "image.png"), picture.image);
+  WriteImage(Name(sequence, "depth.tiff"), picture.surfaces.depth_m);
+  cv::Mat geom;
+  cv::add(picture.surfaces.geom, kFirstGeom, geom, {}, CV_16U);
+  WriteImage(Name(sequence, "geom.png"), geom);
+  if (last_ && !picture.flow_here.empty()) {
+    cv::Mat flow = picture.flow_here.clone();
+    flow.forEach<cv::Vec2f>([](cv::Vec2f& v, const int*) {
+      if (std::isnan(v[0])) v = {kUnknownFlow, kUnknownFlow};
+    });
+    const fs::path file = Name(*last_, "flow.flo");
+    Require(cv::writeOpticalFlow(file.string(), flow), file);
+  }
+  last_ = sequence;
+}
+
+}  // namespace kestrel
