@@ -19,6 +19,7 @@
 
 #include "geometry/tait_bryan.h"
 #include "scenarios/bench_calibration.h"
+#include "scenarios/bench_horizon.h"
 #include "scenarios/bench_render.h"
 #include "scenarios/files.h"
 #include "scenarios/runner.h"
@@ -419,7 +420,7 @@ void WriteJson(const std::string& file, const std::vector<Figure>& table) {
 }  // namespace
 
 std::vector<std::string> BenchNames() {
-  return {"flights", "fisheye", "attitude", "drift", "heights", "speed", "render", "calibration"};
+  return {"flights", "fisheye", "attitude", "horizon", "drift", "heights", "speed", "render", "calibration"};
 }
 
 bool Bench(const BenchArguments& arguments) {
@@ -429,6 +430,7 @@ bool Bench(const BenchArguments& arguments) {
   if (chosen("flights")) BenchFlights(seeds, arguments.jobs, table);
   if (chosen("fisheye")) BenchFisheye(seeds, arguments.jobs, table);
   if (chosen("attitude")) BenchAttitude(seeds, arguments.jobs, table);
+  if (chosen("horizon")) BenchHorizon(seeds.first, arguments.jobs, arguments.out, table);
   if (chosen("drift")) BenchDrift(seeds, arguments.jobs, table);
   if (chosen("heights")) BenchHeights(seeds, table);
   if (chosen("speed")) BenchSpeed(seeds, table);
