@@ -268,8 +268,9 @@ void AddFigures(const std::vector<JudgedStill>& all, const std::vector<FactorRow
 void BenchHorizon(std::uint64_t seed, int jobs, const std::filesystem::path& folder,
                   std::vector<Figure>& table) {
   std::filesystem::create_directories(folder);
+  const std::vector<std::string> worlds_there = Factors().front().ranges;
   std::vector<StillLandscape> worlds;
-  for (const std::string& world : Factors().front().ranges) {
+  for (const std::string& world : worlds_there) {
     // With a landscape of its own seed, a scenario has the world's whole landscape.
     const LoadedScenario loaded = LoadScenario("attitude_1", {"world=" + world, "landscape.seed=1"});
     worlds.push_back({world, loaded.scenario.landscape.value()});
