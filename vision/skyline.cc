@@ -31,13 +31,21 @@ constexpr double kFineLowest_deg = -3.5, kFineHighest_deg = 13;
 struct Contour {
   std::vector<ContourPoint> points;
   std::vector<double> gains;
-  double blur = 0;  // median, rad
+  double blur = 0;      // median, rad
+  double contrast = 0;  // median, grey levels
   int shown = 0;
 };
 
+double Median(std::vector<double>& values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
 Contour Gathered(const std::vector<ProfilePoint>& profile, const BandGrid& grid) {
   Contour contour;
-  std::vector<double> blurs;
+  std::vector<double> blurs, contrasts;
   for (int i = 0; i < grid.azimuths; ++i) {
     const ProfilePoint& p = profile[static_cast<std::size_t>(i)];
     contour.shown += p.shown;
@@ -45,12 +53,10 @@ Contour Gathered(const std::vector<ProfilePoint>& profile, const BandGrid& grid)
     contour.points.push_back({grid.Azimuth(i), p.elevation, std::min(1.0, p.gain / 12)});
     contour.gains.push_back(p.gain);
     blurs.push_back(p.blur);
+    contrasts.push_back(p.contrast);
   }
-  if (!blurs.empty()) {
-    const auto middle = blurs.begin() + static_cast<std::ptrdiff_t>(blurs.size() / 2);
-    std::nth_element(blurs.begin(), middle, blurs.end());
-    contour.blur = *middle;
-  }
+  contour.blur = Median(blurs);
+  contour.contrast = Median(contrasts);
   return contour;
 }
 
@@ -154,6 +160,7 @@ Skyline::Refined Skyline::Refine(const cv::Mat& image, const Close& close,
   fix.dip = -fit->state[2];
   fix.circle_seen = static_cast<double>(contour.points.size()) / grid.azimuths;
   fix.agreement = fit->on_circle;
+  fix.contrast = contour.contrast;
   fix.rival = fit->rival;
   for (std::size_t i = 0; i < contour.points.size(); ++i)
     fix.points.push_back({h.Direction(contour.points[i].azimuth, contour.points[i].elevation),

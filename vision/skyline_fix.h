@@ -21,6 +21,7 @@ struct SkylineFix {
   double dip = 0;              // of the horizon below the horizontal, rad
   double circle_seen = 0;      // share of the azimuths in which the contour was found, 0 to 1
   double agreement = 0;        // share of those whose contour lies within a degree of the fitted circle
+  double contrast = 0;         // of sky and ground at the contour, median, grey levels of all channels
   double rival = 0;            // how nearly as good the best answer elsewhere is, 0 to 1
   std::vector<SkylineRay> points;
 };
