@@ -19,6 +19,20 @@ constexpr const char* kTitles[] = {"each image alone", "with \"down\" and height
 constexpr const char* kLook =
     "set border 3 lc rgb '#444444'\nset tics nomirror out scale 0.6\nset grid lc rgb '#dddddd' lt 1 lw 1\n";
 
+// Along the top of a picture of several panels: gnuplot's own keys are no wider than one of them.
+std::string Legend(const std::vector<std::pair<std::string, std::string>>& titles_and_colours) {
+  std::string text;
+  double x = 0.055;
+  for (const auto& [title, colour] : titles_and_colours) {
+    text += fmt::format(
+        "set label '■' at screen {:.3f}, 0.938 tc rgb '{}'\nset label {} at screen {:.3f}, 0.938 "
+        "noenhanced\n",
+        x, colour, GnuplotQuoted(title), x + 0.01);
+    x += 0.026 + 0.0045 * static_cast<double>(title.size());
+  }
+  return text;
+}
+
 struct Axis {
   const char *label, *settings;
   bool logarithmic;
@@ -80,16 +94,12 @@ void DrawErrors(const std::filesystem::path& file, const std::vector<JudgedStill
       plots += a == 0 ? fmt::format("set ylabel {}\nset format y '%g'\n",
                                     GnuplotQuoted(fmt::format("error (°), {}", kTitles[way])))
                       : std::string("set ylabel ''\nset format y ''\n");
-      plots += way == kAlone && a == 0
-                   ? "set key at screen 0.985, 0.965 right top horizontal samplen 2 width 1\n"
-                   : "unset key\n";
       plots += fmt::format(
-          "plot $stills{0} using {1}:($6 ? NaN : $5) with points pt 7 ps 0.22 lc rgb '#9DB7CC' title 'a "
-          "still', "
-          "'' using {1}:($6 ? $5 : NaN) with points pt 7 ps 0.7 lc rgb '#D55E00' title 'over 5°, said to be "
-          "valid', {2} using 1:3 with linespoints lw 2 pt 7 ps 0.5 lc rgb '#0072B2' title '95th percentile', "
-          "'' using 1:2 with linespoints lw 2 pt 7 ps 0.5 lc rgb '#222222' title 'median', "
-          "1.5 with lines dt (6,4) lc rgb '#888888' notitle\n",
+          "plot $stills{0} using {1}:($6 > 0 ? NaN : $5) with points pt 7 ps 0.22 lc rgb '#9DB7CC', "
+          "'' using {1}:($6 > 0 ? $5 : NaN) with points pt 7 ps 0.7 lc rgb '#D55E00', "
+          "{2} using 1:3 with linespoints lw 2 pt 7 ps 0.5 lc rgb '#0072B2', "
+          "'' using 1:2 with linespoints lw 2 pt 7 ps 0.5 lc rgb '#222222', "
+          "1.5 with lines dt (6,4) lc rgb '#888888'\nunset label\n",
           static_cast<int>(way), a + 1, slices);
     }
   }
@@ -97,7 +107,11 @@ void DrawErrors(const std::filesystem::path& file, const std::vector<JudgedStill
           data + kLook +
               "set multiplot layout 2,4 title 'Error of \"down\" by the skyline' font ',15' margins "
               "0.055,0.985,0.075,0.90 spacing 0.02,0.12\nset logscale y\nset yrange [0.01:100]\nset ytics "
-              "(0.01,0.03,0.1,0.3,1,3,10,30,100)\n" +
+              "(0.01,0.03,0.1,0.3,1,3,10,30,100)\nunset key\n" +
+              Legend({{"a still", "#9DB7CC"},
+                      {"median", "#222222"},
+                      {"95th percentile", "#0072B2"},
+                      {"over 5°, said to be valid", "#D55E00"}}) +
               plots + "unset multiplot\n");
 }
 
@@ -157,23 +171,22 @@ void DrawOutcomes(const std::filesystem::path& file, const std::vector<JudgedSti
       plots += f == 0 ? fmt::format("set ylabel {}\nset format y '%g'\n",
                                     GnuplotQuoted(fmt::format("stills (%), {}", kTitles[way])))
                       : std::string("set ylabel ''\nset format y ''\n");
-      plots += way == kAlone && f == 0
-                   ? "set key at screen 0.5, 0.955 center top horizontal samplen 1.2 width -1 maxrows 1\n"
-                   : "unset key\n";
       plots += "plot ";
       for (std::size_t o = 0; o < outcomes.size(); ++o)
-        plots += fmt::format("{}{} using {}:xtic(1) title {} lc rgb '{}'", o ? ", " : "", o ? "''" : block,
-                             o + 2, GnuplotQuoted(outcomes[o].title), outcomes[o].colour);
-      plots += '\n';
+        plots += fmt::format("{}{} using {}:xtic(1) lc rgb '{}'", o ? ", " : "", o ? "''" : block, o + 2,
+                             outcomes[o].colour);
+      plots += "\nunset label\n";
     }
   }
+  std::vector<std::pair<std::string, std::string>> legend;
+  for (const Outcome& o : outcomes) legend.push_back({o.title, o.colour});
   DrawPng(file, 1800, 950,
           data + kLook +
               "set multiplot layout 2,6 title 'What became of the stills' font ',15' margins "
               "0.055,0.985,0.13,0.86 spacing 0.02,0.22\nset style data histograms\nset style histogram "
               "rowstacked\nset style fill solid noborder\nset boxwidth 0.85\nset yrange [0:100]\nset xtics "
-              "rotate by 40 right noenhanced\n" +
-              plots + "unset multiplot\n");
+              "rotate by 40 right noenhanced\nunset key\n" +
+              Legend(legend) + plots + "unset multiplot\n");
 }
 
 void DrawDeviations(const std::filesystem::path& file, const std::vector<JudgedStill>& all) {
@@ -230,11 +243,11 @@ cv::Mat DrawStill(const cv::Mat& image, const CameraModel& camera, const Pose& X
                                fmt::format("{}, sight {:.1f} km, {:.0f} m, tilt {:.0f}, ridge {:.1f}",
                                            still.landscape.world, still.landscape.parameters.haze_m / 1000,
                                            still.still.height_m, still.tilt_deg, still.ridge_deg)};
-  int y = drawn.rows - 30;
+  int y = 18;
   for (const std::string& line : lines) {
     for (const auto& [colour, thickness] :
          {std::pair{cv::Scalar(0, 0, 0), 4}, {cv::Scalar(255, 255, 255), 1}})
-      cv::putText(drawn, line, {8, y}, cv::FONT_HERSHEY_SIMPLEX, 0.55, colour, thickness, cv::LINE_AA);
+      cv::putText(drawn, line, {150, y}, cv::FONT_HERSHEY_SIMPLEX, 0.5, colour, thickness, cv::LINE_AA);
     y += 20;
   }
   return drawn;

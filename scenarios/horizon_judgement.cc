@@ -64,6 +64,7 @@ Answer Judge(const SkylineResult& result, const Eigen::Matrix3d& R_BC, const Pos
   answer.error_deg = Degrees(std::atan2(down_B.cross(true_down_B).norm(), down_B.dot(true_down_B)));
   answer.circle_seen = fix.circle_seen;
   answer.agreement = fix.agreement;
+  answer.contrast = fix.contrast;
   answer.rival = fix.rival;
   return answer;
 }
