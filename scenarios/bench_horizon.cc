@@ -133,7 +133,7 @@ void WriteStills(const std::filesystem::path& file, const std::vector<JudgedStil
     text += fmt::format(
         ",{0}_said,{0}_roll_error_deg,{0}_pitch_error_deg,{0}_roll_sigma_deg,{0}_pitch_sigma_deg,{0}_error_"
         "deg,"
-        "{0}_circle_seen,{0}_agreement,{0}_contrast,{0}_rival",
+        "{0}_circle_seen,{0}_agreement,{0}_contrast,{0}_rival,{0}_dip_deg",
         way);
   text += '\n';
   for (std::size_t i = 0; i < all.size(); ++i) {
@@ -149,11 +149,11 @@ void WriteStills(const std::filesystem::path& file, const std::vector<JudgedStil
                         Degrees(s.still.expected.norm()), s.still.expected_height_m);
     for (const Answer& a : s.answers) {
       if (a.fix())
-        text += fmt::format(",{},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.3f},{:.3f},{:.2f},{:.3f}", a.said,
-                            a.roll_error_deg, a.pitch_error_deg, a.roll_sigma_deg, a.pitch_sigma_deg,
-                            a.error_deg, a.circle_seen, a.agreement, a.contrast, a.rival);
+        text += fmt::format(",{},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.3f},{:.3f},{:.2f},{:.3f},{:.3f}",
+                            a.said, a.roll_error_deg, a.pitch_error_deg, a.roll_sigma_deg, a.pitch_sigma_deg,
+                            a.error_deg, a.circle_seen, a.agreement, a.contrast, a.rival, a.dip_deg);
       else
-        text += fmt::format(",{},,,,,,,,,", a.said);
+        text += fmt::format(",{},,,,,,,,,,", a.said);
     }
     text += '\n';
   }

@@ -66,6 +66,7 @@ Answer Judge(const SkylineResult& result, const Eigen::Matrix3d& R_BC, const Pos
   answer.agreement = fix.agreement;
   answer.contrast = fix.contrast;
   answer.rival = fix.rival;
+  answer.dip_deg = Degrees(fix.dip);
   return answer;
 }
 

@@ -24,7 +24,7 @@ struct Answer {
   double roll_error_deg = 0, pitch_error_deg = 0;
   double roll_sigma_deg = 0, pitch_sigma_deg = 0;
   double error_deg = 0;  // between the true "down" and the measured
-  double circle_seen = 0, agreement = 0, contrast = 0, rival = 0;
+  double circle_seen = 0, agreement = 0, contrast = 0, rival = 0, dip_deg = 0;
   double cpu_ms = 0;
   bool fix() const { return said == "fix"; }
   bool Outlier() const;  // as the flights count them

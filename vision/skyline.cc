@@ -18,6 +18,10 @@ namespace {
 // of the lens.
 const BandGrid kWide{72, 39, Radians(-16), Radians(1)};
 constexpr int kFineAzimuths = 240;
+// Grey levels of all channels, at noise of some 2: under the first there is no horizon to be seen. Up to the
+// second the contour may be the edge of a cloud or of haze, and must be the better a circle for it.
+constexpr double kLeastContrast = 12, kPlainContrast = 40;
+constexpr double kHazyAgreement = 0.4;
 constexpr double kLeastFound = 0.45;  // of the meridians in view
 constexpr double kMostBelow = 0.25;   // of the contour's points under the circle
 constexpr double kSure = Radians(4);  // rad: what is expected as well as this needs no search
@@ -169,9 +173,15 @@ Skyline::Refined Skyline::Refine(const cv::Mat& image, const Close& close,
                          0.03 * std::min(9.0, fit->strain * fit->strain);
   const auto no = [&](NoSkyline reason) { return Refined{reason, quality}; };
   if (fix.circle_seen < options_.least_circle) return no(NoSkyline::kTooLittle);
+  if (fix.contrast < kLeastContrast) return no(NoSkyline::kHazy);
   // A short arc is matched by more circles.
   const double agreement = expected.down_C ? options_.least_agreement_expected : options_.least_agreement;
-  const double least = agreement + 0.25 * std::clamp(2 * (0.55 - fix.circle_seen), 0.0, 1.0);
+  const double arc = expected.down_C ? 0.25 : 0.8;
+  const double least = agreement + arc * std::clamp(2 * (0.55 - fix.circle_seen), 0.0, 1.0);
+  const double haze =
+      std::clamp((kPlainContrast - fix.contrast) / (kPlainContrast - kLeastContrast), 0.0, 1.0);
+  if (fix.agreement < agreement + kHazyAgreement * haze && fix.agreement >= least)
+    return no(NoSkyline::kHazy);
   // A horizon leaves its step on most of the meridians that are in view.
   const bool sparse = static_cast<double>(contour.points.size()) < kLeastFound * contour.shown;
   if (fix.agreement < least || fit->below > kMostBelow || sparse) return no(NoSkyline::kUneven);

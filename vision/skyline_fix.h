@@ -34,7 +34,8 @@ enum class NoSkyline {
   kNoContrast,   // one even surface: a capped lens, dense fog
   kNoSky,        // ground alone in view
   kNoGround,     // sky alone in view
-  kUneven,       // the contour lies on no one circle: hills, houses or haze nearly all round
+  kHazy,         // sky and ground melt into each other: where the horizon is cannot be seen
+  kUneven,       // the contour lies on no one circle: hills or houses nearly all round
   kAmbiguous,    // two answers are nearly as good
   kTooLittle,    // so little of the skyline is seen that its tilt is not known
   kImplausible,  // what is seen lies too far from what was expected

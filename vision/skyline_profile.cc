@@ -192,7 +192,8 @@ ProfilePoint Judged(const cv::Vec3f* colour, const uchar* shown, const BandGrid&
   // Ground all the way up, or sky all the way down: the contour is elsewhere.
   if (step < first + 2 || step > last - 2 || point.gain < kLeastGain) return point;
   point.found = true;
-  point.elevation = grid.lowest + grid.step * Crossing(colour, first, last, step, grid, point.blur, point.contrast);
+  point.elevation =
+      grid.lowest + grid.step * Crossing(colour, first, last, step, grid, point.blur, point.contrast);
   return point;
 }
 
