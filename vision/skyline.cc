@@ -24,6 +24,8 @@ constexpr double kLeastContrast = 12, kPlainContrast = 40;
 constexpr double kHazyAgreement = 0.4;
 constexpr double kLeastFound = 0.45;  // of the meridians in view
 constexpr double kMostBelow = 0.25;   // of the contour's points under the circle
+constexpr double kNarrow = 0.35;      // of the azimuths: a lens that sees no more of the horizon
+constexpr double kOneSided = 0.02;    // of the view, on the other side of the expected horizon
 constexpr double kSure = Radians(4);  // rad: what is expected as well as this needs no search
 constexpr double kDeep = Radians(1);  // rad
 constexpr double kAlike = Radians(1.5);
@@ -148,7 +150,7 @@ Skyline::Refined Skyline::Refine(const cv::Mat& image, const Close& close,
       fit_options.near_weight = 0.1;
     }
     fit = FitCircle(contour.points, fit_options);
-    if (!fit) return {NoSkyline::kTooLittle, 0};
+    if (!fit) return {NoSkyline::kTooLittle, 0, static_cast<double>(contour.shown) / grid.azimuths};
     if (round == 0 && fit->state.head<2>().norm() < Radians(0.3)) break;
     if (round == 0) {
       h = HorizontalAbout(Tilted(h, fit->state), nose);
@@ -171,13 +173,14 @@ Skyline::Refined Skyline::Refine(const cv::Mat& image, const Close& close,
                           fit->belongs[i] * contour.points[i].weight});
   const double quality = fit->explained / std::max<double>(contour.shown, grid.azimuths / 6.0) -
                          0.03 * std::min(9.0, fit->strain * fit->strain);
-  const auto no = [&](NoSkyline reason) { return Refined{reason, quality}; };
+  const double in_view = static_cast<double>(contour.shown) / grid.azimuths;
+  const auto no = [&](NoSkyline reason) { return Refined{reason, quality, in_view}; };
   if (fix.circle_seen < options_.least_circle) return no(NoSkyline::kTooLittle);
   if (fix.contrast < kLeastContrast) return no(NoSkyline::kHazy);
   // A short arc is matched by more circles.
   const double agreement = expected.down_C ? options_.least_agreement_expected : options_.least_agreement;
   const double arc = expected.down_C ? 0.25 : 0.8;
-  const double least = agreement + arc * std::clamp(2 * (0.55 - fix.circle_seen), 0.0, 1.0);
+  const double least = agreement + std::clamp(arc * 2 * (0.55 - fix.circle_seen), 0.0, 0.3);
   const double haze =
       std::clamp((kPlainContrast - fix.contrast) / (kPlainContrast - kLeastContrast), 0.0, 1.0);
   if (fix.agreement < agreement + kHazyAgreement * haze && fix.agreement >= least)
@@ -194,7 +197,7 @@ Skyline::Refined Skyline::Refine(const cv::Mat& image, const Close& close,
     const double off = std::acos(std::clamp(fix.down_C.dot(expected.down_C->normalized()), -1.0, 1.0));
     if (off > options_.gate * std::hypot(expected.down_sigma, sigma)) return no(NoSkyline::kImplausible);
   }
-  return {std::move(fix), quality};
+  return {std::move(fix), quality, in_view};
 }
 
 SkylineResult Skyline::Measure(const cv::Mat& image, const SkylineExpected& expected) const {
@@ -202,7 +205,7 @@ SkylineResult Skyline::Measure(const cv::Mat& image, const SkylineExpected& expe
   cv::Mat colour = image;
   if (image.channels() == 1) cv::cvtColor(image, colour, cv::COLOR_GRAY2BGR);
   const Eigen::Vector3d nose = R_BC_.transpose() * Eigen::Vector3d::UnitX();
-  Refined best{NoSkyline::kNoSky, -1};
+  Refined best{NoSkyline::kNoSky, -1, 0};
   if (expected.down_C && expected.down_sigma < kSure) {
     const double dip = expected.height_m ? DipAt(*expected.height_m) : 0.003;
     best = Refine(colour, {HorizontalAbout(*expected.down_C, nose), 1, dip}, expected);
@@ -215,7 +218,13 @@ SkylineResult Skyline::Measure(const cv::Mat& image, const SkylineExpected& expe
   if (overview.white > 0.9) return NoSkyline::kWhiteOut;
   if (overview.spread < 3 && overview.rough < 3) return NoSkyline::kNoContrast;
   if (expected.down_C) {
-    if (expected.down_sigma < kSure) return best.result;
+    if (expected.down_sigma < kSure) {
+      if (std::get<NoSkyline>(best.result) != NoSkyline::kTooLittle) return best.result;
+      const double above = search_.ShareAbove(expected.down_C->normalized());
+      if (above < kOneSided) return NoSkyline::kNoSky;
+      if (above > 1 - kOneSided) return NoSkyline::kNoGround;
+      return best.result;
+    }
     overview.candidates.push_back({expected.down_C->normalized(), 0});
   }
   std::vector<Close> closes;
@@ -227,7 +236,7 @@ SkylineResult Skyline::Measure(const cv::Mat& image, const SkylineExpected& expe
   std::sort(closes.begin(), closes.end(),
             [](const Close& a, const Close& b) { return a.support > b.support; });
   if (closes.empty() || closes[0].support < 0.35)
-    return overview.rough < 2.5 ? NoSkyline::kNoGround : NoSkyline::kNoSky;
+    return overview.sky > 0 ? NoSkyline::kNoGround : NoSkyline::kNoSky;
   // What the coarse look cannot tell apart, the fine one can. A dip that no height explains may be a shore
   // or the edge of a field: what does the horizon look like from there?
   std::vector<Close> starts{closes[0]};
@@ -251,6 +260,13 @@ SkylineResult Skyline::Measure(const cv::Mat& image, const SkylineExpected& expe
     if (fix && other && answer.quality > top->quality - kTie &&
         fix->down_C.dot(other->down_C) < std::cos(2 * kAlike))
       return NoSkyline::kAmbiguous;
+  }
+  // Through a narrow lens clouds or fields alone may look like a horizon, but not like sky over ground.
+  const auto* reason = std::get_if<NoSkyline>(&top->result);
+  if (reason && *reason != NoSkyline::kAmbiguous && top->in_view < kNarrow) {
+    const SkylineSearch::Candidate& first = overview.candidates.front();
+    if (first.sky_above > 0 && first.sky_below > 0) return NoSkyline::kNoGround;
+    if (first.sky_above < 0 && first.sky_below < 0) return NoSkyline::kNoSky;
   }
   return top->result;
 }
