@@ -22,6 +22,7 @@ constexpr int kFineAzimuths = 240;
 // second the contour may be the edge of a cloud or of haze, and must be the better a circle for it.
 constexpr double kLeastContrast = 12, kPlainContrast = 40;
 constexpr double kHazyAgreement = 0.4;
+constexpr double kRival = 0.65, kFullRival = 0.9, kRivalAgreement = 0.3;
 constexpr double kLeastFound = 0.45;  // of the meridians in view
 constexpr double kMostBelow = 0.25;   // of the contour's points under the circle
 constexpr double kNarrow = 0.35;      // of the azimuths: a lens that sees no more of the horizon
@@ -188,7 +189,11 @@ Skyline::Refined Skyline::Refine(const cv::Mat& image, const Close& close,
   // A horizon leaves its step on most of the meridians that are in view.
   const bool sparse = static_cast<double>(contour.points.size()) < kLeastFound * contour.shown;
   if (fix.agreement < least || fit->below > kMostBelow || sparse) return no(NoSkyline::kUneven);
-  if (!expected.down_C && fix.rival > options_.most_rival) return no(NoSkyline::kAmbiguous);
+  // What is expected chooses between rivals, unless hardly anything agrees with its choice.
+  const double rivalry = std::clamp((fix.rival - kRival) / (kFullRival - kRival), 0.0, 1.0);
+  if (expected.down_C ? fix.agreement < agreement + kRivalAgreement * rivalry
+                      : fix.rival > options_.most_rival)
+    return no(NoSkyline::kAmbiguous);
   if (fix.down_C.dot(R_BC_.transpose() * Eigen::Vector3d::UnitZ()) < std::cos(Radians(options_.max_tilt_deg)))
     return no(NoSkyline::kTooLittle);
   const double sigma = std::sqrt(fix.covariance.trace());
