@@ -23,12 +23,13 @@ constexpr int kFineAzimuths = 240;
 constexpr double kLeastContrast = 12, kPlainContrast = 40;
 constexpr double kHazyAgreement = 0.4;
 constexpr double kRival = 0.65, kFullRival = 0.9, kRivalAgreement = 0.3;
-constexpr double kLeastFound = 0.45;  // of the meridians in view
-constexpr double kMostBelow = 0.25;   // of the contour's points under the circle
-constexpr double kNarrow = 0.35;      // of the azimuths: a lens that sees no more of the horizon
-constexpr double kOneSided = 0.02;    // of the view, on the other side of the expected horizon
-constexpr double kSure = Radians(4);  // rad: what is expected as well as this needs no search
-constexpr double kDeep = Radians(1);  // rad
+constexpr double kChooses = Radians(1);  // rad: what is expected as well as this chooses between rivals
+constexpr double kLeastFound = 0.45;     // of the meridians in view
+constexpr double kMostBelow = 0.25;      // of the contour's points under the circle
+constexpr double kNarrow = 0.35;         // of the azimuths: a lens that sees no more of the horizon
+constexpr double kOneSided = 0.02;       // of the view, on the other side of the expected horizon
+constexpr double kSure = Radians(4);     // rad: what is expected as well as this needs no search
+constexpr double kDeep = Radians(1);     // rad
 constexpr double kAlike = Radians(1.5);
 constexpr double kTie = 0.15;  // of the quality of two answers
 constexpr double kKnownDipSigma = Radians(0.2);
@@ -189,8 +190,9 @@ Skyline::Refined Skyline::Refine(const cv::Mat& image, const Close& close,
   // A horizon leaves its step on most of the meridians that are in view.
   const bool sparse = static_cast<double>(contour.points.size()) < kLeastFound * contour.shown;
   if (fix.agreement < least || fit->below > kMostBelow || sparse) return no(NoSkyline::kUneven);
-  // What is expected chooses between rivals, unless hardly anything agrees with its choice.
-  const double rivalry = std::clamp((fix.rival - kRival) / (kFullRival - kRival), 0.0, 1.0);
+  // What is expected chooses between rivals, the surer the better it is known.
+  const double unsure = std::clamp((expected.down_sigma - kChooses) / kChooses, 0.0, 1.0);
+  const double rivalry = unsure * std::clamp((fix.rival - kRival) / (kFullRival - kRival), 0.0, 1.0);
   if (expected.down_C ? fix.agreement < agreement + kRivalAgreement * rivalry
                       : fix.rival > options_.most_rival)
     return no(NoSkyline::kAmbiguous);
