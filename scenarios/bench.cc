@@ -16,6 +16,7 @@
 #include "geometry/tait_bryan.h"
 #include "scenarios/bench_attitude.h"
 #include "scenarios/bench_calibration.h"
+#include "scenarios/bench_horizon.h"
 #include "scenarios/bench_render.h"
 #include "scenarios/bench_servo.h"
 #include "scenarios/files.h"
@@ -290,8 +291,8 @@ void WriteJson(const std::string& file, const std::vector<Figure>& table) {
 }  // namespace
 
 std::vector<std::string> BenchNames() {
-  return {"flights", "fisheye", "attitude", "gyro_failure", "drift",
-          "heights", "speed",   "render",   "calibration",  "servo"};
+  return {"flights", "fisheye", "attitude", "horizon",     "gyro_failure", "drift",
+          "heights", "speed",   "render",   "calibration", "servo"};
 }
 
 bool Bench(const BenchArguments& arguments) {
@@ -301,6 +302,7 @@ bool Bench(const BenchArguments& arguments) {
   if (chosen("flights")) BenchFlights(seeds, arguments.jobs, table);
   if (chosen("fisheye")) BenchFisheye(seeds, arguments.jobs, table);
   if (chosen("attitude")) BenchAttitude(seeds, arguments.jobs, table);
+  if (chosen("horizon")) BenchHorizon(seeds.first, arguments.jobs, arguments.out, table);
   if (chosen("gyro_failure")) BenchGyroFailure(seeds, arguments.jobs, table);
   if (chosen("drift")) BenchDrift(seeds, arguments.jobs, table);
   if (chosen("heights")) BenchHeights(seeds, table);

@@ -189,13 +189,16 @@ int Main(int argc, char** argv) {
   bench_command
       ->add_option(
           "name", bench.name,
-          "flights, fisheye, attitude, drift, heights, speed, render, calibration; all when none is given")
+          "flights, fisheye, attitude, horizon, drift, heights, speed, render, calibration; all when none is "
+          "given")
       ->check(CLI::IsMember(BenchNames()));
   bench_command->add_option("--seeds", bench.seeds, "A..B, first and last")->capture_default_str();
   bench_command->add_option("--jobs", bench.jobs, "Flights at the same time")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
   bench_command->add_option("--json", bench.json, "Also write the figures as JSON to this file");
+  bench_command->add_option("--out", bench.out, "Folder for the rows and pictures of horizon")
+      ->capture_default_str();
   bench_command->footer("Examples:\n  kestrel bench flights --seeds 1..20\n  kestrel bench render");
 
   MirrorArguments mirror;
@@ -247,6 +250,7 @@ int Main(int argc, char** argv) {
     if (*bench_command) {
       Mistakes mistakes;
       CheckWritableFile(bench.json, "--json", mistakes);
+      if (bench.name.empty() || bench.name == "horizon") CheckWritableFolder(bench.out, "--out", mistakes);
       mistakes.ThrowIfAny();
       return Bench(bench) ? kMet : kNotMet;
     }

@@ -18,10 +18,18 @@ namespace {
 // of the lens.
 const BandGrid kWide{72, 39, Radians(-16), Radians(1)};
 constexpr int kFineAzimuths = 240;
-constexpr double kLeastFound = 0.45;  // of the meridians in view
-constexpr double kMostBelow = 0.25;   // of the contour's points under the circle
-constexpr double kSure = Radians(4);  // rad: what is expected as well as this needs no search
-constexpr double kDeep = Radians(1);  // rad
+// Grey levels of all channels, at noise of some 2: under the first there is no horizon to be seen. Up to the
+// second the contour may be the edge of a cloud or of haze, and must be the better a circle for it.
+constexpr double kLeastContrast = 12, kPlainContrast = 40;
+constexpr double kHazyAgreement = 0.4;
+constexpr double kRival = 0.65, kFullRival = 0.9, kRivalAgreement = 0.3;
+constexpr double kChooses = Radians(1);  // rad: what is expected as well as this chooses between rivals
+constexpr double kLeastFound = 0.45;     // of the meridians in view
+constexpr double kMostBelow = 0.25;      // of the contour's points under the circle
+constexpr double kNarrow = 0.35;         // of the azimuths: a lens that sees no more of the horizon
+constexpr double kOneSided = 0.02;       // of the view, on the other side of the expected horizon
+constexpr double kSure = Radians(4);     // rad: what is expected as well as this needs no search
+constexpr double kDeep = Radians(1);     // rad
 constexpr double kAlike = Radians(1.5);
 constexpr double kTie = 0.15;  // of the quality of two answers
 constexpr double kKnownDipSigma = Radians(0.2);
@@ -31,13 +39,21 @@ constexpr double kFineLowest_deg = -3.5, kFineHighest_deg = 13;
 struct Contour {
   std::vector<ContourPoint> points;
   std::vector<double> gains;
-  double blur = 0;  // median, rad
+  double blur = 0;      // median, rad
+  double contrast = 0;  // median, grey levels
   int shown = 0;
 };
 
+double Median(std::vector<double>& values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
 Contour Gathered(const std::vector<ProfilePoint>& profile, const BandGrid& grid) {
   Contour contour;
-  std::vector<double> blurs;
+  std::vector<double> blurs, contrasts;
   for (int i = 0; i < grid.azimuths; ++i) {
     const ProfilePoint& p = profile[static_cast<std::size_t>(i)];
     contour.shown += p.shown;
@@ -45,12 +61,10 @@ Contour Gathered(const std::vector<ProfilePoint>& profile, const BandGrid& grid)
     contour.points.push_back({grid.Azimuth(i), p.elevation, std::min(1.0, p.gain / 12)});
     contour.gains.push_back(p.gain);
     blurs.push_back(p.blur);
+    contrasts.push_back(p.contrast);
   }
-  if (!blurs.empty()) {
-    const auto middle = blurs.begin() + static_cast<std::ptrdiff_t>(blurs.size() / 2);
-    std::nth_element(blurs.begin(), middle, blurs.end());
-    contour.blur = *middle;
-  }
+  contour.blur = Median(blurs);
+  contour.contrast = Median(contrasts);
   return contour;
 }
 
@@ -138,7 +152,7 @@ Skyline::Refined Skyline::Refine(const cv::Mat& image, const Close& close,
       fit_options.near_weight = 0.1;
     }
     fit = FitCircle(contour.points, fit_options);
-    if (!fit) return {NoSkyline::kTooLittle, 0};
+    if (!fit) return {NoSkyline::kTooLittle, 0, static_cast<double>(contour.shown) / grid.azimuths};
     if (round == 0 && fit->state.head<2>().norm() < Radians(0.3)) break;
     if (round == 0) {
       h = HorizontalAbout(Tilted(h, fit->state), nose);
@@ -154,21 +168,34 @@ Skyline::Refined Skyline::Refine(const cv::Mat& image, const Close& close,
   fix.dip = -fit->state[2];
   fix.circle_seen = static_cast<double>(contour.points.size()) / grid.azimuths;
   fix.agreement = fit->on_circle;
+  fix.contrast = contour.contrast;
   fix.rival = fit->rival;
   for (std::size_t i = 0; i < contour.points.size(); ++i)
     fix.points.push_back({h.Direction(contour.points[i].azimuth, contour.points[i].elevation),
                           fit->belongs[i] * contour.points[i].weight});
   const double quality = fit->explained / std::max<double>(contour.shown, grid.azimuths / 6.0) -
                          0.03 * std::min(9.0, fit->strain * fit->strain);
-  const auto no = [&](NoSkyline reason) { return Refined{reason, quality}; };
+  const double in_view = static_cast<double>(contour.shown) / grid.azimuths;
+  const auto no = [&](NoSkyline reason) { return Refined{reason, quality, in_view}; };
   if (fix.circle_seen < options_.least_circle) return no(NoSkyline::kTooLittle);
+  if (fix.contrast < kLeastContrast) return no(NoSkyline::kHazy);
   // A short arc is matched by more circles.
   const double agreement = expected.down_C ? options_.least_agreement_expected : options_.least_agreement;
-  const double least = agreement + 0.25 * std::clamp(2 * (0.55 - fix.circle_seen), 0.0, 1.0);
+  const double arc = expected.down_C ? 0.25 : 0.8;
+  const double least = agreement + std::clamp(arc * 2 * (0.55 - fix.circle_seen), 0.0, 0.3);
+  const double haze =
+      std::clamp((kPlainContrast - fix.contrast) / (kPlainContrast - kLeastContrast), 0.0, 1.0);
+  if (fix.agreement < agreement + kHazyAgreement * haze && fix.agreement >= least)
+    return no(NoSkyline::kHazy);
   // A horizon leaves its step on most of the meridians that are in view.
   const bool sparse = static_cast<double>(contour.points.size()) < kLeastFound * contour.shown;
   if (fix.agreement < least || fit->below > kMostBelow || sparse) return no(NoSkyline::kUneven);
-  if (!expected.down_C && fix.rival > options_.most_rival) return no(NoSkyline::kAmbiguous);
+  // What is expected chooses between rivals, the surer the better it is known.
+  const double unsure = std::clamp((expected.down_sigma - kChooses) / kChooses, 0.0, 1.0);
+  const double rivalry = unsure * std::clamp((fix.rival - kRival) / (kFullRival - kRival), 0.0, 1.0);
+  if (expected.down_C ? fix.agreement < agreement + kRivalAgreement * rivalry
+                      : fix.rival > options_.most_rival)
+    return no(NoSkyline::kAmbiguous);
   if (fix.down_C.dot(R_BC_.transpose() * Eigen::Vector3d::UnitZ()) < std::cos(Radians(options_.max_tilt_deg)))
     return no(NoSkyline::kTooLittle);
   const double sigma = std::sqrt(fix.covariance.trace());
@@ -177,7 +204,7 @@ Skyline::Refined Skyline::Refine(const cv::Mat& image, const Close& close,
     const double off = std::acos(std::clamp(fix.down_C.dot(expected.down_C->normalized()), -1.0, 1.0));
     if (off > options_.gate * std::hypot(expected.down_sigma, sigma)) return no(NoSkyline::kImplausible);
   }
-  return {std::move(fix), quality};
+  return {std::move(fix), quality, in_view};
 }
 
 SkylineResult Skyline::Measure(const cv::Mat& image, const SkylineExpected& expected) const {
@@ -185,7 +212,7 @@ SkylineResult Skyline::Measure(const cv::Mat& image, const SkylineExpected& expe
   cv::Mat colour = image;
   if (image.channels() == 1) cv::cvtColor(image, colour, cv::COLOR_GRAY2BGR);
   const Eigen::Vector3d nose = R_BC_.transpose() * Eigen::Vector3d::UnitX();
-  Refined best{NoSkyline::kNoSky, -1};
+  Refined best{NoSkyline::kNoSky, -1, 0};
   if (expected.down_C && expected.down_sigma < kSure) {
     const double dip = expected.height_m ? DipAt(*expected.height_m) : 0.003;
     best = Refine(colour, {HorizontalAbout(*expected.down_C, nose), 1, dip}, expected);
@@ -198,7 +225,13 @@ SkylineResult Skyline::Measure(const cv::Mat& image, const SkylineExpected& expe
   if (overview.white > 0.9) return NoSkyline::kWhiteOut;
   if (overview.spread < 3 && overview.rough < 3) return NoSkyline::kNoContrast;
   if (expected.down_C) {
-    if (expected.down_sigma < kSure) return best.result;
+    if (expected.down_sigma < kSure) {
+      if (std::get<NoSkyline>(best.result) != NoSkyline::kTooLittle) return best.result;
+      const double above = search_.ShareAbove(expected.down_C->normalized());
+      if (above < kOneSided) return NoSkyline::kNoSky;
+      if (above > 1 - kOneSided) return NoSkyline::kNoGround;
+      return best.result;
+    }
     overview.candidates.push_back({expected.down_C->normalized(), 0});
   }
   std::vector<Close> closes;
@@ -210,7 +243,7 @@ SkylineResult Skyline::Measure(const cv::Mat& image, const SkylineExpected& expe
   std::sort(closes.begin(), closes.end(),
             [](const Close& a, const Close& b) { return a.support > b.support; });
   if (closes.empty() || closes[0].support < 0.35)
-    return overview.rough < 2.5 ? NoSkyline::kNoGround : NoSkyline::kNoSky;
+    return overview.sky > 0 ? NoSkyline::kNoGround : NoSkyline::kNoSky;
   // What the coarse look cannot tell apart, the fine one can. A dip that no height explains may be a shore
   // or the edge of a field: what does the horizon look like from there?
   std::vector<Close> starts{closes[0]};
@@ -234,6 +267,13 @@ SkylineResult Skyline::Measure(const cv::Mat& image, const SkylineExpected& expe
     if (fix && other && answer.quality > top->quality - kTie &&
         fix->down_C.dot(other->down_C) < std::cos(2 * kAlike))
       return NoSkyline::kAmbiguous;
+  }
+  // Through a narrow lens clouds or fields alone may look like a horizon, but not like sky over ground.
+  const auto* reason = std::get_if<NoSkyline>(&top->result);
+  if (reason && *reason != NoSkyline::kAmbiguous && top->in_view < kNarrow) {
+    const SkylineSearch::Candidate& first = overview.candidates.front();
+    if (first.sky_above > 0 && first.sky_below > 0) return NoSkyline::kNoGround;
+    if (first.sky_above < 0 && first.sky_below < 0) return NoSkyline::kNoSky;
   }
   return top->result;
 }

@@ -18,8 +18,8 @@ struct SkylineOptions {
   double most_sigma_deg = 2.5;  // of the tilt; worse is no answer
   // Of the contour with one circle; more where less of the circle is seen. The second where "down" was
   // expected: then less has to be told from the contour.
-  double least_agreement = 0.5, least_agreement_expected = 0.35;
-  double most_rival = 0.9;     // a second answer so nearly as good makes it ambiguous
+  double least_agreement = 0.55, least_agreement_expected = 0.35;
+  double most_rival = 0.85;    // a second answer so nearly as good makes it ambiguous
   double least_circle = 0.10;  // share of the azimuths with a contour
   double gate = 3;             // deviations from what is expected, beyond which an answer is refused
 };
@@ -56,6 +56,7 @@ class Skyline {
   struct Refined {
     SkylineResult result;
     double quality = 0;  // about 0 to 1
+    double in_view = 0;  // of the circle, share of the azimuths
   };
   std::optional<Close> LookClosely(const cv::Mat& half, const Eigen::Vector3d& down_C) const;
   Refined Refine(const cv::Mat& image, const Close& close, const SkylineExpected& expected) const;

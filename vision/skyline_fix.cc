@@ -20,6 +20,8 @@ const char* NameOf(NoSkyline reason) {
       return "no_sky";
     case NoSkyline::kNoGround:
       return "no_ground";
+    case NoSkyline::kHazy:
+      return "hazy_skyline";
     case NoSkyline::kUneven:
       return "uneven_skyline";
     case NoSkyline::kAmbiguous:

@@ -21,6 +21,7 @@ struct SkylineFix {
   double dip = 0;              // of the horizon below the horizontal, rad
   double circle_seen = 0;      // share of the azimuths in which the contour was found, 0 to 1
   double agreement = 0;        // share of those whose contour lies within a degree of the fitted circle
+  double contrast = 0;         // of sky and ground at the contour, median, grey levels of all channels
   double rival = 0;            // how nearly as good the best answer elsewhere is, 0 to 1
   std::vector<SkylineRay> points;
 };
@@ -33,7 +34,8 @@ enum class NoSkyline {
   kNoContrast,   // one even surface: a capped lens, dense fog
   kNoSky,        // ground alone in view
   kNoGround,     // sky alone in view
-  kUneven,       // the contour lies on no one circle: hills, houses or haze nearly all round
+  kHazy,         // sky and ground melt into each other: where the horizon is cannot be seen
+  kUneven,       // the contour lies on no one circle: hills or houses nearly all round
   kAmbiguous,    // two answers are nearly as good
   kTooLittle,    // so little of the skyline is seen that its tilt is not known
   kImplausible,  // what is seen lies too far from what was expected

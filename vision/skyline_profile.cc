@@ -131,7 +131,8 @@ Judges LearnAll(const Sectors& sectors) {
 }
 
 // Where the colour crosses the middle between what is just above the step and what is just below it.
-double Crossing(const cv::Vec3f* colour, int first, int last, int step, const BandGrid& grid, double& blur) {
+double Crossing(const cv::Vec3f* colour, int first, int last, int step, const BandGrid& grid, double& blur,
+                double& contrast) {
   const auto mean = [&](int from, int to) {
     cv::Vec3f sum(0, 0, 0);
     for (int j = from; j <= to; ++j) sum += colour[j];
@@ -142,6 +143,7 @@ double Crossing(const cv::Vec3f* colour, int first, int last, int step, const Ba
   const cv::Vec3f across = above - below, middle = (above + below) * 0.5f;
   const float length2 = across.dot(across);
   blur = 2 * grid.step;
+  contrast = std::sqrt(length2);
   double best = step - 0.5, nearest = 1e9;
   if (length2 < 1) return best;
   float steepest = 0;
@@ -190,7 +192,8 @@ ProfilePoint Judged(const cv::Vec3f* colour, const uchar* shown, const BandGrid&
   // Ground all the way up, or sky all the way down: the contour is elsewhere.
   if (step < first + 2 || step > last - 2 || point.gain < kLeastGain) return point;
   point.found = true;
-  point.elevation = grid.lowest + grid.step * Crossing(colour, first, last, step, grid, point.blur);
+  point.elevation =
+      grid.lowest + grid.step * Crossing(colour, first, last, step, grid, point.blur, point.contrast);
   return point;
 }
 

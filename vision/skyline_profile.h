@@ -21,6 +21,7 @@ struct ProfilePoint {
   bool found = false;    // and has a step in it
   double elevation = 0;  // of the step, rad
   double blur = 0;       // over which the odds turn at the step, rad: haze, hardly less than a sample
+  double contrast = 0;   // of the colours right above and right below the step, grey levels of all channels
   double gain = 0;       // how much better the step explains the meridian than either body alone, nats
 };
 

@@ -31,6 +31,12 @@ std::vector<Eigen::Vector3d> CapDirections(const Eigen::Vector3d& axis, double r
   return out;
 }
 
+// Over 0: more like sky, which is as a rule bluer, brighter and smoother than ground, and never green.
+double SkyLike(double blue, double green, double red, double rough) {
+  return (blue - red) / 30 + ((blue + 2 * green + red) / 4 - 80) / 40 - (green - (blue + red) / 2) / 4 -
+         0.2 * (rough - 2.5);
+}
+
 double LogDeterminant(const float* m, double* mean_out) {
   const double n = m[0];
   Eigen::Vector4d mean;
@@ -93,7 +99,7 @@ SkylineSearch::Overview SkylineSearch::Look(const cv::Mat& half, std::size_t mos
   std::vector<std::array<float, kMoments>> moments(cells_.size());
   Overview out;
   std::vector<float> roughness;
-  double sum = 0, sum2 = 0;
+  double sum = 0, sum2 = 0, mean[3] = {0, 0, 0};
   for (std::size_t i = 0; i < cells_.size(); ++i) {
     const Cell& cell = cells_[i];
     int s[3] = {0, 0, 0}, square = 0, count = 0;
@@ -117,6 +123,7 @@ SkylineSearch::Overview SkylineSearch::Look(const cv::Mat& half, std::size_t mos
     out.dark += grey < 14;
     out.white += b > 248 && g > 248 && r > 248;
     sum += grey, sum2 += static_cast<double>(grey) * grey;
+    mean[0] += b, mean[1] += g, mean[2] += r;
     auto& m = moments[i];
     m[0] = cell.weight;
     int at = 5;
@@ -133,6 +140,7 @@ SkylineSearch::Overview SkylineSearch::Look(const cv::Mat& half, std::size_t mos
   std::nth_element(roughness.begin(), roughness.begin() + static_cast<std::ptrdiff_t>(roughness.size() / 2),
                    roughness.end());
   out.rough = roughness[roughness.size() / 2];
+  out.sky = SkyLike(mean[0] / n, mean[1] / n, mean[2] / n, out.rough);
 
   std::vector<Candidate> all;
   all.reserve(splits_.size());
@@ -156,7 +164,9 @@ SkylineSearch::Overview SkylineSearch::Look(const cv::Mat& half, std::size_t mos
     const double bluer = ((above[0] - above[2]) - (below[0] - below[2])) / 30;
     const double vote = std::tanh(smoother) + 0.6 * std::tanh(brighter) + 0.6 * std::tanh(bluer);
     // A narrow sliver on one side gains little from being told apart, whatever it is.
-    all.push_back({split.down_C, gain + 0.25 * vote});
+    all.push_back({split.down_C, gain + 0.25 * vote,
+                   SkyLike(above[0], above[1], above[2], std::exp(above[3])),
+                   SkyLike(below[0], below[1], below[2], std::exp(below[3]))});
   }
   std::sort(all.begin(), all.end(), [](const Candidate& a, const Candidate& b) { return a.score > b.score; });
   const double apart = std::cos(kApart);
@@ -167,6 +177,17 @@ SkylineSearch::Overview SkylineSearch::Look(const cv::Mat& half, std::size_t mos
     if (!near) out.candidates.push_back(c);
   }
   return out;
+}
+
+double SkylineSearch::ShareAbove(const Eigen::Vector3d& down_C) const {
+  double above = 0, all = 1e-9;
+  for (const Cell& cell : cells_) {
+    const float s = -cell.ray.dot(down_C.cast<float>());
+    if (std::abs(s) < kGap) continue;
+    all += cell.weight;
+    if (s > 0) above += cell.weight;
+  }
+  return above / all;
 }
 
 }  // namespace kestrel

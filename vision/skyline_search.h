@@ -18,13 +18,15 @@ class SkylineSearch {
  public:
   struct Candidate {
     Eigen::Vector3d down_C;
-    double score = 0;  // nats per cell
+    double score = 0;                     // nats per cell
+    double sky_above = 0, sky_below = 0;  // whether its two sides look more like sky (over 0) or ground
   };
   // What the whole picture looks like, and the best directions, well apart.
   struct Overview {
     double dark = 0, white = 0;  // share of the cells
     double spread = 0;           // of the grey between cells, of 255
     double rough = 0;            // median of the grey's deviation within a cell
+    double sky = 0;              // more like sky than like ground, on the whole: over 0
     std::vector<Candidate> candidates;
   };
 
@@ -34,6 +36,9 @@ class SkylineSearch {
 
   // half: the image (CV_8UC3) at half its size.
   Overview Look(const cv::Mat& half, std::size_t most) const;
+
+  // Share of the view that lies above the horizontal of a "down", of what lies well off it.
+  double ShareAbove(const Eigen::Vector3d& down_C) const;
 
  private:
   static constexpr int kFeatures = 4;  // blue, green, red, roughness

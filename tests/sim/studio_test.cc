@@ -94,7 +94,7 @@ TEST_F(StudioTest, SurveysWhatIsThereAndHowItMovedSinceTheShotBefore) {
   studio.Submit(ShotOf(3, east, Still));
   studio.Submit(ShotOf(3.1, east, Still, 1));
   studio.Submit(ShotOf(3.2, east, east, 2));
-  const Picture first = studio.Take(), second = studio.Take(), third = studio.Take();
+  const kestrel::Picture first = studio.Take(), second = studio.Take(), third = studio.Take();
   EXPECT_TRUE(first.flow_here.empty());
   const cv::Point ground(10, 47), slab(150, 47);
   const double across = 1 / Ray(kCamera, {10, 47})->z();

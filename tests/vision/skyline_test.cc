@@ -134,9 +134,31 @@ TEST(Skyline, ImagesWithoutASkylineAreRefusedByName) {
   cloudy.cloud = 25;
   for (const double pitch : {1.45, -1.45}) {
     const Eigen::Matrix3d R_NC = RotationFromTaitBryan({0, pitch, 0}) * narrow.R_BC;
-    const std::string said = Said(narrow.skyline.Measure(narrow.photographer.Paint(cloudy, R_NC, 1)));
-    EXPECT_NE(said, "fix") << pitch;
+    const cv::Mat image = narrow.photographer.Paint(cloudy, R_NC, 1);
+    const std::string right = pitch > 0 ? "no_ground" : "no_sky";
+    EXPECT_EQ(Said(narrow.skyline.Measure(image)), right);
+    SkylineExpected expected;
+    expected.down_C = R_NC.transpose() * Eigen::Vector3d::UnitZ();
+    expected.down_sigma = Radians(2);
+    EXPECT_EQ(Said(narrow.skyline.Measure(image, expected)), right);
   }
+}
+
+TEST(Skyline, AHorizonThatHazeHidesIsRefusedByName) {
+  // Only far above it clouds have edges, and far below it the ground has.
+  const View& view = Named("mirror");
+  PaintedWorld world;
+  world.zenith = world.horizon = world.ground_far = {190, 190, 190};
+  world.ground = {120, 120, 120};
+  world.haze_m = 500;
+  world.cloud = 6;
+  const Eigen::Matrix3d R_NC = RotationFromTaitBryan({0.3, 0.2, 0.25}) * view.R_BC;
+  const cv::Mat image = view.photographer.Paint(world, R_NC, 5);
+  SkylineExpected expected;
+  expected.down_C = R_NC.transpose() * Eigen::Vector3d::UnitZ();
+  expected.down_sigma = Radians(2);
+  expected.height_m = 100;
+  EXPECT_EQ(Said(view.skyline.Measure(image, expected)), "hazy_skyline");
 }
 
 TEST(Skyline, GreyImagesDo) {
