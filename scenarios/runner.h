@@ -14,8 +14,8 @@ namespace kestrel {
 struct RunOptions {
   std::optional<std::filesystem::path> folder;  // of the records; none: nothing is written
   bool video = true;
-  bool truth = false;                           // truth_images.h, into its folder truth/
   std::function<bool(const LogRow&)> progress;  // after each frame; false breaks the run off
+  bool truth = false;                           // truth_images.h, into its folder truth/
 };
 
 struct FlightResult {
