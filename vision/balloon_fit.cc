@@ -16,14 +16,17 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr int kLines = 72;         // from the middle outwards, by colour
-constexpr double kReach = 1.8;     // of those lines, by the guessed radius
-constexpr int kMostSteps = 120;    // on each
-constexpr int kTrials = 120;       // of the consensus
-constexpr double kStep_px = 0.5;   // across the outline
-constexpr double kTukey = 4.685;   // deviations
-constexpr double kSharp_px = 1.5;  // half of the width of a sharp edge
-constexpr double kApart_px = 1.5;  // edge points err independently
+constexpr int kLines = 72;                                   // from the middle outwards, by colour
+constexpr double kReach = 1.8;                               // of those lines, by the guessed radius
+constexpr int kMostSteps = 120;                              // on each
+constexpr int kTrials = 120;                                 // of the consensus
+constexpr double kStep_px = 0.5;                             // across the outline
+constexpr double kTukey = 4.685;                             // deviations
+constexpr double kSharp_px = 1.5;                            // half of the width of a sharp edge
+constexpr double kApart_px = 1.5;                            // edge points err independently
+constexpr double kLeastAgreement = 0.6;                      // of the edge points found
+constexpr double kMostUneven_px = 0.6, kMostUneven = 0.015;  // of the outline; by its radius
+constexpr double kBlurSigma = 0.05, kBlurBias = 0.01;        // by an edge's width
 // The middle of a disc's blurred edge lies variance / (2 radius) inside of it; the variance of a pixel along
 // an axis, 1/12, and of the interpolation between pixels, 1/6 on average, px^2.
 constexpr double kEdgeVariance_px2 = 0.25;
@@ -396,12 +399,16 @@ BalloonFit Settle(const cv::Mat& image, const CameraModel& camera, const ColourM
     fit.state = FitState::kTooSmall;
     return fit;
   }
-  // What does not lie on the circle by more than a twentieth of its radius is not its outline.
-  if (fit.outline < options.least_outline || fit.residual_px > std::max(0.7, 0.05 * found_px)) return fit;
-  const double sigma = std::max(options.sigma_px, fit.residual_px);
+  // Too uneven for the outline of a ball, or too much beside it that looks as good.
+  if (fit.outline < options.least_outline ||
+      agreeing < kLeastAgreement * static_cast<double>(edges.points.size()) ||
+      fit.residual_px > std::max(kMostUneven_px, kMostUneven * found_px))
+    return fit;
+  // A blurred edge is misplaced by shading and background in proportion to its width.
+  const double sigma = std::max({options.sigma_px, fit.residual_px, kBlurSigma * edges.width_px});
   const double crowd = std::max(1.0, kApart_px * edges.lines / (2 * M_PI * found_px));
   Eigen::Matrix3d covariance = sigma * sigma * crowd * a.normal.inverse();
-  covariance(2, 2) += std::pow(options.bias_px * *rad_per_px, 2);
+  covariance(2, 2) += std::pow(std::hypot(options.bias_px, kBlurBias * edges.width_px) * *rad_per_px, 2);
   Eigen::Matrix<double, 4, 3> T = Eigen::Matrix<double, 4, 3>::Zero();
   T.topLeftCorner<3, 2>() = a.E;
   T(3, 2) = 1;

@@ -13,7 +13,7 @@ namespace kestrel {
 namespace {
 
 constexpr double kMostPixels = 80000;  // looked at in one image: bounds the time
-constexpr double kMargin = 0.75;       // of the window, on each side of the last box, by its longer side
+constexpr double kMargin = 1;          // of the window, on each side of the last box, by its longer side
 constexpr double kLeastMargin_px = 24;
 constexpr double kMostFill = 1.15;                 // of its box's ellipse: a rectangle fills 1.27 of it
 constexpr double kFewPixels = 12;                  // of a side: a smaller blob's fill says nothing
@@ -69,16 +69,22 @@ bool Sound(const Blob& b, const cv::Size& image, const ColourTrackerOptions& o) 
 
 std::vector<Blob> SoundBlobs(const cv::Mat& weights, const Reduced& r, const cv::Size& image,
                              const ColourTrackerOptions& o) {
-  cv::Mat labels, stats, centroids;
-  const int count = cv::connectedComponentsWithStats(weights > 127, labels, stats, centroids, 8, CV_32S);
   std::vector<Blob> blobs;
-  for (int i = 1; i < count; ++i) {
-    const int* s = stats.ptr<int>(i);
-    const Blob blob{
-        cv::Rect2d(r.part.x + s[cv::CC_STAT_LEFT] * r.step, r.part.y + s[cv::CC_STAT_TOP] * r.step,
-                   s[cv::CC_STAT_WIDTH] * r.step, s[cv::CC_STAT_HEIGHT] * r.step),
-        static_cast<double>(s[cv::CC_STAT_AREA]) * r.step * r.step};
-    if (Sound(blob, image, o)) blobs.push_back(blob);
+  const cv::Mat matches = weights > 127;
+  cv::Mat opened, labels, stats, centroids;
+  // Without strings and other thin things first; but then nothing is left of the smallest targets.
+  cv::morphologyEx(matches, opened, cv::MORPH_OPEN, cv::Mat::ones(3, 3, CV_8U));
+  for (const cv::Mat& mask : {opened, matches}) {
+    if (!blobs.empty()) break;
+    const int count = cv::connectedComponentsWithStats(mask, labels, stats, centroids, 8, CV_32S);
+    for (int i = 1; i < count; ++i) {
+      const int* s = stats.ptr<int>(i);
+      const Blob blob{
+          cv::Rect2d(r.part.x + s[cv::CC_STAT_LEFT] * r.step, r.part.y + s[cv::CC_STAT_TOP] * r.step,
+                     s[cv::CC_STAT_WIDTH] * r.step, s[cv::CC_STAT_HEIGHT] * r.step),
+          static_cast<double>(s[cv::CC_STAT_AREA]) * r.step * r.step};
+      if (Sound(blob, image, o)) blobs.push_back(blob);
+    }
   }
   std::sort(blobs.begin(), blobs.end(), [](const Blob& a, const Blob& b) { return a.area_px > b.area_px; });
   return blobs;
@@ -102,7 +108,9 @@ double Contrast(const cv::Mat& weights, const cv::RotatedRect& ellipse, double& 
     }
   }
   inside_px = mass[0];
-  return mass[0] / std::max(1.0, pixels[0]) - mass[1] / std::max(1.0, pixels[1]);
+  // What of the ring lies off the image tells nothing: a target that fills the image has none.
+  const double ring = M_PI * a * b * (kRingTo * kRingTo - kRingFrom * kRingFrom);
+  return mass[0] / std::max(1.0, pixels[0]) - mass[1] / std::max(1.0, ring);
 }
 
 }  // namespace

@@ -35,9 +35,12 @@ struct PaintedBalls {
   std::function<std::optional<Eigen::Vector3d>(const Eigen::Vector3d&ray_C)> front, behind;
 };
 
-// 16 samples a pixel where a ball or anything else with an edge may be; one elsewhere.
+// 16 samples a pixel where a ball may be, one elsewhere.
 inline cv::Mat PaintBalls(const CameraModel& camera, const PaintedBalls& w, int seed = 1) {
-  constexpr int kSide = 4, kInstants = 5;
+  constexpr int kSide = 4;
+  const bool moves =
+      std::any_of(w.balls.begin(), w.balls.end(), [](const PaintedBall& b) { return !b.step.isZero(); });
+  const int instants = moves ? 5 : 1;
   cv::Mat image(HeightPx(camera), WidthPx(camera), CV_8UC3);
   cv::RNG rng(static_cast<std::uint64_t>(seed) * 77 + 5);
   cv::Mat noise(image.size(), CV_32FC3);
@@ -45,8 +48,7 @@ inline cv::Mat PaintBalls(const CameraModel& camera, const PaintedBalls& w, int 
   const auto background = [&](const Eigen::Vector3d& r) -> Eigen::Vector3d {
     if (w.behind)
       if (const auto c = w.behind(r)) return *c;
-    const double n = LatticeNoise(12 * std::atan2(r.x(), r.z()), 12 * r.y(), 3) +
-                     0.6 * LatticeNoise(40 * std::atan2(r.x(), r.z()), 40 * r.y(), 4);
+    const double n = LatticeNoise(12 * r.x(), 12 * r.y(), 3) + 0.6 * LatticeNoise(40 * r.x(), 40 * r.y(), 4);
     const double share = std::clamp(0.5 + r.y() / 0.004, 0.0, 1.0);
     return (share * w.ground + (1 - share) * w.sky).array() + (0.3 + 0.7 * share) * w.rough * n;
   };
@@ -61,8 +63,8 @@ inline cv::Mat PaintBalls(const CameraModel& camera, const PaintedBalls& w, int 
   };
   const auto near_ball = [&](const Eigen::Vector3d& r) {
     return std::any_of(w.balls.begin(), w.balls.end(), [&](const PaintedBall& b) {
-      const double reach = 1.2 * b.radius + b.step.norm() + 0.02 * b.p_CT.norm();
-      return (b.p_CT.dot(r) * r - b.p_CT).norm() < reach;
+      const double reach = 1.1 * b.radius + b.step.norm() + 0.02 * b.p_CT.norm();
+      return (b.p_CT.dot(r) * r - b.p_CT).squaredNorm() < reach * reach;
     });
   };
   for (int y = 0; y < image.rows; ++y)
@@ -70,7 +72,7 @@ inline cv::Mat PaintBalls(const CameraModel& camera, const PaintedBalls& w, int 
       Eigen::Vector3d c = Eigen::Vector3d::Zero();
       const auto middle = Ray(camera, {x, y});
       if (middle) {
-        const int side = near_ball(*middle) || w.front || w.behind ? kSide : 1;
+        const int side = near_ball(*middle) ? kSide : 1;
         for (int s = 0; s < side * side; ++s) {
           const auto ray =
               Ray(camera, {x + (s % side + 0.5) / side - 0.5, y + (s / side + 0.5) / side - 0.5});
@@ -78,15 +80,15 @@ inline cv::Mat PaintBalls(const CameraModel& camera, const PaintedBalls& w, int 
           const auto before = w.front ? w.front(r) : std::nullopt;
           const Eigen::Vector3d back = background(r);
           Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-          for (int i = 0; i < kInstants; ++i) {
+          for (int i = 0; i < instants; ++i) {
             // A different instant for each sample: as smooth as many more of them.
-            const double when = (i + (s + 0.5) / (side * side)) / kInstants - 0.5;
+            const double when = (i + (s + 0.5) / (side * side)) / instants - 0.5;
             Eigen::Vector3d colour = back;
             for (const PaintedBall& ball : w.balls)
               if (ball_at(ball, when, r, colour)) break;
             sum += before ? *before : colour;
           }
-          c += sum / kInstants;
+          c += sum / instants;
         }
         c = (w.brightness * c / (side * side)).cwiseProduct(w.tint);
         for (int k = 0; k < 3; ++k) c[k] += noise.at<cv::Vec3f>(y, x)[k];
