@@ -18,6 +18,7 @@
 #include "scenarios/bench_calibration.h"
 #include "scenarios/bench_render.h"
 #include "scenarios/bench_servo.h"
+#include "scenarios/bench_trackers.h"
 #include "scenarios/files.h"
 #include "scenarios/fly_all.h"
 #include "vision/homography.h"
@@ -290,8 +291,8 @@ void WriteJson(const std::string& file, const std::vector<Figure>& table) {
 }  // namespace
 
 std::vector<std::string> BenchNames() {
-  return {"flights", "fisheye", "attitude", "gyro_failure", "drift",
-          "heights", "speed",   "render",   "calibration",  "servo"};
+  return {"flights", "fisheye", "attitude",    "gyro_failure", "drift",   "heights",
+          "speed",   "render",  "calibration", "servo",        "trackers"};
 }
 
 bool Bench(const BenchArguments& arguments) {
@@ -308,6 +309,7 @@ bool Bench(const BenchArguments& arguments) {
   if (chosen("render")) BenchRender(seeds.first, seeds.last, table);
   if (chosen("calibration")) BenchCalibration(seeds.first, seeds.last, arguments.jobs, table);
   if (chosen("servo")) BenchServo(table);
+  if (chosen("trackers")) BenchTrackers(seeds.first, seeds.last, table);
   Print(table);
   if (!arguments.json.empty()) WriteJson(arguments.json, table);
   return std::all_of(table.begin(), table.end(), [](const Figure& f) { return f.Met(); });

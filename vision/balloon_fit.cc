@@ -26,7 +26,7 @@ constexpr double kSharp_px = 1.5;                            // half of the widt
 constexpr double kApart_px = 1.5;                            // edge points err independently
 constexpr double kLeastAgreement = 0.6;                      // of the edge points found
 constexpr double kMostUneven_px = 0.6, kMostUneven = 0.015;  // of the outline; by its radius
-constexpr double kBlurSigma = 0.05, kBlurBias = 0.01;        // by an edge's width
+constexpr double kBlurUneven = 0.1, kBlurSigma = 0.05, kBlurBias = 0.01;  // by an edge's width
 // The middle of a disc's blurred edge lies variance / (2 radius) inside of it; the variance of a pixel along
 // an axis, 1/12, and of the interpolation between pixels, 1/6 on average, px^2.
 constexpr double kEdgeVariance_px2 = 0.25;
@@ -402,7 +402,7 @@ BalloonFit Settle(const cv::Mat& image, const CameraModel& camera, const ColourM
   // Too uneven for the outline of a ball, or too much beside it that looks as good.
   if (fit.outline < options.least_outline ||
       agreeing < kLeastAgreement * static_cast<double>(edges.points.size()) ||
-      fit.residual_px > std::max(kMostUneven_px, kMostUneven * found_px))
+      fit.residual_px > std::max({kMostUneven_px, kMostUneven * found_px, kBlurUneven * edges.width_px}))
     return fit;
   // A blurred edge is misplaced by shading and background in proportion to its width.
   const double sigma = std::max({options.sigma_px, fit.residual_px, kBlurSigma * edges.width_px});

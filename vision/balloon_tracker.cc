@@ -1,11 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/balloon_tracker.h"
 
+#include <cmath>
+
 namespace kestrel {
 
 BalloonTracker::BalloonTracker(const ColourModel& model, const CameraModel& camera,
                                const BalloonTrackerOptions& options)
     : camera_(camera), options_(options), colour_(model, options.colour) {}
+
+void BalloonTracker::Begin(const cv::Rect2d& box) {
+  colour_.Correct(box);
+  before_.reset(), last_.reset();
+  if (!(box.width > 0 && box.height > 0)) return;
+  const Eigen::Vector2d centre(box.x + box.width / 2 - 0.5, box.y + box.height / 2 - 0.5);
+  Eigen::Matrix<double, 3, 2> d_pixel;
+  if (const auto axis = Ray(camera_, centre, &d_pixel))
+    last_ = OutlineCone{*axis, (box.width + box.height) / 4 * d_pixel.norm() / std::sqrt(2.0)};
+}
 
 BalloonObservation BalloonTracker::Track(const cv::Mat& bgr) {
   BalloonObservation seen;
@@ -20,7 +32,17 @@ BalloonObservation BalloonTracker::Track(const cv::Mat& bgr) {
   if (!seen.track.target) return seen;
   seen.fit = FitBalloon(bgr, camera_, colour_.model(), seen.track.target->centre,
                         seen.track.target->diameter_px, expected, options_.fit);
-  if (seen.fit->state != FitState::kFitted) return seen;
+  if (seen.fit->state != FitState::kFitted) {
+    // What is cut by the edge of the image or too small may well be the balloon.
+    const bool whole = seen.track.state == TrackState::kTracked || seen.track.state == TrackState::kAmbiguous;
+    if (whole && seen.fit->state == FitState::kTooLittleOutline &&
+        ++not_round_frames_ >= options_.refuse_frames) {
+      colour_.Refuse();
+      not_round_frames_ = 0;
+    }
+    return seen;
+  }
+  not_round_frames_ = 0;
   seen.cone = last_ = seen.fit->cone;
   seen.features = FeaturesOf(seen.fit->cone, seen.fit->covariance);
   if (const auto box = OutlineBox(camera_, seen.fit->cone))

@@ -13,12 +13,14 @@ namespace kestrel {
 struct BalloonTrackerOptions {
   ColourTrackerOptions colour;
   BalloonFitOptions fit;
+  int refuse_frames = 5;  // without a round outline, one after the other: something else has its colour
 };
 
 template <class Visitor>
 void Fields(Visitor& v, BalloonTrackerOptions& o) {
   v("colour", o.colour);
   v("fit", o.fit);
+  v("refuse_frames", o.refuse_frames, 1, 10000);
 }
 
 struct BalloonObservation {
@@ -37,6 +39,8 @@ class BalloonTracker {
  public:
   BalloonTracker(const ColourModel& model, const CameraModel& camera, const BalloonTrackerOptions& options);
 
+  // Points at the balloon in the next image; without it, it is found by its colour. Box: as in OutlineBox().
+  void Begin(const cv::Rect2d& box);
   BalloonObservation Track(const cv::Mat& bgr);  // CV_8UC3 of the camera's size
 
   const ColourTracker& colour() const { return colour_; }
@@ -46,6 +50,7 @@ class BalloonTracker {
   BalloonTrackerOptions options_;
   ColourTracker colour_;
   std::optional<OutlineCone> last_, before_;  // of the last image and that before it, if fitted
+  int not_round_frames_ = 0;
 };
 
 }  // namespace kestrel

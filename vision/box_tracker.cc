@@ -41,8 +41,9 @@ BoxTracker PeerBoxes(const char* name) {
 BoxTracker CamShiftBoxes(const ColourModel& model, const ColourTrackerOptions& options) {
   const auto tracker = std::make_shared<ColourTracker>(model, options);
   return {"CamShift",
-          [tracker, model, options](const cv::Mat& bgr, const cv::Rect2d&) {
+          [tracker, model, options](const cv::Mat& bgr, const cv::Rect2d& box) {
             *tracker = ColourTracker(model, options);
+            tracker->Correct(box);
             return tracker->Track(bgr).target.has_value();
           },
           [tracker](const cv::Mat& bgr) -> std::optional<cv::Rect2d> {
@@ -55,8 +56,9 @@ BoxTracker BalloonBoxes(const ColourModel& model, const CameraModel& camera,
                         const BalloonTrackerOptions& options) {
   const auto tracker = std::make_shared<BalloonTracker>(model, camera, options);
   return {"CamShift and outline",
-          [tracker, model, camera, options](const cv::Mat& bgr, const cv::Rect2d&) {
+          [tracker, model, camera, options](const cv::Mat& bgr, const cv::Rect2d& box) {
             *tracker = BalloonTracker(model, camera, options);
+            tracker->Begin(box);
             return tracker->Track(bgr).cone.has_value();
           },
           [tracker, camera](const cv::Mat& bgr) -> std::optional<cv::Rect2d> {

@@ -97,7 +97,7 @@ ColourLesson ColourModel::Learn(const cv::Mat& bgr, const cv::Mat& mask) {
     wide += model.hue_[bin] > 127;
   }
   model.least_saturation_ = std::max(kLeastSaturation, Quantile(saturations, kQuantile) - kMargin);
-  model.least_value_ = std::max(kLeastValue, Quantile(values, kQuantile) / 2);  // in its own shade
+  model.least_value_ = std::max(kLeastValue, Quantile(values, kQuantile) / 4);  // in the shade
   model.most_value_ = 255;
   if (2 * wide > kBins) {
     lesson.state = LessonState::kTooManyColours;

@@ -175,7 +175,15 @@ ColourTrack ColourTracker::Track(const cv::Mat& bgr) {
 }
 
 void ColourTracker::Correct(const cv::Rect2d& box) {
-  if (box_ && box.width > 0 && box.height > 0) box_ = remembered_ = box;
+  if (!(box.width > 0 && box.height > 0)) return;
+  box_ = remembered_ = box;
+  refused_ = 0;
+}
+
+void ColourTracker::Refuse() {
+  box_.reset(), remembered_.reset();
+  step_px_.setZero();
+  ++refused_;
 }
 
 ColourTracker::Search ColourTracker::Find(const cv::Mat& bgr) {
@@ -193,6 +201,8 @@ ColourTracker::Search ColourTracker::Find(const cv::Mat& bgr) {
     const double side = std::max(remembered_->width, remembered_->height), f = options_.return_factor;
     std::erase_if(blobs, [&](const Blob& b) { return b.Side() > f * side || f * b.Side() < side; });
   }
+  if (refused_ >= blobs.size()) refused_ = 0;
+  blobs.erase(blobs.begin(), blobs.begin() + static_cast<std::ptrdiff_t>(refused_));
   if (blobs.empty()) return {};
   if (blobs.size() > 1 && blobs[1].area_px > options_.rival_share * blobs[0].area_px) {
     if (!remembered_) return {TrackState::kAmbiguous, {}};

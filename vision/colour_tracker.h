@@ -67,9 +67,13 @@ class ColourTracker {
   ColourTracker(const ColourModel& model, const ColourTrackerOptions& options);
 
   ColourTrack Track(const cv::Mat& bgr);  // CV_8UC3 (blue, green, red)
-  // A better box of the target in the image just tracked, from the fit of its outline: the next window is
-  // laid by it, so that CamShift's own does not creep over what has the same colour.
+  // Where the target was in the last image, by whoever knows better: the fit of its outline, so that CamShift
+  // does not creep over what has the same colour; or, before the first image, the one who points at it.
   void Correct(const cv::Rect2d& box);
+
+  // What is tracked is not the target, by whoever looked closer: the next largest blob is tried in its place,
+  // and after the last the first again.
+  void Refuse();
 
   const ColourModel& model() const { return model_; }
   // What the last Track() looked at, for the overlay, px.
@@ -91,6 +95,7 @@ class ColourTracker {
   Eigen::Vector2d step_px_ = Eigen::Vector2d::Zero();  // its motion from image to image
   std::optional<cv::Rect2d> remembered_;               // where it was seen last, and its size
   int missing_frames_ = 0;
+  std::size_t refused_ = 0;  // so many of the largest blobs
 };
 
 }  // namespace kestrel

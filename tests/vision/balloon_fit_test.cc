@@ -177,6 +177,21 @@ TEST(BalloonFitTest, TrackedInFrontOfAWallOfItsColourItKeepsTheBallWhereCamShift
   EXPECT_GT(camshift_px, 15);
 }
 
+TEST(BalloonFitTest, StartedOnSomethingLargerOfItsColourItRefusesThatAndTakesTheBall) {
+  PaintedBalls world;
+  world.balls[0].p_CT = {0.9, 0.1, 3};
+  world.behind = [](const Eigen::Vector3d& r) -> std::optional<Eigen::Vector3d> {
+    if (std::abs(r.x() / r.z() + 0.3) + std::abs(r.y() / r.z()) < 0.2) return Eigen::Vector3d(30, 25, 215);
+    return {};
+  };
+  BalloonTracker tracker(kRed, kPinhole, {});
+  const cv::Mat image = PaintBalls(kPinhole, world);
+  for (int k = 0; k < 5; ++k) EXPECT_FALSE(tracker.Track(image).cone) << k;
+  const BalloonObservation seen = tracker.Track(image);
+  ASSERT_TRUE(seen.cone);
+  EXPECT_LT(seen.cone->axis.cross(world.balls[0].p_CT.normalized()).norm() * 250, 0.2);
+}
+
 TEST(BalloonFitTest, ABoxOfItsColourIsNotRound) {
   PaintedBalls world;
   world.balls.clear();
