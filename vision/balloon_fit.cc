@@ -26,7 +26,7 @@ constexpr double kSharp_px = 1.5;                            // half of the widt
 constexpr double kApart_px = 1.5;                            // edge points err independently
 constexpr double kLeastAgreement = 0.6;                      // of the edge points found
 constexpr double kMostUneven_px = 0.6, kMostUneven = 0.015;  // of the outline; by its radius
-constexpr double kBlurUneven = 0.1, kBlurSigma = 0.05, kBlurBias = 0.01;  // by an edge's width
+constexpr double kBlurUneven = 0.1, kBlurSigma = 0.08, kBlurBias = 0.01;  // by an edge's width
 // The middle of a disc's blurred edge lies variance / (2 radius) inside of it; the variance of a pixel along
 // an axis, 1/12, and of the interpolation between pixels, 1/6 on average, px^2.
 constexpr double kEdgeVariance_px2 = 0.25;
@@ -437,8 +437,7 @@ const char* NameOf(FitState state) {
 }
 
 BalloonFit FitBalloon(const cv::Mat& bgr, const CameraModel& camera, const ColourModel& model,
-                      const Vector2d& centre_px, double diameter_px,
-                      const std::optional<OutlineCone>& expected, const BalloonFitOptions& options) {
+                      const Vector2d& centre_px, double diameter_px, const BalloonFitOptions& options) {
   BalloonFit fit;
   if (bgr.type() != CV_8UC3 || bgr.cols != WidthPx(camera) || bgr.rows != HeightPx(camera)) return fit;
   if (!(diameter_px >= 2 * options.least_radius_px)) {
@@ -455,13 +454,18 @@ BalloonFit FitBalloon(const cv::Mat& bgr, const CameraModel& camera, const Colou
   fit.state = FitState::kTooLittleOutline;
   if (const auto rough = Consensus(points, diameter_px / 2 * *rad_per_px))
     fit = Settle(bgr, camera, model, *rough, options);
-  constexpr double kPlenty = 0.8;
-  if (expected && (fit.state != FitState::kFitted || fit.outline < kPlenty)) {
-    BalloonFit again = Settle(bgr, camera, model, *expected, options);
-    if (again.state == FitState::kFitted && (fit.state != FitState::kFitted || again.outline > fit.outline))
-      fit = std::move(again);
-  }
   return fit;
+}
+
+BalloonFit FitBalloonNear(const cv::Mat& bgr, const CameraModel& camera, const ColourModel& model,
+                          const OutlineCone& expected, const BalloonFitOptions& options) {
+  if (bgr.type() != CV_8UC3 || bgr.cols != WidthPx(camera) || bgr.rows != HeightPx(camera)) return {};
+  if (!expected.axis.allFinite() || !(expected.half_angle > 0 && expected.half_angle < M_PI / 2)) {
+    BalloonFit fit;
+    fit.state = FitState::kOffLens;
+    return fit;
+  }
+  return Settle(bgr, camera, model, expected, options);
 }
 
 std::optional<SphereFeatures> FeaturesOf(const OutlineCone& cone, const Eigen::Matrix4d& covariance) {

@@ -57,11 +57,14 @@ struct BalloonFit {
 // The balloon's outline near a guess, px, such as CamShift's: edge points to a fraction of a pixel on lines
 // across it, where the colour is halfway between inside and outside, and the cone through their rays,
 // robustly. A string, a pole before it or things of its colour behind it are but outliers, as long as enough
-// outline is left. expected: the cone of the last image, if there is one; it helps where the colour alone
-// misleads.
+// outline is left.
 BalloonFit FitBalloon(const cv::Mat& bgr, const CameraModel& camera, const ColourModel& model,
                       const Eigen::Vector2d& centre_px, double diameter_px,
-                      const std::optional<OutlineCone>& expected = {}, const BalloonFitOptions& options = {});
+                      const BalloonFitOptions& options = {});
+// The same near an expected cone, off by less than a third of its half-angle or 20 px: also where the colour
+// of what is behind it does not tell it.
+BalloonFit FitBalloonNear(const cv::Mat& bgr, const CameraModel& camera, const ColourModel& model,
+                          const OutlineCone& expected, const BalloonFitOptions& options = {});
 
 // Thesis (5.16): x = X/Z, y = Y/Z, diameter = D/Z of the sphere behind a cone, whatever its size, with their
 // covariance. None unless the sphere's centre is before the camera, Z > 0.

@@ -2,8 +2,16 @@
 #include "vision/balloon_tracker.h"
 
 #include <cmath>
+#include <utility>
 
 namespace kestrel {
+
+namespace {
+
+constexpr double kPlenty = 0.8;      // of the outline: no need to look any further
+constexpr double kMostGrowth = 1.3;  // of the half-angle from image to image
+
+}  // namespace
 
 BalloonTracker::BalloonTracker(const ColourModel& model, const CameraModel& camera,
                                const BalloonTrackerOptions& options)
@@ -29,9 +37,20 @@ BalloonObservation BalloonTracker::Track(const cv::Mat& bgr) {
   }
   before_ = last_;
   last_.reset();
-  if (!seen.track.target) return seen;
-  seen.fit = FitBalloon(bgr, camera_, colour_.model(), seen.track.target->centre,
-                        seen.track.target->diameter_px, expected, options_.fit);
+  const auto fitted = [&] { return seen.fit && seen.fit->state == FitState::kFitted; };
+  if (expected) {
+    // By its shape where it should be, whether or not its colour tells it there.
+    seen.fit = FitBalloonNear(bgr, camera_, colour_.model(), *expected, options_.fit);
+    const double grown = seen.fit->cone.half_angle / expected->half_angle;
+    if (fitted() && (grown > kMostGrowth || grown < 1 / kMostGrowth)) seen.fit.reset();
+  }
+  if (seen.track.target && !(fitted() && seen.fit->outline > kPlenty)) {
+    BalloonFit by_colour = FitBalloon(bgr, camera_, colour_.model(), seen.track.target->centre,
+                                      seen.track.target->diameter_px, options_.fit);
+    if (!fitted() || (by_colour.state == FitState::kFitted && by_colour.outline > seen.fit->outline))
+      seen.fit = std::move(by_colour);
+  }
+  if (!seen.fit) return seen;
   if (seen.fit->state != FitState::kFitted) {
     // What is cut by the edge of the image or too small may well be the balloon.
     const bool whole = seen.track.state == TrackState::kTracked || seen.track.state == TrackState::kAmbiguous;

@@ -25,8 +25,9 @@ void Fields(Visitor& v, BalloonTrackerOptions& o) {
 
 struct BalloonObservation {
   ColourTrack track;
-  std::optional<BalloonFit> fit;  // tried whenever there is a target; look at its state
-  // The balloon's cone, and x, y and diameter of thesis (5.16), only if fitted.
+  std::optional<BalloonFit> fit;  // tried where colour or the last images say there is a balloon
+  // The balloon's cone, and x, y and diameter of thesis (5.16), only if fitted. There may be a cone without a
+  // target of the colour: before something of its colour, its outline alone tells it.
   std::optional<OutlineCone> cone;
   std::optional<SphereFeatures> features;
 };
