@@ -122,6 +122,24 @@ TEST(BalloonFitTest, ItsStringIsNotItsOutline) {
   EXPECT_LT(std::abs(e.half_angle_px), 0.12);
 }
 
+TEST(BalloonFitTest, ABumpOfItsColourOnItsRimIsAnOutlier) {
+  PaintedBalls world;
+  world.balls[0].p_CT = {0, 0.1, 1.5};
+  // It stands out by 3 px along a fifth of the rim.
+  const Eigen::Vector3d axis = world.balls[0].p_CT.normalized();
+  const double half_angle = std::asin(0.25 / world.balls[0].p_CT.norm());
+  world.front = [=](const Eigen::Vector3d& r) -> std::optional<Eigen::Vector3d> {
+    const Eigen::Vector3d side = r - r.dot(axis) * axis;
+    const double out = std::atan2(side.norm(), r.dot(axis)) / half_angle;
+    if (out > 0.97 && out < 1.08 && side.x() > 0.82 * side.norm()) return Eigen::Vector3d(22, 18, 160);
+    return {};
+  };
+  const Errors e = Look(kPinhole, world, 250);
+  ASSERT_EQ(std::string(NameOf(e.state)), "fitted");
+  EXPECT_LT(e.across_px, 0.15);
+  EXPECT_LT(std::abs(e.half_angle_px), 0.15);
+}
+
 TEST(BalloonFitTest, BlurredByMotionItIsWhereItWasInTheMiddleOfTheExposure) {
   PaintedBalls world;
   world.balls[0].p_CT = {0, 0.1, 2};
