@@ -19,6 +19,7 @@
 #include "scenarios/bench_horizon.h"
 #include "scenarios/bench_render.h"
 #include "scenarios/bench_servo.h"
+#include "scenarios/bench_trackers.h"
 #include "scenarios/files.h"
 #include "scenarios/fly_all.h"
 #include "vision/homography.h"
@@ -292,7 +293,7 @@ void WriteJson(const std::string& file, const std::vector<Figure>& table) {
 
 std::vector<std::string> BenchNames() {
   return {"flights", "fisheye", "attitude", "horizon",     "gyro_failure", "drift",
-          "heights", "speed",   "render",   "calibration", "servo"};
+          "heights", "speed",   "render",   "calibration", "servo",        "trackers"};
 }
 
 bool Bench(const BenchArguments& arguments) {
@@ -310,6 +311,7 @@ bool Bench(const BenchArguments& arguments) {
   if (chosen("render")) BenchRender(seeds.first, seeds.last, table);
   if (chosen("calibration")) BenchCalibration(seeds.first, seeds.last, arguments.jobs, table);
   if (chosen("servo")) BenchServo(table);
+  if (chosen("trackers")) BenchTrackers(seeds.first, seeds.last, table);
   Print(table);
   if (!arguments.json.empty()) WriteJson(arguments.json, table);
   return std::all_of(table.begin(), table.end(), [](const Figure& f) { return f.Met(); });

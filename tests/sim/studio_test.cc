@@ -100,7 +100,7 @@ TEST_F(StudioTest, SurveysWhatIsThereAndHowItMovedSinceTheShotBefore) {
   const double across = 1 / Ray(kCamera, {10, 47})->z();
   EXPECT_NEAR(first.surfaces.depth_m.at<float>(ground), (kHeight_m + 0.1) * across, 1e-4);
   EXPECT_NEAR(first.surfaces.depth_m.at<float>(slab), kHeight_m / Ray(kCamera, {150, 47})->z(), 1e-4);
-  EXPECT_EQ(first.surfaces.geom.at<int>(ground), 1);
+  EXPECT_EQ(first.surfaces.geom.at<int>(ground), 0);  // those of the world come first
   EXPECT_EQ(first.surfaces.geom.at<int>(slab), 2);
   EXPECT_NEAR(second.flow_here.at<cv::Vec2f>(ground)[0], -200 * 0.1 / (kHeight_m + 0.1), 1e-3);
   EXPECT_NEAR(second.flow_here.at<cv::Vec2f>(slab)[0], -200 * 0.1 / kHeight_m, 1e-3);
