@@ -47,9 +47,8 @@ void Tell(const HorizonAttitude::Measurement& m) {
   }
   const SkylineFix& fix = std::get<SkylineFix>(m.skyline);
   fmt::print(
-      "roll {:.2f} +- {:.2f} deg, pitch {:.2f} +- {:.2f} deg; skyline in {:.0f} % of all directions, {:.2f} "
-      "deg "
-      "below the horizontal\n",
+      "roll {:.2f} +- {:.2f} deg, pitch {:.2f} +- {:.2f} deg (one deviation); skyline in {:.0f} % of all "
+      "directions, dip {:.2f} deg\n",
       Degrees(m.attitude->roll), Degrees(std::sqrt(m.attitude->covariance(0, 0))), Degrees(m.attitude->pitch),
       Degrees(std::sqrt(m.attitude->covariance(1, 1))), 100 * fix.circle_seen, Degrees(fix.dip));
 }
@@ -69,9 +68,14 @@ CLI::App* AddHorizonCommand(CLI::App& app, HorizonArguments& a) {
   command
       ->add_option("--mount-yaw-deg", a.yaw_deg,
                    "How the camera is mounted: looking down with the top of the image forward, then turned")
+      ->check(CLI::Range(-180.0, 180.0))
       ->capture_default_str();
-  command->add_option("--mount-pitch-deg", a.pitch_deg, "90: looking ahead")->capture_default_str();
-  command->add_option("--mount-roll-deg", a.roll_deg, "180: looking up")->capture_default_str();
+  command->add_option("--mount-pitch-deg", a.pitch_deg, "90: looking ahead")
+      ->check(CLI::Range(-90.0, 90.0))
+      ->capture_default_str();
+  command->add_option("--mount-roll-deg", a.roll_deg, "180: looking up")
+      ->check(CLI::Range(-180.0, 180.0))
+      ->capture_default_str();
   command->add_option("--mask", a.mask,
                       "An image of the same size, not black where the aircraft itself is seen");
   command->add_option("--out", a.out, "Picture (.png, .jpg) or video (.mp4) with what was seen drawn on it");
@@ -107,8 +111,13 @@ void HorizonCommand(const HorizonArguments& a) {
   if (const auto file = CameraFile(name, "", "--camera", mistakes))
     camera = LoadCamera(*file, mistakes, a.camera_name, size);
   if (!a.mask.empty()) {
-    mask = cv::imread(a.mask, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
-    if (mask.empty()) {
+    if (fs::is_regular_file(a.mask)) {
+      mask = cv::imread(a.mask, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION | cv::IMREAD_ANYDEPTH);
+      if (!mask.empty()) mask = mask > 0;
+    }
+    if (!fs::is_regular_file(a.mask)) {
+      mistakes.Add("--mask", "", fmt::format("there is no file '{}'", a.mask));
+    } else if (mask.empty()) {
       mistakes.Add("--mask", "", fmt::format("'{}' cannot be read as an image", a.mask));
     } else if (size && mask.size() != *size) {
       mistakes.Add("--mask", "",
@@ -123,9 +132,12 @@ void HorizonCommand(const HorizonArguments& a) {
                     video ? "a video; valid: an ending .mp4" : "an image; valid: an ending .png or .jpg"));
   for (const auto& [option, file] : {std::pair{"--out", a.out}, {"--csv", a.csv}}) {
     CheckWritableFile(file, option, mistakes);
-    if (!file.empty() && SameFile(file, a.input))
-      mistakes.Add(option, "", fmt::format("'{}' is the input", file));
+    for (const std::string& taken : {a.input, a.camera, a.mask})
+      if (!file.empty() && !taken.empty() && SameFile(file, taken))
+        mistakes.Add(option, "", fmt::format("'{}' is read; valid: another file", file));
   }
+  if (!a.out.empty() && a.out == a.csv)
+    mistakes.Add("--csv", "", fmt::format("'{}' is that of --out too; valid: another file", a.csv));
   mistakes.ThrowIfAny();
 
   const Pose X_BC = MountPose({.yaw_deg = a.yaw_deg, .pitch_deg = a.pitch_deg, .roll_deg = a.roll_deg});

@@ -187,10 +187,8 @@ int Main(int argc, char** argv) {
   BenchArguments bench;
   CLI::App* bench_command = app.add_subcommand("bench", "Measure: a table of figures beside their targets");
   bench_command
-      ->add_option(
-          "name", bench.name,
-          "flights, fisheye, attitude, horizon, drift, heights, speed, render, calibration; all when none is "
-          "given")
+      ->add_option("name", bench.name,
+                   fmt::format("{}; all when none is given", fmt::join(BenchNames(), ", ")))
       ->check(CLI::IsMember(BenchNames()));
   bench_command->add_option("--seeds", bench.seeds, "A..B, first and last")->capture_default_str();
   bench_command->add_option("--jobs", bench.jobs, "Flights at the same time")

@@ -93,7 +93,7 @@ void AddFailure(const std::vector<LogRow>& rows, std::map<std::string, double>& 
   m["failure_height_worst_m"] = height;
   m["failure_place_worst_m"] = place;
   if (noticed_s) m["failure_noticed_s"] = *noticed_s;
-  m["failure_returned"] = !rows.back().now.attitude_failed && !rows.back().estimate.aided;
+  m["failure_returned"] = noticed_s && !rows.back().now.attitude_failed && !rows.back().estimate.aided;
 }
 
 }  // namespace

@@ -38,6 +38,7 @@ struct Decision {
   std::optional<TargetFix> fix;  // none while the target is lost
   double fix_age_s = 0;          // time since the exposure of the newest fix; grows while lost
   std::optional<AttitudeFix> attitude;
+  std::optional<double> coasting_s;       // for how long the gyros alone have carried the camera's attitude
   std::optional<AttitudeAid> aid;         // for the autopilot to fly by in place of its own attitude
   std::optional<AttitudeFix> baseline;    // the thesis's own way, where both are compared
   std::optional<Eigen::Vector3d> goal_T;  // where the aircraft is meant to be, in the target's frame, m

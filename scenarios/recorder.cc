@@ -100,6 +100,8 @@ Columns::Columns(const LogRow& row) {
   Number("compass_turned_deg", headed, Degrees(attitude_fix.turned.value_or(0)));
   Number("compass_sigma_deg", headed, Degrees(attitude_fix.turned_sigma));
 
+  Number("horizon_coasting_s", decision.coasting_s.has_value(), decision.coasting_s.value_or(0));
+
   const Setpoint* setpoint = decision.setpoint ? &*decision.setpoint : nullptr;
   const auto* velocity = std::get_if<VelocitySetpoint>(setpoint);
   const auto* position = std::get_if<PositionSetpoint>(setpoint);

@@ -113,6 +113,14 @@ std::string Rgb(const Colour& c) { return fmt::format("{} {} {}", c.x(), c.y(), 
 // What MuJoCo's own light makes of level ground: never black, so that it can be divided by.
 Colour PlainLight(const Sky& sky) { return sky.LevelLight().cwiseMax(0.02f).cwiseMin(1.0f); }
 
+// Haze may be brighter than anything that this light can make of the ground: where it is thick within the
+// plane, the plane glows by itself, as all that lies farther off does.
+float PlainGlow(const Sky& sky) {
+  const Colour black = Colour::Zero(), edge = sky.Hazed(black, kPlaneHalf_m, 0);
+  const float thick = edge.maxCoeff() / std::max(1e-6f, sky.Hazed(black, 1e9f, 0).maxCoeff());
+  return std::max(0.0f, 2 * thick - 1) * (1 - PlainLight(sky).minCoeff());
+}
+
 }  // namespace
 
 LandscapeModel MakeLandscape(const LandscapeParameters& p, std::uint64_t run_seed) {
@@ -144,7 +152,7 @@ LandscapeModel MakeLandscape(const LandscapeParameters& p, std::uint64_t run_see
     <texture name="lawn" type="2d" builtin="flat" width="{2}" height="{2}"/>
     <texture name="round" type="2d" builtin="flat" width="{3}" height="{4}"/>
     <texture name="scenery" type="2d" builtin="flat" width="{5}" height="{5}"/>
-    <material name="plain" texture="plain" specular="0"/>
+    <material name="plain" texture="plain" specular="0" emission="{16}"/>
     <material name="lawn" texture="lawn" specular="0"/>
     <material name="round" texture="round" specular="0" emission="1"/>
     <material name="scenery" texture="scenery" specular="0" emission="1"/>
@@ -159,14 +167,15 @@ LandscapeModel MakeLandscape(const LandscapeParameters& p, std::uint64_t run_see
 </mujoco>)",
       kSkyTexels, 6 * kSkyTexels, kPlainTexels, kRoundTexels[0], kRoundTexels[1], kPalette, meshes, -sun.x(),
       sun.y(), -std::max(sun.z(), 0.01f), Rgb(ambient), Rgb(sunlight), kPlaneHalf_m, kLawnHeight_m / 2,
-      kLawnHalf_m, geoms);
+      kLawnHalf_m, geoms, PlainGlow(parts.sky));
   return model;
 }
 
 void PaintLandscape(const LandscapeParameters& p, std::uint64_t run_seed, mjModel* m) {
   const Parts parts(p, SeedOf(p, run_seed));
   const Colour light = PlainLight(parts.sky);
-  PaintPlain(parts.ground, light, kPlaneHalf_m, Picture(m, "plain", kPlainTexels));
+  PaintPlain(parts.ground, (light.array() + PlainGlow(parts.sky)).cwiseMin(1.0f), kPlaneHalf_m,
+             Picture(m, "plain", kPlainTexels));
   PaintPlain(parts.ground, light, kLawnHalf_m, Picture(m, "lawn", kPlainTexels));
   PaintRound(parts.ground, Picture(m, "round", kRoundTexels[0]));
   PaintSky(parts.sky, Picture(m, "sky", kSkyTexels));

@@ -106,8 +106,8 @@ cv::Mat DrawHorizon(const cv::Mat& image, const CameraModel& camera, const Eigen
     const RollPitch angles = RollPitchFromDown(R_BC * fix->down_C, R_BC * fix->covariance * R_BC.transpose());
     DrawArtificialHorizon(out, {62, 62}, 52, angles);
     words = fmt::format("roll {:.2f} +- {:.2f}  pitch {:.2f} +- {:.2f} deg", Degrees(angles.roll),
-                        2 * Degrees(std::sqrt(angles.covariance(0, 0))), Degrees(angles.pitch),
-                        2 * Degrees(std::sqrt(angles.covariance(1, 1))));
+                        Degrees(std::sqrt(angles.covariance(0, 0))), Degrees(angles.pitch),
+                        Degrees(std::sqrt(angles.covariance(1, 1))));
   } else {
     words = fmt::format("no attitude: {}", NameOf(std::get<NoSkyline>(skyline)));
   }
@@ -117,7 +117,7 @@ cv::Mat DrawHorizon(const cv::Mat& image, const CameraModel& camera, const Eigen
       DrawCompassStrip(out, {out.cols / 2 - 110, 6, 220, 26}, heading->turned);
       words =
           fmt::format("turned {:.2f} +- {:.2f} deg  keyframe {}  likeness {:.2f}", Degrees(heading->turned),
-                      2 * Degrees(std::sqrt(heading->variance)), heading->keyframe, heading->likeness);
+                      Degrees(std::sqrt(heading->variance)), heading->keyframe, heading->likeness);
     } else {
       words = fmt::format("no heading: {}", NameOf(std::get<NoHeading>(*compass)));
     }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <opencv2/imgproc.hpp>
 
 #include "geometry/tait_bryan.h"
 #include "sim/stopwatch.h"
@@ -60,11 +61,16 @@ void HorizonWatch::See(const Frame& frame, const VehicleState& state, Decision& 
     filter_.Correct(raw);
     decision.attitude = fix;
   }
+  if (const auto now = filter_.Now()) decision.coasting_s = coasting_s_ = m.attitude ? 0 : now->coasting_s;
   decision.vision_s = SecondsSince(start);
 }
 
 void HorizonWatch::Draw(cv::Mat& bgr) const {
-  if (measured_) bgr = horizon_.Draw(bgr, *measured_);
+  if (!measured_) return;
+  bgr = horizon_.Draw(bgr, *measured_);
+  if (coasting_s_ > 0)
+    cv::putText(bgr, cv::format("by gyros for %.1f s", coasting_s_), {8, bgr.rows - 50},
+                cv::FONT_HERSHEY_SIMPLEX, 0.45, {255, 255, 255}, 1, cv::LINE_AA);
 }
 
 }  // namespace kestrel

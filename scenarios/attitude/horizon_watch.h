@@ -19,7 +19,7 @@ class HorizonWatch {
   // forbidden: where the aircraft itself is seen, as in Skyline.
   HorizonWatch(const CameraModel& camera, const Pose& X_BC, const cv::Mat& forbidden);
 
-  // Fills in the decision's target, attitude and time spent.
+  // Fills in the decision's target, attitude, coasting and time spent.
   void See(const Frame& frame, const VehicleState& state, Decision& decision);
   // At the time of the last state; the yaw counts from the first image with a heading. None until the first
   // attitude.
@@ -36,6 +36,7 @@ class HorizonWatch {
   double yaw_ = 0;                     // the filter's, at the exposure
   std::optional<double> last_turned_;  // by the compass, and the filter's yaw then
   double last_yaw_ = 0;
+  double coasting_s_ = 0;
   bool seen_ = false;
 };
 

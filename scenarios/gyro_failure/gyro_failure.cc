@@ -31,13 +31,13 @@ class GyroFailureMission final : public Mission {
     decision.setpoint = home_;
     const auto seen = watch_.Now();
     const std::string_view fault = FaultOf(state, seen);
-    if (!by_vision_) {
+    if (!fault.empty()) fault_ = fault;
+    if (by_own_ && !fault.empty()) by_own_ = false, agreed_since_s_.reset();
+    if (by_own_) {
       decision.phase = "by own attitude";
-      if (!fault.empty() && usual_ && seen) by_vision_ = true, agreed_since_s_.reset();
-      if (fault.empty() && seen) LearnWhatIsUsual(state, *seen);
-    }
-    if (by_vision_) {
-      FlyBySight(*seen, fault, decision);
+      if (seen) LearnWhatIsUsual(state, *seen);
+    } else {
+      FlyBySight(state, seen, decision);
       MayReturn(state, fault);
     }
     last_inertial_ = state.R_NB_inertial;
@@ -87,13 +87,15 @@ class GyroFailureMission final : public Mission {
     usual_->tilt_B *= std::min(1.0, kUsual / std::max(usual_->tilt_B.norm(), 1e-9));
   }
 
-  void FlyBySight(const Estimate& seen, std::string_view fault, Decision& decision) {
-    decision.phase = fault.empty() ? "by sight: own attitude on trial" : fault;
-    if (seen.coasting_s > flight_.coast_s) {
+  void FlyBySight(const VehicleState& state, const std::optional<Estimate>& seen, Decision& decision) {
+    if (!seen || seen->coasting_s > flight_.coast_s) {
       decision.phase = "blind";
       return;
     }
-    decision.aid = AttitudeAid{Sighted(seen), std::sqrt(seen.P.topLeftCorner<3, 3>().trace() / 3)};
+    if (!usual_) usual_.emplace().north = YawOf(state.R_NB) - YawOf(seen->R_NB);  // the last that was heard
+    const bool on_trial = apart_ < Radians(flight_.disagree_deg) && still_ < kFrames;
+    decision.phase = on_trial ? "by sight: own attitude on trial" : fault_;
+    decision.aid = AttitudeAid{Sighted(*seen), std::sqrt(seen->P.topLeftCorner<3, 3>().trace() / 3)};
   }
 
   void MayReturn(const VehicleState& state, std::string_view fault) {
@@ -102,7 +104,7 @@ class GyroFailureMission final : public Mission {
       return;
     }
     if (!agreed_since_s_) agreed_since_s_ = state.t_s;
-    if (state.t_s - *agreed_since_s_ > flight_.agree_s) by_vision_ = false;
+    if (state.t_s - *agreed_since_s_ > flight_.agree_s) by_own_ = true;
   }
 
   GyroFailureFlight flight_;
@@ -117,7 +119,8 @@ class GyroFailureMission final : public Mission {
   double last_s_ = 0;
   int still_ = 0, apart_frames_ = 0;
   double apart_ = 0;  // rad, between both attitudes beyond the usual; infinite: they cannot be compared
-  bool by_vision_ = false;
+  bool by_own_ = true;
+  std::string_view fault_;  // the last that was found
   std::optional<double> agreed_since_s_;
 };
 

@@ -121,9 +121,31 @@ TEST(GyroFailure, WithoutASkylineTheGyrosCarryOnForAWhileAndThenItIsBlind) {
   EXPECT_EQ(d.phase, "blind");
 }
 
-TEST(GyroFailure, BeforeAnythingWasSeenNothingIsClaimed) {
+TEST(GyroFailure, WithoutASkylineASilentAttitudeIsNotPassedOver) {
   Watcher w;
-  for (int i = 0; i < 5; ++i) EXPECT_FALSE(w.See(std::nullopt, true).aid);
+  for (int i = 0; i < 5; ++i) {
+    const Decision d = w.See(std::nullopt, true);
+    EXPECT_FALSE(d.aid);
+    EXPECT_EQ(d.phase, "blind");
+  }
+}
+
+TEST(GyroFailure, AnAttitudeThatIsSilentFromTheFirstFrameIsReplacedAtOnce) {
+  Watcher w;
+  const Decision d = w.See(std::nullopt);
+  ASSERT_TRUE(d.aid);
+  EXPECT_EQ(d.phase, "by sight: own attitude silent");
+  EXPECT_LT(Degrees(d.aid->R_NB.angularDistance(HeadingRotation(kYaw))), 0.7);
+}
+
+TEST(GyroFailure, WhatCannotBeComparedIsNotOnTrial) {
+  Watcher w;
+  w.LearnWhatIsNormal();
+  for (int i = 0; i < 3; ++i) w.See(w.Sound(8));
+  Decision d;
+  for (int i = 0; i < 15; ++i) d = w.See(w.Sound(8), true);  // dark for longer than a sight is fresh
+  EXPECT_EQ(d.phase, "by sight: own attitude wrong");
+  EXPECT_NEAR(d.coasting_s.value_or(-1), 15 * kFrame_s, 1e-6);
 }
 
 }  // namespace
