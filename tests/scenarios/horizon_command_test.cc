@@ -79,7 +79,7 @@ TEST_F(HorizonCommandTest, EveryMistakeIsToldAtOnce) {
 
 TEST_F(HorizonCommandTest, TheInputIsNotOverwritten) {
   arguments_.out = arguments_.input;
-  EXPECT_THAT(Refusal(), HasSubstr("is the input"));
+  EXPECT_THAT(Refusal(), HasSubstr("is read; valid: another file"));
 }
 
 TEST_F(HorizonCommandTest, ACameraOfAnotherSizeIsRefused) {
