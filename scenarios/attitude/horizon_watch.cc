@@ -28,8 +28,11 @@ HorizonAttitude::Expected HorizonWatch::Expect(const Frame& frame, const Vehicle
     const Eigen::Quaterniond R_NB = now->R_NB * since.conjugate();
     expected.down_B = R_NB.conjugate() * Eigen::Vector3d::UnitZ();
     expected.down_sigma = std::hypot(std::sqrt(now->P.topLeftCorner<2, 2>().trace()), kPredictionSigma);
-    yaw_ = YawOf(R_NB);
-    if (last_turned_) expected.turn = *last_turned_ + WrapAngle(yaw_ - last_yaw_);
+    // From image to image, since without a heading the aircraft may turn by more than half a turn.
+    const double yaw = YawOf(R_NB);
+    since_turned_ += WrapAngle(yaw - yaw_);
+    yaw_ = yaw;
+    if (last_turned_) expected.turn = *last_turned_ + since_turned_;
   }
   expected.height_m = std::max(0.0, -state.p_NB.z());
   return expected;
@@ -56,7 +59,7 @@ void HorizonWatch::See(const Frame& frame, const VehicleState& state, Decision& 
       fix.turned_sigma = std::sqrt(heading->variance);
       raw.heading = WrapAngle(heading->turned);
       raw.heading_variance = heading->variance;
-      last_turned_ = heading->turned, last_yaw_ = yaw_;
+      last_turned_ = heading->turned, since_turned_ = 0;
     }
     filter_.Correct(raw);
     decision.attitude = fix;

@@ -34,8 +34,8 @@ class HorizonWatch {
   HorizonFilter filter_;
   std::optional<HorizonAttitude::Measurement> measured_;
   double yaw_ = 0;                     // the filter's, at the exposure
-  std::optional<double> last_turned_;  // by the compass, and the filter's yaw then
-  double last_yaw_ = 0;
+  std::optional<double> last_turned_;  // by the compass
+  double since_turned_ = 0;            // by the gyros, since then
   double coasting_s_ = 0;
   bool seen_ = false;
 };
