@@ -22,6 +22,7 @@
 #include "scenarios/bench_trackers.h"
 #include "scenarios/files.h"
 #include "scenarios/fly_all.h"
+#include "scenarios/statistics.h"
 #include "vision/homography.h"
 #include "vision/pad_tracker.h"
 #include "vision/plane_pose.h"

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "geometry/tait_bryan.h"
+#include "scenarios/statistics.h"
 
 namespace kestrel {
 

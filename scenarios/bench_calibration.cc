@@ -2,15 +2,13 @@
 #include "scenarios/bench_calibration.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <mutex>
-#include <thread>
 
+#include "scenarios/in_parallel.h"
 #include "scenarios/scenario.h"
+#include "scenarios/statistics.h"
 #include "sim/board_studio.h"
 #include "vision/calibrate.h"
 #include "vision/calibration_file.h"
@@ -107,12 +105,6 @@ double ShareWithinTwo(const std::vector<double>& deviations) {
   return static_cast<double>(within) / static_cast<double>(std::max<std::size_t>(deviations.size(), 1));
 }
 
-double Rms(const std::vector<double>& values) {
-  double sum = 0;
-  for (const double v : values) sum += v * v;
-  return std::sqrt(sum / static_cast<double>(std::max<std::size_t>(values.size(), 1)));
-}
-
 }  // namespace
 
 void BenchCalibration(std::uint64_t first_seed, std::uint64_t last_seed, int jobs,
@@ -120,29 +112,8 @@ void BenchCalibration(std::uint64_t first_seed, std::uint64_t last_seed, int job
   const std::vector<Trial> trials = Trials();
   const std::size_t seeds = static_cast<std::size_t>(std::min<std::uint64_t>(last_seed - first_seed + 1, 5));
   std::vector<Outcome> outcomes(trials.size() * seeds);
-  std::atomic<std::size_t> next = 0, done = 0;
-  std::exception_ptr failure;
-  std::mutex mutex;
-  std::vector<std::thread> workers;
-  for (int w = 0; w < jobs; ++w) {
-    workers.emplace_back([&] {
-      for (std::size_t i; (i = next++) < outcomes.size();) {
-        try {
-          outcomes[i] = Run(trials[i / seeds], first_seed + i % seeds);
-        } catch (...) {
-          const std::lock_guard lock(mutex);
-          if (!failure) failure = std::current_exception();
-        }
-        ++done;
-        const std::lock_guard lock(mutex);
-        if (isatty(STDERR_FILENO))
-          fmt::print(stderr, "\r\033[Kcalibration: {} of {}", done.load(), outcomes.size());
-      }
-    });
-  }
-  for (std::thread& worker : workers) worker.join();
-  if (isatty(STDERR_FILENO)) fmt::print(stderr, "\r\033[K");
-  if (failure) std::rethrow_exception(failure);
+  InParallel(outcomes.size(), jobs, "calibration", "trials",
+             [&](std::size_t i) { outcomes[i] = Run(trials[i / seeds], first_seed + i % seeds); });
 
   Outcome all;
   for (std::size_t t = 0; t < trials.size(); ++t) {

@@ -21,6 +21,7 @@
 #include "geometry/tait_bryan.h"
 #include "scenarios/peer_renderer.h"
 #include "scenarios/scenario.h"
+#include "scenarios/statistics.h"
 #include "sim/frames.h"
 #include "sim/random.h"
 #include "sim/renderer.h"
@@ -54,18 +55,6 @@ std::vector<BenchCamera> BenchCameras() {
 
 void Progress(const std::string& what) {
   if (isatty(STDERR_FILENO)) fmt::print(stderr, "\r\033[K{}", what);
-}
-
-double Quantile(std::vector<double> values, double q) {
-  const auto at =
-      values.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1) + 0.5);
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
-double Mean(const std::vector<double>& values) {
-  double sum = 0;
-  for (const double v : values) sum += v;
-  return sum / static_cast<double>(values.size());
 }
 
 // A thread that does as it is told: OpenGL's context belongs to one, and each who draws has its own.

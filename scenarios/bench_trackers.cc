@@ -2,7 +2,6 @@
 #include "scenarios/bench_trackers.h"
 
 #include <fmt/format.h>
-#include <time.h>
 #include <unistd.h>
 
 #include <Eigen/Dense>
@@ -14,11 +13,13 @@
 
 #include "geometry/tait_bryan.h"
 #include "scenarios/scenario.h"
+#include "scenarios/statistics.h"
 #include "sim/frames.h"
 #include "sim/image_sensor.h"
 #include "sim/random.h"
 #include "sim/renderer.h"
 #include "sim/scene.h"
+#include "sim/stopwatch.h"
 #include "vision/box_tracker.h"
 #include "vision/calibration_file.h"
 
@@ -188,24 +189,6 @@ struct Score {
   int gone = 0, imagined = 0;                            // with nothing of it in the image, but an answer
 };
 
-double Quantile(std::vector<double> values, double q) {
-  if (values.empty()) return std::nan("");
-  const auto at =
-      values.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1) + 0.5);
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
-double Mean(const std::vector<double>& values) {
-  double sum = 0;
-  for (const double v : values) sum += v;
-  return values.empty() ? std::nan("") : sum / static_cast<double>(values.size());
-}
-double Now_ms() {
-  timespec t;
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) * 1e3 + static_cast<double>(t.tv_nsec) * 1e-6;
-}
-
 void Run(const BoxTracker& tracker, const std::vector<Photo>& frames, const CameraModel& camera,
          Score& score) {
   const cv::Rect2d image(0, 0, WidthPx(camera), HeightPx(camera));
@@ -218,9 +201,9 @@ void Run(const BoxTracker& tracker, const std::vector<Photo>& frames, const Came
       if (started) tracker.start(frame.image, *truth);
       continue;
     }
-    const double start_ms = Now_ms();
+    const double start_ms = ThreadCpu_ms();
     const auto box = tracker.track(frame.image);
-    score.ms.push_back(Now_ms() - start_ms);
+    score.ms.push_back(ThreadCpu_ms() - start_ms);
     if (!truth || (*truth & image).area() <= 0) {
       ++score.gone, score.imagined += box.has_value();
       continue;

@@ -31,8 +31,4 @@ std::vector<FlownScenario> FlyAll(const std::string& scenario, const std::vector
 // A metric of each flight; infinity where it has none.
 std::vector<double> Values(const std::vector<FlownScenario>& flights, const std::string& metric);
 
-double Quantile(std::vector<double> values, double q);
-double Largest(const std::vector<double>& values);
-double Rms(const std::vector<double>& values);
-
 }  // namespace kestrel

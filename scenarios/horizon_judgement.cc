@@ -4,18 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scenarios/statistics.h"
+
 namespace kestrel {
 namespace {
 
 constexpr double kOutlier_deg = 5;
-
-double Quantile(std::vector<double> values, double q) {
-  if (values.empty()) return 0;
-  const auto at =
-      values.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1) + 0.5);
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
 
 // Ranges between limits, the last one included.
 Factor Between(const std::string& name, const std::string& unit, const std::vector<double>& limits,
