@@ -2,31 +2,22 @@
 #include "scenarios/bench_horizon.h"
 
 #include <fmt/format.h>
-#include <time.h>
-#include <unistd.h>
 
-#include <atomic>
 #include <cmath>
-#include <exception>
-#include <mutex>
-#include <thread>
 
 #include "scenarios/bench_horizon_pictures.h"
 #include "scenarios/files.h"
 #include "scenarios/horizon_judgement.h"
+#include "scenarios/in_parallel.h"
 #include "scenarios/scenario.h"
+#include "sim/stopwatch.h"
 
 namespace kestrel {
 namespace {
 
 constexpr int kLandscapesEach = 25, kStillsEach = 52;
-constexpr std::size_t kWorst = 12;  // stills that are shown
-
-double ThreadCpu_ms() {
-  timespec t;
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) * 1e3 + static_cast<double>(t.tv_nsec) * 1e-6;
-}
+constexpr int kLandscapesEachOther = 5;  // through the other lenses
+constexpr std::size_t kWorst = 12;       // stills that are shown
 
 // What all stills share.
 struct StillCamera {
@@ -94,32 +85,12 @@ JudgedStill Measure(const StillCamera& camera, StillStudio& studio, const StillS
 std::vector<JudgedStill> MeasureAll(const StillCamera& camera, const StillSweep& sweep, std::uint64_t seed,
                                     int jobs) {
   std::vector<JudgedStill> judged(sweep.stills.size());
-  std::atomic<std::size_t> next = 0, done = 0;
-  std::exception_ptr failure;
-  std::mutex mutex;
-  const auto work = [&] {
-    for (std::size_t l; (l = next++) < sweep.landscapes.size();) {
-      try {
-        StillStudio studio(sweep.landscapes[l], camera.loaded.simulator.scene, camera.loaded.simulator.camera,
-                           camera.X_BC);
-        for (std::size_t i = l * kStillsEach; i < (l + 1) * kStillsEach; ++i) {
-          judged[i] = Measure(camera, studio, sweep, i, seed);
-          ++done;
-          const std::lock_guard lock(mutex);
-          if (isatty(STDERR_FILENO))
-            fmt::print(stderr, "\r\033[Khorizon: {} of {} stills", done.load(), judged.size());
-        }
-      } catch (...) {
-        const std::lock_guard lock(mutex);
-        if (!failure) failure = std::current_exception();
-      }
-    }
-  };
-  std::vector<std::thread> workers;
-  for (int w = 0; w < jobs; ++w) workers.emplace_back(work);
-  for (std::thread& worker : workers) worker.join();
-  if (isatty(STDERR_FILENO)) fmt::print(stderr, "\r\033[K");
-  if (failure) std::rethrow_exception(failure);
+  InParallel(sweep.landscapes.size(), jobs, "horizon", "landscapes", [&](std::size_t l) {
+    StillStudio studio(sweep.landscapes[l], camera.loaded.simulator.scene, camera.loaded.simulator.camera,
+                       camera.X_BC);
+    for (std::size_t i = l * kStillsEach; i < (l + 1) * kStillsEach; ++i)
+      judged[i] = Measure(camera, studio, sweep, i, seed);
+  });
   return judged;
 }
 
@@ -263,6 +234,16 @@ void AddFigures(const std::vector<JudgedStill>& all, const std::vector<FactorRow
   }
 }
 
+void AddOtherLens(const std::string& name, const Statistics& s, std::vector<Figure>& table) {
+  table.push_back({name + ": roll RMSE", s.roll_rmse_deg, "deg", {}, false, ""});
+  table.push_back({name + ": pitch RMSE", s.pitch_rmse_deg, "deg", {}, false, ""});
+  table.push_back({name + ": error, 95th percentile", s.p95_deg, "deg", {}, false, ""});
+  table.push_back({name + ": errors over 5 degrees said to be valid", static_cast<double>(s.outliers),
+                   "stills", 0, false, ""});
+  table.push_back({name + ": within 2 of its own deviations", s.within_2_sigma, "share", 0.90, true, ""});
+  table.push_back({name + ": with an attitude", s.Share(), "share", {}, false, ""});
+}
+
 }  // namespace
 
 void BenchHorizon(std::uint64_t seed, int jobs, const std::filesystem::path& folder,
@@ -306,6 +287,15 @@ void BenchHorizon(std::uint64_t seed, int jobs, const std::filesystem::path& fol
   WriteSheet(folder / "worst.jpg", seen);
 
   AddFigures(all, rows, table);
+  for (const char* lens : {"fisheye", "thesis_2_8mm"}) {
+    const StillCamera other(
+        LoadScenario("attitude_1", {"mount.pitch_deg=90", fmt::format("camera={}", lens)}), seed);
+    const auto stills =
+        MeasureAll(other, DrawSweep(worlds, kLandscapesEachOther, kStillsEach, seed + 1), seed, jobs);
+    for (const Way way : {kAlone, kExpecting})
+      AddOtherLens(fmt::format("stills, {} forward, {}", lens, kWays[way]),
+                   StatisticsOf(stills, way, [](const JudgedStill&) { return true; }), table);
+  }
 }
 
 }  // namespace kestrel
