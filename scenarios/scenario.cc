@@ -128,6 +128,21 @@ void CheckLandscape(const Scenario& s, const Config& config, const std::string& 
   }
 }
 
+void CheckTargets(const Scenario& s, const std::string& where, Mistakes& mistakes) {
+  for (std::size_t i = 0; i < s.targets.size(); ++i) {
+    const TargetParameters& t = s.targets[i];
+    const std::string name = fmt::format("targets[{}]", i);
+    if ((t.velocity_m_s.norm() > 0) + (t.string_m > 0) + (t.roam_m_s > 0) > 1)
+      mistakes.Add(where, name, "moves in several ways; valid: one of velocity_m_s, string_m and roam_m_s");
+    const double lowest_m = t.position_m.z() - t.diameter_m / 2 - t.string_m;
+    if (lowest_m < 0)
+      mistakes.Add(where, name + ".position_m",
+                   fmt::format("with its diameter and string it reaches {:.3g} m into the ground; valid: a "
+                               "height from {:.3g} m",
+                               -lowest_m, t.position_m.z() - lowest_m));
+  }
+}
+
 std::vector<std::string> NotesOn(const Scenario& s, const CameraModel& camera) {
   std::vector<std::string> notes;
   if (const double covered = ShareCovered(camera); covered < 1) {
@@ -234,6 +249,7 @@ LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<s
                    fmt::format("a fault from {} s until {} s; valid: until_s after from_s", fault.from_s,
                                fault.until_s));
   }
+  CheckTargets(s, WhereOf(config, "targets", where), mistakes);
   CheckLandscape(s, config, where, mistakes);
   CheckMount(s.mount, WhereOf(config, "mount", where), mistakes);
   const std::string criteria = WhereOf(config, "criteria", where);
@@ -315,6 +331,7 @@ LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<s
   sim.wind = s.wind;
   sim.start = s.start;
   sim.occlusion = s.occlusion;
+  sim.targets = s.targets;
   sim.seed = s.seed;
   sim.duration_s = s.duration_s;
   mistakes.ThrowIfAny();

@@ -70,6 +70,7 @@ struct Scenario {
   WindParameters wind;
   SensorParameters sensors;
   OcclusionParameters occlusion;
+  std::vector<TargetParameters> targets;  // what else flies
   PilotParameters pilot;
   std::map<std::string, Limit> criteria;  // by the name of a metric
 };
@@ -95,6 +96,7 @@ void Fields(Visitor& v, Scenario& s) {
   v("wind", s.wind);
   v("sensors", s.sensors);
   v("occlusion", s.occlusion);
+  v("targets", s.targets);
   v("pilot", s.pilot);
   v("criteria", s.criteria);
 }

@@ -28,6 +28,8 @@ constexpr double kOccluderClearance_m = 0.03;
 constexpr double kOccluderThickness_m = 0.004;
 constexpr double kOutOfSight_m = 100;  // below the ground
 
+std::string TargetName(std::size_t index) { return fmt::format("target {}", index); }
+
 // File names relative to the file they stand in, as absolute ones: the composed model stands nowhere.
 void MakeFilesAbsolute(pugi::xml_node node, const std::filesystem::path& folder, const std::string& owner) {
   for (pugi::xml_attribute attribute : node.attributes()) {
@@ -117,6 +119,41 @@ void AppendLandscape(pugi::xml_node model, const LandscapeModel& landscape) {
   for (const pugi::xml_node section : part.document_element().children()) model.append_copy(section);
 }
 
+// A sphere each, and the string of those that have one, which hangs from the sphere's lowest point.
+void AppendTargets(pugi::xml_node model, const SceneParameters& p) {
+  for (std::size_t i = 0; i < p.targets.size(); ++i) {
+    const TargetParameters& target = p.targets[i];
+    const std::string name = TargetName(i);
+    const double radius = target.diameter_m / 2;
+    pugi::xml_document part;
+    part.load_string(fmt::format(R"(<mujoco>
+  <asset>
+    <material name="{0}" rgba="{1} {2} {3} 1" specular="0.3" shininess="0.4"/>
+    <material name="{0} string" rgba="0.85 0.85 0.80 1" specular="0"/>
+  </asset>
+  <worldbody>
+    <body name="{0}" mocap="true">
+      <geom name="{0}" type="sphere" size="{4}" material="{0}" contype="0" conaffinity="0"/>
+    </body>
+  </worldbody>
+</mujoco>)",
+                                 name, target.colour.x(), target.colour.y(), target.colour.z(), radius)
+                         .c_str());
+    if (target.string_m > 0) {
+      pugi::xml_node geom = part.document_element().child("worldbody").child("body").append_child("geom");
+      geom.append_attribute("name") = (name + " string").c_str();
+      geom.append_attribute("type") = "capsule";
+      geom.append_attribute("fromto") =
+          fmt::format("0 0 {} 0 0 {}", -radius, -radius - target.string_m).c_str();
+      geom.append_attribute("size") = "0.004";
+      geom.append_attribute("material") = (name + " string").c_str();
+      geom.append_attribute("contype") = "0";
+      geom.append_attribute("conaffinity") = "0";
+    }
+    for (const pugi::xml_node section : part.document_element().children()) model.append_copy(section);
+  }
+}
+
 struct Part {
   const char* what;
   std::filesystem::path path;
@@ -133,6 +170,7 @@ CompiledModel Compose(const SceneParameters& p, int parts) {
     Append(model, p.world, "world");
   if (parts > 1) AppendPad(model, p);
   if (parts > 2) Append(model, p.vehicle, "vehicle");
+  if (parts > 2) AppendTargets(model, p);
   std::ostringstream text;
   document.save(text);
   return CompileMjcf(text.str(), landscape.files);
@@ -207,6 +245,16 @@ Pose PadPose(const mjModel* model, const mjData* data) {
   const int pad = Find(model, mjOBJ_BODY, "pad");
   const mjtNum* const q = data->xquat + 4 * pad;
   return {SwapNedNwu(Eigen::Quaterniond(q[0], q[1], q[2], q[3])), VectorFromMujoco(data->xpos + 3 * pad)};
+}
+
+void PlaceTarget(const mjModel* model, mjData* data, std::size_t index, const TargetPath& path) {
+  const int mocap = model->body_mocapid[Find(model, mjOBJ_BODY, TargetName(index).c_str())];
+  // The string is the lower half of the body's vertical.
+  const Eigen::Vector3d down = path.anchor_N() - path.p_N();
+  mjtNum qpos[7];
+  PoseToMujoco({Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), down), path.p_N()}, qpos);
+  std::copy(qpos, qpos + 3, data->mocap_pos + 3 * mocap);
+  std::copy(qpos + 3, qpos + 7, data->mocap_quat + 4 * mocap);
 }
 
 void PlaceOccluder(const mjModel* model, mjData* data, double share) {

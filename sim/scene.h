@@ -8,9 +8,11 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "geometry/pose.h"
 #include "sim/landscape.h"
+#include "sim/target.h"
 
 namespace kestrel {
 
@@ -46,6 +48,7 @@ struct SceneParameters {
   Eigen::Vector2d pad_position_m = Eigen::Vector2d::Zero();  // north, east
   double pad_yaw_deg = 0;                                    // clockwise from north
   bool occluder = false;                                     // with a dark sheet that can be put over the pad
+  std::vector<TargetParameters> targets = {};                // what they look like
 };
 
 // The MuJoCo model of a flight: world, vehicle and pad, stepped at 2 ms under 9.80665 m/s2. Names of files
@@ -59,6 +62,9 @@ DataPtr MakeData(const mjModel* model);
 // X_NT: origin in the middle of the pad's top face, x along the up of its picture, y to the right of it, z
 // down. Valid once the positions of data are computed (mj_kinematics, mj_forward or mj_step).
 Pose PadPose(const mjModel* model, const mjData* data);
+
+// Puts a target there, with its string to its anchor. It shows once the positions of data are computed again.
+void PlaceTarget(const mjModel* model, mjData* data, std::size_t index, const TargetPath& path);
 
 // Puts the occluder 3 cm above the pad, over the given share of it (0 to 1) from its +x end; at 0 it is out
 // of sight. It shows once the positions of data are computed again. Throws std::runtime_error if the model

@@ -12,6 +12,7 @@
 #include <numbers>
 #include <utility>
 
+#include "control/level_camera.h"
 #include "geometry/tait_bryan.h"
 #include "sim/frames.h"
 #include "sim/stopwatch.h"
@@ -22,8 +23,10 @@ namespace {
 constexpr double kAirborne_m = 0.3;
 constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();  // a step
 
-SceneParameters WithOccluder(SceneParameters scene, const OcclusionParameters& occlusion) {
-  scene.occluder = occlusion.share > 0;
+SceneParameters SceneOf(const SimulatorParameters& parameters) {
+  SceneParameters scene = parameters.scene;
+  scene.occluder = parameters.occlusion.share > 0;
+  scene.targets = parameters.targets;
   return scene;
 }
 
@@ -56,7 +59,7 @@ struct Simulator::Hashes {
 
 Simulator::Simulator(const SimulatorParameters& parameters)
     : parameters_(WithScatterDrawn(parameters)),
-      model_(MakeModel(WithOccluder(parameters.scene, parameters.occlusion))),
+      model_(MakeModel(SceneOf(parameters))),
       data_(MakeData(model_.get())),
       vehicle_(parameters.vehicle, model_.get()),
       wind_(parameters.wind, parameters.seed),
@@ -108,6 +111,9 @@ Simulator::Simulator(const SimulatorParameters& parameters)
   }
   autopilot_ = std::make_unique<EmulatedAutopilot>(parameters.autopilot, parameters.sensors,
                                                    parameters.vehicle, X_NB, !start.on_ground, bias);
+  for (std::size_t i = 0; i < parameters.targets.size(); ++i)
+    PlaceTarget(model_.get(), data_.get(), i,
+                targets_.emplace_back(parameters.targets[i], parameters.seed, i));
   steps_ = -std::lround(start.settle_s / dt);
   autopilot_->SetClock(static_cast<double>(steps_) * dt);
   truth_ = Look();
@@ -131,6 +137,17 @@ Truth Simulator::Look() const {
   t.attitude_failed = FaultAt(parameters_.sensors.attitude_faults, t.t_s) != nullptr;
   t.X_NT = PadPose(model_.get(), data_.get());
   const int vehicle = mj_name2id(model_.get(), mjOBJ_BODY, "vehicle");
+  const TaitBryan tilt = TaitBryanFromRotation(t.X_NB.R.toRotationMatrix());
+  for (std::size_t i = 0; i < targets_.size(); ++i) {
+    const Eigen::Vector3d p_C =
+        X_BC_.R.conjugate() * (t.X_NB.R.conjugate() * (targets_[i].p_N() - t.X_NB.p) - X_BC_.p);
+    const auto uv = Project(parameters_.camera, p_C);
+    const bool in_view = uv && uv->x() > -0.5 && uv->y() > -0.5 &&
+                         uv->x() < WidthPx(parameters_.camera) - 0.5 &&
+                         uv->y() < HeightPx(parameters_.camera) - 0.5;
+    t.targets.push_back({parameters_.targets[i].diameter_m, targets_[i].p_N(), targets_[i].v_N(),
+                         LevelRotation(tilt.roll, tilt.pitch, X_BC_.R) * p_C, in_view});
+  }
   for (int c = 0; c < data_->ncon; ++c) {
     const mjContact& contact = data_->contact[c];
     if (contact.exclude == 0 && (model_->body_rootid[model_->geom_bodyid[contact.geom1]] == vehicle ||
@@ -147,6 +164,7 @@ void Simulator::Step() {
   const Truth before = truth_;
   wind_.Step(dt, before.X_NT.p.z() - before.X_NB.p.z(), before.v_N);
   vehicle_.Apply(data_.get(), dt, wind_.Velocity(), -before.X_NT.p.z());
+  MoveTargets();
   mj_step(model_.get(), data_.get());
   ++steps_;
   for (const int warning : {mjWARN_BADQPOS, mjWARN_BADQVEL, mjWARN_BADQACC, mjWARN_BADCTRL}) {
@@ -165,6 +183,15 @@ void Simulator::Step() {
   }
   airborne_ = airborne_ || truth_.X_NT.p.z() - truth_.X_NB.p.z() > kAirborne_m;
   if (!touch_ && airborne_ && truth_.touching && !before.touching && truth_.t_s > 0) touch_ = before;
+}
+
+// To where they are after this step.
+void Simulator::MoveTargets() {
+  const double dt = model_->opt.timestep;
+  for (std::size_t i = 0; i < targets_.size(); ++i) {
+    targets_[i].Step(static_cast<double>(steps_ + 1) * dt, dt, wind_.Velocity());
+    PlaceTarget(model_.get(), data_.get(), i, targets_[i]);
+  }
 }
 
 // Puts the sheet over the pad, or takes it away, when its time comes.

@@ -20,6 +20,7 @@
 #include "sim/scene.h"
 #include "sim/sensors.h"
 #include "sim/studio.h"
+#include "sim/target.h"
 #include "sim/truth.h"
 #include "sim/vibration.h"
 #include "sim/wind.h"
@@ -95,6 +96,7 @@ struct SimulatorParameters {
   OcclusionParameters occlusion;
   std::uint64_t seed = 1;
   double duration_s = 60;
+  std::vector<TargetParameters> targets = {};
   bool surfaces = false;  // of each frame, and the flow between them, for records: see picture()
 };
 
@@ -149,6 +151,7 @@ class Simulator final : public Camera, public Autopilot {
   void Step();
   void AdvanceTo(std::int64_t step);
   void CoverPad();
+  void MoveTargets();
   void RunCamera();
   void Tick();
   std::int64_t StepOf(double t_s) const;
@@ -172,6 +175,7 @@ class Simulator final : public Camera, public Autopilot {
   std::optional<Truth> touch_;
   bool airborne_ = false;
   std::optional<double> occluded_;
+  std::vector<TargetPath> targets_;
 
   CameraFaults faults_;
   std::int64_t half_exposure_ = 0;  // steps on either side of a tick in which pixels may be open

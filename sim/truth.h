@@ -2,10 +2,21 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
 
 #include "geometry/pose.h"
 
 namespace kestrel {
+
+// Another thing in the air.
+struct TargetTruth {
+  double diameter_m = 0;
+  Eigen::Vector3d p_N = Eigen::Vector3d::Zero();  // of its centre
+  Eigen::Vector3d v_N = Eigen::Vector3d::Zero();
+  // As the camera sees it from the aircraft levelled on the spot (control/level_camera.h).
+  Eigen::Vector3d p_V = Eigen::Vector3d::Zero();
+  bool in_view = false;  // its centre is in the image
+};
 
 // What the simulator knows and no flight code may see: for records, criteria and tests.
 struct Truth {
@@ -17,6 +28,7 @@ struct Truth {
   Pose X_NT;                     // the pad: x along its long side, z down, origin at its centre
   bool touching = false;         // the skids touch something
   bool attitude_failed = false;  // a fault of the autopilot's own attitude is on
+  std::vector<TargetTruth> targets;
 };
 
 }  // namespace kestrel
