@@ -48,13 +48,18 @@ Eigen::Matrix3d DecoupledInverse(const SphereImage& image, double Z) {
   return inverse;
 }
 
+Eigen::Vector3d SphereDrift(const SphereImage& image, double Z, const Eigen::Vector3d& v_C) {
+  return -SphereInteraction(image, Z).leftCols<3>() * v_C;
+}
+
 FollowStep FollowVelocity(const SphereImage& now, const SphereImage& wanted, double Z,
-                          FollowCoupling coupling, double lambda_per_s) {
+                          FollowCoupling coupling, const Eigen::Vector3d& lambda_per_s,
+                          const Eigen::Vector3d& drift) {
   if (Z <= 0 || now.diameter <= 0) return {ServoState::kDepthNotPositive, Eigen::Vector3d::Zero()};
   const Eigen::Matrix3d inverse =
       coupling == FollowCoupling::kWhole ? FollowInverse(now, Z) : DecoupledInverse(now, Z);
-  const Eigen::Vector3d velocity =
-      -lambda_per_s * (inverse * (now.Vector() - wanted.Vector()));  // eq. (5.21)
+  const Eigen::Vector3d error = now.Vector() - wanted.Vector();
+  const Eigen::Vector3d velocity = -inverse * (lambda_per_s.cwiseProduct(error) + drift);  // eq. (5.21)
   if (!velocity.allFinite()) return {};
   return {ServoState::kRegular, velocity};
 }

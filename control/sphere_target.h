@@ -35,15 +35,21 @@ Eigen::Matrix3d FollowInverse(const SphereImage& image, double Z);
 Eigen::Matrix3d DecoupledInteraction(const SphereImage& image, double Z);
 Eigen::Matrix3d DecoupledInverse(const SphereImage& image, double Z);
 
+// How the image moves by itself, 1/s: d(x, y, diameter)/dt by the velocity of the sphere relative to C, m/s,
+// in the directions that the law does not command as well as in those that it does.
+Eigen::Vector3d SphereDrift(const SphereImage& image, double Z, const Eigen::Vector3d& v_C);
+
 // Eq. (5.21): velocity (v_y, v_z, w_y) of C, m/s and rad/s, that brings the image to the one wanted. With the
-// whole inverse the three errors fall as exp(-lambda t) along a straight line in (x, y, diameter); decoupled,
-// each as its own loop, disturbed by the others away from the axis.
+// whole inverse the three errors fall as exp(-lambda t), each with its own lambda and all on a straight line
+// if it is the same; decoupled, each as its own loop, disturbed by the others away from the axis. drift: what
+// of the image's motion is known beforehand and taken back; the thesis has none, and lags behind what moves.
 enum class FollowCoupling { kWhole, kDecoupled };
 struct FollowStep {
   ServoState state = ServoState::kNotFinite;
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // zero unless the state is kRegular
 };
 FollowStep FollowVelocity(const SphereImage& now, const SphereImage& wanted, double Z,
-                          FollowCoupling coupling, double lambda_per_s);
+                          FollowCoupling coupling, const Eigen::Vector3d& lambda_per_s,
+                          const Eigen::Vector3d& drift = Eigen::Vector3d::Zero());
 
 }  // namespace kestrel

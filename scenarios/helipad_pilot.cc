@@ -6,11 +6,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstring>
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
 #include "geometry/tait_bryan.h"
+#include "scenarios/caption.h"
 #include "sim/stopwatch.h"
 
 namespace kestrel {
@@ -20,13 +20,6 @@ constexpr double kWaypointReached_m = 1.0;
 constexpr double kLegOverlap = 0.7;  // of the field of view, between neighbouring legs of the search
 
 constexpr double kMostField_deg = 100;  // of the virtual camera: about as many pixels as a fisheye has
-
-bool SamePixels(const cv::Mat& a, const cv::Mat& b) {
-  if (a.size() != b.size() || a.type() != b.type()) return false;
-  for (int y = 0; y < a.rows; ++y)
-    if (std::memcmp(a.ptr(y), b.ptr(y), a.cols * a.elemSize()) != 0) return false;
-  return true;
-}
 
 }  // namespace
 
@@ -53,10 +46,7 @@ Decision HelipadPilot::See(const Frame& frame, const VehicleState& state) {
   if (to_view_) grey = Look(*to_view_, grey);
   estimator_.Hear(state);
   latency_s_ = state.t_s - frame.t_s;
-  // Noise never repeats itself: the same image again is an old one under a new time, and to follow it would
-  // be to fly blind without knowing.
-  const bool frozen = SamePixels(grey, last_image_);
-  grey.copyTo(last_image_);
+  const bool frozen = frozen_.Is(grey);
   seen_ = frozen ? std::nullopt : tracker_.Track(grey, estimator_.ExpectedPose(frame.t_s));
   fix_.reset();
   if (seen_) {
@@ -136,7 +126,7 @@ std::optional<cv::Point2d> HelipadPilot::InFrame(const Eigen::Vector3d& p_CQ) co
 }
 
 void HelipadPilot::Draw(cv::Mat& bgr, std::string_view phase) const {
-  const cv::Scalar kTracked(0, 200, 255), kInlier(80, 255, 80), kOutline(255, 220, 0), kText(255, 255, 255);
+  const cv::Scalar kTracked(0, 200, 255), kInlier(80, 255, 80), kOutline(255, 220, 0);
   const auto circles = [&](const std::vector<Eigen::Vector2d>& points, int radius, const cv::Scalar& colour) {
     for (const Eigen::Vector2d& p : points) {
       const auto ray = view_.Ray(p);
@@ -169,19 +159,16 @@ void HelipadPilot::Draw(cv::Mat& bgr, std::string_view phase) const {
       if (origin && end) cv::arrowedLine(bgr, *origin, *end, colours[axis], 2, cv::LINE_AA, 0, 0.12);
     }
   }
-  const auto line = [&](int row, const std::string& text) {
-    const cv::Point at(8, 20 + 18 * row);
-    cv::putText(bgr, text, at, cv::FONT_HERSHEY_SIMPLEX, 0.48, {0, 0, 0}, 3, cv::LINE_AA);
-    cv::putText(bgr, text, at, cv::FONT_HERSHEY_SIMPLEX, 0.48, kText, 1, cv::LINE_AA);
-  };
-  line(0, fmt::format("{}{}", phase, fix_ ? "" : "   pad lost"));
+  Caption(bgr, 0, fmt::format("{}{}", phase, fix_ ? "" : "   pad lost"));
   if (fix_) {
-    line(1, fmt::format("x {:+.2f}  y {:+.2f}  z {:+.2f} m   yaw {:+.1f} deg", fix_->p_TB.x(), fix_->p_TB.y(),
+    Caption(bgr, 1,
+            fmt::format("x {:+.2f}  y {:+.2f}  z {:+.2f} m   yaw {:+.1f} deg", fix_->p_TB.x(), fix_->p_TB.y(),
                         fix_->p_TB.z(), Degrees(fix_->yaw_TB)));
-    line(2, fmt::format("{} inliers  {:.2f} px  {:.0f} % of the pad", fix_->inliers, fix_->residual_px,
+    Caption(bgr, 2,
+            fmt::format("{} inliers  {:.2f} px  {:.0f} % of the pad", fix_->inliers, fix_->residual_px,
                         100 * std::min(1.0, fix_->visible)));
   } else if (estimate_) {
-    line(1, fmt::format("last seen {:.1f} s ago", estimate_->age_s));
+    Caption(bgr, 1, fmt::format("last seen {:.1f} s ago", estimate_->age_s));
   }
 }
 

@@ -8,6 +8,7 @@
 #include "control/target_estimator.h"
 #include "scenarios/mission.h"
 #include "vision/camera_model.h"
+#include "vision/frozen_image.h"
 #include "vision/pad_reference.h"
 #include "vision/pad_tracker.h"
 #include "vision/views.h"
@@ -88,7 +89,7 @@ class HelipadPilot {
   TargetEstimator estimator_;
   std::optional<TargetEstimator::Estimate> estimate_;
   std::optional<PadObservation> seen_;
-  cv::Mat last_image_;
+  FrozenImage frozen_;
   std::optional<TargetFix> fix_;
   double latency_s_ = 0;
 

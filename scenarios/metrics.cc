@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "geometry/tait_bryan.h"
+#include "scenarios/follow/follow_metrics.h"
 
 namespace kestrel {
 namespace {
@@ -129,6 +130,7 @@ std::vector<std::string> MetricNames() {
          {"attitude_share", "attitude_outliers", "attitude_within_2_sigma", "roll_rmse_deg", "pitch_rmse_deg",
           "yaw_rmse_deg", "yaw_rmse_first_half_deg", "yaw_rmse_second_half_deg"})
       names.push_back(prefix + name);
+  for (const std::string& name : FollowMetricNames()) names.push_back(name);
   return names;
 }
 
@@ -176,6 +178,7 @@ std::map<std::string, double> Metrics(const std::vector<LogRow>& rows, const std
   AddAttitude(rows, &Decision::attitude, "", m);
   AddAttitude(rows, &Decision::baseline, "baseline_", m);
   AddFailure(rows, m);
+  AddFollowMetrics(rows, m);
   if (settle_s) m["settle_s"] = *settle_s;
   if (horizontal.count > 0 && !touch) {
     m["hold_horizontal_rmse_m"] = horizontal.Root();

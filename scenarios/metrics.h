@@ -40,6 +40,7 @@ std::vector<std::string> MetricNames();
 //                                         the same time: farthest from where the aircraft was at its
 //                                         beginning
 //   failure_noticed_s                     until the autopilot flew by another attitude for the first time
+//   of flights after a balloon those of scenarios/follow/follow_metrics.h
 //   failure_returned                      1: that was so, and at the end of the flight it flew by its own
 //   again
 std::map<std::string, double> Metrics(const std::vector<LogRow>& rows, const std::optional<Truth>& touch);

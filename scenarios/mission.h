@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "control/autopilot.h"
+#include "control/sphere_target.h"
 #include "vision/camera.h"
 
 namespace kestrel {
@@ -28,19 +29,26 @@ struct AttitudeFix {
   double turned_sigma = 0;                 // rad
 };
 
+// A balloon as a level camera that looks straight ahead would have it now, beside what is wanted of it.
+struct BalloonSight {
+  SphereImage now, wanted;
+  double focal_px = 1;  // of that camera
+};
+
 // What the flight code decided on one frame.
 struct Decision {
   std::optional<Setpoint> setpoint;  // none: the last one stands until it is stale
   std::string_view phase;            // of the flight plan: "search", "centre", "descend", ...
   std::string_view target;  // "tracked", "found" (in this frame), "chained", "refused" (seen where it cannot
                             // be), "lost", "frozen" (the image repeats itself); of an attitude "horizon",
-                            // or the reason why there is none
+                            // or the reason why there is none; of a balloon its TrackState
   std::optional<TargetFix> fix;  // none while the target is lost
   double fix_age_s = 0;          // time since the exposure of the newest fix; grows while lost
   std::optional<AttitudeFix> attitude;
   std::optional<double> coasting_s;       // for how long the gyros alone have carried the camera's attitude
   std::optional<AttitudeAid> aid;         // for the autopilot to fly by in place of its own attitude
   std::optional<AttitudeFix> baseline;    // the thesis's own way, where both are compared
+  std::optional<BalloonSight> sight;      // none while no balloon is followed
   std::optional<Eigen::Vector3d> goal_T;  // where the aircraft is meant to be, in the target's frame, m
   double goal_yaw_TB = 0;                 // the yaw that goes with it, rad
   std::string_view outcome;               // not empty: the flight is over, and this is how

@@ -13,6 +13,8 @@
 namespace kestrel {
 namespace {
 
+constexpr std::size_t kTargets = 2;  // with columns of their own
+
 // The names and the values of the columns, side by side, so that neither shifts against the other.
 class Columns {
  public:
@@ -101,6 +103,23 @@ Columns::Columns(const LogRow& row) {
   Number("compass_sigma_deg", headed, Degrees(attitude_fix.turned_sigma));
 
   Number("horizon_coasting_s", decision.coasting_s.has_value(), decision.coasting_s.value_or(0));
+
+  const auto& sight = decision.sight;
+  const auto pixels = [&](const char* of, const SphereImage& image) {
+    Number(fmt::format("{}_u_px", of), sight.has_value(), image.s.x() * (sight ? sight->focal_px : 0));
+    Number(fmt::format("{}_v_px", of), sight.has_value(), image.s.y() * (sight ? sight->focal_px : 0));
+    Number(fmt::format("{}_diameter_px", of), sight.has_value(),
+           image.diameter * (sight ? sight->focal_px : 0));
+  };
+  pixels("balloon", sight ? sight->now : SphereImage{});
+  pixels("wanted", sight ? sight->wanted : SphereImage{});
+  for (std::size_t i = 0; i < kTargets; ++i) {
+    const bool there = i < row.now.targets.size();
+    const TargetTruth target = there ? row.now.targets[i] : TargetTruth{};
+    Vector(fmt::format("truth_target{}_{{}}_m", i), there, target.p_N);
+    Vector(fmt::format("truth_target{}_v{{}}_m_s", i), there, target.v_N);
+    Number(fmt::format("truth_target{}_in_view", i), there, target.in_view);
+  }
 
   const Setpoint* setpoint = decision.setpoint ? &*decision.setpoint : nullptr;
   const auto* velocity = std::get_if<VelocitySetpoint>(setpoint);

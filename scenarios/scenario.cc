@@ -109,6 +109,16 @@ bool NeedsPad(const Flight& flight) {
   return std::visit([]<class Each>(const Each&) { return kLooksForPad<Each>; }, flight);
 }
 
+// Whether a flight tells its target by colour: by a constant kLooksForColour.
+bool NeedsColour(const Flight& flight) {
+  return std::visit(
+      []<class Each>(const Each&) {
+        if constexpr (requires { Each::kLooksForColour; }) return Each::kLooksForColour;
+        return false;
+      },
+      flight);
+}
+
 // What of a scenario and a landscape does not go together.
 void CheckLandscape(const Scenario& s, const Config& config, const std::string& where, Mistakes& mistakes) {
   if (LandscapeFile(s.world)) {
@@ -249,6 +259,10 @@ LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<s
                    fmt::format("a fault from {} s until {} s; valid: until_s after from_s", fault.from_s,
                                fault.until_s));
   }
+  if (NeedsColour(s.flight) && !s.image.colour)
+    mistakes.Add(
+        WhereOf(config, "image", where), "image.colour",
+        fmt::format("false, but the mission '{}' tells its target by colour; valid: true", s.mission));
   CheckTargets(s, WhereOf(config, "targets", where), mistakes);
   CheckLandscape(s, config, where, mistakes);
   CheckMount(s.mount, WhereOf(config, "mount", where), mistakes);

@@ -12,6 +12,7 @@
 #include "config/fields.h"
 #include "config/yaml_fields.h"
 #include "scenarios/attitude/attitude.h"
+#include "scenarios/follow/follow.h"
 #include "scenarios/gyro_failure/gyro_failure.h"
 #include "scenarios/hover/hover.h"
 #include "scenarios/landing/landing.h"
@@ -21,7 +22,8 @@
 namespace kestrel {
 
 // The flights that there are, by the name of their mission: a new one is a folder and its name here.
-using Flight = std::variant<PoseFlight, HoverFlight, LandingFlight, AttitudeFlight, GyroFailureFlight>;
+using Flight =
+    std::variant<PoseFlight, HoverFlight, LandingFlight, AttitudeFlight, GyroFailureFlight, FollowFlight>;
 
 std::vector<std::string> MissionNames();
 void SelectFlight(const std::string& mission,

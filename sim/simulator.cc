@@ -12,7 +12,7 @@
 #include <numbers>
 #include <utility>
 
-#include "control/level_camera.h"
+#include "control/moving_target.h"
 #include "geometry/tait_bryan.h"
 #include "sim/frames.h"
 #include "sim/stopwatch.h"
@@ -137,16 +137,15 @@ Truth Simulator::Look() const {
   t.attitude_failed = FaultAt(parameters_.sensors.attitude_faults, t.t_s) != nullptr;
   t.X_NT = PadPose(model_.get(), data_.get());
   const int vehicle = mj_name2id(model_.get(), mjOBJ_BODY, "vehicle");
-  const TaitBryan tilt = TaitBryanFromRotation(t.X_NB.R.toRotationMatrix());
+  const Pose X_NC = t.X_NB * X_BC_;
   for (std::size_t i = 0; i < targets_.size(); ++i) {
-    const Eigen::Vector3d p_C =
-        X_BC_.R.conjugate() * (t.X_NB.R.conjugate() * (targets_[i].p_N() - t.X_NB.p) - X_BC_.p);
+    const Eigen::Vector3d p_C = X_NC.Inverse() * targets_[i].p_N();
     const auto uv = Project(parameters_.camera, p_C);
     const bool in_view = uv && uv->x() > -0.5 && uv->y() > -0.5 &&
                          uv->x() < WidthPx(parameters_.camera) - 0.5 &&
                          uv->y() < HeightPx(parameters_.camera) - 0.5;
     t.targets.push_back({parameters_.targets[i].diameter_m, targets_[i].p_N(), targets_[i].v_N(),
-                         LevelRotation(tilt.roll, tilt.pitch, X_BC_.R) * p_C, in_view});
+                         LevelAhead(targets_[i].p_N(), X_NC.p, YawOf(t.X_NB.R)), in_view});
   }
   for (int c = 0; c < data_->ncon; ++c) {
     const mjContact& contact = data_->contact[c];

@@ -13,8 +13,7 @@ struct TargetTruth {
   double diameter_m = 0;
   Eigen::Vector3d p_N = Eigen::Vector3d::Zero();  // of its centre
   Eigen::Vector3d v_N = Eigen::Vector3d::Zero();
-  // As the camera sees it from the aircraft levelled on the spot (control/level_camera.h).
-  Eigen::Vector3d p_V = Eigen::Vector3d::Zero();
+  Eigen::Vector3d p_V = Eigen::Vector3d::Zero();  // LevelAhead of the camera (control/moving_target.h)
   bool in_view = false;  // its centre is in the image
 };
 

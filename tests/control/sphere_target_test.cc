@@ -62,13 +62,14 @@ Vector3d Seen(const Vector3d& p_CT, const Vector3d& velocity, double dt) {
 TEST(FollowVelocity, WholeItBringsTheImageHomeOnAStraightLineDecoupledItAlsoArrives) {
   const SphereImage wanted{{0, 0}, 0.2};
   const double lambda = 0.9, dt = 1e-3;
+  const Vector3d lambdas = Vector3d::Constant(lambda);
   for (const auto coupling : {FollowCoupling::kWhole, FollowCoupling::kDecoupled}) {
     Vector3d p(1.5, -0.8, 4);
     const Vector3d start = SphereImageOf(p, kDiameter).Vector() - wanted.Vector();
     double off_line = 0;
     for (int i = 1; i <= 8000; ++i) {
       const SphereImage now = SphereImageOf(p, kDiameter);
-      const FollowStep step = FollowVelocity(now, wanted, p.z(), coupling, lambda);
+      const FollowStep step = FollowVelocity(now, wanted, p.z(), coupling, lambdas);
       ASSERT_EQ(step.state, ServoState::kRegular);
       p = Seen(p, step.velocity, dt);
       const Vector3d error = SphereImageOf(p, kDiameter).Vector() - wanted.Vector();
@@ -83,12 +84,39 @@ TEST(FollowVelocity, WholeItBringsTheImageHomeOnAStraightLineDecoupledItAlsoArri
   }
 }
 
+// The sphere flies off at a constant velocity: with its drift the image comes to rest at the one wanted, and
+// without it behind.
+TEST(FollowVelocity, WithItsDriftItFollowsWithoutALag) {
+  const SphereImage wanted{{0.1, -0.05}, 0.15};
+  const double dt = 1e-3;
+  for (const bool knows : {true, false}) {
+    Vector3d p(0.5, 0.3, 3);
+    Eigen::Quaterniond R_NC = Eigen::Quaterniond::Identity();
+    for (int i = 0; i < 8000; ++i) {
+      const Vector3d v_C = R_NC.conjugate() * Vector3d(0.4, -0.2, 0.8);
+      const SphereImage now = SphereImageOf(p, kDiameter);
+      const Vector3d drift = knows ? SphereDrift(now, p.z(), v_C) : Vector3d::Zero();
+      const FollowStep step =
+          FollowVelocity(now, wanted, p.z(), FollowCoupling::kWhole, Vector3d::Constant(1.5), drift);
+      p = Seen(p + dt * v_C, step.velocity, dt);
+      R_NC = R_NC * ExpRotation({0, dt * step.velocity[2], 0});
+    }
+    const double off = (SphereImageOf(p, kDiameter).Vector() - wanted.Vector()).norm();
+    if (knows)
+      EXPECT_LT(off, 2e-3);
+    else
+      EXPECT_GT(off, 1e-2);
+  }
+}
+
 TEST(FollowVelocity, WithoutADepthOrAnImageItStandsStillAndSaysWhy) {
   const SphereImage image{{0.1, 0.2}, 0.1};
-  EXPECT_EQ(FollowVelocity(image, image, -1, FollowCoupling::kWhole, 1).state, ServoState::kDepthNotPositive);
-  EXPECT_EQ(FollowVelocity({{0.1, 0}, 0}, image, 1, FollowCoupling::kWhole, 1).state,
+  EXPECT_EQ(FollowVelocity(image, image, -1, FollowCoupling::kWhole, Vector3d::Ones()).state,
             ServoState::kDepthNotPositive);
-  const FollowStep step = FollowVelocity({{std::nan(""), 0}, 0.1}, image, 1, FollowCoupling::kDecoupled, 1);
+  EXPECT_EQ(FollowVelocity({{0.1, 0}, 0}, image, 1, FollowCoupling::kWhole, Vector3d::Ones()).state,
+            ServoState::kDepthNotPositive);
+  const FollowStep step =
+      FollowVelocity({{std::nan(""), 0}, 0.1}, image, 1, FollowCoupling::kDecoupled, Vector3d::Ones());
   EXPECT_EQ(step.state, ServoState::kNotFinite);
   EXPECT_EQ(step.velocity, Vector3d::Zero());
 }

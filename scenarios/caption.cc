@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scenarios/caption.h"
+
+#include <opencv2/imgproc.hpp>
+
+namespace kestrel {
+
+void Caption(cv::Mat& bgr, int row, const std::string& text) {
+  const cv::Point at(8, 20 + 18 * row);
+  cv::putText(bgr, text, at, cv::FONT_HERSHEY_SIMPLEX, 0.48, {0, 0, 0}, 3, cv::LINE_AA);
+  cv::putText(bgr, text, at, cv::FONT_HERSHEY_SIMPLEX, 0.48, {255, 255, 255}, 1, cv::LINE_AA);
+}
+
+}  // namespace kestrel

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scenarios/follow/follow.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "control/sphere_target.h"
+#include "geometry/tait_bryan.h"
+#include "scenarios/caption.h"
+#include "sim/stopwatch.h"
+#include "vision/frozen_image.h"
+
+namespace kestrel {
+namespace {
+
+constexpr double kBackOff_m_s = 0.5;  // from a balloon that fills the image
+
+class FollowMission final : public Mission {
+ public:
+  FollowMission(const FollowFlight& flight, const CameraModel& camera, const Pose& X_BC)
+      : flight_(flight),
+        camera_(camera),
+        X_BC_(X_BC),
+        focal_px_(Parameters(camera)[0]),
+        watch_(camera, X_BC, flight.balloon) {}
+
+  Decision Step(const Frame& frame, const VehicleState& state) override {
+    Decision decision;
+    const auto start = std::chrono::steady_clock::now();
+    watch_.See(frame, state, frozen_.Is(frame.image));
+    decision.vision_s = SecondsSince(start);
+    decision.target = watch_.status();
+    decision.fix_age_s = watch_.age_s();
+    X_NC_ = Pose{state.R_NB, state.p_NB} * X_BC_;
+    yaw_ = YawOf(state.R_NB);
+    sight_.reset();
+    wanted_ = WantedAt(state.t_s);
+    if (watch_.Knows()) {
+      decision.setpoint = Follow(state);
+      decision.sight = sight_;
+    } else if (watch_.state() == TrackState::kTooClose) {
+      phase_ = "too close";
+      command_ = {{-kBackOff_m_s, 0, 0}, 0};
+      decision.setpoint = command_;
+    } else {
+      decision.setpoint = LookForIt(state);
+      if (state.t_s - *lost_since_s_ > flight_.look_around.give_up_s) decision.outcome = "balloon not found";
+    }
+    decision.phase = phase_;
+    return decision;
+  }
+
+  bool Accomplished() const override { return watch_.Knows(); }
+
+  void Draw(cv::Mat& bgr) const override {
+    watch_.Draw(bgr);
+    DrawWanted(bgr);
+    Caption(bgr, 0, fmt::format("{}   balloon {}", phase_, watch_.status()));
+    if (sight_)
+      Caption(
+          bgr, 1,
+          fmt::format("u {:+.1f} ({:+.0f})  v {:+.1f} ({:+.0f})  diameter {:.1f} ({:.0f}) px   {:.2f} m",
+                      focal_px_ * sight_->now.s.x(), focal_px_ * wanted_.s.x(), focal_px_ * sight_->now.s.y(),
+                      focal_px_ * wanted_.s.y(), focal_px_ * sight_->now.diameter,
+                      focal_px_ * wanted_.diameter, SphereDepth(sight_->now, flight_.balloon.diameter_m)));
+    Caption(bgr, 2,
+            fmt::format("ahead {:+.2f}  down {:+.2f} m/s   yaw {:+.1f} deg/s", command_.v_H.x(),
+                        command_.v_H.z(), Degrees(command_.yaw_rate)));
+  }
+
+ private:
+  SphereImage WantedAt(double t_s) const {
+    const FollowReference* now = &flight_.reference.front();
+    for (const FollowReference& reference : flight_.reference)
+      if (reference.from_s <= t_s) now = &reference;
+    return {Eigen::Vector2d(now->u_px, now->v_px) / focal_px_, now->diameter_px / focal_px_};
+  }
+
+  Setpoint Follow(const VehicleState& state) {
+    phase_ = "follow";
+    lost_since_s_.reset();
+    const FollowGains& g = flight_.gains;
+    const double D = flight_.balloon.diameter_m;
+    command_ = {};
+    const Eigen::Vector3d now_V = LevelAhead(watch_.where().p_N, X_NC_.p, yaw_);
+    side_ = now_V.x() < 0 ? -1 : 1;
+    const double turned = g.yaw_response_s * state.w_B.z();
+    const Eigen::Vector3d v_T_N = g.feed_forward ? watch_.where().v_N : Eigen::Vector3d::Zero();
+    const Eigen::Vector3d ahead_N = watch_.where().p_N + g.velocity_response_s * (v_T_N - state.v_N);
+    const Eigen::Vector3d ahead_V = LevelAhead(ahead_N, X_NC_.p, yaw_ + turned);
+    if (now_V.z() < D || ahead_V.z() < D) {  // beside or behind: only a turn brings it back into view
+      command_.yaw_rate = side_ * YawLimit();
+      return command_;
+    }
+    sight_ = BalloonSight{SphereImageOf(now_V, D), wanted_, focal_px_};
+    const SphereImage ahead = SphereImageOf(ahead_V, D);
+    Eigen::Vector3d drift = Eigen::Vector3d::Zero();
+    if (g.feed_forward) {
+      const Eigen::Vector3d v_T = LevelAhead(v_T_N, Eigen::Vector3d::Zero(), yaw_ + turned);
+      const Eigen::Vector3d v_own = LevelAhead(state.v_N, Eigen::Vector3d::Zero(), yaw_ + turned);
+      // Sideways the law commands nothing, but the aircraft may move.
+      drift = SphereDrift(ahead, ahead_V.z(), {v_T.x() - v_own.x(), v_T.y(), v_T.z()});
+    }
+    const auto coupling = flight_.law == "whole" ? FollowCoupling::kWhole : FollowCoupling::kDecoupled;
+    const FollowStep step = FollowVelocity(ahead, wanted_, ahead_V.z(), coupling, g.lambda_per_s, drift);
+    command_.v_H = {std::clamp(step.velocity[1], -g.speed_limit_m_s, g.speed_limit_m_s), 0,
+                    std::clamp(step.velocity[0], -g.climb_limit_m_s, g.climb_limit_m_s)};
+    if (-state.p_NB.z() < g.least_height_m) command_.v_H.z() = std::min(command_.v_H.z(), 0.0);
+    command_.yaw_rate = std::clamp(step.velocity[2], -YawLimit(), YawLimit());
+    return command_;
+  }
+
+  Setpoint LookForIt(const VehicleState& state) {
+    if (!lost_since_s_) lost_since_s_ = state.t_s;
+    const double lost_s = state.t_s - *lost_since_s_;
+    const LookAround& look = flight_.look_around;
+    // A picture in which nothing can be told from anything says nothing new from another side either.
+    const bool turns = lost_s > look.stop_s && watch_.state() != TrackState::kAmbiguous;
+    phase_ = turns ? "look around" : "stop";
+    command_ = {Eigen::Vector3d::Zero(), turns ? side_ * Radians(look.turn_deg_s) : 0};
+    return command_;
+  }
+
+  double YawLimit() const { return Radians(flight_.gains.yaw_rate_limit_deg_s); }
+
+  // The image wanted, as the camera would have it now: a circle about a cross.
+  void DrawWanted(cv::Mat& bgr) const {
+    const cv::Scalar colour(255, 255, 255);
+    const Eigen::Quaterniond R_NH = HeadingRotation(yaw_);
+    const auto at = [&](const Eigen::Vector2d& s) {
+      return Project(camera_, X_NC_.R.conjugate() * (R_NH * Eigen::Vector3d(1, s.x(), s.y())));
+    };
+    constexpr int kPieces = 60;
+    for (int i = 0; i < kPieces; i += 2) {
+      const auto point = [&](int k) {
+        const double a = 2 * M_PI * k / kPieces;
+        return at(wanted_.s + wanted_.diameter / 2 * Eigen::Vector2d(std::cos(a), std::sin(a)));
+      };
+      if (const auto a = point(i), b = point(i + 1); a && b)
+        cv::line(bgr, cv::Point2d(a->x(), a->y()), cv::Point2d(b->x(), b->y()), colour, 1, cv::LINE_AA);
+    }
+    if (const auto middle = at(wanted_.s))
+      cv::drawMarker(bgr, cv::Point2d(middle->x(), middle->y()), colour, cv::MARKER_CROSS, 12, 1,
+                     cv::LINE_AA);
+  }
+
+  FollowFlight flight_;
+  CameraModel camera_;
+  Pose X_BC_;
+  double focal_px_;
+  BalloonWatch watch_;
+  FrozenImage frozen_;
+
+  std::string_view phase_ = "stop";
+  Pose X_NC_;  // now, by the autopilot
+  double yaw_ = 0;
+  double side_ = 1;  // where it was last: 1 right, -1 left
+  SphereImage wanted_;
+  std::optional<BalloonSight> sight_;
+  VelocitySetpoint command_;
+  std::optional<double> lost_since_s_;
+};
+
+}  // namespace
+
+std::unique_ptr<Mission> MakeMission(const FollowFlight& flight, const CameraModel& camera, const Pose& X_BC,
+                                     const cv::Mat&, std::uint64_t) {
+  return std::make_unique<FollowMission>(flight, camera, X_BC);
+}
+
+}  // namespace kestrel

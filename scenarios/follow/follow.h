@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+#include "geometry/pose.h"
+#include "scenarios/balloon_watch.h"
+#include "scenarios/mission.h"
+#include "vision/camera_model.h"
+
+namespace kestrel {
+
+// Where in the image the balloon is wanted, from a time on: thesis 5.4.2, u* and phi*. In the image of a
+// level pinhole that looks straight ahead from where the camera is, with the camera's own focal length.
+struct FollowReference {
+  double from_s = 0;
+  double u_px = 0, v_px = 0;  // right and down of the middle
+  double diameter_px = 60;
+};
+
+template <class Visitor>
+void Fields(Visitor& v, FollowReference& r) {
+  v("from_s", r.from_s, 0.0, 1e6);
+  v("u_px", r.u_px, -2000.0, 2000.0);
+  v("v_px", r.v_px, -2000.0, 2000.0);
+  v("diameter_px", r.diameter_px, 4.0, 2000.0);
+}
+
+struct FollowGains {
+  Eigen::Vector3d lambda_per_s{1.8, 1.2, 1.0};  // of u, v and diameter
+  bool feed_forward = true;                     // of the balloon's own motion; the thesis has none
+  // How long the aircraft takes to obey: it is steered by the image to be had after that, if it goes on as it
+  // does. An answer of first order then is as if there were no delay; the thesis has none of this.
+  double velocity_response_s = 0.4, yaw_response_s = 0.4;
+  double speed_limit_m_s = 3, climb_limit_m_s = 1.5, yaw_rate_limit_deg_s = 80;
+  double least_height_m = 1;  // over the origin of N: no lower, whatever the balloon does
+};
+
+template <class Visitor>
+void Fields(Visitor& v, FollowGains& g) {
+  v("lambda_per_s", g.lambda_per_s, 0.05, 5.0);
+  v("feed_forward", g.feed_forward);
+  v("velocity_response_s", g.velocity_response_s, 0.0, 3.0);
+  v("yaw_response_s", g.yaw_response_s, 0.0, 3.0);
+  v("speed_limit_m_s", g.speed_limit_m_s, 0.1, 10.0);
+  v("climb_limit_m_s", g.climb_limit_m_s, 0.1, 5.0);
+  v("yaw_rate_limit_deg_s", g.yaw_rate_limit_deg_s, 5.0, 180.0);
+  v("least_height_m", g.least_height_m, 0.0, 100.0);
+}
+
+// What to do without a balloon: stop, and turn on the spot, first to the side where it was last.
+struct LookAround {
+  double stop_s = 1;
+  double turn_deg_s = 30;
+  double give_up_s = 60;
+};
+
+template <class Visitor>
+void Fields(Visitor& v, LookAround& l) {
+  v("stop_s", l.stop_s, 0.0, 30.0);
+  v("turn_deg_s", l.turn_deg_s, 1.0, 90.0);
+  v("give_up_s", l.give_up_s, 1.0, 3600.0);
+}
+
+// Thesis 5.4: the aircraft follows a balloon by the centre and the diameter of its image; downwards, ahead
+// and by yaw alone. A balloon that is lost makes it stop and look around; it never flies after an old place.
+struct FollowFlight {
+  static constexpr const char* kName = "follow";
+  static constexpr bool kPadless = true, kLooksForColour = true;
+  BalloonWatchParameters balloon;
+  std::string law = "whole";  // eq. (5.20), or decoupled, eq. (5.25)
+  std::vector<FollowReference> reference{FollowReference{}};
+  FollowGains gains;
+  LookAround look_around;
+};
+
+template <class Visitor>
+void Fields(Visitor& v, FollowFlight& p) {
+  v("balloon", p.balloon);
+  v("law", p.law, {"whole", "decoupled"});
+  v("reference", p.reference);
+  v("gains", p.gains);
+  v("look_around", p.look_around);
+}
+
+std::unique_ptr<Mission> MakeMission(const FollowFlight& flight, const CameraModel& camera, const Pose& X_BC,
+                                     const cv::Mat& forbidden, std::uint64_t seed);
+
+}  // namespace kestrel

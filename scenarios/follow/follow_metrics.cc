@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scenarios/follow/follow_metrics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "scenarios/statistics.h"
+
+namespace kestrel {
+namespace {
+
+constexpr double kSettling_s = 4;
+constexpr double kSettled = 0.05;
+
+// Rows over which the same image was wanted: [first, last).
+struct Stretch {
+  std::size_t first, last;
+  SphereImage wanted;
+  double focal_px;
+};
+
+// By the last word of the mission, also while the balloon is lost.
+std::vector<Stretch> StretchesOf(const std::vector<LogRow>& rows) {
+  std::vector<Stretch> stretches;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const auto& sight = rows[i].decision.sight;
+    if (sight && (stretches.empty() || stretches.back().wanted.Vector() != sight->wanted.Vector()))
+      stretches.push_back({i, i, sight->wanted, sight->focal_px});
+    if (!stretches.empty()) stretches.back().last = i + 1;
+  }
+  return stretches;
+}
+
+SphereImage TrueImage(const Truth& truth) {
+  return SphereImageOf(truth.targets.front().p_V, truth.targets.front().diameter_m);
+}
+
+void AddStepOfU(const std::vector<LogRow>& rows, const Stretch& before, const Stretch& after,
+                double& settle_s, double& overshoot) {
+  const double step = after.wanted.s.x() - before.wanted.s.x();
+  double settled_s = rows[after.first].now.t_s, farthest = 0;
+  for (std::size_t i = after.first; i < after.last; ++i) {
+    const double beyond = (TrueImage(rows[i].now).s.x() - after.wanted.s.x()) / step;  // -1 at the beginning
+    farthest = std::max(farthest, beyond);
+    if (std::abs(beyond) > kSettled)
+      settled_s = i + 1 < after.last ? rows[i + 1].now.t_s : std::numeric_limits<double>::infinity();
+  }
+  settle_s = std::max(settle_s, settled_s - rows[after.first].now.t_s);
+  overshoot = std::max(overshoot, farthest);
+}
+
+}  // namespace
+
+std::vector<std::string> FollowMetricNames() {
+  return {"in_view_share",       "followed_share",  "follow_u_rms_px",  "follow_v_rms_px",
+          "follow_distance_rms", "step_u_settle_s", "step_u_overshoot", "step_distance_error"};
+}
+
+void AddFollowMetrics(const std::vector<LogRow>& rows, std::map<std::string, double>& m) {
+  const std::vector<Stretch> stretches = StretchesOf(rows);
+  if (stretches.empty() || rows.front().now.targets.empty()) return;
+  double in_view = 0, followed = 0;
+  for (const LogRow& row : rows)
+    in_view += row.exposure.targets.front().in_view, followed += row.decision.sight.has_value();
+  m["in_view_share"] = in_view / static_cast<double>(rows.size());
+  m["followed_share"] = followed / static_cast<double>(rows.size());
+
+  std::vector<double> u, v, distance;
+  double settle_s = 0, overshoot = 0, distance_error = 0;
+  bool u_steps = false, diameter_steps = false;
+  for (std::size_t k = 0; k < stretches.size(); ++k) {
+    const Stretch& s = stretches[k];
+    std::vector<double> late;
+    for (std::size_t i = s.first; i < s.last; ++i) {
+      const Truth& now = rows[i].now;
+      const SphereImage image = TrueImage(now);
+      const double off = s.wanted.diameter / image.diameter - 1;  // of the distance
+      if (i >= (s.first + s.last) / 2) late.push_back(off);
+      if (now.t_s < rows[s.first].now.t_s + kSettling_s) continue;
+      u.push_back(s.focal_px * (image.s.x() - s.wanted.s.x()));
+      v.push_back(s.focal_px * (image.s.y() - s.wanted.s.y()));
+      distance.push_back(off);
+    }
+    if (k == 0) continue;
+    const Stretch& before = stretches[k - 1];
+    if (before.wanted.s.x() != s.wanted.s.x()) {
+      u_steps = true;
+      AddStepOfU(rows, before, s, settle_s, overshoot);
+    }
+    if (before.wanted.diameter != s.wanted.diameter) {
+      diameter_steps = true;
+      distance_error = std::max(distance_error, std::abs(Mean(late)));
+    }
+  }
+  if (!u.empty()) {
+    m["follow_u_rms_px"] = Rms(u), m["follow_v_rms_px"] = Rms(v);
+    m["follow_distance_rms"] = Rms(distance);
+  }
+  if (u_steps) m["step_u_settle_s"] = settle_s, m["step_u_overshoot"] = overshoot;
+  if (diameter_steps) m["step_distance_error"] = distance_error;
+}
+
+}  // namespace kestrel

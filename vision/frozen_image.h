@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <opencv2/core.hpp>
+
+namespace kestrel {
+
+// Noise never repeats itself: the same image again is an old one under a new time, and to follow it would be
+// to fly blind without knowing.
+class FrozenImage {
+ public:
+  // Whether this image is the one before, to the last bit.
+  bool Is(const cv::Mat& image);
+
+ private:
+  cv::Mat last_;
+};
+
+}  // namespace kestrel
