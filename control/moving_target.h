@@ -12,7 +12,7 @@
 namespace kestrel {
 
 struct MovingTargetOptions {
-  double acceleration_m_s2 = 1.5;  // of the constant-velocity model, per root hertz
+  double acceleration_m_s2 = 6;  // of the constant-velocity model, per root hertz
   double tilt_sigma_deg = 0.3;     // of the autopilot's attitude, from one frame to the next
 };
 

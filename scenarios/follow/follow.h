@@ -30,11 +30,11 @@ void Fields(Visitor& v, FollowReference& r) {
 }
 
 struct FollowGains {
-  Eigen::Vector3d lambda_per_s{1.8, 1.2, 1.0};  // of u, v and diameter
+  Eigen::Vector3d lambda_per_s{4.0, 2.5, 1.0};  // of u, v and diameter
   bool feed_forward = true;                     // of the balloon's own motion; the thesis has none
   // How long the aircraft takes to obey: it is steered by the image to be had after that, if it goes on as it
   // does. An answer of first order then is as if there were no delay; the thesis has none of this.
-  double velocity_response_s = 0.4, yaw_response_s = 0.4;
+  double velocity_response_s = 0.4, yaw_response_s = 0.45;
   double speed_limit_m_s = 3, climb_limit_m_s = 1.5, yaw_rate_limit_deg_s = 80;
   double least_height_m = 1;  // over the origin of N: no lower, whatever the balloon does
 };
