@@ -43,6 +43,8 @@ class BalloonWatch {
   bool Measured() const { return seen_ && seen_->cone; }  // in the last image
   bool Knows() const { return estimate_ && estimate_->age_s < parameters_.coast_s; }
   const MovingTarget::Estimate& where() const { return *estimate_; }  // now; only while it Knows()
+  // The same from longer ago: where it would be now, had it gone on as it did.
+  const std::optional<MovingTarget::Estimate>& last_known() const { return estimate_; }
   double age_s() const {
     return age_s_;
   }  // since the exposure that it was last measured in, or the beginning

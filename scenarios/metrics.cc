@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "geometry/tait_bryan.h"
+#include "scenarios/avoid/avoid_metrics.h"
 #include "scenarios/follow/follow_metrics.h"
 
 namespace kestrel {
@@ -131,6 +132,7 @@ std::vector<std::string> MetricNames() {
           "yaw_rmse_deg", "yaw_rmse_first_half_deg", "yaw_rmse_second_half_deg"})
       names.push_back(prefix + name);
   for (const std::string& name : FollowMetricNames()) names.push_back(name);
+  for (const std::string& name : AvoidMetricNames()) names.push_back(name);
   return names;
 }
 
@@ -179,6 +181,7 @@ std::map<std::string, double> Metrics(const std::vector<LogRow>& rows, const std
   AddAttitude(rows, &Decision::baseline, "baseline_", m);
   AddFailure(rows, m);
   AddFollowMetrics(rows, m);
+  AddAvoidMetrics(rows, m);
   if (settle_s) m["settle_s"] = *settle_s;
   if (horizontal.count > 0 && !touch) {
     m["hold_horizontal_rmse_m"] = horizontal.Root();

@@ -35,6 +35,14 @@ struct BalloonSight {
   double focal_px = 1;  // of that camera
 };
 
+// Another aircraft that was seen, as the flight code has it.
+struct Encounter {
+  double azimuth = 0;            // in the heading frame, right positive, rad
+  std::optional<double> wanted;  // the bearing at which it is held, rad; none: nothing need be done
+  double range_m = 0;
+  double miss_m = 0, after_s = 0;  // the closest distance if both go on, and when
+};
+
 // What the flight code decided on one frame.
 struct Decision {
   std::optional<Setpoint> setpoint;  // none: the last one stands until it is stale
@@ -49,6 +57,7 @@ struct Decision {
   std::optional<AttitudeAid> aid;         // for the autopilot to fly by in place of its own attitude
   std::optional<AttitudeFix> baseline;    // the thesis's own way, where both are compared
   std::optional<BalloonSight> sight;      // none while no balloon is followed
+  std::optional<Encounter> encounter;     // the other that matters most; none in sight
   std::optional<Eigen::Vector3d> goal_T;  // where the aircraft is meant to be, in the target's frame, m
   double goal_yaw_TB = 0;                 // the yaw that goes with it, rad
   std::string_view outcome;               // not empty: the flight is over, and this is how

@@ -113,6 +113,13 @@ Columns::Columns(const LogRow& row) {
   };
   pixels("balloon", sight ? sight->now : SphereImage{});
   pixels("wanted", sight ? sight->wanted : SphereImage{});
+  const Encounter encounter = decision.encounter.value_or(Encounter{});
+  const bool meets = decision.encounter.has_value();
+  Number("other_bearing_deg", meets, Degrees(encounter.azimuth));
+  Number("other_wanted_deg", encounter.wanted.has_value(), Degrees(encounter.wanted.value_or(0)));
+  Number("other_range_m", meets, encounter.range_m);
+  Number("other_miss_m", meets, encounter.miss_m);
+  Number("other_after_s", meets, encounter.after_s);
   for (std::size_t i = 0; i < kTargets; ++i) {
     const bool there = i < row.now.targets.size();
     const TargetTruth target = there ? row.now.targets[i] : TargetTruth{};

@@ -138,6 +138,24 @@ void CheckLandscape(const Scenario& s, const Config& config, const std::string& 
   }
 }
 
+// No more of the aircraft than its autopilot gives.
+void CheckAvoid(const AvoidFlight& flight, const AutopilotParameters& autopilot, const std::string& where,
+                Mistakes& mistakes) {
+  const auto most = [&](const std::string& key, double value, double limit, const std::string& limit_key) {
+    if (value > limit)
+      mistakes.Add(where, key,
+                   fmt::format("{:g}, and {} is {:g}; valid: no more than that", value, limit_key, limit));
+  };
+  most("flight.speed_m_s", flight.speed_m_s, autopilot.speed_limit_m_s, "autopilot.speed_limit_m_s");
+  most("flight.avoidance.hold.yaw_rate_limit_deg_s", flight.avoidance.hold.yaw_rate_limit_deg_s,
+       autopilot.yaw_rate_limit_deg_s, "autopilot.yaw_rate_limit_deg_s");
+  most("flight.avoidance.acceleration_m_s2", flight.avoidance.acceleration_m_s2,
+       autopilot.acceleration_limit_m_s2, "autopilot.acceleration_limit_m_s2");
+  most("flight.avoidance.hold.bearing_deg", flight.avoidance.hold.bearing_deg,
+       flight.avoidance.most_bearing_deg, "flight.avoidance.most_bearing_deg");
+  if (flight.marks.empty()) mistakes.Add(where, "flight.marks", "is empty; valid: at least one");
+}
+
 void CheckTargets(const Scenario& s, const std::string& where, Mistakes& mistakes) {
   for (std::size_t i = 0; i < s.targets.size(); ++i) {
     const TargetParameters& t = s.targets[i];
@@ -236,6 +254,12 @@ LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<s
   const Config config = LoadConfig(file, overrides, mistakes);
   if (const ConfigNode* world = Find(config, "world")) s.landscape = LandscapeOf(world->text, mistakes);
   const auto landscape = s.landscape;
+  const ConfigNode* named = Find(config, "vehicle");
+  const fs::path vehicle_folder = Root() / "models" / "vehicles" / (named ? named->text : s.vehicle);
+  const fs::path vehicle_file = vehicle_folder / (vehicle_folder.filename().string() + ".yaml");
+  VehicleFile vehicle;
+  if (fs::is_regular_file(vehicle_file)) Read(LoadConfig(vehicle_file, {}, mistakes), vehicle, mistakes);
+  s.autopilot = vehicle.autopilot;
   Read(config, s, mistakes);
   if (!s.landscape) s.landscape = landscape;  // it was given without a word
   if (!config.readable) mistakes.ThrowIfAny();
@@ -263,6 +287,11 @@ LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<s
     mistakes.Add(
         WhereOf(config, "image", where), "image.colour",
         fmt::format("false, but the mission '{}' tells its target by colour; valid: true", s.mission));
+  if (const auto* avoid = std::get_if<AvoidFlight>(&s.flight)) {
+    CheckAvoid(*avoid, s.autopilot, WhereOf(config, "flight", where), mistakes);
+  }
+  if (const auto* follow = std::get_if<FollowFlight>(&s.flight); follow && follow->reference.empty())
+    mistakes.Add(WhereOf(config, "flight", where), "flight.reference", "is empty; valid: at least one");
   CheckTargets(s, WhereOf(config, "targets", where), mistakes);
   CheckLandscape(s, config, where, mistakes);
   CheckMount(s.mount, WhereOf(config, "mount", where), mistakes);
@@ -275,15 +304,10 @@ LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<s
 
   SimulatorParameters& sim = loaded.simulator;
   const fs::path models = Root() / "models";
-  VehicleFile vehicle;
-  if (Known("vehicle", s.vehicle, NamesIn(models / "vehicles", ""), WhereOf(config, "vehicle", where),
-            mistakes)) {
-    const fs::path folder = models / "vehicles" / s.vehicle;
-    Read(LoadConfig(folder / (s.vehicle + ".yaml"), {}, mistakes), vehicle, mistakes);
-    sim.scene.vehicle = folder / (s.vehicle + ".xml");
-  }
+  Known("vehicle", s.vehicle, NamesIn(models / "vehicles", ""), WhereOf(config, "vehicle", where), mistakes);
+  sim.scene.vehicle = vehicle_folder / (s.vehicle + ".xml");
   sim.vehicle = vehicle.airframe;
-  sim.autopilot = vehicle.autopilot;
+  sim.autopilot = s.autopilot;
   if (Known("world", s.world, NamesIn(models / "worlds", ""), WhereOf(config, "world", where), mistakes)) {
     const fs::path folder = models / "worlds" / s.world;
     sim.scene.world = folder / (s.world + (s.landscape ? ".yaml" : ".xml"));

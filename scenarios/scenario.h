@@ -12,6 +12,7 @@
 #include "config/fields.h"
 #include "config/yaml_fields.h"
 #include "scenarios/attitude/attitude.h"
+#include "scenarios/avoid/avoid.h"
 #include "scenarios/follow/follow.h"
 #include "scenarios/gyro_failure/gyro_failure.h"
 #include "scenarios/hover/hover.h"
@@ -22,8 +23,8 @@
 namespace kestrel {
 
 // The flights that there are, by the name of their mission: a new one is a folder and its name here.
-using Flight =
-    std::variant<PoseFlight, HoverFlight, LandingFlight, AttitudeFlight, GyroFailureFlight, FollowFlight>;
+using Flight = std::variant<PoseFlight, HoverFlight, LandingFlight, AttitudeFlight, GyroFailureFlight,
+                            FollowFlight, AvoidFlight>;
 
 std::vector<std::string> MissionNames();
 void SelectFlight(const std::string& mission,
@@ -63,6 +64,7 @@ struct Scenario {
   double duration_s = 60;
   std::string vehicle = "pelican", world = "airfield", camera = "thesis_6mm";
   std::string camera_name;                       // which of a file of Kalibr; empty: its first
+  AutopilotParameters autopilot;                 // as the vehicle has it, but for these
   std::optional<LandscapeParameters> landscape;  // of a world that is one: as the world has it, but for these
   PadPlacement pad;
   StartParameters start;
@@ -87,6 +89,7 @@ void Fields(Visitor& v, Scenario& s) {
   v("duration_s", s.duration_s, 0.1, 36000.0);
   v("vehicle", s.vehicle);
   v("world", s.world);
+  v("autopilot", s.autopilot);
   v("camera", s.camera);
   v("camera_name", s.camera_name);
   v("landscape", s.landscape);

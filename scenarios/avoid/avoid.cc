@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scenarios/avoid/avoid.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "geometry/tait_bryan.h"
+#include "scenarios/caption.h"
+#include "sim/stopwatch.h"
+#include "vision/frozen_image.h"
+
+namespace kestrel {
+namespace {
+
+constexpr double kHeightGain_per_s = 0.8, kClimbLimit_m_s = 1;
+constexpr double kYawGain_per_s = 1.2;
+constexpr double kOnCourse_m = 0.5;  // from its line
+constexpr double kArrived_m = 0.5;
+
+class AvoidMission final : public Mission {
+ public:
+  AvoidMission(const AvoidFlight& flight, const CameraModel& camera, const Pose& X_BC)
+      : flight_(flight), camera_(camera), X_BC_(X_BC) {
+    for (const BalloonWatchParameters& mark : flight.marks) watches_.emplace_back(camera, X_BC, mark);
+  }
+
+  Decision Step(const Frame& frame, const VehicleState& state) override {
+    Decision decision;
+    const auto start = std::chrono::steady_clock::now();
+    const bool frozen = frozen_.Is(frame.image);
+    for (BalloonWatch& watch : watches_) watch.See(frame, state, frozen);
+    decision.vision_s = SecondsSince(start);
+    if (!begin_) begin_ = state.p_NB, course_ = YawOf(state.R_NB);
+    Look(state);
+    const BalloonWatch& named = watches_[held_];
+    decision.target = named.status();
+    decision.fix_age_s = named.age_s();
+    const Eigen::Vector2d along = AlongCourse(state.p_NB.head<2>() - begin_->head<2>());
+    if (along.x() > flight_.course_m - kArrived_m) {
+      phase_ = "goal";
+      decision.outcome = "goal reached";
+      command_ = {};
+    } else {
+      Fly(state, along);
+    }
+    decision.setpoint = command_;
+    decision.phase = phase_;
+    decision.encounter = encounter_;
+    return decision;
+  }
+
+  bool Accomplished() const override { return phase_ == "goal"; }
+
+  void Draw(cv::Mat& bgr) const override {
+    for (const BalloonWatch& watch : watches_) watch.Draw(bgr);
+    const auto mark = [&](double azimuth, const cv::Scalar& colour, int thickness) {
+      std::optional<cv::Point2d> last;
+      for (double elevation = -10; elevation <= 10; elevation += 2) {
+        const double e = Radians(elevation);
+        const Eigen::Vector3d ray_H(std::cos(e) * std::cos(azimuth), std::cos(e) * std::sin(azimuth),
+                                    -std::sin(e));
+        const auto at =
+            Project(camera_, (R_NB_ * X_BC_.R).conjugate() * (HeadingRotation(YawOf(R_NB_)) * ray_H));
+        if (at && last) cv::line(bgr, *last, cv::Point2d(at->x(), at->y()), colour, thickness, cv::LINE_AA);
+        last = at ? std::optional(cv::Point2d(at->x(), at->y())) : std::nullopt;
+      }
+    };
+    Caption(bgr, 0, fmt::format("{}   other {}", phase_, watches_[held_].status()));
+    if (encounter_) {
+      mark(encounter_->azimuth, {0, 220, 255}, 2);
+      if (encounter_->wanted) mark(*encounter_->wanted, {255, 255, 255}, 1);
+      Caption(bgr, 1,
+              fmt::format("bearing {:+.1f}{} deg   {:.1f} m   nearest {:.1f} m in {:.1f} s",
+                          Degrees(encounter_->azimuth),
+                          encounter_->wanted ? fmt::format(" ({:+.0f})", Degrees(*encounter_->wanted)) : "",
+                          encounter_->range_m, encounter_->miss_m, encounter_->after_s));
+    }
+    Caption(
+        bgr, 2,
+        fmt::format("ahead {:+.2f} m/s   yaw {:+.1f} deg/s", command_.v_H.x(), Degrees(command_.yaw_rate)));
+  }
+
+ private:
+  Eigen::Vector2d AlongCourse(const Eigen::Vector2d& v_N) const { return Eigen::Rotation2Dd(-course_) * v_N; }
+
+  // Who is about, by what has been seen and how it went on.
+  void Look(const VehicleState& state) {
+    R_NB_ = state.R_NB;
+    intruders_.clear(), ids_.clear();
+    for (std::size_t i = 0; i < watches_.size(); ++i) {
+      const auto& where = watches_[i].last_known();
+      if (!where || where->age_s > flight_.memory_s) continue;
+      intruders_.push_back({(where->p_N - state.p_NB).head<2>(), where->v_N.head<2>()});
+      ids_.push_back(i);
+    }
+  }
+
+  void Fly(const VehicleState& state, const Eigen::Vector2d& along) {
+    const double yaw = YawOf(state.R_NB), speed = flight_.speed_m_s;
+    const Eigen::Vector2d v = state.v_N.head<2>();
+    // Back to the line at 45 degrees at most.
+    const double back = std::asin(
+        std::clamp(-flight_.cross_track_gain_per_s * along.y() / speed, -std::sqrt(0.5), std::sqrt(0.5)));
+    const Eigen::Vector2d wanted_v =
+        speed * Eigen::Vector2d(std::cos(course_ + back), std::sin(course_ + back));
+    const AvoidanceOptions& o = flight_.avoidance;
+    const double distance = avoiding_ ? o.clear_share * o.safe_m : o.safe_m;
+    // Whom we turn away from is not clear before the way back is, too.
+    const bool threatened = Threatened(intruders_, wanted_v, distance, o) ||
+                            (!avoiding_ && Threatened(intruders_, v, distance, o));
+    if (!threatened) since_s_.reset();
+    if (threatened && !since_s_) since_s_ = state.t_s;
+    if (!avoiding_ && flight_.avoids && threatened && state.t_s - *since_s_ >= flight_.confirm_s)
+      avoiding_ = true;
+    if (avoiding_ && !threatened) avoiding_ = false, side_.reset();
+
+    double yaw_rate = kYawGain_per_s * WrapAngle(course_ + back - yaw);
+    phase_ = std::abs(along.y()) > kOnCourse_m ? "return" : "cruise";
+    encounter_.reset();
+    if (const auto plan = PlanManoeuvre(intruders_, v, yaw, side_, o)) {
+      held_ = ids_[plan->intruder];
+      const Intruder& other = intruders_[plan->intruder];
+      const double azimuth = WrapAngle(std::atan2(other.p.y(), other.p.x()) - yaw);
+      const ClosestApproach approach = ApproachOf(other.p, other.v - v);
+      encounter_ = Encounter{azimuth, {}, other.p.norm(), approach.distance_m, approach.after_s};
+      if (avoiding_) {
+        side_ = plan->side;
+        HoldBearingGains gains = o.hold;
+        gains.bearing_deg = Degrees(std::abs(plan->bearing));
+        const HoldBearingStep step = HoldBearing({side_}, azimuth, gains);
+        // Only ever away: held to the end, the bearing would lead inwards (control/hold_bearing.h).
+        yaw_rate = *side_ == PassingSide::kLeft ? std::min(step.yaw_rate, 0.0) : std::max(step.yaw_rate, 0.0);
+        phase_ = yaw_rate == 0 ? "pass" : "avoid";
+        encounter_->wanted = plan->bearing;
+      }
+    }
+    const double limit = Radians(o.hold.yaw_rate_limit_deg_s);
+    const double sink = kHeightGain_per_s * (begin_->z() - state.p_NB.z());
+    command_ = {{speed, 0, std::clamp(sink, -kClimbLimit_m_s, kClimbLimit_m_s)},
+                std::clamp(yaw_rate, -limit, limit)};
+  }
+
+  AvoidFlight flight_;
+  CameraModel camera_;
+  Pose X_BC_;
+  std::vector<BalloonWatch> watches_;
+  FrozenImage frozen_;
+
+  std::optional<Eigen::Vector3d> begin_;  // of the course, in N
+  double course_ = 0;                     // rad, from north
+  std::vector<Intruder> intruders_;
+  std::vector<std::size_t> ids_;  // whose mark each carries
+  std::size_t held_ = 0;          // the mark that the log speaks of
+  bool avoiding_ = false;
+  std::optional<double> since_s_;  // the threat lasts
+  std::optional<PassingSide> side_;
+  std::string_view phase_ = "cruise";
+  std::optional<Encounter> encounter_;
+  VelocitySetpoint command_;
+  Eigen::Quaterniond R_NB_ = Eigen::Quaterniond::Identity();
+};
+
+}  // namespace
+
+std::unique_ptr<Mission> MakeMission(const AvoidFlight& flight, const CameraModel& camera, const Pose& X_BC,
+                                     const cv::Mat&, std::uint64_t) {
+  return std::make_unique<AvoidMission>(flight, camera, X_BC);
+}
+
+}  // namespace kestrel

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scenarios/avoid/avoid_metrics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "geometry/tait_bryan.h"
+
+namespace kestrel {
+namespace {
+
+struct Closest {
+  double distance_m = std::numeric_limits<double>::infinity(), t_s = 0;
+};
+
+// Between two rows both move evenly.
+Closest ClosestOf(const std::vector<LogRow>& rows) {
+  Closest closest;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const Truth& from = rows[k].now;
+    const Truth& to = k + 1 < rows.size() ? rows[k + 1].now : from;
+    for (std::size_t i = 0; i < from.targets.size(); ++i) {
+      const Eigen::Vector3d a = from.targets[i].p_N - from.X_NB.p, b = to.targets[i].p_N - to.X_NB.p;
+      const Eigen::Vector3d moved = b - a;
+      const double length2 = moved.squaredNorm();
+      const double share = length2 > 0 ? std::clamp(-a.dot(moved) / length2, 0.0, 1.0) : 0;
+      const double distance = (a + share * moved).norm();
+      if (distance < closest.distance_m) closest = {distance, from.t_s + share * (to.t_s - from.t_s)};
+    }
+  }
+  return closest;
+}
+
+double NearestNow(const Truth& truth) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const TargetTruth& target : truth.targets)
+    nearest = std::min(nearest, (target.p_N - truth.X_NB.p).norm());
+  return nearest;
+}
+
+}  // namespace
+
+std::vector<std::string> AvoidMetricNames() {
+  return {"closest_m",   "closest_s",          "closest_share", "manoeuvred",
+          "manoeuvre_s", "manoeuvre_height_m", "course_end_m",  "path_excess"};
+}
+
+void AddAvoidMetrics(const std::vector<LogRow>& rows, std::map<std::string, double>& m) {
+  const bool avoids =
+      std::any_of(rows.begin(), rows.end(), [](const LogRow& r) { return r.decision.phase == "cruise"; });
+  if (!avoids || rows.front().now.targets.empty()) return;
+  const Closest closest = ClosestOf(rows);
+  m["closest_m"] = closest.distance_m, m["closest_s"] = closest.t_s;
+  const Pose& begin = rows.front().now.X_NB;
+  const Eigen::Vector2d right = HeadingRotation(YawOf(begin.R)).toRotationMatrix().col(1).head<2>();
+  const auto manoeuvre = std::find_if(rows.begin(), rows.end(), [](const LogRow& r) {
+    return r.decision.encounter && r.decision.encounter->wanted;
+  });
+  m["manoeuvred"] = manoeuvre != rows.end();
+  if (manoeuvre != rows.end()) {
+    m["manoeuvre_s"] = manoeuvre->now.t_s;
+    const double bearing = std::min(std::abs(*manoeuvre->decision.encounter->wanted), Radians(90));
+    m["closest_share"] = closest.distance_m / (NearestNow(manoeuvre->now) * std::sin(bearing));
+  }
+  double length = 0, height = 0;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const Eigen::Vector3d& p = rows[k].now.X_NB.p;
+    height = std::max(height, std::abs(p.z() - begin.p.z()));
+    if (k > 0) length += (p - rows[k - 1].now.X_NB.p).head<2>().norm();
+  }
+  const Eigen::Vector2d gone = (rows.back().now.X_NB.p - begin.p).head<2>();
+  m["manoeuvre_height_m"] = height;
+  m["course_end_m"] = std::abs(gone.dot(right));
+  if (gone.norm() > 0) m["path_excess"] = length / gone.norm() - 1;
+}
+
+}  // namespace kestrel

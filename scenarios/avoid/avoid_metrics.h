@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "scenarios/flight_log.h"
+
+namespace kestrel {
+
+std::vector<std::string> AvoidMetricNames();
+
+// How others were met, by the truth; centres of both. Only of flights of the mission "avoid" with targets.
+//   closest_m            least distance to any target
+//   closest_s            when
+//   closest_share        of what the first bearing at which one was held allows: the distance at that moment
+//                        times the sine of the bearing, for a thing that stands still
+//   manoeuvred           1: a bearing was held at all
+//   manoeuvre_s          when first
+//   manoeuvre_height_m   farthest from the height at the beginning
+//   course_end_m         at the end: distance from the line of the course, by the pose at the beginning
+//   path_excess          the length of the path over the ground over its straight line, less 1
+void AddAvoidMetrics(const std::vector<LogRow>& rows, std::map<std::string, double>& metrics);
+
+}  // namespace kestrel
