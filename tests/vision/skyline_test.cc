@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <opencv2/core.hpp>
 #include <random>
 
 #include "tests/vision/skyline_photographer.h"
@@ -141,6 +142,40 @@ TEST(Skyline, ImagesWithoutASkylineAreRefusedByName) {
     expected.down_C = R_NC.transpose() * Eigen::Vector3d::UnitZ();
     expected.down_sigma = Radians(2);
     EXPECT_EQ(Said(narrow.skyline.Measure(image, expected)), right);
+  }
+}
+
+TEST(Skyline, APhotographUpsideDownThroughAForwardLensIsRefusedByName) {
+  PaintedWorld clear, cloudy;
+  cloudy.cloud = 25;
+  for (const char* name : {"pinhole", "fisheye"})
+    for (const PaintedWorld& world : {clear, cloudy})
+      for (const TaitBryan& attitude : {TaitBryan{0.5, 0, 0}, TaitBryan{-2, 0.1, 0.3}}) {
+        const View& view = Named(name);
+        const Eigen::Matrix3d R_NC = RotationFromTaitBryan(attitude) * view.R_BC;
+        const cv::Mat image = view.photographer.Paint(world, R_NC, 4);
+        cv::Mat turned;
+        cv::rotate(image, turned, cv::ROTATE_180);
+        EXPECT_EQ(Said(view.skyline.Measure(image)), "fix") << name;
+        EXPECT_EQ(Said(view.skyline.Measure(turned)), "upside_down") << name;
+      }
+}
+
+TEST(Skyline, AFieldsEdgeUnderTheSkylineIsNotTakenForIt) {
+  // The upper part of the ground, up to the skyline at the top of the image, is another field.
+  const View& view = Named("pinhole");
+  const Eigen::Matrix3d R_NC = RotationFromTaitBryan({0.5, -0.4, 0}) * view.R_BC;
+  PaintedWorld world;
+  world.ground = {70, 110, 120};
+  world.haze_m = 1e6;
+  const cv::Mat bright = view.photographer.Paint(world, R_NC, 4);
+  world.ground = {30, 45, 40};
+  world.ground_rough = 6;
+  cv::Mat image = view.photographer.Paint(world, R_NC, 4);
+  bright.rowRange(0, 260).copyTo(image.rowRange(0, 260));
+  const auto result = view.skyline.Measure(image);
+  if (const auto* fix = std::get_if<SkylineFix>(&result)) {
+    EXPECT_LT(ErrorDeg(*fix, R_NC), 2);
   }
 }
 
