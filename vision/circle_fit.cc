@@ -8,6 +8,8 @@
 #include <cstdint>
 #include <utility>
 
+#include "geometry/tait_bryan.h"
+
 namespace kestrel {
 
 namespace {
@@ -178,6 +180,7 @@ class Fitter {
     // What raises the whole circle beyond what is expected hardly does so evenly.
     const double raised = o_.raised_share * std::max(0.0, std::abs(x.z() + o_.dip) - o_.dip_under_sigma / 2);
     fit.covariance.diagonal().array() += o_.least_sigma * o_.least_sigma + relief * relief + raised * raised;
+    if (o_.arc_relief > 0) fit.covariance += inverse * ArcRelief(fit, scatter) * inverse;
     return fit;
   }
 
@@ -192,6 +195,27 @@ class Fitter {
     p(2, 2) = PriorWeight() / (DipSigma(x) * DipSigma(x));
     p(0, 0) = p(1, 1) = 1e-3;
     return p;
+  }
+
+  // Of the right-hand side of the fit, were the contour off by a random function of the azimuth: its rows by
+  // the exponential covariance of that function, by their weights.
+  Eigen::Matrix3d ArcRelief(const CircleFit& fit, double scatter) const {
+    Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+    const double uneven = o_.arc_unevenness_share * fit.unevenness;
+    const double raised = o_.arc_raised_share * (fit.state.z() + o_.dip);
+    const double relief2 = o_.arc_relief * o_.arc_relief + uneven * uneven + raised * raised;
+    std::vector<Eigen::Vector3d> pulls;
+    for (std::size_t i = 0; i < rows_.size(); ++i)
+      pulls.push_back(contour_[i].weight * fit.belongs[i] / (scatter * scatter) * rows_[i]);
+    for (std::size_t i = 0; i < pulls.size(); ++i) {
+      Eigen::Vector3d column = Eigen::Vector3d::Zero();
+      for (std::size_t j = 0; j < pulls.size(); ++j)
+        column +=
+            std::exp(-std::abs(WrapAngle(contour_[j].azimuth - contour_[i].azimuth)) / o_.arc_correlation) *
+            pulls[j];
+      sum += pulls[i] * column.transpose();
+    }
+    return relief2 * sum;
   }
 
   // Of the lower quartiles of arcs: trees and houses leave gaps, hills do not.

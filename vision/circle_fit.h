@@ -36,7 +36,12 @@ struct CircleFitOptions {
   double least_sigma = 0.0006;     // of the answer: what repeats from azimuth to azimuth, such as the lens
   double relief_share = 0.55;      // of the contour's unevenness, in the deviation of the answer
   double raised_share = 0.3;       // of what the circle stands above or below the expected, likewise
-  int azimuths = 240;              // all round, of which the contour's points are some
+  // For a short arc: what lifts or tilts all of it leaves no trace in its own unevenness. Deviation (rad) of
+  // the contour from the circle beforehand, and how much of its unevenness and of what it stands above or
+  // below the expected dip adds to that; alike over about arc_correlation of azimuth (rad). 0: not a short
+  // arc.
+  double arc_relief = 0, arc_unevenness_share = 0.7, arc_raised_share = 0.5, arc_correlation = 0.7;
+  int azimuths = 240;  // all round, of which the contour's points are some
   // Only circles whose (a, b) lies within reach of this are looked for, if it is known beforehand.
   Eigen::Vector2d near = Eigen::Vector2d::Zero();
   double reach = 0.5;         // rad

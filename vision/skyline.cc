@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/skyline.h"
 
-#include <Eigen/Geometry>
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
@@ -17,6 +17,7 @@ namespace {
 // Coarse: about a candidate that is off by several degrees. Fine: about the coarse answer, by the resolution
 // of the lens.
 const BandGrid kWide{72, 39, Radians(-16), Radians(1)};
+constexpr int kHorizonRow = 16;  // of kWide, at elevation 0
 constexpr int kFineAzimuths = 240;
 // Grey levels of all channels, at noise of some 2: under the first there is no horizon to be seen. Up to the
 // second the contour may be the edge of a cloud or of haze, and must be the better a circle for it.
@@ -27,10 +28,19 @@ constexpr double kChooses = Radians(1);  // rad: what is expected as well as thi
 constexpr double kLeastFound = 0.45;     // of the meridians in view
 constexpr double kMostBelow = 0.25;      // of the contour's points under the circle
 constexpr double kNarrow = 0.35;         // of the azimuths: a lens that sees no more of the horizon
-constexpr double kOneSided = 0.02;       // of the view, on the other side of the expected horizon
-constexpr double kSure = Radians(4);     // rad: what is expected as well as this needs no search
-constexpr double kDeep = Radians(1);     // rad
+constexpr double kAllRound = 0.6;   // of the azimuths: a lens that sees less of a level horizon looks one way
+constexpr double kOneSided = 0.02;  // of the view, on the other side of the expected horizon
+constexpr double kSure = Radians(4);  // rad: what is expected as well as this needs no search
+constexpr double kDeep = Radians(1);  // rad
 constexpr double kAlike = Radians(1.5);
+constexpr double kArcRelief = Radians(0.6);
+constexpr double kArcGate = 2.7;       // deviations, by direction
+constexpr double kArcMostSigma = 1.1;  // of an answer, in those of what was expected
+constexpr double kArcLeastExpected = Radians(1.0);
+// Of SkylineSearch::Sides: likeness to sky, over 0, or to ground; nats per cell.
+constexpr double kTurned = 1, kDoubtful = 0.3, kFarLeast = -0.3, kMostSkyBelow = 3.5;
+constexpr double kGroundAbove = -0.5, kPlainGroundAbove = -1, kRise = 1.5, kPlainRise = 2, kFall = 1;
+constexpr double kStripApart = 0.5;
 constexpr double kTie = 0.15;  // of the quality of two answers
 constexpr double kKnownDipSigma = Radians(0.2);
 constexpr double kEarth_m = 6371e3;
@@ -82,6 +92,37 @@ std::vector<double> CircleOf(const Eigen::Vector3d& state, const BandGrid& grid)
   return out;
 }
 
+// An arc is matched by the edge of a field, of a lake or of a cloud, or by a skyline upside down; what lies
+// on its two sides tells. Snow under a grey sky and dusk may look the wrong way by a little.
+std::optional<NoSkyline> Doubt(const SkylineSearch::Sides& sides) {
+  if (sides.below > sides.above + kTurned) return NoSkyline::kUpsideDown;
+  if (sides.above < 0 || sides.far < kFarLeast) return NoSkyline::kNoSky;
+  if (sides.below > kMostSkyBelow) return NoSkyline::kNoGround;
+  if (sides.below > sides.above + kDoubtful) return NoSkyline::kAmbiguous;
+  // The skyline is the topmost edge: right above it there is no ground under more sky, nor a lake under
+  // trees.
+  const double rise = sides.far - sides.near;
+  const bool ground_above = (sides.near < kGroundAbove && rise > kRise && sides.strip_apart > kStripApart) ||
+                            (sides.near < kPlainGroundAbove && rise > kPlainRise);
+  const bool lake_below = sides.far < 0 && rise < -kFall;
+  if (ground_above || lake_below) return NoSkyline::kAmbiguous;
+  return std::nullopt;
+}
+
+// How far an answer lies from what was expected, in deviations of their difference, by its directions.
+double Strangeness(const SkylineFix& fix, const Eigen::Vector3d& down_C, double side_sigma) {
+  Eigen::Matrix<double, 3, 2> across;
+  across.col(0) = fix.down_C.unitOrthogonal();
+  across.col(1) = fix.down_C.cross(across.col(0));
+  const Eigen::Vector2d off = across.transpose() * down_C.normalized();
+  const Eigen::Matrix2d S =
+      across.transpose() * fix.covariance * across + side_sigma * side_sigma * Eigen::Matrix2d::Identity();
+  return std::sqrt(off.dot(S.inverse() * off));
+}
+double LargestSigma(const Eigen::Matrix3d& covariance) {
+  return std::sqrt(covariance.selfadjointView<Eigen::Lower>().eigenvalues().maxCoeff());
+}
+
 double DipAt(double height_m) { return std::sqrt(2 * std::max(0.0, height_m) / kEarth_m); }
 double Reach(const SkylineExpected& e) { return std::min(0.5, 3 * e.down_sigma + 0.02); }
 
@@ -94,6 +135,12 @@ Skyline::Skyline(const CameraModel& camera, const Eigen::Matrix3d& R_BC, const c
       options_(options),
       sampler_(camera, forbidden),
       search_(camera, forbidden, R_BC.transpose() * Eigen::Vector3d::UnitZ(), Radians(options.max_tilt_deg)) {
+  const Eigen::Matrix3d R_CB = R_BC.transpose();
+  const cv::Mat nothing = cv::Mat::zeros(HeightPx(camera), WidthPx(camera), CV_8UC3);
+  const BandSamples band = sampler_.Read(nothing, 1, HorizontalAbout(R_CB.col(2), R_CB.col(0)), kWide);
+  int shown = 0;
+  for (int i = 0; i < kWide.azimuths; ++i) shown += band.shown.at<uchar>(i, kHorizonRow) != 0;
+  one_sided_ = shown < kAllRound * kWide.azimuths;
 }
 
 std::optional<Skyline::Close> Skyline::LookClosely(const cv::Mat& half, const Eigen::Vector3d& down_C) const {
@@ -151,6 +198,7 @@ Skyline::Refined Skyline::Refine(const cv::Mat& image, const Close& close,
       fit_options.reach = Reach(expected);
       fit_options.near_weight = 0.1;
     }
+    if (one_sided_) fit_options.arc_relief = kArcRelief;
     fit = FitCircle(contour.points, fit_options);
     if (!fit) return {NoSkyline::kTooLittle, 0, static_cast<double>(contour.shown) / grid.azimuths};
     if (round == 0 && fit->state.head<2>().norm() < Radians(0.3)) break;
@@ -203,6 +251,14 @@ Skyline::Refined Skyline::Refine(const cv::Mat& image, const Close& close,
   if (expected.down_C) {
     const double off = std::acos(std::clamp(fix.down_C.dot(expected.down_C->normalized()), -1.0, 1.0));
     if (off > options_.gate * std::hypot(expected.down_sigma, sigma)) return no(NoSkyline::kImplausible);
+    if (one_sided_) {
+      // An arc seldom contradicts a wrong answer, so that what was expected must; and a deviation like that
+      // of what was expected adds little to it.
+      const double side_sigma = expected.down_sigma / std::sqrt(2);
+      if (Strangeness(fix, *expected.down_C, side_sigma) > kArcGate) return no(NoSkyline::kImplausible);
+      if (LargestSigma(fix.covariance) > kArcMostSigma * std::max(side_sigma, kArcLeastExpected))
+        return no(NoSkyline::kTooLittle);
+    }
   }
   return {std::move(fix), quality, in_view};
 }
@@ -275,6 +331,8 @@ SkylineResult Skyline::Measure(const cv::Mat& image, const SkylineExpected& expe
     if (first.sky_above > 0 && first.sky_below > 0) return NoSkyline::kNoGround;
     if (first.sky_above < 0 && first.sky_below < 0) return NoSkyline::kNoSky;
   }
+  if (fix && one_sided_)
+    if (const auto doubt = Doubt(search_.SidesOf(overview, fix->down_C, fix->dip))) return *doubt;
   return top->result;
 }
 

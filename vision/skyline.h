@@ -66,6 +66,7 @@ class Skyline {
   SkylineOptions options_;
   BandSampler sampler_;
   SkylineSearch search_;
+  bool one_sided_ = false;  // the lens sees no more than an arc of a level aircraft's horizon
 };
 
 }  // namespace kestrel

@@ -26,6 +26,8 @@ const char* NameOf(NoSkyline reason) {
       return "uneven_skyline";
     case NoSkyline::kAmbiguous:
       return "ambiguous";
+    case NoSkyline::kUpsideDown:
+      return "upside_down";
     case NoSkyline::kTooLittle:
       return "too_little_skyline";
     case NoSkyline::kImplausible:

@@ -37,6 +37,7 @@ enum class NoSkyline {
   kHazy,         // sky and ground melt into each other: where the horizon is cannot be seen
   kUneven,       // the contour lies on no one circle: hills or houses nearly all round
   kAmbiguous,    // two answers are nearly as good
+  kUpsideDown,   // ground above, sky below
   kTooLittle,    // so little of the skyline is seen that its tilt is not known
   kImplausible,  // what is seen lies too far from what was expected
   kFrozen,       // the very image of the last time: only a wrapper with a memory says so

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 namespace kestrel {
 
@@ -15,6 +16,8 @@ constexpr double kSpacing = 0.11;     // between the directions tried, rad
 constexpr double kBand = 0.7;         // elevations that count, rad
 constexpr double kGap = 0.03;         // cells nearer to the horizon straddle it
 constexpr double kLeastShare = 0.04;  // of the cells on either side
+constexpr double kStrip = 0.14;       // elevations right above a horizon, rad
+constexpr double kLeastStrip = 2;     // mean cells
 constexpr double kApart = 0.16;       // rad between candidates
 
 // Even points on the cap about an axis: a spiral.
@@ -176,6 +179,34 @@ SkylineSearch::Overview SkylineSearch::Look(const cv::Mat& half, std::size_t mos
                                   [&](const Candidate& o) { return o.down_C.dot(c.down_C) > apart; });
     if (!near) out.candidates.push_back(c);
   }
+  out.moments = std::move(moments);
+  return out;
+}
+
+SkylineSearch::Sides SkylineSearch::SidesOf(const Overview& overview, const Eigen::Vector3d& down_C,
+                                            double dip) const {
+  using Moments = Eigen::Array<float, kMoments, 1>;
+  Moments below = Moments::Zero(), near = Moments::Zero(), far = Moments::Zero();
+  const Eigen::Vector3f down = down_C.cast<float>();
+  for (std::size_t i = 0; i < cells_.size(); ++i) {
+    const double s = std::asin(std::clamp(-static_cast<double>(down.dot(cells_[i].ray)), -1.0, 1.0)) + dip;
+    if (std::abs(s) > kBand || std::abs(s) < kGap) continue;
+    (s < 0 ? below : s < kStrip ? near : far) += Eigen::Map<const Moments>(overview.moments[i].data());
+  }
+  const auto like = [](const Moments& m) {
+    if (m[0] <= 0) return 0.0;
+    const Eigen::Vector4d mean = m.segment<4>(1).cast<double>() / static_cast<double>(m[0]);
+    return SkyLike(mean[0], mean[1], mean[2], std::exp(mean[3]));
+  };
+  Sides out;
+  const Moments above = near + far;
+  out.above = like(above), out.below = like(below), out.near = like(near), out.far = like(far);
+  if (near[0] > kLeastStrip && far[0] > kLeastStrip)
+    out.strip_apart =
+        0.5 *
+        (above[0] * LogDeterminant(above.data(), nullptr) - near[0] * LogDeterminant(near.data(), nullptr) -
+         far[0] * LogDeterminant(far.data(), nullptr)) /
+        static_cast<double>(above[0]);
   return out;
 }
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -116,6 +117,35 @@ TEST(FitCircle, ARidgeOverTwoFifthsAndTreesDoNotLiftItAndTheDeviationSaysSo) {
   EXPECT_LT((fit->state - truth).head<2>().norm(), Radians(0.15));
   EXPECT_GT(fit->covariance(0, 0) + fit->covariance(1, 1),
             4 * (clean->covariance(0, 0) + clean->covariance(1, 1)));
+}
+
+TEST(FitCircle, AShortArcsDeviationHoldsForWhatLiftsOrTiltsAllOfIt) {
+  // Contours over 80 degrees, off by a random walk back to 0: 0.5 degrees, alike over 40 degrees.
+  std::mt19937 draw(5);
+  std::normal_distribution<double> normal;
+  const double step = 2 * M_PI / 240, off = Radians(0.5), back = std::exp(-step / 0.7);
+  CircleFitOptions plain, arc;
+  arc.arc_relief = off;
+  int within_plain = 0, within_arc = 0;
+  constexpr int kContours = 60;
+  for (int k = 0; k < kContours; ++k) {
+    std::vector<ContourPoint> contour;
+    double lift = off * normal(draw);
+    for (int i = -27; i <= 27; ++i) {
+      contour.push_back({i * step + (i < 0 ? 2 * M_PI : 0), lift - plain.dip, 1});
+      lift = back * lift + std::sqrt(1 - back * back) * off * normal(draw);
+    }
+    std::rotate(contour.begin(), contour.begin() + 27, contour.end());
+    for (const CircleFitOptions& options : {plain, arc}) {
+      const auto fit = FitCircle(contour, options);
+      ASSERT_TRUE(fit);
+      for (int axis = 0; axis < 2; ++axis)
+        (options.arc_relief > 0 ? within_arc : within_plain) +=
+            std::abs(fit->state[axis]) < 2 * std::sqrt(fit->covariance(axis, axis));
+    }
+  }
+  EXPECT_LT(within_plain, 0.85 * 2 * kContours);
+  EXPECT_GT(within_arc, 0.90 * 2 * kContours);
 }
 
 TEST(FitCircle, AShortArcIsLessSureThanTheWholeCircle) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <opencv2/core.hpp>
 #include <random>
 
 #include "tests/vision/skyline_photographer.h"
@@ -141,6 +142,48 @@ TEST(Skyline, ImagesWithoutASkylineAreRefusedByName) {
     expected.down_C = R_NC.transpose() * Eigen::Vector3d::UnitZ();
     expected.down_sigma = Radians(2);
     EXPECT_EQ(Said(narrow.skyline.Measure(image, expected)), right);
+  }
+}
+
+TEST(Skyline, APhotographUpsideDownThroughAForwardLensIsRefusedByName) {
+  PaintedWorld clear, cloudy;
+  cloudy.cloud = 25;
+  for (const char* name : {"pinhole", "fisheye"})
+    for (const PaintedWorld& world : {clear, cloudy})
+      for (const TaitBryan& attitude : {TaitBryan{0.5, 0, 0}, TaitBryan{-2, 0.1, 0.3}}) {
+        const View& view = Named(name);
+        const Eigen::Matrix3d R_NC = RotationFromTaitBryan(attitude) * view.R_BC;
+        const cv::Mat image = view.photographer.Paint(world, R_NC, 4);
+        cv::Mat turned;
+        cv::rotate(image, turned, cv::ROTATE_180);
+        const std::string upright = Said(view.skyline.Measure(image)),
+                          inverted = Said(view.skyline.Measure(turned));
+        // Through the narrow one both may be too little of an arc.
+        if (std::string(name) == "fisheye") {
+          EXPECT_EQ(upright, "fix");
+          EXPECT_EQ(inverted, "upside_down");
+        } else {
+          EXPECT_TRUE(upright == "fix" || upright == "too_little_skyline") << upright;
+          EXPECT_TRUE(inverted == "upside_down" || inverted == "too_little_skyline") << inverted;
+        }
+      }
+}
+
+TEST(Skyline, AFieldsEdgeUnderTheSkylineIsNotTakenForItThroughANarrowLens) {
+  const View& view = Named("pinhole");
+  for (const TaitBryan& attitude :
+       {TaitBryan{0.5, -0.3, 0}, TaitBryan{0.5, -0.4, 0}, TaitBryan{0.5, -0.3, 0.2}}) {
+    const Eigen::Matrix3d R_NC = RotationFromTaitBryan(attitude) * view.R_BC;
+    PaintedWorld near, far;
+    near.haze_m = far.haze_m = 1e6;
+    near.ground_rough = far.ground_rough = 6;
+    near.ground = {30, 45, 40};
+    far.ground = {70, 110, 120};
+    cv::Mat image = view.photographer.Paint(near, R_NC, 4);
+    view.photographer.Paint(far, R_NC, 4).rowRange(0, 200).copyTo(image.rowRange(0, 200));
+    const auto result = view.skyline.Measure(image);
+    EXPECT_TRUE(Said(result) != "fix" || ErrorDeg(std::get<SkylineFix>(result), R_NC) < 2)
+        << ErrorDeg(std::get<SkylineFix>(result), R_NC);
   }
 }
 
