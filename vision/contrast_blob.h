@@ -12,7 +12,6 @@ struct BlobOptions {
   double least_score = 5;     // of its contrast, in deviations of what is around it
   double most_aspect = 3;     // of the axes of its second moments
   double least_fill = 0.6;    // of the ellipse of its second moments
-  double most_halo = 0.25;    // contrast just outside it, in its own: glow and clouds have no edge
   double least_around = 0.5;  // of the ring around it that must be sky
 };
 
@@ -22,7 +21,6 @@ enum class BlobState {
   kHemmedIn,    // too little sky around it to tell
   kConnected,   // with what is no sky, or with something that goes on
   kNotCompact,  // long or ragged
-  kSoft,        // without an edge: cloud or glow
   kClutter      // no more than others of its surroundings
 };
 const char* NameOf(BlobState state);
@@ -40,6 +38,7 @@ struct Blob {
                          // channels
   double strongest = 0;  // the same in the channel where it is largest, without its sign
   double score = 0;      // strongest, in deviations of the background
+  double deviation = 0;  // of the background about its plane, in one channel
   double aspect = 0;
   std::vector<BlobPixel> pixels;
 };
@@ -49,5 +48,11 @@ struct Blob {
 // plane in each channel.
 Blob MeasureBlob(const cv::Mat& image, const cv::Mat& sky, const cv::Point& place, int inner, int outer,
                  const BlobOptions& options);
+
+// How steep the edge of a blob is: the greatest change of any channel over 3 px on rays from its centre, mean
+// of 16 rays all round, in its strongest contrast. About 1 of a thing, however it is shaded near 0.5; of a
+// cloud or of a glow the less the larger it is. strongest and deviation as in Blob.
+double SharpnessOf(const cv::Mat& image, const Eigen::Vector2d& centre, double radius, double strongest,
+                   double deviation);
 
 }  // namespace kestrel

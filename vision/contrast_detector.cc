@@ -13,51 +13,56 @@ namespace kestrel {
 
 namespace {
 
-constexpr int kLevels = 5;                 // of the pyramid: things of about 2 to 5 px in each
-constexpr int kFine = 2;                   // levels finer than the candidate's, in which it is measured
-constexpr int kAround = 4;                 // px to the places it is compared with
-constexpr int kInner = 5, kOuter = 7;      // px of the candidate's level: the ring of the blob's background
-constexpr int kNeighbourhood = 16;         // px of its level, in which a candidate must stand out
-constexpr double kLeastSky = 0.005;        // share of the image
-constexpr double kDark = 8, kWhite = 250;  // grey levels
-constexpr int kLeastResponse = 4;          // grey levels of the mean of 3 x 3 px
+constexpr int kLevels = 5;             // of the pyramid: things of about 2 to 5 px in each
+constexpr int kFine = 2;               // levels finer than the candidate's, in which it is measured
+constexpr int kAround = 4;             // px to the places it is compared with
+constexpr int kInner = 5, kOuter = 7;  // px of the candidate's level: the ring of the blob's background
+constexpr double kLeastForEdge_px = 6;
+constexpr double kExpectedReach = 1.3, kExpected_px = 4;  // around an expected one, of its radius and besides
+constexpr double kLeastAround = 0.35;                     // of the ring around a blob that must be sky
+constexpr double kLeastSky = 0.005;                       // share of the image
+constexpr double kDark = 8, kWhite = 250;                 // grey levels
+constexpr int kLeastResponse = 4;                         // grey levels of the mean of 3 x 3 px
 
 struct Level {
   cv::Mat image, sky;  // sky: 255 or 0
-  cv::Mat response;    // CV_8UC1
 };
 
-// How much each place differs from all around it, whatever the sign; 0 where there is no sky. What is no sky
-// around it is not asked.
-cv::Mat ResponseOf(const cv::Mat& smooth, const cv::Mat& ground) {
-  cv::Mat high, low, least, most, dark, light;
-  cv::copyMakeBorder(smooth, high, kAround, kAround, kAround, kAround, cv::BORDER_CONSTANT, 255);
-  cv::copyMakeBorder(smooth, low, kAround, kAround, kAround, kAround, cv::BORDER_CONSTANT, 0);
-  const cv::Rect middle(kAround, kAround, smooth.cols, smooth.rows);
-  high(middle).setTo(255, ground);
-  low(middle).setTo(0, ground);
+// How much each place differs from all around it, whatever the sign; 0 where the sky is not free. What is no
+// free sky around it is not asked. Larger values than there are in response replace those.
+void Respond(const cv::Mat& smooth, const cv::Mat& free, cv::Mat& response) {
+  const int rows = smooth.rows, columns = smooth.cols;
+  cv::Mat high(rows + 2 * kAround, columns + 2 * kAround, CV_8UC1, cv::Scalar(255));
+  cv::Mat low(high.size(), CV_8UC1, cv::Scalar(0));
+  const cv::Rect middle(kAround, kAround, columns, rows);
+  cv::Mat taken;
+  cv::bitwise_not(free, taken);
+  cv::bitwise_or(smooth, taken, high(middle));
+  cv::bitwise_and(smooth, free, low(middle));
   constexpr int kDiagonal = 3;
-  const std::array<cv::Point, 8> around{{{kAround, 0},
-                                         {-kAround, 0},
-                                         {0, kAround},
-                                         {0, -kAround},
-                                         {kDiagonal, kDiagonal},
-                                         {kDiagonal, -kDiagonal},
-                                         {-kDiagonal, kDiagonal},
-                                         {-kDiagonal, -kDiagonal}}};
-  for (const cv::Point& p : around) {
-    if (least.empty()) {
-      least = high(middle + p).clone(), most = low(middle + p).clone();
-      continue;
+  for (int y = 0; y < rows; ++y) {
+    const auto row = [&](const cv::Mat& m, int dy) { return m.ptr<uchar>(y + kAround + dy) + kAround; };
+    const uchar *h0 = row(high, 0), *hu = row(high, -kAround), *hd = row(high, kAround);
+    const uchar *ha = row(high, -kDiagonal), *hb = row(high, kDiagonal);
+    const uchar *l0 = row(low, 0), *lu = row(low, -kAround), *ld = row(low, kAround);
+    const uchar *la = row(low, -kDiagonal), *lb = row(low, kDiagonal);
+    const uchar *s = smooth.ptr<uchar>(y), *open = free.ptr<uchar>(y);
+    uchar* r = response.ptr<uchar>(y);
+    const auto least = [](uchar a, uchar b) { return a < b ? a : b; };
+    const auto most = [](uchar a, uchar b) { return a > b ? a : b; };
+#pragma GCC ivdep  // the rows of different images do not overlap: 16 pixels at a time
+    for (int x = 0; x < columns; ++x) {
+      const uchar around = least(
+          least(least(h0[x - kAround], h0[x + kAround]), least(hu[x], hd[x])),
+          least(least(ha[x - kDiagonal], ha[x + kDiagonal]), least(hb[x - kDiagonal], hb[x + kDiagonal])));
+      const uchar below =
+          most(most(most(l0[x - kAround], l0[x + kAround]), most(lu[x], ld[x])),
+               most(most(la[x - kDiagonal], la[x + kDiagonal]), most(lb[x - kDiagonal], lb[x + kDiagonal])));
+      const auto dark = static_cast<uchar>(most(around, s[x]) - s[x]);
+      const auto light = static_cast<uchar>(s[x] - least(below, s[x]));
+      r[x] = most(r[x], static_cast<uchar>(most(dark, light) & open[x]));
     }
-    cv::min(least, high(middle + p), least);
-    cv::max(most, low(middle + p), most);
   }
-  cv::subtract(least, smooth, dark);
-  cv::subtract(smooth, most, light);
-  cv::max(dark, light, dark);
-  dark.setTo(0, ground);
-  return dark;
 }
 
 }  // namespace
@@ -112,8 +117,8 @@ std::optional<ContrastDetection> ContrastDetector::Measured(const Blob& blob, in
   return d;
 }
 
-SkySearch ContrastDetector::Search(const cv::Mat& image, const Eigen::Vector3d& down_C,
-                                   double down_sigma) const {
+SkySearch ContrastDetector::Search(const cv::Mat& image, const Eigen::Vector3d& down_C, double down_sigma,
+                                   const std::vector<OutlineCone>& expected) const {
   SkySearch search;
   if (image.empty() || (image.type() != CV_8UC3 && image.type() != CV_8UC1) ||
       image.cols != WidthPx(camera_) || image.rows != HeightPx(camera_) ||
@@ -126,6 +131,15 @@ SkySearch ContrastDetector::Search(const cv::Mat& image, const Eigen::Vector3d& 
   cv::Mat quarter = levels[2].image;
   if (quarter.channels() == 1) cv::cvtColor(quarter, quarter, cv::COLOR_GRAY2BGR);
   levels[1].sky = mask_.Find(quarter, down_C, down_sigma, Radians(options_.margin_deg));
+  for (const OutlineCone& cone : expected) {
+    Eigen::Matrix<double, 2, 3> d_point;
+    const auto uv = Project(camera_, cone.axis, &d_point);
+    if (!uv) continue;
+    const double radius_px = cone.half_angle * d_point.norm() / std::sqrt(2) * kExpectedReach + kExpected_px;
+    cv::circle(levels[1].sky,
+               {static_cast<int>(std::lround(uv->x() / 2)), static_cast<int>(std::lround(uv->y() / 2))},
+               static_cast<int>(std::ceil(radius_px / 2)), kFreeSky, cv::FILLED);
+  }
   search.state = SkySearchState::kNoSky;
   if (cv::countNonZero(levels[1].sky) < kLeastSky * static_cast<double>(levels[1].sky.total())) return search;
   {
@@ -141,16 +155,22 @@ SkySearch ContrastDetector::Search(const cv::Mat& image, const Eigen::Vector3d& 
 
   cv::resize(levels[1].sky, levels[0].sky, image.size(), 0, 0, cv::INTER_NEAREST);
   for (std::size_t l = 2; l < kLevels; ++l) {
-    cv::resize(levels[l - 1].sky, levels[l].sky, levels[l].image.size(), 0, 0, cv::INTER_AREA);
-    cv::threshold(levels[l].sky, levels[l].sky, 254, 255, cv::THRESH_BINARY);
+    // Of four pixels the worst.
+    const cv::Mat& finer = levels[l - 1].sky;
+    levels[l].sky.create(levels[l].image.size(), CV_8UC1);
+    for (int y = 0; y < levels[l].sky.rows; ++y)
+      for (int x = 0; x < levels[l].sky.cols; ++x)
+        levels[l].sky.at<uchar>(y, x) =
+            std::min({finer.at<uchar>(2 * y, 2 * x), finer.at<uchar>(2 * y, 2 * x + 1),
+                      finer.at<uchar>(2 * y + 1, 2 * x), finer.at<uchar>(2 * y + 1, 2 * x + 1)});
   }
   std::vector<Candidate> candidates;
   for (int l = 0; l < kLevels; ++l) {
     Level& level = levels[static_cast<std::size_t>(l)];
     const cv::Rect part = cv::boundingRect(level.sky);
     if (part.width < 2 * kAround || part.height < 2 * kAround) continue;
-    cv::Mat ground;
-    cv::bitwise_not(level.sky(part), ground);
+    cv::Mat free, response(part.size(), CV_8UC1, cv::Scalar(0));
+    cv::compare(level.sky(part), kFreeSky, free, cv::CMP_EQ);
     for (int c = 0; c < image.channels(); c += 2) {
       cv::Mat channel, smooth;
       if (image.channels() == 1)
@@ -158,25 +178,23 @@ SkySearch ContrastDetector::Search(const cv::Mat& image, const Eigen::Vector3d& 
       else
         cv::extractChannel(level.image(part), channel, c);
       cv::blur(channel, smooth, {3, 3});
-      const cv::Mat response = ResponseOf(smooth, ground);
-      if (c == 0)
-        level.response = response;
-      else
-        cv::max(level.response, response, level.response);
+      Respond(smooth, free, response);
     }
     // A thing of less than 3 px fills but part of the mean.
     const int threshold = std::max(kLeastResponse, static_cast<int>(options_.least_contrast * 0.5));
     std::vector<Candidate> here;
     for (int y = 0; y < part.height; ++y) {
-      const auto* row = level.response.ptr<uchar>(y);
+      const auto* row = response.ptr<uchar>(y);
       for (int x = 0; x < part.width; ++x)
-        if (row[x] >= threshold) here.push_back({{x, y}, l, row[x], 0});
+        if (row[x] >= threshold) here.push_back({{x, y}, l, row[x]});
     }
     std::stable_sort(here.begin(), here.end(),
                      [](const Candidate& a, const Candidate& b) { return a.response > b.response; });
     std::vector<Candidate> kept;
     for (const Candidate& c : here) {
-      if (static_cast<int>(kept.size()) >= options_.most_candidates) break;
+      if (static_cast<int>(kept.size()) >=
+          (l < kFine ? options_.most_candidates : (options_.most_candidates + 1) / 2))
+        break;
       const bool beside = std::any_of(kept.begin(), kept.end(), [&](const Candidate& k) {
         return std::abs(k.place.x - c.place.x) <= kAround && std::abs(k.place.y - c.place.y) <= kAround;
       });
@@ -184,39 +202,27 @@ SkySearch ContrastDetector::Search(const cv::Mat& image, const Eigen::Vector3d& 
       kept.push_back(c);
     }
     for (Candidate& c : kept) {
-      // The strongest response nearby, itself and what it smears left out.
-      int rival = 1;
-      for (int y = std::max(0, c.place.y - kNeighbourhood);
-           y <= std::min(part.height - 1, c.place.y + kNeighbourhood); ++y)
-        for (int x = std::max(0, c.place.x - kNeighbourhood);
-             x <= std::min(part.width - 1, c.place.x + kNeighbourhood); ++x)
-          if (std::abs(x - c.place.x) > kOuter || std::abs(y - c.place.y) > kOuter)
-            rival = std::max(rival, static_cast<int>(level.response.at<uchar>(y, x)));
-      c.outstanding = static_cast<double>(c.response) / rival;
       c.place += part.tl();
       candidates.push_back(c);
     }
   }
-  std::stable_sort(candidates.begin(), candidates.end(),
-                   [](const Candidate& a, const Candidate& b) { return a.response > b.response; });
-  if (static_cast<int>(candidates.size()) > options_.most_candidates)
-    candidates.resize(static_cast<std::size_t>(options_.most_candidates));
-
-  const BlobOptions blob_options{options_.least_score, options_.most_aspect, options_.least_fill,
-                                 options_.most_halo, 0.5};
+  const BlobOptions blob_options{options_.least_score, options_.most_aspect, options_.least_fill, 0.5};
   for (const Candidate& c : candidates) {
     const int at = std::max(0, c.level - kFine), factor = 1 << (c.level - at);
     const Level& level = levels[static_cast<std::size_t>(at)];
     const cv::Point place(c.place.x * factor + factor / 2, c.place.y * factor + factor / 2);
     const Blob blob =
         MeasureBlob(level.image, level.sky, place, kInner * factor, kOuter * factor, blob_options);
-    if (blob.state != BlobState::kMeasured || c.outstanding < options_.least_outstanding) continue;
+    if (blob.state != BlobState::kMeasured) continue;
     if (blob.strongest < options_.least_contrast) continue;
     // Of the centre: noise in the pixels of the edge, and what a grid of pixels adds.
     const double deviation_px = 0.05 + std::sqrt(M_PI * blob.area) / (2 * blob.score * std::sqrt(blob.area));
     auto detection = Measured(blob, at, deviation_px);
     if (!detection) continue;
-    detection->outstanding = c.outstanding;
+    if (detection->diameter_px >= kLeastForEdge_px &&
+        SharpnessOf(image, detection->centre_px, detection->diameter_px / 2, blob.strongest, blob.deviation) <
+            options_.least_sharpness)
+      continue;
     const auto twin =
         std::find_if(search.detections.begin(), search.detections.end(), [&](const ContrastDetection& d) {
           return (d.centre_px - detection->centre_px).norm() < (d.diameter_px + detection->diameter_px) / 2;

@@ -17,13 +17,12 @@ struct ContrastDetectorOptions {
   double least_contrast = 8;  // grey levels of 255, of a thing of a few pixels in its strongest channel
   double least_diameter_px = 1.6;
   double most_diameter_px = 60;
-  double margin_deg = 0.7;       // above the contour between sky and ground, where nothing is looked for
-  double least_score = 6;        // contrast in deviations of the sky right around
-  double least_outstanding = 3;  // response in that of the other places nearby: clouds have many alike
-  double most_aspect = 3;        // of length to width
-  double least_fill = 0.6;       // of the ellipse of its second moments
-  double most_halo = 0.25;       // contrast just outside it, in its own
-  int most_candidates = 24;      // looked at closely in one image, the strongest: bounds the time
+  double margin_deg = 0.7;        // above the contour between sky and ground, where nothing is looked for
+  double least_score = 9;         // contrast in deviations of the sky right around
+  double most_aspect = 3;         // of length to width
+  double least_fill = 0.6;        // of the ellipse of its second moments
+  double least_sharpness = 0.45;  // of its edge (SharpnessOf), from 8 px on: clouds and glow have none
+  int most_candidates = 12;       // looked at closely in each of five sizes, the strongest: bounds the time
 };
 
 template <class Visitor>
@@ -33,10 +32,9 @@ void Fields(Visitor& v, ContrastDetectorOptions& o) {
   v("most_diameter_px", o.most_diameter_px, 2.0, 70.0);
   v("margin_deg", o.margin_deg, 0.0, 20.0);
   v("least_score", o.least_score, 1.0, 1000.0);
-  v("least_outstanding", o.least_outstanding, 0.0, 1000.0);
   v("most_aspect", o.most_aspect, 1.0, 20.0);
   v("least_fill", o.least_fill, 0.0, 1.0);
-  v("most_halo", o.most_halo, 0.0, 1.0);
+  v("least_sharpness", o.least_sharpness, 0.0, 2.0);
   v("most_candidates", o.most_candidates, 1, 1000);
 }
 
@@ -55,9 +53,8 @@ struct ContrastDetection {
   double half_angle_sigma = 0;                          // rad
   Eigen::Vector2d centre_px = Eigen::Vector2d::Zero();  // of its area in the image
   double diameter_px = 0;                               // of the circle of its area
-  double contrast = 0;     // its mean inside less the sky around, grey levels; under 0: darker
-  double score = 0;        // strongest contrast of any channel, in deviations of the sky right around
-  double outstanding = 0;  // its response in the strongest one nearby
+  double contrast = 0;  // its mean inside less the sky around, grey levels; under 0: darker
+  double score = 0;     // strongest contrast of any channel, in deviations of the sky right around
 };
 
 struct SkySearch {
@@ -79,7 +76,11 @@ class ContrastDetector {
                    const ContrastDetectorOptions& options);
 
   // image: CV_8UC3 (blue, green, red) or CV_8UC1. down_C: unit vector, down_sigma its deviation, rad.
-  SkySearch Search(const cv::Mat& image, const Eigen::Vector3d& down_C, double down_sigma) const;
+  // expected: where things are known to be, in C: right around them what stands up from the ground counts as
+  // sky, as the contour may have taken them for the ground when they are near it. They are looked for as all
+  // others.
+  SkySearch Search(const cv::Mat& image, const Eigen::Vector3d& down_C, double down_sigma,
+                   const std::vector<OutlineCone>& expected = {}) const;
 
   const CameraModel& camera() const { return camera_; }
 
@@ -88,7 +89,6 @@ class ContrastDetector {
     cv::Point place;  // in its level
     int level = 0;
     int response = 0;
-    double outstanding = 0;
   };
   std::optional<ContrastDetection> Measured(const Blob& blob, int level, double deviation_px) const;
 

@@ -93,37 +93,36 @@ ContrastTracker::Path ContrastTracker::PathOf(const Track_& track, double t_s) c
 }
 
 std::optional<ContrastGrowth> ContrastTracker::GrowthOf(const Track_& track) const {
+  // On a straight course towards us the distance, so 1 / half_angle, is a line over time: y = a + b t, t = 0
+  // now; the rate is -b / a. Weighted least squares.
   const double last_s = track.history.back().t_s;
-  // Weighted least squares of ln(half angle) over time.
-  double w0 = 0, w1 = 0, y0 = 0, first_s = last_s;
+  double s0 = 0, s1 = 0, s2 = 0, y0 = 0, y1 = 0, first_s = last_s;
   int n = 0;
   const auto each = [&](const auto& use) {
     for (const Sighting& s : track.history)
       if (s.t_s >= last_s - options_.window_s) {
-        const double deviation = s.half_angle_sigma / s.half_angle;
-        use(s.t_s - last_s, std::log(s.half_angle), 1 / (deviation * deviation));
+        const double y = 1 / s.half_angle, deviation = s.half_angle_sigma * y * y;
+        use(s.t_s - last_s, y, 1 / (deviation * deviation));
       }
   };
   each([&](double t, double y, double w) {
-    w0 += w, w1 += w * t, y0 += w * y, ++n;
+    s0 += w, s1 += w * t, s2 += w * t * t, y0 += w * y, y1 += w * t * y, ++n;
     first_s = std::min(first_s, last_s + t);
   });
-  if (n < static_cast<int>(kLeastForPath) || last_s - first_s < kLeastSpan * options_.window_s)
+  const double determinant = s0 * s2 - s1 * s1;
+  if (n < static_cast<int>(kLeastForPath) || last_s - first_s < kLeastSpan * options_.window_s ||
+      !(determinant > 0))
     return std::nullopt;
-  const double mean_t = w1 / w0, mean_y = y0 / w0;
-  double tt = 0, ty = 0, chi2 = 0;
-  each([&](double t, double y, double w) {
-    tt += w * (t - mean_t) * (t - mean_t), ty += w * (t - mean_t) * (y - mean_y);
-  });
-  if (!(tt > 0)) return std::nullopt;
-  const double rate = ty / tt;
-  each([&](double t, double y, double w) {
-    const double e = y - mean_y - rate * (t - mean_t);
-    chi2 += w * e * e;
-  });
+  const double a = (s2 * y0 - s1 * y1) / determinant, b = (s0 * y1 - s1 * y0) / determinant;
+  if (!(a > 0)) return std::nullopt;
+  double chi2 = 0;
+  each([&](double t, double y, double w) { chi2 += w * (y - a - b * t) * (y - a - b * t); });
   // By the scatter that there is, where it is more than the sightings' own deviations say.
   const double scatter = std::max(1.0, chi2 / (n - 2));
-  return ContrastGrowth{rate, std::sqrt(scatter / tt), n};
+  const double aa = s2 / determinant, bb = s0 / determinant, ab = -s1 / determinant;
+  const double rate = -b / a;
+  const double variance = scatter * (bb + rate * rate * aa + 2 * rate * ab) / (a * a);
+  return ContrastGrowth{rate, std::sqrt(std::max(0.0, variance)), n};
 }
 
 double ContrastTracker::Distance(const Track_& track, const Sighting& s) const {
@@ -162,7 +161,12 @@ ContrastObservation ContrastTracker::Track(const cv::Mat& image, const Eigen::Ma
   SkySearch search;
   if (rotation && later) {
     const Eigen::Vector3d down_C = R_NC.row(2).transpose().normalized();
-    search = detector_.Search(image, down_C, Radians(options_.down_sigma_deg));
+    std::vector<OutlineCone> expected;
+    for (const Track_& track : tracks_)
+      if (track.confirmed)
+        expected.push_back(
+            {R_NC.transpose() * PathOf(track, t_s).bearing_N, track.history.back().half_angle});
+    search = detector_.Search(image, down_C, Radians(options_.down_sigma_deg), expected);
     observation.state = StateOf(search.state);
     last_s_ = t_s;
   }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "geometry/tait_bryan.h"
 #include "vision/skyline_profile.h"
@@ -14,26 +15,31 @@ namespace {
 constexpr int kReduction = 4;
 constexpr double kLowest = Radians(-6), kHighest = Radians(22), kStep = Radians(0.7);
 constexpr int kAzimuths = 288;
+constexpr double kEdge = Radians(0.3);  // above the contour, as wide as the contour is blurred
 constexpr int kReach = 2;  // azimuths to either side whose contour counts: a tree is narrower than its mask
 constexpr int kFar = 12;   // azimuths, over which a contour that is not seen is taken from its neighbours
 
-// The contour's elevation by azimuth: the highest of what is near.
-std::vector<double> Heights(const std::vector<ProfilePoint>& points, double unknown) {
+// The contour's elevation by azimuth: there, and the highest of what is near.
+struct Contour {
+  std::vector<double> here, near;
+};
+Contour ContourOf(const std::vector<ProfilePoint>& points, double unknown) {
   const int n = static_cast<int>(points.size());
-  std::vector<double> heights(points.size());
+  const auto highest = [&](int i, int reach) {
+    std::optional<double> h;
+    for (int d = -reach; d <= reach; ++d)
+      if (const ProfilePoint& p = points[static_cast<std::size_t>((i + d + n) % n)]; p.found)
+        h = h ? std::max(*h, p.elevation) : p.elevation;
+    return h;
+  };
+  Contour contour;
   for (int i = 0; i < n; ++i) {
-    bool known = false;
-    double highest = 0;
-    for (int reach = kReach; !known && reach <= kFar; reach += kReach)
-      for (int d = -reach; d <= reach; ++d) {
-        const ProfilePoint& p = points[static_cast<std::size_t>((i + d + n) % n)];
-        if (!p.found) continue;
-        highest = known ? std::max(highest, p.elevation) : p.elevation;
-        known = true;
-      }
-    heights[static_cast<std::size_t>(i)] = known ? std::max(highest, -unknown) : unknown;
+    std::optional<double> here = highest(i, 0), near = highest(i, kReach);
+    for (int reach = kReach; !near && reach <= kFar; reach += kReach) near = highest(i, reach);
+    contour.near.push_back(near ? std::max(*near, -unknown) : unknown);
+    contour.here.push_back(here ? std::max(*here, -unknown) : contour.near.back());
   }
-  return heights;
+  return contour;
 }
 
 }  // namespace
@@ -56,10 +62,14 @@ cv::Mat SkyMask::Find(const cv::Mat& quarter, const Eigen::Vector3d& down_C, dou
   const BandSamples band = sampler_.Read(quarter, kReduction, horizontal, grid);
   const std::vector<ProfilePoint> points = FindContour(band, grid, std::vector<double>(kAzimuths, 0.0),
                                                        {std::max(0.02, down_sigma), 0.09, 0.2, 2});
-  const std::vector<double> heights = Heights(points, 2 * down_sigma);
-  std::vector<float> limits;  // of the sine of the elevation
-  for (const double h : heights) limits.push_back(static_cast<float>(std::sin(h + margin)));
-  const auto [least, most] = std::minmax_element(limits.begin(), limits.end());
+  const Contour contour = ContourOf(points, 2 * down_sigma);
+  std::vector<float> here, free;  // sines
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    here.push_back(static_cast<float>(std::sin(contour.here[i] + kEdge)));
+    free.push_back(static_cast<float>(std::sin(std::max(contour.here[i] + kEdge, contour.near[i] + margin))));
+  }
+  const float least = *std::min_element(here.begin(), here.end());
+  const float most = *std::max_element(free.begin(), free.end());
   const Eigen::Vector3f down = horizontal.down.cast<float>(), forward = horizontal.forward.cast<float>(),
                         right = horizontal.right.cast<float>();
   cv::Mat sky(half_, CV_8UC1);
@@ -68,13 +78,13 @@ cv::Mat SkyMask::Find(const cv::Mat& quarter, const Eigen::Vector3d& down_C, dou
     auto* row = sky.ptr<uchar>(y);
     for (int x = 0; x < half_.width; ++x, ++ray) {
       const float up = -down.dot(*ray);
-      bool above = up > *most;
-      if (!above && up > *least && !ray->isZero()) {
+      SkyZone zone = up > most ? kFreeSky : kNoSky;
+      if (!zone && up > least && !ray->isZero()) {
         const float azimuth = cv::fastAtan2(right.dot(*ray), forward.dot(*ray));  // 0 to 360 degrees
-        const int i = static_cast<int>(azimuth * (kAzimuths / 360.0f) + 0.5f) % kAzimuths;
-        above = up > limits[static_cast<std::size_t>(i)];
+        const auto i = static_cast<std::size_t>(azimuth * (kAzimuths / 360.0f) + 0.5f) % kAzimuths;
+        zone = up > free[i] ? kFreeSky : up > here[i] ? kNearGround : kNoSky;
       }
-      row[x] = above && !ray->isZero() ? 255 : 0;
+      row[x] = ray->isZero() ? kNoSky : zone;
     }
   }
   return sky;
