@@ -10,10 +10,10 @@ namespace kestrel {
 
 namespace {
 
-constexpr float kTrim = 2.5f;   // deviations of the ring, beyond which a pixel is not background
-constexpr float kNoise = 1;     // grey levels, least deviation: of quantisation
-constexpr float kFaint = 0.3f;  // of the strongest contrast, what still belongs to the blob
-constexpr int kCore_px = 2;     // px around, in which a pixel's own full contrast is looked for
+constexpr float kTrim = 2.5f;  // deviations of the ring, beyond which a pixel is not background
+constexpr float kNoise = 1;    // grey levels, least deviation: of quantisation
+constexpr float kFaint = 0.3f, kStrong = 0.55f;  // of the strongest contrast, what belongs to the blob
+constexpr int kCore_px = 2;  // px around, in which a pixel's own full contrast is looked for
 
 struct Plane {
   Eigen::Matrix3f coefficients = Eigen::Matrix3f::Zero();  // a row per channel, columns of 1, x, y
@@ -142,7 +142,7 @@ Blob MeasureBlob(const cv::Mat& image, const cv::Mat& sky, const cv::Point& plac
   // Of one channel: the deviation is of all together.
   const float deviation = std::max(kNoise, plane->deviation / std::sqrt(3.0f));
 
-  // The strongest pixel near the place, and all that hangs together with it.
+  // The strongest pixel near the place.
   float peak = 0;
   cv::Point seed;
   const int near = std::max(2, inner / 2);
@@ -152,22 +152,31 @@ Blob MeasureBlob(const cv::Mat& image, const cv::Mat& sky, const cv::Point& plac
         peak = w.At(x, y).largest, seed = {x, y};
   blob.state = BlobState::kNothing;
   if (peak < o.least_score * deviation) return blob;
-  const float threshold = std::max(kFaint * peak, 3.5f * deviation);
-  std::vector<cv::Point> members{seed};
-  w.At(seed.x, seed.y).part = 1;
-  blob.state = BlobState::kConnected;
-  for (std::size_t i = 0; i < members.size(); ++i) {
-    const cv::Point p = members[i];
-    if (!w.Sky(p.x, p.y) || p.x * p.x + p.y * p.y >= inner * inner) return blob;
-    for (int j = 0; j < 9; ++j) {
-      const cv::Point q(p.x + j % 3 - 1, p.y + j / 3 - 1);
-      if (!w.Inside(q.x, q.y)) return blob;
-      Window::Pixel& pixel = w.At(q.x, q.y);
-      if (pixel.part || pixel.largest < threshold) continue;
-      pixel.part = 1;
-      members.push_back(q);
+  // All that hangs together with it. If that goes on and on, as into a cloud behind something dark, its
+  // strong part; that of something light would be the middle of a cloud.
+  std::vector<cv::Point> members;
+  const auto grow = [&](float share) {
+    const float threshold = std::max(share * peak, 3.5f * deviation);
+    for (const cv::Point& p : members) w.At(p.x, p.y).part = 0;
+    members.assign(1, seed);
+    w.At(seed.x, seed.y).part = 1;
+    for (std::size_t i = 0; i < members.size(); ++i) {
+      const cv::Point p = members[i];
+      if (!w.Sky(p.x, p.y) || p.x * p.x + p.y * p.y >= inner * inner) return false;
+      for (int j = 0; j < 9; ++j) {
+        const cv::Point q(p.x + j % 3 - 1, p.y + j / 3 - 1);
+        if (!w.Inside(q.x, q.y)) return false;
+        Window::Pixel& pixel = w.At(q.x, q.y);
+        if (pixel.part || pixel.largest < threshold) continue;
+        pixel.part = 1;
+        members.push_back(q);
+      }
     }
-  }
+    return true;
+  };
+  blob.state = BlobState::kConnected;
+  const bool dark = w.At(seed.x, seed.y).difference.sum() < 0;
+  if (!grow(kFaint) && !(dark && grow(kStrong))) return blob;
   const std::size_t inside = members.size();
   for (std::size_t i = 0; i < inside; ++i)
     for (int j = 0; j < 9; ++j) {
@@ -222,6 +231,7 @@ Blob MeasureBlob(const cv::Mat& image, const cv::Mat& sky, const cv::Point& plac
   blob.strongest = static_cast<double>(peak);
   blob.score = static_cast<double>(peak / deviation);
   blob.deviation = static_cast<double>(deviation);
+  blob.background = plane->coefficients.col(0).cast<double>();
   blob.state = BlobState::kNotCompact;
   if (blob.aspect > o.most_aspect || blob.area < o.least_fill * ellipse) return blob;
   blob.state = blob.score < o.least_score ? BlobState::kClutter : BlobState::kMeasured;
@@ -265,7 +275,7 @@ double SharpnessOf(const cv::Mat& image, const Eigen::Vector2d& centre, double r
     float drop = 0;
     for (std::size_t j = kDrop; j < along.size(); ++j)
       for (int c = 0; c < 3; ++c) drop = std::max(drop, std::abs(along[j][c] - along[j - kDrop][c]));
-    sum += std::max(0.0, static_cast<double>(drop) - 2 * deviation), ++rays;
+    sum += std::max(0.0, static_cast<double>(drop) - 3 * deviation), ++rays;
   }
   return rays > 0 ? sum / rays / strongest : 0;
 }

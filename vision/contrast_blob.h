@@ -39,6 +39,7 @@ struct Blob {
   double strongest = 0;  // the same in the channel where it is largest, without its sign
   double score = 0;      // strongest, in deviations of the background
   double deviation = 0;  // of the background about its plane, in one channel
+  Eigen::Vector3d background = Eigen::Vector3d::Zero();  // at its middle, of each channel
   double aspect = 0;
   std::vector<BlobPixel> pixels;
 };

@@ -21,8 +21,10 @@ constexpr double kLeastForEdge_px = 6;
 constexpr double kExpectedReach = 1.3, kExpected_px = 4;  // around an expected one, of its radius and besides
 constexpr double kLeastAround = 0.35;                     // of the ring around a blob that must be sky
 constexpr double kLeastSky = 0.005;                       // share of the image
-constexpr double kDark = 8, kWhite = 250;                 // grey levels
-constexpr int kLeastResponse = 4;                         // grey levels of the mean of 3 x 3 px
+constexpr double kGlow =
+    205;  // grey levels of red: lighter things before such a sky are the sun's disc or clouds
+constexpr double kDark = 8, kWhite = 250;  // grey levels
+constexpr int kLeastResponse = 4;          // grey levels of the mean of 3 x 3 px
 
 struct Level {
   cv::Mat image, sky;  // sky: 255 or 0
@@ -214,7 +216,8 @@ SkySearch ContrastDetector::Search(const cv::Mat& image, const Eigen::Vector3d& 
     const Blob blob =
         MeasureBlob(level.image, level.sky, place, kInner * factor, kOuter * factor, blob_options);
     if (blob.state != BlobState::kMeasured) continue;
-    if (blob.strongest < options_.least_contrast) continue;
+    if (blob.strongest < options_.least_contrast * (blob.contrast > 0 ? options_.light_factor : 1)) continue;
+    if (blob.contrast > 0 && blob.background[2] > kGlow) continue;
     // Of the centre: noise in the pixels of the edge, and what a grid of pixels adds.
     const double deviation_px = 0.05 + std::sqrt(M_PI * blob.area) / (2 * blob.score * std::sqrt(blob.area));
     auto detection = Measured(blob, at, deviation_px);

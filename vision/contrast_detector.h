@@ -14,7 +14,8 @@
 namespace kestrel {
 
 struct ContrastDetectorOptions {
-  double least_contrast = 8;  // grey levels of 255, of a thing of a few pixels in its strongest channel
+  double least_contrast = 16;  // grey levels of 255, of a thing of a few pixels in its strongest channel
+  double light_factor = 2.5;   // of a lighter thing as many times: clouds are lighter than the sky
   double least_diameter_px = 1.6;
   double most_diameter_px = 60;
   double margin_deg = 0.7;        // above the contour between sky and ground, where nothing is looked for
@@ -28,6 +29,7 @@ struct ContrastDetectorOptions {
 template <class Visitor>
 void Fields(Visitor& v, ContrastDetectorOptions& o) {
   v("least_contrast", o.least_contrast, 1.0, 200.0);
+  v("light_factor", o.light_factor, 1.0, 20.0);
   v("least_diameter_px", o.least_diameter_px, 1.0, 50.0);
   v("most_diameter_px", o.most_diameter_px, 2.0, 70.0);
   v("margin_deg", o.margin_deg, 0.0, 20.0);

@@ -16,8 +16,8 @@ constexpr int kReduction = 4;
 constexpr double kLowest = Radians(-6), kHighest = Radians(22), kStep = Radians(0.7);
 constexpr int kAzimuths = 288;
 constexpr double kEdge = Radians(0.3);  // above the contour, as wide as the contour is blurred
-constexpr int kReach = 2;  // azimuths to either side whose contour counts: a tree is narrower than its mask
-constexpr int kFar = 12;   // azimuths, over which a contour that is not seen is taken from its neighbours
+constexpr int kReach = 4;               // azimuths to either side, of which the middle height counts
+constexpr int kFar = 12;  // azimuths, over which a contour that is not seen is taken from its neighbours
 
 // The contour's elevation by azimuth: there, and the highest of what is near.
 struct Contour {
@@ -25,19 +25,33 @@ struct Contour {
 };
 Contour ContourOf(const std::vector<ProfilePoint>& points, double unknown) {
   const int n = static_cast<int>(points.size());
-  const auto highest = [&](int i, int reach) {
-    std::optional<double> h;
+  const auto around = [&](int i, int reach) {
+    std::vector<double> heights;
     for (int d = -reach; d <= reach; ++d)
       if (const ProfilePoint& p = points[static_cast<std::size_t>((i + d + n) % n)]; p.found)
-        h = h ? std::max(*h, p.elevation) : p.elevation;
-    return h;
+        heights.push_back(p.elevation);
+    return heights;
   };
+  // What stands up from its neighbours alone may be before the sky, with haze between it and the ground; if
+  // it is a tree, it will be found to hang together with the ground.
+  std::vector<double> usual;
+  for (int i = 0; i < n; ++i) {
+    std::vector<double> heights;
+    for (int reach = kReach; heights.empty() && reach <= kFar; reach += kReach) heights = around(i, reach);
+    if (heights.empty()) {
+      usual.push_back(unknown);
+      continue;
+    }
+    const auto middle = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 2);
+    std::nth_element(heights.begin(), middle, heights.end());
+    usual.push_back(std::max(*middle, -unknown));
+  }
   Contour contour;
   for (int i = 0; i < n; ++i) {
-    std::optional<double> here = highest(i, 0), near = highest(i, kReach);
-    for (int reach = kReach; !near && reach <= kFar; reach += kReach) near = highest(i, reach);
-    contour.near.push_back(near ? std::max(*near, -unknown) : unknown);
-    contour.here.push_back(here ? std::max(*here, -unknown) : contour.near.back());
+    double near = usual[static_cast<std::size_t>(i)];
+    for (const int d : {-1, 1}) near = std::max(near, usual[static_cast<std::size_t>((i + d + n) % n)]);
+    contour.near.push_back(near);
+    contour.here.push_back(usual[static_cast<std::size_t>(i)]);
   }
   return contour;
 }
