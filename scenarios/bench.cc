@@ -8,6 +8,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgproc.hpp>
@@ -16,6 +17,7 @@
 #include "geometry/tait_bryan.h"
 #include "scenarios/bench_attitude.h"
 #include "scenarios/bench_calibration.h"
+#include "scenarios/bench_contrast.h"
 #include "scenarios/bench_horizon.h"
 #include "scenarios/bench_render.h"
 #include "scenarios/bench_servo.h"
@@ -293,8 +295,8 @@ void WriteJson(const std::string& file, const std::vector<Figure>& table) {
 }  // namespace
 
 std::vector<std::string> BenchNames() {
-  return {"flights", "fisheye", "attitude", "horizon",     "gyro_failure", "drift",
-          "heights", "speed",   "render",   "calibration", "servo",        "trackers"};
+  return {"flights", "fisheye", "attitude",    "horizon", "gyro_failure", "drift",   "heights",
+          "speed",   "render",  "calibration", "servo",   "trackers",     "contrast"};
 }
 
 bool Bench(const BenchArguments& arguments) {
@@ -313,6 +315,9 @@ bool Bench(const BenchArguments& arguments) {
   if (chosen("calibration")) BenchCalibration(seeds.first, seeds.last, arguments.jobs, table);
   if (chosen("servo")) BenchServo(table);
   if (chosen("trackers")) BenchTrackers(seeds.first, seeds.last, table);
+  if (chosen("contrast"))
+    BenchContrast(seeds.first, seeds.last, arguments.jobs, std::filesystem::path(arguments.out) / "contrast",
+                  table);
   Print(table);
   if (!arguments.json.empty()) WriteJson(arguments.json, table);
   return std::all_of(table.begin(), table.end(), [](const Figure& f) { return f.Met(); });

@@ -12,7 +12,7 @@ struct BenchArguments {
   std::string seeds = "1..20";
   int jobs = 2;
   std::string json;
-  std::string out = "results/runs/bench_horizon";  // folder of what horizon leaves
+  std::string out = "results/runs/bench_horizon";  // folder of what horizon and contrast leave
 };
 
 // One line of the table.

@@ -195,7 +195,9 @@ int Main(int argc, char** argv) {
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
   bench_command->add_option("--json", bench.json, "Also write the figures as JSON to this file");
-  bench_command->add_option("--out", bench.out, "Folder for the rows and pictures of horizon")
+  bench_command
+      ->add_option("--out", bench.out,
+                   "Folder for the rows and pictures of horizon, and for the pictures of contrast's failures")
       ->capture_default_str();
   bench_command->footer("Examples:\n  kestrel bench flights --seeds 1..20\n  kestrel bench render");
 
