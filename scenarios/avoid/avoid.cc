@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <opencv2/imgproc.hpp>
 
 #include "geometry/tait_bryan.h"
@@ -20,6 +21,7 @@ constexpr double kHeightGain_per_s = 0.8, kClimbLimit_m_s = 1;
 constexpr double kYawGain_per_s = 1.2;
 constexpr double kOnCourse_m = 0.5;  // from its line
 constexpr double kArrived_m = 0.5;
+constexpr double kStands_m_s = 0.3;  // what is slower than its speed is known stands still
 
 class AvoidMission final : public Mission {
  public:
@@ -94,9 +96,33 @@ class AvoidMission final : public Mission {
     for (std::size_t i = 0; i < watches_.size(); ++i) {
       const auto& where = watches_[i].last_known();
       if (!where || where->age_s > flight_.memory_s) continue;
-      intruders_.push_back({(where->p_N - state.p_NB).head<2>(), where->v_N.head<2>()});
+      const bool stands = where->v_N.norm() < kStands_m_s;
+      const Eigen::Vector3d p_N = where->p_N - (stands ? where->age_s * where->v_N : Eigen::Vector3d::Zero());
+      intruders_.push_back({(p_N - state.p_NB).head<2>(),
+                            stands ? Eigen::Vector2d::Zero() : Eigen::Vector2d(where->v_N.head<2>())});
       ids_.push_back(i);
     }
+  }
+
+  // Whether to avoid: begins with a threat that lasts, and ends when the way on has been clear for as long.
+  // To be clear it must not lead nearer again than what was avoided has been, or it would be met twice.
+  void Judge(const VehicleState& state, const Eigen::Vector2d& wanted_v) {
+    AvoidanceOptions o = flight_.avoidance;
+    double distance_m = o.safe_m;
+    if (avoiding_) {
+      for (const Intruder& i : intruders_) nearest_m_ = std::min(nearest_m_, i.p.norm());
+      distance_m = std::max(o.clear_share * o.safe_m, flight_.keep_share * nearest_m_);
+      o.horizon_s *= 2;
+    }
+    const bool otherwise = Threatened(intruders_, wanted_v, distance_m, o) != avoiding_;
+    if (!otherwise || !flight_.avoids)
+      since_s_.reset();
+    else if (!since_s_)
+      since_s_ = state.t_s;
+    if (!since_s_ || state.t_s - *since_s_ < flight_.confirm_s) return;
+    avoiding_ = !avoiding_;
+    side_.reset(), since_s_.reset();
+    nearest_m_ = std::numeric_limits<double>::infinity();
   }
 
   void Fly(const VehicleState& state, const Eigen::Vector2d& along) {
@@ -107,21 +133,14 @@ class AvoidMission final : public Mission {
         std::clamp(-flight_.cross_track_gain_per_s * along.y() / speed, -std::sqrt(0.5), std::sqrt(0.5)));
     const Eigen::Vector2d wanted_v =
         speed * Eigen::Vector2d(std::cos(course_ + back), std::sin(course_ + back));
-    const AvoidanceOptions& o = flight_.avoidance;
-    const double distance = avoiding_ ? o.clear_share * o.safe_m : o.safe_m;
-    // Whom we turn away from is not clear before the way back is, too.
-    const bool threatened = Threatened(intruders_, wanted_v, distance, o) ||
-                            (!avoiding_ && Threatened(intruders_, v, distance, o));
-    if (!threatened) since_s_.reset();
-    if (threatened && !since_s_) since_s_ = state.t_s;
-    if (!avoiding_ && flight_.avoids && threatened && state.t_s - *since_s_ >= flight_.confirm_s)
-      avoiding_ = true;
-    if (avoiding_ && !threatened) avoiding_ = false, side_.reset();
+    Judge(state, wanted_v);
 
     double yaw_rate = kYawGain_per_s * WrapAngle(course_ + back - yaw);
     phase_ = std::abs(along.y()) > kOnCourse_m ? "return" : "cruise";
     encounter_.reset();
-    if (const auto plan = PlanManoeuvre(intruders_, v, yaw, side_, o)) {
+    const AvoidanceOptions& o = flight_.avoidance;
+    const Eigen::Vector2d flown_v = v.norm() > speed / 2 ? v : wanted_v;  // not yet at speed: as it will be
+    if (const auto plan = PlanManoeuvre(intruders_, flown_v, yaw, side_, o)) {
       held_ = ids_[plan->intruder];
       const Intruder& other = intruders_[plan->intruder];
       const double azimuth = WrapAngle(std::atan2(other.p.y(), other.p.x()) - yaw);
@@ -156,7 +175,8 @@ class AvoidMission final : public Mission {
   std::vector<std::size_t> ids_;  // whose mark each carries
   std::size_t held_ = 0;          // the mark that the log speaks of
   bool avoiding_ = false;
-  std::optional<double> since_s_;  // the threat lasts
+  double nearest_m_ = std::numeric_limits<double>::infinity();  // any has come in this manoeuvre
+  std::optional<double> since_s_;  // it has been time to change between avoiding and not
   std::optional<PassingSide> side_;
   std::string_view phase_ = "cruise";
   std::optional<Encounter> encounter_;

@@ -25,6 +25,7 @@ struct AvoidFlight {
   bool avoids = true;       // false: it flies on whatever it sees
   double memory_s = 8;      // who has not been seen for longer is forgotten
   double confirm_s = 0.25;  // a threat must last for so long before anything is done
+  double keep_share = 0;    // of the least distance of a manoeuvre: the way back keeps as far as that
   double cross_track_gain_per_s = 0.5;
   std::vector<BalloonWatchParameters> marks{BalloonWatchParameters{}};
   AvoidanceOptions avoidance;
@@ -37,6 +38,7 @@ void Fields(Visitor& v, AvoidFlight& p) {
   v("avoids", p.avoids);
   v("memory_s", p.memory_s, 0.3, 60.0);
   v("confirm_s", p.confirm_s, 0.0, 5.0);
+  v("keep_share", p.keep_share, 0.0, 1.0);
   v("cross_track_gain_per_s", p.cross_track_gain_per_s, 0.05, 2.0);
   v("marks", p.marks);
   v("avoidance", p.avoidance);

@@ -54,7 +54,8 @@ void AddAvoidMetrics(const std::vector<LogRow>& rows, std::map<std::string, doub
   const Closest closest = ClosestOf(rows);
   m["closest_m"] = closest.distance_m, m["closest_s"] = closest.t_s;
   const Pose& begin = rows.front().now.X_NB;
-  const Eigen::Vector2d right = HeadingRotation(YawOf(begin.R)).toRotationMatrix().col(1).head<2>();
+  const Eigen::Vector2d right =
+      HeadingRotation(YawOf(rows.front().estimate.R_NB)).toRotationMatrix().col(1).head<2>();
   const auto manoeuvre = std::find_if(rows.begin(), rows.end(), [](const LogRow& r) {
     return r.decision.encounter && r.decision.encounter->wanted;
   });
