@@ -97,7 +97,7 @@ class AvoidMission final : public Mission {
       const auto& where = watches_[i].last_known();
       if (!where || where->age_s > flight_.memory_s) continue;
       const bool stands = where->v_N.norm() < kStands_m_s;
-      const Eigen::Vector3d p_N = where->p_N - (stands ? where->age_s * where->v_N : Eigen::Vector3d::Zero());
+      const Eigen::Vector3d p_N = where->p_N - (stands ? where->age_s : 0) * where->v_N;
       intruders_.push_back({(p_N - state.p_NB).head<2>(),
                             stands ? Eigen::Vector2d::Zero() : Eigen::Vector2d(where->v_N.head<2>())});
       ids_.push_back(i);
