@@ -88,7 +88,7 @@ std::map<std::pair<bool, std::uint64_t>, Outcome> ReadOutcomes(const fs::path& f
 }
 
 std::map<std::string, double> Fly(const LoadedScenario& base, const EncounterPlan& plan, std::uint64_t seed,
-                                  bool avoids, double after_s) {
+                                  bool avoids, double after_s, const RunOptions& options = {}) {
   LoadedScenario loaded = base;
   AvoidFlight& flight = std::get<AvoidFlight>(loaded.scenario.flight);
   flight.avoids = avoids;
@@ -100,13 +100,13 @@ std::map<std::string, double> Fly(const LoadedScenario& base, const EncounterPla
   loaded.simulator.start.scatter_m = loaded.simulator.start.yaw_deg = loaded.simulator.start.yaw_scatter_deg =
       0;
   loaded.simulator.duration_s = plan.meets_s + after_s;
-  const FlightResult result = RunFlight(loaded, {});
+  const FlightResult result = RunFlight(loaded, options);
   if (!result.summary.complete)
     throw std::runtime_error(fmt::format("encounter {}: {}", seed, result.summary.error));
   return result.summary.metrics;
 }
 
-Outcome Meet(const LoadedScenario& base, bool harmless, std::uint64_t seed) {
+Outcome Meet(const LoadedScenario& base, bool harmless, std::uint64_t seed, const RunOptions& options) {
   EncounterLimits limits = harmless ? kHarmless : kNear;
   limits.radius_m = std::get<AvoidFlight>(base.scenario.flight).avoidance.safe_m / 2;
   const EncounterPlan plan =
@@ -117,7 +117,7 @@ Outcome Meet(const LoadedScenario& base, bool harmless, std::uint64_t seed) {
     const auto without = Fly(base, plan, seed, false, kAfterTwin_s);
     o.closest_without_m = without.at("closest_m"), o.closest_without_s = without.at("closest_s");
   }
-  const auto with = Fly(base, plan, seed, true, harmless ? kAfterTwin_s : kAfter_s);
+  const auto with = Fly(base, plan, seed, true, harmless ? kAfterTwin_s : kAfter_s, options);
   o.closest_m = with.at("closest_m");
   o.manoeuvred = with.at("manoeuvred") > 0;
   if (o.manoeuvred) o.manoeuvre_s = with.at("manoeuvre_s");
@@ -284,10 +284,13 @@ CLI::App* AddEncountersCommand(CLI::App& app, EncountersArguments& a) {
       ->add_option("--out", a.out,
                    "Folder of encounters.csv and encounters.png; a set that was broken off goes on there")
       ->capture_default_str();
+  command->add_flag("--record", a.record,
+                    "Write video, telemetry and plots of every flight with avoidance to DIR/SEED");
   command->add_option("--json", a.json, "Also write the figures as JSON to this file");
   command->footer(
       "Examples:\n"
       "  kestrel encounters avoid --count 400\n"
+      "  kestrel encounters avoid --seed 17 --count 1 --harmless 0 --record --out results/runs/seventeen\n"
       "  kestrel encounters avoid --count 50 --harmless 0 --set flight.avoidance.safe_m=3 --out "
       "results/runs/wide");
   return command;
@@ -319,7 +322,10 @@ bool EncountersCommand(const EncountersArguments& a) {
   std::mutex mutex;
   std::ofstream rows(file, std::ios::app | std::ios::binary);
   InParallel(missing.size(), a.jobs, "encounters", "flown", [&](std::size_t i) {
-    const Outcome outcome = Meet(base, missing[i].first, missing[i].second);
+    const auto& [harmless, seed] = missing[i];
+    RunOptions options;
+    if (a.record) options.folder = folder / fmt::format("{}", seed);
+    const Outcome outcome = Meet(base, harmless, seed, options);
     const std::lock_guard lock(mutex);
     rows << LineOf(outcome) << std::flush;
     if (!rows) throw std::runtime_error(fmt::format("cannot write {}", file.string()));

@@ -20,6 +20,7 @@ struct EncountersArguments {
   int jobs = 2;
   std::vector<std::string> overrides;
   std::string out = "results/runs/encounters", json;
+  bool record = false;  // every flight with avoidance, as `kestrel run` does
 };
 
 CLI::App* AddEncountersCommand(CLI::App& app, EncountersArguments& arguments);
