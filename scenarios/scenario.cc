@@ -153,7 +153,8 @@ void CheckAvoid(const AvoidFlight& flight, const AutopilotParameters& autopilot,
        autopilot.acceleration_limit_m_s2, "autopilot.acceleration_limit_m_s2");
   most("flight.avoidance.hold.bearing_deg", flight.avoidance.hold.bearing_deg,
        flight.avoidance.most_bearing_deg, "flight.avoidance.most_bearing_deg");
-  if (flight.marks.empty()) mistakes.Add(where, "flight.marks", "is empty; valid: at least one");
+  if (flight.marks.empty() && !flight.contrast)
+    mistakes.Add(where, "flight.marks", "is empty; valid: at least one, or a flight.contrast");
 }
 
 void CheckTargets(const Scenario& s, const std::string& where, Mistakes& mistakes) {

@@ -25,9 +25,11 @@ constexpr double kStands_m_s = 0.3;  // what is slower than its speed is known s
 
 class AvoidMission final : public Mission {
  public:
-  AvoidMission(const AvoidFlight& flight, const CameraModel& camera, const Pose& X_BC)
+  AvoidMission(const AvoidFlight& flight, const CameraModel& camera, const Pose& X_BC,
+               const cv::Mat& forbidden)
       : flight_(flight), camera_(camera), X_BC_(X_BC) {
     for (const BalloonWatchParameters& mark : flight.marks) watches_.emplace_back(camera, X_BC, mark);
+    if (flight.contrast) contrast_.emplace(camera, X_BC, forbidden, *flight.contrast);
   }
 
   Decision Step(const Frame& frame, const VehicleState& state) override {
@@ -35,12 +37,12 @@ class AvoidMission final : public Mission {
     const auto start = std::chrono::steady_clock::now();
     const bool frozen = frozen_.Is(frame.image);
     for (BalloonWatch& watch : watches_) watch.See(frame, state, frozen);
+    if (contrast_) contrast_->See(frame, state, frozen, flight_.memory_s);
     decision.vision_s = SecondsSince(start);
     if (!begin_) begin_ = state.p_NB, course_ = YawOf(state.R_NB);
     Look(state);
-    const BalloonWatch& named = watches_[held_];
-    decision.target = named.status();
-    decision.fix_age_s = named.age_s();
+    decision.target = Status();
+    decision.fix_age_s = held_age_s_;
     const Eigen::Vector2d along = AlongCourse(state.p_NB.head<2>() - begin_->head<2>());
     if (along.x() > flight_.course_m - kArrived_m) {
       phase_ = "goal";
@@ -59,6 +61,7 @@ class AvoidMission final : public Mission {
 
   void Draw(cv::Mat& bgr) const override {
     for (const BalloonWatch& watch : watches_) watch.Draw(bgr);
+    if (contrast_) contrast_->Draw(bgr);
     const auto mark = [&](double azimuth, const cv::Scalar& colour, int thickness) {
       std::optional<cv::Point2d> last;
       for (double elevation = -10; elevation <= 10; elevation += 2) {
@@ -71,7 +74,7 @@ class AvoidMission final : public Mission {
         last = at ? std::optional(cv::Point2d(at->x(), at->y())) : std::nullopt;
       }
     };
-    Caption(bgr, 0, fmt::format("{}   other {}", phase_, watches_[held_].status()));
+    Caption(bgr, 0, fmt::format("{}   other {}", phase_, Status()));
     if (encounter_) {
       mark(encounter_->azimuth, {0, 220, 255}, 2);
       if (encounter_->wanted) mark(*encounter_->wanted, {255, 255, 255}, 1);
@@ -93,15 +96,23 @@ class AvoidMission final : public Mission {
   void Look(const VehicleState& state) {
     R_NB_ = state.R_NB;
     intruders_.clear(), ids_.clear();
-    for (std::size_t i = 0; i < watches_.size(); ++i) {
-      const auto& where = watches_[i].last_known();
-      if (!where || where->age_s > flight_.memory_s) continue;
-      const bool stands = where->v_N.norm() < std::max(kStands_m_s, 2 * where->v_sigma);
-      const Eigen::Vector3d p_N = where->p_N - (stands ? where->age_s : 0) * where->v_N;
-      intruders_.push_back({(p_N - state.p_NB).head<2>(),
-                            stands ? Eigen::Vector2d::Zero() : Eigen::Vector2d(where->v_N.head<2>())});
-      ids_.push_back(i);
-    }
+    for (std::size_t i = 0; i < watches_.size(); ++i)
+      if (const auto& where = watches_[i].last_known()) Add(*where, i, state);
+    if (contrast_)
+      for (const auto& where : contrast_->Known()) Add(where, watches_.size(), state);
+  }
+
+  void Add(const MovingTarget::Estimate& where, std::size_t watch, const VehicleState& state) {
+    if (where.age_s > flight_.memory_s) return;
+    const bool stands = where.v_N.norm() < std::max(kStands_m_s, 2 * where.v_sigma);
+    const Eigen::Vector3d p_N = where.p_N - (stands ? where.age_s : 0) * where.v_N;
+    intruders_.push_back({(p_N - state.p_NB).head<2>(),
+                          stands ? Eigen::Vector2d::Zero() : Eigen::Vector2d(where.v_N.head<2>())});
+    ids_.push_back({watch, where.age_s});
+  }
+
+  std::string_view Status() const {
+    return held_ < watches_.size() ? watches_[held_].status() : contrast_->status();
   }
 
   // Whether to avoid: begins with a threat that lasts, and ends when the way on has been clear for as long.
@@ -141,7 +152,7 @@ class AvoidMission final : public Mission {
     const AvoidanceOptions& o = flight_.avoidance;
     const Eigen::Vector2d flown_v = v.norm() > speed / 2 ? v : wanted_v;  // not yet at speed: as it will be
     if (const auto plan = PlanManoeuvre(intruders_, flown_v, yaw, side_, o)) {
-      held_ = ids_[plan->intruder];
+      held_ = ids_[plan->intruder].watch, held_age_s_ = ids_[plan->intruder].age_s;
       const Intruder& other = intruders_[plan->intruder];
       const double azimuth = WrapAngle(std::atan2(other.p.y(), other.p.x()) - yaw);
       const ClosestApproach approach = ApproachOf(other.p, other.v - v);
@@ -167,13 +178,19 @@ class AvoidMission final : public Mission {
   CameraModel camera_;
   Pose X_BC_;
   std::vector<BalloonWatch> watches_;
+  std::optional<ContrastWatch> contrast_;
   FrozenImage frozen_;
 
   std::optional<Eigen::Vector3d> begin_;  // of the course, in N
   double course_ = 0;                     // rad, from north
   std::vector<Intruder> intruders_;
-  std::vector<std::size_t> ids_;  // whose mark each carries
-  std::size_t held_ = 0;          // the mark that the log speaks of
+  struct Source {
+    std::size_t watch;  // whose mark it carries; the number of marks: by contrast
+    double age_s;       // since it was measured
+  };
+  std::vector<Source> ids_;  // of the intruders
+  std::size_t held_ = 0;     // what the log speaks of
+  double held_age_s_ = 0;
   bool avoiding_ = false;
   double nearest_m_ = std::numeric_limits<double>::infinity();  // any has come in this manoeuvre
   std::optional<double> since_s_;  // it has been time to change between avoiding and not
@@ -187,8 +204,8 @@ class AvoidMission final : public Mission {
 }  // namespace
 
 std::unique_ptr<Mission> MakeMission(const AvoidFlight& flight, const CameraModel& camera, const Pose& X_BC,
-                                     const cv::Mat&, std::uint64_t) {
-  return std::make_unique<AvoidMission>(flight, camera, X_BC);
+                                     const cv::Mat& forbidden, std::uint64_t) {
+  return std::make_unique<AvoidMission>(flight, camera, X_BC, forbidden);
 }
 
 }  // namespace kestrel

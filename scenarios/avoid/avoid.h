@@ -3,11 +3,13 @@
 
 #include <memory>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "control/avoidance.h"
 #include "geometry/pose.h"
+#include "scenarios/avoid/contrast_watch.h"
 #include "scenarios/balloon_watch.h"
 #include "scenarios/mission.h"
 #include "vision/camera_model.h"
@@ -15,8 +17,8 @@
 namespace kestrel {
 
 // Thesis 6.4: on the way along a straight course the aircraft sees others by the coloured marks that they
-// carry, passes them at a bearing that it holds them at (6.29), and returns to its course: what the thesis
-// left open.
+// carry or by their contrast with the sky, passes them at a bearing that it holds them at (6.29), and returns
+// to its course: what the thesis left open.
 struct AvoidFlight {
   static constexpr const char* kName = "avoid";
   static constexpr bool kPadless = true, kLooksForColour = true;
@@ -28,6 +30,7 @@ struct AvoidFlight {
   double keep_share = 0;    // of the least distance of a manoeuvre: the way back keeps as far as that
   double cross_track_gain_per_s = 0.5;
   std::vector<BalloonWatchParameters> marks{BalloonWatchParameters{}};
+  std::optional<ContrastWatchParameters> contrast;  // none: marks alone are looked for
   AvoidanceOptions avoidance;
 };
 
@@ -41,6 +44,7 @@ void Fields(Visitor& v, AvoidFlight& p) {
   v("keep_share", p.keep_share, 0.0, 1.0);
   v("cross_track_gain_per_s", p.cross_track_gain_per_s, 0.05, 2.0);
   v("marks", p.marks);
+  v("contrast", p.contrast);
   v("avoidance", p.avoidance);
 }
 

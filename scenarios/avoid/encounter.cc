@@ -15,14 +15,17 @@ constexpr double kObeys_s = 0.4;  // the aircraft takes to do what it is told
 TargetParameters Draw(RandomStream& random, EncounterKind kind, double own_speed,
                       const Eigen::Vector3d& p_own, double t_s, const EncounterLimits& limits,
                       TargetParameters look, double& miss_m) {
-  const double side = random.Uniform(-1, 1) < 0 ? -1 : 1;
-  double speed = random.Uniform(1, 5), course_deg = 180 + random.Uniform(-20, 20);
-  if (kind == EncounterKind::kCrossing) course_deg = side * random.Uniform(60, 120);
-  if (kind == EncounterKind::kOvertaken)
-    course_deg = random.Uniform(-20, 20), speed = random.Uniform(0.2, 0.5) * own_speed;
-  const double course = Radians(course_deg);
-  const Eigen::Vector3d v(speed * std::cos(course), speed * std::sin(course), 0);  // north, east, up
-  const Eigen::Vector2d relative = v.head<2>() - Eigen::Vector2d(own_speed, 0);
+  Eigen::Vector3d v;  // north, east, up
+  Eigen::Vector2d relative;
+  do {
+    const double side = random.Uniform(-1, 1) < 0 ? -1 : 1;
+    double speed = random.Uniform(1, 5), course_deg = 180 + random.Uniform(-20, 20);
+    if (kind == EncounterKind::kCrossing) course_deg = side * random.Uniform(60, 120);
+    if (kind == EncounterKind::kOvertaken)
+      course_deg = random.Uniform(-20, 20), speed = random.Uniform(0.2, 0.5) * own_speed;
+    v = {speed * std::cos(Radians(course_deg)), speed * std::sin(Radians(course_deg)), 0};
+    relative = v.head<2>() - Eigen::Vector2d(own_speed, 0);
+  } while (relative.x() > 0);  // it comes from abaft the beam
   const Eigen::Vector2d across = Eigen::Vector2d(-relative.y(), relative.x()).normalized();
   miss_m = limits.radius_m * random.Uniform(limits.nearest, limits.farthest);
   const double up = random.Uniform(-0.5, 0.5);

@@ -32,9 +32,10 @@ inline constexpr EncounterLimits kNear{1, 0, 2}, kHarmless{1, 4, 12};
 // One in four of each kind. We fly north from the origin of N at that height, at 1 to 5 m/s, and meet after 8
 // to 12 s; others fly straight and level at 1 to 5 m/s: head-on within 20 degrees, crossing from 60 to 120
 // degrees off either side, or ahead of us, at a fifth to half of our speed and within 20 degrees of our
-// course. Of two at once each is of the first two kinds, and they pass within 1.5 s of each other. The miss
-// lies across the relative course, evenly in its length, level to half of it. looks: colour and diameter of
-// each, at least two. acceleration: ours, from the beginning on.
+// course. None comes from abaft the beam: such a one overtakes us, and by the rules of the air it gives way.
+// Of two at once each is of the first two kinds, and they pass within 1.5 s of each other. The miss lies
+// across the relative course, evenly in its length, level to half of it. looks: colour and diameter of each,
+// at least two. acceleration: ours, from the beginning on.
 EncounterPlan DrawEncounter(std::uint64_t seed, const EncounterLimits& limits, double height_m,
                             double acceleration_m_s2, const std::vector<TargetParameters>& looks);
 

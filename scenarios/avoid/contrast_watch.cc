@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scenarios/avoid/contrast_watch.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+namespace kestrel {
+
+ContrastWatch::ContrastWatch(const CameraModel& camera, const Pose& X_BC, const cv::Mat& forbidden,
+                             const ContrastWatchParameters& parameters)
+    : parameters_(parameters),
+      camera_(camera),
+      X_BC_(X_BC),
+      tracker_(camera, forbidden, parameters.tracker) {}
+
+void ContrastWatch::See(const Frame& frame, const VehicleState& state, bool frozen, double memory_s) {
+  history_.Add(state);
+  for (auto& [id, target] : targets_) target.Hear(state);
+  now_s_ = state.t_s;
+  frozen_ = frozen;
+  seen_ = {};
+  const auto then = history_.At(frame.t_s);
+  if (!frozen && then) {
+    seen_ = tracker_.Track(frame.image, (then->R_NB * X_BC_.R).toRotationMatrix(), frame.t_s);
+    for (const ContrastTarget& target : seen_.targets) {
+      if (!target.confirmed) continue;
+      auto [at, fresh] = targets_.try_emplace(target.id, X_BC_, parameters_.estimator);
+      if (fresh) at->second.Hear(state);
+      const OutlineCone& cone = target.seen.cone;
+      const double distance = parameters_.assumed_diameter_m / 2 / std::sin(cone.half_angle);
+      const double across = distance * target.seen.axis_sigma;
+      const double along = distance / std::tan(cone.half_angle) * target.seen.half_angle_sigma;
+      const Eigen::Matrix3d in_axis = cone.axis * cone.axis.transpose();
+      at->second.Correct(frame.t_s, distance * cone.axis,
+                         across * across * (Eigen::Matrix3d::Identity() - in_axis) + along * along * in_axis);
+    }
+  }
+  std::erase_if(targets_, [&](const auto& each) {
+    const auto where = each.second.At(now_s_);
+    return where && where->age_s > memory_s;
+  });
+}
+
+std::vector<MovingTarget::Estimate> ContrastWatch::Known() const {
+  std::vector<MovingTarget::Estimate> known;
+  for (const auto& [id, target] : targets_)
+    if (const auto where = target.At(now_s_)) known.push_back(*where);
+  return known;
+}
+
+std::string_view ContrastWatch::status() const { return frozen_ ? "frozen" : NameOf(seen_.state); }
+
+void ContrastWatch::Draw(cv::Mat& bgr) const {
+  for (const ContrastTarget& target : seen_.targets) {
+    const cv::Point2d at(target.seen.centre_px.x(), target.seen.centre_px.y());
+    const int radius = std::max(6, static_cast<int>(target.seen.diameter_px));
+    cv::circle(bgr, at, radius, target.confirmed ? cv::Scalar(255, 220, 0) : cv::Scalar(160, 160, 160),
+               target.confirmed ? 2 : 1, cv::LINE_AA);
+  }
+}
+
+}  // namespace kestrel

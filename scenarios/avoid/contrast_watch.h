@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <opencv2/core.hpp>
+#include <string_view>
+#include <vector>
+
+#include "control/moving_target.h"
+#include "control/state_history.h"
+#include "geometry/pose.h"
+#include "vision/camera.h"
+#include "vision/camera_model.h"
+#include "vision/contrast_tracker.h"
+
+namespace kestrel {
+
+// Others without a mark, by their contrast with the sky. What they measure is not known: a diameter is
+// assumed. If they are larger they are taken to be nearer and slower than they are, which leaves the time
+// until they are closest as it is, and makes the closest distance smaller: the error is on the safe side.
+struct ContrastWatchParameters {
+  double assumed_diameter_m = 0.5;
+  ContrastTrackerOptions tracker;
+  MovingTargetOptions estimator{1, 0.3};
+};
+
+template <class Visitor>
+void Fields(Visitor& v, ContrastWatchParameters& p) {
+  v("assumed_diameter_m", p.assumed_diameter_m, 0.05, 100.0);
+  v("tracker", p.tracker);
+  v("estimator", p.estimator);
+}
+
+class ContrastWatch {
+ public:
+  // forbidden: where the aircraft itself is seen.
+  ContrastWatch(const CameraModel& camera, const Pose& X_BC, const cv::Mat& forbidden,
+                const ContrastWatchParameters& parameters);
+
+  // frozen: the image is the one before; it shows nothing. memory_s: who was not seen for longer is
+  // forgotten.
+  void See(const Frame& frame, const VehicleState& state, bool frozen, double memory_s);
+
+  std::vector<MovingTarget::Estimate> Known()
+      const;                        // now, by the last sight of each; as if of the assumed size
+  std::string_view status() const;  // of the last image, for the log
+  void Draw(cv::Mat& bgr) const;
+
+ private:
+  ContrastWatchParameters parameters_;
+  CameraModel camera_;
+  Pose X_BC_;
+  ContrastTracker tracker_;
+  StateHistory history_;
+  std::map<int, MovingTarget> targets_;  // by the tracker's ids
+  ContrastObservation seen_;
+  bool frozen_ = false;
+  double now_s_ = 0;
+};
+
+}  // namespace kestrel
