@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "control/autopilot.h"
+#include "geometry/pose.h"
 #include "geometry/tait_bryan.h"
 #include "vision/balloon_fit.h"
 #include "vision/camera.h"
