@@ -44,8 +44,9 @@ bool MovingTarget::Correct(double t_s, const Eigen::Vector3d& p_CT, const Eigen:
 std::optional<MovingTarget::Estimate> MovingTarget::At(double t_s) const {
   if (!filter_) return std::nullopt;
   const double age_s = t_s - filter_t_s_;
+  const Eigen::Matrix3d v_covariance = filter_->covariance().bottomRightCorner<3, 3>();
   return Estimate{filter_->position() + age_s * filter_->velocity() + last_->p_NB - summed_N_,
-                  filter_->velocity(), age_s};
+                  filter_->velocity(), std::sqrt(v_covariance.diagonal().maxCoeff()), age_s};
 }
 
 Eigen::Vector3d LevelAhead(const Eigen::Vector3d& p_NT, const Eigen::Vector3d& p_N, double yaw) {

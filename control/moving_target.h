@@ -13,7 +13,7 @@ namespace kestrel {
 
 struct MovingTargetOptions {
   double acceleration_m_s2 = 6;  // of the constant-velocity model, per root hertz
-  double tilt_sigma_deg = 0.3;     // of the autopilot's attitude, from one frame to the next
+  double tilt_sigma_deg = 0.3;   // of the autopilot's attitude, from one frame to the next
 };
 
 template <class Visitor>
@@ -32,6 +32,7 @@ class MovingTarget {
   struct Estimate {
     Eigen::Vector3d p_N = Eigen::Vector3d::Zero();  // m, as seen from where the autopilot says it is
     Eigen::Vector3d v_N = Eigen::Vector3d::Zero();  // m/s
+    double v_sigma = 0;                             // of any component of it, at most
     double age_s = 0;                               // since the exposure of the last measurement
   };
 

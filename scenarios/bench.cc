@@ -10,7 +10,6 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
@@ -21,6 +20,7 @@
 #include "scenarios/bench_horizon.h"
 #include "scenarios/bench_render.h"
 #include "scenarios/bench_servo.h"
+#include "scenarios/bench_servoing.h"
 #include "scenarios/bench_trackers.h"
 #include "scenarios/files.h"
 #include "scenarios/fly_all.h"
@@ -268,35 +268,11 @@ void BenchSpeed(SeedRange seeds, std::vector<Figure>& table) {
       {"whole loop, 640x480, 20 frames/s, no video", Quantile(factor, 0.5), "x real time", 10, true, "1"});
 }
 
-void Print(const std::vector<Figure>& table) {
-  fmt::print("| {:<60} | {:>9} | {:>9} | {:>9} | {:<11} |    |\n", "figure", "reference", "target",
-             "measured", "unit");
-  fmt::print("|{:-<62}|{:->10}:|{:->10}:|{:->10}:|{:-<13}|----|\n", "", "", "", "", "");
-  for (const Figure& f : table) {
-    const std::string target = f.target ? fmt::format("{} {:.4g}", f.at_least ? ">=" : "<=", *f.target) : "";
-    fmt::print("| {:<60} | {:>9} | {:>9} | {:>9.3g} | {:<11} | {} |\n", f.name, f.reference, target, f.value,
-               f.unit, f.Met() ? "  " : "no");
-  }
-}
-
-void WriteJson(const std::string& file, const std::vector<Figure>& table) {
-  nlohmann::ordered_json all = nlohmann::ordered_json::array();
-  for (const Figure& f : table) {
-    all.push_back({{"name", f.name},
-                   {"value", f.value},
-                   {"unit", f.unit},
-                   {"target", f.target ? nlohmann::ordered_json(*f.target) : nlohmann::ordered_json()},
-                   {"reference", f.reference},
-                   {"met", f.Met()}});
-  }
-  WriteFile(file, all.dump(2) + "\n");
-}
-
 }  // namespace
 
 std::vector<std::string> BenchNames() {
-  return {"flights", "fisheye", "attitude",    "horizon", "gyro_failure", "drift",   "heights",
-          "speed",   "render",  "calibration", "servo",   "trackers",     "contrast"};
+  return {"flights", "fisheye",     "attitude", "horizon",  "gyro_failure", "drift",  "heights", "speed",
+          "render",  "calibration", "servo",    "trackers", "contrast",     "follow", "avoid"};
 }
 
 bool Bench(const BenchArguments& arguments) {
@@ -315,12 +291,14 @@ bool Bench(const BenchArguments& arguments) {
   if (chosen("calibration")) BenchCalibration(seeds.first, seeds.last, arguments.jobs, table);
   if (chosen("servo")) BenchServo(table);
   if (chosen("trackers")) BenchTrackers(seeds.first, seeds.last, table);
+  if (chosen("follow")) BenchFollow(seeds, arguments.jobs, table);
+  if (chosen("avoid")) BenchAvoid(seeds, arguments.jobs, table);
   if (chosen("contrast"))
     BenchContrast(seeds.first, seeds.last, arguments.jobs, std::filesystem::path(arguments.out) / "contrast",
                   table);
-  Print(table);
-  if (!arguments.json.empty()) WriteJson(arguments.json, table);
-  return std::all_of(table.begin(), table.end(), [](const Figure& f) { return f.Met(); });
+  PrintFigures(table);
+  if (!arguments.json.empty()) WriteFigures(arguments.json, table);
+  return AllMet(table);
 }
 
 }  // namespace kestrel

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
+
+#include "scenarios/figures.h"
 
 namespace kestrel {
 
@@ -13,17 +14,6 @@ struct BenchArguments {
   int jobs = 2;
   std::string json;
   std::string out = "results/runs/bench_horizon";  // folder of what horizon and contrast leave
-};
-
-// One line of the table.
-struct Figure {
-  std::string name;
-  double value = 0;
-  std::string unit;
-  std::optional<double> target;  // none: shown for comparison
-  bool at_least = false;
-  std::string reference;  // the thesis's figure, or the peers'
-  bool Met() const { return !target || (at_least ? value >= *target : value <= *target); }
 };
 
 std::vector<std::string> BenchNames();

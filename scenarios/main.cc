@@ -14,6 +14,7 @@
 
 #include "scenarios/bench.h"
 #include "scenarios/calibrate_command.h"
+#include "scenarios/encounters_command.h"
 #include "scenarios/files.h"
 #include "scenarios/horizon_command.h"
 #include "scenarios/junit.h"
@@ -184,6 +185,9 @@ int Main(int argc, char** argv) {
   check_command->add_option("--set", check_overrides, "key.path=value, as for run");
   check_command->footer("Examples:\n  kestrel check my_flight.yaml --set camera=fisheye");
 
+  EncountersArguments encounters;
+  const CLI::App* encounters_command = AddEncountersCommand(app, encounters);
+
   BenchArguments bench;
   CLI::App* bench_command = app.add_subcommand("bench", "Measure: a table of figures beside their targets");
   bench_command
@@ -247,6 +251,7 @@ int Main(int argc, char** argv) {
       RenderBoardCommand(render_board);
       return kMet;
     }
+    if (*encounters_command) return EncountersCommand(encounters) ? kMet : kNotMet;
     if (*bench_command) {
       Mistakes mistakes;
       CheckWritableFile(bench.json, "--json", mistakes);

@@ -96,7 +96,7 @@ class AvoidMission final : public Mission {
     for (std::size_t i = 0; i < watches_.size(); ++i) {
       const auto& where = watches_[i].last_known();
       if (!where || where->age_s > flight_.memory_s) continue;
-      const bool stands = where->v_N.norm() < kStands_m_s;
+      const bool stands = where->v_N.norm() < std::max(kStands_m_s, 2 * where->v_sigma);
       const Eigen::Vector3d p_N = where->p_N - (stands ? where->age_s : 0) * where->v_N;
       intruders_.push_back({(p_N - state.p_NB).head<2>(),
                             stands ? Eigen::Vector2d::Zero() : Eigen::Vector2d(where->v_N.head<2>())});
@@ -108,12 +108,13 @@ class AvoidMission final : public Mission {
   // To be clear it must not lead nearer again than what was avoided has been, or it would be met twice.
   void Judge(const VehicleState& state, const Eigen::Vector2d& wanted_v) {
     AvoidanceOptions o = flight_.avoidance;
-    double distance_m = o.safe_m;
+    double distance_m = (avoiding_ ? o.clear_share : 1) * o.safe_m;
     if (avoiding_) {
       for (const Intruder& i : intruders_) nearest_m_ = std::min(nearest_m_, i.p.norm());
-      distance_m = std::max(o.clear_share * o.safe_m, flight_.keep_share * nearest_m_);
       o.horizon_s *= 2;
     }
+    if (phase_ == "cruise") nearest_m_ = std::numeric_limits<double>::infinity();
+    if (std::isfinite(nearest_m_)) distance_m = std::max(distance_m, flight_.keep_share * nearest_m_);
     const bool otherwise = Threatened(intruders_, wanted_v, distance_m, o) != avoiding_;
     if (!otherwise || !flight_.avoids)
       since_s_.reset();
@@ -122,7 +123,6 @@ class AvoidMission final : public Mission {
     if (!since_s_ || state.t_s - *since_s_ < flight_.confirm_s) return;
     avoiding_ = !avoiding_;
     side_.reset(), since_s_.reset();
-    nearest_m_ = std::numeric_limits<double>::infinity();
   }
 
   void Fly(const VehicleState& state, const Eigen::Vector2d& along) {

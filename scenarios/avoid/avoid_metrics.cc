@@ -43,8 +43,8 @@ double NearestNow(const Truth& truth) {
 }  // namespace
 
 std::vector<std::string> AvoidMetricNames() {
-  return {"closest_m",   "closest_s",          "closest_share", "manoeuvred",
-          "manoeuvre_s", "manoeuvre_height_m", "course_end_m",  "path_excess"};
+  return {"closest_m",          "closest_s",    "closest_share",    "manoeuvred", "manoeuvre_s",
+          "manoeuvre_height_m", "course_end_m", "course_end_own_m", "path_excess"};
 }
 
 void AddAvoidMetrics(const std::vector<LogRow>& rows, std::map<std::string, double>& m) {
@@ -74,6 +74,8 @@ void AddAvoidMetrics(const std::vector<LogRow>& rows, std::map<std::string, doub
   const Eigen::Vector2d gone = (rows.back().now.X_NB.p - begin.p).head<2>();
   m["manoeuvre_height_m"] = height;
   m["course_end_m"] = std::abs(gone.dot(right));
+  m["course_end_own_m"] =
+      std::abs((rows.back().estimate.p_NB - rows.front().estimate.p_NB).head<2>().dot(right));
   if (gone.norm() > 0) m["path_excess"] = length / gone.norm() - 1;
 }
 

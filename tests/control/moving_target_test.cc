@@ -63,13 +63,14 @@ VehicleState Believed(double t_s, const Errors& errors) {
 }
 
 // States every 10 ms and exact measurements every 50 ms, each 40 ms old when it comes.
-MovingTarget Watched(const Errors& errors = {}) {
-  MovingTarget target(kMount, {});
+MovingTarget Watched(const Errors& errors = {}, const MovingTargetOptions& options = {},
+                     const Eigen::Matrix3d& covariance = kCovariance) {
+  MovingTarget target(kMount, options);
   for (int i = 0; i <= std::lround(kEnd_s / kState_s); ++i) {
     const double t_s = i * kState_s;
     target.Hear(Believed(t_s, errors));
     if (i == 0 || i % std::lround(kFrame_s / kState_s) != 0) continue;
-    EXPECT_TRUE(target.Correct(t_s - 0.04, Seen(t_s - 0.04), kCovariance));
+    EXPECT_TRUE(target.Correct(t_s - 0.04, Seen(t_s - 0.04), covariance));
   }
   return target;
 }
@@ -102,6 +103,17 @@ TEST(MovingTarget, AnErrorOfTheAutopilotsVelocityIsTakenForTheTargetsAndLeavesTh
   const auto estimate = Watched(errors).At(kEnd_s);
   EXPECT_LT((estimate->v_N - kTarget_v - errors.velocity).norm(), 0.01);
   EXPECT_LT((estimate->p_N - TargetAt(kEnd_s)).norm(), 0.002);
+}
+
+// The steady state of a double integrator under white acceleration, by its Riccati equation: the variance of
+// the velocity is sqrt(2) Q^(3/4) r^(1/4).
+TEST(MovingTarget, TheVelocitysDeviationIsThatOfTheFilterInItsSteadyState) {
+  const double Q = 0.3 * 0.3, r = 0.01 * kFrame_s;
+  const auto estimate =
+      Watched({}, {.acceleration_m_s2 = 0.3, .tilt_sigma_deg = 0}, 0.01 * Eigen::Matrix3d::Identity())
+          .At(kEnd_s);
+  const double expected = std::sqrt(std::sqrt(2) * std::pow(Q, 0.75) * std::pow(r, 0.25));
+  EXPECT_NEAR(estimate->v_sigma, expected, 0.1 * expected);
 }
 
 TEST(MovingTarget, WhatIsOlderOrNewerThanAllThatIsRememberedOfTheAircraftIsRefused) {

@@ -81,8 +81,11 @@ TEST(AvoidMetrics, TheCourseIsThatOfTheHeadingAtTheBeginning) {
   for (const Vector3d& p : {Vector3d(1, 1, -4), Vector3d(4, 1, -4.5), Vector3d(4, 5, -3.2)})
     rows.push_back(Row(static_cast<double>(rows.size()), p, {{50, 50, -4}}, Radians(45)));
   rows.back().estimate.R_NB = HeadingRotation(2);
+  rows.front().estimate.p_NB = {100, 100, 0};
+  rows.back().estimate.p_NB = {103, 101, 0};
   const auto m = MetricsOf(rows);
   EXPECT_NEAR(m.at("course_end_m"), (4 - 3) / std::sqrt(2), 1e-9);
+  EXPECT_NEAR(m.at("course_end_own_m"), (3 - 1) / std::sqrt(2), 1e-9);
   EXPECT_NEAR(m.at("path_excess"), 7 / 5.0 - 1, 1e-12);
   EXPECT_NEAR(m.at("manoeuvre_height_m"), 0.8, 1e-12);
 }
