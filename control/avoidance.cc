@@ -11,25 +11,31 @@ namespace kestrel {
 namespace {
 
 constexpr double kStep_deg = 5;  // between the bearings that are tried
+constexpr int kPieces = 6;       // of a turn
 
 Eigen::Vector2d Along(double angle) { return {std::cos(angle), std::sin(angle)}; }
 
-// Closest distance to any if we turn to a heading and fly on at the same speed: for the time of the turn at
-// the mean of both velocities.
+// Closest distance to any if we turn to a heading and fly on at the same speed: straight on until the
+// aircraft obeys, then the velocity goes over evenly, in pieces, and then straight on for good.
 double MissOf(std::span<const Intruder> intruders, const Eigen::Vector2d& v, double heading,
               const AvoidanceOptions& o) {
-  const double speed = v.norm();
+  const Eigen::Vector2d after = v.norm() * Along(heading);
   const double turn = std::abs(WrapAngle(heading - std::atan2(v.y(), v.x())));
-  const Eigen::Vector2d after = speed * Along(heading), during = (v + after) / 2;
-  const double turn_s = o.turn_s + std::max(turn / Radians(o.hold.yaw_rate_limit_deg_s),
-                                            (after - v).norm() / o.acceleration_m_s2);
-  double miss = std::numeric_limits<double>::infinity();
-  for (const Intruder& i : intruders) {
-    const ClosestApproach turning = ApproachOf(i.p, i.v - during);
-    if (turning.after_s < turn_s) miss = std::min(miss, turning.distance_m);
-    const ClosestApproach then = ApproachOf(i.p + turn_s * (i.v - during), i.v - after);
-    miss = std::min(miss, then.distance_m);
-  }
+  const double over_s =
+      std::max(turn / Radians(o.hold.yaw_rate_limit_deg_s), (after - v).norm() / o.acceleration_m_s2);
+  double miss = std::numeric_limits<double>::infinity(), begun_s = 0;
+  Eigen::Vector2d own = Eigen::Vector2d::Zero();
+  const auto fly = [&](const Eigen::Vector2d& own_v, double lasting_s) {
+    for (const Intruder& i : intruders) {
+      const ClosestApproach approach = ApproachOf(i.p + begun_s * i.v - own, i.v - own_v);
+      if (approach.after_s <= lasting_s) miss = std::min(miss, approach.distance_m);
+    }
+    own += lasting_s * own_v;
+    begun_s += lasting_s;
+  };
+  fly(v, o.turn_s);
+  for (int k = 0; k < kPieces; ++k) fly(v + (k + 0.5) / kPieces * (after - v), over_s / kPieces);
+  fly(after, std::numeric_limits<double>::infinity());
   return miss;
 }
 
@@ -54,12 +60,13 @@ std::optional<Manoeuvre> PlanManoeuvre(std::span<const Intruder> intruders, cons
                                        double yaw, std::optional<PassingSide> side,
                                        const AvoidanceOptions& o) {
   if (intruders.empty()) return std::nullopt;
-  // The one that comes nearest within the horizon, and among those that part already the nearest.
+  // The one that comes nearest; who does not come within the horizon counts as farther off.
   std::size_t held = 0;
   double nearest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < intruders.size(); ++i) {
     const ClosestApproach approach = ApproachOf(intruders[i].p, intruders[i].v - v);
-    const double rank = approach.distance_m + (approach.after_s > 0 ? 0 : 2 * o.safe_m);
+    const bool soon = approach.after_s > 0 && approach.after_s < o.horizon_s;
+    const double rank = approach.distance_m + (soon ? 0 : 2 * o.safe_m);
     if (rank < nearest) nearest = rank, held = i;
   }
   const double line_of_sight = std::atan2(intruders[held].p.y(), intruders[held].p.x());

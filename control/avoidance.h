@@ -50,9 +50,9 @@ void Fields(Visitor& v, AvoidanceOptions& o) {
 bool Threatened(std::span<const Intruder> intruders, const Eigen::Vector2d& v, double distance_m,
                 const AvoidanceOptions& options);
 
-// The bearing at which to hold an intruder, the one that is nearest in time: as small as clears all of them,
-// or, if none does, the one that keeps them farthest off. v: ours. side: kept once it is chosen. Both sides
-// clear: the one of thesis 6.4.3, by the sign of the bearing.
+// The bearing at which to hold an intruder, the one that comes nearest within the horizon: as small as clears
+// all of them, or, if none does, the one that keeps them farthest off. v: ours. side: kept once it is chosen.
+// Both sides clear: the one of thesis 6.4.3, by the sign of the bearing.
 struct Manoeuvre {
   std::size_t intruder = 0;  // which of them is held
   double bearing = 0;        // rad, right positive; in the heading frame

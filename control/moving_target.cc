@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "control/moving_target.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "geometry/tait_bryan.h"
@@ -24,7 +23,7 @@ void MovingTarget::Hear(const VehicleState& state) {
 
 bool MovingTarget::Correct(double t_s, const Eigen::Vector3d& p_CT, const Eigen::Matrix3d& covariance) {
   const auto state = history_.At(t_s);
-  if (!state) return false;
+  if (!state || (filter_ && t_s < filter_t_s_)) return false;
   const Pose X_NC = Pose{state->R_NB, state->p_NB} * X_BC_;
   const Eigen::Matrix3d R = X_NC.R.toRotationMatrix();
   const Eigen::Vector3d p_NT = X_NC * p_CT;
@@ -35,7 +34,7 @@ bool MovingTarget::Correct(double t_s, const Eigen::Vector3d& p_CT, const Eigen:
     filter_.emplace(p_NT, std::sqrt(P.trace()), Eigen::Vector3d::Zero(), kFirstSpeed_m_s,
                     options_.acceleration_m_s2);
   } else {
-    filter_->Predict(std::max(0.0, t_s - filter_t_s_));
+    filter_->Predict(t_s - filter_t_s_);
     filter_->Correct(p_NT, P);
   }
   filter_t_s_ = t_s;

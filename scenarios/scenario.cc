@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstdlib>
 #include <opencv2/imgcodecs.hpp>
 
@@ -155,6 +156,38 @@ void CheckAvoid(const AvoidFlight& flight, const AutopilotParameters& autopilot,
        flight.avoidance.most_bearing_deg, "flight.avoidance.most_bearing_deg");
   if (flight.marks.empty() && !flight.contrast)
     mistakes.Add(where, "flight.marks", "is empty; valid: at least one, or a flight.contrast");
+}
+
+// A balloon can be wanted only where the camera sees it, at least from a level aircraft.
+void CheckReferences(const FollowFlight& flight, const CameraModel& camera, const CameraMount& mount,
+                     const std::string& where, Mistakes& mistakes) {
+  constexpr int kPoints = 72;  // of the circle
+  const double focal_px = Parameters(camera)[0];
+  const Eigen::Quaterniond R_CB = MountPose(mount).R.conjugate();
+  const auto seen = [&](const FollowReference& r, double angle) {
+    const double radius_px = r.diameter_px / 2;
+    const Eigen::Vector3d ahead(focal_px, r.u_px + radius_px * std::cos(angle),
+                                r.v_px + radius_px * std::sin(angle));
+    const auto at = Project(camera, R_CB * ahead);
+    return at && at->x() >= 0 && at->y() >= 0 && at->x() <= WidthPx(camera) - 1 &&
+           at->y() <= HeightPx(camera) - 1;
+  };
+  for (std::size_t i = 0; i < flight.reference.size(); ++i) {
+    const FollowReference& r = flight.reference[i];
+    const std::string key = fmt::format("flight.reference.{}", i);
+    if (i > 0 && r.from_s <= flight.reference[i - 1].from_s)
+      mistakes.Add(where, key + ".from_s",
+                   fmt::format("{:g} is not after the one before; valid: above {:g}", r.from_s,
+                               flight.reference[i - 1].from_s));
+    bool whole = true;
+    for (int k = 0; k < kPoints && whole; ++k) whole = seen(r, 2 * M_PI * k / kPoints);
+    if (!whole)
+      mistakes.Add(where, key,
+                   fmt::format("u_px {:g}, v_px {:g} and diameter_px {:g} are a circle beyond the image of "
+                               "{} x {} px, by this camera as it is mounted; valid: one within it, nearer "
+                               "to the middle or smaller, and a camera that looks ahead",
+                               r.u_px, r.v_px, r.diameter_px, WidthPx(camera), HeightPx(camera)));
+  }
 }
 
 void CheckTargets(const Scenario& s, const std::string& where, Mistakes& mistakes) {
@@ -331,6 +364,8 @@ LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<s
                       s.camera, numbers[2], numbers[3], WidthPx(sim.camera), HeightPx(sim.camera)));
     }
   }
+  if (const auto* follow = std::get_if<FollowFlight>(&s.flight); follow && has_camera)
+    CheckReferences(*follow, sim.camera, s.mount, WhereOf(config, "flight", where), mistakes);
   CheckImage(s.image, has_camera ? &sim.camera : nullptr, WhereOf(config, "image", where), mistakes);
   if (s.pad.name == "none") {
     if (s.occlusion.share > 0)

@@ -7,7 +7,7 @@ namespace kestrel {
 namespace {
 
 bool SamePixels(const cv::Mat& a, const cv::Mat& b) {
-  if (a.size() != b.size() || a.type() != b.type()) return false;
+  if (a.empty() || a.size() != b.size() || a.type() != b.type()) return false;
   const std::size_t bytes = static_cast<std::size_t>(a.cols) * a.elemSize();
   for (int y = 0; y < a.rows; ++y)
     if (std::memcmp(a.ptr(y), b.ptr(y), bytes) != 0) return false;

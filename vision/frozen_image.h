@@ -9,7 +9,7 @@ namespace kestrel {
 // to fly blind without knowing.
 class FrozenImage {
  public:
-  // Whether this image is the one before, to the last bit.
+  // Whether this image is the one before, to the last bit. An empty one is none.
   bool Is(const cv::Mat& image);
 
  private:

@@ -19,9 +19,8 @@ std::vector<std::string> AvoidMetricNames();
 //   manoeuvred           1: a bearing was held at all
 //   manoeuvre_s          when first
 //   manoeuvre_height_m   farthest from the height at the beginning
-//   course_end_m         at the end: distance from the line of the course: from the place at the beginning,
-//   along
-//                        the heading that the autopilot had there
+//   course_end_m         at the end: distance from the line of the course: from the place at the beginning
+//                        along the heading that the autopilot had there
 //   course_end_own_m     the same by the autopilot's own position, whose drift is no fault of the manoeuvre
 //   path_excess          the length of the path over the ground over its straight line, less 1
 void AddAvoidMetrics(const std::vector<LogRow>& rows, std::map<std::string, double>& metrics);

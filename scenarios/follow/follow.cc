@@ -44,6 +44,7 @@ class FollowMission final : public Mission {
       decision.sight = sight_;
     } else if (watch_.state() == TrackState::kTooClose) {
       phase_ = "too close";
+      lost_since_s_.reset();
       command_ = {{-kBackOff_m_s, 0, 0}, 0};
       decision.setpoint = command_;
     } else {

@@ -326,6 +326,75 @@ TEST_F(ScenarioTest, AFaultMustBeOneAndHaveItsOwnKeysAlone) {
               ElementsAre(AllOf(HasSubstr("mount.vibration.0.until_hz"), HasSubstr("below from_hz = 90"))));
 }
 
+TEST_F(ScenarioTest, AMissionThatTellsItsTargetByColourNeedsAColourImage) {
+  for (const char* mission : {"follow", "avoid"}) {
+    EXPECT_THAT(
+        Refusal(mission, {"image.colour=false"}),
+        ElementsAre(AllOf(HasSubstr("image.colour: false"), HasSubstr(mission), HasSubstr("valid: true"))));
+  }
+}
+
+TEST_F(ScenarioTest, ATargetMovesInOneWayAndNotThroughTheGround) {
+  const auto one = [](const std::string& target) { return Refusal("follow", {"targets=[" + target + "]"}); };
+  EXPECT_THAT(one("{position_m: [5, 0, 4], string_m: 3}, {position_m: [5, 0, 0.25]}, {roam_m_s: 1}"),
+              IsEmpty());
+  for (const char* two : {"{velocity_m_s: [1, 0, 0], string_m: 1}", "{string_m: 1, roam_m_s: 1}",
+                          "{velocity_m_s: [0, 0, -1], roam_m_s: 1}"}) {
+    EXPECT_THAT(one(std::string("{}, ") + two),
+                ElementsAre(AllOf(HasSubstr("targets[1]: moves in several ways"),
+                                  HasSubstr("one of velocity_m_s, string_m and roam_m_s"))));
+  }
+  EXPECT_THAT(one("{position_m: [5, 0, 4], diameter_m: 1, string_m: 3.7}"),
+              ElementsAre(AllOf(HasSubstr("targets[0].position_m"), HasSubstr("0.2 m into the ground"),
+                                HasSubstr("from 4.2 m"))));
+}
+
+TEST_F(ScenarioTest, AvoidingAsksNoMoreThanTheAutopilotGives) {
+  const std::string text = "mission: avoid\nimage: {colour: true}\npad: {name: none}\n";
+  const std::string file = Write("a.yaml", text +
+                                               "flight:\n"
+                                               "  speed_m_s: 12\n"
+                                               "  avoidance:\n"
+                                               "    acceleration_m_s2: 15\n"
+                                               "    most_bearing_deg: 60\n"
+                                               "    hold: {yaw_rate_limit_deg_s: 170, bearing_deg: 70}\n"
+                                               "  marks: []\n");
+  const auto mistakes = Refusal(file);
+  EXPECT_EQ(mistakes.size(), 5u);
+  const auto refused = [&](const std::string& key, const std::string& limit) {
+    EXPECT_THAT(mistakes, Contains(AllOf(StartsWith(file + ":4: flight." + key), HasSubstr(limit),
+                                         HasSubstr("valid: no more than that"))));
+  };
+  refused("speed_m_s: 12", "autopilot.speed_limit_m_s is");
+  refused("avoidance.acceleration_m_s2: 15", "autopilot.acceleration_limit_m_s2 is");
+  refused("avoidance.hold.yaw_rate_limit_deg_s: 170", "autopilot.yaw_rate_limit_deg_s is");
+  refused("avoidance.hold.bearing_deg: 70", "flight.avoidance.most_bearing_deg is 60");
+  EXPECT_THAT(mistakes, Contains(file + ":4: flight.marks: is empty; valid: at least one"));
+  EXPECT_THAT(Refusal(Write("b.yaml", text + "flight: {avoidance: {most_bearing_deg: 60, hold: {bearing_deg: "
+                                             "60}}}\n")),
+              IsEmpty());
+}
+
+TEST_F(ScenarioTest, ABalloonIsWantedWithinTheImageAtTimesThatFollowOneAnother) {
+  const auto one = [](const std::string& references, const std::string& more = "seed=1") {
+    return Refusal("follow", {"flight.reference=[" + references + "]", more});
+  };
+  EXPECT_THAT(one(""), ElementsAre(HasSubstr("flight.reference: is empty; valid: at least one")));
+  // 640 x 480 px, the principal point at (319.5, 239.5).
+  EXPECT_THAT(one("{u_px: 289, v_px: 209, diameter_px: 60}"), IsEmpty());
+  for (const char* beyond : {"{u_px: 290, diameter_px: 60}", "{v_px: -210, diameter_px: 60}",
+                             "{diameter_px: 481}", "{u_px: -1500, diameter_px: 60}"}) {
+    EXPECT_THAT(one(std::string("{}, {from_s: 5, u_px: 0}, ") + std::string(beyond).insert(1, "from_s: 9, ")),
+                ElementsAre(AllOf(HasSubstr("follow.yaml:"), HasSubstr("flight.reference.2: u_px"),
+                                  HasSubstr("640 x 480 px"), HasSubstr("valid: "))));
+  }
+  EXPECT_THAT(one("{diameter_px: 60}", "mount.pitch_deg=0"),
+              ElementsAre(AllOf(HasSubstr("flight.reference.0"), HasSubstr("a camera that looks ahead"))));
+  EXPECT_THAT(one("{diameter_px: 60}", "mount.pitch_deg=70"), IsEmpty());
+  EXPECT_THAT(one("{}, {from_s: 20}, {from_s: 10}"),
+              ElementsAre(AllOf(HasSubstr("flight.reference.2.from_s: 10"), HasSubstr("valid: above 20"))));
+}
+
 constexpr char kCamchain[] =
     "cam0:\n  camera_model: pinhole\n  distortion_coeffs: []\n  distortion_model: none\n"
     "  intrinsics: [800, 800, 320, 240]\n  resolution: [640, 480]\n";
