@@ -40,8 +40,8 @@ class MovingTarget {
 
   void Hear(const VehicleState& state);  // every state of the autopilot, before the frames exposed before it
 
-  // A place in C at an exposure, m, with its covariance. False: no state of the autopilot for that time, or it
-  // is older than the last.
+  // A place in C at an exposure, m, with its covariance. False: no state of the autopilot for that time, or
+  // it is older than the last.
   bool Correct(double t_s, const Eigen::Vector3d& p_CT, const Eigen::Matrix3d& covariance);
 
   std::optional<Estimate> At(double t_s) const;  // none: never measured, or forgotten
