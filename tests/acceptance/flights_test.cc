@@ -8,6 +8,7 @@
 
 #include "geometry/tait_bryan.h"
 #include "scenarios/runner.h"
+#include "tests/acceptance/flown.h"
 
 namespace kestrel {
 namespace {
@@ -15,25 +16,6 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr std::uint64_t kSeeds[] = {101, 102, 103};
-
-FlightResult Flown(const std::string& scenario, std::uint64_t seed, std::vector<std::string> overrides = {}) {
-  overrides.push_back("seed=" + std::to_string(seed));
-  const FlightResult result = RunFlight(LoadScenario(scenario, overrides), {});
-  EXPECT_EQ(result.summary.error, "");
-  EXPECT_FALSE(result.rows.empty());
-  return result;
-}
-
-void ExpectCriteria(const FlightResult& result) {
-  EXPECT_FALSE(result.summary.criteria.empty());
-  for (const Criterion& c : result.summary.criteria) {
-    if (c.at_least) {
-      EXPECT_GE(c.value, c.limit) << c.name << ", seed " << result.summary.seed;
-    } else {
-      EXPECT_LE(c.value, c.limit) << c.name << ", seed " << result.summary.seed;
-    }
-  }
-}
 
 Pose InPadFrame(const Truth& t) { return t.X_NT.Inverse() * t.X_NB; }
 double HeightOverPad(const Truth& t) { return -InPadFrame(t).p.z(); }
