@@ -88,20 +88,19 @@ class AvoidMission final : public Mission {
   // A piece of the vertical plane at an azimuth from north, as the camera had it at the exposure.
   void DrawAzimuth(cv::Mat& bgr, double azimuth, const std::string& name, const cv::Scalar& colour,
                    int thickness) const {
-    std::optional<cv::Point> last;
+    std::vector<cv::Point> line;
     for (double elevation = -10; elevation <= 10; elevation += 2) {
       const double e = Radians(elevation);
       const Eigen::Vector3d ray_N(std::cos(e) * std::cos(azimuth), std::cos(e) * std::sin(azimuth),
                                   -std::sin(e));
-      const auto at = Project(camera_, (exposed_.R_NB * X_BC_.R).conjugate() * ray_N);
-      const auto point = at ? std::optional(cv::Point(cv::Point2d(at->x(), at->y()))) : std::nullopt;
-      if (point && last) {
-        cv::line(bgr, *last, *point, {0, 0, 0}, thickness + 2, cv::LINE_AA);
-        cv::line(bgr, *last, *point, colour, thickness, cv::LINE_AA);
-      }
-      last = point;
+      if (const auto at = Project(camera_, (exposed_.R_NB * X_BC_.R).conjugate() * ray_N))
+        line.emplace_back(cv::Point2d(at->x(), at->y()));
     }
-    if (last) CaptionAt(bgr, {std::clamp(last->x - 22, 2, std::max(2, bgr.cols - 56)), last->y - 6}, name);
+    if (line.empty()) return;
+    cv::polylines(bgr, line, false, {0, 0, 0}, thickness + 2, cv::LINE_AA);
+    cv::polylines(bgr, line, false, colour, thickness, cv::LINE_AA);
+    const cv::Point top = line.back();
+    CaptionAt(bgr, {std::clamp(top.x - 22, 2, std::max(2, bgr.cols - 56)), top.y - 6}, name);
   }
 
   Eigen::Vector2d AlongCourse(const Eigen::Vector2d& v_N) const { return Eigen::Rotation2Dd(-course_) * v_N; }

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <string_view>
 
 #include "geometry/tait_bryan.h"
@@ -45,7 +44,7 @@ struct Map {
   double width_px = 0;
 };
 
-Map MapOf(const std::vector<LogRow>& rows, const Eigen::Vector2d& course_end_N) {
+Map MapOf(const std::vector<LogRow>& rows, const Eigen::Vector2d& course_end_N, const Closest& closest) {
   Span east, north;
   const auto add = [&](const Eigen::Vector2d& p_N) { north.Add(p_N.x()), east.Add(p_N.y()); };
   add(course_end_N);
@@ -57,6 +56,10 @@ Map MapOf(const std::vector<LogRow>& rows, const Eigen::Vector2d& course_end_N) 
   for (const LogRow& row : rows)
     for (const TargetTruth& target : row.now.targets)
       if (near_east.Holds(target.p_N.y()) && near_north.Holds(target.p_N.x())) add(target.p_N.head<2>());
+
+  const Eigen::Vector2d corner = Eigen::Vector2d::Constant(closest.distance_m);  // of the circle's square
+  if (closest.distance_m < reach)
+    add(closest.target_N.head<2>() - corner), add(closest.target_N.head<2>() + corner);
 
   const double height_px = kHeight_px * (kPlanTop - kPlanBottom);
   const double wide_m = 1.15 * std::max(east.size(), 0.5), high_m = 1.1 * std::max(north.size(), 0.5);
@@ -114,7 +117,8 @@ std::string InstantData(const std::vector<LogRow>& rows, double arrow_m) {
   const std::size_t targets = rows.front().now.targets.size();
   std::string headings = "$headings << END_OF_HEADINGS\n", times;
   std::vector<std::string> marks(targets);
-  std::vector<std::optional<Eigen::Vector3d>> told(targets);
+  std::vector<Eigen::Vector3d> told;  // where a time was last written
+  for (const TargetTruth& target : rows.front().now.targets) told.push_back(target.p_N);
   double next_s = std::ceil(rows.front().now.t_s / step) * step;
   for (const LogRow& row : rows) {
     if (row.now.t_s < next_s) continue;
@@ -128,7 +132,7 @@ std::string InstantData(const std::vector<LogRow>& rows, double arrow_m) {
     if (tells) times += fmt::format("{:.6g} {:.6g} \"{}\"\n", p.y(), p.x(), name);
     for (std::size_t i = 0; i < targets; ++i) {
       const Eigen::Vector3d& at = row.now.targets[i].p_N;
-      const bool moved = !told[i] || (at - *told[i]).norm() > 2 * arrow_m;
+      const bool moved = (at - told[i]).norm() > 2 * arrow_m;
       marks[i] += fmt::format("{:.6g} {:.6g} \"{}\"\n", at.y(), at.x(), tells && moved ? name : "");
       if (tells && moved) told[i] = at;
     }
@@ -245,8 +249,8 @@ std::string Panels(const std::vector<LogRow>& rows, const Map& map, const Closes
 
 std::string EncounterPlot(const std::filesystem::path& file, const std::vector<LogRow>& rows,
                           const std::string& title) {
-  const Map map = MapOf(rows, CourseEnd(rows));
   const Closest closest = ClosestOf(rows);
+  const Map map = MapOf(rows, CourseEnd(rows), closest);
   const double width_px = std::round(kLeft_px + map.width_px + kGap_px + kPanels_px + kRight_px);
   return FlightData(rows) + InstantData(rows, 0.025 * std::max(map.north.size(), map.east.size())) +
          BeginFigure(file, static_cast<int>(width_px), kHeight_px) +

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 #include <vector>
 
 #include "control/sphere_target.h"
@@ -212,11 +213,9 @@ TEST_F(PlotsTest, WithoutRowsThereIsNothingToDraw) {
 TEST_F(PlotsTest, ATitleRunsNothing) {
   const auto victim = folder_ / "ran";
   DrawPlots(folder_, Climb({0, 0, 0}, 0),
-            {
-    "`touch " + victim.string() +
-        "` '.system(XX
-        EXPECT_FALSE(std::filesystem::exists(victim));
-    EXPECT_FALSE(Picture("position.png").empty());
+            {"`touch " + victim.string() + "` '.system('touch " + victim.string() + "').'", kPad_m});
+  EXPECT_FALSE(std::filesystem::exists(victim));
+  EXPECT_FALSE(Picture("position.png").empty());
 }
 
 }  // namespace
