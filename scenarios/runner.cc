@@ -90,7 +90,8 @@ FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) 
     record.video = options.video;
     record.rate_hz = scenario.image.rate_hz;
     record.plots.title = scenario.name + ", seed " + std::to_string(scenario.seed);
-    record.plots.pad_size_m = loaded.simulator.scene.pad.size_m;
+    const SceneParameters& scene = loaded.simulator.scene;
+    if (!scene.pad_texture.empty()) record.plots.pad_size_m = scene.pad.size_m;
     recorder.emplace(*options.folder, record);
     std::filesystem::remove(*options.folder / "events.log");  // of an earlier run
     WriteFile(*options.folder / "scenario.yaml", ToYaml(scenario));

@@ -9,8 +9,10 @@
 #include <limits>
 #include <opencv2/imgproc.hpp>
 
+#include "control/state_history.h"
 #include "geometry/tait_bryan.h"
 #include "scenarios/caption.h"
+#include "scenarios/command_arrows.h"
 #include "sim/stopwatch.h"
 #include "vision/frozen_image.h"
 
@@ -39,6 +41,8 @@ class AvoidMission final : public Mission {
     for (BalloonWatch& watch : watches_) watch.See(frame, state, frozen);
     if (contrast_) contrast_->See(frame, state, frozen, flight_.memory_s);
     decision.vision_s = SecondsSince(start);
+    history_.Add(state);
+    state_ = state, exposed_ = history_.At(frame.t_s).value_or(state);
     if (!begin_) begin_ = state.p_NB, course_ = YawOf(state.R_NB);
     Look(state);
     decision.target = Status();
@@ -62,22 +66,16 @@ class AvoidMission final : public Mission {
   void Draw(cv::Mat& bgr) const override {
     for (const BalloonWatch& watch : watches_) watch.Draw(bgr);
     if (contrast_) contrast_->Draw(bgr);
-    const auto mark = [&](double azimuth, const cv::Scalar& colour, int thickness) {
-      std::optional<cv::Point2d> last;
-      for (double elevation = -10; elevation <= 10; elevation += 2) {
-        const double e = Radians(elevation);
-        const Eigen::Vector3d ray_H(std::cos(e) * std::cos(azimuth), std::cos(e) * std::sin(azimuth),
-                                    -std::sin(e));
-        const auto at =
-            Project(camera_, (R_NB_ * X_BC_.R).conjugate() * (HeadingRotation(YawOf(R_NB_)) * ray_H));
-        if (at && last) cv::line(bgr, *last, cv::Point2d(at->x(), at->y()), colour, thickness, cv::LINE_AA);
-        last = at ? std::optional(cv::Point2d(at->x(), at->y())) : std::nullopt;
-      }
-    };
+    DrawCommand(
+        bgr, command_,
+        {{flight_.speed_m_s, 0, kClimbLimit_m_s}, Radians(flight_.avoidance.hold.yaw_rate_limit_deg_s)});
     Caption(bgr, 0, fmt::format("{}   other {}", phase_, Status()));
     if (encounter_) {
-      mark(encounter_->azimuth, {0, 220, 255}, 2);
-      if (encounter_->wanted) mark(*encounter_->wanted, {255, 255, 255}, 1);
+      const double to_other = YawOf(state_.R_NB) + encounter_->azimuth;
+      DrawAzimuth(bgr, to_other, fmt::format("tb {:+.0f}", Degrees(encounter_->azimuth)), {0, 220, 255}, 2);
+      if (encounter_->wanted)
+        DrawAzimuth(bgr, YawOf(exposed_.R_NB) + *encounter_->wanted,
+                    fmt::format("db {:+.0f}", Degrees(*encounter_->wanted)), {255, 255, 255}, 1);
       Caption(bgr, 1,
               fmt::format("bearing {:+.1f}{} deg   {:.1f} m   nearest {:.1f} m in {:.1f} s",
                           Degrees(encounter_->azimuth),
@@ -90,11 +88,28 @@ class AvoidMission final : public Mission {
   }
 
  private:
+  // A piece of the vertical plane at an azimuth from north, as the camera had it at the exposure.
+  void DrawAzimuth(cv::Mat& bgr, double azimuth, const std::string& name, const cv::Scalar& colour,
+                   int thickness) const {
+    std::vector<cv::Point> line;
+    for (double elevation = -10; elevation <= 10; elevation += 2) {
+      const double e = Radians(elevation);
+      const Eigen::Vector3d ray_N(std::cos(e) * std::cos(azimuth), std::cos(e) * std::sin(azimuth),
+                                  -std::sin(e));
+      if (const auto at = Project(camera_, (exposed_.R_NB * X_BC_.R).conjugate() * ray_N))
+        line.emplace_back(cv::Point2d(at->x(), at->y()));
+    }
+    if (line.empty()) return;
+    cv::polylines(bgr, line, false, {0, 0, 0}, thickness + 2, cv::LINE_AA);
+    cv::polylines(bgr, line, false, colour, thickness, cv::LINE_AA);
+    const cv::Point top = line.back();
+    CaptionAt(bgr, {std::clamp(top.x - 22, 2, std::max(2, bgr.cols - 56)), top.y - 6}, name);
+  }
+
   Eigen::Vector2d AlongCourse(const Eigen::Vector2d& v_N) const { return Eigen::Rotation2Dd(-course_) * v_N; }
 
   // Who is about, by what has been seen and how it went on.
   void Look(const VehicleState& state) {
-    R_NB_ = state.R_NB;
     intruders_.clear(), ids_.clear();
     for (std::size_t i = 0; i < watches_.size(); ++i)
       if (const auto& where = watches_[i].last_known()) Add(*where, i, state);
@@ -198,7 +213,8 @@ class AvoidMission final : public Mission {
   std::string_view phase_ = "cruise";
   std::optional<Encounter> encounter_;
   VelocitySetpoint command_;
-  Eigen::Quaterniond R_NB_ = Eigen::Quaterniond::Identity();
+  StateHistory history_;
+  VehicleState state_, exposed_;  // of the last frame: when it was decided on, and at its exposure
 };
 
 }  // namespace

@@ -11,11 +11,21 @@
 namespace kestrel {
 namespace {
 
-struct Closest {
-  double distance_m = std::numeric_limits<double>::infinity(), t_s = 0;
-};
+double NearestNow(const Truth& truth) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const TargetTruth& target : truth.targets)
+    nearest = std::min(nearest, (target.p_N - truth.X_NB.p).norm());
+  return nearest;
+}
 
-// Between two rows both move evenly.
+}  // namespace
+
+bool MeetsOthers(const std::vector<LogRow>& rows) {
+  const bool avoids =
+      std::any_of(rows.begin(), rows.end(), [](const LogRow& r) { return r.decision.phase == "cruise"; });
+  return avoids && !rows.front().now.targets.empty();
+}
+
 Closest ClosestOf(const std::vector<LogRow>& rows) {
   Closest closest;
   for (std::size_t k = 0; k < rows.size(); ++k) {
@@ -27,20 +37,14 @@ Closest ClosestOf(const std::vector<LogRow>& rows) {
       const double length2 = moved.squaredNorm();
       const double share = length2 > 0 ? std::clamp(-a.dot(moved) / length2, 0.0, 1.0) : 0;
       const double distance = (a + share * moved).norm();
-      if (distance < closest.distance_m) closest = {distance, from.t_s + share * (to.t_s - from.t_s)};
+      if (distance >= closest.distance_m) continue;
+      const Eigen::Vector3d target_N =
+          from.targets[i].p_N + share * (to.targets[i].p_N - from.targets[i].p_N);
+      closest = {distance, from.t_s + share * (to.t_s - from.t_s), i, target_N};
     }
   }
   return closest;
 }
-
-double NearestNow(const Truth& truth) {
-  double nearest = std::numeric_limits<double>::infinity();
-  for (const TargetTruth& target : truth.targets)
-    nearest = std::min(nearest, (target.p_N - truth.X_NB.p).norm());
-  return nearest;
-}
-
-}  // namespace
 
 std::vector<std::string> AvoidMetricNames() {
   return {"closest_m",          "closest_s",    "closest_share",    "manoeuvred", "manoeuvre_s",
@@ -48,9 +52,7 @@ std::vector<std::string> AvoidMetricNames() {
 }
 
 void AddAvoidMetrics(const std::vector<LogRow>& rows, std::map<std::string, double>& m) {
-  const bool avoids =
-      std::any_of(rows.begin(), rows.end(), [](const LogRow& r) { return r.decision.phase == "cruise"; });
-  if (!avoids || rows.front().now.targets.empty()) return;
+  if (!MeetsOthers(rows)) return;
   const Closest closest = ClosestOf(rows);
   m["closest_m"] = closest.distance_m, m["closest_s"] = closest.t_s;
   const Pose& begin = rows.front().now.X_NB;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Core>
+#include <limits>
 #include <map>
 #include <string>
 #include <vector>
@@ -8,6 +10,17 @@
 #include "scenarios/flight_log.h"
 
 namespace kestrel {
+
+// Whether the rows are of the mission "avoid", with targets to be met.
+bool MeetsOthers(const std::vector<LogRow>& rows);
+
+// The least distance between the centres of the aircraft and any target; between two rows both move evenly.
+struct Closest {
+  double distance_m = std::numeric_limits<double>::infinity(), t_s = 0;
+  std::size_t target = 0;
+  Eigen::Vector3d target_N = Eigen::Vector3d::Zero();  // where that was
+};
+Closest ClosestOf(const std::vector<LogRow>& rows);
 
 std::vector<std::string> AvoidMetricNames();
 

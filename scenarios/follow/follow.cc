@@ -11,6 +11,7 @@
 #include "control/sphere_target.h"
 #include "geometry/tait_bryan.h"
 #include "scenarios/caption.h"
+#include "scenarios/command_arrows.h"
 #include "sim/stopwatch.h"
 #include "vision/frozen_image.h"
 
@@ -60,6 +61,8 @@ class FollowMission final : public Mission {
   void Draw(cv::Mat& bgr) const override {
     watch_.Draw(bgr);
     DrawWanted(bgr);
+    DrawCommand(bgr, command_,
+                {{flight_.gains.speed_limit_m_s, 0, flight_.gains.climb_limit_m_s}, YawLimit()});
     Caption(bgr, 0, fmt::format("{}   balloon {}", phase_, watch_.status()));
     if (sight_)
       Caption(

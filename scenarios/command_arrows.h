@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <opencv2/core.hpp>
+
+#include "control/autopilot.h"
+
+namespace kestrel {
+
+// A commanded velocity ahead and down and the yaw rate as arrows along the lower edge of a video's frame; one
+// of full length is as much as full has there.
+void DrawCommand(cv::Mat& bgr, const VelocitySetpoint& command, const VelocitySetpoint& full);
+
+}  // namespace kestrel

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scenarios/follow/follow_plots.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "control/sphere_target.h"
+#include "geometry/tait_bryan.h"
+#include "scenarios/plot_parts.h"
+
+namespace kestrel {
+namespace {
+
+constexpr const char* kWantedStyle = "steps lw 2 lc rgb '#D55E00'";
+constexpr const char* kMissingColour = "#f3e3e3";
+
+// Of one row: u and diameter, px, and the commands, m/s and degrees per second.
+struct Line {
+  double t_s = 0;
+  double true_u = kNone, u = kNone, wanted_u = kNone;
+  double true_diameter = kNone, diameter = kNone, wanted_diameter = kNone;
+  double ahead = kNone, down = kNone, yaw_rate_deg_s = kNone;
+  bool followed = false;
+};
+
+// What is wanted stands while the balloon is lost, by the last word of the mission.
+std::vector<Line> LinesOf(const std::vector<LogRow>& rows) {
+  std::vector<Line> lines;
+  std::optional<BalloonSight> last;
+  for (const LogRow& row : rows) {
+    Line line;
+    line.t_s = row.now.t_s;
+    const auto& sight = row.decision.sight;
+    line.followed = sight.has_value();
+    if (sight) {
+      last = sight;
+      line.u = sight->focal_px * sight->now.s.x(), line.diameter = sight->focal_px * sight->now.diameter;
+    }
+    if (last) {
+      line.wanted_u = last->focal_px * last->wanted.s.x();
+      line.wanted_diameter = last->focal_px * last->wanted.diameter;
+    }
+    if (last && !row.now.targets.empty() && row.now.targets.front().p_V.z() > 0) {
+      const TargetTruth& balloon = row.now.targets.front();
+      const SphereImage image = SphereImageOf(balloon.p_V, balloon.diameter_m);
+      line.true_u = last->focal_px * image.s.x(), line.true_diameter = last->focal_px * image.diameter;
+    }
+    if (row.decision.setpoint) {
+      if (const auto* command = std::get_if<VelocitySetpoint>(&*row.decision.setpoint)) {
+        line.ahead = command->v_H.x(), line.down = command->v_H.z();
+        line.yaw_rate_deg_s = Degrees(command->yaw_rate);
+      }
+    }
+    lines.push_back(line);
+  }
+  return lines;
+}
+
+// About zero, so that both axes of the commands have theirs at the same height.
+std::string Symmetric(const Span& span, double least) {
+  const double half = 1.06 * std::max({std::abs(span.low), std::abs(span.high), least});
+  return fmt::format("[{:.6g}:{:.6g}]", -half, half);
+}
+
+}  // namespace
+
+bool FollowsBalloon(const std::vector<LogRow>& rows) {
+  return std::any_of(rows.begin(), rows.end(), [](const LogRow& row) { return row.decision.sight; });
+}
+
+std::string FollowPlot(const std::filesystem::path& file, const std::vector<LogRow>& rows,
+                       const std::string& title) {
+  const std::vector<Line> lines = LinesOf(rows);
+  Span u, diameter, speed, yaw_rate;
+  speed.Add(0), yaw_rate.Add(0);
+  std::string text = "$follow << END_OF_FOLLOW\n";
+  for (const Line& l : lines) {
+    text += fmt::format("{:.4f} {:.6g} {:.6g} {:.6g} {:.6g} {:.6g} {:.6g} {:.6g} {:.6g} {:.6g}\n", l.t_s,
+                        l.true_u, l.u, l.wanted_u, l.true_diameter, l.diameter, l.wanted_diameter, l.ahead,
+                        l.down, l.yaw_rate_deg_s);
+    u.Add(l.u), u.Add(l.wanted_u), diameter.Add(l.diameter), diameter.Add(l.wanted_diameter);
+    if (l.followed) u.Add(l.true_u), diameter.Add(l.true_diameter);  // once lost it may be anywhere
+    speed.Add(l.ahead), speed.Add(l.down), yaw_rate.Add(l.yaw_rate_deg_s);
+  }
+  text += "END_OF_FOLLOW\n" + BeginFigure(file, 1200, 1100) +
+          BeginPanels("layout 3,1 margins 0.09,0.92,0.07,0.90 spacing 0,0.035",
+                      "Following a balloon by its image: " + title) +
+          "set xrange " + TimeRange(rows) + '\n' +
+          Shades(rows, [](const LogRow& row) { return row.decision.sight ? "#ffffff" : kMissingColour; });
+
+  const auto image = [&](const char* name, const Span& span, double least, int column, bool keyed) {
+    text += PhaseLines(rows, keyed) + AxisName(name) + (keyed ? kKey : "unset key\n");
+    text += fmt::format("set yrange {}\nplot $follow using 1:{} with {} title 'mission', ",
+                        span.Range(least), column + 1, kSeenStyle);
+    text += fmt::format("'' using 1:{} with {} title 'truth', '' using 1:{} with {} title 'wanted'", column,
+                        kTruthStyle, column + 2, kWantedStyle);
+    if (keyed)
+      text += fmt::format(", keyentry with boxes fs solid noborder fc rgb '{}' title 'none followed'",
+                          kMissingColour);
+    text += '\n';
+  };
+  image("u, right of the middle (px)", u, 20, 2, true);
+  image("diameter (px)", diameter, 10, 5, false);
+
+  text += PhaseLines(rows, false) + AxisName("command (m/s)") +
+          "set label 'yaw rate (°/s)' at graph 1.055, 0.5 center rotate tc rgb '#0072B2'\n"
+          "set format x '%g'\nset xlabel 'time (s)'\nset border 11\nset ytics nomirror\nset y2tics\n"
+          "set xzeroaxis lc rgb '#888888'\nset key at graph 0.995, 0.97 right top horizontal noautotitle "
+          "samplen 2\n";
+  text += fmt::format(
+      "set yrange {}\nset y2range {}\n"
+      "plot $follow using 1:10 axes x1y2 with lines lw 1.2 lc rgb '#0072B2' title 'yaw rate', "
+      "'' using 1:8 with lines lw 1.6 lc rgb '#222222' title 'ahead', "
+      "'' using 1:9 with lines lw 1.6 lc rgb '#009E73' title 'down'\n",
+      Symmetric(speed, 0.1), Symmetric(yaw_rate, 5));
+  return text + EndFigure();
+}
+
+}  // namespace kestrel
