@@ -224,6 +224,21 @@ TEST(Metrics, TheNamesAreThoseThatAFlightCanHave) {
   for (const auto& [name, value] : Metrics(rows, Over(5, {0, 0, 0}))) {
     if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
   }
+  // After a balloon, with steps of where it is wanted, and past another.
+  std::vector<LogRow> targets(300);
+  for (std::size_t i = 0; i < targets.size(); ++i) {
+    LogRow& row = targets[i];
+    row.now.t_s = 0.1 * static_cast<double>(i);
+    row.now.X_NB.p = {row.now.t_s, 0, -4};
+    row.now.targets =
+        row.exposure.targets = {TargetTruth{0.5, {9, 3, -4}, Eigen::Vector3d::Zero(), {0, 0, 4}, true}};
+    row.decision.phase = "cruise";
+    row.decision.sight = BalloonSight{{}, {{i < 100 ? 0.0 : 0.1, 0}, i < 200 ? 0.1 : 0.2}, 400};
+    row.decision.encounter = Encounter{.wanted = 0.9};
+  }
+  for (const auto& [name, value] : Metrics(targets, std::nullopt)) {
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  }
   EXPECT_THAT(names, UnorderedElementsAreArray(MetricNames()));
 }
 

@@ -255,7 +255,7 @@ TEST(Telemetry, HasNoTimesOfTheProcessor) {
 TEST_F(RecorderTest, LeavesAWholeFolderAfterAWholeRun) {
   for (const char* old : {"summary.json", "video.mp4", "telemetry.csv.part"})
     std::ofstream(folder_ / old) << "old";
-  Recorder recorder(folder_, {true, 30, {"it's `land`, seed 1", {1.19, 0.91}}});
+  Recorder recorder(folder_, {true, 30, {"it's `land`, seed 1", Eigen::Vector2d(1.19, 0.91)}});
   EXPECT_THAT(Files(), ElementsAre("telemetry.csv.part"));
   ASSERT_TRUE(recorder.wants_images());
   for (int i = 0; i < 60; ++i) {
@@ -278,7 +278,7 @@ TEST_F(RecorderTest, LeavesAWholeFolderAfterAWholeRun) {
 }
 
 TEST_F(RecorderTest, ARunWithoutFixOrMotionIsDrawnToo) {
-  Recorder recorder(folder_, {false, 30, {}});
+  Recorder recorder(folder_, {false, 30, {"", Eigen::Vector2d(1.19, 0.91)}});
   EXPECT_FALSE(recorder.wants_images());
   LogRow row;
   recorder.Write(row);
