@@ -93,8 +93,8 @@ std::string FollowPlot(const std::filesystem::path& file, const std::vector<LogR
 
   const auto image = [&](const char* name, const Span& span, double least, int column, bool keyed) {
     text += PhaseLines(rows, keyed) + AxisName(name) + (keyed ? kKey : "unset key\n");
-    text += fmt::format("set yrange {}\nplot $follow using 1:{} with {} title 'mission', ",
-                        span.Range(least), column + 1, kSeenStyle);
+    text += fmt::format("set yrange {}\nplot $follow using 1:{} with {} title 'mission', ", span.Range(least),
+                        column + 1, kSeenStyle);
     text += fmt::format("'' using 1:{} with {} title 'truth', '' using 1:{} with {} title 'wanted'", column,
                         kTruthStyle, column + 2, kWantedStyle);
     if (keyed)
