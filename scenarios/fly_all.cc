@@ -2,6 +2,7 @@
 #include "scenarios/fly_all.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <limits>
 #include <stdexcept>
@@ -9,6 +10,21 @@
 #include "scenarios/in_parallel.h"
 
 namespace kestrel {
+namespace {
+
+void SayWhatWasMissed(const Summary& flight) {
+  std::string lines;
+  for (const Criterion& c : flight.criteria) {
+    if (!c.passed)
+      lines += fmt::format("{}, seed {}: {} {:.4g}, {} {:.4g}\n", flight.scenario, flight.seed, c.name,
+                           c.value, c.at_least ? "at least" : "at most", c.limit);
+  }
+  if (lines.empty()) return;
+  if (isatty(STDERR_FILENO)) lines.insert(0, "\r\033[K");  // over the line of progress
+  fmt::print(stderr, "{}", lines);
+}
+
+}  // namespace
 
 std::vector<FlownScenario> FlyAll(const std::string& scenario, const std::vector<std::string>& overrides,
                                   SeedRange seeds, int jobs, const std::string& title) {
@@ -23,6 +39,7 @@ std::vector<FlownScenario> FlyAll(const std::string& scenario, const std::vector
     if (!result.summary.complete)
       throw std::runtime_error(
           fmt::format("{}, seed {}: {}", scenario, flights[i].loaded.scenario.seed, result.summary.error));
+    SayWhatWasMissed(result.summary);
     flights[i].summary = std::move(result.summary);
     flights[i].rows = std::move(result.rows);
   });

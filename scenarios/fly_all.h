@@ -23,8 +23,8 @@ struct FlownScenario {
 };
 
 // Flies a scenario once for each seed, several at a time; results in the order of the seeds, whatever the
-// order of their ends. title: of the progress on a terminal. Throws std::runtime_error if a flight breaks
-// off.
+// order of their ends. title: of the progress on a terminal; a criterion that is missed is told on standard
+// error at once. Throws std::runtime_error if a flight breaks off.
 std::vector<FlownScenario> FlyAll(const std::string& scenario, const std::vector<std::string>& overrides,
                                   SeedRange seeds, int jobs, const std::string& title);
 
