@@ -8,7 +8,9 @@
 namespace kestrel {
 namespace {
 constexpr double kFirstSpeed_m_s = 2;  // deviation of the velocity before anything is known of it
-}
+constexpr double kOdd = 6;             // deviations off where it should be: something else was measured
+constexpr double kOdd_s = 0.3;         // what is odd for longer is believed, and what was before is not
+}  // namespace
 
 MovingTarget::MovingTarget(const Pose& X_BC, const MovingTargetOptions& options)
     : X_BC_(X_BC), options_(options) {}
@@ -30,13 +32,24 @@ bool MovingTarget::Correct(double t_s, const Eigen::Vector3d& p_CT, const Eigen:
   const double tilt = Radians(options_.tilt_sigma_deg);
   const Eigen::Matrix3d lever = Skew(p_NT - X_NC.p);
   const Eigen::Matrix3d P = R * covariance * R.transpose() + tilt * tilt * lever * lever.transpose();
-  if (!filter_) {
+  if (filter_) {
+    ConstantVelocityFilter predicted = *filter_;
+    predicted.Predict(t_s - filter_t_s_);
+    const Eigen::Vector3d off = p_NT - predicted.position();
+    const Eigen::Matrix3d S = predicted.covariance().topLeftCorner<3, 3>() + P;
+    if (off.dot(S.ldlt().solve(off)) > kOdd * kOdd) {
+      if (!odd_since_s_) odd_since_s_ = t_s;
+      if (t_s - *odd_since_s_ < kOdd_s) return false;
+      filter_.reset();
+    } else {
+      predicted.Correct(p_NT, P);
+      filter_ = predicted;
+    }
+  }
+  if (!filter_)
     filter_.emplace(p_NT, std::sqrt(P.trace()), Eigen::Vector3d::Zero(), kFirstSpeed_m_s,
                     options_.acceleration_m_s2);
-  } else {
-    filter_->Predict(t_s - filter_t_s_);
-    filter_->Correct(p_NT, P);
-  }
+  odd_since_s_.reset();
   filter_t_s_ = t_s;
   return true;
 }

@@ -41,11 +41,11 @@ class MovingTarget {
   void Hear(const VehicleState& state);  // every state of the autopilot, before the frames exposed before it
 
   // A place in C at an exposure, m, with its covariance. False: no state of the autopilot for that time, or
-  // it is older than the last.
+  // it is older than the last, or it is far off where the target should be: that is believed once it lasts.
   bool Correct(double t_s, const Eigen::Vector3d& p_CT, const Eigen::Matrix3d& covariance);
 
   std::optional<Estimate> At(double t_s) const;  // none: never measured, or forgotten
-  void Forget() { filter_.reset(); }
+  void Forget() { filter_.reset(), odd_since_s_.reset(); }
 
  private:
   Pose X_BC_;
@@ -55,6 +55,7 @@ class MovingTarget {
   Eigen::Vector3d summed_N_ = Eigen::Vector3d::Zero();
   std::optional<ConstantVelocityFilter> filter_;
   double filter_t_s_ = 0;
+  std::optional<double> odd_since_s_;
 };
 
 // A place as a level camera that looks straight ahead from there would have it (right, down, ahead), of an

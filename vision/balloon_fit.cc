@@ -26,6 +26,7 @@ constexpr double kSharp_px = 1.5;                            // half of the widt
 constexpr double kApart_px = 1.5;                            // edge points err independently
 constexpr double kLeastAgreement = 0.6;                      // of the edge points found
 constexpr double kMostUneven_px = 0.6, kMostUneven = 0.015;  // of the outline; by its radius
+constexpr double kUneven_px = 0.15;  // what the edge points of one side may err otherwise than the others'
 constexpr double kBlurUneven = 0.1, kBlurSigma = 0.08, kBlurBias = 0.01;  // by an edge's width
 // The middle of a disc's blurred edge lies variance / (2 radius) inside of it; the variance of a pixel along
 // an axis, 1/12, and of the interpolation between pixels, 1/6 on average, px^2.
@@ -352,6 +353,23 @@ Adjusted Adjust(const std::vector<EdgePoint>& points, OutlineCone cone, double s
   return a;
 }
 
+// Of errors that points near each other share, as where shading or background changes on the way round: twice
+// round, cos and sin of 2 phi. A whole outline averages them out; of half a one they make another ball.
+Eigen::Matrix3d UnevenCovariance(const std::vector<EdgePoint>& points, const Adjusted& a, double uneven_px) {
+  Eigen::Matrix<double, 3, 2> g = Eigen::Matrix<double, 3, 2>::Zero();
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!a.agrees[i]) continue;
+    const Vector2d side = (a.E.transpose() * points[i].ray).normalized();
+    const Vector3d J = Vector3d(-side.x(), -side.y(), -1) / points[i].rad_per_px;
+    normal += J * J.transpose();
+    g += uneven_px * J *
+         Eigen::RowVector2d(side.x() * side.x() - side.y() * side.y(), 2 * side.x() * side.y());
+  }
+  const Eigen::Matrix<double, 3, 2> off = normal.ldlt().solve(g);
+  return off * off.transpose() / 2;
+}
+
 std::optional<double> RadPerPx(const CameraModel& camera, const Vector3d& axis) {
   Eigen::Matrix<double, 3, 2> d_pixel;
   const auto pixel = Project(camera, axis);
@@ -409,6 +427,8 @@ BalloonFit Settle(const cv::Mat& image, const CameraModel& camera, const ColourM
   const double crowd = std::max(1.0, kApart_px * edges.lines / (2 * M_PI * found_px));
   Eigen::Matrix3d covariance = sigma * sigma * crowd * a.normal.inverse();
   covariance(2, 2) += std::pow(std::hypot(options.bias_px, kBlurBias * edges.width_px) * *rad_per_px, 2);
+  covariance += UnevenCovariance(
+      edges.points, a, std::max({kUneven_px, 2 * fit.residual_px, kBlurUneven / 2 * edges.width_px}));
   Eigen::Matrix<double, 4, 3> T = Eigen::Matrix<double, 4, 3>::Zero();
   T.topLeftCorner<3, 2>() = a.E;
   T(3, 2) = 1;

@@ -135,12 +135,20 @@ class AvoidMission final : public Mission {
   void Judge(const VehicleState& state, const Eigen::Vector2d& wanted_v) {
     AvoidanceOptions o = flight_.avoidance;
     double distance_m = (avoiding_ ? o.clear_share : 1) * o.safe_m;
+    double range_m = std::numeric_limits<double>::infinity();
+    for (const Intruder& i : intruders_) range_m = std::min(range_m, i.p.norm());
     if (avoiding_) {
-      for (const Intruder& i : intruders_) nearest_m_ = std::min(nearest_m_, i.p.norm());
+      nearest_m_ = std::min(nearest_m_, range_m);
       o.horizon_s *= 2;
     }
-    if (phase_ == "cruise") nearest_m_ = std::numeric_limits<double>::infinity();
-    if (std::isfinite(nearest_m_)) distance_m = std::max(distance_m, flight_.keep_share * nearest_m_);
+    if (phase_ == "cruise") {
+      nearest_m_ = std::numeric_limits<double>::infinity();
+      keep_m_ = std::isfinite(range_m)
+                    ? flight_.keep_share * range_m * std::sin(Radians(std::min(90.0, o.hold.bearing_deg)))
+                    : 0;
+    } else {
+      distance_m = std::max(distance_m, std::min(keep_m_, nearest_m_));
+    }
     const bool otherwise = Threatened(intruders_, wanted_v, distance_m, o) != avoiding_;
     if (!otherwise || !flight_.avoids)
       since_s_.reset();
@@ -164,7 +172,8 @@ class AvoidMission final : public Mission {
     double yaw_rate = kYawGain_per_s * WrapAngle(course_ + back - yaw);
     phase_ = std::abs(along.y()) > kOnCourse_m ? "return" : "cruise";
     encounter_.reset();
-    const AvoidanceOptions& o = flight_.avoidance;
+    AvoidanceOptions o = flight_.avoidance;
+    o.clear_share = std::max(o.clear_share, keep_m_ / o.safe_m);
     const Eigen::Vector2d flown_v = v.norm() > speed / 2 ? v : wanted_v;  // not yet at speed: as it will be
     if (const auto plan = PlanManoeuvre(intruders_, flown_v, yaw, side_, o)) {
       held_ = ids_[plan->intruder].watch, held_age_s_ = ids_[plan->intruder].age_s;
@@ -208,6 +217,7 @@ class AvoidMission final : public Mission {
   double held_age_s_ = 0;
   bool avoiding_ = false;
   double nearest_m_ = std::numeric_limits<double>::infinity();  // any has come in this manoeuvre
+  double keep_m_ = 0;                                           // from all, by where the manoeuvre began
   std::optional<double> since_s_;  // it has been time to change between avoiding and not
   std::optional<PassingSide> side_;
   std::string_view phase_ = "cruise";

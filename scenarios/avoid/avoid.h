@@ -27,7 +27,9 @@ struct AvoidFlight {
   bool avoids = true;       // false: it flies on whatever it sees
   double memory_s = 8;      // who has not been seen for longer is forgotten
   double confirm_s = 0.25;  // a threat must last for so long before anything is done
-  double keep_share = 0;    // of the least distance of a manoeuvre: the way back keeps as far as that
+  // Of the distance that the least bearing allows from where a manoeuvre begins: kept on the way past and
+  // back. 0: safe_m alone counts.
+  double keep_share = 0;
   double cross_track_gain_per_s = 0.5;
   std::vector<BalloonWatchParameters> marks{BalloonWatchParameters{}};
   std::optional<ContrastWatchParameters> contrast;  // none: marks alone are looked for

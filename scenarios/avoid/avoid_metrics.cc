@@ -11,6 +11,8 @@
 namespace kestrel {
 namespace {
 
+const double kThesisBearing = Radians(50);  // 6.4.3
+
 double NearestNow(const Truth& truth) {
   double nearest = std::numeric_limits<double>::infinity();
   for (const TargetTruth& target : truth.targets)
@@ -64,8 +66,7 @@ void AddAvoidMetrics(const std::vector<LogRow>& rows, std::map<std::string, doub
   m["manoeuvred"] = manoeuvre != rows.end();
   if (manoeuvre != rows.end()) {
     m["manoeuvre_s"] = manoeuvre->now.t_s;
-    const double bearing = std::min(std::abs(*manoeuvre->decision.encounter->wanted), Radians(90));
-    m["closest_share"] = closest.distance_m / (NearestNow(manoeuvre->now) * std::sin(bearing));
+    m["closest_share"] = closest.distance_m / (NearestNow(manoeuvre->now) * std::sin(kThesisBearing));
   }
   double length = 0, height = 0;
   for (std::size_t k = 0; k < rows.size(); ++k) {

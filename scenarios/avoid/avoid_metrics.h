@@ -27,8 +27,9 @@ std::vector<std::string> AvoidMetricNames();
 // How others were met, by the truth; centres of both. Only of flights of the mission "avoid" with targets.
 //   closest_m            least distance to any target
 //   closest_s            when
-//   closest_share        of what the first bearing at which one was held allows: the distance at that moment
-//                        times the sine of the bearing, for a thing that stands still
+//   closest_share        of what the thesis's bearing allows past a thing that stands still: the distance
+//   when one
+//                        was first held at a bearing, times the sine of 50 degrees
 //   manoeuvred           1: a bearing was held at all
 //   manoeuvre_s          when first
 //   manoeuvre_height_m   farthest from the height at the beginning

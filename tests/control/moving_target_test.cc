@@ -136,6 +136,31 @@ TEST(MovingTarget, WhatComesAfterANewerMeasurementIsRefused) {
   EXPECT_EQ(after->age_s, before->age_s);
 }
 
+TEST(MovingTarget, WhatIsSeenFarFromWhereItShouldBeIsBelievedOnceItLasts) {
+  MovingTarget target = Watched();
+  const auto far = [](double t_s) { return Vector3d(Seen(t_s) + Vector3d(0, 0, 20)); };
+  for (double t_s = kEnd_s; t_s < kEnd_s + 0.29; t_s += kFrame_s) {
+    target.Hear(Aircraft(t_s));
+    EXPECT_FALSE(target.Correct(t_s, far(t_s), kCovariance)) << t_s;
+    EXPECT_LT((target.At(t_s)->p_N - TargetAt(t_s)).norm(), 0.01) << t_s;
+  }
+  const double lasting_s = kEnd_s + 0.31;
+  target.Hear(Aircraft(lasting_s));
+  EXPECT_TRUE(target.Correct(lasting_s, far(lasting_s), kCovariance));
+  EXPECT_NEAR((target.At(lasting_s)->p_N - TargetAt(lasting_s)).norm(), 20, 0.01);
+  EXPECT_EQ(target.At(lasting_s)->v_N, Vector3d::Zero());
+}
+
+TEST(MovingTarget, AMistakeInBetweenIsForgottenByTheNextGoodMeasurement) {
+  MovingTarget target = Watched();
+  for (int i = 0; i < 20; ++i) {
+    const double t_s = kEnd_s + i * kFrame_s;
+    target.Hear(Aircraft(t_s));
+    const bool odd = i % 4 != 3;
+    EXPECT_EQ(target.Correct(t_s, Seen(t_s) + Vector3d(0, 0, odd ? -4 : 0), kCovariance), !odd) << i;
+  }
+}
+
 TEST(MovingTarget, ForgottenItIsUnknownAndBeginsAnewAtRest) {
   MovingTarget target = Watched();
   target.Forget();

@@ -172,6 +172,30 @@ TEST(BalloonFitTest, HalfOutOfTheImageItsCentreIsStillKnown) {
   EXPECT_LT(std::abs(e.half_angle_px), 0.5);
 }
 
+// Its background goes from bright to dark in pieces of the ball's size, as houses with their windows do.
+TEST(BalloonFitTest, CutByTheEdgeOfTheImageItsSizeIsAsDoubtfulAsItsErrorsAre) {
+  double squares = 0;
+  int looks = 0;
+  for (int i = 0; i < 60; ++i) {
+    PaintedBalls world;
+    cv::RNG rng(static_cast<std::uint64_t>(i) + 70);
+    const double z = 6, left_px = rng.uniform(-0.3, 0.6);  // of its radius: where its middle is
+    const double radius_px = 250 * world.balls[0].radius / z;
+    world.balls[0].p_CT = {z * (left_px * radius_px - 160) / 250, z * rng.uniform(-0.3, 0.3), z};
+    world.behind = [](const Eigen::Vector3d& r) -> std::optional<Eigen::Vector3d> {
+      const bool window = LatticeNoise(40 * r.x(), 40 * r.y(), 5) > 0.1;
+      return window ? Eigen::Vector3d(70, 60, 60) : Eigen::Vector3d(150, 160, 165);
+    };
+    const Errors e = Look(kPinhole, world, 250, i);
+    if (e.state != FitState::kFitted) continue;
+    ++looks;
+    squares += std::pow(e.half_angle_px / (250 * e.seen.fit->half_angle_sigma), 2);
+  }
+  EXPECT_GT(looks, 30);
+  EXPECT_GT(squares / looks, 0.1);
+  EXPECT_LT(squares / looks, 1.6);
+}
+
 TEST(BalloonFitTest, TrackedInFrontOfAWallOfItsColourItKeepsTheBallWhereCamShiftTakesTheWall) {
   BalloonTracker tracker(kRed, kPinhole, {});
   ColourTracker alone(kRed, {});
