@@ -54,6 +54,14 @@ bool MovingTarget::Correct(double t_s, const Eigen::Vector3d& p_CT, const Eigen:
   return true;
 }
 
+std::optional<Eigen::Vector3d> MovingTarget::InCamera(double t_s, double most_age_s) const {
+  if (!filter_ || t_s < filter_t_s_ || t_s - filter_t_s_ > most_age_s) return std::nullopt;
+  const auto state = history_.At(t_s);
+  if (!state) return std::nullopt;
+  const Pose X_NC = Pose{state->R_NB, state->p_NB} * X_BC_;
+  return X_NC.Inverse() * Eigen::Vector3d(filter_->position() + (t_s - filter_t_s_) * filter_->velocity());
+}
+
 std::optional<MovingTarget::Estimate> MovingTarget::At(double t_s) const {
   if (!filter_) return std::nullopt;
   const double age_s = t_s - filter_t_s_;

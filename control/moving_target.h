@@ -44,6 +44,10 @@ class MovingTarget {
   // it is older than the last, or it is far off where the target should be: that is believed once it lasts.
   bool Correct(double t_s, const Eigen::Vector3d& p_CT, const Eigen::Matrix3d& covariance);
 
+  // Where it should be in C at an exposure. None: the last measurement is older than this, or no state of the
+  // autopilot for that time.
+  std::optional<Eigen::Vector3d> InCamera(double t_s, double most_age_s) const;
+
   std::optional<Estimate> At(double t_s) const;  // none: never measured, or forgotten
   void Forget() { filter_.reset(), odd_since_s_.reset(); }
 

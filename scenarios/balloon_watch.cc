@@ -9,6 +9,7 @@
 namespace kestrel {
 namespace {
 
+constexpr double kSure_s = 0.5;  // after so long it may be elsewhere than where it went
 constexpr double kForget_s = 3;  // what was seen so long ago says nothing of how it moves now
 
 }  // namespace
@@ -23,7 +24,12 @@ BalloonWatch::BalloonWatch(const CameraModel& camera, const Pose& X_BC,
 void BalloonWatch::See(const Frame& frame, const VehicleState& state, bool frozen) {
   target_.Hear(state);
   seen_.reset();
-  if (!frozen) seen_ = tracker_.Track(frame.image);
+  if (!frozen) {
+    std::optional<OutlineCone> expected;
+    if (const auto p_CT = target_.InCamera(frame.t_s, kSure_s))
+      expected = ConeOfSphere(*p_CT, parameters_.diameter_m / 2);
+    seen_ = tracker_.Track(frame.image, expected);
+  }
   if (Measured()) {
     const OutlineCone& cone = *seen_->cone;
     const double radius = parameters_.diameter_m / 2;

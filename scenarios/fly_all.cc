@@ -12,12 +12,12 @@
 namespace kestrel {
 namespace {
 
-void SayWhatWasMissed(const Summary& flight) {
+void SayWhatWasMissed(const Summary& flight, const std::string& title) {
   std::string lines;
   for (const Criterion& c : flight.criteria) {
     if (!c.passed)
-      lines += fmt::format("{}, seed {}: {} {:.4g}, {} {:.4g}\n", flight.scenario, flight.seed, c.name,
-                           c.value, c.at_least ? "at least" : "at most", c.limit);
+      lines += fmt::format("{}, seed {}: {} {:.4g}, {} {:.4g}\n", title, flight.seed, c.name, c.value,
+                           c.at_least ? "at least" : "at most", c.limit);
   }
   if (lines.empty()) return;
   if (isatty(STDERR_FILENO)) lines.insert(0, "\r\033[K");  // over the line of progress
@@ -39,7 +39,7 @@ std::vector<FlownScenario> FlyAll(const std::string& scenario, const std::vector
     if (!result.summary.complete)
       throw std::runtime_error(
           fmt::format("{}, seed {}: {}", scenario, flights[i].loaded.scenario.seed, result.summary.error));
-    SayWhatWasMissed(result.summary);
+    SayWhatWasMissed(result.summary, title);
     flights[i].summary = std::move(result.summary);
     flights[i].rows = std::move(result.rows);
   });

@@ -27,13 +27,15 @@ void BalloonTracker::Begin(const cv::Rect2d& box) {
     last_ = OutlineCone{*axis, (box.width + box.height) / 4 * d_pixel.norm() / std::sqrt(2.0)};
 }
 
-BalloonObservation BalloonTracker::Track(const cv::Mat& bgr) {
+BalloonObservation BalloonTracker::Track(const cv::Mat& bgr, std::optional<OutlineCone> expected) {
   BalloonObservation seen;
   seen.track = colour_.Track(bgr);
-  std::optional<OutlineCone> expected = last_;
-  if (last_ && before_) {  // it moves on as it did
-    expected->axis = (2 * last_->axis - before_->axis).normalized();
-    expected->half_angle = last_->half_angle * last_->half_angle / before_->half_angle;
+  if (!expected && last_) {
+    expected = last_;
+    if (before_) {
+      expected->axis = (2 * last_->axis - before_->axis).normalized();
+      expected->half_angle = last_->half_angle * last_->half_angle / before_->half_angle;
+    }
   }
   before_ = last_;
   last_.reset();

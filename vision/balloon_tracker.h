@@ -42,7 +42,9 @@ class BalloonTracker {
 
   // Points at the balloon in the next image; without it, it is found by its colour. Box: as in OutlineBox().
   void Begin(const cv::Rect2d& box);
-  BalloonObservation Track(const cv::Mat& bgr);  // CV_8UC3 of the camera's size
+  // CV_8UC3 of the camera's size. expected: where it must be by whoever knows how the camera has turned and
+  // moved; without it, it is looked for where it would be had its image moved on as it did.
+  BalloonObservation Track(const cv::Mat& bgr, std::optional<OutlineCone> expected = {});
 
   const ColourTracker& colour() const { return colour_; }
 

@@ -32,13 +32,13 @@ class GyroFailureMission final : public Mission {
     const auto seen = watch_.Now();
     const std::string_view fault = FaultOf(state, seen);
     if (!fault.empty()) fault_ = fault;
-    if (by_own_ && !fault.empty()) by_own_ = false, agreed_since_s_.reset();
+    if (by_own_ && !fault.empty()) by_own_ = false, trial_.reset();
     if (by_own_) {
       decision.phase = "by own attitude";
       if (seen) LearnWhatIsUsual(state, *seen);
     } else {
       FlyBySight(state, seen, decision);
-      MayReturn(state, fault);
+      MayReturn(state, seen, fault);
     }
     last_inertial_ = state.R_NB_inertial;
     last_s_ = state.t_s;
@@ -98,13 +98,17 @@ class GyroFailureMission final : public Mission {
     decision.aid = AttitudeAid{Sighted(*seen), std::sqrt(seen->P.topLeftCorner<3, 3>().trace() / 3)};
   }
 
-  void MayReturn(const VehicleState& state, std::string_view fault) {
-    if (!fault.empty() || apart_ > Radians(flight_.agree_deg)) {
-      agreed_since_s_.reset();
+  // It may come back with another level than it had: its sensors have drifted on meanwhile. What counts is
+  // that it is not far off and keeps its distance; that is what is usual from then on.
+  void MayReturn(const VehicleState& state, const std::optional<Estimate>& seen, std::string_view fault) {
+    if (!fault.empty() || apart_ > Radians(flight_.disagree_deg)) {
+      trial_.reset();
       return;
     }
-    if (!agreed_since_s_) agreed_since_s_ = state.t_s;
-    if (state.t_s - *agreed_since_s_ > flight_.agree_s) by_own_ = true;
+    const Eigen::Vector3d apart_B = LogRotation(Sighted(*seen).conjugate() * *state.R_NB_inertial);
+    if (!trial_ || (apart_B - trial_->apart_B).norm() > Radians(flight_.agree_deg))
+      trial_ = Trial{state.t_s, apart_B};
+    if (state.t_s - trial_->since_s > flight_.agree_s) by_own_ = true, usual_.reset();
   }
 
   GyroFailureFlight flight_;
@@ -121,7 +125,11 @@ class GyroFailureMission final : public Mission {
   double apart_ = 0;  // rad, between both attitudes beyond the usual; infinite: they cannot be compared
   bool by_own_ = true;
   std::string_view fault_;  // the last that was found
-  std::optional<double> agreed_since_s_;
+  struct Trial {
+    double since_s;
+    Eigen::Vector3d apart_B;  // both attitudes then, as a rotation vector
+  };
+  std::optional<Trial> trial_;
 };
 
 }  // namespace

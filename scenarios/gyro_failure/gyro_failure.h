@@ -18,8 +18,8 @@ struct GyroFailureFlight {
   static constexpr const char* kName = "gyro_failure";
   static constexpr bool kPadless = true;
   double disagree_deg = 3;  // between both attitudes, beyond what is usual: the own one is wrong
-  double agree_deg = 2;     // it is right again
-  double agree_s = 3;       // if it stays so for this long
+  double agree_deg = 2;     // it is right again if it keeps its distance to the camera's to this,
+  double agree_s = 3;       // for so long
   double coast_s = 5;       // without a skyline for which the gyros alone may carry the camera's attitude on
 };
 

@@ -83,6 +83,16 @@ TEST(MovingTarget, AnEvenMotionIsFoundWhileTheAircraftTurnsTiltsAndFlies) {
   EXPECT_LT((estimate->v_N - kTarget_v).norm(), 0.01);
 }
 
+TEST(MovingTarget, TheCameraWillSeeItWhereItWillBe) {
+  MovingTarget target = Watched();
+  for (double t_s = kEnd_s + kState_s; t_s < kEnd_s + 0.3; t_s += kState_s) target.Hear(Aircraft(t_s));
+  const auto p_CT = target.InCamera(kEnd_s + 0.2, 0.5);
+  ASSERT_TRUE(p_CT);
+  EXPECT_LT((*p_CT - Seen(kEnd_s + 0.2)).norm(), 0.005);
+  EXPECT_FALSE(target.InCamera(kEnd_s + 0.2, 0.1));  // measured too long ago
+  EXPECT_FALSE(target.InCamera(kEnd_s + 1, 2));      // nothing known of the aircraft then
+}
+
 TEST(MovingTarget, ItIsWhereItWillBeHadItGoneOn) {
   const auto now = Watched().At(kEnd_s), later = Watched().At(kEnd_s + 0.5);
   EXPECT_NEAR(later->age_s, 0.54, 1e-9);
