@@ -19,8 +19,8 @@ struct HoldBearingGains {
 
 template <class Visitor>
 void Fields(Visitor& v, HoldBearingGains& g) {
-  v("lambda_per_s", g.lambda_per_s, 0.0, 5.0);
-  v("bearing_deg", g.bearing_deg, 0.0, 180.0);
+  v("lambda_per_s", g.lambda_per_s, 0.1, 5.0);
+  v("bearing_deg", g.bearing_deg, 10.0, 180.0);
   v("yaw_rate_limit_deg_s", g.yaw_rate_limit_deg_s, 1.0, 180.0);
 }
 

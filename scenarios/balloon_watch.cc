@@ -44,6 +44,11 @@ void BalloonWatch::See(const Frame& frame, const VehicleState& state, bool froze
   age_s_ = estimate_ ? estimate_->age_s : state.t_s;
 }
 
+bool BalloonWatch::Sees() const {
+  return seen_ && seen_->track.state != TrackState::kMatchesTooMuch &&
+         seen_->track.state != TrackState::kBadImage;
+}
+
 std::string_view BalloonWatch::status() const {
   if (!seen_) return "frozen";
   if (!seen_->cone && seen_->track.state == TrackState::kTracked) return "not round";

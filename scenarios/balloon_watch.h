@@ -48,6 +48,8 @@ class BalloonWatch {
   double age_s() const {
     return age_s_;
   }  // since the exposure that it was last measured in, or the beginning
+  // Whether the last image could show it: not frozen, damaged, or all of its colour.
+  bool Sees() const;
   TrackState state() const { return seen_ ? seen_->track.state : TrackState::kLost; }
   std::string_view status() const;  // of the last image, for the log
 

@@ -2,7 +2,6 @@
 #include "scenarios/encounters_command.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -204,11 +203,13 @@ std::vector<Figure> TableOf(const std::vector<Outcome>& outcomes, double radius_
     add(fmt::format("{}: nearer than R without avoidance", kind), counts[1], "");
     add(fmt::format("{}: nearer than R with it", kind), counts[2], "");
   }
-  if (!with.empty()) {
+  if (!with.empty() && kinds["all"][1] > 0) {
     const RiskRatio risk = RiskRatioOf(kinds["all"][2], kinds["all"][1]);
     add("risk ratio", risk.ratio, "", 0.05);
     add("risk ratio, lower end of its 95 % interval", risk.low, "");
     add("risk ratio, upper end of its 95 % interval", risk.high, "");
+  }
+  if (!with.empty()) {
     for (const auto& [q, name] :
          {std::pair(0.01, "1st percentile"), {0.05, "5th percentile"}, {0.5, "median"}}) {
       add(fmt::format("closest distance without avoidance, {}", name), Quantile(without, q), "m");
@@ -245,8 +246,8 @@ LoadedScenario Load(const EncountersArguments& a, std::string& settings) {
   }
   CheckWritableFolder(a.out, "--out", mistakes);
   CheckWritableFile(a.json, "--json", mistakes);
-  settings = fmt::format("{}\nscenario {}\nseed {}\nset {}\n", Version(), a.scenario, a.seed,
-                         fmt::join(a.overrides, " "));
+  // All that the flights depend on, and not the file's name, whose content may change.
+  settings = fmt::format("# {}\n{}", Version(), ToYaml(base.scenario));
   const fs::path file = fs::path(a.out) / "settings.txt";
   if (std::ifstream in(file); in) {
     const std::string before{std::istreambuf_iterator<char>(in), {}};
@@ -345,8 +346,12 @@ bool EncountersCommand(const EncountersArguments& a) {
   const std::vector<Figure> table = TableOf(asked, radius_m);
   PrintFigures(table);
   if (!a.json.empty()) WriteFigures(a.json, table);
-  if (!with.empty()) Draw(folder / "encounters.png", without, with, radius_m);
-  fmt::print("Each encounter and the picture: {}\n", folder.string());
+  if (!with.empty()) {
+    if (std::none_of(without.begin(), without.end(), [&](double m) { return m < radius_m; }))
+      fmt::print("None came nearer than R without avoidance: there is no risk ratio.\n");
+    Draw(folder / "encounters.png", without, with, radius_m);
+  }
+  fmt::print("Each encounter{}: {}\n", with.empty() ? "" : " and the picture", folder.string());
   return AllMet(table);
 }
 

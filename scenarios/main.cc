@@ -72,6 +72,9 @@ void Report(const Summary& s, const std::string& folder) {
     fmt::print("  {:<4} {:<26} {:>11}   {} {:g}\n", c.passed ? "ok" : "NOT", c.name, value,
                c.at_least ? "at least" : "at most", c.limit);
   }
+  if (s.complete && !s.passed &&
+      std::all_of(s.criteria.begin(), s.criteria.end(), [](const Criterion& c) { return c.passed; }))
+    fmt::print("  NOT  accomplished: the flight ended before what it is for was done\n");
   fmt::print("  {:.1f} s flown in {:.1f} s, {:.1f} x real time, drawn by {}\n", s.sim_s, s.wall_s,
              s.sim_s / std::max(s.wall_s, 1e-9), s.renderer);
   fmt::print("  {}\n", folder);

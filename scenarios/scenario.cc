@@ -139,14 +139,28 @@ void CheckLandscape(const Scenario& s, const Config& config, const std::string& 
   }
 }
 
-// No more of the aircraft than its autopilot gives.
-void CheckAvoid(const AvoidFlight& flight, const AutopilotParameters& autopilot, const std::string& where,
-                Mistakes& mistakes) {
-  const auto most = [&](const std::string& key, double value, double limit, const std::string& limit_key) {
+struct NoMoreThan {
+  const std::string& where;
+  Mistakes& mistakes;
+  void operator()(const std::string& key, double value, double limit, const std::string& limit_key) const {
     if (value > limit)
       mistakes.Add(where, key,
                    fmt::format("{:g}, and {} is {:g}; valid: no more than that", value, limit_key, limit));
-  };
+  }
+};
+
+void CheckColour(const ColourRange& colour, const std::string& key, const std::string& where,
+                 Mistakes& mistakes) {
+  if (colour.least_value >= colour.most_value)
+    mistakes.Add(where, key + ".least_value",
+                 fmt::format("{:g} is not below most_value = {:g}: no pixel can match", colour.least_value,
+                             colour.most_value));
+}
+
+// No more of the aircraft than its autopilot gives.
+void CheckAvoid(const AvoidFlight& flight, const AutopilotParameters& autopilot, const std::string& where,
+                Mistakes& mistakes) {
+  const NoMoreThan most{where, mistakes};
   most("flight.speed_m_s", flight.speed_m_s, autopilot.speed_limit_m_s, "autopilot.speed_limit_m_s");
   most("flight.avoidance.hold.yaw_rate_limit_deg_s", flight.avoidance.hold.yaw_rate_limit_deg_s,
        autopilot.yaw_rate_limit_deg_s, "autopilot.yaw_rate_limit_deg_s");
@@ -156,6 +170,50 @@ void CheckAvoid(const AvoidFlight& flight, const AutopilotParameters& autopilot,
        flight.avoidance.most_bearing_deg, "flight.avoidance.most_bearing_deg");
   if (flight.marks.empty() && !flight.contrast)
     mistakes.Add(where, "flight.marks", "is empty; valid: at least one, or a flight.contrast");
+  for (std::size_t i = 0; i < flight.marks.size(); ++i) {
+    const ColourRange& a = flight.marks[i].colour;
+    CheckColour(a, fmt::format("flight.marks.{}.colour", i), where, mistakes);
+    for (std::size_t j = 0; j < i; ++j) {
+      const ColourRange& b = flight.marks[j].colour;
+      const double apart_deg = std::abs(Degrees(WrapAngle(Radians(a.hue_deg - b.hue_deg))));
+      if (apart_deg < a.hue_half_width_deg + b.hue_half_width_deg)
+        mistakes.Add(where, fmt::format("flight.marks.{}.colour", i),
+                     fmt::format("hues {:g} +- {:g} overlap those of mark {}, {:g} +- {:g}: two marks alike "
+                                 "cannot be told apart; valid: hues of their own",
+                                 a.hue_deg, a.hue_half_width_deg, j, b.hue_deg, b.hue_half_width_deg));
+    }
+  }
+  if (!flight.contrast) return;
+  const ContrastTrackerOptions& tracker = flight.contrast->tracker;
+  most("flight.contrast.tracker.confirm_sightings", tracker.confirm_sightings, tracker.confirm_images,
+       "flight.contrast.tracker.confirm_images");
+  most("flight.contrast.tracker.detector.least_diameter_px", tracker.detector.least_diameter_px,
+       tracker.detector.most_diameter_px, "flight.contrast.tracker.detector.most_diameter_px");
+}
+
+void CheckFollow(const FollowFlight& flight, const AutopilotParameters& autopilot, const std::string& where,
+                 Mistakes& mistakes) {
+  if (flight.reference.empty()) mistakes.Add(where, "flight.reference", "is empty; valid: at least one");
+  CheckColour(flight.balloon.colour, "flight.balloon.colour", where, mistakes);
+  const NoMoreThan most{where, mistakes};
+  most("flight.gains.speed_limit_m_s", flight.gains.speed_limit_m_s, autopilot.speed_limit_m_s,
+       "autopilot.speed_limit_m_s");
+  most("flight.gains.climb_limit_m_s", flight.gains.climb_limit_m_s, autopilot.climb_limit_m_s,
+       "autopilot.climb_limit_m_s");
+  most("flight.gains.yaw_rate_limit_deg_s", flight.gains.yaw_rate_limit_deg_s, autopilot.yaw_rate_limit_deg_s,
+       "autopilot.yaw_rate_limit_deg_s");
+}
+
+// Who is to be avoided comes from ahead.
+void CheckLooksAhead(const CameraModel& camera, const CameraMount& mount, const std::string& where,
+                     Mistakes& mistakes) {
+  const auto at = Project(camera, MountPose(mount).R.conjugate() * Eigen::Vector3d::UnitX());
+  if (!at || at->x() < 0 || at->y() < 0 || at->x() > WidthPx(camera) - 1 || at->y() > HeightPx(camera) - 1)
+    mistakes.Add(
+        where, "mount.pitch_deg",
+        fmt::format("{:g}: the camera does not see straight ahead, where others come from; valid: one "
+                    "that does (90 looks ahead)",
+                    mount.pitch_deg));
 }
 
 // A balloon can be wanted only where the camera sees it, at least from a level aircraft.
@@ -324,8 +382,8 @@ LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<s
   if (const auto* avoid = std::get_if<AvoidFlight>(&s.flight)) {
     CheckAvoid(*avoid, s.autopilot, WhereOf(config, "flight", where), mistakes);
   }
-  if (const auto* follow = std::get_if<FollowFlight>(&s.flight); follow && follow->reference.empty())
-    mistakes.Add(WhereOf(config, "flight", where), "flight.reference", "is empty; valid: at least one");
+  if (const auto* follow = std::get_if<FollowFlight>(&s.flight))
+    CheckFollow(*follow, s.autopilot, WhereOf(config, "flight", where), mistakes);
   CheckTargets(s, WhereOf(config, "targets", where), mistakes);
   CheckLandscape(s, config, where, mistakes);
   CheckMount(s.mount, WhereOf(config, "mount", where), mistakes);
@@ -364,6 +422,8 @@ LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<s
                       s.camera, numbers[2], numbers[3], WidthPx(sim.camera), HeightPx(sim.camera)));
     }
   }
+  if (std::holds_alternative<AvoidFlight>(s.flight) && has_camera)
+    CheckLooksAhead(sim.camera, s.mount, WhereOf(config, "mount", where), mistakes);
   if (const auto* follow = std::get_if<FollowFlight>(&s.flight); follow && has_camera)
     CheckReferences(*follow, sim.camera, s.mount, WhereOf(config, "flight", where), mistakes);
   CheckImage(s.image, has_camera ? &sim.camera : nullptr, WhereOf(config, "image", where), mistakes);

@@ -23,6 +23,7 @@ constexpr double kHeightGain_per_s = 0.8, kClimbLimit_m_s = 1;
 constexpr double kYawGain_per_s = 1.2;
 constexpr double kOnCourse_m = 0.5;  // from its line
 constexpr double kArrived_m = 0.5;
+constexpr double kBlind_s = 0.5;  // without sight it flies on no longer: who does not see must not go ahead
 constexpr double kStands_m_s = 0.3;  // what is slower than its speed is known stands still
 
 class AvoidMission final : public Mission {
@@ -45,6 +46,9 @@ class AvoidMission final : public Mission {
     state_ = state, exposed_ = history_.At(frame.t_s).value_or(state);
     if (!begin_) begin_ = state.p_NB, course_ = YawOf(state.R_NB);
     Look(state);
+    sees_ = (!contrast_ || contrast_->Sees()) &&
+            std::all_of(watches_.begin(), watches_.end(), [](const BalloonWatch& w) { return w.Sees(); });
+    if (sees_ || !saw_s_) saw_s_ = state.t_s;
     decision.target = Status();
     decision.fix_age_s = held_age_s_;
     const Eigen::Vector2d along = AlongCourse(state.p_NB.head<2>() - begin_->head<2>());
@@ -54,6 +58,10 @@ class AvoidMission final : public Mission {
       command_ = {};
     } else {
       Fly(state, along);
+    }
+    if (flight_.avoids && state.t_s - *saw_s_ > kBlind_s && phase_ != "goal") {
+      phase_ = "blind";
+      command_ = {};
     }
     decision.setpoint = command_;
     decision.phase = phase_;
@@ -75,7 +83,7 @@ class AvoidMission final : public Mission {
       DrawAzimuth(bgr, to_other, fmt::format("tb {:+.0f}", Degrees(encounter_->azimuth)), {0, 220, 255}, 2);
       if (encounter_->wanted)
         DrawAzimuth(bgr, YawOf(exposed_.R_NB) + *encounter_->wanted,
-                    fmt::format("db {:+.0f}", Degrees(*encounter_->wanted)), {255, 255, 255}, 1);
+                    fmt::format("db {:+.0f}", Degrees(*encounter_->wanted)), {255, 255, 255}, 1, false);
       Caption(bgr, 1,
               fmt::format("bearing {:+.1f}{} deg   {:.1f} m   nearest {:.1f} m in {:.1f} s",
                           Degrees(encounter_->azimuth),
@@ -90,7 +98,7 @@ class AvoidMission final : public Mission {
  private:
   // A piece of the vertical plane at an azimuth from north, as the camera had it at the exposure.
   void DrawAzimuth(cv::Mat& bgr, double azimuth, const std::string& name, const cv::Scalar& colour,
-                   int thickness) const {
+                   int thickness, bool named_above = true) const {
     std::vector<cv::Point> line;
     for (double elevation = -10; elevation <= 10; elevation += 2) {
       const double e = Radians(elevation);
@@ -102,8 +110,8 @@ class AvoidMission final : public Mission {
     if (line.empty()) return;
     cv::polylines(bgr, line, false, {0, 0, 0}, thickness + 2, cv::LINE_AA);
     cv::polylines(bgr, line, false, colour, thickness, cv::LINE_AA);
-    const cv::Point top = line.back();
-    CaptionAt(bgr, {std::clamp(top.x - 22, 2, std::max(2, bgr.cols - 56)), top.y - 6}, name);
+    const cv::Point end = named_above ? line.back() + cv::Point(0, -6) : line.front() + cv::Point(0, 18);
+    CaptionAt(bgr, {std::clamp(end.x - 22, 2, std::max(2, bgr.cols - 56)), end.y}, name);
   }
 
   Eigen::Vector2d AlongCourse(const Eigen::Vector2d& v_N) const { return Eigen::Rotation2Dd(-course_) * v_N; }
@@ -127,6 +135,11 @@ class AvoidMission final : public Mission {
   }
 
   std::string_view Status() const {
+    if (!sees_) {
+      for (const BalloonWatch& watch : watches_)
+        if (!watch.Sees()) return watch.status();
+      return contrast_->status();
+    }
     return held_ < watches_.size() ? watches_[held_].status() : contrast_->status();
   }
 
@@ -207,6 +220,8 @@ class AvoidMission final : public Mission {
 
   std::optional<Eigen::Vector3d> begin_;  // of the course, in N
   double course_ = 0;                     // rad, from north
+  bool sees_ = true;
+  std::optional<double> saw_s_;
   std::vector<Intruder> intruders_;
   struct Source {
     std::size_t watch;  // whose mark it carries; the number of marks: by contrast

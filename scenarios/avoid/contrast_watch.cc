@@ -49,6 +49,11 @@ std::vector<MovingTarget::Estimate> ContrastWatch::Known() const {
   return known;
 }
 
+bool ContrastWatch::Sees() const {
+  return !frozen_ && seen_.state != ContrastState::kTooDark && seen_.state != ContrastState::kWhiteOut &&
+         seen_.state != ContrastState::kBadImage;
+}
+
 std::string_view ContrastWatch::status() const { return frozen_ ? "frozen" : NameOf(seen_.state); }
 
 void ContrastWatch::Draw(cv::Mat& bgr) const {

@@ -42,7 +42,8 @@ class ContrastWatch {
   void See(const Frame& frame, const VehicleState& state, bool frozen, double memory_s);
 
   std::vector<MovingTarget::Estimate> Known()
-      const;                        // now, by the last sight of each; as if of the assumed size
+      const;          // now, by the last sight of each; as if of the assumed size
+  bool Sees() const;  // whether the last image could show any: not frozen, dark, white or damaged
   std::string_view status() const;  // of the last image, for the log
   void Draw(cv::Mat& bgr) const;
 

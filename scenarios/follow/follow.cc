@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "control/sphere_target.h"
+#include "control/state_history.h"
 #include "geometry/tait_bryan.h"
 #include "scenarios/caption.h"
 #include "scenarios/command_arrows.h"
@@ -38,6 +39,8 @@ class FollowMission final : public Mission {
     decision.fix_age_s = watch_.age_s();
     X_NC_ = Pose{state.R_NB, state.p_NB} * X_BC_;
     yaw_ = YawOf(state.R_NB);
+    history_.Add(state);
+    exposed_R_NB_ = history_.At(frame.t_s).value_or(state).R_NB;
     sight_.reset();
     wanted_ = WantedAt(state.t_s);
     if (watch_.Knows()) {
@@ -131,12 +134,12 @@ class FollowMission final : public Mission {
 
   double YawLimit() const { return Radians(flight_.gains.yaw_rate_limit_deg_s); }
 
-  // The image wanted, as the camera would have it now: a circle about a cross.
+  // The image wanted, as the camera would have had it at the exposure: a circle about a cross.
   void DrawWanted(cv::Mat& bgr) const {
     const cv::Scalar colour(255, 255, 255);
-    const Eigen::Quaterniond R_NH = HeadingRotation(yaw_);
+    const Eigen::Quaterniond R_NH = HeadingRotation(YawOf(exposed_R_NB_)), R_NC = exposed_R_NB_ * X_BC_.R;
     const auto at = [&](const Eigen::Vector2d& s) {
-      return Project(camera_, X_NC_.R.conjugate() * (R_NH * Eigen::Vector3d(1, s.x(), s.y())));
+      return Project(camera_, R_NC.conjugate() * (R_NH * Eigen::Vector3d(1, s.x(), s.y())));
     };
     constexpr int kPieces = 60;
     for (int i = 0; i < kPieces; i += 2) {
@@ -161,6 +164,8 @@ class FollowMission final : public Mission {
 
   std::string_view phase_ = "stop";
   Pose X_NC_;  // now, by the autopilot
+  StateHistory history_;
+  Eigen::Quaterniond exposed_R_NB_ = Eigen::Quaterniond::Identity();  // when the last image was exposed
   double yaw_ = 0;
   double side_ = 1;  // where it was last: 1 right, -1 left
   SphereImage wanted_;
