@@ -175,6 +175,30 @@ TEST(Avoid, AFrozenImageIsNamed) {
   EXPECT_EQ(f.See(last).target, "frozen");
 }
 
+TEST(Avoid, WhoDoesNotSeeDoesNotFlyAhead) {
+  Flyer f;
+  const cv::Mat frozen = f.pictures.Draw({}, f.State());
+  cv::Mat all_of_it(frozen.size(), CV_8UC3);
+  for (const bool is_frozen : {true, false}) {
+    int blind_after = 0;
+    for (int i = 0; i < 30; ++i) {
+      all_of_it.setTo(cv::Scalar(i, 0, 200));  // red all over, and never twice the same
+      const Decision d = f.See(is_frozen ? frozen : all_of_it);
+      if (d.phase != "blind") {
+        EXPECT_EQ(Flyer::Command(d).v_H.x(), kSpeed_m_s);
+        ASSERT_EQ(blind_after, i) << "once blind it stays so";
+        ++blind_after;
+        continue;
+      }
+      EXPECT_EQ(Flyer::Command(d).v_H, Vector3d::Zero());
+      EXPECT_EQ(Flyer::Command(d).yaw_rate, 0);
+      EXPECT_NE(d.target, "searching");
+    }
+    EXPECT_NEAR(blind_after * BallPictures::kFrame_s, 0.5, 0.11) << is_frozen;
+    EXPECT_EQ(f.See(std::vector<Ball>{}).phase, "cruise");
+  }
+}
+
 TEST(Avoid, WhoHasNotBeenSeenForLongerThanItRemembersIsForgotten) {
   AvoidFlight flight = Flyer::Flight();
   flight.avoids = false;

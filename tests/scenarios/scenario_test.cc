@@ -350,7 +350,8 @@ TEST_F(ScenarioTest, ATargetMovesInOneWayAndNotThroughTheGround) {
 }
 
 TEST_F(ScenarioTest, AvoidingAsksNoMoreThanTheAutopilotGives) {
-  const std::string text = "mission: avoid\nimage: {colour: true}\npad: {name: none}\n";
+  const std::string text =
+      "mission: avoid\nimage: {colour: true}\npad: {name: none}\nmount: {pitch_deg: 90}\n";
   const std::string file = Write("a.yaml", text +
                                                "flight:\n"
                                                "  speed_m_s: 12\n"
@@ -362,7 +363,7 @@ TEST_F(ScenarioTest, AvoidingAsksNoMoreThanTheAutopilotGives) {
   const auto mistakes = Refusal(file);
   EXPECT_EQ(mistakes.size(), 5u);
   const auto refused = [&](const std::string& key, const std::string& limit) {
-    EXPECT_THAT(mistakes, Contains(AllOf(StartsWith(file + ":4: flight." + key), HasSubstr(limit),
+    EXPECT_THAT(mistakes, Contains(AllOf(StartsWith(file + ":5: flight." + key), HasSubstr(limit),
                                          HasSubstr("valid: no more than that"))));
   };
   refused("speed_m_s: 12", "autopilot.speed_limit_m_s is");
@@ -370,10 +371,32 @@ TEST_F(ScenarioTest, AvoidingAsksNoMoreThanTheAutopilotGives) {
   refused("avoidance.hold.yaw_rate_limit_deg_s: 170", "autopilot.yaw_rate_limit_deg_s is");
   refused("avoidance.hold.bearing_deg: 70", "flight.avoidance.most_bearing_deg is 60");
   EXPECT_THAT(mistakes,
-              Contains(file + ":4: flight.marks: is empty; valid: at least one, or a flight.contrast"));
+              Contains(file + ":5: flight.marks: is empty; valid: at least one, or a flight.contrast"));
   EXPECT_THAT(Refusal(Write("b.yaml", text + "flight: {avoidance: {most_bearing_deg: 60, hold: {bearing_deg: "
                                              "60}}}\n")),
               IsEmpty());
+}
+
+TEST_F(ScenarioTest, WhatCouldNotBeSeenOrToldApartIsRefused) {
+  const auto avoid = [](const std::vector<std::string>& overrides) { return Refusal("avoid", overrides); };
+  EXPECT_THAT(
+      avoid({"flight.marks.0.colour.least_value=0.9", "flight.marks.0.colour.most_value=0.1"}),
+      ElementsAre(AllOf(HasSubstr("flight.marks.0.colour.least_value"), HasSubstr("no pixel can match"))));
+  EXPECT_THAT(avoid({"flight.marks.1.colour.hue_deg=275"}),
+              ElementsAre(AllOf(HasSubstr("flight.marks.1.colour"), HasSubstr("275 +- 12 overlap"),
+                                HasSubstr("mark 0, 300 +- 20"))));
+  EXPECT_THAT(avoid({"flight.marks.0.colour.hue_deg=355", "flight.marks.1.colour.hue_deg=5"}),
+              ElementsAre(HasSubstr("overlap")));  // across 0
+  EXPECT_THAT(avoid({"mount.pitch_deg=0"}),
+              ElementsAre(AllOf(HasSubstr("mount.pitch_deg: 0"), HasSubstr("straight ahead"))));
+  EXPECT_THAT(Refusal("avoid_contrast", {"flight.contrast.tracker.confirm_sightings=9",
+                                         "flight.contrast.tracker.confirm_images=3"}),
+              ElementsAre(AllOf(HasSubstr("confirm_sightings: 9"), HasSubstr("confirm_images is 3"))));
+  EXPECT_THAT(Refusal("follow", {"flight.balloon.colour.least_value=0.9",
+                                 "flight.balloon.colour.most_value=0.1", "autopilot.speed_limit_m_s=0.3"}),
+              UnorderedElementsAre(HasSubstr("flight.balloon.colour.least_value"),
+                                   AllOf(HasSubstr("flight.gains.speed_limit_m_s"),
+                                         HasSubstr("autopilot.speed_limit_m_s is 0.3"))));
 }
 
 TEST_F(ScenarioTest, ABalloonIsWantedWithinTheImageAtTimesThatFollowOneAnother) {
