@@ -69,7 +69,7 @@ struct LiveCamera::Mailbox {
           break;
         }
         pause_s = options.reopen_first_s;
-        Put(*grabbed, options);
+        Put(std::move(*grabbed), options);
       }
       std::unique_lock lock(mutex);
       if (!Current(which)) return;
@@ -80,7 +80,7 @@ struct LiveCamera::Mailbox {
     }
   }
 
-  void Put(const Grabbed& grabbed, const LiveCameraOptions& options) {
+  void Put(Grabbed grabbed, const LiveCameraOptions& options) {
     heard_s = begun_s = MonotonicNow_s();
     // Exposures that the driver counted and nobody saw are gaps, as lost frames are.
     if (grabbed.count && driver_count && *grabbed.count > *driver_count + 1) {
@@ -89,8 +89,8 @@ struct LiveCamera::Mailbox {
     }
     driver_count = grabbed.count;
     if (newest && newest->sequence > taken) ++health.overwritten;
-    newest =
-        Frame{grabbed.image, grabbed.stamp_s.value_or(heard_s) - options.exposure_before_stamp_s, sequence++};
+    newest = Frame{std::move(grabbed.image),
+                   grabbed.stamp_s.value_or(heard_s) - options.exposure_before_stamp_s, sequence++};
     ++health.images;
     changed.notify_all();
   }
