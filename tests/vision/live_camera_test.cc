@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vision/live_camera.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <thread>
+#include <vector>
+
+namespace kestrel {
+namespace {
+
+void Sleep(double s) { std::this_thread::sleep_for(std::chrono::duration<double>(s)); }
+
+// What a scripted device does, image by image; the grey level of each image is its number.
+struct Script {
+  enum class Act { kImage, kFail, kHang, kEnd };
+  struct Step {
+    Act act = Act::kImage;
+    double after_s = 0.002;
+    std::optional<std::int64_t> count{};
+    std::optional<double> stamp_before_s{};  // the driver's stamp, so long before it is grabbed
+  };
+  std::vector<Step> steps;
+  std::atomic<std::size_t> next = 0;
+  std::atomic<int> made = 0, refuse_openings = 0;
+  std::atomic<std::size_t> asked = 1000;  // so many images may come: a test that counts them asks for each
+  std::atomic<bool> released = false;     // lets those that hang go on
+};
+
+class ScriptedSource final : public ImageSource {
+ public:
+  explicit ScriptedSource(std::shared_ptr<Script> script) : script_(std::move(script)) { ++script_->made; }
+  bool Open() override { return script_->refuse_openings-- <= 0; }
+  bool Ended() const override { return ended_; }
+  std::optional<Grabbed> Grab() override {
+    const std::size_t i = script_->next++;
+    if (i >= script_->steps.size()) {
+      ended_ = true;
+      return std::nullopt;
+    }
+    while (i >= script_->asked && !script_->released) Sleep(0.001);
+    const Script::Step& step = script_->steps[i];
+    Sleep(step.after_s);
+    if (step.act == Script::Act::kHang)
+      while (!script_->released) Sleep(0.002);
+    ended_ = step.act == Script::Act::kEnd;
+    if (step.act != Script::Act::kImage) return std::nullopt;
+    Grabbed grabbed{cv::Mat(2, 2, CV_8UC1, cv::Scalar(static_cast<double>(i))), {}, step.count};
+    if (step.stamp_before_s) grabbed.stamp_s = MonotonicNow_s() - *step.stamp_before_s;
+    return grabbed;
+  }
+
+ private:
+  std::shared_ptr<Script> script_;
+  bool ended_ = false;
+};
+
+struct Rig {
+  std::shared_ptr<Script> script = std::make_shared<Script>();
+  LiveCameraOptions options{.stalled_s = 0.05, .reopen_first_s = 0.004, .reopen_most_s = 0.02};
+  ~Rig() { script->released = true; }
+  std::optional<Frame> NextOf(LiveCamera& camera) const {
+    ++script->asked;
+    return camera.Next();
+  }
+  LiveCamera Camera() {
+    return LiveCamera([s = script] { return std::make_unique<ScriptedSource>(s); }, options);
+  }
+};
+
+int Number(const Frame& frame) { return frame.image.at<std::uint8_t>(0, 0); }
+
+TEST(LiveCamera, GivesEachImageOnceInOrderUntilTheSourceEnds) {
+  Rig rig;
+  rig.script->steps.resize(5);
+  rig.script->asked = 0;
+  rig.options.stalled_s = 30;
+  LiveCamera camera = rig.Camera();
+  for (int i = 0; i < 5; ++i) {
+    const auto frame = rig.NextOf(camera);
+    ASSERT_TRUE(frame) << i;
+    EXPECT_EQ(Number(*frame), i);
+    EXPECT_EQ(frame->sequence, i);
+  }
+  EXPECT_FALSE(camera.Next());
+  EXPECT_EQ(camera.Health().state, LiveCameraState::kEnded);
+  EXPECT_EQ(camera.Health().overwritten, 0);
+}
+
+TEST(LiveCamera, WhoIsSlowGetsTheNewestAndTheOthersAreCounted) {
+  Rig rig;
+  rig.script->steps.resize(20);
+  rig.script->steps.push_back({.act = Script::Act::kHang});
+  rig.options.stalled_s = 30;
+  LiveCamera camera = rig.Camera();
+  while (camera.Health().images < 20) Sleep(0.002);
+  const auto frame = camera.Next();
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(Number(*frame), 19);
+  EXPECT_EQ(frame->sequence, 19);
+  EXPECT_EQ(camera.Health().overwritten, 19);
+  EXPECT_FALSE(camera.Next(0.01));  // nothing newer: the same is not given twice
+}
+
+TEST(LiveCamera, ExposuresThatTheDriverCountedAndNobodySawAreAGap) {
+  Rig rig;
+  for (const int count : {7, 8, 11, 12}) rig.script->steps.push_back({.count = count});
+  rig.script->asked = 0;
+  rig.options.stalled_s = 30;
+  LiveCamera camera = rig.Camera();
+  std::vector<std::int64_t> sequences;
+  while (const auto frame = rig.NextOf(camera)) sequences.push_back(frame->sequence);
+  EXPECT_EQ(sequences, (std::vector<std::int64_t>{0, 1, 4, 5}));
+  EXPECT_EQ(camera.Health().missed, 2);
+}
+
+TEST(LiveCamera, TheTimeIsTheDriversLessWhatWasCalibrated) {
+  Rig rig;
+  rig.script->steps.push_back({.stamp_before_s = 5.0});
+  rig.options.exposure_before_stamp_s = 0.25;
+  LiveCamera camera = rig.Camera();
+  const auto frame = camera.Next();
+  ASSERT_TRUE(frame);
+  EXPECT_NEAR(MonotonicNow_s() - frame->t_s, 5.25, 0.1);
+}
+
+TEST(LiveCamera, WithoutTheDriversTimeItIsThatOfTheArrival) {
+  Rig rig;
+  rig.script->steps.resize(1);
+  LiveCamera camera = rig.Camera();
+  EXPECT_NEAR(MonotonicNow_s() - camera.Next()->t_s, 0, 0.1);
+}
+
+TEST(LiveCamera, ASourceThatFailsIsOpenedAgainAndTheFramesGoOnCounting) {
+  Rig rig;
+  rig.script->steps = {{}, {.act = Script::Act::kFail}, {}};
+  rig.script->asked = 0;
+  rig.options.stalled_s = 30;
+  LiveCamera camera = rig.Camera();
+  EXPECT_EQ(rig.NextOf(camera)->sequence, 0);
+  rig.script->asked = 3;
+  const auto second = camera.Next();
+  ASSERT_TRUE(second);
+  EXPECT_EQ(second->sequence, 1);
+  EXPECT_EQ(Number(*second), 2);
+  EXPECT_EQ(camera.Health().openings, 2);
+}
+
+TEST(LiveCamera, ASourceThatIsNotThereIsTriedAgainWithPausesThatGrow) {
+  Rig rig;
+  rig.script->steps.resize(1);
+  rig.script->refuse_openings = 5;
+  const double begun_s = MonotonicNow_s();
+  LiveCamera camera = rig.Camera();
+  EXPECT_EQ(camera.Health().state, LiveCameraState::kOpening);
+  EXPECT_FALSE(camera.Health().age_s);
+  ASSERT_TRUE(camera.Next());
+  EXPECT_EQ(rig.script->made, 6);
+  EXPECT_GE(MonotonicNow_s() - begun_s, 0.004 + 0.008 + 0.016 + 0.02 + 0.02);
+}
+
+TEST(LiveCamera, ASourceThatHangsIsLeftBehindAndAnotherIsMadeInItsPlace) {
+  Rig rig;
+  rig.script->steps = {{}, {.act = Script::Act::kHang}, {}};
+  rig.script->asked = 0;
+  LiveCamera camera = rig.Camera();
+  EXPECT_EQ(Number(*rig.NextOf(camera)), 0);
+  rig.script->asked = 3;
+  const auto frame = camera.Next();
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(Number(*frame), 2);
+  EXPECT_GE(rig.script->made, 2);
+}
+
+TEST(LiveCamera, WhileNothingComesItIsStalledAndItsAgeGrows) {
+  Rig rig;
+  rig.script->steps = {{}, {.act = Script::Act::kHang}};
+  rig.options.stalled_s = 0.3;
+  LiveCamera camera = rig.Camera();
+  ASSERT_TRUE(camera.Next());
+  EXPECT_EQ(camera.Health().state, LiveCameraState::kStreaming);
+  Sleep(0.31);
+  EXPECT_EQ(camera.Health().state, LiveCameraState::kStalled);
+  EXPECT_GT(*camera.Health().age_s, 0.3);
+}
+
+TEST(LiveCamera, StopEndsTheWaitAtOnceFromAnotherThread) {
+  Rig rig;
+  rig.script->steps = {{.act = Script::Act::kHang}};
+  rig.options.stalled_s = 30;
+  LiveCamera camera = rig.Camera();
+  std::thread other([&] {
+    Sleep(0.02);
+    camera.Stop();
+  });
+  const double begun_s = MonotonicNow_s();
+  EXPECT_FALSE(camera.Next());
+  EXPECT_LT(MonotonicNow_s() - begun_s, 5);
+  other.join();
+}
+
+}  // namespace
+}  // namespace kestrel

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "vision/camera.h"
+#include "vision/image_source.h"
+
+namespace kestrel {
+
+struct LiveCameraOptions {
+  double stalled_s = 1;                            // without an image for longer: the source is opened anew
+  double reopen_first_s = 0.1, reopen_most_s = 5;  // pause before opening again; doubles with each failure
+  double exposure_before_stamp_s = 0;              // from the middle of the exposure to the stamp: calibrated
+};
+
+template <class Visitor>
+void Fields(Visitor& v, LiveCameraOptions& o) {
+  v("stalled_s", o.stalled_s, 0.05, 60.0);
+  v("reopen_first_s", o.reopen_first_s, 0.01, 60.0);
+  v("reopen_most_s", o.reopen_most_s, 0.01, 600.0);
+  v("exposure_before_stamp_s", o.exposure_before_stamp_s, -1.0, 1.0);
+}
+
+enum class LiveCameraState { kOpening, kStreaming, kStalled, kEnded };
+const char* NameOf(LiveCameraState state);
+
+struct LiveCameraHealth {
+  LiveCameraState state = LiveCameraState::kOpening;
+  std::int64_t images = 0;       // grabbed
+  std::int64_t overwritten = 0;  // of them, newer ones came before anybody took them
+  std::int64_t missed = 0;       // by the driver's own count
+  std::int64_t openings = 0;     // that succeeded
+  std::optional<double> age_s;   // of the newest image, by its exposure; none: no image yet
+};
+
+// A real camera. A thread grabs, and the newest image wins: whoever is slow gets fresh images and the rest
+// are counted, never queued. A source that fails is opened again, after pauses that grow; one that hangs
+// within its library is left behind and another is made in its place.
+class LiveCamera final : public Camera {
+ public:
+  LiveCamera(ImageSourceMaker source, const LiveCameraOptions& options);
+  ~LiveCamera() override;  // does not wait for a source that hangs
+
+  // The next image that nobody has taken yet, waiting for it however long the source takes to come back; its
+  // time is that of the monotonic clock. None: the source has ended, or Stop() was called.
+  std::optional<Frame> Next() override;
+  // The same, but waits no longer than this. None: also that nothing came.
+  std::optional<Frame> Next(double most_s);
+  void Stop();  // from any thread
+
+  LiveCameraHealth Health() const;  // from any thread
+
+ private:
+  struct Mailbox;
+  void Watch();
+
+  ImageSourceMaker source_;
+  LiveCameraOptions options_;
+  std::shared_ptr<Mailbox> mailbox_;  // outlives the camera where a thread hangs
+};
+
+// Seconds of CLOCK_MONOTONIC.
+double MonotonicNow_s();
+
+}  // namespace kestrel

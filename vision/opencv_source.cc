@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vision/opencv_source.h"
+
+#include <chrono>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/videoio.hpp>
+#include <thread>
+#include <vector>
+
+#include "vision/live_camera.h"
+
+namespace kestrel {
+namespace {
+
+using Kind = OpenCvSourceOptions::Kind;
+
+constexpr double kSaneStamp_s = 5;  // a driver's stamp that is further from now is of some other clock
+
+std::string Pipeline(const std::string& what) {
+  return what.find("appsink") != std::string::npos ? what
+                                                   : what + " ! appsink drop=true max-buffers=1 sync=false";
+}
+
+class Source final : public ImageSource {
+ public:
+  explicit Source(const OpenCvSourceOptions& options) : options_(options) {}
+
+  bool Open() override {
+    switch (options_.kind) {
+      case Kind::kV4l2:
+        // Two buffers: one is filled while the other is read; more would be older images.
+        return capture_.open(options_.what, cv::CAP_V4L2, Wanted({cv::CAP_PROP_BUFFERSIZE, 2}));
+      case Kind::kGStreamer:
+        return capture_.open(Pipeline(options_.what), cv::CAP_GSTREAMER);
+      case Kind::kIeee1394:
+        return capture_.open(std::stoi(options_.what), cv::CAP_FIREWIRE, Wanted({}));
+      case Kind::kFile:
+        return capture_.open(options_.what,
+                             options_.what.find('%') != std::string::npos ? cv::CAP_IMAGES : cv::CAP_FFMPEG);
+    }
+    return false;
+  }
+
+  std::optional<Grabbed> Grab() override {
+    if (options_.kind == Kind::kFile) Pace();
+    if (!capture_.grab()) return std::nullopt;
+    const double grabbed_s = MonotonicNow_s();
+    cv::Mat raw;
+    if (!capture_.retrieve(raw) || raw.empty()) return std::nullopt;
+    if (!options_.size.empty() && raw.size() != options_.size) return std::nullopt;
+    Grabbed grabbed;
+    const int channels = options_.colour ? 3 : 1;
+    if (raw.depth() != CV_8U || (raw.channels() != 1 && raw.channels() != 3)) return std::nullopt;
+    if (raw.channels() == channels)
+      grabbed.image = raw.clone();  // the driver's buffer comes round again
+    else
+      cv::cvtColor(raw, grabbed.image, options_.colour ? cv::COLOR_GRAY2BGR : cv::COLOR_BGR2GRAY);
+    if (options_.kind == Kind::kV4l2) {
+      const double stamp_s = capture_.get(cv::CAP_PROP_POS_MSEC) / 1000;
+      if (std::abs(stamp_s - grabbed_s) < kSaneStamp_s) grabbed.stamp_s = stamp_s;
+    }
+    if (!grabbed.stamp_s) grabbed.stamp_s = grabbed_s;
+    return grabbed;
+  }
+
+  bool Ended() const override { return options_.kind == Kind::kFile; }
+
+ private:
+  std::vector<int> Wanted(std::vector<int> properties) const {
+    if (!options_.size.empty())
+      properties.insert(properties.end(), {cv::CAP_PROP_FRAME_WIDTH, options_.size.width,
+                                           cv::CAP_PROP_FRAME_HEIGHT, options_.size.height});
+    if (options_.rate_hz > 0)
+      properties.insert(properties.end(),
+                        {cv::CAP_PROP_FPS, static_cast<int>(std::lround(options_.rate_hz))});
+    return properties;
+  }
+
+  void Pace() {
+    if (options_.rate_hz <= 0) return;
+    const double now_s = MonotonicNow_s();
+    if (due_s_ > now_s) std::this_thread::sleep_for(std::chrono::duration<double>(due_s_ - now_s));
+    due_s_ = std::max(due_s_, now_s) + 1 / options_.rate_hz;
+  }
+
+  OpenCvSourceOptions options_;
+  cv::VideoCapture capture_;
+  double due_s_ = 0;
+};
+
+}  // namespace
+
+ImageSourceMaker OpenCvSource(const OpenCvSourceOptions& options) {
+  return [options] { return std::make_unique<Source>(options); };
+}
+
+}  // namespace kestrel
