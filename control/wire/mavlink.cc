@@ -2,6 +2,7 @@
 #include "control/wire/mavlink.h"
 
 #include <algorithm>
+#include <optional>
 
 #include "control/wire/crc16.h"
 
@@ -20,6 +21,58 @@ std::uint16_t Checksum(std::span<const std::uint8_t> frame, std::uint8_t crc_ext
   crc.Add(frame.subspan(1));
   crc.Add(crc_extra);
   return crc.sum();
+}
+
+// What the first bytes of a frame say.
+struct Head {
+  Frame frame;  // without its payload
+  bool good_flags = true;
+  std::size_t checked = 0;  // bytes until the check sum
+  std::size_t size = 0;     // bytes in all
+};
+
+// None: too few bytes to tell, which begin with a start byte.
+std::optional<Head> ReadHead(std::span<const std::uint8_t> bytes) {
+  Head head;
+  Frame& frame = head.frame;
+  frame.version = bytes[0] == kStart2 ? 2 : 1;
+  const std::size_t header = frame.version == 2 ? kHeader2 : kHeader1;
+  if (bytes.size() < header) return std::nullopt;
+  if (frame.version == 2) {
+    head.good_flags = (bytes[2] & ~kSigned) == 0;
+    frame.is_signed = (bytes[2] & kSigned) != 0;
+  }
+  // Version 1 is as version 2 without the flags and with an id of one byte.
+  frame.length = bytes[1];
+  const auto ids = bytes.subspan(frame.version == 2 ? 4 : 2);
+  frame.sequence = ids[0], frame.system = ids[1], frame.component = ids[2], frame.id = ids[3];
+  if (frame.version == 2) frame.id |= static_cast<std::uint32_t>(ids[4]) << 8 | std::uint32_t{ids[5]} << 16;
+  head.checked = header + frame.length;
+  head.size = head.checked + kChecksum + (frame.is_signed ? kSignature : 0);
+  return head;
+}
+
+const Format* Find(std::span<const Format> known, const Head& head) {
+  const auto format = std::ranges::find(known, head.frame.id, &Format::id);
+  return format == known.end() ? nullptr : &*format;
+}
+
+bool ChecksumHolds(std::span<const std::uint8_t> bytes, const Head& head, const Format& format) {
+  return Reader(bytes.subspan(head.checked)).Take<std::uint16_t>() ==
+         Checksum(bytes.first(head.checked), format.crc_extra);
+}
+
+// Whether the last of these bytes are those of a good frame that begins after the first.
+bool EndsInFrame(std::span<const std::uint8_t> bytes, std::span<const Format> known) {
+  for (std::size_t at = 1; at < bytes.size(); ++at) {
+    const auto rest = bytes.subspan(at);
+    if (!IsStart(rest[0])) continue;
+    const auto head = ReadHead(rest);
+    if (!head || !head->good_flags || head->size != rest.size()) continue;
+    const Format* format = Find(known, *head);
+    if (format != nullptr && ChecksumHolds(rest, *head, *format)) return true;
+  }
+  return false;
 }
 
 void Note(Traffic& traffic, std::uint8_t sequence) {
@@ -82,46 +135,47 @@ std::size_t Parser::Step(std::span<const std::uint8_t> rest, bool ended, std::ve
     counts_.stray_bytes += stray;
     return stray;
   }
-  Frame frame;
-  frame.version = rest[0] == kStart2 ? 2 : 1;
-  const std::size_t header = frame.version == 2 ? kHeader2 : kHeader1;
   const auto wait = [&]() -> std::size_t { return ended ? Refuse(counts_.cut_short) : 0; };
-  if (rest.size() < header) return wait();
-  if (frame.version == 2) {
-    if ((rest[2] & ~kSigned) != 0) return Refuse(counts_.bad_flags);
-    frame.is_signed = (rest[2] & kSigned) != 0;
-  }
-  // Version 1 is as version 2 without the flags and with an id of one byte.
-  frame.length = rest[1];
-  const auto ids = rest.subspan(frame.version == 2 ? 4 : 2);
-  frame.sequence = ids[0], frame.system = ids[1], frame.component = ids[2], frame.id = ids[3];
-  if (frame.version == 2) frame.id |= static_cast<std::uint32_t>(ids[4]) << 8 | std::uint32_t{ids[5]} << 16;
-
-  const std::size_t checked = header + frame.length;
-  const std::size_t size = checked + kChecksum + (frame.is_signed ? kSignature : 0);
-  const auto format = std::ranges::find(known_, frame.id, &Format::id);
-  if (format == known_.end()) {
-    const auto source = traffic_.find({frame.system, frame.component});
-    if (source == traffic_.end()) return Refuse(counts_.unconfirmed);
-    if (rest.size() < size || (rest.size() == size && !ended)) return wait();
-    if (rest.size() > size && !IsStart(rest[size])) return Refuse(counts_.unconfirmed);
+  // The flags are seen before the rest, so that noise need not be waited for.
+  if (rest[0] == kStart2 && rest.size() > 2 && (rest[2] & ~kSigned) != 0) return Refuse(counts_.bad_flags);
+  const std::optional<Head> head = ReadHead(rest);
+  if (!head) return wait();
+  const Source source{head->frame.system, head->frame.component};
+  const Format* format = Find(known_, *head);
+  if (format == nullptr) {
+    if (!traffic_.contains(source)) return Refuse(counts_.unconfirmed);
+    if (rest.size() < head->size) return wait();
+    const std::optional<bool> confirmed = Confirm(rest, head->size, ended);
+    if (!confirmed) return 0;
+    if (!*confirmed) return Refuse(counts_.unconfirmed);
     ++counts_.unknown;
-    Note(source->second, frame.sequence);
-    return size;
+    Note(traffic_[source], head->frame.sequence);
+    return head->size;
   }
-  if (frame.version == 1 && frame.length != format->base_length) return Refuse(counts_.bad_length);
-  if (rest.size() < size) return wait();
-  if (Reader(rest.subspan(checked)).Take<std::uint16_t>() !=
-      Checksum(rest.first(checked), format->crc_extra)) {
-    return Refuse(counts_.bad_checksum);
-  }
-  std::ranges::copy(rest.subspan(header, frame.length), frame.payload.begin());
+  if (head->frame.version == 1 && head->frame.length != format->base_length)
+    return Refuse(counts_.bad_length);
+  if (rest.size() < head->size) return wait();
+  if (!ChecksumHolds(rest, *head, *format)) return Refuse(counts_.bad_checksum);
+  Frame frame = head->frame;
+  std::ranges::copy(rest.subspan(head->checked - frame.length, frame.length), frame.payload.begin());
   ++counts_.frames;
   if (frame.version == 1) ++counts_.version1;
   if (frame.is_signed) ++counts_.signed_frames;
-  Note(traffic_[{frame.system, frame.component}], frame.sequence);
+  Note(traffic_[source], frame.sequence);
   frames.push_back(frame);
-  return size;
+  return head->size;
+}
+
+// Whether an unknown message is of this size; none: more bytes are needed to tell.
+std::optional<bool> Parser::Confirm(std::span<const std::uint8_t> rest, std::size_t size, bool ended) const {
+  // Cut within its header, it would take in whole frames, the last of which has what seems its check sum.
+  if (EndsInFrame(rest.first(size), known_)) return false;
+  const auto next = rest.subspan(size);
+  if (next.empty()) return ended ? std::optional(true) : std::nullopt;
+  if (!IsStart(next[0])) return false;
+  const std::optional<Head> head = ReadHead(next);
+  if (!head) return ended ? std::optional(false) : std::nullopt;
+  return head->good_flags && traffic_.contains({head->frame.system, head->frame.component});
 }
 
 std::size_t Parser::Refuse(std::uint64_t& reason) {

