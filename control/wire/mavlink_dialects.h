@@ -60,7 +60,7 @@ struct Target {
 Heartbeat CompanionHeartbeat();
 
 // A velocity goes out in the heading frame with its yaw rate, a position in N with its yaw: its local frame
-// is N. (PX4 before 1.14 turns the velocity by roll and pitch too.) An attitude has a yaw on the wire, which
+// is N. (Older PX4s turn the velocity by roll and pitch too.) An attitude has a yaw on the wire, which
 // the caller turns on by the yaw rate, beginning with the state's own.
 Message ToMessage(const Setpoint& setpoint, double yaw, const Dialect& dialect, Target target,
                   std::uint32_t time_boot_ms);
