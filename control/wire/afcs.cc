@@ -5,11 +5,10 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 #include <string_view>
 #include <type_traits>
 #include <utility>
-
-#include "config/yaml_fields.h"
 
 namespace kestrel::wire {
 namespace {
@@ -270,7 +269,9 @@ struct AfcsCodec::Compiled {
 };
 
 AfcsCodec::AfcsCodec(const AfcsProfile& profile) {
-  if (auto mistakes = MistakesOf(profile); !mistakes.empty()) throw InputError(std::move(mistakes));
+  std::string mistakes;
+  for (const std::string& mistake : MistakesOf(profile)) mistakes += (mistakes.empty() ? "" : "\n") + mistake;
+  if (!mistakes.empty()) throw std::invalid_argument(mistakes);
   auto compiled = std::make_shared<Compiled>();
   compiled->header_order = ByteOrder(profile.header_byte_order);
   compiled->wide = profile.time_bytes == 8;

@@ -9,6 +9,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -167,7 +168,7 @@ struct AfcsDatagram {
 
 class AfcsCodec {
  public:
-  // Throws InputError with all MistakesOf the profile.
+  // Throws std::invalid_argument with all MistakesOf the profile.
   explicit AfcsCodec(const AfcsProfile& profile);
   // Integers of the wire take the nearest value that they can hold, and 0 for no number.
   Bytes Encode(const AfcsDatagram& datagram) const;
@@ -184,7 +185,7 @@ class AfcsCodec {
 // The rules for what one peer sends. A peer whose clock went back is heard again after Reset.
 class AfcsReceiver {
  public:
-  explicit AfcsReceiver(const AfcsProfile& profile) : codec_(profile) {}
+  explicit AfcsReceiver(AfcsCodec codec) : codec_(std::move(codec)) {}
   std::optional<AfcsDatagram> Receive(std::span<const std::uint8_t> bytes);
   void Reset();  // a new session: forgets the times
 
