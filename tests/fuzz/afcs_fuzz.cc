@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cstdlib>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "control/wire/afcs.h"
+
+// The input is a row of datagrams, each behind a byte with its length, for one receiver: of the thesis's
+// profile or of another with every type and order in it. Whatever they are: what is accepted is encoded back
+// to the same datagram (but for padding), and the times of what is accepted of a type rise.
+namespace {
+
+using namespace kestrel::wire;  // NOLINT(google-build-using-namespace)
+
+void Require(bool promise) {
+  if (!promise) std::abort();
+}
+
+AfcsProfile OtherProfile() {
+  AfcsProfile profile = ThesisAfcsProfile();
+  profile.header_byte_order = "little";
+  profile.time_bytes = 8;
+  const std::vector<std::string> types = {"f32", "i32", "u32", "f64", "u16", "i16"};
+  std::size_t next = 0;
+  for (AfcsLayout& message : profile.messages) {
+    message.byte_order = message.byte_order == "big" ? "little" : "big";
+    std::reverse(message.fields.begin(), message.fields.end());
+    for (AfcsField& field : message.fields) field.type = types[next++ % types.size()];
+  }
+  return profile;
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  static const AfcsCodec kCodecs[] = {AfcsCodec(ThesisAfcsProfile()), AfcsCodec(OtherProfile())};
+  if (size < 1) return 0;
+  const std::size_t which = data[0] % 2;
+  const AfcsCodec& codec = kCodecs[which];
+  AfcsReceiver receiver{codec};
+  std::span<const std::uint8_t> rest(data + 1, size - 1);
+  std::vector<std::optional<AfcsTime>> last(kAfcsMessageNames.size());
+  std::uint64_t datagrams = 0, accepted = 0;
+  while (!rest.empty()) {
+    const std::size_t length = std::min<std::size_t>(rest[0], rest.size() - 1);
+    const auto bytes = rest.subspan(1, length);
+    rest = rest.subspan(1 + length);
+    ++datagrams;
+    const auto received = receiver.Receive(bytes);
+    if (!received) continue;
+    ++accepted;
+    auto& before = last[received->message.index()];
+    Require(!before || *before < received->time);
+    before = received->time;
+    const Bytes again = codec.Encode(*received);
+    Require(again.size() == bytes.size());
+    const auto decoded = codec.Decode(again);
+    Require(std::holds_alternative<AfcsDatagram>(decoded));
+    Require(codec.Encode(std::get<AfcsDatagram>(decoded)) == again);  // not ==: NaN
+    Require(std::equal(again.begin(), again.begin() + static_cast<std::ptrdiff_t>(codec.header_bytes()),
+                       bytes.begin()));
+    if (which == 0 &&
+        received->message.index() == 3)  // the state has no padding, and every type holds its own
+      Require(std::equal(again.begin(), again.end(), bytes.begin()));
+  }
+  std::uint64_t refused = 0;
+  for (std::size_t why = 0; why < kAfcsRefusals; ++why)
+    refused += receiver.refused(static_cast<AfcsRefusal>(why));
+  Require(receiver.accepted() == accepted && accepted + refused == datagrams);
+  return 0;
+}
