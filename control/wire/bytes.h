@@ -22,7 +22,7 @@ template <Number T>
 void Append(Bytes& bytes, T value, std::endian order = std::endian::little) {
   auto raw = std::bit_cast<std::array<std::uint8_t, sizeof(T)>>(value);
   if (order != std::endian::native) std::reverse(raw.begin(), raw.end());
-  bytes.insert(bytes.end(), raw.begin(), raw.end());
+  for (const std::uint8_t byte : raw) bytes.push_back(byte);
 }
 
 // Reads one number after the other. What is beyond the end is 0 and leaves Good() false: callers check once,
