@@ -14,6 +14,7 @@
 #include "scenarios/caption.h"
 #include "scenarios/command_arrows.h"
 #include "sim/stopwatch.h"
+#include "vision/blank_image.h"
 #include "vision/frozen_image.h"
 
 namespace kestrel {
@@ -46,7 +47,8 @@ class AvoidMission final : public Mission {
     state_ = state, exposed_ = history_.At(frame.t_s).value_or(state);
     if (!begin_) begin_ = state.p_NB, course_ = YawOf(state.R_NB);
     Look(state);
-    sees_ = (!contrast_ || contrast_->Sees()) &&
+    blank_ = Blank(frame.image);
+    sees_ = !blank_ && (!contrast_ || contrast_->Sees()) &&
             std::all_of(watches_.begin(), watches_.end(), [](const BalloonWatch& w) { return w.Sees(); });
     if (sees_ || !saw_s_) saw_s_ = state.t_s;
     decision.target = Status();
@@ -135,6 +137,7 @@ class AvoidMission final : public Mission {
   }
 
   std::string_view Status() const {
+    if (blank_) return "blank";
     if (!sees_) {
       for (const BalloonWatch& watch : watches_)
         if (!watch.Sees()) return watch.status();
@@ -220,7 +223,7 @@ class AvoidMission final : public Mission {
 
   std::optional<Eigen::Vector3d> begin_;  // of the course, in N
   double course_ = 0;                     // rad, from north
-  bool sees_ = true;
+  bool blank_ = false, sees_ = true;
   std::optional<double> saw_s_;
   std::vector<Intruder> intruders_;
   struct Source {

@@ -209,12 +209,14 @@ TEST(Avoid, WhoHasNotBeenSeenForLongerThanItRemembersIsForgotten) {
   EXPECT_FALSE(f.See({}, 3).encounter);
 }
 
-TEST(Avoid, ABlackAWhiteAndAnImageOfAnotherColourTurnNothing) {
+TEST(Avoid, ABlackAWhiteAndAnImageOfOneColourTurnNothingAndStopIt) {
   for (const cv::Scalar& colour : {cv::Scalar(0, 0, 0), cv::Scalar(255, 255, 255), cv::Scalar(215, 30, 25)}) {
     Flyer f;
-    for (int i = 0; i < 8; ++i) {
+    for (int i = 0; i < 20; ++i) {
       const Decision d = f.See(f.pictures.Noisy(BallPictures::Plain(colour)));
-      EXPECT_EQ(d.phase, "cruise");
+      EXPECT_EQ(d.target, "blank");
+      EXPECT_EQ(d.phase, i < 11 ? "cruise" : "blind") << i;
+      EXPECT_EQ(Flyer::Command(d).v_H.x(), i < 11 ? kSpeed_m_s : 0.0) << i;
       EXPECT_NEAR(Flyer::Command(d).yaw_rate, 0, 1e-9);
     }
   }

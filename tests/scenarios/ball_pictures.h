@@ -42,6 +42,7 @@ class BallPictures {
   // What the camera sees of balls from there.
   cv::Mat Draw(const std::vector<Ball>& balls, const VehicleState& state) {
     cv::Mat image = Plain();
+    image.rowRange(200, 240).setTo(cv::Scalar(80, 95, 88));  // not blank without a ball
     for (const Ball& ball : balls) {
       const Eigen::Vector3d p_C = (Pose{state.R_NB, state.p_NB} * Mount()).Inverse() * ball.p_N;
       const auto cone = ConeOfSphere(p_C, ball.diameter_m / 2);
