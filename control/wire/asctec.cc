@@ -71,7 +71,9 @@ struct Filler {
   }
 };
 
-void AppendText(Bytes& bytes, std::string_view text) { bytes.insert(bytes.end(), text.begin(), text.end()); }
+void AppendText(Bytes& bytes, std::string_view text) {
+  for (const char c : text) bytes.push_back(static_cast<std::uint8_t>(c));
+}
 
 std::uint16_t CrcOf(std::span<const std::uint8_t> data) {
   Crc16 crc(kCrcBegin);
@@ -86,6 +88,7 @@ Bytes Frame(S message) {
   Layout(write, message);
   data.resize(S::kBytes);
   Bytes frame;
+  frame.reserve(S::kBytes + kTelemetryOverhead);
   AppendText(frame, kBegin);
   Append(frame, static_cast<std::uint16_t>(S::kBytes));
   Append(frame, S::kDescriptor);
