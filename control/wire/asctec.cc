@@ -88,6 +88,7 @@ Bytes Frame(S message) {
   Layout(write, message);
   data.resize(S::kBytes);
   Bytes frame;
+  frame.reserve(S::kBytes + kTelemetryOverhead);
   AppendText(frame, kBegin);
   Append(frame, static_cast<std::uint16_t>(S::kBytes));
   Append(frame, S::kDescriptor);

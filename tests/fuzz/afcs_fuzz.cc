@@ -7,9 +7,10 @@
 
 #include "control/wire/afcs.h"
 
-// The input is a row of datagrams, each behind a byte with its length, for one receiver: of the thesis's
-// profile or of another with every type and order in it. Whatever they are: what is accepted is encoded back
-// to the same datagram (but for padding), and the times of what is accepted of a type rise.
+// The input is a row of datagrams, each behind a byte with its length, or with the message that it is made to
+// be, for one receiver: of the thesis's profile or of another with every type and order in it. Whatever they
+// are: what is accepted is encoded back to the same datagram (but for padding), and the times of what is
+// accepted of a type rise.
 namespace {
 
 using namespace kestrel::wire;  // NOLINT(google-build-using-namespace)
@@ -32,6 +33,19 @@ AfcsProfile OtherProfile() {
   return profile;
 }
 
+// A datagram with the right header and length for a message, around some of the input.
+Bytes Made(const AfcsCodec& codec, std::size_t index, std::span<const std::uint8_t> input) {
+  static const AfcsMessage kMessages[] = {AfcsOpen{},     AfcsAck{},   AfcsClose{},  AfcsState{},
+                                          AfcsGpsState{}, AfcsFlyTo{}, AfcsTeleop{}, AfcsDesiredPosition{},
+                                          AfcsPlatform{}};
+  AfcsTime time;
+  if (input.size() >= 2) time = {input[0], input[1]};
+  Bytes bytes = codec.Encode({time, kMessages[index]});
+  for (std::size_t i = 2; i < input.size() && codec.header_bytes() + i - 2 < bytes.size(); ++i)
+    bytes[codec.header_bytes() + i - 2] = input[i];
+  return bytes;
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -44,9 +58,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   std::vector<std::optional<AfcsTime>> last(kAfcsMessageNames.size());
   std::uint64_t datagrams = 0, accepted = 0;
   while (!rest.empty()) {
-    const std::size_t length = std::min<std::size_t>(rest[0], rest.size() - 1);
-    const auto bytes = rest.subspan(1, length);
+    const std::size_t what = rest[0];
+    const std::size_t length = std::min<std::size_t>(what, rest.size() - 1);
+    const auto input = rest.subspan(1, length);
     rest = rest.subspan(1 + length);
+    Bytes bytes(input.begin(), input.end());
+    if (what >= 224) bytes = Made(codec, what % kAfcsMessageNames.size(), input);
     ++datagrams;
     const auto received = receiver.Receive(bytes);
     if (!received) continue;
