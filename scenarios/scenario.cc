@@ -23,13 +23,17 @@ namespace fs = std::filesystem;
 
 // A vehicle's file: the airframe, and how its autopilot is tuned.
 struct VehicleFile {
-  MultirotorParameters airframe;
+  std::string kind = "multirotor";
+  AirframeParameters airframe;
   AutopilotParameters autopilot;
 };
 
 template <class Visitor>
 void Fields(Visitor& v, VehicleFile& f) {
-  Fields(v, f.airframe);
+  v("kind", f.kind, {"multirotor", "helicopter"});
+  if (f.kind == "helicopter" && !std::holds_alternative<HelicopterParameters>(f.airframe))
+    f.airframe = HelicopterParameters{};
+  std::visit([&](auto& airframe) { Fields(v, airframe); }, f.airframe);
   v("autopilot", f.autopilot);
 }
 
@@ -263,6 +267,24 @@ void CheckTargets(const Scenario& s, const std::string& where, Mistakes& mistake
   }
 }
 
+// Whether an aircraft can carry its own weight.
+void CheckLift(const AirframeParameters& vehicle, const std::string& where, Mistakes& mistakes) {
+  const double mass = Mass_kg(vehicle), weight = mass * 9.80665, thrust = GreatestThrust_n(vehicle);
+  if (thrust < 1.2 * weight) {
+    mistakes.Add(
+        where, "mass_kg",
+        fmt::format(
+            "{} weighs {:.3g} N, and the rotors give {:.3g} N at most; valid: a fifth more than the weight",
+            mass, weight, thrust));
+  }
+  const auto* helicopter = std::get_if<HelicopterParameters>(&vehicle);
+  if (helicopter && HoverPower_w(*helicopter) > 0.9 * helicopter->drive.power_w) {
+    mistakes.Add(where, "drive.power_w",
+                 fmt::format("{:g} W, and hovering takes {:.0f} W; valid: a ninth more than that",
+                             helicopter->drive.power_w, HoverPower_w(*helicopter)));
+  }
+}
+
 std::vector<std::string> NotesOn(const Scenario& s, const CameraModel& camera) {
   std::vector<std::string> notes;
   if (const double covered = ShareCovered(camera); covered < 1) {
@@ -472,17 +494,8 @@ LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<s
   try {
     const ModelPtr model = MakeModel(
         sim.scene, false);  // world, vehicle and pad together: what only the compiler of MuJoCo can refuse
-    const Multirotor vehicle_in_it(sim.vehicle, model.get());
-    const RotorParameters& rotor = sim.vehicle.rotor;
-    const double thrust = 4 * rotor.thrust_coefficient_n_s2 * rotor.max_speed_rad_s * rotor.max_speed_rad_s;
-    const double weight = sim.vehicle.mass_kg * 9.80665;
-    if (thrust < 1.2 * weight) {
-      mistakes.Add(
-          sim.scene.vehicle.replace_extension(".yaml").string(), "mass_kg",
-          fmt::format(
-              "{} weighs {:.3g} N, and the rotors give {:.3g} N at most; valid: a fifth more than the weight",
-              sim.vehicle.mass_kg, weight, thrust));
-    }
+    MakeAirframe(sim.vehicle, model.get(), false);
+    CheckLift(sim.vehicle, vehicle_file.string(), mistakes);
   } catch (const std::exception& e) {
     mistakes.Add(where, "", e.what());
   }

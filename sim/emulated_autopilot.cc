@@ -10,11 +10,6 @@ namespace kestrel {
 namespace {
 
 constexpr double kGravity = 9.80665;
-// The inner loop that makes the aircraft follow the identified model: fast against it, slow against the
-// motors.
-constexpr double kInnerFrequency_rad_s = 20;
-constexpr double kInnerDamping = 0.9;
-constexpr double kYawInnerFrequency_rad_s = 8;
 constexpr double kYawGain_per_s = 1.0;
 constexpr double kIntegralLimit_m_s2 = 6;
 constexpr double kDragTime_s = 0.15;
@@ -44,10 +39,11 @@ void EmulatedAutopilot::AxisState::Step(double dt_s, const AxisLoop& loop, doubl
 }
 
 EmulatedAutopilot::EmulatedAutopilot(const AutopilotParameters& parameters, const SensorParameters& sensors,
-                                     const MultirotorParameters& aircraft, const Pose& X_NB, bool flying,
+                                     const AirframeParameters& aircraft, const Pose& X_NB, bool flying,
                                      const Eigen::Vector3d& gyro_bias)
     : parameters_(parameters),
       aircraft_(aircraft),
+      stabiliser_(MakeStabiliser(aircraft)),
       navigation_(sensors, parameters.command_timeout_s, X_NB, gyro_bias),
       mode_(flying ? FlightMode::kPosition : FlightMode::kStopped) {
   hold_ = {X_NB.p, YawOf(X_NB.R)};
@@ -77,10 +73,11 @@ void EmulatedAutopilot::Send(const Setpoint& setpoint) {
   if (std::holds_alternative<AttitudeSetpoint>(setpoint)) mode_ = FlightMode::kAttitude;
 }
 
-RotorSpeeds EmulatedAutopilot::Step(double dt_s, const SensorReadings& readings) {
+Actuation EmulatedAutopilot::Step(double dt_s, const SensorReadings& readings) {
   t_s_ += dt_s;
   setpoint_age_s_ += dt_s;
   navigation_.Step(dt_s, t_s_, readings);
+  rotor_rad_s_ = readings.rotor_rad_s;
   // Across the thrust an accelerometer feels nothing but the air's drag: leaned against at once, it does not
   // have to become an error of velocity first.
   Eigen::Vector3d drag_B = readings.imu.specific_force_B;
@@ -88,7 +85,7 @@ RotorSpeeds EmulatedAutopilot::Step(double dt_s, const SensorReadings& readings)
   Eigen::Vector3d drag_N = navigation_.InUse().X_NB().R * drag_B;
   drag_N.z() = 0;
   drag_N_ += (1 - std::exp(-dt_s / kDragTime_s)) * (drag_N - drag_N_);
-  if (mode_ == FlightMode::kStopped) return {};
+  if (mode_ == FlightMode::kStopped) return Stopped(aircraft_);
   // A position stands until the next one; velocities and attitudes must be kept up.
   if ((mode_ == FlightMode::kVelocity || mode_ == FlightMode::kAttitude) &&
       setpoint_age_s_ > parameters_.command_timeout_s) {
@@ -96,7 +93,7 @@ RotorSpeeds EmulatedAutopilot::Step(double dt_s, const SensorReadings& readings)
     hold_ = {navigation_.InUse().X_NB().p, YawOf(navigation_.InUse().X_NB().R)};
   }
   const Demand demand = Navigate(dt_s);
-  if (mode_ == FlightMode::kStopped) return {};
+  if (mode_ == FlightMode::kStopped) return Stopped(aircraft_);
   return Stabilise(dt_s, demand);
 }
 
@@ -116,11 +113,10 @@ EmulatedAutopilot::Demand EmulatedAutopilot::Navigate(double dt_s) {
       const double limit = Radians(parameters_.stick_limit_deg);
       tilt_limited_ = std::abs(a.roll) * parameters_.roll.gain > limit ||
                       std::abs(a.pitch) * parameters_.pitch.gain > limit;
-      const double max_thrust =
-          4 * aircraft_.rotor.thrust_coefficient_n_s2 * std::pow(aircraft_.rotor.max_speed_rad_s, 2);
-      return {a.roll, a.pitch, a.yaw_rate, std::clamp(a.thrust, 0.0, 1.0) * max_thrust};
+      return {a.roll, a.pitch, a.yaw_rate, std::clamp(a.thrust, 0.0, 1.0) * GreatestThrust_n(aircraft_)};
     }
     case FlightMode::kTakeOff: {
+      if (!std::visit([&](const auto& s) { return s.Ready(Sensed()); }, stabiliser_)) return {};
       Eigen::Vector3d v = VelocityToward(hold_.p_N);
       v.z() = -kTakeOffClimb_m_s;
       if (navigation_.InUse().X_NB().p.z() < hold_.p_N.z() - kClearOfGround_m) {
@@ -180,13 +176,13 @@ EmulatedAutopilot::Demand EmulatedAutopilot::FollowVelocity(double dt_s, const E
   demand.yaw_rate = yaw_rate;
   const TaitBryan now = TaitBryanFromRotation(navigation_.InUse().X_NB().R.toRotationMatrix());
   const double upright = std::max(0.5, std::cos(now.roll) * std::cos(now.pitch));
-  demand.thrust_n = aircraft_.mass_kg * std::max(0.0, kGravity - a_N.z()) / upright * throttle_down_;
+  demand.thrust_n = Mass_kg(aircraft_) * std::max(0.0, kGravity - a_N.z()) / upright * throttle_down_;
   return demand;
 }
 
 // Makes the aircraft follow the identified models, whose state is the reference: feed-forward of its
-// acceleration, feedback on attitude and rate.
-RotorSpeeds EmulatedAutopilot::Stabilise(double dt_s, const Demand& demand) {
+// acceleration, feedback on attitude and rate by the inner loop.
+Actuation EmulatedAutopilot::Stabilise(double dt_s, const Demand& demand) {
   const double limit =
       Radians(mode_ == FlightMode::kAttitude ? parameters_.stick_limit_deg : parameters_.tilt_limit_deg);
   const double rate_limit = Radians(parameters_.yaw_rate_limit_deg_s);
@@ -206,14 +202,19 @@ RotorSpeeds EmulatedAutopilot::Stabilise(double dt_s, const Demand& demand) {
   const Eigen::Vector3d w(roll_.rate - sp * yaw_.rate, cr * pitch_.rate + sr * cp * yaw_.rate,
                           -sr * pitch_.rate + cr * cp * yaw_.rate);
   const Eigen::Vector3d feed(roll_.acceleration, pitch_.acceleration, yaw_.acceleration);
-  const Eigen::Vector3d frequency(kInnerFrequency_rad_s, kInnerFrequency_rad_s, kYawInnerFrequency_rad_s);
-  const Eigen::Vector3d alpha = feed + frequency.cwiseAbs2().cwiseProduct(error_B) +
-                                2 * kInnerDamping * frequency.cwiseProduct(w - navigation_.InUse().w_B());
-  const Eigen::Vector3d torque_B = aircraft_.inertia_kg_m2.cwiseProduct(alpha);
-  const RotorSpeeds speeds = Allocate(aircraft_, demand.thrust_n, torque_B);
-  const double most = aircraft_.rotor.max_speed_rad_s * 0.999;
-  rotor_limited_ = std::any_of(speeds.begin(), speeds.end(), [&](double s) { return s >= most; });
-  return speeds;
+  const AttitudeDemand attitude{error_B, w, feed, demand.thrust_n};
+  return std::visit(
+      [&](auto& stabiliser) {
+        const Actuation actuation = stabiliser.Step(dt_s, attitude, Sensed());
+        rotor_limited_ = stabiliser.limited();
+        return actuation;
+      },
+      stabiliser_);
+}
+
+SensedMotion EmulatedAutopilot::Sensed() const {
+  const StateEstimator& estimate = navigation_.InUse();
+  return {estimate.w_B(), -(estimate.X_NB().R.conjugate() * estimate.v_N()).z(), rotor_rad_s_};
 }
 
 void EmulatedAutopilot::WatchTouchDown(double dt_s, double descent_wanted) {
@@ -239,6 +240,7 @@ void EmulatedAutopilot::StopMotors() {
   touch_s_ = 0;
   integral_N_.setZero();
   tilt_limited_ = rotor_limited_ = false;
+  std::visit([](auto& s) { s.Stop(); }, stabiliser_);
 }
 
 VehicleState EmulatedAutopilot::State() const {

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "control/autopilot.h"
-#include "sim/multirotor.h"
+#include "sim/airframe.h"
 #include "sim/navigation.h"
 #include "sim/sensors.h"
 
@@ -66,13 +66,13 @@ class EmulatedAutopilot {
  public:
   // Switched on at the pose; flying: in the air, motors on, holding that place, otherwise on the ground.
   EmulatedAutopilot(const AutopilotParameters& parameters, const SensorParameters& sensors,
-                    const MultirotorParameters& aircraft, const Pose& X_NB, bool flying,
+                    const AirframeParameters& aircraft, const Pose& X_NB, bool flying,
                     const Eigen::Vector3d& gyro_bias);
 
   void Send(const Setpoint& setpoint);
   void Aid(const AttitudeAid& aid) { navigation_.Aid(aid); }
-  // Advances by one step of the simulation; returns the commanded rotor speeds, rad/s.
-  RotorSpeeds Step(double dt_s, const SensorReadings& readings);
+  // Advances by one step of the simulation; returns what the aircraft's rotors are to do.
+  Actuation Step(double dt_s, const SensorReadings& readings);
 
   VehicleState State() const;
   double t_s() const { return t_s_; }
@@ -91,14 +91,17 @@ class EmulatedAutopilot {
   Demand Navigate(double dt_s);
   Demand FollowVelocity(double dt_s, const Eigen::Vector3d& v_N_wanted, double yaw_rate);
   Eigen::Vector3d VelocityToward(const Eigen::Vector3d& p_N) const;
-  RotorSpeeds Stabilise(double dt_s, const Demand& demand);
+  Actuation Stabilise(double dt_s, const Demand& demand);
+  SensedMotion Sensed() const;
   void WatchTouchDown(double dt_s, double descent_wanted);
   void StopMotors();
 
   AutopilotParameters parameters_;
-  MultirotorParameters aircraft_;
+  AirframeParameters aircraft_;
+  Stabiliser stabiliser_;
   Navigation navigation_;
   double t_s_ = 0;
+  double rotor_rad_s_ = 0;  // of the tachometer
 
   FlightMode mode_;
   Setpoint setpoint_;

@@ -3,11 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
-#include <stdexcept>
-#include <string>
-
-#include "sim/frames.h"
 
 namespace kestrel {
 namespace {
@@ -63,31 +58,9 @@ Wrench AerodynamicWrench(const MultirotorParameters& p, const RotorSpeeds& speed
 }
 
 Multirotor::Multirotor(const MultirotorParameters& parameters, mjModel* model, const char* body_name)
-    : parameters_(parameters), body_(mj_name2id(model, mjOBJ_BODY, body_name)) {
-  if (body_ < 0) throw std::invalid_argument("the model has no body named " + std::string(body_name));
-  const int joint = model->body_jntadr[body_];
-  if (joint < 0 || model->jnt_type[joint] != mjJNT_FREE) {
-    throw std::invalid_argument("the body " + std::string(body_name) + " has no free joint");
-  }
-  position_ = model->jnt_qposadr[joint];
-  velocity_ = model->jnt_dofadr[joint];
-  gravity_m_s2_ = mju_norm3(model->opt.gravity);
-
-  model->body_mass[body_] = parameters.mass_kg;
-  mju_copy3(model->body_inertia + 3 * body_, parameters.inertia_kg_m2.data());
-  mju_zero3(model->body_ipos + 3 * body_);
-  mju_unit4(model->body_iquat + 4 * body_);
-
-  // mj_setConst brings what is derived from mass and inertia up to date. It also measures the model afresh,
-  // over what the file says of its extent and centre, which the near and far planes of every camera depend
-  // on.
-  const mjStatistic file = model->stat;
-  const std::unique_ptr<mjData, decltype(&mj_deleteData)> data(mj_makeData(model), mj_deleteData);
-  mj_setConst(model, data.get());
-  model->stat.extent = file.extent;
-  model->stat.meansize = file.meansize;
-  mju_copy3(model->stat.center, file.center);
-}
+    : parameters_(parameters),
+      body_(parameters.mass_kg, parameters.inertia_kg_m2, model, body_name),
+      gravity_m_s2_(mju_norm3(model->opt.gravity)) {}
 
 void Multirotor::Command(const RotorSpeeds& speeds) {
   for (std::size_t i = 0; i < 4; ++i)
@@ -98,18 +71,14 @@ void Multirotor::Apply(mjData* data, double dt_s, const Eigen::Vector3d& wind_N,
   for (std::size_t i = 0; i < 4; ++i)
     speeds_[i] = StepMotor(parameters_.rotor, speeds_[i], command_[i], dt_s);
 
-  const Pose X_NB = PoseFromMujoco(data->qpos + position_);
-  const Eigen::Vector3d v_N = VectorFromMujoco(data->qvel + velocity_);
-  const Eigen::Vector3d w_B = VectorFromMujoco(data->qvel + velocity_ + 3);
+  const Pose X_NB = body_.X_NB(data);
   const auto hubs = Hubs(parameters_);
   std::array<double, 4> heights_m;
   for (std::size_t i = 0; i < 4; ++i) heights_m[i] = -(X_NB * hubs[i]).z() - surface_m;
 
-  const Wrench wrench =
-      AerodynamicWrench(parameters_, speeds_, X_NB.R.conjugate() * (v_N - wind_N), w_B, heights_m);
-  mjtNum* const applied = data->xfrc_applied + 6 * body_;  // force, then torque, at the centre of mass, in M
-  VectorToMujoco(X_NB.R * wrench.force, applied);
-  VectorToMujoco(X_NB.R * wrench.torque, applied + 3);
+  body_.Push(AerodynamicWrench(parameters_, speeds_, X_NB.R.conjugate() * (body_.v_N(data) - wind_N),
+                               body_.w_B(data), heights_m),
+             data);
 }
 
 bool Multirotor::saturated() const {

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <array>
 
+#include "sim/free_body.h"
 #include "sim/rotor.h"
 
 namespace kestrel {
@@ -46,8 +47,7 @@ Wrench AerodynamicWrench(const MultirotorParameters& p, const RotorSpeeds& speed
 // The aircraft in a MuJoCo model: a body with a free joint.
 class Multirotor {
  public:
-  // Writes mass and inertia into the model; the origin of the body becomes its centre of mass. Throws
-  // std::invalid_argument if the model has no such body or the body no free joint.
+  // As FreeBody has it.
   Multirotor(const MultirotorParameters& parameters, mjModel* model, const char* body_name = "vehicle");
 
   // Speeds asked of the motors, rad/s; brought into [0, max].
@@ -70,8 +70,8 @@ class Multirotor {
 
  private:
   MultirotorParameters parameters_;
+  FreeBody body_;
   double gravity_m_s2_;
-  int body_, position_, velocity_;  // indices into the bodies, qpos and qvel of MuJoCo
   RotorSpeeds command_{}, speeds_{};
 };
 

@@ -3,6 +3,8 @@
 
 #include <Eigen/Core>
 
+#include "sim/wrench.h"
+
 namespace kestrel {
 
 constexpr double kAirDensity = 1.225;  // kg/m3, standard atmosphere at sea level
@@ -34,12 +36,6 @@ void Fields(Visitor& v, RotorParameters& p) {
   v("time_constant_down_s", p.time_constant_down_s, 1e-4, 1.0);
   v("max_speed_rad_s", p.max_speed_rad_s, 10.0, 10000.0);
 }
-
-// Force, N, and torque, N m, in B.
-struct Wrench {
-  Eigen::Vector3d force = Eigen::Vector3d::Zero();
-  Eigen::Vector3d torque = Eigen::Vector3d::Zero();
-};
 
 // Which way a rotor turns, seen from above.
 enum class Spin { kClockwise = 1, kCounterclockwise = -1 };

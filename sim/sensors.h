@@ -88,6 +88,7 @@ struct SensorReadings {
   std::optional<GpsSample> gps;
   std::optional<double> height_m;          // of the barometer, above the origin of N
   std::optional<Eigen::Vector3d> field_B;  // magnetometer, T
+  double rotor_rad_s = 0;                  // tachometer of a helicopter's main rotor
 };
 
 // The earth's magnetic field in N, T: Madrid, 44.5 uT with a dip of 55 degrees; declination left out, so that

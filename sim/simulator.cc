@@ -61,7 +61,7 @@ Simulator::Simulator(const SimulatorParameters& parameters)
     : parameters_(WithScatterDrawn(parameters)),
       model_(MakeModel(SceneOf(parameters))),
       data_(MakeData(model_.get())),
-      vehicle_(parameters.vehicle, model_.get()),
+      vehicle_(MakeAirframe(parameters.vehicle, model_.get(), !parameters.start.on_ground)),
       wind_(parameters.wind, parameters.seed),
       sensors_(parameters.sensors, parameters.seed),
       X_BC_(MountPose(parameters.mount)),
@@ -162,7 +162,7 @@ void Simulator::Step() {
   const double dt = model_->opt.timestep;
   const Truth before = truth_;
   wind_.Step(dt, before.X_NT.p.z() - before.X_NB.p.z(), before.v_N);
-  vehicle_.Apply(data_.get(), dt, wind_.Velocity(), -before.X_NT.p.z());
+  Apply(vehicle_, data_.get(), dt, wind_.Velocity(), -before.X_NT.p.z());
   MoveTargets();
   mj_step(model_.get(), data_.get());
   ++steps_;
@@ -175,8 +175,9 @@ void Simulator::Step() {
   truth_ = Look();
   const Eigen::Vector3d specific_force_B =
       truth_.X_NB.R.conjugate() * ((truth_.v_N - before.v_N) / dt - Eigen::Vector3d(0, 0, 9.80665));
-  const SensorReadings readings = sensors_.Read(dt, truth_.X_NB, truth_.v_N, truth_.w_B, specific_force_B);
-  vehicle_.Command(autopilot_->Step(dt, readings));
+  SensorReadings readings = sensors_.Read(dt, truth_.X_NB, truth_.v_N, truth_.w_B, specific_force_B);
+  Disturb(vehicle_, readings);
+  Command(vehicle_, autopilot_->Step(dt, readings));
   if (!State().R_NB.coeffs().allFinite() || !State().p_NB.allFinite()) {
     throw RunError(fmt::format("at {:.3f} s: the autopilot's estimate is not a number", truth_.t_s));
   }

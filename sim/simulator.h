@@ -11,11 +11,11 @@
 #include <vector>
 
 #include "control/autopilot.h"
+#include "sim/airframe.h"
 #include "sim/camera_faults.h"
 #include "sim/emulated_autopilot.h"
 #include "sim/image_sensor.h"
 #include "sim/instants.h"
-#include "sim/multirotor.h"
 #include "sim/renderer.h"
 #include "sim/scene.h"
 #include "sim/sensors.h"
@@ -84,7 +84,7 @@ void Fields(Visitor& v, OcclusionParameters& p) {
 
 struct SimulatorParameters {
   SceneParameters scene;
-  MultirotorParameters vehicle;
+  AirframeParameters vehicle;
   AutopilotParameters autopilot;
   SensorParameters sensors;
   CameraModel camera;
@@ -161,7 +161,7 @@ class Simulator final : public Camera, public Autopilot {
   SimulatorParameters parameters_;  // with the camera's scatter drawn
   ModelPtr model_;
   DataPtr data_;
-  Multirotor vehicle_;
+  Airframe vehicle_;
   Wind wind_;
   Sensors sensors_;
   std::unique_ptr<EmulatedAutopilot> autopilot_;

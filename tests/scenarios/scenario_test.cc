@@ -95,7 +95,7 @@ TEST_F(ScenarioTest, AFileNeedsNothingButItsMission) {
   const LoadedScenario loaded = LoadScenario(Write("my_flight.yaml", "mission: hover\n"));
   EXPECT_EQ(loaded.scenario.name, "my_flight");
   EXPECT_EQ(std::get<HoverFlight>(loaded.scenario.flight).height_m, HoverFlight{}.height_m);
-  EXPECT_EQ(loaded.simulator.vehicle.mass_kg, 1.3);
+  EXPECT_EQ(std::get<MultirotorParameters>(loaded.simulator.vehicle).mass_kg, 1.3);
   EXPECT_EQ(WidthPx(loaded.simulator.camera), 640);
   EXPECT_EQ(loaded.simulator.autopilot.roll.gain, 0.80);
   EXPECT_EQ(loaded.simulator.scene.pad.size_m, Eigen::Vector2d(1.19, 0.91));

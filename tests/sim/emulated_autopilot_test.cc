@@ -65,7 +65,7 @@ class Flight {
         vehicle_({}, model_.get()),
         wind_(c.wind, c.seed),
         sensors_(c.sensors, c.seed),
-        autopilot(c.autopilot, c.sensors, {}, X_NB, flying, Vector3d::Zero()) {
+        autopilot(c.autopilot, c.sensors, MultirotorParameters{}, X_NB, flying, Vector3d::Zero()) {
     PoseToMujoco(X_NB, data_->qpos);
     mj_forward(model_.get(), data_.get());
   }
@@ -77,7 +77,8 @@ class Flight {
     mj_step(model_.get(), data_.get());
     t_s += kDt;
     const Vector3d force_B = X_NB().R.conjugate() * ((v_N() - before) / kDt - Vector3d(0, 0, kGravity));
-    vehicle_.Command(autopilot.Step(kDt, sensors_.Read(kDt, X_NB(), v_N(), w_B(), force_B)));
+    vehicle_.Command(
+        std::get<RotorSpeeds>(autopilot.Step(kDt, sensors_.Read(kDt, X_NB(), v_N(), w_B(), force_B))));
   }
   // With nothing sent; with a setpoint kept up at 20 Hz. each: called after every step.
   void Run(double duration_s, auto each) {

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+namespace kestrel {
+
+// The heading-hold gyro between pedals and tail rotor, as model helicopters have: it turns the aircraft at
+// the rate that the pedals ask for, and its integral holds the heading. Its own rate sensor is taken for
+// perfect.
+struct HeadingGyroParameters {
+  double gain_s = 0.08;   // pitch of the tail rotor per rate, rad per rad/s
+  double integral = 0.3;  // and per angle
+};
+
+template <class Visitor>
+void Fields(Visitor& v, HeadingGyroParameters& p) {
+  v("gain_s", p.gain_s, 0.0, 5.0);
+  v("integral", p.integral, 0.0, 20.0);
+}
+
+// The pitch asked of the tail rotor, rad, within its limits. error_rad_s: how much faster the aircraft should
+// turn the way in which the tail rotor pushes. integral: rad, kept by the caller; it stands still at a limit.
+double HeadingGyro(const HeadingGyroParameters& p, double error_rad_s, double low, double high, double dt_s,
+                   double& integral);
+
+}  // namespace kestrel
