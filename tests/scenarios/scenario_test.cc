@@ -445,6 +445,25 @@ TEST_F(ScenarioTest, MistakesInACalibrationFileNameTheParameter) {
               ElementsAre(AllOf(StartsWith(camera + ":5: cam0.xi: -1 is out of range"))));
 }
 
+TEST_F(ScenarioTest, TheVehicleBringsItsKindAndItsAutopilot) {
+  const LoadedScenario loaded = LoadScenario("hover", {"vehicle=sr20"});
+  EXPECT_EQ(std::get<HelicopterParameters>(loaded.simulator.vehicle).mass_kg, 9.5);
+  EXPECT_EQ(loaded.simulator.autopilot.roll.gain, 1.0);
+  EXPECT_EQ(loaded.simulator.scene.vehicle.filename(), "sr20.xml");
+  EXPECT_TRUE(std::holds_alternative<HelicopterParameters>(
+      LoadScenario("landing", {"vehicle=sra1"}).simulator.vehicle));
+}
+
+TEST_F(ScenarioTest, AHelicopterMustHaveThePowerToHover) {
+  CopyRoot();
+  Replace("models/vehicles/sr20/sr20.yaml", "power_w: 1400", "power_w: 900");
+  EXPECT_THAT(Refusal("hover", {"vehicle=sr20"}),
+              ElementsAre(AllOf(HasSubstr("sr20.yaml"), HasSubstr("drive.power_w: 900 W"))));
+  Replace("models/vehicles/sr20/sr20.yaml", "kind: helicopter", "kind: airship");
+  EXPECT_THAT(Refusal("hover", {"vehicle=sr20"}),
+              Contains(AllOf(HasSubstr("sr20.yaml"), HasSubstr("airship"))));
+}
+
 TEST_F(ScenarioTest, MistakesOfTheModelsNameTheirOwnFiles) {
   CopyRoot();
   Replace("models/vehicles/pelican/pelican.yaml", "mass_kg: 1.3", "mass_kg: 1300");

@@ -17,7 +17,7 @@ using Eigen::Vector3d;
 constexpr double kSpeed = 125;
 
 FlappingState After(const PitchedRotorParameters& rotor, const FlappingParameters& p, Spin spin,
-                  const FlappingInput& input, double duration_s) {
+                    const FlappingInput& input, double duration_s) {
   FlappingState state;
   for (double t = 0; t < duration_s - 1e-9; t += 0.001)
     state = StepFlapping(rotor, p, spin, kSpeed, state, input, 0.001);
