@@ -46,9 +46,12 @@ bool MovingTarget::Correct(double t_s, const Eigen::Vector3d& p_CT, const Eigen:
       filter_ = predicted;
     }
   }
-  if (!filter_)
+  if (!filter_) {
+    measurements_ = 0;
     filter_.emplace(p_NT, std::sqrt(P.trace()), Eigen::Vector3d::Zero(), kFirstSpeed_m_s,
                     options_.acceleration_m_s2);
+  }
+  ++measurements_;
   odd_since_s_.reset();
   filter_t_s_ = t_s;
   return true;
@@ -67,7 +70,7 @@ std::optional<MovingTarget::Estimate> MovingTarget::At(double t_s) const {
   const double age_s = t_s - filter_t_s_;
   const Eigen::Matrix3d v_covariance = filter_->covariance().bottomRightCorner<3, 3>();
   return Estimate{filter_->position() + age_s * filter_->velocity() + last_->p_NB - summed_N_,
-                  filter_->velocity(), std::sqrt(v_covariance.diagonal().maxCoeff()), age_s};
+                  filter_->velocity(), std::sqrt(v_covariance.diagonal().maxCoeff()), age_s, measurements_};
 }
 
 Eigen::Vector3d LevelAhead(const Eigen::Vector3d& p_NT, const Eigen::Vector3d& p_N, double yaw) {

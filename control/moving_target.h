@@ -34,6 +34,7 @@ class MovingTarget {
     Eigen::Vector3d v_N = Eigen::Vector3d::Zero();  // m/s
     double v_sigma = 0;                             // of any component of it, at most
     double age_s = 0;                               // since the exposure of the last measurement
+    int measurements = 0;                           // that agree with each other
   };
 
   MovingTarget(const Pose& X_BC, const MovingTargetOptions& options);
@@ -59,6 +60,7 @@ class MovingTarget {
   Eigen::Vector3d summed_N_ = Eigen::Vector3d::Zero();
   std::optional<ConstantVelocityFilter> filter_;
   double filter_t_s_ = 0;
+  int measurements_ = 0;
   std::optional<double> odd_since_s_;
 };
 

@@ -25,6 +25,8 @@ constexpr double kYawGain_per_s = 1.2;
 constexpr double kOnCourse_m = 0.5;  // from its line
 constexpr double kArrived_m = 0.5;
 constexpr double kBlind_s = 0.5;  // without sight it flies on no longer: who does not see must not go ahead
+constexpr int kSightings = 5;     // before anybody is believed to be there
+constexpr double kSlope = 0.2;    // of the climb or descent of the others, and of what is measured of them
 constexpr double kStands_m_s = 0.3;  // what is slower than its speed is known stands still
 
 class AvoidMission final : public Mission {
@@ -128,7 +130,12 @@ class AvoidMission final : public Mission {
   }
 
   void Add(const MovingTarget::Estimate& where, std::size_t watch, const VehicleState& state) {
-    if (where.age_s > flight_.memory_s) return;
+    if (where.age_s > flight_.memory_s || where.measurements < kSightings) return;
+    // Who passes far above or below is no threat, and what is seen far below is often the ground.
+    const AvoidanceOptions& o = flight_.avoidance;
+    if (std::abs(where.p_N.z() - state.p_NB.z()) >
+        o.clear_share * o.safe_m + kSlope * (where.p_N - state.p_NB).head<2>().norm())
+      return;
     const bool stands = where.v_N.norm() < std::max(kStands_m_s, 2 * where.v_sigma);
     const Eigen::Vector3d p_N = where.p_N - (stands ? where.age_s : 0) * where.v_N;
     intruders_.push_back({(p_N - state.p_NB).head<2>(),

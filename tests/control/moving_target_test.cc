@@ -161,6 +161,14 @@ TEST(MovingTarget, WhatIsSeenFarFromWhereItShouldBeIsBelievedOnceItLasts) {
   EXPECT_EQ(target.At(lasting_s)->v_N, Vector3d::Zero());
 }
 
+TEST(MovingTarget, ItCountsWhatAgreesAndBeginsAnewWithWhatItBelievesInstead) {
+  MovingTarget target = Watched();
+  EXPECT_EQ(target.At(kEnd_s)->measurements, 120);
+  target.Forget();
+  target.Correct(kEnd_s, Seen(kEnd_s), kCovariance);
+  EXPECT_EQ(target.At(kEnd_s)->measurements, 1);
+}
+
 TEST(MovingTarget, AMistakeInBetweenIsForgottenByTheNextGoodMeasurement) {
   MovingTarget target = Watched();
   for (int i = 0; i < 20; ++i) {

@@ -99,6 +99,24 @@ TEST(Avoid, WhatStandsAsideOfTheCourseIsLeftThere) {
   EXPECT_NEAR(Flyer::Command(d).yaw_rate, 0, 1e-9);
 }
 
+TEST(Avoid, WhoIsSeenOnceOrFarAboveOrBelowIsNoThreat) {
+  Flyer once;
+  EXPECT_FALSE(once.See({Mark(10, 0.4)}, 4).encounter);
+  for (int i = 0; i < 20; ++i) EXPECT_EQ(once.See(std::vector<Ball>{}).phase, "cruise");
+  for (const double height : {3.5, -3.5}) {
+    Ball ball = Mark(5, 0.2);
+    ball.p_N.z() -= height;
+    Flyer f;
+    for (int i = 0; i < 16; ++i) {
+      const Decision d = f.See(std::vector<Ball>{ball});
+      EXPECT_EQ(d.phase, "cruise") << height;
+      if (i > 6 && i < 10) {
+        EXPECT_EQ(d.target, "tracked") << height;
+      }
+    }
+  }
+}
+
 TEST(Avoid, WithoutAvoidingItSeesThemAndNeverTurns) {
   AvoidFlight flight = Flyer::Flight();
   flight.avoids = false;
