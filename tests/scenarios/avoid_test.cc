@@ -103,8 +103,8 @@ TEST(Avoid, WhoIsSeenOnceOrFarAboveOrBelowIsNoThreat) {
   Flyer once;
   EXPECT_FALSE(once.See({Mark(10, 0.4)}, 4).encounter);
   for (int i = 0; i < 20; ++i) EXPECT_EQ(once.See(std::vector<Ball>{}).phase, "cruise");
-  for (const double height : {3.5, -3.5}) {
-    Ball ball = Mark(5, 0.2);
+  for (const double height : {4.9, -4.9}) {
+    Ball ball = Mark(9.5, 0.2);
     ball.p_N.z() -= height;
     Flyer f;
     for (int i = 0; i < 16; ++i) {
