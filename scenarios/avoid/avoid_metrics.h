@@ -28,8 +28,7 @@ std::vector<std::string> AvoidMetricNames();
 //   closest_m            least distance to any target
 //   closest_s            when
 //   closest_share        of what the thesis's bearing allows past a thing that stands still: the distance
-//   when one
-//                        was first held at a bearing, times the sine of 50 degrees
+//                        when one was first held at a bearing, times the sine of 50 degrees
 //   manoeuvred           1: a bearing was held at all
 //   manoeuvre_s          when first
 //   manoeuvre_height_m   farthest from the height at the beginning
