@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "control/autopilot.h"
 
+#include <cmath>
+
 namespace kestrel {
 
 const char* NameOf(FlightMode mode) {
@@ -19,6 +21,25 @@ const char* NameOf(FlightMode mode) {
       return "hold";
   }
   return "?";
+}
+
+bool Finite(const VehicleState& s) {
+  return std::isfinite(s.t_s) && s.p_NB.allFinite() && s.v_N.allFinite() && s.R_NB.coeffs().allFinite() &&
+         s.w_B.allFinite();
+}
+
+bool Finite(const Setpoint& setpoint) {
+  struct Visitor {
+    bool operator()(const VelocitySetpoint& s) const {
+      return s.v_H.allFinite() && std::isfinite(s.yaw_rate);
+    }
+    bool operator()(const PositionSetpoint& s) const { return s.p_N.allFinite() && std::isfinite(s.yaw); }
+    bool operator()(const AttitudeSetpoint& s) const {
+      return std::isfinite(s.roll) && std::isfinite(s.pitch) && std::isfinite(s.yaw_rate) &&
+             std::isfinite(s.thrust);
+    }
+  };
+  return std::visit(Visitor{}, setpoint);
 }
 
 }  // namespace kestrel

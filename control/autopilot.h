@@ -70,4 +70,8 @@ class Autopilot {
 
 const char* NameOf(FlightMode mode);
 
+// Whether every number of it is one; of a state, all but what its own sensors alone would say.
+bool Finite(const VehicleState& state);
+bool Finite(const Setpoint& setpoint);
+
 }  // namespace kestrel

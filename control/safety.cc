@@ -9,25 +9,6 @@
 namespace kestrel {
 namespace {
 
-bool Finite(const VehicleState& s) {
-  return std::isfinite(s.t_s) && s.p_NB.allFinite() && s.v_N.allFinite() && s.R_NB.coeffs().allFinite() &&
-         s.w_B.allFinite();
-}
-
-bool Finite(const Setpoint& setpoint) {
-  struct Visitor {
-    bool operator()(const VelocitySetpoint& s) const {
-      return s.v_H.allFinite() && std::isfinite(s.yaw_rate);
-    }
-    bool operator()(const PositionSetpoint& s) const { return s.p_N.allFinite() && std::isfinite(s.yaw); }
-    bool operator()(const AttitudeSetpoint& s) const {
-      return std::isfinite(s.roll) && std::isfinite(s.pitch) && std::isfinite(s.yaw_rate) &&
-             std::isfinite(s.thrust);
-    }
-  };
-  return std::visit(Visitor{}, setpoint);
-}
-
 Hazard Judge(const Situation& now, const SafetyLimits& l) {
   if (!now.pilot_allows) return Hazard::kPilot;
   if (!now.state_age_s || !(*now.state_age_s <= l.state_s) || !Finite(now.state)) return Hazard::kStateLost;

@@ -30,15 +30,9 @@ void Check(const Decision& decision, double t_s) {
   }
   if (decision.aid) RequireNumbers(decision.aid->R_NB.coeffs().allFinite(), "the attitude aid", t_s);
   if (!decision.setpoint) return;
-  if (const auto* v = std::get_if<VelocitySetpoint>(&*decision.setpoint)) {
-    RequireNumbers(v->v_H.allFinite() && std::isfinite(v->yaw_rate), "the velocity setpoint", t_s);
-  } else if (const auto* p = std::get_if<PositionSetpoint>(&*decision.setpoint)) {
-    RequireNumbers(p->p_N.allFinite() && std::isfinite(p->yaw), "the position setpoint", t_s);
-  } else if (const auto* a = std::get_if<AttitudeSetpoint>(&*decision.setpoint)) {
-    RequireNumbers(std::isfinite(a->roll) && std::isfinite(a->pitch) && std::isfinite(a->yaw_rate) &&
-                       std::isfinite(a->thrust),
-                   "the attitude setpoint", t_s);
-  }
+  constexpr const char* kNames[] = {"the velocity setpoint", "the position setpoint",
+                                    "the attitude setpoint"};
+  RequireNumbers(Finite(*decision.setpoint), kNames[decision.setpoint->index()], t_s);
 }
 
 }  // namespace
