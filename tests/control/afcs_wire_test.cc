@@ -14,6 +14,7 @@
 
 #include "config/yaml_fields.h"
 #include "control/wire/afcs.h"
+#include "tests/control/other_afcs_profile.h"
 
 namespace kestrel::wire {
 namespace {
@@ -124,23 +125,8 @@ TEST(AfcsLayoutOfTheThesis, PaddingIsNotRead) {
 
 // ---------------------------------------------------------------------------------- other profiles
 
-AfcsProfile OtherProfile() {
-  AfcsProfile profile = ThesisAfcsProfile();
-  profile.name = "other";
-  profile.header_byte_order = "little";
-  profile.time_bytes = 8;
-  const std::vector<std::string> types = {"f32", "i32", "u32", "f64", "u16", "i16"};
-  std::size_t next = 0;
-  for (AfcsLayout& message : profile.messages) {
-    message.byte_order = message.byte_order == "big" ? "little" : "big";
-    std::reverse(message.fields.begin(), message.fields.end());
-    for (AfcsField& field : message.fields) field.type = types[next++ % types.size()];
-  }
-  return profile;
-}
-
 TEST(AfcsProfiles, EveryTypeOrderAndWidthReturns) {
-  const AfcsCodec codec(OtherProfile());
+  const AfcsCodec codec(OtherAfcsProfile());
   EXPECT_EQ(codec.header_bytes(), 20U);
   for (const AfcsMessage& message : Examples()) {
     const AfcsDatagram datagram{{7, 8}, message};
@@ -259,7 +245,7 @@ TEST(AfcsReceiver, ASecondHasAMillionMicroseconds) {
   EXPECT_EQ(Decoded(Codec(), bytes).time, (AfcsTime{1, 999999}));
   ++bytes[7];  // 999999 = 0x0F423F
   EXPECT_EQ(WhyNot(Codec(), bytes), AfcsRefusal::kTime);
-  const AfcsCodec wide(OtherProfile());
+  const AfcsCodec wide(OtherAfcsProfile());
   bytes = wide.Encode({{1, 2}, AfcsOpen{}});
   bytes[4] = 1;  // 2^32 seconds
   EXPECT_EQ(WhyNot(wide, bytes), AfcsRefusal::kTime);

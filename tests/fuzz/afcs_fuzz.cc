@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "control/wire/afcs.h"
+#include "tests/control/other_afcs_profile.h"
 
 // The input is a row of datagrams, each behind a byte with its length, or with the message that it is made to
 // be, for one receiver: of the thesis's profile or of another with every type and order in it. Whatever they
@@ -17,20 +18,6 @@ using namespace kestrel::wire;  // NOLINT(google-build-using-namespace)
 
 void Require(bool promise) {
   if (!promise) std::abort();
-}
-
-AfcsProfile OtherProfile() {
-  AfcsProfile profile = ThesisAfcsProfile();
-  profile.header_byte_order = "little";
-  profile.time_bytes = 8;
-  const std::vector<std::string> types = {"f32", "i32", "u32", "f64", "u16", "i16"};
-  std::size_t next = 0;
-  for (AfcsLayout& message : profile.messages) {
-    message.byte_order = message.byte_order == "big" ? "little" : "big";
-    std::reverse(message.fields.begin(), message.fields.end());
-    for (AfcsField& field : message.fields) field.type = types[next++ % types.size()];
-  }
-  return profile;
 }
 
 // A datagram with the right header and length for a message, around some of the input.
@@ -49,7 +36,7 @@ Bytes Made(const AfcsCodec& codec, std::size_t index, std::span<const std::uint8
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  static const AfcsCodec kCodecs[] = {AfcsCodec(ThesisAfcsProfile()), AfcsCodec(OtherProfile())};
+  static const AfcsCodec kCodecs[] = {AfcsCodec(ThesisAfcsProfile()), AfcsCodec(OtherAfcsProfile())};
   if (size < 1) return 0;
   const std::size_t which = data[0] % 2;
   const AfcsCodec& codec = kCodecs[which];
