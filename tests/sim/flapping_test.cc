@@ -98,7 +98,8 @@ TEST(Flapping, TimeConstantIsSixteenOverLockNumberAndSpeed) {
   EXPECT_LT((coarse.disc - (1 - std::exp(-std::ceil(time / 0.002) * 0.002 / time)) * in.cyclic).norm(), 1e-4);
 }
 
-TEST(Flapping, TheBarFollowsTheFuselageSlowly) {
+// A second at 0.5 rad/s of roll.
+FlappingState XCellAfterRolling() {
   const HelicopterParameters x = XCell();
   FlappingInput in;
   in.speed_rad_s = 167;
@@ -106,19 +107,18 @@ TEST(Flapping, TheBarFollowsTheFuselageSlowly) {
   FlappingState state;
   for (int i = 0; i < 1000; ++i)
     state = StepFlapping(x.rotor, x.flapping, Spin::kClockwise, 167, state, in, 0.001);
+  return state;
+}
+
+TEST(Flapping, TheBarFollowsTheFuselageSlowly) {
+  const FlappingState state = XCellAfterRolling();
   EXPECT_NEAR(state.bar.y(), -16 / (0.8 * 167) * 0.5, 1e-4);
   EXPECT_NEAR(state.bar.x(), 0, 1e-9);
 }
 
 // Gavrilets sees rotor and bar as one lag of 16 / (Lock number of the bar, 0.8, times 167 rad/s) = 0.12 s.
 TEST(Flapping, RotorAndBarTogetherLagAsTheXCellsDo) {
-  const HelicopterParameters x = XCell();
-  FlappingInput in;
-  in.speed_rad_s = 167;
-  in.w_B = {0.5, 0, 0};
-  FlappingState state;
-  for (int i = 0; i < 1000; ++i)
-    state = StepFlapping(x.rotor, x.flapping, Spin::kClockwise, 167, state, in, 0.001);
+  const FlappingState state = XCellAfterRolling();
   EXPECT_NEAR(-state.disc.y() / 0.5, 16 / (0.8 * 167), 0.15 * 0.12);
 }
 
