@@ -13,16 +13,16 @@
 #include <optional>
 #include <string>
 
+#include "config/random.h"
+#include "config/stopwatch.h"
 #include "geometry/tait_bryan.h"
 #include "scenarios/in_parallel.h"
 #include "scenarios/scenario.h"
 #include "scenarios/statistics.h"
 #include "sim/frames.h"
 #include "sim/image_sensor.h"
-#include "sim/random.h"
 #include "sim/renderer.h"
 #include "sim/scene.h"
-#include "sim/stopwatch.h"
 #include "vision/calibration_file.h"
 #include "vision/contrast_tracker.h"
 

@@ -5,12 +5,12 @@
 
 #include <cmath>
 
+#include "config/stopwatch.h"
 #include "scenarios/bench_horizon_pictures.h"
 #include "scenarios/files.h"
 #include "scenarios/horizon_judgement.h"
 #include "scenarios/in_parallel.h"
 #include "scenarios/scenario.h"
-#include "sim/stopwatch.h"
 
 namespace kestrel {
 namespace {

@@ -18,12 +18,12 @@
 #include <optional>
 #include <thread>
 
+#include "config/random.h"
 #include "geometry/tait_bryan.h"
 #include "scenarios/peer_renderer.h"
 #include "scenarios/scenario.h"
 #include "scenarios/statistics.h"
 #include "sim/frames.h"
-#include "sim/random.h"
 #include "sim/renderer.h"
 #include "vision/calibration_file.h"
 

@@ -11,15 +11,15 @@
 #include <opencv2/imgproc.hpp>
 #include <string>
 
+#include "config/random.h"
+#include "config/stopwatch.h"
 #include "geometry/tait_bryan.h"
 #include "scenarios/scenario.h"
 #include "scenarios/statistics.h"
 #include "sim/frames.h"
 #include "sim/image_sensor.h"
-#include "sim/random.h"
 #include "sim/renderer.h"
 #include "sim/scene.h"
-#include "sim/stopwatch.h"
 #include "vision/box_tracker.h"
 #include "vision/calibration_file.h"
 

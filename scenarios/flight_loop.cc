@@ -6,7 +6,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "sim/stopwatch.h"
+#include "config/stopwatch.h"
 
 namespace kestrel {
 namespace {

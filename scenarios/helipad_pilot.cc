@@ -9,9 +9,9 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
+#include "config/stopwatch.h"
 #include "geometry/tait_bryan.h"
 #include "scenarios/caption.h"
-#include "sim/stopwatch.h"
 
 namespace kestrel {
 namespace {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "config/random.h"
 #include "sim/frames.h"
-#include "sim/random.h"
 
 namespace kestrel {
 namespace {

@@ -7,6 +7,7 @@
 #include <limits>
 #include <opencv2/imgproc.hpp>
 
+#include "config/stopwatch.h"
 #include "scenarios/event_log.h"
 #include "scenarios/files.h"
 #include "scenarios/flight_loop.h"
@@ -14,7 +15,6 @@
 #include "scenarios/recorder.h"
 #include "scenarios/truth_images.h"
 #include "scenarios/version.h"
-#include "sim/stopwatch.h"
 
 namespace kestrel {
 namespace {

@@ -11,9 +11,9 @@
 #include <optional>
 #include <stdexcept>
 
+#include "config/random.h"
 #include "geometry/tait_bryan.h"
 #include "sim/mjcf.h"
-#include "sim/random.h"
 
 namespace kestrel {
 namespace {

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/random.h"
+#include "config/random.h"
 
 namespace kestrel {
 namespace {

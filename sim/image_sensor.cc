@@ -7,7 +7,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "sim/random.h"
+#include "config/random.h"
 
 namespace kestrel {
 namespace {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "sim/random.h"
+#include "config/random.h"
 
 namespace kestrel {
 

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "config/fields.h"
+#include "config/random.h"
 #include "geometry/pose.h"
 #include "sim/attitude_fault.h"
-#include "sim/random.h"
 
 namespace kestrel {
 

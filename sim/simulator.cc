@@ -12,10 +12,10 @@
 #include <numbers>
 #include <utility>
 
+#include "config/stopwatch.h"
 #include "control/moving_target.h"
 #include "geometry/tait_bryan.h"
 #include "sim/frames.h"
-#include "sim/stopwatch.h"
 
 namespace kestrel {
 namespace {

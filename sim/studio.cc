@@ -5,7 +5,7 @@
 #include <chrono>
 #include <utility>
 
-#include "sim/stopwatch.h"
+#include "config/stopwatch.h"
 
 namespace kestrel {
 

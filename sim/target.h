@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 
-#include "sim/random.h"
+#include "config/random.h"
 
 // What flies besides the aircraft: a balloon on its string, or one that is carried about, or another aircraft
 // by its coloured hull. All are spheres, which touch nothing and make no wind.

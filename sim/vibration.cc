@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "config/random.h"
 #include "geometry/tait_bryan.h"
-#include "sim/random.h"
 
 namespace kestrel {
 namespace {

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "config/stopwatch.h"
 #include "geometry/tait_bryan.h"
-#include "sim/stopwatch.h"
 
 namespace kestrel {
 namespace {

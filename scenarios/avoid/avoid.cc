@@ -9,11 +9,11 @@
 #include <limits>
 #include <opencv2/imgproc.hpp>
 
+#include "config/stopwatch.h"
 #include "control/state_history.h"
 #include "geometry/tait_bryan.h"
 #include "scenarios/caption.h"
 #include "scenarios/command_arrows.h"
-#include "sim/stopwatch.h"
 #include "vision/blank_image.h"
 #include "vision/frozen_image.h"
 

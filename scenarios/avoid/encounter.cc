@@ -3,8 +3,8 @@
 
 #include <cmath>
 
+#include "config/random.h"
 #include "geometry/tait_bryan.h"
-#include "sim/random.h"
 
 namespace kestrel {
 namespace {

@@ -8,12 +8,12 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "config/stopwatch.h"
 #include "control/sphere_target.h"
 #include "control/state_history.h"
 #include "geometry/tait_bryan.h"
 #include "scenarios/caption.h"
 #include "scenarios/command_arrows.h"
-#include "sim/stopwatch.h"
 #include "vision/frozen_image.h"
 
 namespace kestrel {

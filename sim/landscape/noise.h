@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "sim/random.h"
+#include "config/random.h"
 
 namespace kestrel::landscape {
 

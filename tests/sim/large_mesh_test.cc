@@ -3,9 +3,9 @@
 
 #include <cmath>
 
+#include "config/random.h"
 #include "geometry/tait_bryan.h"
 #include "sim/frames.h"
-#include "sim/random.h"
 #include "sim/ray/triangles.h"
 #include "sim/ray_renderer.h"
 #include "tests/sim/scenes.h"

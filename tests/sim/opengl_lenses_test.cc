@@ -5,8 +5,8 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "config/random.h"
 #include "sim/opengl_renderer.h"
-#include "sim/random.h"
 #include "tests/sim/lenses.h"
 #include "tests/sim/scenes.h"
 #include "tests/sim/small_worlds.h"

@@ -11,8 +11,8 @@
 #include <thread>
 #include <vector>
 
+#include "config/random.h"
 #include "geometry/tait_bryan.h"
-#include "sim/random.h"
 #include "sim/scene.h"
 #include "tests/sim/scenes.h"
 #include "tests/sim/small_worlds.h"

@@ -7,7 +7,7 @@
 #include <opencv2/core.hpp>
 #include <string>
 
-#include "sim/random.h"
+#include "config/random.h"
 #include "sim/ray_renderer.h"
 #include "tests/sim/image_difference.h"
 #include "tests/sim/reference_renderer.h"
