@@ -19,4 +19,9 @@ inline double ThreadCpu_ms() {
   return static_cast<double>(t.tv_sec) * 1e3 + static_cast<double>(t.tv_nsec) * 1e-6;
 }
 
+// Seconds of CLOCK_MONOTONIC: what the images and states of a real aircraft are dated by.
+inline double MonotonicNow_s() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
 }  // namespace kestrel

@@ -5,12 +5,13 @@
 #include <string>
 #include <vector>
 
+#include "geometry/truth.h"
 #include "scenarios/mission.h"
-#include "sim/truth.h"
 
 namespace kestrel {
 
-// One frame of a flight: a line of telemetry.csv.
+// One frame of a flight: a line of telemetry.csv. Of a real aircraft no truth is known: exposure and now hold
+// their times alone.
 struct LogRow {
   std::int64_t sequence = 0;
   Truth exposure;         // when the frame was exposed: what the fix is judged by
@@ -33,6 +34,7 @@ struct StageTime {
 
 // summary.json
 struct Summary {
+  std::string mode;  // scenarios/flight_mode.h
   std::string scenario, version, renderer, outcome,
       error;  // error: why a run broke off, empty when it did not
   std::uint64_t seed = 0;

@@ -16,6 +16,10 @@ struct NotANumber : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+// Throws NotANumber if one is in these. In the simulator that is a mistake of the program and ends the run;
+// on a real aircraft the safety layer reacts instead (control/safety.h).
+void RequireNumbers(const Frame& frame, const VehicleState& state, const Decision& decision);
+
 // The flight loop, the same for the simulator and for a real aircraft: until the camera's stream or the
 // mission ends. record is called once for each frame and returns whether to go on. Returns the mission's
 // outcome; empty: the stream ended first, or record said so.

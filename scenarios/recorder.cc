@@ -18,7 +18,7 @@ constexpr std::size_t kTargets = 2;  // with columns of their own
 // The names and the values of the columns, side by side, so that neither shifts against the other.
 class Columns {
  public:
-  explicit Columns(const LogRow& row);
+  Columns(const LogRow& row, bool truth);
 
   std::string names, values;
 
@@ -41,11 +41,9 @@ class Columns {
     Add(name, given ? fmt::format("{:.9g}", static_cast<double>(value)) : "");
   }
   // The names have {} where x, y, z stand.
-  void Vector(std::string_view name, const Eigen::Vector3d& v, std::string_view letters = "xyz") {
-    for (int i = 0; i < 3; ++i) Number(fmt::format(fmt::runtime(name), letters[i]), v[i]);
-  }
-  void Vector(std::string_view name, bool given, const Eigen::Vector3d& v) {
-    for (int i = 0; i < 3; ++i) Number(fmt::format(fmt::runtime(name), "xyz"[i]), given, v[i]);
+  void Vector(std::string_view name, const Eigen::Vector3d& v) { Vector(name, true, v); }
+  void Vector(std::string_view name, bool given, const Eigen::Vector3d& v, std::string_view letters = "xyz") {
+    for (int i = 0; i < 3; ++i) Number(fmt::format(fmt::runtime(name), letters[i]), given, v[i]);
   }
   void Angles(std::string_view of, const std::optional<Eigen::Quaterniond>& R) {
     const TaitBryan angles = R ? TaitBryanFromRotation(R->toRotationMatrix()) : TaitBryan{};
@@ -55,7 +53,7 @@ class Columns {
   }
 };
 
-Columns::Columns(const LogRow& row) {
+Columns::Columns(const LogRow& row, bool truth) {
   const Decision& decision = row.decision;
   Add("sequence", fmt::format("{}", row.sequence));
   Number("t_s", row.now.t_s);
@@ -66,13 +64,13 @@ Columns::Columns(const LogRow& row) {
   Flag("landed", row.estimate.landed);
   Flag("saturated", row.estimate.saturated);
 
-  Vector("truth_{}_m", row.now.X_NB.p);
-  Vector("truth_v{}_m_s", row.now.v_N);
-  Angles("truth", row.now.X_NB.R);
-  Vector("truth_rate_{}_deg_s", row.now.w_B * Degrees(1));
-  Flag("truth_touching", row.now.touching);
-  Flag("truth_attitude_failed", row.now.attitude_failed);
-  Vector("wind_{}_m_s", row.now.wind_N, "ned");
+  Vector("truth_{}_m", truth, row.now.X_NB.p);
+  Vector("truth_v{}_m_s", truth, row.now.v_N);
+  Angles("truth", truth ? std::optional(row.now.X_NB.R) : std::nullopt);
+  Vector("truth_rate_{}_deg_s", truth, row.now.w_B * Degrees(1));
+  Number("truth_touching", truth, row.now.touching);
+  Number("truth_attitude_failed", truth, row.now.attitude_failed);
+  Vector("wind_{}_m_s", truth, row.now.wind_N, "ned");
 
   Vector("estimate_{}_m", row.estimate.p_NB);
   Vector("estimate_v{}_m_s", row.estimate.v_N);
@@ -81,8 +79,8 @@ Columns::Columns(const LogRow& row) {
   Angles("inertial", row.estimate.R_NB_inertial);
 
   const Pose X_TB = row.exposure.X_NT.Inverse() * row.exposure.X_NB;
-  Vector("target_{}_m", X_TB.p);
-  Number("target_yaw_deg", Degrees(YawOf(X_TB.R)));
+  Vector("target_{}_m", truth, X_TB.p);
+  Number("target_yaw_deg", truth, Degrees(YawOf(X_TB.R)));
   const bool seen = decision.fix.has_value();
   const TargetFix fix = decision.fix.value_or(TargetFix{});
   Vector("fix_{}_m", seen, fix.p_TB);
@@ -147,8 +145,8 @@ Columns::Columns(const LogRow& row) {
 
 }  // namespace
 
-std::string TelemetryHeader() { return Columns(LogRow{}).names; }
-std::string TelemetryLine(const LogRow& row) { return Columns(row).values; }
+std::string TelemetryHeader() { return Columns(LogRow{}, true).names; }
+std::string TelemetryLine(const LogRow& row, bool truth) { return Columns(row, truth).values; }
 
 Recorder::Recorder(std::filesystem::path folder, RecorderOptions options)
     : folder_(std::move(folder)), options_(std::move(options)) {
@@ -170,8 +168,8 @@ Recorder::Recorder(std::filesystem::path folder, RecorderOptions options)
 }
 
 void Recorder::Write(const LogRow& row) {
-  telemetry_->Write(TelemetryLine(row) + '\n');
-  rows_.push_back(row);
+  telemetry_->Write(TelemetryLine(row, options_.truth) + '\n');
+  if (options_.truth) rows_.push_back(row);  // for the plots
 }
 
 void Recorder::WriteImage(const cv::Mat& bgr) {
@@ -191,7 +189,7 @@ Summary Recorder::Finish(Summary summary) {
   };
   attempt([&] { telemetry_->Close(); });
   if (video_) attempt([&] { video_->Close(); });
-  attempt([&] { DrawPlots(folder_ / "plots", rows_, options_.plots); });
+  if (options_.truth) attempt([&] { DrawPlots(folder_ / "plots", rows_, options_.plots); });
   WriteFile(folder_ / "summary.json", ToJson(summary));
   return summary;
 }

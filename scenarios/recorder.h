@@ -17,6 +17,7 @@ namespace kestrel {
 struct RecorderOptions {
   bool video = true;
   double rate_hz = 30;  // of the video
+  bool truth = true;    // is known; without, its columns are empty and there are no plots
   PlotOptions plots;
 };
 
@@ -51,6 +52,6 @@ class Recorder {
 
 // The first line of telemetry.csv and a line of it, without their ends.
 std::string TelemetryHeader();
-std::string TelemetryLine(const LogRow& row);
+std::string TelemetryLine(const LogRow& row, bool truth = true);
 
 }  // namespace kestrel

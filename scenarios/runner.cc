@@ -111,6 +111,7 @@ FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) 
     summary.outcome = Fly(
         simulator, simulator, *mission,
         [&](const Frame& frame, const VehicleState& state, const Decision& decision) {
+          RequireNumbers(frame, state, decision);
           const auto began = std::chrono::steady_clock::now();
           result.rows.push_back({frame.sequence, simulator.exposure(), simulator.truth(), state, decision});
           const LogRow& row = result.rows.back();

@@ -37,58 +37,6 @@ void Fields(Visitor& v, VehicleFile& f) {
   v("autopilot", f.autopilot);
 }
 
-template <class... Each>
-std::vector<std::string> NamesOf(const std::variant<Each...>&) {
-  return {Each::kName...};
-}
-
-template <std::size_t index = 0>
-void Select(const std::string& mission, Flight& flight) {
-  if constexpr (index < std::variant_size_v<Flight>) {
-    if (std::variant_alternative_t<index, Flight>::kName != mission)
-      return Select<index + 1>(mission, flight);
-    if (flight.index() != index) flight.emplace<index>();
-  }
-}
-
-// Folders, or files of an ending, in a folder.
-std::vector<std::string> NamesIn(const fs::path& folder, const std::string& ending) {
-  std::vector<std::string> names;
-  std::error_code none;
-  for (const auto& entry : fs::directory_iterator(folder, none)) {
-    if (ending.empty() ? entry.is_directory() : entry.path().extension() == ending) {
-      names.push_back(entry.path().stem().string());
-    }
-  }
-  std::sort(names.begin(), names.end());
-  return names;
-}
-
-// Whether a model of that name exists; otherwise says which there are.
-bool Known(const std::string& what, const std::string& name, const std::vector<std::string>& names,
-           const std::string& where, Mistakes& mistakes) {
-  if (std::find(names.begin(), names.end(), name) != names.end()) return true;
-  const auto near = NearestName(name, names);
-  mistakes.Add(where, what,
-               fmt::format("there is no {} '{}'; {}", what, name,
-                           near ? fmt::format("did you mean '{}'?", *near)
-                                : fmt::format("valid: {}", fmt::join(names, ", "))));
-  return false;
-}
-
-const ConfigNode* Find(const Config& config, std::string_view key) {
-  for (const auto& [name, node] : config.root.members) {
-    if (name == key) return &node;
-  }
-  return nullptr;
-}
-
-// Where a key of the file was written; the file alone where it was not.
-std::string WhereOf(const Config& config, std::string_view key, const std::string& file) {
-  const ConfigNode* node = Find(config, key);
-  return node ? node->where : file;
-}
-
 // The file of a world that is a landscape, if it is one.
 std::optional<fs::path> LandscapeFile(const std::string& world) {
   const fs::path file = Root() / "models" / "worlds" / world / (world + ".yaml");
@@ -102,26 +50,6 @@ std::optional<LandscapeParameters> LandscapeOf(const std::string& world, Mistake
   LandscapeParameters landscape;
   Read(LoadConfig(*file, {}, mistakes), landscape, mistakes);
   return landscape;
-}
-
-// Whether a flight looks for the pad: all do that do not say otherwise, by a constant kPadless.
-template <class Each>
-constexpr bool kLooksForPad = [] {
-  if constexpr (requires { Each::kPadless; }) return !Each::kPadless;
-  return true;
-}();
-bool NeedsPad(const Flight& flight) {
-  return std::visit([]<class Each>(const Each&) { return kLooksForPad<Each>; }, flight);
-}
-
-// Whether a flight tells its target by colour: by a constant kLooksForColour.
-bool NeedsColour(const Flight& flight) {
-  return std::visit(
-      []<class Each>(const Each&) {
-        if constexpr (requires { Each::kLooksForColour; }) return Each::kLooksForColour;
-        return false;
-      },
-      flight);
 }
 
 // What of a scenario and a landscape does not go together.
@@ -143,24 +71,6 @@ void CheckLandscape(const Scenario& s, const Config& config, const std::string& 
   }
 }
 
-struct NoMoreThan {
-  const std::string& where;
-  Mistakes& mistakes;
-  void operator()(const std::string& key, double value, double limit, const std::string& limit_key) const {
-    if (value > limit)
-      mistakes.Add(where, key,
-                   fmt::format("{:g}, and {} is {:g}; valid: no more than that", value, limit_key, limit));
-  }
-};
-
-void CheckColour(const ColourRange& colour, const std::string& key, const std::string& where,
-                 Mistakes& mistakes) {
-  if (colour.least_value >= colour.most_value)
-    mistakes.Add(where, key + ".least_value",
-                 fmt::format("{:g} is not below most_value = {:g}: no pixel can match", colour.least_value,
-                             colour.most_value));
-}
-
 // No more of the aircraft than its autopilot gives.
 void CheckAvoid(const AvoidFlight& flight, const AutopilotParameters& autopilot, const std::string& where,
                 Mistakes& mistakes) {
@@ -170,35 +80,10 @@ void CheckAvoid(const AvoidFlight& flight, const AutopilotParameters& autopilot,
        autopilot.yaw_rate_limit_deg_s, "autopilot.yaw_rate_limit_deg_s");
   most("flight.avoidance.acceleration_m_s2", flight.avoidance.acceleration_m_s2,
        autopilot.acceleration_limit_m_s2, "autopilot.acceleration_limit_m_s2");
-  most("flight.avoidance.hold.bearing_deg", flight.avoidance.hold.bearing_deg,
-       flight.avoidance.most_bearing_deg, "flight.avoidance.most_bearing_deg");
-  if (flight.marks.empty() && !flight.contrast)
-    mistakes.Add(where, "flight.marks", "is empty; valid: at least one, or a flight.contrast");
-  for (std::size_t i = 0; i < flight.marks.size(); ++i) {
-    const ColourRange& a = flight.marks[i].colour;
-    CheckColour(a, fmt::format("flight.marks.{}.colour", i), where, mistakes);
-    for (std::size_t j = 0; j < i; ++j) {
-      const ColourRange& b = flight.marks[j].colour;
-      const double apart_deg = std::abs(Degrees(WrapAngle(Radians(a.hue_deg - b.hue_deg))));
-      if (apart_deg < a.hue_half_width_deg + b.hue_half_width_deg)
-        mistakes.Add(where, fmt::format("flight.marks.{}.colour", i),
-                     fmt::format("hues {:g} +- {:g} overlap those of mark {}, {:g} +- {:g}: two marks alike "
-                                 "cannot be told apart; valid: hues of their own",
-                                 a.hue_deg, a.hue_half_width_deg, j, b.hue_deg, b.hue_half_width_deg));
-    }
-  }
-  if (!flight.contrast) return;
-  const ContrastTrackerOptions& tracker = flight.contrast->tracker;
-  most("flight.contrast.tracker.confirm_sightings", tracker.confirm_sightings, tracker.confirm_images,
-       "flight.contrast.tracker.confirm_images");
-  most("flight.contrast.tracker.detector.least_diameter_px", tracker.detector.least_diameter_px,
-       tracker.detector.most_diameter_px, "flight.contrast.tracker.detector.most_diameter_px");
 }
 
 void CheckFollow(const FollowFlight& flight, const AutopilotParameters& autopilot, const std::string& where,
                  Mistakes& mistakes) {
-  if (flight.reference.empty()) mistakes.Add(where, "flight.reference", "is empty; valid: at least one");
-  CheckColour(flight.balloon.colour, "flight.balloon.colour", where, mistakes);
   const NoMoreThan most{where, mistakes};
   most("flight.gains.speed_limit_m_s", flight.gains.speed_limit_m_s, autopilot.speed_limit_m_s,
        "autopilot.speed_limit_m_s");
@@ -206,50 +91,6 @@ void CheckFollow(const FollowFlight& flight, const AutopilotParameters& autopilo
        "autopilot.climb_limit_m_s");
   most("flight.gains.yaw_rate_limit_deg_s", flight.gains.yaw_rate_limit_deg_s, autopilot.yaw_rate_limit_deg_s,
        "autopilot.yaw_rate_limit_deg_s");
-}
-
-// Who is to be avoided comes from ahead.
-void CheckLooksAhead(const CameraModel& camera, const CameraMount& mount, const std::string& where,
-                     Mistakes& mistakes) {
-  const auto at = Project(camera, MountPose(mount).R.conjugate() * Eigen::Vector3d::UnitX());
-  if (!at || at->x() < 0 || at->y() < 0 || at->x() > WidthPx(camera) - 1 || at->y() > HeightPx(camera) - 1)
-    mistakes.Add(
-        where, "mount.pitch_deg",
-        fmt::format("{:g}: the camera does not see straight ahead, where others come from; valid: one "
-                    "that does (90 looks ahead)",
-                    mount.pitch_deg));
-}
-
-// A balloon can be wanted only where the camera sees it, at least from a level aircraft.
-void CheckReferences(const FollowFlight& flight, const CameraModel& camera, const CameraMount& mount,
-                     const std::string& where, Mistakes& mistakes) {
-  constexpr int kPoints = 72;  // of the circle
-  const double focal_px = Parameters(camera)[0];
-  const Eigen::Quaterniond R_CB = MountPose(mount).R.conjugate();
-  const auto seen = [&](const FollowReference& r, double angle) {
-    const double radius_px = r.diameter_px / 2;
-    const Eigen::Vector3d ahead(focal_px, r.u_px + radius_px * std::cos(angle),
-                                r.v_px + radius_px * std::sin(angle));
-    const auto at = Project(camera, R_CB * ahead);
-    return at && at->x() >= 0 && at->y() >= 0 && at->x() <= WidthPx(camera) - 1 &&
-           at->y() <= HeightPx(camera) - 1;
-  };
-  for (std::size_t i = 0; i < flight.reference.size(); ++i) {
-    const FollowReference& r = flight.reference[i];
-    const std::string key = fmt::format("flight.reference.{}", i);
-    if (i > 0 && r.from_s <= flight.reference[i - 1].from_s)
-      mistakes.Add(where, key + ".from_s",
-                   fmt::format("{:g} is not after the one before; valid: above {:g}", r.from_s,
-                               flight.reference[i - 1].from_s));
-    bool whole = true;
-    for (int k = 0; k < kPoints && whole; ++k) whole = seen(r, 2 * M_PI * k / kPoints);
-    if (!whole)
-      mistakes.Add(where, key,
-                   fmt::format("u_px {:g}, v_px {:g} and diameter_px {:g} are a circle beyond the image of "
-                               "{} x {} px, by this camera as it is mounted; valid: one within it, nearer "
-                               "to the middle or smaller, and a camera that looks ahead",
-                               r.u_px, r.v_px, r.diameter_px, WidthPx(camera), HeightPx(camera)));
-  }
 }
 
 void CheckTargets(const Scenario& s, const std::string& where, Mistakes& mistakes) {
@@ -305,64 +146,9 @@ std::vector<std::string> NotesOn(const Scenario& s, const CameraModel& camera) {
 
 }  // namespace
 
-std::vector<std::string> MissionNames() { return NamesOf(Flight{}); }
-void SelectFlight(const std::string& mission, Flight& flight) { Select(mission, flight); }
-
-fs::path Root() {
-  const char* root = std::getenv("KESTREL_ROOT");
-  return root && *root ? fs::path(root) : fs::path(KESTREL_SOURCE_DIR);
-}
-
-std::vector<std::string> ScenarioNames() {
-  std::vector<std::string> names;
-  for (const std::string& folder : NamesIn(Root() / "scenarios", "")) {
-    for (const std::string& name : NamesIn(Root() / "scenarios" / folder, ".yaml")) names.push_back(name);
-  }
-  std::sort(names.begin(), names.end());
-  return names;
-}
-
-std::optional<fs::path> CameraFile(std::string& name, const fs::path& beside, const std::string& where,
-                                   Mistakes& mistakes) {
-  const fs::path folder = Root() / "models" / "cameras";
-  const std::vector<std::string> names = NamesIn(folder, ".yaml");
-  if (std::find(names.begin(), names.end(), name) != names.end()) return folder / (name + ".yaml");
-  for (const fs::path& candidate : {beside / name, fs::path(name)}) {
-    if (!fs::is_regular_file(candidate)) continue;
-    name = fs::absolute(candidate).lexically_normal().string();
-    return name;
-  }
-  const std::string key = where == "--camera" ? "" : "camera";
-  if (name.find('/') != std::string::npos || name.ends_with(".yaml") || name.ends_with(".yml")) {
-    mistakes.Add(where, key, fmt::format("there is no file '{}'", name));
-  } else {
-    const auto near = NearestName(name, names);
-    mistakes.Add(where, key,
-                 fmt::format("there is no camera '{}'; {}", name,
-                             near ? fmt::format("did you mean '{}'?", *near)
-                                  : fmt::format("valid: {}", fmt::join(names, ", "))));
-  }
-  return std::nullopt;
-}
-
 LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<std::string>& overrides) {
   Mistakes mistakes;
-  fs::path file = name_or_file;
-  if (!fs::exists(Root() / "scenarios")) {
-    throw InputError({fmt::format("KESTREL_ROOT: '{}' holds no scenarios", Root().string())});
-  }
-  if (file.extension() != ".yaml" && file.extension() != ".yml" && !fs::is_regular_file(file)) {
-    file.clear();
-    for (const std::string& folder : NamesIn(Root() / "scenarios", "")) {
-      const fs::path candidate = Root() / "scenarios" / folder / (name_or_file + ".yaml");
-      if (fs::exists(candidate)) file = candidate;
-    }
-    if (file.empty()) {
-      Known("scenario", name_or_file, ScenarioNames(), "kestrel", mistakes);
-      mistakes.ThrowIfAny();
-    }
-  }
-
+  const fs::path file = ScenarioFile(name_or_file);
   LoadedScenario loaded;
   Scenario& s = loaded.scenario;
   const Config config = LoadConfig(file, overrides, mistakes);
@@ -397,10 +183,7 @@ LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<s
                    fmt::format("a fault from {} s until {} s; valid: until_s after from_s", fault.from_s,
                                fault.until_s));
   }
-  if (NeedsColour(s.flight) && !s.image.colour)
-    mistakes.Add(
-        WhereOf(config, "image", where), "image.colour",
-        fmt::format("false, but the mission '{}' tells its target by colour; valid: true", s.mission));
+  CheckFlight(s.flight, s.image.colour, config, where, mistakes);
   if (const auto* avoid = std::get_if<AvoidFlight>(&s.flight)) {
     CheckAvoid(*avoid, s.autopilot, WhereOf(config, "flight", where), mistakes);
   }
@@ -434,49 +217,20 @@ LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<s
     const std::size_t before = mistakes.messages().size();
     sim.camera = LoadCamera(*camera, mistakes, s.camera_name);
     has_camera = mistakes.messages().size() == before;
-    if (has_camera && NeedsPad(s.flight) && !TrackersCamera(sim.camera)) {
-      const Eigen::VectorXd numbers = Parameters(sim.camera);
-      mistakes.Add(
-          WhereOf(config, "camera", where), "camera",
-          fmt::format("'{}' does not see along its own optical axis, where these flights look for "
-                      "the pad: its principal point ({:g}, {:g}) is too near to the edge of the image "
-                      "of {} x {} px or beyond it; valid: a camera that has it well within",
-                      s.camera, numbers[2], numbers[3], WidthPx(sim.camera), HeightPx(sim.camera)));
-    }
+    if (has_camera) CheckView(s.flight, s.camera, sim.camera, s.mount, config, where, mistakes);
   }
-  if (std::holds_alternative<AvoidFlight>(s.flight) && has_camera)
-    CheckLooksAhead(sim.camera, s.mount, WhereOf(config, "mount", where), mistakes);
-  if (const auto* follow = std::get_if<FollowFlight>(&s.flight); follow && has_camera)
-    CheckReferences(*follow, sim.camera, s.mount, WhereOf(config, "flight", where), mistakes);
   CheckImage(s.image, has_camera ? &sim.camera : nullptr, WhereOf(config, "image", where), mistakes);
   if (s.pad.name == "none") {
     if (s.occlusion.share > 0)
       mistakes.Add(WhereOf(config, "occlusion", where), "occlusion.share",
                    fmt::format("{}, but there is no pad to be covered; valid: 0", s.occlusion.share));
-    if (NeedsPad(s.flight))
-      mistakes.Add(WhereOf(config, "pad", where), "pad.name",
-                   fmt::format("none, but the mission '{}' looks for a pad; valid: {}", s.mission,
-                               fmt::join(NamesIn(models / "pads", ""), ", ")));
+    CheckHasPad(s.flight, config, where, mistakes);
   } else if (Known("pad", s.pad.name, NamesIn(models / "pads", ""), WhereOf(config, "pad", where),
                    mistakes)) {
-    const fs::path folder = models / "pads" / s.pad.name;
-    Read(LoadConfig(folder / (s.pad.name + ".yaml"), {}, mistakes), sim.scene.pad, mistakes);
-    sim.scene.pad_texture = folder / sim.scene.pad.texture;
-    const cv::Mat picture = cv::imread(sim.scene.pad_texture.string(), cv::IMREAD_GRAYSCALE);
-    if (picture.empty()) {
-      mistakes.Add((folder / (s.pad.name + ".yaml")).string(), "texture",
-                   fmt::format("{} cannot be read as an image", sim.scene.pad_texture.string()));
-    } else if (!std::has_single_bit(static_cast<unsigned>(picture.cols)) ||
-               !std::has_single_bit(static_cast<unsigned>(picture.rows))) {
-      mistakes.Add(
-          (folder / (s.pad.name + ".yaml")).string(), "texture",
-          fmt::format(
-              "{} has {} x {} pixels; the sides must be powers of two (2048 x 2048), or OpenGL draws the "
-              "pad askew from far away",
-              sim.scene.pad_texture.string(), picture.cols, picture.rows));
-    } else {
-      loaded.pad = MakePadReference(picture, sim.scene.pad.size_m.x(), sim.scene.pad.size_m.y());
-    }
+    const PadFile pad = LoadPad(models / "pads" / s.pad.name / (s.pad.name + ".yaml"), mistakes);
+    sim.scene.pad = pad.parameters;
+    sim.scene.pad_texture = pad.texture;
+    loaded.pad = pad.reference;
   }
   sim.scene.pad_position_m = s.pad.position_m;
   sim.scene.pad_yaw_deg = s.pad.yaw_deg;
@@ -506,17 +260,18 @@ LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<s
 
 std::unique_ptr<Mission> MakeMission(const LoadedScenario& loaded) {
   const SimulatorParameters& sim = loaded.simulator;
-  const Pose X_BC = MountPose(sim.mount);
-  return std::visit(
-      [&]<class Each>(const Each& flight) {
-        if constexpr (kLooksForPad<Each>) {
-          return MakeMission(flight, HelipadPilot(loaded.pad, sim.camera, X_BC, loaded.scenario.pilot));
-        } else {
-          const ModelPtr model = MakeModel(sim.scene, false);
-          return MakeMission(flight, sim.camera, X_BC, OwnParts(model.get(), sim.camera, X_BC), sim.seed);
-        }
-      },
-      loaded.scenario.flight);
+  FlightParts parts{.flight = loaded.scenario.flight,
+                    .pilot = loaded.scenario.pilot,
+                    .camera = sim.camera,
+                    .X_BC = MountPose(sim.mount),
+                    .pad = loaded.pad,
+                    .own_parts = {},
+                    .seed = sim.seed};
+  if (!LooksForPad(parts.flight)) {
+    const ModelPtr model = MakeModel(sim.scene, false);
+    parts.own_parts = OwnParts(model.get(), parts.camera, parts.X_BC);
+  }
+  return MakeMission(parts);
 }
 
 }  // namespace kestrel

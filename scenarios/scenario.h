@@ -6,29 +6,15 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <variant>
 #include <vector>
 
 #include "config/fields.h"
 #include "config/yaml_fields.h"
-#include "scenarios/attitude/attitude.h"
-#include "scenarios/avoid/avoid.h"
-#include "scenarios/follow/follow.h"
-#include "scenarios/gyro_failure/gyro_failure.h"
-#include "scenarios/hover/hover.h"
-#include "scenarios/landing/landing.h"
-#include "scenarios/pose/pose.h"
+#include "scenarios/flights.h"
+#include "scenarios/model_files.h"
 #include "sim/simulator.h"
 
 namespace kestrel {
-
-// The flights that there are, by the name of their mission: a new one is a folder and its name here.
-using Flight = std::variant<PoseFlight, HoverFlight, LandingFlight, AttitudeFlight, GyroFailureFlight,
-                            FollowFlight, AvoidFlight>;
-
-std::vector<std::string> MissionNames();
-void SelectFlight(const std::string& mission,
-                  Flight& flight);  // with its defaults, unless it is that one already
 
 // What a metric must keep to for the run to pass.
 struct Limit {
@@ -113,16 +99,6 @@ struct LoadedScenario {
   PadReference pad;
   std::vector<std::string> notes;  // what is valid and may yet surprise, in words
 };
-
-// The folder that holds scenarios/ and models/: KESTREL_ROOT of the environment, or where the program was
-// built from.
-std::filesystem::path Root();
-std::vector<std::string> ScenarioNames();
-
-// The file of a camera: one of models/cameras by its name, or any file, looked for beside a folder and then
-// from the working directory; its name becomes the whole path. None: there is no such, and it is a mistake.
-std::optional<std::filesystem::path> CameraFile(std::string& name, const std::filesystem::path& beside,
-                                                const std::string& where, Mistakes& mistakes);
 
 // A name in scenarios/, or a YAML file. overrides: "key.path=value". Throws InputError with every mistake
 // that the scenario and its models hold.

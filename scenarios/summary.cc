@@ -48,6 +48,7 @@ std::string ToJson(const Summary& s) {
     stages[name] = {{"mean_ms", time.mean_ms}, {"p99_ms", time.p99_ms}};
   const Json json = {{"scenario", s.scenario},
                      {"seed", s.seed},
+                     {"mode", s.mode},
                      {"version", s.version},
                      {"complete", s.complete},
                      {"passed", s.passed},
@@ -73,6 +74,7 @@ Summary SummaryFromJson(const std::string& text, const std::string& name) {
     Summary s;
     s.scenario = json.at("scenario");
     s.seed = json.at("seed");
+    s.mode = json.at("mode");
     s.version = json.at("version");
     s.complete = json.at("complete");
     s.passed = json.at("passed");

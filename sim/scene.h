@@ -13,6 +13,7 @@
 #include "geometry/pose.h"
 #include "sim/landscape.h"
 #include "sim/target.h"
+#include "vision/pad_file.h"
 
 namespace kestrel {
 
@@ -24,18 +25,6 @@ struct DataDeleter {
 };
 using ModelPtr = std::unique_ptr<mjModel, ModelDeleter>;
 using DataPtr = std::unique_ptr<mjData, DataDeleter>;
-
-// A landing pad: a thin box with a picture on its top. The top of the picture is at +x of the pad.
-struct PadParameters {
-  Eigen::Vector2d size_m = {1.19, 0.91};  // along x and y of the pad
-  std::string texture;                    // a PNG file beside the file that holds these
-};
-
-template <class Visitor>
-void Fields(Visitor& v, PadParameters& p) {
-  v("size_m", p.size_m, 0.05, 20.0);
-  v("texture", p.texture);
-}
 
 struct SceneParameters {
   std::filesystem::path world;  // MJCF, or the file that describes a landscape, with a plane "ground": level,

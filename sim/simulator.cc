@@ -37,14 +37,6 @@ SimulatorParameters WithScatterDrawn(SimulatorParameters parameters) {
 
 }  // namespace
 
-Pose MountPose(const CameraMount& mount) {
-  Eigen::Matrix3d R_BD;  // D: looking down, the top of the image forward
-  R_BD << 0, -1, 0, 1, 0, 0, 0, 0, 1;
-  const Eigen::Matrix3d turn =
-      RotationFromTaitBryan({Radians(mount.yaw_deg), Radians(mount.pitch_deg), Radians(mount.roll_deg)});
-  return {Eigen::Quaterniond(Eigen::Matrix3d(turn * R_BD)), mount.position_m};
-}
-
 struct Simulator::Hashes {
   XXH3_state_t *state = XXH3_createState(), *image = XXH3_createState();
   Hashes() {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "control/autopilot.h"
+#include "geometry/truth.h"
 #include "sim/airframe.h"
 #include "sim/camera_faults.h"
 #include "sim/emulated_autopilot.h"
@@ -21,11 +22,11 @@
 #include "sim/sensors.h"
 #include "sim/studio.h"
 #include "sim/target.h"
-#include "sim/truth.h"
 #include "sim/vibration.h"
 #include "sim/wind.h"
 #include "vision/camera.h"
 #include "vision/camera_model.h"
+#include "vision/camera_mount.h"
 
 namespace kestrel {
 
@@ -39,15 +40,6 @@ struct StartParameters {
   double yaw_scatter_deg = 0;
   double settle_s = 20;  // held there by the autopilot before the first frame
 };
-
-// The camera's place on the aircraft: looking down with the top of the image forward, then turned by the
-// angles (pitch 90: looking ahead; roll 180: looking up). Parts of the aircraft that are in view are seen.
-struct CameraMount {
-  Eigen::Vector3d position_m{0, 0, 0.05};  // in B
-  double yaw_deg = 0, pitch_deg = 0, roll_deg = 0;
-  std::vector<VibrationBand> vibration = {};
-};
-Pose MountPose(const CameraMount& mount);  // X_BC, of a mount that is still
 
 // A dark sheet over part of the pad for some time.
 struct OcclusionParameters {
@@ -64,15 +56,6 @@ void Fields(Visitor& v, StartParameters& p) {
   v("yaw_deg", p.yaw_deg, -360.0, 360.0);
   v("yaw_scatter_deg", p.yaw_scatter_deg, 0.0, 180.0);
   v("settle_s", p.settle_s, 0.0, 60.0);
-}
-
-template <class Visitor>
-void Fields(Visitor& v, CameraMount& m) {
-  v("position_m", m.position_m, -1.0, 1.0);
-  v("yaw_deg", m.yaw_deg, -180.0, 180.0);
-  v("pitch_deg", m.pitch_deg, -90.0, 90.0);
-  v("roll_deg", m.roll_deg, -180.0, 180.0);
-  v("vibration", m.vibration);
 }
 
 template <class Visitor>

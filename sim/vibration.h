@@ -4,25 +4,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "config/fields.h"
 #include "geometry/pose.h"
+#include "vision/camera_mount.h"
 
 namespace kestrel {
-
-// A band of frequencies in which a camera shakes on its mount, about and along each of its axes alike.
-struct VibrationBand {
-  double from_hz = 80, until_hz = 120;  // such as rotors make
-  double rms_deg = 0;                   // of the angle about each axis
-  double rms_mm = 0;                    // of the way along each axis
-};
-
-template <class Visitor>
-void Fields(Visitor& v, VibrationBand& b) {
-  v("from_hz", b.from_hz, 0.1, 500.0);
-  v("until_hz", b.until_hz, 0.1, 500.0);
-  v("rms_deg", b.rms_deg, 0.0, 5.0);
-  v("rms_mm", b.rms_mm, 0.0, 50.0);
-}
 
 // How a mount shakes: on each axis some tones for each band, their frequencies and phases drawn by the seed.
 // A function of time alone.

@@ -8,6 +8,8 @@
 #include <thread>
 #include <utility>
 
+#include "config/stopwatch.h"
+
 namespace kestrel {
 namespace {
 
@@ -17,10 +19,6 @@ constexpr int kMostLeftBehind = 8;  // sources that hang; then it is waited for 
 std::chrono::duration<double> Seconds(double s) { return std::chrono::duration<double>(s); }
 
 }  // namespace
-
-double MonotonicNow_s() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 struct LiveCamera::Mailbox {
   std::mutex mutex;

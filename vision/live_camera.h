@@ -63,7 +63,4 @@ class LiveCamera final : public Camera {
   std::shared_ptr<Mailbox> mailbox_;  // outlives the camera where a thread hangs
 };
 
-// Seconds of CLOCK_MONOTONIC.
-double MonotonicNow_s();
-
 }  // namespace kestrel

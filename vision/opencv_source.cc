@@ -8,7 +8,7 @@
 #include <thread>
 #include <vector>
 
-#include "vision/live_camera.h"
+#include "config/stopwatch.h"
 
 namespace kestrel {
 namespace {

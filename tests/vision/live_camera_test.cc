@@ -8,6 +8,8 @@
 #include <thread>
 #include <vector>
 
+#include "config/stopwatch.h"
+
 namespace kestrel {
 namespace {
 

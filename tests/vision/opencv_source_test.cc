@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 #include <string>
 
+#include "config/stopwatch.h"
 #include "vision/live_camera.h"
 
 namespace kestrel {

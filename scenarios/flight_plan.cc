@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scenarios/flight_plan.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <opencv2/imgcodecs.hpp>
+
+#include "scenarios/model_files.h"
+#include "vision/calibration_file.h"
+#include "vision/pad_file.h"
+
+namespace kestrel {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Leaves what the world's keys name out of a file; "image.*" with exceptions is written out key by key.
+void PassOverWorld(ConfigNode& node, const std::string& path) {
+  const auto& world = WorldKeys();
+  std::erase_if(node.members, [&](const auto& member) {
+    return std::find(world.begin(), world.end(), path + member.first) != world.end();
+  });
+  if (!path.empty()) return;
+  for (auto& [key, member] : node.members) PassOverWorld(member, key + ".");
+}
+
+cv::Mat OwnParts(const FlightPlan& plan, const fs::path& beside, const CameraModel& camera,
+                 const std::string& where, Mistakes& mistakes) {
+  fs::path file = beside / plan.own_parts;
+  if (plan.own_parts.empty()) {
+    file = beside / "own_parts.png";
+    if (!fs::exists(file)) return cv::Mat::zeros(HeightPx(camera), WidthPx(camera), CV_8U);
+  }
+  const cv::Mat picture = cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
+  if (picture.empty()) {
+    mistakes.Add(where, "own_parts", fmt::format("'{}' cannot be read as an image", file.string()));
+  } else if (picture.cols != WidthPx(camera) || picture.rows != HeightPx(camera)) {
+    mistakes.Add(where, "own_parts",
+                 fmt::format("'{}' has {} x {} pixels; valid: the camera's {} x {}", file.string(),
+                             picture.cols, picture.rows, WidthPx(camera), HeightPx(camera)));
+  }
+  return picture;
+}
+
+}  // namespace
+
+const std::vector<std::string_view>& WorldKeys() {
+  static const std::vector<std::string_view> kKeys = {"vehicle",
+                                                      "world",
+                                                      "autopilot",
+                                                      "landscape",
+                                                      "start",
+                                                      "render",
+                                                      "wind",
+                                                      "sensors",
+                                                      "occlusion",
+                                                      "targets",
+                                                      "criteria",
+                                                      "pad.position_m",
+                                                      "pad.yaw_deg",
+                                                      "image.latency_s",
+                                                      "image.exposure",
+                                                      "image.lens",
+                                                      "image.gain",
+                                                      "image.auto_exposure",
+                                                      "image.full_well_e",
+                                                      "image.noise_grey",
+                                                      "image.gamma",
+                                                      "image.bits",
+                                                      "image.jpeg_quality",
+                                                      "image.scatter",
+                                                      "image.faults"};
+  return kKeys;
+}
+
+LoadedPlan LoadPlan(const std::string& name_or_file, const std::vector<std::string>& overrides) {
+  Mistakes mistakes;
+  const fs::path file = ScenarioFile(name_or_file);
+  const std::string where = file.string();
+  LoadedPlan loaded;
+  FlightPlan& p = loaded.plan;
+  Config config = LoadConfig(file, overrides, mistakes);
+  PassOverWorld(config.root, "");
+  Read(config, p, mistakes);
+  if (!config.readable) mistakes.ThrowIfAny();
+  if (p.name.empty()) p.name = file.stem().string();
+  CheckFlight(p.flight, p.image.colour, config, where, mistakes);
+
+  FlightParts& parts = loaded.parts;
+  parts.flight = p.flight;
+  parts.pilot = p.pilot;
+  parts.X_BC = MountPose(p.mount);
+  parts.seed = p.seed;
+  if (const auto camera =
+          CameraFile(p.camera, file.parent_path(), WhereOf(config, "camera", where), mistakes)) {
+    const std::size_t before = mistakes.messages().size();
+    parts.camera = LoadCamera(*camera, mistakes, p.camera_name);
+    if (mistakes.messages().size() == before) {
+      CheckView(p.flight, p.camera, parts.camera, p.mount, config, where, mistakes);
+      parts.own_parts = OwnParts(p, file.parent_path(), parts.camera, where, mistakes);
+    }
+  }
+  const fs::path pads = Root() / "models" / "pads";
+  if (p.pad.name == "none") {
+    CheckHasPad(p.flight, config, where, mistakes);
+  } else if (Known("pad", p.pad.name, NamesIn(pads, ""), WhereOf(config, "pad", where), mistakes)) {
+    parts.pad = LoadPad(pads / p.pad.name / (p.pad.name + ".yaml"), mistakes).reference;
+  }
+  mistakes.ThrowIfAny();
+  return loaded;
+}
+
+}  // namespace kestrel

@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scenarios/fly.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <opencv2/imgproc.hpp>
+#include <vector>
+
+#include "config/stopwatch.h"
+#include "scenarios/background_writer.h"
+#include "scenarios/caption.h"
+#include "scenarios/event_log.h"
+#include "scenarios/flight_loop.h"
+#include "scenarios/flight_mode.h"
+#include "scenarios/judgement.h"
+#include "scenarios/recorder.h"
+#include "scenarios/recording.h"
+#include "scenarios/version.h"
+
+namespace kestrel {
+namespace {
+
+// The camera of a flight that somebody may end, or that has lasted long enough.
+class UntilStopped final : public Camera {
+ public:
+  UntilStopped(LiveCamera& camera, double until_s, const std::atomic<bool>* interrupted)
+      : camera_(camera), until_s_(until_s), interrupted_(interrupted) {}
+
+  std::optional<Frame> Next() override {
+    for (;;) {
+      if (interrupted_ && *interrupted_) return End("interrupted");
+      if (MonotonicNow_s() >= until_s_) return End("time is up");
+      auto frame = camera_.Next(0.05);
+      if (frame) {
+        given_s_ = MonotonicNow_s();
+        return frame;
+      }
+      if (camera_.Health().state == LiveCameraState::kEnded) return End("camera ended");
+    }
+  }
+  double given_s() const { return given_s_; }  // when the last frame was there
+  const std::string& why() const { return why_; }
+
+ private:
+  std::optional<Frame> End(const char* why) {
+    why_ = why;
+    return std::nullopt;
+  }
+
+  LiveCamera& camera_;
+  double until_s_;
+  const std::atomic<bool>* interrupted_;
+  double given_s_ = 0;
+  std::string why_;
+};
+
+// Whether a flight's target is in sight, or it needs none.
+bool InSight(const Flight& flight, const Decision& decision) {
+  if (!LooksForPad(flight) && !std::holds_alternative<FollowFlight>(flight)) return true;
+  for (const std::string_view seen : {"tracked", "found", "chained"})
+    if (decision.target == seen) return true;
+  return false;
+}
+
+// The folder of a real flight: as a simulated one's, without what only a simulator knows.
+class Records {
+ public:
+  Records(const std::filesystem::path& folder, const LoadedPlan& plan, const FlyOptions& o)
+      : events_((std::filesystem::create_directories(folder), folder)) {
+    RecorderOptions options;
+    options.video = o.video;
+    options.rate_hz = plan.plan.image.rate_hz;
+    options.truth = false;
+    recorder_.emplace(folder, options);
+    WriteFile(folder / "scenario.yaml", ToYaml(plan.plan));
+    if (o.images) recording_.emplace(folder);
+    events_.Line(0, "mode", o.dry_run ? kDryRunMode : kRealMode);
+  }
+
+  void Write(const LogRow& row, const std::vector<SafetyChange>& changes, double begun_s) {
+    recorder_->Write(row);
+    for (const SafetyChange& c : changes)
+      events_.Line(
+          c.t_s - begun_s, "safety",
+          fmt::format("{}, {}{}", NameOf(c.hazard), NameOf(c.reaction), c.limited ? ", limited" : ""));
+    events_.Write(row);
+  }
+  void WriteImage(const cv::Mat& drawn) { recorder_->WriteImage(drawn); }
+  void Record(const Frame& frame, const VehicleState& state, const Decision& decision) {
+    if (recording_) recording_->Write(frame, state, decision);
+  }
+  void Finish(const Summary& summary) {
+    if (recording_) recording_->Close();
+    events_.End(summary.sim_s, summary.error.empty() ? summary.outcome : summary.error);
+    recorder_->Finish(summary);
+  }
+
+ private:
+  EventLog events_;
+  std::optional<Recorder> recorder_;
+  std::optional<RecordingWriter> recording_;
+};
+
+}  // namespace
+
+FlyReport FlyAircraft(const LoadedPlan& plan, LiveCamera& camera, AutopilotLink& link, const FlyOptions& o) {
+  FlyReport report;
+  Summary summary;
+  summary.scenario = plan.plan.name;
+  summary.version = Version();
+  summary.mode = o.dry_run ? kDryRunMode : kRealMode;
+  summary.seed = plan.plan.seed;
+  const std::unique_ptr<Mission> mission = MakeMission(plan.parts);
+  std::optional<Records> records;
+  if (o.folder) records.emplace(*o.folder, plan, o);
+  BackgroundWriter writer;
+
+  const std::int64_t overwritten_before = camera.Health().overwritten;
+  const double begun_s = MonotonicNow_s();
+  double seen_s = begun_s;
+  std::vector<double> reaction_s, vision_s, control_s;
+  SafetyChange safety;
+  UntilStopped eyes(camera, begun_s + o.most_s, o.interrupted);
+  const Eigen::Vector3d p_N = link.State().p_NB;
+  SafeAutopilot safe(link, [&camera] { return camera.Health().age_s; },
+                     {.limits = o.limits,
+                      .start_N = {p_N.x(), p_N.y(), 0},
+                      .dry_run = o.dry_run,
+                      .pilot_untold = o.pilot_untold});
+  const auto record = [&](const Frame& frame, const VehicleState& state, const Decision& decision) {
+    reaction_s.push_back(MonotonicNow_s() - eyes.given_s());
+    vision_s.push_back(decision.vision_s);
+    control_s.push_back(decision.control_s);
+    ++report.frames;
+    if (InSight(plan.plan.flight, decision)) seen_s = MonotonicNow_s();
+    safe.TargetLostFor(MonotonicNow_s() - seen_s);
+    const std::vector<SafetyChange> changes = safe.TakeChanges();
+    if (!changes.empty()) safety = changes.back();
+    if (o.progress) o.progress(state, decision, safety);
+    if (!records) return true;
+    LogRow row;
+    row.sequence = frame.sequence;
+    row.exposure.t_s = frame.t_s - begun_s;
+    row.now.t_s = MonotonicNow_s() - begun_s;
+    row.estimate = state;
+    row.decision = decision;
+    cv::Mat drawn;
+    if (o.video) {
+      if (frame.image.channels() == 1)
+        cv::cvtColor(frame.image, drawn, cv::COLOR_GRAY2BGR);
+      else
+        drawn = frame.image.clone();
+      mission->Draw(drawn);
+      DrawMode(drawn, o.dry_run ? kDryRunMode : kRealMode);
+    }
+    writer.Do([&records, row, changes, begun_s, drawn, frame, state] {
+      records->Write(row, changes, begun_s);
+      if (!drawn.empty()) records->WriteImage(drawn);
+      records->Record(frame, state, row.decision);
+    });
+    return true;
+  };
+  try {
+    report.outcome = Fly(eyes, safe, *mission, record);
+    if (report.outcome.empty()) report.outcome = eyes.why();
+  } catch (const std::exception& e) {  // a mistake in flight code; the aircraft's autopilot takes over
+    report.outcome = "broke off";
+    report.error = e.what();
+  }
+  link.Silence();
+  writer.Finish();
+  report.accomplished = report.error.empty() && mission->Accomplished();
+  report.images_overwritten = camera.Health().overwritten - overwritten_before;
+  report.records_dropped = writer.dropped();
+  if (report.error.empty()) report.error = writer.error();
+  const StageTime reaction = StageTimeOf(reaction_s);
+  report.mean_ms = reaction.mean_ms;
+  report.p99_ms = reaction.p99_ms;
+  if (!records) return report;
+  summary.outcome = report.outcome;
+  summary.error = report.error;
+  summary.complete = report.error.empty();
+  summary.passed = report.accomplished;
+  summary.sim_s = summary.wall_s = MonotonicNow_s() - begun_s;
+  summary.stages = {{"vision", StageTimeOf(vision_s)},
+                    {"control", StageTimeOf(control_s)},
+                    {"image_to_setpoint", reaction}};
+  try {
+    records->Finish(summary);
+  } catch (const std::exception& e) {
+    if (report.error.empty()) report.error = e.what();
+  }
+  return report;
+}
+
+}  // namespace kestrel

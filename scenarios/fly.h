@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "control/links/safe_autopilot.h"
+#include "scenarios/flight_plan.h"
+#include "scenarios/mission.h"
+#include "vision/live_camera.h"
+
+namespace kestrel {
+
+struct FlyOptions {
+  SafetyLimits limits;
+  bool pilot_untold = false;                    // as in PreFlightOptions
+  bool dry_run = false;                         // nothing is sent
+  std::optional<std::filesystem::path> folder;  // of the records; none: nothing is written
+  bool video = true, images = false;            // images: for replay
+  double most_s = 3600;
+  const std::atomic<bool>* interrupted = nullptr;
+  // Each frame of a flight, on the flight's own thread; must be quick.
+  std::function<void(const VehicleState&, const Decision&, const SafetyChange&)> progress;
+};
+
+struct FlyReport {
+  std::string outcome;        // the mission's; "interrupted", "time is up", "camera ended"
+  bool accomplished = false;  // what the flight is for
+  std::string error;          // of the records; empty: none. The flight goes on without them
+  std::int64_t frames = 0, images_overwritten = 0, records_dropped = 0;
+  // From when an image was there to when its setpoint was handed to the link.
+  double mean_ms = 0, p99_ms = 0;
+};
+
+// Flies a mission on what is real: the same loop as in the simulator, through the safety layer, with records
+// written by another thread that a flight never waits for. Nothing here throws in flight.
+FlyReport FlyAircraft(const LoadedPlan& plan, LiveCamera& camera, AutopilotLink& link,
+                      const FlyOptions& options);
+
+}  // namespace kestrel

@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scenarios/recording.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <fstream>
+#include <functional>
+#include <opencv2/imgcodecs.hpp>
+#include <stdexcept>
+
+namespace kestrel {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The row of a state, in one place for both directions: Number(double&) for each.
+template <class Number>
+void StateNumbers(VehicleState& s, Number number) {
+  number(s.t_s);
+  for (int i = 0; i < 3; ++i) number(s.p_NB[i]);
+  for (int i = 0; i < 3; ++i) number(s.v_N[i]);
+  for (int i = 0; i < 4; ++i) number(s.R_NB.coeffs()[i]);
+  for (int i = 0; i < 3; ++i) number(s.w_B[i]);
+  if (s.R_NB_inertial)
+    for (int i = 0; i < 4; ++i) number(s.R_NB_inertial->coeffs()[i]);
+}
+constexpr const char* kStateNames =
+    "state_t_s,p_n,p_e,p_d,v_n,v_e,v_d,q_x,q_y,q_z,q_w,w_x,w_y,w_z,inertial_x,inertial_y,inertial_z,inertial_"
+    "w,"
+    "mode,landed,saturated,aided";
+constexpr std::size_t kStateNumbers = 18, kInertial = 4, kBefore = 2, kStateFlags = 4;
+
+struct NamedNumber {
+  const char* name;
+  std::function<std::optional<double>(const Decision&)> value;
+};
+
+template <class Kind, class Get>
+std::function<std::optional<double>(const Decision&)> Of(Get get) {
+  return [get](const Decision& d) -> std::optional<double> {
+    if (!d.setpoint) return std::nullopt;
+    const auto* s = std::get_if<Kind>(&*d.setpoint);
+    return s ? std::optional<double>(get(*s)) : std::nullopt;
+  };
+}
+
+template <class Get>
+std::function<std::optional<double>(const Decision&)> OfFix(Get get) {
+  return [get](const Decision& d) { return d.fix ? std::optional<double>(get(*d.fix)) : std::nullopt; };
+}
+
+template <class Get>
+std::function<std::optional<double>(const Decision&)> OfAttitude(Get get) {
+  return [get](const Decision& d) -> std::optional<double> {
+    return d.attitude ? get(*d.attitude) : std::nullopt;
+  };
+}
+
+const std::vector<NamedNumber>& Numbers() {
+  using V = VelocitySetpoint;
+  using P = PositionSetpoint;
+  using A = AttitudeSetpoint;
+  using Maybe = std::optional<double>;
+  static const std::vector<NamedNumber> kNumbers = {
+      {"setpoint_vx_m_s", Of<V>([](const V& s) { return s.v_H.x(); })},
+      {"setpoint_vy_m_s", Of<V>([](const V& s) { return s.v_H.y(); })},
+      {"setpoint_vz_m_s", Of<V>([](const V& s) { return s.v_H.z(); })},
+      {"setpoint_yaw_rate_rad_s", Of<V>([](const V& s) { return s.yaw_rate; })},
+      {"setpoint_x_m", Of<P>([](const P& s) { return s.p_N.x(); })},
+      {"setpoint_y_m", Of<P>([](const P& s) { return s.p_N.y(); })},
+      {"setpoint_z_m", Of<P>([](const P& s) { return s.p_N.z(); })},
+      {"setpoint_yaw_rad", Of<P>([](const P& s) { return s.yaw; })},
+      {"setpoint_roll_rad", Of<A>([](const A& s) { return s.roll; })},
+      {"setpoint_pitch_rad", Of<A>([](const A& s) { return s.pitch; })},
+      {"setpoint_turn_rad_s", Of<A>([](const A& s) { return s.yaw_rate; })},
+      {"setpoint_thrust", Of<A>([](const A& s) { return s.thrust; })},
+      {"fix_x_m", OfFix([](const TargetFix& f) { return f.p_TB.x(); })},
+      {"fix_y_m", OfFix([](const TargetFix& f) { return f.p_TB.y(); })},
+      {"fix_z_m", OfFix([](const TargetFix& f) { return f.p_TB.z(); })},
+      {"fix_yaw_rad", OfFix([](const TargetFix& f) { return f.yaw_TB; })},
+      {"horizon_roll_rad", OfAttitude([](const AttitudeFix& f) { return Maybe(f.roll); })},
+      {"horizon_pitch_rad", OfAttitude([](const AttitudeFix& f) { return Maybe(f.pitch); })},
+      {"compass_turned_rad", OfAttitude([](const AttitudeFix& f) { return f.turned; })},
+      {"balloon_u", [](const Decision& d) { return d.sight ? Maybe(d.sight->now.s.x()) : Maybe(); }},
+      {"balloon_v", [](const Decision& d) { return d.sight ? Maybe(d.sight->now.s.y()) : Maybe(); }},
+      {"balloon_diameter",
+       [](const Decision& d) { return d.sight ? Maybe(d.sight->now.diameter) : Maybe(); }},
+      {"other_bearing_rad",
+       [](const Decision& d) { return d.encounter ? Maybe(d.encounter->azimuth) : Maybe(); }},
+      {"other_range_m",
+       [](const Decision& d) { return d.encounter ? Maybe(d.encounter->range_m) : Maybe(); }},
+  };
+  return kNumbers;
+}
+
+std::string Cell(const std::optional<double>& value) { return value ? fmt::format("{}", *value) : ""; }
+
+fs::path ImageName(std::int64_t sequence) { return fmt::format("{:06d}.png", sequence); }
+
+std::string Header() {
+  std::string header = fmt::format("sequence,t_s,{},phase,target,outcome", kStateNames);
+  for (const std::string& name : RecordedNumbers()) header += "," + name;
+  return header;
+}
+
+// A line's cells.
+std::vector<std::string_view> Cells(std::string_view line) {
+  std::vector<std::string_view> cells;
+  for (std::size_t begin = 0;;) {
+    const std::size_t end = line.find(',', begin);
+    cells.push_back(line.substr(begin, end - begin));
+    if (end == std::string_view::npos) return cells;
+    begin = end + 1;
+  }
+}
+
+template <class T>
+T Value(std::string_view cell) {
+  T value{};
+  const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+  if (error != std::errc() || end != cell.data() + cell.size())
+    throw std::runtime_error(fmt::format("'{}' is not a number", cell));
+  return value;
+}
+
+RecordedFrame FrameOf(std::string_view line) {
+  const std::vector<std::string_view> cells = Cells(line);
+  const std::size_t expected = kBefore + kStateNumbers + kStateFlags + 3 + RecordedNumbers().size();
+  if (cells.size() != expected)
+    throw std::runtime_error(fmt::format("{} cells where there are {}", cells.size(), expected));
+  RecordedFrame frame;
+  std::size_t next = 0;
+  frame.sequence = Value<std::int64_t>(cells[next++]);
+  frame.t_s = Value<double>(cells[next++]);
+  VehicleState& s = frame.state;
+  if (cells[kBefore + kStateNumbers - kInertial].empty()) s.R_NB_inertial.reset();
+  StateNumbers(s, [&](double& number) { number = Value<double>(cells[next++]); });
+  next = kBefore + kStateNumbers;
+  const int mode = Value<int>(cells[next++]);
+  if (mode < 0 || mode > static_cast<int>(FlightMode::kHold))
+    throw std::runtime_error(fmt::format("there is no mode {}", mode));
+  s.mode = static_cast<FlightMode>(mode);
+  s.landed = Value<int>(cells[next++]) != 0;
+  s.saturated = Value<int>(cells[next++]) != 0;
+  s.aided = Value<int>(cells[next++]) != 0;
+  frame.decision.phase = cells[next++];
+  frame.decision.target = cells[next++];
+  frame.decision.outcome = cells[next++];
+  for (; next < cells.size(); ++next)
+    frame.decision.numbers.push_back(cells[next].empty() ? std::nullopt
+                                                         : std::optional(Value<double>(cells[next])));
+  return frame;
+}
+
+}  // namespace
+
+const std::vector<std::string>& RecordedNumbers() {
+  static const std::vector<std::string> kNames = [] {
+    std::vector<std::string> names;
+    for (const NamedNumber& number : Numbers()) names.push_back(number.name);
+    return names;
+  }();
+  return kNames;
+}
+
+RecordedDecision Recorded(const Decision& decision) {
+  RecordedDecision recorded{
+      std::string(decision.phase), std::string(decision.target), std::string(decision.outcome), {}};
+  for (const NamedNumber& number : Numbers()) recorded.numbers.push_back(number.value(decision));
+  return recorded;
+}
+
+RecordingWriter::RecordingWriter(const fs::path& flight_folder)
+    : folder_([&] {
+        fs::remove_all(flight_folder / "recording");
+        fs::create_directories(flight_folder / "recording");
+        return flight_folder / "recording";
+      }()),
+      table_(folder_ / "frames.csv") {
+  table_.Write(Header() + "\n");
+}
+
+void RecordingWriter::Write(const Frame& frame, const VehicleState& state, const Decision& decision) {
+  const fs::path image = folder_ / ImageName(frame.sequence);
+  // The fastest of its levels: a recording keeps up with a camera.
+  if (!cv::imwrite(image.string(), frame.image, {cv::IMWRITE_PNG_COMPRESSION, 1}))
+    throw std::runtime_error(fmt::format("{} cannot be written", image.string()));
+  std::string line = fmt::format("{},{}", frame.sequence, frame.t_s);
+  VehicleState s = state;
+  StateNumbers(s, [&](const double& number) { line += fmt::format(",{}", number); });
+  if (!s.R_NB_inertial) line += std::string(kInertial, ',');
+  line += fmt::format(",{},{:d},{:d},{:d}", static_cast<int>(s.mode), s.landed, s.saturated, s.aided);
+  const RecordedDecision recorded = Recorded(decision);
+  line += fmt::format(",{},{},{}", recorded.phase, recorded.target, recorded.outcome);
+  for (const auto& number : recorded.numbers) line += "," + Cell(number);
+  table_.Write(line + "\n");
+}
+
+void RecordingWriter::Close() { table_.Close(); }
+
+Recording::Recording(const fs::path& flight_folder) : folder_(flight_folder / "recording") {
+  // Of a flight that broke off, what there is.
+  fs::path file = folder_ / "frames.csv";
+  if (!fs::exists(file) && fs::exists(PartOf(file))) file = PartOf(file);
+  std::ifstream in(file);
+  if (!in)
+    throw std::runtime_error(fmt::format(
+        "{} cannot be read: fly with --images, and images and states are recorded", file.string()));
+  std::string line;
+  std::getline(in, line);
+  if (line != Header())
+    throw std::runtime_error(
+        fmt::format("{}:1: not the columns of this version's recordings", file.string()));
+  for (int number = 2; std::getline(in, line); ++number) {
+    if (in.eof() && file != folder_ / "frames.csv") break;  // the line that was being written
+    try {
+      frames_.push_back(FrameOf(line));
+    } catch (const std::runtime_error& e) {
+      throw std::runtime_error(fmt::format("{}:{}: {}", file.string(), number, e.what()));
+    }
+  }
+}
+
+Frame Recording::At(std::size_t index) const {
+  const RecordedFrame& recorded = frames_[index];
+  const fs::path file = folder_ / ImageName(recorded.sequence);
+  Frame frame{cv::imread(file.string(), cv::IMREAD_UNCHANGED), recorded.t_s, recorded.sequence};
+  if (frame.image.empty())
+    throw std::runtime_error(fmt::format("{} cannot be read as an image", file.string()));
+  return frame;
+}
+
+}  // namespace kestrel
