@@ -21,6 +21,7 @@
 #include "scenarios/bench_render.h"
 #include "scenarios/bench_servo.h"
 #include "scenarios/bench_servoing.h"
+#include "scenarios/bench_stream.h"
 #include "scenarios/bench_trackers.h"
 #include "scenarios/files.h"
 #include "scenarios/fly_all.h"
@@ -296,6 +297,7 @@ bool Bench(const BenchArguments& arguments) {
   if (chosen("contrast"))
     BenchContrast(seeds.first, seeds.last, arguments.jobs, std::filesystem::path(arguments.out) / "contrast",
                   table);
+  if (chosen("stream")) BenchStream(table);
   PrintFigures(table);
   if (!arguments.json.empty()) WriteFigures(arguments.json, table);
   return AllMet(table);

@@ -21,11 +21,10 @@ class EventLog {
   // In the order of time.
   void Write(const LogRow& row);
   void Write(const CameraCondition& change);
+  void Line(double t_s, std::string_view what, std::string_view is);
   void End(double t_s, std::string_view how);
 
  private:
-  void Line(double t_s, std::string_view what, std::string_view is);
-
   PartFile file_;
   std::string phase_, target_, mode_, camera_ = "ok";
   bool saturated_ = false, touching_ = false, aided_ = false, attitude_failed_ = false;

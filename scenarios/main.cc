@@ -21,6 +21,7 @@
 #include "scenarios/mirror_command.h"
 #include "scenarios/render_board.h"
 #include "scenarios/runner.h"
+#include "scenarios/serve_command.h"
 #include "scenarios/version.h"
 #include "scenarios/view_command.h"
 
@@ -188,6 +189,8 @@ int Main(int argc, char** argv) {
   check_command->add_option("--set", check_overrides, "key.path=value, as for run");
   check_command->footer("Examples:\n  kestrel check my_flight.yaml --set camera=fisheye");
 
+  ServeArguments serve;
+  const CLI::App* serve_command = AddServeCommand(app, serve);
   EncountersArguments encounters;
   const CLI::App* encounters_command = AddEncountersCommand(app, encounters);
 
@@ -232,6 +235,10 @@ int Main(int argc, char** argv) {
   }
   try {
     if (*run_command) return Run(run);
+    if (*serve_command) {
+      const Summary summary = ServeCommand(serve);
+      return !summary.complete ? kBrokeOff : summary.passed ? kMet : kNotMet;
+    }
     if (*list_command) return List();
     if (*check_command) return Check(check_file, check_overrides);
     if (*mirror_command) {

@@ -136,6 +136,11 @@ std::vector<std::string> MetricNames() {
   return names;
 }
 
+bool NeedsDecisions(const std::string& metric) {
+  return !metric.starts_with("touchdown_") && !metric.starts_with("rest_") &&
+         !metric.starts_with("failure_") && metric != "greatest_tilt_deg";
+}
+
 std::map<std::string, double> Metrics(const std::vector<LogRow>& rows, const std::optional<Truth>& touch) {
   std::map<std::string, double> m;
   if (rows.empty()) return m;

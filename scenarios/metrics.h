@@ -13,6 +13,9 @@ namespace kestrel {
 // Every metric that a run may have, for checking the names of criteria.
 std::vector<std::string> MetricNames();
 
+// Whether a metric is of what the flight code saw or wanted: without its decisions it cannot be had.
+bool NeedsDecisions(const std::string& metric);
+
 // What a flight did, judged by the truth alone. touch: the instant before the first touch-down. Metrics that
 // do not apply (no fix, no goal, no landing) are not there.
 //   fix_{x,y,z}_rmse_m, fix_yaw_rmse_deg  camera fix less truth in the pad's frame, at the exposures

@@ -255,14 +255,27 @@ void Simulator::AdvanceTo(std::int64_t step) {
   }
 }
 
-std::optional<Frame> Simulator::Next() {
+std::optional<Frame> Simulator::Next() { return NextUntilStep(kNever); }
+
+std::optional<Frame> Simulator::NextUntil(double t_s) {
+  // A time that is meant to be a step's own is not missed by rounding.
+  return NextUntilStep(static_cast<std::int64_t>(std::floor(t_s / model_->opt.timestep + 1e-6)));
+}
+
+std::optional<Frame> Simulator::NextUntilStep(std::int64_t last) {
   const auto start = std::chrono::steady_clock::now();
-  while (coming_.empty() && TickStep() != kNever) AdvanceTo(TickStep());
-  if (coming_.empty()) return std::nullopt;
+  while (coming_.empty() && TickStep() <= last && TickStep() != kNever) AdvanceTo(TickStep());
+  const bool comes = !coming_.empty() && coming_.front().due_step <= last;
+  if (comes) {
+    AdvanceTo(coming_.front().due_step);
+  } else if (last != kNever) {
+    AdvanceTo(last);
+  }
+  physics_s_ += SecondsSince(start);
+  if (!comes) return std::nullopt;
   const Coming coming = coming_.front();
   coming_.pop_front();
-  AdvanceTo(coming.due_step);
-  timing_.physics_s.push_back(SecondsSince(start));
+  timing_.physics_s.push_back(std::exchange(physics_s_, 0));
   picture_ = studio_->Take();
   timing_.render_s.push_back(picture_.render_s);
   timing_.sensor_s.push_back(picture_.sensor_s);

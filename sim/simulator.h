@@ -90,8 +90,9 @@ struct RunError : std::runtime_error {
 
 // The far end of both wires: the camera and the autopilot of an aircraft in a simulated world. Lockstep: time
 // passes only in Next(), which advances the world until the next frame has come through its latency, or to
-// the end if none comes any more. An image is drawn on a second thread while the flight code works on the one
-// before; what is drawn depends on the moments of its exposure, and on the frames before it, alone.
+// the end if none comes any more, and in NextUntil(), for who keeps time himself. An image is drawn on a
+// second thread while the flight code works on the one before; what is drawn depends on the moments of its
+// exposure, and on the frames before it, alone.
 //
 // The camera's clock ticks at its rate, and each tick is a frame unless a fault takes it. A frame's time,
 // from which its latency counts, is the middle of the exposure of the middle row; exposure and readout reach
@@ -103,6 +104,9 @@ class Simulator final : public Camera, public Autopilot {
   ~Simulator() override;
 
   std::optional<Frame> Next() override;  // none: no exposure is left within the duration
+  // The same, but the world goes no further than to this time, and without a frame always there, also when
+  // no exposure is left. The flight is the same, bit for bit, in whatever slices.
+  std::optional<Frame> NextUntil(double t_s);
   VehicleState State() const override;
   void Send(const Setpoint& setpoint) override;
   void Aid(const AttitudeAid& aid) override;
@@ -133,6 +137,7 @@ class Simulator final : public Camera, public Autopilot {
 
   void Step();
   void AdvanceTo(std::int64_t step);
+  std::optional<Frame> NextUntilStep(std::int64_t last);
   void CoverPad();
   void MoveTargets();
   void RunCamera();
@@ -168,6 +173,7 @@ class Simulator final : public Camera, public Autopilot {
   std::deque<Shot> open_;           // their exposures have not ended
   std::deque<Moment> moments_;      // that open exposures need, or the next one
   std::deque<Coming> coming_;
+  double physics_s_ = 0;  // spent since the last frame
   Timing timing_;
 };
 

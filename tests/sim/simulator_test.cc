@@ -81,6 +81,30 @@ TEST(Simulator, TimePassesOnlyInNext) {
   EXPECT_EQ(frame->image.type(), CV_8UC1);
 }
 
+TEST(Simulator, AFlightInSlicesIsTheSameFlight) {
+  SimulatorParameters p = Hover();
+  p.image.faults = {{.type = "intermittent", .from_s = 0.1, .until_s = 0.3, .loss = 0.5}};
+  const Flown whole = Fly(p);
+  for (const double slice_s : {0.002, 0.037}) {
+    Simulator simulator(p);
+    Flown run{};
+    for (int k = 1; k * slice_s < 1.2; ++k) {
+      while (const auto frame = simulator.NextUntil(k * slice_s)) {
+        EXPECT_LE(simulator.truth().t_s, k * slice_s + 1e-9);
+        run.images.push_back(frame->image);
+        EXPECT_EQ(frame->t_s, whole.exposures.at(run.images.size() - 1).t_s);
+        simulator.Send(VelocitySetpoint{{0.3, -0.2, 0.1}, 0.1});
+      }
+      // with frames or without, before the last exposure and after
+      ASSERT_NEAR(simulator.truth().t_s, std::floor(k * slice_s / 0.002 + 1e-6) * 0.002, 1e-9);
+    }
+    run.state_hash = simulator.state_hash(), run.image_hash = simulator.image_hash();
+    EXPECT_EQ(run.images.size(), whole.images.size());
+    EXPECT_TRUE(run == whole) << slice_s;
+    EXPECT_EQ(simulator.timing().physics_s.size(), whole.images.size());
+  }
+}
+
 TEST(Simulator, EachFrameComesItsLatencyAfterItsExposure) {
   for (const double rate_hz : {20.0, 30.0, 7.3}) {
     for (const double latency_s : {0.0, 0.05, 0.0133, 0.31}) {

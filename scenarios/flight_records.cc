@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scenarios/flight_records.h"
+
+#include <stdexcept>
+
+#include "scenarios/files.h"
+
+namespace kestrel {
+namespace {
+
+RecorderOptions OptionsFor(const LoadedScenario& loaded, bool video) {
+  RecorderOptions options;
+  options.video = video;
+  options.rate_hz = loaded.scenario.image.rate_hz;
+  options.plots.title = loaded.scenario.name + ", seed " + std::to_string(loaded.scenario.seed);
+  const SceneParameters& scene = loaded.simulator.scene;
+  if (!scene.pad_texture.empty()) options.plots.pad_size_m = scene.pad.size_m;
+  return options;
+}
+
+// In a folder that the recorder has made.
+EventLog BeginEvents(const std::filesystem::path& folder, const Scenario& scenario) {
+  std::filesystem::remove(folder / "events.log");  // of an earlier run
+  WriteFile(folder / "scenario.yaml", ToYaml(scenario));
+  return EventLog(folder);
+}
+
+}  // namespace
+
+FlightRecords::FlightRecords(const std::filesystem::path& folder, const LoadedScenario& loaded, bool video)
+    : recorder_(folder, OptionsFor(loaded, video)), events_(BeginEvents(folder, loaded.scenario)) {}
+
+void FlightRecords::WriteCameraChanges(const Simulator& simulator) {
+  const auto changes = simulator.camera_changes();
+  for (; changes_written_ < changes.size(); ++changes_written_) events_.Write(changes[changes_written_]);
+}
+
+void FlightRecords::Write(const LogRow& row, const Simulator& simulator) {
+  recorder_.Write(row);
+  WriteCameraChanges(simulator);
+  events_.Write(row);
+}
+
+Summary FlightRecords::Finish(Summary summary, const Simulator& simulator) {
+  try {
+    WriteCameraChanges(simulator);
+    events_.End(summary.sim_s, summary.error.empty() ? summary.outcome : summary.error);
+  } catch (const std::runtime_error& e) {
+    if (summary.error.empty()) summary.error = e.what();
+    summary.complete = summary.passed = false;
+  }
+  try {
+    return recorder_.Finish(summary);
+  } catch (const std::runtime_error& e) {
+    throw std::runtime_error(summary.error.empty() ? e.what() : summary.error + "; " + e.what());
+  }
+}
+
+}  // namespace kestrel

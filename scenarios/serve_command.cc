@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scenarios/serve_command.h"
+
+#include <arpa/inet.h>
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <atomic>
+#include <charconv>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+
+#include "config/yaml_fields.h"
+#include "scenarios/files.h"
+#include "scenarios/serve_flight.h"
+#include "sim/servers/camera_server.h"
+#include "vision/rtp_stream.h"
+
+namespace kestrel {
+namespace {
+
+std::atomic<bool> interrupted = false;
+
+bool IsAddress(const std::string& text) {
+  unsigned char bytes[sizeof(in6_addr)];
+  return inet_pton(AF_INET, text.c_str(), bytes) == 1 || inet_pton(AF_INET6, text.c_str(), bytes) == 1;
+}
+
+bool OnLoopback(const std::string& address) { return address.starts_with("127.") || address == "::1"; }
+
+// Of "udp://ADDRESS:PORT"; empty: it is not on a network.
+std::string AddressOf(const std::string& where) {
+  const std::size_t from = where.find("://"), to = where.rfind(':');
+  if (from == std::string::npos || to <= from) return {};
+  std::string address = where.substr(from + 3, to - from - 3);
+  if (address.starts_with('[')) address = address.substr(1, address.size() - 2);
+  return address;
+}
+
+std::optional<RtpStream> StreamOf(const ServeArguments& a) { return ParseRtpStream(a.camera); }
+
+void Check(const ServeArguments& a, Mistakes& mistakes) {
+  if (a.camera != "none" && !StreamOf(a))
+    mistakes.Add("--camera", "",
+                 fmt::format("'{}' is no stream; valid: rtp:PORT, raw:PORT, rtp:ADDRESS:PORT, "
+                             "raw:ADDRESS:PORT, none",
+                             a.camera));
+  if (!IsAddress(a.listen))
+    mistakes.Add("--listen", "",
+                 fmt::format("'{}' is no address; valid: one of this computer's, as numbers", a.listen));
+  if (a.afcs && !a.afcs->empty()) {
+    const std::size_t colon = a.afcs->rfind(':');
+    int port = -1;
+    const char* end = a.afcs->data() + a.afcs->size();
+    if (colon != std::string::npos) {
+      const auto read = std::from_chars(a.afcs->data() + colon + 1, end, port);
+      if (read.ec != std::errc{} || read.ptr != end) port = -1;
+    }
+    if (port < 0 || port > 65535 || !IsAddress(a.afcs->substr(0, colon)))
+      mistakes.Add("--afcs", "", fmt::format("'{}' is no place; valid: ADDRESS:PORT, or nothing", *a.afcs));
+  }
+  if (a.mavlink_port && !a.mavlink) mistakes.Add("--mavlink-port", "", "means nothing without --mavlink");
+  if (a.pilot_off_at_s && !(*a.pilot_off_at_s >= 0))
+    mistakes.Add("--pilot-off-at", "", "is before the flight; valid: 0 or more");
+  if (a.camera == "none" && !a.afcs && !a.asctec && !a.mavlink)
+    mistakes.Add("serve", "", "there is nothing to serve; valid: --afcs, --asctec, --mavlink, --camera");
+}
+
+std::string Warning(const std::string& what, const std::string& address) {
+  return fmt::format(
+      "  WARNING: {} is open beyond this computer ({}). These protocols have no authentication: whoever\n"
+      "           reaches it can read and command.\n",
+      what, address);
+}
+
+void Report(const Summary& s, const std::string& folder) {
+  fmt::print("SIMULATOR  {}, seed {}: {}\n", s.scenario, s.seed,
+             s.error.empty() ? s.outcome : "broke off: " + s.error);
+  const auto value = [&](const char* name) {
+    const auto found = s.metrics.find(name);
+    return found != s.metrics.end() ? fmt::format("{:.4g}", found->second) : "none";
+  };
+  fmt::print("  touch-down: error {} m, sink {} m/s, tilt {} deg, at {} s\n", value("touchdown_error_m"),
+             value("touchdown_sink_m_s"), value("touchdown_tilt_deg"), value("touchdown_s"));
+  for (const Criterion& c : s.criteria)
+    fmt::print("  {:<4} {:<26} {:>11}   {} {:g}\n", c.passed ? "ok" : "NOT", c.name,
+               std::isnan(c.value) ? "not reached" : fmt::format("{:.4g}", c.value),
+               c.at_least ? "at least" : "at most", c.limit);
+  fmt::print("  {} setpoints heard, {} refused; {:.1f} s flown in {:.1f} s\n  {}\n", value("setpoints_heard"),
+             value("setpoints_refused"), s.sim_s, s.wall_s, folder);
+}
+
+}  // namespace
+
+CLI::App* AddServeCommand(CLI::App& app, ServeArguments& a) {
+  CLI::App* serve = app.add_subcommand(
+      "serve", "Fly the simulated aircraft in real time for any client, by real wires and a video stream");
+  serve->add_option("scenario", a.scenario, "A name that `list` shows, or a YAML file")->required();
+  serve->add_option("--seed", a.seed, "Of everything random, instead of the scenario's");
+  serve->add_option("--set", a.overrides, "key.path=value, instead of the scenario's; may be repeated");
+  serve->add_option("--afcs", a.afcs, "Rotomotion's AFCS by UDP, at ADDRESS:PORT or the usual place")
+      ->expected(0, 1);
+  serve->add_flag("--asctec", a.asctec, "Ascending Technologies' low-level processor, on a pseudo-terminal");
+  serve->add_option("--mavlink", a.mavlink, "MAVLink 2 by UDP, as this autopilot speaks it")
+      ->check(CLI::IsMember({"px4", "ardupilot"}));
+  serve->add_option("--mavlink-port", a.mavlink_port, "Instead of the usual one")
+      ->check(CLI::Range(0, 65535));
+  serve
+      ->add_option("--camera", a.camera,
+                   "rtp:PORT (MJPEG), raw:PORT (uncoded) on this computer, rtp:ADDRESS:PORT, "
+                   "raw:ADDRESS:PORT to another, or none")
+      ->capture_default_str();
+  serve->add_option("--listen", a.listen, "Address of this computer at which servers listen")
+      ->capture_default_str();
+  serve->add_option("--for", a.for_s, "How long, in s, instead of the scenario's duration_s");
+  serve->add_option("--out", a.out, "Folder for the records (default results/runs/NAME-SEED-served)");
+  serve->add_option("--pilot-off-at", a.pilot_off_at_s,
+                    "When the pilot's switch takes the aircraft away, in s of the flight");
+  serve->footer(
+      "Examples:\n  kestrel serve landing --afcs --camera rtp:5600\n"
+      "  kestrel serve landing --mavlink px4 --camera raw:5600 --for 120");
+  return serve;
+}
+
+std::vector<NamedServer> MakeServers(const ServeArguments& a, const LoadedScenario&, Mistakes& mistakes) {
+  std::vector<NamedServer> servers;
+  const auto not_here = [&](const char* option) {
+    mistakes.Add(option, "", "this build has no server for it");
+  };
+  if (a.afcs) not_here("--afcs");
+  if (a.asctec) not_here("--asctec");
+  if (a.mavlink) not_here("--mavlink");
+  return servers;
+}
+
+std::string StartLines(const ServeArguments& a, const LoadedScenario& loaded,
+                       const std::vector<NamedServer>& servers) {
+  const Scenario& scenario = loaded.scenario;
+  std::string lines = fmt::format("SIMULATOR  {}, seed {}: {:g} s in real time\n", scenario.name,
+                                  scenario.seed, scenario.duration_s);
+  const auto stream = StreamOf(a);
+  std::string camera;
+  if (stream) {
+    const cv::Size size(WidthPx(loaded.simulator.camera), HeightPx(loaded.simulator.camera));
+    const double delay_s = scenario.image.latency_s + RtpDelay_s(stream->coding);
+    lines += fmt::format("  camera   {}: {} x {}, {:g} Hz, to {} port {}\n", ToText(*stream), size.width,
+                         size.height, scenario.image.rate_hz, stream->host, stream->port);
+    lines += fmt::format("           received by: {}\n",
+                         ReceivingPipeline(*stream, size, loaded.simulator.image.colour));
+    lines += fmt::format(
+        "           exposure_before_stamp_s: {:.3f} ({:.3f} of the camera, the rest of the "
+        "stream)\n",
+        delay_s, scenario.image.latency_s);
+    if (!OnLoopback(stream->host)) lines += Warning("the camera's stream", stream->host);
+    camera = " --camera " + ToText(*stream);
+  } else {
+    lines += "  camera   none\n";
+  }
+  for (const NamedServer& each : servers) {
+    const std::string where = each.server->Where(), address = AddressOf(where);
+    lines += fmt::format("  {:<8} {}\n", each.name, where);
+    if (!address.empty() && !OnLoopback(address)) lines += Warning(each.name, address);
+  }
+  for (const NamedServer& each : servers)
+    lines += fmt::format("  to fly it:  kestrel fly {}{} --autopilot {}:{}\n", a.scenario, camera, each.name,
+                         each.server->Where());
+  return lines;
+}
+
+Summary ServeCommand(const ServeArguments& a) {
+  std::vector<std::string> overrides = a.overrides;
+  if (!a.seed.empty()) overrides.push_back("seed=" + a.seed);
+  if (a.for_s) overrides.push_back(fmt::format("duration_s={}", *a.for_s));
+  const LoadedScenario loaded = LoadScenario(a.scenario, overrides);
+  const Scenario& scenario = loaded.scenario;
+  const std::string folder =
+      a.out.empty() ? fmt::format("results/runs/{}-{}-served", scenario.name, scenario.seed) : a.out;
+  Mistakes mistakes;
+  Check(a, mistakes);
+  CheckWritableFolder(folder, "--out", mistakes);
+  mistakes.ThrowIfAny();
+  const std::vector<NamedServer> servers = MakeServers(a, loaded, mistakes);
+  mistakes.ThrowIfAny();
+
+  ServeOptions options;
+  options.folder = folder;
+  options.pilot_off_at_s = a.pilot_off_at_s;
+  for (const NamedServer& each : servers) options.servers.push_back(each.server.get());
+  std::optional<CameraServer> camera;
+  if (const auto stream = StreamOf(a)) {
+    const CameraModel& model = loaded.simulator.camera;
+    camera.emplace(*stream, cv::Size(WidthPx(model), HeightPx(model)), scenario.image.rate_hz,
+                   loaded.simulator.image.colour);
+    options.publish = [&](const Frame& frame) { camera->Publish(frame.image); };
+  }
+  options.begun = [&] {
+    fmt::print("{}", StartLines(a, loaded, servers));
+    std::fflush(stdout);
+  };
+  options.say = [](const std::string& line) {
+    fmt::print("{}\n", line);
+    std::fflush(stdout);
+  };
+  options.go_on = [] { return !interrupted.load(); };
+  // The first asks the flight to end in good order; a second one ends the program.
+  const auto stop = [](int signal) {
+    interrupted = true;
+    std::signal(signal, SIG_DFL);
+  };
+  std::signal(SIGINT, stop);
+  std::signal(SIGTERM, stop);
+  const Summary summary = ServeFlight(loaded, options).summary;
+  Report(summary, folder);
+  return summary;
+}
+
+}  // namespace kestrel

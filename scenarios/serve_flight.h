@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "scenarios/runner.h"
+#include "scenarios/scenario.h"
+#include "sim/servers/autopilot_server.h"
+
+namespace kestrel {
+
+struct WallClock {
+  std::function<double()> now_s;            // any that runs in real time
+  std::function<void(double)> sleep_until;  // a time of it
+};
+WallClock MonotonicClock();
+
+struct ServeOptions {
+  std::vector<AutopilotServer*> servers;
+  std::function<void(const Frame&)> publish;    // when a frame's latency is over; must return at once
+  std::optional<std::filesystem::path> folder;  // of the records; none: nothing is written
+  std::optional<double> pilot_off_at_s;         // when the pilot's switch takes the aircraft away
+  std::function<void()> begun;                  // the clock runs
+  std::function<void(const std::string&)> say;  // what who watches should know, as it happens
+  std::function<bool()> go_on;                  // false ends the flight in good order
+  WallClock clock = MonotonicClock();
+};
+
+// Flies a scenario's aircraft in real time for whoever is on the wires, until the scenario's duration is
+// over, the aircraft has landed and stood for 3 s, or go_on says so. The machine being too slow stretches
+// time (scenarios/real_time.h); say and events.log tell how much.
+//
+// It is judged as RunFlight does it, by the truth, but for criteria of what only the flight code knows: they
+// are left out, and said. The rows have the last setpoint that was heard, and nothing else of a decision.
+// summary.metrics has more than Metrics: setpoints_heard, setpoints_refused (they were not numbers) and
+// stretched_s. Throws as RunFlight does.
+FlightResult ServeFlight(const LoadedScenario& loaded, const ServeOptions& options);
+
+}  // namespace kestrel

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scenarios/serve_command.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <CLI/CLI.hpp>
+
+#include "scenarios/scenario.h"
+#include "tests/scenarios/temporary_folder.h"
+
+namespace kestrel {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class At final : public AutopilotServer {
+ public:
+  explicit At(std::string where) : where_(std::move(where)) {}
+  void Serve(double, Autopilot&) override {}
+  void SetPilot(bool) override {}
+  std::string Where() const override { return where_; }
+
+ private:
+  std::string where_;
+};
+
+std::vector<NamedServer> Servers(const std::string& name, const std::string& where) {
+  std::vector<NamedServer> servers;
+  servers.push_back({name, std::make_unique<At>(where)});
+  return servers;
+}
+
+ServeArguments Parsed(std::vector<std::string> words) {
+  CLI::App app;
+  ServeArguments arguments;
+  AddServeCommand(app, arguments);
+  words.insert(words.begin(), "serve");
+  std::reverse(words.begin(), words.end());
+  app.parse(words);
+  return arguments;
+}
+
+TEST(ServeArguments, AfcsMayHaveAPlaceOfItsOwn) {
+  EXPECT_FALSE(Parsed({"landing"}).afcs);
+  EXPECT_EQ(Parsed({"landing", "--afcs"}).afcs, "");
+  EXPECT_EQ(Parsed({"landing", "--afcs", "--asctec"}).afcs, "");
+  EXPECT_EQ(Parsed({"landing", "--afcs", "127.0.0.1:2002"}).afcs, "127.0.0.1:2002");
+  const ServeArguments all = Parsed({"landing", "--mavlink", "px4", "--mavlink-port", "0", "--for", "2.5",
+                                     "--pilot-off-at", "1", "--set", "seed=3", "--set", "duration_s=4"});
+  EXPECT_EQ(all.mavlink, "px4");
+  EXPECT_EQ(all.mavlink_port, 0);
+  EXPECT_EQ(all.for_s, 2.5);
+  EXPECT_EQ(all.pilot_off_at_s, 1);
+  EXPECT_EQ(all.overrides.size(), 2u);
+}
+
+class ServeCommandTest : public InTemporaryFolder {
+ protected:
+  // What it is refused with; empty: it is not.
+  std::string Refusal(ServeArguments arguments) {
+    arguments.scenario = "landing";
+    arguments.out = folder_ / "run";
+    try {
+      ServeCommand(arguments);
+    } catch (const InputError& e) {
+      return e.what();
+    }
+    return {};
+  }
+};
+
+TEST_F(ServeCommandTest, AllMistakesAreToldAtOnce) {
+  ServeArguments a;
+  a.camera = "rtp:5600 ! filesink", a.listen = "everywhere", a.afcs = "here:99999", a.mavlink_port = 14550;
+  a.pilot_off_at_s = -1;
+  const std::string refusal = Refusal(a);
+  for (const char* option : {"--camera", "--listen", "--afcs", "--mavlink-port", "--pilot-off-at"})
+    EXPECT_THAT(refusal, HasSubstr(option));
+}
+
+TEST_F(ServeCommandTest, NothingToServeIsAMistake) {
+  EXPECT_THAT(Refusal({}), HasSubstr("there is nothing to serve"));
+}
+
+TEST_F(ServeCommandTest, TheStartLinesSayHowToConnect) {
+  ServeArguments a;
+  a.scenario = "landing", a.camera = "rtp:5600";
+  const LoadedScenario loaded = LoadScenario("landing");
+  const std::string lines = StartLines(a, loaded, Servers("afcs", "udp://127.0.0.1:2002"));
+  EXPECT_THAT(lines, HasSubstr("SIMULATOR"));
+  EXPECT_THAT(lines, HasSubstr("udp://127.0.0.1:2002"));
+  EXPECT_THAT(lines,
+              HasSubstr("kestrel fly landing --camera rtp:5600 --autopilot afcs:udp://127.0.0.1:2002"));
+  EXPECT_THAT(lines, HasSubstr("exposure_before_stamp_s: 0.05"));
+  EXPECT_THAT(lines, Not(HasSubstr("WARNING")));
+}
+
+TEST_F(ServeCommandTest, WhatIsOpenBeyondThisComputerIsWarnedOf) {
+  ServeArguments a;
+  a.scenario = "landing";
+  const LoadedScenario loaded = LoadScenario("landing");
+  const auto lines = [&](const char* where) { return StartLines(a, loaded, Servers("x", where)); };
+  EXPECT_THAT(lines("udp://0.0.0.0:14550"), HasSubstr("no authentication"));
+  EXPECT_THAT(lines("udp://192.168.1.5:14550"), HasSubstr("no authentication"));
+  EXPECT_THAT(lines("udp://[::]:14550"), HasSubstr("no authentication"));
+  EXPECT_THAT(lines("udp://[::1]:14550"), Not(HasSubstr("WARNING")));
+  EXPECT_THAT(lines("serial:/dev/pts/3"), Not(HasSubstr("WARNING")));
+  a.camera = "raw:192.168.1.5:5600";
+  EXPECT_THAT(lines("serial:/dev/pts/3"), HasSubstr("no authentication"));
+}
+
+}  // namespace
+}  // namespace kestrel
