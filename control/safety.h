@@ -41,7 +41,7 @@ struct ReactionRow {
   Reaction later;  // once it has lasted for patience_s without a break
 };
 
-constexpr std::array kReactions{
+inline constexpr std::array kReactions{
     ReactionRow{Hazard::kPilot, "the pilot's switch is off, or unknown", Reaction::kSilence,
                 Reaction::kSilence},
     ReactionRow{Hazard::kStateLost, "no sane state for state_s", Reaction::kHold, Reaction::kSilence},

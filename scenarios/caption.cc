@@ -12,6 +12,4 @@ void CaptionAt(cv::Mat& bgr, const cv::Point& at, const std::string& text) {
   cv::putText(bgr, text, at, cv::FONT_HERSHEY_SIMPLEX, 0.48, {255, 255, 255}, 1, cv::LINE_AA);
 }
 
-void DrawMode(cv::Mat& bgr, const char* mode) { CaptionAt(bgr, {8, bgr.rows - 8}, mode); }
-
 }  // namespace kestrel

@@ -12,7 +12,4 @@ void Caption(cv::Mat& bgr, int row, const std::string& text);
 // The same anywhere: at the left end of its base line.
 void CaptionAt(cv::Mat& bgr, const cv::Point& at, const std::string& text);
 
-// Whether this is the simulator or a real aircraft, in the lower left corner of every video.
-void DrawMode(cv::Mat& bgr, const char* mode);
-
 }  // namespace kestrel

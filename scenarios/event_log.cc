@@ -37,10 +37,10 @@ void EventLog::Write(const LogRow& row) {
   }
 }
 
-void EventLog::Write(const CameraCondition& change) {
-  if (change.name == camera_) return;
-  Line(change.from_s, "camera", change.name);
-  camera_ = change.name;
+void EventLog::WriteCamera(double t_s, std::string_view condition) {
+  if (condition == camera_) return;
+  Line(t_s, "camera", condition);
+  camera_ = condition;
 }
 
 void EventLog::End(double t_s, std::string_view how) {

@@ -7,7 +7,6 @@
 
 #include "scenarios/files.h"
 #include "scenarios/flight_log.h"
-#include "sim/camera_faults.h"
 
 namespace kestrel {
 
@@ -20,7 +19,7 @@ class EventLog {
   explicit EventLog(const std::filesystem::path& folder) : file_(folder / "events.log") {}
   // In the order of time.
   void Write(const LogRow& row);
-  void Write(const CameraCondition& change);
+  void WriteCamera(double t_s, std::string_view condition);
   void Line(double t_s, std::string_view what, std::string_view is);
   void End(double t_s, std::string_view how);
 

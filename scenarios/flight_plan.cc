@@ -32,7 +32,8 @@ cv::Mat OwnParts(const FlightPlan& plan, const fs::path& beside, const CameraMod
     file = beside / "own_parts.png";
     if (!fs::exists(file)) return cv::Mat::zeros(HeightPx(camera), WidthPx(camera), CV_8U);
   }
-  const cv::Mat picture = cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
+  const cv::Mat picture =
+      fs::is_regular_file(file) ? cv::imread(file.string(), cv::IMREAD_GRAYSCALE) : cv::Mat();
   if (picture.empty()) {
     mistakes.Add(where, "own_parts", fmt::format("'{}' cannot be read as an image", file.string()));
   } else if (picture.cols != WidthPx(camera) || picture.rows != HeightPx(camera)) {

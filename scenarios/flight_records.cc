@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "scenarios/files.h"
+#include "scenarios/flight_mode.h"
 
 namespace kestrel {
 namespace {
@@ -28,11 +29,14 @@ EventLog BeginEvents(const std::filesystem::path& folder, const Scenario& scenar
 }  // namespace
 
 FlightRecords::FlightRecords(const std::filesystem::path& folder, const LoadedScenario& loaded, bool video)
-    : recorder_(folder, OptionsFor(loaded, video)), events_(BeginEvents(folder, loaded.scenario)) {}
+    : recorder_(folder, OptionsFor(loaded, video)), events_(BeginEvents(folder, loaded.scenario)) {
+  events_.Line(0, "mode", kSimulatorMode);
+}
 
 void FlightRecords::WriteCameraChanges(const Simulator& simulator) {
   const auto changes = simulator.camera_changes();
-  for (; changes_written_ < changes.size(); ++changes_written_) events_.Write(changes[changes_written_]);
+  for (; changes_written_ < changes.size(); ++changes_written_)
+    events_.WriteCamera(changes[changes_written_].from_s, changes[changes_written_].name);
 }
 
 void FlightRecords::Write(const LogRow& row, const Simulator& simulator) {

@@ -5,18 +5,17 @@
 
 #include <algorithm>
 #include <memory>
-#include <opencv2/imgproc.hpp>
 #include <vector>
 
 #include "config/stopwatch.h"
 #include "scenarios/background_writer.h"
-#include "scenarios/caption.h"
+#include "scenarios/drawn_view.h"
 #include "scenarios/event_log.h"
 #include "scenarios/flight_loop.h"
 #include "scenarios/flight_mode.h"
-#include "scenarios/judgement.h"
 #include "scenarios/recorder.h"
 #include "scenarios/recording.h"
+#include "scenarios/summary.h"
 #include "scenarios/version.h"
 
 namespace kestrel {
@@ -75,7 +74,10 @@ class Records {
     options.truth = false;
     recorder_.emplace(folder, options);
     WriteFile(folder / "scenario.yaml", ToYaml(plan.plan));
-    if (o.images) recording_.emplace(folder);
+    if (o.images) {
+      recording_.emplace(folder);
+      WriteOwnParts(folder, plan.parts.own_parts);
+    }
     events_.Line(0, "mode", o.dry_run ? kDryRunMode : kRealMode);
   }
 
@@ -147,14 +149,7 @@ FlyReport FlyAircraft(const LoadedPlan& plan, LiveCamera& camera, AutopilotLink&
     row.estimate = state;
     row.decision = decision;
     cv::Mat drawn;
-    if (o.video) {
-      if (frame.image.channels() == 1)
-        cv::cvtColor(frame.image, drawn, cv::COLOR_GRAY2BGR);
-      else
-        drawn = frame.image.clone();
-      mission->Draw(drawn);
-      DrawMode(drawn, o.dry_run ? kDryRunMode : kRealMode);
-    }
+    if (o.video) drawn = DrawnView(frame, *mission, o.dry_run ? kDryRunMode : kRealMode);
     writer.Do([&records, row, changes, begun_s, drawn, frame, state] {
       records->Write(row, changes, begun_s);
       if (!drawn.empty()) records->WriteImage(drawn);

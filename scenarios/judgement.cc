@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "scenarios/flight_mode.h"
+#include "scenarios/summary.h"
 #include "scenarios/version.h"
 
 namespace kestrel {
@@ -35,6 +37,7 @@ std::map<std::string, double> DrawnValues(const ImageParameters& image, std::uin
 
 Summary BeginSummary(const Scenario& scenario) {
   Summary summary;
+  summary.mode = kSimulatorMode;
   summary.scenario = scenario.name;
   summary.version = Version();
   summary.seed = scenario.seed;
@@ -67,16 +70,6 @@ void Judge(const std::map<std::string, Limit>& limits, Summary& summary) {
 
 bool AllPassed(const std::vector<Criterion>& criteria) {
   return std::all_of(criteria.begin(), criteria.end(), [](const Criterion& c) { return c.passed; });
-}
-
-StageTime StageTimeOf(std::vector<double> seconds) {
-  if (seconds.empty()) return {};
-  double sum = 0;
-  for (const double s : seconds) sum += s;
-  const std::size_t rank =
-      static_cast<std::size_t>(std::ceil(0.99 * static_cast<double>(seconds.size()))) - 1;
-  std::nth_element(seconds.begin(), seconds.begin() + static_cast<std::ptrdiff_t>(rank), seconds.end());
-  return {1e3 * sum / static_cast<double>(seconds.size()), 1e3 * seconds[rank]};
 }
 
 }  // namespace kestrel

@@ -21,6 +21,4 @@ void AddSimulator(const Simulator& simulator, Summary& summary);
 void Judge(const std::map<std::string, Limit>& limits, Summary& summary);
 bool AllPassed(const std::vector<Criterion>& criteria);
 
-StageTime StageTimeOf(std::vector<double> seconds);
-
 }  // namespace kestrel

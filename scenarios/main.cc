@@ -16,10 +16,12 @@
 #include "scenarios/calibrate_command.h"
 #include "scenarios/encounters_command.h"
 #include "scenarios/files.h"
+#include "scenarios/flight_mode.h"
 #include "scenarios/horizon_command.h"
 #include "scenarios/junit.h"
 #include "scenarios/mirror_command.h"
 #include "scenarios/render_board.h"
+#include "scenarios/replay_command.h"
 #include "scenarios/runner.h"
 #include "scenarios/serve_command.h"
 #include "scenarios/version.h"
@@ -36,7 +38,7 @@ struct RunArguments {
   std::string scenario, out, junit;
   std::vector<std::string> overrides;
   std::string seed;
-  bool no_video = false, truth = false, quiet = false;
+  bool no_video = false, images = false, truth = false, quiet = false;
 };
 
 // One line on a terminal, rewritten ten times a second.
@@ -94,12 +96,16 @@ int Run(const RunArguments& arguments) {
                        ? fmt::format("results/runs/{}-{}", loaded.scenario.name, loaded.scenario.seed)
                        : arguments.out;
   options.video = !arguments.no_video;
+  options.images = arguments.images;
   options.truth = arguments.truth;
   Mistakes mistakes;
   CheckWritableFolder(*options.folder, "--out", mistakes);
   CheckWritableFile(arguments.junit, "--junit", mistakes);
   mistakes.ThrowIfAny();
-  if (!arguments.quiet) PrintNotes(loaded);
+  if (!arguments.quiet) {
+    fmt::print("{}  {}, seed {}\n", kSimulatorMode, loaded.scenario.name, loaded.scenario.seed);
+    PrintNotes(loaded);
+  }
   FlightResult result;
   {
     Progress progress(loaded.scenario.duration_s);
@@ -170,6 +176,10 @@ int Main(int argc, char** argv) {
                           "key.path=value, instead of the scenario's; may be repeated");
   run_command->add_option("--out", run.out, "Folder for the records (default results/runs/NAME-SEED)");
   run_command->add_flag("--no-video", run.no_video, "Do not write video.mp4");
+  run_command->add_flag(
+      "--images", run.images,
+      "Write each frame without loss and the autopilot's states to DIR/recording, for replay "
+      "(some 200 kB a frame at 640 x 480)");
   run_command->add_flag("--truth", run.truth,
                         "Write each frame with its true depth, segmentation and optical flow to DIR/truth "
                         "(some 4 MB a frame at 640 x 480)");
@@ -211,6 +221,8 @@ int Main(int argc, char** argv) {
       ->capture_default_str();
   bench_command->footer("Examples:\n  kestrel bench flights --seeds 1..20\n  kestrel bench render");
 
+  ReplayArguments replay;
+  const CLI::App* replay_command = AddReplayCommand(app, replay);
   MirrorArguments mirror;
   CLI::App* mirror_command = AddMirrorCommand(app, mirror);
   ViewArguments view;
@@ -261,6 +273,7 @@ int Main(int argc, char** argv) {
       RenderBoardCommand(render_board);
       return kMet;
     }
+    if (*replay_command) return ReplayCommand(replay) ? kMet : kNotMet;
     if (*encounters_command) return EncountersCommand(encounters) ? kMet : kNotMet;
     if (*bench_command) {
       Mistakes mistakes;

@@ -17,8 +17,8 @@ namespace kestrel {
 struct RecorderOptions {
   bool video = true;
   double rate_hz = 30;  // of the video
-  bool truth = true;    // is known; without, its columns are empty and there are no plots
-  PlotOptions plots;
+  PlotOptions plots = {};
+  bool truth = true;  // is known; without, its columns are empty and there are no plots
 };
 
 // Writes the folder of a run: telemetry.csv, video.mp4, plots/ and, last, summary.json. A file has its final

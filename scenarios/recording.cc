@@ -100,7 +100,7 @@ fs::path ImageName(std::int64_t sequence) { return fmt::format("{:06d}.png", seq
 
 std::string Header() {
   std::string header = fmt::format("sequence,t_s,{},phase,target,outcome", kStateNames);
-  for (const std::string& name : RecordedNumbers()) header += "," + name;
+  for (const std::string& name : RecordedNumbers()) header += fmt::format(",{}", name);
   return header;
 }
 
@@ -178,7 +178,7 @@ RecordingWriter::RecordingWriter(const fs::path& flight_folder)
         return flight_folder / "recording";
       }()),
       table_(folder_ / "frames.csv") {
-  table_.Write(Header() + "\n");
+  table_.Write(fmt::format("{}\n", Header()));
 }
 
 void RecordingWriter::Write(const Frame& frame, const VehicleState& state, const Decision& decision) {
@@ -193,11 +193,18 @@ void RecordingWriter::Write(const Frame& frame, const VehicleState& state, const
   line += fmt::format(",{},{:d},{:d},{:d}", static_cast<int>(s.mode), s.landed, s.saturated, s.aided);
   const RecordedDecision recorded = Recorded(decision);
   line += fmt::format(",{},{},{}", recorded.phase, recorded.target, recorded.outcome);
-  for (const auto& number : recorded.numbers) line += "," + Cell(number);
-  table_.Write(line + "\n");
+  for (const auto& number : recorded.numbers) line += fmt::format(",{}", Cell(number));
+  table_.Write(fmt::format("{}\n", line));
 }
 
 void RecordingWriter::Close() { table_.Close(); }
+
+void WriteOwnParts(const fs::path& flight_folder, const cv::Mat& own_parts) {
+  const fs::path file = flight_folder / "own_parts.png";
+  fs::remove(file);
+  if (!own_parts.empty() && !cv::imwrite(file.string(), own_parts))
+    throw std::runtime_error(fmt::format("{} cannot be written", file.string()));
+}
 
 Recording::Recording(const fs::path& flight_folder) : folder_(flight_folder / "recording") {
   // Of a flight that broke off, what there is.

@@ -27,6 +27,9 @@ class RecordingWriter {
   PartFile table_;
 };
 
+// own_parts.png of a flight that looks through parts of its own aircraft, for LoadPlan; none: nothing.
+void WriteOwnParts(const std::filesystem::path& flight_folder, const cv::Mat& own_parts);
+
 // What is compared: what was measured and what was asked for, as text that says each bit.
 struct RecordedDecision {
   std::string phase, target, outcome;

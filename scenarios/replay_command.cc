@@ -7,11 +7,13 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <map>
-#include <opencv2/imgproc.hpp>
 #include <optional>
 
 #include "config/stopwatch.h"
+#include "scenarios/drawn_view.h"
+#include "scenarios/files.h"
 #include "scenarios/flight_plan.h"
 #include "scenarios/recording.h"
 #include "scenarios/video.h"
@@ -115,10 +117,7 @@ bool ReplayCommand(const ReplayArguments& a) {
     const Decision decision = mission->Step(frame, frames[i].state);
     comparison.Compare(i, frames[i].decision, Recorded(decision));
     if (video) {
-      cv::Mat drawn = frame.image;
-      if (drawn.channels() == 1) cv::cvtColor(frame.image, drawn, cv::COLOR_GRAY2BGR);
-      mission->Draw(drawn);
-      video->Write(drawn);
+      video->Write(DrawnView(frame, *mission, "RECORDING"));
     }
     if (terminal && i % 20 == 0) fmt::print(stderr, "\r\033[K{} of {} frames", i, frames.size());
   }

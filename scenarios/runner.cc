@@ -2,13 +2,16 @@
 #include "scenarios/runner.h"
 
 #include <chrono>
-#include <opencv2/imgproc.hpp>
 
 #include "config/stopwatch.h"
+#include "scenarios/drawn_view.h"
 #include "scenarios/flight_loop.h"
+#include "scenarios/flight_mode.h"
 #include "scenarios/flight_records.h"
 #include "scenarios/judgement.h"
 #include "scenarios/metrics.h"
+#include "scenarios/recording.h"
+#include "scenarios/summary.h"
 #include "scenarios/truth_images.h"
 
 namespace kestrel {
@@ -19,7 +22,8 @@ FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) 
   Summary& summary = result.summary;
   summary = BeginSummary(scenario);
 
-  std::unique_ptr<Mission> mission = MakeMission(loaded);
+  const FlightParts parts = PartsOf(loaded);
+  const std::unique_ptr<Mission> mission = MakeMission(parts);
   SimulatorParameters parameters = loaded.simulator;
   parameters.surfaces = options.folder && options.truth;
   Simulator simulator(parameters);
@@ -27,8 +31,13 @@ FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) 
 
   std::optional<FlightRecords> records;
   std::optional<TruthImages> truth;
+  std::optional<RecordingWriter> recording;
   if (options.folder) {
     records.emplace(*options.folder, loaded, options.video);
+    if (options.images) {
+      recording.emplace(*options.folder);
+      WriteOwnParts(*options.folder, parts.own_parts);
+    }
     if (options.truth) truth.emplace(*options.folder / "truth", simulator.model());
   }
 
@@ -45,16 +54,9 @@ FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) 
           if (records) {
             records->Write(row, simulator);
             if (truth) truth->Write(frame.sequence, simulator.picture());
-            if (records->recorder().wants_images()) {
-              cv::Mat drawn;
-              if (frame.image.channels() == 1) {
-                cv::cvtColor(frame.image, drawn, cv::COLOR_GRAY2BGR);
-              } else {
-                drawn = frame.image.clone();
-              }
-              mission->Draw(drawn);
-              records->recorder().WriteImage(drawn);
-            }
+            if (recording) recording->Write(frame, state, decision);
+            if (records->recorder().wants_images())
+              records->recorder().WriteImage(DrawnView(frame, *mission, kSimulatorMode));
           }
           vision_s.push_back(decision.vision_s);
           control_s.push_back(decision.control_s);
@@ -82,6 +84,7 @@ FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) 
   summary.stages["vision"] = StageTimeOf(vision_s);
   summary.stages["control"] = StageTimeOf(control_s);
   summary.stages["record"] = StageTimeOf(record_s);
+  if (recording) recording->Close();
   if (records) summary = records->Finish(summary, simulator);
   return result;
 }

@@ -15,6 +15,7 @@ struct RunOptions {
   std::optional<std::filesystem::path> folder;  // of the records; none: nothing is written
   bool video = true;
   std::function<bool(const LogRow&)> progress;  // after each frame; false breaks the run off
+  bool images = false;                          // recording.h, for replay
   bool truth = false;                           // truth_images.h, into its folder truth/
 };
 

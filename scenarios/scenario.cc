@@ -258,7 +258,7 @@ LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<s
   return loaded;
 }
 
-std::unique_ptr<Mission> MakeMission(const LoadedScenario& loaded) {
+FlightParts PartsOf(const LoadedScenario& loaded) {
   const SimulatorParameters& sim = loaded.simulator;
   FlightParts parts{.flight = loaded.scenario.flight,
                     .pilot = loaded.scenario.pilot,
@@ -271,7 +271,9 @@ std::unique_ptr<Mission> MakeMission(const LoadedScenario& loaded) {
     const ModelPtr model = MakeModel(sim.scene, false);
     parts.own_parts = OwnParts(model.get(), parts.camera, parts.X_BC);
   }
-  return MakeMission(parts);
+  return parts;
 }
+
+std::unique_ptr<Mission> MakeMission(const LoadedScenario& loaded) { return MakeMission(PartsOf(loaded)); }
 
 }  // namespace kestrel

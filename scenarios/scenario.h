@@ -104,6 +104,7 @@ struct LoadedScenario {
 // that the scenario and its models hold.
 LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<std::string>& overrides = {});
 
+FlightParts PartsOf(const LoadedScenario& loaded);
 std::unique_ptr<Mission> MakeMission(const LoadedScenario& loaded);
 
 }  // namespace kestrel

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <thread>
 
+#include "config/stopwatch.h"
 #include "scenarios/flight_records.h"
 #include "scenarios/judgement.h"
 #include "scenarios/metrics.h"
@@ -45,9 +46,9 @@ class Overheard final : public Autopilot {
   Simulator& simulator_;
 };
 
-class Flight {
+class ServedFlight {
  public:
-  Flight(const LoadedScenario& loaded, const ServeOptions& options)
+  ServedFlight(const LoadedScenario& loaded, const ServeOptions& options)
       : loaded_(loaded), options_(options), simulator_(loaded.simulator), aircraft_(simulator_) {
     if (options.folder) records_.emplace(*options.folder, loaded, false);
   }
@@ -89,7 +90,7 @@ class Flight {
   std::string Loop(RealTime& time) {
     // The last frame comes its latency after the last exposure.
     const double end_s = loaded_.scenario.duration_s + loaded_.scenario.image.latency_s;
-    std::optional<double> stands_since_s;
+    double flew_s = t_s();
     while (t_s() < end_s) {
       if (options_.go_on && !options_.go_on()) return "ended from outside";
       const double now_s = options_.clock.now_s();
@@ -112,13 +113,8 @@ class Flight {
                                       "is stretched, nothing is skipped",
                                       *news_s, time.stretched_s()));
 
-      if (!(simulator_.touch() && simulator_.State().landed)) {
-        stands_since_s.reset();
-      } else if (!stands_since_s) {
-        stands_since_s = t_s();
-      } else if (t_s() >= *stands_since_s + kStands_s) {
-        return "landed";
-      }
+      if (!(simulator_.touch() && simulator_.State().landed)) flew_s = t_s();
+      if (t_s() >= flew_s + kStands_s) return "landed";
       if (t_s() + kSlice_s > due_s) options_.clock.sleep_until(time.WallOf(t_s() + kSlice_s));
     }
     return "completed";
@@ -166,7 +162,7 @@ WallClock MonotonicClock() {
 }
 
 FlightResult ServeFlight(const LoadedScenario& loaded, const ServeOptions& options) {
-  return Flight(loaded, options).Fly();
+  return ServedFlight(loaded, options).Fly();
 }
 
 }  // namespace kestrel

@@ -109,4 +109,14 @@ Summary ReadSummary(const std::filesystem::path& file) {
   return SummaryFromJson(text.str(), file.string());
 }
 
+StageTime StageTimeOf(std::vector<double> seconds) {
+  if (seconds.empty()) return {};
+  double sum = 0;
+  for (const double s : seconds) sum += s;
+  const std::size_t rank =
+      static_cast<std::size_t>(std::ceil(0.99 * static_cast<double>(seconds.size()))) - 1;
+  std::nth_element(seconds.begin(), seconds.begin() + static_cast<std::ptrdiff_t>(rank), seconds.end());
+  return {1e3 * sum / static_cast<double>(seconds.size()), 1e3 * seconds[rank]};
+}
+
 }  // namespace kestrel

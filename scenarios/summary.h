@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "scenarios/flight_log.h"
 
@@ -14,5 +15,8 @@ std::string ToJson(const Summary& summary);
 // Reads it back; null is NaN. Throws std::runtime_error with the name and what is wrong.
 Summary SummaryFromJson(const std::string& json, const std::string& name);
 Summary ReadSummary(const std::filesystem::path& file);
+
+// Mean and 99th percentile; zeros of none.
+StageTime StageTimeOf(std::vector<double> seconds);
 
 }  // namespace kestrel

@@ -87,7 +87,7 @@ TEST(FlightLoop, AnAttitudeGoesOutBeforeTheSetpointThatIsFlownByIt) {
   f.decisions[0].aid = AttitudeAid{Eigen::Quaterniond::Identity(), 0.25};
   EXPECT_EQ(f.Run(), "");
   EXPECT_THAT(f.calls, ElementsAre("next", "state", "step", "aid", "send", "record", "next"));
-  f.frames = 1;
+  f.frames = 1, f.steps = 0;
   f.decisions[0].aid->R_NB.x() = kNaN;
   EXPECT_THAT(f.Complaint(), HasSubstr("the attitude aid is not a number"));
 }

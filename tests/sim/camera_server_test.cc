@@ -9,6 +9,7 @@
 #include <memory>
 #include <stdexcept>
 
+#include "config/stopwatch.h"
 #include "vision/live_camera.h"
 
 namespace kestrel {

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "control/links/safe_autopilot.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <thread>
+
+#include "config/stopwatch.h"
+#include "tests/control/fake_link.h"
+
+namespace kestrel {
+namespace {
+
+constexpr double kDeadline_s = 20;
+
+bool Eventually(const std::function<bool()>& condition) {
+  const double until_s = MonotonicNow_s() + kDeadline_s;
+  while (!condition()) {
+    if (MonotonicNow_s() > until_s) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  return true;
+}
+
+class SafeAutopilotTest : public testing::Test {
+ protected:
+  std::unique_ptr<SafeAutopilot> Make(const SafeAutopilot::Options& options = {}) {
+    return std::make_unique<SafeAutopilot>(
+        link_,
+        [this]() -> std::optional<double> {
+          const double age_s = image_age_s_;
+          return age_s < 0 ? std::nullopt : std::optional(age_s);
+        },
+        options);
+  }
+  bool Holds() const {
+    const auto v = link_.velocity();
+    return v && v->isZero();
+  }
+  static SafeAutopilot::Options Slow() {
+    SafeAutopilot::Options options;
+    options.limits.speed_m_s = 0.5;
+    return options;
+  }
+  static Setpoint Ahead() { return VelocitySetpoint{{1, 0, 0}, 0}; }
+
+  FakeLink link_;
+  std::atomic<double> image_age_s_ = 0;
+};
+
+TEST_F(SafeAutopilotTest, WhatIsAskedForIsSentAtOnce) {
+  const auto safe = Make();
+  safe->Send(Ahead());
+  ASSERT_TRUE(link_.velocity());
+  EXPECT_EQ(*link_.velocity(), Eigen::Vector3d(1, 0, 0));
+}
+
+TEST_F(SafeAutopilotTest, MoreThanIsAllowedIsLimited) {
+  const auto safe = Make(Slow());
+  safe->Send(Ahead());
+  EXPECT_EQ(*link_.velocity(), Eigen::Vector3d(0.5, 0, 0));
+}
+
+TEST_F(SafeAutopilotTest, FlightCodeThatHangsIsHeldByTheThread) {
+  const auto safe = Make();
+  safe->Send(Ahead());
+  EXPECT_TRUE(Eventually([&] { return Holds(); }));  // once the setpoint is older than an image may be
+}
+
+TEST_F(SafeAutopilotTest, AStaleImageIsHeldThoughFlightCodeGoesOnAsking) {
+  const auto safe = Make();
+  image_age_s_ = 0.6;
+  safe->Send(Ahead());
+  EXPECT_TRUE(Holds());
+  image_age_s_ = 0.1;
+  safe->Send(Ahead());
+  EXPECT_FALSE(Holds());
+}
+
+TEST_F(SafeAutopilotTest, NoImageYetIsHeld) {
+  image_age_s_ = -1;
+  const auto safe = Make();
+  safe->Send(Ahead());
+  EXPECT_TRUE(Holds());
+}
+
+TEST_F(SafeAutopilotTest, APilotWhoTakesOverHearsNothingMore) {
+  const auto safe = Make();
+  safe->Send(Ahead());
+  link_.Set([](VehicleState&, LinkHealth& health) { health.pilot_allows = false; });
+  EXPECT_TRUE(Eventually([&] { return link_.silent() && !link_.sent(); }));
+  safe->Send(Ahead());
+  EXPECT_FALSE(link_.sent());
+}
+
+TEST_F(SafeAutopilotTest, ASwitchThatIsNotToldMustBeAllowed) {
+  link_.Set([](VehicleState&, LinkHealth& health) { health.pilot_allows.reset(); });
+  {
+    const auto safe = Make();
+    safe->Send(Ahead());
+    EXPECT_FALSE(link_.sent());
+  }
+  const auto safe = Make({.limits = {}, .pilot_untold = true});
+  safe->Send(Ahead());
+  EXPECT_TRUE(link_.sent());
+}
+
+TEST_F(SafeAutopilotTest, AnOldStateIsHeld) {
+  const auto safe = Make();
+  link_.Set([](VehicleState&, LinkHealth& health) { health.state_age_s = 0.7; });
+  safe->Send(Ahead());
+  EXPECT_TRUE(Holds());
+}
+
+TEST_F(SafeAutopilotTest, FlightCodeNeverSeesAStateThatIsNoNumber) {
+  link_.Set([](VehicleState& state, LinkHealth&) { state.p_NB = {1, 2, -3}; });
+  const auto safe = Make();
+  EXPECT_EQ(safe->State().p_NB, Eigen::Vector3d(1, 2, -3));
+  link_.Set(
+      [](VehicleState& state, LinkHealth&) { state.p_NB.x() = std::numeric_limits<double>::quiet_NaN(); });
+  EXPECT_EQ(safe->State().p_NB, Eigen::Vector3d(1, 2, -3));
+  safe->Send(Ahead());
+  EXPECT_TRUE(Holds());
+}
+
+TEST_F(SafeAutopilotTest, ASetpointThatIsNoNumberIsNotSent) {
+  const auto safe = Make();
+  safe->Send(VelocitySetpoint{{std::nan(""), 0, 0}, 0});
+  EXPECT_TRUE(Holds());
+}
+
+TEST_F(SafeAutopilotTest, ATargetLostForLongIsHeld) {
+  const auto safe = Make();
+  safe->TargetLostFor(11);
+  safe->Send(Ahead());
+  EXPECT_TRUE(Holds());
+}
+
+TEST_F(SafeAutopilotTest, ADryRunReckonsAndSendsNothing) {
+  const auto safe = Make({.limits = {}, .dry_run = true});
+  safe->Send(Ahead());
+  ASSERT_TRUE(safe->sent());
+  EXPECT_EQ(std::get<VelocitySetpoint>(*safe->sent()).v_H, Eigen::Vector3d(1, 0, 0));
+  EXPECT_EQ(link_.sends(), 0);
+}
+
+TEST_F(SafeAutopilotTest, EveryChangeIsToldOnce) {
+  const auto safe = Make();
+  safe->Send(Ahead());
+  safe->Send(Ahead());
+  image_age_s_ = 2;
+  safe->Send(Ahead());
+  safe->Send(Ahead());
+  std::vector<Hazard> hazards;
+  for (const SafetyChange& change : safe->TakeChanges()) hazards.push_back(change.hazard);
+  // The thread may have been there first, when nothing was asked for yet.
+  if (!hazards.empty() && hazards.front() == Hazard::kNoSetpoint) hazards.erase(hazards.begin());
+  EXPECT_EQ(hazards, (std::vector{Hazard::kNone, Hazard::kImageStale}));
+  EXPECT_TRUE(safe->TakeChanges().empty());
+}
+
+TEST_F(SafeAutopilotTest, ItsEndSilencesTheLink) {
+  {
+    const auto safe = Make();
+    safe->Send(Ahead());
+  }
+  EXPECT_TRUE(link_.silent());
+}
+
+}  // namespace
+}  // namespace kestrel
