@@ -32,7 +32,7 @@ VelocityLoopOutput FollowVelocity(const VelocitySetpoint& wanted, const VehicleS
   VelocityLoopOutput out;
   VelocityLoopState& state = out.state = before;
   double dt_s = before.t_s ? vehicle.t_s - *before.t_s : kPause_s;
-  if (!(dt_s >= 0 && dt_s < kPause_s)) dt_s = 0, state.command_N = vehicle.v_N;
+  if (!(dt_s >= 0 && dt_s < kPause_s)) dt_s = 0, state.command_N = state.reference_N = vehicle.v_N;
   state.t_s = vehicle.t_s;
 
   const double yaw = YawOf(vehicle.R_NB);
@@ -45,7 +45,11 @@ VelocityLoopOutput FollowVelocity(const VelocitySetpoint& wanted, const VehicleS
   step.z() = std::clamp(step.z(), -most, most);
   state.command_N += step;
 
-  const Eigen::Vector3d error = state.command_N - vehicle.v_N;
+  const Eigen::Vector3d delay_s(o.level_delay_s, o.level_delay_s, o.climb_delay_s);
+  const Eigen::Vector3d nearer = (dt_s / (delay_s.array() + dt_s + 1e-9)).matrix();
+  state.reference_N += nearer.cwiseProduct(state.command_N - state.reference_N);
+
+  const Eigen::Vector3d error = state.reference_N - vehicle.v_N;
   const Eigen::Vector3d gain(o.velocity_gain_per_s, o.velocity_gain_per_s, o.climb_gain_per_s);
   Eigen::Vector3d a_N = state.integral_N + gain.cwiseProduct(error);
   if (dt_s > 0) a_N += step / dt_s;

@@ -9,11 +9,13 @@
 // Velocity and position by an autopilot that is given an attitude and a thrust: what stands between them.
 // Pure; called with each new state of the vehicle, it takes its time step from their times.
 //
-//   a = k_v (v* - v) + dv*/dt + integral of k_i (v* - v)
+//   a = k_v (v_r - v) + dv*/dt + integral of k_i (v_r - v)
 //
-// where v* is the command, slewed. The level part leans the aircraft, g tan(tilt) = a, the vertical part goes
-// to the thrust, hover_thrust (g - a_z) / g / cos(tilt). The integral is what wind and weight ask for: it
-// also makes up for a hover_thrust that is not quite right, within 0.4 to 1.6 times the one that is given.
+// where v* is the command, slewed, and v_r is v* as an aircraft without disturbance follows it, late by the
+// autopilot's answer and the line: what is merely on its way is not corrected. The level part leans the
+// aircraft, g tan(tilt) = a, the vertical part goes to the thrust, hover_thrust (g - a_z) / g / cos(tilt).
+// The integral is what wind and weight ask for: it also makes up for a hover_thrust that is not quite right,
+// within 0.4 to 1.6 times the one that is given.
 namespace kestrel {
 
 struct VelocityLoopOptions {
@@ -26,6 +28,8 @@ struct VelocityLoopOptions {
   double velocity_gain_per_s = 2.0, velocity_integral_per_s2 = 0.8;
   double climb_gain_per_s = 2.5, climb_integral_per_s2 = 1.5;
   double position_gain_per_s = 0.7, yaw_gain_per_s = 1.0;
+  // From a state to the acceleration that answers it: the line, the attitude loop, the motors.
+  double level_delay_s = 0.3, climb_delay_s = 0.15;
 };
 
 template <class Visitor>
@@ -46,12 +50,15 @@ void Fields(Visitor& v, VelocityLoopOptions& o) {
   v("climb_integral_per_s2", o.climb_integral_per_s2, 0.0, 20.0);
   v("position_gain_per_s", o.position_gain_per_s, 0.0, 5.0);
   v("yaw_gain_per_s", o.yaw_gain_per_s, 0.0, 5.0);
+  v("level_delay_s", o.level_delay_s, 0.0, 2.0);
+  v("climb_delay_s", o.climb_delay_s, 0.0, 2.0);
 }
 
 struct VelocityLoopState {
-  std::optional<double> t_s;                             // of the vehicle's state at the last step
-  Eigen::Vector3d command_N = Eigen::Vector3d::Zero();   // m/s, slewed
-  Eigen::Vector3d integral_N = Eigen::Vector3d::Zero();  // m/s^2
+  std::optional<double> t_s;                              // of the vehicle's state at the last step
+  Eigen::Vector3d command_N = Eigen::Vector3d::Zero();    // m/s, slewed
+  Eigen::Vector3d reference_N = Eigen::Vector3d::Zero();  // m/s, what is expected of it by now
+  Eigen::Vector3d integral_N = Eigen::Vector3d::Zero();   // m/s^2
 };
 
 struct VelocityLoopOutput {

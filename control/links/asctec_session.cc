@@ -265,7 +265,7 @@ CtrlInput AscTecSession::FollowByAttitude(const VelocitySetpoint& wanted) {
   loop_ = out.state;
   state_.saturated = out.limited;
   touch_ = options_.motors && std::holds_alternative<VelocitySetpoint>(*setpoint_)
-               ? WatchTouchDown(dt_s, loop_.command_N.z(), state_.v_N.z(), touch_)
+               ? WatchTouchDown(dt_s, loop_.reference_N.z(), state_.v_N.z(), touch_)
                : TouchDown{};
   AttitudeSetpoint attitude = out.setpoint;
   attitude.thrust *= touch_.throttle;
