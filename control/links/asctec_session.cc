@@ -21,7 +21,8 @@ constexpr double kStatusHolds_s = 1;  // what LL_STATUS and RC_DATA said
 constexpr double kGpsHolds_s = 0.25;  // an older one makes no state
 constexpr double kFlyBy_s = 0.25;     // by an older state nothing is flown
 constexpr int kUnanswered = 5;
-constexpr double kMotors_s = 3;  // of full yaw, at most
+constexpr double kApart_s = 0.01;  // new setpoints that come faster do not crowd the line
+constexpr double kMotors_s = 3;    // of full yaw, at most
 constexpr double kTakeOffClimb_m_s = 0.5;
 constexpr double kClearOfGround_m = 0.3;
 // Full yaw with no thrust starts and stops the motors: in flight the yaw stays clear of it.
@@ -111,8 +112,15 @@ wire::Bytes AscTecSession::Say(double now_s) {
     unread_ = false;
     for (const auto& message : parser_.Idle()) Take(now_s, message);
   }
+  bool command = false;
   if (cycling_ && (!awaited_ || now_s > cycle_limit_s_)) {
     EndCycle(now_s);
+    command = true;
+  }
+  if (setpoint_is_new_ && now_s - commanded_s_ >= kApart_s) command = true;
+  if (command) {
+    setpoint_is_new_ = false;
+    commanded_s_ = now_s;
     if (const auto input = Command(now_s)) {
       bytes = Encode(wire::Command(*input));
       ++sent_;
@@ -198,6 +206,7 @@ void AscTecSession::Rest() {
   touch_ = {};
   motors_ = Motors::kIdle;
   unanswered_ = 0;
+  state_.saturated = false;
 }
 
 std::optional<CtrlInput> AscTecSession::Command(double now_s) {
@@ -208,7 +217,7 @@ std::optional<CtrlInput> AscTecSession::Command(double now_s) {
     return std::nullopt;
   }
   const auto become = [&](Motors motors) { motors_ = motors, motors_since_s_ = now_s; };
-  if (!options_.motors) return Follow(*setpoint_);
+  if (!options_.motors) return Follow(now_s, *setpoint_);
 
   if (!InFlight()) {
     const auto* above = std::get_if<PositionSetpoint>(&*setpoint_);
@@ -232,7 +241,7 @@ std::optional<CtrlInput> AscTecSession::Command(double now_s) {
       become(Motors::kFlying);
     } else {
       // No leaning against skids that still stand.
-      const auto up = FollowVelocity({{0, 0, -kTakeOffClimb_m_s}, 0}, state_, loop_, options_.velocity_loop);
+      const auto up = Loop(now_s, {{0, 0, -kTakeOffClimb_m_s}, 0});
       loop_ = up.state;
       loop_.integral_N.head<2>().setZero();
       return Counts({0, 0, 0, up.setpoint.thrust});
@@ -243,12 +252,12 @@ std::optional<CtrlInput> AscTecSession::Command(double now_s) {
     return MotorSticks();
   }
   if (motors_ == Motors::kRefused) return std::nullopt;
-  const CtrlInput input = Follow(*setpoint_);
+  const CtrlInput input = Follow(now_s, *setpoint_);
   if (touch_.down) become(Motors::kStopping);
   return touch_.down ? MotorSticks() : input;
 }
 
-CtrlInput AscTecSession::Follow(const Setpoint& setpoint) {
+CtrlInput AscTecSession::Follow(double now_s, const Setpoint& setpoint) {
   if (const auto* attitude = std::get_if<AttitudeSetpoint>(&setpoint)) {
     loop_.t_s.reset(), touch_ = {};
     return Counts(*attitude);
@@ -256,12 +265,18 @@ CtrlInput AscTecSession::Follow(const Setpoint& setpoint) {
   const auto* position = std::get_if<PositionSetpoint>(&setpoint);
   const VelocitySetpoint wanted = position ? VelocityToward(*position, state_, options_.velocity_loop)
                                            : std::get<VelocitySetpoint>(setpoint);
-  return options_.mode == "gps" ? ByGpsMode(wanted) : FollowByAttitude(wanted);
+  return options_.mode == "gps" ? ByGpsMode(wanted) : FollowByAttitude(now_s, wanted);
 }
 
-CtrlInput AscTecSession::FollowByAttitude(const VelocitySetpoint& wanted) {
-  const double dt_s = loop_.t_s ? std::clamp(state_.t_s - *loop_.t_s, 0.0, 0.2) : 0.0;
-  const VelocityLoopOutput out = FollowVelocity(wanted, state_, loop_, options_.velocity_loop);
+VelocityLoopOutput AscTecSession::Loop(double now_s, const VelocitySetpoint& wanted) const {
+  VehicleState now = state_;  // the newest that is known; the loop goes on between two of them
+  now.t_s = now_s;
+  return FollowVelocity(wanted, now, loop_, options_.velocity_loop);
+}
+
+CtrlInput AscTecSession::FollowByAttitude(double now_s, const VelocitySetpoint& wanted) {
+  const double dt_s = loop_.t_s ? std::clamp(now_s - *loop_.t_s, 0.0, 0.2) : 0.0;
+  const VelocityLoopOutput out = Loop(now_s, wanted);
   loop_ = out.state;
   state_.saturated = out.limited;
   touch_ = options_.motors && std::holds_alternative<VelocitySetpoint>(*setpoint_)
@@ -305,6 +320,7 @@ void AscTecSession::Send(double now_s, const Setpoint& setpoint) {
   refused_.clear();
   setpoint_ = setpoint;
   setpoint_s_ = now_s;
+  setpoint_is_new_ = true;
 }
 
 void AscTecSession::Aid() { aid_asked_ = true; }

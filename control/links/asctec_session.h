@@ -52,8 +52,9 @@ void Fields(Visitor& v, AscTecOptions& o) {
 // Each cycle asks for IMU_CALCDATA and GPS_DATA_ADVANCED, and in turn for LL_STATUS and RC_DATA: at most 224
 // of the 230 bytes that the line carries in 0.04 s. A cycle ends when all has come, or is given up; it makes
 // a VehicleState of the time at which IMU_CALCDATA began to leave, so far as the line tells, and a CTRL_INPUT
-// if there is a setpoint. Place and speed are GPS_DATA_ADVANCED's best estimate, from the first fix on;
-// height and climb are IMU_CALCDATA's, from the first one on. Without a fix there is no state.
+// if there is a setpoint; a new setpoint has one of its own at once. Place and speed are GPS_DATA_ADVANCED's
+// best estimate, from the first fix on; height and climb are IMU_CALCDATA's, from the first one on. Without a
+// fix there is no state.
 //
 // Setpoints are sent while the pilot allows it (bit 0x20 of flightMode, no emergency, and his switch), while
 // the state is young, and for kRepeat_s after Send. A CTRL_INPUT that is not acknowledged is repeated by that
@@ -90,8 +91,9 @@ class AscTecSession {
   bool InFlight() const;
   std::optional<bool> PilotAllows(double now_s) const;
   std::optional<wire::CtrlInput> Command(double now_s);
-  wire::CtrlInput Follow(const Setpoint& setpoint);
-  wire::CtrlInput FollowByAttitude(const VelocitySetpoint& wanted);
+  wire::CtrlInput Follow(double now_s, const Setpoint& setpoint);
+  wire::CtrlInput FollowByAttitude(double now_s, const VelocitySetpoint& wanted);
+  VelocityLoopOutput Loop(double now_s, const VelocitySetpoint& wanted) const;
   wire::CtrlInput ByGpsMode(const VelocitySetpoint& wanted) const;
   wire::CtrlInput Counts(const AttitudeSetpoint& wanted) const;
   void Rest();
@@ -124,6 +126,8 @@ class AscTecSession {
 
   std::optional<Setpoint> setpoint_;
   double setpoint_s_ = 0;
+  bool setpoint_is_new_ = false;
+  double commanded_s_ = 0;
   std::uint64_t sent_ = 0, unacknowledged_ = 0;
   int unanswered_ = 0;  // since the last acknowledgement
   std::string refused_;

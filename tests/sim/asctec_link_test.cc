@@ -179,7 +179,9 @@ TEST(AscTecProcessor, BytesLeaveAtThePaceOfTheLine) {
     const wire::Bytes bytes = processor.Step(t_s, aircraft);
     said += bytes.size();
     messages += parser.Feed(bytes).size();
-    EXPECT_LE(wire::LineTime_s(said + ask.size()), t_s - 10 + 1e-9);
+    if (said > 0) {
+      EXPECT_LE(wire::LineTime_s(said + ask.size()), t_s - 10 + 1e-9);
+    }
     if (said < frames) {
       EXPECT_GT(wire::LineTime_s(said + ask.size()), t_s - 10 - 0.002);  // nor slower
     }
@@ -218,6 +220,85 @@ TEST(AscTecSession, AttitudesArriveRight) {
     EXPECT_EQ(line.session.Health(line.t_s).sent, aircraft.heard.size());
     EXPECT_EQ(line.session.unacknowledged(), 0u);
   }
+}
+
+TEST(AscTecSession, ANewSetpointDoesNotWaitForTheNextState) {
+  Line line;
+  ScriptedAircraft aircraft;
+  line.Run(0.5, aircraft);
+  line.Keep(VelocitySetpoint{}, 0.5, aircraft);
+  for (int i = 0; i < 40; ++i) {
+    line.Run(0.05 + 0.001 * i, aircraft);
+    const std::size_t heard = aircraft.heard.size();
+    line.session.Send(line.t_s, AttitudeSetpoint{0.01 * i, 0, 0, 0.5});
+    const double sent_s = line.t_s;
+    const auto there = [&] { return aircraft.heard.size() > heard; };
+    double there_s = 0;
+    line.Run(0.02, aircraft, [&] {
+      if (there_s == 0 && there()) there_s = line.t_s;
+    });
+    ASSERT_TRUE(there());
+    EXPECT_LT(there_s - sent_s, 0.01 + wire::LineTime_s(17 + 6) + 3 * kTick_s);
+    EXPECT_NEAR(std::get<AttitudeSetpoint>(aircraft.heard[heard]).roll, 0.01 * i, 1e-3);
+  }
+  // However fast they come, the line has room.
+  const std::uint64_t sent = line.session.Health(line.t_s).sent;
+  line.Run(1, aircraft, [&] { line.session.Send(line.t_s, VelocitySetpoint{}); });
+  EXPECT_LT(line.session.Health(line.t_s).sent - sent, 130u);
+  EXPECT_LT(*line.session.Health(line.t_s).state_age_s, 0.06);
+}
+
+// By the manual's units and the names of the fields alone, without the help of the other end.
+TEST(AscTecSession, CountsMeanWhatTheManualSays) {
+  AscTecSession session({});
+  session.Opened(10);
+  const auto answer = [&](double t_s, const wire::ImuCalcData& imu, std::int32_t north, std::int32_t east) {
+    (void)session.Say(t_s);
+    wire::GpsDataAdvanced gps;
+    gps.gps.status = 0x03;
+    gps.latitude_best_estimate = 480000000 + north, gps.longitude_best_estimate = 110000000 + east;
+    gps.speed_x_best_estimate = 700, gps.speed_y_best_estimate = -300;  // east, north
+    wire::LlStatus status;
+    status.flying = status.motors_on = 1;
+    status.flightMode = 0x21, status.battery_voltage_1 = 11100;
+    wire::RcData rc;
+    rc.channels_in[4] = 4095;
+    for (const wire::Telemetry& message :
+         {wire::Telemetry(status), wire::Telemetry(imu), wire::Telemetry(rc), wire::Telemetry(gps)})
+      session.Hear(t_s, Encode(message));
+    return session.Say(t_s + 0.002);
+  };
+  wire::ImuCalcData imu;
+  imu.height = 52000;
+  (void)answer(10, imu, 0, 0);
+  imu.angle_roll = 10000, imu.angle_nick = 5000, imu.angle_yaw = 270000;  // right, nose down, west
+  imu.angvel_yaw = 648;                                                   // 10 degrees a second
+  imu.height = 53500, imu.dheight = 250;
+  (void)answer(10.05, imu, 1000, 1000);
+  const VehicleState heard = session.State();
+  const TaitBryan angles = TaitBryanFromRotation(heard.R_NB.toRotationMatrix());
+  EXPECT_NEAR(Degrees(angles.roll), 10, 1e-9);
+  EXPECT_NEAR(Degrees(angles.pitch), -5, 1e-9);
+  EXPECT_NEAR(Degrees(angles.yaw), -90, 1e-9);
+  EXPECT_NEAR(Degrees(heard.w_B.z()), 10, 1e-9);
+  EXPECT_LT((heard.v_N - Vector3d(-0.3, 0.7, -0.25)).norm(), 1e-9);
+  EXPECT_NEAR(heard.p_NB.z(), -1.5, 1e-9);
+  // A degree at 48 degrees north: 111.2 km of latitude, 74.6 km of longitude.
+  EXPECT_NEAR(heard.p_NB.x(), 11.12, 0.02);
+  EXPECT_NEAR(heard.p_NB.y(), 7.46, 0.02);
+
+  session.Send(10.1, AttitudeSetpoint{Radians(10), Radians(-5), Radians(12), 0.5});
+  const wire::Bytes bytes = answer(10.1, imu, 1000, 1000);
+  wire::CommandParser parser;
+  const auto commands = parser.Feed(bytes);
+  ASSERT_FALSE(commands.empty());
+  const auto* input = std::get_if<wire::CtrlInput>(&commands[0]);
+  ASSERT_TRUE(input);
+  EXPECT_EQ(input->roll, 400);   // 1000 counts for 25 degrees, to the right
+  EXPECT_EQ(input->pitch, 200);  // nose down is forward
+  EXPECT_EQ(input->yaw, 100);    // 1000 counts for 120 degrees a second
+  EXPECT_EQ(input->thrust, 2048);
+  EXPECT_EQ(input->ctrl, 0x0F);
 }
 
 TEST(AscTecSession, VelocitiesArriveRightInTheGpsMode) {
@@ -463,16 +544,18 @@ class Pelican final : public Autopilot {
   EmulatedAutopilot autopilot_;
 };
 
-TEST(AscTecFlight, VelocitiesAndPlacesAreFlownByAttitudeThroughTheLine) {
+void FliesVelocitiesAndPlaces(const std::string& mode, FlightMode aircrafts) {
   WindParameters wind;
   wind.mean_m_s = 4, wind.from_deg = 200;
   Pelican pelican({HeadingRotation(0.6), {0, 0, -10}}, true, wind, PerfectSensors(), 1);
-  Line line;
+  AscTecOptions options;
+  options.mode = mode;
+  Line line(options);
   const auto step = [&] { pelican.Step(); };
   line.Run(1, pelican, step);
   const Vector3d start = pelican.X_NB().p;
   line.Keep(VelocitySetpoint{{1, 0.5, -0.3}, 0}, 12, pelican, step);
-  EXPECT_EQ(pelican.State().mode, FlightMode::kAttitude);
+  EXPECT_EQ(pelican.State().mode, aircrafts);
   const Vector3d wanted = HeadingRotation(YawOf(pelican.X_NB().R)) * Vector3d(1, 0.5, -0.3);
   EXPECT_LT((pelican.v_N() - wanted).norm(), 0.1);
   EXPECT_NEAR(YawOf(pelican.X_NB().R), 0.6, 0.05);
@@ -480,6 +563,13 @@ TEST(AscTecFlight, VelocitiesAndPlacesAreFlownByAttitudeThroughTheLine) {
   line.Keep(PositionSetpoint{{3, -2, -1}, -0.5}, 25, pelican, step);
   EXPECT_LT((pelican.X_NB().p - start - Vector3d(3, -2, -1)).norm(), 0.3);
   EXPECT_NEAR(YawOf(pelican.X_NB().R), -0.5, 0.05);
+}
+
+TEST(AscTecFlight, VelocitiesAndPlacesAreFlownByAttitude) {
+  FliesVelocitiesAndPlaces("attitude", FlightMode::kAttitude);
+}
+TEST(AscTecFlight, VelocitiesAndPlacesAreFlownInTheGpsMode) {
+  FliesVelocitiesAndPlaces("gps", FlightMode::kVelocity);
 }
 
 TEST(AscTecFlight, TakesOffAndLandsByAttitudeInWindWithRealSensors) {
