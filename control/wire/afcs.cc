@@ -181,6 +181,15 @@ AfcsTime After(const AfcsTime& last, const AfcsTime& now) {
   return {last.seconds + 1, 0};
 }
 
+AfcsTime AfcsTimeOf(double t_s) {
+  constexpr double kMost_s = std::numeric_limits<std::uint32_t>::max();
+  if (!(t_s > 0)) return {};
+  const auto us = static_cast<std::uint64_t>(std::round(std::min(t_s, kMost_s) * kMicroseconds));
+  return {static_cast<std::uint32_t>(us / kMicroseconds), static_cast<std::uint32_t>(us % kMicroseconds)};
+}
+
+double Seconds(const AfcsTime& time) { return time.seconds + time.microseconds * 1e-6; }
+
 AfcsProfile ThesisAfcsProfile() {
   AfcsLayout ack = Layout("ack", 2);
   ack.byte_order = "big";

@@ -36,6 +36,9 @@ struct AfcsTime {
 };
 // The time to send with: now, or the next microsecond after the last that was sent.
 AfcsTime After(const AfcsTime& last, const AfcsTime& now);
+// To the nearest microsecond; before 0: 0.
+AfcsTime AfcsTimeOf(double t_s);
+double Seconds(const AfcsTime& time);
 
 struct AfcsOpen {  // begins a session; acknowledged
   bool operator==(const AfcsOpen&) const = default;
