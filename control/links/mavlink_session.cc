@@ -189,7 +189,7 @@ void MavlinkSession::Take(const Frame& frame, const Message& message, double now
     TakeHeartbeat(*m, now_s);
   } else if (const auto* quaternion = std::get_if<AttitudeQuaternion>(&message)) {
     Count(frame.id);
-    by_quaternion_ = true;
+    if (!std::exchange(by_quaternion_, true)) attitude_ = {};
     if (!Newer(attitude_, quaternion->time_boot_ms, now_s)) return;
     TakeMotion(message, quaternion->time_boot_ms, now_s);
   } else if (const auto* angles = std::get_if<Attitude>(&message)) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <boost/asio.hpp>
 #include <optional>
+#include <span>
 
 #include "config/yaml_fields.h"
 #include "control/links/udp_address.h"
@@ -59,6 +60,7 @@ void MavlinkServer::Serve(double now_s, Autopilot& aircraft) {
     if (from != wire.peer) {
       if (taken || !vehicle_.OpensSession(datagram)) continue;
       wire.peer = from;
+      vehicle_.Greet();
     }
     wire.heard_s = now_s;
     vehicle_.Hear(datagram, now_s, aircraft);

@@ -153,7 +153,7 @@ void MavlinkVehicle::Command(const CommandLong& command, double now_s, Autopilot
     case kMessageCommand:
       if (command.param1 >= 0 && command.param1 < 1e6F &&
           streams_.contains(static_cast<std::uint32_t>(command.param1))) {
-        Say(Of(static_cast<std::uint32_t>(command.param1), now_s, aircraft.State()));
+        Say(Of(static_cast<std::uint32_t>(command.param1), aircraft.State()));
         result = kAccepted;
       }
       break;
@@ -287,12 +287,12 @@ std::vector<wire::Bytes> MavlinkVehicle::Due(double now_s, Autopilot& aircraft) 
   for (auto& [id, stream] : streams_) {
     if (stream.period_s == 0 || now_s < stream.next_s) continue;
     stream.next_s = std::max(stream.next_s + stream.period_s, now_s);
-    Say(Of(id, now_s, state));
+    Say(Of(id, state));
   }
   return std::exchange(out_, {});
 }
 
-Message MavlinkVehicle::Of(std::uint32_t id, double, const VehicleState& state) const {
+Message MavlinkVehicle::Of(std::uint32_t id, const VehicleState& state) const {
   const std::uint32_t ms = BootMs(state);
   const TaitBryan angles = TaitBryanFromRotation(state.R_NB.toRotationMatrix());
   switch (id) {

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <optional>
 #include <span>
@@ -21,7 +22,7 @@ struct MavlinkServerOptions {
   int port = 14580;  // 0: the system chooses
   // Told without being asked, as PX4 tells 127.0.0.1:14540 and a ground station is told on 14550:
   // "udp://HOST:PORT"; empty: whoever opens the session is told.
-  std::string peer;
+  std::string peer = "";
   int system = 1, component = 1;
   int type = 2;  // MAV_TYPE: 2 a quadrotor, 4 a helicopter
   // Of the origin of N.
@@ -63,6 +64,7 @@ class MavlinkVehicle {
 
   // Whether it holds a heartbeat of a companion or a ground station.
   bool OpensSession(std::span<const std::uint8_t> datagram) const;
+  void Greet() { next_heartbeat_s_ = std::numeric_limits<double>::lowest(); }  // its heartbeat is due
   void Hear(std::span<const std::uint8_t> datagram, double now_s, Autopilot& aircraft);
   std::vector<wire::Bytes> Due(double now_s, Autopilot& aircraft);
   // Turned off, the aircraft is in the pilot's own mode and no other can be had; turned on, it is put into
@@ -87,7 +89,7 @@ class MavlinkVehicle {
   void Stop(Autopilot& aircraft);
   bool ForMe(std::uint8_t system, std::uint8_t component) const;
   void Warn(const std::string& text);
-  wire::mavlink::Message Of(std::uint32_t id, double now_s, const VehicleState& state) const;
+  wire::mavlink::Message Of(std::uint32_t id, const VehicleState& state) const;
   void Say(const wire::mavlink::Message& message);
 
   MavlinkServerOptions options_;
