@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes mavlink_vectors.inc: frames as node-mavlink, an implementation by others, encodes given values. The
-// tests need the frames only. To write them again:
+// Writes mavlink_vectors.inc: frames as node-mavlink, an implementation by others, encodes given values. It
+// also decodes each of them, and breaks off if that does not give the values again: so a frame of ours that is
+// the same byte by byte is one that it understands. The tests need the frames only. To write them again:
 //   mkdir /tmp/vectors && cp mavlink_vectors.mjs /tmp/vectors && cd /tmp/vectors
 //   npm install node-mavlink@2.3.0 mavlink-mappings@1.0.21-20250824-1
 //   node mavlink_vectors.mjs > mavlink_vectors.inc
 import { minimal, common } from 'mavlink-mappings';
-import { MavLinkProtocolV1, MavLinkProtocolV2 } from 'node-mavlink';
+import { MavLinkProtocolV1, MavLinkProtocolV2, x25crc } from 'node-mavlink';
 
 const messages = ['Heartbeat', 'SystemTime', 'SetMode', 'Attitude', 'AttitudeQuaternion', 'LocalPositionNed',
   'GlobalPositionInt', 'RcChannels', 'CommandLong', 'CommandAck', 'SetAttitudeTarget', 'SetPositionTargetLocalNed',
@@ -40,8 +41,23 @@ const literal = (type, value) => {
 };
 
 const hex = (bytes) => bytes.toString('hex');
-const line = (name, fields, frame, header) =>
+const same = (a, b) => Array.isArray(a) ? a.every((each, i) => same(each, b[i])) : a === b;
+function decoded(frame, type, message) {
+  const protocol = frame[0] === 0xfe ? new MavLinkProtocolV1() : new MavLinkProtocolV2();
+  const head = protocol.header(frame);
+  if (head.msgid !== type.MSG_ID) throw new Error(`${type.MSG_NAME}: decoded as message ${head.msgid}`);
+  const end = protocol.constructor.PAYLOAD_OFFSET + head.payloadLength;
+  const sum = x25crc(frame.subarray(0, end + 2), 1, 2, type.MAGIC_NUMBER);
+  if (sum !== protocol.crc(frame)) throw new Error(`${type.MSG_NAME}: check sum`);
+  const back = protocol.data(protocol.payload(frame), type);
+  for (const { name, type: wire } of type.FIELDS) {
+    if (!same(message[name], back[name])) throw new Error(`${type.MSG_NAME}.${name} (${wire}): ${message[name]} became ${back[name]}`);
+  }
+}
+const line = (name, fields, frame, header, type, message) => {
+  decoded(frame, type, message);
   console.log(`{${ours[name] ?? name}{${fields.join(', ')}},\n "${hex(frame)}", ${header}},`);
+};
 
 function fill(type, all, zeros) {
   const message = new type(), fields = [], channels = [];
@@ -83,12 +99,12 @@ for (const name of messages) {
     const [message, fields] = fill(type, pick, zeros);
     const sequence = random() % 256, system = 1 + random() % 255, component = 1 + random() % 255;
     const header = `${sequence}, ${system}, ${component}`;
-    line(name, fields, new MavLinkProtocolV2(system, component).serialize(message, sequence), `{2, false, ${header}}`);
+    line(name, fields, new MavLinkProtocolV2(system, component).serialize(message, sequence), `{2, false, ${header}}`, type, message);
     if (pick !== 'any' || zeros) continue;
     const signing = new MavLinkProtocolV2(system, component, MavLinkProtocolV2.IFLAG_SIGNED);
     line(name, fields, signing.sign(signing.serialize(message, sequence), 1, Buffer.alloc(32, 7), 1.7e12),
-      `{2, true, ${header}}`);
+      `{2, true, ${header}}`, type, message);
     if (type.FIELDS.every(field => !field.extension))  // which node-mavlink would send in version 1 too
-      line(name, fields, new MavLinkProtocolV1(system, component).serialize(message, sequence), `{1, false, ${header}}`);
+      line(name, fields, new MavLinkProtocolV1(system, component).serialize(message, sequence), `{1, false, ${header}}`, type, message);
   }
 }

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace kestrel {
+
+// "udp://HOST:PORT": send to it. "udpin://HOST:PORT": listen there for whoever sends first; HOST is an
+// address of this computer, 0.0.0.0 for all of them, and left out the loopback address. An address of version
+// 6 stands in brackets.
+struct UdpAddress {
+  bool listen = false;
+  std::string host;
+  std::uint16_t port = 0;  // 0 only to listen: the system chooses
+};
+
+// Throws InputError.
+UdpAddress ParseUdpAddress(const std::string& text);
+
+std::string ToText(const UdpAddress& address);
+
+}  // namespace kestrel
