@@ -89,8 +89,9 @@ class Source final : public ImageSource {
 
   bool Open() override {
     try {
-      camera_.reset(Ask("the camera", arv_camera_new, options_.id.empty() ? nullptr : options_.id.c_str()));
-      if (!camera_) throw std::runtime_error("there is no camera");
+      camera_.reset(Ask("the camera", arv_camera_new, Id().c_str()));
+      if (!camera_) throw std::runtime_error("there is no camera " + Id());
+      arv_camera_set_range_check_policy(camera_.get(), ARV_RANGE_CHECK_POLICY_ENABLE);
       g_signal_connect(arv_camera_get_device(camera_.get()), "control-lost",
                        G_CALLBACK(+[](ArvDevice*, Source* self) { self->lost_ = true; }), this);
       SetUp();
@@ -122,6 +123,14 @@ class Source final : public ImageSource {
   std::string Trouble() const override { return trouble_; }
 
  private:
+  std::string Id() const {
+    if (!options_.id.empty()) return options_.id;
+    arv_update_device_list();
+    const char* first = arv_get_n_devices() > 0 ? arv_get_device_id(0) : nullptr;
+    if (!first) throw std::runtime_error("there is no camera");
+    return first;
+  }
+
   void SetUp() {
     ArvCamera* camera = camera_.get();
     arv_camera_clear_triggers(camera, nullptr);  // of those that have any
@@ -236,9 +245,11 @@ class Source final : public ImageSource {
       trouble_ = fmt::format("an image of {}x{} came", size.width, size.height);
       return std::nullopt;
     }
-    if (arv_buffer_get_image_pixel_format(buffer) != format_->format || !data ||
+    const ArvPixelFormat format = arv_buffer_get_image_pixel_format(buffer);
+    if (format != format_->format || !data ||
         bytes < static_cast<std::size_t>(size.area() * format_->channels)) {
-      trouble_ = fmt::format("an image came that is not of {}", format_->name);
+      trouble_ = fmt::format("an image of {}x{} came in {} bytes and pixel format {:#x}, not in {}",
+                             size.width, size.height, bytes, format, format_->name);
       return std::nullopt;
     }
     const cv::Mat raw(size, CV_8UC(format_->channels), const_cast<void*>(data));  // read only

@@ -26,8 +26,7 @@ class AravisSourceTest : public testing::Test {
     fakes->create_stream = [](ArvDevice* device, ArvStreamCallback callback, void* data,
                               GDestroyNotify destroy, GError** error) {
       device_ = device;
-      if (paint_) arv_fake_camera_set_fill_pattern(Camera(), paint_, nullptr);
-      return create_stream_(device, callback, data, destroy, error);
+      return create_stream_(device, paint_ ? paint_ : callback, data, destroy, error);
     };
   }
   static void TearDownTestSuite() {
@@ -39,7 +38,6 @@ class AravisSourceTest : public testing::Test {
     paint_ = nullptr;
   }
 
-  static ArvFakeCamera* Camera() { return arv_fake_device_get_fake_camera(ARV_FAKE_DEVICE(device_.load())); }
   static void LoseControl() { g_signal_emit_by_name(device_.load(), "control-lost"); }
 
   static AravisSourceOptions Small() {
@@ -49,7 +47,7 @@ class AravisSourceTest : public testing::Test {
   }
 
   inline static std::atomic<ArvDevice*> device_ = nullptr;
-  inline static ArvFakeCameraFillPattern paint_ = nullptr;
+  inline static ArvStreamCallback paint_ = nullptr;
 
  private:
   inline static decltype(ArvDeviceClass::create_stream) create_stream_ = nullptr;
@@ -122,7 +120,9 @@ TEST_F(AravisSourceTest, WhatTheCameraDoesNotTakeIsRefusedByName) {
 
 // Red is 200, green 100, blue 50, as a sensor behind a Bayer pattern sees it: by GenICam's name, the first
 // two letters are the first row.
-void PaintBayer(ArvBuffer* buffer, void*, guint32, guint32, ArvPixelFormat format) {
+void PaintBayer(void*, ArvStreamCallbackType type, ArvBuffer* buffer) {
+  if (type != ARV_STREAM_CALLBACK_TYPE_BUFFER_DONE) return;
+  const ArvPixelFormat format = arv_buffer_get_image_pixel_format(buffer);
   std::size_t bytes = 0;
   auto* data = static_cast<std::uint8_t*>(const_cast<void*>(arv_buffer_get_data(buffer, &bytes)));
   constexpr std::uint8_t r = 200, g = 100, b = 50;
