@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "scenarios/scenario.h"
+#include "scenarios/model_files.h"
 
 namespace kestrel {
 

@@ -14,7 +14,10 @@
 #include "config/yaml_fields.h"
 #include "scenarios/files.h"
 #include "scenarios/serve_flight.h"
+#include "sim/servers/afcs_server.h"
+#include "sim/servers/asctec_server.h"
 #include "sim/servers/camera_server.h"
+#include "sim/servers/mavlink_server.h"
 #include "vision/rtp_stream.h"
 
 namespace kestrel {
@@ -36,6 +39,13 @@ std::string AddressOf(const std::string& where) {
   std::string address = where.substr(from + 3, to - from - 3);
   if (address.starts_with('[')) address = address.substr(1, address.size() - 2);
   return address;
+}
+
+// As `kestrel fly` has it, on this computer.
+std::string CameraAddressOf(const RtpStream& stream, cv::Size size) {
+  return fmt::format("{}://{}:{}?width={}&height={}",
+                     stream.coding == RtpStream::Coding::kRaw ? "raw" : "rtp", stream.host, stream.port,
+                     size.width, size.height);
 }
 
 std::optional<RtpStream> StreamOf(const ServeArguments& a) { return ParseRtpStream(a.camera); }
@@ -123,14 +133,42 @@ CLI::App* AddServeCommand(CLI::App& app, ServeArguments& a) {
   return serve;
 }
 
-std::vector<NamedServer> MakeServers(const ServeArguments& a, const LoadedScenario&, Mistakes& mistakes) {
+std::vector<NamedServer> MakeServers(const ServeArguments& a, const LoadedScenario& loaded,
+                                     Mistakes& mistakes) {
   std::vector<NamedServer> servers;
-  const auto not_here = [&](const char* option) {
-    mistakes.Add(option, "", "this build has no server for it");
+  // What cannot be had, an address in use or no pseudo-terminal, is a mistake of its option.
+  const auto add = [&](const char* name, const char* option, auto make) {
+    try {
+      servers.push_back({name, make()});
+    } catch (const InputError& e) {
+      for (const std::string& message : e.messages) mistakes.Add(option, "", message);
+    } catch (const std::exception& e) {
+      mistakes.Add(option, "", e.what());
+    }
   };
-  if (a.afcs) not_here("--afcs");
-  if (a.asctec) not_here("--asctec");
-  if (a.mavlink) not_here("--mavlink");
+  if (a.afcs)
+    add("afcs", "--afcs", [&] {
+      AfcsServerOptions options;
+      options.address = a.listen;
+      if (const std::size_t colon = a.afcs->rfind(':'); colon != std::string::npos) {
+        options.address = a.afcs->substr(0, colon);
+        options.port = std::stoi(a.afcs->substr(colon + 1));
+      }
+      return std::make_unique<AfcsServer>(options);
+    });
+  if (a.asctec)
+    add("asctec", "--asctec", [&] { return std::make_unique<AscTecServer>(AscTecProcessorOptions{}); });
+  if (a.mavlink)
+    add("mavlink", "--mavlink", [&] {
+      MavlinkServerOptions options;
+      options.dialect = *a.mavlink;
+      options.listen = a.listen;
+      if (a.mavlink_port) options.port = *a.mavlink_port;
+      constexpr int kQuadrotor = 2, kHelicopter = 4;  // MAV_TYPE
+      options.type =
+          std::holds_alternative<HelicopterParameters>(loaded.simulator.vehicle) ? kHelicopter : kQuadrotor;
+      return std::make_unique<MavlinkServer>(options);
+    });
   return servers;
 }
 
@@ -153,7 +191,8 @@ std::string StartLines(const ServeArguments& a, const LoadedScenario& loaded,
         "stream)\n",
         delay_s, scenario.image.latency_s);
     if (!OnLoopback(stream->host)) lines += Warning("the camera's stream", stream->host);
-    camera = " --camera " + ToText(*stream);
+    camera = fmt::format(" --camera {} --set-aircraft camera.exposure_before_stamp_s={:.3f}",
+                         CameraAddressOf(*stream, size), delay_s);
   } else {
     lines += "  camera   none\n";
   }
@@ -162,9 +201,12 @@ std::string StartLines(const ServeArguments& a, const LoadedScenario& loaded,
     lines += fmt::format("  {:<8} {}\n", each.name, where);
     if (!address.empty() && !OnLoopback(address)) lines += Warning(each.name, address);
   }
-  for (const NamedServer& each : servers)
-    lines += fmt::format("  to fly it:  kestrel fly {}{} --autopilot {}:{}\n", a.scenario, camera, each.name,
-                         each.server->Where());
+  for (const NamedServer& each : servers) {
+    std::string autopilot = fmt::format("{}:{}", each.name, each.server->Where());
+    if (each.name == "mavlink") autopilot += " --take-control";
+    if (each.name == "afcs") autopilot += " --pilot-untold";
+    lines += fmt::format("  to fly it:  kestrel fly {}{} --autopilot {}\n", a.scenario, camera, autopilot);
+  }
   return lines;
 }
 

@@ -40,7 +40,7 @@ Pose PlatformPose(const PanTiltAngles& angles, const Eigen::Vector3d& position_m
   return {PlatformRotation(angles) * Eigen::Quaterniond(R_PC), position_m};
 }
 
-PanTiltAngles AnglesFor(const Look& look, const Pose& X_NB, const Eigen::Vector3d& position_m,
+PanTiltAngles AnglesFor(const Gaze& look, const Pose& X_NB, const Eigen::Vector3d& position_m,
                         const PanTiltAngles& now, const PanTiltParameters& parameters) {
   if (const auto* fixed = std::get_if<LookFromAircraft>(&look))
     return Within({fixed->yaw, fixed->pitch}, parameters);

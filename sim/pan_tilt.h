@@ -42,7 +42,7 @@ struct LookInN {
 struct LookAt {
   Eigen::Vector3d p_N = Eigen::Vector3d::Zero();
 };
-using Look = std::variant<LookFromAircraft, LookInN, LookAt>;
+using Gaze = std::variant<LookFromAircraft, LookInN, LookAt>;
 
 // P, the platform's frame: x along the camera's axis, y to its right, z down.
 Eigen::Quaterniond PlatformRotation(const PanTiltAngles& angles);  // R_BP
@@ -51,7 +51,7 @@ Pose PlatformPose(const PanTiltAngles& angles, const Eigen::Vector3d& position_m
 
 // The angles at which the camera looks there, within the limits. Where pan makes no difference, straight
 // above or below, it stays at now.
-PanTiltAngles AnglesFor(const Look& look, const Pose& X_NB, const Eigen::Vector3d& position_m,
+PanTiltAngles AnglesFor(const Gaze& look, const Pose& X_NB, const Eigen::Vector3d& position_m,
                         const PanTiltAngles& now, const PanTiltParameters& parameters);
 // Towards them, in dt_s, at the platform's rate.
 PanTiltAngles Turned(const PanTiltAngles& now, const PanTiltAngles& wanted, double dt_s,
@@ -64,11 +64,11 @@ class PanTilt {
   PanTilt(const PanTiltParameters& parameters, const Eigen::Vector3d& position_m,
           const PanTiltAngles& angles);
 
-  void Turn(const Look& look) { look_ = look; }
+  void Turn(const Gaze& look) { look_ = look; }
   // X_NB: where the autopilot believes the aircraft to be.
   void Step(double dt_s, const Pose& X_NB);
 
-  const Look& look() const { return look_; }
+  const Gaze& look() const { return look_; }
   const PanTiltAngles& angles() const { return angles_; }
   Pose X_BC() const { return PlatformPose(angles_, position_m_); }
   const Eigen::Vector3d& position_m() const { return position_m_; }
@@ -77,7 +77,7 @@ class PanTilt {
   PanTiltParameters parameters_;
   Eigen::Vector3d position_m_;
   PanTiltAngles angles_;
-  Look look_;
+  Gaze look_;
 };
 
 }  // namespace kestrel

@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <condition_variable>
 #include <mutex>
 #include <thread>
 #include <utility>
 
+#include "config/clock_sync.h"
 #include "config/stopwatch.h"
 
 namespace kestrel {
@@ -30,8 +32,12 @@ struct LiveCamera::Mailbox {
   std::int64_t taken = -1;  // sequence of the last frame that was taken
   std::int64_t sequence = 0;
   std::optional<std::int64_t> driver_count;
-  double heard_s = MonotonicNow_s();  // when an image last came, or the camera was made
-  double begun_s = heard_s;           // when the worker last came from the library, or went into it to open
+  std::optional<bool> own_clock;       // whether the driver's stamps are of a clock of its own
+  ClockSync clock;                     // that one
+  std::optional<double> driver_stamp;  // the newest by it
+  std::optional<double> newest_stamp;  // mapped, of all that came; the monotonic clock outlives openings
+  double heard_s = MonotonicNow_s();   // when an image last came, or the camera was made
+  double begun_s = heard_s;            // when the worker last came from the library, or went into it to open
   LiveCameraHealth health;
 
   // The rest runs on a worker's own thread.
@@ -51,14 +57,18 @@ struct LiveCamera::Mailbox {
         const std::lock_guard lock(mutex);
         if (!Current(which)) return;
         open = opened, opening = false, begun_s = MonotonicNow_s();
-        driver_count.reset();
-        if (opened) ++health.openings;
+        driver_count.reset(), own_clock.reset(), driver_stamp.reset(), clock = {};
+        if (opened)
+          ++health.openings;
+        else
+          health.trouble = source ? source->Trouble() : "";
       }
       while (opened) {
         std::optional<Grabbed> grabbed = source->Grab();
         const std::lock_guard lock(mutex);
         if (!Current(which)) return;
         if (!grabbed || grabbed->image.empty()) {
+          health.trouble = source->Trouble();
           if (source->Ended()) {
             ended = true;
             changed.notify_all();
@@ -78,17 +88,45 @@ struct LiveCamera::Mailbox {
     }
   }
 
+  // The driver's stamp on the monotonic clock.
+  std::optional<double> Mapped(const std::optional<double>& stamp_s, double now_s) {
+    if (!stamp_s || !std::isfinite(*stamp_s)) return std::nullopt;
+    const double age_s = now_s - *stamp_s;
+    if (!own_clock) own_clock = age_s < 0 || age_s > LiveCamera::kMonotonic_s;
+    clock.Hear(*stamp_s, now_s);
+    return std::min(*own_clock ? *clock.ToOurs(*stamp_s) : *stamp_s, now_s);
+  }
+
+  // The driver gave this image before, or a newer one.
+  bool Disordered(const Grabbed& grabbed, const std::optional<double>& mapped_s) const {
+    if (grabbed.count && driver_count && *grabbed.count <= *driver_count) return true;
+    if (!mapped_s) return false;
+    // As the drift of a clock of its own is followed, an old stamp may seem new; one that is much older is of
+    // a clock that was set anew.
+    if (*own_clock && driver_stamp && *grabbed.stamp_s <= *driver_stamp &&
+        *grabbed.stamp_s > *driver_stamp - ClockSync::kJump_s)
+      return true;
+    return newest_stamp && *mapped_s <= *newest_stamp;
+  }
+
   void Put(Grabbed grabbed, const LiveCameraOptions& options) {
-    heard_s = begun_s = MonotonicNow_s();
+    const double now_s = MonotonicNow_s();
+    const std::optional<double> mapped_s = Mapped(grabbed.stamp_s, now_s);
+    if (Disordered(grabbed, mapped_s)) {
+      ++health.disordered;
+      return;
+    }
+    heard_s = begun_s = now_s;
     // Exposures that the driver counted and nobody saw are gaps, as lost frames are.
     if (grabbed.count && driver_count && *grabbed.count > *driver_count + 1) {
       const std::int64_t gap = *grabbed.count - *driver_count - 1;
       health.missed += gap, sequence += gap;
     }
     driver_count = grabbed.count;
+    if (mapped_s) newest_stamp = mapped_s, driver_stamp = grabbed.stamp_s;
     if (newest && newest->sequence > taken) ++health.overwritten;
-    newest = Frame{std::move(grabbed.image),
-                   grabbed.stamp_s.value_or(heard_s) - options.exposure_before_stamp_s, sequence++};
+    newest = Frame{std::move(grabbed.image), mapped_s.value_or(now_s) - options.exposure_before_stamp_s,
+                   sequence++};
     ++health.images;
     changed.notify_all();
   }

@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "vision/camera.h"
 #include "vision/image_source.h"
@@ -33,15 +34,25 @@ struct LiveCameraHealth {
   std::int64_t images = 0;       // grabbed
   std::int64_t overwritten = 0;  // of them, newer ones came before anybody took them
   std::int64_t missed = 0;       // by the driver's own count
+  std::int64_t disordered = 0;   // came again, or after newer ones, by the driver's count or stamp: not given
   std::int64_t openings = 0;     // that succeeded
   std::optional<double> age_s;   // of the newest image, by its exposure; none: no image yet
+  std::string trouble;           // why the source failed last; empty: it has not, or it does not say
 };
 
 // A real camera. A thread grabs, and the newest image wins: whoever is slow gets fresh images and the rest
 // are counted, never queued. A source that fails is opened again, after pauses that grow; one that hangs
-// within its library is left behind and another is made in its place.
+// within its library is left behind and another is made in its place. An image that comes twice, or later
+// than a newer one, is not given, and does not count as a sign of life: a driver that repeats itself has
+// stalled.
+//
+// The driver's stamps are taken for the monotonic clock's if the first after opening is of the last
+// kMonotonic_s; otherwise for those of a clock of its own, which is mapped (config/clock_sync.h). A stamp in
+// the future is not believed; a frame's time never is later than its image's arrival.
 class LiveCamera final : public Camera {
  public:
+  static constexpr double kMonotonic_s = 5;
+
   LiveCamera(ImageSourceMaker source, const LiveCameraOptions& options);
   ~LiveCamera() override;  // does not wait for a source that hangs
 

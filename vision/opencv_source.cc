@@ -1,21 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/opencv_source.h"
 
-#include <chrono>
+#include <fmt/format.h>
+
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
-#include <thread>
 #include <vector>
 
 #include "config/stopwatch.h"
+#include "vision/pace.h"
 
 namespace kestrel {
 namespace {
 
 using Kind = OpenCvSourceOptions::Kind;
-
-constexpr double kSaneStamp_s = 5;  // a driver's stamp that is further from now is of some other clock
 
 std::string Pipeline(const std::string& what) {
   return what.find("appsink") != std::string::npos ? what
@@ -24,9 +23,52 @@ std::string Pipeline(const std::string& what) {
 
 class Source final : public ImageSource {
  public:
-  explicit Source(const OpenCvSourceOptions& options) : options_(options) {}
+  explicit Source(const OpenCvSourceOptions& options) : options_(options), pace_(options.rate_hz) {}
 
   bool Open() override {
+    if (OpenKind()) return true;
+    trouble_ = options_.what + " cannot be opened";
+    return false;
+  }
+
+  std::optional<Grabbed> Grab() override {
+    if (options_.kind == Kind::kFile) pace_.Wait();
+    if (!capture_.grab()) {
+      if (!Ended()) trouble_ = "no more images come from " + options_.what;
+      return std::nullopt;
+    }
+    const double grabbed_s = MonotonicNow_s();
+    cv::Mat raw;
+    if (!capture_.retrieve(raw) || raw.empty()) return std::nullopt;
+    if (!options_.size.empty() && raw.size() != options_.size) {
+      trouble_ = fmt::format("an image of {}x{} came, not of {}x{}", raw.cols, raw.rows, options_.size.width,
+                             options_.size.height);
+      return std::nullopt;
+    }
+    Grabbed grabbed;
+    const int channels = options_.colour ? 3 : 1;
+    if (raw.depth() != CV_8U || (raw.channels() != 1 && raw.channels() != 3)) {
+      trouble_ = fmt::format("an image of {} channels came, of depth {}", raw.channels(), raw.depth());
+      return std::nullopt;
+    }
+    if (raw.channels() == channels)
+      grabbed.image = raw.clone();  // the driver's buffer comes round again
+    else
+      cv::cvtColor(raw, grabbed.image, options_.colour ? cv::COLOR_GRAY2BGR : cv::COLOR_BGR2GRAY);
+    if (options_.kind == Kind::kV4l2) {
+      const double stamp_s = capture_.get(cv::CAP_PROP_POS_MSEC) / 1000;
+      if (stamp_s > 0) grabbed.stamp_s = stamp_s;
+    } else {
+      grabbed.stamp_s = grabbed_s;
+    }
+    return grabbed;
+  }
+
+  bool Ended() const override { return options_.kind == Kind::kFile; }
+  std::string Trouble() const override { return trouble_; }
+
+ private:
+  bool OpenKind() {
     switch (options_.kind) {
       case Kind::kV4l2:
         // Two buffers: one is filled while the other is read; more would be older images.
@@ -42,31 +84,6 @@ class Source final : public ImageSource {
     return false;
   }
 
-  std::optional<Grabbed> Grab() override {
-    if (options_.kind == Kind::kFile) Pace();
-    if (!capture_.grab()) return std::nullopt;
-    const double grabbed_s = MonotonicNow_s();
-    cv::Mat raw;
-    if (!capture_.retrieve(raw) || raw.empty()) return std::nullopt;
-    if (!options_.size.empty() && raw.size() != options_.size) return std::nullopt;
-    Grabbed grabbed;
-    const int channels = options_.colour ? 3 : 1;
-    if (raw.depth() != CV_8U || (raw.channels() != 1 && raw.channels() != 3)) return std::nullopt;
-    if (raw.channels() == channels)
-      grabbed.image = raw.clone();  // the driver's buffer comes round again
-    else
-      cv::cvtColor(raw, grabbed.image, options_.colour ? cv::COLOR_GRAY2BGR : cv::COLOR_BGR2GRAY);
-    if (options_.kind == Kind::kV4l2) {
-      const double stamp_s = capture_.get(cv::CAP_PROP_POS_MSEC) / 1000;
-      if (std::abs(stamp_s - grabbed_s) < kSaneStamp_s) grabbed.stamp_s = stamp_s;
-    }
-    if (!grabbed.stamp_s) grabbed.stamp_s = grabbed_s;
-    return grabbed;
-  }
-
-  bool Ended() const override { return options_.kind == Kind::kFile; }
-
- private:
   std::vector<int> Wanted(std::vector<int> properties) const {
     if (!options_.size.empty())
       properties.insert(properties.end(), {cv::CAP_PROP_FRAME_WIDTH, options_.size.width,
@@ -77,16 +94,10 @@ class Source final : public ImageSource {
     return properties;
   }
 
-  void Pace() {
-    if (options_.rate_hz <= 0) return;
-    const double now_s = MonotonicNow_s();
-    if (due_s_ > now_s) std::this_thread::sleep_for(std::chrono::duration<double>(due_s_ - now_s));
-    due_s_ = std::max(due_s_, now_s) + 1 / options_.rate_hz;
-  }
-
   OpenCvSourceOptions options_;
   cv::VideoCapture capture_;
-  double due_s_ = 0;
+  Pace pace_;
+  std::string trouble_;
 };
 
 }  // namespace

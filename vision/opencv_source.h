@@ -19,8 +19,8 @@ struct OpenCvSourceOptions {
   bool colour = false;  // CV_8UC3, otherwise CV_8UC1
 };
 
-// Time stamps: V4L2's own, of the monotonic clock; the others' images are stamped as they come. A pipeline
-// gets "appsink drop=true max-buffers=1 sync=false" at its end unless it has an appsink.
+// Time stamps: V4L2's own, nearly always of the monotonic clock; the others' images are stamped as they come.
+// A pipeline gets "appsink drop=true max-buffers=1 sync=false" at its end unless it has an appsink.
 ImageSourceMaker OpenCvSource(const OpenCvSourceOptions& options);
 
 }  // namespace kestrel

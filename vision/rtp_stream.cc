@@ -43,16 +43,19 @@ std::string ToText(const RtpStream& stream) {
 
 std::string ReceivingPipeline(const RtpStream& stream, cv::Size size, bool colour) {
   const bool raw = stream.coding == RtpStream::Coding::kRaw;
-  // An image comes in one go: what the socket cannot hold of it is lost.
   const std::string caps = raw ? fmt::format(
                                      "encoding-name=RAW,sampling=(string)YCbCr-4:2:0,depth=(string)8,"
                                      "width=(string){},height=(string){},colorimetry=(string)BT601-5",
                                      size.width, size.height)
                                : "encoding-name=JPEG,payload=26";
+  // An image comes in one go: what the socket cannot hold of it is lost. The jitter buffer passes on at once
+  // what comes in its order, waits for what is missing, and throws away what comes twice. Behind the queue is
+  // a thread of its own, which decodes the newest.
   return fmt::format(
       "udpsrc address={} port={} buffer-size=4194304 caps=\"application/x-rtp,media=video,clock-rate=90000,"
-      "{}\" ! {} ! videoconvert ! video/x-raw,format={}",
-      stream.host, stream.port, caps, raw ? "rtpvrawdepay" : "rtpjpegdepay ! jpegdec",
+      "{}\" ! rtpjitterbuffer latency=5 ! {} ! queue leaky=downstream max-size-buffers=1 ! {}videoconvert ! "
+      "video/x-raw,format={}",
+      stream.host, stream.port, caps, raw ? "rtpvrawdepay" : "rtpjpegdepay", raw ? "" : "jpegdec ! ",
       colour ? "BGR" : "GRAY8");
 }
 

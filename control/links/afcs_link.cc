@@ -12,8 +12,8 @@
 #include <thread>
 #include <utility>
 
+#include "config/clock_sync.h"
 #include "config/yaml_fields.h"
-#include "control/links/clock_sync.h"
 #include "geometry/tait_bryan.h"
 
 namespace kestrel {

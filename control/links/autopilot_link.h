@@ -23,7 +23,7 @@ struct LinkHealth {
 // An autopilot behind a real wire. A thread of its own listens, keeps the session alive, and sends the newest
 // setpoint as often as the protocol needs it; the functions return at once and may be called from any thread.
 //
-// VehicleState::t_s is the monotonic clock of this computer (control/links/clock_sync.h), as are the times of
+// VehicleState::t_s is the monotonic clock of this computer (config/clock_sync.h), as are the times of
 // a LiveCamera's frames. Before the first state it is a VehicleState{}, whose age LinkHealth tells.
 //
 // A setpoint that the protocol cannot express is not sent, and is trouble by name. What was sent is repeated

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "control/links/autopilot_link.h"
-#include "control/links/clock_sync.h"
+#include "config/clock_sync.h"
 #include "control/wire/mavlink_dialects.h"
 
 namespace kestrel {

@@ -5,6 +5,8 @@
 
 #include <atomic>
 #include <chrono>
+#include <limits>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -23,6 +25,7 @@ struct Script {
     double after_s = 0.002;
     std::optional<std::int64_t> count{};
     std::optional<double> stamp_before_s{};  // the driver's stamp, so long before it is grabbed
+    std::optional<double> stamp_s{};         // or itself
   };
   std::vector<Step> steps;
   std::atomic<std::size_t> next = 0;
@@ -36,6 +39,7 @@ class ScriptedSource final : public ImageSource {
   explicit ScriptedSource(std::shared_ptr<Script> script) : script_(std::move(script)) { ++script_->made; }
   bool Open() override { return script_->refuse_openings-- <= 0; }
   bool Ended() const override { return ended_; }
+  std::string Trouble() const override { return "the script says so"; }
   std::optional<Grabbed> Grab() override {
     const std::size_t i = script_->next++;
     if (i >= script_->steps.size()) {
@@ -51,6 +55,7 @@ class ScriptedSource final : public ImageSource {
     if (step.act != Script::Act::kImage) return std::nullopt;
     Grabbed grabbed{cv::Mat(2, 2, CV_8UC1, cv::Scalar(static_cast<double>(i))), {}, step.count};
     if (step.stamp_before_s) grabbed.stamp_s = MonotonicNow_s() - *step.stamp_before_s;
+    if (step.stamp_s) grabbed.stamp_s = step.stamp_s;
     return grabbed;
   }
 
@@ -120,12 +125,12 @@ TEST(LiveCamera, ExposuresThatTheDriverCountedAndNobodySawAreAGap) {
 
 TEST(LiveCamera, TheTimeIsTheDriversLessWhatWasCalibrated) {
   Rig rig;
-  rig.script->steps.push_back({.stamp_before_s = 5.0});
+  rig.script->steps.push_back({.stamp_before_s = 2.0});
   rig.options.exposure_before_stamp_s = 0.25;
   LiveCamera camera = rig.Camera();
   const auto frame = camera.Next();
   ASSERT_TRUE(frame);
-  EXPECT_NEAR(MonotonicNow_s() - frame->t_s, 5.25, 0.1);
+  EXPECT_NEAR(MonotonicNow_s() - frame->t_s, 2.25, 0.1);
 }
 
 TEST(LiveCamera, WithoutTheDriversTimeItIsThatOfTheArrival) {
@@ -201,6 +206,155 @@ TEST(LiveCamera, StopEndsTheWaitAtOnceFromAnotherThread) {
   EXPECT_FALSE(camera.Next());
   EXPECT_LT(MonotonicNow_s() - begun_s, 5);
   other.join();
+}
+
+// What comes of a script whose every image is asked for as soon as the one before was given or refused.
+struct Given {
+  std::vector<int> numbers;
+  std::vector<std::int64_t> sequences;
+  std::vector<double> times;
+  LiveCameraHealth health;
+};
+
+Given Play(Rig& rig) {
+  rig.script->asked = 0;
+  rig.options.stalled_s = 30;
+  LiveCamera camera = rig.Camera();
+  Given given;
+  for (std::size_t i = 1; i <= rig.script->steps.size(); ++i) {
+    ++rig.script->asked;
+    const auto settled = [&](const LiveCameraHealth& h) {
+      return h.images + h.disordered >= static_cast<std::int64_t>(i);
+    };
+    const double begun_s = MonotonicNow_s();
+    while (!settled(camera.Health()) && MonotonicNow_s() - begun_s < 20) Sleep(0.001);
+    while (const auto frame = camera.Next(0)) {
+      given.numbers.push_back(Number(*frame));
+      given.sequences.push_back(frame->sequence);
+      given.times.push_back(frame->t_s);
+    }
+  }
+  given.health = camera.Health();
+  return given;
+}
+
+using Numbers = std::vector<int>;
+using Sequences = std::vector<std::int64_t>;
+
+TEST(LiveCamera, AnImageThatTheDriverCountedBeforeIsNotANewFrame) {
+  Rig rig;
+  for (const int count : {7, 8, 8, 9, 7, 10}) rig.script->steps.push_back({.count = count});
+  const Given given = Play(rig);
+  EXPECT_EQ(given.numbers, (Numbers{0, 1, 3, 5}));
+  EXPECT_EQ(given.sequences, (Sequences{0, 1, 2, 3}));
+  EXPECT_EQ(given.health.disordered, 2);
+}
+
+TEST(LiveCamera, OfImagesThatCameInAnotherOrderTheLateOneIsLeftOutAndStaysAGap) {
+  Rig rig;
+  for (const int count : {1, 2, 4, 3, 5}) rig.script->steps.push_back({.count = count});
+  const Given given = Play(rig);
+  EXPECT_EQ(given.numbers, (Numbers{0, 1, 2, 4}));
+  EXPECT_EQ(given.sequences, (Sequences{0, 1, 3, 4}));
+  EXPECT_EQ(given.health.missed, 1);
+  EXPECT_EQ(given.health.disordered, 1);
+}
+
+TEST(LiveCamera, AStampThatRepeatsOrGoesBackIsNotANewFrame) {
+  Rig rig;
+  const double base_s = MonotonicNow_s() - 1;
+  for (const double stamp_s : {0.0, 0.1, 0.1, 0.05, 0.2})
+    rig.script->steps.push_back({.stamp_s = base_s + stamp_s});
+  const Given given = Play(rig);
+  EXPECT_EQ(given.numbers, (Numbers{0, 1, 4}));
+  ASSERT_EQ(given.times.size(), 3u);
+  EXPECT_DOUBLE_EQ(given.times[0], base_s);
+  EXPECT_DOUBLE_EQ(given.times[2], base_s + 0.2);
+  EXPECT_EQ(given.health.disordered, 2);
+}
+
+TEST(LiveCamera, TheSameHoldsForStampsOfAnotherClock) {
+  Rig rig;
+  for (const double stamp_s : {50.0, 50.1, 50.1, 50.05, 50.2})
+    rig.script->steps.push_back({.stamp_s = stamp_s + 1e9});
+  EXPECT_EQ(Play(rig).numbers, (Numbers{0, 1, 4}));
+}
+
+TEST(LiveCamera, StampsOfAnotherClockKeepTheirDistancesOnTheMonotonicOne) {
+  Rig rig;
+  // The first comes at once; the others are longer on their way than their stamps are apart.
+  const double stamp_s = 1.7e9;
+  rig.script->steps = {{.stamp_s = stamp_s},
+                       {.after_s = 0.06, .stamp_s = stamp_s + 0.01},
+                       {.after_s = 0.06, .stamp_s = stamp_s + 0.03}};
+  const double begun_s = MonotonicNow_s();
+  const Given given = Play(rig);
+  ASSERT_EQ(given.times.size(), 3u);
+  EXPECT_GE(given.times[0], begun_s);
+  EXPECT_LE(given.times[0], MonotonicNow_s() - 0.12);
+  EXPECT_NEAR(given.times[1] - given.times[0], 0.01, 1e-6);
+  EXPECT_NEAR(given.times[2] - given.times[0], 0.03, 1e-6);
+}
+
+TEST(LiveCamera, AClockThatWasSetAnewIsFollowed) {
+  Rig rig;
+  for (const double stamp_s : {1e9, 1e9 + 0.1, 20.0, 20.1}) rig.script->steps.push_back({.stamp_s = stamp_s});
+  const double begun_s = MonotonicNow_s();
+  const Given given = Play(rig);
+  EXPECT_EQ(given.numbers, (Numbers{0, 1, 2, 3}));
+  for (const double t_s : given.times) EXPECT_NEAR(t_s, begun_s, 20);
+}
+
+TEST(LiveCamera, NoFrameIsOfTheFutureAndAStampThatIsNoNumberIsNone) {
+  Rig rig;
+  rig.script->steps = {{.stamp_before_s = 0.0},
+                       {.stamp_before_s = -3.0},
+                       {.stamp_s = std::numeric_limits<double>::quiet_NaN()},
+                       {.stamp_before_s = 0.0}};
+  const double begun_s = MonotonicNow_s();
+  const Given given = Play(rig);
+  EXPECT_EQ(given.numbers, (Numbers{0, 1, 2, 3}));
+  for (const double t_s : given.times) {
+    EXPECT_GE(t_s, begun_s);
+    EXPECT_LE(t_s, MonotonicNow_s());
+  }
+}
+
+TEST(LiveCamera, ADriverThatGivesTheSameImageAgainAndAgainHasStalledAndIsOpenedAnew) {
+  Rig rig;
+  rig.script->steps.assign(400, {.count = 5});
+  for (int i = 0; i < 3; ++i) rig.script->steps[static_cast<std::size_t>(i)].count = 3 + i;
+  rig.options.stalled_s = 0.2;
+  LiveCamera camera = rig.Camera();
+  const auto both = [](const LiveCameraHealth& h) { return h.openings >= 2 && h.disordered > 0; };
+  const double begun_s = MonotonicNow_s();
+  while (!both(camera.Health()) && MonotonicNow_s() - begun_s < 20) camera.Next(0.01);
+  EXPECT_TRUE(both(camera.Health()));
+}
+
+TEST(LiveCamera, UnpluggedInFlightAndBackTheFramesGoOnAndTheReasonIsTold) {
+  Rig rig;
+  rig.script->steps = {{.count = 900}, {.act = Script::Act::kFail}, {.count = 1}, {.count = 2}};
+  rig.script->asked = 0;
+  rig.options.stalled_s = 0.1;
+  rig.options.reopen_first_s = 0.02;
+  LiveCamera camera = rig.Camera();
+  const auto before = rig.NextOf(camera);
+  ASSERT_TRUE(before);
+  EXPECT_EQ(camera.Health().trouble, "");
+  rig.script->refuse_openings = 5;
+  ++rig.script->asked;
+  const double begun_s = MonotonicNow_s();
+  while (camera.Health().state != LiveCameraState::kStalled && MonotonicNow_s() - begun_s < 20) Sleep(0.001);
+  EXPECT_EQ(camera.Health().state, LiveCameraState::kStalled);
+  EXPECT_EQ(camera.Health().trouble, "the script says so");
+  ++rig.script->asked;
+  const auto after = camera.Next();
+  ASSERT_TRUE(after);
+  EXPECT_EQ(Number(*after), 2);  // whose count begins anew, as a camera's does when it has power again
+  EXPECT_EQ(after->sequence, before->sequence + 1);
+  EXPECT_GT(after->t_s, before->t_s);
+  EXPECT_EQ(camera.Health().missed, 0);
 }
 
 }  // namespace

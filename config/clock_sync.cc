@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "control/links/clock_sync.h"
+#include "config/clock_sync.h"
 
 #include <cmath>
 

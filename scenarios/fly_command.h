@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+namespace kestrel {
+
+struct FlyArguments {
+  std::string scenario, camera, autopilot, aircraft, out;
+  std::vector<std::string> overrides, aircraft_overrides;
+  double for_s = 0;
+  bool dry_run = false, take_control = false, arm = false, pilot_untold = false;
+  bool no_video = false, images = false;
+};
+
+CLI::App* AddFlyCommand(CLI::App& app, FlyArguments& arguments);
+
+// Goes through the check list, and flies. True: the flight did what it is for. Throws InputError with every
+// mistake, before anything is opened.
+bool FlyCommand(const FlyArguments& arguments);
+
+}  // namespace kestrel

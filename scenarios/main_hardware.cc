@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+// The command line of the build for real aircraft: what needs no simulator.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <opencv2/core/utility.hpp>
+
+#include "config/yaml_fields.h"
+#include "scenarios/calibrate_command.h"
+#include "scenarios/flight_mode.h"
+#include "scenarios/flight_plan.h"
+#include "scenarios/fly_command.h"
+#include "scenarios/replay_command.h"
+#include "scenarios/version.h"
+
+namespace kestrel {
+namespace {
+
+enum ExitStatus { kMet = 0, kNotMet = 1, kBadInput = 2, kBrokeOff = 3 };
+
+int Main(int argc, char** argv) {
+  cv::setNumThreads(1);
+  CLI::App app{
+      fmt::format("Kestrel for {}: flight by vision.\n\nExit status: 0 the flight did what it is for, "
+                  "1 it did not, 2 bad input, 3 it broke off.",
+                  kRealMode)};
+  app.require_subcommand(1);
+  app.set_version_flag("--version", Version());
+  FlyArguments fly;
+  const CLI::App* fly_command = AddFlyCommand(app, fly);
+  ReplayArguments replay;
+  const CLI::App* replay_command = AddReplayCommand(app, replay);
+  CalibrateArguments calibrate;
+  const CLI::App* calibrate_command = AddCalibrateCommand(app, calibrate);
+  std::string check_file;
+  std::vector<std::string> check_overrides;
+  CLI::App* check_command = app.add_subcommand("check", "Validate a scenario as a flight of a real aircraft");
+  check_command->add_option("file", check_file, "A scenario's name, or a YAML file")->required();
+  check_command->add_option("--set", check_overrides, "key.path=value, as for fly");
+  app.footer(
+      "Examples:\n  kestrel fly hover --camera v4l2:/dev/video0 --autopilot mavlink:udpin://:14540 "
+      "--dry-run\n"
+      "  kestrel replay results/runs/hover-flown-20250101-120000");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? kMet : kBadInput;
+  }
+  try {
+    if (*fly_command) return FlyCommand(fly) ? kMet : kNotMet;
+    if (*replay_command) return ReplayCommand(replay) ? kMet : kNotMet;
+    if (*calibrate_command) {
+      CalibrateCommand(calibrate);
+      return kMet;
+    }
+    if (*check_command) {
+      LoadPlan(check_file, check_overrides);
+      fmt::print("{} is valid\n", check_file);
+      return kMet;
+    }
+  } catch (const InputError& e) {
+    fmt::print(stderr, "{}\n", e.what());
+    return kBadInput;
+  } catch (const std::exception& e) {
+    fmt::print(stderr, "kestrel: {}\n", e.what());
+    return kBrokeOff;
+  }
+  return kBadInput;
+}
+
+}  // namespace
+}  // namespace kestrel
+
+int main(int argc, char** argv) { return kestrel::Main(argc, argv); }
