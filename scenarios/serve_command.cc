@@ -41,11 +41,10 @@ std::string AddressOf(const std::string& where) {
   return address;
 }
 
-// As `kestrel fly` has it, on this computer.
-std::string CameraAddressOf(const RtpStream& stream, cv::Size size) {
-  return fmt::format("{}://{}:{}?width={}&height={}",
-                     stream.coding == RtpStream::Coding::kRaw ? "raw" : "rtp", stream.host, stream.port,
-                     size.width, size.height);
+// As `kestrel fly` has it, which knows the size from its calibration.
+std::string CameraAddressOf(const RtpStream& stream) {
+  return fmt::format("{}://{}:{}", stream.coding == RtpStream::Coding::kRaw ? "raw" : "rtp", stream.host,
+                     stream.port);
 }
 
 std::optional<RtpStream> StreamOf(const ServeArguments& a) { return ParseRtpStream(a.camera); }
@@ -192,7 +191,7 @@ std::string StartLines(const ServeArguments& a, const LoadedScenario& loaded,
         delay_s, scenario.image.latency_s);
     if (!OnLoopback(stream->host)) lines += Warning("the camera's stream", stream->host);
     camera = fmt::format(" --camera {} --set-aircraft camera.exposure_before_stamp_s={:.3f}",
-                         CameraAddressOf(*stream, size), delay_s);
+                         CameraAddressOf(*stream), delay_s);
   } else {
     lines += "  camera   none\n";
   }
