@@ -45,9 +45,9 @@ class Overheard final : public Autopilot {
   Simulator& simulator_;
 };
 
-class Flight {
+class ServedFlight {
  public:
-  Flight(const LoadedScenario& loaded, const ServeOptions& options)
+  ServedFlight(const LoadedScenario& loaded, const ServeOptions& options)
       : loaded_(loaded), options_(options), simulator_(loaded.simulator), aircraft_(simulator_) {
     if (options.folder) records_.emplace(*options.folder, loaded, false);
   }
@@ -90,7 +90,7 @@ class Flight {
     // The last frame comes its latency after the last exposure.
     const double end_s = loaded_.scenario.duration_s + loaded_.scenario.image.latency_s;
     std::optional<double> stands_since_s;
-    while (t_s() < end_s) {
+    while (t_s() < end_s - kSlice_s / 2) {
       if (options_.go_on && !options_.go_on()) return "ended from outside";
       const double now_s = options_.clock.now_s();
       const double due_s = time.Due(now_s, t_s());
@@ -166,7 +166,7 @@ WallClock MonotonicClock() {
 }
 
 FlightResult ServeFlight(const LoadedScenario& loaded, const ServeOptions& options) {
-  return Flight(loaded, options).Fly();
+  return ServedFlight(loaded, options).Fly();
 }
 
 }  // namespace kestrel

@@ -90,6 +90,9 @@ TEST_F(ServeFlightTest, InRealTimeServersAreServedAndFramesComeWhenTheyAreDue) {
     EXPECT_GE(server.calls[i].t_s, server.calls[i - 1].t_s);
     EXPECT_LE(server.calls[i].t_s, server.calls[i - 1].t_s + 0.0021);
   }
+  // by the simulator's own clock
+  EXPECT_NEAR(server.calls.back().t_s, result.summary.sim_s, 1e-9);
+  EXPECT_NEAR(result.summary.sim_s, 0.65, 1e-9);
   // and what it sent was flown
   EXPECT_EQ(result.summary.metrics.at("setpoints_heard"), static_cast<double>(server.calls.size()));
   EXPECT_GT(result.rows.back().now.v_N.head<2>().norm(), 0.1);
