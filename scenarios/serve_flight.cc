@@ -91,7 +91,7 @@ class ServedFlight {
     // The last frame comes its latency after the last exposure.
     const double end_s = loaded_.scenario.duration_s + loaded_.scenario.image.latency_s;
     double flew_s = t_s();
-    while (t_s() < end_s) {
+    while (t_s() < end_s - kSlice_s / 2) {
       if (options_.go_on && !options_.go_on()) return "ended from outside";
       const double now_s = options_.clock.now_s();
       const double due_s = time.Due(now_s, t_s());

@@ -12,13 +12,15 @@ namespace {
 
 // Neither coding knows grey images: they go as luminance, unchanged, with colour that is none. 1:4:0:0: the
 // full range, which decoders of JPEG take for granted. sync=false: an image goes out when it comes, not when
-// its place in the stream says. The larger the packets, the fewer there are to lose on this computer.
+// its place in the stream says. Within
+// this computer packets may be large: the fewer there are, the fewer are lost.
 std::string SendingPipeline(const RtpStream& stream) {
   const bool raw = stream.coding == RtpStream::Coding::kRaw;
+  const int packet = stream.host.starts_with("127.") || stream.host == "::1" ? 60000 : 1400;
   return fmt::format(
-      "appsrc ! videoconvert ! video/x-raw,format=I420{} ! udpsink host={} port={} sync=false "
+      "appsrc ! videoconvert ! video/x-raw,format=I420{} mtu={} ! udpsink host={} port={} sync=false "
       "async=false buffer-size=4194304",
-      raw ? " ! rtpvrawpay mtu=60000" : ",colorimetry=(string)1:4:0:0 ! jpegenc quality=95 ! rtpjpegpay",
+      raw ? " ! rtpvrawpay" : ",colorimetry=(string)1:4:0:0 ! jpegenc quality=95 ! rtpjpegpay", packet,
       stream.host, stream.port);
 }
 
