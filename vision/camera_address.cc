@@ -42,7 +42,7 @@ const std::vector<Form>& Forms() {
        {"width", "height", "colour"}},
       {"raw",
        "raw://127.0.0.1:5600?width=640&height=480",
-       "RTP of raw video that comes to this address",
+       "RTP of raw video that comes to this address; a lost packet tears the image: loopback only",
        {"width", "height", "colour"}},
       {"gst", "gst:PIPELINE", "a pipeline of GStreamer, up to its appsink", {"width", "height", "colour"}},
       {"file",
@@ -155,6 +155,7 @@ std::string Pipeline(Reader& reader, const Form& form, const std::string& rest, 
     return Received(parts[1], port, "encoding-name=(string)JPEG,payload=(int)26",
                     fmt::format("rtpjpegdepay ! {} ! jpegdec", kNewestWins), colour);
   if (size.empty()) reader.Wrong("", fmt::format("needs width and height, as in {}", form.example));
+  // GStreamer gives a raw image that lacks packets as if it were whole, and a JPEG only if it is.
   return Received(parts[1], port,
                   fmt::format("encoding-name=(string)RAW,payload=(int)96,sampling=(string){},"
                               "depth=(string)8,width=(string){},height=(string){}",
