@@ -202,6 +202,9 @@ class Source final : public ImageSource {
     const double rate_hz = arv_camera_get_frame_rate(camera, &unknown);
     if (!unknown && rate_hz > 0) silent_s_ = std::max(kAravisSilent_s, 3 / rate_hz);
     g_clear_error(&unknown);
+    // An ordinary socket, also for who may have another: that one receives nothing on loopback.
+    if (arv_camera_is_gv_device(camera))
+      arv_camera_gv_set_stream_options(camera, ARV_GV_STREAM_OPTION_PACKET_SOCKET_DISABLED);
     stream_.reset(Ask("stream", arv_camera_create_stream, camera, nullptr, nullptr));
     if (!stream_) throw std::runtime_error("the camera gives no stream");
     if (ARV_IS_GV_STREAM(stream_.get()))

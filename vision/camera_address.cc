@@ -43,7 +43,7 @@ const std::vector<Form>& Forms() {
        {"width", "height", "colour"}},
       {"raw",
        "raw://127.0.0.1:5600?width=640&height=480",
-       "RTP of raw video that comes to this address",
+       "RTP of raw video that comes to this address; a lost packet tears the image: loopback only",
        {"width", "height", "colour"}},
       {"gst", "gst:PIPELINE", "a pipeline of GStreamer, up to its appsink", {"width", "height", "colour"}},
       {"file",
@@ -140,6 +140,7 @@ std::string Pipeline(Reader& reader, const Form& form, const std::string& rest, 
   }
   const bool raw = std::string(form.scheme) == "raw";
   if (raw && size.empty()) reader.Wrong("", fmt::format("needs width and height, as in {}", form.example));
+  // GStreamer gives a raw image that lacks packets as if it were whole, and a JPEG only if it is.
   return ReceivingPipeline({raw ? RtpStream::Coding::kRaw : RtpStream::Coding::kJpeg, parts[1], port}, size,
                            colour);
 }
