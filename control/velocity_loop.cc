@@ -98,7 +98,7 @@ TouchDown WatchTouchDown(double dt_s, double asked_m_s, double sinking_m_s, cons
   if (asked_m_s <= kTouchDescent_m_s || sinking_m_s > kTouchFalling_m_s) return {};
   TouchDown now = before;
   if (now.throttle >= 1) {
-    now.still_s = sinking_m_s < kTouchStill_m_s ? now.still_s + dt_s : 0;
+    now.still_s = std::max(0.0, now.still_s + (sinking_m_s < kTouchStill_m_s ? dt_s : -2 * dt_s));
     if (now.still_s < kTouchTime_s) return now;
   }
   now.throttle -= dt_s / kTouchSpool_s;

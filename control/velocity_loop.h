@@ -77,8 +77,8 @@ VelocitySetpoint VelocityToward(const PositionSetpoint& wanted, const VehicleSta
                                 const VelocityLoopOptions& options);
 
 // Whether the aircraft has touched down, which an autopilot that flies attitudes does not tell: it was asked
-// to sink and did not for 0.8 s; then its thrust is taken away bit by bit, and if even that does not make it
-// sink it stands on the ground.
+// to sink and did not for 0.8 s (moments in which it seems to count back twice); then its thrust is taken
+// away bit by bit, and if even that does not make it sink it stands on the ground.
 struct TouchDown {
   double still_s = 0;
   double throttle = 1;  // to be multiplied with the thrust

@@ -20,6 +20,7 @@ constexpr double kNoAnswer_s = 0.5;
 constexpr double kStatusHolds_s = 1;  // what LL_STATUS and RC_DATA said
 constexpr double kGpsHolds_s = 0.25;  // an older one makes no state
 constexpr double kFlyBy_s = 0.25;     // by an older state nothing is flown
+constexpr double kAnswer_s = 0.1;     // an acknowledgement waits behind a frame and for a late reader
 constexpr int kUnanswered = 5;
 constexpr double kApart_s = 0.01;  // new setpoints that come faster do not crowd the line
 constexpr double kMotors_s = 3;    // of full yaw, at most
@@ -66,7 +67,8 @@ void AscTecSession::Opened(double now_s) {
   open_ = true;
   opened_s_ = next_cycle_s_ = now_s;
   cycling_ = unread_ = false;
-  unanswered_ = 0;
+  unanswered_.clear();
+  missed_ = 0;
 }
 
 void AscTecSession::Closed(const std::string& why) {
@@ -101,7 +103,9 @@ void AscTecSession::Take(double now_s, const wire::Telemetry& message) {
   } else if (const auto* rc = std::get_if<wire::RcData>(&message)) {
     keep(rc_, *rc);
   } else if (std::holds_alternative<wire::Acknowledgement>(message)) {
-    unanswered_ = 0;  // whatever it names: which descriptor is unverified, and nothing else is acknowledged
+    // Whatever it names: which descriptor is unverified, and nothing else is acknowledged.
+    if (!unanswered_.empty()) unanswered_.pop_front();
+    missed_ = 0;
   }
 }
 
@@ -112,6 +116,8 @@ wire::Bytes AscTecSession::Say(double now_s) {
     unread_ = false;
     for (const auto& message : parser_.Idle()) Take(now_s, message);
   }
+  for (; !unanswered_.empty() && now_s - unanswered_.front() > kAnswer_s; unanswered_.pop_front())
+    ++missed_, ++unacknowledged_;
   bool command = false;
   if (cycling_ && (!awaited_ || now_s > cycle_limit_s_)) {
     EndCycle(now_s);
@@ -124,7 +130,7 @@ wire::Bytes AscTecSession::Say(double now_s) {
     if (const auto input = Command(now_s)) {
       bytes = Encode(wire::Command(*input));
       ++sent_;
-      if (unanswered_++ > 0) ++unacknowledged_;
+      unanswered_.push_back(now_s);
     }
   }
   if (!cycling_ && now_s >= next_cycle_s_) {
@@ -205,7 +211,6 @@ void AscTecSession::Rest() {
   loop_.t_s.reset();
   touch_ = {};
   motors_ = Motors::kIdle;
-  unanswered_ = 0;
   state_.saturated = false;
 }
 
@@ -248,10 +253,10 @@ std::optional<CtrlInput> AscTecSession::Command(double now_s) {
     }
   }
   if (motors_ == Motors::kStopping) {
-    if (now_s - motors_since_s_ > kMotors_s) become(Motors::kRefused);
-    return MotorSticks();
+    if (now_s - motors_since_s_ < kMotors_s) return MotorSticks();
+    become(Motors::kFlying);  // they turn yet: it may have been a mistake
+    touch_ = {};
   }
-  if (motors_ == Motors::kRefused) return std::nullopt;
   const CtrlInput input = Follow(now_s, *setpoint_);
   if (touch_.down) become(Motors::kStopping);
   return touch_.down ? MotorSticks() : input;
@@ -351,8 +356,8 @@ LinkHealth AscTecSession::Health(double now_s) const {
   else if (gps_ && (gps_->message.gps.status & kGpsValid) != kGpsValid)
     health.trouble = "no GPS fix";
   else if (motors_ == Motors::kRefused)
-    health.trouble = "the motors do not start or stop when asked to";
-  else if (unanswered_ >= kUnanswered)
+    health.trouble = "the motors do not start when asked to";
+  else if (missed_ >= kUnanswered)
     health.trouble = "setpoints are not acknowledged";
   else if (aid_asked_)
     health.trouble = "the processor takes no attitude from outside";

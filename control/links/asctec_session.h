@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <deque>
 #include <optional>
 #include <span>
 #include <string>
@@ -57,8 +58,8 @@ void Fields(Visitor& v, AscTecOptions& o) {
 // fix there is no state.
 //
 // Setpoints are sent while the pilot allows it (bit 0x20 of flightMode, no emergency, and his switch), while
-// the state is young, and for kRepeat_s after Send. A CTRL_INPUT that is not acknowledged is repeated by that
-// of the next cycle; when five in a row are not, that is trouble.
+// the state is young, and for kRepeat_s after Send. A CTRL_INPUT is repeated by that
+// of the next cycle, acknowledged or not; when five in a row are not within 0.1 s, that is trouble.
 class AscTecSession {
  public:
   explicit AscTecSession(const AscTecOptions& options);
@@ -129,7 +130,8 @@ class AscTecSession {
   bool setpoint_is_new_ = false;
   double commanded_s_ = 0;
   std::uint64_t sent_ = 0, unacknowledged_ = 0;
-  int unanswered_ = 0;  // since the last acknowledgement
+  std::deque<double> unanswered_;  // when they were sent
+  int missed_ = 0;                 // acknowledgements in a row
   std::string refused_;
   bool aid_asked_ = false;
 
