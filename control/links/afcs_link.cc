@@ -79,7 +79,7 @@ struct AfcsLink::Session {
   ~Session() {
     asio::post(io, [this] {
       const std::lock_guard lock(mutex);
-      if (open) Transmit(wire::AfcsClose{});
+      if (open) Transmit(wire::AfcsClose{}, Now_s());
       io.stop();
     });
     thread.join();
@@ -94,12 +94,12 @@ struct AfcsLink::Session {
       if (open && now_s - heard_s > options.silent_s) Reopen("fell silent");
       if (!socket.is_open()) Connect();
       if (now_s >= open_due_s) {
-        Transmit(wire::AfcsOpen{});
+        Transmit(wire::AfcsOpen{}, now_s);
         open_due_s = now_s + (open ? options.alive_s : options.open_s);
       }
       SendDue(now_s);
       if (open && platform_wanted && now_s >= platform_due_s) {
-        Transmit(*platform_wanted);
+        Transmit(*platform_wanted, now_s);
         platform_due_s = now_s + 1 / options.platform_hz;
       }
       Listen();
@@ -201,7 +201,7 @@ struct AfcsLink::Session {
 
   void SendDue(double now_s) {
     if (!open || !setpoint || now_s < setpoint_due_s || now_s - setpoint_s > kRepeat_s) return;
-    if (!Transmit(MessageFor(*setpoint, options.afcs))) return;
+    if (!Transmit(MessageFor(*setpoint, options.afcs), now_s)) return;
     ++sent;
     setpoint_due_s = now_s + 1 / options.repeat_hz;
     if (!std::holds_alternative<PositionSetpoint>(*setpoint))
@@ -210,9 +210,9 @@ struct AfcsLink::Session {
       unanswered_since_s = now_s;
   }
 
-  bool Transmit(const wire::AfcsMessage& message) {
+  bool Transmit(const wire::AfcsMessage& message, double now_s) {
     if (!socket.is_open()) return false;
-    last_sent = wire::After(last_sent, wire::AfcsTimeOf(Now_s()));
+    last_sent = wire::After(last_sent, wire::AfcsTimeOf(now_s));
     error_code error;
     socket.send(asio::buffer(codec.Encode({last_sent, message})), 0, error);
     // What is refused was an earlier one, to a far end that was not there: this one may arrive.

@@ -21,7 +21,7 @@ class AfcsLinkTest : public ::testing::Test {
  protected:
   AfcsLinkTest() {
     options_.port = far_.port();
-    options_.open_s = 0.02, options_.alive_s = 0.05, options_.silent_s = 0.3;
+    options_.open_s = 0.02, options_.alive_s = 0.05, options_.silent_s = 30;
   }
 
   // The next message of a type; others before it are passed over.
@@ -219,10 +219,11 @@ TEST_F(AfcsLinkTest, APlaceIsFlownToAndWhatIsConfirmedIsTold) {
 }
 
 TEST_F(AfcsLinkTest, APlaceThatNobodyConfirmsIsTrouble) {
-  options_.silent_s = 0.1;
+  options_.silent_s = 0.3;
   AfcsLink link(options_);
   Open(link);
   EXPECT_TRUE(Eventually([&] {
+    Say(wire::AfcsAck{1});
     Say(wire::AfcsState{.rpm0 = 1500});
     link.Send(PositionSetpoint{});
     return link.Health().trouble.find("does not confirm") != std::string::npos;
@@ -242,7 +243,7 @@ TEST_F(AfcsLinkTest, AnAttitudeIsTroubleByNameAndEndsWhatWasAskedForBefore) {
   EXPECT_EQ(link.Health().trouble, "");
   auto teleop = Next<wire::AfcsTeleop>();
   while (teleop && teleop->fore == 1) {  // sent before
-    ASSERT_LE(wire::Seconds(stamp_), then_s + 1e-6);
+    ASSERT_LE(wire::Seconds(stamp_), then_s + 5e-6);
     teleop = Next<wire::AfcsTeleop>();
   }
   EXPECT_EQ(teleop->fore, 2);
@@ -260,7 +261,6 @@ TEST_F(AfcsLinkTest, ASetpointOrAidThatCannotBeSaidIsTroubleByName) {
 
 // Stamps are of the clock by which the link judges the time since Send.
 TEST_F(AfcsLinkTest, ASetpointIsRepeatedForAWhileAndThenTheWireFallsSilent) {
-  options_.silent_s = 30;
   options_.repeat_hz = 100;
   AfcsLink link(options_);
   Open(link);
@@ -275,7 +275,7 @@ TEST_F(AfcsLinkTest, ASetpointIsRepeatedForAWhileAndThenTheWireFallsSilent) {
         if (!std::holds_alternative<wire::AfcsTeleop>(datagram->message)) continue;
         ++repeats;
         EXPECT_GE(wire::Seconds(datagram->time), sent_s - 1e-6);
-        EXPECT_LE(wire::Seconds(datagram->time), end_s + 0.005);
+        EXPECT_LE(wire::Seconds(datagram->time), end_s + 5e-6);
       }
     }
     EXPECT_EQ(link.State().mode, FlightMode::kStopped);  // VehicleState{}: there is none
@@ -284,7 +284,6 @@ TEST_F(AfcsLinkTest, ASetpointIsRepeatedForAWhileAndThenTheWireFallsSilent) {
 }
 
 TEST_F(AfcsLinkTest, AfterSilenceNothingIsSentButTheSessionIsKept) {
-  options_.silent_s = 30;
   AfcsLink link(options_);
   Open(link);
   link.Send(VelocitySetpoint{{1, 0, 0}, 0});
@@ -295,14 +294,16 @@ TEST_F(AfcsLinkTest, AfterSilenceNothingIsSentButTheSessionIsKept) {
   while (MonotonicTestNow_s() < then_s + AutopilotLink::kRepeat_s || kept < 2) {
     ASSERT_LT(MonotonicTestNow_s(), then_s + 20);
     while (const auto datagram = far_.Receive()) {
-      if (std::holds_alternative<wire::AfcsTeleop>(datagram->message))
-        EXPECT_LE(wire::Seconds(datagram->time), then_s + 1e-6);
+      if (std::holds_alternative<wire::AfcsTeleop>(datagram->message)) {
+        EXPECT_LE(wire::Seconds(datagram->time), then_s + 5e-6);
+      }
       kept += std::holds_alternative<wire::AfcsOpen>(datagram->message) ? 1 : 0;
     }
   }
 }
 
 TEST_F(AfcsLinkTest, OpensAnewWhenTheFarEndFallsSilentEvenIfItsClockBeganAnew) {
+  options_.silent_s = 0.3;
   AfcsLink link(options_);
   Open(link);
   SayState(link, {.x = 1, .rpm0 = 1500});
@@ -313,12 +314,13 @@ TEST_F(AfcsLinkTest, OpensAnewWhenTheFarEndFallsSilentEvenIfItsClockBeganAnew) {
   link.Send(VelocitySetpoint{{1, 0, 0}, 0});
   EXPECT_EQ(link.Health().sent, 0U);  // there is nobody to obey
   clock_ = {0, 0};
-  Open(link);
   const double before_s = MonotonicTestNow_s();
-  SayState(link, {.x = 2, .rpm0 = 1500});
-  EXPECT_EQ(link.State().p_NB.x(), 2);
+  ASSERT_TRUE(Eventually([&] {
+    Say(wire::AfcsAck{1});
+    Say(wire::AfcsState{.x = 2, .rpm0 = 1500});
+    return link.State().p_NB.x() == 2;
+  }));
   EXPECT_GE(link.State().t_s, before_s);
-  EXPECT_EQ(link.Health().trouble, "");
 }
 
 TEST_F(AfcsLinkTest, SaysCloseAtTheEnd) {
@@ -330,7 +332,6 @@ TEST_F(AfcsLinkTest, SaysCloseAtTheEnd) {
 }
 
 TEST_F(AfcsLinkTest, OpensAnewWhenTheFarEndCloses) {
-  options_.silent_s = 30;
   AfcsLink link(options_);
   Open(link);
   Say(wire::AfcsClose{});
@@ -340,7 +341,6 @@ TEST_F(AfcsLinkTest, OpensAnewWhenTheFarEndCloses) {
 
 TEST_F(AfcsLinkTest, ThePlatformIsAskedUntilAndAfterItAnswers) {
   options_.platform_hz = 50;
-  options_.silent_s = 30;
   options_.afcs.platform_relative = 5, options_.afcs.platform_absolute = 6, options_.afcs.platform_point = 7;
   AfcsLink link(options_);
   Open(link);
