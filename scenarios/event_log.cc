@@ -43,6 +43,8 @@ void EventLog::Write(const CameraCondition& change) {
   camera_ = change.name;
 }
 
+void EventLog::Write(const StateChange& change) { Line(change.t_s, change.what, change.is); }
+
 void EventLog::End(double t_s, std::string_view how) {
   Line(t_s, "end", how);
   file_.Close();

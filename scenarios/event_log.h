@@ -8,19 +8,22 @@
 #include "scenarios/files.h"
 #include "scenarios/flight_log.h"
 #include "sim/camera_faults.h"
+#include "sim/fault_schedule.h"
 
 namespace kestrel {
 
 // events.log of a run: a line, with the time of the flight, whenever a state changes its name: the phase of
 // the flight plan, the target (tracked, found, chained, refused, lost, frozen), the autopilot's mode (hold:
-// its setpoints went stale), its saturation, the attitude it flies by, the faults of that and of the camera,
-// the touch-down. Throws std::runtime_error with the file and the reason.
+// its setpoints went stale), its saturation, the attitude it flies by, the faults of that, of the camera, of
+// sensors and actuators, what its navigation makes of its sensors, the touch-down. Throws std::runtime_error
+// with the file and the reason.
 class EventLog {
  public:
   explicit EventLog(const std::filesystem::path& folder) : file_(folder / "events.log") {}
   // In the order of time.
   void Write(const LogRow& row);
   void Write(const CameraCondition& change);
+  void Write(const StateChange& change);
   void End(double t_s, std::string_view how);
 
  private:

@@ -100,9 +100,12 @@ FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) 
   }
 
   std::size_t changes_written = 0;
-  const auto write_camera_changes = [&] {
+  std::size_t states_written = 0;
+  const auto write_changes = [&] {
     const auto changes = simulator.camera_changes();
     for (; changes_written < changes.size(); ++changes_written) events->Write(changes[changes_written]);
+    const auto states = simulator.state_changes();
+    for (; states_written < states.size(); ++states_written) events->Write(states[states_written]);
   };
 
   std::vector<double> vision_s, control_s, record_s;
@@ -116,7 +119,7 @@ FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) 
           const LogRow& row = result.rows.back();
           if (recorder) {
             recorder->Write(row);
-            write_camera_changes();
+            write_changes();
             events->Write(row);
             if (truth) truth->Write(frame.sequence, simulator.picture());
             if (recorder->wants_images()) {
@@ -165,7 +168,7 @@ FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) 
                     {"record", Statistics(record_s)}};
   if (!recorder) return result;
   try {
-    write_camera_changes();
+    write_changes();
     events->End(summary.sim_s, summary.error.empty() ? summary.outcome : summary.error);
   } catch (const std::runtime_error& e) {
     if (summary.error.empty()) summary.error = e.what();

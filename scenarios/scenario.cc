@@ -397,6 +397,8 @@ LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<s
                    fmt::format("a fault from {} s until {} s; valid: until_s after from_s", fault.from_s,
                                fault.until_s));
   }
+  CheckFaults(s.sensors, s.actuators, vehicle.airframe, WhereOf(config, "sensors", where),
+              WhereOf(config, "actuators", where), mistakes);
   if (NeedsColour(s.flight) && !s.image.colour)
     mistakes.Add(
         WhereOf(config, "image", where), "image.colour",
@@ -481,6 +483,7 @@ LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<s
   sim.scene.pad_position_m = s.pad.position_m;
   sim.scene.pad_yaw_deg = s.pad.yaw_deg;
   sim.sensors = s.sensors;
+  sim.actuators = s.actuators;
   sim.mount = s.mount;
   sim.image = s.image;
   sim.render = s.render;
