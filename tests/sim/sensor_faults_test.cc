@@ -310,7 +310,7 @@ actuators: {faults: [{component: servo, type: stuck}, {component: motor, type: g
 std::string Called(const char* component, const char* type) {
   SensorWatch watch((SensorParameters()));
   SensorFault f = Fault(component, type, 0.5, 1e9);
-  f.rate_hz = 0.5, f.delay_s = 10;
+  f.rate_hz = 0.1, f.delay_s = 10;
   for (const SensorReadings& r : Heard({f})) watch.Step(kDt, r);
   return NameOf(watch.health());
 }
