@@ -33,21 +33,24 @@ FlightRecords::FlightRecords(const std::filesystem::path& folder, const LoadedSc
   events_.Line(0, "mode", kSimulatorMode);
 }
 
-void FlightRecords::WriteCameraChanges(const Simulator& simulator) {
-  const auto changes = simulator.camera_changes();
-  for (; changes_written_ < changes.size(); ++changes_written_)
-    events_.WriteCamera(changes[changes_written_].from_s, changes[changes_written_].name);
+void FlightRecords::WriteChanges(const Simulator& simulator) {
+  const auto conditions = simulator.camera_changes();
+  for (; conditions_written_ < conditions.size(); ++conditions_written_)
+    events_.WriteCamera(conditions[conditions_written_].from_s, conditions[conditions_written_].name);
+  const auto states = simulator.state_changes();
+  for (; states_written_ < states.size(); ++states_written_)
+    events_.Line(states[states_written_].t_s, states[states_written_].what, states[states_written_].is);
 }
 
 void FlightRecords::Write(const LogRow& row, const Simulator& simulator) {
   recorder_.Write(row);
-  WriteCameraChanges(simulator);
+  WriteChanges(simulator);
   events_.Write(row);
 }
 
 Summary FlightRecords::Finish(Summary summary, const Simulator& simulator) {
   try {
-    WriteCameraChanges(simulator);
+    WriteChanges(simulator);
     events_.End(summary.sim_s, summary.error.empty() ? summary.outcome : summary.error);
   } catch (const std::runtime_error& e) {
     if (summary.error.empty()) summary.error = e.what();

@@ -26,11 +26,11 @@ class FlightRecords {
   Summary Finish(Summary summary, const Simulator& simulator);
 
  private:
-  void WriteCameraChanges(const Simulator& simulator);
+  void WriteChanges(const Simulator& simulator);
 
   Recorder recorder_;
   EventLog events_;
-  std::size_t changes_written_ = 0;
+  std::size_t conditions_written_ = 0, states_written_ = 0;
 };
 
 }  // namespace kestrel

@@ -184,6 +184,8 @@ LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<s
                                fault.until_s));
   }
   CheckFlight(s.flight, s.image.colour, config, where, mistakes);
+  CheckFaults(s.sensors, s.actuators, vehicle.airframe, WhereOf(config, "sensors", where),
+              WhereOf(config, "actuators", where), mistakes);
   if (const auto* avoid = std::get_if<AvoidFlight>(&s.flight)) {
     CheckAvoid(*avoid, s.autopilot, WhereOf(config, "flight", where), mistakes);
   }
@@ -235,6 +237,7 @@ LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<s
   sim.scene.pad_position_m = s.pad.position_m;
   sim.scene.pad_yaw_deg = s.pad.yaw_deg;
   sim.sensors = s.sensors;
+  sim.actuators = s.actuators;
   sim.mount = s.mount;
   sim.image = s.image;
   sim.render = s.render;

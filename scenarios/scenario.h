@@ -59,6 +59,7 @@ struct Scenario {
   RenderOptions render;
   WindParameters wind;
   SensorParameters sensors;
+  ActuatorParameters actuators;
   OcclusionParameters occlusion;
   std::vector<TargetParameters> targets;  // what else flies
   PilotParameters pilot;
@@ -86,6 +87,7 @@ void Fields(Visitor& v, Scenario& s) {
   v("render", s.render);
   v("wind", s.wind);
   v("sensors", s.sensors);
+  v("actuators", s.actuators);
   v("occlusion", s.occlusion);
   v("targets", s.targets);
   v("pilot", s.pilot);

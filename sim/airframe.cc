@@ -40,6 +40,10 @@ void Command(Airframe& airframe, const Actuation& actuation) {
     std::get<Multirotor>(airframe).Command(std::get<RotorSpeeds>(actuation));
 }
 
+void SetConditions(Airframe& airframe, const ActuatorConditions& conditions) {
+  std::visit([&](auto& a) { a.SetConditions(conditions); }, airframe);
+}
+
 void Apply(Airframe& airframe, mjData* data, double dt_s, const Eigen::Vector3d& wind_N, double surface_m) {
   std::visit([&](auto& a) { a.Apply(data, dt_s, wind_N, surface_m); }, airframe);
 }

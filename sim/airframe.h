@@ -25,7 +25,8 @@ double Mass_kg(const AirframeParameters& parameters);
 double GreatestThrust_n(const AirframeParameters& parameters);
 Actuation Stopped(const AirframeParameters& parameters);  // motors off
 
-void Command(Airframe& airframe, const Actuation& actuation);  // of its own kind
+void Command(Airframe& airframe, const Actuation& actuation);                  // of its own kind
+void SetConditions(Airframe& airframe, const ActuatorConditions& conditions);  // from the next step on
 void Apply(Airframe& airframe, mjData* data, double dt_s, const Eigen::Vector3d& wind_N, double surface_m);
 void Disturb(const Airframe& airframe, SensorReadings& readings);
 

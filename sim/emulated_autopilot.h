@@ -75,6 +75,7 @@ class EmulatedAutopilot {
   Actuation Step(double dt_s, const SensorReadings& readings);
 
   VehicleState State() const;
+  NavigationHealth Health() const { return navigation_.Health(); }
   double t_s() const { return t_s_; }
   void SetClock(double t_s) { t_s_ = t_s; }
 

@@ -22,6 +22,20 @@ double Lagged(double value, double command, double time_s, double dt_s) {
   return command + (value - command) * std::exp(-dt_s / time_s);
 }
 
+double StepServo(double pitch, double command, const ActuatorCondition& condition, double time_s,
+                 double dt_s) {
+  if (condition.stuck) return pitch;
+  return Lagged(pitch, condition.off ? 0 : command + condition.offset, condition.slowness * time_s, dt_s);
+}
+
+DriveState StepDrive(const DriveParameters& p, const ActuatorCondition& condition, const DriveState& state,
+                     bool running, double load_n_m, double dt_s) {
+  DriveParameters now = p;
+  now.power_w *= 1 - condition.loss;
+  now.response_s *= condition.stuck ? 1e9 : condition.slowness;
+  return StepDrive(now, state, running && !condition.off, load_n_m, dt_s);
+}
+
 Eigen::Vector2d Limited(const Eigen::Vector2d& v, double limit) {
   const double norm = v.norm();
   return norm > limit ? Eigen::Vector2d(v * (limit / norm)) : v;
@@ -50,7 +64,8 @@ HelicopterLoads LoadsOf(const HelicopterParameters& p, const HelicopterState& st
 
 HelicopterState StepHelicopter(const HelicopterParameters& p, const HelicopterState& state,
                                const HelicopterControls& controls, const Eigen::Vector3d& v_B,
-                               const Eigen::Vector3d& w_B, double height_m, double dt_s) {
+                               const Eigen::Vector3d& w_B, double height_m, double dt_s,
+                               const ActuatorConditions& conditions) {
   const HelicopterLoads loads = LoadsOf(p, state, v_B, w_B, height_m);
   const double speed = state.drive.speed_rad_s, spin = static_cast<int>(SpinOf(p));
   HelicopterState next = state;
@@ -58,8 +73,10 @@ HelicopterState StepHelicopter(const HelicopterParameters& p, const HelicopterSt
   const double collective =
       std::clamp(controls.collective, Radians(p.collective_low_deg), Radians(p.collective_high_deg));
   const Eigen::Vector2d cyclic = Limited(controls.cyclic, Radians(p.cyclic_limit_deg));
-  next.collective = Lagged(state.collective, collective, p.servo_s, dt_s);
-  for (int i = 0; i < 2; ++i) next.cyclic[i] = Lagged(state.cyclic[i], cyclic[i], p.servo_s, dt_s);
+  const auto& servos = conditions.servos;
+  next.collective = StepServo(state.collective, collective, servos[0], p.servo_s, dt_s);
+  next.cyclic.x() = StepServo(state.cyclic.x(), cyclic.x(), servos[1], p.servo_s, dt_s);
+  next.cyclic.y() = StepServo(state.cyclic.y(), cyclic.y(), servos[2], p.servo_s, dt_s);
   double tail_pitch = 0;
   if (controls.running) {
     tail_pitch = HeadingGyro(p.heading_gyro, spin * (controls.yaw_rate - w_B.z()), Radians(p.tail_low_deg),
@@ -67,7 +84,7 @@ HelicopterState StepHelicopter(const HelicopterParameters& p, const HelicopterSt
   } else {
     next.heading_integral = 0;
   }
-  next.tail_pitch = Lagged(state.tail_pitch, tail_pitch, p.servo_s, dt_s);
+  next.tail_pitch = StepServo(state.tail_pitch, tail_pitch, servos[3], p.servo_s, dt_s);
 
   next.induced_m_s = StepInduced(p.rotor, speed, state.collective, state.induced_m_s, loads.flow, dt_s);
   next.tail_induced_m_s = StepInduced(p.tail_rotor, p.tail_gear * speed, state.tail_pitch,
@@ -80,7 +97,7 @@ HelicopterState StepHelicopter(const HelicopterParameters& p, const HelicopterSt
                             w_B};
   next.flapping =
       StepFlapping(p.rotor, p.flapping, SpinOf(p), p.drive.speed_rad_s, state.flapping, input, dt_s);
-  next.drive = StepDrive(p.drive, state.drive, controls.running,
+  next.drive = StepDrive(p.drive, conditions.motors[0], state.drive, controls.running,
                          loads.rotor.torque_n_m + p.tail_gear * loads.tail.torque_n_m, dt_s);
   next.azimuth = std::remainder(state.azimuth + spin * dt_s * next.drive.speed_rad_s, 2 * std::numbers::pi);
   return next;
@@ -153,7 +170,7 @@ void Helicopter::Apply(mjData* data, double dt_s, const Eigen::Vector3d& wind_N,
   const Pose X_NB = body_.X_NB(data);
   const Eigen::Vector3d v_B = X_NB.R.conjugate() * (body_.v_N(data) - wind_N), w_B = body_.w_B(data);
   const double height_m = -(X_NB * MainHub(parameters_)).z() - surface_m;
-  state_ = StepHelicopter(parameters_, state_, controls_, v_B, w_B, height_m, dt_s);
+  state_ = StepHelicopter(parameters_, state_, controls_, v_B, w_B, height_m, dt_s, conditions_);
   body_.Push(AerodynamicWrench(parameters_, state_, v_B, w_B, height_m), data);
 }
 

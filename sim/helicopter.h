@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 
+#include "sim/actuator_faults.h"
 #include "sim/flapping.h"
 #include "sim/free_body.h"
 #include "sim/heading_gyro.h"
@@ -132,7 +133,8 @@ HelicopterLoads LoadsOf(const HelicopterParameters& p, const HelicopterState& st
 // Servos, gyro, governor, inflow and flapping after dt.
 HelicopterState StepHelicopter(const HelicopterParameters& p, const HelicopterState& state,
                                const HelicopterControls& controls, const Eigen::Vector3d& v_B,
-                               const Eigen::Vector3d& w_B, double height_m, double dt_s);
+                               const Eigen::Vector3d& w_B, double height_m, double dt_s,
+                               const ActuatorConditions& conditions = {});
 
 // Force and torque about the centre of mass, in B.
 //   main rotor: thrust T along (-a, b, -1), its drag rho / 4 A s Cd wR v in the disc's plane, the hub's
@@ -155,6 +157,7 @@ class Helicopter {
              const char* body_name = "vehicle");
 
   void Command(const HelicopterControls& controls) { controls_ = controls; }
+  void SetConditions(const ActuatorConditions& conditions) { conditions_ = conditions; }
   // As Multirotor::Apply.
   void Apply(mjData* data, double dt_s, const Eigen::Vector3d& wind_N, double surface_m);
   // What the rotor adds to the readings of the step: its shaking, and the tachometer's.
@@ -166,6 +169,7 @@ class Helicopter {
  private:
   HelicopterParameters parameters_;
   FreeBody body_;
+  ActuatorConditions conditions_;
   HelicopterControls controls_;
   HelicopterState state_;
 };

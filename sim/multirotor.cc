@@ -15,6 +15,14 @@ std::array<Eigen::Vector3d, 4> Hubs(const MultirotorParameters& p) {
   return {{{l, 0, z}, {0, l, z}, {-l, 0, z}, {0, -l, z}}};
 }
 
+// A faulty motor: thrust goes with the square of the speed.
+double StepMotor(const RotorParameters& p, const ActuatorCondition& condition, double speed_rad_s,
+                 double command_rad_s, double dt_s) {
+  if (condition.stuck) return speed_rad_s;
+  const double command = condition.off ? 0 : std::sqrt(1 - condition.loss) * command_rad_s;
+  return StepMotor(p, speed_rad_s, command, dt_s / condition.slowness);
+}
+
 }  // namespace
 
 RotorSpeeds Allocate(const MultirotorParameters& p, double thrust, const Eigen::Vector3d& torque_B) {
@@ -69,7 +77,7 @@ void Multirotor::Command(const RotorSpeeds& speeds) {
 
 void Multirotor::Apply(mjData* data, double dt_s, const Eigen::Vector3d& wind_N, double surface_m) {
   for (std::size_t i = 0; i < 4; ++i)
-    speeds_[i] = StepMotor(parameters_.rotor, speeds_[i], command_[i], dt_s);
+    speeds_[i] = StepMotor(parameters_.rotor, conditions_.motors[i], speeds_[i], command_[i], dt_s);
 
   const Pose X_NB = body_.X_NB(data);
   const auto hubs = Hubs(parameters_);

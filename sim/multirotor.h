@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <array>
 
+#include "sim/actuator_faults.h"
 #include "sim/free_body.h"
 #include "sim/rotor.h"
 
@@ -52,6 +53,7 @@ class Multirotor {
 
   // Speeds asked of the motors, rad/s; brought into [0, max].
   void Command(const RotorSpeeds& speeds);
+  void SetConditions(const ActuatorConditions& conditions) { conditions_ = conditions; }
 
   // Advances the motors by dt and puts the aerodynamic force and torque on the body, in place of what
   // xfrc_applied held for it. To be called before mj_step, with the state it starts from. wind_N: velocity of
@@ -72,6 +74,7 @@ class Multirotor {
   MultirotorParameters parameters_;
   FreeBody body_;
   double gravity_m_s2_;
+  ActuatorConditions conditions_;
   RotorSpeeds command_{}, speeds_{};
 };
 

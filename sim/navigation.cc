@@ -27,9 +27,23 @@ Navigation::Navigation(const SensorParameters& sensors, double timeout_s, const 
     : sensors_(sensors),
       timeout_s_(timeout_s),
       gyro_bias_(gyro_bias),
+      watch_(sensors),
       own_(sensors, X_NB, Eigen::Vector3d::Zero(), gyro_bias) {}
 
 void Navigation::Step(double dt_s, double t_s, const SensorReadings& readings) {
+  watch_.Step(dt_s, readings);
+  const NavigationHealth& health = watch_.health();
+  const bool stuck = health.compass == SensorHealth::kStuck || health.barometer == SensorHealth::kStuck ||
+                     health.gps == SensorHealth::kStuck;
+  if (!stuck) return StepEstimators(dt_s, t_s, readings);
+  SensorReadings sound = readings;
+  if (health.compass == SensorHealth::kStuck) sound.field_B.reset();
+  if (health.barometer == SensorHealth::kStuck) sound.height_m.reset();
+  if (health.gps == SensorHealth::kStuck) sound.gps.reset();
+  StepEstimators(dt_s, t_s, sound);
+}
+
+void Navigation::StepEstimators(double dt_s, double t_s, const SensorReadings& readings) {
   force_B_ += (1 - std::exp(-dt_s / kForceTime_s)) * (readings.imu.specific_force_B - force_B_);
   if (readings.field_B) field_B_ = *readings.field_B;
 
@@ -61,6 +75,17 @@ void Navigation::LevelAnew() {
   Pose X_NB = InUse().X_NB();
   X_NB.R = LevelledBy(-force_B_, field_B_);
   own_ = StateEstimator(sensors_, X_NB, InUse().v_N(), gyro_bias_);
+}
+
+NavigationHealth Navigation::Health() const {
+  NavigationHealth health = watch_.health();
+  const auto add = [](bool refused, SensorHealth& of) {
+    if (refused && of == SensorHealth::kOk) of = SensorHealth::kRefused;
+  };
+  add(InUse().refuses_compass(), health.compass);
+  add(InUse().refuses_barometer(), health.barometer);
+  add(InUse().refuses_gps(), health.gps);
+  return health;
 }
 
 std::optional<Eigen::Quaterniond> Navigation::InertialAttitude() const {

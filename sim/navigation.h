@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "control/autopilot.h"
+#include "sim/sensor_watch.h"
 #include "sim/sensors.h"
 #include "sim/state_estimator.h"
 
@@ -11,7 +12,8 @@ namespace kestrel {
 
 // What an autopilot knows of itself: the estimate of its own sensors, with the faults of its attitude, and
 // while it is sent attitudes from outside a second one that takes these. A fault that ends leaves the own
-// attitude levelled anew, by the accelerometers and the compass.
+// attitude levelled anew, by the accelerometers and the compass. It does without a sensor that is stuck, but
+// for the inertial ones.
 class Navigation {
  public:
   // timeout_s: after which an aid is stale. The rest as in StateEstimator.
@@ -25,13 +27,16 @@ class Navigation {
   const StateEstimator& InUse() const { return aided_ ? *aided_ : own_; }
   bool aided() const { return aided_.has_value(); }
   std::optional<Eigen::Quaterniond> InertialAttitude() const;  // none: it is silent
+  NavigationHealth Health() const;
 
  private:
   void LevelAnew();
+  void StepEstimators(double dt_s, double t_s, const SensorReadings& readings);
 
   SensorParameters sensors_;
   double timeout_s_;
   Eigen::Vector3d gyro_bias_;  // at switch-on
+  SensorWatch watch_;
   StateEstimator own_;
   std::optional<StateEstimator> aided_;
   double aid_age_s_ = 0;

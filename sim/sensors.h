@@ -10,6 +10,7 @@
 #include "config/random.h"
 #include "geometry/pose.h"
 #include "sim/attitude_fault.h"
+#include "sim/sensor_fault.h"
 
 namespace kestrel {
 
@@ -42,6 +43,7 @@ struct SensorParameters {
   double magnetometer_white_t = 80e-9;     // RotorS
   double magnetometer_turn_on_t = 400e-9;  // RotorS
   std::vector<AttitudeFault> attitude_faults;
+  std::vector<SensorFault> faults;
 };
 
 template <class Visitor>
@@ -71,6 +73,7 @@ void Fields(Visitor& v, SensorParameters& p) {
   v("magnetometer_white_t", p.magnetometer_white_t, 0.0, 1e-4);
   v("magnetometer_turn_on_t", p.magnetometer_turn_on_t, 0.0, 1e-4);
   v("attitude_faults", p.attitude_faults);
+  v("faults", p.faults);
 }
 
 struct ImuSample {
@@ -85,6 +88,7 @@ struct GpsSample {
 // What the sensors said in one step of the simulation; the slow ones speak now and then.
 struct SensorReadings {
   ImuSample imu;
+  bool gyro_spoke = true, accelerometer_spoke = true;  // otherwise imu has what they said last
   std::optional<GpsSample> gps;
   std::optional<double> height_m;          // of the barometer, above the origin of N
   std::optional<Eigen::Vector3d> field_B;  // magnetometer, T

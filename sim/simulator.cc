@@ -56,12 +56,15 @@ Simulator::Simulator(const SimulatorParameters& parameters)
       vehicle_(MakeAirframe(parameters.vehicle, model_.get(), !parameters.start.on_ground)),
       wind_(parameters.wind, parameters.seed),
       sensors_(parameters.sensors, parameters.seed),
+      sensor_faults_(parameters.sensors.faults, parameters.seed),
       X_BC_(MountPose(parameters.mount)),
       studio_(std::make_unique<Studio>(model_.get(), parameters.camera, parameters.render, parameters_.image,
                                        X_BC_, Vibration(parameters.mount.vibration, parameters.seed),
                                        parameters.seed, parameters.surfaces)),
       hashes_(std::make_unique<Hashes>()),
+      scheduled_(ChangesOf(parameters.sensors.faults, parameters.actuators.faults, parameters.vehicle)),
       faults_(parameters.image.faults, parameters.seed, parameters.duration_s) {
+  std::reverse(scheduled_.begin(), scheduled_.end());
   mj_forward(model_.get(), data_.get());
   const Pose X_NT = PadPose(model_.get(), data_.get());
   const StartParameters& start = parameters.start;
@@ -154,6 +157,8 @@ void Simulator::Step() {
   const double dt = model_->opt.timestep;
   const Truth before = truth_;
   wind_.Step(dt, before.X_NT.p.z() - before.X_NB.p.z(), before.v_N);
+  if (!parameters_.actuators.faults.empty())
+    SetConditions(vehicle_, ConditionsAt(parameters_.actuators.faults, before.t_s));
   Apply(vehicle_, data_.get(), dt, wind_.Velocity(), -before.X_NT.p.z());
   MoveTargets();
   mj_step(model_.get(), data_.get());
@@ -169,12 +174,23 @@ void Simulator::Step() {
       truth_.X_NB.R.conjugate() * ((truth_.v_N - before.v_N) / dt - Eigen::Vector3d(0, 0, 9.80665));
   SensorReadings readings = sensors_.Read(dt, truth_.X_NB, truth_.v_N, truth_.w_B, specific_force_B);
   Disturb(vehicle_, readings);
+  sensor_faults_.Apply(truth_.t_s, readings);
   Command(vehicle_, autopilot_->Step(dt, readings));
   if (!State().R_NB.coeffs().allFinite() || !State().p_NB.allFinite()) {
     throw RunError(fmt::format("at {:.3f} s: the autopilot's estimate is not a number", truth_.t_s));
   }
+  NoteChanges();
   airborne_ = airborne_ || truth_.X_NT.p.z() - truth_.X_NB.p.z() > kAirborne_m;
   if (!touch_ && airborne_ && truth_.touching && !before.touching && truth_.t_s > 0) touch_ = before;
+}
+
+void Simulator::NoteChanges() {
+  for (; !scheduled_.empty() && scheduled_.back().t_s <= truth_.t_s + 1e-9; scheduled_.pop_back())
+    state_changes_.push_back(scheduled_.back());
+  const NavigationHealth health = autopilot_->Health();
+  if (health == health_) return;
+  health_ = health;
+  state_changes_.push_back({truth_.t_s, "navigation", NameOf(health)});
 }
 
 // To where they are after this step.

@@ -15,10 +15,12 @@
 #include "sim/airframe.h"
 #include "sim/camera_faults.h"
 #include "sim/emulated_autopilot.h"
+#include "sim/fault_schedule.h"
 #include "sim/image_sensor.h"
 #include "sim/instants.h"
 #include "sim/renderer.h"
 #include "sim/scene.h"
+#include "sim/sensor_faults.h"
 #include "sim/sensors.h"
 #include "sim/studio.h"
 #include "sim/target.h"
@@ -70,6 +72,7 @@ struct SimulatorParameters {
   AirframeParameters vehicle;
   AutopilotParameters autopilot;
   SensorParameters sensors;
+  ActuatorParameters actuators = {};
   CameraModel camera;
   CameraMount mount;
   ImageParameters image;
@@ -119,6 +122,8 @@ class Simulator final : public Camera, public Autopilot {
   const mjModel* model() const { return model_.get(); }
   // The changes of the camera's condition until now.
   std::span<const CameraCondition> camera_changes() const { return faults_.ChangesUntil(truth_.t_s); }
+  // The faults of sensors and actuators, and what the autopilot makes of its sensors, until now.
+  std::span<const StateChange> state_changes() const { return state_changes_; }
   std::string renderer_name() const;
 
   std::uint64_t state_hash() const;  // of the physical state at every exposure
@@ -138,6 +143,7 @@ class Simulator final : public Camera, public Autopilot {
   void Step();
   void AdvanceTo(std::int64_t step);
   std::optional<Frame> NextUntilStep(std::int64_t last);
+  void NoteChanges();
   void CoverPad();
   void MoveTargets();
   void RunCamera();
@@ -152,6 +158,7 @@ class Simulator final : public Camera, public Autopilot {
   Airframe vehicle_;
   Wind wind_;
   Sensors sensors_;
+  SensorFaults sensor_faults_;
   std::unique_ptr<EmulatedAutopilot> autopilot_;
   Pose X_BC_;
   std::unique_ptr<Studio> studio_;
@@ -164,6 +171,10 @@ class Simulator final : public Camera, public Autopilot {
   bool airborne_ = false;
   std::optional<double> occluded_;
   std::vector<TargetPath> targets_;
+
+  std::vector<StateChange> scheduled_;  // the faults that are still to come, the last first
+  std::vector<StateChange> state_changes_;
+  NavigationHealth health_;
 
   CameraFaults faults_;
   std::int64_t half_exposure_ = 0;  // steps on either side of a tick in which pixels may be open

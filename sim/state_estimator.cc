@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "geometry/tait_bryan.h"
 
@@ -17,6 +18,9 @@ constexpr double kBarometerSigma_m = 0.4;
 constexpr double kCompassSigma_rad = 0.03;
 // Least deviation taken for a GPS velocity: a measurement without any leaves the filter 0 / 0.
 constexpr double kGpsVelocitySigma_m_s = 0.01;
+constexpr double kGate = 5;           // deviations; of PX4's EKF2 for GPS and barometer
+constexpr double kBelieved_s = 5;     // how long refused
+constexpr double kTiltForgotten = 1;  // rad, at most
 
 }  // namespace
 
@@ -29,22 +33,23 @@ StateEstimator::StateEstimator(const SensorParameters& sensors, const Pose& X_NB
 }
 
 void StateEstimator::Step(double dt_s, const SensorReadings& readings) {
+  t_s_ += dt_s;
   Predict(dt_s, readings.imu);
-  if (readings.gps) {
-    for (int i = 0; i < 3; ++i) {
-      const double position_sigma = i < 2 ? kGpsPositionSigma_m : 3 * kGpsPositionSigma_m;
-      Correct(Vector15::Unit(i), readings.gps->p_N(i) - X_NB_.p(i), position_sigma * position_sigma);
-      const double velocity_sigma = std::max(sensors_.gps_velocity_m_s.white, kGpsVelocitySigma_m_s);
-      Correct(Vector15::Unit(3 + i), readings.gps->v_N(i) - v_N_(i), velocity_sigma * velocity_sigma);
-    }
+  if (readings.gps) CorrectByGps(*readings.gps);
+  const auto correct = [&](Gate& gate, const Vector15& h, double innovation, double variance, bool trusted) {
+    const Verdict verdict = Judge(gate, Ratio(h, innovation, variance), trusted);
+    if (verdict == Verdict::kBelieve) Forget(h, innovation);
+    if (verdict != Verdict::kRefuse) Correct(h, innovation, variance);
+  };
+  if (readings.height_m) {
+    correct(barometer_, -Vector15::Unit(2), *readings.height_m + X_NB_.p.z(),
+            kBarometerSigma_m * kBarometerSigma_m, t_s_ - gps_height_.used_s < kBelieved_s);
   }
-  if (readings.height_m)
-    Correct(-Vector15::Unit(2), *readings.height_m + X_NB_.p.z(), kBarometerSigma_m * kBarometerSigma_m);
   if (readings.field_B) {
     const Eigen::Vector3d field_N = X_NB_.R * *readings.field_B;
     Vector15 h = Vector15::Zero();
     h.segment<3>(6) = X_NB_.R.conjugate() * Eigen::Vector3d::UnitZ();  // a turn of B about down
-    Correct(h, -std::atan2(field_N.y(), field_N.x()), kCompassSigma_rad * kCompassSigma_rad);
+    correct(compass_, h, -std::atan2(field_N.y(), field_N.x()), kCompassSigma_rad * kCompassSigma_rad, false);
   }
   X_NB_.p += error_.segment<3>(0);
   v_N_ += error_.segment<3>(3);
@@ -52,6 +57,61 @@ void StateEstimator::Step(double dt_s, const SensorReadings& readings) {
   gyro_bias_ += error_.segment<3>(9);
   accelerometer_bias_ += error_.segment<3>(12);
   error_.setZero();
+  StartAnewIfBroken();
+}
+
+void StateEstimator::CorrectByGps(const GpsSample& gps) {
+  const double velocity_sigma = std::max(sensors_.gps_velocity_m_s.white, kGpsVelocitySigma_m_s);
+  const double velocity_variance = velocity_sigma * velocity_sigma;
+  Vector15 innovation = Vector15::Zero(), variance = Vector15::Zero();
+  for (int i = 0; i < 3; ++i) {
+    const double position_sigma = i < 2 ? kGpsPositionSigma_m : 3 * kGpsPositionSigma_m;
+    innovation(i) = gps.p_N(i) - X_NB_.p(i);
+    variance(i) = position_sigma * position_sigma;
+    innovation(3 + i) = gps.v_N(i) - v_N_(i);
+    variance(3 + i) = velocity_variance;
+  }
+  const auto ratio = [&](int i) { return Ratio(Vector15::Unit(i), innovation(i), variance(i)); };
+  const double refused_s = gps_velocity_.since_s ? t_s_ - *gps_velocity_.since_s : 0;
+  const Verdict level = Judge(gps_level_, std::max(ratio(0), ratio(1)), false);
+  const Verdict height = Judge(gps_height_, ratio(2), t_s_ - barometer_.used_s < kBelieved_s);
+  const Verdict velocity = Judge(gps_velocity_, std::max({ratio(3), ratio(4), ratio(5)}), false);
+  if (velocity == Verdict::kBelieve) {
+    // A velocity that went astray in that time did so by a tilt: let it be found.
+    const double tilt = std::min(kTiltForgotten, innovation.segment<3>(3).norm() / (kGravity * refused_s));
+    P_.diagonal().segment<3>(6).array() += tilt * tilt;
+  }
+  for (int i = 0; i < 3; ++i) {
+    for (const auto& [verdict, at] : {std::pair(i < 2 ? level : height, i), std::pair(velocity, 3 + i)}) {
+      if (verdict == Verdict::kBelieve) Forget(Vector15::Unit(at), innovation(at));
+      if (verdict != Verdict::kRefuse) Correct(Vector15::Unit(at), innovation(at), variance(at));
+    }
+  }
+}
+
+double StateEstimator::Ratio(const Vector15& h, double innovation, double variance) const {
+  return innovation * innovation / (h.dot(P_ * h) + variance);
+}
+
+StateEstimator::Verdict StateEstimator::Judge(Gate& gate, double ratio, bool trusted) {
+  const bool passes = ratio <= kGate * kGate;  // what is not a number does not
+  if (!passes && (trusted || !std::isfinite(ratio) || !Lasts(gate, kBelieved_s))) {
+    if (!gate.since_s) gate.since_s = t_s_;
+    return Verdict::kRefuse;
+  }
+  gate.since_s.reset();
+  gate.used_s = t_s_;
+  return passes ? Verdict::kUse : Verdict::kBelieve;
+}
+
+// Sensors that rave can take the covariances beyond what numbers hold.
+void StateEstimator::StartAnewIfBroken() {
+  if (P_.diagonal().minCoeff() >= 0 && P_.diagonal().sum() < 1e12) return;
+  P_.setZero();
+  P_.diagonal() << Eigen::Vector3d::Constant(1e4), Eigen::Vector3d::Constant(1e2),
+      Eigen::Vector3d::Constant(1), Eigen::Vector3d::Constant(1e-4), Eigen::Vector3d::Constant(0.1);
+  gyro_bias_.setZero();
+  accelerometer_bias_.setZero();
 }
 
 void StateEstimator::SetAttitude(const Eigen::Quaterniond& R_NB, double sigma) {

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "config/yaml_fields.h"
+#include "sim/actuator_faults.h"
+#include "sim/airframe.h"
+#include "sim/sensor_fault.h"
+
+namespace kestrel {
+
+// Something that changed its state, for events.log: "gps" is "off", "motor 2" is "ok".
+struct StateChange {
+  double t_s = 0;
+  std::string what, is;
+};
+
+// Every beginning and end of a fault of sensors and of the actuators that the aircraft has, in the order of
+// time.
+std::vector<StateChange> ChangesOf(const std::vector<SensorFault>& sensors,
+                                   const std::vector<ActuatorFault>& actuators,
+                                   const AirframeParameters& aircraft);
+
+// Faults that end before they begin, sensors that are slow and yet faster than they are, actuators that the
+// aircraft has not. where: the place of the keys "sensors" and "actuators".
+void CheckFaults(const SensorParameters& sensors, const ActuatorParameters& actuators,
+                 const AirframeParameters& aircraft, const std::string& where_sensors,
+                 const std::string& where_actuators, Mistakes& mistakes);
+
+}  // namespace kestrel
