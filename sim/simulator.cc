@@ -177,7 +177,13 @@ void Simulator::Step() {
       truth_.X_NB.R.conjugate() * ((truth_.v_N - before.v_N) / dt - Eigen::Vector3d(0, 0, 9.80665));
   SensorReadings readings = sensors_.Read(dt, truth_.X_NB, truth_.v_N, truth_.w_B, specific_force_B);
   Disturb(vehicle_, readings);
-  Command(vehicle_, autopilot_->Step(dt, readings));
+  Actuation actuation = autopilot_->Step(dt, readings);
+  if (external_ != nullptr) {
+    const std::optional<Actuation> outside = external_->Step(dt, readings, truth_);
+    ended_ = !outside;
+    actuation = outside.value_or(Stopped(parameters_.vehicle));
+  }
+  Command(vehicle_, actuation);
   if (!State().R_NB.coeffs().allFinite() || !State().p_NB.allFinite()) {
     throw RunError(fmt::format("at {:.3f} s: the autopilot's estimate is not a number", truth_.t_s));
   }
@@ -257,7 +263,7 @@ void Simulator::Tick() {
 }
 
 void Simulator::AdvanceTo(std::int64_t step) {
-  while (steps_ < step) {
+  while (steps_ < step && !ended_) {
     Step();
     RunCamera();
   }
@@ -265,11 +271,12 @@ void Simulator::AdvanceTo(std::int64_t step) {
 
 std::optional<Frame> Simulator::Next() {
   const auto start = std::chrono::steady_clock::now();
-  while (coming_.empty() && TickStep() != kNever) AdvanceTo(TickStep());
+  while (coming_.empty() && TickStep() != kNever && !ended_) AdvanceTo(TickStep());
   if (coming_.empty()) return std::nullopt;
   const Coming coming = coming_.front();
   coming_.pop_front();
   AdvanceTo(coming.due_step);
+  if (ended_) return std::nullopt;
   timing_.physics_s.push_back(SecondsSince(start));
   picture_ = studio_->Take();
   timing_.render_s.push_back(picture_.render_s);
@@ -279,7 +286,16 @@ std::optional<Frame> Simulator::Next() {
   return Frame{picture_.image, exposure_.t_s, coming.sequence};
 }
 
-VehicleState Simulator::State() const { return autopilot_->State(); }
+VehicleState Simulator::State() const {
+  VehicleState state = autopilot_->State();
+  if (external_ != nullptr) {  // its modes are its own affair
+    state.mode = truth_.touching ? FlightMode::kStopped : FlightMode::kHold;
+    state.landed = truth_.touching;
+    state.saturated = false;
+  }
+  return state;
+}
+
 void Simulator::Send(const Setpoint& setpoint) { autopilot_->Send(setpoint); }
 void Simulator::Aid(const AttitudeAid& aid) { autopilot_->Aid(aid); }
 std::string Simulator::renderer_name() const { return studio_->renderer_name(); }

@@ -14,6 +14,7 @@
 #include "sim/airframe.h"
 #include "sim/camera_faults.h"
 #include "sim/emulated_autopilot.h"
+#include "sim/external_autopilot.h"
 #include "sim/image_sensor.h"
 #include "sim/instants.h"
 #include "sim/renderer.h"
@@ -119,10 +120,16 @@ class Simulator final : public Camera, public Autopilot {
   explicit Simulator(const SimulatorParameters& parameters);
   ~Simulator() override;
 
-  std::optional<Frame> Next() override;  // none: no exposure is left within the duration
+  std::optional<Frame> Next() override;  // none: no exposure is left within the duration; or see FlyBy
   VehicleState State() const override;
   void Send(const Setpoint& setpoint) override;
   void Aid(const AttitudeAid& aid) override;
+
+  // From the next step on, this moves the rotors, for as long as the simulator lives; until its first word
+  // they do what they were told last. When it ends the flight, Next() gives none from then on. The emulated
+  // autopilot goes on estimating: State() is its own, on the ground or holding, and what it is sent moves
+  // nothing.
+  void FlyBy(ExternalAutopilot* external) { external_ = external; }
 
   const Truth& truth() const { return truth_; }
   const Truth& exposure() const { return exposure_; }           // of the frame that Next() gave last
@@ -165,6 +172,8 @@ class Simulator final : public Camera, public Autopilot {
   Wind wind_;
   Sensors sensors_;
   std::unique_ptr<EmulatedAutopilot> autopilot_;
+  ExternalAutopilot* external_ = nullptr;
+  bool ended_ = false;  // by it
   Pose X_BC_;
   std::unique_ptr<Studio> studio_;
   std::unique_ptr<Hashes> hashes_;
