@@ -175,7 +175,13 @@ void Simulator::Step() {
   SensorReadings readings = sensors_.Read(dt, truth_.X_NB, truth_.v_N, truth_.w_B, specific_force_B);
   Disturb(vehicle_, readings);
   sensor_faults_.Apply(truth_.t_s, readings);
-  Command(vehicle_, autopilot_->Step(dt, readings));
+  Actuation actuation = autopilot_->Step(dt, readings);
+  if (external_ != nullptr) {
+    const std::optional<Actuation> outside = external_->Step(dt, readings, truth_);
+    ended_ = !outside;
+    actuation = outside.value_or(Stopped(parameters_.vehicle));
+  }
+  Command(vehicle_, actuation);
   if (!State().R_NB.coeffs().allFinite() || !State().p_NB.allFinite()) {
     throw RunError(fmt::format("at {:.3f} s: the autopilot's estimate is not a number", truth_.t_s));
   }
@@ -265,7 +271,7 @@ void Simulator::Tick() {
 }
 
 void Simulator::AdvanceTo(std::int64_t step) {
-  while (steps_ < step) {
+  while (steps_ < step && !ended_) {
     Step();
     RunCamera();
   }
@@ -280,7 +286,7 @@ std::optional<Frame> Simulator::NextUntil(double t_s) {
 
 std::optional<Frame> Simulator::NextUntilStep(std::int64_t last) {
   const auto start = std::chrono::steady_clock::now();
-  while (coming_.empty() && TickStep() <= last && TickStep() != kNever) AdvanceTo(TickStep());
+  while (coming_.empty() && TickStep() <= last && TickStep() != kNever && !ended_) AdvanceTo(TickStep());
   const bool comes = !coming_.empty() && coming_.front().due_step <= last;
   if (comes) {
     AdvanceTo(coming_.front().due_step);
@@ -288,7 +294,7 @@ std::optional<Frame> Simulator::NextUntilStep(std::int64_t last) {
     AdvanceTo(last);
   }
   physics_s_ += SecondsSince(start);
-  if (!comes) return std::nullopt;
+  if (!comes || ended_) return std::nullopt;
   const Coming coming = coming_.front();
   coming_.pop_front();
   timing_.physics_s.push_back(std::exchange(physics_s_, 0));
@@ -300,7 +306,16 @@ std::optional<Frame> Simulator::NextUntilStep(std::int64_t last) {
   return Frame{picture_.image, exposure_.t_s, coming.sequence};
 }
 
-VehicleState Simulator::State() const { return autopilot_->State(); }
+VehicleState Simulator::State() const {
+  VehicleState state = autopilot_->State();
+  if (external_ != nullptr) {  // its modes are its own affair
+    state.mode = truth_.touching ? FlightMode::kStopped : FlightMode::kHold;
+    state.landed = truth_.touching;
+    state.saturated = false;
+  }
+  return state;
+}
+
 void Simulator::Send(const Setpoint& setpoint) { autopilot_->Send(setpoint); }
 void Simulator::Aid(const AttitudeAid& aid) { autopilot_->Aid(aid); }
 std::string Simulator::renderer_name() const { return studio_->renderer_name(); }

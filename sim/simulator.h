@@ -15,6 +15,7 @@
 #include "sim/airframe.h"
 #include "sim/camera_faults.h"
 #include "sim/emulated_autopilot.h"
+#include "sim/external_autopilot.h"
 #include "sim/fault_schedule.h"
 #include "sim/image_sensor.h"
 #include "sim/instants.h"
@@ -106,13 +107,19 @@ class Simulator final : public Camera, public Autopilot {
   explicit Simulator(const SimulatorParameters& parameters);
   ~Simulator() override;
 
-  std::optional<Frame> Next() override;  // none: no exposure is left within the duration
+  std::optional<Frame> Next() override;  // none: no exposure is left within the duration; or see FlyBy
   // The same, but the world goes no further than to this time, and without a frame always there, also when
   // no exposure is left. The flight is the same, bit for bit, in whatever slices.
   std::optional<Frame> NextUntil(double t_s);
   VehicleState State() const override;
   void Send(const Setpoint& setpoint) override;
   void Aid(const AttitudeAid& aid) override;
+
+  // From the next step on, this moves the rotors, for as long as the simulator lives; until its first word
+  // they do what they were told last. When it ends the flight, Next() gives none from then on. The emulated
+  // autopilot goes on estimating: State() is its own, on the ground or holding, and what it is sent moves
+  // nothing.
+  void FlyBy(ExternalAutopilot* external) { external_ = external; }
 
   const Truth& truth() const { return truth_; }
   const Truth& exposure() const { return exposure_; }           // of the frame that Next() gave last
@@ -160,6 +167,8 @@ class Simulator final : public Camera, public Autopilot {
   Sensors sensors_;
   SensorFaults sensor_faults_;
   std::unique_ptr<EmulatedAutopilot> autopilot_;
+  ExternalAutopilot* external_ = nullptr;
+  bool ended_ = false;  // by it
   Pose X_BC_;
   std::unique_ptr<Studio> studio_;
   std::unique_ptr<Hashes> hashes_;
