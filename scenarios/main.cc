@@ -247,10 +247,7 @@ int Main(int argc, char** argv) {
   }
   try {
     if (*run_command) return Run(run);
-    if (*serve_command) {
-      const Summary summary = ServeCommand(serve);
-      return !summary.complete ? kBrokeOff : summary.passed ? kMet : kNotMet;
-    }
+    if (*serve_command) return ServeCommand(serve);
     if (*list_command) return List();
     if (*check_command) return Check(check_file, check_overrides);
     if (*mirror_command) {

@@ -14,6 +14,7 @@
 #include "config/yaml_fields.h"
 #include "scenarios/files.h"
 #include "scenarios/serve_flight.h"
+#include "scenarios/serve_physics.h"
 #include "sim/servers/afcs_server.h"
 #include "sim/servers/asctec_server.h"
 #include "sim/servers/camera_server.h"
@@ -24,6 +25,7 @@ namespace kestrel {
 namespace {
 
 std::atomic<bool> interrupted = false;
+std::atomic<PhysicsServer*> stopped_physics = nullptr;  // by a signal
 
 bool IsAddress(const std::string& text) {
   unsigned char bytes[sizeof(in6_addr)];
@@ -72,8 +74,12 @@ void Check(const ServeArguments& a, Mistakes& mistakes) {
   if (a.mavlink_port && !a.mavlink) mistakes.Add("--mavlink-port", "", "means nothing without --mavlink");
   if (a.pilot_off_at_s && !(*a.pilot_off_at_s >= 0))
     mistakes.Add("--pilot-off-at", "", "is before the flight; valid: 0 or more");
-  if (a.camera == "none" && !a.afcs && !a.asctec && !a.mavlink)
-    mistakes.Add("serve", "", "there is nothing to serve; valid: --afcs, --asctec, --mavlink, --camera");
+  if (a.physics_port && !a.physics) mistakes.Add("--physics-port", "", "means nothing without --physics");
+  if (a.physics && (a.afcs || a.asctec || a.mavlink))
+    mistakes.Add("--physics", "", "another autopilot flies, and the emulated one serves none; valid: alone");
+  if (a.camera == "none" && !a.afcs && !a.asctec && !a.mavlink && !a.physics)
+    mistakes.Add("serve", "",
+                 "there is nothing to serve; valid: --afcs, --asctec, --mavlink, --physics, --camera");
 }
 
 std::string Warning(const std::string& what, const std::string& address) {
@@ -116,6 +122,14 @@ CLI::App* AddServeCommand(CLI::App& app, ServeArguments& a) {
   serve->add_option("--mavlink-port", a.mavlink_port, "Instead of the usual one")
       ->check(CLI::Range(0, 65535));
   serve
+      ->add_option(
+          "--physics", a.physics,
+          "The physics for an autopilot of software in the loop, which moves the rotors itself: PX4's "
+          "simulator protocol, or ArduPilot's JSON")
+      ->check(CLI::IsMember({"px4", "ardupilot"}));
+  serve->add_option("--physics-port", a.physics_port, "Instead of the usual one")
+      ->check(CLI::Range(0, 65535));
+  serve
       ->add_option("--camera", a.camera,
                    "rtp:PORT (MJPEG), raw:PORT (uncoded) on this computer, rtp:ADDRESS:PORT, "
                    "raw:ADDRESS:PORT to another, or none")
@@ -128,7 +142,8 @@ CLI::App* AddServeCommand(CLI::App& app, ServeArguments& a) {
                     "When the pilot's switch takes the aircraft away, in s of the flight");
   serve->footer(
       "Examples:\n  kestrel serve landing --afcs --camera rtp:5600\n"
-      "  kestrel serve landing --mavlink px4 --camera raw:5600 --for 120");
+      "  kestrel serve landing --mavlink px4 --camera raw:5600 --for 120\n"
+      "  kestrel serve hover --physics ardupilot --camera rtp:5600");
   return serve;
 }
 
@@ -209,7 +224,7 @@ std::string StartLines(const ServeArguments& a, const LoadedScenario& loaded,
   return lines;
 }
 
-Summary ServeCommand(const ServeArguments& a) {
+int ServeCommand(const ServeArguments& a) {
   std::vector<std::string> overrides = a.overrides;
   if (!a.seed.empty()) overrides.push_back("seed=" + a.seed);
   if (a.for_s) overrides.push_back(fmt::format("duration_s={}", *a.for_s));
@@ -219,9 +234,15 @@ Summary ServeCommand(const ServeArguments& a) {
       a.out.empty() ? fmt::format("results/runs/{}-{}-served", scenario.name, scenario.seed) : a.out;
   Mistakes mistakes;
   Check(a, mistakes);
-  CheckWritableFolder(folder, "--out", mistakes);
+  if (!a.physics) CheckWritableFolder(folder, "--out", mistakes);
   mistakes.ThrowIfAny();
   const std::vector<NamedServer> servers = MakeServers(a, loaded, mistakes);
+  std::unique_ptr<PhysicsServer> physics;
+  try {
+    if (a.physics) physics = MakePhysics(*a.physics, a.listen, a.physics_port, loaded);
+  } catch (const std::runtime_error& e) {
+    mistakes.Add("--physics", "", e.what());
+  }
   mistakes.ThrowIfAny();
 
   ServeOptions options;
@@ -245,15 +266,27 @@ Summary ServeCommand(const ServeArguments& a) {
   };
   options.go_on = [] { return !interrupted.load(); };
   // The first asks the flight to end in good order; a second one ends the program.
+  stopped_physics = physics.get();
   const auto stop = [](int signal) {
     interrupted = true;
+    if (PhysicsServer* server = stopped_physics) server->Stop();
     std::signal(signal, SIG_DFL);
   };
   std::signal(SIGINT, stop);
   std::signal(SIGTERM, stop);
+  if (physics) {
+    fmt::print("{}", StartLines(a, loaded, {}));
+    fmt::print("  physics  {}, for {}\n", physics->Where(), *a.physics);
+    if (!OnLoopback(a.listen)) fmt::print("{}", Warning("the physics", a.listen));
+    std::fflush(stdout);
+    ServePhysics(loaded, *physics, options.publish, options.say);
+    stopped_physics = nullptr;
+    return 0;
+  }
   const Summary summary = ServeFlight(loaded, options).summary;
   Report(summary, folder);
-  return summary;
+  if (!summary.complete) return 3;
+  return summary.passed ? 0 : 1;
 }
 
 }  // namespace kestrel

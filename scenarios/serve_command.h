@@ -26,6 +26,8 @@ struct ServeArguments {
   bool asctec = false;
   std::optional<std::string> mavlink;  // px4, ardupilot
   std::optional<int> mavlink_port;
+  std::optional<std::string> physics;  // px4, ardupilot
+  std::optional<int> physics_port;
   std::optional<double> for_s, pilot_off_at_s;
 };
 
@@ -46,8 +48,8 @@ std::vector<NamedServer> MakeServers(const ServeArguments& arguments, const Load
 std::string StartLines(const ServeArguments& arguments, const LoadedScenario& loaded,
                        const std::vector<NamedServer>& servers);
 
-// Serves until the end or an interrupt, and prints where and how it went. Throws InputError with every
-// mistake of the arguments, and as ServeFlight does.
-Summary ServeCommand(const ServeArguments& arguments);
+// Serves until the end or an interrupt, and prints where and how it went: the exit status. Throws InputError
+// with every mistake of the arguments, and as ServeFlight does.
+int ServeCommand(const ServeArguments& arguments);
 
 }  // namespace kestrel
