@@ -262,7 +262,7 @@ TEST(CameraAddress, RawVideoOverRtpArrivesAsItWasSent) {
     cv::Mat image;
     std::string format, option;
     double most;
-  } const kinds[] = {{Picture(), "I420", "", 1.5}, {colour, "I420", "&colour=true", 3}};
+  } const kinds[] = {{Picture(), "I420", "", 1.5}, {colour, "I420", "&colour=true", 5}};
   for (const auto& [image, format, option, most] : kinds) {
     const int port = FreePort();
     const Sender sender("videoconvert ! video/x-raw,format=" + format + " ! rtpvrawpay", port, image);
