@@ -297,7 +297,7 @@ TEST_F(AfcsServerTest, WithoutAPlatformNoneAnswers) {
 }
 
 TEST_F(AfcsServerTest, ThePlatformTurnsAndAnswersWithEveryField) {
-  PanTilt platform({}, {}, {});
+  PanTilt platform({}, Eigen::Vector3d::Zero(), {});
   Start(AnyPort(), &platform);
   aircraft_.state.R_NB = HeadingRotation(0.5);
   aircraft_.state.p_NB = {10, 20, -30};
@@ -320,7 +320,7 @@ TEST_F(AfcsServerTest, ThePlatformTurnsAndAnswersWithEveryField) {
 }
 
 TEST_F(AfcsServerTest, ThePlatformLooksAtAPlace) {
-  PanTilt platform({}, {}, {});
+  PanTilt platform({}, Eigen::Vector3d::Zero(), {});
   Start(AnyPort(), &platform);
   aircraft_.state.R_NB = HeadingRotation(0), aircraft_.state.p_NB = {0, 0, -10};
   Say(wire::AfcsOpen{});

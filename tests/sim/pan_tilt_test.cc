@@ -14,6 +14,8 @@ namespace {
 
 using Eigen::Vector3d;
 
+const Vector3d kZero = Vector3d::Zero();
+
 Pose Somewhere(double yaw, double pitch, double roll, const Vector3d& p_N) {
   return {Eigen::Quaterniond(RotationFromTaitBryan({yaw, pitch, roll})), p_N};
 }
@@ -70,8 +72,8 @@ TEST(PanTilt, LooksTheSameWayInNHoweverTheAircraftLeans) {
   const PanTiltParameters free{-180, 180, -90, 90, 90};
   const Vector3d wanted = RayN({0.7, -0.5}, {});
   for (int i = 0; i < 200; ++i) {
-    const Pose X_NB = Somewhere(3 * number(random), 0.4 * number(random), 0.4 * number(random), {});
-    const PanTiltAngles angles = AnglesFor(LookInN{0.7, -0.5}, X_NB, {}, {}, free);
+    const Pose X_NB = Somewhere(3 * number(random), 0.4 * number(random), 0.4 * number(random), kZero);
+    const PanTiltAngles angles = AnglesFor(LookInN{0.7, -0.5}, X_NB, kZero, {}, free);
     ASSERT_LT((RayN(angles, X_NB) - wanted).norm(), 1e-9);
   }
 }
@@ -79,7 +81,7 @@ TEST(PanTilt, LooksTheSameWayInNHoweverTheAircraftLeans) {
 TEST(PanTilt, StopsAtItsLimits) {
   const PanTiltParameters p{-100, 110, -80, 20, 90};
   const auto degrees = [&](double pan, double tilt) {
-    const PanTiltAngles a = AnglesFor(LookFromAircraft{Radians(pan), Radians(tilt)}, {}, {}, {}, p);
+    const PanTiltAngles a = AnglesFor(LookFromAircraft{Radians(pan), Radians(tilt)}, {}, kZero, {}, p);
     return Eigen::Vector2d(Degrees(a.pan), Degrees(a.tilt));
   };
   EXPECT_LT((degrees(50, -40) - Eigen::Vector2d(50, -40)).norm(), 1e-9);
@@ -88,10 +90,11 @@ TEST(PanTilt, StopsAtItsLimits) {
 }
 
 TEST(PanTilt, StraightDownThePanStays) {
-  const PanTiltAngles angles = AnglesFor(LookAt{{0, 0, 10}}, {}, {}, {0.8, -0.3}, {});
+  const PanTiltAngles angles = AnglesFor(LookAt{{0, 0, 10}}, {}, kZero, {0.8, -0.3}, {});
   EXPECT_EQ(angles.pan, 0.8);
   EXPECT_NEAR(angles.tilt, -Radians(90), 1e-12);
-  const PanTiltAngles there = AnglesFor(LookAt{{0, 0, 0}}, {}, {}, {0.8, -0.3}, {});  // in the camera itself
+  const PanTiltAngles there =
+      AnglesFor(LookAt{{0, 0, 0}}, {}, kZero, {0.8, -0.3}, {});  // in the camera itself
   EXPECT_EQ(there.pan, 0.8);
   EXPECT_EQ(there.tilt, -0.3);
 }
@@ -99,7 +102,7 @@ TEST(PanTilt, StraightDownThePanStays) {
 TEST(PanTilt, TurnsAtItsRateAndNotBeyondWhatIsAsked) {
   PanTiltParameters p;
   p.rate_deg_s = 60;
-  PanTilt platform(p, {}, {});
+  PanTilt platform(p, kZero, {});
   platform.Turn(LookFromAircraft{Radians(45), Radians(-10)});
   for (int i = 0; i < 250; ++i) platform.Step(0.002, {});  // 0.5 s: 30 degrees
   EXPECT_NEAR(Degrees(platform.angles().pan), 30, 1e-9);
@@ -109,19 +112,19 @@ TEST(PanTilt, TurnsAtItsRateAndNotBeyondWhatIsAsked) {
 }
 
 TEST(PanTilt, HoldsWhatItBeganWith) {
-  PanTilt platform({}, {}, {0.4, -0.6});
+  PanTilt platform({}, kZero, {0.4, -0.6});
   for (int i = 0; i < 100; ++i) platform.Step(0.01, Somewhere(1, 0.2, 0.3, {1, 2, 3}));
   EXPECT_EQ(platform.angles().pan, 0.4);
   EXPECT_EQ(platform.angles().tilt, -0.6);
 }
 
 TEST(PanTilt, FollowsAPointWhileTheAircraftTurns) {
-  PanTilt platform({}, {}, {});
+  PanTilt platform({}, kZero, {});
   const Vector3d p_N(20, 5, 10);
   platform.Turn(LookAt{p_N});
   Pose X_NB;
   for (int i = 0; i < 1500; ++i) {
-    X_NB = Somewhere(0.5 * std::sin(0.002 * i), 0.1, -0.1, {});
+    X_NB = Somewhere(0.5 * std::sin(0.002 * i), 0.1, -0.1, kZero);
     platform.Step(0.002, X_NB);
   }
   EXPECT_LT((RayN(platform.angles(), X_NB) - p_N.normalized()).norm(), 1e-9);
