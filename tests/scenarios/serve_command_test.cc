@@ -91,8 +91,8 @@ TEST_F(ServeCommandTest, TheStartLinesSayHowToConnect) {
   const std::string lines = StartLines(a, loaded, Servers("afcs", "udp://127.0.0.1:2002"));
   EXPECT_THAT(lines, HasSubstr("SIMULATOR"));
   EXPECT_THAT(lines, HasSubstr("udp://127.0.0.1:2002"));
-  EXPECT_THAT(lines,
-              HasSubstr("kestrel fly landing --camera rtp:5600 --autopilot afcs:udp://127.0.0.1:2002"));
+  EXPECT_THAT(lines, HasSubstr("kestrel fly landing --camera rtp://127.0.0.1:5600 "));
+  EXPECT_THAT(lines, HasSubstr(" --autopilot afcs:udp://127.0.0.1:2002 --pilot-untold"));
   EXPECT_THAT(lines, HasSubstr("exposure_before_stamp_s: 0.05"));
   EXPECT_THAT(lines, Not(HasSubstr("WARNING")));
 }

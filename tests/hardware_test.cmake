@@ -1,0 +1,20 @@
+# SPDX-License-Identifier: Apache-2.0
+# The program for real aircraft was made from nothing of the simulator's: no header of sim/ or MuJoCo was read for
+# it, no such library is in it, and it runs. program: its file, in its build folder.
+get_filename_component(build ${program} DIRECTORY)
+execute_process(COMMAND ninja -C ${build} -t deps OUTPUT_VARIABLE deps RESULT_VARIABLE failed)
+if(failed OR NOT deps MATCHES "scenarios/fly_command")
+  message(FATAL_ERROR "ninja does not tell what ${program} was made from")
+endif()
+string(REGEX MATCH "[^\n ]*(/sim/|mujoco|osmesa|embree)[^\n ]*" found "${deps}")
+if(found)
+  message(FATAL_ERROR "the program for real aircraft was made from ${found}")
+endif()
+execute_process(COMMAND ldd ${program} OUTPUT_VARIABLE libraries)
+if(NOT libraries MATCHES "opencv" OR libraries MATCHES "mujoco|OSMesa|embree")
+  message(FATAL_ERROR "the program for real aircraft is linked to:\n${libraries}")
+endif()
+execute_process(COMMAND ${program} --help OUTPUT_VARIABLE help RESULT_VARIABLE failed)
+if(failed OR NOT help MATCHES "REAL AIRCRAFT")
+  message(FATAL_ERROR "it does not run, or does not say what it is")
+endif()
