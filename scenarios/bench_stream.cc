@@ -59,8 +59,8 @@ void Measure(RtpStream::Coding coding, const std::vector<cv::Mat>& pictures, std
     for (int k = 0; k < kImages;) {
       std::this_thread::sleep_until(due += std::chrono::microseconds(static_cast<int>(1e6 * kPeriod_s)));
       const bool counts = camera.Health().images > 0;
-      const cv::Mat image =
-          Numbered(pictures[static_cast<std::size_t>(k) % pictures.size()], counts ? ++k : 0);
+      if (counts) ++k;
+      const cv::Mat image = Numbered(pictures[static_cast<std::size_t>(k) % pictures.size()], counts ? k : 0);
       const double now_s = MonotonicNow_s();
       if (counts) {
         const std::lock_guard lock(mutex);
