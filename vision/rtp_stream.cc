@@ -49,10 +49,13 @@ std::string ReceivingPipeline(const RtpStream& stream, cv::Size size, bool colou
                                      "width=(string){},height=(string){},colorimetry=(string)BT601-5",
                                      size.width, size.height)
                                : "encoding-name=JPEG,payload=26";
+  // Decoding has a thread of its own and takes the newest: on a busy processor images would else wait in the
+  // socket, tens of them.
   return fmt::format(
       "udpsrc address={} port={} buffer-size=4194304 caps=\"application/x-rtp,media=video,clock-rate=90000,"
-      "{}\" ! {} ! videoconvert ! video/x-raw,format={}",
-      stream.host, stream.port, caps, raw ? "rtpvrawdepay" : "rtpjpegdepay ! jpegdec",
+      "{}\" ! {} ! queue leaky=downstream max-size-buffers=1 max-size-bytes=0 max-size-time=0 ! "
+      "{}videoconvert ! video/x-raw,format={}",
+      stream.host, stream.port, caps, raw ? "rtpvrawdepay" : "rtpjpegdepay", raw ? "" : "jpegdec ! ",
       colour ? "BGR" : "GRAY8");
 }
 
