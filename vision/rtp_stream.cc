@@ -49,12 +49,13 @@ std::string ReceivingPipeline(const RtpStream& stream, cv::Size size, bool colou
                                      size.width, size.height)
                                : "encoding-name=JPEG,payload=26";
   // An image comes in one go: what the socket cannot hold of it is lost. The jitter buffer passes on at once
-  // what comes in its order, waits for what is missing, and throws away what comes twice. Behind the queue is
-  // a thread of its own, which decodes the newest.
+  // what comes in its order, waits for what is missing, and throws away what comes twice. Decoding has a
+  // thread of its own and takes the newest: on a busy processor images would else wait in the socket, tens of
+  // them.
   return fmt::format(
       "udpsrc address={} port={} buffer-size=4194304 caps=\"application/x-rtp,media=video,clock-rate=90000,"
-      "{}\" ! rtpjitterbuffer latency=5 ! {} ! queue leaky=downstream max-size-buffers=1 ! {}videoconvert ! "
-      "video/x-raw,format={}",
+      "{}\" ! rtpjitterbuffer latency=5 ! {} ! queue leaky=downstream max-size-buffers=1 max-size-bytes=0 "
+      "max-size-time=0 ! {}videoconvert ! video/x-raw,format={}",
       stream.host, stream.port, caps, raw ? "rtpvrawdepay" : "rtpjpegdepay", raw ? "" : "jpegdec ! ",
       colour ? "BGR" : "GRAY8");
 }

@@ -34,8 +34,9 @@ std::string ToText(const RtpStream& stream);  // ParseRtpStream's inverse
 std::string ReceivingPipeline(const RtpStream& stream, cv::Size size, bool colour);
 ImageSourceMaker RtpSource(const RtpStream& stream, cv::Size size, bool colour);
 
-// From handing an image to CameraServer until a LiveCamera has it, at 640 x 480 over loopback on an idle
-// processor: the mean of `kestrel bench stream`. What else there is between is for who uses it to measure.
+// From handing an image to CameraServer until a LiveCamera has it, at 640 x 480 over loopback: about the
+// median of `kestrel bench stream` on two cores that had other work. What else there is between is for who
+// uses it to measure.
 double RtpDelay_s(RtpStream::Coding coding);
 
 }  // namespace kestrel
