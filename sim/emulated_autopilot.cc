@@ -16,13 +16,16 @@ constexpr double kDragTime_s = 0.15;
 constexpr double kTakeOffClimb_m_s = 0.7;
 constexpr double kClearOfGround_m = 0.3;
 // Touch-down: asked to sink, yet not sinking, for this long; then the thrust is taken away bit by bit, and an
-// aircraft that still does not sink stands on the ground.
+// aircraft that still does not sink, and that something carries in its place, stands on the ground. In the
+// air its accelerometer feels the thrust go long before it falls.
 constexpr double kTouchDescent_m_s = 0.12;
 constexpr double kTouchStill_m_s = 0.09;
 constexpr double kTouchTime_s = 0.4;
 constexpr double kTouchSpool_s = 0.4;
 constexpr double kTouchFalling_m_s = 0.35;
 constexpr double kTouchThrottle = 0.4;
+constexpr double kTouchCarried_m_s2 = 0.8 * kGravity;
+constexpr double kCarriedTime_s = 0.05;
 
 Eigen::Vector2d Limited(const Eigen::Vector2d& v, double limit) {
   const double norm = v.norm();
@@ -63,7 +66,7 @@ void EmulatedAutopilot::Send(const Setpoint& setpoint) {
     roll_ = {}, pitch_ = {}, yaw_ = {};
     yaw_.angle = yaw_command_ = now.yaw;
     integral_N_.setZero();
-    v_N_command_.setZero();
+    CommandVelocity(Eigen::Vector3d::Zero());
     touch_s_ = 0;
     return;
   }
@@ -85,6 +88,8 @@ Actuation EmulatedAutopilot::Step(double dt_s, const SensorReadings& readings) {
   Eigen::Vector3d drag_N = navigation_.InUse().X_NB().R * drag_B;
   drag_N.z() = 0;
   drag_N_ += (1 - std::exp(-dt_s / kDragTime_s)) * (drag_N - drag_N_);
+  carried_m_s2_ +=
+      (1 - std::exp(-dt_s / kCarriedTime_s)) * (-readings.imu.specific_force_B.z() - carried_m_s2_);
   if (mode_ == FlightMode::kStopped) return Stopped(aircraft_);
   // A position stands until the next one; velocities and attitudes must be kept up.
   if ((mode_ == FlightMode::kVelocity || mode_ == FlightMode::kAttitude) &&
@@ -109,7 +114,7 @@ EmulatedAutopilot::Demand EmulatedAutopilot::Navigate(double dt_s) {
     }
     case FlightMode::kAttitude: {
       const auto& a = std::get<AttitudeSetpoint>(setpoint_);
-      v_N_command_ = navigation_.InUse().v_N();
+      CommandVelocity(navigation_.InUse().v_N());
       const double limit = Radians(parameters_.stick_limit_deg);
       tilt_limited_ = std::abs(a.roll) * parameters_.roll.gain > limit ||
                       std::abs(a.pitch) * parameters_.pitch.gain > limit;
@@ -142,6 +147,11 @@ Eigen::Vector3d EmulatedAutopilot::VelocityToward(const Eigen::Vector3d& p_N) co
   return parameters_.position_gain_per_s * (p_N - navigation_.InUse().X_NB().p);
 }
 
+void EmulatedAutopilot::CommandVelocity(const Eigen::Vector3d& v_N) {
+  v_N_command_ = v_N;
+  north_ = {v_N.x()}, east_ = {v_N.y()};
+}
+
 EmulatedAutopilot::Demand EmulatedAutopilot::FollowVelocity(double dt_s, const Eigen::Vector3d& v_N_asked,
                                                             double yaw_rate) {
   Eigen::Vector3d v_N_wanted = v_N_asked;
@@ -151,7 +161,14 @@ EmulatedAutopilot::Demand EmulatedAutopilot::FollowVelocity(double dt_s, const E
   const Eigen::Vector2d slewed = Limited(step, parameters_.acceleration_limit_m_s2 * dt_s);
   v_N_command_.head<2>() += slewed;
   v_N_command_.z() = v_N_wanted.z();
-  const Eigen::Vector3d error = v_N_command_ - navigation_.InUse().v_N();
+  Eigen::Vector3d v_N_expected = v_N_command_;
+  if (parameters_.velocity_lag_s > 0) {
+    const AxisLoop lag{2 / parameters_.velocity_lag_s, 1, 1};
+    north_.Step(dt_s, lag, v_N_command_.x());
+    east_.Step(dt_s, lag, v_N_command_.y());
+    v_N_expected.head<2>() << north_.angle, east_.angle;
+  }
+  const Eigen::Vector3d error = v_N_expected - navigation_.InUse().v_N();
 
   Eigen::Vector3d a_N = integral_N_ - drag_N_;
   a_N.head<2>() += parameters_.velocity_gain_per_s * error.head<2>() + slewed / dt_s;
@@ -224,7 +241,7 @@ void EmulatedAutopilot::WatchTouchDown(double dt_s, double descent_wanted) {
     touch_s_ = suspicious ? touch_s_ + dt_s : 0;
     if (touch_s_ < kTouchTime_s) return;
   }
-  if (sinking > kTouchFalling_m_s ||
+  if (sinking > kTouchFalling_m_s || carried_m_s2_ < kTouchCarried_m_s2 ||
       descent_wanted <= kTouchDescent_m_s) {  // it falls, or wants to go: in the air
     throttle_down_ = 1;
     touch_s_ = 0;

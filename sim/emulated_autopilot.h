@@ -27,6 +27,9 @@ struct AutopilotParameters {
   double acceleration_limit_m_s2 = 2;
   double velocity_gain_per_s = 2.6;
   double velocity_integral_per_s2 = 1.2;
+  // By how much the level velocity expected is later than the one asked for, as tilting takes its time: what
+  // the feed-forward of acceleration will yet bring is then no error that would be made good twice. 0: none.
+  double velocity_lag_s = 0;
   double climb_gain_per_s = 3.5;
   double climb_integral_per_s2 = 2.0;
   double position_gain_per_s = 0.9;
@@ -53,6 +56,7 @@ void Fields(Visitor& v, AutopilotParameters& p) {
   v("acceleration_limit_m_s2", p.acceleration_limit_m_s2, 0.1, 10.0);
   v("velocity_gain_per_s", p.velocity_gain_per_s, 0.0, 20.0);
   v("velocity_integral_per_s2", p.velocity_integral_per_s2, 0.0, 20.0);
+  v("velocity_lag_s", p.velocity_lag_s, 0.0, 2.0);
   v("climb_gain_per_s", p.climb_gain_per_s, 0.0, 20.0);
   v("climb_integral_per_s2", p.climb_integral_per_s2, 0.0, 20.0);
   v("position_gain_per_s", p.position_gain_per_s, 0.0, 5.0);
@@ -92,6 +96,7 @@ class EmulatedAutopilot {
   Demand Navigate(double dt_s);
   Demand FollowVelocity(double dt_s, const Eigen::Vector3d& v_N_wanted, double yaw_rate);
   Eigen::Vector3d VelocityToward(const Eigen::Vector3d& p_N) const;
+  void CommandVelocity(const Eigen::Vector3d& v_N);  // without slewing
   Actuation Stabilise(double dt_s, const Demand& demand);
   SensedMotion Sensed() const;
   void WatchTouchDown(double dt_s, double descent_wanted);
@@ -112,8 +117,10 @@ class EmulatedAutopilot {
   AxisState roll_, pitch_, yaw_;
   double yaw_command_ = 0;
   Eigen::Vector3d v_N_command_ = Eigen::Vector3d::Zero();  // slewed by the acceleration limit
+  AxisState north_, east_;                                 // that, later by velocity_lag_s
   Eigen::Vector3d integral_N_ = Eigen::Vector3d::Zero();   // m/s^2: what wind and weight ask for
   Eigen::Vector3d drag_N_ = Eigen::Vector3d::Zero();       // felt by the accelerometers, m/s^2, level
+  double carried_m_s2_ = 0;   // specific force upwards, smoothed: what carries the aircraft
   double touch_s_ = 0;        // how long it has looked like standing on the ground
   double throttle_down_ = 1;  // share of the thrust left while making sure of that
   bool tilt_limited_ = false, rotor_limited_ = false;

@@ -5,12 +5,12 @@
 
 namespace kestrel {
 
-double HeadingGyro(const HeadingGyroParameters& p, double error_rad_s, double low, double high, double dt_s,
-                   double& integral) {
+double HeadingGyro(const HeadingGyroParameters& p, double error_rad_s, double mixed, double low, double high,
+                   double dt_s, double& integral) {
   const double more = dt_s * p.integral * error_rad_s;
-  const double pitch = p.gain_s * error_rad_s + integral + more;
+  const double proportional = mixed + p.gain_s * error_rad_s, pitch = proportional + integral + more;
   if ((pitch <= high || more < 0) && (pitch >= low || more > 0)) integral += more;
-  return std::clamp(p.gain_s * error_rad_s + integral, low, high);
+  return std::clamp(proportional + integral, low, high);
 }
 
 }  // namespace kestrel

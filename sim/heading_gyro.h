@@ -18,8 +18,9 @@ void Fields(Visitor& v, HeadingGyroParameters& p) {
 }
 
 // The pitch asked of the tail rotor, rad, within its limits. error_rad_s: how much faster the aircraft should
-// turn the way in which the tail rotor pushes. integral: rad, kept by the caller; it stands still at a limit.
-double HeadingGyro(const HeadingGyroParameters& p, double error_rad_s, double low, double high, double dt_s,
-                   double& integral);
+// turn the way in which the tail rotor pushes. mixed: pitch that is added to the gyro's own, as mixers do
+// against the main rotor's torque. integral: rad, kept by the caller; it stands still at a limit.
+double HeadingGyro(const HeadingGyroParameters& p, double error_rad_s, double mixed, double low, double high,
+                   double dt_s, double& integral);
 
 }  // namespace kestrel

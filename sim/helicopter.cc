@@ -79,8 +79,8 @@ HelicopterState StepHelicopter(const HelicopterParameters& p, const HelicopterSt
   next.cyclic.y() = StepServo(state.cyclic.y(), cyclic.y(), servos[2], p.servo_s, dt_s);
   double tail_pitch = 0;
   if (controls.running) {
-    tail_pitch = HeadingGyro(p.heading_gyro, spin * (controls.yaw_rate - w_B.z()), Radians(p.tail_low_deg),
-                             Radians(p.tail_high_deg), dt_s, next.heading_integral);
+    tail_pitch = HeadingGyro(p.heading_gyro, spin * (controls.yaw_rate - w_B.z()), controls.tail_pitch,
+                             Radians(p.tail_low_deg), Radians(p.tail_high_deg), dt_s, next.heading_integral);
   } else {
     next.heading_integral = 0;
   }
@@ -148,12 +148,15 @@ HelicopterState HoverState(const HelicopterParameters& p) {
   const double tail_thrust = torque / p.tail_arm_m;
   state.tail_induced_m_s = SteadyInduced(p.tail_rotor, tail_thrust, 0);
   state.tail_pitch = PitchFor(p.tail_rotor, tail_speed, tail_thrust, 0);
-  state.heading_integral = state.tail_pitch;
   const double tail_torque =
       LoadsOf(p.tail_rotor, tail_speed, state.tail_pitch, state.tail_induced_m_s, {}).torque_n_m;
   state.drive.power_w = (torque + p.tail_gear * tail_torque) * speed;
   state.drive.integral = std::min(1.0, state.drive.power_w / p.drive.power_w);
   return state;
+}
+
+HelicopterControls HoverControls(const HelicopterState& hover) {
+  return {hover.collective, Eigen::Vector2d::Zero(), 0, hover.tail_pitch, true};
 }
 
 double HoverPower_w(const HelicopterParameters& p) { return HoverState(p).drive.power_w; }
@@ -163,7 +166,7 @@ Helicopter::Helicopter(const HelicopterParameters& parameters, mjModel* model, b
     : parameters_(parameters), body_(parameters.mass_kg, parameters.inertia_kg_m2, model, body_name) {
   if (!turning) return;
   state_ = HoverState(parameters);
-  controls_ = {state_.collective, Eigen::Vector2d::Zero(), 0, true};
+  controls_ = HoverControls(state_);
 }
 
 void Helicopter::Apply(mjData* data, double dt_s, const Eigen::Vector3d& wind_N, double surface_m) {

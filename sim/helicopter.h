@@ -108,6 +108,7 @@ struct HelicopterControls {
   double collective = 0;                             // pitch of the main rotor's blades, rad
   Eigen::Vector2d cyclic = Eigen::Vector2d::Zero();  // as in FlappingState, rad
   double yaw_rate = 0;                               // of the pedals, rad/s, clockwise
+  double tail_pitch = 0;                             // of the tail rotor, to which the gyro adds, rad
   bool running = false;  // the governor turns the rotor; otherwise the motor is off
 };
 
@@ -145,8 +146,10 @@ HelicopterState StepHelicopter(const HelicopterParameters& p, const HelicopterSt
 Wrench AerodynamicWrench(const HelicopterParameters& p, const HelicopterState& state,
                          const Eigen::Vector3d& v_B, const Eigen::Vector3d& w_B, double height_m);
 
-// Hovering level and out of ground effect, controls and rotors as they then are, but for cyclic.
+// Hovering level and out of ground effect: the rotors as they then are, but for cyclic, and the controls that
+// keep them so.
 HelicopterState HoverState(const HelicopterParameters& p);
+HelicopterControls HoverControls(const HelicopterState& hover);
 double HoverPower_w(const HelicopterParameters& p);  // of the motor
 
 // The aircraft in a MuJoCo model.

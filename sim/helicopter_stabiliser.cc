@@ -14,6 +14,14 @@ constexpr double kReadyShare = 0.97;  // of the governed rotor speed
 constexpr double kAloftShare = 0.5;  // of the weight: with less thrust the skids stand, and nothing is summed
 constexpr double kIntegralLimit = 0.3;  // rad s
 
+// The tail rotor's pitch that holds the main rotor's torque.
+double TailPitchAgainst(const HelicopterParameters& p, double speed_rad_s, double collective, double thrust_n,
+                        double climb_m_s) {
+  const double induced = SteadyInduced(p.rotor, thrust_n, climb_m_s);
+  const double torque = LoadsOf(p.rotor, speed_rad_s, collective, induced, {0, climb_m_s, 1}).torque_n_m;
+  return PitchFor(p.tail_rotor, p.tail_gear * speed_rad_s, torque / p.tail_arm_m, 0);
+}
+
 }  // namespace
 
 HelicopterControls HelicopterStabiliser::Step(double dt_s, const AttitudeDemand& demand,
@@ -64,6 +72,7 @@ HelicopterControls HelicopterStabiliser::Step(double dt_s, const AttitudeDemand&
   flapping_ = StepFlapping(p.rotor, p.flapping, SpinOf(p), p.drive.speed_rad_s, flapping_, input, dt_s);
 
   controls.yaw_rate = demand.w_B.z() + g.heading_per_s * demand.error_B.z();
+  controls.tail_pitch = TailPitchAgainst(p, speed, controls.collective, thrust, sensed.climb_m_s);
   return controls;
 }
 

@@ -13,7 +13,9 @@ namespace kestrel {
 // and bar, run on the cyclic that was sent, through the servos, and the rates that were felt, says how they
 // lie now; the cyclic that brings the disc to its place at disc_rad_s is FlappingRate's equation solved for
 // it, the bar and the rates made up for. Collective: what blade elements and momentum give for the thrust
-// wanted, at the speed of the climb and of the rotor. Pedals: a rate for the heading gyro.
+// wanted, at the speed of the climb and of the rotor. Pedals: a rate for the heading gyro; and mixed into the
+// tail rotor what holds the torque that this thrust costs, so that a lift-off or a climb does not have to
+// turn the aircraft before the gyro learns of it.
 class HelicopterStabiliser {
  public:
   explicit HelicopterStabiliser(const HelicopterParameters& aircraft) : aircraft_(aircraft) {}

@@ -53,7 +53,7 @@ ModelPtr OverAPlane(const std::string& name = "sr20") {
   return std::move(compiled.model);
 }
 
-// Autopilot, helicopter and still air in a closed loop.
+// Autopilot, helicopter and air in a closed loop.
 class Flight {
  public:
   Flight(const Pose& X_NB, bool flying, const Sr20& what = Read("sr20"))
@@ -68,7 +68,7 @@ class Flight {
 
   void Step() {
     const Vector3d before = v_N();
-    helicopter_.Apply(data_.get(), kDt, Vector3d::Zero(), 0);
+    helicopter_.Apply(data_.get(), kDt, wind_N, 0);
     mj_step(model_.get(), data_.get());
     t_s += kDt;
     const Vector3d force_B = X_NB().R.conjugate() * ((v_N() - before) / kDt - Vector3d(0, 0, kGravity));
@@ -102,6 +102,7 @@ class Flight {
   const mjData* data() const { return data_.get(); }
 
   double t_s = 0;
+  Vector3d wind_N = Vector3d::Zero();
 
  private:
   ModelPtr model_;
@@ -221,6 +222,52 @@ TEST(HelicopterFlight, TakesOffOnceItsRotorTurnsAndLandsWithoutStoppingInTheAir)
   EXPECT_LT(sink, 0.35);
   EXPECT_LT(Degrees(std::hypot(flight.Angles().roll, flight.Angles().pitch)), 0.5);
   EXPECT_LT(flight.rotors().drive.power_w, 1);
+}
+
+TEST(HelicopterFlight, AStepOfVelocityIsFlownWithoutOvershoot) {
+  for (const Vector3d& v_H : {Vector3d(1, 0, 0), Vector3d(0, -1, 0)}) {
+    Flight flight(At(30), true);
+    flight.Run(12);
+    double greatest = 0, across = 0;
+    flight.Keep(VelocitySetpoint{v_H, 0}, 6, [&] {
+      greatest = std::max(greatest, flight.v_N().dot(v_H));
+      across = std::max(across, std::abs(flight.v_N().cross(v_H).z()));
+    });
+    EXPECT_NEAR(flight.v_N().dot(v_H), 1, 0.05);
+    EXPECT_LT(greatest, 1.1);
+    EXPECT_LT(across, 0.1);
+  }
+}
+
+TEST(HelicopterFlight, LiftsOffWithItsHeadingHeld) {
+  Flight flight(At(kStandingHeight_m, 25), false);
+  flight.Run(0.5);
+  flight.autopilot.Send(PositionSetpoint{{0, 0, -2}, Radians(25)});
+  double turned = 0, carried_off = 0;
+  flight.Run(12, [&] {
+    turned = std::max(turned, std::abs(WrapAngle(flight.Angles().yaw - Radians(25))));
+    carried_off = std::max(carried_off, flight.X_NB().p.head<2>().norm());
+  });
+  EXPECT_LT(flight.X_NB().p.z(), -1.8);
+  EXPECT_LT(Degrees(turned), 3);
+  EXPECT_LT(carried_off, 0.6);  // by the tail rotor, until it leans against it
+}
+
+// An updraught that rises faster than the loop of the climb makes up for stops the descent for a second, as
+// the ground would. What tells them apart is that nothing carries the aircraft when the thrust goes.
+TEST(HelicopterFlight, HeldUpByTheAirItDoesNotTakeThatForTheGround) {
+  for (const double height : {1.2, 5.0}) {
+    Flight flight(At(height + 0.5), true);
+    flight.Run(8);
+    const double start = flight.t_s;
+    double slowest = 1;
+    flight.Keep(VelocitySetpoint{{0, 0, 0.2}, 0}, 5, [&] {
+      flight.wind_N.z() = -10 * std::clamp((flight.t_s - start - 2.5) / 1.5, 0.0, 1.0);
+      if (flight.t_s > start + 2.5) slowest = std::min(slowest, flight.v_N().z());
+      ASSERT_FALSE(flight.autopilot.State().landed && !flight.Touching()) << height;
+    });
+    EXPECT_LT(slowest, 0.05) << height;
+  }
 }
 
 TEST(HelicopterFlight, TheSameFlightGivesTheSameBits) {

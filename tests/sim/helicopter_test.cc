@@ -19,8 +19,6 @@ using Eigen::Vector3d;
 constexpr double kGravity = 9.80665, kDt = 0.002, kHigh = 1e6;
 const Vector3d kZero = Vector3d::Zero();
 
-HelicopterControls HoverControls(const HelicopterState& hover) { return {hover.collective, {0, 0}, 0, true}; }
-
 // Its rotation alone, about a place that stands in still air: what rotors and fuselage do to each other.
 struct Turning {
   explicit Turning(const HelicopterParameters& parameters)

@@ -85,15 +85,15 @@ TEST(HeadingGyro, ItsIntegralHoldsAgainstASteadyTorqueAndStopsAtTheLimit) {
   const HeadingGyroParameters p;
   double rate = 0, angle = 0, integral = 0;
   for (double t = 0; t < 10; t += kDt) {
-    const double pitch = HeadingGyro(p, 0 - rate, -0.35, 0.45, kDt, integral);
+    const double pitch = HeadingGyro(p, 0 - rate, 0, -0.35, 0.45, kDt, integral);
     rate += kDt * (120 * pitch - 25);  // a tail rotor against a torque that asks for 0.21 rad
     angle += kDt * rate;
   }
   EXPECT_NEAR(rate, 0, 1e-3);
   EXPECT_NEAR(integral, 25.0 / 120, 1e-3);
-  for (double t = 0; t < 10; t += kDt) HeadingGyro(p, 1, -0.35, 0.45, kDt, integral);
+  for (double t = 0; t < 10; t += kDt) HeadingGyro(p, 1, 0, -0.35, 0.45, kDt, integral);
   EXPECT_LT(integral, 0.4501);
-  EXPECT_LT(HeadingGyro(p, -1, -0.35, 0.45, kDt, integral), 0.4);  // nothing to unwind
+  EXPECT_LT(HeadingGyro(p, -1, 0, -0.35, 0.45, kDt, integral), 0.4);  // nothing to unwind
 }
 
 }  // namespace
