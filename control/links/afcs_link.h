@@ -7,8 +7,8 @@
 #include <string>
 
 #include "config/fields.h"
+#include "control/links/afcs_settings.h"
 #include "control/links/autopilot_link.h"
-#include "control/wire/afcs_settings.h"
 
 namespace kestrel {
 

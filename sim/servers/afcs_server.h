@@ -6,7 +6,7 @@
 #include <string>
 
 #include "config/fields.h"
-#include "control/wire/afcs_settings.h"
+#include "control/links/afcs_settings.h"
 #include "sim/pan_tilt.h"
 #include "sim/servers/autopilot_server.h"
 

@@ -109,7 +109,7 @@ TEST(ActuatorFaults, OfAHelicoptersMotor) {
   const HelicopterParameters p;
   HelicopterState hover = HoverState(p);
   hover.drive.speed_rad_s -= 1;  // so that more power is asked for
-  const HelicopterControls controls{hover.collective, {0, 0}, 0, true};
+  const HelicopterControls controls = HoverControls(hover);
   const auto after = [&](const ActuatorCondition& condition, int steps) {
     ActuatorConditions c;
     c.motors[0] = condition;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "control/wire/afcs_settings.h"
+#include "control/links/afcs_settings.h"
 
 #include <cmath>
 
