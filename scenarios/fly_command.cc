@@ -24,22 +24,33 @@ namespace {
 
 std::atomic<bool> interrupted = false;
 
-// The camera of an address, of the size of the calibration where the address says none.
+// What stands in an InputError, as mistakes among others. as: what is to stand in place of a text.
+void AddAll(const InputError& error, const std::string& text, const std::string& as, Mistakes& mistakes) {
+  for (std::string message : error.messages) {
+    if (const std::size_t at = message.find(text); !text.empty() && at != std::string::npos)
+      message.replace(at, text.size(), as);
+    const std::size_t colon = message.find(": ");
+    mistakes.Add(message.substr(0, colon), "", colon == std::string::npos ? "" : message.substr(colon + 2));
+  }
+}
+
+// The camera of an address, of the size of the calibration and the flight's colour where the address says
+// none of them.
 CameraAddress CameraAt(const FlyArguments& a, const LoadedPlan& plan, Mistakes& mistakes) {
+  std::string address = a.camera;
+  const auto add = [&](std::string_view key, const std::string& value) {
+    if (address.find(fmt::format("{}=", key)) == std::string::npos)
+      address += fmt::format("{}{}={}", address.find('?') == std::string::npos ? "?" : "&", key, value);
+  };
+  if (!address.starts_with("gst:") && !address.starts_with("file:")) {
+    add("width", fmt::format("{}", WidthPx(plan.parts.camera)));
+    add("height", fmt::format("{}", HeightPx(plan.parts.camera)));
+  }
+  if (!address.starts_with("gst:")) add("colour", plan.plan.image.colour ? "true" : "false");
   try {
-    std::string address = a.camera;
-    const auto add = [&](std::string_view key, const std::string& value) {
-      if (address.find(fmt::format("{}=", key)) == std::string::npos)
-        address += fmt::format("{}{}={}", address.find('?') == std::string::npos ? "?" : "&", key, value);
-    };
-    if (!address.starts_with("gst:") && !address.starts_with("file:")) {
-      add("width", fmt::format("{}", WidthPx(plan.parts.camera)));
-      add("height", fmt::format("{}", HeightPx(plan.parts.camera)));
-    }
-    if (!address.starts_with("gst:")) add("colour", plan.plan.image.colour ? "true" : "false");
     return ParseCameraAddress(address);
   } catch (const InputError& e) {
-    for (const std::string& message : e.messages) mistakes.Add("--camera", "", message);
+    AddAll(e, address, a.camera, mistakes);
     return {};
   }
 }
@@ -129,13 +140,21 @@ CLI::App* AddFlyCommand(CLI::App& app, FlyArguments& a) {
 }
 
 bool FlyCommand(const FlyArguments& a) {
-  const LoadedPlan plan = LoadPlan(a.scenario, a.overrides);
   Mistakes mistakes;
+  std::optional<LoadedPlan> loaded;
+  try {
+    loaded = LoadPlan(a.scenario, a.overrides);
+  } catch (const InputError& e) {
+    AddAll(e, "", "", mistakes);
+  }
   Aircraft aircraft = LoadAircraft(a.aircraft, a.aircraft_overrides, mistakes);
   aircraft.mavlink.take_control |= a.take_control;
   aircraft.mavlink.arm |= a.arm;
   aircraft.pilot_untold |= a.pilot_untold;
-  const CameraAddress address = CameraAt(a, plan, mistakes);
+  const CameraAddress address = loaded ? CameraAt(a, *loaded, mistakes) : CameraAddress();
+  const std::unique_ptr<AutopilotLink> link = MakeLink(a.autopilot, aircraft, mistakes);
+  if (!loaded) mistakes.ThrowIfAny();
+  const LoadedPlan& plan = *loaded;
   const std::string folder = a.out.empty() ? fmt::format("results/runs/{}-flown-{:%Y%m%d-%H%M%S}",
                                                          plan.plan.name, fmt::localtime(std::time(nullptr)))
                                            : a.out;
@@ -143,8 +162,6 @@ bool FlyCommand(const FlyArguments& a) {
   if (a.dry_run && (a.take_control || a.arm))
     mistakes.Add(a.arm ? "--arm" : "--take-control", "",
                  "commands, and --dry-run sends nothing; valid: one of them");
-  mistakes.ThrowIfAny();
-  const std::unique_ptr<AutopilotLink> link = MakeLink(a.autopilot, aircraft, mistakes);
   mistakes.ThrowIfAny();
 
   const auto stop = [](int signal) {

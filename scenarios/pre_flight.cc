@@ -70,7 +70,10 @@ std::vector<CheckItem> PreFlight(const LoadedPlan& plan, LiveCamera& camera, con
   const Watched watched = Watch(camera, o);
   const double wanted_hz = plan.plan.image.rate_hz;
   if (watched.images == 0) {
-    add("camera", false, fmt::format("no image in {:.0f} s: {}", o.connect_s, NameOf(camera.Health().state)));
+    const LiveCameraHealth health = camera.Health();
+    add("camera", false,
+        fmt::format("no image in {:.0f} s: {}", o.connect_s,
+                    health.trouble.empty() ? NameOf(health.state) : health.trouble));
   } else {
     add("camera rate", watched.RateHz() >= o.least_rate * wanted_hz,
         fmt::format("{:.1f} images/s of {:g}", watched.RateHz(), wanted_hz));

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scenarios/fly.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <sstream>
+#include <thread>
+
+#include "config/stopwatch.h"
+#include "scenarios/pre_flight.h"
+#include "scenarios/recording.h"
+#include "tests/control/fake_link.h"
+#include "tests/scenarios/temporary_folder.h"
+
+namespace kestrel {
+namespace {
+
+using ::testing::HasSubstr;
+
+// A camera that sees noise.
+class NoiseSource final : public ImageSource {
+ public:
+  explicit NoiseSource(cv::Size size) : size_(size) {}
+  bool Open() override { return true; }
+  std::optional<Grabbed> Grab() override {
+    std::this_thread::sleep_for(std::chrono::milliseconds(40));
+    Grabbed grabbed{cv::Mat(size_, CV_8UC1), MonotonicNow_s(), std::nullopt};
+    cv::randu(grabbed.image, 0, 256);
+    return grabbed;
+  }
+
+ private:
+  cv::Size size_;
+};
+
+class FlyTest : public InTemporaryFolder {
+ protected:
+  static ImageSourceMaker Noise(cv::Size size = {640, 480}) {
+    return [size] { return std::make_unique<NoiseSource>(size); };
+  }
+  static std::string Text(const std::filesystem::path& file) {
+    std::ostringstream text;
+    text << std::ifstream(file).rdbuf();
+    return text.str();
+  }
+  const CheckItem& Item(const std::string& name) const {
+    for (const CheckItem& item : items_)
+      if (item.name == name) return item;
+    ADD_FAILURE() << "no item " << name;
+    return items_.front();
+  }
+  void Check(cv::Size size = {640, 480}) {
+    LiveCamera camera(Noise(size), {});
+    items_ = PreFlight(plan_, camera, link_, {.watch_s = 0.5, .connect_s = 1});
+  }
+  FlyOptions Options() const {
+    FlyOptions options;
+    options.most_s = 0.6;
+    options.video = false;
+    return options;
+  }
+
+  LoadedPlan plan_ = LoadPlan("hover", {"image.rate_hz=20"});
+  FakeLink link_;
+  std::vector<CheckItem> items_;
+};
+
+TEST_F(FlyTest, TheCheckListIsMetByWhatIsRight) {
+  Check();
+  EXPECT_TRUE(AllOk(items_)) << items_[0].found;
+  EXPECT_EQ(items_.size(), 6u);
+}
+
+TEST_F(FlyTest, AnImageOfAnotherSizeThanTheCalibrationsIsNotFlownBy) {
+  Check({320, 240});
+  EXPECT_FALSE(Item("image against calibration").ok);
+  EXPECT_THAT(Item("image against calibration").found, HasSubstr("320 x 240"));
+}
+
+TEST_F(FlyTest, ACameraThatIsTooSlowIsNotFlownBy) {
+  plan_.plan.image.rate_hz = 100;
+  Check();
+  EXPECT_FALSE(Item("camera rate").ok);
+}
+
+TEST_F(FlyTest, AColourThatTheFlightNeedsIsMissed) {
+  plan_.plan.image.colour = true;
+  Check();
+  EXPECT_FALSE(Item("colour").ok);
+}
+
+TEST_F(FlyTest, ALinkWithoutAStateIsNotFlownBy) {
+  link_.Set([](VehicleState&, LinkHealth& health) { health.state_age_s.reset(); });
+  Check();
+  EXPECT_FALSE(Item("link").ok);
+}
+
+TEST_F(FlyTest, TroubleOfTheLinkIsAReasonNotToFly) {
+  link_.Set([](VehicleState&, LinkHealth& health) { health.trouble = "battery at 9.8 V"; });
+  Check();
+  EXPECT_FALSE(Item("link").ok);
+  EXPECT_THAT(Item("link").found, HasSubstr("9.8 V"));
+}
+
+TEST_F(FlyTest, AStateThatCannotBeIsNotFlownBy) {
+  link_.Set([](VehicleState& state, LinkHealth&) { state.R_NB = Eigen::Quaterniond(0, 1, 0, 0); });
+  Check();
+  EXPECT_FALSE(Item("state").ok);
+}
+
+TEST_F(FlyTest, ASwitchThatIsOffOrNotToldIsNotFlownBy) {
+  link_.Set([](VehicleState&, LinkHealth& health) { health.pilot_allows = false; });
+  Check();
+  EXPECT_FALSE(Item("pilot's switch").ok);
+  link_.Set([](VehicleState&, LinkHealth& health) { health.pilot_allows.reset(); });
+  Check();
+  EXPECT_FALSE(Item("pilot's switch").ok);
+  EXPECT_THAT(Item("pilot's switch").found, HasSubstr("--pilot-untold"));
+}
+
+TEST_F(FlyTest, ACameraThatIsNotThereIsSaidToBe) {
+  class Absent final : public ImageSource {
+    bool Open() override { return false; }
+    std::optional<Grabbed> Grab() override { return std::nullopt; }
+  };
+  LiveCamera camera([] { return std::make_unique<Absent>(); }, {});
+  items_ = PreFlight(plan_, camera, link_, {.watch_s = 0.2, .connect_s = 0.2});
+  EXPECT_FALSE(Item("camera").ok);
+}
+
+TEST_F(FlyTest, AFlightLeavesItsRecords) {
+  FlyOptions options = Options();
+  options.folder = folder_;
+  options.images = true;
+  LiveCamera camera(Noise(), {});
+  const FlyReport report = FlyAircraft(plan_, camera, link_, options);
+  EXPECT_EQ(report.outcome, "time is up");
+  EXPECT_FALSE(report.accomplished);
+  EXPECT_EQ(report.error, "");
+  ASSERT_GT(report.frames, 2);
+  EXPECT_GT(link_.sends(), 2);
+  EXPECT_TRUE(link_.silent());
+  EXPECT_THAT(Text(folder_ / "events.log"), HasSubstr("mode: REAL AIRCRAFT"));
+  EXPECT_THAT(Text(folder_ / "summary.json"), HasSubstr("\"mode\": \"REAL AIRCRAFT\""));
+  const Recording recording(folder_);
+  EXPECT_EQ(static_cast<std::int64_t>(recording.frames().size()), report.frames - report.records_dropped);
+  // Its plan is a plan again, and its images give the same decisions.
+  const auto mission = MakeMission(LoadPlan((folder_ / "scenario.yaml").string()).parts);
+  for (std::size_t i = 0; i < recording.frames().size(); ++i) {
+    const RecordedDecision now = Recorded(mission->Step(recording.At(i), recording.frames()[i].state));
+    EXPECT_EQ(now.numbers, recording.frames()[i].decision.numbers) << i;
+  }
+}
+
+TEST_F(FlyTest, ADryRunSendsNothing) {
+  FlyOptions options = Options();
+  options.dry_run = true;
+  options.folder = folder_;
+  LiveCamera camera(Noise(), {});
+  const FlyReport report = FlyAircraft(plan_, camera, link_, options);
+  EXPECT_GT(report.frames, 2);
+  EXPECT_EQ(link_.sends(), 0);
+  EXPECT_THAT(Text(folder_ / "events.log"), HasSubstr("DRY RUN"));
+}
+
+TEST_F(FlyTest, AnInterruptEndsIt) {
+  FlyOptions options = Options();
+  options.most_s = 60;
+  const std::atomic<bool> interrupted = true;
+  options.interrupted = &interrupted;
+  LiveCamera camera(Noise(), {});
+  EXPECT_EQ(FlyAircraft(plan_, camera, link_, options).outcome, "interrupted");
+}
+
+TEST_F(FlyTest, AFolderThatCannotBeWrittenDoesNotEndAFlight) {
+  // The disk is full from the first image on: a file stands where the images' folder must be.
+  FlyOptions options = Options();
+  options.folder = folder_;
+  options.images = true;
+  options.most_s = 1;
+  LiveCamera camera(Noise(), {});
+  options.progress = [&](const VehicleState&, const Decision&, const SafetyChange&) {
+    std::filesystem::remove_all(folder_ / "recording");
+  };
+  const FlyReport report = FlyAircraft(plan_, camera, link_, options);
+  EXPECT_EQ(report.outcome, "time is up");
+  EXPECT_THAT(report.error, HasSubstr("recording"));
+  EXPECT_GT(report.frames, 5);
+}
+
+}  // namespace
+}  // namespace kestrel
