@@ -11,7 +11,8 @@
 namespace kestrel {
 namespace {
 
-constexpr double kLater_s = 1;  // after the later reaction the flight is ended
+constexpr double kLater_s = 1;       // after the later reaction the flight is ended
+constexpr double kAlike_m_s = 0.03;  // beyond what a wire rounds off
 constexpr double kStands_m_s =
     0.35;  // mean speed of an aircraft that holds its place, in wind and with gusts
 
@@ -47,7 +48,7 @@ WireFlightOptions FlightWith(const FaultRow& row, Wire wire, std::uint64_t seed,
   // Lower than the landing of the figures, to be sooner over; the fault falls into its descent.
   o.overrides = {"start.height_m=3", "start.scatter_m=0.5"};
   o.aircraft = {fmt::format("safety.patience_s={}", kPatience_s)};
-  o.fault_after_s = RandomStream(seed, row.name).Uniform(0.2, 3);
+  o.fault_after_s = RandomStream(seed, row.name).Uniform(1, 4);
   if (row.hazard != Hazard::kNone) o.end_after_s = SafetyLimits{}.*row.limit + kPatience_s + kLater_s;
   o.folder = folder;
   return o;
@@ -79,27 +80,28 @@ FaultJudgement JudgeFault(const FaultRow& row, const WireFlown& flown, const Saf
   const FlownEvent* later = FirstSafety(flown, first->t_s, "", NameOf(row.later));
   require(later && later->t_s <= *flown.fault_s + limit_s + kPatience_s + 2 * kReactionMargin_s,
           fmt::format("no '{}' in its time", NameOf(row.later)));
+  const double later_s = later ? later->t_s : first->t_s;
   for (const FlownEvent& e : flown.events)
     require(e.what != "safety" || e.t_s <= first->t_s || e.is.find(", fly") == std::string::npos,
             fmt::format("it flew on: '{}'", e.is));
 
   if (row.fault == WireFault::kCameraCut) {
     // By what came over the wire: an attitude tells nothing of the velocity that it is for.
-    bool still = false, sinks = false, velocities = false;
+    const VelocitySetpoint* held = nullptr;  // what was in force when the hold was due
+    bool sinks = false;
     for (const HeardSetpoint& heard : flown.heard) {
       const auto* velocity = std::get_if<VelocitySetpoint>(&heard.setpoint);
-      if (!velocity || heard.t_s < *flown.fault_s) continue;
-      velocities = true;
-      const double level = velocity->v_H.head<2>().norm(), down = velocity->v_H.z();
-      if (heard.t_s <= *flown.fault_s + limit_s + 2 * kReactionMargin_s && level < 0.02 &&
-          std::abs(down) < 0.02)
-        still = true;
-      if (level < 0.02 && std::abs(down - limits.slow_m_s) < 0.02) sinks = true;
+      if (!velocity) continue;
+      if (heard.t_s <= *flown.fault_s + limit_s + 2 * kReactionMargin_s) held = velocity;
+      if (heard.t_s > *flown.fault_s &&
+          (velocity->v_H - Eigen::Vector3d(0, 0, limits.slow_m_s)).norm() < kAlike_m_s)
+        sinks = true;
     }
-    require(!velocities || still, "the zero velocity was not heard in time");
-    require(!velocities || sinks, "the sinking was not heard");
+    require(!held || held->v_H.norm() < kAlike_m_s, "the zero velocity was not heard in time");
+    require(!held || sinks, "the sinking was not heard");
     double sink = 0;
-    for (const TruthSample& t : flown.truth) sink = std::max(sink, t.v_N.z());
+    for (const TruthSample& t : flown.truth)
+      if (t.t_s > later_s) sink = std::max(sink, t.v_N.z());
     require(sink > limits.slow_m_s / 2, "it did not sink");
   }
   if (row.fault == WireFault::kLinkCut) {
