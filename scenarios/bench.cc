@@ -23,6 +23,7 @@
 #include "scenarios/bench_servoing.h"
 #include "scenarios/bench_stream.h"
 #include "scenarios/bench_trackers.h"
+#include "scenarios/bench_wire.h"
 #include "scenarios/files.h"
 #include "scenarios/fly_all.h"
 #include "scenarios/statistics.h"
@@ -272,8 +273,9 @@ void BenchSpeed(SeedRange seeds, std::vector<Figure>& table) {
 }  // namespace
 
 std::vector<std::string> BenchNames() {
-  return {"flights", "fisheye",     "attitude", "horizon",  "gyro_failure", "drift",  "heights", "speed",
-          "render",  "calibration", "servo",    "trackers", "contrast",     "follow", "avoid"};
+  return {"flights",  "fisheye", "attitude", "horizon",     "gyro_failure", "drift",
+          "heights",  "speed",   "render",   "calibration", "servo",        "trackers",
+          "contrast", "follow",  "avoid",    "stream",      "wire",         "link_faults"};
 }
 
 bool Bench(const BenchArguments& arguments) {
@@ -298,6 +300,11 @@ bool Bench(const BenchArguments& arguments) {
     BenchContrast(seeds.first, seeds.last, arguments.jobs, std::filesystem::path(arguments.out) / "contrast",
                   table);
   if (chosen("stream")) BenchStream(table);
+  // By name alone: they need the program for real aircraft, and real time.
+  const std::filesystem::path wires = "results/runs";
+  if (arguments.name == "wire") BenchWire(seeds, arguments.jobs, wires / "bench_wire", table);
+  if (arguments.name == "link_faults")
+    BenchLinkFaults(seeds, arguments.jobs, wires / "bench_link_faults", table);
   PrintFigures(table);
   if (!arguments.json.empty()) WriteFigures(arguments.json, table);
   return AllMet(table);

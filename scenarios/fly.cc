@@ -24,8 +24,10 @@ namespace {
 // The camera of a flight that somebody may end, or that has lasted long enough.
 class UntilStopped final : public Camera {
  public:
-  UntilStopped(LiveCamera& camera, double until_s, const std::atomic<bool>* interrupted)
-      : camera_(camera), until_s_(until_s), interrupted_(interrupted) {}
+  // waiting: called while no image comes.
+  UntilStopped(LiveCamera& camera, double until_s, const std::atomic<bool>* interrupted,
+               std::function<void()> waiting)
+      : camera_(camera), until_s_(until_s), interrupted_(interrupted), waiting_(std::move(waiting)) {}
 
   std::optional<Frame> Next() override {
     for (;;) {
@@ -37,6 +39,7 @@ class UntilStopped final : public Camera {
         return frame;
       }
       if (camera_.Health().state == LiveCameraState::kEnded) return End("camera ended");
+      waiting_();
     }
   }
   double given_s() const { return given_s_; }  // when the last frame was there
@@ -51,6 +54,7 @@ class UntilStopped final : public Camera {
   LiveCamera& camera_;
   double until_s_;
   const std::atomic<bool>* interrupted_;
+  std::function<void()> waiting_;
   double given_s_ = 0;
   std::string why_;
 };
@@ -66,7 +70,7 @@ bool InSight(const Flight& flight, const Decision& decision) {
 // The folder of a real flight: as a simulated one's, without what only a simulator knows.
 class Records {
  public:
-  Records(const std::filesystem::path& folder, const LoadedPlan& plan, const FlyOptions& o)
+  Records(const std::filesystem::path& folder, const LoadedPlan& plan, const FlyOptions& o, double begun_s)
       : events_((std::filesystem::create_directories(folder), folder)) {
     RecorderOptions options;
     options.video = o.video;
@@ -79,14 +83,18 @@ class Records {
       WriteOwnParts(folder, plan.parts.own_parts);
     }
     events_.Line(0, "mode", o.dry_run ? kDryRunMode : kRealMode);
+    // So that records of other programs on this computer can be laid beside them.
+    events_.Line(0, "clock", fmt::format("{:.6f} s of the monotonic clock", begun_s));
   }
 
-  void Write(const LogRow& row, const std::vector<SafetyChange>& changes, double begun_s) {
-    recorder_->Write(row);
+  void Write(const std::vector<SafetyChange>& changes, double begun_s) {
     for (const SafetyChange& c : changes)
       events_.Line(
           c.t_s - begun_s, "safety",
           fmt::format("{}, {}{}", NameOf(c.hazard), NameOf(c.reaction), c.limited ? ", limited" : ""));
+  }
+  void Write(const LogRow& row) {
+    recorder_->Write(row);
     events_.Write(row);
   }
   void WriteImage(const cv::Mat& drawn) { recorder_->WriteImage(drawn); }
@@ -115,43 +123,54 @@ FlyReport FlyAircraft(const LoadedPlan& plan, LiveCamera& camera, AutopilotLink&
   summary.mode = o.dry_run ? kDryRunMode : kRealMode;
   summary.seed = plan.plan.seed;
   const std::unique_ptr<Mission> mission = MakeMission(plan.parts);
+  const double begun_s = MonotonicNow_s();
   std::optional<Records> records;
-  if (o.folder) records.emplace(*o.folder, plan, o);
+  if (o.folder) records.emplace(*o.folder, plan, o, begun_s);
   BackgroundWriter writer;
 
   const std::int64_t overwritten_before = camera.Health().overwritten;
-  const double begun_s = MonotonicNow_s();
   double seen_s = begun_s;
   std::vector<double> reaction_s, vision_s, control_s;
   SafetyChange safety;
-  UntilStopped eyes(camera, begun_s + o.most_s, o.interrupted);
   const Eigen::Vector3d p_N = link.State().p_NB;
   SafeAutopilot safe(link, [&camera] { return camera.Health().age_s; },
                      {.limits = o.limits,
                       .start_N = {p_N.x(), p_N.y(), 0},
                       .dry_run = o.dry_run,
                       .pilot_untold = o.pilot_untold});
+  const auto take_changes = [&] {
+    const std::vector<SafetyChange> changes = safe.TakeChanges();
+    if (changes.empty()) return false;
+    safety = changes.back();
+    if (records) writer.Do([&records, changes, begun_s] { records->Write(changes, begun_s); });
+    return true;
+  };
+  Decision last;
+  UntilStopped eyes(camera, begun_s + o.most_s, o.interrupted, [&] {
+    if (take_changes() && o.progress) o.progress(safe.State(), last, safety);
+  });
   const auto record = [&](const Frame& frame, const VehicleState& state, const Decision& decision) {
-    reaction_s.push_back(MonotonicNow_s() - eyes.given_s());
+    const double now_s = MonotonicNow_s();
+    reaction_s.push_back(now_s - eyes.given_s());
     vision_s.push_back(decision.vision_s);
     control_s.push_back(decision.control_s);
     ++report.frames;
-    if (InSight(plan.plan.flight, decision)) seen_s = MonotonicNow_s();
-    safe.TargetLostFor(MonotonicNow_s() - seen_s);
-    const std::vector<SafetyChange> changes = safe.TakeChanges();
-    if (!changes.empty()) safety = changes.back();
+    if (InSight(plan.plan.flight, decision)) seen_s = now_s;
+    safe.TargetLostFor(now_s - seen_s);
+    take_changes();
+    last = decision;
     if (o.progress) o.progress(state, decision, safety);
     if (!records) return true;
     LogRow row;
     row.sequence = frame.sequence;
     row.exposure.t_s = frame.t_s - begun_s;
-    row.now.t_s = MonotonicNow_s() - begun_s;
+    row.now.t_s = now_s - begun_s;
     row.estimate = state;
     row.decision = decision;
     cv::Mat drawn;
     if (o.video) drawn = DrawnView(frame, *mission, o.dry_run ? kDryRunMode : kRealMode);
-    writer.Do([&records, row, changes, begun_s, drawn, frame, state] {
-      records->Write(row, changes, begun_s);
+    writer.Do([&records, row, drawn, frame, state] {
+      records->Write(row);
       if (!drawn.empty()) records->WriteImage(drawn);
       records->Record(frame, state, row.decision);
     });
@@ -165,6 +184,7 @@ FlyReport FlyAircraft(const LoadedPlan& plan, LiveCamera& camera, AutopilotLink&
     report.error = e.what();
   }
   link.Silence();
+  take_changes();
   writer.Finish();
   report.accomplished = report.error.empty() && mission->Accomplished();
   report.images_overwritten = camera.Health().overwritten - overwritten_before;

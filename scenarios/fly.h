@@ -22,7 +22,8 @@ struct FlyOptions {
   bool video = true, images = false;            // images: for replay
   double most_s = 3600;
   const std::atomic<bool>* interrupted = nullptr;
-  // Each frame of a flight, on the flight's own thread; must be quick.
+  // Each frame of a flight, and each change of safety while none comes (with the last decision), on the
+  // flight's own thread; must be quick.
   std::function<void(const VehicleState&, const Decision&, const SafetyChange&)> progress;
 };
 

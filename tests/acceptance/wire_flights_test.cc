@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+// The program for real aircraft flies the simulated one over its wires, in real time.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "scenarios/link_faults.h"
+#include "tests/scenarios/temporary_folder.h"
+
+namespace kestrel {
+namespace {
+
+using ::testing::IsEmpty;
+
+constexpr int kAttempts = 3;
+// What a machine may give up of a flight's time and still be said to have flown it in real time.
+constexpr double kStretched_s = 0.5;
+
+class WireFlights : public InTemporaryFolder {
+ protected:
+  void SetUp() override {
+    InTemporaryFolder::SetUp();
+    setenv("KESTREL_HARDWARE_PROGRAM", KESTREL_HARDWARE_PROGRAM, 0);
+  }
+
+  // Flies until nothing is wrong; what is wrong with a flight in which time was not stretched. None: the
+  // machine is too busy to tell anything.
+  std::optional<std::vector<std::string>> Wrong(
+      WireFlightOptions options, const std::function<std::vector<std::string>(const WireFlown&)>& judge) {
+    for (int attempt = 0; attempt < kAttempts; ++attempt) {
+      options.folder = folder_ / std::to_string(attempt);
+      const WireFlown flown = FlyOverWire(options);
+      const std::vector<std::string> wrong = judge(flown);
+      if (wrong.empty() || flown.Stretched_s() <= kStretched_s) return wrong;
+    }
+    return std::nullopt;
+  }
+};
+
+class EveryWire : public WireFlights, public ::testing::WithParamInterface<Wire> {};
+
+TEST_P(EveryWire, TheHardwareProgramLands) {
+  WireFlightOptions options;
+  options.wire = GetParam();
+  options.seed = 101;
+  options.overrides = {"start.height_m=2", "start.scatter_m=0.3"};
+  const auto wrong = Wrong(options, [](const WireFlown& flown) {
+    std::vector<std::string> all;
+    if (!flown.Landed()) all.push_back("it did not land: " + flown.served.outcome + flown.served.error);
+    if (!(flown.TouchdownError_m() <= 0.2)) all.push_back("it touched down elsewhere");
+    if (flown.status != 0) all.push_back("the program says it did not: " + flown.said);
+    if (AddedLatency_s(flown, GetParam()).size() < flown.images.size() / 2)
+      all.push_back("most setpoints cannot be traced to their images");
+    return all;
+  });
+  if (!wrong) GTEST_SKIP() << "the machine is too busy to fly in real time: nothing is shown";
+  EXPECT_THAT(*wrong, IsEmpty());
+}
+
+INSTANTIATE_TEST_SUITE_P(Wires, EveryWire, ::testing::ValuesIn(kWires),
+                         [](const auto& wire) { return std::string(NameOf(wire.param)); });
+
+TEST_F(WireFlights, ACutLinkAndACutCameraAreAnsweredAsWritten) {
+  for (const FaultRow& row : kFaults) {
+    if (row.fault != WireFault::kLinkCut && row.fault != WireFault::kCameraCut) continue;
+    const auto wrong = Wrong(FlightWith(row, Wire::kMavlink, 101, {}),
+                             [&](const WireFlown& flown) { return JudgeFault(row, flown, {}).wrong; });
+    if (!wrong) GTEST_SKIP() << "the machine is too busy to fly in real time: nothing is shown";
+    EXPECT_THAT(*wrong, IsEmpty()) << row.name;
+  }
+}
+
+}  // namespace
+}  // namespace kestrel
