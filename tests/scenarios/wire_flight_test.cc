@@ -86,7 +86,7 @@ TEST(HardwareProgram, WhereItIsNotThereTheRemedyIsTold) {
     ADD_FAILURE();
   } catch (const InputError& e) {
     EXPECT_THAT(e.what(), HasSubstr("/nowhere/kestrel"));
-    EXPECT_THAT(e.what(), HasSubstr("cmake --preset hardware"));
+    EXPECT_THAT(e.what(), HasSubstr("./kestrel fly"));
   }
   if (given)
     setenv("KESTREL_HARDWARE_PROGRAM", before.c_str(), 1);
