@@ -3,9 +3,9 @@
 
 #include <optional>
 
+#include "geometry/truth.h"
 #include "sim/airframe.h"
 #include "sim/sensors.h"
-#include "geometry/truth.h"
 
 namespace kestrel {
 

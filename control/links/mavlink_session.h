@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "control/links/autopilot_link.h"
 #include "config/clock_sync.h"
+#include "control/links/autopilot_link.h"
 #include "control/wire/mavlink_dialects.h"
 
 namespace kestrel {
