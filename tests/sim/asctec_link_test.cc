@@ -20,6 +20,7 @@
 #include "sim/scene.h"
 #include "sim/servers/asctec_server.h"
 #include "sim/wind.h"
+#include "tests/sim/pelican_over_a_plane.h"
 #include "tests/sim/perfect_sensors.h"
 
 namespace kestrel {
@@ -510,7 +511,7 @@ class Pelican final : public Autopilot {
  public:
   Pelican(const Pose& X_NB, bool flying, const WindParameters& wind, const SensorParameters& sensors,
           std::uint64_t seed)
-      : model_(Model()),
+      : model_(PelicanOverAPlane()),
         data_(mj_makeData(model_.get())),
         vehicle_({}, model_.get()),
         wind_(wind, seed),
@@ -537,23 +538,6 @@ class Pelican final : public Autopilot {
   Vector3d v_N() const { return VectorFromMujoco(data_->qvel); }
 
  private:
-  static ModelPtr Model() {
-    const std::filesystem::path root = KESTREL_SOURCE_DIR;
-    const std::string xml = R"(<mujoco><option timestep="0.002" gravity="0 0 -9.80665"/><worldbody>
-        <geom type="plane" size="100 100 1"/><include file=")" +
-                            (root / "models/vehicles/pelican/pelican.xml").string() +
-                            R"("/></worldbody></mujoco>)";
-    mjVFS vfs;
-    mj_defaultVFS(&vfs);
-    mj_makeEmptyFileVFS(&vfs, "world.xml", static_cast<int>(xml.size()) + 1);
-    std::memcpy(vfs.filedata[0], xml.c_str(), xml.size() + 1);
-    char error[500] = {};
-    ModelPtr model(mj_loadXML("world.xml", &vfs, error, sizeof(error)));
-    mj_deleteVFS(&vfs);
-    EXPECT_TRUE(model) << error;
-    return model;
-  }
-
   ModelPtr model_;
   DataPtr data_;
   Multirotor vehicle_;

@@ -14,6 +14,7 @@
 #include "sim/frames.h"
 #include "sim/scene.h"
 #include "sim/wind.h"
+#include "tests/sim/pelican_over_a_plane.h"
 #include "tests/sim/perfect_sensors.h"
 
 namespace kestrel {
@@ -24,23 +25,6 @@ using Eigen::Vector3d;
 constexpr double kDt = 0.002;
 constexpr double kGravity = 9.80665;
 constexpr double kStandingHeight_m = 0.16;  // of the origin of B while the skids stand
-
-ModelPtr PelicanOverAPlane() {
-  const std::filesystem::path root = KESTREL_SOURCE_DIR;
-  const std::string xml = R"(<mujoco><option timestep="0.002" gravity="0 0 -9.80665"/><worldbody>
-      <geom type="plane" size="100 100 1"/><include file=")" +
-                          (root / "models/vehicles/pelican/pelican.xml").string() +
-                          R"("/></worldbody></mujoco>)";
-  mjVFS vfs;
-  mj_defaultVFS(&vfs);
-  mj_makeEmptyFileVFS(&vfs, "world.xml", static_cast<int>(xml.size()) + 1);
-  std::memcpy(vfs.filedata[0], xml.c_str(), xml.size() + 1);
-  char error[500] = {};
-  ModelPtr model(mj_loadXML("world.xml", &vfs, error, sizeof(error)));
-  mj_deleteVFS(&vfs);
-  EXPECT_TRUE(model) << error;
-  return model;
-}
 
 struct Conditions {
   AutopilotParameters autopilot;
