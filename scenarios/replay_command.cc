@@ -90,7 +90,7 @@ CLI::App* AddReplayCommand(CLI::App& app, ReplayArguments& a) {
   command->footer(
       "Exit status 1: something differs.\n\nExamples:\n"
       "  kestrel run landing --images --out results/runs/first && kestrel replay results/runs/first\n"
-      "  kestrel replay results/runs/first --set pilot.servo.gain_per_s=0.8 --video again.mp4");
+      "  kestrel replay results/runs/first --set pilot.servo.lambda_per_s=0.8 --video again.mp4");
   return command;
 }
 
