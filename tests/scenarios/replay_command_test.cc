@@ -26,7 +26,9 @@ class ReplayCommandTest : public InTemporaryFolder {
 
 TEST_F(ReplayCommandTest, TheSameCodeSaysTheSameToTheLastBit) { EXPECT_TRUE(Replay()); }
 
-TEST_F(ReplayCommandTest, AnotherHeightIsSeenToAskForAnother) { EXPECT_FALSE(Replay({"flight.height_m=5"})); }
+TEST_F(ReplayCommandTest, AnotherGainIsSeenToAskForAnotherVelocity) {
+  EXPECT_FALSE(Replay({"pilot.servo.lambda_per_s=0.8"}));
+}
 
 TEST_F(ReplayCommandTest, WhatDiffersWithinTheToleranceIsEqual) {
   EXPECT_FALSE(Replay({"pilot.servo.lambda_per_s=1.1000001"}));
