@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace kestrel {
+
+// How a key varies.
+struct Uniform {
+  double low = 0, high = 1;
+};
+struct LogUniform {  // its logarithm is uniform
+  double low = 0.1, high = 1;
+};
+struct Normal {
+  double mean = 0, deviation = 1;
+};
+struct TruncatedNormal {  // of mean and deviation before it is cut
+  double mean = 0, deviation = 1, low = -1, high = 1;
+};
+struct Choice {  // each as likely as the others; as YAML
+  std::vector<std::string> values;
+};
+struct Grid {  // each of them in turn, with every other grid's
+  std::vector<std::string> values;
+};
+using Distribution = std::variant<Uniform, LogUniform, Normal, TruncatedNormal, Choice, Grid>;
+
+// The value below which the share u in [0, 1) of all lie, as --set takes it; numbers read back to the same
+// bits. Of a grid: never asked.
+std::string ValueAt(const Distribution& distribution, double u);
+
+// The least and greatest values that can come, as --set takes them; of choices and grids all of them; of a
+// normal, which has none, the numbers 10 deviations off.
+std::vector<std::string> Extremes(const Distribution& distribution);
+
+}  // namespace kestrel
