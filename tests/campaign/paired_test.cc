@@ -32,8 +32,10 @@ double ScoreBySearch(const PairedEnds& e, double d) {
   double low = std::max(0.0, -d), high = (1 - d) / 2;
   for (int i = 0; i < 200; ++i) {
     const double third = (high - low) / 3;
-    (likelihood(low + third) < likelihood(high - third) ? low : high) +=
-        likelihood(low + third) < likelihood(high - third) ? third : -third;
+    if (likelihood(low + third) < likelihood(high - third))
+      low += third;
+    else
+      high -= third;
   }
   const double q = (low + high) / 2;
   return (b - c - n * d) / std::sqrt(n * (2 * q + d - d * d));
@@ -78,7 +80,9 @@ TEST(ShareDifference, HoldsTheDifferenceAsOftenAsItSaysAndMcNemarIsWrongNoOftene
           return interval;
         });
     EXPECT_NEAR(coverage, 0.95, 0.01 + Chance(simulations)) << only_b;
-    if (only_b == only_a) EXPECT_LE(claims, (0.05 + Chance(simulations)) * simulations);
+    if (only_b == only_a) {
+      EXPECT_LE(claims, (0.05 + Chance(simulations)) * simulations);
+    }
   }
 }
 
