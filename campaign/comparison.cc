@@ -177,7 +177,7 @@ Comparison Compare(const CampaignResults& a, const CampaignResults& b, std::vect
       continue;
     }
     m.differences = DifferencesOf(values_a, values_b, seed, level, resamples);
-    m.verdict = VerdictOf(m.differences.mean.stricter, m.better);
+    m.verdict = VerdictOf(m.differences.mean_stricter, m.better);
     c.metrics.push_back(std::move(m));
   }
   mistakes.ThrowIfAny();

@@ -105,15 +105,13 @@ PairedDifferences DifferencesOf(const std::vector<double>& a, const std::vector<
     quantile_95.push_back(of_b.QuantileOf(times, 0.95) - of_a.QuantileOf(times, 0.95));
   }
   const auto quantile = [&](double q, const std::vector<double>& replicates) {
-    const auto percentiles = [&](double level) {
-      return Interval{Quantile(replicates, (1 - level) / 2), Quantile(replicates, (1 + level) / 2)};
-    };
-    return PairedDifference{Quantile(a, q), Quantile(b, q), percentiles(0.95), percentiles(stricter_level)};
+    return PairedDifference{
+        Quantile(a, q), Quantile(b, q), {Quantile(replicates, 0.025), Quantile(replicates, 0.975)}};
   };
-  return {
-      {Mean(a), Mean(b), StudentInterval(differences, 0.95), StudentInterval(differences, stricter_level)},
-      quantile(0.5, median),
-      quantile(0.95, quantile_95)};
+  return {{Mean(a), Mean(b), StudentInterval(differences, 0.95)},
+          quantile(0.5, median),
+          quantile(0.95, quantile_95),
+          StudentInterval(differences, stricter_level)};
 }
 
 }  // namespace kestrel

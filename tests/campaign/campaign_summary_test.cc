@@ -31,8 +31,7 @@ TEST(MetricAims, AreThoseOfThePlanAndTheDirectionsOfTheCriteria) {
 
 TEST(CampaignSummary, HasEverythingOfTheRuns) {
   const CampaignResults campaign = ExampleCampaign();
-  const CampaignSummary s =
-      Summarise(campaign.identity, campaign.results, {}, "kestrel campaign replay dispersion");
+  const CampaignSummary s = Summarise(campaign.identity, campaign.results);
   EXPECT_EQ(s.rows, 300);
   EXPECT_EQ(s.runs, 300);
   std::vector<double> errors;
@@ -113,7 +112,7 @@ TEST(CampaignSummary, ItsTextHasTheTables) {
 
 TEST(CampaignSummary, OfNoRunsIsOne) {
   CampaignResults campaign = ExampleCampaign();
-  const CampaignSummary s = Summarise(campaign.identity, {});
+  const CampaignSummary s = Summarise(campaign.identity, {}, {}, "kestrel campaign replay elsewhere.yaml");
   EXPECT_THAT(ToText(s), HasSubstr("0 of 300 runs"));
   const auto json = nlohmann::json::parse(ToJson(s));
   EXPECT_TRUE(json.at("success").at("value").is_null());

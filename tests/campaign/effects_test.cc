@@ -66,10 +66,19 @@ TEST(RankCorrelation, TiesHaveTheMeanOfTheirRanks) {
   EXPECT_NEAR(RankCorrelation(x, y)->value, ab / std::sqrt(aa * bb), 1e-12);
 }
 
-TEST(RankCorrelation, ThereIsNoneOfFewPairsOrOfWhatDoesNotVary) {
+std::vector<double> Ranks(int n) {
+  std::vector<double> ranks;
+  for (int i = 0; i < n; ++i) ranks.push_back(i);
+  return ranks;
+}
+
+TEST(RankCorrelation, AndIndexThereIsNoneOfFewPairsOrOfWhatDoesNotVary) {
   const std::vector<double> nine = {1, 2, 3, 4, 5, 6, 7, 8, 9};
   EXPECT_FALSE(RankCorrelation(nine, nine));
   EXPECT_FALSE(RankCorrelation(std::vector<double>(20, 1), std::vector<double>(20, 1)));
+  EXPECT_FALSE(FirstOrderIndex(Ranks(49), Ranks(49)));
+  EXPECT_NEAR(FirstOrderIndex(Ranks(50), Ranks(50))->value, 1, 1e-9);
+  EXPECT_FALSE(FirstOrderIndex(Ranks(50), std::vector<double>(50, 1)));
 }
 
 TEST(RankCorrelation, ItsIntervalHoldsThatOfTheNormalDistributionAsOftenAsItSays) {
