@@ -18,6 +18,13 @@ std::string Shown(const Estimate& e) {
   return fmt::format("{:.3g} [{}, {}]", e.value, end(e.interval.low), end(e.interval.high));
 }
 
+// An outcome may be as long as a message with all mistakes of a scenario.
+std::string Short(const std::string& outcome) {
+  constexpr std::size_t kMost = 60;
+  const std::string line = outcome.substr(0, outcome.find('\n'));
+  return line.size() == outcome.size() && line.size() <= kMost ? line : line.substr(0, kMost) + "...";
+}
+
 std::string Percent(double share) { return fmt::format("{:.2f} %", 100 * share); }
 
 void AddMetrics(const CampaignSummary& s, std::string& text) {
@@ -43,8 +50,8 @@ void AddFailures(const CampaignSummary& s, std::string& text) {
         fmt::join(f.rows.begin(),
                   f.rows.begin() + static_cast<std::ptrdiff_t>(std::min(f.rows.size(), kMostRows)), ", "));
     if (f.rows.size() > kMostRows) rows += ", ...";
-    text += fmt::format("| {:>5} | {:<10} | {:<40} | {:<40} |\n", f.rows.size(), NameOf(f.status), f.outcome,
-                        rows);
+    text += fmt::format("| {:>5} | {:<10} | {:<40} | {:<40} |\n", f.rows.size(), NameOf(f.status),
+                        Short(f.outcome), rows);
   }
 }
 
@@ -82,7 +89,8 @@ void AddWorst(const CampaignSummary& s, std::string& text) {
   for (const WorstRuns& w : s.worst) {
     text += fmt::format("\nWorst {}:\n", w.metric);
     for (const WorstRuns::Run& r : w.runs)
-      text += fmt::format("  {:>10.4g}  {:<10} {:<24} {}\n", r.value, NameOf(r.status), r.outcome, r.command);
+      text += fmt::format("  {:>10.4g}  {:<10} {:<24} {}\n", r.value, NameOf(r.status), Short(r.outcome),
+                          r.command);
   }
 }
 

@@ -110,6 +110,16 @@ TEST(CampaignSummary, ItsTextHasTheTables) {
     EXPECT_THAT(text, HasSubstr(part));
 }
 
+TEST(CampaignSummary, ALongOutcomeIsCutToALine) {
+  CampaignResults campaign = ExampleCampaign();
+  campaign.results.resize(1);
+  campaign.results[0].status = RunStatus::kRefused;
+  campaign.results[0].outcome = "scenario.yaml:3: wind: too much\nscenario.yaml:4: more";
+  const std::string text = ToText(Summarise(campaign.identity, campaign.results));
+  EXPECT_THAT(text, HasSubstr("| scenario.yaml:3: wind: too much... "));
+  EXPECT_THAT(text, testing::Not(HasSubstr("yaml:4")));
+}
+
 TEST(CampaignSummary, OfNoRunsIsOne) {
   CampaignResults campaign = ExampleCampaign();
   const CampaignSummary s = Summarise(campaign.identity, {}, {}, "kestrel campaign replay elsewhere.yaml");

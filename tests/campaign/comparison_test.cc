@@ -86,16 +86,23 @@ TEST(Compare, ClaimsNoDifferenceWhereThereIsNone) {
   RandomStream random(6, "null");
   CampaignResults a = ExampleCampaign();
   a.identity.table.rows.resize(60), a.results.resize(60);
+  a.identity.plan = "scenario: landing\n";
+  a.identity.scenario = "criteria:\n";
+  std::vector<std::string> metrics;
+  for (int i = 0; i < 8; ++i) {
+    metrics.push_back(fmt::format("error_{}_m", i));
+    a.identity.scenario += fmt::format("  {}: {{max: 1}}\n", metrics.back());
+  }
   CampaignResults b = a;
   int of_success = 0, of_metrics = 0;
   for (int i = 0; i < simulations; ++i) {
     for (auto* results : {&a.results, &b.results})
       for (RunResult& run : *results) {
         run.status = random.Uniform(0, 1) < 0.8 ? RunStatus::kPassed : RunStatus::kFailed;
-        run.metrics["touchdown_error_m"] = std::exp(random.Normal());
-        run.metrics["fix_share"] = random.Uniform(0, 1);
+        for (const std::string& metric : metrics) run.metrics[metric] = std::exp(random.Normal());
       }
     const Comparison c = Compare(a, b, {}, 1, 10);
+    ASSERT_EQ(c.metrics.size(), 8u);
     of_success += c.success_verdict != Verdict::kNotShown;
     of_metrics += std::any_of(c.metrics.begin(), c.metrics.end(),
                               [](const MetricComparison& m) { return m.verdict != Verdict::kNotShown; });

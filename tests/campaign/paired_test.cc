@@ -115,6 +115,13 @@ TEST(PairedDifferences, TheSameSeedGivesTheSameBits) {
   EXPECT_NE(one.median.interval, other.median.interval);
 }
 
+// Of 10 rows, 2 of which are 0 and the others 1, a resample has z zeros, binomial of 10 and 1/5. Its median
+// is 0 from 6 zeros on, with a probability of 0.6 %, and 1/2 with 5, of 2.6 %: there the 2.5 % lie.
+TEST(PairedDifferences, AQuantileMayLieBetweenTwoSamples) {
+  const std::vector<double> a(10, 0), b = {0, 0, 1, 1, 1, 1, 1, 1, 1, 1};
+  EXPECT_EQ(DifferencesOf(a, b, 1, 0.95, 20000).median.interval, (Interval{0.5, 1}));
+}
+
 // The same, by drawing rows and sorting them.
 TEST(PairedDifferences, IntervalsOfQuantilesAreThoseOfResamplesMadeByHand) {
   RandomStream random(2, "by hand");
