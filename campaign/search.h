@@ -30,7 +30,7 @@ class CmaEs {
 
   const std::vector<Point>& Ask();  // the same ones until they are told of
   void Tell(const std::vector<double>& costs);
-  const Point& Centre() const;  // of where it looks: what the noise of single points is averaged out of
+  const Point& Centre() const;  // of where it looks, the mean of its best points
 
  private:
   struct State;
