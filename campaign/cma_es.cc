@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "campaign/pagmo_eigen.h"
+// before the others
 #include <algorithm>
 #include <cassert>
 #include <cmath>

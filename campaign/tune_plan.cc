@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
@@ -120,12 +121,19 @@ void CheckCost(const ConfigNode& root, const FlightCost& cost, Mistakes& mistake
 // With the scenario at hand.
 void CheckGainsInScenario(const ConfigNode& root, const TunePlan& plan,
                           const std::map<std::string, double>& own, Mistakes& mistakes) {
+  const auto values = [](const Gain& gain) {
+    return std::array{gain.low, gain.low + 0.3819660113 * (gain.high - gain.low), gain.high};
+  };
+  std::vector<List> together(3);
+  for (const auto& [key, gain] : plan.gains)
+    for (std::size_t i = 0; i < 3; ++i) together[i].push_back(fmt::format("{}={}", key, values(gain)[i]));
+  const bool takes_all = TakesAll(plan.flights, together);
   for (const auto& [key, gain] : plan.gains) {
     const std::string &where = WhereIn(root, {"gains", key}), path = "gains." + key;
     bool valid = true;
-    for (const double value : {gain.low, gain.low + 0.3819660113 * (gain.high - gain.low), gain.high}) {
-      valid =
-          valid && CheckOverride(plan.flights, {}, key, fmt::format("{}", value), where, path, "", mistakes);
+    for (const double value : values(gain)) {
+      valid = takes_all || (valid && CheckOverride(plan.flights, {}, key, fmt::format("{}", value), where,
+                                                   path, "", mistakes));
     }
     if (!valid || gain.start) continue;
     const auto value = own.find(key);

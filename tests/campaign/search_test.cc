@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "campaign/search.h"
 
+#include "campaign/pagmo_eigen.h"
+// before the others
+
 #include <gmock/gmock.h>
 
 #include <algorithm>
