@@ -122,7 +122,7 @@ void CheckCost(const ConfigNode& root, const FlightCost& cost, Mistakes& mistake
 void CheckGainsInScenario(const ConfigNode& root, const TunePlan& plan,
                           const std::map<std::string, double>& own, Mistakes& mistakes) {
   const auto values = [](const Gain& gain) {
-    return std::array{gain.low, gain.low + 0.3819660113 * (gain.high - gain.low), gain.high};
+    return std::array{gain.low, gain.high, gain.low + 0.3819660113 * (gain.high - gain.low)};
   };
   std::vector<List> together(3);
   for (const auto& [key, gain] : plan.gains)

@@ -53,16 +53,17 @@ TEST_F(GainsTest, WhatATuningWritesAScenarioTakes) {
   EXPECT_EQ(s.pilot.servo.lambda_per_s, 1.23456);
   EXPECT_EQ(s.autopilot.velocity_gain_per_s, 0.7);
   EXPECT_EQ(LoadScenario(scenario, {"pilot.servo.lambda_per_s=2"}).scenario.pilot.servo.lambda_per_s, 2);
-  EXPECT_EQ(LoadScenario("hover", {"gains=" + gains}).scenario.pilot.servo.lambda_per_s, 1.23456);
+  EXPECT_EQ(LoadScenario("follow", {"gains=" + gains}).scenario.pilot.servo.lambda_per_s, 1.23456);
   // The resolved text has the values, and needs the file no more.
   EXPECT_EQ(LoadScenario(Write(ToYaml(s), "resolved.yaml")).scenario.autopilot.velocity_gain_per_s, 0.7);
   EXPECT_THAT(ToYaml(s), ::testing::Not(HasSubstr("gains.yaml")));
 }
 
 TEST_F(GainsTest, MistakesInAGainsFileNameItAndItsLine) {
-  const std::string scenario = Write("mission: hover\ngains: gains.yaml\n", "s.yaml");
+  const std::string scenario =
+      Write("mission: follow\nimage: {colour: true}\npad: {name: none}\ngains: gains.yaml\n", "s.yaml");
   EXPECT_THAT(Refusal(scenario),
-              ElementsAre(scenario + ":2: gains: there is no file 'gains.yaml'; valid: one "
+              ElementsAre(scenario + ":4: gains: there is no file 'gains.yaml'; valid: one "
                                      "beside the scenario or from here"));
   const std::string gains = Write("# tuned\npilot.servo.lambda_pers: 1\nwind.mean_m_s: 99\n", "gains.yaml");
   EXPECT_THAT(Refusal(scenario),

@@ -37,7 +37,7 @@ class TunePlanTest : public InTemporaryFolder {
   }
 };
 
-constexpr const char* kWhole = R"(scenario: hover
+constexpr const char* kWhole = R"(scenario: follow
 set: [image.rate_hz=10]
 seed: 4
 vary: {wind.mean_m_s: {uniform: [0, 6]}}
@@ -59,7 +59,7 @@ TEST_F(TunePlanTest, AFileBecomesItsPlanAndTablesWithoutARowInCommon) {
   EXPECT_EQ(tune.plan.cost.terms.at("hold_horizontal_rmse_m").weight, 2);
   EXPECT_EQ(tune.plan.cost.constraints.at("greatest_tilt_deg").max, 20);
   EXPECT_EQ(tune.plan.cost.failure, 3);
-  const Scenario own = LoadScenario("hover").scenario;
+  const Scenario own = LoadScenario("follow").scenario;
   EXPECT_EQ(tune.own.at("pilot.servo.lambda_per_s"), own.pilot.servo.lambda_per_s);
   EXPECT_EQ(tune.own.at("autopilot.velocity_gain_per_s"), own.autopilot.velocity_gain_per_s);
   EXPECT_EQ(tune.plan.gains.at("pilot.servo.lambda_per_s").start, own.pilot.servo.lambda_per_s);
@@ -82,7 +82,7 @@ TEST_F(TunePlanTest, AnotherSeedIsJudgedOnTheSameHeldOutRows) {
 
 TEST_F(TunePlanTest, EveryMistakeIsNamedWithFileLineKeyAndWhatWouldBeValid) {
   EXPECT_THAT(
-      Refusal(R"(scenario: hover
+      Refusal(R"(scenario: follow
 set: [pilot.servo.lambda_yaw_per_s=1]
 vary: {wind.mean_m_s: {uniform: [0, 6]}, image.latency_s: {uniform: [0, 6]}}
 gains:
@@ -112,7 +112,7 @@ method: cma
 
 TEST_F(TunePlanTest, AGainThatTheScenarioRefusesIsRefused) {
   EXPECT_THAT(
-      Refusal(R"(scenario: hover
+      Refusal(R"(scenario: follow
 gains:
   pilot.servo.lambda_pers: {low: 0.1, high: 3, start: 1}
   pilot.servo.lambda_per_s: {low: 0.1, high: 30}
@@ -124,12 +124,12 @@ cost: {settle_s: {scale: 10}}
                   "f.yaml:3: gains.pilot.servo.lambda_pers: unknown key; did you mean 'lambda_per_s'?",
                   StartsWith("f.yaml:6: gains.pilot.servo.lambda_yaw_per_s: the scenario has 0.8, out of "
                              "its bounds; valid: "),
-                  HasSubstr("f.yaml:5: gains.pilot.tracker.max_points: 176.392")));
+                  HasSubstr("f.yaml:5: gains.pilot.tracker.max_points: 176.393")));
 }
 
 TEST_F(TunePlanTest, ABudgetInWhichNothingCanBeFoundIsRefused) {
   EXPECT_THAT(
-      Refusal("scenario: hover\ngains: {pilot.servo.lambda_per_s: {low: 0.1, high: 3}}\n"
+      Refusal("scenario: follow\ngains: {pilot.servo.lambda_per_s: {low: 0.1, high: 3}}\n"
               "cost: {settle_s: {scale: 10}}\nbudget: 60\n"),
       ElementsAre("f.yaml:4: budget: 60 flights are not enough for the start and one round of 6 candidates "
                   "on 5 rows, and 5 leaders on 10 fresh ones; valid: 85 or more"));
