@@ -60,10 +60,9 @@ TEST_F(GainsTest, WhatATuningWritesAScenarioTakes) {
 }
 
 TEST_F(GainsTest, MistakesInAGainsFileNameItAndItsLine) {
-  const std::string scenario =
-      Write("mission: follow\nimage: {colour: true}\npad: {name: none}\ngains: gains.yaml\n", "s.yaml");
+  const std::string scenario = Write("mission: hover\ngains: gains.yaml\n", "s.yaml");
   EXPECT_THAT(Refusal(scenario),
-              ElementsAre(scenario + ":4: gains: there is no file 'gains.yaml'; valid: one "
+              ElementsAre(scenario + ":2: gains: there is no file 'gains.yaml'; valid: one "
                                      "beside the scenario or from here"));
   const std::string gains = Write("# tuned\npilot.servo.lambda_pers: 1\nwind.mean_m_s: 99\n", "gains.yaml");
   EXPECT_THAT(Refusal(scenario),
