@@ -243,7 +243,8 @@ struct ResultStore::Database {
   void Lock() {
     const fs::path name = file.string() + "-lock";
     lock = open(name.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-    if (lock < 0) throw std::runtime_error(fmt::format("cannot write {}: {}", name.string(), strerror(errno)));
+    if (lock < 0)
+      throw std::runtime_error(fmt::format("cannot write {}: {}", name.string(), strerror(errno)));
     if (flock(lock, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
       throw InputError({fmt::format(
           "{}: another process is flying this campaign; valid: to let it end, or another folder (--out)",
@@ -348,8 +349,7 @@ void ResultStore::Put(const std::vector<RunResult>& results) {
     all.Commit();
   } catch (const SqliteError& e) {
     if ((e.code & 0xff) == SQLITE_CONSTRAINT)
-      throw std::runtime_error(
-          fmt::format("{}: row {} has a result already", database_->file.string(), row));
+      throw std::runtime_error(fmt::format("{}: row {} has a result already", database_->file.string(), row));
     database_->CannotWrite(e);
   }
 }
@@ -378,7 +378,8 @@ void ResultStore::DropFrom(std::int64_t row) {
 std::set<std::int64_t> ResultStore::Rows() const {
   try {
     std::set<std::int64_t> rows;
-    for (Statement runs(database_->handle, "SELECT row FROM runs"); runs.Next();) rows.insert(runs.Integer(0));
+    for (Statement runs(database_->handle, "SELECT row FROM runs"); runs.Next();)
+      rows.insert(runs.Integer(0));
     return rows;
   } catch (const SqliteError& e) {
     database_->CannotRead(e);
@@ -391,10 +392,11 @@ std::vector<RunResult> ResultStore::Results() const {
     std::vector<RunResult> results;
     // The runs and the metrics of one moment, whatever is written meanwhile.
     Transaction moment(db, "BEGIN");
-    Statement runs(db,
-                   "SELECT runs.row, status, outcome, state_hash, image_hash, worker, wall_s, orchestration_s,"
-                   " peak_mib, log, recording FROM runs LEFT JOIN execution ON execution.row = runs.row"
-                   " ORDER BY runs.row");
+    Statement runs(
+        db,
+        "SELECT runs.row, status, outcome, state_hash, image_hash, worker, wall_s, orchestration_s,"
+        " peak_mib, log, recording FROM runs LEFT JOIN execution ON execution.row = runs.row"
+        " ORDER BY runs.row");
     while (runs.Next()) {
       RunResult& r = results.emplace_back();
       r.row = runs.Integer(0);

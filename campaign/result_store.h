@@ -23,8 +23,8 @@ struct CampaignIdentity {
   SampleTable table;
 };
 
-// In what two differ, a sentence each that names what: name, version, plan, scenario, table; has: as "it has".
-// None: they belong together.
+// In what two differ, a sentence each that names what: name, version, plan, scenario, table; has: as "it
+// has". None: they belong together.
 std::vector<std::string> Differences(const CampaignIdentity& has, const CampaignIdentity& wanted);
 
 // The results of a campaign in one SQLite file, with a write-ahead log: what Put returned from is there after

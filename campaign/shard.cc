@@ -52,20 +52,20 @@ std::optional<Shard> ShardOfFile(const std::filesystem::path& file) {
   const std::string name = file.filename().string();
   constexpr std::string_view begin = "results-", end = ".sqlite";
   if (!name.starts_with(begin) || !name.ends_with(end)) return std::nullopt;
-  return Numbers(std::string_view(name).substr(begin.size(), name.size() - begin.size() - end.size()), "-of-");
+  return Numbers(std::string_view(name).substr(begin.size(), name.size() - begin.size() - end.size()),
+                 "-of-");
 }
 
 std::string DifferenceOf(const RunResult& a, const RunResult& b) {
   if (a.status != b.status) return fmt::format("{} and {}", NameOf(a.status), NameOf(b.status));
   if (a.outcome != b.outcome) return fmt::format("'{}' and '{}'", a.outcome, b.outcome);
-  if (a.state_hash != b.state_hash)
-    return fmt::format("state hash {} and {}", a.state_hash, b.state_hash);
-  if (a.image_hash != b.image_hash)
-    return fmt::format("image hash {} and {}", a.image_hash, b.image_hash);
+  if (a.state_hash != b.state_hash) return fmt::format("state hash {} and {}", a.state_hash, b.state_hash);
+  if (a.image_hash != b.image_hash) return fmt::format("image hash {} and {}", a.image_hash, b.image_hash);
   for (const auto& [name, value] : a.metrics) {
     const auto other = b.metrics.find(name);
     if (other == b.metrics.end()) return fmt::format("{} is of one alone", name);
-    if (!SameBits(value, other->second)) return fmt::format("{} {:.17g} and {:.17g}", name, value, other->second);
+    if (!SameBits(value, other->second))
+      return fmt::format("{} {:.17g} and {:.17g}", name, value, other->second);
   }
   for (const auto& [name, value] : b.metrics)
     if (!a.metrics.contains(name)) return fmt::format("{} is of one alone", name);

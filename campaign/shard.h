@@ -27,12 +27,13 @@ std::optional<Shard> ShardOfFile(const std::filesystem::path& file);
 
 // What a table has after its parts were joined.
 struct Merged {
-  std::int64_t added = 0, there = 0;   // rows that came in, and that were in it already
-  std::vector<std::int64_t> missing;   // rows that no part has
+  std::int64_t added = 0, there = 0;  // rows that came in, and that were in it already
+  std::vector<std::int64_t> missing;  // rows that no part has
 };
 
-// Joins result files into one, which may have some of the rows already. Throws InputError: a part is of another
-// version, plan or table; or two have the same row with different results, each named. Nothing is written then.
+// Joins result files into one, which may have some of the rows already. Throws InputError: a part is of
+// another version, plan or table; or two have the same row with different results, each named. Nothing is
+// written then.
 Merged Merge(const std::filesystem::path& into, const CampaignIdentity& identity,
              const std::vector<std::filesystem::path>& parts);
 

@@ -28,9 +28,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kMostDeaths = 2;         // of a run by its own hand
-constexpr int kMostKilled = 5;         // of a run from without
-constexpr int kMostStarts = 3;         // of workers in a row that cannot fly
+constexpr int kMostDeaths = 2;          // of a run by its own hand
+constexpr int kMostKilled = 5;          // of a run from without
+constexpr int kMostStarts = 3;          // of workers in a row that cannot fly
 constexpr std::size_t kLogTail = 4096;  // bytes
 
 // The end of what a worker said since its order, as UTF-8.

@@ -22,10 +22,11 @@ struct RunOrder {
   bool video = false;
 };
 
-// Worker processes that fly: this program itself, started again for each. They end with this process, whatever
-// its end. A worker that takes too long is ended, and its run comes back as that. One that dies is replaced, and
-// its run is flown again: what a row alone does it does again, so a run that its worker dies of twice has
-// crashed, and one whose worker was ended from without has not, unless that goes on. To be used by one thread.
+// Worker processes that fly: this program itself, started again for each. They end with this process,
+// whatever its end. A worker that takes too long is ended, and its run comes back as that. One that dies is
+// replaced, and its run is flown again: what a row alone does it does again, so a run that its worker dies of
+// twice has crashed, and one whose worker was ended from without has not, unless that goes on. To be used by
+// one thread.
 class WorkerPool {
  public:
   // limit_s: of wall time for a run. logs: folder for what the workers say, made if need be. command: of a

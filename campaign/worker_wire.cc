@@ -35,7 +35,8 @@ auto Parsed(const std::string& line, const Read& read) {
   try {
     return read(json::parse(line));
   } catch (const json::exception& e) {
-    throw std::runtime_error(fmt::format("'{}' is none of the wire's lines: {}", line.substr(0, 200), e.what()));
+    throw std::runtime_error(
+        fmt::format("'{}' is none of the wire's lines: {}", line.substr(0, 200), e.what()));
   }
 }
 
