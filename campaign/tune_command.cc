@@ -11,9 +11,10 @@
 #include <map>
 #include <optional>
 #include <stdexcept>
-#include <thread>
+#include <utility>
 
 #include "campaign/result_store.h"
+#include "campaign/run_campaign.h"
 #include "campaign/tune.h"
 #include "campaign/tune_files.h"
 #include "campaign/worker_pool.h"
@@ -45,11 +46,12 @@ CampaignIdentity IdentityOf(const LoadedTune& tune) {
 // Flies what is not kept already, and keeps it.
 class KeptFlights {
  public:
-  KeptFlights(const LoadedTune& tune, const fs::path& folder, int jobs)
+  KeptFlights(const LoadedTune& tune, const fs::path& folder, int jobs, std::vector<std::string> worker)
       : store_(ResultStore::Open(folder / "flights.sqlite", IdentityOf(tune))),
         jobs_(jobs),
         limit_s_(tune.plan.flights.limit_s),
-        logs_(folder / "logs") {
+        logs_(folder / "logs"),
+        worker_(std::move(worker)) {
     for (RunResult& result : store_.Results()) {
       const std::int64_t row = result.row;
       kept_.emplace(row, std::move(result));
@@ -66,7 +68,7 @@ class KeptFlights {
       else
         missing.push_back(&order);
     }
-    if (!missing.empty() && !pool_) pool_.emplace(jobs_, limit_s_, logs_);
+    if (!missing.empty() && !pool_) pool_.emplace(jobs_, limit_s_, logs_, worker_);
     for (auto next = missing.begin(); next != missing.end() || (pool_ && pool_->under_way() > 0);) {
       if (stopped) throw std::runtime_error("interrupted; the same command goes on from here");
       while (next != missing.end() && pool_->Idle()) pool_->Give(**next++);
@@ -83,6 +85,7 @@ class KeptFlights {
   int jobs_;
   double limit_s_;
   fs::path logs_;
+  std::vector<std::string> worker_;
   std::map<std::int64_t, RunResult> kept_;
   std::optional<WorkerPool> pool_;
 };
@@ -123,8 +126,7 @@ bool TuneCommand(const TuneArguments& a) {
   CheckWritableFolder(folder, "--out", mistakes);
   mistakes.ThrowIfAny();
   fs::create_directories(folder);
-  const int jobs = a.jobs > 0 ? a.jobs : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  KeptFlights flights(tune, folder, jobs);
+  KeptFlights flights(tune, folder, a.jobs > 0 ? a.jobs : Cores(), a.worker);
   if (!a.quiet && flights.kept() > 0) fmt::print(stderr, "{} flights are there already\n", flights.kept());
   stopped = false;
   for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int) { stopped = true; });

@@ -16,6 +16,7 @@ struct TuneArguments {
   std::vector<std::string> overrides;
   int jobs = 0;  // 0: one for each core
   bool quiet = false;
+  std::vector<std::string> worker = {"/proc/self/exe", "campaign-worker"};  // its command
 };
 
 CLI::App* AddTuneCommand(CLI::App& app, TuneArguments& arguments);

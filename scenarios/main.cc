@@ -13,6 +13,7 @@
 #include <opencv2/core/utility.hpp>
 
 #include "campaign/campaign_command.h"
+#include "campaign/tune_command.h"
 #include "campaign/worker_pool.h"
 #include "scenarios/bench.h"
 #include "scenarios/calibrate_command.h"
@@ -207,6 +208,8 @@ int Main(int argc, char** argv) {
   const CLI::App* encounters_command = AddEncountersCommand(app, encounters);
   CampaignArguments campaign;
   const CLI::App* campaign_command = AddCampaignCommand(app, campaign);
+  TuneArguments tune;
+  const CLI::App* tune_command = AddTuneCommand(app, tune);
   const CLI::App* worker_command =
       app.add_subcommand("campaign-worker", "Flies what a campaign orders on standard input")->group("");
 
@@ -279,6 +282,7 @@ int Main(int argc, char** argv) {
     if (*replay_command) return ReplayCommand(replay) ? kMet : kNotMet;
     if (*encounters_command) return EncountersCommand(encounters) ? kMet : kNotMet;
     if (*campaign_command) return CampaignCommand(campaign, {}) ? kMet : kNotMet;
+    if (*tune_command) return TuneCommand(tune) ? kMet : kNotMet;
     if (*worker_command) return WorkerMain();
     if (*bench_command) {
       Mistakes mistakes;
