@@ -220,43 +220,67 @@ void CheckSame(const ConfigNode& root, const CampaignPlan& plan, Mistakes& mista
   }
 }
 
-// The scenario takes all that can come of a key.
-void CheckKey(const std::string& key, const Distribution& distribution, const List& chosen,
-              const std::string& where, const std::string& path, const CampaignPlan& plan,
-              Mistakes& mistakes) {
-  std::string_view remedy;
-  if (std::holds_alternative<Normal>(distribution))
-    remedy = "; a normal reaches 10 deviations off: valid: truncated_normal";
-  const std::size_t before = mistakes.messages().size();
-  for (const std::string& value : Extremes(distribution)) {
-    // An unknown key is said once.
-    if (!CheckOverride(plan, chosen, key, value, where, path, remedy, mistakes) &&
-        mistakes.messages().back().find("unknown key") != std::string::npos)
-      break;
-  }
-  if (mistakes.messages().size() > before || std::holds_alternative<Choice>(distribution) ||
-      std::holds_alternative<Grid>(distribution))
-    return;
-  // Both ends may be whole where what is between them is not.
-  CheckOverride(plan, chosen, key, ValueAt(distribution, 0.3819660113), where, path,
-                "; of whole numbers valid: choice or grid", mistakes);
+bool IsList(const Distribution& distribution) {
+  return std::holds_alternative<Choice>(distribution) || std::holds_alternative<Grid>(distribution);
 }
 
-void CheckKeys(const ConfigNode& root, const CampaignPlan& plan, Mistakes& mistakes) {
-  // A key may have no meaning but with a choice made: a landscape's light, in a world that is one.
-  List chosen;
-  for (const auto& [key, distribution] : plan.vary) {
-    if (std::holds_alternative<Choice>(distribution) || std::holds_alternative<Grid>(distribution))
-      chosen.push_back(fmt::format("{}={}", key, Extremes(distribution).front()));
+// Those of a key that the scenario must take. Both ends may be whole where what is between them is not.
+List ValuesToTry(const Distribution& distribution) {
+  List values = Extremes(distribution);
+  if (!IsList(distribution)) values.push_back(ValueAt(distribution, 0.3819660113));
+  return values;
+}
+
+struct KeyToTry {
+  std::string key;
+  const Distribution& distribution;
+  std::string where, path;
+};
+
+void TryKey(const KeyToTry& k, const List& chosen, const CampaignPlan& plan, Mistakes& mistakes) {
+  const List values = ValuesToTry(k.distribution);
+  const std::size_t ends = IsList(k.distribution) ? values.size() : 2;
+  bool all = true;
+  for (std::size_t i = 0; i < values.size() && (i < ends || all); ++i) {
+    const std::string_view remedy = i >= ends ? "; of whole numbers valid: choice or grid"
+                                    : std::holds_alternative<Normal>(k.distribution)
+                                        ? "; a normal reaches 10 deviations off: valid: truncated_normal"
+                                        : "";
+    if (CheckOverride(plan, chosen, k.key, values[i], k.where, k.path, remedy, mistakes)) continue;
+    all = false;
+    if (mistakes.messages().back().find("unknown key") != std::string::npos) return;  // said once
   }
+}
+
+void TryKeys(const ConfigNode& root, const CampaignPlan& plan, Mistakes& mistakes) {
+  std::vector<KeyToTry> keys;
   for (const auto& [key, distribution] : plan.vary)
-    CheckKey(key, distribution, chosen, WhereIn(root, {"vary", key}), "vary." + key, plan, mistakes);
+    keys.push_back({key, distribution, WhereIn(root, {"vary", key}), "vary." + key});
   for (std::size_t i = 0; i < plan.same.size(); ++i) {
     const std::string index = std::to_string(i);
     if (const auto as = plan.vary.find(plan.same[i].as); as != plan.vary.end())
-      CheckKey(plan.same[i].key, as->second, chosen, WhereIn(root, {"same", index, "key"}),
-               fmt::format("same.{}.key", index), plan, mistakes);
+      keys.push_back({plan.same[i].key, as->second, WhereIn(root, {"same", index, "key"}),
+                      fmt::format("same.{}.key", index)});
   }
+  // To load a scenario takes long, so first all at once, each in turn at one of its values.
+  std::vector<List> together;
+  for (const KeyToTry& k : keys) {
+    const List values = ValuesToTry(k.distribution);
+    if (values.size() > together.size()) together.resize(values.size());
+  }
+  for (std::size_t i = 0; i < together.size(); ++i) {
+    for (const KeyToTry& k : keys) {
+      const List values = ValuesToTry(k.distribution);
+      together[i].push_back(fmt::format("{}={}", k.key, values[i % values.size()]));
+    }
+  }
+  if (TakesAll(plan, together)) return;
+  // A key may have no meaning but with a choice made: a landscape's light, in a world that is one.
+  List chosen;
+  for (const KeyToTry& k : keys)
+    if (IsList(k.distribution))
+      chosen.push_back(fmt::format("{}={}", k.key, Extremes(k.distribution).front()));
+  for (const KeyToTry& k : keys) TryKey(k, chosen, plan, mistakes);
 }
 
 }  // namespace
@@ -304,14 +328,26 @@ bool CheckOverride(const CampaignPlan& plan, const List& others, const std::stri
     if (!complaint(overrides)) return true;
   }
   const std::string what = Shortened(*refused, text, key);
-  // Such as "3 is out of range", which says the value itself.
+  const bool unknown = what.starts_with("unknown key");
+  // Such as "3 is out of range" says the value itself.
+  const bool said = unknown || what.starts_with(value) || what.starts_with('\'' + value);
   mistakes.Add(
       where, path,
-      what.starts_with(value) || what.starts_with('\'' + value)
-          ? fmt::format("{}{}", what, remedy)
-          : fmt::format("with {}: {}{}", value, what,
-                        what.find("unknown key") == std::string::npos ? remedy : std::string_view()));
+      fmt::format("{}{}{}", said ? "" : fmt::format("with {}: ", value), what, unknown ? "" : remedy));
   return false;
+}
+
+bool TakesAll(const CampaignPlan& plan, const std::vector<List>& sets) {
+  for (const List& each : sets) {
+    List overrides = plan.set;
+    overrides.insert(overrides.end(), each.begin(), each.end());
+    try {
+      LoadScenario(plan.scenario, overrides);
+    } catch (const InputError&) {
+      return false;
+    }
+  }
+  return true;
 }
 
 bool CheckMetric(const std::string& metric, const List& also, const std::string& where,
@@ -382,7 +418,7 @@ void ResolveVariation(const fs::path& file, const ConfigNode& root, CampaignPlan
                    message.starts_with("--set ") ? message.substr(6) : message);
     return;
   }
-  CheckKeys(root, plan, mistakes);
+  TryKeys(root, plan, mistakes);
 }
 
 }  // namespace kestrel

@@ -6,6 +6,7 @@
 #include <map>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "campaign/campaign_plan.h"
 #include "config/yaml_fields.h"
@@ -28,6 +29,9 @@ std::map<std::string, Distribution> ReadVary(const ConfigNode& vary, Mistakes& m
 // varied, groups that cannot be correlated, a table that is too long.
 void ResolveVariation(const std::filesystem::path& file, const ConfigNode& root, CampaignPlan& plan,
                       Mistakes& mistakes);
+
+// Whether the scenario takes each of these sets of overrides.
+bool TakesAll(const CampaignPlan& plan, const std::vector<std::vector<std::string>>& sets);
 
 // Whether the scenario takes "key=value" after other overrides; otherwise says why.
 bool CheckOverride(const CampaignPlan& plan, const std::vector<std::string>& others, const std::string& key,

@@ -49,7 +49,7 @@ class CampaignPlanTest : public InTemporaryFolder {
 constexpr const char* kWhole = R"(name: windy
 scenario: landing
 set: [image.rate_hz=20, "start.offset_m=[0.1, 0]"]
-runs: 3
+runs: 2
 seed: 7
 sampling: independent
 vary:
@@ -59,7 +59,7 @@ vary:
   pilot.servo.lambda_per_s: {normal: [1, 0.05]}
   occlusion: {choice: [{share: 0.5, until_s: 3}, {share: 0}]}
   pad.position_m.0: {uniform: [-2, 2]}
-  world: {grid: [airfield, "winter_cloudy"]}
+  image.bits: {grid: [7, 8]}
 correlated: [{keys: [wind.mean_m_s, wind.from_deg], rank_correlation: -0.5}]
 same: [{key: pad.position_m.1, as: pad.position_m.0}]
 metrics: [touchdown_error_m]
@@ -79,24 +79,24 @@ TEST_F(CampaignPlanTest, AFileBecomesItsPlanAndATableThatTheScenarioTakes) {
   EXPECT_EQ(plan.correlated.at(0).rank_correlation, -0.5);
   EXPECT_EQ(plan.thresholds.at("touchdown_error_m").quantile, 0.95);
   EXPECT_EQ(loaded.text, kWhole);
-  EXPECT_THAT(loaded.table.keys, ElementsAre("seed", "image.latency_s", "occlusion", "pad.position_m.0",
-                                             "pilot.servo.lambda_per_s", "wind.from_deg", "wind.mean_m_s",
-                                             "world", "pad.position_m.1"));
-  ASSERT_EQ(loaded.table.rows.size(), 6u);
-  for (std::size_t row = 0; row < 6; ++row) {
+  EXPECT_THAT(loaded.table.keys,
+              ElementsAre("seed", "image.bits", "image.latency_s", "occlusion", "pad.position_m.0",
+                          "pilot.servo.lambda_per_s", "wind.from_deg", "wind.mean_m_s", "pad.position_m.1"));
+  ASSERT_EQ(loaded.table.rows.size(), 4u);
+  for (std::size_t row = 0; row < 4; ++row) {
     const auto& values = loaded.table.rows[row];
     const LoadedScenario flown = LoadScenario(plan.scenario, OverridesOf(loaded.table, row));
     EXPECT_EQ(std::to_string(flown.scenario.seed), values[0]);
-    EXPECT_EQ(flown.simulator.wind.mean_m_s, std::stod(values[6]));
-    EXPECT_EQ(flown.simulator.scene.pad_position_m.x(), std::stod(values[3]));
-    EXPECT_EQ(flown.simulator.scene.pad_position_m.y(), std::stod(values[3]));
-    EXPECT_EQ(flown.scenario.world, values[7]);
-    EXPECT_EQ(flown.scenario.occlusion.share, values[2] == "{share: 0.5, until_s: 3}" ? 0.5 : 0);
+    EXPECT_EQ(flown.simulator.wind.mean_m_s, std::stod(values[7]));
+    EXPECT_EQ(flown.simulator.scene.pad_position_m.x(), std::stod(values[4]));
+    EXPECT_EQ(flown.simulator.scene.pad_position_m.y(), std::stod(values[4]));
+    EXPECT_EQ(std::to_string(flown.scenario.image.bits), values[1]);
+    EXPECT_EQ(flown.scenario.occlusion.share, values[3] == "{share: 0.5, until_s: 3}" ? 0.5 : 0);
   }
 }
 
 TEST_F(CampaignPlanTest, AFileNeedsNothingButItsScenario) {
-  const LoadedCampaign loaded = Load("scenario: hover\n");
+  const LoadedCampaign loaded = Load("scenario: follow\n");
   EXPECT_EQ(loaded.plan.name, "f");
   EXPECT_EQ(loaded.plan.sampling, "latin_hypercube");
   EXPECT_THAT(loaded.table.keys, ElementsAre("seed"));
@@ -105,7 +105,7 @@ TEST_F(CampaignPlanTest, AFileNeedsNothingButItsScenario) {
 
 TEST_F(CampaignPlanTest, OverridesReachTheFileAndItsDistributions) {
   const LoadedCampaign loaded =
-      Load("scenario: hover\nvary: {wind.mean_m_s: {uniform: [0, 6]}}\n",
+      Load("scenario: follow\nvary: {wind.mean_m_s: {uniform: [0, 6]}}\n",
            {"runs=4", "vary.wind.mean_m_s={uniform: [1, 2]}", "vary.image.noise_grey={grid: [1, 2]}"});
   EXPECT_EQ(loaded.table.rows.size(), 8u);
   EXPECT_EQ(std::get<Uniform>(loaded.plan.vary.at("wind.mean_m_s")).low, 1);
@@ -114,18 +114,18 @@ TEST_F(CampaignPlanTest, OverridesReachTheFileAndItsDistributions) {
 }
 
 TEST_F(CampaignPlanTest, AScenarioMayLieBesideTheFile) {
-  Write("mission: hover\nwind: {mean_m_s: 1}\n", "own.yaml");
+  Write("mission: pose\nwind: {mean_m_s: 1}\n", "own.yaml");
   const LoadedCampaign loaded = Load("scenario: own.yaml\nruns: 1\n");
   EXPECT_EQ(loaded.plan.scenario, (folder_ / "own.yaml").string());
   EXPECT_EQ(LoadScenario(loaded.plan.scenario).simulator.wind.mean_m_s, 1);
 }
 
 TEST_F(CampaignPlanTest, EveryMistakeIsNamedWithFileLineKeyAndWhatWouldBeValid) {
-  const auto mistakes = Refusal(R"(scenario: landing
+  const auto mistakes = Refusal(R"(scenario: follow
 sampling: sobel
 runs: 0
 vary:
-  wind.mean: {uniform: [0, 6]}
+  wind.meen_m_s: {uniform: [0, 6]}
   wind.mean_m_s: {uniform: [6, 0]}
   image.noise_grey: {normal: [4, 2]}
   image.latency_s: {log_uniform: [0, 1]}
@@ -147,7 +147,7 @@ speed: 3
           "f.yaml:3: runs: 0 is out of range; valid: 1 to 10000000",
           "f.yaml:2: sampling: 'sobel' is not valid; did you mean 'sobol'? valid: independent, "
           "latin_hypercube, sobol",
-          StartsWith("f.yaml:19: speed: unknown key; valid: name, scenario, "),
+          "f.yaml:19: speed: unknown key; did you mean 'seed'?",
           "f.yaml:6: vary.wind.mean_m_s: low = 6 is not below high = 0",
           "f.yaml:8: vary.image.latency_s: low = 0 has no logarithm; valid: above 0",
           "f.yaml:10: vary.start.height_m: there is no distribution 'unifrom'; did you mean 'uniform'? "
@@ -158,12 +158,12 @@ speed: 3
           "f.yaml:15: vary.pad.yaw_deg: uniform: 3 is not valid; valid: [low, high]",
           "f.yaml:16: vary.pad.size: 4 is not a distribution; valid: one of uniform, log_uniform, normal, "
           "truncated_normal, choice, grid, as in {uniform: [0, 6]}",
-          "f.yaml:9: vary.image.jpeg_quality: 65.2786404520 is not a whole number; valid: 0 to 100; of whole "
+          "f.yaml:9: vary.image.jpeg_quality: 65.278640452 is not a whole number; valid: 0 to 100; of whole "
           "numbers valid: choice or grid",
           "f.yaml:7: vary.image.noise_grey: -16 is out of range; valid: 0 to 60; a normal reaches 10 "
           "deviations off: valid: truncated_normal",
-          "f.yaml:5: vary.wind.mean: unknown key; did you mean 'mean_m_s'?",
           "f.yaml:12: vary.wind.from_deg: 400 is out of range; valid: 0 to 360",
+          "f.yaml:5: vary.wind.meen_m_s: unknown key; did you mean 'mean_m_s'?",
           HasSubstr("f.yaml:13: vary.world: with winter_cloudly: "),
           "f.yaml:17: metrics.0: there is no metric 'touch_down_error_m'; did you mean 'touchdown_error_m'?",
           HasSubstr("f.yaml:18: thresholds.rest_error_m: has no limit; valid: max, min or both"),
@@ -174,7 +174,7 @@ speed: 3
 
 TEST_F(CampaignPlanTest, GroupsThatCannotBeCorrelatedAreRefused) {
   EXPECT_THAT(
-      Refusal(R"(scenario: landing
+      Refusal(R"(scenario: follow
 vary:
   wind.mean_m_s: {uniform: [0, 6]}
   wind.from_deg: {uniform: [0, 360]}
@@ -206,7 +206,7 @@ same: [{key: start.height_m, as: wind.mean}, {key: image.rate_hz, as: wind.mean_
 
 TEST_F(CampaignPlanTest, AKeyIsSetOrVaries) {
   EXPECT_THAT(
-      Refusal("scenario: landing\nset: [start.height_m=3, wind.mean_m_s=3]\n"
+      Refusal("scenario: follow\nset: [start.height_m=3, wind.mean_m_s=3]\n"
               "vary:\n  wind.mean_m_s: {uniform: [0, 6]}\n  start: {choice: [{height_m: 4}]}\n"),
       ElementsAre("f.yaml:5: vary.start: 'start' varies, and set has 'start.height_m=3'; valid: one of "
                   "the two",
@@ -221,9 +221,9 @@ TEST_F(CampaignPlanTest, AScenarioThatIsNoneOrNotValidIsRefused) {
                   "'landing'?"));
   EXPECT_THAT(Refusal("runs: 3\n"), ElementsAre("f.yaml:1: scenario: must be given"));
   EXPECT_THAT(
-      Refusal("scenario: landing\nset: [wind.mean_m_s=-1]\n"),
+      Refusal("scenario: follow\nset: [wind.mean_m_s=-1]\n"),
       ElementsAre("f.yaml:2: set: wind.mean_m_s=-1: wind.mean_m_s: -1 is out of range; valid: 0 to 20"));
-  EXPECT_THAT(Refusal("scenario: landing\nname: a/b\n"),
+  EXPECT_THAT(Refusal("scenario: follow\nname: a/b\n"),
               ElementsAre("f.yaml:2: name: 'a/b' cannot name a folder; valid: no slash, no leading dot"));
 }
 
@@ -232,8 +232,9 @@ TEST_F(CampaignPlanTest, WhatTheScenarioRefusesForAnotherReasonThanItsRangeIsSai
   const auto mistakes =
       Refusal("scenario: follow\nvary: {flight.gains.speed_limit_m_s: {uniform: [1, 9]}}\n");
   ASSERT_EQ(mistakes.size(), 1u);
-  EXPECT_THAT(mistakes[0], StartsWith("f.yaml:2: vary.flight.gains.speed_limit_m_s: 9, and "
-                                      "autopilot.speed_limit_m_s is "));
+  EXPECT_THAT(mistakes[0], HasSubstr("f.yaml:2: vary.flight.gains.speed_limit_m_s: with 9: "));
+  EXPECT_THAT(mistakes[0], HasSubstr("follow.yaml:3: flight.gains.speed_limit_m_s: 9, and "
+                                     "autopilot.speed_limit_m_s is 3"));
 }
 
 TEST_F(CampaignPlanTest, AKeyMayHaveItsMeaningFromAChoice) {
@@ -245,7 +246,7 @@ TEST_F(CampaignPlanTest, AKeyMayHaveItsMeaningFromAChoice) {
 }
 
 TEST_F(CampaignPlanTest, ATableTooLongIsRefusedBeforeItIsDrawn) {
-  EXPECT_THAT(Refusal("scenario: landing\nruns: 5000000\nvary: {image.rate_hz: {grid: [10, 20, 30]}}\n"),
+  EXPECT_THAT(Refusal("scenario: follow\nruns: 5000000\nvary: {image.rate_hz: {grid: [10, 20, 30]}}\n"),
               ElementsAre(HasSubstr("15000000 runs; valid: no more than 10000000")));
 }
 
@@ -260,7 +261,7 @@ TEST(Campaigns, EveryFileOfEveryFlightIsValidAndNoScenario) {
       EXPECT_THAT(loaded.plan.metrics, ::testing::Not(::testing::IsEmpty())) << name;
       EXPECT_THAT(scenarios, ::testing::Not(Contains(name)));
       // Rows that the scenario refuses would be flights lost.
-      for (std::size_t row = 0; row < loaded.table.rows.size(); row += loaded.table.rows.size() / 4)
+      for (const std::size_t row : {std::size_t{0}, loaded.table.rows.size() - 1})
         EXPECT_NO_THROW(LoadScenario(loaded.plan.scenario, OverridesOf(loaded.table, row))) << name;
       ++files;
     }

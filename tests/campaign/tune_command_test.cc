@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "campaign/tune_command.h"
+
+#include <gmock/gmock.h>
+
+#include <fstream>
+#include <iterator>
+
+#include "campaign/result_store.h"
+#include "config/yaml_fields.h"
+#include "scenarios/scenario.h"
+#include "tests/campaign/scripted_worker.h"
+#include "tests/scenarios/temporary_folder.h"
+
+namespace kestrel {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::SizeIs;
+
+class TuneCommandTest : public InTemporaryFolder {
+ protected:
+  void SetUp() override {
+    InTemporaryFolder::SetUp();
+    std::ofstream(folder_ / "t.yaml")
+        << "scenario: follow\n"
+           "vary: {wind.mean_m_s: {uniform: [0, 6]}}\n"
+           "gains:\n"
+           "  pilot.servo.lambda_per_s: {low: 0.1, high: 4, log: true, start: 3.9}\n"
+           "  pilot.servo.lambda_yaw_per_s: {low: 0, high: 2, start: 0.1}\n"
+           "cost: {follow_distance_rms: {scale: 1}}\n"
+           "budget: 120\nrows: 2\nleaders: 3\nfresh_rows: 4\nheld_out_rows: 10\n";
+    // Flies nothing: least at the gains 1 and 1.2. Every flight is a line of a file.
+    std::ofstream(folder_ / "worker.py") << R"(
+import json, math, os, sys
+def say(what):
+    os.write(1, (json.dumps(what) + "\n").encode())
+say({"ready": True})
+for line in sys.stdin:
+    order = json.loads(line)
+    keys = dict(each.split("=", 1) for each in order["overrides"])
+    a, b = float(keys["pilot.servo.lambda_per_s"]), float(keys["pilot.servo.lambda_yaw_per_s"])
+    with open(os.path.join(sys.argv[1], "flown.txt"), "a") as file: file.write(f"{order['row']}\n")
+    cost = math.log(a) ** 2 + (b - 1.2) ** 2 + 0.05 * float(keys["wind.mean_m_s"]) * (1 + 0.1 * a)
+    say({"row": order["row"], "status": "passed", "outcome": "", "metrics": {"follow_distance_rms": cost},
+         "state_hash": "", "image_hash": "", "flight_s": 0.01, "peak_mib": 1})
+)";
+  }
+  TuneArguments Arguments(const std::string& out, int jobs) const {
+    return {(folder_ / "t.yaml").string(),
+            (folder_ / out).string(),
+            {},
+            jobs,
+            true,
+            {"/usr/bin/env", "python3", (folder_ / "worker.py").string(), folder_.string()}};
+  }
+  std::string Text(const fs::path& file) const {
+    std::ifstream in(folder_ / file);
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+};
+
+TEST_F(TuneCommandTest, TheNumberOfWorkersChangesNothingAndWhatWasFlownIsNotFlownAgain) {
+  EXPECT_TRUE(TuneCommand(Arguments("one", 1)));
+  const std::size_t flights = RowsIn(folder_ / "flown.txt").size();
+  EXPECT_LE(flights, 120u + 3 * 10);
+  EXPECT_TRUE(TuneCommand(Arguments("three", 3)));
+  EXPECT_EQ(Text("three/tuning.json"), Text("one/tuning.json"));
+  EXPECT_EQ(Text("three/gains.yaml"), Text("one/gains.yaml"));
+  EXPECT_THAT(RowsIn(folder_ / "flown.txt"), SizeIs(2 * flights));
+  {
+    const CampaignIdentity identity = ResultStore::Read(folder_ / "three/flights.sqlite").identity();
+    ResultStore::Open(folder_ / "three/flights.sqlite", identity).DropFrom(57);  // as if it had ended there
+    fs::remove(folder_ / "three/gains.yaml");
+  }
+  EXPECT_TRUE(TuneCommand(Arguments("three", 2)));
+  EXPECT_EQ(Text("three/tuning.json"), Text("one/tuning.json"));
+  EXPECT_EQ(Text("three/gains.yaml"), Text("one/gains.yaml"));
+  EXPECT_THAT(RowsIn(folder_ / "flown.txt"), SizeIs(2 * flights + flights - 57));
+  const Scenario s = LoadScenario("follow", {"gains=" + (folder_ / "one/gains.yaml").string()}).scenario;
+  EXPECT_NEAR(s.pilot.servo.lambda_per_s, 1, 0.3);
+  EXPECT_NEAR(s.pilot.servo.lambda_yaw_per_s, 1.2, 0.3);
+}
+
+TEST_F(TuneCommandTest, TheFolderOfAnotherTuningIsRefused) {
+  EXPECT_TRUE(TuneCommand(Arguments("out", 2)));
+  TuneArguments other = Arguments("out", 2);
+  other.overrides = {"seed=2"};
+  EXPECT_THROW(TuneCommand(other), InputError);
+}
+
+}  // namespace
+}  // namespace kestrel

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "campaign/tune.h"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "campaign/sampling.h"
+#include "config/random.h"
+
+namespace kestrel {
+namespace {
+
+using ::testing::Each;
+using ::testing::ElementsAre;
+using ::testing::SizeIs;
+
+// Flights that are a formula: least error at the gains 2, 0.5, 0.3 and 0.7, with a part that is the row's.
+RunResult Formula(const RunOrder& order) {
+  std::map<std::string, double> value;
+  for (const std::string& each : order.overrides)
+    value[each.substr(0, each.find('='))] = std::stod(each.substr(each.find('=') + 1));
+  RunResult result{order.row, RunStatus::kPassed, "", {}, "", "", {}};
+  RandomStream random(static_cast<std::uint64_t>(std::fmod(value["seed"], 1e15)), "formula");
+  const double a = std::log(value["gain.a"] / 2), b = value["gain.b"] - 0.5;
+  result.metrics["error_m"] =
+      (a * a + 4 * b * b) * (1 + 0.3 * random.Normal()) + 0.1 * value["wind"] + 0.05 * random.Normal() + 1;
+  if (value["gain.a"] > 9) result.status = RunStatus::kFailed;
+  return result;
+}
+
+std::vector<RunResult> FlyFormula(const std::vector<RunOrder>& orders) {
+  std::vector<RunResult> results;
+  for (const RunOrder& order : orders) results.push_back(Formula(order));
+  return results;
+}
+
+LoadedTune Problem(std::uint64_t seed = 1) {
+  LoadedTune tune;
+  TunePlan& plan = tune.plan;
+  plan.flights.name = "formula";
+  plan.flights.scenario = "none";
+  plan.flights.set = {"fixed=1"};
+  plan.flights.vary = {{"wind", Uniform{0, 1}}};
+  plan.flights.seed = seed;
+  plan.gains["gain.a"] = {0.1, 10, true, 9.5};
+  plan.gains["gain.b"] = {0, 1, false, 0.0};
+  plan.gains["gain.c"] = plan.gains["gain.d"] = {0, 1, false, 0.0};
+  plan.rows = 3;
+  plan.cost.terms["error_m"] = {1, 1, 50};
+  tune.own = {{"gain.a", 3}, {"gain.b", 0.4}, {"gain.c", 0.5}, {"gain.d", 0.5}};
+  const auto draw = [&](int runs, const char* name) {
+    CampaignPlan flights = plan.flights;
+    flights.runs = runs, flights.seed = RandomStream(seed, name).Bits();
+    return DrawTable(flights);
+  };
+  tune.rows = draw(plan.rows, "rows"), tune.fresh = draw(plan.fresh_rows, "fresh");
+  tune.held_out = draw(plan.held_out_rows, "held out");
+  return tune;
+}
+
+TEST(Tune, ItFindsGainsThatHoldOnRowsThatTheSearchNeverSaw) {
+  const LoadedTune tune = Problem();
+  const TuneResult result = Tune(tune, FlyFormula);
+  EXPECT_NEAR(std::log(result.gains.at("gain.a") / 2), 0, 0.3);
+  EXPECT_NEAR(result.gains.at("gain.b"), 0.5, 0.15);
+  EXPECT_LE(result.flights, 500);
+  EXPECT_GT(result.flights, 500 - 8 * 3);  // less than a round is left over
+  EXPECT_THAT(result.start.costs, SizeIs(50));
+  EXPECT_THAT(result.start.passed, Each(false));
+  EXPECT_THAT(result.tuned.passed, Each(true));
+  EXPECT_TRUE(result.Better());
+  // Those that the scenario had are better than the start, and worse than these.
+  ASSERT_TRUE(result.from_own);
+  EXPECT_GT(result.from_own->difference, result.from_start.difference);
+  EXPECT_LT(result.from_own->high, 0);
+}
+
+TEST(Tune, CmaEsIsAheadOfTheOthersInTheMedianOfItsHeldOutCost) {
+  const auto median = [](const char* method) {
+    std::vector<double> costs;
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+      LoadedTune tune = Problem(seed);
+      tune.plan.method = method;
+      costs.push_back(Tune(tune, FlyFormula).tuned.Cost());
+    }
+    std::nth_element(costs.begin(), costs.begin() + 2, costs.end());
+    return costs[2];
+  };
+  const double cma_es = median("cma_es");
+  EXPECT_LE(cma_es, median("cross_entropy"));
+  EXPECT_LE(cma_es, median("random_search"));
+}
+
+std::vector<double> Held(const TuneResult& result) {
+  std::vector<double> all = result.tuned.costs;
+  for (const Evaluation& e : result.search) all.insert(all.end(), e.costs.begin(), e.costs.end());
+  for (const auto& [key, value] : result.gains) all.push_back(value);
+  return all;
+}
+
+TEST(Tune, TheOrderInWhichFlightsEndChangesNothing) {
+  const LoadedTune tune = Problem();
+  const auto backwards = [](const std::vector<RunOrder>& orders) {
+    std::vector<RunResult> results = FlyFormula(orders);
+    std::reverse(results.begin(), results.end());
+    return results;
+  };
+  EXPECT_EQ(Held(Tune(tune, backwards)), Held(Tune(tune, FlyFormula)));
+}
+
+TEST(Tune, InterruptedItGoesOnFromTheFlightsThatWereKept) {
+  const LoadedTune tune = Problem();
+  const std::vector<double> whole = Held(Tune(tune, FlyFormula));
+  std::map<std::int64_t, RunResult> kept;
+  int flown = 0, runs = 0;
+  for (bool done = false; !done; ++runs) {
+    int left = 97;  // of this process, until it is killed amid a round
+    const auto fly = [&](const std::vector<RunOrder>& orders) {
+      std::vector<RunResult> results;
+      for (const RunOrder& order : orders) {
+        if (!kept.contains(order.row)) {
+          if (left-- == 0) throw std::runtime_error("killed");
+          kept[order.row] = Formula(order), ++flown;
+        }
+        results.push_back(kept.at(order.row));
+      }
+      return results;
+    };
+    try {
+      EXPECT_EQ(Held(Tune(tune, fly)), whole);
+      done = true;
+    } catch (const std::runtime_error&) {}
+  }
+  EXPECT_GT(runs, 5);
+  EXPECT_EQ(flown, static_cast<int>(kept.size()));  // nothing twice
+}
+
+TEST(Tune, EveryCandidateFliesTheSameRowsAndNoneThatIsHeldOut) {
+  const LoadedTune tune = Problem();
+  std::map<std::string, std::set<std::string>> gains_of_seed;
+  std::int64_t next = 0;
+  const auto fly = [&](const std::vector<RunOrder>& orders) {
+    for (const RunOrder& order : orders) {
+      EXPECT_EQ(order.row, next++);
+      EXPECT_EQ(order.overrides[0], "fixed=1");
+      EXPECT_THAT(order.overrides, SizeIs(7));
+      gains_of_seed[order.overrides[1]].insert(order.overrides[3] + order.overrides[4] + order.overrides[5] +
+                                               order.overrides[6]);
+    }
+    return FlyFormula(orders);
+  };
+  const TuneResult result = Tune(tune, fly);
+  EXPECT_THAT(gains_of_seed, SizeIs(3 + 10 + 50));
+  std::set<std::size_t> sizes;
+  for (const auto& [seed, gains] : gains_of_seed) sizes.insert(gains.size());
+  EXPECT_THAT(sizes, ElementsAre(3, 5, result.search.size()));  // held out, fresh, of the search
+}
+
+TEST(Tune, TheBestOfTheSearchIsJudgedOnFreshRows) {
+  const TuneResult result = Tune(Problem(), FlyFormula);
+  ASSERT_THAT(result.leaders, SizeIs(5));
+  const auto best = std::min_element(result.leaders.begin(), result.leaders.end(),
+                                     [](const auto& a, const auto& b) { return a.Cost() < b.Cost(); });
+  EXPECT_EQ(best->gains, result.gains);
+  EXPECT_EQ(result.leaders.back().flights, result.flights);
+}
+
+TEST(Tune, AGainOnALogScaleHasEqualFactorsAtEqualSteps) {
+  const Gain gain{0.1, 10, true, {}};
+  EXPECT_NEAR(ValueAt(gain, 0.5), 1, 1e-12);
+  EXPECT_NEAR(ValueAt(gain, 0.75) / ValueAt(gain, 0.5), std::sqrt(10), 1e-5);
+  EXPECT_EQ(ValueAt(gain, 1), 10);
+  for (const bool log : {false, true})
+    EXPECT_NEAR(Coordinate({0.1, 10, log, {}}, ValueAt(Gain{0.1, 10, log, {}}, 0.3)), 0.3, 1e-6);
+}
+
+TEST(Tune, ThePairedIntervalIsStudents) {
+  // Differences 1, 2, 3: mean 2, deviation 1; t of 2 degrees of freedom at 97.5 % is 4.3027 (tables).
+  const PairedCost d = ComparePaired({5, 7, 1}, {6, 9, 4});
+  EXPECT_DOUBLE_EQ(d.difference, 2);
+  EXPECT_NEAR(d.high, 2 + 4.3027 / std::sqrt(3), 1e-4);
+  EXPECT_NEAR(d.low, 2 - 4.3027 / std::sqrt(3), 1e-4);
+}
+
+}  // namespace
+}  // namespace kestrel
