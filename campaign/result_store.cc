@@ -303,21 +303,25 @@ ResultStore ResultStore::Read(const fs::path& file) {
   const auto read = [&](const std::string& name, int flags) {
     auto database = std::make_unique<Database>();
     database->file = file;
-    database->OpenFile(name, SQLITE_OPEN_READONLY | flags);
+    database->OpenFile(name, flags);
+    Do(database->handle, "PRAGMA query_only = ON");
     if (!HasTables(database->handle, file)) RefuseAsNone(file, "it is empty");
     database->identity = ReadIdentity(database->handle, file);
     return ResultStore(std::move(database));
   };
   try {
     try {
-      return read(file.string(), 0);
+      // The log of a writer that was killed is put in order by its first reader, who must be able to write.
+      return read(file.string(), SQLITE_OPEN_READWRITE);
     } catch (const SqliteError& e) {
-      // Where nothing can be written, not even the log's index; then nobody else writes either.
-      if ((e.code & 0xff) != SQLITE_CANTOPEN || fs::exists(file.string() + "-wal", none)) throw;
+      // Where nothing can be written, not even the log's index, nobody else writes either.
+      const int code = e.code & 0xff;
+      if ((code != SQLITE_CANTOPEN && code != SQLITE_READONLY) || fs::exists(file.string() + "-wal", none))
+        throw;
       std::string name;
       for (const char c : fs::absolute(file).string())
         name += c == '?' || c == '#' || c == '%' ? fmt::format("%{:02X}", c) : std::string(1, c);
-      return read("file:" + name + "?immutable=1", SQLITE_OPEN_URI);
+      return read("file:" + name + "?immutable=1", SQLITE_OPEN_READONLY | SQLITE_OPEN_URI);
     }
   } catch (const SqliteError& e) {
     if ((e.code & 0xff) == SQLITE_NOTADB) RefuseAsNone(file, "it is no SQLite file");

@@ -28,6 +28,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr int kMostKilledStarts = 50;   // by someone else
 constexpr int kMostDeaths = 2;          // of a run by its own hand
 constexpr int kMostKilled = 5;          // of a run from without
 constexpr int kMostStarts = 3;          // of workers in a row that cannot fly
@@ -82,7 +83,7 @@ struct WorkerPool::Workers {
   double limit_s = 0;
   std::vector<Worker> all;
   std::deque<RunResult> ended;
-  int failed_starts = 0;
+  int failed_starts = 0, killed_starts = 0;
 
   ~Workers() {
     for (Worker& w : all) End(w);
@@ -105,7 +106,7 @@ void WorkerPool::Workers::Start(Worker& w) {
   int ends[2];
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
     throw std::runtime_error(fmt::format("cannot start a worker: {}", std::strerror(errno)));
-  const int log = open(w.log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
+  const int log = open(w.log.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_APPEND | O_CLOEXEC, 0644);
   if (log < 0) {
     const int reason = errno;
     close(ends[0]), close(ends[1]);
@@ -153,7 +154,8 @@ int WorkerPool::Workers::End(Worker& w) {
 
 void WorkerPool::Workers::Send(Worker& w) {
   w.until_s = MonotonicNow_s() + limit_s;
-  std::ofstream(w.log, std::ios::trunc);  // which is of this order alone; a log that stays is no harm
+  // Its log is of this order alone, and of its start if that is under way.
+  if (w.ready) std::ofstream(w.log, std::ios::trunc);
   const std::string line = OrderLine(*w.order);
   for (std::size_t done = 0; done < line.size();) {
     const ssize_t n = send(w.wire, line.data() + done, line.size() - done, MSG_NOSIGNAL);
@@ -186,12 +188,14 @@ void WorkerPool::Workers::Died(Worker& w, const std::string& of) {
   // Whoever has closed the wire and yet lives is ended; one that was ending has its own status.
   const int status = End(w);
   const std::string why = of.empty() ? NameOfEnd(status) : of;
+  const bool from_without = of.empty() && EndedFromWithout(status);
   if (!w.ready) {
-    if (++failed_starts >= kMostStarts)
+    ++(from_without ? killed_starts : failed_starts);
+    if (failed_starts >= kMostStarts || killed_starts >= kMostKilledStarts)
       throw std::runtime_error(
           fmt::format("workers cannot be started: {}: {}\n{}", command.front(), why, TailOf(w.log)));
   } else if (w.order) {
-    ++(of.empty() && EndedFromWithout(status) ? w.killed : w.deaths);
+    ++(from_without ? w.killed : w.deaths);
     if (w.deaths >= kMostDeaths || w.killed >= kMostKilled) ReportBadEnd(w, RunStatus::kCrashed, why);
   }
   Start(w);
@@ -218,7 +222,7 @@ void WorkerPool::Workers::Hear(Worker& w) {
     if (!w.ready && IsGreeting(line)) {
       w.ready = true;
       w.until_s = MonotonicNow_s() + limit_s;  // starting costs the run none of its time
-      failed_starts = 0;
+      failed_starts = killed_starts = 0;
       continue;
     }
     try {
@@ -246,7 +250,6 @@ WorkerPool::WorkerPool(int workers, double limit_s, const fs::path& logs,
     auto& worker = workers_->all.emplace_back();
     worker.number = i;
     worker.log = logs / fmt::format("worker-{}.log", i);
-    fs::remove(worker.log, error);
     workers_->Start(worker);
   }
 }

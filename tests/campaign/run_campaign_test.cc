@@ -138,7 +138,8 @@ TEST_F(RunCampaignTest, KillingTheParentLosesNothingButTheRunsUnderWayAndNothing
       try {
         RunCampaign(work, Options("killed", kJobs));
         _exit(0);
-      } catch (...) {
+      } catch (const std::exception& e) {
+        std::fputs(e.what(), stderr);
         _exit(1);
       }
     }
@@ -175,8 +176,12 @@ TEST_F(RunCampaignTest, KillingWorkersChangesNothing) {
   const CampaignWork work = Work(kRows, "wait 0.02");
   const pid_t parent = fork();
   if (parent == 0) {
-    const CampaignEnd end = RunCampaign(work, Options("killed", 2));
-    _exit(end.progress.passed == kRows - kRows / 5 ? 0 : 1);
+    try {
+      _exit(RunCampaign(work, Options("killed", 2)).progress.passed == kRows - kRows / 5 ? 0 : 1);
+    } catch (const std::exception& e) {
+      std::fputs(e.what(), stderr);
+      _exit(2);
+    }
   }
   std::mt19937 random(3);
   int status = 0, kills = 0;

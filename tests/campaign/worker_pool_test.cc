@@ -231,12 +231,17 @@ std::vector<pid_t> ChildrenOf(pid_t parent) {
 TEST_F(WorkerPoolTest, WorkersEndWithTheParentWhateverItsEnd) {
   const pid_t parent = fork();
   if (parent == 0) {
-    WorkerPool pool = Pool(2);
-    pool.Give(Order(0, "hang"));
-    pool.Give(Order(1, "hang"));
-    while (RowsIn(folder_ / "given.txt").size() < 2) pool.Take(0.01);
-    std::ofstream(folder_ / "under_way") << "yes";
-    for (;;) pool.Take(1);
+    try {
+      WorkerPool pool = Pool(2);
+      pool.Give(Order(0, "hang"));
+      pool.Give(Order(1, "hang"));
+      while (RowsIn(folder_ / "given.txt").size() < 2) pool.Take(0.01);
+      std::ofstream(folder_ / "under_way") << "yes";
+      for (;;) pool.Take(1);
+    } catch (const std::exception& e) {
+      std::fputs(e.what(), stderr);
+      _exit(1);
+    }
   }
   const double until_s = MonotonicNow_s() + kPatience_s;
   while (!fs::exists(folder_ / "under_way") && MonotonicNow_s() < until_s)
