@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+// The heading, how many runs passed, how the others ended, and what was asked of the campaign.
+const intervalScale = ({share, low, high, wanted}) => {
+  const span = Math.max(high - low, 0.002);
+  const from = Math.max(0, Math.min(low, wanted ?? low) - span), to = Math.min(1, high + span);
+  const place = (value) => `${(100 * (value - from) / (to - from)).toFixed(2)}%`;
+  const digits = to - from < 0.05 ? 1 : 0;
+  return el("div", {class: "scale", role: "img", "aria-label": `interval from ${percent(low)} to ${percent(high)}`},
+    el("i", {class: "track"}),
+    el("i", {class: "span", style: `left:${place(low)};right:calc(100% - ${place(high)})`}),
+    el("i", {class: "at", style: `left:${place(share)}`}),
+    hasNumber(wanted) ? el("i", {class: "wanted", style: `left:${place(wanted)}`, title: `wanted: ${percent(wanted)}`}) : null,
+    el("span", {style: "left:0"}, percent(from, digits)),
+    hasNumber(wanted) ? el("span", {style: `left:${place(wanted)}`}, `wanted ${percent(wanted)}`) : null,
+    el("span", {class: "last", style: "left:100%"}, percent(to, digits)));
+};
+
+const drawHeading = () => {
+  byId("kind").textContent = data.tuning ? "Kestrel tuning" : "Kestrel campaign";
+  byId("name").textContent = data.name;
+  byId("facts").replaceChildren(
+    el("span", {}, "scenario ", el("b", {}, data.scenario)),
+    el("span", {}, el("b", {}, count(data.runs.length)), ` of ${plural(data.planned, "run")} done`),
+    el("span", {}, "version ", el("b", {}, data.version)),
+    el("span", {}, "sample table ", el("b", {class: "mono"}, data.table_hash)));
+  for (const each of document.querySelectorAll(".confidence")) each.textContent = confidence;
+};
+
+const drawShare = () => {
+  const s = data.success;
+  const box = byId("success-share");
+  if (!data.runs.length) return box.replaceChildren("No run is done yet.");
+  const wanted = data.thresholds.find(({metric}) => metric === "success")?.min;
+  box.replaceChildren(
+    el("div", {class: "share", id: "share"}, (100 * s.share).toFixed(s.n >= 200 ? 1 : 0), el("small", {}, " %")),
+    el("p", {class: "interval"}, `${confidence} interval `, el("b", {}, `${percent(s.low)} to ${percent(s.high)}`)),
+    intervalScale({...s, wanted}),
+    el("p", {class: "note"}, `${plural(s.passed, "run")} of ${count(s.n)} met the scenario’s criteria; ` +
+       "a run that broke off, crashed, was refused or timed out counts as one that did not. Clopper-Pearson."));
+};
+
+const drawOutcomes = () => {
+  const groups = new Map();
+  for (const run of data.runs) {
+    const key = JSON.stringify([run.status, run.outcome]);
+    groups.set(key, [...(groups.get(key) ?? []), run]);
+  }
+  const rows = [...groups].map(([key, runs]) => ({status: JSON.parse(key)[0], outcome: JSON.parse(key)[1], runs}))
+      .sort((a, b) => (b.status === "passed") - (a.status === "passed") || b.runs.length - a.runs.length);
+  byId("outcomes").replaceChildren(
+    el("h3", {}, "How runs ended"),
+    el("div", {class: "scroll"}, el("table", {},
+      el("thead", {}, el("tr", {}, el("th", {}, "status"), el("th", {}, "outcome"),
+        el("th", {class: "number"}, "runs"), el("th", {class: "number"}, "share"))),
+      el("tbody", {}, rows.map(({status, outcome, runs}) => el("tr", {},
+        el("td", {}, badge(status)),
+        el("td", {}, el("button", {type: "button", class: "link", title: "Show these runs in the table",
+          onclick: () => filterRuns({status, outcome})}, outcome || "(none)")),
+        el("td", {class: "number"}, count(runs.length)),
+        el("td", {class: "number"}, percent(runs.length / data.runs.length))))))));
+};
+
+const drawThresholds = () => {
+  if (!data.thresholds.length) return;
+  const box = byId("thresholds");
+  box.hidden = false;
+  const named = ({metric, quantile}) => (metric === "success" ? "share of runs that pass"
+    : hasNumber(quantile) ? `${number(100 * quantile)} % quantile of ${metric}` : `mean of ${metric}`);
+  const shown = (value, metric) => (metric === "success" ? percent(value) : withUnit(value, metric));
+  box.replaceChildren(
+    el("h3", {}, "Asked of the campaign"),
+    el("div", {class: "scroll"}, el("table", {},
+      el("thead", {}, el("tr", {}, ["figure", "wanted", "value", `${confidence} interval`, ""].map((t) => el("th", {}, t)))),
+      el("tbody", {}, data.thresholds.map((t) => el("tr", {},
+        el("td", {}, named(t)),
+        el("td", {}, [["at least ", t.min], ["at most ", t.max]].filter(([, v]) => hasNumber(v))
+          .map(([w, v]) => w + shown(v, t.metric)).join(", ")),
+        el("td", {}, shown(t.value, t.metric)),
+        el("td", {}, hasNumber(t.low) ? `${shown(t.low, t.metric)} to ${shown(t.high, t.metric)}` : "–"),
+        el("td", {class: t.met ? "met" : "missed"}, t.met ? "met" : "not met")))))),
+    el("p", {class: "note"}, "Met when the bound of the interval that is against it keeps to it."));
+};
+
+const drawAgain = () => {
+  byId("again").replaceChildren(
+    el("h3", {}, "Fly it again"),
+    el("p", {class: "note"}, "Any one run, exactly, from its row:"), commandLine(data.replay.replace("{row}", "ROW")),
+    el("p", {class: "note"}, "The whole campaign, from its file (below, under Files): the same version and file give the same table of results, bit for bit, with however many workers."),
+    commandLine(`./kestrel campaign ${data.name}.yaml`));
+};
