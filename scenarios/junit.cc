@@ -13,6 +13,12 @@ namespace {
 struct Counts {
   int tests = 0, failures = 0, errors = 0;
   double wall_s = 0;
+
+  void Add(const JunitCase& test) {
+    ++tests;
+    failures += !test.failure.empty(), errors += !test.error.empty();
+    wall_s += test.wall_s;
+  }
 };
 
 // XML 1.0 cannot hold most control characters, not even escaped.
@@ -29,49 +35,46 @@ void Number(pugi::xml_node node, const Counts& counts) {
   node.append_attribute("time") = fmt::format("{:.3f}", counts.wall_s).c_str();
 }
 
-pugi::xml_node AddCase(pugi::xml_node suite, const Summary& run, const std::string& name, double wall_s) {
+void AddCase(pugi::xml_node suite, const JunitCase& each) {
   pugi::xml_node test = suite.append_child("testcase");
-  test.append_attribute("classname") = Printable(fmt::format("{}.seed_{}", run.scenario, run.seed)).c_str();
-  test.append_attribute("name") = Printable(name).c_str();
-  test.append_attribute("time") = fmt::format("{:.3f}", wall_s).c_str();
-  return test;
+  test.append_attribute("classname") = Printable(each.classname).c_str();
+  test.append_attribute("name") = Printable(each.name).c_str();
+  test.append_attribute("time") = fmt::format("{:.3f}", each.wall_s).c_str();
+  const auto report = [&](const char* kind, const std::string& message) {
+    if (!message.empty()) test.append_child(kind).append_attribute("message") = Printable(message).c_str();
+  };
+  report("failure", each.failure);
+  report("error", each.error);
 }
 
-void Report(pugi::xml_node test, const char* kind, const std::string& message) {
-  test.append_child(kind).append_attribute("message") = Printable(message).c_str();
-}
-
-Counts AddRun(pugi::xml_node suite, const Summary& run) {
-  Counts counts{0, 0, 0, run.wall_s};
+void AddRun(const Summary& run, std::vector<JunitCase>& cases) {
   const bool all_passed =
       std::all_of(run.criteria.begin(), run.criteria.end(), [](const Criterion& c) { return c.passed; });
   const bool flight = !run.complete || run.criteria.empty() || (!run.passed && all_passed);
-  counts.tests = static_cast<int>(run.criteria.size()) + flight;
-  const double share_s = run.wall_s / counts.tests;  // the cases of a suite should add up to its time
+  // The cases of a suite should add up to its time.
+  const double share_s = run.wall_s / static_cast<double>(run.criteria.size() + flight);
+  const auto add = [&](const std::string& name) -> JunitCase& {
+    return cases.emplace_back(
+        JunitCase{run.scenario, fmt::format("{}.seed_{}", run.scenario, run.seed), name, share_s, {}, {}});
+  };
   if (flight) {
-    const pugi::xml_node test = AddCase(suite, run, "flight", share_s);
-    if (!run.complete) {
-      ++counts.errors;
-      Report(test, "error", "the run broke off: " + run.error);
-    } else if (!run.passed) {
-      ++counts.failures;
-      Report(test, "failure", "the flight ended with: " + run.outcome);
-    }
+    JunitCase& test = add("flight");
+    if (!run.complete)
+      test.error = "the run broke off: " + run.error;
+    else if (!run.passed)
+      test.failure = "the flight ended with: " + run.outcome;
   }
   for (const Criterion& c : run.criteria) {
-    const pugi::xml_node test = AddCase(suite, run, c.name, share_s);
-    if (c.passed) continue;
-    ++counts.failures;
-    Report(test, "failure",
-           fmt::format("{} is {:g}; it must be at {} {:g}", c.name, c.value, c.at_least ? "least" : "most",
-                       c.limit));
+    JunitCase& test = add(c.name);
+    if (!c.passed)
+      test.failure = fmt::format("{} is {:g}; it must be at {} {:g}", c.name, c.value,
+                                 c.at_least ? "least" : "most", c.limit);
   }
-  return counts;
 }
 
 }  // namespace
 
-std::string ToJunit(const std::vector<Summary>& runs) {
+std::string JunitXml(const std::vector<JunitCase>& cases) {
   pugi::xml_document document;
   pugi::xml_node declaration = document.append_child(pugi::node_declaration);
   declaration.append_attribute("version") = "1.0";
@@ -79,31 +82,31 @@ std::string ToJunit(const std::vector<Summary>& runs) {
   pugi::xml_node root = document.append_child("testsuites");
   root.append_attribute("name") = "kestrel";
 
-  std::vector<std::string> scenarios;
-  for (const Summary& run : runs) {
-    if (std::find(scenarios.begin(), scenarios.end(), run.scenario) == scenarios.end()) {
-      scenarios.push_back(run.scenario);
-    }
-  }
+  std::vector<std::string> suites;
+  for (const JunitCase& test : cases)
+    if (std::find(suites.begin(), suites.end(), test.suite) == suites.end()) suites.push_back(test.suite);
   Counts all;
-  const auto add = [](Counts& sum, const Counts& more) {
-    sum.tests += more.tests, sum.failures += more.failures, sum.errors += more.errors,
-        sum.wall_s += more.wall_s;
-  };
-  for (const std::string& scenario : scenarios) {
+  for (const std::string& name : suites) {
     pugi::xml_node suite = root.append_child("testsuite");
-    suite.append_attribute("name") = Printable(scenario).c_str();
+    suite.append_attribute("name") = Printable(name).c_str();
     Counts counts;
-    for (const Summary& run : runs) {
-      if (run.scenario == scenario) add(counts, AddRun(suite, run));
+    for (const JunitCase& test : cases) {
+      if (test.suite != name) continue;
+      AddCase(suite, test);
+      counts.Add(test), all.Add(test);
     }
     Number(suite, counts);
-    add(all, counts);
   }
   Number(root, all);
   std::ostringstream text;
   document.save(text, "  ");
   return text.str();
+}
+
+std::string ToJunit(const std::vector<Summary>& runs) {
+  std::vector<JunitCase> cases;
+  for (const Summary& run : runs) AddRun(run, cases);
+  return JunitXml(cases);
 }
 
 }  // namespace kestrel
