@@ -1,6 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // The campaign's data, as page_data.h describes them, and what each part of the page asks of them.
 const data = JSON.parse(document.getElementById("data").textContent);
+const summary = data.summary;
+const summaryOf = new Map(summary.metrics.map((metric) => [metric.name, metric]));
+const confidence = "95 %";  // of every interval of the summary
+
+// What is shown without being asked for.
+const listed = summary.metrics.filter((metric) => metric.listed).map(({name}) => name);
+const shownFirst = listed.length ? listed : data.metrics.slice(0, 6);
 const runOfRow = new Map(data.runs.map((run) => [run.row, run]));
 const statuses = ["passed", "failed", "broke off", "refused", "crashed", "timed out"];
 
@@ -54,5 +61,4 @@ const quantileOfSorted = (sorted, p) => {
   return sorted[below] + (at - below) * (sorted[above] - sorted[below]);
 };
 
-const replayCommand = (row) => data.replay.replace("{row}", row);
-const confidence = percent(data.confidence, 0);
+const replayCommand = (row) => `${data.replay} ${row}`;

@@ -2,8 +2,8 @@
 // Each metric as a histogram or as the share of runs up to a value, with its quantiles.
 const limitLines = (name) => ["max", "min"].filter((end) => hasNumber(data.limits[name]?.[end]))
     .map((end) => ({at: data.limits[name][end], label: `${end}`, dashed: true}));
-const quantileLines = (name) => (data.statistics[name]?.quantiles ?? [])
-    .map(({p, value, low, high}) => ({at: value, low, high, label: `${number(100 * p)} %`}));
+const quantileLines = (name) => (summaryOf.get(name)?.quantiles ?? [])
+    .map(({q, value, low, high}) => ({at: value, low, high, label: `${number(100 * q)} %`}));
 
 // What lies so far out that the rest would be squeezed is left out of the picture, and said.
 const shownRange = (sorted) => {
@@ -90,15 +90,14 @@ const distributionNote = (name) => {
 };
 
 const quantileTable = (name) => {
-  const s = data.statistics[name];
-  if (!s) return null;
+  const s = summaryOf.get(name);
   const end = (value, none) => (hasNumber(value) ? number(value, 3) : none);
   const row = (what, {value, low, high}) => el("tr", {}, el("td", {}, what), el("td", {class: "number"}, number(value, 3)),
     el("td", {class: "number"}, `${end(low, "open")} to ${end(high, "open")}`));
   return el("table", {class: "quantiles"},
-    el("thead", {}, el("tr", {}, el("th", {}, `of ${plural(s.n, "run")}`),
+    el("thead", {}, el("tr", {}, el("th", {}, `of ${plural(s.runs, "run")}`),
       el("th", {class: "number"}, unitOf(name)[1] || "value"), el("th", {class: "number"}, `${confidence} interval`))),
-    el("tbody", {}, row("mean", s.mean), s.quantiles.map((q) => row(`${number(100 * q.p)} % quantile`, q))));
+    el("tbody", {}, row("mean", s.mean), s.quantiles.map((each) => row(`${number(100 * each.q)} % quantile`, each))));
 };
 
 const distributionCard = (name) => {
@@ -115,8 +114,8 @@ const drawDistribution = (name) =>
   draw(`distribution-${name}`, () => (distributionStyle() === "ecdf" ? describeEcdf(name) : describeHistogram(name)));
 
 const setUpDistributions = () => {
-  const names = data.metrics.filter((name) => data.runs.some((run) => hasNumber(metricOf(name)(run))));
-  const first = names.filter((name) => data.shown_first.includes(name));
+  const names = data.metrics;
+  const first = names.filter((name) => shownFirst.includes(name));
   const rest = names.filter((name) => !first.includes(name));
   let open = false;
   byId("distributions-first").append(...first.map(distributionCard));

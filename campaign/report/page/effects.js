@@ -6,7 +6,7 @@ const effectKinds = [
   {field: "first_order", title: "First-order Sobol index", from: 0, to: 1, sure: ({low}) => low > 0.01},
 ];
 
-const effectsOf = (metric, field) => data.effects.filter((each) => each.of === metric && each[field])
+const effectsOf = (metric, field) => summary.effects.filter((each) => each.of === metric && each[field])
     .map((each) => ({key: each.key, ...each[field]}))
     .sort((a, b) => Math.abs(b.value) - Math.abs(a.value));
 
@@ -46,7 +46,7 @@ const drawEffects = () => {
 };
 
 const setUpEffects = () => {
-  const metrics = [...new Set(data.effects.map((each) => each.of))];
+  const metrics = [...new Set(summary.effects.map((each) => each.of))];
   if (!metrics.length) return;
   byId("effects").hidden = false;
   fillSelect(byId("effects-metric"), metrics, data.metrics.find((name) => metrics.includes(name)));

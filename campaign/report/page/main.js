@@ -7,7 +7,7 @@ const setUpFiles = () => {
         el("button", {type: "button", onclick: () => copyText(content)}, "Copy")),
       el("pre", {}, content))] : []);
   byId("provenance").append(
-    el("p", {}, "Results: ", el("code", {}, data.results)),
+    el("p", {}, "Results: ", el("code", {}, data.results_file)),
     ...text("The campaign’s file", `${data.name}.yaml`, data.plan_text),
     ...text("The scenario without what varies", `${data.name}_scenario.yaml`, data.scenario_text));
 };

@@ -19,7 +19,7 @@ const columns = () => {
 };
 const allColumns = columns();
 const shownColumns = () => allColumns.filter(({name, kind}) =>
-  kind === undefined || (kind === "parameter" ? variesIn(name) : byId("runs-all").checked || data.shown_first.includes(name)));
+  kind === undefined || (kind === "parameter" ? variesIn(name) : byId("runs-all").checked || shownFirst.includes(name)));
 
 // Words that are all to be somewhere in a run's texts, and comparisons: "wind.mean_m_s>4".
 const wordsOf = (text) => text.trim().split(/\s+/).filter(Boolean).map((word) => {
@@ -109,7 +109,7 @@ const setUpTable = () => {
   byId("runs-status").addEventListener("change", () => { table.status = byId("runs-status").value; table.outcome = null; again(); });
   byId("runs-filter").addEventListener("input", again);
   byId("runs-all").addEventListener("change", drawTable);
-  byId("runs-all-label").hidden = data.metrics.length === data.shown_first.length;
+  byId("runs-all-label").hidden = data.metrics.length === shownFirst.length;
   byId("runs-csv").addEventListener("click", () => saveFile(`${data.name}.csv`, csvOf(sortedRuns()), "text/csv"));
   drawTable();
 };
@@ -129,10 +129,9 @@ const drawWorst = () => {
 };
 
 const setUpWorst = () => {
-  const metrics = data.metrics.filter((name) => data.runs.some((run) => hasNumber(metricOf(name)(run))));
-  if (!metrics.length) return void (byId("worst").hidden = true);
-  fillSelect(byId("worst-metric"), metrics, metrics[0]);
-  const order = () => { byId("worst-order").value = hasNumber(data.limits[byId("worst-metric").value]?.min) ? "least" : "greatest"; };
+  if (!data.metrics.length) return void (byId("worst").hidden = true);
+  fillSelect(byId("worst-metric"), data.metrics, data.metrics[0]);
+  const order = () => { byId("worst-order").value = summaryOf.get(byId("worst-metric").value).better === "higher" ? "least" : "greatest"; };
   byId("worst-metric").addEventListener("change", () => { order(); drawWorst(); });
   byId("worst-order").addEventListener("change", drawWorst);
   order();

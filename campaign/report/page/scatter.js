@@ -68,10 +68,9 @@ const drawScatter = () => {
 
 const setUpScatter = () => {
   const keys = data.keys.filter(variesIn);
-  const metrics = data.metrics.filter((name) => data.runs.some((run) => hasNumber(metricOf(name)(run))));
-  if (!keys.length || !metrics.length) return void (byId("scatter").hidden = true);
+  if (!keys.length || !data.metrics.length) return void (byId("scatter").hidden = true);
   fillSelect(byId("scatter-x"), keys, keys.find((key) => key !== "seed"));
-  fillSelect(byId("scatter-y"), metrics, metrics[0]);
+  fillSelect(byId("scatter-y"), data.metrics, data.metrics[0]);
   for (const id of ["scatter-x", "scatter-y", "scatter-log"]) byId(id).addEventListener("change", drawScatter);
   pickByKeys("scatter-chart");
   drawScatter();

@@ -20,17 +20,17 @@ const drawHeading = () => {
   byId("name").textContent = data.name;
   byId("facts").replaceChildren(
     el("span", {}, "scenario ", el("b", {}, data.scenario)),
-    el("span", {}, el("b", {}, count(data.runs.length)), ` of ${plural(data.planned, "run")} done`),
+    el("span", {}, el("b", {}, count(data.runs.length)), ` of ${plural(summary.rows, "run")} done`),
     el("span", {}, "version ", el("b", {}, data.version)),
     el("span", {}, "sample table ", el("b", {class: "mono"}, data.table_hash)));
   for (const each of document.querySelectorAll(".confidence")) each.textContent = confidence;
 };
 
 const drawShare = () => {
-  const s = data.success;
+  const s = {share: summary.success.value, low: summary.success.low, high: summary.success.high, n: summary.runs, passed: summary.passed};
   const box = byId("success-share");
   if (!data.runs.length) return box.replaceChildren("No run is done yet.");
-  const wanted = data.thresholds.find(({metric}) => metric === "success")?.min;
+  const wanted = summary.thresholds.find(({name, at_least}) => name === "success" && at_least)?.limit;
   box.replaceChildren(
     el("div", {class: "share", id: "share"}, (100 * s.share).toFixed(s.n >= 200 ? 1 : 0), el("small", {}, " %")),
     el("p", {class: "interval"}, `${confidence} interval `, el("b", {}, `${percent(s.low)} to ${percent(s.high)}`)),
@@ -40,13 +40,9 @@ const drawShare = () => {
 };
 
 const drawOutcomes = () => {
-  const groups = new Map();
-  for (const run of data.runs) {
-    const key = JSON.stringify([run.status, run.outcome]);
-    groups.set(key, [...(groups.get(key) ?? []), run]);
-  }
-  const rows = [...groups].map(([key, runs]) => ({status: JSON.parse(key)[0], outcome: JSON.parse(key)[1], runs}))
-      .sort((a, b) => (b.status === "passed") - (a.status === "passed") || b.runs.length - a.runs.length);
+  const ends = [...new Set(data.runs.filter(passed).map(({outcome}) => outcome))].map((outcome) =>
+    ({status: "passed", outcome, runs: data.runs.filter((run) => passed(run) && run.outcome === outcome).length}));
+  const rows = [...ends, ...summary.failures.map(({status, outcome, rows: those}) => ({status, outcome, runs: those.length}))];
   byId("outcomes").replaceChildren(
     el("h3", {}, "How runs ended"),
     el("div", {class: "scroll"}, el("table", {},
@@ -56,35 +52,33 @@ const drawOutcomes = () => {
         el("td", {}, badge(status)),
         el("td", {}, el("button", {type: "button", class: "link", title: "Show these runs in the table",
           onclick: () => filterRuns({status, outcome})}, outcome || "(none)")),
-        el("td", {class: "number"}, count(runs.length)),
-        el("td", {class: "number"}, percent(runs.length / data.runs.length))))))));
+        el("td", {class: "number"}, count(runs)),
+        el("td", {class: "number"}, percent(runs / data.runs.length))))))));
 };
 
 const drawThresholds = () => {
-  if (!data.thresholds.length) return;
+  if (!summary.thresholds.length) return;
   const box = byId("thresholds");
   box.hidden = false;
-  const named = ({metric, quantile}) => (metric === "success" ? "share of runs that pass"
-    : hasNumber(quantile) ? `${number(100 * quantile)} % quantile of ${metric}` : `mean of ${metric}`);
-  const shown = (value, metric) => (metric === "success" ? percent(value) : withUnit(value, metric));
+  const shown = (value, name) => (!hasNumber(value) ? "open" : name === "success" ? percent(value) : withUnit(value, name.split(",")[0]));
   box.replaceChildren(
     el("h3", {}, "Asked of the campaign"),
     el("div", {class: "scroll"}, el("table", {},
       el("thead", {}, el("tr", {}, ["figure", "wanted", "value", `${confidence} interval`, ""].map((t) => el("th", {}, t)))),
-      el("tbody", {}, data.thresholds.map((t) => el("tr", {},
-        el("td", {}, named(t)),
-        el("td", {}, [["at least ", t.min], ["at most ", t.max]].filter(([, v]) => hasNumber(v))
-          .map(([w, v]) => w + shown(v, t.metric)).join(", ")),
-        el("td", {}, shown(t.value, t.metric)),
-        el("td", {}, hasNumber(t.low) ? `${shown(t.low, t.metric)} to ${shown(t.high, t.metric)}` : "–"),
-        el("td", {class: t.met ? "met" : "missed"}, t.met ? "met" : "not met")))))),
-    el("p", {class: "note"}, "Met when the bound of the interval that is against it keeps to it."));
+      el("tbody", {}, summary.thresholds.map((t) => el("tr", {},
+        el("td", {}, t.name === "success" ? "share of runs that pass" : t.name),
+        el("td", {}, `at ${t.at_least ? "least" : "most"} ${shown(t.limit, t.name)}`),
+        el("td", {}, shown(t.value, t.name)),
+        el("td", {}, `${shown(t.low, t.name)} to ${shown(t.high, t.name)}`),
+        el("td", {class: t.passed ? "met" : "missed"}, t.passed ? "met" : "not met",
+          t.without ? el("small", {}, ` (${plural(t.without, "run")} without it)`) : null)))))),
+    el("p", {class: "note"}, "Met when the bound of the interval that is against it keeps to the limit. A run without the metric counts as worse than any that has it."));
 };
 
 const drawAgain = () => {
   byId("again").replaceChildren(
     el("h3", {}, "Fly it again"),
-    el("p", {class: "note"}, "Any one run, exactly, from its row:"), commandLine(data.replay.replace("{row}", "ROW")),
+    el("p", {class: "note"}, "Any one run, exactly, from its row:"), commandLine(replayCommand("ROW")),
     el("p", {class: "note"}, "The whole campaign, from its file (below, under Files): the same version and file give the same table of results, bit for bit, with however many workers."),
     commandLine(`./kestrel campaign ${data.name}.yaml`));
 };
