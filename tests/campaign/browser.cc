@@ -114,6 +114,8 @@ Browser::Browser(const fs::path& folder) {
   fs::remove_all(folder);
   fs::create_directories(folder);
   driver_ = std::make_unique<Driver>(folder);
+  driver_->Command("/url", {{"url", "about:blank"}});
+  Complaints(), Requests();  // of the page that it begins with
 }
 
 Browser::~Browser() = default;
@@ -127,7 +129,11 @@ Json Browser::Run(const std::string& script) {
 }
 
 void Browser::Click(const std::string& css) {
-  driver_->Command("/element/" + driver_->Element(css) + "/click", Json::object());
+  const std::string element = driver_->Element(css);
+  // What stays at the top of the window would cover what WebDriver itself scrolls to.
+  driver_->Command("/execute/sync", {{"script", "arguments[0].scrollIntoView({block: 'center'})"},
+                                     {"args", {{{kElement, element}}}}});
+  driver_->Command("/element/" + element + "/click", Json::object());
 }
 
 void Browser::Choose(const std::string& css, const std::string& option) {

@@ -71,10 +71,26 @@ const marks = {
   },
 };
 
-// Circles around the origin: options.plugins.circles.radii of {at, label, strong}.
+// Text on a chart, legible over whatever lies under it.
+const writeOver = (ctx, text, x, y, ink) => {
+  ctx.font = "600 11px system-ui, sans-serif";
+  ctx.textAlign = "center";
+  ctx.setLineDash([]);
+  ctx.lineWidth = 4;
+  ctx.lineJoin = "round";
+  ctx.strokeStyle = color("card");
+  ctx.strokeText(text, x, y);
+  ctx.fillStyle = color(ink);
+  ctx.fillText(text, x, y);
+};
+
+// Circles around the origin: options.plugins.circles.radii of {at, label, ink, dashed}; those without a label
+// are thin.
 const circles = {
   id: "circles",
-  beforeDatasetsDraw(chart, _, options) {
+  beforeDatasetsDraw(chart, _, options) { circles.draw(chart, options, false); },
+  afterDatasetsDraw(chart, _, options) { circles.draw(chart, options, true); },
+  draw(chart, options, named) {
     const {ctx, scales: {x, y}, chartArea: area} = chart;
     if (!options.radii) return;
     ctx.save();
@@ -87,19 +103,15 @@ const circles = {
     ctx.moveTo(at[0] - 7, at[1]), ctx.lineTo(at[0] + 7, at[1]);
     ctx.moveTo(at[0], at[1] - 7), ctx.lineTo(at[0], at[1] + 7);
     ctx.stroke();
-    for (const circle of options.radii) {
+    for (const circle of options.radii.filter(({label}) => Boolean(label) === named)) {
       const radius = x.getPixelForValue(circle.at) - at[0];
-      ctx.strokeStyle = color(circle.strong ?? "line");
-      ctx.lineWidth = circle.strong ? 2 : 1;
+      ctx.strokeStyle = color(circle.ink ?? "line");
+      ctx.lineWidth = named ? 2 : 1;
       ctx.setLineDash(circle.dashed ? [6, 4] : []);
       ctx.beginPath();
       ctx.arc(...at, radius, 0, 2 * Math.PI);
       ctx.stroke();
-      ctx.font = "11px system-ui, sans-serif";
-      ctx.fillStyle = color(circle.strong ?? "soft");
-      ctx.textAlign = "center";
-      const down = circle.below ? 1 : -1;
-      ctx.fillText(circle.label, at[0], at[1] + down * radius + (circle.below ? 12 : -4));
+      if (named) writeOver(ctx, circle.label, at[0], at[1] + radius + 14, circle.ink);
     }
     ctx.restore();
   },

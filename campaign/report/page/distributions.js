@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Each metric as a histogram or as the share of runs up to a value, with its quantiles.
 const limitLines = (name) => ["max", "min"].filter((end) => hasNumber(data.limits[name]?.[end]))
-    .map((end) => ({at: data.limits[name][end], label: `${end}`, dashed: true}));
+    .map((end) => ({at: data.limits[name][end], label: "limit", dashed: true}));
 const quantileLines = (name) => (summaryOf.get(name)?.quantiles ?? [])
     .map(({q, value, low, high}) => ({at: value, low, high, label: `${number(100 * q)} %`}));
 

@@ -13,18 +13,18 @@ const effectsOf = (metric, field) => summary.effects.filter((each) => each.of ==
 const describeEffects = (metric, kind) => {
   const effects = effectsOf(metric, kind.field);
   const ends = effects.flatMap(({low, high, value}) => [low, high, value].filter(hasNumber));
-  const most = Math.min(1, Math.max(0.1, ...ends.map(Math.abs)) * 1.1);
+  const most = Math.min(1, Math.ceil(10 * Math.max(0.1, ...ends.map(Math.abs))) / 10);
   return {
     type: "bar",
     data: {labels: effects.map(({key}) => key), datasets: [{
       label: kind.title, data: effects.map(({value}) => value),
       intervals: effects.map(({low, high}) => (hasNumber(low) && hasNumber(high) ? [low, high] : null)),
-      backgroundColor: effects.map((each) => (kind.sure(each) ? color("accent") : color("band"))),
+      backgroundColor: effects.map((each) => (kind.sure(each) ? color("accent") : color("pale"))),
       barPercentage: 0.7}]},
     options: {
       indexAxis: "y",
       interaction: {mode: "index", axis: "y", intersect: false},
-      scales: {x: axis("", {min: kind.from < 0 ? -most : Math.min(0, ...ends), max: most}),
+      scales: {x: axis("", {min: kind.from < 0 ? -most : 0, max: most}),
                y: {grid: {display: false}, ticks: {autoSkip: false, font: {size: 11}}}},
       plugins: {legend: {display: false}, tooltip: {callbacks: {
         label: ({dataIndex: at}) =>

@@ -16,9 +16,9 @@ const describeTouchdown = () => {
   const p95 = quantileOfSorted(distances, 0.95);
   const reach = 1.12 * Math.max(...distances.slice(-1), hasNumber(limit) ? limit : 0, 1e-3);
   const step = niceStep(reach / 4);
-  const radii = Array.from({length: Math.floor(reach / step)}, (_, at) => ({at: (at + 1) * step, label: `${number((at + 1) * step)} m`}));
-  radii.push({at: p95, label: `95 % within ${number(p95, 3)} m`, strong: "accent", below: true});
-  if (hasNumber(limit)) radii.push({at: limit, label: `limit ${number(limit)} m`, strong: "bad", dashed: true, below: true});
+  const radii = Array.from({length: Math.floor(reach / step)}, (_, at) => ({at: (at + 1) * step}));
+  radii.push({at: p95, label: `95 % within ${number(p95, 3)} m`, ink: "accent"});
+  if (hasNumber(limit)) radii.push({at: limit, label: `limit ${number(limit)} m`, ink: "bad", dashed: true});
   return {type: "scatter", data: {datasets: runPoints(points)}, options: {
     ...runPointOptions,
     aspectRatio: 1, maintainAspectRatio: false,
@@ -79,8 +79,12 @@ const setUpTrajectories = () => {
   const all = data.trajectories;
   const [norths, easts] = ["north_m", "east_m"].map((name) => ascending(all.flatMap((each) => each[name])));
   const middle = [easts, norths].map((values) => (values[0] + values[values.length - 1]) / 2);
-  const half = 0.55 * Math.max(0.1, ...[easts, norths].map((values) => values[values.length - 1] - values[0]));
-  const about = (centre) => ({min: centre - half, max: centre + half, ticks: {callback: (value) => number(value, 3)}});
+  const span = Math.max(0.1, ...[easts, norths].map((values) => values[values.length - 1] - values[0]));
+  const step = niceStep(span / 6), steps = Math.ceil(span / step) + 1;
+  const about = (centre) => {
+    const first = Math.round(centre / step - steps / 2);
+    return {min: first * step, max: (first + steps) * step, ticks: {stepSize: step}};
+  };
   const top = {x: axis("east (m)", about(middle[0])), y: axis("north (m)", about(middle[1]))};
   draw("trajectory-top", () => describeTrajectories((t, at) => ({x: t.east_m[at], y: t.north_m[at]}), top));
   draw("trajectory-height", () => describeTrajectories((t, at) => ({x: t.t_s[at], y: t.height_m[at]}),

@@ -49,12 +49,15 @@ const sortedRuns = () => {
   });
 };
 
+// A seed has more digits than a number of JavaScript holds.
+const whole = (text) => /^[+-]?\d+$/.test(text ?? "");
+
 const cell = (run, {name, numeric, of, text}) => {
   if (name === "row") return el("td", {}, rowButton(run.row));
   if (name === "status") return el("td", {}, badge(run.status));
   const value = of(run);
   return el("td", {class: numeric ? "number" : "text", title: text ? text(run) : (numeric ? undefined : value)},
-            numeric ? number(value) : value);
+            numeric && !whole(text?.(run)) ? number(value) : text?.(run) ?? value);
 };
 
 const drawTable = () => {
