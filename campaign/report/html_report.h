@@ -28,6 +28,7 @@ struct TunedGain {
 struct TuningHistory {
   std::string cost;                  // what it is, for the axis
   std::optional<double> start_cost;  // of the gains that the search started from
+  std::string verdict;               // a sentence: how the tuned gains did against them; may be empty
   std::vector<SearchCurve> searches;
   std::vector<TunedGain> gains;
 };
@@ -37,8 +38,9 @@ struct ReportSubject {
   CampaignIdentity identity;
   std::vector<RunResult> results;  // in the order of the rows
   CampaignSummary summary;         // of them
-  std::string results_file;        // as the commands on the page name it
+  std::string results_file;        // records are looked for beside it too, in recordings/
   std::string replay;              // the command that flies a row again, but for the row's number at its end
+  std::string again;               // the command that flies all of it again; may be empty
   std::optional<TuningHistory> tuning;  // then the results are those of the tuned gains on rows unseen
 };
 

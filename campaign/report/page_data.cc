@@ -107,6 +107,7 @@ Json TuningOf(const std::optional<TuningHistory>& tuning) {
   if (!tuning) return {};
   Json json = {{"cost", tuning->cost},
                {"start_cost", tuning->start_cost ? Json(*tuning->start_cost) : Json()},
+               {"verdict", tuning->verdict},
                {"searches", Json::array()},
                {"gains", Json::array()}};
   for (const SearchCurve& s : tuning->searches)
@@ -140,6 +141,7 @@ std::string PageData(const ReportSubject& subject, const fs::path& page_folder) 
                      {"scenario", name == plan.end() ? "" : name->second},
                      {"results_file", subject.results_file},
                      {"replay", subject.replay},
+                     {"again", subject.again},
                      {"summary", Json::parse(ToJson(subject.summary))},
                      {"limits", LimitsOf(scenario)},
                      {"keys", subject.identity.table.keys},

@@ -111,6 +111,7 @@ class ReportInBrowser : public testing::Test {
     ReportSubject subject = LandingCampaign(1000, folder_);
     Write(folder_ / "report.html", HtmlReport(subject, folder_));
     subject.tuning = HoverTuning();
+    subject.tuning->verdict = "The tuned gains are better.";
     Write(folder_ / "tuning.html", HtmlReport(subject, folder_));
     browser_ = std::make_unique<Browser>(folder_ / "browser");
   }
@@ -305,6 +306,9 @@ TEST_F(ReportInBrowser, DrawsTheConvergenceOfATuning) {
   EXPECT_EQ(Run("return document.getElementById('kind').textContent"), "Kestrel tuning");
   EXPECT_EQ(Run("return charts['tuning-chart'].data.datasets.filter(d => !d.alone).map(d => d.label)"),
             Json({"CMA-ES", "cross-entropy", "random search", "gains it started from"}));
+  EXPECT_EQ(Run("return document.getElementById('tuning-verdict').textContent"),
+            "The tuned gains are better.");
+  EXPECT_EQ(Run("return document.querySelector('nav a').textContent"), "Tuning");
   // The median of the five repetitions after the last flight.
   const Json median =
       Run("const all = data.tuning.searches.filter(s => s.method === 'CMA-ES').map(s => "

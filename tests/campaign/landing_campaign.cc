@@ -162,11 +162,12 @@ ReportSubject LandingCampaign(std::int64_t runs, const std::filesystem::path& fo
       {{"success", {std::nullopt, std::nullopt, 0.98}}, {"touchdown_error_m", {0.95, 0.15, std::nullopt}}});
   subject.results_file = (folder / "results.sqlite").string();
   subject.replay = "./kestrel campaign replay results/campaigns/landing_dispersion/results.sqlite";
+  subject.again = "./kestrel campaign scenarios/landing/campaigns/landing_dispersion.yaml";
   return subject;
 }
 
 TuningHistory HoverTuning() {
-  TuningHistory tuning{"cost: 20 hold_horizontal_rmse_m + settle_s / 10", 6.8, {}, {}};
+  TuningHistory tuning{"cost: 20 hold_horizontal_rmse_m + settle_s / 10", 6.8, "", {}, {}};
   Dice dice(5);
   const std::pair<const char*, double> methods[] = {
       {"CMA-ES", 70}, {"cross-entropy", 120}, {"random search", 260}};

@@ -104,14 +104,14 @@ const circles = {
     ctx.moveTo(at[0], at[1] - 7), ctx.lineTo(at[0], at[1] + 7);
     ctx.stroke();
     for (const circle of options.radii.filter(({label}) => Boolean(label) === named)) {
-      const radius = x.getPixelForValue(circle.at) - at[0];
+      const across = x.getPixelForValue(circle.at) - at[0], up = at[1] - y.getPixelForValue(circle.at);
       ctx.strokeStyle = color(circle.ink ?? "line");
       ctx.lineWidth = named ? 2 : 1;
       ctx.setLineDash(circle.dashed ? [6, 4] : []);
       ctx.beginPath();
-      ctx.arc(...at, radius, 0, 2 * Math.PI);
+      ctx.ellipse(...at, across, up, 0, 0, 2 * Math.PI);
       ctx.stroke();
-      if (named) writeOver(ctx, circle.label, at[0], at[1] + radius + 14, circle.ink);
+      if (named) writeOver(ctx, circle.label, at[0], at[1] + up + 14, circle.ink);
     }
     ctx.restore();
   },
@@ -128,6 +128,7 @@ Chart.defaults.animation = false;
 Chart.defaults.maintainAspectRatio = false;
 Chart.defaults.interaction = {mode: "nearest", intersect: true};
 Chart.defaults.plugins.legend.labels.usePointStyle = true;
+Chart.defaults.plugins.legend.labels.boxHeight = 7;
 Chart.defaults.plugins.legend.align = "start";
 Chart.defaults.plugins.tooltip.displayColors = false;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Where runs touched down about the pad's centre, and where recorded ones flew.
-const squareScales = (reach, names) => Object.fromEntries(["x", "y"].map((which, at) =>
-  [which, axis(names[at], {min: -reach, max: reach, ticks: {maxTicksLimit: 9}})]));
+const squareScales = (reach, step, names) => Object.fromEntries(["x", "y"].map((which, at) =>
+  [which, axis(names[at], {min: -reach, max: reach, ticks: {stepSize: step}})]));
 
 const touchdownPoints = () => {
   const north = metricOf("touchdown_north_m"), east = metricOf("touchdown_east_m");
@@ -14,15 +14,15 @@ const describeTouchdown = () => {
   const distances = ascending(points.map(({x, y}) => Math.hypot(x, y)));
   const limit = data.limits.touchdown_error_m?.max;
   const p95 = quantileOfSorted(distances, 0.95);
-  const reach = 1.12 * Math.max(...distances.slice(-1), hasNumber(limit) ? limit : 0, 1e-3);
-  const step = niceStep(reach / 4);
+  const farthest = Math.max(...distances.slice(-1), hasNumber(limit) ? limit : 0, 1e-3);
+  const step = niceStep(farthest / 4), reach = step * Math.ceil(1.1 * farthest / step);
   const radii = Array.from({length: Math.floor(reach / step)}, (_, at) => ({at: (at + 1) * step}));
   radii.push({at: p95, label: `95 % within ${number(p95, 3)} m`, ink: "accent"});
   if (hasNumber(limit)) radii.push({at: limit, label: `limit ${number(limit)} m`, ink: "bad", dashed: true});
   return {type: "scatter", data: {datasets: runPoints(points)}, options: {
     ...runPointOptions,
     aspectRatio: 1, maintainAspectRatio: false,
-    scales: squareScales(reach, ["east of the pad’s centre (m)", "north (m)"]),
+    scales: squareScales(reach, step, ["east of the pad’s centre (m)", "north (m)"]),
     plugins: {circles: {radii}, tooltip: {callbacks: {label: ({raw: {x, y, run}}) =>
       [`run ${run.row}: ${run.status}`, `${number(y, 3)} m north, ${number(x, 3)} m east`]}}},
   }};

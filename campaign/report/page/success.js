@@ -79,6 +79,6 @@ const drawAgain = () => {
   byId("again").replaceChildren(
     el("h3", {}, "Fly it again"),
     el("p", {class: "note"}, "Any one run, exactly, from its row:"), commandLine(replayCommand("ROW")),
-    el("p", {class: "note"}, "The whole campaign, from its file (below, under Files): the same version and file give the same table of results, bit for bit, with however many workers."),
-    commandLine(`./kestrel campaign ${data.name}.yaml`));
+    ...(data.again ? [el("p", {class: "note"}, "All of it, from its file (below, under Files): the same version and file give the same table of results, bit for bit, with however many workers."),
+      commandLine(data.again)] : []));
 };

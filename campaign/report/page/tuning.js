@@ -45,6 +45,7 @@ const describeTuning = () => {
 const setUpTuning = () => {
   if (!data.tuning || !data.tuning.searches.length) return;
   byId("tuning").hidden = false;
+  byId("top").prepend(byId("tuning"));
   const drawIt = () => draw("tuning-chart", describeTuning);
   byId("tuning-controls").append(el("label", {}, el("input", {type: "checkbox", id: "tuning-log", onchange: drawIt}), " logarithmic"));
   byId("tuning-chart").setAttribute("role", "img");
@@ -53,6 +54,7 @@ const setUpTuning = () => {
   byId("tuning-note").textContent = "The least cost found after so many flights, as the search saw it" +
     (repeated ? "; thick: the median of the repetitions, thin: each of them." : ".") +
     " How the gains do on rows that the search never saw is in the other sections.";
+  if (data.tuning.verdict) byId("tuning-note").after(el("p", {id: "tuning-verdict"}, data.tuning.verdict));
   drawIt();
   if (!data.tuning.gains.length) return void (byId("tuning-gains").hidden = true);
   byId("tuning-gains").append(el("h3", {}, "Gains"), el("table", {},
