@@ -9,6 +9,7 @@
 
 #include "campaign/distribution.h"
 #include "campaign/sample_table.h"
+#include "config/fields.h"
 
 namespace kestrel {
 
@@ -18,12 +19,25 @@ struct CorrelatedGroup {
   double rank_correlation = 0;
 };
 
+template <class Visitor>
+void Fields(Visitor& v, CorrelatedGroup& g) {
+  v(Required("keys"), g.keys);
+  v(Required("rank_correlation"), g.rank_correlation, -1.0, 1.0);
+}
+
 // What a campaign's results must keep to, for CI: judged by the bound of the 95 % interval that is against
 // it.
 struct Threshold {
   std::optional<double> quantile;  // of the metric; none: its mean
   std::optional<double> max, min;
 };
+
+template <class Visitor>
+void Fields(Visitor& v, Threshold& t) {
+  v("quantile", t.quantile, 0.0, 1.0);
+  v("max", t.max, -1e9, 1e9);
+  v("min", t.min, -1e9, 1e9);
+}
 
 // A campaign's file.
 struct CampaignPlan {

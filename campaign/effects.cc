@@ -40,17 +40,77 @@ std::vector<double> RanksOf(const std::vector<double>& values) {
 // Groups of neighbours of about the same size, equal values always in one.
 std::vector<std::size_t> GroupsOfNeighbours(const std::vector<double>& x) {
   const std::size_t n = x.size();
-  const std::size_t groups = std::clamp<std::size_t>(n / 10, 2, 32);
+  const std::size_t groups = std::clamp<std::size_t>(n / 20, 2, 16);
   const std::vector<std::size_t> order = OrderOf(x);
   std::vector<std::size_t> group(n);
-  std::size_t current = 0;
   for (std::size_t begin = 0, end = 0; begin < n; begin = end) {
     while (end < n && x[order[end]] == x[order[begin]]) ++end;
-    const std::size_t wanted = (begin + end) / 2 * groups / n;  // where the middle of the equal ones lies
-    current = std::max(current, wanted);
-    for (std::size_t i = begin; i < end; ++i) group[order[i]] = current;
+    const std::size_t where = (begin + end) / 2 * groups / n;  // the middle of the equal ones
+    for (std::size_t i = begin; i < end; ++i) group[order[i]] = where;
   }
   return group;
+}
+
+// What is expected of y, in deviations from its mean, and with how many parameters that was fitted.
+struct Fit {
+  std::vector<double> values;
+  double parameters = 0;
+};
+
+// The groups' means; where x is given, a straight line in x for each group.
+Fit FitOf(const std::vector<std::size_t>& groups, const std::vector<double>& deviations,
+          const std::vector<double>* x) {
+  struct Sums {
+    double count = 0, x = 0, y = 0, xx = 0, xy = 0;
+  };
+  std::map<std::size_t, Sums> sums;
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    Sums& s = sums[groups[i]];
+    s.count += 1, s.y += deviations[i];
+    if (x) s.x += (*x)[i];
+  }
+  Fit fit;
+  if (x)
+    for (std::size_t i = 0; i < groups.size(); ++i) {
+      Sums& s = sums[groups[i]];
+      const double from = (*x)[i] - s.x / s.count;
+      s.xx += from * from, s.xy += from * deviations[i];
+    }
+  for (const auto& [group, s] : sums) fit.parameters += s.xx > 0 ? 2 : 1;
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    const Sums& s = sums[groups[i]];
+    const double slope = s.xx > 0 ? s.xy / s.xx : 0;
+    fit.values.push_back(s.y / s.count + (x ? slope * ((*x)[i] - s.x / s.count) : 0));
+  }
+  return fit;
+}
+
+// The share of y's variance that a fit explains, less what chance lets it explain.
+std::optional<Estimate> ShareExplained(const std::vector<std::size_t>& groups, const std::vector<double>& y,
+                                       const std::vector<double>* x, double level) {
+  if (y.size() < kFewest) return std::nullopt;
+  const double n = static_cast<double>(y.size()), mean = Mean(y);
+  std::vector<double> deviations;
+  for (const double each : y) deviations.push_back(each - mean);
+  const Fit fit = FitOf(groups, deviations, x);
+  double total = 0, left = 0;
+  for (std::size_t i = 0; i < y.size(); ++i) {
+    const double rest = deviations[i] - fit.values[i];
+    total += deviations[i] * deviations[i], left += rest * rest;
+  }
+  if (fit.parameters < 2 || fit.parameters >= n || total <= 0) return std::nullopt;
+  const double variance = total / n, index = 1 - (left / (n - fit.parameters)) / (total / (n - 1));
+  // The influence of a sample on N / V, N being the variance of the expectation m and V that of y:
+  // (2 m y - m^2 - N - index (y^2 - V)) / V, y and m about the mean.
+  double sum = 0, squares = 0;
+  for (std::size_t i = 0; i < y.size(); ++i) {
+    const double d = deviations[i], m = fit.values[i];
+    const double influence = (2 * m * d - m * m - index * d * d) / variance;
+    sum += influence, squares += influence * influence;
+  }
+  const double spread = std::max(0.0, squares / n - sum / n * sum / n);
+  const double half = NormalQuantile(level) * std::sqrt(spread / (n - fit.parameters));
+  return Estimate{index, {std::clamp(index - half, 0.0, 1.0), std::clamp(index + half, 0.0, 1.0)}};
 }
 
 }  // namespace
@@ -84,41 +144,14 @@ std::optional<Estimate> RankCorrelation(const std::vector<double>& x, const std:
 
 std::optional<Estimate> ShareBetweenGroups(const std::vector<std::size_t>& groups,
                                            const std::vector<double>& y, double level) {
-  if (y.size() < kFewest) return std::nullopt;
-  const double n = static_cast<double>(y.size()), mean = Mean(y);
-  std::map<std::size_t, std::pair<double, double>> sums;  // of y less its mean, by group; how many
-  for (std::size_t i = 0; i < y.size(); ++i) {
-    auto& [sum, count] = sums[groups[i]];
-    sum += y[i] - mean, count += 1;
-  }
-  const double k = static_cast<double>(sums.size());
-  double total = 0, within = 0;
-  for (std::size_t i = 0; i < y.size(); ++i) {
-    const auto& [sum, count] = sums.at(groups[i]);
-    const double d = y[i] - mean, e = d - sum / count;
-    total += d * d, within += e * e;
-  }
-  if (k < 2 || k >= n || total <= 0) return std::nullopt;
-  const double variance = total / n;
-  const double index = 1 - (within / (n - k)) / (total / (n - 1));
-  // The influence of one sample on N / V, N being the variance of the groups' means m and V that of y (both
-  // about the mean): ((2 m y - m^2 - N) - index (y^2 - V)) / V.
-  double squares = 0, influence_sum = 0;
-  for (std::size_t i = 0; i < y.size(); ++i) {
-    const auto& [sum, count] = sums.at(groups[i]);
-    const double d = y[i] - mean, m = sum / count;
-    const double influence = (2 * m * d - m * m - index * d * d) / variance;
-    squares += influence * influence, influence_sum += influence;
-  }
-  const double spread = squares / n - influence_sum / n * influence_sum / n;
-  const double half = NormalQuantile(level) * std::sqrt(std::max(0.0, spread) / n);
-  return Estimate{index, {std::clamp(index - half, 0.0, 1.0), std::clamp(index + half, 0.0, 1.0)}};
+  return ShareExplained(groups, y, nullptr, level);
 }
 
 std::optional<Estimate> FirstOrderIndex(const std::vector<double>& x, const std::vector<double>& y,
                                         double level) {
   if (x.size() < kFewest) return std::nullopt;
-  return ShareBetweenGroups(GroupsOfNeighbours(x), y, level);
+  const std::vector<double> ranks = RanksOf(x);
+  return ShareExplained(GroupsOfNeighbours(x), y, &ranks, level);
 }
 
 std::vector<Effect> EffectsOf(const SampleTable& table, const std::vector<RunResult>& results,

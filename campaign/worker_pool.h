@@ -22,19 +22,26 @@ struct RunOrder {
   bool video = false;
 };
 
-// Worker processes that fly: this program itself, started again for each. A worker that crashes or takes too
-// long costs the run that it had, which comes back as that, and is replaced. They end with this process,
-// whatever its end.
+// Worker processes that fly: this program itself, started again for each. They end with this process,
+// whatever its end. A worker that takes too long is ended, and its run comes back as that. One that dies is
+// replaced, and its run is flown again: what a row alone does it does again, so a run that its worker dies of
+// twice has crashed, and one whose worker was ended from without has not, unless that goes on. To be used by
+// one thread.
 class WorkerPool {
  public:
-  // limit_s: of wall time for a run. logs: folder for what the workers say. Throws std::runtime_error.
-  WorkerPool(int workers, double limit_s, const std::filesystem::path& logs);
+  // limit_s: of wall time for a run. logs: folder for what the workers say, made if need be. command: of a
+  // worker, without a shell. Throws std::runtime_error.
+  WorkerPool(int workers, double limit_s, const std::filesystem::path& logs,
+             const std::vector<std::string>& command = {"/proc/self/exe", "campaign-worker"});
   ~WorkerPool();
+  WorkerPool(const WorkerPool&) = delete;
+  WorkerPool& operator=(const WorkerPool&) = delete;
 
   bool Idle() const;                 // a worker waits for an order
   void Give(const RunOrder& order);  // to an idle one
-  std::size_t under_way() const;
-  // The next run that ends; none: none has within this time.
+  std::size_t under_way() const;     // runs given and not taken
+  // The next run that ends; none: none has within this time, or a signal came. Throws std::runtime_error:
+  // workers cannot be started.
   std::optional<RunResult> Take(double most_s);
 
  private:

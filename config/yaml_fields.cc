@@ -333,18 +333,41 @@ void FieldReader::operator()(FieldKey key, std::string& value, const std::vector
   value = node->text;
 }
 
+void FieldReader::operator()(FieldKey key, std::vector<std::string>& value) {
+  const ConfigNode* node = Find(key);
+  if (!node || !Holds(*node, ConfigNode::Kind::kList, key)) return;
+  value.clear();
+  for (const auto& [index, member] : node->members) {
+    if (member.kind == Kind::kText)
+      value.push_back(member.text);
+    else
+      Wrong(member, fmt::format("{}.{}", key.name, index), fmt::format("{} is not a text", Shown(member)));
+  }
+}
+
+void FieldReader::operator()(FieldKey key, ConfigNode& value) {
+  if (const ConfigNode* node = Find(key)) value = *node;
+}
+
 void FieldReader::Numbers(FieldKey key, double* values, int size, double low, double high) {
   const ConfigNode* node = Find(key);
   if (!node) return;
-  if (node->kind != Kind::kList || node->members.size() != static_cast<std::size_t>(size)) {
+  const auto is_element = [&](const auto& member) {
+    for (int i = 0; i < size; ++i)
+      if (member.first == std::to_string(i)) return true;
+    return false;
+  };
+  const bool some = node->kind == Kind::kMap && !node->members.empty() &&
+                    std::all_of(node->members.begin(), node->members.end(), is_element);
+  if (!some && (node->kind != Kind::kList || node->members.size() != static_cast<std::size_t>(size))) {
     return Wrong(*node, key.name,
                  fmt::format("{} is not valid; valid: a list of {} numbers, each {} to {}", Shown(*node),
                              size, low, high));
   }
   std::vector<double> read(values, values + size);
   bool all = true;
-  for (int i = 0; i < size; ++i) {
-    all &= Number(node->members[i].second, fmt::format("{}.{}", key.name, i), low, high, read[i]);
+  for (const auto& [index, member] : node->members) {
+    all &= Number(member, fmt::format("{}.{}", key.name, index), low, high, read[std::stoul(index)]);
   }
   if (all) std::copy(read.begin(), read.end(), values);
 }

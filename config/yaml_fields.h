@@ -18,7 +18,8 @@
 // Parameter structs to and from YAML, checked: the visitors of the Fields that config/fields.h describes.
 // They understand: double, int, std::uint64_t, bool, std::string, Eigen vectors of fixed size with the range
 // of their elements, std::optional<double>, and structs with Fields, alone or in std::optional, std::vector
-// or std::map by free names. What has no key in the file keeps the value that it had.
+// or std::map by free names; the reader also lists of texts, and nodes that no struct describes, as they
+// stand. What has no key in the file keeps the value that it had.
 namespace kestrel {
 
 // Bad input, every mistake of it: one per line in what().
@@ -56,7 +57,8 @@ struct Config {
 };
 
 // Reads a YAML file, or YAML text under a name for its mistakes. Overrides are "key.path=value", the value
-// being YAML; an element of a list is named by its number; the last of several for one key holds.
+// being YAML; an element of a list is named by its number, and so is one of a vector that is not given and
+// has its own value; the last of several for one key holds.
 Config LoadConfig(const std::filesystem::path& file, const std::vector<std::string>& overrides,
                   Mistakes& mistakes);
 Config ParseConfig(const std::string& text, const std::string& name,
@@ -78,6 +80,8 @@ class FieldReader {
   void operator()(FieldKey key, std::string& value);
   void operator()(FieldKey key, std::string& value, std::initializer_list<const char*> valid);
   void operator()(FieldKey key, std::string& value, const std::vector<std::string>& valid);
+  void operator()(FieldKey key, std::vector<std::string>& value);
+  void operator()(FieldKey key, ConfigNode& value);
   template <int size>
   void operator()(FieldKey key, Eigen::Matrix<double, size, 1>& value, double low, double high) {
     static_assert(size > 0);

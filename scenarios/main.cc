@@ -12,6 +12,8 @@
 #include <cstdio>
 #include <opencv2/core/utility.hpp>
 
+#include "campaign/campaign_command.h"
+#include "campaign/worker_pool.h"
 #include "scenarios/bench.h"
 #include "scenarios/calibrate_command.h"
 #include "scenarios/encounters_command.h"
@@ -203,6 +205,10 @@ int Main(int argc, char** argv) {
   const CLI::App* serve_command = AddServeCommand(app, serve);
   EncountersArguments encounters;
   const CLI::App* encounters_command = AddEncountersCommand(app, encounters);
+  CampaignArguments campaign;
+  const CLI::App* campaign_command = AddCampaignCommand(app, campaign);
+  const CLI::App* worker_command =
+      app.add_subcommand("campaign-worker", "Flies what a campaign orders on standard input")->group("");
 
   BenchArguments bench;
   CLI::App* bench_command = app.add_subcommand("bench", "Measure: a table of figures beside their targets");
@@ -272,6 +278,8 @@ int Main(int argc, char** argv) {
     }
     if (*replay_command) return ReplayCommand(replay) ? kMet : kNotMet;
     if (*encounters_command) return EncountersCommand(encounters) ? kMet : kNotMet;
+    if (*campaign_command) return CampaignCommand(campaign, {}) ? kMet : kNotMet;
+    if (*worker_command) return WorkerMain();
     if (*bench_command) {
       Mistakes mistakes;
       CheckWritableFile(bench.json, "--json", mistakes);

@@ -228,6 +228,41 @@ TEST(YamlFields, OverridesReplaceAddAndReachIntoLists) {
   EXPECT_EQ(flight.seed, 2u);
 }
 
+TEST(YamlFields, AnElementOfAVectorTakesAnOverrideThoughTheVectorIsNotGiven) {
+  const auto [flight, mistakes] = ReadText("name: a", {"size_m.1=4", "inertia_kg_m2.0=0.5"});
+  EXPECT_THAT(mistakes, IsEmpty());
+  EXPECT_EQ(flight.size, Eigen::Vector2d(1, 4));
+  EXPECT_EQ(flight.inertia, Eigen::Vector3d(0.5, 0.2, 0.3));
+  EXPECT_THAT(ReadText("name: a", {"size_m.2=4", "inertia_kg_m2.0=7"}).mistakes,
+              ElementsAre("--set inertia_kg_m2.0=7: inertia_kg_m2.0: 7 is out of range; valid: 1e-05 to 1",
+                          "--set size_m.2=4: size_m: a map is not valid; valid: a list of 2 numbers, each "
+                          "-10 to 10"));
+}
+
+struct Listed {
+  std::vector<std::string> names = {"as it was"};
+  ConfigNode rest;
+};
+template <class Visitor>
+void Fields(Visitor& v, Listed& l) {
+  v("names", l.names);
+  v("rest", l.rest);
+}
+
+TEST(YamlFields, ListsOfTextsAndNodesAsTheyStand) {
+  Mistakes mistakes;
+  Listed listed;
+  Read(ParseConfig("names: [a=1, b]\nrest: {c: [1]}\n", "f.yaml", {}, mistakes), listed, mistakes);
+  EXPECT_THAT(listed.names, ElementsAre("a=1", "b"));
+  ASSERT_EQ(listed.rest.members.size(), 1u);
+  EXPECT_EQ(listed.rest.members[0].first, "c");
+  EXPECT_EQ(listed.rest.members[0].second.where, "f.yaml:2");
+  Read(ParseConfig("names: [a, [b]]\n", "f.yaml", {}, mistakes), listed, mistakes);
+  Read(ParseConfig("names: a\n", "f.yaml", {}, mistakes), listed, mistakes);
+  EXPECT_THAT(mistakes.messages(), ElementsAre("f.yaml:1: names.1: a list of 1 is not a text",
+                                               "f.yaml:1: names: 'a' is not a list"));
+}
+
 TEST(YamlFields, MistakesInOverridesNameTheOverride) {
   EXPECT_THAT(ReadText("name: a\nlist: [{length_s: 1}]\nmean_m_s: 3",
                        {"gusts.length_s=300", "gust.length_s=3", "turbulence", "mean_m_s.x=1",

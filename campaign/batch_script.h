@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace kestrel {
+
+// What flies a campaign's parts on other machines. All of them see the folder, and have the program where it
+// is here.
+struct BatchJob {
+  std::string name;
+  std::filesystem::path program;
+  std::vector<std::string>
+      arguments;  // of `kestrel campaign` and of its merge alike: the file and what it is set to
+  std::filesystem::path folder;     // absolute, of the results
+  std::filesystem::path directory;  // that the file's name and others are relative to
+  std::string root;                 // KESTREL_ROOT, if it is set
+  int tasks = 1;                    // parts
+  int jobs = 1;                     // workers for each
+};
+
+// A text as a shell's word that means it.
+std::string ShellWord(const std::string& text);
+
+// An sbatch script of a job array, a part for each of its tasks, that a lost task may be started with again.
+std::string SlurmScript(const BatchJob& job);
+// A line for GNU parallel, and the merge after it. at_once: parts that fly at the same time.
+std::string ParallelLines(const BatchJob& job, int at_once);
+// The commands that fly the whole, or a part, and the one that joins parts.
+std::string FlyCommand(const BatchJob& job);
+std::string ShardCommand(const BatchJob& job, const std::string& shard);
+std::string MergeCommand(const BatchJob& job);
+
+}  // namespace kestrel

@@ -1,0 +1,409 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "campaign/campaign_command.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <map>
+#include <stdexcept>
+
+#include "campaign/batch_script.h"
+#include "campaign/fly_row.h"
+#include "config/stopwatch.h"
+#include "config/yaml_fields.h"
+#include "scenarios/files.h"
+#include "scenarios/model_files.h"
+
+namespace kestrel {
+namespace {
+
+namespace fs = std::filesystem;
+using Verb = CampaignArguments::Verb;
+
+std::atomic<int> stop = 0;
+
+// The first interrupt lets the runs under way end; the second, or the request to terminate, does not; after
+// that the next ends the program.
+void Interrupt(int signal) {
+  stop = signal == SIGINT ? stop + 1 : 2;
+  if (stop >= 2) std::signal(signal, SIG_DFL);
+}
+
+// "3 min 20 s"
+std::string Duration(double seconds) {
+  const auto s = static_cast<std::int64_t>(std::min(seconds, 1e9) + 0.5);
+  if (s < 60) return fmt::format("{} s", s);
+  if (s < 3600) return fmt::format("{} min {} s", s / 60, s % 60);
+  return fmt::format("{} h {} min", s / 3600, s / 60 % 60);
+}
+
+std::string Share(std::int64_t passed, std::int64_t runs, const CampaignStatistics& statistics) {
+  if (runs == 0) return "none flown";
+  std::string text =
+      fmt::format("{:.1f} % passed", 100 * static_cast<double>(passed) / static_cast<double>(runs));
+  if (statistics.interval) text += " " + statistics.interval(passed, runs);
+  return text;
+}
+
+// One line on a terminal, rewritten some times a second.
+class ProgressLine {
+ public:
+  ProgressLine(std::string name, const CampaignStatistics& statistics)
+      : name_(std::move(name)), statistics_(statistics) {}
+  ~ProgressLine() {
+    if (shown_) fmt::print(stderr, "\r\033[K");
+  }
+  void Show(const Progress& p) {
+    if (shown_ && SecondsSince(last_) < 0.1) return;
+    last_ = std::chrono::steady_clock::now();
+    shown_ = true;
+    std::string left;
+    if (p.flown > 0)
+      left = fmt::format("   {:.3g} runs/min, {} left", 60 * p.Rate(),
+                         Duration(static_cast<double>(p.rows - p.done) / p.Rate()));
+    if (stop == 1) left = "   ending; interrupt again to drop the runs under way";
+    fmt::print(stderr, "\r\033[K{}: {} of {} runs, {}{}", name_, p.done, p.rows,
+               Share(p.passed, p.done, statistics_), left);
+    std::fflush(stderr);
+  }
+
+ private:
+  std::string name_;
+  const CampaignStatistics& statistics_;
+  bool shown_ = false;
+  std::chrono::steady_clock::time_point last_;
+};
+
+// A campaign as the command line asks for it.
+struct Asked {
+  LoadedCampaign campaign;
+  fs::path folder;
+  std::optional<Shard> shard;
+};
+
+Asked Read(const CampaignArguments& a) {
+  std::vector<std::string> overrides = a.overrides;
+  if (!a.runs.empty()) overrides.push_back("runs=" + a.runs);
+  if (!a.seed.empty()) overrides.push_back("seed=" + a.seed);
+  std::vector<std::string> mistakes;
+  const auto attempt = [&](const auto& what) {
+    try {
+      what();
+    } catch (const InputError& e) {
+      mistakes.insert(mistakes.end(), e.messages.begin(), e.messages.end());
+    }
+  };
+  Asked asked;
+  if (!a.shard.empty()) attempt([&] { asked.shard = ShardOf(a.shard); });
+  if (asked.shard && a.stop_when)
+    mistakes.push_back(
+        "--stop-when: a part of a table cannot tell when the whole of it is enough; valid: one "
+        "of --shard and --stop-when");
+  attempt([&] { asked.campaign = LoadCampaign(CampaignFile(a.file), overrides); });
+  if (mistakes.empty()) {
+    asked.folder = a.out.empty() ? fs::path("results/campaigns") / asked.campaign.plan.name : fs::path(a.out);
+    Mistakes of_folder;
+    CheckWritableFolder(asked.folder, "--out", of_folder);
+    mistakes = of_folder.messages();
+  }
+  if (!mistakes.empty()) throw InputError(mistakes);
+  return asked;
+}
+
+// What --stop-when makes of a plan.
+std::string RuleOf(const CampaignArguments& a) {
+  return a.stop_when ? fmt::format("--stop-when {:g}", *a.stop_when) : std::string();
+}
+
+void PrintEnd(const CampaignWork& work, const ResultStore& store, const CampaignEnd& end,
+              const CampaignStatistics& statistics) {
+  const Progress& p = end.progress;
+  fmt::print("{}: {} of {} runs, {}\n", work.identity.name, p.done, p.rows,
+             Share(p.passed, p.done, statistics));
+  if (end.enough && p.done < p.rows)
+    fmt::print("  the share is known well enough: the rows from {} on are not flown\n", p.done);
+  std::map<std::string_view, int> counts;
+  const std::vector<RunResult> results = store.Results();
+  for (const RunResult& result : results) ++counts[NameOf(result.status)];
+  for (const RunStatus status : {RunStatus::kPassed, RunStatus::kFailed, RunStatus::kBrokeOff,
+                                 RunStatus::kRefused, RunStatus::kCrashed, RunStatus::kTimedOut})
+    if (counts.contains(NameOf(status)))
+      fmt::print("  {:<10} {:>6}\n", NameOf(status), counts[NameOf(status)]);
+  for (const RunResult& result : results)
+    if (!result.execution.recording.empty())
+      fmt::print("  row {} ({}, {}) is recorded in {}\n", result.row, NameOf(result.status), result.outcome,
+                 result.execution.recording);
+  for (const std::string& each : end.mistrust)
+    fmt::print(stderr, "kestrel: flown again it came to something else: {}\n", each);
+}
+
+bool Fly(const CampaignArguments& a, const CampaignStatistics& statistics) {
+  const Asked asked = Read(a);
+  const CampaignWork work = WorkOf(asked.campaign, RuleOf(a));
+  CampaignOptions options;
+  options.folder = asked.folder;
+  options.jobs = a.jobs > 0 ? a.jobs : Cores();
+  options.shard = asked.shard;
+  options.record_failures = a.record_failures;
+  options.record = a.record;
+  options.stop = &stop;
+  if (a.stop_when && statistics.narrow_enough)
+    options.enough = [&](const Progress& p) {
+      return statistics.narrow_enough(p.counted_passed, p.counted, *a.stop_when);
+    };
+  CampaignEnd end;
+  {
+    ProgressLine line(work.identity.name, statistics);
+    if (isatty(STDERR_FILENO) && !a.quiet) options.show = [&](const Progress& p) { line.Show(p); };
+    std::signal(SIGINT, Interrupt);
+    std::signal(SIGTERM, Interrupt);
+    end = RunCampaign(work, options);
+  }
+  const fs::path file = ResultFile(asked.folder, asked.shard);
+  if (!end.Complete())
+    throw std::runtime_error(
+        fmt::format("interrupted: {} of {} runs are kept in {}; the same command goes on", end.progress.done,
+                    end.progress.rows, file.string()));
+  if (!a.quiet) {
+    PrintEnd(work, ResultStore::Read(file), end, statistics);
+    fmt::print("  {}\n", file.string());
+  }
+  return end.mistrust.empty();
+}
+
+// The result files of parts in a folder, in the order of their numbers.
+std::vector<fs::path> ShardFiles(const fs::path& folder) {
+  std::vector<std::pair<std::pair<int, int>, fs::path>> files;
+  std::error_code none;
+  for (const auto& entry : fs::directory_iterator(folder, none))
+    if (const auto shard = ShardOfFile(entry.path()))
+      files.push_back({{shard->of, shard->number}, entry.path()});
+  std::sort(files.begin(), files.end());
+  std::vector<fs::path> names;
+  for (auto& [number, file] : files) names.push_back(std::move(file));
+  return names;
+}
+
+bool Replay(const CampaignArguments& a) {
+  const Asked asked = Read(a);
+  CampaignWork work = WorkOf(asked.campaign);
+  const auto rows = static_cast<std::int64_t>(work.identity.table.rows.size());
+  if (a.row < 0 || a.row >= rows)
+    throw InputError({fmt::format("ROW: there is no row {}; valid: 0 to {}", a.row, rows - 1)});
+  // What is stored of it: by the whole file or a part.
+  std::optional<RunResult> stored;
+  std::vector<fs::path> files = ShardFiles(asked.folder);
+  files.insert(files.begin(), ResultFile(asked.folder));
+  for (const fs::path& file : files) {
+    if (stored || !fs::is_regular_file(file)) continue;
+    const ResultStore store = ResultStore::Read(file);
+    for (const RunResult& result : store.Results())
+      if (result.row == a.row) stored = result;
+    if (!stored) continue;
+    CampaignIdentity wanted = work.identity;
+    wanted.plan = store.identity().plan;  // of which a rule for the end may be a part
+    for (const std::string& each : Differences(store.identity(), wanted))
+      fmt::print(stderr, "kestrel: {}: {}\n", file.string(), each);
+    if (a.row < static_cast<std::int64_t>(store.identity().table.rows.size()))
+      work.identity.table = store.identity().table;
+  }
+  const fs::path folder = RecordingFolder(asked.folder, a.row);
+  RunOrder order = OrderFor(work, a.row, folder);
+  order.video = !a.no_video;
+  if (!a.quiet) fmt::print("row {}: {}\n", a.row, fmt::join(order.overrides, "  "));
+  const RunResult flown = FlyRow(order);
+  if (!a.quiet) {
+    fmt::print("  {}: {}\n", NameOf(flown.status), flown.outcome);
+    fmt::print("  state {}  images {}\n  {}\n", flown.state_hash, flown.image_hash, folder.string());
+  }
+  if (!stored) {
+    fmt::print("  there is no stored result to compare it with\n");
+    return true;
+  }
+  const std::string difference = DifferenceOf(*stored, flown);
+  if (difference.empty()) {
+    fmt::print("  the same as the stored result, to the last bit: outcome, state, images and {} metrics\n",
+               flown.metrics.size());
+  } else {
+    fmt::print("  NOT the same as the stored result: {}\n", difference);
+  }
+  return difference.empty();
+}
+
+// A job that this command line, but for its verb, asks for.
+BatchJob JobOf(const CampaignArguments& a, const Asked& asked) {
+  BatchJob job;
+  job.name = asked.campaign.plan.name;
+  job.program = fs::read_symlink("/proc/self/exe");
+  job.arguments.push_back(fs::absolute(CampaignFile(a.file)).lexically_normal().string());
+  for (const std::string& each : a.overrides) job.arguments.insert(job.arguments.end(), {"--set", each});
+  if (!a.runs.empty()) job.arguments.insert(job.arguments.end(), {"--runs", a.runs});
+  if (!a.seed.empty()) job.arguments.insert(job.arguments.end(), {"--seed", a.seed});
+  job.folder = fs::absolute(asked.folder).lexically_normal();
+  job.directory = fs::current_path();
+  if (const char* root = std::getenv("KESTREL_ROOT")) job.root = root;
+  job.tasks = a.tasks;
+  job.jobs = a.jobs > 0 ? a.jobs : 1;
+  return job;
+}
+
+bool MergeParts(const CampaignArguments& a) {
+  const Asked asked = Read(a);
+  const CampaignWork work = WorkOf(asked.campaign);
+  std::vector<fs::path> parts(a.shards.begin(), a.shards.end());
+  if (parts.empty()) parts = ShardFiles(asked.folder);
+  if (parts.empty())
+    throw InputError(
+        {fmt::format("SHARDS: {} holds none; valid: files that --shard I/N wrote", asked.folder.string())});
+  fs::create_directories(asked.folder);
+  const fs::path into = ResultFile(asked.folder);
+  const Merged merged = Merge(into, work.identity, parts);
+  const auto rows = static_cast<std::int64_t>(work.identity.table.rows.size());
+  fmt::print("{}: {} rows from {} files, {} were there; {} of {}\n", work.identity.name, merged.added,
+             parts.size(), merged.there, rows - static_cast<std::int64_t>(merged.missing.size()), rows);
+  fmt::print("  {}\n", into.string());
+  if (merged.missing.empty()) return true;
+
+  // Whose they are, if all parts are of one division.
+  std::optional<int> of;
+  for (const fs::path& part : parts) {
+    const auto shard = ShardOfFile(part);
+    if (!shard || (of && *of != shard->of)) {
+      of.reset();
+      break;
+    }
+    of = shard->of;
+  }
+  const BatchJob job = JobOf(a, asked);
+  std::map<int, std::vector<std::int64_t>> by_shard;
+  for (const std::int64_t row : merged.missing)
+    by_shard[of ? static_cast<int>(row % *of) + 1 : 0].push_back(row);
+  for (auto& [number, missing] : by_shard) {
+    const std::size_t all = missing.size();
+    missing.resize(std::min<std::size_t>(all, 10));
+    fmt::print("  missing: {} row{} {}{}{}\n", all, all == 1 ? "" : "s", fmt::join(missing, ", "),
+               all > missing.size() ? ", ..." : "",
+               number > 0 ? fmt::format(", of part {}/{}; it is flown by", number, *of) : "; flown by");
+    fmt::print("    {}\n",
+               number > 0 ? ShardCommand(job, fmt::format("{}/{}", number, *of)) : FlyCommand(job));
+  }
+  return false;
+}
+
+bool PrintScript(const CampaignArguments& a) {
+  const Asked asked = Read(a);
+  const BatchJob job = JobOf(a, asked);
+  fs::create_directories(job.folder / "logs");  // which neither Slurm nor parallel makes
+  fmt::print("{}", a.verb == Verb::kSlurm ? SlurmScript(job) : ParallelLines(job, Cores()));
+  return true;
+}
+
+void AddPlanOptions(CLI::App* command, CampaignArguments& a, bool required) {
+  command->add_option("file", a.file, "A campaign's YAML file, or the name of one in scenarios/*/campaigns")
+      ->required(required);
+  command->add_option("--runs", a.runs, "Instead of the file's");
+  command->add_option("--seed", a.seed, "Of the table, instead of the file's");
+  command->add_option("--set", a.overrides, "key.path=value, instead of the file's; may be repeated")
+      ->allow_extra_args(false);
+  command->add_option("--out", a.out, "Folder of the results (default results/campaigns/NAME)");
+}
+
+}  // namespace
+
+fs::path CampaignFile(const std::string& name_or_file) {
+  const fs::path file = name_or_file;
+  if (file.has_extension() || file.has_parent_path() || fs::is_regular_file(file)) return file;
+  std::vector<std::string> names;
+  for (const std::string& flight : NamesIn(Root() / "scenarios", "")) {
+    const fs::path folder = Root() / "scenarios" / flight / "campaigns";
+    for (const std::string& name : NamesIn(folder, ".yaml")) {
+      if (name == name_or_file) return folder / (name + ".yaml");
+      names.push_back(name);
+    }
+  }
+  Mistakes mistakes;
+  Known("campaign", name_or_file, names, "kestrel", mistakes);
+  throw InputError(mistakes.messages());
+}
+
+CLI::App* AddCampaignCommand(CLI::App& app, CampaignArguments& a) {
+  CLI::App* command = app.add_subcommand("campaign", "Fly a scenario many times, with what varies in a file");
+  AddPlanOptions(command, a, false);
+  command->add_option("--jobs", a.jobs, "Worker processes (default: one for each core)")
+      ->check(CLI::Range(1, 1024));
+  command->add_option("--shard", a.shard, "I/N: fly this part of the table alone, into a file of its own");
+  command
+      ->add_option("--stop-when", a.stop_when,
+                   "End when the share that passes is known to within this, to either side")
+      ->check(CLI::Range(1e-4, 0.5));
+  command
+      ->add_option("--record-failures", a.record_failures,
+                   "Fly the first N of the rows that did not pass again, with video, telemetry and plots")
+      ->check(CLI::Range(0, 1000000))
+      ->capture_default_str();
+  command->add_option("--record", a.record, "And this row; may be repeated")->allow_extra_args(false);
+  command->add_flag("--quiet", a.quiet, "Print nothing but errors");
+  command->footer(
+      "What was interrupted goes on where it was. Records are written of failures alone; any other row is "
+      "flown "
+      "again by replay.\n\n"
+      "Examples:\n"
+      "  kestrel campaign dispersion --runs 200\n"
+      "  kestrel campaign my_campaign.yaml --jobs 8 --stop-when 0.02\n"
+      "  kestrel campaign replay my_campaign.yaml 17\n"
+      "  kestrel campaign slurm my_campaign.yaml --tasks 64 > job.sh && sbatch job.sh\n"
+      "  kestrel campaign merge my_campaign.yaml");
+
+  const auto verb = [&](const char* name, const char* what, Verb which) {
+    CLI::App* sub = command->add_subcommand(name, what);
+    AddPlanOptions(sub, a, true);
+    sub->callback([&a, which] { a.verb = which; });
+    return sub;
+  };
+  CLI::App* replay =
+      verb("replay", "Fly a row again with records, and compare it with its stored result", Verb::kReplay);
+  replay->add_option("row", a.row, "From 0")->required();
+  replay->add_flag("--no-video", a.no_video, "Do not write video.mp4");
+  replay->footer("Example:\n  kestrel campaign replay dispersion 17");
+  CLI::App* merge = verb("merge", "Join the results of parts into one file", Verb::kMerge);
+  merge->add_option("shards", a.shards,
+                    "Result files of parts (default: those in the folder of the results)");
+  merge->footer("Example:\n  kestrel campaign merge dispersion --out /shared/dispersion");
+  CLI::App* slurm = verb("slurm", "Print an sbatch script that flies the parts as a job array", Verb::kSlurm);
+  CLI::App* parallel =
+      verb("parallel", "Print the command by which GNU parallel flies the parts", Verb::kParallel);
+  for (CLI::App* each : {slurm, parallel}) {
+    each->add_option("--tasks", a.tasks, "Parts")->required()->check(CLI::Range(1, 100000));
+    each->add_option("--jobs", a.jobs, "Worker processes for each part (default 1)")
+        ->check(CLI::Range(1, 1024));
+  }
+  slurm->footer("Example:\n  kestrel campaign slurm dispersion --tasks 64 > job.sh && sbatch job.sh");
+  parallel->footer("Example:\n  kestrel campaign parallel dispersion --tasks 8 | sh");
+  return command;
+}
+
+bool CampaignCommand(const CampaignArguments& a, const CampaignStatistics& statistics) {
+  if (a.file.empty())
+    throw InputError({"kestrel campaign: no file; valid: a campaign's YAML file, or the name of one"});
+  switch (a.verb) {
+    case Verb::kFly:
+      return Fly(a, statistics);
+    case Verb::kReplay:
+      return Replay(a);
+    case Verb::kMerge:
+      return MergeParts(a);
+    case Verb::kSlurm:
+    case Verb::kParallel:
+      return PrintScript(a);
+  }
+  return false;
+}
+
+}  // namespace kestrel
