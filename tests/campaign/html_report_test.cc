@@ -202,6 +202,10 @@ TEST_F(ReportInBrowser, ShowsTheRunOfAClickedPointWithTheCommandThatFliesItAgain
   EXPECT_EQ(Run("return document.querySelector('#run code').textContent"),
             fmt::format("./kestrel campaign replay results/campaigns/landing_dispersion/results.sqlite {}",
                         row.get<int>()));
+  EXPECT_THAT(Run("return document.getElementById('run').textContent").get<std::string>(),
+              Not(HasSubstr("null")));
+  EXPECT_THAT(Run("return document.querySelector('#run td.missed').textContent").get<std::string>(),
+              HasSubstr(" m"));
   browser_->Click("#run .command button");
   EXPECT_EQ(Run("return document.querySelector('#run .command button').textContent"), "Copied");
   browser_->Type("#run", "\uE00C");  // Escape
@@ -293,6 +297,23 @@ TEST_F(ReportInBrowser, DrawsEveryChartInLightAndDarkAndOnAPhone) {
   Picture("phone_run");
   browser_->Resize(1280, 900);
   Picture("run");
+}
+
+// A campaign that has just begun, and one whose only run crashed.
+TEST_F(ReportInBrowser, ShowsWhatThereIsOfAlmostNothing) {
+  for (const std::size_t runs : {0u, 1u}) {
+    ReportSubject subject = LandingCampaign(20, folder_ / "little");
+    subject.results.resize(runs);
+    for (RunResult& run : subject.results) run.status = RunStatus::kCrashed, run.metrics.clear();
+    subject.summary = Summarise(subject.identity, subject.results);
+    Write(folder_ / "little.html", HtmlReport(subject, folder_));
+    Open("little.html");
+    EXPECT_EQ(Run("return document.querySelector('#runs-table tbody').rows.length"), runs);
+    EXPECT_EQ(Run("return [...document.querySelectorAll('nav a')].map(a => a.textContent)"),
+              Json({"Success", "All runs", "Files"}));
+    EXPECT_THAT(Run("return document.getElementById('facts').textContent").get<std::string>(),
+                HasSubstr(fmt::format("{} of 20 runs done", runs)));
+  }
 }
 
 TEST_F(ReportInBrowser, PrintsOnPaper) {

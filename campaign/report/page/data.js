@@ -61,4 +61,10 @@ const quantileOfSorted = (sorted, p) => {
   return sorted[below] + (at - below) * (sorted[above] - sorted[below]);
 };
 
+// Criteria of the scenario that a run did not keep to; what it did not come to, it did not keep to either.
+const missedCriteria = (run) => Object.entries(data.limits).filter(([name, {max, min}]) => {
+  const value = data.metrics.includes(name) ? metricOf(name)(run) : null;
+  return !hasNumber(value) || value > (max ?? Infinity) || value < (min ?? -Infinity);
+}).map(([name]) => name);
+
 const replayCommand = (row) => `${data.replay} ${row}`;

@@ -12,11 +12,13 @@ const showRun = (row) => {
   const step = (by, label) => el("button", {type: "button", "aria-label": label, disabled: !data.runs[at + by],
     onclick: () => showRun(data.runs[at + by].row)}, by < 0 ? "‹" : "›");
   const table = (rows) => el("table", {}, el("tbody", {}, rows.map(([name, value]) =>
-    el("tr", {}, el("td", {}, name), el("td", {}, value)))));
-  panel.replaceChildren(
+    el("tr", {}, el("td", {}, name), el("td", {class: missedCriteria(run).includes(name) ? "missed" : null}, value)))));
+  panel.replaceChildren(...[
     el("div", {class: "bar-top"}, el("h2", {id: "run-title"}, `Run ${row}`), step(-1, "Run before"), step(1, "Run after"),
       el("button", {type: "button", "aria-label": "Close", onclick: hideRun}, "✕")),
     el("p", {}, badge(run.status), " ", run.outcome),
+    run.status === "failed" && missedCriteria(run).length
+      ? el("p", {class: "note"}, "Not met: ", missedCriteria(run).join(", ")) : null,
     videoOf(run),
     el("h3", {}, "Fly it again"), commandLine(replayCommand(row)),
     run.recording ? el("p", {class: "note"}, "Recorded in ", el("a", {href: `${run.recording}/`}, run.recording)) : null,
@@ -24,7 +26,8 @@ const showRun = (row) => {
     el("h3", {}, "Parameters"), table(data.keys.map((key, i) => [key, run.values[i]])),
     el("h3", {}, "Metrics"), table(data.metrics.filter((_, i) => hasNumber(run.metrics[i]))
       .map((name) => [name, withUnit(metricOf(name)(run), name)])),
-    el("p", {class: "note"}, "State hash ", el("code", {}, run.state_hash || "none"), ", image hash ", el("code", {}, run.image_hash || "none")));
+    el("p", {class: "note"}, "State hash ", el("code", {}, run.state_hash || "none"), ", image hash ", el("code", {}, run.image_hash || "none")),
+  ].filter(Boolean));
   panel.hidden = false;
   panel.scrollTop = 0;
   panel.focus({preventScroll: true});

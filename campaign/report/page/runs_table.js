@@ -126,7 +126,7 @@ const drawWorst = () => {
   byId("worst-list").replaceChildren(...worst.map((run) => el("article", {},
     el("div", {}, rowButton(run.row), " ", badge(run.status)),
     el("p", {class: "value"}, hasNumber(of(run)) ? withUnit(of(run), name) : `no ${plainName(name)}`),
-    el("p", {class: "why"}, run.outcome),
+    el("p", {class: "why"}, run.outcome, run.status === "failed" && missedCriteria(run).length ? `; not met: ${missedCriteria(run).join(", ")}` : ""),
     videoOf(run),
     commandLine(replayCommand(run.row)))));
 };

@@ -39,19 +39,28 @@ const drawShare = () => {
        "a run that broke off, crashed, was refused or timed out counts as one that did not. Clopper-Pearson."));
 };
 
+// The criteria that rows did not keep to, with how many did not: the most frequent first.
+const missedBy = (rows) => {
+  const counts = new Map();
+  for (const row of rows)
+    for (const name of missedCriteria(runOfRow.get(row))) counts.set(name, (counts.get(name) ?? 0) + 1);
+  return [...counts].sort((a, b) => b[1] - a[1]);
+};
+
 const drawOutcomes = () => {
   const ends = [...new Set(data.runs.filter(passed).map(({outcome}) => outcome))].map((outcome) =>
     ({status: "passed", outcome, runs: data.runs.filter((run) => passed(run) && run.outcome === outcome).length}));
-  const rows = [...ends, ...summary.failures.map(({status, outcome, rows: those}) => ({status, outcome, runs: those.length}))];
+  const rows = [...ends, ...summary.failures.map(({status, outcome, rows: those}) => ({status, outcome, runs: those.length, missed: status === "failed" ? missedBy(those) : []}))];
   byId("outcomes").replaceChildren(
     el("h3", {}, "How runs ended"),
     el("div", {class: "scroll"}, el("table", {},
       el("thead", {}, el("tr", {}, el("th", {}, "status"), el("th", {}, "outcome"),
         el("th", {class: "number"}, "runs"), el("th", {class: "number"}, "share"))),
-      el("tbody", {}, rows.map(({status, outcome, runs}) => el("tr", {},
+      el("tbody", {}, rows.map(({status, outcome, runs, missed}) => el("tr", {},
         el("td", {}, badge(status)),
         el("td", {}, el("button", {type: "button", class: "link", title: "Show these runs in the table",
-          onclick: () => filterRuns({status, outcome})}, outcome || "(none)")),
+          onclick: () => filterRuns({status, outcome})}, outcome || "(none)"),
+          missed?.length ? el("div", {class: "note"}, "not met: ", missed.map(([name, n]) => `${name} (${count(n)})`).join(", ")) : null),
         el("td", {class: "number"}, count(runs)),
         el("td", {class: "number"}, percent(runs / data.runs.length))))))));
 };
