@@ -4,9 +4,9 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <sstream>
 
+#include "campaign/batch_script.h"
 #include "campaign/campaign_command.h"
 #include "campaign/results_csv.h"
 #include "config/yaml_fields.h"
@@ -17,27 +17,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// As a shell takes it for one word.
-std::string Quoted(const std::string& word) {
-  const bool plain = !word.empty() && std::all_of(word.begin(), word.end(), [](unsigned char c) {
-    return std::isalnum(c) ||
-           std::string_view("_-./=:,+@%").find(static_cast<char>(c)) != std::string_view::npos;
-  });
-  if (plain) return word;
-  std::string quoted = "'";
-  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return quoted + "'";
-}
-
 // The options with which a campaign was flown: LoadCampaign notes overrides below the file's text.
 std::string OptionsOf(const CampaignIdentity& identity, const fs::path& folder) {
   constexpr std::string_view kNoted = "# --set ";
   std::string options;
   std::istringstream plan(identity.plan);
   for (std::string line; std::getline(plan, line);)
-    if (line.starts_with(kNoted)) options += " --set " + Quoted(line.substr(kNoted.size()));
+    if (line.starts_with(kNoted)) options += " --set " + ShellWord(line.substr(kNoted.size()));
   if (folder.lexically_normal() != fs::path("results/campaigns") / identity.name)
-    options += " --out " + Quoted(folder.empty() ? "." : folder.string());
+    options += " --out " + ShellWord(folder.empty() ? "." : folder.string());
   return options;
 }
 
@@ -75,7 +63,7 @@ ReportSubject SubjectOf(const fs::path& results, const std::string& campaign) {
   subject.identity = store.identity();
   subject.results = store.Results();
   subject.results_file = results.string();
-  const std::string name = Quoted(campaign.empty() ? NameOf(subject.identity) : campaign);
+  const std::string name = ShellWord(campaign.empty() ? NameOf(subject.identity) : campaign);
   const std::string options = OptionsOf(subject.identity, results.parent_path());
   subject.replay = fmt::format("./kestrel campaign replay {}{}", name, options);
   subject.again = fmt::format("./kestrel campaign {}{}", name, options);

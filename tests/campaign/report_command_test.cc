@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "campaign/report/report_command.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
+#include <unistd.h>
 
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -34,7 +36,9 @@ class ReportCommandTest : public testing::Test {
     for (std::size_t k = 0; k < 12; ++k) store.Put(subject.results[k]);
   }
 
-  const fs::path folder_ = fs::path(testing::TempDir()) / "kestrel_report command";
+  void TearDown() override { fs::remove_all(folder_); }
+
+  const fs::path folder_ = fs::path(testing::TempDir()) / fmt::format("kestrel report {}", getpid());
   const fs::path file_ = folder_ / "results.sqlite";
 };
 
