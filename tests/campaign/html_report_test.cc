@@ -134,13 +134,6 @@ class ReportInBrowser : public testing::Test {
 
   void SetUp() override {
     if (!Browser::Missing().empty()) GTEST_SKIP() << Browser::Missing();
-    Open("report.html");
-  }
-  void TearDown() override {
-    if (!browser_) return;
-    EXPECT_THAT(browser_->Complaints(), IsEmpty());
-    EXPECT_THAT(browser_->Requests(),
-                Each(testing::AnyOf(StartsWith("file:///"), StartsWith("data:"), StartsWith("blob:"))));
   }
   static void Open(const char* page) {
     browser_->PreferDark(false);
@@ -173,11 +166,22 @@ class ReportInBrowser : public testing::Test {
     browser_->ClickAt(at[0], at[1]);
   }
 
+  static void SaysHowManyPassedWithTheInterval();
+  static void DrawsAnyParameterAgainstAnyMetric();
+  static void ShowsTheRunOfAClickedPointWithTheCommandThatFliesItAgain();
+  static void SortsAndFiltersTheTable();
+  static void FiltersByAClickOnHowRunsEnded();
+  static void ShowsVideosOfWorstRuns();
+  static void DrawsEveryChartInLightAndDarkAndOnAPhone();
+  static void ShowsWhatThereIsOfAlmostNothing();
+  static void PrintsOnPaper();
+  static void DrawsTheConvergenceOfATuning();
+
   static inline fs::path folder_;
   static inline std::unique_ptr<Browser> browser_;
 };
 
-TEST_F(ReportInBrowser, SaysHowManyPassedWithTheInterval) {
+void ReportInBrowser::SaysHowManyPassedWithTheInterval() {
   const Json summary = Run("return data.summary");
   const double share = summary["success"]["value"];
   EXPECT_EQ(Run("return document.getElementById('share').textContent"), fmt::format("{:.1f} %", 100 * share));
@@ -188,7 +192,7 @@ TEST_F(ReportInBrowser, SaysHowManyPassedWithTheInterval) {
   EXPECT_EQ(Run("return document.title"), "landing_dispersion – Kestrel");
 }
 
-TEST_F(ReportInBrowser, DrawsAnyParameterAgainstAnyMetric) {
+void ReportInBrowser::DrawsAnyParameterAgainstAnyMetric() {
   browser_->Choose("#scatter-x", "wind.mean_m_s");
   browser_->Choose("#scatter-y", "touchdown_tilt_deg");
   const Json shown =
@@ -207,7 +211,7 @@ TEST_F(ReportInBrowser, DrawsAnyParameterAgainstAnyMetric) {
   EXPECT_EQ(Run("return charts['scatter-chart'].scales.y.type"), "logarithmic");
 }
 
-TEST_F(ReportInBrowser, ShowsTheRunOfAClickedPointWithTheCommandThatFliesItAgain) {
+void ReportInBrowser::ShowsTheRunOfAClickedPointWithTheCommandThatFliesItAgain() {
   browser_->Choose("#scatter-x", "image.latency_s");
   const Json row = Run("return charts['scatter-chart'].data.datasets[0].data[0].run.row");
   ClickPoint("scatter-chart", 0, 0);
@@ -234,7 +238,7 @@ TEST_F(ReportInBrowser, ShowsTheRunOfAClickedPointWithTheCommandThatFliesItAgain
             fmt::format("Run {}", second.get<int>()));
 }
 
-TEST_F(ReportInBrowser, SortsAndFiltersTheTable) {
+void ReportInBrowser::SortsAndFiltersTheTable() {
   const auto first = [] { return Run("return document.querySelector('#runs-table tbody tr').dataset.row"); };
   const auto extreme = [](const char* least) {
     return Run(
@@ -265,7 +269,7 @@ TEST_F(ReportInBrowser, SortsAndFiltersTheTable) {
   EXPECT_EQ(Run("return sortedRuns().length"), kept);
 }
 
-TEST_F(ReportInBrowser, FiltersByAClickOnHowRunsEnded) {
+void ReportInBrowser::FiltersByAClickOnHowRunsEnded() {
   EXPECT_EQ(
       Run("const b = [...document.querySelectorAll('#outcomes button')].find(b => "
           "b.textContent.startsWith('signal 11'));"
@@ -278,14 +282,14 @@ TEST_F(ReportInBrowser, FiltersByAClickOnHowRunsEnded) {
               HasSubstr("</script><script>alert"));
 }
 
-TEST_F(ReportInBrowser, ShowsVideosOfWorstRuns) {
+void ReportInBrowser::ShowsVideosOfWorstRuns() {
   const Json video = Run("return document.querySelector('#worst-list video')?.getAttribute('src') ?? null");
   ASSERT_TRUE(video.is_string());
   EXPECT_THAT(video.get<std::string>(), StartsWith("recordings/"));
   EXPECT_TRUE(Comes("document.querySelector('#worst-list video').videoWidth === 320"));
 }
 
-TEST_F(ReportInBrowser, DrawsEveryChartInLightAndDarkAndOnAPhone) {
+void ReportInBrowser::DrawsEveryChartInLightAndDarkAndOnAPhone() {
   const std::string empty =
       "return Object.entries(charts).filter(([, c]) => { const blank = document.createElement('canvas'); "
       "[blank.width, blank.height] = [c.canvas.width, c.canvas.height]; "
@@ -315,7 +319,7 @@ TEST_F(ReportInBrowser, DrawsEveryChartInLightAndDarkAndOnAPhone) {
 }
 
 // A campaign that has just begun, and one whose only run crashed.
-TEST_F(ReportInBrowser, ShowsWhatThereIsOfAlmostNothing) {
+void ReportInBrowser::ShowsWhatThereIsOfAlmostNothing() {
   for (const std::size_t runs : {0u, 1u}) {
     ReportSubject subject = LandingCampaign(20, folder_ / "little");
     subject.results.resize(runs);
@@ -332,13 +336,13 @@ TEST_F(ReportInBrowser, ShowsWhatThereIsOfAlmostNothing) {
   }
 }
 
-TEST_F(ReportInBrowser, PrintsOnPaper) {
+void ReportInBrowser::PrintsOnPaper() {
   const std::string pdf = browser_->Print();
   EXPECT_THAT(pdf, StartsWith("%PDF-"));
   Write(folder_ / "report.pdf", pdf);
 }
 
-TEST_F(ReportInBrowser, DrawsTheConvergenceOfATuning) {
+void ReportInBrowser::DrawsTheConvergenceOfATuning() {
   Open("tuning.html");
   EXPECT_EQ(Run("return document.getElementById('kind').textContent"), "Kestrel tuning");
   EXPECT_EQ(Run("return charts['tuning-chart'].data.datasets.filter(d => !d.alone).map(d => d.label)"),
@@ -356,6 +360,31 @@ TEST_F(ReportInBrowser, DrawsTheConvergenceOfATuning) {
   EXPECT_EQ(median[2], 500);
   Run("document.getElementById('tuning').scrollIntoView()");
   Picture("tuning");
+}
+
+// All with one browser: to start one takes longer than to look.
+TEST_F(ReportInBrowser, ShowsAndAnswersWithoutComplaintAndWithoutANetwork) {
+  constexpr std::pair<const char*, void (*)()> kLooks[] = {
+      {"SaysHowManyPassedWithTheInterval", SaysHowManyPassedWithTheInterval},
+      {"DrawsAnyParameterAgainstAnyMetric", DrawsAnyParameterAgainstAnyMetric},
+      {"ShowsTheRunOfAClickedPointWithTheCommandThatFliesItAgain",
+       ShowsTheRunOfAClickedPointWithTheCommandThatFliesItAgain},
+      {"SortsAndFiltersTheTable", SortsAndFiltersTheTable},
+      {"FiltersByAClickOnHowRunsEnded", FiltersByAClickOnHowRunsEnded},
+      {"ShowsVideosOfWorstRuns", ShowsVideosOfWorstRuns},
+      {"DrawsEveryChartInLightAndDarkAndOnAPhone", DrawsEveryChartInLightAndDarkAndOnAPhone},
+      {"ShowsWhatThereIsOfAlmostNothing", ShowsWhatThereIsOfAlmostNothing},
+      {"PrintsOnPaper", PrintsOnPaper},
+      {"DrawsTheConvergenceOfATuning", DrawsTheConvergenceOfATuning},
+  };
+  for (const auto& [name, look] : kLooks) {
+    SCOPED_TRACE(name);
+    Open("report.html");
+    look();
+    EXPECT_THAT(browser_->Complaints(), IsEmpty());
+    EXPECT_THAT(browser_->Requests(),
+                Each(testing::AnyOf(StartsWith("file:///"), StartsWith("data:"), StartsWith("blob:"))));
+  }
 }
 
 }  // namespace

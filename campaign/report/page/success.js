@@ -47,6 +47,10 @@ const missedBy = (rows) => {
   return [...counts].sort((a, b) => b[1] - a[1]);
 };
 
+const missedText = (missed, runs) =>
+  (missed.length > 1 && missed.length === Object.keys(data.limits).length && missed.every(([, n]) => n === runs)
+    ? "no criterion met" : `not met: ${missed.map(([name, n]) => `${name} (${count(n)})`).join(", ")}`);
+
 const drawOutcomes = () => {
   const ends = [...new Set(data.runs.filter(passed).map(({outcome}) => outcome))].map((outcome) =>
     ({status: "passed", outcome, runs: data.runs.filter((run) => passed(run) && run.outcome === outcome).length}));
@@ -60,7 +64,7 @@ const drawOutcomes = () => {
         el("td", {}, badge(status)),
         el("td", {}, el("button", {type: "button", class: "link", title: "Show these runs in the table",
           onclick: () => filterRuns({status, outcome})}, outcome || "(none)"),
-          missed?.length ? el("div", {class: "note"}, "not met: ", missed.map(([name, n]) => `${name} (${count(n)})`).join(", ")) : null),
+          missed?.length ? el("div", {class: "note"}, missedText(missed, runs)) : null),
         el("td", {class: "number"}, count(runs)),
         el("td", {class: "number"}, percent(runs / data.runs.length))))))));
 };
