@@ -77,7 +77,8 @@ WorstRuns WorstOf(const std::string& metric, Better better, const std::vector<Ru
 }  // namespace
 
 CampaignSummary Summarise(const CampaignIdentity& identity, const std::vector<RunResult>& results,
-                          const std::map<std::string, Threshold>& thresholds, const std::string& replay) {
+                          const std::map<std::string, Threshold>& thresholds, std::string replay) {
+  if (replay.empty()) replay = "kestrel campaign replay " + identity.name;
   CampaignSummary s;
   s.name = identity.name, s.version = identity.version, s.table_hash = HashOf(identity.table);
   s.rows = std::ssize(identity.table.rows), s.runs = std::ssize(results);

@@ -57,10 +57,10 @@ struct CampaignSummary {
   std::vector<JudgedThreshold> thresholds;
 };
 
-// replay: the command line that flies a row again, but for the row's number at its end.
+// replay: the command line that flies a row again, but for the row's number at its end; empty: that of the
+// campaign by its name.
 CampaignSummary Summarise(const CampaignIdentity& identity, const std::vector<RunResult>& results,
-                          const std::map<std::string, Threshold>& thresholds = {},
-                          const std::string& replay = "kestrel campaign replay");
+                          const std::map<std::string, Threshold>& thresholds = {}, std::string replay = {});
 
 // Tables for the terminal.
 std::string ToText(const CampaignSummary& summary);

@@ -48,7 +48,7 @@ void RefuseOtherTable(const SampleTable& a, const SampleTable& b) {
   mistakes.ThrowIfAny();
 }
 
-std::vector<std::string> DifferencesOf(const CampaignIdentity& a, const CampaignIdentity& b) {
+std::vector<std::string> SettingsThatDiffer(const CampaignIdentity& a, const CampaignIdentity& b) {
   std::vector<std::string> differs;
   const auto in_a = ValuesOf(a.scenario, "A"), in_b = ValuesOf(b.scenario, "B");
   const auto value = [](const std::map<std::string, std::string>& values, const std::string& key) {
@@ -130,7 +130,7 @@ Comparison Compare(const CampaignResults& a, const CampaignResults& b, std::vect
                    std::uint64_t seed, int resamples) {
   RefuseOtherTable(a.identity.table, b.identity.table);
   Comparison c;
-  c.differs = DifferencesOf(a.identity, b.identity);
+  c.differs = SettingsThatDiffer(a.identity, b.identity);
   std::map<std::int64_t, const RunResult*> in_b;
   for (const RunResult& result : b.results) in_b[result.row] = &result;
   std::vector<std::pair<const RunResult*, const RunResult*>> pairs;
@@ -176,8 +176,8 @@ Comparison Compare(const CampaignResults& a, const CampaignResults& b, std::vect
       if (asked) mistakes.Add("compare", name, "fewer than two rows have this metric in both");
       continue;
     }
-    m.differences = Bootstrap(values_a, values_b, seed, level, resamples);
-    m.verdict = VerdictOf(m.differences.mean.stricter, m.better);
+    m.differences = DifferencesOf(values_a, values_b, seed, level, resamples);
+    m.verdict = VerdictOf(m.differences.mean_stricter, m.better);
     c.metrics.push_back(std::move(m));
   }
   mistakes.ThrowIfAny();

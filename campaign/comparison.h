@@ -48,7 +48,7 @@ struct Comparison {
 // to compare; empty: the ones that either lists. Throws InputError: where the tables differ, a metric that
 // neither has, no row that both have a result of.
 Comparison Compare(const CampaignResults& a, const CampaignResults& b, std::vector<std::string> metrics = {},
-                   std::uint64_t seed = 1, int resamples = 10000);
+                   std::uint64_t seed = 1, int resamples = 4000);
 
 std::string ToText(const Comparison& comparison);
 

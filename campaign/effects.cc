@@ -14,6 +14,7 @@ namespace kestrel {
 namespace {
 
 constexpr std::size_t kFewest = 10;             // pairs of which anything is said
+constexpr std::size_t kFewestForIndex = 50;     // of two groups of neighbours and their lines
 constexpr std::int64_t kFewestOfEitherEnd = 5;  // of success and of failure
 
 double NormalQuantile(double level) { return boost::math::quantile(boost::math::normal(), (1 + level) / 2); }
@@ -109,8 +110,11 @@ std::optional<Estimate> ShareExplained(const std::vector<std::size_t>& groups, c
     sum += influence, squares += influence * influence;
   }
   const double spread = std::max(0.0, squares / n - sum / n * sum / n);
-  const double half = NormalQuantile(level) * std::sqrt(spread / (n - fit.parameters));
-  return Estimate{index, {std::clamp(index - half, 0.0, 1.0), std::clamp(index + half, 0.0, 1.0)}};
+  // Where the index is about zero its influence vanishes; what is left is the chance of the fit itself.
+  const double of_fit = 2 * (fit.parameters - 1) * (1 - index) * (1 - index) / (n * n);
+  const double half = NormalQuantile(level) * std::sqrt(spread / (n - fit.parameters) + of_fit);
+  return Estimate{index,
+                  {std::clamp(index - half, 0.0, 1.0), std::clamp(std::max(0.0, index) + half, 0.0, 1.0)}};
 }
 
 }  // namespace
@@ -149,7 +153,7 @@ std::optional<Estimate> ShareBetweenGroups(const std::vector<std::size_t>& group
 
 std::optional<Estimate> FirstOrderIndex(const std::vector<double>& x, const std::vector<double>& y,
                                         double level) {
-  if (x.size() < kFewest) return std::nullopt;
+  if (x.size() < kFewestForIndex) return std::nullopt;
   const std::vector<double> ranks = RanksOf(x);
   return ShareExplained(GroupsOfNeighbours(x), y, &ranks, level);
 }
@@ -185,12 +189,16 @@ std::vector<Effect> EffectsOf(const SampleTable& table, const std::vector<RunRes
         const auto passed = std::count(y.begin(), y.end(), 1.0);
         if (std::min<std::int64_t>(passed, std::ssize(y) - passed) < kFewestOfEitherEnd) continue;
       }
+      const auto shown = [](std::optional<Estimate> index) {
+        if (index) index->value = std::clamp(index->value, 0.0, 1.0);
+        return index;
+      };
       Effect effect{table.keys[k], metric, std::ssize(y), numeric, {}, {}};
       if (numeric) {
         effect.rank_correlation = RankCorrelation(x, y);
-        effect.first_order = FirstOrderIndex(x, y);
+        effect.first_order = shown(FirstOrderIndex(x, y));
       } else {
-        effect.first_order = ShareBetweenGroups(chosen, y);
+        effect.first_order = shown(ShareBetweenGroups(chosen, y));
       }
       if (effect.rank_correlation || effect.first_order) effects.push_back(std::move(effect));
     }

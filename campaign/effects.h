@@ -25,8 +25,9 @@ std::optional<Estimate> ShareBetweenGroups(const std::vector<std::size_t>& group
                                            const std::vector<double>& y, double level = 0.95);
 
 // The first-order Sobol index of x from samples as they are, Var(E[y | x]) / Var(y): the share of y's
-// variance that goes with x alone, by groups of neighbouring x. What y does within such a group is missed: a
-// wave of x with more than a few periods over its range is estimated too low.
+// variance that goes with x alone. E[y | x] is a line in the ranks of x for each of 2 to 16 groups of
+// neighbours, of some 20 samples: a wave of x with more periods over its range than a quarter of the groups
+// is estimated too low. None: fewer than 50 samples, or a y that does not vary.
 std::optional<Estimate> FirstOrderIndex(const std::vector<double>& x, const std::vector<double>& y,
                                         double level = 0.95);
 
@@ -37,7 +38,8 @@ struct Effect {
   std::int64_t runs = 0;                     // that have it
   bool numeric = false;                      // otherwise a choice
   std::optional<Estimate> rank_correlation;  // of numeric keys
-  // First-order Sobol index. With keys that are drawn correlated, it holds what goes with the others too.
+  // First-order Sobol index, at least 0. With keys that are drawn correlated, it holds what goes with the
+  // others too.
   std::optional<Estimate> first_order;
 };
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <boost/math/distributions/binomial.hpp>
 #include <boost/math/distributions/normal.hpp>
+#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <numeric>
 
@@ -21,10 +22,6 @@ class Resampled {
   explicit Resampled(const std::vector<double>& values) : values_(values), order_(values.size()) {
     std::iota(order_.begin(), order_.end(), 0);
     std::sort(order_.begin(), order_.end(), [&](auto i, auto j) { return values[i] < values[j]; });
-  }
-  double MeanOf(const std::vector<int>& times) const {
-    return std::inner_product(values_.begin(), values_.end(), times.begin(), 0.0) /
-           static_cast<double>(values_.size());
   }
   // As Quantile of scenarios/statistics.h has it.
   double QuantileOf(const std::vector<int>& times, double q) const {
@@ -48,36 +45,13 @@ class Resampled {
   std::vector<std::size_t> order_;
 };
 
-Interval Percentiles(const std::vector<double>& replicates, double low, double high) {
-  return {Quantile(replicates, low), Quantile(replicates, high)};
-}
-
-Interval PlainInterval(const std::vector<double>& replicates, double level) {
-  return Percentiles(replicates, (1 - level) / 2, (1 + level) / 2);
-}
-
-Interval CorrectedInterval(const std::vector<double>& replicates, double value, double acceleration,
-                           double level) {
-  double below = 0;
-  for (const double r : replicates) below += r < value ? 1 : r == value ? 0.5 : 0;
-  const double n = static_cast<double>(replicates.size());
-  const double bias = boost::math::quantile(kNormal, std::clamp(below / n, 0.5 / n, 1 - 0.5 / n));
-  const auto share = [&](double tail) {
-    const double z = bias + boost::math::quantile(kNormal, tail);
-    return boost::math::cdf(kNormal, bias + z / (1 - acceleration * z));
-  };
-  return Percentiles(replicates, share((1 - level) / 2), share((1 + level) / 2));
-}
-
-// A sixth of the skewness of the mean of the differences.
-double AccelerationOf(const std::vector<double>& differences) {
-  const double mean = Mean(differences);
-  double second = 0, third = 0;
-  for (const double x : differences) {
-    const double d = x - mean;
-    second += d * d, third += d * d * d;
-  }
-  return second > 0 ? third / (6 * std::pow(second, 1.5)) : 0;
+Interval StudentInterval(const std::vector<double>& differences, double level) {
+  const double n = static_cast<double>(differences.size()), mean = Mean(differences);
+  double squares = 0;
+  for (const double d : differences) squares += (d - mean) * (d - mean);
+  const double half = boost::math::quantile(boost::math::students_t(n - 1), (1 + level) / 2) *
+                      std::sqrt(squares / (n - 1) / n);
+  return {mean - half, mean + half};
 }
 
 }  // namespace
@@ -114,36 +88,30 @@ Estimate ShareDifference(const PairedEnds& ends, double level) {
   return {value, {solve(-1, value, z), solve(value, 1, -z)}};
 }
 
-PairedDifferences Bootstrap(const std::vector<double>& a, const std::vector<double>& b, std::uint64_t seed,
-                            double stricter_level, int resamples) {
+PairedDifferences DifferencesOf(const std::vector<double>& a, const std::vector<double>& b,
+                                std::uint64_t seed, double stricter_level, int resamples) {
   const std::size_t n = a.size();
-  const Resampled of_a(a), of_b(b);
-  std::vector<double> mean, median, quantile_95, differences;
+  std::vector<double> differences;
   for (std::size_t i = 0; i < n; ++i) differences.push_back(b[i] - a[i]);
+  const Resampled of_a(a), of_b(b);
+  std::vector<double> median, quantile_95;
   RandomStream random(seed, "bootstrap");
   std::vector<int> times(n);
   for (int i = 0; i < resamples; ++i) {
     std::fill(times.begin(), times.end(), 0);
     for (std::size_t j = 0; j < n; ++j)
       ++times[std::min(n - 1, static_cast<std::size_t>(random.Uniform(0, static_cast<double>(n))))];
-    mean.push_back(of_b.MeanOf(times) - of_a.MeanOf(times));
     median.push_back(of_b.QuantileOf(times, 0.5) - of_a.QuantileOf(times, 0.5));
     quantile_95.push_back(of_b.QuantileOf(times, 0.95) - of_a.QuantileOf(times, 0.95));
   }
-  for (auto* replicates : {&mean, &median, &quantile_95}) std::sort(replicates->begin(), replicates->end());
-
-  PairedDifferences all;
-  all.mean.a = Mean(a), all.mean.b = Mean(b);
-  const double difference = all.mean.b - all.mean.a, acceleration = AccelerationOf(differences);
-  all.mean.interval = CorrectedInterval(mean, difference, acceleration, 0.95);
-  all.mean.stricter = CorrectedInterval(mean, difference, acceleration, stricter_level);
   const auto quantile = [&](double q, const std::vector<double>& replicates) {
-    return PairedDifference{Quantile(a, q), Quantile(b, q), PlainInterval(replicates, 0.95),
-                            PlainInterval(replicates, stricter_level)};
+    return PairedDifference{
+        Quantile(a, q), Quantile(b, q), {Quantile(replicates, 0.025), Quantile(replicates, 0.975)}};
   };
-  all.median = quantile(0.5, median);
-  all.quantile_95 = quantile(0.95, quantile_95);
-  return all;
+  return {{Mean(a), Mean(b), StudentInterval(differences, 0.95)},
+          quantile(0.5, median),
+          quantile(0.95, quantile_95),
+          StudentInterval(differences, stricter_level)};
 }
 
 }  // namespace kestrel

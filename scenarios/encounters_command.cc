@@ -23,6 +23,7 @@
 #include "scenarios/in_parallel.h"
 #include "scenarios/runner.h"
 #include "scenarios/scenario.h"
+#include "scenarios/share_interval.h"
 #include "scenarios/statistics.h"
 #include "scenarios/version.h"
 
@@ -124,32 +125,16 @@ Outcome Meet(const LoadedScenario& base, bool harmless, std::uint64_t seed, cons
   return o;
 }
 
-// P(X <= k) of a binomial distribution.
-double BinomialCdf(int k, int n, double p) {
-  double sum = 0;
-  for (int i = 0; i <= k; ++i)
-    sum += std::exp(std::lgamma(n + 1) - std::lgamma(i + 1) - std::lgamma(n - i + 1) + i * std::log(p) +
-                    (n - i) * std::log1p(-p));
-  return sum;
-}
-
 // Of two counts of rare events in equally many trials: the ratio with < without, with its 95 % interval.
-// Given their sum, `with` is binomial (Przyborowski, Wilenski 1940), whose interval is that of Clopper and
-// Pearson (1934); the pairing is left out of account, which makes it wider than it need be.
+// Given their sum, `with` is binomial (Przyborowski, Wilenski 1940); the pairing is left out of account,
+// which makes the interval wider than it need be.
 struct RiskRatio {
   double ratio = 0, low = 0, high = 0;
 };
 RiskRatio RiskRatioOf(int with, int without) {
-  const int n = with + without;
-  const auto solve = [&](auto&& too_low) {
-    double low = 0, high = 1;
-    for (int i = 0; i < 60; ++i) (too_low((low + high) / 2) ? low : high) = (low + high) / 2;
-    return low;
-  };
-  const double low = with == 0 ? 0 : solve([&](double p) { return 1 - BinomialCdf(with - 1, n, p) < 0.025; });
-  const double high = without == 0 ? 1 : solve([&](double p) { return BinomialCdf(with, n, p) > 0.025; });
+  const Interval share = ShareInterval(with, with + without);
   const auto odds = [](double p) { return p / (1 - p); };
-  return {static_cast<double>(with) / without, odds(low), odds(high)};
+  return {static_cast<double>(with) / without, odds(share.low), odds(share.high)};
 }
 
 void Draw(const fs::path& file, const std::vector<double>& without, const std::vector<double>& with,

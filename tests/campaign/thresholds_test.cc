@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "campaign/thresholds.h"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <pugixml.hpp>
+
+namespace kestrel {
+namespace {
+
+// So many runs with errors of 1 to `runs` mm, of which the first do not pass, and the last have no error.
+std::vector<RunResult> Runs(int runs, int failed, int without) {
+  std::vector<RunResult> results;
+  for (int i = 0; i < runs; ++i) {
+    RunResult& run = results.emplace_back();
+    run.row = i;
+    run.status = i < failed ? RunStatus::kFailed : RunStatus::kPassed;
+    if (i < runs - without) run.metrics["error_m"] = 1e-3 * (i + 1);
+  }
+  return results;
+}
+
+constexpr std::optional<double> kNone;
+
+TEST(Thresholds, AreHeldAgainstTheEndOfTheIntervalThatIsAgainstThem) {
+  const auto results = Runs(1000, 3, 0);
+  const Interval success = ShareInterval(997, 1000);
+  const auto judged = Judge({{"success", {kNone, kNone, success.low - 1e-6}},
+                             {"error_m", {0.5, 0.532, 0.469}}},  // ranks 469 and 532 of 1000: tables
+                            results);
+  ASSERT_EQ(judged.size(), 3u);
+  EXPECT_EQ(judged[0].name, "error_m, 50 % quantile");
+  EXPECT_DOUBLE_EQ(judged[0].bound, 0.532);
+  EXPECT_FALSE(judged[0].at_least);
+  EXPECT_DOUBLE_EQ(judged[1].bound, 0.469);
+  EXPECT_TRUE(judged[1].at_least);
+  EXPECT_TRUE(judged[0].passed && judged[1].passed && judged[2].passed);
+  EXPECT_EQ(judged[2].bound, success.low);
+  // The values themselves keep to these, the intervals do not.
+  for (const JudgedThreshold& t :
+       Judge({{"success", {kNone, kNone, success.low + 1e-6}}, {"error_m", {0.5, 0.531, 0.47}}}, results)) {
+    EXPECT_FALSE(t.passed) << t.name;
+    EXPECT_TRUE(t.at_least ? t.estimate.value > t.limit : t.estimate.value < t.limit);
+  }
+}
+
+TEST(Thresholds, FewRunsPassNoneThatManyWould) {
+  EXPECT_FALSE(Judge({{"success", {kNone, kNone, 0.95}}}, Runs(71, 0, 0))[0].passed);
+  EXPECT_TRUE(Judge({{"success", {kNone, kNone, 0.95}}}, Runs(72, 0, 0))[0].passed);
+  EXPECT_FALSE(Judge({{"error_m", {0.95, 1.0, kNone}}}, Runs(71, 0, 0))[0].passed);
+  EXPECT_TRUE(Judge({{"error_m", {0.95, 1.0, kNone}}}, Runs(72, 0, 0))[0].passed);
+  EXPECT_FALSE(Judge({{"success", {kNone, kNone, 0.0001}}}, {})[0].passed);
+}
+
+TEST(Thresholds, ARunWithoutTheMetricIsWorseThanAnyWithIt) {
+  const auto all = Judge({{"error_m", {0.9, 1.0, kNone}}}, Runs(500, 0, 0))[0];
+  const auto lost = Judge({{"error_m", {0.9, 1.0, kNone}}}, Runs(500, 0, 20))[0];
+  EXPECT_EQ(lost.bound, all.bound);  // the lost ones stand above it either way
+  EXPECT_EQ(lost.without, 20);
+  EXPECT_FALSE(Judge({{"error_m", {0.9, 1.0, kNone}}}, Runs(500, 0, 60))[0].passed);
+  EXPECT_TRUE(Judge({{"error_m", {kNone, 1.0, kNone}}}, Runs(500, 0, 0))[0].passed);
+  EXPECT_FALSE(Judge({{"error_m", {kNone, 1.0, kNone}}}, Runs(500, 0, 1))[0].passed);
+  EXPECT_FALSE(Judge({{"error_m", {kNone, kNone, 0.0}}}, Runs(500, 0, 1))[0].passed);
+  EXPECT_FALSE(Judge({{"misspelt", {0.5, 1.0, kNone}}}, Runs(500, 0, 0))[0].passed);
+}
+
+TEST(Thresholds, AreCasesOfJunit) {
+  const auto judged =
+      Judge({{"success", {kNone, kNone, 0.9}}, {"error_m", {0.95, 0.4, kNone}}}, Runs(500, 2, 3));
+  pugi::xml_document document;
+  ASSERT_TRUE(document.load_string(ToJunit("dispersion", judged).c_str()));
+  const auto suite = document.child("testsuites").child("testsuite");
+  EXPECT_STREQ(suite.attribute("name").value(), "dispersion");
+  EXPECT_EQ(suite.attribute("tests").as_int(), 2);
+  EXPECT_EQ(suite.attribute("failures").as_int(), 1);
+  const auto bad = suite.find_child_by_attribute("testcase", "name", "error_m, 95 % quantile");
+  EXPECT_THAT(bad.child("failure").attribute("message").value(),
+              testing::AllOf(testing::HasSubstr("must be at most 0.4"), testing::HasSubstr("over 500 runs"),
+                             testing::HasSubstr("3 runs do not have it")));
+  EXPECT_FALSE(suite.find_child_by_attribute("testcase", "name", "success").child("failure"));
+}
+
+}  // namespace
+}  // namespace kestrel
