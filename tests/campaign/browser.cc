@@ -164,9 +164,8 @@ void Browser::Resize(int width, int height) {
       {{"width", width}, {"height", height}, {"deviceScaleFactor", 1}, {"mobile", width < 500}});
 }
 
-void Browser::SavePicture(const fs::path& png, bool whole) {
-  const Json picture =
-      driver_->DevTools("Page.captureScreenshot", {{"format", "png"}, {"captureBeyondViewport", whole}});
+void Browser::SavePicture(const fs::path& png) {
+  const Json picture = driver_->DevTools("Page.captureScreenshot", {{"format", "png"}});
   std::ofstream(png, std::ios::binary) << Decoded(picture.at("data"));
 }
 

@@ -30,9 +30,8 @@ class Browser {
   void ClickAt(double x, double y);
   void PreferDark(bool dark);
   void Resize(int width, int height);
-  // The whole page at this width, or what the window shows of it.
-  void SavePicture(const std::filesystem::path& png, bool whole);
-  std::string Print();  // PDF
+  void SavePicture(const std::filesystem::path& png);  // of what the window shows
+  std::string Print();                                 // PDF
 
   // What the page wrote to the console as errors or warnings, and what it asked of any network, since the
   // last call.

@@ -141,10 +141,10 @@ class ReportInBrowser : public testing::Test {
     browser_->Open(folder_ / page);
   }
   static Json Run(const std::string& script) { return browser_->Run(script); }
-  // A picture of the window, which must show more than one colour.
-  static cv::Mat Picture(const std::string& name, bool whole = false) {
+  // What the window shows.
+  static cv::Mat Picture(const std::string& name) {
     const fs::path file = folder_ / (name + ".png");
-    browser_->SavePicture(file, whole);
+    browser_->SavePicture(file);
     cv::Mat image = cv::imread(file.string());
     EXPECT_FALSE(image.empty());
     return image;
@@ -303,15 +303,15 @@ void ReportInBrowser::DrawsEveryChartInLightAndDarkAndOnAPhone() {
   browser_->Click("input[value=histogram]");
   browser_->Click("#distributions-more summary");
   Run("scrollTo(0, 0)");
-  const cv::Mat light = Picture("light", true);
+  const cv::Mat light = Picture("light");
   browser_->PreferDark(true);
-  const cv::Mat dark = Picture("dark", true);
+  const cv::Mat dark = Picture("dark");
   EXPECT_GT(cv::mean(light)[0], 200);
   EXPECT_LT(cv::mean(dark)[0], 70);
   browser_->PreferDark(false);
   browser_->Resize(390, 844);
   EXPECT_EQ(Run("return document.documentElement.scrollWidth"), 390);  // nothing sticks out
-  Picture("phone", true);
+  Picture("phone");
   browser_->Click("#worst-list .link");
   Picture("phone_run");
   browser_->Resize(1280, 900);
