@@ -17,8 +17,8 @@ std::string Program(const BatchJob& job) {
 
 std::string Arguments(const BatchJob& job) {
   std::string all;
-  for (const std::string& each : job.arguments) all += " " + ShellWord(each);
-  return all + " --out " + ShellWord(job.folder.string());
+  for (const std::string& each : job.arguments) all += fmt::format(" {}", ShellWord(each));
+  return all + fmt::format(" --out {}", ShellWord(job.folder.string()));
 }
 
 }  // namespace
@@ -28,9 +28,12 @@ std::string ShellWord(const std::string& text) {
     return std::isalnum(c) || std::string_view("_-+=./:,@%").find(static_cast<char>(c)) != std::string::npos;
   };
   if (!text.empty() && std::all_of(text.begin(), text.end(), plain)) return text;
-  std::string word = "'";
-  for (const char c : text) word += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return word + "'";
+  std::string inside;
+  for (const char c : text) {
+    if (c == '\'') inside += "'\\'";
+    inside += c;
+  }
+  return fmt::format("'{}'", inside);
 }
 
 std::string FlyCommand(const BatchJob& job) { return Program(job) + Arguments(job); }

@@ -43,7 +43,8 @@ struct SqliteError : std::runtime_error {
 
 [[noreturn]] void Fail(sqlite3* db, int code) {
   // The system's own word is the better one where a file cannot be read or written.
-  const int system = db ? sqlite3_system_errno(db) : 0;
+  const int last = errno;
+  const int system = db && sqlite3_system_errno(db) != 0 ? sqlite3_system_errno(db) : last;
   const int base = code & 0xff;
   const bool of_system = base == SQLITE_IOERR || base == SQLITE_CANTOPEN || base == SQLITE_FULL;
   if (base == SQLITE_FULL) throw SqliteError(code, "the disk is full");

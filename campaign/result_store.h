@@ -35,7 +35,8 @@ std::vector<std::string> Differences(const CampaignIdentity& has, const Campaign
 //   runs       (row, status, outcome, state_hash, image_hash)
 //   metrics    (row, name, value)
 //   execution  (row, worker, wall_s, orchestration_s, peak_mib, log, recording)   depends on the machine
-// The first four of two campaigns on the same rows by the same version are alike to the last bit.
+// The first four of two campaigns on the same rows by the same version are alike to the last bit. A metric
+// that is not a number is NULL; the sign of zero is not kept.
 class ResultStore {
  public:
   // Makes the file, or goes on with it; the only writer until this object goes. Throws InputError: it is

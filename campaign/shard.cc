@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <charconv>
-#include <cstring>
 #include <limits>
 #include <map>
 
@@ -31,7 +30,8 @@ std::optional<Shard> Numbers(std::string_view text, std::string_view between) {
   return shard;
 }
 
-bool SameBits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0 || (a != a && b != b); }
+// To the last bit, but for the sign of zero, which SQLite does not keep.
+bool Same(double a, double b) { return a == b || (a != a && b != b); }
 
 }  // namespace
 
@@ -64,7 +64,7 @@ std::string DifferenceOf(const RunResult& a, const RunResult& b) {
   for (const auto& [name, value] : a.metrics) {
     const auto other = b.metrics.find(name);
     if (other == b.metrics.end()) return fmt::format("{} is of one alone", name);
-    if (!SameBits(value, other->second))
+    if (!Same(value, other->second))
       return fmt::format("{} {:.17g} and {:.17g}", name, value, other->second);
   }
   for (const auto& [name, value] : b.metrics)

@@ -1,0 +1,342 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "campaign/result_store.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/mount.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+
+#include <array>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <limits>
+
+#include "config/yaml_fields.h"
+#include "tests/campaign/results.h"
+#include "tests/scenarios/temporary_folder.h"
+
+namespace kestrel {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+// What a shell command prints.
+std::string Says(const std::string& command) {
+  std::string text;
+  std::FILE* pipe = popen(command.c_str(), "r");
+  std::array<char, 4096> bytes;
+  for (std::size_t n; (n = std::fread(bytes.data(), 1, bytes.size(), pipe)) > 0;)
+    text.append(bytes.data(), n);
+  pclose(pipe);
+  return text;
+}
+
+class ResultStoreTest : public InTemporaryFolder {
+ protected:
+  void SetUp() override {
+    InTemporaryFolder::SetUp();
+    file_ = folder_ / "results.sqlite";
+  }
+  std::string Refusal(const CampaignIdentity& identity) const {
+    try {
+      ResultStore::Open(file_, identity);
+    } catch (const InputError& e) {
+      return e.what();
+    }
+    return "";
+  }
+  fs::path file_;
+};
+
+bool SameBits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+
+TEST_F(ResultStoreTest, ReadsBackWhatWasPutToTheLastBit) {
+  RunResult result = ResultOf(1);
+  result.metrics = {{"third_m", 1.0 / 3},
+                    {"least_m", std::numeric_limits<double>::denorm_min()},
+                    {"most_m", std::numeric_limits<double>::max()},
+                    {"minus_nothing_m", -0.0},
+                    {"whole_m", 3},
+                    {"endless_m", std::numeric_limits<double>::infinity()},
+                    {"none_m", std::numeric_limits<double>::quiet_NaN()}};
+  result.status = RunStatus::kBrokeOff;
+  result.outcome = "the state is 'no number'\nat 3 s";
+  result.execution = {1, 2.5, 0.01, 180.5, "a log\nof two lines", "recordings/1"};
+  ResultStore::Open(file_, IdentityOf(TableOf(4))).Put(result);
+
+  const ResultStore store = ResultStore::Read(file_);
+  EXPECT_THAT(store.Rows(), ElementsAre(1));
+  const RunResult read = store.Results().at(0);
+  EXPECT_EQ(read.row, 1);
+  EXPECT_EQ(read.status, RunStatus::kBrokeOff);
+  EXPECT_EQ(read.outcome, result.outcome);
+  EXPECT_EQ(read.state_hash, result.state_hash);
+  EXPECT_EQ(read.image_hash, result.image_hash);
+  ASSERT_EQ(read.metrics.size(), result.metrics.size());
+  for (const auto& [name, value] : result.metrics) {
+    if (std::isnan(value)) {
+      EXPECT_TRUE(std::isnan(read.metrics.at(name))) << name;
+    } else if (value == 0) {  // SQLite knows no sign of it
+      EXPECT_EQ(read.metrics.at(name), 0) << name;
+    } else {
+      EXPECT_TRUE(SameBits(read.metrics.at(name), value)) << name << " " << read.metrics.at(name);
+    }
+  }
+  EXPECT_EQ(read.execution.worker, 1);
+  EXPECT_EQ(read.execution.wall_s, 2.5);
+  EXPECT_EQ(read.execution.orchestration_s, 0.01);
+  EXPECT_EQ(read.execution.peak_mib, 180.5);
+  EXPECT_EQ(read.execution.log, "a log\nof two lines");
+  EXPECT_EQ(read.execution.recording, "recordings/1");
+  const CampaignIdentity wanted = IdentityOf(TableOf(4));
+  EXPECT_THAT(Differences(store.identity(), wanted), IsEmpty());
+  EXPECT_EQ(store.identity().table.rows, wanted.table.rows);
+}
+
+TEST_F(ResultStoreTest, GoesOnWithWhatIsThere) {
+  const CampaignIdentity identity = IdentityOf(TableOf(4));
+  ResultStore::Open(file_, identity).Put(ResultOf(2));
+  ResultStore store = ResultStore::Open(file_, identity);
+  EXPECT_THAT(store.Rows(), ElementsAre(2));
+  store.Put(ResultOf(0));
+  EXPECT_THAT(store.Rows(), ElementsAre(0, 2));
+  EXPECT_EQ(store.Results()[0].row, 0);
+  EXPECT_EQ(store.Results()[1].metrics, ResultOf(2).metrics);
+}
+
+TEST_F(ResultStoreTest, TakesARowOnceAndThoseOfTheTableAlone) {
+  ResultStore store = ResultStore::Open(file_, IdentityOf(TableOf(4)));
+  store.Put(ResultOf(2));
+  EXPECT_THROW(store.Put(ResultOf(2)), std::runtime_error);
+  EXPECT_THROW(store.Put(ResultOf(4)), std::runtime_error);
+  // All or nothing.
+  EXPECT_THROW(store.Put(std::vector{ResultOf(0), ResultOf(1), ResultOf(2)}), std::runtime_error);
+  EXPECT_THAT(store.Rows(), ElementsAre(2));
+}
+
+TEST_F(ResultStoreTest, ForgetsWhatIsBeyondTheEnd) {
+  ResultStore store = ResultStore::Open(file_, IdentityOf(TableOf(4)));
+  for (const int row : {0, 3, 1}) store.Put(ResultOf(row));
+  store.DropFrom(1);
+  EXPECT_THAT(store.Rows(), ElementsAre(0));
+  EXPECT_EQ(
+      Says("python3 -c \"import sqlite3; db = sqlite3.connect('" + file_.string() +
+           "'); print([db.execute('SELECT max(row) FROM ' + t).fetchone()[0] for t in ('runs', 'metrics', "
+           "'execution')])\""),
+      "[0, 0, 0]\n");
+  store.Put(ResultOf(3));
+  EXPECT_THAT(store.Rows(), ElementsAre(0, 3));
+}
+
+TEST_F(ResultStoreTest, RefusesAnotherCampaignsFileAndSaysWhatDiffers) {
+  const CampaignIdentity has = IdentityOf(TableOf(4));
+  { ResultStore::Open(file_, has); }
+  EXPECT_EQ(Refusal(has), "");
+  CampaignIdentity wanted = has;
+  wanted.name = "calm";
+  EXPECT_THAT(Refusal(wanted),
+              AllOf(HasSubstr(file_.string() + ": name: it is of 'gusts', and not of 'calm'"),
+                    HasSubstr("valid: another folder (--out)")));
+  wanted = has;
+  wanted.version = "0.1.0 def";
+  EXPECT_THAT(Refusal(wanted), HasSubstr("version: it is of 0.1.0 abc, and this program is 0.1.0 def"));
+  wanted = has;
+  wanted.plan = "scenario: hover\nruns: 5\n";
+  EXPECT_THAT(Refusal(wanted),
+              HasSubstr("plan: it is of another, whose line 2 is 'runs: 4', and not 'runs: 5'"));
+  wanted = has;
+  wanted.scenario += "seed: 3\n";
+  EXPECT_THAT(Refusal(wanted),
+              HasSubstr("scenario: it is of another, whose line 3, 'seed: 3', is not in it"));
+  wanted = has;
+  wanted.table.rows[2][1] = "0.5";
+  EXPECT_THAT(Refusal(wanted), HasSubstr("table: it is of another: row 2: wind.mean_m_s is 0.6666"));
+  wanted.table = TableOf(5);
+  EXPECT_THAT(Refusal(wanted), HasSubstr("it is of 4 rows, and not 5"));
+  wanted.name = "calm";  // all at once
+  EXPECT_THAT(Refusal(wanted), AllOf(HasSubstr("name:"), HasSubstr("table:")));
+}
+
+TEST_F(ResultStoreTest, RefusesWhatIsNoResultFileAndLeavesItAsItWas) {
+  const CampaignIdentity identity = IdentityOf(TableOf(4));
+  const std::string text(5000, 'x');
+  std::ofstream(file_) << text;
+  EXPECT_THAT(Refusal(identity), HasSubstr("it is no SQLite file"));
+  EXPECT_THROW(ResultStore::Read(file_), InputError);
+  std::ifstream in(file_);
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(in), {}), text);
+
+  fs::remove(file_);
+  Says("python3 -c \"import sqlite3; db = sqlite3.connect('" + file_.string() +
+       "'); db.execute('CREATE TABLE songs (name)'); db.commit()\"");
+  EXPECT_THAT(Refusal(identity), HasSubstr("it is a database of something else"));
+  EXPECT_THROW(ResultStore::Read(file_), InputError);
+  EXPECT_THROW(ResultStore::Read(folder_ / "none.sqlite"), InputError);
+}
+
+TEST_F(ResultStoreTest, HasOneWriter) {
+  const CampaignIdentity identity = IdentityOf(TableOf(4));
+  const ResultStore store = ResultStore::Open(file_, identity);
+  EXPECT_THAT(Refusal(identity), HasSubstr("another process is flying this campaign"));
+}
+
+TEST_F(ResultStoreTest, AFolderThatCannotBeWrittenIsTold) {
+  EXPECT_THROW(ResultStore::Open(folder_ / "none" / "results.sqlite", IdentityOf(TableOf(1))),
+               std::runtime_error);
+}
+
+TEST_F(ResultStoreTest, PythonReadsItWhileItIsWritten) {
+  ResultStore store = ResultStore::Open(file_, IdentityOf(TableOf(4)));
+  const auto python = [&](const std::string& sql) {
+    return Says("python3 -c \"import sqlite3; print(sqlite3.connect('file:" + file_.string() +
+                "?mode=ro', uri=True).execute('" + sql + "').fetchall())\"");
+  };
+  EXPECT_EQ(python("SELECT count(*) FROM runs"), "[(0,)]\n");
+  RunResult result = ResultOf(2);
+  result.metrics["none_m"] = std::numeric_limits<double>::quiet_NaN();
+  store.Put(result);
+  EXPECT_EQ(python("SELECT row, status, outcome, state_hash FROM runs"),
+            "[(2, 'failed', 'completed', '0000000000000002')]\n");
+  EXPECT_EQ(python("SELECT name, value FROM metrics ORDER BY name"),
+            "[('error_m', 0.9092974268256817), ('none_m', None), ('settle_s', 0.3333333333333333)]\n");
+  EXPECT_EQ(python("SELECT value FROM samples WHERE row = 3 ORDER BY key"), "[('10',), ('1',)]\n");
+  EXPECT_EQ(python("SELECT key FROM campaign ORDER BY key"),
+            "[('keys',), ('name',), ('plan',), ('scenario',), ('schema',), ('table_hash',), ('version',)]\n");
+}
+
+TEST_F(ResultStoreTest, AReaderSeesWholeRunsWhileAnotherProcessWrites) {
+  constexpr int kRows = 60;
+  const CampaignIdentity identity = IdentityOf(TableOf(kRows));
+  { ResultStore::Open(file_, identity); }
+  const pid_t writer = fork();
+  if (writer == 0) {
+    ResultStore store = ResultStore::Open(file_, identity);
+    for (int row = 0; row < kRows; ++row) store.Put(ResultOf(row));
+    _exit(0);
+  }
+  std::size_t most = 0;
+  const ResultStore reader = ResultStore::Read(file_);
+  for (bool over = false; !over;) {
+    over = waitpid(writer, nullptr, WNOHANG) == writer;
+    const auto results = reader.Results();
+    EXPECT_GE(results.size(), most);
+    most = results.size();
+    for (const RunResult& result : results) ASSERT_EQ(result.metrics, ResultOf(result.row).metrics);
+  }
+  EXPECT_EQ(most, kRows);
+}
+
+TEST_F(ResultStoreTest, IsReadWhereNothingCanBeWritten) {
+  { ResultStore::Open(file_, IdentityOf(TableOf(4))).Put(ResultOf(1)); }
+  ASSERT_FALSE(fs::exists(file_.string() + "-wal"));
+  using fs::perms;
+  fs::permissions(folder_, perms::owner_read | perms::owner_exec | perms::group_read | perms::group_exec |
+                               perms::others_read | perms::others_exec);
+  const pid_t reader = fork();
+  if (reader == 0) {
+    if (getuid() == 0 && setuid(65534) != 0) _exit(2);  // permissions do not hold root back
+    try {
+      _exit(ResultStore::Read(file_).Rows().size() == 1 ? 0 : 1);
+    } catch (const std::exception& e) {
+      std::fputs(e.what(), stderr);
+      _exit(3);
+    }
+  }
+  int status = 0;
+  waitpid(reader, &status, 0);
+  EXPECT_EQ(WEXITSTATUS(status), 0);
+  fs::permissions(folder_, perms::owner_all);
+}
+
+// The process may write no longer files than this: what a full disk is to SQLite, save for the reason.
+class NoLongerFiles {
+ public:
+  explicit NoLongerFiles(std::uintmax_t bytes) {
+    std::signal(SIGXFSZ, SIG_IGN);
+    getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit now{bytes, before_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &now);
+  }
+  ~NoLongerFiles() { setrlimit(RLIMIT_FSIZE, &before_); }
+
+ private:
+  rlimit before_{};
+};
+
+TEST_F(ResultStoreTest, ADiskThatIsFullStopsItAndWhatIsFinishedStaysReadable) {
+  const CampaignIdentity identity = IdentityOf(TableOf(1000));
+  ResultStore store = ResultStore::Open(file_, identity);
+  int put = 0;
+  {
+    const NoLongerFiles full(fs::file_size(file_.string() + "-wal") + 60000);
+    try {
+      for (; put < 1000; ++put) store.Put(ResultOf(put));
+    } catch (const std::runtime_error& e) {
+      EXPECT_THAT(e.what(), AllOf(HasSubstr("cannot write " + file_.string()), HasSubstr("File too large")));
+    }
+    EXPECT_GT(put, 0);
+    ASSERT_LT(put, 1000);
+    EXPECT_EQ(store.Rows().size(), put);
+    EXPECT_EQ(ResultStore::Read(file_).Results().size(), put);
+  }
+  store.Put(ResultOf(put));  // once there is room again
+  EXPECT_EQ(ResultStore::Read(file_).Results().size(), put + 1);
+}
+
+TEST_F(ResultStoreTest, AFileSystemThatIsFullIsNamed) {
+  const fs::path small = folder_ / "small";
+  fs::create_directory(small);
+  if (mount("kestrel_test", small.c_str(), "tmpfs", 0, "size=300k") != 0)
+    GTEST_SKIP() << "no small file system can be mounted here: " << std::strerror(errno);
+  int put = 0;
+  try {
+    ResultStore store = ResultStore::Open(small / "results.sqlite", IdentityOf(TableOf(500)));
+    for (; put < 500; ++put) store.Put(ResultOf(put));
+  } catch (const std::runtime_error& e) {
+    EXPECT_THAT(e.what(), HasSubstr("results.sqlite: the disk is full"));
+  }
+  EXPECT_LT(put, 500);
+  ASSERT_GT(put, 0);
+  EXPECT_EQ(ResultStore::Read(small / "results.sqlite").Results().size(), put);
+  umount2(small.c_str(), MNT_DETACH);
+}
+
+TEST_F(ResultStoreTest, AProcessThatIsKilledLosesNothingThatPutReturnedFrom) {
+  constexpr int kRows = 400;
+  const CampaignIdentity identity = IdentityOf(TableOf(kRows));
+  std::array<int, 2> told{};
+  ASSERT_EQ(pipe(told.data()), 0);
+  const pid_t writer = fork();
+  if (writer == 0) {
+    ResultStore store = ResultStore::Open(file_, identity);
+    for (int row = 0; row < kRows; ++row) {
+      store.Put(ResultOf(row));
+      const char done = 1;
+      if (write(told[1], &done, 1) != 1) _exit(1);
+    }
+    pause();
+  }
+  close(told[1]);
+  char done = 0;
+  int put = 0;
+  for (; put < 17; ++put) ASSERT_EQ(read(told[0], &done, 1), 1);
+  kill(writer, SIGKILL);
+  waitpid(writer, nullptr, 0);
+  while (read(told[0], &done, 1) == 1) ++put;
+  close(told[0]);
+  const std::size_t rows = ResultStore::Read(file_).Results().size();
+  EXPECT_GE(rows, put);
+  EXPECT_LE(rows, put + 1);
+  EXPECT_EQ(ResultStore::Open(file_, identity).Rows().size(), rows);  // and its lock is gone with it
+}
+
+}  // namespace
+}  // namespace kestrel
