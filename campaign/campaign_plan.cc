@@ -28,6 +28,7 @@ void Fields(Visitor& v, CampaignFile& f) {
   v("sampling", f.plan.sampling, {"independent", "latin_hypercube", "sobol"});
   v("vary", f.vary);
   v("correlated", f.plan.correlated);
+  v("same", f.plan.same);
   v("metrics", f.plan.metrics);
   v("limit_s", f.plan.limit_s, 0.1, 1e6);
   v("thresholds", f.plan.thresholds);

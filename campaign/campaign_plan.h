@@ -25,6 +25,17 @@ void Fields(Visitor& v, CorrelatedGroup& g) {
   v(Required("rank_correlation"), g.rank_correlation, -1.0, 1.0);
 }
 
+// A key that takes in each row the value of one that varies.
+struct SameValue {
+  std::string key, as;
+};
+
+template <class Visitor>
+void Fields(Visitor& v, SameValue& s) {
+  v(Required("key"), s.key);
+  v(Required("as"), s.as);
+}
+
 // What a campaign's results must keep to, for CI: judged by the bound of the 95 % interval that is against
 // it.
 struct Threshold {
@@ -49,6 +60,7 @@ struct CampaignPlan {
   std::string sampling = "latin_hypercube";  // independent, latin_hypercube, sobol
   std::map<std::string, Distribution> vary;  // by the scenario's key
   std::vector<CorrelatedGroup> correlated;
+  std::vector<SameValue> same;
   std::vector<std::string> metrics;             // that reports show first; empty: those of the criteria
   double limit_s = 600;                         // of wall time for a run
   std::map<std::string, Threshold> thresholds;  // by metric, or "success" for the share of runs that passed

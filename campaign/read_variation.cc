@@ -159,6 +159,17 @@ std::string Shortened(const std::string& message, const std::string& override_te
   return rest;
 }
 
+void RefuseConstant(const std::string& key, const CampaignPlan& plan, const std::string& where,
+                    const std::string& path, Mistakes& mistakes) {
+  List names;
+  for (const auto& [name, distribution] : plan.vary) names.push_back(name);
+  const auto near = NearestName(key, names);
+  mistakes.Add(where, path,
+               fmt::format("'{}' does not vary; {}", key,
+                           near ? fmt::format("did you mean '{}'?", *near)
+                                : fmt::format("valid: {}", fmt::join(names, ", "))));
+}
+
 void CheckGroups(const ConfigNode& root, const CampaignPlan& plan, Mistakes& mistakes) {
   std::map<std::string, std::size_t> group_of;
   for (std::size_t g = 0; g < plan.correlated.size(); ++g) {
@@ -171,13 +182,7 @@ void CheckGroups(const ConfigNode& root, const CampaignPlan& plan, Mistakes& mis
     for (const std::string& key : group.keys) {
       const auto vary = plan.vary.find(key);
       if (vary == plan.vary.end()) {
-        List names;
-        for (const auto& [name, d] : plan.vary) names.push_back(name);
-        const auto near = NearestName(key, names);
-        mistakes.Add(where, path + ".keys",
-                     fmt::format("'{}' does not vary; {}", key,
-                                 near ? fmt::format("did you mean '{}'?", *near)
-                                      : fmt::format("valid: {}", fmt::join(names, ", "))));
+        RefuseConstant(key, plan, where, path + ".keys", mistakes);
       } else if (std::holds_alternative<Grid>(vary->second) || std::holds_alternative<Choice>(vary->second)) {
         mistakes.Add(where, path + ".keys",
                      fmt::format("'{}' is a {}, which has no ranks; valid: uniform, log_uniform, normal, "
@@ -200,33 +205,57 @@ void CheckGroups(const ConfigNode& root, const CampaignPlan& plan, Mistakes& mis
   }
 }
 
-void CheckVary(const ConfigNode& root, const CampaignPlan& plan, Mistakes& mistakes) {
+void CheckSame(const ConfigNode& root, const CampaignPlan& plan, Mistakes& mistakes) {
+  std::set<std::string> taken;
+  for (std::size_t i = 0; i < plan.same.size(); ++i) {
+    const auto& [key, as] = plan.same[i];
+    const std::string index = std::to_string(i), path = "same." + index;
+    const std::string& where = WhereIn(root, {"same", index, "key"});
+    if (plan.vary.count(key))
+      mistakes.Add(where, path + ".key", fmt::format("'{}' varies for itself; valid: one of the two", key));
+    if (!taken.insert(key).second)
+      mistakes.Add(where, path + ".key", fmt::format("'{}' is given twice", key));
+    if (!plan.vary.count(as))
+      RefuseConstant(as, plan, WhereIn(root, {"same", index, "as"}), path + ".as", mistakes);
+  }
+}
+
+// The scenario takes all that can come of a key.
+void CheckKey(const std::string& key, const Distribution& distribution, const List& chosen,
+              const std::string& where, const std::string& path, const CampaignPlan& plan,
+              Mistakes& mistakes) {
+  std::string_view remedy;
+  if (std::holds_alternative<Normal>(distribution))
+    remedy = "; a normal reaches 10 deviations off: valid: truncated_normal";
+  const std::size_t before = mistakes.messages().size();
+  for (const std::string& value : Extremes(distribution)) {
+    // An unknown key is said once.
+    if (!CheckOverride(plan, chosen, key, value, where, path, remedy, mistakes) &&
+        mistakes.messages().back().find("unknown key") != std::string::npos)
+      break;
+  }
+  if (mistakes.messages().size() > before || std::holds_alternative<Choice>(distribution) ||
+      std::holds_alternative<Grid>(distribution))
+    return;
+  // Both ends may be whole where what is between them is not.
+  CheckOverride(plan, chosen, key, ValueAt(distribution, 0.3819660113), where, path,
+                "; of whole numbers valid: choice or grid", mistakes);
+}
+
+void CheckKeys(const ConfigNode& root, const CampaignPlan& plan, Mistakes& mistakes) {
   // A key may have no meaning but with a choice made: a landscape's light, in a world that is one.
   List chosen;
   for (const auto& [key, distribution] : plan.vary) {
-    if (!std::holds_alternative<Choice>(distribution) && !std::holds_alternative<Grid>(distribution))
-      continue;
-    chosen.push_back(fmt::format("{}={}", key, Extremes(distribution).front()));
+    if (std::holds_alternative<Choice>(distribution) || std::holds_alternative<Grid>(distribution))
+      chosen.push_back(fmt::format("{}={}", key, Extremes(distribution).front()));
   }
-  for (const auto& [key, distribution] : plan.vary) {
-    const std::string& where = WhereIn(root, {"vary", key});
-    const std::string path = "vary." + key;
-    std::string_view remedy;
-    if (std::holds_alternative<Normal>(distribution))
-      remedy = "; a normal reaches 10 deviations off: valid: truncated_normal";
-    const std::size_t before = mistakes.messages().size();
-    for (const std::string& value : Extremes(distribution)) {
-      // The same of each extreme, such as an unknown key, is said once.
-      if (!CheckOverride(plan, chosen, key, value, where, path, remedy, mistakes) &&
-          mistakes.messages().back().find("unknown key") != std::string::npos)
-        break;
-    }
-    if (mistakes.messages().size() > before || std::holds_alternative<Choice>(distribution) ||
-        std::holds_alternative<Grid>(distribution))
-      continue;
-    // Both ends may be whole where what is between them is not.
-    CheckOverride(plan, chosen, key, ValueAt(distribution, 0.3819660113), where, path,
-                  "; of whole numbers valid: choice or grid", mistakes);
+  for (const auto& [key, distribution] : plan.vary)
+    CheckKey(key, distribution, chosen, WhereIn(root, {"vary", key}), "vary." + key, plan, mistakes);
+  for (std::size_t i = 0; i < plan.same.size(); ++i) {
+    const std::string index = std::to_string(i);
+    if (const auto as = plan.vary.find(plan.same[i].as); as != plan.vary.end())
+      CheckKey(plan.same[i].key, as->second, chosen, WhereIn(root, {"same", index, "key"}),
+               fmt::format("same.{}.key", index), plan, mistakes);
   }
 }
 
@@ -313,15 +342,22 @@ void ResolveVariation(const fs::path& file, const ConfigNode& root, CampaignPlan
   if (plan.vary.size() > 3667)
     mistakes.Add(WhereIn(root, {"vary"}), "vary",
                  fmt::format("{} keys; valid: no more than 3667", plan.vary.size()));
-  for (const auto& [key, distribution] : plan.vary) {
+  const auto refuse_set = [&](const std::string& key, const std::string& where, const std::string& path) {
     for (const std::string& each : plan.set) {
       const std::string set = each.substr(0, each.find('='));
       if (set == key || set.starts_with(key + '.'))
-        mistakes.Add(WhereIn(root, {"vary", key}), "vary." + key,
-                     fmt::format("varies, and set has '{}'; valid: one of the two", each));
+        mistakes.Add(where, path,
+                     fmt::format("'{}' varies, and set has '{}'; valid: one of the two", key, each));
     }
+  };
+  for (const auto& [key, distribution] : plan.vary)
+    refuse_set(key, WhereIn(root, {"vary", key}), "vary." + key);
+  for (std::size_t i = 0; i < plan.same.size(); ++i) {
+    const std::string index = std::to_string(i);
+    refuse_set(plan.same[i].key, WhereIn(root, {"same", index, "key"}), fmt::format("same.{}.key", index));
   }
   CheckGroups(root, plan, mistakes);
+  CheckSame(root, plan, mistakes);
   if (plan.scenario.empty()) return;  // said already
   const List names = ScenarioNames();
   const fs::path beside = file.parent_path() / plan.scenario;
@@ -346,7 +382,7 @@ void ResolveVariation(const fs::path& file, const ConfigNode& root, CampaignPlan
                    message.starts_with("--set ") ? message.substr(6) : message);
     return;
   }
-  CheckVary(root, plan, mistakes);
+  CheckKeys(root, plan, mistakes);
 }
 
 }  // namespace kestrel

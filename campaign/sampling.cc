@@ -124,6 +124,8 @@ SampleTable DrawTable(const CampaignPlan& plan) {
     else
       drawn.push_back(key);
   }
+  const std::size_t own = table.keys.size();
+  for (const SameValue& same : plan.same) table.keys.push_back(same.key);
   table.rows.resize(static_cast<std::size_t>(plan.runs) * points);
   for (int point = 0; point < points; ++point) {
     auto columns = DrawColumns(plan, drawn, point);
@@ -139,7 +141,8 @@ SampleTable DrawTable(const CampaignPlan& plan) {
     }
     for (int run = 0; run < plan.runs; ++run) {
       const std::int64_t row = static_cast<std::int64_t>(run) * points + point;
-      for (const std::string& key : table.keys) {
+      for (std::size_t k = 0; k < table.keys.size(); ++k) {
+        const std::string& key = k < own ? table.keys[k] : plan.same[k - own].as;
         const auto vary = plan.vary.find(key);
         if (vary == plan.vary.end())
           table.rows[row].push_back(std::to_string(SeedOfRow(plan.seed, row)));

@@ -12,11 +12,13 @@ namespace kestrel {
 class LocalPlane {
  public:
   LocalPlane() : LocalPlane(0, 0) {}
-  LocalPlane(double latitude, double longitude) : latitude_(latitude), longitude_(longitude) {
+  // height: of the plane above the ellipsoid, m.
+  LocalPlane(double latitude, double longitude, double height = 0)
+      : latitude_(latitude), longitude_(longitude) {
     constexpr double a = 6378137, e2 = 6.69437999014e-3;
     const double s = std::sin(latitude), w = 1 - e2 * s * s;
-    north_ = a * (1 - e2) / std::pow(w, 1.5);
-    east_ = a / std::sqrt(w) * std::cos(latitude);
+    north_ = a * (1 - e2) / std::pow(w, 1.5) + height;
+    east_ = (a / std::sqrt(w) + height) * std::cos(latitude);
   }
   Eigen::Vector2d NorthEast(double latitude, double longitude) const {
     return {north_ * (latitude - latitude_), east_ * std::remainder(longitude - longitude_, 2 * kPi)};

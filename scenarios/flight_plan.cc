@@ -50,6 +50,7 @@ const std::vector<std::string_view>& WorldKeys() {
   static const std::vector<std::string_view> kKeys = {"vehicle",
                                                       "world",
                                                       "autopilot",
+                                                      "platform",
                                                       "actuators",
                                                       "landscape",
                                                       "start",

@@ -26,6 +26,7 @@ struct VehicleFile {
   std::string kind = "multirotor";
   AirframeParameters airframe;
   AutopilotParameters autopilot;
+  std::optional<PanTiltParameters> platform;
 };
 
 template <class Visitor>
@@ -35,6 +36,7 @@ void Fields(Visitor& v, VehicleFile& f) {
     f.airframe = HelicopterParameters{};
   std::visit([&](auto& airframe) { Fields(v, airframe); }, f.airframe);
   v("autopilot", f.autopilot);
+  v("platform", f.platform);
 }
 
 // The file of a world that is a landscape, if it is one.
@@ -160,6 +162,7 @@ LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<s
   VehicleFile vehicle;
   if (fs::is_regular_file(vehicle_file)) Read(LoadConfig(vehicle_file, {}, mistakes), vehicle, mistakes);
   s.autopilot = vehicle.autopilot;
+  s.platform = vehicle.platform;
   Read(config, s, mistakes);
   if (!s.landscape) s.landscape = landscape;  // it was given without a word
   if (!config.readable) mistakes.ThrowIfAny();

@@ -12,6 +12,7 @@
 #include "config/yaml_fields.h"
 #include "scenarios/flights.h"
 #include "scenarios/model_files.h"
+#include "sim/pan_tilt.h"
 #include "sim/simulator.h"
 
 namespace kestrel {
@@ -51,6 +52,7 @@ struct Scenario {
   std::string vehicle = "pelican", world = "airfield", camera = "thesis_6mm";
   std::string camera_name;                       // which of a file of Kalibr; empty: its first
   AutopilotParameters autopilot;                 // as the vehicle has it, but for these
+  std::optional<PanTiltParameters> platform;     // likewise; who is served turns the camera with it
   std::optional<LandscapeParameters> landscape;  // of a world that is one: as the world has it, but for these
   PadPlacement pad;
   StartParameters start;
@@ -77,6 +79,7 @@ void Fields(Visitor& v, Scenario& s) {
   v("vehicle", s.vehicle);
   v("world", s.world);
   v("autopilot", s.autopilot);
+  v("platform", s.platform);
   v("camera", s.camera);
   v("camera_name", s.camera_name);
   v("landscape", s.landscape);

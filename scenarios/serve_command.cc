@@ -12,6 +12,7 @@
 #include <cstdio>
 
 #include "config/yaml_fields.h"
+#include "geometry/tait_bryan.h"
 #include "scenarios/files.h"
 #include "scenarios/serve_flight.h"
 #include "scenarios/serve_physics.h"
@@ -106,6 +107,15 @@ void Report(const Summary& s, const std::string& folder) {
              value("setpoints_refused"), s.sim_s, s.wall_s, folder);
 }
 
+// The aircraft's platform for the camera, where there is one, a server turns it and it can be where the
+// scenario mounts the camera.
+std::optional<PanTilt> PlatformOf(const ServeArguments& a, const Scenario& scenario) {
+  if (!a.afcs || !scenario.platform) return std::nullopt;
+  const auto angles = AnglesOf(scenario.mount, *scenario.platform);
+  if (!angles) return std::nullopt;
+  return PanTilt(*scenario.platform, scenario.mount.position_m, *angles);
+}
+
 }  // namespace
 
 CLI::App* AddServeCommand(CLI::App& app, ServeArguments& a) {
@@ -147,7 +157,7 @@ CLI::App* AddServeCommand(CLI::App& app, ServeArguments& a) {
   return serve;
 }
 
-std::vector<NamedServer> MakeServers(const ServeArguments& a, const LoadedScenario& loaded,
+std::vector<NamedServer> MakeServers(const ServeArguments& a, const LoadedScenario& loaded, PanTilt* platform,
                                      Mistakes& mistakes) {
   std::vector<NamedServer> servers;
   // What cannot be had, an address in use or no pseudo-terminal, is a mistake of its option.
@@ -168,7 +178,7 @@ std::vector<NamedServer> MakeServers(const ServeArguments& a, const LoadedScenar
         options.address = a.afcs->substr(0, colon);
         options.port = std::stoi(a.afcs->substr(colon + 1));
       }
-      return std::make_unique<AfcsServer>(options);
+      return std::make_unique<AfcsServer>(options, platform);
     });
   if (a.asctec)
     add("asctec", "--asctec", [&] { return std::make_unique<AscTecServer>(AscTecProcessorOptions{}); });
@@ -187,7 +197,7 @@ std::vector<NamedServer> MakeServers(const ServeArguments& a, const LoadedScenar
 }
 
 std::string StartLines(const ServeArguments& a, const LoadedScenario& loaded,
-                       const std::vector<NamedServer>& servers) {
+                       const std::vector<NamedServer>& servers, const PanTilt* platform) {
   const Scenario& scenario = loaded.scenario;
   std::string lines = fmt::format("SIMULATOR  {}, seed {}: {:g} s in real time\n", scenario.name,
                                   scenario.seed, scenario.duration_s);
@@ -210,6 +220,12 @@ std::string StartLines(const ServeArguments& a, const LoadedScenario& loaded,
   } else {
     lines += "  camera   none\n";
   }
+  if (platform)
+    lines += fmt::format(
+        "  platform the camera is on it, at pan {:.0f}, tilt {:.0f} deg; the AFCS's PLATFORM turns it\n",
+        Degrees(platform->angles().pan), Degrees(platform->angles().tilt));
+  else if (a.afcs && scenario.platform)
+    lines += "  platform none: it cannot hold the camera as the scenario's mount has it\n";
   for (const NamedServer& each : servers) {
     const std::string where = each.server->Where(), address = AddressOf(where);
     lines += fmt::format("  {:<8} {}\n", each.name, where);
@@ -236,7 +252,8 @@ int ServeCommand(const ServeArguments& a) {
   Check(a, mistakes);
   if (!a.physics) CheckWritableFolder(folder, "--out", mistakes);
   mistakes.ThrowIfAny();
-  const std::vector<NamedServer> servers = MakeServers(a, loaded, mistakes);
+  std::optional<PanTilt> platform = PlatformOf(a, scenario);
+  const std::vector<NamedServer> servers = MakeServers(a, loaded, platform ? &*platform : nullptr, mistakes);
   std::unique_ptr<PhysicsServer> physics;
   try {
     if (a.physics) physics = MakePhysics(*a.physics, a.listen, a.physics_port, loaded);
@@ -247,6 +264,7 @@ int ServeCommand(const ServeArguments& a) {
 
   ServeOptions options;
   options.folder = folder;
+  options.platform = platform ? &*platform : nullptr;
   options.pilot_off_at_s = a.pilot_off_at_s;
   for (const NamedServer& each : servers) options.servers.push_back(each.server.get());
   std::optional<CameraServer> camera;
@@ -257,7 +275,7 @@ int ServeCommand(const ServeArguments& a) {
     options.publish = [&](const Frame& frame) { camera->Publish(frame.image); };
   }
   options.begun = [&] {
-    fmt::print("{}", StartLines(a, loaded, servers));
+    fmt::print("{}", StartLines(a, loaded, servers, options.platform));
     std::fflush(stdout);
   };
   options.say = [](const std::string& line) {
@@ -275,7 +293,7 @@ int ServeCommand(const ServeArguments& a) {
   std::signal(SIGINT, stop);
   std::signal(SIGTERM, stop);
   if (physics) {
-    fmt::print("{}", StartLines(a, loaded, {}));
+    fmt::print("{}", StartLines(a, loaded, {}, nullptr));
     fmt::print("  physics  {}, for {}\n", physics->Where(), *a.physics);
     if (!OnLoopback(a.listen)) fmt::print("{}", Warning("the physics", a.listen));
     std::fflush(stdout);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "scenarios/flight_log.h"
+#include "sim/pan_tilt.h"
 #include "sim/servers/autopilot_server.h"
 
 namespace CLI {
@@ -39,14 +40,15 @@ struct NamedServer {
   std::unique_ptr<AutopilotServer> server;
 };
 
-// The far ends that were asked for, listening. What cannot be had is a mistake.
+// The far ends that were asked for, listening. platform: of the camera, which AFCS turns; null: there is
+// none. What cannot be had is a mistake.
 std::vector<NamedServer> MakeServers(const ServeArguments& arguments, const LoadedScenario& loaded,
-                                     Mistakes& mistakes);
+                                     PanTilt* platform, Mistakes& mistakes);
 
 // How to connect, line by line: where each server listens and the camera goes, a warning where that is not
 // this computer alone, and the command line of `kestrel fly` for each.
 std::string StartLines(const ServeArguments& arguments, const LoadedScenario& loaded,
-                       const std::vector<NamedServer>& servers);
+                       const std::vector<NamedServer>& servers, const PanTilt* platform);
 
 // Serves until the end or an interrupt, and prints where and how it went: the exit status. Throws InputError
 // with every mistake of the arguments, and as ServeFlight does.

@@ -50,6 +50,7 @@ class ServedFlight {
  public:
   ServedFlight(const LoadedScenario& loaded, const ServeOptions& options)
       : loaded_(loaded), options_(options), simulator_(loaded.simulator), aircraft_(simulator_) {
+    simulator_.CarryCamera(options.platform);
     if (options.folder) records_.emplace(*options.folder, loaded, false);
   }
 

@@ -9,6 +9,7 @@
 
 #include "scenarios/runner.h"
 #include "scenarios/scenario.h"
+#include "sim/pan_tilt.h"
 #include "sim/servers/autopilot_server.h"
 
 namespace kestrel {
@@ -21,6 +22,7 @@ WallClock MonotonicClock();
 
 struct ServeOptions {
   std::vector<AutopilotServer*> servers;
+  PanTilt* platform = nullptr;                  // that a server turns: the camera is on it
   std::function<void(const Frame&)> publish;    // when a frame's latency is over; must return at once
   std::optional<std::filesystem::path> folder;  // of the records; none: nothing is written
   std::optional<double> pilot_off_at_s;         // when the pilot's switch takes the aircraft away

@@ -243,7 +243,7 @@ WireFlown FlyHere(const WireFlightOptions& o) {
   const LoadedScenario loaded = Load(o);
   const double before_stamp_s = BeforeStamp_s(loaded);
   Mistakes mistakes;
-  const std::vector<NamedServer> servers = MakeServers(ServerFor(o), loaded, mistakes);
+  const std::vector<NamedServer> servers = MakeServers(ServerFor(o), loaded, nullptr, mistakes);
   mistakes.ThrowIfAny();
   WireFlown flown;
   Overheard server(*servers.front().server, flown.heard);

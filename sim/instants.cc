@@ -72,7 +72,10 @@ void Instants::Add(double t_s, const Moment& before, const Moment& after, double
   }
   mj_kinematics(model_, data);
   mj_camlight(model_, data);
-  Pose X_NC = PoseFromMujoco(data->qpos) * X_BC_;
+  Pose X_BC = before.X_BC.value_or(X_BC_);
+  if (before.X_BC && after.X_BC && share > 0)
+    X_BC = {X_BC.R.slerp(share, after.X_BC->R), X_BC.p + share * (after.X_BC->p - X_BC.p)};
+  Pose X_NC = PoseFromMujoco(data->qpos) * X_BC;
   if (!vibration_.still()) X_NC = X_NC * vibration_.At(t_s);
   instants_.push_back({t_s, data, X_NC});
 }

@@ -3,6 +3,7 @@
 
 #include <mujoco/mujoco.h>
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -17,6 +18,7 @@ namespace kestrel {
 struct Moment {
   double t_s = 0;
   std::vector<mjtNum> qpos, mocap_pos, mocap_quat;
+  std::optional<Pose> X_BC;  // of a camera on a platform; none: it is where it was mounted
 };
 Moment MomentOf(const mjModel* model, const mjData* data, double t_s);
 

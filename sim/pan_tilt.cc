@@ -40,6 +40,14 @@ Pose PlatformPose(const PanTiltAngles& angles, const Eigen::Vector3d& position_m
   return {PlatformRotation(angles) * Eigen::Quaterniond(R_PC), position_m};
 }
 
+std::optional<PanTiltAngles> AnglesOf(const CameraMount& mount, const PanTiltParameters& parameters) {
+  const PanTiltAngles angles = Within({Radians(mount.yaw_deg), Radians(mount.pitch_deg - 90)}, parameters);
+  const Pose mounted = MountPose(mount);
+  constexpr double kSame = 1e-6;  // rad
+  if (PlatformPose(angles, mounted.p).R.angularDistance(mounted.R) > kSame) return std::nullopt;
+  return angles;
+}
+
 PanTiltAngles AnglesFor(const Gaze& look, const Pose& X_NB, const Eigen::Vector3d& position_m,
                         const PanTiltAngles& now, const PanTiltParameters& parameters) {
   if (const auto* fixed = std::get_if<LookFromAircraft>(&look))

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <variant>
 
 #include "config/fields.h"
 #include "geometry/pose.h"
+#include "vision/camera_mount.h"
 
 namespace kestrel {
 
@@ -48,6 +50,10 @@ using Gaze = std::variant<LookFromAircraft, LookInN, LookAt>;
 Eigen::Quaterniond PlatformRotation(const PanTiltAngles& angles);  // R_BP
 // The camera on it, X_BC; position_m: of the camera, where both axes meet, in B.
 Pose PlatformPose(const PanTiltAngles& angles, const Eigen::Vector3d& position_m);
+
+// The angles at which a camera on a platform is as this mount has it; none where there are none within the
+// limits, as of a mount that is rolled.
+std::optional<PanTiltAngles> AnglesOf(const CameraMount& mount, const PanTiltParameters& parameters);
 
 // The angles at which the camera looks there, within the limits. Where pan makes no difference, straight
 // above or below, it stays at now.

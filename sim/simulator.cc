@@ -169,6 +169,11 @@ void Simulator::Step() {
                                  before.t_s, mju_warningText(warning, data_->warning[warning].lastinfo)));
     }
   }
+  if (platform_) {
+    const VehicleState state = State();
+    platform_->Step(dt, {state.R_NB, state.p_NB});
+    X_BC_ = platform_->X_BC();
+  }
   truth_ = Look();
   const Eigen::Vector3d specific_force_B =
       truth_.X_NB.R.conjugate() * ((truth_.v_N - before.v_N) / dt - Eigen::Vector3d(0, 0, 9.80665));
@@ -227,8 +232,10 @@ std::int64_t Simulator::TickStep() const {
 // What happens to the camera at this instant: moments are kept, exposures begin and end.
 void Simulator::RunCamera() {
   CoverPad();
-  if (!open_.empty() || TickStep() <= steps_ + half_exposure_)
+  if (!open_.empty() || TickStep() <= steps_ + half_exposure_) {
     moments_.push_back(MomentOf(model_.get(), data_.get(), truth_.t_s));
+    if (platform_) moments_.back().X_BC = X_BC_;
+  }
   if (steps_ == TickStep()) Tick();
   const double dt = model_->opt.timestep;
   const double half_s = (static_cast<double>(half_exposure_) + 0.5) * dt;  // half a step more, for rounding

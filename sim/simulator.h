@@ -19,6 +19,7 @@
 #include "sim/fault_schedule.h"
 #include "sim/image_sensor.h"
 #include "sim/instants.h"
+#include "sim/pan_tilt.h"
 #include "sim/renderer.h"
 #include "sim/scene.h"
 #include "sim/sensor_faults.h"
@@ -121,11 +122,15 @@ class Simulator final : public Camera, public Autopilot {
   // nothing.
   void FlyBy(ExternalAutopilot* external) { external_ = external; }
 
+  // From now on the camera is on this platform, for as long as the simulator lives: each step turns it, by
+  // where the autopilot believes the aircraft to be.
+  void CarryCamera(PanTilt* platform) { platform_ = platform; }
+
   const Truth& truth() const { return truth_; }
   const Truth& exposure() const { return exposure_; }           // of the frame that Next() gave last
   const Picture& picture() const { return picture_; }           // of the same
   const std::optional<Truth>& touch() const { return touch_; }  // the instant before the first touch-down
-  const Pose& X_BC() const { return X_BC_; }
+  const Pose& X_BC() const { return X_BC_; }                    // now
   const mjModel* model() const { return model_.get(); }
   // The changes of the camera's condition until now.
   std::span<const CameraCondition> camera_changes() const { return faults_.ChangesUntil(truth_.t_s); }
@@ -169,6 +174,7 @@ class Simulator final : public Camera, public Autopilot {
   std::unique_ptr<EmulatedAutopilot> autopilot_;
   ExternalAutopilot* external_ = nullptr;
   bool ended_ = false;  // by it
+  PanTilt* platform_ = nullptr;
   Pose X_BC_;
   std::unique_ptr<Studio> studio_;
   std::unique_ptr<Hashes> hashes_;

@@ -163,7 +163,7 @@ void AscTecSession::MakeState(double now_s) {
   if ((gps.gps.status & kGpsValid) != kGpsValid) return;
   const double latitude = gps.latitude_best_estimate * wire::kRadPerLatitudeCount;
   const double longitude = gps.longitude_best_estimate * wire::kRadPerLatitudeCount;
-  if (!plane_) plane_.emplace(latitude, longitude);
+  if (!plane_) plane_.emplace(latitude, longitude, gps.gps.height * wire::kMetresPerCount);
 
   state_.t_s = imu_->t_s;
   state_.v_N = wire::kMetresPerCount *

@@ -26,8 +26,6 @@ constexpr double kMost = 1e6;           // of any number of a setpoint
 constexpr int kDatagramsAtOnce = 200;   // a flood does not keep Serve from returning
 constexpr std::int16_t kFixedIn3D = 3;  // GPS
 constexpr double kMinimumFall = 1e-3;   // of the camera's axis, for a place on the ground
-constexpr double kEarth_m = 6378137;    // WGS 84
-constexpr double kFlattening = 1 / 298.257223563;
 
 udp::endpoint EndpointOf(const AfcsServerOptions& options) {
   error_code error;
@@ -38,17 +36,6 @@ udp::endpoint EndpointOf(const AfcsServerOptions& options) {
 
 bool Possible(std::initializer_list<double> numbers) {
   return std::all_of(numbers.begin(), numbers.end(), [](double x) { return std::abs(x) <= kMost; });
-}
-
-// What the receiver is told of a place near the origin of N: by the earth's radii of curvature there.
-Eigen::Vector3d LatLonAlt(const Eigen::Vector3d& p_N, const GeoOrigin& origin) {
-  const double e2 = kFlattening * (2 - kFlattening);
-  const double lat = Radians(origin.lat_deg);
-  const double w = 1 - e2 * std::sin(lat) * std::sin(lat);
-  const double meridian_m = kEarth_m * (1 - e2) / std::pow(w, 1.5), normal_m = kEarth_m / std::sqrt(w);
-  return {origin.lat_deg + Degrees(p_N.x() / (meridian_m + origin.alt_m)),
-          origin.lon_deg + Degrees(p_N.y() / ((normal_m + origin.alt_m) * std::cos(lat))),
-          origin.alt_m - p_N.z()};
 }
 
 }  // namespace
@@ -189,13 +176,16 @@ struct AfcsServer::Session {
   }
 
   wire::AfcsGpsState GpsMessage(const VehicleState& s) const {
-    const Eigen::Vector3d place = options.origin ? LatLonAlt(s.p_NB, *options.origin) : s.p_NB;
     wire::AfcsGpsState m;
     m.numsv = static_cast<std::int16_t>(options.satellites);
     m.fixtype = kFixedIn3D;
     m.vel_n = s.v_N.x(), m.vel_e = s.v_N.y(), m.vel_d = s.v_N.z();
     m.pos_n = s.p_NB.x(), m.pos_e = s.p_NB.y(), m.pos_d = s.p_NB.z();
-    m.lat = place.x(), m.lon = place.y(), m.alt = place.z();
+    m.lat = s.p_NB.x(), m.lon = s.p_NB.y(), m.alt = s.p_NB.z();
+    if (options.origin) {
+      const GeodeticPosition place = GeodeticOf(*options.origin, s.p_NB);
+      m.lat = place.latitude_deg, m.lon = place.longitude_deg, m.alt = place.altitude_m;
+    }
     return m;
   }
 

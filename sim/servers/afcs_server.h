@@ -9,31 +9,21 @@
 #include "control/links/afcs_settings.h"
 #include "sim/pan_tilt.h"
 #include "sim/servers/autopilot_server.h"
+#include "sim/servers/geodetic_origin.h"
 
 namespace kestrel {
-
-// The origin of N on the earth.
-struct GeoOrigin {
-  double lat_deg = 40.44, lon_deg = -3.69, alt_m = 660;
-};
 
 struct AfcsServerOptions {
   std::string address = "127.0.0.1";  // to listen on
   int port = 2002;                    // 0: any that is free
   wire::AfcsSettings afcs;            // its teleop: what the aircraft makes of commands
   double state_hz = 50, gps_hz = 4;
-  double session_s = 3;             // a peer that is silent for longer is forgotten, and another may open
-  double rotor_rpm = 1500;          // while it flies; on the ground it stands still
-  int satellites = 10;              // in use
-  std::optional<GeoOrigin> origin;  // none: GPS tells raw places in N, as AFCS 2.5 does
+  double session_s = 3;     // a peer that is silent for longer is forgotten, and another may open
+  double rotor_rpm = 1500;  // while it flies; on the ground it stands still
+  int satellites = 10;      // in use
+  std::optional<GeodeticOrigin> origin;  // none: GPS tells raw places in N, as AFCS 2.5 does
 };
 
-template <class Visitor>
-void Fields(Visitor& v, GeoOrigin& g) {
-  v("lat_deg", g.lat_deg, -89.0, 89.0);
-  v("lon_deg", g.lon_deg, -180.0, 180.0);
-  v("alt_m", g.alt_m, -500.0, 9000.0);
-}
 template <class Visitor>
 void Fields(Visitor& v, AfcsServerOptions& o) {
   v("address", o.address);

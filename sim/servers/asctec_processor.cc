@@ -41,9 +41,7 @@ wire::Bytes SerialLine::Take(double now_s) {
 }
 
 AscTecProcessor::AscTecProcessor(const AscTecProcessorOptions& options)
-    : options_(options),
-      signs_(wire::SignsOf(options.signs)),
-      plane_(Radians(options.latitude_deg), Radians(options.longitude_deg)) {}
+    : options_(options), signs_(wire::SignsOf(options.signs)) {}
 
 void AscTecProcessor::Hear(double now_s, std::span<const std::uint8_t> bytes) { heard_.Put(now_s, bytes); }
 
@@ -179,13 +177,14 @@ wire::ImuCalcData AscTecProcessor::Imu(const VehicleState& state) const {
 }
 
 wire::GpsDataAdvanced AscTecProcessor::Gps(const VehicleState& state) const {
-  const Eigen::Vector2d place = plane_.LatitudeLongitude(state.p_NB.head<2>());
+  const GeodeticPosition place = GeodeticOf(options_.origin, state.p_NB);
   wire::GpsDataAdvanced d;
-  d.latitude_best_estimate = d.gps.latitude = Counts(place.x(), wire::kRadPerLatitudeCount);
-  d.longitude_best_estimate = d.gps.longitude = Counts(place.y(), wire::kRadPerLatitudeCount);
+  d.latitude_best_estimate = d.gps.latitude = Counts(Radians(place.latitude_deg), wire::kRadPerLatitudeCount);
+  d.longitude_best_estimate = d.gps.longitude =
+      Counts(Radians(place.longitude_deg), wire::kRadPerLatitudeCount);
   d.speed_x_best_estimate = d.gps.speed_x = Counts(state.v_N.y(), wire::kMetresPerCount);
   d.speed_y_best_estimate = d.gps.speed_y = Counts(state.v_N.x(), wire::kMetresPerCount);
-  d.gps.height = Counts(-state.p_NB.z(), wire::kMetresPerCount);
+  d.gps.height = Counts(place.altitude_m, wire::kMetresPerCount);
   const double course = std::atan2(state.v_N.y(), state.v_N.x());
   d.gps.heading = Counts(course < 0 ? course + 2 * std::numbers::pi : course, wire::kRadPerAngleCount);
   d.gps.horizontal_accuracy = 2000, d.gps.vertical_accuracy = 3000, d.gps.speed_accuracy = 300;

@@ -9,9 +9,9 @@
 #include <utility>
 
 #include "control/autopilot.h"
-#include "control/local_geodesy.h"
 #include "control/wire/asctec.h"
 #include "control/wire/asctec_signs.h"
+#include "sim/servers/geodetic_origin.h"
 
 namespace kestrel {
 
@@ -21,7 +21,7 @@ struct AscTecProcessorOptions {
   double full_climb_m_s = 2;  // of that mode
   double command_timeout_s = 0.5;  // after which the serial interface is no longer said to be active
   double battery_v = 12;
-  double latitude_deg = 40.44, longitude_deg = -3.69;  // of the origin of N
+  GeodeticOrigin origin = {};
 };
 
 template <class Visitor>
@@ -31,8 +31,7 @@ void Fields(Visitor& v, AscTecProcessorOptions& o) {
   v("full_climb_m_s", o.full_climb_m_s, 0.1, 20.0);
   v("command_timeout_s", o.command_timeout_s, 0.05, 10.0);
   v("battery_v", o.battery_v, 0.0, 32.0);
-  v("latitude_deg", o.latitude_deg, -85.0, 85.0);
-  v("longitude_deg", o.longitude_deg, -180.0, 180.0);
+  v("origin", o.origin);
 }
 
 // Bytes that take their time on a line of 57600 baud.
@@ -84,7 +83,6 @@ class AscTecProcessor {
 
   AscTecProcessorOptions options_;
   wire::AscTecSigns signs_;
-  LocalPlane plane_;
   bool pilot_allows_ = true;
 
   SerialLine heard_, said_;

@@ -29,17 +29,6 @@ Integer Rounded(double value) {
 
 }  // namespace
 
-GeodeticPosition GeodeticOf(const GeodeticOrigin& origin, const Eigen::Vector3d& p_N) {
-  constexpr double kEquator_m = 6378137, kEccentricity2 = 6.69437999014e-3;
-  constexpr double kDegrees = 180 / std::numbers::pi;
-  const double sine = std::sin(Radians(origin.latitude_deg));
-  const double w = std::sqrt(1 - kEccentricity2 * sine * sine);
-  const double meridian_m = kEquator_m * (1 - kEccentricity2) / (w * w * w) + origin.altitude_m;
-  const double parallel_m = (kEquator_m / w + origin.altitude_m) * std::cos(Radians(origin.latitude_deg));
-  return {origin.latitude_deg + kDegrees * p_N.x() / meridian_m,
-          origin.longitude_deg + kDegrees * p_N.y() / parallel_m, origin.altitude_m - p_N.z()};
-}
-
 double StandardPressure_hpa(double altitude_m) {
   return kSeaLevel_hpa * std::pow(1 - kLapse_k_m * altitude_m / kSeaLevel_k, kExponent);
 }

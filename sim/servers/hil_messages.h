@@ -5,33 +5,13 @@
 #include <cstdint>
 
 #include "control/wire/mavlink_messages.h"
-#include "sim/servers/gathered_readings.h"
 #include "geometry/truth.h"
+#include "sim/servers/gathered_readings.h"
+#include "sim/servers/geodetic_origin.h"
 
 // Sensors and truth as the messages that PX4 takes from a simulator, in their units. A is the autopilot's
 // body frame, which may be turned in B: see sim/servers/motor_layout.h.
 namespace kestrel {
-
-// Where the origin of N is on the earth. The default is Madrid, whose magnetic field the sensors have: an
-// autopilot that compares it with a model of the earth's must find itself there.
-struct GeodeticOrigin {
-  double latitude_deg = 40.4168, longitude_deg = -3.7038;  // WGS 84
-  double altitude_m = 657;                                 // above the sea
-};
-
-template <class Visitor>
-void Fields(Visitor& v, GeodeticOrigin& o) {
-  v("latitude_deg", o.latitude_deg, -80.0, 80.0);
-  v("longitude_deg", o.longitude_deg, -180.0, 180.0);
-  v("altitude_m", o.altitude_m, -400.0, 5000.0);
-}
-
-struct GeodeticPosition {
-  double latitude_deg = 0, longitude_deg = 0, altitude_m = 0;
-};
-// North and east are measured along the meridian and the parallel with the ellipsoid's radii at the origin:
-// good to 2 mm at 100 m from it and to 0.2 m at 1 km.
-GeodeticPosition GeodeticOf(const GeodeticOrigin& origin, const Eigen::Vector3d& p_N);
 
 // The international standard atmosphere (ISO 2533) up to 11 km.
 double StandardPressure_hpa(double altitude_m);

@@ -13,7 +13,6 @@ namespace {
 
 using namespace wire::mavlink;
 
-constexpr double kEarth_m = 6371000;
 constexpr double kNoTakeOff_s = 10;  // after arming: disarmed again (COM_DISARM_PRFLT, DISARM_DELAY)
 constexpr double kLead_s = 1;        // of setpoints before OFFBOARD
 constexpr double kLanding_m_s = 0.5;
@@ -197,7 +196,7 @@ std::uint8_t MavlinkVehicle::TakeOff(double param7, Autopilot& aircraft) {
   const VehicleState state = aircraft.State();
   const bool px4 = &dialect_ == &kPx4;
   // PX4 is told the height above the sea, ArduPilot that above home.
-  const double z_N = px4 ? options_.altitude_m - param7 : -param7;
+  const double z_N = px4 ? options_.origin.altitude_m - param7 : -param7;
   if (!armed_ || !pilot_allows_ || state.mode != FlightMode::kStopped) return kFailed;
   if (!px4 && mode_ != dialect_.setpoint_mode) return kFailed;
   if (!(z_N < state.p_NB.z() - kClearOfGround_m)) return kFailed;
@@ -324,14 +323,13 @@ Message MavlinkVehicle::Of(std::uint32_t id, const VehicleState& state) const {
                               Float(state.v_N.y()),
                               Float(state.v_N.z())};
     case GlobalPositionInt::kId: {
-      const double latitude = Radians(options_.latitude_deg);
-      const double east = state.p_NB.y() / (kEarth_m * std::cos(latitude));
+      const GeodeticPosition place = GeodeticOf(options_.origin, state.p_NB);
       const double heading_deg = Degrees(angles.yaw);
       return GlobalPositionInt{
           .time_boot_ms = ms,
-          .lat = Whole<std::int32_t>(1e7 * (options_.latitude_deg + Degrees(state.p_NB.x() / kEarth_m))),
-          .lon = Whole<std::int32_t>(1e7 * (options_.longitude_deg + Degrees(east))),
-          .alt = Whole<std::int32_t>(1e3 * (options_.altitude_m - state.p_NB.z())),
+          .lat = Whole<std::int32_t>(1e7 * place.latitude_deg),
+          .lon = Whole<std::int32_t>(1e7 * place.longitude_deg),
+          .alt = Whole<std::int32_t>(1e3 * place.altitude_m),
           .relative_alt = Whole<std::int32_t>(-1e3 * state.p_NB.z()),
           .vx = Whole<std::int16_t>(1e2 * state.v_N.x()),
           .vy = Whole<std::int16_t>(1e2 * state.v_N.y()),

@@ -12,6 +12,7 @@
 
 #include "control/autopilot.h"
 #include "control/wire/mavlink_dialects.h"
+#include "sim/servers/geodetic_origin.h"
 #include "sim/servers/mavlink_setpoints.h"
 
 namespace kestrel {
@@ -25,8 +26,7 @@ struct MavlinkServerOptions {
   std::string peer = "";
   int system = 1, component = 1;
   int type = 2;  // MAV_TYPE: 2 a quadrotor, 4 a helicopter
-  // Of the origin of N.
-  double latitude_deg = 40.4397, longitude_deg = -3.6886, altitude_m = 690;
+  GeodeticOrigin origin = {};
   int switch_channel = 7;  // of the pilot's transmitter, as told in RC_CHANNELS
 };
 
@@ -39,9 +39,7 @@ void Fields(Visitor& v, MavlinkServerOptions& o) {
   v("system", o.system, 1, 255);
   v("component", o.component, 1, 255);
   v("type", o.type, 0, 255);
-  v("latitude_deg", o.latitude_deg, -89.0, 89.0);
-  v("longitude_deg", o.longitude_deg, -180.0, 180.0);
-  v("altitude_m", o.altitude_m, -500.0, 9000.0);
+  v("origin", o.origin);
   v("switch_channel", o.switch_channel, 1, 18);
 }
 

@@ -17,7 +17,7 @@ struct Px4PhysicsParameters {
   double thrust_curvature = 0;       // its THR_MDL_FAC
   double sensor_period_s = 0.004;    // of HIL_SENSOR, in simulated time
   double speed = 1;                  // of the simulated time against the real one; 0: as fast as it answers
-  GeodeticOrigin origin;
+  GeodeticOrigin origin = {};
 };
 
 template <class Visitor>

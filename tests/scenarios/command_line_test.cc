@@ -18,6 +18,7 @@
 #include <sstream>
 #include <thread>
 
+#include "scenarios/model_files.h"
 #include "tests/scenarios/temporary_folder.h"
 
 namespace kestrel {
@@ -364,7 +365,7 @@ TEST_F(CommandLineTest, HelpShowsExamplesAndTheExitStatus) {
 }
 
 TEST_F(CommandLineTest, BrokenModelsUnderAnotherRootAreRefused) {
-  const fs::path root = KESTREL_SOURCE_DIR;
+  const fs::path root = Root();
   for (const char* part : {"models", "scenarios"})
     fs::copy(root / part, folder_ / part, fs::copy_options::recursive);
   const std::string here = "KESTREL_ROOT=" + folder_.string();

@@ -88,7 +88,7 @@ TEST_F(ServeCommandTest, TheStartLinesSayHowToConnect) {
   ServeArguments a;
   a.scenario = "landing", a.camera = "rtp:5600";
   const LoadedScenario loaded = LoadScenario("landing");
-  const std::string lines = StartLines(a, loaded, Servers("afcs", "udp://127.0.0.1:2002"));
+  const std::string lines = StartLines(a, loaded, Servers("afcs", "udp://127.0.0.1:2002"), nullptr);
   EXPECT_THAT(lines, HasSubstr("SIMULATOR"));
   EXPECT_THAT(lines, HasSubstr("udp://127.0.0.1:2002"));
   EXPECT_THAT(lines, HasSubstr("kestrel fly landing --camera rtp://127.0.0.1:5600 "));
@@ -101,7 +101,7 @@ TEST_F(ServeCommandTest, WhatIsOpenBeyondThisComputerIsWarnedOf) {
   ServeArguments a;
   a.scenario = "landing";
   const LoadedScenario loaded = LoadScenario("landing");
-  const auto lines = [&](const char* where) { return StartLines(a, loaded, Servers("x", where)); };
+  const auto lines = [&](const char* where) { return StartLines(a, loaded, Servers("x", where), nullptr); };
   EXPECT_THAT(lines("udp://0.0.0.0:14550"), HasSubstr("no authentication"));
   EXPECT_THAT(lines("udp://192.168.1.5:14550"), HasSubstr("no authentication"));
   EXPECT_THAT(lines("udp://[::]:14550"), HasSubstr("no authentication"));

@@ -158,7 +158,7 @@ TEST_F(AfcsServerTest, TheStateIsTheAircraftsWithItsTime) {
 
 TEST_F(AfcsServerTest, GpsTellsThePlaceOnTheEarth) {
   AfcsServerOptions options = AnyPort();
-  options.origin = GeoOrigin{40, -3, 600};
+  options.origin = GeodeticOrigin{40, -3, 600};
   Start(options);
   aircraft_.state.p_NB = {1000, -2000, -50};
   Say(wire::AfcsOpen{});

@@ -101,7 +101,7 @@ TEST(AscTecSession, StateNumbersArriveRight) {
     options.signs = signs;
     AscTecProcessorOptions far;
     far.signs = signs;
-    far.latitude_deg = -33.9, far.longitude_deg = 179.9999;  // the date line lies within
+    far.origin = {-33.9, 179.9999, 20};  // the date line lies within
     Line line(options, far);
     ScriptedAircraft aircraft;
     line.Run(0.3, aircraft);  // from the first fix and height on

@@ -94,6 +94,16 @@ TEST_F(InstantsTest, TheyEncloseTheExposureAsFarAsThereAreMoments) {
   EXPECT_EQ(ends(3, 4), std::pair(10l, 10l));
 }
 
+TEST_F(InstantsTest, ACameraOnAPlatformIsWhereItStoodThen) {
+  const Vibration vibration({{190, 200, 0, 0}}, 3);  // shakes by nothing, but asks for instants in between
+  Instants instants(model_.get(), X_BC_, vibration);
+  const auto platform = [](double t) { return Pose{HeadingRotation(Radians(40 * t)), {t, -t, 0.2}}; };
+  std::vector<Moment> moments = Moments(0, 10);
+  for (Moment& m : moments) m.X_BC = platform(m.t_s);
+  for (const Instant& i : instants.Of(moments, 0.004, 0.016))
+    ExpectNear(i.X_NC, X_NB(i.t_s) * platform(i.t_s), 1e-9);
+}
+
 TEST_F(InstantsTest, WhereTheMountShakesThereAreInstantsBetweenTheSteps) {
   const Vibration vibration({{190, 200, 1, 2}}, 3);
   Instants instants(model_.get(), X_BC_, vibration);

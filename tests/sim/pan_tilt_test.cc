@@ -130,5 +130,20 @@ TEST(PanTilt, FollowsAPointWhileTheAircraftTurns) {
   EXPECT_LT((RayN(platform.angles(), X_NB) - p_N.normalized()).norm(), 1e-9);
 }
 
+TEST(PanTilt, HoldsTheCameraAsAMountHasItWhereItCan) {
+  CameraMount mount;
+  ASSERT_TRUE(AnglesOf(mount, {}));
+  EXPECT_NEAR(AnglesOf(mount, {})->tilt, -Radians(90), 1e-12);
+  mount.yaw_deg = 30, mount.pitch_deg = 60;
+  EXPECT_NEAR(AnglesOf(mount, {})->pan, Radians(30), 1e-12);
+  EXPECT_NEAR(AnglesOf(mount, {})->tilt, -Radians(30), 1e-12);
+  mount.pitch_deg = -10;  // past straight down
+  EXPECT_FALSE(AnglesOf(mount, {}));
+  mount.pitch_deg = 60, mount.roll_deg = 1;
+  EXPECT_FALSE(AnglesOf(mount, {}));
+  mount.roll_deg = 0, mount.yaw_deg = 179;  // it turns to 170
+  EXPECT_FALSE(AnglesOf(mount, {}));
+}
+
 }  // namespace
 }  // namespace kestrel

@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "campaign/campaign_plan.h"
+
+#include <gmock/gmock.h>
+
+#include <chrono>
+#include <fstream>
+
+#include "config/yaml_fields.h"
+#include "scenarios/model_files.h"
+#include "scenarios/scenario.h"
+#include "tests/scenarios/temporary_folder.h"
+
+namespace kestrel {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::EndsWith;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+class CampaignPlanTest : public InTemporaryFolder {
+ protected:
+  fs::path Write(const std::string& text, const std::string& name = "f.yaml") const {
+    std::ofstream(folder_ / name) << text;
+    return folder_ / name;
+  }
+  LoadedCampaign Load(const std::string& text, const std::vector<std::string>& overrides = {}) const {
+    return LoadCampaign(Write(text), overrides);
+  }
+  // The mistakes, without the folder.
+  std::vector<std::string> Refusal(const std::string& text,
+                                   const std::vector<std::string>& overrides = {}) const {
+    try {
+      Load(text, overrides);
+    } catch (const InputError& e) {
+      std::vector<std::string> messages = e.messages;
+      for (std::string& message : messages)
+        for (std::size_t at; (at = message.find(folder_.string() + '/')) != std::string::npos;)
+          message.erase(at, folder_.string().size() + 1);
+      return messages;
+    }
+    return {};
+  }
+};
+
+constexpr const char* kWhole = R"(name: windy
+scenario: landing
+set: [image.rate_hz=20, "start.offset_m=[0.1, 0]"]
+runs: 3
+seed: 7
+sampling: independent
+vary:
+  wind.mean_m_s: {uniform: [0, 6]}
+  wind: {from_deg: {truncated_normal: [180, 40, 0, 360]}}
+  image.latency_s: {log_uniform: [0.02, 0.12]}
+  pilot.servo.lambda_per_s: {normal: [1, 0.05]}
+  occlusion: {choice: [{share: 0.5, until_s: 3}, {share: 0}]}
+  pad.position_m.0: {uniform: [-2, 2]}
+  world: {grid: [airfield, "winter_cloudy"]}
+correlated: [{keys: [wind.mean_m_s, wind.from_deg], rank_correlation: -0.5}]
+same: [{key: pad.position_m.1, as: pad.position_m.0}]
+metrics: [touchdown_error_m]
+limit_s: 60
+thresholds: {success: {min: 0.98}, touchdown_error_m: {quantile: 0.95, max: 0.15}}
+)";
+
+TEST_F(CampaignPlanTest, AFileBecomesItsPlanAndATableThatTheScenarioTakes) {
+  const LoadedCampaign loaded = Load(kWhole);
+  const CampaignPlan& plan = loaded.plan;
+  EXPECT_EQ(plan.name, "windy");
+  EXPECT_EQ(plan.scenario, "landing");
+  EXPECT_THAT(plan.set, ElementsAre("image.rate_hz=20", "start.offset_m=[0.1, 0]"));
+  EXPECT_EQ(plan.seed, 7u);
+  EXPECT_EQ(plan.limit_s, 60);
+  EXPECT_EQ(std::get<TruncatedNormal>(plan.vary.at("wind.from_deg")).mean, 180);
+  EXPECT_EQ(plan.correlated.at(0).rank_correlation, -0.5);
+  EXPECT_EQ(plan.thresholds.at("touchdown_error_m").quantile, 0.95);
+  EXPECT_EQ(loaded.text, kWhole);
+  EXPECT_THAT(loaded.table.keys, ElementsAre("seed", "image.latency_s", "occlusion", "pad.position_m.0",
+                                             "pilot.servo.lambda_per_s", "wind.from_deg", "wind.mean_m_s",
+                                             "world", "pad.position_m.1"));
+  ASSERT_EQ(loaded.table.rows.size(), 6u);
+  for (std::size_t row = 0; row < 6; ++row) {
+    const auto& values = loaded.table.rows[row];
+    const LoadedScenario flown = LoadScenario(plan.scenario, OverridesOf(loaded.table, row));
+    EXPECT_EQ(std::to_string(flown.scenario.seed), values[0]);
+    EXPECT_EQ(flown.simulator.wind.mean_m_s, std::stod(values[6]));
+    EXPECT_EQ(flown.simulator.scene.pad_position_m.x(), std::stod(values[3]));
+    EXPECT_EQ(flown.simulator.scene.pad_position_m.y(), std::stod(values[3]));
+    EXPECT_EQ(flown.scenario.world, values[7]);
+    EXPECT_EQ(flown.scenario.occlusion.share, values[2] == "{share: 0.5, until_s: 3}" ? 0.5 : 0);
+  }
+}
+
+TEST_F(CampaignPlanTest, AFileNeedsNothingButItsScenario) {
+  const LoadedCampaign loaded = Load("scenario: hover\n");
+  EXPECT_EQ(loaded.plan.name, "f");
+  EXPECT_EQ(loaded.plan.sampling, "latin_hypercube");
+  EXPECT_THAT(loaded.table.keys, ElementsAre("seed"));
+  EXPECT_EQ(loaded.table.rows.size(), 100u);
+}
+
+TEST_F(CampaignPlanTest, OverridesReachTheFileAndItsDistributions) {
+  const LoadedCampaign loaded =
+      Load("scenario: hover\nvary: {wind.mean_m_s: {uniform: [0, 6]}}\n",
+           {"runs=4", "vary.wind.mean_m_s={uniform: [1, 2]}", "vary.image.noise_grey={grid: [1, 2]}"});
+  EXPECT_EQ(loaded.table.rows.size(), 8u);
+  EXPECT_EQ(std::get<Uniform>(loaded.plan.vary.at("wind.mean_m_s")).low, 1);
+  // Otherwise two campaigns would have the same text and other tables.
+  EXPECT_THAT(loaded.text, HasSubstr("--set vary.wind.mean_m_s={uniform: [1, 2]}"));
+}
+
+TEST_F(CampaignPlanTest, AScenarioMayLieBesideTheFile) {
+  Write("mission: hover\nwind: {mean_m_s: 1}\n", "own.yaml");
+  const LoadedCampaign loaded = Load("scenario: own.yaml\nruns: 1\n");
+  EXPECT_EQ(loaded.plan.scenario, (folder_ / "own.yaml").string());
+  EXPECT_EQ(LoadScenario(loaded.plan.scenario).simulator.wind.mean_m_s, 1);
+}
+
+TEST_F(CampaignPlanTest, EveryMistakeIsNamedWithFileLineKeyAndWhatWouldBeValid) {
+  const auto mistakes = Refusal(R"(scenario: landing
+sampling: sobel
+runs: 0
+vary:
+  wind.mean: {uniform: [0, 6]}
+  wind.mean_m_s: {uniform: [6, 0]}
+  image.noise_grey: {normal: [4, 2]}
+  image.latency_s: {log_uniform: [0, 1]}
+  image.jpeg_quality: {uniform: [50, 90]}
+  start.height_m: {unifrom: [4, 5]}
+  start.yaw_deg: {truncated_normal: [0, -1, -5, 5]}
+  wind.from_deg: {uniform: [0, 400]}
+  world: {choice: [airfield, winter_cloudly]}
+  vehicle: {grid: []}
+  pad.yaw_deg: {uniform: 3}
+  pad.size: 4
+metrics: [touch_down_error_m]
+thresholds: {succes: {min: 1}, success: {min: 98}, touchdown_s: {quantile: 1, max: 3}, rest_error_m: {}}
+speed: 3
+)");
+  EXPECT_THAT(
+      mistakes,
+      ElementsAre(
+          "f.yaml:3: runs: 0 is out of range; valid: 1 to 10000000",
+          "f.yaml:2: sampling: 'sobel' is not valid; did you mean 'sobol'? valid: independent, "
+          "latin_hypercube, sobol",
+          StartsWith("f.yaml:19: speed: unknown key; valid: name, scenario, "),
+          "f.yaml:6: vary.wind.mean_m_s: low = 6 is not below high = 0",
+          "f.yaml:8: vary.image.latency_s: low = 0 has no logarithm; valid: above 0",
+          "f.yaml:10: vary.start.height_m: there is no distribution 'unifrom'; did you mean 'uniform'? "
+          "valid: "
+          "uniform, log_uniform, normal, truncated_normal, choice, grid",
+          "f.yaml:11: vary.start.yaw_deg: the deviation is -1; valid: above 0",
+          "f.yaml:14: vary.vehicle: the grid is empty; valid: a list of one value or more",
+          "f.yaml:15: vary.pad.yaw_deg: uniform: 3 is not valid; valid: [low, high]",
+          "f.yaml:16: vary.pad.size: 4 is not a distribution; valid: one of uniform, log_uniform, normal, "
+          "truncated_normal, choice, grid, as in {uniform: [0, 6]}",
+          "f.yaml:9: vary.image.jpeg_quality: 65.2786404520 is not a whole number; valid: 0 to 100; of whole "
+          "numbers valid: choice or grid",
+          "f.yaml:7: vary.image.noise_grey: -16 is out of range; valid: 0 to 60; a normal reaches 10 "
+          "deviations off: valid: truncated_normal",
+          "f.yaml:5: vary.wind.mean: unknown key; did you mean 'mean_m_s'?",
+          "f.yaml:12: vary.wind.from_deg: 400 is out of range; valid: 0 to 360",
+          HasSubstr("f.yaml:13: vary.world: with winter_cloudly: "),
+          "f.yaml:17: metrics.0: there is no metric 'touch_down_error_m'; did you mean 'touchdown_error_m'?",
+          HasSubstr("f.yaml:18: thresholds.rest_error_m: has no limit; valid: max, min or both"),
+          "f.yaml:18: thresholds.succes: there is no metric 'succes'; did you mean 'success'?",
+          "f.yaml:18: thresholds.success: 98 is not a share of the runs; valid: 0 to 1",
+          "f.yaml:18: thresholds.touchdown_s.quantile: 1 is out of range; valid: between 0 and 1"));
+}
+
+TEST_F(CampaignPlanTest, GroupsThatCannotBeCorrelatedAreRefused) {
+  EXPECT_THAT(
+      Refusal(R"(scenario: landing
+vary:
+  wind.mean_m_s: {uniform: [0, 6]}
+  wind.from_deg: {uniform: [0, 360]}
+  image.noise_grey: {uniform: [0, 6]}
+  image.rate_hz: {choice: [10, 20]}
+  image.bits: {grid: [7, 8]}
+correlated:
+  - {keys: [wind.mean_m_s, wind.from_deg, image.noise_grey], rank_correlation: -0.6}
+  - {keys: [wind.mean_m_s, image.rate_hz, image.bits, wind.form_deg], rank_correlation: 0.5}
+  - {keys: [start.height_m], rank_correlation: 1}
+same: [{key: start.height_m, as: wind.mean}, {key: image.rate_hz, as: wind.mean_m_s}]
+)"),
+      ElementsAre(
+          "f.yaml:9: correlated.0.rank_correlation: -0.6 each with each is no correlation that 3 keys can "
+          "have; valid: above -0.4826 and below 1",
+          "f.yaml:10: correlated.1.keys: 'wind.mean_m_s' is in correlated.0 already; valid: in one group",
+          "f.yaml:10: correlated.1.keys: 'image.rate_hz' is a choice, which has no ranks; valid: uniform, "
+          "log_uniform, normal, truncated_normal",
+          "f.yaml:10: correlated.1.keys: 'image.bits' is a grid, which has no ranks; valid: uniform, "
+          "log_uniform, normal, truncated_normal",
+          "f.yaml:10: correlated.1.keys: 'wind.form_deg' does not vary; did you mean 'wind.from_deg'?",
+          "f.yaml:11: correlated.2.keys: a group of 1; valid: two keys or more",
+          StartsWith("f.yaml:11: correlated.2.keys: 'start.height_m' does not vary; valid: image.bits, "),
+          HasSubstr("f.yaml:11: correlated.2.rank_correlation: 1 each with each"),
+          StartsWith("f.yaml:12: same.0.as: 'wind.mean' does not vary; "),
+          "f.yaml:12: same.1.key: 'image.rate_hz' varies for itself; valid: one of the two",
+          "f.yaml:12: same.1.key: 0 is out of range; valid: 0.5 to 500"));
+}
+
+TEST_F(CampaignPlanTest, AKeyIsSetOrVaries) {
+  EXPECT_THAT(
+      Refusal("scenario: landing\nset: [start.height_m=3, wind.mean_m_s=3]\n"
+              "vary:\n  wind.mean_m_s: {uniform: [0, 6]}\n  start: {choice: [{height_m: 4}]}\n"),
+      ElementsAre("f.yaml:5: vary.start: 'start' varies, and set has 'start.height_m=3'; valid: one of "
+                  "the two",
+                  "f.yaml:4: vary.wind.mean_m_s: 'wind.mean_m_s' varies, and set has "
+                  "'wind.mean_m_s=3'; valid: one of the two"));
+}
+
+TEST_F(CampaignPlanTest, AScenarioThatIsNoneOrNotValidIsRefused) {
+  EXPECT_THAT(
+      Refusal("scenario: landin\n"),
+      ElementsAre("f.yaml:1: scenario: there is no scenario 'landin', nor a file 'landin'; did you mean "
+                  "'landing'?"));
+  EXPECT_THAT(Refusal("runs: 3\n"), ElementsAre("f.yaml:1: scenario: must be given"));
+  EXPECT_THAT(
+      Refusal("scenario: landing\nset: [wind.mean_m_s=-1]\n"),
+      ElementsAre("f.yaml:2: set: wind.mean_m_s=-1: wind.mean_m_s: -1 is out of range; valid: 0 to 20"));
+  EXPECT_THAT(Refusal("scenario: landing\nname: a/b\n"),
+              ElementsAre("f.yaml:2: name: 'a/b' cannot name a folder; valid: no slash, no leading dot"));
+}
+
+TEST_F(CampaignPlanTest, WhatTheScenarioRefusesForAnotherReasonThanItsRangeIsSaid) {
+  // More of the aircraft than its autopilot gives.
+  const auto mistakes =
+      Refusal("scenario: follow\nvary: {flight.gains.speed_limit_m_s: {uniform: [1, 9]}}\n");
+  ASSERT_EQ(mistakes.size(), 1u);
+  EXPECT_THAT(mistakes[0], StartsWith("f.yaml:2: vary.flight.gains.speed_limit_m_s: 9, and "
+                                      "autopilot.speed_limit_m_s is "));
+}
+
+TEST_F(CampaignPlanTest, AKeyMayHaveItsMeaningFromAChoice) {
+  EXPECT_THAT(Refusal("scenario: landing\nvary:\n  landscape.light: {uniform: [0.5, 1]}\n"
+                      "  world: {choice: [winter_cloudy, autumn_clear]}\n"),
+              ElementsAre());
+  EXPECT_THAT(Refusal("scenario: landing\nvary: {landscape.light: {uniform: [0.5, 1]}}\n"),
+              Contains(HasSubstr("the world 'airfield' is not made from numbers")));
+}
+
+TEST_F(CampaignPlanTest, ATableTooLongIsRefusedBeforeItIsDrawn) {
+  EXPECT_THAT(Refusal("scenario: landing\nruns: 5000000\nvary: {image.rate_hz: {grid: [10, 20, 30]}}\n"),
+              ElementsAre(HasSubstr("15000000 runs; valid: no more than 10000000")));
+}
+
+TEST(Campaigns, EveryFileOfEveryFlightIsValidAndNoScenario) {
+  const std::vector<std::string> scenarios = ScenarioNames();
+  int files = 0;
+  for (const std::string& flight : NamesIn(Root() / "scenarios", "")) {
+    for (const std::string& name : NamesIn(Root() / "scenarios" / flight / "campaigns", ".yaml")) {
+      const LoadedCampaign loaded =
+          LoadCampaign(Root() / "scenarios" / flight / "campaigns" / (name + ".yaml"));
+      EXPECT_EQ(loaded.plan.name, name);
+      EXPECT_THAT(loaded.plan.metrics, ::testing::Not(::testing::IsEmpty())) << name;
+      EXPECT_THAT(scenarios, ::testing::Not(Contains(name)));
+      // Rows that the scenario refuses would be flights lost.
+      for (std::size_t row = 0; row < loaded.table.rows.size(); row += loaded.table.rows.size() / 4)
+        EXPECT_NO_THROW(LoadScenario(loaded.plan.scenario, OverridesOf(loaded.table, row))) << name;
+      ++files;
+    }
+  }
+  EXPECT_GE(files, 6);
+}
+
+}  // namespace
+}  // namespace kestrel
