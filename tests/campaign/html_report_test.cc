@@ -219,8 +219,7 @@ void ReportInBrowser::ShowsTheRunOfAClickedPointWithTheCommandThatFliesItAgain()
   EXPECT_EQ(Run("return document.getElementById('run-title').textContent"),
             fmt::format("Run {}", row.get<int>()));
   EXPECT_EQ(Run("return document.querySelector('#run code').textContent"),
-            fmt::format("./kestrel campaign replay results/campaigns/landing_dispersion/results.sqlite {}",
-                        row.get<int>()));
+            fmt::format("./kestrel campaign replay landing_dispersion {}", row.get<int>()));
   EXPECT_THAT(Run("return document.getElementById('run').textContent").get<std::string>(),
               Not(HasSubstr("null")));
   EXPECT_THAT(Run("return document.querySelector('#run td.missed').textContent").get<std::string>(),

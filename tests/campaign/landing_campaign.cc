@@ -161,8 +161,8 @@ ReportSubject LandingCampaign(std::int64_t runs, const std::filesystem::path& fo
       subject.identity, subject.results,
       {{"success", {std::nullopt, std::nullopt, 0.98}}, {"touchdown_error_m", {0.95, 0.15, std::nullopt}}});
   subject.results_file = (folder / "results.sqlite").string();
-  subject.replay = "./kestrel campaign replay results/campaigns/landing_dispersion/results.sqlite";
-  subject.again = "./kestrel campaign scenarios/landing/campaigns/landing_dispersion.yaml";
+  subject.replay = "./kestrel campaign replay landing_dispersion";
+  subject.again = "./kestrel campaign landing_dispersion";
   return subject;
 }
 
