@@ -112,6 +112,8 @@ std::vector<std::string> MetricNames() {
                                     "hold_vertical_rmse_m",
                                     "hold_yaw_rmse_deg",
                                     "touchdown_error_m",
+                                    "touchdown_north_m",
+                                    "touchdown_east_m",
                                     "touchdown_sink_m_s",
                                     "touchdown_tilt_deg",
                                     "touchdown_speed_m_s",
@@ -197,6 +199,8 @@ std::map<std::string, double> Metrics(const std::vector<LogRow>& rows, const std
     const Pose X_TB = touch->X_NT.Inverse() * touch->X_NB;
     m["touchdown_s"] = touch->t_s;
     m["touchdown_error_m"] = X_TB.p.head<2>().norm();
+    m["touchdown_north_m"] = touch->X_NB.p.x() - touch->X_NT.p.x();
+    m["touchdown_east_m"] = touch->X_NB.p.y() - touch->X_NT.p.y();
     m["touchdown_sink_m_s"] = touch->v_N.z();
     m["touchdown_speed_m_s"] = touch->v_N.head<2>().norm();
     m["touchdown_tilt_deg"] = TiltOf(touch->X_NB);

@@ -27,6 +27,7 @@ bool NeedsDecisions(const std::string& metric);
 //   touchdown_error_m, touchdown_sink_m_s, touchdown_tilt_deg, touchdown_speed_m_s, touchdown_s
 //                                         at the first touch: from the pad's centre, downwards, from level,
 //                                         sideways
+//   touchdown_north_m, touchdown_east_m   the same instant: from the pad's centre, in N
 //   rest_error_m, rest_tilt_deg           at the end of a landing
 //   greatest_tilt_deg                     of the flight
 //   roll_rmse_deg, pitch_rmse_deg         of the attitude that images gave, at their exposures

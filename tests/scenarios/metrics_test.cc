@@ -166,6 +166,8 @@ TEST(Metrics, ATouchDownIsJudgedAtItsInstantAndTheRestAtTheEnd) {
   auto m = Metrics(rows, touch);
   EXPECT_NEAR(m.at("touchdown_s"), 12.5, 1e-12);
   EXPECT_NEAR(m.at("touchdown_error_m"), 0.1, 1e-9);
+  EXPECT_NEAR(m.at("touchdown_north_m"), 0.08, 1e-9);  // left of a pad that looks east
+  EXPECT_NEAR(m.at("touchdown_east_m"), 0.06, 1e-9);   // before it
   EXPECT_NEAR(m.at("touchdown_sink_m_s"), 0.25, 1e-9);
   EXPECT_NEAR(m.at("touchdown_speed_m_s"), 0.05, 1e-9);
   EXPECT_NEAR(m.at("touchdown_tilt_deg"), Degrees(std::acos(std::cos(Radians(3)) * std::cos(Radians(4)))),

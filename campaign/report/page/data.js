@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+// The campaign's data, as page_data.h describes them, and what each part of the page asks of them.
+const data = JSON.parse(document.getElementById("data").textContent);
+const summary = data.summary;
+const summaryOf = new Map(summary.metrics.map((metric) => [metric.name, metric]));
+const confidence = "95 %";  // of every interval of the summary
+
+// What is shown without being asked for.
+const listed = summary.metrics.filter((metric) => metric.listed).map(({name}) => name);
+const shownFirst = listed.length ? listed : data.metrics.slice(0, 6);
+const runOfRow = new Map(data.runs.map((run) => [run.row, run]));
+const statuses = ["passed", "failed", "broke off", "refused", "crashed", "timed out"];
+
+const passed = (run) => run.status === "passed";
+const metricOf = (name) => {
+  const at = data.metrics.indexOf(name);
+  return (run) => run.metrics[at];
+};
+const hasNumber = (value) => typeof value === "number" && Number.isFinite(value);
+
+// A parameter's values: numbers where all of them are, or places on an axis of its different texts.
+const parameterOf = (key) => {
+  const at = data.keys.indexOf(key);
+  const texts = data.runs.map((run) => run.values[at]);
+  const numeric = texts.every((text) => text.trim() !== "" && Number.isFinite(Number(text)));
+  if (numeric) return {key, numeric, of: (run) => Number(run.values[at])};
+  const choices = [...new Set(texts)].sort();
+  return {key, numeric, choices, of: (run) => choices.indexOf(run.values[at])};
+};
+const variesIn = (key) => new Set(data.runs.map((run) => run.values[data.keys.indexOf(key)])).size > 1;
+
+// Names carry their units at their end.
+const units = [
+  ["_m_s2", "m/s²"], ["_deg_s", "°/s"], ["_rad_s", "rad/s"], ["_m_s", "m/s"], ["_per_min", "1/min"],
+  ["_per_s", "1/s"], ["_deg", "°"], ["_rad", "rad"], ["_hz", "Hz"], ["_px", "px"], ["_mm", "mm"],
+  ["_ms", "ms"], ["_kg", "kg"], ["_grey", "grey levels"], ["_n", "N"], ["_m", "m"], ["_s", "s"],
+];
+const unitOf = (name) => units.find(([ending]) => name.endsWith(ending)) ?? ["", ""];
+const plainName = (name) => name.slice(0, name.length - unitOf(name)[0].length).replaceAll("_", " ");
+const labelOf = (name) => (unitOf(name)[1] ? `${plainName(name)} (${unitOf(name)[1]})` : plainName(name));
+
+const minus = (text) => text.replace(/^-/, "−");
+const number = (value, digits = 4) => {
+  if (!hasNumber(value)) return "–";
+  if (value === 0) return "0";
+  const size = Math.abs(value);
+  if (size >= 1e6 || size < 1e-4) return minus(value.toExponential(2));
+  return minus(String(Number(value.toPrecision(digits))));
+};
+const withUnit = (value, name) => {
+  const unit = unitOf(name)[1];
+  return hasNumber(value) ? number(value) + (unit && unit !== "°" ? " " : "") + unit : "–";
+};
+const count = (value) => value.toLocaleString("en-GB");
+const percent = (share, digits = 1) => `${(100 * share).toFixed(digits)} %`;
+const plural = (n, one, many = `${one}s`) => `${count(n)} ${n === 1 ? one : many}`;
+
+const ascending = (values) => values.filter(hasNumber).sort((a, b) => a - b);
+const quantileOfSorted = (sorted, p) => {
+  const at = p * (sorted.length - 1), below = Math.floor(at), above = Math.ceil(at);
+  return sorted[below] + (at - below) * (sorted[above] - sorted[below]);
+};
+
+// Criteria of the scenario that a run did not keep to; what it did not come to, it did not keep to either.
+const missedCriteria = (run) => Object.entries(data.limits).filter(([name, {max, min}]) => {
+  const value = data.metrics.includes(name) ? metricOf(name)(run) : null;
+  return !hasNumber(value) || value > (max ?? Infinity) || value < (min ?? -Infinity);
+}).map(([name]) => name);
+
+const replayCommand = (row) => `${data.replay} ${row}`;

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// The best cost that each method had found after so many flights, and the gains that came of it.
+const methodColors = ["accent", "bad", "good", "soft", "ink"];
+const methods = () => [...new Set(data.tuning.searches.map(({method}) => method))];
+
+// The best cost of a search after so many flights.
+const costAfter = (search, flights) => {
+  let best = null;
+  for (let at = 0; at < search.flights.length && search.flights[at] <= flights; ++at) best = search.best_cost[at];
+  return best;
+};
+
+const medianOfSearches = (searches) => {
+  const places = [...new Set(searches.flatMap(({flights}) => flights))].sort((a, b) => a - b);
+  return places.map((flights) => ({x: flights, all: searches.map((each) => costAfter(each, flights))}))
+      .filter(({all}) => all.every(hasNumber)).map(({x, all}) => ({x, y: quantileOfSorted(ascending(all), 0.5)}));
+};
+
+const describeTuning = () => {
+  const logarithmic = byId("tuning-log").checked;
+  const datasets = [];
+  methods().forEach((method, at) => {
+    const searches = data.tuning.searches.filter((each) => each.method === method);
+    const line = {stepped: "before", pointRadius: 0, pointHitRadius: 4, borderColor: color(methodColors[at % methodColors.length]),
+                  borderDash: at < methodColors.length ? [] : [6, 4], showLine: true, pointStyle: "line"};
+    datasets.push({...line, label: method, borderWidth: 3, data: medianOfSearches(searches), order: 1});
+    if (searches.length > 1)
+      for (const each of searches)
+        datasets.push({...line, label: `${method}, repetition ${each.repetition}`, alone: true, borderWidth: 0.8, order: 2,
+                       data: each.flights.map((x, i) => ({x, y: each.best_cost[i]}))});
+  });
+  const start = data.tuning.start_cost;
+  const last = Math.max(...data.tuning.searches.flatMap(({flights}) => flights));
+  if (hasNumber(start))
+    datasets.push({label: "gains it started from", data: [{x: 0, y: start}, {x: last, y: start}], showLine: true, pointRadius: 0,
+                   borderColor: color("soft"), borderDash: [6, 4], borderWidth: 1.5, pointStyle: "line", order: 3});
+  return {type: "scatter", data: {datasets}, options: {
+    interaction: {mode: "nearest", axis: "x", intersect: false},
+    scales: {x: axis("flights", {min: 0}), y: axis(data.tuning.cost, logarithmic ? {type: "logarithmic"} : {})},
+    plugins: {legend: {labels: {usePointStyle: true, filter: ({datasetIndex}) => !datasets[datasetIndex].alone}},
+              tooltip: {callbacks: {label: ({dataset, parsed}) => `${dataset.label}: ${number(parsed.y)} after ${count(parsed.x)} flights`}}},
+  }};
+};
+
+const setUpTuning = () => {
+  if (!data.tuning || !data.tuning.searches.length) return;
+  byId("tuning").hidden = false;
+  byId("top").prepend(byId("tuning"));
+  const drawIt = () => draw("tuning-chart", describeTuning);
+  byId("tuning-controls").append(el("label", {}, el("input", {type: "checkbox", id: "tuning-log", onchange: drawIt}), " logarithmic"));
+  byId("tuning-chart").setAttribute("role", "img");
+  byId("tuning-chart").setAttribute("aria-label", "Best cost against flights for each method");
+  const repeated = methods().some((method) => data.tuning.searches.filter((each) => each.method === method).length > 1);
+  byId("tuning-note").textContent = "The least cost found after so many flights, as the search saw it" +
+    (repeated ? "; thick: the median of the repetitions, thin: each of them." : ".") +
+    " How the gains do on rows that the search never saw is in the other sections.";
+  if (data.tuning.verdict) byId("tuning-note").after(el("p", {id: "tuning-verdict"}, data.tuning.verdict));
+  drawIt();
+  if (!data.tuning.gains.length) return void (byId("tuning-gains").hidden = true);
+  byId("tuning-gains").append(el("h3", {}, "Gains"), el("table", {},
+    el("thead", {}, el("tr", {}, el("th", {}, "key"),
+      ["started from", "tuned", "least", "greatest"].map((t) => el("th", {class: "number"}, t)), el("th", {}, "scale"))),
+    el("tbody", {}, data.tuning.gains.map((g) => el("tr", {}, el("td", {class: "mono"}, g.key),
+      [g.start, g.tuned, g.low, g.high].map((v) => el("td", {class: "number"}, number(v))), el("td", {}, g.log ? "log" : "linear"))))));
+};

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "campaign/report/report_command.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <sstream>
+
+#include "campaign/batch_script.h"
+#include "campaign/campaign_command.h"
+#include "campaign/results_csv.h"
+#include "config/yaml_fields.h"
+#include "scenarios/files.h"
+
+namespace kestrel {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The options with which a campaign was flown: LoadCampaign notes overrides below the file's text.
+std::string OptionsOf(const CampaignIdentity& identity, const fs::path& folder) {
+  constexpr std::string_view kNoted = "# --set ";
+  std::string options;
+  std::istringstream plan(identity.plan);
+  for (std::string line; std::getline(plan, line);)
+    if (line.starts_with(kNoted)) options += " --set " + ShellWord(line.substr(kNoted.size()));
+  if (folder.lexically_normal() != fs::path("results/campaigns") / identity.name)
+    options += " --out " + ShellWord(folder.empty() ? "." : folder.string());
+  return options;
+}
+
+std::map<std::string, Threshold> ThresholdsOf(const CampaignIdentity& identity) {
+  constexpr std::string_view kThresholds = "thresholds.";
+  std::map<std::string, Threshold> thresholds;
+  for (const auto& [key, text] : ValuesOf(identity.plan, "plan")) {
+    const std::size_t dot = key.rfind('.');
+    const auto value = NumberIn(text);
+    if (!key.starts_with(kThresholds) || dot < kThresholds.size() || !value) continue;
+    Threshold& threshold = thresholds[key.substr(kThresholds.size(), dot - kThresholds.size())];
+    const std::string what = key.substr(dot + 1);
+    (what == "min" ? threshold.min : what == "max" ? threshold.max : threshold.quantile) = *value;
+  }
+  return thresholds;
+}
+
+// A name that the program finds again, or that of the file which the page offers to save.
+std::string NameOf(const CampaignIdentity& identity) {
+  try {
+    CampaignFile(identity.name);
+    return identity.name;
+  } catch (const InputError&) {
+    return identity.name + ".yaml";
+  }
+}
+
+bool IsResults(const fs::path& file) { return HasEnding(file, {".sqlite", ".db"}); }
+
+}  // namespace
+
+ReportSubject SubjectOf(const fs::path& results, const std::string& campaign) {
+  const ResultStore store = ResultStore::Read(results);
+  ReportSubject subject;
+  subject.identity = store.identity();
+  subject.results = store.Results();
+  subject.results_file = results.string();
+  const std::string name = ShellWord(campaign.empty() ? NameOf(subject.identity) : campaign);
+  const std::string options = OptionsOf(subject.identity, results.parent_path());
+  subject.replay = fmt::format("./kestrel campaign replay {}{}", name, options);
+  subject.again = fmt::format("./kestrel campaign {}{}", name, options);
+  subject.summary =
+      Summarise(subject.identity, subject.results, ThresholdsOf(subject.identity), subject.replay);
+  return subject;
+}
+
+CLI::App* AddReportCommand(CLI::App& campaign, ReportArguments& a) {
+  CLI::App* command = campaign.add_subcommand(
+      "report", "Write report.html, runs.csv and summary.json of what has a result, beside the results");
+  command->add_option("file", a.of, "A campaign's YAML file or name, or its results.sqlite")->required();
+  command->add_option("--out", a.out, "Folder of the results (default results/campaigns/NAME)");
+  command->add_flag("--quiet", a.quiet, "Print nothing but errors");
+  command->footer(
+      "Examples:\n  kestrel campaign report dispersion\n"
+      "  kestrel campaign report results/campaigns/dispersion/results.sqlite");
+  return command;
+}
+
+void ReportCommand(const ReportArguments& a) {
+  fs::path results = a.of;
+  if (!IsResults(results)) {
+    const fs::path folder = a.out.empty()
+                                ? fs::path("results/campaigns") / LoadCampaign(CampaignFile(a.of)).plan.name
+                                : fs::path(a.out);
+    results = folder / "results.sqlite";
+  }
+  const ReportSubject subject = SubjectOf(results, IsResults(a.of) ? std::string() : a.of);
+  const fs::path folder = results.parent_path(), page = folder / "report.html";
+  WriteFile(page, HtmlReport(subject, folder));
+  WriteFile(folder / "runs.csv", ToCsv(subject.identity.table, subject.results));
+  WriteFile(folder / "summary.json", ToJson(subject.summary));
+  if (!a.quiet) fmt::print("{}{}\n", ToText(subject.summary), page.string());
+}
+
+}  // namespace kestrel

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "campaign/report/report_command.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "config/yaml_fields.h"
+#include "tests/campaign/landing_campaign.h"
+
+namespace kestrel {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+std::string ContentOf(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+class ReportCommandTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+    ReportSubject subject = LandingCampaign(20, folder_);
+    subject.identity.plan +=
+        "\n# --set runs=20\n\n# --set set=[wind.gusts.rate_per_min=0]\n\n# --stop-when 0.02\n";
+    ResultStore store = ResultStore::Open(file_, subject.identity);
+    for (std::size_t k = 0; k < 12; ++k) store.Put(subject.results[k]);
+  }
+
+  void TearDown() override { fs::remove_all(folder_); }
+
+  const fs::path folder_ = fs::path(testing::TempDir()) / fmt::format("kestrel report {}", getpid());
+  const fs::path file_ = folder_ / "results.sqlite";
+};
+
+TEST_F(ReportCommandTest, WritesWhatHasAResultBesideTheResults) {
+  ReportCommand({file_.string(), "", true});
+  EXPECT_THAT(ContentOf(folder_ / "report.html"), StartsWith("<!DOCTYPE html>"));
+  const std::string csv = ContentOf(folder_ / "runs.csv");
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 13);
+  const auto summary = nlohmann::json::parse(ContentOf(folder_ / "summary.json"));
+  EXPECT_EQ(summary["rows"], 20);
+  EXPECT_EQ(summary["runs"], 12);
+}
+
+TEST_F(ReportCommandTest, FliesAgainWithTheOptionsOfTheFirstTime) {
+  const std::string options =
+      " --set runs=20 --set 'set=[wind.gusts.rate_per_min=0]' --out '" + folder_.string() + "'";
+  EXPECT_EQ(SubjectOf(file_).replay, "./kestrel campaign replay landing_dispersion.yaml" + options);
+  EXPECT_EQ(SubjectOf(file_, "mine.yaml").again, "./kestrel campaign mine.yaml" + options);
+}
+
+TEST_F(ReportCommandTest, JudgesTheThresholdsOfThePlan) {
+  std::vector<std::string> names;
+  for (const JudgedThreshold& each : SubjectOf(file_).summary.thresholds) names.push_back(each.name);
+  EXPECT_THAT(names, ElementsAre("success", "touchdown_error_m, 95 % quantile"));
+}
+
+TEST_F(ReportCommandTest, RefusesWhatHoldsNoResults) {
+  EXPECT_THROW(ReportCommand({(folder_ / "none.sqlite").string(), "", true}), InputError);
+  std::ofstream(folder_ / "text.sqlite") << "text";
+  EXPECT_THROW(ReportCommand({(folder_ / "text.sqlite").string(), "", true}), InputError);
+  EXPECT_THROW(ReportCommand({"no_such_campaign", "", true}), InputError);
+}
+
+}  // namespace
+}  // namespace kestrel
