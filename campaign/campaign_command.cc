@@ -17,6 +17,8 @@
 
 #include "campaign/batch_script.h"
 #include "campaign/fly_row.h"
+#include "campaign/share_sequence.h"
+#include "campaign/thresholds.h"
 #include "config/stopwatch.h"
 #include "config/yaml_fields.h"
 #include "scenarios/files.h"
@@ -45,19 +47,19 @@ std::string Duration(double seconds) {
   return fmt::format("{} h {} min", s / 3600, s / 60 % 60);
 }
 
-std::string Share(std::int64_t passed, std::int64_t runs, const CampaignStatistics& statistics) {
+// With an interval that holds however often one looks.
+std::string Share(std::int64_t passed, std::int64_t runs) {
   if (runs == 0) return "none flown";
-  std::string text =
-      fmt::format("{:.1f} % passed", 100 * static_cast<double>(passed) / static_cast<double>(runs));
-  if (statistics.interval) text += " " + statistics.interval(passed, runs);
-  return text;
+  const Interval interval = ShareSequence(passed, runs);
+  return fmt::format("{:.1f} % passed [{:.1f}, {:.1f}]",
+                     100 * static_cast<double>(passed) / static_cast<double>(runs), 100 * interval.low,
+                     100 * interval.high);
 }
 
 // One line on a terminal, rewritten some times a second.
 class ProgressLine {
  public:
-  ProgressLine(std::string name, const CampaignStatistics& statistics)
-      : name_(std::move(name)), statistics_(statistics) {}
+  explicit ProgressLine(std::string name) : name_(std::move(name)) {}
   ~ProgressLine() {
     if (shown_) fmt::print(stderr, "\r\033[K");
   }
@@ -70,14 +72,13 @@ class ProgressLine {
       left = fmt::format("   {:.3g} runs/min, {} left", 60 * p.Rate(),
                          Duration(static_cast<double>(p.rows - p.done) / p.Rate()));
     if (stop == 1) left = "   ending; interrupt again to drop the runs under way";
-    fmt::print(stderr, "\r\033[K{}: {} of {} runs, {}{}", name_, p.done, p.rows,
-               Share(p.passed, p.done, statistics_), left);
+    fmt::print(stderr, "\r\033[K{}: {} of {} runs, {}{}", name_, p.done, p.rows, Share(p.passed, p.done),
+               left);
     std::fflush(stderr);
   }
 
  private:
   std::string name_;
-  const CampaignStatistics& statistics_;
   bool shown_ = false;
   std::chrono::steady_clock::time_point last_;
 };
@@ -93,7 +94,9 @@ Asked Read(const CampaignArguments& a) {
   std::vector<std::string> overrides = a.overrides;
   if (!a.runs.empty()) overrides.push_back("runs=" + a.runs);
   if (!a.seed.empty()) overrides.push_back("seed=" + a.seed);
-  std::vector<std::string> mistakes;
+  Mistakes of_files;
+  CheckWritableFile(a.junit, "--junit", of_files);
+  std::vector<std::string> mistakes = of_files.messages();
   const auto attempt = [&](const auto& what) {
     try {
       what();
@@ -108,6 +111,11 @@ Asked Read(const CampaignArguments& a) {
         "--stop-when: a part of a table cannot tell when the whole of it is enough; valid: one "
         "of --shard and --stop-when");
   attempt([&] { asked.campaign = LoadCampaign(CampaignFile(a.file), overrides); });
+  const auto& vary = asked.campaign.plan.vary;
+  if (a.stop_when && std::any_of(vary.begin(), vary.end(),
+                                 [](const auto& each) { return std::holds_alternative<Grid>(each.second); }))
+    mistakes.push_back(
+        "--stop-when: the first rows of a grid are not like the others; valid: a campaign without grids");
   if (mistakes.empty()) {
     asked.folder = a.out.empty() ? fs::path("results/campaigns") / asked.campaign.plan.name : fs::path(a.out);
     Mistakes of_folder;
@@ -123,29 +131,14 @@ std::string RuleOf(const CampaignArguments& a) {
   return a.stop_when ? fmt::format("--stop-when {:g}", *a.stop_when) : std::string();
 }
 
-void PrintEnd(const CampaignWork& work, const ResultStore& store, const CampaignEnd& end,
-              const CampaignStatistics& statistics) {
-  const Progress& p = end.progress;
-  fmt::print("{}: {} of {} runs, {}\n", work.identity.name, p.done, p.rows,
-             Share(p.passed, p.done, statistics));
-  if (end.enough && p.done < p.rows)
-    fmt::print("  the share is known well enough: the rows from {} on are not flown\n", p.done);
-  std::map<std::string_view, int> counts;
-  const std::vector<RunResult> results = store.Results();
-  for (const RunResult& result : results) ++counts[NameOf(result.status)];
-  for (const RunStatus status : {RunStatus::kPassed, RunStatus::kFailed, RunStatus::kBrokeOff,
-                                 RunStatus::kRefused, RunStatus::kCrashed, RunStatus::kTimedOut})
-    if (counts.contains(NameOf(status)))
-      fmt::print("  {:<10} {:>6}\n", NameOf(status), counts[NameOf(status)]);
-  for (const RunResult& result : results)
-    if (!result.execution.recording.empty())
-      fmt::print("  row {} ({}, {}) is recorded in {}\n", result.row, NameOf(result.status), result.outcome,
-                 result.execution.recording);
-  for (const std::string& each : end.mistrust)
-    fmt::print(stderr, "kestrel: flown again it came to something else: {}\n", each);
+// Against the plan's thresholds, also into --junit.
+bool KeepsThresholds(const CampaignArguments& a, const Asked& asked, const std::vector<RunResult>& results) {
+  const std::vector<JudgedThreshold> judged = Judge(asked.campaign.plan.thresholds, results);
+  if (!a.junit.empty()) WriteFile(a.junit, ToJunit(asked.campaign.plan.name, judged));
+  return std::all_of(judged.begin(), judged.end(), [](const JudgedThreshold& t) { return t.passed; });
 }
 
-bool Fly(const CampaignArguments& a, const CampaignStatistics& statistics) {
+bool Fly(const CampaignArguments& a) {
   const Asked asked = Read(a);
   const CampaignWork work = WorkOf(asked.campaign, RuleOf(a));
   CampaignOptions options;
@@ -155,13 +148,13 @@ bool Fly(const CampaignArguments& a, const CampaignStatistics& statistics) {
   options.record_failures = a.record_failures;
   options.record = a.record;
   options.stop = &stop;
-  if (a.stop_when && statistics.narrow_enough)
+  if (a.stop_when)
     options.enough = [&](const Progress& p) {
-      return statistics.narrow_enough(p.counted_passed, p.counted, *a.stop_when);
+      return NarrowEnough(p.counted_passed, p.counted, *a.stop_when);
     };
   CampaignEnd end;
   {
-    ProgressLine line(work.identity.name, statistics);
+    ProgressLine line(work.identity.name);
     if (isatty(STDERR_FILENO) && !a.quiet) options.show = [&](const Progress& p) { line.Show(p); };
     std::signal(SIGINT, Interrupt);
     std::signal(SIGTERM, Interrupt);
@@ -172,11 +165,18 @@ bool Fly(const CampaignArguments& a, const CampaignStatistics& statistics) {
     throw std::runtime_error(
         fmt::format("interrupted: {} of {} runs are kept in {}; the same command goes on", end.progress.done,
                     end.progress.rows, file.string()));
-  if (!a.quiet) {
-    PrintEnd(work, ResultStore::Read(file), end, statistics);
-    fmt::print("  {}\n", file.string());
+  for (const std::string& each : end.mistrust)
+    fmt::print(stderr, "kestrel: flown again it came to something else: {}\n", each);
+  if (asked.shard) {
+    if (!a.quiet)
+      fmt::print("{}, part {}: {} runs, {}\n  {}\n", work.identity.name, a.shard, end.progress.done,
+                 Share(end.progress.passed, end.progress.done), file.string());
+    return end.mistrust.empty();
   }
-  return end.mistrust.empty();
+  if (!a.quiet && end.enough && end.progress.done < end.progress.rows)
+    fmt::print("the share is known well enough: the rows from {} on are not flown\n", end.progress.done);
+  ReportCommand({.of = a.file, .out = asked.folder.string(), .quiet = a.quiet});
+  return KeepsThresholds(a, asked, ResultStore::Read(file).Results()) && end.mistrust.empty();
 }
 
 // The result files of parts in a folder, in the order of their numbers.
@@ -347,6 +347,7 @@ CLI::App* AddCampaignCommand(CLI::App& app, CampaignArguments& a) {
       ->check(CLI::Range(0, 1000000))
       ->capture_default_str();
   command->add_option("--record", a.record, "And this row; may be repeated")->allow_extra_args(false);
+  command->add_option("--junit", a.junit, "Also write the thresholds as JUnit XML to this file");
   command->add_flag("--quiet", a.quiet, "Print nothing but errors");
   command->footer(
       "What was interrupted goes on where it was. Records are written of failures alone; any other row is "
@@ -384,15 +385,22 @@ CLI::App* AddCampaignCommand(CLI::App& app, CampaignArguments& a) {
   }
   slurm->footer("Example:\n  kestrel campaign slurm dispersion --tasks 64 > job.sh && sbatch job.sh");
   parallel->footer("Example:\n  kestrel campaign parallel dispersion --tasks 8 | sh");
+  AddReportCommand(*command, a.report)->callback([&a] { a.verb = Verb::kReport; });
+  AddCompareCommand(*command, a.compare)->callback([&a] { a.verb = Verb::kCompare; });
   return command;
 }
 
-bool CampaignCommand(const CampaignArguments& a, const CampaignStatistics& statistics) {
+bool CampaignCommand(const CampaignArguments& a) {
+  if (a.verb == Verb::kReport) {
+    ReportCommand(a.report);
+    return true;
+  }
+  if (a.verb == Verb::kCompare) return CompareCommand(a.compare);
   if (a.file.empty())
     throw InputError({"kestrel campaign: no file; valid: a campaign's YAML file, or the name of one"});
   switch (a.verb) {
     case Verb::kFly:
-      return Fly(a, statistics);
+      return Fly(a);
     case Verb::kReplay:
       return Replay(a);
     case Verb::kMerge:
@@ -400,6 +408,9 @@ bool CampaignCommand(const CampaignArguments& a, const CampaignStatistics& stati
     case Verb::kSlurm:
     case Verb::kParallel:
       return PrintScript(a);
+    case Verb::kReport:
+    case Verb::kCompare:
+      break;  // above: they have no plan
   }
   return false;
 }

@@ -7,7 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "campaign/campaign_plan.h"
+#include "campaign/compare_command.h"
+#include "campaign/report/report_command.h"
 #include "campaign/run_campaign.h"
 
 namespace CLI {
@@ -27,6 +28,7 @@ struct CampaignArguments {
   int record_failures = 10;
   std::vector<std::int64_t> record;
   std::optional<double> stop_when;
+  std::string junit;  // of the thresholds
   bool quiet = false;
 
   std::int64_t row = 0;             // of replay
@@ -34,23 +36,18 @@ struct CampaignArguments {
   std::vector<std::string> shards;  // of merge
   int tasks = 0;                    // of slurm and parallel
 
-  enum class Verb { kFly, kReplay, kMerge, kSlurm, kParallel } verb = Verb::kFly;
-};
+  ReportArguments report;
+  CompareArguments compare;
 
-// What statistics say of a campaign under way.
-struct CampaignStatistics {
-  // Of the share that passed, as text: "[0.93, 0.99]".
-  std::function<std::string(std::int64_t passed, std::int64_t runs)> interval;
-  // Whether it is known to within half of this width, by a rule that may be asked after every run.
-  std::function<bool(std::int64_t passed, std::int64_t runs, double half_width)> narrow_enough;
+  enum class Verb { kFly, kReplay, kMerge, kSlurm, kParallel, kReport, kCompare } verb = Verb::kFly;
 };
 
 CLI::App* AddCampaignCommand(CLI::App& app, CampaignArguments& arguments);
 
 // Throws InputError with every mistake, std::runtime_error for what breaks it off. False: it came to an end,
-// but rows are missing, or a replay came to something else. Hidden beside it is `campaign-worker`:
-// WorkerMain().
-bool CampaignCommand(const CampaignArguments& arguments, const CampaignStatistics& statistics);
+// but a threshold is not kept, rows are missing, a replay came to something else, or B is worse than A.
+// Hidden beside it is `campaign-worker`: WorkerMain().
+bool CampaignCommand(const CampaignArguments& arguments);
 
 // The file of a campaign by its name or itself.
 std::filesystem::path CampaignFile(const std::string& name_or_file);

@@ -281,7 +281,7 @@ int Main(int argc, char** argv) {
     }
     if (*replay_command) return ReplayCommand(replay) ? kMet : kNotMet;
     if (*encounters_command) return EncountersCommand(encounters) ? kMet : kNotMet;
-    if (*campaign_command) return CampaignCommand(campaign, {}) ? kMet : kNotMet;
+    if (*campaign_command) return CampaignCommand(campaign) ? kMet : kNotMet;
     if (*tune_command) return TuneCommand(tune) ? kMet : kNotMet;
     if (*worker_command) return WorkerMain();
     if (*bench_command) {
