@@ -105,8 +105,8 @@ struct LoadedScenario {
   std::vector<std::string> notes;  // what is valid and may yet surprise, in words
 };
 
-// A name in scenarios/, or a YAML file. overrides: "key.path=value". Throws InputError with every mistake
-// that the scenario and its models hold.
+// A name in scenarios/, or a YAML file. overrides: "key.path=value". Its key `gains` names a file of such, by
+// colons, over its own and under those. Throws InputError with every mistake that they and the models hold.
 LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<std::string>& overrides = {});
 
 FlightParts PartsOf(const LoadedScenario& loaded);
