@@ -43,7 +43,7 @@ class CampaignCommandTest : public InTemporaryFolder {
   void SetUp() override {
     InTemporaryFolder::SetUp();
     std::ofstream(folder_ / "short.yaml") << R"(scenario: pose
-set: [duration_s=0.5, start.settle_s=0.5, "criteria={fix_share: {min: 0.1}, position_rmse_m: {max: 0.03}}"]
+set: [duration_s=0.5, start.settle_s=0.5, "criteria={fix_share: {min: 0.1}, fix_x_rmse_m: {max: 0.03}}"]
 runs: 6
 vary:
   start.height_m: {uniform: [3, 6]}
