@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "scenarios/figures.h"
+#include "scenarios/fly_all.h"
 
 namespace kestrel {
 
@@ -17,6 +18,9 @@ struct BenchArguments {
 };
 
 std::vector<std::string> BenchNames();
+
+// "A..B". Throws InputError.
+SeedRange ParseSeeds(const std::string& text);
 
 // Measures, prints a table of figures beside their targets, and returns whether all of them were met. Throws
 // InputError if the seeds are not A..B.

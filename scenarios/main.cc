@@ -296,7 +296,8 @@ int Main(int argc, char** argv) {
       mistakes.ThrowIfAny();
       if (bench.name == "campaign") {
         std::vector<Figure> table;
-        BenchCampaign(100, "results/runs/bench_campaign", table);
+        const SeedRange seeds = ParseSeeds(bench.seeds);
+        BenchCampaign(static_cast<int>(seeds.last - seeds.first) + 1, "results/runs/bench_campaign", table);
         PrintFigures(table);
         if (!bench.json.empty()) WriteFigures(bench.json, table);
         return AllMet(table) ? kMet : kNotMet;
