@@ -2,9 +2,11 @@
 #include "campaign/fly_row.h"
 
 #include <fmt/format.h>
-#include <sys/resource.h>
 
 #include <chrono>
+#include <cmath>
+#include <fstream>
+#include <string>
 
 #include "config/stopwatch.h"
 #include "scenarios/runner.h"
@@ -12,10 +14,12 @@
 namespace kestrel {
 namespace {
 
+// Not getrusage's, which a process inherits from who started it.
 double PeakMemory_mib() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_maxrss) / 1024;
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);)
+    if (line.starts_with("VmHWM:")) return std::stod(line.substr(6)) / 1024;
+  return std::nan("");
 }
 
 }  // namespace
@@ -25,7 +29,7 @@ RunResult FlyRow(const RunOrder& order) {
   result.row = order.row;
   if (order.folder) result.execution.recording = order.folder->string();
   try {
-    const LoadedScenario loaded = LoadScenario(order.scenario, order.overrides);
+    const LoadedScenario loaded = LoadScenario(order.scenario, order.overrides, false);
     RunOptions options;
     options.folder = order.folder;
     options.video = order.video;

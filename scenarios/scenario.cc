@@ -179,7 +179,7 @@ GainsFile LoadGains(const fs::path& scenario, const std::vector<std::string>& ov
   return gains;
 }
 
-LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& overrides) {
+LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& overrides, bool compile) {
   Mistakes mistakes;
   LoadedScenario loaded;
   Scenario& s = loaded.scenario;
@@ -284,9 +284,7 @@ LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& o
   sim.duration_s = s.duration_s;
   mistakes.ThrowIfAny();
   try {
-    const ModelPtr model = MakeModel(
-        sim.scene, false);  // world, vehicle and pad together: what only the compiler of MuJoCo can refuse
-    MakeAirframe(sim.vehicle, model.get(), false);
+    if (compile) MakeAirframe(sim.vehicle, MakeModel(sim.scene, false).get(), false);
     CheckLift(sim.vehicle, vehicle_file.string(), mistakes);
   } catch (const std::exception& e) {
     mistakes.Add(where, "", e.what());
@@ -298,13 +296,14 @@ LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& o
 
 }  // namespace
 
-LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<std::string>& overrides) {
+LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<std::string>& overrides,
+                            bool compile) {
   const fs::path file = ScenarioFile(name_or_file);
   const GainsFile gains = LoadGains(file, overrides);
   std::vector<std::string> all = gains.overrides;
   all.insert(all.end(), overrides.begin(), overrides.end());
   try {
-    return LoadWhole(file, all);
+    return LoadWhole(file, all, compile);
   } catch (const InputError& e) {
     std::vector<std::string> messages = e.messages;
     for (std::string& message : messages) {

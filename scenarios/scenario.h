@@ -107,7 +107,10 @@ struct LoadedScenario {
 
 // A name in scenarios/, or a YAML file. overrides: "key.path=value". Its key `gains` names a file of such, by
 // colons, over its own and under those. Throws InputError with every mistake that they and the models hold.
-LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<std::string>& overrides = {});
+// compile: also whether world, vehicle and pad go together, which only MuJoCo's compiler can tell, in some 50
+// ms; otherwise the Simulator throws it.
+LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<std::string>& overrides = {},
+                            bool compile = true);
 
 FlightParts PartsOf(const LoadedScenario& loaded);
 std::unique_ptr<Mission> MakeMission(const LoadedScenario& loaded);

@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "sim/frames.h"
+#include "sim/ray/kept_pyramids.h"
 #include "sim/scene.h"
 
 namespace kestrel::ray {
@@ -133,11 +134,12 @@ void PlaceLight(const Light& light, int index, const WorldPose& world, const Eig
 Things CompileThings(const mjModel* m) {
   Things things;
   const Drawn drawn(m);
+  const KeptPyramids pyramids(m);
   std::map<int, const Pyramid*> textures;
   const auto texture = [&](int id) {
     const Pyramid*& found = textures[id];
     if (!found) {
-      things.textures.push_back(std::make_unique<Pyramid>(MakePyramid(m, id)));
+      things.textures.push_back(pyramids.Of(id));
       found = things.textures.back().get();
     }
     return found;

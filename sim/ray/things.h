@@ -60,7 +60,7 @@ struct Haze {
 struct Things {
   std::vector<Thing> all;
   std::vector<Light> lights;
-  std::vector<std::unique_ptr<Pyramid>> textures;
+  std::vector<std::shared_ptr<const Pyramid>> textures;
   std::vector<std::unique_ptr<Triangles>> meshes;
   const Pyramid* sky = nullptr;
   Haze haze;
