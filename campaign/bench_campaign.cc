@@ -13,7 +13,7 @@
 #include <set>
 #include <thread>
 
-#include "campaign/run_campaign.h"
+#include "campaign/execution/run_campaign.h"
 #include "config/random.h"
 #include "config/stopwatch.h"
 #include "scenarios/statistics.h"

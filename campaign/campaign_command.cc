@@ -15,10 +15,10 @@
 #include <set>
 #include <stdexcept>
 
-#include "campaign/batch_script.h"
-#include "campaign/fly_row.h"
-#include "campaign/share_sequence.h"
-#include "campaign/thresholds.h"
+#include "campaign/execution/batch_script.h"
+#include "campaign/execution/fly_row.h"
+#include "campaign/statistics/share_sequence.h"
+#include "campaign/statistics/thresholds.h"
 #include "config/stopwatch.h"
 #include "config/yaml_fields.h"
 #include "scenarios/files.h"

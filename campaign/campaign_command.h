@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "campaign/compare_command.h"
+#include "campaign/execution/run_campaign.h"
 #include "campaign/report/report_command.h"
-#include "campaign/run_campaign.h"
 
 namespace CLI {
 class App;

@@ -6,7 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 
-#include "campaign/comparison.h"
+#include "campaign/statistics/comparison.h"
 #include "config/yaml_fields.h"
 #include "scenarios/files.h"
 

@@ -13,11 +13,11 @@
 #include <stdexcept>
 #include <utility>
 
-#include "campaign/result_store.h"
-#include "campaign/run_campaign.h"
-#include "campaign/tune.h"
-#include "campaign/tune_files.h"
-#include "campaign/worker_pool.h"
+#include "campaign/execution/result_store.h"
+#include "campaign/execution/run_campaign.h"
+#include "campaign/execution/worker_pool.h"
+#include "campaign/tuning/tune.h"
+#include "campaign/tuning/tune_files.h"
 #include "scenarios/files.h"
 #include "scenarios/scenario.h"
 #include "scenarios/version.h"

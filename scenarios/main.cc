@@ -14,8 +14,8 @@
 
 #include "campaign/bench_campaign.h"
 #include "campaign/campaign_command.h"
+#include "campaign/execution/worker_pool.h"
 #include "campaign/tune_command.h"
-#include "campaign/worker_pool.h"
 #include "scenarios/bench.h"
 #include "scenarios/calibrate_command.h"
 #include "scenarios/encounters_command.h"

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "campaign/campaign_summary.h"
-#include "campaign/result_store.h"
+#include "campaign/execution/result_store.h"
+#include "campaign/statistics/campaign_summary.h"
 
 namespace kestrel {
 

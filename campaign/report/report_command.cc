@@ -6,9 +6,9 @@
 #include <CLI/CLI.hpp>
 #include <sstream>
 
-#include "campaign/batch_script.h"
 #include "campaign/campaign_command.h"
-#include "campaign/results_csv.h"
+#include "campaign/execution/batch_script.h"
+#include "campaign/statistics/results_csv.h"
 #include "config/yaml_fields.h"
 #include "scenarios/files.h"
 

@@ -13,8 +13,8 @@
 #include <sstream>
 #include <thread>
 
-#include "campaign/batch_script.h"
-#include "campaign/result_store.h"
+#include "campaign/execution/batch_script.h"
+#include "campaign/execution/result_store.h"
 #include "config/stopwatch.h"
 #include "scenarios/child_program.h"
 #include "tests/scenarios/temporary_folder.h"

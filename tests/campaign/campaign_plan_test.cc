@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "campaign/campaign_plan.h"
+#include "campaign/table/campaign_plan.h"
 
 #include <gmock/gmock.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "campaign/campaign_summary.h"
+#include "campaign/statistics/campaign_summary.h"
 
 #include <gmock/gmock.h>
 

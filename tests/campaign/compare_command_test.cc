@@ -8,7 +8,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "campaign/result_store.h"
+#include "campaign/execution/result_store.h"
 #include "config/yaml_fields.h"
 #include "tests/campaign/example_campaign.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "campaign/comparison.h"
+#include "campaign/statistics/comparison.h"
 
 #include <gmock/gmock.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "campaign/distribution.h"
+#include "campaign/table/distribution.h"
 
 #include <gmock/gmock.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "campaign/effects.h"
+#include "campaign/statistics/effects.h"
 
 #include <fmt/format.h>
 

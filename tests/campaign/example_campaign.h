@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "campaign/comparison.h"
+#include "campaign/statistics/comparison.h"
 #include "config/random.h"
 
 namespace kestrel {

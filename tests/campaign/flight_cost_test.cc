@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "campaign/flight_cost.h"
+#include "campaign/tuning/flight_cost.h"
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 
 #include <fstream>
 
-#include "campaign/tune_files.h"
+#include "campaign/tuning/tune_files.h"
 #include "config/yaml_fields.h"
 #include "scenarios/scenario.h"
 #include "tests/scenarios/temporary_folder.h"

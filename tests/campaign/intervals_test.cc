@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "campaign/intervals.h"
+#include "campaign/statistics/intervals.h"
 
 #include <numeric>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "campaign/paired.h"
+#include "campaign/statistics/paired.h"
 
 #include "scenarios/statistics.h"
 #include "tests/campaign/coverage.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "campaign/result_store.h"
+#include "campaign/execution/result_store.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

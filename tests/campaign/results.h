@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "campaign/result_store.h"
+#include "campaign/execution/result_store.h"
 
 namespace kestrel {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "campaign/results_csv.h"
+#include "campaign/statistics/results_csv.h"
 
 #include <gmock/gmock.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "campaign/run_campaign.h"
+#include "campaign/execution/run_campaign.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

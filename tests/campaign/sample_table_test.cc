@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "campaign/sample_table.h"
+#include "campaign/table/sample_table.h"
 
 #include <gmock/gmock.h>
 

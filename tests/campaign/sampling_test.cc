@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "campaign/sampling.h"
+#include "campaign/table/sampling.h"
 
 #include <gmock/gmock.h>
 

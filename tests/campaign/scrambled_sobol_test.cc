@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "campaign/scrambled_sobol.h"
+#include "campaign/table/scrambled_sobol.h"
 
 #include <gmock/gmock.h>
 

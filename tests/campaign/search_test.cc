@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "campaign/search.h"
+#include "campaign/tuning/search.h"
 
-#include "campaign/pagmo_eigen.h"
+#include "campaign/tuning/pagmo_eigen.h"
 // before the others
 
 #include <gmock/gmock.h>

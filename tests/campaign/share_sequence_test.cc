@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "campaign/share_sequence.h"
+#include "campaign/statistics/share_sequence.h"
 
 #include <map>
 

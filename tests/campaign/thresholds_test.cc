@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "campaign/thresholds.h"
+#include "campaign/statistics/thresholds.h"
 
 #include <gmock/gmock.h>
 

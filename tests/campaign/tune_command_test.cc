@@ -6,7 +6,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "campaign/result_store.h"
+#include "campaign/execution/result_store.h"
 #include "config/yaml_fields.h"
 #include "scenarios/scenario.h"
 #include "tests/campaign/scripted_worker.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "campaign/tune_plan.h"
+#include "campaign/tuning/tune_plan.h"
 
 #include <gmock/gmock.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "campaign/tune.h"
+#include "campaign/tuning/tune.h"
 
 #include <gmock/gmock.h>
 
@@ -8,7 +8,7 @@
 #include <map>
 #include <set>
 
-#include "campaign/sampling.h"
+#include "campaign/table/sampling.h"
 #include "config/random.h"
 
 namespace kestrel {

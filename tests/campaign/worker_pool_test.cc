@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "campaign/worker_pool.h"
+#include "campaign/execution/worker_pool.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -15,7 +15,7 @@
 #include <map>
 #include <thread>
 
-#include "campaign/worker_wire.h"
+#include "campaign/execution/worker_wire.h"
 #include "config/stopwatch.h"
 #include "tests/campaign/scripted_worker.h"
 #include "tests/scenarios/temporary_folder.h"

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "campaign/execution/batch_script.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <string_view>
+
+namespace kestrel {
+namespace {
+
+std::string Program(const BatchJob& job) {
+  const std::string program = ShellWord(job.program.string()) + " campaign";
+  return job.root.empty() ? program : fmt::format("env KESTREL_ROOT={} {}", ShellWord(job.root), program);
+}
+
+std::string Arguments(const BatchJob& job) {
+  std::string all;
+  for (const std::string& each : job.arguments) all += fmt::format(" {}", ShellWord(each));
+  return all + fmt::format(" --out {}", ShellWord(job.folder.string()));
+}
+
+}  // namespace
+
+std::string ShellWord(const std::string& text) {
+  const auto plain = [](unsigned char c) {
+    return std::isalnum(c) || std::string_view("_-+=./:,@%").find(static_cast<char>(c)) != std::string::npos;
+  };
+  if (!text.empty() && std::all_of(text.begin(), text.end(), plain)) return text;
+  std::string inside;
+  for (const char c : text) {
+    if (c == '\'') inside += "'\\'";
+    inside += c;
+  }
+  return fmt::format("'{}'", inside);
+}
+
+std::string FlyCommand(const BatchJob& job) { return Program(job) + Arguments(job); }
+
+std::string ShardCommand(const BatchJob& job, const std::string& shard) {
+  return fmt::format("{} --shard {} --jobs {}", FlyCommand(job), shard, job.jobs);
+}
+
+std::string MergeCommand(const BatchJob& job) {
+  return fmt::format("{} merge{}", Program(job), Arguments(job));
+}
+
+std::string SlurmScript(const BatchJob& job) {
+  const std::string log = (job.folder / "logs" / "slurm-%A_%a.log").string();
+  return fmt::format(R"(#!/bin/bash
+# Flies a campaign in {0} parts:   sbatch THIS_FILE
+# then joins them, lost ones named:
+#   {1}
+# A part that was lost goes on where it was:   sbatch --array=ITS_NUMBER THIS_FILE
+#SBATCH --job-name={2}
+#SBATCH --array=1-{0}
+#SBATCH --ntasks=1
+#SBATCH --cpus-per-task={3}
+#SBATCH --chdir={4}
+#SBATCH --output={5}
+#SBATCH --requeue
+exec {6}
+)",
+                     job.tasks, MergeCommand(job), ShellWord("kestrel-" + job.name), job.jobs,
+                     ShellWord(job.directory.string()), ShellWord(log),
+                     ShardCommand(job, fmt::format("\"$SLURM_ARRAY_TASK_ID/{}\"", job.tasks)));
+}
+
+std::string ParallelLines(const BatchJob& job, int at_once) {
+  // The command as one argument, which parallel puts the number into and gives to a shell.
+  return fmt::format(
+      "cd {} && parallel --jobs {} --joblog {} --resume-failed {} ::: $(seq {})\n{}\n",
+      ShellWord(job.directory.string()), at_once, ShellWord((job.folder / "logs" / "parallel.log").string()),
+      ShellWord(ShardCommand(job, fmt::format("{{}}/{}", job.tasks))), job.tasks, MergeCommand(job));
+}
+
+}  // namespace kestrel

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "campaign/execution/fly_row.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <string>
+
+#include "config/stopwatch.h"
+#include "scenarios/runner.h"
+
+namespace kestrel {
+namespace {
+
+// Not getrusage's, which a process inherits from who started it.
+double PeakMemory_mib() {
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);)
+    if (line.starts_with("VmHWM:")) return std::stod(line.substr(6)) / 1024;
+  return std::nan("");
+}
+
+}  // namespace
+
+RunResult FlyRow(const RunOrder& order) {
+  RunResult result;
+  result.row = order.row;
+  if (order.folder) result.execution.recording = order.folder->string();
+  try {
+    const LoadedScenario loaded = LoadScenario(order.scenario, order.overrides, false);
+    RunOptions options;
+    options.folder = order.folder;
+    options.video = order.video;
+    const auto start = std::chrono::steady_clock::now();
+    const Summary summary = RunFlight(loaded, options).summary;
+    result.execution.wall_s = SecondsSince(start);
+    if (summary.complete) {
+      result.status = summary.passed ? RunStatus::kPassed : RunStatus::kFailed;
+      result.outcome = summary.outcome;
+      result.metrics = summary.metrics;
+      result.state_hash = fmt::format("{:016x}", summary.state_hash);
+      result.image_hash = fmt::format("{:016x}", summary.image_hash);
+    } else {
+      result.outcome = summary.error;
+    }
+  } catch (const InputError& e) {
+    result.status = RunStatus::kRefused;
+    result.outcome = e.what();
+  } catch (const std::exception& e) {
+    result.outcome = e.what();
+  }
+  result.execution.peak_mib = PeakMemory_mib();
+  return result;
+}
+
+}  // namespace kestrel

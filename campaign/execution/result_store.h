@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "campaign/execution/run_result.h"
+#include "campaign/table/sample_table.h"
+
+namespace kestrel {
+
+// What a result file is of. Two files belong together when all of it agrees.
+struct CampaignIdentity {
+  std::string name;
+  std::string scenario;  // as it resolves without the table: the YAML text
+  std::string plan;      // the YAML text of the campaign's file
+  std::string version;   // of the program
+  SampleTable table;
+};
+
+// In what two differ, a sentence each that names what: name, version, plan, scenario, table; has: as "it
+// has". None: they belong together.
+std::vector<std::string> Differences(const CampaignIdentity& has, const CampaignIdentity& wanted);
+
+// The results of a campaign in one SQLite file, with a write-ahead log: what Put returned from is there after
+// whatever end of the program. The tables:
+//   campaign   (key, value)                       name, scenario, plan, version, table_hash, schema; keys: of
+//                                                 the table in its order, a JSON list
+//   samples    (row, key, value)                  the table
+//   runs       (row, status, outcome, state_hash, image_hash)
+//   metrics    (row, name, value)
+//   execution  (row, worker, wall_s, orchestration_s, peak_mib, log, recording)   depends on the machine
+// The first four of two campaigns on the same rows by the same version are alike to the last bit. A metric
+// that is not a number is NULL; the sign of zero is not kept.
+class ResultStore {
+ public:
+  // Makes the file, or goes on with it; the only writer until this object goes. Throws InputError: it is
+  // another campaign's, another version's, or no result file at all, or another process is at it;
+  // std::runtime_error: it cannot be written.
+  static ResultStore Open(const std::filesystem::path& file, const CampaignIdentity& identity);
+  // Reads it, while another process may be writing. Throws InputError: there is none, or it is none.
+  static ResultStore Read(const std::filesystem::path& file);
+  ~ResultStore();
+  ResultStore(ResultStore&&) noexcept;
+
+  const CampaignIdentity& identity() const;
+  // In one transaction, safe on the disk when it returns. Throws std::runtime_error, and nothing is changed:
+  // the disk is full, or a row is there already, or is none of the table.
+  void Put(const RunResult& result);
+  void Put(const std::vector<RunResult>& results);
+  // A row that has a result was flown again with records.
+  void SetRecording(std::int64_t row, const std::string& folder);
+  // Forgets the results of this row and all after it: those beyond the end that a sequential rule came to.
+  void DropFrom(std::int64_t row);
+  std::set<std::int64_t> Rows() const;     // that have a result
+  std::vector<RunResult> Results() const;  // in the order of the rows
+
+ private:
+  struct Database;
+  explicit ResultStore(std::unique_ptr<Database> database);
+  std::unique_ptr<Database> database_;
+};
+
+}  // namespace kestrel

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "campaign/statistics/thresholds.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+
+#include "scenarios/junit.h"
+
+namespace kestrel {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+Estimate SuccessOf(const std::vector<RunResult>& results) {
+  std::int64_t passed = 0;
+  for (const RunResult& result : results) passed += result.status == RunStatus::kPassed;
+  const double runs = static_cast<double>(results.size());
+  return {static_cast<double>(passed) / runs, ShareInterval(passed, std::ssize(results))};
+}
+
+}  // namespace
+
+std::vector<JudgedThreshold> Judge(const std::map<std::string, Threshold>& thresholds,
+                                   const std::vector<RunResult>& results) {
+  std::vector<JudgedThreshold> judged;
+  for (const auto& [metric, threshold] : thresholds) {
+    const auto judge = [&, &metric = metric, &threshold = threshold](double limit, bool at_least) {
+      JudgedThreshold j;
+      j.name = metric == "success"  ? metric
+               : threshold.quantile ? fmt::format("{}, {:g} % quantile", metric, 100 * *threshold.quantile)
+                                    : fmt::format("{}, mean", metric);
+      j.limit = limit, j.at_least = at_least;
+      j.runs = std::ssize(results);
+      if (metric == "success") {
+        j.estimate = SuccessOf(results);
+      } else {
+        std::vector<double> values;
+        for (const RunResult& result : results) {
+          const auto found = result.metrics.find(metric);
+          const bool there = found != result.metrics.end() && !std::isnan(found->second);
+          values.push_back(there ? found->second : at_least ? -kInfinity : kInfinity);
+          j.without += !there;
+        }
+        j.estimate = threshold.quantile ? QuantileOf(values, *threshold.quantile) : MeanOf(values);
+      }
+      j.bound = at_least ? j.estimate.interval.low : j.estimate.interval.high;
+      j.passed = at_least ? j.bound >= limit : j.bound <= limit;
+      judged.push_back(std::move(j));
+    };
+    if (threshold.max) judge(*threshold.max, false);
+    if (threshold.min) judge(*threshold.min, true);
+  }
+  return judged;
+}
+
+std::string ToJunit(const std::string& campaign, const std::vector<JudgedThreshold>& thresholds) {
+  std::vector<JunitCase> cases;
+  for (const JudgedThreshold& t : thresholds) {
+    JunitCase& test = cases.emplace_back(JunitCase{campaign, campaign, t.name, 0, {}, {}});
+    if (t.passed) continue;
+    test.failure = fmt::format(
+        "{} is {:.4g}, 95 % interval {:.4g} to {:.4g}, over {} runs; its {} end must be at {} {:g}", t.name,
+        t.estimate.value, t.estimate.interval.low, t.estimate.interval.high, t.runs,
+        t.at_least ? "lower" : "upper", t.at_least ? "least" : "most", t.limit);
+    if (t.without > 0) test.failure += fmt::format("; {} runs do not have it and count as worse", t.without);
+  }
+  return JunitXml(cases);
+}
+
+}  // namespace kestrel

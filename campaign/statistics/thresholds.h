@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "campaign/execution/run_result.h"
+#include "campaign/statistics/intervals.h"
+#include "campaign/table/campaign_plan.h"
+
+namespace kestrel {
+
+// A threshold and what the runs say of it.
+struct JudgedThreshold {
+  std::string name;  // "success", "touchdown_error_m, mean", "touchdown_error_m, 95 % quantile"
+  Estimate estimate;
+  double bound = 0;  // of the 95 % interval, the one that is against it
+  double limit = 0;
+  bool at_least = false;               // otherwise at most
+  bool passed = false;                 // the bound keeps to the limit
+  std::int64_t runs = 0, without = 0;  // all; of them, those that do not have the metric
+};
+
+// In the order of their names; one with a greatest and a least value is two. A run without the metric never
+// did what it measures: it counts as worse than any that did, so that a mean is unbounded with one such run.
+std::vector<JudgedThreshold> Judge(const std::map<std::string, Threshold>& thresholds,
+                                   const std::vector<RunResult>& results);
+
+// JUnit XML of them, a case each, for CI servers.
+std::string ToJunit(const std::string& campaign, const std::vector<JudgedThreshold>& thresholds);
+
+}  // namespace kestrel

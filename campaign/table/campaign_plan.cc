@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "campaign/table/campaign_plan.h"
+
+#include <fmt/format.h>
+
+#include <fstream>
+#include <iterator>
+
+#include "campaign/table/read_variation.h"
+#include "campaign/table/sampling.h"
+#include "config/yaml_fields.h"
+
+namespace kestrel {
+namespace {
+
+struct CampaignFile {
+  CampaignPlan plan;
+  ConfigNode vary;
+};
+
+template <class Visitor>
+void Fields(Visitor& v, CampaignFile& f) {
+  v("name", f.plan.name);
+  v(Required("scenario"), f.plan.scenario);
+  v("set", f.plan.set);
+  v("runs", f.plan.runs, 1, kMostRows);
+  v("seed", f.plan.seed);
+  v("sampling", f.plan.sampling, {"independent", "latin_hypercube", "sobol"});
+  v("vary", f.vary);
+  v("correlated", f.plan.correlated);
+  v("same", f.plan.same);
+  v("metrics", f.plan.metrics);
+  v("limit_s", f.plan.limit_s, 0.1, 1e6);
+  v("thresholds", f.plan.thresholds);
+}
+
+void CheckResults(const ConfigNode& root, const CampaignPlan& plan, Mistakes& mistakes) {
+  for (std::size_t i = 0; i < plan.metrics.size(); ++i) {
+    const std::string index = std::to_string(i);
+    CheckMetric(plan.metrics[i], {}, WhereIn(root, {"metrics", index}), "metrics." + index, mistakes);
+  }
+  for (const auto& [metric, threshold] : plan.thresholds) {
+    const std::string& where = WhereIn(root, {"thresholds", metric});
+    const std::string path = "thresholds." + metric;
+    CheckMetric(metric, {"success"}, where, path, mistakes);
+    if (!threshold.max && !threshold.min) mistakes.Add(where, path, "has no limit; valid: max, min or both");
+    if (threshold.quantile && (*threshold.quantile <= 0 || *threshold.quantile >= 1))
+      mistakes.Add(where, path + ".quantile",
+                   fmt::format("{} is out of range; valid: between 0 and 1", *threshold.quantile));
+    if (metric != "success") continue;
+    if (threshold.quantile)
+      mistakes.Add(where, path + ".quantile", "a share of runs has none; valid: max, min or both");
+    for (const auto& limit : {threshold.max, threshold.min})
+      if (limit && (*limit < 0 || *limit > 1))
+        mistakes.Add(where, path, fmt::format("{} is not a share of the runs; valid: 0 to 1", *limit));
+  }
+}
+
+}  // namespace
+
+LoadedCampaign LoadCampaign(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
+  Mistakes mistakes;
+  const Config config = LoadConfig(file, overrides, mistakes);
+  if (!config.readable) mistakes.ThrowIfAny();
+  CampaignFile read;
+  Read(config, read, mistakes);
+  read.plan.vary = ReadVary(read.vary, mistakes);
+  ResolveVariation(file, config.root, read.plan, mistakes);
+  CheckResults(config.root, read.plan, mistakes);
+  mistakes.ThrowIfAny();
+
+  std::ifstream in(file, std::ios::binary);
+  std::string text{std::istreambuf_iterator<char>(in), {}};
+  for (const std::string& each : overrides) text += fmt::format("\n# --set {}\n", each);
+  LoadedCampaign loaded{std::move(read.plan), std::move(text), {}};
+  loaded.table = DrawTable(loaded.plan);
+  return loaded;
+}
+
+}  // namespace kestrel

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "campaign/table/distribution.h"
+#include "campaign/table/sample_table.h"
+#include "config/fields.h"
+
+namespace kestrel {
+
+// Keys of which the values are drawn together: their ranks correlate by this much, each with each.
+struct CorrelatedGroup {
+  std::vector<std::string> keys;
+  double rank_correlation = 0;
+};
+
+template <class Visitor>
+void Fields(Visitor& v, CorrelatedGroup& g) {
+  v(Required("keys"), g.keys);
+  v(Required("rank_correlation"), g.rank_correlation, -1.0, 1.0);
+}
+
+// A key that takes in each row the value of one that varies.
+struct SameValue {
+  std::string key, as;
+};
+
+template <class Visitor>
+void Fields(Visitor& v, SameValue& s) {
+  v(Required("key"), s.key);
+  v(Required("as"), s.as);
+}
+
+// What a campaign's results must keep to, for CI: judged by the bound of the 95 % interval that is against
+// it.
+struct Threshold {
+  std::optional<double> quantile;  // of the metric; none: its mean
+  std::optional<double> max, min;
+};
+
+template <class Visitor>
+void Fields(Visitor& v, Threshold& t) {
+  v("quantile", t.quantile, 0.0, 1.0);
+  v("max", t.max, -1e9, 1e9);
+  v("min", t.min, -1e9, 1e9);
+}
+
+// A campaign's file.
+struct CampaignPlan {
+  std::string name;                          // of the campaign; the file's own when none is given
+  std::string scenario;                      // a name, or a file beside this one
+  std::vector<std::string> set;              // "key=value" for every run
+  int runs = 100;                            // with a grid: of each of its points
+  std::uint64_t seed = 1;                    // of the sample table
+  std::string sampling = "latin_hypercube";  // independent, latin_hypercube, sobol
+  std::map<std::string, Distribution> vary;  // by the scenario's key
+  std::vector<CorrelatedGroup> correlated;
+  std::vector<SameValue> same;
+  std::vector<std::string> metrics;             // that reports show first; empty: those of the criteria
+  double limit_s = 600;                         // of wall time for a run
+  std::map<std::string, Threshold> thresholds;  // by metric, or "success" for the share of runs that passed
+};
+
+struct LoadedCampaign {
+  CampaignPlan plan;
+  std::string text;  // of the file
+  SampleTable table;
+};
+
+// Reads a campaign's file and draws its table. overrides: of the file's own keys. Throws InputError with
+// every mistake of it: a key that the scenario does not have, a distribution that can leave the key's range,
+// an empty grid.
+LoadedCampaign LoadCampaign(const std::filesystem::path& file,
+                            const std::vector<std::string>& overrides = {});
+
+}  // namespace kestrel

@@ -1,0 +1,424 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "campaign/table/read_variation.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <sstream>
+
+#include "campaign/table/sampling.h"
+#include "scenarios/metrics.h"
+#include "scenarios/model_files.h"
+#include "scenarios/scenario.h"
+
+namespace kestrel {
+namespace {
+
+namespace fs = std::filesystem;
+using Kind = ConfigNode::Kind;
+using List = std::vector<std::string>;
+
+// As YAML on one line.
+std::string FlowText(const ConfigNode& node) {
+  List parts;
+  switch (node.kind) {
+    case Kind::kNothing:
+      return "null";
+    case Kind::kText: {
+      const bool plain =
+          !node.text.empty() && node.text.find_first_of("\"\\'#,:[]{}&*!|>%@` \n\t") == std::string::npos;
+      if (!node.quoted && plain) return node.text;
+      std::string quoted = "\"";
+      for (const char c : node.text) {
+        if (c == '"' || c == '\\') quoted += '\\';
+        quoted += c == '\n' ? std::string("\\n") : std::string(1, c);
+      }
+      return quoted + '"';
+    }
+    case Kind::kList:
+      for (const auto& [index, member] : node.members) parts.push_back(FlowText(member));
+      return fmt::format("[{}]", fmt::join(parts, ", "));
+    case Kind::kMap:
+      for (const auto& [key, member] : node.members)
+        parts.push_back(fmt::format("{}: {}", key, FlowText(member)));
+      return fmt::format("{{{}}}", fmt::join(parts, ", "));
+  }
+  return "";
+}
+
+struct DistributionKind {
+  const char* name;
+  const char* arguments;
+};
+constexpr DistributionKind kKinds[] = {
+    {"uniform", "[low, high]"},      {"log_uniform", "[low, high]"},
+    {"normal", "[mean, deviation]"}, {"truncated_normal", "[mean, deviation, low, high]"},
+    {"choice", "a list of values"},  {"grid", "a list of values"}};
+
+List KindNames() {
+  List names;
+  for (const DistributionKind& kind : kKinds) names.push_back(kind.name);
+  return names;
+}
+
+// A list of numbers.
+std::optional<std::vector<double>> NumbersOf(const ConfigNode& node, std::size_t count) {
+  if (node.kind != Kind::kList || node.members.size() != count) return std::nullopt;
+  std::vector<double> numbers;
+  for (const auto& [index, member] : node.members) {
+    Mistakes none;
+    double number = 0;
+    const ConfigNode holder{Kind::kMap, "", false, "", {{"n", member}}};
+    FieldReader(holder, "", none)("n", number, -1e300, 1e300);
+    if (!none.messages().empty()) return std::nullopt;
+    numbers.push_back(number);
+  }
+  return numbers;
+}
+
+std::optional<Distribution> ReadDistribution(const ConfigNode& node, const std::string& path,
+                                             Mistakes& mistakes) {
+  const auto wrong = [&](const std::string& what) {
+    mistakes.Add(node.where, path, what);
+    return std::nullopt;
+  };
+  if (node.kind != Kind::kMap || node.members.size() != 1)
+    return wrong(fmt::format(
+        "{} is not a distribution; valid: one of {}, as in {{uniform: [0, 6]}}",
+        node.kind == Kind::kMap ? fmt::format("a map of {}", node.members.size()) : FlowText(node),
+        fmt::join(KindNames(), ", ")));
+  const auto& [name, value] = node.members.front();
+  const auto kind =
+      std::find_if(std::begin(kKinds), std::end(kKinds), [&](const auto& k) { return name == k.name; });
+  if (kind == std::end(kKinds)) {
+    const auto near = NearestName(name, KindNames());
+    return wrong(fmt::format("there is no distribution '{}';{} valid: {}", name,
+                             near ? fmt::format(" did you mean '{}'?", *near) : "",
+                             fmt::join(KindNames(), ", ")));
+  }
+  if (name == "choice" || name == "grid") {
+    if (value.kind != Kind::kList || value.members.empty())
+      return wrong(fmt::format("the {} is {}; valid: a list of one value or more", name,
+                               value.kind == Kind::kList ? "empty" : FlowText(value)));
+    List values;
+    for (const auto& [index, member] : value.members) {
+      values.push_back(FlowText(member));
+      if (std::count(values.begin(), values.end(), values.back()) > 1 && name == "grid")
+        return wrong(fmt::format("the grid has {} twice", values.back()));
+    }
+    if (name == "choice") return Choice{values};
+    return Grid{values};
+  }
+  const auto n = NumbersOf(value, name == "truncated_normal" ? 4 : 2);
+  if (!n) return wrong(fmt::format("{}: {} is not valid; valid: {}", name, FlowText(value), kind->arguments));
+  if (name == "normal" || name == "truncated_normal") {
+    if ((*n)[1] <= 0) return wrong(fmt::format("the deviation is {}; valid: above 0", (*n)[1]));
+    if (name == "normal") return Normal{(*n)[0], (*n)[1]};
+  }
+  const double low = n->end()[-2], high = n->end()[-1];
+  if (low >= high) return wrong(fmt::format("low = {} is not below high = {}", low, high));
+  if (name == "log_uniform" && low <= 0)
+    return wrong(fmt::format("low = {} has no logarithm; valid: above 0", low));
+  if (name == "uniform") return Uniform{low, high};
+  if (name == "log_uniform") return LogUniform{low, high};
+  // Ten deviations from the mean nothing is left to be cut.
+  if (low > (*n)[0] + 10 * (*n)[1] || high < (*n)[0] - 10 * (*n)[1])
+    return wrong(fmt::format("from {} to {} there is nothing of a normal of mean {} and deviation {}", low,
+                             high, (*n)[0], (*n)[1]));
+  return TruncatedNormal{(*n)[0], (*n)[1], low, high};
+}
+
+void ReadVary(const ConfigNode& node, const std::string& prefix, std::map<std::string, Distribution>& vary,
+              std::map<std::string, std::string>& places, Mistakes& mistakes) {
+  for (const auto& [name, member] : node.members) {
+    const std::string key = prefix.empty() ? name : prefix + '.' + name;
+    const bool deeper = member.kind == Kind::kMap && !member.members.empty() &&
+                        std::all_of(member.members.begin(), member.members.end(),
+                                    [](const auto& m) { return m.second.kind == Kind::kMap; });
+    if (deeper) {
+      ReadVary(member, key, vary, places, mistakes);
+      continue;
+    }
+    const auto place = places.find(key);
+    if (place != places.end() && !member.where.starts_with("--set"))
+      mistakes.Add(member.where, "vary." + key, "given twice, first at " + place->second);
+    places[key] = member.where;
+    if (const auto distribution = ReadDistribution(member, "vary." + key, mistakes))
+      vary.insert_or_assign(key, *distribution);
+  }
+}
+
+// Of a refusal of the scenario, without what says again where the override came from.
+std::string Shortened(const std::string& message, const std::string& override_text, const std::string& key) {
+  std::string rest = message;
+  for (const std::string& start : {"--set " + override_text + ": ", key + ": "})
+    if (rest.starts_with(start)) rest.erase(0, start.size());
+  return rest;
+}
+
+void RefuseConstant(const std::string& key, const CampaignPlan& plan, const std::string& where,
+                    const std::string& path, Mistakes& mistakes) {
+  List names;
+  for (const auto& [name, distribution] : plan.vary) names.push_back(name);
+  const auto near = NearestName(key, names);
+  mistakes.Add(where, path,
+               fmt::format("'{}' does not vary; {}", key,
+                           near ? fmt::format("did you mean '{}'?", *near)
+                                : fmt::format("valid: {}", fmt::join(names, ", "))));
+}
+
+void CheckGroups(const ConfigNode& root, const CampaignPlan& plan, Mistakes& mistakes) {
+  std::map<std::string, std::size_t> group_of;
+  for (std::size_t g = 0; g < plan.correlated.size(); ++g) {
+    const CorrelatedGroup& group = plan.correlated[g];
+    const std::string index = std::to_string(g), path = "correlated." + index;
+    const std::string& where = WhereIn(root, {"correlated", index, "keys"});
+    if (group.keys.size() < 2)
+      mistakes.Add(where, path + ".keys",
+                   fmt::format("a group of {}; valid: two keys or more", group.keys.size()));
+    for (const std::string& key : group.keys) {
+      const auto vary = plan.vary.find(key);
+      if (vary == plan.vary.end()) {
+        RefuseConstant(key, plan, where, path + ".keys", mistakes);
+      } else if (std::holds_alternative<Grid>(vary->second) || std::holds_alternative<Choice>(vary->second)) {
+        mistakes.Add(where, path + ".keys",
+                     fmt::format("'{}' is a {}, which has no ranks; valid: uniform, log_uniform, normal, "
+                                 "truncated_normal",
+                                 key, std::holds_alternative<Grid>(vary->second) ? "grid" : "choice"));
+      }
+      if (const auto [other, first] = group_of.try_emplace(key, g); !first)
+        mistakes.Add(where, path + ".keys",
+                     other->second == g ? fmt::format("'{}' is named twice", key)
+                                        : fmt::format("'{}' is in correlated.{} already; valid: in one group",
+                                                      key, other->second));
+    }
+    const double least = LeastRankCorrelation(std::max<int>(2, static_cast<int>(group.keys.size())));
+    if (group.rank_correlation <= least + 1e-9 || group.rank_correlation >= 1 - 1e-9)
+      mistakes.Add(
+          WhereIn(root, {"correlated", index, "rank_correlation"}), path + ".rank_correlation",
+          fmt::format("{} each with each is no correlation that {} keys can have; valid: above {:.4g} "
+                      "and below 1",
+                      group.rank_correlation, group.keys.size(), least));
+  }
+}
+
+void CheckSame(const ConfigNode& root, const CampaignPlan& plan, Mistakes& mistakes) {
+  std::set<std::string> taken;
+  for (std::size_t i = 0; i < plan.same.size(); ++i) {
+    const auto& [key, as] = plan.same[i];
+    const std::string index = std::to_string(i), path = "same." + index;
+    const std::string& where = WhereIn(root, {"same", index, "key"});
+    if (plan.vary.count(key))
+      mistakes.Add(where, path + ".key", fmt::format("'{}' varies for itself; valid: one of the two", key));
+    if (!taken.insert(key).second)
+      mistakes.Add(where, path + ".key", fmt::format("'{}' is given twice", key));
+    if (!plan.vary.count(as))
+      RefuseConstant(as, plan, WhereIn(root, {"same", index, "as"}), path + ".as", mistakes);
+  }
+}
+
+bool IsList(const Distribution& distribution) {
+  return std::holds_alternative<Choice>(distribution) || std::holds_alternative<Grid>(distribution);
+}
+
+// Those of a key that the scenario must take. Both ends may be whole where what is between them is not.
+List ValuesToTry(const Distribution& distribution) {
+  List values = Extremes(distribution);
+  if (!IsList(distribution)) values.push_back(ValueAt(distribution, 0.3819660113));
+  return values;
+}
+
+struct KeyToTry {
+  std::string key;
+  const Distribution& distribution;
+  std::string where, path;
+};
+
+void TryKey(const KeyToTry& k, const List& chosen, const CampaignPlan& plan, Mistakes& mistakes) {
+  const List values = ValuesToTry(k.distribution);
+  const std::size_t ends = IsList(k.distribution) ? values.size() : 2;
+  bool all = true;
+  for (std::size_t i = 0; i < values.size() && (i < ends || all); ++i) {
+    const std::string_view remedy = i >= ends ? "; of whole numbers valid: choice or grid"
+                                    : std::holds_alternative<Normal>(k.distribution)
+                                        ? "; a normal reaches 10 deviations off: valid: truncated_normal"
+                                        : "";
+    if (CheckOverride(plan, chosen, k.key, values[i], k.where, k.path, remedy, mistakes)) continue;
+    all = false;
+    if (mistakes.messages().back().find("unknown key") != std::string::npos) return;  // said once
+  }
+}
+
+void TryKeys(const ConfigNode& root, const CampaignPlan& plan, Mistakes& mistakes) {
+  std::vector<KeyToTry> keys;
+  for (const auto& [key, distribution] : plan.vary)
+    keys.push_back({key, distribution, WhereIn(root, {"vary", key}), "vary." + key});
+  for (std::size_t i = 0; i < plan.same.size(); ++i) {
+    const std::string index = std::to_string(i);
+    if (const auto as = plan.vary.find(plan.same[i].as); as != plan.vary.end())
+      keys.push_back({plan.same[i].key, as->second, WhereIn(root, {"same", index, "key"}),
+                      fmt::format("same.{}.key", index)});
+  }
+  // To load a scenario takes long, so first all at once, each in turn at one of its values.
+  std::vector<List> together;
+  for (const KeyToTry& k : keys) {
+    const List values = ValuesToTry(k.distribution);
+    if (values.size() > together.size()) together.resize(values.size());
+  }
+  for (std::size_t i = 0; i < together.size(); ++i) {
+    for (const KeyToTry& k : keys) {
+      const List values = ValuesToTry(k.distribution);
+      together[i].push_back(fmt::format("{}={}", k.key, values[i % values.size()]));
+    }
+  }
+  if (TakesAll(plan, together)) return;
+  // A key may have no meaning but with a choice made: a landscape's light, in a world that is one.
+  List chosen;
+  for (const KeyToTry& k : keys)
+    if (IsList(k.distribution))
+      chosen.push_back(fmt::format("{}={}", k.key, Extremes(k.distribution).front()));
+  for (const KeyToTry& k : keys) TryKey(k, chosen, plan, mistakes);
+}
+
+}  // namespace
+
+const std::string& WhereIn(const ConfigNode& root, std::initializer_list<std::string_view> path) {
+  const ConfigNode* node = &root;
+  for (const std::string_view part : path) {
+    const auto found = std::find_if(node->members.rbegin(), node->members.rend(),
+                                    [&](const auto& member) { return member.first == part; });
+    if (found == node->members.rend()) break;
+    node = &found->second;
+  }
+  return node->where;
+}
+
+std::map<std::string, Distribution> ReadVary(const ConfigNode& vary, Mistakes& mistakes) {
+  std::map<std::string, Distribution> read;
+  std::map<std::string, std::string> places;
+  if (vary.kind == Kind::kMap)
+    ReadVary(vary, "", read, places, mistakes);
+  else if (vary.kind != Kind::kNothing)
+    mistakes.Add(vary.where, "vary",
+                 fmt::format("{} is not a map of keys and distributions", FlowText(vary)));
+  return read;
+}
+
+bool CheckOverride(const CampaignPlan& plan, const List& others, const std::string& key,
+                   const std::string& value, const std::string& where, const std::string& path,
+                   std::string_view remedy, Mistakes& mistakes) {
+  const std::string text = fmt::format("{}={}", key, value);
+  const auto complaint = [&](List overrides) -> std::optional<std::string> {
+    overrides.push_back(text);
+    try {
+      LoadScenario(plan.scenario, overrides);
+      return std::nullopt;
+    } catch (const InputError& e) {
+      return e.messages.front();
+    }
+  };
+  const auto refused = complaint(plan.set);
+  if (!refused) return true;
+  if (!others.empty()) {
+    List overrides = plan.set;
+    overrides.insert(overrides.end(), others.begin(), others.end());
+    if (!complaint(overrides)) return true;
+  }
+  const std::string what = Shortened(*refused, text, key);
+  const bool unknown = what.starts_with("unknown key");
+  // Such as "3 is out of range" says the value itself.
+  const bool said = unknown || what.starts_with(value) || what.starts_with('\'' + value);
+  mistakes.Add(
+      where, path,
+      fmt::format("{}{}{}", said ? "" : fmt::format("with {}: ", value), what, unknown ? "" : remedy));
+  return false;
+}
+
+bool TakesAll(const CampaignPlan& plan, const std::vector<List>& sets) {
+  for (const List& each : sets) {
+    List overrides = plan.set;
+    overrides.insert(overrides.end(), each.begin(), each.end());
+    try {
+      LoadScenario(plan.scenario, overrides);
+    } catch (const InputError&) {
+      return false;
+    }
+  }
+  return true;
+}
+
+bool CheckMetric(const std::string& metric, const List& also, const std::string& where,
+                 const std::string& path, Mistakes& mistakes) {
+  List valid = MetricNames();
+  valid.insert(valid.end(), also.begin(), also.end());
+  if (std::find(valid.begin(), valid.end(), metric) != valid.end()) return true;
+  const auto near = NearestName(metric, valid);
+  mistakes.Add(where, path,
+               fmt::format("there is no metric '{}'; {}", metric,
+                           near ? fmt::format("did you mean '{}'?", *near)
+                                : fmt::format("valid: {}", fmt::join(valid, ", "))));
+  return false;
+}
+
+void ResolveVariation(const fs::path& file, const ConfigNode& root, CampaignPlan& plan, Mistakes& mistakes) {
+  if (plan.name.empty()) plan.name = file.stem().string();
+  if (plan.name.find_first_of("/\\") != std::string::npos || plan.name.starts_with('.'))
+    mistakes.Add(WhereIn(root, {"name"}), "name",
+                 fmt::format("'{}' cannot name a folder; valid: no slash, no leading dot", plan.name));
+  double rows = plan.runs;
+  for (const auto& [key, distribution] : plan.vary)
+    if (const auto* grid = std::get_if<Grid>(&distribution)) rows *= static_cast<double>(grid->values.size());
+  if (rows > kMostRows)
+    mistakes.Add(WhereIn(root, {"runs"}), "runs",
+                 fmt::format("{} at each point of the grids are {} runs; valid: no more than {}", plan.runs,
+                             rows, kMostRows));
+  if (plan.vary.size() > 3667)
+    mistakes.Add(WhereIn(root, {"vary"}), "vary",
+                 fmt::format("{} keys; valid: no more than 3667", plan.vary.size()));
+  const auto refuse_set = [&](const std::string& key, const std::string& where, const std::string& path) {
+    for (const std::string& each : plan.set) {
+      const std::string set = each.substr(0, each.find('='));
+      if (set == key || set.starts_with(key + '.'))
+        mistakes.Add(where, path,
+                     fmt::format("'{}' varies, and set has '{}'; valid: one of the two", key, each));
+    }
+  };
+  for (const auto& [key, distribution] : plan.vary)
+    refuse_set(key, WhereIn(root, {"vary", key}), "vary." + key);
+  for (std::size_t i = 0; i < plan.same.size(); ++i) {
+    const std::string index = std::to_string(i);
+    refuse_set(plan.same[i].key, WhereIn(root, {"same", index, "key"}), fmt::format("same.{}.key", index));
+  }
+  CheckGroups(root, plan, mistakes);
+  CheckSame(root, plan, mistakes);
+  if (plan.scenario.empty()) return;  // said already
+  const List names = ScenarioNames();
+  const fs::path beside = file.parent_path() / plan.scenario;
+  const std::string& where = WhereIn(root, {"scenario"});
+  if (std::find(names.begin(), names.end(), plan.scenario) == names.end()) {
+    if (!fs::is_regular_file(beside)) {
+      const auto near = NearestName(plan.scenario, names);
+      return mistakes.Add(
+          where, "scenario",
+          fmt::format("there is no scenario '{}', nor a file '{}'; {}", plan.scenario, beside.string(),
+                      near ? fmt::format("did you mean '{}'?", *near)
+                           : fmt::format("valid: {}", fmt::join(names, ", "))));
+    }
+    plan.scenario = fs::absolute(beside).lexically_normal().string();
+  }
+  try {
+    LoadScenario(plan.scenario, plan.set);
+  } catch (const InputError& e) {
+    for (const std::string& message : e.messages)
+      mistakes.Add(message.starts_with("--set ") ? WhereIn(root, {"set"}) : where,
+                   message.starts_with("--set ") ? "set" : "scenario",
+                   message.starts_with("--set ") ? message.substr(6) : message);
+    return;
+  }
+  TryKeys(root, plan, mistakes);
+}
+
+}  // namespace kestrel

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <initializer_list>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "campaign/table/campaign_plan.h"
+#include "config/yaml_fields.h"
+
+// What files of campaigns and of tunings have in common: a scenario, and what of it varies.
+namespace kestrel {
+
+// Most rows of a table.
+constexpr int kMostRows = 10'000'000;
+
+// Where a value was written, or the nearest around it that was.
+const std::string& WhereIn(const ConfigNode& root, std::initializer_list<std::string_view> path);
+
+// The members of `vary`, by the scenario's key: `key: {uniform: [0, 6]}`; keys may be nested too.
+std::map<std::string, Distribution> ReadVary(const ConfigNode& vary, Mistakes& mistakes);
+
+// A name of the plan that none is given for becomes the file's own, a scenario beside the file its whole
+// path. Then what does not fit together: a scenario that is not valid with `set`, a key that it does not
+// have, a value that can come and that it refuses (it is loaded with each extreme), a key both set and
+// varied, groups that cannot be correlated, a table that is too long.
+void ResolveVariation(const std::filesystem::path& file, const ConfigNode& root, CampaignPlan& plan,
+                      Mistakes& mistakes);
+
+// Whether the scenario takes each of these sets of overrides.
+bool TakesAll(const CampaignPlan& plan, const std::vector<std::vector<std::string>>& sets);
+
+// Whether the scenario takes "key=value" after other overrides; otherwise says why.
+bool CheckOverride(const CampaignPlan& plan, const std::vector<std::string>& others, const std::string& key,
+                   const std::string& value, const std::string& where, const std::string& path,
+                   std::string_view remedy, Mistakes& mistakes);
+
+// Whether a metric is one that a run can have; otherwise says so.
+bool CheckMetric(const std::string& metric, const std::vector<std::string>& also, const std::string& where,
+                 const std::string& path, Mistakes& mistakes);
+
+}  // namespace kestrel

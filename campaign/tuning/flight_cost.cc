@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "campaign/tuning/flight_cost.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kestrel {
+namespace {
+
+double Worst(const CostTerm& term) { return term.worst.value_or(10 * term.scale); }
+
+double Penalty(const CostConstraint& constraint, std::optional<double> value) {
+  if (!value) return 2 * constraint.penalty;
+  double off = 0, limit = 1;
+  if (constraint.max && *value > *constraint.max) off = *value - *constraint.max, limit = *constraint.max;
+  if (constraint.min && *value < *constraint.min) off = *constraint.min - *value, limit = *constraint.min;
+  if (off <= 0) return 0;
+  return constraint.penalty * (1 + std::min(1.0, off / std::max(std::abs(limit), 1e-9)));
+}
+
+}  // namespace
+
+double CostOf(const RunResult& result, const FlightCost& cost) {
+  const bool flown = result.status == RunStatus::kPassed || result.status == RunStatus::kFailed;
+  const auto value = [&](const std::string& metric) -> std::optional<double> {
+    const auto found = result.metrics.find(metric);
+    if (!flown || found == result.metrics.end() || !std::isfinite(found->second)) return std::nullopt;
+    return found->second;
+  };
+  double sum = result.status == RunStatus::kPassed ? 0 : cost.failure;
+  for (const auto& [metric, term] : cost.terms)
+    sum += term.weight * std::min(value(metric).value_or(Worst(term)), Worst(term)) / term.scale;
+  for (const auto& [metric, constraint] : cost.constraints) sum += Penalty(constraint, value(metric));
+  return sum;
+}
+
+double MostCost(const FlightCost& cost) { return CostOf(RunResult{}, cost); }
+
+}  // namespace kestrel

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+
+#include "campaign/execution/run_result.h"
+#include "config/fields.h"
+
+namespace kestrel {
+
+// A metric in the cost of a flight: weight * metric / scale, the metric being no more than `worst`, which it
+// also is of a flight that does not have it.
+struct CostTerm {
+  double weight = 1;
+  double scale = 1;             // in the metric's unit: what is good
+  std::optional<double> worst;  // none: ten scales
+};
+
+template <class Visitor>
+void Fields(Visitor& v, CostTerm& t) {
+  v("weight", t.weight, 0.0, 1e6);
+  v(Required("scale"), t.scale, 1e-9, 1e9);
+  v("worst", t.worst, -1e9, 1e9);
+}
+
+// What a metric must keep to. A flight that does not costs the penalty, and as much again by the share of the
+// limit by which it is off, up to once more; one that does not have the metric costs it twice.
+struct CostConstraint {
+  std::optional<double> max, min;
+  double penalty = 5;
+};
+
+template <class Visitor>
+void Fields(Visitor& v, CostConstraint& c) {
+  v("max", c.max, -1e9, 1e9);
+  v("min", c.min, -1e9, 1e9);
+  v("penalty", c.penalty, 0.0, 1e6);
+}
+
+struct FlightCost {
+  std::map<std::string, CostTerm> terms;
+  std::map<std::string, CostConstraint> constraints;
+  double failure = 0;  // of a flight that did not pass its scenario's criteria
+};
+
+// One that was not flown to its end has no metrics, whatever it left.
+double CostOf(const RunResult& result, const FlightCost& cost);
+
+// Of the worst flight that there can be.
+double MostCost(const FlightCost& cost);
+
+}  // namespace kestrel

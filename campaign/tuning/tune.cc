@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "campaign/tuning/tune.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <boost/math/distributions/students_t.hpp>
+#include <cassert>
+#include <cmath>
+#include <cstdlib>
+#include <numeric>
+
+#include "campaign/tuning/search.h"
+
+namespace kestrel {
+namespace {
+
+class Tuning {
+ public:
+  Tuning(const LoadedTune& tune, const Fly& fly) : tune_(tune), plan_(tune.plan), fly_(fly) {}
+
+  TuneResult Run(const std::function<void(const TuneResult&)>& progress) {
+    const auto show = [&] {
+      if (progress) progress(result_);
+    };
+    Gains start;
+    for (const auto& [key, gain] : plan_.gains) start[key] = *gain.start;
+    result_.search = Evaluate(0, {start}, tune_.rows);
+    show();
+    Search search = MakeSearch(plan_.method, PointOf(start), plan_.flights.seed);
+    const auto for_leaders = static_cast<std::int64_t>(plan_.leaders * tune_.fresh.rows.size());
+    for (int round = 1;; ++round) {
+      std::vector<Gains> candidates;
+      for (const Point& point : std::visit([](auto& s) { return s.Ask(); }, search))
+        candidates.push_back(GainsAt(point));
+      const auto flights = static_cast<std::int64_t>(candidates.size() * tune_.rows.rows.size());
+      if (flights_ + flights + for_leaders > plan_.budget) break;
+      std::vector<Evaluation> evaluations = Evaluate(round, candidates, tune_.rows);
+      std::vector<double> costs;
+      for (const Evaluation& e : evaluations) costs.push_back(e.Cost());
+      std::visit([&](auto& s) { s.Tell(costs); }, search);
+      result_.search.insert(result_.search.end(), evaluations.begin(), evaluations.end());
+      show();
+    }
+    FlyLeaders(GainsAt(std::visit([](auto& s) { return s.Centre(); }, search)));
+    show();
+    HoldOut(start);
+    return result_;
+  }
+
+ private:
+  Point PointOf(const Gains& gains) const {
+    Point point;
+    for (const auto& [key, gain] : plan_.gains) point.push_back(Coordinate(gain, gains.at(key)));
+    return point;
+  }
+  Gains GainsAt(const Point& point) const {
+    Gains gains;
+    std::size_t i = 0;
+    for (const auto& [key, gain] : plan_.gains) gains[key] = ValueAt(gain, point[i++]);
+    return gains;
+  }
+
+  std::vector<Evaluation> Evaluate(int round, const std::vector<Gains>& candidates,
+                                   const SampleTable& table) {
+    const std::size_t rows = table.rows.size();
+    const std::int64_t first = flights_;
+    std::vector<RunOrder> orders;
+    for (const Gains& gains : candidates) {
+      for (std::size_t row = 0; row < rows; ++row) {
+        RunOrder order{flights_++, plan_.flights.scenario, plan_.flights.set, std::nullopt, false};
+        for (std::string& each : OverridesOf(table, row)) order.overrides.push_back(std::move(each));
+        for (const auto& [key, value] : gains) order.overrides.push_back(fmt::format("{}={}", key, value));
+        orders.push_back(std::move(order));
+      }
+    }
+    std::vector<RunResult> results = fly_(orders);
+    assert(results.size() == orders.size());
+    std::sort(results.begin(), results.end(), [](const auto& a, const auto& b) { return a.row < b.row; });
+    std::vector<Evaluation> evaluations;
+    for (std::size_t c = 0; c < candidates.size(); ++c) {
+      Evaluation e{round, candidates[c], first + static_cast<std::int64_t>((c + 1) * rows), {}, {}};
+      for (std::size_t row = 0; row < rows; ++row) {
+        const RunResult& result = results[c * rows + row];
+        e.costs.push_back(CostOf(result, plan_.cost));
+        e.passed.push_back(result.status == RunStatus::kPassed);
+      }
+      evaluations.push_back(std::move(e));
+    }
+    return evaluations;
+  }
+
+  void FlyLeaders(const Gains& centre) {
+    std::vector<double> costs;
+    for (const Evaluation& e : result_.search) costs.push_back(e.Cost());
+    std::vector<Gains> leaders = {centre};
+    for (const std::size_t i : ByCost(costs)) {
+      if (static_cast<int>(leaders.size()) == plan_.leaders) break;
+      const Gains& gains = result_.search[i].gains;
+      if (std::find(leaders.begin(), leaders.end(), gains) == leaders.end()) leaders.push_back(gains);
+    }
+    result_.leaders = Evaluate(result_.search.back().round, leaders, tune_.fresh);
+    result_.flights = flights_;
+    costs.clear();
+    for (const Evaluation& e : result_.leaders) costs.push_back(e.Cost());
+    result_.gains = result_.leaders[ByCost(costs).front()].gains;
+  }
+
+  void HoldOut(const Gains& start) {
+    std::vector<Gains> candidates = {start, result_.gains};
+    if (tune_.own.size() == start.size() && tune_.own != start) candidates.push_back(tune_.own);
+    std::vector<Evaluation> evaluations = Evaluate(0, candidates, tune_.held_out);
+    result_.start = evaluations[0], result_.tuned = evaluations[1];
+    result_.from_start = ComparePaired(result_.start.costs, result_.tuned.costs);
+    if (candidates.size() < 3) return;
+    result_.own = evaluations[2];
+    result_.from_own = ComparePaired(result_.own->costs, result_.tuned.costs);
+  }
+
+  const LoadedTune& tune_;
+  const TunePlan& plan_;
+  const Fly& fly_;
+  std::int64_t flights_ = 0;
+  TuneResult result_;
+};
+
+}  // namespace
+
+double Evaluation::Cost() const {
+  return std::accumulate(costs.begin(), costs.end(), 0.0) / static_cast<double>(costs.size());
+}
+
+PairedCost ComparePaired(const std::vector<double>& before, const std::vector<double>& after) {
+  assert(before.size() == after.size() && before.size() > 1);
+  const auto n = static_cast<double>(before.size());
+  double sum = 0, squares = 0;
+  for (std::size_t i = 0; i < before.size(); ++i) sum += after[i] - before[i];
+  const double mean = sum / n;
+  for (std::size_t i = 0; i < before.size(); ++i) squares += std::pow(after[i] - before[i] - mean, 2);
+  const double half =
+      boost::math::quantile(boost::math::students_t(n - 1), 0.975) * std::sqrt(squares / (n - 1) / n);
+  return {mean, mean - half, mean + half};
+}
+
+double Coordinate(const Gain& gain, double value) {
+  return gain.log ? std::log(value / gain.low) / std::log(gain.high / gain.low)
+                  : (value - gain.low) / (gain.high - gain.low);
+}
+
+double ValueAt(const Gain& gain, double coordinate) {
+  const double value = gain.log ? gain.low * std::exp(coordinate * std::log(gain.high / gain.low))
+                                : gain.low + coordinate * (gain.high - gain.low);
+  // As few digits as people can read in the file of the gains.
+  return std::clamp(std::strtod(fmt::format("{:.6g}", value).c_str(), nullptr), gain.low, gain.high);
+}
+
+TuneResult Tune(const LoadedTune& tune, const Fly& fly,
+                const std::function<void(const TuneResult&)>& progress) {
+  return Tuning(tune, fly).Run(progress);
+}
+
+}  // namespace kestrel

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "campaign/tuning/tune_files.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+namespace kestrel {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string PassedText(const Evaluation& e) {
+  return fmt::format("{} of {} passed", std::count(e.passed.begin(), e.passed.end(), true), e.passed.size());
+}
+
+std::string DifferenceText(const PairedCost& d) {
+  return fmt::format("{:+.4g} [{:+.4g}, {:+.4g}]", d.difference, d.low, d.high);
+}
+
+// In a plain sentence.
+std::string VerdictText(const PairedCost& d, const std::string& than) {
+  return d.high < 0  ? fmt::format("better than {}", than)
+         : d.low > 0 ? fmt::format("worse than {}", than)
+                     : fmt::format("not shown to differ from {}", than);
+}
+
+Json ToJson(const Evaluation& e) {
+  return {{"round", e.round}, {"flights", e.flights}, {"gains", e.gains},
+          {"cost", e.Cost()}, {"costs", e.costs},     {"passed", e.passed}};
+}
+
+Json ToJson(const PairedCost& d) { return {{"difference", d.difference}, {"low", d.low}, {"high", d.high}}; }
+
+}  // namespace
+
+std::string GainsFile(const LoadedTune& tune, const TuneResult& result, const std::string& file,
+                      const std::string& version) {
+  const TunePlan& plan = tune.plan;
+  std::string text = fmt::format(
+      "# Gains of {}, found by: kestrel tune {}\n"
+      "# {}, seed {}, {} flights, by kestrel {}.\n"
+      "# Cost on {} held-out rows (seed {}): {:.4g}, {}; of those it began with {:.4g}, {}:\n"
+      "# the difference is {}, {}.\n",
+      plan.flights.scenario, file, plan.method, plan.flights.seed, result.flights, version,
+      result.tuned.costs.size(), plan.held_out_seed, result.tuned.Cost(), PassedText(result.tuned),
+      result.start.Cost(), PassedText(result.start), DifferenceText(result.from_start),
+      VerdictText(result.from_start, "those"));
+  if (result.own)
+    text += fmt::format("# Of those that the scenario had {:.4g}, {}: the difference is {}, {}.\n",
+                        result.own->Cost(), PassedText(*result.own), DifferenceText(*result.from_own),
+                        VerdictText(*result.from_own, "those"));
+  for (const auto& [key, value] : result.gains)
+    text += fmt::format("{}: {}  # began at {}\n", key, value, *plan.gains.at(key).start);
+  return text;
+}
+
+std::string TuneJson(const LoadedTune& tune, const TuneResult& result, const std::string& version) {
+  const TunePlan& plan = tune.plan;
+  Json json = {{"name", plan.flights.name}, {"scenario", plan.flights.scenario}, {"version", version},
+               {"method", plan.method},     {"seed", plan.flights.seed},         {"budget", plan.budget},
+               {"flights", result.flights}, {"most_cost", MostCost(plan.cost)},  {"gains", Json::object()},
+               {"search", Json::array()},   {"leaders", Json::array()}};
+  for (const auto& [key, gain] : plan.gains) {
+    Json& entry = json["gains"][key] = {
+        {"low", gain.low}, {"high", gain.high}, {"log", gain.log}, {"start", *gain.start}};
+    if (tune.own.contains(key)) entry["own"] = tune.own.at(key);
+    entry["tuned"] = result.gains.at(key);
+  }
+  for (const Evaluation& e : result.search) json["search"].push_back(ToJson(e));
+  for (const Evaluation& e : result.leaders) json["leaders"].push_back(ToJson(e));
+  Json& held_out = json["held_out"] = {{"seed", plan.held_out_seed},
+                                       {"start", ToJson(result.start)},
+                                       {"tuned", ToJson(result.tuned)},
+                                       {"from_start", ToJson(result.from_start)},
+                                       {"better", result.Better()}};
+  if (result.own) held_out["own"] = ToJson(*result.own), held_out["from_own"] = ToJson(*result.from_own);
+  return json.dump(1) + '\n';
+}
+
+std::string TuneText(const LoadedTune& tune, const TuneResult& result) {
+  std::string text = fmt::format("{:<44} {:>11} {:>11}\n", "gain", "start", "tuned");
+  for (const auto& [key, value] : result.gains)
+    text += fmt::format("{:<44} {:>11.5g} {:>11.5g}\n", key, *tune.plan.gains.at(key).start, value);
+  text += fmt::format("\ncost on {} rows that the search never saw, after {} flights of it:\n",
+                      result.tuned.costs.size(), result.flights);
+  text += fmt::format("  start   {:10.4g}   {}\n", result.start.Cost(), PassedText(result.start));
+  if (result.own)
+    text += fmt::format("  before  {:10.4g}   {}\n", result.own->Cost(), PassedText(*result.own));
+  text += fmt::format("  tuned   {:10.4g}   {}\n", result.tuned.Cost(), PassedText(result.tuned));
+  text +=
+      fmt::format("The tuned gains are {}: {} with 95 % confidence.\n",
+                  VerdictText(result.from_start, "those it began with"), DifferenceText(result.from_start));
+  if (result.own)
+    text += fmt::format("They are {}: {}.\n", VerdictText(*result.from_own, "those that the scenario had"),
+                        DifferenceText(*result.from_own));
+  return text;
+}
+
+}  // namespace kestrel

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "campaign/tuning/tune.h"
+
+namespace kestrel {
+
+// The gains as a file that scenarios take (`gains: FILE`): a line of "key: value" for each, and in comments
+// where they are from: file, its name as it was given; version, of the program.
+std::string GainsFile(const LoadedTune& tune, const TuneResult& result, const std::string& file,
+                      const std::string& version);
+
+// JSON, for reports: name, scenario, method, seed, budget, flights, gains {key: {low, high, log, start, own,
+// tuned}}, search and leaders [{round, flights, gains {key: value}, cost, costs, passed}], held_out {seed,
+// start | tuned | own: {gains, cost, costs, passed}, from_start | from_own: {difference, low, high}, better}.
+// own and from_own only where the start is not what the scenario has.
+std::string TuneJson(const LoadedTune& tune, const TuneResult& result, const std::string& version);
+
+// What came of it, for people.
+std::string TuneText(const LoadedTune& tune, const TuneResult& result);
+
+}  // namespace kestrel

@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "campaign/tuning/tune_plan.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+
+#include "campaign/table/read_variation.h"
+#include "campaign/table/sampling.h"
+#include "campaign/tuning/search.h"
+#include "config/random.h"
+#include "config/yaml_fields.h"
+#include "scenarios/scenario.h"
+
+namespace kestrel {
+namespace {
+
+using List = std::vector<std::string>;
+
+struct TuneFile {
+  TunePlan plan;
+  ConfigNode vary;
+};
+
+template <class Visitor>
+void Fields(Visitor& v, TuneFile& f) {
+  TunePlan& p = f.plan;
+  v("name", p.flights.name);
+  v(Required("scenario"), p.flights.scenario);
+  v("set", p.flights.set);
+  v("seed", p.flights.seed);
+  v("sampling", p.flights.sampling, {"independent", "latin_hypercube", "sobol"});
+  v("vary", f.vary);
+  v("correlated", p.flights.correlated);
+  v("same", p.flights.same);
+  v("limit_s", p.flights.limit_s, 0.1, 1e6);
+  v(Required("gains"), p.gains);
+  v(Required("cost"), p.cost.terms);
+  v("constraints", p.cost.constraints);
+  v("failure", p.cost.failure, 0.0, 1e6);
+  v("method", p.method, {"cma_es", "cross_entropy", "random_search"});
+  v("budget", p.budget, 1, kMostRows);
+  v("rows", p.rows, 1, 100000);
+  v("leaders", p.leaders, 1, 1000);
+  v("fresh_rows", p.fresh_rows, 1, 100000);
+  v("held_out_rows", p.held_out_rows, 2, 100000);
+  v("held_out_seed", p.held_out_seed);
+}
+
+// Of the resolved scenario. None: the key has no number.
+std::optional<double> ValueOf(const ConfigNode& root, const std::string& key) {
+  const ConfigNode* node = &root;
+  std::istringstream path(key);
+  for (std::string part; std::getline(path, part, '.');) {
+    const auto found = std::find_if(node->members.begin(), node->members.end(),
+                                    [&](const auto& member) { return member.first == part; });
+    if (found == node->members.end()) return std::nullopt;
+    node = &found->second;
+  }
+  char* end = nullptr;
+  const double value = std::strtod(node->text.c_str(), &end);
+  if (node->kind != ConfigNode::Kind::kText || end != node->text.c_str() + node->text.size())
+    return std::nullopt;
+  return value;
+}
+
+std::map<std::string, double> OwnGains(const TunePlan& plan) {
+  Mistakes none;
+  const Config resolved =
+      ParseConfig(ToYaml(LoadScenario(plan.flights.scenario, plan.flights.set).scenario), "", {}, none);
+  std::map<std::string, double> own;
+  for (const auto& [key, gain] : plan.gains)
+    if (const auto value = ValueOf(resolved.root, key)) own[key] = *value;
+  return own;
+}
+
+void CheckBounds(const Gain& gain, const std::string& where, const std::string& path, Mistakes& mistakes) {
+  if (gain.low >= gain.high)
+    mistakes.Add(where, path, fmt::format("low = {} is not below high = {}", gain.low, gain.high));
+  else if (gain.log && gain.low <= 0)
+    mistakes.Add(where, path, fmt::format("low = {} has no logarithm; valid: above 0", gain.low));
+  if (gain.start && (*gain.start < gain.low || *gain.start > gain.high))
+    mistakes.Add(where, path + ".start",
+                 fmt::format("{} is out of its bounds; valid: {} to {}", *gain.start, gain.low, gain.high));
+}
+
+void CheckGains(const ConfigNode& root, const TunePlan& plan, Mistakes& mistakes) {
+  if (plan.gains.empty())
+    mistakes.Add(WhereIn(root, {"gains"}), "gains", "nothing is to be tuned; valid: one key or more");
+  for (const auto& [key, gain] : plan.gains) {
+    const std::string &where = WhereIn(root, {"gains", key}), path = "gains." + key;
+    CheckBounds(gain, where, path, mistakes);
+    const bool varies = plan.flights.vary.contains(key) ||
+                        std::any_of(plan.flights.same.begin(), plan.flights.same.end(),
+                                    [&](const SameValue& same) { return same.key == key; });
+    if (varies) mistakes.Add(where, path, "varies from flight to flight too; valid: one of the two");
+    for (const std::string& set : plan.flights.set)
+      if (set.substr(0, set.find('=')) == key)
+        mistakes.Add(where, path, fmt::format("is tuned, and set has '{}'; valid: start", set));
+  }
+}
+
+void CheckCost(const ConfigNode& root, const FlightCost& cost, Mistakes& mistakes) {
+  if (cost.terms.empty() && cost.constraints.empty())
+    mistakes.Add(WhereIn(root, {"cost"}), "cost", "no metric is in it; valid: one or more");
+  for (const auto& [metric, term] : cost.terms)
+    CheckMetric(metric, {}, WhereIn(root, {"cost", metric}), "cost." + metric, mistakes);
+  for (const auto& [metric, constraint] : cost.constraints) {
+    const std::string& where = WhereIn(root, {"constraints", metric});
+    CheckMetric(metric, {}, where, "constraints." + metric, mistakes);
+    if (!constraint.max && !constraint.min)
+      mistakes.Add(where, "constraints." + metric, "has no limit; valid: max, min or both");
+  }
+}
+
+// With the scenario at hand.
+void CheckGainsInScenario(const ConfigNode& root, const TunePlan& plan,
+                          const std::map<std::string, double>& own, Mistakes& mistakes) {
+  const auto values = [](const Gain& gain) {
+    return std::array{gain.low, gain.high, gain.low + 0.3819660113 * (gain.high - gain.low)};
+  };
+  std::vector<List> together(3);
+  for (const auto& [key, gain] : plan.gains)
+    for (std::size_t i = 0; i < 3; ++i) together[i].push_back(fmt::format("{}={}", key, values(gain)[i]));
+  const bool takes_all = TakesAll(plan.flights, together);
+  for (const auto& [key, gain] : plan.gains) {
+    const std::string &where = WhereIn(root, {"gains", key}), path = "gains." + key;
+    bool valid = true;
+    for (const double value : values(gain)) {
+      valid = takes_all || (valid && CheckOverride(plan.flights, {}, key, fmt::format("{}", value), where,
+                                                   path, "", mistakes));
+    }
+    if (!valid || gain.start) continue;
+    const auto value = own.find(key);
+    if (value == own.end())
+      mistakes.Add(where, path, "the scenario has no number there; valid: with a start");
+    else if (value->second < gain.low || value->second > gain.high)
+      mistakes.Add(
+          where, path,
+          fmt::format("the scenario has {}, out of its bounds; valid: bounds around that, or a start",
+                      value->second));
+  }
+}
+
+SampleTable Draw(CampaignPlan plan, int runs, std::uint64_t seed, const std::string& name) {
+  plan.runs = runs;
+  plan.seed = RandomStream(seed, name).Bits();
+  return DrawTable(plan);
+}
+
+void CheckBudget(const ConfigNode& root, const LoadedTune& tune, Mistakes& mistakes) {
+  const TunePlan& plan = tune.plan;
+  Search search = MakeSearch(plan.method, Point(plan.gains.size(), 0.5), 1);
+  const std::size_t candidates = std::visit([](auto& s) { return s.Ask().size(); }, search);
+  const std::size_t least = (1 + candidates) * tune.rows.rows.size() +
+                            static_cast<std::size_t>(plan.leaders) * tune.fresh.rows.size();
+  if (static_cast<std::size_t>(plan.budget) < least)
+    mistakes.Add(
+        WhereIn(root, {"budget"}), "budget",
+        fmt::format("{} flights are not enough for the start and one round of {} candidates on {} rows, and "
+                    "{} leaders on {} fresh ones; valid: {} or more",
+                    plan.budget, candidates, tune.rows.rows.size(), plan.leaders, tune.fresh.rows.size(),
+                    least));
+}
+
+}  // namespace
+
+LoadedTune LoadTune(const std::filesystem::path& file, const List& overrides) {
+  Mistakes mistakes;
+  const Config config = LoadConfig(file, overrides, mistakes);
+  if (!config.readable) mistakes.ThrowIfAny();
+  TuneFile read;
+  Read(config, read, mistakes);
+  LoadedTune tune;
+  TunePlan& plan = tune.plan = std::move(read.plan);
+  plan.flights.vary = ReadVary(read.vary, mistakes);
+  plan.flights.runs = plan.rows;
+  CheckGains(config.root, plan, mistakes);
+  CheckCost(config.root, plan.cost, mistakes);
+  const std::size_t before = mistakes.messages().size();
+  ResolveVariation(file, config.root, plan.flights, mistakes);
+  if (mistakes.messages().size() == before && !plan.flights.scenario.empty()) {
+    tune.own = OwnGains(plan);
+    CheckGainsInScenario(config.root, plan, tune.own, mistakes);
+  }
+  mistakes.ThrowIfAny();
+  for (auto& [key, gain] : plan.gains)
+    if (!gain.start) gain.start = tune.own.at(key);
+
+  tune.rows = Draw(plan.flights, plan.rows, plan.flights.seed, "tuning rows");
+  tune.fresh = Draw(plan.flights, plan.fresh_rows, plan.flights.seed, "tuning fresh rows");
+  tune.held_out = Draw(plan.flights, plan.held_out_rows, plan.held_out_seed, "tuning held-out rows");
+  CheckBudget(config.root, tune, mistakes);
+  mistakes.ThrowIfAny();
+
+  std::ifstream in(file, std::ios::binary);
+  tune.text = {std::istreambuf_iterator<char>(in), {}};
+  for (const std::string& each : overrides) tune.text += fmt::format("\n# --set {}\n", each);
+  return tune;
+}
+
+}  // namespace kestrel

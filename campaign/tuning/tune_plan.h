@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "campaign/table/campaign_plan.h"
+#include "campaign/table/sample_table.h"
+#include "campaign/tuning/flight_cost.h"
+
+namespace kestrel {
+
+// A key of the scenario that is tuned.
+struct Gain {
+  double low = 0, high = 1;     // bounds, both valid
+  bool log = false;             // looked for on a log scale
+  std::optional<double> start;  // none: as the scenario has it
+};
+
+template <class Visitor>
+void Fields(Visitor& v, Gain& g) {
+  v(Required("low"), g.low, -1e9, 1e9);
+  v(Required("high"), g.high, -1e9, 1e9);
+  v("log", g.log);
+  v("start", g.start, -1e9, 1e9);
+}
+
+// A tuning's file. What varies from flight to flight is as in a campaign's: flights.runs is of its `rows`.
+struct TunePlan {
+  CampaignPlan flights;
+  std::map<std::string, Gain> gains;  // by the scenario's key
+  FlightCost cost;
+  std::string method = "cma_es";  // cma_es, cross_entropy, random_search
+  int budget = 500;               // flights, all but those on the held-out rows
+  int rows = 5;                   // that every candidate flies, the same for all
+  int leaders = 5;                // that are flown again
+  int fresh_rows = 10;            // on so many rows of their own
+  int held_out_rows = 50;  // that the search never sees, for the gains found and those to compare them with
+  std::uint64_t held_out_seed = 1;
+};
+
+struct LoadedTune {
+  TunePlan plan;
+  std::string text;                   // of the file
+  std::map<std::string, double> own;  // gains as the scenario has them
+  SampleTable rows, fresh, held_out;
+};
+
+// Reads a tuning's file and draws its tables. Throws InputError with every mistake of it, those of what
+// varies as in LoadCampaign: a gain that the scenario does not have, bounds or a start that it refuses or
+// that leave each other, a budget in which nothing can be found, a metric that no run has.
+LoadedTune LoadTune(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
+
+}  // namespace kestrel
