@@ -89,9 +89,13 @@ class Progress {
   std::string what_;
 };
 
-void Report(const FlyReport& r, const char* mode, const std::string& folder) {
+void Report(const FlyReport& r, bool dry_run, const std::string& folder) {
+  const char* mode = dry_run ? kDryRunMode : kRealMode;
   fmt::print("{}  {}{}\n", mode, r.outcome, r.error.empty() ? "" : ": " + r.error);
-  if (!r.accomplished) fmt::print("  NOT  accomplished: the flight ended before what it is for was done\n");
+  if (!r.accomplished)
+    fmt::print("  NOT  {}\n", dry_run ? "in order: the check list was not met, or something was lost"
+                                      : "accomplished: what the flight is for was not done, or not by its "
+                                        "mission alone");
   fmt::print(
       "  {} images flown by, {} overwritten by newer ones; image to setpoint {:.1f} ms, 99 % within "
       "{:.1f} ms\n",
@@ -187,6 +191,7 @@ bool FlyCommand(const FlyArguments& a) {
   options.limits = aircraft.safety;
   options.pilot_untold = aircraft.pilot_untold;
   options.dry_run = a.dry_run;
+  options.checked = AllOk(items);
   options.folder = folder;
   options.video = !a.no_video;
   options.images = a.images;
@@ -200,7 +205,7 @@ bool FlyCommand(const FlyArguments& a) {
     };
     report = FlyAircraft(plan, camera, *link, options);
   }
-  Report(report, mode, folder);
+  Report(report, a.dry_run, folder);
   return report.accomplished;
 }
 

@@ -187,6 +187,75 @@ TEST_F(FlyTest, ADryRunSendsNothing) {
   EXPECT_THAT(Text(folder_ / "events.log"), HasSubstr("DRY RUN"));
 }
 
+TEST_F(FlyTest, ADryRunPassesIfTheCheckListWasMetAndNothingWasLost) {
+  FlyOptions options = Options();
+  options.dry_run = true;
+  LiveCamera camera(Noise(), {});
+  const FlyReport report = FlyAircraft(plan_, camera, link_, options);
+  EXPECT_TRUE(report.accomplished);
+  EXPECT_EQ(report.outcome, "computed, nothing flown: time is up");
+}
+
+TEST_F(FlyTest, ADryRunWhoseCheckListWasNotMetDoesNotPass) {
+  FlyOptions options = Options();
+  options.dry_run = true;
+  options.checked = false;
+  LiveCamera camera(Noise(), {});
+  const FlyReport report = FlyAircraft(plan_, camera, link_, options);
+  EXPECT_FALSE(report.accomplished);
+  EXPECT_THAT(report.outcome, HasSubstr("the check list was not met"));
+}
+
+TEST_F(FlyTest, ADryRunThatLostImagesOrTheStateDoesNotPass) {
+  FlyOptions options = Options();
+  options.dry_run = true;
+  options.limits.image_s = 0.2;
+  {
+    bool made = false;
+    LiveCamera camera([&made] { return std::make_unique<DyingSource>(std::exchange(made, true) ? 0 : 5); },
+                      {});
+    const FlyReport report = FlyAircraft(plan_, camera, link_, options);
+    EXPECT_FALSE(report.accomplished);
+    EXPECT_EQ(report.outcome, "computed, nothing flown: time is up; images were lost");
+  }
+  link_.Set([](VehicleState&, LinkHealth& health) { health.state_age_s = 3; });
+  LiveCamera camera(Noise(), {});
+  const FlyReport report = FlyAircraft(plan_, camera, link_, options);
+  EXPECT_FALSE(report.accomplished);
+  EXPECT_EQ(report.outcome, "computed, nothing flown: time is up; the state was lost");
+}
+
+TEST_F(FlyTest, AStateThatWasNeverHeardIsNotTakenForLanded) {
+  link_.Set([](VehicleState&, LinkHealth& health) { health.state_age_s.reset(); });
+  const LoadedPlan plan = LoadPlan("landing", {"image.rate_hz=20"});
+  FlyOptions options = Options();
+  options.dry_run = true;
+  options.folder = folder_;
+  options.most_s = 1.6;  // a landing ends a second after the touch-down
+  std::vector<std::string> phases;
+  options.progress = [&](const VehicleState&, const Decision& decision, const SafetyChange&) {
+    phases.emplace_back(decision.phase);
+  };
+  LiveCamera camera(Noise(), {});
+  const FlyReport report = FlyAircraft(plan, camera, link_, options);
+  EXPECT_FALSE(report.accomplished);
+  EXPECT_THAT(phases, ::testing::Not(::testing::Contains("landed")));
+  const std::string events = Text(folder_ / "events.log");
+  EXPECT_THAT(events, HasSubstr("autopilot: not heard yet"));
+  EXPECT_THAT(events, ::testing::Not(HasSubstr("landed")));
+}
+
+TEST_F(FlyTest, AFlightThatThePilotTookDoesNotPass) {
+  link_.Set([](VehicleState& state, LinkHealth& health) {
+    state.landed = false;
+    health.pilot_allows = false;
+  });
+  LiveCamera camera(Noise(), {});
+  const FlyReport report = FlyAircraft(plan_, camera, link_, Options());
+  EXPECT_FALSE(report.accomplished);
+  EXPECT_EQ(report.outcome, "ended by the pilot");
+}
+
 TEST_F(FlyTest, AnInterruptEndsIt) {
   FlyOptions options = Options();
   options.most_s = 60;
