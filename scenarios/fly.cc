@@ -120,6 +120,8 @@ class Records {
       WriteOwnParts(folder, plan.parts.own_parts);
     }
     events_.Line(0, "mode", o.dry_run ? kDryRunMode : kRealMode);
+    if (!o.aircraft.empty()) WriteFile(folder / "aircraft.yaml", o.aircraft);
+    for (const auto& [what, is] : o.flown_with) events_.Line(0, what, is);
     // So that records of other programs on this computer can be laid beside them.
     events_.Line(0, "clock", fmt::format("{:.6f} s of the monotonic clock", begun_s));
   }
@@ -150,15 +152,29 @@ class Records {
   std::optional<RecordingWriter> recording_;
 };
 
-}  // namespace
-
-FlyReport FlyAircraft(const LoadedPlan& plan, LiveCamera& camera, AutopilotLink& link, const FlyOptions& o) {
-  FlyReport report;
+Summary SummaryOf(const LoadedPlan& plan, const FlyOptions& o) {
   Summary summary;
   summary.scenario = plan.plan.name;
   summary.version = Version();
   summary.mode = o.dry_run ? kDryRunMode : kRealMode;
   summary.seed = plan.plan.seed;
+  return summary;
+}
+
+}  // namespace
+
+void RecordNotFlown(const LoadedPlan& plan, const FlyOptions& o, const std::string& why) {
+  FlyOptions options = o;
+  options.video = options.images = false;
+  Summary summary = SummaryOf(plan, o);
+  summary.outcome = "not flown: " + why;
+  summary.complete = true;
+  Records(*o.folder, plan, options, MonotonicNow_s()).Finish(summary);
+}
+
+FlyReport FlyAircraft(const LoadedPlan& plan, LiveCamera& camera, AutopilotLink& link, const FlyOptions& o) {
+  FlyReport report;
+  Summary summary = SummaryOf(plan, o);
   const std::unique_ptr<Mission> mission = MakeMission(plan.parts);
   const double begun_s = MonotonicNow_s();
   std::optional<Records> records;

@@ -6,6 +6,8 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "control/links/safe_autopilot.h"
 #include "scenarios/flight_plan.h"
@@ -21,6 +23,9 @@ struct FlyOptions {
   bool checked = true;                          // the check list was met; a dry run goes on without
   std::optional<std::filesystem::path> folder;  // of the records; none: nothing is written
   bool video = true, images = false;            // images: for replay
+  std::string aircraft;                         // text of aircraft.yaml, beside them; empty: none
+  // The first lines of events.log: what it is flown with, and the check list.
+  std::vector<std::pair<std::string, std::string>> flown_with;
   double most_s = 3600;
   const std::atomic<bool>* interrupted = nullptr;
   // Each frame of a flight, and each change of safety while none comes (with the last decision), on the
@@ -45,5 +50,9 @@ struct FlyReport {
 // written by another thread that a flight never waits for. Nothing here throws in flight.
 FlyReport FlyAircraft(const LoadedPlan& plan, LiveCamera& camera, AutopilotLink& link,
                       const FlyOptions& options);
+
+// The folder of a flight that was not flown: what it would have been flown with, and why it was not. Throws
+// std::runtime_error with the file and the reason.
+void RecordNotFlown(const LoadedPlan& plan, const FlyOptions& options, const std::string& why);
 
 }  // namespace kestrel

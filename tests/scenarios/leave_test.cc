@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <chrono>
 #include <cstdlib>
 #include <thread>
@@ -14,7 +15,9 @@ namespace {
 
 class Hanging final : public ImageSource {
  public:
+  static inline std::atomic<bool> opening = false;
   bool Open() override {
+    opening = true;
     while (true) std::this_thread::sleep_for(std::chrono::seconds(1));
   }
   std::optional<Grabbed> Grab() override { return std::nullopt; }
