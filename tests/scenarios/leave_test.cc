@@ -32,6 +32,7 @@ TEST(LeaveTest, WhereACameraHangsTheProgramEndsWithItsStatusAndNoExitHandlerRuns
     std::atexit(ExitHandler);
     {
       LiveCamera camera([] { return std::make_unique<Hanging>(); }, {.stalled_s = 0.05});
+      while (!Hanging::opening) std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
     std::fputs("the last line", stderr);
     std::exit(LeaveWith(3));
