@@ -7,6 +7,7 @@ namespace kestrel {
 
 void EventLog::Line(double t_s, std::string_view what, std::string_view is) {
   file_.Write(fmt::format("{:9.3f} s  {}: {}\n", t_s, what, is));
+  file_.Flush();
 }
 
 void EventLog::Write(const LogRow& row) {
@@ -18,7 +19,7 @@ void EventLog::Write(const LogRow& row) {
   };
   changed(phase_, row.decision.phase, "phase");
   changed(target_, row.decision.target, "target");
-  changed(mode_, NameOf(row.estimate.mode), "autopilot");
+  changed(mode_, row.heard ? NameOf(row.estimate.mode) : "not heard yet", "autopilot");
   if (row.estimate.saturated != saturated_) {
     saturated_ = row.estimate.saturated;
     Line(t, "autopilot", saturated_ ? "saturated" : "no longer saturated");

@@ -13,8 +13,9 @@ namespace kestrel {
 // events.log of a run: a line, with the time of the flight, whenever a state changes its name: the phase of
 // the flight plan, the target (tracked, found, chained, refused, lost, frozen), the autopilot's mode (hold:
 // its setpoints went stale), its saturation, the attitude it flies by, the faults of that, of the camera, of
-// sensors and actuators, what its navigation makes of its sensors, the touch-down. Throws std::runtime_error
-// with the file and the reason.
+// sensors and actuators, what its navigation makes of its sensors, the touch-down. Each line is with the
+// system at once: whatever becomes of the program, what it wrote is there. Throws std::runtime_error with the
+// file and the reason.
 class EventLog {
  public:
   explicit EventLog(const std::filesystem::path& folder) : file_(folder / "events.log") {}

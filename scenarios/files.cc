@@ -98,6 +98,11 @@ void PartFile::Write(std::string_view content) {
   if (std::fwrite(content.data(), 1, content.size(), stream_) != content.size()) Fail(errno);
 }
 
+void PartFile::Flush() {
+  if (!stream_) Fail(EBADF);
+  if (std::fflush(stream_) != 0) Fail(errno);
+}
+
 void PartFile::Close() {
   if (!stream_) Fail(EBADF);  // an earlier write failed
   // A full disk may show only when the last bytes leave the buffer.

@@ -43,6 +43,7 @@ class PartFile {
   PartFile& operator=(const PartFile&) = delete;
 
   void Write(std::string_view content);
+  void Flush();  // to the system, which keeps it if the program dies
   void Close();  // gives the file its final name
 
  private:

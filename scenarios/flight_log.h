@@ -2,7 +2,9 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "geometry/truth.h"
@@ -18,6 +20,10 @@ struct LogRow {
   Truth now;              // when the decision was made
   VehicleState estimate;  // when the decision was made
   Decision decision;      // its texts are string literals of the mission
+  // Of a real aircraft:
+  bool heard = true;                  // otherwise its autopilot never was: nothing of the estimate is known
+  std::optional<Setpoint> sent = {};  // after the safety layer, or would be in a dry run; none: nothing
+  std::string_view hazard = {}, reaction = {};  // of the safety layer, string literals
 };
 
 struct Criterion {

@@ -9,6 +9,7 @@
 
 #include "config/stopwatch.h"
 #include "scenarios/background_writer.h"
+#include "scenarios/control_watch.h"
 #include "scenarios/drawn_view.h"
 #include "scenarios/event_log.h"
 #include "scenarios/flight_loop.h"
@@ -32,7 +33,7 @@ class UntilStopped final : public Camera {
   std::optional<Frame> Next() override {
     for (;;) {
       if (interrupted_ && *interrupted_) return End("interrupted");
-      if (MonotonicNow_s() >= until_s_) return End("time is up");
+      if (MonotonicNow_s() >= until_s_) return End(ControlWatch::kTimeIsUp);
       auto frame = camera_.Next(0.05);
       if (frame) {
         given_s_ = MonotonicNow_s();
@@ -59,6 +60,42 @@ class UntilStopped final : public Camera {
   std::string why_;
 };
 
+// The autopilot as the mission has it. Of one that was never heard nothing is known: not that it stands on
+// the ground, as a VehicleState{} says.
+class AsHeard final : public Autopilot {
+ public:
+  AsHeard(SafeAutopilot& safe, const AutopilotLink& link) : safe_(safe), link_(link) {}
+
+  VehicleState State() const override {
+    const bool heard_before = heard();
+    VehicleState state = safe_.State();
+    if (!heard_before) state.landed = false;
+    return state;
+  }
+  void Send(const Setpoint& setpoint) override { safe_.Send(setpoint); }
+  void Aid(const AttitudeAid& aid) override { safe_.Aid(aid); }
+  bool heard() const { return heard_ = heard_ || (link_.Health().state_age_s && Finite(link_.State())); }
+
+ private:
+  SafeAutopilot& safe_;
+  const AutopilotLink& link_;
+  mutable bool heard_ = false;
+};
+
+// What a dry run went without; the safety layer, silent for the pilot's sake, says nothing of it.
+struct Losses {
+  bool images = false, state = false;
+
+  // Ages of the newest ones in s; while there is none, of the run.
+  void Note(double image_age_s, double state_age_s, const SafetyLimits& limits) {
+    images = images || image_age_s > limits.image_s;
+    state = state || state_age_s > limits.state_s;
+  }
+  std::string Text() const {
+    return fmt::format("{}{}", images ? "; images were lost" : "", state ? "; the state was lost" : "");
+  }
+};
+
 // Whether a flight's target is in sight, or it needs none.
 bool InSight(const Flight& flight, const Decision& decision) {
   if (!LooksForPad(flight) && !std::holds_alternative<FollowFlight>(flight)) return true;
@@ -75,7 +112,7 @@ class Records {
     RecorderOptions options;
     options.video = o.video;
     options.rate_hz = plan.plan.image.rate_hz;
-    options.truth = false;
+    options.telemetry = {.truth = false, .safety = true};
     recorder_.emplace(folder, options);
     WriteFile(folder / "scenario.yaml", ToYaml(plan.plan));
     if (o.images) {
@@ -83,6 +120,8 @@ class Records {
       WriteOwnParts(folder, plan.parts.own_parts);
     }
     events_.Line(0, "mode", o.dry_run ? kDryRunMode : kRealMode);
+    if (!o.aircraft.empty()) WriteFile(folder / "aircraft.yaml", o.aircraft);
+    for (const auto& [what, is] : o.flown_with) events_.Line(0, what, is);
     // So that records of other programs on this computer can be laid beside them.
     events_.Line(0, "clock", fmt::format("{:.6f} s of the monotonic clock", begun_s));
   }
@@ -113,15 +152,29 @@ class Records {
   std::optional<RecordingWriter> recording_;
 };
 
-}  // namespace
-
-FlyReport FlyAircraft(const LoadedPlan& plan, LiveCamera& camera, AutopilotLink& link, const FlyOptions& o) {
-  FlyReport report;
+Summary SummaryOf(const LoadedPlan& plan, const FlyOptions& o) {
   Summary summary;
   summary.scenario = plan.plan.name;
   summary.version = Version();
   summary.mode = o.dry_run ? kDryRunMode : kRealMode;
   summary.seed = plan.plan.seed;
+  return summary;
+}
+
+}  // namespace
+
+void RecordNotFlown(const LoadedPlan& plan, const FlyOptions& o, const std::string& why) {
+  FlyOptions options = o;
+  options.video = options.images = false;
+  Summary summary = SummaryOf(plan, o);
+  summary.outcome = "not flown: " + why;
+  summary.complete = true;
+  Records(*o.folder, plan, options, MonotonicNow_s()).Finish(summary);
+}
+
+FlyReport FlyAircraft(const LoadedPlan& plan, LiveCamera& camera, AutopilotLink& link, const FlyOptions& o) {
+  FlyReport report;
+  Summary summary = SummaryOf(plan, o);
   const std::unique_ptr<Mission> mission = MakeMission(plan.parts);
   const double begun_s = MonotonicNow_s();
   std::optional<Records> records;
@@ -145,9 +198,21 @@ FlyReport FlyAircraft(const LoadedPlan& plan, LiveCamera& camera, AutopilotLink&
     if (records) writer.Do([&records, changes, begun_s] { records->Write(changes, begun_s); });
     return true;
   };
+  AsHeard autopilot(safe, link);
+  ControlWatch watch;
+  Losses losses;
+  const auto note = [&](const VehicleState& state) {
+    const double t_s = MonotonicNow_s() - begun_s;
+    watch.Note(t_s, safety, state);
+    losses.Note(camera.Health().age_s.value_or(t_s),
+                autopilot.heard() ? link.Health().state_age_s.value_or(t_s) : t_s, o.limits);
+  };
   Decision last;
   UntilStopped eyes(camera, begun_s + o.most_s, o.interrupted, [&] {
-    if (take_changes() && o.progress) o.progress(safe.State(), last, safety);
+    const VehicleState state = autopilot.State();
+    const bool changed = take_changes();
+    note(state);
+    if (changed && o.progress) o.progress(state, last, safety);
   });
   const auto record = [&](const Frame& frame, const VehicleState& state, const Decision& decision) {
     const double now_s = MonotonicNow_s();
@@ -158,6 +223,7 @@ FlyReport FlyAircraft(const LoadedPlan& plan, LiveCamera& camera, AutopilotLink&
     if (InSight(plan.plan.flight, decision)) seen_s = now_s;
     safe.TargetLostFor(now_s - seen_s);
     take_changes();
+    note(state);
     last = decision;
     if (o.progress) o.progress(state, decision, safety);
     if (!records) return true;
@@ -166,6 +232,10 @@ FlyReport FlyAircraft(const LoadedPlan& plan, LiveCamera& camera, AutopilotLink&
     row.exposure.t_s = frame.t_s - begun_s;
     row.now.t_s = now_s - begun_s;
     row.estimate = state;
+    row.heard = autopilot.heard();
+    row.sent = safe.sent();
+    row.hazard = NameOf(safety.hazard);
+    row.reaction = NameOf(safety.reaction);
     row.decision = decision;
     cv::Mat drawn;
     if (o.video) drawn = DrawnView(frame, *mission, o.dry_run ? kDryRunMode : kRealMode);
@@ -177,8 +247,17 @@ FlyReport FlyAircraft(const LoadedPlan& plan, LiveCamera& camera, AutopilotLink&
     return true;
   };
   try {
-    report.outcome = Fly(eyes, safe, *mission, record);
-    if (report.outcome.empty()) report.outcome = eyes.why();
+    const std::string outcome = Fly(eyes, autopilot, *mission, record);
+    take_changes();
+    const ControlWatch::Verdict verdict = watch.Judge(outcome, eyes.why(), mission->Accomplished());
+    if (o.dry_run) {
+      report.accomplished = o.checked && !losses.images && !losses.state && report.frames > 0;
+      report.outcome = fmt::format("computed, nothing flown: {}{}{}", outcome.empty() ? eyes.why() : outcome,
+                                   o.checked ? "" : "; the check list was not met", losses.Text());
+    } else {
+      report.accomplished = verdict.accomplished;
+      report.outcome = verdict.outcome;
+    }
   } catch (const std::exception& e) {  // a mistake in flight code; the aircraft's autopilot takes over
     report.outcome = "broke off";
     report.error = e.what();
@@ -186,10 +265,10 @@ FlyReport FlyAircraft(const LoadedPlan& plan, LiveCamera& camera, AutopilotLink&
   link.Silence();
   take_changes();
   writer.Finish();
-  report.accomplished = report.error.empty() && mission->Accomplished();
   report.images_overwritten = camera.Health().overwritten - overwritten_before;
   report.records_dropped = writer.dropped();
   if (report.error.empty()) report.error = writer.error();
+  report.accomplished = report.accomplished && report.error.empty();
   const StageTime reaction = StageTimeOf(reaction_s);
   report.mean_ms = reaction.mean_ms;
   report.p99_ms = reaction.p99_ms;
@@ -206,6 +285,7 @@ FlyReport FlyAircraft(const LoadedPlan& plan, LiveCamera& camera, AutopilotLink&
     records->Finish(summary);
   } catch (const std::exception& e) {
     if (report.error.empty()) report.error = e.what();
+    report.accomplished = false;
   }
   return report;
 }

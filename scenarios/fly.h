@@ -6,6 +6,8 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "control/links/safe_autopilot.h"
 #include "scenarios/flight_plan.h"
@@ -17,9 +19,13 @@ namespace kestrel {
 struct FlyOptions {
   SafetyLimits limits;
   bool pilot_untold = false;                    // as in PreFlightOptions
-  bool dry_run = false;                         // nothing is sent
+  bool dry_run = false;                         // no setpoint is sent
+  bool checked = true;                          // the check list was met; a dry run goes on without
   std::optional<std::filesystem::path> folder;  // of the records; none: nothing is written
   bool video = true, images = false;            // images: for replay
+  std::string aircraft;                         // text of aircraft.yaml, beside them; empty: none
+  // The first lines of events.log: what it is flown with, and the check list.
+  std::vector<std::pair<std::string, std::string>> flown_with;
   double most_s = 3600;
   const std::atomic<bool>* interrupted = nullptr;
   // Each frame of a flight, and each change of safety while none comes (with the last decision), on the
@@ -28,9 +34,13 @@ struct FlyOptions {
 };
 
 struct FlyReport {
-  std::string outcome;        // the mission's; "interrupted", "time is up", "camera ended"
-  bool accomplished = false;  // what the flight is for
-  std::string error;          // of the records; empty: none. The flight goes on without them
+  // The mission's; "interrupted", "time is up", "camera ended"; who else had the aircraft at its end
+  // (scenarios/control_watch.h); of a dry run what it was and what was lost.
+  std::string outcome;
+  // What the flight is for, under the mission's own control. Of a dry run: the check list was met, and
+  // neither images nor the state were lost.
+  bool accomplished = false;
+  std::string error;  // of the records; empty: none. The flight goes on without them
   std::int64_t frames = 0, images_overwritten = 0, records_dropped = 0;
   // From when an image was there to when its setpoint was handed to the link.
   double mean_ms = 0, p99_ms = 0;
@@ -40,5 +50,9 @@ struct FlyReport {
 // written by another thread that a flight never waits for. Nothing here throws in flight.
 FlyReport FlyAircraft(const LoadedPlan& plan, LiveCamera& camera, AutopilotLink& link,
                       const FlyOptions& options);
+
+// The folder of a flight that was not flown: what it would have been flown with, and why it was not. Throws
+// std::runtime_error with the file and the reason.
+void RecordNotFlown(const LoadedPlan& plan, const FlyOptions& options, const std::string& why);
 
 }  // namespace kestrel

@@ -9,6 +9,9 @@
 #include <csignal>
 #include <cstdio>
 #include <ctime>
+#include <optional>
+#include <utility>
+#include <vector>
 
 #include "config/stopwatch.h"
 #include "geometry/tait_bryan.h"
@@ -17,6 +20,7 @@
 #include "scenarios/flight_mode.h"
 #include "scenarios/fly.h"
 #include "scenarios/pre_flight.h"
+#include "scenarios/version.h"
 #include "vision/camera_address.h"
 
 namespace kestrel {
@@ -34,19 +38,20 @@ void AddAll(const InputError& error, const std::string& text, const std::string&
   }
 }
 
-// The camera of an address, of the size of the calibration and the flight's colour where the address says
-// none of them.
-CameraAddress CameraAt(const FlyArguments& a, const LoadedPlan& plan, Mistakes& mistakes) {
+// The camera of an address, of the size of the calibration, the flight's colour and, of files, its rate where
+// the address says none of them. plan: null where it is a mistake itself; then the address is only checked.
+CameraAddress CameraAt(const FlyArguments& a, const LoadedPlan* plan, Mistakes& mistakes) {
   std::string address = a.camera;
   const auto add = [&](std::string_view key, const std::string& value) {
     if (address.find(fmt::format("{}=", key)) == std::string::npos)
       address += fmt::format("{}{}={}", address.find('?') == std::string::npos ? "?" : "&", key, value);
   };
   if (!address.starts_with("gst:") && !address.starts_with("file:")) {
-    add("width", fmt::format("{}", WidthPx(plan.parts.camera)));
-    add("height", fmt::format("{}", HeightPx(plan.parts.camera)));
+    add("width", fmt::format("{}", plan ? WidthPx(plan->parts.camera) : 640));
+    add("height", fmt::format("{}", plan ? HeightPx(plan->parts.camera) : 480));
   }
-  if (!address.starts_with("gst:")) add("colour", plan.plan.image.colour ? "true" : "false");
+  if (!address.starts_with("gst:")) add("colour", plan && plan->plan.image.colour ? "true" : "false");
+  if (address.starts_with("file:")) add("rate", fmt::format("{}", plan ? plan->plan.image.rate_hz : 20));
   try {
     return ParseCameraAddress(address);
   } catch (const InputError& e) {
@@ -55,11 +60,51 @@ CameraAddress CameraAt(const FlyArguments& a, const LoadedPlan& plan, Mistakes& 
   }
 }
 
-void PrintCheckList(const std::vector<CheckItem>& items) {
-  fmt::print("check list\n");
-  for (const CheckItem& item : items)
-    fmt::print("  {:<4} {:<26} {}\n", item.ok ? "ok" : "NOT", item.name, item.found);
-  std::fflush(stdout);
+// A terminal that has gone is no reason to break off a flight, and so no exception.
+void Print(std::FILE* file, const std::string& text) {
+  std::fputs(text.c_str(), file);
+  std::fflush(file);
+}
+
+std::string Text(const CheckItem& item) {
+  return fmt::format("{:<4} {:<26} {}", item.ok ? "ok" : "NOT", item.name, item.found);
+}
+
+// What a flight is flown with beside the scenario and the aircraft, as events.log has it.
+std::vector<std::pair<std::string, std::string>> FlownWith(const FlyArguments& a, double most_s) {
+  std::string options = fmt::format("--for {:g}", most_s);
+  for (const auto& [given, name] : {std::pair{a.dry_run, "--dry-run"},
+                                    {a.take_control, "--take-control"},
+                                    {a.arm, "--arm"},
+                                    {a.pilot_untold, "--pilot-untold"}})
+    if (given) options += fmt::format(" {}", name);
+  return {{"version", Version()},
+          {"scenario", a.scenario},
+          {"camera", a.camera},
+          {"autopilot", a.autopilot},
+          {"options", options}};
+}
+
+void CheckFor(const FlyArguments& a, Mistakes& mistakes) {
+  constexpr double kLeast_s = 0.1, kMost_s = 36000;  // as duration_s
+  if (a.for_s && !(*a.for_s >= kLeast_s && *a.for_s <= kMost_s))
+    mistakes.Add("--for", "",
+                 fmt::format("{:g} is no time in s that a flight may last; valid: from {:g} to {:g}",
+                             *a.for_s, kLeast_s, kMost_s));
+}
+
+void CatchSignals() {
+  interrupted = false;
+  // The first asks the flight to end in good order; a second one ends the program.
+  const auto stop = [](int signal) {
+    interrupted = true;
+    std::signal(signal, SIG_DFL);
+  };
+  std::signal(SIGINT, stop);
+  std::signal(SIGTERM, stop);
+  // The terminal has gone; under nohup that is of no matter.
+  if (std::signal(SIGHUP, stop) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);
+  std::signal(SIGPIPE, SIG_IGN);  // nor may it end a flight that nobody reads what it prints
 }
 
 // A line on a terminal, ten times a second; elsewhere one for each change of what matters.
@@ -67,16 +112,15 @@ class Progress {
  public:
   explicit Progress(const char* mode) : mode_(mode), terminal_(isatty(STDERR_FILENO)) {}
   ~Progress() {
-    if (shown_) fmt::print(stderr, "\r\033[K");
+    if (shown_) Print(stderr, "\r\033[K");
   }
   void Show(const VehicleState& state, const Decision& decision, const SafetyChange& safety) {
     const double now_s = MonotonicNow_s();
     const std::string what =
         fmt::format("{:<10} {:<8} safety: {}", decision.phase, decision.target, NameOf(safety.reaction));
     if (terminal_ ? now_s - last_s_ < 0.1 : what == what_) return;
-    fmt::print(stderr, "{}{}  {:6.1f} s  {}  height {:5.2f} m{}", terminal_ ? "\r\033[K" : "", mode_,
-               now_s - begun_s_, what, -state.p_NB.z(), terminal_ ? "" : "\n");
-    std::fflush(stderr);
+    Print(stderr, fmt::format("{}{}  {:6.1f} s  {}  height {:5.2f} m{}", terminal_ ? "\r\033[K" : "", mode_,
+                              now_s - begun_s_, what, -state.p_NB.z(), terminal_ ? "" : "\n"));
     what_ = what;
     last_s_ = now_s;
     shown_ = terminal_;
@@ -89,15 +133,33 @@ class Progress {
   std::string what_;
 };
 
-void Report(const FlyReport& r, const char* mode, const std::string& folder) {
-  fmt::print("{}  {}{}\n", mode, r.outcome, r.error.empty() ? "" : ": " + r.error);
-  if (!r.accomplished) fmt::print("  NOT  accomplished: the flight ended before what it is for was done\n");
-  fmt::print(
+void Report(const FlyReport& r, const FlyArguments& a, const std::string& folder) {
+  std::string text = fmt::format("{}  {}{}\n", a.dry_run ? kDryRunMode : kRealMode, r.outcome,
+                                 r.error.empty() ? "" : ": " + r.error);
+  if (!r.accomplished)
+    text += fmt::format(
+        "  NOT  {}\n", a.dry_run ? "in order: the check list was not met, or something was lost"
+                                 : "accomplished: what the flight is for was not done, or not by its mission "
+                                   "alone");
+  text += fmt::format(
       "  {} images flown by, {} overwritten by newer ones; image to setpoint {:.1f} ms, 99 % within "
       "{:.1f} ms\n",
       r.frames, r.images_overwritten, r.mean_ms, r.p99_ms);
-  if (r.records_dropped > 0) fmt::print("  {} images could not be recorded in time\n", r.records_dropped);
-  fmt::print("  {}\n", folder);
+  if (r.records_dropped > 0)
+    text += fmt::format("  {} images could not be recorded in time\n", r.records_dropped);
+  Print(stdout, text + fmt::format("  {}\n", folder));
+}
+
+// Of a flight that ends before it begins: its folder says why.
+void ReportNotFlown(const LoadedPlan& plan, const FlyOptions& options, const std::string& why) {
+  std::string text = fmt::format("{}  not flown: {}\n", options.dry_run ? kDryRunMode : kRealMode, why);
+  try {
+    RecordNotFlown(plan, options, why);
+    text += fmt::format("  {}\n", options.folder->string());
+  } catch (const std::exception& e) {
+    text += fmt::format("  without record: {}\n", e.what());
+  }
+  Print(stdout, text);
 }
 
 }  // namespace
@@ -118,19 +180,23 @@ CLI::App* AddFlyCommand(CLI::App& app, FlyArguments& a) {
   command->add_option("--aircraft", a.aircraft, "YAML file: limits, camera's delay, options of the link");
   command->add_option("--set", a.overrides, "key.path=value of the flight, as for run");
   command->add_option("--set-aircraft", a.aircraft_overrides, "key.path=value of the aircraft");
-  command->add_flag("--dry-run", a.dry_run, "Compute and show everything and send nothing");
+  command->add_flag("--dry-run", a.dry_run,
+                    "Compute and show everything and send no setpoint; what opens the link and asks "
+                    "for the state is sent");
   command->add_flag("--take-control", a.take_control,
                     "Ask the autopilot for the mode in which setpoints are followed (MAVLink)");
   command->add_flag("--arm", a.arm, "Let it start the motors for a take-off (MAVLink)");
   command->add_flag("--pilot-untold", a.pilot_untold,
                     "Fly though the autopilot does not tell of the pilot's switch");
-  command->add_option("--for", a.for_s, "How long at most, in s, instead of the scenario's duration_s")
-      ->check(CLI::PositiveNumber);
+  command->add_option("--for", a.for_s, "How long at most, in s, instead of the scenario's duration_s");
   command->add_option("--out", a.out, "Folder for the records (default results/runs/NAME-flown-TIME)");
   command->add_flag("--no-video", a.no_video, "Do not write video.mp4");
   command->add_flag("--images", a.images, "Write each frame without loss, for replay");
   command->footer(
-      "Exit status: 0 the flight did what it is for, 1 it did not or a check failed, 2 bad input.\n"
+      "Exit status: 0 the flight did what it is for under its mission's own control, 1 it did not, or a "
+      "check "
+      "failed, 2 bad input. Of a dry run 0: the check list was met, and neither images nor the state were "
+      "lost.\n"
       "These protocols have no authentication: keep them on a network of your own.\n\nExamples:\n"
       "  kestrel fly landing --camera v4l2:/dev/video0 --autopilot asctec:serial:/dev/ttyUSB0 "
       "--aircraft pelican.yaml --dry-run\n"
@@ -151,56 +217,67 @@ bool FlyCommand(const FlyArguments& a) {
   aircraft.mavlink.take_control |= a.take_control;
   aircraft.mavlink.arm |= a.arm;
   aircraft.pilot_untold |= a.pilot_untold;
-  const CameraAddress address = loaded ? CameraAt(a, *loaded, mistakes) : CameraAddress();
+  const CameraAddress address = CameraAt(a, loaded ? &*loaded : nullptr, mistakes);
   const std::unique_ptr<AutopilotLink> link = MakeLink(a.autopilot, aircraft, mistakes);
-  if (!loaded) mistakes.ThrowIfAny();
-  const LoadedPlan& plan = *loaded;
-  const std::string folder = a.out.empty() ? fmt::format("results/runs/{}-flown-{:%Y%m%d-%H%M%S}",
-                                                         plan.plan.name, fmt::localtime(std::time(nullptr)))
-                                           : a.out;
-  CheckWritableFolder(folder, "--out", mistakes);
+  CheckFor(a, mistakes);
   if (a.dry_run && (a.take_control || a.arm))
     mistakes.Add(a.arm ? "--arm" : "--take-control", "",
-                 "commands, and --dry-run sends nothing; valid: one of them");
-  mistakes.ThrowIfAny();
-
-  const auto stop = [](int signal) {
-    interrupted = true;
-    std::signal(signal, SIG_DFL);
-  };
-  std::signal(SIGINT, stop);
-  std::signal(SIGTERM, stop);
-  const char* mode = a.dry_run ? kDryRunMode : kRealMode;
-  fmt::print("{}  {} by {}, camera {}\n", mode, plan.plan.name, a.autopilot, a.camera);
-  std::fflush(stdout);
-  LiveCamera camera(SourceAt(address), aircraft.camera);
-  PreFlightOptions check;
-  check.pilot_untold = aircraft.pilot_untold;
-  const std::vector<CheckItem> items = PreFlight(plan, camera, *link, check);
-  PrintCheckList(items);
-  if (!AllOk(items) && !a.dry_run) {
-    fmt::print("{}  not flown: the check list is not met\n", mode);
-    return false;
-  }
-
+                 "commands the aircraft, which --dry-run does not; valid: one of them");
   FlyOptions options;
+  options.folder =
+      !a.out.empty() ? a.out
+                     : fmt::format("results/runs/{}-flown-{:%Y%m%d-%H%M%S}",
+                                   loaded ? loaded->plan.name : "flight", fmt::localtime(std::time(nullptr)));
+  CheckWritableFolder(*options.folder, "--out", mistakes);
+  mistakes.ThrowIfAny();
+  const LoadedPlan& plan = *loaded;
+
+  CatchSignals();
+  const char* mode = a.dry_run ? kDryRunMode : kRealMode;
+  Print(stdout, fmt::format("{}  {} by {}, camera {}\n", mode, plan.plan.name, a.autopilot, a.camera));
   options.limits = aircraft.safety;
   options.pilot_untold = aircraft.pilot_untold;
   options.dry_run = a.dry_run;
-  options.folder = folder;
   options.video = !a.no_video;
   options.images = a.images;
-  options.most_s = a.for_s > 0 ? a.for_s : plan.plan.duration_s;
+  options.most_s = a.for_s.value_or(plan.plan.duration_s);
   options.interrupted = &interrupted;
+  options.aircraft = ToYaml(aircraft);
+  options.flown_with = FlownWith(a, options.most_s);
+
+  std::optional<LiveCamera> camera;
+  camera.emplace(SourceAt(address), aircraft.camera);
+  PreFlightOptions check;
+  check.pilot_untold = aircraft.pilot_untold;
+  check.interrupted = &interrupted;
+  const std::vector<CheckItem> items = PreFlight(plan, *camera, *link, check);
+  if (interrupted) {
+    ReportNotFlown(plan, options, "interrupted during the check list");
+    return false;
+  }
+  std::string list = "check list\n";
+  for (const CheckItem& item : items) {
+    list += fmt::format("  {}\n", Text(item));
+    options.flown_with.emplace_back("check", Text(item));
+  }
+  Print(stdout, list);
+  options.checked = AllOk(items);
+  if (!options.checked && !a.dry_run) {
+    ReportNotFlown(plan, options, "the check list is not met");
+    return false;
+  }
+  // What was recorded is flown by from its first image.
+  if (a.camera.starts_with("file:")) camera.emplace(SourceAt(address), aircraft.camera);
+
   FlyReport report;
   {
     Progress progress(mode);
     options.progress = [&](const VehicleState& state, const Decision& decision, const SafetyChange& safety) {
       progress.Show(state, decision, safety);
     };
-    report = FlyAircraft(plan, camera, *link, options);
+    report = FlyAircraft(plan, *camera, *link, options);
   }
-  Report(report, mode, folder);
+  Report(report, a, options.folder->string());
   return report.accomplished;
 }
 

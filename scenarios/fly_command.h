@@ -2,6 +2,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,7 +11,7 @@ namespace kestrel {
 struct FlyArguments {
   std::string scenario, camera, autopilot, aircraft, out;
   std::vector<std::string> overrides, aircraft_overrides;
-  double for_s = 0;
+  std::optional<double> for_s;
   bool dry_run = false, take_control = false, arm = false, pilot_untold = false;
   bool no_video = false, images = false;
 };

@@ -23,6 +23,7 @@
 #include "scenarios/flight_mode.h"
 #include "scenarios/horizon_command.h"
 #include "scenarios/junit.h"
+#include "scenarios/leave.h"
 #include "scenarios/mirror_command.h"
 #include "scenarios/render_board.h"
 #include "scenarios/replay_command.h"
@@ -317,4 +318,4 @@ int Main(int argc, char** argv) {
 }  // namespace
 }  // namespace kestrel
 
-int main(int argc, char** argv) { return kestrel::Main(argc, argv); }
+int main(int argc, char** argv) { return kestrel::LeaveWith(kestrel::Main(argc, argv)); }

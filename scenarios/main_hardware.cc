@@ -11,6 +11,7 @@
 #include "scenarios/flight_mode.h"
 #include "scenarios/flight_plan.h"
 #include "scenarios/fly_command.h"
+#include "scenarios/leave.h"
 #include "scenarios/replay_command.h"
 #include "scenarios/version.h"
 
@@ -72,4 +73,4 @@ int Main(int argc, char** argv) {
 }  // namespace
 }  // namespace kestrel
 
-int main(int argc, char** argv) { return kestrel::Main(argc, argv); }
+int main(int argc, char** argv) { return kestrel::LeaveWith(kestrel::Main(argc, argv)); }

@@ -23,17 +23,40 @@ struct Watched {
   double RateHz() const { return images > 1 ? (images - 1) / (last_s - first_s) : 0; }
 };
 
+constexpr double kSlice_s = 0.05;  // in which an interrupt is looked for
+
+bool Interrupted(const PreFlightOptions& o) { return o.interrupted && *o.interrupted; }
+
 Watched Watch(LiveCamera& camera, const PreFlightOptions& o) {
   Watched watched;
-  auto frame = camera.Next(o.connect_s);
-  const double until_s = MonotonicNow_s() + o.watch_s;
-  for (; frame; frame = camera.Next(std::max(0.0, until_s - MonotonicNow_s()))) {
-    if (watched.images++ == 0) watched.first_s = frame->t_s;
+  double until_s = MonotonicNow_s() + o.connect_s;
+  while (!Interrupted(o)) {
+    const double left_s = until_s - MonotonicNow_s();
+    if (left_s <= 0) break;
+    const auto frame = camera.Next(std::min(left_s, kSlice_s));
+    if (!frame) {
+      if (camera.Health().state == LiveCameraState::kEnded) break;
+      continue;
+    }
+    if (watched.images++ == 0) watched.first_s = frame->t_s, until_s = MonotonicNow_s() + o.watch_s;
     watched.last_s = frame->t_s;
     watched.frame = frame;
-    if (MonotonicNow_s() >= until_s) break;
   }
   return watched;
+}
+
+CheckItem RateItem(double rate_hz, double wanted_hz, const PreFlightOptions& o) {
+  CheckItem item{"camera rate", fmt::format("{:.1f} images/s of {:g}", rate_hz, wanted_hz), true};
+  if (!(rate_hz >= o.least_rate * wanted_hz)) {
+    item.ok = false;
+  } else if (rate_hz > o.most_rate * wanted_hz) {
+    item.ok = false;
+    item.found += fmt::format(
+        ": more than {:g} times as many; give the camera the flight's rate (--camera ...?rate={:g}) or the "
+        "flight the camera's (--set image.rate_hz={:.0f})",
+        o.most_rate, wanted_hz, rate_hz);
+  }
+  return item;
 }
 
 double TiltOf(const VehicleState& state) {
@@ -71,12 +94,13 @@ std::vector<CheckItem> PreFlight(const LoadedPlan& plan, LiveCamera& camera, con
   const double wanted_hz = plan.plan.image.rate_hz;
   if (watched.images == 0) {
     const LiveCameraHealth health = camera.Health();
+    const double waited_s = MonotonicNow_s() - begun_s;
     add("camera", false,
-        fmt::format("no image in {:.0f} s: {}", o.connect_s,
-                    health.trouble.empty() ? NameOf(health.state) : health.trouble));
+        health.trouble.empty()
+            ? fmt::format("{}, and no image in {:.1f} s", NameOf(health.state), waited_s)
+            : fmt::format("none in {:.1f} s that can be flown by: {}", waited_s, health.trouble));
   } else {
-    add("camera rate", watched.RateHz() >= o.least_rate * wanted_hz,
-        fmt::format("{:.1f} images/s of {:g}", watched.RateHz(), wanted_hz));
+    items.push_back(RateItem(watched.RateHz(), wanted_hz, o));
     const cv::Mat& image = watched.frame->image;
     const CameraModel& model = plan.parts.camera;
     add("image against calibration", image.cols == WidthPx(model) && image.rows == HeightPx(model),
@@ -89,7 +113,7 @@ std::vector<CheckItem> PreFlight(const LoadedPlan& plan, LiveCamera& camera, con
   }
   LinkHealth health = link.Health();
   const auto alive = [&] { return health.state_age_s && *health.state_age_s < 0.5; };
-  while (!alive() && MonotonicNow_s() - begun_s < o.connect_s) {
+  while (!alive() && !Interrupted(o) && MonotonicNow_s() - begun_s < o.connect_s) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
     health = link.Health();
   }
@@ -98,6 +122,10 @@ std::vector<CheckItem> PreFlight(const LoadedPlan& plan, LiveCamera& camera, con
       : !health.trouble.empty() ? health.trouble
                                 : fmt::format("state {:.0f} ms old", 1e3 * *health.state_age_s));
   if (health.state_age_s) items.push_back(StateItem(link.State(), o));
+  if (!alive() || !health.open) {  // whatever it would tell, it tells nothing
+    add("pilot's switch", false, "not known: the autopilot is not heard");
+    return items;
+  }
   add("pilot's switch", health.pilot_allows.value_or(o.pilot_untold),
       health.pilot_allows ? *health.pilot_allows ? "on" : "off"
       : o.pilot_untold    ? "not told by this autopilot; taken as on (--pilot-untold)"

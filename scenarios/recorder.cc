@@ -18,7 +18,7 @@ constexpr std::size_t kTargets = 2;  // with columns of their own
 // The names and the values of the columns, side by side, so that neither shifts against the other.
 class Columns {
  public:
-  Columns(const LogRow& row, bool truth);
+  Columns(const LogRow& row, const TelemetryOptions& options);
 
   std::string names, values;
 
@@ -51,16 +51,33 @@ class Columns {
     Number(fmt::format("{}_pitch_deg", of), R.has_value(), Degrees(angles.pitch));
     Number(fmt::format("{}_roll_deg", of), R.has_value(), Degrees(angles.roll));
   }
+  void Setpoints(std::string_view of, const std::optional<Setpoint>& given) {
+    const Setpoint* setpoint = given ? &*given : nullptr;
+    const auto* velocity = std::get_if<VelocitySetpoint>(setpoint);
+    const auto* position = std::get_if<PositionSetpoint>(setpoint);
+    const auto* attitude = std::get_if<AttitudeSetpoint>(setpoint);
+    Vector(fmt::format("{}_v{{}}_m_s", of), velocity, velocity ? velocity->v_H : Eigen::Vector3d::Zero());
+    Number(fmt::format("{}_yaw_rate_deg_s", of), velocity || attitude,
+           Degrees(velocity   ? velocity->yaw_rate
+                   : attitude ? attitude->yaw_rate
+                              : 0));
+    Vector(fmt::format("{}_{{}}_m", of), position, position ? position->p_N : Eigen::Vector3d::Zero());
+    Number(fmt::format("{}_yaw_deg", of), position, position ? Degrees(position->yaw) : 0);
+    Number(fmt::format("{}_pitch_deg", of), attitude, attitude ? Degrees(attitude->pitch) : 0);
+    Number(fmt::format("{}_roll_deg", of), attitude, attitude ? Degrees(attitude->roll) : 0);
+    Number(fmt::format("{}_thrust", of), attitude, attitude ? attitude->thrust : 0);
+  }
 };
 
-Columns::Columns(const LogRow& row, bool truth) {
+Columns::Columns(const LogRow& row, const TelemetryOptions& options) {
+  const bool truth = options.truth;
   const Decision& decision = row.decision;
   Add("sequence", fmt::format("{}", row.sequence));
   Number("t_s", row.now.t_s);
   Number("exposure_t_s", row.exposure.t_s);
   Text("phase", decision.phase);
   Text("target", decision.target);
-  Text("mode", NameOf(row.estimate.mode));
+  Text("mode", row.heard ? NameOf(row.estimate.mode) : "");
   Flag("landed", row.estimate.landed);
   Flag("saturated", row.estimate.saturated);
 
@@ -126,27 +143,20 @@ Columns::Columns(const LogRow& row, bool truth) {
     Number(fmt::format("truth_target{}_in_view", i), there, target.in_view);
   }
 
-  const Setpoint* setpoint = decision.setpoint ? &*decision.setpoint : nullptr;
-  const auto* velocity = std::get_if<VelocitySetpoint>(setpoint);
-  const auto* position = std::get_if<PositionSetpoint>(setpoint);
-  const auto* attitude = std::get_if<AttitudeSetpoint>(setpoint);
-  Vector("setpoint_v{}_m_s", velocity, velocity ? velocity->v_H : Eigen::Vector3d::Zero());
-  Number("setpoint_yaw_rate_deg_s", velocity || attitude,
-         Degrees(velocity   ? velocity->yaw_rate
-                 : attitude ? attitude->yaw_rate
-                            : 0));
-  Vector("setpoint_{}_m", position, position ? position->p_N : Eigen::Vector3d::Zero());
-  Number("setpoint_yaw_deg", position, position ? Degrees(position->yaw) : 0);
-  Number("setpoint_pitch_deg", attitude, attitude ? Degrees(attitude->pitch) : 0);
-  Number("setpoint_roll_deg", attitude, attitude ? Degrees(attitude->roll) : 0);
-  Number("setpoint_thrust", attitude, attitude ? attitude->thrust : 0);
+  Setpoints("setpoint", decision.setpoint);
   Text("outcome", decision.outcome);
+  if (!options.safety) return;
+  Setpoints("safe", row.sent);
+  Text("safety_hazard", row.hazard);
+  Text("safety_reaction", row.reaction);
 }
 
 }  // namespace
 
-std::string TelemetryHeader() { return Columns(LogRow{}, true).names; }
-std::string TelemetryLine(const LogRow& row, bool truth) { return Columns(row, truth).values; }
+std::string TelemetryHeader(const TelemetryOptions& options) { return Columns(LogRow{}, options).names; }
+std::string TelemetryLine(const LogRow& row, const TelemetryOptions& options) {
+  return Columns(row, options).values;
+}
 
 Recorder::Recorder(std::filesystem::path folder, RecorderOptions options)
     : folder_(std::move(folder)), options_(std::move(options)) {
@@ -163,13 +173,13 @@ Recorder::Recorder(std::filesystem::path folder, RecorderOptions options)
     }
   }
   telemetry_.emplace(folder_ / "telemetry.csv");
-  telemetry_->Write(TelemetryHeader() + '\n');
+  telemetry_->Write(TelemetryHeader(options_.telemetry) + '\n');
   if (options_.video) video_.emplace(folder_ / "video.mp4", options_.rate_hz);
 }
 
 void Recorder::Write(const LogRow& row) {
-  telemetry_->Write(TelemetryLine(row, options_.truth) + '\n');
-  if (options_.truth) rows_.push_back(row);  // for the plots
+  telemetry_->Write(TelemetryLine(row, options_.telemetry) + '\n');
+  if (options_.telemetry.truth) rows_.push_back(row);  // for the plots
 }
 
 void Recorder::WriteImage(const cv::Mat& bgr) {
@@ -189,7 +199,7 @@ Summary Recorder::Finish(Summary summary) {
   };
   attempt([&] { telemetry_->Close(); });
   if (video_) attempt([&] { video_->Close(); });
-  if (options_.truth) attempt([&] { DrawPlots(folder_ / "plots", rows_, options_.plots); });
+  if (options_.telemetry.truth) attempt([&] { DrawPlots(folder_ / "plots", rows_, options_.plots); });
   WriteFile(folder_ / "summary.json", ToJson(summary));
   return summary;
 }

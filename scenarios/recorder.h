@@ -14,11 +14,16 @@
 
 namespace kestrel {
 
+struct TelemetryOptions {
+  bool truth = true;    // is known; otherwise its columns are empty
+  bool safety = false;  // of a real aircraft: further columns of what its safety layer did
+};
+
 struct RecorderOptions {
   bool video = true;
   double rate_hz = 30;  // of the video
   PlotOptions plots = {};
-  bool truth = true;  // is known; without, its columns are empty and there are no plots
+  TelemetryOptions telemetry = {};  // without truth there are no plots
 };
 
 // Writes the folder of a run: telemetry.csv, video.mp4, plots/ and, last, summary.json. A file has its final
@@ -28,7 +33,9 @@ struct RecorderOptions {
 // telemetry.csv has a line for each frame, an empty cell where there is no value. truth and estimate are in N
 // when the decision was made (t_s); fix is in the pad's frame at the exposure (exposure_t_s), and target is
 // the truth of it, what a perfect fix reads; the velocity of a setpoint is in the heading frame, its position
-// in N. Times of the processor are not in it: the same run gives the same file.
+// in N. Of a real aircraft setpoint is what the mission asked for; safe_... is what the safety layer made of
+// it and what was sent, but in a dry run; safety_hazard and safety_reaction say why (control/safety.h). Times
+// of the processor are not in it: the same run gives the same file.
 class Recorder {
  public:
   // Throws std::runtime_error, here and in Write, with the file and the reason.
@@ -51,7 +58,7 @@ class Recorder {
 };
 
 // The first line of telemetry.csv and a line of it, without their ends.
-std::string TelemetryHeader();
-std::string TelemetryLine(const LogRow& row, bool truth = true);
+std::string TelemetryHeader(const TelemetryOptions& options = {});
+std::string TelemetryLine(const LogRow& row, const TelemetryOptions& options = {});
 
 }  // namespace kestrel

@@ -6,6 +6,7 @@
 #include <charconv>
 #include <fstream>
 #include <functional>
+#include <iterator>
 #include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
 
@@ -97,6 +98,17 @@ const std::vector<NamedNumber>& Numbers() {
 std::string Cell(const std::optional<double>& value) { return value ? fmt::format("{}", *value) : ""; }
 
 fs::path ImageName(std::int64_t sequence) { return fmt::format("{:06d}.png", sequence); }
+
+// By its signature and its last chunk (PNG specification, 5.2 and 11.2.5).
+bool IsWholePng(const fs::path& file) {
+  constexpr std::string_view kSignature = "\x89PNG\r\n\x1a\n", kEnd = "IEND\xae\x42\x60\x82";
+  std::ifstream in(file, std::ios::binary);
+  std::string begin(kSignature.size(), '\0'), end(kEnd.size(), '\0');
+  in.read(begin.data(), std::ssize(begin));
+  in.seekg(-std::ssize(end), std::ios::end);
+  in.read(end.data(), std::ssize(end));
+  return in && begin == kSignature && end == kEnd;
+}
 
 std::string Header() {
   std::string header = fmt::format("sequence,t_s,{},phase,target,outcome", kStateNames);
@@ -227,6 +239,15 @@ Recording::Recording(const fs::path& flight_folder) : folder_(flight_folder / "r
       throw std::runtime_error(fmt::format("{}:{}: {}", file.string(), number, e.what()));
     }
   }
+}
+
+std::vector<fs::path> Recording::Damaged() const {
+  std::vector<fs::path> damaged;
+  for (const RecordedFrame& frame : frames_) {
+    const fs::path file = folder_ / ImageName(frame.sequence);
+    if (!IsWholePng(file)) damaged.push_back(file);
+  }
+  return damaged;
 }
 
 Frame Recording::At(std::size_t index) const {

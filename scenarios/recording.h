@@ -52,6 +52,8 @@ class Recording {
   explicit Recording(const std::filesystem::path& flight_folder);
   const std::vector<RecordedFrame>& frames() const { return frames_; }
   Frame At(std::size_t index) const;  // reads the image
+  // The images that are not there, are no PNG, or end before their end; without decoding them.
+  std::vector<std::filesystem::path> Damaged() const;
 
  private:
   std::filesystem::path folder_;

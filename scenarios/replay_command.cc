@@ -83,7 +83,6 @@ CLI::App* AddReplayCommand(CLI::App& app, ReplayArguments& a) {
   command->add_option("--set", a.overrides,
                       "key.path=value of the flight, to see what another gain or tracker would have said");
   command->add_option("--tolerance", a.tolerance, "Up to which numbers count as equal, in their units")
-      ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   command->add_option("--video", a.video, "Also write what the vision code sees now to this MP4");
   command->add_flag("--quiet", a.quiet, "Print nothing but errors");
@@ -100,11 +99,19 @@ bool ReplayCommand(const ReplayArguments& a) {
   if (!std::filesystem::exists(folder / "scenario.yaml"))
     mistakes.Add("replay", "", fmt::format("'{}' holds no scenario.yaml: not a flight's folder", a.folder));
   CheckWritableFile(a.video, "--video", mistakes);
+  if (!(a.tolerance >= 0 && std::isfinite(a.tolerance)))
+    mistakes.Add("--tolerance", "", fmt::format("{:g} is no tolerance; valid: 0 or more", a.tolerance));
   mistakes.ThrowIfAny();
   const LoadedPlan loaded = LoadPlan((folder / "scenario.yaml").string(), a.overrides);
   const Recording recording(folder);
   const std::vector<RecordedFrame>& frames = recording.frames();
   if (frames.empty()) throw std::runtime_error(fmt::format("the recording in {} holds no frame", a.folder));
+  const std::vector<std::filesystem::path> damaged = recording.Damaged();
+  if (!damaged.empty())
+    mistakes.Add("replay", "",
+                 fmt::format("{} of {} images are missing or cut off, the first of them {}", damaged.size(),
+                             frames.size(), damaged.front().string()));
+  mistakes.ThrowIfAny();
 
   const std::unique_ptr<Mission> mission = MakeMission(loaded.parts);
   std::optional<Video> video;

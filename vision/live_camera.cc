@@ -2,11 +2,12 @@
 #include "vision/live_camera.h"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <condition_variable>
 #include <mutex>
-#include <thread>
+#include <set>
 #include <utility>
 
 #include "config/clock_sync.h"
@@ -18,6 +19,8 @@ namespace {
 constexpr double kOpening_s = 10;   // what some cameras take to be opened
 constexpr int kMostLeftBehind = 8;  // sources that hang; then it is waited for the last one
 
+std::atomic<int> left_behind = 0;
+
 std::chrono::duration<double> Seconds(double s) { return std::chrono::duration<double>(s); }
 
 }  // namespace
@@ -28,6 +31,7 @@ struct LiveCamera::Mailbox {
   bool stop = false, ended = false, open = false;
   bool opening = false;  // within the library
   int worker = 0;        // whose images count; the others are left behind
+  std::set<int> done;    // workers that have left their source for good
   std::optional<Frame> newest;
   std::int64_t taken = -1;  // sequence of the last frame that was taken
   std::int64_t sequence = 0;
@@ -138,7 +142,24 @@ LiveCamera::LiveCamera(ImageSourceMaker source, const LiveCameraOptions& options
   Watch();
 }
 
-LiveCamera::~LiveCamera() { Stop(); }
+LiveCamera::~LiveCamera() {
+  Stop();
+  std::unique_lock lock(mailbox_->mutex);
+  mailbox_->changed.wait_for(lock, Seconds(options_.stalled_s),
+                             [&] { return mailbox_->done.size() == threads_.size(); });
+  const std::set<int> done = mailbox_->done;
+  lock.unlock();
+  for (std::size_t i = 0; i < threads_.size(); ++i) {
+    if (done.contains(static_cast<int>(i) + 1)) {
+      threads_[i].join();
+    } else {
+      threads_[i].detach();
+      ++left_behind;
+    }
+  }
+}
+
+int LiveCamera::LeftBehind() { return left_behind; }
 
 void LiveCamera::Stop() {
   const std::lock_guard lock(mailbox_->mutex);
@@ -156,9 +177,12 @@ void LiveCamera::Watch() {
   m.begun_s = MonotonicNow_s(), m.open = m.opening = false;
   const int which = ++m.worker;
   m.changed.notify_all();
-  std::thread([mailbox = mailbox_, which, make = source_, options = options_] {
+  threads_.emplace_back([mailbox = mailbox_, which, make = source_, options = options_] {
     mailbox->Work(which, make, options);
-  }).detach();
+    const std::lock_guard lock(mailbox->mutex);
+    mailbox->done.insert(which);
+    mailbox->changed.notify_all();
+  });
 }
 
 std::optional<Frame> LiveCamera::Next() {

@@ -6,6 +6,8 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <thread>
+#include <vector>
 
 #include "vision/camera.h"
 #include "vision/image_source.h"
@@ -54,7 +56,12 @@ class LiveCamera final : public Camera {
   static constexpr double kMonotonic_s = 5;
 
   LiveCamera(ImageSourceMaker source, const LiveCameraOptions& options);
-  ~LiveCamera() override;  // does not wait for a source that hangs
+  // Waits until the thread has left the source, which it does with the image that it waits for; but not for
+  // longer than stalled_s: one that hangs is left behind.
+  ~LiveCamera() override;
+  // Threads of this program's cameras that hung within their library to the end. Exit handlers would take
+  // that library down beneath them: see scenarios/leave.h.
+  static int LeftBehind();
 
   // The next image that nobody has taken yet, waiting for it however long the source takes to come back; its
   // time is that of the monotonic clock. None: the source has ended, or Stop() was called.
@@ -72,6 +79,7 @@ class LiveCamera final : public Camera {
   ImageSourceMaker source_;
   LiveCameraOptions options_;
   std::shared_ptr<Mailbox> mailbox_;  // outlives the camera where a thread hangs
+  std::vector<std::thread> threads_;  // of worker 1, 2, ...
 };
 
 }  // namespace kestrel

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <fstream>
@@ -13,8 +14,10 @@
 #include <vector>
 
 #include "config/stopwatch.h"
+#include "scenarios/aircraft.h"
 #include "scenarios/pre_flight.h"
 #include "scenarios/recording.h"
+#include "scenarios/summary.h"
 #include "tests/control/fake_link.h"
 #include "tests/scenarios/temporary_folder.h"
 
@@ -107,6 +110,21 @@ TEST_F(FlyTest, ACameraThatIsTooSlowIsNotFlownBy) {
   EXPECT_FALSE(Item("camera rate").ok);
 }
 
+TEST_F(FlyTest, ACameraThatIsTooFastIsNotFlownByAndTheRemedyIsSaid) {
+  plan_.plan.image.rate_hz = 10;  // the camera gives 25
+  Check();
+  EXPECT_FALSE(Item("camera rate").ok);
+  EXPECT_THAT(Item("camera rate").found, HasSubstr("?rate=10"));
+}
+
+TEST_F(FlyTest, AnInterruptEndsTheCheckList) {
+  const std::atomic<bool> interrupted = true;
+  LiveCamera camera(Noise(), {});
+  const double begun_s = MonotonicNow_s();
+  PreFlight(plan_, camera, link_, {.watch_s = 60, .connect_s = 60, .interrupted = &interrupted});
+  EXPECT_LT(MonotonicNow_s() - begun_s, 10);
+}
+
 TEST_F(FlyTest, AColourThatTheFlightNeedsIsMissed) {
   plan_.plan.image.colour = true;
   Check();
@@ -140,6 +158,32 @@ TEST_F(FlyTest, ASwitchThatIsOffOrNotToldIsNotFlownBy) {
   Check();
   EXPECT_FALSE(Item("pilot's switch").ok);
   EXPECT_THAT(Item("pilot's switch").found, HasSubstr("--pilot-untold"));
+}
+
+TEST_F(FlyTest, TheSwitchOfAnAutopilotThatIsNotHeardIsUnknownAndNoneIsAskedToPassItOver) {
+  link_.Set([](VehicleState&, LinkHealth& health) {
+    health.state_age_s.reset();
+    health.pilot_allows.reset();
+    health.open = false;
+    health.trouble = "no autopilot heard";
+  });
+  Check();
+  EXPECT_FALSE(Item("pilot's switch").ok);
+  EXPECT_THAT(Item("pilot's switch").found, HasSubstr("not heard"));
+  EXPECT_THAT(Item("pilot's switch").found, ::testing::Not(HasSubstr("--pilot-untold")));
+}
+
+TEST_F(FlyTest, AnImageThatCameAndCannotBeFlownByIsNotSaidToBeNone) {
+  class Other final : public ImageSource {
+    bool Open() override { return true; }
+    std::optional<Grabbed> Grab() override { return std::nullopt; }
+    std::string Trouble() const override { return "an image of 320x240 came"; }
+  };
+  LiveCamera camera([] { return std::make_unique<Other>(); }, {});
+  items_ = PreFlight(plan_, camera, link_, {.watch_s = 0.2, .connect_s = 0.2});
+  EXPECT_FALSE(Item("camera").ok);
+  EXPECT_THAT(Item("camera").found, HasSubstr("an image of 320x240 came"));
+  EXPECT_THAT(Item("camera").found, ::testing::Not(HasSubstr("no image")));
 }
 
 TEST_F(FlyTest, ACameraThatIsNotThereIsSaidToBe) {
@@ -185,6 +229,146 @@ TEST_F(FlyTest, ADryRunSendsNothing) {
   EXPECT_GT(report.frames, 2);
   EXPECT_EQ(link_.sends(), 0);
   EXPECT_THAT(Text(folder_ / "events.log"), HasSubstr("DRY RUN"));
+}
+
+TEST_F(FlyTest, TheRecordsSayWhatItWasFlownWithAndWhatWasSent) {
+  const std::string file = folder_ / "aircraft.yaml";
+  Mistakes mistakes;
+  Aircraft aircraft = LoadAircraft("", {"safety.speed_m_s=1.25"}, mistakes);
+  aircraft.mavlink.take_control = true;
+  mistakes.ThrowIfAny();
+  link_.Set([](VehicleState& state, LinkHealth&) { state.landed = false, state.p_NB.z() = -3; });
+  FlyOptions options = Options();
+  options.folder = folder_;
+  options.aircraft = ToYaml(aircraft);
+  options.flown_with = {{"camera", "v4l2:/dev/video3"}, {"check", "ok link"}};
+  LiveCamera camera(Noise(), {});
+  FlyAircraft(plan_, camera, link_, options);
+  const Aircraft again = LoadAircraft(file, {}, mistakes);
+  mistakes.ThrowIfAny();
+  EXPECT_EQ(again.safety.speed_m_s, 1.25);
+  EXPECT_TRUE(again.mavlink.take_control);
+  const std::string events = Text(folder_ / "events.log");
+  EXPECT_THAT(events, HasSubstr("camera: v4l2:/dev/video3"));
+  EXPECT_LT(events.find("check: ok link"), events.find("phase:"));
+
+  std::istringstream table(Text(folder_ / "telemetry.csv"));
+  const auto cells = [&] {
+    std::string line, cell;
+    std::getline(table, line);
+    std::istringstream words(line);
+    std::vector<std::string> all;
+    while (std::getline(words, cell, ',')) all.push_back(cell);
+    return all;
+  };
+  const std::vector<std::string> names = cells();
+  const auto column = [&](const char* name) {
+    return std::find(names.begin(), names.end(), name) - names.begin();
+  };
+  ASSERT_LT(column("safe_vx_m_s"), std::ssize(names));
+  int flown = 0;
+  for (auto row = cells(); !row.empty(); row = cells()) {
+    ASSERT_EQ(row.size(), names.size());
+    if (row[column("safety_reaction")] == "fly") {
+      ++flown;
+      EXPECT_NE(row[column("safe_vx_m_s")], "");
+    }
+  }
+  EXPECT_GT(flown, 0);
+}
+
+TEST_F(FlyTest, AFlightThatWasNotFlownLeavesARecordOfWhy) {
+  FlyOptions options = Options();
+  options.folder = folder_;
+  options.flown_with = {{"check", "NOT link no autopilot heard"}};
+  RecordNotFlown(plan_, options, "the check list is not met");
+  const std::string events = Text(folder_ / "events.log");
+  EXPECT_THAT(events, HasSubstr("check: NOT link no autopilot heard"));
+  EXPECT_THAT(events, HasSubstr("end: not flown: the check list is not met"));
+  EXPECT_FALSE(ReadSummary(folder_ / "summary.json").passed);
+}
+
+TEST_F(FlyTest, WhatHappenedIsOnDiskWhileTheFlightGoesOn) {
+  FlyOptions options = Options();
+  options.folder = folder_;
+  options.most_s = 60;
+  std::atomic<bool> interrupted = false;
+  options.interrupted = &interrupted;
+  options.progress = [&](const VehicleState&, const Decision&, const SafetyChange&) {
+    const std::string during = Text(folder_ / "events.log.part");
+    interrupted = during.find("mode: ") != std::string::npos && during.find("safety: ") != std::string::npos;
+  };
+  LiveCamera camera(Noise(), {});
+  EXPECT_EQ(FlyAircraft(plan_, camera, link_, options).outcome, "interrupted");
+}
+
+TEST_F(FlyTest, ADryRunPassesIfTheCheckListWasMetAndNothingWasLost) {
+  FlyOptions options = Options();
+  options.dry_run = true;
+  LiveCamera camera(Noise(), {});
+  const FlyReport report = FlyAircraft(plan_, camera, link_, options);
+  EXPECT_TRUE(report.accomplished);
+  EXPECT_EQ(report.outcome, "computed, nothing flown: time is up");
+}
+
+TEST_F(FlyTest, ADryRunWhoseCheckListWasNotMetDoesNotPass) {
+  FlyOptions options = Options();
+  options.dry_run = true;
+  options.checked = false;
+  LiveCamera camera(Noise(), {});
+  const FlyReport report = FlyAircraft(plan_, camera, link_, options);
+  EXPECT_FALSE(report.accomplished);
+  EXPECT_THAT(report.outcome, HasSubstr("the check list was not met"));
+}
+
+TEST_F(FlyTest, ADryRunThatLostImagesOrTheStateDoesNotPass) {
+  FlyOptions options = Options();
+  options.dry_run = true;
+  options.limits.image_s = 0.2;
+  {
+    bool made = false;
+    LiveCamera camera([&made] { return std::make_unique<DyingSource>(std::exchange(made, true) ? 0 : 5); },
+                      {});
+    const FlyReport report = FlyAircraft(plan_, camera, link_, options);
+    EXPECT_FALSE(report.accomplished);
+    EXPECT_EQ(report.outcome, "computed, nothing flown: time is up; images were lost");
+  }
+  link_.Set([](VehicleState&, LinkHealth& health) { health.state_age_s = 3; });
+  LiveCamera camera(Noise(), {});
+  const FlyReport report = FlyAircraft(plan_, camera, link_, options);
+  EXPECT_FALSE(report.accomplished);
+  EXPECT_EQ(report.outcome, "computed, nothing flown: time is up; the state was lost");
+}
+
+TEST_F(FlyTest, AStateThatWasNeverHeardIsNotTakenForLanded) {
+  link_.Set([](VehicleState&, LinkHealth& health) { health.state_age_s.reset(); });
+  const LoadedPlan plan = LoadPlan("landing", {"image.rate_hz=20"});
+  FlyOptions options = Options();
+  options.dry_run = true;
+  options.folder = folder_;
+  options.most_s = 1.6;  // a landing ends a second after the touch-down
+  std::vector<std::string> phases;
+  options.progress = [&](const VehicleState&, const Decision& decision, const SafetyChange&) {
+    phases.emplace_back(decision.phase);
+  };
+  LiveCamera camera(Noise(), {});
+  const FlyReport report = FlyAircraft(plan, camera, link_, options);
+  EXPECT_FALSE(report.accomplished);
+  EXPECT_THAT(phases, ::testing::Not(::testing::Contains("landed")));
+  const std::string events = Text(folder_ / "events.log");
+  EXPECT_THAT(events, HasSubstr("autopilot: not heard yet"));
+  EXPECT_THAT(events, ::testing::Not(HasSubstr("landed")));
+}
+
+TEST_F(FlyTest, AFlightThatThePilotTookDoesNotPass) {
+  link_.Set([](VehicleState& state, LinkHealth& health) {
+    state.landed = false;
+    health.pilot_allows = false;
+  });
+  LiveCamera camera(Noise(), {});
+  const FlyReport report = FlyAircraft(plan_, camera, link_, Options());
+  EXPECT_FALSE(report.accomplished);
+  EXPECT_EQ(report.outcome, "ended by the pilot");
 }
 
 TEST_F(FlyTest, AnInterruptEndsIt) {

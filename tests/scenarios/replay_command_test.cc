@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scenarios/replay_command.h"
 
+#include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <limits>
 
 #include "scenarios/runner.h"
 #include "tests/scenarios/temporary_folder.h"
@@ -33,6 +37,29 @@ TEST_F(ReplayCommandTest, AnotherGainIsSeenToAskForAnotherVelocity) {
 TEST_F(ReplayCommandTest, WhatDiffersWithinTheToleranceIsEqual) {
   EXPECT_FALSE(Replay({"pilot.servo.lambda_per_s=1.1000001"}));
   EXPECT_TRUE(Replay({"pilot.servo.lambda_per_s=1.1000001"}, 1e-3));
+}
+
+TEST_F(ReplayCommandTest, AMissingImageAndOneThatIsCutOffAreRefusedBeforeTheReplayBegins) {
+  const auto refused = [&] {
+    try {
+      Replay();
+    } catch (const InputError& e) {
+      return std::string(e.what());
+    }
+    return std::string("not refused");
+  };
+  const auto image = [&](int i) { return folder_ / fmt::format("recording/{:06d}.png", i); };
+  ASSERT_TRUE(std::filesystem::exists(image(3)));
+  std::filesystem::resize_file(image(3), std::filesystem::file_size(image(3)) / 2);
+  EXPECT_THAT(refused(), ::testing::HasSubstr("1 of "));
+  EXPECT_THAT(refused(), ::testing::HasSubstr("000003.png"));
+  std::filesystem::remove(image(5));
+  EXPECT_THAT(refused(), ::testing::HasSubstr("2 of "));
+}
+
+TEST_F(ReplayCommandTest, AToleranceThatIsNoneIsRefused) {
+  EXPECT_THROW(Replay({}, -1), InputError);
+  EXPECT_THROW(Replay({}, std::numeric_limits<double>::quiet_NaN()), InputError);
 }
 
 }  // namespace

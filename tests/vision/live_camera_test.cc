@@ -208,6 +208,45 @@ TEST(LiveCamera, StopEndsTheWaitAtOnceFromAnotherThread) {
   other.join();
 }
 
+// A source that takes its time for an image, and knows whether it is still there.
+class SlowSource final : public ImageSource {
+ public:
+  explicit SlowSource(std::atomic<int>& alive) : alive_(alive) { ++alive_; }
+  ~SlowSource() override { --alive_; }
+  bool Open() override { return true; }
+  std::optional<Grabbed> Grab() override {
+    Sleep(0.05);
+    return Grabbed{cv::Mat(2, 2, CV_8UC1, cv::Scalar(0)), {}, {}};
+  }
+
+ private:
+  std::atomic<int>& alive_;
+};
+
+TEST(LiveCamera, ItsThreadHasLeftTheSourceOnceTheCameraIsGone) {
+  std::atomic<int> alive = 0;
+  {
+    LiveCamera camera([&] { return std::make_unique<SlowSource>(alive); }, {.stalled_s = 30});
+    ASSERT_TRUE(camera.Next());
+    ASSERT_EQ(alive, 1);
+  }
+  EXPECT_EQ(alive, 0);
+}
+
+TEST(LiveCamera, ASourceThatHangsToTheEndIsLeftBehindAndCounted) {
+  Rig rig;
+  rig.script->steps = {{}, {.act = Script::Act::kHang}};
+  const int before = LiveCamera::LeftBehind();
+  const double begun_s = MonotonicNow_s();
+  {
+    LiveCamera camera = rig.Camera();
+    ASSERT_TRUE(camera.Next());
+    while (rig.script->next < 2) Sleep(0.001);
+  }
+  EXPECT_EQ(LiveCamera::LeftBehind(), before + 1);
+  EXPECT_LT(MonotonicNow_s() - begun_s, 5);
+}
+
 // What comes of a script whose every image is asked for as soon as the one before was given or refused.
 struct Given {
   std::vector<int> numbers;
