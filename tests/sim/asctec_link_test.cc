@@ -647,6 +647,30 @@ TEST(AscTecLink, HearsAndIsHeardOverAPseudoTerminal) {
   EXPECT_EQ(server.counts().Refused(wire::LinkRefusal::kCheckSum), 0u);
 }
 
+TEST(AscTecLink, TwoDoNotCommandOneDevice) {
+  AscTecServer server({});
+  AscTecOptions options;
+  options.device = DeviceOf(server);
+  ScriptedAircraft aircraft;
+  auto first = std::make_unique<AscTecLink>(options);
+  ASSERT_TRUE(ServeUntil(&server, aircraft, [&] { return first->Health().pilot_allows == true; }));
+  AscTecLink second(options);
+  ASSERT_TRUE(ServeUntil(&server, aircraft, [&] {
+    second.Send(AttitudeSetpoint{0, 0, 0, 1});
+    return second.Health().trouble == options.device + ": in use by another program";
+  }));
+  // The first is not disturbed, and the second has said nothing.
+  const std::uint64_t received = first->Health().received;
+  ASSERT_TRUE(ServeUntil(&server, aircraft, [&] {
+    second.Send(AttitudeSetpoint{0, 0, 0, 1});
+    return first->Health().received > received + 10;
+  }));
+  EXPECT_EQ(second.Health().received, 0u);
+  EXPECT_TRUE(aircraft.heard.empty());
+  first.reset();
+  EXPECT_TRUE(ServeUntil(&server, aircraft, [&] { return second.Health().open; }));
+}
+
 TEST(AscTecLink, OpensTheDeviceAgainWhenTheFarEndComesBack) {
   const auto folder = std::filesystem::temp_directory_path() / ("kestrel_asctec_" + std::to_string(getpid()));
   std::filesystem::create_directories(folder);
