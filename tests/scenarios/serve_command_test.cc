@@ -18,6 +18,8 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
+constexpr char kNoScenario[] = "no_such_scenario";  // what else is wrong is told beside it, and at once
+
 class At final : public AutopilotServer {
  public:
   explicit At(std::string where) : where_(std::move(where)) {}
@@ -85,13 +87,13 @@ TEST_F(ServeCommandTest, AllMistakesAreToldAtOnce) {
                              "--for: nan is out of range; valid: 0.1 to 36000 s", "wind.mean_m_s"})
     EXPECT_THAT(refusal, HasSubstr(option));
   EXPECT_THAT(refusal, Not(HasSubstr("duration_s")));
-  a.scenario = "no_such_scenario";
-  EXPECT_THAT(Refusal(a), AllOf(HasSubstr("no_such_scenario"), HasSubstr("--listen")));
+  a.scenario = kNoScenario;
+  EXPECT_THAT(Refusal(a), AllOf(HasSubstr(kNoScenario), HasSubstr("--listen")));
 }
 
 TEST_F(ServeCommandTest, HowLongMustBeATime) {
   ServeArguments a;
-  a.afcs = "127.0.0.1:0";
+  a.scenario = kNoScenario, a.afcs = "127.0.0.1:0";
   for (const double for_s : {0.0, -5.0, 1e300, std::numeric_limits<double>::infinity()}) {
     a.for_s = for_s;
     EXPECT_THAT(Refusal(a), HasSubstr("--for: ")) << for_s;
@@ -100,7 +102,7 @@ TEST_F(ServeCommandTest, HowLongMustBeATime) {
 
 TEST_F(ServeCommandTest, NoServerListensWhereTheStreamGoes) {
   ServeArguments a;
-  a.camera = "rtp:14580", a.mavlink = "px4";
+  a.scenario = kNoScenario, a.camera = "rtp:14580", a.mavlink = "px4";
   EXPECT_THAT(Refusal(a), HasSubstr("--mavlink: port 14580 is where the camera's stream goes"));
   a.camera = "rtp:5600", a.mavlink_port = 5600;
   EXPECT_THAT(Refusal(a), HasSubstr("--mavlink-port: port 5600"));
