@@ -3,13 +3,23 @@
 
 #include <arpa/inet.h>
 #include <fmt/format.h>
+#include <ifaddrs.h>
+#include <net/if.h>
+#include <netdb.h>
 
 #include <CLI/CLI.hpp>
+#include <array>
 #include <atomic>
 #include <charconv>
+#include <chrono>
 #include <cmath>
+#include <condition_variable>
 #include <csignal>
 #include <cstdio>
+#include <cstring>
+#include <mutex>
+#include <thread>
+#include <tuple>
 
 #include "config/yaml_fields.h"
 #include "geometry/tait_bryan.h"
@@ -17,6 +27,7 @@
 #include "scenarios/serve_flight.h"
 #include "scenarios/serve_physics.h"
 #include "sim/servers/afcs_server.h"
+#include "sim/servers/ardupilot_physics.h"
 #include "sim/servers/asctec_server.h"
 #include "sim/servers/camera_server.h"
 #include "sim/servers/mavlink_server.h"
@@ -35,6 +46,39 @@ bool IsAddress(const std::string& text) {
 
 bool OnLoopback(const std::string& address) { return address.starts_with("127.") || address == "::1"; }
 
+// An address of this computer at which others reach it; where it has none, the loopback address.
+std::string OwnAddress(bool version6) {
+  std::string own = version6 ? "::1" : "127.0.0.1";
+  ifaddrs* all = nullptr;
+  if (getifaddrs(&all) != 0) return own;
+  for (const ifaddrs* each = all; each != nullptr; each = each->ifa_next) {
+    const int family = version6 ? AF_INET6 : AF_INET;
+    if (!each->ifa_addr || each->ifa_addr->sa_family != family || (each->ifa_flags & IFF_LOOPBACK) != 0 ||
+        (each->ifa_flags & IFF_UP) == 0)
+      continue;
+    std::array<char, NI_MAXHOST> text{};
+    const socklen_t size = version6 ? sizeof(sockaddr_in6) : sizeof(sockaddr_in);
+    if (getnameinfo(each->ifa_addr, size, text.data(), text.size(), nullptr, 0, NI_NUMERICHOST) != 0)
+      continue;
+    own = text.data();
+    break;
+  }
+  freeifaddrs(all);
+  return own;
+}
+
+// To connect to, where a server listens at every address.
+std::string Reachable(std::string where) {
+  for (const char* everywhere : {"://0.0.0.0:", "://[::]:"}) {
+    const std::size_t at = where.find(everywhere);
+    if (at == std::string::npos) continue;
+    const bool version6 = everywhere[3] == '[';
+    const std::string own = OwnAddress(version6);
+    where.replace(at, std::strlen(everywhere), version6 ? "://[" + own + "]:" : "://" + own + ":");
+  }
+  return where;
+}
+
 // Of "udp://ADDRESS:PORT"; empty: it is not on a network.
 std::string AddressOf(const std::string& where) {
   const std::size_t from = where.find("://"), to = where.rfind(':');
@@ -50,9 +94,71 @@ std::string CameraAddressOf(const RtpStream& stream) {
                      stream.port);
 }
 
+bool IsSeed(const std::string& text) {
+  std::uint64_t seed = 0;
+  const auto read = std::from_chars(text.data(), text.data() + text.size(), seed);
+  return !text.empty() && read.ec == std::errc{} && read.ptr == text.data() + text.size();
+}
+
+constexpr double kLeast_s = 0.1, kMost_s = 36000;  // as a scenario's duration_s
+bool InRange(double for_s) { return for_s >= kLeast_s && for_s <= kMost_s; }
+
+// What is wrong with it is a mistake among others.
+std::optional<LoadedScenario> Load(const std::string& scenario, const std::vector<std::string>& overrides,
+                                   Mistakes& mistakes) {
+  try {
+    return LoadScenario(scenario, overrides);
+  } catch (const InputError& e) {
+    for (const std::string& message : e.messages) {
+      const std::size_t colon = message.find(": ");
+      mistakes.Add(message.substr(0, colon), "", colon == std::string::npos ? "" : message.substr(colon + 2));
+    }
+    return std::nullopt;
+  }
+}
+
 std::optional<RtpStream> StreamOf(const ServeArguments& a) { return ParseRtpStream(a.camera); }
 
+// ADDRESS:PORT; none: it is not that.
+std::optional<std::pair<std::string, int>> PlaceIn(const std::string& text) {
+  const std::size_t colon = text.rfind(':');
+  if (colon == std::string::npos) return std::nullopt;
+  int port = -1;
+  const char* end = text.data() + text.size();
+  const auto read = std::from_chars(text.data() + colon + 1, end, port);
+  if (read.ec != std::errc{} || read.ptr != end || port < 0 || port > 65535) return std::nullopt;
+  if (!IsAddress(text.substr(0, colon))) return std::nullopt;
+  return std::pair(text.substr(0, colon), port);
+}
+
+// A stream to this computer, and a server where it goes: one of them would have what is the other's.
+void CheckStreamsPort(const ServeArguments& a, Mistakes& mistakes) {
+  const auto stream = StreamOf(a);
+  if (!stream) return;
+  const auto check = [&](const char* option, const std::string& address, int port) {
+    if (port == stream->port && (OnLoopback(stream->host) || stream->host == address))
+      mistakes.Add(option, "",
+                   fmt::format("port {} is where the camera's stream goes; valid: another", port));
+  };
+  if (a.mavlink)
+    check(a.mavlink_port ? "--mavlink-port" : "--mavlink", a.listen,
+          a.mavlink_port.value_or(MavlinkServerOptions{}.port));
+  if (a.afcs) {
+    const auto place = PlaceIn(*a.afcs).value_or(std::pair(a.listen, AfcsServerOptions{}.port));
+    check("--afcs", place.first, place.second);
+  }
+  if (a.physics == "ardupilot")  // PX4's is TCP
+    check(a.physics_port ? "--physics-port" : "--physics", a.listen,
+          a.physics_port.value_or(ArduPilotPhysicsParameters{}.port));
+}
+
 void Check(const ServeArguments& a, Mistakes& mistakes) {
+  if (!a.seed.empty() && !IsSeed(a.seed))
+    mistakes.Add("--seed", "",
+                 fmt::format("'{}' is no seed; valid: a whole number from 0 to 2^64 - 1", a.seed));
+  if (a.for_s && !InRange(*a.for_s))
+    mistakes.Add("--for", "",
+                 fmt::format("{:g} is out of range; valid: {:g} to {:g} s", *a.for_s, kLeast_s, kMost_s));
   if (a.camera != "none" && !StreamOf(a))
     mistakes.Add("--camera", "",
                  fmt::format("'{}' is no stream; valid: rtp:PORT, raw:PORT, rtp:ADDRESS:PORT, "
@@ -61,20 +167,16 @@ void Check(const ServeArguments& a, Mistakes& mistakes) {
   if (!IsAddress(a.listen))
     mistakes.Add("--listen", "",
                  fmt::format("'{}' is no address; valid: one of this computer's, as numbers", a.listen));
-  if (a.afcs && !a.afcs->empty()) {
-    const std::size_t colon = a.afcs->rfind(':');
-    int port = -1;
-    const char* end = a.afcs->data() + a.afcs->size();
-    if (colon != std::string::npos) {
-      const auto read = std::from_chars(a.afcs->data() + colon + 1, end, port);
-      if (read.ec != std::errc{} || read.ptr != end) port = -1;
-    }
-    if (port < 0 || port > 65535 || !IsAddress(a.afcs->substr(0, colon)))
-      mistakes.Add("--afcs", "", fmt::format("'{}' is no place; valid: ADDRESS:PORT, or nothing", *a.afcs));
-  }
+  if (a.afcs && !a.afcs->empty() && !PlaceIn(*a.afcs))
+    mistakes.Add("--afcs", "", fmt::format("'{}' is no place; valid: ADDRESS:PORT, or nothing", *a.afcs));
+  CheckStreamsPort(a, mistakes);
   if (a.mavlink_port && !a.mavlink) mistakes.Add("--mavlink-port", "", "means nothing without --mavlink");
   if (a.pilot_off_at_s && !(*a.pilot_off_at_s >= 0))
-    mistakes.Add("--pilot-off-at", "", "is before the flight; valid: 0 or more");
+    mistakes.Add("--pilot-off-at", "",
+                 fmt::format("{:g} is no time of the flight; valid: 0 or more", *a.pilot_off_at_s));
+  if (a.pilot_off_at_s && a.physics)
+    mistakes.Add("--pilot-off-at", "",
+                 "the autopilot that is served has the switch; valid: without --physics");
   if (a.physics_port && !a.physics) mistakes.Add("--physics-port", "", "means nothing without --physics");
   if (a.physics && (a.afcs || a.asctec || a.mavlink))
     mistakes.Add("--physics", "", "another autopilot flies, and the emulated one serves none; valid: alone");
@@ -97,14 +199,19 @@ void Report(const Summary& s, const std::string& folder) {
     const auto found = s.metrics.find(name);
     return found != s.metrics.end() ? fmt::format("{:.4g}", found->second) : "none";
   };
-  fmt::print("  touch-down: error {} m, sink {} m/s, tilt {} deg, at {} s\n", value("touchdown_error_m"),
-             value("touchdown_sink_m_s"), value("touchdown_tilt_deg"), value("touchdown_s"));
+  if (s.metrics.contains("touchdown_s"))
+    fmt::print("  touch-down: error {} m, sink {} m/s, tilt {} deg, at {} s\n", value("touchdown_error_m"),
+               value("touchdown_sink_m_s"), value("touchdown_tilt_deg"), value("touchdown_s"));
   for (const Criterion& c : s.criteria)
     fmt::print("  {:<4} {:<26} {:>11}   {} {:g}\n", c.passed ? "ok" : "NOT", c.name,
                std::isnan(c.value) ? "not reached" : fmt::format("{:.4g}", c.value),
                c.at_least ? "at least" : "at most", c.limit);
-  fmt::print("  {} setpoints heard, {} refused; {:.1f} s flown in {:.1f} s\n  {}\n", value("setpoints_heard"),
-             value("setpoints_refused"), s.sim_s, s.wall_s, folder);
+  const auto count = [&](const char* name) { return s.metrics.at(name); };
+  fmt::print(
+      "  setpoints: {:.0f} heard, {:.0f} of them followed; {:.0f} refused; {:.0f} messages not heeded\n",
+      count("setpoints_heard"), count("setpoints_followed"), count("setpoints_refused"),
+      count("messages_not_heeded"));
+  fmt::print("  {:.1f} s of flight in {:.1f} s\n  {}\n", s.sim_s, s.wall_s, folder);
 }
 
 // The aircraft's platform for the camera, where there is one, a server turns it and it can be where the
@@ -146,12 +253,16 @@ CLI::App* AddServeCommand(CLI::App& app, ServeArguments& a) {
       ->capture_default_str();
   serve->add_option("--listen", a.listen, "Address of this computer at which servers listen")
       ->capture_default_str();
-  serve->add_option("--for", a.for_s, "How long, in s, instead of the scenario's duration_s");
+  serve->add_option("--for", a.for_s,
+                    "How long, in s of real time, instead of the scenario's duration_s; with --physics until "
+                    "all ends, without it each flight lasts duration_s and another follows");
   serve->add_option("--out", a.out, "Folder for the records (default results/runs/NAME-SEED-served)");
   serve->add_option("--pilot-off-at", a.pilot_off_at_s,
                     "When the pilot's switch takes the aircraft away, in s of the flight");
   serve->footer(
-      "Examples:\n  kestrel serve landing --afcs --camera rtp:5600\n"
+      "Exit status: 0 the criteria that the truth can judge were met, 1 they were not, or nobody flew it, 2 "
+      "bad\n"
+      "input, 3 it broke off.\n\nExamples:\n  kestrel serve landing --afcs --camera rtp:5600\n"
       "  kestrel serve landing --mavlink px4 --camera raw:5600 --for 120\n"
       "  kestrel serve hover --physics ardupilot --camera rtp:5600");
   return serve;
@@ -174,10 +285,7 @@ std::vector<NamedServer> MakeServers(const ServeArguments& a, const LoadedScenar
     add("afcs", "--afcs", [&] {
       AfcsServerOptions options;
       options.address = a.listen;
-      if (const std::size_t colon = a.afcs->rfind(':'); colon != std::string::npos) {
-        options.address = a.afcs->substr(0, colon);
-        options.port = std::stoi(a.afcs->substr(colon + 1));
-      }
+      if (const auto place = PlaceIn(*a.afcs)) std::tie(options.address, options.port) = *place;
       return std::make_unique<AfcsServer>(options, platform);
     });
   if (a.asctec)
@@ -199,8 +307,11 @@ std::vector<NamedServer> MakeServers(const ServeArguments& a, const LoadedScenar
 std::string StartLines(const ServeArguments& a, const LoadedScenario& loaded,
                        const std::vector<NamedServer>& servers, const PanTilt* platform) {
   const Scenario& scenario = loaded.scenario;
-  std::string lines = fmt::format("SIMULATOR  {}, seed {}: {:g} s in real time\n", scenario.name,
-                                  scenario.seed, scenario.duration_s);
+  std::string lines = fmt::format(
+      "SIMULATOR  {}, seed {}: {}\n", scenario.name, scenario.seed,
+      a.physics ? fmt::format("at the autopilot's pace, flight after flight, until {}",
+                              a.for_s ? fmt::format("{:g} s are over", *a.for_s) : "it is interrupted")
+                : fmt::format("{:g} s in real time", scenario.duration_s));
   const auto stream = StreamOf(a);
   std::string camera;
   if (stream) {
@@ -232,7 +343,7 @@ std::string StartLines(const ServeArguments& a, const LoadedScenario& loaded,
     if (!address.empty() && !OnLoopback(address)) lines += Warning(each.name, address);
   }
   for (const NamedServer& each : servers) {
-    std::string autopilot = fmt::format("{}:{}", each.name, each.server->Where());
+    std::string autopilot = fmt::format("{}:{}", each.name, Reachable(each.server->Where()));
     if (each.name == "mavlink") autopilot += " --take-control";
     if (each.name == "afcs") autopilot += " --pilot-untold";
     lines += fmt::format("  to fly it:  kestrel fly {}{} --autopilot {}\n", a.scenario, camera, autopilot);
@@ -242,14 +353,20 @@ std::string StartLines(const ServeArguments& a, const LoadedScenario& loaded,
 
 int ServeCommand(const ServeArguments& a) {
   std::vector<std::string> overrides = a.overrides;
-  if (!a.seed.empty()) overrides.push_back("seed=" + a.seed);
-  if (a.for_s) overrides.push_back(fmt::format("duration_s={}", *a.for_s));
-  const LoadedScenario loaded = LoadScenario(a.scenario, overrides);
+  if (IsSeed(a.seed)) overrides.push_back("seed=" + a.seed);
+  // Of a flight at an autopilot's pace it is the real time.
+  if (a.for_s && InRange(*a.for_s) && !a.physics) overrides.push_back(fmt::format("duration_s={}", *a.for_s));
+  Mistakes mistakes;
+  Check(a, mistakes);
+  const std::optional<LoadedScenario> read = Load(a.scenario, overrides, mistakes);
+  if (!read) {
+    if (!a.out.empty() && !a.physics) CheckWritableFolder(a.out, "--out", mistakes);
+    mistakes.ThrowIfAny();
+  }
+  const LoadedScenario& loaded = *read;
   const Scenario& scenario = loaded.scenario;
   const std::string folder =
       a.out.empty() ? fmt::format("results/runs/{}-{}-served", scenario.name, scenario.seed) : a.out;
-  Mistakes mistakes;
-  Check(a, mistakes);
   if (!a.physics) CheckWritableFolder(folder, "--out", mistakes);
   mistakes.ThrowIfAny();
   std::optional<PanTilt> platform = PlatformOf(a, scenario);
@@ -297,6 +414,15 @@ int ServeCommand(const ServeArguments& a) {
     fmt::print("  physics  {}, for {}\n", physics->Where(), *a.physics);
     if (!OnLoopback(a.listen)) fmt::print("{}", Warning("the physics", a.listen));
     std::fflush(stdout);
+    std::jthread end;
+    if (a.for_s)
+      end = std::jthread([&physics, for_s = *a.for_s](const std::stop_token& over) {
+        std::mutex mutex;
+        std::unique_lock lock(mutex);
+        std::condition_variable_any never;
+        never.wait_for(lock, over, std::chrono::duration<double>(for_s), [] { return false; });
+        physics->Stop();
+      });
     ServePhysics(loaded, *physics, options.publish, options.say);
     stopped_physics = nullptr;
     return 0;

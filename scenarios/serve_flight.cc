@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <set>
 #include <thread>
 
 #include "config/stopwatch.h"
@@ -19,19 +20,16 @@ namespace {
 
 constexpr double kSlice_s = 0.002;
 constexpr double kStands_s = 3;
+constexpr char kLanded[] = "landed", kLasted[] = "completed";
 
-// The simulator as the servers have it: what they send is counted, and a client's bad numbers end here, as
-// they would in front of a real autopilot's controllers.
+// The simulator as the servers have it: bad numbers end here, as they would in front of a real autopilot's
+// controllers.
 class Overheard final : public Autopilot {
  public:
   explicit Overheard(Simulator& simulator) : simulator_(simulator) {}
   VehicleState State() const override { return simulator_.State(); }
   void Send(const Setpoint& setpoint) override {
-    if (!Finite(setpoint)) {
-      ++refused;
-      return;
-    }
-    ++heard;
+    if (!Finite(setpoint)) return;
     last = setpoint;
     simulator_.Send(setpoint);
   }
@@ -39,7 +37,6 @@ class Overheard final : public Autopilot {
     if (aid.R_NB.coeffs().allFinite()) simulator_.Aid(aid);
   }
 
-  std::int64_t heard = 0, refused = 0;
   std::optional<Setpoint> last;  // since it was last taken
 
  private:
@@ -51,6 +48,7 @@ class ServedFlight {
   ServedFlight(const LoadedScenario& loaded, const ServeOptions& options)
       : loaded_(loaded), options_(options), simulator_(loaded.simulator), aircraft_(simulator_) {
     simulator_.CarryCamera(options.platform);
+    told_.resize(options.servers.size());
     if (options.folder) records_.emplace(*options.folder, loaded, false);
   }
 
@@ -70,8 +68,7 @@ class ServedFlight {
     summary.wall_s = options_.clock.now_s() - start_s;
     AddSimulator(simulator_, summary);
     Assess(summary);
-    summary.metrics["setpoints_heard"] = static_cast<double>(aircraft_.heard);
-    summary.metrics["setpoints_refused"] = static_cast<double>(aircraft_.refused);
+    Count(summary);
     summary.metrics["stretched_s"] = time.stretched_s();
     if (time.stretched_s() > 0)
       Tell("real time", fmt::format("the machine was too slow: time was stretched by {:.3f} s in all",
@@ -105,20 +102,53 @@ class ServedFlight {
         Tell("pilot", "his switch takes the aircraft away");
       }
       for (AutopilotServer* server : options_.servers) server->Serve(now_s, aircraft_);
-      if (aircraft_.heard > 0 && !heard_) {
-        heard_ = true;
-        Tell("client", "its first setpoint");
-      }
+      TellNews();
       if (const auto news_s = time.News(now_s))
         Tell("real time", fmt::format("the machine is too slow: {:.3f} s more behind, {:.3f} s in all; time "
                                       "is stretched, nothing is skipped",
                                       *news_s, time.stretched_s()));
 
       if (!(simulator_.touch() && simulator_.State().landed)) flew_s = t_s();
-      if (t_s() >= flew_s + kStands_s) return "landed";
+      if (t_s() >= flew_s + kStands_s) return kLanded;
       if (t_s() + kSlice_s > due_s) options_.clock.sleep_until(time.WallOf(t_s() + kSlice_s));
     }
-    return "completed";
+    return kLasted;
+  }
+
+  bool Flown() const {
+    return std::ranges::any_of(options_.servers,
+                               [](const AutopilotServer* server) { return server->Heard().followed > 0; });
+  }
+
+  // The first setpoint that is followed, and the first of each kind of what is not heeded.
+  void TellNews() {
+    if (!flown_ && Flown()) {
+      flown_ = true;
+      Tell("client", "its first setpoint");
+    }
+    for (std::size_t i = 0; i < options_.servers.size(); ++i) {
+      const auto& unheeded = options_.servers[i]->Heard().unheeded;
+      if (unheeded.size() == told_[i].size()) continue;
+      for (const auto& [kind, all] : unheeded)
+        if (told_[i].insert(kind).second) Tell("not heeded", fmt::format("{}: {}", kind, all.first));
+    }
+  }
+
+  void Count(Summary& summary) {
+    WireCounts sum;
+    std::uint64_t not_heeded = 0;
+    for (const AutopilotServer* server : options_.servers) {
+      const WireCounts& counts = server->Heard();
+      sum.setpoints += counts.setpoints, sum.followed += counts.followed, sum.refused += counts.refused;
+      for (const auto& [kind, all] : counts.unheeded) {
+        not_heeded += all.count;
+        Tell("not heeded", fmt::format("{} {} in all", all.count, kind));
+      }
+    }
+    summary.metrics["setpoints_heard"] = static_cast<double>(sum.setpoints);
+    summary.metrics["setpoints_followed"] = static_cast<double>(sum.followed);
+    summary.metrics["setpoints_refused"] = static_cast<double>(sum.refused);
+    summary.metrics["messages_not_heeded"] = static_cast<double>(not_heeded);
   }
 
   void Receive(const Frame& frame) {
@@ -142,6 +172,10 @@ class ServedFlight {
     });
     Judge(limits, summary);
     summary.passed = summary.complete && AllPassed(summary.criteria);
+    if (loaded_.scenario.criteria.empty() || Flown()) return;
+    summary.passed = false;
+    if (summary.outcome == kLasted || summary.outcome == kLanded) summary.outcome = "not flown";
+    Tell("judgement", "no setpoint was followed: nobody flew it, and it has met nothing");
   }
 
   const LoadedScenario& loaded_;
@@ -150,7 +184,8 @@ class ServedFlight {
   Overheard aircraft_;
   std::optional<FlightRecords> records_;
   FlightResult result_;
-  bool pilot_off_ = false, heard_ = false;
+  std::vector<std::set<std::string>> told_;  // by server: the kinds of what was not heeded
+  bool pilot_off_ = false, flown_ = false;
 };
 
 }  // namespace

@@ -37,9 +37,13 @@ struct ServeOptions {
 // time (scenarios/real_time.h); say and events.log tell how much.
 //
 // It is judged as RunFlight does it, by the truth, but for criteria of what only the flight code knows: they
-// are left out, and said. The rows have the last setpoint that was heard, and nothing else of a decision.
-// summary.metrics has more than Metrics: setpoints_heard, setpoints_refused (they were not numbers) and
-// stretched_s. Throws as RunFlight does.
+// are left out, and said. A flight that has criteria and in which no setpoint was followed is "not flown",
+// and has not passed. The rows have the last setpoint that the aircraft was given, and nothing else of a
+// decision.
+//
+// summary.metrics has more than Metrics: stretched_s, and of all servers' WireCounts setpoints_heard,
+// setpoints_followed, setpoints_refused and messages_not_heeded. What is not heeded is told when the first of
+// its kind comes, and counted at the end. Throws as RunFlight does.
 FlightResult ServeFlight(const LoadedScenario& loaded, const ServeOptions& options);
 
 }  // namespace kestrel

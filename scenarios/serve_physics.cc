@@ -25,7 +25,11 @@ void ServePhysics(const LoadedScenario& loaded, PhysicsServer& server,
   SimulatorParameters parameters = loaded.simulator;
   parameters.start.on_ground = true;
   parameters.start.settle_s = 1;
-  for (int flight = 1; server.Begin(); ++flight) {
+  const auto waits = [&] {
+    say("waits for an autopilot");
+    return server.Begin();
+  };
+  for (int flight = 1; waits(); ++flight) {
     say(fmt::format("flight {}: an autopilot is there", flight));
     Simulator simulator(parameters);
     simulator.FlyBy(&server);

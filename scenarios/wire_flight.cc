@@ -100,6 +100,7 @@ class Overheard final : public AutopilotServer {
     if (!unplugged) server_.Serve(now_s, ear);
   }
   void SetPilot(bool allows) override { server_.SetPilot(allows); }
+  const WireCounts& Heard() const override { return server_.Heard(); }
   std::string Where() const override { return server_.Where(); }
 
   void Begin() { time_ = RealTime(MonotonicNow_s()); }  // when the serving loop's clock does

@@ -128,7 +128,7 @@ class Reader {
   std::map<std::string, std::string> given_;
 };
 
-std::string Pipeline(Reader& reader, const Form& form, const std::string& rest, cv::Size size, bool colour) {
+void Receive(Reader& reader, const Form& form, const std::string& rest, OpenCvSourceOptions& source) {
   std::smatch parts;
   static const std::regex host_and_port(R"(//([0-9A-Za-z][0-9A-Za-z.-]*):(\d{1,5}))");
   int port = 0;
@@ -136,13 +136,15 @@ std::string Pipeline(Reader& reader, const Form& form, const std::string& rest, 
   if (port < 1 || port > 65535) {
     reader.Wrong("", fmt::format("must be {}://HOST:PORT, the port from 1 to 65535, as in {}", form.scheme,
                                  form.example));
-    return {};
+    return;
   }
   const bool raw = std::string(form.scheme) == "raw";
-  if (raw && size.empty()) reader.Wrong("", fmt::format("needs width and height, as in {}", form.example));
+  if (raw && source.size.empty())
+    reader.Wrong("", fmt::format("needs width and height, as in {}", form.example));
   // GStreamer gives a raw image that lacks packets as if it were whole, and a JPEG only if it is.
-  return ReceivingPipeline({raw ? RtpStream::Coding::kRaw : RtpStream::Coding::kJpeg, parts[1], port}, size,
-                           colour);
+  source.host = parts[1], source.port = port;
+  source.what = ReceivingPipeline({raw ? RtpStream::Coding::kRaw : RtpStream::Coding::kJpeg, parts[1], port},
+                                  source.size, source.colour);
 }
 
 }  // namespace
@@ -207,7 +209,7 @@ CameraAddress ParseCameraAddress(const std::string& address) {
         reader.Wrong("", fmt::format("there is no file or folder {}", rest));
     } else {
       source.kind = Kind::kGStreamer;
-      if (scheme != "gst") source.what = Pipeline(reader, *form, rest, size, colour);
+      if (scheme != "gst") Receive(reader, *form, rest, source);
     }
     camera = source;
   }

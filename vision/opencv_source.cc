@@ -4,12 +4,14 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <memory>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 #include <vector>
 
 #include "config/stopwatch.h"
 #include "vision/pace.h"
+#include "vision/udp_claim.h"
 
 namespace kestrel {
 namespace {
@@ -23,9 +25,14 @@ std::string Pipeline(const std::string& what) {
 
 class Source final : public ImageSource {
  public:
-  explicit Source(const OpenCvSourceOptions& options) : options_(options), pace_(options.rate_hz) {}
+  // claim: of the port where it listens; null: nowhere.
+  Source(const OpenCvSourceOptions& options, std::shared_ptr<UdpClaim> claim)
+      : claim_(std::move(claim)), options_(options), pace_(options.rate_hz) {}
 
   bool Open() override {
+    if (claim_) {
+      if (trouble_ = claim_->Take(); !trouble_.empty()) return false;
+    }
     if (OpenKind()) return true;
     trouble_ = options_.what + " cannot be opened";
     return false;
@@ -94,6 +101,7 @@ class Source final : public ImageSource {
     return properties;
   }
 
+  std::shared_ptr<UdpClaim> claim_;
   OpenCvSourceOptions options_;
   cv::VideoCapture capture_;
   Pace pace_;
@@ -103,7 +111,11 @@ class Source final : public ImageSource {
 }  // namespace
 
 ImageSourceMaker OpenCvSource(const OpenCvSourceOptions& options) {
-  return [options] { return std::make_unique<Source>(options); };
+  // One for all that are made, since one that hangs goes on listening.
+  std::shared_ptr<UdpClaim> claim;
+  if (options.port != 0)
+    claim = std::make_shared<UdpClaim>(options.host, static_cast<std::uint16_t>(options.port));
+  return [options, claim] { return std::make_unique<Source>(options, claim); };
 }
 
 }  // namespace kestrel

@@ -14,7 +14,9 @@ struct OpenCvSourceOptions {
   enum class Kind { kV4l2, kGStreamer, kIeee1394, kFile } kind = Kind::kV4l2;
   std::string
       what;  // device ("/dev/video0"), pipeline up to its appsink, number of the camera, or file or pattern
-  cv::Size size;       // of the images; empty: as they come
+  std::string host = {};  // of a pipeline that listens at a UDP port, which nobody else may then do
+  int port = 0;           // 0: it does not
+  cv::Size size;          // of the images; empty: as they come
   double rate_hz = 0;  // 0: as the device likes. Of a file: the pace at which it is read, 0: as fast as taken
   bool colour = false;  // CV_8UC3, otherwise CV_8UC1
 };

@@ -63,6 +63,7 @@ std::string ReceivingPipeline(const RtpStream& stream, cv::Size size, bool colou
 ImageSourceMaker RtpSource(const RtpStream& stream, cv::Size size, bool colour) {
   OpenCvSourceOptions options;
   options.kind = OpenCvSourceOptions::Kind::kGStreamer;
+  options.host = stream.host, options.port = stream.port;
   options.what = ReceivingPipeline(stream, size, colour);
   options.size = size;
   options.colour = colour;

@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "control/links/asctec_link.h"
 
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/ioctl.h>
+#include <sys/stat.h>
+#include <sys/sysmacros.h>
 #include <termios.h>
 
 // clang-format off
@@ -8,7 +13,9 @@
 // clang-format on
 #include <array>
 #include <boost/asio.hpp>
+#include <cerrno>
 #include <chrono>
+#include <cstring>
 #include <mutex>
 #include <thread>
 
@@ -24,6 +31,21 @@ constexpr std::size_t kMostUnwritten = 512;  // a port that takes no more than t
 
 double Now_s() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+// Two that command one aircraft are none that does. The lock is heeded by programs that ask for it, as this
+// one does, and ends with the process, however that ends; exclusive mode keeps out every other. Not of a
+// pseudo-terminal, whose other end may keep it in that mode when the process is gone. Empty: it is ours.
+std::string Reserve(int device) {
+  fcntl(device, F_SETFD, FD_CLOEXEC);  // a child would hold the lock
+  if (flock(device, LOCK_EX | LOCK_NB) != 0)
+    return errno == EWOULDBLOCK ? "in use by another program" : std::strerror(errno);
+  struct stat status {};
+  constexpr unsigned kFirstPty = 136, kLastPty = 143;  // major numbers, Documentation/admin-guide/devices.txt
+  const bool known = fstat(device, &status) == 0;
+  const bool pty = known && major(status.st_rdev) >= kFirstPty && major(status.st_rdev) <= kLastPty;
+  if (!pty && ioctl(device, TIOCEXCL) != 0) return std::strerror(errno);
+  return {};
 }
 
 }  // namespace
@@ -67,6 +89,11 @@ class AscTecLink::Port {
   void Open() {
     error_code e;
     serial_.open(device_, e);
+    if (e == boost::system::errc::device_or_resource_busy) return Close("in use by another program");
+    // Before its settings are touched, which are the other program's then.
+    if (!e) {
+      if (const std::string why = Reserve(serial_.native_handle()); !why.empty()) return Close(why);
+    }
     using Option = asio::serial_port_base;
     if (!e) serial_.set_option(Option::baud_rate(57600), e);
     if (!e) serial_.set_option(Option::character_size(8), e);

@@ -10,7 +10,8 @@ namespace kestrel {
 
 // An AscTec low-level processor (Pelican, Hummingbird) on a serial device: 57600 baud, 8N1, no flow control.
 // An AscTecSession with a thread and the monotonic clock. A device that cannot be opened, or fails, is opened
-// again and again, and is trouble by name meanwhile.
+// again and again, and is trouble by name meanwhile. It is this link's alone while it is open: whoever comes
+// second is told that it is in use, and changes nothing of it.
 //
 // A state's time is when its IMU_CALCDATA began to leave: when the last byte came, less the time of the line.
 // A USB adapter that holds bytes back (16 ms by default on FTDI's; latency_timer in sysfs) makes it late.

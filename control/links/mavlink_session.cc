@@ -107,6 +107,9 @@ void MavlinkSession::Hear(std::span<const std::uint8_t> datagram, double now_s) 
     if (heartbeat != nullptr && !Open(now_s) && (source_ != source || DialectOf(*heartbeat) != dialect_))
       Begin(frame, *heartbeat, now_s);
     if (source_ == source) Take(frame, *message, now_s);
+    // Of who refuses to be our autopilot.
+    const auto* text = std::get_if<Statustext>(&*message);
+    if (text != nullptr && !heartbeat_ && text->severity <= kWarning) stranger_ = Text(text->text);
   }
   refused_ += parser_.counts().unknown - before.unknown;
   if (parser_.counts().stray_bytes > before.stray_bytes) ++refused_;

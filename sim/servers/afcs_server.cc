@@ -2,6 +2,7 @@
 #include "sim/servers/afcs_server.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -32,6 +33,31 @@ udp::endpoint EndpointOf(const AfcsServerOptions& options) {
   const auto address = asio::ip::make_address(options.address, error);
   if (error) throw InputError({fmt::format("AFCS server: address {}: {}", options.address, error.message())});
   return {address, static_cast<std::uint16_t>(options.port)};
+}
+
+std::string TextOf(const udp::endpoint& peer) {
+  return fmt::format("{}:{}", peer.address().to_string(), peer.port());
+}
+
+const char* TextOf(wire::AfcsRefusal why) {
+  switch (why) {
+    case wire::AfcsRefusal::kShort:
+      return "shorter than a header";
+    case wire::AfcsRefusal::kTime:
+      return "a time that is none";
+    case wire::AfcsRefusal::kType:
+    case wire::AfcsRefusal::kUnknown:
+      return "of no known type";
+    case wire::AfcsRefusal::kLength:
+      return "not of the length of its type";
+    case wire::AfcsRefusal::kRange:
+      return "a number out of its range";
+    case wire::AfcsRefusal::kDuplicate:
+      return "the time of one that came before";
+    case wire::AfcsRefusal::kOld:
+      return "older than one that came before";
+  }
+  return "?";
 }
 
 bool Possible(std::initializer_list<double> numbers) {
@@ -94,19 +120,49 @@ struct AfcsServer::Session {
 
   void Hear(std::span<const std::uint8_t> bytes, const udp::endpoint& peer, Autopilot& aircraft) {
     if (owner && now_s - heard_s > options.session_s) owner.reset();
-    if (!owner) {
+    if (peer != owner) {
       const auto decoded = codec.Decode(bytes);
-      const auto* datagram = std::get_if<wire::AfcsDatagram>(&decoded);
-      if (!datagram || !std::holds_alternative<wire::AfcsOpen>(datagram->message)) return;
+      if (const auto* why = std::get_if<wire::AfcsRefusal>(&decoded))
+        return counts.NotHeeded(unheeded::kDamaged, fmt::format("{}, from {}", TextOf(*why), TextOf(peer)));
+      const bool opens =
+          std::holds_alternative<wire::AfcsOpen>(std::get<wire::AfcsDatagram>(decoded).message);
+      if (owner || !opens)
+        return counts.NotHeeded(
+            opens ? unheeded::kSecondClient : unheeded::kNoSession,
+            TextOf(peer) + (owner ? "; it is that of " + TextOf(*owner) : "; nobody has opened one"));
       owner = peer;
       receiver.Reset();
       state_due_s = gps_due_s = now_s;
     }
-    if (peer != *owner) return;
     const auto datagram = receiver.Receive(bytes);
-    if (!datagram) return;
+    if (!datagram) return CountRefusal();
     heard_s = now_s;
     std::visit([&](const auto& message) { Obey(message, aircraft); }, datagram->message);
+  }
+
+  void CountRefusal() {
+    for (std::size_t i = 0; i < wire::kAfcsRefusals; ++i) {
+      const auto why = static_cast<wire::AfcsRefusal>(i);
+      const bool again = why == wire::AfcsRefusal::kDuplicate || why == wire::AfcsRefusal::kOld;
+      const std::uint64_t count = receiver.refused(why);
+      counts.NotHeeded(again ? unheeded::kAgain : unheeded::kDamaged, TextOf(why), count - refused[i]);
+      refused[i] = count;
+    }
+  }
+
+  // Whether a setpoint of these numbers is to be followed.
+  bool Follows(const char* name, std::initializer_list<double> numbers) {
+    if (!Possible(numbers)) {
+      ++counts.refused;
+      counts.NotHeeded(unheeded::kImpossible, fmt::format("{} {}", name, fmt::join(numbers, " ")));
+      return false;
+    }
+    ++counts.setpoints;
+    if (pilot_allows)
+      ++counts.followed;
+    else
+      counts.NotHeeded(unheeded::kPilot, name);
+    return pilot_allows;
   }
 
   void Obey(const wire::AfcsOpen&, Autopilot&) { Transmit(wire::AfcsAck{open_id}); }
@@ -115,12 +171,16 @@ struct AfcsServer::Session {
     owner.reset();
   }
   void Obey(const wire::AfcsTeleop& m, Autopilot& aircraft) {
-    if (!pilot_allows || !Possible({m.fore, m.side, m.alt, m.hdg})) return;
+    if (!Follows("TELEOP", {m.fore, m.side, m.alt, m.hdg})) return;
     aircraft.Send(wire::VelocityOf(m, options.afcs.teleop));
   }
   void Obey(const wire::AfcsFlyTo& m, Autopilot& aircraft) {
-    if (m.pos_mode != options.afcs.fly_to_position || m.hdg_mode != options.afcs.fly_to_heading) return;
-    if (!pilot_allows || !Possible({m.x, m.y, m.z, m.hdg})) return;
+    if (m.pos_mode != options.afcs.fly_to_position || m.hdg_mode != options.afcs.fly_to_heading) {
+      ++counts.refused;
+      return counts.NotHeeded(unheeded::kImpossible,
+                              fmt::format("FLY_TO with the modes {} and {}", m.pos_mode, m.hdg_mode));
+    }
+    if (!Follows("FLY_TO", {m.x, m.y, m.z, m.hdg})) return;
     aircraft.Send(PositionSetpoint{{m.x, m.y, m.z}, m.hdg});
     Transmit(wire::AfcsDesiredPosition{m.x, m.y, m.z, m.hdg});
   }
@@ -133,7 +193,7 @@ struct AfcsServer::Session {
     else if (m.mode == options.afcs.platform_point && Possible({m.camera_n, m.camera_e, m.camera_d}))
       platform->Turn(LookAt{{m.camera_n, m.camera_e, m.camera_d}});
     else
-      return;
+      return counts.NotHeeded("turns of the camera that cannot be", fmt::format("PLATFORM {}", m.mode));
     Transmit(PlatformMessage(m.mode, aircraft.State()));
   }
   template <class Other>
@@ -206,6 +266,8 @@ struct AfcsServer::Session {
   udp::socket socket{io};
   std::array<std::uint8_t, 65536> buffer{};
 
+  WireCounts counts;
+  std::array<std::uint64_t, wire::kAfcsRefusals> refused{};  // by the receiver, as far as counted
   bool pilot_allows = true;
   std::optional<udp::endpoint> owner;  // of the session
   double now_s = 0, t_s = 0;           // ours, and the aircraft's
@@ -219,6 +281,7 @@ AfcsServer::~AfcsServer() = default;
 
 void AfcsServer::Serve(double now_s, Autopilot& aircraft) { session_->Serve(now_s, aircraft); }
 void AfcsServer::SetPilot(bool allows) { session_->pilot_allows = allows; }
+const WireCounts& AfcsServer::Heard() const { return session_->counts; }
 std::string AfcsServer::Where() const {
   error_code error;
   const udp::endpoint endpoint = session_->socket.local_endpoint(error);

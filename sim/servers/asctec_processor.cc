@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/servers/asctec_processor.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "control/wire/asctec_units.h"
 #include "geometry/tait_bryan.h"
@@ -24,6 +27,12 @@ constexpr std::int16_t kGps = wire::kCtrlHeight | wire::kCtrlGps;
 std::int32_t Counts(double value, double unit) {
   const double counts = std::round(value / unit);
   return std::abs(counts) < 2e9 ? static_cast<std::int32_t>(counts) : 0;
+}
+
+// Thrust 0 and full yaw: these start and stop them.
+bool MoveTheMotors(const wire::CtrlInput& input) {
+  return (input.ctrl & wire::kCtrlThrust) && (input.ctrl & wire::kCtrlYaw) && input.thrust == 0 &&
+         std::abs(input.yaw) >= kFullYaw;
 }
 
 }  // namespace
@@ -61,11 +70,30 @@ wire::Bytes AscTecProcessor::Step(double now_s, Autopilot& aircraft) {
       asked_ |= request->mask;
     } else if (const auto* input = std::get_if<wire::CtrlInput>(&command)) {
       said_.Put(now_s, Encode(wire::Telemetry(wire::Acknowledgement{wire::CtrlInput::kDescriptor})));
+      CountSetpoint(*input);
       if (pilot_allows_) Obey(now_s, *input, aircraft);
     }
   }
+  const auto& refused = parser_.counts().refused;
+  const std::uint64_t damaged = std::accumulate(refused.begin(), refused.end(), std::uint64_t{0});
+  counts_.NotHeeded(unheeded::kDamaged, "a frame with a wrong check sum, length or kind", damaged - damaged_);
+  damaged_ = damaged;
   Speak(now_s, aircraft);
   return said_.Take(now_s);
+}
+
+void AscTecProcessor::CountSetpoint(const wire::CtrlInput& input) {
+  const bool sticks = MoveTheMotors(input);
+  if (!sticks && (input.ctrl & kAttitude) != kAttitude) {
+    ++counts_.refused;
+    counts_.NotHeeded(unheeded::kImpossible, fmt::format("CTRL_INPUT with ctrl 0x{:x}", input.ctrl));
+    return;
+  }
+  ++counts_.setpoints;
+  if (pilot_allows_)
+    ++counts_.followed;
+  else
+    counts_.NotHeeded(unheeded::kPilot, "CTRL_INPUT");
 }
 
 void AscTecProcessor::Speak(double now_s, Autopilot& aircraft) {
@@ -98,8 +126,7 @@ void AscTecProcessor::Obey(double now_s, const wire::CtrlInput& input, Autopilot
   const VehicleState state = aircraft.State();
   const bool first = !commanded_s_ || now_s - *commanded_s_ > kSticksLetGo_s;
   commanded_s_ = now_s;
-  const bool sticks = (input.ctrl & wire::kCtrlThrust) && (input.ctrl & wire::kCtrlYaw) &&
-                      input.thrust == 0 && std::abs(input.yaw) >= kFullYaw;
+  const bool sticks = MoveTheMotors(input);
   if (!sticks || first) sticks_since_s_.reset(), sticks_done_ = false;
   if (sticks) {
     if (!sticks_since_s_) sticks_since_s_ = now_s;

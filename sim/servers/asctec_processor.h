@@ -12,6 +12,7 @@
 #include "control/wire/asctec.h"
 #include "control/wire/asctec_signs.h"
 #include "sim/servers/geodetic_origin.h"
+#include "sim/servers/wire_counts.h"
 
 namespace kestrel {
 
@@ -71,8 +72,10 @@ class AscTecProcessor {
   wire::Bytes Step(double now_s, Autopilot& aircraft);           // what has arrived at the other end
   void SetPilot(bool allows) { pilot_allows_ = allows; }
   const wire::LinkCounts& counts() const { return parser_.counts(); }
+  const WireCounts& heard() const { return counts_; }
 
  private:
+  void CountSetpoint(const wire::CtrlInput& input);
   void Obey(double now_s, const wire::CtrlInput& input, Autopilot& aircraft);
   void Speak(double now_s, Autopilot& aircraft);
   wire::Bytes NextFrame(double now_s, const VehicleState& state);
@@ -87,6 +90,8 @@ class AscTecProcessor {
 
   SerialLine heard_, said_;
   wire::CommandParser parser_;
+  WireCounts counts_;
+  std::uint64_t damaged_ = 0;            // of the parser's refusals, as far as counted
   std::optional<double> quiet_since_s_;  // with something unread
   std::uint16_t asked_ = 0;              // request bits of frames that have not begun to leave
   double asked_s_ = 0;

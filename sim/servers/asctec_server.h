@@ -20,6 +20,7 @@ class AscTecServer final : public AutopilotServer {
 
   void Serve(double now_s, Autopilot& aircraft) override;
   void SetPilot(bool allows) override { processor_.SetPilot(allows); }
+  const WireCounts& Heard() const override { return processor_.heard(); }
   std::string Where() const override { return "serial:" + device_; }
   const wire::LinkCounts& counts() const { return processor_.counts(); }
 

@@ -22,6 +22,10 @@ udp::endpoint Resolve(boost::asio::io_context& context, const UdpAddress& addres
   return *found.begin();
 }
 
+std::string TextOf(const udp::endpoint& peer) {
+  return peer.address().to_string() + ":" + std::to_string(peer.port());
+}
+
 }  // namespace
 
 struct MavlinkServer::Wire {
@@ -41,6 +45,7 @@ struct MavlinkServer::Wire {
   std::array<std::uint8_t, 2048> buffer{};
   std::optional<udp::endpoint> fixed, peer;
   double heard_s = 0;
+  double tell_s = 0;  // again that another has the session
 };
 
 MavlinkServer::MavlinkServer(const MavlinkServerOptions& options)
@@ -58,7 +63,17 @@ void MavlinkServer::Serve(double now_s, Autopilot& aircraft) {
     const std::span<const std::uint8_t> datagram(wire.buffer.data(), size);
     const bool taken = wire.peer && (wire.fixed || now_s - wire.heard_s <= kSilent_s);
     if (from != wire.peer) {
-      if (taken || !vehicle_.OpensSession(datagram)) continue;
+      const bool opens = vehicle_.OpensSession(datagram);
+      if (taken || !opens) {
+        vehicle_.heard().NotHeeded(
+            opens ? unheeded::kSecondClient : unheeded::kNoSession,
+            TextOf(from) + (taken ? "; it is that of " + TextOf(*wire.peer) : "; nobody has opened one"));
+        if (opens && now_s >= wire.tell_s) {
+          wire.tell_s = now_s + kTellAgain_s;
+          wire.socket.send_to(boost::asio::buffer(vehicle_.Refusal()), from, 0, error);
+        }
+        continue;
+      }
       wire.peer = from;
       vehicle_.Greet();
     }

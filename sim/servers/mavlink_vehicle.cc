@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/servers/mavlink_vehicle.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -49,6 +52,25 @@ std::uint32_t BootMs(const VehicleState& state) {
   return static_cast<std::uint32_t>(static_cast<std::uint64_t>(std::max(0.0, 1e3 * state.t_s)));
 }
 
+Statustext Warning(const std::string& text) {
+  Statustext message{.severity = kWarning};
+  std::copy_n(text.begin(), std::min(text.size(), message.text.size()), message.text.begin());
+  return message;
+}
+
+// In words; of another message nothing.
+std::string TextOfSetpoint(const Message& message) {
+  if (const auto* p = std::get_if<SetPositionTargetLocalNed>(&message))
+    return fmt::format(
+        "SET_POSITION_TARGET_LOCAL_NED, frame {}, mask 0x{:x}, position {:g} {:g} {:g}, velocity {:g} {:g} "
+        "{:g}, yaw {:g}, yaw rate {:g}",
+        p->coordinate_frame, p->type_mask, p->x, p->y, p->z, p->vx, p->vy, p->vz, p->yaw, p->yaw_rate);
+  if (const auto* a = std::get_if<SetAttitudeTarget>(&message))
+    return fmt::format("SET_ATTITUDE_TARGET, mask 0x{:x}, attitude {:g}, thrust {:g}, yaw rate {:g}",
+                       a->type_mask, fmt::join(a->q, " "), a->thrust, a->body_yaw_rate);
+  return {};
+}
+
 }  // namespace
 
 MavlinkVehicle::MavlinkVehicle(const MavlinkServerOptions& options)
@@ -56,6 +78,7 @@ MavlinkVehicle::MavlinkVehicle(const MavlinkServerOptions& options)
       dialect_(options.dialect == "px4" ? kPx4 : kArduPilot),
       parser_(Formats()),
       sender_(static_cast<std::uint8_t>(options.system), static_cast<std::uint8_t>(options.component)),
+      to_others_(sender_),
       mode_(HoldMode(dialect_)) {
   const bool px4 = &dialect_ == &kPx4;
   const auto offer = [&](std::uint32_t id, double rate_hz) {
@@ -86,16 +109,23 @@ bool MavlinkVehicle::ForMe(std::uint8_t system, std::uint8_t component) const {
 
 void MavlinkVehicle::Say(const Message& message) { out_.push_back(sender_.Encode(message)); }
 
-void MavlinkVehicle::Warn(const std::string& text) {
-  Statustext message{.severity = kWarning};
-  std::copy_n(text.begin(), std::min(text.size(), message.text.size()), message.text.begin());
-  Say(message);
+void MavlinkVehicle::Warn(const std::string& text) { Say(Warning(text)); }
+
+wire::Bytes MavlinkVehicle::Refusal() {
+  return to_others_.Encode(Warning("refused: another client has the session"));
 }
 
 void MavlinkVehicle::Hear(std::span<const std::uint8_t> datagram, double now_s, Autopilot& aircraft) {
+  const Counts before = parser_.counts();
   for (const Frame& frame : parser_.Datagram(datagram)) {
     if (const std::optional<Message> message = Decode(frame)) Take(*message, now_s, aircraft);
   }
+  const Counts& now = parser_.counts();
+  if (now.stray_bytes > before.stray_bytes)
+    counts_.NotHeeded(
+        unheeded::kDamaged,
+        fmt::format("{} of {} bytes are of no frame{}", now.stray_bytes - before.stray_bytes, datagram.size(),
+                    now.bad_checksum > before.bad_checksum ? ", by a check sum" : ""));
 }
 
 void MavlinkVehicle::Take(const Message& message, double now_s, Autopilot& aircraft) {
@@ -105,10 +135,14 @@ void MavlinkVehicle::Take(const Message& message, double now_s, Autopilot& aircr
     if (ForMe(mode->target_system, 0)) SetMode(mode->custom_mode, now_s);
   } else if (const auto* position = std::get_if<SetPositionTargetLocalNed>(&message)) {
     if (ForMe(position->target_system, position->target_component))
-      TakeSetpoint(MavlinkSetpoint::Read(*position, aircraft.State(), dialect_), now_s, aircraft);
+      TakeSetpoint(MavlinkSetpoint::Read(*position, aircraft.State(), dialect_), *position, now_s, aircraft);
+    else
+      counts_.NotHeeded(unheeded::kToAnother, fmt::format("to system {}", position->target_system));
   } else if (const auto* attitude = std::get_if<SetAttitudeTarget>(&message)) {
     if (ForMe(attitude->target_system, attitude->target_component))
-      TakeSetpoint(MavlinkSetpoint::Read(*attitude, dialect_), now_s, aircraft);
+      TakeSetpoint(MavlinkSetpoint::Read(*attitude, dialect_), *attitude, now_s, aircraft);
+    else
+      counts_.NotHeeded(unheeded::kToAnother, fmt::format("to system {}", attitude->target_system));
   } else if (const auto* timesync = std::get_if<Timesync>(&message)) {
     if (timesync->tc1 == 0)
       Say(Timesync{.tc1 = std::max<std::int64_t>(1, std::llround(1e9 * aircraft.State().t_s)),
@@ -116,16 +150,22 @@ void MavlinkVehicle::Take(const Message& message, double now_s, Autopilot& aircr
   }
 }
 
-void MavlinkVehicle::TakeSetpoint(const std::optional<MavlinkSetpoint>& setpoint, double now_s,
-                                  Autopilot& aircraft) {
+void MavlinkVehicle::TakeSetpoint(const std::optional<MavlinkSetpoint>& setpoint, const Message& message,
+                                  double now_s, Autopilot& aircraft) {
   const bool following = mode_ == dialect_.setpoint_mode;
   if (!setpoint) {
+    ++counts_.refused;
+    counts_.NotHeeded(unheeded::kImpossible, TextOfSetpoint(message));
     if (&dialect_ == &kArduPilot && following) setpoint_.reset(), Stop(aircraft);
     return;
   }
   if (!streaming_s_ || now_s - setpoint_s_ > 1 / dialect_.slowest_setpoints_hz) streaming_s_ = now_s;
   setpoint_s_ = now_s;
-  if (following) setpoint_ = setpoint;
+  ++counts_.setpoints;
+  if (following)
+    setpoint_ = setpoint, ++counts_.followed;
+  else
+    counts_.NotHeeded(pilot_allows_ ? unheeded::kOtherMode : unheeded::kPilot, TextOfSetpoint(message));
 }
 
 void MavlinkVehicle::Command(const CommandLong& command, double now_s, Autopilot& aircraft) {

@@ -14,6 +14,7 @@
 #include "control/wire/mavlink_dialects.h"
 #include "sim/servers/geodetic_origin.h"
 #include "sim/servers/mavlink_setpoints.h"
+#include "sim/servers/wire_counts.h"
 
 namespace kestrel {
 
@@ -65,6 +66,10 @@ class MavlinkVehicle {
   void Greet() { next_heartbeat_s_ = std::numeric_limits<double>::lowest(); }  // its heartbeat is due
   void Hear(std::span<const std::uint8_t> datagram, double now_s, Autopilot& aircraft);
   std::vector<wire::Bytes> Due(double now_s, Autopilot& aircraft);
+  // To a client that is not taken: a STATUSTEXT.
+  wire::Bytes Refusal();
+  WireCounts& heard() { return counts_; }
+  const WireCounts& heard() const { return counts_; }
   // Turned off, the aircraft is in the pilot's own mode and no other can be had; turned on, it is put into
   // the mode for setpoints, if the dialect lets him.
   void SetPilot(bool allows);
@@ -82,7 +87,9 @@ class MavlinkVehicle {
   std::uint8_t Arm(bool armed, double now_s, const VehicleState& state);
   std::uint8_t TakeOff(double param7, Autopilot& aircraft);
   std::uint8_t SetInterval(const wire::mavlink::CommandLong& command, double now_s);
-  void TakeSetpoint(const std::optional<MavlinkSetpoint>& setpoint, double now_s, Autopilot& aircraft);
+  // message: what it was read from.
+  void TakeSetpoint(const std::optional<MavlinkSetpoint>& setpoint, const wire::mavlink::Message& message,
+                    double now_s, Autopilot& aircraft);
   void Follow(double now_s, Autopilot& aircraft);
   void Stop(Autopilot& aircraft);
   bool ForMe(std::uint8_t system, std::uint8_t component) const;
@@ -93,7 +100,8 @@ class MavlinkVehicle {
   MavlinkServerOptions options_;
   const wire::mavlink::Dialect& dialect_;
   wire::mavlink::Parser parser_;
-  wire::mavlink::Sender sender_;
+  wire::mavlink::Sender sender_, to_others_;
+  WireCounts counts_;
   std::vector<wire::Bytes> out_;
   std::map<std::uint32_t, Stream> streams_;
   double next_heartbeat_s_ = 0;

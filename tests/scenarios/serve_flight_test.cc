@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <limits>
 #include <sstream>
@@ -36,9 +37,13 @@ class FakeServer final : public AutopilotServer {
  public:
   void Serve(double now_s, Autopilot& aircraft) override {
     calls.push_back({now_s, aircraft.State().t_s});
-    if (sends && pilot) aircraft.Send(*sends);
+    if (!sends || !pilot) return;
+    aircraft.Send(*sends);
+    if (!counts_each && heard.setpoints > 0) return;
+    ++heard.setpoints, ++heard.followed;
   }
   void SetPilot(bool allows) override { pilot = allows, switched_at_call = calls.size(); }
+  const WireCounts& Heard() const override { return heard; }
   std::string Where() const override { return "udp://127.0.0.1:1"; }
 
   struct Call {
@@ -46,6 +51,8 @@ class FakeServer final : public AutopilotServer {
   };
   std::vector<Call> calls;
   std::optional<Setpoint> sends;
+  bool counts_each = true;  // otherwise it came once and is followed on
+  WireCounts heard;
   bool pilot = true;
   std::size_t switched_at_call = 0;
 };
@@ -205,8 +212,58 @@ TEST_F(ServeFlightTest, SetpointsThatAreNotNumbersDoNotReachTheAircraft) {
   options.servers = {&server};
   const Summary s = ServeFlight(Short(), options).summary;
   EXPECT_EQ(s.error, "");
-  EXPECT_EQ(s.metrics.at("setpoints_heard"), 0);
-  EXPECT_GT(s.metrics.at("setpoints_refused"), 100);
+  EXPECT_TRUE(s.complete);
+}
+
+TEST_F(ServeFlightTest, WhatTheWireBroughtIsCountedOnceAndWhatIsNotHeededIsTold) {
+  FakeClock clock;
+  FakeServer server;
+  server.sends = VelocitySetpoint{};
+  server.counts_each = false;
+  server.heard.refused = 2;
+  server.heard.NotHeeded(unheeded::kImpossible, "TELEOP nan 0 0 0", 2);
+  server.heard.NotHeeded(unheeded::kDamaged, "shorter than a header", 40000);
+  std::vector<std::string> said;
+  ServeOptions options;
+  options.clock = clock.Clock();
+  options.servers = {&server};
+  options.folder = folder_ / "run";
+  options.say = [&](const std::string& line) { said.push_back(line); };
+  const Summary s = ServeFlight(Short(), options).summary;
+  EXPECT_GT(server.calls.size(), 200u);
+  EXPECT_EQ(s.metrics.at("setpoints_heard"), 1);
+  EXPECT_EQ(s.metrics.at("setpoints_followed"), 1);
+  EXPECT_EQ(s.metrics.at("setpoints_refused"), 2);
+  EXPECT_EQ(s.metrics.at("messages_not_heeded"), 40002);
+  const std::string events = Content("run/events.log");
+  for (const char* line :
+       {"not heeded: damaged messages: shorter than a header", "not heeded: 40000 damaged messages in all",
+        "not heeded: setpoints that cannot be followed: TELEOP nan 0 0 0"}) {
+    EXPECT_THAT(events, HasSubstr(line));
+    EXPECT_EQ(std::ranges::count_if(said, [&](const auto& each) { return each.ends_with(line); }), 1) << line;
+  }
+}
+
+TEST_F(ServeFlightTest, AFlightThatNobodyFlewHasMetNothing) {
+  FakeClock clock;
+  FakeServer server;  // a client is there, and its switch is off
+  server.heard.setpoints = 7;
+  ServeOptions options;
+  options.clock = clock.Clock();
+  options.servers = {&server};
+  const auto fly = [&](const std::vector<std::string>& more) {
+    return ServeFlight(Short(more), options).summary;
+  };
+  // Of what is left out, all is met.
+  const Summary left_out = fly({"criteria={fix_share: {min: 0.5}}"});
+  EXPECT_EQ(left_out.outcome, "not flown");
+  EXPECT_FALSE(left_out.passed);
+  server.heard.followed = 1;
+  EXPECT_TRUE(fly({"criteria={fix_share: {min: 0.5}}"}).passed);
+  server.heard.followed = 0;
+  const Summary nothing_to_judge = fly({"criteria={}"});
+  EXPECT_EQ(nothing_to_judge.outcome, "completed");
+  EXPECT_TRUE(nothing_to_judge.passed);
 }
 
 TEST_F(ServeFlightTest, AnInterruptEndsItInGoodOrder) {

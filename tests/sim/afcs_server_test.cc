@@ -110,6 +110,8 @@ TEST_F(AfcsServerTest, SaysNothingBeforeItIsOpened) {
   Say(wire::AfcsTeleop{1, 0, 0, 0}, 0.1);
   EXPECT_TRUE(heard_.empty());
   EXPECT_TRUE(aircraft_.told.empty());
+  EXPECT_EQ(server_->Heard().unheeded.at(unheeded::kNoSession).count, 1U);
+  EXPECT_EQ(server_->Heard().setpoints, 0U);
 }
 
 TEST_F(AfcsServerTest, AcknowledgesEveryOpen) {
@@ -211,7 +213,13 @@ TEST_F(AfcsServerTest, DoesNotObeyWhatNoAircraftCould) {
   Say(wire::AfcsTeleop{std::nan(""), 0, 0, 0});
   Say(wire::AfcsTeleop{0, 1e300, 0, 0});
   Say(wire::AfcsFlyTo{.z = std::numeric_limits<double>::infinity()});
+  Say(wire::AfcsFlyTo{.pos_mode = 77});
   EXPECT_TRUE(aircraft_.told.empty());
+  EXPECT_EQ(server_->Heard().setpoints, 0U);
+  EXPECT_EQ(server_->Heard().refused, 4U);
+  ASSERT_TRUE(server_->Heard().unheeded.contains(unheeded::kImpossible));
+  EXPECT_EQ(server_->Heard().unheeded.at(unheeded::kImpossible).count, 4U);
+  EXPECT_THAT(server_->Heard().unheeded.at(unheeded::kImpossible).first, HasSubstr("TELEOP nan"));
   EXPECT_TRUE(Heard<wire::AfcsDesiredPosition>().empty());
 }
 
@@ -226,6 +234,9 @@ TEST_F(AfcsServerTest, ThePilotsSwitchEndsObedience) {
   server_->SetPilot(true);
   Say(wire::AfcsTeleop{1, 0, 0, 0});
   EXPECT_EQ(aircraft_.told.size(), 1U);
+  EXPECT_EQ(server_->Heard().setpoints, 3U);
+  EXPECT_EQ(server_->Heard().followed, 1U);
+  EXPECT_EQ(server_->Heard().unheeded.at(unheeded::kPilot).count, 2U);
 }
 
 TEST_F(AfcsServerTest, AStrangerIsNeitherObeyedNorAnsweredNorMayHeTakeOver) {
@@ -241,6 +252,9 @@ TEST_F(AfcsServerTest, AStrangerIsNeitherObeyedNorAnsweredNorMayHeTakeOver) {
   Serve(0.1);
   EXPECT_TRUE(aircraft_.told.empty());
   EXPECT_FALSE(stranger_.Receive());
+  EXPECT_EQ(server_->Heard().unheeded.at(unheeded::kSecondClient).count, 1U);
+  EXPECT_EQ(server_->Heard().unheeded.at(unheeded::kNoSession).count, 3U);
+  EXPECT_THAT(server_->Heard().unheeded.at(unheeded::kSecondClient).first, HasSubstr("; it is that of 127."));
   EXPECT_NEAR(static_cast<double>(Heard<wire::AfcsState>().size()), 5, 1);
   Say(wire::AfcsTeleop{1, 0, 0, 0});
   EXPECT_EQ(aircraft_.told.size(), 1U);
@@ -287,6 +301,9 @@ TEST_F(AfcsServerTest, DoubledAndLateCommandsAreNotObeyed) {
   ASSERT_EQ(aircraft_.told.size(), 2U);
   EXPECT_EQ(std::get<VelocitySetpoint>(aircraft_.told[0]).v_H.x(), 1);
   EXPECT_EQ(std::get<VelocitySetpoint>(aircraft_.told[1]).v_H.x(), 4);
+  EXPECT_EQ(server_->Heard().setpoints, 2U);
+  EXPECT_EQ(server_->Heard().unheeded.at(unheeded::kAgain).count, 2U);
+  EXPECT_EQ(server_->Heard().unheeded.at(unheeded::kDamaged).count, 1U);
 }
 
 TEST_F(AfcsServerTest, WithoutAPlatformNoneAnswers) {

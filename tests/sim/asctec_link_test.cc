@@ -494,6 +494,8 @@ TEST(AscTecSession, DamagedBytesCostWhatTheyHitAndNoMore) {
     ASSERT_NEAR(std::get<AttitudeSetpoint>(setpoint).thrust, 0.5, 1e-3);
   }
   EXPECT_GT(line.session.Health(line.t_s).refused, 50u);
+  EXPECT_EQ(line.processor.heard().followed, aircraft.heard.size());
+  EXPECT_GT(line.processor.heard().unheeded.at(unheeded::kDamaged).count, 0u);
   EXPECT_GT(states, 200);  // of 500
   EXPECT_GT(aircraft.heard.size(), 250u);
   EXPECT_LT(oldest_s, 0.6);
@@ -645,6 +647,30 @@ TEST(AscTecLink, HearsAndIsHeardOverAPseudoTerminal) {
   EXPECT_NEAR(LastOf<AttitudeSetpoint>(aircraft).thrust, 0.4, 1e-3);
   EXPECT_GE(link.Health().sent, 3u);
   EXPECT_EQ(server.counts().Refused(wire::LinkRefusal::kCheckSum), 0u);
+}
+
+TEST(AscTecLink, TwoDoNotCommandOneDevice) {
+  AscTecServer server({});
+  AscTecOptions options;
+  options.device = DeviceOf(server);
+  ScriptedAircraft aircraft;
+  auto first = std::make_unique<AscTecLink>(options);
+  ASSERT_TRUE(ServeUntil(&server, aircraft, [&] { return first->Health().pilot_allows == true; }));
+  AscTecLink second(options);
+  ASSERT_TRUE(ServeUntil(&server, aircraft, [&] {
+    second.Send(AttitudeSetpoint{0, 0, 0, 1});
+    return second.Health().trouble == options.device + ": in use by another program";
+  }));
+  // The first is not disturbed, and the second has said nothing.
+  const std::uint64_t received = first->Health().received;
+  ASSERT_TRUE(ServeUntil(&server, aircraft, [&] {
+    second.Send(AttitudeSetpoint{0, 0, 0, 1});
+    return first->Health().received > received + 10;
+  }));
+  EXPECT_EQ(second.Health().received, 0u);
+  EXPECT_TRUE(aircraft.heard.empty());
+  first.reset();
+  EXPECT_TRUE(ServeUntil(&server, aircraft, [&] { return second.Health().open; }));
 }
 
 TEST(AscTecLink, OpensTheDeviceAgainWhenTheFarEndComesBack) {

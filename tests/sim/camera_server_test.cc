@@ -118,6 +118,30 @@ TEST_P(CameraServerTest, NewImagesFollowOldOnes) {
   EXPECT_GE(server->sent(), 5);
 }
 
+TEST_P(CameraServerTest, ASecondReceiverIsRefusedAndTheFirstGoesOn) {
+  const cv::Size size(160, 120);
+  const auto server = Server(size, false);
+  if (!server) GTEST_SKIP() << reason_;
+  const cv::Mat image = Patches(size, CV_8UC1);
+  LiveCamera first(RtpSource(stream_, size, false), {});
+  const auto comes = [&](LiveCamera& camera) {
+    for (const double begun_s = MonotonicNow_s(); MonotonicNow_s() < begun_s + kDeadline_s;) {
+      server->Publish(image);
+      if (camera.Next(0.05)) return true;
+    }
+    return false;
+  };
+  ASSERT_TRUE(comes(first));
+  LiveCamera second(RtpSource(stream_, size, false), {});
+  for (const double begun_s = MonotonicNow_s();
+       second.Health().trouble.empty() && MonotonicNow_s() < begun_s + kDeadline_s;)
+    second.Next(0.01);
+  EXPECT_NE(second.Health().trouble.find("is in use by another program"), std::string::npos)
+      << second.Health().trouble;
+  EXPECT_TRUE(comes(first));
+  EXPECT_EQ(second.Health().images, 0);
+}
+
 TEST_P(CameraServerTest, PublishingNeverWaitsAndCountsWhatItDrops) {
   const cv::Size size(640, 480);
   const auto server = Server(size, false);

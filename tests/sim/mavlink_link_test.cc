@@ -64,6 +64,11 @@ class Stranger {
     socket_.receive(boost::asio::buffer(buffer), 0, error);
     return !error;
   }
+  int Drain() {
+    int count = 0;
+    while (Heard()) ++count;
+    return count;
+  }
   Sender sender_{1, 1};
 
  private:
@@ -129,11 +134,29 @@ TEST(MavlinkServer, TakesNothingFromAnAddressThatDidNotOpenTheSession) {
   MavlinkLink link(served.server.Where(), {});
   ASSERT_TRUE(served.Until([&] { return link.Health().open; }));
   int times = 0;
+  const double begun_s = Now_s();
   ASSERT_TRUE(served.Until([&] { return ++times > 50; }, [&] { tell(late); }));
   EXPECT_TRUE(served.aircraft.sent.empty());
-  EXPECT_FALSE(late.Heard());
+  // It is told that it is refused, seldom, and nothing of the aircraft.
+  ASSERT_TRUE(late.Heard());
+  EXPECT_LT(late.Drain(), 5 + (Now_s() - begun_s) / MavlinkServer::kTellAgain_s);
+  const auto& unheeded = served.server.Heard().unheeded;
+  EXPECT_GE(unheeded.at(unheeded::kSecondClient).count, 50U);
+  EXPECT_GE(unheeded.at(unheeded::kNoSession).count, 100U);
+  EXPECT_EQ(served.server.Heard().setpoints, 0U);
   EXPECT_FALSE(early.Heard());
   EXPECT_EQ(link.State().mode, FlightMode::kHold);
+}
+
+TEST(MavlinkLink, ASecondClientIsToldThatAnotherHasTheSession) {
+  Served served(Options());
+  MavlinkLink first(served.server.Where(), {});
+  ASSERT_TRUE(served.Until([&] { return first.Health().open; }));
+  MavlinkLink second(served.server.Where(), {});
+  ASSERT_TRUE(served.Until(
+      [&] { return second.Health().trouble.find("another client has the session") != std::string::npos; }));
+  EXPECT_FALSE(second.Health().open);
+  EXPECT_TRUE(first.Health().open);
 }
 
 TEST(MavlinkLink, AFarEndThatWasStartedAnewIsHeardAgain) {

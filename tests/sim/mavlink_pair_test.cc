@@ -351,6 +351,36 @@ TEST(MavlinkPair, ThePilotTakesOverAndIsNotOverruled) {
   }
 }
 
+TEST(MavlinkPair, EachSetpointIsCountedOnceAndWhatIsNotHeededByItsKind) {
+  Pair pair(kTakes);
+  pair.Run(1.5);
+  pair.Fly(VelocitySetpoint{{1, 0, 0}, 0}, 3);
+  pair.link.Silence();
+  pair.Run(0.1);
+  const WireCounts& heard = pair.vehicle->heard();
+  EXPECT_EQ(heard.setpoints, pair.up.All<SetPositionTargetLocalNed>().size());
+  EXPECT_GT(pair.aircraft.sent.size(), heard.setpoints);  // it is told again at each step
+  EXPECT_GT(heard.followed, 20U);
+  // PX4 has them before the mode, too.
+  ASSERT_EQ(heard.unheeded.size(), 1U);
+  EXPECT_EQ(heard.unheeded.at(unheeded::kOtherMode).count, heard.setpoints - heard.followed);
+
+  Sender sender(255, 190);
+  auto target =
+      std::get<SetPositionTargetLocalNed>(ToMessage(VelocitySetpoint{{1, 0, 0}, 0}, 0, kPx4, {}, 0));
+  target.vy = std::numeric_limits<float>::quiet_NaN();
+  pair.vehicle->Hear(sender.Encode(target), pair.now_s, pair.aircraft);
+  target.vy = 0, target.coordinate_frame = 99;
+  pair.vehicle->Hear(sender.Encode(target), pair.now_s, pair.aircraft);
+  EXPECT_EQ(heard.refused, 2U);
+  EXPECT_EQ(heard.unheeded.at(unheeded::kImpossible).count, 2U);
+  EXPECT_NE(heard.unheeded.at(unheeded::kImpossible).first.find("nan"), std::string::npos);
+  Bytes damaged = sender.Encode(CompanionHeartbeat());
+  damaged[12] ^= 1;
+  pair.vehicle->Hear(damaged, pair.now_s, pair.aircraft);
+  EXPECT_EQ(heard.unheeded.at(unheeded::kDamaged).count, 1U);
+}
+
 TEST(MavlinkPair, ASwitchThatIsNotToldAllowsNothing) {
   MavlinkOptions options = kTakes;
   options.switch_channel = 9;  // the vehicle tells eight channels
