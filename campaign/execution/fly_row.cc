@@ -2,6 +2,7 @@
 #include "campaign/execution/fly_row.h"
 
 #include <fmt/format.h>
+#include <malloc.h>
 
 #include <chrono>
 #include <cmath>
@@ -28,6 +29,8 @@ RunResult FlyRow(const RunOrder& order) {
   RunResult result;
   result.row = order.row;
   if (order.folder) result.execution.recording = order.folder->string();
+  // What the flight before took is given back, or a worker would hold the most that it ever needed twice.
+  malloc_trim(0);
   try {
     const LoadedScenario loaded = LoadScenario(order.scenario, order.overrides, false);
     RunOptions options;
