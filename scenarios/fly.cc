@@ -203,9 +203,13 @@ FlyReport FlyAircraft(const LoadedPlan& plan, LiveCamera& camera, AutopilotLink&
   Losses losses;
   const auto note = [&](const VehicleState& state) {
     const double t_s = MonotonicNow_s() - begun_s;
-    watch.Note(t_s, safety, state);
+    const LinkHealth health = link.Health();
+    SafetyChange known = safety;
+    // Of a link that is silent the pilot's switch is unknown too: it was not he.
+    if (known.hazard == Hazard::kPilot && !health.pilot_allows) known.hazard = Hazard::kStateLost;
+    watch.Note(t_s, known, state);
     losses.Note(camera.Health().age_s.value_or(t_s),
-                autopilot.heard() ? link.Health().state_age_s.value_or(t_s) : t_s, o.limits);
+                autopilot.heard() ? health.state_age_s.value_or(t_s) : t_s, o.limits);
   };
   Decision last;
   UntilStopped eyes(camera, begun_s + o.most_s, o.interrupted, [&] {

@@ -371,6 +371,18 @@ TEST_F(FlyTest, AFlightThatThePilotTookDoesNotPass) {
   EXPECT_EQ(report.outcome, "ended by the pilot");
 }
 
+TEST_F(FlyTest, AFlightWhoseLinkDiedIsNotSaidToBeThePilots) {
+  link_.Set([](VehicleState& state, LinkHealth& health) {
+    state.landed = false;
+    health.state_age_s = 5;
+    health.pilot_allows.reset();  // nothing is told of the switch either
+  });
+  LiveCamera camera(Noise(), {});
+  const FlyReport report = FlyAircraft(plan_, camera, link_, Options());
+  EXPECT_FALSE(report.accomplished);
+  EXPECT_EQ(report.outcome, "ended without link");
+}
+
 TEST_F(FlyTest, AnInterruptEndsIt) {
   FlyOptions options = Options();
   options.most_s = 60;
