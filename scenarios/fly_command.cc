@@ -214,6 +214,7 @@ bool FlyCommand(const FlyArguments& a) {
     AddAll(e, "", "", mistakes);
   }
   Aircraft aircraft = LoadAircraft(a.aircraft, a.aircraft_overrides, mistakes);
+  if (a.dry_run) aircraft.mavlink.stand_by = false;  // which sends setpoints
   aircraft.mavlink.take_control |= a.take_control;
   aircraft.mavlink.arm |= a.arm;
   aircraft.pilot_untold |= a.pilot_untold;

@@ -409,6 +409,7 @@ int ServeCommand(const ServeArguments& a) {
   };
   std::signal(SIGINT, stop);
   std::signal(SIGTERM, stop);
+  if (std::signal(SIGHUP, stop) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);  // nohup
   if (physics) {
     fmt::print("{}", StartLines(a, loaded, {}, nullptr));
     fmt::print("  physics  {}, for {}\n", physics->Where(), *a.physics);
