@@ -176,7 +176,15 @@ bool Fly(const CampaignArguments& a) {
   if (!a.quiet && end.enough && end.progress.done < end.progress.rows)
     fmt::print("the share is known well enough: the rows from {} on are not flown\n", end.progress.done);
   ReportCommand({.of = a.file, .out = asked.folder.string(), .quiet = a.quiet});
-  return KeepsThresholds(a, asked, ResultStore::Read(file).Results()) && end.mistrust.empty();
+  const std::vector<RunResult> results = ResultStore::Read(file).Results();
+  if (!a.quiet) {
+    fmt::print("{}\n", file.string());
+    for (const RunResult& each : results)
+      if (!each.execution.recording.empty())
+        fmt::print("row {} ({}, {}) is recorded in {}\n", each.row, NameOf(each.status), each.outcome,
+                   each.execution.recording);
+  }
+  return KeepsThresholds(a, asked, results) && end.mistrust.empty();
 }
 
 // The result files of parts in a folder, in the order of their numbers.

@@ -14,30 +14,13 @@
 #include "scenarios/check_image.h"
 #include "scenarios/metrics.h"
 #include "sim/horizon.h"
+#include "sim/vehicle_file.h"
 #include "vision/calibration_file.h"
 
 namespace kestrel {
 namespace {
 
 namespace fs = std::filesystem;
-
-// A vehicle's file: the airframe, and how its autopilot is tuned.
-struct VehicleFile {
-  std::string kind = "multirotor";
-  AirframeParameters airframe;
-  AutopilotParameters autopilot;
-  std::optional<PanTiltParameters> platform;
-};
-
-template <class Visitor>
-void Fields(Visitor& v, VehicleFile& f) {
-  v("kind", f.kind, {"multirotor", "helicopter"});
-  if (f.kind == "helicopter" && !std::holds_alternative<HelicopterParameters>(f.airframe))
-    f.airframe = HelicopterParameters{};
-  std::visit([&](auto& airframe) { Fields(v, airframe); }, f.airframe);
-  v("autopilot", f.autopilot);
-  v("platform", f.platform);
-}
 
 // The file of a world that is a landscape, if it is one.
 std::optional<fs::path> LandscapeFile(const std::string& world) {

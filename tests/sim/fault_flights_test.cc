@@ -15,6 +15,7 @@
 #include "sim/frames.h"
 #include "sim/mjcf.h"
 #include "sim/sensor_faults.h"
+#include "sim/vehicle_file.h"
 #include "sim/wind.h"
 
 namespace kestrel {
@@ -25,26 +26,12 @@ using ::testing::Contains;
 
 constexpr double kDt = 0.002, kGravity = 9.80665, kHeight_m = 30;
 
-struct Vehicle {
-  std::string kind;
-  AirframeParameters airframe = HelicopterParameters{};
-  AutopilotParameters autopilot;
-};
-template <class Visitor>
-void Fields(Visitor& v, Vehicle& s) {
-  v("kind", s.kind);
-  Fields(v, std::get<HelicopterParameters>(s.airframe));
-  v("autopilot", s.autopilot);
-}
-
 const std::filesystem::path kVehicles = std::filesystem::path(KESTREL_SOURCE_DIR) / "models" / "vehicles";
 
-Vehicle VehicleOf(const std::string& name) {
-  Vehicle vehicle;
-  if (name == "pelican") {
-    vehicle.airframe = MultirotorParameters{};
-    return vehicle;
-  }
+// Of the Pelican: the defaults.
+VehicleFile VehicleOf(const std::string& name) {
+  VehicleFile vehicle;
+  if (name == "pelican") return vehicle;
   Mistakes mistakes;
   Read(LoadConfig(kVehicles / name / (name + ".yaml"), {}, mistakes), vehicle, mistakes);
   mistakes.ThrowIfAny();
@@ -140,7 +127,7 @@ class Flight {
     if (autopilot.Health() != health_) health_ = autopilot.Health(), names.insert(NameOf(health_));
   }
 
-  Vehicle what_;
+  VehicleFile what_;
   ModelPtr model_;
   DataPtr data_;
   Airframe airframe_;

@@ -11,6 +11,7 @@
 #include "sim/emulated_autopilot.h"
 #include "sim/frames.h"
 #include "sim/mjcf.h"
+#include "sim/vehicle_file.h"
 #include "tests/sim/downward_view.h"
 #include "tests/sim/perfect_sensors.h"
 
@@ -23,25 +24,18 @@ constexpr double kDt = 0.002, kGravity = 9.80665;
 constexpr double kStandingHeight_m = 0.28;
 
 struct Sr20 {
-  std::string kind;
   HelicopterParameters airframe;
   AutopilotParameters autopilot;
 };
-template <class Visitor>
-void Fields(Visitor& v, Sr20& s) {
-  v("kind", s.kind);
-  Fields(v, s.airframe);
-  v("autopilot", s.autopilot);
-}
 
 const std::filesystem::path kVehicles = std::filesystem::path(KESTREL_SOURCE_DIR) / "models" / "vehicles";
 
 Sr20 Read(const std::string& name) {
   Mistakes mistakes;
-  Sr20 s;
-  Read(LoadConfig(kVehicles / name / (name + ".yaml"), {}, mistakes), s, mistakes);
+  VehicleFile file;
+  Read(LoadConfig(kVehicles / name / (name + ".yaml"), {}, mistakes), file, mistakes);
   mistakes.ThrowIfAny();
-  return s;
+  return {std::get<HelicopterParameters>(file.airframe), file.autopilot};
 }
 
 ModelPtr OverAPlane(const std::string& name = "sr20") {

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <variant>
+
+#include "sim/airframe.h"
+#include "sim/emulated_autopilot.h"
+#include "sim/pan_tilt.h"
+
+namespace kestrel {
+
+// models/vehicles/NAME/NAME.yaml: the airframe, how its autopilot is tuned, and what turns its camera, if
+// anything does.
+struct VehicleFile {
+  std::string kind = "multirotor";
+  AirframeParameters airframe;
+  AutopilotParameters autopilot;
+  std::optional<PanTiltParameters> platform;
+};
+
+template <class Visitor>
+void Fields(Visitor& v, VehicleFile& f) {
+  v("kind", f.kind, {"multirotor", "helicopter"});
+  if (f.kind == "helicopter" && !std::holds_alternative<HelicopterParameters>(f.airframe))
+    f.airframe = HelicopterParameters{};
+  std::visit([&](auto& airframe) { Fields(v, airframe); }, f.airframe);
+  v("autopilot", f.autopilot);
+  v("platform", f.platform);
+}
+
+}  // namespace kestrel
