@@ -11,6 +11,7 @@
 #include "campaign/execution/result_store.h"
 #include "config/yaml_fields.h"
 #include "tests/campaign/example_campaign.h"
+#include "tests/scenarios/temporary_folder.h"
 
 namespace kestrel {
 namespace {
@@ -18,10 +19,10 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 
-class CompareCommandLine : public ::testing::Test {
+class CompareCommandLine : public InTemporaryFolder {
  protected:
-  CompareCommandLine() {
-    fs::remove_all(folder_), fs::create_directories(folder_);
+  void SetUp() override {
+    InTemporaryFolder::SetUp();
     const CampaignResults a = ExampleCampaign();
     CampaignResults b = a;
     for (RunResult& run : b.results)
@@ -29,8 +30,6 @@ class CompareCommandLine : public ::testing::Test {
         found->second *= 0.9;
     Write("a", a), Write("b", b);
   }
-  ~CompareCommandLine() override { fs::remove_all(folder_); }
-
   void Write(const char* name, const CampaignResults& campaign) {
     fs::create_directories(folder_ / name);
     ResultStore store = ResultStore::Open(folder_ / name / "results.sqlite", campaign.identity);
@@ -44,8 +43,6 @@ class CompareCommandLine : public ::testing::Test {
     app.parse(words);
     return CompareCommand(arguments);
   }
-
-  const fs::path folder_ = fs::path(testing::TempDir()) / "kestrel_compare";
 };
 
 TEST_F(CompareCommandLine, ReadsResultFilesOrTheirFoldersAndFailsWhereBIsWorse) {
