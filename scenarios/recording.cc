@@ -10,6 +10,8 @@
 #include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
 
+#include "scenarios/csv_cells.h"
+
 namespace kestrel {
 namespace {
 
@@ -116,17 +118,6 @@ std::string Header() {
   return header;
 }
 
-// A line's cells.
-std::vector<std::string_view> Cells(std::string_view line) {
-  std::vector<std::string_view> cells;
-  for (std::size_t begin = 0;;) {
-    const std::size_t end = line.find(',', begin);
-    cells.push_back(line.substr(begin, end - begin));
-    if (end == std::string_view::npos) return cells;
-    begin = end + 1;
-  }
-}
-
 template <class T>
 T Value(std::string_view cell) {
   T value{};
@@ -137,7 +128,7 @@ T Value(std::string_view cell) {
 }
 
 RecordedFrame FrameOf(std::string_view line) {
-  const std::vector<std::string_view> cells = Cells(line);
+  const std::vector<std::string_view> cells = CsvCells(line);
   const std::size_t expected = kBefore + kStateNumbers + kStateFlags + 3 + RecordedNumbers().size();
   if (cells.size() != expected)
     throw std::runtime_error(fmt::format("{} cells where there are {}", cells.size(), expected));

@@ -8,18 +8,10 @@
 #include <string>
 #include <string_view>
 
+#include "scenarios/csv_cells.h"
+
 namespace kestrel {
 namespace {
-
-std::vector<std::string_view> Cells(std::string_view line) {
-  std::vector<std::string_view> cells;
-  for (std::size_t begin = 0;;) {
-    const std::size_t end = line.find(',', begin);
-    cells.push_back(line.substr(begin, end - begin));
-    if (end == std::string_view::npos) return cells;
-    begin = end + 1;
-  }
-}
 
 std::optional<double> Number(std::string_view text) {
   double value = 0;
@@ -36,7 +28,7 @@ std::optional<Trajectory> ReadTrajectory(const std::filesystem::path& telemetry,
   std::string line;
   if (!std::getline(file, line)) return std::nullopt;
   const std::string header = line;
-  const std::vector<std::string_view> names = Cells(header);
+  const std::vector<std::string_view> names = CsvCells(header);
   std::array<std::size_t, 4> places;
   for (std::size_t k = 0; k < kNames.size(); ++k) {
     places[k] = std::find(names.begin(), names.end(), kNames[k]) - names.begin();
@@ -44,7 +36,7 @@ std::optional<Trajectory> ReadTrajectory(const std::filesystem::path& telemetry,
   }
   std::vector<std::array<double, 4>> points;
   while (std::getline(file, line)) {
-    const std::vector<std::string_view> cells = Cells(line);
+    const std::vector<std::string_view> cells = CsvCells(line);
     if (cells.size() != names.size()) continue;
     std::array<std::optional<double>, 4> found;
     for (std::size_t k = 0; k < found.size(); ++k) found[k] = Number(cells[places[k]]);

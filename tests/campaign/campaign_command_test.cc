@@ -17,6 +17,7 @@
 #include "campaign/execution/result_store.h"
 #include "config/stopwatch.h"
 #include "scenarios/child_program.h"
+#include "tests/campaign/tables.h"
 #include "tests/scenarios/temporary_folder.h"
 
 namespace kestrel {
@@ -60,17 +61,7 @@ vary:
   Ended Campaign(const std::string& arguments) const {
     return Shell(fmt::format("{} campaign {}", KESTREL_PROGRAM, arguments));
   }
-  // Its tables but for what depends on the machine, as text.
-  std::string Tables(const std::string& file) const {
-    const ResultStore store = ResultStore::Read(folder_ / file);
-    std::string text = HashOf(store.identity().table) + "\n";
-    for (const RunResult& r : store.Results()) {
-      text += fmt::format("{} {} {} {} {}", r.row, NameOf(r.status), r.outcome, r.state_hash, r.image_hash);
-      for (const auto& [name, value] : r.metrics) text += fmt::format(" {}={:a}", name, value);
-      text += "\n";
-    }
-    return text;
-  }
+  std::string Tables(const std::string& file) const { return TablesOf(folder_ / file); }
 };
 
 TEST_F(CampaignCommandTest, TheSameTableForOneWorkerAndTwoAndAgainByReplay) {

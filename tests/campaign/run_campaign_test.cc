@@ -19,6 +19,7 @@
 #include "config/yaml_fields.h"
 #include "tests/campaign/results.h"
 #include "tests/campaign/scripted_worker.h"
+#include "tests/campaign/tables.h"
 #include "tests/scenarios/temporary_folder.h"
 
 namespace kestrel {
@@ -52,17 +53,6 @@ class RunCampaignTest : public InTemporaryFolder {
     options.worker = ScriptedWorker(folder_);
     return options;
   }
-  // Its tables but for what depends on the machine, as text.
-  static std::string Tables(const fs::path& file) {
-    const ResultStore store = ResultStore::Read(file);
-    std::string text = HashOf(store.identity().table) + "\n";
-    for (const RunResult& r : store.Results()) {
-      text += fmt::format("{} {} {} {} {}", r.row, NameOf(r.status), r.outcome, r.state_hash, r.image_hash);
-      for (const auto& [name, value] : r.metrics) text += fmt::format(" {}={:a}", name, value);
-      text += "\n";
-    }
-    return text;
-  }
 };
 
 TEST_F(RunCampaignTest, TheTableIsTheSameForAnyNumberOfWorkers) {
@@ -78,7 +68,7 @@ TEST_F(RunCampaignTest, TheTableIsTheSameForAnyNumberOfWorkers) {
     const CampaignEnd end = RunCampaign(work, Options(name, jobs));
     EXPECT_TRUE(end.Complete());
     EXPECT_EQ(end.progress.flown, 13);
-    const std::string tables = Tables(folder_ / name / "results.sqlite");
+    const std::string tables = TablesOf(folder_ / name / "results.sqlite");
     if (first.empty()) first = tables;
     EXPECT_EQ(tables, first) << jobs << " workers";
   }
@@ -168,7 +158,7 @@ TEST_F(RunCampaignTest, KillingTheParentLosesNothingButTheRunsUnderWayAndNothing
   // A worker can have one run under way, and one that it has reported and that is not stored yet.
   EXPECT_LE(RowsIn(folder_ / "flown.txt").size(), kRows + kills * kJobs * 2);
   RunCampaign(work, Options("whole", 1));
-  EXPECT_EQ(Tables(folder_ / "killed/results.sqlite"), Tables(folder_ / "whole/results.sqlite"));
+  EXPECT_EQ(TablesOf(folder_ / "killed/results.sqlite"), TablesOf(folder_ / "whole/results.sqlite"));
 }
 
 TEST_F(RunCampaignTest, KillingWorkersChangesNothing) {
@@ -196,7 +186,7 @@ TEST_F(RunCampaignTest, KillingWorkersChangesNothing) {
   EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
   EXPECT_GT(kills, 0);
   RunCampaign(work, Options("whole", 1));
-  EXPECT_EQ(Tables(folder_ / "killed/results.sqlite"), Tables(folder_ / "whole/results.sqlite"));
+  EXPECT_EQ(TablesOf(folder_ / "killed/results.sqlite"), TablesOf(folder_ / "whole/results.sqlite"));
 }
 
 TEST_F(RunCampaignTest, ARuleEndsItAtTheSameRowWhateverTheWorkers) {
@@ -217,13 +207,13 @@ TEST_F(RunCampaignTest, ARuleEndsItAtTheSameRowWhateverTheWorkers) {
     EXPECT_TRUE(end.Complete());
     EXPECT_EQ(end.progress.done, 12);  // of which rows 4 and 9 fail
     EXPECT_THAT(asked, ElementsAre(1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12));
-    const std::string tables = Tables(options.folder / "results.sqlite");
+    const std::string tables = TablesOf(options.folder / "results.sqlite");
     if (first.empty()) first = tables;
     EXPECT_EQ(tables, first) << jobs;
 
     // And starting again ends at once.
     EXPECT_EQ(RunCampaign(work, options).progress.flown, 0);
-    EXPECT_EQ(Tables(options.folder / "results.sqlite"), first);
+    EXPECT_EQ(TablesOf(options.folder / "results.sqlite"), first);
   }
 }
 
@@ -245,7 +235,7 @@ TEST_F(RunCampaignTest, ShardsJoinedAreTheSameTableAndALostOneIsNamed) {
   EXPECT_EQ(all.added, 3);
   EXPECT_EQ(all.there, 5);
   EXPECT_THAT(all.missing, IsEmpty());
-  EXPECT_EQ(Tables(into), Tables(folder_ / "whole/results.sqlite"));
+  EXPECT_EQ(TablesOf(into), TablesOf(folder_ / "whole/results.sqlite"));
 }
 
 TEST_F(RunCampaignTest, PartsOfOtherCampaignsAndOtherResultsAreNotJoined) {
