@@ -32,7 +32,7 @@ void AddFile(mjVFS* files, const std::string& name, const std::string& bytes) {
 }  // namespace
 
 CompiledModel CompileMjcf(const std::string& mjcf, const std::map<std::string, std::string>& files) {
-  static std::mutex parser;  // MuJoCo keeps the last parsed model in a global variable
+  static std::mutex parser;  // MuJoCo keeps the last parsed model in a global variable,
   const std::lock_guard lock(parser);
 
   constexpr const char* kName = "composed scene.xml";
@@ -43,6 +43,7 @@ CompiledModel CompileMjcf(const std::string& mjcf, const std::map<std::string, s
   char message[1000] = "";
   CompiledModel compiled{ModelPtr(mj_loadXML(kName, in_memory.get(), message, sizeof message)), ""};
   mj_deleteVFS(in_memory.get());
+  mj_freeLastXML();  // with all of its textures
   if (!compiled.model) compiled.message = OneSentence(message);
   return compiled;
 }

@@ -60,7 +60,7 @@ Simulator::Simulator(const SimulatorParameters& parameters)
       X_BC_(MountPose(parameters.mount)),
       studio_(std::make_unique<Studio>(model_.get(), parameters.camera, parameters.render, parameters_.image,
                                        X_BC_, Vibration(parameters.mount.vibration, parameters.seed),
-                                       parameters.seed, parameters.surfaces)),
+                                       parameters.seed, parameters.surfaces, parameters.draw_beside)),
       hashes_(std::make_unique<Hashes>()),
       scheduled_(ChangesOf(parameters.sensors.faults, parameters.actuators.faults, parameters.vehicle)),
       faults_(parameters.image.faults, parameters.seed, parameters.duration_s) {

@@ -86,6 +86,9 @@ struct SimulatorParameters {
   double duration_s = 60;
   std::vector<TargetParameters> targets = {};
   bool surfaces = false;  // of each frame, and the flow between them, for records: see picture()
+  // An image is drawn on a thread of its own, beside the flight code that works on the one before; if not,
+  // a flight is one thread, for who flies as many at once as there are cores. The flight is the same.
+  bool draw_beside = true;
 };
 
 // Something in a run is not a number, or the physics gave up: names what and when.
@@ -95,9 +98,8 @@ struct RunError : std::runtime_error {
 
 // The far end of both wires: the camera and the autopilot of an aircraft in a simulated world. Lockstep: time
 // passes only in Next(), which advances the world until the next frame has come through its latency, or to
-// the end if none comes any more, and in NextUntil(), for who keeps time himself. An image is drawn on a
-// second thread while the flight code works on the one before; what is drawn depends on the moments of its
-// exposure, and on the frames before it, alone.
+// the end if none comes any more, and in NextUntil(), for who keeps time himself. What
+// an image shows depends on the moments of its exposure, and on the frames before it, alone.
 //
 // The camera's clock ticks at its rate, and each tick is a frame unless a fault takes it. A frame's time,
 // from which its latency counts, is the middle of the exposure of the middle row; exposure and readout reach

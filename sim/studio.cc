@@ -11,7 +11,7 @@ namespace kestrel {
 
 Studio::Studio(const mjModel* model, const CameraModel& camera, const RenderOptions& render,
                const ImageParameters& image, const Pose& X_BC, const Vibration& vibration, std::uint64_t seed,
-               bool surfaces)
+               bool surfaces, bool beside)
     : model_(model),
       camera_(camera),
       options_(render),
@@ -22,11 +22,15 @@ Studio::Studio(const mjModel* model, const CameraModel& camera, const RenderOpti
       may_repeat_(std::any_of(image.faults.begin(), image.faults.end(),
                               [](const CameraFault& f) { return f.type == "stuck"; })),
       surfaces_(surfaces) {
-  std::promise<std::string> ready;
-  std::future<std::string> name = ready.get_future();
+  if (!beside) {
+    renderer_ = std::make_unique<Renderer>(model_, camera_, options_);
+    return;
+  }
+  std::promise<void> ready;
+  std::future<void> is_ready = ready.get_future();
   thread_ = std::thread([this, ready = std::move(ready)]() mutable { Work(std::move(ready)); });
   try {
-    name_ = name.get();
+    is_ready.get();
   } catch (...) {
     thread_.join();
     throw;
@@ -45,6 +49,7 @@ Studio::~Studio() {
 void Studio::Submit(Shot shot) {
   std::packaged_task<Picture()> task([this, s = std::move(shot)] { return Draw(s); });
   pictures_.push_back(task.get_future());
+  if (!thread_.joinable()) return task();
   {
     const std::lock_guard lock(mutex_);
     tasks_.push(std::move(task));
@@ -58,10 +63,10 @@ Picture Studio::Take() {
   return picture;
 }
 
-void Studio::Work(std::promise<std::string> ready) {
+void Studio::Work(std::promise<void> ready) {
   try {
     renderer_ = std::make_unique<Renderer>(model_, camera_, options_);
-    ready.set_value(renderer_->name());
+    ready.set_value();
   } catch (...) {
     renderer_.reset();
     ready.set_exception(std::current_exception());

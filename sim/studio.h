@@ -38,25 +38,26 @@ struct Picture {
   cv::Mat flow_here;  // as in Renderer::Flow, of the shot before; empty for the first
 };
 
-// Draws shots on a thread of its own, which holds the renderer, in the order in which they come: renders what
-// is seen while the shutter is open, makes the sensor's image of it, and meters that for the next.
+// Draws shots in the order in which they come: renders what is seen while the shutter is open, makes the
+// sensor's image of it, and meters that for the next. Beside who submits them, on a thread of its own that
+// holds the renderer; or, if not beside, in Submit(), all of it on one thread.
 class Studio {
  public:
   // image: without scatter. surfaces: whether they and the flow are asked for. The model must outlive it.
   // Throws what the Renderer throws.
   Studio(const mjModel* model, const CameraModel& camera, const RenderOptions& render,
          const ImageParameters& image, const Pose& X_BC, const Vibration& vibration, std::uint64_t seed,
-         bool surfaces = false);
+         bool surfaces = false, bool beside = true);
   ~Studio();
   Studio(const Studio&) = delete;
   Studio& operator=(const Studio&) = delete;
 
   void Submit(Shot shot);
   Picture Take();  // of the earliest shot that is not taken yet; waits for it
-  const std::string& renderer_name() const { return name_; }
+  const std::string& renderer_name() const { return renderer_->name(); }
 
  private:
-  void Work(std::promise<std::string> ready);
+  void Work(std::promise<void> ready);
   Picture Draw(const Shot& shot);
   cv::Mat Render(const Shot& shot, const ExposureSetting& setting);
   void Survey(const Shot& shot, Picture& picture);
@@ -73,14 +74,13 @@ class Studio {
   std::vector<Moment> surveyed_;  // the moments around the last shot, if surfaces are asked for
   double surveyed_s_ = 0;
   cv::Mat last_;  // only while it may be asked for again
-  std::string name_;
 
   std::deque<std::future<Picture>> pictures_;
   std::mutex mutex_;
   std::condition_variable wake_;
   std::queue<std::packaged_task<Picture()>> tasks_;
   bool stop_ = false;
-  std::thread thread_;
+  std::thread thread_;  // none: not beside
 };
 
 }  // namespace kestrel

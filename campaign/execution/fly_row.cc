@@ -32,7 +32,8 @@ RunResult FlyRow(const RunOrder& order) {
   // What the flight before took is given back, or a worker would hold the most that it ever needed twice.
   malloc_trim(0);
   try {
-    const LoadedScenario loaded = LoadScenario(order.scenario, order.overrides, false);
+    LoadedScenario loaded = LoadScenario(order.scenario, order.overrides, false);
+    loaded.simulator.draw_beside = false;
     RunOptions options;
     options.folder = order.folder;
     options.video = order.video;

@@ -74,14 +74,19 @@ void StoreFace(const std::vector<cv::Mat>& faces, int face, std::uint32_t* origi
 cv::Mat Enlarged(const cv::Mat& small, cv::Size size, bool repeats) {
   const cv::Size2d ratio(static_cast<double>(small.cols) / size.width,
                          static_cast<double>(small.rows) / size.height);
-  cv::Mat x(size, CV_32F), y(size, CV_32F), large;
-  for (int v = 0; v < size.height; ++v) {
-    for (int u = 0; u < size.width; ++u) {
-      x.at<float>(v, u) = static_cast<float>((u + 0.5) * ratio.width - 0.5);
-      y.at<float>(v, u) = static_cast<float>((v + 0.5) * ratio.height - 0.5);
+  cv::Mat large(size, small.type());
+  constexpr int kStrip = 64;  // rows at a time: where all texels come from takes more room than the picture
+  for (int top = 0; top < size.height; top += kStrip) {
+    cv::Mat strip = large.rowRange(top, std::min(top + kStrip, size.height));
+    cv::Mat x(strip.size(), CV_32F), y(strip.size(), CV_32F);
+    for (int v = 0; v < strip.rows; ++v) {
+      for (int u = 0; u < strip.cols; ++u) {
+        x.at<float>(v, u) = static_cast<float>((u + 0.5) * ratio.width - 0.5);
+        y.at<float>(v, u) = static_cast<float>((top + v + 0.5) * ratio.height - 0.5);
+      }
     }
+    cv::remap(small, strip, x, y, cv::INTER_LINEAR, repeats ? cv::BORDER_WRAP : cv::BORDER_REPLICATE);
   }
-  cv::remap(small, large, x, y, cv::INTER_LINEAR, repeats ? cv::BORDER_WRAP : cv::BORDER_REPLICATE);
   return large;
 }
 

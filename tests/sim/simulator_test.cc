@@ -202,6 +202,14 @@ TEST(Simulator, TheNumberOfDrawingThreadsChangesNothing) {
   EXPECT_TRUE(runs[0] == runs[2]);
 }
 
+TEST(Simulator, ImagesAreTheSameDrawnBesideTheFlightOrInIt) {
+  SimulatorParameters p = Hover();
+  p.image.auto_exposure.target_grey = 40;  // an image depends on the one before
+  const Flown beside = Fly(p);
+  p.draw_beside = false;
+  EXPECT_TRUE(Fly(p) == beside);
+}
+
 TEST(Simulator, WhatOneConsumerDrawsDoesNotShiftAnother) {
   const Flown usual = Fly(Hover());
   SimulatorParameters camera = Hover();
