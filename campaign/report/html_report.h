@@ -40,6 +40,7 @@ struct ReportSubject {
   CampaignSummary summary;         // of them
   std::string results_file;        // records are looked for beside it too, in recordings/
   std::string replay;              // the command that flies a row again, but for the row's number at its end
+  std::string run;                 // where there is none: one that does, but for its keys as --set at the end
   std::string again;               // the command that flies all of it again; may be empty
   std::optional<TuningHistory> tuning;  // then the results are those of the tuned gains on rows unseen
 };

@@ -141,6 +141,7 @@ std::string PageData(const ReportSubject& subject, const fs::path& page_folder) 
                      {"scenario", name == plan.end() ? "" : name->second},
                      {"results_file", subject.results_file},
                      {"replay", subject.replay},
+                     {"run", subject.run},
                      {"again", subject.again},
                      {"summary", Json::parse(ToJson(subject.summary))},
                      {"limits", LimitsOf(scenario)},

@@ -10,7 +10,8 @@ namespace kestrel {
 
 // The data of a page as JSON that may stand within a script element. Numbers read back to the same bits; what
 // is not finite is null.
-//   name, version, table_hash, scenario (its name), results_file, replay, again, plan_text, scenario_text
+//   name, version, table_hash, scenario (its name), results_file, replay, run, again
+//   plan_text, scenario_text
 //   summary       that of campaign/statistics/campaign_summary.h
 //   limits        {metric: {max, min}} of the scenario's criteria
 //   keys          of the sample table

@@ -19,8 +19,7 @@ std::string DifferenceText(const PairedCost& d) {
   return fmt::format("{:+.4g} [{:+.4g}, {:+.4g}]", d.difference, d.low, d.high);
 }
 
-// In a plain sentence.
-std::string VerdictText(const PairedCost& d, const std::string& than) {
+std::string JudgementOf(const PairedCost& d, const std::string& than) {
   return d.high < 0  ? fmt::format("better than {}", than)
          : d.low > 0 ? fmt::format("worse than {}", than)
                      : fmt::format("not shown to differ from {}", than);
@@ -46,11 +45,11 @@ std::string GainsFile(const LoadedTune& tune, const TuneResult& result, const st
       plan.flights.scenario, file, plan.method, plan.flights.seed, result.flights, version,
       result.tuned.costs.size(), plan.held_out_seed, result.tuned.Cost(), PassedText(result.tuned),
       result.start.Cost(), PassedText(result.start), DifferenceText(result.from_start),
-      VerdictText(result.from_start, "those"));
+      JudgementOf(result.from_start, "those"));
   if (result.own)
     text += fmt::format("# Of those that the scenario had {:.4g}, {}: the difference is {}, {}.\n",
                         result.own->Cost(), PassedText(*result.own), DifferenceText(*result.from_own),
-                        VerdictText(*result.from_own, "those"));
+                        JudgementOf(*result.from_own, "those"));
   for (const auto& [key, value] : result.gains)
     text += fmt::format("{}: {}  # began at {}\n", key, value, *plan.gains.at(key).start);
   return text;
@@ -89,11 +88,15 @@ std::string TuneText(const LoadedTune& tune, const TuneResult& result) {
   if (result.own)
     text += fmt::format("  before  {:10.4g}   {}\n", result.own->Cost(), PassedText(*result.own));
   text += fmt::format("  tuned   {:10.4g}   {}\n", result.tuned.Cost(), PassedText(result.tuned));
-  text +=
-      fmt::format("The tuned gains are {}: {} with 95 % confidence.\n",
-                  VerdictText(result.from_start, "those it began with"), DifferenceText(result.from_start));
+  return text + VerdictText(result) + '\n';
+}
+
+std::string VerdictText(const TuneResult& result) {
+  std::string text =
+      fmt::format("The tuned gains are {}: {} with 95 % confidence.",
+                  JudgementOf(result.from_start, "those it began with"), DifferenceText(result.from_start));
   if (result.own)
-    text += fmt::format("They are {}: {}.\n", VerdictText(*result.from_own, "those that the scenario had"),
+    text += fmt::format(" They are {}: {}.", JudgementOf(*result.from_own, "those that the scenario had"),
                         DifferenceText(*result.from_own));
   return text;
 }

@@ -18,6 +18,9 @@ std::string GainsFile(const LoadedTune& tune, const TuneResult& result, const st
 // own and from_own only where the start is not what the scenario has.
 std::string TuneJson(const LoadedTune& tune, const TuneResult& result, const std::string& version);
 
+// Whether the gains found are better than those it began with, and than the scenario's own; sentences.
+std::string VerdictText(const TuneResult& result);
+
 // What came of it, for people.
 std::string TuneText(const LoadedTune& tune, const TuneResult& result);
 

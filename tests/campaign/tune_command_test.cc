@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "campaign/tune_command.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <fstream>
 #include <iterator>
+#include <nlohmann/json.hpp>
 
 #include "campaign/execution/result_store.h"
 #include "config/yaml_fields.h"
@@ -16,6 +18,7 @@ namespace kestrel {
 namespace {
 
 namespace fs = std::filesystem;
+using ::testing::HasSubstr;
 using ::testing::SizeIs;
 
 class TuneCommandTest : public InTemporaryFolder {
@@ -50,6 +53,7 @@ for line in sys.stdin:
     return {(folder_ / "t.yaml").string(),
             (folder_ / out).string(),
             {},
+            0,
             jobs,
             true,
             {"/usr/bin/env", "python3", (folder_ / "worker.py").string(), folder_.string()}};
@@ -80,6 +84,28 @@ TEST_F(TuneCommandTest, TheNumberOfWorkersChangesNothingAndWhatWasFlownIsNotFlow
   const Scenario s = LoadScenario("follow", {"gains=" + (folder_ / "one/gains.yaml").string()}).scenario;
   EXPECT_NEAR(s.pilot.servo.lambda_per_s, 1, 0.3);
   EXPECT_NEAR(s.pilot.servo.lambda_yaw_per_s, 1.2, 0.3);
+}
+
+// What several searches fly alike is flown once: the start and its flights on the held-out rows.
+TEST_F(TuneCommandTest, MethodsAreComparedByTheRowsHeldOutOnOnePage) {
+  EXPECT_TRUE(TuneCommand(Arguments("alone", 2)));
+  const std::size_t alone = RowsIn(folder_ / "flown.txt").size();
+  TuneArguments arguments = Arguments("all", 2);
+  arguments.compare = 2;
+  EXPECT_TRUE(TuneCommand(arguments));
+  EXPECT_LE(RowsIn(folder_ / "flown.txt").size(), alone + 6 * alone - 5 * 10);
+  for (const char* method : {"cma_es", "cross_entropy", "random_search"})
+    for (const char* seed : {"1", "2"})
+      EXPECT_TRUE(fs::exists(folder_ / "all" / fmt::format("{}-{}", method, seed) / "gains.yaml"));
+  // The same, but for the names of what it was set to: nothing known stands for what was not flown.
+  const auto tuned = [&](const char* file) {
+    return nlohmann::json::parse(Text(file)).at("held_out").at("tuned");
+  };
+  EXPECT_EQ(tuned("all/cma_es-1/tuning.json"), tuned("alone/tuning.json"));
+  const std::string page = Text("all/report.html");
+  for (const char* method : {"CMA-ES", "cross-entropy", "random search"})
+    EXPECT_THAT(page, HasSubstr(fmt::format("{{\"method\":\"{}\",\"repetition\":2", method)));
+  EXPECT_THAT(page, HasSubstr("./kestrel run follow --set"));
 }
 
 TEST_F(TuneCommandTest, TheFolderOfAnotherTuningIsRefused) {

@@ -67,4 +67,6 @@ const missedCriteria = (run) => Object.entries(data.limits).filter(([name, {max,
   return !hasNumber(value) || value > (max ?? Infinity) || value < (min ?? -Infinity);
 }).map(([name]) => name);
 
-const replayCommand = (row) => `${data.replay} ${row}`;
+const shellWord = (text) => (/^[\w@%+=:,./-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`);
+const replayCommand = (row) => (data.replay ? `${data.replay} ${row}`
+  : [data.run, ...data.keys.map((key, i) => `--set ${shellWord(`${key}=${runOfRow.get(row).values[i]}`)}`)].join(" "));

@@ -91,7 +91,8 @@ const drawThresholds = () => {
 const drawAgain = () => {
   byId("again").replaceChildren(
     el("h3", {}, "Fly it again"),
-    el("p", {class: "note"}, "Any one run, exactly, from its row:"), commandLine(replayCommand("ROW")),
+    ...(data.replay ? [el("p", {class: "note"}, "Any one run, exactly, from its row:"), commandLine(replayCommand("ROW"))]
+      : [el("p", {class: "note"}, "These are flights with the gains found, on rows that no search saw; each row has its command.")]),
     ...(data.again ? [el("p", {class: "note"}, "All of it, from its file (below, under Files): the same version and file give the same table of results, bit for bit, with however many workers."),
       commandLine(data.again)] : []));
 };

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "campaign/tuning/kept_flights.h"
+
+#include <stdexcept>
+#include <utility>
+
+#include "scenarios/scenario.h"
+#include "scenarios/version.h"
+
+namespace kestrel {
+
+CampaignIdentity FlightsOf(const LoadedTune& tune) {
+  SampleTable table{{"flight"}, {}};
+  const std::size_t most = static_cast<std::size_t>(tune.plan.budget) + 3 * tune.held_out.rows.size();
+  for (std::size_t i = 0; i < most; ++i) table.rows.push_back({std::to_string(i)});
+  const CampaignPlan& flights = tune.plan.flights;
+  return {flights.name, ToYaml(LoadScenario(flights.scenario, flights.set).scenario), tune.text, Version(),
+          table};
+}
+
+KeptFlights::KeptFlights(const LoadedTune& tune, const std::filesystem::path& folder, int jobs,
+                         std::vector<std::string> worker, const std::atomic<bool>& stopped,
+                         KnownFlights* known)
+    : store_(ResultStore::Open(folder / "flights.sqlite", FlightsOf(tune))),
+      jobs_(jobs),
+      limit_s_(tune.plan.flights.limit_s),
+      logs_(folder / "logs"),
+      worker_(std::move(worker)),
+      stopped_(stopped),
+      known_(known) {
+  for (RunResult& result : store_.Results()) {
+    const std::int64_t row = result.row;
+    kept_.emplace(row, std::move(result));
+  }
+}
+
+std::vector<RunResult> KeptFlights::operator()(const std::vector<RunOrder>& orders) {
+  std::vector<RunResult> results;
+  std::map<std::int64_t, const RunOrder*> missing;
+  for (const RunOrder& order : orders) {
+    if (const auto kept = kept_.find(order.row); kept != kept_.end()) {
+      if (known_) known_->emplace(order.overrides, kept->second);
+      results.push_back(kept->second);
+    } else if (known_ && known_->contains(order.overrides)) {
+      RunResult result = known_->at(order.overrides);
+      result.row = order.row;
+      Keep(std::move(result), order, results);
+    } else {
+      missing.emplace(order.row, &order);
+    }
+  }
+  if (!missing.empty() && !pool_) pool_.emplace(jobs_, limit_s_, logs_, worker_);
+  for (auto next = missing.begin(); next != missing.end() || (pool_ && pool_->under_way() > 0);) {
+    if (stopped_) throw std::runtime_error("interrupted; the same command goes on from here");
+    while (next != missing.end() && pool_->Idle()) pool_->Give(*next++->second);
+    if (auto result = pool_->Take(0.2)) {
+      const RunOrder& order = *missing.at(result->row);
+      Keep(std::move(*result), order, results);
+    }
+  }
+  return results;
+}
+
+std::vector<RunResult> KeptFlights::Rows(std::int64_t from, std::int64_t to) const {
+  std::vector<RunResult> results;
+  for (auto kept = kept_.lower_bound(from); kept != kept_.end() && kept->first < to; ++kept) {
+    results.push_back(kept->second);
+    results.back().row -= from;
+  }
+  return results;
+}
+
+void KeptFlights::Keep(RunResult result, const RunOrder& order, std::vector<RunResult>& results) {
+  store_.Put(result);
+  kept_.emplace(result.row, result);
+  if (known_) known_->emplace(order.overrides, result);
+  results.push_back(std::move(result));
+}
+
+}  // namespace kestrel
