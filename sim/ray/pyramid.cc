@@ -13,13 +13,19 @@ std::uint32_t Packed(const cv::Vec3b& rgb) {
   return static_cast<std::uint32_t>(rgb[2] | rgb[1] << 8 | rgb[0] << 16);
 }
 
-// Writes one level of a picture that repeats, with a border of what repeats.
-void StoreRepeating(const cv::Mat& rgb, std::uint32_t* origin, int stride) {
-  for (int y = -1; y <= rgb.rows; ++y) {
-    for (int x = -1; x <= rgb.cols; ++x) {
-      origin[static_cast<std::ptrdiff_t>(y) * stride + x] =
-          Packed(rgb.at<cv::Vec3b>((y + rgb.rows) % rgb.rows, (x + rgb.cols) % rgb.cols));
-    }
+// Writes some rows, from the one at top on, of one level of a picture that repeats, so many rows high; with a
+// border of what repeats.
+void StoreRepeating(const cv::Mat& rgb, int top, int height, std::uint32_t* origin, int stride) {
+  for (int y = 0; y < rgb.rows; ++y) {
+    const auto write = [&](int row) {
+      for (int x = -1; x <= rgb.cols; ++x) {
+        origin[static_cast<std::ptrdiff_t>(row) * stride + x] =
+            Packed(rgb.at<cv::Vec3b>(y, (x + rgb.cols) % rgb.cols));
+      }
+    };
+    write(top + y);
+    if (top + y == 0) write(height);
+    if (top + y == height - 1) write(-1);
   }
 }
 
@@ -70,23 +76,18 @@ void StoreFace(const std::vector<cv::Mat>& faces, int face, std::uint32_t* origi
   }
 }
 
-// The picture at another size, its larger neighbour's texels between its own.
-cv::Mat Enlarged(const cv::Mat& small, cv::Size size, bool repeats) {
+// Rows of the picture at another size, its larger neighbour's texels between its own.
+cv::Mat Enlarged(const cv::Mat& small, cv::Size size, cv::Range rows, bool repeats) {
   const cv::Size2d ratio(static_cast<double>(small.cols) / size.width,
                          static_cast<double>(small.rows) / size.height);
-  cv::Mat large(size, small.type());
-  constexpr int kStrip = 64;  // rows at a time: where all texels come from takes more room than the picture
-  for (int top = 0; top < size.height; top += kStrip) {
-    cv::Mat strip = large.rowRange(top, std::min(top + kStrip, size.height));
-    cv::Mat x(strip.size(), CV_32F), y(strip.size(), CV_32F);
-    for (int v = 0; v < strip.rows; ++v) {
-      for (int u = 0; u < strip.cols; ++u) {
-        x.at<float>(v, u) = static_cast<float>((u + 0.5) * ratio.width - 0.5);
-        y.at<float>(v, u) = static_cast<float>((top + v + 0.5) * ratio.height - 0.5);
-      }
+  cv::Mat x(rows.size(), size.width, CV_32F), y(x.size(), CV_32F), large;
+  for (int v = 0; v < x.rows; ++v) {
+    for (int u = 0; u < x.cols; ++u) {
+      x.at<float>(v, u) = static_cast<float>((u + 0.5) * ratio.width - 0.5);
+      y.at<float>(v, u) = static_cast<float>((rows.start + v + 0.5) * ratio.height - 0.5);
     }
-    cv::remap(small, strip, x, y, cv::INTER_LINEAR, repeats ? cv::BORDER_WRAP : cv::BORDER_REPLICATE);
   }
+  cv::remap(small, large, x, y, cv::INTER_LINEAR, repeats ? cv::BORDER_WRAP : cv::BORDER_REPLICATE);
   return large;
 }
 
@@ -126,24 +127,31 @@ Pyramid MakePyramid(const mjModel* model, int texture) {
     const std::size_t from = rows == width ? 0 : static_cast<std::size_t>(face) * 3 * width * width;
     faces.emplace_back(height, width, CV_8UC3, data + (cube ? from : 0));
   }
-  const auto store = [&](const std::vector<cv::Mat>& rgb, int level) {
+  const auto store = [&](const std::vector<cv::Mat>& rgb, int level, int top = 0) {
     std::uint32_t* origin = p.texels.data() + p.offset[level];
-    if (!cube) return StoreRepeating(rgb[0], origin, p.stride[level]);
+    if (!cube) return StoreRepeating(rgb[0], top, static_cast<int>(p.height[level]), origin, p.stride[level]);
     for (int face = 0; face < 6; ++face)
       StoreFace(rgb, face, origin + static_cast<std::ptrdiff_t>(face) * p.face_stride, p.stride[level]);
   };
   store(faces, 0);
   for (std::size_t octave = 0; octave + 1 < octaves.size(); ++octave) {
-    std::vector<cv::Mat> halves, blurred, mixed(p.faces);
-    for (const cv::Mat& face : faces) {
-      halves.emplace_back();
-      cv::resize(face, halves.back(), octaves[octave + 1], 0, 0, cv::INTER_AREA);
-      blurred.push_back(Enlarged(halves.back(), face.size(), !cube));
-    }
-    for (int part = 0; part < 4; ++part) {
-      for (int face = 0; face < p.faces; ++face)
-        cv::addWeighted(faces[face], 1 - kMiddles[part], blurred[face], kMiddles[part], 0, mixed[face]);
-      store(mixed, 1 + 4 * static_cast<int>(octave) + part);
+    std::vector<cv::Mat> halves(faces.size());
+    for (std::size_t face = 0; face < faces.size(); ++face)
+      cv::resize(faces[face], halves[face], octaves[octave + 1], 0, 0, cv::INTER_AREA);
+    // A few rows at a time, for a large picture and all that is made of it on the way would take much room;
+    // the faces of a cube, which are small, need each other.
+    const cv::Size size = octaves[octave];
+    const int rows_at_once = cube ? size.height : 64;
+    for (int top = 0; top < size.height; top += rows_at_once) {
+      const cv::Range strip(top, std::min(top + rows_at_once, size.height));
+      std::vector<cv::Mat> blurred, mixed(faces.size());
+      for (const cv::Mat& half : halves) blurred.push_back(Enlarged(half, size, strip, !cube));
+      for (int part = 0; part < 4; ++part) {
+        for (std::size_t face = 0; face < faces.size(); ++face)
+          cv::addWeighted(faces[face].rowRange(strip), 1 - kMiddles[part], blurred[face], kMiddles[part], 0,
+                          mixed[face]);
+        store(mixed, 1 + 4 * static_cast<int>(octave) + part, top);
+      }
     }
     faces = halves;
   }
