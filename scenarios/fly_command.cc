@@ -251,6 +251,9 @@ bool FlyCommand(const FlyArguments& a) {
   PreFlightOptions check;
   check.pilot_untold = aircraft.pilot_untold;
   check.interrupted = &interrupted;
+  check.tell = [&](const std::string& trouble) {
+    Print(stderr, fmt::format("camera: {}; tried again for {:g} s\n", trouble, check.connect_s));
+  };
   const std::vector<CheckItem> items = PreFlight(plan, *camera, *link, check);
   if (interrupted) {
     ReportNotFlown(plan, options, "interrupted during the check list");

@@ -30,12 +30,16 @@ bool Interrupted(const PreFlightOptions& o) { return o.interrupted && *o.interru
 Watched Watch(LiveCamera& camera, const PreFlightOptions& o) {
   Watched watched;
   double until_s = MonotonicNow_s() + o.connect_s;
+  std::string told;
   while (!Interrupted(o)) {
     const double left_s = until_s - MonotonicNow_s();
     if (left_s <= 0) break;
     const auto frame = camera.Next(std::min(left_s, kSlice_s));
     if (!frame) {
-      if (camera.Health().state == LiveCameraState::kEnded) break;
+      const LiveCameraHealth health = camera.Health();
+      if (health.state == LiveCameraState::kEnded) break;
+      if (watched.images == 0 && o.tell && !health.trouble.empty() && health.trouble != told)
+        o.tell(told = health.trouble);
       continue;
     }
     if (watched.images++ == 0) watched.first_s = frame->t_s, until_s = MonotonicNow_s() + o.watch_s;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,8 @@ struct PreFlightOptions {
   double sane_speed_m_s = 10;
   bool pilot_untold = false;  // that the autopilot does not tell of a pilot's switch is no reason not to fly
   const std::atomic<bool>* interrupted = nullptr;  // ends the watching
+  std::function<void(const std::string&)> tell =
+      {};  // what keeps the first image away, while it is waited for
 };
 
 // The check list before a flight, each item with what was found: camera rate, image against calibration,

@@ -180,7 +180,12 @@ TEST_F(FlyTest, AnImageThatCameAndCannotBeFlownByIsNotSaidToBeNone) {
     std::string Trouble() const override { return "an image of 320x240 came"; }
   };
   LiveCamera camera([] { return std::make_unique<Other>(); }, {});
-  items_ = PreFlight(plan_, camera, link_, {.watch_s = 0.2, .connect_s = 0.2});
+  std::vector<std::string> told;
+  items_ = PreFlight(plan_, camera, link_,
+                     {.watch_s = 0.2, .connect_s = 0.3, .tell = [&](const std::string& trouble) {
+                        told.push_back(trouble);
+                      }});
+  EXPECT_EQ(told, std::vector<std::string>{"an image of 320x240 came"});  // at once, and once
   EXPECT_FALSE(Item("camera").ok);
   EXPECT_THAT(Item("camera").found, HasSubstr("an image of 320x240 came"));
   EXPECT_THAT(Item("camera").found, ::testing::Not(HasSubstr("no image")));
