@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <opencv2/imgcodecs.hpp>
 
+#include "scenarios/gains_file.h"
 #include "scenarios/model_files.h"
 #include "vision/calibration_file.h"
 #include "vision/pad_file.h"
@@ -44,6 +45,43 @@ cv::Mat OwnParts(const FlightPlan& plan, const fs::path& beside, const CameraMod
   return picture;
 }
 
+LoadedPlan LoadWhole(const fs::path& file, const std::vector<std::string>& overrides) {
+  Mistakes mistakes;
+  const std::string where = file.string();
+  LoadedPlan loaded;
+  FlightPlan& p = loaded.plan;
+  Config config = LoadConfig(file, overrides, mistakes);
+  PassOverWorld(config.root, "");
+  PassOverGains(config);
+  Read(config, p, mistakes);
+  if (!config.readable) mistakes.ThrowIfAny();
+  if (p.name.empty()) p.name = file.stem().string();
+  CheckFlight(p.flight, p.image.colour, config, where, mistakes);
+
+  FlightParts& parts = loaded.parts;
+  parts.flight = p.flight;
+  parts.pilot = p.pilot;
+  parts.X_BC = MountPose(p.mount);
+  parts.seed = p.seed;
+  if (const auto camera =
+          CameraFile(p.camera, file.parent_path(), WhereOf(config, "camera", where), mistakes)) {
+    const std::size_t before = mistakes.messages().size();
+    parts.camera = LoadCamera(*camera, mistakes, p.camera_name);
+    if (mistakes.messages().size() == before) {
+      CheckView(p.flight, p.camera, parts.camera, p.mount, config, where, mistakes);
+      parts.own_parts = OwnParts(p, file.parent_path(), parts.camera, where, mistakes);
+    }
+  }
+  const fs::path pads = Root() / "models" / "pads";
+  if (p.pad.name == "none") {
+    CheckHasPad(p.flight, config, where, mistakes);
+  } else if (Known("pad", p.pad.name, NamesIn(pads, ""), WhereOf(config, "pad", where), mistakes)) {
+    parts.pad = LoadPad(pads / p.pad.name / (p.pad.name + ".yaml"), mistakes).reference;
+  }
+  mistakes.ThrowIfAny();
+  return loaded;
+}
+
 }  // namespace
 
 const std::vector<std::string_view>& WorldKeys() {
@@ -78,40 +116,9 @@ const std::vector<std::string_view>& WorldKeys() {
 }
 
 LoadedPlan LoadPlan(const std::string& name_or_file, const std::vector<std::string>& overrides) {
-  Mistakes mistakes;
   const fs::path file = ScenarioFile(name_or_file);
-  const std::string where = file.string();
-  LoadedPlan loaded;
-  FlightPlan& p = loaded.plan;
-  Config config = LoadConfig(file, overrides, mistakes);
-  PassOverWorld(config.root, "");
-  Read(config, p, mistakes);
-  if (!config.readable) mistakes.ThrowIfAny();
-  if (p.name.empty()) p.name = file.stem().string();
-  CheckFlight(p.flight, p.image.colour, config, where, mistakes);
-
-  FlightParts& parts = loaded.parts;
-  parts.flight = p.flight;
-  parts.pilot = p.pilot;
-  parts.X_BC = MountPose(p.mount);
-  parts.seed = p.seed;
-  if (const auto camera =
-          CameraFile(p.camera, file.parent_path(), WhereOf(config, "camera", where), mistakes)) {
-    const std::size_t before = mistakes.messages().size();
-    parts.camera = LoadCamera(*camera, mistakes, p.camera_name);
-    if (mistakes.messages().size() == before) {
-      CheckView(p.flight, p.camera, parts.camera, p.mount, config, where, mistakes);
-      parts.own_parts = OwnParts(p, file.parent_path(), parts.camera, where, mistakes);
-    }
-  }
-  const fs::path pads = Root() / "models" / "pads";
-  if (p.pad.name == "none") {
-    CheckHasPad(p.flight, config, where, mistakes);
-  } else if (Known("pad", p.pad.name, NamesIn(pads, ""), WhereOf(config, "pad", where), mistakes)) {
-    parts.pad = LoadPad(pads / p.pad.name / (p.pad.name + ".yaml"), mistakes).reference;
-  }
-  mistakes.ThrowIfAny();
-  return loaded;
+  return LoadWithGains(file, overrides,
+                       [&](const std::vector<std::string>& all) { return LoadWhole(file, all); });
 }
 
 }  // namespace kestrel

@@ -12,6 +12,7 @@
 
 #include "geometry/tait_bryan.h"
 #include "scenarios/check_image.h"
+#include "scenarios/gains_file.h"
 #include "scenarios/metrics.h"
 #include "sim/horizon.h"
 #include "sim/vehicle_file.h"
@@ -129,46 +130,12 @@ std::vector<std::string> NotesOn(const Scenario& s, const CameraModel& camera) {
   return notes;
 }
 
-// What the scenario's key `gains` names: a file of "key.path: value", as overrides, and where each is
-// written.
-struct GainsFile {
-  std::vector<std::string> overrides, places;
-};
-
-GainsFile LoadGains(const fs::path& scenario, const std::vector<std::string>& overrides) {
-  GainsFile gains;
-  Mistakes mistakes, others;
-  const Config config = LoadConfig(scenario, overrides, others);
-  const ConfigNode* named = config.readable ? Find(config, "gains") : nullptr;
-  if (!named || named->kind == ConfigNode::Kind::kNothing) return gains;
-  fs::path file = scenario.parent_path() / named->text;
-  if (!fs::is_regular_file(file)) file = named->text;
-  if (!fs::is_regular_file(file)) {
-    mistakes.Add(
-        named->where, "gains",
-        fmt::format("there is no file '{}'; valid: one beside the scenario or from here", named->text));
-    mistakes.ThrowIfAny();
-  }
-  const Config read = LoadConfig(file, {}, mistakes);
-  if (read.readable && read.root.kind != ConfigNode::Kind::kMap)
-    mistakes.Add(read.root.where, "", "holds no gains; valid: lines of key.path: value");
-  for (const auto& [key, node] : read.root.members) {
-    if (node.kind != ConfigNode::Kind::kText)
-      mistakes.Add(node.where, key, "is not a single value; valid: lines of key.path: value");
-    gains.overrides.push_back(key + '=' + node.text);
-    gains.places.push_back(node.where);
-  }
-  mistakes.ThrowIfAny();
-  return gains;
-}
-
 LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& overrides, bool compile) {
   Mistakes mistakes;
   LoadedScenario loaded;
   Scenario& s = loaded.scenario;
   Config config = LoadConfig(file, overrides, mistakes);
-  std::erase_if(config.root.members,
-                [](const auto& member) { return member.first == "gains"; });  // done with
+  PassOverGains(config);
   if (const ConfigNode* world = Find(config, "world")) s.landscape = LandscapeOf(world->text, mistakes);
   const auto landscape = s.landscape;
   const ConfigNode* named = Find(config, "vehicle");
@@ -282,21 +249,8 @@ LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& o
 LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<std::string>& overrides,
                             bool compile) {
   const fs::path file = ScenarioFile(name_or_file);
-  const GainsFile gains = LoadGains(file, overrides);
-  std::vector<std::string> all = gains.overrides;
-  all.insert(all.end(), overrides.begin(), overrides.end());
-  try {
-    return LoadWhole(file, all, compile);
-  } catch (const InputError& e) {
-    std::vector<std::string> messages = e.messages;
-    for (std::string& message : messages) {
-      for (std::size_t i = 0; i < gains.places.size(); ++i) {
-        const std::string set = fmt::format("--set {}: ", gains.overrides[i]);
-        if (message.starts_with(set)) message.replace(0, set.size(), gains.places[i] + ": ");
-      }
-    }
-    throw InputError(messages);
-  }
+  return LoadWithGains(file, overrides,
+                       [&](const std::vector<std::string>& all) { return LoadWhole(file, all, compile); });
 }
 
 FlightParts PartsOf(const LoadedScenario& loaded) {

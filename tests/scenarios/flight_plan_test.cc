@@ -73,6 +73,22 @@ TEST_F(FlightPlanTest, IsWhatTheScenarioSays) {
   }
 }
 
+// A real aircraft flies by the gains that the simulator flies by; those of the world's keys are passed over.
+TEST_F(FlightPlanTest, GainsOfAFileAreOfThePlanToo) {
+  WriteFile(folder_ / "gains.yaml", "pilot.servo.lambda_per_s: 0.9\nautopilot.velocity_gain_per_s: 0.7\n");
+  const std::string file = (folder_ / "flight.yaml").string();
+  WriteFile(file, "mission: hover\ngains: gains.yaml\n");
+  EXPECT_EQ(LoadPlan(file).plan.pilot.servo.lambda_per_s, 0.9);
+  EXPECT_EQ(LoadPlan(file, {"pilot.servo.lambda_per_s=0.8"}).plan.pilot.servo.lambda_per_s, 0.8);
+  WriteFile(folder_ / "gains.yaml", "pilot.servo.lambda_per: 0.9\n");
+  try {
+    LoadPlan(file);
+    FAIL();
+  } catch (const InputError& e) {
+    EXPECT_THAT(e.what(), HasSubstr("gains.yaml:1: pilot.servo.lambda_per: unknown key"));
+  }
+}
+
 TEST_F(FlightPlanTest, ReadsItsOwnWords) {
   const LoadedPlan plan = LoadPlan("landing", {"flight.descent_m_s=0.4", "mount.yaw_deg=90"});
   WriteFile(folder_ / "again.yaml", ToYaml(plan.plan));
