@@ -112,6 +112,7 @@ class Records {
     RecorderOptions options;
     options.video = o.video;
     options.rate_hz = plan.plan.image.rate_hz;
+    options.plots.title = fmt::format("{}, {}", o.dry_run ? kDryRunMode : kRealMode, plan.plan.name);
     options.telemetry = {.truth = false, .safety = true};
     recorder_.emplace(folder, options);
     WriteFile(folder / "scenario.yaml", ToYaml(plan.plan));

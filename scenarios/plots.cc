@@ -269,7 +269,8 @@ std::string Attitude(const std::filesystem::path& file, const std::vector<LogRow
 }  // namespace
 
 std::vector<std::string> PlotNames() {
-  return {"position.png", "error.png", "trajectory.png", "attitude.png", "follow.png", "encounter.png"};
+  return {"position.png", "error.png",     "trajectory.png", "attitude.png",
+          "follow.png",   "encounter.png", "flown.png"};
 }
 
 void DrawPlots(const std::filesystem::path& folder, const std::vector<LogRow>& rows,

@@ -16,7 +16,7 @@ struct PlotOptions {
   std::optional<Eigen::Vector2d> pad_size_m;  // along its x and y; none: there is no pad
 };
 
-// The names of all figures that there may be.
+// The names of all figures that there may be, those of a flight without truth (flown_plot.h) too.
 std::vector<std::string> PlotNames();
 
 // Draws the figures of a flight with the program gnuplot into an existing folder: position.png, the aircraft

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "geometry/tait_bryan.h"
+#include "scenarios/flown_plot.h"
 #include "scenarios/summary.h"
 
 namespace kestrel {
@@ -179,7 +180,7 @@ Recorder::Recorder(std::filesystem::path folder, RecorderOptions options)
 
 void Recorder::Write(const LogRow& row) {
   telemetry_->Write(TelemetryLine(row, options_.telemetry) + '\n');
-  if (options_.telemetry.truth) rows_.push_back(row);  // for the plots
+  rows_.push_back(row);  // for the plots
 }
 
 void Recorder::WriteImage(const cv::Mat& bgr) {
@@ -199,7 +200,12 @@ Summary Recorder::Finish(Summary summary) {
   };
   attempt([&] { telemetry_->Close(); });
   if (video_) attempt([&] { video_->Close(); });
-  if (options_.telemetry.truth) attempt([&] { DrawPlots(folder_ / "plots", rows_, options_.plots); });
+  attempt([&] {
+    if (options_.telemetry.truth)
+      DrawPlots(folder_ / "plots", rows_, options_.plots);
+    else
+      DrawFlownPlot(folder_ / "plots" / "flown.png", rows_, options_.plots.title);
+  });
   WriteFile(folder_ / "summary.json", ToJson(summary));
   return summary;
 }

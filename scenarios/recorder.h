@@ -23,7 +23,7 @@ struct RecorderOptions {
   bool video = true;
   double rate_hz = 30;  // of the video
   PlotOptions plots = {};
-  TelemetryOptions telemetry = {};  // without truth there are no plots
+  TelemetryOptions telemetry = {};  // without truth there is one plot (flown_plot.h)
 };
 
 // Writes the folder of a run: telemetry.csv, video.mp4, plots/ and, last, summary.json. A file has its final
