@@ -71,14 +71,15 @@ void DrawFlownPlot(const std::filesystem::path& file, const std::vector<LogRow>&
     text += fmt::format("set yrange {}\nplot $flown ", spans[i].Range(least));
   };
   const char *seen = "points pt 7 ps 0.45", *thin = "lines lw 1.2 dt (4,4)", *thick = "lines lw 1.8";
-  panel(0, "over the pad, as seen; height by the autopilot (m)", 0.5);
+  panel(0, "over the pad (m)", 0.5);
   text += line(2, 0, seen, "x") + ", '' " + line(3, 1, seen, "y") + ", '' " + line(4, 2, seen, "height") +
-          ", '' using 1:5 with lines lw 1.6 lc rgb '#222222' title 'autopilot'\n";
-  panel(1, "velocity, asked for and sent (m/s)", 0.2);
-  text += line(6, 0, thin, "forward, asked") + ", '' " + line(7, 1, thin, "right, asked") + ", '' " +
-          line(8, 2, thin, "down, asked") + ", '' " + line(9, 0, thick, "sent") + ", '' " +
-          line(10, 1, thick, "sent") + ", '' " + line(11, 2, thick, "sent") + '\n';
-  panel(2, "roll and pitch, autopilot (°)", 2.0);
+          ", '' using 1:5 with lines lw 1.6 lc rgb '#222222' title 'height, autopilot'\n";
+  text += "set key at graph 1, 1.13 right top horizontal noautotitle samplen 2\n";
+  panel(1, "velocity (m/s)", 0.2);
+  text += line(9, 0, thick, "forward, sent") + ", '' " + line(10, 1, thick, "right, sent") + ", '' " +
+          line(11, 2, thick, "down, sent") + ", '' " + line(6, 0, thin, "asked for") + ", '' " +
+          line(7, 1, thin, "") + ", '' " + line(8, 2, thin, "") + '\n';
+  panel(2, "roll and pitch (°)", 2.0);
   text += line(12, 0, thick, "roll") + ", '' " + line(13, 1, thick, "pitch") + '\n';
   try {
     PipedProgram gnuplot({"gnuplot", "-d"});
