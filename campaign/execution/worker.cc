@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The far side of the pool's wire.
 #include <fcntl.h>
+#include <malloc.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -35,6 +36,12 @@ int WorkerMain() {
   dup2(nothing, STDIN_FILENO);
   dup2(STDERR_FILENO, STDOUT_FILENO);
   close(nothing);
+
+#ifdef __GLIBC__
+  // What is larger than the images of a frame, as textures on their way to the renderer and what a search for
+  // the pad takes, is given back at once.
+  mallopt(M_MMAP_THRESHOLD, 1 << 22);
+#endif
 
   if (!WriteAll(reports, kGreetingLine)) return 3;
   std::string heard;
