@@ -26,11 +26,11 @@ std::string CostText(const FlightCost& cost) {
     terms.push_back(fmt::format("{}{} / {}", term.weight == 1 ? "" : fmt::format("{} ", term.weight), metric,
                                 term.scale));
   const std::string penalties = cost.constraints.empty() ? "" : ", and penalties";
-  return fmt::format("cost: {}{}", fmt::join(terms, " + "), penalties);
+  return fmt::format("{}{}", fmt::join(terms, " + "), penalties);
 }
 
 SearchCurve CurveOf(const Searched& searched, int repetition) {
-  SearchCurve curve{MethodText(searched.tune.plan.method), repetition, {}, {}};
+  SearchCurve curve{MethodText(searched.tune.plan.method), repetition, {}, {}, searched.result.tuned.Cost()};
   double least = std::numeric_limits<double>::infinity();
   for (const Evaluation& e : searched.result.search) {
     least = std::min(least, e.Cost());

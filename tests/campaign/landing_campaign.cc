@@ -167,13 +167,13 @@ ReportSubject LandingCampaign(std::int64_t runs, const std::filesystem::path& fo
 }
 
 TuningHistory HoverTuning() {
-  TuningHistory tuning{"cost: 20 hold_horizontal_rmse_m + settle_s / 10", 6.8, "", {}, {}};
+  TuningHistory tuning{"20 hold_horizontal_rmse_m + settle_s / 10", 6.8, "", {}, {}};
   Dice dice(5);
   const std::pair<const char*, double> methods[] = {
       {"CMA-ES", 70}, {"cross-entropy", 120}, {"random search", 260}};
   for (const auto& [method, slowness] : methods) {
     for (int repetition = 1; repetition <= 5; ++repetition) {
-      SearchCurve curve{method, repetition, {}, {}};
+      SearchCurve curve{method, repetition, {}, {}, slowness / 100 + 0.01 * repetition};
       double best = 1e9;
       for (int flights = 20; flights <= 500; flights += 20) {
         const double cost = 1.9 + 0.25 * std::abs(dice.Normal()) +

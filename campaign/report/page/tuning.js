@@ -36,10 +36,22 @@ const describeTuning = () => {
                    borderColor: color("soft"), borderDash: [6, 4], borderWidth: 1.5, pointStyle: "line", order: 3});
   return {type: "scatter", data: {datasets}, options: {
     interaction: {mode: "nearest", axis: "x", intersect: false},
-    scales: {x: axis("flights", {min: 0}), y: axis(data.tuning.cost, logarithmic ? {type: "logarithmic"} : {})},
+    scales: {x: axis("flights", {min: 0}), y: axis("cost", logarithmic ? {type: "logarithmic"} : {})},
     plugins: {legend: {labels: {usePointStyle: true, filter: ({datasetIndex}) => !datasets[datasetIndex].alone}},
               tooltip: {callbacks: {label: ({dataset, parsed}) => `${dataset.label}: ${number(parsed.y)} after ${count(parsed.x)} flights`}}},
   }};
+};
+
+// Searches side by side, by what the gains that they found cost where none of them looked.
+const showHeldOut = () => {
+  const rows = methods().map((method) => {
+    const costs = ascending(data.tuning.searches.filter((each) => each.method === method).map(({held_out}) => held_out));
+    return {method, costs, median: quantileOfSorted(costs, 0.5)};
+  }).filter(({costs}) => costs.length).sort((a, b) => a.median - b.median);
+  byId("tuning-note").after(el("h3", {}, "Cost on rows that no search saw"), el("table", {id: "tuning-held-out"},
+    el("thead", {}, el("tr", {}, el("th", {}, "method"), el("th", {class: "number"}, "median"), el("th", {}, "each search"))),
+    el("tbody", {}, rows.map(({method, costs, median}) => el("tr", {}, el("td", {}, method),
+      el("td", {class: "number"}, number(median)), el("td", {}, costs.map((cost) => number(cost)).join("  ")))))));
 };
 
 const setUpTuning = () => {
@@ -53,9 +65,10 @@ const setUpTuning = () => {
   const repeated = methods().some((method) => data.tuning.searches.filter((each) => each.method === method).length > 1);
   byId("tuning-note").textContent = "The least cost found after so many flights, as the search saw it" +
     (repeated ? "; thick: the median of the repetitions, thin: each of them." : ".") +
-    " How the gains do on rows that the search never saw is in the other sections.";
+    ` Cost: ${data.tuning.cost}. How the gains do on rows that the search never saw is in the other sections.`;
   if (data.tuning.verdict) byId("tuning-note").after(el("p", {id: "tuning-verdict"}, data.tuning.verdict));
   drawIt();
+  if (data.tuning.searches.length > 1) showHeldOut();
   if (!data.tuning.gains.length) return void (byId("tuning-gains").hidden = true);
   byId("tuning-gains").append(el("h3", {}, "Gains"), el("table", {},
     el("thead", {}, el("tr", {}, el("th", {}, "key"),
