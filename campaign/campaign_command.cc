@@ -18,6 +18,7 @@
 #include "campaign/execution/batch_script.h"
 #include "campaign/execution/fly_row.h"
 #include "campaign/statistics/share_sequence.h"
+#include "campaign/statistics/stop_rule.h"
 #include "campaign/statistics/thresholds.h"
 #include "config/stopwatch.h"
 #include "config/yaml_fields.h"
@@ -128,12 +129,13 @@ Asked Read(const CampaignArguments& a) {
 
 // What --stop-when makes of a plan.
 std::string RuleOf(const CampaignArguments& a) {
-  return a.stop_when ? fmt::format("--stop-when {:g}", *a.stop_when) : std::string();
+  return a.stop_when ? StopRule(*a.stop_when) : std::string();
 }
 
 // Against the plan's thresholds, also into --junit.
 bool KeepsThresholds(const CampaignArguments& a, const Asked& asked, const std::vector<RunResult>& results) {
-  const std::vector<JudgedThreshold> judged = Judge(asked.campaign.plan.thresholds, results);
+  const std::vector<JudgedThreshold> judged =
+      Judge(asked.campaign.plan.thresholds, results, a.stop_when.has_value());
   if (!a.junit.empty()) WriteFile(a.junit, ToJunit(asked.campaign.plan.name, judged));
   return std::all_of(judged.begin(), judged.end(), [](const JudgedThreshold& t) { return t.passed; });
 }
@@ -173,8 +175,6 @@ bool Fly(const CampaignArguments& a) {
                  Share(end.progress.passed, end.progress.done), file.string());
     return end.mistrust.empty();
   }
-  if (!a.quiet && end.enough && end.progress.done < end.progress.rows)
-    fmt::print("the share is known well enough: the rows from {} on are not flown\n", end.progress.done);
   ReportCommand({.of = a.file, .out = asked.folder.string(), .quiet = a.quiet});
   const std::vector<RunResult> results = ResultStore::Read(file).Results();
   if (!a.quiet) {

@@ -111,9 +111,15 @@ void AddThresholds(const CampaignSummary& s, std::string& text) {
 std::string ToText(const CampaignSummary& s) {
   std::string text = fmt::format("{}: {} of {} runs\n", s.name, s.runs, s.rows);
   if (s.runs == 0) return text;
-  text += fmt::format("success {} ({} of {}), 95 % interval {} to {}; at least {} with 95 % confidence\n",
-                      Percent(s.success.value), s.passed, s.runs, Percent(s.success.interval.low),
-                      Percent(s.success.interval.high), Percent(s.success_at_least));
+  text += fmt::format("success {} ({} of {}), 95 % interval {} to {}", Percent(s.success.value), s.passed,
+                      s.runs, Percent(s.success.interval.low), Percent(s.success.interval.high));
+  text += s.stop_when ? " that holds however often one looks\n"
+                      : fmt::format("; at least {} with 95 % confidence\n", Percent(s.success_at_least));
+  if (s.ended_early)
+    text += fmt::format(
+        "ended early after {} of {} runs (--stop-when {:g}); intervals of metrics are those of a number of "
+        "runs that was fixed\n",
+        s.runs, s.rows, *s.stop_when);
   AddMetrics(s, text);
   AddFailures(s, text);
   AddEffects(s, text);

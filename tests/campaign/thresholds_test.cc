@@ -6,6 +6,8 @@
 #include <cmath>
 #include <pugixml.hpp>
 
+#include "campaign/statistics/share_sequence.h"
+
 namespace kestrel {
 namespace {
 
@@ -63,6 +65,18 @@ TEST(Thresholds, ARunWithoutTheMetricIsWorseThanAnyWithIt) {
   EXPECT_FALSE(Judge({{"error_m", {kNone, 1.0, kNone}}}, Runs(500, 0, 1))[0].passed);
   EXPECT_FALSE(Judge({{"error_m", {kNone, kNone, 0.0}}}, Runs(500, 0, 1))[0].passed);
   EXPECT_FALSE(Judge({{"misspelt", {0.5, 1.0, kNone}}}, Runs(500, 0, 0))[0].passed);
+}
+
+TEST(Thresholds, ACampaignThatEndedByItsResultsIsJudgedByAnIntervalThatHoldsThen) {
+  const auto results = Runs(100, 2, 0);
+  const Interval fixed = ShareInterval(98, 100), sequence = ShareSequence(98, 100);
+  ASSERT_LT(sequence.low, fixed.low);
+  const double between = (sequence.low + fixed.low) / 2;
+  EXPECT_TRUE(Judge({{"success", {kNone, kNone, between}}}, results)[0].passed);
+  const auto judged = Judge({{"success", {kNone, kNone, between}}}, results, true);
+  EXPECT_FALSE(judged[0].passed);
+  EXPECT_EQ(judged[0].estimate.interval, sequence);
+  EXPECT_THAT(ToJunit("c", judged), testing::HasSubstr("which holds however often one looks"));
 }
 
 TEST(Thresholds, AreCasesOfJunit) {

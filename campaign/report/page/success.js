@@ -26,6 +26,14 @@ const drawHeading = () => {
   for (const each of document.querySelectorAll(".confidence")) each.textContent = confidence;
 };
 
+// Why the interval of the share is right.
+const intervalNote = () => {
+  if (!hasNumber(summary.stop_when)) return "Clopper-Pearson.";
+  const early = summary.ended_early ? `Ended early after ${count(summary.runs)} of ${plural(summary.rows, "run")}: ` : "";
+  return `${early}an interval that holds however often one looks (--stop-when ${summary.stop_when}). ` +
+    "Those of metrics are of a number of runs that was fixed.";
+};
+
 const drawShare = () => {
   const s = {share: summary.success.value, low: summary.success.low, high: summary.success.high, n: summary.runs, passed: summary.passed};
   const box = byId("success-share");
@@ -36,7 +44,7 @@ const drawShare = () => {
     el("p", {class: "interval"}, `${confidence} interval `, el("b", {}, `${percent(s.low)} to ${percent(s.high)}`)),
     intervalScale({...s, wanted}),
     el("p", {class: "note"}, `${plural(s.passed, "run")} of ${count(s.n)} met the scenario’s criteria; ` +
-       "a run that broke off, crashed, was refused or timed out counts as one that did not. Clopper-Pearson."));
+       `a run that broke off, crashed, was refused or timed out counts as one that did not. ${intervalNote()}`));
 };
 
 // The criteria that rows did not keep to, with how many did not: the most frequent first.
