@@ -17,6 +17,7 @@
 
 #include "campaign/execution/batch_script.h"
 #include "campaign/execution/fly_row.h"
+#include "campaign/option_checks.h"
 #include "campaign/statistics/share_sequence.h"
 #include "campaign/statistics/stop_rule.h"
 #include "campaign/statistics/thresholds.h"
@@ -318,7 +319,8 @@ void AddPlanOptions(CLI::App* command, CampaignArguments& a, bool required) {
   command->add_option("--seed", a.seed, "Of the table, instead of the file's");
   command->add_option("--set", a.overrides, "key.path=value, instead of the file's; may be repeated")
       ->allow_extra_args(false);
-  command->add_option("--out", a.out, "Folder of the results (default results/campaigns/NAME)");
+  command->add_option("--out", a.out, "Folder of the results (default results/campaigns/NAME)")
+      ->check(NotEmpty);
 }
 
 }  // namespace
@@ -348,6 +350,7 @@ CLI::App* AddCampaignCommand(CLI::App& app, CampaignArguments& a) {
   command
       ->add_option("--stop-when", a.stop_when,
                    "End when the share that passes is known to within this, to either side")
+      ->check(NotNan)
       ->check(CLI::Range(1e-4, 0.5));
   command
       ->add_option("--record-failures", a.record_failures,

@@ -11,6 +11,7 @@
 
 #include "campaign/execution/batch_script.h"
 #include "campaign/execution/run_campaign.h"
+#include "campaign/option_checks.h"
 #include "campaign/report/html_report.h"
 #include "campaign/tuning/kept_flights.h"
 #include "campaign/tuning/tune.h"
@@ -76,7 +77,8 @@ CLI::App* AddTuneCommand(CLI::App& app, TuneArguments& a) {
       ->check(CLI::Range(1, 100));
   command->add_option("--jobs", a.jobs, "Flights at the same time (default: one for each core)")
       ->check(CLI::Range(1, 1024));
-  command->add_option("--out", a.out, "Folder for what comes of it (default results/tunings/NAME)");
+  command->add_option("--out", a.out, "Folder for what comes of it (default results/tunings/NAME)")
+      ->check(NotEmpty);
   command->add_flag("--quiet", a.quiet, "Print nothing but errors");
   command->footer(
       "It writes gains.yaml, which a scenario takes (--set gains=FILE), and report.html. Interrupted, it "

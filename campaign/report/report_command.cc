@@ -8,6 +8,7 @@
 
 #include "campaign/campaign_command.h"
 #include "campaign/execution/batch_script.h"
+#include "campaign/option_checks.h"
 #include "campaign/statistics/results_csv.h"
 #include "config/yaml_fields.h"
 #include "scenarios/files.h"
@@ -76,7 +77,8 @@ CLI::App* AddReportCommand(CLI::App& campaign, ReportArguments& a) {
   CLI::App* command = campaign.add_subcommand(
       "report", "Write report.html, runs.csv and summary.json of what has a result, beside the results");
   command->add_option("file", a.of, "A campaign's YAML file or name, or its results.sqlite")->required();
-  command->add_option("--out", a.out, "Folder of the results (default results/campaigns/NAME)");
+  command->add_option("--out", a.out, "Folder of the results (default results/campaigns/NAME)")
+      ->check(NotEmpty);
   command->add_flag("--quiet", a.quiet, "Print nothing but errors");
   command->footer(
       "Examples:\n  kestrel campaign report dispersion\n"

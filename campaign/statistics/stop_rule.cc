@@ -14,7 +14,7 @@ constexpr std::string_view kRule = "--stop-when ";
 
 }  // namespace
 
-std::string StopRule(double half_width) { return fmt::format("{}{:g}", kRule, half_width); }
+std::string StopRule(double half_width) { return fmt::format("{}{}", kRule, half_width); }
 
 std::optional<double> StopRuleOf(const CampaignIdentity& identity) {
   // WorkOf writes it below all else, as a comment.
