@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <sstream>
 
 #include "campaign/campaign_command.h"
@@ -81,12 +82,12 @@ CLI::App* AddReportCommand(CLI::App& campaign, ReportArguments& a) {
       ->check(NotEmpty);
   command->add_flag("--quiet", a.quiet, "Print nothing but errors");
   command->footer(
-      "Examples:\n  kestrel campaign report dispersion\n"
+      "Exit status 1: a threshold is not kept.\n\nExamples:\n  kestrel campaign report dispersion\n"
       "  kestrel campaign report results/campaigns/dispersion/results.sqlite");
   return command;
 }
 
-void ReportCommand(const ReportArguments& a) {
+bool ReportCommand(const ReportArguments& a) {
   fs::path results = a.of;
   if (!IsResults(results)) {
     const fs::path folder = a.out.empty()
@@ -100,6 +101,8 @@ void ReportCommand(const ReportArguments& a) {
   WriteFile(folder / "runs.csv", ToCsv(subject.identity.table, subject.results));
   WriteFile(folder / "summary.json", ToJson(subject.summary));
   if (!a.quiet) fmt::print("{}{}\n", ToText(subject.summary), page.string());
+  const auto& judged = subject.summary.thresholds;
+  return std::all_of(judged.begin(), judged.end(), [](const JudgedThreshold& t) { return t.passed; });
 }
 
 }  // namespace kestrel
