@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "campaign/counted.h"
 #include "campaign/statistics/share_sequence.h"
 #include "scenarios/junit.h"
 
@@ -63,12 +64,22 @@ std::string ToJunit(const std::string& campaign, const std::vector<JudgedThresho
   for (const JudgedThreshold& t : thresholds) {
     JunitCase& test = cases.emplace_back(JunitCase{campaign, campaign, t.name, 0, {}, {}});
     if (t.passed) continue;
-    test.failure = fmt::format(
-        "{} is {:.4g}, 95 % interval {:.4g} to {:.4g}{}, over {} runs; its {} end must be at {} {:g}", t.name,
-        t.estimate.value, t.estimate.interval.low, t.estimate.interval.high,
-        t.sequential ? ", which holds however often one looks," : "", t.runs, t.at_least ? "lower" : "upper",
-        t.at_least ? "least" : "most", t.limit);
-    if (t.without > 0) test.failure += fmt::format("; {} runs do not have it and count as worse", t.without);
+    const char* end = t.at_least ? "lower" : "upper";
+    const auto shown = [](double x) {
+      return std::isfinite(x) ? fmt::format("{:.4g}", x) : std::string("nowhere known");
+    };
+    test.failure = fmt::format("{}: ", t.name);
+    if (std::isfinite(t.estimate.value))
+      test.failure +=
+          fmt::format("{:.4g}, 95 % interval from {} to {}{}, over {}; ", t.estimate.value,
+                      shown(t.estimate.interval.low), shown(t.estimate.interval.high),
+                      t.sequential ? ", which holds however often one looks" : "", Counted(t.runs, "run"));
+    else
+      test.failure += fmt::format("not known, over {}; ", Counted(t.runs, "run"));
+    test.failure += fmt::format("its {} end must be at {} {:g}", end, t.at_least ? "least" : "most", t.limit);
+    if (t.without > 0)
+      test.failure += fmt::format("; {} without it count{} as worse", Counted(t.without, "run"),
+                                  t.without == 1 ? "s" : "");
   }
   return JunitXml(cases);
 }

@@ -160,6 +160,13 @@ TEST(CampaignSummary, ALongOutcomeIsCutToALine) {
   EXPECT_THAT(text, testing::Not(HasSubstr("yaml:4")));
 }
 
+TEST(CampaignSummary, OneRunIsOne) {
+  CampaignResults campaign = ExampleCampaign();
+  campaign.results.resize(1);
+  campaign.identity.table.rows.resize(1);
+  EXPECT_THAT(ToText(Summarise(campaign.identity, campaign.results)), HasSubstr("1 of 1 run\n"));
+}
+
 TEST(CampaignSummary, OfNoRunsIsOne) {
   CampaignResults campaign = ExampleCampaign();
   const CampaignSummary s = Summarise(campaign.identity, {}, {}, "kestrel campaign replay elsewhere.yaml");

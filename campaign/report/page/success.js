@@ -20,7 +20,8 @@ const drawHeading = () => {
   byId("name").textContent = data.name;
   byId("facts").replaceChildren(
     el("span", {}, "scenario ", el("b", {}, data.scenario)),
-    el("span", {}, el("b", {}, count(data.runs.length)), ` of ${plural(summary.rows, "run")} done`),
+    data.tuning ? el("span", {}, el("b", {}, count(data.runs.length)), " flights with the gains found, on rows that no search saw")
+      : el("span", {}, el("b", {}, count(data.runs.length)), ` of ${plural(summary.rows, "run")} done`),
     el("span", {}, "version ", el("b", {}, data.version)),
     el("span", {}, "sample table ", el("b", {class: "mono"}, data.table_hash)));
   for (const each of document.querySelectorAll(".confidence")) each.textContent = confidence;
@@ -81,7 +82,7 @@ const drawThresholds = () => {
   if (!summary.thresholds.length) return;
   const box = byId("thresholds");
   box.hidden = false;
-  const shown = (value, name) => (!hasNumber(value) ? "open" : name === "success" ? percent(value) : withUnit(value, name.split(",")[0]));
+  const shown = (value, name) => (name === "success" ? percent(value) : withUnit(value, name.split(",")[0]));
   box.replaceChildren(
     el("h3", {}, "Asked of the campaign"),
     el("div", {class: "scroll"}, el("table", {},
@@ -89,8 +90,8 @@ const drawThresholds = () => {
       el("tbody", {}, summary.thresholds.map((t) => el("tr", {},
         el("td", {}, t.name === "success" ? "share of runs that pass" : t.name),
         el("td", {}, `at ${t.at_least ? "least" : "most"} ${shown(t.limit, t.name)}`),
-        el("td", {}, shown(t.value, t.name)),
-        el("td", {}, `${shown(t.low, t.name)} to ${shown(t.high, t.name)}`),
+        el("td", {}, hasNumber(t.value) ? shown(t.value, t.name) : "none: not every run has it"),
+        el("td", {}, hasNumber(t.value) ? intervalText(t.low, t.high, (value) => shown(value, t.name)) : "none"),
         el("td", {class: t.passed ? "met" : "missed"}, t.passed ? "met" : "not met",
           t.without ? el("small", {}, ` (${plural(t.without, "run")} without it)`) : null)))))),
     el("p", {class: "note"}, "Met when the bound of the interval that is against it keeps to the limit. A run without the metric counts as worse than any that has it."));
