@@ -15,9 +15,13 @@
 #include <set>
 #include <stdexcept>
 
+#include "campaign/counted.h"
 #include "campaign/execution/batch_script.h"
 #include "campaign/execution/fly_row.h"
+#include "campaign/named_file.h"
+#include "campaign/option_checks.h"
 #include "campaign/statistics/share_sequence.h"
+#include "campaign/statistics/stop_rule.h"
 #include "campaign/statistics/thresholds.h"
 #include "config/stopwatch.h"
 #include "config/yaml_fields.h"
@@ -72,8 +76,8 @@ class ProgressLine {
       left = fmt::format("   {:.3g} runs/min, {} left", 60 * p.Rate(),
                          Duration(static_cast<double>(p.rows - p.done) / p.Rate()));
     if (stop == 1) left = "   ending; interrupt again to drop the runs under way";
-    fmt::print(stderr, "\r\033[K{}: {} of {} runs, {}{}", name_, p.done, p.rows, Share(p.passed, p.done),
-               left);
+    fmt::print(stderr, "\r\033[K{}: {} of {}, {}{}", name_, p.done, Counted(p.rows, "run"),
+               Share(p.passed, p.done), left);
     std::fflush(stderr);
   }
 
@@ -128,12 +132,13 @@ Asked Read(const CampaignArguments& a) {
 
 // What --stop-when makes of a plan.
 std::string RuleOf(const CampaignArguments& a) {
-  return a.stop_when ? fmt::format("--stop-when {:g}", *a.stop_when) : std::string();
+  return a.stop_when ? StopRule(*a.stop_when) : std::string();
 }
 
 // Against the plan's thresholds, also into --junit.
 bool KeepsThresholds(const CampaignArguments& a, const Asked& asked, const std::vector<RunResult>& results) {
-  const std::vector<JudgedThreshold> judged = Judge(asked.campaign.plan.thresholds, results);
+  const std::vector<JudgedThreshold> judged =
+      Judge(asked.campaign.plan.thresholds, results, a.stop_when.has_value());
   if (!a.junit.empty()) WriteFile(a.junit, ToJunit(asked.campaign.plan.name, judged));
   return std::all_of(judged.begin(), judged.end(), [](const JudgedThreshold& t) { return t.passed; });
 }
@@ -162,19 +167,18 @@ bool Fly(const CampaignArguments& a) {
   }
   const fs::path file = ResultFile(asked.folder, asked.shard);
   if (!end.Complete())
-    throw std::runtime_error(
-        fmt::format("interrupted: {} of {} runs are kept in {}; the same command goes on", end.progress.done,
-                    end.progress.rows, file.string()));
+    throw std::runtime_error(fmt::format("interrupted: {} of {} are kept in {}; the same command goes on",
+                                         end.progress.done, Counted(end.progress.rows, "run"),
+                                         file.string()));
   for (const std::string& each : end.mistrust)
     fmt::print(stderr, "kestrel: flown again it came to something else: {}\n", each);
   if (asked.shard) {
     if (!a.quiet)
-      fmt::print("{}, part {}: {} runs, {}\n  {}\n", work.identity.name, a.shard, end.progress.done,
-                 Share(end.progress.passed, end.progress.done), file.string());
+      fmt::print("{}, part {}: {}, {}\n  {}\n", work.identity.name, a.shard,
+                 Counted(end.progress.done, "run"), Share(end.progress.passed, end.progress.done),
+                 file.string());
     return end.mistrust.empty();
   }
-  if (!a.quiet && end.enough && end.progress.done < end.progress.rows)
-    fmt::print("the share is known well enough: the rows from {} on are not flown\n", end.progress.done);
   ReportCommand({.of = a.file, .out = asked.folder.string(), .quiet = a.quiet});
   const std::vector<RunResult> results = ResultStore::Read(file).Results();
   if (!a.quiet) {
@@ -318,26 +322,13 @@ void AddPlanOptions(CLI::App* command, CampaignArguments& a, bool required) {
   command->add_option("--seed", a.seed, "Of the table, instead of the file's");
   command->add_option("--set", a.overrides, "key.path=value, instead of the file's; may be repeated")
       ->allow_extra_args(false);
-  command->add_option("--out", a.out, "Folder of the results (default results/campaigns/NAME)");
+  command->add_option("--out", a.out, "Folder of the results (default results/campaigns/NAME)")
+      ->check(NotEmpty);
 }
 
 }  // namespace
 
-fs::path CampaignFile(const std::string& name_or_file) {
-  const fs::path file = name_or_file;
-  if (file.has_extension() || file.has_parent_path() || fs::is_regular_file(file)) return file;
-  std::vector<std::string> names;
-  for (const std::string& flight : NamesIn(Root() / "scenarios", "")) {
-    const fs::path folder = Root() / "scenarios" / flight / "campaigns";
-    for (const std::string& name : NamesIn(folder, ".yaml")) {
-      if (name == name_or_file) return folder / (name + ".yaml");
-      names.push_back(name);
-    }
-  }
-  Mistakes mistakes;
-  Known("campaign", name_or_file, names, "kestrel", mistakes);
-  throw InputError(mistakes.messages());
-}
+fs::path CampaignFile(const std::string& name_or_file) { return NamedFile("campaign", name_or_file); }
 
 CLI::App* AddCampaignCommand(CLI::App& app, CampaignArguments& a) {
   CLI::App* command = app.add_subcommand("campaign", "Fly a scenario many times, with what varies in a file");
@@ -348,6 +339,7 @@ CLI::App* AddCampaignCommand(CLI::App& app, CampaignArguments& a) {
   command
       ->add_option("--stop-when", a.stop_when,
                    "End when the share that passes is known to within this, to either side")
+      ->check(NotNan)
       ->check(CLI::Range(1e-4, 0.5));
   command
       ->add_option("--record-failures", a.record_failures,
@@ -399,10 +391,7 @@ CLI::App* AddCampaignCommand(CLI::App& app, CampaignArguments& a) {
 }
 
 bool CampaignCommand(const CampaignArguments& a) {
-  if (a.verb == Verb::kReport) {
-    ReportCommand(a.report);
-    return true;
-  }
+  if (a.verb == Verb::kReport) return ReportCommand(a.report);
   if (a.verb == Verb::kCompare) return CompareCommand(a.compare);
   if (a.file.empty())
     throw InputError({"kestrel campaign: no file; valid: a campaign's YAML file, or the name of one"});

@@ -9,8 +9,11 @@
 #include <atomic>
 #include <csignal>
 
+#include "campaign/counted.h"
 #include "campaign/execution/batch_script.h"
 #include "campaign/execution/run_campaign.h"
+#include "campaign/named_file.h"
+#include "campaign/option_checks.h"
 #include "campaign/report/html_report.h"
 #include "campaign/tuning/kept_flights.h"
 #include "campaign/tuning/tune.h"
@@ -27,12 +30,17 @@ namespace fs = std::filesystem;
 
 std::atomic<bool> stopped = false;
 
+// Of the budget, as far as the search has come.
+std::int64_t FlightsUntil(const TuneResult& result) {
+  return std::max(result.search.back().flights, result.flights);
+}
+
 void ShowRound(const LoadedTune& tune, const TuneResult& result) {
   const auto least = std::min_element(result.search.begin(), result.search.end(),
                                       [](const auto& a, const auto& b) { return a.Cost() < b.Cost(); });
   fmt::print(stderr, "{:>6} of {} flights   round {:>3}   cost {:.4g} at first, least {:.4g}\n",
-             std::max(result.search.back().flights, result.flights), tune.plan.budget,
-             result.search.back().round, result.search.front().Cost(), least->Cost());
+             FlightsUntil(result), tune.plan.budget, result.search.back().round, result.search.front().Cost(),
+             least->Cost());
 }
 
 // Searches, and writes what comes of it into the folder.
@@ -40,15 +48,16 @@ Searched SearchIn(const TuneArguments& a, const fs::path& folder, const std::vec
                   KnownFlights& known) {
   std::vector<std::string> overrides = a.overrides;
   overrides.insert(overrides.end(), more.begin(), more.end());
-  Searched searched{LoadTune(a.file, overrides), {}, {}};
+  Searched searched{LoadTune(NamedFile("tuning", a.file), overrides), {}, {}};
   const LoadedTune& tune = searched.tune;
   fs::create_directories(folder);
   KeptFlights flights(tune, folder, a.jobs > 0 ? a.jobs : Cores(), a.worker, stopped, &known);
-  if (!a.quiet && flights.kept() > 0) fmt::print(stderr, "{} flights are there already\n", flights.kept());
+  const auto kept = static_cast<std::int64_t>(flights.kept());
+  if (!a.quiet && kept > 0) fmt::print(stderr, "{} are there already\n", Counted(kept, "flight"));
   stopped = false;
   for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int) { stopped = true; });
   const TuneResult& result = searched.result = Tune(tune, std::ref(flights), [&](const TuneResult& r) {
-    if (!a.quiet) ShowRound(tune, r);
+    if (!a.quiet && FlightsUntil(r) > kept) ShowRound(tune, r);  // what is only read again is no news
   });
   for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, SIG_DFL);
   WriteFile(folder / "gains.yaml", GainsFile(tune, result, a.file, Version()));
@@ -70,28 +79,30 @@ std::string AgainText(const TuneArguments& a) {
 
 CLI::App* AddTuneCommand(CLI::App& app, TuneArguments& a) {
   CLI::App* command = app.add_subcommand("tune", "Look for the gains of least cost, by many flights");
-  command->add_option("file", a.file, "A tuning's YAML file")->required();
+  command->add_option("file", a.file, "A tuning's YAML file, or the name of one in scenarios/*/tunings")
+      ->required();
   command->add_option("--set", a.overrides, "key.path=value, instead of the file's; may be repeated");
   command->add_option("--compare", a.compare, "Search by every method, so many times each, and compare them")
       ->check(CLI::Range(1, 100));
   command->add_option("--jobs", a.jobs, "Flights at the same time (default: one for each core)")
       ->check(CLI::Range(1, 1024));
-  command->add_option("--out", a.out, "Folder for what comes of it (default results/tunings/NAME)");
+  command->add_option("--out", a.out, "Folder for what comes of it (default results/tunings/NAME)")
+      ->check(NotEmpty);
   command->add_flag("--quiet", a.quiet, "Print nothing but errors");
   command->footer(
       "It writes gains.yaml, which a scenario takes (--set gains=FILE), and report.html. Interrupted, it "
       "goes "
       "on where it was.\n\n"
-      "Examples:\n  kestrel tune scenarios/hover/tunings/poor.yaml\n"
-      "  kestrel tune scenarios/hover/tunings/poor.yaml --set method=random_search --set seed=2 --out "
+      "Examples:\n  kestrel tune hover/poor\n"
+      "  kestrel tune hover/poor --set method=random_search --set seed=2 --out "
       "/tmp/random\n"
-      "  kestrel tune scenarios/hover/tunings/poor.yaml --compare 5\n"
+      "  kestrel tune hover/poor --compare 5\n"
       "  kestrel run hover --set gains=results/tunings/poor/gains.yaml");
   return command;
 }
 
 bool TuneCommand(const TuneArguments& a) {
-  const LoadedTune tune = LoadTune(a.file, a.overrides);
+  const LoadedTune tune = LoadTune(NamedFile("tuning", a.file), a.overrides);
   const fs::path folder =
       a.out.empty() ? fs::path("results/tunings") / tune.plan.flights.name : fs::path(a.out);
   Mistakes mistakes;

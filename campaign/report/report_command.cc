@@ -4,10 +4,12 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <sstream>
 
 #include "campaign/campaign_command.h"
 #include "campaign/execution/batch_script.h"
+#include "campaign/option_checks.h"
 #include "campaign/statistics/results_csv.h"
 #include "config/yaml_fields.h"
 #include "scenarios/files.h"
@@ -76,15 +78,16 @@ CLI::App* AddReportCommand(CLI::App& campaign, ReportArguments& a) {
   CLI::App* command = campaign.add_subcommand(
       "report", "Write report.html, runs.csv and summary.json of what has a result, beside the results");
   command->add_option("file", a.of, "A campaign's YAML file or name, or its results.sqlite")->required();
-  command->add_option("--out", a.out, "Folder of the results (default results/campaigns/NAME)");
+  command->add_option("--out", a.out, "Folder of the results (default results/campaigns/NAME)")
+      ->check(NotEmpty);
   command->add_flag("--quiet", a.quiet, "Print nothing but errors");
   command->footer(
-      "Examples:\n  kestrel campaign report dispersion\n"
+      "Exit status 1: a threshold is not kept.\n\nExamples:\n  kestrel campaign report dispersion\n"
       "  kestrel campaign report results/campaigns/dispersion/results.sqlite");
   return command;
 }
 
-void ReportCommand(const ReportArguments& a) {
+bool ReportCommand(const ReportArguments& a) {
   fs::path results = a.of;
   if (!IsResults(results)) {
     const fs::path folder = a.out.empty()
@@ -98,6 +101,8 @@ void ReportCommand(const ReportArguments& a) {
   WriteFile(folder / "runs.csv", ToCsv(subject.identity.table, subject.results));
   WriteFile(folder / "summary.json", ToJson(subject.summary));
   if (!a.quiet) fmt::print("{}{}\n", ToText(subject.summary), page.string());
+  const auto& judged = subject.summary.thresholds;
+  return std::all_of(judged.begin(), judged.end(), [](const JudgedThreshold& t) { return t.passed; });
 }
 
 }  // namespace kestrel

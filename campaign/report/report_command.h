@@ -22,9 +22,10 @@ struct ReportArguments {
 // Under `kestrel campaign`.
 CLI::App* AddReportCommand(CLI::App& campaign, ReportArguments& arguments);
 
-// Writes report.html, runs.csv and summary.json beside the results and prints the summary. Throws InputError:
-// there are no results; std::runtime_error: a file cannot be written, or what the page needs is missing.
-void ReportCommand(const ReportArguments& arguments);
+// False: a threshold is not kept. Writes report.html, runs.csv and summary.json beside the results and prints
+// the summary. Throws InputError: there are no results; std::runtime_error: a file cannot be written, or what
+// the page needs is missing.
+bool ReportCommand(const ReportArguments& arguments);
 
 // What a page tells of a result file. campaign: its file or name, as the commands on the page have it; empty:
 // by the name that the results are of.

@@ -8,6 +8,9 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "campaign/statistics/share_sequence.h"
+#include "campaign/statistics/stop_rule.h"
+
 namespace kestrel {
 namespace {
 
@@ -85,8 +88,10 @@ CampaignSummary Summarise(const CampaignIdentity& identity, const std::vector<Ru
   s.passed = std::count_if(results.begin(), results.end(),
                            [](const RunResult& r) { return r.status == RunStatus::kPassed; });
   if (s.runs > 0) s.success.value = static_cast<double>(s.passed) / static_cast<double>(s.runs);
-  s.success.interval = ShareInterval(s.passed, s.runs);
-  s.success_at_least = ShareAtLeast(s.passed, s.runs);
+  s.stop_when = StopRuleOf(identity);
+  s.success.interval = s.stop_when ? ShareSequence(s.passed, s.runs) : ShareInterval(s.passed, s.runs);
+  s.success_at_least = s.stop_when ? s.success.interval.low : ShareAtLeast(s.passed, s.runs);
+  s.ended_early = s.stop_when && s.runs < s.rows && NarrowEnough(s.passed, s.runs, *s.stop_when);
 
   const MetricAims aims = AimsOf(identity);
   std::vector<std::string> effects_of = {"success"};
@@ -103,7 +108,7 @@ CampaignSummary Summarise(const CampaignIdentity& identity, const std::vector<Ru
   }
   s.failures = FailuresOf(results);
   s.effects = EffectsOf(identity.table, results, effects_of);
-  s.thresholds = Judge(thresholds, results);
+  s.thresholds = Judge(thresholds, results, s.stop_when.has_value());
   return s;
 }
 
@@ -120,6 +125,8 @@ std::string ToJson(const CampaignSummary& s) {
   Json json = {{"name", s.name}, {"version", s.version}, {"table_hash", s.table_hash},    {"rows", s.rows},
                {"runs", s.runs}, {"passed", s.passed},   {"success", estimate(s.success)}};
   json["success"]["at_least"] = s.success_at_least;
+  json["stop_when"] = s.stop_when ? Json(*s.stop_when) : Json();
+  json["ended_early"] = s.ended_early;
   for (const char* list : {"metrics", "failures", "effects", "worst", "thresholds"})
     json[list] = Json::array();
   for (const MetricSummary& m : s.metrics) {

@@ -48,12 +48,14 @@ struct WorstRuns {
 struct CampaignSummary {
   std::string name, version, table_hash;
   std::int64_t rows = 0, runs = 0, passed = 0;  // of the table; with a result; of those
-  Estimate success;                             // share of the runs, exact 95 % interval
-  double success_at_least = 0;                  // one-sided 95 % bound
-  std::vector<MetricSummary> metrics;           // the listed ones first, in their order; then by name
-  std::vector<FailureGroup> failures;           // the largest first
-  std::vector<Effect> effects;                  // on success and every metric
-  std::vector<WorstRuns> worst;                 // of the listed metrics of which it is known what is worse
+  Estimate success;                 // share of the runs, 95 % interval: exact, or with a rule ShareSequence's
+  double success_at_least = 0;      // one-sided 95 % bound; with a rule the lower end of that interval
+  std::optional<double> stop_when;  // StopRuleOf
+  bool ended_early = false;         // it was satisfied before the end of the table
+  std::vector<MetricSummary> metrics;  // the listed ones first, in their order; then by name
+  std::vector<FailureGroup> failures;  // the largest first
+  std::vector<Effect> effects;         // on success and every metric
+  std::vector<WorstRuns> worst;        // of the listed metrics of which it is known what is worse
   std::vector<JudgedThreshold> thresholds;
 };
 
@@ -69,7 +71,9 @@ std::string ToText(const CampaignSummary& summary);
 // not known is null.
 //   name, version, table_hash, rows, runs, passed
 //   success      E, and "at_least": the one-sided bound
-//   metrics      [{name, runs, listed, better: "lower" | "higher" | null, least, greatest, mean: E,
+//   stop_when    of --stop-when: the interval of success holds however often one looks; null: none, it is
+//   exact ended_early  whether the campaign ended by that before the end of its table metrics      [{name,
+//   runs, listed, better: "lower" | "higher" | null, least, greatest, mean: E,
 //                  quantiles: [{q, value, low, high}]}]
 //   failures     [{status, outcome, rows: [...]}]
 //   effects      [{key, of, runs, numeric, rank_correlation: E | null, first_order: E | null}]

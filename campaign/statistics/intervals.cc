@@ -34,7 +34,11 @@ Estimate MeanOf(const std::vector<double>& samples, double level) {
   const double skew = third / n / std::pow(second / n, 1.5);
   const double t = boost::math::quantile(boost::math::students_t(n - 1), (1 + level) / 2);
   const auto end = [&](double y) { return mean - deviation * HallInverse(y / std::sqrt(n), skew, n); };
-  return {mean, {end(t), end(-t)}};
+  Interval interval{end(t), end(-t)};
+  const auto [least, greatest] = std::minmax_element(samples.begin(), samples.end());
+  if (interval.low < *least) interval.low = Interval().low;
+  if (interval.high > *greatest) interval.high = Interval().high;
+  return {mean, interval};
 }
 
 Estimate QuantileOf(std::vector<double> samples, double q, double level) {

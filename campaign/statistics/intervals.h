@@ -18,7 +18,8 @@ struct Estimate {
 // The mean, with Student's interval corrected for the skewness of the samples (the cubic transformation of
 // Hall 1992, On the removal of skewness by transformation, with Student's quantile for the normal one): what
 // flights miss by is skewed, and Student's own interval then lies too low. Of symmetric samples they are the
-// same. Of fewer than two: no interval.
+// same. An end beyond all samples is not given (infinite): of few, or of shares near their
+// bounds, the method says there what no sample supports, and cannot be.
 Estimate MeanOf(const std::vector<double>& samples, double level = 0.95);
 
 // The quantile q in (0, 1), with the interval between two of the samples that holds it whatever they are

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "campaign/counted.h"
 #include "campaign/statistics/campaign_summary.h"
 
 namespace kestrel {
@@ -98,10 +99,11 @@ void AddThresholds(const CampaignSummary& s, std::string& text) {
   if (s.thresholds.empty()) return;
   text += "\nThresholds, each held against the end of the 95 % interval that is against it:\n";
   for (const JudgedThreshold& t : s.thresholds) {
-    text += fmt::format("  {:<4} {:<44} {:>10.4g}   at {} {:g}", t.passed ? "ok" : "NOT", t.name, t.bound,
+    text += fmt::format("  {:<4} {:<44} {:>10}   at {} {:g}", t.passed ? "ok" : "NOT", t.name,
+                        std::isfinite(t.bound) ? fmt::format("{:.4g}", t.bound) : "none",
                         t.at_least ? "least" : "most", t.limit);
     text += t.without > 0
-                ? fmt::format("   ({} of {} runs do not have it: worse than any)\n", t.without, t.runs)
+                ? fmt::format("   ({} of {} without it: worse than any)\n", t.without, Counted(t.runs, "run"))
                 : "\n";
   }
 }
@@ -109,11 +111,17 @@ void AddThresholds(const CampaignSummary& s, std::string& text) {
 }  // namespace
 
 std::string ToText(const CampaignSummary& s) {
-  std::string text = fmt::format("{}: {} of {} runs\n", s.name, s.runs, s.rows);
+  std::string text = fmt::format("{}: {} of {}\n", s.name, s.runs, Counted(s.rows, "run"));
   if (s.runs == 0) return text;
-  text += fmt::format("success {} ({} of {}), 95 % interval {} to {}; at least {} with 95 % confidence\n",
-                      Percent(s.success.value), s.passed, s.runs, Percent(s.success.interval.low),
-                      Percent(s.success.interval.high), Percent(s.success_at_least));
+  text += fmt::format("success {} ({} of {}), 95 % interval {} to {}", Percent(s.success.value), s.passed,
+                      s.runs, Percent(s.success.interval.low), Percent(s.success.interval.high));
+  text += s.stop_when ? " that holds however often one looks\n"
+                      : fmt::format("; at least {} with 95 % confidence\n", Percent(s.success_at_least));
+  if (s.ended_early)
+    text += fmt::format(
+        "ended early after {} of {} (--stop-when {:g}); intervals of metrics are those of a number of "
+        "runs that was fixed\n",
+        s.runs, Counted(s.rows, "run"), *s.stop_when);
   AddMetrics(s, text);
   AddFailures(s, text);
   AddEffects(s, text);

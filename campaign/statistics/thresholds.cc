@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "campaign/counted.h"
+#include "campaign/statistics/share_sequence.h"
 #include "scenarios/junit.h"
 
 namespace kestrel {
@@ -13,17 +15,18 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-Estimate SuccessOf(const std::vector<RunResult>& results) {
+Estimate SuccessOf(const std::vector<RunResult>& results, bool sequential) {
   std::int64_t passed = 0;
   for (const RunResult& result : results) passed += result.status == RunStatus::kPassed;
-  const double runs = static_cast<double>(results.size());
-  return {static_cast<double>(passed) / runs, ShareInterval(passed, std::ssize(results))};
+  const std::int64_t runs = std::ssize(results);
+  return {static_cast<double>(passed) / static_cast<double>(runs),
+          sequential ? ShareSequence(passed, runs) : ShareInterval(passed, runs)};
 }
 
 }  // namespace
 
 std::vector<JudgedThreshold> Judge(const std::map<std::string, Threshold>& thresholds,
-                                   const std::vector<RunResult>& results) {
+                                   const std::vector<RunResult>& results, bool sequential) {
   std::vector<JudgedThreshold> judged;
   for (const auto& [metric, threshold] : thresholds) {
     const auto judge = [&, &metric = metric, &threshold = threshold](double limit, bool at_least) {
@@ -34,7 +37,8 @@ std::vector<JudgedThreshold> Judge(const std::map<std::string, Threshold>& thres
       j.limit = limit, j.at_least = at_least;
       j.runs = std::ssize(results);
       if (metric == "success") {
-        j.estimate = SuccessOf(results);
+        j.sequential = sequential;
+        j.estimate = SuccessOf(results, sequential);
       } else {
         std::vector<double> values;
         for (const RunResult& result : results) {
@@ -60,11 +64,22 @@ std::string ToJunit(const std::string& campaign, const std::vector<JudgedThresho
   for (const JudgedThreshold& t : thresholds) {
     JunitCase& test = cases.emplace_back(JunitCase{campaign, campaign, t.name, 0, {}, {}});
     if (t.passed) continue;
-    test.failure = fmt::format(
-        "{} is {:.4g}, 95 % interval {:.4g} to {:.4g}, over {} runs; its {} end must be at {} {:g}", t.name,
-        t.estimate.value, t.estimate.interval.low, t.estimate.interval.high, t.runs,
-        t.at_least ? "lower" : "upper", t.at_least ? "least" : "most", t.limit);
-    if (t.without > 0) test.failure += fmt::format("; {} runs do not have it and count as worse", t.without);
+    const char* end = t.at_least ? "lower" : "upper";
+    const auto shown = [](double x) {
+      return std::isfinite(x) ? fmt::format("{:.4g}", x) : std::string("nowhere known");
+    };
+    test.failure = fmt::format("{}: ", t.name);
+    if (std::isfinite(t.estimate.value))
+      test.failure +=
+          fmt::format("{:.4g}, 95 % interval from {} to {}{}, over {}; ", t.estimate.value,
+                      shown(t.estimate.interval.low), shown(t.estimate.interval.high),
+                      t.sequential ? ", which holds however often one looks" : "", Counted(t.runs, "run"));
+    else
+      test.failure += fmt::format("not known, over {}; ", Counted(t.runs, "run"));
+    test.failure += fmt::format("its {} end must be at {} {:g}", end, t.at_least ? "least" : "most", t.limit);
+    if (t.without > 0)
+      test.failure += fmt::format("; {} without it count{} as worse", Counted(t.without, "run"),
+                                  t.without == 1 ? "s" : "");
   }
   return JunitXml(cases);
 }

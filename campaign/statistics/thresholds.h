@@ -21,12 +21,15 @@ struct JudgedThreshold {
   bool at_least = false;               // otherwise at most
   bool passed = false;                 // the bound keeps to the limit
   std::int64_t runs = 0, without = 0;  // all; of them, those that do not have the metric
+  bool sequential = false;             // the interval is that of ShareSequence
 };
 
 // In the order of their names; one with a greatest and a least value is two. A run without the metric never
 // did what it measures: it counts as worse than any that did, so that a mean is unbounded with one such run.
+// sequential: the number of runs was chosen by what they came to (StopRuleOf), so success is judged by an
+// interval that holds then too.
 std::vector<JudgedThreshold> Judge(const std::map<std::string, Threshold>& thresholds,
-                                   const std::vector<RunResult>& results);
+                                   const std::vector<RunResult>& results, bool sequential = false);
 
 // JUnit XML of them, a case each, for CI servers.
 std::string ToJunit(const std::string& campaign, const std::vector<JudgedThreshold>& thresholds);

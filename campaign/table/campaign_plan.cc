@@ -6,6 +6,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "campaign/table/flight_metrics.h"
 #include "campaign/table/read_variation.h"
 #include "campaign/table/sampling.h"
 #include "config/yaml_fields.h"
@@ -35,15 +36,18 @@ void Fields(Visitor& v, CampaignFile& f) {
 }
 
 void CheckResults(const ConfigNode& root, const CampaignPlan& plan, Mistakes& mistakes) {
+  FlightMetrics metrics(plan);
   for (std::size_t i = 0; i < plan.metrics.size(); ++i) {
     const std::string index = std::to_string(i);
-    CheckMetric(plan.metrics[i], {}, WhereIn(root, {"metrics", index}), "metrics." + index, mistakes);
+    metrics.Check(plan.metrics[i], {}, WhereIn(root, {"metrics", index}), "metrics." + index, mistakes);
   }
   for (const auto& [metric, threshold] : plan.thresholds) {
     const std::string& where = WhereIn(root, {"thresholds", metric});
     const std::string path = "thresholds." + metric;
-    CheckMetric(metric, {"success"}, where, path, mistakes);
+    metrics.Check(metric, {"success"}, where, path, mistakes);
     if (!threshold.max && !threshold.min) mistakes.Add(where, path, "has no limit; valid: max, min or both");
+    if (threshold.max && threshold.min && *threshold.min > *threshold.max)
+      mistakes.Add(where, path, NoneBetween(*threshold.min, *threshold.max));
     if (threshold.quantile && (*threshold.quantile <= 0 || *threshold.quantile >= 1))
       mistakes.Add(where, path + ".quantile",
                    fmt::format("{} is out of range; valid: between 0 and 1", *threshold.quantile));
@@ -57,6 +61,11 @@ void CheckResults(const ConfigNode& root, const CampaignPlan& plan, Mistakes& mi
 }
 
 }  // namespace
+
+std::string NoneBetween(double min, double max) {
+  return fmt::format("min = {} is above max = {}, so that nothing keeps to both; valid: min no more than max",
+                     min, max);
+}
 
 LoadedCampaign LoadCampaign(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
   Mistakes mistakes;

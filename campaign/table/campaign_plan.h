@@ -66,6 +66,9 @@ struct CampaignPlan {
   std::map<std::string, Threshold> thresholds;  // by metric, or "success" for the share of runs that passed
 };
 
+// Why no value keeps to both.
+std::string NoneBetween(double min, double max);
+
 struct LoadedCampaign {
   CampaignPlan plan;
   std::string text;  // of the file

@@ -9,8 +9,8 @@
 #include <set>
 #include <sstream>
 
+#include "campaign/table/given_once.h"
 #include "campaign/table/sampling.h"
-#include "scenarios/metrics.h"
 #include "scenarios/model_files.h"
 #include "scenarios/scenario.h"
 
@@ -350,19 +350,6 @@ bool TakesAll(const CampaignPlan& plan, const std::vector<List>& sets) {
   return true;
 }
 
-bool CheckMetric(const std::string& metric, const List& also, const std::string& where,
-                 const std::string& path, Mistakes& mistakes) {
-  List valid = MetricNames();
-  valid.insert(valid.end(), also.begin(), also.end());
-  if (std::find(valid.begin(), valid.end(), metric) != valid.end()) return true;
-  const auto near = NearestName(metric, valid);
-  mistakes.Add(where, path,
-               fmt::format("there is no metric '{}'; {}", metric,
-                           near ? fmt::format("did you mean '{}'?", *near)
-                                : fmt::format("valid: {}", fmt::join(valid, ", "))));
-  return false;
-}
-
 void ResolveVariation(const fs::path& file, const ConfigNode& root, CampaignPlan& plan, Mistakes& mistakes) {
   if (plan.name.empty()) plan.name = file.stem().string();
   if (plan.name.find_first_of("/\\") != std::string::npos || plan.name.starts_with('.'))
@@ -394,6 +381,7 @@ void ResolveVariation(const fs::path& file, const ConfigNode& root, CampaignPlan
   }
   CheckGroups(root, plan, mistakes);
   CheckSame(root, plan, mistakes);
+  CheckGivenOnce(root, plan, mistakes);
   if (plan.scenario.empty()) return;  // said already
   const List names = ScenarioNames();
   const fs::path beside = file.parent_path() / plan.scenario;

@@ -38,8 +38,4 @@ bool CheckOverride(const CampaignPlan& plan, const std::vector<std::string>& oth
                    const std::string& value, const std::string& where, const std::string& path,
                    std::string_view remedy, Mistakes& mistakes);
 
-// Whether a metric is one that a run can have; otherwise says so.
-bool CheckMetric(const std::string& metric, const std::vector<std::string>& also, const std::string& where,
-                 const std::string& path, Mistakes& mistakes);
-
 }  // namespace kestrel

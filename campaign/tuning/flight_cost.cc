@@ -18,20 +18,29 @@ double Penalty(const CostConstraint& constraint, std::optional<double> value) {
   return constraint.penalty * (1 + std::min(1.0, off / std::max(std::abs(limit), 1e-9)));
 }
 
+// Of a flight that was flown to its end.
+std::optional<double> ValueIn(const RunResult& result, const std::string& metric) {
+  const bool flown = result.status == RunStatus::kPassed || result.status == RunStatus::kFailed;
+  const auto found = result.metrics.find(metric);
+  if (!flown || found == result.metrics.end() || !std::isfinite(found->second)) return std::nullopt;
+  return found->second;
+}
+
 }  // namespace
 
 double CostOf(const RunResult& result, const FlightCost& cost) {
-  const bool flown = result.status == RunStatus::kPassed || result.status == RunStatus::kFailed;
-  const auto value = [&](const std::string& metric) -> std::optional<double> {
-    const auto found = result.metrics.find(metric);
-    if (!flown || found == result.metrics.end() || !std::isfinite(found->second)) return std::nullopt;
-    return found->second;
-  };
   double sum = result.status == RunStatus::kPassed ? 0 : cost.failure;
   for (const auto& [metric, term] : cost.terms)
-    sum += term.weight * std::min(value(metric).value_or(Worst(term)), Worst(term)) / term.scale;
-  for (const auto& [metric, constraint] : cost.constraints) sum += Penalty(constraint, value(metric));
+    sum += term.weight * std::min(ValueIn(result, metric).value_or(Worst(term)), Worst(term)) / term.scale;
+  for (const auto& [metric, constraint] : cost.constraints)
+    sum += Penalty(constraint, ValueIn(result, metric));
   return sum;
+}
+
+bool Keeps(const RunResult& result, const std::string& metric, const CostConstraint& constraint) {
+  const std::optional<double> value = ValueIn(result, metric);
+  return value && !(constraint.max && *value > *constraint.max) &&
+         !(constraint.min && *value < *constraint.min);
 }
 
 double MostCost(const FlightCost& cost) { return CostOf(RunResult{}, cost); }

@@ -48,6 +48,9 @@ struct FlightCost {
 // One that was not flown to its end has no metrics, whatever it left.
 double CostOf(const RunResult& result, const FlightCost& cost);
 
+// Whether a flight kept to a constraint on this metric; one that does not have it did not.
+bool Keeps(const RunResult& result, const std::string& metric, const CostConstraint& constraint);
+
 // Of the worst flight that there can be.
 double MostCost(const FlightCost& cost);
 

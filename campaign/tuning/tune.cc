@@ -79,11 +79,13 @@ class Tuning {
     std::sort(results.begin(), results.end(), [](const auto& a, const auto& b) { return a.row < b.row; });
     std::vector<Evaluation> evaluations;
     for (std::size_t c = 0; c < candidates.size(); ++c) {
-      Evaluation e{round, candidates[c], first + static_cast<std::int64_t>((c + 1) * rows), {}, {}};
+      Evaluation e{round, candidates[c], first + static_cast<std::int64_t>((c + 1) * rows), {}, {}, {}};
       for (std::size_t row = 0; row < rows; ++row) {
         const RunResult& result = results[c * rows + row];
         e.costs.push_back(CostOf(result, plan_.cost));
         e.passed.push_back(result.status == RunStatus::kPassed);
+        for (const auto& [metric, constraint] : plan_.cost.constraints)
+          e.kept[metric] += Keeps(result, metric, constraint);
       }
       evaluations.push_back(std::move(e));
     }

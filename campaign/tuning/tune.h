@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -26,7 +27,8 @@ struct Evaluation {
   std::int64_t flights = 0;   // until then, its own among them
   std::vector<double> costs;  // of each row, in their order
   std::vector<bool> passed;
-  double Cost() const;  // their mean
+  std::map<std::string, int> kept;  // flights that kept to a constraint, by its metric
+  double Cost() const;              // their mean
 };
 
 // Of the costs of the same rows: the mean of after less before, with Student's 95 % interval.

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <vector>
 
 namespace kestrel {
 namespace {
@@ -25,9 +26,38 @@ std::string JudgementOf(const PairedCost& d, const std::string& than) {
                      : fmt::format("not shown to differ from {}", than);
 }
 
+std::string LimitText(const CostConstraint& c) {
+  if (c.max && c.min) return fmt::format("{:g} to {:g}", *c.min, *c.max);
+  return c.max ? fmt::format("at most {:g}", *c.max) : fmt::format("at least {:g}", *c.min);
+}
+
+// A sentence for each constraint that is not kept to in every flight with the gains found.
+std::vector<std::string> BrokenConstraints(const LoadedTune& tune, const TuneResult& result) {
+  std::vector<std::string> broken;
+  for (const auto& [metric, constraint] : tune.plan.cost.constraints) {
+    const auto kept = [&metric = metric](const Evaluation& e) {
+      const auto found = e.kept.find(metric);
+      return found == e.kept.end() ? 0 : found->second;
+    };
+    const auto any = [&](const std::vector<Evaluation>& all) {
+      return std::any_of(all.begin(), all.end(), [&](const Evaluation& e) { return kept(e) > 0; });
+    };
+    const std::string what = fmt::format("{} ({})", metric, LimitText(constraint));
+    const auto rows = result.tuned.costs.size();
+    if (!any(result.search) && !any(result.leaders) && kept(result.tuned) == 0)
+      broken.push_back(fmt::format("No candidate met the constraint on {} in any flight.", what));
+    else if (static_cast<std::size_t>(kept(result.tuned)) < rows)
+      broken.push_back(fmt::format("The tuned gains met the constraint on {} in {} of {} flights.", what,
+                                   kept(result.tuned), rows));
+  }
+  return broken;
+}
+
 Json ToJson(const Evaluation& e) {
-  return {{"round", e.round}, {"flights", e.flights}, {"gains", e.gains},
-          {"cost", e.Cost()}, {"costs", e.costs},     {"passed", e.passed}};
+  Json json = {{"round", e.round}, {"flights", e.flights}, {"gains", e.gains},
+               {"cost", e.Cost()}, {"costs", e.costs},     {"passed", e.passed}};
+  if (!e.kept.empty()) json["kept"] = e.kept;
+  return json;
 }
 
 Json ToJson(const PairedCost& d) { return {{"difference", d.difference}, {"low", d.low}, {"high", d.high}}; }
@@ -50,6 +80,7 @@ std::string GainsFile(const LoadedTune& tune, const TuneResult& result, const st
     text += fmt::format("# Of those that the scenario had {:.4g}, {}: the difference is {}, {}.\n",
                         result.own->Cost(), PassedText(*result.own), DifferenceText(*result.from_own),
                         JudgementOf(*result.from_own, "those"));
+  for (const std::string& each : BrokenConstraints(tune, result)) text += fmt::format("# {}\n", each);
   for (const auto& [key, value] : result.gains)
     text += fmt::format("{}: {}  # began at {}\n", key, value, *plan.gains.at(key).start);
   return text;
@@ -88,16 +119,17 @@ std::string TuneText(const LoadedTune& tune, const TuneResult& result) {
   if (result.own)
     text += fmt::format("  before  {:10.4g}   {}\n", result.own->Cost(), PassedText(*result.own));
   text += fmt::format("  tuned   {:10.4g}   {}\n", result.tuned.Cost(), PassedText(result.tuned));
-  return text + VerdictText(result) + '\n';
+  return text + VerdictText(tune, result) + '\n';
 }
 
-std::string VerdictText(const TuneResult& result) {
+std::string VerdictText(const LoadedTune& tune, const TuneResult& result) {
   std::string text =
       fmt::format("The tuned gains are {}: {} with 95 % confidence.",
                   JudgementOf(result.from_start, "those it began with"), DifferenceText(result.from_start));
   if (result.own)
     text += fmt::format(" They are {}: {}.", JudgementOf(*result.from_own, "those that the scenario had"),
                         DifferenceText(*result.from_own));
+  for (const std::string& each : BrokenConstraints(tune, result)) text += ' ' + each;
   return text;
 }
 

@@ -13,13 +13,15 @@ std::string GainsFile(const LoadedTune& tune, const TuneResult& result, const st
                       const std::string& version);
 
 // JSON, for reports: name, scenario, method, seed, budget, flights, gains {key: {low, high, log, start, own,
-// tuned}}, search and leaders [{round, flights, gains {key: value}, cost, costs, passed}], held_out {seed,
-// start | tuned | own: {gains, cost, costs, passed}, from_start | from_own: {difference, low, high}, better}.
-// own and from_own only where the start is not what the scenario has.
+// tuned}}, search and leaders [{round, flights, gains {key: value}, cost, costs, passed, kept}], held_out
+// {seed, start | tuned | own: {gains, cost, costs, passed}, from_start | from_own: {difference, low, high},
+// better}. kept: by the metric of a constraint, how many flights kept to it. own and from_own only where the
+// start is not what the scenario has.
 std::string TuneJson(const LoadedTune& tune, const TuneResult& result, const std::string& version);
 
-// Whether the gains found are better than those it began with, and than the scenario's own; sentences.
-std::string VerdictText(const TuneResult& result);
+// Whether the gains found are better than those it began with, and than the scenario's own, and how they keep
+// to each constraint, or that no candidate ever did; sentences.
+std::string VerdictText(const LoadedTune& tune, const TuneResult& result);
 
 // What came of it, for people.
 std::string TuneText(const LoadedTune& tune, const TuneResult& result);

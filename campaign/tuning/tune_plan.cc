@@ -10,6 +10,7 @@
 #include <iterator>
 #include <sstream>
 
+#include "campaign/table/flight_metrics.h"
 #include "campaign/table/read_variation.h"
 #include "campaign/table/sampling.h"
 #include "campaign/tuning/search.h"
@@ -105,16 +106,20 @@ void CheckGains(const ConfigNode& root, const TunePlan& plan, Mistakes& mistakes
   }
 }
 
-void CheckCost(const ConfigNode& root, const FlightCost& cost, Mistakes& mistakes) {
+void CheckCost(const ConfigNode& root, const TunePlan& plan, Mistakes& mistakes) {
+  const FlightCost& cost = plan.cost;
+  FlightMetrics metrics(plan.flights);
   if (cost.terms.empty() && cost.constraints.empty())
     mistakes.Add(WhereIn(root, {"cost"}), "cost", "no metric is in it; valid: one or more");
   for (const auto& [metric, term] : cost.terms)
-    CheckMetric(metric, {}, WhereIn(root, {"cost", metric}), "cost." + metric, mistakes);
+    metrics.Check(metric, {}, WhereIn(root, {"cost", metric}), "cost." + metric, mistakes);
   for (const auto& [metric, constraint] : cost.constraints) {
     const std::string& where = WhereIn(root, {"constraints", metric});
-    CheckMetric(metric, {}, where, "constraints." + metric, mistakes);
+    metrics.Check(metric, {}, where, "constraints." + metric, mistakes);
     if (!constraint.max && !constraint.min)
       mistakes.Add(where, "constraints." + metric, "has no limit; valid: max, min or both");
+    if (constraint.max && constraint.min && *constraint.min > *constraint.max)
+      mistakes.Add(where, "constraints." + metric, NoneBetween(*constraint.min, *constraint.max));
   }
 }
 
@@ -181,10 +186,11 @@ LoadedTune LoadTune(const std::filesystem::path& file, const List& overrides) {
   plan.flights.vary = ReadVary(read.vary, mistakes);
   plan.flights.runs = plan.rows;
   CheckGains(config.root, plan, mistakes);
-  CheckCost(config.root, plan.cost, mistakes);
   const std::size_t before = mistakes.messages().size();
   ResolveVariation(file, config.root, plan.flights, mistakes);
-  if (mistakes.messages().size() == before && !plan.flights.scenario.empty()) {
+  const bool flies = mistakes.messages().size() == before && !plan.flights.scenario.empty();
+  CheckCost(config.root, plan, mistakes);
+  if (flies) {
     tune.own = OwnGains(plan);
     CheckGainsInScenario(config.root, plan, tune.own, mistakes);
   }

@@ -68,7 +68,7 @@ ReportSubject TuneSubject(const std::vector<Searched>& searches, const std::file
   TuningHistory& history = subject.tuning.emplace();
   history.cost = CostText(tune.plan.cost);
   history.start_cost = result.search.front().Cost();
-  history.verdict = VerdictText(result);
+  history.verdict = VerdictText(tune, result);
   std::map<std::string, int> repetitions;
   for (const Searched& each : searches)
     history.searches.push_back(CurveOf(each, ++repetitions[each.tune.plan.method]));

@@ -120,6 +120,10 @@ TEST_F(CampaignCommandTest, BadInputEndsWithTwoAndSaysWhy) {
   EXPECT_THAT(why("replay short.yaml 6"), HasSubstr("there is no row 6; valid: 0 to 5"));
   EXPECT_THAT(why("short.yaml --record 6"), HasSubstr("--record: there is no row 6"));
   why("short.yaml --jobs 0");
+  for (const char* width : {"nan", "-nan", "inf", "-0.1", "0.1x"})
+    why(fmt::format("short.yaml --stop-when {}", width));
+  for (const char* verb : {"", "replay", "merge", "slurm", "report"})
+    EXPECT_THAT(why(fmt::format("{} short.yaml --out ''", verb)), HasSubstr("--out: it is empty")) << verb;
   why("slurm short.yaml");
   std::ofstream(folder_ / "results.sqlite") << std::string(4096, 'x');
   EXPECT_THAT(why("short.yaml --out ."), HasSubstr("it is no SQLite file"));

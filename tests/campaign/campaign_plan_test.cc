@@ -121,7 +121,7 @@ TEST_F(CampaignPlanTest, AScenarioMayLieBesideTheFile) {
 }
 
 TEST_F(CampaignPlanTest, EveryMistakeIsNamedWithFileLineKeyAndWhatWouldBeValid) {
-  const auto mistakes = Refusal(R"(scenario: follow
+  const auto mistakes = Refusal(R"(scenario: landing
 sampling: sobel
 runs: 0
 vary:
@@ -174,7 +174,7 @@ speed: 3
 
 TEST_F(CampaignPlanTest, GroupsThatCannotBeCorrelatedAreRefused) {
   EXPECT_THAT(
-      Refusal(R"(scenario: follow
+      Refusal(R"(scenario: landing
 vary:
   wind.mean_m_s: {uniform: [0, 6]}
   wind.from_deg: {uniform: [0, 360]}
@@ -212,6 +212,46 @@ TEST_F(CampaignPlanTest, AKeyIsSetOrVaries) {
                   "the two",
                   "f.yaml:4: vary.wind.mean_m_s: 'wind.mean_m_s' varies, and set has "
                   "'wind.mean_m_s=3'; valid: one of the two"));
+}
+
+TEST_F(CampaignPlanTest, WhatIsGivenTwiceOrCannotBeKeptIsRefused) {
+  EXPECT_THAT(
+      Refusal("scenario: hover\nset: [duration_s=0.5, seed=3, duration_s=0.6]\n"
+              "vary:\n  wind: {choice: [{mean_m_s: 3}]}\n  wind.mean_m_s: {uniform: [0, 6]}\n"
+              "metrics: [settle_s, fix_share, settle_s]\nthresholds: {settle_s: {min: 3, max: 1}}\n"),
+      ElementsAre(
+          "f.yaml:2: set.2: 'duration_s=0.6': 'duration_s' is given twice, first as 'duration_s=0.5'; valid: "
+          "once",
+          "f.yaml:5: vary.wind.mean_m_s: is a part of 'wind', which varies too; valid: one of the two",
+          "f.yaml:6: metrics.2: 'settle_s' is given twice; valid: once",
+          "f.yaml:7: thresholds.settle_s: min = 3 is above max = 1, so that nothing keeps to both; valid: "
+          "min "
+          "no more than max"));
+  EXPECT_THAT(Refusal("scenario: hover\nset: [\"wind={mean_m_s: 3}\", wind.from_deg=90]\n"
+                      "thresholds: {settle_s: {min: 1, max: 1}}\n"),
+              ElementsAre());
+}
+
+TEST_F(CampaignPlanTest, AMetricThatTheFlightCannotHaveIsRefusedBeforeItFlies) {
+  EXPECT_THAT(
+      Refusal("scenario: hover\nmetrics: [touchdown_error_m, closest_m, setle_s]\n"
+              "thresholds: {in_view_share: {min: 0.5}}\n"),
+      ElementsAre(
+          "f.yaml:2: metrics.0: a flight of this scenario, of the mission 'hover', has no "
+          "'touchdown_error_m'; valid: fix_x_rmse_m, fix_y_rmse_m, fix_z_rmse_m, fix_yaw_rmse_deg, "
+          "fix_share, "
+          "longest_loss_s, settle_s, hold_horizontal_rmse_m, hold_vertical_rmse_m, hold_yaw_rmse_deg, "
+          "greatest_tilt_deg",
+          "f.yaml:2: metrics.1: a flight of this scenario, of the mission 'hover', has no 'closest_m'; "
+          "valid: "
+          "as said above",
+          "f.yaml:2: metrics.2: there is no metric 'setle_s'; did you mean 'settle_s'?",
+          "f.yaml:3: thresholds.in_view_share: a flight of this scenario, of the mission 'hover', has no "
+          "'in_view_share'; valid: as said above"));
+  // What may vary may be there.
+  EXPECT_THAT(Refusal("scenario: hover\nmetrics: [failure_noticed_s]\nvary:\n  sensors.attitude_faults: "
+                      "{choice: [[], [{type: freeze, from_s: 1, until_s: 3}]]}\n"),
+              ElementsAre());
 }
 
 TEST_F(CampaignPlanTest, AScenarioThatIsNoneOrNotValidIsRefused) {

@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "campaign/statistics/share_sequence.h"
+#include "campaign/statistics/stop_rule.h"
 #include "scenarios/statistics.h"
 #include "tests/campaign/example_campaign.h"
 
@@ -15,6 +17,7 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 TEST(MetricAims, AreThoseOfThePlanAndTheDirectionsOfTheCriteria) {
   CampaignIdentity identity = ExampleCampaign().identity;
@@ -100,6 +103,43 @@ TEST(CampaignSummary, ItsJsonHasTheDocumentedShape) {
   EXPECT_EQ(json.at("thresholds").at(0).at("bound"), s.success.interval.low);
 }
 
+TEST(StopRule, IsReadFromWhereWorkOfWritesIt) {
+  CampaignIdentity identity;
+  identity.plan = "scenario: hover\n";
+  EXPECT_EQ(StopRuleOf(identity), std::nullopt);
+  identity.plan += fmt::format("\n# --set runs=3\n\n# {}\n", StopRule(0.025));
+  EXPECT_EQ(StopRuleOf(identity), 0.025);
+  EXPECT_EQ(StopRuleOf({}), std::nullopt);
+}
+
+// The interval of a fixed number of runs is too narrow where the runs themselves chose it.
+TEST(CampaignSummary, OneThatEndedEarlyHasTheIntervalThatHoldsThen) {
+  CampaignResults campaign = ExampleCampaign();
+  campaign.results.resize(200);
+  const auto summary = [&](const char* rule) {
+    CampaignIdentity identity = campaign.identity;
+    identity.plan += rule;
+    return Summarise(identity, campaign.results, {{"success", {std::nullopt, std::nullopt, 0.5}}});
+  };
+  const CampaignSummary fixed = summary(""), early = summary("\n# --stop-when 0.1\n"),
+                        going = summary("\n# --stop-when 0.001\n");
+  EXPECT_EQ(early.success.interval, ShareSequence(early.passed, 200));
+  EXPECT_LT(early.success.interval.low, fixed.success.interval.low);
+  EXPECT_EQ(early.success_at_least, early.success.interval.low);
+  EXPECT_EQ(early.thresholds[0].bound, early.success.interval.low);
+  EXPECT_EQ(going.success.interval, early.success.interval);
+  EXPECT_TRUE(early.ended_early && !going.ended_early && !fixed.ended_early);
+  EXPECT_THAT(ToText(early), testing::AllOf(HasSubstr("ended early after 200 of 300 runs"),
+                                            HasSubstr("however often one looks")));
+  EXPECT_THAT(ToText(going), Not(HasSubstr("ended early")));
+  EXPECT_THAT(ToText(fixed), Not(HasSubstr("looks")));
+  const auto json = nlohmann::json::parse(ToJson(early));
+  EXPECT_EQ(json.at("stop_when"), 0.1);
+  EXPECT_EQ(json.at("ended_early"), true);
+  EXPECT_EQ(json.at("success").at("low"), early.success.interval.low);
+  EXPECT_TRUE(nlohmann::json::parse(ToJson(fixed)).at("stop_when").is_null());
+}
+
 TEST(CampaignSummary, ItsTextHasTheTables) {
   const CampaignResults campaign = ExampleCampaign();
   const std::string text = ToText(
@@ -118,6 +158,13 @@ TEST(CampaignSummary, ALongOutcomeIsCutToALine) {
   const std::string text = ToText(Summarise(campaign.identity, campaign.results));
   EXPECT_THAT(text, HasSubstr("| scenario.yaml:3: wind: too much... "));
   EXPECT_THAT(text, testing::Not(HasSubstr("yaml:4")));
+}
+
+TEST(CampaignSummary, OneRunIsOne) {
+  CampaignResults campaign = ExampleCampaign();
+  campaign.results.resize(1);
+  campaign.identity.table.rows.resize(1);
+  EXPECT_THAT(ToText(Summarise(campaign.identity, campaign.results)), HasSubstr("1 of 1 run\n"));
 }
 
 TEST(CampaignSummary, OfNoRunsIsOne) {

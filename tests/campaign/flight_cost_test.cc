@@ -41,6 +41,15 @@ TEST(FlightCost, AConstraintThatIsBrokenCostsMoreTheMoreItIs) {
   EXPECT_DOUBLE_EQ(CostOf(Result(RunStatus::kPassed, 0, 0, 0, 1.5), Cost()), 4 * 1.25);
 }
 
+TEST(FlightCost, AConstraintIsKeptByWhatHasTheMetricWithinItsLimits) {
+  const CostConstraint constraint{8, {}, 5};
+  EXPECT_TRUE(Keeps(Result(RunStatus::kFailed, 0, 0, 8, 0), "tilt_deg", constraint));
+  EXPECT_FALSE(Keeps(Result(RunStatus::kPassed, 0, 0, 8.1, 0), "tilt_deg", constraint));
+  EXPECT_FALSE(Keeps(Result(RunStatus::kPassed, 0, 0, 0, 1), "closest_m", {{}, 2, 4}));
+  EXPECT_FALSE(Keeps(Result(RunStatus::kPassed, 0, 0, 0, 0), "another", constraint));
+  EXPECT_FALSE(Keeps(Result(RunStatus::kCrashed, 0, 0, 0, 0), "tilt_deg", constraint));
+}
+
 TEST(FlightCost, AFlightThatDidNotPassCostsThatToo) {
   EXPECT_DOUBLE_EQ(CostOf(Result(RunStatus::kFailed, 0, 0, 0, 9), Cost()), 3);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "campaign/statistics/intervals.h"
 
+#include <algorithm>
 #include <numeric>
 
 #include "tests/campaign/coverage.h"
@@ -68,16 +69,16 @@ TEST(Mean, OfSymmetricSamplesHasStudentsInterval) {
 }
 
 TEST(Mean, OfSkewedSamplesHasTheIntervalOfHallsTransformation) {
-  const std::vector<double> samples = {1, 1, 2, 2, 3, 9};  // mean 3, squares 46, cubes 198
-  const double n = 6, deviation = std::sqrt(46.0 / 5), skew = 198 / n / std::pow(46 / n, 1.5);
+  const std::vector<double> samples = {1, 1, 1, 1, 1, 1, 2, 2, 2, 2, 2, 2, 3, 3, 3, 9, 9, 9};  // mean 3
+  const double n = 18, deviation = std::sqrt(138.0 / 17), skew = 594 / n / std::pow(138 / n, 1.5);
   const Estimate mean = MeanOf(samples);
   // The transformation itself, of the distance of each end from the mean.
   const auto g = [&](double end) {
     const double w = (3 - end) / deviation;
     return w + skew * w * w / 3 + skew * skew * w * w * w / 27 + skew / (6 * n);
   };
-  EXPECT_NEAR(g(mean.interval.low), 2.570582 / std::sqrt(n), 1e-6);  // t of 5, from tables
-  EXPECT_NEAR(g(mean.interval.high), -2.570582 / std::sqrt(n), 1e-6);
+  EXPECT_NEAR(g(mean.interval.low), 2.109816 / std::sqrt(n), 1e-6);  // t of 17, from tables
+  EXPECT_NEAR(g(mean.interval.high), -2.109816 / std::sqrt(n), 1e-6);
   EXPECT_GT(mean.interval.high - 3, 3 - mean.interval.low);
 }
 
@@ -97,6 +98,24 @@ TEST(Mean, ItsIntervalHoldsTheMeanAsOftenAsItSays) {
   // Of a skewness of 6, some 2 % short.
   EXPECT_NEAR(of(100, std::exp(0.5), [](RandomStream& r) { return std::exp(r.Normal()); }), 0.935,
               0.015 + Chance(simulations));
+}
+
+// What lies in a range has its mean in it: no end is beyond, and one that would be is not given.
+TEST(Mean, NoEndIsBeyondWhatWasSeen) {
+  const double none = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(MeanOf({0.5, 1}).interval, Interval());  // Student's is -2.4 to 3.9
+  EXPECT_EQ(MeanOf({0.9, 1, 1}).interval, Interval());
+  RandomStream random(1, "shares");
+  int given = 0;
+  for (int i = 0; i < 1000; ++i) {
+    std::vector<double> shares(static_cast<std::size_t>(random.Uniform(2, 40)));
+    for (double& x : shares) x = std::min(1.0, random.Uniform(0.8, 1.3));
+    const Interval interval = MeanOf(shares).interval;
+    EXPECT_TRUE(interval.high <= 1 || interval.high == none);
+    EXPECT_TRUE(interval.low >= 0 || interval.low == -none);
+    given += interval.high <= 1 && interval.low >= 0;
+  }
+  EXPECT_GT(given, 500);
 }
 
 std::vector<double> Ranks(int n) {

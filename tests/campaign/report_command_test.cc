@@ -65,6 +65,16 @@ TEST_F(ReportCommandTest, JudgesTheThresholdsOfThePlan) {
   EXPECT_THAT(names, ElementsAre("success", "touchdown_error_m, 95 % quantile"));
 }
 
+TEST_F(ReportCommandTest, TellsWhetherTheThresholdsAreKept) {
+  EXPECT_FALSE(ReportCommand({file_.string(), "", true}));  // of 12 runs no more than 74 % is shown
+  CampaignIdentity identity = LandingCampaign(20, folder_).identity;
+  std::string& plan = identity.plan;
+  plan = plan.substr(0, plan.find("thresholds:")) + "thresholds: {success: {min: 0}}\n";
+  const fs::path kept = folder_ / "kept.sqlite";
+  ResultStore::Open(kept, identity).Put(LandingCampaign(20, folder_).results[0]);
+  EXPECT_TRUE(ReportCommand({kept.string(), "", true}));
+}
+
 TEST_F(ReportCommandTest, RefusesWhatHoldsNoResults) {
   EXPECT_THROW(ReportCommand({(folder_ / "none.sqlite").string(), "", true}), InputError);
   std::ofstream(folder_ / "text.sqlite") << "text";

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <pugixml.hpp>
 
+#include "campaign/statistics/share_sequence.h"
+
 namespace kestrel {
 namespace {
 
@@ -65,6 +67,28 @@ TEST(Thresholds, ARunWithoutTheMetricIsWorseThanAnyWithIt) {
   EXPECT_FALSE(Judge({{"misspelt", {0.5, 1.0, kNone}}}, Runs(500, 0, 0))[0].passed);
 }
 
+TEST(Thresholds, ACampaignThatEndedByItsResultsIsJudgedByAnIntervalThatHoldsThen) {
+  const auto results = Runs(100, 2, 0);
+  const Interval fixed = ShareInterval(98, 100), sequence = ShareSequence(98, 100);
+  ASSERT_LT(sequence.low, fixed.low);
+  const double between = (sequence.low + fixed.low) / 2;
+  EXPECT_TRUE(Judge({{"success", {kNone, kNone, between}}}, results)[0].passed);
+  const auto judged = Judge({{"success", {kNone, kNone, between}}}, results, true);
+  EXPECT_FALSE(judged[0].passed);
+  EXPECT_EQ(judged[0].estimate.interval, sequence);
+  EXPECT_THAT(ToJunit("c", judged), testing::HasSubstr("which holds however often one looks"));
+}
+
+TEST(Thresholds, OneRunIsOneAndWhatIsNotKnownIsNotANumber) {
+  const auto one = ToJunit("c", Judge({{"error_m", {kNone, 1e-4, kNone}}}, Runs(1, 0, 0)));
+  EXPECT_THAT(one,
+              testing::AllOf(testing::HasSubstr("over 1 run;"), testing::Not(testing::HasSubstr("inf"))));
+  const auto without = ToJunit("c", Judge({{"error_m", {kNone, 1.0, kNone}}}, Runs(9, 0, 1)));
+  EXPECT_THAT(without, testing::AllOf(testing::HasSubstr("not known, over 9 runs"),
+                                      testing::HasSubstr("1 run without it counts as worse"),
+                                      testing::Not(testing::HasSubstr("inf"))));
+}
+
 TEST(Thresholds, AreCasesOfJunit) {
   const auto judged =
       Judge({{"success", {kNone, kNone, 0.9}}, {"error_m", {0.95, 0.4, kNone}}}, Runs(500, 2, 3));
@@ -77,7 +101,7 @@ TEST(Thresholds, AreCasesOfJunit) {
   const auto bad = suite.find_child_by_attribute("testcase", "name", "error_m, 95 % quantile");
   EXPECT_THAT(bad.child("failure").attribute("message").value(),
               testing::AllOf(testing::HasSubstr("must be at most 0.4"), testing::HasSubstr("over 500 runs"),
-                             testing::HasSubstr("3 runs do not have it")));
+                             testing::HasSubstr("3 runs without it count as worse")));
   EXPECT_FALSE(suite.find_child_by_attribute("testcase", "name", "success").child("failure"));
 }
 

@@ -108,6 +108,36 @@ TEST_F(TuneCommandTest, MethodsAreComparedByTheRowsHeldOutOnOnePage) {
   EXPECT_THAT(page, HasSubstr("./kestrel run follow --set"));
 }
 
+TEST_F(TuneCommandTest, AFileMayBeNamedByItsFlight) {
+  TuneArguments arguments = Arguments("out", 1);
+  const auto refusal = [&](const char* file) -> std::string {
+    arguments.file = file, arguments.overrides = {"budget=1"};
+    try {
+      TuneCommand(arguments);
+    } catch (const InputError& e) {
+      return e.what();
+    }
+    return "";
+  };
+  EXPECT_THAT(refusal("poor"), HasSubstr("'poor' is the name of 2; valid: follow/poor, hover/poor"));
+  EXPECT_THAT(refusal("hover/poor"), HasSubstr("budget: 1 flights are not enough"));  // so it was read
+  EXPECT_THAT(refusal("porr"), HasSubstr("there is no tuning 'porr'; did you mean 'poor'?"));
+}
+
+// Flights that are only read again are not told as progress.
+TEST_F(TuneCommandTest, WhatIsThereAlreadyIsNotCountedFromOneAgain) {
+  EXPECT_TRUE(TuneCommand(Arguments("out", 2)));
+  TuneArguments again = Arguments("out", 2);
+  again.quiet = false;
+  testing::internal::CaptureStderr();
+  testing::internal::CaptureStdout();
+  EXPECT_TRUE(TuneCommand(again));
+  testing::internal::GetCapturedStdout();
+  const std::string said = testing::internal::GetCapturedStderr();
+  EXPECT_THAT(said, HasSubstr(" flights are there already\n"));
+  EXPECT_THAT(said, testing::Not(HasSubstr("round")));
+}
+
 TEST_F(TuneCommandTest, TheFolderOfAnotherTuningIsRefused) {
   EXPECT_TRUE(TuneCommand(Arguments("out", 2)));
   TuneArguments other = Arguments("out", 2);

@@ -44,7 +44,7 @@ vary: {wind.mean_m_s: {uniform: [0, 6]}}
 gains:
   pilot.servo.lambda_per_s: {low: 0.1, high: 4, log: true}
   autopilot.velocity_gain_per_s: {low: 0.1, high: 5, start: 0.2}
-cost: {hold_horizontal_rmse_m: {scale: 0.1, weight: 2}}
+cost: {follow_distance_rms: {scale: 0.1, weight: 2}}
 constraints: {greatest_tilt_deg: {max: 20}}
 failure: 3
 method: random_search
@@ -56,7 +56,7 @@ TEST_F(TunePlanTest, AFileBecomesItsPlanAndTablesWithoutARowInCommon) {
   const LoadedTune tune = Load(kWhole);
   EXPECT_EQ(tune.plan.flights.name, "f");
   EXPECT_EQ(tune.plan.method, "random_search");
-  EXPECT_EQ(tune.plan.cost.terms.at("hold_horizontal_rmse_m").weight, 2);
+  EXPECT_EQ(tune.plan.cost.terms.at("follow_distance_rms").weight, 2);
   EXPECT_EQ(tune.plan.cost.constraints.at("greatest_tilt_deg").max, 20);
   EXPECT_EQ(tune.plan.cost.failure, 3);
   const Scenario own = LoadScenario("follow").scenario;
@@ -90,12 +90,12 @@ gains:
   pilot.servo.lambda_yaw_per_s: {low: 0, high: 3}
   pilot.servo.lambda_per_s: {low: 0, high: 3, log: true}
   pilot.servo.speed_limit_m_s: {low: 2, high: 1, start: 7}
-cost: {hold_horizontal_rmse: {scale: 0.1}, settle_s: {weight: 1}}
-constraints: {greatest_tilt_deg: {}}
+cost: {follow_distance_rmse: {scale: 0.1}, in_view_share: {weight: 1}}
+constraints: {greatest_tilt_deg: {}, settle_s: {max: 9}, closest_m: {min: 3, max: 2}}
 method: cma
 )"),
       ElementsAre(
-          "f.yaml:9: cost.settle_s.scale: must be given",
+          "f.yaml:9: cost.in_view_share.scale: must be given",
           StartsWith("f.yaml:11: method: 'cma' is not valid;"),
           "f.yaml:7: gains.pilot.servo.lambda_per_s: low = 0 has no logarithm; valid: above 0",
           "f.yaml:6: gains.pilot.servo.lambda_yaw_per_s: is tuned, and set has "
@@ -104,10 +104,16 @@ method: cma
           "f.yaml:8: gains.pilot.servo.speed_limit_m_s: low = 2 is not below high = 1",
           "f.yaml:8: gains.pilot.servo.speed_limit_m_s.start: 7 is out of its bounds; valid: 2 to 1",
           "f.yaml:5: gains.wind.mean_m_s: varies from flight to flight too; valid: one of the two",
-          "f.yaml:9: cost.hold_horizontal_rmse: there is no metric 'hold_horizontal_rmse'; did you mean "
-          "'hold_horizontal_rmse_m'?",
+          "f.yaml:3: vary.image.latency_s: 6 is out of range; valid: 0 to 2",
+          "f.yaml:9: cost.follow_distance_rmse: there is no metric 'follow_distance_rmse'; did you mean "
+          "'follow_distance_rms'?",
+          StartsWith("f.yaml:10: constraints.closest_m: a flight of this scenario, of the mission 'follow', "
+                     "has no 'closest_m'; valid: "),
+          "f.yaml:10: constraints.closest_m: min = 3 is above max = 2, so that nothing keeps to both; valid: "
+          "min no more than max",
           "f.yaml:10: constraints.greatest_tilt_deg: has no limit; valid: max, min or both",
-          "f.yaml:3: vary.image.latency_s: 6 is out of range; valid: 0 to 2"));
+          "f.yaml:10: constraints.settle_s: a flight of this scenario, of the mission 'follow', has no "
+          "'settle_s'; valid: as said above"));
 }
 
 TEST_F(TunePlanTest, AGainThatTheScenarioRefusesIsRefused) {
@@ -118,7 +124,7 @@ gains:
   pilot.servo.lambda_per_s: {low: 0.1, high: 30}
   pilot.tracker.max_points: {low: 100, high: 300, start: 200}
   pilot.servo.lambda_yaw_per_s: {low: 2, high: 3}
-cost: {settle_s: {scale: 10}}
+cost: {follow_u_rms_px: {scale: 10}}
 )"),
       ElementsAre("f.yaml:4: gains.pilot.servo.lambda_per_s: 30 is out of range; valid: 0 to 5",
                   "f.yaml:3: gains.pilot.servo.lambda_pers: unknown key; did you mean 'lambda_per_s'?",
@@ -130,7 +136,7 @@ cost: {settle_s: {scale: 10}}
 TEST_F(TunePlanTest, ABudgetInWhichNothingCanBeFoundIsRefused) {
   EXPECT_THAT(
       Refusal("scenario: follow\ngains: {pilot.servo.lambda_per_s: {low: 0.1, high: 3}}\n"
-              "cost: {settle_s: {scale: 10}}\nbudget: 60\n"),
+              "cost: {follow_u_rms_px: {scale: 10}}\nbudget: 60\n"),
       ElementsAre("f.yaml:4: budget: 60 flights are not enough for the start and one round of 6 candidates "
                   "on 5 rows, and 5 leaders on 10 fresh ones; valid: 85 or more"));
 }

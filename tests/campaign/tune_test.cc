@@ -9,6 +9,7 @@
 #include <set>
 
 #include "campaign/table/sampling.h"
+#include "campaign/tuning/tune_files.h"
 #include "config/random.h"
 
 namespace kestrel {
@@ -16,6 +17,8 @@ namespace {
 
 using ::testing::Each;
 using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::SizeIs;
 
 // Flights that are a formula: least error at the gains 2, 0.5, 0.3 and 0.7, with a part that is the row's.
@@ -158,6 +161,23 @@ TEST(Tune, EveryCandidateFliesTheSameRowsAndNoneThatIsHeldOut) {
   std::set<std::size_t> sizes;
   for (const auto& [seed, gains] : gains_of_seed) sizes.insert(gains.size());
   EXPECT_THAT(sizes, ElementsAre(3, 5, result.search.size()));  // held out, fresh, of the search
+}
+
+TEST(Tune, AConstraintThatIsNotMetIsSaidWhereverTheVerdictIs) {
+  const auto said = [](double most) {
+    LoadedTune tune = Problem();
+    tune.plan.cost.constraints["error_m"] = {most, {}, 5};
+    const TuneResult result = Tune(tune, FlyFormula);
+    return std::pair(TuneText(tune, result), GainsFile(tune, result, "f.yaml", "1.0"));
+  };
+  const auto [never, never_file] = said(-100);
+  EXPECT_THAT(never, HasSubstr("No candidate met the constraint on error_m (at most -100) in any flight."));
+  EXPECT_THAT(never_file, HasSubstr("\n# No candidate met the constraint on error_m (at most -100) in any"));
+  const auto [some, some_file] = said(1.06);
+  EXPECT_THAT(some,
+              testing::ContainsRegex("met the constraint on error_m .at most 1.06. in [0-9]+ of 50 flights"));
+  const auto [always, always_file] = said(100);
+  EXPECT_THAT(always + always_file, Not(HasSubstr("constraint")));
 }
 
 TEST(Tune, TheBestOfTheSearchIsJudgedOnFreshRows) {

@@ -55,6 +55,11 @@ const count = (value) => value.toLocaleString("en-GB");
 const percent = (share, digits = 1) => `${(100 * share).toFixed(digits)} %`;
 const plural = (n, one, many = `${one}s`) => `${count(n)} ${n === 1 ? one : many}`;
 
+// Where a number lies, by the ends that are known.
+const intervalText = (low, high, shown) =>
+  (hasNumber(low) && hasNumber(high) ? `${shown(low)} to ${shown(high)}`
+    : hasNumber(low) ? `from ${shown(low)}` : hasNumber(high) ? `up to ${shown(high)}` : "too few runs to say");
+
 const ascending = (values) => values.filter(hasNumber).sort((a, b) => a - b);
 const quantileOfSorted = (sorted, p) => {
   const at = p * (sorted.length - 1), below = Math.floor(at), above = Math.ceil(at);

@@ -91,9 +91,8 @@ const distributionNote = (name) => {
 
 const quantileTable = (name) => {
   const s = summaryOf.get(name);
-  const end = (value, none) => (hasNumber(value) ? number(value, 3) : none);
   const row = (what, {value, low, high}) => el("tr", {}, el("td", {}, what), el("td", {class: "number"}, number(value, 3)),
-    el("td", {class: "number"}, `${end(low, "open")} to ${end(high, "open")}`));
+    el("td", {class: "number"}, intervalText(low, high, (value) => number(value, 3))));
   return el("table", {class: "quantiles"},
     el("thead", {}, el("tr", {}, el("th", {}, `of ${plural(s.runs, "run")}`),
       el("th", {class: "number"}, unitOf(name)[1] || "value"), el("th", {class: "number"}, `${confidence} interval`))),

@@ -20,10 +20,19 @@ const drawHeading = () => {
   byId("name").textContent = data.name;
   byId("facts").replaceChildren(
     el("span", {}, "scenario ", el("b", {}, data.scenario)),
-    el("span", {}, el("b", {}, count(data.runs.length)), ` of ${plural(summary.rows, "run")} done`),
+    data.tuning ? el("span", {}, el("b", {}, count(data.runs.length)), " flights with the gains found, on rows that no search saw")
+      : el("span", {}, el("b", {}, count(data.runs.length)), ` of ${plural(summary.rows, "run")} done`),
     el("span", {}, "version ", el("b", {}, data.version)),
     el("span", {}, "sample table ", el("b", {class: "mono"}, data.table_hash)));
   for (const each of document.querySelectorAll(".confidence")) each.textContent = confidence;
+};
+
+// Why the interval of the share is right.
+const intervalNote = () => {
+  if (!hasNumber(summary.stop_when)) return "Clopper-Pearson.";
+  const early = summary.ended_early ? `Ended early after ${count(summary.runs)} of ${plural(summary.rows, "run")}: ` : "";
+  return `${early}an interval that holds however often one looks (--stop-when ${summary.stop_when}). ` +
+    "Those of metrics are of a number of runs that was fixed.";
 };
 
 const drawShare = () => {
@@ -36,7 +45,7 @@ const drawShare = () => {
     el("p", {class: "interval"}, `${confidence} interval `, el("b", {}, `${percent(s.low)} to ${percent(s.high)}`)),
     intervalScale({...s, wanted}),
     el("p", {class: "note"}, `${plural(s.passed, "run")} of ${count(s.n)} met the scenario’s criteria; ` +
-       "a run that broke off, crashed, was refused or timed out counts as one that did not. Clopper-Pearson."));
+       `a run that broke off, crashed, was refused or timed out counts as one that did not. ${intervalNote()}`));
 };
 
 // The criteria that rows did not keep to, with how many did not: the most frequent first.
@@ -73,7 +82,7 @@ const drawThresholds = () => {
   if (!summary.thresholds.length) return;
   const box = byId("thresholds");
   box.hidden = false;
-  const shown = (value, name) => (!hasNumber(value) ? "open" : name === "success" ? percent(value) : withUnit(value, name.split(",")[0]));
+  const shown = (value, name) => (name === "success" ? percent(value) : withUnit(value, name.split(",")[0]));
   box.replaceChildren(
     el("h3", {}, "Asked of the campaign"),
     el("div", {class: "scroll"}, el("table", {},
@@ -81,8 +90,8 @@ const drawThresholds = () => {
       el("tbody", {}, summary.thresholds.map((t) => el("tr", {},
         el("td", {}, t.name === "success" ? "share of runs that pass" : t.name),
         el("td", {}, `at ${t.at_least ? "least" : "most"} ${shown(t.limit, t.name)}`),
-        el("td", {}, shown(t.value, t.name)),
-        el("td", {}, `${shown(t.low, t.name)} to ${shown(t.high, t.name)}`),
+        el("td", {}, hasNumber(t.value) ? shown(t.value, t.name) : "none: not every run has it"),
+        el("td", {}, hasNumber(t.value) ? intervalText(t.low, t.high, (value) => shown(value, t.name)) : "none"),
         el("td", {class: t.passed ? "met" : "missed"}, t.passed ? "met" : "not met",
           t.without ? el("small", {}, ` (${plural(t.without, "run")} without it)`) : null)))))),
     el("p", {class: "note"}, "Met when the bound of the interval that is against it keeps to the limit. A run without the metric counts as worse than any that has it."));

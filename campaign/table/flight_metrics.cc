@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "campaign/table/flight_metrics.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "scenarios/metrics.h"
+#include "scenarios/possible_metrics.h"
+
+namespace kestrel {
+namespace {
+
+bool Has(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+// A key, something in it, or what it is in.
+bool Varies(const CampaignPlan& plan, const std::string& key) {
+  const auto touches = [&](const std::string& other) {
+    return other == key || other.starts_with(key + '.') || key.starts_with(other + '.');
+  };
+  return std::any_of(plan.vary.begin(), plan.vary.end(), [&](const auto& v) { return touches(v.first); }) ||
+         std::any_of(plan.same.begin(), plan.same.end(), [&](const SameValue& s) { return touches(s.key); });
+}
+
+}  // namespace
+
+FlightMetrics::FlightMetrics(const CampaignPlan& plan) : own_(MetricNames()) {
+  if (plan.scenario.empty() || Varies(plan, "mission")) return;
+  try {
+    const Scenario scenario = LoadScenario(plan.scenario, plan.set, false).scenario;
+    own_ = PossibleMetrics(scenario, [&](const std::string& key) { return Varies(plan, key); });
+    mission_ = scenario.mission;
+  } catch (const InputError&) {}  // said elsewhere
+}
+
+void FlightMetrics::Check(const std::string& metric, const std::vector<std::string>& also,
+                          const std::string& where, const std::string& path, Mistakes& mistakes) {
+  std::vector<std::string> valid = own_;
+  valid.insert(valid.end(), also.begin(), also.end());
+  if (Has(valid, metric)) return;
+  const bool anothers = Has(MetricNames(), metric);
+  const std::string what =
+      anothers ? fmt::format("a flight of this scenario, of the mission '{}', has no '{}'", mission_, metric)
+               : fmt::format("there is no metric '{}'", metric);
+  const auto near = anothers ? std::nullopt : NearestName(metric, valid);
+  if (near) return mistakes.Add(where, path, fmt::format("{}; did you mean '{}'?", what, *near));
+  mistakes.Add(where, path,
+               all_said_ ? fmt::format("{}; valid: as said above", what)
+                         : fmt::format("{}; valid: {}", what, fmt::join(valid, ", ")));
+  all_said_ = true;
+}
+
+}  // namespace kestrel

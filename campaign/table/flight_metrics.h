@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "campaign/table/campaign_plan.h"
+#include "config/yaml_fields.h"
+
+namespace kestrel {
+
+// The metrics that flights of a plan can have, to refuse any other before anything flies.
+class FlightMetrics {
+ public:
+  // A scenario that is none or not valid, or a mission that varies, may have them all.
+  explicit FlightMetrics(const CampaignPlan& plan);
+  // also: names that are valid there beside them. All that are is said with the first mistake alone.
+  void Check(const std::string& metric, const std::vector<std::string>& also, const std::string& where,
+             const std::string& path, Mistakes& mistakes);
+
+ private:
+  std::vector<std::string> own_;
+  std::string mission_;  // empty: unknown
+  bool all_said_ = false;
+};
+
+}  // namespace kestrel

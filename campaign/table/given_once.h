@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "campaign/table/campaign_plan.h"
+#include "config/yaml_fields.h"
+
+namespace kestrel {
+
+// Refuses a key that a plan sets twice, a key that varies within another that does, and a metric that is
+// listed twice: one of them would be without effect.
+void CheckGivenOnce(const ConfigNode& root, const CampaignPlan& plan, Mistakes& mistakes);
+
+}  // namespace kestrel
