@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <set>
 #include <sstream>
@@ -104,9 +105,10 @@ std::optional<Distribution> ReadDistribution(const ConfigNode& node, const std::
       return wrong(fmt::format("the {} is {}; valid: a list of one value or more", name,
                                value.kind == Kind::kList ? "empty" : FlowText(value)));
     List values;
+    std::set<std::string> different;
     for (const auto& [index, member] : value.members) {
       values.push_back(FlowText(member));
-      if (std::count(values.begin(), values.end(), values.back()) > 1 && name == "grid")
+      if (!different.insert(values.back()).second && name == "grid")
         return wrong(fmt::format("the grid has {} twice", values.back()));
     }
     if (name == "choice") return Choice{values};
@@ -224,10 +226,32 @@ bool IsList(const Distribution& distribution) {
   return std::holds_alternative<Choice>(distribution) || std::holds_alternative<Grid>(distribution);
 }
 
+// Of a long list of numbers its least, its greatest, and one that is not whole if there is any; of another
+// list all.
+List ValuesOfList(List values) {
+  constexpr std::size_t kLong = 100;  // to load a scenario with each takes long
+  if (values.size() <= kLong) return values;
+  std::optional<std::string> broken;
+  std::pair<double, std::size_t> least{HUGE_VAL, 0}, greatest{-HUGE_VAL, 0};
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const char* last = values[i].data() + values[i].size();
+    double number = 0;
+    const auto end = std::from_chars(values[i].data(), last, number);
+    if (end.ptr != last || end.ec != std::errc{}) return values;
+    least = std::min(least, {number, i});
+    greatest = std::max(greatest, {number, i});
+    if (number != std::floor(number)) broken = values[i];
+  }
+  List tried{values[least.second], values[greatest.second]};
+  if (broken) tried.push_back(*broken);
+  return tried;
+}
+
 // Those of a key that the scenario must take. Both ends may be whole where what is between them is not.
 List ValuesToTry(const Distribution& distribution) {
+  if (IsList(distribution)) return ValuesOfList(Extremes(distribution));
   List values = Extremes(distribution);
-  if (!IsList(distribution)) values.push_back(ValueAt(distribution, 0.3819660113));
+  values.push_back(ValueAt(distribution, 0.3819660113));
   return values;
 }
 
@@ -368,13 +392,16 @@ void ResolveVariation(const fs::path& file, const ConfigNode& root, CampaignPlan
   if (plan.name.find_first_of("/\\") != std::string::npos || plan.name.starts_with('.'))
     mistakes.Add(WhereIn(root, {"name"}), "name",
                  fmt::format("'{}' cannot name a folder; valid: no slash, no leading dot", plan.name));
-  double rows = plan.runs;
+  double points = 1;
   for (const auto& [key, distribution] : plan.vary)
-    if (const auto* grid = std::get_if<Grid>(&distribution)) rows *= static_cast<double>(grid->values.size());
-  if (rows > kMostRows)
+    if (const auto* grid = std::get_if<Grid>(&distribution))
+      points *= static_cast<double>(grid->values.size());
+  const bool too_long = points * plan.runs > kMostRows;
+  if (too_long)
     mistakes.Add(WhereIn(root, {"runs"}), "runs",
-                 fmt::format("{} at each point of the grids are {} runs; valid: no more than {}", plan.runs,
-                             rows, kMostRows));
+                 fmt::format("{} at each of the {:.16g} points of the grids are {:.16g} runs; valid: no more "
+                             "than {}",
+                             plan.runs, points, points * plan.runs, kMostRows));
   if (plan.vary.size() > 3667)
     mistakes.Add(WhereIn(root, {"vary"}), "vary",
                  fmt::format("{} keys; valid: no more than 3667", plan.vary.size()));
@@ -418,7 +445,7 @@ void ResolveVariation(const fs::path& file, const ConfigNode& root, CampaignPlan
                    message.starts_with("--set ") ? message.substr(6) : message);
     return;
   }
-  TryKeys(root, plan, mistakes);
+  if (!too_long) TryKeys(root, plan, mistakes);
 }
 
 }  // namespace kestrel

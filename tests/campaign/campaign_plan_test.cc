@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "campaign/table/campaign_plan.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <chrono>
@@ -248,6 +249,33 @@ TEST_F(CampaignPlanTest, AKeyMayHaveItsMeaningFromAChoice) {
 TEST_F(CampaignPlanTest, ATableTooLongIsRefusedBeforeItIsDrawn) {
   EXPECT_THAT(Refusal("scenario: follow\nruns: 5000000\nvary: {image.rate_hz: {grid: [10, 20, 30]}}\n"),
               ElementsAre(HasSubstr("15000000 runs; valid: no more than 10000000")));
+}
+
+std::string Numbers(int count) {
+  std::string all = "[0";
+  for (int i = 1; i < count; ++i) all += fmt::format(", {}", i);
+  return all + "]";
+}
+
+TEST_F(CampaignPlanTest, GridsOfManyPointsAreRefusedWithoutTryingEach) {
+  std::string file = "scenario: follow\nruns: 3\nvary:\n";
+  for (int axis = 0; axis < 6; ++axis) file += fmt::format("  wind.k{}: {{grid: {}}}\n", axis, Numbers(1000));
+  EXPECT_THAT(Refusal(file),
+              ElementsAre("f.yaml:2: runs: 3 at each of the 1000000000000000000 points of the grids are "
+                          "3000000000000000000 runs; valid: no more than 10000000"));
+}
+
+TEST_F(CampaignPlanTest, ALongGridOfNumbersIsTriedAtItsEnds) {
+  // To load the scenario with each of them would take minutes.
+  const std::string grid = Numbers(20000);
+  EXPECT_THAT(Refusal("scenario: follow\nruns: 1\nvary: {camera_seed: {grid: " + grid + "}}\n"),
+              ElementsAre(HasSubstr("vary.camera_seed: unknown key")));
+  EXPECT_THAT(Refusal("scenario: follow\nruns: 1\nvary: {image.rate_hz: {grid: " + grid + "}}\n"),
+              ElementsAre("f.yaml:3: vary.image.rate_hz: 0 is out of range; valid: 0.5 to 500",
+                          "f.yaml:3: vary.image.rate_hz: 19999 is out of range; valid: 0.5 to 500"));
+  EXPECT_THAT(Refusal("scenario: follow\nruns: 1\nvary: {image.jpeg_quality: {choice: [0.5, " +
+                      Numbers(101).substr(1) + "}}\n"),
+              ElementsAre("f.yaml:3: vary.image.jpeg_quality: 0.5 is not a whole number; valid: 0 to 100"));
 }
 
 TEST(Campaigns, EveryFileOfEveryFlightIsValidAndNoScenario) {
