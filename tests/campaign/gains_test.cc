@@ -73,5 +73,15 @@ TEST_F(GainsTest, MistakesInAGainsFileNameItAndItsLine) {
               ElementsAre(gains + ":1: pilot: is not a single value; valid: lines of key.path: value"));
 }
 
+TEST_F(GainsTest, AGainGivenTwiceAndAFileWithinTheFileAreRefused) {
+  const std::string scenario = Write("mission: hover\ngains: gains.yaml\n", "s.yaml");
+  const std::string gains =
+      Write("pilot.servo.lambda_per_s: 1\ngains: other.yaml\npilot.servo.lambda_per_s: 2\n", "gains.yaml");
+  EXPECT_THAT(
+      Refusal(scenario),
+      ElementsAre(gains + ":2: gains: a file of gains names no other; valid: lines of key.path: value",
+                  gains + ":3: pilot.servo.lambda_per_s: given twice, first at " + gains + ":1"));
+}
+
 }  // namespace
 }  // namespace kestrel
