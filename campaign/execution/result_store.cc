@@ -16,6 +16,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "campaign/execution/shard.h"
 #include "config/yaml_fields.h"
 
 namespace kestrel {
@@ -147,6 +148,34 @@ void WriteIdentity(sqlite3* db, const CampaignIdentity& identity) {
       {fmt::format("{}: {}; valid: a result file that `kestrel campaign` wrote", file.string(), why)});
 }
 
+[[noreturn]] void RefuseAsDamaged(const fs::path& file, const std::string& why) {
+  const auto shard = ShardOfFile(file);
+  throw InputError({fmt::format(
+      "{}: it is damaged: {}; valid: this file moved out of the way, and {} again", file.string(), why,
+      shard ? fmt::format("its part flown (--shard {}/{})", shard->number, shard->of) : "its runs flown")});
+}
+
+// Whether this is a file's fault, and not the disk's or another process's: no database, one that was cut or
+// overwritten, one without its tables.
+bool IsDamage(const SqliteError& e) {
+  const int code = e.code & 0xff;
+  return code == SQLITE_NOTADB || code == SQLITE_CORRUPT || code == SQLITE_ERROR || code == SQLITE_FORMAT ||
+         e.code == SQLITE_IOERR_SHORT_READ;
+}
+
+[[noreturn]] void Refuse(const fs::path& file, const SqliteError& e) {
+  if ((e.code & 0xff) == SQLITE_NOTADB) RefuseAsNone(file, "it is no SQLite file");
+  RefuseAsDamaged(file, e.what());
+}
+
+std::vector<std::string> KeysIn(const std::string& json, const fs::path& file) {
+  try {
+    return nlohmann::json::parse(json).get<std::vector<std::string>>();
+  } catch (const nlohmann::json::exception&) {
+    RefuseAsDamaged(file, "the keys of its table are no list of names");
+  }
+}
+
 CampaignIdentity ReadIdentity(sqlite3* db, const fs::path& file) {
   std::map<std::string, std::string> texts;
   for (Statement campaign(db, "SELECT key, value FROM campaign"); campaign.Next();)
@@ -155,19 +184,19 @@ CampaignIdentity ReadIdentity(sqlite3* db, const fs::path& file) {
     RefuseAsNone(file, fmt::format("its tables are of the schema '{}', and this program knows '{}'",
                                    texts["schema"], kSchema));
   CampaignIdentity identity{texts["name"], texts["scenario"], texts["plan"], texts["version"], {}};
-  identity.table.keys = nlohmann::json::parse(texts["keys"]).get<std::vector<std::string>>();
+  identity.table.keys = KeysIn(texts["keys"], file);
   std::map<std::string, std::size_t> place;
   for (std::size_t k = 0; k < identity.table.keys.size(); ++k) place[identity.table.keys[k]] = k;
   auto& rows = identity.table.rows;
   for (Statement samples(db, "SELECT row, key, value FROM samples ORDER BY row"); samples.Next();) {
     const auto row = static_cast<std::size_t>(samples.Integer(0));
     const auto found = place.find(samples.Text(1));
-    if (row > rows.size() || found == place.end()) RefuseAsNone(file, "its table of samples is not whole");
+    if (row > rows.size() || found == place.end()) RefuseAsDamaged(file, "its table of samples is not whole");
     if (row == rows.size()) rows.emplace_back(identity.table.keys.size());
     rows[row][found->second] = samples.Text(2);
   }
   if (HashOf(identity.table) != texts["table_hash"])
-    RefuseAsNone(file, "its table of samples is not what its hash says");
+    RefuseAsDamaged(file, "its table of samples is not what its hash says");
   return identity;
 }
 
@@ -252,9 +281,11 @@ struct ResultStore::Database {
           file.string())});
   }
   [[noreturn]] void CannotWrite(const SqliteError& e) const {
+    if (IsDamage(e)) Refuse(file, e);
     throw std::runtime_error(fmt::format("cannot write {}: {}", file.string(), e.what()));
   }
   [[noreturn]] void CannotRead(const SqliteError& e) const {
+    if (IsDamage(e)) Refuse(file, e);
     throw std::runtime_error(fmt::format("cannot read {}: {}", file.string(), e.what()));
   }
 };
@@ -291,7 +322,6 @@ ResultStore ResultStore::Open(const fs::path& file, const CampaignIdentity& iden
       database->identity = identity;
     }
   } catch (const SqliteError& e) {
-    if ((e.code & 0xff) == SQLITE_NOTADB) RefuseAsNone(file, "it is no SQLite file");
     database->CannotWrite(e);
   }
   return ResultStore(std::move(database));
@@ -324,7 +354,7 @@ ResultStore ResultStore::Read(const fs::path& file) {
       return read("file:" + name + "?immutable=1", SQLITE_OPEN_READONLY | SQLITE_OPEN_URI);
     }
   } catch (const SqliteError& e) {
-    if ((e.code & 0xff) == SQLITE_NOTADB) RefuseAsNone(file, "it is no SQLite file");
+    if (IsDamage(e)) Refuse(file, e);
     throw std::runtime_error(fmt::format("cannot read {}: {}", file.string(), e.what()));
   }
 }
@@ -405,7 +435,13 @@ std::vector<RunResult> ResultStore::Results() const {
     while (runs.Next()) {
       RunResult& r = results.emplace_back();
       r.row = runs.Integer(0);
-      r.status = RunStatusOf(runs.Text(1));
+      if (r.row < 0 || r.row >= static_cast<std::int64_t>(database_->identity.table.rows.size()))
+        RefuseAsDamaged(database_->file, fmt::format("its table has no row {}", r.row));
+      try {
+        r.status = RunStatusOf(runs.Text(1));
+      } catch (const std::runtime_error& e) {
+        RefuseAsDamaged(database_->file, fmt::format("row {}: {}", r.row, e.what()));
+      }
       r.outcome = runs.Text(2), r.state_hash = runs.Text(3), r.image_hash = runs.Text(4);
       r.execution = {static_cast<int>(runs.Integer(5)),
                      runs.Number(6),

@@ -40,10 +40,11 @@ std::vector<std::string> Differences(const CampaignIdentity& has, const Campaign
 class ResultStore {
  public:
   // Makes the file, or goes on with it; the only writer until this object goes. Throws InputError: it is
-  // another campaign's, another version's, or no result file at all, or another process is at it;
+  // another campaign's, another version's, damaged, or no result file at all, or another process is at it;
   // std::runtime_error: it cannot be written.
   static ResultStore Open(const std::filesystem::path& file, const CampaignIdentity& identity);
-  // Reads it, while another process may be writing. Throws InputError: there is none, or it is none.
+  // Reads it, while another process may be writing. Throws InputError, here or later: there is none, or it
+  // is none, or it is damaged.
   static ResultStore Read(const std::filesystem::path& file);
   ~ResultStore();
   ResultStore(ResultStore&&) noexcept;

@@ -182,6 +182,64 @@ TEST_F(ResultStoreTest, RefusesWhatIsNoResultFileAndLeavesItAsItWas) {
   EXPECT_THROW(ResultStore::Read(folder_ / "none.sqlite"), InputError);
 }
 
+// Of what opening it and reading it whole throws.
+std::string Damage(const fs::path& file) {
+  try {
+    ResultStore::Read(file).Results();
+  } catch (const InputError& e) {
+    return e.what();
+  }
+  return "";
+}
+
+TEST_F(ResultStoreTest, ADamagedFileIsRefusedWithARemedy) {
+  const fs::path whole = folder_ / "whole.sqlite", part = folder_ / "results-2-of-8.sqlite";
+  const CampaignIdentity identity = IdentityOf(TableOf(300));
+  {
+    ResultStore store = ResultStore::Open(whole, identity);
+    std::vector<RunResult> results;
+    for (int row = 0; row < 300; ++row) results.push_back(ResultOf(row));
+    store.Put(results);
+  }
+  const auto size = fs::file_size(whole);
+  const std::string remedy = "valid: this file moved out of the way, and its ";
+  const auto both = [&](const std::string& what) {
+    EXPECT_THAT(Refusal(identity), AllOf(HasSubstr(what), HasSubstr(remedy + "runs flown again")));
+    EXPECT_THAT(Damage(file_), AllOf(HasSubstr(what), HasSubstr(remedy + "runs flown again")));
+    fs::copy_file(file_, part, fs::copy_options::overwrite_existing);
+    EXPECT_THAT(Damage(part), HasSubstr(remedy + "part flown (--shard 2/8) again"));
+  };
+  fs::copy_file(whole, file_);
+  fs::resize_file(file_, size / 2 / 4096 * 4096);
+  both(file_.string() + ": it is damaged: ");
+  fs::copy_file(whole, file_, fs::copy_options::overwrite_existing);
+  {
+    std::fstream garbled(file_, std::ios::in | std::ios::out | std::ios::binary);
+    garbled.seekp(4096);
+    garbled << std::string(static_cast<std::size_t>(size) - 4096, '\x5a');
+  }
+  both("it is damaged: ");
+  const auto sql = [&](const std::string& change) {
+    fs::copy_file(whole, file_, fs::copy_options::overwrite_existing);
+    Says("python3 -c \"import sqlite3; db = sqlite3.connect('" + file_.string() + "'); db.execute('" +
+         change + "'); db.commit()\"");
+  };
+  sql("DROP TABLE samples");
+  both("it is damaged: no such table: samples");
+  sql("DELETE FROM samples WHERE row = 7");
+  both("it is damaged: its table of samples is not whole");
+  sql("UPDATE campaign SET value = 3 WHERE key = \\\"keys\\\"");
+  both("it is damaged: the keys of its table are no list of names");
+  // What is seen by reading the results alone.
+  sql("DROP TABLE metrics");
+  EXPECT_THAT(Damage(file_), HasSubstr("it is damaged: no such table: metrics; " + remedy));
+  EXPECT_THROW(ResultStore::Open(file_, identity).Put(ResultOf(1)), InputError);
+  sql("UPDATE runs SET status = \\\"well\\\" WHERE row = 3");
+  EXPECT_THAT(Damage(file_), HasSubstr("it is damaged: row 3: 'well' is no status of a run; " + remedy));
+  sql("UPDATE runs SET row = 300 WHERE row = 299");
+  EXPECT_THAT(Damage(file_), HasSubstr("it is damaged: its table has no row 300; " + remedy));
+}
+
 TEST_F(ResultStoreTest, HasOneWriter) {
   const CampaignIdentity identity = IdentityOf(TableOf(4));
   const ResultStore store = ResultStore::Open(file_, identity);
