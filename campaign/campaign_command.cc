@@ -316,7 +316,11 @@ void AddPlanOptions(CLI::App* command, CampaignArguments& a, bool required) {
       ->required(required);
   command->add_option("--runs", a.runs, "Instead of the file's");
   command->add_option("--seed", a.seed, "Of the table, instead of the file's");
-  command->add_option("--set", a.overrides, "key.path=value, instead of the file's; may be repeated")
+  command
+      ->add_option(
+          "--set", a.overrides,
+          "key.path=value, instead of the file's; of a key that only its scenario has, for every run; may be "
+          "repeated")
       ->allow_extra_args(false);
   command->add_option("--out", a.out, "Folder of the results (default results/campaigns/NAME)");
 }

@@ -71,7 +71,10 @@ std::string AgainText(const TuneArguments& a) {
 CLI::App* AddTuneCommand(CLI::App& app, TuneArguments& a) {
   CLI::App* command = app.add_subcommand("tune", "Look for the gains of least cost, by many flights");
   command->add_option("file", a.file, "A tuning's YAML file")->required();
-  command->add_option("--set", a.overrides, "key.path=value, instead of the file's; may be repeated");
+  command->add_option(
+      "--set", a.overrides,
+      "key.path=value, instead of the file's; of a key that only its scenario has, for every flight; may be "
+      "repeated");
   command->add_option("--compare", a.compare, "Search by every method, so many times each, and compare them")
       ->check(CLI::Range(1, 100));
   command->add_option("--jobs", a.jobs, "Flights at the same time (default: one for each core)")

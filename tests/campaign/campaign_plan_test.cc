@@ -16,6 +16,7 @@ namespace kestrel {
 namespace {
 
 namespace fs = std::filesystem;
+using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::EndsWith;
@@ -112,6 +113,43 @@ TEST_F(CampaignPlanTest, OverridesReachTheFileAndItsDistributions) {
   EXPECT_EQ(std::get<Uniform>(loaded.plan.vary.at("wind.mean_m_s")).low, 1);
   // Otherwise two campaigns would have the same text and other tables.
   EXPECT_THAT(loaded.text, HasSubstr("--set vary.wind.mean_m_s={uniform: [1, 2]}"));
+}
+
+TEST_F(CampaignPlanTest, AnOverrideThatSaysWhatTheFileSaysMakesNoOtherPlan) {
+  const std::string file = "scenario: follow\nruns: 4\nset: [duration_s=9]\n";
+  EXPECT_EQ(Load(file, {"runs=4", "seed=1", "sampling=latin_hypercube", "duration_s=9"}).text, file);
+  EXPECT_EQ(Load(file, {"runs=5", "runs=4"}).text, file);
+  EXPECT_EQ(Load(file, {"runs=4", "seed=2"}).text, file + "\n# --set seed=2\n");
+}
+
+TEST_F(CampaignPlanTest, AnOverrideOfTheScenariosKeyStandsInSet) {
+  const std::string file = "scenario: follow\nset: [duration_s=9, wind.mean_m_s=1, wind.from_deg=3]\n";
+  const LoadedCampaign loaded = Load(file, {"duration_s=1", "wind={mean_m_s: 2}", "image.rate_hz=10"});
+  EXPECT_THAT(loaded.plan.set, ElementsAre("duration_s=1", "wind={mean_m_s: 2}", "image.rate_hz=10"));
+  EXPECT_THAT(loaded.text, EndsWith("\n# --set duration_s=1\n\n# --set wind={mean_m_s: 2}\n\n# --set "
+                                    "image.rate_hz=10\n"));
+  // A key of both is the campaign's.
+  EXPECT_EQ(Load(file, {"seed=5"}).plan.seed, 5u);
+  EXPECT_THAT(Refusal(file, {"duration_s=-1"}),
+              ElementsAre("--set duration_s=-1: duration_s: -1 is out of range; valid: 0.1 to 36000"));
+  EXPECT_THAT(Refusal(file, {"durashun_s=1", "sed=2"}),
+              ElementsAre("--set sed=2: sed: unknown key; did you mean 'seed'?",
+                          "--set durashun_s=1: durashun_s: unknown key; did you mean 'duration_s'?"));
+  EXPECT_THAT(Refusal(file, {"speed_of_light=1"}),
+              ElementsAre(AllOf(StartsWith("--set speed_of_light=1: speed_of_light: unknown key; valid: "),
+                                HasSubstr("duration_s"))));
+}
+
+TEST_F(CampaignPlanTest, WhatFollowsFromAMistakeIsNotSaidBesideIt) {
+  EXPECT_THAT(
+      Refusal("scenario: follow\nvary:\n  image.noise_grey: {uniform: [6, 0]}\n"
+              "  wind.mean_m_s: {uniform: [0, 6]}\n"
+              "correlated: [{keys: [wind.mean_m_s, image.noise_grey], rank_correlation: 0.5}]\n"
+              "same: [{key: start.height_m, as: image.noise_grey}]\n"
+              "thresholds: {settle_s: {max: abc}}\n"),
+      ElementsAre(
+          "f.yaml:7: thresholds.settle_s.max: 'abc' is not a number; valid: -1000000000 to 1000000000",
+          "f.yaml:3: vary.image.noise_grey: low = 6 is not below high = 0"));
 }
 
 TEST_F(CampaignPlanTest, AScenarioMayLieBesideTheFile) {
