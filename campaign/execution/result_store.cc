@@ -35,6 +35,7 @@ CREATE TABLE runs (row INTEGER PRIMARY KEY, status TEXT NOT NULL, outcome TEXT N
 CREATE TABLE metrics (row INTEGER, name TEXT, value REAL, PRIMARY KEY (row, name)) WITHOUT ROWID;
 CREATE TABLE execution (row INTEGER PRIMARY KEY, worker INTEGER, wall_s REAL, orchestration_s REAL,
                         peak_mib REAL, log TEXT, recording TEXT);
+CREATE TABLE origin (key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
 )";
 
 struct SqliteError : std::runtime_error {
@@ -136,6 +137,7 @@ void WriteIdentity(sqlite3* db, const CampaignIdentity& identity) {
   campaign.Insert(std::string("table_hash"), HashOf(identity.table));
   campaign.Insert(std::string("keys"), nlohmann::json(identity.table.keys).dump());
   campaign.Insert(std::string("schema"), std::string(kSchema));
+  Statement(db, "INSERT INTO origin VALUES ('file', ?)").Insert(identity.file);
   Statement samples(db, "INSERT INTO samples VALUES (?, ?, ?)");
   const SampleTable& table = identity.table;
   for (std::size_t r = 0; r < table.rows.size(); ++r)
@@ -176,14 +178,24 @@ std::vector<std::string> KeysIn(const std::string& json, const fs::path& file) {
   }
 }
 
-CampaignIdentity ReadIdentity(sqlite3* db, const fs::path& file) {
+std::map<std::string, std::string> Texts(sqlite3* db, const char* sql) {
   std::map<std::string, std::string> texts;
-  for (Statement campaign(db, "SELECT key, value FROM campaign"); campaign.Next();)
-    texts[campaign.Text(0)] = campaign.Text(1);
+  for (Statement all(db, sql); all.Next();) texts[all.Text(0)] = all.Text(1);
+  return texts;
+}
+
+bool HasOrigin(sqlite3* db) {  // which older files do not
+  Statement table(db, "SELECT 1 FROM sqlite_master WHERE name = 'origin'");
+  return table.Next();
+}
+
+CampaignIdentity ReadIdentity(sqlite3* db, const fs::path& file) {
+  auto texts = Texts(db, "SELECT key, value FROM campaign");
   if (texts["schema"] != kSchema)
     RefuseAsNone(file, fmt::format("its tables are of the schema '{}', and this program knows '{}'",
                                    texts["schema"], kSchema));
   CampaignIdentity identity{texts["name"], texts["scenario"], texts["plan"], texts["version"], {}};
+  if (HasOrigin(db)) identity.file = Texts(db, "SELECT key, value FROM origin")["file"];
   identity.table.keys = KeysIn(texts["keys"], file);
   std::map<std::string, std::size_t> place;
   for (std::size_t k = 0; k < identity.table.keys.size(); ++k) place[identity.table.keys[k]] = k;
@@ -206,6 +218,14 @@ bool HasTables(sqlite3* db, const fs::path& file) {
   all.Next();
   if (all.Integer(0) > 0 && all.Integer(1) == 0) RefuseAsNone(file, "it is a database of something else");
   return all.Integer(0) > 0;
+}
+
+// The name by which SQLite reads what is in a file, without its log, and touches nothing.
+std::string AtRest(const fs::path& file) {
+  std::string name = "file:";
+  for (const char c : fs::absolute(file).string())
+    name += c == '?' || c == '#' || c == '%' ? fmt::format("%{:02X}", c) : std::string(1, c);
+  return name + "?immutable=1";
 }
 
 // The first line in which two texts differ, as "line 3 is 'a', and not 'b'".
@@ -321,6 +341,9 @@ ResultStore ResultStore::Open(const fs::path& file, const CampaignIdentity& iden
       all.Commit();
       database->identity = identity;
     }
+    if (database->identity.file != identity.file && HasOrigin(db))
+      Statement(db, "UPDATE origin SET value = ?").Insert(identity.file);
+    database->identity.file = identity.file;
   } catch (const SqliteError& e) {
     database->CannotWrite(e);
   }
@@ -330,10 +353,14 @@ ResultStore ResultStore::Open(const fs::path& file, const CampaignIdentity& iden
 ResultStore ResultStore::Read(const fs::path& file) {
   std::error_code none;
   if (!fs::is_regular_file(file, none)) RefuseAsNone(file, "there is no such file");
-  const auto read = [&](const std::string& name, int flags) {
+  const auto read = [&](const std::string& name, int flags, bool alone = false) {
     auto database = std::make_unique<Database>();
     database->file = file;
     database->OpenFile(name, flags);
+    if (alone) {
+      Do(database->handle, "PRAGMA locking_mode = EXCLUSIVE");  // the log's index is in memory then
+      sqlite3_db_config(database->handle, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
+    }
     Do(database->handle, "PRAGMA query_only = ON");
     if (!HasTables(database->handle, file)) RefuseAsNone(file, "it is empty");
     database->identity = ReadIdentity(database->handle, file);
@@ -344,14 +371,15 @@ ResultStore ResultStore::Read(const fs::path& file) {
       // The log of a writer that was killed is put in order by its first reader, who must be able to write.
       return read(file.string(), SQLITE_OPEN_READWRITE);
     } catch (const SqliteError& e) {
-      // Where nothing can be written, not even the log's index, nobody else writes either.
+      // Where nothing can be written, or no room is left, not even for the log's index, nobody else writes
+      // either.
       const int code = e.code & 0xff;
-      if ((code != SQLITE_CANTOPEN && code != SQLITE_READONLY) || fs::exists(file.string() + "-wal", none))
-        throw;
-      std::string name;
-      for (const char c : fs::absolute(file).string())
-        name += c == '?' || c == '#' || c == '%' ? fmt::format("%{:02X}", c) : std::string(1, c);
-      return read("file:" + name + "?immutable=1", SQLITE_OPEN_READONLY | SQLITE_OPEN_URI);
+      const bool no_room = code == SQLITE_IOERR || code == SQLITE_FULL;
+      if (IsDamage(e) || (!no_room && code != SQLITE_CANTOPEN && code != SQLITE_READONLY)) throw;
+      if (!fs::exists(file.string() + "-wal", none))
+        return read(AtRest(file), SQLITE_OPEN_READONLY | SQLITE_OPEN_URI);
+      if (!no_room) throw;
+      return read(file.string(), SQLITE_OPEN_READWRITE, true);
     }
   } catch (const SqliteError& e) {
     if (IsDamage(e)) Refuse(file, e);

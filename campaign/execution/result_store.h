@@ -21,6 +21,7 @@ struct CampaignIdentity {
   std::string plan;      // the YAML text of the campaign's file
   std::string version;   // of the program
   SampleTable table;
+  std::string file = {};  // of the campaign, when it was last flown or merged; no part of what it is
 };
 
 // In what two differ, a sentence each that names what: name, version, plan, scenario, table; has: as "it
@@ -35,6 +36,7 @@ std::vector<std::string> Differences(const CampaignIdentity& has, const Campaign
 //   runs       (row, status, outcome, state_hash, image_hash)
 //   metrics    (row, name, value)
 //   execution  (row, worker, wall_s, orchestration_s, peak_mib, log, recording)   depends on the machine
+//   origin     (key, value)                       file: of the campaign                        likewise
 // The first four of two campaigns on the same rows by the same version are alike to the last bit. A metric
 // that is not a number is NULL; the sign of zero is not kept.
 class ResultStore {

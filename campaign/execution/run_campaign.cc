@@ -184,8 +184,9 @@ CampaignWork WorkOf(const LoadedCampaign& campaign, const std::string& rule) {
   work.scenario = campaign.plan.scenario;
   work.set = campaign.plan.set;
   work.limit_s = campaign.plan.limit_s;
-  work.identity = {campaign.plan.name, ToYaml(LoadScenario(work.scenario, work.set).scenario), campaign.text,
-                   Version(), campaign.table};
+  work.identity = {campaign.plan.name, ToYaml(LoadScenario(work.scenario, work.set).scenario),
+                   campaign.text,      Version(),
+                   campaign.table,     campaign.file};
   if (!rule.empty()) work.identity.plan += fmt::format("\n# {}\n", rule);
   return work;
 }

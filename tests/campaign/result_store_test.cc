@@ -112,6 +112,15 @@ TEST_F(ResultStoreTest, GoesOnWithWhatIsThere) {
   EXPECT_EQ(store.Results()[1].metrics, ResultOf(2).metrics);
 }
 
+TEST_F(ResultStoreTest, KnowsTheFileOfItsCampaignWhereverThatLies) {
+  CampaignIdentity identity = IdentityOf(TableOf(4));
+  for (const std::string file : {"/here/gusts.yaml", "/there/gusts.yaml"}) {
+    identity.file = file;
+    { ResultStore::Open(file_, identity); }
+    EXPECT_EQ(ResultStore::Read(file_).identity().file, file);
+  }
+}
+
 TEST_F(ResultStoreTest, TakesARowOnceAndThoseOfTheTableAlone) {
   ResultStore store = ResultStore::Open(file_, IdentityOf(TableOf(4)));
   store.Put(ResultOf(2));
@@ -364,6 +373,37 @@ TEST_F(ResultStoreTest, AFileSystemThatIsFullIsNamed) {
   EXPECT_LT(put, 500);
   ASSERT_GT(put, 0);
   EXPECT_EQ(ResultStore::Read(small / "results.sqlite").Results().size(), put);
+  umount2(small.c_str(), MNT_DETACH);
+}
+
+TEST_F(ResultStoreTest, IsReadWhereNoByteIsFree) {
+  const fs::path small = folder_ / "small";
+  fs::create_directory(small);
+  if (mount("kestrel_test", small.c_str(), "tmpfs", 0, "size=300k") != 0)
+    GTEST_SKIP() << "no small file system can be mounted here: " << std::strerror(errno);
+  const auto fill = [&] {
+    std::ofstream filler(small / "filler");
+    const std::string page(4096, 'x');
+    while (filler.write(page.data(), 4096).flush()) {}
+  };
+  const fs::path file = small / "results.sqlite";
+  { ResultStore::Open(file, IdentityOf(TableOf(4))).Put(ResultOf(1)); }
+  fill();
+  EXPECT_EQ(ResultStore::Read(file).Results().size(), 1);
+  // Likewise what a writer that was killed has left in its log.
+  fs::remove(small / "filler");
+  const pid_t writer = fork();
+  if (writer == 0) {
+    ResultStore store = ResultStore::Open(file, IdentityOf(TableOf(4)));
+    store.Put(ResultOf(2));
+    _exit(0);
+  }
+  waitpid(writer, nullptr, 0);
+  fs::remove(file.string() + "-shm");
+  ASSERT_GT(fs::file_size(file.string() + "-wal"), 0);
+  fill();
+  EXPECT_EQ(ResultStore::Read(file).Results().size(), 2);
+  EXPECT_EQ(ResultStore::Read(file).Results().size(), 2);
   umount2(small.c_str(), MNT_DETACH);
 }
 
