@@ -11,7 +11,6 @@
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
-#include <map>
 #include <set>
 #include <stdexcept>
 
@@ -287,19 +286,7 @@ bool MergeParts(const CampaignArguments& a) {
     divisions.insert(shard ? shard->of : 0);
   }
   const int of = divisions.size() == 1 ? *divisions.begin() : 0;
-  const BatchJob job = JobOf(a, asked);
-  std::map<int, std::vector<std::int64_t>> by_shard;
-  for (const std::int64_t row : merged.missing)
-    by_shard[of > 0 ? static_cast<int>(row % of) + 1 : 0].push_back(row);
-  for (auto& [number, missing] : by_shard) {
-    const std::size_t all = missing.size();
-    missing.resize(std::min<std::size_t>(all, 10));
-    fmt::print("  missing: {} row{} {}{}{}\n", all, all == 1 ? "" : "s", fmt::join(missing, ", "),
-               all > missing.size() ? ", ..." : "",
-               number > 0 ? fmt::format(", of part {}/{}; it is flown by", number, of) : "; flown by");
-    fmt::print("    {}\n",
-               number > 0 ? ShardCommand(job, fmt::format("{}/{}", number, of)) : FlyCommand(job));
-  }
+  fmt::print("{}", MissingText(JobOf(a, asked), merged.missing, of));
   return false;
 }
 

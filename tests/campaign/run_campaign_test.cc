@@ -15,6 +15,7 @@
 #include <set>
 #include <thread>
 
+#include "campaign/execution/batch_script.h"
 #include "config/stopwatch.h"
 #include "config/yaml_fields.h"
 #include "tests/campaign/results.h"
