@@ -186,19 +186,6 @@ bool Fly(const CampaignArguments& a) {
   return KeepsThresholds(a, asked, results) && end.mistrust.empty();
 }
 
-// The result files of parts in a folder, in the order of their numbers.
-std::vector<fs::path> ShardFiles(const fs::path& folder) {
-  std::vector<std::pair<std::pair<int, int>, fs::path>> files;
-  std::error_code none;
-  for (const auto& entry : fs::directory_iterator(folder, none))
-    if (const auto shard = ShardOfFile(entry.path()))
-      files.push_back({{shard->of, shard->number}, entry.path()});
-  std::sort(files.begin(), files.end());
-  std::vector<fs::path> names;
-  for (auto& [number, file] : files) names.push_back(std::move(file));
-  return names;
-}
-
 bool Replay(const CampaignArguments& a) {
   const Asked asked = Read(a);
   CampaignWork work = WorkOf(asked.campaign);
@@ -217,10 +204,14 @@ bool Replay(const CampaignArguments& a) {
     if (!stored) continue;
     CampaignIdentity wanted = work.identity;
     wanted.plan = store.identity().plan;  // of which a rule for the end may be a part
-    for (const std::string& each : Differences(store.identity(), wanted))
-      fmt::print(stderr, "kestrel: {}: {}\n", file.string(), each);
-    if (a.row < static_cast<std::int64_t>(store.identity().table.rows.size()))
-      work.identity.table = store.identity().table;
+    const std::vector<std::string> differences = Differences(store.identity(), wanted);
+    for (const std::string& each : differences) fmt::print(stderr, "kestrel: {}: {}\n", file.string(), each);
+    if (!differences.empty())
+      fmt::print(stderr,
+                 "kestrel: row {} is flown with the values that are stored there; scenario and set are the "
+                 "campaign's as it is now\n",
+                 a.row);
+    work.identity.table = store.identity().table;
   }
   const fs::path folder = RecordingFolder(asked.folder, a.row);
   RunOrder order = OrderFor(work, a.row, folder);
@@ -268,8 +259,10 @@ bool MergeParts(const CampaignArguments& a) {
   std::vector<fs::path> parts(a.shards.begin(), a.shards.end());
   if (parts.empty()) parts = ShardFiles(asked.folder);
   if (parts.empty())
-    throw InputError(
-        {fmt::format("SHARDS: {} holds none; valid: files that --shard I/N wrote", asked.folder.string())});
+    throw InputError({fmt::format(
+        "SHARDS: {} holds no parts; valid: parts that were flown there before (--shard I/N, as by "
+        "the scripts of slurm and parallel), their files by name, or their folder by --out",
+        asked.folder.string())});
   fs::create_directories(asked.folder);
   const fs::path into = ResultFile(asked.folder);
   const Merged merged = Merge(into, work.identity, parts);

@@ -3,10 +3,12 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <sqlite3.h>
 #include <sys/file.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -242,6 +244,43 @@ std::string FirstDifference(const std::string& has, const std::string& wanted) {
   }
 }
 
+// The options below a plan's file, as they are typed; the text becomes the file's alone.
+std::vector<std::string> TakeOptions(std::string& plan) {
+  constexpr std::string_view kNoted = "\n# --";
+  std::vector<std::string> options;
+  while (plan.ends_with('\n')) {
+    const std::size_t at = plan.rfind(kNoted);
+    if (at == std::string::npos || plan.find('\n', at + 1) != plan.size() - 1) break;
+    std::string option = plan.substr(at + 3, plan.size() - 1 - (at + 3));
+    for (const std::string key : {"runs", "seed"})
+      if (const std::string set = "--set " + key + "="; option.starts_with(set))
+        option = fmt::format("--{} {}", key, option.substr(set.size()));
+    options.insert(options.begin(), option);
+    plan.resize(at);
+  }
+  return options;
+}
+
+// Those of a that b has not.
+std::vector<std::string> Without(std::vector<std::string> a, const std::vector<std::string>& b) {
+  std::erase_if(a, [&](const auto& each) { return std::find(b.begin(), b.end(), each) != b.end(); });
+  return a;
+}
+
+std::vector<std::string> PlanDifferences(std::string has, std::string wanted) {
+  const auto had = TakeOptions(has), now = TakeOptions(wanted);
+  std::vector<std::string> differences;
+  if (has != wanted) differences.push_back("it is of another, whose " + FirstDifference(has, wanted));
+  if (had == now) return differences;
+  auto gone = Without(had, now), come = Without(now, had);
+  if (gone.empty() && come.empty()) gone = had, come = now;  // in another order
+  differences.push_back(
+      come.empty()   ? fmt::format("flown with {}, now without", fmt::join(gone, " "))
+      : gone.empty() ? fmt::format("flown without {}, now with it", fmt::join(come, " "))
+                     : fmt::format("flown with {}, now with {}", fmt::join(gone, " "), fmt::join(come, " ")));
+  return differences;
+}
+
 std::string FirstDifference(const SampleTable& has, const SampleTable& wanted) {
   if (has.keys != wanted.keys)
     return fmt::format("it varies {}, and not {}", nlohmann::json(has.keys).dump(),
@@ -264,13 +303,33 @@ std::vector<std::string> Differences(const CampaignIdentity& has, const Campaign
   if (has.version != wanted.version)
     differences.push_back(
         fmt::format("version: it is of {}, and this program is {}", has.version, wanted.version));
-  if (has.plan != wanted.plan)
-    differences.push_back("plan: it is of another, whose " + FirstDifference(has.plan, wanted.plan));
+  for (const std::string& each : PlanDifferences(has.plan, wanted.plan))
+    differences.push_back("plan: " + each);
   if (has.scenario != wanted.scenario)
     differences.push_back("scenario: it is of another, whose " +
                           FirstDifference(has.scenario, wanted.scenario));
   const std::string table = FirstDifference(has.table, wanted.table);
   if (!table.empty()) differences.push_back("table: it is of another: " + table);
+  return differences;
+}
+
+std::vector<std::string> DifferencesOf(const fs::path& file, const CampaignIdentity& wanted) {
+  sqlite3* db = nullptr;
+  std::vector<std::string> differences;
+  try {
+    const int code =
+        sqlite3_open_v2(AtRest(file).c_str(), &db, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, nullptr);
+    if (code != SQLITE_OK) Fail(db, code);
+    auto texts = Texts(db, "SELECT key, value FROM campaign");
+    const CampaignIdentity has{texts["name"], texts["scenario"], texts["plan"], texts["version"], {}};
+    CampaignIdentity without_rows = wanted;
+    without_rows.table = {};
+    differences = Differences(has, without_rows);
+    if (texts["table_hash"] != HashOf(wanted.table)) differences.push_back("table: it is of another");
+  } catch (const SqliteError&) {
+    differences.clear();
+  }
+  sqlite3_close(db);
   return differences;
 }
 

@@ -27,6 +27,9 @@ struct CampaignIdentity {
 // In what two differ, a sentence each that names what: name, version, plan, scenario, table; has: as "it
 // has". None: they belong together.
 std::vector<std::string> Differences(const CampaignIdentity& has, const CampaignIdentity& wanted);
+// The same of a result file, by what is on the disk of it: what another machine is writing is left alone, and
+// may not be seen yet. Nothing of what cannot be read.
+std::vector<std::string> DifferencesOf(const std::filesystem::path& file, const CampaignIdentity& wanted);
 
 // The results of a campaign in one SQLite file, with a write-ahead log: what Put returned from is there after
 // whatever end of the program. The tables:

@@ -68,7 +68,34 @@ class Campaign {
     fs::create_directories(options_.folder, error);
     if (error)
       throw std::runtime_error(fmt::format("cannot write {}: {}", options_.folder.string(), error.message()));
+    if (options_.shard) RefuseStrangers();
     return ResultStore::Open(ResultFile(options_.folder, options_.shard), work_.identity);
+  }
+
+  // Parts that lie beside results of another campaign would fly for nothing: merge refuses them.
+  void RefuseStrangers() const {
+    std::vector<fs::path> files = ShardFiles(options_.folder);
+    files.insert(files.begin(), ResultFile(options_.folder));
+    for (const fs::path& file : files) {
+      Mistakes mistakes;
+      if (fs::exists(file))
+        for (const std::string& each : DifferencesOf(file, work_.identity))
+          mistakes.Add(file.string(), "",
+                       each + "; valid: another folder (--out), or this file moved out of the way");
+      mistakes.ThrowIfAny();
+    }
+  }
+
+  void Put(const RunResult& result) {
+    try {
+      store_.Put(result);
+    } catch (const InputError&) {
+      throw;
+    } catch (const std::runtime_error& e) {
+      throw std::runtime_error(
+          fmt::format("{}; {} of {} runs are kept in it, and the same command goes on from there", e.what(),
+                      end_.progress.done, end_.progress.rows));
+    }
   }
 
   WorkerPool MakePool(std::size_t runs) const {

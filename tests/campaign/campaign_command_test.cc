@@ -116,7 +116,8 @@ TEST_F(CampaignCommandTest, BadInputEndsWithTwoAndSaysWhy) {
   EXPECT_THAT(why("short.yaml --shard 1/6 --stop-when 0.1"), HasSubstr("one of --shard and --stop-when"));
   EXPECT_THAT(why("shorrt"), HasSubstr("there is no campaign 'shorrt'"));
   EXPECT_THAT(why(""), HasSubstr("no file"));
-  EXPECT_THAT(why("merge short.yaml --out none"), HasSubstr("none holds none"));
+  EXPECT_THAT(why("merge short.yaml --out none"),
+              HasSubstr("none holds no parts; valid: parts that were flown there before (--shard I/N"));
   EXPECT_THAT(why("replay short.yaml 6"), HasSubstr("there is no row 6; valid: 0 to 5"));
   EXPECT_THAT(why("short.yaml --record 6"), HasSubstr("--record: there is no row 6"));
   why("short.yaml --jobs 0");
@@ -130,8 +131,9 @@ TEST_F(CampaignCommandTest, AnotherTableIsRefusedBeforeAnythingFlies) {
   const std::string before = Tables("here/results.sqlite");
   const Ended other = Campaign("short.yaml --out here --runs 2");
   EXPECT_EQ(other.status, 2);
-  EXPECT_THAT(other.err, AllOf(HasSubstr("plan: it is of another"), HasSubstr("table: it is of another"),
-                               HasSubstr("valid: another folder (--out)")));
+  EXPECT_THAT(other.err,
+              AllOf(HasSubstr("plan: flown with --runs 1, now with --runs 2"),
+                    HasSubstr("table: it is of another"), HasSubstr("valid: another folder (--out)")));
   EXPECT_EQ(Tables("here/results.sqlite"), before);
 }
 

@@ -162,6 +162,16 @@ TEST_F(ResultStoreTest, RefusesAnotherCampaignsFileAndSaysWhatDiffers) {
   EXPECT_THAT(Refusal(wanted),
               HasSubstr("plan: it is of another, whose line 2 is 'runs: 4', and not 'runs: 5'"));
   wanted = has;
+  wanted.plan += "\n# --set seed=2\n\n# --set set=[a=1]\n";
+  EXPECT_THAT(Refusal(wanted),
+              HasSubstr("plan: flown without --seed 2 --set set=[a=1], now with it; valid:"));
+  EXPECT_THAT(Differences(wanted, has),
+              ElementsAre("plan: flown with --seed 2 --set set=[a=1], now without"));
+  CampaignIdentity other = has;
+  other.plan += "\n# --set runs=9\n\n# --set set=[a=1]\n\n# --stop-when 0.02\n";
+  EXPECT_THAT(Differences(wanted, other),
+              ElementsAre("plan: flown with --seed 2, now with --runs 9 --stop-when 0.02"));
+  wanted = has;
   wanted.scenario += "seed: 3\n";
   EXPECT_THAT(Refusal(wanted),
               HasSubstr("scenario: it is of another, whose line 3, 'seed: 3', is not in it"));
