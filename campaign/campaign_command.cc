@@ -334,9 +334,11 @@ CLI::App* AddCampaignCommand(CLI::App& app, CampaignArguments& a) {
                    "End when the share that passes is known to within this, to either side")
       ->check(CLI::Range(1e-4, 0.5));
   command
-      ->add_option("--record-failures", a.record_failures,
-                   "Fly the first N of the rows that did not pass again, with video, telemetry and plots")
-      ->check(CLI::Range(0, 1000000))
+      ->add_option(
+          "--record-failures", a.record_failures,
+          "Fly the first N of the rows that did not pass again, with video, telemetry and plots; of a "
+          "part its share of N, rounded up")
+      ->check(WholeNumber(0, 1000000))
       ->capture_default_str();
   command->add_option("--record", a.record, "And this row; may be repeated")->allow_extra_args(false);
   command->add_option("--junit", a.junit, "Also write the thresholds as JUnit XML to this file");

@@ -162,13 +162,15 @@ class Campaign {
   // A run that took too long would again.
   std::map<std::int64_t, RunResult> ToRecord() const {
     std::map<std::int64_t, RunResult> rows;
+    const int parts = options_.shard ? options_.shard->of : 1;
+    const int most = options_.record_failures / parts + (options_.record_failures % parts > 0);
     int failures = 0;
     for (RunResult& result : store_.Results()) {
       const bool failure = result.status == RunStatus::kFailed || result.status == RunStatus::kBrokeOff ||
                            result.status == RunStatus::kCrashed;
       const bool asked =
           std::find(options_.record.begin(), options_.record.end(), result.row) != options_.record.end();
-      if (!asked && !(failure && failures++ < options_.record_failures)) continue;
+      if (!asked && !(failure && failures++ < most)) continue;
       if (result.execution.recording.empty()) rows.emplace(result.row, std::move(result));
     }
     return rows;
