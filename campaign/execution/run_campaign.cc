@@ -141,7 +141,7 @@ class Campaign {
       const auto result = pool.Take(kTick_s);
       if (result) {
         GiveNext(pool);  // first, or its worker would wait for the disk
-        store_.Put(*result);
+        Put(*result);
         passed_[result->row] = Passed(*result);
         ++end_.progress.done, ++end_.progress.flown;
         end_.progress.passed += Passed(*result);
