@@ -14,6 +14,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "campaign/command_line.h"
 #include "campaign/execution/batch_script.h"
 #include "campaign/execution/fly_row.h"
 #include "campaign/statistics/share_sequence.h"
@@ -138,6 +139,7 @@ bool KeepsThresholds(const CampaignArguments& a, const Asked& asked, const std::
 }
 
 bool Fly(const CampaignArguments& a) {
+  EndOnInterrupt();
   const Asked asked = Read(a);
   const CampaignWork work = WorkOf(asked.campaign, RuleOf(a));
   CampaignOptions options;
@@ -327,7 +329,7 @@ CLI::App* AddCampaignCommand(CLI::App& app, CampaignArguments& a) {
   CLI::App* command = app.add_subcommand("campaign", "Fly a scenario many times, with what varies in a file");
   AddPlanOptions(command, a, false);
   command->add_option("--jobs", a.jobs, "Worker processes (default: one for each core)")
-      ->check(CLI::Range(1, 1024));
+      ->check(WholeNumber(1, 1024));
   command->add_option("--shard", a.shard, "I/N: fly this part of the table alone, into a file of its own");
   command
       ->add_option("--stop-when", a.stop_when,
@@ -373,9 +375,9 @@ CLI::App* AddCampaignCommand(CLI::App& app, CampaignArguments& a) {
   CLI::App* parallel =
       verb("parallel", "Print the command by which GNU parallel flies the parts", Verb::kParallel);
   for (CLI::App* each : {slurm, parallel}) {
-    each->add_option("--tasks", a.tasks, "Parts")->required()->check(CLI::Range(1, 100000));
+    each->add_option("--tasks", a.tasks, "Parts")->required()->check(WholeNumber(1, 100000));
     each->add_option("--jobs", a.jobs, "Worker processes for each part (default 1)")
-        ->check(CLI::Range(1, 1024));
+        ->check(WholeNumber(1, 1024));
   }
   slurm->footer("Example:\n  kestrel campaign slurm dispersion --tasks 64 > job.sh && sbatch job.sh");
   parallel->footer("Example:\n  kestrel campaign parallel dispersion --tasks 8 | sh");

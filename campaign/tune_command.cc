@@ -9,6 +9,7 @@
 #include <atomic>
 #include <csignal>
 
+#include "campaign/command_line.h"
 #include "campaign/execution/batch_script.h"
 #include "campaign/execution/run_campaign.h"
 #include "campaign/report/html_report.h"
@@ -76,9 +77,9 @@ CLI::App* AddTuneCommand(CLI::App& app, TuneArguments& a) {
       "key.path=value, instead of the file's; of a key that only its scenario has, for every flight; may be "
       "repeated");
   command->add_option("--compare", a.compare, "Search by every method, so many times each, and compare them")
-      ->check(CLI::Range(1, 100));
+      ->check(WholeNumber(1, 100));
   command->add_option("--jobs", a.jobs, "Flights at the same time (default: one for each core)")
-      ->check(CLI::Range(1, 1024));
+      ->check(WholeNumber(1, 1024));
   command->add_option("--out", a.out, "Folder for what comes of it (default results/tunings/NAME)");
   command->add_flag("--quiet", a.quiet, "Print nothing but errors");
   command->footer(
@@ -94,6 +95,7 @@ CLI::App* AddTuneCommand(CLI::App& app, TuneArguments& a) {
 }
 
 bool TuneCommand(const TuneArguments& a) {
+  EndOnInterrupt();
   const LoadedTune tune = LoadTune(a.file, a.overrides);
   const fs::path folder =
       a.out.empty() ? fs::path("results/tunings") / tune.plan.flights.name : fs::path(a.out);

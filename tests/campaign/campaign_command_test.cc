@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -121,6 +122,8 @@ TEST_F(CampaignCommandTest, BadInputEndsWithTwoAndSaysWhy) {
   EXPECT_THAT(why("replay short.yaml 6"), HasSubstr("there is no row 6; valid: 0 to 5"));
   EXPECT_THAT(why("short.yaml --record 6"), HasSubstr("--record: there is no row 6"));
   why("short.yaml --jobs 0");
+  EXPECT_THAT(why("short.yaml --jobs 1.5"),
+              HasSubstr("--jobs: '1.5' is not valid; valid: a whole number, 1 to 1024"));
   why("slurm short.yaml");
   std::ofstream(folder_ / "results.sqlite") << std::string(4096, 'x');
   EXPECT_THAT(why("short.yaml --out ."), HasSubstr("it is no SQLite file"));
@@ -135,6 +138,19 @@ TEST_F(CampaignCommandTest, AnotherTableIsRefusedBeforeAnythingFlies) {
               AllOf(HasSubstr("plan: flown with --runs 1, now with --runs 2"),
                     HasSubstr("table: it is of another"), HasSubstr("valid: another folder (--out)")));
   EXPECT_EQ(Tables("here/results.sqlite"), before);
+}
+
+TEST_F(CampaignCommandTest, InterruptedBeforeAnythingFliesItSaysSo) {
+  // It is still reading its file, which has no end.
+  const fs::path file = folder_ / "slow.yaml";
+  ASSERT_EQ(mkfifo(file.c_str(), 0600), 0);
+  for (const char* verb : {"campaign", "tune"}) {
+    ChildProgram program({KESTREL_PROGRAM, verb, file.string()}, {}, folder_ / "said.txt");
+    const std::ofstream end(file);  // waits for the reader
+    program.Signal(SIGINT);
+    EXPECT_EQ(program.Wait(60), 3) << program.Said();
+    EXPECT_THAT(program.Said(), HasSubstr("interrupted before anything flew"));
+  }
 }
 
 TEST_F(CampaignCommandTest, InterruptedItEndsTheRunsUnderWayAndGoesOn) {
