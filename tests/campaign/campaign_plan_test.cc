@@ -284,6 +284,14 @@ TEST_F(CampaignPlanTest, AKeyMayHaveItsMeaningFromAChoice) {
               Contains(HasSubstr("the world 'airfield' is not made from numbers")));
 }
 
+TEST_F(CampaignPlanTest, BytesOfAWrongFileAreNoCommandsToTheTerminal) {
+  EXPECT_STREQ(InputError({"\x1b[31mred \xc2\x9b \xff gr\xc3\xbcn\x7f \xe2\x82"}).what(),
+               "\\x1b[31mred \\xc2\\x9b \\xff gr\xc3\xbcn\\x7f \\xe2\\x82");
+  EXPECT_THAT(Refusal("scenario: follow\nruns: " + std::string(5000, 'x') + "\n"),
+              ElementsAre("f.yaml:2: runs: '" + std::string(100, 'x') +
+                          "'... is not a number; valid: 1 to 10000000"));
+}
+
 TEST_F(CampaignPlanTest, ATableTooLongIsRefusedBeforeItIsDrawn) {
   EXPECT_THAT(Refusal("scenario: follow\nruns: 5000000\nvary: {image.rate_hz: {grid: [10, 20, 30]}}\n"),
               ElementsAre(HasSubstr("15000000 runs; valid: no more than 10000000")));
