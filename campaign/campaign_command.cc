@@ -11,15 +11,14 @@
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
-#include <map>
 #include <set>
 #include <stdexcept>
 
+#include "campaign/command_line.h"
 #include "campaign/counted.h"
 #include "campaign/execution/batch_script.h"
 #include "campaign/execution/fly_row.h"
 #include "campaign/named_file.h"
-#include "campaign/option_checks.h"
 #include "campaign/statistics/share_sequence.h"
 #include "campaign/statistics/stop_rule.h"
 #include "campaign/statistics/thresholds.h"
@@ -144,6 +143,7 @@ bool KeepsThresholds(const CampaignArguments& a, const Asked& asked, const std::
 }
 
 bool Fly(const CampaignArguments& a) {
+  EndOnInterrupt();
   const Asked asked = Read(a);
   const CampaignWork work = WorkOf(asked.campaign, RuleOf(a));
   CampaignOptions options;
@@ -191,19 +191,6 @@ bool Fly(const CampaignArguments& a) {
   return KeepsThresholds(a, asked, results) && end.mistrust.empty();
 }
 
-// The result files of parts in a folder, in the order of their numbers.
-std::vector<fs::path> ShardFiles(const fs::path& folder) {
-  std::vector<std::pair<std::pair<int, int>, fs::path>> files;
-  std::error_code none;
-  for (const auto& entry : fs::directory_iterator(folder, none))
-    if (const auto shard = ShardOfFile(entry.path()))
-      files.push_back({{shard->of, shard->number}, entry.path()});
-  std::sort(files.begin(), files.end());
-  std::vector<fs::path> names;
-  for (auto& [number, file] : files) names.push_back(std::move(file));
-  return names;
-}
-
 bool Replay(const CampaignArguments& a) {
   const Asked asked = Read(a);
   CampaignWork work = WorkOf(asked.campaign);
@@ -222,10 +209,14 @@ bool Replay(const CampaignArguments& a) {
     if (!stored) continue;
     CampaignIdentity wanted = work.identity;
     wanted.plan = store.identity().plan;  // of which a rule for the end may be a part
-    for (const std::string& each : Differences(store.identity(), wanted))
-      fmt::print(stderr, "kestrel: {}: {}\n", file.string(), each);
-    if (a.row < static_cast<std::int64_t>(store.identity().table.rows.size()))
-      work.identity.table = store.identity().table;
+    const std::vector<std::string> differences = Differences(store.identity(), wanted);
+    for (const std::string& each : differences) fmt::print(stderr, "kestrel: {}: {}\n", file.string(), each);
+    if (!differences.empty())
+      fmt::print(stderr,
+                 "kestrel: row {} is flown with the values that are stored there; scenario and set are the "
+                 "campaign's as it is now\n",
+                 a.row);
+    work.identity.table = store.identity().table;
   }
   const fs::path folder = RecordingFolder(asked.folder, a.row);
   RunOrder order = OrderFor(work, a.row, folder);
@@ -273,8 +264,10 @@ bool MergeParts(const CampaignArguments& a) {
   std::vector<fs::path> parts(a.shards.begin(), a.shards.end());
   if (parts.empty()) parts = ShardFiles(asked.folder);
   if (parts.empty())
-    throw InputError(
-        {fmt::format("SHARDS: {} holds none; valid: files that --shard I/N wrote", asked.folder.string())});
+    throw InputError({fmt::format(
+        "SHARDS: {} holds no parts; valid: parts that were flown there before (--shard I/N, as by "
+        "the scripts of slurm and parallel), their files by name, or their folder by --out",
+        asked.folder.string())});
   fs::create_directories(asked.folder);
   const fs::path into = ResultFile(asked.folder);
   const Merged merged = Merge(into, work.identity, parts);
@@ -291,19 +284,7 @@ bool MergeParts(const CampaignArguments& a) {
     divisions.insert(shard ? shard->of : 0);
   }
   const int of = divisions.size() == 1 ? *divisions.begin() : 0;
-  const BatchJob job = JobOf(a, asked);
-  std::map<int, std::vector<std::int64_t>> by_shard;
-  for (const std::int64_t row : merged.missing)
-    by_shard[of > 0 ? static_cast<int>(row % of) + 1 : 0].push_back(row);
-  for (auto& [number, missing] : by_shard) {
-    const std::size_t all = missing.size();
-    missing.resize(std::min<std::size_t>(all, 10));
-    fmt::print("  missing: {} row{} {}{}{}\n", all, all == 1 ? "" : "s", fmt::join(missing, ", "),
-               all > missing.size() ? ", ..." : "",
-               number > 0 ? fmt::format(", of part {}/{}; it is flown by", number, of) : "; flown by");
-    fmt::print("    {}\n",
-               number > 0 ? ShardCommand(job, fmt::format("{}/{}", number, of)) : FlyCommand(job));
-  }
+  fmt::print("{}", MissingText(JobOf(a, asked), merged.missing, of));
   return false;
 }
 
@@ -320,7 +301,11 @@ void AddPlanOptions(CLI::App* command, CampaignArguments& a, bool required) {
       ->required(required);
   command->add_option("--runs", a.runs, "Instead of the file's");
   command->add_option("--seed", a.seed, "Of the table, instead of the file's");
-  command->add_option("--set", a.overrides, "key.path=value, instead of the file's; may be repeated")
+  command
+      ->add_option(
+          "--set", a.overrides,
+          "key.path=value, instead of the file's; of a key that only its scenario has, for every run; may be "
+          "repeated")
       ->allow_extra_args(false);
   command->add_option("--out", a.out, "Folder of the results (default results/campaigns/NAME)")
       ->check(NotEmpty);
@@ -334,7 +319,7 @@ CLI::App* AddCampaignCommand(CLI::App& app, CampaignArguments& a) {
   CLI::App* command = app.add_subcommand("campaign", "Fly a scenario many times, with what varies in a file");
   AddPlanOptions(command, a, false);
   command->add_option("--jobs", a.jobs, "Worker processes (default: one for each core)")
-      ->check(CLI::Range(1, 1024));
+      ->check(WholeNumber(1, 1024));
   command->add_option("--shard", a.shard, "I/N: fly this part of the table alone, into a file of its own");
   command
       ->add_option("--stop-when", a.stop_when,
@@ -342,9 +327,11 @@ CLI::App* AddCampaignCommand(CLI::App& app, CampaignArguments& a) {
       ->check(NotNan)
       ->check(CLI::Range(1e-4, 0.5));
   command
-      ->add_option("--record-failures", a.record_failures,
-                   "Fly the first N of the rows that did not pass again, with video, telemetry and plots")
-      ->check(CLI::Range(0, 1000000))
+      ->add_option(
+          "--record-failures", a.record_failures,
+          "Fly the first N of the rows that did not pass again, with video, telemetry and plots; of a "
+          "part its share of N, rounded up")
+      ->check(WholeNumber(0, 1000000))
       ->capture_default_str();
   command->add_option("--record", a.record, "And this row; may be repeated")->allow_extra_args(false);
   command->add_option("--junit", a.junit, "Also write the thresholds as JUnit XML to this file");
@@ -379,9 +366,9 @@ CLI::App* AddCampaignCommand(CLI::App& app, CampaignArguments& a) {
   CLI::App* parallel =
       verb("parallel", "Print the command by which GNU parallel flies the parts", Verb::kParallel);
   for (CLI::App* each : {slurm, parallel}) {
-    each->add_option("--tasks", a.tasks, "Parts")->required()->check(CLI::Range(1, 100000));
+    each->add_option("--tasks", a.tasks, "Parts")->required()->check(WholeNumber(1, 100000));
     each->add_option("--jobs", a.jobs, "Worker processes for each part (default 1)")
-        ->check(CLI::Range(1, 1024));
+        ->check(WholeNumber(1, 1024));
   }
   slurm->footer("Example:\n  kestrel campaign slurm dispersion --tasks 64 > job.sh && sbatch job.sh");
   parallel->footer("Example:\n  kestrel campaign parallel dispersion --tasks 8 | sh");

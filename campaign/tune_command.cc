@@ -9,11 +9,11 @@
 #include <atomic>
 #include <csignal>
 
+#include "campaign/command_line.h"
 #include "campaign/counted.h"
 #include "campaign/execution/batch_script.h"
 #include "campaign/execution/run_campaign.h"
 #include "campaign/named_file.h"
-#include "campaign/option_checks.h"
 #include "campaign/report/html_report.h"
 #include "campaign/tuning/kept_flights.h"
 #include "campaign/tuning/tune.h"
@@ -81,11 +81,14 @@ CLI::App* AddTuneCommand(CLI::App& app, TuneArguments& a) {
   CLI::App* command = app.add_subcommand("tune", "Look for the gains of least cost, by many flights");
   command->add_option("file", a.file, "A tuning's YAML file, or the name of one in scenarios/*/tunings")
       ->required();
-  command->add_option("--set", a.overrides, "key.path=value, instead of the file's; may be repeated");
+  command->add_option(
+      "--set", a.overrides,
+      "key.path=value, instead of the file's; of a key that only its scenario has, for every flight; may be "
+      "repeated");
   command->add_option("--compare", a.compare, "Search by every method, so many times each, and compare them")
-      ->check(CLI::Range(1, 100));
+      ->check(WholeNumber(1, 100));
   command->add_option("--jobs", a.jobs, "Flights at the same time (default: one for each core)")
-      ->check(CLI::Range(1, 1024));
+      ->check(WholeNumber(1, 1024));
   command->add_option("--out", a.out, "Folder for what comes of it (default results/tunings/NAME)")
       ->check(NotEmpty);
   command->add_flag("--quiet", a.quiet, "Print nothing but errors");
@@ -102,6 +105,7 @@ CLI::App* AddTuneCommand(CLI::App& app, TuneArguments& a) {
 }
 
 bool TuneCommand(const TuneArguments& a) {
+  EndOnInterrupt();
   const LoadedTune tune = LoadTune(NamedFile("tuning", a.file), a.overrides);
   const fs::path folder =
       a.out.empty() ? fs::path("results/tunings") / tune.plan.flights.name : fs::path(a.out);

@@ -45,8 +45,14 @@ void Complete(const std::filesystem::path& file) {
 
 void WriteFile(const std::filesystem::path& file, std::string_view content) {
   PartFile part(file);
-  part.Write(content);
-  part.Close();
+  try {
+    part.Write(content);
+    part.Close();
+  } catch (const std::runtime_error&) {
+    std::error_code none;
+    fs::remove(PartOf(file), none);  // of no use: it is written at once or not
+    throw;
+  }
 }
 
 void CheckWritableFile(const fs::path& file, const char* option, Mistakes& mistakes) {

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <map>
+
 #include "scenarios/model_files.h"
 
 namespace kestrel {
@@ -25,8 +27,13 @@ NamedGains::NamedGains(const fs::path& scenario, const std::vector<std::string>&
   const Config read = LoadConfig(file, {}, mistakes);
   if (read.readable && read.root.kind != ConfigNode::Kind::kMap)
     mistakes.Add(read.root.where, "", "holds no gains; valid: lines of key.path: value");
+  std::map<std::string, std::string> first;
   for (const auto& [key, node] : read.root.members) {
-    if (node.kind != ConfigNode::Kind::kText)
+    if (const auto [there, is_new] = first.emplace(key, node.where); !is_new)
+      mistakes.Add(node.where, key, "given twice, first at " + there->second);
+    if (key == "gains")
+      mistakes.Add(node.where, key, "a file of gains names no other; valid: lines of key.path: value");
+    else if (node.kind != ConfigNode::Kind::kText)
       mistakes.Add(node.where, key, "is not a single value; valid: lines of key.path: value");
     overrides_.push_back(key + '=' + node.text);
     places_.push_back(node.where);

@@ -2,10 +2,13 @@
 #include "campaign/execution/batch_script.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cctype>
+#include <set>
 #include <string_view>
+#include <utility>
 
 namespace kestrel {
 namespace {
@@ -19,6 +22,17 @@ std::string Arguments(const BatchJob& job) {
   std::string all;
   for (const std::string& each : job.arguments) all += fmt::format(" {}", ShellWord(each));
   return all + fmt::format(" --out {}", ShellWord(job.folder.string()));
+}
+
+std::vector<std::pair<std::int64_t, std::int64_t>> RangesOf(const std::set<std::int64_t>& numbers) {
+  std::vector<std::pair<std::int64_t, std::int64_t>> ranges;
+  for (const std::int64_t n : numbers) {
+    if (!ranges.empty() && ranges.back().second == n - 1)
+      ranges.back().second = n;
+    else
+      ranges.push_back({n, n});
+  }
+  return ranges;
 }
 
 }  // namespace
@@ -73,6 +87,32 @@ std::string ParallelLines(const BatchJob& job, int at_once) {
       "cd {} && parallel --jobs {} --joblog {} --resume-failed {} ::: $(seq {})\n{}\n",
       ShellWord(job.directory.string()), at_once, ShellWord((job.folder / "logs" / "parallel.log").string()),
       ShellWord(ShardCommand(job, fmt::format("{{}}/{}", job.tasks))), job.tasks, MergeCommand(job));
+}
+
+std::string MissingText(const BatchJob& job, const std::vector<std::int64_t>& rows, int parts) {
+  const std::string count = fmt::format("  missing: {} row{}", rows.size(), rows.size() == 1 ? "" : "s");
+  if (parts == 0) {
+    const std::size_t shown = std::min<std::size_t>(rows.size(), 10);
+    return fmt::format("{}: {}{}; flown by\n    {}\n", count,
+                       fmt::join(rows.begin(), rows.begin() + static_cast<std::ptrdiff_t>(shown), ", "),
+                       shown < rows.size() ? ", ..." : "", FlyCommand(job));
+  }
+  std::set<std::int64_t> numbers;
+  for (const std::int64_t row : rows) numbers.insert(row % parts + 1);
+  if (numbers.size() == 1)
+    return fmt::format("{} of part {}/{}; flown by\n    {}\n", count, *numbers.begin(), parts,
+                       ShardCommand(job, fmt::format("{}/{}", *numbers.begin(), parts)));
+  std::string array, words;
+  for (const auto& [first, last] : RangesOf(numbers)) {
+    const bool one = first == last;
+    array += fmt::format("{}{}", array.empty() ? "" : ",",
+                         one ? fmt::format("{}", first) : fmt::format("{}-{}", first, last));
+    words += one ? fmt::format(" {}", first) : fmt::format(" $(seq {} {})", first, last);
+  }
+  return fmt::format(
+      "{} of {} of {} parts: {}; flown by Slurm's script, or one after the other, by\n"
+      "    sbatch --array={} THE_SCRIPT\n    for I in{}; do {}; done\n",
+      count, numbers.size(), parts, array, array, words, ShardCommand(job, fmt::format("\"$I/{}\"", parts)));
 }
 
 }  // namespace kestrel

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -32,5 +33,8 @@ std::string ParallelLines(const BatchJob& job, int at_once);
 std::string FlyCommand(const BatchJob& job);
 std::string ShardCommand(const BatchJob& job, const std::string& shard);
 std::string MergeCommand(const BatchJob& job);
+// The rows that a merge misses, and what flies them. parts: that all files are of; 0: there is no such
+// number.
+std::string MissingText(const BatchJob& job, const std::vector<std::int64_t>& rows, int parts);
 
 }  // namespace kestrel

@@ -3,10 +3,12 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <sqlite3.h>
 #include <sys/file.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -16,6 +18,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "campaign/execution/shard.h"
 #include "config/yaml_fields.h"
 
 namespace kestrel {
@@ -34,6 +37,7 @@ CREATE TABLE runs (row INTEGER PRIMARY KEY, status TEXT NOT NULL, outcome TEXT N
 CREATE TABLE metrics (row INTEGER, name TEXT, value REAL, PRIMARY KEY (row, name)) WITHOUT ROWID;
 CREATE TABLE execution (row INTEGER PRIMARY KEY, worker INTEGER, wall_s REAL, orchestration_s REAL,
                         peak_mib REAL, log TEXT, recording TEXT);
+CREATE TABLE origin (key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
 )";
 
 struct SqliteError : std::runtime_error {
@@ -135,6 +139,7 @@ void WriteIdentity(sqlite3* db, const CampaignIdentity& identity) {
   campaign.Insert(std::string("table_hash"), HashOf(identity.table));
   campaign.Insert(std::string("keys"), nlohmann::json(identity.table.keys).dump());
   campaign.Insert(std::string("schema"), std::string(kSchema));
+  Statement(db, "INSERT INTO origin VALUES ('file', ?)").Insert(identity.file);
   Statement samples(db, "INSERT INTO samples VALUES (?, ?, ?)");
   const SampleTable& table = identity.table;
   for (std::size_t r = 0; r < table.rows.size(); ++r)
@@ -147,27 +152,65 @@ void WriteIdentity(sqlite3* db, const CampaignIdentity& identity) {
       {fmt::format("{}: {}; valid: a result file that `kestrel campaign` wrote", file.string(), why)});
 }
 
-CampaignIdentity ReadIdentity(sqlite3* db, const fs::path& file) {
+[[noreturn]] void RefuseAsDamaged(const fs::path& file, const std::string& why) {
+  const auto shard = ShardOfFile(file);
+  throw InputError({fmt::format(
+      "{}: it is damaged: {}; valid: this file moved out of the way, and {} again", file.string(), why,
+      shard ? fmt::format("its part flown (--shard {}/{})", shard->number, shard->of) : "its runs flown")});
+}
+
+// Whether this is a file's fault, and not the disk's or another process's: no database, one that was cut or
+// overwritten, one without its tables.
+bool IsDamage(const SqliteError& e) {
+  const int code = e.code & 0xff;
+  return code == SQLITE_NOTADB || code == SQLITE_CORRUPT || code == SQLITE_ERROR || code == SQLITE_FORMAT ||
+         e.code == SQLITE_IOERR_SHORT_READ;
+}
+
+[[noreturn]] void Refuse(const fs::path& file, const SqliteError& e) {
+  if ((e.code & 0xff) == SQLITE_NOTADB) RefuseAsNone(file, "it is no SQLite file");
+  RefuseAsDamaged(file, e.what());
+}
+
+std::vector<std::string> KeysIn(const std::string& json, const fs::path& file) {
+  try {
+    return nlohmann::json::parse(json).get<std::vector<std::string>>();
+  } catch (const nlohmann::json::exception&) {
+    RefuseAsDamaged(file, "the keys of its table are no list of names");
+  }
+}
+
+std::map<std::string, std::string> Texts(sqlite3* db, const char* sql) {
   std::map<std::string, std::string> texts;
-  for (Statement campaign(db, "SELECT key, value FROM campaign"); campaign.Next();)
-    texts[campaign.Text(0)] = campaign.Text(1);
+  for (Statement all(db, sql); all.Next();) texts[all.Text(0)] = all.Text(1);
+  return texts;
+}
+
+bool HasOrigin(sqlite3* db) {  // which older files do not
+  Statement table(db, "SELECT 1 FROM sqlite_master WHERE name = 'origin'");
+  return table.Next();
+}
+
+CampaignIdentity ReadIdentity(sqlite3* db, const fs::path& file) {
+  auto texts = Texts(db, "SELECT key, value FROM campaign");
   if (texts["schema"] != kSchema)
     RefuseAsNone(file, fmt::format("its tables are of the schema '{}', and this program knows '{}'",
                                    texts["schema"], kSchema));
   CampaignIdentity identity{texts["name"], texts["scenario"], texts["plan"], texts["version"], {}};
-  identity.table.keys = nlohmann::json::parse(texts["keys"]).get<std::vector<std::string>>();
+  if (HasOrigin(db)) identity.file = Texts(db, "SELECT key, value FROM origin")["file"];
+  identity.table.keys = KeysIn(texts["keys"], file);
   std::map<std::string, std::size_t> place;
   for (std::size_t k = 0; k < identity.table.keys.size(); ++k) place[identity.table.keys[k]] = k;
   auto& rows = identity.table.rows;
   for (Statement samples(db, "SELECT row, key, value FROM samples ORDER BY row"); samples.Next();) {
     const auto row = static_cast<std::size_t>(samples.Integer(0));
     const auto found = place.find(samples.Text(1));
-    if (row > rows.size() || found == place.end()) RefuseAsNone(file, "its table of samples is not whole");
+    if (row > rows.size() || found == place.end()) RefuseAsDamaged(file, "its table of samples is not whole");
     if (row == rows.size()) rows.emplace_back(identity.table.keys.size());
     rows[row][found->second] = samples.Text(2);
   }
   if (HashOf(identity.table) != texts["table_hash"])
-    RefuseAsNone(file, "its table of samples is not what its hash says");
+    RefuseAsDamaged(file, "its table of samples is not what its hash says");
   return identity;
 }
 
@@ -177,6 +220,14 @@ bool HasTables(sqlite3* db, const fs::path& file) {
   all.Next();
   if (all.Integer(0) > 0 && all.Integer(1) == 0) RefuseAsNone(file, "it is a database of something else");
   return all.Integer(0) > 0;
+}
+
+// The name by which SQLite reads what is in a file, without its log, and touches nothing.
+std::string AtRest(const fs::path& file) {
+  std::string name = "file:";
+  for (const char c : fs::absolute(file).string())
+    name += c == '?' || c == '#' || c == '%' ? fmt::format("%{:02X}", c) : std::string(1, c);
+  return name + "?immutable=1";
 }
 
 // The first line in which two texts differ, as "line 3 is 'a', and not 'b'".
@@ -191,6 +242,43 @@ std::string FirstDifference(const std::string& has, const std::string& wanted) {
     if (!others) return fmt::format("line {} is '{}', and should not be there", line, one);
     if (one != other) return fmt::format("line {} is '{}', and not '{}'", line, one, other);
   }
+}
+
+// The options below a plan's file, as they are typed; the text becomes the file's alone.
+std::vector<std::string> TakeOptions(std::string& plan) {
+  constexpr std::string_view kNoted = "\n# --";
+  std::vector<std::string> options;
+  while (plan.ends_with('\n')) {
+    const std::size_t at = plan.rfind(kNoted);
+    if (at == std::string::npos || plan.find('\n', at + 1) != plan.size() - 1) break;
+    std::string option = plan.substr(at + 3, plan.size() - 1 - (at + 3));
+    for (const std::string key : {"runs", "seed"})
+      if (const std::string set = "--set " + key + "="; option.starts_with(set))
+        option = fmt::format("--{} {}", key, option.substr(set.size()));
+    options.insert(options.begin(), option);
+    plan.resize(at);
+  }
+  return options;
+}
+
+// Those of a that b has not.
+std::vector<std::string> Without(std::vector<std::string> a, const std::vector<std::string>& b) {
+  std::erase_if(a, [&](const auto& each) { return std::find(b.begin(), b.end(), each) != b.end(); });
+  return a;
+}
+
+std::vector<std::string> PlanDifferences(std::string has, std::string wanted) {
+  const auto had = TakeOptions(has), now = TakeOptions(wanted);
+  std::vector<std::string> differences;
+  if (has != wanted) differences.push_back("it is of another, whose " + FirstDifference(has, wanted));
+  if (had == now) return differences;
+  auto gone = Without(had, now), come = Without(now, had);
+  if (gone.empty() && come.empty()) gone = had, come = now;  // in another order
+  differences.push_back(
+      come.empty()   ? fmt::format("flown with {}, now without", fmt::join(gone, " "))
+      : gone.empty() ? fmt::format("flown without {}, now with it", fmt::join(come, " "))
+                     : fmt::format("flown with {}, now with {}", fmt::join(gone, " "), fmt::join(come, " ")));
+  return differences;
 }
 
 std::string FirstDifference(const SampleTable& has, const SampleTable& wanted) {
@@ -215,13 +303,33 @@ std::vector<std::string> Differences(const CampaignIdentity& has, const Campaign
   if (has.version != wanted.version)
     differences.push_back(
         fmt::format("version: it is of {}, and this program is {}", has.version, wanted.version));
-  if (has.plan != wanted.plan)
-    differences.push_back("plan: it is of another, whose " + FirstDifference(has.plan, wanted.plan));
+  for (const std::string& each : PlanDifferences(has.plan, wanted.plan))
+    differences.push_back("plan: " + each);
   if (has.scenario != wanted.scenario)
     differences.push_back("scenario: it is of another, whose " +
                           FirstDifference(has.scenario, wanted.scenario));
   const std::string table = FirstDifference(has.table, wanted.table);
   if (!table.empty()) differences.push_back("table: it is of another: " + table);
+  return differences;
+}
+
+std::vector<std::string> DifferencesOf(const fs::path& file, const CampaignIdentity& wanted) {
+  sqlite3* db = nullptr;
+  std::vector<std::string> differences;
+  try {
+    const int code =
+        sqlite3_open_v2(AtRest(file).c_str(), &db, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, nullptr);
+    if (code != SQLITE_OK) Fail(db, code);
+    auto texts = Texts(db, "SELECT key, value FROM campaign");
+    const CampaignIdentity has{texts["name"], texts["scenario"], texts["plan"], texts["version"], {}};
+    CampaignIdentity without_rows = wanted;
+    without_rows.table = {};
+    differences = Differences(has, without_rows);
+    if (texts["table_hash"] != HashOf(wanted.table)) differences.push_back("table: it is of another");
+  } catch (const SqliteError&) {
+    differences.clear();
+  }
+  sqlite3_close(db);
   return differences;
 }
 
@@ -252,9 +360,11 @@ struct ResultStore::Database {
           file.string())});
   }
   [[noreturn]] void CannotWrite(const SqliteError& e) const {
+    if (IsDamage(e)) Refuse(file, e);
     throw std::runtime_error(fmt::format("cannot write {}: {}", file.string(), e.what()));
   }
   [[noreturn]] void CannotRead(const SqliteError& e) const {
+    if (IsDamage(e)) Refuse(file, e);
     throw std::runtime_error(fmt::format("cannot read {}: {}", file.string(), e.what()));
   }
 };
@@ -290,8 +400,10 @@ ResultStore ResultStore::Open(const fs::path& file, const CampaignIdentity& iden
       all.Commit();
       database->identity = identity;
     }
+    if (database->identity.file != identity.file && HasOrigin(db))
+      Statement(db, "UPDATE origin SET value = ?").Insert(identity.file);
+    database->identity.file = identity.file;
   } catch (const SqliteError& e) {
-    if ((e.code & 0xff) == SQLITE_NOTADB) RefuseAsNone(file, "it is no SQLite file");
     database->CannotWrite(e);
   }
   return ResultStore(std::move(database));
@@ -300,10 +412,14 @@ ResultStore ResultStore::Open(const fs::path& file, const CampaignIdentity& iden
 ResultStore ResultStore::Read(const fs::path& file) {
   std::error_code none;
   if (!fs::is_regular_file(file, none)) RefuseAsNone(file, "there is no such file");
-  const auto read = [&](const std::string& name, int flags) {
+  const auto read = [&](const std::string& name, int flags, bool alone = false) {
     auto database = std::make_unique<Database>();
     database->file = file;
     database->OpenFile(name, flags);
+    if (alone) {
+      Do(database->handle, "PRAGMA locking_mode = EXCLUSIVE");  // the log's index is in memory then
+      sqlite3_db_config(database->handle, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
+    }
     Do(database->handle, "PRAGMA query_only = ON");
     if (!HasTables(database->handle, file)) RefuseAsNone(file, "it is empty");
     database->identity = ReadIdentity(database->handle, file);
@@ -314,17 +430,18 @@ ResultStore ResultStore::Read(const fs::path& file) {
       // The log of a writer that was killed is put in order by its first reader, who must be able to write.
       return read(file.string(), SQLITE_OPEN_READWRITE);
     } catch (const SqliteError& e) {
-      // Where nothing can be written, not even the log's index, nobody else writes either.
+      // Where nothing can be written, or no room is left, not even for the log's index, nobody else writes
+      // either.
       const int code = e.code & 0xff;
-      if ((code != SQLITE_CANTOPEN && code != SQLITE_READONLY) || fs::exists(file.string() + "-wal", none))
-        throw;
-      std::string name;
-      for (const char c : fs::absolute(file).string())
-        name += c == '?' || c == '#' || c == '%' ? fmt::format("%{:02X}", c) : std::string(1, c);
-      return read("file:" + name + "?immutable=1", SQLITE_OPEN_READONLY | SQLITE_OPEN_URI);
+      const bool no_room = code == SQLITE_IOERR || code == SQLITE_FULL;
+      if (IsDamage(e) || (!no_room && code != SQLITE_CANTOPEN && code != SQLITE_READONLY)) throw;
+      if (!fs::exists(file.string() + "-wal", none))
+        return read(AtRest(file), SQLITE_OPEN_READONLY | SQLITE_OPEN_URI);
+      if (!no_room) throw;
+      return read(file.string(), SQLITE_OPEN_READWRITE, true);
     }
   } catch (const SqliteError& e) {
-    if ((e.code & 0xff) == SQLITE_NOTADB) RefuseAsNone(file, "it is no SQLite file");
+    if (IsDamage(e)) Refuse(file, e);
     throw std::runtime_error(fmt::format("cannot read {}: {}", file.string(), e.what()));
   }
 }
@@ -405,7 +522,13 @@ std::vector<RunResult> ResultStore::Results() const {
     while (runs.Next()) {
       RunResult& r = results.emplace_back();
       r.row = runs.Integer(0);
-      r.status = RunStatusOf(runs.Text(1));
+      if (r.row < 0 || r.row >= static_cast<std::int64_t>(database_->identity.table.rows.size()))
+        RefuseAsDamaged(database_->file, fmt::format("its table has no row {}", r.row));
+      try {
+        r.status = RunStatusOf(runs.Text(1));
+      } catch (const std::runtime_error& e) {
+        RefuseAsDamaged(database_->file, fmt::format("row {}: {}", r.row, e.what()));
+      }
       r.outcome = runs.Text(2), r.state_hash = runs.Text(3), r.image_hash = runs.Text(4);
       r.execution = {static_cast<int>(runs.Integer(5)),
                      runs.Number(6),

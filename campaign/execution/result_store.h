@@ -21,11 +21,15 @@ struct CampaignIdentity {
   std::string plan;      // the YAML text of the campaign's file
   std::string version;   // of the program
   SampleTable table;
+  std::string file = {};  // of the campaign, when it was last flown or merged; no part of what it is
 };
 
 // In what two differ, a sentence each that names what: name, version, plan, scenario, table; has: as "it
 // has". None: they belong together.
 std::vector<std::string> Differences(const CampaignIdentity& has, const CampaignIdentity& wanted);
+// The same of a result file, by what is on the disk of it: what another machine is writing is left alone, and
+// may not be seen yet. Nothing of what cannot be read.
+std::vector<std::string> DifferencesOf(const std::filesystem::path& file, const CampaignIdentity& wanted);
 
 // The results of a campaign in one SQLite file, with a write-ahead log: what Put returned from is there after
 // whatever end of the program. The tables:
@@ -35,15 +39,17 @@ std::vector<std::string> Differences(const CampaignIdentity& has, const Campaign
 //   runs       (row, status, outcome, state_hash, image_hash)
 //   metrics    (row, name, value)
 //   execution  (row, worker, wall_s, orchestration_s, peak_mib, log, recording)   depends on the machine
+//   origin     (key, value)                       file: of the campaign                        likewise
 // The first four of two campaigns on the same rows by the same version are alike to the last bit. A metric
 // that is not a number is NULL; the sign of zero is not kept.
 class ResultStore {
  public:
   // Makes the file, or goes on with it; the only writer until this object goes. Throws InputError: it is
-  // another campaign's, another version's, or no result file at all, or another process is at it;
+  // another campaign's, another version's, damaged, or no result file at all, or another process is at it;
   // std::runtime_error: it cannot be written.
   static ResultStore Open(const std::filesystem::path& file, const CampaignIdentity& identity);
-  // Reads it, while another process may be writing. Throws InputError: there is none, or it is none.
+  // Reads it, while another process may be writing. Throws InputError, here or later: there is none, or it
+  // is none, or it is damaged.
   static ResultStore Read(const std::filesystem::path& file);
   ~ResultStore();
   ResultStore(ResultStore&&) noexcept;

@@ -68,7 +68,34 @@ class Campaign {
     fs::create_directories(options_.folder, error);
     if (error)
       throw std::runtime_error(fmt::format("cannot write {}: {}", options_.folder.string(), error.message()));
+    if (options_.shard) RefuseStrangers();
     return ResultStore::Open(ResultFile(options_.folder, options_.shard), work_.identity);
+  }
+
+  // Parts that lie beside results of another campaign would fly for nothing: merge refuses them.
+  void RefuseStrangers() const {
+    std::vector<fs::path> files = ShardFiles(options_.folder);
+    files.insert(files.begin(), ResultFile(options_.folder));
+    for (const fs::path& file : files) {
+      Mistakes mistakes;
+      if (fs::exists(file))
+        for (const std::string& each : DifferencesOf(file, work_.identity))
+          mistakes.Add(file.string(), "",
+                       each + "; valid: another folder (--out), or this file moved out of the way");
+      mistakes.ThrowIfAny();
+    }
+  }
+
+  void Put(const RunResult& result) {
+    try {
+      store_.Put(result);
+    } catch (const InputError&) {
+      throw;
+    } catch (const std::runtime_error& e) {
+      throw std::runtime_error(
+          fmt::format("{}; {} of {} runs are kept in it, and the same command goes on from there", e.what(),
+                      end_.progress.done, end_.progress.rows));
+    }
   }
 
   WorkerPool MakePool(std::size_t runs) const {
@@ -114,7 +141,7 @@ class Campaign {
       const auto result = pool.Take(kTick_s);
       if (result) {
         GiveNext(pool);  // first, or its worker would wait for the disk
-        store_.Put(*result);
+        Put(*result);
         passed_[result->row] = Passed(*result);
         ++end_.progress.done, ++end_.progress.flown;
         end_.progress.passed += Passed(*result);
@@ -135,13 +162,15 @@ class Campaign {
   // A run that took too long would again.
   std::map<std::int64_t, RunResult> ToRecord() const {
     std::map<std::int64_t, RunResult> rows;
+    const int parts = options_.shard ? options_.shard->of : 1;
+    const int most = options_.record_failures / parts + (options_.record_failures % parts > 0);
     int failures = 0;
     for (RunResult& result : store_.Results()) {
       const bool failure = result.status == RunStatus::kFailed || result.status == RunStatus::kBrokeOff ||
                            result.status == RunStatus::kCrashed;
       const bool asked =
           std::find(options_.record.begin(), options_.record.end(), result.row) != options_.record.end();
-      if (!asked && !(failure && failures++ < options_.record_failures)) continue;
+      if (!asked && !(failure && failures++ < most)) continue;
       if (result.execution.recording.empty()) rows.emplace(result.row, std::move(result));
     }
     return rows;
@@ -184,8 +213,9 @@ CampaignWork WorkOf(const LoadedCampaign& campaign, const std::string& rule) {
   work.scenario = campaign.plan.scenario;
   work.set = campaign.plan.set;
   work.limit_s = campaign.plan.limit_s;
-  work.identity = {campaign.plan.name, ToYaml(LoadScenario(work.scenario, work.set).scenario), campaign.text,
-                   Version(), campaign.table};
+  work.identity = {campaign.plan.name, ToYaml(LoadScenario(work.scenario, work.set).scenario),
+                   campaign.text,      Version(),
+                   campaign.table,     campaign.file};
   if (!rule.empty()) work.identity.plan += fmt::format("\n# {}\n", rule);
   return work;
 }

@@ -46,7 +46,9 @@ struct CampaignOptions {
   std::filesystem::path folder;  // of results, logs/ and recordings/ROW/
   int jobs = 1;                  // worker processes
   std::optional<Shard> shard;    // fly this part alone, into a file of its own
-  int record_failures = 10;  // of the rows that did not pass, the first so many are flown again with records
+  // Of the rows that did not pass, the first so many are flown again with records. Which these are of the
+  // whole table no part knows: each has its share of the number, rounded up.
+  int record_failures = 10;
   std::vector<std::int64_t> record;  // and these, whatever they came to
 
   // A sequential rule: whether what is counted is enough. It is asked once for every row in the table's

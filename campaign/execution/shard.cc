@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <limits>
 #include <map>
@@ -54,6 +55,18 @@ std::optional<Shard> ShardOfFile(const std::filesystem::path& file) {
   if (!name.starts_with(begin) || !name.ends_with(end)) return std::nullopt;
   return Numbers(std::string_view(name).substr(begin.size(), name.size() - begin.size() - end.size()),
                  "-of-");
+}
+
+std::vector<std::filesystem::path> ShardFiles(const std::filesystem::path& folder) {
+  std::vector<std::pair<std::pair<int, int>, std::filesystem::path>> files;
+  std::error_code none;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, none))
+    if (const auto shard = ShardOfFile(entry.path()))
+      files.push_back({{shard->of, shard->number}, entry.path()});
+  std::sort(files.begin(), files.end());
+  std::vector<std::filesystem::path> names;
+  for (auto& [number, file] : files) names.push_back(std::move(file));
+  return names;
 }
 
 std::string DifferenceOf(const RunResult& a, const RunResult& b) {

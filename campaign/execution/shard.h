@@ -25,6 +25,9 @@ std::string FileNameOf(const Shard& shard);
 // Of such a name; none: it is another.
 std::optional<Shard> ShardOfFile(const std::filesystem::path& file);
 
+// The result files of parts in a folder, in the order of their numbers.
+std::vector<std::filesystem::path> ShardFiles(const std::filesystem::path& folder);
+
 // What a table has after its parts were joined.
 struct Merged {
   std::int64_t added = 0, there = 0;  // rows that came in, and that were in it already

@@ -8,8 +8,8 @@
 #include <sstream>
 
 #include "campaign/campaign_command.h"
+#include "campaign/command_line.h"
 #include "campaign/execution/batch_script.h"
-#include "campaign/option_checks.h"
 #include "campaign/statistics/results_csv.h"
 #include "config/yaml_fields.h"
 #include "scenarios/files.h"
@@ -45,14 +45,23 @@ std::map<std::string, Threshold> ThresholdsOf(const CampaignIdentity& identity) 
   return thresholds;
 }
 
-// A name that the program finds again, or that of the file which the page offers to save.
-std::string NameOf(const CampaignIdentity& identity) {
+// The file of a campaign by its name.
+fs::path FileNamed(const std::string& name) {
   try {
-    CampaignFile(identity.name);
-    return identity.name;
+    return CampaignFile(name);
   } catch (const InputError&) {
-    return identity.name + ".yaml";
+    return {};
   }
+}
+
+// What the program finds the campaign's file by: its name or itself; where it is no more, the name of that
+// which the page offers to save.
+std::string NameOf(const CampaignIdentity& identity) {
+  const fs::path named = FileNamed(identity.name), file = identity.file;
+  if (!fs::is_regular_file(file)) return named.empty() ? identity.name + ".yaml" : identity.name;
+  if (SameFile(named, file)) return identity.name;
+  const std::string near = file.lexically_proximate(fs::current_path()).string();
+  return near.starts_with("..") ? file.string() : near;
 }
 
 bool IsResults(const fs::path& file) { return HasEnding(file, {".sqlite", ".db"}); }
@@ -77,7 +86,10 @@ ReportSubject SubjectOf(const fs::path& results, const std::string& campaign) {
 CLI::App* AddReportCommand(CLI::App& campaign, ReportArguments& a) {
   CLI::App* command = campaign.add_subcommand(
       "report", "Write report.html, runs.csv and summary.json of what has a result, beside the results");
-  command->add_option("file", a.of, "A campaign's YAML file or name, or its results.sqlite")->required();
+  command
+      ->add_option("file", a.of,
+                   "A campaign's YAML file or name, or its results.sqlite, or the folder of that")
+      ->required();
   command->add_option("--out", a.out, "Folder of the results (default results/campaigns/NAME)")
       ->check(NotEmpty);
   command->add_flag("--quiet", a.quiet, "Print nothing but errors");
@@ -89,14 +101,19 @@ CLI::App* AddReportCommand(CLI::App& campaign, ReportArguments& a) {
 
 bool ReportCommand(const ReportArguments& a) {
   fs::path results = a.of;
-  if (!IsResults(results)) {
+  if (fs::is_directory(results)) results /= "results.sqlite";
+  const bool of_results = IsResults(results);
+  if (!of_results) {
     const fs::path folder = a.out.empty()
                                 ? fs::path("results/campaigns") / LoadCampaign(CampaignFile(a.of)).plan.name
                                 : fs::path(a.out);
     results = folder / "results.sqlite";
   }
-  const ReportSubject subject = SubjectOf(results, IsResults(a.of) ? std::string() : a.of);
   const fs::path folder = results.parent_path(), page = folder / "report.html";
+  Mistakes mistakes;
+  CheckWritableFolder(folder, a.out.empty() ? "report" : "--out", mistakes);
+  mistakes.ThrowIfAny();
+  const ReportSubject subject = SubjectOf(results, of_results ? std::string() : a.of);
   WriteFile(page, HtmlReport(subject, folder));
   WriteFile(folder / "runs.csv", ToCsv(subject.identity.table, subject.results));
   WriteFile(folder / "summary.json", ToJson(subject.summary));

@@ -35,6 +35,34 @@ void Fields(Visitor& v, CampaignFile& f) {
   v("thresholds", f.plan.thresholds);
 }
 
+// As the file and its overrides say it, of which nothing is resolved yet.
+CampaignPlan PlanIn(const std::filesystem::path& file, const std::vector<std::string>& overrides,
+                    Config& config, Mistakes& mistakes) {
+  const SplitOverrides split = Split(overrides, KeysOf<CampaignFile>());
+  CampaignFile read;
+  config = LoadConfig(file, split.of_file, mistakes);
+  Read(config, read, mistakes);
+  read.plan.vary = ReadVary(read.vary, mistakes);
+  SetInstead(split.of_scenario, read.plan.set);
+  return read.plan;
+}
+
+// Without what says what the file says already: `--runs 5` of a file of 5 runs is the same campaign.
+std::vector<std::string> ThatMakeADifference(std::vector<std::string> overrides,
+                                             const std::filesystem::path& file, const CampaignPlan& plan) {
+  for (std::size_t i = 0; i < overrides.size();) {
+    std::vector<std::string> others = overrides;
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
+    Config config;
+    Mistakes mistakes;
+    if (PlanIn(file, others, config, mistakes) == plan && mistakes.messages().empty())
+      overrides = others;
+    else
+      ++i;
+  }
+  return overrides;
+}
+
 void CheckResults(const ConfigNode& root, const CampaignPlan& plan, Mistakes& mistakes) {
   FlightMetrics metrics(plan);
   for (std::size_t i = 0; i < plan.metrics.size(); ++i) {
@@ -44,8 +72,10 @@ void CheckResults(const ConfigNode& root, const CampaignPlan& plan, Mistakes& mi
   for (const auto& [metric, threshold] : plan.thresholds) {
     const std::string& where = WhereIn(root, {"thresholds", metric});
     const std::string path = "thresholds." + metric;
+    const bool said = SaidOf(mistakes, path);
     metrics.Check(metric, {"success"}, where, path, mistakes);
-    if (!threshold.max && !threshold.min) mistakes.Add(where, path, "has no limit; valid: max, min or both");
+    if (!said && !threshold.max && !threshold.min)
+      mistakes.Add(where, path, "has no limit; valid: max, min or both");
     if (threshold.max && threshold.min && *threshold.min > *threshold.max)
       mistakes.Add(where, path, NoneBetween(*threshold.min, *threshold.max));
     if (threshold.quantile && (*threshold.quantile <= 0 || *threshold.quantile >= 1))
@@ -69,19 +99,20 @@ std::string NoneBetween(double min, double max) {
 
 LoadedCampaign LoadCampaign(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
   Mistakes mistakes;
-  const Config config = LoadConfig(file, overrides, mistakes);
+  Config config;
+  const CampaignPlan said = PlanIn(file, overrides, config, mistakes);
   if (!config.readable) mistakes.ThrowIfAny();
-  CampaignFile read;
-  Read(config, read, mistakes);
-  read.plan.vary = ReadVary(read.vary, mistakes);
-  ResolveVariation(file, config.root, read.plan, mistakes);
-  CheckResults(config.root, read.plan, mistakes);
+  CampaignPlan plan = said;
+  ResolveVariation(file, config.root, plan, mistakes);
+  CheckResults(config.root, plan, mistakes);
   mistakes.ThrowIfAny();
 
   std::ifstream in(file, std::ios::binary);
   std::string text{std::istreambuf_iterator<char>(in), {}};
-  for (const std::string& each : overrides) text += fmt::format("\n# --set {}\n", each);
-  LoadedCampaign loaded{std::move(read.plan), std::move(text), {}};
+  for (const std::string& each : ThatMakeADifference(overrides, file, said))
+    text += fmt::format("\n# --set {}\n", each);
+  LoadedCampaign loaded{
+      std::move(plan), std::move(text), {}, std::filesystem::absolute(file).lexically_normal()};
   loaded.table = DrawTable(loaded.plan);
   return loaded;
 }

@@ -17,6 +17,7 @@ namespace kestrel {
 struct CorrelatedGroup {
   std::vector<std::string> keys;
   double rank_correlation = 0;
+  bool operator==(const CorrelatedGroup&) const = default;
 };
 
 template <class Visitor>
@@ -28,6 +29,7 @@ void Fields(Visitor& v, CorrelatedGroup& g) {
 // A key that takes in each row the value of one that varies.
 struct SameValue {
   std::string key, as;
+  bool operator==(const SameValue&) const = default;
 };
 
 template <class Visitor>
@@ -41,6 +43,7 @@ void Fields(Visitor& v, SameValue& s) {
 struct Threshold {
   std::optional<double> quantile;  // of the metric; none: its mean
   std::optional<double> max, min;
+  bool operator==(const Threshold&) const = default;
 };
 
 template <class Visitor>
@@ -64,6 +67,7 @@ struct CampaignPlan {
   std::vector<std::string> metrics;             // that reports show first; empty: those of the criteria
   double limit_s = 600;                         // of wall time for a run
   std::map<std::string, Threshold> thresholds;  // by metric, or "success" for the share of runs that passed
+  bool operator==(const CampaignPlan&) const = default;
 };
 
 // Why no value keeps to both.
@@ -71,13 +75,14 @@ std::string NoneBetween(double min, double max);
 
 struct LoadedCampaign {
   CampaignPlan plan;
-  std::string text;  // of the file
+  std::string text;  // of the file, and a line "# --set key=value" for each override that makes a difference
   SampleTable table;
+  std::string file = {};  // whole path
 };
 
-// Reads a campaign's file and draws its table. overrides: of the file's own keys. Throws InputError with
-// every mistake of it: a key that the scenario does not have, a distribution that can leave the key's range,
-// an empty grid.
+// Reads a campaign's file and draws its table. overrides: of the file's own keys; one of a key that its
+// scenario has, and the file does not, stands in its `set`. Throws InputError with every mistake of it: a key
+// that the scenario does not have, a distribution that can leave the key's range, an empty grid.
 LoadedCampaign LoadCampaign(const std::filesystem::path& file,
                             const std::vector<std::string>& overrides = {});
 

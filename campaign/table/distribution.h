@@ -11,21 +11,27 @@ namespace kestrel {
 // How a key varies.
 struct Uniform {
   double low = 0, high = 1;
+  bool operator==(const Uniform&) const = default;
 };
 struct LogUniform {  // its logarithm is uniform
   double low = 0.1, high = 1;
+  bool operator==(const LogUniform&) const = default;
 };
 struct Normal {
   double mean = 0, deviation = 1;
+  bool operator==(const Normal&) const = default;
 };
 struct TruncatedNormal {  // of mean and deviation before it is cut
   double mean = 0, deviation = 1, low = -1, high = 1;
+  bool operator==(const TruncatedNormal&) const = default;
 };
 struct Choice {  // each as likely as the others; as YAML
   std::vector<std::string> values;
+  bool operator==(const Choice&) const = default;
 };
 struct Grid {  // each of them in turn, with every other grid's
   std::vector<std::string> values;
+  bool operator==(const Grid&) const = default;
 };
 using Distribution = std::variant<Uniform, LogUniform, Normal, TruncatedNormal, Choice, Grid>;
 

@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <set>
 #include <sstream>
@@ -104,9 +105,10 @@ std::optional<Distribution> ReadDistribution(const ConfigNode& node, const std::
       return wrong(fmt::format("the {} is {}; valid: a list of one value or more", name,
                                value.kind == Kind::kList ? "empty" : FlowText(value)));
     List values;
+    std::set<std::string> different;
     for (const auto& [index, member] : value.members) {
       values.push_back(FlowText(member));
-      if (std::count(values.begin(), values.end(), values.back()) > 1 && name == "grid")
+      if (!different.insert(values.back()).second && name == "grid")
         return wrong(fmt::format("the grid has {} twice", values.back()));
     }
     if (name == "choice") return Choice{values};
@@ -159,8 +161,24 @@ std::string Shortened(const std::string& message, const std::string& override_te
   return rest;
 }
 
+// What the scenario says of what it is set to, by the file or by the command line.
+void RefuseScenario(const std::string& message, const ConfigNode& root, const CampaignPlan& plan,
+                    Mistakes& mistakes) {
+  const auto set = std::find_if(plan.set.rbegin(), plan.set.rend(), [&](const std::string& each) {
+    return message.starts_with(fmt::format("--set {}: ", each));
+  });
+  if (set == plan.set.rend()) return mistakes.Add(WhereIn(root, {"scenario"}), "scenario", message);
+  for (const auto& [name, node] : root.members)
+    for (const auto& [index, member] : node.members)
+      if (name == "set" && member.text == *set)
+        return mistakes.Add(member.where, "set", message.substr(std::string_view("--set ").size()));
+  const std::string where = "--set " + *set;
+  mistakes.Add(where, "", message.substr(where.size() + 2));
+}
+
 void RefuseConstant(const std::string& key, const CampaignPlan& plan, const std::string& where,
                     const std::string& path, Mistakes& mistakes) {
+  if (SaidOf(mistakes, "vary." + key)) return;  // it does, in a way that is not valid
   List names;
   for (const auto& [name, distribution] : plan.vary) names.push_back(name);
   const auto near = NearestName(key, names);
@@ -224,10 +242,32 @@ bool IsList(const Distribution& distribution) {
   return std::holds_alternative<Choice>(distribution) || std::holds_alternative<Grid>(distribution);
 }
 
+// Of a long list of numbers its least, its greatest, and one that is not whole if there is any; of another
+// list all.
+List ValuesOfList(List values) {
+  constexpr std::size_t kLong = 100;  // to load a scenario with each takes long
+  if (values.size() <= kLong) return values;
+  std::optional<std::string> broken;
+  std::pair<double, std::size_t> least{HUGE_VAL, 0}, greatest{-HUGE_VAL, 0};
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const char* last = values[i].data() + values[i].size();
+    double number = 0;
+    const auto end = std::from_chars(values[i].data(), last, number);
+    if (end.ptr != last || end.ec != std::errc{}) return values;
+    least = std::min(least, {number, i});
+    greatest = std::max(greatest, {number, i});
+    if (number != std::floor(number)) broken = values[i];
+  }
+  List tried{values[least.second], values[greatest.second]};
+  if (broken) tried.push_back(*broken);
+  return tried;
+}
+
 // Those of a key that the scenario must take. Both ends may be whole where what is between them is not.
 List ValuesToTry(const Distribution& distribution) {
+  if (IsList(distribution)) return ValuesOfList(Extremes(distribution));
   List values = Extremes(distribution);
-  if (!IsList(distribution)) values.push_back(ValueAt(distribution, 0.3819660113));
+  values.push_back(ValueAt(distribution, 0.3819660113));
   return values;
 }
 
@@ -296,6 +336,43 @@ const std::string& WhereIn(const ConfigNode& root, std::initializer_list<std::st
   return node->where;
 }
 
+bool SaidOf(const Mistakes& mistakes, const std::string& key) {
+  const auto& all = mistakes.messages();
+  return std::any_of(all.begin(), all.end(), [&](const std::string& message) {
+    return message.find(fmt::format(": {}: ", key)) != std::string::npos ||
+           message.find(fmt::format(": {}.", key)) != std::string::npos;
+  });
+}
+
+SplitOverrides Split(const List& overrides, const List& keys) {
+  List of_scenario = KeysOf<Scenario>();
+  of_scenario.push_back("gains");
+  SplitOverrides split;
+  for (const std::string& each : overrides) {
+    const std::string first = each.substr(0, each.find_first_of(".="));
+    const auto has = [&](const List& list) {
+      return std::find(list.begin(), list.end(), first) != list.end();
+    };
+    const bool of_file =
+        has(keys) || each.find('=') == std::string::npos || (!has(of_scenario) && NearestName(first, keys));
+    (of_file ? split.of_file : split.of_scenario).push_back(each);
+  }
+  return split;
+}
+
+void SetInstead(const List& overrides, List& set) {
+  for (const std::string& each : overrides) {
+    const std::string key = each.substr(0, each.find('='));
+    std::erase_if(set, [&](const std::string& s) { return s.starts_with(key + '.'); });
+    const auto same =
+        std::find_if(set.begin(), set.end(), [&](const std::string& s) { return s.starts_with(key + '='); });
+    if (same == set.end())
+      set.push_back(each);
+    else
+      *same = each;
+  }
+}
+
 std::map<std::string, Distribution> ReadVary(const ConfigNode& vary, Mistakes& mistakes) {
   std::map<std::string, Distribution> read;
   std::map<std::string, std::string> places;
@@ -350,18 +427,21 @@ bool TakesAll(const CampaignPlan& plan, const std::vector<List>& sets) {
   return true;
 }
 
-void ResolveVariation(const fs::path& file, const ConfigNode& root, CampaignPlan& plan, Mistakes& mistakes) {
+bool ResolveVariation(const fs::path& file, const ConfigNode& root, CampaignPlan& plan, Mistakes& mistakes) {
   if (plan.name.empty()) plan.name = file.stem().string();
   if (plan.name.find_first_of("/\\") != std::string::npos || plan.name.starts_with('.'))
     mistakes.Add(WhereIn(root, {"name"}), "name",
                  fmt::format("'{}' cannot name a folder; valid: no slash, no leading dot", plan.name));
-  double rows = plan.runs;
+  double points = 1;
   for (const auto& [key, distribution] : plan.vary)
-    if (const auto* grid = std::get_if<Grid>(&distribution)) rows *= static_cast<double>(grid->values.size());
-  if (rows > kMostRows)
+    if (const auto* grid = std::get_if<Grid>(&distribution))
+      points *= static_cast<double>(grid->values.size());
+  const bool too_long = points * plan.runs > kMostRows;
+  if (too_long)
     mistakes.Add(WhereIn(root, {"runs"}), "runs",
-                 fmt::format("{} at each point of the grids are {} runs; valid: no more than {}", plan.runs,
-                             rows, kMostRows));
+                 fmt::format("{} at each of the {:.0f} points of the grids are {:.0f} runs; valid: no more "
+                             "than {}",
+                             plan.runs, points, points * plan.runs, kMostRows));
   if (plan.vary.size() > 3667)
     mistakes.Add(WhereIn(root, {"vary"}), "vary",
                  fmt::format("{} keys; valid: no more than 3667", plan.vary.size()));
@@ -382,31 +462,30 @@ void ResolveVariation(const fs::path& file, const ConfigNode& root, CampaignPlan
   CheckGroups(root, plan, mistakes);
   CheckSame(root, plan, mistakes);
   CheckGivenOnce(root, plan, mistakes);
-  if (plan.scenario.empty()) return;  // said already
+  if (plan.scenario.empty()) return false;  // said already
   const List names = ScenarioNames();
   const fs::path beside = file.parent_path() / plan.scenario;
   const std::string& where = WhereIn(root, {"scenario"});
   if (std::find(names.begin(), names.end(), plan.scenario) == names.end()) {
     if (!fs::is_regular_file(beside)) {
       const auto near = NearestName(plan.scenario, names);
-      return mistakes.Add(
+      mistakes.Add(
           where, "scenario",
           fmt::format("there is no scenario '{}', nor a file '{}'; {}", plan.scenario, beside.string(),
                       near ? fmt::format("did you mean '{}'?", *near)
                            : fmt::format("valid: {}", fmt::join(names, ", "))));
+      return false;
     }
     plan.scenario = fs::absolute(beside).lexically_normal().string();
   }
   try {
     LoadScenario(plan.scenario, plan.set);
   } catch (const InputError& e) {
-    for (const std::string& message : e.messages)
-      mistakes.Add(message.starts_with("--set ") ? WhereIn(root, {"set"}) : where,
-                   message.starts_with("--set ") ? "set" : "scenario",
-                   message.starts_with("--set ") ? message.substr(6) : message);
-    return;
+    for (const std::string& message : e.messages) RefuseScenario(message, root, plan, mistakes);
+    return false;
   }
-  TryKeys(root, plan, mistakes);
+  if (!too_long) TryKeys(root, plan, mistakes);
+  return true;
 }
 
 }  // namespace kestrel

@@ -81,6 +81,7 @@ std::map<std::string, double> OwnGains(const TunePlan& plan) {
 }
 
 void CheckBounds(const Gain& gain, const std::string& where, const std::string& path, Mistakes& mistakes) {
+  if (SaidOf(mistakes, path)) return;  // and what has no number has its default
   if (gain.low >= gain.high)
     mistakes.Add(where, path, fmt::format("low = {} is not below high = {}", gain.low, gain.high));
   else if (gain.log && gain.low <= 0)
@@ -91,7 +92,7 @@ void CheckBounds(const Gain& gain, const std::string& where, const std::string& 
 }
 
 void CheckGains(const ConfigNode& root, const TunePlan& plan, Mistakes& mistakes) {
-  if (plan.gains.empty())
+  if (plan.gains.empty() && !SaidOf(mistakes, "gains"))
     mistakes.Add(WhereIn(root, {"gains"}), "gains", "nothing is to be tuned; valid: one key or more");
   for (const auto& [key, gain] : plan.gains) {
     const std::string &where = WhereIn(root, {"gains", key}), path = "gains." + key;
@@ -109,14 +110,15 @@ void CheckGains(const ConfigNode& root, const TunePlan& plan, Mistakes& mistakes
 void CheckCost(const ConfigNode& root, const TunePlan& plan, Mistakes& mistakes) {
   const FlightCost& cost = plan.cost;
   FlightMetrics metrics(plan.flights);
-  if (cost.terms.empty() && cost.constraints.empty())
+  if (cost.terms.empty() && cost.constraints.empty() && !SaidOf(mistakes, "cost"))
     mistakes.Add(WhereIn(root, {"cost"}), "cost", "no metric is in it; valid: one or more");
   for (const auto& [metric, term] : cost.terms)
     metrics.Check(metric, {}, WhereIn(root, {"cost", metric}), "cost." + metric, mistakes);
   for (const auto& [metric, constraint] : cost.constraints) {
     const std::string& where = WhereIn(root, {"constraints", metric});
+    const bool said = SaidOf(mistakes, "constraints." + metric);
     metrics.Check(metric, {}, where, "constraints." + metric, mistakes);
-    if (!constraint.max && !constraint.min)
+    if (!said && !constraint.max && !constraint.min)
       mistakes.Add(where, "constraints." + metric, "has no limit; valid: max, min or both");
     if (constraint.max && constraint.min && *constraint.min > *constraint.max)
       mistakes.Add(where, "constraints." + metric, NoneBetween(*constraint.min, *constraint.max));
@@ -130,10 +132,12 @@ void CheckGainsInScenario(const ConfigNode& root, const TunePlan& plan,
     return std::array{gain.low, gain.high, gain.low + 0.3819660113 * (gain.high - gain.low)};
   };
   std::vector<List> together(3);
-  for (const auto& [key, gain] : plan.gains)
+  std::map<std::string, Gain> gains = plan.gains;
+  std::erase_if(gains, [&](const auto& each) { return SaidOf(mistakes, "gains." + each.first); });
+  for (const auto& [key, gain] : gains)
     for (std::size_t i = 0; i < 3; ++i) together[i].push_back(fmt::format("{}={}", key, values(gain)[i]));
   const bool takes_all = TakesAll(plan.flights, together);
-  for (const auto& [key, gain] : plan.gains) {
+  for (const auto& [key, gain] : gains) {
     const std::string &where = WhereIn(root, {"gains", key}), path = "gains." + key;
     bool valid = true;
     for (const double value : values(gain)) {
@@ -177,7 +181,8 @@ void CheckBudget(const ConfigNode& root, const LoadedTune& tune, Mistakes& mista
 
 LoadedTune LoadTune(const std::filesystem::path& file, const List& overrides) {
   Mistakes mistakes;
-  const Config config = LoadConfig(file, overrides, mistakes);
+  const SplitOverrides split = Split(overrides, KeysOf<TuneFile>());
+  const Config config = LoadConfig(file, split.of_file, mistakes);
   if (!config.readable) mistakes.ThrowIfAny();
   TuneFile read;
   Read(config, read, mistakes);
@@ -185,10 +190,9 @@ LoadedTune LoadTune(const std::filesystem::path& file, const List& overrides) {
   TunePlan& plan = tune.plan = std::move(read.plan);
   plan.flights.vary = ReadVary(read.vary, mistakes);
   plan.flights.runs = plan.rows;
+  SetInstead(split.of_scenario, plan.flights.set);
   CheckGains(config.root, plan, mistakes);
-  const std::size_t before = mistakes.messages().size();
-  ResolveVariation(file, config.root, plan.flights, mistakes);
-  const bool flies = mistakes.messages().size() == before && !plan.flights.scenario.empty();
+  const bool flies = ResolveVariation(file, config.root, plan.flights, mistakes);
   CheckCost(config.root, plan, mistakes);
   if (flies) {
     tune.own = OwnGains(plan);

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -116,7 +117,8 @@ TEST_F(CampaignCommandTest, BadInputEndsWithTwoAndSaysWhy) {
   EXPECT_THAT(why("short.yaml --shard 1/6 --stop-when 0.1"), HasSubstr("one of --shard and --stop-when"));
   EXPECT_THAT(why("shorrt"), HasSubstr("there is no campaign 'shorrt'"));
   EXPECT_THAT(why(""), HasSubstr("no file"));
-  EXPECT_THAT(why("merge short.yaml --out none"), HasSubstr("none holds none"));
+  EXPECT_THAT(why("merge short.yaml --out none"),
+              HasSubstr("none holds no parts; valid: parts that were flown there before (--shard I/N"));
   EXPECT_THAT(why("replay short.yaml 6"), HasSubstr("there is no row 6; valid: 0 to 5"));
   EXPECT_THAT(why("short.yaml --record 6"), HasSubstr("--record: there is no row 6"));
   why("short.yaml --jobs 0");
@@ -124,6 +126,8 @@ TEST_F(CampaignCommandTest, BadInputEndsWithTwoAndSaysWhy) {
     why(fmt::format("short.yaml --stop-when {}", width));
   for (const char* verb : {"", "replay", "merge", "slurm", "report"})
     EXPECT_THAT(why(fmt::format("{} short.yaml --out ''", verb)), HasSubstr("--out: it is empty")) << verb;
+  EXPECT_THAT(why("short.yaml --jobs 1.5"),
+              HasSubstr("--jobs: '1.5' is not valid; valid: a whole number, 1 to 1024"));
   why("slurm short.yaml");
   std::ofstream(folder_ / "results.sqlite") << std::string(4096, 'x');
   EXPECT_THAT(why("short.yaml --out ."), HasSubstr("it is no SQLite file"));
@@ -134,9 +138,23 @@ TEST_F(CampaignCommandTest, AnotherTableIsRefusedBeforeAnythingFlies) {
   const std::string before = Tables("here/results.sqlite");
   const Ended other = Campaign("short.yaml --out here --runs 2");
   EXPECT_EQ(other.status, 2);
-  EXPECT_THAT(other.err, AllOf(HasSubstr("plan: it is of another"), HasSubstr("table: it is of another"),
-                               HasSubstr("valid: another folder (--out)")));
+  EXPECT_THAT(other.err,
+              AllOf(HasSubstr("plan: flown with --runs 1, now with --runs 2"),
+                    HasSubstr("table: it is of another"), HasSubstr("valid: another folder (--out)")));
   EXPECT_EQ(Tables("here/results.sqlite"), before);
+}
+
+TEST_F(CampaignCommandTest, InterruptedBeforeAnythingFliesItSaysSo) {
+  // It is still reading its file, which has no end.
+  const fs::path file = folder_ / "slow.yaml";
+  ASSERT_EQ(mkfifo(file.c_str(), 0600), 0);
+  for (const char* verb : {"campaign", "tune"}) {
+    ChildProgram program({KESTREL_PROGRAM, verb, file.string()}, {}, folder_ / "said.txt");
+    const std::ofstream end(file);  // waits for the reader
+    program.Signal(SIGINT);
+    EXPECT_EQ(program.Wait(60), 3) << program.Said();
+    EXPECT_THAT(program.Said(), HasSubstr("interrupted before anything flew"));
+  }
 }
 
 TEST_F(CampaignCommandTest, InterruptedItEndsTheRunsUnderWayAndGoesOn) {
@@ -225,8 +243,8 @@ TEST_F(CampaignCommandTest, SlurmFliesItsPartsAndALostOneIsNamedAndFlownAgain) {
   fs::remove(folder_ / "parts/results-2-of-3.sqlite");
   const Ended lost = Campaign("merge short.yaml --out parts");
   EXPECT_EQ(lost.status, 1);
-  EXPECT_THAT(lost.out, AllOf(HasSubstr("missing: 2 rows 1, 4, of part 2/3; it is flown by"),
-                              HasSubstr("--shard 2/3"), Not(HasSubstr("--shard 1/3"))));
+  EXPECT_THAT(lost.out, AllOf(HasSubstr("missing: 2 rows of part 2/3; flown by"), HasSubstr("--shard 2/3"),
+                              Not(HasSubstr("--shard 1/3"))));
   EXPECT_EQ(Shell(slurm + "timeout 200 sbatch --wait --array=2 job.sh").status, 0);
   const Ended all = Campaign("merge short.yaml --out parts");
   EXPECT_EQ(all.status, 0) << all.err;

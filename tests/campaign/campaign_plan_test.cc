@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "campaign/table/campaign_plan.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <chrono>
@@ -15,6 +16,7 @@ namespace kestrel {
 namespace {
 
 namespace fs = std::filesystem;
+using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::EndsWith;
@@ -111,6 +113,42 @@ TEST_F(CampaignPlanTest, OverridesReachTheFileAndItsDistributions) {
   EXPECT_EQ(std::get<Uniform>(loaded.plan.vary.at("wind.mean_m_s")).low, 1);
   // Otherwise two campaigns would have the same text and other tables.
   EXPECT_THAT(loaded.text, HasSubstr("--set vary.wind.mean_m_s={uniform: [1, 2]}"));
+}
+
+TEST_F(CampaignPlanTest, AnOverrideThatSaysWhatTheFileSaysMakesNoOtherPlan) {
+  const std::string file = "scenario: follow\nruns: 4\nset: [duration_s=9]\n";
+  EXPECT_EQ(Load(file, {"runs=4", "seed=1", "sampling=latin_hypercube", "duration_s=9"}).text, file);
+  EXPECT_EQ(Load(file, {"runs=5", "runs=4"}).text, file);
+  EXPECT_EQ(Load(file, {"runs=4", "seed=2"}).text, file + "\n# --set seed=2\n");
+}
+
+TEST_F(CampaignPlanTest, AnOverrideOfTheScenariosKeyStandsInSet) {
+  const std::string file = "scenario: follow\nset: [duration_s=9, wind.mean_m_s=1, wind.from_deg=3]\n";
+  const LoadedCampaign loaded = Load(file, {"duration_s=1", "wind={mean_m_s: 2}", "image.rate_hz=10"});
+  EXPECT_THAT(loaded.plan.set, ElementsAre("duration_s=1", "wind={mean_m_s: 2}", "image.rate_hz=10"));
+  EXPECT_THAT(loaded.text, EndsWith("\n# --set duration_s=1\n\n# --set wind={mean_m_s: 2}\n\n# --set "
+                                    "image.rate_hz=10\n"));
+  // A key of both is the campaign's.
+  EXPECT_EQ(Load(file, {"seed=5"}).plan.seed, 5u);
+  EXPECT_THAT(Refusal(file, {"duration_s=-1"}),
+              ElementsAre("--set duration_s=-1: duration_s: -1 is out of range; valid: 0.1 to 36000"));
+  EXPECT_THAT(Refusal(file, {"durashun_s=1", "seeds=2"}),
+              ElementsAre("--set seeds=2: seeds: unknown key; did you mean 'seed'?",
+                          "--set durashun_s=1: durashun_s: unknown key; did you mean 'duration_s'?"));
+  EXPECT_THAT(Refusal(file, {"speed_of_light=1"}),
+              ElementsAre(AllOf(StartsWith("--set speed_of_light=1: speed_of_light: unknown key; valid: "),
+                                HasSubstr("duration_s"))));
+}
+
+TEST_F(CampaignPlanTest, WhatFollowsFromAMistakeIsNotSaidBesideIt) {
+  EXPECT_THAT(Refusal("scenario: follow\nvary:\n  image.noise_grey: {uniform: [6, 0]}\n"
+                      "  wind.mean_m_s: {uniform: [0, 6]}\n"
+                      "correlated: [{keys: [wind.mean_m_s, image.noise_grey], rank_correlation: 0.5}]\n"
+                      "same: [{key: start.height_m, as: image.noise_grey}]\n"
+                      "thresholds: {follow_distance_rms: {max: abc}}\n"),
+              ElementsAre("f.yaml:7: thresholds.follow_distance_rms.max: 'abc' is not a number; valid: "
+                          "-1000000000 to 1000000000",
+                          "f.yaml:3: vary.image.noise_grey: low = 6 is not below high = 0"));
 }
 
 TEST_F(CampaignPlanTest, AScenarioMayLieBesideTheFile) {
@@ -285,9 +323,44 @@ TEST_F(CampaignPlanTest, AKeyMayHaveItsMeaningFromAChoice) {
               Contains(HasSubstr("the world 'airfield' is not made from numbers")));
 }
 
+TEST_F(CampaignPlanTest, BytesOfAWrongFileAreNoCommandsToTheTerminal) {
+  EXPECT_STREQ(InputError({"\x1b[31mred \xc2\x9b \xff gr\xc3\xbcn\x7f \xe2\x82"}).what(),
+               "\\x1b[31mred \\xc2\\x9b \\xff gr\xc3\xbcn\\x7f \\xe2\\x82");
+  EXPECT_THAT(Refusal("scenario: follow\nruns: " + std::string(5000, 'x') + "\n"),
+              ElementsAre("f.yaml:2: runs: '" + std::string(100, 'x') +
+                          "'... is not a number; valid: 1 to 10000000"));
+}
+
 TEST_F(CampaignPlanTest, ATableTooLongIsRefusedBeforeItIsDrawn) {
   EXPECT_THAT(Refusal("scenario: follow\nruns: 5000000\nvary: {image.rate_hz: {grid: [10, 20, 30]}}\n"),
               ElementsAre(HasSubstr("15000000 runs; valid: no more than 10000000")));
+}
+
+std::string Numbers(int count) {
+  std::string all = "[0";
+  for (int i = 1; i < count; ++i) all += fmt::format(", {}", i);
+  return all + "]";
+}
+
+TEST_F(CampaignPlanTest, GridsOfManyPointsAreRefusedWithoutTryingEach) {
+  std::string file = "scenario: follow\nruns: 3\nvary:\n";
+  for (int axis = 0; axis < 6; ++axis) file += fmt::format("  wind.k{}: {{grid: {}}}\n", axis, Numbers(1000));
+  EXPECT_THAT(Refusal(file),
+              ElementsAre("f.yaml:2: runs: 3 at each of the 1000000000000000000 points of the grids are "
+                          "3000000000000000000 runs; valid: no more than 10000000"));
+}
+
+TEST_F(CampaignPlanTest, ALongGridOfNumbersIsTriedAtItsEnds) {
+  // To load the scenario with each of them would take minutes.
+  const std::string grid = Numbers(20000);
+  EXPECT_THAT(Refusal("scenario: follow\nruns: 1\nvary: {camera_seed: {grid: " + grid + "}}\n"),
+              ElementsAre(HasSubstr("vary.camera_seed: unknown key")));
+  EXPECT_THAT(Refusal("scenario: follow\nruns: 1\nvary: {image.rate_hz: {grid: " + grid + "}}\n"),
+              ElementsAre("f.yaml:3: vary.image.rate_hz: 0 is out of range; valid: 0.5 to 500",
+                          "f.yaml:3: vary.image.rate_hz: 19999 is out of range; valid: 0.5 to 500"));
+  EXPECT_THAT(Refusal("scenario: follow\nruns: 1\nvary: {image.jpeg_quality: {choice: [0.5, " +
+                      Numbers(101).substr(1) + "}}\n"),
+              ElementsAre("f.yaml:3: vary.image.jpeg_quality: 0.5 is not a whole number; valid: 0 to 100"));
 }
 
 TEST(Campaigns, EveryFileOfEveryFlightIsValidAndNoScenario) {

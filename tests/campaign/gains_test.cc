@@ -37,8 +37,8 @@ TEST_F(GainsTest, WhatATuningWritesAScenarioTakes) {
                      {"autopilot.velocity_gain_per_s", {0.1, 3, true, 0.3}}};
   TuneResult result;
   result.gains = {{"pilot.servo.lambda_per_s", 1.23456}, {"autopilot.velocity_gain_per_s", 0.7}};
-  result.start = {0, {}, 0, {3, 4}, {true, false}};
-  result.tuned = {0, {}, 0, {1, 2}, {true, true}};
+  result.start = {0, {}, 0, {3, 4}, {true, false}, {}};
+  result.tuned = {0, {}, 0, {1, 2}, {true, true}, {}};
   result.from_start = {-2, -2.5, -1.5};
   const std::string text = GainsFile(tune, result, "poor.yaml", "0.1.0 abc");
   EXPECT_THAT(text, HasSubstr("kestrel tune poor.yaml"));
@@ -71,6 +71,16 @@ TEST_F(GainsTest, MistakesInAGainsFileNameItAndItsLine) {
   Write("pilot: {servo: {lambda_per_s: 1}}\n", "gains.yaml");
   EXPECT_THAT(Refusal(scenario),
               ElementsAre(gains + ":1: pilot: is not a single value; valid: lines of key.path: value"));
+}
+
+TEST_F(GainsTest, AGainGivenTwiceAndAFileWithinTheFileAreRefused) {
+  const std::string scenario = Write("mission: hover\ngains: gains.yaml\n", "s.yaml");
+  const std::string gains =
+      Write("pilot.servo.lambda_per_s: 1\ngains: other.yaml\npilot.servo.lambda_per_s: 2\n", "gains.yaml");
+  EXPECT_THAT(
+      Refusal(scenario),
+      ElementsAre(gains + ":2: gains: a file of gains names no other; valid: lines of key.path: value",
+                  gains + ":3: pilot.servo.lambda_per_s: given twice, first at " + gains + ":1"));
 }
 
 }  // namespace

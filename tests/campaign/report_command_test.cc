@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <fstream>
@@ -57,6 +58,43 @@ TEST_F(ReportCommandTest, FliesAgainWithTheOptionsOfTheFirstTime) {
       " --set runs=20 --set 'set=[wind.gusts.rate_per_min=0]' --out '" + folder_.string() + "'";
   EXPECT_EQ(SubjectOf(file_).replay, "./kestrel campaign replay landing_dispersion.yaml" + options);
   EXPECT_EQ(SubjectOf(file_, "mine.yaml").again, "./kestrel campaign mine.yaml" + options);
+}
+
+TEST_F(ReportCommandTest, NamesTheCampaignsFileWhereItIs) {
+  const fs::path file = folder_ / "mine.yaml";
+  {
+    CampaignIdentity identity = ResultStore::Read(file_).identity();
+    identity.file = file.string();
+    ResultStore::Open(file_, identity);
+  }
+  EXPECT_THAT(SubjectOf(file_).replay, HasSubstr("replay landing_dispersion.yaml "));  // it is no more
+  std::ofstream(file) << "scenario: landing\n";
+  EXPECT_THAT(SubjectOf(file_).replay, HasSubstr("replay '" + file.string() + "' "));
+}
+
+TEST_F(ReportCommandTest, TakesAFolderAsCompareDoes) {
+  ReportCommand({folder_.string(), "", true});
+  EXPECT_TRUE(fs::exists(folder_ / "report.html"));
+}
+
+TEST_F(ReportCommandTest, AFolderThatCannotBeWrittenIsRefusedBeforeTheWork) {
+  fs::permissions(folder_, fs::perms(0555));
+  const pid_t reader = fork();
+  if (reader == 0) {
+    if (getuid() == 0 && setuid(65534) != 0) _exit(9);  // permissions do not hold root back
+    try {
+      ReportCommand({file_.string(), "", true});
+    } catch (const InputError& e) {
+      _exit(std::string(e.what()).starts_with("report: '") ? 2 : 4);
+    } catch (const std::exception&) {
+      _exit(3);
+    }
+    _exit(0);
+  }
+  int status = 0;
+  waitpid(reader, &status, 0);
+  EXPECT_EQ(WEXITSTATUS(status), 2);
+  fs::permissions(folder_, fs::perms::owner_all);
 }
 
 TEST_F(ReportCommandTest, JudgesTheThresholdsOfThePlan) {

@@ -112,6 +112,15 @@ TEST_F(ResultStoreTest, GoesOnWithWhatIsThere) {
   EXPECT_EQ(store.Results()[1].metrics, ResultOf(2).metrics);
 }
 
+TEST_F(ResultStoreTest, KnowsTheFileOfItsCampaignWhereverThatLies) {
+  CampaignIdentity identity = IdentityOf(TableOf(4));
+  for (const std::string file : {"/here/gusts.yaml", "/there/gusts.yaml"}) {
+    identity.file = file;
+    { ResultStore::Open(file_, identity); }
+    EXPECT_EQ(ResultStore::Read(file_).identity().file, file);
+  }
+}
+
 TEST_F(ResultStoreTest, TakesARowOnceAndThoseOfTheTableAlone) {
   ResultStore store = ResultStore::Open(file_, IdentityOf(TableOf(4)));
   store.Put(ResultOf(2));
@@ -153,6 +162,16 @@ TEST_F(ResultStoreTest, RefusesAnotherCampaignsFileAndSaysWhatDiffers) {
   EXPECT_THAT(Refusal(wanted),
               HasSubstr("plan: it is of another, whose line 2 is 'runs: 4', and not 'runs: 5'"));
   wanted = has;
+  wanted.plan += "\n# --set seed=2\n\n# --set set=[a=1]\n";
+  EXPECT_THAT(Refusal(wanted),
+              HasSubstr("plan: flown without --seed 2 --set set=[a=1], now with it; valid:"));
+  EXPECT_THAT(Differences(wanted, has),
+              ElementsAre("plan: flown with --seed 2 --set set=[a=1], now without"));
+  CampaignIdentity other = has;
+  other.plan += "\n# --set runs=9\n\n# --set set=[a=1]\n\n# --stop-when 0.02\n";
+  EXPECT_THAT(Differences(wanted, other),
+              ElementsAre("plan: flown with --seed 2, now with --runs 9 --stop-when 0.02"));
+  wanted = has;
   wanted.scenario += "seed: 3\n";
   EXPECT_THAT(Refusal(wanted),
               HasSubstr("scenario: it is of another, whose line 3, 'seed: 3', is not in it"));
@@ -180,6 +199,64 @@ TEST_F(ResultStoreTest, RefusesWhatIsNoResultFileAndLeavesItAsItWas) {
   EXPECT_THAT(Refusal(identity), HasSubstr("it is a database of something else"));
   EXPECT_THROW(ResultStore::Read(file_), InputError);
   EXPECT_THROW(ResultStore::Read(folder_ / "none.sqlite"), InputError);
+}
+
+// Of what opening it and reading it whole throws.
+std::string Damage(const fs::path& file) {
+  try {
+    ResultStore::Read(file).Results();
+  } catch (const InputError& e) {
+    return e.what();
+  }
+  return "";
+}
+
+TEST_F(ResultStoreTest, ADamagedFileIsRefusedWithARemedy) {
+  const fs::path whole = folder_ / "whole.sqlite", part = folder_ / "results-2-of-8.sqlite";
+  const CampaignIdentity identity = IdentityOf(TableOf(300));
+  {
+    ResultStore store = ResultStore::Open(whole, identity);
+    std::vector<RunResult> results;
+    for (int row = 0; row < 300; ++row) results.push_back(ResultOf(row));
+    store.Put(results);
+  }
+  const auto size = fs::file_size(whole);
+  const std::string remedy = "valid: this file moved out of the way, and its ";
+  const auto both = [&](const std::string& what) {
+    EXPECT_THAT(Refusal(identity), AllOf(HasSubstr(what), HasSubstr(remedy + "runs flown again")));
+    EXPECT_THAT(Damage(file_), AllOf(HasSubstr(what), HasSubstr(remedy + "runs flown again")));
+    fs::copy_file(file_, part, fs::copy_options::overwrite_existing);
+    EXPECT_THAT(Damage(part), HasSubstr(remedy + "part flown (--shard 2/8) again"));
+  };
+  fs::copy_file(whole, file_);
+  fs::resize_file(file_, size / 2 / 4096 * 4096);
+  both(file_.string() + ": it is damaged: ");
+  fs::copy_file(whole, file_, fs::copy_options::overwrite_existing);
+  {
+    std::fstream garbled(file_, std::ios::in | std::ios::out | std::ios::binary);
+    garbled.seekp(4096);
+    garbled << std::string(static_cast<std::size_t>(size) - 4096, '\x5a');
+  }
+  both("it is damaged: ");
+  const auto sql = [&](const std::string& change) {
+    fs::copy_file(whole, file_, fs::copy_options::overwrite_existing);
+    Says("python3 -c \"import sqlite3; db = sqlite3.connect('" + file_.string() + "'); db.execute('" +
+         change + "'); db.commit()\"");
+  };
+  sql("DROP TABLE samples");
+  both("it is damaged: no such table: samples");
+  sql("DELETE FROM samples WHERE row = 7");
+  both("it is damaged: its table of samples is not whole");
+  sql("UPDATE campaign SET value = 3 WHERE key = \\\"keys\\\"");
+  both("it is damaged: the keys of its table are no list of names");
+  // What is seen by reading the results alone.
+  sql("DROP TABLE metrics");
+  EXPECT_THAT(Damage(file_), HasSubstr("it is damaged: no such table: metrics; " + remedy));
+  EXPECT_THROW(ResultStore::Open(file_, identity).Put(ResultOf(1)), InputError);
+  sql("UPDATE runs SET status = \\\"well\\\" WHERE row = 3");
+  EXPECT_THAT(Damage(file_), HasSubstr("it is damaged: row 3: 'well' is no status of a run; " + remedy));
+  sql("UPDATE runs SET row = 300 WHERE row = 299");
+  EXPECT_THAT(Damage(file_), HasSubstr("it is damaged: its table has no row 300; " + remedy));
 }
 
 TEST_F(ResultStoreTest, HasOneWriter) {
@@ -306,6 +383,37 @@ TEST_F(ResultStoreTest, AFileSystemThatIsFullIsNamed) {
   EXPECT_LT(put, 500);
   ASSERT_GT(put, 0);
   EXPECT_EQ(ResultStore::Read(small / "results.sqlite").Results().size(), put);
+  umount2(small.c_str(), MNT_DETACH);
+}
+
+TEST_F(ResultStoreTest, IsReadWhereNoByteIsFree) {
+  const fs::path small = folder_ / "small";
+  fs::create_directory(small);
+  if (mount("kestrel_test", small.c_str(), "tmpfs", 0, "size=300k") != 0)
+    GTEST_SKIP() << "no small file system can be mounted here: " << std::strerror(errno);
+  const auto fill = [&] {
+    std::ofstream filler(small / "filler");
+    const std::string page(4096, 'x');
+    while (filler.write(page.data(), 4096).flush()) {}
+  };
+  const fs::path file = small / "results.sqlite";
+  { ResultStore::Open(file, IdentityOf(TableOf(4))).Put(ResultOf(1)); }
+  fill();
+  EXPECT_EQ(ResultStore::Read(file).Results().size(), 1);
+  // Likewise what a writer that was killed has left in its log.
+  fs::remove(small / "filler");
+  const pid_t writer = fork();
+  if (writer == 0) {
+    ResultStore store = ResultStore::Open(file, IdentityOf(TableOf(4)));
+    store.Put(ResultOf(2));
+    _exit(0);
+  }
+  waitpid(writer, nullptr, 0);
+  fs::remove(file.string() + "-shm");
+  ASSERT_GT(fs::file_size(file.string() + "-wal"), 0);
+  fill();
+  EXPECT_EQ(ResultStore::Read(file).Results().size(), 2);
+  EXPECT_EQ(ResultStore::Read(file).Results().size(), 2);
   umount2(small.c_str(), MNT_DETACH);
 }
 

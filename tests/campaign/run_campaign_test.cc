@@ -5,16 +5,19 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
+#include <csignal>
 #include <fstream>
 #include <random>
 #include <set>
 #include <thread>
 
+#include "campaign/execution/batch_script.h"
 #include "config/stopwatch.h"
 #include "config/yaml_fields.h"
 #include "tests/campaign/results.h"
@@ -268,6 +271,85 @@ TEST_F(RunCampaignTest, PartsOfOtherCampaignsAndOtherResultsAreNotJoined) {
   EXPECT_THAT(why({one, part(4, work.identity, {result})}),
               AllOf(HasSubstr("row 0 came to something else than in " + one.string()), HasSubstr("error_m")));
   EXPECT_FALSE(fs::exists(folder_ / "results.sqlite"));
+}
+
+TEST_F(RunCampaignTest, APartDoesNotFlyBesideResultsOfAnotherCampaign) {
+  CampaignWork other = Work(6);
+  other.identity.plan += "\n# --set seed=2\n";
+  const auto refusal = [&](int number) -> std::string {
+    CampaignOptions options = Options("parts", 1);
+    options.shard = Shard{number, 3};
+    try {
+      RunCampaign(Work(6), options);
+    } catch (const InputError& e) {
+      return e.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(refusal(1), "");
+  CampaignOptions options = Options("parts", 1);
+  options.shard = Shard{2, 3};
+  EXPECT_THROW(RunCampaign(other, options), InputError);
+  EXPECT_FALSE(fs::exists(folder_ / "parts/results-2-of-3.sqlite"));
+  EXPECT_EQ(refusal(2), "");
+  // Nor beside a whole one.
+  const fs::path whole = folder_ / "parts/results.sqlite";
+  { ResultStore::Open(whole, other.identity); }
+  EXPECT_THAT(refusal(3), AllOf(HasSubstr(whole.string() + ": plan: flown with --seed 2, now without"),
+                                HasSubstr("valid: another folder (--out), or this file moved")));
+  fs::remove(whole);
+  { ResultStore::Open(whole, Work(6).identity); }
+  EXPECT_EQ(refusal(3), "");
+}
+
+TEST_F(RunCampaignTest, PartsShareTheFailuresToBeRecorded) {
+  int recorded = 0;
+  for (const int number : {1, 2, 3}) {
+    CampaignOptions options = Options("parts", 2);
+    options.shard = Shard{number, 3};
+    options.record_failures = 4;
+    recorded += static_cast<int>(RunCampaign(Work(18, "fail"), options).recorded);
+  }
+  EXPECT_EQ(recorded, 3 * 2);
+}
+
+TEST_F(RunCampaignTest, ADiskThatIsFullIsToldWithWhatIsKept) {
+  rlimit before{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, SIG_IGN);
+  CampaignOptions options = Options("a", 1);
+  options.show = [&](const Progress& p) {
+    if (p.done < 3) return;
+    const rlimit now{1, before.rlim_max};  // no file of this process may grow
+    setrlimit(RLIMIT_FSIZE, &now);
+  };
+  std::string said;
+  try {
+    RunCampaign(Work(10), options);
+  } catch (const std::runtime_error& e) {
+    said = e.what();
+  }
+  setrlimit(RLIMIT_FSIZE, &before);
+  EXPECT_THAT(said, AllOf(HasSubstr("cannot write"), HasSubstr("; 3 of 10 runs are kept in it, and the same "
+                                                               "command goes on from there")));
+  EXPECT_EQ(RunCampaign(Work(10), Options("a", 1)).progress.flown, 7);
+}
+
+TEST(MissingText, NamesLostPartsInALineAndWhatFliesThem) {
+  BatchJob job;
+  job.program = "/bin/kestrel";
+  job.arguments = {"c.yaml"};
+  job.folder = "/shared/c";
+  EXPECT_EQ(MissingText(job, {1, 4}, 3),
+            "  missing: 2 rows of part 2/3; flown by\n"
+            "    /bin/kestrel campaign c.yaml --out /shared/c --shard 2/3 --jobs 1\n");
+  EXPECT_EQ(MissingText(job, {1, 4, 5, 6, 11}, 10),
+            "  missing: 5 rows of 4 of 10 parts: 2,5-7; flown by Slurm's script, or one after the other, by\n"
+            "    sbatch --array=2,5-7 THE_SCRIPT\n"
+            "    for I in 2 $(seq 5 7); do /bin/kestrel campaign c.yaml --out /shared/c --shard \"$I/10\" "
+            "--jobs 1; done\n");
+  EXPECT_EQ(MissingText(job, {3}, 0),
+            "  missing: 1 row: 3; flown by\n    /bin/kestrel campaign c.yaml --out /shared/c\n");
 }
 
 TEST(Shard, IsReadAndRefused) {

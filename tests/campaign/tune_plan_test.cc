@@ -133,6 +133,38 @@ cost: {follow_u_rms_px: {scale: 10}}
                   HasSubstr("f.yaml:5: gains.pilot.tracker.max_points: 176.393")));
 }
 
+TEST_F(TunePlanTest, MistakesOfGainsAreSaidBesideThoseOfTheRest) {
+  EXPECT_THAT(
+      Refusal(R"(scenario: follow
+vary: {wind.mean_m_s: {uniform: [0, 60]}}
+gains:
+  pilot.servo.lambda_pers: {low: 0.1, high: 3, start: 1}
+  pilot.servo.lambda_per_s: {low: 0.1, high: 30}
+  pilot.servo.lambda_yaw_per_s: {low: 3, high: .inf}
+  wind.turbulence: {low: 0, high: 1}
+  camera: {low: 0, high: 1}
+cost: {follow_u_rms_px: {scale: 10}}
+constraints: {greatest_tilt_deg: {max: abc}}
+)"),
+      ElementsAre(StartsWith("f.yaml:6: gains.pilot.servo.lambda_yaw_per_s.high: .inf is not a finite"),
+                  StartsWith("f.yaml:10: constraints.greatest_tilt_deg.max: 'abc' is not a number"),
+                  StartsWith("f.yaml:2: vary.wind.mean_m_s: 60 is out of range"),
+                  StartsWith("f.yaml:8: gains.camera: with 0: there is no camera '0'"),
+                  StartsWith("f.yaml:5: gains.pilot.servo.lambda_per_s: 30 is out of range"),
+                  StartsWith("f.yaml:4: gains.pilot.servo.lambda_pers: unknown key"),
+                  StartsWith("f.yaml:7: gains.wind.turbulence: ")));
+}
+
+TEST_F(TunePlanTest, WhatIsNotGivenIsSaidOnce) {
+  EXPECT_THAT(Refusal("scenario: follow\n"),
+              ElementsAre("f.yaml:1: gains: must be given", "f.yaml:1: cost: must be given"));
+}
+
+TEST_F(TunePlanTest, AnOverrideOfTheScenariosKeyStandsInSet) {
+  EXPECT_THAT(Load(kWhole, {"duration_s=5", "image.rate_hz=20"}).plan.flights.set,
+              ElementsAre("image.rate_hz=20", "duration_s=5"));
+}
+
 TEST_F(TunePlanTest, ABudgetInWhichNothingCanBeFoundIsRefused) {
   EXPECT_THAT(
       Refusal("scenario: follow\ngains: {pilot.servo.lambda_per_s: {low: 0.1, high: 3}}\n"

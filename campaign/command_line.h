@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdlib>
 #include <string>
 
-// What CLI11's own checks let pass on the command line; a text says what is wrong.
 namespace kestrel {
+
+// What the command lines of campaigns and of tunings have in common.
+
+// Beside what CLI11 itself checks; a text says what is wrong.
 
 // An option that is given and empty would be as if it were not.
 inline std::string NotEmpty(const std::string& text) { return text.empty() ? "it is empty" : ""; }
@@ -15,5 +19,12 @@ inline std::string NotEmpty(const std::string& text) { return text.empty() ? "it
 inline std::string NotNan(const std::string& text) {
   return std::isnan(std::strtod(text.c_str(), nullptr)) ? '\'' + text + "' is not a number" : "";
 }
+
+// Refuses an option that is no whole number from low to high.
+CLI::Validator WholeNumber(int low, int high);
+
+// Until another handler is set: an interrupt, or the request to terminate, ends the program at once, with a
+// word and the status of what broke off.
+void EndOnInterrupt();
 
 }  // namespace kestrel

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "campaign/command_line.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <charconv>
+#include <csignal>
+#include <string>
+#include <string_view>
+
+namespace kestrel {
+namespace {
+
+void End(int) {
+  constexpr std::string_view kText = "kestrel: interrupted before anything flew\n";
+  if (write(STDERR_FILENO, kText.data(), kText.size()) < 0) _exit(3);
+  _exit(3);
+}
+
+}  // namespace
+
+CLI::Validator WholeNumber(int low, int high) {
+  return CLI::Validator(
+      [low, high](std::string& text) {
+        int value = 0;
+        const char* last = text.data() + text.size();
+        const auto end = std::from_chars(text.data(), last, value);
+        if (end.ec == std::errc{} && end.ptr == last && value >= low && value <= high) return std::string();
+        return fmt::format("'{}' is not valid; valid: a whole number, {} to {}", text, low, high);
+      },
+      fmt::format("INT in [{} - {}]", low, high), "");
+}
+
+void EndOnInterrupt() {
+  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, End);
+}
+
+}  // namespace kestrel
