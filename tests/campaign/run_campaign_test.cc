@@ -35,6 +35,7 @@ using ::testing::Ge;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Le;
+using ::testing::Lt;
 
 // Campaigns of rows that scripted workers fly: what they do with a row is in its key "do".
 class RunCampaignTest : public InTemporaryFolder {
@@ -91,7 +92,7 @@ TEST_F(RunCampaignTest, GoesOnWithWhatIsMissingAndFliesNothingTwice) {
   const CampaignEnd interrupted = RunCampaign(work, options);
   EXPECT_FALSE(interrupted.Complete());
   // What was under way at the interrupt has its results.
-  EXPECT_THAT(interrupted.progress.done, AllOf(Ge(4), Le(6)));
+  EXPECT_THAT(interrupted.progress.done, AllOf(Ge(4), Lt(10)));
   EXPECT_EQ(RowsIn(folder_ / "given.txt").size(), interrupted.progress.done);
 
   const CampaignEnd end = RunCampaign(work, Options("a", 2));
