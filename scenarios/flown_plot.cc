@@ -3,13 +3,9 @@
 
 #include <fmt/format.h>
 
-#include <stdexcept>
-
 #include "control/safety.h"
 #include "geometry/tait_bryan.h"
-#include "scenarios/files.h"
 #include "scenarios/gnuplot.h"
-#include "scenarios/piped_program.h"
 #include "scenarios/plot_parts.h"
 
 namespace kestrel {
@@ -81,15 +77,7 @@ void DrawFlownPlot(const std::filesystem::path& file, const std::vector<LogRow>&
           line(7, 1, thin, "") + ", '' " + line(8, 2, thin, "") + '\n';
   panel(2, "roll and pitch (°)", 2.0);
   text += line(12, 0, thick, "roll") + ", '' " + line(13, 1, thick, "pitch") + '\n';
-  try {
-    PipedProgram gnuplot({"gnuplot", "-d"});
-    gnuplot.Write(text + EndFigure());
-    gnuplot.Close();
-  } catch (const std::runtime_error& e) {
-    throw std::runtime_error(fmt::format("cannot draw {}: {}", file.string(), e.what()));
-  }
-  RequireWholePng(file);
-  Complete(file);
+  RunGnuplot(file, text + EndFigure());
 }
 
 }  // namespace kestrel

@@ -32,20 +32,23 @@ void RequireWholePng(const std::filesystem::path& file) {
   }
 }
 
-void DrawPng(const std::filesystem::path& file, int width_px, int height_px, const std::string& script) {
+void RunGnuplot(const std::filesystem::path& file, const std::string& script) {
   try {
     PipedProgram gnuplot({"gnuplot", "-d"});
-    gnuplot.Write(
-        fmt::format("set terminal pngcairo size {},{} font 'DejaVu Sans,12' background rgb 'white'\n"
-                    "set output {}\nset encoding utf8\n",
-                    width_px, height_px, GnuplotQuoted(PartOf(file).string())));
-    gnuplot.Write(script + "\nunset output\n");
+    gnuplot.Write(script);
     gnuplot.Close();
   } catch (const std::runtime_error& e) {
     throw std::runtime_error(fmt::format("cannot draw {}: {}", file.string(), e.what()));
   }
   RequireWholePng(file);
   Complete(file);
+}
+
+void DrawPng(const std::filesystem::path& file, int width_px, int height_px, const std::string& script) {
+  RunGnuplot(file,
+             fmt::format("set terminal pngcairo size {},{} font 'DejaVu Sans,12' background rgb 'white'\n"
+                         "set output {}\nset encoding utf8\n{}\nunset output\n",
+                         width_px, height_px, GnuplotQuoted(PartOf(file).string()), script));
 }
 
 }  // namespace kestrel

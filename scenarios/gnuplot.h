@@ -13,8 +13,11 @@ std::string GnuplotQuoted(const std::string& text);
 // PNG ends.
 void RequireWholePng(const std::filesystem::path& file);
 
-// Draws one picture with that script, whose terminal and output are set already. Throws std::runtime_error
-// with the file and the reason.
+// Draws one picture with a script that sets its terminal, and its output to PartOf(file). Throws
+// std::runtime_error with the file and the reason.
+void RunGnuplot(const std::filesystem::path& file, const std::string& script);
+
+// The same with a script whose terminal and output are set already.
 void DrawPng(const std::filesystem::path& file, int width_px, int height_px, const std::string& script);
 
 }  // namespace kestrel

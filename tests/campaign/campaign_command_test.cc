@@ -19,6 +19,7 @@
 #include "config/stopwatch.h"
 #include "scenarios/child_program.h"
 #include "tests/campaign/tables.h"
+#include "tests/scenarios/content.h"
 #include "tests/scenarios/temporary_folder.h"
 
 namespace kestrel {
@@ -33,11 +34,6 @@ struct Ended {
   int status;  // of the exit
   std::string out, err;
 };
-
-std::string Content(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 // A campaign of six flights of half a second, of which some fail.
 class CampaignCommandTest : public InTemporaryFolder {

@@ -11,6 +11,7 @@
 
 #include "config/yaml_fields.h"
 #include "tests/campaign/landing_campaign.h"
+#include "tests/scenarios/content.h"
 
 namespace kestrel {
 namespace {
@@ -19,11 +20,6 @@ namespace fs = std::filesystem;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
-
-std::string ContentOf(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 class ReportCommandTest : public testing::Test {
  protected:
@@ -45,10 +41,10 @@ class ReportCommandTest : public testing::Test {
 
 TEST_F(ReportCommandTest, WritesWhatHasAResultBesideTheResults) {
   ReportCommand({file_.string(), "", true});
-  EXPECT_THAT(ContentOf(folder_ / "report.html"), StartsWith("<!DOCTYPE html>"));
-  const std::string csv = ContentOf(folder_ / "runs.csv");
+  EXPECT_THAT(Content(folder_ / "report.html"), StartsWith("<!DOCTYPE html>"));
+  const std::string csv = Content(folder_ / "runs.csv");
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 13);
-  const auto summary = nlohmann::json::parse(ContentOf(folder_ / "summary.json"));
+  const auto summary = nlohmann::json::parse(Content(folder_ / "summary.json"));
   EXPECT_EQ(summary["rows"], 20);
   EXPECT_EQ(summary["runs"], 12);
 }

@@ -19,6 +19,7 @@
 #include <thread>
 
 #include "scenarios/model_files.h"
+#include "tests/scenarios/content.h"
 #include "tests/scenarios/temporary_folder.h"
 
 namespace kestrel {
@@ -34,13 +35,6 @@ struct Ended {
   int status;  // of the exit
   std::string out, err;
 };
-
-std::string Content(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
 
 // Runs the program in a folder of its own.
 class CommandLineTest : public InTemporaryFolder {

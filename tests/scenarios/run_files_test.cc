@@ -17,6 +17,7 @@
 #include "scenarios/recorder.h"
 #include "scenarios/summary.h"
 #include "scenarios/video.h"
+#include "tests/scenarios/content.h"
 #include "tests/scenarios/temporary_folder.h"
 
 namespace kestrel {
@@ -44,13 +45,6 @@ using PartFileTest = Folder;
 using PipedProgramTest = Folder;
 using VideoTest = Folder;
 using RecorderTest = Folder;
-
-std::string Content(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
 
 std::vector<std::string> Cells(const std::string& line) {
   std::vector<std::string> cells(1);

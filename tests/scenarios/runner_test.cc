@@ -12,6 +12,7 @@
 #include "scenarios/metrics.h"
 #include "scenarios/recorder.h"
 #include "scenarios/summary.h"
+#include "tests/scenarios/content.h"
 #include "tests/scenarios/temporary_folder.h"
 
 namespace kestrel {
@@ -28,13 +29,6 @@ LoadedScenario Short(const std::vector<std::string>& more = {}) {
   std::vector<std::string> overrides = {"duration_s=2", "start.settle_s=1", "seed=101"};
   overrides.insert(overrides.end(), more.begin(), more.end());
   return LoadScenario("landing", overrides);
-}
-
-std::string Content(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
 }
 
 TEST_F(RunnerTest, ARunLeavesAllItsRecords) {
