@@ -46,14 +46,14 @@ struct CmaEs::State {
   pagmo::algorithm algorithm;
   pagmo::population population;
   Point centre;
-  std::vector<Point> reflected;
 };
 
 CmaEs::CmaEs(const Point& start, std::uint64_t seed) : state_(std::make_unique<State>()) {
   State& s = *state_;
   s.centre = start;
-  // One generation at a time, going on from the one before; the default rates; no end of its own.
-  s.algorithm = pagmo::algorithm(pagmo::cmaes(1, -1, -1, -1, -1, kFirstStep, 0, 0, true, false,
+  // One generation at a time, going on from the one before; the default rates; no end of its own. Within the
+  // bounds: were the walls mirrors, a mean beside one would be drawn to both of its sides and stay there.
+  s.algorithm = pagmo::algorithm(pagmo::cmaes(1, -1, -1, -1, -1, kFirstStep, 0, 0, true, true,
                                               static_cast<unsigned>(seed ^ seed >> 32)));
   s.population = pagmo::population(pagmo::problem(Asked{s.exchange, start.size()}), 0, 0);
   const auto size = static_cast<int>(4 + 3 * std::log(static_cast<double>(start.size())));
@@ -66,19 +66,18 @@ CmaEs& CmaEs::operator=(CmaEs&&) noexcept = default;
 
 const std::vector<Point>& CmaEs::Ask() {
   State& s = *state_;
-  if (!s.reflected.empty()) return s.reflected;
+  std::vector<Point>& asked = s.exchange->asked;
+  if (!asked.empty()) return asked;
   s.exchange->asking = true;
-  s.exchange->asked.clear();
   pagmo::algorithm(s.algorithm).evolve(s.population);
   s.exchange->asking = false;
-  for (const Point& point : s.exchange->asked) s.reflected.push_back(Reflected(point));
-  return s.reflected;
+  return asked;
 }
 
 void CmaEs::Tell(const std::vector<double>& costs) {
   State& s = *state_;
-  assert(costs.size() == s.reflected.size());
-  const std::vector<Point>& asked = s.exchange->asked;
+  const std::vector<Point> asked = std::exchange(s.exchange->asked, {});
+  assert(costs.size() == asked.size());
   s.exchange->told.clear();
   for (std::size_t i = 0; i < costs.size(); ++i) s.exchange->told[asked[i]] = costs[i];
   s.population = s.algorithm.evolve(s.population);
@@ -93,8 +92,7 @@ void CmaEs::Tell(const std::vector<double>& costs) {
     for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += weight * asked[order[k]][i];
   }
   for (double& x : sum) x /= weights;
-  s.centre = Reflected(sum);
-  s.reflected.clear();
+  s.centre = sum;
 }
 
 const Point& CmaEs::Centre() const { return state_->centre; }

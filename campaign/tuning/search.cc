@@ -12,7 +12,9 @@
 #include "config/random.h"
 
 namespace kestrel {
+namespace {
 
+// The point within the unit cube that a point beyond its walls, which are mirrors, is seen at.
 Point Reflected(Point point) {
   for (double& x : point) {
     const double along = std::fmod(std::abs(x), 2.0);
@@ -20,6 +22,8 @@ Point Reflected(Point point) {
   }
   return point;
 }
+
+}  // namespace
 
 std::vector<std::size_t> ByCost(const std::vector<double>& costs) {
   std::vector<std::size_t> order(costs.size());

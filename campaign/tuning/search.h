@@ -13,14 +13,11 @@ namespace kestrel {
 
 using Point = std::vector<double>;
 
-// The point within the unit cube that a point beyond its walls, which are mirrors, is seen at.
-Point Reflected(Point point);
-
 // How far a search looks around its start, standard deviation along each side of the cube.
 constexpr double kFirstStep = 0.3;
 
-// Covariance matrix adaptation (Hansen 2006), pagmo's. Its points go beyond the cube and are reflected into
-// it.
+// Covariance matrix adaptation (Hansen 2006), pagmo's. A coordinate that it draws beyond the cube is on its
+// wall.
 class CmaEs {
  public:
   CmaEs(const Point& start, std::uint64_t seed);

@@ -18,7 +18,6 @@ namespace kestrel {
 namespace {
 
 using ::testing::Each;
-using ::testing::ElementsAre;
 using ::testing::Ge;
 using ::testing::Le;
 
@@ -35,7 +34,7 @@ double Valley(const Point& x) {
   return sum;
 }
 
-// The least cost that some evaluations find.
+// The least cost that some evaluations find, or that of where they say the least is.
 double Least(const std::string& method, int evaluations, std::uint64_t seed,
              const std::function<double(const Point&)>& cost, std::size_t dimension) {
   Search search = MakeSearch(method, Point(dimension, 0.1), seed);
@@ -45,17 +44,19 @@ double Least(const std::string& method, int evaluations, std::uint64_t seed,
     for (const Point& point : std::visit([](auto& s) { return s.Ask(); }, search))
       costs.push_back(cost(point));
     used += static_cast<int>(costs.size());
-    if (used > evaluations) return least;
+    if (used > evaluations)
+      return std::min(least, cost(std::visit([](auto& s) { return s.Centre(); }, search)));
     least = std::min(least, *std::min_element(costs.begin(), costs.end()));
     std::visit([&](auto& s) { s.Tell(costs); }, search);
   }
 }
 
-double MedianLeast(const std::string& method, const std::function<double(const Point&)>& cost) {
+double MedianLeast(const std::string& method, const std::function<double(const Point&)>& cost,
+                   int evaluations = 300) {
   std::vector<double> found;
-  for (std::uint64_t seed = 1; seed <= 9; ++seed) found.push_back(Least(method, 300, seed, cost, 4));
-  std::nth_element(found.begin(), found.begin() + 4, found.end());
-  return found[4];
+  for (std::uint64_t seed = 1; seed <= 51; ++seed) found.push_back(Least(method, evaluations, seed, cost, 4));
+  std::nth_element(found.begin(), found.begin() + 25, found.end());
+  return found[25];
 }
 
 TEST(Search, CmaEsFindsTheFloorOfAValleyThatTheOthersDoNot) {
@@ -63,6 +64,17 @@ TEST(Search, CmaEsFindsTheFloorOfAValleyThatTheOthersDoNot) {
   EXPECT_LT(cma_es, 0.5 * MedianLeast("cross_entropy", Valley));
   EXPECT_LT(cma_es, 0.2 * MedianLeast("random_search", Valley));
   EXPECT_LT(Least("cma_es", 3000, 1, Valley, 4), 1e-8);
+}
+
+TEST(Search, CmaEsSoonLeavesTheCornerThatItBeganIn) {
+  const auto bowl = [](const Point& x) {
+    double sum = 0;
+    for (const double each : x) sum += (each - 0.75) * (each - 0.75);
+    return sum;
+  };
+  const double cma_es = MedianLeast("cma_es", bowl, 100);
+  EXPECT_LT(cma_es, 0.5 * MedianLeast("cross_entropy", bowl, 100));
+  EXPECT_LT(cma_es, 0.5 * MedianLeast("random_search", bowl, 100));
 }
 
 TEST(Search, EveryMethodComesNearALeastInACorner) {
@@ -90,7 +102,7 @@ TEST(Search, ThePointsAreWithinTheCubeAndTheSameUntilTheirCostsAreTold) {
 }
 
 struct PagmoValley {
-  pagmo::vector_double fitness(const pagmo::vector_double& x) const { return {Valley(Reflected(x))}; }
+  pagmo::vector_double fitness(const pagmo::vector_double& x) const { return {Valley(x)}; }
   std::pair<pagmo::vector_double, pagmo::vector_double> get_bounds() const {
     return {Point(3, 0), Point(3, 1)};
   }
@@ -99,21 +111,15 @@ struct PagmoValley {
 TEST(Search, CmaEsIsPagmosOwnThoughItIsAskedAndTold) {
   pagmo::population population(pagmo::problem(PagmoValley{}), 0, 0);
   for (int i = 0; i < 7; ++i) population.push_back(Point(3, 0.3), {0.0});
-  const pagmo::algorithm own(pagmo::cmaes(1, -1, -1, -1, -1, kFirstStep, 0, 0, true, false, 9));
+  const pagmo::algorithm own(pagmo::cmaes(1, -1, -1, -1, -1, kFirstStep, 0, 0, true, true, 9));
   CmaEs search(Point(3, 0.3), 9);
   for (int generation = 0; generation < 20; ++generation) {
     population = own.evolve(population);
-    std::vector<Point> reflected;
-    for (const Point& x : population.get_x()) reflected.push_back(Reflected(x));
-    EXPECT_THAT(search.Ask(), ::testing::UnorderedElementsAreArray(reflected));
+    EXPECT_THAT(search.Ask(), ::testing::UnorderedElementsAreArray(population.get_x()));
     std::vector<double> costs;
     for (const Point& point : search.Ask()) costs.push_back(Valley(point));
     search.Tell(costs);
   }
-}
-
-TEST(Search, WallsAreMirrors) {
-  EXPECT_THAT(Reflected({0.25, -0.25, 1.25, 2.25, -1.75}), ElementsAre(0.25, 0.25, 0.75, 0.25, 0.25));
 }
 
 }  // namespace
