@@ -46,7 +46,6 @@ CLI::App* AddCampaignCommand(CLI::App& app, CampaignArguments& arguments);
 
 // Throws InputError with every mistake, std::runtime_error for what breaks it off. False: it came to an end,
 // but a threshold is not kept, rows are missing, a replay came to something else, or B is worse than A.
-// Hidden beside it is `campaign-worker`: WorkerMain().
 bool CampaignCommand(const CampaignArguments& arguments);
 
 // The file of a campaign by its name or itself.

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "campaign/execution/worker_pool.h"
+
 namespace CLI {
 class App;
 }
@@ -17,7 +19,7 @@ struct TuneArguments {
   int compare = 0;  // searches by each method, side by side; 0: one, by the file's
   int jobs = 0;     // 0: one for each core
   bool quiet = false;
-  std::vector<std::string> worker = {"/proc/self/exe", "campaign-worker"};  // its command
+  std::vector<std::string> worker = WorkerCommand();
 };
 
 CLI::App* AddTuneCommand(CLI::App& app, TuneArguments& arguments);

@@ -14,7 +14,6 @@
 
 #include "campaign/bench_campaign.h"
 #include "campaign/campaign_command.h"
-#include "campaign/execution/worker_pool.h"
 #include "campaign/tune_command.h"
 #include "scenarios/bench.h"
 #include "scenarios/calibrate_command.h"
@@ -212,8 +211,6 @@ int Main(int argc, char** argv) {
   const CLI::App* campaign_command = AddCampaignCommand(app, campaign);
   TuneArguments tune;
   const CLI::App* tune_command = AddTuneCommand(app, tune);
-  const CLI::App* worker_command =
-      app.add_subcommand("campaign-worker", "Flies what a campaign orders on standard input")->group("");
 
   BenchArguments bench;
   CLI::App* bench_command = app.add_subcommand("bench", "Measure: a table of figures beside their targets");
@@ -289,7 +286,6 @@ int Main(int argc, char** argv) {
     if (*encounters_command) return EncountersCommand(encounters) ? kMet : kNotMet;
     if (*campaign_command) return CampaignCommand(campaign) ? kMet : kNotMet;
     if (*tune_command) return TuneCommand(tune) ? kMet : kNotMet;
-    if (*worker_command) return WorkerMain();
     if (*bench_command) {
       Mistakes mistakes;
       CheckWritableFile(bench.json, "--json", mistakes);

@@ -59,7 +59,7 @@ struct CampaignOptions {
 
   // 0: go on. 1: begin no more runs, and end when those under way have. 2: end at once.
   const std::atomic<int>* stop = nullptr;
-  std::vector<std::string> worker = {"/proc/self/exe", "campaign-worker"};  // its command
+  std::vector<std::string> worker = WorkerCommand();
 };
 
 struct CampaignEnd {

@@ -1,15 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-// The far side of the pool's wire.
+// The program `kestrel-worker`, the far side of the pool's wire: flies what comes on standard input until it
+// ends, and answers on what was standard output. A program of its own, since a flight has no use for the
+// library of the searches, which alone takes 34 MB.
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <malloc.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <cstdio>
+#include <opencv2/core/utility.hpp>
+#include <string>
 
 #include "campaign/execution/fly_row.h"
-#include "campaign/execution/worker_pool.h"
 #include "campaign/execution/worker_wire.h"
+#include "scenarios/version.h"
 
 namespace kestrel {
 namespace {
@@ -24,9 +29,8 @@ bool WriteAll(int file, const std::string& text) {
   return true;
 }
 
-}  // namespace
-
-int WorkerMain() {
+int Work() {
+  cv::setNumThreads(1);
   // The wire is for orders and reports alone: what else reads or prints, here or in programs that a flight
   // starts, has no part in it.
   const int orders = fcntl(STDIN_FILENO, F_DUPFD_CLOEXEC, 3);
@@ -59,4 +63,14 @@ int WorkerMain() {
   }
 }
 
+}  // namespace
 }  // namespace kestrel
+
+int main(int argc, char** argv) {
+  if (argc != 2 || std::string(argv[1]) != kestrel::Version()) {
+    fmt::print(stderr, "kestrel-worker is started by kestrel of the same version, which is {}: build both\n",
+               kestrel::Version());
+    return 2;
+  }
+  return kestrel::Work();
+}

@@ -22,6 +22,7 @@
 
 #include "campaign/execution/worker_wire.h"
 #include "config/stopwatch.h"
+#include "scenarios/version.h"
 
 namespace kestrel {
 namespace {
@@ -236,6 +237,10 @@ void WorkerPool::Workers::Hear(Worker& w) {
       return Died(w, e.what());
     }
   }
+}
+
+std::vector<std::string> WorkerCommand() {
+  return {fs::read_symlink("/proc/self/exe").replace_filename("kestrel-worker"), Version()};
 }
 
 WorkerPool::WorkerPool(int workers, double limit_s, const fs::path& logs,

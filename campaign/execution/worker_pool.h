@@ -22,8 +22,10 @@ struct RunOrder {
   bool video = false;
 };
 
-// Worker processes that fly: this program itself, started again for each. They end with this process,
-// whatever its end. A worker that takes too long is ended, and its run comes back as that. One that dies is
+// The command of `kestrel-worker`, which is beside this program and of its version, or says that it is not.
+std::vector<std::string> WorkerCommand();
+
+// Worker processes that fly. They end with this process, whatever its end. A worker that takes too long is ended, and its run comes back as that. One that dies is
 // replaced, and its run is flown again: what a row alone does it does again, so a run that its worker dies of
 // twice has crashed, and one whose worker was ended from without has not, unless that goes on. To be used by
 // one thread.
@@ -32,7 +34,7 @@ class WorkerPool {
   // limit_s: of wall time for a run. logs: folder for what the workers say, made if need be. command: of a
   // worker, without a shell. Throws std::runtime_error.
   WorkerPool(int workers, double limit_s, const std::filesystem::path& logs,
-             const std::vector<std::string>& command = {"/proc/self/exe", "campaign-worker"});
+             const std::vector<std::string>& command = WorkerCommand());
   ~WorkerPool();
   WorkerPool(const WorkerPool&) = delete;
   WorkerPool& operator=(const WorkerPool&) = delete;
@@ -48,8 +50,5 @@ class WorkerPool {
   struct Workers;
   std::unique_ptr<Workers> workers_;
 };
-
-// The other side: flies what comes on standard input until it ends, and answers on what was standard output.
-int WorkerMain();
 
 }  // namespace kestrel

@@ -17,6 +17,7 @@
 
 #include "campaign/execution/worker_wire.h"
 #include "config/stopwatch.h"
+#include "scenarios/version.h"
 #include "tests/campaign/scripted_worker.h"
 #include "tests/scenarios/temporary_folder.h"
 
@@ -210,6 +211,9 @@ TEST_F(WorkerPoolTest, ProgramsThatCannotFlyEndItWithTheReason) {
               ::testing::AllOf(HasSubstr("workers cannot be started"), HasSubstr("ended with status 5"),
                                HasSubstr("a library is missing")));
   EXPECT_THAT(why({"/bin/echo", "hello"}), HasSubstr("'hello' is none of the wire's lines"));
+  EXPECT_THAT(why({KESTREL_WORKER, "0.0 of another build"}),
+              ::testing::AllOf(HasSubstr("ended with status 2"), HasSubstr("of the same version"),
+                               HasSubstr(Version())));
 }
 
 // Whether a process is there and no zombie.
