@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
-#include <vector>
 
 namespace kestrel {
 namespace {
@@ -31,7 +30,17 @@ std::string LimitText(const CostConstraint& c) {
   return c.max ? fmt::format("at most {:g}", *c.max) : fmt::format("at least {:g}", *c.min);
 }
 
-// A sentence for each constraint that is not kept to in every flight with the gains found.
+Json ToJson(const Evaluation& e) {
+  Json json = {{"round", e.round}, {"flights", e.flights}, {"gains", e.gains},
+               {"cost", e.Cost()}, {"costs", e.costs},     {"passed", e.passed}};
+  if (!e.kept.empty()) json["kept"] = e.kept;
+  return json;
+}
+
+Json ToJson(const PairedCost& d) { return {{"difference", d.difference}, {"low", d.low}, {"high", d.high}}; }
+
+}  // namespace
+
 std::vector<std::string> BrokenConstraints(const LoadedTune& tune, const TuneResult& result) {
   std::vector<std::string> broken;
   for (const auto& [metric, constraint] : tune.plan.cost.constraints) {
@@ -52,17 +61,6 @@ std::vector<std::string> BrokenConstraints(const LoadedTune& tune, const TuneRes
   }
   return broken;
 }
-
-Json ToJson(const Evaluation& e) {
-  Json json = {{"round", e.round}, {"flights", e.flights}, {"gains", e.gains},
-               {"cost", e.Cost()}, {"costs", e.costs},     {"passed", e.passed}};
-  if (!e.kept.empty()) json["kept"] = e.kept;
-  return json;
-}
-
-Json ToJson(const PairedCost& d) { return {{"difference", d.difference}, {"low", d.low}, {"high", d.high}}; }
-
-}  // namespace
 
 std::string GainsFile(const LoadedTune& tune, const TuneResult& result, const std::string& file,
                       const std::string& version) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "campaign/tuning/tune.h"
 
@@ -18,6 +19,9 @@ std::string GainsFile(const LoadedTune& tune, const TuneResult& result, const st
 // better}. kept: by the metric of a constraint, how many flights kept to it. own and from_own only where the
 // start is not what the scenario has.
 std::string TuneJson(const LoadedTune& tune, const TuneResult& result, const std::string& version);
+
+// A sentence for each constraint that is not kept to in every held-out flight with the gains found.
+std::vector<std::string> BrokenConstraints(const LoadedTune& tune, const TuneResult& result);
 
 // Whether the gains found are better than those it began with, and than the scenario's own, and how they keep
 // to each constraint, or that no candidate ever did; sentences.

@@ -106,8 +106,14 @@ std::string ComparisonText(const std::vector<Searched>& searches) {
   std::stable_sort(methods.begin(), methods.end(), [&](const std::string& a, const std::string& b) {
     return Median(costs[a]) < Median(costs[b]);
   });
-  return text +
-         fmt::format("In the median of the searches, the least first: {}.\n", fmt::join(methods, ", "));
+  text += fmt::format("In the median of the searches, the least first: {}.\n", fmt::join(methods, ", "));
+  for (const Searched& each : searches) {
+    for (const std::string& broken : BrokenConstraints(each.tune, each.result)) {
+      const TunePlan& plan = each.tune.plan;
+      text += fmt::format("{}, seed {}: {}\n", MethodText(plan.method), plan.flights.seed, broken);
+    }
+  }
+  return text;
 }
 
 }  // namespace kestrel

@@ -22,7 +22,8 @@ struct Searched {
 ReportSubject TuneSubject(const std::vector<Searched>& searches, const std::filesystem::path& folder,
                           const std::string& again);
 
-// Searches by several methods, each some times, side by side: cost on the held-out rows, and medians.
+// Searches by several methods, each some times, side by side: cost on the held-out rows, medians, and the
+// constraints that their gains do not keep to.
 std::string ComparisonText(const std::vector<Searched>& searches);
 
 }  // namespace kestrel

@@ -10,6 +10,7 @@
 
 #include "campaign/table/sampling.h"
 #include "campaign/tuning/tune_files.h"
+#include "campaign/tuning/tune_report.h"
 #include "config/random.h"
 
 namespace kestrel {
@@ -168,16 +169,20 @@ TEST(Tune, AConstraintThatIsNotMetIsSaidWhereverTheVerdictIs) {
     LoadedTune tune = Problem();
     tune.plan.cost.constraints["error_m"] = {most, {}, 5};
     const TuneResult result = Tune(tune, FlyFormula);
-    return std::pair(TuneText(tune, result), GainsFile(tune, result, "f.yaml", "1.0"));
+    return std::tuple(TuneText(tune, result), GainsFile(tune, result, "f.yaml", "1.0"),
+                      ComparisonText({{tune, result, {}}, {tune, result, {}}}));
   };
-  const auto [never, never_file] = said(-100);
+  const auto [never, never_file, never_beside] = said(-100);
   EXPECT_THAT(never, HasSubstr("No candidate met the constraint on error_m (at most -100) in any flight."));
   EXPECT_THAT(never_file, HasSubstr("\n# No candidate met the constraint on error_m (at most -100) in any"));
-  const auto [some, some_file] = said(1.06);
+  EXPECT_THAT(never_beside, testing::ContainsRegex("CMA-ES, seed 1: No candidate met .*\n"
+                                                   "CMA-ES, seed 1: No candidate met .*\n$"));
+  const auto [some, some_file, some_beside] = said(1.06);
   EXPECT_THAT(some,
               testing::ContainsRegex("met the constraint on error_m .at most 1.06. in [0-9]+ of 50 flights"));
-  const auto [always, always_file] = said(100);
-  EXPECT_THAT(always + always_file, Not(HasSubstr("constraint")));
+  EXPECT_THAT(some_beside, HasSubstr("CMA-ES, seed 1: The tuned gains met"));
+  const auto [always, always_file, always_beside] = said(100);
+  EXPECT_THAT(always + always_file + always_beside, Not(HasSubstr("constraint")));
 }
 
 TEST(Tune, TheBestOfTheSearchIsJudgedOnFreshRows) {
