@@ -20,6 +20,7 @@
 #include "scenarios/child_program.h"
 #include "tests/campaign/tables.h"
 #include "tests/scenarios/content.h"
+#include "tests/scenarios/shell.h"
 #include "tests/scenarios/temporary_folder.h"
 
 namespace kestrel {
@@ -29,11 +30,6 @@ namespace fs = std::filesystem;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
-
-struct Ended {
-  int status;  // of the exit
-  std::string out, err;
-};
 
 // A campaign of six flights of half a second, of which some fail.
 class CampaignCommandTest : public InTemporaryFolder {
@@ -49,12 +45,7 @@ vary:
 )";
   }
   // In the folder.
-  Ended Shell(const std::string& command) const {
-    const int status = std::system(
-        fmt::format("cd {0} && ( {1} ) >{0}/out.txt 2>{0}/err.txt", folder_.string(), command).c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, Content(folder_ / "out.txt"),
-            Content(folder_ / "err.txt")};
-  }
+  Ended Shell(const std::string& command) const { return kestrel::Shell(folder_, command); }
   Ended Campaign(const std::string& arguments) const {
     return Shell(fmt::format("{} campaign {}", KESTREL_PROGRAM, arguments));
   }

@@ -20,6 +20,7 @@
 
 #include "scenarios/model_files.h"
 #include "tests/scenarios/content.h"
+#include "tests/scenarios/shell.h"
 #include "tests/scenarios/temporary_folder.h"
 
 namespace kestrel {
@@ -31,21 +32,11 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
-struct Ended {
-  int status;  // of the exit
-  std::string out, err;
-};
-
 // Runs the program in a folder of its own.
 class CommandLineTest : public InTemporaryFolder {
  protected:
   Ended Kestrel(const std::string& arguments, const std::string& environment = "") const {
-    const std::string command =
-        fmt::format("cd {0} && {1} " KESTREL_PROGRAM " {2} >{0}/out.txt 2>{0}/err.txt", folder_.string(),
-                    environment, arguments);
-    const int status = std::system(command.c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, Content(folder_ / "out.txt"),
-            Content(folder_ / "err.txt")};
+    return Shell(folder_, fmt::format("{} " KESTREL_PROGRAM " {}", environment, arguments));
   }
   std::string Write(const char* name, const std::string& text) const {
     std::ofstream(folder_ / name) << text;
