@@ -5,7 +5,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <sstream>
 
 #include "campaign/campaign_command.h"
 #include "campaign/command_line.h"
@@ -19,13 +18,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The options with which a campaign was flown: LoadCampaign notes overrides below the file's text.
+// The options with which a campaign was flown.
 std::string OptionsOf(const CampaignIdentity& identity, const fs::path& folder) {
-  constexpr std::string_view kNoted = "# --set ";
   std::string options;
-  std::istringstream plan(identity.plan);
-  for (std::string line; std::getline(plan, line);)
-    if (line.starts_with(kNoted)) options += " --set " + ShellWord(line.substr(kNoted.size()));
+  for (const std::string& each : OverridesNotedIn(identity.plan)) options += " --set " + ShellWord(each);
   if (folder.lexically_normal() != fs::path("results/campaigns") / identity.name)
     options += " --out " + ShellWord(folder.empty() ? "." : folder.string());
   return options;
@@ -101,7 +97,7 @@ CLI::App* AddReportCommand(CLI::App& campaign, ReportArguments& a) {
 
 bool ReportCommand(const ReportArguments& a) {
   fs::path results = a.of;
-  if (fs::is_directory(results)) results /= "results.sqlite";
+  if (a.out.empty() && fs::is_directory(results)) results /= "results.sqlite";
   const bool of_results = IsResults(results);
   if (!of_results) {
     const fs::path folder = a.out.empty()

@@ -5,6 +5,7 @@
 
 #include <set>
 
+#include "campaign/table/campaign_plan.h"
 #include "config/yaml_fields.h"
 
 namespace kestrel {
@@ -12,9 +13,10 @@ namespace {
 
 using Kind = ConfigNode::Kind;
 
+// With the overrides that are noted below it.
 ConfigNode Parsed(const std::string& yaml, const std::string& name) {
   Mistakes mistakes;
-  Config config = ParseConfig(yaml, name, {}, mistakes);
+  Config config = ParseConfig(yaml, name, OverridesNotedIn(yaml), mistakes);
   mistakes.ThrowIfAny();
   return std::move(config.root);
 }

@@ -5,6 +5,8 @@
 
 #include <fstream>
 #include <iterator>
+#include <sstream>
+#include <string_view>
 
 #include "campaign/table/flight_metrics.h"
 #include "campaign/table/read_variation.h"
@@ -13,6 +15,8 @@
 
 namespace kestrel {
 namespace {
+
+constexpr std::string_view kNoted = "# --set ";
 
 struct CampaignFile {
   CampaignPlan plan;
@@ -97,6 +101,16 @@ std::string NoneBetween(double min, double max) {
                      min, max);
 }
 
+std::string NoteOfOverride(const std::string& override) { return fmt::format("\n{}{}\n", kNoted, override); }
+
+std::vector<std::string> OverridesNotedIn(const std::string& text) {
+  std::vector<std::string> overrides;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);)
+    if (line.starts_with(kNoted)) overrides.push_back(line.substr(kNoted.size()));
+  return overrides;
+}
+
 LoadedCampaign LoadCampaign(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
   Mistakes mistakes;
   Config config;
@@ -109,8 +123,7 @@ LoadedCampaign LoadCampaign(const std::filesystem::path& file, const std::vector
 
   std::ifstream in(file, std::ios::binary);
   std::string text{std::istreambuf_iterator<char>(in), {}};
-  for (const std::string& each : ThatMakeADifference(overrides, file, said))
-    text += fmt::format("\n# --set {}\n", each);
+  for (const std::string& each : ThatMakeADifference(overrides, file, said)) text += NoteOfOverride(each);
   LoadedCampaign loaded{
       std::move(plan), std::move(text), {}, std::filesystem::absolute(file).lexically_normal()};
   loaded.table = DrawTable(loaded.plan);

@@ -75,10 +75,15 @@ std::string NoneBetween(double min, double max);
 
 struct LoadedCampaign {
   CampaignPlan plan;
-  std::string text;  // of the file, and a line "# --set key=value" for each override that makes a difference
+  std::string text;  // of the file, and a NoteOfOverride for each override that makes a difference
   SampleTable table;
   std::string file = {};  // whole path
 };
+
+// A line of YAML below a file's text that says "key=value" stands instead of what the file has, as a comment;
+// and those that a text has.
+std::string NoteOfOverride(const std::string& override);
+std::vector<std::string> OverridesNotedIn(const std::string& text);
 
 // Reads a campaign's file and draws its table. overrides: of the file's own keys; one of a key that its
 // scenario has, and the file does not, stands in its `set`. Throws InputError with every mistake of it: a key
