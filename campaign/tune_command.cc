@@ -43,6 +43,13 @@ void ShowRound(const LoadedTune& tune, const TuneResult& result) {
              least->Cost());
 }
 
+// But for where the program is, and what comes of it.
+std::string CommandText(const TuneArguments& a, const std::vector<std::string>& overrides) {
+  std::string text = "kestrel tune " + ShellWord(a.file);
+  for (const std::string& each : overrides) text += " --set " + ShellWord(each);
+  return text;
+}
+
 // Searches, and writes what comes of it into the folder.
 Searched SearchIn(const TuneArguments& a, const fs::path& folder, const std::vector<std::string>& more,
                   KnownFlights& known) {
@@ -51,16 +58,13 @@ Searched SearchIn(const TuneArguments& a, const fs::path& folder, const std::vec
   Searched searched{LoadTune(NamedFile("tuning", a.file), overrides), {}, {}};
   const LoadedTune& tune = searched.tune;
   fs::create_directories(folder);
-  KeptFlights flights(tune, folder, a.jobs > 0 ? a.jobs : Cores(), a.worker, stopped, &known);
+  KeptFlights flights(tune, folder, a.jobs > 0 ? a.jobs : Cores(), a.worker, stopped, known);
   const auto kept = static_cast<std::int64_t>(flights.kept());
   if (!a.quiet && kept > 0) fmt::print(stderr, "{} are there already\n", Counted(kept, "flight"));
-  stopped = false;
-  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int) { stopped = true; });
   const TuneResult& result = searched.result = Tune(tune, std::ref(flights), [&](const TuneResult& r) {
     if (!a.quiet && FlightsUntil(r) > kept) ShowRound(tune, r);  // what is only read again is no news
   });
-  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, SIG_DFL);
-  WriteFile(folder / "gains.yaml", GainsFile(tune, result, a.file, Version()));
+  WriteFile(folder / "gains.yaml", GainsFile(tune, result, CommandText(a, overrides), Version()));
   WriteFile(folder / "tuning.json", TuneJson(tune, result, Version()));
   searched.runs = flights.Rows(result.tuned.flights - static_cast<std::int64_t>(result.tuned.costs.size()),
                                result.tuned.flights);
@@ -68,8 +72,7 @@ Searched SearchIn(const TuneArguments& a, const fs::path& folder, const std::vec
 }
 
 std::string AgainText(const TuneArguments& a) {
-  std::string text = "./kestrel tune " + ShellWord(a.file);
-  for (const std::string& each : a.overrides) text += " --set " + ShellWord(each);
+  std::string text = "./" + CommandText(a, a.overrides);
   if (a.compare > 0) text += fmt::format(" --compare {}", a.compare);
   if (!a.out.empty()) text += " --out " + ShellWord(a.out);
   return text;
@@ -112,6 +115,7 @@ bool TuneCommand(const TuneArguments& a) {
   Mistakes mistakes;
   CheckWritableFolder(folder, "--out", mistakes);
   mistakes.ThrowIfAny();
+  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int) { stopped = true; });
   KnownFlights known;
   std::vector<Searched> searches;
   if (a.compare == 0) searches.push_back(SearchIn(a, folder, {}, known));
@@ -124,6 +128,7 @@ bool TuneCommand(const TuneArguments& a) {
                                   {fmt::format("method={}", method), fmt::format("seed={}", seed)}, known));
     }
   }
+  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, SIG_DFL);
   const fs::path gains = a.compare == 0 ? folder : folder / fmt::format("cma_es-{}", tune.plan.flights.seed);
   WriteFile(folder / "report.html", HtmlReport(TuneSubject(searches, gains, AgainText(a)), folder));
   const TuneResult& first = searches.front().result;

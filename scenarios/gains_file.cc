@@ -24,6 +24,7 @@ NamedGains::NamedGains(const fs::path& scenario, const std::vector<std::string>&
         fmt::format("there is no file '{}'; valid: one beside the scenario or from here", named->text));
     mistakes.ThrowIfAny();
   }
+  file_ = file;
   const Config read = LoadConfig(file, {}, mistakes);
   if (read.readable && read.root.kind != ConfigNode::Kind::kMap)
     mistakes.Add(read.root.where, "", "holds no gains; valid: lines of key.path: value");

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,10 +16,12 @@ class NamedGains {
  public:
   // overrides: as of the scenario; one may name the file. Throws InputError with every mistake of it.
   NamedGains(const std::filesystem::path& scenario, const std::vector<std::string>& overrides);
+  const std::optional<std::filesystem::path>& file() const { return file_; }  // none: it names none
   std::vector<std::string> Under(const std::vector<std::string>& overrides) const;
   InputError Placed(const InputError& error) const;  // with the file and line of what is said of a gain
 
  private:
+  std::optional<std::filesystem::path> file_;
   std::vector<std::string> overrides_, places_;
 };
 

@@ -7,11 +7,10 @@
 #include <algorithm>
 #include <chrono>
 #include <deque>
-#include <fstream>
-#include <iterator>
 #include <map>
 #include <stdexcept>
 
+#include "campaign/execution/scenario_files.h"
 #include "config/stopwatch.h"
 #include "config/yaml_fields.h"
 #include "scenarios/model_files.h"
@@ -25,20 +24,11 @@ namespace fs = std::filesystem;
 
 constexpr double kTick_s = 0.2;
 
-std::string Content(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 // Goes through a campaign's rows.
 class Campaign {
  public:
   Campaign(const CampaignWork& work, const CampaignOptions& options)
-      : work_(work),
-        options_(options),
-        scenario_file_(ScenarioFile(work.scenario)),
-        scenario_text_(Content(scenario_file_)),
-        store_(MakeStore()) {
+      : work_(work), options_(options), files_(work.scenario, work.set), store_(MakeStore()) {
     const auto rows = static_cast<std::int64_t>(work.identity.table.rows.size());
     for (std::int64_t row = 0; row < rows; ++row)
       if (!options.shard || options.shard->Has(row)) rows_.push_back(row);
@@ -124,10 +114,7 @@ class Campaign {
 
   void GiveNext(WorkerPool& pool) {
     while (!missing_.empty() && Stop() == 0 && pool.Idle()) {
-      if (Content(scenario_file_) != scenario_text_)
-        throw std::runtime_error(
-            fmt::format("{} was changed while its campaign flew; what was flown before is kept",
-                        scenario_file_.string()));
+      files_.RequireUnchanged();
       pool.Give(OrderFor(work_, missing_.front()));
       missing_.pop_front();
     }
@@ -196,8 +183,7 @@ class Campaign {
 
   const CampaignWork& work_;
   const CampaignOptions& options_;
-  fs::path scenario_file_;
-  std::string scenario_text_;
+  ScenarioFiles files_;
   ResultStore store_;
   std::vector<std::int64_t> rows_;       // of this part of the table
   std::map<std::int64_t, bool> passed_;  // of the rows that have a result

@@ -32,6 +32,7 @@ namespace fs = std::filesystem;
 constexpr int kMostKilledStarts = 50;   // by someone else
 constexpr int kMostDeaths = 2;          // of a run by its own hand
 constexpr int kMostKilled = 5;          // of a run from without
+constexpr double kMostStart_s = 60;     // until a worker greets
 constexpr int kMostStarts = 3;          // of workers in a row that cannot fly
 constexpr std::size_t kLogTail = 4096;  // bytes
 
@@ -154,7 +155,7 @@ int WorkerPool::Workers::End(Worker& w) {
 }
 
 void WorkerPool::Workers::Send(Worker& w) {
-  w.until_s = MonotonicNow_s() + limit_s;
+  w.until_s = MonotonicNow_s() + (w.ready ? limit_s : kMostStart_s);
   // Its log is of this order alone, and of its start if that is under way.
   if (w.ready) std::ofstream(w.log, std::ios::trunc);
   const std::string line = OrderLine(*w.order);
@@ -204,7 +205,8 @@ void WorkerPool::Workers::Died(Worker& w, const std::string& of) {
 }
 
 void WorkerPool::Workers::TookTooLong(Worker& w) {
-  const std::string why = fmt::format("took longer than the {:g} s of wall time that it may", limit_s);
+  const std::string why =
+      fmt::format("took longer than the {:g} s of wall time that it may", w.ready ? limit_s : kMostStart_s);
   if (!w.ready) return Died(w, why);
   End(w);
   ReportBadEnd(w, RunStatus::kTimedOut, why);
@@ -240,7 +242,10 @@ void WorkerPool::Workers::Hear(Worker& w) {
 }
 
 std::vector<std::string> WorkerCommand() {
-  return {fs::read_symlink("/proc/self/exe").replace_filename("kestrel-worker"), Version()};
+  const std::string program = fs::read_symlink("/proc/self/exe").replace_filename("kestrel-worker");
+  // Held, so that workers are started from the file that was there first, should another build replace it.
+  static const int held = open(program.c_str(), O_PATH | O_CLOEXEC);
+  return {held < 0 ? program : fmt::format("/proc/self/fd/{}", held), Version()};
 }
 
 WorkerPool::WorkerPool(int workers, double limit_s, const fs::path& logs,

@@ -23,12 +23,13 @@ struct RunOrder {
 };
 
 // The command of `kestrel-worker`, which is beside this program and of its version, or says that it is not.
+// It is the same file as long as this process lives.
 std::vector<std::string> WorkerCommand();
 
-// Worker processes that fly. They end with this process, whatever its end. A worker that takes too long is ended, and its run comes back as that. One that dies is
-// replaced, and its run is flown again: what a row alone does it does again, so a run that its worker dies of
-// twice has crashed, and one whose worker was ended from without has not, unless that goes on. To be used by
-// one thread.
+// Worker processes that fly. They end with this process, whatever its end. A worker that takes too long is
+// ended, and its run comes back as that. One that dies is replaced, and its run is flown again: what a row
+// alone does it does again, so a run that its worker dies of twice has crashed, and one whose worker was
+// ended from without has not, unless that goes on. To be used by one thread.
 class WorkerPool {
  public:
   // limit_s: of wall time for a run. logs: folder for what the workers say, made if need be. command: of a

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "campaign/tuning/kept_flights.h"
 
+#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -20,8 +21,9 @@ CampaignIdentity FlightsOf(const LoadedTune& tune) {
 
 KeptFlights::KeptFlights(const LoadedTune& tune, const std::filesystem::path& folder, int jobs,
                          std::vector<std::string> worker, const std::atomic<bool>& stopped,
-                         KnownFlights* known)
+                         KnownFlights& known)
     : store_(ResultStore::Open(folder / "flights.sqlite", FlightsOf(tune))),
+      files_(tune.plan.flights.scenario, tune.plan.flights.set),
       jobs_(jobs),
       limit_s_(tune.plan.flights.limit_s),
       logs_(folder / "logs"),
@@ -37,14 +39,14 @@ KeptFlights::KeptFlights(const LoadedTune& tune, const std::filesystem::path& fo
 std::vector<RunResult> KeptFlights::operator()(const std::vector<RunOrder>& orders) {
   std::vector<RunResult> results;
   std::map<std::int64_t, const RunOrder*> missing;
+  std::set<std::vector<std::string>> wanted;
+  std::vector<const RunOrder*> alike;  // as one that is kept, known or wanted already
   for (const RunOrder& order : orders) {
     if (const auto kept = kept_.find(order.row); kept != kept_.end()) {
-      if (known_) known_->emplace(order.overrides, kept->second);
+      known_.emplace(order.overrides, kept->second);
       results.push_back(kept->second);
-    } else if (known_ && known_->contains(order.overrides)) {
-      RunResult result = known_->at(order.overrides);
-      result.row = order.row;
-      Keep(std::move(result), order, results);
+    } else if (known_.contains(order.overrides) || !wanted.insert(order.overrides).second) {
+      alike.push_back(&order);
     } else {
       missing.emplace(order.row, &order);
     }
@@ -52,11 +54,19 @@ std::vector<RunResult> KeptFlights::operator()(const std::vector<RunOrder>& orde
   if (!missing.empty() && !pool_) pool_.emplace(jobs_, limit_s_, logs_, worker_);
   for (auto next = missing.begin(); next != missing.end() || (pool_ && pool_->under_way() > 0);) {
     if (stopped_) throw std::runtime_error("interrupted; the same command goes on from here");
-    while (next != missing.end() && pool_->Idle()) pool_->Give(*next++->second);
+    for (; next != missing.end() && pool_->Idle(); ++next) {
+      files_.RequireUnchanged();
+      pool_->Give(*next->second);
+    }
     if (auto result = pool_->Take(0.2)) {
       const RunOrder& order = *missing.at(result->row);
-      Keep(std::move(*result), order, results);
+      results.push_back(Keep(std::move(*result), order));
     }
+  }
+  for (const RunOrder* order : alike) {
+    RunResult result = known_.at(order->overrides);
+    result.row = order->row;
+    results.push_back(Keep(std::move(result), *order));
   }
   return results;
 }
@@ -70,11 +80,11 @@ std::vector<RunResult> KeptFlights::Rows(std::int64_t from, std::int64_t to) con
   return results;
 }
 
-void KeptFlights::Keep(RunResult result, const RunOrder& order, std::vector<RunResult>& results) {
+RunResult KeptFlights::Keep(RunResult result, const RunOrder& order) {
   store_.Put(result);
   kept_.emplace(result.row, result);
-  if (known_) known_->emplace(order.overrides, result);
-  results.push_back(std::move(result));
+  known_.emplace(order.overrides, result);
+  return result;
 }
 
 }  // namespace kestrel

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "campaign/execution/result_store.h"
+#include "campaign/execution/scenario_files.h"
 #include "campaign/execution/worker_pool.h"
 #include "campaign/tuning/tune_plan.h"
 
@@ -24,26 +25,27 @@ using KnownFlights = std::map<std::vector<std::string>, RunResult>;
 // A tuning's Fly: what is kept in the folder, or known, is not flown again, and what is flown is kept there.
 class KeptFlights {
  public:
-  // known: of tunings by the same scenario and set, and of this one then; null: none. stopped: when it comes
-  // true a call throws std::runtime_error. Throws InputError: the folder holds another tuning.
+  // known: of tunings by the same scenario and set, and of this one then. stopped: when it comes true, or a
+  // file that the flights are read from changes, a call throws std::runtime_error. Throws InputError: the
+  // folder holds another tuning.
   KeptFlights(const LoadedTune& tune, const std::filesystem::path& folder, int jobs,
-              std::vector<std::string> worker, const std::atomic<bool>& stopped,
-              KnownFlights* known = nullptr);
+              std::vector<std::string> worker, const std::atomic<bool>& stopped, KnownFlights& known);
 
   std::vector<RunResult> operator()(const std::vector<RunOrder>& orders);
   std::size_t kept() const { return kept_.size(); }
   std::vector<RunResult> Rows(std::int64_t from, std::int64_t to) const;  // from, ..., to - 1, counted from 0
 
  private:
-  void Keep(RunResult result, const RunOrder& order, std::vector<RunResult>& results);
+  RunResult Keep(RunResult result, const RunOrder& order);
 
   ResultStore store_;
+  ScenarioFiles files_;
   int jobs_;
   double limit_s_;
   std::filesystem::path logs_;
   std::vector<std::string> worker_;
   const std::atomic<bool>& stopped_;
-  KnownFlights* known_;
+  KnownFlights& known_;
   std::map<std::int64_t, RunResult> kept_;
   std::optional<WorkerPool> pool_;
 };

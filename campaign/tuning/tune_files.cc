@@ -62,15 +62,15 @@ std::vector<std::string> BrokenConstraints(const LoadedTune& tune, const TuneRes
   return broken;
 }
 
-std::string GainsFile(const LoadedTune& tune, const TuneResult& result, const std::string& file,
+std::string GainsFile(const LoadedTune& tune, const TuneResult& result, const std::string& command,
                       const std::string& version) {
   const TunePlan& plan = tune.plan;
   std::string text = fmt::format(
-      "# Gains of {}, found by: kestrel tune {}\n"
+      "# Gains of {}, found by: {}\n"
       "# {}, seed {}, {} flights, by kestrel {}.\n"
       "# Cost on {} held-out rows (seed {}): {:.4g}, {}; of those it began with {:.4g}, {}:\n"
       "# the difference is {}, {}.\n",
-      plan.flights.scenario, file, plan.method, plan.flights.seed, result.flights, version,
+      plan.flights.scenario, command, plan.method, plan.flights.seed, result.flights, version,
       result.tuned.costs.size(), plan.held_out_seed, result.tuned.Cost(), PassedText(result.tuned),
       result.start.Cost(), PassedText(result.start), DifferenceText(result.from_start),
       JudgementOf(result.from_start, "those"));
@@ -81,6 +81,10 @@ std::string GainsFile(const LoadedTune& tune, const TuneResult& result, const st
   for (const std::string& each : BrokenConstraints(tune, result)) text += fmt::format("# {}\n", each);
   for (const auto& [key, value] : result.gains)
     text += fmt::format("{}: {}  # began at {}\n", key, value, *plan.gains.at(key).start);
+  for (const std::string& each : tune.others) {
+    const std::size_t equals = each.find('=');
+    text += fmt::format("{}: {}  # not tuned\n", each.substr(0, equals), each.substr(equals + 1));
+  }
   return text;
 }
 
@@ -88,8 +92,8 @@ std::string TuneJson(const LoadedTune& tune, const TuneResult& result, const std
   const TunePlan& plan = tune.plan;
   Json json = {{"name", plan.flights.name}, {"scenario", plan.flights.scenario}, {"version", version},
                {"method", plan.method},     {"seed", plan.flights.seed},         {"budget", plan.budget},
-               {"flights", result.flights}, {"most_cost", MostCost(plan.cost)},  {"gains", Json::object()},
-               {"search", Json::array()},   {"leaders", Json::array()}};
+               {"flights", result.flights}, {"gains", Json::object()},           {"search", Json::array()},
+               {"leaders", Json::array()}};
   for (const auto& [key, gain] : plan.gains) {
     Json& entry = json["gains"][key] = {
         {"low", gain.low}, {"high", gain.high}, {"log", gain.log}, {"start", *gain.start}};

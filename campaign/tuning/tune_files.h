@@ -8,9 +8,9 @@
 
 namespace kestrel {
 
-// The gains as a file that scenarios take (`gains: FILE`): a line of "key: value" for each, and in comments
-// where they are from: file, its name as it was given; version, of the program.
-std::string GainsFile(const LoadedTune& tune, const TuneResult& result, const std::string& file,
+// The gains as a file that scenarios take (`gains: FILE`) instead of the one that they had: a line of
+// "key: value" for each, and in comments where they are from: the command; version, of the program.
+std::string GainsFile(const LoadedTune& tune, const TuneResult& result, const std::string& command,
                       const std::string& version);
 
 // JSON, for reports: name, scenario, method, seed, budget, flights, gains {key: {low, high, log, start, own,

@@ -16,6 +16,8 @@
 #include "campaign/tuning/search.h"
 #include "config/random.h"
 #include "config/yaml_fields.h"
+#include "scenarios/gains_file.h"
+#include "scenarios/model_files.h"
 #include "scenarios/scenario.h"
 
 namespace kestrel {
@@ -78,6 +80,13 @@ std::map<std::string, double> OwnGains(const TunePlan& plan) {
   for (const auto& [key, gain] : plan.gains)
     if (const auto value = ValueOf(resolved.root, key)) own[key] = *value;
   return own;
+}
+
+List OtherGains(const TunePlan& plan) {
+  List others = NamedGains(ScenarioFile(plan.flights.scenario), plan.flights.set).Under({});
+  std::erase_if(others,
+                [&](const std::string& each) { return plan.gains.contains(each.substr(0, each.find('='))); });
+  return others;
 }
 
 void CheckBounds(const Gain& gain, const std::string& where, const std::string& path, Mistakes& mistakes) {
@@ -196,6 +205,7 @@ LoadedTune LoadTune(const std::filesystem::path& file, const List& overrides) {
   CheckCost(config.root, plan, mistakes);
   if (flies) {
     tune.own = OwnGains(plan);
+    tune.others = OtherGains(plan);
     CheckGainsInScenario(config.root, plan, tune.own, mistakes);
   }
   mistakes.ThrowIfAny();
@@ -210,7 +220,7 @@ LoadedTune LoadTune(const std::filesystem::path& file, const List& overrides) {
 
   std::ifstream in(file, std::ios::binary);
   tune.text = {std::istreambuf_iterator<char>(in), {}};
-  for (const std::string& each : overrides) tune.text += fmt::format("\n# --set {}\n", each);
+  for (const std::string& each : overrides) tune.text += NoteOfOverride(each);
   return tune;
 }
 

@@ -46,6 +46,7 @@ struct LoadedTune {
   TunePlan plan;
   std::string text;                   // of the file
   std::map<std::string, double> own;  // gains as the scenario has them
+  std::vector<std::string> others;    // "key=value" of the file of gains that it names, but for those tuned
   SampleTable rows, fresh, held_out;
 };
 

@@ -33,6 +33,7 @@ class GainsTest : public InTemporaryFolder {
 TEST_F(GainsTest, WhatATuningWritesAScenarioTakes) {
   LoadedTune tune;
   tune.plan.flights.scenario = "hover";
+  tune.others = {"pilot.estimator.acceleration_m_s2=0.7"};
   tune.plan.gains = {{"pilot.servo.lambda_per_s", {0.1, 3, true, 0.2}},
                      {"autopilot.velocity_gain_per_s", {0.1, 3, true, 0.3}}};
   TuneResult result;
@@ -40,7 +41,7 @@ TEST_F(GainsTest, WhatATuningWritesAScenarioTakes) {
   result.start = {0, {}, 0, {3, 4}, {true, false}, {}};
   result.tuned = {0, {}, 0, {1, 2}, {true, true}, {}};
   result.from_start = {-2, -2.5, -1.5};
-  const std::string text = GainsFile(tune, result, "poor.yaml", "0.1.0 abc");
+  const std::string text = GainsFile(tune, result, "kestrel tune poor.yaml", "0.1.0 abc");
   EXPECT_THAT(text, HasSubstr("kestrel tune poor.yaml"));
   EXPECT_THAT(text, HasSubstr("0.1.0 abc"));
   EXPECT_THAT(text, HasSubstr("1.5, 2 of 2 passed; of those it began with 3.5, 1 of 2 passed"));
@@ -52,6 +53,7 @@ TEST_F(GainsTest, WhatATuningWritesAScenarioTakes) {
   const Scenario s = LoadScenario(scenario).scenario;
   EXPECT_EQ(s.pilot.servo.lambda_per_s, 1.23456);
   EXPECT_EQ(s.autopilot.velocity_gain_per_s, 0.7);
+  EXPECT_EQ(s.pilot.estimator.acceleration_m_s2, 0.7);
   EXPECT_EQ(LoadScenario(scenario, {"pilot.servo.lambda_per_s=2"}).scenario.pilot.servo.lambda_per_s, 2);
   EXPECT_EQ(LoadScenario("follow", {"gains=" + gains}).scenario.pilot.servo.lambda_per_s, 1.23456);
   // The resolved text has the values, and needs the file no more.

@@ -408,7 +408,7 @@ TEST_F(RunCampaignTest, AScenarioThatChangesUnderWayEndsIt) {
     RunCampaign(work, options);
     ADD_FAILURE();
   } catch (const std::runtime_error& e) {
-    EXPECT_THAT(e.what(), HasSubstr("flight.yaml was changed while its campaign flew"));
+    EXPECT_THAT(e.what(), HasSubstr("flight.yaml was changed while it was flown by"));
   }
   EXPECT_THAT(ResultStore::Read(options.folder / "results.sqlite").Rows().size(), AllOf(Ge(2), Le(4)));
 }

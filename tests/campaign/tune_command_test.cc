@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
@@ -66,7 +67,9 @@ for line in sys.stdin:
 
 TEST_F(TuneCommandTest, TheNumberOfWorkersChangesNothingAndWhatWasFlownIsNotFlownAgain) {
   EXPECT_TRUE(TuneCommand(Arguments("one", 1)));
-  const std::size_t flights = RowsIn(folder_ / "flown.txt").size();
+  const std::vector<int> flown = RowsIn(folder_ / "flown.txt");
+  const std::size_t flights = flown.size();
+  const auto beyond = std::count_if(flown.begin(), flown.end(), [](int row) { return row >= 57; });
   EXPECT_LE(flights, 120u + 3 * 10);
   EXPECT_TRUE(TuneCommand(Arguments("three", 3)));
   EXPECT_EQ(Text("three/tuning.json"), Text("one/tuning.json"));
@@ -80,7 +83,7 @@ TEST_F(TuneCommandTest, TheNumberOfWorkersChangesNothingAndWhatWasFlownIsNotFlow
   EXPECT_TRUE(TuneCommand(Arguments("three", 2)));
   EXPECT_EQ(Text("three/tuning.json"), Text("one/tuning.json"));
   EXPECT_EQ(Text("three/gains.yaml"), Text("one/gains.yaml"));
-  EXPECT_THAT(RowsIn(folder_ / "flown.txt"), SizeIs(2 * flights + flights - 57));
+  EXPECT_THAT(RowsIn(folder_ / "flown.txt"), SizeIs(2 * flights + static_cast<std::size_t>(beyond)));
   const Scenario s = LoadScenario("follow", {"gains=" + (folder_ / "one/gains.yaml").string()}).scenario;
   EXPECT_NEAR(s.pilot.servo.lambda_per_s, 1, 0.3);
   EXPECT_NEAR(s.pilot.servo.lambda_yaw_per_s, 1.2, 0.3);

@@ -73,6 +73,14 @@ TEST_F(TunePlanTest, AFileBecomesItsPlanAndTablesWithoutARowInCommon) {
   EXPECT_EQ(seeds.size(), 64u);
 }
 
+// What a tuning writes takes the place of the file of gains that it found.
+TEST_F(TunePlanTest, GainsOfTheScenariosFileThatAreNotTunedAreKnown) {
+  std::ofstream(folder_ / "gains.yaml") << "pilot.servo.lambda_per_s: 1.5\npilot.servo.lambda_yaw_per_s: 1\n";
+  const LoadedTune tune = Load(kWhole, {"set=[gains=" + (folder_ / "gains.yaml").string() + "]"});
+  EXPECT_THAT(tune.others, ElementsAre("pilot.servo.lambda_yaw_per_s=1"));
+  EXPECT_EQ(tune.own.at("pilot.servo.lambda_per_s"), 1.5);
+}
+
 TEST_F(TunePlanTest, AnotherSeedIsJudgedOnTheSameHeldOutRows) {
   const LoadedTune one = Load(kWhole), other = Load(kWhole, {"seed=5"});
   EXPECT_EQ(HashOf(one.held_out), HashOf(other.held_out));

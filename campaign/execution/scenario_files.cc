@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "campaign/execution/scenario_files.h"
+
+#include <fmt/format.h>
+
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+
+#include "scenarios/gains_file.h"
+#include "scenarios/model_files.h"
+
+namespace kestrel {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string Content(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+}  // namespace
+
+ScenarioFiles::ScenarioFiles(const std::string& scenario, const std::vector<std::string>& set) {
+  const fs::path file = ScenarioFile(scenario);
+  text_of_[file] = Content(file);
+  if (const auto gains = NamedGains(file, set).file()) text_of_[*gains] = Content(*gains);
+}
+
+void ScenarioFiles::RequireUnchanged() const {
+  for (const auto& [file, text] : text_of_)
+    if (Content(file) != text)
+      throw std::runtime_error(
+          fmt::format("{} was changed while it was flown by; what was flown before is kept", file.string()));
+}
+
+}  // namespace kestrel
