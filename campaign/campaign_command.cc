@@ -13,11 +13,11 @@
 #include <filesystem>
 #include <set>
 #include <stdexcept>
+#include <tuple>
 
 #include "campaign/command_line.h"
 #include "campaign/counted.h"
 #include "campaign/execution/batch_script.h"
-#include "campaign/execution/fly_row.h"
 #include "campaign/named_file.h"
 #include "campaign/statistics/share_sequence.h"
 #include "campaign/statistics/stop_rule.h"
@@ -76,7 +76,7 @@ class ProgressLine {
                          Duration(static_cast<double>(p.rows - p.done) / p.Rate()));
     if (stop == 1) left = "   ending; interrupt again to drop the runs under way";
     fmt::print(stderr, "\r\033[K{}: {} of {}, {}{}", name_, p.done, Counted(p.rows, "run"),
-               Share(p.passed, p.done), left);
+               Share(p.counted_passed, p.counted), left);
     std::fflush(stderr);
   }
 
@@ -113,8 +113,16 @@ Asked Read(const CampaignArguments& a) {
     mistakes.push_back(
         "--stop-when: a part of a table cannot tell when the whole of it is enough; valid: one "
         "of --shard and --stop-when");
+  if (asked.shard && !a.junit.empty())
+    mistakes.push_back(
+        "--junit: a part of a table is not judged; valid: one of --shard and --junit, the latter once the "
+        "parts are merged");
   attempt([&] { asked.campaign = LoadCampaign(CampaignFile(a.file), overrides); });
-  const auto& vary = asked.campaign.plan.vary;
+  const auto& [vary, sampling] = std::tie(asked.campaign.plan.vary, asked.campaign.plan.sampling);
+  if (a.stop_when && sampling == "sobol")
+    mistakes.push_back(
+        "--stop-when: the first points of a Sobol sequence are not like the others; valid: --set "
+        "sampling=latin_hypercube or independent");
   if (a.stop_when && std::any_of(vary.begin(), vary.end(),
                                  [](const auto& each) { return std::holds_alternative<Grid>(each.second); }))
     mistakes.push_back(
@@ -192,6 +200,7 @@ bool Fly(const CampaignArguments& a) {
 }
 
 bool Replay(const CampaignArguments& a) {
+  EndOnInterrupt();
   const Asked asked = Read(a);
   CampaignWork work = WorkOf(asked.campaign);
   const auto rows = static_cast<std::int64_t>(work.identity.table.rows.size());
@@ -222,7 +231,11 @@ bool Replay(const CampaignArguments& a) {
   RunOrder order = OrderFor(work, a.row, folder);
   order.video = !a.no_video;
   if (!a.quiet) fmt::print("row {}: {}\n", a.row, fmt::join(order.overrides, "  "));
-  const RunResult flown = FlyRow(order);
+  WorkerPool worker(1, work.limit_s, asked.folder / "logs" / "replay");
+  worker.Give(order);
+  std::optional<RunResult> taken;
+  while (!taken) taken = worker.Take(1);
+  const RunResult& flown = *taken;
   if (!a.quiet) {
     fmt::print("  {}: {}\n", NameOf(flown.status), flown.outcome);
     fmt::print("  state {}  images {}\n  {}\n", flown.state_hash, flown.image_hash, folder.string());
@@ -292,15 +305,16 @@ bool PrintScript(const CampaignArguments& a) {
   const Asked asked = Read(a);
   const BatchJob job = JobOf(a, asked);
   fs::create_directories(job.folder / "logs");  // which neither Slurm nor parallel makes
-  fmt::print("{}", a.verb == Verb::kSlurm ? SlurmScript(job) : ParallelLines(job, Cores()));
+  fmt::print("{}",
+             a.verb == Verb::kSlurm ? SlurmScript(job) : ParallelLines(job, std::max(1, Cores() / job.jobs)));
   return true;
 }
 
 void AddPlanOptions(CLI::App* command, CampaignArguments& a, bool required) {
   command->add_option("file", a.file, "A campaign's YAML file, or the name of one in scenarios/*/campaigns")
       ->required(required);
-  command->add_option("--runs", a.runs, "Instead of the file's");
-  command->add_option("--seed", a.seed, "Of the table, instead of the file's");
+  command->add_option("--runs", a.runs, "Instead of the file's")->check(NotEmpty);
+  command->add_option("--seed", a.seed, "Of the table, instead of the file's")->check(NotEmpty);
   command
       ->add_option(
           "--set", a.overrides,
@@ -320,7 +334,8 @@ CLI::App* AddCampaignCommand(CLI::App& app, CampaignArguments& a) {
   AddPlanOptions(command, a, false);
   command->add_option("--jobs", a.jobs, "Worker processes (default: one for each core)")
       ->check(WholeNumber(1, 1024));
-  command->add_option("--shard", a.shard, "I/N: fly this part of the table alone, into a file of its own");
+  command->add_option("--shard", a.shard, "I/N: fly this part of the table alone, into a file of its own")
+      ->check(NotEmpty);
   command
       ->add_option("--stop-when", a.stop_when,
                    "End when the share that passes is known to within this, to either side")
@@ -334,7 +349,8 @@ CLI::App* AddCampaignCommand(CLI::App& app, CampaignArguments& a) {
       ->check(WholeNumber(0, 1000000))
       ->capture_default_str();
   command->add_option("--record", a.record, "And this row; may be repeated")->allow_extra_args(false);
-  command->add_option("--junit", a.junit, "Also write the thresholds as JUnit XML to this file");
+  command->add_option("--junit", a.junit, "Also write the thresholds as JUnit XML to this file")
+      ->check(NotEmpty);
   command->add_flag("--quiet", a.quiet, "Print nothing but errors");
   command->footer(
       "What was interrupted goes on where it was. Records are written of failures alone; any other row is "

@@ -77,10 +77,19 @@ WorstRuns WorstOf(const std::string& metric, Better better, const std::vector<Ru
   return worst;
 }
 
+// Those before the first row that has none.
+std::vector<RunResult> WithoutGaps(const std::vector<RunResult>& results) {
+  std::ptrdiff_t n = 0;
+  while (n < std::ssize(results) && results[static_cast<std::size_t>(n)].row == n) ++n;
+  return {results.begin(), results.begin() + n};
+}
+
 }  // namespace
 
-CampaignSummary Summarise(const CampaignIdentity& identity, const std::vector<RunResult>& results,
+CampaignSummary Summarise(const CampaignIdentity& identity, const std::vector<RunResult>& all,
                           const std::map<std::string, Threshold>& thresholds, std::string replay) {
+  const std::optional<double> stop_when = StopRuleOf(identity);
+  const std::vector<RunResult> results = stop_when ? WithoutGaps(all) : all;
   if (replay.empty()) replay = "kestrel campaign replay " + identity.name;
   CampaignSummary s;
   s.name = identity.name, s.version = identity.version, s.table_hash = HashOf(identity.table);
@@ -88,7 +97,7 @@ CampaignSummary Summarise(const CampaignIdentity& identity, const std::vector<Ru
   s.passed = std::count_if(results.begin(), results.end(),
                            [](const RunResult& r) { return r.status == RunStatus::kPassed; });
   if (s.runs > 0) s.success.value = static_cast<double>(s.passed) / static_cast<double>(s.runs);
-  s.stop_when = StopRuleOf(identity);
+  s.stop_when = stop_when;
   s.success.interval = s.stop_when ? ShareSequence(s.passed, s.runs) : ShareInterval(s.passed, s.runs);
   s.success_at_least = s.stop_when ? s.success.interval.low : ShareAtLeast(s.passed, s.runs);
   s.ended_early = s.stop_when && s.runs < s.rows && NarrowEnough(s.passed, s.runs, *s.stop_when);

@@ -59,8 +59,9 @@ struct CampaignSummary {
   std::vector<JudgedThreshold> thresholds;
 };
 
-// replay: the command line that flies a row again, but for the row's number at its end; empty: that of the
-// campaign by its name.
+// results: in the order of their rows; with a rule for the end (StopRuleOf) those beyond the first row that
+// has none do not count, as which of them there are depends on what they came to. replay: the command line
+// that flies a row again, but for the row's number at its end; empty: that of the campaign by its name.
 CampaignSummary Summarise(const CampaignIdentity& identity, const std::vector<RunResult>& results,
                           const std::map<std::string, Threshold>& thresholds = {}, std::string replay = {});
 
@@ -71,9 +72,9 @@ std::string ToText(const CampaignSummary& summary);
 // not known is null.
 //   name, version, table_hash, rows, runs, passed
 //   success      E, and "at_least": the one-sided bound
-//   stop_when    of --stop-when: the interval of success holds however often one looks; null: none, it is
-//   exact ended_early  whether the campaign ended by that before the end of its table metrics      [{name,
-//   runs, listed, better: "lower" | "higher" | null, least, greatest, mean: E,
+//   stop_when    of --stop-when: the interval of success holds however often one looks; null: it is exact
+//   ended_early  whether the campaign ended by that before the end of its table
+//   metrics      [{name, runs, listed, better: "lower" | "higher" | null, least, greatest, mean: E,
 //                  quantiles: [{q, value, low, high}]}]
 //   failures     [{status, outcome, rows: [...]}]
 //   effects      [{key, of, runs, numeric, rank_correlation: E | null, first_order: E | null}]

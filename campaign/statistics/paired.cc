@@ -45,6 +45,8 @@ class Resampled {
   std::vector<std::size_t> order_;
 };
 
+}  // namespace
+
 Interval StudentInterval(const std::vector<double>& differences, double level) {
   const double n = static_cast<double>(differences.size()), mean = Mean(differences);
   double squares = 0;
@@ -53,8 +55,6 @@ Interval StudentInterval(const std::vector<double>& differences, double level) {
                       std::sqrt(squares / (n - 1) / n);
   return {mean - half, mean + half};
 }
-
-}  // namespace
 
 double McNemar(const PairedEnds& ends) {
   const std::int64_t differ = ends.only_a + ends.only_b;

@@ -22,6 +22,9 @@ double McNemar(const PairedEnds& ends);
 // interval for the difference in proportions for the paired-sample design.
 Estimate ShareDifference(const PairedEnds& ends, double level = 0.95);
 
+// Of the mean of differences, at least two, by Student's distribution.
+Interval StudentInterval(const std::vector<double>& differences, double level = 0.95);
+
 // A statistic of two samples, paired by their rows, and B's less A's.
 struct PairedDifference {
   double a = 0, b = 0;

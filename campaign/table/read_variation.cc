@@ -233,6 +233,8 @@ void CheckSame(const ConfigNode& root, const CampaignPlan& plan, Mistakes& mista
       mistakes.Add(where, path + ".key", fmt::format("'{}' varies for itself; valid: one of the two", key));
     if (!taken.insert(key).second)
       mistakes.Add(where, path + ".key", fmt::format("'{}' is given twice", key));
+    if (key == "seed")
+      mistakes.Add(where, path + ".key", "each run has a seed of its own; valid: another key, or vary.seed");
     if (!plan.vary.count(as))
       RefuseConstant(as, plan, WhereIn(root, {"same", index, "as"}), path + ".as", mistakes);
   }

@@ -43,6 +43,4 @@ bool Keeps(const RunResult& result, const std::string& metric, const CostConstra
          !(constraint.min && *value < *constraint.min);
 }
 
-double MostCost(const FlightCost& cost) { return CostOf(RunResult{}, cost); }
-
 }  // namespace kestrel

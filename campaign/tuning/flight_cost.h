@@ -51,7 +51,4 @@ double CostOf(const RunResult& result, const FlightCost& cost);
 // Whether a flight kept to a constraint on this metric; one that does not have it did not.
 bool Keeps(const RunResult& result, const std::string& metric, const CostConstraint& constraint);
 
-// Of the worst flight that there can be.
-double MostCost(const FlightCost& cost);
-
 }  // namespace kestrel

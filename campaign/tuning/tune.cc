@@ -4,13 +4,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <boost/math/distributions/students_t.hpp>
 #include <cassert>
 #include <cmath>
 #include <cstdlib>
 #include <numeric>
 
+#include "campaign/statistics/paired.h"
 #include "campaign/tuning/search.h"
+#include "scenarios/statistics.h"
 
 namespace kestrel {
 namespace {
@@ -134,14 +135,10 @@ double Evaluation::Cost() const {
 
 PairedCost ComparePaired(const std::vector<double>& before, const std::vector<double>& after) {
   assert(before.size() == after.size() && before.size() > 1);
-  const auto n = static_cast<double>(before.size());
-  double sum = 0, squares = 0;
-  for (std::size_t i = 0; i < before.size(); ++i) sum += after[i] - before[i];
-  const double mean = sum / n;
-  for (std::size_t i = 0; i < before.size(); ++i) squares += std::pow(after[i] - before[i] - mean, 2);
-  const double half =
-      boost::math::quantile(boost::math::students_t(n - 1), 0.975) * std::sqrt(squares / (n - 1) / n);
-  return {mean, mean - half, mean + half};
+  std::vector<double> differences;
+  for (std::size_t i = 0; i < before.size(); ++i) differences.push_back(after[i] - before[i]);
+  const Interval interval = StudentInterval(differences);
+  return {Mean(differences), interval.low, interval.high};
 }
 
 double Coordinate(const Gain& gain, double value) {

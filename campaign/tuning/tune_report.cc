@@ -11,6 +11,7 @@
 #include "campaign/execution/batch_script.h"
 #include "campaign/tuning/tune_files.h"
 #include "scenarios/scenario.h"
+#include "scenarios/statistics.h"
 #include "scenarios/version.h"
 
 namespace kestrel {
@@ -38,12 +39,6 @@ SearchCurve CurveOf(const Searched& searched, int repetition) {
     curve.best_cost.push_back(least);
   }
   return curve;
-}
-
-double Median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const std::size_t half = values.size() / 2;
-  return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
 }
 
 }  // namespace
@@ -99,12 +94,12 @@ std::string ComparisonText(const std::vector<Searched>& searches) {
     text += '\n';
   }
   for (const std::string& method : methods) {
-    line(method, Median(costs[method]));
+    line(method, Quantile(costs[method], 0.5));
     std::sort(costs[method].begin(), costs[method].end());
     text += fmt::format("   {:.4g}\n", fmt::join(costs[method], "  "));
   }
   std::stable_sort(methods.begin(), methods.end(), [&](const std::string& a, const std::string& b) {
-    return Median(costs[a]) < Median(costs[b]);
+    return Quantile(costs[a], 0.5) < Quantile(costs[b], 0.5);
   });
   text += fmt::format("In the median of the searches, the least first: {}.\n", fmt::join(methods, ", "));
   for (const Searched& each : searches) {

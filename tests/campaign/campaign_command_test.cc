@@ -102,6 +102,11 @@ TEST_F(CampaignCommandTest, BadInputEndsWithTwoAndSaysWhy) {
   };
   EXPECT_THAT(why("short.yaml --shard 7/6"), HasSubstr("--shard: '7/6' is no part of a table"));
   EXPECT_THAT(why("short.yaml --shard 1/6 --stop-when 0.1"), HasSubstr("one of --shard and --stop-when"));
+  EXPECT_THAT(why("short.yaml --shard 1/6 --junit j.xml"), HasSubstr("one of --shard and --junit"));
+  EXPECT_THAT(why("short.yaml --stop-when 0.1 --set sampling=sobol"), HasSubstr("of a Sobol sequence"));
+  for (const char* option : {"--runs", "--seed", "--shard", "--junit"})
+    EXPECT_THAT(why(fmt::format("short.yaml {} ''", option)),
+                HasSubstr(fmt::format("{}: it is empty", option)));
   EXPECT_THAT(why("shorrt"), HasSubstr("there is no campaign 'shorrt'"));
   EXPECT_THAT(why(""), HasSubstr("no file"));
   EXPECT_THAT(why("merge short.yaml --out none"),
@@ -118,6 +123,17 @@ TEST_F(CampaignCommandTest, BadInputEndsWithTwoAndSaysWhy) {
   why("slurm short.yaml");
   std::ofstream(folder_ / "results.sqlite") << std::string(4096, 'x');
   EXPECT_THAT(why("short.yaml --out ."), HasSubstr("it is no SQLite file"));
+}
+
+TEST_F(CampaignCommandTest, ReportsOnWhatItFlewByTheThresholdsItWasGiven) {
+  fs::create_directories(folder_ / "height");  // not its results, though of its name
+  const Ended run = Campaign(
+      "height --out here --runs 1 --record-failures 0 --set duration_s=0.5 --set start.settle_s=0.5 "
+      "--set 'thresholds={success: {min: 0.999}}'");
+  EXPECT_EQ(run.status, 1) << run.err;
+  EXPECT_THAT(run.out, AllOf(HasSubstr("at least 0.999"), HasSubstr("here/report.html")));
+  EXPECT_TRUE(fs::exists(folder_ / "here/report.html"));
+  EXPECT_EQ(Campaign("report here").status, 1);
 }
 
 TEST_F(CampaignCommandTest, AnotherTableIsRefusedBeforeAnythingFlies) {

@@ -223,7 +223,7 @@ correlated:
   - {keys: [wind.mean_m_s, wind.from_deg, image.noise_grey], rank_correlation: -0.6}
   - {keys: [wind.mean_m_s, image.rate_hz, image.bits, wind.form_deg], rank_correlation: 0.5}
   - {keys: [start.height_m], rank_correlation: 1}
-same: [{key: start.height_m, as: wind.mean}, {key: image.rate_hz, as: wind.mean_m_s}]
+same: [{key: start.height_m, as: wind.mean}, {key: image.rate_hz, as: wind.mean_m_s}, {key: seed, as: image.bits}]
 )"),
       ElementsAre(
           "f.yaml:9: correlated.0.rank_correlation: -0.6 each with each is no correlation that 3 keys can "
@@ -239,6 +239,7 @@ same: [{key: start.height_m, as: wind.mean}, {key: image.rate_hz, as: wind.mean_
           HasSubstr("f.yaml:11: correlated.2.rank_correlation: 1 each with each"),
           StartsWith("f.yaml:12: same.0.as: 'wind.mean' does not vary; "),
           "f.yaml:12: same.1.key: 'image.rate_hz' varies for itself; valid: one of the two",
+          "f.yaml:12: same.2.key: each run has a seed of its own; valid: another key, or vary.seed",
           "f.yaml:12: same.1.key: 0 is out of range; valid: 0.5 to 500"));
 }
 

@@ -140,6 +140,15 @@ TEST(CampaignSummary, OneThatEndedEarlyHasTheIntervalThatHoldsThen) {
   EXPECT_TRUE(nlohmann::json::parse(ToJson(fixed)).at("stop_when").is_null());
 }
 
+// Which of the rows beyond one that is missing there are may depend on what they came to.
+TEST(CampaignSummary, WithARuleItCountsTheRowsBeforeTheFirstThatIsMissing) {
+  CampaignResults campaign = ExampleCampaign();
+  campaign.results.erase(campaign.results.begin() + 40);
+  EXPECT_EQ(Summarise(campaign.identity, campaign.results).runs, 299);
+  campaign.identity.plan += "\n# --stop-when 0.1\n";
+  EXPECT_EQ(Summarise(campaign.identity, campaign.results).runs, 40);
+}
+
 TEST(CampaignSummary, ItsTextHasTheTables) {
   const CampaignResults campaign = ExampleCampaign();
   const std::string text = ToText(

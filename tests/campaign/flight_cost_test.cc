@@ -56,7 +56,7 @@ TEST(FlightCost, AFlightThatDidNotPassCostsThatToo) {
 
 TEST(FlightCost, NoFlightCostsMoreThanOneThatWasNotFlownToItsEnd) {
   const double most = 3 + 2 * 5 + 10 + 2 * 5 + 2 * 4;
-  EXPECT_DOUBLE_EQ(MostCost(Cost()), most);
+  EXPECT_DOUBLE_EQ(CostOf(RunResult{}, Cost()), most);
   for (const RunStatus status :
        {RunStatus::kBrokeOff, RunStatus::kRefused, RunStatus::kCrashed, RunStatus::kTimedOut})
     EXPECT_DOUBLE_EQ(CostOf(Result(status, 0, 0, 0, 9), Cost()), most);
