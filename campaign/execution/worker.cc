@@ -5,6 +5,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <malloc.h>
+#include <sys/prctl.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -31,6 +32,7 @@ bool WriteAll(int file, const std::string& text) {
 
 int Work() {
   cv::setNumThreads(1);
+  prctl(PR_SET_NAME, "kestrel-worker");  // it was started by a descriptor, which is what lists would show
   // The wire is for orders and reports alone: what else reads or prints, here or in programs that a flight
   // starts, has no part in it.
   const int orders = fcntl(STDIN_FILENO, F_DUPFD_CLOEXEC, 3);
