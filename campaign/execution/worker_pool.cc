@@ -60,6 +60,13 @@ std::string NameOfEnd(int status) {
   return fmt::format("ended with status {}", WEXITSTATUS(status));
 }
 
+// Of a program, which may be known by a descriptor.
+std::string FileOf(const std::string& program) {
+  std::error_code error;
+  const fs::path file = fs::canonical(program, error);
+  return error ? program : file.string();
+}
+
 bool EndedFromWithout(int status) {
   if (!WIFSIGNALED(status)) return false;
   const int signal = WTERMSIG(status);
@@ -195,7 +202,7 @@ void WorkerPool::Workers::Died(Worker& w, const std::string& of) {
     ++(from_without ? killed_starts : failed_starts);
     if (failed_starts >= kMostStarts || killed_starts >= kMostKilledStarts)
       throw std::runtime_error(
-          fmt::format("workers cannot be started: {}: {}\n{}", command.front(), why, TailOf(w.log)));
+          fmt::format("workers cannot be started: {}: {}\n{}", FileOf(command.front()), why, TailOf(w.log)));
   } else if (w.order) {
     ++(from_without ? w.killed : w.deaths);
     if (w.deaths >= kMostDeaths || w.killed >= kMostKilled) ReportBadEnd(w, RunStatus::kCrashed, why);
