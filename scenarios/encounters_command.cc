@@ -75,8 +75,7 @@ std::optional<Outcome> OutcomeOf(const std::string& line) {
 
 std::map<std::pair<bool, std::uint64_t>, Outcome> ReadOutcomes(const fs::path& file) {
   std::map<std::pair<bool, std::uint64_t>, Outcome> outcomes;
-  std::ifstream in(file, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  const std::string text = ReadFile(file);
   std::size_t begin = text.find('\n');
   while (begin != std::string::npos) {  // what has no end of line was cut off
     const std::size_t end = text.find('\n', ++begin);

@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <iterator>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -53,6 +54,11 @@ void WriteFile(const std::filesystem::path& file, std::string_view content) {
     fs::remove(PartOf(file), none);  // of no use: it is written at once or not
     throw;
   }
+}
+
+std::string ReadFile(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
 }
 
 void CheckWritableFile(const fs::path& file, const char* option, Mistakes& mistakes) {

@@ -3,34 +3,25 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
-#include <iterator>
 #include <stdexcept>
 
+#include "scenarios/files.h"
 #include "scenarios/gains_file.h"
 #include "scenarios/model_files.h"
 
 namespace kestrel {
-namespace {
 
 namespace fs = std::filesystem;
 
-std::string Content(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
-}  // namespace
-
 ScenarioFiles::ScenarioFiles(const std::string& scenario, const std::vector<std::string>& set) {
   const fs::path file = ScenarioFile(scenario);
-  text_of_[file] = Content(file);
-  if (const auto gains = NamedGains(file, set).file()) text_of_[*gains] = Content(*gains);
+  text_of_[file] = ReadFile(file);
+  if (const auto gains = NamedGains(file, set).file()) text_of_[*gains] = ReadFile(*gains);
 }
 
 void ScenarioFiles::RequireUnchanged() const {
   for (const auto& [file, text] : text_of_)
-    if (Content(file) != text)
+    if (ReadFile(file) != text)
       throw std::runtime_error(
           fmt::format("{} was changed while it was flown by; what was flown before is kept", file.string()));
 }

@@ -3,8 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
-#include <iterator>
 #include <sstream>
 #include <string_view>
 
@@ -12,6 +10,7 @@
 #include "campaign/table/read_variation.h"
 #include "campaign/table/sampling.h"
 #include "config/yaml_fields.h"
+#include "scenarios/files.h"
 
 namespace kestrel {
 namespace {
@@ -121,8 +120,7 @@ LoadedCampaign LoadCampaign(const std::filesystem::path& file, const std::vector
   CheckResults(config.root, plan, mistakes);
   mistakes.ThrowIfAny();
 
-  std::ifstream in(file, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(in), {}};
+  std::string text = ReadFile(file);
   for (const std::string& each : ThatMakeADifference(overrides, file, said)) text += NoteOfOverride(each);
   LoadedCampaign loaded{
       std::move(plan), std::move(text), {}, std::filesystem::absolute(file).lexically_normal()};

@@ -6,8 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdlib>
-#include <fstream>
-#include <iterator>
 #include <sstream>
 
 #include "campaign/table/flight_metrics.h"
@@ -16,6 +14,7 @@
 #include "campaign/tuning/search.h"
 #include "config/random.h"
 #include "config/yaml_fields.h"
+#include "scenarios/files.h"
 #include "scenarios/gains_file.h"
 #include "scenarios/model_files.h"
 #include "scenarios/scenario.h"
@@ -218,8 +217,7 @@ LoadedTune LoadTune(const std::filesystem::path& file, const List& overrides) {
   CheckBudget(config.root, tune, mistakes);
   mistakes.ThrowIfAny();
 
-  std::ifstream in(file, std::ios::binary);
-  tune.text = {std::istreambuf_iterator<char>(in), {}};
+  tune.text = ReadFile(file);
   for (const std::string& each : overrides) tune.text += NoteOfOverride(each);
   return tune;
 }

@@ -6,13 +6,13 @@
 
 #include <algorithm>
 #include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "campaign/execution/result_store.h"
 #include "config/yaml_fields.h"
 #include "scenarios/scenario.h"
 #include "tests/campaign/scripted_worker.h"
+#include "tests/scenarios/content.h"
 #include "tests/scenarios/temporary_folder.h"
 
 namespace kestrel {
@@ -59,10 +59,7 @@ for line in sys.stdin:
             true,
             {"/usr/bin/env", "python3", (folder_ / "worker.py").string(), folder_.string()}};
   }
-  std::string Text(const fs::path& file) const {
-    std::ifstream in(folder_ / file);
-    return {std::istreambuf_iterator<char>(in), {}};
-  }
+  std::string Text(const fs::path& file) const { return Content(folder_ / file); }
 };
 
 TEST_F(TuneCommandTest, TheNumberOfWorkersChangesNothingAndWhatWasFlownIsNotFlownAgain) {

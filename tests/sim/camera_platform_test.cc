@@ -5,23 +5,16 @@
 
 #include "geometry/tait_bryan.h"
 #include "sim/pan_tilt.h"
-#include "sim/simulator.h"
+#include "tests/sim/hover.h"
 
 // The simulated camera on a pan-tilt platform.
 namespace kestrel {
 namespace {
 
-const std::filesystem::path kModels = std::filesystem::path(KESTREL_SOURCE_DIR) / "models";
-
 SimulatorParameters Hovering() {
-  SimulatorParameters p;
-  p.scene.world = kModels / "worlds/airfield/airfield.xml";
-  p.scene.vehicle = kModels / "vehicles/pelican/pelican.xml";
-  p.scene.pad_texture = kModels / "pads/helipad/helipad.png";
-  p.camera = Pinhole{160, 120, 202.7, 202.7, 79.5, 59.5};
+  SimulatorParameters p = Hover();
+  p.wind = {};
   p.image.noise_grey = 0;
-  p.start.height_m = 4;
-  p.start.settle_s = 0.5;
   p.duration_s = 0.6;
   return p;
 }
