@@ -36,11 +36,9 @@ std::int64_t FlightsUntil(const TuneResult& result) {
 }
 
 void ShowRound(const LoadedTune& tune, const TuneResult& result) {
-  const auto least = std::min_element(result.search.begin(), result.search.end(),
-                                      [](const auto& a, const auto& b) { return a.Cost() < b.Cost(); });
-  fmt::print(stderr, "{:>6} of {} flights   round {:>3}   cost {:.4g} at first, least {:.4g}\n",
+  fmt::print(stderr, "{:>6} of {} flights   round {:>3}   cost {:.4g} at first, {} {:.4g}\n",
              FlightsUntil(result), tune.plan.budget, result.search.back().round, result.search.front().Cost(),
-             least->Cost());
+             result.compares_rounds ? "least until now" : "median of the round", Stages(result).back().cost);
 }
 
 // But for where the program is, and what comes of it.

@@ -22,11 +22,11 @@ FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) 
   Summary& summary = result.summary;
   summary = BeginSummary(scenario);
 
-  const FlightParts parts = PartsOf(loaded);
-  const std::unique_ptr<Mission> mission = MakeMission(parts);
   SimulatorParameters parameters = loaded.simulator;
   parameters.surfaces = options.folder && options.truth;
   Simulator simulator(parameters);
+  const FlightParts parts = PartsOf(loaded, simulator.model());
+  const std::unique_ptr<Mission> mission = MakeMission(parts);
   const auto start = std::chrono::steady_clock::now();
 
   std::optional<FlightRecords> records;

@@ -253,7 +253,7 @@ LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<s
                        [&](const std::vector<std::string>& all) { return LoadWhole(file, all, compile); });
 }
 
-FlightParts PartsOf(const LoadedScenario& loaded) {
+FlightParts PartsOf(const LoadedScenario& loaded, const mjModel* model) {
   const SimulatorParameters& sim = loaded.simulator;
   FlightParts parts{.flight = loaded.scenario.flight,
                     .pilot = loaded.scenario.pilot,
@@ -262,13 +262,8 @@ FlightParts PartsOf(const LoadedScenario& loaded) {
                     .pad = loaded.pad,
                     .own_parts = {},
                     .seed = sim.seed};
-  if (!LooksForPad(parts.flight)) {
-    const ModelPtr model = MakeModel(sim.scene, false);
-    parts.own_parts = OwnParts(model.get(), parts.camera, parts.X_BC);
-  }
+  if (!LooksForPad(parts.flight)) parts.own_parts = OwnParts(model, parts.camera, parts.X_BC);
   return parts;
 }
-
-std::unique_ptr<Mission> MakeMission(const LoadedScenario& loaded) { return MakeMission(PartsOf(loaded)); }
 
 }  // namespace kestrel

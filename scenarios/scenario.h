@@ -3,7 +3,6 @@
 
 #include <filesystem>
 #include <map>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -112,7 +111,7 @@ struct LoadedScenario {
 LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<std::string>& overrides = {},
                             bool compile = true);
 
-FlightParts PartsOf(const LoadedScenario& loaded);
-std::unique_ptr<Mission> MakeMission(const LoadedScenario& loaded);
+// model: of the scenario's own scene, as a Simulator has it.
+FlightParts PartsOf(const LoadedScenario& loaded, const mjModel* model);
 
 }  // namespace kestrel

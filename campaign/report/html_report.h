@@ -13,10 +13,10 @@ namespace kestrel {
 
 // How a search for gains went, one of several by a method.
 struct SearchCurve {
-  std::string method;                      // "CMA-ES", "cross-entropy", "random search"
-  int repetition = 1;                      // of the method, from 1
-  std::vector<double> flights, best_cost;  // after so many flights, rising, the best cost found until then
-  std::optional<double> held_out = {};     // cost of what it found on rows that no search saw
+  std::string method;                 // "CMA-ES", "cross-entropy", "random search"
+  int repetition = 1;                 // of the method, from 1
+  std::vector<double> flights, cost;  // after so many flights, rising, as Stages() of campaign/tuning/tune.h
+  std::optional<double> held_out = {};  // cost of what it found on rows that no search saw
 };
 
 struct TunedGain {
@@ -28,7 +28,7 @@ struct TunedGain {
 
 struct TuningHistory {
   std::string cost;                  // what it is made of
-  std::optional<double> start_cost;  // of the gains that the search started from
+  std::optional<double> start_cost;  // of the gains that the search started from, on those rows
   std::string verdict;               // a sentence: how the tuned gains did against them; may be empty
   std::vector<SearchCurve> searches;
   std::vector<TunedGain> gains;

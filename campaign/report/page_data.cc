@@ -114,7 +114,7 @@ Json TuningOf(const std::optional<TuningHistory>& tuning) {
     json["searches"].push_back({{"method", s.method},
                                 {"repetition", s.repetition},
                                 {"flights", s.flights},
-                                {"best_cost", s.best_cost},
+                                {"cost", s.cost},
                                 {"held_out", s.held_out ? Json(*s.held_out) : Json()}});
   for (const TunedGain& g : tuning->gains)
     json["gains"].push_back({{"key", g.key},

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <type_traits>
 
 #include "config/random.h"
 
@@ -81,6 +82,10 @@ void RandomSearch::Tell(const std::vector<double>& costs) {
   const std::size_t best = ByCost(costs).front();
   if (costs[best] < least_) best_ = asked_[best], least_ = costs[best];
   asked_.clear(), ++generation_;
+}
+
+bool ComparesRounds(const Search& search) {
+  return std::visit([](const auto& s) { return std::decay_t<decltype(s)>::kComparesRounds; }, search);
 }
 
 Search MakeSearch(const std::string& method, const Point& start, std::uint64_t seed) {

@@ -9,6 +9,8 @@
 
 // Searches for the least of a function over the unit cube. Each asks for points, is told what they cost, and
 // so on; how the points of one asking are evaluated, in what order or by how many at a time, changes nothing.
+// Where the cost has a part of chance, what is the same chance for all that a search compares does not
+// mislead it: kComparesRounds says whether that is more than the points of one asking.
 namespace kestrel {
 
 using Point = std::vector<double>;
@@ -20,6 +22,7 @@ constexpr double kFirstStep = 0.3;
 // wall.
 class CmaEs {
  public:
+  static constexpr bool kComparesRounds = false;
   CmaEs(const Point& start, std::uint64_t seed);
   ~CmaEs();
   CmaEs(CmaEs&&) noexcept;
@@ -38,6 +41,7 @@ class CmaEs {
 // that follows the best quarter of its points, smoothed.
 class CrossEntropy {
  public:
+  static constexpr bool kComparesRounds = false;
   CrossEntropy(Point start, std::uint64_t seed);
   const std::vector<Point>& Ask();
   void Tell(const std::vector<double>& costs);
@@ -53,6 +57,7 @@ class CrossEntropy {
 // Points drawn evenly from the cube.
 class RandomSearch {
  public:
+  static constexpr bool kComparesRounds = true;
   RandomSearch(Point start, std::uint64_t seed);
   const std::vector<Point>& Ask();
   void Tell(const std::vector<double>& costs);
@@ -67,6 +72,8 @@ class RandomSearch {
 };
 
 using Search = std::variant<CmaEs, CrossEntropy, RandomSearch>;
+
+bool ComparesRounds(const Search& search);
 
 // "cma_es", "cross_entropy", "random_search". A method that is none of them is a bug.
 Search MakeSearch(const std::string& method, const Point& start, std::uint64_t seed);

@@ -7,7 +7,9 @@
 #include <cassert>
 #include <cmath>
 #include <cstdlib>
+#include <map>
 #include <numeric>
+#include <utility>
 
 #include "campaign/statistics/paired.h"
 #include "campaign/tuning/search.h"
@@ -26,17 +28,20 @@ class Tuning {
     };
     Gains start;
     for (const auto& [key, gain] : plan_.gains) start[key] = *gain.start;
-    result_.search = Evaluate(0, {start}, tune_.rows);
-    show();
+    const SampleTable first_rows = RowsOfRound(plan_, 0);
+    result_.search = Evaluate(0, {start}, first_rows);
     Search search = MakeSearch(plan_.method, PointOf(start), plan_.flights.seed);
+    result_.compares_rounds = ComparesRounds(search);
+    show();
     const auto for_leaders = static_cast<std::int64_t>(plan_.leaders * tune_.fresh.rows.size());
     for (int round = 1;; ++round) {
       std::vector<Gains> candidates;
       for (const Point& point : std::visit([](auto& s) { return s.Ask(); }, search))
         candidates.push_back(GainsAt(point));
-      const auto flights = static_cast<std::int64_t>(candidates.size() * tune_.rows.rows.size());
+      const auto flights = static_cast<std::int64_t>(candidates.size() * first_rows.rows.size());
       if (flights_ + flights + for_leaders > plan_.budget) break;
-      std::vector<Evaluation> evaluations = Evaluate(round, candidates, tune_.rows);
+      std::vector<Evaluation> evaluations =
+          Evaluate(round, candidates, result_.compares_rounds ? first_rows : RowsOfRound(plan_, round));
       std::vector<double> costs;
       for (const Evaluation& e : evaluations) costs.push_back(e.Cost());
       std::visit([&](auto& s) { s.Tell(costs); }, search);
@@ -93,18 +98,35 @@ class Tuning {
     return evaluations;
   }
 
-  void FlyLeaders(const Gains& centre) {
+  // The best first; of rounds that are not compared, the best of each from the last to the first, then the
+  // second best of each, and so on.
+  std::vector<Gains> BestOfSearch() const {
     std::vector<double> costs;
     for (const Evaluation& e : result_.search) costs.push_back(e.Cost());
+    std::vector<std::size_t> order = ByCost(costs);
+    if (!result_.compares_rounds) {
+      std::map<int, int> seen;            // of each round
+      std::map<std::size_t, int> behind;  // so many of its own
+      for (const std::size_t i : order) behind[i] = seen[result_.search[i].round]++;
+      std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+        return std::pair(behind[a], -result_.search[a].round) <
+               std::pair(behind[b], -result_.search[b].round);
+      });
+    }
+    std::vector<Gains> best;
+    for (const std::size_t i : order) best.push_back(result_.search[i].gains);
+    return best;
+  }
+
+  void FlyLeaders(const Gains& centre) {
     std::vector<Gains> leaders = {centre};
-    for (const std::size_t i : ByCost(costs)) {
+    for (const Gains& gains : BestOfSearch()) {
       if (static_cast<int>(leaders.size()) == plan_.leaders) break;
-      const Gains& gains = result_.search[i].gains;
       if (std::find(leaders.begin(), leaders.end(), gains) == leaders.end()) leaders.push_back(gains);
     }
     result_.leaders = Evaluate(result_.search.back().round, leaders, tune_.fresh);
     result_.flights = flights_;
-    costs.clear();
+    std::vector<double> costs;
     for (const Evaluation& e : result_.leaders) costs.push_back(e.Cost());
     result_.gains = result_.leaders[ByCost(costs).front()].gains;
   }
@@ -139,6 +161,20 @@ PairedCost ComparePaired(const std::vector<double>& before, const std::vector<do
   for (std::size_t i = 0; i < before.size(); ++i) differences.push_back(after[i] - before[i]);
   const Interval interval = StudentInterval(differences);
   return {Mean(differences), interval.low, interval.high};
+}
+
+std::vector<SearchStage> Stages(const TuneResult& result) {
+  std::map<int, std::vector<const Evaluation*>> rounds;
+  for (const Evaluation& e : result.search) rounds[e.round].push_back(&e);
+  std::vector<SearchStage> stages;
+  for (const auto& [number, round] : rounds) {
+    std::vector<double> costs;
+    for (const Evaluation* e : round) costs.push_back(e->Cost());
+    double cost = Quantile(costs, result.compares_rounds ? 0 : 0.5);
+    if (result.compares_rounds && !stages.empty()) cost = std::min(cost, stages.back().cost);
+    stages.push_back({round.back()->flights, cost});
+  }
+  return stages;
 }
 
 double Coordinate(const Gain& gain, double value) {

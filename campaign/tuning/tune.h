@@ -38,23 +38,32 @@ struct PairedCost {
 PairedCost ComparePaired(const std::vector<double>& before, const std::vector<double>& after);
 
 struct TuneResult {
-  std::vector<Evaluation> search;  // in the order in which they were wanted
-  std::vector<Evaluation>
-      leaders;                    // the best of them, and the middle of where the search ended, on fresh rows
-  Gains gains;                    // of the leader that was best there
-  std::int64_t flights = 0;       // of the budget
-  Evaluation start, tuned;        // on the held-out rows
-  std::optional<Evaluation> own;  // the scenario's own gains there, where the start is another
+  std::vector<Evaluation> search;   // in the order in which they were wanted
+  bool compares_rounds = false;     // it flew them all on the same rows; otherwise each round on its own
+  std::vector<Evaluation> leaders;  // the middle of where the search ended and the best of it, on fresh rows
+  Gains gains;                      // of the leader that was best there
+  std::int64_t flights = 0;         // of the budget
+  Evaluation start, tuned;          // on the held-out rows
+  std::optional<Evaluation> own;    // the scenario's own gains there, where the start is another
   PairedCost from_start;
   std::optional<PairedCost> from_own;
   bool Better() const { return from_start.high < 0; }
 };
 
-// Looks for the gains of least cost, on the plan's rows, flies the best again on fresh ones, and what is best
-// there, beside the gains it started from, on the held-out ones. Depends on the plan and the flights' results
-// alone. progress: after each round.
+// Looks for the gains of least cost, on rows that all that is compared has in common: each round of a search
+// on its own ones, so that it does not settle on what suits a few. Flies the best again on fresh ones, which
+// are of the last rounds then, and what is best there, beside the gains it started from, on the held-out
+// ones. Depends on the plan and the flights' results alone. progress: after each round.
 TuneResult Tune(const LoadedTune& tune, const Fly& fly,
                 const std::function<void(const TuneResult&)>& progress = {});
+
+// How far a search had come after so many flights.
+struct SearchStage {
+  std::int64_t flights = 0;
+  double cost = 0;
+};
+// After each round: the least cost until then, or, where rounds are not compared, the median of the round.
+std::vector<SearchStage> Stages(const TuneResult& result);
 
 // Of a gain, as a coordinate of the unit cube, and back.
 double Coordinate(const Gain& gain, double value);

@@ -90,9 +90,16 @@ std::string GainsFile(const LoadedTune& tune, const TuneResult& result, const st
 
 std::string TuneJson(const LoadedTune& tune, const TuneResult& result, const std::string& version) {
   const TunePlan& plan = tune.plan;
-  Json json = {{"name", plan.flights.name}, {"scenario", plan.flights.scenario}, {"version", version},
-               {"method", plan.method},     {"seed", plan.flights.seed},         {"budget", plan.budget},
-               {"flights", result.flights}, {"gains", Json::object()},           {"search", Json::array()},
+  Json json = {{"name", plan.flights.name},
+               {"scenario", plan.flights.scenario},
+               {"version", version},
+               {"method", plan.method},
+               {"seed", plan.flights.seed},
+               {"budget", plan.budget},
+               {"flights", result.flights},
+               {"gains", Json::object()},
+               {"compares_rounds", result.compares_rounds},
+               {"search", Json::array()},
                {"leaders", Json::array()}};
   for (const auto& [key, gain] : plan.gains) {
     Json& entry = json["gains"][key] = {

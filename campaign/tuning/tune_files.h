@@ -14,10 +14,10 @@ std::string GainsFile(const LoadedTune& tune, const TuneResult& result, const st
                       const std::string& version);
 
 // JSON, for reports: name, scenario, method, seed, budget, flights, gains {key: {low, high, log, start, own,
-// tuned}}, search and leaders [{round, flights, gains {key: value}, cost, costs, passed, kept}], held_out
-// {seed, start | tuned | own: {gains, cost, costs, passed}, from_start | from_own: {difference, low, high},
-// better}. kept: by the metric of a constraint, how many flights kept to it. own and from_own only where the
-// start is not what the scenario has.
+// tuned}}, compares_rounds (all on the same rows), search and leaders [{round, flights, gains {key: value},
+// cost, costs, passed, kept}], held_out {seed, start | tuned | own: {gains, cost, costs, passed}, from_start
+// | from_own: {difference, low, high}, better}. kept: by the metric of a constraint, how many flights kept to
+// it. own and from_own only where the start is not what the scenario has.
 std::string TuneJson(const LoadedTune& tune, const TuneResult& result, const std::string& version);
 
 // A sentence for each constraint that is not kept to in every held-out flight with the gains found.

@@ -174,18 +174,22 @@ void CheckBudget(const ConfigNode& root, const LoadedTune& tune, Mistakes& mista
   const TunePlan& plan = tune.plan;
   Search search = MakeSearch(plan.method, Point(plan.gains.size(), 0.5), 1);
   const std::size_t candidates = std::visit([](auto& s) { return s.Ask().size(); }, search);
-  const std::size_t least = (1 + candidates) * tune.rows.rows.size() +
-                            static_cast<std::size_t>(plan.leaders) * tune.fresh.rows.size();
+  const std::size_t rows = RowsOfRound(plan, 0).rows.size();
+  const std::size_t least =
+      (1 + candidates) * rows + static_cast<std::size_t>(plan.leaders) * tune.fresh.rows.size();
   if (static_cast<std::size_t>(plan.budget) < least)
     mistakes.Add(
         WhereIn(root, {"budget"}), "budget",
         fmt::format("{} flights are not enough for the start and one round of {} candidates on {} rows, and "
                     "{} leaders on {} fresh ones; valid: {} or more",
-                    plan.budget, candidates, tune.rows.rows.size(), plan.leaders, tune.fresh.rows.size(),
-                    least));
+                    plan.budget, candidates, rows, plan.leaders, tune.fresh.rows.size(), least));
 }
 
 }  // namespace
+
+SampleTable RowsOfRound(const TunePlan& plan, int round) {
+  return Draw(plan.flights, plan.rows, plan.flights.seed, fmt::format("tuning rows {}", round));
+}
 
 LoadedTune LoadTune(const std::filesystem::path& file, const List& overrides) {
   Mistakes mistakes;
@@ -211,7 +215,6 @@ LoadedTune LoadTune(const std::filesystem::path& file, const List& overrides) {
   for (auto& [key, gain] : plan.gains)
     if (!gain.start) gain.start = tune.own.at(key);
 
-  tune.rows = Draw(plan.flights, plan.rows, plan.flights.seed, "tuning rows");
   tune.fresh = Draw(plan.flights, plan.fresh_rows, plan.flights.seed, "tuning fresh rows");
   tune.held_out = Draw(plan.flights, plan.held_out_rows, plan.held_out_seed, "tuning held-out rows");
   CheckBudget(config.root, tune, mistakes);

@@ -35,7 +35,7 @@ struct TunePlan {
   FlightCost cost;
   std::string method = "cma_es";  // cma_es, cross_entropy, random_search
   int budget = 500;               // flights, all but those on the held-out rows
-  int rows = 5;                   // that every candidate flies, the same for all
+  int rows = 2;                   // that every candidate of a round flies, the same for all of them
   int leaders = 5;                // that are flown again
   int fresh_rows = 10;            // on so many rows of their own
   int held_out_rows = 50;  // that the search never sees, for the gains found and those to compare them with
@@ -47,8 +47,12 @@ struct LoadedTune {
   std::string text;                   // of the file
   std::map<std::string, double> own;  // gains as the scenario has them
   std::vector<std::string> others;    // "key=value" of the file of gains that it names, but for those tuned
-  SampleTable rows, fresh, held_out;
+  SampleTable fresh, held_out;
 };
+
+// What the candidates of a round fly. Round 0: the gains that the search starts from, and all that a search
+// asks for which compares its rounds.
+SampleTable RowsOfRound(const TunePlan& plan, int round);
 
 // Reads a tuning's file and draws its tables. Throws InputError with every mistake of it, those of what
 // varies as in LoadCampaign: a gain that the scenario does not have, bounds or a start that it refuses or

@@ -5,7 +5,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <limits>
 #include <map>
 
 #include "campaign/execution/batch_script.h"
@@ -32,11 +31,9 @@ std::string CostText(const FlightCost& cost) {
 
 SearchCurve CurveOf(const Searched& searched, int repetition) {
   SearchCurve curve{MethodText(searched.tune.plan.method), repetition, {}, {}, searched.result.tuned.Cost()};
-  double least = std::numeric_limits<double>::infinity();
-  for (const Evaluation& e : searched.result.search) {
-    least = std::min(least, e.Cost());
-    curve.flights.push_back(static_cast<double>(e.flights));
-    curve.best_cost.push_back(least);
+  for (const SearchStage& stage : Stages(searched.result)) {
+    curve.flights.push_back(static_cast<double>(stage.flights));
+    curve.cost.push_back(stage.cost);
   }
   return curve;
 }
@@ -62,7 +59,7 @@ ReportSubject TuneSubject(const std::vector<Searched>& searches, const std::file
 
   TuningHistory& history = subject.tuning.emplace();
   history.cost = CostText(tune.plan.cost);
-  history.start_cost = result.search.front().Cost();
+  history.start_cost = result.start.Cost();
   history.verdict = VerdictText(tune, result);
   std::map<std::string, int> repetitions;
   for (const Searched& each : searches)

@@ -179,7 +179,7 @@ TuningHistory HoverTuning() {
         const double cost = 1.9 + 0.25 * std::abs(dice.Normal()) +
                             5.5 * std::exp(-flights / slowness) * dice.Uniform(0.6, 1.4);
         best = std::min(best, cost);
-        curve.flights.push_back(flights), curve.best_cost.push_back(best);
+        curve.flights.push_back(flights), curve.cost.push_back(best);
       }
       tuning.searches.push_back(curve);
     }

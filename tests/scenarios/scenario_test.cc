@@ -100,7 +100,7 @@ TEST_F(ScenarioTest, AFileNeedsNothingButItsMission) {
   EXPECT_EQ(loaded.simulator.autopilot.roll.gain, 0.80);
   EXPECT_EQ(loaded.simulator.scene.pad.size_m, Eigen::Vector2d(1.19, 0.91));
   EXPECT_NEAR(loaded.pad.length_m, 1.19, 1e-12);
-  EXPECT_TRUE(MakeMission(loaded));
+  EXPECT_TRUE(MakeMission(PartsOf(loaded, MakeModel(loaded.simulator.scene, false).get())));
 }
 
 TEST_F(ScenarioTest, OverridesReachTheSimulatorAndTheFlight) {

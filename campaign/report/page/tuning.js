@@ -1,14 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The best cost that each method had found after so many flights, and the gains that came of it.
+// How far each method had come after so many flights, and the gains that came of it.
 const methodColors = ["accent", "bad", "good", "soft", "ink"];
 const methods = () => [...new Set(data.tuning.searches.map(({method}) => method))];
 
-// The best cost of a search after so many flights.
-const costAfter = (search, flights) => {
-  let best = null;
-  for (let at = 0; at < search.flights.length && search.flights[at] <= flights; ++at) best = search.best_cost[at];
-  return best;
-};
+const costAfter = (search, flights) => search.cost[search.flights.filter((each) => each <= flights).length - 1];
 
 const medianOfSearches = (searches) => {
   const places = [...new Set(searches.flatMap(({flights}) => flights))].sort((a, b) => a - b);
@@ -27,12 +22,12 @@ const describeTuning = () => {
     if (searches.length > 1)
       for (const each of searches)
         datasets.push({...line, label: `${method}, repetition ${each.repetition}`, alone: true, borderWidth: 0.8, order: 2,
-                       data: each.flights.map((x, i) => ({x, y: each.best_cost[i]}))});
+                       data: each.flights.map((x, i) => ({x, y: each.cost[i]}))});
   });
   const start = data.tuning.start_cost;
   const last = Math.max(...data.tuning.searches.flatMap(({flights}) => flights));
   if (hasNumber(start))
-    datasets.push({label: "gains it started from", data: [{x: 0, y: start}, {x: last, y: start}], showLine: true, pointRadius: 0,
+    datasets.push({label: "gains it started from, where no search saw them", data: [{x: 0, y: start}, {x: last, y: start}], showLine: true, pointRadius: 0,
                    borderColor: color("soft"), borderDash: [6, 4], borderWidth: 1.5, pointStyle: "line", order: 3});
   return {type: "scatter", data: {datasets}, options: {
     interaction: {mode: "nearest", axis: "x", intersect: false},
@@ -61,9 +56,9 @@ const setUpTuning = () => {
   const drawIt = () => draw("tuning-chart", describeTuning);
   byId("tuning-controls").append(el("label", {}, el("input", {type: "checkbox", id: "tuning-log", onchange: drawIt}), " logarithmic"));
   byId("tuning-chart").setAttribute("role", "img");
-  byId("tuning-chart").setAttribute("aria-label", "Best cost against flights for each method");
+  byId("tuning-chart").setAttribute("aria-label", "Cost against flights for each method");
   const repeated = methods().some((method) => data.tuning.searches.filter((each) => each.method === method).length > 1);
-  byId("tuning-note").textContent = "The least cost found after so many flights, as the search saw it" +
+  byId("tuning-note").textContent = "What candidates cost as the search saw it: the median of each round, which flies rows of its own; of random search, where all fly the same, the least so far" +
     (repeated ? "; thick: the median of the repetitions, thin: each of them." : ".") +
     ` Cost: ${data.tuning.cost}. How the gains do on rows that the search never saw is in the other sections.`;
   if (data.tuning.verdict) byId("tuning-note").after(el("p", {id: "tuning-verdict"}, data.tuning.verdict));
