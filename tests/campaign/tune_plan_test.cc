@@ -181,7 +181,7 @@ TEST_F(TunePlanTest, ABudgetInWhichNothingCanBeFoundIsRefused) {
       Refusal("scenario: follow\ngains: {pilot.servo.lambda_per_s: {low: 0.1, high: 3}}\n"
               "cost: {follow_u_rms_px: {scale: 10}}\nbudget: 60\n"),
       ElementsAre("f.yaml:4: budget: 60 flights are not enough for the start and one round of 6 candidates "
-                  "on 5 rows, and 5 leaders on 10 fresh ones; valid: 64 or more"));
+                  "on 2 rows, and 5 leaders on 10 fresh ones; valid: 64 or more"));
 }
 
 TEST(Tunings, EveryFileOfEveryFlightIsValid) {
