@@ -28,7 +28,7 @@ struct TunedGain {
 
 struct TuningHistory {
   std::string cost;                  // what it is made of
-  std::optional<double> start_cost;  // of the gains that the search started from, on those rows
+  std::optional<double> start_cost;  // of what the search started from, on rows that no search saw
   std::string verdict;               // a sentence: how the tuned gains did against them; may be empty
   std::vector<SearchCurve> searches;
   std::vector<TunedGain> gains;

@@ -19,9 +19,8 @@ namespace kestrel {
 //   runs          [{row, status, outcome, values: [text of each key], metrics: [number or null], state_hash,
 //                 image_hash, log?, recording?, video?}]: the last two relative to the page
 //   trajectories  [{row, t_s, north_m, east_m, height_m}] of recorded runs, those that did not pass first
-//   tuning        null, or {cost, start_cost, verdict, searches: [{method, repetition, flights, cost,
-//   held_out
-//                 or null}], gains: [{key, start, tuned, low, high, log}]}
+//   tuning        null, or {cost, start_cost, verdict, gains: [{key, start, tuned, low, high,
+//                 log}], searches: [{method, repetition, flights, cost, held_out or null}]}
 std::string PageData(const ReportSubject& subject, const std::filesystem::path& page_folder);
 
 }  // namespace kestrel

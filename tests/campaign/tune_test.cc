@@ -24,13 +24,23 @@ using ::testing::Not;
 using ::testing::Pair;
 using ::testing::SizeIs;
 
-// Flights that are a formula: least error at the gains 2, 0.5, 0.3 and 0.7, with a part that is the row's.
-RunResult Formula(const RunOrder& order) {
+std::map<std::string, double> ValuesOf(const RunOrder& order) {
   std::map<std::string, double> value;
   for (const std::string& each : order.overrides)
     value[each.substr(0, each.find('='))] = std::stod(each.substr(each.find('=') + 1));
+  return value;
+}
+
+// What chance the row has.
+RandomStream ChanceOf(const std::map<std::string, double>& value) {
+  return {static_cast<std::uint64_t>(std::fmod(value.at("seed"), 1e15)), "formula"};
+}
+
+// Flights that are a formula: least error at the gains 2, 0.5, 0.3 and 0.7, with a part that is the row's.
+RunResult Formula(const RunOrder& order) {
+  std::map<std::string, double> value = ValuesOf(order);
   RunResult result{order.row, RunStatus::kPassed, "", {}, "", "", {}};
-  RandomStream random(static_cast<std::uint64_t>(std::fmod(value["seed"], 1e15)), "formula");
+  RandomStream random = ChanceOf(value);
   const double a = std::log(value["gain.a"] / 2), b = value["gain.b"] - 0.5;
   result.metrics["error_m"] =
       (a * a + 4 * b * b) * (1 + 0.3 * random.Normal()) + 0.1 * value["wind"] + 0.05 * random.Normal() + 1;
@@ -202,17 +212,14 @@ TEST(Tune, LeadersAreTheMiddleOfTheSearchAndTheBestOfItsLastRounds) {
   for (std::size_t i = 1; i < 5; ++i, ++round) EXPECT_EQ(result.leaders[i].gains, round->second->gains);
 }
 
-// Two rows tell the gains apart that suit these two: of the search's own rounds, each on other rows, the
-// middle is what suits all.
+// Every row has gains of its own that suit it best; what suits all is the middle of those.
 TEST(Tune, ItDoesNotSettleOnWhatSuitsAFewRows) {
   const auto fly = [](const std::vector<RunOrder>& orders) {
     std::vector<RunResult> results;
     for (const RunOrder& order : orders) {
-      std::map<std::string, double> value;
-      for (const std::string& each : order.overrides)
-        value[each.substr(0, each.find('='))] = std::stod(each.substr(each.find('=') + 1));
+      std::map<std::string, double> value = ValuesOf(order);
       RunResult result{order.row, RunStatus::kPassed, "", {}, "", "", {}};
-      RandomStream row(static_cast<std::uint64_t>(std::fmod(value["seed"], 1e15)), "row");
+      RandomStream row = ChanceOf(value);
       double sum = 0;
       for (const char* key : {"gain.b", "gain.c", "gain.d"})
         sum += std::pow(value[key] - 0.5 - 0.3 * row.Normal(), 2);
