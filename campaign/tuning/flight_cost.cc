@@ -9,6 +9,11 @@ namespace {
 
 double Worst(const CostTerm& term) { return term.worst.value_or(10 * term.scale); }
 
+double Cost(const CostTerm& term, std::optional<double> value) {
+  if (value && term.wanted) value = std::max(0.0, *term.wanted - *value);
+  return term.weight * std::min(value.value_or(Worst(term)), Worst(term)) / term.scale;
+}
+
 double Penalty(const CostConstraint& constraint, std::optional<double> value) {
   if (!value) return 2 * constraint.penalty;
   double off = 0, limit = 1;
@@ -30,8 +35,7 @@ std::optional<double> ValueIn(const RunResult& result, const std::string& metric
 
 double CostOf(const RunResult& result, const FlightCost& cost) {
   double sum = result.status == RunStatus::kPassed ? 0 : cost.failure;
-  for (const auto& [metric, term] : cost.terms)
-    sum += term.weight * std::min(ValueIn(result, metric).value_or(Worst(term)), Worst(term)) / term.scale;
+  for (const auto& [metric, term] : cost.terms) sum += Cost(term, ValueIn(result, metric));
   for (const auto& [metric, constraint] : cost.constraints)
     sum += Penalty(constraint, ValueIn(result, metric));
   return sum;

@@ -11,11 +11,13 @@
 namespace kestrel {
 
 // A metric in the cost of a flight: weight * metric / scale, the metric being no more than `worst`, which it
-// also is of a flight that does not have it.
+// also is of a flight that does not have it. Of a metric that is the better the more it is, what it lacks of
+// `wanted` stands for it.
 struct CostTerm {
   double weight = 1;
-  double scale = 1;             // in the metric's unit: what is good
-  std::optional<double> worst;  // none: ten scales
+  double scale = 1;              // in the metric's unit: what is good
+  std::optional<double> worst;   // none: ten scales
+  std::optional<double> wanted;  // none: the less the better
 };
 
 template <class Visitor>
@@ -23,6 +25,7 @@ void Fields(Visitor& v, CostTerm& t) {
   v("weight", t.weight, 0.0, 1e6);
   v(Required("scale"), t.scale, 1e-9, 1e9);
   v("worst", t.worst, -1e9, 1e9);
+  v("wanted", t.wanted, -1e9, 1e9);
 }
 
 // What a metric must keep to. A flight that does not costs the penalty, and as much again by the share of the

@@ -23,7 +23,8 @@ std::string MethodText(const std::string& method) {
 std::string CostText(const FlightCost& cost) {
   std::vector<std::string> terms;
   for (const auto& [metric, term] : cost.terms)
-    terms.push_back(fmt::format("{}{} / {}", term.weight == 1 ? "" : fmt::format("{} ", term.weight), metric,
+    terms.push_back(fmt::format("{}{} / {}", term.weight == 1 ? "" : fmt::format("{} ", term.weight),
+                                term.wanted ? fmt::format("({} - {})", *term.wanted, metric) : metric,
                                 term.scale));
   const std::string penalties = cost.constraints.empty() ? "" : ", and penalties";
   return fmt::format("{}{}", fmt::join(terms, " + "), penalties);

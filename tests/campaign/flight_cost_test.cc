@@ -10,8 +10,8 @@ namespace {
 
 FlightCost Cost() {
   FlightCost cost;
-  cost.terms["error_m"] = {2, 0.1, 0.5};
-  cost.terms["settle_s"] = {1, 10, {}};
+  cost.terms["error_m"] = {2, 0.1, 0.5, {}};
+  cost.terms["settle_s"] = {1, 10, {}, {}};
   cost.constraints["tilt_deg"] = {8, {}, 5};
   cost.constraints["closest_m"] = {{}, 2, 4};
   cost.failure = 3;
@@ -33,6 +33,19 @@ TEST(FlightCost, ItIsTheWeightedMetricsInTheirScales) {
 TEST(FlightCost, AMetricCountsNoMoreThanItsWorst) {
   EXPECT_DOUBLE_EQ(CostOf(Result(RunStatus::kPassed, 7, 5, 0, 9), Cost()), 2 * 5 + 0.5);
   EXPECT_DOUBLE_EQ(CostOf(Result(RunStatus::kPassed, 0, 1e6, 0, 9), Cost()), 10);
+}
+
+TEST(FlightCost, OfAMetricThatShouldBeMuchWhatItLacksCounts) {
+  FlightCost cost;
+  cost.terms["closest_m"] = {2, 0.5, 3, 4};
+  const auto of = [&](double closest_m) {
+    return CostOf(Result(RunStatus::kPassed, 0, 0, 0, closest_m), cost);
+  };
+  EXPECT_DOUBLE_EQ(of(3.5), 2);
+  EXPECT_DOUBLE_EQ(of(4), 0);
+  EXPECT_DOUBLE_EQ(of(9), 0);
+  EXPECT_DOUBLE_EQ(of(0.2), 12);  // no more than its worst, which is of what it lacks
+  EXPECT_DOUBLE_EQ(CostOf(RunResult{}, cost), 12);
 }
 
 TEST(FlightCost, AConstraintThatIsBrokenCostsMoreTheMoreItIs) {

@@ -66,7 +66,7 @@ LoadedTune Problem(std::uint64_t seed = 1) {
   plan.gains["gain.b"] = {0, 1, false, 0.0};
   plan.gains["gain.c"] = plan.gains["gain.d"] = {0, 1, false, 0.0};
   plan.rows = 3;
-  plan.cost.terms["error_m"] = {1, 1, 50};
+  plan.cost.terms["error_m"] = {1, 1, 50, {}};
   tune.own = {{"gain.a", 3}, {"gain.b", 0.4}, {"gain.c", 0.5}, {"gain.d", 0.5}};
   const auto draw = [&](int runs, const char* name) {
     CampaignPlan flights = plan.flights;
