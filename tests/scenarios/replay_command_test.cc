@@ -21,7 +21,8 @@ class ReplayCommandTest : public InTemporaryFolder {
     options.folder = folder_;
     options.video = false;
     options.images = true;
-    RunFlight(LoadScenario("hover", {"duration_s=1.5", "start.settle_s=1"}), options);
+    RunFlight(LoadScenario("hover", {"duration_s=1.5", "start.settle_s=1", "pilot.servo.lambda_per_s=1.1"}),
+              options);
   }
   bool Replay(const std::vector<std::string>& overrides = {}, double tolerance = 0) const {
     return ReplayCommand({folder_.string(), "", overrides, tolerance, true});
