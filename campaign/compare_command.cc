@@ -53,7 +53,7 @@ bool CompareCommand(const CompareArguments& a) {
   CheckWritableFile(a.json, "--json", mistakes);
   mistakes.ThrowIfAny();
   const auto read = [](const fs::path& file) {
-    const ResultStore store = ResultStore::Read(file);
+    const ResultStore store = ResultStore::ReadCampaign(file);
     return CampaignResults{store.identity(), store.Results()};
   };
   const CampaignResults results_a = read(file_a), results_b = read(file_b);

@@ -27,6 +27,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kSchema = "1";
+constexpr const char* kTuning = "tuning";
 constexpr int kPatience_ms = 60000;  // with who else reads or writes
 
 constexpr const char* kTables = R"(
@@ -136,6 +137,9 @@ void WriteIdentity(sqlite3* db, const CampaignIdentity& identity) {
   campaign.Insert(std::string("scenario"), identity.scenario);
   campaign.Insert(std::string("plan"), identity.plan);
   campaign.Insert(std::string("version"), identity.version);
+  campaign.Insert(std::string("models"), identity.models);
+  campaign.Insert(std::string("limit_s"), fmt::format("{}", identity.limit_s));
+  campaign.Insert(std::string("kind"), std::string(identity.tuning ? kTuning : "campaign"));
   campaign.Insert(std::string("table_hash"), HashOf(identity.table));
   campaign.Insert(std::string("keys"), nlohmann::json(identity.table.keys).dump());
   campaign.Insert(std::string("schema"), std::string(kSchema));
@@ -191,12 +195,21 @@ bool HasOrigin(sqlite3* db) {  // which older files do not
   return table.Next();
 }
 
+// But for its table.
+CampaignIdentity IdentityIn(std::map<std::string, std::string>& texts) {
+  CampaignIdentity identity{texts["name"], texts["scenario"], texts["plan"], texts["version"], {}};
+  identity.models = texts["models"];
+  identity.limit_s = std::strtod(texts["limit_s"].c_str(), nullptr);
+  identity.tuning = texts["kind"] == kTuning;
+  return identity;
+}
+
 CampaignIdentity ReadIdentity(sqlite3* db, const fs::path& file) {
   auto texts = Texts(db, "SELECT key, value FROM campaign");
   if (texts["schema"] != kSchema)
     RefuseAsNone(file, fmt::format("its tables are of the schema '{}', and this program knows '{}'",
                                    texts["schema"], kSchema));
-  CampaignIdentity identity{texts["name"], texts["scenario"], texts["plan"], texts["version"], {}};
+  CampaignIdentity identity = IdentityIn(texts);
   if (HasOrigin(db)) identity.file = Texts(db, "SELECT key, value FROM origin")["file"];
   identity.table.keys = KeysIn(texts["keys"], file);
   std::map<std::string, std::size_t> place;
@@ -281,6 +294,16 @@ std::vector<std::string> PlanDifferences(std::string has, std::string wanted) {
   return differences;
 }
 
+// The line by which a campaign ends before its table does, and other options that come after a plan's text.
+bool SameRule(std::string has, std::string wanted) {
+  const auto rule = [](std::string& plan) {
+    std::vector<std::string> options = TakeOptions(plan);
+    std::erase_if(options, [](const std::string& each) { return each.starts_with("--set "); });
+    return options;
+  };
+  return rule(has) == rule(wanted);
+}
+
 std::string FirstDifference(const SampleTable& has, const SampleTable& wanted) {
   if (has.keys != wanted.keys)
     return fmt::format("it varies {}, and not {}", nlohmann::json(has.keys).dump(),
@@ -294,23 +317,51 @@ std::string FirstDifference(const SampleTable& has, const SampleTable& wanted) {
   return {};
 }
 
-}  // namespace
-
-std::vector<std::string> Differences(const CampaignIdentity& has, const CampaignIdentity& wanted) {
+// same_table: as far as is known beside the two.
+std::vector<std::string> DifferencesWith(const CampaignIdentity& has, const CampaignIdentity& wanted,
+                                         bool same_table) {
   std::vector<std::string> differences;
   if (has.name != wanted.name)
     differences.push_back(fmt::format("name: it is of '{}', and not of '{}'", has.name, wanted.name));
   if (has.version != wanted.version)
     differences.push_back(
         fmt::format("version: it is of {}, and this program is {}", has.version, wanted.version));
-  for (const std::string& each : PlanDifferences(has.plan, wanted.plan))
-    differences.push_back("plan: " + each);
+  const std::string table = FirstDifference(has.table, wanted.table);
+  const bool same_flights = !has.tuning && !wanted.tuning && has.scenario == wanted.scenario &&
+                            table.empty() && same_table && has.limit_s == wanted.limit_s &&
+                            SameRule(has.plan, wanted.plan);
+  if (!same_flights)
+    for (const std::string& each : PlanDifferences(has.plan, wanted.plan))
+      differences.push_back("plan: " + each);
+  if (has.tuning != wanted.tuning)
+    differences.push_back(fmt::format("kind: it is of a {}", has.tuning ? "tuning" : "campaign"));
+  if (const auto models = ModelsThatDiffer(has.models, wanted.models); !models.empty())
+    differences.push_back(fmt::format("models: it was flown with another {}", fmt::join(models, ", ")));
   if (has.scenario != wanted.scenario)
     differences.push_back("scenario: it is of another, whose " +
                           FirstDifference(has.scenario, wanted.scenario));
-  const std::string table = FirstDifference(has.table, wanted.table);
   if (!table.empty()) differences.push_back("table: it is of another: " + table);
   return differences;
+}
+
+}  // namespace
+
+std::vector<std::string> ModelsThatDiffer(const std::string& has, const std::string& wanted) {
+  const auto lines = [](const std::string& text) {
+    std::vector<std::string> all;
+    std::istringstream in(text);
+    for (std::string line; std::getline(in, line);) all.push_back(line);
+    return all;
+  };
+  std::set<std::string> names;
+  for (const auto& [one, other] : {std::pair(has, wanted), std::pair(wanted, has)})
+    for (const std::string& line : Without(lines(one), lines(other)))
+      names.insert(line.substr(0, line.rfind(' ')));
+  return {names.begin(), names.end()};
+}
+
+std::vector<std::string> Differences(const CampaignIdentity& has, const CampaignIdentity& wanted) {
+  return DifferencesWith(has, wanted, true);
 }
 
 std::vector<std::string> DifferencesOf(const fs::path& file, const CampaignIdentity& wanted) {
@@ -321,11 +372,11 @@ std::vector<std::string> DifferencesOf(const fs::path& file, const CampaignIdent
         sqlite3_open_v2(AtRest(file).c_str(), &db, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, nullptr);
     if (code != SQLITE_OK) Fail(db, code);
     auto texts = Texts(db, "SELECT key, value FROM campaign");
-    const CampaignIdentity has{texts["name"], texts["scenario"], texts["plan"], texts["version"], {}};
     CampaignIdentity without_rows = wanted;
     without_rows.table = {};
-    differences = Differences(has, without_rows);
-    if (texts["table_hash"] != HashOf(wanted.table)) differences.push_back("table: it is of another");
+    const bool same_table = texts["table_hash"] == HashOf(wanted.table);
+    differences = DifferencesWith(IdentityIn(texts), without_rows, same_table);
+    if (!same_table) differences.push_back("table: it is of another");
   } catch (const SqliteError&) {
     differences.clear();
   }
@@ -402,11 +453,23 @@ ResultStore ResultStore::Open(const fs::path& file, const CampaignIdentity& iden
     }
     if (database->identity.file != identity.file && HasOrigin(db))
       Statement(db, "UPDATE origin SET value = ?").Insert(identity.file);
-    database->identity.file = identity.file;
+    if (database->identity.plan != identity.plan)
+      Statement(db, "UPDATE campaign SET value = ? WHERE key = 'plan'").Insert(identity.plan);
+    database->identity.file = identity.file, database->identity.plan = identity.plan;
   } catch (const SqliteError& e) {
     database->CannotWrite(e);
   }
   return ResultStore(std::move(database));
+}
+
+ResultStore ResultStore::ReadCampaign(const fs::path& file) {
+  ResultStore store = Read(file);
+  if (store.identity().tuning)
+    throw InputError({fmt::format(
+        "{}: it holds the flights of a tuning, each by gains of its own; valid: the results of a campaign. A "
+        "tuning's report is written by the same `kestrel tune` again, which flies nothing anew",
+        file.string())});
+  return store;
 }
 
 ResultStore ResultStore::Read(const fs::path& file) {

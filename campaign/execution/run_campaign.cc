@@ -202,6 +202,8 @@ CampaignWork WorkOf(const LoadedCampaign& campaign, const std::string& rule) {
   work.identity = {campaign.plan.name, ToYaml(LoadScenario(work.scenario, work.set).scenario),
                    campaign.text,      Version(),
                    campaign.table,     campaign.file};
+  work.identity.models = ScenarioFiles(work.scenario, work.set).Models();
+  work.identity.limit_s = work.limit_s;
   if (!rule.empty()) work.identity.plan += fmt::format("\n# {}\n", rule);
   return work;
 }

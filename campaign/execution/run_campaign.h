@@ -79,8 +79,8 @@ int Cores();
 
 // Flies the rows that have no result yet, and stores each result as it comes. Throws InputError: the result
 // file is another campaign's, or a row to be recorded is none; std::runtime_error: the disk is full, workers
-// cannot be started, the scenario's file or that of its gains changed under way. What is stored by then
-// stays, and is gone on with.
+// cannot be started, a file that flights are read from changed under way. What is stored by then stays,
+// and is gone on with.
 CampaignEnd RunCampaign(const CampaignWork& work, const CampaignOptions& options);
 
 }  // namespace kestrel

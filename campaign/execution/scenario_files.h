@@ -8,16 +8,20 @@
 
 namespace kestrel {
 
-// The files that every flight by a scenario is read from anew: its own, and that of the gains it names.
+// The files that every flight by a scenario is read from anew: its own, that of the gains it names, its
+// camera's, and all in models/, of which a flight may name any.
 class ScenarioFiles {
  public:
-  // set: as for every flight. Throws InputError: there is no such scenario, its gains are not valid.
+  // set: as for every flight. Throws InputError: the scenario or its gains are not valid.
   ScenarioFiles(const std::string& scenario, const std::vector<std::string>& set);
+  // Those of the models, "NAME HASH" a line; of one in models/ the name there.
+  std::string Models() const;
   // Throws std::runtime_error: one is not as it was then.
   void RequireUnchanged() const;
 
  private:
   std::map<std::filesystem::path, std::string> text_of_;
+  std::map<std::string, std::filesystem::path> models_;
 };
 
 }  // namespace kestrel

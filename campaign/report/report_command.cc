@@ -65,7 +65,7 @@ bool IsResults(const fs::path& file) { return HasEnding(file, {".sqlite", ".db"}
 }  // namespace
 
 ReportSubject SubjectOf(const fs::path& results, const std::string& campaign) {
-  const ResultStore store = ResultStore::Read(results);
+  const ResultStore store = ResultStore::ReadCampaign(results);
   ReportSubject subject;
   subject.identity = store.identity();
   subject.results = store.Results();

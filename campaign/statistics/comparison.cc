@@ -60,6 +60,8 @@ std::vector<std::string> SettingsThatDiffer(const CampaignIdentity& a, const Cam
   for (const auto& [key, unused] : keys)
     if (key != "name" && value(in_a, key) != value(in_b, key))
       differs.push_back(fmt::format("{}: {} in A, {} in B", key, value(in_a, key), value(in_b, key)));
+  for (const std::string& model : ModelsThatDiffer(a.models, b.models))
+    differs.push_back(fmt::format("models/{}: another in A than in B", model));
   if (a.version != b.version)
     differs.push_back(fmt::format("version: {} in A, {} in B", a.version, b.version));
   return differs;

@@ -15,8 +15,12 @@ CampaignIdentity FlightsOf(const LoadedTune& tune) {
   const std::size_t most = static_cast<std::size_t>(tune.plan.budget) + 3 * tune.held_out.rows.size();
   for (std::size_t i = 0; i < most; ++i) table.rows.push_back({std::to_string(i)});
   const CampaignPlan& flights = tune.plan.flights;
-  return {flights.name, ToYaml(LoadScenario(flights.scenario, flights.set).scenario), tune.text, Version(),
-          table};
+  CampaignIdentity identity{flights.name, ToYaml(LoadScenario(flights.scenario, flights.set).scenario),
+                            tune.text, Version(), table};
+  identity.models = ScenarioFiles(flights.scenario, flights.set).Models();
+  identity.limit_s = flights.limit_s;
+  identity.tuning = true;
+  return identity;
 }
 
 KeptFlights::KeptFlights(const LoadedTune& tune, const std::filesystem::path& folder, int jobs,

@@ -24,6 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using ::testing::AllOf;
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -158,19 +159,19 @@ TEST_F(ResultStoreTest, RefusesAnotherCampaignsFileAndSaysWhatDiffers) {
   wanted.version = "0.1.0 def";
   EXPECT_THAT(Refusal(wanted), HasSubstr("version: it is of 0.1.0 abc, and this program is 0.1.0 def"));
   wanted = has;
-  wanted.plan = "scenario: hover\nruns: 5\n";
+  wanted.plan = "scenario: hover\nruns: 5\n", wanted.table = TableOf(5);
   EXPECT_THAT(Refusal(wanted),
               HasSubstr("plan: it is of another, whose line 2 is 'runs: 4', and not 'runs: 5'"));
   wanted = has;
-  wanted.plan += "\n# --set seed=2\n\n# --set set=[a=1]\n";
+  wanted.plan += "\n# --set seed=2\n\n# --set set=[a=1]\n", wanted.scenario += "a: 1\n";
   EXPECT_THAT(Refusal(wanted),
               HasSubstr("plan: flown without --seed 2 --set set=[a=1], now with it; valid:"));
   EXPECT_THAT(Differences(wanted, has),
-              ElementsAre("plan: flown with --seed 2 --set set=[a=1], now without"));
+              Contains("plan: flown with --seed 2 --set set=[a=1], now without"));
   CampaignIdentity other = has;
   other.plan += "\n# --set runs=9\n\n# --set set=[a=1]\n\n# --stop-when 0.02\n";
   EXPECT_THAT(Differences(wanted, other),
-              ElementsAre("plan: flown with --seed 2, now with --runs 9 --stop-when 0.02"));
+              Contains("plan: flown with --seed 2, now with --runs 9 --stop-when 0.02"));
   wanted = has;
   wanted.scenario += "seed: 3\n";
   EXPECT_THAT(Refusal(wanted),
@@ -259,6 +260,41 @@ TEST_F(ResultStoreTest, ADamagedFileIsRefusedWithARemedy) {
   EXPECT_THAT(Damage(file_), HasSubstr("it is damaged: its table has no row 300; " + remedy));
 }
 
+
+TEST_F(ResultStoreTest, GoesOnByAPlanThatJudgesTheSameFlightsOtherwise) {
+  CampaignIdentity identity = IdentityOf(TableOf(4));
+  ResultStore::Open(file_, identity).Put(ResultOf(2));
+  identity.plan += "# a remark\nthresholds: {success: {min: 0.9}}\n";
+  EXPECT_THAT(ResultStore::Open(file_, identity).Rows(), ElementsAre(2));
+  EXPECT_EQ(ResultStore::Read(file_).identity().plan, identity.plan);
+  CampaignIdentity other = identity;
+  other.plan += "limit_s: 5\n", other.limit_s = 5;
+  EXPECT_THAT(Refusal(other), HasSubstr("plan: it is of another, whose line 5, 'limit_s: 5', is not in it"));
+  other = identity;
+  other.plan += "\n# --stop-when 0.02\n";
+  EXPECT_THAT(Refusal(other), HasSubstr("plan: flown without --stop-when 0.02, now with it"));
+}
+
+TEST_F(ResultStoreTest, OfATuningsFlightsThePlanSaysWhatTheyAre) {
+  CampaignIdentity identity = IdentityOf(TableOf(4));
+  identity.tuning = true;
+  { ResultStore::Open(file_, identity); }
+  EXPECT_TRUE(ResultStore::Read(file_).identity().tuning);
+  EXPECT_THROW(ResultStore::ReadCampaign(file_), InputError);
+  EXPECT_THAT(Refusal(IdentityOf(TableOf(4))), HasSubstr("kind: it is of a tuning"));
+  identity.plan += "# a remark\n";
+  EXPECT_THAT(Refusal(identity), HasSubstr("plan: it is of another"));
+}
+
+TEST_F(ResultStoreTest, FlightsByOtherModelsAreOthers) {
+  CampaignIdentity identity = IdentityOf(TableOf(4));
+  identity.models = "cameras/a.yaml 1\npads/p q.png 2\n";
+  { ResultStore::Open(file_, identity); }
+  EXPECT_EQ(Refusal(identity), "");
+  identity.models = "cameras/a.yaml 1\npads/p q.png 3\nworlds/new.xml 4\n";
+  EXPECT_THAT(Refusal(identity), HasSubstr("models: it was flown with another pads/p q.png, worlds/new.xml"));
+}
+
 TEST_F(ResultStoreTest, HasOneWriter) {
   const CampaignIdentity identity = IdentityOf(TableOf(4));
   const ResultStore store = ResultStore::Open(file_, identity);
@@ -286,7 +322,8 @@ TEST_F(ResultStoreTest, PythonReadsItWhileItIsWritten) {
             "[('error_m', 0.9092974268256817), ('none_m', None), ('settle_s', 0.3333333333333333)]\n");
   EXPECT_EQ(python("SELECT value FROM samples WHERE row = 3 ORDER BY key"), "[('10',), ('1',)]\n");
   EXPECT_EQ(python("SELECT key FROM campaign ORDER BY key"),
-            "[('keys',), ('name',), ('plan',), ('scenario',), ('schema',), ('table_hash',), ('version',)]\n");
+            "[('keys',), ('kind',), ('limit_s',), ('models',), ('name',), ('plan',), ('scenario',), ('schema',), "
+            "('table_hash',), ('version',)]\n");
 }
 
 TEST_F(ResultStoreTest, AReaderSeesWholeRunsWhileAnotherProcessWrites) {
