@@ -22,6 +22,7 @@
 #include "campaign/statistics/share_sequence.h"
 #include "campaign/statistics/stop_rule.h"
 #include "campaign/statistics/thresholds.h"
+#include "campaign/tuning/kept_flights.h"
 #include "config/stopwatch.h"
 #include "config/yaml_fields.h"
 #include "scenarios/files.h"
@@ -98,7 +99,11 @@ Asked Read(const CampaignArguments& a) {
   if (!a.runs.empty()) overrides.push_back("runs=" + a.runs);
   if (!a.seed.empty()) overrides.push_back("seed=" + a.seed);
   Mistakes of_files;
-  CheckWritableFile(a.junit, "--junit", of_files);
+  // Its folder may be that of the results, which is made with them.
+  if (const fs::path folder = fs::path(a.junit).parent_path(); folder.empty() || fs::exists(folder))
+    CheckWritableFile(a.junit, "--junit", of_files);
+  else
+    CheckWritableFolder(folder, "--junit", of_files);
   std::vector<std::string> mistakes = of_files.messages();
   const auto attempt = [&](const auto& what) {
     try {
@@ -131,6 +136,7 @@ Asked Read(const CampaignArguments& a) {
     asked.folder = a.out.empty() ? fs::path("results/campaigns") / asked.campaign.plan.name : fs::path(a.out);
     Mistakes of_folder;
     CheckWritableFolder(asked.folder, "--out", of_folder);
+    RefuseReportOf("tuning", FlightsFile(asked.folder), of_folder);
     mistakes = of_folder.messages();
   }
   if (!mistakes.empty()) throw InputError(mistakes);
@@ -146,7 +152,11 @@ std::string RuleOf(const CampaignArguments& a) {
 bool KeepsThresholds(const CampaignArguments& a, const Asked& asked, const std::vector<RunResult>& results) {
   const std::vector<JudgedThreshold> judged =
       Judge(asked.campaign.plan.thresholds, results, a.stop_when.has_value());
-  if (!a.junit.empty()) WriteFile(a.junit, ToJunit(asked.campaign.plan.name, judged));
+  if (!a.junit.empty()) {
+    if (const fs::path folder = fs::path(a.junit).parent_path(); !folder.empty())
+      fs::create_directories(folder);
+    WriteFile(a.junit, ToJunit(asked.campaign.plan.name, judged));
+  }
   return std::all_of(judged.begin(), judged.end(), [](const JudgedThreshold& t) { return t.passed; });
 }
 
@@ -288,7 +298,7 @@ bool MergeParts(const CampaignArguments& a) {
   fmt::print("{}: {} rows from {} files, {} were there; {} of {}\n", work.identity.name, merged.added,
              parts.size(), merged.there, rows - static_cast<std::int64_t>(merged.missing.size()), rows);
   fmt::print("  {}\n", into.string());
-  if (merged.missing.empty()) return true;
+  if (merged.missing.empty()) return ReportCommand({.of = a.file, .out = asked.folder.string()});
 
   // Whose they are, if all parts are of one division.
   std::set<int> divisions;
@@ -353,9 +363,20 @@ CLI::App* AddCampaignCommand(CLI::App& app, CampaignArguments& a) {
       ->check(NotEmpty);
   command->add_flag("--quiet", a.quiet, "Print nothing but errors");
   command->footer(
-      "What was interrupted goes on where it was. Records are written of failures alone; any other row is "
-      "flown "
-      "again by replay.\n\n"
+      "What was interrupted goes on where it was; after a change of metrics, thresholds or remarks the same "
+      "command judges what is there. Records are written of failures alone; any other row is flown again by "
+      "replay. Exit status 1: a threshold is not kept.\n\n"
+      "A campaign's file has\n"
+      "  scenario    a name or a file; set: [KEY=VALUE, ...] for every run\n"
+      "  vary        KEY: {uniform: [LOW, HIGH]}, log_uniform likewise, {normal: [MEAN, DEVIATION]},\n"
+      "              {truncated_normal: [MEAN, DEVIATION, LOW, HIGH]}, {choice: [...]} or {grid: [...]}\n"
+      "  correlated  [{keys: [...], rank_correlation: ...}]\n"
+      "  same        [{key: ..., as: ...}]: a key that takes the value of one that varies\n"
+      "  sampling    independent, latin_hypercube, sobol\n"
+      "  runs, seed  of the table\n"
+      "  metrics     those of the tables and of compare; default: those of the scenario's criteria\n"
+      "  thresholds  METRIC: {quantile, min, max}; success: {min}\n"
+      "  limit_s     of wall time for a run (600)\n\n"
       "Examples:\n"
       "  kestrel campaign dispersion --runs 200\n"
       "  kestrel campaign my_campaign.yaml --jobs 8 --stop-when 0.02\n"
@@ -377,7 +398,9 @@ CLI::App* AddCampaignCommand(CLI::App& app, CampaignArguments& a) {
   CLI::App* merge = verb("merge", "Join the results of parts into one file", Verb::kMerge);
   merge->add_option("shards", a.shards,
                     "Result files of parts (default: those in the folder of the results)");
-  merge->footer("Example:\n  kestrel campaign merge dispersion --out /shared/dispersion");
+  merge->footer(
+      "Once nothing is missing it writes the report. Exit status 1: rows are missing, or a threshold is not "
+      "kept.\n\nExample:\n  kestrel campaign merge dispersion --out /shared/dispersion");
   CLI::App* slurm = verb("slurm", "Print an sbatch script that flies the parts as a job array", Verb::kSlurm);
   CLI::App* parallel =
       verb("parallel", "Print the command by which GNU parallel flies the parts", Verb::kParallel);

@@ -32,6 +32,13 @@ CLI::Validator WholeNumber(int low, int high) {
       fmt::format("INT in [{} - {}]", low, high), "");
 }
 
+void RefuseReportOf(const char* kind, const std::filesystem::path& data, Mistakes& mistakes) {
+  if (std::filesystem::exists(data))
+    mistakes.Add("--out", "",
+                 fmt::format("{} is of a {}, whose report.html would be replaced; valid: another folder",
+                             data.string(), kind));
+}
+
 void EndOnInterrupt() {
   for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, End);
 }

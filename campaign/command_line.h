@@ -4,7 +4,10 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <string>
+
+#include "config/yaml_fields.h"
 
 namespace kestrel {
 
@@ -22,6 +25,10 @@ inline std::string NotNan(const std::string& text) {
 
 // Refuses an option that is no whole number from low to high.
 CLI::Validator WholeNumber(int low, int high);
+
+// A page of another kind than is to be written lies where its data do: --out is refused. kind: of that other,
+// data: its file in the folder.
+void RefuseReportOf(const char* kind, const std::filesystem::path& data, Mistakes& mistakes);
 
 // Until another handler is set: an interrupt, or the request to terminate, ends the program at once, with a
 // word and the status of what broke off.

@@ -6,6 +6,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <csignal>
 
@@ -29,6 +30,8 @@ namespace {
 namespace fs = std::filesystem;
 
 std::atomic<bool> stopped = false;
+
+constexpr std::array kMethods = {"cma_es", "cross_entropy", "random_search"};
 
 // Of the budget, as far as the search has come.
 std::int64_t FlightsUntil(const TuneResult& result) {
@@ -69,6 +72,21 @@ Searched SearchIn(const TuneArguments& a, const fs::path& folder, const std::vec
   return searched;
 }
 
+// Before the first of them flies.
+void RequireAllMethods(const TuneArguments& a) {
+  std::vector<std::string> mistakes;
+  for (const std::string method : kMethods) {
+    std::vector<std::string> overrides = a.overrides;
+    overrides.push_back("method=" + method);
+    try {
+      LoadTune(NamedFile("tuning", a.file), overrides);
+    } catch (const InputError& e) {
+      for (const std::string& each : e.messages) mistakes.push_back(fmt::format("{} ({})", each, method));
+    }
+  }
+  if (!mistakes.empty()) throw InputError(mistakes);
+}
+
 std::string AgainText(const TuneArguments& a) {
   std::string text = "./" + CommandText(a, a.overrides);
   if (a.compare > 0) text += fmt::format(" --compare {}", a.compare);
@@ -95,8 +113,23 @@ CLI::App* AddTuneCommand(CLI::App& app, TuneArguments& a) {
   command->add_flag("--quiet", a.quiet, "Print nothing but errors");
   command->footer(
       "It writes gains.yaml, which a scenario takes (--set gains=FILE), and report.html. Interrupted, it "
-      "goes "
-      "on where it was.\n\n"
+      "goes on where it was. Exit status 1: the gains found were not shown to be better than those it began "
+      "with.\n\n"
+      "A tuning's file has, of a campaign's: scenario, set, vary, correlated, same, sampling, seed, limit_s; "
+      "and\n"
+      "  gains          KEY: {low, high, log: looked for on a log scale, start: instead of the scenario's}\n"
+      "  cost           METRIC: {scale, weight, worst, wanted}: weight * metric / scale, the metric no more "
+      "than\n"
+      "                 worst (10 scales), which it also is of a flight without it; with wanted, what it "
+      "lacks\n"
+      "                 of that stands for the metric\n"
+      "  constraints    METRIC: {max, min, penalty (5)}: a flight beyond costs once to twice the penalty\n"
+      "  failure        cost of a flight that does not pass (0)\n"
+      "  method         cma_es, cross_entropy, random_search\n"
+      "  budget         flights of the search and its leaders (500)\n"
+      "  rows           flights of each candidate (2); the candidates of a round fly the same\n"
+      "  leaders        gains flown again (5), on fresh_rows (10)\n"
+      "  held_out_rows  for the gains found and those to compare them with (50); held_out_seed (1)\n\n"
       "Examples:\n  kestrel tune hover/poor\n"
       "  kestrel tune hover/poor --set method=random_search --set seed=2 --out "
       "/tmp/random\n"
@@ -112,12 +145,14 @@ bool TuneCommand(const TuneArguments& a) {
       a.out.empty() ? fs::path("results/tunings") / tune.plan.flights.name : fs::path(a.out);
   Mistakes mistakes;
   CheckWritableFolder(folder, "--out", mistakes);
+  RefuseReportOf("campaign", ResultFile(folder), mistakes);
   mistakes.ThrowIfAny();
+  if (a.compare > 0) RequireAllMethods(a);
   for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int) { stopped = true; });
   KnownFlights known;
   std::vector<Searched> searches;
   if (a.compare == 0) searches.push_back(SearchIn(a, folder, {}, known));
-  for (const char* method : {"cma_es", "cross_entropy", "random_search"}) {
+  for (const char* method : kMethods) {
     for (int repetition = 0; repetition < a.compare; ++repetition) {
       const std::uint64_t seed = tune.plan.flights.seed + static_cast<std::uint64_t>(repetition);
       const std::string name = fmt::format("{}-{}", method, seed);

@@ -6,6 +6,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
+#include <boost/locale/utf.hpp>
 #include <cerrno>
 #include <charconv>
 #include <cmath>
@@ -20,6 +21,19 @@ namespace {
 using Kind = ConfigNode::Kind;
 
 constexpr int kGreatestDepth = 32;  // an anchor may hold itself
+
+// The number of the first line that is not UTF-8, in which alone others read what is kept of a file. 0: all
+// are.
+int LineNotUtf8(const std::string& text) {
+  using Utf8 = boost::locale::utf::utf_traits<char>;
+  int line = 1;
+  for (auto at = text.begin(); at != text.end();) {
+    const auto letter = Utf8::decode(at, text.end());
+    if (letter == boost::locale::utf::illegal || letter == boost::locale::utf::incomplete) return line;
+    line += letter == '\n';
+  }
+  return 0;
+}
 
 ConfigNode FromYaml(const YAML::Node& yaml, const std::string& where, const auto& where_of, int depth) {
   if (depth > kGreatestDepth) throw YAML::Exception(yaml.Mark(), "nested too deeply");
@@ -200,6 +214,10 @@ Config ParseConfig(const std::string& text, const std::string& name,
                    const std::vector<std::string>& overrides, Mistakes& mistakes) {
   Config config;
   const auto where_of = [&](const YAML::Mark& mark) { return fmt::format("{}:{}", name, mark.line + 1); };
+  if (const int line = LineNotUtf8(text); line > 0) {
+    mistakes.Add(fmt::format("{}:{}", name, line), "", "it is not in UTF-8; valid: the file saved in UTF-8");
+    return config;
+  }
   try {
     const std::vector<YAML::Node> documents = YAML::LoadAll(text);
     config.root.where = name + ":1";

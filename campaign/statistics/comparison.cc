@@ -67,10 +67,16 @@ std::vector<std::string> SettingsThatDiffer(const CampaignIdentity& a, const Cam
   return differs;
 }
 
+std::vector<std::string> Once(const std::vector<std::string>& names) {
+  std::vector<std::string> once;
+  for (const std::string& name : names)
+    if (std::find(once.begin(), once.end(), name) == once.end()) once.push_back(name);
+  return once;
+}
+
 std::vector<std::string> MetricsToCompare(const MetricAims& a, const MetricAims& b) {
   std::vector<std::string> metrics = a.listed;
-  for (const std::string& name : b.listed)
-    if (std::find(metrics.begin(), metrics.end(), name) == metrics.end()) metrics.push_back(name);
+  metrics.insert(metrics.end(), b.listed.begin(), b.listed.end());
   return metrics;
 }
 
@@ -79,6 +85,8 @@ std::optional<double> MetricOf(const RunResult& result, const std::string& name)
   if (found == result.metrics.end() || !std::isfinite(found->second)) return std::nullopt;
   return found->second;
 }
+
+bool Differs(const MetricComparison& m) { return !m.differences.mean_stricter.Holds(0); }
 
 Verdict VerdictOf(const Interval& difference, std::optional<Better> better) {
   if (!better || difference.Holds(0)) return Verdict::kNotShown;
@@ -89,24 +97,29 @@ std::string_view NameOf(Verdict verdict) {
   return verdict == Verdict::kBetter ? "better" : verdict == Verdict::kWorse ? "worse" : "not shown";
 }
 
-std::string NamesWith(const Comparison& c, Verdict verdict) {
+template <class Which>
+std::string NamesOf(const Comparison& c, const Which& which) {
   std::string names;
   for (const MetricComparison& m : c.metrics)
-    if (m.verdict == verdict)
+    if (which(m))
       names += fmt::format("{}{} ({:.3g} against {:.3g} in the mean)", names.empty() ? "" : ", ", m.name,
                            m.differences.mean.b, m.differences.mean.a);
   return names;
 }
 
 void Conclude(Comparison& c) {
-  const std::string better = NamesWith(c, Verdict::kBetter), worse = NamesWith(c, Verdict::kWorse);
+  const auto with = [](Verdict verdict) { return [=](const auto& m) { return m.verdict == verdict; }; };
+  const std::string better = NamesOf(c, with(Verdict::kBetter)), worse = NamesOf(c, with(Verdict::kWorse));
+  const std::string unjudged = NamesOf(c, [](const auto& m) { return !m.better && Differs(m); });
   const double rows = static_cast<double>(c.ends.rows());
-  const std::string success = fmt::format(
+  std::string success = fmt::format(
       "{:.1f} % against {:.1f} % of {} rows pass ({:+.1f} points, 95 % interval {:+.1f} to "
       "{:+.1f}, McNemar p = {:.2g})",
       100 * static_cast<double>(c.ends.both + c.ends.only_b) / rows,
       100 * static_cast<double>(c.ends.both + c.ends.only_a) / rows, c.ends.rows(), 100 * c.success.value,
       100 * c.success.interval.low, 100 * c.success.interval.high, c.chance);
+  const bool near = c.success_verdict == Verdict::kNotShown && !c.success.interval.Holds(0);
+  if (near) success += ", which is exact and decides: the interval is an approximation";
   if (c.success_verdict != Verdict::kNotShown) {
     c.verdict = c.success_verdict;
     c.sentence = fmt::format("B is {} than A: {}", NameOf(c.verdict), success);
@@ -120,9 +133,13 @@ void Conclude(Comparison& c) {
     c.sentence = fmt::format("Not shown that B is better or worse than A: better in {}, worse in {}; {}",
                              better, worse, success);
   } else {
-    c.sentence = fmt::format("Not shown that B is better or worse than A: {}{}", success,
-                             c.metrics.empty() ? "" : ", and no metric differs by more than chance may");
+    c.sentence = fmt::format(
+        "Not shown that B is better or worse than A: {}{}", success,
+        c.metrics.empty() || !unjudged.empty() ? "" : ", and no metric differs by more than chance may");
   }
+  if (!unjudged.empty())
+    c.sentence +=
+        fmt::format("; other in {}, which no criterion or threshold calls better or worse", unjudged);
   c.sentence += '.';
 }
 
@@ -157,11 +174,16 @@ Comparison Compare(const CampaignResults& a, const CampaignResults& b, std::vect
   const MetricAims aims_a = AimsOf(a.identity), aims_b = AimsOf(b.identity);
   const bool asked = !metrics.empty();
   if (!asked) metrics = MetricsToCompare(aims_a, aims_b);
+  metrics = Once(metrics);
   std::map<std::string, Better> better = aims_a.better;
   better.insert(aims_b.better.begin(), aims_b.better.end());
   const auto judged = std::count_if(metrics.begin(), metrics.end(),
                                     [&](const std::string& name) { return better.contains(name); });
-  const double level = 1 - 0.05 / static_cast<double>(std::max<std::ptrdiff_t>(1, judged));
+  // The differences of all metrics of a kind together are by chance with a probability of 5 % at most.
+  const auto level = [](std::ptrdiff_t of) {
+    return 1 - 0.05 / static_cast<double>(std::max<std::ptrdiff_t>(1, of));
+  };
+  const double level_judged = level(judged), level_others = level(std::ssize(metrics) - judged);
   Mistakes mistakes;
   for (const std::string& name : metrics) {
     MetricComparison m;
@@ -175,10 +197,14 @@ Comparison Compare(const CampaignResults& a, const CampaignResults& b, std::vect
     }
     m.pairs = std::ssize(values_a);
     if (m.pairs < 2) {
-      if (asked) mistakes.Add("compare", name, "fewer than two rows have this metric in both");
+      if (asked)
+        mistakes.Add(
+            "--metric", name,
+            m.pairs + m.only_a + m.only_b == 0 ? "no row has it" : "fewer than two rows have it in both");
       continue;
     }
-    m.differences = DifferencesOf(values_a, values_b, seed, level, resamples);
+    m.differences =
+        DifferencesOf(values_a, values_b, seed, m.better ? level_judged : level_others, resamples);
     m.verdict = VerdictOf(m.differences.mean_stricter, m.better);
     c.metrics.push_back(std::move(m));
   }
@@ -249,6 +275,7 @@ std::string ToJson(const Comparison& c) {
                                {"pairs", m.pairs},
                                {"only_a", m.only_a},
                                {"only_b", m.only_b},
+                               {"differs", Differs(m)},
                                {"verdict", NameOf(m.verdict)},
                                {"mean", difference(m.differences.mean)},
                                {"median", difference(m.differences.median)},

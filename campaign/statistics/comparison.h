@@ -25,9 +25,9 @@ struct MetricComparison {
   std::optional<Better> better;
   std::int64_t pairs = 0, only_a = 0, only_b = 0;  // rows that have it in both, in one alone
   PairedDifferences differences;
-  // Whether the mean differs, in the direction that counts. Over all metrics together no difference is seen
-  // where there is none with 95 % confidence (Bonferroni): each is judged at a stricter level than the
-  // interval shown.
+  // Whether the mean differs, in the direction that counts. Over all metrics with such a direction together
+  // no difference is seen where there is none with 95 % confidence (Bonferroni), and over the others
+  // likewise: each is judged at a stricter level than the interval shown.
   Verdict verdict = Verdict::kNotShown;
 };
 
@@ -53,9 +53,9 @@ Comparison Compare(const CampaignResults& a, const CampaignResults& b, std::vect
 std::string ToText(const Comparison& comparison);
 
 // JSON, for other tools: differs, rows {both_have, only_a, only_b}, success {both, only_a, only_b, neither,
-// difference, low, high, mcnemar_p, verdict}, metrics [{name, pairs, only_a, only_b, verdict,
-// mean | median | quantile_95: {a, b, difference, low, high}}], verdict: "better" | "worse" | "not shown",
-// sentence.
+// difference, low, high, mcnemar_p, verdict}, metrics [{name, pairs, only_a, only_b, differs,
+// verdict, mean | median | quantile_95: {a, b, difference, low, high}}], verdict: "better" | "worse" | "not
+// shown", sentence.
 std::string ToJson(const Comparison& comparison);
 
 }  // namespace kestrel

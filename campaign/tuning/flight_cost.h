@@ -12,7 +12,7 @@ namespace kestrel {
 
 // A metric in the cost of a flight: weight * metric / scale, the metric being no more than `worst`, which it
 // also is of a flight that does not have it. Of a metric that is the better the more it is, what it lacks of
-// `wanted` stands for it.
+// `wanted` stands for it, also in `worst`.
 struct CostTerm {
   double weight = 1;
   double scale = 1;              // in the metric's unit: what is good
@@ -24,7 +24,7 @@ template <class Visitor>
 void Fields(Visitor& v, CostTerm& t) {
   v("weight", t.weight, 0.0, 1e6);
   v(Required("scale"), t.scale, 1e-9, 1e9);
-  v("worst", t.worst, -1e9, 1e9);
+  v("worst", t.worst, 1e-9, 1e9);  // at 0 the term would be the same for all
   v("wanted", t.wanted, -1e9, 1e9);
 }
 

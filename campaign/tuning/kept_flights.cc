@@ -10,6 +10,8 @@
 
 namespace kestrel {
 
+std::filesystem::path FlightsFile(const std::filesystem::path& folder) { return folder / "flights.sqlite"; }
+
 CampaignIdentity FlightsOf(const LoadedTune& tune) {
   SampleTable table{{"flight"}, {}};
   const std::size_t most = static_cast<std::size_t>(tune.plan.budget) + 3 * tune.held_out.rows.size();
@@ -26,7 +28,7 @@ CampaignIdentity FlightsOf(const LoadedTune& tune) {
 KeptFlights::KeptFlights(const LoadedTune& tune, const std::filesystem::path& folder, int jobs,
                          std::vector<std::string> worker, const std::atomic<bool>& stopped,
                          KnownFlights& known)
-    : store_(ResultStore::Open(folder / "flights.sqlite", FlightsOf(tune))),
+    : store_(ResultStore::Open(FlightsFile(folder), FlightsOf(tune))),
       files_(tune.plan.flights.scenario, tune.plan.flights.set),
       jobs_(jobs),
       limit_s_(tune.plan.flights.limit_s),

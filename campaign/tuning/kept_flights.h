@@ -15,7 +15,10 @@
 
 namespace kestrel {
 
-// What a tuning's flights.sqlite is of: a row for each flight that it can come to; what each flies with is
+// In a tuning's folder.
+std::filesystem::path FlightsFile(const std::filesystem::path& folder);
+
+// What it is of: a row for each flight that it can come to; what each flies with is
 // known only then.
 CampaignIdentity FlightsOf(const LoadedTune& tune);
 

@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 
 namespace kestrel {
 namespace {
@@ -35,6 +37,16 @@ Json ToJson(const Evaluation& e) {
                {"cost", e.Cost()}, {"costs", e.costs},     {"passed", e.passed}};
   if (!e.kept.empty()) json["kept"] = e.kept;
   return json;
+}
+
+// Where better ones may lie beyond.
+bool AtItsBound(const Gain& gain, double value) { return value == gain.low || value == gain.high; }
+
+// Whether in no round of the search one candidate was any better than another.
+bool NothingToGoBy(const TuneResult& result) {
+  std::map<int, std::set<double>> costs;
+  for (const Evaluation& e : result.search) costs[result.compares_rounds ? 0 : e.round].insert(e.Cost());
+  return std::all_of(costs.begin(), costs.end(), [](const auto& round) { return round.second.size() == 1; });
 }
 
 Json ToJson(const PairedCost& d) { return {{"difference", d.difference}, {"low", d.low}, {"high", d.high}}; }
@@ -80,7 +92,8 @@ std::string GainsFile(const LoadedTune& tune, const TuneResult& result, const st
                         JudgementOf(*result.from_own, "those"));
   for (const std::string& each : BrokenConstraints(tune, result)) text += fmt::format("# {}\n", each);
   for (const auto& [key, value] : result.gains)
-    text += fmt::format("{}: {}  # began at {}\n", key, value, *plan.gains.at(key).start);
+    text += fmt::format("{}: {}  # began at {}{}\n", key, value, *plan.gains.at(key).start,
+                        AtItsBound(plan.gains.at(key), value) ? "; a bound of where it was looked for" : "");
   for (const std::string& each : tune.others) {
     const std::size_t equals = each.find('=');
     text += fmt::format("{}: {}  # not tuned\n", each.substr(0, equals), each.substr(equals + 1));
@@ -121,7 +134,8 @@ std::string TuneJson(const LoadedTune& tune, const TuneResult& result, const std
 std::string TuneText(const LoadedTune& tune, const TuneResult& result) {
   std::string text = fmt::format("{:<44} {:>11} {:>11}\n", "gain", "start", "tuned");
   for (const auto& [key, value] : result.gains)
-    text += fmt::format("{:<44} {:>11.5g} {:>11.5g}\n", key, *tune.plan.gains.at(key).start, value);
+    text += fmt::format("{:<44} {:>11.5g} {:>11.5g}{}\n", key, *tune.plan.gains.at(key).start, value,
+                        AtItsBound(tune.plan.gains.at(key), value) ? "   its bound" : "");
   text += fmt::format("\ncost on {} rows that the search never saw, after {} flights of it:\n",
                       result.tuned.costs.size(), result.flights);
   text += fmt::format("  start   {:10.4g}   {}\n", result.start.Cost(), PassedText(result.start));
@@ -139,6 +153,8 @@ std::string VerdictText(const LoadedTune& tune, const TuneResult& result) {
     text += fmt::format(" They are {}: {}.", JudgementOf(*result.from_own, "those that the scenario had"),
                         DifferenceText(*result.from_own));
   for (const std::string& each : BrokenConstraints(tune, result)) text += ' ' + each;
+  if (NothingToGoBy(result))
+    text += " All candidates of the search cost the same: nothing in the cost depends on these gains.";
   return text;
 }
 

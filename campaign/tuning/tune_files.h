@@ -23,8 +23,8 @@ std::string TuneJson(const LoadedTune& tune, const TuneResult& result, const std
 // A sentence for each constraint that is not kept to in every held-out flight with the gains found.
 std::vector<std::string> BrokenConstraints(const LoadedTune& tune, const TuneResult& result);
 
-// Whether the gains found are better than those it began with, and than the scenario's own, and how they keep
-// to each constraint, or that no candidate ever did; sentences.
+// Whether the gains found are better than those it began with, and than the scenario's own, how they keep to
+// each constraint, or that no candidate ever did, and whether all candidates cost the same; sentences.
 std::string VerdictText(const LoadedTune& tune, const TuneResult& result);
 
 // What came of it, for people.

@@ -8,6 +8,7 @@
 #include <map>
 
 #include "campaign/execution/batch_script.h"
+#include "campaign/tuning/kept_flights.h"
 #include "campaign/tuning/tune_files.h"
 #include "scenarios/scenario.h"
 #include "scenarios/statistics.h"
@@ -55,7 +56,7 @@ ReportSubject TuneSubject(const std::vector<Searched>& searches, const std::file
                       Version(), tune.held_out};
   subject.results = runs;
   subject.summary = Summarise(subject.identity, runs);
-  subject.results_file = (folder / "flights.sqlite").string();
+  subject.results_file = FlightsFile(folder).string();
   subject.again = again;
 
   TuningHistory& history = subject.tuning.emplace();

@@ -136,6 +136,30 @@ TEST_F(CampaignCommandTest, ReportsOnWhatItFlewByTheThresholdsItWasGiven) {
   EXPECT_EQ(Campaign("report here").status, 1);
 }
 
+// As the workflow of examples/ci does, in a checkout that has no such folder.
+TEST_F(CampaignCommandTest, JunitMayLieInTheFolderOfTheResults) {
+  const Ended run =
+      Campaign("short.yaml --runs 1 --record-failures 0 --out results --junit results/junit.xml");
+  EXPECT_EQ(run.status, 0) << run.err;
+  EXPECT_TRUE(fs::exists(folder_ / "results/junit.xml"));
+}
+
+TEST_F(CampaignCommandTest, WhatIsThereIsJudgedByAnotherThresholdAndNotFlownAgain) {
+  EXPECT_EQ(Campaign("short.yaml --out here --runs 2 --record-failures 0").status, 0);
+  std::ofstream(folder_ / "short.yaml", std::ios::app) << "thresholds: {success: {min: 0.999}}\n";
+  fs::remove_all(folder_ / "here/logs");
+  EXPECT_EQ(Campaign("short.yaml --out here --runs 2 --record-failures 0").status, 1);
+  EXPECT_FALSE(fs::exists(folder_ / "here/logs"));  // of a worker
+}
+
+TEST_F(CampaignCommandTest, TheFolderOfATuningIsRefused) {
+  fs::create_directories(folder_ / "here");
+  std::ofstream(folder_ / "here/flights.sqlite") << "";
+  const Ended run = Campaign("short.yaml --out here");
+  EXPECT_EQ(run.status, 2);
+  EXPECT_THAT(run.err, HasSubstr("flights.sqlite is of a tuning, whose report.html would be replaced"));
+}
+
 TEST_F(CampaignCommandTest, AnotherTableIsRefusedBeforeAnythingFlies) {
   EXPECT_EQ(Campaign("short.yaml --out here --runs 1 --record-failures 0").status, 0);
   const std::string before = Tables("here/results.sqlite");

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "config/yaml_fields.h"
@@ -54,6 +55,36 @@ TEST(Compare, OfThoseThatSpeakAgainstEachOtherNothingIsShown) {
   EXPECT_THAT(c.sentence,
               StartsWith("Not shown that B is better or worse than A: better in touchdown_error_m"));
   EXPECT_THAT(c.sentence, HasSubstr("worse in fix_share"));
+}
+
+TEST(Compare, OfWhatHasNoBetterOrWorseItSaysThatItDiffers) {
+  const CampaignResults a = ExampleCampaign();
+  CampaignResults b = a;
+  for (RunResult& run : b.results) run.metrics["path_m"] = 2 + std::cos(static_cast<double>(run.row));
+  CampaignResults longer = b;
+  for (RunResult& run : longer.results) run.metrics["path_m"] += 0.5;
+  const Comparison c = Compare(b, longer, {"path_m", "fix_share", "path_m"}, 1, kResamples);
+  EXPECT_THAT(c.metrics, testing::SizeIs(2));
+  EXPECT_EQ(c.verdict, Verdict::kNotShown);
+  EXPECT_THAT(c.sentence, HasSubstr("; other in path_m (2.5 against 2 in the mean), which no criterion"));
+  EXPECT_THAT(c.sentence, testing::Not(HasSubstr("no metric differs")));
+  EXPECT_EQ(nlohmann::json::parse(ToJson(c)).at("metrics").at(0).at("differs"), true);
+  EXPECT_THAT(Compare(b, b, {"path_m"}, 1, kResamples).sentence, HasSubstr("and no metric differs"));
+}
+
+// Of 24 rows 4 against none: the score interval leaves 0 out, the exact test does not.
+TEST(Compare, TheExactTestDecidesWhereTheIntervalSaysOtherwise) {
+  CampaignResults a = ExampleCampaign();
+  a.results.resize(24);
+  for (RunResult& run : a.results) run.status = run.row < 20 ? RunStatus::kPassed : RunStatus::kFailed;
+  CampaignResults b = a;
+  for (RunResult& run : b.results)
+    if (run.row < 4) run.status = RunStatus::kFailed;
+  const Comparison c = Compare(a, b, {}, 1, kResamples);
+  EXPECT_EQ(c.chance, 0.125);
+  EXPECT_LT(c.success.interval.high, 0);
+  EXPECT_EQ(c.verdict, Verdict::kNotShown);
+  EXPECT_THAT(c.sentence, HasSubstr("McNemar p = 0.12), which is exact and decides"));
 }
 
 TEST(Compare, SuccessSpeaksBeforeTheMetrics) {

@@ -166,8 +166,7 @@ TEST_F(ResultStoreTest, RefusesAnotherCampaignsFileAndSaysWhatDiffers) {
   wanted.plan += "\n# --set seed=2\n\n# --set set=[a=1]\n", wanted.scenario += "a: 1\n";
   EXPECT_THAT(Refusal(wanted),
               HasSubstr("plan: flown without --seed 2 --set set=[a=1], now with it; valid:"));
-  EXPECT_THAT(Differences(wanted, has),
-              Contains("plan: flown with --seed 2 --set set=[a=1], now without"));
+  EXPECT_THAT(Differences(wanted, has), Contains("plan: flown with --seed 2 --set set=[a=1], now without"));
   CampaignIdentity other = has;
   other.plan += "\n# --set runs=9\n\n# --set set=[a=1]\n\n# --stop-when 0.02\n";
   EXPECT_THAT(Differences(wanted, other),
@@ -260,7 +259,6 @@ TEST_F(ResultStoreTest, ADamagedFileIsRefusedWithARemedy) {
   EXPECT_THAT(Damage(file_), HasSubstr("it is damaged: its table has no row 300; " + remedy));
 }
 
-
 TEST_F(ResultStoreTest, GoesOnByAPlanThatJudgesTheSameFlightsOtherwise) {
   CampaignIdentity identity = IdentityOf(TableOf(4));
   ResultStore::Open(file_, identity).Put(ResultOf(2));
@@ -321,9 +319,10 @@ TEST_F(ResultStoreTest, PythonReadsItWhileItIsWritten) {
   EXPECT_EQ(python("SELECT name, value FROM metrics ORDER BY name"),
             "[('error_m', 0.9092974268256817), ('none_m', None), ('settle_s', 0.3333333333333333)]\n");
   EXPECT_EQ(python("SELECT value FROM samples WHERE row = 3 ORDER BY key"), "[('10',), ('1',)]\n");
-  EXPECT_EQ(python("SELECT key FROM campaign ORDER BY key"),
-            "[('keys',), ('kind',), ('limit_s',), ('models',), ('name',), ('plan',), ('scenario',), ('schema',), "
-            "('table_hash',), ('version',)]\n");
+  EXPECT_EQ(
+      python("SELECT key FROM campaign ORDER BY key"),
+      "[('keys',), ('kind',), ('limit_s',), ('models',), ('name',), ('plan',), ('scenario',), ('schema',), "
+      "('table_hash',), ('version',)]\n");
 }
 
 TEST_F(ResultStoreTest, AReaderSeesWholeRunsWhileAnotherProcessWrites) {

@@ -138,6 +138,24 @@ TEST_F(TuneCommandTest, WhatIsThereAlreadyIsNotCountedFromOneAgain) {
   EXPECT_THAT(said, testing::Not(HasSubstr("round")));
 }
 
+TEST_F(TuneCommandTest, AMethodThatCannotBeComparedIsRefusedBeforeAnyFlies) {
+  TuneArguments arguments = Arguments("out", 1);
+  arguments.compare = 1, arguments.overrides = {"budget=34"};  // 20 candidates of cross-entropy take more
+  try {
+    TuneCommand(arguments);
+    ADD_FAILURE();
+  } catch (const InputError& e) {
+    EXPECT_THAT(e.messages,
+                testing::ElementsAre(testing::ContainsRegex("budget: 34 .*\\(cross_entropy\\)$")));
+  }
+  EXPECT_FALSE(fs::exists(folder_ / "flown.txt"));
+}
+
+TEST_F(TuneCommandTest, TheFolderOfACampaignIsRefused) {
+  std::ofstream(folder_ / "results.sqlite") << "";
+  EXPECT_THROW(TuneCommand(Arguments(".", 1)), InputError);
+}
+
 TEST_F(TuneCommandTest, TheFolderOfAnotherTuningIsRefused) {
   EXPECT_TRUE(TuneCommand(Arguments("out", 2)));
   TuneArguments other = Arguments("out", 2);

@@ -101,12 +101,13 @@ gains:
   pilot.servo.lambda_yaw_per_s: {low: 0, high: 3}
   pilot.servo.lambda_per_s: {low: 0, high: 3, log: true}
   pilot.servo.speed_limit_m_s: {low: 2, high: 1, start: 7}
-cost: {follow_distance_rmse: {scale: 0.1}, in_view_share: {weight: 1}}
+cost: {follow_distance_rmse: {scale: 0.1}, in_view_share: {weight: 1, worst: 0}}
 constraints: {greatest_tilt_deg: {}, settle_s: {max: 9}, closest_m: {min: 3, max: 2}}
 method: cma
 )"),
       ElementsAre(
           "f.yaml:9: cost.in_view_share.scale: must be given",
+          "f.yaml:9: cost.in_view_share.worst: 0 is out of range; valid: 1e-09 to 1000000000",
           StartsWith("f.yaml:11: method: 'cma' is not valid;"),
           "f.yaml:7: gains.pilot.servo.lambda_per_s: low = 0 has no logarithm; valid: above 0",
           "f.yaml:6: gains.pilot.servo.lambda_yaw_per_s: is tuned, and set has "

@@ -263,6 +263,26 @@ TEST(Tune, AConstraintThatIsNotMetIsSaidWhereverTheVerdictIs) {
   EXPECT_THAT(always + always_file + always_beside, Not(HasSubstr("constraint")));
 }
 
+TEST(Tune, ACostThatNoGainChangesIsSaid) {
+  LoadedTune tune = Problem();
+  EXPECT_THAT(VerdictText(tune, Tune(tune, FlyFormula)), Not(HasSubstr("cost the same")));
+  tune.plan.cost.terms["error_m"].weight = 0, tune.plan.cost.failure = 0;
+  for (const char* method : {"cma_es", "random_search"}) {
+    tune.plan.method = method;
+    EXPECT_THAT(VerdictText(tune, Tune(tune, FlyFormula)),
+                HasSubstr("All candidates of the search cost the same"));
+  }
+}
+
+TEST(Tune, AGainThatEndsAtItsBoundIsMarked) {
+  LoadedTune tune = Problem();
+  TuneResult result = Tune(tune, FlyFormula);
+  EXPECT_THAT(TuneText(tune, result), Not(testing::ContainsRegex("gain.a .* its bound")));
+  result.gains["gain.a"] = 10;
+  EXPECT_THAT(TuneText(tune, result), testing::ContainsRegex("gain.a .* its bound"));
+  EXPECT_THAT(GainsFile(tune, result, "f.yaml", "1.0"), HasSubstr("gain.a: 10  # began at 9.5; a bound"));
+}
+
 TEST(Tune, TheBestOfTheSearchIsJudgedOnFreshRows) {
   const TuneResult result = Tune(Problem(), FlyFormula);
   ASSERT_THAT(result.leaders, SizeIs(5));

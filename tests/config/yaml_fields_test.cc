@@ -197,6 +197,9 @@ TEST(YamlFields, AFileThatIsNoYamlIsRefusedWithItsLineAndNothingElseIsSaid) {
   EXPECT_THAT(ReadText("a: &x [*x]\n").mistakes, ElementsAre(HasSubstr("nested too deeply")));
   EXPECT_THAT(ReadText("name: a\n---\nname: b\n").mistakes, ElementsAre(HasSubstr("more than one document")));
   EXPECT_THAT(ReadText("[1, 2]: a\n").mistakes, ElementsAre(HasSubstr("a key must be a name")));
+  EXPECT_THAT(ReadText("name: a\n# W\xe4rme\n").mistakes,
+              ElementsAre(HasSubstr("f.yaml:2: it is not in UTF-8")));
+  EXPECT_THAT(ReadText("# W\xc3\xa4rme\n").mistakes, ElementsAre(HasSubstr("name: must be given")));
   EXPECT_THAT(ReadText("").mistakes, ElementsAre("f.yaml:1: name: must be given"));
   EXPECT_THAT(ReadText("just words").mistakes, ElementsAre(HasSubstr("f.yaml:1: 'just words' is not valid")));
 }

@@ -5,14 +5,16 @@ const intervalScale = ({share, low, high, wanted}) => {
   const from = Math.max(0, Math.min(low, wanted ?? low) - span), to = Math.min(1, high + span);
   const place = (value) => `${(100 * (value - from) / (to - from)).toFixed(2)}%`;
   const digits = to - from < 0.05 ? 1 : 0;
+  // An end of the scale has no room for its label where the limit's is.
+  const free = (end) => !hasNumber(wanted) || Math.abs(wanted - end) > 0.25 * (to - from);
   return el("div", {class: "scale", role: "img", "aria-label": `interval from ${percent(low)} to ${percent(high)}`},
     el("i", {class: "track"}),
     el("i", {class: "span", style: `left:${place(low)};right:calc(100% - ${place(high)})`}),
     el("i", {class: "at", style: `left:${place(share)}`}),
     hasNumber(wanted) ? el("i", {class: "wanted", style: `left:${place(wanted)}`, title: `wanted: ${percent(wanted)}`}) : null,
-    el("span", {style: "left:0"}, percent(from, digits)),
+    free(from) ? el("span", {style: "left:0"}, percent(from, digits)) : null,
     hasNumber(wanted) ? el("span", {style: `left:${place(wanted)}`}, `wanted ${percent(wanted)}`) : null,
-    el("span", {class: "last", style: "left:100%"}, percent(to, digits)));
+    free(to) ? el("span", {class: "last", style: "left:100%"}, percent(to, digits)) : null);
 };
 
 const drawHeading = () => {
@@ -44,15 +46,18 @@ const drawShare = () => {
     el("div", {class: "share", id: "share"}, (100 * s.share).toFixed(s.n >= 200 ? 1 : 0), el("small", {}, " %")),
     el("p", {class: "interval"}, `${confidence} interval `, el("b", {}, `${percent(s.low)} to ${percent(s.high)}`)),
     intervalScale({...s, wanted}),
-    el("p", {class: "note"}, `${plural(s.passed, "run")} of ${count(s.n)} met the scenario’s criteria; ` +
+    el("p", {class: "note"}, `${plural(s.passed, "run")} of ${count(s.n)} passed: they did what the flight is for and met the scenario’s criteria; ` +
        `a run that broke off, crashed, was refused or timed out counts as one that did not. ${intervalNote()}`));
 };
 
-// The criteria that rows did not keep to, with how many did not: the most frequent first.
+// The criteria that rows did not keep to, with how many did not: the most frequent first. Who kept to all did
+// not do what the flight is for.
+const orElse = (names, other) => (names.length ? names : [other]);
 const missedBy = (rows) => {
   const counts = new Map();
   for (const row of rows)
-    for (const name of missedCriteria(runOfRow.get(row))) counts.set(name, (counts.get(name) ?? 0) + 1);
+    for (const name of orElse(missedCriteria(runOfRow.get(row)), "what the flight is for"))
+      counts.set(name, (counts.get(name) ?? 0) + 1);
   return [...counts].sort((a, b) => b[1] - a[1]);
 };
 
