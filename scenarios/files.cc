@@ -8,7 +8,7 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
-#include <iterator>
+#include <sstream>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -24,6 +24,8 @@ namespace fs = std::filesystem;
 std::string WhyNotWritten(const fs::path& file) {
   std::error_code none;
   if (fs::is_directory(file, none)) return "it is a folder";
+  if (fs::exists(file, none) && !fs::is_regular_file(file, none))
+    return "it is a device or a pipe, which a file would replace";
   if (file.has_parent_path() && !fs::is_directory(file.parent_path(), none))
     return fmt::format("there is no folder '{}'", file.parent_path().string());
   const fs::path part = PartOf(file);
@@ -57,8 +59,9 @@ void WriteFile(const std::filesystem::path& file, std::string_view content) {
 }
 
 std::string ReadFile(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
+  std::ostringstream text;
+  text << std::ifstream(file, std::ios::binary).rdbuf();
+  return std::move(text).str();
 }
 
 void CheckWritableFile(const fs::path& file, const char* option, Mistakes& mistakes) {

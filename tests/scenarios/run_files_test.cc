@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <csignal>
@@ -11,6 +12,7 @@
 #include <opencv2/imgproc.hpp>
 #include <sstream>
 
+#include "config/yaml_fields.h"
 #include "geometry/tait_bryan.h"
 #include "scenarios/files.h"
 #include "scenarios/piped_program.h"
@@ -121,6 +123,15 @@ TEST_F(PartFileTest, AFailureNamesTheFileAndTheReason) {
   EXPECT_THAT(MessageOf([&] { WriteFile(folder_ / "a.txt", "one"); }),
               AllOf(HasSubstr("a.txt: No space left on device")));
   EXPECT_THAT(Files(), IsEmpty());  // of a whole file nothing stays behind
+}
+
+TEST_F(PartFileTest, ADeviceIsNotReplacedByAFile) {
+  ASSERT_EQ(mkfifo((folder_ / "pipe").c_str(), 0600), 0);
+  Mistakes mistakes;
+  CheckWritableFile(folder_ / "pipe", "--json", mistakes);
+  CheckWritableFile(folder_ / "a.txt", "--json", mistakes);
+  EXPECT_THAT(mistakes.messages(),
+              ElementsAre(HasSubstr("pipe' cannot be written: it is a device or a pipe")));
 }
 
 TEST_F(PartFileTest, AfterAFailedWriteTheFileIsNeverGivenItsName) {
