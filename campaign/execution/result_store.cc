@@ -475,7 +475,7 @@ ResultStore ResultStore::ReadCampaign(const fs::path& file) {
 ResultStore ResultStore::Read(const fs::path& file) {
   std::error_code none;
   if (!fs::is_regular_file(file, none))
-    RefuseAsNone(file, fs::exists(file, none) ? "it is no file of bytes" : "there is no such file");
+    RefuseAsNone(file, fs::exists(file, none) ? "it is no regular file" : "there is no such file");
   const auto read = [&](const std::string& name, int flags, bool alone = false) {
     auto database = std::make_unique<Database>();
     database->file = file;
