@@ -23,7 +23,7 @@ struct CampaignIdentity {
   std::string version;   // of the program
   SampleTable table;
   std::string file = {};    // of the campaign, when it was last flown or merged; no part of what it is
-  std::string models = {};  // files that its flights are read from, "NAME HASH" a line
+  std::string models = {};  // that its flights may be by, "NAME HASH" a line
   double limit_s = 0;       // of wall time, for a run
   bool tuning = false;      // the flights of a search: what a row flies with, the plan says alone
 };

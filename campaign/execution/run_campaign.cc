@@ -28,7 +28,10 @@ constexpr double kTick_s = 0.2;
 class Campaign {
  public:
   Campaign(const CampaignWork& work, const CampaignOptions& options)
-      : work_(work), options_(options), files_(work.scenario, work.set), store_(MakeStore()) {
+      : work_(work),
+        options_(options),
+        files_(work.scenario, work.set, work.identity.table.keys),
+        store_(MakeStore()) {
     const auto rows = static_cast<std::int64_t>(work.identity.table.rows.size());
     for (std::int64_t row = 0; row < rows; ++row)
       if (!options.shard || options.shard->Has(row)) rows_.push_back(row);
@@ -202,7 +205,7 @@ CampaignWork WorkOf(const LoadedCampaign& campaign, const std::string& rule) {
   work.identity = {campaign.plan.name, ToYaml(LoadScenario(work.scenario, work.set).scenario),
                    campaign.text,      Version(),
                    campaign.table,     campaign.file};
-  work.identity.models = ScenarioFiles(work.scenario, work.set).Models();
+  work.identity.models = ScenarioFiles(work.scenario, work.set, campaign.table.keys).Models();
   work.identity.limit_s = work.limit_s;
   if (!rule.empty()) work.identity.plan += fmt::format("\n# {}\n", rule);
   return work;

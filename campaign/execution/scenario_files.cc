@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <xxhash.h>
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "scenarios/files.h"
@@ -15,16 +16,39 @@ namespace kestrel {
 
 namespace fs = std::filesystem;
 
-ScenarioFiles::ScenarioFiles(const std::string& scenario, const std::vector<std::string>& set) {
+ScenarioFiles::ScenarioFiles(const std::string& scenario, const std::vector<std::string>& set,
+                             const std::vector<std::string>& varying) {
   const fs::path file = ScenarioFile(scenario);
   text_of_[file] = ReadFile(file);
   if (const auto gains = NamedGains(file, set).file()) text_of_[*gains] = ReadFile(*gains);
-  const fs::path models = Root() / "models", camera = LoadScenario(scenario, set, false).scenario.camera;
-  for (const auto& entry : fs::recursive_directory_iterator(models))
-    if (entry.is_regular_file() && entry.path().extension() != ".md")
-      models_[entry.path().lexically_relative(models).generic_string()] = entry.path();
-  if (camera.is_absolute()) models_[camera.string()] = camera;
-  for (const auto& [name, model] : models_) text_of_[model] = ReadFile(model);
+  const auto varies = [&](const std::string& key) {
+    return std::any_of(varying.begin(), varying.end(),
+                       [&](const std::string& each) { return each == key || key.starts_with(each + '.'); });
+  };
+  const Scenario s = LoadScenario(scenario, set, false).scenario;
+  const fs::path models = Root() / "models";
+  AddModels(models / "vehicles" / (varies("vehicle") ? "" : s.vehicle));
+  AddModels(models / "worlds" / (varies("world") ? "" : s.world));
+  if (varies("pad.name") || s.pad.name != "none")
+    AddModels(models / "pads" / (varies("pad.name") ? "" : s.pad.name));
+  if (varies("camera")) AddModels(models / "cameras");
+  const fs::path camera = s.camera;
+  AddModels(camera.is_absolute() ? camera : models / "cameras" / (s.camera + ".yaml"));
+}
+
+void ScenarioFiles::AddModels(const fs::path& file_or_folder) {
+  std::vector<fs::path> files;
+  if (fs::is_directory(file_or_folder)) {
+    for (const auto& entry : fs::recursive_directory_iterator(file_or_folder))
+      if (entry.is_regular_file()) files.push_back(entry.path());
+  } else {
+    files.push_back(file_or_folder);
+  }
+  for (const fs::path& file : files) {
+    const std::string name = file.lexically_relative(Root() / "models").generic_string();
+    models_[name.empty() || name.starts_with("..") ? file.string() : name] = file;
+    text_of_[file] = ReadFile(file);
+  }
 }
 
 std::string ScenarioFiles::Models() const {

@@ -8,18 +8,22 @@
 
 namespace kestrel {
 
-// The files that every flight by a scenario is read from anew: its own, that of the gains it names, its
-// camera's, and all in models/, of which a flight may name any.
+// The files that every flight by a scenario is read from anew: its own, that of the gains it names, and its
+// models: vehicle, camera, world and pad.
 class ScenarioFiles {
  public:
-  // set: as for every flight. Throws InputError: the scenario or its gains are not valid.
-  ScenarioFiles(const std::string& scenario, const std::vector<std::string>& set);
-  // Those of the models, "NAME HASH" a line; of one in models/ the name there.
+  // set: as for every flight; varying: keys that are others from flight to flight, of which all models are
+  // meant that there are. Throws InputError: the scenario or its gains are not valid.
+  ScenarioFiles(const std::string& scenario, const std::vector<std::string>& set,
+                const std::vector<std::string>& varying);
+  // The models, "NAME HASH" a line; of one in models/ the name there.
   std::string Models() const;
   // Throws std::runtime_error: one is not as it was then.
   void RequireUnchanged() const;
 
  private:
+  void AddModels(const std::filesystem::path& file_or_folder);
+
   std::map<std::filesystem::path, std::string> text_of_;
   std::map<std::string, std::filesystem::path> models_;
 };

@@ -19,7 +19,7 @@ CampaignIdentity FlightsOf(const LoadedTune& tune) {
   const CampaignPlan& flights = tune.plan.flights;
   CampaignIdentity identity{flights.name, ToYaml(LoadScenario(flights.scenario, flights.set).scenario),
                             tune.text, Version(), table};
-  identity.models = ScenarioFiles(flights.scenario, flights.set).Models();
+  identity.models = ScenarioFiles(flights.scenario, flights.set, tune.held_out.keys).Models();
   identity.limit_s = flights.limit_s;
   identity.tuning = true;
   return identity;
@@ -29,7 +29,7 @@ KeptFlights::KeptFlights(const LoadedTune& tune, const std::filesystem::path& fo
                          std::vector<std::string> worker, const std::atomic<bool>& stopped,
                          KnownFlights& known)
     : store_(ResultStore::Open(FlightsFile(folder), FlightsOf(tune))),
-      files_(tune.plan.flights.scenario, tune.plan.flights.set),
+      files_(tune.plan.flights.scenario, tune.plan.flights.set, tune.held_out.keys),
       jobs_(jobs),
       limit_s_(tune.plan.flights.limit_s),
       logs_(folder / "logs"),
