@@ -270,10 +270,15 @@ TEST(CameraAddress, RawVideoOverRtpArrivesAsItWasSent) {
     LiveCamera camera(SourceAt(ParseCameraAddress("raw://127.0.0.1:" + std::to_string(port) +
                                                   "?width=64&height=48" + option)),
                       {});
-    const auto frame = camera.Next(20);
-    ASSERT_TRUE(frame) << format << ": " << camera.Health().trouble;
-    ASSERT_EQ(frame->image.type(), image.type());
-    EXPECT_LE(MeanDifference(frame->image, image), most) << format;
+    // Of the first images some packets may have come before it listened.
+    double difference = 0;
+    for (int i = 0; i == 0 || (difference > most && i < 5); ++i) {
+      const auto frame = camera.Next(20);
+      ASSERT_TRUE(frame) << format << ": " << camera.Health().trouble;
+      ASSERT_EQ(frame->image.type(), image.type());
+      difference = MeanDifference(frame->image, image);
+    }
+    EXPECT_LE(difference, most) << format;
   }
 }
 
