@@ -9,30 +9,11 @@
 #include <string>
 #include <vector>
 
+#include "campaign/execution/campaign_identity.h"
 #include "campaign/execution/run_result.h"
-#include "campaign/table/sample_table.h"
 
 namespace kestrel {
 
-// What a result file is of. Two files belong together when they are of the same flights: all of it agrees,
-// but for what a campaign's plan makes of the results (metrics, thresholds).
-struct CampaignIdentity {
-  std::string name;
-  std::string scenario;  // as it resolves without the table: the YAML text
-  std::string plan;      // the YAML text of the campaign's file
-  std::string version;   // of the program
-  SampleTable table;
-  std::string file = {};    // of the campaign, when it was last flown or merged; no part of what it is
-  std::string models = {};  // that its flights may be by, "NAME HASH" a line
-  double limit_s = 0;       // of wall time, for a run
-  bool tuning = false;      // the flights of a search: what a row flies with, the plan says alone
-};
-
-// In what two differ, a sentence each that names what: name, version, models, plan, scenario, table; has: as
-// "it has". None: they belong together.
-std::vector<std::string> Differences(const CampaignIdentity& has, const CampaignIdentity& wanted);
-// The names of the model files that are not alike, by CampaignIdentity::models.
-std::vector<std::string> ModelsThatDiffer(const std::string& has, const std::string& wanted);
 // The differences of a result file, by what is on the disk of it: what another machine is writing is left
 // alone, and may not be seen yet. Nothing of what cannot be read.
 std::vector<std::string> DifferencesOf(const std::filesystem::path& file, const CampaignIdentity& wanted);
@@ -52,9 +33,8 @@ std::vector<std::string> DifferencesOf(const std::filesystem::path& file, const 
 class ResultStore {
  public:
   // Makes the file, or goes on with it, by the plan as it is now; the only writer until this object goes.
-  // Throws InputError: it is
-  // another campaign's, another version's, damaged, or no result file at all, or another process is at it;
-  // std::runtime_error: it cannot be written.
+  // Throws InputError: it is another campaign's, another version's, damaged, or no result file at all, or
+  // another process is at it; std::runtime_error: it cannot be written.
   static ResultStore Open(const std::filesystem::path& file, const CampaignIdentity& identity);
   // Reads it, while another process may be writing. Throws InputError, here or later: there is none, or it
   // is none, or it is damaged.
