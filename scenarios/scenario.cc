@@ -14,6 +14,7 @@
 #include "scenarios/check_image.h"
 #include "scenarios/gains_file.h"
 #include "scenarios/metrics.h"
+#include "scenarios/possible_metrics.h"
 #include "sim/horizon.h"
 #include "sim/vehicle_file.h"
 #include "vision/calibration_file.h"
@@ -91,6 +92,20 @@ void CheckTargets(const Scenario& s, const std::string& where, Mistakes& mistake
                    fmt::format("with its diameter and string it reaches {:.3g} m into the ground; valid: a "
                                "height from {:.3g} m",
                                -lowest_m, t.position_m.z() - lowest_m));
+  }
+}
+
+// What a flight of this scenario cannot have is "not reached" by every flight: the criterion is a mistake.
+void CheckCriteria(const Scenario& s, const std::string& where, Mistakes& mistakes) {
+  const std::vector<std::string> all = MetricNames(), possible = PossibleMetrics(s);
+  for (const auto& [metric, limit] : s.criteria) {
+    const std::string key = "criteria." + metric;
+    if (!Known("criteria", metric, all, where, mistakes)) continue;
+    if (std::find(possible.begin(), possible.end(), metric) == possible.end())
+      mistakes.Add(where, key,
+                   fmt::format("a flight of this scenario, of the mission '{}', has no '{}'; valid: {}",
+                               s.mission, metric, fmt::join(possible, ", ")));
+    if (!limit.max && !limit.min) mistakes.Add(where, key, "has no limit; valid: max, min or both");
   }
 }
 
@@ -179,12 +194,7 @@ LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& o
   CheckTargets(s, WhereOf(config, "targets", where), mistakes);
   CheckLandscape(s, config, where, mistakes);
   CheckMount(s.mount, WhereOf(config, "mount", where), mistakes);
-  const std::string criteria = WhereOf(config, "criteria", where);
-  for (const auto& [metric, limit] : s.criteria) {
-    Known("criteria", metric, MetricNames(), criteria, mistakes);
-    if (!limit.max && !limit.min)
-      mistakes.Add(where, "criteria." + metric, "has no limit; valid: max, min or both");
-  }
+  CheckCriteria(s, WhereOf(config, "criteria", where), mistakes);
 
   SimulatorParameters& sim = loaded.simulator;
   const fs::path models = Root() / "models";

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <charconv>
 #include <fstream>
 #include <span>
@@ -147,12 +148,126 @@ void FromKalibr(const ConfigNode& root, const std::string& name, const std::opti
 
 bool IsOpenCv(const ConfigNode& root) { return Find(root, "camera_matrix"); }
 
-void FromOpenCv(const ConfigNode& root, const std::optional<cv::Size>& image, Sheet& sheet) {
+// What the numbers of a calibration of OpenCV or ROS are those of.
+enum class OpenCvModel { kBrownConrady, kFisheye, kOmnidir };
+
+const char* NameOf(OpenCvModel model) {
+  switch (model) {
+    case OpenCvModel::kBrownConrady:
+      return BrownConrady::kName;
+    case OpenCvModel::kFisheye:
+      return KannalaBrandt::kName;
+    case OpenCvModel::kOmnidir:
+      break;
+  }
+  return Unified::kName;
+}
+
+struct ModelWord {
+  std::string word;
+  std::optional<OpenCvModel> model;  // none: it says nothing of the distortion
+};
+
+// The words that OpenCV, ROS, Kalibr, MRPT and their users write for a model.
+const std::vector<ModelWord>& ModelWords() {
+  using enum OpenCvModel;
+  static const std::vector<ModelWord> kWords{{"plumb_bob", kBrownConrady},
+                                             {"rational_polynomial", kBrownConrady},
+                                             {"radtan", kBrownConrady},
+                                             {"brown_conrady", kBrownConrady},
+                                             {"radial_tangential", kBrownConrady},
+                                             {"equidistant", kFisheye},
+                                             {"equi", kFisheye},
+                                             {"fisheye", kFisheye},
+                                             {"kannala_brandt", kFisheye},
+                                             {"omnidir", kOmnidir},
+                                             {"omni", kOmnidir},
+                                             {"mei", kOmnidir},
+                                             {"unified", kOmnidir},
+                                             {"pinhole", {}},
+                                             {"perspective", {}}};
+  return kWords;
+}
+
+// Of a word as it is written: KannalaBrandt, kannala-brandt, KANNALA_BRANDT; null: not known.
+const ModelWord* FindModelWord(std::string_view written) {
+  const auto letters = [](std::string_view text) {
+    std::string kept;
+    for (const unsigned char c : text)
+      if (std::isalnum(c)) kept += static_cast<char>(std::tolower(c));
+    return kept;
+  };
+  for (const ModelWord& each : ModelWords())
+    if (letters(each.word) == letters(written)) return &each;
+  return nullptr;
+}
+
+// The model by every key that names one, which must agree; none: a mistake was added. A wrong guess here
+// is a camera that is off by tens of pixels and looks valid, so nothing is guessed.
+std::optional<OpenCvModel> OpenCvModelOf(const ConfigNode& root, std::size_t coefficients, Sheet& sheet) {
+  struct Claim {
+    const char* key;
+    const ConfigNode* node;
+    OpenCvModel model;
+  };
+  std::vector<Claim> claims;
+  bool wrong = false;
+  const auto refuse = [&](const std::string& where, const char* key, const std::string& what) {
+    sheet.Wrong(where, key, what);
+    wrong = true;
+  };
+
+  for (const char* key : {"distortion_model", "camera_model", "model_type", "model"}) {
+    const ConfigNode* node = Find(root, key);
+    if (!node) continue;
+    const ModelWord* word = FindModelWord(node->text);
+    if (word && word->model) claims.push_back({key, node, *word->model});
+    if (word) continue;
+    Keys valid;
+    for (const ModelWord& each : ModelWords()) valid.push_back(each.word);
+    refuse(node->where, key, fmt::format("'{}' is not known; valid: {}", node->text, fmt::join(valid, ", ")));
+  }
   const ConfigNode* xi = Find(root, "xi");
-  const std::string distortion_model = TextOf(root, "distortion_model");
-  const ConfigNode* flag = Find(root, "fisheye_model");
-  const bool fisheye = (flag && (IsNumber(*flag, 1) || flag->text == "true")) ||
-                       distortion_model == "equidistant" || distortion_model == "fisheye";
+  if (xi) claims.push_back({"xi", xi, OpenCvModel::kOmnidir});
+  if (const ConfigNode* flag = Find(root, "fisheye_model")) {
+    const bool yes = IsNumber(*flag, 1) || flag->text == "true",
+               no = IsNumber(*flag, 0) || flag->text == "false";
+    if (yes) claims.push_back({"fisheye_model", flag, OpenCvModel::kFisheye});
+    if (no && !xi) claims.push_back({"fisheye_model", flag, OpenCvModel::kBrownConrady});
+    if (!yes && !no)
+      refuse(flag->where, "fisheye_model", fmt::format("'{}' is not valid; valid: 0, 1", flag->text));
+  }
+
+  for (const Claim& claim : claims) {
+    if (claim.model == claims.front().model) continue;
+    refuse(claim.node->where, claim.key,
+           fmt::format("'{}' is of the model {}, but {} is of {}; valid: keys that agree", claim.node->text,
+                       NameOf(claim.model), claims.front().key, NameOf(claims.front().model)));
+  }
+  if (wrong) return {};
+  if (claims.empty() && coefficients == 4) {
+    refuse(root.where, "distortion_model",
+           "must be given: four distortion coefficients are k1, k2, p1, p2 of cv::calibrateCamera "
+           "(distortion_model: plumb_bob) or k1 to k4 of cv::fisheye (distortion_model: equidistant)");
+    return {};
+  }
+  if (claims.empty()) return OpenCvModel::kBrownConrady;
+  if (claims.front().model == OpenCvModel::kOmnidir && !xi) {
+    refuse(root.where, "xi",
+           fmt::format("must be given, since {} is '{}'", claims.front().key, claims.front().node->text));
+    return {};
+  }
+  return claims.front().model;
+}
+
+void FromOpenCv(const ConfigNode& root, const std::optional<cv::Size>& image, Sheet& sheet) {
+  const ConfigNode* distortion = Find(root, "distortion_coefficients");
+  const ConfigNode* data = distortion ? Find(*distortion, "data") : nullptr;
+  const std::size_t count = data ? data->members.size() : 0;
+  const std::optional<OpenCvModel> model = OpenCvModelOf(root, count, sheet);
+  if (!model) return;
+  const bool fisheye = model == OpenCvModel::kFisheye;
+  const ConfigNode* xi = model == OpenCvModel::kOmnidir ? Find(root, "xi") : nullptr;
 
   const ConfigNode& matrix = *Find(root, "camera_matrix");
   const ConfigNode* K = Find(matrix, "data");
@@ -174,18 +289,11 @@ void FromOpenCv(const ConfigNode& root, const std::optional<cv::Size>& image, Sh
 
   static const Keys kBrown{"k1", "k2", "p1", "p2", "k3"}, kOmni{"k1", "k2", "p1", "p2"},
       kFisheye{"k1", "k2", "k3", "k4"};
-  sheet.SetText("model",
-                xi        ? Unified::kName
-                : fisheye ? KannalaBrandt::kName
-                          : BrownConrady::kName,
-                root.where);
+  sheet.SetText("model", NameOf(*model), root.where);
   if (xi) {
     const ConfigNode* of_matrix = Find(*xi, "data");
     sheet.Set("xi", of_matrix && of_matrix->members.size() == 1 ? of_matrix->members[0].second : *xi);
   }
-  const ConfigNode* distortion = Find(root, "distortion_coefficients");
-  const ConfigNode* data = distortion ? Find(*distortion, "data") : nullptr;
-  const std::size_t count = data ? data->members.size() : 0;
   if (!distortion) {
     sheet.Wrong(root.where, "distortion_coefficients", "must be given");
   } else if (xi || fisheye) {

@@ -16,7 +16,9 @@ namespace kestrel {
 // - this project: the key `model` (default pinhole) and the keys that the model's Fields say;
 // - Kalibr: a camchain with pinhole-radtan, pinhole-equi, pinhole-none, omni-radtan, omni-none or ds-none;
 // - OpenCV (FileStorage) or ROS: camera_matrix and distortion_coefficients; with xi it is an omnidir camera,
-//   with `fisheye_model: 1` or `distortion_model: equidistant` a fisheye one.
+//   with `fisheye_model: 1` or a distortion_model such as equidistant a fisheye one. A distortion_model that
+//   is not known is refused, and so are four coefficients of which nothing says whether they are those of
+//   cv::calibrateCamera or of cv::fisheye.
 // All mistakes are gathered, by the file's own line and the name of the parameter; with any, the camera is
 // not to be used.
 //

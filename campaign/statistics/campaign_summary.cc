@@ -87,7 +87,8 @@ std::vector<RunResult> WithoutGaps(const std::vector<RunResult>& results) {
 }  // namespace
 
 CampaignSummary Summarise(const CampaignIdentity& identity, const std::vector<RunResult>& all,
-                          const std::map<std::string, Threshold>& thresholds, std::string replay) {
+                          const std::optional<std::map<std::string, Threshold>>& thresholds,
+                          std::string replay) {
   const std::optional<double> stop_when = StopRuleOf(identity);
   const std::vector<RunResult> results = stop_when ? WithoutGaps(all) : all;
   if (replay.empty()) replay = "kestrel campaign replay " + identity.name;
@@ -117,7 +118,7 @@ CampaignSummary Summarise(const CampaignIdentity& identity, const std::vector<Ru
   }
   s.failures = FailuresOf(results);
   s.effects = EffectsOf(identity.table, results, effects_of);
-  s.thresholds = Judge(thresholds, results, s.stop_when.has_value());
+  if (thresholds) s.thresholds = Judge(*thresholds, results, s.stop_when.has_value());
   return s;
 }
 

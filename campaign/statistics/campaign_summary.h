@@ -62,8 +62,10 @@ struct CampaignSummary {
 // results: in the order of their rows; with a rule for the end (StopRuleOf) those beyond the first row that
 // has none do not count, as which of them there are depends on what they came to. replay: the command line
 // that flies a row again, but for the row's number at its end; empty: that of the campaign by its name.
+// thresholds: none for flights that are not to be judged, as those of a tuning.
 CampaignSummary Summarise(const CampaignIdentity& identity, const std::vector<RunResult>& results,
-                          const std::map<std::string, Threshold>& thresholds = {}, std::string replay = {});
+                          const std::optional<std::map<std::string, Threshold>>& thresholds = {},
+                          std::string replay = {});
 
 // Tables for the terminal.
 std::string ToText(const CampaignSummary& summary);

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -15,12 +16,28 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
+std::int64_t PassedIn(const std::vector<RunResult>& results) {
+  return std::count_if(results.begin(), results.end(),
+                       [](const RunResult& result) { return result.status == RunStatus::kPassed; });
+}
+
 Estimate SuccessOf(const std::vector<RunResult>& results, bool sequential) {
-  std::int64_t passed = 0;
-  for (const RunResult& result : results) passed += result.status == RunStatus::kPassed;
-  const std::int64_t runs = std::ssize(results);
+  const std::int64_t passed = PassedIn(results), runs = std::ssize(results);
   return {static_cast<double>(passed) / static_cast<double>(runs),
           sequential ? ShareSequence(passed, runs) : ShareInterval(passed, runs)};
+}
+
+// What is asked of a campaign that asks nothing of its success: without it, one that only failed would end as
+// one that only passed.
+JudgedThreshold SomeRunPassed(const std::vector<RunResult>& results) {
+  const auto passed = static_cast<double>(PassedIn(results));
+  return {.name = "runs that passed",
+          .estimate = {passed, {passed, passed}},
+          .bound = passed,
+          .limit = 1,
+          .at_least = true,
+          .passed = passed >= 1,
+          .runs = std::ssize(results)};
 }
 
 }  // namespace
@@ -56,6 +73,7 @@ std::vector<JudgedThreshold> Judge(const std::map<std::string, Threshold>& thres
     if (threshold.max) judge(*threshold.max, false);
     if (threshold.min) judge(*threshold.min, true);
   }
+  if (!thresholds.contains("success")) judged.push_back(SomeRunPassed(results));
   return judged;
 }
 

@@ -26,6 +26,7 @@ struct JudgedThreshold {
 
 // In the order of their names; one with a greatest and a least value is two. A run without the metric never
 // did what it measures: it counts as worse than any that did, so that a mean is unbounded with one such run.
+// Where none is on success, at least one run must have passed; `success: {min: 0}` asks for nothing.
 // sequential: the number of runs was chosen by what they came to (StopRuleOf), so success is judged by an
 // interval that holds then too.
 std::vector<JudgedThreshold> Judge(const std::map<std::string, Threshold>& thresholds,

@@ -77,7 +77,8 @@ TEST(CampaignSummary, ItsJsonHasTheDocumentedShape) {
   CampaignResults campaign = ExampleCampaign();
   campaign.results.resize(40);  // too few for an upper bound of the 95 % quantile
   const CampaignSummary s =
-      Summarise(campaign.identity, campaign.results, {{"success", {std::nullopt, std::nullopt, 0.5}}});
+      Summarise(campaign.identity, campaign.results,
+                std::map<std::string, Threshold>{{"success", {std::nullopt, std::nullopt, 0.5}}});
   const auto json = nlohmann::json::parse(ToJson(s));
   EXPECT_EQ(json.at("name"), "dispersion");
   EXPECT_EQ(json.at("table_hash"), HashOf(campaign.identity.table));
@@ -119,7 +120,8 @@ TEST(CampaignSummary, OneThatEndedEarlyHasTheIntervalThatHoldsThen) {
   const auto summary = [&](const char* rule) {
     CampaignIdentity identity = campaign.identity;
     identity.plan += rule;
-    return Summarise(identity, campaign.results, {{"success", {std::nullopt, std::nullopt, 0.5}}});
+    return Summarise(identity, campaign.results,
+                     std::map<std::string, Threshold>{{"success", {std::nullopt, std::nullopt, 0.5}}});
   };
   const CampaignSummary fixed = summary(""), early = summary("\n# --stop-when 0.1\n"),
                         going = summary("\n# --stop-when 0.001\n");
@@ -151,8 +153,9 @@ TEST(CampaignSummary, WithARuleItCountsTheRowsBeforeTheFirstThatIsMissing) {
 
 TEST(CampaignSummary, ItsTextHasTheTables) {
   const CampaignResults campaign = ExampleCampaign();
-  const std::string text = ToText(
-      Summarise(campaign.identity, campaign.results, {{"success", {std::nullopt, std::nullopt, 0.99}}}));
+  const std::string text =
+      ToText(Summarise(campaign.identity, campaign.results,
+                       std::map<std::string, Threshold>{{"success", {std::nullopt, std::nullopt, 0.99}}}));
   for (const char* part :
        {"dispersion: 300 of 300 runs", "95 % interval", "| touchdown_error_m ", "timed out", "target lost",
         "| wind.mean_m_s ", "Worst touchdown_error_m:", "kestrel campaign replay ", "NOT  success"})

@@ -55,6 +55,25 @@ TEST(Thresholds, FewRunsPassNoneThatManyWould) {
   EXPECT_FALSE(Judge({{"success", {kNone, kNone, 0.0001}}}, {})[0].passed);
 }
 
+TEST(Thresholds, ACampaignThatAsksNothingOfItsSuccessAsksForOneRunThatPassed) {
+  const auto none = Judge({}, Runs(20, 20, 0));
+  ASSERT_EQ(none.size(), 1u);
+  EXPECT_EQ(none[0].name, "runs that passed");
+  EXPECT_FALSE(none[0].passed);
+  EXPECT_THAT(ToJunit("c", none), testing::HasSubstr("failures=\"1\""));
+  EXPECT_FALSE(Judge({}, {})[0].passed);
+  EXPECT_TRUE(Judge({}, Runs(20, 19, 0))[0].passed);
+  // A threshold on something else says nothing of it.
+  const auto other = Judge({{"error_m", {0.5, 1.0, kNone}}}, Runs(20, 20, 0));
+  ASSERT_EQ(other.size(), 2u);
+  EXPECT_TRUE(other[0].passed);
+  EXPECT_FALSE(other[1].passed);
+  // Whoever wants none says so.
+  const auto any = Judge({{"success", {kNone, kNone, 0.0}}}, Runs(20, 20, 0));
+  ASSERT_EQ(any.size(), 1u);
+  EXPECT_TRUE(any[0].passed);
+}
+
 TEST(Thresholds, ARunWithoutTheMetricIsWorseThanAnyWithIt) {
   const auto all = Judge({{"error_m", {0.9, 1.0, kNone}}}, Runs(500, 0, 0))[0];
   const auto lost = Judge({{"error_m", {0.9, 1.0, kNone}}}, Runs(500, 0, 20))[0];

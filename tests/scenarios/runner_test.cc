@@ -119,8 +119,8 @@ TEST_F(RunnerTest, CriteriaAreJudgedByTheMetrics) {
 
   // what did not happen is not met
   const FlightResult absent =
-      RunFlight(LoadScenario("pose", {"duration_s=1", "start.settle_s=1",
-                                      "criteria={touchdown_error_m: {max: 100}, rest_error_m: {min: 0}}"}),
+      RunFlight(LoadScenario("landing", {"duration_s=1", "start.settle_s=1",
+                                         "criteria={touchdown_error_m: {max: 100}, rest_error_m: {min: 0}}"}),
                 {});
   EXPECT_FALSE(absent.summary.passed);
   for (const Criterion& c : absent.summary.criteria) {

@@ -213,6 +213,11 @@ TEST_F(ScenarioTest, AMissionMustBeGiven) {
 }
 
 TEST_F(ScenarioTest, ACriterionNeedsALimit) {
+  EXPECT_THAT(
+      Refusal("hover", {"criteria={settle_s: {max: 15}, touchdown_error_m: {max: 0.1}}"}),
+      ElementsAre(AllOf(HasSubstr("criteria.touchdown_error_m: a flight of this scenario, of the mission "
+                                  "'hover', has no 'touchdown_error_m'"),
+                        HasSubstr("hold_vertical_rmse_m"))));
   EXPECT_THAT(Refusal("pose", {"criteria.fix_share={}"}),
               ElementsAre(HasSubstr("criteria.fix_share: has no limit")));
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/calibration_file.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -111,7 +112,8 @@ TEST(CalibrationFile, OpenCvsFilesLoadAsTheyAre) {
   ExpectCamera(Load(OpenCvFile(kMatrix, {-0.2, 0.1, 1e-3, -2e-3, 0.01}, "image_width", 640, "image_height",
                                480, "fisheye_model", 0)),
                BrownConrady{640, 480, 700.5, 701.5, 320.25, 240.75, -0.2, 0.1, 1e-3, -2e-3, 0.01});
-  ExpectCamera(Load(OpenCvFile(kMatrix, {-0.2, 0.1, 1e-3, -2e-3}, "image_width", 640, "image_height", 480)),
+  ExpectCamera(Load(OpenCvFile(kMatrix, {-0.2, 0.1, 1e-3, -2e-3}, "image_width", 640, "image_height", 480,
+                               "distortion_model", "plumb_bob")),
                BrownConrady{640, 480, 700.5, 701.5, 320.25, 240.75, -0.2, 0.1, 1e-3, -2e-3});
   ExpectCamera(Load(OpenCvFile(kMatrix, {-0.2, 0.1, 1e-3, -2e-3, 0.01, 0, 0, 0}, "image_width", 640,
                                "image_height", 480)),
@@ -141,6 +143,55 @@ TEST(CalibrationFile, RosCameraInfoLoads) {
       "  data: [700.5, 0, 320.25, 0, 701.5, 240.75, 0, 0, 1]\ndistortion_model: equidistant\n"
       "distortion_coefficients:\n  rows: 1\n  cols: 4\n  data: [-0.02, 0.01, -0.005, 0.001]\n";
   ExpectCamera(Load(file), KannalaBrandt{640, 480, 700.5, 701.5, 320.25, 240.75, -0.02, 0.01, -5e-3, 1e-3});
+}
+
+std::string RosFile(const std::string& model_lines,
+                    const std::string& numbers = "-0.02, 0.01, -0.005, 0.001") {
+  return "image_width: 640\nimage_height: 480\ncamera_matrix:\n  rows: 3\n  cols: 3\n"
+         "  data: [700.5, 0, 320.25, 0, 701.5, 240.75, 0, 0, 1]\n" +
+         model_lines + "distortion_coefficients:\n  rows: 1\n  cols: 4\n  data: [" + numbers + "]\n";
+}
+
+TEST(CalibrationFile, EveryWordOfAModelThatOthersWriteIsUnderstood) {
+  for (const char* word :
+       {"equidistant", "equi", "fisheye", "kannala_brandt", "KannalaBrandt", "KANNALA_BRANDT"})
+    ExpectCamera(Load(RosFile(fmt::format("distortion_model: {}\n", word))),
+                 KannalaBrandt{640, 480, 700.5, 701.5, 320.25, 240.75, -0.02, 0.01, -5e-3, 1e-3});
+  for (const char* word : {"plumb_bob", "radtan", "radial-tangential", "rational_polynomial"})
+    ExpectCamera(Load(RosFile(fmt::format("distortion_model: {}\n", word))),
+                 BrownConrady{640, 480, 700.5, 701.5, 320.25, 240.75, -0.02, 0.01, -5e-3, 1e-3});
+  ExpectCamera(Load(RosFile("camera_model: plumb_bob\n")),
+               BrownConrady{640, 480, 700.5, 701.5, 320.25, 240.75, -0.02, 0.01, -5e-3, 1e-3});
+  ExpectCamera(Load(RosFile("camera_model: pinhole\ndistortion_model: equidistant\n")),
+               KannalaBrandt{640, 480, 700.5, 701.5, 320.25, 240.75, -0.02, 0.01, -5e-3, 1e-3});
+  for (const char* word : {"mei", "omni", "omnidir"})
+    ExpectCamera(Load(RosFile(fmt::format("distortion_model: {}\nxi: 1.2\n", word))),
+                 Unified{640, 480, 700.5, 701.5, 320.25, 240.75, 1.2, -0.02, 0.01, -5e-3, 1e-3});
+}
+
+TEST(CalibrationFile, AModelThatIsNotKnownOrNotSaidIsRefusedAndNotTakenForAnother) {
+  EXPECT_THAT(Load(RosFile("distortion_model: fov\n")).messages,
+              ElementsAre(AllOf(StartsWith("file.yaml:7: distortion_model: 'fov' is not known"),
+                                HasSubstr("plumb_bob"), HasSubstr("equidistant"))));
+  EXPECT_THAT(Load(RosFile("distortion_model: mei\n")).messages,
+              ElementsAre(AllOf(HasSubstr("xi: must be given"), HasSubstr("'mei'"))));
+  EXPECT_THAT(Load(RosFile("")).messages,
+              ElementsAre(AllOf(HasSubstr("distortion_model: must be given"), HasSubstr("plumb_bob"),
+                                HasSubstr("equidistant"))));
+  EXPECT_THAT(Load(RosFile("distortion_model: plumb_bob\nfisheye_model: 1\n")).messages,
+              ElementsAre(AllOf(StartsWith("file.yaml:8: fisheye_model"), HasSubstr("kannala_brandt"),
+                                HasSubstr("brown_conrady"))));
+  EXPECT_THAT(Load(RosFile("distortion_model: equidistant\nfisheye_model: 0\n")).messages,
+              ElementsAre(HasSubstr("fisheye_model")));
+  EXPECT_THAT(Load(RosFile("distortion_model: equidistant\nxi: 1.2\n")).messages,
+              ElementsAre(HasSubstr("xi")));
+  EXPECT_THAT(Load(RosFile("fisheye_model: 2\n")).messages,
+              ElementsAre(AllOf(HasSubstr("fisheye_model: '2' is not valid"), HasSubstr("0, 1"))));
+}
+
+TEST(CalibrationFile, FiveCoefficientsCanOnlyBeThoseOfCalibrateCamera) {
+  ExpectCamera(Load(RosFile("", "-0.2, 0.1, 1e-3, -2e-3, 0.01")),
+               BrownConrady{640, 480, 700.5, 701.5, 320.25, 240.75, -0.2, 0.1, 1e-3, -2e-3, 0.01});
 }
 
 // Every model with every parameter different from its default.
@@ -219,9 +270,9 @@ TEST(CalibrationFile, MistakesInAnOpenCvFileNameTheParameter) {
   };
   cv::Matx33d K = kMatrix;
   K(1, 1) = 0;
-  EXPECT_THAT(with(K, {0, 0, 0, 0}), ElementsAre(HasSubstr("fy_px: 0. is out of range")));
+  EXPECT_THAT(with(K, {0, 0, 0, 0, 0}), ElementsAre(HasSubstr("fy_px: 0. is out of range")));
   K = kMatrix, K(0, 1) = 3;  // a skew, which only omnidir knows
-  EXPECT_THAT(with(K, {0, 0, 0, 0}),
+  EXPECT_THAT(with(K, {0, 0, 0, 0, 0}),
               ElementsAre(HasSubstr("camera_matrix.data.1: '3.' is not valid; valid: 0")));
   EXPECT_THAT(with(kMatrix, {0, 0, 0, 0, 0, 0.5, 0, 0}),
               ElementsAre(AllOf(HasSubstr("distortion_coefficients.data.5"), HasSubstr("rational"))));
