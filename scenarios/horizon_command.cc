@@ -53,6 +53,12 @@ void Tell(const HorizonAttitude::Measurement& m) {
       Degrees(std::sqrt(m.attitude->covariance(1, 1))), 100 * fix.circle_seen, Degrees(fix.dip));
 }
 
+// How a camera is mounted is not seen in its images, and without a word it is taken to look down.
+void TellOfMount(const HorizonArguments& a) {
+  if (a.pitch_deg == 0 && a.roll_deg == 0)
+    fmt::print("the camera was taken to look down; for one that looks ahead give --mount-pitch-deg 90\n");
+}
+
 }  // namespace
 
 CLI::App* AddHorizonCommand(CLI::App& app, HorizonArguments& a) {
@@ -70,7 +76,7 @@ CLI::App* AddHorizonCommand(CLI::App& app, HorizonArguments& a) {
                    "How the camera is mounted: looking down with the top of the image forward, then turned")
       ->check(CLI::Range(-180.0, 180.0))
       ->capture_default_str();
-  command->add_option("--mount-pitch-deg", a.pitch_deg, "90: looking ahead")
+  command->add_option("--mount-pitch-deg", a.pitch_deg, "0: looking down; 90: looking ahead")
       ->check(CLI::Range(-90.0, 90.0))
       ->capture_default_str();
   command->add_option("--mount-roll-deg", a.roll_deg, "180: looking up")
@@ -146,6 +152,7 @@ void HorizonCommand(const HorizonArguments& a) {
   if (!video) {
     const auto m = horizon.Measure(image);
     if (!a.quiet) Tell(m);
+    if (!a.quiet && !m.attitude) TellOfMount(a);
     csv += Row(0, 0, m);
     if (!a.out.empty() && !cv::imwrite(a.out, horizon.Draw(image, m)))
       throw std::runtime_error(fmt::format("cannot write {}", a.out));
@@ -164,6 +171,7 @@ void HorizonCommand(const HorizonArguments& a) {
     if (!a.quiet && isatty(STDERR_FILENO)) fmt::print(stderr, "\r\033[K");
     if (out) out->Close();
     if (!a.quiet) fmt::print("{} frames, {} with an attitude\n", frames, with);
+    if (!a.quiet && 2 * with < frames) TellOfMount(a);
   }
   if (!a.csv.empty()) WriteFile(a.csv, csv);
 }

@@ -24,6 +24,7 @@
 #include "scenarios/junit.h"
 #include "scenarios/leave.h"
 #include "scenarios/mirror_command.h"
+#include "scenarios/parse_command_line.h"
 #include "scenarios/render_board.h"
 #include "scenarios/replay_command.h"
 #include "scenarios/runner.h"
@@ -252,11 +253,7 @@ int Main(int argc, char** argv) {
       "  kestrel bench flights --seeds 1..20\n"
       "  kestrel calibrate photos/*.jpg --model pinhole --out calibration");
 
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? kMet : kBadInput;
-  }
+  if (const auto status = ParseCommandLine(app, argc, argv)) return *status;
   try {
     if (*run_command) return Run(run);
     if (*serve_command) return ServeCommand(serve);

@@ -12,6 +12,7 @@
 #include "scenarios/flight_plan.h"
 #include "scenarios/fly_command.h"
 #include "scenarios/leave.h"
+#include "scenarios/parse_command_line.h"
 #include "scenarios/replay_command.h"
 #include "scenarios/version.h"
 
@@ -43,11 +44,7 @@ int Main(int argc, char** argv) {
       "Examples:\n  kestrel fly hover --camera v4l2:/dev/video0 --autopilot mavlink:udpin://:14540 "
       "--dry-run\n"
       "  kestrel replay results/runs/hover-flown-20250101-120000");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? kMet : kBadInput;
-  }
+  if (const auto status = ParseCommandLine(app, argc, argv)) return *status;
   try {
     if (*fly_command) return FlyCommand(fly) ? kMet : kNotMet;
     if (*replay_command) return ReplayCommand(replay) ? kMet : kNotMet;

@@ -10,8 +10,8 @@
 #include "vision/camera_model.h"
 
 // One camera and the poses of one board before it, adjusted together to what was seen. Levenberg-Marquardt on
-// the normal equations with the poses eliminated (Schur's complement), a small matter here: Debian's Ceres,
-// the usual solver, links GPL parts of SuiteSparse and is an oracle of the tests alone.
+// the normal equations with the poses eliminated (Schur's complement), a small matter here. The usual solver,
+// Ceres, is linked with GPL parts of SuiteSparse in Debian, so this program may not link it.
 namespace kestrel {
 
 struct SeenPoint {

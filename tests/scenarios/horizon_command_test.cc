@@ -14,6 +14,7 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 class HorizonCommandTest : public InTemporaryFolder {
  protected:
@@ -66,6 +67,19 @@ TEST_F(HorizonCommandTest, ABlackPictureHasAReasonAndNoAttitude) {
   cv::imwrite(File("image.png"), cv::Mat::zeros(240, 320, CV_8UC3));
   HorizonCommand(arguments_);
   EXPECT_THAT(Row(), HasSubstr("dark"));
+}
+
+TEST_F(HorizonCommandTest, APhotographFromACameraSaidToLookDownIsAnsweredWithTheOptionForOneThatLooksAhead) {
+  arguments_.quiet = false;
+  const auto printed = [&] {
+    testing::internal::CaptureStdout();
+    HorizonCommand(arguments_);
+    std::fflush(stdout);
+    return testing::internal::GetCapturedStdout();
+  };
+  EXPECT_THAT(printed(), AllOf(HasSubstr("roll"), Not(HasSubstr("--mount-pitch-deg"))));
+  arguments_.pitch_deg = 0;
+  EXPECT_THAT(printed(), AllOf(HasSubstr("no attitude"), HasSubstr("--mount-pitch-deg 90")));
 }
 
 TEST_F(HorizonCommandTest, EveryMistakeIsToldAtOnce) {
