@@ -26,7 +26,7 @@ void BenchAttitude(SeedRange seeds, int jobs, std::vector<Figure>& table) {
     const auto add = [&](const char* what, const char* metric, double target, const char* thesis) {
       const std::string line = fmt::format("{}, {}", name, what);
       table.push_back({line, Rms(Values(flights, metric)), "deg", target, false, thesis});
-      table.push_back({line + ", the thesis's method",
+      table.push_back({line + ", the thesis's method, legs in view",
                        Rms(Values(flights, std::string("baseline_") + metric)),
                        "deg",
                        {},

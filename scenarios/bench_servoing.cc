@@ -42,7 +42,8 @@ void BenchFollow(SeedRange seeds, int jobs, std::vector<Figure>& table) {
   for (const std::string law : {"whole", "decoupled"}) {
     const auto flights = fly("follow_step", law, {});
     const std::string name = "step of u, calm, " + law;
-    add(name + ": settling to 5 %, worst", Largest(Values(flights, "step_u_settle_s")), "s", 3, false, "10");
+    add(name + ": settling to 5 %, worst", Largest(Values(flights, "step_u_settle_s")), "s", 3, false,
+        "not given");
     add(name + ": overshoot, worst", 100 * Largest(Values(flights, "step_u_overshoot")), "%", 10, false,
         "visible");
     add("step of diameter, calm, " + law + ": distance error, worst",
