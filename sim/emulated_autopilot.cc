@@ -152,6 +152,15 @@ void EmulatedAutopilot::CommandVelocity(const Eigen::Vector3d& v_N) {
   north_ = {v_N.x()}, east_ = {v_N.y()};
 }
 
+double EmulatedAutopilot::ClimbLate(double v_down) {
+  if (parameters_.climb_delay_s <= 0) return v_down;
+  climb_asked_.emplace_back(t_s_, v_down);
+  // The newest of those that are old enough stays in front; while none is, it is the oldest.
+  while (climb_asked_.size() > 1 && climb_asked_[1].first <= t_s_ - parameters_.climb_delay_s)
+    climb_asked_.pop_front();
+  return climb_asked_.front().second;
+}
+
 EmulatedAutopilot::Demand EmulatedAutopilot::FollowVelocity(double dt_s, const Eigen::Vector3d& v_N_asked,
                                                             double yaw_rate) {
   Eigen::Vector3d v_N_wanted = v_N_asked;
@@ -160,7 +169,7 @@ EmulatedAutopilot::Demand EmulatedAutopilot::FollowVelocity(double dt_s, const E
   const Eigen::Vector2d step = (v_N_wanted - v_N_command_).head<2>();
   const Eigen::Vector2d slewed = Limited(step, parameters_.acceleration_limit_m_s2 * dt_s);
   v_N_command_.head<2>() += slewed;
-  v_N_command_.z() = v_N_wanted.z();
+  v_N_command_.z() = ClimbLate(v_N_wanted.z());
   Eigen::Vector3d v_N_expected = v_N_command_;
   if (parameters_.velocity_lag_s > 0) {
     const AxisLoop lag{2 / parameters_.velocity_lag_s, 1, 1};

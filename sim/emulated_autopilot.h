@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <deque>
 #include <optional>
+#include <utility>
 
 #include "control/autopilot.h"
 #include "sim/airframe.h"
@@ -32,6 +34,9 @@ struct AutopilotParameters {
   double velocity_lag_s = 0;
   double climb_gain_per_s = 3.5;
   double climb_integral_per_s2 = 2.0;
+  // Dead time from a vertical velocity that is asked for until it is followed. An autopilot that shapes its
+  // commands has one: ArduCopter, by its defaults, follows 0.85 s late.
+  double climb_delay_s = 0;
   double position_gain_per_s = 0.9;
   double command_timeout_s = 0.5;
 };
@@ -59,6 +64,7 @@ void Fields(Visitor& v, AutopilotParameters& p) {
   v("velocity_lag_s", p.velocity_lag_s, 0.0, 2.0);
   v("climb_gain_per_s", p.climb_gain_per_s, 0.0, 20.0);
   v("climb_integral_per_s2", p.climb_integral_per_s2, 0.0, 20.0);
+  v("climb_delay_s", p.climb_delay_s, 0.0, 3.0);
   v("position_gain_per_s", p.position_gain_per_s, 0.0, 5.0);
   v("command_timeout_s", p.command_timeout_s, 0.05, 10.0);
 }
@@ -96,6 +102,7 @@ class EmulatedAutopilot {
   Demand Navigate(double dt_s);
   Demand FollowVelocity(double dt_s, const Eigen::Vector3d& v_N_wanted, double yaw_rate);
   Eigen::Vector3d VelocityToward(const Eigen::Vector3d& p_N) const;
+  double ClimbLate(double v_down);                   // what was asked for climb_delay_s ago
   void CommandVelocity(const Eigen::Vector3d& v_N);  // without slewing
   Actuation Stabilise(double dt_s, const Demand& demand);
   SensedMotion Sensed() const;
@@ -118,6 +125,7 @@ class EmulatedAutopilot {
   double yaw_command_ = 0;
   Eigen::Vector3d v_N_command_ = Eigen::Vector3d::Zero();  // slewed by the acceleration limit
   AxisState north_, east_;                                 // that, later by velocity_lag_s
+  std::deque<std::pair<double, double>> climb_asked_;      // s, m/s down: those of the last climb_delay_s
   Eigen::Vector3d integral_N_ = Eigen::Vector3d::Zero();   // m/s^2: what wind and weight ask for
   Eigen::Vector3d drag_N_ = Eigen::Vector3d::Zero();       // felt by the accelerometers, m/s^2, level
   double carried_m_s2_ = 0;   // specific force upwards, smoothed: what carries the aircraft

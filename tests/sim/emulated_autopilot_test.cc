@@ -202,6 +202,25 @@ TEST(EmulatedAutopilot, VelocityIsFlownInTheHeadingFrame) {
   }
 }
 
+TEST(EmulatedAutopilot, AnAutopilotThatFollowsLateIsLaterByThatAndOtherwiseTheSame) {
+  const auto half_way_s = [](double delay_s) {
+    Conditions late;
+    late.autopilot.climb_delay_s = delay_s;
+    Flight flight({{0, 0, -20}, Eigen::Quaterniond::Identity()}, true, late);
+    flight.Run(2);
+    const double asked_s = flight.t_s;
+    std::optional<double> crossed_s;
+    flight.Keep(VelocitySetpoint{{0, 0, -1}, 0}, 4, [&] {
+      if (!crossed_s && flight.v_N().z() < -0.5) crossed_s = flight.t_s - asked_s;
+    });
+    EXPECT_NEAR(flight.v_N().z(), -1, 0.1);
+    return crossed_s.value_or(-1);
+  };
+  const double at_once_s = half_way_s(0);
+  EXPECT_GT(at_once_s, 0.05);
+  EXPECT_NEAR(half_way_s(0.85), at_once_s + 0.85, 0.01);
+}
+
 TEST(EmulatedAutopilot, TheHeadingFrameTurnsWithTheAircraftClockwise) {
   Flight flight(At(30, 10), true);
   flight.Keep(VelocitySetpoint{{1, 0, 0}, 0.5}, 5);
