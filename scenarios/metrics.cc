@@ -14,6 +14,7 @@ namespace {
 constexpr double kSettled_m = 0.15;
 constexpr double kSettledFor_s = 3;
 constexpr double kHoldFrom_s = 15;
+constexpr int kHoldFewest = 10;  // images: the mean of fewer is chance
 constexpr double kOutlier_deg = 5;
 
 struct MeanSquare {
@@ -190,7 +191,7 @@ std::map<std::string, double> Metrics(const std::vector<LogRow>& rows, const std
   AddFollowMetrics(rows, m);
   AddAvoidMetrics(rows, m);
   if (settle_s) m["settle_s"] = *settle_s;
-  if (horizontal.count > 0 && !touch) {
+  if (horizontal.count >= kHoldFewest && !touch) {
     m["hold_horizontal_rmse_m"] = horizontal.Root();
     m["hold_vertical_rmse_m"] = vertical.Root();
     m["hold_yaw_rmse_deg"] = hold_yaw.Root();

@@ -109,6 +109,18 @@ void CheckCriteria(const Scenario& s, const std::string& where, Mistakes& mistak
   }
 }
 
+// A root mean square over an image or two is no figure, and passes or fails by chance.
+void CheckFrames(const Scenario& s, const std::string& where, Mistakes& mistakes) {
+  constexpr double kFewestFrames = 10;
+  const double frames = s.duration_s * s.image.rate_hz;
+  if (s.criteria.empty() || frames >= kFewestFrames - 1e-9) return;
+  mistakes.Add(
+      where, "image.rate_hz",
+      fmt::format("{:g} gives {:.0f} images in duration_s = {:g}, too few to judge a flight by; valid: at "
+                  "least {:.3g}, a longer duration_s, or no criteria",
+                  s.image.rate_hz, std::floor(frames), s.duration_s, kFewestFrames / s.duration_s));
+}
+
 // Whether an aircraft can carry its own weight.
 void CheckLift(const AirframeParameters& vehicle, const std::string& where, Mistakes& mistakes) {
   const double mass = Mass_kg(vehicle), weight = mass * 9.80665, thrust = GreatestThrust_n(vehicle);
@@ -195,6 +207,7 @@ LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& o
   CheckLandscape(s, config, where, mistakes);
   CheckMount(s.mount, WhereOf(config, "mount", where), mistakes);
   CheckCriteria(s, WhereOf(config, "criteria", where), mistakes);
+  CheckFrames(s, WhereOf(config, "image", where), mistakes);
 
   SimulatorParameters& sim = loaded.simulator;
   const fs::path models = Root() / "models";

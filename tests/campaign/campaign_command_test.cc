@@ -87,7 +87,7 @@ TEST_F(CampaignCommandTest, TheSameTableForOneWorkerAndTwoAndAgainByReplay) {
 TEST_F(CampaignCommandTest, AFailureIsRecordedAndTheOthersAreNot) {
   const Ended run = Campaign(
       "short.yaml --jobs 2 --out here --runs 3 --record-failures 1 --set "
-      "'set=[duration_s=0.3, start.settle_s=0.5, \"criteria={fix_share: {max: 0}}\"]'");
+      "'set=[duration_s=0.5, start.settle_s=0.5, \"criteria={fix_share: {max: 0}}\"]'");
   EXPECT_EQ(run.status, 1) << run.err;  // a campaign of which none passed, whatever its file asks for
   EXPECT_THAT(run.out, HasSubstr("NOT  runs that passed"));
   EXPECT_THAT(run.out, AllOf(HasSubstr("failed"), HasSubstr("row 0 (failed, completed) is recorded in")));

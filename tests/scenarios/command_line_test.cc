@@ -181,7 +181,7 @@ TEST_F(CommandLineTest, ARunSaysWhatACheckSays) {
 
 TEST_F(CommandLineTest, WhatWasNotReachedIsSaidToBeSo) {
   const Ended run = Kestrel(
-      "run landing --set duration_s=0.3 --set start.settle_s=0.5 --out run --set "
+      "run landing --set duration_s=0.5 --set start.settle_s=0.5 --out run --set "
       "criteria='{touchdown_error_m: {max: 0.1}}'");
   EXPECT_EQ(run.status, 1);
   EXPECT_THAT(run.out, AllOf(HasSubstr("not reached"), Not(HasSubstr("nan"))));

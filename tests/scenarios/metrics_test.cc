@@ -139,11 +139,14 @@ TEST(Metrics, SettledIsTheFirstTimeFromWhichItStays) {
 
 TEST(Metrics, TheHoldIsMeasuredFromFifteenSecondsOn) {
   std::vector<double> distances(15, 5.0);  // 0 to 14 s: not counted
-  distances.insert(distances.end(), {0.1, 0.3});
+  distances.resize(25);
   auto rows = Approach(distances);
-  rows[15].now.X_NB = kPad * Pose{HeadingRotation(Radians(176)), {0.06, 0.08, -3 + 0.2}};
-  rows[16].now.X_NB = kPad * Pose{HeadingRotation(Radians(-176)), {-0.06, 0.08, -3 - 0.2}};
-  rows[15].decision.goal_yaw_TB = Radians(-180), rows[16].decision.goal_yaw_TB = Radians(180);
+  for (std::size_t i = 15; i < rows.size(); ++i) {
+    const double side = i % 2 ? 1 : -1;
+    rows[i].now.X_NB =
+        kPad * Pose{HeadingRotation(side * Radians(176)), {side * 0.06, 0.08, -3 + side * 0.2}};
+    rows[i].decision.goal_yaw_TB = -side * Radians(180);
+  }
   const auto m = Metrics(rows, std::nullopt);
   EXPECT_NEAR(m.at("hold_horizontal_rmse_m"), 0.1, 1e-9);
   EXPECT_NEAR(m.at("hold_vertical_rmse_m"), 0.2, 1e-9);
@@ -180,8 +183,15 @@ TEST(Metrics, ATouchDownIsJudgedAtItsInstantAndTheRestAtTheEnd) {
   EXPECT_NEAR(m.at("rest_tilt_deg"), 1, 1e-9);
 }
 
+TEST(Metrics, AHoldOverAFewImagesIsNone) {
+  EXPECT_EQ(Metrics(Approach(std::vector<double>(24, 0.1)), std::nullopt).count("hold_horizontal_rmse_m"),
+            0u);
+  EXPECT_EQ(Metrics(Approach(std::vector<double>(25, 0.1)), std::nullopt).count("hold_horizontal_rmse_m"),
+            1u);
+}
+
 TEST(Metrics, AFlightThatTouchedHeldNothing) {
-  auto rows = Approach(std::vector<double>(20, 0.1));
+  auto rows = Approach(std::vector<double>(30, 0.1));
   EXPECT_EQ(Metrics(rows, std::nullopt).count("hold_horizontal_rmse_m"), 1u);
   EXPECT_EQ(Metrics(rows, Over(5, {0, 0, 0})).count("hold_horizontal_rmse_m"), 0u);
 }

@@ -218,6 +218,11 @@ TEST_F(ScenarioTest, ACriterionNeedsALimit) {
       ElementsAre(AllOf(HasSubstr("criteria.touchdown_error_m: a flight of this scenario, of the mission "
                                   "'hover', has no 'touchdown_error_m'"),
                         HasSubstr("hold_vertical_rmse_m"))));
+  EXPECT_THAT(Refusal("hover", {"image.rate_hz=0.5", "duration_s=16"}),
+              ElementsAre(AllOf(HasSubstr("image.rate_hz: 0.5 gives 8 images in duration_s = 16"),
+                                HasSubstr("at least 0.625"))));
+  LoadScenario("hover", {"image.rate_hz=0.5", "duration_s=20"});
+  LoadScenario("hover", {"image.rate_hz=0.5", "duration_s=16", "criteria={}"});  // it is not judged
   EXPECT_THAT(Refusal("pose", {"criteria.fix_share={}"}),
               ElementsAre(HasSubstr("criteria.fix_share: has no limit")));
 }
