@@ -82,6 +82,15 @@ TEST(Hover, CentresComesDownAndStays) {
   }
 }
 
+// As ArduCopter does with its defaults. Gains found on a prompt autopilot alone swing by half a metre here.
+TEST(Hover, HoldsItsHeightByAnAutopilotThatFollowsVerticalVelocitiesLate) {
+  for (const std::uint64_t seed : kSeeds) {
+    const FlightResult result = Flown("hover", seed, {"duration_s=35", "autopilot.climb_delay_s=0.85"});
+    EXPECT_LT(result.summary.metrics.at("hold_vertical_rmse_m"), 0.1) << seed;
+    EXPECT_LT(FarthestFrom(result, {0, 0, -3}, 15), 0.4) << seed;
+  }
+}
+
 TEST(Hover, WithSeventyPercentOfThePadHiddenItIsStillTracked) {
   for (const std::uint64_t seed : kSeeds) {
     const FlightResult result = Flown("hover", seed, {"duration_s=20", "occlusion={share: 0.7, from_s: 3}"});
