@@ -28,6 +28,12 @@ bool Finite(const VehicleState& s) {
          s.w_B.allFinite();
 }
 
+bool Sane(const VehicleState& s) {
+  constexpr double kUnit = 0.01;  // what rounding on a wire leaves of a unit quaternion
+  return Finite(s) && std::abs(s.R_NB.norm() - 1) <= kUnit && s.p_NB.norm() <= kSanePosition_m &&
+         s.v_N.norm() <= kSaneSpeed_m_s && s.w_B.norm() <= kSaneRate_rad_s;
+}
+
 bool Finite(const Setpoint& setpoint) {
   struct Visitor {
     bool operator()(const VelocitySetpoint& s) const {

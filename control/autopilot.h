@@ -74,4 +74,11 @@ const char* NameOf(FlightMode mode);
 bool Finite(const VehicleState& state);
 bool Finite(const Setpoint& setpoint);
 
+// Farther from the origin of N, faster, or turning faster, no aircraft of ours is: such numbers are a fault
+// of the autopilot or of the wire.
+inline constexpr double kSanePosition_m = 100e3, kSaneSpeed_m_s = 200, kSaneRate_rad_s = 50;
+
+// Whether a state is finite, its attitude a rotation, and the rest within these bounds.
+bool Sane(const VehicleState& state);
+
 }  // namespace kestrel

@@ -11,7 +11,7 @@ namespace {
 
 Hazard Judge(const Situation& now, const SafetyLimits& l) {
   if (!now.pilot_allows) return Hazard::kPilot;
-  if (!now.state_age_s || !(*now.state_age_s <= l.state_s) || !Finite(now.state)) return Hazard::kStateLost;
+  if (!now.state_age_s || !(*now.state_age_s <= l.state_s) || !Sane(now.state)) return Hazard::kStateLost;
   if (now.wanted && !Finite(*now.wanted)) return Hazard::kNotFinite;
   if (!now.image_age_s || !(*now.image_age_s <= l.image_s)) return Hazard::kImageStale;
   if (!(now.target_lost_s <= l.target_s)) return Hazard::kTargetLost;

@@ -15,7 +15,7 @@ namespace kestrel {
 
 enum class Hazard {
   kPilot,       // his switch is not where it lets us fly
-  kStateLost,   // nothing heard of the autopilot, or what is heard is not finite
+  kStateLost,   // nothing heard of the autopilot, or what is heard cannot be (Sane)
   kNotFinite,   // the setpoint
   kImageStale,  // the newest image is too old, or there is none yet
   kTargetLost,  // for longer than the flight code may look for it

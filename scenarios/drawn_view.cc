@@ -7,14 +7,15 @@
 
 namespace kestrel {
 
-cv::Mat DrawnView(const Frame& frame, const Mission& mission, const char* mode) {
+cv::Mat DrawnView(const Frame& frame, const Mission& mission, const std::string& mode) {
   cv::Mat drawn;
   if (frame.image.channels() == 1)
     cv::cvtColor(frame.image, drawn, cv::COLOR_GRAY2BGR);
   else
     drawn = frame.image.clone();
   mission.Draw(drawn);
-  CaptionAt(drawn, {8, drawn.rows - 8}, mode);
+  cv::copyMakeBorder(drawn, drawn, 0, kModeStrip_px, 0, 0, cv::BORDER_CONSTANT);
+  CaptionAt(drawn, {8, drawn.rows - 7}, mode);
   return drawn;
 }
 

@@ -36,6 +36,10 @@ std::string WhyNotWritten(const fs::path& file) {
   return {};
 }
 
+std::string NotAName(const fs::path& file) {
+  return fmt::format("'{}' holds a control character; valid: a name without", file.string());
+}
+
 }  // namespace
 
 std::filesystem::path PartOf(const std::filesystem::path& file) { return file.string() + ".part"; }
@@ -64,14 +68,24 @@ std::string ReadFile(const fs::path& file) {
   return std::move(text).str();
 }
 
+bool HasControl(std::string_view name) {
+  return std::any_of(name.begin(), name.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; });
+}
+
+bool NamesFolder(std::string_view name) {
+  return name.find_first_of("/\\") == std::string_view::npos && !name.starts_with('.') && !HasControl(name);
+}
+
 void CheckWritableFile(const fs::path& file, const char* option, Mistakes& mistakes) {
   if (file.empty()) return;
+  if (HasControl(file.native())) return mistakes.Add(option, "", NotAName(file));
   const std::string why = WhyNotWritten(file);
   if (!why.empty()) mistakes.Add(option, "", fmt::format("'{}' cannot be written: {}", file.string(), why));
 }
 
 void CheckWritableFolder(const fs::path& folder, const char* option, Mistakes& mistakes) {
   if (folder.empty()) return;
+  if (HasControl(folder.native())) return mistakes.Add(option, "", NotAName(folder));
   std::error_code error;
   if (fs::exists(folder, error) && !fs::is_directory(folder, error))
     return mistakes.Add(option, "", fmt::format("'{}' is not a folder", folder.string()));

@@ -24,6 +24,14 @@ void WriteFile(const std::filesystem::path& file, std::string_view content);
 // All that is in a file; nothing of one that cannot be read.
 std::string ReadFile(const std::filesystem::path& file);
 
+// Whether a name holds a control character, such as a newline or ESC: no file or folder of ours does, so that
+// none can end a line of a script or command a terminal.
+bool HasControl(std::string_view name);
+
+// Whether a run or a campaign may be called so, as its folder is: no slash, no leading dot, no control
+// character.
+bool NamesFolder(std::string_view name);
+
 // Before the work whose fruit is to be written there: what could not be is a mistake of that option. Nothing
 // is left behind, and nothing there is touched. An empty name asks for nothing.
 void CheckWritableFile(const std::filesystem::path& file, const char* option, Mistakes& mistakes);

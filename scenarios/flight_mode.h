@@ -1,11 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <string>
+
 namespace kestrel {
 
-// Which of the two flies: in every start line, log and overlay.
+// What flies, as far as it is known: in every start line, log and overlay.
 inline constexpr const char* kSimulatorMode = "SIMULATOR";
-inline constexpr const char* kRealMode = "REAL AIRCRAFT";
-inline constexpr const char* kDryRunMode = "REAL AIRCRAFT, DRY RUN: no setpoint is sent";
+
+// Of an autopilot at the far end of a wire. Whether there is an aircraft behind it the wire does not tell,
+// unless it says that there is none: simulated.
+inline std::string LiveMode(bool simulated, bool dry_run) {
+  return std::string("LIVE") + (simulated ? ", SIMULATED AIRCRAFT" : "") +
+         (dry_run ? ", DRY RUN: no setpoint is sent" : "");
+}
 
 }  // namespace kestrel

@@ -14,6 +14,7 @@
 #include "scenarios/event_log.h"
 #include "scenarios/flight_loop.h"
 #include "scenarios/flight_mode.h"
+#include "scenarios/lag_watch.h"
 #include "scenarios/recorder.h"
 #include "scenarios/recording.h"
 #include "scenarios/summary.h"
@@ -96,23 +97,16 @@ struct Losses {
   }
 };
 
-// Whether a flight's target is in sight, or it needs none.
-bool InSight(const Flight& flight, const Decision& decision) {
-  if (!LooksForPad(flight) && !std::holds_alternative<FollowFlight>(flight)) return true;
-  for (const std::string_view seen : {"tracked", "found", "chained"})
-    if (decision.target == seen) return true;
-  return false;
-}
-
 // The folder of a real flight: as a simulated one's, without what only a simulator knows.
 class Records {
  public:
-  Records(const std::filesystem::path& folder, const LoadedPlan& plan, const FlyOptions& o, double begun_s)
+  Records(const std::filesystem::path& folder, const LoadedPlan& plan, const FlyOptions& o,
+          const std::string& mode, double begun_s)
       : events_((std::filesystem::create_directories(folder), folder)) {
     RecorderOptions options;
     options.video = o.video;
     options.rate_hz = plan.plan.image.rate_hz;
-    options.plots.title = fmt::format("{}, {}", o.dry_run ? kDryRunMode : kRealMode, plan.plan.name);
+    options.plots.title = fmt::format("{}, {}", mode, plan.plan.name);
     options.telemetry = {.truth = false, .safety = true};
     recorder_.emplace(folder, options);
     WriteFile(folder / "scenario.yaml", ToYaml(plan.plan));
@@ -120,7 +114,7 @@ class Records {
       recording_.emplace(folder);
       WriteOwnParts(folder, plan.parts.own_parts);
     }
-    events_.Line(0, "mode", o.dry_run ? kDryRunMode : kRealMode);
+    events_.Line(0, "mode", mode);
     if (!o.aircraft.empty()) WriteFile(folder / "aircraft.yaml", o.aircraft);
     for (const auto& [what, is] : o.flown_with) events_.Line(0, what, is);
     // So that records of other programs on this computer can be laid beside them.
@@ -137,6 +131,7 @@ class Records {
     recorder_->Write(row);
     events_.Write(row);
   }
+  void Line(double t_s, const char* what, const std::string& text) { events_.Line(t_s, what, text); }
   void WriteImage(const cv::Mat& drawn) { recorder_->WriteImage(drawn); }
   void Record(const Frame& frame, const VehicleState& state, const Decision& decision) {
     if (recording_) recording_->Write(frame, state, decision);
@@ -153,11 +148,11 @@ class Records {
   std::optional<RecordingWriter> recording_;
 };
 
-Summary SummaryOf(const LoadedPlan& plan, const FlyOptions& o) {
+Summary SummaryOf(const LoadedPlan& plan, const std::string& mode) {
   Summary summary;
   summary.scenario = plan.plan.name;
   summary.version = Version();
-  summary.mode = o.dry_run ? kDryRunMode : kRealMode;
+  summary.mode = mode;
   summary.seed = plan.plan.seed;
   return summary;
 }
@@ -167,19 +162,30 @@ Summary SummaryOf(const LoadedPlan& plan, const FlyOptions& o) {
 void RecordNotFlown(const LoadedPlan& plan, const FlyOptions& o, const std::string& why) {
   FlyOptions options = o;
   options.video = options.images = false;
-  Summary summary = SummaryOf(plan, o);
+  const std::string mode = LiveMode(false, o.dry_run);
+  Summary summary = SummaryOf(plan, mode);
   summary.outcome = "not flown: " + why;
   summary.complete = true;
-  Records(*o.folder, plan, options, MonotonicNow_s()).Finish(summary);
+  Records(*o.folder, plan, options, mode, MonotonicNow_s()).Finish(summary);
+}
+
+void CheckDeclared(const Mission& mission, const std::string& name, Mistakes& mistakes) {
+  if (mission.Target() != TargetNeed::kUndeclared) return;
+  mistakes.Add(
+      "scenario", "mission",
+      fmt::format("'{}' does not declare whether it needs its target in sight, so nobody would notice that "
+                  "it lost it; valid on a real aircraft: a mission that overrides Mission::Target",
+                  name));
 }
 
 FlyReport FlyAircraft(const LoadedPlan& plan, LiveCamera& camera, AutopilotLink& link, const FlyOptions& o) {
   FlyReport report;
-  Summary summary = SummaryOf(plan, o);
+  const std::string mode = LiveMode(link.Health().simulated, o.dry_run);
+  Summary summary = SummaryOf(plan, mode);
   const std::unique_ptr<Mission> mission = MakeMission(plan.parts);
   const double begun_s = MonotonicNow_s();
   std::optional<Records> records;
-  if (o.folder) records.emplace(*o.folder, plan, o, begun_s);
+  if (o.folder) records.emplace(*o.folder, plan, o, mode, begun_s);
   BackgroundWriter writer;
 
   const std::int64_t overwritten_before = camera.Health().overwritten;
@@ -201,7 +207,13 @@ FlyReport FlyAircraft(const LoadedPlan& plan, LiveCamera& camera, AutopilotLink&
   };
   AsHeard autopilot(safe, link);
   ControlWatch watch;
+  LagWatch lag(mission->MostLag());
   Losses losses;
+  const bool needs_target = mission->Target() != TargetNeed::kNone;
+  const auto tell = [&](const char* what, const std::string& text) {
+    const double t_s = MonotonicNow_s() - begun_s;
+    if (records) writer.Do([&records, t_s, what, text] { records->Line(t_s, what, text); });
+  };
   const auto note = [&](const VehicleState& state) {
     const double t_s = MonotonicNow_s() - begun_s;
     const LinkHealth health = link.Health();
@@ -225,8 +237,9 @@ FlyReport FlyAircraft(const LoadedPlan& plan, LiveCamera& camera, AutopilotLink&
     vision_s.push_back(decision.vision_s);
     control_s.push_back(decision.control_s);
     ++report.frames;
-    if (InSight(plan.plan.flight, decision)) seen_s = now_s;
+    if (!needs_target || decision.target_in_sight) seen_s = now_s;
     safe.TargetLostFor(now_s - seen_s);
+    if (const std::string late = lag.Note(now_s, safe.sent(), state); !late.empty()) tell("autopilot", late);
     take_changes();
     note(state);
     last = decision;
@@ -243,7 +256,7 @@ FlyReport FlyAircraft(const LoadedPlan& plan, LiveCamera& camera, AutopilotLink&
     row.reaction = NameOf(safety.reaction);
     row.decision = decision;
     cv::Mat drawn;
-    if (o.video) drawn = DrawnView(frame, *mission, o.dry_run ? kDryRunMode : kRealMode);
+    if (o.video) drawn = DrawnView(frame, *mission, mode);
     writer.Do([&records, row, drawn, frame, state] {
       records->Write(row);
       if (!drawn.empty()) records->WriteImage(drawn);
@@ -263,12 +276,17 @@ FlyReport FlyAircraft(const LoadedPlan& plan, LiveCamera& camera, AutopilotLink&
       report.accomplished = verdict.accomplished;
       report.outcome = verdict.outcome;
     }
-  } catch (const std::exception& e) {  // a mistake in flight code; the aircraft's autopilot takes over
+    if (!lag.told().empty()) report.outcome += "; " + lag.told();
+  } catch (const std::exception& e) {  // a mistake in flight code
     report.outcome = "broke off";
     report.error = e.what();
   }
-  link.Silence();
   take_changes();
+  if (const auto released = safe.LetGo(o.release)) {
+    report.release = TextOf(released->how, released->after_s);
+    tell("release", report.release);
+  }
+  link.Silence();
   writer.Finish();
   report.images_overwritten = camera.Health().overwritten - overwritten_before;
   report.records_dropped = writer.dropped();

@@ -26,6 +26,7 @@ struct FlyOptions {
   std::string aircraft;                         // text of aircraft.yaml, beside them; empty: none
   // The first lines of events.log: what it is flown with, and the check list.
   std::vector<std::pair<std::string, std::string>> flown_with;
+  ReleaseLimits release;  // of the aircraft, at the end
   double most_s = 3600;
   const std::atomic<bool>* interrupted = nullptr;
   // Each frame of a flight, and each change of safety while none comes (with the last decision), on the
@@ -40,14 +41,19 @@ struct FlyReport {
   // What the flight is for, under the mission's own control. Of a dry run: the check list was met, and
   // neither images nor the state were lost.
   bool accomplished = false;
-  std::string error;  // of the records; empty: none. The flight goes on without them
+  std::string error;    // of the records; empty: none. The flight goes on without them
+  std::string release;  // how the aircraft was let go (control/release.h); empty: a dry run
   std::int64_t frames = 0, images_overwritten = 0, records_dropped = 0;
   // From when an image was there to when its setpoint was handed to the link.
   double mean_ms = 0, p99_ms = 0;
 };
 
+// What a real aircraft asks of a mission and a simulated one does not.
+void CheckDeclared(const Mission& mission, const std::string& name, Mistakes& mistakes);
+
 // Flies a mission on what is real: the same loop as in the simulator, through the safety layer, with records
-// written by another thread that a flight never waits for. Nothing here throws in flight.
+// written by another thread that a flight never waits for. However it ends, the aircraft is made to stand
+// still before the wire falls silent. Nothing here throws in flight.
 FlyReport FlyAircraft(const LoadedPlan& plan, LiveCamera& camera, AutopilotLink& link,
                       const FlyOptions& options);
 

@@ -110,7 +110,7 @@ void CatchSignals() {
 // A line on a terminal, ten times a second; elsewhere one for each change of what matters.
 class Progress {
  public:
-  explicit Progress(const char* mode) : mode_(mode), terminal_(isatty(STDERR_FILENO)) {}
+  explicit Progress(std::string mode) : mode_(std::move(mode)), terminal_(isatty(STDERR_FILENO)) {}
   ~Progress() {
     if (shown_) Print(stderr, "\r\033[K");
   }
@@ -127,15 +127,15 @@ class Progress {
   }
 
  private:
-  const char* mode_;
+  std::string mode_;
   bool terminal_, shown_ = false;
   double begun_s_ = MonotonicNow_s(), last_s_ = 0;
   std::string what_;
 };
 
-void Report(const FlyReport& r, const FlyArguments& a, const std::string& folder) {
-  std::string text = fmt::format("{}  {}{}\n", a.dry_run ? kDryRunMode : kRealMode, r.outcome,
-                                 r.error.empty() ? "" : ": " + r.error);
+void Report(const FlyReport& r, const FlyArguments& a, const std::string& mode, const std::string& folder) {
+  std::string text = fmt::format("{}  {}{}\n", mode, r.outcome, r.error.empty() ? "" : ": " + r.error);
+  if (!r.release.empty()) text += fmt::format("  at the end: {}\n", r.release);
   if (!r.accomplished)
     text += fmt::format(
         "  NOT  {}\n", a.dry_run ? "in order: the check list was not met, or something was lost"
@@ -152,7 +152,7 @@ void Report(const FlyReport& r, const FlyArguments& a, const std::string& folder
 
 // Of a flight that ends before it begins: its folder says why.
 void ReportNotFlown(const LoadedPlan& plan, const FlyOptions& options, const std::string& why) {
-  std::string text = fmt::format("{}  not flown: {}\n", options.dry_run ? kDryRunMode : kRealMode, why);
+  std::string text = fmt::format("{}  not flown: {}\n", LiveMode(false, options.dry_run), why);
   try {
     RecordNotFlown(plan, options, why);
     text += fmt::format("  {}\n", options.folder->string());
@@ -213,6 +213,7 @@ bool FlyCommand(const FlyArguments& a) {
   } catch (const InputError& e) {
     AddAll(e, "", "", mistakes);
   }
+  if (loaded) CheckDeclared(*MakeMission(loaded->parts), loaded->plan.mission, mistakes);
   Aircraft aircraft = LoadAircraft(a.aircraft, a.aircraft_overrides, mistakes);
   if (a.dry_run) aircraft.mavlink.stand_by = false;  // which sends setpoints
   aircraft.mavlink.take_control |= a.take_control;
@@ -234,8 +235,8 @@ bool FlyCommand(const FlyArguments& a) {
   const LoadedPlan& plan = *loaded;
 
   CatchSignals();
-  const char* mode = a.dry_run ? kDryRunMode : kRealMode;
-  Print(stdout, fmt::format("{}  {} by {}, camera {}\n", mode, plan.plan.name, a.autopilot, a.camera));
+  Print(stdout, fmt::format("{}  {} by {}, camera {}\n", LiveMode(false, a.dry_run), plan.plan.name,
+                            a.autopilot, a.camera));
   options.limits = aircraft.safety;
   options.pilot_untold = aircraft.pilot_untold;
   options.dry_run = a.dry_run;
@@ -273,6 +274,7 @@ bool FlyCommand(const FlyArguments& a) {
   // What was recorded is flown by from its first image.
   if (a.camera.starts_with("file:")) camera.emplace(SourceAt(address), aircraft.camera);
 
+  const std::string mode = LiveMode(link->Health().simulated, a.dry_run);
   FlyReport report;
   {
     Progress progress(mode);
@@ -281,7 +283,7 @@ bool FlyCommand(const FlyArguments& a) {
     };
     report = FlyAircraft(plan, *camera, *link, options);
   }
-  Report(report, a, options.folder->string());
+  Report(report, a, mode, options.folder->string());
   return report.accomplished;
 }
 

@@ -22,6 +22,10 @@ std::string GnuplotQuoted(const std::string& text) {
   return quoted + '\'';
 }
 
+std::string GnuplotOutput(const std::filesystem::path& file) {
+  return fmt::format("set output {}\n", GnuplotQuoted(std::filesystem::absolute(PartOf(file)).string()));
+}
+
 void RequireWholePng(const std::filesystem::path& file) {
   std::ifstream in(PartOf(file), std::ios::binary);
   in.seekg(-8, std::ios::end);
@@ -47,8 +51,8 @@ void RunGnuplot(const std::filesystem::path& file, const std::string& script) {
 void DrawPng(const std::filesystem::path& file, int width_px, int height_px, const std::string& script) {
   RunGnuplot(file,
              fmt::format("set terminal pngcairo size {},{} font 'DejaVu Sans,12' background rgb 'white'\n"
-                         "set output {}\nset encoding utf8\n{}\nunset output\n",
-                         width_px, height_px, GnuplotQuoted(PartOf(file).string()), script));
+                         "{}set encoding utf8\n{}\nunset output\n",
+                         width_px, height_px, GnuplotOutput(file), script));
 }
 
 }  // namespace kestrel

@@ -9,6 +9,10 @@ namespace kestrel {
 // A text as gnuplot takes it: in single quotes it runs nothing that a name may hold.
 std::string GnuplotQuoted(const std::string& text);
 
+// The line that has a picture written to PartOf(file). gnuplot runs a name that begins with a bar as a
+// command, so the name is an absolute one.
+std::string GnuplotOutput(const std::filesystem::path& file);
+
 // gnuplot says nothing when the disk is full: throws std::runtime_error unless the part of a picture ends as
 // PNG ends.
 void RequireWholePng(const std::filesystem::path& file);

@@ -64,6 +64,7 @@ Decision HelipadPilot::See(const Frame& frame, const VehicleState& state) {
                     : seen_->found      ? "found"
                     : seen_->registered ? "tracked"
                                         : "chained";
+  decision.target_in_sight = fix_.has_value();
   if (fix_) {
     lost_since_s_.reset();
     leg_ = -1;
@@ -88,6 +89,11 @@ VelocitySetpoint HelipadPilot::DescendTo(const Eigen::Vector2d& p_T, double yaw_
   VelocitySetpoint setpoint = GoTo({p_T.x(), p_T.y(), estimate_->p_TB.z()}, yaw_T);
   setpoint.v_H.z() += sink_m_s;
   return setpoint;
+}
+
+VelocityLag HelipadPilot::MostLag() const {
+  const ServoGains& gains = parameters_.servo;
+  return {kestrel::MostLag(gains.lambda_per_s), kestrel::MostLag(gains.lambda_vertical_per_s)};
 }
 
 std::optional<Setpoint> HelipadPilot::Search(const VehicleState& state) {

@@ -72,6 +72,8 @@ class HelipadPilot {
   // The same sideways, with a given velocity downwards.
   VelocitySetpoint DescendTo(const Eigen::Vector2d& p_T, double yaw_T, double sink_m_s) const;
 
+  VelocityLag MostLag() const;  // of an autopilot that is given what GoTo and DescendTo return
+
   // Not Knows(): the next move of the search. None: given up.
   std::optional<Setpoint> Search(const VehicleState& state);
 

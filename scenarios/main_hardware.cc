@@ -8,7 +8,6 @@
 
 #include "config/yaml_fields.h"
 #include "scenarios/calibrate_command.h"
-#include "scenarios/flight_mode.h"
 #include "scenarios/flight_plan.h"
 #include "scenarios/fly_command.h"
 #include "scenarios/leave.h"
@@ -24,9 +23,8 @@ enum ExitStatus { kMet = 0, kNotMet = 1, kBadInput = 2, kBrokeOff = 3 };
 int Main(int argc, char** argv) {
   cv::setNumThreads(1);
   CLI::App app{
-      fmt::format("Kestrel for {}: flight by vision.\n\nExit status: 0 the flight did what it is for, "
-                  "1 it did not, 2 bad input, 3 it broke off.",
-                  kRealMode)};
+      "Kestrel for real aircraft: flight by vision.\n\nExit status: 0 the flight did what it is for, "
+      "1 it did not, 2 bad input, 3 it broke off."};
   app.require_subcommand(1);
   app.set_version_flag("--version", Version());
   FlyArguments fly;

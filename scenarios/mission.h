@@ -7,6 +7,7 @@
 
 #include "control/autopilot.h"
 #include "control/sphere_target.h"
+#include "control/velocity_lag.h"
 #include "vision/camera.h"
 
 namespace kestrel {
@@ -43,6 +44,14 @@ struct Encounter {
   double miss_m = 0, after_s = 0;  // the closest distance if both go on, and when
 };
 
+// Whether a flight needs to see its target to stay in the air: what the safety layer of a real aircraft is to
+// hold it to (control/safety.h).
+enum class TargetNeed {
+  kUndeclared,  // nobody has said: such a mission is not flown on a real aircraft
+  kNone,        // what it commands is safe whatever the camera shows, or the mission itself stops when blind
+  kInSight,     // it flies by what it sees; lost for too long, the safety layer holds, then sinks
+};
+
 // What the flight code decided on one frame.
 struct Decision {
   std::optional<Setpoint> setpoint;  // none: the last one stands until it is stale
@@ -50,6 +59,7 @@ struct Decision {
   std::string_view target;  // "tracked", "found" (in this frame), "chained", "refused" (seen where it cannot
                             // be), "lost", "frozen" (the image repeats itself); of an attitude "horizon",
                             // or the reason why there is none; of a balloon its TrackState
+  bool target_in_sight = false;  // in this frame, to be flown by; of a mission that needs it (TargetNeed)
   std::optional<TargetFix> fix;  // none while the target is lost
   double fix_age_s = 0;          // time since the exposure of the newest fix; grows while lost
   std::optional<AttitudeFix> attitude;
@@ -66,13 +76,18 @@ struct Decision {
 };
 
 // A flight's own code: vision pipeline and control law with their state. It sees frames and the autopilot's
-// estimate, never the simulator, its truth or a clock.
+// estimate, never the simulator, its truth or a clock. For a real aircraft it must declare Target(), and
+// where that is kInSight tell with each decision whether it is.
 class Mission {
  public:
   virtual ~Mission() = default;
   virtual Decision Step(const Frame& frame, const VehicleState& state) = 0;
   // Whether the flight, were it to end now, has done what it is for.
   virtual bool Accomplished() const { return true; }
+  virtual TargetNeed Target() const { return TargetNeed::kUndeclared; }
+  // How late an autopilot may follow the velocities that it is given; endless: they close no loop by sight,
+  // or nothing is known of it.
+  virtual VelocityLag MostLag() const { return {}; }
   // Draws what the vision code saw in the last frame on a colour copy of it.
   virtual void Draw(cv::Mat& bgr) const = 0;
 };

@@ -83,10 +83,10 @@ std::string Shades(const std::vector<LogRow>& rows,
 std::string BeginFigure(const std::filesystem::path& file, int width_px, int height_px) {
   return fmt::format(
       "reset\nset terminal pngcairo size {},{} font 'DejaVu Sans,12' background rgb 'white'\n"
-      "set output {}\nset encoding utf8\n"
+      "{}set encoding utf8\n"
       "set border 3 lc rgb '#444444'\nset tics nomirror out scale 0.6\n"
       "set grid lc rgb '#dddddd' lt 1 lw 1\n",
-      width_px, height_px, GnuplotQuoted(PartOf(file).string()));
+      width_px, height_px, GnuplotOutput(file));
 }
 
 std::string EndFigure() { return "unset multiplot\nunset output\n"; }

@@ -12,6 +12,7 @@
 
 #include "geometry/tait_bryan.h"
 #include "scenarios/check_image.h"
+#include "scenarios/files.h"
 #include "scenarios/gains_file.h"
 #include "scenarios/metrics.h"
 #include "scenarios/possible_metrics.h"
@@ -177,9 +178,11 @@ LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& o
   if (!config.readable) mistakes.ThrowIfAny();
   if (s.name.empty()) s.name = file.stem().string();
   const std::string where = file.string();
-  if (s.name.find_first_of("/\\") != std::string::npos || s.name.starts_with('.')) {
-    mistakes.Add(WhereOf(config, "name", where), "name",
-                 fmt::format("'{}' cannot name a folder; valid: no slash, no leading dot", s.name));
+  if (!NamesFolder(s.name)) {
+    mistakes.Add(
+        WhereOf(config, "name", where), "name",
+        fmt::format("'{}' cannot name a folder; valid: no slash, no leading dot, no control character",
+                    s.name));
   }
   if (std::holds_alternative<LandingFlight>(s.flight) && s.start.on_ground) {
     mistakes.Add(WhereOf(config, "start", where), "start.on_ground",

@@ -10,6 +10,8 @@
 #include <string_view>
 #include <utility>
 
+#include "scenarios/files.h"
+
 namespace kestrel {
 namespace {
 
@@ -43,6 +45,16 @@ std::string ShellWord(const std::string& text) {
   };
   if (!text.empty() && std::all_of(text.begin(), text.end(), plain)) return text;
   std::string inside;
+  if (HasControl(text)) {  // as bash writes it in one line, so that a comment that holds it stays one
+    for (const char c : text) {
+      const auto byte = static_cast<unsigned char>(c);
+      if (HasControl({&c, 1}))
+        inside += fmt::format("\\{:03o}", byte);
+      else
+        inside += c == '\'' || c == '\\' ? std::string{'\\', c} : std::string(1, c);
+    }
+    return fmt::format("$'{}'", inside);
+  }
   for (const char c : text) {
     if (c == '\'') inside += "'\\'";
     inside += c;
@@ -82,11 +94,14 @@ exec {6}
 }
 
 std::string ParallelLines(const BatchJob& job, int at_once) {
-  // The command as one argument, which parallel puts the number into and gives to a shell.
+  // parallel evaluates what stands in {= =} of its command as Perl, so no name stands there: the shell that
+  // it starts has them in its environment.
   return fmt::format(
-      "cd {} && parallel --jobs {} --joblog {} --resume-failed {} ::: $(seq {})\n{}\n",
-      ShellWord(job.directory.string()), at_once, ShellWord((job.folder / "logs" / "parallel.log").string()),
-      ShellWord(ShardCommand(job, fmt::format("{{}}/{}", job.tasks))), job.tasks, MergeCommand(job));
+      "cd {} && export KESTREL_PART={} && parallel --jobs {} --joblog {} --resume-failed "
+      "'eval \"$KESTREL_PART --shard {{}}/{} --jobs {}\"' ::: $(seq {})\n{}\n",
+      ShellWord(job.directory.string()), ShellWord(FlyCommand(job)), at_once,
+      ShellWord((job.folder / "logs" / "parallel.log").string()), job.tasks, job.jobs, job.tasks,
+      MergeCommand(job));
 }
 
 std::string MissingText(const BatchJob& job, const std::vector<std::int64_t>& rows, int parts) {

@@ -15,10 +15,14 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMostTrajectories = 60, kPointsOfTrajectory = 250;
 
-// From its folder: a page and its recordings may be moved together. As a link has it.
+// From its folder: a page and its recordings may be moved together. As a link has it; empty: outside that
+// folder, where a page that somebody was sent is not to lead. The ./ before it keeps a name from being a
+// scheme.
 std::string LinkTo(const fs::path& file, const fs::path& page_folder) {
-  std::string link;
-  for (const char c : fs::proximate(file, page_folder).generic_string()) {
+  const fs::path inside = fs::proximate(file, page_folder);
+  if (inside.is_absolute() || inside.empty() || *inside.begin() == "..") return {};
+  std::string link = "./";
+  for (const char c : inside.generic_string()) {
     constexpr std::string_view kReserved = "%?#\"<> ";
     if (kReserved.find(c) == std::string_view::npos) {
       link += c;
@@ -59,8 +63,10 @@ Json RunOf(const ReportSubject& subject, const RunResult& run, const std::vector
                {"image_hash", run.image_hash}};
   if (run.status != RunStatus::kPassed && !run.execution.log.empty()) json["log"] = run.execution.log;
   if (const fs::path recording = RecordingOf(subject, run); !recording.empty()) {
-    json["recording"] = LinkTo(recording, page_folder);
-    if (fs::exists(recording / "video.mp4")) json["video"] = LinkTo(recording / "video.mp4", page_folder);
+    if (const std::string link = LinkTo(recording, page_folder); !link.empty()) {
+      json["recording"] = link;
+      if (fs::exists(recording / "video.mp4")) json["video"] = LinkTo(recording / "video.mp4", page_folder);
+    }
   }
   return json;
 }

@@ -12,6 +12,7 @@
 
 #include "campaign/table/given_once.h"
 #include "campaign/table/sampling.h"
+#include "scenarios/files.h"
 #include "scenarios/model_files.h"
 #include "scenarios/scenario.h"
 
@@ -431,9 +432,11 @@ bool TakesAll(const CampaignPlan& plan, const std::vector<List>& sets) {
 
 bool ResolveVariation(const fs::path& file, const ConfigNode& root, CampaignPlan& plan, Mistakes& mistakes) {
   if (plan.name.empty()) plan.name = file.stem().string();
-  if (plan.name.find_first_of("/\\") != std::string::npos || plan.name.starts_with('.'))
-    mistakes.Add(WhereIn(root, {"name"}), "name",
-                 fmt::format("'{}' cannot name a folder; valid: no slash, no leading dot", plan.name));
+  if (!NamesFolder(plan.name))
+    mistakes.Add(
+        WhereIn(root, {"name"}), "name",
+        fmt::format("'{}' cannot name a folder; valid: no slash, no leading dot, no control character",
+                    plan.name));
   double points = 1;
   for (const auto& [key, distribution] : plan.vary)
     if (const auto* grid = std::get_if<Grid>(&distribution))

@@ -189,10 +189,10 @@ struct AfcsLink::Session {
     next.t_s = sync.ToOurs(their_s).value_or(now_s);
     next.landed = message.rpm0 < options.afcs.stopped_rpm;
     heard_s = now_s;
-    if (!Finite(next)) {
+    if (!Sane(next)) {
       --received;
-      ++not_finite;
-      not_finite_s = now_s;
+      ++not_sane;
+      not_sane_s = now_s;
       return;
     }
     state = next;
@@ -263,8 +263,8 @@ struct AfcsLink::Session {
       return fmt::format("{} {}, and is being opened again", where, why_not_open);
     if (!open && now_s - begun_s > options.open_s) return fmt::format("{} does not answer", where);
     if (!not_expressible.empty()) return not_expressible;
-    if (not_finite > 0 && now_s - not_finite_s < options.silent_s)
-      return fmt::format("{} sent a state that is not finite", where);
+    if (not_sane > 0 && now_s - not_sane_s < options.silent_s)
+      return fmt::format("{} sent a state that cannot be", where);
     if (unanswered_since_s && now_s - *unanswered_since_s > options.silent_s)
       return fmt::format("{} does not confirm where it is to fly to", where);
     return "";
@@ -300,8 +300,8 @@ struct AfcsLink::Session {
   std::optional<Setpoint> setpoint;
   double setpoint_s = 0, setpoint_due_s = 0;
   std::optional<double> unanswered_since_s;  // the first FLY_TO that no answer followed
-  std::uint64_t received = 0, sent = 0, not_finite = 0;
-  double not_finite_s = 0;
+  std::uint64_t received = 0, sent = 0, not_sane = 0;
+  double not_sane_s = 0;
 
   std::thread thread;
 };
@@ -330,7 +330,7 @@ LinkHealth AfcsLink::Health() const {
   health.open = s.open;
   if (s.state_s) health.state_age_s = Now_s() - *s.state_s;
   health.received = s.received;
-  health.refused = s.not_finite;
+  health.refused = s.not_sane;
   for (std::size_t why = 0; why < wire::kAfcsRefusals; ++why)
     health.refused += s.receiver.refused(static_cast<wire::AfcsRefusal>(why));
   health.sent = s.sent;

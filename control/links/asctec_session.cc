@@ -191,7 +191,7 @@ void AscTecSession::MakeState(double now_s) {
     state_.mode = FlightMode::kPosition;
   else
     state_.mode = FlightMode::kAttitude;
-  state_s_ = now_s;
+  state_s_ = now_s - std::max(0.0, imu_->t_s - gps_->t_s);  // as old as the older of its parts
 }
 
 bool AscTecSession::InFlight() const {

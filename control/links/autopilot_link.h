@@ -17,7 +17,8 @@ struct LinkHealth {
   std::uint64_t received = 0;         // messages that were taken
   std::uint64_t refused = 0;          // that were damaged, unknown, doubled or out of order
   std::uint64_t sent = 0;             // setpoints
-  std::string trouble;                // empty: none. Otherwise what is the matter, in words
+  bool simulated = false;  // the far end says so of its aircraft; false: it does not, or its wire cannot
+  std::string trouble;     // empty: none. Otherwise what is the matter, in words
 };
 
 // An autopilot behind a real wire. A thread of its own listens, keeps the session alive, and sends the newest

@@ -30,7 +30,7 @@ constexpr double kClimb_m = 0.3;   // a position so much above the ground is a t
 
 constexpr std::uint16_t kCommandTakeOff = 22, kCommandSetMode = 176, kCommandArm = 400;
 constexpr std::uint8_t kAccepted = 0, kInProgress = 5;  // MAV_RESULT
-constexpr std::uint8_t kArmedFlag = 128, kInvalidAutopilot = 8, kWarning = 4;
+constexpr std::uint8_t kArmedFlag = 128, kSimulatedFlag = 32, kInvalidAutopilot = 8, kWarning = 4;
 
 // MAV_TYPE of what flies as a copter: in others custom_mode means something else.
 constexpr std::array<std::uint8_t, 8> kRotorcraft{2, 3, 4, 13, 14, 15, 29, 35};
@@ -270,9 +270,11 @@ void MavlinkSession::TakeMotion(const Message& message, std::uint32_t time_boot_
     ++refused_;
     return;
   }
+  (std::holds_alternative<LocalPositionNed>(message) ? moved_s_ : turned_s_) = now_s;
   const std::optional<VehicleState> state = telemetry_.State(*dialect_);
   if (!state) return;
-  state_ = *state, state_s_ = now_s;
+  // As old as the older of its parts: one that stops, or is refused, is missed at once.
+  state_ = *state, state_s_ = std::min(moved_s_, turned_s_);
   state_.t_s = ToOurs(state->t_s, now_s);
   if (!state_.landed) take_off_ = {};
 }
@@ -415,7 +417,7 @@ std::string MavlinkSession::Trouble(double now_s) const {
   if (!state_s_ || now_s - *state_s_ > kStateStale_s) {
     if (!attitude_.time_boot_ms) return "no attitude comes (ATTITUDE_QUATERNION)";
     if (!position_.time_boot_ms) return "no position comes (LOCAL_POSITION_NED)";
-    return "attitude or position no longer comes";
+    return "attitude or position no longer comes, or cannot be";
   }
   if (!setpoint_trouble_.empty()) return setpoint_trouble_;
   const auto refused = [this](const Ask& ask, const std::string& what) {
@@ -437,6 +439,7 @@ LinkHealth MavlinkSession::Health(double now_s) const {
   if (state_s_) health.state_age_s = now_s - *state_s_;
   health.pilot_allows = PilotAllows(now_s);
   health.received = received_, health.refused = refused_, health.sent = sent_;
+  health.simulated = heartbeat_ && (heartbeat_->base_mode & kSimulatedFlag) != 0;
   health.trouble = Trouble(now_s);
   return health;
 }

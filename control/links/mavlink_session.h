@@ -155,6 +155,7 @@ class MavlinkSession {
   bool by_quaternion_ = false;
   std::map<std::uint32_t, Numbered> numbered_;
   VehicleState state_;
+  double moved_s_ = 0, turned_s_ = 0;  // when the newest position and attitude of telemetry_ were heard
   std::optional<double> state_s_;
   std::optional<wire::mavlink::RcChannels> rc_;
   double rc_s_ = 0;

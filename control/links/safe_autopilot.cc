@@ -29,8 +29,8 @@ SafeAutopilot::~SafeAutopilot() {
 VehicleState SafeAutopilot::State() const {
   const VehicleState state = link_.State();
   const std::lock_guard lock(mutex_);
-  if (Finite(state)) last_finite_ = state;
-  return last_finite_;
+  if (Sane(state)) last_sane_ = state;
+  return last_sane_;
 }
 
 void SafeAutopilot::Send(const Setpoint& setpoint) {
@@ -41,7 +41,20 @@ void SafeAutopilot::Send(const Setpoint& setpoint) {
 }
 
 void SafeAutopilot::Aid(const AttitudeAid& aid) {
-  if (!options_.dry_run) link_.Aid(aid);
+  const std::lock_guard lock(mutex_);
+  if (!options_.dry_run && !release_) link_.Aid(aid);
+}
+
+std::optional<Released> SafeAutopilot::LetGo(const ReleaseLimits& limits) {
+  std::unique_lock lock(mutex_);
+  if (options_.dry_run) return std::nullopt;
+  if (!release_) {
+    release_ = limits;
+    release_state_ = {MonotonicNow_s(), {}};
+    Act();
+  }
+  wake_.wait(lock, [this] { return released_.has_value(); });
+  return released_;
 }
 
 void SafeAutopilot::TargetLostFor(double seconds) {
@@ -60,6 +73,7 @@ std::optional<Setpoint> SafeAutopilot::sent() const {
 }
 
 void SafeAutopilot::Act() {
+  if (released_) return;
   const LinkHealth health = link_.Health();
   Situation now;
   now.t_s = MonotonicNow_s();
@@ -70,6 +84,7 @@ void SafeAutopilot::Act() {
   now.target_lost_s = target_lost_s_;
   if (now.t_s - wanted_at_s_ <= options_.limits.image_s) now.wanted = wanted_;
   now.start_N = options_.start_N;
+  if (release_) return Hold(now);
   const SafeCommand command = MakeSafe(now, safety_, options_.limits);
   safety_ = command.state;
   sent_ = command.setpoint;
@@ -84,6 +99,19 @@ void SafeAutopilot::Act() {
     last_ = SafetyChange{now.t_s, safety_.hazard, command.reaction, command.limited};
     changes_.push_back(*last_);
   }
+}
+
+void SafeAutopilot::Hold(const Situation& now) {
+  const Release how = kestrel::LetGo(now, release_state_, options_.limits, *release_);
+  if (how == Release::kHolding) {
+    sent_ = VelocitySetpoint{};
+    link_.Send(*sent_);
+    return;
+  }
+  sent_.reset();
+  link_.Silence();
+  released_ = Released{how, now.t_s - release_state_.since_s};
+  wake_.notify_all();
 }
 
 void SafeAutopilot::Watch() {

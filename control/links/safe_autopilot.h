@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "control/links/autopilot_link.h"
+#include "control/release.h"
 #include "control/safety.h"
 
 namespace kestrel {
@@ -21,9 +22,15 @@ struct SafetyChange {
   bool limited = false;
 };
 
+// How the aircraft was let go, and how long that took.
+struct Released {
+  Release how = Release::kHolding;
+  double after_s = 0;
+};
+
 // An autopilot as flight code may have it: between the two stands MakeSafe, at once when a setpoint comes,
 // and on a thread of its own every kPeriod_s whether one comes or not. A setpoint that is older than the
-// limits allow an image to be counts as none. Flight code never sees a state that is not finite: it gets the
+// limits allow an image to be counts as none. Flight code never sees a state that is not sane: it gets the
 // last one that was, and the reaction to a lost state runs.
 class SafeAutopilot final : public Autopilot {
  public:
@@ -44,12 +51,18 @@ class SafeAutopilot final : public Autopilot {
   void Send(const Setpoint& setpoint) override;
   void Aid(const AttitudeAid& aid) override;
 
+  // Lets the aircraft go (control/release.h), and comes back when the wire is silent, after
+  // ReleaseLimits::most_s at most. From its call on nothing else is sent, whatever is asked for. Of a dry
+  // run, which has nothing in force: none.
+  std::optional<Released> LetGo(const ReleaseLimits& limits = {});
+
   void TargetLostFor(double seconds);  // as flight code sees it; 0: in sight, or it has none
   std::vector<SafetyChange> TakeChanges();
   std::optional<Setpoint> sent() const;  // last, after the safety layer; none: the wire is silent
 
  private:
-  void Act();    // with the lock held
+  void Act();  // with the lock held
+  void Hold(const Situation& now);
   void Watch();  // the thread
 
   AutopilotLink& link_;
@@ -59,12 +72,15 @@ class SafeAutopilot final : public Autopilot {
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   bool stop_ = false;
-  mutable VehicleState last_finite_;
+  mutable VehicleState last_sane_;
   std::optional<Setpoint> wanted_, sent_;
   double wanted_at_s_ = 0, target_lost_s_ = 0;
   SafetyState safety_;
   std::optional<SafetyChange> last_;
   std::vector<SafetyChange> changes_;
+  std::optional<ReleaseLimits> release_;  // the aircraft is being let go, or was
+  ReleaseState release_state_;
+  std::optional<Released> released_;
   std::thread thread_;
 };
 

@@ -29,11 +29,6 @@ constexpr double kLongestSpread_s = 0.5;
 
 float Float(double value) { return static_cast<float>(value); }
 
-template <class... Numbers>
-bool Finite(Numbers... numbers) {
-  return (std::isfinite(numbers) && ...);
-}
-
 CommandLong Command(std::uint16_t command, Target target) {
   CommandLong message;
   message.command = command, message.target_system = target.system;
@@ -159,8 +154,11 @@ LandingTarget ToLandingTarget(const Eigen::Vector3d& p_NT, const Pose& X_NB, con
 }
 
 bool Telemetry::Note(const Turning& turning) {
-  if (!turning.R_NB.coeffs().allFinite() || !turning.w_B.allFinite()) return false;
+  VehicleState alone;
+  alone.R_NB = turning.R_NB, alone.w_B = turning.w_B;
+  if (!Sane(alone)) return false;
   turning_ = turning;
+  turning_->R_NB.normalize();
   return true;
 }
 
@@ -174,20 +172,21 @@ bool Telemetry::Take(const Message& message) {
     return true;
   }
   if (const auto* m = std::get_if<Attitude>(&message)) {
-    if (!Finite(m->roll, m->pitch, m->yaw)) return false;
+    for (const float angle : {m->roll, m->pitch, m->yaw})
+      if (!(std::abs(angle) <= 2 * M_PI)) return false;
     return Note(
         {1e-3 * m->time_boot_ms,
          Eigen::Quaterniond(RotationFromTaitBryan({.yaw = m->yaw, .pitch = m->pitch, .roll = m->roll})),
          Eigen::Vector3f(m->rollspeed, m->pitchspeed, m->yawspeed).cast<double>()});
   }
   if (const auto* m = std::get_if<AttitudeQuaternion>(&message)) {
-    const Eigen::Quaterniond q(m->q1, m->q2, m->q3, m->q4);
-    if (!(std::abs(q.norm() - 1) < 0.01)) return false;
-    return Note({1e-3 * m->time_boot_ms, q.normalized(),
+    return Note({1e-3 * m->time_boot_ms, Eigen::Quaterniond(m->q1, m->q2, m->q3, m->q4),
                  Eigen::Vector3f(m->rollspeed, m->pitchspeed, m->yawspeed).cast<double>()});
   }
   if (const auto* m = std::get_if<LocalPositionNed>(&message)) {
-    if (!Finite(m->x, m->y, m->z, m->vx, m->vy, m->vz)) return false;
+    VehicleState alone;
+    alone.p_NB = {m->x, m->y, m->z}, alone.v_N = {m->vx, m->vy, m->vz};
+    if (!Sane(alone)) return false;
     moving_ = {1e-3 * m->time_boot_ms, {m->x, m->y, m->z}, {m->vx, m->vy, m->vz}};
     return true;
   }

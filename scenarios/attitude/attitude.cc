@@ -48,6 +48,8 @@ class AttitudeMission final : public Mission {
     return decision;
   }
   bool Accomplished() const override { return watch_.seen(); }
+  // The skyline is measured, and nothing flown by it.
+  TargetNeed Target() const override { return TargetNeed::kNone; }
   void Draw(cv::Mat& bgr) const override { watch_.Draw(bgr); }
 
  private:

@@ -75,6 +75,9 @@ class AvoidMission final : public Mission {
 
   bool Accomplished() const override { return phase_ == "goal"; }
 
+  // That nobody is in sight is how it should be; when it sees nothing at all it stands still by itself.
+  TargetNeed Target() const override { return TargetNeed::kNone; }
+
   void Draw(cv::Mat& bgr) const override {
     for (const BalloonWatch& watch : watches_) watch.Draw(bgr);
     if (contrast_) contrast_->Draw(bgr);

@@ -36,6 +36,7 @@ class FollowMission final : public Mission {
     watch_.See(frame, state, frozen_.Is(frame.image));
     decision.vision_s = SecondsSince(start);
     decision.target = watch_.status();
+    decision.target_in_sight = watch_.Measured() && watch_.state() == TrackState::kTracked;
     decision.fix_age_s = watch_.age_s();
     X_NC_ = Pose{state.R_NB, state.p_NB} * X_BC_;
     yaw_ = YawOf(state.R_NB);
@@ -60,6 +61,14 @@ class FollowMission final : public Mission {
   }
 
   bool Accomplished() const override { return watch_.Knows(); }
+
+  TargetNeed Target() const override { return TargetNeed::kInSight; }
+
+  // Of the vertical velocity, by which the image's height is held; the law reckons with velocity_response_s.
+  VelocityLag MostLag() const override {
+    return {.vertical_s =
+                flight_.gains.velocity_response_s + kestrel::MostLag(flight_.gains.lambda_per_s[1])};
+  }
 
   void Draw(cv::Mat& bgr) const override {
     watch_.Draw(bgr);

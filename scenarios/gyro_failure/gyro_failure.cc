@@ -45,6 +45,9 @@ class GyroFailureMission final : public Mission {
     return decision;
   }
   bool Accomplished() const override { return watch_.seen(); }
+  // The autopilot holds the place; without a skyline for too long it is no longer aided, and flies by its
+  // own.
+  TargetNeed Target() const override { return TargetNeed::kNone; }
   void Draw(cv::Mat& bgr) const override { watch_.Draw(bgr); }
 
  private:

@@ -36,6 +36,8 @@ class HoverMission final : public Mission {
     return decision;
   }
   bool Accomplished() const override { return centred_; }
+  TargetNeed Target() const override { return TargetNeed::kInSight; }
+  VelocityLag MostLag() const override { return pilot_.MostLag(); }
   void Draw(cv::Mat& bgr) const override { pilot_.Draw(bgr, phase_); }
 
  private:

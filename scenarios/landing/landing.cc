@@ -38,6 +38,8 @@ class LandingMission final : public Mission {
     return decision;
   }
   bool Accomplished() const override { return landed_s_.has_value(); }
+  TargetNeed Target() const override { return TargetNeed::kInSight; }
+  VelocityLag MostLag() const override { return pilot_.MostLag(); }
   void Draw(cv::Mat& bgr) const override { pilot_.Draw(bgr, phase_); }
 
  private:

@@ -18,6 +18,7 @@ class PoseMission final : public Mission {
     decision.setpoint = *hold_;
     return decision;
   }
+  TargetNeed Target() const override { return TargetNeed::kInSight; }
   void Draw(cv::Mat& bgr) const override { pilot_.Draw(bgr, "hover on GPS"); }
 
  private:

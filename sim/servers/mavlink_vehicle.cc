@@ -31,7 +31,7 @@ constexpr std::uint16_t kTakeOffCommand = 22, kSetModeCommand = 176, kArmCommand
 // MAV_RESULT
 constexpr std::uint8_t kAccepted = 0, kTemporarilyRejected = 1, kDenied = 2, kUnsupported = 3, kFailed = 4;
 // MAV_MODE_FLAG, MAV_STATE, MAV_LANDED_STATE, MAV_SEVERITY
-constexpr std::uint8_t kCustomMode = 1, kArmedFlag = 128;
+constexpr std::uint8_t kCustomMode = 1, kSimulatedFlag = 32, kArmedFlag = 128;
 constexpr std::uint8_t kStandby = 3, kActive = 4;
 constexpr std::uint8_t kOnGround = 1, kInAir = 2, kTakingOff = 3;
 constexpr std::uint8_t kWarning = 4, kInvalidAutopilot = 8;
@@ -317,11 +317,12 @@ std::vector<wire::Bytes> MavlinkVehicle::Due(double now_s, Autopilot& aircraft) 
   if (now_s >= next_heartbeat_s_) {
     next_heartbeat_s_ = now_s + 1;
     const bool flying = state.mode != FlightMode::kStopped;
-    Say(Heartbeat{.custom_mode = mode_,
-                  .type = static_cast<std::uint8_t>(options_.type),
-                  .autopilot = dialect_.autopilot,
-                  .base_mode = static_cast<std::uint8_t>(kCustomMode | (armed_ ? kArmedFlag : 0)),
-                  .system_status = flying ? kActive : kStandby});
+    Say(Heartbeat{
+        .custom_mode = mode_,
+        .type = static_cast<std::uint8_t>(options_.type),
+        .autopilot = dialect_.autopilot,
+        .base_mode = static_cast<std::uint8_t>(kCustomMode | kSimulatedFlag | (armed_ ? kArmedFlag : 0)),
+        .system_status = flying ? kActive : kStandby});
   }
   for (auto& [id, stream] : streams_) {
     if (stream.period_s == 0 || now_s < stream.next_s) continue;

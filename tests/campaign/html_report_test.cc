@@ -83,10 +83,10 @@ TEST(PageData, LinksRecordsFromThePage) {
   ReportSubject subject = LandingCampaign(4, folder);
   RunResult& run = subject.results[2];
   Write(folder / "recordings" / "2" / "video.mp4", "film");
-  EXPECT_EQ(Json::parse(PageData(subject, folder))["runs"][2]["video"], "recordings/2/video.mp4");
+  EXPECT_EQ(Json::parse(PageData(subject, folder))["runs"][2]["video"], "./recordings/2/video.mp4");
   run.execution.recording = "results/campaigns/elsewhere/recordings/2";
   const Json moved = Json::parse(PageData(subject, folder));
-  EXPECT_EQ(moved["runs"][2]["video"], "recordings/2/video.mp4");
+  EXPECT_EQ(moved["runs"][2]["video"], "./recordings/2/video.mp4");
   fs::remove_all(folder / "recordings" / "2");
   EXPECT_FALSE(Json::parse(PageData(subject, folder))["runs"][2].contains("video"));
 }
@@ -284,7 +284,7 @@ void ReportInBrowser::FiltersByAClickOnHowRunsEnded() {
 void ReportInBrowser::ShowsVideosOfWorstRuns() {
   const Json video = Run("return document.querySelector('#worst-list video')?.getAttribute('src') ?? null");
   ASSERT_TRUE(video.is_string());
-  EXPECT_THAT(video.get<std::string>(), StartsWith("recordings/"));
+  EXPECT_THAT(video.get<std::string>(), StartsWith("./recordings/"));
   EXPECT_TRUE(Comes("document.querySelector('#worst-list video').videoWidth === 320"));
 }
 

@@ -21,7 +21,10 @@ class FakeLink final : public AutopilotLink {
     return Locked([&] { return state_; });
   }
   void Send(const Setpoint& setpoint) override {
-    Locked([&] { sent_ = setpoint, ++sends_; });
+    Locked([&] {
+      sent_ = last_ = setpoint, ++sends_;
+      if (answer_) answer_(setpoint, state_);
+    });
   }
   void Aid(const AttitudeAid&) override {}
   LinkHealth Health() const override {
@@ -33,6 +36,13 @@ class FakeLink final : public AutopilotLink {
 
   void Set(const std::function<void(VehicleState&, LinkHealth&)>& change) {
     Locked([&] { change(state_, health_); });
+  }
+  // What the aircraft makes of each setpoint.
+  void Answer(const std::function<void(const Setpoint&, VehicleState&)>& answer) {
+    Locked([&] { answer_ = answer; });
+  }
+  std::optional<Setpoint> last() const {  // before the silence
+    return Locked([&] { return last_; });
   }
   std::optional<Setpoint> sent() const {
     return Locked([&] { return sent_; });
@@ -61,7 +71,8 @@ class FakeLink final : public AutopilotLink {
   mutable std::mutex mutex_;
   VehicleState state_;
   LinkHealth health_ = Alive();
-  std::optional<Setpoint> sent_;
+  std::optional<Setpoint> sent_, last_;
+  std::function<void(const Setpoint&, VehicleState&)> answer_;
   int sends_ = 0;
   bool silent_ = false;
 };

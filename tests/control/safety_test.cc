@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <string>
+#include <vector>
 
 #include "geometry/tait_bryan.h"
 
@@ -67,6 +69,22 @@ TEST(Safety, WithinTheLimitsWhatWasAskedForGoesOutAsItIs) {
   EXPECT_EQ(Velocity(command).v_H, Eigen::Vector3d(1, -0.5, -0.2));
   EXPECT_EQ(Velocity(command).yaw_rate, 0.3);
   EXPECT_EQ(Later(Sound()).reaction, Reaction::kFly);
+}
+
+TEST(Safety, AStateThatCannotBeIsALostOne) {
+  const std::vector<std::function<void(VehicleState&)>> impossible = {
+      [](VehicleState& s) { s.p_NB.x() = 3e38; },       [](VehicleState& s) { s.p_NB.z() = -150e3; },
+      [](VehicleState& s) { s.v_N.y() = kInf; },        [](VehicleState& s) { s.v_N.y() = 250; },
+      [](VehicleState& s) { s.w_B.z() = 60; },          [](VehicleState& s) { s.R_NB.coeffs().setZero(); },
+      [](VehicleState& s) { s.R_NB.coeffs() *= 1.02; }, [](VehicleState& s) { s.R_NB.x() = kNan; }};
+  EXPECT_TRUE(Sane(Sound().state));
+  for (std::size_t i = 0; i < impossible.size(); ++i) {
+    Situation now = Sound();
+    impossible[i](now.state);
+    EXPECT_FALSE(Sane(now.state)) << i;
+    ExpectHold(Once(now));
+    EXPECT_EQ(Once(now).state.hazard, Hazard::kStateLost) << i;
+  }
 }
 
 TEST(Safety, PilotsSwitchOffNothingIsSent) {

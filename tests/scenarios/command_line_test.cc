@@ -179,6 +179,23 @@ TEST_F(CommandLineTest, ARunSaysWhatACheckSays) {
   EXPECT_THAT(Kestrel(run + "--quiet").out, IsEmpty());
 }
 
+// gnuplot runs an output whose name begins with a bar.
+TEST_F(CommandLineTest, AFolderMayBeCalledAsACommandIs) {
+  const std::string folder = "| touch owned # `touch owned` \"x\"";
+  const Ended run = Kestrel("run pose --set duration_s=0.6 --set start.settle_s=0.5 --out '" + folder + "'");
+  EXPECT_EQ(run.err, "");
+  EXPECT_FALSE(fs::exists(folder_ / "owned"));
+  EXPECT_TRUE(fs::exists(folder_ / folder / "video.mp4")) << run.out;
+  EXPECT_TRUE(fs::exists(folder_ / folder / "plots/position.png")) << run.out;
+}
+
+TEST_F(CommandLineTest, AFolderWhoseNameCommandsATerminalIsRefused) {
+  const Ended run = Kestrel(std::string(kShort) + "--out \"$(printf 'a\\033[2Jb')\"");
+  EXPECT_EQ(run.status, 2);
+  EXPECT_THAT(run.err,
+              AllOf(HasSubstr("--out: 'a\\x1b[2Jb' holds a control character"), Not(HasSubstr("\x1b"))));
+}
+
 TEST_F(CommandLineTest, WhatWasNotReachedIsSaidToBeSo) {
   const Ended run = Kestrel(
       "run landing --set duration_s=0.5 --set start.settle_s=0.5 --out run --set "

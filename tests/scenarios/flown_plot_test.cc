@@ -40,7 +40,7 @@ std::vector<LogRow> Sinking() {
 }
 
 TEST_F(FlownPlotTest, ShowsWhatWasSeenAndSentAndWhereTheSafetyLayerStoodIn) {
-  DrawFlownPlot(folder_ / "flown.png", Sinking(), "REAL AIRCRAFT, a descent");
+  DrawFlownPlot(folder_ / "flown.png", Sinking(), "LIVE, a descent");
   const cv::Mat picture = cv::imread((folder_ / "flown.png").string());
   ASSERT_EQ(picture.size(), cv::Size(1200, 1100));
   EXPECT_GT(Count(picture, {0x73, 0x9e, 0x00}), 500);  // height seen

@@ -84,6 +84,7 @@ class FlyTest : public InTemporaryFolder {
     FlyOptions options;
     options.most_s = 0.6;
     options.video = false;
+    options.release = {.still_s = 0.05, .most_s = 0.3};
     return options;
   }
 
@@ -213,8 +214,8 @@ TEST_F(FlyTest, AFlightLeavesItsRecords) {
   ASSERT_GT(report.frames, 2);
   EXPECT_GT(link_.sends(), 2);
   EXPECT_TRUE(link_.silent());
-  EXPECT_THAT(Text(folder_ / "events.log"), HasSubstr("mode: REAL AIRCRAFT"));
-  EXPECT_THAT(Text(folder_ / "summary.json"), HasSubstr("\"mode\": \"REAL AIRCRAFT\""));
+  EXPECT_THAT(Text(folder_ / "events.log"), HasSubstr("mode: LIVE"));
+  EXPECT_THAT(Text(folder_ / "summary.json"), HasSubstr("\"mode\": \"LIVE\""));
   const Recording recording(folder_);
   EXPECT_EQ(static_cast<std::int64_t>(recording.frames().size()), report.frames - report.records_dropped);
   // Its plan is a plan again, and its images give the same decisions.
@@ -363,6 +364,99 @@ TEST_F(FlyTest, AStateThatWasNeverHeardIsNotTakenForLanded) {
   const std::string events = Text(folder_ / "events.log");
   EXPECT_THAT(events, HasSubstr("autopilot: not heard yet"));
   EXPECT_THAT(events, ::testing::Not(HasSubstr("landed")));
+}
+
+// In the air, and flying as it is told.
+void Obedient(FakeLink& link) {
+  link.Set([](VehicleState& state, LinkHealth&) {
+    state.landed = false, state.mode = FlightMode::kVelocity;
+    state.v_N = {0, 0, 1};
+  });
+  link.Answer([](const Setpoint& setpoint, VehicleState& state) {
+    if (const auto* velocity = std::get_if<VelocitySetpoint>(&setpoint)) state.v_N = velocity->v_H;
+  });
+}
+
+TEST_F(FlyTest, HoweverItEndsTheAircraftStandsStillBeforeTheWireFallsSilent) {
+  const std::atomic<bool> interrupted = true;
+  for (const std::string end : {"time is up", "interrupted"}) {
+    FakeLink link;
+    Obedient(link);
+    FlyOptions options = Options();
+    options.folder = folder_ / end;
+    options.most_s = 0.4;
+    if (end == "interrupted") options.interrupted = &interrupted;
+    LiveCamera camera(Noise(), {});
+    const FlyReport report = FlyAircraft(plan_, camera, link, options);
+    EXPECT_EQ(report.outcome, end);
+    EXPECT_THAT(report.release, HasSubstr("held"));
+    EXPECT_THAT(Text(folder_ / end / "events.log"), HasSubstr("release: held"));
+    ASSERT_TRUE(link.last() && std::holds_alternative<VelocitySetpoint>(*link.last()));
+    EXPECT_TRUE(std::get<VelocitySetpoint>(*link.last()).v_H.isZero());
+    EXPECT_TRUE(link.State().v_N.isZero());
+    EXPECT_TRUE(link.silent());
+  }
+}
+
+TEST_F(FlyTest, AnAircraftThatDoesNotStandStillIsLetGoAfterATimeAndThatIsSaid) {
+  Obedient(link_);
+  link_.Answer({});
+  LiveCamera camera(Noise(), {});
+  const FlyReport report = FlyAircraft(plan_, camera, link_, Options());
+  EXPECT_THAT(report.release, HasSubstr("not obeyed"));
+  EXPECT_TRUE(link_.silent());
+}
+
+TEST_F(FlyTest, WhatIsThePilotsIsNotHeldAtTheEnd) {
+  Obedient(link_);
+  link_.Set([](VehicleState&, LinkHealth& health) { health.pilot_allows = false; });
+  LiveCamera camera(Noise(), {});
+  const FlyReport report = FlyAircraft(plan_, camera, link_, Options());
+  EXPECT_THAT(report.release, HasSubstr("the pilot's"));
+  EXPECT_EQ(link_.sends(), 0);
+}
+
+TEST_F(FlyTest, AServedSimulatorIsNotTakenForAnAircraft) {
+  link_.Set([](VehicleState&, LinkHealth& health) { health.simulated = true; });
+  FlyOptions options = Options();
+  options.folder = folder_;
+  LiveCamera camera(Noise(), {});
+  FlyAircraft(plan_, camera, link_, options);
+  EXPECT_THAT(Text(folder_ / "events.log"), HasSubstr("mode: LIVE, SIMULATED AIRCRAFT"));
+}
+
+TEST_F(FlyTest, AMissionThatDoesNotDeclareItsTargetIsNotFlown) {
+  class Undeclared final : public Mission {
+    Decision Step(const Frame&, const VehicleState&) override { return {}; }
+    void Draw(cv::Mat&) const override {}
+  };
+  Mistakes mistakes;
+  CheckDeclared(Undeclared(), "sketch", mistakes);
+  ASSERT_EQ(mistakes.messages().size(), 1u);
+  EXPECT_THAT(mistakes.messages()[0], ::testing::AllOf(HasSubstr("'sketch'"), HasSubstr("Mission::Target")));
+}
+
+TEST_F(FlyTest, EveryMissionOfOursDeclaresWhetherItNeedsItsTarget) {
+  for (const auto& [name, need] : {std::pair{"pose", TargetNeed::kInSight},
+                                   {"hover", TargetNeed::kInSight},
+                                   {"landing", TargetNeed::kInSight},
+                                   {"follow", TargetNeed::kInSight},
+                                   {"attitude_1", TargetNeed::kNone},
+                                   {"gyro_failure", TargetNeed::kNone},
+                                   {"avoid", TargetNeed::kNone}})
+    EXPECT_EQ(MakeMission(LoadPlan(name).parts)->Target(), need) << name;
+}
+
+// A source of noise shows no pad.
+TEST_F(FlyTest, ATargetThatIsNeverSeenIsLost) {
+  Obedient(link_);
+  FlyOptions options = Options();
+  options.folder = folder_;
+  options.most_s = 1.5;
+  options.limits.target_s = 0.3;
+  LiveCamera camera(Noise(), {});
+  FlyAircraft(plan_, camera, link_, options);
+  EXPECT_THAT(Text(folder_ / "events.log"), HasSubstr("safety: target lost, hold"));
 }
 
 TEST_F(FlyTest, AFlightThatThePilotTookDoesNotPass) {

@@ -34,7 +34,8 @@ TEST(PossibleMetrics, HoldWhatFlightsOfEachMissionHave) {
       {"avoid", {"closest_m", "manoeuvred"}}};
   ASSERT_EQ(known.size(), MissionNames().size());
   for (const auto& [name, telling] : known) {
-    std::vector<std::string> overrides = {"duration_s=0.4", "start.settle_s=0.2", "image.rate_hz=10", "criteria={}"};
+    std::vector<std::string> overrides = {"duration_s=0.4", "start.settle_s=0.2", "image.rate_hz=10",
+                                          "criteria={}"};
     if (name == "gyro_failure") overrides.push_back("sensors.attitude_faults.0.from_s=0.1");
     const LoadedScenario loaded = LoadScenario(name, overrides);
     const FlightResult flight = RunFlight(loaded, {});

@@ -599,6 +599,31 @@ TEST(MavlinkPair, OnlyACopterOfTheTwoIsFlown) {
   }
 }
 
+// Of a state of which one half stopped or turned bad, the age is that of the half.
+TEST(MavlinkPair, AStateIsAsOldAsTheOlderOfItsParts) {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  for (const bool position : {true, false}) {
+    for (const bool bad : {true, false}) {
+      MavlinkSession link(kTakes);
+      Sender sender(1, 1);
+      double now_s = 0;
+      const auto hear = [&](const Message& message) { link.Hear(sender.Encode(message), now_s); };
+      for (int i = 0; i < 60; ++i, now_s += 0.05) {
+        const auto time_boot_ms = static_cast<std::uint32_t>(1000 + 50 * i);
+        const bool well = i < 30;
+        if (i % 20 == 0) hear(Heartbeat{.type = 2, .autopilot = 12});
+        if (well || bad || position)
+          hear(AttitudeQuaternion{.time_boot_ms = time_boot_ms, .q1 = well || position ? 1.F : 0.F});
+        if (well || bad || !position)
+          hear(LocalPositionNed{.time_boot_ms = time_boot_ms, .x = well || !position ? 1.F : kNan});
+        if (well) ASSERT_LT(link.Health(now_s).state_age_s.value_or(9), 0.06) << i;
+      }
+      EXPECT_NEAR(link.Health(now_s).state_age_s.value_or(9), 31 * 0.05, 0.06) << position << bad;
+      EXPECT_TRUE(Sane(link.State()));
+    }
+  }
+}
+
 TEST(MavlinkPair, AConfusedOrHostileStreamDoesNotDisturbTheState) {
   Pair pair;
   pair.Run(2);
