@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "campaign/report/trajectory.h"
+#include "config/user_file.h"
 
 namespace kestrel {
 namespace {
@@ -60,7 +61,7 @@ Json RunOf(const ReportSubject& subject, const RunResult& run, const std::vector
   if (run.status != RunStatus::kPassed && !run.execution.log.empty()) json["log"] = run.execution.log;
   if (const fs::path recording = RecordingOf(subject, run); !recording.empty()) {
     json["recording"] = LinkTo(recording, page_folder);
-    if (fs::exists(recording / "video.mp4")) json["video"] = LinkTo(recording / "video.mp4", page_folder);
+    if (IsFile(recording / "video.mp4")) json["video"] = LinkTo(recording / "video.mp4", page_folder);
   }
   return json;
 }
