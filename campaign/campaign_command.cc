@@ -23,7 +23,9 @@
 #include "campaign/statistics/stop_rule.h"
 #include "campaign/statistics/thresholds.h"
 #include "campaign/tuning/kept_flights.h"
+#include "config/own_program.h"
 #include "config/stopwatch.h"
+#include "config/user_file.h"
 #include "config/yaml_fields.h"
 #include "scenarios/files.h"
 #include "scenarios/model_files.h"
@@ -100,7 +102,8 @@ Asked Read(const CampaignArguments& a) {
   if (!a.seed.empty()) overrides.push_back("seed=" + a.seed);
   Mistakes of_files;
   // Its folder may be that of the results, which is made with them.
-  if (const fs::path folder = fs::path(a.junit).parent_path(); folder.empty() || fs::exists(folder))
+  std::error_code none;
+  if (const fs::path folder = fs::path(a.junit).parent_path(); folder.empty() || fs::exists(folder, none))
     CheckWritableFile(a.junit, "--junit", of_files);
   else
     CheckWritableFolder(folder, "--junit", of_files);
@@ -221,7 +224,7 @@ bool Replay(const CampaignArguments& a) {
   std::vector<fs::path> files = ShardFiles(asked.folder);
   files.insert(files.begin(), ResultFile(asked.folder));
   for (const fs::path& file : files) {
-    if (stored || !fs::is_regular_file(file)) continue;
+    if (stored || !IsFile(file)) continue;
     const ResultStore store = ResultStore::Read(file);
     for (const RunResult& result : store.Results())
       if (result.row == a.row) stored = result;
@@ -268,7 +271,7 @@ bool Replay(const CampaignArguments& a) {
 BatchJob JobOf(const CampaignArguments& a, const Asked& asked) {
   BatchJob job;
   job.name = asked.campaign.plan.name;
-  job.program = fs::read_symlink("/proc/self/exe");
+  job.program = OwnProgram();
   job.arguments.push_back(fs::absolute(CampaignFile(a.file)).lexically_normal().string());
   for (const std::string& each : a.overrides) job.arguments.insert(job.arguments.end(), {"--set", each});
   if (!a.runs.empty()) job.arguments.insert(job.arguments.end(), {"--runs", a.runs});

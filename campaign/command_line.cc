@@ -33,7 +33,8 @@ CLI::Validator WholeNumber(int low, int high) {
 }
 
 void RefuseReportOf(const char* kind, const std::filesystem::path& data, Mistakes& mistakes) {
-  if (std::filesystem::exists(data))
+  std::error_code none;
+  if (std::filesystem::exists(data, none))
     mistakes.Add("--out", "",
                  fmt::format("{} is of a {}, whose report.html would be replaced; valid: another folder",
                              data.string(), kind));

@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "campaign/statistics/comparison.h"
+#include "config/user_file.h"
 #include "config/yaml_fields.h"
 #include "scenarios/files.h"
 
@@ -18,7 +19,7 @@ namespace fs = std::filesystem;
 fs::path ResultsOf(const std::string& given, const char* which, Mistakes& mistakes) {
   const fs::path named = fs::path("results/campaigns") / given / "results.sqlite";
   for (const fs::path& file : {fs::path(given), fs::path(given) / "results.sqlite", named})
-    if (fs::is_regular_file(file)) return file;
+    if (IsFile(file)) return file;
   mistakes.Add(which, "",
                fmt::format("'{}' has no results; valid: a result file, a folder with results.sqlite, or the "
                            "name of a campaign in results/campaigns",

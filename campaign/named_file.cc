@@ -6,6 +6,7 @@
 
 #include <vector>
 
+#include "config/user_file.h"
 #include "config/yaml_fields.h"
 #include "scenarios/model_files.h"
 
@@ -15,7 +16,7 @@ namespace fs = std::filesystem;
 
 fs::path NamedFile(const std::string& kind, const std::string& name_or_file) {
   const fs::path file = name_or_file;
-  if (file.has_extension() || fs::is_regular_file(file)) return file;
+  if (file.has_extension() || IsFile(file)) return file;
   std::vector<std::string> names, of_flights;
   std::vector<fs::path> found;
   for (const std::string& flight : NamesIn(Root() / "scenarios", "")) {

@@ -3,24 +3,27 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <yaml-cpp/yaml.h>
+#include <yaml-cpp/exceptions.h>
 
 #include <algorithm>
 #include <boost/locale/utf.hpp>
-#include <cerrno>
 #include <charconv>
 #include <cmath>
 #include <cstring>
-#include <fstream>
 #include <numeric>
 #include <sstream>
+#include <unordered_map>
+
+#include "config/user_file.h"
+#include "config/yaml_nodes.h"
 
 namespace kestrel {
 namespace {
 
 using Kind = ConfigNode::Kind;
 
-constexpr int kGreatestDepth = 32;  // an anchor may hold itself
+// What is shown of many mistakes, and of a long one: nobody reads more, and a terminal chokes on it.
+constexpr std::size_t kMostShown = 50, kLongestShown = 2000;
 
 // The number of the first line that is not UTF-8, in which alone others read what is kept of a file. 0: all
 // are.
@@ -35,31 +38,6 @@ int LineNotUtf8(const std::string& text) {
   return 0;
 }
 
-ConfigNode FromYaml(const YAML::Node& yaml, const std::string& where, const auto& where_of, int depth) {
-  if (depth > kGreatestDepth) throw YAML::Exception(yaml.Mark(), "nested too deeply");
-  ConfigNode node;
-  node.where = where;
-  if (yaml.IsScalar()) {
-    node.kind = Kind::kText;
-    node.text = yaml.Scalar();
-    node.quoted = yaml.Tag() == "!";
-  } else if (yaml.IsSequence()) {
-    node.kind = Kind::kList;
-    for (const auto& each : yaml) {
-      node.members.emplace_back(std::to_string(node.members.size()),
-                                FromYaml(each, where_of(each.Mark()), where_of, depth + 1));
-    }
-  } else if (yaml.IsMap()) {
-    node.kind = Kind::kMap;
-    for (const auto& each : yaml) {
-      if (!each.first.IsScalar()) throw YAML::Exception(each.first.Mark(), "a key must be a name");
-      node.members.emplace_back(each.first.Scalar(),
-                                FromYaml(each.second, where_of(each.first.Mark()), where_of, depth + 1));
-    }
-  }
-  return node;
-}
-
 void Override(ConfigNode& root, const std::string& text, Mistakes& mistakes) {
   const std::string where = "--set " + text;
   const std::size_t equals = text.find('=');
@@ -67,8 +45,7 @@ void Override(ConfigNode& root, const std::string& text, Mistakes& mistakes) {
     return mistakes.Add(where, "", "not of the form key.path=value");
   ConfigNode value;
   try {
-    value = FromYaml(
-        YAML::Load(text.substr(equals + 1)), where, [&](const YAML::Mark&) { return where; }, 0);
+    value = ReadNodes(text.substr(equals + 1), [&](int) { return where; });
   } catch (const YAML::Exception& e) {
     return mistakes.Add(where, text.substr(0, equals), "the value is not valid YAML: " + e.msg);
   }
@@ -178,10 +155,28 @@ std::string Printable(std::string_view text) {
   return shown;
 }
 
+// The beginning and the end, between which the middle is left out: a place stands first, and what would be
+// valid last.
+std::string Shortened(const std::string& text, std::size_t most) {
+  if (text.size() <= most) return text;
+  return fmt::format("{} [...] {}", std::string_view(text).substr(0, most / 2),
+                     std::string_view(text).substr(text.size() - most / 2));
+}
+
+std::string ShownOf(const std::vector<std::string>& all) {
+  std::string shown;
+  for (std::size_t i = 0; i < std::min(all.size(), kMostShown); ++i) {
+    if (i > 0) shown += '\n';
+    shown += Shortened(all[i], kLongestShown);
+  }
+  if (all.size() > kMostShown) shown += fmt::format("\nand {} more", all.size() - kMostShown);
+  return shown;
+}
+
 }  // namespace
 
 InputError::InputError(std::vector<std::string> all)
-    : std::runtime_error(Printable(fmt::format("{}", fmt::join(all, "\n")))), messages(std::move(all)) {}
+    : std::runtime_error(Printable(ShownOf(all))), messages(std::move(all)) {}
 
 void Mistakes::Add(std::string_view where, std::string_view key, std::string_view what) {
   messages_.push_back(key.empty() ? fmt::format("{}: {}", where, what)
@@ -194,38 +189,27 @@ void Mistakes::ThrowIfAny() const {
 
 Config LoadConfig(const std::filesystem::path& file, const std::vector<std::string>& overrides,
                   Mistakes& mistakes) {
-  std::error_code ignored;
-  if (std::filesystem::is_directory(file, ignored)) {
-    mistakes.Add(file.string(), "", "is a folder, not a YAML file");
+  const FileContent content = ReadUserFile(file, kMostTextBytes);
+  if (!content.trouble.empty()) {
+    mistakes.Add(file.string(), "", content.trouble);
     return {};
   }
-  errno = 0;
-  std::ifstream in(file, std::ios::binary);
-  std::ostringstream text;
-  if (in && in.peek() != std::ifstream::traits_type::eof()) text << in.rdbuf();
-  if (!in.is_open() || in.bad()) {
-    mistakes.Add(file.string(), "", fmt::format("cannot be read: {}", std::strerror(errno ? errno : EIO)));
-    return {};
-  }
-  return ParseConfig(text.str(), file.string(), overrides, mistakes);
+  return ParseConfig(content.bytes, file.string(), overrides, mistakes);
 }
 
 Config ParseConfig(const std::string& text, const std::string& name,
                    const std::vector<std::string>& overrides, Mistakes& mistakes) {
   Config config;
-  const auto where_of = [&](const YAML::Mark& mark) { return fmt::format("{}:{}", name, mark.line + 1); };
+  const auto where_of = [&](int line) { return fmt::format("{}:{}", name, line + 1); };
   if (const int line = LineNotUtf8(text); line > 0) {
     mistakes.Add(fmt::format("{}:{}", name, line), "", "it is not in UTF-8; valid: the file saved in UTF-8");
     return config;
   }
   try {
-    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
-    config.root.where = name + ":1";
-    if (documents.size() > 1) throw YAML::Exception(documents[1].Mark(), "more than one document");
-    if (!documents.empty()) config.root = FromYaml(documents[0], name + ":1", where_of, 0);
+    config.root = ReadNodes(text, where_of);
     config.readable = true;
   } catch (const YAML::Exception& e) {
-    mistakes.Add(where_of(e.mark), "", "not valid YAML: " + e.msg);
+    mistakes.Add(where_of(e.mark.line), "", "not valid YAML: " + e.msg);
     return config;
   }
   for (const std::string& each : overrides) Override(config.root, each, mistakes);
@@ -250,6 +234,7 @@ std::optional<std::string> NearestName(std::string_view name, const std::vector<
   // Beyond a third of the letters it would be a guess.
   std::size_t least = (name.size() < 4 ? 1 : std::max<std::size_t>(2, name.size() / 3)) + 1;
   for (const std::string& each : valid) {
+    if (name.size() >= each.size() + least || each.size() >= name.size() + least) continue;
     if (const std::size_t d = distance(name, each); d < least) least = d, nearest = each;
   }
   return nearest;
@@ -419,13 +404,13 @@ void FieldReader::Numbers(FieldKey key, double* values, int size, double low, do
 }
 
 void FieldReader::RefuseRepeated(const ConfigNode& node, const std::string& path) const {
-  for (auto it = node.members.begin(); it != node.members.end(); ++it) {
-    const auto first =
-        std::find_if(node.members.begin(), it, [&](const auto& m) { return m.first == it->first; });
-    if (first == it) continue;
-    const std::string& before = first->second.where;
-    mistakes_.Add(it->second.where, path.empty() ? it->first : path + '.' + it->first,
-                  "given twice, first at " + before);
+  if (node.kind != Kind::kMap) return;
+  std::unordered_map<std::string_view, const std::string*> first;
+  for (const auto& [key, member] : node.members) {
+    const auto [before, is_new] = first.emplace(key, &member.where);
+    if (is_new) continue;
+    mistakes_.Add(member.where, path.empty() ? key : path + '.' + key,
+                  "given twice, first at " + *before->second);
   }
 }
 

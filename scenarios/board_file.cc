@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "config/user_file.h"
 #include "scenarios/model_files.h"
 
 namespace kestrel {
@@ -15,12 +16,12 @@ namespace fs = std::filesystem;
 
 Board LoadBoardNamed(const std::string& name, const std::string& where, Mistakes& mistakes) {
   if (name.find('/') != std::string::npos || name.ends_with(".yaml") || name.ends_with(".yml")) {
-    if (fs::is_regular_file(name)) return LoadBoard(name, mistakes);
-    mistakes.Add(where, "", fmt::format("there is no file '{}'", name));
+    if (IsFile(name)) return LoadBoard(name, mistakes);
+    mistakes.Add(where, "", NoSuchFile(name));
     return {};
   }
   const fs::path folder = Root() / "models" / "boards";
-  if (fs::is_regular_file(folder / (name + ".yaml"))) return LoadBoard(folder / (name + ".yaml"), mistakes);
+  if (IsFile(folder / (name + ".yaml"))) return LoadBoard(folder / (name + ".yaml"), mistakes);
   std::vector<std::string> names;
   std::error_code none;
   for (const auto& entry : fs::directory_iterator(folder, none))

@@ -8,31 +8,40 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
-#include <opencv2/imgcodecs.hpp>
 
+#include "scenarios/bits_option.h"
 #include "scenarios/board_file.h"
 #include "scenarios/calibration_report.h"
 #include "scenarios/files.h"
-#include "scenarios/read_image.h"
 #include "vision/calibrate.h"
+#include "vision/image_file.h"
 
 namespace kestrel {
 namespace {
 
 namespace fs = std::filesystem;
 
-// Grey images of one size. What is not is a mistake.
-std::vector<cv::Mat> ReadImages(const std::vector<std::string>& files, Mistakes& mistakes) {
+// Grey images of one size and one depth. What is not is a mistake.
+std::vector<cv::Mat> ReadImages(const CalibrateArguments& a, Mistakes& mistakes) {
+  const std::vector<std::string>& files = a.images;
+  std::vector<ImageFile> read;
+  PixelDepth depth(a.bits);
+  for (const std::string& file : files) {
+    const ImageFile& image = read.emplace_back(ReadImageFile(file, ImageColours::kGrey));
+    const std::string trouble = image.pixels.empty() ? image.trouble : depth.Include(image);
+    if (!trouble.empty()) mistakes.Add(file, "", trouble);
+  }
+  if (depth.guessed()) fmt::print("{}\n", depth.Note());
   std::vector<cv::Mat> images;
   std::map<std::pair<int, int>, int> sizes;
-  for (const std::string& file : files) {
-    const cv::Mat image = ReadImage(file, cv::IMREAD_GRAYSCALE, mistakes);
-    if (!image.empty()) ++sizes[{image.cols, image.rows}];
-    images.push_back(image);
+  for (ImageFile& image : read) {
+    if (!image.pixels.empty()) ++sizes[{image.pixels.cols, image.pixels.rows}];
+    images.push_back(image.pixels.empty() ? cv::Mat() : depth.EightBits(image));
+    image.pixels.release();
   }
   if (sizes.size() > 1) {
     const auto usual = std::max_element(sizes.begin(), sizes.end(),
-                                        [](const auto& a, const auto& b) { return a.second < b.second; });
+                                        [](const auto& x, const auto& y) { return x.second < y.second; });
     const auto [width, height] = usual->first;
     for (std::size_t i = 0; i < files.size(); ++i) {
       if (images[i].empty() || (images[i].cols == width && images[i].rows == height)) continue;
@@ -65,6 +74,7 @@ CLI::App* AddCalibrateCommand(CLI::App& app, CalibrateArguments& a) {
                    "nothing is written")
       ->check(CLI::Range(0.001, 1000.0))
       ->capture_default_str();
+  AddBitsOption(*command, a.bits);
   command->footer(
       "Examples:\n"
       "  kestrel calibrate photos/*.jpg --model pinhole --out calibration\n"
@@ -78,7 +88,7 @@ CLI::App* AddCalibrateCommand(CLI::App& app, CalibrateArguments& a) {
 void CalibrateCommand(const CalibrateArguments& a) {
   Mistakes mistakes;
   const Board board = LoadBoardNamed(a.board, "--board", mistakes);
-  const std::vector<cv::Mat> images = ReadImages(a.images, mistakes);
+  const std::vector<cv::Mat> images = ReadImages(a, mistakes);
   CheckWritableFolder(a.out, "--out", mistakes);
   mistakes.ThrowIfAny();
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,7 @@ namespace kestrel {
 struct CalibrateArguments {
   std::vector<std::string> images;
   std::string board = "chessboard", model, out;
+  std::optional<int> bits;  // of 16-bit pixels
   double accepted_px = kAcceptedResidual_px;
 };
 

@@ -8,14 +8,13 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <map>
 #include <mutex>
 #include <set>
 #include <sstream>
 #include <stdexcept>
 
+#include "config/user_file.h"
 #include "scenarios/avoid/encounter.h"
 #include "scenarios/figures.h"
 #include "scenarios/files.h"
@@ -233,15 +232,11 @@ LoadedScenario Load(const EncountersArguments& a, std::string& settings) {
   // All that the flights depend on, and not the file's name, whose content may change.
   settings = fmt::format("# {}\n{}", Version(), ToYaml(base.scenario));
   const fs::path file = fs::path(a.out) / "settings.txt";
-  if (std::ifstream in(file); in) {
-    const std::string before{std::istreambuf_iterator<char>(in), {}};
-    if (before != settings)
-      mistakes.Add(
-          "--out", "",
-          fmt::format("{} holds encounters of other settings or another version; valid: another folder, or "
-                      "that one removed",
-                      a.out));
-  }
+  if (IsFile(file) && ReadFile(file) != settings)
+    mistakes.Add("--out", "",
+                 fmt::format("{} holds encounters of other settings or another version; valid: another "
+                             "folder, or that one removed",
+                             a.out));
   mistakes.ThrowIfAny();
   return base;
 }

@@ -8,11 +8,11 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
-#include <sstream>
 #include <stdexcept>
 #include <utility>
 #include <vector>
 
+#include "config/user_file.h"
 #include "config/yaml_fields.h"
 
 namespace kestrel {
@@ -62,11 +62,7 @@ void WriteFile(const std::filesystem::path& file, std::string_view content) {
   }
 }
 
-std::string ReadFile(const fs::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file, std::ios::binary).rdbuf();
-  return std::move(text).str();
-}
+std::string ReadFile(const fs::path& file) { return ReadUserFile(file, kMostDataBytes).bytes; }
 
 bool HasControl(std::string_view name) {
   return std::any_of(name.begin(), name.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; });
@@ -90,7 +86,8 @@ void CheckWritableFolder(const fs::path& folder, const char* option, Mistakes& m
   if (fs::exists(folder, error) && !fs::is_directory(folder, error))
     return mistakes.Add(option, "", fmt::format("'{}' is not a folder", folder.string()));
   std::vector<fs::path> missing;  // the innermost first
-  for (fs::path each = fs::absolute(folder).lexically_normal(); !fs::exists(each, error);
+  // A link that leads nowhere is there, and stays.
+  for (fs::path each = fs::absolute(folder).lexically_normal(); !fs::exists(fs::symlink_status(each, error));
        each = each.parent_path())
     missing.push_back(each);
   fs::create_directories(folder, error);

@@ -21,7 +21,7 @@ void Complete(const std::filesystem::path& file);
 // and the reason.
 void WriteFile(const std::filesystem::path& file, std::string_view content);
 
-// All that is in a file; nothing of one that cannot be read.
+// All that is in a file (config/user_file.h); nothing of one that cannot be read.
 std::string ReadFile(const std::filesystem::path& file);
 
 // Whether a name holds a control character, such as a newline or ESC: no file or folder of ours does, so that

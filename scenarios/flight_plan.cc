@@ -4,11 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <opencv2/imgcodecs.hpp>
 
+#include "config/user_file.h"
 #include "scenarios/gains_file.h"
 #include "scenarios/model_files.h"
 #include "vision/calibration_file.h"
+#include "vision/image_file.h"
 #include "vision/pad_file.h"
 
 namespace kestrel {
@@ -31,17 +32,13 @@ cv::Mat OwnParts(const FlightPlan& plan, const fs::path& beside, const CameraMod
   fs::path file = beside / plan.own_parts;
   if (plan.own_parts.empty()) {
     file = beside / "own_parts.png";
-    if (!fs::exists(file)) return cv::Mat::zeros(HeightPx(camera), WidthPx(camera), CV_8U);
+    if (!IsFile(file)) return cv::Mat::zeros(HeightPx(camera), WidthPx(camera), CV_8U);
   }
-  const cv::Mat picture =
-      fs::is_regular_file(file) ? cv::imread(file.string(), cv::IMREAD_GRAYSCALE) : cv::Mat();
-  if (picture.empty()) {
-    mistakes.Add(where, "own_parts", fmt::format("'{}' cannot be read as an image", file.string()));
-  } else if (picture.cols != WidthPx(camera) || picture.rows != HeightPx(camera)) {
+  const cv::Mat picture = ReadMask(file, where, "own_parts", mistakes);
+  if (!picture.empty() && (picture.cols != WidthPx(camera) || picture.rows != HeightPx(camera)))
     mistakes.Add(where, "own_parts",
                  fmt::format("'{}' has {} x {} pixels; valid: the camera's {} x {}", file.string(),
                              picture.cols, picture.rows, WidthPx(camera), HeightPx(camera)));
-  }
   return picture;
 }
 

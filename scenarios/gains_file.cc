@@ -5,6 +5,7 @@
 
 #include <map>
 
+#include "config/user_file.h"
 #include "scenarios/model_files.h"
 
 namespace kestrel {
@@ -17,11 +18,10 @@ NamedGains::NamedGains(const fs::path& scenario, const std::vector<std::string>&
   const ConfigNode* named = config.readable ? Find(config, "gains") : nullptr;
   if (!named || named->kind == ConfigNode::Kind::kNothing) return;
   fs::path file = scenario.parent_path() / named->text;
-  if (!fs::is_regular_file(file)) file = named->text;
-  if (!fs::is_regular_file(file)) {
-    mistakes.Add(
-        named->where, "gains",
-        fmt::format("there is no file '{}'; valid: one beside the scenario or from here", named->text));
+  if (!IsFile(file)) file = named->text;
+  if (!IsFile(file)) {
+    mistakes.Add(named->where, "gains",
+                 NoSuchFile(named->text) + "; valid: one beside the scenario or from here");
     mistakes.ThrowIfAny();
   }
   file_ = file;

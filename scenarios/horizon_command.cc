@@ -10,13 +10,16 @@
 #include <opencv2/imgcodecs.hpp>
 #include <optional>
 
+#include "config/user_file.h"
 #include "geometry/tait_bryan.h"
+#include "scenarios/bits_option.h"
 #include "scenarios/files.h"
 #include "scenarios/scenario.h"
 #include "scenarios/video.h"
 #include "scenarios/video_reader.h"
 #include "vision/calibration_file.h"
 #include "vision/horizon_attitude.h"
+#include "vision/image_file.h"
 
 namespace kestrel {
 namespace {
@@ -86,6 +89,7 @@ CLI::App* AddHorizonCommand(CLI::App& app, HorizonArguments& a) {
                       "An image of the same size, not black where the aircraft itself is seen");
   command->add_option("--out", a.out, "Picture (.png, .jpg) or video (.mp4) with what was seen drawn on it");
   command->add_option("--csv", a.csv, "A row for each frame");
+  AddBitsOption(*command, a.bits);
   command->add_flag("--quiet", a.quiet, "Print nothing but errors");
   command->footer(
       "Examples:\n"
@@ -99,15 +103,13 @@ void HorizonCommand(const HorizonArguments& a) {
   cv::Mat image, mask;
   std::optional<VideoReader> video;
   std::optional<cv::Size> size;
-  if (fs::is_directory(a.input)) {
-    mistakes.Add(a.input, "", "is a folder; valid: an image or a video");
-  } else if (!fs::is_regular_file(a.input)) {
-    mistakes.Add(a.input, "", "there is no such file");
+  std::string note;
+  if (!IsFile(a.input) || LooksLikeImage(a.input)) {
+    image = ReadImage(a.input, ImageColours::kColour, a.bits, mistakes, note);
+    if (!image.empty()) size = image.size();
   } else {
-    image = cv::imread(a.input, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
     try {
-      if (image.empty()) video.emplace(a.input);
-      size = video ? video->size() : image.size();
+      size = video.emplace(a.input).size();
     } catch (const std::runtime_error& e) {
       mistakes.Add(a.input, "", fmt::format("neither an image nor a video: {}", e.what()));
     }
@@ -117,19 +119,11 @@ void HorizonCommand(const HorizonArguments& a) {
   if (const auto file = CameraFile(name, "", "--camera", mistakes))
     camera = LoadCamera(*file, mistakes, a.camera_name, size);
   if (!a.mask.empty()) {
-    if (fs::is_regular_file(a.mask)) {
-      mask = cv::imread(a.mask, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION | cv::IMREAD_ANYDEPTH);
-      if (!mask.empty()) mask = mask > 0;
-    }
-    if (!fs::is_regular_file(a.mask)) {
-      mistakes.Add("--mask", "", fmt::format("there is no file '{}'", a.mask));
-    } else if (mask.empty()) {
-      mistakes.Add("--mask", "", fmt::format("'{}' cannot be read as an image", a.mask));
-    } else if (size && mask.size() != *size) {
+    mask = ReadMask(a.mask, "--mask", "", mistakes);
+    if (!mask.empty() && size && mask.size() != *size)
       mistakes.Add("--mask", "",
                    fmt::format("{} x {} pixels; valid: those of the input, {} x {}", mask.cols, mask.rows,
                                size->width, size->height));
-    }
   }
   if (!a.out.empty() && !(video ? HasEnding(a.out, {".mp4"}) : HasEnding(a.out, {".png", ".jpg", ".jpeg"})))
     mistakes.Add(
@@ -151,6 +145,7 @@ void HorizonCommand(const HorizonArguments& a) {
   std::string csv = kHeader;
   if (!video) {
     const auto m = horizon.Measure(image);
+    if (!a.quiet && !note.empty()) fmt::print("{}\n", note);
     if (!a.quiet) Tell(m);
     if (!a.quiet && !m.attitude) TellOfMount(a);
     csv += Row(0, 0, m);

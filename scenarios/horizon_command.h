@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 
 namespace CLI {
@@ -13,6 +14,7 @@ namespace kestrel {
 struct HorizonArguments {
   std::string input, camera, camera_name, mask, out, csv;
   double yaw_deg = 0, pitch_deg = 0, roll_deg = 0;  // of the mount, as in a scenario
+  std::optional<int> bits;                          // of 16-bit pixels
   bool quiet = false;
 };
 

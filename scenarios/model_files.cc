@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "config/user_file.h"
+
 namespace kestrel {
 
 namespace fs = std::filesystem;
@@ -56,16 +58,20 @@ void NoMoreThan::operator()(const std::string& key, double value, double limit,
 }
 
 fs::path ScenarioFile(const std::string& name_or_file) {
-  if (!fs::exists(Root() / "scenarios"))
+  std::error_code none;
+  if (!fs::exists(Root() / "scenarios", none))
     throw InputError({fmt::format("KESTREL_ROOT: '{}' holds no scenarios", Root().string())});
   const fs::path file = name_or_file;
-  if (file.extension() == ".yaml" || file.extension() == ".yml" || fs::is_regular_file(file)) return file;
+  if (file.extension() == ".yaml" || file.extension() == ".yml" || IsFile(file)) return file;
   for (const std::string& folder : NamesIn(Root() / "scenarios", "")) {
     const fs::path candidate = Root() / "scenarios" / folder / (name_or_file + ".yaml");
-    if (fs::exists(candidate)) return candidate;
+    if (IsFile(candidate)) return candidate;
   }
   Mistakes mistakes;
-  Known("scenario", name_or_file, ScenarioNames(), "kestrel", mistakes);
+  if (fs::symlink_status(file, none).type() != fs::file_type::not_found)
+    mistakes.Add("kestrel", "scenario", NoSuchFile(file));  // a folder, a pipe, a name too long
+  else
+    Known("scenario", name_or_file, ScenarioNames(), "kestrel", mistakes);
   throw InputError(mistakes.messages());
 }
 
@@ -75,13 +81,13 @@ std::optional<fs::path> CameraFile(std::string& name, const fs::path& beside, co
   const std::vector<std::string> names = NamesIn(folder, ".yaml");
   if (std::find(names.begin(), names.end(), name) != names.end()) return folder / (name + ".yaml");
   for (const fs::path& candidate : {beside / name, fs::path(name)}) {
-    if (!fs::is_regular_file(candidate)) continue;
+    if (!IsFile(candidate)) continue;
     name = fs::absolute(candidate).lexically_normal().string();
     return name;
   }
   const std::string key = where == "--camera" ? "" : "camera";
   if (name.find('/') != std::string::npos || name.ends_with(".yaml") || name.ends_with(".yml")) {
-    mistakes.Add(where, key, fmt::format("there is no file '{}'", name));
+    mistakes.Add(where, key, NoSuchFile(name));
   } else {
     const auto near = NearestName(name, names);
     mistakes.Add(where, key,

@@ -8,9 +8,12 @@
 #include <functional>
 #include <iterator>
 #include <opencv2/imgcodecs.hpp>
+#include <sstream>
 #include <stdexcept>
 
+#include "config/user_file.h"
 #include "scenarios/csv_cells.h"
+#include "vision/image_file.h"
 
 namespace kestrel {
 namespace {
@@ -104,6 +107,7 @@ fs::path ImageName(std::int64_t sequence) { return fmt::format("{:06d}.png", seq
 // By its signature and its last chunk (PNG specification, 5.2 and 11.2.5).
 bool IsWholePng(const fs::path& file) {
   constexpr std::string_view kSignature = "\x89PNG\r\n\x1a\n", kEnd = "IEND\xae\x42\x60\x82";
+  if (!IsFile(file)) return false;
   std::ifstream in(file, std::ios::binary);
   std::string begin(kSignature.size(), '\0'), end(kEnd.size(), '\0');
   in.read(begin.data(), std::ssize(begin));
@@ -211,25 +215,30 @@ void WriteOwnParts(const fs::path& flight_folder, const cv::Mat& own_parts) {
 
 Recording::Recording(const fs::path& flight_folder) : folder_(flight_folder / "recording") {
   // Of a flight that broke off, what there is.
-  fs::path file = folder_ / "frames.csv";
-  if (!fs::exists(file) && fs::exists(PartOf(file))) file = PartOf(file);
-  std::ifstream in(file);
-  if (!in)
-    throw std::runtime_error(fmt::format(
-        "{} cannot be read: fly with --images, and images and states are recorded", file.string()));
+  const fs::path whole = folder_ / "frames.csv", part = PartOf(whole);
+  const fs::path file = !IsFile(whole) && IsFile(part) ? part : whole;
+  const FileContent content = ReadUserFile(file, kMostDataBytes);
+  Mistakes mistakes;
+  if (!content.trouble.empty())
+    mistakes.Add(file.string(), "",
+                 content.trouble + "; fly with --images, and images and states are recorded");
+  mistakes.ThrowIfAny();
+  std::istringstream in(content.bytes);
   std::string line;
   std::getline(in, line);
   if (line != Header())
-    throw std::runtime_error(
-        fmt::format("{}:1: not the columns of this version's recordings", file.string()));
+    mistakes.Add(file.string() + ":1", "", "not the columns of this version's recordings");
+  mistakes.ThrowIfAny();
   for (int number = 2; std::getline(in, line); ++number) {
-    if (in.eof() && file != folder_ / "frames.csv") break;  // the line that was being written
+    if (in.eof() && file == part) break;  // the line that was being written
     try {
       frames_.push_back(FrameOf(line));
     } catch (const std::runtime_error& e) {
-      throw std::runtime_error(fmt::format("{}:{}: {}", file.string(), number, e.what()));
+      mistakes.Add(fmt::format("{}:{}", file.string(), number), "", e.what());
     }
   }
+  if (frames_.empty()) mistakes.Add(file.string(), "", "holds no frame");
+  mistakes.ThrowIfAny();
 }
 
 std::vector<fs::path> Recording::Damaged() const {
@@ -244,10 +253,11 @@ std::vector<fs::path> Recording::Damaged() const {
 Frame Recording::At(std::size_t index) const {
   const RecordedFrame& recorded = frames_[index];
   const fs::path file = folder_ / ImageName(recorded.sequence);
-  Frame frame{cv::imread(file.string(), cv::IMREAD_UNCHANGED), recorded.t_s, recorded.sequence};
-  if (frame.image.empty())
-    throw std::runtime_error(fmt::format("{} cannot be read as an image", file.string()));
-  return frame;
+  ImageFile image = ReadImageFile(file, ImageColours::kAsStored);
+  if (!image.pixels.empty() && image.pixels.depth() != CV_8U)
+    image.trouble = "has pixels of 16 bits; valid: 8, as they were recorded";
+  if (!image.trouble.empty()) throw InputError({fmt::format("{}: {}", file.string(), image.trouble)});
+  return {image.pixels, recorded.t_s, recorded.sequence};
 }
 
 }  // namespace kestrel

@@ -48,10 +48,10 @@ struct RecordedFrame {
 
 class Recording {
  public:
-  // Throws std::runtime_error with file, line and what is wrong.
+  // Throws InputError with file, line and everything that is wrong.
   explicit Recording(const std::filesystem::path& flight_folder);
   const std::vector<RecordedFrame>& frames() const { return frames_; }
-  Frame At(std::size_t index) const;  // reads the image
+  Frame At(std::size_t index) const;  // reads the image; throws InputError if it is damaged
   // The images that are not there, are no PNG, or end before their end; without decoding them.
   std::vector<std::filesystem::path> Damaged() const;
 

@@ -69,7 +69,7 @@ void RenderBoardCommand(const RenderBoardArguments& a) {
   const Board board = LoadBoardNamed(a.board, "--board", mistakes);
   const fs::path folder = a.out;
   std::error_code error;
-  if (fs::exists(folder) && !fs::is_empty(folder, error))
+  if (fs::exists(folder, error) && !fs::is_empty(folder, error))
     mistakes.Add("--out", "", fmt::format("'{}' is not an empty folder; valid: a new one", a.out));
   else
     CheckWritableFolder(folder, "--out", mistakes);

@@ -12,6 +12,7 @@
 #include <optional>
 
 #include "config/stopwatch.h"
+#include "config/user_file.h"
 #include "scenarios/drawn_view.h"
 #include "scenarios/files.h"
 #include "scenarios/flight_plan.h"
@@ -73,6 +74,13 @@ class Comparison {
   std::map<std::string, Difference> differences_;
 };
 
+void RequireSizeOf(const CameraModel& camera, const Frame& frame, const std::string& folder) {
+  if (frame.image.cols == WidthPx(camera) && frame.image.rows == HeightPx(camera)) return;
+  throw InputError(
+      {fmt::format("{}: its image {} has {} x {} pixels; valid: the camera's {} x {}", folder, frame.sequence,
+                   frame.image.cols, frame.image.rows, WidthPx(camera), HeightPx(camera))});
+}
+
 }  // namespace
 
 CLI::App* AddReplayCommand(CLI::App& app, ReplayArguments& a) {
@@ -96,7 +104,7 @@ CLI::App* AddReplayCommand(CLI::App& app, ReplayArguments& a) {
 bool ReplayCommand(const ReplayArguments& a) {
   const std::filesystem::path folder = a.folder;
   Mistakes mistakes;
-  if (!std::filesystem::exists(folder / "scenario.yaml"))
+  if (!IsFile(folder / "scenario.yaml"))
     mistakes.Add("replay", "", fmt::format("'{}' holds no scenario.yaml: not a flight's folder", a.folder));
   CheckWritableFile(a.video, "--video", mistakes);
   if (!(a.tolerance >= 0 && std::isfinite(a.tolerance)))
@@ -105,7 +113,6 @@ bool ReplayCommand(const ReplayArguments& a) {
   const LoadedPlan loaded = LoadPlan((folder / "scenario.yaml").string(), a.overrides);
   const Recording recording(folder);
   const std::vector<RecordedFrame>& frames = recording.frames();
-  if (frames.empty()) throw std::runtime_error(fmt::format("the recording in {} holds no frame", a.folder));
   const std::vector<std::filesystem::path> damaged = recording.Damaged();
   if (!damaged.empty())
     mistakes.Add("replay", "",
@@ -121,6 +128,7 @@ bool ReplayCommand(const ReplayArguments& a) {
   const auto begun = std::chrono::steady_clock::now();
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const Frame frame = recording.At(i);
+    RequireSizeOf(loaded.parts.camera, frame, a.folder);
     const Decision decision = mission->Step(frame, frames[i].state);
     comparison.Compare(i, frames[i].decision, Recorded(decision));
     if (video) {

@@ -8,8 +8,8 @@
 #include <bit>
 #include <cmath>
 #include <cstdlib>
-#include <opencv2/imgcodecs.hpp>
 
+#include "config/user_file.h"
 #include "geometry/tait_bryan.h"
 #include "scenarios/check_image.h"
 #include "scenarios/files.h"
@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
 // The file of a world that is a landscape, if it is one.
 std::optional<fs::path> LandscapeFile(const std::string& world) {
   const fs::path file = Root() / "models" / "worlds" / world / (world + ".yaml");
-  return fs::is_regular_file(file) ? std::optional(file) : std::nullopt;
+  return IsFile(file) ? std::optional(file) : std::nullopt;
 }
 
 // A landscape as its world has it, before the scenario's own words.
@@ -82,6 +82,10 @@ void CheckFollow(const FollowFlight& flight, const AutopilotParameters& autopilo
 }
 
 void CheckTargets(const Scenario& s, const std::string& where, Mistakes& mistakes) {
+  constexpr std::size_t kMost = 200;  // MuJoCo's own memory for a step ends below 2000
+  if (s.targets.size() > kMost)
+    return mistakes.Add(where, "targets",
+                        fmt::format("there are {}; valid: up to {}", s.targets.size(), kMost));
   for (std::size_t i = 0; i < s.targets.size(); ++i) {
     const TargetParameters& t = s.targets[i];
     const std::string name = fmt::format("targets[{}]", i);
@@ -170,7 +174,7 @@ LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& o
   const fs::path vehicle_folder = Root() / "models" / "vehicles" / (named ? named->text : s.vehicle);
   const fs::path vehicle_file = vehicle_folder / (vehicle_folder.filename().string() + ".yaml");
   VehicleFile vehicle;
-  if (fs::is_regular_file(vehicle_file)) Read(LoadConfig(vehicle_file, {}, mistakes), vehicle, mistakes);
+  if (IsFile(vehicle_file)) Read(LoadConfig(vehicle_file, {}, mistakes), vehicle, mistakes);
   s.autopilot = vehicle.autopilot;
   s.platform = vehicle.platform;
   Read(config, s, mistakes);
@@ -184,6 +188,10 @@ LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& o
         fmt::format("'{}' cannot name a folder; valid: no slash, no leading dot, no control character",
                     s.name));
   }
+  constexpr std::size_t kLongestName = 200;  // with the seed or the time it names a folder, of 255 bytes
+  if (s.name.size() > kLongestName)
+    mistakes.Add(WhereOf(config, "name", where), "name",
+                 fmt::format("has {} bytes; valid: up to {}", s.name.size(), kLongestName));
   if (std::holds_alternative<LandingFlight>(s.flight) && s.start.on_ground) {
     mistakes.Add(WhereOf(config, "start", where), "start.on_ground",
                  "true, but a landing begins in the air; valid: false");

@@ -3,12 +3,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
 #include <utility>
+
+#include "vision/image_file.h"
 
 namespace kestrel {
 namespace {
@@ -57,6 +60,9 @@ VideoReader::VideoReader(std::filesystem::path file) : file_(std::move(file)) {
     const nlohmann::json& stream = found["streams"][0];
     size_ = {stream.value("width", 0), stream.value("height", 0)};
     if (size_.empty()) throw std::runtime_error("its images have no size");
+    if (std::max(size_.width, size_.height) > kMostImageSide_px)
+      throw std::runtime_error(fmt::format("its images have {} x {} pixels; valid: up to {} x {}",
+                                           size_.width, size_.height, kMostImageSide_px, kMostImageSide_px));
     rate_hz_ = NumberOf(stream, "avg_frame_rate");
     if (!(rate_hz_ > 0)) rate_hz_ = 25;  // a still image, or a file that does not say
     frames_ = NumberOf(stream, "nb_frames");

@@ -15,14 +15,16 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "config/user_file.h"
 #include "config/yaml_fields.h"
 #include "geometry/tait_bryan.h"
+#include "scenarios/bits_option.h"
 #include "scenarios/files.h"
-#include "scenarios/read_image.h"
 #include "scenarios/scenario.h"
 #include "scenarios/video.h"
 #include "scenarios/video_reader.h"
 #include "vision/calibration_file.h"
+#include "vision/image_file.h"
 #include "vision/views.h"
 
 namespace kestrel {
@@ -267,6 +269,7 @@ CLI::App* AddViewCommand(CLI::App& app, ViewArguments& a) {
   view->add_option("--radius-px", a.radius_px,
                    "A..B of a polar view, top row to bottom row (default: the image's edge to its centre)");
   view->add_option("--size", a.size, "WIDTHxHEIGHT in pixels (default: about the image's own resolution)");
+  AddBitsOption(*view, a.bits);
   view->add_flag("--quiet", a.quiet, "Print nothing but errors");
   view->footer(
       "Examples:\n"
@@ -283,8 +286,9 @@ void ViewCommand(const ViewArguments& a) {
   cv::Mat image;
   std::optional<VideoReader> video;
   std::optional<cv::Size> size;  // of the input, if it can be read
-  if (!fs::is_regular_file(a.input) || LooksLikeImage(a.input)) {
-    image = ReadImage(a.input, cv::IMREAD_ANYCOLOR, mistakes);
+  std::string note;
+  if (!IsFile(a.input) || LooksLikeImage(a.input)) {
+    image = ReadImage(a.input, ImageColours::kAsStored, a.bits, mistakes, note);
     if (!image.empty()) size = image.size();
   } else {
     try {
@@ -327,6 +331,7 @@ void ViewCommand(const ViewArguments& a) {
     WriteFile(a.out, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
   }
   if (!a.quiet) {
+    if (!note.empty()) fmt::print("{}\n", note);
     fmt::print("{}: {} x {} px, of which the lens shows {:.0f} %\n", a.out, table.shown.cols,
                table.shown.rows, 100 * shown);
   }

@@ -16,6 +16,7 @@ struct ViewArguments {
   std::string input, camera, camera_name, as = "perspective", out;
   std::string size, azimuth_deg, elevation_deg, alpha_deg, radius_px;
   std::optional<double> yaw_deg, pitch_deg, roll_deg, fov_deg;
+  std::optional<int> bits;  // of 16-bit pixels
   bool quiet = false;
 };
 

@@ -19,6 +19,7 @@
 #include <sstream>
 #include <thread>
 
+#include "config/own_program.h"
 #include "config/stopwatch.h"
 #include "control/links/udp_address.h"
 #include "control/wire/asctec_units.h"
@@ -319,16 +320,15 @@ WireFlown FlyAgainstProcess(const WireFlightOptions& o) {
   const LoadedScenario loaded = Load(o);
   const int camera_port = FreePort();
   const char* given = std::getenv("KESTREL_PROGRAM");
-  std::vector<std::string> command = {
-      given ? given : std::filesystem::read_symlink("/proc/self/exe").string(),
-      "serve",
-      "landing",
-      "--seed",
-      fmt::format("{}", o.seed),
-      "--camera",
-      fmt::format("rtp:{}", camera_port),
-      "--out",
-      o.folder / "served"};
+  std::vector<std::string> command = {given ? given : OwnProgram().string(),
+                                      "serve",
+                                      "landing",
+                                      "--seed",
+                                      fmt::format("{}", o.seed),
+                                      "--camera",
+                                      fmt::format("rtp:{}", camera_port),
+                                      "--out",
+                                      o.folder / "served"};
   for (const std::string& each : o.overrides) {
     command.push_back("--set");
     command.push_back(each);
@@ -400,7 +400,7 @@ std::filesystem::path HardwareProgram() {
   if (const char* given = std::getenv("KESTREL_HARDWARE_PROGRAM")) {
     programs = {given};
   } else {
-    const auto build = std::filesystem::read_symlink("/proc/self/exe").parent_path();
+    const auto build = OwnProgram().parent_path();
     programs = {build / "hardware" / "kestrel", build.parent_path() / "build-hardware" / "kestrel"};
   }
   for (const auto& program : programs)

@@ -7,16 +7,17 @@
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <pugixml.hpp>
 #include <sstream>
 #include <stdexcept>
 #include <vector>
 
+#include "config/user_file.h"
 #include "geometry/tait_bryan.h"
 #include "sim/frames.h"
 #include "sim/mjcf.h"
+#include "vision/image_file.h"
+#include "vision/image_header.h"
 
 namespace kestrel {
 namespace {
@@ -27,8 +28,22 @@ constexpr double kPadHeight_m = 0.01;
 constexpr double kOccluderClearance_m = 0.03;
 constexpr double kOccluderThickness_m = 0.004;
 constexpr double kOutOfSight_m = 100;  // below the ground
+constexpr std::size_t kMostMjcfBytes = 1u << 24;
 
 std::string TargetName(std::size_t index) { return fmt::format("target {}", index); }
+
+// What MuJoCo is to read itself, pictures and meshes: it would read anything to its end.
+void RequireModest(const std::filesystem::path& file, const std::string& owner) {
+  if (!IsFile(file)) throw std::runtime_error(fmt::format("{} needs a file: {}.", owner, NoSuchFile(file)));
+  const FileContent content = ReadUserFile(file, kMostDataBytes);
+  if (!content.trouble.empty())
+    throw std::runtime_error(fmt::format("{} needs {}, which {}.", owner, file.string(), content.trouble));
+  const auto picture = HeaderOf(content.bytes);
+  if (picture && std::max(picture->size.width, picture->size.height) > kMostImageSide_px)
+    throw std::runtime_error(fmt::format("{} needs {}, which has {} x {} pixels; valid: up to {} x {}.",
+                                         owner, file.string(), picture->size.width, picture->size.height,
+                                         kMostImageSide_px, kMostImageSide_px));
+}
 
 // File names relative to the file they stand in, as absolute ones: the composed model stands nowhere.
 void MakeFilesAbsolute(pugi::xml_node node, const std::filesystem::path& folder, const std::string& owner) {
@@ -36,8 +51,7 @@ void MakeFilesAbsolute(pugi::xml_node node, const std::filesystem::path& folder,
     if (std::strncmp(attribute.name(), "file", 4) != 0)
       continue;  // file, and fileright to fileback of cube textures
     const std::filesystem::path file = folder / attribute.value();
-    if (!std::filesystem::is_regular_file(file))
-      throw std::runtime_error(fmt::format("{} needs {}, which is not there.", owner, file.string()));
+    RequireModest(file, owner);
     attribute.set_value(file.c_str());
   }
   for (const pugi::xml_node child : node.children()) MakeFilesAbsolute(child, folder, owner);
@@ -46,10 +60,8 @@ void MakeFilesAbsolute(pugi::xml_node node, const std::filesystem::path& folder,
 // Appends the sections of an MJCF file, or of a fragment, to the model.
 void Append(pugi::xml_node model, const std::filesystem::path& path, const char* what) {
   const std::string owner = fmt::format("The {} {}", what, path.string());
-  if (!std::filesystem::is_regular_file(path)) throw std::runtime_error(owner + " is not there.");
-  std::ifstream file(path, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
-  if (!file) throw std::runtime_error(owner + " cannot be read.");
+  const auto [text, trouble] = ReadUserFile(path, kMostMjcfBytes);
+  if (!trouble.empty()) throw std::runtime_error(fmt::format("{} {}.", owner, trouble));
   pugi::xml_document part;
   const pugi::xml_parse_result result = part.load_buffer(text.data(), text.size());
   if (!result)
@@ -73,7 +85,7 @@ void AppendPlaceOfPad(pugi::xml_node model, const SceneParameters& p) {
 
 void AppendPad(pugi::xml_node model, const SceneParameters& p) {
   if (p.pad_texture.empty()) return AppendPlaceOfPad(model, p);
-  if (!std::filesystem::is_regular_file(p.pad_texture))
+  if (!IsFile(p.pad_texture))
     throw std::runtime_error(fmt::format("The pad's picture {} is not there.", p.pad_texture.string()));
   // MuJoCo spreads a picture over a box with its right along x and its up along y of the geom.
   pugi::xml_document part;

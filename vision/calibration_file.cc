@@ -8,9 +8,10 @@
 #include <array>
 #include <cctype>
 #include <charconv>
-#include <fstream>
 #include <span>
 #include <string_view>
+
+#include "config/user_file.h"
 
 namespace kestrel {
 namespace {
@@ -394,10 +395,8 @@ ValueWriter ValuesOf(CameraModel camera) {
 
 CameraModel LoadCamera(const std::filesystem::path& file, Mistakes& mistakes, const std::string& name,
                        const std::optional<cv::Size>& image) {
-  char begin[256] = {};
-  std::ifstream in(file, std::ios::binary);
-  in.read(begin, sizeof begin);
-  const std::string_view text(begin, static_cast<std::size_t>(in.gcount()));
+  const FileContent content = ReadUserFile(file, kMostTextBytes);
+  const std::string_view text = std::string_view(content.bytes).substr(0, 256);
   if (text.starts_with("<?xml") || text.starts_with("<opencv_storage")) {
     mistakes.Add(file.string(), "",
                  "is XML, which is not read; valid: YAML, which OpenCV writes to a file that ends in .yml");

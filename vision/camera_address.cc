@@ -14,7 +14,9 @@
 #include <utility>
 #include <vector>
 
+#include "config/user_file.h"
 #include "config/yaml_fields.h"
+#include "vision/image_file.h"
 #include "vision/rtp_stream.h"
 
 namespace kestrel {
@@ -49,7 +51,7 @@ const std::vector<Form>& Forms() {
       {"file",
        "file:PATH",
        "a video, a folder of images, or a pattern of them (image%04d.png)",
-       {"width", "height", "rate", "colour"}},
+       {"width", "height", "rate", "colour", "bits"}},
   };
   return forms;
 }
@@ -179,6 +181,11 @@ CameraAddress ParseCameraAddress(const std::string& address) {
   reader.Take(options, *form);
   const cv::Size size = reader.Size();
   const bool colour = reader.Colour();
+  std::optional<int> bits;
+  if (const auto given = reader.Number("bits", 8, 16)) {
+    bits = static_cast<int>(*given);
+    if (*given != *bits) reader.Wrong("bits", "must be a whole number");
+  }
   const double rate_hz = reader.Number("rate", 0.01, 10000).value_or(0);
 
   CameraAddress camera;
@@ -189,8 +196,11 @@ CameraAddress ParseCameraAddress(const std::string& address) {
                                  .exposure_us = reader.Number("exposure_us", 1, 1e7),
                                  .gain = reader.Number("gain", -100, 10000),
                                  .colour = colour};
-  } else if (std::error_code error; scheme == "file" && std::filesystem::is_directory(rest, error)) {
-    camera = FolderSourceOptions{.folder = rest, .size = size, .rate_hz = rate_hz, .colour = colour};
+  } else if (std::error_code error;
+             scheme == "file" && (std::filesystem::is_directory(rest, error) ||
+                                  rest.find('%') != std::string::npos || LooksLikeImage(rest))) {
+    camera =
+        FolderSourceOptions{.images = rest, .size = size, .rate_hz = rate_hz, .colour = colour, .bits = bits};
   } else {
     OpenCvSourceOptions source{.what = rest, .size = size, .rate_hz = rate_hz, .colour = colour};
     if (rest.empty()) reader.Wrong("", fmt::format("names nothing; it must be like {}", form->example));
@@ -205,8 +215,7 @@ CameraAddress ParseCameraAddress(const std::string& address) {
         reader.Wrong("", "must be the number of a camera from 0 to 63, as dc1394:0");
     } else if (scheme == "file") {
       source.kind = Kind::kFile;
-      if (rest.find('%') == std::string::npos && !std::filesystem::is_regular_file(rest, error))
-        reader.Wrong("", fmt::format("there is no file or folder {}", rest));
+      if (!IsFile(rest)) reader.Wrong("", "there is no file or folder: " + NoSuchFile(rest));
     } else {
       source.kind = Kind::kGStreamer;
       if (scheme != "gst") Receive(reader, *form, rest, source);
@@ -236,7 +245,9 @@ std::string CameraAddressForms() {
     text += fmt::format("  {:<42} {}\n  {:<42} options: {}\n", form.example, form.what, "",
                         fmt::join(form.options, ", "));
   return text +
-         "  Options follow as ?key=value&key=value. rate: images per second; colour: true or false (grey).";
+         "  Options follow as ?key=value&key=value. rate: images per second; colour: true or false (grey); "
+         "bits: "
+         "of a folder's images whose pixels have 16, how many the camera has.";
 }
 
 }  // namespace kestrel

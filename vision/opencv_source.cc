@@ -85,8 +85,7 @@ class Source final : public ImageSource {
       case Kind::kIeee1394:
         return capture_.open(std::stoi(options_.what), cv::CAP_FIREWIRE, Wanted({}));
       case Kind::kFile:
-        return capture_.open(options_.what,
-                             options_.what.find('%') != std::string::npos ? cv::CAP_IMAGES : cv::CAP_FFMPEG);
+        return capture_.open(options_.what, cv::CAP_FFMPEG);
     }
     return false;
   }

@@ -13,7 +13,7 @@ namespace kestrel {
 struct OpenCvSourceOptions {
   enum class Kind { kV4l2, kGStreamer, kIeee1394, kFile } kind = Kind::kV4l2;
   std::string
-      what;  // device ("/dev/video0"), pipeline up to its appsink, number of the camera, or file or pattern
+      what;  // device ("/dev/video0"), pipeline up to its appsink, number of the camera, or file of a video
   std::string host = {};  // of a pipeline that listens at a UDP port, which nobody else may then do
   int port = 0;           // 0: it does not
   cv::Size size;          // of the images; empty: as they come

@@ -4,10 +4,10 @@
 #include <fmt/format.h>
 
 #include <bit>
-#include <fstream>
-#include <iterator>
 #include <mutex>
-#include <opencv2/imgcodecs.hpp>
+
+#include "config/user_file.h"
+#include "vision/image_file.h"
 
 namespace kestrel {
 namespace {
@@ -22,10 +22,8 @@ struct Kept {
 std::mutex mutex;
 Kept kept;
 
-std::string ContentOf(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
+// Of a picture: smaller shows nothing, and larger is finer than any camera sees and takes a gigabyte.
+constexpr int kLeastSide_px = 32, kMostSide_px = 4096;
 
 }  // namespace
 
@@ -33,30 +31,35 @@ PadFile LoadPad(const std::filesystem::path& file, Mistakes& mistakes) {
   PadFile pad;
   Read(LoadConfig(file, {}, mistakes), pad.parameters, mistakes);
   pad.texture = file.parent_path() / pad.parameters.texture;
-  const Kept wanted{ContentOf(pad.texture), pad.parameters.size_m, {}};
+  const auto wrong = [&](const std::string& what) {
+    mistakes.Add(file.string(), "texture", fmt::format("'{}' {}", pad.texture.string(), what));
+  };
+  const FileContent content = ReadUserFile(pad.texture, kMostDataBytes);
+  if (!content.trouble.empty()) return wrong(content.trouble), pad;
   {
     const std::lock_guard lock(mutex);
-    if (!wanted.bytes.empty() && kept.bytes == wanted.bytes && kept.size_m == wanted.size_m) {
+    if (kept.bytes == content.bytes && kept.size_m == pad.parameters.size_m) {
       pad.reference = kept.reference;
       return pad;
     }
   }
-  const cv::Mat picture = cv::imread(pad.texture.string(), cv::IMREAD_GRAYSCALE);
-  if (picture.empty()) {
-    mistakes.Add(file.string(), "texture",
-                 fmt::format("{} cannot be read as an image", pad.texture.string()));
-  } else if (!std::has_single_bit(static_cast<unsigned>(picture.cols)) ||
-             !std::has_single_bit(static_cast<unsigned>(picture.rows))) {
-    mistakes.Add(
-        file.string(), "texture",
-        fmt::format(
-            "{} has {} x {} pixels; the sides must be powers of two (2048 x 2048), or OpenGL draws the "
-            "pad askew from far away",
-            pad.texture.string(), picture.cols, picture.rows));
+  const ImageFile picture = DecodeImage(content.bytes, ImageColours::kGrey, kMostSide_px);
+  const auto is_side = [](int px) {
+    return px >= kLeastSide_px && std::has_single_bit(static_cast<unsigned>(px));
+  };
+  if (picture.pixels.empty()) {
+    wrong(picture.trouble);
+  } else if (picture.pixels.depth() != CV_8U) {
+    wrong("has pixels of 16 bits; valid: 8");
+  } else if (!is_side(picture.pixels.cols) || !is_side(picture.pixels.rows)) {
+    wrong(
+        fmt::format("has {} x {} pixels; valid: sides that are powers of two from {} to {} (2048 x 2048), or "
+                    "OpenGL draws the pad askew from far away",
+                    picture.pixels.cols, picture.pixels.rows, kLeastSide_px, kMostSide_px));
   } else {
-    pad.reference = MakePadReference(picture, pad.parameters.size_m.x(), pad.parameters.size_m.y());
+    pad.reference = MakePadReference(picture.pixels, pad.parameters.size_m.x(), pad.parameters.size_m.y());
     const std::lock_guard lock(mutex);
-    kept = {wanted.bytes, wanted.size_m, pad.reference};
+    kept = {content.bytes, pad.parameters.size_m, pad.reference};
   }
   return pad;
 }

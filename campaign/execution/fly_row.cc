@@ -3,9 +3,9 @@
 
 #include <fmt/format.h>
 #include <malloc.h>
+#include <sys/resource.h>
 
 #include <chrono>
-#include <cmath>
 #include <fstream>
 #include <string>
 
@@ -15,12 +15,14 @@
 namespace kestrel {
 namespace {
 
-// Not getrusage's, which a process inherits from who started it.
+// Not getrusage's, which a process inherits from who started it, but where there is no /proc.
 double PeakMemory_mib() {
   std::ifstream status("/proc/self/status");
   for (std::string line; std::getline(status, line);)
     if (line.starts_with("VmHWM:")) return std::stod(line.substr(6)) / 1024;
-  return std::nan("");
+  rusage used{};
+  getrusage(RUSAGE_SELF, &used);
+  return static_cast<double>(used.ru_maxrss) / 1024;
 }
 
 }  // namespace

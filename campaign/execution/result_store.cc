@@ -232,6 +232,17 @@ bool HasTables(sqlite3* db, const fs::path& file) {
   return all.Integer(0) > 0;
 }
 
+// What is written of a run is written at once.
+void RequireWholeRuns(sqlite3* db, const fs::path& file) {
+  Statement stray(db,
+                  "SELECT row FROM (SELECT row FROM metrics UNION SELECT row FROM execution) "
+                  "WHERE row NOT IN (SELECT row FROM runs)");
+  if (stray.Next()) RefuseAsDamaged(file, fmt::format("of row {} it has a part alone", stray.Integer(0)));
+  Statement words(db, "SELECT row, name FROM metrics WHERE typeof(value) NOT IN ('real', 'integer', 'null')");
+  if (words.Next())
+    RefuseAsDamaged(file, fmt::format("row {}: its {} is no number", words.Integer(0), words.Text(1)));
+}
+
 // The name by which SQLite reads what is in a file, without its log, and touches nothing.
 std::string AtRest(const fs::path& file) {
   std::string name = "file:";
@@ -314,6 +325,7 @@ ResultStore ResultStore::Open(const fs::path& file, const CampaignIdentity& iden
     Do(db, "PRAGMA synchronous = FULL");
     if (there) {
       database->identity = ReadIdentity(db, file);
+      RequireWholeRuns(db, file);
       const auto differences = Differences(database->identity, identity);
       if (!differences.empty()) {
         Mistakes mistakes;
@@ -365,6 +377,7 @@ ResultStore ResultStore::Read(const fs::path& file) {
     Do(database->handle, "PRAGMA query_only = ON");
     if (!HasTables(database->handle, file)) RefuseAsNone(file, "it is empty");
     database->identity = ReadIdentity(database->handle, file);
+    RequireWholeRuns(database->handle, file);
     return ResultStore(std::move(database));
   };
   try {

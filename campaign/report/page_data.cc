@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "campaign/report/trajectory.h"
+#include "config/user_file.h"
 
 namespace kestrel {
 namespace {
@@ -65,7 +66,7 @@ Json RunOf(const ReportSubject& subject, const RunResult& run, const std::vector
   if (const fs::path recording = RecordingOf(subject, run); !recording.empty()) {
     if (const std::string link = LinkTo(recording, page_folder); !link.empty()) {
       json["recording"] = link;
-      if (fs::exists(recording / "video.mp4")) json["video"] = LinkTo(recording / "video.mp4", page_folder);
+      if (IsFile(recording / "video.mp4")) json["video"] = LinkTo(recording / "video.mp4", page_folder);
     }
   }
   return json;

@@ -10,6 +10,7 @@
 #include "campaign/command_line.h"
 #include "campaign/execution/batch_script.h"
 #include "campaign/statistics/results_csv.h"
+#include "config/user_file.h"
 #include "config/yaml_fields.h"
 #include "scenarios/files.h"
 
@@ -54,7 +55,7 @@ fs::path FileNamed(const std::string& name) {
 // which the page offers to save.
 std::string NameOf(const CampaignIdentity& identity) {
   const fs::path named = FileNamed(identity.name), file = identity.file;
-  if (!fs::is_regular_file(file)) return named.empty() ? identity.name + ".yaml" : identity.name;
+  if (!IsFile(file)) return named.empty() ? identity.name + ".yaml" : identity.name;
   if (SameFile(named, file)) return identity.name;
   const std::string near = file.lexically_proximate(fs::current_path()).string();
   return near.starts_with("..") ? file.string() : near;
@@ -97,7 +98,8 @@ CLI::App* AddReportCommand(CLI::App& campaign, ReportArguments& a) {
 
 bool ReportCommand(const ReportArguments& a) {
   fs::path results = a.of;
-  if (a.out.empty() && fs::is_directory(results)) results /= "results.sqlite";
+  std::error_code none;
+  if (a.out.empty() && fs::is_directory(results, none)) results /= "results.sqlite";
   const bool of_results = IsResults(results);
   if (!of_results) {
     const fs::path folder = a.out.empty()

@@ -4,10 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <fstream>
+#include <sstream>
 #include <string>
 #include <string_view>
 
+#include "config/user_file.h"
 #include "scenarios/csv_cells.h"
 
 namespace kestrel {
@@ -24,7 +25,7 @@ std::optional<double> Number(std::string_view text) {
 
 std::optional<Trajectory> ReadTrajectory(const std::filesystem::path& telemetry, std::size_t most_points) {
   constexpr std::array kNames = {"t_s", "truth_x_m", "truth_y_m", "truth_z_m"};
-  std::ifstream file(telemetry);
+  std::istringstream file(ReadUserFile(telemetry, kMostDataBytes).bytes);
   std::string line;
   if (!std::getline(file, line)) return std::nullopt;
   const std::string header = line;

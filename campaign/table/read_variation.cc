@@ -12,6 +12,7 @@
 
 #include "campaign/table/given_once.h"
 #include "campaign/table/sampling.h"
+#include "config/user_file.h"
 #include "scenarios/files.h"
 #include "scenarios/model_files.h"
 #include "scenarios/scenario.h"
@@ -472,7 +473,7 @@ bool ResolveVariation(const fs::path& file, const ConfigNode& root, CampaignPlan
   const fs::path beside = file.parent_path() / plan.scenario;
   const std::string& where = WhereIn(root, {"scenario"});
   if (std::find(names.begin(), names.end(), plan.scenario) == names.end()) {
-    if (!fs::is_regular_file(beside)) {
+    if (!IsFile(beside)) {
       const auto near = NearestName(plan.scenario, names);
       mistakes.Add(
           where, "scenario",

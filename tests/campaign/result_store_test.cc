@@ -249,13 +249,16 @@ TEST_F(ResultStoreTest, ADamagedFileIsRefusedWithARemedy) {
   both("it is damaged: its table of samples is not whole");
   sql("UPDATE campaign SET value = 3 WHERE key = \\\"keys\\\"");
   both("it is damaged: the keys of its table are no list of names");
-  // What is seen by reading the results alone.
   sql("DROP TABLE metrics");
-  EXPECT_THAT(Damage(file_), HasSubstr("it is damaged: no such table: metrics; " + remedy));
-  EXPECT_THROW(ResultStore::Open(file_, identity).Put(ResultOf(1)), InputError);
+  both("it is damaged: no such table: metrics");
+  sql("DELETE FROM runs WHERE row = 17");
+  both("it is damaged: of row 17 it has a part alone");
+  sql("UPDATE metrics SET value = \\\"fast\\\" WHERE row = 18");
+  both("it is damaged: row 18: its ");
+  // What is seen by reading the results alone.
   sql("UPDATE runs SET status = \\\"well\\\" WHERE row = 3");
   EXPECT_THAT(Damage(file_), HasSubstr("it is damaged: row 3: 'well' is no status of a run; " + remedy));
-  sql("UPDATE runs SET row = 300 WHERE row = 299");
+  sql("INSERT INTO runs SELECT 300, status, outcome, state_hash, image_hash FROM runs WHERE row = 299");
   EXPECT_THAT(Damage(file_), HasSubstr("it is damaged: its table has no row 300; " + remedy));
 }
 

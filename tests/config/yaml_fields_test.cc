@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "config/yaml_fields.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
 #include <limits>
 #include <random>
@@ -194,7 +196,10 @@ TEST(YamlFields, TheEndsOfARangeAreValid) {
 TEST(YamlFields, AFileThatIsNoYamlIsRefusedWithItsLineAndNothingElseIsSaid) {
   EXPECT_THAT(ReadText("name: a\ngusts: {length_s: 3\n").mistakes,
               ElementsAre(StartsWith("f.yaml:3: not valid YAML: ")));
-  EXPECT_THAT(ReadText("a: &x [*x]\n").mistakes, ElementsAre(HasSubstr("nested too deeply")));
+  EXPECT_THAT(ReadText("a: &x [*x]\n").mistakes,
+              ElementsAre(HasSubstr("f.yaml:1: not valid YAML: an alias within what it stands for")));
+  EXPECT_THAT(ReadText("a: " + std::string(40, '[') + std::string(40, ']')).mistakes,
+              ElementsAre(HasSubstr("nested too deeply")));
   EXPECT_THAT(ReadText("name: a\n---\nname: b\n").mistakes, ElementsAre(HasSubstr("more than one document")));
   EXPECT_THAT(ReadText("[1, 2]: a\n").mistakes, ElementsAre(HasSubstr("a key must be a name")));
   EXPECT_THAT(ReadText("name: a\n# W\xe4rme\n").mistakes,
@@ -204,13 +209,62 @@ TEST(YamlFields, AFileThatIsNoYamlIsRefusedWithItsLineAndNothingElseIsSaid) {
   EXPECT_THAT(ReadText("just words").mistakes, ElementsAre(HasSubstr("f.yaml:1: 'just words' is not valid")));
 }
 
+TEST(YamlFields, AnAliasStandsForWhatItsAnchorHolds) {
+  const auto [flight, mistakes] = ReadText(
+      "name: &n a\ngusts: &g {length_s: 3}\nmore: *g\nlist: [*g, {length_s: 2}]\nseed: &s 5\nwidth_px: 20");
+  EXPECT_THAT(mistakes, IsEmpty());
+  EXPECT_EQ(flight.gusts.length_s, 3);
+  ASSERT_TRUE(flight.more);
+  EXPECT_EQ(flight.more->length_s, 3);
+  ASSERT_EQ(flight.list.size(), 2u);
+  EXPECT_EQ(flight.list[0].length_s, 3);
+  EXPECT_THAT(ReadText("name: a\ngusts: &g {\n length: 3}\nmore: *g").mistakes,
+              ElementsAre(HasSubstr("f.yaml:3: gusts.length: unknown key"),
+                          HasSubstr("f.yaml:3: more.length: unknown key")));
+}
+
+// A few lines that stand for a million values, or for gigabytes of text.
+TEST(YamlFields, AliasesAreFollowedToABoundedCount) {
+  std::string nested = "a0: &a0 [1, 1, 1, 1, 1, 1, 1, 1, 1, 1]\n",
+              texts = nested + "t: &t " + std::string(500'000, 'x') + '\n';
+  for (int i = 1; i < 8; ++i) {
+    nested += fmt::format(
+        "a{0}: &a{0} [*a{1}, *a{1}, *a{1}, *a{1}, *a{1}, *a{1}, *a{1}, *a{1}, *a{1}, *a{1}]\n", i, i - 1);
+    texts += fmt::format("t{}: [*t, *t, *t, *t, *t, *t, *t, *t, *t, *t]\n", i);
+  }
+  EXPECT_THAT(ReadText(nested).mistakes, ElementsAre(AllOf(StartsWith("f.yaml:5: not valid YAML: too much"),
+                                                           HasSubstr("valid: up to 50000 keys and values"))));
+  EXPECT_THAT(ReadText(texts).mistakes, ElementsAre(HasSubstr("not valid YAML: too much")));
+  // As deep as an anchor within an anchor within an anchor can make it.
+  std::string deep = "a0: &a0 " + std::string(30, '[') + '1' + std::string(30, ']') + '\n';
+  EXPECT_THAT(ReadText(deep + "a1: [[[*a0]]]\n").mistakes,
+              ElementsAre(HasSubstr("f.yaml:2: not valid YAML: nested too deeply")));
+  std::string list = "list: [1";
+  for (int i = 0; i < 60'000; ++i) list += ",1";
+  EXPECT_THAT(ReadText(list + "]").mistakes, ElementsAre(HasSubstr("too much")));
+}
+
+TEST(YamlFields, OfManyMistakesTheFirstFiftyAreShownAndOfALongOneItsEnds) {
+  std::string keys = "name: a\n";
+  for (int i = 0; i < 1000; ++i) keys += fmt::format("key{}: 1\n", i);
+  EXPECT_THAT(ReadText(keys).mistakes, testing::SizeIs(1000));
+  const std::string shown = InputError(ReadText(keys).mistakes).what();
+  EXPECT_EQ(std::count(shown.begin(), shown.end(), '\n'), 50);
+  EXPECT_THAT(shown, AllOf(StartsWith("f.yaml:2: key0: unknown key"), testing::EndsWith("\nand 950 more")));
+  const std::string long_one =
+      InputError(ReadText("name: a\n? " + std::string(100'000, 'k') + "\n: 1\n").mistakes).what();
+  EXPECT_LT(long_one.size(), 2100u);
+  EXPECT_THAT(long_one,
+              AllOf(StartsWith("f.yaml:2: kkk"), HasSubstr(" [...] "), HasSubstr("unknown key; valid: ")));
+}
+
 TEST(YamlFields, AMissingFileIsNamedWithTheReason) {
   Mistakes mistakes;
   TestFlight flight;
   Read(LoadConfig("/nowhere/f.yaml", {}, mistakes), flight, mistakes);
   Read(LoadConfig("/", {}, mistakes), flight, mistakes);
   EXPECT_THAT(mistakes.messages(), ElementsAre("/nowhere/f.yaml: cannot be read: No such file or directory",
-                                               "/: is a folder, not a YAML file"));
+                                               "/: is a folder, not a file"));
 }
 
 TEST(YamlFields, OverridesReplaceAddAndReachIntoLists) {

@@ -490,8 +490,8 @@ TEST_F(ScenarioTest, MistakesOfTheModelsNameTheirOwnFiles) {
 TEST_F(ScenarioTest, APadsTextureMustBeAnImage) {
   CopyRoot();
   Write("models/pads/helipad/helipad.png", "no picture");
-  EXPECT_THAT(Refusal("pose"), ElementsAre(AllOf(HasSubstr("helipad.yaml: texture"),
-                                                 HasSubstr("cannot be read as an image"))));
+  EXPECT_THAT(Refusal("pose"),
+              ElementsAre(AllOf(HasSubstr("helipad.yaml: texture"), HasSubstr("is not an image"))));
 }
 
 TEST_F(ScenarioTest, APadMustFitIntoItsWorld) {

@@ -69,6 +69,28 @@ class ViewCommandTest : public InTemporaryFolder {
   ViewArguments arguments_;
 };
 
+// A camera of 12 bits, whose files leave the upper four of 16 empty.
+TEST_F(ViewCommandTest, TwelveBitsAreSeenAsEight) {
+  ViewCommand(arguments_);
+  const cv::Mat of_eight = cv::imread(arguments_.out);
+  cv::Mat twelve;
+  image_.convertTo(twelve, CV_16U, 16);
+  cv::imwrite(arguments_.input, twelve);
+  for (const std::optional<int> bits : {std::optional<int>(), std::optional(12)}) {
+    arguments_.bits = bits;
+    ViewCommand(arguments_);
+    EXPECT_EQ(cv::norm(cv::imread(arguments_.out), of_eight, cv::NORM_INF), 0);
+  }
+  arguments_.bits = 10;
+  EXPECT_THAT(Mistake(), HasSubstr("image.png: has values up to 3"));
+  arguments_.bits.reset();
+  arguments_.quiet = false;
+  testing::internal::CaptureStdout();
+  ViewCommand(arguments_);
+  EXPECT_THAT(testing::internal::GetCapturedStdout(),
+              HasSubstr("white is taken to be 4095; --bits N says it"));
+}
+
 TEST_F(ViewCommandTest, WritesTheViewThatWasAskedFor) {
   arguments_.yaw_deg = 20, arguments_.pitch_deg = -10, arguments_.roll_deg = 5, arguments_.fov_deg = 80;
   arguments_.size = "200x100";
@@ -188,13 +210,14 @@ TEST_F(ViewCommandTest, SaysEveryMistakeOfTheArgumentsAtOnce) {
   arguments_.size = "3x";
   arguments_.azimuth_deg = "10..-10";
   arguments_.elevation_deg = "-100..20";
-  EXPECT_THAT(Mistake(),
-              AllOf(HasSubstr("there is no camera 'fisheyes_of_nobody'"),
-                    HasSubstr("none.png: there is no such file"), HasSubstr("valid: an ending .png or .jpg"),
-                    HasSubstr("--fov-deg: means nothing for --as panorama"),
-                    HasSubstr("--pitch-deg: 200 is out of range"), HasSubstr("--size: '3x' is not a size"),
-                    HasSubstr("--azimuth-deg: '10..-10' falls"),
-                    HasSubstr("--elevation-deg: '-100..20' is not a range; valid: A..B within -90..90")));
+  EXPECT_THAT(
+      Mistake(),
+      AllOf(HasSubstr("there is no camera 'fisheyes_of_nobody'"),
+            HasSubstr("none.png: cannot be read: No such file"), HasSubstr("valid: an ending .png or .jpg"),
+            HasSubstr("--fov-deg: means nothing for --as panorama"),
+            HasSubstr("--pitch-deg: 200 is out of range"), HasSubstr("--size: '3x' is not a size"),
+            HasSubstr("--azimuth-deg: '10..-10' falls"),
+            HasSubstr("--elevation-deg: '-100..20' is not a range; valid: A..B within -90..90")));
   EXPECT_FALSE(fs::exists(arguments_.out));
 }
 

@@ -10,11 +10,13 @@
 #include <atomic>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "config/stopwatch.h"
 #include "config/yaml_fields.h"
@@ -24,6 +26,7 @@ namespace kestrel {
 namespace {
 
 using Kind = OpenCvSourceOptions::Kind;
+using testing::AllOf;
 using testing::HasSubstr;
 
 OpenCvSourceOptions OpenCv(const std::string& address) {
@@ -122,14 +125,47 @@ TEST_F(CameraAddressFiles, AnImageOfAnotherSizeIsAFailureWithItsName) {
   EXPECT_THAT(source->Trouble(), HasSubstr("view1.png"));
 }
 
-TEST_F(CameraAddressFiles, AFileAndAPatternAreVideos) {
-  const std::string pattern = (folder_ / "view%d.png").string();
-  EXPECT_EQ(OpenCv("file:" + pattern + "?rate=20").what, pattern);
-  EXPECT_EQ(OpenCv("file:" + pattern + "?rate=20").rate_hz, 20);
-  const std::string odd = (folder_ / "what?now=no more.png").string();
-  std::filesystem::copy(folder_ / "view1.png", odd);
+TEST_F(CameraAddressFiles, APatternGivesTheImagesThatItMatches) {
+  cv::imwrite(folder_ / "other3.png", cv::Mat(24, 32, CV_8UC3, cv::Scalar::all(3)));
+  cv::imwrite(folder_ / "view4b.png", cv::Mat(24, 32, CV_8UC3, cv::Scalar::all(4)));
+  for (const auto& [name, values] : std::map<std::string, std::vector<int>>{
+           {"view%d.png", {1, 2, 10}}, {"view%02d.png", {1, 2, 10}}, {"view2.png", {2}}}) {
+    const auto source = SourceAt(ParseCameraAddress("file:" + (folder_ / name).string()))();
+    ASSERT_TRUE(source->Open()) << source->Trouble();
+    for (const int value : values) {
+      const auto grabbed = source->Grab();
+      ASSERT_TRUE(grabbed) << name;
+      EXPECT_EQ(grabbed->image.at<std::uint8_t>(3, 3), value) << name;
+    }
+    EXPECT_FALSE(source->Grab()) << name;
+  }
+}
+
+TEST_F(CameraAddressFiles, AVideoMayHaveAQuestionMarkInItsName) {
+  const std::string odd = (folder_ / "what?now=no more.mp4").string();
+  std::ofstream(odd) << "no video\n";
   EXPECT_EQ(OpenCv("file:" + odd).what, odd);
+  EXPECT_EQ(OpenCv("file:" + odd + "?rate=20").rate_hz, 20);
   EXPECT_EQ(OpenCv("file:" + odd).kind, Kind::kFile);
+}
+
+// Cameras of 12 bits leave the upper four of 16 empty.
+TEST_F(CameraAddressFiles, PixelsOf16BitsThatDoNotSayTheirDepthAreAskedFor) {
+  const auto folder = folder_ / "deep";
+  std::filesystem::create_directories(folder);
+  cv::imwrite(folder / "1.png", cv::Mat(24, 32, CV_16U, cv::Scalar(0x123)));
+  cv::imwrite(folder / "2.png", cv::Mat(24, 32, CV_16U, cv::Scalar(0xfff)));
+  const auto asks = SourceAt(ParseCameraAddress("file:" + folder.string()))();
+  ASSERT_TRUE(asks->Open());
+  EXPECT_FALSE(asks->Grab());
+  EXPECT_THAT(asks->Trouble(), AllOf(HasSubstr("1.png"), HasSubstr("?bits=N")));
+  const auto told = SourceAt(ParseCameraAddress("file:" + folder.string() + "?bits=12"))();
+  ASSERT_TRUE(told->Open());
+  for (const int value : {0x12, 0xff}) {
+    const auto grabbed = told->Grab();
+    ASSERT_TRUE(grabbed) << told->Trouble();
+    EXPECT_EQ(grabbed->image.at<std::uint8_t>(3, 3), value);
+  }
 }
 
 TEST(CameraAddress, WhatIsWrongIsRefusedWithWhatIsValid) {
