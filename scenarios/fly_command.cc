@@ -96,14 +96,10 @@ void CheckFor(const FlyArguments& a, Mistakes& mistakes) {
 void CatchSignals() {
   interrupted = false;
   // The first asks the flight to end in good order; a second one ends the program.
-  const auto stop = [](int signal) {
+  OnEndSignals([](int) {
     interrupted = true;
-    std::signal(signal, SIG_DFL);
-  };
-  std::signal(SIGINT, stop);
-  std::signal(SIGTERM, stop);
-  // The terminal has gone; under nohup that is of no matter.
-  if (std::signal(SIGHUP, stop) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);
+    EndOnNextSignal();
+  });
   std::signal(SIGPIPE, SIG_IGN);  // nor may it end a flight that nobody reads what it prints
 }
 
