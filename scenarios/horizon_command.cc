@@ -147,8 +147,7 @@ void HorizonCommand(const HorizonArguments& a) {
     const auto m = horizon.Measure(image);
     if (!a.quiet) Tell(m);
     csv += Row(0, 0, m);
-    if (!a.out.empty() && !cv::imwrite(a.out, horizon.Draw(image, m)))
-      throw std::runtime_error(fmt::format("cannot write {}", a.out));
+    if (!a.out.empty()) WriteImage(a.out, horizon.Draw(image, m));
   } else {
     std::optional<Video> out;
     if (!a.out.empty()) out.emplace(a.out, video->rate_hz());
