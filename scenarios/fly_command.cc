@@ -16,11 +16,13 @@
 #include "config/stopwatch.h"
 #include "geometry/tait_bryan.h"
 #include "scenarios/aircraft.h"
+#include "scenarios/end_signals.h"
 #include "scenarios/files.h"
 #include "scenarios/flight_mode.h"
 #include "scenarios/fly.h"
 #include "scenarios/pre_flight.h"
 #include "scenarios/version.h"
+#include "scenarios/writer_lock.h"
 #include "vision/camera_address.h"
 
 namespace kestrel {
@@ -228,6 +230,7 @@ bool FlyCommand(const FlyArguments& a) {
   CheckWritableFolder(*options.folder, "--out", mistakes);
   mistakes.ThrowIfAny();
   const LoadedPlan& plan = *loaded;
+  const WriterLock lock = LockFolder(*options.folder);
 
   CatchSignals();
   const char* mode = a.dry_run ? kDryRunMode : kRealMode;
