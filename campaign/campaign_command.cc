@@ -27,6 +27,8 @@
 #include "config/stopwatch.h"
 #include "config/user_file.h"
 #include "config/yaml_fields.h"
+#include "scenarios/aside.h"
+#include "scenarios/end_signals.h"
 #include "scenarios/files.h"
 #include "scenarios/model_files.h"
 
@@ -42,7 +44,7 @@ std::atomic<int> stop = 0;
 // that the next ends the program.
 void Interrupt(int signal) {
   stop = signal == SIGINT ? stop + 1 : 2;
-  if (stop >= 2) std::signal(signal, SIG_DFL);
+  if (stop >= 2) EndOnNextSignal();
 }
 
 // "3 min 20 s"
@@ -67,7 +69,7 @@ class ProgressLine {
  public:
   explicit ProgressLine(std::string name) : name_(std::move(name)) {}
   ~ProgressLine() {
-    if (shown_) fmt::print(stderr, "\r\033[K");
+    if (shown_) Aside("\r\033[K");
   }
   void Show(const Progress& p) {
     if (shown_ && SecondsSince(last_) < 0.1) return;
@@ -78,8 +80,8 @@ class ProgressLine {
       left = fmt::format("   {:.3g} runs/min, {} left", 60 * p.Rate(),
                          Duration(static_cast<double>(p.rows - p.done) / p.Rate()));
     if (stop == 1) left = "   ending; interrupt again to drop the runs under way";
-    fmt::print(stderr, "\r\033[K{}: {} of {}, {}{}", name_, p.done, Counted(p.rows, "run"),
-               Share(p.counted_passed, p.counted), left);
+    Aside("\r\033[K{}: {} of {}, {}{}", name_, p.done, Counted(p.rows, "run"),
+          Share(p.counted_passed, p.counted), left);
     std::fflush(stderr);
   }
 
@@ -182,8 +184,7 @@ bool Fly(const CampaignArguments& a) {
   {
     ProgressLine line(work.identity.name);
     if (isatty(STDERR_FILENO) && !a.quiet) options.show = [&](const Progress& p) { line.Show(p); };
-    std::signal(SIGINT, Interrupt);
-    std::signal(SIGTERM, Interrupt);
+    OnEndSignals(Interrupt);
     end = RunCampaign(work, options);
   }
   const fs::path file = ResultFile(asked.folder, asked.shard);
@@ -192,7 +193,7 @@ bool Fly(const CampaignArguments& a) {
                                          end.progress.done, Counted(end.progress.rows, "run"),
                                          file.string()));
   for (const std::string& each : end.mistrust)
-    fmt::print(stderr, "kestrel: flown again it came to something else: {}\n", each);
+    Aside("kestrel: flown again it came to something else: {}\n", each);
   if (asked.shard) {
     if (!a.quiet)
       fmt::print("{}, part {}: {}, {}\n  {}\n", work.identity.name, a.shard,
@@ -232,12 +233,12 @@ bool Replay(const CampaignArguments& a) {
     CampaignIdentity wanted = work.identity;
     wanted.plan = store.identity().plan;  // of which a rule for the end may be a part
     const std::vector<std::string> differences = Differences(store.identity(), wanted);
-    for (const std::string& each : differences) fmt::print(stderr, "kestrel: {}: {}\n", file.string(), each);
+    for (const std::string& each : differences) Aside("kestrel: {}: {}\n", file.string(), each);
     if (!differences.empty())
-      fmt::print(stderr,
-                 "kestrel: row {} is flown with the values that are stored there; scenario and set are the "
-                 "campaign's as it is now\n",
-                 a.row);
+      Aside(
+          "kestrel: row {} is flown with the values that are stored there; scenario and set are the "
+          "campaign's as it is now\n",
+          a.row);
     work.identity.table = store.identity().table;
   }
   const fs::path folder = RecordingFolder(asked.folder, a.row);

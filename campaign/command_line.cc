@@ -5,9 +5,10 @@
 #include <unistd.h>
 
 #include <charconv>
-#include <csignal>
 #include <string>
 #include <string_view>
+
+#include "scenarios/end_signals.h"
 
 namespace kestrel {
 namespace {
@@ -40,8 +41,6 @@ void RefuseReportOf(const char* kind, const std::filesystem::path& data, Mistake
                              data.string(), kind));
 }
 
-void EndOnInterrupt() {
-  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, End);
-}
+void EndOnInterrupt() { OnEndSignals(End); }
 
 }  // namespace kestrel

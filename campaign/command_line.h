@@ -30,8 +30,8 @@ CLI::Validator WholeNumber(int low, int high);
 // data: its file in the folder.
 void RefuseReportOf(const char* kind, const std::filesystem::path& data, Mistakes& mistakes);
 
-// Until another handler is set: an interrupt, or the request to terminate, ends the program at once, with a
-// word and the status of what broke off.
+// Until OnEndSignals (scenarios/end_signals.h) is called again: what asks the program to end ends it at once,
+// with a word and the status of what broke off.
 void EndOnInterrupt();
 
 }  // namespace kestrel

@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <csignal>
 
 #include "campaign/command_line.h"
 #include "campaign/counted.h"
@@ -21,6 +20,8 @@
 #include "campaign/tuning/tune_files.h"
 #include "campaign/tuning/tune_report.h"
 #include "config/yaml_fields.h"
+#include "scenarios/aside.h"
+#include "scenarios/end_signals.h"
 #include "scenarios/files.h"
 #include "scenarios/version.h"
 
@@ -39,9 +40,9 @@ std::int64_t FlightsUntil(const TuneResult& result) {
 }
 
 void ShowRound(const LoadedTune& tune, const TuneResult& result) {
-  fmt::print(stderr, "{:>6} of {} flights   round {:>3}   cost {:.4g} at first, {} {:.4g}\n",
-             FlightsUntil(result), tune.plan.budget, result.search.back().round, result.search.front().Cost(),
-             result.compares_rounds ? "least until now" : "median of the round", Stages(result).back().cost);
+  Aside("{:>6} of {} flights   round {:>3}   cost {:.4g} at first, {} {:.4g}\n", FlightsUntil(result),
+        tune.plan.budget, result.search.back().round, result.search.front().Cost(),
+        result.compares_rounds ? "least until now" : "median of the round", Stages(result).back().cost);
 }
 
 // But for where the program is, and what comes of it.
@@ -61,7 +62,7 @@ Searched SearchIn(const TuneArguments& a, const fs::path& folder, const std::vec
   fs::create_directories(folder);
   KeptFlights flights(tune, folder, a.jobs > 0 ? a.jobs : Cores(), a.worker, stopped, known);
   const auto kept = static_cast<std::int64_t>(flights.kept());
-  if (!a.quiet && kept > 0) fmt::print(stderr, "{} are there already\n", Counted(kept, "flight"));
+  if (!a.quiet && kept > 0) Aside("{} are there already\n", Counted(kept, "flight"));
   const TuneResult& result = searched.result = Tune(tune, std::ref(flights), [&](const TuneResult& r) {
     if (!a.quiet && FlightsUntil(r) > kept) ShowRound(tune, r);  // what is only read again is no news
   });
@@ -148,7 +149,7 @@ bool TuneCommand(const TuneArguments& a) {
   RefuseReportOf("campaign", ResultFile(folder), mistakes);
   mistakes.ThrowIfAny();
   if (a.compare > 0) RequireAllMethods(a);
-  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int) { stopped = true; });
+  OnEndSignals([](int) { stopped = true; });
   KnownFlights known;
   std::vector<Searched> searches;
   if (a.compare == 0) searches.push_back(SearchIn(a, folder, {}, known));
@@ -156,12 +157,12 @@ bool TuneCommand(const TuneArguments& a) {
     for (int repetition = 0; repetition < a.compare; ++repetition) {
       const std::uint64_t seed = tune.plan.flights.seed + static_cast<std::uint64_t>(repetition);
       const std::string name = fmt::format("{}-{}", method, seed);
-      if (!a.quiet) fmt::print(stderr, "{}\n", name);
+      if (!a.quiet) Aside("{}\n", name);
       searches.push_back(SearchIn(a, folder / name,
                                   {fmt::format("method={}", method), fmt::format("seed={}", seed)}, known));
     }
   }
-  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, SIG_DFL);
+  EndOnNextSignal();
   const fs::path gains = a.compare == 0 ? folder : folder / fmt::format("cma_es-{}", tune.plan.flights.seed);
   WriteFile(folder / "report.html", HtmlReport(TuneSubject(searches, gains, AgainText(a)), folder));
   const TuneResult& first = searches.front().result;

@@ -8,7 +8,6 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <optional>
 #include <string>
@@ -16,6 +15,7 @@
 #include "config/random.h"
 #include "config/stopwatch.h"
 #include "geometry/tait_bryan.h"
+#include "scenarios/files.h"
 #include "scenarios/in_parallel.h"
 #include "scenarios/scenario.h"
 #include "scenarios/statistics.h"
@@ -185,7 +185,7 @@ void Save(const std::filesystem::path& out, const std::string& name, const cv::M
   for (const auto& [px, colour] : marks)
     cv::circle(drawn, {static_cast<int>(std::lround(px.x())), static_cast<int>(std::lround(px.y()))}, 12,
                colour);
-  cv::imwrite((out / (name + ".png")).string(), drawn);
+  WriteImage(out / (name + ".png"), drawn);
 }
 
 ClipResult Fly(const Clip& clip, const char* world, std::uint64_t seed, const std::filesystem::path& out) {

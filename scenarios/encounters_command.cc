@@ -25,6 +25,7 @@
 #include "scenarios/share_interval.h"
 #include "scenarios/statistics.h"
 #include "scenarios/version.h"
+#include "scenarios/writer_lock.h"
 
 namespace kestrel {
 namespace {
@@ -280,7 +281,7 @@ bool EncountersCommand(const EncountersArguments& a) {
   std::string settings;
   const LoadedScenario base = Load(a, settings);
   const fs::path folder = a.out, file = folder / "encounters.csv";
-  fs::create_directories(folder);
+  const WriterLock alone = LockFolder(folder);
   WriteFile(folder / "settings.txt", settings);
 
   auto outcomes = ReadOutcomes(file);

@@ -29,7 +29,9 @@ EventLog BeginEvents(const std::filesystem::path& folder, const Scenario& scenar
 }  // namespace
 
 FlightRecords::FlightRecords(const std::filesystem::path& folder, const LoadedScenario& loaded, bool video)
-    : recorder_(folder, OptionsFor(loaded, video)), events_(BeginEvents(folder, loaded.scenario)) {
+    : lock_(LockFolder(folder)),
+      recorder_(folder, OptionsFor(loaded, video)),
+      events_(BeginEvents(folder, loaded.scenario)) {
   events_.Line(0, "mode", kSimulatorMode);
 }
 

@@ -7,11 +7,13 @@
 #include "scenarios/event_log.h"
 #include "scenarios/recorder.h"
 #include "scenarios/scenario.h"
+#include "scenarios/writer_lock.h"
 
 namespace kestrel {
 
 // The folder of a flight in the simulator: what the Recorder writes, events.log, scenario.yaml. Throws
-// std::runtime_error with the file and the reason, but for Finish.
+// std::runtime_error with the file and the reason, but for Finish; InputError where another process writes to
+// that folder.
 class FlightRecords {
  public:
   FlightRecords(const std::filesystem::path& folder, const LoadedScenario& loaded, bool video);
@@ -28,6 +30,7 @@ class FlightRecords {
  private:
   void WriteChanges(const Simulator& simulator);
 
+  WriterLock lock_;  // before anything is written
   Recorder recorder_;
   EventLog events_;
   std::size_t conditions_written_ = 0, states_written_ = 0;

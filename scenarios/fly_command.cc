@@ -16,11 +16,13 @@
 #include "config/stopwatch.h"
 #include "geometry/tait_bryan.h"
 #include "scenarios/aircraft.h"
+#include "scenarios/end_signals.h"
 #include "scenarios/files.h"
 #include "scenarios/flight_mode.h"
 #include "scenarios/fly.h"
 #include "scenarios/pre_flight.h"
 #include "scenarios/version.h"
+#include "scenarios/writer_lock.h"
 #include "vision/camera_address.h"
 
 namespace kestrel {
@@ -96,14 +98,10 @@ void CheckFor(const FlyArguments& a, Mistakes& mistakes) {
 void CatchSignals() {
   interrupted = false;
   // The first asks the flight to end in good order; a second one ends the program.
-  const auto stop = [](int signal) {
+  OnEndSignals([](int) {
     interrupted = true;
-    std::signal(signal, SIG_DFL);
-  };
-  std::signal(SIGINT, stop);
-  std::signal(SIGTERM, stop);
-  // The terminal has gone; under nohup that is of no matter.
-  if (std::signal(SIGHUP, stop) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);
+    EndOnNextSignal();
+  });
   std::signal(SIGPIPE, SIG_IGN);  // nor may it end a flight that nobody reads what it prints
 }
 
@@ -233,6 +231,7 @@ bool FlyCommand(const FlyArguments& a) {
   CheckWritableFolder(*options.folder, "--out", mistakes);
   mistakes.ThrowIfAny();
   const LoadedPlan& plan = *loaded;
+  const WriterLock lock = LockFolder(*options.folder);
 
   CatchSignals();
   Print(stdout, fmt::format("{}  {} by {}, camera {}\n", LiveMode(false, a.dry_run), plan.plan.name,

@@ -149,8 +149,7 @@ void HorizonCommand(const HorizonArguments& a) {
     if (!a.quiet) Tell(m);
     if (!a.quiet && !m.attitude) TellOfMount(a);
     csv += Row(0, 0, m);
-    if (!a.out.empty() && !cv::imwrite(a.out, horizon.Draw(image, m)))
-      throw std::runtime_error(fmt::format("cannot write {}", a.out));
+    if (!a.out.empty()) WriteImage(a.out, horizon.Draw(image, m));
   } else {
     std::optional<Video> out;
     if (!a.out.empty()) out.emplace(a.out, video->rate_hz());

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scenarios/in_parallel.h"
 
-#include <fmt/format.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -9,6 +8,8 @@
 #include <mutex>
 #include <thread>
 #include <vector>
+
+#include "scenarios/aside.h"
 
 namespace kestrel {
 
@@ -31,13 +32,13 @@ void InParallel(std::size_t count, int jobs, const std::string& title, const std
       }
       const std::lock_guard lock(mutex);
       ++done;
-      if (terminal) fmt::print(stderr, "\r\033[K{}: {} of {} {}", title, done, count, unit);
+      if (terminal) Aside("\r\033[K{}: {} of {} {}", title, done, count, unit);
     }
   };
   std::vector<std::thread> workers;
   for (int w = 0; w < jobs; ++w) workers.emplace_back(work);
   for (std::thread& worker : workers) worker.join();
-  if (terminal) fmt::print(stderr, "\r\033[K");
+  if (terminal) Aside("\r\033[K");
   if (failure) std::rethrow_exception(failure);
 }
 

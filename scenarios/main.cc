@@ -8,16 +8,17 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
-#include <csignal>
 #include <cstdio>
 #include <opencv2/core/utility.hpp>
 
 #include "campaign/bench_campaign.h"
 #include "campaign/campaign_command.h"
 #include "campaign/tune_command.h"
+#include "scenarios/aside.h"
 #include "scenarios/bench.h"
 #include "scenarios/calibrate_command.h"
 #include "scenarios/encounters_command.h"
+#include "scenarios/end_signals.h"
 #include "scenarios/files.h"
 #include "scenarios/flight_mode.h"
 #include "scenarios/horizon_command.h"
@@ -35,8 +36,6 @@
 namespace kestrel {
 namespace {
 
-enum ExitStatus { kMet = 0, kNotMet = 1, kBadInput = 2, kBrokeOff = 3 };
-
 std::atomic<bool> interrupted = false;
 
 struct RunArguments {
@@ -51,7 +50,7 @@ class Progress {
  public:
   explicit Progress(double duration_s) : duration_s_(duration_s) {}
   ~Progress() {
-    if (shown_) fmt::print(stderr, "\r\033[K");
+    if (shown_) Aside("\r\033[K");
   }
   void Show(const LogRow& row) {
     const auto now = std::chrono::steady_clock::now();
@@ -59,10 +58,9 @@ class Progress {
     last_ = now;
     shown_ = true;
     const double wall_s = std::chrono::duration<double>(now - start_).count();
-    fmt::print(stderr,
-               "\r\033[K{:6.1f} of at most {:.0f} s  {:4.1f} x real time  {:<10} {:<8} height {:5.2f} m",
-               row.now.t_s, duration_s_, row.now.t_s / std::max(wall_s, 1e-3), row.decision.phase,
-               row.decision.target, row.now.X_NT.p.z() - row.now.X_NB.p.z());
+    Aside("\r\033[K{:6.1f} of at most {:.0f} s  {:4.1f} x real time  {:<10} {:<8} height {:5.2f} m",
+          row.now.t_s, duration_s_, row.now.t_s / std::max(wall_s, 1e-3), row.decision.phase,
+          row.decision.target, row.now.X_NT.p.z() - row.now.X_NB.p.z());
     std::fflush(stderr);
   }
 
@@ -120,19 +118,17 @@ int Run(const RunArguments& arguments) {
       return !interrupted.load();
     };
     // The first asks the flight to end in good order; a second one ends the program.
-    const auto stop = [](int signal) {
+    OnEndSignals([](int) {
       interrupted = true;
-      std::signal(signal, SIG_DFL);
-    };
-    std::signal(SIGINT, stop);
-    std::signal(SIGTERM, stop);
+      EndOnNextSignal();
+    });
     result = RunFlight(loaded, options);
   }
   const Summary& summary = result.summary;
-  if (!arguments.quiet) Report(summary, options.folder->string());
   if (!arguments.junit.empty()) WriteFile(arguments.junit, ToJunit({summary}));
+  if (!arguments.quiet) Report(summary, options.folder->string());
   if (!summary.complete) {
-    if (arguments.quiet) fmt::print(stderr, "kestrel: {}\n", summary.error);
+    if (arguments.quiet) Aside("kestrel: {}\n", summary.error);
     return kBrokeOff;
   }
   return summary.passed ? kMet : kNotMet;
@@ -299,10 +295,10 @@ int Main(int argc, char** argv) {
       return Bench(bench) ? kMet : kNotMet;
     }
   } catch (const InputError& e) {
-    fmt::print(stderr, "{}\n", e.what());
+    Aside("{}\n", e.what());
     return kBadInput;
   } catch (const std::exception& e) {
-    fmt::print(stderr, "kestrel: {}\n", e.what());
+    Aside("kestrel: {}\n", e.what());
     return kBrokeOff;
   }
   return kBadInput;

@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <cstdio>
 #include <opencv2/core/utility.hpp>
 
 #include "config/yaml_fields.h"
+#include "scenarios/aside.h"
 #include "scenarios/calibrate_command.h"
 #include "scenarios/flight_plan.h"
 #include "scenarios/fly_command.h"
@@ -17,8 +17,6 @@
 
 namespace kestrel {
 namespace {
-
-enum ExitStatus { kMet = 0, kNotMet = 1, kBadInput = 2, kBrokeOff = 3 };
 
 int Main(int argc, char** argv) {
   cv::setNumThreads(1);
@@ -56,10 +54,10 @@ int Main(int argc, char** argv) {
       return kMet;
     }
   } catch (const InputError& e) {
-    fmt::print(stderr, "{}\n", e.what());
+    Aside("{}\n", e.what());
     return kBadInput;
   } catch (const std::exception& e) {
-    fmt::print(stderr, "kestrel: {}\n", e.what());
+    Aside("kestrel: {}\n", e.what());
     return kBrokeOff;
   }
   return kBadInput;

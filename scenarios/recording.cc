@@ -191,8 +191,7 @@ RecordingWriter::RecordingWriter(const fs::path& flight_folder)
 void RecordingWriter::Write(const Frame& frame, const VehicleState& state, const Decision& decision) {
   const fs::path image = folder_ / ImageName(frame.sequence);
   // The fastest of its levels: a recording keeps up with a camera.
-  if (!cv::imwrite(image.string(), frame.image, {cv::IMWRITE_PNG_COMPRESSION, 1}))
-    throw std::runtime_error(fmt::format("{} cannot be written", image.string()));
+  WriteImage(image, frame.image, {cv::IMWRITE_PNG_COMPRESSION, 1});
   std::string line = fmt::format("{},{}", frame.sequence, frame.t_s);
   VehicleState s = state;
   StateNumbers(s, [&](const double& number) { line += fmt::format(",{}", number); });
@@ -209,8 +208,7 @@ void RecordingWriter::Close() { table_.Close(); }
 void WriteOwnParts(const fs::path& flight_folder, const cv::Mat& own_parts) {
   const fs::path file = flight_folder / "own_parts.png";
   fs::remove(file);
-  if (!own_parts.empty() && !cv::imwrite(file.string(), own_parts))
-    throw std::runtime_error(fmt::format("{} cannot be written", file.string()));
+  if (!own_parts.empty()) WriteImage(file, own_parts);
 }
 
 Recording::Recording(const fs::path& flight_folder) : folder_(flight_folder / "recording") {

@@ -6,7 +6,6 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
-#include <opencv2/imgcodecs.hpp>
 
 #include "scenarios/board_file.h"
 #include "scenarios/files.h"
@@ -18,12 +17,6 @@ namespace kestrel {
 namespace {
 
 namespace fs = std::filesystem;
-
-void WritePng(const fs::path& file, const cv::Mat& image) {
-  std::vector<std::uint8_t> png;
-  cv::imencode(".png", image, png);
-  WriteFile(file, std::string_view(reinterpret_cast<const char*>(png.data()), png.size()));
-}
 
 std::string PoseLine(const std::string& image, const Pose& X_CT) {
   const auto& q = X_CT.R;
@@ -86,7 +79,7 @@ void RenderBoardCommand(const RenderBoardArguments& a) {
   fs::create_directories(folder);
   // In a folder of its own, so that all pictures of this one are the camera's.
   fs::create_directories(folder / "to_print");
-  WritePng(folder / "to_print" / "board.png", DrawBoard(board).grey);
+  WriteImage(folder / "to_print" / "board.png", DrawBoard(board).grey);
   WriteFile(folder / "board.yaml", ToKalibr(board));
   std::string truth = fmt::format(
       "# The camera `{}` that drew these images, as Kalibr's camchain, and the poses of the {}\n"
@@ -97,7 +90,7 @@ void RenderBoardCommand(const RenderBoardArguments& a) {
     if (isatty(STDERR_FILENO)) fmt::print(stderr, "\r\033[Kdrawing {} of {}", i + 1, a.count);
     const std::string image = fmt::format("image_{:03}.png", i);
     const Pose& X_CT = poses[static_cast<std::size_t>(i)];
-    WritePng(folder / image, studio.Photograph(X_CT, a.seed, i));
+    WriteImage(folder / image, studio.Photograph(X_CT, a.seed, i));
     truth += PoseLine(image, X_CT);
   }
   if (isatty(STDERR_FILENO)) fmt::print(stderr, "\r\033[K");

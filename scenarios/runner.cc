@@ -84,7 +84,12 @@ FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) 
   summary.stages["vision"] = StageTimeOf(vision_s);
   summary.stages["control"] = StageTimeOf(control_s);
   summary.stages["record"] = StageTimeOf(record_s);
-  if (recording) recording->Close();
+  try {
+    if (recording) recording->Close();
+  } catch (const std::exception& e) {
+    if (summary.error.empty()) summary.error = e.what();
+    summary.complete = summary.passed = false;
+  }
   if (records) summary = records->Finish(summary, simulator);
   return result;
 }

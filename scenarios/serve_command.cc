@@ -14,7 +14,6 @@
 #include <chrono>
 #include <cmath>
 #include <condition_variable>
-#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <mutex>
@@ -23,6 +22,7 @@
 
 #include "config/yaml_fields.h"
 #include "geometry/tait_bryan.h"
+#include "scenarios/end_signals.h"
 #include "scenarios/files.h"
 #include "scenarios/serve_flight.h"
 #include "scenarios/serve_physics.h"
@@ -392,24 +392,22 @@ int ServeCommand(const ServeArguments& a) {
     options.publish = [&](const Frame& frame) { camera->Publish(frame.image); };
   }
   options.begun = [&] {
-    fmt::print("{}", StartLines(a, loaded, servers, options.platform));
+    std::fputs(StartLines(a, loaded, servers, options.platform).c_str(), stdout);
     std::fflush(stdout);
   };
+  // A terminal that has gone is no reason to break off a flight, and so no exception.
   options.say = [](const std::string& line) {
-    fmt::print("{}\n", line);
+    std::puts(line.c_str());
     std::fflush(stdout);
   };
   options.go_on = [] { return !interrupted.load(); };
   // The first asks the flight to end in good order; a second one ends the program.
   stopped_physics = physics.get();
-  const auto stop = [](int signal) {
+  OnEndSignals([](int) {
     interrupted = true;
     if (PhysicsServer* server = stopped_physics) server->Stop();
-    std::signal(signal, SIG_DFL);
-  };
-  std::signal(SIGINT, stop);
-  std::signal(SIGTERM, stop);
-  if (std::signal(SIGHUP, stop) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);  // nohup
+    EndOnNextSignal();
+  });
   if (physics) {
     fmt::print("{}", StartLines(a, loaded, {}, nullptr));
     fmt::print("  physics  {}, for {}\n", physics->Where(), *a.physics);

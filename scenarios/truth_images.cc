@@ -4,8 +4,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/video/tracking.hpp>
+#include <cstdint>
 #include <regex>
 #include <stdexcept>
 #include <string>
@@ -24,16 +23,13 @@ std::string NameOr(const mjModel* model, mjtObj kind, int id) {
   return name && *name ? name : fmt::format("{}", id);
 }
 
-void Require(bool written, const fs::path& file) {
-  if (!written) throw std::runtime_error(fmt::format("cannot write {}", file.string()));
-}
-
-void WriteImage(const fs::path& file, const cv::Mat& image) {
-  bool written = false;
-  try {
-    written = cv::imwrite(file.string(), image);
-  } catch (const cv::Exception&) {}
-  Require(written, file);
+// As cv::writeOpticalFlow does, which does not tell whether all of it could be written.
+void WriteFlow(const fs::path& file, const cv::Mat& flow) {
+  const std::int32_t size[] = {flow.cols, flow.rows};
+  std::string bytes = "PIEH";
+  bytes.append(reinterpret_cast<const char*>(size), sizeof size);
+  bytes.append(flow.ptr<char>(), flow.total() * flow.elemSize());
+  WriteFile(file, bytes);
 }
 
 }  // namespace
@@ -42,7 +38,7 @@ TruthImages::TruthImages(fs::path folder, const mjModel* model) : folder_(std::m
   std::error_code error;
   fs::create_directories(folder_, error);
   if (error) throw std::runtime_error(fmt::format("cannot write {}: {}", folder_.string(), error.message()));
-  static const std::regex ours(R"(\d{6,}_(image\.png|depth\.tiff|geom\.png|flow\.flo))");
+  static const std::regex ours(R"(\d{6,}_(image\.png|depth\.tiff|geom\.png|flow\.flo)(\.part)?)");
   for (const auto& entry : fs::directory_iterator(folder_))
     if (std::regex_match(entry.path().filename().string(), ours)) fs::remove(entry.path());
   std::string geoms = "value,name,body\n0,outside the lens,\n1,sky,\n";
@@ -67,8 +63,7 @@ void TruthImages::Write(std::int64_t sequence, const Picture& picture) {
     flow.forEach<cv::Vec2f>([](cv::Vec2f& v, const int*) {
       if (std::isnan(v[0])) v = {kUnknownFlow, kUnknownFlow};
     });
-    const fs::path file = Name(*last_, "flow.flo");
-    Require(cv::writeOpticalFlow(file.string(), flow), file);
+    WriteFlow(Name(*last_, "flow.flo"), flow);
   }
   last_ = sequence;
 }

@@ -28,6 +28,7 @@ void Video::Write(const cv::Mat& bgr) {
       ffmpeg_.emplace(std::vector<std::string>{"ffmpeg",
                                                "-loglevel",
                                                "error",
+                                               "-xerror",  // a disk that is full at the end is a failure too
                                                "-y",
                                                "-f",
                                                "rawvideo",

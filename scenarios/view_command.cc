@@ -18,6 +18,7 @@
 #include "config/user_file.h"
 #include "config/yaml_fields.h"
 #include "geometry/tait_bryan.h"
+#include "scenarios/aside.h"
 #include "scenarios/bits_option.h"
 #include "scenarios/files.h"
 #include "scenarios/scenario.h"
@@ -210,7 +211,7 @@ class Progress {
  public:
   Progress(double frames, bool wanted) : frames_(frames), wanted_(wanted && isatty(STDERR_FILENO)) {}
   ~Progress() {
-    if (shown_) fmt::print(stderr, "\r\033[K");
+    if (shown_) Aside("\r\033[K");
   }
   void Show(int frame) {
     const auto now = std::chrono::steady_clock::now();
@@ -218,8 +219,8 @@ class Progress {
     last_ = now;
     shown_ = true;
     const double rate = frame / std::max(std::chrono::duration<double>(now - start_).count(), 1e-3);
-    fmt::print(stderr, "\r\033[Kframe {}{}  {:.0f} frames/s", frame,
-               frames_ > 0 ? fmt::format(" of about {:.0f}", frames_) : "", rate);
+    Aside("\r\033[Kframe {}{}  {:.0f} frames/s", frame,
+          frames_ > 0 ? fmt::format(" of about {:.0f}", frames_) : "", rate);
     std::fflush(stderr);
   }
 
@@ -326,9 +327,7 @@ void ViewCommand(const ViewArguments& a) {
     const int frames = TurnVideo(*video, view, table, a);
     if (!a.quiet) fmt::print("{} frames, ", frames);
   } else {
-    std::vector<uchar> bytes;
-    cv::imencode(fs::path(a.out).extension().string(), PictureOf(view, table, image), bytes);
-    WriteFile(a.out, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+    WriteImage(a.out, PictureOf(view, table, image));
   }
   if (!a.quiet) {
     if (!note.empty()) fmt::print("{}\n", note);

@@ -1,22 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "campaign/execution/result_store.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <sqlite3.h>
-#include <sys/file.h>
-#include <unistd.h>
 
 #include <cerrno>
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
 #include "campaign/execution/shard.h"
 #include "config/yaml_fields.h"
+#include "scenarios/writer_lock.h"
 
 namespace kestrel {
 namespace {
@@ -276,13 +275,10 @@ std::vector<std::string> DifferencesOf(const fs::path& file, const CampaignIdent
 struct ResultStore::Database {
   fs::path file;
   sqlite3* handle = nullptr;
-  int lock = -1;  // of the only writer
+  std::optional<WriterLock> lock;
   CampaignIdentity identity;
 
-  ~Database() {
-    sqlite3_close(handle);
-    if (lock >= 0) close(lock);
-  }
+  ~Database() { sqlite3_close(handle); }
   void OpenFile(const std::string& name, int flags) {
     const int code = sqlite3_open_v2(name.c_str(), &handle, flags, nullptr);
     if (code != SQLITE_OK) Fail(handle, code);
@@ -290,14 +286,11 @@ struct ResultStore::Database {
     sqlite3_busy_timeout(handle, kPatience_ms);
   }
   void Lock() {
-    const fs::path name = file.string() + "-lock";
-    lock = open(name.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-    if (lock < 0)
-      throw std::runtime_error(fmt::format("cannot write {}: {}", name.string(), strerror(errno)));
-    if (flock(lock, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
-      throw InputError({fmt::format(
-          "{}: another process is flying this campaign; valid: to let it end, or another folder (--out)",
-          file.string())});
+    lock.emplace(
+        file.string() + "-lock",
+        fmt::format(
+            "{}: another process is flying this campaign; valid: to let it end, or another folder (--out)",
+            file.string()));
   }
   [[noreturn]] void CannotWrite(const SqliteError& e) const {
     if (IsDamage(e)) Refuse(file, e);

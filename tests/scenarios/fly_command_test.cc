@@ -15,6 +15,7 @@
 #include <thread>
 
 #include "config/yaml_fields.h"
+#include "scenarios/writer_lock.h"
 #include "tests/scenarios/temporary_folder.h"
 
 namespace kestrel {
@@ -64,6 +65,11 @@ TEST_F(FlyCommandTest, ATimeThatIsNoneIsRefusedWithNumbersThatCanBeRead) {
     EXPECT_THAT(told, HasSubstr("valid: from 0.1 to 36000"));
     EXPECT_LT(told.size(), 120u);
   }
+}
+
+TEST_F(FlyCommandTest, AFolderToWhichAnotherWritesIsRefusedBeforeAnythingIsOpened) {
+  const WriterLock other = LockFolder(folder_ / "run");
+  EXPECT_THAT(MistakesOf(Arguments()), HasSubstr("another process is writing to"));
 }
 
 TEST_F(FlyCommandTest, ATerminalThatGoesEndsTheCheckListInGoodOrderAndItIsOnRecord) {

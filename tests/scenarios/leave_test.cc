@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstdio>
 #include <cstdlib>
 #include <thread>
 
@@ -41,6 +42,17 @@ TEST(LeaveTest, WhereACameraHangsTheProgramEndsWithItsStatusAndNoExitHandlerRuns
 }
 
 TEST(LeaveTest, OtherwiseItLeavesAsAnyProgramDoes) { EXPECT_EQ(LeaveWith(2), 2); }
+
+TEST(LeaveTest, AResultThatCouldNotBePrintedIsNone) {
+  const auto program = [](int status) {
+    if (!std::freopen("/dev/full", "w", stdout)) std::abort();
+    std::puts("met");
+    std::_Exit(LeaveWith(status));
+  };
+  EXPECT_EXIT(program(kMet), testing::ExitedWithCode(3), "could not be written: No space left on device");
+  EXPECT_EXIT(program(kNotMet), testing::ExitedWithCode(3), "could not be written");
+  EXPECT_EXIT(program(kBadInput), testing::ExitedWithCode(2), "");
+}
 
 }  // namespace
 }  // namespace kestrel

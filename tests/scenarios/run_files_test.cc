@@ -125,6 +125,55 @@ TEST_F(PartFileTest, AFailureNamesTheFileAndTheReason) {
   EXPECT_THAT(Files(), IsEmpty());  // of a whole file nothing stays behind
 }
 
+// A disk on which files end at so many bytes.
+class FullDisk {
+ public:
+  explicit FullDisk(std::uintmax_t bytes) {
+    getrlimit(RLIMIT_FSIZE, &before_);
+    signal_ = std::signal(SIGXFSZ, SIG_IGN);
+    const rlimit now{bytes, before_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &now);
+  }
+  ~FullDisk() {
+    setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, signal_);
+  }
+
+ private:
+  rlimit before_{};
+  void (*signal_)(int) = nullptr;
+};
+
+TEST_F(PartFileTest, AnImageIsWholeOrHasNotItsName) {
+  cv::Mat image(60, 80, CV_8UC3);
+  cv::randu(image, 0, 255);
+  WriteImage(folder_ / "whole.png", image);
+  EXPECT_EQ(cv::norm(cv::imread((folder_ / "whole.png").string()), image, cv::NORM_INF), 0);
+  {
+    const FullDisk disk(fs::file_size(folder_ / "whole.png") - 1);
+    EXPECT_THAT(MessageOf([&] { WriteImage(folder_ / "cut.png", image); }),
+                HasSubstr("cut.png: File too large"));
+  }
+  EXPECT_THAT(MessageOf([&] { WriteImage(folder_ / "image.none", image); }),
+              HasSubstr("image.none: it cannot be encoded so"));
+  EXPECT_THAT(Files(), ElementsAre("whole.png"));
+}
+
+TEST_F(VideoTest, IsAFailureWhereTheDiskIsFullAtItsVeryEnd) {
+  const auto film = [&](const char* name) {
+    Video video(folder_ / name, 25);
+    for (int i = 0; i < 20; ++i) video.Write(cv::Mat(64, 64, CV_8UC3, cv::Scalar::all(i)));
+    video.Close();
+  };
+  film("whole.mp4");
+  {
+    const FullDisk disk(fs::file_size(folder_ / "whole.mp4") - 1);
+    EXPECT_THAT(MessageOf([&] { film("cut.mp4"); }),
+                AllOf(HasSubstr("cut.mp4: ffmpeg gave up"), HasSubstr("File too large")));
+  }
+  EXPECT_FALSE(fs::exists(folder_ / "cut.mp4"));
+}
+
 TEST_F(PartFileTest, ADeviceIsNotReplacedByAFile) {
   ASSERT_EQ(mkfifo((folder_ / "pipe").c_str(), 0600), 0);
   Mistakes mistakes;
