@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <pty.h>
+#include <sys/inotify.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -104,7 +105,7 @@ TEST_F(EndingTest, UnderNohupAHangUpIsOfNoMatter) {
 }
 
 TEST_F(EndingTest, AHangUpEndsAServedFlightWithItsRecord) {
-  const pid_t child = Start("serve hover --mavlink 127.0.0.1:0 --out run");
+  const pid_t child = Start("serve hover --asctec --out run");
   WaitFor(folder_ / "run/scenario.yaml");
   std::this_thread::sleep_for(std::chrono::milliseconds(500));
   kill(child, SIGHUP);
@@ -137,8 +138,8 @@ TEST_F(EndingTest, ASecondThatWouldWriteToAFolderIsRefused) {
   const pid_t child = Start(kEndless);
   WaitFor(folder_ / "run/scenario.yaml");
   std::this_thread::sleep_for(std::chrono::milliseconds(200));
-  for (const std::string second :
-       {std::string(kShort), std::string("serve hover --mavlink 127.0.0.1:0 --for 1 --out run"),
+  for (const std::string& second :
+       {std::string(kShort), std::string("serve hover --asctec --for 1 --out run"),
         std::string("encounters --count 1 --harmless 0 --out run")}) {
     const Ended ended = Kestrel(second);
     EXPECT_EQ(ended.status, 2) << second << '\n' << ended.err;
@@ -199,19 +200,49 @@ TEST_F(EndingTest, OfARunOnAFullDiskNothingCutHasItsName) {
   }
 }
 
+TEST_F(EndingTest, APictureHasItsNameOnlyOnceItIsWholeSoThatAKillCutsNone) {
+  for (const char* what : {"recording", "truth"}) {
+    fs::remove_all(folder_ / "run");
+    const pid_t child =
+        Start(fmt::format("{} {}", kEndless, what == std::string("truth") ? "--truth" : "--images"));
+    WaitFor(folder_ / "run" / what);
+    const int watch = inotify_init1(IN_CLOEXEC | IN_NONBLOCK);
+    ASSERT_GE(inotify_add_watch(watch, (folder_ / "run" / what).c_str(), IN_CREATE | IN_MOVED_TO), 0);
+    const fs::path some =
+        folder_ / "run" / what / (what == std::string("truth") ? "000020_image.png" : "000020.png");
+    WaitFor(some);
+    kill(child, SIGKILL);
+    EXPECT_EQ(StatusOf(child), -1);
+    int whole = 0;
+    alignas(inotify_event) char buffer[1 << 16];
+    for (ssize_t size; (size = read(watch, buffer, sizeof buffer)) > 0;) {
+      for (const char* at = buffer; at < buffer + size;) {
+        const auto& event = *reinterpret_cast<const inotify_event*>(at);
+        const std::string name = event.len > 0 ? event.name : "";
+        at += sizeof event + event.len;
+        if (name.ends_with(".part") || name == "geoms.csv") continue;
+        EXPECT_TRUE(event.mask & IN_MOVED_TO) << name << " was written under its name";
+        ++whole;
+      }
+    }
+    close(watch);
+    EXPECT_GT(whole, 0) << what;
+  }
+}
+
 TEST_F(EndingTest, ResultsThatCannotBePrintedAreNoResults) {
   cv::imwrite((folder_ / "grey.png").string(), cv::Mat(480, 640, CV_8UC3, cv::Scalar(7, 8, 9)));
-  for (const std::string what :
-       {std::string("list"), std::string("check hover"), std::string("--version"), std::string("run --help"),
+  for (const std::string& what :
+       {std::string("check pose"), std::string("--version"), std::string("run --help"),
         std::string("horizon grey.png --camera fisheye"),
         std::string("view grey.png --camera fisheye --out out.png"), std::string(kShort) + "--no-video"}) {
     const Ended ended = Kestrel(what + " >/dev/full");
     EXPECT_EQ(ended.status, 3) << what;
-    EXPECT_THAT(ended.err, HasSubstr("No space left on device")) << what;
+    EXPECT_THAT(ended.err, HasSubstr("could not be written")) << what;
   }
   EXPECT_THAT(Content(folder_ / "run/summary.json"), HasSubstr("\"complete\": true"));  // which it was
   EXPECT_EQ(Kestrel("check none >/dev/full 2>/dev/full").status, 2);
-  EXPECT_EQ(Kestrel("list >&-").status, 3);
+  EXPECT_EQ(Kestrel("check pose >&-").status, 3);
   EXPECT_EQ(Kestrel("view grey.png --camera fisheye --out out.png --quiet >&-").status,
             0);  // nothing to print
 }
