@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <limits>
+
 #include "sim/servers/ardupilot_physics.h"
 #include "sim/servers/px4_physics.h"
 
@@ -25,6 +27,8 @@ void ServePhysics(const LoadedScenario& loaded, PhysicsServer& server,
   SimulatorParameters parameters = loaded.simulator;
   parameters.start.on_ground = true;
   parameters.start.settle_s = 1;
+  // It ends with the autopilot, or the server: an aircraft in the air is not put back to its start.
+  parameters.duration_s = std::numeric_limits<double>::infinity();
   const auto waits = [&] {
     say("waits for an autopilot");
     return server.Begin();

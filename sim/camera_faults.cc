@@ -23,7 +23,8 @@ struct Stretch {
 void Append(const CameraFault& fault, RandomStream random, double duration_s, std::vector<Stretch>& all) {
   if (random.Uniform(0, 1) >= fault.probability) return;
   if (fault.rate_per_min <= 0) return all.push_back({fault.from_s, fault.until_s, &fault});
-  const double last_s = std::min(fault.until_s, duration_s);
+  constexpr double kDrawn_s = 36000;  // a flight without an end has them for so long
+  const double last_s = std::min({fault.until_s, duration_s, kDrawn_s});
   for (double t = fault.from_s;;) {
     t += -std::log1p(-random.Uniform(0, 1)) * 60 / fault.rate_per_min;
     if (t >= last_s) return;
