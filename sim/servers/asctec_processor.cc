@@ -39,13 +39,19 @@ bool MoveTheMotors(const wire::CtrlInput& input) {
 
 void SerialLine::Put(double now_s, std::span<const std::uint8_t> bytes) {
   free_s_ = std::max(free_s_, now_s);
-  for (const std::uint8_t byte : bytes) bytes_.emplace_back(free_s_ += wire::LineTime_s(1), byte);
+  for (const std::uint8_t byte : bytes) {
+    bytes_.push_back(byte);
+    if (bytes_.size() > kMost)
+      bytes_.pop_front();  // and its turn is the next one's
+    else
+      arrive_s_.push_back(free_s_ += wire::LineTime_s(1));
+  }
 }
 
 wire::Bytes SerialLine::Take(double now_s) {
   wire::Bytes arrived;
-  for (; !bytes_.empty() && bytes_.front().first <= now_s; bytes_.pop_front())
-    arrived.push_back(bytes_.front().second);
+  for (; !bytes_.empty() && arrive_s_.front() <= now_s; bytes_.pop_front(), arrive_s_.pop_front())
+    arrived.push_back(bytes_.front());
   return arrived;
 }
 

@@ -6,7 +6,6 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <utility>
 
 #include "control/autopilot.h"
 #include "control/wire/asctec.h"
@@ -43,8 +42,12 @@ class SerialLine {
   wire::Bytes Take(double now_s);  // what has arrived by now
   double free_s() const { return free_s_; }
 
+  // As many wait for their turn, as in a driver's buffer; of more, the oldest are lost.
+  static constexpr std::size_t kMost = 4096;
+
  private:
-  std::deque<std::pair<double, std::uint8_t>> bytes_;  // with when each has arrived
+  std::deque<std::uint8_t> bytes_;
+  std::deque<double> arrive_s_;  // one for each, in turn
   double free_s_ = -1e300;
 };
 

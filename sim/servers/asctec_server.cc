@@ -46,7 +46,9 @@ AscTecServer::~AscTecServer() {
 
 void AscTecServer::Serve(double now_s, Autopilot& aircraft) {
   std::array<std::uint8_t, 256> block{};
-  for (ssize_t count; (count = read(master_, block.data(), block.size())) > 0;)
+  constexpr int kMost = 64;  // blocks at once, lest a flood stops the flight
+  ssize_t count = 0;
+  for (int i = 0; i < kMost && (count = read(master_, block.data(), block.size())) > 0; ++i)
     processor_.Hear(now_s, std::span(block).first(static_cast<std::size_t>(count)));
   const wire::Bytes bytes = processor_.Step(now_s, aircraft);
   if (!bytes.empty() && write(master_, bytes.data(), bytes.size()) < 0) return;  // nobody reads: lost
