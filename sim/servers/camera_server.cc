@@ -16,12 +16,17 @@ namespace {
 // this computer packets may be large: the fewer there are, the fewer are lost.
 std::string SendingPipeline(const RtpStream& stream) {
   const bool raw = stream.coding == RtpStream::Coding::kRaw;
-  const int packet = stream.host.starts_with("127.") || stream.host == "::1" ? 60000 : 1400;
+  const bool here = stream.host.starts_with("127.") || stream.host == "::1";
+  const int packet = here ? 60000 : 1400;
+  // Nobody beyond this computer has anything to say to a stream within it.
+  const std::string bind = !here                  ? ""
+                           : stream.host == "::1" ? "bind-address=::1 "
+                                                  : "bind-address=127.0.0.1 ";
   return fmt::format(
-      "appsrc ! videoconvert ! video/x-raw,format=I420{} mtu={} ! udpsink host={} port={} sync=false "
+      "appsrc ! videoconvert ! video/x-raw,format=I420{} mtu={} ! udpsink host={} port={} {}sync=false "
       "async=false buffer-size=4194304",
       raw ? " ! rtpvrawpay" : ",colorimetry=(string)1:4:0:0 ! jpegenc quality=95 ! rtpjpegpay", packet,
-      stream.host, stream.port);
+      stream.host, stream.port, bind);
 }
 
 }  // namespace
