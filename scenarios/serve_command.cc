@@ -253,9 +253,10 @@ CLI::App* AddServeCommand(CLI::App& app, ServeArguments& a) {
       ->capture_default_str();
   serve->add_option("--listen", a.listen, "Address of this computer at which servers listen")
       ->capture_default_str();
-  serve->add_option("--for", a.for_s,
-                    "How long, in s of real time, instead of the scenario's duration_s; with --physics until "
-                    "all ends, without it each flight lasts duration_s and another follows");
+  serve->add_option(
+      "--for", a.for_s,
+      "How long, in s of real time, instead of the scenario's duration_s; with --physics, where a "
+      "flight lasts until the autopilot leaves, until all ends");
   serve->add_option("--out", a.out, "Folder for the records (default results/runs/NAME-SEED-served)");
   serve->add_option("--pilot-off-at", a.pilot_off_at_s,
                     "When the pilot's switch takes the aircraft away, in s of the flight");

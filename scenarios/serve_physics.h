@@ -15,7 +15,8 @@ std::unique_ptr<PhysicsServer> MakePhysics(const std::string& kind, const std::s
                                            const std::optional<int>& port, const LoadedScenario& loaded);
 
 // Lets autopilots of software in the loop fly the scenario's aircraft, one flight after the other, each from
-// the ground, until the server is stopped. No time passes without the autopilot: it flies at its pace, and
+// the ground, until the server is stopped. A flight lasts until its autopilot leaves or begins anew, however
+// long the scenario's own is. No time passes without the autopilot: it flies at its pace, and
 // is waited for. publish: each frame when it is due. say: what happens.
 void ServePhysics(const LoadedScenario& loaded, PhysicsServer& server,
                   const std::function<void(const Frame&)>& publish,

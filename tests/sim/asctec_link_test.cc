@@ -200,6 +200,22 @@ S LastOf(const ScriptedAircraft& aircraft) {
   return std::get<S>(aircraft.heard.back());
 }
 
+// A peer that writes faster than the line is, as no real one can: the line holds a buffer of it and no more.
+TEST(AscTecProcessor, OfAFloodTheLineHoldsTheNewestBytes) {
+  SerialLine line;
+  std::vector<std::uint8_t> block(256);
+  for (int i = 0; i < 4000; ++i) {
+    std::fill(block.begin(), block.end(), static_cast<std::uint8_t>(i % 251));
+    line.Put(0, block);
+  }
+  const wire::Bytes arrived = line.Take(1e9);
+  ASSERT_EQ(arrived.size(), SerialLine::kMost);
+  EXPECT_EQ(arrived.back(), 3999 % 251);
+  EXPECT_EQ(arrived.front(), (4000 - SerialLine::kMost / 256) % 251);
+  line.Put(2e9, block);  // and it goes on as before
+  EXPECT_EQ(line.Take(3e9).size(), block.size());
+}
+
 TEST(AscTecSession, AttitudesArriveRight) {
   for (const char* signs : {"asctec", "ros"}) {
     AscTecOptions options;
