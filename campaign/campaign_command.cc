@@ -26,7 +26,9 @@
 #include "config/stopwatch.h"
 #include "config/yaml_fields.h"
 #include "scenarios/files.h"
+#include "scenarios/isa_option.h"
 #include "scenarios/model_files.h"
+#include "scenarios/this_program.h"
 
 namespace kestrel {
 namespace {
@@ -268,11 +270,13 @@ bool Replay(const CampaignArguments& a) {
 BatchJob JobOf(const CampaignArguments& a, const Asked& asked) {
   BatchJob job;
   job.name = asked.campaign.plan.name;
-  job.program = fs::read_symlink("/proc/self/exe");
+  job.program = ThisProgram();
   job.arguments.push_back(fs::absolute(CampaignFile(a.file)).lexically_normal().string());
   for (const std::string& each : a.overrides) job.arguments.insert(job.arguments.end(), {"--set", each});
   if (!a.runs.empty()) job.arguments.insert(job.arguments.end(), {"--runs", a.runs});
   if (!a.seed.empty()) job.arguments.insert(job.arguments.end(), {"--seed", a.seed});
+  if (const std::string set = ChosenInstructionSet(); !set.empty())
+    job.arguments.insert(job.arguments.end(), {"--isa", set});
   job.folder = fs::absolute(asked.folder).lexically_normal();
   job.directory = fs::current_path();
   if (const char* root = std::getenv("KESTREL_ROOT")) job.root = root;

@@ -22,6 +22,7 @@
 #include "campaign/tuning/tune_report.h"
 #include "config/yaml_fields.h"
 #include "scenarios/files.h"
+#include "scenarios/isa_option.h"
 #include "scenarios/version.h"
 
 namespace kestrel {
@@ -48,6 +49,7 @@ void ShowRound(const LoadedTune& tune, const TuneResult& result) {
 std::string CommandText(const TuneArguments& a, const std::vector<std::string>& overrides) {
   std::string text = "kestrel tune " + ShellWord(a.file);
   for (const std::string& each : overrides) text += " --set " + ShellWord(each);
+  if (const std::string set = ChosenInstructionSet(); !set.empty()) text += " --isa " + set;
   return text;
 }
 

@@ -22,6 +22,7 @@
 
 #include "campaign/execution/worker_wire.h"
 #include "config/stopwatch.h"
+#include "scenarios/this_program.h"
 #include "scenarios/version.h"
 
 namespace kestrel {
@@ -249,10 +250,11 @@ void WorkerPool::Workers::Hear(Worker& w) {
 }
 
 std::vector<std::string> WorkerCommand() {
-  const std::string program = fs::read_symlink("/proc/self/exe").replace_filename("kestrel-worker");
+  const std::string program = ThisProgram().replace_filename("kestrel-worker");
   // Held, so that workers are started from the file that was there first, should another build replace it.
   static const int held = open(program.c_str(), O_PATH | O_CLOEXEC);
-  return {held < 0 ? program : fmt::format("/proc/self/fd/{}", held), Version()};
+  const std::string by_descriptor = fmt::format("/proc/self/fd/{}", held);
+  return {access(by_descriptor.c_str(), X_OK) == 0 ? by_descriptor : program, Version()};
 }
 
 WorkerPool::WorkerPool(int workers, double limit_s, const fs::path& logs,
