@@ -30,6 +30,7 @@
 #include "scenarios/aside.h"
 #include "scenarios/end_signals.h"
 #include "scenarios/files.h"
+#include "scenarios/isa_option.h"
 #include "scenarios/model_files.h"
 
 namespace kestrel {
@@ -277,6 +278,8 @@ BatchJob JobOf(const CampaignArguments& a, const Asked& asked) {
   for (const std::string& each : a.overrides) job.arguments.insert(job.arguments.end(), {"--set", each});
   if (!a.runs.empty()) job.arguments.insert(job.arguments.end(), {"--runs", a.runs});
   if (!a.seed.empty()) job.arguments.insert(job.arguments.end(), {"--seed", a.seed});
+  if (const std::string set = ChosenInstructionSet(); !set.empty())
+    job.arguments.insert(job.arguments.end(), {"--isa", set});
   job.folder = fs::absolute(asked.folder).lexically_normal();
   job.directory = fs::current_path();
   if (const char* root = std::getenv("KESTREL_ROOT")) job.root = root;

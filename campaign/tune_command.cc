@@ -23,6 +23,7 @@
 #include "scenarios/aside.h"
 #include "scenarios/end_signals.h"
 #include "scenarios/files.h"
+#include "scenarios/isa_option.h"
 #include "scenarios/version.h"
 
 namespace kestrel {
@@ -49,6 +50,7 @@ void ShowRound(const LoadedTune& tune, const TuneResult& result) {
 std::string CommandText(const TuneArguments& a, const std::vector<std::string>& overrides) {
   std::string text = "kestrel tune " + ShellWord(a.file);
   for (const std::string& each : overrides) text += " --set " + ShellWord(each);
+  if (const std::string set = ChosenInstructionSet(); !set.empty()) text += " --isa " + set;
   return text;
 }
 

@@ -26,6 +26,7 @@
 #include "scenarios/statistics.h"
 #include "scenarios/version.h"
 #include "scenarios/writer_lock.h"
+#include "sim/machine.h"
 
 namespace kestrel {
 namespace {
@@ -231,11 +232,14 @@ LoadedScenario Load(const EncountersArguments& a, std::string& settings) {
   CheckWritableFolder(a.out, "--out", mistakes);
   CheckWritableFile(a.json, "--json", mistakes);
   // All that the flights depend on, and not the file's name, whose content may change.
-  settings = fmt::format("# {}\n{}", Version(), ToYaml(base.scenario));
+  settings = fmt::format("# {}\n", Version());
+  for (const auto& [name, value] : ThisMachine()) settings += fmt::format("# {} {}\n", name, value);
+  settings += ToYaml(base.scenario);
   const fs::path file = fs::path(a.out) / "settings.txt";
   if (IsFile(file) && ReadFile(file) != settings)
     mistakes.Add("--out", "",
-                 fmt::format("{} holds encounters of other settings or another version; valid: another "
+                 fmt::format("{} holds encounters of other settings, another version or another machine or "
+                             "--isa; valid: another "
                              "folder, or that one removed",
                              a.out));
   mistakes.ThrowIfAny();

@@ -51,6 +51,8 @@ struct Summary {
   double sim_s = 0, wall_s = 0;
   std::map<std::string, StageTime> stages;  // physics, render, sensor, vision, control, record
   std::uint64_t state_hash = 0, image_hash = 0;
+  // What of the machine the hashes depend on (sim/machine.h): of flights in the simulator; empty: not known.
+  std::map<std::string, std::string> machine;
 };
 
 }  // namespace kestrel

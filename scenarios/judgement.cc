@@ -8,6 +8,7 @@
 #include "scenarios/flight_mode.h"
 #include "scenarios/summary.h"
 #include "scenarios/version.h"
+#include "sim/machine.h"
 
 namespace kestrel {
 namespace {
@@ -41,6 +42,7 @@ Summary BeginSummary(const Scenario& scenario) {
   summary.scenario = scenario.name;
   summary.version = Version();
   summary.seed = scenario.seed;
+  summary.machine = ThisMachine();
   summary.drawn = DrawnValues(scenario.image, scenario.seed);
   return summary;
 }

@@ -22,6 +22,7 @@
 #include "scenarios/files.h"
 #include "scenarios/flight_mode.h"
 #include "scenarios/horizon_command.h"
+#include "scenarios/isa_option.h"
 #include "scenarios/junit.h"
 #include "scenarios/leave.h"
 #include "scenarios/mirror_command.h"
@@ -243,6 +244,10 @@ int Main(int argc, char** argv) {
   RenderBoardArguments render_board;
   const CLI::App* render_board_command = AddRenderBoardCommand(app, render_board);
 
+  // Of all that fly.
+  std::string isa;
+  for (const char* name : {"run", "serve", "encounters", "campaign", "tune", "bench", "replay"})
+    AddIsaOption(app.get_subcommand(name), isa);
   // Last, or each verb without a footer of its own would have this one.
   app.footer(
       "Examples:\n  kestrel run landing\n  kestrel check my_flight.yaml\n"
@@ -251,6 +256,7 @@ int Main(int argc, char** argv) {
 
   if (const auto status = ParseCommandLine(app, argc, argv)) return *status;
   try {
+    GoBy(isa, argv);
     if (*run_command) return Run(run);
     if (*serve_command) return ServeCommand(serve);
     if (*list_command) return List();

@@ -34,7 +34,8 @@ std::uint64_t Hash(const Json& json) {
 }  // namespace
 
 std::string ToJson(const Summary& s) {
-  Json criteria = Json::array(), metrics = Json::object(), stages = Json::object(), drawn = Json::object();
+  Json criteria = Json::array(), metrics = Json::object(), stages = Json::object(), drawn = Json::object(),
+       machine = Json::object();
   for (const Criterion& c : s.criteria) {
     criteria.push_back({{"name", c.name},
                         {"value", c.value},
@@ -44,6 +45,7 @@ std::string ToJson(const Summary& s) {
   }
   for (const auto& [name, value] : s.metrics) metrics[name] = value;
   for (const auto& [key, value] : s.drawn) drawn[key] = value;
+  for (const auto& [name, value] : s.machine) machine[name] = value;
   for (const auto& [name, time] : s.stages)
     stages[name] = {{"mean_ms", time.mean_ms}, {"p99_ms", time.p99_ms}};
   const Json json = {{"scenario", s.scenario},
@@ -64,7 +66,8 @@ std::string ToJson(const Summary& s) {
                        {"stages", stages}}},
                      {"state_hash", fmt::format("{:016x}", s.state_hash)},
                      {"image_hash", fmt::format("{:016x}", s.image_hash)},
-                     {"renderer", s.renderer}};
+                     {"renderer", s.renderer},
+                     {"machine", machine}};
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
 }
 
@@ -95,6 +98,7 @@ Summary SummaryFromJson(const std::string& text, const std::string& name) {
     s.state_hash = Hash(json.at("state_hash"));
     s.image_hash = Hash(json.at("image_hash"));
     s.renderer = json.at("renderer");
+    if (json.contains("machine")) s.machine = json.at("machine");  // which older ones do not say
     return s;
   } catch (const std::exception& e) {
     throw std::runtime_error(fmt::format("{}: not a summary: {}", name, e.what()));

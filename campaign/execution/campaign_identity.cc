@@ -88,6 +88,17 @@ std::string FirstDifference(const SampleTable& has, const SampleTable& wanted) {
   return {};
 }
 
+std::string OtherMachine(const Machine& has, const Machine& wanted) {
+  std::vector<std::string> all;
+  for (const auto& [name, values] : MachineDifferences(has, wanted))
+    all.push_back(fmt::format("{} {} and not {}", name, values.first, values.second));
+  return fmt::format(
+      "{}: by that its last bits are others (where processors differ, the same --isa from the first flight "
+      "on makes "
+      "them alike; where libraries do, the same packages)",
+      fmt::join(all, ", "));
+}
+
 }  // namespace
 
 std::vector<std::string> ModelsThatDiffer(const std::string& has, const std::string& wanted) {
@@ -112,6 +123,11 @@ std::vector<std::string> Differences(const CampaignIdentity& has, const Campaign
   if (has.version != wanted.version)
     differences.push_back(
         fmt::format("version: it is of {}, and this program is {}", has.version, wanted.version));
+  if (has.machine.empty() != wanted.machine.empty())
+    differences.push_back("machine: what it was flown on is not known");
+  else if (has.machine != wanted.machine)
+    differences.push_back("machine: it was flown on another, with " +
+                          OtherMachine(has.machine, wanted.machine));
   const std::string table = FirstDifference(has.table, wanted.table);
   const bool same_flights = !has.tuning && !wanted.tuning && has.scenario == wanted.scenario &&
                             table.empty() && same_table && has.limit_s == wanted.limit_s &&

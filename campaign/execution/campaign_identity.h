@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "campaign/table/sample_table.h"
+#include "sim/machine.h"
 
 namespace kestrel {
 
@@ -19,11 +20,12 @@ struct CampaignIdentity {
   std::string file = {};    // of the campaign, when it was last flown or merged; no part of what it is
   std::string models = {};  // that its flights may be by, "NAME HASH" a line
   double limit_s = 0;       // of wall time, for a run
+  Machine machine = {};     // that its flights are flown on; empty: not known, as of older files
   bool tuning = false;      // the flights of a search: what a row flies with, the plan says alone
 };
 
-// In what two differ, a sentence each that names what: name, version, models, plan, scenario, table; has: as
-// "it has". None: they belong together. same_table: as far as is known beside the two.
+// In what two differ, a sentence each that names what: name, version, machine, models, plan, scenario, table;
+// has: as "it has". None: they belong together. same_table: as far as is known beside the two.
 std::vector<std::string> Differences(const CampaignIdentity& has, const CampaignIdentity& wanted,
                                      bool same_table = true);
 // The names of the model files that are not alike, by CampaignIdentity::models.

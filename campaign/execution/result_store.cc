@@ -24,7 +24,8 @@ namespace fs = std::filesystem;
 
 constexpr const char* kSchema = "1";
 constexpr const char* kTuning = "tuning";
-constexpr int kPatience_ms = 60000;  // with who else reads or writes
+constexpr const char* kMachine = "machine";  // of the table origin
+constexpr int kPatience_ms = 60000;          // with who else reads or writes
 
 constexpr const char* kTables = R"(
 CREATE TABLE campaign (key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
@@ -139,7 +140,9 @@ void WriteIdentity(sqlite3* db, const CampaignIdentity& identity) {
   campaign.Insert(std::string("table_hash"), HashOf(identity.table));
   campaign.Insert(std::string("keys"), nlohmann::json(identity.table.keys).dump());
   campaign.Insert(std::string("schema"), std::string(kSchema));
-  Statement(db, "INSERT INTO origin VALUES ('file', ?)").Insert(identity.file);
+  Statement origin(db, "INSERT INTO origin VALUES (?, ?)");
+  origin.Insert(std::string("file"), identity.file);
+  origin.Insert(std::string(kMachine), nlohmann::json(identity.machine).dump());
   Statement samples(db, "INSERT INTO samples VALUES (?, ?, ?)");
   const SampleTable& table = identity.table;
   for (std::size_t r = 0; r < table.rows.size(); ++r)
@@ -191,7 +194,20 @@ bool HasOrigin(sqlite3* db) {  // which older files do not
   return table.Next();
 }
 
-// But for its table.
+// Of `origin`: what depends on where it was flown.
+void ReadOrigin(sqlite3* db, const fs::path& file, CampaignIdentity& identity) {
+  if (!HasOrigin(db)) return;
+  auto texts = Texts(db, "SELECT key, value FROM origin");
+  identity.file = texts["file"];
+  if (!texts.contains(kMachine)) return;
+  try {
+    identity.machine = nlohmann::json::parse(texts[kMachine]).get<Machine>();
+  } catch (const nlohmann::json::exception&) {
+    RefuseAsDamaged(file, "what it says of its machine is no list of names with values");
+  }
+}
+
+// But for its table, and its origin.
 CampaignIdentity IdentityIn(std::map<std::string, std::string>& texts) {
   CampaignIdentity identity{texts["name"], texts["scenario"], texts["plan"], texts["version"], {}};
   identity.models = texts["models"];
@@ -206,7 +222,7 @@ CampaignIdentity ReadIdentity(sqlite3* db, const fs::path& file) {
     RefuseAsNone(file, fmt::format("its tables are of the schema '{}', and this program knows '{}'",
                                    texts["schema"], kSchema));
   CampaignIdentity identity = IdentityIn(texts);
-  if (HasOrigin(db)) identity.file = Texts(db, "SELECT key, value FROM origin")["file"];
+  ReadOrigin(db, file, identity);
   identity.table.keys = KeysIn(texts["keys"], file);
   std::map<std::string, std::size_t> place;
   for (std::size_t k = 0; k < identity.table.keys.size(); ++k) place[identity.table.keys[k]] = k;
@@ -263,7 +279,9 @@ std::vector<std::string> DifferencesOf(const fs::path& file, const CampaignIdent
     CampaignIdentity without_rows = wanted;
     without_rows.table = {};
     const bool same_table = texts["table_hash"] == HashOf(wanted.table);
-    differences = Differences(IdentityIn(texts), without_rows, same_table);
+    CampaignIdentity has = IdentityIn(texts);
+    ReadOrigin(db, file, has);
+    differences = Differences(has, without_rows, same_table);
     if (!same_table) differences.push_back("table: it is of another");
   } catch (const SqliteError&) {
     differences.clear();
@@ -335,7 +353,7 @@ ResultStore ResultStore::Open(const fs::path& file, const CampaignIdentity& iden
       database->identity = identity;
     }
     if (database->identity.file != identity.file && HasOrigin(db))
-      Statement(db, "UPDATE origin SET value = ?").Insert(identity.file);
+      Statement(db, "UPDATE origin SET value = ? WHERE key = 'file'").Insert(identity.file);
     if (database->identity.plan != identity.plan)
       Statement(db, "UPDATE campaign SET value = ? WHERE key = 'plan'").Insert(identity.plan);
     database->identity.file = identity.file, database->identity.plan = identity.plan;

@@ -27,9 +27,11 @@ std::vector<std::string> DifferencesOf(const std::filesystem::path& file, const 
 //   runs       (row, status, outcome, state_hash, image_hash)
 //   metrics    (row, name, value)
 //   execution  (row, worker, wall_s, orchestration_s, peak_mib, log, recording)   depends on the machine
-//   origin     (key, value)                       file: of the campaign                        likewise
-// The first four of two campaigns on the same rows by the same version are alike to the last bit. A metric
-// that is not a number is NULL; the sign of zero is not kept.
+//   origin     (key, value)                       file: of the campaign; machine: that all of its flights
+//   were flown
+//                                                 on, a JSON object of names and values    likewise
+// The first four of two campaigns on the same rows by the same version on machines that are alike are alike
+// to the last bit. A metric that is not a number is NULL; the sign of zero is not kept.
 class ResultStore {
  public:
   // Makes the file, or goes on with it, by the plan as it is now; the only writer until this object goes.

@@ -207,6 +207,7 @@ CampaignWork WorkOf(const LoadedCampaign& campaign, const std::string& rule) {
                    campaign.table,     campaign.file};
   work.identity.models = ScenarioFiles(work.scenario, work.set, campaign.table.keys).Models();
   work.identity.limit_s = work.limit_s;
+  work.identity.machine = ThisMachine();
   if (!rule.empty()) work.identity.plan += fmt::format("\n# {}\n", rule);
   return work;
 }

@@ -84,7 +84,7 @@ std::string DifferenceOf(const RunResult& a, const RunResult& b) {
   return {};
 }
 
-Merged Merge(const std::filesystem::path& into, const CampaignIdentity& identity,
+Merged Merge(const std::filesystem::path& into, CampaignIdentity identity,
              const std::vector<std::filesystem::path>& parts) {
   std::vector<std::string> mistakes;
   std::map<std::int64_t, std::pair<RunResult, std::string>> rows;  // and the file that it is of
@@ -101,13 +101,16 @@ Merged Merge(const std::filesystem::path& into, const CampaignIdentity& identity
     }
   };
   Merged merged;
+  std::optional<Machine> machine;  // of the first part
   for (const auto& file : parts) {
     try {
       const ResultStore part = ResultStore::Read(file);
+      if (!machine) identity.machine = *(machine = part.identity().machine);
       const auto differences = Differences(part.identity(), identity);
       for (const std::string& each : differences)
-        mistakes.push_back(
-            fmt::format("{}: {}; valid: parts of this campaign, flown by this version", file.string(), each));
+        mistakes.push_back(fmt::format(
+            "{}: {}; valid: parts of this campaign, flown by this version on machines that are alike",
+            file.string(), each));
       if (differences.empty()) add(file, part);
     } catch (const InputError& e) {
       mistakes.insert(mistakes.end(), e.messages.begin(), e.messages.end());

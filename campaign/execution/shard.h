@@ -34,10 +34,10 @@ struct Merged {
   std::vector<std::int64_t> missing;  // rows that no part has
 };
 
-// Joins result files into one, which may have some of the rows already. Throws InputError: a part is of
-// another version, plan or table; or two have the same row with different results, each named. Nothing is
-// written then.
-Merged Merge(const std::filesystem::path& into, const CampaignIdentity& identity,
+// Joins result files into one, which may have some of the rows already. Where it is done does not matter, but
+// all were flown on machines that are alike. Throws InputError: a part is of another machine, version, plan
+// or table; or two have the same row with different results, each named. Nothing is written then.
+Merged Merge(const std::filesystem::path& into, CampaignIdentity identity,
              const std::vector<std::filesystem::path>& parts);
 
 // Whether two flights of a row came to the same, to the last bit: their status, outcome, metrics and hashes.

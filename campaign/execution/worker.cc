@@ -15,6 +15,7 @@
 
 #include "campaign/execution/fly_row.h"
 #include "campaign/execution/worker_wire.h"
+#include "scenarios/isa_option.h"
 #include "scenarios/version.h"
 
 namespace kestrel {
@@ -74,5 +75,6 @@ int main(int argc, char** argv) {
                kestrel::Version());
     return 2;
   }
+  kestrel::GoByTheEnvironment();
   return kestrel::Work();
 }

@@ -13,6 +13,8 @@
 #include "config/user_file.h"
 #include "config/yaml_fields.h"
 #include "scenarios/files.h"
+#include "scenarios/isa_option.h"
+#include "sim/instruction_set.h"
 
 namespace kestrel {
 namespace {
@@ -25,6 +27,10 @@ std::string OptionsOf(const CampaignIdentity& identity, const fs::path& folder) 
   for (const std::string& each : OverridesNotedIn(identity.plan)) options += " --set " + ShellWord(each);
   if (folder.lexically_normal() != fs::path("results/campaigns") / identity.name)
     options += " --out " + ShellWord(folder.empty() ? "." : folder.string());
+  // That which its rows were flown by, unless it is what is taken here in any case.
+  if (const auto set = identity.machine.find("instruction_set");
+      set != identity.machine.end() && (!ChosenInstructionSet().empty() || set->second != InstructionSet()))
+    options += " --isa " + ShellWord(set->second);
   return options;
 }
 

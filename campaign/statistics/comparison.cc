@@ -64,6 +64,11 @@ std::vector<std::string> SettingsThatDiffer(const CampaignIdentity& a, const Cam
     differs.push_back(fmt::format("models/{}: another in A than in B", model));
   if (a.version != b.version)
     differs.push_back(fmt::format("version: {} in A, {} in B", a.version, b.version));
+  if (a.machine.empty() != b.machine.empty())
+    differs.push_back(fmt::format("machine: that of {} is not known", a.machine.empty() ? "A" : "B"));
+  else
+    for (const auto& [name, values] : MachineDifferences(a.machine, b.machine))
+      differs.push_back(fmt::format("machine/{}: {} in A, {} in B", name, values.first, values.second));
   return differs;
 }
 

@@ -21,6 +21,7 @@ CampaignIdentity FlightsOf(const LoadedTune& tune) {
                             tune.text, Version(), table};
   identity.models = ScenarioFiles(flights.scenario, flights.set, tune.held_out.keys).Models();
   identity.limit_s = flights.limit_s;
+  identity.machine = ThisMachine();
   identity.tuning = true;
   return identity;
 }

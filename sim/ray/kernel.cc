@@ -410,6 +410,15 @@ HWY_INLINE void Add(const Colours& c, VF weight, Colours& sum) {
   sum = {hn::MulAdd(c.r, weight, sum.r), hn::MulAdd(c.g, weight, sum.g), hn::MulAdd(c.b, weight, sum.b)};
 }
 
+// Pixels at edges are drawn by so many together, whatever a vector's width: that something transparent is
+// before one of them, and in which order their sides are added up, are the same then.
+constexpr int kGroup = 16;
+constexpr int kPackets = kGroup / kLanes;
+struct EdgeGroup {
+  int packets = 0;  // in use; all but the last are full
+  EdgePixels pixels[kPackets];
+};
+
 // Each ray with a colour of its own.
 void MeanOfAll(const Slice& slice, const Seen& seen, const EdgePixels& pixels, Colours& sum) {
   sum = {hn::Zero(df), hn::Zero(df), hn::Zero(df)};
@@ -423,16 +432,22 @@ void MeanOfAll(const Slice& slice, const Seen& seen, const EdgePixels& pixels, C
   }
 }
 
-// One colour for each side of each thing in a pixel, by how many of the rays meet it. False: something
-// transparent is before them.
-bool MeanBySides(const Slice& slice, const Seen& seen, const EdgePixels& pixels, Colours& sum) {
+// What the rays of a packet of pixels meet.
+struct EdgeHits {
+  MF wanted;
+  Hit hits[kSubpixels];
+  TriangleHits triangles[kSubpixels];
+  VI code[kSubpixels];  // the side of the thing; -1: it is done
+};
+
+// False: something transparent is before them.
+bool MeetSides(const Slice& slice, const Seen& seen, const EdgePixels& pixels, EdgeHits& met) {
   alignas(64) float t_of[kSubpixels][kLanes] = {};
   alignas(64) std::int32_t thing_of[kSubpixels][kLanes] = {};
-  TriangleHits triangles[kSubpixels];
   for (int ray = 0; ray < pixels.count * kSubpixels; ray += kLanes) {
     const Vec3 d = pixels.Of(ray / kSubpixels, ray % kSubpixels);
-    TriangleHits met;
-    const Hit hit = Trace(slice, seen, d, met);
+    TriangleHits own;
+    const Hit hit = Trace(slice, seen, d, own);
     if (!hn::AllFalse(df, Veiled(slice, seen, d, hit.t))) return false;
     alignas(64) float t[kLanes];
     alignas(64) std::int32_t thing[kLanes];
@@ -444,76 +459,94 @@ bool MeanBySides(const Slice& slice, const Seen& seen, const EdgePixels& pixels,
       t_of[k][pixel] = t[i];
       thing_of[k][pixel] = thing[i];
       if (thing[i] < 0 || !slice.things->all[thing[i]].triangles) continue;
-      triangles[k].face[pixel] = met.face[i];
-      triangles[k].u[pixel] = met.u[i];
-      triangles[k].v[pixel] = met.v[i];
+      met.triangles[k].face[pixel] = own.face[i];
+      met.triangles[k].u[pixel] = own.u[i];
+      met.triangles[k].v[pixel] = own.v[i];
     }
   }
-  const MF wanted = pixels.Wanted();
-  Hit hits[kSubpixels];
-  VI code[kSubpixels];
+  met.wanted = pixels.Wanted();
   for (int k = 0; k < kSubpixels; ++k) {
     const Vec3 d = pixels.At(k).d;
-    hits[k] = {hn::Load(df, t_of[k]), hn::Load(di, thing_of[k])};
+    met.hits[k] = {hn::Load(df, t_of[k]), hn::Load(di, thing_of[k])};
     alignas(64) std::int32_t index[kLanes];
-    hn::Store(hits[k].thing, di, index);
-    code[k] = hn::Zero(di);
-    for (MF left = wanted; !hn::AllFalse(df, left);) {
+    hn::Store(met.hits[k].thing, di, index);
+    met.code[k] = hn::Zero(di);
+    for (MF left = met.wanted; !hn::AllFalse(df, left);) {
       const int i = index[hn::FindFirstTrue(df, left)];
-      const MF here = hn::And(left, hn::RebindMask(df, hn::Eq(hits[k].thing, hn::Set(di, i))));
+      const MF here = hn::And(left, hn::RebindMask(df, hn::Eq(met.hits[k].thing, hn::Set(di, i))));
       left = hn::AndNot(here, left);
-      const VI side = i < 0 ? hn::Zero(di) : SideOf(slice, i, d, hits[k].t, triangles[k], here);
-      code[k] = hn::IfThenElse(hn::RebindMask(di, here), CodeOf(side, i), code[k]);
+      const VI side = i < 0 ? hn::Zero(di) : SideOf(slice, i, d, met.hits[k].t, met.triangles[k], here);
+      met.code[k] = hn::IfThenElse(hn::RebindMask(di, here), CodeOf(side, i), met.code[k]);
     }
   }
-  sum = {hn::Zero(df), hn::Zero(df), hn::Zero(df)};
+  return true;
+}
+
+// Adds the colour of one side of a thing (index -1: the sky) to the pixels that it is met in by a ray from
+// `first` on, by how many of them meet it.
+void AddSide(const Slice& slice, const EdgePixels& pixels, int index, VI one, int first, EdgeHits& met,
+             Colours& sum) {
+  const bool triangular = index >= 0 && slice.things->all[index].triangles;
+  VF t = F(1), weight = hn::Zero(df);
+  Rays rays = pixels.At(first);
+  rays.du = Scale(rays.du, F(0.5f)), rays.dv = Scale(rays.dv, F(0.5f));
+  TriangleHits triangles = met.triangles[first];
+  Vec3 middle{hn::Zero(df), hn::Zero(df), hn::Zero(df)};
+  MF here = hn::Lt(F(1), F(0));
+  for (int k = first; k < kSubpixels; ++k) {
+    const auto same = hn::Eq(met.code[k], one);
+    const MF same_f = hn::RebindMask(df, same), fresh = hn::AndNot(here, same_f);
+    met.code[k] = hn::IfThenElse(same, hn::Set(di, -1), met.code[k]);
+    const VF share = hn::IfThenElseZero(same_f, F(1.0f / kSubpixels));
+    weight = hn::Add(weight, share);
+    const Vec3 d = pixels.At(k).d;
+    middle = Along(middle, share, d);
+    if (hn::AllFalse(df, fresh)) continue;
+    here = hn::Or(here, fresh);
+    t = hn::IfThenElse(fresh, met.hits[k].t, t);
+    rays.d = Either(fresh, d, rays.d);
+    if (k > first && triangular) Keep(fresh, met.triangles[k], triangles);
+  }
+  if (hn::AllFalse(df, here)) return;
+  if (!triangular) {
+    // In the middle of the rays that meet it, unless it bends away from there.
+    middle = Scale(middle, hn::Div(F(1), hn::Max(weight, F(1.0f / kSubpixels))));
+    VF t_middle = F(1);
+    if (index >= 0) {
+      const Thing& thing = slice.things->all[index];
+      const Placed& placed = slice.placement->things[index];
+      t_middle = Enter(thing, thing.size, Load3(placed.o), Rotate(placed.R, middle), F(kFar), triangles);
+    }
+    const MF meets = hn::Lt(t_middle, F(kFar));
+    rays.d = Either(meets, middle, rays.d);
+    t = hn::IfThenElse(meets, t_middle, t);
+  }
+  Surface surface;
+  ShadeHit(slice, index, rays, t, triangles, here, surface);
+  Add(Finish(surface), weight, sum);
+}
+
+// One colour for each side of each thing in a pixel, by how many of the rays meet it. False: something
+// transparent is before them.
+bool MeanBySides(const Slice& slice, const Seen& seen, const EdgeGroup& group, Colours* sums) {
+  EdgeHits met[kPackets];
+  for (int p = 0; p < group.packets; ++p) {
+    if (!MeetSides(slice, seen, group.pixels[p], met[p])) return false;
+    sums[p] = {hn::Zero(df), hn::Zero(df), hn::Zero(df)};
+  }
   for (int first = 0; first < kSubpixels; ++first) {
-    // Codes that are done are set to -1.
-    alignas(64) std::int32_t codes[kLanes], index[kLanes];
-    hn::Store(hits[first].thing, di, index);
-    for (;;) {
-      const MF left = hn::And(wanted, hn::RebindMask(df, hn::Ne(code[first], hn::Set(di, -1))));
-      if (hn::AllFalse(df, left)) break;
-      hn::Store(code[first], di, codes);
+    for (int p = 0; p < group.packets;) {
+      const MF left = hn::And(met[p].wanted, hn::RebindMask(df, hn::Ne(met[p].code[first], hn::Set(di, -1))));
+      if (hn::AllFalse(df, left)) {
+        ++p;
+        continue;
+      }
+      alignas(64) std::int32_t codes[kLanes], index[kLanes];
+      hn::Store(met[p].code[first], di, codes);
+      hn::Store(met[p].hits[first].thing, di, index);
       const auto lane = hn::FindFirstTrue(df, left);
-      const VI one = hn::Set(di, codes[lane]);
-      const bool triangular = index[lane] >= 0 && slice.things->all[index[lane]].triangles;
-      VF t = F(1), weight = hn::Zero(df);
-      Rays rays = pixels.At(first);
-      rays.du = Scale(rays.du, F(0.5f)), rays.dv = Scale(rays.dv, F(0.5f));
-      TriangleHits met = triangles[first];
-      Vec3 middle{hn::Zero(df), hn::Zero(df), hn::Zero(df)};
-      MF here = hn::Lt(F(1), F(0));
-      for (int k = first; k < kSubpixels; ++k) {
-        const auto same = hn::Eq(code[k], one);
-        const MF same_f = hn::RebindMask(df, same), fresh = hn::AndNot(here, same_f);
-        code[k] = hn::IfThenElse(same, hn::Set(di, -1), code[k]);
-        const VF share = hn::IfThenElseZero(same_f, F(1.0f / kSubpixels));
-        weight = hn::Add(weight, share);
-        const Vec3 d = pixels.At(k).d;
-        middle = Along(middle, share, d);
-        if (hn::AllFalse(df, fresh)) continue;
-        here = hn::Or(here, fresh);
-        t = hn::IfThenElse(fresh, hits[k].t, t);
-        rays.d = Either(fresh, d, rays.d);
-        if (k > first && triangular) Keep(fresh, triangles[k], met);
-      }
-      if (!triangular) {
-        // In the middle of the rays that meet it, unless it bends away from there.
-        middle = Scale(middle, hn::Div(F(1), hn::Max(weight, F(1.0f / kSubpixels))));
-        VF t_middle = F(1);
-        if (index[lane] >= 0) {
-          const Thing& thing = slice.things->all[index[lane]];
-          const Placed& placed = slice.placement->things[index[lane]];
-          t_middle = Enter(thing, thing.size, Load3(placed.o), Rotate(placed.R, middle), F(kFar), met);
-        }
-        const MF meets = hn::Lt(t_middle, F(kFar));
-        rays.d = Either(meets, middle, rays.d);
-        t = hn::IfThenElse(meets, t_middle, t);
-      }
-      Surface surface;
-      ShadeHit(slice, index[lane], rays, t, met, here, surface);
-      Add(Finish(surface), weight, sum);
+      for (int q = 0; q < group.packets; ++q)
+        AddSide(slice, group.pixels[q], index[lane], hn::Set(di, codes[lane]), first, met[q], sums[q]);
     }
   }
   return true;
@@ -572,31 +605,39 @@ void SmoothRowsImpl(const Slice& slice, int begin, int end, const Canvas& canvas
     if (edges == 0) continue;
     ListSeen(slice, column, seen);
     const bool simple = !slice.shadows && slice.things->haze.thing < 0;
-    for (int from = 0; from < edges; from += kLanes) {
-      const int count = std::min(kLanes, edges - from);
-      EdgePixels pixels;
-      pixels.count = count;
+    for (int from = 0; from < edges; from += kGroup) {
+      EdgeGroup group;
+      group.packets = (std::min(kGroup, edges - from) + kLanes - 1) / kLanes;
       const Aligned<float>* const table[3] = {&lens.x, &lens.y, &lens.z};
-      for (int i = 0; i < kLanes; ++i) {
-        const Place& place = found[from + std::min(i, count - 1)];
-        const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(place.v) * lens.stride + place.u;
-        for (int c = 0; c < 3; ++c) {
-          const float* const of = table[c]->get() + at;
-          pixels.middle[c][i] = of[0];
-          pixels.across[c][i] = of[1] - of[0];
-          pixels.down[c][i] = of[lens.stride] - of[0];
+      for (int p = 0; p < group.packets; ++p) {
+        const Place* const places = found + from + p * kLanes;
+        EdgePixels& pixels = group.pixels[p];
+        pixels.count = std::min(kLanes, edges - from - p * kLanes);
+        for (int i = 0; i < kLanes; ++i) {
+          const Place& place = places[std::min(i, pixels.count - 1)];
+          const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(place.v) * lens.stride + place.u;
+          for (int c = 0; c < 3; ++c) {
+            const float* const of = table[c]->get() + at;
+            pixels.middle[c][i] = of[0];
+            pixels.across[c][i] = of[1] - of[0];
+            pixels.down[c][i] = of[lens.stride] - of[0];
+          }
         }
       }
-      Colours mean;
-      if (!simple || !MeanBySides(slice, seen, pixels, mean)) MeanOfAll(slice, seen, pixels, mean);
-      alignas(64) std::int32_t channel[3][kLanes];
-      hn::Store(Rounded(mean.b), di, channel[0]);
-      hn::Store(Rounded(mean.g), di, channel[1]);
-      hn::Store(Rounded(mean.r), di, channel[2]);
-      for (int i = 0; i < count; ++i) {
-        const Place& place = found[from + i];
-        std::uint8_t* const bgr = canvas.bgr + place.v * canvas.step + 3 * static_cast<std::size_t>(place.u);
-        for (int j = 0; j < 3; ++j) bgr[j] = static_cast<std::uint8_t>(channel[j][i]);
+      Colours means[kPackets];
+      if (!simple || !MeanBySides(slice, seen, group, means))
+        for (int p = 0; p < group.packets; ++p) MeanOfAll(slice, seen, group.pixels[p], means[p]);
+      for (int p = 0; p < group.packets; ++p) {
+        alignas(64) std::int32_t channel[3][kLanes];
+        hn::Store(Rounded(means[p].b), di, channel[0]);
+        hn::Store(Rounded(means[p].g), di, channel[1]);
+        hn::Store(Rounded(means[p].r), di, channel[2]);
+        for (int i = 0; i < group.pixels[p].count; ++i) {
+          const Place& place = found[from + p * kLanes + i];
+          std::uint8_t* const bgr =
+              canvas.bgr + place.v * canvas.step + 3 * static_cast<std::size_t>(place.u);
+          for (int j = 0; j < 3; ++j) bgr[j] = static_cast<std::uint8_t>(channel[j][i]);
+        }
       }
     }
   }

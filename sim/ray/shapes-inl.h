@@ -8,6 +8,8 @@
 #define KESTREL_SIM_RAY_SHAPES_INL_H_
 #endif
 
+#include <algorithm>
+
 #include "sim/ray/packet-inl.h"
 #include "sim/ray/things.h"
 
@@ -103,12 +105,32 @@ HWY_INLINE VF EnterCapsule(const Eigen::Vector3f& size, const Vec3& o, const Vec
   return nearest;
 }
 
+// Embree's packet as wide as ours. In a wider one Embree looks at the rays that are not there, too, where it
+// has no instructions of that width.
+template <int lanes>
+struct Embree;
+template <>
+struct Embree<16> {
+  using Packet = RTCRayHit16;
+  static constexpr auto kIntersect = rtcIntersect16;
+};
+template <>
+struct Embree<8> {
+  using Packet = RTCRayHit8;
+  static constexpr auto kIntersect = rtcIntersect8;
+};
+template <>
+struct Embree<4> {
+  using Packet = RTCRayHit4;
+  static constexpr auto kIntersect = rtcIntersect4;
+};
+
 // Nearer than most. Rays side by side go the same way through the tree of triangles.
 VF EnterTriangles(const Triangles& triangles, const Vec3& o, const Vec3& d, VF most, TriangleHits& hits) {
-  RTCRayHit16 packet;
-  alignas(64) int valid[16];
+  Embree<kLanes>::Packet packet;
+  alignas(64) int valid[kLanes];
   const auto put = [](VF v, float* to) { hn::StoreU(v, df, to); };
-  for (int i = 0; i < 16; ++i) valid[i] = i < kLanes ? -1 : 0;
+  std::fill(valid, valid + kLanes, -1);
   put(o.x, packet.ray.org_x), put(o.y, packet.ray.org_y), put(o.z, packet.ray.org_z);
   put(d.x, packet.ray.dir_x), put(d.y, packet.ray.dir_y), put(d.z, packet.ray.dir_z);
   put(F(0), packet.ray.tnear), put(hn::Min(most, F(kFar)), packet.ray.tfar), put(F(0), packet.ray.time);
@@ -120,7 +142,7 @@ VF EnterTriangles(const Triangles& triangles, const Vec3& o, const Vec3& d, VF m
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  rtcIntersect16(valid, triangles.scene(), &context, &packet);
+  Embree<kLanes>::kIntersect(valid, triangles.scene(), &context, &packet);
   alignas(64) float t[kLanes];
   for (int i = 0; i < kLanes; ++i) {
     const bool met = packet.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID;

@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/ray/triangles.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <numeric>
 #include <stdexcept>
+#include <string>
 #include <utility>
+
+#include "sim/instruction_set.h"
 
 namespace kestrel::ray {
 namespace {
@@ -23,6 +28,13 @@ void RefuseBacks(const RTCFilterFunctionNArguments* a) {
                         RTCRayN_dir_z(a->ray, a->N, i) * RTCHitN_Ng_z(a->hit, a->N, i);
     if (along > 0) a->valid[i] = 0;
   }
+}
+
+// Of its ways to trace rays the one that goes with the renderer's own instruction set.
+std::string EmbreeConfig() {
+  const std::string set = InstructionSet();
+  const char* const isa = set == "avx512" ? "avx512" : set == "avx2" ? "avx2" : set == "ssse3" ? "sse2" : "";
+  return *isa ? fmt::format("threads=1,isa={}", isa) : "threads=1";
 }
 
 }  // namespace
@@ -166,7 +178,7 @@ void Triangles::Finish() {
       st_gradient.push_back(gradient.allFinite() ? gradient : Eigen::Matrix<float, 2, 3>::Zero().eval());
     }
   }
-  device_ = rtcNewDevice("threads=1");
+  device_ = rtcNewDevice(EmbreeConfig().c_str());
   if (!device_) throw std::runtime_error("Embree, which finds the triangles of meshes, cannot be started.");
   scene_ = rtcNewScene(device_);
   rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);

@@ -262,6 +262,36 @@ TEST_F(CampaignCommandTest, NothingThatACampaignSaysIsRunByItsScripts) {
                                Not(HasSubstr("\ntouch owned #'"))));
 }
 
+TEST_F(CampaignCommandTest, PartsByDifferentInstructionSetsAreRefusedAndByOneTheyAreJoined) {
+  const std::string part = "short.yaml --runs 2 --jobs 1 --record-failures 0 --out parts ";
+  const Ended first = Campaign(part + "--shard 1/2 --isa ssse3");
+  ASSERT_EQ(first.status, 0) << first.err;
+  const Ended other = Campaign(part + "--shard 2/2");
+  EXPECT_EQ(other.status, 2);
+  EXPECT_THAT(other.err, AllOf(HasSubstr("results-1-of-2.sqlite: machine: it was flown on another"),
+                               HasSubstr("instruction_set ssse3 and not "), HasSubstr("--isa")));
+  const Ended second = Campaign(part + "--shard 2/2 --isa ssse3");
+  EXPECT_EQ(second.status, 0) << second.err;
+  const Ended merged = Campaign("merge short.yaml --runs 2 --out parts");
+  EXPECT_EQ(merged.status, 0) << merged.err;
+  EXPECT_THAT(Content(folder_ / "parts/report.html"), HasSubstr("--isa ssse3"));
+  const Ended replay = Campaign("replay short.yaml 1 --runs 2 --out parts --no-video --isa ssse3");
+  EXPECT_EQ(replay.status, 0) << replay.err;
+  EXPECT_THAT(replay.out, HasSubstr("the same as the stored result, to the last bit"));
+  const Ended otherwise = Campaign("replay short.yaml 1 --runs 2 --out parts --no-video");
+  EXPECT_THAT(otherwise.err, HasSubstr("machine: it was flown on another"));
+}
+
+TEST_F(CampaignCommandTest, ScriptsFlyByTheInstructionSetThatIsAskedFor) {
+  for (const char* verb : {"slurm", "parallel"}) {
+    const Ended script = Campaign(fmt::format("{} short.yaml --tasks 2 --out parts --isa ssse3", verb));
+    EXPECT_EQ(script.status, 0) << script.err;
+    EXPECT_THAT(script.out, HasSubstr("--isa ssse3 --out ")) << verb;
+    EXPECT_THAT(Campaign(fmt::format("{} short.yaml --tasks 2 --out parts", verb)).out,
+                Not(HasSubstr("--isa")));
+  }
+}
+
 TEST_F(CampaignCommandTest, GnuParallelFliesItsParts) {
   if (!IsThere("parallel")) GTEST_SKIP() << "there is no GNU parallel here (package parallel)";
   const Ended run = Shell(fmt::format(

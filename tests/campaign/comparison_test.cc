@@ -45,6 +45,15 @@ TEST(Compare, ASmallerErrorOnTheSameRowsIsBetterAndALargerOneWorse) {
             -better.metrics[0].differences.mean.interval.high);
 }
 
+TEST(Compare, SaysOnWhatOtherMachineOneWasFlown) {
+  CampaignResults a = ExampleCampaign(), b = a;
+  a.identity.machine = {{"instruction_set", "avx512"}, {"mujoco", "2.2.2"}};
+  EXPECT_THAT(Compare(a, b, {}, 1, kResamples).differs, ElementsAre("machine: that of B is not known"));
+  b.identity.machine = {{"instruction_set", "avx2"}, {"mujoco", "2.2.2"}};
+  EXPECT_THAT(Compare(a, b, {}, 1, kResamples).differs,
+              ElementsAre("machine/instruction_set: avx512 in A, avx2 in B"));
+}
+
 TEST(Compare, OfThoseThatSpeakAgainstEachOtherNothingIsShown) {
   const CampaignResults a = ExampleCampaign();
   CampaignResults b = WithGain(a, 0.8);

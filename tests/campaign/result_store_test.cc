@@ -296,6 +296,37 @@ TEST_F(ResultStoreTest, FlightsByOtherModelsAreOthers) {
   EXPECT_THAT(Refusal(identity), HasSubstr("models: it was flown with another pads/p q.png, worlds/new.xml"));
 }
 
+TEST_F(ResultStoreTest, FlightsOnAnotherMachineAreOthers) {
+  CampaignIdentity identity = IdentityOf(TableOf(4));
+  identity.machine = {{"instruction_set", "avx512"}, {"opencv", "4.6.0 AVX512-SKX"}, {"mujoco", "2.2.2"}};
+  { ResultStore::Open(file_, identity); }
+  EXPECT_EQ(Refusal(identity), "");
+  EXPECT_EQ(ResultStore::Read(file_).identity().machine, identity.machine);
+  identity.file = "/elsewhere/gusts.yaml";
+  { ResultStore::Open(file_, identity); }
+  EXPECT_EQ(ResultStore::Read(file_).identity().machine,
+            identity.machine);  // which alone of its origin stays
+  identity.machine["instruction_set"] = "avx2", identity.machine["opencv"] = "4.6.0";
+  EXPECT_THAT(
+      Refusal(identity),
+      AllOf(HasSubstr("machine: it was flown on another, with instruction_set avx512 and not avx2, opencv "
+                      "4.6.0 AVX512-SKX and not 4.6.0: "),
+            HasSubstr("the same --isa"), HasSubstr("valid: another folder (--out)")));
+  EXPECT_THAT(DifferencesOf(file_, identity), Contains(HasSubstr("instruction_set avx512 and not avx2")));
+}
+
+TEST_F(ResultStoreTest, AnOlderFileIsReadAndItsMachineIsNotKnown) {
+  CampaignIdentity identity = IdentityOf(TableOf(4));
+  identity.machine = {{"instruction_set", "avx512"}};
+  ResultStore::Open(file_, identity).Put(ResultOf(1));
+  Says("python3 -c \"import sqlite3; db = sqlite3.connect('" + file_.string() +
+       "'); db.execute('DELETE FROM origin WHERE key = \\\"machine\\\"'); db.commit()\"");
+  const ResultStore store = ResultStore::Read(file_);
+  EXPECT_THAT(store.Rows(), ElementsAre(1));
+  EXPECT_THAT(store.identity().machine, IsEmpty());
+  EXPECT_THAT(Refusal(identity), HasSubstr("machine: what it was flown on is not known"));
+}
+
 TEST_F(ResultStoreTest, HasOneWriter) {
   const CampaignIdentity identity = IdentityOf(TableOf(4));
   const ResultStore store = ResultStore::Open(file_, identity);

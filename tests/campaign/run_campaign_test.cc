@@ -274,6 +274,36 @@ TEST_F(RunCampaignTest, PartsOfOtherCampaignsAndOtherResultsAreNotJoined) {
   EXPECT_FALSE(fs::exists(folder_ / "results.sqlite"));
 }
 
+TEST_F(RunCampaignTest, PartsOfMachinesThatAreAlikeAreJoinedWhereverThatIsDone) {
+  CampaignIdentity here = Work(4).identity;
+  here.machine = {{"instruction_set", "avx512"}, {"mujoco", "2.2.2"}};
+  fs::create_directory(folder_ / "parts");
+  const auto part = [&](int number, const std::string& set, std::vector<RunResult> results) {
+    const fs::path file = folder_ / "parts" / FileNameOf({number, 4});
+    CampaignIdentity identity = here;
+    identity.machine["instruction_set"] = set;
+    ResultStore::Open(file, identity).Put(results);
+    return file;
+  };
+  const fs::path one = part(1, "avx2", {ResultOf(0)}), two = part(2, "avx2", {ResultOf(1)});
+  const fs::path three = part(3, "avx512", {ResultOf(2)}), into = folder_ / "results.sqlite";
+  const auto why = [&](const std::vector<fs::path>& parts) -> std::string {
+    try {
+      Merge(into, here, parts);
+    } catch (const InputError& e) {
+      return e.what();
+    }
+    return "";
+  };
+  EXPECT_THAT(why({one, three}), AllOf(HasSubstr(three.string() + ": machine: "),
+                                       HasSubstr("instruction_set avx512 and not avx2"), HasSubstr("--isa")));
+  EXPECT_FALSE(fs::exists(into));
+  EXPECT_EQ(Merge(into, here, {one, two}).added, 2);
+  EXPECT_EQ(ResultStore::Read(into).identity().machine.at("instruction_set"), "avx2");
+  // Nor to what was joined before.
+  EXPECT_THAT(why({three}), HasSubstr(into.string() + ": machine: "));
+}
+
 TEST_F(RunCampaignTest, APartDoesNotFlyBesideResultsOfAnotherCampaign) {
   CampaignWork other = Work(6);
   other.identity.plan += "\n# --set seed=2\n";

@@ -59,6 +59,30 @@ TEST_F(CommandLineTest, ARunThatMeetsItsCriteriaEndsWithZero) {
   EXPECT_FALSE(fs::exists(folder_ / "results/runs/pose-7/video.mp4"));
 }
 
+// By the least set, which every machine has.
+TEST_F(CommandLineTest, ByAnInstructionSetAllThatChoosesGoesByIt) {
+  const Ended run = Kestrel(std::string(kShort) + "--seed 7 --out least --isa ssse3");
+  EXPECT_NE(run.status, 2) << run.err;
+  const auto least = nlohmann::json::parse(Content(folder_ / "least/summary.json")).at("machine");
+  EXPECT_EQ(least.at("instruction_set"), "ssse3");
+  EXPECT_EQ(least.at("mathematics"), "sse2");
+  EXPECT_THAT(least.at("opencv").get<std::string>(), Not(HasSubstr(" ")));  // no feature beyond its baseline
+  // The same by what the environment says.
+  Kestrel(std::string(kShort) + "--seed 7 --out again", "KESTREL_ISA=ssse3");
+  const auto again = nlohmann::json::parse(Content(folder_ / "again/summary.json"));
+  EXPECT_EQ(again.at("machine"), least);
+  EXPECT_EQ(again.at("state_hash"),
+            nlohmann::json::parse(Content(folder_ / "least/summary.json")).at("state_hash"));
+}
+
+TEST_F(CommandLineTest, AnInstructionSetThatThereIsNotIsRefused) {
+  for (const char* command : {"run pose", "campaign short.yaml", "tune hover/poor", "bench speed"}) {
+    const Ended run = Kestrel(fmt::format("{} --isa mmx", command));
+    EXPECT_EQ(run.status, 2) << command;
+    EXPECT_THAT(run.err, HasSubstr("--isa: 'mmx' is no instruction set that can be chosen; valid: ssse3"));
+  }
+}
+
 TEST_F(CommandLineTest, ARunThatMissesThemEndsWithOne) {
   const Ended run =
       Kestrel(std::string(kShort) + "--out here --junit report.xml --set criteria='{fix_share: {max: 0}}'");

@@ -20,6 +20,7 @@ Summary Example() {
   s.scenario = "land_on_helipad";
   s.version = "0.1.0";
   s.renderer = "OSMesa";
+  s.machine = {{"instruction_set", "avx2"}};
   s.outcome = "landed";
   s.seed = 18446744073709551615u;
   s.complete = s.passed = true;
@@ -33,8 +34,9 @@ Summary Example() {
 
 TEST(SummaryJson, HoldsEveryPromisedFieldByName) {
   const auto json = nlohmann::json::parse(ToJson(Example()));
-  for (const char* name : {"scenario", "seed", "version", "passed", "outcome", "criteria", "metrics",
-                           "timing", "state_hash", "image_hash", "renderer", "complete", "error"}) {
+  for (const char* name :
+       {"scenario", "seed", "version", "passed", "outcome", "criteria", "metrics", "timing", "state_hash",
+        "image_hash", "renderer", "complete", "error", "machine"}) {
     EXPECT_TRUE(json.contains(name)) << name;
   }
   EXPECT_EQ(json["seed"], 18446744073709551615u);
@@ -55,6 +57,13 @@ TEST(SummaryJson, ReadsBackAsItWas) {
   EXPECT_EQ(back.image_hash, Example().image_hash);
   EXPECT_TRUE(back.criteria.at(1).at_least);
   EXPECT_EQ(back.stages.at("vision").p99_ms, 14);
+  EXPECT_EQ(back.machine, Example().machine);
+}
+
+TEST(SummaryJson, AnOlderOneIsReadAndItsMachineIsNotKnown) {
+  auto older = nlohmann::json::parse(ToJson(Example()));
+  older.erase("machine");
+  EXPECT_TRUE(SummaryFromJson(older.dump(), "summary.json").machine.empty());
 }
 
 TEST(SummaryJson, WhatIsNoNumberIsNull) {
