@@ -276,11 +276,11 @@ FlyReport FlyAircraft(const LoadedPlan& plan, LiveCamera& camera, AutopilotLink&
       report.accomplished = verdict.accomplished;
       report.outcome = verdict.outcome;
     }
-    if (!lag.told().empty()) report.outcome += "; " + lag.told();
   } catch (const std::exception& e) {  // a mistake in flight code
     report.outcome = "broke off";
     report.error = e.what();
   }
+  report.lag = lag.told();
   take_changes();
   if (const auto released = safe.LetGo(o.release)) {
     report.release = TextOf(released->how, released->after_s);

@@ -42,6 +42,7 @@ struct FlyReport {
   // neither images nor the state were lost.
   bool accomplished = false;
   std::string error;    // of the records; empty: none. The flight goes on without them
+  std::string lag;      // of an autopilot that followed later than the gains allow; empty: none did
   std::string release;  // how the aircraft was let go (control/release.h); empty: a dry run
   std::int64_t frames = 0, images_overwritten = 0, records_dropped = 0;
   // From when an image was there to when its setpoint was handed to the link.

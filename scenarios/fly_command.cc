@@ -133,6 +133,7 @@ class Progress {
 
 void Report(const FlyReport& r, const FlyArguments& a, const std::string& mode, const std::string& folder) {
   std::string text = fmt::format("{}  {}{}\n", mode, r.outcome, r.error.empty() ? "" : ": " + r.error);
+  if (!r.lag.empty()) text += fmt::format("  {}: lower them, or ask the autopilot for less shaping\n", r.lag);
   if (!r.release.empty()) text += fmt::format("  at the end: {}\n", r.release);
   if (!r.accomplished)
     text += fmt::format(
