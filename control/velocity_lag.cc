@@ -84,6 +84,7 @@ std::optional<VelocityLagEstimator::Late> VelocityLagEstimator::Fit(int axis, in
   Late late{best.late_s, best.late_s};
   for (const Answer& answer : answers)
     if (answer.left <= kMuchWorse * best.left) late.least_s = std::min(late.least_s, answer.late_s);
+  late.least_s = std::max(0.0, late.least_s - kStep_s / 2);  // between two candidates
   return late;
 }
 

@@ -162,14 +162,20 @@ TEST_F(AfcsLinkTest, DoubledAndLateStatesAreDroppedAndCounted) {
   EXPECT_EQ(link.Gps()->numsv, 7);
 }
 
-TEST_F(AfcsLinkTest, AStateThatIsNotFiniteIsRefusedAndNamed) {
+TEST_F(AfcsLinkTest, AStateThatCannotBeIsRefusedAndNamed) {
   AfcsLink link(options_);
   Open(link);
   SayState(link, {.x = 1, .rpm0 = 1500});
-  Say(wire::AfcsState{.x = std::nan(""), .rpm0 = 1500});
-  ASSERT_TRUE(Eventually([&] { return link.Health().refused > 0; }));
-  EXPECT_EQ(link.State().p_NB.x(), 1);
-  EXPECT_THAT(link.Health().trouble, HasSubstr("not finite"));
+  std::uint64_t refused = 0;
+  for (const wire::AfcsState& bad : {wire::AfcsState{.x = std::nan(""), .rpm0 = 1500},
+                                     {.x = 3e38, .rpm0 = 1500},
+                                     {.vz = 1e4, .rpm0 = 1500}}) {
+    Say(bad);
+    ++refused;
+    ASSERT_TRUE(Eventually([&] { return link.Health().refused >= refused; })) << refused;
+    EXPECT_EQ(link.State().p_NB.x(), 1);
+    EXPECT_THAT(link.Health().trouble, HasSubstr("cannot be"));
+  }
 }
 
 TEST_F(AfcsLinkTest, AStrangerIsNotHeard) {

@@ -201,5 +201,16 @@ TEST(MavlinkTelemetry, WhatIsNoNumberIsNotTaken) {
   EXPECT_FALSE(telemetry.Take(Statustext{}));
 }
 
+TEST(MavlinkTelemetry, WhatCannotBeIsNotTaken) {
+  Telemetry telemetry;
+  EXPECT_TRUE(telemetry.Take(LocalPositionNed{.x = 9e4F, .vx = 150}));
+  EXPECT_FALSE(telemetry.Take(LocalPositionNed{.x = 3e38F}));
+  EXPECT_FALSE(telemetry.Take(LocalPositionNed{.vz = 1e4F}));
+  EXPECT_TRUE(telemetry.Take(Attitude{.roll = -3.14F, .rollspeed = 30}));
+  EXPECT_FALSE(telemetry.Take(Attitude{.roll = 3e38F}));
+  EXPECT_FALSE(telemetry.Take(Attitude{.rollspeed = 1e3F}));
+  EXPECT_FALSE(telemetry.Take(AttitudeQuaternion{.q1 = 1.1F}));
+}
+
 }  // namespace
 }  // namespace kestrel::wire::mavlink

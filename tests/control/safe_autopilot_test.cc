@@ -165,6 +165,61 @@ TEST_F(SafeAutopilotTest, EveryChangeIsToldOnce) {
   EXPECT_TRUE(safe->TakeChanges().empty());
 }
 
+TEST_F(SafeAutopilotTest, AnAircraftThatIsLetGoIsToldToStandStillUntilItDoes) {
+  link_.Set([](VehicleState& state, LinkHealth&) {
+    state.landed = false, state.mode = FlightMode::kVelocity, state.v_N = {1, 0, 0};
+  });
+  const auto safe = Make();
+  safe->Send(Ahead());
+  std::atomic<bool> held = false, gone = false;
+  std::thread aircraft([&] {
+    held = Eventually([&] { return Holds(); });
+    EXPECT_FALSE(gone);  // it moves still
+    link_.Set([](VehicleState& state, LinkHealth&) { state.v_N.setZero(); });
+  });
+  const auto released = safe->LetGo({.still_s = 0.05, .most_s = kDeadline_s});
+  gone = true;
+  aircraft.join();
+  EXPECT_TRUE(held);
+  ASSERT_TRUE(released);
+  EXPECT_EQ(released->how, Release::kHeld);
+  EXPECT_GE(released->after_s, 0.05);
+  EXPECT_FALSE(link_.sent());
+  // From then on it is not ours, whatever anybody asks for.
+  const int sends = link_.sends();
+  safe->Send(Ahead());
+  std::this_thread::sleep_for(std::chrono::milliseconds(60));
+  EXPECT_EQ(link_.sends(), sends);
+}
+
+TEST_F(SafeAutopilotTest, WhoDoesNotObeyIsLetGoAllTheSame) {
+  link_.Set([](VehicleState& state, LinkHealth&) {
+    state.landed = false, state.mode = FlightMode::kVelocity, state.v_N = {0, 0, 0.9};
+  });
+  const auto safe = Make();
+  safe->Send(Ahead());
+  EXPECT_EQ(safe->LetGo({.most_s = 0.1})->how, Release::kNotObeyed);
+  EXPECT_FALSE(link_.sent());
+  EXPECT_TRUE(link_.silent());
+}
+
+TEST_F(SafeAutopilotTest, WhatThePilotHasIsNotHeldForAMoment) {
+  link_.Set([](VehicleState& state, LinkHealth& health) {
+    state.landed = false, state.v_N = {0, 0, 0.9};
+    health.pilot_allows = false;
+  });
+  const auto safe = Make();
+  EXPECT_EQ(safe->LetGo()->how, Release::kPilot);
+  EXPECT_EQ(link_.sends(), 0);
+}
+
+TEST_F(SafeAutopilotTest, ADryRunHasNothingToLetGo) {
+  link_.Set([](VehicleState& state, LinkHealth&) { state.landed = false, state.v_N = {0, 0, 0.9}; });
+  const auto safe = Make({.limits = {}, .dry_run = true});
+  EXPECT_FALSE(safe->LetGo());
+  EXPECT_EQ(link_.sends(), 0);
+}
+
 TEST_F(SafeAutopilotTest, ItsEndSilencesTheLink) {
   {
     const auto safe = Make();

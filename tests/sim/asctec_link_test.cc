@@ -473,6 +473,14 @@ TEST(AscTecSession, HeedsEmergencyAndALostFixAndMissingAcknowledgements) {
   EXPECT_FALSE(blind.session.Health(blind.t_s).state_age_s);
   EXPECT_TRUE(aircraft.heard.empty());
 
+  Line late;
+  late.Keep(VelocitySetpoint{}, 0.5, aircraft);
+  const double good_s = late.t_s - *late.session.Health(late.t_s).state_age_s;
+  late.to_session = replaced(
+      [](wire::Telemetry& message) { return !std::holds_alternative<wire::GpsDataAdvanced>(message); });
+  late.Keep(VelocitySetpoint{}, 0.4, aircraft);
+  EXPECT_NEAR(*late.session.Health(late.t_s).state_age_s, late.t_s - good_s, 0.05);
+
   Line deaf;
   deaf.to_session = replaced(
       [](wire::Telemetry& message) { return !std::holds_alternative<wire::Acknowledgement>(message); });
