@@ -157,9 +157,10 @@ ReportSubject LandingCampaign(std::int64_t runs, const std::filesystem::path& fo
     }
     subject.results.push_back(run);
   }
-  subject.summary = Summarise(
-      subject.identity, subject.results,
-      {{"success", {std::nullopt, std::nullopt, 0.98}}, {"touchdown_error_m", {0.95, 0.15, std::nullopt}}});
+  subject.summary =
+      Summarise(subject.identity, subject.results,
+                std::map<std::string, Threshold>{{"success", {std::nullopt, std::nullopt, 0.98}},
+                                                 {"touchdown_error_m", {0.95, 0.15, std::nullopt}}});
   subject.results_file = (folder / "results.sqlite").string();
   subject.replay = "./kestrel campaign replay landing_dispersion";
   subject.again = "./kestrel campaign landing_dispersion";

@@ -206,7 +206,7 @@ TEST(EmulatedAutopilot, AnAutopilotThatFollowsLateIsLaterByThatAndOtherwiseTheSa
   const auto half_way_s = [](double delay_s) {
     Conditions late;
     late.autopilot.climb_delay_s = delay_s;
-    Flight flight({{0, 0, -20}, Eigen::Quaterniond::Identity()}, true, late);
+    Flight flight({Eigen::Quaterniond::Identity(), {0, 0, -20}}, true, late);
     flight.Run(2);
     const double asked_s = flight.t_s;
     std::optional<double> crossed_s;
