@@ -82,7 +82,7 @@ class FlyTest : public InTemporaryFolder {
   }
   FlyOptions Options() const {
     FlyOptions options;
-    options.most_s = 0.6;
+    options.most_s = 1.5;  // some images, on a busy machine too
     options.video = false;
     options.release = {.still_s = 0.05, .most_s = 0.3};
     return options;

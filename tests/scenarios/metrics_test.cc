@@ -225,7 +225,7 @@ TEST(Metrics, AFailureIsJudgedWhileItLastsAndFromWhereItBegan) {
 }
 
 TEST(Metrics, TheNamesAreThoseThatAFlightCanHave) {
-  auto rows = Approach(std::vector<double>(20, 0.1));
+  auto rows = Approach(std::vector<double>(25, 0.1));
   rows[3].decision.fix = Fix({0, 0, -3}, 0);
   for (LogRow& row : rows)
     row.decision.attitude = row.decision.baseline = AttitudeFix{0, 0, 0.01, 0.01, 0.0, 0.01};
