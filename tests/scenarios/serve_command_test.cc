@@ -133,7 +133,7 @@ TEST_F(ServeCommandTest, PhysicsThatNobodyFliesEndsWhenItsTimeIsOver) {
 
 TEST_F(ServeCommandTest, AFlightThatNobodyFlewIsNotMet) {
   ServeArguments a;
-  a.scenario = "hover", a.afcs = "127.0.0.1:0", a.for_s = 0.2, a.out = folder_ / "run";
+  a.scenario = "hover", a.afcs = "127.0.0.1:0", a.for_s = 0.6, a.out = folder_ / "run";
   testing::internal::CaptureStdout();
   EXPECT_EQ(ServeCommand(a), 1);
   EXPECT_THAT(testing::internal::GetCapturedStdout(),
