@@ -113,16 +113,6 @@ TEST_F(EndingTest, AHangUpEndsAServedFlightWithItsRecord) {
   EXPECT_TRUE(fs::exists(folder_ / "run/summary.json")) << Content(folder_ / "said.txt");
 }
 
-TEST_F(EndingTest, AHangUpBeforeAnythingFliesIsToldAsAnInterruptIs) {
-  const fs::path file = folder_ / "slow.yaml";  // it is still reading it
-  ASSERT_EQ(mkfifo(file.c_str(), 0600), 0);
-  const pid_t child = Start("campaign slow.yaml");
-  const std::ofstream end(file);  // waits for the reader
-  kill(child, SIGHUP);
-  EXPECT_EQ(StatusOf(child), 3);
-  EXPECT_THAT(Content(folder_ / "said.txt"), HasSubstr("interrupted before anything flew"));
-}
-
 TEST_F(EndingTest, AHangUpEndsACampaignThatGoesOnLater) {
   std::ofstream(folder_ / "long.yaml") << "scenario: pose\nset: [duration_s=0.5]\nruns: 5000\n"
                                           "vary:\n  start.height_m: {uniform: [3, 6]}\n";

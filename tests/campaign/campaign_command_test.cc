@@ -14,6 +14,7 @@
 #include <sstream>
 #include <thread>
 
+#include "campaign/command_line.h"
 #include "campaign/execution/batch_script.h"
 #include "campaign/execution/result_store.h"
 #include "config/stopwatch.h"
@@ -173,16 +174,20 @@ TEST_F(CampaignCommandTest, AnotherTableIsRefusedBeforeAnythingFlies) {
   EXPECT_EQ(Tables("here/results.sqlite"), before);
 }
 
-TEST_F(CampaignCommandTest, InterruptedBeforeAnythingFliesItSaysSo) {
-  // It is still reading its file, which has no end.
-  const fs::path file = folder_ / "slow.yaml";
-  ASSERT_EQ(mkfifo(file.c_str(), 0600), 0);
-  for (const char* verb : {"campaign", "tune"}) {
-    ChildProgram program({KESTREL_PROGRAM, verb, file.string()}, {}, folder_ / "said.txt");
-    const std::ofstream end(file);  // waits for the reader
-    program.Signal(SIGINT);
-    EXPECT_EQ(program.Wait(60), 3) << program.Said();
-    EXPECT_THAT(program.Said(), HasSubstr("interrupted before anything flew"));
+TEST_F(CampaignCommandTest, EndedBeforeAnythingFliesItSaysSo) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    const fs::path said = folder_ / "said.txt";
+    const pid_t child = fork();
+    if (child == 0) {
+      if (!std::freopen(said.c_str(), "w", stderr)) _exit(126);
+      EndOnInterrupt();
+      raise(signal);
+      _exit(0);
+    }
+    int status = 0;
+    ASSERT_EQ(waitpid(child, &status, 0), child);
+    EXPECT_EQ(WEXITSTATUS(status), 3) << signal;
+    EXPECT_THAT(Content(said), HasSubstr("interrupted before anything flew")) << signal;
   }
 }
 
