@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 #include <pty.h>
 #include <sys/inotify.h>
-#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
