@@ -24,6 +24,7 @@
 #include "campaign/statistics/thresholds.h"
 #include "campaign/tuning/kept_flights.h"
 #include "config/own_program.h"
+#include "config/printable.h"
 #include "config/stopwatch.h"
 #include "config/user_file.h"
 #include "config/yaml_fields.h"
@@ -269,6 +270,23 @@ bool Replay(const CampaignArguments& a) {
   return difference.empty();
 }
 
+// A newline would end a line of the script, and begin a command.
+void RequireNamesWithoutControl(const BatchJob& job) {
+  Mistakes mistakes;
+  const auto require = [&](const char* what, const std::string& text) {
+    if (HasControl(text))
+      mistakes.Add(
+          what, "",
+          fmt::format("'{}' holds a control character, which no script may; valid: another name", text));
+  };
+  require("the program", job.program.string());
+  require("the working folder", job.directory.string());
+  require("the folder of the results", job.folder.string());
+  require("KESTREL_ROOT", job.root);
+  for (const std::string& each : job.arguments) require("the campaign", each);
+  mistakes.ThrowIfAny();
+}
+
 // A job that this command line, but for its verb, asks for.
 BatchJob JobOf(const CampaignArguments& a, const Asked& asked) {
   BatchJob job;
@@ -285,6 +303,7 @@ BatchJob JobOf(const CampaignArguments& a, const Asked& asked) {
   if (const char* root = std::getenv("KESTREL_ROOT")) job.root = root;
   job.tasks = a.tasks;
   job.jobs = a.jobs > 0 ? a.jobs : 1;
+  RequireNamesWithoutControl(job);
   return job;
 }
 

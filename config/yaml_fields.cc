@@ -14,6 +14,7 @@
 #include <sstream>
 #include <unordered_map>
 
+#include "config/printable.h"
 #include "config/user_file.h"
 #include "config/yaml_nodes.h"
 
@@ -125,34 +126,6 @@ std::string QuotedIfNeeded(const std::string& text) {
       quoted += c;
   }
   return quoted + '"';
-}
-
-// How many bytes the letter in UTF-8 has that begins a text; 0: it begins with none, or with one that is no
-// letter but a command to the terminal.
-std::size_t LetterBytes(std::string_view text) {
-  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-  const unsigned char first = byte(0);
-  if (first < 0x80) return (first >= 0x20 && first != 0x7f) || first == '\n' || first == '\t' ? 1 : 0;
-  const std::size_t bytes = first >= 0xc2 && first <= 0xdf   ? 2
-                            : first >= 0xe0 && first <= 0xef ? 3
-                            : first >= 0xf0 && first <= 0xf4 ? 4
-                                                             : 0;
-  if (bytes > text.size()) return 0;
-  for (std::size_t i = 1; i < bytes; ++i)
-    if ((byte(i) & 0xc0) != 0x80) return 0;
-  return first == 0xc2 && byte(1) < 0xa0 ? 0 : bytes;
-}
-
-// Bytes of a file that is none of the kind may do anything to a terminal.
-std::string Printable(std::string_view text) {
-  std::string shown;
-  while (!text.empty()) {
-    const std::size_t bytes = LetterBytes(text);
-    shown += bytes > 0 ? std::string(text.substr(0, bytes))
-                       : fmt::format("\\x{:02x}", static_cast<unsigned char>(text[0]));
-    text.remove_prefix(std::max<std::size_t>(bytes, 1));
-  }
-  return shown;
 }
 
 // The beginning and the end, between which the middle is left out: a place stands first, and what would be

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "config/printable.h"
 #include "config/user_file.h"
 #include "config/yaml_fields.h"
 
@@ -76,10 +77,6 @@ void WriteImage(const fs::path& file, const cv::Mat& image, const std::vector<in
 }
 
 std::string ReadFile(const fs::path& file) { return ReadUserFile(file, kMostDataBytes).bytes; }
-
-bool HasControl(std::string_view name) {
-  return std::any_of(name.begin(), name.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; });
-}
 
 bool NamesFolder(std::string_view name) {
   return name.find_first_of("/\\") == std::string_view::npos && !name.starts_with('.') && !HasControl(name);

@@ -30,10 +30,6 @@ void WriteImage(const std::filesystem::path& file, const cv::Mat& image,
 // All that is in a file (config/user_file.h); nothing of one that cannot be read.
 std::string ReadFile(const std::filesystem::path& file);
 
-// Whether a name holds a control character, such as a newline or ESC: no file or folder of ours does, so that
-// none can end a line of a script or command a terminal.
-bool HasControl(std::string_view name);
-
 // Whether a run or a campaign may be called so, as its folder is: no slash, no leading dot, no control
 // character.
 bool NamesFolder(std::string_view name);

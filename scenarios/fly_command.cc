@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "config/printable.h"
 #include "config/stopwatch.h"
 #include "geometry/tait_bryan.h"
 #include "scenarios/aircraft.h"
@@ -62,9 +63,12 @@ CameraAddress CameraAt(const FlyArguments& a, const LoadedPlan* plan, Mistakes& 
   }
 }
 
-// A terminal that has gone is no reason to break off a flight, and so no exception.
+void ClearLine() { std::fputs("\r\033[K", stderr); }
+
+// What a camera or an autopilot says may be a part of it. A terminal that has gone is no reason to break off
+// a flight, and so no exception.
 void Print(std::FILE* file, const std::string& text) {
-  std::fputs(text.c_str(), file);
+  std::fputs(Printable(text).c_str(), file);
   std::fflush(file);
 }
 
@@ -110,15 +114,16 @@ class Progress {
  public:
   explicit Progress(std::string mode) : mode_(std::move(mode)), terminal_(isatty(STDERR_FILENO)) {}
   ~Progress() {
-    if (shown_) Print(stderr, "\r\033[K");
+    if (shown_) ClearLine();
   }
   void Show(const VehicleState& state, const Decision& decision, const SafetyChange& safety) {
     const double now_s = MonotonicNow_s();
     const std::string what =
         fmt::format("{:<10} {:<8} safety: {}", decision.phase, decision.target, NameOf(safety.reaction));
     if (terminal_ ? now_s - last_s_ < 0.1 : what == what_) return;
-    Print(stderr, fmt::format("{}{}  {:6.1f} s  {}  height {:5.2f} m{}", terminal_ ? "\r\033[K" : "", mode_,
-                              now_s - begun_s_, what, -state.p_NB.z(), terminal_ ? "" : "\n"));
+    if (terminal_) ClearLine();
+    Print(stderr, fmt::format("{}  {:6.1f} s  {}  height {:5.2f} m{}", mode_, now_s - begun_s_, what,
+                              -state.p_NB.z(), terminal_ ? "" : "\n"));
     what_ = what;
     last_s_ = now_s;
     shown_ = terminal_;

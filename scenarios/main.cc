@@ -14,6 +14,7 @@
 #include "campaign/bench_campaign.h"
 #include "campaign/campaign_command.h"
 #include "campaign/tune_command.h"
+#include "config/printable.h"
 #include "scenarios/aside.h"
 #include "scenarios/bench.h"
 #include "scenarios/calibrate_command.h"
@@ -72,7 +73,8 @@ class Progress {
 };
 
 void Report(const Summary& s, const std::string& folder) {
-  fmt::print("{}, seed {}: {}\n", s.scenario, s.seed, s.error.empty() ? s.outcome : "broke off: " + s.error);
+  fmt::print("{}, seed {}: {}\n", s.scenario, s.seed,
+             s.error.empty() ? s.outcome : "broke off: " + Printable(s.error));
   for (const Criterion& c : s.criteria) {
     // What did not happen has no value: an error at touch-down of a flight that never touched down.
     const std::string value = std::isnan(c.value) ? "not reached" : fmt::format("{:.4g}", c.value);
@@ -88,7 +90,7 @@ void Report(const Summary& s, const std::string& folder) {
 }
 
 void PrintNotes(const LoadedScenario& loaded) {
-  for (const std::string& note : loaded.notes) fmt::print("  {}\n", note);
+  for (const std::string& note : loaded.notes) fmt::print("  {}\n", Printable(note));
 }
 
 int Run(const RunArguments& arguments) {
@@ -304,7 +306,7 @@ int Main(int argc, char** argv) {
     Aside("{}\n", e.what());
     return kBadInput;
   } catch (const std::exception& e) {
-    Aside("kestrel: {}\n", e.what());
+    Aside("kestrel: {}\n", Printable(e.what()));
     return kBrokeOff;
   }
   return kBadInput;

@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <opencv2/core/utility.hpp>
 
+#include "config/printable.h"
 #include "config/yaml_fields.h"
 #include "scenarios/aside.h"
 #include "scenarios/calibrate_command.h"
@@ -57,7 +58,7 @@ int Main(int argc, char** argv) {
     Aside("{}\n", e.what());
     return kBadInput;
   } catch (const std::exception& e) {
-    Aside("kestrel: {}\n", e.what());
+    Aside("kestrel: {}\n", Printable(e.what()));
     return kBrokeOff;
   }
   return kBadInput;

@@ -10,7 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "config/printable.h"
 #include "config/yaml_fields.h"
+#include "scenarios/aside.h"
 
 namespace kestrel {
 namespace {
@@ -69,7 +71,7 @@ int Refuse(const CLI::App& app, const CLI::ParseError& error) {
   if (text.empty() && !VerbsOf(*verb).empty() && verb->get_require_subcommand_min() > 0)
     text = fmt::format("{}: a verb is missing; valid: {}\n", PathOf(*verb), fmt::join(VerbsOf(*verb), ", "));
   if (text.empty()) text = fmt::format("{}: {}\n", PathOf(*verb), error.what());
-  fmt::print(stderr, "{}`{} --help` tells more\n", text, PathOf(*verb));
+  Aside("{}`{} --help` tells more\n", Printable(text), PathOf(*verb));
   return kBadInput;
 }
 
@@ -77,6 +79,14 @@ int Refuse(const CLI::App& app, const CLI::ParseError& error) {
 
 std::optional<int> ParseCommandLine(CLI::App& app, int argc, const char* const* argv) {
   Words words(argv + std::min(argc, 1), argv + argc);
+  // At this door for every name that the command line gives, to whatever it is handed later: a script, a
+  // program, a terminal.
+  if (const auto word = std::find_if(words.begin(), words.end(), HasControl); word != words.end()) {
+    const bool of_option = word != words.begin() && word[-1].starts_with("--");
+    Aside("{}: '{}' holds a control character; valid: words without\n",
+          of_option ? Printable(word[-1]) : "kestrel", Printable(*word));
+    return kBadInput;
+  }
   if (!words.empty() && words.front() == "version") words = {"--version"};
   if (!words.empty() && words.front() == "help") {
     words.erase(words.begin());

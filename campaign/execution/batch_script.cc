@@ -10,8 +10,6 @@
 #include <string_view>
 #include <utility>
 
-#include "scenarios/files.h"
-
 namespace kestrel {
 namespace {
 
@@ -45,16 +43,6 @@ std::string ShellWord(const std::string& text) {
   };
   if (!text.empty() && std::all_of(text.begin(), text.end(), plain)) return text;
   std::string inside;
-  if (HasControl(text)) {  // as bash writes it in one line, so that a comment that holds it stays one
-    for (const char c : text) {
-      const auto byte = static_cast<unsigned char>(c);
-      if (HasControl({&c, 1}))
-        inside += fmt::format("\\{:03o}", byte);
-      else
-        inside += c == '\'' || c == '\\' ? std::string{'\\', c} : std::string(1, c);
-    }
-    return fmt::format("$'{}'", inside);
-  }
   for (const char c : text) {
     if (c == '\'') inside += "'\\'";
     inside += c;

@@ -9,7 +9,7 @@
 namespace kestrel {
 
 // What flies a campaign's parts on other machines. All of them see the folder, and have the program where it
-// is here.
+// is here. None of its texts holds a control character (config/printable.h).
 struct BatchJob {
   std::string name;
   std::filesystem::path program;
@@ -22,7 +22,7 @@ struct BatchJob {
   int jobs = 1;                     // workers for each
 };
 
-// A text as a shell's word that means it.
+// A text as a word of any POSIX shell that means it.
 std::string ShellWord(const std::string& text);
 
 // An sbatch script of a job array, a part for each of its tasks, that a lost task may be started with again.

@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "campaign/execution/shard.h"
+#include "config/printable.h"
 #include "config/yaml_fields.h"
 #include "scenarios/writer_lock.h"
 
@@ -91,11 +92,12 @@ class Statement {
     return sqlite3_column_type(statement_, column) == SQLITE_NULL ? std::numeric_limits<double>::quiet_NaN()
                                                                   : sqlite3_column_double(statement_, column);
   }
+  // As it may be shown: a file of results may come from anybody.
   std::string Text(int column) {
     const unsigned char* text = sqlite3_column_text(statement_, column);
     if (!text) return {};
-    return {reinterpret_cast<const char*>(text),
-            static_cast<std::size_t>(sqlite3_column_bytes(statement_, column))};
+    return Printable({reinterpret_cast<const char*>(text),
+                      static_cast<std::size_t>(sqlite3_column_bytes(statement_, column))});
   }
 
  private:

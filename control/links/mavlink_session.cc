@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "config/printable.h"
 #include "geometry/tait_bryan.h"
 
 namespace kestrel {
@@ -37,8 +38,9 @@ constexpr std::array<std::uint8_t, 8> kRotorcraft{2, 3, 4, 13, 14, 15, 29, 35};
 
 const char* ModeName(const Dialect& dialect) { return &dialect == &kPx4 ? "OFFBOARD" : "GUIDED"; }
 
+// It comes to terminals and logs, from whoever sends it.
 std::string Text(const std::array<char, 50>& text) {
-  return {text.begin(), std::find(text.begin(), text.end(), '\0')};
+  return Printable({text.begin(), std::find(text.begin(), text.end(), '\0')});
 }
 
 }  // namespace

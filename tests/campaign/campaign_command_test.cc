@@ -231,41 +231,6 @@ TEST(ShellWord, MeansItsText) {
   }
 }
 
-TEST(ShellWord, WithControlCharactersIsOneLineThatBashReadsBack) {
-  const std::string text = "x\ntouch owned #\x1b[2J\t'it' \\";
-  const std::string word = ShellWord(text);
-  EXPECT_FALSE(HasControl(word)) << word;
-  const std::string file = (fs::temp_directory_path() / fmt::format("kestrel_word_{}", getpid())).string();
-  std::ofstream(file + ".sh") << "# " << word << "\nprintf %s " << word << " > " << file << "\n";
-  ASSERT_EQ(std::system(fmt::format("bash {}.sh", file).c_str()), 0);
-  EXPECT_EQ(Content(file), text);
-  fs::remove(file), fs::remove(file + ".sh");
-}
-
-// Whoever is sent a campaign prints its script and runs it: nothing in the file may run as a command.
-TEST_F(CampaignCommandTest, NothingThatACampaignSaysIsRunByItsScripts) {
-  fs::create_directory(folder_ / "a\ntouch owned #");
-  fs::copy_file(folder_ / "short.yaml", folder_ / "a\ntouch owned #/short.yaml");
-  const std::string file = "$'a\\ntouch owned #/short.yaml'";
-  for (const std::string verb : {"slurm", "parallel"}) {
-    const Ended printed = Shell(fmt::format("bash -c \"{} campaign {} {} --tasks 1 --out '{}' > go.sh\"",
-                                            KESTREL_PROGRAM, verb, file, "{= system(q(touch owned)) =}"));
-    ASSERT_EQ(printed.status, 0) << printed.err;
-    // Its program is one that does nothing.
-    std::string script = Content(folder_ / "go.sh");
-    for (std::size_t at; (at = script.find(KESTREL_PROGRAM)) != std::string::npos;)
-      script.replace(at, std::string(KESTREL_PROGRAM).size(), "true");
-    std::ofstream(folder_ / "go.sh") << script;
-    Shell("bash go.sh");
-    EXPECT_FALSE(fs::exists(folder_ / "owned")) << verb;
-  }
-  std::ofstream(folder_ / "named.yaml") << "name: \"x\\ntouch owned #\"\n" << Content(folder_ / "short.yaml");
-  const Ended named = Campaign("slurm named.yaml --tasks 2");
-  EXPECT_EQ(named.status, 2);
-  EXPECT_THAT(named.err, AllOf(HasSubstr("name: "), HasSubstr("no control character"),
-                               Not(HasSubstr("\ntouch owned #'"))));
-}
-
 TEST_F(CampaignCommandTest, PartsByDifferentInstructionSetsAreRefusedAndByOneTheyAreJoined) {
   const std::string part = "short.yaml --runs 2 --jobs 1 --record-failures 0 --out parts ";
   const Ended first = Campaign(part + "--shard 1/2 --isa ssse3");

@@ -304,7 +304,8 @@ TEST_F(CampaignPlanTest, AScenarioThatIsNoneOrNotValidIsRefused) {
       Refusal("scenario: follow\nset: [wind.mean_m_s=-1]\n"),
       ElementsAre("f.yaml:2: set: wind.mean_m_s=-1: wind.mean_m_s: -1 is out of range; valid: 0 to 20"));
   EXPECT_THAT(Refusal("scenario: follow\nname: a/b\n"),
-              ElementsAre("f.yaml:2: name: 'a/b' cannot name a folder; valid: no slash, no leading dot"));
+              ElementsAre("f.yaml:2: name: 'a/b' cannot name a folder; valid: no slash, no leading dot, "
+                          "no control character"));
 }
 
 TEST_F(CampaignPlanTest, WhatTheScenarioRefusesForAnotherReasonThanItsRangeIsSaid) {
