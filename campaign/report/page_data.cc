@@ -20,7 +20,7 @@ constexpr std::size_t kMostTrajectories = 60, kPointsOfTrajectory = 250;
 // folder, where a page that somebody was sent is not to lead. The ./ before it keeps a name from being a
 // scheme.
 std::string LinkTo(const fs::path& file, const fs::path& page_folder) {
-  const fs::path inside = fs::proximate(file, page_folder);
+  const fs::path inside = fs::proximate(file, page_folder.empty() ? "." : page_folder);
   if (inside.is_absolute() || inside.empty() || *inside.begin() == "..") return {};
   std::string link = "./";
   for (const char c : inside.generic_string()) {

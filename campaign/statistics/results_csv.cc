@@ -4,13 +4,25 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <set>
 
 namespace kestrel {
 namespace {
 
-void AddCell(std::string& line, std::string_view text) {
+// A spreadsheet takes a cell that begins so for a formula, which may call programs; an apostrophe before it
+// says that it is a text.
+bool IsFormula(std::string_view text) {
+  if (text.empty() || std::string_view("=+-@\t\r").find(text[0]) == std::string_view::npos) return false;
+  double value = 0;
+  const std::string_view number = text.substr(text[0] == '+' ? 1 : 0);
+  const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), value);
+  return error != std::errc() || end != number.data() + number.size();
+}
+
+void AddCell(std::string& line, const std::string& given) {
+  const std::string text = IsFormula(given) ? '\'' + given : given;
   if (text.find_first_of(",\"\r\n") == std::string_view::npos) {
     line += text;
   } else {
@@ -47,7 +59,7 @@ std::string ToCsv(const SampleTable& table, const std::vector<RunResult>& result
   for (const RunResult* run : in_order) {
     AddCell(text, fmt::format("{}", run->row));
     for (const std::string& value : table.rows.at(static_cast<std::size_t>(run->row))) AddCell(text, value);
-    AddCell(text, NameOf(run->status)), AddCell(text, run->outcome);
+    AddCell(text, std::string(NameOf(run->status))), AddCell(text, run->outcome);
     for (const std::string& metric : metrics) {
       const auto found = run->metrics.find(metric);
       const bool there = found != run->metrics.end();

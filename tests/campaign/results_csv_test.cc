@@ -66,5 +66,18 @@ TEST(ResultsCsv, HasALineForEachRunAndItsNumbersToTheLastBit) {
   EXPECT_EQ(lines[2][9], second.state_hash);
 }
 
+// As one that begins with = may call programs.
+TEST(ResultsCsv, NoCellIsAFormulaToASpreadsheet) {
+  const SampleTable table{{"@key", "b", "c"}, {{"-1.5", "+2e3", "-1+cmd|'/c calc'!A0"}}};
+  RunResult run;
+  run.outcome = "=HYPERLINK(\"http://x\")";
+  const auto lines = Read(ToCsv(table, {run}));
+  ASSERT_EQ(lines.size(), 2u);
+  EXPECT_THAT(lines[0],
+              ElementsAre("row", "'@key", "b", "c", "status", "outcome", "state_hash", "image_hash"));
+  EXPECT_THAT(lines[1], ElementsAre("0", "-1.5", "+2e3", "'-1+cmd|'/c calc'!A0", "broke off",
+                                    "'=HYPERLINK(\"http://x\")", "", ""));
+}
+
 }  // namespace
 }  // namespace kestrel

@@ -99,7 +99,9 @@ const filterRuns = ({status, outcome}) => {
 };
 
 const csvOf = (runs) => {
-  const quoted = (value) => (/[",\r\n]/.test(value) ? `"${value.replaceAll('"', '""')}"` : value);
+  // A spreadsheet takes for a formula what begins so and is no number: as in runs.csv.
+  const plain = (value) => (/^[=+\-@\t\r]/.test(value) && !Number.isFinite(Number(value)) ? `'${value}` : value);
+  const quoted = (value) => (/[",\r\n]/.test(value) ? `"${plain(value).replaceAll('"', '""')}"` : plain(value));
   const text = (value) => (hasNumber(value) ? String(value) : quoted(value ?? ""));
   const line = (run) => allColumns.map((column) => text(column.text ? column.text(run) : column.of(run))).join(",");
   return `${[allColumns.map(({name}) => quoted(name)).join(","), ...runs.map(line)].join("\r\n")}\r\n`;
