@@ -6,6 +6,7 @@
 #include <initializer_list>
 #include <stdexcept>
 #include <string_view>
+#include <vector>
 
 #include "geometry/tait_bryan.h"
 #include "scenarios/flown_plot.h"
@@ -180,7 +181,7 @@ Recorder::Recorder(std::filesystem::path folder, RecorderOptions options)
 
 void Recorder::Write(const LogRow& row) {
   telemetry_->Write(TelemetryLine(row, options_.telemetry) + '\n');
-  rows_.push_back(row);  // for the plots
+  plotted_.Add(row);
 }
 
 void Recorder::WriteImage(const cv::Mat& bgr) {
@@ -202,9 +203,9 @@ Summary Recorder::Finish(Summary summary) {
   if (video_) attempt([&] { video_->Close(); });
   attempt([&] {
     if (options_.telemetry.truth)
-      DrawPlots(folder_ / "plots", rows_, options_.plots);
+      DrawPlots(folder_ / "plots", plotted_.rows(), options_.plots);
     else
-      DrawFlownPlot(folder_ / "plots" / "flown.png", rows_, options_.plots.title);
+      DrawFlownPlot(folder_ / "plots" / "flown.png", plotted_.rows(), options_.plots.title);
   });
   WriteFile(folder_ / "summary.json", ToJson(summary));
   return summary;

@@ -5,10 +5,10 @@
 #include <opencv2/core.hpp>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "scenarios/files.h"
 #include "scenarios/flight_log.h"
+#include "scenarios/plot_rows.h"
 #include "scenarios/plots.h"
 #include "scenarios/video.h"
 
@@ -54,7 +54,7 @@ class Recorder {
   RecorderOptions options_;
   std::optional<PartFile> telemetry_;
   std::optional<Video> video_;
-  std::vector<LogRow> rows_;
+  PlotRows plotted_;
 };
 
 // The first line of telemetry.csv and a line of it, without their ends.
