@@ -3,7 +3,8 @@
 
 #include <vector>
 
-#include "scenarios/bench.h"
+#include "scenarios/figures.h"
+#include "scenarios/seeds.h"
 #include "scenarios/fly_all.h"
 
 namespace kestrel {

@@ -25,6 +25,7 @@
 #include "sim/scene.h"
 #include "vision/calibration_file.h"
 #include "vision/contrast_tracker.h"
+#include "vision/write_image.h"
 
 namespace kestrel {
 namespace {

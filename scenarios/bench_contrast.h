@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "scenarios/bench.h"
+#include "scenarios/figures.h"
 
 namespace kestrel {
 

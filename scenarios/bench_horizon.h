@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "scenarios/bench.h"
+#include "scenarios/figures.h"
 
 namespace kestrel {
 

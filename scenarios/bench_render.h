@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "scenarios/bench.h"
+#include "scenarios/figures.h"
 
 namespace kestrel {
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "scenarios/bench.h"
+#include "scenarios/figures.h"
 
 namespace kestrel {
 

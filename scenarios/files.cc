@@ -8,7 +8,6 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
-#include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -62,18 +61,6 @@ void WriteFile(const std::filesystem::path& file, std::string_view content) {
     fs::remove(PartOf(file), none);  // of no use: it is written at once or not
     throw;
   }
-}
-
-void WriteImage(const fs::path& file, const cv::Mat& image, const std::vector<int>& parameters) {
-  std::vector<uchar> bytes;
-  try {
-    if (!cv::imencode(file.extension().string(), image, bytes, parameters)) bytes.clear();
-  } catch (const cv::Exception&) {
-    bytes.clear();
-  }
-  if (bytes.empty())
-    throw std::runtime_error(fmt::format("cannot write {}: it cannot be encoded so", file.string()));
-  WriteFile(file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
 std::string ReadFile(const fs::path& file) { return ReadUserFile(file, kMostDataBytes).bytes; }

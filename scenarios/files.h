@@ -4,10 +4,8 @@
 #include <cstdio>
 #include <filesystem>
 #include <initializer_list>
-#include <opencv2/core/mat.hpp>
 #include <string>
 #include <string_view>
-#include <vector>
 
 namespace kestrel {
 
@@ -22,10 +20,6 @@ void Complete(const std::filesystem::path& file);
 // Writes a whole file, under its final name only once it is complete. Throws std::runtime_error with the file
 // and the reason.
 void WriteFile(const std::filesystem::path& file, std::string_view content);
-
-// The same of an image, in the format that the name's ending says; parameters: cv::ImwriteFlags.
-void WriteImage(const std::filesystem::path& file, const cv::Mat& image,
-                const std::vector<int>& parameters = {});
 
 // All that is in a file (config/user_file.h); nothing of one that cannot be read.
 std::string ReadFile(const std::filesystem::path& file);

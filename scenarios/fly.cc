@@ -19,6 +19,7 @@
 #include "scenarios/recording.h"
 #include "scenarios/summary.h"
 #include "scenarios/version.h"
+#include "vision/write_image.h"
 
 namespace kestrel {
 namespace {

@@ -1,19 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstdint>
 #include <string>
 #include <vector>
 
 #include "scenarios/runner.h"
 #include "scenarios/scenario.h"
+#include "scenarios/seeds.h"
 
 // Many flights of one scenario, and what their metrics come to: for benchmarks.
 namespace kestrel {
-
-struct SeedRange {
-  std::uint64_t first = 1, last = 20;
-};
 
 // A flight with what it was flown by.
 struct FlownScenario {

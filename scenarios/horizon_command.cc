@@ -20,6 +20,7 @@
 #include "vision/calibration_file.h"
 #include "vision/horizon_attitude.h"
 #include "vision/image_file.h"
+#include "vision/write_image.h"
 
 namespace kestrel {
 namespace {

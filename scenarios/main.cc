@@ -16,7 +16,7 @@
 #include "campaign/tune_command.h"
 #include "config/printable.h"
 #include "scenarios/aside.h"
-#include "scenarios/bench.h"
+#include "scenarios/bench_command.h"
 #include "scenarios/calibrate_command.h"
 #include "scenarios/encounters_command.h"
 #include "scenarios/end_signals.h"

@@ -11,6 +11,7 @@
 #include "geometry/tait_bryan.h"
 #include "scenarios/flown_plot.h"
 #include "scenarios/summary.h"
+#include "vision/write_image.h"
 
 namespace kestrel {
 namespace {

@@ -14,6 +14,7 @@
 #include "config/user_file.h"
 #include "scenarios/csv_cells.h"
 #include "vision/image_file.h"
+#include "vision/write_image.h"
 
 namespace kestrel {
 namespace {

@@ -12,6 +12,7 @@
 #include "scenarios/scenario.h"
 #include "sim/board_studio.h"
 #include "vision/calibration_file.h"
+#include "vision/write_image.h"
 
 namespace kestrel {
 namespace {

@@ -13,6 +13,7 @@
 #include "scenarios/recording.h"
 #include "scenarios/summary.h"
 #include "scenarios/truth_images.h"
+#include "vision/write_image.h"
 
 namespace kestrel {
 

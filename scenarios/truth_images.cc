@@ -10,6 +10,7 @@
 #include <string>
 
 #include "scenarios/files.h"
+#include "vision/write_image.h"
 
 namespace kestrel {
 namespace fs = std::filesystem;

@@ -27,6 +27,7 @@
 #include "vision/calibration_file.h"
 #include "vision/image_file.h"
 #include "vision/views.h"
+#include "vision/write_image.h"
 
 namespace kestrel {
 namespace {

@@ -27,7 +27,7 @@
 #include "scenarios/model_files.h"
 #include "scenarios/real_time.h"
 #include "scenarios/scenario.h"
-#include "scenarios/serve_command.h"
+#include "scenarios/serve_arguments.h"
 #include "scenarios/serve_flight.h"
 #include "sim/servers/camera_server.h"
 #include "sim/servers/udp_relay.h"

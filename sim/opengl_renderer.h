@@ -13,7 +13,7 @@
 #include "geometry/pose.h"
 #include "sim/gl_context.h"
 #include "sim/lens_faces.h"
-#include "sim/renderer.h"
+#include "sim/rendering.h"
 #include "vision/camera_model.h"
 
 namespace kestrel {

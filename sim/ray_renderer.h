@@ -9,7 +9,7 @@
 #include <string>
 
 #include "geometry/pose.h"
-#include "sim/renderer.h"
+#include "sim/rendering.h"
 #include "vision/camera_model.h"
 
 namespace kestrel {

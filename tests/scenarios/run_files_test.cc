@@ -21,6 +21,7 @@
 #include "scenarios/video.h"
 #include "tests/scenarios/content.h"
 #include "tests/scenarios/temporary_folder.h"
+#include "vision/write_image.h"
 
 namespace kestrel {
 namespace {

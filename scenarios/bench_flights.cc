@@ -1,31 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "scenarios/bench.h"
+#include "scenarios/bench_flights.h"
 
 #include <fmt/format.h>
 
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
-#include <filesystem>
 #include <limits>
 #include <opencv2/imgproc.hpp>
-#include <optional>
 
 #include "geometry/tait_bryan.h"
-#include "scenarios/bench_attitude.h"
-#include "scenarios/bench_calibration.h"
-#include "scenarios/bench_contrast.h"
-#include "scenarios/bench_horizon.h"
-#include "scenarios/bench_render.h"
-#include "scenarios/bench_servo.h"
-#include "scenarios/bench_servoing.h"
-#include "scenarios/bench_stream.h"
-#include "scenarios/bench_trackers.h"
-#include "scenarios/bench_wire.h"
-#include "scenarios/files.h"
-#include "scenarios/fly_all.h"
 #include "scenarios/statistics.h"
 #include "vision/homography.h"
 #include "vision/pad_tracker.h"
@@ -33,8 +18,6 @@
 
 namespace kestrel {
 namespace {
-
-constexpr std::uint64_t kMostSeeds = 1000;  // their flights are held in memory
 
 // The share of the pad that the camera can truly see in a frame: inside the image and not under the occluder,
 // which covers the pad from its +x end.
@@ -121,6 +104,8 @@ void AddLandings(const std::string& name, const std::vector<FlownScenario>& flig
   table.push_back(
       {name + ", greatest tilt", Largest(Values(flights, "touchdown_tilt_deg")), "deg", 8, false, ""});
 }
+
+}  // namespace
 
 void BenchFlights(SeedRange seeds, int jobs, std::vector<Figure>& table) {
   constexpr double kHalf = 0.5;    // in view: enough to ask for a fix in every frame
@@ -249,65 +234,6 @@ void BenchSpeed(SeedRange seeds, std::vector<Figure>& table) {
   table.push_back({"vision, one core, mean a frame", Quantile(vision, 0.5), "ms", 8, false, "83"});
   table.push_back(
       {"whole loop, 640x480, 20 frames/s, no video", Quantile(factor, 0.5), "x real time", 10, true, "1"});
-}
-
-}  // namespace
-
-SeedRange ParseSeeds(const std::string& text) {
-  const std::size_t dots = text.find("..");
-  const auto number = [](std::string_view s, std::uint64_t& value) {
-    const auto end = std::from_chars(s.data(), s.data() + s.size(), value);
-    return end.ec == std::errc{} && end.ptr == s.data() + s.size();
-  };
-  SeedRange seeds;
-  if (dots == std::string::npos || !number(std::string_view(text).substr(0, dots), seeds.first) ||
-      !number(std::string_view(text).substr(dots + 2), seeds.last) || seeds.last < seeds.first) {
-    throw InputError(
-        {fmt::format("--seeds: '{}' is not a range; valid: A..B with A <= B, such as 1..20", text)});
-  }
-  if (seeds.last - seeds.first >= kMostSeeds || seeds.last > std::numeric_limits<std::int64_t>::max()) {
-    throw InputError(
-        {fmt::format("--seeds: '{}' is too much; valid: at most {} seeds, below 2^63", text, kMostSeeds)});
-  }
-  return seeds;
-}
-
-std::vector<std::string> BenchNames() {
-  return {"flights",  "fisheye", "attitude", "horizon",     "gyro_failure", "drift",
-          "heights",  "speed",   "render",   "calibration", "servo",        "trackers",
-          "contrast", "follow",  "avoid",    "stream",      "wire",         "link_faults"};
-}
-
-bool Bench(const BenchArguments& arguments) {
-  const SeedRange seeds = ParseSeeds(arguments.seeds);
-  const auto chosen = [&](const char* name) { return arguments.name.empty() || arguments.name == name; };
-  std::vector<Figure> table;
-  if (chosen("flights")) BenchFlights(seeds, arguments.jobs, table);
-  if (chosen("fisheye")) BenchFisheye(seeds, arguments.jobs, table);
-  if (chosen("attitude")) BenchAttitude(seeds, arguments.jobs, table);
-  if (chosen("horizon")) BenchHorizon(seeds.first, arguments.jobs, arguments.out, table);
-  if (chosen("gyro_failure")) BenchGyroFailure(seeds, arguments.jobs, table);
-  if (chosen("drift")) BenchDrift(seeds, arguments.jobs, table);
-  if (chosen("heights")) BenchHeights(seeds, table);
-  if (chosen("speed")) BenchSpeed(seeds, table);
-  if (chosen("render")) BenchRender(seeds.first, seeds.last, table);
-  if (chosen("calibration")) BenchCalibration(seeds.first, seeds.last, arguments.jobs, table);
-  if (chosen("servo")) BenchServo(table);
-  if (chosen("trackers")) BenchTrackers(seeds.first, seeds.last, table);
-  if (chosen("follow")) BenchFollow(seeds, arguments.jobs, table);
-  if (chosen("avoid")) BenchAvoid(seeds, arguments.jobs, table);
-  if (chosen("contrast"))
-    BenchContrast(seeds.first, seeds.last, arguments.jobs, std::filesystem::path(arguments.out) / "contrast",
-                  table);
-  if (chosen("stream")) BenchStream(table);
-  // By name alone: they need the program for real aircraft, and real time.
-  const std::filesystem::path wires = "results/runs";
-  if (arguments.name == "wire") BenchWire(seeds, arguments.jobs, wires / "bench_wire", table);
-  if (arguments.name == "link_faults")
-    BenchLinkFaults(seeds, arguments.jobs, wires / "bench_link_faults", table);
-  PrintFigures(table);
-  if (!arguments.json.empty()) WriteFigures(arguments.json, table);
-  return AllMet(table);
 }
 
 }  // namespace kestrel

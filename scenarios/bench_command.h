@@ -4,9 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "scenarios/figures.h"
-#include "scenarios/fly_all.h"
-
 namespace kestrel {
 
 struct BenchArguments {
@@ -18,9 +15,6 @@ struct BenchArguments {
 };
 
 std::vector<std::string> BenchNames();
-
-// "A..B". Throws InputError.
-SeedRange ParseSeeds(const std::string& text);
 
 // Measures, prints a table of figures beside their targets, and returns whether all of them were met. Throws
 // InputError if the seeds are not A..B.
