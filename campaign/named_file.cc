@@ -6,9 +6,9 @@
 
 #include <vector>
 
-#include "config/user_file.h"
-#include "config/yaml_fields.h"
-#include "scenarios/model_files.h"
+#include "base/file/model_files.h"
+#include "base/user_file.h"
+#include "base/yaml/yaml_fields.h"
 
 namespace kestrel {
 

@@ -13,8 +13,9 @@ struct TargetTruth {
   double diameter_m = 0;
   Eigen::Vector3d p_N = Eigen::Vector3d::Zero();  // of its centre
   Eigen::Vector3d v_N = Eigen::Vector3d::Zero();
-  Eigen::Vector3d p_V = Eigen::Vector3d::Zero();  // LevelAhead of the camera (control/moving_target.h)
-  bool in_view = false;                           // its centre is in the image
+  Eigen::Vector3d p_V =
+      Eigen::Vector3d::Zero();  // LevelAhead of the camera (control/estimate/moving_target.h)
+  bool in_view = false;         // its centre is in the image
 };
 
 // What the simulator knows and no flight code may see: for records, criteria and tests.

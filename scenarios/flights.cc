@@ -7,8 +7,8 @@
 #include <cmath>
 #include <optional>
 
+#include "base/file/model_files.h"
 #include "geometry/tait_bryan.h"
-#include "scenarios/model_files.h"
 
 namespace kestrel {
 namespace {

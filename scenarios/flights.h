@@ -8,7 +8,7 @@
 #include <variant>
 #include <vector>
 
-#include "config/yaml_fields.h"
+#include "base/yaml/yaml_fields.h"
 #include "scenarios/attitude/attitude.h"
 #include "scenarios/avoid/avoid.h"
 #include "scenarios/follow/follow.h"
@@ -16,8 +16,8 @@
 #include "scenarios/hover/hover.h"
 #include "scenarios/landing/landing.h"
 #include "scenarios/pose/pose.h"
-#include "vision/camera_mount.h"
-#include "vision/pad_reference.h"
+#include "vision/camera/camera_mount.h"
+#include "vision/landmark/pad_reference.h"
 
 namespace kestrel {
 

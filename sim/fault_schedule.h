@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "config/yaml_fields.h"
-#include "sim/actuator_faults.h"
-#include "sim/airframe.h"
-#include "sim/sensor_fault.h"
+#include "base/yaml/yaml_fields.h"
+#include "sim/aircraft/actuator_faults.h"
+#include "sim/aircraft/airframe.h"
+#include "sim/sensor/sensor_fault.h"
 
 namespace kestrel {
 

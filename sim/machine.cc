@@ -18,7 +18,7 @@
 #include <sstream>
 #include <utility>
 
-#include "sim/instruction_set.h"
+#include "sim/render/ray/instruction_set.h"
 
 #ifdef __GLIBC__
 #include <gnu/libc-version.h>

@@ -12,10 +12,10 @@
 #include <numbers>
 #include <utility>
 
-#include "config/stopwatch.h"
-#include "control/moving_target.h"
+#include "base/stopwatch.h"
+#include "control/estimate/moving_target.h"
 #include "geometry/tait_bryan.h"
-#include "sim/frames.h"
+#include "sim/world/frames.h"
 
 namespace kestrel {
 namespace {

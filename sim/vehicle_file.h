@@ -5,9 +5,9 @@
 #include <string>
 #include <variant>
 
-#include "sim/airframe.h"
-#include "sim/emulated_autopilot.h"
-#include "sim/pan_tilt.h"
+#include "sim/aircraft/airframe.h"
+#include "sim/autopilot/emulated_autopilot.h"
+#include "sim/camera/pan_tilt.h"
 
 namespace kestrel {
 

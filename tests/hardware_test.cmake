@@ -3,7 +3,7 @@
 # it, no such library is in it, and it runs. program: its file, in its build folder.
 get_filename_component(build ${program} DIRECTORY)
 execute_process(COMMAND ninja -C ${build} -t deps OUTPUT_VARIABLE deps RESULT_VARIABLE failed)
-if(failed OR NOT deps MATCHES "scenarios/fly_command")
+if(failed OR NOT deps MATCHES "app/flight/fly_command")
   message(FATAL_ERROR "ninja does not tell what ${program} was made from")
 endif()
 string(REGEX MATCH "[^\n ]*(/sim/|mujoco|osmesa|embree)[^\n ]*" found "${deps}")

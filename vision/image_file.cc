@@ -11,7 +11,7 @@
 #include <string_view>
 #include <system_error>
 
-#include "config/user_file.h"
+#include "base/user_file.h"
 #include "vision/image_header.h"
 
 namespace kestrel {

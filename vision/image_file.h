@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "config/yaml_fields.h"
+#include "base/yaml/yaml_fields.h"
 
 // Image files of a user, refused before they are decoded if their pixels would take much memory.
 namespace kestrel {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/write_image.h"
 
-#include <opencv2/imgcodecs.hpp>
 #include <fmt/format.h>
 
+#include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
 
-#include "scenarios/files.h"
+#include "base/file/files.h"
 
 namespace kestrel {
 

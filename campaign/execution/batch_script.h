@@ -9,7 +9,7 @@
 namespace kestrel {
 
 // What flies a campaign's parts on other machines. All of them see the folder, and have the program where it
-// is here. None of its texts holds a control character (config/printable.h).
+// is here. None of its texts holds a control character (base/printable.h).
 struct BatchJob {
   std::string name;
   std::filesystem::path program;

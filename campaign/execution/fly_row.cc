@@ -9,8 +9,8 @@
 #include <fstream>
 #include <string>
 
-#include "config/stopwatch.h"
-#include "scenarios/runner.h"
+#include "base/stopwatch.h"
+#include "flight/simulated/runner.h"
 
 namespace kestrel {
 namespace {

@@ -13,10 +13,10 @@
 #include <stdexcept>
 #include <utility>
 
+#include "base/file/writer_lock.h"
+#include "base/printable.h"
+#include "base/yaml/yaml_fields.h"
 #include "campaign/execution/shard.h"
-#include "config/printable.h"
-#include "config/yaml_fields.h"
-#include "scenarios/writer_lock.h"
 
 namespace kestrel {
 namespace {

@@ -10,12 +10,12 @@
 #include <map>
 #include <stdexcept>
 
+#include "base/file/model_files.h"
+#include "base/stopwatch.h"
+#include "base/version.h"
+#include "base/yaml/yaml_fields.h"
 #include "campaign/execution/scenario_files.h"
-#include "config/stopwatch.h"
-#include "config/yaml_fields.h"
-#include "scenarios/model_files.h"
-#include "scenarios/scenario.h"
-#include "scenarios/version.h"
+#include "flight/simulated/scenario.h"
 
 namespace kestrel {
 namespace {

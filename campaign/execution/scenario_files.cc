@@ -7,10 +7,10 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "scenarios/files.h"
-#include "scenarios/gains_file.h"
-#include "scenarios/model_files.h"
-#include "scenarios/scenario.h"
+#include "base/file/files.h"
+#include "base/file/model_files.h"
+#include "flight/gains_file.h"
+#include "flight/simulated/scenario.h"
 
 namespace kestrel {
 

@@ -20,10 +20,10 @@
 #include <stdexcept>
 #include <utility>
 
+#include "base/process/own_program.h"
+#include "base/stopwatch.h"
+#include "base/version.h"
 #include "campaign/execution/worker_wire.h"
-#include "config/own_program.h"
-#include "config/stopwatch.h"
-#include "scenarios/version.h"
 
 namespace kestrel {
 namespace {

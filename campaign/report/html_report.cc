@@ -9,8 +9,8 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "base/file/model_files.h"
 #include "campaign/report/page_data.h"
-#include "scenarios/model_files.h"
 
 namespace kestrel {
 namespace {

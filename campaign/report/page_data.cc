@@ -5,8 +5,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "base/user_file.h"
 #include "campaign/report/trajectory.h"
-#include "config/user_file.h"
 
 namespace kestrel {
 namespace {

@@ -8,8 +8,8 @@
 #include <string>
 #include <string_view>
 
-#include "config/user_file.h"
-#include "scenarios/csv_cells.h"
+#include "base/user_file.h"
+#include "records/telemetry/csv_cells.h"
 
 namespace kestrel {
 namespace {

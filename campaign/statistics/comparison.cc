@@ -8,7 +8,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "config/yaml_fields.h"
+#include "base/yaml/yaml_fields.h"
 
 namespace kestrel {
 namespace {

@@ -8,7 +8,7 @@
 #include <map>
 #include <numeric>
 
-#include "scenarios/statistics.h"
+#include "base/statistics.h"
 
 namespace kestrel {
 namespace {

@@ -5,7 +5,7 @@
 #include <boost/math/distributions/binomial.hpp>
 #include <boost/math/distributions/students_t.hpp>
 
-#include "scenarios/statistics.h"
+#include "base/statistics.h"
 
 namespace kestrel {
 namespace {

@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "scenarios/share_interval.h"
+#include "base/share_interval.h"
 
 namespace kestrel {
 

@@ -5,8 +5,8 @@
 
 #include <set>
 
+#include "base/yaml/yaml_fields.h"
 #include "campaign/table/campaign_plan.h"
-#include "config/yaml_fields.h"
 
 namespace kestrel {
 namespace {

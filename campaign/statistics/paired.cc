@@ -8,8 +8,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "config/random.h"
-#include "scenarios/statistics.h"
+#include "base/random.h"
+#include "base/statistics.h"
 
 namespace kestrel {
 namespace {
@@ -23,7 +23,7 @@ class Resampled {
     std::iota(order_.begin(), order_.end(), 0);
     std::sort(order_.begin(), order_.end(), [&](auto i, auto j) { return values[i] < values[j]; });
   }
-  // As Quantile of scenarios/statistics.h has it.
+  // As Quantile of base/statistics.h has it.
   double QuantileOf(const std::vector<int>& times, double q) const {
     const double at = q * static_cast<double>(values_.size() - 1);
     const auto rank = static_cast<std::ptrdiff_t>(at);

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "scenarios/share_interval.h"
+#include "base/share_interval.h"
 
 namespace kestrel {
 

@@ -9,7 +9,7 @@
 
 #include "campaign/counted.h"
 #include "campaign/statistics/share_sequence.h"
-#include "scenarios/junit.h"
+#include "records/junit.h"
 
 namespace kestrel {
 namespace {

@@ -6,11 +6,11 @@
 #include <sstream>
 #include <string_view>
 
+#include "base/file/files.h"
+#include "base/yaml/yaml_fields.h"
 #include "campaign/table/flight_metrics.h"
 #include "campaign/table/read_variation.h"
 #include "campaign/table/sampling.h"
-#include "config/yaml_fields.h"
-#include "scenarios/files.h"
 
 namespace kestrel {
 namespace {

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "base/yaml/fields.h"
 #include "campaign/table/distribution.h"
 #include "campaign/table/sample_table.h"
-#include "config/fields.h"
 
 namespace kestrel {
 

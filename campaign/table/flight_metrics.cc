@@ -6,8 +6,8 @@
 
 #include <algorithm>
 
-#include "scenarios/metrics.h"
-#include "scenarios/possible_metrics.h"
+#include "flight/simulated/possible_metrics.h"
+#include "records/telemetry/metrics.h"
 
 namespace kestrel {
 namespace {

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "base/yaml/yaml_fields.h"
 #include "campaign/table/campaign_plan.h"
-#include "config/yaml_fields.h"
 
 namespace kestrel {
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "base/yaml/yaml_fields.h"
 #include "campaign/table/campaign_plan.h"
-#include "config/yaml_fields.h"
 
 namespace kestrel {
 

@@ -10,12 +10,12 @@
 #include <set>
 #include <sstream>
 
+#include "base/file/files.h"
+#include "base/file/model_files.h"
+#include "base/user_file.h"
 #include "campaign/table/given_once.h"
 #include "campaign/table/sampling.h"
-#include "config/user_file.h"
-#include "scenarios/files.h"
-#include "scenarios/model_files.h"
-#include "scenarios/scenario.h"
+#include "flight/simulated/scenario.h"
 
 namespace kestrel {
 namespace {

@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "base/yaml/yaml_fields.h"
 #include "campaign/table/campaign_plan.h"
-#include "config/yaml_fields.h"
 
 // What files of campaigns and of tunings have in common: a scenario, and what of it varies.
 namespace kestrel {

@@ -10,8 +10,8 @@
 #include <numbers>
 #include <numeric>
 
+#include "base/random.h"
 #include "campaign/table/scrambled_sobol.h"
-#include "config/random.h"
 
 namespace kestrel {
 namespace {

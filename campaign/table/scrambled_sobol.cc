@@ -3,7 +3,7 @@
 
 #include <boost/random/sobol.hpp>
 
-#include "config/random.h"
+#include "base/random.h"
 
 namespace kestrel {
 namespace {

@@ -5,8 +5,8 @@
 #include <optional>
 #include <string>
 
+#include "base/yaml/fields.h"
 #include "campaign/execution/run_result.h"
-#include "config/fields.h"
 
 namespace kestrel {
 

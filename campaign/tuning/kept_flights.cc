@@ -5,8 +5,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "scenarios/scenario.h"
-#include "scenarios/version.h"
+#include "base/version.h"
+#include "flight/simulated/scenario.h"
 
 namespace kestrel {
 

@@ -10,7 +10,7 @@
 #include <numeric>
 #include <type_traits>
 
-#include "config/random.h"
+#include "base/random.h"
 
 namespace kestrel {
 namespace {

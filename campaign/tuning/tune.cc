@@ -11,9 +11,9 @@
 #include <numeric>
 #include <utility>
 
+#include "base/statistics.h"
 #include "campaign/statistics/paired.h"
 #include "campaign/tuning/search.h"
-#include "scenarios/statistics.h"
 
 namespace kestrel {
 namespace {

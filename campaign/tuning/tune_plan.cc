@@ -8,16 +8,16 @@
 #include <cstdlib>
 #include <sstream>
 
+#include "base/file/files.h"
+#include "base/file/model_files.h"
+#include "base/random.h"
+#include "base/yaml/yaml_fields.h"
 #include "campaign/table/flight_metrics.h"
 #include "campaign/table/read_variation.h"
 #include "campaign/table/sampling.h"
 #include "campaign/tuning/search.h"
-#include "config/random.h"
-#include "config/yaml_fields.h"
-#include "scenarios/files.h"
-#include "scenarios/gains_file.h"
-#include "scenarios/model_files.h"
-#include "scenarios/scenario.h"
+#include "flight/gains_file.h"
+#include "flight/simulated/scenario.h"
 
 namespace kestrel {
 namespace {

@@ -7,12 +7,12 @@
 #include <algorithm>
 #include <map>
 
+#include "base/statistics.h"
+#include "base/version.h"
 #include "campaign/execution/batch_script.h"
 #include "campaign/tuning/kept_flights.h"
 #include "campaign/tuning/tune_files.h"
-#include "scenarios/scenario.h"
-#include "scenarios/statistics.h"
-#include "scenarios/version.h"
+#include "flight/simulated/scenario.h"
 
 namespace kestrel {
 namespace {

@@ -13,7 +13,7 @@
 #include <variant>
 #include <vector>
 
-#include "config/fields.h"
+#include "base/yaml/fields.h"
 #include "control/wire/bytes.h"
 
 // The datagrams of the Rotomotion AFCS autopilots (SRA1 with AFCS 2.5, SR20 with 3.4), AFCS-LIKE, UNVERIFIED

@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "geometry/tait_bryan.h"
-#include "scenarios/attitude/horizon_watch.h"
-#include "vision/skyline_baseline.h"
+#include "mission/horizon_watch.h"
+#include "vision/horizon/skyline_baseline.h"
 
 namespace kestrel {
 namespace {

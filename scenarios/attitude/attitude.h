@@ -7,9 +7,9 @@
 #include <string>
 
 #include "geometry/pose.h"
+#include "mission/mission.h"
 #include "scenarios/attitude/manual_pilot.h"
-#include "scenarios/mission.h"
-#include "vision/camera_model.h"
+#include "vision/camera/camera_model.h"
 
 namespace kestrel {
 

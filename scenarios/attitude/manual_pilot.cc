@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "config/random.h"
+#include "base/random.h"
 #include "geometry/tait_bryan.h"
 
 namespace kestrel {

@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdint>
 
-#include "config/fields.h"
+#include "base/yaml/fields.h"
 #include "control/autopilot.h"
 
 namespace kestrel {

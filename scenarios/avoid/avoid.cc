@@ -9,13 +9,13 @@
 #include <limits>
 #include <opencv2/imgproc.hpp>
 
-#include "config/stopwatch.h"
-#include "control/state_history.h"
+#include "base/stopwatch.h"
+#include "control/estimate/state_history.h"
 #include "geometry/tait_bryan.h"
-#include "scenarios/caption.h"
-#include "scenarios/command_arrows.h"
-#include "vision/blank_image.h"
-#include "vision/frozen_image.h"
+#include "mission/caption.h"
+#include "mission/command_arrows.h"
+#include "vision/capture/blank_image.h"
+#include "vision/capture/frozen_image.h"
 
 namespace kestrel {
 namespace {
@@ -212,7 +212,7 @@ class AvoidMission final : public Mission {
         HoldBearingGains gains = o.hold;
         gains.bearing_deg = Degrees(std::abs(plan->bearing));
         const HoldBearingStep step = HoldBearing({side_}, azimuth, gains);
-        // Only ever away: held to the end, the bearing would lead inwards (control/hold_bearing.h).
+        // Only ever away: held to the end, the bearing would lead inwards (control/law/hold_bearing.h).
         yaw_rate = *side_ == PassingSide::kLeft ? std::min(step.yaw_rate, 0.0) : std::max(step.yaw_rate, 0.0);
         phase_ = yaw_rate == 0 ? "pass" : "avoid";
         encounter_->wanted = plan->bearing;

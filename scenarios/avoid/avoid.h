@@ -7,12 +7,12 @@
 #include <string>
 #include <vector>
 
-#include "control/avoidance.h"
+#include "control/law/avoidance.h"
 #include "geometry/pose.h"
+#include "mission/balloon_watch.h"
+#include "mission/mission.h"
 #include "scenarios/avoid/contrast_watch.h"
-#include "scenarios/balloon_watch.h"
-#include "scenarios/mission.h"
-#include "vision/camera_model.h"
+#include "vision/camera/camera_model.h"
 
 namespace kestrel {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "scenarios/flight_log.h"
+#include "records/telemetry/flight_log.h"
 
 namespace kestrel {
 

@@ -8,8 +8,8 @@
 #include <string_view>
 
 #include "geometry/tait_bryan.h"
+#include "records/plot/plot_parts.h"
 #include "scenarios/avoid/avoid_metrics.h"
-#include "scenarios/plot_parts.h"
 
 namespace kestrel {
 namespace {

@@ -6,12 +6,12 @@
 #include <string_view>
 #include <vector>
 
-#include "control/moving_target.h"
-#include "control/state_history.h"
+#include "control/estimate/moving_target.h"
+#include "control/estimate/state_history.h"
 #include "geometry/pose.h"
 #include "vision/camera.h"
-#include "vision/camera_model.h"
-#include "vision/contrast_tracker.h"
+#include "vision/camera/camera_model.h"
+#include "vision/target/contrast_tracker.h"
 
 namespace kestrel {
 

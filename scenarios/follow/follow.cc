@@ -8,13 +8,13 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "config/stopwatch.h"
-#include "control/sphere_target.h"
-#include "control/state_history.h"
+#include "base/stopwatch.h"
+#include "control/estimate/state_history.h"
+#include "control/law/sphere_target.h"
 #include "geometry/tait_bryan.h"
-#include "scenarios/caption.h"
-#include "scenarios/command_arrows.h"
-#include "vision/frozen_image.h"
+#include "mission/caption.h"
+#include "mission/command_arrows.h"
+#include "vision/capture/frozen_image.h"
 
 namespace kestrel {
 namespace {

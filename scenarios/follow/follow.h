@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "geometry/pose.h"
-#include "scenarios/balloon_watch.h"
-#include "scenarios/mission.h"
-#include "vision/camera_model.h"
+#include "mission/balloon_watch.h"
+#include "mission/mission.h"
+#include "vision/camera/camera_model.h"
 
 namespace kestrel {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "scenarios/statistics.h"
+#include "base/statistics.h"
 
 namespace kestrel {
 namespace {

@@ -7,9 +7,9 @@
 #include <cmath>
 #include <optional>
 
-#include "control/sphere_target.h"
+#include "control/law/sphere_target.h"
 #include "geometry/tait_bryan.h"
-#include "scenarios/plot_parts.h"
+#include "records/plot/plot_parts.h"
 
 namespace kestrel {
 namespace {

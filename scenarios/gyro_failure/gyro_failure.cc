@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "geometry/tait_bryan.h"
-#include "scenarios/attitude/horizon_watch.h"
+#include "mission/horizon_watch.h"
 
 namespace kestrel {
 namespace {

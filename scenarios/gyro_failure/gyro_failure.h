@@ -6,8 +6,8 @@
 #include <opencv2/core.hpp>
 
 #include "geometry/pose.h"
-#include "scenarios/mission.h"
-#include "vision/camera_model.h"
+#include "mission/mission.h"
+#include "vision/camera/camera_model.h"
 
 namespace kestrel {
 

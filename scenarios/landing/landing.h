@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "scenarios/helipad_pilot.h"
+#include "mission/helipad_pilot.h"
 
 namespace kestrel {
 

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "config/random.h"
+#include "base/random.h"
 
 namespace kestrel::landscape {
 

@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-#include "sim/landscape.h"
+#include "sim/landscape/landscape.h"
 #include "sim/landscape/noise.h"
 
 namespace kestrel::landscape {

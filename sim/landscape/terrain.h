@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "sim/landscape.h"
+#include "sim/landscape/landscape.h"
 #include "sim/landscape/mesh.h"
 
 namespace kestrel::landscape {

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "flight/simulated/runner.h"
 #include "geometry/tait_bryan.h"
-#include "scenarios/runner.h"
 #include "tests/acceptance/flown.h"
 
 namespace kestrel {

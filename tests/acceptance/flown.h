@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "scenarios/runner.h"
+#include "flight/simulated/runner.h"
 
 namespace kestrel {
 

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "scenarios/link_faults.h"
-#include "tests/scenarios/temporary_folder.h"
+#include "flight/served/link_faults.h"
+#include "tests/support/temporary_folder.h"
 
 namespace kestrel {
 namespace {

@@ -18,8 +18,8 @@
 #include <thread>
 #include <vector>
 
-#include "tests/scenarios/shell.h"
-#include "tests/scenarios/temporary_folder.h"
+#include "tests/support/shell.h"
+#include "tests/support/temporary_folder.h"
 
 namespace kestrel {
 namespace {

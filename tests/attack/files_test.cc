@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "tests/attack/limited_program.h"
-#include "tests/scenarios/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace kestrel {
 namespace {

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/scenarios/content.h"
+#include "tests/support/content.h"
 
 namespace kestrel {
 

@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "tests/attack/limited_program.h"
-#include "tests/scenarios/shell.h"
-#include "tests/scenarios/temporary_folder.h"
+#include "tests/support/shell.h"
+#include "tests/support/temporary_folder.h"
 
 namespace kestrel {
 namespace {

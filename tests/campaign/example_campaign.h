@@ -3,8 +3,8 @@
 
 #include <fmt/format.h>
 
+#include "base/random.h"
 #include "campaign/statistics/comparison.h"
-#include "config/random.h"
 
 namespace kestrel {
 

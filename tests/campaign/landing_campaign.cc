@@ -10,7 +10,7 @@
 #include <opencv2/imgproc.hpp>
 #include <random>
 
-#include "scenarios/video.h"
+#include "records/video/video.h"
 
 namespace kestrel {
 namespace {

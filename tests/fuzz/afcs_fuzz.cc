@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "control/wire/afcs.h"
-#include "tests/control/other_afcs_profile.h"
+#include "tests/control/wire/other_afcs_profile.h"
 
 // The input is a row of datagrams, each behind a byte with its length, or with the message that it is made to
 // be, for one receiver: of the thesis's profile or of another with every type and order in it. Whatever they

@@ -3,7 +3,7 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "sim/wire/ardupilot_json.h"
+#include "sim/server/physics/ardupilot_json.h"
 
 // Any bytes as a servo packet; and any numbers as a state, which is one line or none.
 using namespace kestrel::wire;

@@ -9,9 +9,9 @@
 #include "control/autopilot.h"
 #include "geometry/pose.h"
 #include "geometry/tait_bryan.h"
-#include "vision/balloon_fit.h"
 #include "vision/camera.h"
-#include "vision/camera_model.h"
+#include "vision/camera/camera_model.h"
+#include "vision/target/balloon_fit.h"
 
 // Plain pictures of coloured balls for the missions that fly by them, drawn in a millisecond: a small pinhole
 // that looks straight ahead, a grey background and noise that never repeats.

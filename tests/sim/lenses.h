@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "geometry/tait_bryan.h"
-#include "vision/camera_model.h"
+#include "vision/camera/camera_model.h"
 
 namespace kestrel {
 

@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <string>
 
-#include "sim/scene.h"
+#include "sim/world/scene.h"
 
 namespace kestrel {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "sim/sensors.h"
+#include "sim/sensor/sensors.h"
 
 namespace kestrel {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "geometry/pose.h"
-#include "sim/scene.h"
+#include "sim/world/scene.h"
 
 // Small worlds for the tests of renderers: together they have every kind of geom, texture, light and blending
 // that is drawn.

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <opencv2/core.hpp>
 
-#include "sim/frames.h"
+#include "sim/world/frames.h"
 #include "tests/sim/hover.h"
 
 namespace kestrel {

@@ -13,9 +13,9 @@
 #include <thread>
 
 #include "geometry/tait_bryan.h"
-#include "sim/frames.h"
+#include "sim/world/frames.h"
 #include "tests/sim/hover.h"
-#include "vision/pad_tracker.h"
+#include "vision/landmark/pad_tracker.h"
 
 namespace kestrel {
 namespace {

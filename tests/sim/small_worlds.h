@@ -6,8 +6,8 @@
 #include <string>
 
 #include "geometry/pose.h"
-#include "sim/frames.h"
-#include "sim/scene.h"
+#include "sim/world/frames.h"
+#include "sim/world/scene.h"
 #include "tests/sim/scenes.h"
 
 // Marks to be measured in pictures of them.

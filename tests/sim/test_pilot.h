@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "geometry/tait_bryan.h"
-#include "sim/multirotor.h"
+#include "sim/aircraft/multirotor.h"
 
 namespace kestrel {
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/scenarios/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 #include "vision/image_header.h"
 
 namespace kestrel {

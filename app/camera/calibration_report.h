@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <opencv2/core.hpp>
+#include <span>
+#include <string>
+
+#include "vision/calibration/board.h"
+#include "vision/calibration/calibrate.h"
+
+namespace kestrel {
+
+// What was found, for people: parameters with their deviations, residuals of each image, coverage, notes.
+std::string CalibrationReport(const Calibration& calibration, const Board& board,
+                              std::span<const cv::Mat> images);
+
+// Writes to an existing folder: camchain.yaml, as Kalibr does; report.txt; residuals.png and coverage.png,
+// drawn by gnuplot; overlay_NAME.png, the board as the calibration sees it over up to three images, the worst
+// among them, with residuals a hundred times as long. images: those of the views. Throws std::runtime_error.
+void WriteCalibration(const std::filesystem::path& folder, const Calibration& calibration, const Board& board,
+                      std::span<const cv::Mat> images);
+
+}  // namespace kestrel

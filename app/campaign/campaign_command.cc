@@ -1,0 +1,467 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/campaign/campaign_command.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <set>
+#include <stdexcept>
+#include <tuple>
+
+#include "app/campaign/command_line.h"
+#include "app/simulated/isa_option.h"
+#include "base/file/files.h"
+#include "base/file/model_files.h"
+#include "base/printable.h"
+#include "base/process/aside.h"
+#include "base/process/end_signals.h"
+#include "base/process/own_program.h"
+#include "base/stopwatch.h"
+#include "base/user_file.h"
+#include "base/yaml/yaml_fields.h"
+#include "campaign/counted.h"
+#include "campaign/execution/batch_script.h"
+#include "campaign/named_file.h"
+#include "campaign/statistics/share_sequence.h"
+#include "campaign/statistics/stop_rule.h"
+#include "campaign/statistics/thresholds.h"
+#include "campaign/tuning/kept_flights.h"
+
+namespace kestrel {
+namespace {
+
+namespace fs = std::filesystem;
+using Verb = CampaignArguments::Verb;
+
+std::atomic<int> stop = 0;
+
+// The first interrupt lets the runs under way end; the second, or the request to terminate, does not; after
+// that the next ends the program.
+void Interrupt(int signal) {
+  stop = signal == SIGINT ? stop + 1 : 2;
+  if (stop >= 2) EndOnNextSignal();
+}
+
+// "3 min 20 s"
+std::string Duration(double seconds) {
+  const auto s = static_cast<std::int64_t>(std::min(seconds, 1e9) + 0.5);
+  if (s < 60) return fmt::format("{} s", s);
+  if (s < 3600) return fmt::format("{} min {} s", s / 60, s % 60);
+  return fmt::format("{} h {} min", s / 3600, s / 60 % 60);
+}
+
+// With an interval that holds however often one looks.
+std::string Share(std::int64_t passed, std::int64_t runs) {
+  if (runs == 0) return "none flown";
+  const Interval interval = ShareSequence(passed, runs);
+  return fmt::format("{:.1f} % passed [{:.1f}, {:.1f}]",
+                     100 * static_cast<double>(passed) / static_cast<double>(runs), 100 * interval.low,
+                     100 * interval.high);
+}
+
+// One line on a terminal, rewritten some times a second.
+class ProgressLine {
+ public:
+  explicit ProgressLine(std::string name) : name_(std::move(name)) {}
+  ~ProgressLine() {
+    if (shown_) Aside("\r\033[K");
+  }
+  void Show(const Progress& p) {
+    if (shown_ && SecondsSince(last_) < 0.1) return;
+    last_ = std::chrono::steady_clock::now();
+    shown_ = true;
+    std::string left;
+    if (p.flown > 0)
+      left = fmt::format("   {:.3g} runs/min, {} left", 60 * p.Rate(),
+                         Duration(static_cast<double>(p.rows - p.done) / p.Rate()));
+    if (stop == 1) left = "   ending; interrupt again to drop the runs under way";
+    Aside("\r\033[K{}: {} of {}, {}{}", name_, p.done, Counted(p.rows, "run"),
+          Share(p.counted_passed, p.counted), left);
+    std::fflush(stderr);
+  }
+
+ private:
+  std::string name_;
+  bool shown_ = false;
+  std::chrono::steady_clock::time_point last_;
+};
+
+// A campaign as the command line asks for it.
+struct Asked {
+  LoadedCampaign campaign;
+  fs::path folder;
+  std::optional<Shard> shard;
+};
+
+Asked Read(const CampaignArguments& a) {
+  std::vector<std::string> overrides = a.overrides;
+  if (!a.runs.empty()) overrides.push_back("runs=" + a.runs);
+  if (!a.seed.empty()) overrides.push_back("seed=" + a.seed);
+  Mistakes of_files;
+  // Its folder may be that of the results, which is made with them.
+  std::error_code none;
+  if (const fs::path folder = fs::path(a.junit).parent_path(); folder.empty() || fs::exists(folder, none))
+    CheckWritableFile(a.junit, "--junit", of_files);
+  else
+    CheckWritableFolder(folder, "--junit", of_files);
+  std::vector<std::string> mistakes = of_files.messages();
+  const auto attempt = [&](const auto& what) {
+    try {
+      what();
+    } catch (const InputError& e) {
+      mistakes.insert(mistakes.end(), e.messages.begin(), e.messages.end());
+    }
+  };
+  Asked asked;
+  if (!a.shard.empty()) attempt([&] { asked.shard = ShardOf(a.shard); });
+  if (asked.shard && a.stop_when)
+    mistakes.push_back(
+        "--stop-when: a part of a table cannot tell when the whole of it is enough; valid: one "
+        "of --shard and --stop-when");
+  if (asked.shard && !a.junit.empty())
+    mistakes.push_back(
+        "--junit: a part of a table is not judged; valid: one of --shard and --junit, the latter once the "
+        "parts are merged");
+  attempt([&] { asked.campaign = LoadCampaign(CampaignFile(a.file), overrides); });
+  const auto& [vary, sampling] = std::tie(asked.campaign.plan.vary, asked.campaign.plan.sampling);
+  if (a.stop_when && sampling == "sobol")
+    mistakes.push_back(
+        "--stop-when: the first points of a Sobol sequence are not like the others; valid: --set "
+        "sampling=latin_hypercube or independent");
+  if (a.stop_when && std::any_of(vary.begin(), vary.end(),
+                                 [](const auto& each) { return std::holds_alternative<Grid>(each.second); }))
+    mistakes.push_back(
+        "--stop-when: the first rows of a grid are not like the others; valid: a campaign without grids");
+  if (mistakes.empty()) {
+    asked.folder = a.out.empty() ? fs::path("results/campaigns") / asked.campaign.plan.name : fs::path(a.out);
+    Mistakes of_folder;
+    CheckWritableFolder(asked.folder, "--out", of_folder);
+    RefuseReportOf("tuning", FlightsFile(asked.folder), of_folder);
+    mistakes = of_folder.messages();
+  }
+  if (!mistakes.empty()) throw InputError(mistakes);
+  return asked;
+}
+
+// What --stop-when makes of a plan.
+std::string RuleOf(const CampaignArguments& a) {
+  return a.stop_when ? StopRule(*a.stop_when) : std::string();
+}
+
+// Against the plan's thresholds, also into --junit.
+bool KeepsThresholds(const CampaignArguments& a, const Asked& asked, const std::vector<RunResult>& results) {
+  const std::vector<JudgedThreshold> judged =
+      Judge(asked.campaign.plan.thresholds, results, a.stop_when.has_value());
+  if (!a.junit.empty()) {
+    if (const fs::path folder = fs::path(a.junit).parent_path(); !folder.empty())
+      fs::create_directories(folder);
+    WriteFile(a.junit, ToJunit(asked.campaign.plan.name, judged));
+  }
+  return std::all_of(judged.begin(), judged.end(), [](const JudgedThreshold& t) { return t.passed; });
+}
+
+bool Fly(const CampaignArguments& a) {
+  EndOnInterrupt();
+  const Asked asked = Read(a);
+  const CampaignWork work = WorkOf(asked.campaign, RuleOf(a));
+  CampaignOptions options;
+  options.folder = asked.folder;
+  options.jobs = a.jobs > 0 ? a.jobs : Cores();
+  options.shard = asked.shard;
+  options.record_failures = a.record_failures;
+  options.record = a.record;
+  options.stop = &stop;
+  if (a.stop_when)
+    options.enough = [&](const Progress& p) {
+      return NarrowEnough(p.counted_passed, p.counted, *a.stop_when);
+    };
+  CampaignEnd end;
+  {
+    ProgressLine line(work.identity.name);
+    if (isatty(STDERR_FILENO) && !a.quiet) options.show = [&](const Progress& p) { line.Show(p); };
+    OnEndSignals(Interrupt);
+    end = RunCampaign(work, options);
+  }
+  const fs::path file = ResultFile(asked.folder, asked.shard);
+  if (!end.Complete())
+    throw std::runtime_error(fmt::format("interrupted: {} of {} are kept in {}; the same command goes on",
+                                         end.progress.done, Counted(end.progress.rows, "run"),
+                                         file.string()));
+  for (const std::string& each : end.mistrust)
+    Aside("kestrel: flown again it came to something else: {}\n", each);
+  if (asked.shard) {
+    if (!a.quiet)
+      fmt::print("{}, part {}: {}, {}\n  {}\n", work.identity.name, a.shard,
+                 Counted(end.progress.done, "run"), Share(end.progress.passed, end.progress.done),
+                 file.string());
+    return end.mistrust.empty();
+  }
+  ReportCommand({.of = a.file, .out = asked.folder.string(), .quiet = a.quiet});
+  const std::vector<RunResult> results = ResultStore::Read(file).Results();
+  if (!a.quiet) {
+    fmt::print("{}\n", file.string());
+    for (const RunResult& each : results)
+      if (!each.execution.recording.empty())
+        fmt::print("row {} ({}, {}) is recorded in {}\n", each.row, NameOf(each.status), each.outcome,
+                   each.execution.recording);
+  }
+  return KeepsThresholds(a, asked, results) && end.mistrust.empty();
+}
+
+bool Replay(const CampaignArguments& a) {
+  EndOnInterrupt();
+  const Asked asked = Read(a);
+  CampaignWork work = WorkOf(asked.campaign);
+  const auto rows = static_cast<std::int64_t>(work.identity.table.rows.size());
+  if (a.row < 0 || a.row >= rows)
+    throw InputError({fmt::format("ROW: there is no row {}; valid: 0 to {}", a.row, rows - 1)});
+  // What is stored of it: by the whole file or a part.
+  std::optional<RunResult> stored;
+  std::vector<fs::path> files = ShardFiles(asked.folder);
+  files.insert(files.begin(), ResultFile(asked.folder));
+  for (const fs::path& file : files) {
+    if (stored || !IsFile(file)) continue;
+    const ResultStore store = ResultStore::Read(file);
+    for (const RunResult& result : store.Results())
+      if (result.row == a.row) stored = result;
+    if (!stored) continue;
+    CampaignIdentity wanted = work.identity;
+    wanted.plan = store.identity().plan;  // of which a rule for the end may be a part
+    const std::vector<std::string> differences = Differences(store.identity(), wanted);
+    for (const std::string& each : differences) Aside("kestrel: {}: {}\n", file.string(), each);
+    if (!differences.empty())
+      Aside(
+          "kestrel: row {} is flown with the values that are stored there; scenario and set are the "
+          "campaign's as it is now\n",
+          a.row);
+    work.identity.table = store.identity().table;
+  }
+  const fs::path folder = RecordingFolder(asked.folder, a.row);
+  RunOrder order = OrderFor(work, a.row, folder);
+  order.video = !a.no_video;
+  if (!a.quiet) fmt::print("row {}: {}\n", a.row, fmt::join(order.overrides, "  "));
+  WorkerPool worker(1, work.limit_s, asked.folder / "logs" / "replay");
+  worker.Give(order);
+  std::optional<RunResult> taken;
+  while (!taken) taken = worker.Take(1);
+  const RunResult& flown = *taken;
+  if (!a.quiet) {
+    fmt::print("  {}: {}\n", NameOf(flown.status), flown.outcome);
+    fmt::print("  state {}  images {}\n  {}\n", flown.state_hash, flown.image_hash, folder.string());
+  }
+  if (!stored) {
+    fmt::print("  there is no stored result to compare it with\n");
+    return true;
+  }
+  const std::string difference = DifferenceOf(*stored, flown);
+  if (difference.empty()) {
+    fmt::print("  the same as the stored result, to the last bit: outcome, state, images and {} metrics\n",
+               flown.metrics.size());
+  } else {
+    fmt::print("  NOT the same as the stored result: {}\n", difference);
+  }
+  return difference.empty();
+}
+
+// A newline would end a line of the script, and begin a command.
+void RequireNamesWithoutControl(const BatchJob& job) {
+  Mistakes mistakes;
+  const auto require = [&](const char* what, const std::string& text) {
+    if (HasControl(text))
+      mistakes.Add(
+          what, "",
+          fmt::format("'{}' holds a control character, which no script may; valid: another name", text));
+  };
+  require("the program", job.program.string());
+  require("the working folder", job.directory.string());
+  require("the folder of the results", job.folder.string());
+  require("KESTREL_ROOT", job.root);
+  for (const std::string& each : job.arguments) require("the campaign", each);
+  mistakes.ThrowIfAny();
+}
+
+// A job that this command line, but for its verb, asks for.
+BatchJob JobOf(const CampaignArguments& a, const Asked& asked) {
+  BatchJob job;
+  job.name = asked.campaign.plan.name;
+  job.program = OwnProgram();
+  job.arguments.push_back(fs::absolute(CampaignFile(a.file)).lexically_normal().string());
+  for (const std::string& each : a.overrides) job.arguments.insert(job.arguments.end(), {"--set", each});
+  if (!a.runs.empty()) job.arguments.insert(job.arguments.end(), {"--runs", a.runs});
+  if (!a.seed.empty()) job.arguments.insert(job.arguments.end(), {"--seed", a.seed});
+  if (const std::string set = ChosenInstructionSet(); !set.empty())
+    job.arguments.insert(job.arguments.end(), {"--isa", set});
+  job.folder = fs::absolute(asked.folder).lexically_normal();
+  job.directory = fs::current_path();
+  if (const char* root = std::getenv("KESTREL_ROOT")) job.root = root;
+  job.tasks = a.tasks;
+  job.jobs = a.jobs > 0 ? a.jobs : 1;
+  RequireNamesWithoutControl(job);
+  return job;
+}
+
+bool MergeParts(const CampaignArguments& a) {
+  const Asked asked = Read(a);
+  const CampaignWork work = WorkOf(asked.campaign);
+  std::vector<fs::path> parts(a.shards.begin(), a.shards.end());
+  if (parts.empty()) parts = ShardFiles(asked.folder);
+  if (parts.empty())
+    throw InputError({fmt::format(
+        "SHARDS: {} holds no parts; valid: parts that were flown there before (--shard I/N, as by "
+        "the scripts of slurm and parallel), their files by name, or their folder by --out",
+        asked.folder.string())});
+  fs::create_directories(asked.folder);
+  const fs::path into = ResultFile(asked.folder);
+  const Merged merged = Merge(into, work.identity, parts);
+  const auto rows = static_cast<std::int64_t>(work.identity.table.rows.size());
+  fmt::print("{}: {} rows from {} files, {} were there; {} of {}\n", work.identity.name, merged.added,
+             parts.size(), merged.there, rows - static_cast<std::int64_t>(merged.missing.size()), rows);
+  fmt::print("  {}\n", into.string());
+  if (merged.missing.empty()) return ReportCommand({.of = a.file, .out = asked.folder.string()});
+
+  // Whose they are, if all parts are of one division.
+  std::set<int> divisions;
+  for (const fs::path& part : parts) {
+    const auto shard = ShardOfFile(part);
+    divisions.insert(shard ? shard->of : 0);
+  }
+  const int of = divisions.size() == 1 ? *divisions.begin() : 0;
+  fmt::print("{}", MissingText(JobOf(a, asked), merged.missing, of));
+  return false;
+}
+
+bool PrintScript(const CampaignArguments& a) {
+  const Asked asked = Read(a);
+  const BatchJob job = JobOf(a, asked);
+  fs::create_directories(job.folder / "logs");  // which neither Slurm nor parallel makes
+  fmt::print("{}",
+             a.verb == Verb::kSlurm ? SlurmScript(job) : ParallelLines(job, std::max(1, Cores() / job.jobs)));
+  return true;
+}
+
+void AddPlanOptions(CLI::App* command, CampaignArguments& a, bool required) {
+  command->add_option("file", a.file, "A campaign's YAML file, or the name of one in scenarios/*/campaigns")
+      ->required(required);
+  command->add_option("--runs", a.runs, "Instead of the file's")->check(NotEmpty);
+  command->add_option("--seed", a.seed, "Of the table, instead of the file's")->check(NotEmpty);
+  command
+      ->add_option(
+          "--set", a.overrides,
+          "key.path=value, instead of the file's; of a key that only its scenario has, for every run; may be "
+          "repeated")
+      ->allow_extra_args(false);
+  command->add_option("--out", a.out, "Folder of the results (default results/campaigns/NAME)")
+      ->check(NotEmpty);
+}
+
+}  // namespace
+
+fs::path CampaignFile(const std::string& name_or_file) { return NamedFile("campaign", name_or_file); }
+
+CLI::App* AddCampaignCommand(CLI::App& app, CampaignArguments& a) {
+  CLI::App* command = app.add_subcommand("campaign", "Fly a scenario many times, with what varies in a file");
+  AddPlanOptions(command, a, false);
+  command->add_option("--jobs", a.jobs, "Worker processes (default: one for each core)")
+      ->check(WholeNumber(1, 1024));
+  command->add_option("--shard", a.shard, "I/N: fly this part of the table alone, into a file of its own")
+      ->check(NotEmpty);
+  command
+      ->add_option("--stop-when", a.stop_when,
+                   "End when the share that passes is known to within this, to either side")
+      ->check(NotNan)
+      ->check(CLI::Range(1e-4, 0.5));
+  command
+      ->add_option(
+          "--record-failures", a.record_failures,
+          "Fly the first N of the rows that did not pass again, with video, telemetry and plots; of a "
+          "part its share of N, rounded up")
+      ->check(WholeNumber(0, 1000000))
+      ->capture_default_str();
+  command->add_option("--record", a.record, "And this row; may be repeated")->allow_extra_args(false);
+  command->add_option("--junit", a.junit, "Also write the thresholds as JUnit XML to this file")
+      ->check(NotEmpty);
+  command->add_flag("--quiet", a.quiet, "Print nothing but errors");
+  command->footer(
+      "What was interrupted goes on where it was; after a change of metrics, thresholds or remarks the same "
+      "command judges what is there. Records are written of failures alone; any other row is flown again by "
+      "replay. Exit status 1: a threshold is not kept.\n\n"
+      "A campaign's file has\n"
+      "  scenario    a name or a file; set: [KEY=VALUE, ...] for every run\n"
+      "  vary        KEY: {uniform: [LOW, HIGH]}, log_uniform likewise, {normal: [MEAN, DEVIATION]},\n"
+      "              {truncated_normal: [MEAN, DEVIATION, LOW, HIGH]}, {choice: [...]} or {grid: [...]}\n"
+      "  correlated  [{keys: [...], rank_correlation: ...}]\n"
+      "  same        [{key: ..., as: ...}]: a key that takes the value of one that varies\n"
+      "  sampling    independent, latin_hypercube, sobol\n"
+      "  runs, seed  of the table\n"
+      "  metrics     those of the tables and of compare; default: those of the scenario's criteria\n"
+      "  thresholds  METRIC: {quantile, min, max}; success: {min}\n"
+      "  limit_s     of wall time for a run (600)\n\n"
+      "Examples:\n"
+      "  kestrel campaign dispersion --runs 200\n"
+      "  kestrel campaign my_campaign.yaml --jobs 8 --stop-when 0.02\n"
+      "  kestrel campaign replay my_campaign.yaml 17\n"
+      "  kestrel campaign slurm my_campaign.yaml --tasks 64 > job.sh && sbatch job.sh\n"
+      "  kestrel campaign merge my_campaign.yaml");
+
+  const auto verb = [&](const char* name, const char* what, Verb which) {
+    CLI::App* sub = command->add_subcommand(name, what);
+    AddPlanOptions(sub, a, true);
+    sub->callback([&a, which] { a.verb = which; });
+    return sub;
+  };
+  CLI::App* replay =
+      verb("replay", "Fly a row again with records, and compare it with its stored result", Verb::kReplay);
+  replay->add_option("row", a.row, "From 0")->required();
+  replay->add_flag("--no-video", a.no_video, "Do not write video.mp4");
+  replay->footer("Example:\n  kestrel campaign replay dispersion 17");
+  CLI::App* merge = verb("merge", "Join the results of parts into one file", Verb::kMerge);
+  merge->add_option("shards", a.shards,
+                    "Result files of parts (default: those in the folder of the results)");
+  merge->footer(
+      "Once nothing is missing it writes the report. Exit status 1: rows are missing, or a threshold is not "
+      "kept.\n\nExample:\n  kestrel campaign merge dispersion --out /shared/dispersion");
+  CLI::App* slurm = verb("slurm", "Print an sbatch script that flies the parts as a job array", Verb::kSlurm);
+  CLI::App* parallel =
+      verb("parallel", "Print the command by which GNU parallel flies the parts", Verb::kParallel);
+  for (CLI::App* each : {slurm, parallel}) {
+    each->add_option("--tasks", a.tasks, "Parts")->required()->check(WholeNumber(1, 100000));
+    each->add_option("--jobs", a.jobs, "Worker processes for each part (default 1)")
+        ->check(WholeNumber(1, 1024));
+  }
+  slurm->footer("Example:\n  kestrel campaign slurm dispersion --tasks 64 > job.sh && sbatch job.sh");
+  parallel->footer("Example:\n  kestrel campaign parallel dispersion --tasks 8 | sh");
+  AddReportCommand(*command, a.report)->callback([&a] { a.verb = Verb::kReport; });
+  AddCompareCommand(*command, a.compare)->callback([&a] { a.verb = Verb::kCompare; });
+  return command;
+}
+
+bool CampaignCommand(const CampaignArguments& a) {
+  if (a.verb == Verb::kReport) return ReportCommand(a.report);
+  if (a.verb == Verb::kCompare) return CompareCommand(a.compare);
+  if (a.file.empty())
+    throw InputError({"kestrel campaign: no file; valid: a campaign's YAML file, or the name of one"});
+  switch (a.verb) {
+    case Verb::kFly:
+      return Fly(a);
+    case Verb::kReplay:
+      return Replay(a);
+    case Verb::kMerge:
+      return MergeParts(a);
+    case Verb::kSlurm:
+    case Verb::kParallel:
+      return PrintScript(a);
+    case Verb::kReport:
+    case Verb::kCompare:
+      break;  // above: they have no plan
+  }
+  return false;
+}
+
+}  // namespace kestrel

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/campaign/command_line.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <charconv>
+#include <string>
+#include <string_view>
+
+#include "base/process/end_signals.h"
+
+namespace kestrel {
+namespace {
+
+void End(int) {
+  constexpr std::string_view kText = "kestrel: interrupted before anything flew\n";
+  if (write(STDERR_FILENO, kText.data(), kText.size()) < 0) _exit(3);
+  _exit(3);
+}
+
+}  // namespace
+
+CLI::Validator WholeNumber(int low, int high) {
+  return CLI::Validator(
+      [low, high](std::string& text) {
+        int value = 0;
+        const char* last = text.data() + text.size();
+        const auto end = std::from_chars(text.data(), last, value);
+        if (end.ec == std::errc{} && end.ptr == last && value >= low && value <= high) return std::string();
+        return fmt::format("'{}' is not valid; valid: a whole number, {} to {}", text, low, high);
+      },
+      fmt::format("INT in [{} - {}]", low, high), "");
+}
+
+void RefuseReportOf(const char* kind, const std::filesystem::path& data, Mistakes& mistakes) {
+  std::error_code none;
+  if (std::filesystem::exists(data, none))
+    mistakes.Add("--out", "",
+                 fmt::format("{} is of a {}, whose report.html would be replaced; valid: another folder",
+                             data.string(), kind));
+}
+
+void EndOnInterrupt() { OnEndSignals(End); }
+
+}  // namespace kestrel

@@ -1,0 +1,295 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/flight/fly_command.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+#include <ctime>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "base/file/files.h"
+#include "base/file/writer_lock.h"
+#include "base/printable.h"
+#include "base/process/end_signals.h"
+#include "base/stopwatch.h"
+#include "base/version.h"
+#include "flight/hardware/aircraft.h"
+#include "flight/hardware/fly.h"
+#include "flight/hardware/pre_flight.h"
+#include "geometry/tait_bryan.h"
+#include "records/telemetry/flight_mode.h"
+#include "vision/capture/camera_address.h"
+
+namespace kestrel {
+namespace {
+
+std::atomic<bool> interrupted = false;
+
+// What stands in an InputError, as mistakes among others. as: what is to stand in place of a text.
+void AddAll(const InputError& error, const std::string& text, const std::string& as, Mistakes& mistakes) {
+  for (std::string message : error.messages) {
+    if (const std::size_t at = message.find(text); !text.empty() && at != std::string::npos)
+      message.replace(at, text.size(), as);
+    const std::size_t colon = message.find(": ");
+    mistakes.Add(message.substr(0, colon), "", colon == std::string::npos ? "" : message.substr(colon + 2));
+  }
+}
+
+// The camera of an address, of the size of the calibration, the flight's colour and, of files, its rate where
+// the address says none of them. plan: null where it is a mistake itself; then the address is only checked.
+CameraAddress CameraAt(const FlyArguments& a, const LoadedPlan* plan, Mistakes& mistakes) {
+  std::string address = a.camera;
+  const auto add = [&](std::string_view key, const std::string& value) {
+    if (address.find(fmt::format("{}=", key)) == std::string::npos)
+      address += fmt::format("{}{}={}", address.find('?') == std::string::npos ? "?" : "&", key, value);
+  };
+  if (!address.starts_with("gst:") && !address.starts_with("file:")) {
+    add("width", fmt::format("{}", plan ? WidthPx(plan->parts.camera) : 640));
+    add("height", fmt::format("{}", plan ? HeightPx(plan->parts.camera) : 480));
+  }
+  if (!address.starts_with("gst:")) add("colour", plan && plan->plan.image.colour ? "true" : "false");
+  if (address.starts_with("file:")) add("rate", fmt::format("{}", plan ? plan->plan.image.rate_hz : 20));
+  try {
+    return ParseCameraAddress(address);
+  } catch (const InputError& e) {
+    AddAll(e, address, a.camera, mistakes);
+    return {};
+  }
+}
+
+void ClearLine() { std::fputs("\r\033[K", stderr); }
+
+// What a camera or an autopilot says may be a part of it. A terminal that has gone is no reason to break off
+// a flight, and so no exception.
+void Print(std::FILE* file, const std::string& text) {
+  std::fputs(Printable(text).c_str(), file);
+  std::fflush(file);
+}
+
+std::string Text(const CheckItem& item) {
+  return fmt::format("{:<4} {:<26} {}", item.ok ? "ok" : "NOT", item.name, item.found);
+}
+
+// What a flight is flown with beside the scenario and the aircraft, as events.log has it.
+std::vector<std::pair<std::string, std::string>> FlownWith(const FlyArguments& a, double most_s) {
+  std::string options = fmt::format("--for {:g}", most_s);
+  for (const auto& [given, name] : {std::pair{a.dry_run, "--dry-run"},
+                                    {a.take_control, "--take-control"},
+                                    {a.arm, "--arm"},
+                                    {a.pilot_untold, "--pilot-untold"}})
+    if (given) options += fmt::format(" {}", name);
+  return {{"version", Version()},
+          {"scenario", a.scenario},
+          {"camera", a.camera},
+          {"autopilot", a.autopilot},
+          {"options", options}};
+}
+
+void CheckFor(const FlyArguments& a, Mistakes& mistakes) {
+  constexpr double kLeast_s = 0.1, kMost_s = 36000;  // as duration_s
+  if (a.for_s && !(*a.for_s >= kLeast_s && *a.for_s <= kMost_s))
+    mistakes.Add("--for", "",
+                 fmt::format("{:g} is no time in s that a flight may last; valid: from {:g} to {:g}",
+                             *a.for_s, kLeast_s, kMost_s));
+}
+
+void CatchSignals() {
+  interrupted = false;
+  // The first asks the flight to end in good order; a second one ends the program.
+  OnEndSignals([](int) {
+    interrupted = true;
+    EndOnNextSignal();
+  });
+  std::signal(SIGPIPE, SIG_IGN);  // nor may it end a flight that nobody reads what it prints
+}
+
+// A line on a terminal, ten times a second; elsewhere one for each change of what matters.
+class Progress {
+ public:
+  explicit Progress(std::string mode) : mode_(std::move(mode)), terminal_(isatty(STDERR_FILENO)) {}
+  ~Progress() {
+    if (shown_) ClearLine();
+  }
+  void Show(const VehicleState& state, const Decision& decision, const SafetyChange& safety) {
+    const double now_s = MonotonicNow_s();
+    const std::string what =
+        fmt::format("{:<10} {:<8} safety: {}", decision.phase, decision.target, NameOf(safety.reaction));
+    if (terminal_ ? now_s - last_s_ < 0.1 : what == what_) return;
+    if (terminal_) ClearLine();
+    Print(stderr, fmt::format("{}  {:6.1f} s  {}  height {:5.2f} m{}", mode_, now_s - begun_s_, what,
+                              -state.p_NB.z(), terminal_ ? "" : "\n"));
+    what_ = what;
+    last_s_ = now_s;
+    shown_ = terminal_;
+  }
+
+ private:
+  std::string mode_;
+  bool terminal_, shown_ = false;
+  double begun_s_ = MonotonicNow_s(), last_s_ = 0;
+  std::string what_;
+};
+
+void Report(const FlyReport& r, const FlyArguments& a, const std::string& mode, const std::string& folder) {
+  std::string text = fmt::format("{}  {}{}\n", mode, r.outcome, r.error.empty() ? "" : ": " + r.error);
+  if (!r.lag.empty()) text += fmt::format("  {}: lower them, or ask the autopilot for less shaping\n", r.lag);
+  if (!r.release.empty()) text += fmt::format("  at the end: {}\n", r.release);
+  if (!r.accomplished)
+    text += fmt::format(
+        "  NOT  {}\n", a.dry_run ? "in order: the check list was not met, or something was lost"
+                                 : "accomplished: what the flight is for was not done, or not by its mission "
+                                   "alone");
+  text += fmt::format(
+      "  {} images flown by, {} overwritten by newer ones; image to setpoint {:.1f} ms, 99 % within "
+      "{:.1f} ms\n",
+      r.frames, r.images_overwritten, r.mean_ms, r.p99_ms);
+  if (r.records_dropped > 0)
+    text += fmt::format("  {} images could not be recorded in time\n", r.records_dropped);
+  Print(stdout, text + fmt::format("  {}\n", folder));
+}
+
+// Of a flight that ends before it begins: its folder says why.
+void ReportNotFlown(const LoadedPlan& plan, const FlyOptions& options, const std::string& why) {
+  std::string text = fmt::format("{}  not flown: {}\n", LiveMode(false, options.dry_run), why);
+  try {
+    RecordNotFlown(plan, options, why);
+    text += fmt::format("  {}\n", options.folder->string());
+  } catch (const std::exception& e) {
+    text += fmt::format("  without record: {}\n", e.what());
+  }
+  Print(stdout, text);
+}
+
+}  // namespace
+
+CLI::App* AddFlyCommand(CLI::App& app, FlyArguments& a) {
+  CLI::App* command =
+      app.add_subcommand("fly", "Fly a mission on a real camera and a real autopilot, after a check list");
+  command
+      ->add_option("scenario", a.scenario,
+                   "A scenario's name or file; what it says of its world is passed over")
+      ->required();
+  command->add_option("--camera", a.camera, "\n" + CameraAddressForms())->required();
+  command
+      ->add_option("--autopilot", a.autopilot,
+                   "mavlink:udp://HOST:PORT, mavlink:udpin://HOST:PORT, afcs:udp://HOST:PORT, "
+                   "asctec:serial:DEVICE")
+      ->required();
+  command->add_option("--aircraft", a.aircraft, "YAML file: limits, camera's delay, options of the link");
+  command->add_option("--set", a.overrides, "key.path=value of the flight, as for run");
+  command->add_option("--set-aircraft", a.aircraft_overrides, "key.path=value of the aircraft");
+  command->add_flag("--dry-run", a.dry_run,
+                    "Compute and show everything and send no setpoint; what opens the link and asks "
+                    "for the state is sent");
+  command->add_flag("--take-control", a.take_control,
+                    "Ask the autopilot for the mode in which setpoints are followed (MAVLink)");
+  command->add_flag("--arm", a.arm, "Let it start the motors for a take-off (MAVLink)");
+  command->add_flag("--pilot-untold", a.pilot_untold,
+                    "Fly though the autopilot does not tell of the pilot's switch");
+  command->add_option("--for", a.for_s, "How long at most, in s, instead of the scenario's duration_s");
+  command->add_option("--out", a.out, "Folder for the records (default results/runs/NAME-flown-TIME)");
+  command->add_flag("--no-video", a.no_video, "Do not write video.mp4");
+  command->add_flag("--images", a.images, "Write each frame without loss, for replay");
+  command->footer(
+      "Exit status: 0 the flight did what it is for under its mission's own control, 1 it did not, or a "
+      "check "
+      "failed, 2 bad input. Of a dry run 0: the check list was met, and neither images nor the state were "
+      "lost.\n"
+      "These protocols have no authentication: keep them on a network of your own.\n\nExamples:\n"
+      "  kestrel fly landing --camera v4l2:/dev/video0 --autopilot asctec:serial:/dev/ttyUSB0 "
+      "--aircraft pelican.yaml --dry-run\n"
+      "  kestrel fly landing --camera rtp://127.0.0.1:5600 --autopilot mavlink:udp://127.0.0.1:14580 "
+      "--take-control");
+  return command;
+}
+
+bool FlyCommand(const FlyArguments& a) {
+  Mistakes mistakes;
+  std::optional<LoadedPlan> loaded;
+  try {
+    loaded = LoadPlan(a.scenario, a.overrides);
+  } catch (const InputError& e) {
+    AddAll(e, "", "", mistakes);
+  }
+  if (loaded) CheckDeclared(*MakeMission(loaded->parts), loaded->plan.mission, mistakes);
+  Aircraft aircraft = LoadAircraft(a.aircraft, a.aircraft_overrides, mistakes);
+  if (a.dry_run) aircraft.mavlink.stand_by = false;  // which sends setpoints
+  aircraft.mavlink.take_control |= a.take_control;
+  aircraft.mavlink.arm |= a.arm;
+  aircraft.pilot_untold |= a.pilot_untold;
+  const CameraAddress address = CameraAt(a, loaded ? &*loaded : nullptr, mistakes);
+  const std::unique_ptr<AutopilotLink> link = MakeLink(a.autopilot, aircraft, mistakes);
+  CheckFor(a, mistakes);
+  if (a.dry_run && (a.take_control || a.arm))
+    mistakes.Add(a.arm ? "--arm" : "--take-control", "",
+                 "commands the aircraft, which --dry-run does not; valid: one of them");
+  FlyOptions options;
+  options.folder =
+      !a.out.empty() ? a.out
+                     : fmt::format("results/runs/{}-flown-{:%Y%m%d-%H%M%S}",
+                                   loaded ? loaded->plan.name : "flight", fmt::localtime(std::time(nullptr)));
+  CheckWritableFolder(*options.folder, "--out", mistakes);
+  mistakes.ThrowIfAny();
+  const LoadedPlan& plan = *loaded;
+  const WriterLock lock = LockFolder(*options.folder);
+
+  CatchSignals();
+  Print(stdout, fmt::format("{}  {} by {}, camera {}\n", LiveMode(false, a.dry_run), plan.plan.name,
+                            a.autopilot, a.camera));
+  options.limits = aircraft.safety;
+  options.pilot_untold = aircraft.pilot_untold;
+  options.dry_run = a.dry_run;
+  options.video = !a.no_video;
+  options.images = a.images;
+  options.most_s = a.for_s.value_or(plan.plan.duration_s);
+  options.interrupted = &interrupted;
+  options.aircraft = ToYaml(aircraft);
+  options.flown_with = FlownWith(a, options.most_s);
+
+  std::optional<LiveCamera> camera;
+  camera.emplace(SourceAt(address), aircraft.camera);
+  PreFlightOptions check;
+  check.pilot_untold = aircraft.pilot_untold;
+  check.interrupted = &interrupted;
+  check.tell = [&](const std::string& trouble) {
+    Print(stderr, fmt::format("camera: {}; tried again for {:g} s\n", trouble, check.connect_s));
+  };
+  const std::vector<CheckItem> items = PreFlight(plan, *camera, *link, check);
+  if (interrupted) {
+    ReportNotFlown(plan, options, "interrupted during the check list");
+    return false;
+  }
+  std::string list = "check list\n";
+  for (const CheckItem& item : items) {
+    list += fmt::format("  {}\n", Text(item));
+    options.flown_with.emplace_back("check", Text(item));
+  }
+  Print(stdout, list);
+  options.checked = AllOk(items);
+  if (!options.checked && !a.dry_run) {
+    ReportNotFlown(plan, options, "the check list is not met");
+    return false;
+  }
+  // What was recorded is flown by from its first image.
+  if (a.camera.starts_with("file:")) camera.emplace(SourceAt(address), aircraft.camera);
+
+  const std::string mode = LiveMode(link->Health().simulated, a.dry_run);
+  FlyReport report;
+  {
+    Progress progress(mode);
+    options.progress = [&](const VehicleState& state, const Decision& decision, const SafetyChange& safety) {
+      progress.Show(state, decision, safety);
+    };
+    report = FlyAircraft(plan, *camera, *link, options);
+  }
+  Report(report, a, mode, options.folder->string());
+  return report.accomplished;
+}
+
+}  // namespace kestrel

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/flight/replay_command.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <map>
+#include <optional>
+
+#include "base/file/files.h"
+#include "base/stopwatch.h"
+#include "base/user_file.h"
+#include "flight/flight_plan.h"
+#include "records/recording.h"
+#include "records/video/drawn_view.h"
+#include "records/video/video.h"
+
+namespace kestrel {
+namespace {
+
+// How one quantity differs over a flight.
+struct Difference {
+  std::size_t frames = 0, first = 0;
+  double most = 0;  // infinite: given in one and not in the other, or another text
+
+  void Note(std::size_t frame, double by) {
+    if (frames++ == 0) first = frame;
+    most = std::max(most, by);
+  }
+};
+
+constexpr double kOther = std::numeric_limits<double>::infinity();
+
+double By(const std::optional<double>& a, const std::optional<double>& b) {
+  if (a.has_value() != b.has_value()) return kOther;
+  if (!a || *a == *b || (std::isnan(*a) && std::isnan(*b))) return 0;
+  const double by = std::abs(*a - *b);
+  return std::isnan(by) ? kOther : by;
+}
+
+class Comparison {
+ public:
+  explicit Comparison(double tolerance) : tolerance_(tolerance) {}
+
+  void Compare(std::size_t frame, const RecordedDecision& then, const RecordedDecision& now) {
+    const auto text = [&](const char* name, const std::string& a, const std::string& b) {
+      if (a != b) differences_[name].Note(frame, kOther);
+    };
+    text("phase", then.phase, now.phase);
+    text("target", then.target, now.target);
+    text("outcome", then.outcome, now.outcome);
+    for (std::size_t i = 0; i < then.numbers.size(); ++i) {
+      const double by = By(then.numbers[i], now.numbers[i]);
+      if (by > tolerance_) differences_[RecordedNumbers()[i]].Note(frame, by);
+    }
+  }
+
+  bool same() const { return differences_.empty(); }
+  void Print(const std::vector<RecordedFrame>& frames) const {
+    fmt::print("| {:<24} | {:>6} | {:>12} | {:>12} | {:>12} |\n", "differs", "frames", "first frame", "at",
+               "by at most");
+    for (const auto& [name, d] : differences_)
+      fmt::print("| {:<24} | {:>6} | {:>12} | {:>10.3f} s | {:>12} |\n", name, d.frames,
+                 frames[d.first].sequence, frames[d.first].t_s - frames.front().t_s,
+                 std::isinf(d.most) ? "another" : fmt::format("{:.3g}", d.most));
+  }
+
+ private:
+  double tolerance_;
+  std::map<std::string, Difference> differences_;
+};
+
+void RequireSizeOf(const CameraModel& camera, const Frame& frame, const std::string& folder) {
+  if (frame.image.cols == WidthPx(camera) && frame.image.rows == HeightPx(camera)) return;
+  throw InputError(
+      {fmt::format("{}: its image {} has {} x {} pixels; valid: the camera's {} x {}", folder, frame.sequence,
+                   frame.image.cols, frame.image.rows, WidthPx(camera), HeightPx(camera))});
+}
+
+}  // namespace
+
+CLI::App* AddReplayCommand(CLI::App& app, ReplayArguments& a) {
+  CLI::App* command = app.add_subcommand(
+      "replay", "Give a recorded flight's images and states to its mission again, and compare");
+  command->add_option("folder", a.folder, "Of a flight with recording/: run or fly with --images")
+      ->required();
+  command->add_option("--set", a.overrides,
+                      "key.path=value of the flight, to see what another gain or tracker would have said");
+  command->add_option("--tolerance", a.tolerance, "Up to which numbers count as equal, in their units")
+      ->capture_default_str();
+  command->add_option("--video", a.video, "Also write what the vision code sees now to this MP4");
+  command->add_flag("--quiet", a.quiet, "Print nothing but errors");
+  command->footer(
+      "Exit status 1: something differs.\n\nExamples:\n"
+      "  kestrel run landing --images --out results/runs/first && kestrel replay results/runs/first\n"
+      "  kestrel replay results/runs/first --set pilot.servo.lambda_per_s=0.8 --video again.mp4");
+  return command;
+}
+
+bool ReplayCommand(const ReplayArguments& a) {
+  const std::filesystem::path folder = a.folder;
+  Mistakes mistakes;
+  if (!IsFile(folder / "scenario.yaml"))
+    mistakes.Add("replay", "", fmt::format("'{}' holds no scenario.yaml: not a flight's folder", a.folder));
+  CheckWritableFile(a.video, "--video", mistakes);
+  if (!(a.tolerance >= 0 && std::isfinite(a.tolerance)))
+    mistakes.Add("--tolerance", "", fmt::format("{:g} is no tolerance; valid: 0 or more", a.tolerance));
+  mistakes.ThrowIfAny();
+  const LoadedPlan loaded = LoadPlan((folder / "scenario.yaml").string(), a.overrides);
+  const Recording recording(folder);
+  const std::vector<RecordedFrame>& frames = recording.frames();
+  const std::vector<std::filesystem::path> damaged = recording.Damaged();
+  if (!damaged.empty())
+    mistakes.Add("replay", "",
+                 fmt::format("{} of {} images are missing or cut off, the first of them {}", damaged.size(),
+                             frames.size(), damaged.front().string()));
+  mistakes.ThrowIfAny();
+
+  const std::unique_ptr<Mission> mission = MakeMission(loaded.parts);
+  std::optional<Video> video;
+  if (!a.video.empty()) video.emplace(a.video, loaded.plan.image.rate_hz);
+  Comparison comparison(a.tolerance);
+  const bool terminal = isatty(STDERR_FILENO) && !a.quiet;
+  const auto begun = std::chrono::steady_clock::now();
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const Frame frame = recording.At(i);
+    RequireSizeOf(loaded.parts.camera, frame, a.folder);
+    const Decision decision = mission->Step(frame, frames[i].state);
+    comparison.Compare(i, frames[i].decision, Recorded(decision));
+    if (video) {
+      video->Write(DrawnView(frame, *mission, "RECORDING"));
+    }
+    if (terminal && i % 20 == 0) fmt::print(stderr, "\r\033[K{} of {} frames", i, frames.size());
+  }
+  if (terminal) fmt::print(stderr, "\r\033[K");
+  if (video) video->Close();
+  if (!a.quiet) {
+    fmt::print("{}: {} frames of {:.1f} s seen again in {:.1f} s\n", loaded.plan.name, frames.size(),
+               frames.back().t_s - frames.front().t_s, SecondsSince(begun));
+    if (comparison.same())
+      fmt::print("measurements and setpoints are those of the recording{}\n",
+                 a.tolerance > 0 ? fmt::format(", to {:g}", a.tolerance) : ", to the last bit");
+    else
+      comparison.Print(frames);
+  }
+  return comparison.same();
+}
+
+}  // namespace kestrel

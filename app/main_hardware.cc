@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+// The command line of the build for real aircraft: what needs no simulator.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <opencv2/core/utility.hpp>
+
+#include "app/camera/calibrate_command.h"
+#include "app/flight/fly_command.h"
+#include "app/flight/replay_command.h"
+#include "app/option/leave.h"
+#include "app/option/parse_command_line.h"
+#include "base/printable.h"
+#include "base/process/aside.h"
+#include "base/version.h"
+#include "base/yaml/yaml_fields.h"
+#include "flight/flight_plan.h"
+
+namespace kestrel {
+namespace {
+
+int Main(int argc, char** argv) {
+  cv::setNumThreads(1);
+  CLI::App app{
+      "Kestrel for real aircraft: flight by vision.\n\nExit status: 0 the flight did what it is for, "
+      "1 it did not, 2 bad input, 3 it broke off."};
+  app.require_subcommand(1);
+  app.set_version_flag("--version", Version());
+  FlyArguments fly;
+  const CLI::App* fly_command = AddFlyCommand(app, fly);
+  ReplayArguments replay;
+  const CLI::App* replay_command = AddReplayCommand(app, replay);
+  CalibrateArguments calibrate;
+  const CLI::App* calibrate_command = AddCalibrateCommand(app, calibrate);
+  std::string check_file;
+  std::vector<std::string> check_overrides;
+  CLI::App* check_command = app.add_subcommand("check", "Validate a scenario as a flight of a real aircraft");
+  check_command->add_option("file", check_file, "A scenario's name, or a YAML file")->required();
+  check_command->add_option("--set", check_overrides, "key.path=value, as for fly");
+  app.footer(
+      "Examples:\n  kestrel fly hover --camera v4l2:/dev/video0 --autopilot mavlink:udpin://:14540 "
+      "--dry-run\n"
+      "  kestrel replay results/runs/hover-flown-20250101-120000");
+  if (const auto status = ParseCommandLine(app, argc, argv)) return *status;
+  try {
+    if (*fly_command) return FlyCommand(fly) ? kMet : kNotMet;
+    if (*replay_command) return ReplayCommand(replay) ? kMet : kNotMet;
+    if (*calibrate_command) {
+      CalibrateCommand(calibrate);
+      return kMet;
+    }
+    if (*check_command) {
+      LoadPlan(check_file, check_overrides);
+      fmt::print("{} is valid\n", check_file);
+      return kMet;
+    }
+  } catch (const InputError& e) {
+    Aside("{}\n", e.what());
+    return kBadInput;
+  } catch (const std::exception& e) {
+    Aside("kestrel: {}\n", Printable(e.what()));
+    return kBrokeOff;
+  }
+  return kBadInput;
+}
+
+}  // namespace
+}  // namespace kestrel
+
+int main(int argc, char** argv) { return kestrel::LeaveWith(kestrel::Main(argc, argv)); }

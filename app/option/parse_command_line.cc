@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/option/parse_command_line.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "base/printable.h"
+#include "base/process/aside.h"
+#include "base/yaml/yaml_fields.h"
+
+namespace kestrel {
+namespace {
+
+constexpr int kMet = 0, kBadInput = 2;
+
+using Words = std::vector<std::string>;
+
+Words VerbsOf(const CLI::App& app) {
+  Words names;
+  for (const CLI::App* each : app.get_subcommands([](const CLI::App*) { return true; }))
+    names.push_back(each->get_name());
+  return names;
+}
+
+Words OptionsOf(const CLI::App& app) {
+  Words names;
+  for (const CLI::Option* each : app.get_options())
+    for (const std::string& name : each->get_lnames()) names.push_back("--" + name);
+  return names;
+}
+
+// "kestrel campaign replay"
+std::string PathOf(const CLI::App& app) {
+  return app.get_parent() ? PathOf(*app.get_parent()) + ' ' + app.get_name() : "kestrel";
+}
+
+std::string NearestOr(const std::string& word, const Words& valid) {
+  const auto near = NearestName(word, valid);
+  return near ? fmt::format("did you mean '{}'?", *near) : fmt::format("valid: {}", fmt::join(valid, ", "));
+}
+
+// What a word that no verb and no option took should have been.
+std::string Unexpected(const CLI::App& app, const std::string& word) {
+  const std::string path = PathOf(app);
+  if (word.starts_with("-")) {
+    const std::string name = word.substr(0, word.find('='));
+    return fmt::format("{}: there is no option '{}'; {}", path, name, NearestOr(name, OptionsOf(app)));
+  }
+  const Words verbs = VerbsOf(app);
+  if (!verbs.empty()) return fmt::format("{}: there is no verb '{}'; {}", path, word, NearestOr(word, verbs));
+  return fmt::format("{}: '{}' is one word too many", path, word);
+}
+
+int Refuse(const CLI::App& app, const CLI::ParseError& error) {
+  const CLI::App* verb = &app;
+  while (!verb->get_subcommands().empty()) verb = verb->get_subcommands().front();
+  const Words unexpected = app.remaining(true);
+  std::string text;
+  for (std::size_t i = 0; i < unexpected.size(); ++i) {
+    // The value of an option that is not known says nothing of its own, nor do the words after a wrong verb.
+    const bool of_option = i > 0 && unexpected[i - 1].starts_with("-") && !unexpected[i].starts_with("-");
+    if (of_option || (i > 0 && !VerbsOf(*verb).empty())) continue;
+    text += Unexpected(*verb, unexpected[i]) + '\n';
+  }
+  if (text.empty() && !VerbsOf(*verb).empty() && verb->get_require_subcommand_min() > 0)
+    text = fmt::format("{}: a verb is missing; valid: {}\n", PathOf(*verb), fmt::join(VerbsOf(*verb), ", "));
+  if (text.empty()) text = fmt::format("{}: {}\n", PathOf(*verb), error.what());
+  Aside("{}`{} --help` tells more\n", Printable(text), PathOf(*verb));
+  return kBadInput;
+}
+
+}  // namespace
+
+std::optional<int> ParseCommandLine(CLI::App& app, int argc, const char* const* argv) {
+  Words words(argv + std::min(argc, 1), argv + argc);
+  // At this door for every name that the command line gives, to whatever it is handed later: a script, a
+  // program, a terminal.
+  if (const auto word = std::find_if(words.begin(), words.end(), HasControl); word != words.end()) {
+    const bool of_option = word != words.begin() && word[-1].starts_with("--");
+    Aside("{}: '{}' holds a control character; valid: words without\n",
+          of_option ? Printable(word[-1]) : "kestrel", Printable(*word));
+    return kBadInput;
+  }
+  if (!words.empty() && words.front() == "version") words = {"--version"};
+  if (!words.empty() && words.front() == "help") {
+    words.erase(words.begin());
+    words.push_back("--help");
+  }
+  std::reverse(words.begin(), words.end());  // as CLI11 takes them
+  try {
+    app.parse(words);
+  } catch (const CLI::Success& asked) {  // --help, --version
+    app.exit(asked);
+    return kMet;
+  } catch (const CLI::ParseError& error) {
+    return Refuse(app, error);
+  }
+  return std::nullopt;
+}
+
+}  // namespace kestrel

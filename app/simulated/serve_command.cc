@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/simulated/serve_command.h"
+
+#include <arpa/inet.h>
+#include <fmt/format.h>
+#include <ifaddrs.h>
+#include <net/if.h>
+#include <netdb.h>
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <atomic>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <condition_variable>
+#include <cstdio>
+#include <cstring>
+#include <mutex>
+#include <thread>
+#include <tuple>
+
+#include "base/file/files.h"
+#include "base/process/end_signals.h"
+#include "base/yaml/yaml_fields.h"
+#include "flight/served/serve_flight.h"
+#include "flight/served/serve_physics.h"
+#include "geometry/tait_bryan.h"
+#include "sim/server/afcs_server.h"
+#include "sim/server/asctec_server.h"
+#include "sim/server/camera_server.h"
+#include "sim/server/mavlink_server.h"
+#include "sim/server/physics/ardupilot_physics.h"
+#include "vision/capture/rtp_stream.h"
+
+namespace kestrel {
+namespace {
+
+std::atomic<bool> interrupted = false;
+std::atomic<PhysicsServer*> stopped_physics = nullptr;  // by a signal
+
+// What is wrong with it is a mistake among others.
+std::optional<LoadedScenario> Load(const std::string& scenario, const std::vector<std::string>& overrides,
+                                   Mistakes& mistakes) {
+  try {
+    return LoadScenario(scenario, overrides);
+  } catch (const InputError& e) {
+    for (const std::string& message : e.messages) {
+      const std::size_t colon = message.find(": ");
+      mistakes.Add(message.substr(0, colon), "", colon == std::string::npos ? "" : message.substr(colon + 2));
+    }
+    return std::nullopt;
+  }
+}
+
+void Report(const Summary& s, const std::string& folder) {
+  fmt::print("SIMULATOR  {}, seed {}: {}\n", s.scenario, s.seed,
+             s.error.empty() ? s.outcome : "broke off: " + s.error);
+  const auto value = [&](const char* name) {
+    const auto found = s.metrics.find(name);
+    return found != s.metrics.end() ? fmt::format("{:.4g}", found->second) : "none";
+  };
+  if (s.metrics.contains("touchdown_s"))
+    fmt::print("  touch-down: error {} m, sink {} m/s, tilt {} deg, at {} s\n", value("touchdown_error_m"),
+               value("touchdown_sink_m_s"), value("touchdown_tilt_deg"), value("touchdown_s"));
+  for (const Criterion& c : s.criteria)
+    fmt::print("  {:<4} {:<26} {:>11}   {} {:g}\n", c.passed ? "ok" : "NOT", c.name,
+               std::isnan(c.value) ? "not reached" : fmt::format("{:.4g}", c.value),
+               c.at_least ? "at least" : "at most", c.limit);
+  const auto count = [&](const char* name) { return s.metrics.at(name); };
+  fmt::print(
+      "  setpoints: {:.0f} heard, {:.0f} of them followed; {:.0f} refused; {:.0f} messages not heeded\n",
+      count("setpoints_heard"), count("setpoints_followed"), count("setpoints_refused"),
+      count("messages_not_heeded"));
+  fmt::print("  {:.1f} s of flight in {:.1f} s\n  {}\n", s.sim_s, s.wall_s, folder);
+}
+
+// The aircraft's platform for the camera, where there is one, a server turns it and it can be where the
+// scenario mounts the camera.
+std::optional<PanTilt> PlatformOf(const ServeArguments& a, const Scenario& scenario) {
+  if (!a.afcs || !scenario.platform) return std::nullopt;
+  const auto angles = AnglesOf(scenario.mount, *scenario.platform);
+  if (!angles) return std::nullopt;
+  return PanTilt(*scenario.platform, scenario.mount.position_m, *angles);
+}
+
+}  // namespace
+
+CLI::App* AddServeCommand(CLI::App& app, ServeArguments& a) {
+  CLI::App* serve = app.add_subcommand(
+      "serve", "Fly the simulated aircraft in real time for any client, by real wires and a video stream");
+  serve->add_option("scenario", a.scenario, "A name that `list` shows, or a YAML file")->required();
+  serve->add_option("--seed", a.seed, "Of everything random, instead of the scenario's");
+  serve->add_option("--set", a.overrides, "key.path=value, instead of the scenario's; may be repeated");
+  serve->add_option("--afcs", a.afcs, "Rotomotion's AFCS by UDP, at ADDRESS:PORT or the usual place")
+      ->expected(0, 1);
+  serve->add_flag("--asctec", a.asctec, "Ascending Technologies' low-level processor, on a pseudo-terminal");
+  serve->add_option("--mavlink", a.mavlink, "MAVLink 2 by UDP, as this autopilot speaks it")
+      ->check(CLI::IsMember({"px4", "ardupilot"}));
+  serve->add_option("--mavlink-port", a.mavlink_port, "Instead of the usual one")
+      ->check(CLI::Range(0, 65535));
+  serve
+      ->add_option(
+          "--physics", a.physics,
+          "The physics for an autopilot of software in the loop, which moves the rotors itself: PX4's "
+          "simulator protocol, or ArduPilot's JSON")
+      ->check(CLI::IsMember({"px4", "ardupilot"}));
+  serve->add_option("--physics-port", a.physics_port, "Instead of the usual one")
+      ->check(CLI::Range(0, 65535));
+  serve
+      ->add_option("--camera", a.camera,
+                   "rtp:PORT (MJPEG), raw:PORT (uncoded) on this computer, rtp:ADDRESS:PORT, "
+                   "raw:ADDRESS:PORT to another, or none")
+      ->capture_default_str();
+  serve->add_option("--listen", a.listen, "Address of this computer at which servers listen")
+      ->capture_default_str();
+  serve->add_option(
+      "--for", a.for_s,
+      "How long, in s of real time, instead of the scenario's duration_s; with --physics, where a "
+      "flight lasts until the autopilot leaves, until all ends");
+  serve->add_option("--out", a.out, "Folder for the records (default results/runs/NAME-SEED-served)");
+  serve->add_option("--pilot-off-at", a.pilot_off_at_s,
+                    "When the pilot's switch takes the aircraft away, in s of the flight");
+  serve->footer(
+      "Exit status: 0 the criteria that the truth can judge were met, 1 they were not, or nobody flew it, 2 "
+      "bad\n"
+      "input, 3 it broke off.\n\nExamples:\n  kestrel serve landing --afcs --camera rtp:5600\n"
+      "  kestrel serve landing --mavlink px4 --camera raw:5600 --for 120\n"
+      "  kestrel serve hover --physics ardupilot --camera rtp:5600");
+  return serve;
+}
+
+int ServeCommand(const ServeArguments& a) {
+  std::vector<std::string> overrides = a.overrides;
+  if (IsSeed(a.seed)) overrides.push_back("seed=" + a.seed);
+  // Of a flight at an autopilot's pace it is the real time.
+  if (a.for_s && InRange(*a.for_s) && !a.physics) overrides.push_back(fmt::format("duration_s={}", *a.for_s));
+  Mistakes mistakes;
+  CheckArguments(a, mistakes);
+  const std::optional<LoadedScenario> read = Load(a.scenario, overrides, mistakes);
+  if (!read) {
+    if (!a.out.empty() && !a.physics) CheckWritableFolder(a.out, "--out", mistakes);
+    mistakes.ThrowIfAny();
+  }
+  const LoadedScenario& loaded = *read;
+  const Scenario& scenario = loaded.scenario;
+  const std::string folder =
+      a.out.empty() ? fmt::format("results/runs/{}-{}-served", scenario.name, scenario.seed) : a.out;
+  if (!a.physics) CheckWritableFolder(folder, "--out", mistakes);
+  mistakes.ThrowIfAny();
+  std::optional<PanTilt> platform = PlatformOf(a, scenario);
+  const std::vector<NamedServer> servers = MakeServers(a, loaded, platform ? &*platform : nullptr, mistakes);
+  std::unique_ptr<PhysicsServer> physics;
+  try {
+    if (a.physics) physics = MakePhysics(*a.physics, a.listen, a.physics_port, loaded);
+  } catch (const std::runtime_error& e) {
+    mistakes.Add("--physics", "", e.what());
+  }
+  mistakes.ThrowIfAny();
+
+  ServeOptions options;
+  options.folder = folder;
+  options.platform = platform ? &*platform : nullptr;
+  options.pilot_off_at_s = a.pilot_off_at_s;
+  for (const NamedServer& each : servers) options.servers.push_back(each.server.get());
+  std::optional<CameraServer> camera;
+  if (const auto stream = StreamOf(a)) {
+    const CameraModel& model = loaded.simulator.camera;
+    camera.emplace(*stream, cv::Size(WidthPx(model), HeightPx(model)), scenario.image.rate_hz,
+                   loaded.simulator.image.colour);
+    options.publish = [&](const Frame& frame) { camera->Publish(frame.image); };
+  }
+  options.begun = [&] {
+    std::fputs(StartLines(a, loaded, servers, options.platform).c_str(), stdout);
+    std::fflush(stdout);
+  };
+  // A terminal that has gone is no reason to break off a flight, and so no exception.
+  options.say = [](const std::string& line) {
+    std::puts(line.c_str());
+    std::fflush(stdout);
+  };
+  options.go_on = [] { return !interrupted.load(); };
+  // The first asks the flight to end in good order; a second one ends the program.
+  stopped_physics = physics.get();
+  OnEndSignals([](int) {
+    interrupted = true;
+    if (PhysicsServer* server = stopped_physics) server->Stop();
+    EndOnNextSignal();
+  });
+  if (physics) {
+    fmt::print("{}", StartLines(a, loaded, {}, nullptr));
+    fmt::print("  physics  {}, for {}\n", physics->Where(), *a.physics);
+    if (!OnLoopback(a.listen)) fmt::print("{}", Warning("the physics", a.listen));
+    std::fflush(stdout);
+    std::jthread end;
+    if (a.for_s)
+      end = std::jthread([&physics, for_s = *a.for_s](const std::stop_token& over) {
+        std::mutex mutex;
+        std::unique_lock lock(mutex);
+        std::condition_variable_any never;
+        never.wait_for(lock, over, std::chrono::duration<double>(for_s), [] { return false; });
+        physics->Stop();
+      });
+    ServePhysics(loaded, *physics, options.publish, options.say);
+    stopped_physics = nullptr;
+    return 0;
+  }
+  const Summary summary = ServeFlight(loaded, options).summary;
+  Report(summary, folder);
+  if (!summary.complete) return 3;
+  return summary.passed ? 0 : 1;
+}
+
+}  // namespace kestrel

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "flight/served/serve_arguments.h"
+
+namespace CLI {
+class App;
+}
+
+namespace kestrel {
+
+// The verb with its options.
+CLI::App* AddServeCommand(CLI::App& app, ServeArguments& arguments);
+
+// Serves until the end or an interrupt, and prints where and how it went: the exit status. Throws InputError
+// with every mistake of the arguments, and as ServeFlight does.
+int ServeCommand(const ServeArguments& arguments);
+
+}  // namespace kestrel

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+// The program `kestrel-worker`, the far side of the pool's wire: flies what comes on standard input until it
+// ends, and answers on what was standard output. A program of its own, since a flight has no use for the
+// library of the searches, which alone takes 34 MB.
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <malloc.h>
+#include <sys/prctl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <opencv2/core/utility.hpp>
+#include <string>
+
+#include "app/simulated/isa_option.h"
+#include "base/version.h"
+#include "campaign/execution/fly_row.h"
+#include "campaign/execution/worker_wire.h"
+
+namespace kestrel {
+namespace {
+
+bool WriteAll(int file, const std::string& text) {
+  for (std::size_t done = 0; done < text.size();) {
+    const ssize_t n = write(file, text.data() + done, text.size() - done);
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) return false;
+    done += static_cast<std::size_t>(n);
+  }
+  return true;
+}
+
+int Work() {
+  cv::setNumThreads(1);
+  prctl(PR_SET_NAME, "kestrel-worker");  // it was started by a descriptor, which is what lists would show
+  // The wire is for orders and reports alone: what else reads or prints, here or in programs that a flight
+  // starts, has no part in it.
+  const int orders = fcntl(STDIN_FILENO, F_DUPFD_CLOEXEC, 3);
+  const int reports = fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 3);
+  const int nothing = open("/dev/null", O_RDONLY | O_CLOEXEC);
+  if (orders < 0 || reports < 0 || nothing < 0) return 3;
+  dup2(nothing, STDIN_FILENO);
+  dup2(STDERR_FILENO, STDOUT_FILENO);
+  close(nothing);
+
+#ifdef __GLIBC__
+  // What is larger than the images of a frame, as textures on their way to the renderer and what a search for
+  // the pad takes, is given back at once.
+  mallopt(M_MMAP_THRESHOLD, 1 << 22);
+#endif
+
+  if (!WriteAll(reports, kGreetingLine)) return 3;
+  std::string heard;
+  for (;;) {
+    for (std::size_t end; (end = heard.find('\n')) != std::string::npos; heard.erase(0, end + 1)) {
+      const RunResult result = FlyRow(OrderOf(heard.substr(0, end)));
+      std::fflush(nullptr);
+      if (!WriteAll(reports, ReportLine(result))) return 3;
+    }
+    char bytes[4096];
+    const ssize_t n = read(orders, bytes, sizeof bytes);
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) return n == 0 ? 0 : 3;
+    heard.append(bytes, static_cast<std::size_t>(n));
+  }
+}
+
+}  // namespace
+}  // namespace kestrel
+
+int main(int argc, char** argv) {
+  if (argc != 2 || std::string(argv[1]) != kestrel::Version()) {
+    fmt::print(stderr, "kestrel-worker is started by kestrel of the same version, which is {}: build both\n",
+               kestrel::Version());
+    return 2;
+  }
+  kestrel::GoByTheEnvironment();
+  return kestrel::Work();
+}

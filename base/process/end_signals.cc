@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "base/process/end_signals.h"
+
+#include <atomic>
+#include <csignal>
+
+namespace kestrel {
+namespace {
+
+std::atomic<void (*)(int)> told = nullptr;
+static_assert(decltype(told)::is_always_lock_free);  // what a signal's handler may use
+
+void Hear(int signal) { told.load()(signal == SIGINT ? SIGINT : SIGTERM); }
+
+}  // namespace
+
+void OnEndSignals(void (*asked)(int signal)) {
+  told = asked;
+  std::signal(SIGINT, Hear);
+  std::signal(SIGTERM, Hear);
+  struct sigaction now {};
+  sigaction(SIGHUP, nullptr, &now);
+  if (now.sa_handler != SIG_IGN) std::signal(SIGHUP, Hear);
+}
+
+void EndOnNextSignal() {
+  std::signal(SIGINT, SIG_DFL);
+  std::signal(SIGTERM, SIG_DFL);
+}
+
+}  // namespace kestrel

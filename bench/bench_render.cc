@@ -1,0 +1,542 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/bench_render.h"
+
+#include <fmt/format.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <condition_variable>
+#include <cstdlib>
+#include <cstring>
+#include <functional>
+#include <future>
+#include <memory>
+#include <mutex>
+#include <opencv2/imgproc.hpp>
+#include <optional>
+#include <thread>
+
+#include "base/random.h"
+#include "base/statistics.h"
+#include "bench/peer_renderer.h"
+#include "flight/simulated/scenario.h"
+#include "geometry/tait_bryan.h"
+#include "sim/camera/renderer.h"
+#include "sim/world/frames.h"
+#include "vision/camera/calibration_file.h"
+
+namespace kestrel {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+struct BenchCamera {
+  std::string name;
+  CameraModel camera;
+  double horizon_tilt_deg;  // nose up, so that the horizon is well in view of this camera that looks down
+  // What is asked: times as fast as the peers, and frames a second.
+  double times, frames_s;
+};
+
+std::vector<BenchCamera> BenchCameras() {
+  Mistakes mistakes;
+  const auto load = [&](const char* name) {
+    return LoadCamera(Root() / "models" / "cameras" / (std::string(name) + ".yaml"), mistakes);
+  };
+  std::vector<BenchCamera> cameras{{"catadioptric", load("hyperbolic_mirror"), 15, 15, 200},
+                                   {"fisheye", load("fisheye"), 40, 12, 0},
+                                   {"pinhole", load("thesis_6mm"), 78, 4, 0}};
+  mistakes.ThrowIfAny();
+  return cameras;
+}
+
+void Progress(const std::string& what) {
+  if (isatty(STDERR_FILENO)) fmt::print(stderr, "\r\033[K{}", what);
+}
+
+// A thread that does as it is told: OpenGL's context belongs to one, and each who draws has its own.
+class Hand {
+ public:
+  Hand() : thread_([this] { Work(); }) {}
+  ~Hand() {
+    Give({});
+    thread_.join();
+  }
+  template <class Function>
+  auto Do(Function function) {
+    std::packaged_task<decltype(function())()> task(std::move(function));
+    auto result = task.get_future();
+    Give([&] { task(); });
+    return result.get();
+  }
+
+ private:
+  void Give(std::function<void()> task) {
+    {
+      const std::lock_guard lock(mutex_);
+      task_ = std::move(task);
+      given_ = true;
+    }
+    wake_.notify_one();
+  }
+  void Work() {
+    for (;;) {
+      std::function<void()> task;
+      {
+        std::unique_lock lock(mutex_);
+        wake_.wait(lock, [&] { return given_; });
+        task = std::move(task_);
+        given_ = false;
+      }
+      if (!task) return;
+      task();
+    }
+  }
+
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  std::function<void()> task_;
+  bool given_ = false;
+  std::thread thread_;
+};
+
+// One who draws, on a thread of its own.
+template <class Drawing>
+class Drawer {
+ public:
+  template <class... Arguments>
+  explicit Drawer(const Arguments&... arguments) {
+    hand_.Do([&] { drawing_ = std::make_unique<Drawing>(arguments...); });
+  }
+  ~Drawer() {
+    hand_.Do([&] { drawing_.reset(); });
+  }
+  cv::Mat Render(const mjData* data, const Pose& X_NC) {
+    return hand_.Do([&] { return drawing_->Render(data, X_NC); });
+  }
+  Surfaces See(const mjData* data, const Pose& X_NC) {
+    return hand_.Do([&] { return drawing_->See(data, X_NC); });
+  }
+  const Drawing& drawing() const { return *drawing_; }
+  // Milliseconds of processor time, of all threads together.
+  double Time(const mjData* data, const Pose& X_NC) {
+    const auto now_ms = [] {
+      timespec t;
+      clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+      return static_cast<double>(t.tv_sec) * 1e3 + static_cast<double>(t.tv_nsec) * 1e-6;
+    };
+    const double start = now_ms();
+    Render(data, X_NC);
+    return now_ms() - start;
+  }
+
+ private:
+  Hand hand_;
+  std::unique_ptr<Drawing> drawing_;
+};
+
+// Where the aircraft is: near the ground, at 5 m, at 20 m with the horizon in view.
+enum class Height { kNear, kMiddle, kHigh };
+constexpr std::array kHeights{Height::kNear, Height::kMiddle, Height::kHigh};
+constexpr std::array kHeightNames{"0.4 to 1 m", "5 m", "20 m, horizon"};
+
+Pose AircraftPose(const BenchCamera& camera, Height height, std::uint64_t seed) {
+  RandomStream random(seed, "bench render");
+  const double side = height == Height::kNear ? 0.5 : height == Height::kMiddle ? 4 : 25;
+  const double up = height == Height::kNear ? random.Uniform(0.4, 1) : height == Height::kMiddle ? 5 : 20;
+  const double tilt = height == Height::kHigh ? camera.horizon_tilt_deg : 0;
+  const TaitBryan angles{.yaw = Radians(random.Uniform(-180, 180)),
+                         .pitch = Radians(tilt + random.Uniform(-8, 8)),
+                         .roll = Radians(random.Uniform(-8, 8))};
+  return {Eigen::Quaterniond(RotationFromTaitBryan(angles)),
+          {random.Uniform(-side, side), random.Uniform(-side, side), -up}};
+}
+
+// The landing's world with the aircraft somewhere in it.
+class World {
+  static constexpr double kBelow_m = 0.1;  // the camera: OpenGL would cut open what is within 2 cm
+
+ public:
+  World()
+      : loaded_(LoadScenario("landing")),
+        model_(MakeModel(loaded_.simulator.scene)),
+        data_(MakeData(model_.get())) {}
+  const mjModel* model() const { return model_.get(); }
+  const mjData* data() const { return data_.get(); }
+  Pose Put(const Pose& X_NB) {  // gives the pose of the camera
+    const int joint = model_->body_jntadr[mj_name2id(model_.get(), mjOBJ_BODY, "vehicle")];
+    PoseToMujoco(X_NB, data_->qpos + model_->jnt_qposadr[joint]);
+    mj_forward(model_.get(), data_.get());
+    return X_NB * MountPose({.position_m = {0, 0, kBelow_m}});
+  }
+
+ private:
+  LoadedScenario loaded_;
+  ModelPtr model_;
+  DataPtr data_;
+};
+
+constexpr std::uint64_t kTurn = 5;
+
+const RenderOptions kByRay{.backend = "ray"}, kByOpenGl{.backend = "osmesa"};
+
+void Speed(const BenchCamera& bench, World& world, std::uint64_t first_seed, std::uint64_t last_seed,
+           std::vector<Figure>& table) {
+  Drawer<PeerRenderer> peer(world.model(), bench.camera, 0, 1.0), coarse(world.model(), bench.camera, 0, 0.5);
+  Drawer<Renderer> ray(world.model(), bench.camera, kByRay), opengl(world.model(), bench.camera, kByOpenGl);
+  const PeerRenderer& faces = peer.drawing();
+  const bool wide = faces.face_px() > 0;
+  std::vector<double> smoothed_ms;
+  {
+    Drawer<PeerRenderer> smoothed(world.model(), bench.camera, world.model()->vis.quality.offsamples, 1.0);
+    for (std::size_t i = 0; i < 9; ++i) {
+      const Pose X_NC = world.Put(AircraftPose(bench, kHeights[i % 3], first_seed));
+      const double time_ms = smoothed.Time(world.data(), X_NC);
+      if (i >= 3) smoothed_ms.push_back(time_ms);
+      if (i >= 3) continue;  // the first ones warm up
+      peer.Time(world.data(), X_NC), coarse.Time(world.data(), X_NC);
+      ray.Time(world.data(), X_NC), opengl.Time(world.data(), X_NC);
+    }
+  }
+  struct Times {
+    std::vector<double> peer_ms, coarse_ms, ray_ms, opengl_ms;
+  };
+  Times all;
+  for (std::size_t h = 0; h < kHeights.size(); ++h) {
+    Times here;
+    // Turn about, a few poses each: so that each is as warm as in a flight, and none has a quiet machine for
+    // itself.
+    for (std::uint64_t from = first_seed; from <= last_seed; from += kTurn) {
+      const std::uint64_t until = std::min(from + kTurn - 1, last_seed);
+      Progress(fmt::format("{}, {}, speed: seed {} of {}..{}", bench.name, kHeightNames[h], from, first_seed,
+                           last_seed));
+      const auto turn = [&](auto& drawer, std::vector<double>& times_ms) {
+        for (std::uint64_t seed = from; seed <= until; ++seed) {
+          const Pose X_NC = world.Put(AircraftPose(bench, kHeights[h], seed));
+          times_ms.push_back(drawer.Time(world.data(), X_NC));
+        }
+      };
+      turn(peer, here.peer_ms), turn(ray, here.ray_ms), turn(opengl, here.opengl_ms);
+      if (wide) turn(coarse, here.coarse_ms);
+    }
+    Progress("");
+    const auto both = [](const std::vector<double>& ms) {
+      return fmt::format("{:.1f} {:.1f}", Quantile(ms, 0.5), Quantile(ms, 0.95));
+    };
+    fmt::print("{}, {}: ms a frame, median and 95th percentile: the peers' way {}, ray {}, OpenGL {}\n",
+               bench.name, kHeightNames[h], both(here.peer_ms), both(here.ray_ms), both(here.opengl_ms));
+    for (const auto times : {&Times::peer_ms, &Times::coarse_ms, &Times::ray_ms, &Times::opengl_ms})
+      (all.*times).insert((all.*times).end(), (here.*times).begin(), (here.*times).end());
+  }
+  const std::string way = wide ? fmt::format("{} faces of {} px", faces.faces(), faces.face_px())
+                               : std::string("MuJoCo's own way");
+  const std::string coarse_way = fmt::format("{} faces of {} px", faces.faces(), faces.face_px() / 2);
+  // The median of the ratios, pose by pose.
+  const auto gain = [](const std::vector<double>& slow_ms, const std::vector<double>& fast_ms) {
+    std::vector<double> ratios;
+    for (std::size_t i = 0; i < fast_ms.size(); ++i) ratios.push_back(slow_ms[i] / fast_ms[i]);
+    return Quantile(ratios, 0.5);
+  };
+  const double peer_rate = 1000 / Quantile(all.peer_ms, 0.5);
+  const auto add = [&](const std::string& what, double value, const char* unit, std::optional<double> target,
+                       const std::string& reference) {
+    table.push_back({bench.name + ", " + what, value, unit, target, true, reference});
+  };
+  add(way, peer_rate, "frames/s", {}, "");
+  if (wide) add(coarse_way, 1000 / Quantile(all.coarse_ms, 0.5), "frames/s", {}, "");
+  add(way + ", MuJoCo's own samples", 1000 / Quantile(smoothed_ms, 0.5), "frames/s", {}, "");
+  add("ray", 1000 / Quantile(all.ray_ms, 0.5), "frames/s",
+      bench.frames_s > 0 ? std::optional(bench.frames_s) : std::nullopt, fmt::format("{:.3g}", peer_rate));
+  add("ray, 95th percentile", Quantile(all.ray_ms, 0.95), "ms a frame", {}, "");
+  add("ray over " + way, gain(all.peer_ms, all.ray_ms), "times", bench.times, "1");
+  if (wide) add("ray over " + coarse_way, gain(all.coarse_ms, all.ray_ms), "times", {}, "1");
+  add("OpenGL", 1000 / Quantile(all.opengl_ms, 0.5), "frames/s", {}, fmt::format("{:.3g}", peer_rate));
+  add("OpenGL over " + way, gain(all.peer_ms, all.opengl_ms), "times", {}, "1");
+}
+
+// Pixels with no edge of a thing within two of them.
+cv::Mat AwayFromEdges(const Surfaces& seen) {
+  cv::Mat geom, low, high;
+  seen.geom.convertTo(geom, CV_32F);
+  const cv::Mat around = cv::Mat::ones(5, 5, CV_8U);
+  cv::erode(geom, low, around);
+  cv::dilate(geom, high, around);
+  return (low == high) & (geom > -2);
+}
+
+// Mean absolute difference of the two renderers, grey levels of 255.
+void Agreement(const BenchCamera& bench, World& world, std::uint64_t first_seed, std::uint64_t last_seed,
+               std::vector<Figure>& table) {
+  Drawer<Renderer> ray(world.model(), bench.camera, kByRay), opengl(world.model(), bench.camera, kByOpenGl);
+  std::vector<double> differences;
+  for (std::uint64_t seed = first_seed; seed <= last_seed; ++seed) {
+    Progress(fmt::format("{}, agreement: seed {} of {}..{}", bench.name, seed, first_seed, last_seed));
+    for (const Height height : kHeights) {
+      const Pose X_NC = world.Put(AircraftPose(bench, height, seed));
+      cv::Mat difference;
+      cv::absdiff(ray.Render(world.data(), X_NC), opengl.Render(world.data(), X_NC), difference);
+      const cv::Mat mask =
+          AwayFromEdges(ray.See(world.data(), X_NC)) & AwayFromEdges(opengl.See(world.data(), X_NC));
+      const cv::Scalar mean = cv::mean(difference, mask);
+      differences.push_back((mean[0] + mean[1] + mean[2]) / 3);
+    }
+  }
+  Progress("");
+  table.push_back({bench.name + ", ray and OpenGL differ away from edges, mean", Mean(differences),
+                   "grey levels", 2, false, ""});
+  table.push_back(
+      {bench.name + ", the same, the worst image", Quantile(differences, 1), "grey levels", 2, false, ""});
+}
+
+ModelPtr ModelOf(const std::string& xml) {
+  const auto files = std::make_unique<mjVFS>();
+  mj_defaultVFS(files.get());
+  mj_makeEmptyFileVFS(files.get(), "bench.xml", static_cast<int>(xml.size()));
+  std::memcpy(files->filedata[0], xml.data(), xml.size());
+  char message[500] = "";
+  ModelPtr model(mj_loadXML("bench.xml", files.get(), message, sizeof message));
+  mj_deleteVFS(files.get());
+  if (!model) throw std::runtime_error(message);
+  return model;
+}
+
+// A black world in which things show in their own colours.
+ModelPtr DarkRoom(const std::string& geoms) {
+  return ModelOf(fmt::format(R"(<mujoco>
+  <visual><headlight ambient="1 1 1" diffuse="0 0 0" specular="0 0 0"/></visual>
+  <asset>
+    <texture name="spot" type="2d" builtin="gradient" rgb1="1 1 1" rgb2="0 0 0" width="64" height="64"/>
+    <material name="spot" texture="spot" specular="0"/>
+    <material name="white" rgba="1 1 1 1" specular="0"/>
+  </asset>
+  <worldbody>{}</worldbody>
+</mujoco>)",
+                             geoms));
+}
+
+std::string PoseOf(const Pose& X_NG) {
+  mjtNum qpos[7];
+  PoseToMujoco(X_NG, qpos);
+  return fmt::format(R"(pos="{} {} {}" quat="{} {} {} {}")", qpos[0], qpos[1], qpos[2], qpos[3], qpos[4],
+                     qpos[5], qpos[6]);
+}
+
+// Everywhere in the image where the lens shows something for some pixels around.
+std::vector<Vector2d> Places(const CameraModel& camera, double step_px, double around_px,
+                             RandomStream& random) {
+  std::vector<Vector2d> places;
+  for (double v = around_px + 2; v < HeightPx(camera) - around_px - 3; v += step_px) {
+    for (double u = around_px + 2; u < WidthPx(camera) - around_px - 3; u += step_px) {
+      const Vector2d uv(u + random.Uniform(0, 1), v + random.Uniform(0, 1));
+      bool shows = true;
+      for (const double du : {-around_px, around_px})
+        for (const double dv : {-around_px, around_px}) shows = shows && Ray(camera, uv + Vector2d(du, dv));
+      if (shows) places.push_back(uv);
+    }
+  }
+  return places;
+}
+
+// A flat round spot, face on, that fades towards its rim.
+struct Spot {
+  Pose X_CD;  // z along the ray
+  double radius;
+};
+
+// Where the middle of its light belongs: the mean of where the model puts the texels of its picture, by their
+// brightness and by how large they are there.
+Vector2d MiddleOfLight(const CameraModel& camera, const mjModel* model, const Spot& spot) {
+  const int side = model->tex_width[0];
+  const Eigen::Matrix<double, 3, 2> across = spot.X_CD.R.toRotationMatrix().leftCols<2>();
+  Vector2d sum = Vector2d::Zero();
+  double weights = 0;
+  for (int row = 0; row < side; ++row) {
+    for (int column = 0; column < side; ++column) {
+      const Vector3d p_DQ =
+          spot.radius * Vector3d((2 * column + 1.0) / side - 1, (2 * row + 1.0) / side - 1, 0);
+      if (p_DQ.norm() > spot.radius) continue;
+      Eigen::Matrix<double, 2, 3> d_point;
+      const Vector2d uv = *Project(camera, spot.X_CD * p_DQ, &d_point);
+      const double weight =
+          model->tex_rgb[3 * (side * row + column)] * std::abs((d_point * across).determinant());
+      sum += weight * uv, weights += weight;
+    }
+  }
+  return sum / weights;
+}
+
+void Markers(const BenchCamera& bench, std::uint64_t seed, std::vector<Figure>& table) {
+  constexpr double kRadius_px = 6, kStep_px = 30;
+  constexpr int kReach_px = 10;
+  RandomStream random(seed, "bench render markers");
+  const Pose X_NC{Eigen::Quaterniond(RotationFromTaitBryan({0.4, -0.9, 0.2})), {3, -2, -4}};
+  std::vector<Spot> spots;
+  std::string geoms;
+  for (const Vector2d& uv : Places(bench.camera, kStep_px, kReach_px, random)) {
+    Eigen::Matrix<double, 3, 2> d_pixel;
+    const Vector3d ray = *Ray(bench.camera, uv, &d_pixel);
+    const double distance = 0.5 * std::pow(40, random.Uniform(0, 1));
+    const double pixel_rad = std::sqrt(d_pixel.col(0).cross(d_pixel.col(1)).norm());
+    spots.push_back({{Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), ray), distance * ray},
+                     kRadius_px * pixel_rad * distance});
+    geoms += fmt::format(R"(<geom type="cylinder" {} size="{} 1e-5" material="spot"/>)",
+                         PoseOf(X_NC * spots.back().X_CD), spots.back().radius);
+  }
+  const ModelPtr model = DarkRoom(geoms);
+  const DataPtr data = MakeData(model.get());
+  mj_forward(model.get(), data.get());
+  for (const auto& [name, options] : {std::pair("ray", kByRay), std::pair("OpenGL", kByOpenGl)}) {
+    cv::Mat grey;
+    cv::extractChannel(Drawer<Renderer>(model.get(), bench.camera, options).Render(data.get(), X_NC), grey,
+                       0);
+    std::vector<double> errors;
+    for (const Spot& spot : spots) {
+      const Vector2d uv = MiddleOfLight(bench.camera, model.get(), spot);
+      const cv::Point middle(static_cast<int>(std::lround(uv.x())), static_cast<int>(std::lround(uv.y())));
+      const cv::Rect window =
+          cv::Rect(middle.x - kReach_px, middle.y - kReach_px, 2 * kReach_px + 1, 2 * kReach_px + 1) &
+          cv::Rect(0, 0, grey.cols, grey.rows);
+      const cv::Moments m = cv::moments(grey(window));
+      errors.push_back((Vector2d(m.m10 / m.m00 + window.x, m.m01 / m.m00 + window.y) - uv).norm());
+    }
+    table.push_back(
+        {fmt::format("{}, {}: {} markers from Project, the farthest", bench.name, name, errors.size()),
+         Quantile(errors, 1), "px", 0.05, false, ""});
+  }
+}
+
+// White boxes against black, whose outlines are straight edges of theirs.
+struct Box {
+  Pose X_CG;
+  Vector3d half;
+};
+
+// Where the edge crosses a line across it, from the middle of the line, px: its ends are white and black, and
+// between them there is as much light as the edge lets in. None if another thing is in the way.
+std::optional<double> Crossing(const cv::Mat& grey, const Vector2d& middle, const Vector2d& outwards) {
+  constexpr double kReach_px = 4, kStep_px = 0.125, kPlain_px = 1.5;
+  double light = 0;
+  for (double s = -kReach_px + kStep_px / 2; s < kReach_px; s += kStep_px) {
+    const Vector2d at = middle + s * outwards;
+    const int u = static_cast<int>(std::floor(at.x())), v = static_cast<int>(std::floor(at.y()));
+    if (u < 0 || v < 0 || u + 1 >= grey.cols || v + 1 >= grey.rows) return std::nullopt;
+    const double right = at.x() - u, down = at.y() - v;
+    const double value =
+        (1 - down) * ((1 - right) * grey.at<uchar>(v, u) + right * grey.at<uchar>(v, u + 1)) +
+        down * ((1 - right) * grey.at<uchar>(v + 1, u) + right * grey.at<uchar>(v + 1, u + 1));
+    if (s < -kReach_px + kPlain_px && value < 254) return std::nullopt;
+    if (s > kReach_px - kPlain_px && value > 1) return std::nullopt;
+    light += value / 255 * kStep_px;
+  }
+  return light - kReach_px;
+}
+
+struct EdgeErrors {
+  std::vector<double> between, ray, opengl;  // of each edge, the mean along it, px
+};
+
+void EdgesOf(const Box& box, const CameraModel& camera, const cv::Mat& by_ray, const cv::Mat& by_opengl,
+             EdgeErrors& errors) {
+  const Vector3d eye_G = box.X_CG.Inverse().p;
+  const auto faces_eye = [&](int axis, double side) { return side * eye_G[axis] > box.half[axis]; };
+  for (int along = 0; along < 3; ++along) {
+    const int b = (along + 1) % 3, c = (along + 2) % 3;
+    for (const double side_b : {-1.0, 1.0}) {
+      for (const double side_c : {-1.0, 1.0}) {
+        if (faces_eye(b, side_b) == faces_eye(c, side_c)) continue;  // not on the outline
+        const auto point = [&](double share) {
+          Vector3d p;
+          p[along] = share * box.half[along], p[b] = side_b * box.half[b], p[c] = side_c * box.half[c];
+          return Project(camera, box.X_CG * p);
+        };
+        const auto middle = Project(camera, box.X_CG.p);
+        double between = 0, ray = 0, opengl = 0;
+        int crossings = 0;
+        for (double share = -0.8; share <= 0.8; share += 0.02) {
+          const auto before = point(share - 0.01), here = point(share), after = point(share + 0.01);
+          if (!middle || !before || !here || !after) continue;
+          const Vector2d tangent = (*after - *before).normalized();
+          Vector2d outwards(-tangent.y(), tangent.x());
+          if (outwards.dot(*here - *middle) < 0) outwards = -outwards;
+          const auto at_ray = Crossing(by_ray, *here, outwards),
+                     at_opengl = Crossing(by_opengl, *here, outwards);
+          if (!at_ray || !at_opengl) continue;
+          between += *at_ray - *at_opengl, ray += *at_ray, opengl += *at_opengl;
+          ++crossings;
+        }
+        if (crossings < 40) continue;
+        errors.between.push_back(std::abs(between / crossings));
+        errors.ray.push_back(std::abs(ray / crossings));
+        errors.opengl.push_back(std::abs(opengl / crossings));
+      }
+    }
+  }
+}
+
+// Where both draw the straight edges of boxes: each edge as a whole, since OpenGL's steps are pixels.
+void Edges(const BenchCamera& bench, std::uint64_t first_seed, std::uint64_t last_seed,
+           std::vector<Figure>& table) {
+  RenderOptions smooth = kByOpenGl;
+  smooth.samples = 4;
+  const Pose X_NC{Eigen::Quaterniond(RotationFromTaitBryan({0.4, -0.9, 0.2})), {3, -2, -4}};
+  EdgeErrors errors;
+  for (std::uint64_t seed = first_seed; seed <= last_seed; ++seed) {
+    Progress(fmt::format("{}, edges: seed {} of {}..{}", bench.name, seed, first_seed, last_seed));
+    RandomStream random(seed, "bench render edges");
+    std::vector<Box> boxes;
+    std::string geoms;
+    for (const Vector2d& uv : Places(bench.camera, 110, 30, random)) {
+      Eigen::Matrix<double, 3, 2> d_pixel;
+      const Vector3d ray = *Ray(bench.camera, uv, &d_pixel);
+      const double distance = random.Uniform(2, 10);
+      const double pixel = distance * std::sqrt(d_pixel.col(0).cross(d_pixel.col(1)).norm());
+      Box box{{Eigen::Quaterniond(RotationFromTaitBryan(
+                   {random.Uniform(-3, 3), random.Uniform(-1, 1), random.Uniform(-3, 3)})),
+               distance * ray},
+              {}};
+      for (int i = 0; i < 3; ++i) box.half[i] = pixel * random.Uniform(15, 30);
+      const Vector3d half = box.half;
+      geoms += fmt::format(R"(<geom type="box" {} size="{} {} {}" material="white"/>)",
+                           PoseOf(X_NC * box.X_CG), half.x(), half.y(), half.z());
+      boxes.push_back(box);
+    }
+    const ModelPtr model = DarkRoom(geoms);
+    const DataPtr data = MakeData(model.get());
+    mj_forward(model.get(), data.get());
+    cv::Mat by_ray, by_opengl;
+    cv::extractChannel(Drawer<Renderer>(model.get(), bench.camera, kByRay).Render(data.get(), X_NC), by_ray,
+                       0);
+    cv::extractChannel(Drawer<Renderer>(model.get(), bench.camera, smooth).Render(data.get(), X_NC),
+                       by_opengl, 0);
+    for (const Box& box : boxes) EdgesOf(box, bench.camera, by_ray, by_opengl, errors);
+  }
+  Progress("");
+  const auto name = [&](const char* what) {
+    return fmt::format("{}, {} edges, {}", bench.name, errors.between.size(), what);
+  };
+  table.push_back(
+      {name("ray from OpenGL, 95th percentile"), Quantile(errors.between, 0.95), "px", 0.1, false, ""});
+  table.push_back(
+      {name("ray from Project, 95th percentile"), Quantile(errors.ray, 0.95), "px", {}, false, ""});
+  table.push_back(
+      {name("OpenGL from Project, 95th percentile"), Quantile(errors.opengl, 0.95), "px", {}, false, ""});
+}
+
+}  // namespace
+
+void BenchRender(std::uint64_t first_seed, std::uint64_t last_seed, std::vector<Figure>& table) {
+  // Mesa's software renderer draws with as many threads as there are cores, unless told before it starts.
+  setenv("LP_NUM_THREADS", "0", 0);
+  World world;
+  for (const BenchCamera& bench : BenchCameras()) {
+    Speed(bench, world, first_seed, last_seed, table);
+    Agreement(bench, world, first_seed, last_seed, table);
+    Edges(bench, first_seed, last_seed, table);
+    Markers(bench, first_seed, table);
+  }
+}
+
+}  // namespace kestrel

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "records/figures.h"
+
+namespace kestrel {
+
+// How fast both renderers are beside the usual way to draw with MuJoCo (bench/peer_renderer.h), and how
+// well they agree with each other and with the camera models: the landing's world with the aircraft in it, a
+// pinhole, a fisheye and a catadioptric camera, poses that depend on the seed. Times are the processor's, of
+// one thread, taken in turns.
+void BenchRender(std::uint64_t first_seed, std::uint64_t last_seed, std::vector<Figure>& table);
+
+}  // namespace kestrel

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "flight/simulated/fly_all.h"
+#include "records/figures.h"
+
+namespace kestrel {
+
+// Thesis 5.4.2: steps of where a balloon is wanted in the image, in a calm and in wind, and balloons that are
+// carried about at up to 1 and 2 m/s; each by the whole law (5.20) and by the decoupled one (5.25), from the
+// same seeds.
+void BenchFollow(SeedRange seeds, int jobs, std::vector<Figure>& table);
+
+// Thesis 6.4.3: the four flights past a thing that stands still.
+void BenchAvoid(SeedRange seeds, int jobs, std::vector<Figure>& table);
+
+}  // namespace kestrel

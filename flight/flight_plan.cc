@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "flight/flight_plan.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/file/model_files.h"
+#include "base/user_file.h"
+#include "flight/gains_file.h"
+#include "vision/camera/calibration_file.h"
+#include "vision/image_file.h"
+#include "vision/landmark/pad_file.h"
+
+namespace kestrel {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Leaves what the world's keys name out of a file; "image.*" with exceptions is written out key by key.
+void PassOverWorld(ConfigNode& node, const std::string& path) {
+  const auto& world = WorldKeys();
+  std::erase_if(node.members, [&](const auto& member) {
+    return std::find(world.begin(), world.end(), path + member.first) != world.end();
+  });
+  if (!path.empty()) return;
+  for (auto& [key, member] : node.members) PassOverWorld(member, key + ".");
+}
+
+cv::Mat OwnParts(const FlightPlan& plan, const fs::path& beside, const CameraModel& camera,
+                 const std::string& where, Mistakes& mistakes) {
+  fs::path file = beside / plan.own_parts;
+  if (plan.own_parts.empty()) {
+    file = beside / "own_parts.png";
+    if (!IsFile(file)) return cv::Mat::zeros(HeightPx(camera), WidthPx(camera), CV_8U);
+  }
+  const cv::Mat picture = ReadMask(file, where, "own_parts", mistakes);
+  if (!picture.empty() && (picture.cols != WidthPx(camera) || picture.rows != HeightPx(camera)))
+    mistakes.Add(where, "own_parts",
+                 fmt::format("'{}' has {} x {} pixels; valid: the camera's {} x {}", file.string(),
+                             picture.cols, picture.rows, WidthPx(camera), HeightPx(camera)));
+  return picture;
+}
+
+LoadedPlan LoadWhole(const fs::path& file, const std::vector<std::string>& overrides) {
+  Mistakes mistakes;
+  const std::string where = file.string();
+  LoadedPlan loaded;
+  FlightPlan& p = loaded.plan;
+  Config config = LoadConfig(file, overrides, mistakes);
+  PassOverWorld(config.root, "");
+  PassOverGains(config);
+  Read(config, p, mistakes);
+  if (!config.readable) mistakes.ThrowIfAny();
+  if (p.name.empty()) p.name = file.stem().string();
+  CheckFlight(p.flight, p.image.colour, config, where, mistakes);
+
+  FlightParts& parts = loaded.parts;
+  parts.flight = p.flight;
+  parts.pilot = p.pilot;
+  parts.X_BC = MountPose(p.mount);
+  parts.seed = p.seed;
+  if (const auto camera =
+          CameraFile(p.camera, file.parent_path(), WhereOf(config, "camera", where), mistakes)) {
+    const std::size_t before = mistakes.messages().size();
+    parts.camera = LoadCamera(*camera, mistakes, p.camera_name);
+    if (mistakes.messages().size() == before) {
+      CheckView(p.flight, p.camera, parts.camera, p.mount, config, where, mistakes);
+      parts.own_parts = OwnParts(p, file.parent_path(), parts.camera, where, mistakes);
+    }
+  }
+  const fs::path pads = Root() / "models" / "pads";
+  if (p.pad.name == "none") {
+    CheckHasPad(p.flight, config, where, mistakes);
+  } else if (Known("pad", p.pad.name, NamesIn(pads, ""), WhereOf(config, "pad", where), mistakes)) {
+    parts.pad = LoadPad(pads / p.pad.name / (p.pad.name + ".yaml"), mistakes).reference;
+  }
+  mistakes.ThrowIfAny();
+  return loaded;
+}
+
+}  // namespace
+
+const std::vector<std::string_view>& WorldKeys() {
+  static const std::vector<std::string_view> kKeys = {"vehicle",
+                                                      "world",
+                                                      "autopilot",
+                                                      "platform",
+                                                      "actuators",
+                                                      "landscape",
+                                                      "start",
+                                                      "render",
+                                                      "wind",
+                                                      "sensors",
+                                                      "occlusion",
+                                                      "targets",
+                                                      "criteria",
+                                                      "pad.position_m",
+                                                      "pad.yaw_deg",
+                                                      "image.latency_s",
+                                                      "image.exposure",
+                                                      "image.lens",
+                                                      "image.gain",
+                                                      "image.auto_exposure",
+                                                      "image.full_well_e",
+                                                      "image.noise_grey",
+                                                      "image.gamma",
+                                                      "image.bits",
+                                                      "image.jpeg_quality",
+                                                      "image.scatter",
+                                                      "image.faults"};
+  return kKeys;
+}
+
+LoadedPlan LoadPlan(const std::string& name_or_file, const std::vector<std::string>& overrides) {
+  const fs::path file = ScenarioFile(name_or_file);
+  return LoadWithGains(file, overrides,
+                       [&](const std::vector<std::string>& all) { return LoadWhole(file, all); });
+}
+
+}  // namespace kestrel

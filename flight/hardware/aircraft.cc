@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "flight/hardware/aircraft.h"
+
+#include <fmt/format.h>
+
+#include <string_view>
+
+#include "control/link/udp_address.h"
+
+namespace kestrel {
+namespace {
+
+constexpr const char* kForms =
+    "mavlink:udp://HOST:PORT, mavlink:udpin://HOST:PORT (listens), afcs:udp://HOST:PORT, "
+    "asctec:serial:/dev/ttyUSB0";
+
+std::unique_ptr<AutopilotLink> LinkAt(std::string_view protocol, const std::string& where,
+                                      const Aircraft& aircraft) {
+  if (protocol == "mavlink") return std::make_unique<MavlinkLink>(where, aircraft.mavlink);
+  if (protocol == "afcs") {
+    const UdpAddress address = ParseUdpAddress(where);
+    if (address.listen)
+      throw InputError({fmt::format("'{}' listens, and an AFCS is called; valid: udp://HOST:PORT", where)});
+    AfcsLinkOptions options = aircraft.afcs;
+    options.host = address.host;
+    options.port = address.port;
+    return std::make_unique<AfcsLink>(options);
+  }
+  if (protocol == "asctec" && where.starts_with("serial:")) {
+    AscTecOptions options = aircraft.asctec;
+    options.device = where.substr(std::string_view("serial:").size());
+    return std::make_unique<AscTecLink>(options);
+  }
+  throw InputError({fmt::format("'{}:{}' is no autopilot; valid: {}", protocol, where, kForms)});
+}
+
+}  // namespace
+
+Aircraft LoadAircraft(const std::string& file, const std::vector<std::string>& overrides,
+                      Mistakes& mistakes) {
+  Aircraft aircraft;
+  const Config config = file.empty() ? ParseConfig("{}", "--aircraft", overrides, mistakes)
+                                     : LoadConfig(file, overrides, mistakes);
+  Read(config, aircraft, mistakes);
+  if (aircraft.safety.thrust_least >= aircraft.safety.thrust_most)
+    mistakes.Add(file.empty() ? "--set-aircraft" : file, "safety.thrust_least",
+                 fmt::format("{:g} is not below safety.thrust_most = {:g}", aircraft.safety.thrust_least,
+                             aircraft.safety.thrust_most));
+  return aircraft;
+}
+
+std::unique_ptr<AutopilotLink> MakeLink(const std::string& address, const Aircraft& aircraft,
+                                        Mistakes& mistakes) {
+  const std::size_t colon = address.find(':');
+  try {
+    if (colon == std::string::npos)
+      throw InputError({fmt::format("'{}' is no autopilot; valid: {}", address, kForms)});
+    return LinkAt(std::string_view(address).substr(0, colon), address.substr(colon + 1), aircraft);
+  } catch (const InputError& e) {
+    for (const std::string& message : e.messages) mistakes.Add("--autopilot", "", message);
+    return nullptr;
+  }
+}
+
+}  // namespace kestrel

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "control/link/autopilot_link.h"
+#include "flight/flight_plan.h"
+#include "vision/capture/live_camera.h"
+
+namespace kestrel {
+
+struct CheckItem {
+  std::string name;   // "camera rate"
+  std::string found;  // "19.8 images/s of 20"
+  bool ok = false;
+};
+
+struct PreFlightOptions {
+  double watch_s = 2;         // for how long camera and link are watched
+  double connect_s = 15;      // for how long both are waited for
+  double least_rate = 0.8;    // share of the images that the plan asks for
+  double most_rate = 1.6;     // the same: a camera of 30 images/s flies a plan of 20
+  double sane_tilt_deg = 40;  // beyond it an attitude is not believed
+  double sane_speed_m_s = 10;
+  bool pilot_untold = false;  // that the autopilot does not tell of a pilot's switch is no reason not to fly
+  const std::atomic<bool>* interrupted = nullptr;  // ends the watching
+  std::function<void(const std::string&)> tell =
+      {};  // what keeps the first image away, while it is waited for
+};
+
+// The check list before a flight, each item with what was found: camera rate, image against calibration,
+// link, state, pilot's switch. Nothing is sent as a setpoint. Of a check that was interrupted no item is of
+// worth.
+std::vector<CheckItem> PreFlight(const LoadedPlan& plan, LiveCamera& camera, const AutopilotLink& link,
+                                 const PreFlightOptions& options);
+
+bool AllOk(const std::vector<CheckItem>& items);
+
+}  // namespace kestrel

@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "flight/served/serve_arguments.h"
+
+#include <arpa/inet.h>
+#include <fmt/format.h>
+#include <ifaddrs.h>
+#include <net/if.h>
+#include <netdb.h>
+
+#include <array>
+#include <charconv>
+#include <cstring>
+#include <tuple>
+
+#include "base/yaml/yaml_fields.h"
+#include "flight/simulated/scenario.h"
+#include "geometry/tait_bryan.h"
+#include "sim/server/afcs_server.h"
+#include "sim/server/asctec_server.h"
+#include "sim/server/mavlink_server.h"
+#include "sim/server/physics/ardupilot_physics.h"
+
+namespace kestrel {
+namespace {
+
+bool IsAddress(const std::string& text) {
+  unsigned char bytes[sizeof(in6_addr)];
+  return inet_pton(AF_INET, text.c_str(), bytes) == 1 || inet_pton(AF_INET6, text.c_str(), bytes) == 1;
+}
+
+// An address of this computer at which others reach it; where it has none, the loopback address.
+std::string OwnAddress(bool version6) {
+  std::string own = version6 ? "::1" : "127.0.0.1";
+  ifaddrs* all = nullptr;
+  if (getifaddrs(&all) != 0) return own;
+  for (const ifaddrs* each = all; each != nullptr; each = each->ifa_next) {
+    const int family = version6 ? AF_INET6 : AF_INET;
+    if (!each->ifa_addr || each->ifa_addr->sa_family != family || (each->ifa_flags & IFF_LOOPBACK) != 0 ||
+        (each->ifa_flags & IFF_UP) == 0)
+      continue;
+    std::array<char, NI_MAXHOST> text{};
+    const socklen_t size = version6 ? sizeof(sockaddr_in6) : sizeof(sockaddr_in);
+    if (getnameinfo(each->ifa_addr, size, text.data(), text.size(), nullptr, 0, NI_NUMERICHOST) != 0)
+      continue;
+    own = text.data();
+    break;
+  }
+  freeifaddrs(all);
+  return own;
+}
+
+// To connect to, where a server listens at every address.
+std::string Reachable(std::string where) {
+  for (const char* everywhere : {"://0.0.0.0:", "://[::]:"}) {
+    const std::size_t at = where.find(everywhere);
+    if (at == std::string::npos) continue;
+    const bool version6 = everywhere[3] == '[';
+    const std::string own = OwnAddress(version6);
+    where.replace(at, std::strlen(everywhere), version6 ? "://[" + own + "]:" : "://" + own + ":");
+  }
+  return where;
+}
+
+// Of "udp://ADDRESS:PORT"; empty: it is not on a network.
+std::string AddressOf(const std::string& where) {
+  const std::size_t from = where.find("://"), to = where.rfind(':');
+  if (from == std::string::npos || to <= from) return {};
+  std::string address = where.substr(from + 3, to - from - 3);
+  if (address.starts_with('[')) address = address.substr(1, address.size() - 2);
+  return address;
+}
+
+// As `kestrel fly` has it, which knows the size from its calibration.
+std::string CameraAddressOf(const RtpStream& stream) {
+  return fmt::format("{}://{}:{}", stream.coding == RtpStream::Coding::kRaw ? "raw" : "rtp", stream.host,
+                     stream.port);
+}
+
+bool IsSeed(const std::string& text) {
+  std::uint64_t seed = 0;
+  const auto read = std::from_chars(text.data(), text.data() + text.size(), seed);
+  return !text.empty() && read.ec == std::errc{} && read.ptr == text.data() + text.size();
+}
+
+constexpr double kLeast_s = 0.1, kMost_s = 36000;  // as a scenario's duration_s
+// ADDRESS:PORT; none: it is not that.
+std::optional<std::pair<std::string, int>> PlaceIn(const std::string& text) {
+  const std::size_t colon = text.rfind(':');
+  if (colon == std::string::npos) return std::nullopt;
+  int port = -1;
+  const char* end = text.data() + text.size();
+  const auto read = std::from_chars(text.data() + colon + 1, end, port);
+  if (read.ec != std::errc{} || read.ptr != end || port < 0 || port > 65535) return std::nullopt;
+  if (!IsAddress(text.substr(0, colon))) return std::nullopt;
+  return std::pair(text.substr(0, colon), port);
+}
+
+// A stream to this computer, and a server where it goes: one of them would have what is the other's.
+void CheckStreamsPort(const ServeArguments& a, Mistakes& mistakes) {
+  const auto stream = StreamOf(a);
+  if (!stream) return;
+  const auto check = [&](const char* option, const std::string& address, int port) {
+    if (port == stream->port && (OnLoopback(stream->host) || stream->host == address))
+      mistakes.Add(option, "",
+                   fmt::format("port {} is where the camera's stream goes; valid: another", port));
+  };
+  if (a.mavlink)
+    check(a.mavlink_port ? "--mavlink-port" : "--mavlink", a.listen,
+          a.mavlink_port.value_or(MavlinkServerOptions{}.port));
+  if (a.afcs) {
+    const auto place = PlaceIn(*a.afcs).value_or(std::pair(a.listen, AfcsServerOptions{}.port));
+    check("--afcs", place.first, place.second);
+  }
+  if (a.physics == "ardupilot")  // PX4's is TCP
+    check(a.physics_port ? "--physics-port" : "--physics", a.listen,
+          a.physics_port.value_or(ArduPilotPhysicsParameters{}.port));
+}
+
+}  // namespace
+
+bool OnLoopback(const std::string& address) { return address.starts_with("127.") || address == "::1"; }
+
+bool InRange(double for_s) { return for_s >= kLeast_s && for_s <= kMost_s; }
+
+std::optional<RtpStream> StreamOf(const ServeArguments& a) { return ParseRtpStream(a.camera); }
+
+std::string Warning(const std::string& what, const std::string& address) {
+  return fmt::format(
+      "  WARNING: {} is open beyond this computer ({}). These protocols have no authentication: whoever\n"
+      "           reaches it can read and command.\n",
+      what, address);
+}
+
+void CheckArguments(const ServeArguments& a, Mistakes& mistakes) {
+  if (!a.seed.empty() && !IsSeed(a.seed))
+    mistakes.Add("--seed", "",
+                 fmt::format("'{}' is no seed; valid: a whole number from 0 to 2^64 - 1", a.seed));
+  if (a.for_s && !InRange(*a.for_s))
+    mistakes.Add("--for", "",
+                 fmt::format("{:g} is out of range; valid: {:g} to {:g} s", *a.for_s, kLeast_s, kMost_s));
+  if (a.camera != "none" && !StreamOf(a))
+    mistakes.Add("--camera", "",
+                 fmt::format("'{}' is no stream; valid: rtp:PORT, raw:PORT, rtp:ADDRESS:PORT, "
+                             "raw:ADDRESS:PORT, none",
+                             a.camera));
+  if (!IsAddress(a.listen))
+    mistakes.Add("--listen", "",
+                 fmt::format("'{}' is no address; valid: one of this computer's, as numbers", a.listen));
+  if (a.afcs && !a.afcs->empty() && !PlaceIn(*a.afcs))
+    mistakes.Add("--afcs", "", fmt::format("'{}' is no place; valid: ADDRESS:PORT, or nothing", *a.afcs));
+  CheckStreamsPort(a, mistakes);
+  if (a.mavlink_port && !a.mavlink) mistakes.Add("--mavlink-port", "", "means nothing without --mavlink");
+  if (a.pilot_off_at_s && !(*a.pilot_off_at_s >= 0))
+    mistakes.Add("--pilot-off-at", "",
+                 fmt::format("{:g} is no time of the flight; valid: 0 or more", *a.pilot_off_at_s));
+  if (a.pilot_off_at_s && a.physics)
+    mistakes.Add("--pilot-off-at", "",
+                 "the autopilot that is served has the switch; valid: without --physics");
+  if (a.physics_port && !a.physics) mistakes.Add("--physics-port", "", "means nothing without --physics");
+  if (a.physics && (a.afcs || a.asctec || a.mavlink))
+    mistakes.Add("--physics", "", "another autopilot flies, and the emulated one serves none; valid: alone");
+  if (a.camera == "none" && !a.afcs && !a.asctec && !a.mavlink && !a.physics)
+    mistakes.Add("serve", "",
+                 "there is nothing to serve; valid: --afcs, --asctec, --mavlink, --physics, --camera");
+}
+
+std::vector<NamedServer> MakeServers(const ServeArguments& a, const LoadedScenario& loaded, PanTilt* platform,
+                                     Mistakes& mistakes) {
+  std::vector<NamedServer> servers;
+  // What cannot be had, an address in use or no pseudo-terminal, is a mistake of its option.
+  const auto add = [&](const char* name, const char* option, auto make) {
+    try {
+      servers.push_back({name, make()});
+    } catch (const InputError& e) {
+      for (const std::string& message : e.messages) mistakes.Add(option, "", message);
+    } catch (const std::exception& e) {
+      mistakes.Add(option, "", e.what());
+    }
+  };
+  if (a.afcs)
+    add("afcs", "--afcs", [&] {
+      AfcsServerOptions options;
+      options.address = a.listen;
+      if (const auto place = PlaceIn(*a.afcs)) std::tie(options.address, options.port) = *place;
+      return std::make_unique<AfcsServer>(options, platform);
+    });
+  if (a.asctec)
+    add("asctec", "--asctec", [&] { return std::make_unique<AscTecServer>(AscTecProcessorOptions{}); });
+  if (a.mavlink)
+    add("mavlink", "--mavlink", [&] {
+      MavlinkServerOptions options;
+      options.dialect = *a.mavlink;
+      options.listen = a.listen;
+      if (a.mavlink_port) options.port = *a.mavlink_port;
+      constexpr int kQuadrotor = 2, kHelicopter = 4;  // MAV_TYPE
+      options.type =
+          std::holds_alternative<HelicopterParameters>(loaded.simulator.vehicle) ? kHelicopter : kQuadrotor;
+      return std::make_unique<MavlinkServer>(options);
+    });
+  return servers;
+}
+
+std::string StartLines(const ServeArguments& a, const LoadedScenario& loaded,
+                       const std::vector<NamedServer>& servers, const PanTilt* platform) {
+  const Scenario& scenario = loaded.scenario;
+  std::string lines = fmt::format(
+      "SIMULATOR  {}, seed {}: {}\n", scenario.name, scenario.seed,
+      a.physics ? fmt::format("at the autopilot's pace, flight after flight, until {}",
+                              a.for_s ? fmt::format("{:g} s are over", *a.for_s) : "it is interrupted")
+                : fmt::format("{:g} s in real time", scenario.duration_s));
+  const auto stream = StreamOf(a);
+  std::string camera;
+  if (stream) {
+    const cv::Size size(WidthPx(loaded.simulator.camera), HeightPx(loaded.simulator.camera));
+    const double delay_s = scenario.image.latency_s + RtpDelay_s(stream->coding);
+    lines += fmt::format("  camera   {}: {} x {}, {:g} Hz, to {} port {}\n", ToText(*stream), size.width,
+                         size.height, scenario.image.rate_hz, stream->host, stream->port);
+    lines += fmt::format("           received by: {}\n",
+                         ReceivingPipeline(*stream, size, loaded.simulator.image.colour));
+    lines += fmt::format(
+        "           exposure_before_stamp_s: {:.3f} ({:.3f} of the camera, the rest of the "
+        "stream)\n",
+        delay_s, scenario.image.latency_s);
+    if (!OnLoopback(stream->host)) lines += Warning("the camera's stream", stream->host);
+    camera = fmt::format(" --camera {} --set-aircraft camera.exposure_before_stamp_s={:.3f}",
+                         CameraAddressOf(*stream), delay_s);
+  } else {
+    lines += "  camera   none\n";
+  }
+  if (platform)
+    lines += fmt::format(
+        "  platform the camera is on it, at pan {:.0f}, tilt {:.0f} deg; the AFCS's PLATFORM turns it\n",
+        Degrees(platform->angles().pan), Degrees(platform->angles().tilt));
+  else if (a.afcs && scenario.platform)
+    lines += "  platform none: it cannot hold the camera as the scenario's mount has it\n";
+  for (const NamedServer& each : servers) {
+    const std::string where = each.server->Where(), address = AddressOf(where);
+    lines += fmt::format("  {:<8} {}\n", each.name, where);
+    if (!address.empty() && !OnLoopback(address)) lines += Warning(each.name, address);
+  }
+  for (const NamedServer& each : servers) {
+    std::string autopilot = fmt::format("{}:{}", each.name, Reachable(each.server->Where()));
+    if (each.name == "mavlink") autopilot += " --take-control";
+    if (each.name == "afcs") autopilot += " --pilot-untold";
+    lines += fmt::format("  to fly it:  kestrel fly {}{} --autopilot {}\n", a.scenario, camera, autopilot);
+  }
+  return lines;
+}
+
+}  // namespace kestrel

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sim/camera/pan_tilt.h"
+#include "sim/server/autopilot_server.h"
+#include "vision/capture/rtp_stream.h"
+
+namespace kestrel {
+
+struct LoadedScenario;
+class Mistakes;
+
+// `kestrel serve`: the simulated aircraft, in real time, for any client. An absent option was not given.
+struct ServeArguments {
+  std::string scenario, seed, out, camera = "none", listen = "127.0.0.1";
+  std::vector<std::string> overrides;
+  std::optional<std::string> afcs;  // ADDRESS:PORT; empty: the usual
+  bool asctec = false;
+  std::optional<std::string> mavlink;  // px4, ardupilot
+  std::optional<int> mavlink_port;
+  std::optional<std::string> physics;  // px4, ardupilot
+  std::optional<int> physics_port;
+  std::optional<double> for_s, pilot_off_at_s;
+};
+
+// What is wrong with them by themselves, whatever the scenario.
+void CheckArguments(const ServeArguments& arguments, Mistakes& mistakes);
+bool IsSeed(const std::string& text);
+bool InRange(double for_s);
+bool OnLoopback(const std::string& address);
+std::optional<RtpStream> StreamOf(const ServeArguments& arguments);
+// That what listens at or sends to this address is open to others.
+std::string Warning(const std::string& what, const std::string& address);
+
+struct NamedServer {
+  std::string name;  // "afcs", as `kestrel fly` has it
+  std::unique_ptr<AutopilotServer> server;
+};
+
+// The far ends that were asked for, listening. platform: of the camera, which AFCS turns; null: there is
+// none. What cannot be had is a mistake.
+std::vector<NamedServer> MakeServers(const ServeArguments& arguments, const LoadedScenario& loaded,
+                                     PanTilt* platform, Mistakes& mistakes);
+
+// How to connect, line by line: where each server listens and the camera goes, a warning where that is not
+// this computer alone, and the command line of `kestrel fly` for each.
+std::string StartLines(const ServeArguments& arguments, const LoadedScenario& loaded,
+                       const std::vector<NamedServer>& servers, const PanTilt* platform);
+
+}  // namespace kestrel

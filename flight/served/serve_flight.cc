@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "flight/served/serve_flight.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <set>
+#include <thread>
+
+#include "base/real_time.h"
+#include "base/stopwatch.h"
+#include "flight/simulated/flight_records.h"
+#include "flight/simulated/judgement.h"
+#include "records/telemetry/metrics.h"
+#include "vision/capture/live_camera.h"
+
+namespace kestrel {
+namespace {
+
+constexpr double kSlice_s = 0.002;
+constexpr double kStands_s = 3;
+constexpr char kLanded[] = "landed", kLasted[] = "completed";
+
+// The simulator as the servers have it: bad numbers end here, as they would in front of a real autopilot's
+// controllers.
+class Overheard final : public Autopilot {
+ public:
+  explicit Overheard(Simulator& simulator) : simulator_(simulator) {}
+  VehicleState State() const override { return simulator_.State(); }
+  void Send(const Setpoint& setpoint) override {
+    if (!Finite(setpoint)) return;
+    last = setpoint;
+    simulator_.Send(setpoint);
+  }
+  void Aid(const AttitudeAid& aid) override {
+    if (aid.R_NB.coeffs().allFinite()) simulator_.Aid(aid);
+  }
+
+  std::optional<Setpoint> last;  // since it was last taken
+
+ private:
+  Simulator& simulator_;
+};
+
+class ServedFlight {
+ public:
+  ServedFlight(const LoadedScenario& loaded, const ServeOptions& options)
+      : loaded_(loaded), options_(options), simulator_(loaded.simulator), aircraft_(simulator_) {
+    simulator_.CarryCamera(options.platform);
+    told_.resize(options.servers.size());
+    if (options.folder) records_.emplace(*options.folder, loaded, false);
+  }
+
+  FlightResult Fly() {
+    Summary& summary = result_.summary;
+    summary = BeginSummary(loaded_.scenario);
+    const double start_s = options_.clock.now_s();
+    RealTime time(start_s);
+    try {
+      if (options_.begun) options_.begun();
+      summary.outcome = Loop(time);
+    } catch (const std::exception& e) {
+      summary.outcome = "broke off";
+      summary.error = e.what();
+    }
+    summary.complete = summary.error.empty();
+    summary.wall_s = options_.clock.now_s() - start_s;
+    AddSimulator(simulator_, summary);
+    Assess(summary);
+    Count(summary);
+    summary.metrics["stretched_s"] = time.stretched_s();
+    if (time.stretched_s() > 0)
+      Tell("real time", fmt::format("the machine was too slow: time was stretched by {:.3f} s in all",
+                                    time.stretched_s()));
+    if (records_) summary = records_->Finish(summary, simulator_);
+    return std::move(result_);
+  }
+
+ private:
+  double t_s() const { return simulator_.truth().t_s; }
+
+  void Tell(const char* what, const std::string& is) {
+    if (records_) records_->Note(t_s(), what, is);
+    if (options_.say) options_.say(fmt::format("{:9.3f} s  {}: {}", t_s(), what, is));
+  }
+
+  std::string Loop(RealTime& time) {
+    // The last frame comes its latency after the last exposure.
+    const double end_s = loaded_.scenario.duration_s + loaded_.scenario.image.latency_s;
+    double flew_s = t_s();
+    while (t_s() < end_s - kSlice_s / 2) {
+      if (options_.go_on && !options_.go_on()) return "ended from outside";
+      const double now_s = options_.clock.now_s();
+      const double due_s = time.Due(now_s, t_s());
+      // However late: the servers hear and speak in between.
+      const double until_s = std::min({due_s, t_s() + kSlice_s, end_s});
+      while (const auto frame = simulator_.NextUntil(until_s)) Receive(*frame);
+      if (options_.pilot_off_at_s && !pilot_off_ && t_s() >= *options_.pilot_off_at_s) {
+        pilot_off_ = true;
+        for (AutopilotServer* server : options_.servers) server->SetPilot(false);
+        Tell("pilot", "his switch takes the aircraft away");
+      }
+      for (AutopilotServer* server : options_.servers) server->Serve(now_s, aircraft_);
+      TellNews();
+      if (const auto news_s = time.News(now_s))
+        Tell("real time", fmt::format("the machine is too slow: {:.3f} s more behind, {:.3f} s in all; time "
+                                      "is stretched, nothing is skipped",
+                                      *news_s, time.stretched_s()));
+
+      if (!(simulator_.touch() && simulator_.State().landed)) flew_s = t_s();
+      if (t_s() >= flew_s + kStands_s) return kLanded;
+      if (t_s() + kSlice_s > due_s) options_.clock.sleep_until(time.WallOf(t_s() + kSlice_s));
+    }
+    return kLasted;
+  }
+
+  bool Flown() const {
+    return std::ranges::any_of(options_.servers,
+                               [](const AutopilotServer* server) { return server->Heard().followed > 0; });
+  }
+
+  // The first setpoint that is followed, and the first of each kind of what is not heeded.
+  void TellNews() {
+    if (!flown_ && Flown()) {
+      flown_ = true;
+      Tell("client", "its first setpoint");
+    }
+    for (std::size_t i = 0; i < options_.servers.size(); ++i) {
+      const auto& unheeded = options_.servers[i]->Heard().unheeded;
+      if (unheeded.size() == told_[i].size()) continue;
+      for (const auto& [kind, all] : unheeded)
+        if (told_[i].insert(kind).second) Tell("not heeded", fmt::format("{}: {}", kind, all.first));
+    }
+  }
+
+  void Count(Summary& summary) {
+    WireCounts sum;
+    std::uint64_t not_heeded = 0;
+    for (const AutopilotServer* server : options_.servers) {
+      const WireCounts& counts = server->Heard();
+      sum.setpoints += counts.setpoints, sum.followed += counts.followed, sum.refused += counts.refused;
+      for (const auto& [kind, all] : counts.unheeded) {
+        not_heeded += all.count;
+        Tell("not heeded", fmt::format("{} {} in all", all.count, kind));
+      }
+    }
+    summary.metrics["setpoints_heard"] = static_cast<double>(sum.setpoints);
+    summary.metrics["setpoints_followed"] = static_cast<double>(sum.followed);
+    summary.metrics["setpoints_refused"] = static_cast<double>(sum.refused);
+    summary.metrics["messages_not_heeded"] = static_cast<double>(not_heeded);
+  }
+
+  void Receive(const Frame& frame) {
+    if (options_.publish) options_.publish(frame);
+    Decision decision;
+    decision.setpoint = std::exchange(aircraft_.last, std::nullopt);
+    result_.rows.push_back(
+        {frame.sequence, simulator_.exposure(), simulator_.truth(), simulator_.State(), decision});
+    if (records_) records_->Write(result_.rows.back(), simulator_);
+  }
+
+  // By what is of the truth alone.
+  void Assess(Summary& summary) {
+    for (const auto& [name, value] : Metrics(result_.rows, simulator_.touch()))
+      if (!NeedsDecisions(name)) summary.metrics[name] = value;
+    std::map<std::string, Limit> limits = loaded_.scenario.criteria;
+    std::erase_if(limits, [&](const auto& limit) {
+      const bool out = NeedsDecisions(limit.first);
+      if (out) Tell("judgement", limit.first + " is left out: only the flight code knows it");
+      return out;
+    });
+    Judge(limits, summary);
+    summary.passed = summary.complete && AllPassed(summary.criteria);
+    if (loaded_.scenario.criteria.empty() || Flown()) return;
+    summary.passed = false;
+    if (summary.outcome == kLasted || summary.outcome == kLanded) summary.outcome = "not flown";
+    Tell("judgement", "no setpoint was followed: nobody flew it, and it has met nothing");
+  }
+
+  const LoadedScenario& loaded_;
+  const ServeOptions& options_;
+  Simulator simulator_;
+  Overheard aircraft_;
+  std::optional<FlightRecords> records_;
+  FlightResult result_;
+  std::vector<std::set<std::string>> told_;  // by server: the kinds of what was not heeded
+  bool pilot_off_ = false, flown_ = false;
+};
+
+}  // namespace
+
+WallClock MonotonicClock() {
+  return {MonotonicNow_s, [](double t_s) {
+            const double left_s = t_s - MonotonicNow_s();
+            if (left_s > 0) std::this_thread::sleep_for(std::chrono::duration<double>(left_s));
+          }};
+}
+
+FlightResult ServeFlight(const LoadedScenario& loaded, const ServeOptions& options) {
+  return ServedFlight(loaded, options).Fly();
+}
+
+}  // namespace kestrel

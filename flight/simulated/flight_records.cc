@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "flight/simulated/flight_records.h"
+
+#include <stdexcept>
+
+#include "base/file/files.h"
+#include "records/telemetry/flight_mode.h"
+
+namespace kestrel {
+namespace {
+
+RecorderOptions OptionsFor(const LoadedScenario& loaded, bool video) {
+  RecorderOptions options;
+  options.video = video;
+  options.rate_hz = loaded.scenario.image.rate_hz;
+  options.plots.title = loaded.scenario.name + ", seed " + std::to_string(loaded.scenario.seed);
+  const SceneParameters& scene = loaded.simulator.scene;
+  if (!scene.pad_texture.empty()) options.plots.pad_size_m = scene.pad.size_m;
+  return options;
+}
+
+// In a folder that the recorder has made.
+EventLog BeginEvents(const std::filesystem::path& folder, const Scenario& scenario) {
+  std::filesystem::remove(folder / "events.log");  // of an earlier run
+  WriteFile(folder / "scenario.yaml", ToYaml(scenario));
+  return EventLog(folder);
+}
+
+}  // namespace
+
+FlightRecords::FlightRecords(const std::filesystem::path& folder, const LoadedScenario& loaded, bool video)
+    : lock_(LockFolder(folder)),
+      recorder_(folder, OptionsFor(loaded, video)),
+      events_(BeginEvents(folder, loaded.scenario)) {
+  events_.Line(0, "mode", kSimulatorMode);
+}
+
+void FlightRecords::WriteChanges(const Simulator& simulator) {
+  const auto conditions = simulator.camera_changes();
+  for (; conditions_written_ < conditions.size(); ++conditions_written_)
+    events_.WriteCamera(conditions[conditions_written_].from_s, conditions[conditions_written_].name);
+  const auto states = simulator.state_changes();
+  for (; states_written_ < states.size(); ++states_written_)
+    events_.Line(states[states_written_].t_s, states[states_written_].what, states[states_written_].is);
+}
+
+void FlightRecords::Write(const LogRow& row, const Simulator& simulator) {
+  recorder_.Write(row);
+  WriteChanges(simulator);
+  events_.Write(row);
+}
+
+Summary FlightRecords::Finish(Summary summary, const Simulator& simulator) {
+  try {
+    WriteChanges(simulator);
+    events_.End(summary.sim_s, summary.error.empty() ? summary.outcome : summary.error);
+  } catch (const std::runtime_error& e) {
+    if (summary.error.empty()) summary.error = e.what();
+    summary.complete = summary.passed = false;
+  }
+  try {
+    return recorder_.Finish(summary);
+  } catch (const std::runtime_error& e) {
+    throw std::runtime_error(summary.error.empty() ? e.what() : summary.error + "; " + e.what());
+  }
+}
+
+}  // namespace kestrel

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "flight/simulated/scenario.h"
+
+namespace kestrel {
+
+// The metrics that a flight of a scenario can have if it goes as it is meant to, of all MetricNames. (One
+// that goes wrong may have others: a hover that hits the ground touches down.) varies: whether a key, as
+// "flight.baseline", may be another than the scenario has; what depends on it is then possible.
+std::vector<std::string> PossibleMetrics(
+    const Scenario& scenario,
+    const std::function<bool(const std::string& key)>& varies = [](const std::string&) { return false; });
+
+}  // namespace kestrel

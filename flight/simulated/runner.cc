@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "flight/simulated/runner.h"
+
+#include <chrono>
+
+#include "base/stopwatch.h"
+#include "flight/simulated/flight_records.h"
+#include "flight/simulated/judgement.h"
+#include "flight/simulated/truth_images.h"
+#include "mission/flight_loop.h"
+#include "records/recording.h"
+#include "records/summary.h"
+#include "records/telemetry/flight_mode.h"
+#include "records/telemetry/metrics.h"
+#include "records/video/drawn_view.h"
+#include "vision/write_image.h"
+
+namespace kestrel {
+
+FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) {
+  const Scenario& scenario = loaded.scenario;
+  FlightResult result;
+  Summary& summary = result.summary;
+  summary = BeginSummary(scenario);
+
+  SimulatorParameters parameters = loaded.simulator;
+  parameters.surfaces = options.folder && options.truth;
+  Simulator simulator(parameters);
+  const FlightParts parts = PartsOf(loaded, simulator.model());
+  const std::unique_ptr<Mission> mission = MakeMission(parts);
+  const auto start = std::chrono::steady_clock::now();
+
+  std::optional<FlightRecords> records;
+  std::optional<TruthImages> truth;
+  std::optional<RecordingWriter> recording;
+  if (options.folder) {
+    records.emplace(*options.folder, loaded, options.video);
+    if (options.images) {
+      recording.emplace(*options.folder);
+      WriteOwnParts(*options.folder, parts.own_parts);
+    }
+    if (options.truth) truth.emplace(*options.folder / "truth", simulator.model());
+  }
+
+  std::vector<double> vision_s, control_s, record_s;
+  bool stopped = false;
+  try {
+    summary.outcome = Fly(
+        simulator, simulator, *mission,
+        [&](const Frame& frame, const VehicleState& state, const Decision& decision) {
+          RequireNumbers(frame, state, decision);
+          const auto began = std::chrono::steady_clock::now();
+          result.rows.push_back({frame.sequence, simulator.exposure(), simulator.truth(), state, decision});
+          const LogRow& row = result.rows.back();
+          if (records) {
+            records->Write(row, simulator);
+            if (truth) truth->Write(frame.sequence, simulator.picture());
+            if (recording) recording->Write(frame, state, decision);
+            if (records->recorder().wants_images())
+              records->recorder().WriteImage(DrawnView(frame, *mission, kSimulatorMode));
+          }
+          vision_s.push_back(decision.vision_s);
+          control_s.push_back(decision.control_s);
+          record_s.push_back(SecondsSince(began));
+          stopped = options.progress && !options.progress(row);
+          return !stopped;
+        });
+    if (summary.outcome.empty()) {
+      const auto changes = simulator.camera_changes();
+      const bool blind = !changes.empty() && changes.back().off;
+      summary.outcome = stopped ? "interrupted" : blind ? "camera off" : "completed";
+    }
+    if (stopped) summary.error = "interrupted";
+  } catch (const std::exception& e) {
+    summary.outcome = "broke off";
+    summary.error = e.what();
+  }
+
+  summary.complete = summary.error.empty();
+  summary.wall_s = SecondsSince(start);
+  AddSimulator(simulator, summary);
+  summary.metrics = Metrics(result.rows, simulator.touch());
+  Judge(scenario.criteria, summary);
+  summary.passed = summary.complete && mission->Accomplished() && AllPassed(summary.criteria);
+  summary.stages["vision"] = StageTimeOf(vision_s);
+  summary.stages["control"] = StageTimeOf(control_s);
+  summary.stages["record"] = StageTimeOf(record_s);
+  try {
+    if (recording) recording->Close();
+  } catch (const std::exception& e) {
+    if (summary.error.empty()) summary.error = e.what();
+    summary.complete = summary.passed = false;
+  }
+  if (records) summary = records->Finish(summary, simulator);
+  return result;
+}
+
+}  // namespace kestrel

@@ -1,0 +1,303 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "flight/simulated/scenario.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdlib>
+
+#include "base/file/files.h"
+#include "base/user_file.h"
+#include "flight/gains_file.h"
+#include "flight/simulated/check_image.h"
+#include "flight/simulated/possible_metrics.h"
+#include "geometry/tait_bryan.h"
+#include "records/telemetry/metrics.h"
+#include "sim/camera/horizon.h"
+#include "sim/vehicle_file.h"
+#include "vision/camera/calibration_file.h"
+
+namespace kestrel {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The file of a world that is a landscape, if it is one.
+std::optional<fs::path> LandscapeFile(const std::string& world) {
+  const fs::path file = Root() / "models" / "worlds" / world / (world + ".yaml");
+  return IsFile(file) ? std::optional(file) : std::nullopt;
+}
+
+// A landscape as its world has it, before the scenario's own words.
+std::optional<LandscapeParameters> LandscapeOf(const std::string& world, Mistakes& mistakes) {
+  const auto file = LandscapeFile(world);
+  if (!file) return std::nullopt;
+  LandscapeParameters landscape;
+  Read(LoadConfig(*file, {}, mistakes), landscape, mistakes);
+  return landscape;
+}
+
+// What of a scenario and a landscape does not go together.
+void CheckLandscape(const Scenario& s, const Config& config, const std::string& where, Mistakes& mistakes) {
+  if (LandscapeFile(s.world)) {
+    if (s.render.backend != "auto" && s.render.backend != "ray") {
+      mistakes.Add(WhereOf(config, "render", where), "render.backend",
+                   fmt::format("'{}' draws to 500 m alone, and the world '{}' reaches beyond its horizon; "
+                               "valid: ray",
+                               s.render.backend, s.world));
+    }
+  } else if (s.landscape) {
+    std::vector<std::string> landscapes;
+    for (const std::string& name : NamesIn(Root() / "models" / "worlds", ""))
+      if (LandscapeFile(name)) landscapes.push_back(name);
+    mistakes.Add(WhereOf(config, "landscape", where), "landscape",
+                 fmt::format("the world '{}' is not made from numbers; worlds that are: {}", s.world,
+                             fmt::join(landscapes, ", ")));
+  }
+}
+
+// No more of the aircraft than its autopilot gives.
+void CheckAvoid(const AvoidFlight& flight, const AutopilotParameters& autopilot, const std::string& where,
+                Mistakes& mistakes) {
+  const NoMoreThan most{where, mistakes};
+  most("flight.speed_m_s", flight.speed_m_s, autopilot.speed_limit_m_s, "autopilot.speed_limit_m_s");
+  most("flight.avoidance.hold.yaw_rate_limit_deg_s", flight.avoidance.hold.yaw_rate_limit_deg_s,
+       autopilot.yaw_rate_limit_deg_s, "autopilot.yaw_rate_limit_deg_s");
+  most("flight.avoidance.acceleration_m_s2", flight.avoidance.acceleration_m_s2,
+       autopilot.acceleration_limit_m_s2, "autopilot.acceleration_limit_m_s2");
+}
+
+void CheckFollow(const FollowFlight& flight, const AutopilotParameters& autopilot, const std::string& where,
+                 Mistakes& mistakes) {
+  const NoMoreThan most{where, mistakes};
+  most("flight.gains.speed_limit_m_s", flight.gains.speed_limit_m_s, autopilot.speed_limit_m_s,
+       "autopilot.speed_limit_m_s");
+  most("flight.gains.climb_limit_m_s", flight.gains.climb_limit_m_s, autopilot.climb_limit_m_s,
+       "autopilot.climb_limit_m_s");
+  most("flight.gains.yaw_rate_limit_deg_s", flight.gains.yaw_rate_limit_deg_s, autopilot.yaw_rate_limit_deg_s,
+       "autopilot.yaw_rate_limit_deg_s");
+}
+
+void CheckTargets(const Scenario& s, const std::string& where, Mistakes& mistakes) {
+  constexpr std::size_t kMost = 200;  // MuJoCo's own memory for a step ends below 2000
+  if (s.targets.size() > kMost)
+    return mistakes.Add(where, "targets",
+                        fmt::format("there are {}; valid: up to {}", s.targets.size(), kMost));
+  for (std::size_t i = 0; i < s.targets.size(); ++i) {
+    const TargetParameters& t = s.targets[i];
+    const std::string name = fmt::format("targets[{}]", i);
+    if ((t.velocity_m_s.norm() > 0) + (t.string_m > 0) + (t.roam_m_s > 0) > 1)
+      mistakes.Add(where, name, "moves in several ways; valid: one of velocity_m_s, string_m and roam_m_s");
+    const double lowest_m = t.position_m.z() - t.diameter_m / 2 - t.string_m;
+    if (lowest_m < 0)
+      mistakes.Add(where, name + ".position_m",
+                   fmt::format("with its diameter and string it reaches {:.3g} m into the ground; valid: a "
+                               "height from {:.3g} m",
+                               -lowest_m, t.position_m.z() - lowest_m));
+  }
+}
+
+// What a flight of this scenario cannot have is "not reached" by every flight: the criterion is a mistake.
+void CheckCriteria(const Scenario& s, const std::string& where, Mistakes& mistakes) {
+  const std::vector<std::string> all = MetricNames(), possible = PossibleMetrics(s);
+  for (const auto& [metric, limit] : s.criteria) {
+    const std::string key = "criteria." + metric;
+    if (!Known("criteria", metric, all, where, mistakes)) continue;
+    if (std::find(possible.begin(), possible.end(), metric) == possible.end())
+      mistakes.Add(where, key,
+                   fmt::format("a flight of this scenario, of the mission '{}', has no '{}'; valid: {}",
+                               s.mission, metric, fmt::join(possible, ", ")));
+    if (!limit.max && !limit.min) mistakes.Add(where, key, "has no limit; valid: max, min or both");
+  }
+}
+
+// A root mean square over an image or two is no figure, and passes or fails by chance.
+void CheckFrames(const Scenario& s, const std::string& where, Mistakes& mistakes) {
+  constexpr double kFewestFrames = 10;
+  const double frames = s.duration_s * s.image.rate_hz;
+  if (s.criteria.empty() || frames >= kFewestFrames - 1e-9) return;
+  mistakes.Add(
+      where, "image.rate_hz",
+      fmt::format("{:g} gives {:.0f} images in duration_s = {:g}, too few to judge a flight by; valid: at "
+                  "least {:.3g}, a longer duration_s, or no criteria",
+                  s.image.rate_hz, std::floor(frames), s.duration_s, kFewestFrames / s.duration_s));
+}
+
+// Whether an aircraft can carry its own weight.
+void CheckLift(const AirframeParameters& vehicle, const std::string& where, Mistakes& mistakes) {
+  const double mass = Mass_kg(vehicle), weight = mass * 9.80665, thrust = GreatestThrust_n(vehicle);
+  if (thrust < 1.2 * weight) {
+    mistakes.Add(
+        where, "mass_kg",
+        fmt::format(
+            "{} weighs {:.3g} N, and the rotors give {:.3g} N at most; valid: a fifth more than the weight",
+            mass, weight, thrust));
+  }
+  const auto* helicopter = std::get_if<HelicopterParameters>(&vehicle);
+  if (helicopter && HoverPower_w(*helicopter) > 0.9 * helicopter->drive.power_w) {
+    mistakes.Add(where, "drive.power_w",
+                 fmt::format("{:g} W, and hovering takes {:.0f} W; valid: a ninth more than that",
+                             helicopter->drive.power_w, HoverPower_w(*helicopter)));
+  }
+}
+
+std::vector<std::string> NotesOn(const Scenario& s, const CameraModel& camera) {
+  std::vector<std::string> notes;
+  if (const double covered = ShareCovered(camera); covered < 1) {
+    notes.push_back(fmt::format(
+        "the camera '{}' fills {:.0f} % of its image, to {:.4g} deg from its axis; the rest is black",
+        s.camera, 100 * covered, Degrees(MaxAngle(camera))));
+  }
+  Mistakes none;
+  const auto file = s.camera.find('/') == std::string::npos ? std::nullopt : std::optional(s.camera);
+  const auto names = file ? CameraNames(LoadConfig(*file, {}, none)) : std::vector<std::string>();
+  if (names.size() > 1) {
+    notes.push_back(fmt::format("the camera is {} of '{}', which has {}",
+                                s.camera_name.empty() ? names.front() : s.camera_name, s.camera,
+                                fmt::join(names, ", ")));
+  }
+  return notes;
+}
+
+LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& overrides, bool compile) {
+  Mistakes mistakes;
+  LoadedScenario loaded;
+  Scenario& s = loaded.scenario;
+  Config config = LoadConfig(file, overrides, mistakes);
+  PassOverGains(config);
+  if (const ConfigNode* world = Find(config, "world")) s.landscape = LandscapeOf(world->text, mistakes);
+  const auto landscape = s.landscape;
+  const ConfigNode* named = Find(config, "vehicle");
+  const fs::path vehicle_folder = Root() / "models" / "vehicles" / (named ? named->text : s.vehicle);
+  const fs::path vehicle_file = vehicle_folder / (vehicle_folder.filename().string() + ".yaml");
+  VehicleFile vehicle;
+  if (IsFile(vehicle_file)) Read(LoadConfig(vehicle_file, {}, mistakes), vehicle, mistakes);
+  s.autopilot = vehicle.autopilot;
+  s.platform = vehicle.platform;
+  Read(config, s, mistakes);
+  if (!s.landscape) s.landscape = landscape;  // it was given without a word
+  if (!config.readable) mistakes.ThrowIfAny();
+  if (s.name.empty()) s.name = file.stem().string();
+  const std::string where = file.string();
+  if (!NamesFolder(s.name)) {
+    mistakes.Add(
+        WhereOf(config, "name", where), "name",
+        fmt::format("'{}' cannot name a folder; valid: no slash, no leading dot, no control character",
+                    s.name));
+  }
+  constexpr std::size_t kLongestName = 200;  // with the seed or the time it names a folder, of 255 bytes
+  if (s.name.size() > kLongestName)
+    mistakes.Add(WhereOf(config, "name", where), "name",
+                 fmt::format("has {} bytes; valid: up to {}", s.name.size(), kLongestName));
+  if (std::holds_alternative<LandingFlight>(s.flight) && s.start.on_ground) {
+    mistakes.Add(WhereOf(config, "start", where), "start.on_ground",
+                 "true, but a landing begins in the air; valid: false");
+  }
+  if (s.occlusion.until_s <= s.occlusion.from_s) {
+    mistakes.Add(WhereOf(config, "occlusion", where), "occlusion.until_s",
+                 fmt::format("{} is not after from_s = {}", s.occlusion.until_s, s.occlusion.from_s));
+  }
+  for (const AttitudeFault& fault : s.sensors.attitude_faults) {
+    if (fault.until_s <= fault.from_s)
+      mistakes.Add(WhereOf(config, "sensors", where), "sensors.attitude_faults",
+                   fmt::format("a fault from {} s until {} s; valid: until_s after from_s", fault.from_s,
+                               fault.until_s));
+  }
+  CheckFlight(s.flight, s.image.colour, config, where, mistakes);
+  CheckFaults(s.sensors, s.actuators, vehicle.airframe, WhereOf(config, "sensors", where),
+              WhereOf(config, "actuators", where), mistakes);
+  if (const auto* avoid = std::get_if<AvoidFlight>(&s.flight)) {
+    CheckAvoid(*avoid, s.autopilot, WhereOf(config, "flight", where), mistakes);
+  }
+  if (const auto* follow = std::get_if<FollowFlight>(&s.flight))
+    CheckFollow(*follow, s.autopilot, WhereOf(config, "flight", where), mistakes);
+  CheckTargets(s, WhereOf(config, "targets", where), mistakes);
+  CheckLandscape(s, config, where, mistakes);
+  CheckMount(s.mount, WhereOf(config, "mount", where), mistakes);
+  CheckCriteria(s, WhereOf(config, "criteria", where), mistakes);
+  CheckFrames(s, WhereOf(config, "image", where), mistakes);
+
+  SimulatorParameters& sim = loaded.simulator;
+  const fs::path models = Root() / "models";
+  Known("vehicle", s.vehicle, NamesIn(models / "vehicles", ""), WhereOf(config, "vehicle", where), mistakes);
+  sim.scene.vehicle = vehicle_folder / (s.vehicle + ".xml");
+  sim.vehicle = vehicle.airframe;
+  sim.autopilot = s.autopilot;
+  if (Known("world", s.world, NamesIn(models / "worlds", ""), WhereOf(config, "world", where), mistakes)) {
+    const fs::path folder = models / "worlds" / s.world;
+    sim.scene.world = folder / (s.world + (s.landscape ? ".yaml" : ".xml"));
+    sim.scene.landscape = s.landscape;
+    sim.scene.seed = s.seed;
+  }
+  bool has_camera = false;
+  if (const auto camera =
+          CameraFile(s.camera, file.parent_path(), WhereOf(config, "camera", where), mistakes)) {
+    const std::size_t before = mistakes.messages().size();
+    sim.camera = LoadCamera(*camera, mistakes, s.camera_name);
+    has_camera = mistakes.messages().size() == before;
+    if (has_camera) CheckView(s.flight, s.camera, sim.camera, s.mount, config, where, mistakes);
+  }
+  CheckImage(s.image, has_camera ? &sim.camera : nullptr, WhereOf(config, "image", where), mistakes);
+  if (s.pad.name == "none") {
+    if (s.occlusion.share > 0)
+      mistakes.Add(WhereOf(config, "occlusion", where), "occlusion.share",
+                   fmt::format("{}, but there is no pad to be covered; valid: 0", s.occlusion.share));
+    CheckHasPad(s.flight, config, where, mistakes);
+  } else if (Known("pad", s.pad.name, NamesIn(models / "pads", ""), WhereOf(config, "pad", where),
+                   mistakes)) {
+    const PadFile pad = LoadPad(models / "pads" / s.pad.name / (s.pad.name + ".yaml"), mistakes);
+    sim.scene.pad = pad.parameters;
+    sim.scene.pad_texture = pad.texture;
+    loaded.pad = pad.reference;
+  }
+  sim.scene.pad_position_m = s.pad.position_m;
+  sim.scene.pad_yaw_deg = s.pad.yaw_deg;
+  sim.sensors = s.sensors;
+  sim.actuators = s.actuators;
+  sim.mount = s.mount;
+  sim.image = s.image;
+  sim.render = s.render;
+  sim.wind = s.wind;
+  sim.start = s.start;
+  sim.occlusion = s.occlusion;
+  sim.targets = s.targets;
+  sim.seed = s.seed;
+  sim.duration_s = s.duration_s;
+  mistakes.ThrowIfAny();
+  try {
+    if (compile) MakeAirframe(sim.vehicle, MakeModel(sim.scene, false).get(), false);
+    CheckLift(sim.vehicle, vehicle_file.string(), mistakes);
+  } catch (const std::exception& e) {
+    mistakes.Add(where, "", e.what());
+  }
+  mistakes.ThrowIfAny();
+  loaded.notes = NotesOn(s, sim.camera);
+  return loaded;
+}
+
+}  // namespace
+
+LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<std::string>& overrides,
+                            bool compile) {
+  const fs::path file = ScenarioFile(name_or_file);
+  return LoadWithGains(file, overrides,
+                       [&](const std::vector<std::string>& all) { return LoadWhole(file, all, compile); });
+}
+
+FlightParts PartsOf(const LoadedScenario& loaded, const mjModel* model) {
+  const SimulatorParameters& sim = loaded.simulator;
+  FlightParts parts{.flight = loaded.scenario.flight,
+                    .pilot = loaded.scenario.pilot,
+                    .camera = sim.camera,
+                    .X_BC = MountPose(sim.mount),
+                    .pad = loaded.pad,
+                    .own_parts = {},
+                    .seed = sim.seed};
+  if (!LooksForPad(parts.flight)) parts.own_parts = OwnParts(model, parts.camera, parts.X_BC);
+  return parts;
+}
+
+}  // namespace kestrel

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "flight/simulated/seeds.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <limits>
+#include <string_view>
+
+#include "base/yaml/yaml_fields.h"
+
+namespace kestrel {
+namespace {
+
+constexpr std::uint64_t kMostSeeds = 1000;  // their flights are held in memory
+
+}  // namespace
+
+SeedRange ParseSeeds(const std::string& text) {
+  const std::size_t dots = text.find("..");
+  const auto number = [](std::string_view s, std::uint64_t& value) {
+    const auto end = std::from_chars(s.data(), s.data() + s.size(), value);
+    return end.ec == std::errc{} && end.ptr == s.data() + s.size();
+  };
+  SeedRange seeds;
+  if (dots == std::string::npos || !number(std::string_view(text).substr(0, dots), seeds.first) ||
+      !number(std::string_view(text).substr(dots + 2), seeds.last) || seeds.last < seeds.first) {
+    throw InputError(
+        {fmt::format("--seeds: '{}' is not a range; valid: A..B with A <= B, such as 1..20", text)});
+  }
+  if (seeds.last - seeds.first >= kMostSeeds || seeds.last > std::numeric_limits<std::int64_t>::max()) {
+    throw InputError(
+        {fmt::format("--seeds: '{}' is too much; valid: at most {} seeds, below 2^63", text, kMostSeeds)});
+  }
+  return seeds;
+}
+
+}  // namespace kestrel

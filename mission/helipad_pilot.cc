@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mission/helipad_pilot.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <utility>
+
+#include "base/stopwatch.h"
+#include "geometry/tait_bryan.h"
+#include "mission/caption.h"
+
+namespace kestrel {
+namespace {
+
+constexpr double kWaypointReached_m = 1.0;
+constexpr double kLegOverlap = 0.7;  // of the field of view, between neighbouring legs of the search
+
+constexpr double kMostField_deg = 100;  // of the virtual camera: about as many pixels as a fisheye has
+
+}  // namespace
+
+std::optional<Pinhole> TrackersCamera(const CameraModel& camera) {
+  if (const auto* pinhole = std::get_if<Pinhole>(&camera)) return *pinhole;
+  return CentralPinhole(camera, Radians(kMostField_deg));
+}
+
+HelipadPilot::HelipadPilot(PadReference reference, const CameraModel& camera, const Pose& X_BC,
+                           const PilotParameters& parameters)
+    : parameters_(parameters),
+      camera_(camera),
+      view_(TrackersCamera(camera).value()),
+      tracker_(std::move(reference), view_, parameters.tracker),
+      estimator_(X_BC, parameters.estimator) {
+  if (!std::holds_alternative<Pinhole>(camera)) to_view_ = MakeViewTable(PerspectiveView{view_}, camera);
+}
+
+Decision HelipadPilot::See(const Frame& frame, const VehicleState& state) {
+  const auto start = std::chrono::steady_clock::now();
+  Decision decision;
+  cv::Mat grey = frame.image;
+  if (grey.channels() == 3) cv::cvtColor(frame.image, grey, cv::COLOR_BGR2GRAY);
+  if (to_view_) grey = Look(*to_view_, grey);
+  estimator_.Hear(state);
+  latency_s_ = state.t_s - frame.t_s;
+  const bool frozen = frozen_.Is(grey);
+  seen_ = frozen ? std::nullopt : tracker_.Track(grey, estimator_.ExpectedPose(frame.t_s));
+  fix_.reset();
+  if (seen_) {
+    if (const auto X_TB = estimator_.Correct(frame.t_s, seen_->X_CT, seen_->covariance)) {
+      fix_ = TargetFix{X_TB->p,        YawOf(X_TB->R),   seen_->inliers, seen_->residual_px,
+                       seen_->visible, seen_->registered};
+    }
+  }
+  estimate_ = estimator_.At(state.t_s);
+  decision.fix = fix_;
+  decision.fix_age_s = estimate_ ? estimate_->age_s : state.t_s;
+  decision.target = frozen              ? "frozen"
+                    : !seen_            ? "lost"
+                    : !fix_             ? "refused"
+                    : seen_->found      ? "found"
+                    : seen_->registered ? "tracked"
+                                        : "chained";
+  decision.target_in_sight = fix_.has_value();
+  if (fix_) {
+    lost_since_s_.reset();
+    leg_ = -1;
+    const Eigen::Quaterniond R_NT = HeadingRotation(YawOf(state.R_NB) - estimate_->yaw_TB);
+    last_place_N_ = state.p_NB - R_NT * estimate_->p_TB;
+    placed_ = true;
+  }
+  decision.vision_s = SecondsSince(start);
+  return decision;
+}
+
+VelocitySetpoint HelipadPilot::GoTo(const Eigen::Vector3d& p_T, double yaw_T) const {
+  const Pose X_TH{HeadingRotation(estimate_->yaw_TB), estimate_->p_TB};
+  const Pose X_TD{HeadingRotation(yaw_T), p_T};
+  VelocitySetpoint setpoint = ServoSetpoint(X_TD.Inverse() * X_TH, parameters_.servo);
+  // The autopilot flies the velocity that it believes in: ask for what is wanted plus its error.
+  setpoint.v_H += X_TH.R.conjugate() * estimate_->velocity_error_T;
+  return setpoint;
+}
+
+VelocitySetpoint HelipadPilot::DescendTo(const Eigen::Vector2d& p_T, double yaw_T, double sink_m_s) const {
+  VelocitySetpoint setpoint = GoTo({p_T.x(), p_T.y(), estimate_->p_TB.z()}, yaw_T);
+  setpoint.v_H.z() += sink_m_s;
+  return setpoint;
+}
+
+VelocityLag HelipadPilot::MostLag() const {
+  const ServoGains& gains = parameters_.servo;
+  return {kestrel::MostLag(gains.lambda_per_s), kestrel::MostLag(gains.lambda_vertical_per_s)};
+}
+
+std::optional<Setpoint> HelipadPilot::Search(const VehicleState& state) {
+  const SearchParameters& search = parameters_.search;
+  if (!lost_since_s_) lost_since_s_ = state.t_s;
+  const double lost_s = state.t_s - *lost_since_s_;
+  if (lost_s > search.give_up_s) return std::nullopt;
+  if (lost_s < search.stop_s) return VelocitySetpoint{};
+  if (-state.p_NB.z() < search.ceiling_m && leg_ < 0) return VelocitySetpoint{{0, 0, -search.climb_m_s}, 0};
+  return GrowingSquare(state);
+}
+
+// Legs north, east, south, west, each pair one stride longer, about where the pad was last seen or the search
+// began.
+Setpoint HelipadPilot::GrowingSquare(const VehicleState& state) {
+  const bool reached = (state.p_NB - waypoint_.p_N).norm() < kWaypointReached_m;
+  if (leg_ < 0) {
+    leg_ = 0;
+    waypoint_ = {{last_place_N_.x(), last_place_N_.y(), state.p_NB.z()}, YawOf(state.R_NB)};
+    if (!placed_) waypoint_.p_N = state.p_NB;
+  } else if (reached) {
+    const double view_m = -state.p_NB.z() * std::min(view_.width_px / view_.fx, view_.height_px / view_.fy);
+    const double length = kLegOverlap * view_m * (1 + leg_ / 2);
+    const int direction = leg_++ % 4;
+    waypoint_.p_N.x() += direction == 0 ? length : direction == 2 ? -length : 0;
+    waypoint_.p_N.y() += direction == 1 ? length : direction == 3 ? -length : 0;
+  }
+  return waypoint_;
+}
+
+std::optional<cv::Point2d> HelipadPilot::InFrame(const Eigen::Vector3d& p_CQ) const {
+  constexpr double kFarOff_px = 1e4;  // what OpenCV still draws
+  const auto uv = Project(camera_, p_CQ);
+  if (!uv || !(uv->cwiseAbs().maxCoeff() < kFarOff_px)) return std::nullopt;
+  return cv::Point2d(uv->x(), uv->y());
+}
+
+void HelipadPilot::Draw(cv::Mat& bgr, std::string_view phase) const {
+  const cv::Scalar kTracked(0, 200, 255), kInlier(80, 255, 80), kOutline(255, 220, 0);
+  const auto circles = [&](const std::vector<Eigen::Vector2d>& points, int radius, const cv::Scalar& colour) {
+    for (const Eigen::Vector2d& p : points) {
+      const auto ray = view_.Ray(p);
+      const auto at = ray ? InFrame(*ray) : std::nullopt;
+      if (at) cv::circle(bgr, *at, radius, colour, 1, cv::LINE_AA);
+    }
+  };
+  circles(tracker_.tracked_points(), 2, kTracked);
+  if (seen_) {
+    circles(tracker_.inlier_points(), 3, kInlier);
+    // A straight side is a curve in a wide image.
+    constexpr int kPieces = 16;
+    const std::vector<Eigen::Vector2d> corners = tracker_.reference().Outline();
+    std::optional<cv::Point2d> last;
+    for (std::size_t k = 0; k <= corners.size() * kPieces; ++k) {
+      const Eigen::Vector2d &from = corners[k / kPieces % corners.size()],
+                            &to = corners[(k / kPieces + 1) % corners.size()];
+      const double share = static_cast<double>(k % kPieces) / kPieces;
+      const Eigen::Vector2d p_T = (1 - share) * from + share * to;
+      const auto at = InFrame(seen_->X_CT * Eigen::Vector3d(p_T.x(), p_T.y(), 0));
+      if (at && last) cv::line(bgr, *last, *at, kOutline, 2, cv::LINE_AA);
+      last = at;
+    }
+    const auto origin = InFrame(seen_->X_CT.p);
+    const cv::Scalar colours[3] = {{60, 60, 255}, {60, 220, 60}, {255, 120, 60}};
+    for (int axis = 0; axis < 3; ++axis) {
+      // z is drawn upwards: down into the ground it would hide behind the pad
+      const Eigen::Vector3d tip = (axis == 2 ? -0.35 : 0.35) * Eigen::Vector3d::Unit(axis);
+      const auto end = InFrame(seen_->X_CT * tip);
+      if (origin && end) cv::arrowedLine(bgr, *origin, *end, colours[axis], 2, cv::LINE_AA, 0, 0.12);
+    }
+  }
+  Caption(bgr, 0, fmt::format("{}{}", phase, fix_ ? "" : "   pad lost"));
+  if (fix_) {
+    Caption(bgr, 1,
+            fmt::format("x {:+.2f}  y {:+.2f}  z {:+.2f} m   yaw {:+.1f} deg", fix_->p_TB.x(), fix_->p_TB.y(),
+                        fix_->p_TB.z(), Degrees(fix_->yaw_TB)));
+    Caption(bgr, 2,
+            fmt::format("{} inliers  {:.2f} px  {:.0f} % of the pad", fix_->inliers, fix_->residual_px,
+                        100 * std::min(1.0, fix_->visible)));
+  } else if (estimate_) {
+    Caption(bgr, 1, fmt::format("last seen {:.1f} s ago", estimate_->age_s));
+  }
+}
+
+}  // namespace kestrel

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string_view>
+
+#include "control/estimate/target_estimator.h"
+#include "control/law/pbvs.h"
+#include "mission/mission.h"
+#include "vision/camera/camera_model.h"
+#include "vision/camera/views.h"
+#include "vision/capture/frozen_image.h"
+#include "vision/landmark/pad_reference.h"
+#include "vision/landmark/pad_tracker.h"
+
+namespace kestrel {
+
+// What the tracker looks through: a pinhole itself, or within any other camera the virtual one along its axis
+// (thesis 6.6). None: the camera does not see along its own axis.
+std::optional<Pinhole> TrackersCamera(const CameraModel& camera);
+
+// What to do while the pad is out of sight: stop, climb to see more, then fly a growing square.
+struct SearchParameters {
+  double stop_s = 0.5;  // a pad lost for less is waited for
+  double climb_m_s = 0.8;
+  double ceiling_m = 12;  // of the aircraft above the origin of N
+  double give_up_s = 90;
+};
+
+template <class Visitor>
+void Fields(Visitor& v, SearchParameters& p) {
+  v("stop_s", p.stop_s, 0.0, 10.0);
+  v("climb_m_s", p.climb_m_s, 0.05, 3.0);
+  v("ceiling_m", p.ceiling_m, 1.0, 60.0);
+  v("give_up_s", p.give_up_s, 1.0, 3600.0);
+}
+
+struct PilotParameters {
+  PadTrackerOptions tracker;
+  TargetEstimatorOptions estimator;
+  ServoGains servo;
+  SearchParameters search;
+};
+
+template <class Visitor>
+void Fields(Visitor& v, PilotParameters& p) {
+  v("tracker", p.tracker);
+  v("estimator", p.estimator);
+  v("servo", p.servo);
+  v("search", p.search);
+}
+
+// What every helipad flight shares: it sees the pad, knows where the aircraft is over it, servoes to a place
+// over it, and searches when it is lost.
+class HelipadPilot {
+ public:
+  // A camera that has a TrackersCamera.
+  HelipadPilot(PadReference reference, const CameraModel& camera, const Pose& X_BC,
+               const PilotParameters& parameters);
+
+  // Looks at a frame: fills the target, fix and vision_s of a new decision. An image that is the one before,
+  // to the last bit, shows nothing: the camera is frozen.
+  Decision See(const Frame& frame, const VehicleState& state);
+
+  // The pad is in sight, or was a moment ago.
+  bool Knows() const { return estimate_ && estimate_->age_s < parameters_.search.stop_s + latency_s_; }
+  // Now, not at the exposure. Only while Knows().
+  const TargetEstimator::Estimate& where() const { return *estimate_; }
+
+  // Servoes to a place and yaw in T. Only while Knows().
+  VelocitySetpoint GoTo(const Eigen::Vector3d& p_T, double yaw_T) const;
+  // The same sideways, with a given velocity downwards.
+  VelocitySetpoint DescendTo(const Eigen::Vector2d& p_T, double yaw_T, double sink_m_s) const;
+
+  VelocityLag MostLag() const;  // of an autopilot that is given what GoTo and DescendTo return
+
+  // Not Knows(): the next move of the search. None: given up.
+  std::optional<Setpoint> Search(const VehicleState& state);
+
+  void Draw(cv::Mat& bgr, std::string_view phase) const;  // on a frame as the camera gives it
+
+ private:
+  Setpoint GrowingSquare(const VehicleState& state);
+  std::optional<cv::Point2d> InFrame(const Eigen::Vector3d& p_CQ) const;
+
+  PilotParameters parameters_;
+  CameraModel camera_;
+  Pinhole view_;                      // the tracker's camera, of the same C
+  std::optional<ViewTable> to_view_;  // from a frame; none: the frame is the view
+  PadTracker tracker_;
+  TargetEstimator estimator_;
+  std::optional<TargetEstimator::Estimate> estimate_;
+  std::optional<PadObservation> seen_;
+  FrozenImage frozen_;
+  std::optional<TargetFix> fix_;
+  double latency_s_ = 0;
+
+  std::optional<double> lost_since_s_;                      // of the search
+  Eigen::Vector3d last_place_N_ = Eigen::Vector3d::Zero();  // the pad on the autopilot's map, when last seen
+  bool placed_ = false;
+  int leg_ = -1;
+  PositionSetpoint waypoint_;
+};
+
+}  // namespace kestrel

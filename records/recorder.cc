@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "records/recorder.h"
+
+#include <fmt/format.h>
+
+#include <initializer_list>
+#include <stdexcept>
+#include <string_view>
+#include <vector>
+
+#include "geometry/tait_bryan.h"
+#include "records/plot/flown_plot.h"
+#include "records/summary.h"
+#include "vision/write_image.h"
+
+namespace kestrel {
+namespace {
+
+constexpr std::size_t kTargets = 2;  // with columns of their own
+
+// The names and the values of the columns, side by side, so that neither shifts against the other.
+class Columns {
+ public:
+  Columns(const LogRow& row, const TelemetryOptions& options);
+
+  std::string names, values;
+
+ private:
+  void Add(std::string_view name, std::string_view value) {
+    const char* separator = names.empty() ? "" : ",";
+    names += fmt::format("{}{}", separator, name);
+    values += fmt::format("{}{}", separator, value);
+  }
+  void Text(std::string_view name, std::string_view value) {
+    if (value.find_first_of(",\"\n\r") == std::string_view::npos) return Add(name, value);
+    std::string quoted = "\"";
+    for (const char c : value) quoted.append(c == '"' ? 2 : 1, c);
+    Add(name, quoted + '"');
+  }
+  void Flag(std::string_view name, bool value) { Add(name, value ? "1" : "0"); }
+  void Number(std::string_view name, double value) { Add(name, fmt::format("{:.9g}", value)); }
+  template <class T>
+  void Number(std::string_view name, bool given, T value) {
+    Add(name, given ? fmt::format("{:.9g}", static_cast<double>(value)) : "");
+  }
+  // The names have {} where x, y, z stand.
+  void Vector(std::string_view name, const Eigen::Vector3d& v) { Vector(name, true, v); }
+  void Vector(std::string_view name, bool given, const Eigen::Vector3d& v, std::string_view letters = "xyz") {
+    for (int i = 0; i < 3; ++i) Number(fmt::format(fmt::runtime(name), letters[i]), given, v[i]);
+  }
+  void Angles(std::string_view of, const std::optional<Eigen::Quaterniond>& R) {
+    const TaitBryan angles = R ? TaitBryanFromRotation(R->toRotationMatrix()) : TaitBryan{};
+    Number(fmt::format("{}_yaw_deg", of), R.has_value(), Degrees(angles.yaw));
+    Number(fmt::format("{}_pitch_deg", of), R.has_value(), Degrees(angles.pitch));
+    Number(fmt::format("{}_roll_deg", of), R.has_value(), Degrees(angles.roll));
+  }
+  void Setpoints(std::string_view of, const std::optional<Setpoint>& given) {
+    const Setpoint* setpoint = given ? &*given : nullptr;
+    const auto* velocity = std::get_if<VelocitySetpoint>(setpoint);
+    const auto* position = std::get_if<PositionSetpoint>(setpoint);
+    const auto* attitude = std::get_if<AttitudeSetpoint>(setpoint);
+    Vector(fmt::format("{}_v{{}}_m_s", of), velocity, velocity ? velocity->v_H : Eigen::Vector3d::Zero());
+    Number(fmt::format("{}_yaw_rate_deg_s", of), velocity || attitude,
+           Degrees(velocity   ? velocity->yaw_rate
+                   : attitude ? attitude->yaw_rate
+                              : 0));
+    Vector(fmt::format("{}_{{}}_m", of), position, position ? position->p_N : Eigen::Vector3d::Zero());
+    Number(fmt::format("{}_yaw_deg", of), position, position ? Degrees(position->yaw) : 0);
+    Number(fmt::format("{}_pitch_deg", of), attitude, attitude ? Degrees(attitude->pitch) : 0);
+    Number(fmt::format("{}_roll_deg", of), attitude, attitude ? Degrees(attitude->roll) : 0);
+    Number(fmt::format("{}_thrust", of), attitude, attitude ? attitude->thrust : 0);
+  }
+};
+
+Columns::Columns(const LogRow& row, const TelemetryOptions& options) {
+  const bool truth = options.truth;
+  const Decision& decision = row.decision;
+  Add("sequence", fmt::format("{}", row.sequence));
+  Number("t_s", row.now.t_s);
+  Number("exposure_t_s", row.exposure.t_s);
+  Text("phase", decision.phase);
+  Text("target", decision.target);
+  Text("mode", row.heard ? NameOf(row.estimate.mode) : "");
+  Flag("landed", row.estimate.landed);
+  Flag("saturated", row.estimate.saturated);
+
+  Vector("truth_{}_m", truth, row.now.X_NB.p);
+  Vector("truth_v{}_m_s", truth, row.now.v_N);
+  Angles("truth", truth ? std::optional(row.now.X_NB.R) : std::nullopt);
+  Vector("truth_rate_{}_deg_s", truth, row.now.w_B * Degrees(1));
+  Number("truth_touching", truth, row.now.touching);
+  Number("truth_attitude_failed", truth, row.now.attitude_failed);
+  Vector("wind_{}_m_s", truth, row.now.wind_N, "ned");
+
+  Vector("estimate_{}_m", row.estimate.p_NB);
+  Vector("estimate_v{}_m_s", row.estimate.v_N);
+  Angles("estimate", row.estimate.R_NB);
+  Flag("aided", row.estimate.aided);
+  Angles("inertial", row.estimate.R_NB_inertial);
+
+  const Pose X_TB = row.exposure.X_NT.Inverse() * row.exposure.X_NB;
+  Vector("target_{}_m", truth, X_TB.p);
+  Number("target_yaw_deg", truth, Degrees(YawOf(X_TB.R)));
+  const bool seen = decision.fix.has_value();
+  const TargetFix fix = decision.fix.value_or(TargetFix{});
+  Vector("fix_{}_m", seen, fix.p_TB);
+  Number("fix_yaw_deg", seen, Degrees(fix.yaw_TB));
+  Number("fix_inliers", seen, fix.inliers);
+  Number("fix_residual_px", seen, fix.residual_px);
+  Number("fix_visible", seen, fix.visible);
+  Number("fix_registered", seen, fix.registered);
+  Number("fix_age_s", decision.fix_age_s);
+  const bool level = decision.attitude.has_value();
+  const AttitudeFix attitude_fix = decision.attitude.value_or(AttitudeFix{});
+  Number("horizon_roll_deg", level, Degrees(attitude_fix.roll));
+  Number("horizon_pitch_deg", level, Degrees(attitude_fix.pitch));
+  Number("horizon_roll_sigma_deg", level, Degrees(attitude_fix.roll_sigma));
+  Number("horizon_pitch_sigma_deg", level, Degrees(attitude_fix.pitch_sigma));
+  const bool headed = attitude_fix.turned.has_value();
+  Number("compass_turned_deg", headed, Degrees(attitude_fix.turned.value_or(0)));
+  Number("compass_sigma_deg", headed, Degrees(attitude_fix.turned_sigma));
+
+  Number("horizon_coasting_s", decision.coasting_s.has_value(), decision.coasting_s.value_or(0));
+
+  const auto& sight = decision.sight;
+  const auto pixels = [&](const char* of, const SphereImage& image) {
+    Number(fmt::format("{}_u_px", of), sight.has_value(), image.s.x() * (sight ? sight->focal_px : 0));
+    Number(fmt::format("{}_v_px", of), sight.has_value(), image.s.y() * (sight ? sight->focal_px : 0));
+    Number(fmt::format("{}_diameter_px", of), sight.has_value(),
+           image.diameter * (sight ? sight->focal_px : 0));
+  };
+  pixels("balloon", sight ? sight->now : SphereImage{});
+  pixels("wanted", sight ? sight->wanted : SphereImage{});
+  const Encounter encounter = decision.encounter.value_or(Encounter{});
+  const bool meets = decision.encounter.has_value();
+  Number("other_bearing_deg", meets, Degrees(encounter.azimuth));
+  Number("other_wanted_deg", encounter.wanted.has_value(), Degrees(encounter.wanted.value_or(0)));
+  Number("other_range_m", meets, encounter.range_m);
+  Number("other_miss_m", meets, encounter.miss_m);
+  Number("other_after_s", meets, encounter.after_s);
+  for (std::size_t i = 0; i < kTargets; ++i) {
+    const bool there = i < row.now.targets.size();
+    const TargetTruth target = there ? row.now.targets[i] : TargetTruth{};
+    Vector(fmt::format("truth_target{}_{{}}_m", i), there, target.p_N);
+    Vector(fmt::format("truth_target{}_v{{}}_m_s", i), there, target.v_N);
+    Number(fmt::format("truth_target{}_in_view", i), there, target.in_view);
+  }
+
+  Setpoints("setpoint", decision.setpoint);
+  Text("outcome", decision.outcome);
+  if (!options.safety) return;
+  Setpoints("safe", row.sent);
+  Text("safety_hazard", row.hazard);
+  Text("safety_reaction", row.reaction);
+}
+
+}  // namespace
+
+std::string TelemetryHeader(const TelemetryOptions& options) { return Columns(LogRow{}, options).names; }
+std::string TelemetryLine(const LogRow& row, const TelemetryOptions& options) {
+  return Columns(row, options).values;
+}
+
+Recorder::Recorder(std::filesystem::path folder, RecorderOptions options)
+    : folder_(std::move(folder)), options_(std::move(options)) {
+  std::error_code error;
+  std::filesystem::create_directories(folder_ / "plots", error);
+  if (error) throw std::runtime_error(fmt::format("cannot write {}: {}", folder_.string(), error.message()));
+  std::vector<std::filesystem::path> files = {"summary.json", "telemetry.csv", "video.mp4"};
+  for (const std::string& name : PlotNames()) files.push_back(std::filesystem::path("plots") / name);
+  for (const std::filesystem::path& each : files) {
+    for (const std::filesystem::path& file : {folder_ / each, PartOf(folder_ / each)}) {
+      std::filesystem::remove(file, error);
+      if (error)
+        throw std::runtime_error(fmt::format("cannot remove {}: {}", file.string(), error.message()));
+    }
+  }
+  telemetry_.emplace(folder_ / "telemetry.csv");
+  telemetry_->Write(TelemetryHeader(options_.telemetry) + '\n');
+  if (options_.video) video_.emplace(folder_ / "video.mp4", options_.rate_hz);
+}
+
+void Recorder::Write(const LogRow& row) {
+  telemetry_->Write(TelemetryLine(row, options_.telemetry) + '\n');
+  plotted_.Add(row);
+}
+
+void Recorder::WriteImage(const cv::Mat& bgr) {
+  if (video_) video_->Write(bgr);
+}
+
+Summary Recorder::Finish(Summary summary) {
+  const auto attempt = [&summary](auto&& action) {
+    try {
+      action();
+    } catch (const std::runtime_error& e) {
+      summary.complete = summary.passed = false;
+      if (summary.error.find(e.what()) == std::string::npos) {
+        summary.error += fmt::format("{}{}", summary.error.empty() ? "" : "; ", e.what());
+      }
+    }
+  };
+  attempt([&] { telemetry_->Close(); });
+  if (video_) attempt([&] { video_->Close(); });
+  attempt([&] {
+    if (options_.telemetry.truth)
+      DrawPlots(folder_ / "plots", plotted_.rows(), options_.plots);
+    else
+      DrawFlownPlot(folder_ / "plots" / "flown.png", plotted_.rows(), options_.plots.title);
+  });
+  WriteFile(folder_ / "summary.json", ToJson(summary));
+  return summary;
+}
+
+}  // namespace kestrel

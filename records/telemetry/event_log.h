@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "base/file/files.h"
+#include "records/telemetry/flight_log.h"
+
+namespace kestrel {
+
+// events.log of a run: a line, with the time of the flight, whenever a state changes its name: the phase of
+// the flight plan, the target (tracked, found, chained, refused, lost, frozen), the autopilot's mode (hold:
+// its setpoints went stale), its saturation, the attitude it flies by, the faults of that, of the camera, of
+// sensors and actuators, what its navigation makes of its sensors, the touch-down. Each line is with the
+// system at once: whatever becomes of the program, what it wrote is there. Throws std::runtime_error with the
+// file and the reason.
+class EventLog {
+ public:
+  explicit EventLog(const std::filesystem::path& folder) : file_(folder / "events.log") {}
+  // In the order of time.
+  void Write(const LogRow& row);
+  void WriteCamera(double t_s, std::string_view condition);
+  void Line(double t_s, std::string_view what, std::string_view is);
+  void End(double t_s, std::string_view how);
+
+ private:
+  PartFile file_;
+  std::string phase_, target_, mode_, camera_ = "ok";
+  bool saturated_ = false, touching_ = false, aided_ = false, attitude_failed_ = false;
+};
+
+}  // namespace kestrel

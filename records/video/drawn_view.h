@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <string>
+
+#include "mission/mission.h"
+
+namespace kestrel {
+
+// A frame as a video has it: in colour, with what the mission saw in it, and in a strip of kModeStrip_px
+// under it what flies (flight_mode.h), where no mission draws.
+inline constexpr int kModeStrip_px = 22;
+cv::Mat DrawnView(const Frame& frame, const Mission& mission, const std::string& mode);
+
+}  // namespace kestrel

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <opencv2/core.hpp>
+#include <optional>
+
+#include "base/process/piped_program.h"
+
+namespace kestrel {
+
+// Writes a video (H.264 in MP4, playable while it loads) through the program ffmpeg. The file has its final
+// name only once it is complete. Throws std::runtime_error with the file and what ffmpeg said.
+class Video {
+ public:
+  Video(std::filesystem::path file, double rate_hz) : file_(std::move(file)), rate_hz_(rate_hz) {}
+
+  void Write(const cv::Mat& bgr);  // CV_8UC3, all of one size
+  void Close();                    // without any frame there is no file
+
+ private:
+  template <class Action>
+  void Named(Action action) const;
+
+  std::filesystem::path file_;
+  double rate_hz_;
+  cv::Size size_;
+  std::optional<PipedProgram> ffmpeg_;
+};
+
+}  // namespace kestrel

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "records/video/video_reader.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "vision/image_file.h"
+
+namespace kestrel {
+namespace {
+
+template <class Action>
+auto Named(const std::filesystem::path& file, Action action) {
+  try {
+    return action();
+  } catch (const std::exception& e) {
+    throw std::runtime_error(fmt::format("cannot read {} as a video: {}", file.string(), e.what()));
+  }
+}
+
+std::string OutputOf(std::vector<std::string> command) {
+  PipedProgram program(std::move(command), PipedProgram::Does::kGive);
+  std::string output(1 << 16, '\0');
+  output.resize(program.Read(output.data(), output.size()));
+  program.Close();
+  return output;
+}
+
+// ffprobe writes numbers as text, "N/A" where it has none, and rates as fractions.
+double NumberOf(const nlohmann::json& object, const char* key) {
+  const std::string text = object.value(key, "");
+  const std::size_t slash = text.find('/');
+  const auto number = [](std::string_view s) {
+    double value = 0;
+    std::from_chars(s.data(), s.data() + s.size(), value);
+    return value;
+  };
+  if (slash == std::string::npos) return number(text);
+  const double below = number(std::string_view(text).substr(slash + 1));
+  return below > 0 ? number(std::string_view(text).substr(0, slash)) / below : 0;
+}
+
+}  // namespace
+
+VideoReader::VideoReader(std::filesystem::path file) : file_(std::move(file)) {
+  Named(file_, [&] {
+    const nlohmann::json found = nlohmann::json::parse(
+        OutputOf({"ffprobe", "-loglevel", "error", "-select_streams", "v:0", "-show_entries",
+                  "stream=width,height,avg_frame_rate,nb_frames:format=duration", "-of", "json",
+                  "file:" + file_.string()}));
+    if (!found.contains("streams") || found["streams"].empty())
+      throw std::runtime_error("there is no video in it");
+    const nlohmann::json& stream = found["streams"][0];
+    size_ = {stream.value("width", 0), stream.value("height", 0)};
+    if (size_.empty()) throw std::runtime_error("its images have no size");
+    if (std::max(size_.width, size_.height) > kMostImageSide_px)
+      throw std::runtime_error(fmt::format("its images have {} x {} pixels; valid: up to {} x {}",
+                                           size_.width, size_.height, kMostImageSide_px, kMostImageSide_px));
+    rate_hz_ = NumberOf(stream, "avg_frame_rate");
+    if (!(rate_hz_ > 0)) rate_hz_ = 25;  // a still image, or a file that does not say
+    frames_ = NumberOf(stream, "nb_frames");
+    if (!(frames_ > 0))
+      frames_ = std::round(NumberOf(found.value("format", nlohmann::json::object()), "duration") * rate_hz_);
+    // Every frame once, whatever their times; and without accurate rounding the colours come out two levels
+    // too dark.
+    ffmpeg_.emplace(
+        std::vector<std::string>{"ffmpeg", "-nostdin", "-loglevel", "error", "-noautorotate", "-i",
+                                 "file:" + file_.string(), "-map", "0:v:0", "-fps_mode", "passthrough",
+                                 "-sws_flags", "bicubic+accurate_rnd+full_chroma_int", "-f", "rawvideo",
+                                 "-pix_fmt", "bgr24", "pipe:1"},
+        PipedProgram::Does::kGive);
+  });
+}
+
+std::optional<cv::Mat> VideoReader::Next() {
+  if (!ffmpeg_) return std::nullopt;
+  return Named(file_, [&]() -> std::optional<cv::Mat> {
+    cv::Mat bgr(size_, CV_8UC3);
+    const std::size_t bytes = bgr.total() * bgr.elemSize();
+    const std::size_t got = ffmpeg_->Read(bgr.ptr<char>(), bytes);
+    if (got == bytes) return bgr;
+    ffmpeg_->Close();
+    ffmpeg_.reset();
+    if (got > 0) throw std::runtime_error("it breaks off within a frame");
+    return std::nullopt;
+  });
+}
+
+}  // namespace kestrel

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <opencv2/core.hpp>
+#include <optional>
+
+#include "base/process/piped_program.h"
+
+namespace kestrel {
+
+// Reads any video file that the program ffmpeg knows, frame by frame, as the sensor gave it: a rotation that
+// the file asks for is not made. Throws std::runtime_error with the file and what ffmpeg said.
+class VideoReader {
+ public:
+  explicit VideoReader(std::filesystem::path file);
+
+  cv::Size size() const { return size_; }
+  double rate_hz() const { return rate_hz_; }
+  double frames() const { return frames_; }  // about so many, by the file's own word; 0: it does not say
+
+  std::optional<cv::Mat> Next();  // CV_8UC3, blue, green, red; none: the end
+
+ private:
+  std::filesystem::path file_;
+  cv::Size size_;
+  double rate_hz_ = 0, frames_ = 0;
+  std::optional<PipedProgram> ffmpeg_;
+};
+
+}  // namespace kestrel

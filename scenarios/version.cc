@@ -1,8 +1,0 @@
-// SPDX-License-Identifier: Apache-2.0
-#include "scenarios/version.h"
-
-namespace kestrel {
-
-const char* Version() { return KESTREL_VERSION; }
-
-}  // namespace kestrel

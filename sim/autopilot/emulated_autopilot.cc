@@ -1,0 +1,287 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/autopilot/emulated_autopilot.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "geometry/tait_bryan.h"
+
+namespace kestrel {
+namespace {
+
+constexpr double kGravity = 9.80665;
+constexpr double kYawGain_per_s = 1.0;
+constexpr double kIntegralLimit_m_s2 = 6;
+constexpr double kDragTime_s = 0.15;
+constexpr double kTakeOffClimb_m_s = 0.7;
+constexpr double kClearOfGround_m = 0.3;
+// Touch-down: asked to sink, yet not sinking, for this long; then the thrust is taken away bit by bit, and an
+// aircraft that still does not sink, and that something carries in its place, stands on the ground. In the
+// air its accelerometer feels the thrust go long before it falls.
+constexpr double kTouchDescent_m_s = 0.12;
+constexpr double kTouchStill_m_s = 0.09;
+constexpr double kTouchTime_s = 0.4;
+constexpr double kTouchSpool_s = 0.4;
+constexpr double kTouchFalling_m_s = 0.35;
+constexpr double kTouchThrottle = 0.4;
+constexpr double kTouchCarried_m_s2 = 0.8 * kGravity;
+constexpr double kCarriedTime_s = 0.05;
+
+Eigen::Vector2d Limited(const Eigen::Vector2d& v, double limit) {
+  const double norm = v.norm();
+  return norm > limit ? Eigen::Vector2d(v * (limit / norm)) : v;
+}
+
+}  // namespace
+
+void EmulatedAutopilot::AxisState::Step(double dt_s, const AxisLoop& loop, double command) {
+  const double w = loop.natural_frequency_rad_s;
+  acceleration = w * w * (loop.gain * command - angle) - 2 * loop.damping * w * rate;
+  rate += dt_s * acceleration;  // symplectic Euler: stable and exact enough at w dt of a hundredth
+  angle += dt_s * rate;
+}
+
+EmulatedAutopilot::EmulatedAutopilot(const AutopilotParameters& parameters, const SensorParameters& sensors,
+                                     const AirframeParameters& aircraft, const Pose& X_NB, bool flying,
+                                     const Eigen::Vector3d& gyro_bias)
+    : parameters_(parameters),
+      aircraft_(aircraft),
+      stabiliser_(MakeStabiliser(aircraft)),
+      navigation_(sensors, parameters.command_timeout_s, X_NB, gyro_bias),
+      mode_(flying ? FlightMode::kPosition : FlightMode::kStopped) {
+  hold_ = {X_NB.p, YawOf(X_NB.R)};
+  setpoint_ = hold_;
+  yaw_.angle = yaw_command_ = hold_.yaw;
+}
+
+void EmulatedAutopilot::Send(const Setpoint& setpoint) {
+  setpoint_ = setpoint;
+  setpoint_age_s_ = 0;
+  if (mode_ == FlightMode::kStopped) {
+    const auto* position = std::get_if<PositionSetpoint>(&setpoint);
+    if (!position || !(position->p_N.z() < navigation_.InUse().X_NB().p.z() - kClearOfGround_m)) return;
+    mode_ = FlightMode::kTakeOff;
+    const TaitBryan now = TaitBryanFromRotation(navigation_.InUse().X_NB().R.toRotationMatrix());
+    hold_ = {navigation_.InUse().X_NB().p, now.yaw};
+    roll_ = {}, pitch_ = {}, yaw_ = {};
+    yaw_.angle = yaw_command_ = now.yaw;
+    integral_N_.setZero();
+    CommandVelocity(Eigen::Vector3d::Zero());
+    touch_s_ = 0;
+    return;
+  }
+  if (mode_ == FlightMode::kTakeOff) return;
+  if (std::holds_alternative<VelocitySetpoint>(setpoint)) mode_ = FlightMode::kVelocity;
+  if (std::holds_alternative<PositionSetpoint>(setpoint)) mode_ = FlightMode::kPosition;
+  if (std::holds_alternative<AttitudeSetpoint>(setpoint)) mode_ = FlightMode::kAttitude;
+}
+
+Actuation EmulatedAutopilot::Step(double dt_s, const SensorReadings& readings) {
+  t_s_ += dt_s;
+  setpoint_age_s_ += dt_s;
+  navigation_.Step(dt_s, t_s_, readings);
+  rotor_rad_s_ = readings.rotor_rad_s;
+  // Across the thrust an accelerometer feels nothing but the air's drag: leaned against at once, it does not
+  // have to become an error of velocity first.
+  Eigen::Vector3d drag_B = readings.imu.specific_force_B;
+  drag_B.z() = 0;
+  Eigen::Vector3d drag_N = navigation_.InUse().X_NB().R * drag_B;
+  drag_N.z() = 0;
+  drag_N_ += (1 - std::exp(-dt_s / kDragTime_s)) * (drag_N - drag_N_);
+  carried_m_s2_ +=
+      (1 - std::exp(-dt_s / kCarriedTime_s)) * (-readings.imu.specific_force_B.z() - carried_m_s2_);
+  if (mode_ == FlightMode::kStopped) return Stopped(aircraft_);
+  // A position stands until the next one; velocities and attitudes must be kept up.
+  if ((mode_ == FlightMode::kVelocity || mode_ == FlightMode::kAttitude) &&
+      setpoint_age_s_ > parameters_.command_timeout_s) {
+    mode_ = FlightMode::kHold;
+    hold_ = {navigation_.InUse().X_NB().p, YawOf(navigation_.InUse().X_NB().R)};
+  }
+  const Demand demand = Navigate(dt_s);
+  if (mode_ == FlightMode::kStopped) return Stopped(aircraft_);
+  return Stabilise(dt_s, demand);
+}
+
+EmulatedAutopilot::Demand EmulatedAutopilot::Navigate(double dt_s) {
+  const double yaw = YawOf(navigation_.InUse().X_NB().R);
+  const auto turn_to = [&](double wanted) { return kYawGain_per_s * WrapAngle(wanted - yaw_.angle); };
+  switch (mode_) {
+    case FlightMode::kVelocity: {
+      const auto& v = std::get<VelocitySetpoint>(setpoint_);
+      const Demand demand = FollowVelocity(dt_s, HeadingRotation(yaw) * v.v_H, v.yaw_rate);
+      WatchTouchDown(dt_s, v.v_H.z());
+      return demand;
+    }
+    case FlightMode::kAttitude: {
+      const auto& a = std::get<AttitudeSetpoint>(setpoint_);
+      CommandVelocity(navigation_.InUse().v_N());
+      const double limit = Radians(parameters_.stick_limit_deg);
+      tilt_limited_ = std::abs(a.roll) * parameters_.roll.gain > limit ||
+                      std::abs(a.pitch) * parameters_.pitch.gain > limit;
+      return {a.roll, a.pitch, a.yaw_rate, std::clamp(a.thrust, 0.0, 1.0) * GreatestThrust_n(aircraft_)};
+    }
+    case FlightMode::kTakeOff: {
+      if (!std::visit([&](const auto& s) { return s.Ready(Sensed()); }, stabiliser_)) return {};
+      Eigen::Vector3d v = VelocityToward(hold_.p_N);
+      v.z() = -kTakeOffClimb_m_s;
+      if (navigation_.InUse().X_NB().p.z() < hold_.p_N.z() - kClearOfGround_m) {
+        mode_ = FlightMode::kPosition;
+        if (!std::holds_alternative<PositionSetpoint>(setpoint_))
+          setpoint_ = PositionSetpoint{navigation_.InUse().X_NB().p, hold_.yaw};
+      } else {
+        v.head<2>().setZero();  // no leaning against skids that still stand
+        integral_N_.head<2>().setZero();
+      }
+      return FollowVelocity(dt_s, v, turn_to(hold_.yaw));
+    }
+    case FlightMode::kPosition: {
+      const auto& p = std::get<PositionSetpoint>(setpoint_);
+      return FollowVelocity(dt_s, VelocityToward(p.p_N), turn_to(p.yaw));
+    }
+    default:
+      return FollowVelocity(dt_s, VelocityToward(hold_.p_N), turn_to(hold_.yaw));
+  }
+}
+
+Eigen::Vector3d EmulatedAutopilot::VelocityToward(const Eigen::Vector3d& p_N) const {
+  return parameters_.position_gain_per_s * (p_N - navigation_.InUse().X_NB().p);
+}
+
+void EmulatedAutopilot::CommandVelocity(const Eigen::Vector3d& v_N) {
+  v_N_command_ = v_N;
+  north_ = {v_N.x()}, east_ = {v_N.y()};
+}
+
+double EmulatedAutopilot::ClimbLate(double v_down) {
+  if (parameters_.climb_delay_s <= 0) return v_down;
+  climb_asked_.emplace_back(t_s_, v_down);
+  // The newest of those that are old enough stays in front; while none is, it is the oldest.
+  while (climb_asked_.size() > 1 && climb_asked_[1].first <= t_s_ - parameters_.climb_delay_s)
+    climb_asked_.pop_front();
+  return climb_asked_.front().second;
+}
+
+EmulatedAutopilot::Demand EmulatedAutopilot::FollowVelocity(double dt_s, const Eigen::Vector3d& v_N_asked,
+                                                            double yaw_rate) {
+  Eigen::Vector3d v_N_wanted = v_N_asked;
+  v_N_wanted.head<2>() = Limited(v_N_asked.head<2>(), parameters_.speed_limit_m_s);
+  v_N_wanted.z() = std::clamp(v_N_asked.z(), -parameters_.climb_limit_m_s, parameters_.climb_limit_m_s);
+  const Eigen::Vector2d step = (v_N_wanted - v_N_command_).head<2>();
+  const Eigen::Vector2d slewed = Limited(step, parameters_.acceleration_limit_m_s2 * dt_s);
+  v_N_command_.head<2>() += slewed;
+  v_N_command_.z() = ClimbLate(v_N_wanted.z());
+  Eigen::Vector3d v_N_expected = v_N_command_;
+  if (parameters_.velocity_lag_s > 0) {
+    const AxisLoop lag{2 / parameters_.velocity_lag_s, 1, 1};
+    north_.Step(dt_s, lag, v_N_command_.x());
+    east_.Step(dt_s, lag, v_N_command_.y());
+    v_N_expected.head<2>() << north_.angle, east_.angle;
+  }
+  const Eigen::Vector3d error = v_N_expected - navigation_.InUse().v_N();
+
+  Eigen::Vector3d a_N = integral_N_ - drag_N_;
+  a_N.head<2>() += parameters_.velocity_gain_per_s * error.head<2>() + slewed / dt_s;
+  a_N.z() += parameters_.climb_gain_per_s * error.z();
+
+  Demand demand;
+  const double tilt_limit = Radians(parameters_.tilt_limit_deg);
+  const Eigen::Vector2d level = Limited(a_N.head<2>(), kGravity * std::tan(tilt_limit));
+  tilt_limited_ = level.norm() < a_N.head<2>().norm() - 1e-9;
+  // Integrals stand still against a limit, so that nothing has to be unwound when it ends.
+  if (!tilt_limited_) integral_N_.head<2>() += dt_s * parameters_.velocity_integral_per_s2 * error.head<2>();
+  if (!rotor_limited_ && throttle_down_ >= 1)
+    integral_N_.z() += dt_s * parameters_.climb_integral_per_s2 * error.z();
+  integral_N_ = integral_N_.cwiseMax(-kIntegralLimit_m_s2).cwiseMin(kIntegralLimit_m_s2);
+
+  const Eigen::Vector3d a_H =
+      HeadingRotation(-YawOf(navigation_.InUse().X_NB().R)) * Eigen::Vector3d(level.x(), level.y(), 0);
+  const double pitch = -std::atan2(a_H.x(), kGravity);
+  const double roll = std::atan2(a_H.y() * std::cos(pitch), kGravity);
+  demand.roll = roll / parameters_.roll.gain;  // the loop answers with its gain
+  demand.pitch = pitch / parameters_.pitch.gain;
+  demand.yaw_rate = yaw_rate;
+  const TaitBryan now = TaitBryanFromRotation(navigation_.InUse().X_NB().R.toRotationMatrix());
+  const double upright = std::max(0.5, std::cos(now.roll) * std::cos(now.pitch));
+  demand.thrust_n = Mass_kg(aircraft_) * std::max(0.0, kGravity - a_N.z()) / upright * throttle_down_;
+  return demand;
+}
+
+// Makes the aircraft follow the identified models, whose state is the reference: feed-forward of its
+// acceleration, feedback on attitude and rate by the inner loop.
+Actuation EmulatedAutopilot::Stabilise(double dt_s, const Demand& demand) {
+  const double limit =
+      Radians(mode_ == FlightMode::kAttitude ? parameters_.stick_limit_deg : parameters_.tilt_limit_deg);
+  const double rate_limit = Radians(parameters_.yaw_rate_limit_deg_s);
+  yaw_command_ += dt_s * std::clamp(demand.yaw_rate, -rate_limit, rate_limit);
+  roll_.Step(dt_s, parameters_.roll,
+             std::clamp(demand.roll, -limit / parameters_.roll.gain, limit / parameters_.roll.gain));
+  pitch_.Step(dt_s, parameters_.pitch,
+              std::clamp(demand.pitch, -limit / parameters_.pitch.gain, limit / parameters_.pitch.gain));
+  yaw_.Step(dt_s, parameters_.yaw, yaw_command_);
+
+  const Eigen::Quaterniond R_NR(
+      RotationFromTaitBryan({yaw_.angle, pitch_.angle, roll_.angle}));  // R: the reference
+  const Eigen::Vector3d error_B = LogRotation(navigation_.InUse().X_NB().R.conjugate() * R_NR);
+  // Rates of the angles as a rate of the body.
+  const double sr = std::sin(roll_.angle), cr = std::cos(roll_.angle);
+  const double sp = std::sin(pitch_.angle), cp = std::cos(pitch_.angle);
+  const Eigen::Vector3d w(roll_.rate - sp * yaw_.rate, cr * pitch_.rate + sr * cp * yaw_.rate,
+                          -sr * pitch_.rate + cr * cp * yaw_.rate);
+  const Eigen::Vector3d feed(roll_.acceleration, pitch_.acceleration, yaw_.acceleration);
+  const AttitudeDemand attitude{error_B, w, feed, demand.thrust_n};
+  return std::visit(
+      [&](auto& stabiliser) {
+        const Actuation actuation = stabiliser.Step(dt_s, attitude, Sensed());
+        rotor_limited_ = stabiliser.limited();
+        return actuation;
+      },
+      stabiliser_);
+}
+
+SensedMotion EmulatedAutopilot::Sensed() const {
+  const StateEstimator& estimate = navigation_.InUse();
+  return {estimate.w_B(), -(estimate.X_NB().R.conjugate() * estimate.v_N()).z(), rotor_rad_s_};
+}
+
+void EmulatedAutopilot::WatchTouchDown(double dt_s, double descent_wanted) {
+  const double sinking = navigation_.InUse().v_N().z();
+  const bool suspicious = descent_wanted > kTouchDescent_m_s && sinking < kTouchStill_m_s;
+  if (throttle_down_ >= 1) {
+    touch_s_ = suspicious ? touch_s_ + dt_s : 0;
+    if (touch_s_ < kTouchTime_s) return;
+  }
+  if (sinking > kTouchFalling_m_s || carried_m_s2_ < kTouchCarried_m_s2 ||
+      descent_wanted <= kTouchDescent_m_s) {  // it falls, or wants to go: in the air
+    throttle_down_ = 1;
+    touch_s_ = 0;
+    return;
+  }
+  throttle_down_ -= dt_s / kTouchSpool_s;
+  if (throttle_down_ < kTouchThrottle) StopMotors();
+}
+
+void EmulatedAutopilot::StopMotors() {
+  mode_ = FlightMode::kStopped;
+  throttle_down_ = 1;
+  touch_s_ = 0;
+  integral_N_.setZero();
+  tilt_limited_ = rotor_limited_ = false;
+  std::visit([](auto& s) { s.Stop(); }, stabiliser_);
+}
+
+VehicleState EmulatedAutopilot::State() const {
+  VehicleState s;
+  s.t_s = t_s_;
+  s.p_NB = navigation_.InUse().X_NB().p;
+  s.v_N = navigation_.InUse().v_N();
+  s.R_NB = navigation_.InUse().X_NB().R;
+  s.w_B = navigation_.InUse().w_B();
+  s.mode = mode_;
+  s.landed = mode_ == FlightMode::kStopped;
+  s.saturated = tilt_limited_ || rotor_limited_;
+  s.aided = navigation_.aided();
+  s.R_NB_inertial = navigation_.InertialAttitude();
+  return s;
+}
+
+}  // namespace kestrel

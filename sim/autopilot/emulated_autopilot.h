@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <deque>
+#include <optional>
+#include <utility>
+
+#include "control/autopilot.h"
+#include "sim/aircraft/airframe.h"
+#include "sim/autopilot/navigation.h"
+#include "sim/sensor/sensors.h"
+
+namespace kestrel {
+
+// A closed attitude axis as identified: angle = gain w^2 / (s^2 + 2 d w s + w^2) command.
+struct AxisLoop {
+  double natural_frequency_rad_s = 7.07;
+  double damping = 0.72;
+  double gain = 1;
+};
+
+struct AutopilotParameters {
+  AxisLoop roll{7.07, 0.72, 0.80}, pitch{7.07, 0.76, 0.84}, yaw{5.0, 0.95, 1.0};
+  double tilt_limit_deg = 25;
+  double stick_limit_deg = 45;  // the same for attitudes that are asked for themselves
+  double yaw_rate_limit_deg_s = 90;
+  double speed_limit_m_s = 3;
+  double climb_limit_m_s = 2;
+  double acceleration_limit_m_s2 = 2;
+  double velocity_gain_per_s = 2.6;
+  double velocity_integral_per_s2 = 1.2;
+  // By how much the level velocity expected is later than the one asked for, as tilting takes its time: what
+  // the feed-forward of acceleration will yet bring is then no error that would be made good twice. 0: none.
+  double velocity_lag_s = 0;
+  double climb_gain_per_s = 3.5;
+  double climb_integral_per_s2 = 2.0;
+  // Dead time from a vertical velocity that is asked for until it is followed. An autopilot that shapes its
+  // commands has one: ArduCopter, by its defaults, follows 0.85 s late.
+  double climb_delay_s = 0;
+  double position_gain_per_s = 0.9;
+  double command_timeout_s = 0.5;
+};
+
+template <class Visitor>
+void Fields(Visitor& v, AxisLoop& a) {
+  v("natural_frequency_rad_s", a.natural_frequency_rad_s, 0.5, 30.0);
+  v("damping", a.damping, 0.1, 3.0);
+  v("gain", a.gain, 0.1, 2.0);
+}
+
+template <class Visitor>
+void Fields(Visitor& v, AutopilotParameters& p) {
+  v("roll", p.roll);
+  v("pitch", p.pitch);
+  v("yaw", p.yaw);
+  v("tilt_limit_deg", p.tilt_limit_deg, 1.0, 60.0);
+  v("stick_limit_deg", p.stick_limit_deg, 1.0, 60.0);
+  v("yaw_rate_limit_deg_s", p.yaw_rate_limit_deg_s, 1.0, 360.0);
+  v("speed_limit_m_s", p.speed_limit_m_s, 0.1, 30.0);
+  v("climb_limit_m_s", p.climb_limit_m_s, 0.1, 10.0);
+  v("acceleration_limit_m_s2", p.acceleration_limit_m_s2, 0.1, 10.0);
+  v("velocity_gain_per_s", p.velocity_gain_per_s, 0.0, 20.0);
+  v("velocity_integral_per_s2", p.velocity_integral_per_s2, 0.0, 20.0);
+  v("velocity_lag_s", p.velocity_lag_s, 0.0, 2.0);
+  v("climb_gain_per_s", p.climb_gain_per_s, 0.0, 20.0);
+  v("climb_integral_per_s2", p.climb_integral_per_s2, 0.0, 20.0);
+  v("climb_delay_s", p.climb_delay_s, 0.0, 3.0);
+  v("position_gain_per_s", p.position_gain_per_s, 0.0, 5.0);
+  v("command_timeout_s", p.command_timeout_s, 0.05, 10.0);
+}
+
+// An AscTec-like low-level autopilot: an attitude loop with the identified closed-loop dynamics, velocity and
+// height loops above it, position hold above those; limits, take-off, stopping the motors on touch-down, and
+// a hold when setpoints go stale. It knows nothing but its sensors, and an attitude that it may be sent.
+class EmulatedAutopilot {
+ public:
+  // Switched on at the pose; flying: in the air, motors on, holding that place, otherwise on the ground.
+  EmulatedAutopilot(const AutopilotParameters& parameters, const SensorParameters& sensors,
+                    const AirframeParameters& aircraft, const Pose& X_NB, bool flying,
+                    const Eigen::Vector3d& gyro_bias);
+
+  void Send(const Setpoint& setpoint);
+  void Aid(const AttitudeAid& aid) { navigation_.Aid(aid); }
+  // Advances by one step of the simulation; returns what the aircraft's rotors are to do.
+  Actuation Step(double dt_s, const SensorReadings& readings);
+
+  VehicleState State() const;
+  NavigationHealth Health() const { return navigation_.Health(); }
+  double t_s() const { return t_s_; }
+  void SetClock(double t_s) { t_s_ = t_s; }
+
+ private:
+  struct Demand {                              // what the outer loops ask of the inner
+    double roll = 0, pitch = 0, yaw_rate = 0;  // rad, rad, rad/s
+    double thrust_n = 0;
+  };
+  struct AxisState {
+    double angle = 0, rate = 0, acceleration = 0;
+    void Step(double dt_s, const AxisLoop& loop, double command);
+  };
+
+  Demand Navigate(double dt_s);
+  Demand FollowVelocity(double dt_s, const Eigen::Vector3d& v_N_wanted, double yaw_rate);
+  Eigen::Vector3d VelocityToward(const Eigen::Vector3d& p_N) const;
+  double ClimbLate(double v_down);                   // what was asked for climb_delay_s ago
+  void CommandVelocity(const Eigen::Vector3d& v_N);  // without slewing
+  Actuation Stabilise(double dt_s, const Demand& demand);
+  SensedMotion Sensed() const;
+  void WatchTouchDown(double dt_s, double descent_wanted);
+  void StopMotors();
+
+  AutopilotParameters parameters_;
+  AirframeParameters aircraft_;
+  Stabiliser stabiliser_;
+  Navigation navigation_;
+  double t_s_ = 0;
+  double rotor_rad_s_ = 0;  // of the tachometer
+
+  FlightMode mode_;
+  Setpoint setpoint_;
+  double setpoint_age_s_ = 0;
+  PositionSetpoint hold_;
+
+  AxisState roll_, pitch_, yaw_;
+  double yaw_command_ = 0;
+  Eigen::Vector3d v_N_command_ = Eigen::Vector3d::Zero();  // slewed by the acceleration limit
+  AxisState north_, east_;                                 // that, later by velocity_lag_s
+  std::deque<std::pair<double, double>> climb_asked_;      // s, m/s down: those of the last climb_delay_s
+  Eigen::Vector3d integral_N_ = Eigen::Vector3d::Zero();   // m/s^2: what wind and weight ask for
+  Eigen::Vector3d drag_N_ = Eigen::Vector3d::Zero();       // felt by the accelerometers, m/s^2, level
+  double carried_m_s2_ = 0;   // specific force upwards, smoothed: what carries the aircraft
+  double touch_s_ = 0;        // how long it has looked like standing on the ground
+  double throttle_down_ = 1;  // share of the thrust left while making sure of that
+  bool tilt_limited_ = false, rotor_limited_ = false;
+};
+
+}  // namespace kestrel

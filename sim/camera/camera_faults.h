@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/yaml/fields.h"
+
+namespace kestrel {
+
+// A fault of the camera, in the vocabulary of PX4's failure injection. What becomes of the frames whose
+// exposure falls into it:
+//
+//   off           there are none, and their numbers (Frame::sequence) are missing
+//   intermittent  each is lost with a chance of loss, and its number is missing
+//   slow          rate_hz of them are made in a second and no others: the numbers go on without a gap
+//   delayed       they come delay_s later than the latency says, none before the one exposed before it; those
+//                 that an end of the fault lets overtake come right after one another
+//   stuck         number and time go on, the image is the last from before; without one, the first
+//   garbage       number and time go on, the pixels are random
+//
+// Faults may meet: off beats all, then intermittent and slow decide what there is, stuck beats garbage, and
+// the delays add up.
+struct CameraFault {
+  std::string type;
+  // While: the whole of [from_s, until_s); or, with a rate_per_min, lengths of length_s of it that begin at
+  // random, so often a minute.
+  double from_s = 0, until_s = 1e9;
+  double rate_per_min = 0, length_s = 1;
+  double probability = 1;  // that there is this fault at all, by the seed
+  double loss = 0.5;       // intermittent
+  double rate_hz = 2;      // slow
+  double delay_s = 0.3;    // delayed
+};
+
+template <class Visitor>
+void Fields(Visitor& v, CameraFault& f) {
+  v(Required("type"), f.type, {"off", "stuck", "garbage", "slow", "delayed", "intermittent"});
+  v("from_s", f.from_s, 0.0, 1e9);
+  v("until_s", f.until_s, 0.0, 1e9);
+  v("rate_per_min", f.rate_per_min, 0.0, 600.0);
+  v("length_s", f.length_s, 0.001, 1e9);
+  v("probability", f.probability, 0.0, 1.0);
+  if (f.type == "intermittent") v("loss", f.loss, 0.0, 1.0);
+  if (f.type == "slow") v("rate_hz", f.rate_hz, 0.01, 500.0);
+  if (f.type == "delayed") v("delay_s", f.delay_s, 0.0, 60.0);
+}
+
+// How the camera is from a time on.
+struct CameraCondition {
+  double from_s = 0;
+  std::string name = "ok";  // or the faults that it has: "off", "slow + delayed"
+  bool off = false, stuck = false, garbage = false;
+  double loss = 0;      // chance of each frame
+  double period_s = 0;  // at least, between two frames
+  double delay_s = 0;
+};
+
+// The faults of one run, settled before it begins: schedule, seed and duration decide.
+class CameraFaults {
+ public:
+  CameraFaults(const std::vector<CameraFault>& faults, std::uint64_t seed, double duration_s);
+
+  const CameraCondition& At(double t_s) const;
+  // Every change up to a time, its own included; none while there has been no fault.
+  std::span<const CameraCondition> ChangesUntil(double t_s) const;
+  // Whether an intermittent camera loses the frame that it should take at a place of its clock.
+  bool Loses(const CameraCondition& condition, std::int64_t tick) const;
+
+ private:
+  std::uint64_t seed_;
+  std::vector<CameraCondition> conditions_;  // in the order of time; the first has no beginning
+};
+
+}  // namespace kestrel

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "sim/render/ray/lens.h"
+#include "sim/render/ray/things.h"
+
+// The inner loops, in SIMD: compiled for several instruction sets, the best of which is chosen when the
+// program runs. A packet is as many rays as a vector is wide, at most 16.
+namespace kestrel::ray {
+
+struct Canvas {
+  std::uint8_t* bgr = nullptr;  // 3 bytes a pixel
+  std::size_t step = 0;         // bytes a row
+  // What each pixel shows: the thing, which side of it, what lies over it. Where neighbours differ there is
+  // an edge. Row stride as the lens's table.
+  std::uint32_t* code = nullptr;
+  // Of each row, tile by tile: the code that all of its pixels in the tile have, or kMixed.
+  std::uint32_t* common = nullptr;
+  static constexpr std::uint32_t kMixed = 0xffffffff;
+};
+
+// What is needed to draw a row.
+struct Slice {
+  const Lens* lens = nullptr;
+  const Things* things = nullptr;
+  const Placement* placement = nullptr;
+  // Of each tile of the row of tiles: a bit for each thing that some ray of the tile may meet.
+  std::uint64_t* seen = nullptr;
+  int words = 0;  // for each tile
+  bool shadows = false;
+};
+
+inline int SeenWords(const Things& things) { return static_cast<int>((things.all.size() + 63) / 64); }
+
+// Fills slice.seen of all tiles of a row of tiles.
+void Cull(const Slice& slice, int tile_row);
+// Draws the rows [begin, end) of one row of tiles, a ray to a pixel.
+void DrawRows(const Slice& slice, int begin, int end, const Canvas& canvas);
+// Draws the pixels at edges in the rows [begin, end) of one row of tiles again, 8 rays to each. All rows of
+// the canvas are drawn.
+void SmoothRows(const Slice& slice, int begin, int end, const Canvas& canvas);
+// Distance along the ray and id of the geom of each pixel of the rows [begin, end), of what is opaque.
+void SeeRows(const Slice& slice, int begin, int end, float* depth_m, std::int32_t* geom, std::size_t stride);
+
+// The instruction set in use.
+const char* InstructionSet();
+
+}  // namespace kestrel::ray

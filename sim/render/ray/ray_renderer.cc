@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/render/ray/ray_renderer.h"
+
+#include <fmt/format.h>
+#include <hwy/targets.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+#include <stdexcept>
+#include <thread>
+#include <vector>
+
+#include "sim/render/ray/kernel.h"
+#include "sim/render/ray/lens.h"
+#include "sim/render/ray/things.h"
+#include "sim/world/frames.h"
+
+namespace kestrel {
+namespace {
+
+using ray::Lens;
+using ray::Placement;
+using ray::Slice;
+using ray::Things;
+
+// Calls work(0) to work(count - 1), each once, on so many threads.
+template <class Work>
+void InParallel(int threads, int count, const Work& work) {
+  std::atomic<int> next = 0;
+  const auto run = [&] {
+    for (int i = next++; i < count; i = next++) work(i);
+  };
+  std::vector<std::jthread> others;
+  for (int i = 1; i < std::min(threads, count); ++i) others.emplace_back(run);
+  run();
+}
+
+Pose InterpolatePose(const Pose& a, const Pose& b, double share) {
+  return {a.R.slerp(share, b.R), a.p + share * (b.p - a.p)};
+}
+
+}  // namespace
+
+// What is kept between pictures.
+struct RayRenderer::Stage {
+  Lens lens;
+  Things things;
+  bool shadows = false;
+  int threads = 1;
+  cv::Mat code, common;                // CV_32S, as in Canvas
+  std::vector<Placement> placements;   // one, or one for each row
+  std::vector<std::uint64_t> seen;     // of each row of tiles, or of each row
+  std::vector<ray::WorldPose> worlds;  // of the instants
+  std::vector<cv::Mat> given_out;
+
+  int SeenOfRow() const { return lens.tiles_x * ray::SeenWords(things); }
+
+  Slice SliceOf(int placement, int seen_row) {
+    return {&lens,
+            &things,
+            &placements[placement],
+            seen.data() + static_cast<std::ptrdiff_t>(seen_row) * SeenOfRow(),
+            ray::SeenWords(things),
+            shadows};
+  }
+
+  // An image to draw into: one given out before that nobody holds any more, since its memory is warm; fresh
+  // memory costs a page fault for every 4 kB.
+  cv::Mat Blank() {
+    for (const cv::Mat& old : given_out)
+      if (old.u && old.u->refcount == 1) return old;
+    if (given_out.size() == 4) given_out.erase(given_out.begin());
+    given_out.emplace_back(lens.height, lens.width, CV_8UC3);
+    return given_out.back();
+  }
+
+  // One sharp picture; `instant_of_row` gives world and camera of a row, or none if all rows share
+  // placements[0].
+  template <class Fill>
+  void Draw(cv::Mat& bgr, bool rolling, const Fill& fill) {
+    const ray::Canvas canvas{bgr.data, bgr.step, code.ptr<std::uint32_t>(), common.ptr<std::uint32_t>()};
+    placements.resize(rolling ? lens.height : 1);
+    seen.resize(static_cast<std::size_t>(rolling ? lens.height : lens.tiles_y) * SeenOfRow());
+    if (!rolling) fill(0, placements[0]);
+    const auto rows_of = [&](int tile_row, const auto& each) {
+      const int begin = tile_row * Lens::kTile, end = std::min(begin + Lens::kTile, lens.height);
+      each(begin, end);
+    };
+    InParallel(threads, lens.tiles_y, [&](int tile_row) {
+      rows_of(tile_row, [&](int begin, int end) {
+        if (!rolling) {
+          const Slice slice = SliceOf(0, tile_row);
+          ray::Cull(slice, tile_row);
+          ray::DrawRows(slice, begin, end, canvas);
+          return;
+        }
+        for (int v = begin; v < end; ++v) {
+          fill(v, placements[v]);
+          const Slice slice = SliceOf(v, v);
+          ray::Cull(slice, tile_row);
+          ray::DrawRows(slice, v, v + 1, canvas);
+        }
+      });
+    });
+    InParallel(threads, lens.tiles_y, [&](int tile_row) {
+      rows_of(tile_row, [&](int begin, int end) {
+        if (!rolling) return ray::SmoothRows(SliceOf(0, tile_row), begin, end, canvas);
+        for (int v = begin; v < end; ++v) ray::SmoothRows(SliceOf(v, v), v, v + 1, canvas);
+      });
+    });
+  }
+
+  // World and camera at a time between the instants.
+  void PlaceAt(double t_s, std::span<const Instant> instants, Placement& placement) const {
+    std::size_t after = 0;
+    while (after < instants.size() && instants[after].t_s < t_s) ++after;
+    if (after == 0 || after == instants.size()) {
+      const std::size_t i = after == 0 ? 0 : after - 1;
+      return ray::Place(things, worlds[i], instants[i].X_NC, lens.pixel_rad, placement);
+    }
+    const Instant &a = instants[after - 1], &b = instants[after];
+    const double share = (t_s - a.t_s) / (b.t_s - a.t_s);
+    ray::Place(things, ray::Interpolate(things, worlds[after - 1], worlds[after], share),
+               InterpolatePose(a.X_NC, b.X_NC, share), lens.pixel_rad, placement);
+  }
+};
+
+RayRenderer::RayRenderer(const mjModel* model, const CameraModel& camera, const RenderOptions& options)
+    : camera_(camera), stage_(std::make_unique<Stage>()) {
+  stage_->lens = ray::MakeLens(camera);
+  stage_->things = ray::CompileThings(model);
+  stage_->shadows = options.shadows;
+  stage_->threads = options.threads > 0 ? options.threads
+                                        : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  const Lens& lens = stage_->lens;
+  stage_->code = cv::Mat(lens.tiles_y * Lens::kTile, lens.stride, CV_32S, cv::Scalar(0x7fffffff));
+  stage_->common = cv::Mat(lens.height, lens.tiles_x, CV_32S);
+  name_ = fmt::format("ray renderer ({})", ray::InstructionSet());
+}
+
+RayRenderer::~RayRenderer() = default;
+
+cv::Mat RayRenderer::Render(const mjData* data, const Pose& X_NC) {
+  const ray::WorldPose world = ray::PoseOfWorld(stage_->things, data);
+  cv::Mat bgr = stage_->Blank();
+  stage_->Draw(bgr, false, [&](int, Placement& placement) {
+    ray::Place(stage_->things, world, X_NC, stage_->lens.pixel_rad, placement);
+  });
+  return bgr;
+}
+
+cv::Mat RayRenderer::Render(std::span<const Instant> instants, const Shutter& shutter) {
+  if (instants.empty()) throw std::runtime_error("A picture needs at least one instant of the world.");
+  stage_->worlds.clear();
+  for (const Instant& i : instants) stage_->worlds.push_back(ray::PoseOfWorld(stage_->things, i.data));
+  const bool rolling = shutter.line_s != 0;
+  const int samples = std::max(1, shutter.samples);
+  cv::Mat sum, bgr = stage_->Blank();
+  for (int k = 0; k < samples; ++k) {
+    const double offset_s = shutter.exposure_s * ((k + 0.5) / samples - 0.5);
+    stage_->Draw(bgr, rolling, [&](int row, Placement& placement) {
+      stage_->PlaceAt(shutter.row_0_s + row * shutter.line_s + offset_s, instants, placement);
+    });
+    if (samples == 1) return bgr;
+    if (k == 0) sum = cv::Mat::zeros(bgr.size(), CV_32SC3);
+    cv::add(sum, bgr, sum, cv::noArray(), CV_32S);
+  }
+  sum.convertTo(bgr, CV_8U, 1.0 / samples);
+  return bgr;
+}
+
+Surfaces RayRenderer::See(const mjData* data, const Pose& X_NC) {
+  Stage& s = *stage_;
+  const ray::WorldPose world = ray::PoseOfWorld(s.things, data);
+  s.placements.resize(1);
+  s.seen.resize(static_cast<std::size_t>(s.lens.tiles_y) * s.SeenOfRow());
+  ray::Place(s.things, world, X_NC, s.lens.pixel_rad, s.placements[0]);
+  Surfaces surfaces{cv::Mat(s.lens.height, s.lens.width, CV_32F),
+                    cv::Mat(s.lens.height, s.lens.width, CV_32S)};
+  InParallel(s.threads, s.lens.tiles_y, [&](int tile_row) {
+    const Slice slice = s.SliceOf(0, tile_row);
+    ray::Cull(slice, tile_row);
+    const int begin = tile_row * Lens::kTile, end = std::min(begin + Lens::kTile, s.lens.height);
+    ray::SeeRows(slice, begin, end, surfaces.depth_m.ptr<float>(), surfaces.geom.ptr<std::int32_t>(),
+                 surfaces.depth_m.step1());
+  });
+  return surfaces;
+}
+
+cv::Mat RayRenderer::Flow(const Instant& now, const Instant& next) {
+  const Surfaces surfaces = See(now.data, now.X_NC);
+  const ray::WorldPose before = ray::PoseOfWorld(stage_->things, now.data),
+                       after = ray::PoseOfWorld(stage_->things, next.data);
+  // X of C at the next instant from C now, for the points of each geom; -1: the sky, which only turns.
+  const auto pose_M = [](const Pose& X_NC) {
+    Eigen::Matrix3d R;
+    for (int k = 0; k < 3; ++k) R.col(k) = SwapNedNwu(X_NC.R * Eigen::Vector3d::Unit(k));
+    return Pose{Eigen::Quaterniond(R), SwapNedNwu(X_NC.p)};
+  };
+  const Pose X_MC = pose_M(now.X_NC), X_CM_next = pose_M(next.X_NC).Inverse();
+  std::map<int, Pose> moves;
+  for (std::size_t i = 0; i < stage_->things.all.size(); ++i) {
+    const Pose X_MG{before.R[i], before.p[i]}, X_MG_next{after.R[i], after.p[i]};
+    moves[stage_->things.all[i].geom] = X_CM_next * X_MG_next * X_MG.Inverse() * X_MC;
+  }
+  const Pose turn{(X_CM_next * X_MC).R, Eigen::Vector3d::Zero()};
+  cv::Mat flow(surfaces.geom.size(), CV_32FC2, cv::Scalar::all(std::numeric_limits<float>::quiet_NaN()));
+  InParallel(stage_->threads, flow.rows, [&](int v) {
+    for (int u = 0; u < flow.cols; ++u) {
+      const int geom = surfaces.geom.at<int>(v, u);
+      const auto ray_C = Ray(camera_, Eigen::Vector2d(u, v));
+      if (geom == -2 || !ray_C) continue;
+      const Eigen::Vector3d moved =
+          geom < 0 ? turn.R * *ray_C
+                   : moves.at(geom) * Eigen::Vector3d(surfaces.depth_m.at<float>(v, u) * *ray_C);
+      if (const auto to = Project(camera_, moved))
+        flow.at<cv::Vec2f>(v, u) =
+            cv::Vec2f(static_cast<float>(to->x() - u), static_cast<float>(to->y() - v));
+    }
+  });
+  return flow;
+}
+
+}  // namespace kestrel

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "base/yaml/fields.h"
+#include "sim/server/physics/physics_server.h"
+
+namespace kestrel {
+
+struct ArduPilotPhysicsParameters {
+  std::string address = "127.0.0.1";
+  int port = 9002;                   // 0: any that is free
+  std::string layout = "quad-plus";  // of its motors: sim/server/physics/motor_layout.h
+  double thrust_curvature = 0.65;    // its MOT_THST_EXPO
+  int pwm_min_us = 1000, pwm_max_us = 2000;
+  double gone_s = 2;  // silent for longer, on this computer's clock, a peer gives way to another
+};
+
+template <class Visitor>
+void Fields(Visitor& v, ArduPilotPhysicsParameters& p) {
+  v("address", p.address);
+  v("port", p.port, 0, 65535);
+  v("layout", p.layout, {"quad-plus", "quad-x"});
+  v("thrust_curvature", p.thrust_curvature, 0.0, 1.0);
+  v("pwm_min_us", p.pwm_min_us, 500, 1500);
+  v("pwm_max_us", p.pwm_max_us, 1501, 3000);
+  v("gone_s", p.gone_s, 0.0, 3600.0);
+}
+
+// ArduPilot's JSON interface (sim/server/physics/ardupilot_json.h): each packet of servo outputs is answered
+// with the state, after as many steps of the physics as come nearest to the frame rate that it asks for, one
+// at least. A packet that comes again is answered again, and no time passes. ArduPilot keeps the pace of real
+// time itself.
+//
+// The inertial sensors are the aircraft's, with their errors; position, velocity, attitude and wind are the
+// truth, from which ArduPilot makes its other sensors. A frame count that begins anew ends the flight, and
+// the next one begins with it. Packets from another address are refused, unless the peer has been silent for
+// gone_s: then they begin a flight too. Time stands still while nobody sends.
+//
+// Followed from ArduPilot's description; no ArduPilot has been seen to fly it.
+class ArduPilotPhysics final : public PhysicsServer {
+ public:
+  // Listens at once. Throws std::runtime_error: not an address, a port that is taken, an aircraft that is no
+  // Multirotor.
+  ArduPilotPhysics(const ArduPilotPhysicsParameters& parameters, const AirframeParameters& aircraft);
+  ~ArduPilotPhysics() override;
+
+  bool Begin() override;
+  std::optional<Actuation> Step(double dt_s, const SensorReadings& readings, const Truth& truth) override;
+  void Stop() override;
+  std::string Where() const override;
+  PhysicsCounts counts() const override;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace kestrel

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstdint>
+
+#include "control/wire/mavlink_messages.h"
+#include "geometry/truth.h"
+#include "sim/server/geodetic_origin.h"
+#include "sim/server/physics/gathered_readings.h"
+
+// Sensors and truth as the messages that PX4 takes from a simulator, in their units. A is the autopilot's
+// body frame, which may be turned in B: see sim/server/physics/motor_layout.h.
+namespace kestrel {
+
+// The international standard atmosphere (ISO 2533) up to 11 km.
+double StandardPressure_hpa(double altitude_m);
+double StandardTemperature_c(double altitude_m);
+
+// What HIL_SENSOR holds of magnetometer and barometer while they are silent.
+struct SlowSensors {
+  Eigen::Vector3d field_B = EarthField_N();  // T
+  double height_m = 0;                       // above the origin
+};
+
+// readings: of one step at least. slow is brought up to date with them. The temperature is the standard
+// atmosphere's, there is no air speed.
+wire::mavlink::HilSensor ToHilSensor(std::uint64_t time_usec, const GatheredReadings& readings,
+                                     SlowSensors& slow, const Eigen::Quaterniond& R_BA,
+                                     const GeodeticOrigin& origin);
+
+// eph and epv are 100: a dilution of 1 as MAVLink has it, 1 m as PX4 reads it. Ten satellites.
+wire::mavlink::HilGps ToHilGps(std::uint64_t time_usec, const GpsSample& gps, const GeodeticOrigin& origin);
+
+// specific_force_B in m/s^2.
+wire::mavlink::HilStateQuaternion ToHilState(std::uint64_t time_usec, const Truth& truth,
+                                             const Eigen::Vector3d& specific_force_B,
+                                             const Eigen::Quaterniond& R_BA, const GeodeticOrigin& origin);
+
+}  // namespace kestrel

@@ -1,0 +1,291 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/world/scene.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <pugixml.hpp>
+#include <sstream>
+#include <stdexcept>
+#include <vector>
+
+#include "base/user_file.h"
+#include "geometry/tait_bryan.h"
+#include "sim/world/frames.h"
+#include "sim/world/mjcf.h"
+#include "vision/image_file.h"
+#include "vision/image_header.h"
+
+namespace kestrel {
+namespace {
+
+constexpr double kTimestep_s = 0.002;
+constexpr double kGravity_m_s2 = 9.80665;
+constexpr double kPadHeight_m = 0.01;
+constexpr double kOccluderClearance_m = 0.03;
+constexpr double kOccluderThickness_m = 0.004;
+constexpr double kOutOfSight_m = 100;  // below the ground
+constexpr std::size_t kMostMjcfBytes = 1u << 24;
+
+std::string TargetName(std::size_t index) { return fmt::format("target {}", index); }
+
+// What MuJoCo is to read itself, pictures and meshes: it would read anything to its end.
+void RequireModest(const std::filesystem::path& file, const std::string& owner) {
+  if (!IsFile(file)) throw std::runtime_error(fmt::format("{} needs a file: {}.", owner, NoSuchFile(file)));
+  const FileContent content = ReadUserFile(file, kMostDataBytes);
+  if (!content.trouble.empty())
+    throw std::runtime_error(fmt::format("{} needs {}, which {}.", owner, file.string(), content.trouble));
+  const auto picture = HeaderOf(content.bytes);
+  if (picture && std::max(picture->size.width, picture->size.height) > kMostImageSide_px)
+    throw std::runtime_error(fmt::format("{} needs {}, which has {} x {} pixels; valid: up to {} x {}.",
+                                         owner, file.string(), picture->size.width, picture->size.height,
+                                         kMostImageSide_px, kMostImageSide_px));
+}
+
+// File names relative to the file they stand in, as absolute ones: the composed model stands nowhere.
+void MakeFilesAbsolute(pugi::xml_node node, const std::filesystem::path& folder, const std::string& owner) {
+  for (pugi::xml_attribute attribute : node.attributes()) {
+    if (std::strncmp(attribute.name(), "file", 4) != 0)
+      continue;  // file, and fileright to fileback of cube textures
+    const std::filesystem::path file = folder / attribute.value();
+    RequireModest(file, owner);
+    attribute.set_value(file.c_str());
+  }
+  for (const pugi::xml_node child : node.children()) MakeFilesAbsolute(child, folder, owner);
+}
+
+// Appends the sections of an MJCF file, or of a fragment, to the model.
+void Append(pugi::xml_node model, const std::filesystem::path& path, const char* what) {
+  const std::string owner = fmt::format("The {} {}", what, path.string());
+  const auto [text, trouble] = ReadUserFile(path, kMostMjcfBytes);
+  if (!trouble.empty()) throw std::runtime_error(fmt::format("{} {}.", owner, trouble));
+  pugi::xml_document part;
+  const pugi::xml_parse_result result = part.load_buffer(text.data(), text.size());
+  if (!result)
+    throw std::runtime_error(fmt::format("{} is not XML: {} in line {}.", owner, result.description(),
+                                         1 + std::count(text.begin(), text.begin() + result.offset, '\n')));
+  MakeFilesAbsolute(part, std::filesystem::absolute(path).parent_path(), owner);
+  for (const pugi::xml_node section : part.document_element().children()) {
+    const bool bare = std::strcmp(section.name(), "body") == 0;
+    (bare ? model.append_child("worldbody") : model).append_copy(section);
+  }
+}
+
+void AppendPlaceOfPad(pugi::xml_node model, const SceneParameters& p) {
+  pugi::xml_node body = model.append_child("worldbody").append_child("body");
+  body.append_attribute("name") = "pad";
+  body.append_attribute("pos") = fmt::format("{} {} 0", p.pad_position_m.x(), -p.pad_position_m.y()).c_str();
+  body.append_attribute("quat") =
+      fmt::format("{} 0 0 {}", std::cos(Radians(p.pad_yaw_deg) / 2), -std::sin(Radians(p.pad_yaw_deg) / 2))
+          .c_str();
+}
+
+void AppendPad(pugi::xml_node model, const SceneParameters& p) {
+  if (p.pad_texture.empty()) return AppendPlaceOfPad(model, p);
+  if (!IsFile(p.pad_texture))
+    throw std::runtime_error(fmt::format("The pad's picture {} is not there.", p.pad_texture.string()));
+  // MuJoCo spreads a picture over a box with its right along x and its up along y of the geom.
+  pugi::xml_document part;
+  const std::string text = fmt::format(
+      R"(<mujoco>
+  <asset>
+    <texture name="pad" type="2d" file=""/>
+    <material name="pad" texture="pad" specular="0"/>
+  </asset>
+  <worldbody>
+    <body name="pad" pos="{} {} {}" quat="{} 0 0 {}">
+      <geom name="pad" type="box" pos="0 0 {}" quat="1 0 0 -1" size="{} {} {}" material="pad"/>
+    </body>
+  </worldbody>
+</mujoco>)",
+      p.pad_position_m.x(), -p.pad_position_m.y(), kPadHeight_m, std::cos(Radians(p.pad_yaw_deg) / 2),
+      -std::sin(Radians(p.pad_yaw_deg) / 2), -kPadHeight_m / 2, p.pad.size_m.y() / 2, p.pad.size_m.x() / 2,
+      kPadHeight_m / 2);
+  part.load_string(text.c_str());
+  part.document_element().child("asset").child("texture").attribute("file").set_value(
+      std::filesystem::absolute(p.pad_texture).c_str());
+  if (p.occluder) {
+    pugi::xml_node body = part.document_element().child("worldbody").append_child("body");
+    body.append_attribute("name") = "occluder";
+    body.append_attribute("mocap") = "true";
+    body.append_attribute("pos") = fmt::format("0 0 {}", -kOutOfSight_m).c_str();
+    pugi::xml_node geom = body.append_child("geom");
+    geom.append_attribute("name") = "occluder";
+    geom.append_attribute("type") = "box";
+    geom.append_attribute("size") =
+        fmt::format("{} {} {}", p.pad.size_m.x() / 2, p.pad.size_m.y() / 2 + 0.1, kOccluderThickness_m / 2)
+            .c_str();
+    geom.append_attribute("rgba") = "0.12 0.12 0.13 1";
+    geom.append_attribute("contype") = "0";
+    geom.append_attribute("conaffinity") = "0";
+  }
+  for (const pugi::xml_node section : part.document_element().children()) model.append_copy(section);
+}
+
+void AppendLandscape(pugi::xml_node model, const LandscapeModel& landscape) {
+  pugi::xml_document part;
+  part.load_string(landscape.mjcf.c_str());
+  for (const pugi::xml_node section : part.document_element().children()) model.append_copy(section);
+}
+
+// A sphere each, and the string of those that have one, which hangs from the sphere's lowest point.
+void AppendTargets(pugi::xml_node model, const SceneParameters& p) {
+  for (std::size_t i = 0; i < p.targets.size(); ++i) {
+    const TargetParameters& target = p.targets[i];
+    const std::string name = TargetName(i);
+    const double radius = target.diameter_m / 2;
+    pugi::xml_document part;
+    part.load_string(fmt::format(R"(<mujoco>
+  <asset>
+    <material name="{0}" rgba="{1} {2} {3} 1" specular="0.3" shininess="0.4"/>
+    <material name="{0} string" rgba="0.85 0.85 0.80 1" specular="0"/>
+  </asset>
+  <worldbody>
+    <body name="{0}" mocap="true">
+      <geom name="{0}" type="sphere" size="{4}" material="{0}" contype="0" conaffinity="0"/>
+    </body>
+  </worldbody>
+</mujoco>)",
+                                 name, target.colour.x(), target.colour.y(), target.colour.z(), radius)
+                         .c_str());
+    if (target.string_m > 0) {
+      pugi::xml_node geom = part.document_element().child("worldbody").child("body").append_child("geom");
+      geom.append_attribute("name") = (name + " string").c_str();
+      geom.append_attribute("type") = "capsule";
+      geom.append_attribute("fromto") =
+          fmt::format("0 0 {} 0 0 {}", -radius, -radius - target.string_m).c_str();
+      geom.append_attribute("size") = "0.004";
+      geom.append_attribute("material") = (name + " string").c_str();
+      geom.append_attribute("contype") = "0";
+      geom.append_attribute("conaffinity") = "0";
+    }
+    for (const pugi::xml_node section : part.document_element().children()) model.append_copy(section);
+  }
+}
+
+struct Part {
+  const char* what;
+  std::filesystem::path path;
+};
+
+CompiledModel Compose(const SceneParameters& p, int parts) {
+  const LandscapeModel landscape = p.landscape ? MakeLandscape(*p.landscape, p.seed) : LandscapeModel{};
+  pugi::xml_document document;
+  pugi::xml_node model = document.append_child("mujoco");
+  model.append_attribute("model") = "kestrel";
+  if (p.landscape)
+    AppendLandscape(model, landscape);
+  else
+    Append(model, p.world, "world");
+  if (parts > 1) AppendPad(model, p);
+  if (parts > 2) Append(model, p.vehicle, "vehicle");
+  if (parts > 2) AppendTargets(model, p);
+  std::ostringstream text;
+  document.save(text);
+  return CompileMjcf(text.str(), landscape.files);
+}
+
+int Find(const mjModel* model, mjtObj type, const char* name) { return mj_name2id(model, type, name); }
+
+void CheckGround(const mjModel* model, const SceneParameters& p) {
+  const int ground = Find(model, mjOBJ_GEOM, "ground");
+  if (ground < 0 || model->geom_type[ground] != mjGEOM_PLANE)
+    throw std::runtime_error(fmt::format("The world {} has no plane named \"ground\".", p.world.string()));
+  const mjtNum* const pos = model->geom_pos + 3 * ground;
+  const mjtNum* const quat = model->geom_quat + 4 * ground;
+  const mjtNum* const half = model->geom_size + 3 * ground;
+  const Eigen::Quaterniond R_MG(quat[0], quat[1], quat[2], quat[3]);
+  if (pos[2] != 0 || (R_MG * Eigen::Vector3d::UnitZ()).z() < 1 - 1e-9)
+    throw std::runtime_error(
+        fmt::format("The plane \"ground\" of the world {} must be level and at height 0.", p.world.string()));
+  for (const double along : {-0.5, 0.5}) {
+    for (const double across : {-0.5, 0.5}) {
+      const Eigen::Vector2d corner_N =
+          p.pad_position_m + Eigen::Rotation2Dd(Radians(p.pad_yaw_deg)) *
+                                 Eigen::Vector2d(along * p.pad.size_m.x(), across * p.pad.size_m.y());
+      const Eigen::Vector3d corner_G =
+          R_MG.conjugate() * Eigen::Vector3d(corner_N.x() - pos[0], -corner_N.y() - pos[1], 0);
+      for (int axis = 0; axis < 2; ++axis)
+        if (half[axis] > 0 && std::abs(corner_G[axis]) > half[axis])  // a half size of 0 is an endless plane
+          throw std::runtime_error(fmt::format(
+              "The pad of {} m x {} m at north {} m, east {} m reaches beyond the ground of the world {}, "
+              "which is {} m x {} m.",
+              p.pad.size_m.x(), p.pad.size_m.y(), p.pad_position_m.x(), p.pad_position_m.y(),
+              p.world.string(), 2 * half[0], 2 * half[1]));
+    }
+  }
+}
+
+}  // namespace
+
+ModelPtr MakeModel(const SceneParameters& parameters, bool paint) {
+  constexpr int kParts = 3;
+  const std::array<Part, kParts> parts{{{"world", parameters.world},
+                                        {"pad's picture", parameters.pad_texture},
+                                        {"vehicle", parameters.vehicle}}};
+  CompiledModel whole = Compose(parameters, kParts);
+  if (!whole.model) {
+    // MuJoCo does not say which file: the first part without which it would have compiled.
+    int at_fault = 1;
+    while (at_fault < kParts && Compose(parameters, at_fault).model) ++at_fault;
+    const Part& part = parts[static_cast<std::size_t>(at_fault - 1)];
+    throw std::runtime_error(
+        fmt::format("The {} {} does not load: {}.", part.what, part.path.string(), whole.message));
+  }
+  CheckGround(whole.model.get(), parameters);
+  if (Find(whole.model.get(), mjOBJ_BODY, "vehicle") < 0)
+    throw std::runtime_error(
+        fmt::format("The vehicle {} has no body named \"vehicle\".", parameters.vehicle.string()));
+  if (parameters.landscape && paint)
+    PaintLandscape(*parameters.landscape, parameters.seed, whole.model.get());
+  whole.model->opt.timestep = kTimestep_s;
+  whole.model->opt.gravity[0] = whole.model->opt.gravity[1] = 0;
+  whole.model->opt.gravity[2] = -kGravity_m_s2;
+  return std::move(whole.model);
+}
+
+DataPtr MakeData(const mjModel* model) {
+  DataPtr data(mj_makeData(model));
+  if (!data) throw std::runtime_error("There is no memory for the state of the simulation.");
+  return data;
+}
+
+Pose PadPose(const mjModel* model, const mjData* data) {
+  const int pad = Find(model, mjOBJ_BODY, "pad");
+  const mjtNum* const q = data->xquat + 4 * pad;
+  return {SwapNedNwu(Eigen::Quaterniond(q[0], q[1], q[2], q[3])), VectorFromMujoco(data->xpos + 3 * pad)};
+}
+
+void PlaceTarget(const mjModel* model, mjData* data, std::size_t index, const TargetPath& path) {
+  const int mocap = model->body_mocapid[Find(model, mjOBJ_BODY, TargetName(index).c_str())];
+  // The string is the lower half of the body's vertical.
+  const Eigen::Vector3d down = path.anchor_N() - path.p_N();
+  mjtNum qpos[7];
+  PoseToMujoco({Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), down), path.p_N()}, qpos);
+  std::copy(qpos, qpos + 3, data->mocap_pos + 3 * mocap);
+  std::copy(qpos + 3, qpos + 7, data->mocap_quat + 4 * mocap);
+}
+
+void PlaceOccluder(const mjModel* model, mjData* data, double share) {
+  const int body = Find(model, mjOBJ_BODY, "occluder");
+  if (body < 0) throw std::runtime_error("The scene has no occluder to place.");
+  if (!(share >= 0 && share <= 1))
+    throw std::runtime_error(fmt::format("The occluder cannot cover a share of {}: 0 to 1.", share));
+  const int pad = Find(model, mjOBJ_BODY, "pad");
+  const mjtNum* const q = model->body_quat + 4 * pad;
+  const Pose X_NT{SwapNedNwu(Eigen::Quaterniond(q[0], q[1], q[2], q[3])),
+                  VectorFromMujoco(model->body_pos + 3 * pad)};
+  const double length = 2 * model->geom_size[3 * Find(model, mjOBJ_GEOM, "occluder")];
+  const double height = share > 0 ? kOccluderClearance_m + kOccluderThickness_m / 2 : -kOutOfSight_m;
+  const Pose X_NO = X_NT * Pose{Eigen::Quaterniond::Identity(), {(1 - share) * length, 0, -height}};
+  mjtNum qpos[7];
+  PoseToMujoco(X_NO, qpos);
+  const int mocap = model->body_mocapid[body];
+  std::copy(qpos, qpos + 3, data->mocap_pos + 3 * mocap);
+  std::copy(qpos + 3, qpos + 7, data->mocap_quat + 4 * mocap);
+}
+
+}  // namespace kestrel

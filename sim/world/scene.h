@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <mujoco/mujoco.h>
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "geometry/pose.h"
+#include "sim/landscape/landscape.h"
+#include "sim/world/target.h"
+#include "vision/landmark/pad_file.h"
+
+namespace kestrel {
+
+struct ModelDeleter {
+  void operator()(mjModel* m) const { mj_deleteModel(m); }
+};
+struct DataDeleter {
+  void operator()(mjData* d) const { mj_deleteData(d); }
+};
+using ModelPtr = std::unique_ptr<mjModel, ModelDeleter>;
+using DataPtr = std::unique_ptr<mjData, DataDeleter>;
+
+struct SceneParameters {
+  std::filesystem::path world;  // MJCF, or the file that describes a landscape, with a plane "ground": level,
+                                // at height 0, x north, y west
+  std::filesystem::path vehicle;  // MJCF or a fragment of it (<mujocoinclude>) with one body "vehicle"
+  std::optional<LandscapeParameters> landscape;  // instead of the MJCF of the world
+  std::uint64_t seed = 1;                        // of the landscape that has none of its own
+  std::filesystem::path pad_texture;             // none: there is no pad to be seen, only its place
+  PadParameters pad;                             // its texture is not used: pad_texture is the file found
+  Eigen::Vector2d pad_position_m = Eigen::Vector2d::Zero();  // north, east
+  double pad_yaw_deg = 0;                                    // clockwise from north
+  bool occluder = false;                                     // with a dark sheet that can be put over the pad
+  std::vector<TargetParameters> targets = {};                // what they look like
+};
+
+// The MuJoCo model of a flight: world, vehicle and pad, stepped at 2 ms under 9.80665 m/s2. Names of files
+// within the world and the vehicle are relative to the file they stand in. The pad is a body and a geom
+// "pad", its top 1 cm above the ground; without a picture the body has no geom and lies on the ground. Throws
+// std::runtime_error with one sentence that names the file at fault. May be called on any thread. paint: a
+// landscape's pictures too, which take longer than all the rest.
+ModelPtr MakeModel(const SceneParameters& parameters, bool paint = true);
+DataPtr MakeData(const mjModel* model);
+
+// X_NT: origin in the middle of the pad's top face, x along the up of its picture, y to the right of it, z
+// down. Valid once the positions of data are computed (mj_kinematics, mj_forward or mj_step).
+Pose PadPose(const mjModel* model, const mjData* data);
+
+// Puts a target there, with its string to its anchor. It shows once the positions of data are computed again.
+void PlaceTarget(const mjModel* model, mjData* data, std::size_t index, const TargetPath& path);
+
+// Puts the occluder 3 cm above the pad, over the given share of it (0 to 1) from its +x end; at 0 it is out
+// of sight. It shows once the positions of data are computed again. Throws std::runtime_error if the model
+// has none.
+void PlaceOccluder(const mjModel* model, mjData* data, double share);
+
+}  // namespace kestrel

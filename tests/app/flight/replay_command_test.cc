@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/flight/replay_command.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "flight/simulated/runner.h"
+#include "tests/support/temporary_folder.h"
+
+namespace kestrel {
+namespace {
+
+class ReplayCommandTest : public InTemporaryFolder {
+ protected:
+  void SetUp() override {
+    InTemporaryFolder::SetUp();
+    RunOptions options;
+    options.folder = folder_;
+    options.video = false;
+    options.images = true;
+    RunFlight(LoadScenario("hover", {"duration_s=1.5", "start.settle_s=1", "pilot.servo.lambda_per_s=1.1"}),
+              options);
+  }
+  bool Replay(const std::vector<std::string>& overrides = {}, double tolerance = 0) const {
+    return ReplayCommand({folder_.string(), "", overrides, tolerance, true});
+  }
+};
+
+TEST_F(ReplayCommandTest, TheSameCodeSaysTheSameToTheLastBit) { EXPECT_TRUE(Replay()); }
+
+TEST_F(ReplayCommandTest, AnotherGainIsSeenToAskForAnotherVelocity) {
+  EXPECT_FALSE(Replay({"pilot.servo.lambda_per_s=0.8"}));
+}
+
+TEST_F(ReplayCommandTest, WhatDiffersWithinTheToleranceIsEqual) {
+  EXPECT_FALSE(Replay({"pilot.servo.lambda_per_s=1.1000001"}));
+  EXPECT_TRUE(Replay({"pilot.servo.lambda_per_s=1.1000001"}, 1e-3));
+}
+
+TEST_F(ReplayCommandTest, AMissingImageAndOneThatIsCutOffAreRefusedBeforeTheReplayBegins) {
+  const auto refused = [&] {
+    try {
+      Replay();
+    } catch (const InputError& e) {
+      return std::string(e.what());
+    }
+    return std::string("not refused");
+  };
+  const auto image = [&](int i) { return folder_ / fmt::format("recording/{:06d}.png", i); };
+  ASSERT_TRUE(std::filesystem::exists(image(3)));
+  std::filesystem::resize_file(image(3), std::filesystem::file_size(image(3)) / 2);
+  EXPECT_THAT(refused(), ::testing::HasSubstr("1 of "));
+  EXPECT_THAT(refused(), ::testing::HasSubstr("000003.png"));
+  std::filesystem::remove(image(5));
+  EXPECT_THAT(refused(), ::testing::HasSubstr("2 of "));
+}
+
+TEST_F(ReplayCommandTest, AToleranceThatIsNoneIsRefused) {
+  EXPECT_THROW(Replay({}, -1), InputError);
+  EXPECT_THROW(Replay({}, std::numeric_limits<double>::quiet_NaN()), InputError);
+}
+
+}  // namespace
+}  // namespace kestrel

@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "records/plot/plots.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <vector>
+
+#include "control/law/sphere_target.h"
+#include "geometry/tait_bryan.h"
+#include "tests/support/temporary_folder.h"
+
+namespace kestrel {
+namespace {
+
+class PlotsTest : public InTemporaryFolder {
+ protected:
+  cv::Mat Picture(const char* name) const { return cv::imread((folder_ / name).string()); }
+};
+
+const cv::Rect kTopPanel(110, 115, 1050, 265), kMiddlePanel(110, 435, 1050, 265),
+    kBottomPanel(110, 755, 1050, 260);
+
+// The mean place of the pixels near a colour within the part of a figure that spans these shares of its
+// width.
+cv::Point2d CentreOf(const cv::Mat& picture, cv::Rect panel, const cv::Vec3b& bgr, double from, double to) {
+  cv::Point2d sum;
+  int count = 0;
+  const int left = panel.x + static_cast<int>(from * panel.width),
+            right = panel.x + static_cast<int>(to * panel.width);
+  for (int y = panel.y; y < panel.y + panel.height; ++y) {
+    for (int x = left; x < right; ++x) {
+      if (cv::norm(picture.at<cv::Vec3b>(y, x), bgr) < 40) sum += cv::Point2d(x, y), ++count;
+    }
+  }
+  EXPECT_GT(count, 20) << "nothing in this colour";
+  return count ? sum / count : sum;
+}
+
+const cv::Vec3b kFixColour(0x00, 0x9f, 0xe6), kX(0x00, 0x5e, 0xd5), kY(0xb2, 0x72, 0x00),
+    kZ(0x73, 0x9e, 0x00), kYaw(0x55, 0x22, 0x88), kTruth(0x22, 0x22, 0x22);
+
+const Eigen::Vector2d kPad_m(1.19, 0.91);
+
+// Climbs for 10 s over a pad that lies turned, away from the origin; the fix is off by a constant.
+std::vector<LogRow> Climb(const Eigen::Vector3d& off_m, double yaw_off_deg) {
+  std::vector<LogRow> rows;
+  for (int i = 0; i <= 300; ++i) {
+    LogRow row;
+    row.exposure.t_s = row.now.t_s = i / 30.0;
+    row.exposure.X_NT = {HeadingRotation(Radians(200)), {30, -20, 0}};
+    const Pose X_TB{HeadingRotation(Radians(179)), {0.2 * row.now.t_s, -0.1 * row.now.t_s, -row.now.t_s}};
+    row.exposure.X_NB = row.exposure.X_NT * X_TB;
+    row.now = row.exposure;
+    row.estimate.p_NB = row.now.X_NB.p;
+    row.decision.phase = "climb";
+    row.decision.fix = TargetFix{X_TB.p + off_m, WrapAngle(Radians(179 + yaw_off_deg)), 30, 0.5, 1, true};
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+TEST_F(PlotsTest, PositionShowsThePadsAxesAndHeightUpwards) {
+  DrawPlots(folder_, Climb({0.5, 0, 0}, 0), {"a climb", kPad_m});
+  const cv::Mat picture = Picture("position.png");
+  ASSERT_EQ(picture.size(), cv::Size(1200, 1100));
+  const auto rise = [&](const cv::Rect& panel) {
+    return CentreOf(picture, panel, kFixColour, 0, 0.3).y - CentreOf(picture, panel, kFixColour, 0.7, 1).y;
+  };
+  EXPECT_GT(rise(kTopPanel), 50);
+  EXPECT_LT(rise(kMiddlePanel), -50);
+  EXPECT_GT(rise(kBottomPanel), 50);
+  EXPECT_LT(CentreOf(picture, kTopPanel, kFixColour, 0.4, 0.6).y,
+            CentreOf(picture, kTopPanel, kTruth, 0.4, 0.6).y - 20);
+}
+
+TEST_F(PlotsTest, ErrorIsTheFixLessTheTruthInThePadsFrame) {
+  // The yaw of the fix passes through half a turn: its error must not.
+  DrawPlots(folder_, Climb({0.5, -0.5, 0.1}, 4), {"", kPad_m});
+  const cv::Mat picture = Picture("error.png");
+  ASSERT_FALSE(picture.empty());
+  const double x = CentreOf(picture, kTopPanel, kX, 0, 1).y, y = CentreOf(picture, kTopPanel, kY, 0, 1).y,
+               z = CentreOf(picture, kTopPanel, kZ, 0, 1).y;
+  EXPECT_NEAR((z - x) / (y - x), 0.4 / 1.0, 0.03);  // errors of 0.5, -0.5 and 0.1 m
+  EXPECT_LT(x, y);
+  EXPECT_NEAR(CentreOf(picture, kMiddlePanel, kYaw, 0, 1).y, kMiddlePanel.y + kMiddlePanel.height / 2, 25);
+}
+
+TEST_F(PlotsTest, AnAttitudeIsDrawnBesideItsErrors) {
+  std::vector<LogRow> rows = Climb({0, 0, 0}, 0);
+  for (LogRow& row : rows) {
+    row.decision.fix.reset();
+    const double t = row.exposure.t_s, roll = Radians(2 * t);
+    row.exposure.X_NB.R = Eigen::Quaterniond(RotationFromTaitBryan({0, 0, roll}));
+    row.decision.attitude = AttitudeFix{roll + Radians(t < 5 ? -1 : 1), 0, Radians(1), Radians(1), {}, 0};
+  }
+  DrawPlots(folder_, rows, {});
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "error.png"));
+  const cv::Mat picture = Picture("attitude.png");
+  ASSERT_EQ(picture.size(), cv::Size(1600, 1000));
+  const cv::Rect roll(100, 105, 690, 245), error(890, 125, 670, 225);
+  EXPECT_GT(CentreOf(picture, roll, kTruth, 0, 0.3).y, CentreOf(picture, roll, kTruth, 0.7, 1).y + 50);
+  EXPECT_GT(CentreOf(picture, error, kX, 0, 0.45).y, CentreOf(picture, error, kX, 0.55, 1).y + 50);
+}
+
+bool Has(const std::filesystem::path& folder, const char* name) {
+  return std::filesystem::exists(folder / name);
+}
+
+// The mean colour within a few pixels of a place that must be of one colour.
+cv::Vec3b ColourAt(const cv::Mat& picture, cv::Point at) {
+  const cv::Scalar mean = cv::mean(picture(cv::Rect(at.x - 2, at.y - 2, 5, 5)));
+  return {cv::saturate_cast<uchar>(mean[0]), cv::saturate_cast<uchar>(mean[1]),
+          cv::saturate_cast<uchar>(mean[2])};
+}
+
+// 10 s in which the balloon goes to the right and comes nearer in the image; lost from 4 s to 6 s.
+std::vector<LogRow> Following() {
+  std::vector<LogRow> rows;
+  for (int i = 0; i <= 300; ++i) {
+    LogRow row;
+    const double t = row.exposure.t_s = row.now.t_s = i / 30.0;
+    row.now.X_NB = row.exposure.X_NB = {Eigen::Quaterniond::Identity(), {0, 0, -4}};
+    TargetTruth balloon;
+    balloon.diameter_m = 0.5;
+    balloon.p_V = {0.1 * t, 0, 5 - 0.2 * t};
+    row.now.targets = {balloon};
+    const bool lost = t > 4 && t < 6;
+    row.decision.phase = lost ? "look around" : "follow";
+    const SphereImage wanted{Eigen::Vector2d(0.2, 0), 0.15};
+    if (!lost) row.decision.sight = BalloonSight{SphereImageOf(balloon.p_V, 0.5), wanted, 400};
+    row.decision.setpoint = VelocitySetpoint{{1 - 0.2 * t, 0, -0.5}, Radians(10 * t - 50)};
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+TEST_F(PlotsTest, FollowingShowsTheImageBesideWhatIsWantedOfIt) {
+  DrawPlots(folder_, Following(), {});
+  EXPECT_FALSE(Has(folder_, "error.png"));  // there is no pad
+  EXPECT_FALSE(Has(folder_, "encounter.png"));
+  const cv::Mat picture = Picture("follow.png");
+  ASSERT_EQ(picture.size(), cv::Size(1200, 1100));
+  // Both grow towards what is wanted, which stands, also while nothing is followed.
+  const cv::Rect left(115, 120, 900, 260), middle(115, 435, 900, 260);
+  for (const cv::Rect& panel : {left, middle}) {
+    EXPECT_GT(CentreOf(picture, panel, kTruth, 0, 0.3).y, CentreOf(picture, panel, kTruth, 0.7, 1).y + 20);
+    EXPECT_NEAR(CentreOf(picture, panel, kX, 0, 0.3).y, CentreOf(picture, panel, kX, 0.45, 0.55).y, 2);
+    EXPECT_LT(CentreOf(picture, panel, kX, 0, 0.3).y, CentreOf(picture, panel, kTruth, 0, 0.3).y - 20);
+  }
+  // 108 to 1104 px are 10 s.
+  for (const int t_s : {2, 5, 8})
+    EXPECT_EQ(ColourAt(picture, {108 + 996 * t_s / 10 + 15, 130})[0] < 250, t_s == 5) << t_s << " s";
+  // The yaw rate rises by its own axis, the velocity ahead falls.
+  const cv::Rect commands(115, 790, 980, 225);
+  EXPECT_GT(CentreOf(picture, commands, kY, 0, 0.3).y, CentreOf(picture, commands, kY, 0.7, 1).y + 50);
+  EXPECT_LT(CentreOf(picture, commands, kTruth, 0, 0.3).y,
+            CentreOf(picture, commands, kTruth, 0.7, 1).y - 50);
+}
+
+// 20 s northwards at 1 m/s past a thing that stands 4 m to the right of the way, half along it; "avoid" until
+// then, and "return" after.
+std::vector<LogRow> Passing() {
+  std::vector<LogRow> rows;
+  for (int i = 0; i <= 400; ++i) {
+    LogRow row;
+    const double t = row.exposure.t_s = row.now.t_s = i / 20.0;
+    row.now.X_NB = row.exposure.X_NB = {Eigen::Quaterniond::Identity(), {t, 0, -4}};
+    TargetTruth other;
+    other.p_N = {10, 4, -4};
+    row.now.targets = {other};
+    row.decision.phase = t < 1 ? "cruise" : t < 10 ? "avoid" : "return";
+    row.decision.setpoint = VelocitySetpoint{{1, 0, 0}, Radians(t < 10 ? -20 : 20)};
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+TEST_F(PlotsTest, AnEncounterIsAMapWithNorthUpAndOneScale) {
+  DrawPlots(folder_, Passing(), {});
+  EXPECT_FALSE(Has(folder_, "error.png"));
+  EXPECT_FALSE(Has(folder_, "follow.png"));
+  const cv::Mat picture = Picture("encounter.png");
+  ASSERT_EQ(picture.rows, 1000);
+  const cv::Rect map(75, 105, 320, 820);
+  const cv::Vec3b other(0x55, 0x22, 0x88);
+  // The circle of 4 m about the target touches the way where its two halves meet, and is round.
+  const cv::Point2d way_before = CentreOf(picture, map, kX, 0, 1),
+                    way_after = CentreOf(picture, map, kY, 0, 1);
+  EXPECT_GT(way_before.y, way_after.y + 200);
+  EXPECT_NEAR(way_before.x, way_after.x, 3);
+  std::vector<cv::Point> circle;
+  for (int y = map.y; y < map.y + map.height; ++y)
+    for (int x = map.x; x < map.x + map.width; ++x)
+      if (cv::norm(picture.at<cv::Vec3b>(y, x), other) < 60) circle.emplace_back(x, y);
+  ASSERT_FALSE(circle.empty());
+  const cv::Rect box = cv::boundingRect(circle);
+  EXPECT_NEAR(box.width, box.height, 4);
+  EXPECT_NEAR(box.x, way_before.x, 5);
+  const double px_per_m = box.height / 8.0;
+  EXPECT_NEAR(way_before.y - way_after.y, (15 - 5.5) * px_per_m, 0.6 * px_per_m);
+  EXPECT_GT(box.x + box.width / 2, way_before.x);  // east is right
+}
+
+TEST_F(PlotsTest, WithoutRowsThereIsNothingToDraw) {
+  DrawPlots(folder_, {}, {});
+  EXPECT_TRUE(std::filesystem::is_empty(folder_));
+}
+
+TEST_F(PlotsTest, ATitleRunsNothing) {
+  const auto victim = folder_ / "ran";
+  DrawPlots(folder_, Climb({0, 0, 0}, 0),
+            {"`touch " + victim.string() + "` '.system('touch " + victim.string() + "').'", kPad_m});
+  EXPECT_FALSE(std::filesystem::exists(victim));
+  EXPECT_FALSE(Picture("position.png").empty());
+}
+
+}  // namespace
+}  // namespace kestrel

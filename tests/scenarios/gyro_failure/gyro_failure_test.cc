@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scenarios/gyro_failure/gyro_failure.h"
+
+#include <gtest/gtest.h>
+
+#include <opencv2/core.hpp>
+#include <string>
+
+#include "geometry/tait_bryan.h"
+#include "tests/vision/horizon/skyline_photographer.h"
+#include "vision/camera/camera_model.h"
+
+namespace kestrel {
+namespace {
+
+constexpr double kFrame_s = 0.05;
+constexpr double kYaw = Radians(40);  // by the autopilot's own north
+
+// The mission over a painted world; the aircraft stands level in the air, whatever its autopilot believes.
+class Watcher {
+ public:
+  explicit Watcher(const GyroFailureFlight& flight = {})
+      : mission_(MakeMission(flight, camera_, {Eigen::Quaterniond(LooksDown()), {0, 0, 0}}, {}, 1)) {
+    picture_ = SkylinePhotographer(camera_).Paint({}, LooksDown(), 1);
+  }
+
+  Decision See(const std::optional<Eigen::Quaterniond>& own, bool dark = false) {
+    t_s_ += kFrame_s;
+    VehicleState state;
+    state.t_s = t_s_;
+    state.p_NB = {0, 0, -60};
+    state.R_NB = HeadingRotation(kYaw);
+    state.R_NB_inertial = own;
+    cv::Mat image, noise(picture_.size(), CV_16SC3);
+    random_.fill(noise, cv::RNG::NORMAL, 0, 2);
+    cv::add(dark ? cv::Mat::zeros(picture_.size(), CV_8UC3) : picture_, noise, image, {}, CV_8UC3);
+    return mission_->Step({image, t_s_, static_cast<std::int64_t>(t_s_ / kFrame_s)}, state);
+  }
+  // A sound attitude is never twice the same.
+  Eigen::Quaterniond Sound(double roll_deg = 0) {  // off by a roll
+    const auto jitter = [&] { return Radians(0.05) * random_.gaussian(1); };
+    return Eigen::Quaterniond(
+        RotationFromTaitBryan({kYaw + jitter(), jitter(), Radians(roll_deg) + jitter()}));
+  }
+  void LearnWhatIsNormal() {
+    for (int i = 0; i < 10; ++i) {
+      const Decision d = See(Sound());
+      ASSERT_FALSE(d.aid);
+      ASSERT_EQ(d.phase, "by own attitude");
+      ASSERT_EQ(d.target, "horizon");
+    }
+  }
+
+ private:
+  static CameraModel SmallMirror() {
+    Unified mirror;
+    mirror.width_px = 320, mirror.height_px = 240;
+    mirror.fx = mirror.fy = 67, mirror.cx = 159.5, mirror.cy = 119.5;
+    mirror.xi = 0.99, mirror.max_angle_rad = Radians(120);
+    return mirror;
+  }
+  CameraModel camera_ = SmallMirror();
+  std::unique_ptr<Mission> mission_;
+  cv::Mat picture_;
+  cv::RNG random_{12345};
+  double t_s_ = 0;
+};
+
+TEST(GyroFailure, ASilentAttitudeIsReplacedInTheSameFrame) {
+  Watcher w;
+  w.LearnWhatIsNormal();
+  const Decision d = w.See(std::nullopt);
+  ASSERT_TRUE(d.aid);
+  EXPECT_EQ(d.phase, "by sight: own attitude silent");
+  EXPECT_LT(Degrees(d.aid->R_NB.angularDistance(HeadingRotation(kYaw))), 0.7);
+  EXPECT_TRUE(std::holds_alternative<PositionSetpoint>(*d.setpoint));
+}
+
+TEST(GyroFailure, AFrozenAttitudeIsReplacedAfterThreeFrames) {
+  Watcher w;
+  w.LearnWhatIsNormal();
+  const Eigen::Quaterniond stuck = w.Sound();
+  for (int i = 0; i < 3; ++i) EXPECT_FALSE(w.See(stuck).aid);
+  const Decision d = w.See(stuck);
+  EXPECT_TRUE(d.aid);
+  EXPECT_EQ(d.phase, "by sight: own attitude frozen");
+}
+
+TEST(GyroFailure, AWrongAttitudeIsReplacedAfterThreeFramesAndOneBadFrameIsNot) {
+  Watcher w;
+  w.LearnWhatIsNormal();
+  EXPECT_FALSE(w.See(w.Sound(20)).aid);
+  EXPECT_FALSE(w.See(w.Sound()).aid);
+  EXPECT_FALSE(w.See(w.Sound(2)).aid);
+  for (int i = 0; i < 2; ++i) EXPECT_FALSE(w.See(w.Sound(5)).aid);
+  const Decision d = w.See(w.Sound(5));
+  ASSERT_TRUE(d.aid);
+  EXPECT_EQ(d.phase, "by sight: own attitude wrong");
+  EXPECT_LT(Degrees(d.aid->R_NB.angularDistance(HeadingRotation(kYaw))), 0.7);
+}
+
+TEST(GyroFailure, TheOwnAttitudeMustAgreeForAWhileBeforeItFliesAgain) {
+  Watcher w;
+  w.LearnWhatIsNormal();
+  ASSERT_TRUE(w.See(std::nullopt).aid);
+  int on_trial = 0;
+  while (w.See(w.Sound()).aid) ASSERT_LT(++on_trial, 1000);
+  EXPECT_NEAR(on_trial * kFrame_s, GyroFailureFlight{}.agree_s, 0.15);
+  EXPECT_EQ(w.See(w.Sound()).phase, "by own attitude");
+}
+
+// Its sensors have drifted on while it was silent: what counts is that it is near and stays where it is.
+TEST(GyroFailure, AnAttitudeThatComesBackWithAnotherLevelMayFlyAgain) {
+  Watcher w;
+  w.LearnWhatIsNormal();
+  ASSERT_TRUE(w.See(std::nullopt).aid);
+  int on_trial = 0;
+  while (w.See(w.Sound(2.4)).aid) ASSERT_LT(++on_trial, 1000);
+  EXPECT_NEAR(on_trial * kFrame_s, GyroFailureFlight{}.agree_s, 0.15);
+  for (int i = 0; i < 40; ++i) ASSERT_EQ(w.See(w.Sound(2.4)).phase, "by own attitude") << i;
+}
+
+TEST(GyroFailure, AnAttitudeThatComesBackDriftingStaysOnTrial) {
+  GyroFailureFlight flight;
+  flight.disagree_deg = 12;
+  Watcher w(flight);
+  w.LearnWhatIsNormal();
+  ASSERT_TRUE(w.See(std::nullopt).aid);
+  for (int i = 0; i < 200; ++i) ASSERT_TRUE(w.See(w.Sound(1.0 * i * kFrame_s)).aid) << i;  // 1 deg/s
+}
+
+TEST(GyroFailure, WithoutASkylineTheGyrosCarryOnForAWhileAndThenItIsBlind) {
+  Watcher w;
+  w.LearnWhatIsNormal();
+  ASSERT_TRUE(w.See(std::nullopt).aid);
+  int carried = 0;
+  Decision d = w.See(std::nullopt, true);
+  EXPECT_EQ(d.target, "too_dark");
+  for (; d.aid; d = w.See(std::nullopt, true)) ASSERT_LT(++carried, 1000);
+  EXPECT_NEAR(carried * kFrame_s, GyroFailureFlight{}.coast_s, 0.15);
+  EXPECT_EQ(d.phase, "blind");
+}
+
+TEST(GyroFailure, WithoutASkylineASilentAttitudeIsNotPassedOver) {
+  Watcher w;
+  for (int i = 0; i < 5; ++i) {
+    const Decision d = w.See(std::nullopt, true);
+    EXPECT_FALSE(d.aid);
+    EXPECT_EQ(d.phase, "blind");
+  }
+}
+
+TEST(GyroFailure, AnAttitudeThatIsSilentFromTheFirstFrameIsReplacedAtOnce) {
+  Watcher w;
+  const Decision d = w.See(std::nullopt);
+  ASSERT_TRUE(d.aid);
+  EXPECT_EQ(d.phase, "by sight: own attitude silent");
+  EXPECT_LT(Degrees(d.aid->R_NB.angularDistance(HeadingRotation(kYaw))), 0.7);
+}
+
+TEST(GyroFailure, WhatCannotBeComparedIsNotOnTrial) {
+  Watcher w;
+  w.LearnWhatIsNormal();
+  for (int i = 0; i < 3; ++i) w.See(w.Sound(8));
+  Decision d;
+  for (int i = 0; i < 15; ++i) d = w.See(w.Sound(8), true);  // dark for longer than a sight is fresh
+  EXPECT_EQ(d.phase, "by sight: own attitude wrong");
+  EXPECT_NEAR(d.coasting_s.value_or(-1), 15 * kFrame_s, 1e-6);
+}
+
+}  // namespace
+}  // namespace kestrel

@@ -1,0 +1,459 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/server/afcs_server.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "base/yaml/yaml_fields.h"
+#include "control/link/afcs_link.h"
+#include "geometry/tait_bryan.h"
+#include "tests/control/udp_peer.h"
+
+namespace kestrel {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+// An aircraft that stays as the test has it and keeps what it is told.
+class FakeAircraft final : public Autopilot {
+ public:
+  FakeAircraft() {
+    state.t_s = 50;
+    state.p_NB = {1, 2, -3}, state.v_N = {4, 5, -6}, state.w_B = {0.3, 0.4, 0.5};
+    state.R_NB = RotationFromTaitBryan({.yaw = 2.5, .pitch = -0.2, .roll = 0.1});
+    state.landed = false;
+  }
+  VehicleState State() const override { return state; }
+  void Send(const Setpoint& setpoint) override { told.push_back(setpoint); }
+  void Aid(const AttitudeAid&) override {}
+
+  VehicleState state;
+  std::vector<Setpoint> told;
+};
+
+AfcsServerOptions AnyPort() {
+  AfcsServerOptions options;
+  options.port = 0;
+  return options;
+}
+int PortOf(const AutopilotServer& server) {
+  const std::string where = server.Where();
+  return std::stoi(where.substr(where.rfind(':') + 1));
+}
+
+// The server under test at times that the test makes, and peers that say what the test says.
+class AfcsServerTest : public ::testing::Test {
+ protected:
+  void Start(const AfcsServerOptions& options, PanTilt* platform = nullptr) {
+    server_.emplace(options, platform);
+    peer_.To(UdpPeer::Loopback(PortOf(*server_)));
+    stranger_.To(UdpPeer::Loopback(PortOf(*server_)));
+  }
+  // Serves for some time, and gathers what the peer is sent.
+  void Serve(double for_s = 0) {
+    const double until_s = now_s_ + for_s;
+    do {
+      server_->Serve(now_s_, aircraft_);
+      Gather();
+      now_s_ += 0.005, aircraft_.state.t_s += 0.005;
+    } while (now_s_ < until_s);
+  }
+  void Gather() {
+    while (const auto datagram = peer_.Receive()) heard_.push_back(*datagram);
+  }
+  void Say(const wire::AfcsMessage& message, double for_s = 0) {
+    stamp_.microseconds += 1;
+    peer_.Send(stamp_, message);
+    Serve(for_s);
+  }
+  template <class Message>
+  std::vector<Message> Heard() {
+    std::vector<Message> all;
+    for (const auto& datagram : heard_)
+      if (const auto* message = std::get_if<Message>(&datagram.message)) all.push_back(*message);
+    return all;
+  }
+
+  FakeAircraft aircraft_;
+  std::optional<AfcsServer> server_;
+  UdpPeer peer_, stranger_;
+  double now_s_ = 1000;
+  wire::AfcsTime stamp_{7, 0};
+  std::vector<wire::AfcsDatagram> heard_;
+};
+
+TEST_F(AfcsServerTest, ListensOnLoopbackAndSaysWhere) {
+  Start(AnyPort());
+  EXPECT_THAT(server_->Where(), StartsWith("udp://127.0.0.1:"));
+  AfcsServerOptions everywhere = AnyPort();
+  everywhere.address = "0.0.0.0";
+  EXPECT_THAT(AfcsServer(everywhere).Where(), StartsWith("udp://0.0.0.0:"));
+}
+
+TEST_F(AfcsServerTest, RefusesAnAddressThatItCannotHave) {
+  Start(AnyPort());
+  AfcsServerOptions taken = AnyPort();
+  taken.port = PortOf(*server_);
+  EXPECT_THROW(AfcsServer{taken}, InputError);
+  AfcsServerOptions none = AnyPort();
+  none.address = "here";
+  EXPECT_THROW(AfcsServer{none}, InputError);
+}
+
+TEST_F(AfcsServerTest, SaysNothingBeforeItIsOpened) {
+  Start(AnyPort());
+  Say(wire::AfcsTeleop{1, 0, 0, 0}, 0.1);
+  EXPECT_TRUE(heard_.empty());
+  EXPECT_TRUE(aircraft_.told.empty());
+  EXPECT_EQ(server_->Heard().unheeded.at(unheeded::kNoSession).count, 1U);
+  EXPECT_EQ(server_->Heard().setpoints, 0U);
+}
+
+TEST_F(AfcsServerTest, AcknowledgesEveryOpen) {
+  Start(AnyPort());
+  Say(wire::AfcsOpen{});
+  Say(wire::AfcsOpen{});
+  EXPECT_EQ(Heard<wire::AfcsAck>(), (std::vector<wire::AfcsAck>{{1}, {1}}));
+}
+
+TEST_F(AfcsServerTest, SendsStatesAt50HzAndGpsAt4Hz) {
+  Start(AnyPort());
+  Say(wire::AfcsOpen{}, 2);
+  EXPECT_NEAR(static_cast<double>(Heard<wire::AfcsState>().size()), 100, 1);
+  EXPECT_NEAR(static_cast<double>(Heard<wire::AfcsGpsState>().size()), 8, 1);
+}
+
+TEST_F(AfcsServerTest, DoesNotMakeUpForStatesThatWereMissed) {
+  Start(AnyPort());
+  Say(wire::AfcsOpen{});
+  now_s_ += 1;  // nobody served
+  heard_.clear();
+  Serve(0.1);
+  EXPECT_NEAR(static_cast<double>(Heard<wire::AfcsState>().size()), 5, 1);
+}
+
+TEST_F(AfcsServerTest, TheStateIsTheAircraftsWithItsTime) {
+  Start(AnyPort());
+  const VehicleState& s = aircraft_.state;
+  const double sent_s = s.t_s;
+  Say(wire::AfcsOpen{});
+  ASSERT_EQ(Heard<wire::AfcsState>().size(), 1U);
+  const wire::AfcsState m = Heard<wire::AfcsState>()[0];
+  EXPECT_NEAR(m.phi, 0.1, 1e-12);
+  EXPECT_NEAR(m.theta, -0.2, 1e-12);
+  EXPECT_NEAR(m.psi, 2.5, 1e-12);
+  EXPECT_EQ(Eigen::Vector3d(m.p, m.q, m.r), s.w_B);
+  EXPECT_EQ(Eigen::Vector3d(m.x, m.y, m.z), s.p_NB);
+  EXPECT_EQ(Eigen::Vector3d(m.vx, m.vy, m.vz), s.v_N);
+  EXPECT_EQ(m.rpm0, 1500);
+  for (const auto& datagram : heard_) EXPECT_NEAR(wire::Seconds(datagram.time), sent_s, 5e-6);
+  aircraft_.state.landed = true;
+  heard_.clear();
+  Serve(0.03);
+  EXPECT_EQ(Heard<wire::AfcsState>().at(0).rpm0, 0);
+}
+
+TEST_F(AfcsServerTest, GpsTellsThePlaceOnTheEarth) {
+  AfcsServerOptions options = AnyPort();
+  options.origin = GeodeticOrigin{40, -3, 600};
+  Start(options);
+  aircraft_.state.p_NB = {1000, -2000, -50};
+  Say(wire::AfcsOpen{});
+  const wire::AfcsGpsState m = Heard<wire::AfcsGpsState>().at(0);
+  EXPECT_EQ(m.pos_n, 1000);
+  EXPECT_EQ(m.vel_d, -6);
+  // A degree at 40 degrees of latitude: 111034.6 m north and 85393.6 m east on the ellipsoid (tables of
+  // WGS 84), and 600 m higher longer by 600 m per radian.
+  EXPECT_NEAR(m.lat, 40 + 1000 / (111034.6 + Radians(600)), 1e-7);
+  EXPECT_NEAR(m.lon, -3 - 2000 / (85393.6 + Radians(600 * std::cos(Radians(40)))), 1e-7);
+  EXPECT_EQ(m.alt, 650);
+}
+
+TEST_F(AfcsServerTest, WithoutAnOriginGpsTellsRawPlacesAsAfcs25Does) {
+  Start(AnyPort());
+  Say(wire::AfcsOpen{});
+  const wire::AfcsGpsState m = Heard<wire::AfcsGpsState>().at(0);
+  EXPECT_EQ(Eigen::Vector3d(m.lat, m.lon, m.alt), aircraft_.state.p_NB);
+}
+
+TEST_F(AfcsServerTest, TeleoperationIsAVelocityLessOffsetAndDeadZone) {
+  AfcsServerOptions options = AnyPort();
+  options.afcs.teleop = {{0.20, 0.05}, {-0.10, 0.02}, {0.30, 0.10}, {0.04, 0.01}, true};
+  Start(options);
+  Say(wire::AfcsOpen{});
+  Say(wire::AfcsTeleop{0.05, -0.5, 1.0, 0.1});
+  ASSERT_EQ(aircraft_.told.size(), 1U);
+  const auto velocity = std::get<VelocitySetpoint>(aircraft_.told[0]);
+  EXPECT_LT((velocity.v_H - Eigen::Vector3d(-0.10, -0.38, -0.60)).norm(), 1e-12);  // fore: backwards
+  EXPECT_NEAR(velocity.yaw_rate, 0.05, 1e-12);
+}
+
+TEST_F(AfcsServerTest, FlyToIsAPlaceAndConfirmed) {
+  Start(AnyPort());
+  Say(wire::AfcsOpen{});
+  Say(wire::AfcsFlyTo{0, 0, 0, 1, 2, -3, 0.5});
+  ASSERT_EQ(aircraft_.told.size(), 1U);
+  const auto place = std::get<PositionSetpoint>(aircraft_.told[0]);
+  EXPECT_EQ(place.p_N, Eigen::Vector3d(1, 2, -3));
+  EXPECT_EQ(place.yaw, 0.5);
+  EXPECT_EQ(Heard<wire::AfcsDesiredPosition>(), (std::vector<wire::AfcsDesiredPosition>{{1, 2, -3, 0.5}}));
+  Say(wire::AfcsFlyTo{1, 0, 0, 1, 2, -3, 0.5});  // a mode that it does not have
+  EXPECT_EQ(aircraft_.told.size(), 1U);
+  EXPECT_EQ(Heard<wire::AfcsDesiredPosition>().size(), 1U);
+}
+
+TEST_F(AfcsServerTest, DoesNotObeyWhatNoAircraftCould) {
+  Start(AnyPort());
+  Say(wire::AfcsOpen{});
+  Say(wire::AfcsTeleop{std::nan(""), 0, 0, 0});
+  Say(wire::AfcsTeleop{0, 1e300, 0, 0});
+  Say(wire::AfcsFlyTo{.z = std::numeric_limits<double>::infinity()});
+  Say(wire::AfcsFlyTo{.pos_mode = 77});
+  EXPECT_TRUE(aircraft_.told.empty());
+  EXPECT_EQ(server_->Heard().setpoints, 0U);
+  EXPECT_EQ(server_->Heard().refused, 4U);
+  ASSERT_TRUE(server_->Heard().unheeded.contains(unheeded::kImpossible));
+  EXPECT_EQ(server_->Heard().unheeded.at(unheeded::kImpossible).count, 4U);
+  EXPECT_THAT(server_->Heard().unheeded.at(unheeded::kImpossible).first, HasSubstr("TELEOP nan"));
+  EXPECT_TRUE(Heard<wire::AfcsDesiredPosition>().empty());
+}
+
+TEST_F(AfcsServerTest, ThePilotsSwitchEndsObedience) {
+  Start(AnyPort());
+  Say(wire::AfcsOpen{});
+  server_->SetPilot(false);
+  Say(wire::AfcsTeleop{1, 0, 0, 0});
+  Say(wire::AfcsFlyTo{});
+  EXPECT_TRUE(aircraft_.told.empty());
+  EXPECT_TRUE(Heard<wire::AfcsDesiredPosition>().empty());
+  server_->SetPilot(true);
+  Say(wire::AfcsTeleop{1, 0, 0, 0});
+  EXPECT_EQ(aircraft_.told.size(), 1U);
+  EXPECT_EQ(server_->Heard().setpoints, 3U);
+  EXPECT_EQ(server_->Heard().followed, 1U);
+  EXPECT_EQ(server_->Heard().unheeded.at(unheeded::kPilot).count, 2U);
+}
+
+TEST_F(AfcsServerTest, AStrangerIsNeitherObeyedNorAnsweredNorMayHeTakeOver) {
+  Start(AnyPort());
+  Say(wire::AfcsOpen{});
+  for (const wire::AfcsMessage& message :
+       {wire::AfcsMessage{wire::AfcsOpen{}}, wire::AfcsMessage{wire::AfcsTeleop{1, 0, 0, 0}},
+        wire::AfcsMessage{wire::AfcsFlyTo{}}, wire::AfcsMessage{wire::AfcsClose{}}}) {
+    stamp_.microseconds += 1;
+    stranger_.Send(stamp_, message);
+  }
+  heard_.clear();
+  Serve(0.1);
+  EXPECT_TRUE(aircraft_.told.empty());
+  EXPECT_FALSE(stranger_.Receive());
+  EXPECT_EQ(server_->Heard().unheeded.at(unheeded::kSecondClient).count, 1U);
+  EXPECT_EQ(server_->Heard().unheeded.at(unheeded::kNoSession).count, 3U);
+  EXPECT_THAT(server_->Heard().unheeded.at(unheeded::kSecondClient).first, HasSubstr("; it is that of 127."));
+  EXPECT_NEAR(static_cast<double>(Heard<wire::AfcsState>().size()), 5, 1);
+  Say(wire::AfcsTeleop{1, 0, 0, 0});
+  EXPECT_EQ(aircraft_.told.size(), 1U);
+}
+
+TEST_F(AfcsServerTest, ClosedByItsOwnerAnotherMayOpen) {
+  Start(AnyPort());
+  Say(wire::AfcsOpen{});
+  Say(wire::AfcsClose{});
+  EXPECT_EQ(Heard<wire::AfcsClose>().size(), 1U);
+  heard_.clear();
+  Serve(0.1);
+  EXPECT_TRUE(heard_.empty());
+  stranger_.Send({1, 0}, wire::AfcsOpen{});
+  Serve();
+  ASSERT_TRUE(stranger_.Receive());
+}
+
+TEST_F(AfcsServerTest, AnOwnerWhoIsSilentIsForgotten) {
+  Start(AnyPort());
+  Say(wire::AfcsOpen{}, 2.9);
+  EXPECT_GT(Heard<wire::AfcsState>().size(), 140U);
+  Say(wire::AfcsOpen{}, 2.9);  // which keeps the session
+  heard_.clear();
+  Serve(0.09);
+  EXPECT_FALSE(heard_.empty());
+  Serve(0.1);
+  heard_.clear();
+  Serve(1);
+  EXPECT_TRUE(heard_.empty());
+  Say(wire::AfcsTeleop{1, 0, 0, 0});
+  EXPECT_TRUE(aircraft_.told.empty());
+}
+
+TEST_F(AfcsServerTest, DoubledAndLateCommandsAreNotObeyed) {
+  Start(AnyPort());
+  Say(wire::AfcsOpen{});
+  peer_.Send({8, 5}, wire::AfcsTeleop{1, 0, 0, 0});
+  peer_.Send({8, 5}, wire::AfcsTeleop{2, 0, 0, 0});
+  peer_.Send({8, 4}, wire::AfcsTeleop{3, 0, 0, 0});
+  peer_.Send({1, 2, 3});
+  peer_.Send({8, 6}, wire::AfcsTeleop{4, 0, 0, 0});
+  Serve();
+  ASSERT_EQ(aircraft_.told.size(), 2U);
+  EXPECT_EQ(std::get<VelocitySetpoint>(aircraft_.told[0]).v_H.x(), 1);
+  EXPECT_EQ(std::get<VelocitySetpoint>(aircraft_.told[1]).v_H.x(), 4);
+  EXPECT_EQ(server_->Heard().setpoints, 2U);
+  EXPECT_EQ(server_->Heard().unheeded.at(unheeded::kAgain).count, 2U);
+  EXPECT_EQ(server_->Heard().unheeded.at(unheeded::kDamaged).count, 1U);
+}
+
+TEST_F(AfcsServerTest, WithoutAPlatformNoneAnswers) {
+  Start(AnyPort());
+  Say(wire::AfcsOpen{});
+  Say(wire::AfcsPlatform{});
+  EXPECT_TRUE(Heard<wire::AfcsPlatform>().empty());
+}
+
+TEST_F(AfcsServerTest, ThePlatformTurnsAndAnswersWithEveryField) {
+  PanTilt platform({}, Eigen::Vector3d::Zero(), {});
+  Start(AnyPort(), &platform);
+  aircraft_.state.R_NB = HeadingRotation(0.5);
+  aircraft_.state.p_NB = {10, 20, -30};
+  Say(wire::AfcsOpen{});
+  Say(wire::AfcsPlatform{.mode = 0, .relative_pitch = -Radians(45), .relative_yaw = 0.2});
+  for (int i = 0; i < 1000; ++i) platform.Step(0.01, {aircraft_.state.R_NB, aircraft_.state.p_NB});
+  Say(wire::AfcsPlatform{.mode = 0, .relative_pitch = -Radians(45), .relative_yaw = 0.2});
+  ASSERT_EQ(Heard<wire::AfcsPlatform>().size(), 2U);
+  const auto before = Heard<wire::AfcsPlatform>()[0], after = Heard<wire::AfcsPlatform>()[1];
+  EXPECT_EQ(before.relative_yaw, 0);         // where it is, not where it is to be
+  EXPECT_TRUE(std::isnan(before.camera_n));  // level: nowhere on the ground
+  EXPECT_NEAR(after.relative_yaw, 0.2, 1e-12);
+  EXPECT_NEAR(after.relative_pitch, -Radians(45), 1e-12);
+  EXPECT_NEAR(after.absolute_yaw, 0.7, 1e-12);
+  EXPECT_NEAR(after.absolute_pitch, -Radians(45), 1e-12);
+  EXPECT_NEAR(after.absolute_roll, 0, 1e-12);
+  EXPECT_NEAR(after.camera_n, 10 + 30 * std::cos(0.7), 1e-9);  // as far ahead as it is high
+  EXPECT_NEAR(after.camera_e, 20 + 30 * std::sin(0.7), 1e-9);
+  EXPECT_NEAR(after.camera_d, 0, 1e-9);
+}
+
+TEST_F(AfcsServerTest, ThePlatformLooksAtAPlace) {
+  PanTilt platform({}, Eigen::Vector3d::Zero(), {});
+  Start(AnyPort(), &platform);
+  aircraft_.state.R_NB = HeadingRotation(0), aircraft_.state.p_NB = {0, 0, -10};
+  Say(wire::AfcsOpen{});
+  const wire::AfcsPlatform look{.mode = 2, .camera_n = 10, .camera_e = 0, .camera_d = 0};
+  Say(look);
+  for (int i = 0; i < 1000; ++i) platform.Step(0.01, {aircraft_.state.R_NB, aircraft_.state.p_NB});
+  Say(look);
+  EXPECT_NEAR(Heard<wire::AfcsPlatform>().at(1).relative_pitch, -Radians(45), 1e-9);
+  Say(wire::AfcsPlatform{.mode = 9});  // a mode that it does not have
+  EXPECT_EQ(Heard<wire::AfcsPlatform>().size(), 2U);
+}
+
+// ------------------------------------------------------------------------------ both ends of the wire
+
+class AfcsWire : public ::testing::Test {
+ protected:
+  AfcsWire() {
+    server_options_.port = 0;
+    link_options_.open_s = 0.02, link_options_.alive_s = 0.1, link_options_.silent_s = 30;
+  }
+  void StartServer() {
+    server_.emplace(server_options_);
+    server_options_.port = link_options_.port = PortOf(*server_);
+  }
+  bool ServedUntil(const std::function<bool()>& holds) {
+    return Eventually([&] {
+      const double now_s = MonotonicTestNow_s();
+      aircraft_.state.t_s = now_s - began_s_;
+      if (server_) server_->Serve(now_s, aircraft_);
+      return holds();
+    });
+  }
+
+  FakeAircraft aircraft_;
+  AfcsServerOptions server_options_;
+  AfcsLinkOptions link_options_;
+  std::optional<AfcsServer> server_;
+  double began_s_ = MonotonicTestNow_s();
+};
+
+TEST_F(AfcsWire, TheStateArrivesWithItsNumbersAndItsTime) {
+  StartServer();
+  AfcsLink link(link_options_);
+  ASSERT_TRUE(ServedUntil([&] { return link.Health().received > 20; }));
+  const VehicleState state = link.State();
+  EXPECT_EQ(state.p_NB, aircraft_.state.p_NB);
+  EXPECT_EQ(state.v_N, aircraft_.state.v_N);
+  EXPECT_EQ(state.w_B, aircraft_.state.w_B);
+  EXPECT_LT(state.R_NB.angularDistance(aircraft_.state.R_NB), 1e-7);
+  EXPECT_FALSE(state.landed);
+  const double true_s = MonotonicTestNow_s();  // the aircraft's clock began at began_s_
+  EXPECT_LE(state.t_s, true_s);
+  EXPECT_GE(state.t_s, began_s_);
+  EXPECT_TRUE(link.Health().open);
+  EXPECT_EQ(link.Health().refused, 0U);
+  EXPECT_EQ(link.Health().trouble, "");
+}
+
+TEST_F(AfcsWire, WhatIsAskedForIsWhatTheAircraftIsToldThroughOffsetAndDeadZone) {
+  server_options_.afcs.teleop =
+      link_options_.afcs.teleop = {{0.20, 0.05}, {-0.10, 0.02}, {0.30, 0.10}, {0.04, 0.01}, true};
+  StartServer();
+  AfcsLink link(link_options_);
+  ASSERT_TRUE(ServedUntil([&] { return link.Health().open; }));
+  const VelocitySetpoint wanted{{0.02, -0.3, 0.1}, -0.2};
+  ASSERT_TRUE(ServedUntil([&] {
+    link.Send(wanted);
+    return !aircraft_.told.empty();
+  }));
+  const auto told = std::get<VelocitySetpoint>(aircraft_.told[0]);
+  EXPECT_LT((told.v_H - wanted.v_H).norm(), 1e-12);
+  EXPECT_NEAR(told.yaw_rate, wanted.yaw_rate, 1e-12);
+}
+
+TEST_F(AfcsWire, APlaceIsToldAndConfirmed) {
+  StartServer();
+  AfcsLink link(link_options_);
+  ASSERT_TRUE(ServedUntil([&] { return link.Health().open; }));
+  ASSERT_TRUE(ServedUntil([&] {
+    link.Send(PositionSetpoint{{1, 2, -3}, 0.5});
+    return link.Desired().has_value();
+  }));
+  EXPECT_EQ(std::get<PositionSetpoint>(aircraft_.told.at(0)).p_N, Eigen::Vector3d(1, 2, -3));
+  EXPECT_EQ(link.Desired()->yaw, 0.5);
+}
+
+TEST_F(AfcsWire, IsOpenedAgainAfterTheServerWasKilledAndStartedAgain) {
+  link_options_.silent_s = 0.5;
+  StartServer();
+  AfcsLink link(link_options_);
+  ASSERT_TRUE(ServedUntil([&] { return link.Health().received > 5; }));
+  server_.reset();
+  ASSERT_TRUE(ServedUntil([&] { return !link.Health().open; }));
+  EXPECT_GT(*link.Health().state_age_s, 0.5);
+  StartServer();
+  began_s_ = MonotonicTestNow_s();  // its clock begins anew
+  aircraft_.state.p_NB = {7, 8, -9};
+  ASSERT_TRUE(ServedUntil([&] { return link.Health().open && *link.Health().state_age_s < 0.1; }));
+  EXPECT_EQ(link.State().p_NB, Eigen::Vector3d(7, 8, -9));
+  EXPECT_GE(link.State().t_s, began_s_);
+  EXPECT_TRUE(ServedUntil([&] {
+    link.Send(VelocitySetpoint{{1, 0, 0}, 0});
+    return !aircraft_.told.empty();
+  }));
+}
+
+TEST_F(AfcsWire, ASecondLinkWaitsUntilTheFirstHasClosed) {
+  StartServer();
+  auto first = std::make_unique<AfcsLink>(link_options_);
+  ASSERT_TRUE(ServedUntil([&] { return first->Health().open; }));
+  AfcsLink second(link_options_);
+  ASSERT_TRUE(ServedUntil([&] { return !second.Health().trouble.empty(); }));
+  EXPECT_FALSE(second.Health().open);
+  first.reset();
+  EXPECT_TRUE(ServedUntil([&] { return second.Health().open; }));
+}
+
+}  // namespace
+}  // namespace kestrel

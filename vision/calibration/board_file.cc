@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vision/calibration/board_file.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "base/file/model_files.h"
+#include "base/user_file.h"
+
+namespace kestrel {
+
+namespace fs = std::filesystem;
+
+Board LoadBoardNamed(const std::string& name, const std::string& where, Mistakes& mistakes) {
+  if (name.find('/') != std::string::npos || name.ends_with(".yaml") || name.ends_with(".yml")) {
+    if (IsFile(name)) return LoadBoard(name, mistakes);
+    mistakes.Add(where, "", NoSuchFile(name));
+    return {};
+  }
+  const fs::path folder = Root() / "models" / "boards";
+  if (IsFile(folder / (name + ".yaml"))) return LoadBoard(folder / (name + ".yaml"), mistakes);
+  std::vector<std::string> names;
+  std::error_code none;
+  for (const auto& entry : fs::directory_iterator(folder, none))
+    names.push_back(entry.path().stem().string());
+  std::sort(names.begin(), names.end());
+  const auto near = NearestName(name, names);
+  mistakes.Add(
+      where, "",
+      fmt::format("there is no board '{}'; {}", name,
+                  near ? fmt::format("did you mean '{}'?", *near)
+                       : fmt::format("valid: {}, or a target file of Kalibr", fmt::join(names, ", "))));
+  return {};
+}
+
+}  // namespace kestrel

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "base/yaml/yaml_fields.h"
+#include "vision/calibration/board.h"
+
+namespace kestrel {
+
+// One of models/boards by its name, or a file. where: for the mistakes.
+Board LoadBoardNamed(const std::string& name_or_file, const std::string& where, Mistakes& mistakes);
+
+}  // namespace kestrel

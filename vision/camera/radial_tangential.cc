@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vision/camera/radial_tangential.h"
+
+#include <Eigen/LU>
+#include <array>
+#include <cmath>
+
+#include "vision/camera/polynomial.h"
+
+namespace kestrel {
+namespace {
+
+// The least eigenvalue of the Jacobian over all directions, as a polynomial of the radius.
+std::array<double, 7> LeastSlope(const RadialTangential& d) {
+  return {1, -6 * std::hypot(d.p1, d.p2), 3 * d.k1, 0, 5 * d.k2, 0, 7 * d.k3};
+}
+
+// No point of the domain is distorted to further out than this.
+double MaxDistorted(const RadialTangential& d) {
+  const double r = d.MaxRadius(), r2 = r * r;
+  return r * (1 + r2 * (d.k1 + r2 * (d.k2 + r2 * d.k3))) + 3 * r2 * std::hypot(d.p1, d.p2);
+}
+
+}  // namespace
+
+bool RadialTangential::Holds(double radius) const {
+  return IsNone() ? std::isfinite(radius) : PositiveUpTo(LeastSlope(*this), radius);
+}
+
+double RadialTangential::MaxRadius() const { return FirstZero(LeastSlope(*this)); }
+
+Eigen::Vector2d RadialTangential::Distort(const Eigen::Vector2d& m, Eigen::Matrix2d* d_m,
+                                          Eigen::Matrix<double, 2, 5>* d_parameters) const {
+  const double x = m.x(), y = m.y(), r2 = m.squaredNorm();
+  const double radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3));
+  if (d_m) {
+    const double slope = 2 * (k1 + r2 * (2 * k2 + r2 * 3 * k3));  // of radial, by r, over r
+    const double across = slope * x * y + 2 * (p1 * x + p2 * y);
+    *d_m << radial + slope * x * x + 2 * p1 * y + 6 * p2 * x, across,  //
+        across, radial + slope * y * y + 6 * p1 * y + 2 * p2 * x;
+  }
+  if (d_parameters) {
+    d_parameters->col(0) = r2 * m;
+    d_parameters->col(1) = r2 * r2 * m;
+    d_parameters->col(2) << 2 * x * y, r2 + 2 * y * y;
+    d_parameters->col(3) << r2 + 2 * x * x, 2 * x * y;
+    d_parameters->col(4) = r2 * r2 * r2 * m;
+  }
+  return {radial * x + 2 * p1 * x * y + p2 * (r2 + 2 * x * x),
+          radial * y + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y};
+}
+
+std::optional<Eigen::Vector2d> RadialTangential::Undistort(const Eigen::Vector2d& distorted) const {
+  if (!distorted.allFinite()) return std::nullopt;
+  if (IsNone()) return distorted;
+  // Newton's method from the centre, with steps cut so that they stay in the domain and come nearer.
+  const double scale = 1 + distorted.norm();
+  bool reachable = false;  // known to be; asked only when a step leaves the domain
+  Eigen::Vector2d m = Eigen::Vector2d::Zero(), left = distorted;
+  for (int i = 0; i < 100 && left.norm() > 1e-15 * scale; ++i) {
+    Eigen::Matrix2d d_m;
+    Distort(m, &d_m);
+    const Eigen::Vector2d step = d_m.inverse() * left;
+    double share = 1;
+    for (; share > 1e-18; share /= 2) {
+      const Eigen::Vector2d next = m + share * step, next_left = distorted - Distort(next);
+      if (!Holds(next.norm())) {
+        if (!reachable && distorted.norm() > MaxDistorted(*this)) return std::nullopt;
+        reachable = true;
+        continue;
+      }
+      if (!(next_left.norm() < left.norm())) continue;
+      m = next, left = next_left;
+      break;
+    }
+    if (share <= 1e-18) break;
+  }
+  if (!(left.norm() <= 1e-12 * scale)) return std::nullopt;
+  return m;
+}
+
+}  // namespace kestrel

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <opencv2/core.hpp>
+#include <optional>
+#include <string>
+
+#include "vision/camera/camera_model.h"
+#include "vision/horizon/skyline_fix.h"
+#include "vision/horizon/visual_compass.h"
+
+// What the attitude from the skyline saw, drawn for people.
+namespace kestrel {
+
+// The small circle at an elevation over the horizontal, rad, as a line in the image (CV_8UC3).
+void DrawSmallCircle(cv::Mat& image, const CameraModel& camera, const Eigen::Vector3d& down_C,
+                     double elevation, const cv::Scalar& colour, int thickness = 1);
+
+// The contour (green where it is taken for the horizon, red where something stands before it) and the fitted
+// circle (yellow).
+void DrawSkyline(cv::Mat& image, const CameraModel& camera, const SkylineFix& fix);
+
+// An artificial horizon in a disc of the given radius: sky, ground, pitch ladder by tens of degrees, roll.
+void DrawArtificialHorizon(cv::Mat& image, cv::Point centre, int radius_px, const RollPitch& attitude);
+
+// A strip with a mark for every ten degrees about the heading, and the heading's number, 0 to 359.
+void DrawCompassStrip(cv::Mat& image, cv::Rect place, double heading);
+
+// All of these on a colour copy of the image, with the numbers or the reasons why there are none.
+cv::Mat DrawHorizon(const cv::Mat& image, const CameraModel& camera, const Eigen::Matrix3d& R_BC,
+                    const SkylineResult& skyline, const std::optional<CompassResult>& compass);
+
+}  // namespace kestrel

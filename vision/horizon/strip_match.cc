@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vision/horizon/strip_match.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <opencv2/imgproc.hpp>
+#include <utility>
+
+#include "geometry/tait_bryan.h"
+
+namespace kestrel {
+
+namespace {
+
+constexpr float kLeastShared = 0.06f;  // of the strip, in which two must overlap
+constexpr double kTukey = 1.6;         // where a difference says nothing more, in units of the pattern
+
+cv::Mat Halved(const cv::Mat& full) {
+  cv::Mat half;
+  cv::resize(full, half, {full.cols / 2, full.rows}, 0, 0, cv::INTER_AREA);
+  return half;
+}
+cv::Mat Spectrum(const cv::Mat& rows) {
+  cv::Mat out;
+  cv::dft(rows, out, cv::DFT_ROWS | cv::DFT_COMPLEX_OUTPUT);
+  return out;
+}
+// Sum over the rows of the circular correlations: out[k] = sum of a(i) b(i + k).
+cv::Mat Correlate(const cv::Mat& a, const cv::Mat& b) {
+  cv::Mat sum(1, a.cols, CV_32FC2, cv::Scalar(0, 0));
+  auto* s = sum.ptr<std::complex<float>>(0);
+  for (int j = 0; j < a.rows; ++j) {
+    const auto* p = a.ptr<std::complex<float>>(j);
+    const auto* q = b.ptr<std::complex<float>>(j);
+    for (int i = 0; i <= a.cols / 2; ++i) {
+      const float re = p[i].real() * q[i].real() + p[i].imag() * q[i].imag();
+      const float im = p[i].real() * q[i].imag() - p[i].imag() * q[i].real();
+      s[i] += std::complex<float>(re, im);
+    }
+  }
+  for (int i = a.cols / 2 + 1; i < a.cols; ++i) s[i] = std::conj(s[a.cols - i]);
+  cv::Mat out;
+  cv::idft(sum, out, cv::DFT_SCALE | cv::DFT_REAL_OUTPUT);
+  return out;
+}
+
+}  // namespace
+
+StripReference MakeReference(PanoramaStrip strip) {
+  StripReference r;
+  const int columns = strip.pattern.cols, rows = strip.pattern.rows;
+  r.slope_azimuth = cv::Mat::zeros(rows, columns, CV_32FC1);
+  r.slope_elevation = cv::Mat::zeros(rows, columns, CV_32FC1);
+  for (int j = 0; j < rows; ++j) {
+    const auto* p = strip.pattern.ptr<float>(j);
+    const auto* low = strip.pattern.ptr<float>(std::max(0, j - 1));
+    const auto* high = strip.pattern.ptr<float>(std::min(rows - 1, j + 1));
+    const float over = static_cast<float>(std::min(rows - 1, j + 1) - std::max(0, j - 1));
+    for (int i = 0; i < columns; ++i) {
+      r.slope_azimuth.at<float>(j, i) = (p[(i + 1) % columns] - p[(i + columns - 1) % columns]) / 2;
+      r.slope_elevation.at<float>(j, i) = (high[i] - low[i]) / over;
+    }
+  }
+  const cv::Mat half = Halved(strip.pattern), shown = Halved(strip.shown);
+  r.spectrum = Spectrum(half);
+  r.spectrum_square = Spectrum(half.mul(half));
+  r.spectrum_shown = Spectrum(shown);
+  r.strip = std::move(strip);
+  return r;
+}
+
+std::vector<float> TurnLikeness(const StripReference& then, const StripReference& now) {
+  const cv::Mat product = Correlate(now.spectrum, then.spectrum);
+  const cv::Mat now_square = Correlate(now.spectrum_square, then.spectrum_shown);
+  const cv::Mat then_square = Correlate(now.spectrum_shown, then.spectrum_square);
+  const cv::Mat shared = Correlate(now.spectrum_shown, then.spectrum_shown);
+  std::vector<float> out(static_cast<std::size_t>(product.cols), -1.0f);
+  const float least = kLeastShared * static_cast<float>(product.cols * now.spectrum.rows);
+  for (int k = 0; k < product.cols; ++k) {
+    const float energy = now_square.at<float>(0, k) * then_square.at<float>(0, k);
+    if (shared.at<float>(0, k) > least && energy > 1e-3f)
+      out[static_cast<std::size_t>(k)] = product.at<float>(0, k) / std::sqrt(energy);
+  }
+  return out;
+}
+
+TurnFit RefineTurn(const StripReference& then, const StripReference& now, double turn) {
+  using Vector6 = Eigen::Matrix<double, 6, 1>;  // turn, parallax (2), columns; tilt (2), height, rows
+  using Vector6f = Eigen::Matrix<float, 6, 1>;
+  using Matrix6 = Eigen::Matrix<double, 6, 6>;
+  const int columns = kStripGrid.azimuths, rows = kStripGrid.elevations;
+  const double per_rad = columns / (2 * M_PI);
+  Vector6 x = Vector6::Zero();
+  x[0] = turn * per_rad;
+  // Beforehand: parallax of some degrees, verticals that err by half a degree, a horizon by less.
+  Vector6 prior;
+  prior << 0, 1 / (0.3 * 0.3), 1 / (0.3 * 0.3), 1 / 0.25, 1 / 0.25, 1 / 0.1;
+  TurnFit fit;
+  std::vector<float> cosines(static_cast<std::size_t>(columns)), sines(cosines.size());
+  for (int i = 0; i < columns; ++i) {
+    cosines[static_cast<std::size_t>(i)] = static_cast<float>(std::cos(kStripGrid.Azimuth(i)));
+    sines[static_cast<std::size_t>(i)] = static_cast<float>(std::sin(kStripGrid.Azimuth(i)));
+  }
+  Matrix6 H;
+  double square = 0, weight = 0;
+  for (int round = 0; round < 6; ++round) {
+    Eigen::Matrix<float, 6, 6> Hf = Eigen::Matrix<float, 6, 6>::Zero();
+    Vector6f gf = Vector6f::Zero();
+    double cross = 0, energy_now = 0, energy_then = 0;
+    square = weight = 0;
+    for (int i = round % 2; i < columns; i += 2) {
+      const float c = cosines[static_cast<std::size_t>(i)], s = sines[static_cast<std::size_t>(i)];
+      const float across = static_cast<float>(i) + static_cast<float>(x[0] + x[1] * static_cast<double>(c) +
+                                                                      x[2] * static_cast<double>(s));
+      const float up =
+          static_cast<float>(x[3] * static_cast<double>(c) + x[4] * static_cast<double>(s) + x[5]);
+      const float whole = std::floor(across), f = across - whole;
+      int left = static_cast<int>(whole) % columns;
+      if (left < 0) left += columns;
+      const int right = left + 1 == columns ? 0 : left + 1;
+      for (int j = 1; j + 1 < rows; ++j) {
+        if (now.strip.shown.at<float>(j, i) == 0) continue;
+        if (then.strip.shown.at<float>(j, left) == 0 || then.strip.shown.at<float>(j, right) == 0) continue;
+        const float value =
+            (1 - f) * then.strip.pattern.at<float>(j, left) + f * then.strip.pattern.at<float>(j, right);
+        const float da =
+            (1 - f) * then.slope_azimuth.at<float>(j, left) + f * then.slope_azimuth.at<float>(j, right);
+        const float de =
+            (1 - f) * then.slope_elevation.at<float>(j, left) + f * then.slope_elevation.at<float>(j, right);
+        const float here = now.strip.pattern.at<float>(j, i), there = value + up * de;
+        const float r = here - there, u = r / static_cast<float>(kTukey);
+        cross += here * there, energy_now += here * here, energy_then += there * there;
+        if (u * u >= 1) continue;
+        const float w = (1 - u * u) * (1 - u * u);
+        Vector6f J;
+        J << da, da * c, da * s, de * c, de * s, de;
+        Hf += w * J * J.transpose();
+        gf += w * r * J;
+        square += w * r * r, weight += w;
+      }
+    }
+    if (weight < 200) return fit;
+    fit.likeness = cross / std::sqrt(energy_now * energy_then + 1e-9);
+    const double noise2 = std::max(0.01, square / weight);
+    H = Hf.cast<double>() / noise2;
+    H.diagonal() += prior;
+    Vector6 g = gf.cast<double>() / noise2;
+    g -= prior.cwiseProduct(x);
+    const Vector6 step = H.ldlt().solve(g);
+    x += step;
+    if (round > 0 && std::abs(step[0]) < 0.01) break;
+  }
+  const double moved = x[0] - turn * per_rad;
+  fit.good = std::abs(moved) < 8 && x.segment<2>(3).norm() < 3;
+  fit.turn = WrapAngle(x[0] / per_rad);
+  fit.parallax = x.segment<2>(1).norm() / per_rad;
+  // Neighbours in the pattern err together: some six of them count as one. What is at unlike ranges shifts
+  // unlike; a part of the parallax stays in the turn.
+  const Matrix6 P = H.inverse();
+  const double floor = Radians(0.03), rest = 0.15 * fit.parallax, unlike = Radians(1.2) * (1 - fit.likeness);
+  fit.variance = 6 * P(0, 0) / (per_rad * per_rad) + floor * floor + rest * rest + unlike * unlike;
+  return fit;
+}
+
+}  // namespace kestrel

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <opencv2/core.hpp>
+#include <optional>
+#include <vector>
+
+#include "vision/camera/pinhole.h"
+#include "vision/landmark/pad_reference.h"
+
+namespace kestrel {
+
+// Finds the whole pad in one image without any guess: it stands in for the person who clicks four corners in
+// thesis 4.4. Quadrilaterals of the image are matched with the large rectangles of the pad's own picture (its
+// outline, its frames) of the same aspect ratio (thesis 3.21), and what such a match makes of the image is
+// compared with the reference appearance, in every direction.
+class PadDetector {
+ public:
+  PadDetector(const PadReference& reference, const Pinhole& camera);
+
+  // H_w, the homography from T, m, to the image (CV_8UC1), good to about a pixel. None: nothing looks like
+  // the pad.
+  std::optional<Eigen::Matrix3d> Detect(const cv::Mat& grey) const;
+
+ private:
+  using Quad = std::array<Eigen::Vector2d, 4>;
+
+  Pinhole camera_;
+  PadReference::Level level_;     // the scale at which candidates are compared
+  std::vector<Quad> rectangles_;  // of the pad's picture, in T, m, clockwise from the picture's top left
+};
+
+}  // namespace kestrel

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vision/landmark/pad_reference.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+namespace kestrel {
+namespace {
+
+constexpr int kSmallestSide_px = 24;
+constexpr int kMostCorners = 6000;
+constexpr double kCornerQuality = 0.02;
+constexpr double kCornerDistance_px = 5;
+constexpr int kRim_px = 4;
+
+PadReference::Level MakeLevel(const cv::Mat& image, double length_m, double width_m) {
+  PadReference::Level level;
+  level.image = image;
+  const double sx = image.cols / width_m, sy = image.rows / length_m;
+  level.px_per_m = std::sqrt(sx * sy);
+  // The picture's edges are half a pixel outside the centres of its outermost pixels.
+  level.pixel_from_T << 0, sx, sx * width_m / 2 - 0.5, -sy, 0, sy * length_m / 2 - 0.5, 0, 0, 1;
+  cv::Mat mask(image.size(), CV_8UC1, cv::Scalar(0));
+  mask(cv::Rect(kRim_px, kRim_px, image.cols - 2 * kRim_px, image.rows - 2 * kRim_px)).setTo(255);
+  std::vector<cv::Point2f> found;
+  cv::goodFeaturesToTrack(image, found, kMostCorners, kCornerQuality, kCornerDistance_px, mask, 5);
+  const Eigen::Matrix3d T_from_pixel = level.pixel_from_T.inverse();
+  for (const cv::Point2f& c : found) {
+    level.corners.push_back((T_from_pixel * Eigen::Vector3d(c.x, c.y, 1)).head<2>());
+  }
+  return level;
+}
+
+}  // namespace
+
+std::vector<Eigen::Vector2d> PadReference::Outline() const {
+  const double x = length_m / 2, y = width_m / 2;
+  return {{x, -y}, {x, y}, {-x, y}, {-x, -y}};
+}
+
+const PadReference::Level& PadReference::LevelFor(double px_per_m) const {
+  const Level* best = &levels.front();
+  for (const Level& level : levels) {
+    if (level.px_per_m >= 0.75 * px_per_m) best = &level;
+  }
+  return *best;
+}
+
+PadReference MakePadReference(const cv::Mat& picture, double length_m, double width_m) {
+  cv::Mat grey = picture;
+  if (picture.channels() == 3) cv::cvtColor(picture, grey, cv::COLOR_BGR2GRAY);
+  PadReference reference{length_m, width_m, {}};
+  for (double scale = 1;; scale /= 2) {
+    const cv::Size size(static_cast<int>(std::lround(grey.cols * scale)),
+                        static_cast<int>(std::lround(grey.rows * scale)));
+    if (std::min(size.width, size.height) < kSmallestSide_px && scale < 1) break;
+    cv::Mat image;
+    cv::resize(grey, image, size, 0, 0, cv::INTER_AREA);
+    reference.levels.push_back(MakeLevel(image, length_m, width_m));
+  }
+  return reference;
+}
+
+}  // namespace kestrel

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vision/landmark/plane_pose.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+namespace kestrel {
+
+double RectangleAspect(const Eigen::Matrix3d& H_unit, const Pinhole& camera) {
+  const Eigen::Matrix3d M = camera.K().inverse() * H_unit;
+  return M.col(1).norm() / M.col(0).norm();  // eq. (3.21)
+}
+
+std::optional<Pose> PoseFromHomography(const Eigen::Matrix3d& H_w, const Pinhole& camera) {
+  const Eigen::Matrix3d M = camera.K().inverse() * H_w;  // eq. (3.22)
+  const double scale = (M.col(0).norm() + M.col(1).norm()) / 2;
+  if (!std::isfinite(scale) || !(scale > 0)) return std::nullopt;
+  const double lambda = (M(2, 2) < 0 ? -1 : 1) / scale;  // eq. (3.23)
+  Eigen::Matrix3d R;
+  R.col(0) = lambda * M.col(0);
+  R.col(1) = lambda * M.col(1);
+  R.col(2) = R.col(0).cross(R.col(1));
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(R, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  if (!(svd.singularValues()(1) > 1e-6)) return std::nullopt;
+  const Eigen::Matrix3d nearest = svd.matrixU() * svd.matrixV().transpose();  // eq. (3.24)
+  if (nearest.determinant() < 0) return std::nullopt;
+  const Pose X_CT{Eigen::Quaterniond(nearest).normalized(), lambda * M.col(2)};  // eq. (3.25)
+  if (!(X_CT.p.z() > 0)) return std::nullopt;
+  return X_CT;
+}
+
+Eigen::Matrix3d HomographyFromPose(const Pose& X_CT, const Pinhole& camera) {
+  const Eigen::Matrix3d R = X_CT.R.toRotationMatrix();
+  Eigen::Matrix3d M;
+  M << R.col(0), R.col(1), X_CT.p;
+  return camera.K() * M;
+}
+
+std::optional<PlanePose> RefinePlanePose(std::span<const PointPair> pairs, const Pinhole& camera,
+                                         const Pose& X_CT_start, double sigma_px) {
+  if (pairs.size() < 4) return std::nullopt;
+  Pose X_CT = X_CT_start;
+  for (int iteration = 0;; ++iteration) {
+    Eigen::Matrix<double, 6, 6> JtJ = Eigen::Matrix<double, 6, 6>::Zero();
+    Eigen::Matrix<double, 6, 1> Jtr = Eigen::Matrix<double, 6, 1>::Zero();
+    double sum = 0;
+    for (const PointPair& pair : pairs) {
+      const Eigen::Vector3d arm_C = X_CT.R * Eigen::Vector3d(pair.from.x(), pair.from.y(), 0);
+      const Eigen::Vector3d p_C = arm_C + X_CT.p;
+      const auto uv = camera.Project(p_C);
+      if (!uv) return std::nullopt;
+      Eigen::Matrix<double, 2, 3> d_uv;  // of the pixel with respect to p_C
+      d_uv << camera.fx / p_C.z(), 0, -camera.fx * p_C.x() / (p_C.z() * p_C.z()),  //
+          0, camera.fy / p_C.z(), -camera.fy * p_C.y() / (p_C.z() * p_C.z());
+      Eigen::Matrix<double, 2, 6> J;
+      J << d_uv, -d_uv * Skew(arm_C);  // p_C moves by dt + dtheta x arm
+      const Eigen::Vector2d r = pair.to - *uv;
+      JtJ.noalias() += J.transpose() * J;
+      Jtr.noalias() += J.transpose() * r;
+      sum += r.squaredNorm();
+    }
+    const Eigen::LDLT<Eigen::Matrix<double, 6, 6>> solver(JtJ);
+    if (solver.info() != Eigen::Success || !(solver.vectorD().minCoeff() > 0)) return std::nullopt;
+    const Eigen::Matrix<double, 6, 1> step = solver.solve(Jtr);
+    if (!step.allFinite()) return std::nullopt;
+    if (iteration >= 10 || step.norm() < 1e-9) {
+      const double n = static_cast<double>(pairs.size());
+      const double seen = std::sqrt(sum / std::max(2 * n - 6, 1.0));  // deviation of one coordinate
+      const double sigma = std::max(sigma_px, seen);
+      return PlanePose{X_CT, sigma * sigma * solver.solve(Eigen::Matrix<double, 6, 6>::Identity()),
+                       std::sqrt(sum / n)};
+    }
+    X_CT.p += step.head<3>();
+    X_CT.R = (ExpRotation(step.tail<3>()) * X_CT.R).normalized();
+  }
+}
+
+}  // namespace kestrel
