@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace kestrel {
+namespace kestrel::app {
 
 struct BenchArguments {
   std::string name;  // empty: all
@@ -20,4 +20,4 @@ std::vector<std::string> BenchNames();
 // InputError if the seeds are not A..B.
 bool Bench(const BenchArguments& arguments);
 
-}  // namespace kestrel
+}  // namespace kestrel::app

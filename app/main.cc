@@ -17,7 +17,7 @@
 #include "app/campaign/campaign_command.h"
 #include "app/campaign/tune_command.h"
 #include "app/flight/replay_command.h"
-#include "app/option/leave.h"
+#include "app/option/exit_status.h"
 #include "app/option/parse_command_line.h"
 #include "app/simulated/encounters_command.h"
 #include "app/simulated/horizon_command.h"
@@ -27,15 +27,14 @@
 #include "app/simulated/view_command.h"
 #include "base/file/files.h"
 #include "base/printable.h"
-#include "base/process/aside.h"
 #include "base/process/end_signals.h"
+#include "base/process/print_note.h"
 #include "base/version.h"
-#include "bench/bench_campaign.h"
 #include "flight/simulated/runner.h"
 #include "records/junit.h"
 #include "records/telemetry/flight_mode.h"
 
-namespace kestrel {
+namespace kestrel::app {
 namespace {
 
 std::atomic<bool> interrupted = false;
@@ -52,17 +51,17 @@ class Progress {
  public:
   explicit Progress(double duration_s) : duration_s_(duration_s) {}
   ~Progress() {
-    if (shown_) Aside("\r\033[K");
+    if (shown_) PrintNote("\r\033[K");
   }
-  void Show(const LogRow& row) {
+  void Show(const records::LogRow& row) {
     const auto now = std::chrono::steady_clock::now();
     if (shown_ && now - last_ < std::chrono::milliseconds(100)) return;
     last_ = now;
     shown_ = true;
     const double wall_s = std::chrono::duration<double>(now - start_).count();
-    Aside("\r\033[K{:6.1f} of at most {:.0f} s  {:4.1f} x real time  {:<10} {:<8} height {:5.2f} m",
-          row.now.t_s, duration_s_, row.now.t_s / std::max(wall_s, 1e-3), row.decision.phase,
-          row.decision.target, row.now.X_NT.p.z() - row.now.X_NB.p.z());
+    PrintNote("\r\033[K{:6.1f} of at most {:.0f} s  {:4.1f} x real time  {:<10} {:<8} height {:5.2f} m",
+              row.now.t_s, duration_s_, row.now.t_s / std::max(wall_s, 1e-3), row.decision.phase,
+              row.decision.target, row.now.X_NT.p.z() - row.now.X_NB.p.z());
     std::fflush(stderr);
   }
 
@@ -72,32 +71,32 @@ class Progress {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now(), last_;
 };
 
-void Report(const Summary& s, const std::string& folder) {
+void Report(const records::Summary& s, const std::string& folder) {
   fmt::print("{}, seed {}: {}\n", s.scenario, s.seed,
              s.error.empty() ? s.outcome : "broke off: " + Printable(s.error));
-  for (const Criterion& c : s.criteria) {
+  for (const records::Criterion& c : s.criteria) {
     // What did not happen has no value: an error at touch-down of a flight that never touched down.
     const std::string value = std::isnan(c.value) ? "not reached" : fmt::format("{:.4g}", c.value);
     fmt::print("  {:<4} {:<26} {:>11}   {} {:g}\n", c.passed ? "ok" : "NOT", c.name, value,
                c.at_least ? "at least" : "at most", c.limit);
   }
   if (s.complete && !s.passed &&
-      std::all_of(s.criteria.begin(), s.criteria.end(), [](const Criterion& c) { return c.passed; }))
+      std::all_of(s.criteria.begin(), s.criteria.end(), [](const records::Criterion& c) { return c.passed; }))
     fmt::print("  NOT  accomplished: the flight ended before what it is for was done\n");
   fmt::print("  {:.1f} s flown in {:.1f} s, {:.1f} x real time, drawn by {}\n", s.sim_s, s.wall_s,
              s.sim_s / std::max(s.wall_s, 1e-9), s.renderer);
   fmt::print("  {}\n", folder);
 }
 
-void PrintNotes(const LoadedScenario& loaded) {
+void PrintNotes(const flight::LoadedScenario& loaded) {
   for (const std::string& note : loaded.notes) fmt::print("  {}\n", Printable(note));
 }
 
 int Run(const RunArguments& arguments) {
   std::vector<std::string> overrides = arguments.overrides;
   if (!arguments.seed.empty()) overrides.push_back("seed=" + arguments.seed);
-  const LoadedScenario loaded = LoadScenario(arguments.scenario, overrides);
-  RunOptions options;
+  const flight::LoadedScenario loaded = flight::LoadScenario(arguments.scenario, overrides);
+  flight::RunOptions options;
   options.folder = arguments.out.empty()
                        ? fmt::format("results/runs/{}-{}", loaded.scenario.name, loaded.scenario.seed)
                        : arguments.out;
@@ -109,14 +108,14 @@ int Run(const RunArguments& arguments) {
   CheckWritableFile(arguments.junit, "--junit", mistakes);
   mistakes.ThrowIfAny();
   if (!arguments.quiet) {
-    fmt::print("{}  {}, seed {}\n", kSimulatorMode, loaded.scenario.name, loaded.scenario.seed);
+    fmt::print("{}  {}, seed {}\n", records::kSimulatorMode, loaded.scenario.name, loaded.scenario.seed);
     PrintNotes(loaded);
   }
-  FlightResult result;
+  flight::FlightResult result;
   {
     Progress progress(loaded.scenario.duration_s);
     const bool terminal = isatty(STDERR_FILENO) && !arguments.quiet;
-    options.progress = [&](const LogRow& row) {
+    options.progress = [&](const records::LogRow& row) {
       if (terminal) progress.Show(row);
       return !interrupted.load();
     };
@@ -125,13 +124,13 @@ int Run(const RunArguments& arguments) {
       interrupted = true;
       EndOnNextSignal();
     });
-    result = RunFlight(loaded, options);
+    result = flight::RunFlight(loaded, options);
   }
-  const Summary& summary = result.summary;
-  if (!arguments.junit.empty()) WriteFile(arguments.junit, ToJunit({summary}));
+  const records::Summary& summary = result.summary;
+  if (!arguments.junit.empty()) WriteFile(arguments.junit, records::ToJunit({summary}));
   if (!arguments.quiet) Report(summary, options.folder->string());
   if (!summary.complete) {
-    if (arguments.quiet) Aside("kestrel: {}\n", summary.error);
+    if (arguments.quiet) PrintNote("kestrel: {}\n", summary.error);
     return kBrokeOff;
   }
   return summary.passed ? kMet : kNotMet;
@@ -142,7 +141,7 @@ int List() {
     throw InputError({fmt::format("KESTREL_ROOT: '{}' holds no scenarios", Root().string())});
   for (const std::string& name : ScenarioNames()) {
     try {
-      const Scenario s = LoadScenario(name).scenario;
+      const flight::Scenario s = flight::LoadScenario(name).scenario;
       fmt::print("{:<18} mission {:<8} {:>4.0f} s  {}, {}, {}\n", name, s.mission, s.duration_s, s.vehicle,
                  s.camera, s.world);
     } catch (const InputError& e) {
@@ -153,7 +152,7 @@ int List() {
 }
 
 int Check(const std::string& scenario, const std::vector<std::string>& overrides) {
-  const LoadedScenario loaded = LoadScenario(scenario, overrides);
+  const flight::LoadedScenario loaded = flight::LoadScenario(scenario, overrides);
   fmt::print("{} is valid\n", scenario);
   PrintNotes(loaded);
   return kMet;
@@ -203,7 +202,7 @@ int Main(int argc, char** argv) {
   check_command->add_option("--set", check_overrides, "key.path=value, as for run");
   check_command->footer("Examples:\n  kestrel check my_flight.yaml --set camera=fisheye");
 
-  ServeArguments serve;
+  flight::ServeArguments serve;
   const CLI::App* serve_command = AddServeCommand(app, serve);
   EncountersArguments encounters;
   const CLI::App* encounters_command = AddEncountersCommand(app, encounters);
@@ -215,8 +214,7 @@ int Main(int argc, char** argv) {
   BenchArguments bench;
   CLI::App* bench_command = app.add_subcommand("bench", "Measure: a table of figures beside their targets");
   // Of campaigns by its name alone: it flies for minutes, and kills itself.
-  std::vector<std::string> bench_names = BenchNames();
-  bench_names.push_back("campaign");
+  const std::vector<std::string> bench_names = BenchNames();
   bench_command
       ->add_option("name", bench.name,
                    fmt::format("{}; all but campaign, wire and link_faults when none is given",
@@ -292,27 +290,19 @@ int Main(int argc, char** argv) {
       CheckWritableFile(bench.json, "--json", mistakes);
       if (bench.name.empty() || bench.name == "horizon") CheckWritableFolder(bench.out, "--out", mistakes);
       mistakes.ThrowIfAny();
-      if (bench.name == "campaign") {
-        std::vector<Figure> table;
-        const SeedRange seeds = ParseSeeds(bench.seeds);
-        BenchCampaign(static_cast<int>(seeds.last - seeds.first) + 1, "results/runs/bench_campaign", table);
-        PrintFigures(table);
-        if (!bench.json.empty()) WriteFigures(bench.json, table);
-        return AllMet(table) ? kMet : kNotMet;
-      }
       return Bench(bench) ? kMet : kNotMet;
     }
   } catch (const InputError& e) {
-    Aside("{}\n", e.what());
+    PrintNote("{}\n", e.what());
     return kBadInput;
   } catch (const std::exception& e) {
-    Aside("kestrel: {}\n", Printable(e.what()));
+    PrintNote("kestrel: {}\n", Printable(e.what()));
     return kBrokeOff;
   }
   return kBadInput;
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::app
 
-int main(int argc, char** argv) { return kestrel::LeaveWith(kestrel::Main(argc, argv)); }
+int main(int argc, char** argv) { return kestrel::app::ExitWith(kestrel::app::Main(argc, argv)); }

@@ -8,15 +8,15 @@
 #include "app/camera/calibrate_command.h"
 #include "app/flight/fly_command.h"
 #include "app/flight/replay_command.h"
-#include "app/option/leave.h"
+#include "app/option/exit_status.h"
 #include "app/option/parse_command_line.h"
 #include "base/printable.h"
-#include "base/process/aside.h"
+#include "base/process/print_note.h"
 #include "base/version.h"
 #include "base/yaml/yaml_fields.h"
 #include "flight/flight_plan.h"
 
-namespace kestrel {
+namespace kestrel::app {
 namespace {
 
 int Main(int argc, char** argv) {
@@ -65,6 +65,6 @@ int Main(int argc, char** argv) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::app
 
-int main(int argc, char** argv) { return kestrel::LeaveWith(kestrel::Main(argc, argv)); }
+int main(int argc, char** argv) { return kestrel::app::ExitWith(kestrel::app::Main(argc, argv)); }

@@ -18,7 +18,7 @@
 #include "campaign/execution/fly_row.h"
 #include "campaign/execution/worker_wire.h"
 
-namespace kestrel {
+namespace kestrel::app {
 namespace {
 
 bool WriteAll(int file, const std::string& text) {
@@ -50,13 +50,13 @@ int Work() {
   mallopt(M_MMAP_THRESHOLD, 1 << 22);
 #endif
 
-  if (!WriteAll(reports, kGreetingLine)) return 3;
+  if (!WriteAll(reports, campaign::kGreetingLine)) return 3;
   std::string heard;
   for (;;) {
     for (std::size_t end; (end = heard.find('\n')) != std::string::npos; heard.erase(0, end + 1)) {
-      const RunResult result = FlyRow(OrderOf(heard.substr(0, end)));
+      const campaign::RunResult result = campaign::FlyRow(campaign::OrderOf(heard.substr(0, end)));
       std::fflush(nullptr);
-      if (!WriteAll(reports, ReportLine(result))) return 3;
+      if (!WriteAll(reports, campaign::ReportLine(result))) return 3;
     }
     char bytes[4096];
     const ssize_t n = read(orders, bytes, sizeof bytes);
@@ -67,7 +67,7 @@ int Work() {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::app
 
 int main(int argc, char** argv) {
   if (argc != 2 || std::string(argv[1]) != kestrel::Version()) {
@@ -75,6 +75,6 @@ int main(int argc, char** argv) {
                kestrel::Version());
     return 2;
   }
-  kestrel::GoByTheEnvironment();
-  return kestrel::Work();
+  kestrel::app::GoByTheEnvironment();
+  return kestrel::app::Work();
 }

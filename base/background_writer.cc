@@ -7,14 +7,14 @@
 namespace kestrel {
 
 BackgroundWriter::BackgroundWriter(std::size_t most_waiting)
-    : most_waiting_(most_waiting), thread_([this] { Work(); }) {}
+    : max_waiting_(most_waiting), thread_([this] { Work(); }) {}
 
 BackgroundWriter::~BackgroundWriter() { Finish(); }
 
 bool BackgroundWriter::Do(std::function<void()> job) {
   {
     const std::lock_guard lock(mutex_);
-    if (finished_ || !error_.empty() || waiting_.size() >= most_waiting_) {
+    if (finished_ || !error_.empty() || waiting_.size() >= max_waiting_) {
       ++dropped_;
       return false;
     }

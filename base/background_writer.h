@@ -26,7 +26,7 @@ class BackgroundWriter {
  private:
   void Work();
 
-  std::size_t most_waiting_;
+  std::size_t max_waiting_;
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   std::deque<std::function<void()>> waiting_;

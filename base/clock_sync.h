@@ -15,12 +15,12 @@ class ClockSync {
  public:
   static constexpr double kWindow_s = 10, kJump_s = 1;
 
-  void Hear(double their_s, double ours_s);            // a message stamped by them, and when it came
+  void AddSample(double their_s, double ours_s);       // a message stamped by them, and when it came
   std::optional<double> ToOurs(double their_s) const;  // none: nothing heard
 
  private:
   // Offsets ours - theirs that are the least of all that came after them, with when they came: rising.
-  std::deque<std::pair<double, double>> least_;
+  std::deque<std::pair<double, double>> min_;
 };
 
 }  // namespace kestrel

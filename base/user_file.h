@@ -11,8 +11,8 @@ namespace kestrel {
 
 // How large the files may be that are read as a whole: of settings, and of what programs write (images,
 // meshes, tables).
-constexpr std::size_t kMostTextBytes = 1u << 20;
-constexpr std::size_t kMostDataBytes = 1u << 28;
+constexpr std::size_t kMaxTextBytes = 1u << 20;
+constexpr std::size_t kMaxDataBytes = 1u << 28;
 
 // Whether a name is one of a regular file, by links too. Never throws.
 bool IsFile(const std::filesystem::path& file);

@@ -9,48 +9,48 @@
 #include "base/process/in_parallel.h"
 #include "base/statistics.h"
 #include "flight/simulated/scenario.h"
-#include "sim/camera/board_studio.h"
+#include "sim/camera/board_renderer.h"
 #include "vision/calibration/calibrate.h"
 #include "vision/camera/calibration_file.h"
 
-namespace kestrel {
+namespace kestrel::bench {
 namespace {
 
 constexpr int kImages = 30;
 
 struct Trial {
   std::string name, model;
-  CameraModel camera;
-  Board board;
+  vision::CameraModel camera;
+  vision::Board board;
 };
 
-CameraModel CameraNamed(const char* name) {
+vision::CameraModel CameraNamed(const char* name) {
   Mistakes mistakes;
-  const CameraModel camera =
-      LoadCamera(Root() / "models" / "cameras" / (std::string(name) + ".yaml"), mistakes);
+  const vision::CameraModel camera =
+      vision::LoadCamera(Root() / "models" / "cameras" / (std::string(name) + ".yaml"), mistakes);
   mistakes.ThrowIfAny();
   return camera;
 }
 
 std::vector<Trial> Trials() {
   // Some 180 degrees, made up.
-  const DoubleSphere sphere{640, 480, 180, 181, 322, 237, -0.2, 0.6, 1.6};
+  const vision::DoubleSphere sphere{640, 480, 180, 181, 322, 237, -0.2, 0.6, 1.6};
   std::vector<Trial> trials;
   for (const auto& [name, model, camera] :
        {std::tuple{"pinhole 43 deg", "pinhole", CameraNamed("thesis_6mm")},
         {"fisheye 190 deg", "fisheye", CameraNamed("fisheye")},
         {"mirror 243 deg", "unified", CameraNamed("hyperbolic_mirror")},
-        {"double sphere 180 deg", "double_sphere", CameraModel(sphere)}}) {
-    trials.push_back({fmt::format("{}, chessboard", name), model, camera, Chessboard{}});
-    trials.push_back({fmt::format("{}, tags", name), model, camera, AprilGrid{}});
+        {"double sphere 180 deg", "double_sphere", vision::CameraModel(sphere)}}) {
+    trials.push_back({fmt::format("{}, chessboard", name), model, camera, vision::Chessboard{}});
+    trials.push_back({fmt::format("{}, tags", name), model, camera, vision::AprilGrid{}});
   }
   return trials;
 }
 
 // The numbers that the file of a camera gives, in the order of the calibrated model's.
-Eigen::VectorXd TruthFor(const CameraModel& camera, Eigen::Index size) {
+Eigen::VectorXd TruthFor(const vision::CameraModel& camera, Eigen::Index size) {
   Eigen::VectorXd truth = Eigen::VectorXd::Zero(size);  // a pinhole's distortion is none
-  const Eigen::VectorXd given = Parameters(camera);
+  const Eigen::VectorXd given = vision::Parameters(camera);
   truth.head(given.size()) = given;
   return truth;
 }
@@ -64,32 +64,32 @@ struct Outcome {
 };
 
 Outcome Run(const Trial& trial, std::uint64_t seed) {
-  BoardStudio studio(trial.board, trial.camera, {.threads = 1});
-  const std::vector<Pose> poses = SpreadPoses(trial.camera, trial.board, kImages, seed);
+  sim::BoardRenderer studio(trial.board, trial.camera, {.threads = 1});
+  const std::vector<Pose> poses = sim::SpreadPoses(trial.camera, trial.board, kImages, seed);
   std::vector<cv::Mat> images;
-  std::vector<BoardView> views;
+  std::vector<vision::BoardView> views;
   for (int i = 0; i < kImages; ++i) {
-    images.push_back(studio.Photograph(poses[static_cast<std::size_t>(i)], seed, i));
-    views.push_back({std::to_string(i), FindBoard(images.back(), trial.board)});
+    images.push_back(studio.Render(poses[static_cast<std::size_t>(i)], seed, i));
+    views.push_back({std::to_string(i), vision::FindBoard(images.back(), trial.board)});
   }
-  const CameraModel like = CameraLike(trial.model, images.front().size());
-  const Calibration first = Calibrate(trial.board, views, like);
-  views = Refit(trial.board, images, views, first);
-  const Calibration c = Calibrate(trial.board, views, like);
+  const vision::CameraModel like = vision::CameraLike(trial.model, images.front().size());
+  const vision::Calibration first = vision::Calibrate(trial.board, views, like);
+  views = vision::Refit(trial.board, images, views, first);
+  const vision::Calibration c = vision::Calibrate(trial.board, views, like);
 
   Outcome outcome{.rms_px = c.rms_px, .deviations = {}};
-  const Eigen::VectorXd found = Parameters(c.camera), truth = TruthFor(trial.camera, found.size());
-  const std::vector<std::string> names = ParameterNames(c.camera);
+  const Eigen::VectorXd found = vision::Parameters(c.camera), truth = TruthFor(trial.camera, found.size());
+  const std::vector<std::string> names = vision::ParameterNames(c.camera);
   for (std::size_t i = 0; i < c.free.size(); ++i) {
     const std::string& name = names[static_cast<std::size_t>(c.free[i])];
     if (name[0] == 'k' || name[0] == 'p') continue;
     outcome.deviations.push_back((found - truth)[c.free[i]] / c.sigma[static_cast<Eigen::Index>(i)]);
   }
-  const std::vector<Eigen::Vector2d> places = Corners(trial.board);
+  const std::vector<Eigen::Vector2d> places = vision::Corners(trial.board);
   for (std::size_t i = 0; i < views.size(); ++i) {
-    for (const BoardCorner& corner : views[i].corners) {
+    for (const vision::BoardCorner& corner : views[i].corners) {
       const Eigen::Vector2d& p = places[static_cast<std::size_t>(corner.index)];
-      const auto uv = Project(trial.camera, poses[i] * Eigen::Vector3d(p.x(), p.y(), 0));
+      const auto uv = vision::Project(trial.camera, poses[i] * Eigen::Vector3d(p.x(), p.y(), 0));
       if (!uv) continue;
       outcome.corner_error += corner.pixel - *uv;
       outcome.corner_square += (corner.pixel - *uv).squaredNorm();
@@ -108,7 +108,7 @@ double ShareWithinTwo(const std::vector<double>& deviations) {
 }  // namespace
 
 void BenchCalibration(std::uint64_t first_seed, std::uint64_t last_seed, int jobs,
-                      std::vector<Figure>& table) {
+                      std::vector<records::Figure>& table) {
   const std::vector<Trial> trials = Trials();
   const std::size_t seeds = static_cast<std::size_t>(std::min<std::uint64_t>(last_seed - first_seed + 1, 5));
   std::vector<Outcome> outcomes(trials.size() * seeds);
@@ -145,4 +145,4 @@ void BenchCalibration(std::uint64_t first_seed, std::uint64_t last_seed, int job
                    ""});
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::bench

@@ -19,24 +19,24 @@
 #include "base/version.h"
 #include "campaign/execution/run_campaign.h"
 
-namespace kestrel {
+namespace kestrel::bench {
 namespace {
 
 namespace fs = std::filesystem;
 
-CampaignWork ShortHovers(int rows) {
-  CampaignWork work;
+campaign::CampaignWork ShortHovers(int rows) {
+  campaign::CampaignWork work;
   work.scenario = "hover";
   work.set = {"duration_s=0.5", "start.settle_s=0.5"};
-  SampleTable table{{"seed", "wind.mean_m_s"}, {}};
+  campaign::SampleTable table{{"seed", "wind.mean_m_s"}, {}};
   for (int row = 0; row < rows; ++row)
     table.rows.push_back({fmt::format("{}", row + 1), fmt::format("{:.17g}", 6.0 * row / rows)});
   work.identity = {"bench", "hover", "short hovers", Version(), table};
   return work;
 }
 
-CampaignOptions Options(const fs::path& folder, int jobs) {
-  CampaignOptions options;
+campaign::CampaignOptions Options(const fs::path& folder, int jobs) {
+  campaign::CampaignOptions options;
   options.folder = folder;
   options.jobs = jobs;
   options.record_failures = 0;
@@ -52,23 +52,23 @@ double CpuOfThisProcess_s() {
   return seconds(usage.ru_utime) + seconds(usage.ru_stime);
 }
 
-std::vector<RunResult> ResultsOf(const fs::path& folder) {
-  return ResultStore::Read(ResultFile(folder)).Results();
+std::vector<campaign::RunResult> ResultsOf(const fs::path& folder) {
+  return campaign::ResultStore::Read(campaign::ResultFile(folder)).Results();
 }
 
 // Rows of which the two do not have the same.
-int Unlike(const std::vector<RunResult>& a, const std::vector<RunResult>& b) {
+int Unlike(const std::vector<campaign::RunResult>& a, const std::vector<campaign::RunResult>& b) {
   if (a.size() != b.size()) return static_cast<int>(std::max(a.size(), b.size()));
   int unlike = 0;
   for (std::size_t i = 0; i < a.size(); ++i)
-    unlike += a[i].row != b[i].row || !DifferenceOf(a[i], b[i]).empty();
+    unlike += a[i].row != b[i].row || !campaign::DifferenceOf(a[i], b[i]).empty();
   return unlike;
 }
 
 // Kills the parent at random moments until it was killed so often; campaigns that come to their end before
 // that are begun anew.
-void Kill(const CampaignWork& work, const std::vector<RunResult>& whole, int most_kills,
-          const fs::path& folder, std::vector<Figure>& table) {
+void Kill(const campaign::CampaignWork& work, const std::vector<campaign::RunResult>& whole, int most_kills,
+          const fs::path& folder, std::vector<records::Figure>& table) {
   RandomStream random(1, "kills");
   int kills = 0, lost = 0, unlike = 0, campaigns = 0;
   while (kills < most_kills) {
@@ -78,7 +78,7 @@ void Kill(const CampaignWork& work, const std::vector<RunResult>& whole, int mos
       const pid_t parent = fork();
       if (parent == 0) {
         try {
-          RunCampaign(work, Options(here, 2));
+          campaign::RunCampaign(work, Options(here, 2));
           _exit(0);
         } catch (const std::exception& e) {
           std::fputs(e.what(), stderr);
@@ -98,8 +98,8 @@ void Kill(const CampaignWork& work, const std::vector<RunResult>& whole, int mos
       }
       complete = WIFEXITED(status);
       std::set<std::int64_t> now;
-      if (fs::exists(ResultFile(here)) && fs::file_size(ResultFile(here)) > 0)
-        for (const RunResult& result : ResultsOf(here)) now.insert(result.row);
+      if (fs::exists(campaign::ResultFile(here)) && fs::file_size(campaign::ResultFile(here)) > 0)
+        for (const campaign::RunResult& result : ResultsOf(here)) now.insert(result.row);
       lost += !std::includes(now.begin(), now.end(), before.begin(), before.end());
       before = now;
       fmt::print(stderr, "\r\033[Kkilled {} of {} times, {} of {} rows", kills, most_kills, now.size(),
@@ -116,17 +116,17 @@ void Kill(const CampaignWork& work, const std::vector<RunResult>& whole, int mos
 
 }  // namespace
 
-void BenchCampaign(int runs, const fs::path& folder, std::vector<Figure>& table) {
+void BenchCampaign(int runs, const fs::path& folder, std::vector<records::Figure>& table) {
   fs::remove_all(folder);
-  const CampaignWork work = ShortHovers(runs);
+  const campaign::CampaignWork work = ShortHovers(runs);
   const double cpu_s = CpuOfThisProcess_s();
-  const double one_s = RunCampaign(work, Options(folder / "one", 1)).progress.wall_s;
+  const double one_s = campaign::RunCampaign(work, Options(folder / "one", 1)).progress.wall_s;
   const double parent_ms = 1e3 * (CpuOfThisProcess_s() - cpu_s) / runs;
-  const double two_s = RunCampaign(work, Options(folder / "two", 2)).progress.wall_s;
-  const std::vector<RunResult> one = ResultsOf(folder / "one"), two = ResultsOf(folder / "two");
+  const double two_s = campaign::RunCampaign(work, Options(folder / "two", 2)).progress.wall_s;
+  const std::vector<campaign::RunResult> one = ResultsOf(folder / "one"), two = ResultsOf(folder / "two");
   std::vector<double> beside_s, flight_s;
   double flown_s = 0;
-  for (const RunResult& r : one) {
+  for (const campaign::RunResult& r : one) {
     beside_s.push_back(r.execution.orchestration_s);
     flight_s.push_back(r.execution.wall_s - r.execution.orchestration_s);
     flown_s += flight_s.back();
@@ -156,23 +156,23 @@ void BenchCampaign(int runs, const fs::path& folder, std::vector<Figure>& table)
                    ""});
 
   const int few = std::min(runs, 12);
-  const CampaignWork short_work = ShortHovers(few);
-  RunCampaign(short_work, Options(folder / "few", 2));
-  const std::vector<RunResult> whole = ResultsOf(folder / "few");
-  CampaignOptions options = Options(folder / "parts", 2);
+  const campaign::CampaignWork short_work = ShortHovers(few);
+  campaign::RunCampaign(short_work, Options(folder / "few", 2));
+  const std::vector<campaign::RunResult> whole = ResultsOf(folder / "few");
+  campaign::CampaignOptions options = Options(folder / "parts", 2);
   std::vector<fs::path> parts;
   for (int number = 1; number <= 3; ++number) {
-    options.shard = Shard{number, 3};
-    RunCampaign(short_work, options);
-    parts.push_back(ResultFile(options.folder, options.shard));
+    options.shard = campaign::Shard{number, 3};
+    campaign::RunCampaign(short_work, options);
+    parts.push_back(campaign::ResultFile(options.folder, options.shard));
   }
-  Merge(ResultFile(options.folder), short_work.identity, parts);
+  campaign::Merge(campaign::ResultFile(options.folder), short_work.identity, parts);
   table.push_back({"rows not the same after parts and merge",
                    static_cast<double>(Unlike(ResultsOf(options.folder), whole)), "", 0, false, ""});
-  RunCampaign(short_work, Options(folder / "five", 5));
+  campaign::RunCampaign(short_work, Options(folder / "five", 5));
   table.push_back({"rows not the same by five workers",
                    static_cast<double>(Unlike(ResultsOf(folder / "five"), whole)), "", 0, false, ""});
   Kill(short_work, whole, 50, folder, table);
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::bench

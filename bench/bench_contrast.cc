@@ -27,7 +27,7 @@
 #include "vision/target/contrast_tracker.h"
 #include "vision/write_image.h"
 
-namespace kestrel {
+namespace kestrel::bench {
 namespace {
 
 using Eigen::Vector3d;
@@ -49,16 +49,17 @@ constexpr std::array<Intruder, 6> kIntruders{{{"vehicle", "dark", 0.25},
                                               {"white_large", "white", 0.5},
                                               {"red_large", "red", 0.5}}};
 
-CameraModel Fisheye() {
+vision::CameraModel Fisheye() {
   Mistakes mistakes;
-  const CameraModel camera = LoadCamera(Root() / "models" / "cameras" / "fisheye.yaml", mistakes);
+  const vision::CameraModel camera =
+      vision::LoadCamera(Root() / "models" / "cameras" / "fisheye.yaml", mistakes);
   mistakes.ThrowIfAny();
   return camera;
 }
 
-LandscapeParameters Landscape(const char* name) {
+sim::LandscapeParameters Landscape(const char* name) {
   Mistakes mistakes;
-  LandscapeParameters p;
+  sim::LandscapeParameters p;
   Read(LoadConfig(Root() / "models" / "worlds" / name / (std::string(name) + ".yaml"), {}, mistakes), p,
        mistakes);
   mistakes.ThrowIfAny();
@@ -67,13 +68,13 @@ LandscapeParameters Landscape(const char* name) {
 
 // Share of the directions right around a ball that show the sky, and nothing before the ball. Other balls
 // count as sky.
-double OpenAround(const cv::Mat& geom, const mjModel* model, const CameraModel& camera, const Vector3d& p_CT,
-                  double radius_m) {
+double OpenAround(const cv::Mat& geom, const mjModel* model, const vision::CameraModel& camera,
+                  const Vector3d& p_CT, double radius_m) {
   const auto moves = [&](int g) { return g >= 0 && model->body_mocapid[model->geom_bodyid[g]] >= 0; };
   constexpr double kAside_px = 2;
-  const double px = std::get<KannalaBrandt>(camera).fx;
+  const double px = std::get<vision::KannalaBrandt>(camera).fx;
   const auto at = [&](const Vector3d& ray) -> std::optional<int> {
-    const auto uv = Project(camera, ray);
+    const auto uv = vision::Project(camera, ray);
     if (!uv) return std::nullopt;
     const cv::Point p(static_cast<int>(std::lround(uv->x())), static_cast<int>(std::lround(uv->y())));
     if (!cv::Rect(0, 0, geom.cols, geom.rows).contains(p)) return std::nullopt;
@@ -114,7 +115,7 @@ class Clip {
     }
     noise_seed_ = random.Bits();
   }
-  const SceneParameters& scene() const { return scene_; }
+  const sim::SceneParameters& scene() const { return scene_; }
   double elevation(std::size_t i) const { return elevation_[i]; }
   double height_m() const { return height_m_; }
 
@@ -143,7 +144,7 @@ class Clip {
   void Put(const mjModel* model, mjData* data, double t) const {
     for (std::size_t i = 0; with_ && i < kIntruders.size(); ++i) {
       const int id = model->body_mocapid[mj_name2id(model, mjOBJ_BODY, kIntruders[i].body)];
-      VectorToMujoco(PlaceOf(i, t), data->mocap_pos + 3 * id);
+      sim::VectorToMujoco(PlaceOf(i, t), data->mocap_pos + 3 * id);
     }
     mj_forward(model, data);
   }
@@ -154,7 +155,7 @@ class Clip {
     return std::sin(2 * M_PI * hz * t + phases_[static_cast<std::size_t>(i)]);
   }
   bool with_;
-  SceneParameters scene_;
+  sim::SceneParameters scene_;
   std::array<double, 8> phases_{};
   std::array<double, 6> azimuth_{}, elevation_{};
   double height_m_ = 0, heading_ = 0;
@@ -166,7 +167,7 @@ struct Approach {
   int frames_after = 0, tracked_after = 0;
   int identities = 0;
   double elevation_deg = 0;
-  double least_open = 1;  // share of what is right around it that is sky, in the worst image
+  double min_open = 1;  // share of what is right around it that is sky, in the worst image
   std::vector<double> bearing_deg, diameter, growth;  // errors; of the diameter relative; of the growth in
                                                       // its own deviations
 };
@@ -186,19 +187,19 @@ void Save(const std::filesystem::path& out, const std::string& name, const cv::M
   for (const auto& [px, colour] : marks)
     cv::circle(drawn, {static_cast<int>(std::lround(px.x())), static_cast<int>(std::lround(px.y()))}, 12,
                colour);
-  WriteImage(out / (name + ".png"), drawn);
+  vision::WriteImage(out / (name + ".png"), drawn);
 }
 
 ClipResult Fly(const Clip& clip, const char* world, std::uint64_t seed, const std::filesystem::path& out) {
   ClipResult result;
-  const CameraModel camera = Fisheye();
-  const ModelPtr model = MakeModel(clip.scene());
-  const DataPtr data = MakeData(model.get());
-  Renderer renderer(model.get(), camera, {.backend = "ray"});
-  ImageParameters parameters;
+  const vision::CameraModel camera = Fisheye();
+  const sim::ModelPtr model = sim::MakeModel(clip.scene());
+  const sim::DataPtr data = sim::MakeData(model.get());
+  sim::Renderer renderer(model.get(), camera, {.backend = "ray"});
+  sim::ImageParameters parameters;
   parameters.colour = true;
-  const ImageSensor sensor(parameters, camera, seed);
-  ContrastTracker tracker(camera, {}, {});
+  const sim::ImageSensor sensor(parameters, camera, seed);
+  vision::ContrastTracker tracker(camera, {}, {});
   std::map<int, bool> known_false;
   std::array<std::vector<int>, 6> ids;
   for (int k = 0; k < kFrames; ++k) {
@@ -208,21 +209,21 @@ ClipResult Fly(const Clip& clip, const char* world, std::uint64_t seed, const st
     const cv::Mat image = sensor.Expose(renderer.Render(data.get(), X_NC), k);
     const Eigen::Matrix3d R_NC = clip.GivenAttitude(k);
     const double start_ms = ThreadCpu_ms();
-    const ContrastObservation seen = tracker.Track(image, R_NC, t);
+    const vision::ContrastObservation seen = tracker.Track(image, R_NC, t);
     result.ms.push_back(ThreadCpu_ms() - start_ms);
     result.seconds += 1 / kRate_hz;
-    if (seen.state < ContrastState::kNoSky) result.sky_seconds += 1 / kRate_hz;
+    if (seen.state < vision::ContrastState::kNoSky) result.sky_seconds += 1 / kRate_hz;
     if (clip.with() && k % 10 == 0) {
-      const cv::Mat geom = renderer.See(data.get(), X_NC).geom;
+      const cv::Mat geom = renderer.Trace(data.get(), X_NC).geom;
       for (std::size_t i = 0; i < kIntruders.size(); ++i)
-        result.approaches[i].least_open =
-            std::min(result.approaches[i].least_open,
+        result.approaches[i].min_open =
+            std::min(result.approaches[i].min_open,
                      OpenAround(geom, model.get(), camera, X_NC.Inverse() * clip.PlaceOf(i, t),
                                 kIntruders[i].radius_m));
     }
     std::array<bool, 6> met{};
     bool any_false = false;
-    for (const ContrastTarget& target : seen.targets) {
+    for (const vision::ContrastTarget& target : seen.targets) {
       if (!target.confirmed) continue;
       bool true_one = false;
       for (std::size_t i = 0; clip.with() && i < kIntruders.size(); ++i) {
@@ -256,7 +257,7 @@ ClipResult Fly(const Clip& clip, const char* world, std::uint64_t seed, const st
       a.elevation_deg = Degrees(clip.elevation(i));
       if (a.confirmed_m > 0) ++a.frames_after, a.tracked_after += met[i];
       a.identities = static_cast<int>(ids[i].size());
-      if (const auto uv = Project(camera, X_NC.Inverse() * clip.PlaceOf(i, t)); uv && !met[i])
+      if (const auto uv = vision::Project(camera, X_NC.Inverse() * clip.PlaceOf(i, t)); uv && !met[i])
         marks.emplace_back(*uv, a.confirmed_m > 0 ? cv::Scalar(0, 255, 255) : cv::Scalar(255, 0, 255));
     }
     if (!marks.empty() && k % 40 == 39)
@@ -289,7 +290,7 @@ struct Row {
 }  // namespace
 
 void BenchContrast(std::uint64_t first_seed, std::uint64_t last_seed, int jobs,
-                   const std::filesystem::path& out, std::vector<Figure>& table) {
+                   const std::filesystem::path& out, std::vector<records::Figure>& table) {
   last_seed = std::min(last_seed, first_seed + 4);
   struct Piece {
     const char* world;
@@ -322,7 +323,7 @@ void BenchContrast(std::uint64_t first_seed, std::uint64_t last_seed, int jobs,
       for (std::size_t k = 0; k < pieces.size(); ++k) {
         if (!pieces[k].with || pieces[k].world != world) continue;
         const Approach& a = results[k].approaches[i];
-        if (a.least_open < 1) {
+        if (a.min_open < 1) {
           hidden.Add(a);
           continue;
         }
@@ -375,4 +376,4 @@ void BenchContrast(std::uint64_t first_seed, std::uint64_t last_seed, int jobs,
   table.push_back({"time, 99th percentile", Quantile(ms, 0.99), "ms", {}, false, ""});
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::bench

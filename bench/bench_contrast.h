@@ -7,7 +7,7 @@
 
 #include "records/figures.h"
 
-namespace kestrel {
+namespace kestrel::bench {
 
 // Another aircraft found by its contrast to the sky (vision/target/contrast_tracker.h), through the fisheye
 // that looks forward: balls of 0.5 m and 1 m, dark grey, white and red (models/targets/intruders.xml), six at
@@ -21,6 +21,6 @@ namespace kestrel {
 // them. The figures are over all landscapes. out: a folder for pictures of false targets and of what is
 // missed; empty: none.
 void BenchContrast(std::uint64_t first_seed, std::uint64_t last_seed, int jobs,
-                   const std::filesystem::path& out, std::vector<Figure>& table);
+                   const std::filesystem::path& out, std::vector<records::Figure>& table);
 
-}  // namespace kestrel
+}  // namespace kestrel::bench

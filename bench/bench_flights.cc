@@ -16,32 +16,32 @@
 #include "vision/landmark/pad_tracker.h"
 #include "vision/landmark/plane_pose.h"
 
-namespace kestrel {
+namespace kestrel::bench {
 namespace {
 
 // The share of the pad that the camera can truly see in a frame: inside the image and not under the occluder,
 // which covers the pad from its +x end.
-double InView(const LogRow& row, const LoadedScenario& loaded) {
-  const OcclusionParameters& o = loaded.simulator.occlusion;
+double InView(const records::LogRow& row, const flight::LoadedScenario& loaded) {
+  const sim::OcclusionParameters& o = loaded.simulator.occlusion;
   const bool hidden = row.exposure.t_s >= o.from_s && row.exposure.t_s < o.until_s;
   const Eigen::Vector2d size = loaded.simulator.scene.pad.size_m;
   const double x0 = -size.x() / 2, x1 = size.x() * (0.5 - (hidden ? o.share : 0)), y = size.y() / 2;
-  const Pinhole& camera = std::get<Pinhole>(loaded.simulator.camera);
+  const vision::Pinhole& camera = std::get<vision::Pinhole>(loaded.simulator.camera);
   const Pose X_CT =
-      (row.exposure.X_NT.Inverse() * row.exposure.X_NB * MountPose(loaded.simulator.mount)).Inverse();
-  const Eigen::Matrix3d H = HomographyFromPose(X_CT, camera), H_inverse = H.inverse();
+      (row.exposure.X_NT.Inverse() * row.exposure.X_NB * vision::MountPose(loaded.simulator.mount)).Inverse();
+  const Eigen::Matrix3d H = vision::HomographyFromPose(X_CT, camera), H_inverse = H.inverse();
   std::vector<cv::Point2f> open, seen, on_pad;
   const auto add = [](std::vector<cv::Point2f>& to, const Eigen::Vector2d& p) {
     to.emplace_back(static_cast<float>(p.x()), static_cast<float>(p.y()));
   };
   for (const auto& corner :
        {Eigen::Vector2d(x0, -y), Eigen::Vector2d(x1, -y), Eigen::Vector2d(x1, y), Eigen::Vector2d(x0, y)}) {
-    add(open, Transfer(H, corner));
+    add(open, vision::Transfer(H, corner));
   }
   const float w = static_cast<float>(camera.width_px), h = static_cast<float>(camera.height_px);
   const std::vector<cv::Point2f> image = {{0, 0}, {w, 0}, {w, h}, {0, h}};
   if (!(cv::intersectConvexConvex(open, image, seen) > 0)) return 0;
-  for (const cv::Point2f& p : seen) add(on_pad, Transfer(H_inverse, {p.x, p.y}));
+  for (const cv::Point2f& p : seen) add(on_pad, vision::Transfer(H_inverse, {p.x, p.y}));
   return cv::contourArea(on_pad) / size.prod();
 }
 
@@ -54,11 +54,11 @@ struct FixErrors {
 };
 
 // Of the frames from a time on in which between least and most of the pad is in view.
-FixErrors ErrorsOf(const std::vector<FlownScenario>& flights, double from_s = 0, double least = 0,
+FixErrors ErrorsOf(const std::vector<flight::FlownScenario>& flights, double from_s = 0, double least = 0,
                    double most = 1) {
   FixErrors e;
-  for (const FlownScenario& flight : flights) {
-    for (const LogRow& row : flight.rows) {
+  for (const flight::FlownScenario& flight : flights) {
+    for (const records::LogRow& row : flight.rows) {
       if (row.exposure.t_s < from_s) continue;
       const double in_view = InView(row, flight.loaded);
       if (in_view < least || in_view > most + 1e-6) continue;
@@ -80,7 +80,7 @@ FixErrors ErrorsOf(const std::vector<FlownScenario>& flights, double from_s = 0,
 
 // What a pose flight reached, beside its targets.
 void AddPose(const std::string& name, const FixErrors& e, double level, double height, double yaw,
-             const std::array<const char*, 4>& thesis, std::vector<Figure>& table) {
+             const std::array<const char*, 4>& thesis, std::vector<records::Figure>& table) {
   table.push_back({name + ", x RMSE", e.x, "m", level, false, thesis[0]});
   table.push_back({name + ", y RMSE", e.y, "m", level, false, thesis[1]});
   table.push_back({name + ", z RMSE", e.z, "m", height, false, thesis[2]});
@@ -88,37 +88,37 @@ void AddPose(const std::string& name, const FixErrors& e, double level, double h
 }
 
 // What landings reached, beside the targets that hold for any camera.
-void AddLandings(const std::string& name, const std::vector<FlownScenario>& flights,
-                 std::vector<Figure>& table) {
-  const auto landed = std::count_if(flights.begin(), flights.end(), [](const FlownScenario& f) {
+void AddLandings(const std::string& name, const std::vector<flight::FlownScenario>& flights,
+                 std::vector<records::Figure>& table) {
+  const auto landed = std::count_if(flights.begin(), flights.end(), [](const flight::FlownScenario& f) {
     return f.summary.outcome == "landed" && f.summary.metrics.contains("rest_error_m");
   });
-  const std::vector<double> error = Values(flights, "touchdown_error_m");
+  const std::vector<double> error = flight::Values(flights, "touchdown_error_m");
   table.push_back({name + ", share that landed",
                    static_cast<double>(landed) / static_cast<double>(flights.size()), "", 1, true, ""});
   table.push_back({name + ", touch-down error, median", Quantile(error, 0.5), "m", 0.05, false, "not given"});
   table.push_back(
       {name + ", touch-down error, 95th percentile", Quantile(error, 0.95), "m", 0.12, false, "not given"});
-  table.push_back({name + ", greatest sink rate", Largest(Values(flights, "touchdown_sink_m_s")), "m/s", 0.4,
-                   false, "0.2"});
-  table.push_back(
-      {name + ", greatest tilt", Largest(Values(flights, "touchdown_tilt_deg")), "deg", 8, false, ""});
+  table.push_back({name + ", greatest sink rate", Largest(flight::Values(flights, "touchdown_sink_m_s")),
+                   "m/s", 0.4, false, "0.2"});
+  table.push_back({name + ", greatest tilt", Largest(flight::Values(flights, "touchdown_tilt_deg")), "deg", 8,
+                   false, ""});
 }
 
 }  // namespace
 
-void BenchFlights(SeedRange seeds, int jobs, std::vector<Figure>& table) {
+void BenchFlights(flight::SeedRange seeds, int jobs, std::vector<records::Figure>& table) {
   constexpr double kHalf = 0.5;    // in view: enough to ask for a fix in every frame
   constexpr double kLeast = 0.25;  // 70 % hidden leaves 30 %, less what hangs over the image's edge
   constexpr double kHiddenFrom_s = 10;
   {
-    const auto open = FlyAll("pose", {}, seeds, jobs, "pose at 4.2 m");
+    const auto open = flight::FlyAll("pose", {}, seeds, jobs, "pose at 4.2 m");
     AddPose("pose 4.2 m", ErrorsOf(open), 0.05, 0.04, 0.5, {"0.42", "0.16", "0.16", "2"}, table);
     table.push_back({"pose 4.2 m, frames tracked with half of the pad in view",
                      ErrorsOf(open, 0, kHalf).Share(), "share", 0.98, true, ""});
     const auto hidden =
-        FlyAll("pose", {"occlusion.share=0.7", fmt::format("occlusion.from_s={}", kHiddenFrom_s)}, seeds,
-               jobs, "pose, 70 % of the pad hidden");
+        flight::FlyAll("pose", {"occlusion.share=0.7", fmt::format("occlusion.from_s={}", kHiddenFrom_s)},
+                       seeds, jobs, "pose, 70 % of the pad hidden");
     const FixErrors before = ErrorsOf(open, kHiddenFrom_s), after = ErrorsOf(hidden, kHiddenFrom_s, kLeast);
     AddPose("70 % hidden, within twice the open targets", after, 0.10, 0.08, 1.0,
             {"tracked", "tracked", "tracked", "tracked"}, table);
@@ -132,32 +132,33 @@ void BenchFlights(SeedRange seeds, int jobs, std::vector<Figure>& table) {
         {"70 % hidden, yaw RMSE over our own in the open", after.yaw / before.yaw, "times", 2, false, ""});
   }
   {
-    const auto flights = FlyAll("pose_high", {}, seeds, jobs, "pose at 10 m");
+    const auto flights = flight::FlyAll("pose_high", {}, seeds, jobs, "pose at 10 m");
     AddPose("pose 10 m", ErrorsOf(flights), 0.15, 0.10, 1, {"", "", "0.85", "4"}, table);
     table.push_back({"pose 10 m, frames tracked with half of the pad in view",
                      ErrorsOf(flights, 0, kHalf).Share(), "share", 0.98, true, ""});
   }
   {
-    const auto flights = FlyAll("hover", {}, seeds, jobs, "hover at 3 m");
-    table.push_back({"hover 3 m, horizontal RMSE", Rms(Values(flights, "hold_horizontal_rmse_m")), "m", 0.08,
-                     false, "not given"});
-    table.push_back({"hover 3 m, vertical RMSE", Rms(Values(flights, "hold_vertical_rmse_m")), "m", 0.05,
-                     false, "not given"});
-    table.push_back({"hover 3 m, latest settling", Largest(Values(flights, "settle_s")), "s", 15, false, ""});
+    const auto flights = flight::FlyAll("hover", {}, seeds, jobs, "hover at 3 m");
+    table.push_back({"hover 3 m, horizontal RMSE", Rms(flight::Values(flights, "hold_horizontal_rmse_m")),
+                     "m", 0.08, false, "not given"});
+    table.push_back({"hover 3 m, vertical RMSE", Rms(flight::Values(flights, "hold_vertical_rmse_m")), "m",
+                     0.05, false, "not given"});
+    table.push_back(
+        {"hover 3 m, latest settling", Largest(flight::Values(flights, "settle_s")), "s", 15, false, ""});
   }
-  AddLandings("landing", FlyAll("landing", {}, seeds, jobs, "landing"), table);
+  AddLandings("landing", flight::FlyAll("landing", {}, seeds, jobs, "landing"), table);
 }
 
-void BenchFisheye(SeedRange seeds, int jobs, std::vector<Figure>& table) {
-  AddLandings("fisheye landing", FlyAll("landing_fisheye", {}, seeds, jobs, "landing with the fisheye"),
-              table);
+void BenchFisheye(flight::SeedRange seeds, int jobs, std::vector<records::Figure>& table) {
+  AddLandings("fisheye landing",
+              flight::FlyAll("landing_fisheye", {}, seeds, jobs, "landing with the fisheye"), table);
 }
 
-void BenchDrift(SeedRange seeds, int jobs, std::vector<Figure>& table) {
+void BenchDrift(flight::SeedRange seeds, int jobs, std::vector<records::Figure>& table) {
   const auto errors = [&](bool registration) {
     return ErrorsOf(
-        FlyAll("pose", {fmt::format("pilot.tracker.registration={}", registration), "duration_s=60"}, seeds,
-               jobs, registration ? "registered" : "chained"),
+        flight::FlyAll("pose", {fmt::format("pilot.tracker.registration={}", registration), "duration_s=60"},
+                       seeds, jobs, registration ? "registered" : "chained"),
         30);
   };
   const FixErrors chained = errors(false), registered = errors(true);
@@ -170,14 +171,14 @@ void BenchDrift(SeedRange seeds, int jobs, std::vector<Figure>& table) {
 }
 
 // The tracker alone, on images drawn along a path that goes from 3 m to each height and stays there, swaying.
-void BenchHeights(SeedRange seeds, std::vector<Figure>& table) {
-  const LoadedScenario loaded = LoadScenario("pose");
-  const ModelPtr model = MakeModel(loaded.simulator.scene);
-  const DataPtr data = MakeData(model.get());
+void BenchHeights(flight::SeedRange seeds, std::vector<records::Figure>& table) {
+  const flight::LoadedScenario loaded = flight::LoadScenario("pose");
+  const sim::ModelPtr model = sim::MakeModel(loaded.simulator.scene);
+  const sim::DataPtr data = sim::MakeData(model.get());
   data->qpos[2] = 100;  // the aircraft itself, out of the picture
   mj_forward(model.get(), data.get());
-  const Pose X_NT = PadPose(model.get(), data.get());
-  Renderer renderer(model.get(), loaded.simulator.camera, loaded.simulator.render);
+  const Pose X_NT = sim::PadPose(model.get(), data.get());
+  sim::Renderer renderer(model.get(), loaded.simulator.camera, loaded.simulator.render);
   for (const double height : {0.3, 0.5, 1.0, 2.0, 6.0, 12.0, 15.0}) {
     int frames = 0, seen = 0;
     double square = 0;
@@ -185,9 +186,10 @@ void BenchHeights(SeedRange seeds, std::vector<Figure>& table) {
       RandomStream random(seed, "path");
       Eigen::Matrix<double, 6, 1> phase;
       for (int i = 0; i < 6; ++i) phase(i) = random.Uniform(0, 6.28);
-      PadTracker tracker(loaded.pad, std::get<Pinhole>(loaded.simulator.camera),
-                         loaded.scenario.pilot.tracker);
-      const ImageSensor sensor(DrawScatter(loaded.simulator.image, seed), loaded.simulator.camera, seed);
+      vision::PadTracker tracker(loaded.pad, std::get<vision::Pinhole>(loaded.simulator.camera),
+                                 loaded.scenario.pilot.tracker);
+      const sim::ImageSensor sensor(sim::DrawScatter(loaded.simulator.image, seed), loaded.simulator.camera,
+                                    seed);
       constexpr int kTravel = 80, kStay = 40;
       for (int k = 0; k < kTravel + kStay; ++k) {
         const double t = k / 20.0;
@@ -197,7 +199,7 @@ void BenchHeights(SeedRange seeds, std::vector<Figure>& table) {
             Pose{Eigen::Quaterniond(
                      RotationFromTaitBryan({0.2 * sway(0, 0.1), 0.06 * sway(1, 0.5), 0.06 * sway(2, 0.4)})),
                  {0.06 * h * sway(3, 0.3), 0.06 * h * sway(4, 0.25), -h * (1 + 0.03 * sway(5, 0.2))}} *
-            MountPose({.position_m = Eigen::Vector3d::Zero()});
+            vision::MountPose({.position_m = Eigen::Vector3d::Zero()});
         const auto observation =
             tracker.Track(sensor.Expose(renderer.Render(data.get(), X_NT * X_TC), k), std::nullopt);
         if (k < kTravel) continue;
@@ -218,13 +220,14 @@ void BenchHeights(SeedRange seeds, std::vector<Figure>& table) {
   }
 }
 
-void BenchSpeed(SeedRange seeds, std::vector<Figure>& table) {
+void BenchSpeed(flight::SeedRange seeds, std::vector<records::Figure>& table) {
   seeds.last = std::min(seeds.last, seeds.first + 4);
   std::vector<double> vision, factor;
-  for (const FlownScenario& flight : FlyAll("landing", {}, seeds, 1, "landing, one at a time")) {
+  for (const flight::FlownScenario& flight :
+       flight::FlyAll("landing", {}, seeds, 1, "landing, one at a time")) {
     vision.push_back(flight.summary.stages.at("vision").mean_ms);
     factor.push_back(flight.summary.sim_s / flight.summary.wall_s);
-    const Summary& s = flight.summary;
+    const records::Summary& s = flight.summary;
     fmt::print("seed {}: {:.1f} x real time; ms a frame, mean and 99th percentile:", s.seed,
                s.sim_s / s.wall_s);
     for (const auto& [stage, time] : s.stages)
@@ -236,4 +239,4 @@ void BenchSpeed(SeedRange seeds, std::vector<Figure>& table) {
       {"whole loop, 640x480, 20 frames/s, no video", Quantile(factor, 0.5), "x real time", 10, true, "1"});
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::bench

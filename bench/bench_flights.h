@@ -7,12 +7,12 @@
 #include "records/figures.h"
 
 // The flights over the pad, judged by the truth.
-namespace kestrel {
+namespace kestrel::bench {
 
-void BenchFlights(SeedRange seeds, int jobs, std::vector<Figure>& table);
-void BenchFisheye(SeedRange seeds, int jobs, std::vector<Figure>& table);
-void BenchDrift(SeedRange seeds, int jobs, std::vector<Figure>& table);
-void BenchHeights(SeedRange seeds, std::vector<Figure>& table);
-void BenchSpeed(SeedRange seeds, std::vector<Figure>& table);
+void BenchFlights(flight::SeedRange seeds, int jobs, std::vector<records::Figure>& table);
+void BenchFisheye(flight::SeedRange seeds, int jobs, std::vector<records::Figure>& table);
+void BenchDrift(flight::SeedRange seeds, int jobs, std::vector<records::Figure>& table);
+void BenchHeights(flight::SeedRange seeds, std::vector<records::Figure>& table);
+void BenchSpeed(flight::SeedRange seeds, std::vector<records::Figure>& table);
 
-}  // namespace kestrel
+}  // namespace kestrel::bench

@@ -27,7 +27,7 @@
 #include "sim/world/frames.h"
 #include "vision/camera/calibration_file.h"
 
-namespace kestrel {
+namespace kestrel::bench {
 namespace {
 
 using Eigen::Vector2d;
@@ -35,7 +35,7 @@ using Eigen::Vector3d;
 
 struct BenchCamera {
   std::string name;
-  CameraModel camera;
+  vision::CameraModel camera;
   double horizon_tilt_deg;  // nose up, so that the horizon is well in view of this camera that looks down
   // What is asked: times as fast as the peers, and frames a second.
   double times, frames_s;
@@ -44,7 +44,7 @@ struct BenchCamera {
 std::vector<BenchCamera> BenchCameras() {
   Mistakes mistakes;
   const auto load = [&](const char* name) {
-    return LoadCamera(Root() / "models" / "cameras" / (std::string(name) + ".yaml"), mistakes);
+    return vision::LoadCamera(Root() / "models" / "cameras" / (std::string(name) + ".yaml"), mistakes);
   };
   std::vector<BenchCamera> cameras{{"catadioptric", load("hyperbolic_mirror"), 15, 15, 200},
                                    {"fisheye", load("fisheye"), 40, 12, 0},
@@ -117,8 +117,8 @@ class Drawer {
   cv::Mat Render(const mjData* data, const Pose& X_NC) {
     return hand_.Do([&] { return drawing_->Render(data, X_NC); });
   }
-  Surfaces See(const mjData* data, const Pose& X_NC) {
-    return hand_.Do([&] { return drawing_->See(data, X_NC); });
+  sim::Surfaces Trace(const mjData* data, const Pose& X_NC) {
+    return hand_.Do([&] { return drawing_->Trace(data, X_NC); });
   }
   const Drawing& drawing() const { return *drawing_; }
   // Milliseconds of processor time, of all threads together.
@@ -161,32 +161,33 @@ class World {
 
  public:
   World()
-      : loaded_(LoadScenario("landing")),
-        model_(MakeModel(loaded_.simulator.scene)),
-        data_(MakeData(model_.get())) {}
+      : loaded_(flight::LoadScenario("landing")),
+        model_(sim::MakeModel(loaded_.simulator.scene)),
+        data_(sim::MakeData(model_.get())) {}
   const mjModel* model() const { return model_.get(); }
   const mjData* data() const { return data_.get(); }
   Pose Put(const Pose& X_NB) {  // gives the pose of the camera
     const int joint = model_->body_jntadr[mj_name2id(model_.get(), mjOBJ_BODY, "vehicle")];
-    PoseToMujoco(X_NB, data_->qpos + model_->jnt_qposadr[joint]);
+    sim::PoseToMujoco(X_NB, data_->qpos + model_->jnt_qposadr[joint]);
     mj_forward(model_.get(), data_.get());
-    return X_NB * MountPose({.position_m = {0, 0, kBelow_m}});
+    return X_NB * vision::MountPose({.position_m = {0, 0, kBelow_m}});
   }
 
  private:
-  LoadedScenario loaded_;
-  ModelPtr model_;
-  DataPtr data_;
+  flight::LoadedScenario loaded_;
+  sim::ModelPtr model_;
+  sim::DataPtr data_;
 };
 
 constexpr std::uint64_t kTurn = 5;
 
-const RenderOptions kByRay{.backend = "ray"}, kByOpenGl{.backend = "osmesa"};
+const sim::RenderOptions kByRay{.backend = "ray"}, kByOpenGl{.backend = "osmesa"};
 
 void Speed(const BenchCamera& bench, World& world, std::uint64_t first_seed, std::uint64_t last_seed,
-           std::vector<Figure>& table) {
+           std::vector<records::Figure>& table) {
   Drawer<PeerRenderer> peer(world.model(), bench.camera, 0, 1.0), coarse(world.model(), bench.camera, 0, 0.5);
-  Drawer<Renderer> ray(world.model(), bench.camera, kByRay), opengl(world.model(), bench.camera, kByOpenGl);
+  Drawer<sim::Renderer> ray(world.model(), bench.camera, kByRay),
+      opengl(world.model(), bench.camera, kByOpenGl);
   const PeerRenderer& faces = peer.drawing();
   const bool wide = faces.face_px() > 0;
   std::vector<double> smoothed_ms;
@@ -258,7 +259,7 @@ void Speed(const BenchCamera& bench, World& world, std::uint64_t first_seed, std
 }
 
 // Pixels with no edge of a thing within two of them.
-cv::Mat AwayFromEdges(const Surfaces& seen) {
+cv::Mat AwayFromEdges(const sim::Surfaces& seen) {
   cv::Mat geom, low, high;
   seen.geom.convertTo(geom, CV_32F);
   const cv::Mat around = cv::Mat::ones(5, 5, CV_8U);
@@ -269,8 +270,9 @@ cv::Mat AwayFromEdges(const Surfaces& seen) {
 
 // Mean absolute difference of the two renderers, grey levels of 255.
 void Agreement(const BenchCamera& bench, World& world, std::uint64_t first_seed, std::uint64_t last_seed,
-               std::vector<Figure>& table) {
-  Drawer<Renderer> ray(world.model(), bench.camera, kByRay), opengl(world.model(), bench.camera, kByOpenGl);
+               std::vector<records::Figure>& table) {
+  Drawer<sim::Renderer> ray(world.model(), bench.camera, kByRay),
+      opengl(world.model(), bench.camera, kByOpenGl);
   std::vector<double> differences;
   for (std::uint64_t seed = first_seed; seed <= last_seed; ++seed) {
     Progress(fmt::format("{}, agreement: seed {} of {}..{}", bench.name, seed, first_seed, last_seed));
@@ -279,7 +281,7 @@ void Agreement(const BenchCamera& bench, World& world, std::uint64_t first_seed,
       cv::Mat difference;
       cv::absdiff(ray.Render(world.data(), X_NC), opengl.Render(world.data(), X_NC), difference);
       const cv::Mat mask =
-          AwayFromEdges(ray.See(world.data(), X_NC)) & AwayFromEdges(opengl.See(world.data(), X_NC));
+          AwayFromEdges(ray.Trace(world.data(), X_NC)) & AwayFromEdges(opengl.Trace(world.data(), X_NC));
       const cv::Scalar mean = cv::mean(difference, mask);
       differences.push_back((mean[0] + mean[1] + mean[2]) / 3);
     }
@@ -291,20 +293,20 @@ void Agreement(const BenchCamera& bench, World& world, std::uint64_t first_seed,
       {bench.name + ", the same, the worst image", Quantile(differences, 1), "grey levels", 2, false, ""});
 }
 
-ModelPtr ModelOf(const std::string& xml) {
+sim::ModelPtr ModelOf(const std::string& xml) {
   const auto files = std::make_unique<mjVFS>();
   mj_defaultVFS(files.get());
   mj_makeEmptyFileVFS(files.get(), "bench.xml", static_cast<int>(xml.size()));
   std::memcpy(files->filedata[0], xml.data(), xml.size());
   char message[500] = "";
-  ModelPtr model(mj_loadXML("bench.xml", files.get(), message, sizeof message));
+  sim::ModelPtr model(mj_loadXML("bench.xml", files.get(), message, sizeof message));
   mj_deleteVFS(files.get());
   if (!model) throw std::runtime_error(message);
   return model;
 }
 
 // A black world in which things show in their own colours.
-ModelPtr DarkRoom(const std::string& geoms) {
+sim::ModelPtr DarkRoom(const std::string& geoms) {
   return ModelOf(fmt::format(R"(<mujoco>
   <visual><headlight ambient="1 1 1" diffuse="0 0 0" specular="0 0 0"/></visual>
   <asset>
@@ -319,21 +321,22 @@ ModelPtr DarkRoom(const std::string& geoms) {
 
 std::string PoseOf(const Pose& X_NG) {
   mjtNum qpos[7];
-  PoseToMujoco(X_NG, qpos);
+  sim::PoseToMujoco(X_NG, qpos);
   return fmt::format(R"(pos="{} {} {}" quat="{} {} {} {}")", qpos[0], qpos[1], qpos[2], qpos[3], qpos[4],
                      qpos[5], qpos[6]);
 }
 
 // Everywhere in the image where the lens shows something for some pixels around.
-std::vector<Vector2d> Places(const CameraModel& camera, double step_px, double around_px,
+std::vector<Vector2d> Places(const vision::CameraModel& camera, double step_px, double around_px,
                              RandomStream& random) {
   std::vector<Vector2d> places;
-  for (double v = around_px + 2; v < HeightPx(camera) - around_px - 3; v += step_px) {
-    for (double u = around_px + 2; u < WidthPx(camera) - around_px - 3; u += step_px) {
+  for (double v = around_px + 2; v < vision::HeightPx(camera) - around_px - 3; v += step_px) {
+    for (double u = around_px + 2; u < vision::WidthPx(camera) - around_px - 3; u += step_px) {
       const Vector2d uv(u + random.Uniform(0, 1), v + random.Uniform(0, 1));
       bool shows = true;
       for (const double du : {-around_px, around_px})
-        for (const double dv : {-around_px, around_px}) shows = shows && Ray(camera, uv + Vector2d(du, dv));
+        for (const double dv : {-around_px, around_px})
+          shows = shows && vision::Ray(camera, uv + Vector2d(du, dv));
       if (shows) places.push_back(uv);
     }
   }
@@ -348,7 +351,7 @@ struct Spot {
 
 // Where the middle of its light belongs: the mean of where the model puts the texels of its picture, by their
 // brightness and by how large they are there.
-Vector2d MiddleOfLight(const CameraModel& camera, const mjModel* model, const Spot& spot) {
+Vector2d MiddleOfLight(const vision::CameraModel& camera, const mjModel* model, const Spot& spot) {
   const int side = model->tex_width[0];
   const Eigen::Matrix<double, 3, 2> across = spot.X_CD.R.toRotationMatrix().leftCols<2>();
   Vector2d sum = Vector2d::Zero();
@@ -359,7 +362,7 @@ Vector2d MiddleOfLight(const CameraModel& camera, const mjModel* model, const Sp
           spot.radius * Vector3d((2 * column + 1.0) / side - 1, (2 * row + 1.0) / side - 1, 0);
       if (p_DQ.norm() > spot.radius) continue;
       Eigen::Matrix<double, 2, 3> d_point;
-      const Vector2d uv = *Project(camera, spot.X_CD * p_DQ, &d_point);
+      const Vector2d uv = *vision::Project(camera, spot.X_CD * p_DQ, &d_point);
       const double weight =
           model->tex_rgb[3 * (side * row + column)] * std::abs((d_point * across).determinant());
       sum += weight * uv, weights += weight;
@@ -368,7 +371,7 @@ Vector2d MiddleOfLight(const CameraModel& camera, const mjModel* model, const Sp
   return sum / weights;
 }
 
-void Markers(const BenchCamera& bench, std::uint64_t seed, std::vector<Figure>& table) {
+void Markers(const BenchCamera& bench, std::uint64_t seed, std::vector<records::Figure>& table) {
   constexpr double kRadius_px = 6, kStep_px = 30;
   constexpr int kReach_px = 10;
   RandomStream random(seed, "bench render markers");
@@ -377,7 +380,7 @@ void Markers(const BenchCamera& bench, std::uint64_t seed, std::vector<Figure>& 
   std::string geoms;
   for (const Vector2d& uv : Places(bench.camera, kStep_px, kReach_px, random)) {
     Eigen::Matrix<double, 3, 2> d_pixel;
-    const Vector3d ray = *Ray(bench.camera, uv, &d_pixel);
+    const Vector3d ray = *vision::Ray(bench.camera, uv, &d_pixel);
     const double distance = 0.5 * std::pow(40, random.Uniform(0, 1));
     const double pixel_rad = std::sqrt(d_pixel.col(0).cross(d_pixel.col(1)).norm());
     spots.push_back({{Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), ray), distance * ray},
@@ -385,13 +388,13 @@ void Markers(const BenchCamera& bench, std::uint64_t seed, std::vector<Figure>& 
     geoms += fmt::format(R"(<geom type="cylinder" {} size="{} 1e-5" material="spot"/>)",
                          PoseOf(X_NC * spots.back().X_CD), spots.back().radius);
   }
-  const ModelPtr model = DarkRoom(geoms);
-  const DataPtr data = MakeData(model.get());
+  const sim::ModelPtr model = DarkRoom(geoms);
+  const sim::DataPtr data = sim::MakeData(model.get());
   mj_forward(model.get(), data.get());
   for (const auto& [name, options] : {std::pair("ray", kByRay), std::pair("OpenGL", kByOpenGl)}) {
     cv::Mat grey;
-    cv::extractChannel(Drawer<Renderer>(model.get(), bench.camera, options).Render(data.get(), X_NC), grey,
-                       0);
+    cv::extractChannel(Drawer<sim::Renderer>(model.get(), bench.camera, options).Render(data.get(), X_NC),
+                       grey, 0);
     std::vector<double> errors;
     for (const Spot& spot : spots) {
       const Vector2d uv = MiddleOfLight(bench.camera, model.get(), spot);
@@ -438,8 +441,8 @@ struct EdgeErrors {
   std::vector<double> between, ray, opengl;  // of each edge, the mean along it, px
 };
 
-void EdgesOf(const Box& box, const CameraModel& camera, const cv::Mat& by_ray, const cv::Mat& by_opengl,
-             EdgeErrors& errors) {
+void EdgesOf(const Box& box, const vision::CameraModel& camera, const cv::Mat& by_ray,
+             const cv::Mat& by_opengl, EdgeErrors& errors) {
   const Vector3d eye_G = box.X_CG.Inverse().p;
   const auto faces_eye = [&](int axis, double side) { return side * eye_G[axis] > box.half[axis]; };
   for (int along = 0; along < 3; ++along) {
@@ -450,9 +453,9 @@ void EdgesOf(const Box& box, const CameraModel& camera, const cv::Mat& by_ray, c
         const auto point = [&](double share) {
           Vector3d p;
           p[along] = share * box.half[along], p[b] = side_b * box.half[b], p[c] = side_c * box.half[c];
-          return Project(camera, box.X_CG * p);
+          return vision::Project(camera, box.X_CG * p);
         };
-        const auto middle = Project(camera, box.X_CG.p);
+        const auto middle = vision::Project(camera, box.X_CG.p);
         double between = 0, ray = 0, opengl = 0;
         int crossings = 0;
         for (double share = -0.8; share <= 0.8; share += 0.02) {
@@ -478,8 +481,8 @@ void EdgesOf(const Box& box, const CameraModel& camera, const cv::Mat& by_ray, c
 
 // Where both draw the straight edges of boxes: each edge as a whole, since OpenGL's steps are pixels.
 void Edges(const BenchCamera& bench, std::uint64_t first_seed, std::uint64_t last_seed,
-           std::vector<Figure>& table) {
-  RenderOptions smooth = kByOpenGl;
+           std::vector<records::Figure>& table) {
+  sim::RenderOptions smooth = kByOpenGl;
   smooth.samples = 4;
   const Pose X_NC{Eigen::Quaterniond(RotationFromTaitBryan({0.4, -0.9, 0.2})), {3, -2, -4}};
   EdgeErrors errors;
@@ -490,7 +493,7 @@ void Edges(const BenchCamera& bench, std::uint64_t first_seed, std::uint64_t las
     std::string geoms;
     for (const Vector2d& uv : Places(bench.camera, 110, 30, random)) {
       Eigen::Matrix<double, 3, 2> d_pixel;
-      const Vector3d ray = *Ray(bench.camera, uv, &d_pixel);
+      const Vector3d ray = *vision::Ray(bench.camera, uv, &d_pixel);
       const double distance = random.Uniform(2, 10);
       const double pixel = distance * std::sqrt(d_pixel.col(0).cross(d_pixel.col(1)).norm());
       Box box{{Eigen::Quaterniond(RotationFromTaitBryan(
@@ -503,13 +506,13 @@ void Edges(const BenchCamera& bench, std::uint64_t first_seed, std::uint64_t las
                            PoseOf(X_NC * box.X_CG), half.x(), half.y(), half.z());
       boxes.push_back(box);
     }
-    const ModelPtr model = DarkRoom(geoms);
-    const DataPtr data = MakeData(model.get());
+    const sim::ModelPtr model = DarkRoom(geoms);
+    const sim::DataPtr data = sim::MakeData(model.get());
     mj_forward(model.get(), data.get());
     cv::Mat by_ray, by_opengl;
-    cv::extractChannel(Drawer<Renderer>(model.get(), bench.camera, kByRay).Render(data.get(), X_NC), by_ray,
-                       0);
-    cv::extractChannel(Drawer<Renderer>(model.get(), bench.camera, smooth).Render(data.get(), X_NC),
+    cv::extractChannel(Drawer<sim::Renderer>(model.get(), bench.camera, kByRay).Render(data.get(), X_NC),
+                       by_ray, 0);
+    cv::extractChannel(Drawer<sim::Renderer>(model.get(), bench.camera, smooth).Render(data.get(), X_NC),
                        by_opengl, 0);
     for (const Box& box : boxes) EdgesOf(box, bench.camera, by_ray, by_opengl, errors);
   }
@@ -527,7 +530,7 @@ void Edges(const BenchCamera& bench, std::uint64_t first_seed, std::uint64_t las
 
 }  // namespace
 
-void BenchRender(std::uint64_t first_seed, std::uint64_t last_seed, std::vector<Figure>& table) {
+void BenchRender(std::uint64_t first_seed, std::uint64_t last_seed, std::vector<records::Figure>& table) {
   // Mesa's software renderer draws with as many threads as there are cores, unless told before it starts.
   setenv("LP_NUM_THREADS", "0", 0);
   World world;
@@ -539,4 +542,4 @@ void BenchRender(std::uint64_t first_seed, std::uint64_t last_seed, std::vector<
   }
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::bench

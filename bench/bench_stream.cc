@@ -15,7 +15,7 @@
 #include "sim/server/camera_server.h"
 #include "vision/capture/live_camera.h"
 
-namespace kestrel {
+namespace kestrel::bench {
 namespace {
 
 constexpr int kImages = 400, kPictures = 40;
@@ -24,7 +24,7 @@ constexpr double kPatience_s = 30;
 constexpr int kBits = 16, kSquare_px = 16;  // an image's number, in squares at its upper left
 
 std::vector<cv::Mat> Pictures() {
-  Simulator simulator(LoadScenario("landing").simulator);
+  sim::Simulator simulator(flight::LoadScenario("landing").simulator);
   std::vector<cv::Mat> pictures;
   while (pictures.size() < kPictures) pictures.push_back(simulator.Next().value().image);
   return pictures;
@@ -44,14 +44,15 @@ int NumberOf(const cv::Mat& image) {
   return number;
 }
 
-void Measure(RtpStream::Coding coding, const std::vector<cv::Mat>& pictures, std::vector<Figure>& table) {
-  RtpStream stream;
+void Measure(vision::RtpStream::Coding coding, const std::vector<cv::Mat>& pictures,
+             std::vector<records::Figure>& table) {
+  vision::RtpStream stream;
   stream.coding = coding;
   // Not the same for both: the receiver before may still listen there, and receivers share what comes.
-  stream.port = coding == RtpStream::Coding::kRaw ? 5697 : 5698;
+  stream.port = coding == vision::RtpStream::Coding::kRaw ? 5697 : 5698;
   const cv::Size size = pictures.front().size();
-  CameraServer server(stream, size, 1 / kPeriod_s, false);
-  LiveCamera camera(RtpSource(stream, size, false), {});
+  sim::CameraServer server(stream, size, 1 / kPeriod_s, false);
+  vision::LiveCamera camera(vision::RtpSource(stream, size, false), {});
 
   std::mutex mutex;
   std::map<int, double> published_s;
@@ -85,8 +86,8 @@ void Measure(RtpStream::Coding coding, const std::vector<cv::Mat>& pictures, std
     const auto found = published_s.find(NumberOf(frame->image));
     if (found != published_s.end()) ms.push_back(1e3 * (seen_s - found->second));
   }
-  if (ms.empty()) throw std::runtime_error(ToText(stream) + ": no image came");
-  const std::string name = coding == RtpStream::Coding::kRaw ? "raw RTP" : "RTP/MJPEG";
+  if (ms.empty()) throw std::runtime_error(vision::ToText(stream) + ": no image came");
+  const std::string name = coding == vision::RtpStream::Coding::kRaw ? "raw RTP" : "RTP/MJPEG";
   table.push_back({name + ", published until received, mean", Mean(ms), "ms", 25, false, ""});
   table.push_back({name + ", the same, median", Quantile(ms, 0.5), "ms", {}, false, ""});
   table.push_back({name + ", the same, 99th percentile", Quantile(ms, 0.99), "ms", 50, false, ""});
@@ -100,10 +101,10 @@ void Measure(RtpStream::Coding coding, const std::vector<cv::Mat>& pictures, std
 
 }  // namespace
 
-void BenchStream(std::vector<Figure>& table) {
+void BenchStream(std::vector<records::Figure>& table) {
   const std::vector<cv::Mat> pictures = Pictures();
-  Measure(RtpStream::Coding::kJpeg, pictures, table);
-  Measure(RtpStream::Coding::kRaw, pictures, table);
+  Measure(vision::RtpStream::Coding::kJpeg, pictures, table);
+  Measure(vision::RtpStream::Coding::kRaw, pictures, table);
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::bench

@@ -23,7 +23,7 @@
 #include "vision/camera/calibration_file.h"
 #include "vision/target/box_tracker.h"
 
-namespace kestrel {
+namespace kestrel::bench {
 namespace {
 
 using Eigen::Vector3d;
@@ -32,10 +32,10 @@ constexpr int kFrames = 100;
 constexpr double kRate_hz = 20, kRadius_m = 0.25;
 constexpr double kLostOverlap = 0.3;  // less is no answer
 
-CameraModel CameraNamed(const char* name) {
+vision::CameraModel CameraNamed(const char* name) {
   Mistakes mistakes;
-  const CameraModel camera =
-      LoadCamera(Root() / "models" / "cameras" / (std::string(name) + ".yaml"), mistakes);
+  const vision::CameraModel camera =
+      vision::LoadCamera(Root() / "models" / "cameras" / (std::string(name) + ".yaml"), mistakes);
   mistakes.ThrowIfAny();
   return camera;
 }
@@ -92,24 +92,24 @@ class Clip {
     RandomStream random(seed, "bench trackers");
     for (double& phase : phases_) phase = random.Uniform(0, 2 * M_PI);
   }
-  const CameraModel& camera() const { return camera_; }
+  const vision::CameraModel& camera() const { return camera_; }
 
   std::vector<Photo> Draw() const {
-    Renderer renderer(model_, camera_, {.backend = "ray"});
-    ImageParameters parameters;
+    sim::Renderer renderer(model_, camera_, {.backend = "ray"});
+    sim::ImageParameters parameters;
     parameters.colour = true;
     parameters.noise_grey = n_.noise_grey;
-    const ImageSensor sensor(parameters, camera_, seed_);
+    const sim::ImageSensor sensor(parameters, camera_, seed_);
     std::vector<Photo> frames;
     for (int k = 0; k < kFrames; ++k) {
       const double t = k / kRate_hz;
-      DataPtr first = MakeData(model_), last = MakeData(model_);
+      sim::DataPtr first = sim::MakeData(model_), last = sim::MakeData(model_);
       const double half = n_.exposure_s / 2;
       Put(first.get(), t - half), Put(last.get(), t + half);
       cv::Mat image;
       if (n_.exposure_s > 0) {
-        const std::vector<Instant> instants{{t - half, first.get(), CameraPose(t - half)},
-                                            {t + half, last.get(), CameraPose(t + half)}};
+        const std::vector<sim::SceneState> instants{{t - half, first.get(), CameraPose(t - half)},
+                                                    {t + half, last.get(), CameraPose(t + half)}};
         image = renderer.Render(instants, {.row_0_s = t, .exposure_s = n_.exposure_s, .samples = 12});
       } else {
         image = renderer.Render(first.get(), CameraPose(t));
@@ -152,7 +152,7 @@ class Clip {
   void Put(mjData* data, double t) const {
     const auto put = [&](const char* body, const Vector3d& p_N) {
       const int id = model_->body_mocapid[mj_name2id(model_, mjOBJ_BODY, body)];
-      VectorToMujoco(p_N, data->mocap_pos + 3 * id);
+      sim::VectorToMujoco(p_N, data->mocap_pos + 3 * id);
     };
     put("vehicle", Balloon(t));
     if (n_.pole) put("pole", Camera() + Vector3d(1.7, 0.05, 0));
@@ -165,21 +165,22 @@ class Clip {
   const mjModel* model_;
   Nuisance n_;
   std::uint64_t seed_;
-  CameraModel camera_;
+  vision::CameraModel camera_;
   std::array<double, 8> phases_{};
 };
 
 // The balloon's colour, from the first image of an undisturbed clip and its true outline, somewhat inside.
-ColourModel Learn(const Photo& frame, const CameraModel& camera) {
-  const OutlineCone cone = *ConeOfSphere(frame.p_CT, 0.9 * kRadius_m);
+vision::ColourModel Learn(const Photo& frame, const vision::CameraModel& camera) {
+  const vision::OutlineCone cone = *vision::ConeOfSphere(frame.p_CT, 0.9 * kRadius_m);
   std::vector<cv::Point> outline;
-  for (const Eigen::Vector2d& p : DrawOutline(camera, cone))
+  for (const Eigen::Vector2d& p : vision::DrawOutline(camera, cone))
     outline.emplace_back(static_cast<int>(std::lround(p.x())), static_cast<int>(std::lround(p.y())));
   cv::Mat patch = cv::Mat::zeros(frame.image.size(), CV_8UC1);
   cv::fillPoly(patch, std::vector{outline}, 255);
-  const ColourLesson lesson = ColourModel::Learn(frame.image, patch);
-  if (lesson.state != LessonState::kLearnt)
-    throw std::runtime_error(fmt::format("The balloon's colour is not learnt: {}.", NameOf(lesson.state)));
+  const vision::TrainedColour lesson = vision::ColourModel::Train(frame.image, patch);
+  if (lesson.state != vision::TrainingState::kTrained)
+    throw std::runtime_error(
+        fmt::format("The balloon's colour is not learnt: {}.", vision::NameOf(lesson.state)));
   return lesson.model;
 }
 
@@ -189,12 +190,12 @@ struct Score {
   int gone = 0, imagined = 0;                            // with nothing of it in the image, but an answer
 };
 
-void Run(const BoxTracker& tracker, const std::vector<Photo>& frames, const CameraModel& camera,
-         Score& score) {
-  const cv::Rect2d image(0, 0, WidthPx(camera), HeightPx(camera));
+void Run(const vision::BoxTracker& tracker, const std::vector<Photo>& frames,
+         const vision::CameraModel& camera, Score& score) {
+  const cv::Rect2d image(0, 0, vision::WidthPx(camera), vision::HeightPx(camera));
   bool started = false;
   for (const Photo& frame : frames) {
-    const auto truth = OutlineBox(camera, *ConeOfSphere(frame.p_CT, kRadius_m));
+    const auto truth = vision::OutlineBox(camera, *vision::ConeOfSphere(frame.p_CT, kRadius_m));
     const bool whole = truth && (*truth & image).area() > 0.999 * truth->area();
     if (!started) {  // with the first image that holds all of it
       started = whole;
@@ -209,7 +210,7 @@ void Run(const BoxTracker& tracker, const std::vector<Photo>& frames, const Came
       continue;
     }
     if (!whole) continue;
-    const double overlap = box ? Overlap(*box, *truth) : 0;
+    const double overlap = box ? vision::Overlap(*box, *truth) : 0;
     ++score.frames, score.overlap.push_back(overlap);
     if (overlap < kLostOverlap) {
       ++score.lost;
@@ -225,12 +226,13 @@ void Run(const BoxTracker& tracker, const std::vector<Photo>& frames, const Came
 struct Honesty {
   int within = 0, all = 0;
 };
-void Judge(const ColourModel& model, const std::vector<Photo>& frames, const CameraModel& camera,
-           Honesty& honesty) {
-  BalloonTracker tracker(model, camera, {});
-  if (const auto box = OutlineBox(camera, *ConeOfSphere(frames.front().p_CT, kRadius_m))) tracker.Begin(*box);
+void Judge(const vision::ColourModel& model, const std::vector<Photo>& frames,
+           const vision::CameraModel& camera, Honesty& honesty) {
+  vision::BalloonTracker tracker(model, camera, {});
+  if (const auto box = vision::OutlineBox(camera, *vision::ConeOfSphere(frames.front().p_CT, kRadius_m)))
+    tracker.Begin(*box);
   for (const Photo& frame : frames) {
-    const BalloonObservation seen = tracker.Track(frame.image);
+    const vision::BalloonObservation seen = tracker.Track(frame.image);
     const Vector3d& p = frame.p_CT;
     if (!seen.features || p.z() <= 0) continue;
     const Vector3d error = seen.features->xyd - Vector3d(p.x() / p.z(), p.y() / p.z(), 2 * kRadius_m / p.z());
@@ -241,12 +243,12 @@ void Judge(const ColourModel& model, const std::vector<Photo>& frames, const Cam
 
 }  // namespace
 
-void BenchTrackers(std::uint64_t first_seed, std::uint64_t last_seed, std::vector<Figure>& table) {
+void BenchTrackers(std::uint64_t first_seed, std::uint64_t last_seed, std::vector<records::Figure>& table) {
   last_seed = std::min(last_seed, first_seed + 4);
-  SceneParameters scene;
+  sim::SceneParameters scene;
   scene.world = Root() / "models" / "worlds" / "airfield" / "airfield.xml";
   scene.vehicle = Root() / "models" / "targets" / "balloon.xml";
-  const ModelPtr model = MakeModel(scene);
+  const sim::ModelPtr model = sim::MakeModel(scene);
   const int threads = cv::getNumThreads();
   cv::setNumThreads(1);
 
@@ -256,7 +258,7 @@ void BenchTrackers(std::uint64_t first_seed, std::uint64_t last_seed, std::vecto
   std::vector<Honesty> honesty(nuisances.size());
   std::vector<std::string> names;
   for (std::uint64_t seed = first_seed; seed <= last_seed; ++seed) {
-    std::optional<ColourModel> colour;
+    std::optional<vision::ColourModel> colour;
     for (std::size_t i = 0; i < nuisances.size(); ++i) {
       if (isatty(STDERR_FILENO))
         fmt::print(stderr, "\r\033[Ktrackers: seed {} of {}..{}, {}", seed, first_seed, last_seed,
@@ -264,8 +266,9 @@ void BenchTrackers(std::uint64_t first_seed, std::uint64_t last_seed, std::vecto
       const Clip clip(model.get(), nuisances[i], seed);
       const std::vector<Photo> frames = clip.Draw();
       if (!colour) colour = Learn(frames.front(), clip.camera());
-      const std::vector<BoxTracker> trackers{CamShiftBoxes(*colour), BalloonBoxes(*colour, clip.camera()),
-                                             KcfBoxes(), CsrtBoxes()};
+      const std::vector<vision::BoxTracker> trackers{vision::CamShiftBoxes(*colour),
+                                                     vision::BalloonBoxes(*colour, clip.camera()),
+                                                     vision::KcfBoxes(), vision::CsrtBoxes()};
       names.clear();
       for (std::size_t k = 0; k < kTrackers; ++k) {
         Run(trackers[k], frames, clip.camera(), scores[i][k]);
@@ -326,4 +329,4 @@ void BenchTrackers(std::uint64_t first_seed, std::uint64_t last_seed, std::vecto
   table.push_back({"CamShift and outline, 99th percentile", Quantile(ours_ms, 0.99), "ms", {}, false, ""});
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::bench

@@ -10,7 +10,7 @@
 
 #include "sim/world/frames.h"
 
-namespace kestrel {
+namespace kestrel::bench {
 namespace {
 
 constexpr double kNear_m = 0.02, kFar_m = 500;
@@ -32,13 +32,13 @@ std::size_t FaceOf(const std::vector<Eigen::Quaterniond>& R_CV, const Eigen::Vec
 }
 
 // In faces of this side no pixel in the middle of one is larger than half of one of the lens's there.
-int SideFor(const CameraModel& camera, const std::vector<Eigen::Quaterniond>& R_CV) {
+int SideFor(const vision::CameraModel& camera, const std::vector<Eigen::Quaterniond>& R_CV) {
   double side = 0;
   for (const Eigen::Quaterniond& R : R_CV) {
-    const auto uv = Project(camera, R * Eigen::Vector3d::UnitZ());
+    const auto uv = vision::Project(camera, R * Eigen::Vector3d::UnitZ());
     Eigen::Matrix<double, 3, 2> d_pixel;
-    if (!uv || uv->x() < 0 || uv->y() < 0 || uv->x() > WidthPx(camera) - 1 ||
-        uv->y() > HeightPx(camera) - 1 || !Ray(camera, *uv, &d_pixel))
+    if (!uv || uv->x() < 0 || uv->y() < 0 || uv->x() > vision::WidthPx(camera) - 1 ||
+        uv->y() > vision::HeightPx(camera) - 1 || !vision::Ray(camera, *uv, &d_pixel))
       continue;
     side = std::max(side, 4 / std::sqrt(d_pixel.col(0).cross(d_pixel.col(1)).norm()));
   }
@@ -48,9 +48,9 @@ int SideFor(const CameraModel& camera, const std::vector<Eigen::Quaterniond>& R_
 
 }  // namespace
 
-PeerRenderer::PeerRenderer(const mjModel* model, const CameraModel& camera, int samples, double finer)
+PeerRenderer::PeerRenderer(const mjModel* model, const vision::CameraModel& camera, int samples, double finer)
     : model_(model) {
-  const Pinhole* const pinhole = std::get_if<Pinhole>(&camera);
+  const vision::Pinhole* const pinhole = std::get_if<vision::Pinhole>(&camera);
   if (pinhole) {
     picture_ = *pinhole;
     R_CV_ = {Eigen::Quaterniond::Identity()};
@@ -60,15 +60,16 @@ PeerRenderer::PeerRenderer(const mjModel* model, const CameraModel& camera, int 
     const double middle = (face_px_ - 1) / 2.0;
     picture_ = {face_px_, face_px_, face_px_ / 2.0, face_px_ / 2.0, middle, middle};
     std::array<bool, 6> used{};
-    for (int v = 0; v < HeightPx(camera); ++v)
-      for (int u = 0; u < WidthPx(camera); ++u)
-        if (const auto ray = Ray(camera, Eigen::Vector2d(u, v))) used[FaceOf(cube, *ray)] = true;
+    for (int v = 0; v < vision::HeightPx(camera); ++v)
+      for (int u = 0; u < vision::WidthPx(camera); ++u)
+        if (const auto ray = vision::Ray(camera, Eigen::Vector2d(u, v))) used[FaceOf(cube, *ray)] = true;
     for (std::size_t k = 0; k < cube.size(); ++k)
       if (used[k]) R_CV_.push_back(cube[k]);
-    cv::Mat table(HeightPx(camera), WidthPx(camera), CV_32FC2, cv::Scalar::all(-10));  // there is nothing
+    cv::Mat table(vision::HeightPx(camera), vision::WidthPx(camera), CV_32FC2,
+                  cv::Scalar::all(-10));  // there is nothing
     for (int v = 0; v < table.rows; ++v) {
       for (int u = 0; u < table.cols; ++u) {
-        const auto ray = Ray(camera, Eigen::Vector2d(u, v));
+        const auto ray = vision::Ray(camera, Eigen::Vector2d(u, v));
         if (!ray) continue;
         const std::size_t k = FaceOf(R_CV_, *ray);
         const Eigen::Vector2d at = *picture_.Project(R_CV_[k].conjugate() * *ray);
@@ -81,7 +82,7 @@ PeerRenderer::PeerRenderer(const mjModel* model, const CameraModel& camera, int 
     cv::convertMaps(table, cv::Mat(), table_, table_fraction_, CV_16SC2);
   }
 
-  context_ = MakeGlContext("osmesa");
+  context_ = sim::MakeGlContext("osmesa");
   mjv_defaultOption(&visible_);
   mjModel shown = *model;
   shown.vis.global.offwidth = picture_.width_px;
@@ -109,8 +110,9 @@ cv::Mat PeerRenderer::Render(const mjData* data, const Pose& X_NC) {
   const mjrRect whole{0, 0, picture_.width_px, picture_.height_px};
   for (std::size_t k = 0; k < R_CV_.size(); ++k) {
     const Eigen::Matrix3d R_NV = (X_NC.R * R_CV_[k]).toRotationMatrix();
-    const Eigen::Vector3d p_M = SwapNedNwu(X_NC.p), forward_M = SwapNedNwu(Eigen::Vector3d(R_NV.col(2))),
-                          up_M = SwapNedNwu(Eigen::Vector3d(-R_NV.col(1)));
+    const Eigen::Vector3d p_M = sim::SwapNedNwu(X_NC.p),
+                          forward_M = sim::SwapNedNwu(Eigen::Vector3d(R_NV.col(2))),
+                          up_M = sim::SwapNedNwu(Eigen::Vector3d(-R_NV.col(1)));
     mjvGLCamera eye{};
     for (int i = 0; i < 3; ++i) {
       eye.pos[i] = static_cast<float>(p_M[i]);
@@ -134,4 +136,4 @@ cv::Mat PeerRenderer::Render(const mjData* data, const Pose& X_NC) {
   return image;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::bench

@@ -11,7 +11,7 @@
 #include "sim/render/opengl/gl_context.h"
 #include "vision/camera/camera_model.h"
 
-namespace kestrel {
+namespace kestrel::bench {
 
 // How others draw with MuJoCo, to be measured against: its own off-screen path through OSMesa, without
 // shadows. A pinhole directly; a wide lens from whole faces of a cube, whose pixels are half as large as the
@@ -20,7 +20,7 @@ namespace kestrel {
 class PeerRenderer {
  public:
   // The model must outlive it. samples: for each pixel; MuJoCo's own default is 4. finer: than said above.
-  PeerRenderer(const mjModel* model, const CameraModel& camera, int samples, double finer = 1);
+  PeerRenderer(const mjModel* model, const vision::CameraModel& camera, int samples, double finer = 1);
   ~PeerRenderer();
   PeerRenderer(const PeerRenderer&) = delete;
   PeerRenderer& operator=(const PeerRenderer&) = delete;
@@ -33,9 +33,9 @@ class PeerRenderer {
  private:
   const mjModel* model_;
   int face_px_ = 0;
-  Pinhole picture_;                       // what OpenGL draws
+  vision::Pinhole picture_;               // what OpenGL draws
   std::vector<Eigen::Quaterniond> R_CV_;  // of each picture
-  std::unique_ptr<GlContext> context_;
+  std::unique_ptr<sim::GlContext> context_;
   mjvScene scene_;
   mjvOption visible_;
   mjrContext gpu_;
@@ -43,4 +43,4 @@ class PeerRenderer {
   cv::Mat table_, table_fraction_;  // as cv::remap wants it
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::bench

@@ -5,11 +5,11 @@
 
 #include <cstdint>
 
-namespace kestrel {
+namespace kestrel::campaign {
 
 // "1 run", "2 runs".
 inline std::string Counted(std::int64_t number, const char* what) {
   return fmt::format("{} {}{}", number, what, number == 1 ? "" : "s");
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -10,7 +10,7 @@
 #include "base/user_file.h"
 #include "base/yaml/yaml_fields.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 
 namespace fs = std::filesystem;
 
@@ -41,4 +41,4 @@ fs::path NamedFile(const std::string& kind, const std::string& name_or_file) {
   throw InputError(mistakes.messages());
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

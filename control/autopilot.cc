@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-namespace kestrel {
+namespace kestrel::control {
 
 const char* NameOf(FlightMode mode) {
   switch (mode) {
@@ -48,4 +48,4 @@ bool Finite(const Setpoint& setpoint) {
   return std::visit(Visitor{}, setpoint);
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::control

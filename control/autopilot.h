@@ -5,7 +5,7 @@
 #include <optional>
 #include <variant>
 
-namespace kestrel {
+namespace kestrel::control {
 
 // What the autopilot is doing with the aircraft.
 enum class FlightMode {
@@ -81,4 +81,4 @@ inline constexpr double kSanePosition_m = 100e3, kSaneSpeed_m_s = 200, kSaneRate
 // Whether a state is finite, its attitude a rotation, and the rest within these bounds.
 bool Sane(const VehicleState& state);
 
-}  // namespace kestrel
+}  // namespace kestrel::control

@@ -7,12 +7,14 @@
 
 #include "base/file/model_files.h"
 #include "base/user_file.h"
+#include "flight/check_mission.h"
 #include "flight/gains_file.h"
+#include "scenarios/flights.h"
 #include "vision/camera/calibration_file.h"
 #include "vision/image_file.h"
 #include "vision/landmark/pad_file.h"
 
-namespace kestrel {
+namespace kestrel::flight {
 namespace {
 
 namespace fs = std::filesystem;
@@ -27,43 +29,44 @@ void PassOverWorld(ConfigNode& node, const std::string& path) {
   for (auto& [key, member] : node.members) PassOverWorld(member, key + ".");
 }
 
-cv::Mat OwnParts(const FlightPlan& plan, const fs::path& beside, const CameraModel& camera,
+cv::Mat OwnParts(const FlightPlan& plan, const fs::path& beside, const vision::CameraModel& camera,
                  const std::string& where, Mistakes& mistakes) {
   fs::path file = beside / plan.own_parts;
   if (plan.own_parts.empty()) {
     file = beside / "own_parts.png";
-    if (!IsFile(file)) return cv::Mat::zeros(HeightPx(camera), WidthPx(camera), CV_8U);
+    if (!IsFile(file)) return cv::Mat::zeros(vision::HeightPx(camera), vision::WidthPx(camera), CV_8U);
   }
-  const cv::Mat picture = ReadMask(file, where, "own_parts", mistakes);
-  if (!picture.empty() && (picture.cols != WidthPx(camera) || picture.rows != HeightPx(camera)))
+  const cv::Mat picture = vision::ReadMask(file, where, "own_parts", mistakes);
+  if (!picture.empty() &&
+      (picture.cols != vision::WidthPx(camera) || picture.rows != vision::HeightPx(camera)))
     mistakes.Add(where, "own_parts",
                  fmt::format("'{}' has {} x {} pixels; valid: the camera's {} x {}", file.string(),
-                             picture.cols, picture.rows, WidthPx(camera), HeightPx(camera)));
+                             picture.cols, picture.rows, vision::WidthPx(camera), vision::HeightPx(camera)));
   return picture;
 }
 
 LoadedPlan LoadWhole(const fs::path& file, const std::vector<std::string>& overrides) {
   Mistakes mistakes;
   const std::string where = file.string();
+  scenarios::AddFlights();
   LoadedPlan loaded;
   FlightPlan& p = loaded.plan;
   Config config = LoadConfig(file, overrides, mistakes);
   PassOverWorld(config.root, "");
   PassOverGains(config);
   Read(config, p, mistakes);
-  if (!config.readable) mistakes.ThrowIfAny();
+  if (!config.readable || !p.flight) mistakes.ThrowIfAny();
   if (p.name.empty()) p.name = file.stem().string();
-  CheckFlight(p.flight, p.image.colour, config, where, mistakes);
+  CheckMission(p.flight, p.image.colour, config, where, mistakes);
 
-  FlightParts& parts = loaded.parts;
-  parts.flight = p.flight;
+  mission::MissionParts& parts = loaded.parts;
   parts.pilot = p.pilot;
-  parts.X_BC = MountPose(p.mount);
+  parts.X_BC = vision::MountPose(p.mount);
   parts.seed = p.seed;
   if (const auto camera =
           CameraFile(p.camera, file.parent_path(), WhereOf(config, "camera", where), mistakes)) {
     const std::size_t before = mistakes.messages().size();
-    parts.camera = LoadCamera(*camera, mistakes, p.camera_name);
+    parts.camera = vision::LoadCamera(*camera, mistakes, p.camera_name);
     if (mistakes.messages().size() == before) {
       CheckView(p.flight, p.camera, parts.camera, p.mount, config, where, mistakes);
       parts.own_parts = OwnParts(p, file.parent_path(), parts.camera, where, mistakes);
@@ -73,7 +76,7 @@ LoadedPlan LoadWhole(const fs::path& file, const std::vector<std::string>& overr
   if (p.pad.name == "none") {
     CheckHasPad(p.flight, config, where, mistakes);
   } else if (Known("pad", p.pad.name, NamesIn(pads, ""), WhereOf(config, "pad", where), mistakes)) {
-    parts.pad = LoadPad(pads / p.pad.name / (p.pad.name + ".yaml"), mistakes).reference;
+    parts.pad = vision::LoadPad(pads / p.pad.name / (p.pad.name + ".yaml"), mistakes).reference;
   }
   mistakes.ThrowIfAny();
   return loaded;
@@ -118,4 +121,4 @@ LoadedPlan LoadPlan(const std::string& name_or_file, const std::vector<std::stri
                        [&](const std::vector<std::string>& all) { return LoadWhole(file, all); });
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::flight

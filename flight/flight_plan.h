@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "base/yaml/yaml_fields.h"
-#include "scenarios/flights.h"
+#include "mission/mission_type.h"
 
-namespace kestrel {
+namespace kestrel::flight {
 
 // What a scenario says of the flight itself, whoever's world it is flown in: the part that a real aircraft
 // and a recording need. A file of the simulator is read as it is; what it says of its world is passed over.
@@ -23,15 +23,15 @@ struct FlightPlan {
   };
   std::string name;
   std::string mission;
-  Flight flight;
+  mission::Flight flight;
   std::uint64_t seed = 1;
   double duration_s = 60;
   std::string camera = "thesis_6mm", camera_name;
   std::string own_parts;  // picture of where the camera sees the aircraft itself: white there; empty: nowhere
   Pad pad;
-  CameraMount mount;
+  vision::CameraMount mount;
   Image image;
-  PilotParameters pilot;
+  mission::PilotParameters pilot;
 };
 
 template <class Visitor>
@@ -48,9 +48,9 @@ void Fields(Visitor& v, FlightPlan::Image& i) {
 template <class Visitor>
 void Fields(Visitor& v, FlightPlan& p) {
   v("name", p.name);
-  v(Required("mission"), p.mission, MissionNames());
-  SelectFlight(p.mission, p.flight);
-  std::visit([&](auto& flight) { v("flight", flight); }, p.flight);
+  v(Required("mission"), p.mission, mission::MissionNames());
+  mission::SelectMission(p.mission, p.flight);
+  v("flight", p.flight);
   v("seed", p.seed);
   v("duration_s", p.duration_s, 0.1, 36000.0);
   v("camera", p.camera);
@@ -64,7 +64,7 @@ void Fields(Visitor& v, FlightPlan& p) {
 
 struct LoadedPlan {
   FlightPlan plan;
-  FlightParts parts;
+  mission::MissionParts parts;
 };
 
 // As LoadScenario. The picture own_parts is looked for beside the file; a file own_parts.png there is taken
@@ -74,4 +74,4 @@ LoadedPlan LoadPlan(const std::string& name_or_file, const std::vector<std::stri
 // The keys of a scenario, dotted where only a part is meant, that say something of the simulated world alone.
 const std::vector<std::string_view>& WorldKeys();
 
-}  // namespace kestrel
+}  // namespace kestrel::flight

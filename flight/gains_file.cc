@@ -8,7 +8,7 @@
 #include "base/file/model_files.h"
 #include "base/user_file.h"
 
-namespace kestrel {
+namespace kestrel::flight {
 
 namespace fs = std::filesystem;
 
@@ -63,4 +63,4 @@ void PassOverGains(Config& config) {
   std::erase_if(config.root.members, [](const auto& member) { return member.first == "gains"; });
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::flight

@@ -8,7 +8,7 @@
 
 #include "base/yaml/yaml_fields.h"
 
-namespace kestrel {
+namespace kestrel::flight {
 
 // What a scenario's key `gains` names: a file of lines "key.path: value", which stand over what the scenario
 // says itself and under what is set for a run.
@@ -39,4 +39,4 @@ auto LoadWithGains(const std::filesystem::path& scenario, const std::vector<std:
 
 void PassOverGains(Config& config);
 
-}  // namespace kestrel
+}  // namespace kestrel::flight

@@ -3,7 +3,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-namespace kestrel {
+namespace kestrel::mission {
 
 void Caption(cv::Mat& bgr, int row, const std::string& text) { CaptionAt(bgr, {8, 20 + 18 * row}, text); }
 
@@ -12,4 +12,4 @@ void CaptionAt(cv::Mat& bgr, const cv::Point& at, const std::string& text) {
   cv::putText(bgr, text, at, cv::FONT_HERSHEY_SIMPLEX, 0.48, {255, 255, 255}, 1, cv::LINE_AA);
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::mission

@@ -6,7 +6,7 @@
 
 #include "mission/caption.h"
 
-namespace kestrel {
+namespace kestrel::mission {
 namespace {
 
 // Its ground is drawn too: without a command there is something to be seen.
@@ -25,7 +25,8 @@ void Arrow(cv::Mat& bgr, const char* name, cv::Point2d from, cv::Point2d whole, 
 
 }  // namespace
 
-void DrawCommand(cv::Mat& bgr, const VelocitySetpoint& command, const VelocitySetpoint& full) {
+void DrawCommand(cv::Mat& bgr, const control::VelocitySetpoint& command,
+                 const control::VelocitySetpoint& full) {
   const double length = bgr.rows / 12.0, y = bgr.rows - length - 24, x = bgr.cols / 2.0;
   const double apart = 2.2 * length;
   Arrow(bgr, "ahead", {x - apart, y}, {0, -length}, command.v_H.x() / full.v_H.x());
@@ -33,4 +34,4 @@ void DrawCommand(cv::Mat& bgr, const VelocitySetpoint& command, const VelocitySe
   Arrow(bgr, "down", {x + apart, y}, {0, length}, command.v_H.z() / full.v_H.z());
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::mission

@@ -5,10 +5,11 @@
 
 #include "control/autopilot.h"
 
-namespace kestrel {
+namespace kestrel::mission {
 
 // A commanded velocity ahead and down and the yaw rate as arrows along the lower edge of a video's frame; one
 // of full length is as much as full has there.
-void DrawCommand(cv::Mat& bgr, const VelocitySetpoint& command, const VelocitySetpoint& full);
+void DrawCommand(cv::Mat& bgr, const control::VelocitySetpoint& command,
+                 const control::VelocitySetpoint& full);
 
-}  // namespace kestrel
+}  // namespace kestrel::mission

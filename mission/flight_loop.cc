@@ -8,7 +8,7 @@
 
 #include "base/stopwatch.h"
 
-namespace kestrel {
+namespace kestrel::mission {
 namespace {
 
 void RequireNumber(bool finite, const char* what, double t_s) {
@@ -17,7 +17,8 @@ void RequireNumber(bool finite, const char* what, double t_s) {
 
 }  // namespace
 
-void RequireNumbers(const Frame& frame, const VehicleState& state, const Decision& decision) {
+void RequireNumbers(const vision::Frame& frame, const control::VehicleState& state,
+                    const Decision& decision) {
   const double t_s = frame.t_s;
   RequireNumber(std::isfinite(t_s), "the frame's time", state.t_s);
   RequireNumber(state.p_NB.allFinite(), "the autopilot's position", t_s);
@@ -32,13 +33,14 @@ void RequireNumbers(const Frame& frame, const VehicleState& state, const Decisio
   if (!decision.setpoint) return;
   constexpr const char* kNames[] = {"the velocity setpoint", "the position setpoint",
                                     "the attitude setpoint"};
-  RequireNumber(Finite(*decision.setpoint), kNames[decision.setpoint->index()], t_s);
+  RequireNumber(control::Finite(*decision.setpoint), kNames[decision.setpoint->index()], t_s);
 }
 
-std::string Fly(Camera& camera, Autopilot& autopilot, Mission& mission,
-                const std::function<bool(const Frame&, const VehicleState&, const Decision&)>& record) {
+std::string Fly(
+    vision::Camera& camera, control::Autopilot& autopilot, Mission& mission,
+    const std::function<bool(const vision::Frame&, const control::VehicleState&, const Decision&)>& record) {
   while (const auto frame = camera.Next()) {
-    const VehicleState state = autopilot.State();
+    const control::VehicleState state = autopilot.State();
     const auto start = std::chrono::steady_clock::now();
     Decision decision = mission.Step(*frame, state);
     decision.control_s = SecondsSince(start) - decision.vision_s;
@@ -50,4 +52,4 @@ std::string Fly(Camera& camera, Autopilot& autopilot, Mission& mission,
   return {};
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::mission

@@ -13,38 +13,39 @@
 #include "geometry/tait_bryan.h"
 #include "mission/caption.h"
 
-namespace kestrel {
+namespace kestrel::mission {
 namespace {
 
 constexpr double kWaypointReached_m = 1.0;
 constexpr double kLegOverlap = 0.7;  // of the field of view, between neighbouring legs of the search
 
-constexpr double kMostField_deg = 100;  // of the virtual camera: about as many pixels as a fisheye has
+constexpr double kMaxField_deg = 100;  // of the virtual camera: about as many pixels as a fisheye has
 
 }  // namespace
 
-std::optional<Pinhole> TrackersCamera(const CameraModel& camera) {
-  if (const auto* pinhole = std::get_if<Pinhole>(&camera)) return *pinhole;
-  return CentralPinhole(camera, Radians(kMostField_deg));
+std::optional<vision::Pinhole> TrackersCamera(const vision::CameraModel& camera) {
+  if (const auto* pinhole = std::get_if<vision::Pinhole>(&camera)) return *pinhole;
+  return vision::CentralPinhole(camera, Radians(kMaxField_deg));
 }
 
-HelipadPilot::HelipadPilot(PadReference reference, const CameraModel& camera, const Pose& X_BC,
-                           const PilotParameters& parameters)
+HelipadPilot::HelipadPilot(vision::PadReference reference, const vision::CameraModel& camera,
+                           const Pose& X_BC, const PilotParameters& parameters)
     : parameters_(parameters),
       camera_(camera),
       view_(TrackersCamera(camera).value()),
       tracker_(std::move(reference), view_, parameters.tracker),
       estimator_(X_BC, parameters.estimator) {
-  if (!std::holds_alternative<Pinhole>(camera)) to_view_ = MakeViewTable(PerspectiveView{view_}, camera);
+  if (!std::holds_alternative<vision::Pinhole>(camera))
+    to_view_ = vision::MakeViewTable(vision::PerspectiveView{view_}, camera);
 }
 
-Decision HelipadPilot::See(const Frame& frame, const VehicleState& state) {
+Decision HelipadPilot::Observe(const vision::Frame& frame, const control::VehicleState& state) {
   const auto start = std::chrono::steady_clock::now();
   Decision decision;
   cv::Mat grey = frame.image;
   if (grey.channels() == 3) cv::cvtColor(frame.image, grey, cv::COLOR_BGR2GRAY);
-  if (to_view_) grey = Look(*to_view_, grey);
-  estimator_.Hear(state);
+  if (to_view_) grey = vision::Look(*to_view_, grey);
+  estimator_.AddState(state);
   latency_s_ = state.t_s - frame.t_s;
   const bool frozen = frozen_.Is(grey);
   seen_ = frozen ? std::nullopt : tracker_.Track(grey, estimator_.ExpectedPose(frame.t_s));
@@ -64,7 +65,10 @@ Decision HelipadPilot::See(const Frame& frame, const VehicleState& state) {
                     : seen_->found      ? "found"
                     : seen_->registered ? "tracked"
                                         : "chained";
-  decision.target_in_sight = fix_.has_value();
+  decision.target_state = frozen   ? TargetState::kBlind
+                          : !seen_ ? TargetState::kLost
+                          : !fix_  ? TargetState::kUncertain
+                                   : TargetState::kInSight;
   if (fix_) {
     lost_since_s_.reset();
     leg_ = -1;
@@ -76,39 +80,42 @@ Decision HelipadPilot::See(const Frame& frame, const VehicleState& state) {
   return decision;
 }
 
-VelocitySetpoint HelipadPilot::GoTo(const Eigen::Vector3d& p_T, double yaw_T) const {
+control::VelocitySetpoint HelipadPilot::GoTo(const Eigen::Vector3d& p_T, double yaw_T) const {
   const Pose X_TH{HeadingRotation(estimate_->yaw_TB), estimate_->p_TB};
   const Pose X_TD{HeadingRotation(yaw_T), p_T};
-  VelocitySetpoint setpoint = ServoSetpoint(X_TD.Inverse() * X_TH, parameters_.servo);
+  control::VelocitySetpoint setpoint = control::ServoSetpoint(X_TD.Inverse() * X_TH, parameters_.servo);
   // The autopilot flies the velocity that it believes in: ask for what is wanted plus its error.
   setpoint.v_H += X_TH.R.conjugate() * estimate_->velocity_error_T;
   return setpoint;
 }
 
-VelocitySetpoint HelipadPilot::DescendTo(const Eigen::Vector2d& p_T, double yaw_T, double sink_m_s) const {
-  VelocitySetpoint setpoint = GoTo({p_T.x(), p_T.y(), estimate_->p_TB.z()}, yaw_T);
+control::VelocitySetpoint HelipadPilot::DescendTo(const Eigen::Vector2d& p_T, double yaw_T,
+                                                  double sink_m_s) const {
+  control::VelocitySetpoint setpoint = GoTo({p_T.x(), p_T.y(), estimate_->p_TB.z()}, yaw_T);
   setpoint.v_H.z() += sink_m_s;
   return setpoint;
 }
 
-VelocityLag HelipadPilot::MostLag() const {
-  const ServoGains& gains = parameters_.servo;
-  return {kestrel::MostLag(gains.lambda_per_s), kestrel::MostLag(gains.lambda_vertical_per_s)};
+control::VelocityLag HelipadPilot::MaxLag() const {
+  const control::ServoGains& gains = parameters_.servo;
+  return {kestrel::control::MaxLag(gains.lambda_per_s),
+          kestrel::control::MaxLag(gains.lambda_vertical_per_s)};
 }
 
-std::optional<Setpoint> HelipadPilot::Search(const VehicleState& state) {
+std::optional<control::Setpoint> HelipadPilot::Search(const control::VehicleState& state) {
   const SearchParameters& search = parameters_.search;
   if (!lost_since_s_) lost_since_s_ = state.t_s;
   const double lost_s = state.t_s - *lost_since_s_;
   if (lost_s > search.give_up_s) return std::nullopt;
-  if (lost_s < search.stop_s) return VelocitySetpoint{};
-  if (-state.p_NB.z() < search.ceiling_m && leg_ < 0) return VelocitySetpoint{{0, 0, -search.climb_m_s}, 0};
+  if (lost_s < search.stop_s) return control::VelocitySetpoint{};
+  if (-state.p_NB.z() < search.ceiling_m && leg_ < 0)
+    return control::VelocitySetpoint{{0, 0, -search.climb_m_s}, 0};
   return GrowingSquare(state);
 }
 
 // Legs north, east, south, west, each pair one stride longer, about where the pad was last seen or the search
 // began.
-Setpoint HelipadPilot::GrowingSquare(const VehicleState& state) {
+control::Setpoint HelipadPilot::GrowingSquare(const control::VehicleState& state) {
   const bool reached = (state.p_NB - waypoint_.p_N).norm() < kWaypointReached_m;
   if (leg_ < 0) {
     leg_ = 0;
@@ -126,7 +133,7 @@ Setpoint HelipadPilot::GrowingSquare(const VehicleState& state) {
 
 std::optional<cv::Point2d> HelipadPilot::InFrame(const Eigen::Vector3d& p_CQ) const {
   constexpr double kFarOff_px = 1e4;  // what OpenCV still draws
-  const auto uv = Project(camera_, p_CQ);
+  const auto uv = vision::Project(camera_, p_CQ);
   if (!uv || !(uv->cwiseAbs().maxCoeff() < kFarOff_px)) return std::nullopt;
   return cv::Point2d(uv->x(), uv->y());
 }
@@ -178,4 +185,4 @@ void HelipadPilot::Draw(cv::Mat& bgr, std::string_view phase) const {
   }
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::mission

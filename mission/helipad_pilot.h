@@ -13,11 +13,11 @@
 #include "vision/landmark/pad_reference.h"
 #include "vision/landmark/pad_tracker.h"
 
-namespace kestrel {
+namespace kestrel::mission {
 
 // What the tracker looks through: a pinhole itself, or within any other camera the virtual one along its axis
 // (thesis 6.6). None: the camera does not see along its own axis.
-std::optional<Pinhole> TrackersCamera(const CameraModel& camera);
+std::optional<vision::Pinhole> TrackersCamera(const vision::CameraModel& camera);
 
 // What to do while the pad is out of sight: stop, climb to see more, then fly a growing square.
 struct SearchParameters {
@@ -36,9 +36,9 @@ void Fields(Visitor& v, SearchParameters& p) {
 }
 
 struct PilotParameters {
-  PadTrackerOptions tracker;
-  TargetEstimatorOptions estimator;
-  ServoGains servo;
+  vision::PadTrackerOptions tracker;
+  control::TargetEstimatorOptions estimator;
+  control::ServoGains servo;
   SearchParameters search;
 };
 
@@ -55,43 +55,43 @@ void Fields(Visitor& v, PilotParameters& p) {
 class HelipadPilot {
  public:
   // A camera that has a TrackersCamera.
-  HelipadPilot(PadReference reference, const CameraModel& camera, const Pose& X_BC,
+  HelipadPilot(vision::PadReference reference, const vision::CameraModel& camera, const Pose& X_BC,
                const PilotParameters& parameters);
 
   // Looks at a frame: fills the target, fix and vision_s of a new decision. An image that is the one before,
   // to the last bit, shows nothing: the camera is frozen.
-  Decision See(const Frame& frame, const VehicleState& state);
+  Decision Observe(const vision::Frame& frame, const control::VehicleState& state);
 
   // The pad is in sight, or was a moment ago.
-  bool Knows() const { return estimate_ && estimate_->age_s < parameters_.search.stop_s + latency_s_; }
+  bool HasEstimate() const { return estimate_ && estimate_->age_s < parameters_.search.stop_s + latency_s_; }
   // Now, not at the exposure. Only while Knows().
-  const TargetEstimator::Estimate& where() const { return *estimate_; }
+  const control::TargetEstimator::Estimate& where() const { return *estimate_; }
 
   // Servoes to a place and yaw in T. Only while Knows().
-  VelocitySetpoint GoTo(const Eigen::Vector3d& p_T, double yaw_T) const;
+  control::VelocitySetpoint GoTo(const Eigen::Vector3d& p_T, double yaw_T) const;
   // The same sideways, with a given velocity downwards.
-  VelocitySetpoint DescendTo(const Eigen::Vector2d& p_T, double yaw_T, double sink_m_s) const;
+  control::VelocitySetpoint DescendTo(const Eigen::Vector2d& p_T, double yaw_T, double sink_m_s) const;
 
-  VelocityLag MostLag() const;  // of an autopilot that is given what GoTo and DescendTo return
+  control::VelocityLag MaxLag() const;  // of an autopilot that is given what GoTo and DescendTo return
 
   // Not Knows(): the next move of the search. None: given up.
-  std::optional<Setpoint> Search(const VehicleState& state);
+  std::optional<control::Setpoint> Search(const control::VehicleState& state);
 
   void Draw(cv::Mat& bgr, std::string_view phase) const;  // on a frame as the camera gives it
 
  private:
-  Setpoint GrowingSquare(const VehicleState& state);
+  control::Setpoint GrowingSquare(const control::VehicleState& state);
   std::optional<cv::Point2d> InFrame(const Eigen::Vector3d& p_CQ) const;
 
   PilotParameters parameters_;
-  CameraModel camera_;
-  Pinhole view_;                      // the tracker's camera, of the same C
-  std::optional<ViewTable> to_view_;  // from a frame; none: the frame is the view
-  PadTracker tracker_;
-  TargetEstimator estimator_;
-  std::optional<TargetEstimator::Estimate> estimate_;
-  std::optional<PadObservation> seen_;
-  FrozenImage frozen_;
+  vision::CameraModel camera_;
+  vision::Pinhole view_;                      // the tracker's camera, of the same C
+  std::optional<vision::ViewTable> to_view_;  // from a frame; none: the frame is the view
+  vision::PadTracker tracker_;
+  control::TargetEstimator estimator_;
+  std::optional<control::TargetEstimator::Estimate> estimate_;
+  std::optional<vision::PadObservation> seen_;
+  vision::FrozenImage frozen_;
   std::optional<TargetFix> fix_;
   double latency_s_ = 0;
 
@@ -99,7 +99,7 @@ class HelipadPilot {
   Eigen::Vector3d last_place_N_ = Eigen::Vector3d::Zero();  // the pad on the autopilot's map, when last seen
   bool placed_ = false;
   int leg_ = -1;
-  PositionSetpoint waypoint_;
+  control::PositionSetpoint waypoint_;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::mission

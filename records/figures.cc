@@ -8,7 +8,7 @@
 
 #include "base/file/files.h"
 
-namespace kestrel {
+namespace kestrel::records {
 
 void PrintFigures(const std::vector<Figure>& table) {
   fmt::print("| {:<60} | {:>9} | {:>9} | {:>9} | {:<11} |    |\n", "figure", "reference", "target",
@@ -38,4 +38,4 @@ bool AllMet(const std::vector<Figure>& table) {
   return std::all_of(table.begin(), table.end(), [](const Figure& f) { return f.Met(); });
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::records

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace kestrel {
+namespace kestrel::records {
 
 // One line of a table of figures.
 struct Figure {
@@ -23,4 +23,4 @@ void PrintFigures(const std::vector<Figure>& table);
 void WriteFigures(const std::string& json_file, const std::vector<Figure>& table);
 bool AllMet(const std::vector<Figure>& table);
 
-}  // namespace kestrel
+}  // namespace kestrel::records

@@ -7,7 +7,7 @@
 #include <pugixml.hpp>
 #include <sstream>
 
-namespace kestrel {
+namespace kestrel::records {
 namespace {
 
 struct Counts {
@@ -109,4 +109,4 @@ std::string ToJunit(const std::vector<Summary>& runs) {
   return JunitXml(cases);
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::records

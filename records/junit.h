@@ -6,7 +6,7 @@
 
 #include "records/telemetry/flight_log.h"
 
-namespace kestrel {
+namespace kestrel::records {
 
 // A check and how it came out.
 struct JunitCase {
@@ -23,4 +23,4 @@ std::string JunitXml(const std::vector<JunitCase>& cases);
 // criteria, or that did not pass for another reason than a criterion.
 std::string ToJunit(const std::vector<Summary>& runs);
 
-}  // namespace kestrel
+}  // namespace kestrel::records

@@ -9,11 +9,12 @@
 #include <vector>
 
 #include "geometry/tait_bryan.h"
+#include "mission/mission_type.h"
 #include "records/plot/flown_plot.h"
 #include "records/summary.h"
 #include "vision/write_image.h"
 
-namespace kestrel {
+namespace kestrel::records {
 namespace {
 
 constexpr std::size_t kTargets = 2;  // with columns of their own
@@ -54,11 +55,11 @@ class Columns {
     Number(fmt::format("{}_pitch_deg", of), R.has_value(), Degrees(angles.pitch));
     Number(fmt::format("{}_roll_deg", of), R.has_value(), Degrees(angles.roll));
   }
-  void Setpoints(std::string_view of, const std::optional<Setpoint>& given) {
-    const Setpoint* setpoint = given ? &*given : nullptr;
-    const auto* velocity = std::get_if<VelocitySetpoint>(setpoint);
-    const auto* position = std::get_if<PositionSetpoint>(setpoint);
-    const auto* attitude = std::get_if<AttitudeSetpoint>(setpoint);
+  void Setpoints(std::string_view of, const std::optional<control::Setpoint>& given) {
+    const control::Setpoint* setpoint = given ? &*given : nullptr;
+    const auto* velocity = std::get_if<control::VelocitySetpoint>(setpoint);
+    const auto* position = std::get_if<control::PositionSetpoint>(setpoint);
+    const auto* attitude = std::get_if<control::AttitudeSetpoint>(setpoint);
     Vector(fmt::format("{}_v{{}}_m_s", of), velocity, velocity ? velocity->v_H : Eigen::Vector3d::Zero());
     Number(fmt::format("{}_yaw_rate_deg_s", of), velocity || attitude,
            Degrees(velocity   ? velocity->yaw_rate
@@ -74,13 +75,14 @@ class Columns {
 
 Columns::Columns(const LogRow& row, const TelemetryOptions& options) {
   const bool truth = options.truth;
-  const Decision& decision = row.decision;
+  const mission::Decision& decision = row.decision;
   Add("sequence", fmt::format("{}", row.sequence));
   Number("t_s", row.now.t_s);
   Number("exposure_t_s", row.exposure.t_s);
   Text("phase", decision.phase);
   Text("target", decision.target);
-  Text("mode", row.heard ? NameOf(row.estimate.mode) : "");
+  Text("target_state", mission::NameOf(decision.target_state));
+  Text("mode", row.heard ? control::NameOf(row.estimate.mode) : "");
   Flag("landed", row.estimate.landed);
   Flag("saturated", row.estimate.saturated);
 
@@ -102,7 +104,7 @@ Columns::Columns(const LogRow& row, const TelemetryOptions& options) {
   Vector("target_{}_m", truth, X_TB.p);
   Number("target_yaw_deg", truth, Degrees(YawOf(X_TB.R)));
   const bool seen = decision.fix.has_value();
-  const TargetFix fix = decision.fix.value_or(TargetFix{});
+  const mission::TargetFix fix = decision.fix.value_or(mission::TargetFix{});
   Vector("fix_{}_m", seen, fix.p_TB);
   Number("fix_yaw_deg", seen, Degrees(fix.yaw_TB));
   Number("fix_inliers", seen, fix.inliers);
@@ -110,34 +112,11 @@ Columns::Columns(const LogRow& row, const TelemetryOptions& options) {
   Number("fix_visible", seen, fix.visible);
   Number("fix_registered", seen, fix.registered);
   Number("fix_age_s", decision.fix_age_s);
-  const bool level = decision.attitude.has_value();
-  const AttitudeFix attitude_fix = decision.attitude.value_or(AttitudeFix{});
-  Number("horizon_roll_deg", level, Degrees(attitude_fix.roll));
-  Number("horizon_pitch_deg", level, Degrees(attitude_fix.pitch));
-  Number("horizon_roll_sigma_deg", level, Degrees(attitude_fix.roll_sigma));
-  Number("horizon_pitch_sigma_deg", level, Degrees(attitude_fix.pitch_sigma));
-  const bool headed = attitude_fix.turned.has_value();
-  Number("compass_turned_deg", headed, Degrees(attitude_fix.turned.value_or(0)));
-  Number("compass_sigma_deg", headed, Degrees(attitude_fix.turned_sigma));
-
-  Number("horizon_coasting_s", decision.coasting_s.has_value(), decision.coasting_s.value_or(0));
-
-  const auto& sight = decision.sight;
-  const auto pixels = [&](const char* of, const SphereImage& image) {
-    Number(fmt::format("{}_u_px", of), sight.has_value(), image.s.x() * (sight ? sight->focal_px : 0));
-    Number(fmt::format("{}_v_px", of), sight.has_value(), image.s.y() * (sight ? sight->focal_px : 0));
-    Number(fmt::format("{}_diameter_px", of), sight.has_value(),
-           image.diameter * (sight ? sight->focal_px : 0));
-  };
-  pixels("balloon", sight ? sight->now : SphereImage{});
-  pixels("wanted", sight ? sight->wanted : SphereImage{});
-  const Encounter encounter = decision.encounter.value_or(Encounter{});
-  const bool meets = decision.encounter.has_value();
-  Number("other_bearing_deg", meets, Degrees(encounter.azimuth));
-  Number("other_wanted_deg", encounter.wanted.has_value(), Degrees(encounter.wanted.value_or(0)));
-  Number("other_range_m", meets, encounter.range_m);
-  Number("other_miss_m", meets, encounter.miss_m);
-  Number("other_after_s", meets, encounter.after_s);
+  if (options.mission)
+    for (const mission::TelemetryColumn& column : options.mission->telemetry) {
+      const std::optional<double> value = column.value(row);
+      Number(column.name, value.has_value(), value.value_or(0));
+    }
   for (std::size_t i = 0; i < kTargets; ++i) {
     const bool there = i < row.now.targets.size();
     const TargetTruth target = there ? row.now.targets[i] : TargetTruth{};
@@ -212,4 +191,4 @@ Summary Recorder::Finish(Summary summary) {
   return summary;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::records

@@ -12,11 +12,12 @@
 #include "records/telemetry/flight_log.h"
 #include "records/video/video.h"
 
-namespace kestrel {
+namespace kestrel::records {
 
 struct TelemetryOptions {
   bool truth = true;    // is known; otherwise its columns are empty
   bool safety = false;  // of a real aircraft: further columns of what its safety layer did
+  const mission::MissionType* mission = nullptr;  // whose own columns are written too; null: none
 };
 
 struct RecorderOptions {
@@ -61,4 +62,4 @@ class Recorder {
 std::string TelemetryHeader(const TelemetryOptions& options = {});
 std::string TelemetryLine(const LogRow& row, const TelemetryOptions& options = {});
 
-}  // namespace kestrel
+}  // namespace kestrel::records

@@ -16,14 +16,14 @@
 #include "vision/image_file.h"
 #include "vision/write_image.h"
 
-namespace kestrel {
+namespace kestrel::records {
 namespace {
 
 namespace fs = std::filesystem;
 
 // The row of a state, in one place for both directions: Number(double&) for each.
 template <class Number>
-void StateNumbers(VehicleState& s, Number number) {
+void StateNumbers(control::VehicleState& s, Number number) {
   number(s.t_s);
   for (int i = 0; i < 3; ++i) number(s.p_NB[i]);
   for (int i = 0; i < 3; ++i) number(s.v_N[i]);
@@ -40,12 +40,12 @@ constexpr std::size_t kStateNumbers = 18, kInertial = 4, kBefore = 2, kStateFlag
 
 struct NamedNumber {
   const char* name;
-  std::function<std::optional<double>(const Decision&)> value;
+  std::function<std::optional<double>(const mission::Decision&)> value;
 };
 
 template <class Kind, class Get>
-std::function<std::optional<double>(const Decision&)> Of(Get get) {
-  return [get](const Decision& d) -> std::optional<double> {
+std::function<std::optional<double>(const mission::Decision&)> Of(Get get) {
+  return [get](const mission::Decision& d) -> std::optional<double> {
     if (!d.setpoint) return std::nullopt;
     const auto* s = std::get_if<Kind>(&*d.setpoint);
     return s ? std::optional<double>(get(*s)) : std::nullopt;
@@ -53,22 +53,15 @@ std::function<std::optional<double>(const Decision&)> Of(Get get) {
 }
 
 template <class Get>
-std::function<std::optional<double>(const Decision&)> OfFix(Get get) {
-  return [get](const Decision& d) { return d.fix ? std::optional<double>(get(*d.fix)) : std::nullopt; };
-}
-
-template <class Get>
-std::function<std::optional<double>(const Decision&)> OfAttitude(Get get) {
-  return [get](const Decision& d) -> std::optional<double> {
-    return d.attitude ? get(*d.attitude) : std::nullopt;
-  };
+std::function<std::optional<double>(const mission::Decision&)> OfFix(Get get) {
+  return
+      [get](const mission::Decision& d) { return d.fix ? std::optional<double>(get(*d.fix)) : std::nullopt; };
 }
 
 const std::vector<NamedNumber>& Numbers() {
-  using V = VelocitySetpoint;
-  using P = PositionSetpoint;
-  using A = AttitudeSetpoint;
-  using Maybe = std::optional<double>;
+  using V = control::VelocitySetpoint;
+  using P = control::PositionSetpoint;
+  using A = control::AttitudeSetpoint;
   static const std::vector<NamedNumber> kNumbers = {
       {"setpoint_vx_m_s", Of<V>([](const V& s) { return s.v_H.x(); })},
       {"setpoint_vy_m_s", Of<V>([](const V& s) { return s.v_H.y(); })},
@@ -82,21 +75,10 @@ const std::vector<NamedNumber>& Numbers() {
       {"setpoint_pitch_rad", Of<A>([](const A& s) { return s.pitch; })},
       {"setpoint_turn_rad_s", Of<A>([](const A& s) { return s.yaw_rate; })},
       {"setpoint_thrust", Of<A>([](const A& s) { return s.thrust; })},
-      {"fix_x_m", OfFix([](const TargetFix& f) { return f.p_TB.x(); })},
-      {"fix_y_m", OfFix([](const TargetFix& f) { return f.p_TB.y(); })},
-      {"fix_z_m", OfFix([](const TargetFix& f) { return f.p_TB.z(); })},
-      {"fix_yaw_rad", OfFix([](const TargetFix& f) { return f.yaw_TB; })},
-      {"horizon_roll_rad", OfAttitude([](const AttitudeFix& f) { return Maybe(f.roll); })},
-      {"horizon_pitch_rad", OfAttitude([](const AttitudeFix& f) { return Maybe(f.pitch); })},
-      {"compass_turned_rad", OfAttitude([](const AttitudeFix& f) { return f.turned; })},
-      {"balloon_u", [](const Decision& d) { return d.sight ? Maybe(d.sight->now.s.x()) : Maybe(); }},
-      {"balloon_v", [](const Decision& d) { return d.sight ? Maybe(d.sight->now.s.y()) : Maybe(); }},
-      {"balloon_diameter",
-       [](const Decision& d) { return d.sight ? Maybe(d.sight->now.diameter) : Maybe(); }},
-      {"other_bearing_rad",
-       [](const Decision& d) { return d.encounter ? Maybe(d.encounter->azimuth) : Maybe(); }},
-      {"other_range_m",
-       [](const Decision& d) { return d.encounter ? Maybe(d.encounter->range_m) : Maybe(); }},
+      {"fix_x_m", OfFix([](const mission::TargetFix& f) { return f.p_TB.x(); })},
+      {"fix_y_m", OfFix([](const mission::TargetFix& f) { return f.p_TB.y(); })},
+      {"fix_z_m", OfFix([](const mission::TargetFix& f) { return f.p_TB.z(); })},
+      {"fix_yaw_rad", OfFix([](const mission::TargetFix& f) { return f.yaw_TB; })},
   };
   return kNumbers;
 }
@@ -117,11 +99,8 @@ bool IsWholePng(const fs::path& file) {
   return in && begin == kSignature && end == kEnd;
 }
 
-std::string Header() {
-  std::string header = fmt::format("sequence,t_s,{},phase,target,outcome", kStateNames);
-  for (const std::string& name : RecordedNumbers()) header += fmt::format(",{}", name);
-  return header;
-}
+// Before the names of the numbers.
+std::string HeaderOfAll() { return fmt::format("sequence,t_s,{},phase,target,outcome", kStateNames); }
 
 template <class T>
 T Value(std::string_view cell) {
@@ -132,23 +111,23 @@ T Value(std::string_view cell) {
   return value;
 }
 
-RecordedFrame FrameOf(std::string_view line) {
+RecordedFrame FrameOf(std::string_view line, std::size_t numbers) {
   const std::vector<std::string_view> cells = CsvCells(line);
-  const std::size_t expected = kBefore + kStateNumbers + kStateFlags + 3 + RecordedNumbers().size();
+  const std::size_t expected = kBefore + kStateNumbers + kStateFlags + 3 + numbers;
   if (cells.size() != expected)
     throw std::runtime_error(fmt::format("{} cells where there are {}", cells.size(), expected));
   RecordedFrame frame;
   std::size_t next = 0;
   frame.sequence = Value<std::int64_t>(cells[next++]);
   frame.t_s = Value<double>(cells[next++]);
-  VehicleState& s = frame.state;
+  control::VehicleState& s = frame.state;
   if (cells[kBefore + kStateNumbers - kInertial].empty()) s.R_NB_inertial.reset();
   StateNumbers(s, [&](double& number) { number = Value<double>(cells[next++]); });
   next = kBefore + kStateNumbers;
   const int mode = Value<int>(cells[next++]);
-  if (mode < 0 || mode > static_cast<int>(FlightMode::kHold))
+  if (mode < 0 || mode > static_cast<int>(control::FlightMode::kHold))
     throw std::runtime_error(fmt::format("there is no mode {}", mode));
-  s.mode = static_cast<FlightMode>(mode);
+  s.mode = static_cast<control::FlightMode>(mode);
   s.landed = Value<int>(cells[next++]) != 0;
   s.saturated = Value<int>(cells[next++]) != 0;
   s.aided = Value<int>(cells[next++]) != 0;
@@ -163,42 +142,45 @@ RecordedFrame FrameOf(std::string_view line) {
 
 }  // namespace
 
-const std::vector<std::string>& RecordedNumbers() {
-  static const std::vector<std::string> kNames = [] {
-    std::vector<std::string> names;
-    for (const NamedNumber& number : Numbers()) names.push_back(number.name);
-    return names;
-  }();
-  return kNames;
+std::vector<std::string> RecordedNumbers(const mission::MissionType& type) {
+  std::vector<std::string> names;
+  for (const NamedNumber& number : Numbers()) names.push_back(number.name);
+  for (const mission::TelemetryColumn& column : type.telemetry) names.push_back(column.name);
+  return names;
 }
 
-RecordedDecision Recorded(const Decision& decision) {
+RecordedDecision Recorded(const mission::Decision& decision, const mission::MissionType& type) {
   RecordedDecision recorded{
       std::string(decision.phase), std::string(decision.target), std::string(decision.outcome), {}};
   for (const NamedNumber& number : Numbers()) recorded.numbers.push_back(number.value(decision));
+  mission::LogRow row;
+  row.decision = decision;
+  for (const mission::TelemetryColumn& column : type.telemetry) recorded.numbers.push_back(column.value(row));
   return recorded;
 }
 
-RecordingWriter::RecordingWriter(const fs::path& flight_folder)
+RecordingWriter::RecordingWriter(const fs::path& flight_folder, const mission::MissionType& type)
     : folder_([&] {
         fs::remove_all(flight_folder / "recording");
         fs::create_directories(flight_folder / "recording");
         return flight_folder / "recording";
       }()),
+      type_(type),
       table_(folder_ / "frames.csv") {
-  table_.Write(fmt::format("{}\n", Header()));
+  table_.Write(fmt::format("{},{}\n", HeaderOfAll(), fmt::join(RecordedNumbers(type), ",")));
 }
 
-void RecordingWriter::Write(const Frame& frame, const VehicleState& state, const Decision& decision) {
+void RecordingWriter::Write(const vision::Frame& frame, const control::VehicleState& state,
+                            const mission::Decision& decision) {
   const fs::path image = folder_ / ImageName(frame.sequence);
   // The fastest of its levels: a recording keeps up with a camera.
-  WriteImage(image, frame.image, {cv::IMWRITE_PNG_COMPRESSION, 1});
+  vision::WriteImage(image, frame.image, {cv::IMWRITE_PNG_COMPRESSION, 1});
   std::string line = fmt::format("{},{}", frame.sequence, frame.t_s);
-  VehicleState s = state;
+  control::VehicleState s = state;
   StateNumbers(s, [&](const double& number) { line += fmt::format(",{}", number); });
   if (!s.R_NB_inertial) line += std::string(kInertial, ',');
   line += fmt::format(",{},{:d},{:d},{:d}", static_cast<int>(s.mode), s.landed, s.saturated, s.aided);
-  const RecordedDecision recorded = Recorded(decision);
+  const RecordedDecision recorded = Recorded(decision, type_);
   line += fmt::format(",{},{},{}", recorded.phase, recorded.target, recorded.outcome);
   for (const auto& number : recorded.numbers) line += fmt::format(",{}", Cell(number));
   table_.Write(fmt::format("{}\n", line));
@@ -209,14 +191,14 @@ void RecordingWriter::Close() { table_.Close(); }
 void WriteOwnParts(const fs::path& flight_folder, const cv::Mat& own_parts) {
   const fs::path file = flight_folder / "own_parts.png";
   fs::remove(file);
-  if (!own_parts.empty()) WriteImage(file, own_parts);
+  if (!own_parts.empty()) vision::WriteImage(file, own_parts);
 }
 
 Recording::Recording(const fs::path& flight_folder) : folder_(flight_folder / "recording") {
   // Of a flight that broke off, what there is.
   const fs::path whole = folder_ / "frames.csv", part = PartOf(whole);
   const fs::path file = !IsFile(whole) && IsFile(part) ? part : whole;
-  const FileContent content = ReadUserFile(file, kMostDataBytes);
+  const FileContent content = ReadUserFile(file, kMaxDataBytes);
   Mistakes mistakes;
   if (!content.trouble.empty())
     mistakes.Add(file.string(), "",
@@ -225,13 +207,17 @@ Recording::Recording(const fs::path& flight_folder) : folder_(flight_folder / "r
   std::istringstream in(content.bytes);
   std::string line;
   std::getline(in, line);
-  if (line != Header())
-    mistakes.Add(file.string() + ":1", "", "not the columns of this version's recordings");
+  if (line.starts_with(HeaderOfAll() + ',')) {
+    for (const std::string_view name : CsvCells(std::string_view(line).substr(HeaderOfAll().size() + 1)))
+      numbers_.emplace_back(name);
+  } else {
+    mistakes.Add(file.string() + ":1", "", "not the columns of a recording");
+  }
   mistakes.ThrowIfAny();
   for (int number = 2; std::getline(in, line); ++number) {
     if (in.eof() && file == part) break;  // the line that was being written
     try {
-      frames_.push_back(FrameOf(line));
+      frames_.push_back(FrameOf(line, numbers_.size()));
     } catch (const std::runtime_error& e) {
       mistakes.Add(fmt::format("{}:{}", file.string(), number), "", e.what());
     }
@@ -249,14 +235,14 @@ std::vector<fs::path> Recording::Damaged() const {
   return damaged;
 }
 
-Frame Recording::At(std::size_t index) const {
+vision::Frame Recording::At(std::size_t index) const {
   const RecordedFrame& recorded = frames_[index];
   const fs::path file = folder_ / ImageName(recorded.sequence);
-  ImageFile image = ReadImageFile(file, ImageColours::kAsStored);
+  vision::ImageFile image = vision::ReadImageFile(file, vision::ImageColours::kAsStored);
   if (!image.pixels.empty() && image.pixels.depth() != CV_8U)
     image.trouble = "has pixels of 16 bits; valid: 8, as they were recorded";
   if (!image.trouble.empty()) throw InputError({fmt::format("{}: {}", file.string(), image.trouble)});
   return {image.pixels, recorded.t_s, recorded.sequence};
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::records

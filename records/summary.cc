@@ -12,7 +12,7 @@
 #include <sstream>
 #include <stdexcept>
 
-namespace kestrel {
+namespace kestrel::records {
 namespace {
 
 using Json = nlohmann::ordered_json;  // its dump writes numbers that are not finite as null
@@ -123,4 +123,4 @@ StageTime StageTimeOf(std::vector<double> seconds) {
   return {1e3 * sum / static_cast<double>(seconds.size()), 1e3 * seconds[rank]};
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::records

@@ -7,7 +7,7 @@
 
 #include "records/telemetry/flight_log.h"
 
-namespace kestrel {
+namespace kestrel::records {
 
 // The text of summary.json. Numbers that are not finite are written as null.
 std::string ToJson(const Summary& summary);
@@ -19,4 +19,4 @@ Summary ReadSummary(const std::filesystem::path& file);
 // Mean and 99th percentile; zeros of none.
 StageTime StageTimeOf(std::vector<double> seconds);
 
-}  // namespace kestrel
+}  // namespace kestrel::records

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 struct ActuatorCounts {
@@ -89,4 +89,4 @@ void CheckFaults(const SensorParameters& sensors, const ActuatorParameters& actu
   }
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

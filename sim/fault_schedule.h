@@ -9,7 +9,7 @@
 #include "sim/aircraft/airframe.h"
 #include "sim/sensor/sensor_fault.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // Something that changed its state, for events.log: "gps" is "off", "motor 2" is "ok".
 struct StateChange {
@@ -29,4 +29,4 @@ void CheckFaults(const SensorParameters& sensors, const ActuatorParameters& actu
                  const AirframeParameters& aircraft, const std::string& where_sensors,
                  const std::string& where_actuators, Mistakes& mistakes);
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -31,7 +31,7 @@
 #include <immintrin.h>
 #endif
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 #ifdef __x86_64__
@@ -139,4 +139,4 @@ std::map<std::string, std::pair<std::string, std::string>> MachineDifferences(co
   return differences;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

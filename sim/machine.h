@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // What decides the last bits of a flight beside the program's version, its files and its seed: libraries, and
 // what they choose by the processor when they run. Flights on two machines that are alike in all of it are
@@ -27,4 +27,4 @@ Machine ThisMachine();
 std::map<std::string, std::pair<std::string, std::string>> MachineDifferences(const Machine& a,
                                                                               const Machine& b);
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -17,7 +17,7 @@
 #include "geometry/tait_bryan.h"
 #include "sim/world/frames.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 constexpr double kAirborne_m = 0.3;
@@ -57,10 +57,11 @@ Simulator::Simulator(const SimulatorParameters& parameters)
       wind_(parameters.wind, parameters.seed),
       sensors_(parameters.sensors, parameters.seed),
       sensor_faults_(parameters.sensors.faults, parameters.seed),
-      X_BC_(MountPose(parameters.mount)),
-      studio_(std::make_unique<Studio>(model_.get(), parameters.camera, parameters.render, parameters_.image,
-                                       X_BC_, Vibration(parameters.mount.vibration, parameters.seed),
-                                       parameters.seed, parameters.surfaces, parameters.draw_beside)),
+      X_BC_(vision::MountPose(parameters.mount)),
+      studio_(std::make_unique<FrameRenderer>(model_.get(), parameters.camera, parameters.render,
+                                              parameters_.image, X_BC_,
+                                              Vibration(parameters.mount.vibration, parameters.seed),
+                                              parameters.seed, parameters.surfaces, parameters.draw_beside)),
       hashes_(std::make_unique<Hashes>()),
       scheduled_(ChangesOf(parameters.sensors.faults, parameters.actuators.faults, parameters.vehicle)),
       faults_(parameters.image.faults, parameters.seed, parameters.duration_s) {
@@ -113,8 +114,8 @@ Simulator::Simulator(const SimulatorParameters& parameters)
   autopilot_->SetClock(static_cast<double>(steps_) * dt);
   truth_ = Look();
   airborne_ = !start.on_ground;
-  const double open_s =
-      LongestExposure_s(parameters_.image) + LongestReadout_s(parameters_.image, HeightPx(parameters.camera));
+  const double open_s = LongestExposure_s(parameters_.image) +
+                        LongestReadout_s(parameters_.image, vision::HeightPx(parameters.camera));
   half_exposure_ = static_cast<std::int64_t>(std::ceil(open_s / 2 / dt - 1e-6));
   RunCamera();
   AdvanceTo(0);
@@ -135,12 +136,12 @@ Truth Simulator::Look() const {
   const Pose X_NC = t.X_NB * X_BC_;
   for (std::size_t i = 0; i < targets_.size(); ++i) {
     const Eigen::Vector3d p_C = X_NC.Inverse() * targets_[i].p_N();
-    const auto uv = Project(parameters_.camera, p_C);
+    const auto uv = vision::Project(parameters_.camera, p_C);
     const bool in_view = uv && uv->x() > -0.5 && uv->y() > -0.5 &&
-                         uv->x() < WidthPx(parameters_.camera) - 0.5 &&
-                         uv->y() < HeightPx(parameters_.camera) - 0.5;
+                         uv->x() < vision::WidthPx(parameters_.camera) - 0.5 &&
+                         uv->y() < vision::HeightPx(parameters_.camera) - 0.5;
     t.targets.push_back({parameters_.targets[i].diameter_m, targets_[i].p_N(), targets_[i].v_N(),
-                         LevelAhead(targets_[i].p_N(), X_NC.p, YawOf(t.X_NB.R)), in_view});
+                         control::LevelAhead(targets_[i].p_N(), X_NC.p, YawOf(t.X_NB.R)), in_view});
   }
   for (int c = 0; c < data_->ncon; ++c) {
     const mjContact& contact = data_->contact[c];
@@ -170,7 +171,7 @@ void Simulator::Step() {
     }
   }
   if (platform_) {
-    const VehicleState state = State();
+    const control::VehicleState state = State();
     platform_->Step(dt, {state.R_NB, state.p_NB});
     X_BC_ = platform_->X_BC();
   }
@@ -233,17 +234,17 @@ std::int64_t Simulator::TickStep() const {
 void Simulator::RunCamera() {
   CoverPad();
   if (!open_.empty() || TickStep() <= steps_ + half_exposure_) {
-    moments_.push_back(MomentOf(model_.get(), data_.get(), truth_.t_s));
+    moments_.push_back(SnapshotOf(model_.get(), data_.get(), truth_.t_s));
     if (platform_) moments_.back().X_BC = X_BC_;
   }
   if (steps_ == TickStep()) Tick();
   const double dt = model_->opt.timestep;
   const double half_s = (static_cast<double>(half_exposure_) + 0.5) * dt;  // half a step more, for rounding
   while (!open_.empty() && StepOf(open_.front().t_s) + half_exposure_ <= steps_) {
-    Shot shot = std::move(open_.front());
+    FrameRequest shot = std::move(open_.front());
     open_.pop_front();
     std::copy_if(moments_.begin(), moments_.end(), std::back_inserter(shot.moments),
-                 [&](const Moment& m) { return m.t_s > shot.t_s - half_s; });
+                 [&](const Snapshot& m) { return m.t_s > shot.t_s - half_s; });
     studio_->Submit(std::move(shot));
   }
   const double next_s = open_.empty() ? static_cast<double>(TickStep()) * dt : open_.front().t_s;
@@ -271,9 +272,9 @@ void Simulator::Tick() {
   coming.due_step = std::max(coming.due_step, steps_ + half_exposure_);
   if (!coming_.empty()) coming.due_step = std::max(coming.due_step, coming_.back().due_step);
   coming_.push_back(coming);
-  const auto content = condition.stuck     ? Shot::Content::kRepeat
-                       : condition.garbage ? Shot::Content::kGarbage
-                                           : Shot::Content::kScene;
+  const auto content = condition.stuck     ? FrameRequest::Content::kRepeat
+                       : condition.garbage ? FrameRequest::Content::kGarbage
+                                           : FrameRequest::Content::kScene;
   open_.push_back({truth_.t_s, sequence, content, {}});
 }
 
@@ -284,14 +285,14 @@ void Simulator::AdvanceTo(std::int64_t step) {
   }
 }
 
-std::optional<Frame> Simulator::Next() { return NextUntilStep(kNever); }
+std::optional<vision::Frame> Simulator::Next() { return NextUntilStep(kNever); }
 
-std::optional<Frame> Simulator::NextUntil(double t_s) {
+std::optional<vision::Frame> Simulator::NextUntil(double t_s) {
   // A time that is meant to be a step's own is not missed by rounding.
   return NextUntilStep(static_cast<std::int64_t>(std::floor(t_s / model_->opt.timestep + 1e-6)));
 }
 
-std::optional<Frame> Simulator::NextUntilStep(std::int64_t last) {
+std::optional<vision::Frame> Simulator::NextUntilStep(std::int64_t last) {
   const auto start = std::chrono::steady_clock::now();
   while (coming_.empty() && TickStep() <= last && TickStep() != kNever && !ended_) AdvanceTo(TickStep());
   const bool comes = !coming_.empty() && coming_.front().due_step <= last;
@@ -305,28 +306,28 @@ std::optional<Frame> Simulator::NextUntilStep(std::int64_t last) {
   const Coming coming = coming_.front();
   coming_.pop_front();
   timing_.physics_s.push_back(std::exchange(physics_s_, 0));
-  picture_ = studio_->Take();
+  picture_ = studio_->Next();
   timing_.render_s.push_back(picture_.render_s);
   timing_.sensor_s.push_back(picture_.sensor_s);
   exposure_ = coming.exposure;
   XXH3_64bits_update(hashes_->image, picture_.image.data, picture_.image.total() * picture_.image.elemSize());
-  return Frame{picture_.image, exposure_.t_s, coming.sequence};
+  return vision::Frame{picture_.image, exposure_.t_s, coming.sequence};
 }
 
-VehicleState Simulator::State() const {
-  VehicleState state = autopilot_->State();
+control::VehicleState Simulator::State() const {
+  control::VehicleState state = autopilot_->State();
   if (external_ != nullptr) {  // its modes are its own affair
-    state.mode = truth_.touching ? FlightMode::kStopped : FlightMode::kHold;
+    state.mode = truth_.touching ? control::FlightMode::kStopped : control::FlightMode::kHold;
     state.landed = truth_.touching;
     state.saturated = false;
   }
   return state;
 }
 
-void Simulator::Send(const Setpoint& setpoint) { autopilot_->Send(setpoint); }
-void Simulator::Aid(const AttitudeAid& aid) { autopilot_->Aid(aid); }
+void Simulator::Send(const control::Setpoint& setpoint) { autopilot_->Send(setpoint); }
+void Simulator::Aid(const control::AttitudeAid& aid) { autopilot_->Aid(aid); }
 std::string Simulator::renderer_name() const { return studio_->renderer_name(); }
 std::uint64_t Simulator::state_hash() const { return XXH3_64bits_digest(hashes_->state); }
 std::uint64_t Simulator::image_hash() const { return XXH3_64bits_digest(hashes_->image); }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -16,11 +16,11 @@
 #include "sim/autopilot/emulated_autopilot.h"
 #include "sim/autopilot/external_autopilot.h"
 #include "sim/camera/camera_faults.h"
+#include "sim/camera/frame_renderer.h"
 #include "sim/camera/image_sensor.h"
-#include "sim/camera/instants.h"
 #include "sim/camera/pan_tilt.h"
 #include "sim/camera/renderer.h"
-#include "sim/camera/studio.h"
+#include "sim/camera/snapshots.h"
 #include "sim/camera/vibration.h"
 #include "sim/fault_schedule.h"
 #include "sim/sensor/sensor_faults.h"
@@ -32,7 +32,7 @@
 #include "vision/camera/camera_model.h"
 #include "vision/camera/camera_mount.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // Where a flight begins: over the pad, in the air unless on_ground. scatter: uniform, by the seed.
 struct StartParameters {
@@ -75,8 +75,8 @@ struct SimulatorParameters {
   AutopilotParameters autopilot;
   SensorParameters sensors;
   ActuatorParameters actuators = {};
-  CameraModel camera;
-  CameraMount mount;
+  vision::CameraModel camera;
+  vision::CameraMount mount;
   ImageParameters image;
   RenderOptions render;
   WindParameters wind;
@@ -105,18 +105,19 @@ struct RunError : std::runtime_error {
 // from which its latency counts, is the middle of the exposure of the middle row; exposure and readout reach
 // to both sides of it, and the latency and the period must leave room for them (a frame whose latency does
 // not comes as soon as it is read out). Both the time and the latency are kept to the nearest step.
-class Simulator final : public Camera, public Autopilot {
+class Simulator final : public vision::Camera, public control::Autopilot {
  public:
   explicit Simulator(const SimulatorParameters& parameters);
   ~Simulator() override;
 
-  std::optional<Frame> Next() override;  // none: no exposure is left within the duration; or see FlyBy
+  std::optional<vision::Frame> Next()
+      override;  // none: no exposure is left within the duration; or see FlyBy
   // The same, but the world goes no further than to this time, and without a frame always there, also when
   // no exposure is left. The flight is the same, bit for bit, in whatever slices.
-  std::optional<Frame> NextUntil(double t_s);
-  VehicleState State() const override;
-  void Send(const Setpoint& setpoint) override;
-  void Aid(const AttitudeAid& aid) override;
+  std::optional<vision::Frame> NextUntil(double t_s);
+  control::VehicleState State() const override;
+  void Send(const control::Setpoint& setpoint) override;
+  void Aid(const control::AttitudeAid& aid) override;
 
   // From the next step on, this moves the rotors, for as long as the simulator lives; until its first word
   // they do what they were told last. When it ends the flight, Next() gives none from then on. The emulated
@@ -130,7 +131,7 @@ class Simulator final : public Camera, public Autopilot {
 
   const Truth& truth() const { return truth_; }
   const Truth& exposure() const { return exposure_; }           // of the frame that Next() gave last
-  const Picture& picture() const { return picture_; }           // of the same
+  const RenderedFrame& picture() const { return picture_; }     // of the same
   const std::optional<Truth>& touch() const { return touch_; }  // the instant before the first touch-down
   const Pose& X_BC() const { return X_BC_; }                    // now
   const mjModel* model() const { return model_.get(); }
@@ -156,7 +157,7 @@ class Simulator final : public Camera, public Autopilot {
 
   void Step();
   void AdvanceTo(std::int64_t step);
-  std::optional<Frame> NextUntilStep(std::int64_t last);
+  std::optional<vision::Frame> NextUntilStep(std::int64_t last);
   void NoteChanges();
   void CoverPad();
   void MoveTargets();
@@ -178,12 +179,12 @@ class Simulator final : public Camera, public Autopilot {
   bool ended_ = false;  // by it
   PanTilt* platform_ = nullptr;
   Pose X_BC_;
-  std::unique_ptr<Studio> studio_;
+  std::unique_ptr<FrameRenderer> studio_;
   std::unique_ptr<Hashes> hashes_;
 
   std::int64_t steps_ = 0;  // since time 0, negative while settling
   Truth truth_, exposure_;
-  Picture picture_;
+  RenderedFrame picture_;
   std::optional<Truth> touch_;
   bool airborne_ = false;
   std::optional<double> occluded_;
@@ -198,11 +199,11 @@ class Simulator final : public Camera, public Autopilot {
   std::int64_t tick_ = 0;           // the next one
   std::int64_t sequence_ = 0;       // of the next frame
   double last_frame_s_ = -1e9;      // when the last one that was not lost was due
-  std::deque<Shot> open_;           // their exposures have not ended
-  std::deque<Moment> moments_;      // that open exposures need, or the next one
+  std::deque<FrameRequest> open_;   // their exposures have not ended
+  std::deque<Snapshot> moments_;    // that open exposures need, or the next one
   std::deque<Coming> coming_;
   double physics_s_ = 0;  // spent since the last frame
   Timing timing_;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

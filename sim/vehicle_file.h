@@ -9,7 +9,7 @@
 #include "sim/autopilot/emulated_autopilot.h"
 #include "sim/camera/pan_tilt.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // models/vehicles/NAME/NAME.yaml: the airframe, how its autopilot is tuned, and what turns its camera, if
 // anything does.
@@ -30,4 +30,4 @@ void Fields(Visitor& v, VehicleFile& f) {
   v("platform", f.platform);
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -5,7 +5,7 @@
 #include <opencv2/core.hpp>
 #include <optional>
 
-namespace kestrel {
+namespace kestrel::vision {
 
 struct Frame {
   cv::Mat image;              // CV_8UC1, or CV_8UC3 in the order blue, green, red; row 0 is the top
@@ -21,4 +21,4 @@ class Camera {
   virtual std::optional<Frame> Next() = 0;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -14,7 +14,7 @@
 #include "base/user_file.h"
 #include "vision/image_header.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
 namespace fs = std::filesystem;
@@ -103,7 +103,7 @@ ImageFile ReadImageFile(const fs::path& file, ImageColours colours) {
   std::error_code none;
   if (fs::is_directory(file, none))
     return {{}, {}, fmt::format("is a folder; valid: image files, such as {}", (file / "*.png").string())};
-  const FileContent content = ReadUserFile(file, kMostDataBytes);
+  const FileContent content = ReadUserFile(file, kMaxDataBytes);
   if (!content.trouble.empty()) return {{}, {}, content.trouble};
   if (IsVideo(file))
     return {{},
@@ -178,4 +178,4 @@ cv::Mat ReadMask(const fs::path& file, std::string_view where, std::string_view 
   return {};
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

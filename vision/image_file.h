@@ -10,10 +10,10 @@
 #include "base/yaml/yaml_fields.h"
 
 // Image files of a user, refused before they are decoded if their pixels would take much memory.
-namespace kestrel {
+namespace kestrel::vision {
 
 // The sides of the largest image that any camera has.
-constexpr int kMostImageSide_px = 8192;
+constexpr int kMaxImageSide_px = 8192;
 
 enum class ImageColours { kGrey, kColour, kAsStored };  // as stored: grey or colour
 
@@ -23,7 +23,7 @@ struct ImageFile {
   std::optional<int> white;  // the value of full white, where it is certain
   std::string trouble;       // why there are no pixels: "is a damaged image", "is not an image; valid: ..."
 };
-ImageFile DecodeImage(const std::string& bytes, ImageColours colours, int most_side_px = kMostImageSide_px);
+ImageFile DecodeImage(const std::string& bytes, ImageColours colours, int most_side_px = kMaxImageSide_px);
 // Says of what is no image what it is instead.
 ImageFile ReadImageFile(const std::filesystem::path& file, ImageColours colours);
 
@@ -60,4 +60,4 @@ cv::Mat ReadImage(const std::string& file, ImageColours colours, std::optional<i
 cv::Mat ReadMask(const std::filesystem::path& file, std::string_view where, std::string_view key,
                  Mistakes& mistakes);
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <cstdlib>
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
 // Bytes of a file by their places; what lies beyond its end is 0, and the reader then no longer whole.
@@ -148,4 +148,4 @@ std::optional<ImageHeader> HeaderOf(std::string_view bytes) {
   return header;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

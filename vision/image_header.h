@@ -5,7 +5,7 @@
 #include <optional>
 #include <string_view>
 
-namespace kestrel {
+namespace kestrel::vision {
 
 // What an image file says of itself before its pixels are decoded, which may be many more than it has bytes.
 struct ImageHeader {
@@ -20,4 +20,4 @@ std::optional<ImageHeader> HeaderOf(std::string_view file);
 
 constexpr const char* kImageFormats = "PNG, JPEG, TIFF, BMP, PGM, PPM, WebP";
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -8,7 +8,7 @@
 
 #include "base/file/files.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 
 namespace fs = std::filesystem;
 
@@ -24,4 +24,4 @@ void WriteImage(const fs::path& file, const cv::Mat& image, const std::vector<in
   WriteFile(file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

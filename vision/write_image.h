@@ -5,11 +5,11 @@
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
-namespace kestrel {
+namespace kestrel::vision {
 
 // Writes an image in the format that the ending of the file's name says, under its final name only once it is
 // complete. parameters: cv::ImwriteFlags. Throws std::runtime_error with the file and the reason.
 void WriteImage(const std::filesystem::path& file, const cv::Mat& image,
                 const std::vector<int>& parameters = {});
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -16,7 +16,7 @@
 #include "vision/calibration/calibrate.h"
 #include "vision/image_file.h"
 
-namespace kestrel {
+namespace kestrel::app {
 namespace {
 
 namespace fs = std::filesystem;
@@ -24,17 +24,18 @@ namespace fs = std::filesystem;
 // Grey images of one size and one depth. What is not is a mistake.
 std::vector<cv::Mat> ReadImages(const CalibrateArguments& a, Mistakes& mistakes) {
   const std::vector<std::string>& files = a.images;
-  std::vector<ImageFile> read;
-  PixelDepth depth(a.bits);
+  std::vector<vision::ImageFile> read;
+  vision::PixelDepth depth(a.bits);
   for (const std::string& file : files) {
-    const ImageFile& image = read.emplace_back(ReadImageFile(file, ImageColours::kGrey));
+    const vision::ImageFile& image =
+        read.emplace_back(vision::ReadImageFile(file, vision::ImageColours::kGrey));
     const std::string trouble = image.pixels.empty() ? image.trouble : depth.Include(image);
     if (!trouble.empty()) mistakes.Add(file, "", trouble);
   }
   if (depth.guessed()) fmt::print("{}\n", depth.Note());
   std::vector<cv::Mat> images;
   std::map<std::pair<int, int>, int> sizes;
-  for (ImageFile& image : read) {
+  for (vision::ImageFile& image : read) {
     if (!image.pixels.empty()) ++sizes[{image.pixels.cols, image.pixels.rows}];
     images.push_back(image.pixels.empty() ? cv::Mat() : depth.EightBits(image));
     image.pixels.release();
@@ -66,7 +67,7 @@ CLI::App* AddCalibrateCommand(CLI::App& app, CalibrateArguments& a) {
           "--model", a.model,
           "pinhole (to some 120 degrees of view), unified (mirrors, most fisheyes), fisheye, double_sphere")
       ->required()
-      ->check(CLI::IsMember(CalibratedModels()));
+      ->check(CLI::IsMember(vision::CalibratedModels()));
   command->add_option("--out", a.out, "Folder for camchain.yaml, report.txt and pictures")->required();
   command
       ->add_option("--accept-residual", a.accepted_px,
@@ -87,24 +88,24 @@ CLI::App* AddCalibrateCommand(CLI::App& app, CalibrateArguments& a) {
 
 void CalibrateCommand(const CalibrateArguments& a) {
   Mistakes mistakes;
-  const Board board = LoadBoardNamed(a.board, "--board", mistakes);
+  const vision::Board board = vision::LoadBoardNamed(a.board, "--board", mistakes);
   const std::vector<cv::Mat> images = ReadImages(a, mistakes);
   CheckWritableFolder(a.out, "--out", mistakes);
   mistakes.ThrowIfAny();
 
   const bool terminal = isatty(STDERR_FILENO);
-  std::vector<BoardView> views;
+  std::vector<vision::BoardView> views;
   for (std::size_t i = 0; i < images.size(); ++i) {
     if (terminal) fmt::print(stderr, "\r\033[Klooking for the board: {} of {}", i + 1, images.size());
-    views.push_back({a.images[i], FindBoard(images[i], board)});
+    views.push_back({a.images[i], vision::FindBoard(images[i], board)});
   }
   if (terminal) fmt::print(stderr, "\r\033[Kcalibrating");
-  const CameraModel like = CameraLike(a.model, images.front().size());
-  const Calibration calibration = [&] {
+  const vision::CameraModel like = vision::CameraLike(a.model, images.front().size());
+  const vision::Calibration calibration = [&] {
     try {
-      const Calibration first = Calibrate(board, views, like, a.accepted_px);
-      return Calibrate(board, Refit(board, images, views, first), like, a.accepted_px);
-    } catch (const PoorFit& e) {
+      const vision::Calibration first = vision::Calibrate(board, views, like, a.accepted_px);
+      return vision::Calibrate(board, vision::Refit(board, images, views, first), like, a.accepted_px);
+    } catch (const vision::PoorFit& e) {
       if (terminal) fmt::print(stderr, "\r\033[K");
       throw InputError({std::string(e.what()) + "; --accept-residual PX takes more"});
     } catch (const InputError&) {
@@ -118,4 +119,4 @@ void CalibrateCommand(const CalibrateArguments& a) {
   fmt::print("{}{}\n", CalibrationReport(calibration, board, images), a.out);
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::app

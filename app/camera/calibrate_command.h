@@ -11,14 +11,14 @@ namespace CLI {
 class App;
 }
 
-namespace kestrel {
+namespace kestrel::app {
 
 // `kestrel calibrate`: a camera from images of a board.
 struct CalibrateArguments {
   std::vector<std::string> images;
   std::string board = "chessboard", model, out;
   std::optional<int> bits;  // of 16-bit pixels
-  double accepted_px = kAcceptedResidual_px;
+  double accepted_px = vision::kAcceptedResidual_px;
 };
 
 CLI::App* AddCalibrateCommand(CLI::App& app, CalibrateArguments& arguments);
@@ -28,4 +28,4 @@ CLI::App* AddCalibrateCommand(CLI::App& app, CalibrateArguments& arguments);
 // determine the camera, or leave more residual than is accepted; then nothing is written.
 void CalibrateCommand(const CalibrateArguments& arguments);
 
-}  // namespace kestrel
+}  // namespace kestrel::app

@@ -9,16 +9,16 @@
 #include "vision/calibration/board.h"
 #include "vision/calibration/calibrate.h"
 
-namespace kestrel {
+namespace kestrel::app {
 
 // What was found, for people: parameters with their deviations, residuals of each image, coverage, notes.
-std::string CalibrationReport(const Calibration& calibration, const Board& board,
+std::string CalibrationReport(const vision::Calibration& calibration, const vision::Board& board,
                               std::span<const cv::Mat> images);
 
 // Writes to an existing folder: camchain.yaml, as Kalibr does; report.txt; residuals.png and coverage.png,
 // drawn by gnuplot; overlay_NAME.png, the board as the calibration sees it over up to three images, the worst
 // among them, with residuals a hundred times as long. images: those of the views. Throws std::runtime_error.
-void WriteCalibration(const std::filesystem::path& folder, const Calibration& calibration, const Board& board,
-                      std::span<const cv::Mat> images);
+void WriteCalibration(const std::filesystem::path& folder, const vision::Calibration& calibration,
+                      const vision::Board& board, std::span<const cv::Mat> images);
 
-}  // namespace kestrel
+}  // namespace kestrel::app

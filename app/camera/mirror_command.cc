@@ -13,7 +13,7 @@
 #include "vision/camera/calibration_file.h"
 #include "vision/camera/mirror.h"
 
-namespace kestrel {
+namespace kestrel::app {
 namespace {
 
 // The rim, the camera's distance from it and its focal length, as eq. (6.11) binds them.
@@ -23,8 +23,8 @@ struct Layout {
 
 struct Design {
   Layout layout;
-  HyperbolicMirror mirror;
-  Unified camera;
+  vision::HyperbolicMirror mirror;
+  vision::Unified camera;
 };
 
 Layout LayoutOf(const MirrorArguments& a) {
@@ -32,7 +32,7 @@ Layout LayoutOf(const MirrorArguments& a) {
   const double px_per_mm = 1e3 / a.pixel_um;
   Layout l{a.rim_mm, a.height_mm.value_or(kHeightMm), a.rim_px.value_or(kRimPx), 0};
   if (!a.focal_mm) {
-    l.focal_px = FocalLengthPx(l.rim_mm, l.height_mm, l.rim_px);
+    l.focal_px = vision::FocalLengthPx(l.rim_mm, l.height_mm, l.rim_px);
   } else {
     l.focal_px = *a.focal_mm * px_per_mm;
     if (a.height_mm)
@@ -72,7 +72,7 @@ void Refuse(const MirrorArguments& a) {
   mistakes.ThrowIfAny();
 
   if (a.height_mm && a.rim_px && a.focal_mm) {
-    const double fits_mm = FocalLengthPx(a.rim_mm, *a.height_mm, *a.rim_px) * a.pixel_um * 1e-3;
+    const double fits_mm = vision::FocalLengthPx(a.rim_mm, *a.height_mm, *a.rim_px) * a.pixel_um * 1e-3;
     if (std::abs(fits_mm - *a.focal_mm) > 1e-3 * fits_mm) {
       mistakes.Add(
           "--focal-mm", "",
@@ -95,9 +95,9 @@ void Refuse(const MirrorArguments& a) {
 }
 
 void Print(const MirrorArguments& a, const Design& d) {
-  const HyperbolicMirror& m = d.mirror;
-  const BarretoParameters barreto = BarretoOf(m.Conic());
-  const GeyerParameters geyer = GeyerOf(barreto);
+  const vision::HyperbolicMirror& m = d.mirror;
+  const vision::BarretoParameters barreto = vision::BarretoOf(m.Conic());
+  const vision::GeyerParameters geyer = vision::GeyerOf(barreto);
   const auto line = [](const char* name, double value, const char* unit, const char* note = "") {
     fmt::print("  {:<28}{:>12.4f}  {:<7} {}\n", name, value, unit, note);
   };
@@ -143,7 +143,7 @@ void Print(const MirrorArguments& a, const Design& d) {
 
 // The cross-section, in mm, with the camera's centre at (0, 0) and the mirror above it.
 std::string Drawing(const Design& d) {
-  const HyperbolicMirror& m = d.mirror;
+  const vision::HyperbolicMirror& m = d.mirror;
   const double a = m.a_m * 1e3, b = m.b_m * 1e3, e = m.EccentricityM() * 1e3;
   const double rim = d.layout.rim_mm, h = d.layout.height_mm, alpha = m.ViewAngle();
   const double reach = 0.75 * std::max(h, 3 * rim);  // of the field of view and of the rays
@@ -171,14 +171,14 @@ std::string Drawing(const Design& d) {
   text += rays + rim_rays + "END\n";
 
   const auto label = [](const std::string& what, double x, double y, const char* place) {
-    return fmt::format("set label {} at {:.6g}, {:.6g} {}\n", GnuplotQuoted(what), x, y, place);
+    return fmt::format("set label {} at {:.6g}, {:.6g} {}\n", records::GnuplotQuoted(what), x, y, place);
   };
   text += fmt::format(
       "set title {} noenhanced\nset size ratio -1\nset border 3 lc rgb '#444444'\n"
       "set tics nomirror out scale 0.6\nset xlabel 'mm'\nset ylabel 'mm from the centre of the camera'\n"
       "set style fill solid 1 noborder\nset key below Left reverse noautotitle samplen 2\n"
       "set xrange [{:.6g}:{:.6g}]\nset yrange [{:.6g}:{:.6g}]\n",
-      GnuplotQuoted(
+      records::GnuplotQuoted(
           fmt::format("h = {:.4g} mm, 2 e = {:.2f} mm, a = {:.4f} mm, b = {:.4f} mm, field {:.2f} deg", h,
                       2 * e, a, b, 2 * Degrees(alpha))),
       -1.05 * reach, 1.05 * reach, std::min(0.0, 2 * e - reach) - 0.08 * h,
@@ -228,20 +228,22 @@ void MirrorCommand(const MirrorArguments& arguments) {
   Refuse(arguments);
   Design design;
   design.layout = LayoutOf(arguments);
-  design.mirror = *DesignMirror(design.layout.rim_mm * 1e-3, design.layout.height_mm * 1e-3, arguments.ratio);
-  design.camera = CameraOf(design.mirror, design.layout.focal_px, arguments.width_px, arguments.height_px);
+  design.mirror =
+      *vision::DesignMirror(design.layout.rim_mm * 1e-3, design.layout.height_mm * 1e-3, arguments.ratio);
+  design.camera =
+      vision::CameraOf(design.mirror, design.layout.focal_px, arguments.width_px, arguments.height_px);
   Print(arguments, design);
   if (!arguments.camera.empty()) {
     WriteFile(arguments.camera,
               "# A hyperbolic mirror, designed by `kestrel mirror`; the image is the one that has been "
               "flipped back.\n" +
-                  ToCameraYaml(design.camera));
+                  vision::ToCameraYaml(design.camera));
     fmt::print("{}\n", arguments.camera);
   }
   if (!arguments.drawing.empty()) {
-    DrawPng(arguments.drawing, 1000, 1000, Drawing(design));
+    records::DrawPng(arguments.drawing, 1000, 1000, Drawing(design));
     fmt::print("{}\n", arguments.drawing);
   }
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::app

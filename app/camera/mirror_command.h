@@ -8,7 +8,7 @@ namespace CLI {
 class App;
 }
 
-namespace kestrel {
+namespace kestrel::app {
 
 // `kestrel mirror`: designs a hyperbolic mirror for one viewpoint, thesis 6.2.1. The defaults are the
 // thesis's.
@@ -26,4 +26,4 @@ CLI::App* AddMirrorCommand(CLI::App& app, MirrorArguments& arguments);
 // mirror.
 void MirrorCommand(const MirrorArguments& arguments);
 
-}  // namespace kestrel
+}  // namespace kestrel::app

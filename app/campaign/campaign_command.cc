@@ -20,9 +20,9 @@
 #include "base/file/files.h"
 #include "base/file/model_files.h"
 #include "base/printable.h"
-#include "base/process/aside.h"
 #include "base/process/end_signals.h"
 #include "base/process/own_program.h"
+#include "base/process/print_note.h"
 #include "base/stopwatch.h"
 #include "base/user_file.h"
 #include "base/yaml/yaml_fields.h"
@@ -32,9 +32,9 @@
 #include "campaign/statistics/share_sequence.h"
 #include "campaign/statistics/stop_rule.h"
 #include "campaign/statistics/thresholds.h"
-#include "campaign/tuning/kept_flights.h"
+#include "campaign/tuning/flight_cache.h"
 
-namespace kestrel {
+namespace kestrel::app {
 namespace {
 
 namespace fs = std::filesystem;
@@ -60,7 +60,7 @@ std::string Duration(double seconds) {
 // With an interval that holds however often one looks.
 std::string Share(std::int64_t passed, std::int64_t runs) {
   if (runs == 0) return "none flown";
-  const Interval interval = ShareSequence(passed, runs);
+  const Interval interval = campaign::ShareSequence(passed, runs);
   return fmt::format("{:.1f} % passed [{:.1f}, {:.1f}]",
                      100 * static_cast<double>(passed) / static_cast<double>(runs), 100 * interval.low,
                      100 * interval.high);
@@ -71,9 +71,9 @@ class ProgressLine {
  public:
   explicit ProgressLine(std::string name) : name_(std::move(name)) {}
   ~ProgressLine() {
-    if (shown_) Aside("\r\033[K");
+    if (shown_) PrintNote("\r\033[K");
   }
-  void Show(const Progress& p) {
+  void Show(const campaign::Progress& p) {
     if (shown_ && SecondsSince(last_) < 0.1) return;
     last_ = std::chrono::steady_clock::now();
     shown_ = true;
@@ -82,8 +82,8 @@ class ProgressLine {
       left = fmt::format("   {:.3g} runs/min, {} left", 60 * p.Rate(),
                          Duration(static_cast<double>(p.rows - p.done) / p.Rate()));
     if (stop == 1) left = "   ending; interrupt again to drop the runs under way";
-    Aside("\r\033[K{}: {} of {}, {}{}", name_, p.done, Counted(p.rows, "run"),
-          Share(p.counted_passed, p.counted), left);
+    PrintNote("\r\033[K{}: {} of {}, {}{}", name_, p.done, campaign::Counted(p.rows, "run"),
+              Share(p.counted_passed, p.counted), left);
     std::fflush(stderr);
   }
 
@@ -95,9 +95,9 @@ class ProgressLine {
 
 // A campaign as the command line asks for it.
 struct Asked {
-  LoadedCampaign campaign;
+  campaign::LoadedCampaign campaign;
   fs::path folder;
-  std::optional<Shard> shard;
+  std::optional<campaign::Shard> shard;
 };
 
 Asked Read(const CampaignArguments& a) {
@@ -120,7 +120,7 @@ Asked Read(const CampaignArguments& a) {
     }
   };
   Asked asked;
-  if (!a.shard.empty()) attempt([&] { asked.shard = ShardOf(a.shard); });
+  if (!a.shard.empty()) attempt([&] { asked.shard = campaign::ShardOf(a.shard); });
   if (asked.shard && a.stop_when)
     mistakes.push_back(
         "--stop-when: a part of a table cannot tell when the whole of it is enough; valid: one "
@@ -129,21 +129,22 @@ Asked Read(const CampaignArguments& a) {
     mistakes.push_back(
         "--junit: a part of a table is not judged; valid: one of --shard and --junit, the latter once the "
         "parts are merged");
-  attempt([&] { asked.campaign = LoadCampaign(CampaignFile(a.file), overrides); });
+  attempt([&] { asked.campaign = campaign::LoadCampaign(CampaignFile(a.file), overrides); });
   const auto& [vary, sampling] = std::tie(asked.campaign.plan.vary, asked.campaign.plan.sampling);
   if (a.stop_when && sampling == "sobol")
     mistakes.push_back(
         "--stop-when: the first points of a Sobol sequence are not like the others; valid: --set "
         "sampling=latin_hypercube or independent");
-  if (a.stop_when && std::any_of(vary.begin(), vary.end(),
-                                 [](const auto& each) { return std::holds_alternative<Grid>(each.second); }))
+  if (a.stop_when && std::any_of(vary.begin(), vary.end(), [](const auto& each) {
+        return std::holds_alternative<campaign::Grid>(each.second);
+      }))
     mistakes.push_back(
         "--stop-when: the first rows of a grid are not like the others; valid: a campaign without grids");
   if (mistakes.empty()) {
     asked.folder = a.out.empty() ? fs::path("results/campaigns") / asked.campaign.plan.name : fs::path(a.out);
     Mistakes of_folder;
     CheckWritableFolder(asked.folder, "--out", of_folder);
-    RefuseReportOf("tuning", FlightsFile(asked.folder), of_folder);
+    RefuseReportOf("tuning", campaign::FlightsFile(asked.folder), of_folder);
     mistakes = of_folder.messages();
   }
   if (!mistakes.empty()) throw InputError(mistakes);
@@ -152,65 +153,67 @@ Asked Read(const CampaignArguments& a) {
 
 // What --stop-when makes of a plan.
 std::string RuleOf(const CampaignArguments& a) {
-  return a.stop_when ? StopRule(*a.stop_when) : std::string();
+  return a.stop_when ? campaign::StopRule(*a.stop_when) : std::string();
 }
 
 // Against the plan's thresholds, also into --junit.
-bool KeepsThresholds(const CampaignArguments& a, const Asked& asked, const std::vector<RunResult>& results) {
-  const std::vector<JudgedThreshold> judged =
-      Judge(asked.campaign.plan.thresholds, results, a.stop_when.has_value());
+bool KeepsThresholds(const CampaignArguments& a, const Asked& asked,
+                     const std::vector<campaign::RunResult>& results) {
+  const std::vector<campaign::JudgedThreshold> judged =
+      campaign::Judge(asked.campaign.plan.thresholds, results, a.stop_when.has_value());
   if (!a.junit.empty()) {
     if (const fs::path folder = fs::path(a.junit).parent_path(); !folder.empty())
       fs::create_directories(folder);
-    WriteFile(a.junit, ToJunit(asked.campaign.plan.name, judged));
+    WriteFile(a.junit, campaign::ToJunit(asked.campaign.plan.name, judged));
   }
-  return std::all_of(judged.begin(), judged.end(), [](const JudgedThreshold& t) { return t.passed; });
+  return std::all_of(judged.begin(), judged.end(),
+                     [](const campaign::JudgedThreshold& t) { return t.passed; });
 }
 
 bool Fly(const CampaignArguments& a) {
   EndOnInterrupt();
   const Asked asked = Read(a);
-  const CampaignWork work = WorkOf(asked.campaign, RuleOf(a));
-  CampaignOptions options;
+  const campaign::CampaignWork work = campaign::WorkOf(asked.campaign, RuleOf(a));
+  campaign::CampaignOptions options;
   options.folder = asked.folder;
-  options.jobs = a.jobs > 0 ? a.jobs : Cores();
+  options.jobs = a.jobs > 0 ? a.jobs : campaign::Cores();
   options.shard = asked.shard;
   options.record_failures = a.record_failures;
   options.record = a.record;
   options.stop = &stop;
   if (a.stop_when)
-    options.enough = [&](const Progress& p) {
-      return NarrowEnough(p.counted_passed, p.counted, *a.stop_when);
+    options.enough = [&](const campaign::Progress& p) {
+      return campaign::NarrowEnough(p.counted_passed, p.counted, *a.stop_when);
     };
-  CampaignEnd end;
+  campaign::CampaignEnd end;
   {
     ProgressLine line(work.identity.name);
-    if (isatty(STDERR_FILENO) && !a.quiet) options.show = [&](const Progress& p) { line.Show(p); };
+    if (isatty(STDERR_FILENO) && !a.quiet) options.show = [&](const campaign::Progress& p) { line.Show(p); };
     OnEndSignals(Interrupt);
-    end = RunCampaign(work, options);
+    end = campaign::RunCampaign(work, options);
   }
-  const fs::path file = ResultFile(asked.folder, asked.shard);
+  const fs::path file = campaign::ResultFile(asked.folder, asked.shard);
   if (!end.Complete())
     throw std::runtime_error(fmt::format("interrupted: {} of {} are kept in {}; the same command goes on",
-                                         end.progress.done, Counted(end.progress.rows, "run"),
+                                         end.progress.done, campaign::Counted(end.progress.rows, "run"),
                                          file.string()));
   for (const std::string& each : end.mistrust)
-    Aside("kestrel: flown again it came to something else: {}\n", each);
+    PrintNote("kestrel: flown again it came to something else: {}\n", each);
   if (asked.shard) {
     if (!a.quiet)
       fmt::print("{}, part {}: {}, {}\n  {}\n", work.identity.name, a.shard,
-                 Counted(end.progress.done, "run"), Share(end.progress.passed, end.progress.done),
+                 campaign::Counted(end.progress.done, "run"), Share(end.progress.passed, end.progress.done),
                  file.string());
     return end.mistrust.empty();
   }
   ReportCommand({.of = a.file, .out = asked.folder.string(), .quiet = a.quiet});
-  const std::vector<RunResult> results = ResultStore::Read(file).Results();
+  const std::vector<campaign::RunResult> results = campaign::ResultStore::Read(file).Results();
   if (!a.quiet) {
     fmt::print("{}\n", file.string());
-    for (const RunResult& each : results)
+    for (const campaign::RunResult& each : results)
       if (!each.execution.recording.empty())
-        fmt::print("row {} ({}, {}) is recorded in {}\n", each.row, NameOf(each.status), each.outcome,
-                   each.execution.recording);
+        fmt::print("row {} ({}, {}) is recorded in {}\n", each.row, campaign::NameOf(each.status),
+                   each.outcome, each.execution.recording);
   }
   return KeepsThresholds(a, asked, results) && end.mistrust.empty();
 }
@@ -218,49 +221,49 @@ bool Fly(const CampaignArguments& a) {
 bool Replay(const CampaignArguments& a) {
   EndOnInterrupt();
   const Asked asked = Read(a);
-  CampaignWork work = WorkOf(asked.campaign);
+  campaign::CampaignWork work = campaign::WorkOf(asked.campaign);
   const auto rows = static_cast<std::int64_t>(work.identity.table.rows.size());
   if (a.row < 0 || a.row >= rows)
     throw InputError({fmt::format("ROW: there is no row {}; valid: 0 to {}", a.row, rows - 1)});
   // What is stored of it: by the whole file or a part.
-  std::optional<RunResult> stored;
-  std::vector<fs::path> files = ShardFiles(asked.folder);
-  files.insert(files.begin(), ResultFile(asked.folder));
+  std::optional<campaign::RunResult> stored;
+  std::vector<fs::path> files = campaign::ShardFiles(asked.folder);
+  files.insert(files.begin(), campaign::ResultFile(asked.folder));
   for (const fs::path& file : files) {
     if (stored || !IsFile(file)) continue;
-    const ResultStore store = ResultStore::Read(file);
-    for (const RunResult& result : store.Results())
+    const campaign::ResultStore store = campaign::ResultStore::Read(file);
+    for (const campaign::RunResult& result : store.Results())
       if (result.row == a.row) stored = result;
     if (!stored) continue;
-    CampaignIdentity wanted = work.identity;
+    campaign::CampaignIdentity wanted = work.identity;
     wanted.plan = store.identity().plan;  // of which a rule for the end may be a part
-    const std::vector<std::string> differences = Differences(store.identity(), wanted);
-    for (const std::string& each : differences) Aside("kestrel: {}: {}\n", file.string(), each);
+    const std::vector<std::string> differences = campaign::Differences(store.identity(), wanted);
+    for (const std::string& each : differences) PrintNote("kestrel: {}: {}\n", file.string(), each);
     if (!differences.empty())
-      Aside(
+      PrintNote(
           "kestrel: row {} is flown with the values that are stored there; scenario and set are the "
           "campaign's as it is now\n",
           a.row);
     work.identity.table = store.identity().table;
   }
-  const fs::path folder = RecordingFolder(asked.folder, a.row);
-  RunOrder order = OrderFor(work, a.row, folder);
+  const fs::path folder = campaign::RecordingFolder(asked.folder, a.row);
+  campaign::RunOrder order = campaign::OrderFor(work, a.row, folder);
   order.video = !a.no_video;
   if (!a.quiet) fmt::print("row {}: {}\n", a.row, fmt::join(order.overrides, "  "));
-  WorkerPool worker(1, work.limit_s, asked.folder / "logs" / "replay");
+  campaign::WorkerPool worker(1, work.limit_s, asked.folder / "logs" / "replay");
   worker.Give(order);
-  std::optional<RunResult> taken;
+  std::optional<campaign::RunResult> taken;
   while (!taken) taken = worker.Take(1);
-  const RunResult& flown = *taken;
+  const campaign::RunResult& flown = *taken;
   if (!a.quiet) {
-    fmt::print("  {}: {}\n", NameOf(flown.status), flown.outcome);
+    fmt::print("  {}: {}\n", campaign::NameOf(flown.status), flown.outcome);
     fmt::print("  state {}  images {}\n  {}\n", flown.state_hash, flown.image_hash, folder.string());
   }
   if (!stored) {
     fmt::print("  there is no stored result to compare it with\n");
     return true;
   }
-  const std::string difference = DifferenceOf(*stored, flown);
+  const std::string difference = campaign::DifferenceOf(*stored, flown);
   if (difference.empty()) {
     fmt::print("  the same as the stored result, to the last bit: outcome, state, images and {} metrics\n",
                flown.metrics.size());
@@ -271,7 +274,7 @@ bool Replay(const CampaignArguments& a) {
 }
 
 // A newline would end a line of the script, and begin a command.
-void RequireNamesWithoutControl(const BatchJob& job) {
+void RequireNamesWithoutControl(const campaign::BatchJob& job) {
   Mistakes mistakes;
   const auto require = [&](const char* what, const std::string& text) {
     if (HasControl(text))
@@ -288,8 +291,8 @@ void RequireNamesWithoutControl(const BatchJob& job) {
 }
 
 // A job that this command line, but for its verb, asks for.
-BatchJob JobOf(const CampaignArguments& a, const Asked& asked) {
-  BatchJob job;
+campaign::BatchJob JobOf(const CampaignArguments& a, const Asked& asked) {
+  campaign::BatchJob job;
   job.name = asked.campaign.plan.name;
   job.program = OwnProgram();
   job.arguments.push_back(fs::absolute(CampaignFile(a.file)).lexically_normal().string());
@@ -309,17 +312,17 @@ BatchJob JobOf(const CampaignArguments& a, const Asked& asked) {
 
 bool MergeParts(const CampaignArguments& a) {
   const Asked asked = Read(a);
-  const CampaignWork work = WorkOf(asked.campaign);
+  const campaign::CampaignWork work = campaign::WorkOf(asked.campaign);
   std::vector<fs::path> parts(a.shards.begin(), a.shards.end());
-  if (parts.empty()) parts = ShardFiles(asked.folder);
+  if (parts.empty()) parts = campaign::ShardFiles(asked.folder);
   if (parts.empty())
     throw InputError({fmt::format(
         "SHARDS: {} holds no parts; valid: parts that were flown there before (--shard I/N, as by "
         "the scripts of slurm and parallel), their files by name, or their folder by --out",
         asked.folder.string())});
   fs::create_directories(asked.folder);
-  const fs::path into = ResultFile(asked.folder);
-  const Merged merged = Merge(into, work.identity, parts);
+  const fs::path into = campaign::ResultFile(asked.folder);
+  const campaign::Merged merged = campaign::Merge(into, work.identity, parts);
   const auto rows = static_cast<std::int64_t>(work.identity.table.rows.size());
   fmt::print("{}: {} rows from {} files, {} were there; {} of {}\n", work.identity.name, merged.added,
              parts.size(), merged.there, rows - static_cast<std::int64_t>(merged.missing.size()), rows);
@@ -329,20 +332,21 @@ bool MergeParts(const CampaignArguments& a) {
   // Whose they are, if all parts are of one division.
   std::set<int> divisions;
   for (const fs::path& part : parts) {
-    const auto shard = ShardOfFile(part);
+    const auto shard = campaign::ShardOfFile(part);
     divisions.insert(shard ? shard->of : 0);
   }
   const int of = divisions.size() == 1 ? *divisions.begin() : 0;
-  fmt::print("{}", MissingText(JobOf(a, asked), merged.missing, of));
+  fmt::print("{}", campaign::MissingText(JobOf(a, asked), merged.missing, of));
   return false;
 }
 
 bool PrintScript(const CampaignArguments& a) {
   const Asked asked = Read(a);
-  const BatchJob job = JobOf(a, asked);
+  const campaign::BatchJob job = JobOf(a, asked);
   fs::create_directories(job.folder / "logs");  // which neither Slurm nor parallel makes
-  fmt::print("{}",
-             a.verb == Verb::kSlurm ? SlurmScript(job) : ParallelLines(job, std::max(1, Cores() / job.jobs)));
+  fmt::print("{}", a.verb == Verb::kSlurm
+                       ? campaign::SlurmScript(job)
+                       : campaign::ParallelLines(job, std::max(1, campaign::Cores() / job.jobs)));
   return true;
 }
 
@@ -363,7 +367,9 @@ void AddPlanOptions(CLI::App* command, CampaignArguments& a, bool required) {
 
 }  // namespace
 
-fs::path CampaignFile(const std::string& name_or_file) { return NamedFile("campaign", name_or_file); }
+fs::path CampaignFile(const std::string& name_or_file) {
+  return campaign::NamedFile("campaign", name_or_file);
+}
 
 CLI::App* AddCampaignCommand(CLI::App& app, CampaignArguments& a) {
   CLI::App* command = app.add_subcommand("campaign", "Fly a scenario many times, with what varies in a file");
@@ -464,4 +470,4 @@ bool CampaignCommand(const CampaignArguments& a) {
   return false;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::app

@@ -15,7 +15,7 @@ namespace CLI {
 class App;
 }
 
-namespace kestrel {
+namespace kestrel::app {
 
 // `kestrel campaign`: many flights, what varies among them being in a file.
 struct CampaignArguments {
@@ -51,4 +51,4 @@ bool CampaignCommand(const CampaignArguments& arguments);
 // The file of a campaign by its name or itself.
 std::filesystem::path CampaignFile(const std::string& name_or_file);
 
-}  // namespace kestrel
+}  // namespace kestrel::app

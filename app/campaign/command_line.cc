@@ -10,7 +10,7 @@
 
 #include "base/process/end_signals.h"
 
-namespace kestrel {
+namespace kestrel::app {
 namespace {
 
 void End(int) {
@@ -43,4 +43,4 @@ void RefuseReportOf(const char* kind, const std::filesystem::path& data, Mistake
 
 void EndOnInterrupt() { OnEndSignals(End); }
 
-}  // namespace kestrel
+}  // namespace kestrel::app

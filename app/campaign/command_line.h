@@ -9,7 +9,7 @@
 
 #include "base/yaml/yaml_fields.h"
 
-namespace kestrel {
+namespace kestrel::app {
 
 // What the command lines of campaigns and of tunings have in common.
 
@@ -34,4 +34,4 @@ void RefuseReportOf(const char* kind, const std::filesystem::path& data, Mistake
 // once, with a word and the status of what broke off.
 void EndOnInterrupt();
 
-}  // namespace kestrel
+}  // namespace kestrel::app

@@ -11,7 +11,7 @@
 #include "base/yaml/yaml_fields.h"
 #include "campaign/statistics/comparison.h"
 
-namespace kestrel {
+namespace kestrel::app {
 namespace {
 
 namespace fs = std::filesystem;
@@ -54,15 +54,15 @@ bool CompareCommand(const CompareArguments& a) {
   CheckWritableFile(a.json, "--json", mistakes);
   mistakes.ThrowIfAny();
   const auto read = [](const fs::path& file) {
-    const ResultStore store = ResultStore::ReadCampaign(file);
-    return CampaignResults{store.identity(), store.Results()};
+    const campaign::ResultStore store = campaign::ResultStore::ReadCampaign(file);
+    return campaign::CampaignResults{store.identity(), store.Results()};
   };
-  const CampaignResults results_a = read(file_a), results_b = read(file_b);
-  const Comparison comparison = Compare(results_a, results_b, a.metrics, a.seed);
+  const campaign::CampaignResults results_a = read(file_a), results_b = read(file_b);
+  const campaign::Comparison comparison = campaign::Compare(results_a, results_b, a.metrics, a.seed);
   fmt::print("A: {}, {}\nB: {}, {}\n{}", results_a.identity.name, file_a.string(), results_b.identity.name,
-             file_b.string(), ToText(comparison));
-  if (!a.json.empty()) WriteFile(a.json, ToJson(comparison));
-  return comparison.verdict != Verdict::kWorse;
+             file_b.string(), campaign::ToText(comparison));
+  if (!a.json.empty()) WriteFile(a.json, campaign::ToJson(comparison));
+  return comparison.verdict != campaign::Verdict::kWorse;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::app

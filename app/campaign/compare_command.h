@@ -9,7 +9,7 @@ namespace CLI {
 class App;
 }
 
-namespace kestrel {
+namespace kestrel::app {
 
 // `kestrel campaign compare A B`: two campaigns on the same rows.
 struct CompareArguments {
@@ -25,4 +25,4 @@ CLI::App* AddCompareCommand(CLI::App& parent, CompareArguments& arguments);
 // Prints what differs and whether B is better; false: it is worse. Throws InputError.
 bool CompareCommand(const CompareArguments& arguments);
 
-}  // namespace kestrel
+}  // namespace kestrel::app

@@ -16,32 +16,34 @@
 #include "campaign/statistics/results_csv.h"
 #include "sim/render/ray/instruction_set.h"
 
-namespace kestrel {
+namespace kestrel::app {
 namespace {
 
 namespace fs = std::filesystem;
 
 // The options with which a campaign was flown.
-std::string OptionsOf(const CampaignIdentity& identity, const fs::path& folder) {
+std::string OptionsOf(const campaign::CampaignIdentity& identity, const fs::path& folder) {
   std::string options;
-  for (const std::string& each : OverridesNotedIn(identity.plan)) options += " --set " + ShellWord(each);
+  for (const std::string& each : campaign::OverridesNotedIn(identity.plan))
+    options += " --set " + campaign::ShellWord(each);
   if (folder.lexically_normal() != fs::path("results/campaigns") / identity.name)
-    options += " --out " + ShellWord(folder.empty() ? "." : folder.string());
+    options += " --out " + campaign::ShellWord(folder.empty() ? "." : folder.string());
   // That which its rows were flown by, unless it is what is taken here in any case.
   if (const auto set = identity.machine.find("instruction_set");
-      set != identity.machine.end() && (!ChosenInstructionSet().empty() || set->second != InstructionSet()))
-    options += " --isa " + ShellWord(set->second);
+      set != identity.machine.end() &&
+      (!ChosenInstructionSet().empty() || set->second != sim::InstructionSet()))
+    options += " --isa " + campaign::ShellWord(set->second);
   return options;
 }
 
-std::map<std::string, Threshold> ThresholdsOf(const CampaignIdentity& identity) {
+std::map<std::string, campaign::Threshold> ThresholdsOf(const campaign::CampaignIdentity& identity) {
   constexpr std::string_view kThresholds = "thresholds.";
-  std::map<std::string, Threshold> thresholds;
-  for (const auto& [key, text] : ValuesOf(identity.plan, "plan")) {
+  std::map<std::string, campaign::Threshold> thresholds;
+  for (const auto& [key, text] : campaign::ValuesOf(identity.plan, "plan")) {
     const std::size_t dot = key.rfind('.');
-    const auto value = NumberIn(text);
+    const auto value = campaign::NumberIn(text);
     if (!key.starts_with(kThresholds) || dot < kThresholds.size() || !value) continue;
-    Threshold& threshold = thresholds[key.substr(kThresholds.size(), dot - kThresholds.size())];
+    campaign::Threshold& threshold = thresholds[key.substr(kThresholds.size(), dot - kThresholds.size())];
     const std::string what = key.substr(dot + 1);
     (what == "min" ? threshold.min : what == "max" ? threshold.max : threshold.quantile) = *value;
   }
@@ -59,7 +61,7 @@ fs::path FileNamed(const std::string& name) {
 
 // What the program finds the campaign's file by: its name or itself; where it is no more, the name of that
 // which the page offers to save.
-std::string NameOf(const CampaignIdentity& identity) {
+std::string NameOf(const campaign::CampaignIdentity& identity) {
   const fs::path named = FileNamed(identity.name), file = identity.file;
   if (!IsFile(file)) return named.empty() ? identity.name + ".yaml" : identity.name;
   if (SameFile(named, file)) return identity.name;
@@ -71,18 +73,18 @@ bool IsResults(const fs::path& file) { return HasEnding(file, {".sqlite", ".db"}
 
 }  // namespace
 
-ReportSubject SubjectOf(const fs::path& results, const std::string& campaign) {
-  const ResultStore store = ResultStore::ReadCampaign(results);
-  ReportSubject subject;
+campaign::ReportSubject SubjectOf(const fs::path& results, const std::string& campaign) {
+  const campaign::ResultStore store = campaign::ResultStore::ReadCampaign(results);
+  campaign::ReportSubject subject;
   subject.identity = store.identity();
   subject.results = store.Results();
   subject.results_file = results.string();
-  const std::string name = ShellWord(campaign.empty() ? NameOf(subject.identity) : campaign);
+  const std::string name = campaign::ShellWord(campaign.empty() ? NameOf(subject.identity) : campaign);
   const std::string options = OptionsOf(subject.identity, results.parent_path());
   subject.replay = fmt::format("./kestrel campaign replay {}{}", name, options);
   subject.again = fmt::format("./kestrel campaign {}{}", name, options);
   subject.summary =
-      Summarise(subject.identity, subject.results, ThresholdsOf(subject.identity), subject.replay);
+      campaign::Summarise(subject.identity, subject.results, ThresholdsOf(subject.identity), subject.replay);
   return subject;
 }
 
@@ -108,22 +110,23 @@ bool ReportCommand(const ReportArguments& a) {
   if (a.out.empty() && fs::is_directory(results, none)) results /= "results.sqlite";
   const bool of_results = IsResults(results);
   if (!of_results) {
-    const fs::path folder = a.out.empty()
-                                ? fs::path("results/campaigns") / LoadCampaign(CampaignFile(a.of)).plan.name
-                                : fs::path(a.out);
+    const fs::path folder =
+        a.out.empty() ? fs::path("results/campaigns") / campaign::LoadCampaign(CampaignFile(a.of)).plan.name
+                      : fs::path(a.out);
     results = folder / "results.sqlite";
   }
   const fs::path folder = results.parent_path(), page = folder / "report.html";
   Mistakes mistakes;
   CheckWritableFolder(folder, a.out.empty() ? "report" : "--out", mistakes);
   mistakes.ThrowIfAny();
-  const ReportSubject subject = SubjectOf(results, of_results ? std::string() : a.of);
-  WriteFile(page, HtmlReport(subject, folder));
-  WriteFile(folder / "runs.csv", ToCsv(subject.identity.table, subject.results));
-  WriteFile(folder / "summary.json", ToJson(subject.summary));
-  if (!a.quiet) fmt::print("{}{}\n", ToText(subject.summary), page.string());
+  const campaign::ReportSubject subject = SubjectOf(results, of_results ? std::string() : a.of);
+  WriteFile(page, campaign::HtmlReport(subject, folder));
+  WriteFile(folder / "runs.csv", campaign::ToCsv(subject.identity.table, subject.results));
+  WriteFile(folder / "summary.json", campaign::ToJson(subject.summary));
+  if (!a.quiet) fmt::print("{}{}\n", campaign::ToText(subject.summary), page.string());
   const auto& judged = subject.summary.thresholds;
-  return std::all_of(judged.begin(), judged.end(), [](const JudgedThreshold& t) { return t.passed; });
+  return std::all_of(judged.begin(), judged.end(),
+                     [](const campaign::JudgedThreshold& t) { return t.passed; });
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::app

@@ -9,7 +9,7 @@ namespace CLI {
 class App;
 }
 
-namespace kestrel {
+namespace kestrel::app {
 
 // `kestrel campaign report`: what a campaign came to, or has come to until now, for people and other
 // programs.
@@ -29,6 +29,6 @@ bool ReportCommand(const ReportArguments& arguments);
 
 // What a page tells of a result file. campaign: its file or name, as the commands on the page have it; empty:
 // by the name that the results are of.
-ReportSubject SubjectOf(const std::filesystem::path& results, const std::string& campaign = {});
+campaign::ReportSubject SubjectOf(const std::filesystem::path& results, const std::string& campaign = {});
 
-}  // namespace kestrel
+}  // namespace kestrel::app

@@ -12,8 +12,8 @@
 #include "app/campaign/command_line.h"
 #include "app/simulated/isa_option.h"
 #include "base/file/files.h"
-#include "base/process/aside.h"
 #include "base/process/end_signals.h"
+#include "base/process/print_note.h"
 #include "base/version.h"
 #include "base/yaml/yaml_fields.h"
 #include "campaign/counted.h"
@@ -21,12 +21,12 @@
 #include "campaign/execution/run_campaign.h"
 #include "campaign/named_file.h"
 #include "campaign/report/html_report.h"
-#include "campaign/tuning/kept_flights.h"
+#include "campaign/tuning/flight_cache.h"
 #include "campaign/tuning/tune.h"
 #include "campaign/tuning/tune_files.h"
 #include "campaign/tuning/tune_report.h"
 
-namespace kestrel {
+namespace kestrel::app {
 namespace {
 
 namespace fs = std::filesystem;
@@ -36,40 +36,43 @@ std::atomic<bool> stopped = false;
 constexpr std::array kMethods = {"cma_es", "cross_entropy", "random_search"};
 
 // Of the budget, as far as the search has come.
-std::int64_t FlightsUntil(const TuneResult& result) {
+std::int64_t FlightsUntil(const campaign::TuneResult& result) {
   return std::max(result.search.back().flights, result.flights);
 }
 
-void ShowRound(const LoadedTune& tune, const TuneResult& result) {
-  Aside("{:>6} of {} flights   round {:>3}   cost {:.4g} at first, {} {:.4g}\n", FlightsUntil(result),
-        tune.plan.budget, result.search.back().round, result.search.front().Cost(),
-        result.compares_rounds ? "least until now" : "median of the round", Stages(result).back().cost);
+void ShowRound(const campaign::LoadedTune& tune, const campaign::TuneResult& result) {
+  PrintNote("{:>6} of {} flights   round {:>3}   cost {:.4g} at first, {} {:.4g}\n", FlightsUntil(result),
+            tune.plan.budget, result.search.back().round, result.search.front().Cost(),
+            result.compares_rounds ? "least until now" : "median of the round",
+            campaign::Stages(result).back().cost);
 }
 
 // But for where the program is, and what comes of it.
 std::string CommandText(const TuneArguments& a, const std::vector<std::string>& overrides) {
-  std::string text = "kestrel tune " + ShellWord(a.file);
-  for (const std::string& each : overrides) text += " --set " + ShellWord(each);
+  std::string text = "kestrel tune " + campaign::ShellWord(a.file);
+  for (const std::string& each : overrides) text += " --set " + campaign::ShellWord(each);
   if (const std::string set = ChosenInstructionSet(); !set.empty()) text += " --isa " + set;
   return text;
 }
 
 // Searches, and writes what comes of it into the folder.
-Searched SearchIn(const TuneArguments& a, const fs::path& folder, const std::vector<std::string>& more,
-                  KnownFlights& known) {
+campaign::Searched SearchIn(const TuneArguments& a, const fs::path& folder,
+                            const std::vector<std::string>& more, campaign::SharedFlights& known) {
   std::vector<std::string> overrides = a.overrides;
   overrides.insert(overrides.end(), more.begin(), more.end());
-  Searched searched{LoadTune(NamedFile("tuning", a.file), overrides), {}, {}};
-  const LoadedTune& tune = searched.tune;
+  campaign::Searched searched{campaign::LoadTune(campaign::NamedFile("tuning", a.file), overrides), {}, {}};
+  const campaign::LoadedTune& tune = searched.tune;
   fs::create_directories(folder);
-  KeptFlights flights(tune, folder, a.jobs > 0 ? a.jobs : Cores(), a.worker, stopped, known);
-  const auto kept = static_cast<std::int64_t>(flights.kept());
-  if (!a.quiet && kept > 0) Aside("{} are there already\n", Counted(kept, "flight"));
-  const TuneResult& result = searched.result = Tune(tune, std::ref(flights), [&](const TuneResult& r) {
-    if (!a.quiet && FlightsUntil(r) > kept) ShowRound(tune, r);  // what is only read again is no news
-  });
-  WriteFile(folder / "gains.yaml", GainsFile(tune, result, CommandText(a, overrides), Version()));
-  WriteFile(folder / "tuning.json", TuneJson(tune, result, Version()));
+  campaign::FlightCache flights(tune, folder, a.jobs > 0 ? a.jobs : campaign::Cores(), a.worker, stopped,
+                                known);
+  const auto kept = static_cast<std::int64_t>(flights.cached());
+  if (!a.quiet && kept > 0) PrintNote("{} are there already\n", campaign::Counted(kept, "flight"));
+  const campaign::TuneResult& result = searched.result =
+      campaign::Tune(tune, std::ref(flights), [&](const campaign::TuneResult& r) {
+        if (!a.quiet && FlightsUntil(r) > kept) ShowRound(tune, r);  // what is only read again is no news
+      });
+  WriteFile(folder / "gains.yaml", campaign::GainsFile(tune, result, CommandText(a, overrides), Version()));
+  WriteFile(folder / "tuning.json", campaign::TuneJson(tune, result, Version()));
   searched.runs = flights.Rows(result.tuned.flights - static_cast<std::int64_t>(result.tuned.costs.size()),
                                result.tuned.flights);
   return searched;
@@ -82,7 +85,7 @@ void RequireAllMethods(const TuneArguments& a) {
     std::vector<std::string> overrides = a.overrides;
     overrides.push_back("method=" + method);
     try {
-      LoadTune(NamedFile("tuning", a.file), overrides);
+      campaign::LoadTune(campaign::NamedFile("tuning", a.file), overrides);
     } catch (const InputError& e) {
       for (const std::string& each : e.messages) mistakes.push_back(fmt::format("{} ({})", each, method));
     }
@@ -93,7 +96,7 @@ void RequireAllMethods(const TuneArguments& a) {
 std::string AgainText(const TuneArguments& a) {
   std::string text = "./" + CommandText(a, a.overrides);
   if (a.compare > 0) text += fmt::format(" --compare {}", a.compare);
-  if (!a.out.empty()) text += " --out " + ShellWord(a.out);
+  if (!a.out.empty()) text += " --out " + campaign::ShellWord(a.out);
   return text;
 }
 
@@ -143,36 +146,38 @@ CLI::App* AddTuneCommand(CLI::App& app, TuneArguments& a) {
 
 bool TuneCommand(const TuneArguments& a) {
   EndOnInterrupt();
-  const LoadedTune tune = LoadTune(NamedFile("tuning", a.file), a.overrides);
+  const campaign::LoadedTune tune = campaign::LoadTune(campaign::NamedFile("tuning", a.file), a.overrides);
   const fs::path folder =
       a.out.empty() ? fs::path("results/tunings") / tune.plan.flights.name : fs::path(a.out);
   Mistakes mistakes;
   CheckWritableFolder(folder, "--out", mistakes);
-  RefuseReportOf("campaign", ResultFile(folder), mistakes);
+  RefuseReportOf("campaign", campaign::ResultFile(folder), mistakes);
   mistakes.ThrowIfAny();
   if (a.compare > 0) RequireAllMethods(a);
   OnEndSignals([](int) { stopped = true; });
-  KnownFlights known;
-  std::vector<Searched> searches;
+  campaign::SharedFlights known;
+  std::vector<campaign::Searched> searches;
   if (a.compare == 0) searches.push_back(SearchIn(a, folder, {}, known));
   for (const char* method : kMethods) {
     for (int repetition = 0; repetition < a.compare; ++repetition) {
       const std::uint64_t seed = tune.plan.flights.seed + static_cast<std::uint64_t>(repetition);
       const std::string name = fmt::format("{}-{}", method, seed);
-      if (!a.quiet) Aside("{}\n", name);
+      if (!a.quiet) PrintNote("{}\n", name);
       searches.push_back(SearchIn(a, folder / name,
                                   {fmt::format("method={}", method), fmt::format("seed={}", seed)}, known));
     }
   }
   EndOnNextSignal();
   const fs::path gains = a.compare == 0 ? folder : folder / fmt::format("cma_es-{}", tune.plan.flights.seed);
-  WriteFile(folder / "report.html", HtmlReport(TuneSubject(searches, gains, AgainText(a)), folder));
-  const TuneResult& first = searches.front().result;
+  WriteFile(folder / "report.html",
+            campaign::HtmlReport(campaign::TuneSubject(searches, gains, AgainText(a)), folder));
+  const campaign::TuneResult& first = searches.front().result;
   if (!a.quiet) {
-    fmt::print("{}  {}\n  {}\n", a.compare == 0 ? TuneText(tune, first) : ComparisonText(searches),
+    fmt::print("{}  {}\n  {}\n",
+               a.compare == 0 ? campaign::TuneText(tune, first) : campaign::ComparisonText(searches),
                (gains / "gains.yaml").string(), (folder / "report.html").string());
   }
   return first.Better();
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::app

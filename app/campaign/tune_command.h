@@ -10,7 +10,7 @@ namespace CLI {
 class App;
 }
 
-namespace kestrel {
+namespace kestrel::app {
 
 // `kestrel tune`: looks for the gains of least cost.
 struct TuneArguments {
@@ -19,7 +19,7 @@ struct TuneArguments {
   int compare = 0;  // searches by each method, side by side; 0: one, by the file's
   int jobs = 0;     // 0: one for each core
   bool quiet = false;
-  std::vector<std::string> worker = WorkerCommand();
+  std::vector<std::string> worker = campaign::WorkerCommand();
 };
 
 CLI::App* AddTuneCommand(CLI::App& app, TuneArguments& arguments);
@@ -30,4 +30,4 @@ CLI::App* AddTuneCommand(CLI::App& app, TuneArguments& arguments);
 // every mistake, also if the folder holds another tuning; std::runtime_error if it was interrupted.
 bool TuneCommand(const TuneArguments& arguments);
 
-}  // namespace kestrel
+}  // namespace kestrel::app

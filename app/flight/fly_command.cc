@@ -26,7 +26,7 @@
 #include "records/telemetry/flight_mode.h"
 #include "vision/capture/camera_address.h"
 
-namespace kestrel {
+namespace kestrel::app {
 namespace {
 
 std::atomic<bool> interrupted = false;
@@ -43,20 +43,20 @@ void AddAll(const InputError& error, const std::string& text, const std::string&
 
 // The camera of an address, of the size of the calibration, the flight's colour and, of files, its rate where
 // the address says none of them. plan: null where it is a mistake itself; then the address is only checked.
-CameraAddress CameraAt(const FlyArguments& a, const LoadedPlan* plan, Mistakes& mistakes) {
+vision::CameraAddress CameraAt(const FlyArguments& a, const flight::LoadedPlan* plan, Mistakes& mistakes) {
   std::string address = a.camera;
   const auto add = [&](std::string_view key, const std::string& value) {
     if (address.find(fmt::format("{}=", key)) == std::string::npos)
       address += fmt::format("{}{}={}", address.find('?') == std::string::npos ? "?" : "&", key, value);
   };
   if (!address.starts_with("gst:") && !address.starts_with("file:")) {
-    add("width", fmt::format("{}", plan ? WidthPx(plan->parts.camera) : 640));
-    add("height", fmt::format("{}", plan ? HeightPx(plan->parts.camera) : 480));
+    add("width", fmt::format("{}", plan ? vision::WidthPx(plan->parts.camera) : 640));
+    add("height", fmt::format("{}", plan ? vision::HeightPx(plan->parts.camera) : 480));
   }
   if (!address.starts_with("gst:")) add("colour", plan && plan->plan.image.colour ? "true" : "false");
   if (address.starts_with("file:")) add("rate", fmt::format("{}", plan ? plan->plan.image.rate_hz : 20));
   try {
-    return ParseCameraAddress(address);
+    return vision::ParseCameraAddress(address);
   } catch (const InputError& e) {
     AddAll(e, address, a.camera, mistakes);
     return {};
@@ -72,7 +72,7 @@ void Print(std::FILE* file, const std::string& text) {
   std::fflush(file);
 }
 
-std::string Text(const CheckItem& item) {
+std::string Text(const flight::CheckItem& item) {
   return fmt::format("{:<4} {:<26} {}", item.ok ? "ok" : "NOT", item.name, item.found);
 }
 
@@ -116,10 +116,11 @@ class Progress {
   ~Progress() {
     if (shown_) ClearLine();
   }
-  void Show(const VehicleState& state, const Decision& decision, const SafetyChange& safety) {
+  void Show(const control::VehicleState& state, const mission::Decision& decision,
+            const control::SafetyChange& safety) {
     const double now_s = MonotonicNow_s();
-    const std::string what =
-        fmt::format("{:<10} {:<8} safety: {}", decision.phase, decision.target, NameOf(safety.reaction));
+    const std::string what = fmt::format("{:<10} {:<8} safety: {}", decision.phase, decision.target,
+                                         control::NameOf(safety.reaction));
     if (terminal_ ? now_s - last_s_ < 0.1 : what == what_) return;
     if (terminal_) ClearLine();
     Print(stderr, fmt::format("{}  {:6.1f} s  {}  height {:5.2f} m{}", mode_, now_s - begun_s_, what,
@@ -136,7 +137,8 @@ class Progress {
   std::string what_;
 };
 
-void Report(const FlyReport& r, const FlyArguments& a, const std::string& mode, const std::string& folder) {
+void Report(const flight::FlyReport& r, const FlyArguments& a, const std::string& mode,
+            const std::string& folder) {
   std::string text = fmt::format("{}  {}{}\n", mode, r.outcome, r.error.empty() ? "" : ": " + r.error);
   if (!r.lag.empty()) text += fmt::format("  {}: lower them, or ask the autopilot for less shaping\n", r.lag);
   if (!r.release.empty()) text += fmt::format("  at the end: {}\n", r.release);
@@ -155,10 +157,11 @@ void Report(const FlyReport& r, const FlyArguments& a, const std::string& mode, 
 }
 
 // Of a flight that ends before it begins: its folder says why.
-void ReportNotFlown(const LoadedPlan& plan, const FlyOptions& options, const std::string& why) {
-  std::string text = fmt::format("{}  not flown: {}\n", LiveMode(false, options.dry_run), why);
+void ReportNotFlown(const flight::LoadedPlan& plan, const flight::FlyOptions& options,
+                    const std::string& why) {
+  std::string text = fmt::format("{}  not flown: {}\n", records::LiveMode(false, options.dry_run), why);
   try {
-    RecordNotFlown(plan, options, why);
+    flight::RecordNotFlown(plan, options, why);
     text += fmt::format("  {}\n", options.folder->string());
   } catch (const std::exception& e) {
     text += fmt::format("  without record: {}\n", e.what());
@@ -175,7 +178,7 @@ CLI::App* AddFlyCommand(CLI::App& app, FlyArguments& a) {
       ->add_option("scenario", a.scenario,
                    "A scenario's name or file; what it says of its world is passed over")
       ->required();
-  command->add_option("--camera", a.camera, "\n" + CameraAddressForms())->required();
+  command->add_option("--camera", a.camera, "\n" + vision::CameraAddressForms())->required();
   command
       ->add_option("--autopilot", a.autopilot,
                    "mavlink:udp://HOST:PORT, mavlink:udpin://HOST:PORT, afcs:udp://HOST:PORT, "
@@ -211,85 +214,85 @@ CLI::App* AddFlyCommand(CLI::App& app, FlyArguments& a) {
 
 bool FlyCommand(const FlyArguments& a) {
   Mistakes mistakes;
-  std::optional<LoadedPlan> loaded;
+  std::optional<flight::LoadedPlan> loaded;
   try {
-    loaded = LoadPlan(a.scenario, a.overrides);
+    loaded = flight::LoadPlan(a.scenario, a.overrides);
   } catch (const InputError& e) {
     AddAll(e, "", "", mistakes);
   }
-  if (loaded) CheckDeclared(*MakeMission(loaded->parts), loaded->plan.mission, mistakes);
-  Aircraft aircraft = LoadAircraft(a.aircraft, a.aircraft_overrides, mistakes);
+  if (loaded)
+    flight::CheckDeclared(*loaded->plan.flight->Make(loaded->parts), loaded->plan.mission, mistakes);
+  flight::Aircraft aircraft = flight::LoadAircraft(a.aircraft, a.aircraft_overrides, mistakes);
   if (a.dry_run) aircraft.mavlink.stand_by = false;  // which sends setpoints
   aircraft.mavlink.take_control |= a.take_control;
   aircraft.mavlink.arm |= a.arm;
   aircraft.pilot_untold |= a.pilot_untold;
-  const CameraAddress address = CameraAt(a, loaded ? &*loaded : nullptr, mistakes);
-  const std::unique_ptr<AutopilotLink> link = MakeLink(a.autopilot, aircraft, mistakes);
+  const vision::CameraAddress address = CameraAt(a, loaded ? &*loaded : nullptr, mistakes);
+  const std::unique_ptr<control::AutopilotLink> link = flight::MakeLink(a.autopilot, aircraft, mistakes);
   CheckFor(a, mistakes);
   if (a.dry_run && (a.take_control || a.arm))
     mistakes.Add(a.arm ? "--arm" : "--take-control", "",
                  "commands the aircraft, which --dry-run does not; valid: one of them");
-  FlyOptions options;
+  flight::FlyOptions options;
   options.folder =
       !a.out.empty() ? a.out
                      : fmt::format("results/runs/{}-flown-{:%Y%m%d-%H%M%S}",
                                    loaded ? loaded->plan.name : "flight", fmt::localtime(std::time(nullptr)));
   CheckWritableFolder(*options.folder, "--out", mistakes);
   mistakes.ThrowIfAny();
-  const LoadedPlan& plan = *loaded;
+  const flight::LoadedPlan& plan = *loaded;
   const WriterLock lock = LockFolder(*options.folder);
 
   CatchSignals();
-  Print(stdout, fmt::format("{}  {} by {}, camera {}\n", LiveMode(false, a.dry_run), plan.plan.name,
+  Print(stdout, fmt::format("{}  {} by {}, camera {}\n", records::LiveMode(false, a.dry_run), plan.plan.name,
                             a.autopilot, a.camera));
   options.limits = aircraft.safety;
   options.pilot_untold = aircraft.pilot_untold;
   options.dry_run = a.dry_run;
   options.video = !a.no_video;
   options.images = a.images;
-  options.most_s = a.for_s.value_or(plan.plan.duration_s);
+  options.max_s = a.for_s.value_or(plan.plan.duration_s);
   options.interrupted = &interrupted;
   options.aircraft = ToYaml(aircraft);
-  options.flown_with = FlownWith(a, options.most_s);
+  options.flown_with = FlownWith(a, options.max_s);
 
-  std::optional<LiveCamera> camera;
-  camera.emplace(SourceAt(address), aircraft.camera);
-  PreFlightOptions check;
+  std::optional<vision::LiveCamera> camera;
+  camera.emplace(vision::SourceAt(address), aircraft.camera);
+  flight::PreFlightOptions check;
   check.pilot_untold = aircraft.pilot_untold;
   check.interrupted = &interrupted;
   check.tell = [&](const std::string& trouble) {
     Print(stderr, fmt::format("camera: {}; tried again for {:g} s\n", trouble, check.connect_s));
   };
-  const std::vector<CheckItem> items = PreFlight(plan, *camera, *link, check);
+  const std::vector<flight::CheckItem> items = flight::PreFlight(plan, *camera, *link, check);
   if (interrupted) {
     ReportNotFlown(plan, options, "interrupted during the check list");
     return false;
   }
   std::string list = "check list\n";
-  for (const CheckItem& item : items) {
+  for (const flight::CheckItem& item : items) {
     list += fmt::format("  {}\n", Text(item));
     options.flown_with.emplace_back("check", Text(item));
   }
   Print(stdout, list);
-  options.checked = AllOk(items);
+  options.checked = flight::AllOk(items);
   if (!options.checked && !a.dry_run) {
     ReportNotFlown(plan, options, "the check list is not met");
     return false;
   }
   // What was recorded is flown by from its first image.
-  if (a.camera.starts_with("file:")) camera.emplace(SourceAt(address), aircraft.camera);
+  if (a.camera.starts_with("file:")) camera.emplace(vision::SourceAt(address), aircraft.camera);
 
-  const std::string mode = LiveMode(link->Health().simulated, a.dry_run);
-  FlyReport report;
+  const std::string mode = records::LiveMode(link->Health().simulated, a.dry_run);
+  flight::FlyReport report;
   {
     Progress progress(mode);
-    options.progress = [&](const VehicleState& state, const Decision& decision, const SafetyChange& safety) {
-      progress.Show(state, decision, safety);
-    };
-    report = FlyAircraft(plan, *camera, *link, options);
+    options.progress = [&](const control::VehicleState& state, const mission::Decision& decision,
+                           const control::SafetyChange& safety) { progress.Show(state, decision, safety); };
+    report = flight::FlyAircraft(plan, *camera, *link, options);
   }
   Report(report, a, mode, options.folder->string());
   return report.accomplished;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::app

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace kestrel {
+namespace kestrel::app {
 
 struct FlyArguments {
   std::string scenario, camera, autopilot, aircraft, out;
@@ -22,4 +22,4 @@ CLI::App* AddFlyCommand(CLI::App& app, FlyArguments& arguments);
 // mistake, before anything is opened.
 bool FlyCommand(const FlyArguments& arguments);
 
-}  // namespace kestrel
+}  // namespace kestrel::app

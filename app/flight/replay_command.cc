@@ -19,7 +19,7 @@
 #include "records/video/drawn_view.h"
 #include "records/video/video.h"
 
-namespace kestrel {
+namespace kestrel::app {
 namespace {
 
 // How one quantity differs over a flight.
@@ -44,23 +44,31 @@ double By(const std::optional<double>& a, const std::optional<double>& b) {
 
 class Comparison {
  public:
-  explicit Comparison(double tolerance) : tolerance_(tolerance) {}
+  // Of the numbers of a recording, those that the mission has.
+  Comparison(double tolerance, const std::vector<std::string>& then, const std::vector<std::string>& now)
+      : tolerance_(tolerance) {
+    for (std::size_t i = 0; i < then.size(); ++i) {
+      const auto found = std::find(now.begin(), now.end(), then[i]);
+      if (found != now.end()) pairs_.push_back({then[i], i, static_cast<std::size_t>(found - now.begin())});
+    }
+  }
 
-  void Compare(std::size_t frame, const RecordedDecision& then, const RecordedDecision& now) {
+  void Compare(std::size_t frame, const records::RecordedDecision& then,
+               const records::RecordedDecision& now) {
     const auto text = [&](const char* name, const std::string& a, const std::string& b) {
       if (a != b) differences_[name].Note(frame, kOther);
     };
     text("phase", then.phase, now.phase);
     text("target", then.target, now.target);
     text("outcome", then.outcome, now.outcome);
-    for (std::size_t i = 0; i < then.numbers.size(); ++i) {
-      const double by = By(then.numbers[i], now.numbers[i]);
-      if (by > tolerance_) differences_[RecordedNumbers()[i]].Note(frame, by);
+    for (const Pair& each : pairs_) {
+      const double by = By(then.numbers[each.then], now.numbers[each.now]);
+      if (by > tolerance_) differences_[each.name].Note(frame, by);
     }
   }
 
   bool same() const { return differences_.empty(); }
-  void Print(const std::vector<RecordedFrame>& frames) const {
+  void Print(const std::vector<records::RecordedFrame>& frames) const {
     fmt::print("| {:<24} | {:>6} | {:>12} | {:>12} | {:>12} |\n", "differs", "frames", "first frame", "at",
                "by at most");
     for (const auto& [name, d] : differences_)
@@ -70,15 +78,21 @@ class Comparison {
   }
 
  private:
+  struct Pair {
+    std::string name;
+    std::size_t then, now;  // where each has it
+  };
+
   double tolerance_;
+  std::vector<Pair> pairs_;
   std::map<std::string, Difference> differences_;
 };
 
-void RequireSizeOf(const CameraModel& camera, const Frame& frame, const std::string& folder) {
-  if (frame.image.cols == WidthPx(camera) && frame.image.rows == HeightPx(camera)) return;
+void RequireSizeOf(const vision::CameraModel& camera, const vision::Frame& frame, const std::string& folder) {
+  if (frame.image.cols == vision::WidthPx(camera) && frame.image.rows == vision::HeightPx(camera)) return;
   throw InputError(
       {fmt::format("{}: its image {} has {} x {} pixels; valid: the camera's {} x {}", folder, frame.sequence,
-                   frame.image.cols, frame.image.rows, WidthPx(camera), HeightPx(camera))});
+                   frame.image.cols, frame.image.rows, vision::WidthPx(camera), vision::HeightPx(camera))});
 }
 
 }  // namespace
@@ -110,9 +124,9 @@ bool ReplayCommand(const ReplayArguments& a) {
   if (!(a.tolerance >= 0 && std::isfinite(a.tolerance)))
     mistakes.Add("--tolerance", "", fmt::format("{:g} is no tolerance; valid: 0 or more", a.tolerance));
   mistakes.ThrowIfAny();
-  const LoadedPlan loaded = LoadPlan((folder / "scenario.yaml").string(), a.overrides);
-  const Recording recording(folder);
-  const std::vector<RecordedFrame>& frames = recording.frames();
+  const flight::LoadedPlan loaded = flight::LoadPlan((folder / "scenario.yaml").string(), a.overrides);
+  const records::Recording recording(folder);
+  const std::vector<records::RecordedFrame>& frames = recording.frames();
   const std::vector<std::filesystem::path> damaged = recording.Damaged();
   if (!damaged.empty())
     mistakes.Add("replay", "",
@@ -120,19 +134,20 @@ bool ReplayCommand(const ReplayArguments& a) {
                              frames.size(), damaged.front().string()));
   mistakes.ThrowIfAny();
 
-  const std::unique_ptr<Mission> mission = MakeMission(loaded.parts);
-  std::optional<Video> video;
+  const std::unique_ptr<mission::Mission> mission = loaded.plan.flight->Make(loaded.parts);
+  std::optional<records::Video> video;
   if (!a.video.empty()) video.emplace(a.video, loaded.plan.image.rate_hz);
-  Comparison comparison(a.tolerance);
+  const mission::MissionType& type = loaded.plan.flight.type();
+  Comparison comparison(a.tolerance, recording.numbers(), records::RecordedNumbers(type));
   const bool terminal = isatty(STDERR_FILENO) && !a.quiet;
   const auto begun = std::chrono::steady_clock::now();
   for (std::size_t i = 0; i < frames.size(); ++i) {
-    const Frame frame = recording.At(i);
+    const vision::Frame frame = recording.At(i);
     RequireSizeOf(loaded.parts.camera, frame, a.folder);
-    const Decision decision = mission->Step(frame, frames[i].state);
-    comparison.Compare(i, frames[i].decision, Recorded(decision));
+    const mission::Decision decision = mission->Step(frame, frames[i].state);
+    comparison.Compare(i, frames[i].decision, records::Recorded(decision, type));
     if (video) {
-      video->Write(DrawnView(frame, *mission, "RECORDING"));
+      video->Write(records::DrawnView(frame, *mission, "RECORDING"));
     }
     if (terminal && i % 20 == 0) fmt::print(stderr, "\r\033[K{} of {} frames", i, frames.size());
   }
@@ -150,4 +165,4 @@ bool ReplayCommand(const ReplayArguments& a) {
   return comparison.same();
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::app

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace kestrel {
+namespace kestrel::app {
 
 struct ReplayArguments {
   std::string folder, video;
@@ -20,4 +20,4 @@ CLI::App* AddReplayCommand(CLI::App& app, ReplayArguments& arguments);
 // asked for now differs from what it was then. True: nowhere by more than the tolerance.
 bool ReplayCommand(const ReplayArguments& arguments);
 
-}  // namespace kestrel
+}  // namespace kestrel::app

@@ -4,7 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <optional>
 
-namespace kestrel {
+namespace kestrel::app {
 
 // --bits of a command that reads images: for PixelDepth.
 inline void AddBitsOption(CLI::App& command, std::optional<int>& bits) {
@@ -15,4 +15,4 @@ inline void AddBitsOption(CLI::App& command, std::optional<int>& bits) {
       ->check(CLI::Range(8, 16));
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::app

@@ -11,10 +11,10 @@
 #include <vector>
 
 #include "base/printable.h"
-#include "base/process/aside.h"
+#include "base/process/print_note.h"
 #include "base/yaml/yaml_fields.h"
 
-namespace kestrel {
+namespace kestrel::app {
 namespace {
 
 constexpr int kMet = 0, kBadInput = 2;
@@ -71,7 +71,7 @@ int Refuse(const CLI::App& app, const CLI::ParseError& error) {
   if (text.empty() && !VerbsOf(*verb).empty() && verb->get_require_subcommand_min() > 0)
     text = fmt::format("{}: a verb is missing; valid: {}\n", PathOf(*verb), fmt::join(VerbsOf(*verb), ", "));
   if (text.empty()) text = fmt::format("{}: {}\n", PathOf(*verb), error.what());
-  Aside("{}`{} --help` tells more\n", Printable(text), PathOf(*verb));
+  PrintNote("{}`{} --help` tells more\n", Printable(text), PathOf(*verb));
   return kBadInput;
 }
 
@@ -83,8 +83,8 @@ std::optional<int> ParseCommandLine(CLI::App& app, int argc, const char* const* 
   // program, a terminal.
   if (const auto word = std::find_if(words.begin(), words.end(), HasControl); word != words.end()) {
     const bool of_option = word != words.begin() && word[-1].starts_with("--");
-    Aside("{}: '{}' holds a control character; valid: words without\n",
-          of_option ? Printable(word[-1]) : "kestrel", Printable(*word));
+    PrintNote("{}: '{}' holds a control character; valid: words without\n",
+              of_option ? Printable(word[-1]) : "kestrel", Printable(*word));
     return kBadInput;
   }
   if (!words.empty() && words.front() == "version") words = {"--version"};
@@ -104,4 +104,4 @@ std::optional<int> ParseCommandLine(CLI::App& app, int argc, const char* const* 
   return std::nullopt;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::app

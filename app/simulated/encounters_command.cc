@@ -26,9 +26,10 @@
 #include "flight/simulated/scenario.h"
 #include "records/figures.h"
 #include "records/plot/gnuplot.h"
+#include "scenarios/avoid/avoid.h"
 #include "sim/machine.h"
 
-namespace kestrel {
+namespace kestrel::app {
 namespace {
 
 namespace fs = std::filesystem;
@@ -87,10 +88,11 @@ std::map<std::pair<bool, std::uint64_t>, Outcome> ReadOutcomes(const fs::path& f
   return outcomes;
 }
 
-std::map<std::string, double> Fly(const LoadedScenario& base, const EncounterPlan& plan, std::uint64_t seed,
-                                  bool avoids, double after_s, const RunOptions& options = {}) {
-  LoadedScenario loaded = base;
-  AvoidFlight& flight = std::get<AvoidFlight>(loaded.scenario.flight);
+std::map<std::string, double> Fly(const flight::LoadedScenario& base, const flight::EncounterPlan& plan,
+                                  std::uint64_t seed, bool avoids, double after_s,
+                                  const flight::RunOptions& options = {}) {
+  flight::LoadedScenario loaded = base;
+  scenarios::AvoidFlight& flight = *loaded.scenario.flight.As<scenarios::AvoidFlight>();
   flight.avoids = avoids;
   flight.speed_m_s = plan.own_speed_m_s;
   flight.course_m = plan.own_speed_m_s * (plan.meets_s + kCourseAfter_s);
@@ -100,19 +102,20 @@ std::map<std::string, double> Fly(const LoadedScenario& base, const EncounterPla
   loaded.simulator.start.scatter_m = loaded.simulator.start.yaw_deg = loaded.simulator.start.yaw_scatter_deg =
       0;
   loaded.simulator.duration_s = plan.meets_s + after_s;
-  const FlightResult result = RunFlight(loaded, options);
+  const flight::FlightResult result = flight::RunFlight(loaded, options);
   if (!result.summary.complete)
     throw std::runtime_error(fmt::format("encounter {}: {}", seed, result.summary.error));
   return result.summary.metrics;
 }
 
-Outcome Meet(const LoadedScenario& base, bool harmless, std::uint64_t seed, const RunOptions& options) {
-  EncounterLimits limits = harmless ? kHarmless : kNear;
-  limits.radius_m = std::get<AvoidFlight>(base.scenario.flight).avoidance.safe_m / 2;
-  const EncounterPlan plan =
-      DrawEncounter(seed, limits, base.simulator.start.height_m,
-                    base.simulator.autopilot.acceleration_limit_m_s2, base.simulator.targets);
-  Outcome o{harmless, seed, NameOf(plan.kind), plan.own_speed_m_s, plan.miss_m};
+Outcome Meet(const flight::LoadedScenario& base, bool harmless, std::uint64_t seed,
+             const flight::RunOptions& options) {
+  flight::EncounterLimits limits = harmless ? flight::kHarmless : flight::kNear;
+  limits.radius_m = base.scenario.flight.As<scenarios::AvoidFlight>()->avoidance.safe_m / 2;
+  const flight::EncounterPlan plan =
+      flight::DrawEncounter(seed, limits, base.simulator.start.height_m,
+                            base.simulator.autopilot.acceleration_limit_m_s2, base.simulator.targets);
+  Outcome o{harmless, seed, flight::NameOf(plan.kind), plan.own_speed_m_s, plan.miss_m};
   if (!harmless) {
     const auto without = Fly(base, plan, seed, false, kAfterTwin_s);
     o.closest_without_m = without.at("closest_m"), o.closest_without_s = without.at("closest_s");
@@ -159,10 +162,10 @@ void Draw(const fs::path& file, const std::vector<double>& without, const std::v
       "with "
       "steps lw 2 lc rgb '#0060c0' title 'with avoidance'\n",
       with.size(), radius_m, radius_m, radius_m);
-  DrawPng(file, 900, 600, script);
+  records::DrawPng(file, 900, 600, script);
 }
 
-std::vector<Figure> TableOf(const std::vector<Outcome>& outcomes, double radius_m) {
+std::vector<records::Figure> TableOf(const std::vector<Outcome>& outcomes, double radius_m) {
   std::vector<double> with, without, lead, excess;
   std::map<std::string, std::array<int, 3>> kinds;  // encounters, under R without, with
   int harmless = 0, needless = 0;
@@ -178,7 +181,7 @@ std::vector<Figure> TableOf(const std::vector<Outcome>& outcomes, double radius_
       ++n, hit_without += o.closest_without_m < radius_m, hit_with += o.closest_m < radius_m;
     }
   }
-  std::vector<Figure> table;
+  std::vector<records::Figure> table;
   const auto add = [&](const std::string& name, double value, const char* unit,
                        std::optional<double> target = {}) {
     table.push_back({name, value, unit, target, false, ""});
@@ -213,10 +216,10 @@ std::vector<Figure> TableOf(const std::vector<Outcome>& outcomes, double radius_
   return table;
 }
 
-LoadedScenario Load(const EncountersArguments& a, std::string& settings) {
-  LoadedScenario base = LoadScenario(a.scenario, a.overrides);
+flight::LoadedScenario Load(const EncountersArguments& a, std::string& settings) {
+  flight::LoadedScenario base = flight::LoadScenario(a.scenario, a.overrides);
   Mistakes mistakes;
-  const auto* flight = std::get_if<AvoidFlight>(&base.scenario.flight);
+  const auto* flight = base.scenario.flight.As<scenarios::AvoidFlight>();
   if (!flight) {
     mistakes.Add(
         a.scenario, "mission",
@@ -233,7 +236,7 @@ LoadedScenario Load(const EncountersArguments& a, std::string& settings) {
   CheckWritableFile(a.json, "--json", mistakes);
   // All that the flights depend on, and not the file's name, whose content may change.
   settings = fmt::format("# {}\n", Version());
-  for (const auto& [name, value] : ThisMachine()) settings += fmt::format("# {} {}\n", name, value);
+  for (const auto& [name, value] : sim::ThisMachine()) settings += fmt::format("# {} {}\n", name, value);
   settings += ToYaml(base.scenario);
   const fs::path file = fs::path(a.out) / "settings.txt";
   if (IsFile(file) && ReadFile(file) != settings)
@@ -283,7 +286,7 @@ CLI::App* AddEncountersCommand(CLI::App& app, EncountersArguments& a) {
 
 bool EncountersCommand(const EncountersArguments& a) {
   std::string settings;
-  const LoadedScenario base = Load(a, settings);
+  const flight::LoadedScenario base = Load(a, settings);
   const fs::path folder = a.out, file = folder / "encounters.csv";
   const WriterLock alone = LockFolder(folder);
   WriteFile(folder / "settings.txt", settings);
@@ -308,7 +311,7 @@ bool EncountersCommand(const EncountersArguments& a) {
   std::ofstream rows(file, std::ios::app | std::ios::binary);
   InParallel(missing.size(), a.jobs, "encounters", "flown", [&](std::size_t i) {
     const auto& [harmless, seed] = missing[i];
-    RunOptions options;
+    flight::RunOptions options;
     if (a.record) options.folder = folder / fmt::format("{}", seed);
     const Outcome outcome = Meet(base, harmless, seed, options);
     const std::lock_guard lock(mutex);
@@ -326,17 +329,17 @@ bool EncountersCommand(const EncountersArguments& a) {
     if (key.first) continue;
     without.push_back(asked.back().closest_without_m), with.push_back(asked.back().closest_m);
   }
-  const double radius_m = std::get<AvoidFlight>(base.scenario.flight).avoidance.safe_m / 2;
-  const std::vector<Figure> table = TableOf(asked, radius_m);
-  PrintFigures(table);
-  if (!a.json.empty()) WriteFigures(a.json, table);
+  const double radius_m = base.scenario.flight.As<scenarios::AvoidFlight>()->avoidance.safe_m / 2;
+  const std::vector<records::Figure> table = TableOf(asked, radius_m);
+  records::PrintFigures(table);
+  if (!a.json.empty()) records::WriteFigures(a.json, table);
   if (!with.empty()) {
     if (std::none_of(without.begin(), without.end(), [&](double m) { return m < radius_m; }))
       fmt::print("None came nearer than R without avoidance: there is no risk ratio.\n");
     Draw(folder / "encounters.png", without, with, radius_m);
   }
   fmt::print("Each encounter{}: {}\n", with.empty() ? "" : " and the picture", folder.string());
-  return AllMet(table);
+  return records::AllMet(table);
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::app

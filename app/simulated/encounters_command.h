@@ -9,7 +9,7 @@ namespace CLI {
 class App;
 }
 
-namespace kestrel {
+namespace kestrel::app {
 
 // `kestrel encounters`: random meetings in the air, each flown twice from the same seed, with avoidance and
 // without; and harmless ones, in which nothing should be done.
@@ -30,4 +30,4 @@ CLI::App* AddEncountersCommand(CLI::App& app, EncountersArguments& arguments);
 // if the folder holds encounters of other settings.
 bool EncountersCommand(const EncountersArguments& arguments);
 
-}  // namespace kestrel
+}  // namespace kestrel::app

@@ -22,7 +22,7 @@
 #include "vision/image_file.h"
 #include "vision/write_image.h"
 
-namespace kestrel {
+namespace kestrel::app {
 namespace {
 
 namespace fs = std::filesystem;
@@ -31,25 +31,25 @@ constexpr const char* kHeader =
     "frame,t_s,roll_deg,pitch_deg,roll_sigma_deg,pitch_sigma_deg,dip_deg,skyline_seen,turned_deg,"
     "turned_sigma_deg,reason\n";
 
-std::string Row(int frame, double t_s, const HorizonAttitude::Measurement& m) {
+std::string Row(int frame, double t_s, const vision::HorizonAttitude::Measurement& m) {
   std::string row = fmt::format("{},{:.4f},", frame, t_s);
-  const auto* fix = std::get_if<SkylineFix>(&m.skyline);
-  if (!fix) return row + fmt::format(",,,,,,,,{}\n", NameOf(std::get<NoSkyline>(m.skyline)));
+  const auto* fix = std::get_if<vision::SkylineFix>(&m.skyline);
+  if (!fix) return row + fmt::format(",,,,,,,,{}\n", vision::NameOf(std::get<vision::NoSkyline>(m.skyline)));
   row += fmt::format("{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},", Degrees(m.attitude->roll),
                      Degrees(m.attitude->pitch), Degrees(std::sqrt(m.attitude->covariance(0, 0))),
                      Degrees(std::sqrt(m.attitude->covariance(1, 1))), Degrees(fix->dip), fix->circle_seen);
-  if (const auto* heading = std::get_if<CompassHeading>(&m.compass))
+  if (const auto* heading = std::get_if<vision::CompassHeading>(&m.compass))
     return row +
            fmt::format("{:.3f},{:.3f},\n", Degrees(heading->turned), Degrees(std::sqrt(heading->variance)));
-  return row + fmt::format(",,{}\n", NameOf(std::get<NoHeading>(m.compass)));
+  return row + fmt::format(",,{}\n", vision::NameOf(std::get<vision::NoHeading>(m.compass)));
 }
 
-void Tell(const HorizonAttitude::Measurement& m) {
+void Tell(const vision::HorizonAttitude::Measurement& m) {
   if (!m.attitude) {
-    fmt::print("no attitude: {}\n", NameOf(std::get<NoSkyline>(m.skyline)));
+    fmt::print("no attitude: {}\n", vision::NameOf(std::get<vision::NoSkyline>(m.skyline)));
     return;
   }
-  const SkylineFix& fix = std::get<SkylineFix>(m.skyline);
+  const vision::SkylineFix& fix = std::get<vision::SkylineFix>(m.skyline);
   fmt::print(
       "roll {:.2f} +- {:.2f} deg, pitch {:.2f} +- {:.2f} deg (one deviation); skyline in {:.0f} % of all "
       "directions, dip {:.2f} deg\n",
@@ -102,11 +102,11 @@ CLI::App* AddHorizonCommand(CLI::App& app, HorizonArguments& a) {
 void HorizonCommand(const HorizonArguments& a) {
   Mistakes mistakes;
   cv::Mat image, mask;
-  std::optional<VideoReader> video;
+  std::optional<records::VideoReader> video;
   std::optional<cv::Size> size;
   std::string note;
-  if (!IsFile(a.input) || LooksLikeImage(a.input)) {
-    image = ReadImage(a.input, ImageColours::kColour, a.bits, mistakes, note);
+  if (!IsFile(a.input) || vision::LooksLikeImage(a.input)) {
+    image = vision::ReadImage(a.input, vision::ImageColours::kColour, a.bits, mistakes, note);
     if (!image.empty()) size = image.size();
   } else {
     try {
@@ -115,12 +115,12 @@ void HorizonCommand(const HorizonArguments& a) {
       mistakes.Add(a.input, "", fmt::format("neither an image nor a video: {}", e.what()));
     }
   }
-  CameraModel camera;
+  vision::CameraModel camera;
   std::string name = a.camera;
   if (const auto file = CameraFile(name, "", "--camera", mistakes))
-    camera = LoadCamera(*file, mistakes, a.camera_name, size);
+    camera = vision::LoadCamera(*file, mistakes, a.camera_name, size);
   if (!a.mask.empty()) {
-    mask = ReadMask(a.mask, "--mask", "", mistakes);
+    mask = vision::ReadMask(a.mask, "--mask", "", mistakes);
     if (!mask.empty() && size && mask.size() != *size)
       mistakes.Add("--mask", "",
                    fmt::format("{} x {} pixels; valid: those of the input, {} x {}", mask.cols, mask.rows,
@@ -141,8 +141,9 @@ void HorizonCommand(const HorizonArguments& a) {
     mistakes.Add("--csv", "", fmt::format("'{}' is that of --out too; valid: another file", a.csv));
   mistakes.ThrowIfAny();
 
-  const Pose X_BC = MountPose({.yaw_deg = a.yaw_deg, .pitch_deg = a.pitch_deg, .roll_deg = a.roll_deg});
-  HorizonAttitude horizon(camera, X_BC.R.toRotationMatrix(), mask, {}, {});
+  const Pose X_BC =
+      vision::MountPose({.yaw_deg = a.yaw_deg, .pitch_deg = a.pitch_deg, .roll_deg = a.roll_deg});
+  vision::HorizonAttitude horizon(camera, X_BC.R.toRotationMatrix(), mask, {}, {});
   std::string csv = kHeader;
   if (!video) {
     const auto m = horizon.Measure(image);
@@ -150,9 +151,9 @@ void HorizonCommand(const HorizonArguments& a) {
     if (!a.quiet) Tell(m);
     if (!a.quiet && !m.attitude) TellOfMount(a);
     csv += Row(0, 0, m);
-    if (!a.out.empty()) WriteImage(a.out, horizon.Draw(image, m));
+    if (!a.out.empty()) vision::WriteImage(a.out, horizon.Draw(image, m));
   } else {
-    std::optional<Video> out;
+    std::optional<records::Video> out;
     if (!a.out.empty()) out.emplace(a.out, video->rate_hz());
     int frames = 0, with = 0;
     for (; const auto frame = video->Next(); ++frames) {
@@ -171,4 +172,4 @@ void HorizonCommand(const HorizonArguments& a) {
   if (!a.csv.empty()) WriteFile(a.csv, csv);
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::app

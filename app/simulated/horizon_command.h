@@ -8,7 +8,7 @@ namespace CLI {
 class App;
 }
 
-namespace kestrel {
+namespace kestrel::app {
 
 // `kestrel horizon`: attitude from the skyline and heading from the visual compass, of any image or video.
 struct HorizonArguments {
@@ -24,4 +24,4 @@ CLI::App* AddHorizonCommand(CLI::App& app, HorizonArguments& arguments);
 // arguments and files, and std::runtime_error if reading or writing fails on the way.
 void HorizonCommand(const HorizonArguments& arguments);
 
-}  // namespace kestrel
+}  // namespace kestrel::app

@@ -13,7 +13,7 @@
 #include "base/process/own_program.h"
 #include "sim/render/ray/instruction_set.h"
 
-namespace kestrel {
+namespace kestrel::app {
 namespace {
 
 constexpr const char* kVariable = "KESTREL_ISA";
@@ -25,16 +25,16 @@ void AddIsaOption(CLI::App* command, std::string& isa) {
       "--isa", isa,
       fmt::format("Instruction set to keep to: {}. Machines that are to come to the same bits "
                   "take the same (default: the best of each)",
-                  fmt::join(InstructionSets(), ", ")));
+                  fmt::join(sim::InstructionSets(), ", ")));
   for (CLI::App* each : command->get_subcommands({})) AddIsaOption(each, isa);
 }
 
 void GoBy(const std::string& isa, char** arguments) {
   const std::string set = isa.empty() ? ChosenInstructionSet() : isa;
   if (set.empty()) return;
-  UseInstructionSet(set);
+  sim::UseInstructionSet(set);
   bool as_wanted = true;
-  for (const auto& [name, value] : EnvironmentOf(set)) {
+  for (const auto& [name, value] : sim::EnvironmentOf(set)) {
     const char* const now = std::getenv(name.c_str());
     if (value == (now ? now : "")) continue;
     as_wanted = false;
@@ -48,7 +48,7 @@ void GoBy(const std::string& isa, char** arguments) {
 }
 
 void GoByTheEnvironment() {
-  if (!ChosenInstructionSet().empty()) UseInstructionSet(ChosenInstructionSet());
+  if (!ChosenInstructionSet().empty()) sim::UseInstructionSet(ChosenInstructionSet());
 }
 
 std::string ChosenInstructionSet() {
@@ -56,4 +56,4 @@ std::string ChosenInstructionSet() {
   return name ? name : "";
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::app

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <string>
 
-namespace kestrel {
+namespace kestrel::app {
 
 // `--isa`: one instruction set for all that a flight is computed by, so that machines with better ones agree
 // with those without. The C library and OpenCV choose as a process begins: it is begun again, with an
@@ -26,4 +26,4 @@ void GoByTheEnvironment();
 // none.
 std::string ChosenInstructionSet();
 
-}  // namespace kestrel
+}  // namespace kestrel::app

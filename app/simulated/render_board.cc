@@ -9,12 +9,12 @@
 
 #include "base/file/files.h"
 #include "flight/simulated/scenario.h"
-#include "sim/camera/board_studio.h"
+#include "sim/camera/board_renderer.h"
 #include "vision/calibration/board_file.h"
 #include "vision/camera/calibration_file.h"
 #include "vision/write_image.h"
 
-namespace kestrel {
+namespace kestrel::app {
 namespace {
 
 namespace fs = std::filesystem;
@@ -56,11 +56,11 @@ CLI::App* AddRenderBoardCommand(CLI::App& app, RenderBoardArguments& a) {
 
 void RenderBoardCommand(const RenderBoardArguments& a) {
   Mistakes mistakes;
-  CameraModel camera;
+  vision::CameraModel camera;
   std::string name = a.camera;
   if (const auto file = CameraFile(name, "", "--camera", mistakes))
-    camera = LoadCamera(*file, mistakes, a.camera_name);
-  const Board board = LoadBoardNamed(a.board, "--board", mistakes);
+    camera = vision::LoadCamera(*file, mistakes, a.camera_name);
+  const vision::Board board = vision::LoadBoardNamed(a.board, "--board", mistakes);
   const fs::path folder = a.out;
   std::error_code error;
   if (fs::exists(folder, error) && !fs::is_empty(folder, error))
@@ -69,35 +69,36 @@ void RenderBoardCommand(const RenderBoardArguments& a) {
     CheckWritableFolder(folder, "--out", mistakes);
   mistakes.ThrowIfAny();
 
-  const std::string kalibr = ToKalibr(camera);  // refuses what it cannot say
+  const std::string kalibr = vision::ToKalibr(camera);  // refuses what it cannot say
   std::vector<Pose> poses;
   try {
-    poses = SpreadPoses(camera, board, a.count, a.seed);
+    poses = sim::SpreadPoses(camera, board, a.count, a.seed);
   } catch (const std::runtime_error& e) {
     throw InputError({fmt::format("--camera, --board: {}", e.what())});
   }
-  BoardStudio studio(board, camera, {.blur_px = a.blur_px, .noise_grey = a.noise_grey, .backend = a.backend});
+  sim::BoardRenderer studio(board, camera,
+                            {.blur_px = a.blur_px, .noise_grey = a.noise_grey, .backend = a.backend});
   fs::create_directories(folder);
   // In a folder of its own, so that all pictures of this one are the camera's.
   fs::create_directories(folder / "to_print");
-  WriteImage(folder / "to_print" / "board.png", DrawBoard(board).grey);
-  WriteFile(folder / "board.yaml", ToKalibr(board));
+  vision::WriteImage(folder / "to_print" / "board.png", vision::DrawBoard(board).grey);
+  WriteFile(folder / "board.yaml", vision::ToKalibr(board));
   std::string truth = fmt::format(
       "# The camera `{}` that drew these images, as Kalibr's camchain, and the poses of the {}\n"
       "# in it: the frame of the board has its origin in the lower left corner, x right, y up, z out of it.\n"
       "# Drawn by the {}: seed {}, blur {:g} px, noise {:g} grey levels.\n{}poses:\n",
-      a.camera, Describe(board), studio.renderer(), a.seed, a.blur_px, a.noise_grey, kalibr);
+      a.camera, vision::Describe(board), studio.renderer(), a.seed, a.blur_px, a.noise_grey, kalibr);
   for (int i = 0; i < a.count; ++i) {
     if (isatty(STDERR_FILENO)) fmt::print(stderr, "\r\033[Kdrawing {} of {}", i + 1, a.count);
     const std::string image = fmt::format("image_{:03}.png", i);
     const Pose& X_CT = poses[static_cast<std::size_t>(i)];
-    WriteImage(folder / image, studio.Photograph(X_CT, a.seed, i));
+    vision::WriteImage(folder / image, studio.Render(X_CT, a.seed, i));
     truth += PoseLine(image, X_CT);
   }
   if (isatty(STDERR_FILENO)) fmt::print(stderr, "\r\033[K");
   WriteFile(folder / "truth.yaml", truth);
-  fmt::print("{} images of {} x {} pixels, {}, drawn by {}\n{}\n", a.count, WidthPx(camera), HeightPx(camera),
-             Describe(board), studio.renderer(), a.out);
+  fmt::print("{} images of {} x {} pixels, {}, drawn by {}\n{}\n", a.count, vision::WidthPx(camera),
+             vision::HeightPx(camera), vision::Describe(board), studio.renderer(), a.out);
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::app

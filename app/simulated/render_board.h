@@ -8,7 +8,7 @@ namespace CLI {
 class App;
 }
 
-namespace kestrel {
+namespace kestrel::app {
 
 // `kestrel render-board`: images of a board as a camera sees it, with the truth about both beside them, to
 // try a calibration on.
@@ -27,4 +27,4 @@ CLI::App* AddRenderBoardCommand(CLI::App& app, RenderBoardArguments& arguments);
 // InputError with every mistake.
 void RenderBoardCommand(const RenderBoardArguments& arguments);
 
-}  // namespace kestrel
+}  // namespace kestrel::app

@@ -33,17 +33,17 @@
 #include "sim/server/physics/ardupilot_physics.h"
 #include "vision/capture/rtp_stream.h"
 
-namespace kestrel {
+namespace kestrel::app {
 namespace {
 
 std::atomic<bool> interrupted = false;
-std::atomic<PhysicsServer*> stopped_physics = nullptr;  // by a signal
+std::atomic<sim::PhysicsServer*> stopped_physics = nullptr;  // by a signal
 
 // What is wrong with it is a mistake among others.
-std::optional<LoadedScenario> Load(const std::string& scenario, const std::vector<std::string>& overrides,
-                                   Mistakes& mistakes) {
+std::optional<flight::LoadedScenario> Load(const std::string& scenario,
+                                           const std::vector<std::string>& overrides, Mistakes& mistakes) {
   try {
-    return LoadScenario(scenario, overrides);
+    return flight::LoadScenario(scenario, overrides);
   } catch (const InputError& e) {
     for (const std::string& message : e.messages) {
       const std::size_t colon = message.find(": ");
@@ -53,7 +53,7 @@ std::optional<LoadedScenario> Load(const std::string& scenario, const std::vecto
   }
 }
 
-void Report(const Summary& s, const std::string& folder) {
+void Report(const records::Summary& s, const std::string& folder) {
   fmt::print("SIMULATOR  {}, seed {}: {}\n", s.scenario, s.seed,
              s.error.empty() ? s.outcome : "broke off: " + s.error);
   const auto value = [&](const char* name) {
@@ -63,7 +63,7 @@ void Report(const Summary& s, const std::string& folder) {
   if (s.metrics.contains("touchdown_s"))
     fmt::print("  touch-down: error {} m, sink {} m/s, tilt {} deg, at {} s\n", value("touchdown_error_m"),
                value("touchdown_sink_m_s"), value("touchdown_tilt_deg"), value("touchdown_s"));
-  for (const Criterion& c : s.criteria)
+  for (const records::Criterion& c : s.criteria)
     fmt::print("  {:<4} {:<26} {:>11}   {} {:g}\n", c.passed ? "ok" : "NOT", c.name,
                std::isnan(c.value) ? "not reached" : fmt::format("{:.4g}", c.value),
                c.at_least ? "at least" : "at most", c.limit);
@@ -77,16 +77,16 @@ void Report(const Summary& s, const std::string& folder) {
 
 // The aircraft's platform for the camera, where there is one, a server turns it and it can be where the
 // scenario mounts the camera.
-std::optional<PanTilt> PlatformOf(const ServeArguments& a, const Scenario& scenario) {
+std::optional<sim::PanTilt> PlatformOf(const flight::ServeArguments& a, const flight::Scenario& scenario) {
   if (!a.afcs || !scenario.platform) return std::nullopt;
-  const auto angles = AnglesOf(scenario.mount, *scenario.platform);
+  const auto angles = sim::AnglesOf(scenario.mount, *scenario.platform);
   if (!angles) return std::nullopt;
-  return PanTilt(*scenario.platform, scenario.mount.position_m, *angles);
+  return sim::PanTilt(*scenario.platform, scenario.mount.position_m, *angles);
 }
 
 }  // namespace
 
-CLI::App* AddServeCommand(CLI::App& app, ServeArguments& a) {
+CLI::App* AddServeCommand(CLI::App& app, flight::ServeArguments& a) {
   CLI::App* serve = app.add_subcommand(
       "serve", "Fly the simulated aircraft in real time for any client, by real wires and a video stream");
   serve->add_option("scenario", a.scenario, "A name that `list` shows, or a YAML file")->required();
@@ -130,48 +130,50 @@ CLI::App* AddServeCommand(CLI::App& app, ServeArguments& a) {
   return serve;
 }
 
-int ServeCommand(const ServeArguments& a) {
+int ServeCommand(const flight::ServeArguments& a) {
   std::vector<std::string> overrides = a.overrides;
-  if (IsSeed(a.seed)) overrides.push_back("seed=" + a.seed);
+  if (flight::IsSeed(a.seed)) overrides.push_back("seed=" + a.seed);
   // Of a flight at an autopilot's pace it is the real time.
-  if (a.for_s && InRange(*a.for_s) && !a.physics) overrides.push_back(fmt::format("duration_s={}", *a.for_s));
+  if (a.for_s && flight::InRange(*a.for_s) && !a.physics)
+    overrides.push_back(fmt::format("duration_s={}", *a.for_s));
   Mistakes mistakes;
-  CheckArguments(a, mistakes);
-  const std::optional<LoadedScenario> read = Load(a.scenario, overrides, mistakes);
+  flight::CheckArguments(a, mistakes);
+  const std::optional<flight::LoadedScenario> read = Load(a.scenario, overrides, mistakes);
   if (!read) {
     if (!a.out.empty() && !a.physics) CheckWritableFolder(a.out, "--out", mistakes);
     mistakes.ThrowIfAny();
   }
-  const LoadedScenario& loaded = *read;
-  const Scenario& scenario = loaded.scenario;
+  const flight::LoadedScenario& loaded = *read;
+  const flight::Scenario& scenario = loaded.scenario;
   const std::string folder =
       a.out.empty() ? fmt::format("results/runs/{}-{}-served", scenario.name, scenario.seed) : a.out;
   if (!a.physics) CheckWritableFolder(folder, "--out", mistakes);
   mistakes.ThrowIfAny();
-  std::optional<PanTilt> platform = PlatformOf(a, scenario);
-  const std::vector<NamedServer> servers = MakeServers(a, loaded, platform ? &*platform : nullptr, mistakes);
-  std::unique_ptr<PhysicsServer> physics;
+  std::optional<sim::PanTilt> platform = PlatformOf(a, scenario);
+  const std::vector<flight::NamedServer> servers =
+      flight::MakeServers(a, loaded, platform ? &*platform : nullptr, mistakes);
+  std::unique_ptr<sim::PhysicsServer> physics;
   try {
-    if (a.physics) physics = MakePhysics(*a.physics, a.listen, a.physics_port, loaded);
+    if (a.physics) physics = flight::MakePhysics(*a.physics, a.listen, a.physics_port, loaded);
   } catch (const std::runtime_error& e) {
     mistakes.Add("--physics", "", e.what());
   }
   mistakes.ThrowIfAny();
 
-  ServeOptions options;
+  flight::ServeOptions options;
   options.folder = folder;
   options.platform = platform ? &*platform : nullptr;
   options.pilot_off_at_s = a.pilot_off_at_s;
-  for (const NamedServer& each : servers) options.servers.push_back(each.server.get());
-  std::optional<CameraServer> camera;
-  if (const auto stream = StreamOf(a)) {
-    const CameraModel& model = loaded.simulator.camera;
-    camera.emplace(*stream, cv::Size(WidthPx(model), HeightPx(model)), scenario.image.rate_hz,
+  for (const flight::NamedServer& each : servers) options.servers.push_back(each.server.get());
+  std::optional<sim::CameraServer> camera;
+  if (const auto stream = flight::StreamOf(a)) {
+    const vision::CameraModel& model = loaded.simulator.camera;
+    camera.emplace(*stream, cv::Size(vision::WidthPx(model), vision::HeightPx(model)), scenario.image.rate_hz,
                    loaded.simulator.image.colour);
-    options.publish = [&](const Frame& frame) { camera->Publish(frame.image); };
+    options.publish = [&](const vision::Frame& frame) { camera->Publish(frame.image); };
   }
   options.begun = [&] {
-    std::fputs(StartLines(a, loaded, servers, options.platform).c_str(), stdout);
+    std::fputs(flight::StartLines(a, loaded, servers, options.platform).c_str(), stdout);
     std::fflush(stdout);
   };
   // A terminal that has gone is no reason to break off a flight, and so no exception.
@@ -184,13 +186,13 @@ int ServeCommand(const ServeArguments& a) {
   stopped_physics = physics.get();
   OnEndSignals([](int) {
     interrupted = true;
-    if (PhysicsServer* server = stopped_physics) server->Stop();
+    if (sim::PhysicsServer* server = stopped_physics) server->Stop();
     EndOnNextSignal();
   });
   if (physics) {
-    fmt::print("{}", StartLines(a, loaded, {}, nullptr));
+    fmt::print("{}", flight::StartLines(a, loaded, {}, nullptr));
     fmt::print("  physics  {}, for {}\n", physics->Where(), *a.physics);
-    if (!OnLoopback(a.listen)) fmt::print("{}", Warning("the physics", a.listen));
+    if (!flight::OnLoopback(a.listen)) fmt::print("{}", flight::Warning("the physics", a.listen));
     std::fflush(stdout);
     std::jthread end;
     if (a.for_s)
@@ -201,14 +203,14 @@ int ServeCommand(const ServeArguments& a) {
         never.wait_for(lock, over, std::chrono::duration<double>(for_s), [] { return false; });
         physics->Stop();
       });
-    ServePhysics(loaded, *physics, options.publish, options.say);
+    flight::ServePhysics(loaded, *physics, options.publish, options.say);
     stopped_physics = nullptr;
     return 0;
   }
-  const Summary summary = ServeFlight(loaded, options).summary;
+  const records::Summary summary = flight::ServeFlight(loaded, options).summary;
   Report(summary, folder);
   if (!summary.complete) return 3;
   return summary.passed ? 0 : 1;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::app

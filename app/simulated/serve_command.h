@@ -7,13 +7,13 @@ namespace CLI {
 class App;
 }
 
-namespace kestrel {
+namespace kestrel::app {
 
 // The verb with its options.
-CLI::App* AddServeCommand(CLI::App& app, ServeArguments& arguments);
+CLI::App* AddServeCommand(CLI::App& app, flight::ServeArguments& arguments);
 
 // Serves until the end or an interrupt, and prints where and how it went: the exit status. Throws InputError
 // with every mistake of the arguments, and as ServeFlight does.
-int ServeCommand(const ServeArguments& arguments);
+int ServeCommand(const flight::ServeArguments& arguments);
 
-}  // namespace kestrel
+}  // namespace kestrel::app

@@ -17,7 +17,7 @@
 
 #include "app/option/bits_option.h"
 #include "base/file/files.h"
-#include "base/process/aside.h"
+#include "base/process/print_note.h"
 #include "base/user_file.h"
 #include "base/yaml/yaml_fields.h"
 #include "flight/simulated/scenario.h"
@@ -29,12 +29,12 @@
 #include "vision/image_file.h"
 #include "vision/write_image.h"
 
-namespace kestrel {
+namespace kestrel::app {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kMostSide_px = 8192;
+constexpr int kMaxSide_px = 8192;
 constexpr double kSteepest_deg = 89;  // of a cylinder's rows: at 90 they never end
 
 // Which options go with which picture.
@@ -92,13 +92,13 @@ cv::Size ParseSize(const std::string& text, Mistakes& mistakes) {
   cv::Size size;
   const auto side = [](std::string_view s, int& value) {
     const auto end = std::from_chars(s.data(), s.data() + s.size(), value);
-    return end.ec == std::errc{} && end.ptr == s.data() + s.size() && value >= 1 && value <= kMostSide_px;
+    return end.ec == std::errc{} && end.ptr == s.data() + s.size() && value >= 1 && value <= kMaxSide_px;
   };
   if (x == std::string::npos || !side(std::string_view(text).substr(0, x), size.width) ||
       !side(std::string_view(text).substr(x + 1), size.height)) {
     mistakes.Add("--size", "",
                  fmt::format("'{}' is not a size; valid: WIDTHxHEIGHT, 1 to {} px each, such as 800x600",
-                             text, kMostSide_px));
+                             text, kMaxSide_px));
     return {};
   }
   return size;
@@ -143,7 +143,7 @@ Wish ReadWish(const ViewArguments& a, Mistakes& mistakes) {
   const double yaw = Angle("--yaw-deg", a.yaw_deg, sphere ? 150 : 0, -360, 360, mistakes);
   const double pitch = Angle("--pitch-deg", a.pitch_deg, sphere ? -25 : 0, -180, 180, mistakes);
   const double roll = Angle("--roll-deg", a.roll_deg, 0, -360, 360, mistakes);
-  w.R_VC = ViewRotation(yaw, pitch, roll);
+  w.R_VC = vision::ViewRotation(yaw, pitch, roll);
   w.field = Angle("--fov-deg", a.fov_deg, 90, 1, 175, mistakes);
   const double steepest = a.as == "cylinder" ? kSteepest_deg : 90;
   w.azimuth = ParseRising("--azimuth-deg", a.azimuth_deg, -360, 360, mistakes);
@@ -155,51 +155,51 @@ Wish ReadWish(const ViewArguments& a, Mistakes& mistakes) {
   return w;
 }
 
-PolarUnwrapping MakePolar(const Wish& w, const CameraModel& camera) {
-  PolarUnwrapping p;
+vision::PolarUnwrapping MakePolar(const Wish& w, const vision::CameraModel& camera) {
+  vision::PolarUnwrapping p;
   p.centre = std::visit([](const auto& c) { return Eigen::Vector2d(c.cx, c.cy); }, camera);
-  const double rim = std::max(
-      {p.centre.x(), p.centre.y(), WidthPx(camera) - 1 - p.centre.x(), HeightPx(camera) - 1 - p.centre.y()});
+  const double rim = std::max({p.centre.x(), p.centre.y(), vision::WidthPx(camera) - 1 - p.centre.x(),
+                               vision::HeightPx(camera) - 1 - p.centre.y()});
   const Range alpha = w.alpha.value_or(Range{0, 360}), radius = w.radius.value_or(Range{rim, 0});
   p.alpha_from = Radians(alpha.from), p.alpha_to = Radians(alpha.to);
   p.radius_top = radius.from, p.radius_bottom = radius.to;
   // As many columns as there are pixels around the middle radius.
   const double around = (radius.from + radius.to) / 2 * (p.alpha_to - p.alpha_from);
   const double across = std::abs(radius.to - radius.from);
-  p.width_px = w.size.empty() ? std::clamp(static_cast<int>(around), 1, kMostSide_px) : w.size.width;
-  p.height_px = w.size.empty() ? std::clamp(static_cast<int>(across), 1, kMostSide_px) : w.size.height;
+  p.width_px = w.size.empty() ? std::clamp(static_cast<int>(around), 1, kMaxSide_px) : w.size.width;
+  p.height_px = w.size.empty() ? std::clamp(static_cast<int>(across), 1, kMaxSide_px) : w.size.height;
   return p;
 }
 
-Panorama MakePanorama(const Wish& w, Panorama::Rows rows, const CameraModel& camera) {
-  Panorama p = WholePanorama(camera, w.R_VC, rows).value_or(Panorama{});
+vision::Panorama MakePanorama(const Wish& w, vision::Panorama::Rows rows, const vision::CameraModel& camera) {
+  vision::Panorama p = vision::WholePanorama(camera, w.R_VC, rows).value_or(vision::Panorama{});
   p.rows = rows;
   p.R_VC = w.R_VC;
   if (w.azimuth) p.azimuth_from = Radians(w.azimuth->from), p.azimuth_to = Radians(w.azimuth->to);
   if (w.elevation) p.elevation_from = Radians(w.elevation->from), p.elevation_to = Radians(w.elevation->to);
-  const cv::Size size = w.size.empty() ? MatchedSize(p, camera) : w.size;
-  p.width_px = std::min(size.width, kMostSide_px), p.height_px = std::min(size.height, kMostSide_px);
+  const cv::Size size = w.size.empty() ? vision::MatchedSize(p, camera) : w.size;
+  p.width_px = std::min(size.width, kMaxSide_px), p.height_px = std::min(size.height, kMaxSide_px);
   return p;
 }
 
-View MakeView(const std::string& as, const Wish& w, const CameraModel& camera) {
+vision::View MakeView(const std::string& as, const Wish& w, const vision::CameraModel& camera) {
   if (as == "polar") return MakePolar(w, camera);
-  if (as == "panorama") return MakePanorama(w, Panorama::Rows::kElevation, camera);
-  if (as == "cylinder") return MakePanorama(w, Panorama::Rows::kTangent, camera);
+  if (as == "panorama") return MakePanorama(w, vision::Panorama::Rows::kElevation, camera);
+  if (as == "cylinder") return MakePanorama(w, vision::Panorama::Rows::kTangent, camera);
   if (as == "sphere") {
     const cv::Size size = w.size.empty() ? cv::Size(800, 800) : w.size;
-    return SpherePicture{size.width, size.height, w.R_VC};
+    return vision::SpherePicture{size.width, size.height, w.R_VC};
   }
-  const cv::Size size = w.size.empty() ? cv::Size(WidthPx(camera), HeightPx(camera)) : w.size;
+  const cv::Size size = w.size.empty() ? cv::Size(vision::WidthPx(camera), vision::HeightPx(camera)) : w.size;
   const double f = size.width / (2 * std::tan(w.field / 2));
-  return PerspectiveView{{size.width, size.height, f, f, (size.width - 1) / 2.0, (size.height - 1) / 2.0},
-                         w.R_VC};
+  return vision::PerspectiveView{
+      {size.width, size.height, f, f, (size.width - 1) / 2.0, (size.height - 1) / 2.0}, w.R_VC};
 }
 
 // The view of an image; of a sphere the part without image is dark, so that it is seen to be a ball.
-cv::Mat PictureOf(const View& view, const ViewTable& table, const cv::Mat& image) {
-  cv::Mat seen = Look(table, image);
-  if (!std::holds_alternative<SpherePicture>(view)) return seen;
+cv::Mat PictureOf(const vision::View& view, const vision::ViewTable& table, const cv::Mat& image) {
+  cv::Mat seen = vision::Look(table, image);
+  if (!std::holds_alternative<vision::SpherePicture>(view)) return seen;
   cv::Mat ball(seen.size(), seen.type(), cv::Scalar::all(0));
   cv::circle(ball, {seen.cols / 2, seen.rows / 2}, std::min(seen.cols, seen.rows) / 2 - 1,
              cv::Scalar::all(48), cv::FILLED, cv::LINE_AA);
@@ -212,7 +212,7 @@ class Progress {
  public:
   Progress(double frames, bool wanted) : frames_(frames), wanted_(wanted && isatty(STDERR_FILENO)) {}
   ~Progress() {
-    if (shown_) Aside("\r\033[K");
+    if (shown_) PrintNote("\r\033[K");
   }
   void Show(int frame) {
     const auto now = std::chrono::steady_clock::now();
@@ -220,8 +220,8 @@ class Progress {
     last_ = now;
     shown_ = true;
     const double rate = frame / std::max(std::chrono::duration<double>(now - start_).count(), 1e-3);
-    Aside("\r\033[Kframe {}{}  {:.0f} frames/s", frame,
-          frames_ > 0 ? fmt::format(" of about {:.0f}", frames_) : "", rate);
+    PrintNote("\r\033[Kframe {}{}  {:.0f} frames/s", frame,
+              frames_ > 0 ? fmt::format(" of about {:.0f}", frames_) : "", rate);
     std::fflush(stderr);
   }
 
@@ -232,8 +232,9 @@ class Progress {
 };
 
 // Returns the number of frames.
-int TurnVideo(VideoReader& video, const View& view, const ViewTable& table, const ViewArguments& a) {
-  Video out(a.out, video.rate_hz());
+int TurnVideo(records::VideoReader& video, const vision::View& view, const vision::ViewTable& table,
+              const ViewArguments& a) {
+  records::Video out(a.out, video.rate_hz());
   Progress progress(video.frames(), !a.quiet);
   int frames = 0;
   for (; const auto frame = video.Next(); progress.Show(++frames)) out.Write(PictureOf(view, table, *frame));
@@ -286,11 +287,11 @@ void ViewCommand(const ViewArguments& a) {
   Mistakes mistakes;
   const Wish wish = ReadWish(a, mistakes);
   cv::Mat image;
-  std::optional<VideoReader> video;
+  std::optional<records::VideoReader> video;
   std::optional<cv::Size> size;  // of the input, if it can be read
   std::string note;
-  if (!IsFile(a.input) || LooksLikeImage(a.input)) {
-    image = ReadImage(a.input, ImageColours::kAsStored, a.bits, mistakes, note);
+  if (!IsFile(a.input) || vision::LooksLikeImage(a.input)) {
+    image = vision::ReadImage(a.input, vision::ImageColours::kAsStored, a.bits, mistakes, note);
     if (!image.empty()) size = image.size();
   } else {
     try {
@@ -299,10 +300,10 @@ void ViewCommand(const ViewArguments& a) {
       mistakes.Add(a.input, "", "is neither an image nor a video that can be read");
     }
   }
-  CameraModel camera;
+  vision::CameraModel camera;
   std::string name = a.camera;
   if (const auto file = CameraFile(name, "", "--camera", mistakes))
-    camera = LoadCamera(*file, mistakes, a.camera_name, size);
+    camera = vision::LoadCamera(*file, mistakes, a.camera_name, size);
   if (video ? !HasEnding(a.out, {".mp4"}) : !HasEnding(a.out, {".png", ".jpg", ".jpeg"})) {
     mistakes.Add(
         "--out", "",
@@ -315,20 +316,20 @@ void ViewCommand(const ViewArguments& a) {
   }
   mistakes.ThrowIfAny();
 
-  const View view = MakeView(a.as, wish, camera);
-  const ViewTable table = MakeViewTable(view, camera);
-  const double shown = ShownShare(table);
+  const vision::View view = MakeView(a.as, wish, camera);
+  const vision::ViewTable table = vision::MakeViewTable(view, camera);
+  const double shown = vision::ShownShare(table);
   if (shown == 0) {
     throw InputError(
         {fmt::format("--as {}: the view would be black: it lies outside of what the lens sees, "
                      "which ends {:.1f} deg from its axis",
-                     a.as, Degrees(MaxAngle(camera)))});
+                     a.as, Degrees(vision::MaxAngle(camera)))});
   }
   if (video) {
     const int frames = TurnVideo(*video, view, table, a);
     if (!a.quiet) fmt::print("{} frames, ", frames);
   } else {
-    WriteImage(a.out, PictureOf(view, table, image));
+    vision::WriteImage(a.out, PictureOf(view, table, image));
   }
   if (!a.quiet) {
     if (!note.empty()) fmt::print("{}\n", note);
@@ -337,4 +338,4 @@ void ViewCommand(const ViewArguments& a) {
   }
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::app

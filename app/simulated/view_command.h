@@ -8,7 +8,7 @@ namespace CLI {
 class App;
 }
 
-namespace kestrel {
+namespace kestrel::app {
 
 // `kestrel view`: another picture of what a wide camera took, of an image or a video file. An empty text and
 // an absent number are options that were not given.
@@ -27,4 +27,4 @@ CLI::App* AddViewCommand(CLI::App& app, ViewArguments& arguments);
 // reading or writing fails on the way.
 void ViewCommand(const ViewArguments& arguments);
 
-}  // namespace kestrel
+}  // namespace kestrel::app

@@ -63,7 +63,7 @@ void WriteFile(const std::filesystem::path& file, std::string_view content) {
   }
 }
 
-std::string ReadFile(const fs::path& file) { return ReadUserFile(file, kMostDataBytes).bytes; }
+std::string ReadFile(const fs::path& file) { return ReadUserFile(file, kMaxDataBytes).bytes; }
 
 bool NamesFolder(std::string_view name) {
   return name.find_first_of("/\\") == std::string_view::npos && !name.starts_with('.') && !HasControl(name);

@@ -10,17 +10,17 @@ namespace {
 std::atomic<void (*)(int)> told = nullptr;
 static_assert(decltype(told)::is_always_lock_free);  // what a signal's handler may use
 
-void Hear(int signal) { told.load()(signal == SIGINT ? SIGINT : SIGTERM); }
+void Receive(int signal) { told.load()(signal == SIGINT ? SIGINT : SIGTERM); }
 
 }  // namespace
 
 void OnEndSignals(void (*asked)(int signal)) {
   told = asked;
-  std::signal(SIGINT, Hear);
-  std::signal(SIGTERM, Hear);
+  std::signal(SIGINT, Receive);
+  std::signal(SIGTERM, Receive);
   struct sigaction now {};
   sigaction(SIGHUP, nullptr, &now);
-  if (now.sa_handler != SIG_IGN) std::signal(SIGHUP, Hear);
+  if (now.sa_handler != SIG_IGN) std::signal(SIGHUP, Receive);
 }
 
 void EndOnNextSignal() {

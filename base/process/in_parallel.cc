@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-#include "base/process/aside.h"
+#include "base/process/print_note.h"
 
 namespace kestrel {
 
@@ -32,13 +32,13 @@ void InParallel(std::size_t count, int jobs, const std::string& title, const std
       }
       const std::lock_guard lock(mutex);
       ++done;
-      if (terminal) Aside("\r\033[K{}: {} of {} {}", title, done, count, unit);
+      if (terminal) PrintNote("\r\033[K{}: {} of {} {}", title, done, count, unit);
     }
   };
   std::vector<std::thread> workers;
   for (int w = 0; w < jobs; ++w) workers.emplace_back(work);
   for (std::thread& worker : workers) worker.join();
-  if (terminal) Aside("\r\033[K");
+  if (terminal) PrintNote("\r\033[K");
   if (failure) std::rethrow_exception(failure);
 }
 

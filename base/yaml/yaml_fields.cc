@@ -9,8 +9,11 @@
 #include <boost/locale/utf.hpp>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
+#include <mutex>
 #include <numeric>
+#include <set>
 #include <sstream>
 #include <unordered_map>
 
@@ -24,7 +27,7 @@ namespace {
 using Kind = ConfigNode::Kind;
 
 // What is shown of many mistakes, and of a long one: nobody reads more, and a terminal chokes on it.
-constexpr std::size_t kMostShown = 50, kLongestShown = 2000;
+constexpr std::size_t kMaxShown = 50, kLongestShown = 2000;
 
 // The number of the first line that is not UTF-8, in which alone others read what is kept of a file. 0: all
 // are.
@@ -72,6 +75,14 @@ void Override(ConfigNode& root, const std::string& text, Mistakes& mistakes) {
     }
   }
   *node = std::move(value);
+}
+
+// On standard error, whatever reads the file how often.
+void NoticeOnce(const std::string& notice) {
+  static std::mutex mutex;
+  static std::set<std::string> told;
+  const std::lock_guard lock(mutex);
+  if (told.insert(notice).second) std::fputs(("kestrel: " + Printable(notice) + "\n").c_str(), stderr);
 }
 
 std::string Shown(const ConfigNode& node) {
@@ -138,11 +149,11 @@ std::string Shortened(const std::string& text, std::size_t most) {
 
 std::string ShownOf(const std::vector<std::string>& all) {
   std::string shown;
-  for (std::size_t i = 0; i < std::min(all.size(), kMostShown); ++i) {
+  for (std::size_t i = 0; i < std::min(all.size(), kMaxShown); ++i) {
     if (i > 0) shown += '\n';
     shown += Shortened(all[i], kLongestShown);
   }
-  if (all.size() > kMostShown) shown += fmt::format("\nand {} more", all.size() - kMostShown);
+  if (all.size() > kMaxShown) shown += fmt::format("\nand {} more", all.size() - kMaxShown);
   return shown;
 }
 
@@ -162,7 +173,7 @@ void Mistakes::ThrowIfAny() const {
 
 Config LoadConfig(const std::filesystem::path& file, const std::vector<std::string>& overrides,
                   Mistakes& mistakes) {
-  const FileContent content = ReadUserFile(file, kMostTextBytes);
+  const FileContent content = ReadUserFile(file, kMaxTextBytes);
   if (!content.trouble.empty()) {
     mistakes.Add(file.string(), "", content.trouble);
     return {};
@@ -220,10 +231,22 @@ FieldReader::FieldReader(const ConfigNode& node, std::string path, Mistakes& mis
 
 const ConfigNode* FieldReader::Find(FieldKey key) {
   keys_.push_back(key.name);
+  const auto last = [this](std::string_view name) -> const ConfigNode* {
+    for (auto it = node_.members.rbegin(); it != node_.members.rend(); ++it)
+      if (it->first == name) return &it->second;
+    return nullptr;
+  };
   if (node_.kind == Kind::kMap) {
-    for (auto it = node_.members.rbegin(); it != node_.members.rend(); ++it) {
-      if (it->first == key.name) return &it->second;
+    const ConfigNode* now = last(key.name);
+    const ConfigNode* before = key.former ? last(key.former) : nullptr;
+    if (before) {
+      former_keys_.push_back(key.former);
+      if (now)
+        Wrong(*before, key.former, fmt::format("is the former name of '{}', which is given too", key.name));
+      else
+        NoticeOnce(fmt::format("{}: {}: is called '{}' now", before->where, Path(key.former), key.name));
     }
+    if (now || before) return now ? now : before;
   }
   if (key.required && (node_.kind == Kind::kMap || node_.kind == Kind::kNothing)) {
     mistakes_.Add(node_.where, Path(key.name), "must be given");
@@ -394,7 +417,9 @@ void FieldReader::Finish() const {
         fmt::format("{} is not valid; valid: a map of {}", Shown(node_), fmt::join(keys_, ", ")));
   }
   for (const auto& [key, member] : node_.members) {
-    if (std::find(keys_.begin(), keys_.end(), key) != keys_.end()) continue;
+    if (std::find(keys_.begin(), keys_.end(), key) != keys_.end() ||
+        std::find(former_keys_.begin(), former_keys_.end(), key) != former_keys_.end())
+      continue;
     const auto nearest = NearestName(key, keys_);
     Wrong(member, key,
           nearest ? fmt::format("unknown key; did you mean '{}'?", *nearest)

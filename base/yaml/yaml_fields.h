@@ -140,7 +140,7 @@ class FieldReader {
   const ConfigNode& node_;
   std::string path_;
   Mistakes& mistakes_;
-  std::vector<std::string> keys_;
+  std::vector<std::string> keys_, former_keys_;
 };
 
 // The visitor that writes a struct as YAML. Numbers read back to the same bits.

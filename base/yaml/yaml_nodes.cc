@@ -18,7 +18,7 @@ namespace {
 using Kind = ConfigNode::Kind;
 
 // What no file comes near that a person or a program writes.
-constexpr std::size_t kMostValues = 50'000, kMostBytes = 16u << 20, kMostDepth = 32;
+constexpr std::size_t kMaxValues = 50'000, kMaxBytes = 16u << 20, kMaxDepth = 32;
 
 // What a value takes, with all that is in it.
 struct Extent {
@@ -71,7 +71,7 @@ class TreeBuilder final : public YAML::EventHandler {
     const auto found = anchors_.find(anchor);
     if (found == anchors_.end()) throw YAML::Exception(mark, "an alias within what it stands for");
     // Before it is copied.
-    if (open_.size() + ExtentOf(found->second).depth > kMostDepth) TooDeep(mark);
+    if (open_.size() + ExtentOf(found->second).depth > kMaxDepth) TooDeep(mark);
     Count(mark, ExtentOf(found->second));
     ConfigNode node = found->second;
     if (!open_.empty() && open_.back().key) node.where = open_.back().key_where;
@@ -97,7 +97,7 @@ class TreeBuilder final : public YAML::EventHandler {
     return node;
   }
   void Start(const YAML::Mark& mark, Kind kind, YAML::anchor_t anchor) {
-    if (open_.size() >= kMostDepth) TooDeep(mark);
+    if (open_.size() >= kMaxDepth) TooDeep(mark);
     if (IsKey()) NoName(mark);
     ConfigNode node = Node(mark);
     node.kind = kind;
@@ -141,13 +141,13 @@ class TreeBuilder final : public YAML::EventHandler {
   void Count(const YAML::Mark& mark, const Extent& more) {
     all_.values += more.values;
     all_.bytes += more.bytes;
-    if (all_.values > kMostValues || all_.bytes > kMostBytes)
+    if (all_.values > kMaxValues || all_.bytes > kMaxBytes)
       throw YAML::Exception(
           mark, fmt::format("too much, aliases put in; valid: up to {} keys and values, of {} MiB together",
-                            kMostValues, kMostBytes >> 20));
+                            kMaxValues, kMaxBytes >> 20));
   }
   [[noreturn]] static void TooDeep(const YAML::Mark& mark) {
-    throw YAML::Exception(mark, fmt::format("nested too deeply; valid: up to {} levels", kMostDepth));
+    throw YAML::Exception(mark, fmt::format("nested too deeply; valid: up to {} levels", kMaxDepth));
   }
   [[noreturn]] static void NoName(const YAML::Mark& mark) {
     throw YAML::Exception(mark, "a key must be a name");

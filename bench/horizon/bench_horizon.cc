@@ -12,7 +12,7 @@
 #include "bench/horizon/horizon_judgement.h"
 #include "flight/simulated/scenario.h"
 
-namespace kestrel {
+namespace kestrel::bench {
 namespace {
 
 constexpr int kLandscapesEach = 25, kStillsEach = 52;
@@ -21,36 +21,38 @@ constexpr std::size_t kWorst = 12;       // stills that are shown
 
 // What all stills share.
 struct StillCamera {
-  LoadedScenario loaded;
+  flight::LoadedScenario loaded;
   Pose X_BC;
   cv::Mat forbidden;
-  Skyline skyline;
-  ImageSensor sensor;
+  vision::Skyline skyline;
+  sim::ImageSensor sensor;
 
-  StillCamera(LoadedScenario scenario, std::uint64_t seed)
+  StillCamera(flight::LoadedScenario scenario, std::uint64_t seed)
       : loaded(std::move(scenario)),
-        X_BC(MountPose(loaded.simulator.mount)),
-        forbidden(OwnParts(MakeModel(loaded.simulator.scene, false).get(), loaded.simulator.camera, X_BC)),
+        X_BC(vision::MountPose(loaded.simulator.mount)),
+        forbidden(sim::OwnParts(sim::MakeModel(loaded.simulator.scene, false).get(), loaded.simulator.camera,
+                                X_BC)),
         skyline(loaded.simulator.camera, X_BC.R.toRotationMatrix(), forbidden, {}),
         sensor(loaded.simulator.image, loaded.simulator.camera, seed) {}
 
   // The disc of the sun, and no part of the aircraft before it.
-  bool SeesSun(const LandscapeParameters& p, const Pose& X_NB) const {
+  bool SeesSun(const sim::LandscapeParameters& p, const Pose& X_NB) const {
     const double a = Radians(p.sun_azimuth_deg), e = Radians(p.sun_elevation_deg);
     const Eigen::Vector3d sun_N(std::cos(a) * std::cos(e), std::sin(a) * std::cos(e), -std::sin(e));
-    const auto uv = Project(loaded.simulator.camera, Eigen::Vector3d((X_NB.R * X_BC.R).conjugate() * sun_N));
+    const auto uv =
+        vision::Project(loaded.simulator.camera, Eigen::Vector3d((X_NB.R * X_BC.R).conjugate() * sun_N));
     if (!uv) return false;
     const cv::Point at(static_cast<int>(std::lround(uv->x())), static_cast<int>(std::lround(uv->y())));
     return cv::Rect(0, 0, forbidden.cols, forbidden.rows).contains(at) && !forbidden.at<uchar>(at);
   }
 
-  SkylineExpected Expectation(const Still& still, const Pose& X_NB) const {
+  vision::SkylineExpected Expectation(const Still& still, const Pose& X_NB) const {
     const Eigen::Vector3d down_C = (X_NB.R * X_BC.R).conjugate() * Eigen::Vector3d::UnitZ();
     return {ExpectedDown(down_C, still), std::sqrt(2) * kExpectedDownSigma, still.expected_height_m};
   }
 };
 
-double RidgeFrom(const RidgeParameters& ridge, const Eigen::Vector3d& p_N) {
+double RidgeFrom(const sim::RidgeParameters& ridge, const Eigen::Vector3d& p_N) {
   if (ridge.height_deg <= 0) return 0;
   const double a = Radians(ridge.azimuth_deg);
   const Eigen::Vector3d crest(ridge.distance_m * std::cos(a), ridge.distance_m * std::sin(a),
@@ -59,7 +61,7 @@ double RidgeFrom(const RidgeParameters& ridge, const Eigen::Vector3d& p_N) {
   return std::max(0.0, Degrees(std::atan2(-to.z(), to.head<2>().norm())));
 }
 
-JudgedStill Measure(const StillCamera& camera, StillStudio& studio, const StillSweep& sweep,
+JudgedStill Measure(const StillCamera& camera, StillRenderer& studio, const StillSweep& sweep,
                     std::size_t index, std::uint64_t seed) {
   const Still& still = sweep.stills[index];
   const StillLandscape& landscape = sweep.landscapes[static_cast<std::size_t>(still.landscape)];
@@ -67,8 +69,8 @@ JudgedStill Measure(const StillCamera& camera, StillStudio& studio, const StillS
   const cv::Mat image = camera.sensor.Expose(studio.Draw(judged.X_NB), static_cast<std::int64_t>(index));
   for (const Way way : {kAlone, kExpecting}) {
     const double start_ms = ThreadCpu_ms();
-    const SkylineResult result = camera.skyline.Measure(
-        image, way == kAlone ? SkylineExpected{} : camera.Expectation(still, judged.X_NB));
+    const vision::SkylineResult result = camera.skyline.Measure(
+        image, way == kAlone ? vision::SkylineExpected{} : camera.Expectation(still, judged.X_NB));
     const double cpu_ms = ThreadCpu_ms() - start_ms;
     judged.answers[way] = Judge(result, camera.X_BC.R.toRotationMatrix(), judged.X_NB);
     judged.answers[way].cpu_ms = cpu_ms;
@@ -86,8 +88,8 @@ std::vector<JudgedStill> MeasureAll(const StillCamera& camera, const StillSweep&
                                     int jobs) {
   std::vector<JudgedStill> judged(sweep.stills.size());
   InParallel(sweep.landscapes.size(), jobs, "horizon", "landscapes", [&](std::size_t l) {
-    StillStudio studio(sweep.landscapes[l], camera.loaded.simulator.scene, camera.loaded.simulator.camera,
-                       camera.X_BC);
+    StillRenderer studio(sweep.landscapes[l], camera.loaded.simulator.scene, camera.loaded.simulator.camera,
+                         camera.X_BC);
     for (std::size_t i = l * kStillsEach; i < (l + 1) * kStillsEach; ++i)
       judged[i] = Measure(camera, studio, sweep, i, seed);
   });
@@ -109,7 +111,7 @@ void WriteStills(const std::filesystem::path& file, const std::vector<JudgedStil
   text += '\n';
   for (std::size_t i = 0; i < all.size(); ++i) {
     const JudgedStill& s = all[i];
-    const LandscapeParameters& p = s.landscape.parameters;
+    const sim::LandscapeParameters& p = s.landscape.parameters;
     text += fmt::format("{},{},{},{},{:.0f},{:.3f},{:.2f},{:.2f},{}", i, s.still.landscape, s.landscape.world,
                         p.seed, p.haze_m, p.light, p.sun_azimuth_deg, p.sun_elevation_deg, s.sun);
     text += fmt::format(",{:.3f},{:.1f},{:.0f},{:.2f},{:.3f},{:.2f},{:.2f},{:.3f}", p.ridge.height_deg,
@@ -202,7 +204,7 @@ void PrintFactors(const std::vector<FactorRow>& rows) {
 }
 
 void AddFigures(const std::vector<JudgedStill>& all, const std::vector<FactorRow>& rows,
-                std::vector<Figure>& table) {
+                std::vector<records::Figure>& table) {
   for (const auto& [factor, range, way, s] : rows) {
     if (s.stills == 0) continue;
     const std::string name = std::string("stills, ") + (way == kAlone ? "alone" : "expecting") +
@@ -234,7 +236,7 @@ void AddFigures(const std::vector<JudgedStill>& all, const std::vector<FactorRow
   }
 }
 
-void AddOtherLens(const std::string& name, const Statistics& s, std::vector<Figure>& table) {
+void AddOtherLens(const std::string& name, const Statistics& s, std::vector<records::Figure>& table) {
   table.push_back({name + ": roll RMSE", s.roll_rmse_deg, "deg", {}, false, ""});
   table.push_back({name + ": pitch RMSE", s.pitch_rmse_deg, "deg", {}, false, ""});
   table.push_back({name + ": error, 95th percentile", s.p95_deg, "deg", {}, false, ""});
@@ -247,16 +249,17 @@ void AddOtherLens(const std::string& name, const Statistics& s, std::vector<Figu
 }  // namespace
 
 void BenchHorizon(std::uint64_t seed, int jobs, const std::filesystem::path& folder,
-                  std::vector<Figure>& table) {
+                  std::vector<records::Figure>& table) {
   std::filesystem::create_directories(folder);
   const std::vector<std::string> worlds_there = Factors().front().ranges;
   std::vector<StillLandscape> worlds;
   for (const std::string& world : worlds_there) {
     // With a landscape of its own seed, a scenario has the world's whole landscape.
-    const LoadedScenario loaded = LoadScenario("attitude_1", {"world=" + world, "landscape.seed=1"});
+    const flight::LoadedScenario loaded =
+        flight::LoadScenario("attitude_1", {"world=" + world, "landscape.seed=1"});
     worlds.push_back({world, loaded.scenario.landscape.value()});
   }
-  const StillCamera camera(LoadScenario("attitude_1"), seed);
+  const StillCamera camera(flight::LoadScenario("attitude_1"), seed);
   const StillSweep sweep = DrawSweep(worlds, kLandscapesEach, kStillsEach, seed);
   const std::vector<JudgedStill> all = MeasureAll(camera, sweep, seed, jobs);
   const std::vector<FactorRow> rows = RowsOf(all);
@@ -276,11 +279,11 @@ void BenchHorizon(std::uint64_t seed, int jobs, const std::filesystem::path& fol
   std::vector<cv::Mat> seen;
   for (const auto& [error_deg, which] : worst) {
     const auto& [i, way] = which;
-    StillStudio studio(all[i].landscape, camera.loaded.simulator.scene, camera.loaded.simulator.camera,
-                       camera.X_BC);
+    StillRenderer studio(all[i].landscape, camera.loaded.simulator.scene, camera.loaded.simulator.camera,
+                         camera.X_BC);
     const cv::Mat image = camera.sensor.Expose(studio.Draw(all[i].X_NB), static_cast<std::int64_t>(i));
-    const SkylineExpected expected =
-        way == kAlone ? SkylineExpected{} : camera.Expectation(all[i].still, all[i].X_NB);
+    const vision::SkylineExpected expected =
+        way == kAlone ? vision::SkylineExpected{} : camera.Expectation(all[i].still, all[i].X_NB);
     seen.push_back(DrawStill(image, camera.loaded.simulator.camera, camera.X_BC, all[i], i, way,
                              camera.skyline.Measure(image, expected)));
   }
@@ -289,7 +292,7 @@ void BenchHorizon(std::uint64_t seed, int jobs, const std::filesystem::path& fol
   AddFigures(all, rows, table);
   for (const char* lens : {"fisheye", "thesis_2_8mm"}) {
     const StillCamera other(
-        LoadScenario("attitude_1", {"mount.pitch_deg=90", fmt::format("camera={}", lens)}), seed);
+        flight::LoadScenario("attitude_1", {"mount.pitch_deg=90", fmt::format("camera={}", lens)}), seed);
     const auto stills =
         MeasureAll(other, DrawSweep(worlds, kLandscapesEachOther, kStillsEach, seed + 1), seed, jobs);
     for (const Way way : {kAlone, kExpecting})
@@ -298,4 +301,4 @@ void BenchHorizon(std::uint64_t seed, int jobs, const std::filesystem::path& fol
   }
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::bench

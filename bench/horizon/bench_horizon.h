@@ -8,7 +8,7 @@
 
 #include "records/figures.h"
 
-namespace kestrel {
+namespace kestrel::bench {
 
 // Attitude from the skyline over a sweep of attitudes, heights and landscapes, without flying: 5,200 stills
 // of 100 landscapes (bench/horizon/horizon_stills.h) through the camera of attitude_1, each measured by
@@ -18,6 +18,6 @@ namespace kestrel {
 // In the folder: stills.csv with a row for each still, factors.csv with a row for each range of a factor, and
 // pictures of both.
 void BenchHorizon(std::uint64_t seed, int jobs, const std::filesystem::path& folder,
-                  std::vector<Figure>& table);
+                  std::vector<records::Figure>& table);
 
-}  // namespace kestrel
+}  // namespace kestrel::bench

@@ -12,7 +12,7 @@
 #include "records/plot/gnuplot.h"
 #include "vision/horizon/horizon_drawing.h"
 
-namespace kestrel {
+namespace kestrel::bench {
 namespace {
 
 constexpr const char* kTitles[] = {"each image alone", "with \"down\" and height expected"};
@@ -27,7 +27,7 @@ std::string Legend(const std::vector<std::pair<std::string, std::string>>& title
     text += fmt::format(
         "set label '■' at screen {:.3f}, 0.938 tc rgb '{}'\nset label {} at screen {:.3f}, 0.938 "
         "noenhanced\n",
-        x, colour, GnuplotQuoted(title), x + 0.01);
+        x, colour, records::GnuplotQuoted(title), x + 0.01);
     x += 0.026 + 0.0045 * static_cast<double>(title.size());
   }
   return text;
@@ -92,7 +92,7 @@ void DrawErrors(const std::filesystem::path& file, const std::vector<JudgedStill
       data += Slices(all, way, kAxes[a], slices);
       plots += fmt::format("{}set xlabel '{}'\n", kAxes[a].settings, kAxes[a].label);
       plots += a == 0 ? fmt::format("set ylabel {}\nset format y '%g'\n",
-                                    GnuplotQuoted(fmt::format("error (°), {}", kTitles[way])))
+                                    records::GnuplotQuoted(fmt::format("error (°), {}", kTitles[way])))
                       : std::string("set ylabel ''\nset format y ''\n");
       plots += fmt::format(
           "plot $stills{0} using {1}:($6 > 0 ? NaN : $5) with points pt 7 ps 0.22 lc rgb '#9DB7CC', "
@@ -103,16 +103,17 @@ void DrawErrors(const std::filesystem::path& file, const std::vector<JudgedStill
           static_cast<int>(way), a + 1, slices);
     }
   }
-  DrawPng(file, 1800, 950,
-          data + kLook +
-              "set multiplot layout 2,4 title 'Error of \"down\" by the skyline' font ',15' margins "
-              "0.055,0.985,0.075,0.90 spacing 0.02,0.12\nset logscale y\nset yrange [0.01:100]\nset ytics "
-              "(0.01,0.03,0.1,0.3,1,3,10,30,100)\nunset key\n" +
-              Legend({{"a still", "#9DB7CC"},
-                      {"median", "#222222"},
-                      {"95th percentile", "#0072B2"},
-                      {"over 5°, said to be valid", "#D55E00"}}) +
-              plots + "unset multiplot\n");
+  records::DrawPng(
+      file, 1800, 950,
+      data + kLook +
+          "set multiplot layout 2,4 title 'Error of \"down\" by the skyline' font ',15' margins "
+          "0.055,0.985,0.075,0.90 spacing 0.02,0.12\nset logscale y\nset yrange [0.01:100]\nset ytics "
+          "(0.01,0.03,0.1,0.3,1,3,10,30,100)\nunset key\n" +
+          Legend({{"a still", "#9DB7CC"},
+                  {"median", "#222222"},
+                  {"95th percentile", "#0072B2"},
+                  {"over 5°, said to be valid", "#D55E00"}}) +
+          plots + "unset multiplot\n");
 }
 
 // Outcomes in the order of the stack.
@@ -167,9 +168,9 @@ void DrawOutcomes(const std::filesystem::path& file, const std::vector<JudgedSti
         data += '\n';
       }
       data += "END_OF_OUTCOMES\n";
-      plots += fmt::format("set title {} offset 0,-0.6\n", GnuplotQuoted(factor.name));
+      plots += fmt::format("set title {} offset 0,-0.6\n", records::GnuplotQuoted(factor.name));
       plots += f == 0 ? fmt::format("set ylabel {}\nset format y '%g'\n",
-                                    GnuplotQuoted(fmt::format("stills (%), {}", kTitles[way])))
+                                    records::GnuplotQuoted(fmt::format("stills (%), {}", kTitles[way])))
                       : std::string("set ylabel ''\nset format y ''\n");
       plots += "plot ";
       for (std::size_t o = 0; o < outcomes.size(); ++o)
@@ -180,13 +181,14 @@ void DrawOutcomes(const std::filesystem::path& file, const std::vector<JudgedSti
   }
   std::vector<std::pair<std::string, std::string>> legend;
   for (const Outcome& o : outcomes) legend.push_back({o.title, o.colour});
-  DrawPng(file, 1800, 950,
-          data + kLook +
-              "set multiplot layout 2,6 title 'What became of the stills' font ',15' margins "
-              "0.055,0.985,0.13,0.86 spacing 0.02,0.22\nset style data histograms\nset style histogram "
-              "rowstacked\nset style fill solid noborder\nset boxwidth 0.85\nset yrange [0:100]\nset xtics "
-              "rotate by 40 right noenhanced\nunset key\n" +
-              Legend(legend) + plots + "unset multiplot\n");
+  records::DrawPng(
+      file, 1800, 950,
+      data + kLook +
+          "set multiplot layout 2,6 title 'What became of the stills' font ',15' margins "
+          "0.055,0.985,0.13,0.86 spacing 0.02,0.22\nset style data histograms\nset style histogram "
+          "rowstacked\nset style fill solid noborder\nset boxwidth 0.85\nset yrange [0:100]\nset xtics "
+          "rotate by 40 right noenhanced\nunset key\n" +
+          Legend(legend) + plots + "unset multiplot\n");
 }
 
 void DrawDeviations(const std::filesystem::path& file, const std::vector<JudgedStill>& all) {
@@ -213,9 +215,9 @@ void DrawDeviations(const std::filesystem::path& file, const std::vector<JudgedS
     plots += fmt::format(
         "set title {}\nplot $deviations{} using 1:2 with boxes fs solid 0.6 noborder lc rgb '#0072B2' title "
         "'roll and pitch', exp(-x*x/2)/sqrt(2*pi) with lines lw 2 lc rgb '#D55E00' title 'normal'\n",
-        GnuplotQuoted(kTitles[way]), static_cast<int>(way));
+        records::GnuplotQuoted(kTitles[way]), static_cast<int>(way));
   }
-  DrawPng(
+  records::DrawPng(
       file, 1200, 500,
       data + kLook +
           "set multiplot layout 1,2 margins 0.06,0.98,0.13,0.90 spacing 0.06\nset samples 400\nset xrange "
@@ -232,11 +234,11 @@ void DrawHorizonBench(const std::filesystem::path& folder, const std::vector<Jud
   DrawDeviations(folder / "deviations.png", all);
 }
 
-cv::Mat DrawStill(const cv::Mat& image, const CameraModel& camera, const Pose& X_BC, const JudgedStill& still,
-                  std::size_t index, Way way, const SkylineResult& result) {
-  cv::Mat drawn = DrawHorizon(image, camera, X_BC.R.toRotationMatrix(), result, {});
-  const HorizonTruth truth = HorizonOf(still.X_NB * X_BC);
-  DrawSmallCircle(drawn, camera, -truth.up_C, -truth.dip_rad, {255, 255, 255});
+cv::Mat DrawStill(const cv::Mat& image, const vision::CameraModel& camera, const Pose& X_BC,
+                  const JudgedStill& still, std::size_t index, Way way, const vision::SkylineResult& result) {
+  cv::Mat drawn = vision::DrawHorizon(image, camera, X_BC.R.toRotationMatrix(), result, {});
+  const sim::HorizonTruth truth = sim::HorizonOf(still.X_NB * X_BC);
+  vision::DrawSmallCircle(drawn, camera, -truth.up_C, -truth.dip_rad, {255, 255, 255});
   const Answer& a = still.answers[way];
   const std::string lines[] = {fmt::format("still {}, {}: {}", index, kWays[way],
                                            a.fix() ? fmt::format("{:.2f} deg off", a.error_deg) : a.said),
@@ -266,4 +268,4 @@ void WriteSheet(const std::filesystem::path& file, const std::vector<cv::Mat>& p
   WriteFile(file, std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::bench

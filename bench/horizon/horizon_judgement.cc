@@ -6,7 +6,7 @@
 
 #include "base/statistics.h"
 
-namespace kestrel {
+namespace kestrel::bench {
 namespace {
 
 constexpr double kOutlier_deg = 5;
@@ -39,15 +39,16 @@ Factor Named(const std::string& name, const std::vector<std::string>& names,
 
 bool Answer::Outlier() const { return fix() && std::hypot(roll_error_deg, pitch_error_deg) > kOutlier_deg; }
 
-Answer Judge(const SkylineResult& result, const Eigen::Matrix3d& R_BC, const Pose& X_NB) {
+Answer Judge(const vision::SkylineResult& result, const Eigen::Matrix3d& R_BC, const Pose& X_NB) {
   Answer answer;
-  if (const auto* reason = std::get_if<NoSkyline>(&result)) {
-    answer.said = NameOf(*reason);
+  if (const auto* reason = std::get_if<vision::NoSkyline>(&result)) {
+    answer.said = vision::NameOf(*reason);
     return answer;
   }
-  const auto& fix = std::get<SkylineFix>(result);
+  const auto& fix = std::get<vision::SkylineFix>(result);
   const Eigen::Vector3d down_B = R_BC * fix.down_C;
-  const RollPitch measured = RollPitchFromDown(down_B, R_BC * fix.covariance * R_BC.transpose());
+  const vision::RollPitch measured =
+      vision::RollPitchFromDown(down_B, R_BC * fix.covariance * R_BC.transpose());
   const TaitBryan truth = TaitBryanFromRotation(X_NB.R.toRotationMatrix());
   const Eigen::Vector3d true_down_B = X_NB.R.conjugate() * Eigen::Vector3d::UnitZ();
   answer.said = "fix";
@@ -113,4 +114,4 @@ Statistics StatisticsOf(const std::vector<JudgedStill>& all, Way way,
   return s;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::bench

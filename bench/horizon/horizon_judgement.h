@@ -13,7 +13,7 @@
 #include "vision/horizon/skyline.h"
 
 // The answers to a sweep of stills, beside the truth.
-namespace kestrel {
+namespace kestrel::bench {
 
 // How a still is measured: by itself, or with "down" and height expected.
 enum Way { kAlone, kExpecting };
@@ -29,7 +29,7 @@ struct Answer {
   bool fix() const { return said == "fix"; }
   bool Outlier() const;  // as the flights count them
 };
-Answer Judge(const SkylineResult& result, const Eigen::Matrix3d& R_BC, const Pose& X_NB);
+Answer Judge(const vision::SkylineResult& result, const Eigen::Matrix3d& R_BC, const Pose& X_NB);
 
 struct JudgedStill {
   Still still;
@@ -61,4 +61,4 @@ std::vector<Factor> Factors();
 Statistics StatisticsOf(const std::vector<JudgedStill>& all, Way way,
                         const std::function<bool(const JudgedStill&)>& among);
 
-}  // namespace kestrel
+}  // namespace kestrel::bench

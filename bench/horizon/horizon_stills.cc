@@ -8,7 +8,7 @@
 #include "base/random.h"
 #include "sim/world/frames.h"
 
-namespace kestrel {
+namespace kestrel::bench {
 namespace {
 
 constexpr double kReach_m = 250;  // of the places; level ground ends at 300 m
@@ -57,7 +57,7 @@ StillSweep DrawSweep(const std::vector<StillLandscape>& worlds, int landscapes_e
     for (int k = 0; k < landscapes_each; ++k) {
       const auto u = [&](std::size_t axis) { return of_landscape.At(sweep.landscapes.size(), axis); };
       StillLandscape l = world;
-      LandscapeParameters& p = l.parameters;
+      sim::LandscapeParameters& p = l.parameters;
       p.seed = 1 + random.Bits() / 2;
       p.haze_m *= BetweenLog(0.3, 1.5, u(0));
       p.ridge.height_deg = std::max(0.0, 10 * (u(1) - kWithoutRidge) / (1 - kWithoutRidge));
@@ -94,17 +94,17 @@ Eigen::Vector3d ExpectedDown(const Eigen::Vector3d& down_C, const Still& still) 
   return (down_C + std::tan(still.expected.x()) * u + std::tan(still.expected.y()) * v).normalized();
 }
 
-StillStudio::StillStudio(const StillLandscape& landscape, SceneParameters scene, const CameraModel& camera,
-                         const Pose& X_BC)
+StillRenderer::StillRenderer(const StillLandscape& landscape, sim::SceneParameters scene,
+                             const vision::CameraModel& camera, const Pose& X_BC)
     : model_([&] {
         scene.landscape = landscape.parameters;
-        return MakeModel(scene);
+        return sim::MakeModel(scene);
       }()),
-      data_(MakeData(model_.get())),
+      data_(sim::MakeData(model_.get())),
       X_BC_(X_BC),
       renderer_(model_.get(), camera, {}) {}
 
-Pose StillStudio::PoseOf(const Still& still, std::uint64_t seed) {
+Pose StillRenderer::PoseOf(const Still& still, std::uint64_t seed) {
   const auto at = [&](const Eigen::Vector2d& place_m) {
     return Pose{Eigen::Quaterniond(RotationFromTaitBryan(still.attitude)),
                 {place_m.x(), place_m.y(), -still.height_m}};
@@ -120,7 +120,7 @@ Pose StillStudio::PoseOf(const Still& still, std::uint64_t seed) {
   }
 }
 
-bool StillStudio::Free(const Eigen::Vector2d& place_m, double height_m) {
+bool StillRenderer::Free(const Eigen::Vector2d& place_m, double height_m) {
   constexpr double kTallest_m = 40, kAround_m = 1.5, kOut_m = 5000;
   if (height_m > kTallest_m) return true;
   PutAircraft({Eigen::Quaterniond::Identity(), {0, 0, -kOut_m}});
@@ -136,15 +136,15 @@ bool StillStudio::Free(const Eigen::Vector2d& place_m, double height_m) {
   return true;
 }
 
-void StillStudio::PutAircraft(const Pose& X_NB) {
+void StillRenderer::PutAircraft(const Pose& X_NB) {
   const int joint = model_->body_jntadr[mj_name2id(model_.get(), mjOBJ_BODY, "vehicle")];
-  PoseToMujoco(X_NB, data_->qpos + model_->jnt_qposadr[joint]);
+  sim::PoseToMujoco(X_NB, data_->qpos + model_->jnt_qposadr[joint]);
   mj_forward(model_.get(), data_.get());
 }
 
-cv::Mat StillStudio::Draw(const Pose& X_NB) {
+cv::Mat StillRenderer::Draw(const Pose& X_NB) {
   PutAircraft(X_NB);
   return renderer_.Render(data_.get(), X_NB * X_BC_);
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::bench

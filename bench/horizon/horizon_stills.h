@@ -18,11 +18,11 @@
 
 // Attitudes without flying: photographs of landscapes from every height and tilt, as the camera of the
 // attitude flights would take them.
-namespace kestrel {
+namespace kestrel::bench {
 
 struct StillLandscape {
   std::string world;
-  LandscapeParameters parameters;
+  sim::LandscapeParameters parameters;
 };
 
 struct Still {
@@ -59,11 +59,11 @@ inline constexpr double kExpectedHeightSigma_m = 2;
 Eigen::Vector3d ExpectedDown(const Eigen::Vector3d& down_C, const Still& still);
 
 // One landscape, and the aircraft in it.
-class StillStudio {
+class StillRenderer {
  public:
   // scene: of the aircraft, in any landscape.
-  StillStudio(const StillLandscape& landscape, SceneParameters scene, const CameraModel& camera,
-              const Pose& X_BC);
+  StillRenderer(const StillLandscape& landscape, sim::SceneParameters scene,
+                const vision::CameraModel& camera, const Pose& X_BC);
 
   // Where the still is taken from: its place, or where a tree or a house stands there, the next of its own
   // that is free.
@@ -75,10 +75,10 @@ class StillStudio {
   bool Free(const Eigen::Vector2d& place_m, double height_m);
   void PutAircraft(const Pose& X_NB);
 
-  ModelPtr model_;
-  DataPtr data_;
+  sim::ModelPtr model_;
+  sim::DataPtr data_;
   Pose X_BC_;
-  Renderer renderer_;
+  sim::Renderer renderer_;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::bench

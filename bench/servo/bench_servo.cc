@@ -10,26 +10,27 @@
 #include "vision/camera/calibration_file.h"
 #include "vision/camera/camera_model.h"
 
-namespace kestrel {
+namespace kestrel::bench {
 namespace {
 
-Pinhole ThesisCamera() {
+vision::Pinhole ThesisCamera() {
   Mistakes mistakes;
-  const CameraModel camera = LoadCamera(Root() / "models" / "cameras" / "thesis_6mm.yaml", mistakes);
+  const vision::CameraModel camera =
+      vision::LoadCamera(Root() / "models" / "cameras" / "thesis_6mm.yaml", mistakes);
   mistakes.ThrowIfAny();
-  return std::get<Pinhole>(camera);
+  return std::get<vision::Pinhole>(camera);
 }
 
 void PrintTrial(const std::string& task, ServoLaw law, const ServoTrial& t) {
   fmt::print("| {:<36} | {:<20} | {:<9} | {:>7} | {:>8.2g} | {:>9.0f} | {:<4} | {:>9.2f} |\n", task,
-             Name(law), Name(t.end),
+             NameOf(law), NameOf(t.end),
              t.end == ServoEnd::kConverged ? fmt::format("{:.2f}", t.converged_s) : "", t.final_px,
              t.excursion_px, t.in_view ? "" : "left", t.retreat_m);
 }
 
 }  // namespace
 
-void BenchServo(std::vector<Figure>& table) {
+void BenchServo(std::vector<records::Figure>& table) {
   const ServoTrialOptions options{.camera = ThesisCamera()};
   const std::vector<ServoTask> tasks = ServoTasks();
   const std::vector<ServoLaw> laws = ServoLaws();
@@ -61,7 +62,7 @@ void BenchServo(std::vector<Figure>& table) {
       slowest = std::max(slowest, trial.converged_s);
       retreat = std::max(retreat, trial.retreat_m);
     }
-    const std::string name = fmt::format("servo, {}", Name(laws[l]));
+    const std::string name = fmt::format("servo, {}", NameOf(laws[l]));
     const double n = static_cast<double>(tasks.size());
     table.push_back({name + ": tasks that converge", converged / n, "share", {}, true, ""});
     table.push_back({name + ": and keep all points in view", in_view / n, "share", {}, true, ""});
@@ -70,4 +71,4 @@ void BenchServo(std::vector<Figure>& table) {
   }
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::bench

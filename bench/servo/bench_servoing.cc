@@ -8,7 +8,7 @@
 
 #include "base/statistics.h"
 
-namespace kestrel {
+namespace kestrel::bench {
 namespace {
 
 struct Mean95 {
@@ -26,46 +26,47 @@ Mean95 MeanOfDifferences(const std::vector<double>& a, const std::vector<double>
   return {mean, (1.96 + 2.4 / (n - 1)) * std::sqrt(variance / n)};
 }
 
-double LeastOf(std::vector<double> values) { return *std::min_element(values.begin(), values.end()); }
+double MinOf(std::vector<double> values) { return *std::min_element(values.begin(), values.end()); }
 
 }  // namespace
 
-void BenchFollow(SeedRange seeds, int jobs, std::vector<Figure>& table) {
+void BenchFollow(flight::SeedRange seeds, int jobs, std::vector<records::Figure>& table) {
   const auto add = [&](const std::string& name, double value, const char* unit,
                        std::optional<double> target = {}, bool at_least = false, const char* thesis = "") {
     table.push_back({name, value, unit, target, at_least, thesis});
   };
   const auto fly = [&](const char* scenario, const std::string& law, std::vector<std::string> overrides) {
     overrides.push_back("flight.law=" + law);
-    return FlyAll(scenario, overrides, seeds, jobs, fmt::format("{}, {}", scenario, law));
+    return flight::FlyAll(scenario, overrides, seeds, jobs, fmt::format("{}, {}", scenario, law));
   };
   for (const std::string law : {"whole", "decoupled"}) {
     const auto flights = fly("follow_step", law, {});
     const std::string name = "step of u, calm, " + law;
-    add(name + ": settling to 5 %, worst", Largest(Values(flights, "step_u_settle_s")), "s", 3, false,
+    add(name + ": settling to 5 %, worst", Largest(flight::Values(flights, "step_u_settle_s")), "s", 3, false,
         "not given");
-    add(name + ": overshoot, worst", 100 * Largest(Values(flights, "step_u_overshoot")), "%", 10, false,
-        "visible");
+    add(name + ": overshoot, worst", 100 * Largest(flight::Values(flights, "step_u_overshoot")), "%", 10,
+        false, "visible");
     add("step of diameter, calm, " + law + ": distance error, worst",
-        100 * Largest(Values(flights, "step_distance_error")), "%", 5, false, "visible");
+        100 * Largest(flight::Values(flights, "step_distance_error")), "%", 5, false, "visible");
   }
   for (const std::string law : {"whole", "decoupled"}) {
     const auto flights = fly("follow_step", law, {"wind.mean_m_s=3", "wind.turbulence=true", "criteria={}"});
-    const auto u = Values(flights, "follow_u_rms_px");
+    const auto u = flight::Values(flights, "follow_u_rms_px");
     add("steady, 3 m/s wind, " + law + ": u, RMS of all", Rms(u), "px", 4);
     add("steady, 3 m/s wind, " + law + ": u, the worst flight", Largest(u), "px");
-    add("steady, 3 m/s wind, " + law + ": v, RMS of all", Rms(Values(flights, "follow_v_rms_px")), "px");
+    add("steady, 3 m/s wind, " + law + ": v, RMS of all", Rms(flight::Values(flights, "follow_v_rms_px")),
+        "px");
   }
   for (const int speed : {1, 2}) {
     std::vector<std::vector<double>> u, distance;
     for (const std::string law : {"whole", "decoupled"}) {
       const auto flights = fly("follow", law, {fmt::format("targets.0.roam_m_s={}", speed)});
       const std::string name = fmt::format("paths to {} m/s, {}", speed, law);
-      const auto in_view = Values(flights, "in_view_share");
+      const auto in_view = flight::Values(flights, "in_view_share");
       add(name + ": in view, mean", 100 * Mean(in_view), "%", speed == 1 ? 99 : 95, true, "followed");
-      add(name + ": in view, the worst flight", 100 * LeastOf(in_view), "%");
-      u.push_back(Values(flights, "follow_u_rms_px")),
-          distance.push_back(Values(flights, "follow_distance_rms"));
+      add(name + ": in view, the worst flight", 100 * MinOf(in_view), "%");
+      u.push_back(flight::Values(flights, "follow_u_rms_px")),
+          distance.push_back(flight::Values(flights, "follow_distance_rms"));
       add(name + ": distance, RMS of all", 100 * Rms(distance.back()), "%", 10);
       add(name + ": distance, the worst flight", 100 * Largest(distance.back()), "%");
       add(name + ": u, RMS of all", Rms(u.back()), "px");
@@ -81,22 +82,22 @@ void BenchFollow(SeedRange seeds, int jobs, std::vector<Figure>& table) {
   }
 }
 
-void BenchAvoid(SeedRange seeds, int jobs, std::vector<Figure>& table) {
+void BenchAvoid(flight::SeedRange seeds, int jobs, std::vector<records::Figure>& table) {
   for (const char* scenario : {"avoid_left_1", "avoid_left_2", "avoid_right_1", "avoid_right_2"}) {
-    const auto flights = FlyAll(scenario, {}, seeds, jobs, scenario);
+    const auto flights = flight::FlyAll(scenario, {}, seeds, jobs, scenario);
     const std::string name = scenario;
-    table.push_back(
-        {name + ": closest distance, worst", LeastOf(Values(flights, "closest_m")), "m", 2, true, "> 2R"});
+    table.push_back({name + ": closest distance, worst", MinOf(flight::Values(flights, "closest_m")), "m", 2,
+                     true, "> 2R"});
     table.push_back({name + ": share of what 50 degrees allow, worst",
-                     LeastOf(Values(flights, "closest_share")), "", 0.9, true, ""});
-    table.push_back({name + ": from the course at the end, worst", Largest(Values(flights, "course_end_m")),
-                     "m", 1, false, "no end"});
+                     MinOf(flight::Values(flights, "closest_share")), "", 0.9, true, ""});
+    table.push_back({name + ": from the course at the end, worst",
+                     Largest(flight::Values(flights, "course_end_m")), "m", 1, false, "no end"});
     table.push_back({name + ": the same by its own position, worst",
-                     Largest(Values(flights, "course_end_own_m")), "m", 1, false, "no end"});
+                     Largest(flight::Values(flights, "course_end_own_m")), "m", 1, false, "no end"});
     table.push_back({name + ": outcome is the goal",
                      100 * Mean([&] {
                        std::vector<double> reached;
-                       for (const FlownScenario& f : flights)
+                       for (const flight::FlownScenario& f : flights)
                          reached.push_back(f.summary.outcome == "goal reached");
                        return reached;
                      }()),
@@ -104,4 +105,4 @@ void BenchAvoid(SeedRange seeds, int jobs, std::vector<Figure>& table) {
   }
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::bench

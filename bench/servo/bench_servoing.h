@@ -6,14 +6,14 @@
 #include "flight/simulated/fly_all.h"
 #include "records/figures.h"
 
-namespace kestrel {
+namespace kestrel::bench {
 
 // Thesis 5.4.2: steps of where a balloon is wanted in the image, in a calm and in wind, and balloons that are
 // carried about at up to 1 and 2 m/s; each by the whole law (5.20) and by the decoupled one (5.25), from the
 // same seeds.
-void BenchFollow(SeedRange seeds, int jobs, std::vector<Figure>& table);
+void BenchFollow(flight::SeedRange seeds, int jobs, std::vector<records::Figure>& table);
 
 // Thesis 6.4.3: the four flights past a thing that stands still.
-void BenchAvoid(SeedRange seeds, int jobs, std::vector<Figure>& table);
+void BenchAvoid(flight::SeedRange seeds, int jobs, std::vector<records::Figure>& table);
 
-}  // namespace kestrel
+}  // namespace kestrel::bench

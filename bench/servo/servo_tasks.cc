@@ -13,7 +13,7 @@
 #include "control/law/point_servo.h"
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::bench {
 namespace {
 
 using Eigen::Vector3d;
@@ -31,7 +31,7 @@ Pose Turn(const Vector3d& axis, double angle_deg) {
 }
 
 // Where a frame is after moving with a constant twist, exactly.
-Pose Displacement(const Twist& twist, double t_s) {
+Pose Displacement(const control::Twist& twist, double t_s) {
   const Vector3d turn = twist.w * t_s, way = twist.v * t_s;
   const double a = turn.norm();
   // by their series where the quotients would lose digits
@@ -41,8 +41,9 @@ Pose Displacement(const Twist& twist, double t_s) {
 }
 
 // The points as a camera sees them; none if one is not before it.
-std::optional<std::array<ImagePoint, 4>> See(const Pose& X_TC, const std::array<Vector3d, 4>& target) {
-  std::array<ImagePoint, 4> points;
+std::optional<std::array<control::ImagePoint, 4>> See(const Pose& X_TC,
+                                                      const std::array<Vector3d, 4>& target) {
+  std::array<control::ImagePoint, 4> points;
   const Pose X_CT = X_TC.Inverse();
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Vector3d p = X_CT * target[i];
@@ -52,8 +53,8 @@ std::optional<std::array<ImagePoint, 4>> See(const Pose& X_TC, const std::array<
   return points;
 }
 
-std::array<BearingPoint, 4> Bearings(const std::array<ImagePoint, 4>& points) {
-  std::array<BearingPoint, 4> bearings;
+std::array<control::BearingPoint, 4> Bearings(const std::array<control::ImagePoint, 4>& points) {
+  std::array<control::BearingPoint, 4> bearings;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Vector3d p = points[i].Z * points[i].s.homogeneous();
     bearings[i] = {p.normalized(), p.norm()};
@@ -61,22 +62,26 @@ std::array<BearingPoint, 4> Bearings(const std::array<ImagePoint, 4>& points) {
   return bearings;
 }
 
-Twist Answer(ServoLaw law, const std::array<ImagePoint, 4>& now, const std::array<ImagePoint, 4>& wanted,
-             const Pose& X_TC, const Pose& X_TD, double lambda_per_s) {
+control::Twist Answer(ServoLaw law, const std::array<control::ImagePoint, 4>& now,
+                      const std::array<control::ImagePoint, 4>& wanted, const Pose& X_TC, const Pose& X_TD,
+                      double lambda_per_s) {
   switch (law) {
     case ServoLaw::kPointsCurrent:
-      return TwistOf(PointServo(now, wanted, InteractionChoice::kCurrent, lambda_per_s));
+      return control::TwistOf(
+          control::PointServo(now, wanted, control::InteractionChoice::kCurrent, lambda_per_s));
     case ServoLaw::kPointsDesired:
-      return TwistOf(PointServo(now, wanted, InteractionChoice::kDesired, lambda_per_s));
+      return control::TwistOf(
+          control::PointServo(now, wanted, control::InteractionChoice::kDesired, lambda_per_s));
     case ServoLaw::kPointsMean:
-      return TwistOf(PointServo(now, wanted, InteractionChoice::kMean, lambda_per_s));
+      return control::TwistOf(
+          control::PointServo(now, wanted, control::InteractionChoice::kMean, lambda_per_s));
     case ServoLaw::kBearingsCurrent:
-      return TwistOf(
-          BearingServo(Bearings(now), Bearings(wanted), InteractionChoice::kCurrent, lambda_per_s));
+      return control::TwistOf(control::BearingServo(Bearings(now), Bearings(wanted),
+                                                    control::InteractionChoice::kCurrent, lambda_per_s));
     case ServoLaw::kPoseTarget:
-      return PbvsTargetTwist(X_TC.Inverse(), X_TD.Inverse(), lambda_per_s);
+      return control::PbvsTargetTwist(X_TC.Inverse(), X_TD.Inverse(), lambda_per_s);
     case ServoLaw::kPose:
-      return PbvsTwist(X_TD.Inverse() * X_TC, lambda_per_s);
+      return control::PbvsTwist(X_TD.Inverse() * X_TC, lambda_per_s);
   }
   return {};
 }
@@ -115,7 +120,7 @@ std::vector<ServoLaw> ServoLaws() {
           ServoLaw::kBearingsCurrent, ServoLaw::kPoseTarget,    ServoLaw::kPose};
 }
 
-const char* Name(ServoLaw law) {
+const char* NameOf(ServoLaw law) {
   switch (law) {
     case ServoLaw::kPointsCurrent:
       return "points, current";
@@ -133,7 +138,7 @@ const char* Name(ServoLaw law) {
   return "";
 }
 
-const char* Name(ServoEnd end) {
+const char* NameOf(ServoEnd end) {
   switch (end) {
     case ServoEnd::kConverged:
       return "converged";
@@ -151,7 +156,7 @@ const char* Name(ServoEnd end) {
 
 ServoTrial FlyServoTask(const ServoTask& task, ServoLaw law, const ServoTrialOptions& options) {
   const std::array<Vector3d, 4> target = Square(options.half_side_m);
-  const Pinhole& camera = options.camera;
+  const vision::Pinhole& camera = options.camera;
   const Pose X_DT = task.X_TC_goal.Inverse();
   const auto wanted = See(task.X_TC_goal, target);
   ServoTrial trial;
@@ -188,7 +193,7 @@ ServoTrial FlyServoTask(const ServoTask& task, ServoLaw law, const ServoTrialOpt
       within_since = k;
     }
 
-    const Twist twist = Answer(law, *now, *wanted, X_TC, task.X_TC_goal, options.lambda_per_s);
+    const control::Twist twist = Answer(law, *now, *wanted, X_TC, task.X_TC_goal, options.lambda_per_s);
     // By the size of the scene: what would take a million times the time of the law.
     const double speed = twist.v.norm() / kGoal_m + twist.w.norm();
     if (within_since < 0 && speed < 1e-6 * options.lambda_per_s) return trial.end = ServoEnd::kStalled, trial;
@@ -202,4 +207,4 @@ ServoTrial FlyServoTask(const ServoTask& task, ServoLaw law, const ServoTrialOpt
   return trial;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::bench

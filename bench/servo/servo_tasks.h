@@ -9,7 +9,7 @@
 
 // The canonical tasks on which Gans, Corke and Hutchinson (ICRA 2002) compare servo laws: a free-flying
 // camera without dynamics, exact measurements, a target of four points in a plane.
-namespace kestrel {
+namespace kestrel::bench {
 
 struct ServoTask {
   std::string name;
@@ -28,7 +28,7 @@ enum class ServoLaw {
   kPose,             // eq. (5.13)
 };
 std::vector<ServoLaw> ServoLaws();
-const char* Name(ServoLaw law);
+const char* NameOf(ServoLaw law);
 
 enum class ServoEnd {
   kConverged,  // every point within 1 px of its goal, to the end of the run
@@ -37,10 +37,10 @@ enum class ServoEnd {
   kStalled,    // it stands still away from the goal
   kTimeOut,
 };
-const char* Name(ServoEnd end);
+const char* NameOf(ServoEnd end);
 
 struct ServoTrialOptions {
-  Pinhole camera;
+  vision::Pinhole camera;
   double lambda_per_s = 1;
   double period_s = 0.02;
   double limit_s = 30;
@@ -60,4 +60,4 @@ struct ServoTrial {
 // the twist it answers.
 ServoTrial FlyServoTask(const ServoTask& task, ServoLaw law, const ServoTrialOptions& options);
 
-}  // namespace kestrel
+}  // namespace kestrel::bench

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <utility>
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
 std::string Program(const BatchJob& job) {
@@ -118,4 +118,4 @@ std::string MissingText(const BatchJob& job, const std::vector<std::int64_t>& ro
       count, numbers.size(), parts, array, array, words, ShardCommand(job, fmt::format("\"$I/{}\"", parts)));
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

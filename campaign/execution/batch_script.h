@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace kestrel {
+namespace kestrel::campaign {
 
 // What flies a campaign's parts on other machines. All of them see the folder, and have the program where it
 // is here. None of its texts holds a control character (base/printable.h).
@@ -37,4 +37,4 @@ std::string MergeCommand(const BatchJob& job);
 // number.
 std::string MissingText(const BatchJob& job, const std::vector<std::int64_t>& rows, int parts);
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -11,7 +11,7 @@
 #include <string_view>
 #include <utility>
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
 // The first line in which two texts differ, as "line 3 is 'a', and not 'b'".
@@ -88,9 +88,9 @@ std::string FirstDifference(const SampleTable& has, const SampleTable& wanted) {
   return {};
 }
 
-std::string OtherMachine(const Machine& has, const Machine& wanted) {
+std::string OtherMachine(const sim::Machine& has, const sim::Machine& wanted) {
   std::vector<std::string> all;
-  for (const auto& [name, values] : MachineDifferences(has, wanted))
+  for (const auto& [name, values] : sim::MachineDifferences(has, wanted))
     all.push_back(fmt::format("{} {} and not {}", name, values.first, values.second));
   return fmt::format(
       "{}: by that its last bits are others (where processors differ, the same --isa from the first flight "
@@ -146,4 +146,4 @@ std::vector<std::string> Differences(const CampaignIdentity& has, const Campaign
   return differences;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -7,7 +7,7 @@
 #include "campaign/table/sample_table.h"
 #include "sim/machine.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 
 // What a result file is of. Two files belong together when they are of the same flights: all of it agrees,
 // but for what a campaign's plan makes of the results (metrics, thresholds).
@@ -17,11 +17,11 @@ struct CampaignIdentity {
   std::string plan;      // the YAML text of the campaign's file
   std::string version;   // of the program
   SampleTable table;
-  std::string file = {};    // of the campaign, when it was last flown or merged; no part of what it is
-  std::string models = {};  // that its flights may be by, "NAME HASH" a line
-  double limit_s = 0;       // of wall time, for a run
-  Machine machine = {};     // that its flights are flown on; empty: not known, as of older files
-  bool tuning = false;      // the flights of a search: what a row flies with, the plan says alone
+  std::string file = {};      // of the campaign, when it was last flown or merged; no part of what it is
+  std::string models = {};    // that its flights may be by, "NAME HASH" a line
+  double limit_s = 0;         // of wall time, for a run
+  sim::Machine machine = {};  // that its flights are flown on; empty: not known, as of older files
+  bool tuning = false;        // the flights of a search: what a row flies with, the plan says alone
 };
 
 // In what two differ, a sentence each that names what: name, version, machine, models, plan, scenario, table;
@@ -31,4 +31,4 @@ std::vector<std::string> Differences(const CampaignIdentity& has, const Campaign
 // The names of the model files that are not alike, by CampaignIdentity::models.
 std::vector<std::string> ModelsThatDiffer(const std::string& has, const std::string& wanted);
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -12,7 +12,7 @@
 #include "base/stopwatch.h"
 #include "flight/simulated/runner.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
 // Not getrusage's, which a process inherits from who started it, but where there is no /proc.
@@ -34,13 +34,13 @@ RunResult FlyRow(const RunOrder& order) {
   // What the flight before took is given back, or a worker would hold the most that it ever needed twice.
   malloc_trim(0);
   try {
-    LoadedScenario loaded = LoadScenario(order.scenario, order.overrides, false);
+    flight::LoadedScenario loaded = flight::LoadScenario(order.scenario, order.overrides, false);
     loaded.simulator.draw_beside = false;
-    RunOptions options;
+    flight::RunOptions options;
     options.folder = order.folder;
     options.video = order.video;
     const auto start = std::chrono::steady_clock::now();
-    const Summary summary = RunFlight(loaded, options).summary;
+    const records::Summary summary = flight::RunFlight(loaded, options).summary;
     result.execution.wall_s = SecondsSince(start);
     if (summary.complete) {
       result.status = summary.passed ? RunStatus::kPassed : RunStatus::kFailed;
@@ -61,4 +61,4 @@ RunResult FlyRow(const RunOrder& order) {
   return result;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -18,7 +18,7 @@
 #include "base/yaml/yaml_fields.h"
 #include "campaign/execution/shard.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
 namespace fs = std::filesystem;
@@ -203,7 +203,7 @@ void ReadOrigin(sqlite3* db, const fs::path& file, CampaignIdentity& identity) {
   identity.file = texts["file"];
   if (!texts.contains(kMachine)) return;
   try {
-    identity.machine = nlohmann::json::parse(texts[kMachine]).get<Machine>();
+    identity.machine = nlohmann::json::parse(texts[kMachine]).get<sim::Machine>();
   } catch (const nlohmann::json::exception&) {
     RefuseAsDamaged(file, "what it says of its machine is no list of names with values");
   }
@@ -518,4 +518,4 @@ std::vector<RunResult> ResultStore::Results() const {
   }
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

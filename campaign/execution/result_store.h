@@ -12,7 +12,7 @@
 #include "campaign/execution/campaign_identity.h"
 #include "campaign/execution/run_result.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 
 // The differences of a result file, by what is on the disk of it: what another machine is writing is left
 // alone, and may not be seen yet. Nothing of what cannot be read.
@@ -64,4 +64,4 @@ class ResultStore {
   std::unique_ptr<Database> database_;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

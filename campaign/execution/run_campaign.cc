@@ -17,7 +17,7 @@
 #include "campaign/execution/scenario_files.h"
 #include "flight/simulated/scenario.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
 namespace fs = std::filesystem;
@@ -202,12 +202,12 @@ CampaignWork WorkOf(const LoadedCampaign& campaign, const std::string& rule) {
   work.scenario = campaign.plan.scenario;
   work.set = campaign.plan.set;
   work.limit_s = campaign.plan.limit_s;
-  work.identity = {campaign.plan.name, ToYaml(LoadScenario(work.scenario, work.set).scenario),
+  work.identity = {campaign.plan.name, ToYaml(flight::LoadScenario(work.scenario, work.set).scenario),
                    campaign.text,      Version(),
                    campaign.table,     campaign.file};
   work.identity.models = ScenarioFiles(work.scenario, work.set, campaign.table.keys).Models();
   work.identity.limit_s = work.limit_s;
-  work.identity.machine = ThisMachine();
+  work.identity.machine = sim::ThisMachine();
   if (!rule.empty()) work.identity.plan += fmt::format("\n# {}\n", rule);
   return work;
 }
@@ -240,4 +240,4 @@ CampaignEnd RunCampaign(const CampaignWork& work, const CampaignOptions& options
   return Campaign(work, options).Run();
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -14,7 +14,7 @@
 #include "campaign/execution/worker_pool.h"
 #include "campaign/table/campaign_plan.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 
 // All that a campaign's runs depend on, and how long one may take.
 struct CampaignWork {
@@ -83,4 +83,4 @@ int Cores();
 // and is gone on with.
 CampaignEnd RunCampaign(const CampaignWork& work, const CampaignOptions& options);
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

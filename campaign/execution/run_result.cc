@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
 constexpr std::array<std::pair<RunStatus, std::string_view>, 6> kNames = {
@@ -32,4 +32,4 @@ RunStatus RunStatusOf(std::string_view name) {
   throw std::runtime_error(fmt::format("'{}' is no status of a run", name));
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-namespace kestrel {
+namespace kestrel::campaign {
 
 // How a run of a campaign ended.
 enum class RunStatus {
@@ -40,4 +40,4 @@ struct RunResult {
   } execution;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -12,7 +12,7 @@
 #include "flight/gains_file.h"
 #include "flight/simulated/scenario.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 
 namespace fs = std::filesystem;
 
@@ -20,12 +20,12 @@ ScenarioFiles::ScenarioFiles(const std::string& scenario, const std::vector<std:
                              const std::vector<std::string>& varying) {
   const fs::path file = ScenarioFile(scenario);
   text_of_[file] = ReadFile(file);
-  if (const auto gains = NamedGains(file, set).file()) text_of_[*gains] = ReadFile(*gains);
+  if (const auto gains = flight::NamedGains(file, set).file()) text_of_[*gains] = ReadFile(*gains);
   const auto varies = [&](const std::string& key) {
     return std::any_of(varying.begin(), varying.end(),
                        [&](const std::string& each) { return each == key || key.starts_with(each + '.'); });
   };
-  const Scenario s = LoadScenario(scenario, set, false).scenario;
+  const flight::Scenario s = flight::LoadScenario(scenario, set, false).scenario;
   const fs::path models = Root() / "models";
   AddModels(models / "vehicles" / (varies("vehicle") ? "" : s.vehicle));
   AddModels(models / "worlds" / (varies("world") ? "" : s.world));
@@ -67,4 +67,4 @@ void ScenarioFiles::RequireUnchanged() const {
           fmt::format("{} was changed while it was flown by; what was flown before is kept", file.string()));
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

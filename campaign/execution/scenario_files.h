@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace kestrel {
+namespace kestrel::campaign {
 
 // The files that every flight by a scenario is read from anew: its own, that of the gains it names, and its
 // models: vehicle, camera, world and pad.
@@ -28,4 +28,4 @@ class ScenarioFiles {
   std::map<std::string, std::filesystem::path> models_;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

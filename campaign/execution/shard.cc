@@ -10,10 +10,10 @@
 
 #include "base/yaml/yaml_fields.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
-constexpr int kMostShards = 100000;
+constexpr int kMaxShards = 100000;
 
 // Both numbers of "I<between>N".
 std::optional<Shard> Numbers(std::string_view text, std::string_view between) {
@@ -26,7 +26,7 @@ std::optional<Shard> Numbers(std::string_view text, std::string_view between) {
   };
   if (!number(text.substr(0, at), shard.number) || !number(text.substr(at + between.size()), shard.of))
     return std::nullopt;
-  if (shard.of < 1 || shard.of > kMostShards || shard.number < 1 || shard.number > shard.of)
+  if (shard.of < 1 || shard.of > kMaxShards || shard.number < 1 || shard.number > shard.of)
     return std::nullopt;
   return shard;
 }
@@ -41,7 +41,7 @@ Shard ShardOf(const std::string& text) {
   if (!shard)
     throw InputError({fmt::format(
         "--shard: '{}' is no part of a table; valid: I/N with I from 1 to N, and N to {}, such as 3/8", text,
-        kMostShards)});
+        kMaxShards)});
   return *shard;
 }
 
@@ -101,7 +101,7 @@ Merged Merge(const std::filesystem::path& into, CampaignIdentity identity,
     }
   };
   Merged merged;
-  std::optional<Machine> machine;  // of the first part
+  std::optional<sim::Machine> machine;  // of the first part
   for (const auto& file : parts) {
     try {
       const ResultStore part = ResultStore::Read(file);
@@ -132,4 +132,4 @@ Merged Merge(const std::filesystem::path& into, CampaignIdentity identity,
   return merged;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -9,7 +9,7 @@
 
 #include "campaign/execution/result_store.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 
 // A part of a table: of its rows those r with r % of == number - 1.
 struct Shard {
@@ -44,4 +44,4 @@ Merged Merge(const std::filesystem::path& into, CampaignIdentity identity,
 // Otherwise what differs, in words.
 std::string DifferenceOf(const RunResult& a, const RunResult& b);
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -25,16 +25,16 @@
 #include "base/version.h"
 #include "campaign/execution/worker_wire.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kMostKilledStarts = 50;   // by someone else
-constexpr int kMostDeaths = 2;          // of a run by its own hand
-constexpr int kMostKilled = 5;          // of a run from without
-constexpr double kMostStart_s = 60;     // until a worker greets
-constexpr int kMostStarts = 3;          // of workers in a row that cannot fly
+constexpr int kMaxKilledStarts = 50;    // by someone else
+constexpr int kMaxDeaths = 2;           // of a run by its own hand
+constexpr int kMaxKilled = 5;           // of a run from without
+constexpr double kMaxStart_s = 60;      // until a worker greets
+constexpr int kMaxStarts = 3;           // of workers in a row that cannot fly
 constexpr std::size_t kLogTail = 4096;  // bytes
 
 // The end of what a worker said since its order, as UTF-8.
@@ -102,7 +102,7 @@ struct WorkerPool::Workers {
   void Start(Worker& w);
   int End(Worker& w);  // by force; its status
   void Send(Worker& w);
-  void Hear(Worker& w);
+  void Receive(Worker& w);
   void Died(Worker& w, const std::string& of = {});  // of: what it did wrong; else of itself
   void TookTooLong(Worker& w);
   void Report(Worker& w, RunResult result);
@@ -163,7 +163,7 @@ int WorkerPool::Workers::End(Worker& w) {
 }
 
 void WorkerPool::Workers::Send(Worker& w) {
-  w.until_s = MonotonicNow_s() + (w.ready ? limit_s : kMostStart_s);
+  w.until_s = MonotonicNow_s() + (w.ready ? limit_s : kMaxStart_s);
   // Its log is of this order alone, and of its start if that is under way.
   if (w.ready) std::ofstream(w.log, std::ios::trunc);
   const std::string line = OrderLine(*w.order);
@@ -201,12 +201,12 @@ void WorkerPool::Workers::Died(Worker& w, const std::string& of) {
   const bool from_without = of.empty() && EndedFromWithout(status);
   if (!w.ready) {
     ++(from_without ? killed_starts : failed_starts);
-    if (failed_starts >= kMostStarts || killed_starts >= kMostKilledStarts)
+    if (failed_starts >= kMaxStarts || killed_starts >= kMaxKilledStarts)
       throw std::runtime_error(
           fmt::format("workers cannot be started: {}: {}\n{}", FileOf(command.front()), why, TailOf(w.log)));
   } else if (w.order) {
     ++(from_without ? w.killed : w.deaths);
-    if (w.deaths >= kMostDeaths || w.killed >= kMostKilled) ReportBadEnd(w, RunStatus::kCrashed, why);
+    if (w.deaths >= kMaxDeaths || w.killed >= kMaxKilled) ReportBadEnd(w, RunStatus::kCrashed, why);
   }
   Start(w);
   if (w.order) Send(w);
@@ -214,14 +214,14 @@ void WorkerPool::Workers::Died(Worker& w, const std::string& of) {
 
 void WorkerPool::Workers::TookTooLong(Worker& w) {
   const std::string why =
-      fmt::format("took longer than the {:g} s of wall time that it may", w.ready ? limit_s : kMostStart_s);
+      fmt::format("took longer than the {:g} s of wall time that it may", w.ready ? limit_s : kMaxStart_s);
   if (!w.ready) return Died(w, why);
   End(w);
   ReportBadEnd(w, RunStatus::kTimedOut, why);
   Start(w);
 }
 
-void WorkerPool::Workers::Hear(Worker& w) {
+void WorkerPool::Workers::Receive(Worker& w) {
   char bytes[1 << 16];
   const ssize_t n = recv(w.wire, bytes, sizeof bytes, MSG_DONTWAIT);
   if (n < 0 && (errno == EINTR || errno == EAGAIN)) return;
@@ -314,7 +314,7 @@ std::optional<RunResult> WorkerPool::Take(double most_s) {
                            static_cast<int>(std::ceil(std::clamp(next_s - now_s, 0.0, 3600.0) * 1e3)));
     if (count < 0) return std::nullopt;
     for (std::size_t i = 0; i < wires.size(); ++i)
-      if (wires[i].revents != 0) workers_->Hear(workers_->all[i]);
+      if (wires[i].revents != 0) workers_->Receive(workers_->all[i]);
     for (auto& w : workers_->all) {
       if (!w.order || MonotonicNow_s() < w.until_s) continue;
       workers_->TookTooLong(w);
@@ -323,4 +323,4 @@ std::optional<RunResult> WorkerPool::Take(double most_s) {
   }
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

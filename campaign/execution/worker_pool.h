@@ -11,7 +11,7 @@
 
 #include "campaign/execution/run_result.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 
 // A flight that a worker is to fly.
 struct RunOrder {
@@ -52,4 +52,4 @@ class WorkerPool {
   std::unique_ptr<Workers> workers_;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
 using nlohmann::json;
@@ -90,4 +90,4 @@ bool IsGreeting(const std::string& line) {
   return all.is_object() && all.value("ready", false);
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -6,7 +6,7 @@
 #include "campaign/execution/run_result.h"
 #include "campaign/execution/worker_pool.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 
 // What goes between the pool and a worker, a line of JSON each: orders there; back one greeting, when it can
 // fly, and then a report for each order. Numbers come through to their last bit.
@@ -22,4 +22,4 @@ RunOrder OrderOf(const std::string& line);
 RunResult ReportOf(const std::string& line);
 bool IsGreeting(const std::string& line);
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

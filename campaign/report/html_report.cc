@@ -12,7 +12,7 @@
 #include "base/file/model_files.h"
 #include "campaign/report/page_data.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
 namespace fs = std::filesystem;
@@ -90,4 +90,4 @@ std::string HtmlReport(const ReportSubject& subject, const fs::path& page_folder
                                           {"script", script}});
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -9,7 +9,7 @@
 #include "campaign/execution/result_store.h"
 #include "campaign/statistics/campaign_summary.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 
 // How a search for gains went, one of several by a method.
 struct SearchCurve {
@@ -52,4 +52,4 @@ struct ReportSubject {
 // package libjs-chart.js, are not there.
 std::string HtmlReport(const ReportSubject& subject, const std::filesystem::path& page_folder);
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -8,13 +8,13 @@
 #include "base/user_file.h"
 #include "campaign/report/trajectory.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kMostTrajectories = 60, kPointsOfTrajectory = 250;
+constexpr std::size_t kMaxTrajectories = 60, kPointsOfTrajectory = 250;
 
 // From its folder: a page and its recordings may be moved together. As a link has it; empty: outside that
 // folder, where a page that somebody was sent is not to lead. The ./ before it keeps a name from being a
@@ -85,7 +85,7 @@ Json TrajectoriesOf(const ReportSubject& subject) {
     for (const RunResult& run : subject.results) {
       const fs::path recording = RecordingOf(subject, run);
       if ((run.status == RunStatus::kPassed) != passed || recording.empty()) continue;
-      if (all.size() == kMostTrajectories) return all;
+      if (all.size() == kMaxTrajectories) return all;
       if (const auto t = ReadTrajectory(recording / "telemetry.csv", kPointsOfTrajectory))
         all.push_back({{"row", run.row},
                        {"t_s", Rounded(t->t_s)},
@@ -171,4 +171,4 @@ std::string PageData(const ReportSubject& subject, const fs::path& page_folder) 
   return text;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -6,7 +6,7 @@
 
 #include "campaign/report/html_report.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 
 // The data of a page as JSON that may stand within a script element. Numbers read back to the same bits; what
 // is not finite is null.
@@ -23,4 +23,4 @@ namespace kestrel {
 //                 log}], searches: [{method, repetition, flights, cost, held_out or null}]}
 std::string PageData(const ReportSubject& subject, const std::filesystem::path& page_folder);
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -11,7 +11,7 @@
 #include "base/user_file.h"
 #include "records/telemetry/csv_cells.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
 std::optional<double> Number(std::string_view text) {
@@ -25,11 +25,11 @@ std::optional<double> Number(std::string_view text) {
 
 std::optional<Trajectory> ReadTrajectory(const std::filesystem::path& telemetry, std::size_t most_points) {
   constexpr std::array kNames = {"t_s", "truth_x_m", "truth_y_m", "truth_z_m"};
-  std::istringstream file(ReadUserFile(telemetry, kMostDataBytes).bytes);
+  std::istringstream file(ReadUserFile(telemetry, kMaxDataBytes).bytes);
   std::string line;
   if (!std::getline(file, line)) return std::nullopt;
   const std::string header = line;
-  const std::vector<std::string_view> names = CsvCells(header);
+  const std::vector<std::string_view> names = records::CsvCells(header);
   std::array<std::size_t, 4> places;
   for (std::size_t k = 0; k < kNames.size(); ++k) {
     places[k] = std::find(names.begin(), names.end(), kNames[k]) - names.begin();
@@ -37,7 +37,7 @@ std::optional<Trajectory> ReadTrajectory(const std::filesystem::path& telemetry,
   }
   std::vector<std::array<double, 4>> points;
   while (std::getline(file, line)) {
-    const std::vector<std::string_view> cells = CsvCells(line);
+    const std::vector<std::string_view> cells = records::CsvCells(line);
     if (cells.size() != names.size()) continue;
     std::array<std::optional<double>, 4> found;
     for (std::size_t k = 0; k < found.size(); ++k) found[k] = Number(cells[places[k]]);
@@ -55,4 +55,4 @@ std::optional<Trajectory> ReadTrajectory(const std::filesystem::path& telemetry,
   return trajectory;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-namespace kestrel {
+namespace kestrel::campaign {
 
 // Where an aircraft truly was, in N.
 struct Trajectory {
@@ -18,4 +18,4 @@ struct Trajectory {
 // columns.
 std::optional<Trajectory> ReadTrajectory(const std::filesystem::path& telemetry, std::size_t most_points);
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -11,7 +11,7 @@
 #include "campaign/statistics/share_sequence.h"
 #include "campaign/statistics/stop_rule.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
 constexpr std::size_t kWorst = 5;  // runs of a metric
@@ -185,4 +185,4 @@ std::string ToJson(const CampaignSummary& s) {
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

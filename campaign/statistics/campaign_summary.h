@@ -12,7 +12,7 @@
 #include "campaign/statistics/metric_aims.h"
 #include "campaign/statistics/thresholds.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 
 // What a metric came to, over the runs that have it as a finite number. Intervals are of 95 %.
 struct MetricSummary {
@@ -84,4 +84,4 @@ std::string ToText(const CampaignSummary& summary);
 //   thresholds   [{name, value, low, high, bound, limit, at_least, passed, runs, without}]
 std::string ToJson(const CampaignSummary& summary);
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

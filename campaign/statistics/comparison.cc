@@ -10,7 +10,7 @@
 
 #include "base/yaml/yaml_fields.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
 void RefuseOtherTable(const SampleTable& a, const SampleTable& b) {
@@ -67,7 +67,7 @@ std::vector<std::string> SettingsThatDiffer(const CampaignIdentity& a, const Cam
   if (a.machine.empty() != b.machine.empty())
     differs.push_back(fmt::format("machine: that of {} is not known", a.machine.empty() ? "A" : "B"));
   else
-    for (const auto& [name, values] : MachineDifferences(a.machine, b.machine))
+    for (const auto& [name, values] : sim::MachineDifferences(a.machine, b.machine))
       differs.push_back(fmt::format("machine/{}: {} in A, {} in B", name, values.first, values.second));
   return differs;
 }
@@ -291,4 +291,4 @@ std::string ToJson(const Comparison& c) {
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

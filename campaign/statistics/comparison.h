@@ -9,7 +9,7 @@
 #include "campaign/statistics/metric_aims.h"
 #include "campaign/statistics/paired.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 
 struct CampaignResults {
   CampaignIdentity identity;
@@ -58,4 +58,4 @@ std::string ToText(const Comparison& comparison);
 // shown", sentence.
 std::string ToJson(const Comparison& comparison);
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

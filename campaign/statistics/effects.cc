@@ -10,12 +10,12 @@
 
 #include "base/statistics.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
-constexpr std::size_t kFewest = 10;             // pairs of which anything is said
-constexpr std::size_t kFewestForIndex = 50;     // of two groups of neighbours and their lines
-constexpr std::int64_t kFewestOfEitherEnd = 5;  // of success and of failure
+constexpr std::size_t kFewest = 10;          // pairs of which anything is said
+constexpr std::size_t kMinForIndex = 50;     // of two groups of neighbours and their lines
+constexpr std::int64_t kMinOfEitherEnd = 5;  // of success and of failure
 
 double NormalQuantile(double level) { return boost::math::quantile(boost::math::normal(), (1 + level) / 2); }
 
@@ -153,7 +153,7 @@ std::optional<Estimate> ShareBetweenGroups(const std::vector<std::size_t>& group
 
 std::optional<Estimate> FirstOrderIndex(const std::vector<double>& x, const std::vector<double>& y,
                                         double level) {
-  if (x.size() < kFewestForIndex) return std::nullopt;
+  if (x.size() < kMinForIndex) return std::nullopt;
   const std::vector<double> ranks = RanksOf(x);
   return ShareExplained(GroupsOfNeighbours(x), y, &ranks, level);
 }
@@ -187,7 +187,7 @@ std::vector<Effect> EffectsOf(const SampleTable& table, const std::vector<RunRes
       }
       if (metric == "success") {
         const auto passed = std::count(y.begin(), y.end(), 1.0);
-        if (std::min<std::int64_t>(passed, std::ssize(y) - passed) < kFewestOfEitherEnd) continue;
+        if (std::min<std::int64_t>(passed, std::ssize(y) - passed) < kMinOfEitherEnd) continue;
       }
       const auto shown = [](std::optional<Estimate> index) {
         if (index) index->value = std::clamp(index->value, 0.0, 1.0);
@@ -206,4 +206,4 @@ std::vector<Effect> EffectsOf(const SampleTable& table, const std::vector<RunRes
   return effects;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -9,7 +9,7 @@
 #include "campaign/statistics/intervals.h"
 #include "campaign/table/sample_table.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 
 // The correlation of the ranks of x and y (Spearman), ties having the mean of their ranks; the interval by
 // Fisher's transformation with the variance of Bonett and Wright 2000. None: fewer than 10 pairs, or one of
@@ -53,4 +53,4 @@ std::vector<Effect> EffectsOf(const SampleTable& table, const std::vector<RunRes
 // The number that a text is from its beginning to its end, if it is one.
 std::optional<double> NumberIn(const std::string& text);
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

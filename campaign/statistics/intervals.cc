@@ -7,7 +7,7 @@
 
 #include "base/statistics.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
 // The W of which Hall's g(W) = ((1 + skew W / 3)^3 - 1) / skew + skew / (6 n) is y.
@@ -66,4 +66,4 @@ Estimate QuantileOf(std::vector<double> samples, double q, double level) {
   return estimate;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

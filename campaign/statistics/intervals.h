@@ -7,7 +7,7 @@
 
 #include "base/share_interval.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 
 // A number from samples and where the true one lies.
 struct Estimate {
@@ -27,4 +27,4 @@ Estimate MeanOf(const std::vector<double>& samples, double level = 0.95);
 // the samples are too few to say. Samples may be infinite, but must be numbers.
 Estimate QuantileOf(std::vector<double> samples, double q, double level = 0.95);
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -8,7 +8,7 @@
 #include "base/yaml/yaml_fields.h"
 #include "campaign/table/campaign_plan.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
 using Kind = ConfigNode::Kind;
@@ -67,4 +67,4 @@ MetricAims AimsOf(const CampaignIdentity& identity) {
   return aims;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -7,7 +7,7 @@
 
 #include "campaign/execution/result_store.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 
 enum class Better { kLower, kHigher };
 
@@ -22,4 +22,4 @@ MetricAims AimsOf(const CampaignIdentity& identity);
 // Every value of a YAML text by its dotted key, as it is written. Of no YAML: throws InputError.
 std::map<std::string, std::string> ValuesOf(const std::string& yaml, const std::string& name);
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

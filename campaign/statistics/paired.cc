@@ -11,7 +11,7 @@
 #include "base/random.h"
 #include "base/statistics.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
 const boost::math::normal kNormal;
@@ -114,4 +114,4 @@ PairedDifferences DifferencesOf(const std::vector<double>& a, const std::vector<
           StudentInterval(differences, stricter_level)};
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

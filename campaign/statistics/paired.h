@@ -6,7 +6,7 @@
 
 #include "campaign/statistics/intervals.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 
 // How the same rows ended in two campaigns.
 struct PairedEnds {
@@ -42,4 +42,4 @@ struct PairedDifferences {
 PairedDifferences DifferencesOf(const std::vector<double>& a, const std::vector<double>& b,
                                 std::uint64_t seed, double stricter_level = 0.95, int resamples = 4000);
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <set>
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
 // A spreadsheet takes a cell that begins so for a formula, which may call programs; an apostrophe before it
@@ -71,4 +71,4 @@ std::string ToCsv(const SampleTable& table, const std::vector<RunResult>& result
   return text;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace kestrel {
+namespace kestrel::campaign {
 
 Interval ShareSequence(std::int64_t successes, std::int64_t runs, double level) {
   if (runs == 0) return {0, 1};
@@ -33,4 +33,4 @@ bool NarrowEnough(std::int64_t successes, std::int64_t runs, double half_width, 
   return interval.high - interval.low <= 2 * half_width;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

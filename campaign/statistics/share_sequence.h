@@ -5,7 +5,7 @@
 
 #include "base/share_interval.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 
 // The probability of success after so many successes of so many runs, by intervals that hold it after every
 // run at once with the level's probability: however often one looks, and whenever one stops because of what
@@ -23,4 +23,4 @@ Interval ShareSequence(std::int64_t successes, std::int64_t runs, double level =
 // Whether that interval is no wider than 2 x half_width: the rule of --stop-when.
 bool NarrowEnough(std::int64_t successes, std::int64_t runs, double half_width, double level = 0.95);
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

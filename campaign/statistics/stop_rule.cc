@@ -7,7 +7,7 @@
 
 #include "campaign/statistics/effects.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
 constexpr std::string_view kRule = "--stop-when ";
@@ -26,4 +26,4 @@ std::optional<double> StopRuleOf(const CampaignIdentity& identity) {
   return NumberIn(std::string(text.substr(start.size())));
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

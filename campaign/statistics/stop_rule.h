@@ -6,7 +6,7 @@
 
 #include "campaign/execution/result_store.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 
 // The line by which a plan's text tells that the campaign ends when its share of successes is known to within
 // so much, to either side: "--stop-when 0.02". It is a part of the plan, for what is counted depends on it.
@@ -16,4 +16,4 @@ std::string StopRule(double half_width);
 // so: its share has the interval of ShareSequence, no other.
 std::optional<double> StopRuleOf(const CampaignIdentity& identity);
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

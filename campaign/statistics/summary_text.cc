@@ -8,11 +8,11 @@
 #include "campaign/counted.h"
 #include "campaign/statistics/campaign_summary.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
-constexpr std::size_t kMostRows = 8;     // of a group of failures that are named
-constexpr std::size_t kMostEffects = 6;  // on one metric
+constexpr std::size_t kMaxRows = 8;     // of a group of failures that are named
+constexpr std::size_t kMaxEffects = 6;  // on one metric
 
 std::string Shown(const Estimate& e) {
   const auto end = [](double x) { return std::isfinite(x) ? fmt::format("{:.3g}", x) : std::string("?"); };
@@ -49,8 +49,8 @@ void AddFailures(const CampaignSummary& s, std::string& text) {
     std::string rows = fmt::format(
         "{}",
         fmt::join(f.rows.begin(),
-                  f.rows.begin() + static_cast<std::ptrdiff_t>(std::min(f.rows.size(), kMostRows)), ", "));
-    if (f.rows.size() > kMostRows) rows += ", ...";
+                  f.rows.begin() + static_cast<std::ptrdiff_t>(std::min(f.rows.size(), kMaxRows)), ", "));
+    if (f.rows.size() > kMaxRows) rows += ", ...";
     text += fmt::format("| {:>5} | {:<10} | {:<40} | {:<40} |\n", f.rows.size(), NameOf(f.status),
                         Short(f.outcome), rows);
   }
@@ -70,7 +70,7 @@ void AddEffects(const CampaignSummary& s, std::string& text) {
       if (e.of == of) effects.push_back(&e);
     std::stable_sort(effects.begin(), effects.end(),
                      [](const Effect* a, const Effect* b) { return Size(*a) > Size(*b); });
-    effects.resize(std::min(effects.size(), kMostEffects));
+    effects.resize(std::min(effects.size(), kMaxEffects));
     for (const Effect* e : effects)
       lines += fmt::format("| {:<30} | {:<36} | {:>25} | {:>25} |\n", e->of, e->key,
                            e->rank_correlation ? Shown(*e->rank_correlation) : "",
@@ -130,4 +130,4 @@ std::string ToText(const CampaignSummary& s) {
   return text;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -11,7 +11,7 @@
 #include "campaign/statistics/share_sequence.h"
 #include "records/junit.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -78,9 +78,9 @@ std::vector<JudgedThreshold> Judge(const std::map<std::string, Threshold>& thres
 }
 
 std::string ToJunit(const std::string& campaign, const std::vector<JudgedThreshold>& thresholds) {
-  std::vector<JunitCase> cases;
+  std::vector<records::JunitCase> cases;
   for (const JudgedThreshold& t : thresholds) {
-    JunitCase& test = cases.emplace_back(JunitCase{campaign, campaign, t.name, 0, {}, {}});
+    records::JunitCase& test = cases.emplace_back(records::JunitCase{campaign, campaign, t.name, 0, {}, {}});
     if (t.passed) continue;
     const char* end = t.at_least ? "lower" : "upper";
     const auto shown = [](double x) {
@@ -99,7 +99,7 @@ std::string ToJunit(const std::string& campaign, const std::vector<JudgedThresho
       test.failure += fmt::format("; {} without it count{} as worse", Counted(t.without, "run"),
                                   t.without == 1 ? "s" : "");
   }
-  return JunitXml(cases);
+  return records::JunitXml(cases);
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

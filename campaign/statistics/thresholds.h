@@ -10,7 +10,7 @@
 #include "campaign/statistics/intervals.h"
 #include "campaign/table/campaign_plan.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 
 // A threshold and what the runs say of it.
 struct JudgedThreshold {
@@ -35,4 +35,4 @@ std::vector<JudgedThreshold> Judge(const std::map<std::string, Threshold>& thres
 // JUnit XML of them, a case each, for CI servers.
 std::string ToJunit(const std::string& campaign, const std::vector<JudgedThreshold>& thresholds);
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -12,7 +12,7 @@
 #include "campaign/table/read_variation.h"
 #include "campaign/table/sampling.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
 constexpr std::string_view kNoted = "# --set ";
@@ -27,7 +27,7 @@ void Fields(Visitor& v, CampaignFile& f) {
   v("name", f.plan.name);
   v(Required("scenario"), f.plan.scenario);
   v("set", f.plan.set);
-  v("runs", f.plan.runs, 1, kMostRows);
+  v("runs", f.plan.runs, 1, kMaxRows);
   v("seed", f.plan.seed);
   v("sampling", f.plan.sampling, {"independent", "latin_hypercube", "sobol"});
   v("vary", f.vary);
@@ -75,7 +75,7 @@ void CheckResults(const ConfigNode& root, const CampaignPlan& plan, Mistakes& mi
   for (const auto& [metric, threshold] : plan.thresholds) {
     const std::string& where = WhereIn(root, {"thresholds", metric});
     const std::string path = "thresholds." + metric;
-    const bool said = SaidOf(mistakes, path);
+    const bool said = IsReported(mistakes, path);
     metrics.Check(metric, {"success"}, where, path, mistakes);
     if (!said && !threshold.max && !threshold.min)
       mistakes.Add(where, path, "has no limit; valid: max, min or both");
@@ -128,4 +128,4 @@ LoadedCampaign LoadCampaign(const std::filesystem::path& file, const std::vector
   return loaded;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -11,7 +11,7 @@
 #include "campaign/table/distribution.h"
 #include "campaign/table/sample_table.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 
 // Keys of which the values are drawn together: their ranks correlate by this much, each with each.
 struct CorrelatedGroup {
@@ -91,4 +91,4 @@ std::vector<std::string> OverridesNotedIn(const std::string& text);
 LoadedCampaign LoadCampaign(const std::filesystem::path& file,
                             const std::vector<std::string>& overrides = {});
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -7,7 +7,7 @@
 #include <boost/math/distributions/normal.hpp>
 #include <cmath>
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
 constexpr double kDeviations = 10;
@@ -72,4 +72,4 @@ std::vector<std::string> Extremes(const Distribution& distribution) {
   return std::visit(Ends{}, distribution);
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -6,7 +6,7 @@
 #include <variant>
 #include <vector>
 
-namespace kestrel {
+namespace kestrel::campaign {
 
 // How a key varies.
 struct Uniform {
@@ -43,4 +43,4 @@ std::string ValueAt(const Distribution& distribution, double u);
 // normal, which has none, the numbers 10 deviations off.
 std::vector<std::string> Extremes(const Distribution& distribution);
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

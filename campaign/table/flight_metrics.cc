@@ -9,7 +9,7 @@
 #include "flight/simulated/possible_metrics.h"
 #include "records/telemetry/metrics.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
 bool Has(const std::vector<std::string>& names, const std::string& name) {
@@ -27,11 +27,11 @@ bool Varies(const CampaignPlan& plan, const std::string& key) {
 
 }  // namespace
 
-FlightMetrics::FlightMetrics(const CampaignPlan& plan) : own_(MetricNames()) {
+FlightMetrics::FlightMetrics(const CampaignPlan& plan) : own_(records::MetricNames()) {
   if (plan.scenario.empty() || Varies(plan, "mission")) return;
   try {
-    const Scenario scenario = LoadScenario(plan.scenario, plan.set, false).scenario;
-    own_ = PossibleMetrics(scenario, [&](const std::string& key) { return Varies(plan, key); });
+    const flight::Scenario scenario = flight::LoadScenario(plan.scenario, plan.set, false).scenario;
+    own_ = flight::PossibleMetrics(scenario, [&](const std::string& key) { return Varies(plan, key); });
     mission_ = scenario.mission;
   } catch (const InputError&) {}  // said elsewhere
 }
@@ -41,7 +41,7 @@ void FlightMetrics::Check(const std::string& metric, const std::vector<std::stri
   std::vector<std::string> valid = own_;
   valid.insert(valid.end(), also.begin(), also.end());
   if (Has(valid, metric)) return;
-  const bool anothers = Has(MetricNames(), metric);
+  const bool anothers = Has(records::MetricNames(), metric);
   const std::string what =
       anothers ? fmt::format("a flight of this scenario, of the mission '{}', has no '{}'", mission_, metric)
                : fmt::format("there is no metric '{}'", metric);
@@ -53,4 +53,4 @@ void FlightMetrics::Check(const std::string& metric, const std::vector<std::stri
   all_said_ = true;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

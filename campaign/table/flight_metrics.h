@@ -7,7 +7,7 @@
 #include "base/yaml/yaml_fields.h"
 #include "campaign/table/campaign_plan.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 
 // The metrics that flights of a plan can have, to refuse any other before anything flies.
 class FlightMetrics {
@@ -24,4 +24,4 @@ class FlightMetrics {
   bool all_said_ = false;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -8,7 +8,7 @@
 
 #include "campaign/table/read_variation.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 
 void CheckGivenOnce(const ConfigNode& root, const CampaignPlan& plan, Mistakes& mistakes) {
   std::map<std::string, std::string> set;  // by key
@@ -37,4 +37,4 @@ void CheckGivenOnce(const ConfigNode& root, const CampaignPlan& plan, Mistakes& 
                    fmt::format("'{}' is given twice; valid: once", plan.metrics[i]));
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

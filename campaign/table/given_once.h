@@ -4,10 +4,10 @@
 #include "base/yaml/yaml_fields.h"
 #include "campaign/table/campaign_plan.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 
 // Refuses a key that a plan sets twice, a key that varies within another that does, and a metric that is
 // listed twice: one of them would be without effect.
 void CheckGivenOnce(const ConfigNode& root, const CampaignPlan& plan, Mistakes& mistakes);
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

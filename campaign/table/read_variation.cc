@@ -17,7 +17,7 @@
 #include "campaign/table/sampling.h"
 #include "flight/simulated/scenario.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
 namespace fs = std::filesystem;
@@ -180,7 +180,7 @@ void RefuseScenario(const std::string& message, const ConfigNode& root, const Ca
 
 void RefuseConstant(const std::string& key, const CampaignPlan& plan, const std::string& where,
                     const std::string& path, Mistakes& mistakes) {
-  if (SaidOf(mistakes, "vary." + key)) return;  // it does, in a way that is not valid
+  if (IsReported(mistakes, "vary." + key)) return;  // it does, in a way that is not valid
   List names;
   for (const auto& [name, distribution] : plan.vary) names.push_back(name);
   const auto near = NearestName(key, names);
@@ -215,7 +215,7 @@ void CheckGroups(const ConfigNode& root, const CampaignPlan& plan, Mistakes& mis
                                         : fmt::format("'{}' is in correlated.{} already; valid: in one group",
                                                       key, other->second));
     }
-    const double least = LeastRankCorrelation(std::max<int>(2, static_cast<int>(group.keys.size())));
+    const double least = MinRankCorrelation(std::max<int>(2, static_cast<int>(group.keys.size())));
     if (group.rank_correlation <= least + 1e-9 || group.rank_correlation >= 1 - 1e-9)
       mistakes.Add(
           WhereIn(root, {"correlated", index, "rank_correlation"}), path + ".rank_correlation",
@@ -340,7 +340,7 @@ const std::string& WhereIn(const ConfigNode& root, std::initializer_list<std::st
   return node->where;
 }
 
-bool SaidOf(const Mistakes& mistakes, const std::string& key) {
+bool IsReported(const Mistakes& mistakes, const std::string& key) {
   const auto& all = mistakes.messages();
   return std::any_of(all.begin(), all.end(), [&](const std::string& message) {
     return message.find(fmt::format(": {}: ", key)) != std::string::npos ||
@@ -349,7 +349,7 @@ bool SaidOf(const Mistakes& mistakes, const std::string& key) {
 }
 
 SplitOverrides Split(const List& overrides, const List& keys) {
-  List of_scenario = KeysOf<Scenario>();
+  List of_scenario = KeysOf<flight::Scenario>();
   of_scenario.push_back("gains");
   SplitOverrides split;
   for (const std::string& each : overrides) {
@@ -395,7 +395,7 @@ bool CheckOverride(const CampaignPlan& plan, const List& others, const std::stri
   const auto complaint = [&](List overrides) -> std::optional<std::string> {
     overrides.push_back(text);
     try {
-      LoadScenario(plan.scenario, overrides);
+      flight::LoadScenario(plan.scenario, overrides);
       return std::nullopt;
     } catch (const InputError& e) {
       return e.messages.front();
@@ -423,7 +423,7 @@ bool TakesAll(const CampaignPlan& plan, const std::vector<List>& sets) {
     List overrides = plan.set;
     overrides.insert(overrides.end(), each.begin(), each.end());
     try {
-      LoadScenario(plan.scenario, overrides);
+      flight::LoadScenario(plan.scenario, overrides);
     } catch (const InputError&) {
       return false;
     }
@@ -442,12 +442,12 @@ bool ResolveVariation(const fs::path& file, const ConfigNode& root, CampaignPlan
   for (const auto& [key, distribution] : plan.vary)
     if (const auto* grid = std::get_if<Grid>(&distribution))
       points *= static_cast<double>(grid->values.size());
-  const bool too_long = points * plan.runs > kMostRows;
+  const bool too_long = points * plan.runs > kMaxRows;
   if (too_long)
     mistakes.Add(WhereIn(root, {"runs"}), "runs",
                  fmt::format("{} at each of the {:.0f} points of the grids are {:.0f} runs; valid: no more "
                              "than {}",
-                             plan.runs, points, points * plan.runs, kMostRows));
+                             plan.runs, points, points * plan.runs, kMaxRows));
   if (plan.vary.size() > 3667)
     mistakes.Add(WhereIn(root, {"vary"}), "vary",
                  fmt::format("{} keys; valid: no more than 3667", plan.vary.size()));
@@ -485,7 +485,7 @@ bool ResolveVariation(const fs::path& file, const ConfigNode& root, CampaignPlan
     plan.scenario = fs::absolute(beside).lexically_normal().string();
   }
   try {
-    LoadScenario(plan.scenario, plan.set);
+    flight::LoadScenario(plan.scenario, plan.set);
   } catch (const InputError& e) {
     for (const std::string& message : e.messages) RefuseScenario(message, root, plan, mistakes);
     return false;
@@ -494,4 +494,4 @@ bool ResolveVariation(const fs::path& file, const ConfigNode& root, CampaignPlan
   return true;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -12,16 +12,16 @@
 #include "campaign/table/campaign_plan.h"
 
 // What files of campaigns and of tunings have in common: a scenario, and what of it varies.
-namespace kestrel {
+namespace kestrel::campaign {
 
 // Most rows of a table.
-constexpr int kMostRows = 10'000'000;
+constexpr int kMaxRows = 10'000'000;
 
 // Where a value was written, or the nearest around it that was.
 const std::string& WhereIn(const ConfigNode& root, std::initializer_list<std::string_view> path);
 
 // Whether a mistake of a key, or of one below it, is among them: what follows from it need not be said.
-bool SaidOf(const Mistakes& mistakes, const std::string& key);
+bool IsReported(const Mistakes& mistakes, const std::string& key);
 
 // Overrides of a file's own keys, and those of its scenario's, which it may have in its `set`. What neither
 // has is the one's whose keys are nearer.
@@ -73,4 +73,4 @@ bool CheckOverride(const CampaignPlan& plan, const std::vector<std::string>& oth
                    const std::string& value, const std::string& where, const std::string& path,
                    std::string_view remedy, Mistakes& mistakes);
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <xxhash.h>
 
-namespace kestrel {
+namespace kestrel::campaign {
 
 std::vector<std::string> OverridesOf(const SampleTable& table, std::size_t row) {
   std::vector<std::string> overrides;
@@ -23,4 +23,4 @@ std::string HashOf(const SampleTable& table) {
   return fmt::format("{:016x}", XXH3_64bits(all.data(), all.size()));
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace kestrel {
+namespace kestrel::campaign {
 
 // What varies from run to run, fixed before the first one flies: a run's result depends on its row alone.
 struct SampleTable {
@@ -19,4 +19,4 @@ std::vector<std::string> OverridesOf(const SampleTable& table, std::size_t row);
 // 16 hexadecimal digits: two tables of the same content have the same.
 std::string HashOf(const SampleTable& table);
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -13,12 +13,12 @@
 #include "base/random.h"
 #include "campaign/table/scrambled_sobol.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
 using Column = std::vector<double>;  // shares in [0, 1)
 
-constexpr double kLeastShare = 0x1p-54, kMostShare = 1 - 0x1p-53;
+constexpr double kMinShare = 0x1p-54, kMaxShare = 1 - 0x1p-53;
 
 template <class T>
 std::vector<int> Order(const std::vector<T>& values) {  // the least first
@@ -80,14 +80,14 @@ void Correlate(const CampaignPlan& plan, const CorrelatedGroup& group,
   for (Eigen::Index k = 0; k < size; ++k) {
     const Column& column = columns.at(group.keys[k]);
     for (int i = 0; i < plan.runs; ++i)
-      z(k, i) = boost::math::quantile(normal, std::clamp(column[i], kLeastShare, kMostShare));
+      z(k, i) = boost::math::quantile(normal, std::clamp(column[i], kMinShare, kMaxShare));
   }
   z = (root * z).eval();
   for (Eigen::Index k = 1; k < size; ++k) {  // the first is what it was
     Column& column = columns.at(group.keys[k]);
     Column shares(plan.runs);
     for (int i = 0; i < plan.runs; ++i)
-      shares[i] = std::clamp(boost::math::cdf(normal, z(k, i)), 0.0, kMostShare);
+      shares[i] = std::clamp(boost::math::cdf(normal, z(k, i)), 0.0, kMaxShare);
     if (plan.sampling == "latin_hypercube") {
       const std::vector<int> wanted = Order(shares);
       std::sort(column.begin(), column.end());
@@ -109,7 +109,7 @@ double CopulaCorrelation(double rank_correlation) {
   return 2 * std::sin(std::numbers::pi * rank_correlation / 6);
 }
 
-double LeastRankCorrelation(int keys) {
+double MinRankCorrelation(int keys) {
   return 6 / std::numbers::pi * std::asin(-0.5 / (keys - 1));  // 1 + (keys - 1) rho > 0
 }
 
@@ -156,4 +156,4 @@ SampleTable DrawTable(const CampaignPlan& plan) {
   return table;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

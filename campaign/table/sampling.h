@@ -7,7 +7,7 @@
 #include "campaign/table/campaign_plan.h"
 #include "campaign/table/sample_table.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 
 // The table of a valid plan, from nothing but the plan. Of grids: every combination of their values, the last
 // key's changing first, and all of them again `runs` times, the other keys drawn anew for each row; at each
@@ -32,6 +32,6 @@ std::uint64_t SeedOfRow(std::uint64_t campaign_seed, std::int64_t row);
 // Of the normals of a Gaussian copula, and the bounds, open, of what a group of so many keys can have, each
 // with each.
 double CopulaCorrelation(double rank_correlation);
-double LeastRankCorrelation(int keys);
+double MinRankCorrelation(int keys);
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -5,7 +5,7 @@
 
 #include "base/random.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
 constexpr int kBits = 53;  // of a double
@@ -37,4 +37,4 @@ std::vector<std::vector<double>> ScrambledSobol(int points, const std::vector<st
   return columns;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

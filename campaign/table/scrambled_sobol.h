@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace kestrel {
+namespace kestrel::campaign {
 
 // The first points of Sobol's sequence (direction numbers of Joe and Kuo 2008, as Boost has them), zero among
 // them, each dimension scrambled as Owen (1995) has it: a bit of a number is turned over by a hash of its
@@ -13,4 +13,4 @@ namespace kestrel {
 // seeds: of each dimension. Returns [dimension][point], in [0, 1).
 std::vector<std::vector<double>> ScrambledSobol(int points, const std::vector<std::uint64_t>& seeds);
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

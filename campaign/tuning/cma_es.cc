@@ -13,7 +13,7 @@
 
 #include "campaign/tuning/search.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
 // pagmo evaluates the points of a generation one after the other, from within. A generation does not look at
@@ -97,4 +97,4 @@ void CmaEs::Tell(const std::vector<double>& costs) {
 
 const Point& CmaEs::Centre() const { return state_->centre; }
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
 double Worst(const CostTerm& term) { return term.worst.value_or(10 * term.scale); }
@@ -47,4 +47,4 @@ bool Keeps(const RunResult& result, const std::string& metric, const CostConstra
          !(constraint.min && *value < *constraint.min);
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -8,7 +8,7 @@
 #include "base/yaml/fields.h"
 #include "campaign/execution/run_result.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 
 // A metric in the cost of a flight: weight * metric / scale, the metric being no more than `worst`, which it
 // also is of a flight that does not have it. Of a metric that is the better the more it is, what it lacks of
@@ -54,4 +54,4 @@ double CostOf(const RunResult& result, const FlightCost& cost);
 // Whether a flight kept to a constraint on this metric; one that does not have it did not.
 bool Keeps(const RunResult& result, const std::string& metric, const CostConstraint& constraint);
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

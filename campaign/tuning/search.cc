@@ -12,7 +12,7 @@
 
 #include "base/random.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
 // The point within the unit cube that a point beyond its walls, which are mirrors, is seen at.
@@ -65,7 +65,7 @@ void CrossEntropy::Tell(const std::vector<double>& costs) {
 }
 
 RandomSearch::RandomSearch(Point start, std::uint64_t seed)
-    : seed_(seed), best_(std::move(start)), least_(std::numeric_limits<double>::infinity()) {}
+    : seed_(seed), best_(std::move(start)), min_(std::numeric_limits<double>::infinity()) {}
 
 const std::vector<Point>& RandomSearch::Ask() {
   if (!asked_.empty()) return asked_;
@@ -80,7 +80,7 @@ const std::vector<Point>& RandomSearch::Ask() {
 
 void RandomSearch::Tell(const std::vector<double>& costs) {
   const std::size_t best = ByCost(costs).front();
-  if (costs[best] < least_) best_ = asked_[best], least_ = costs[best];
+  if (costs[best] < min_) best_ = asked_[best], min_ = costs[best];
   asked_.clear(), ++generation_;
 }
 
@@ -95,4 +95,4 @@ Search MakeSearch(const std::string& method, const Point& start, std::uint64_t s
   return CmaEs(start, seed);
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -11,7 +11,7 @@
 // so on; how the points of one asking are evaluated, in what order or by how many at a time, changes nothing.
 // Where the cost has a part of chance, what is the same chance for all that a search compares does not
 // mislead it: kComparesRounds says whether that is more than the points of one asking.
-namespace kestrel {
+namespace kestrel::campaign {
 
 using Point = std::vector<double>;
 
@@ -67,7 +67,7 @@ class RandomSearch {
   std::uint64_t seed_;
   int generation_ = 0;
   Point best_;
-  double least_;
+  double min_;
   std::vector<Point> asked_;
 };
 
@@ -81,4 +81,4 @@ Search MakeSearch(const std::string& method, const Point& start, std::uint64_t s
 // The indices of the costs, the least first.
 std::vector<std::size_t> ByCost(const std::vector<double>& costs);
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

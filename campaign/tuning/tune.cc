@@ -15,7 +15,7 @@
 #include "campaign/statistics/paired.h"
 #include "campaign/tuning/search.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
 class Tuning {
@@ -194,4 +194,4 @@ TuneResult Tune(const LoadedTune& tune, const Fly& fly,
   return Tuning(tune, fly).Run(progress);
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

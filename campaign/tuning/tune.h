@@ -11,7 +11,7 @@
 #include "campaign/execution/worker_pool.h"
 #include "campaign/tuning/tune_plan.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 
 // Flies, in any order and by however many workers, and gives the results in any order, one for each. A
 // tuning's flights are counted from 0 in the order in which they are wanted (RunOrder::row), the same every
@@ -69,4 +69,4 @@ std::vector<SearchStage> Stages(const TuneResult& result);
 double Coordinate(const Gain& gain, double value);
 double ValueAt(const Gain& gain, double coordinate);
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

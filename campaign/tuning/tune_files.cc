@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -158,4 +158,4 @@ std::string VerdictText(const LoadedTune& tune, const TuneResult& result) {
   return text;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -6,7 +6,7 @@
 
 #include "campaign/tuning/tune.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 
 // The gains as a file that scenarios take (`gains: FILE`) instead of the one that they had: a line of
 // "key: value" for each, and in comments where they are from: the command; version, of the program.
@@ -30,4 +30,4 @@ std::string VerdictText(const LoadedTune& tune, const TuneResult& result);
 // What came of it, for people.
 std::string TuneText(const LoadedTune& tune, const TuneResult& result);
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -19,7 +19,7 @@
 #include "flight/gains_file.h"
 #include "flight/simulated/scenario.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
 using List = std::vector<std::string>;
@@ -46,7 +46,7 @@ void Fields(Visitor& v, TuneFile& f) {
   v("constraints", p.cost.constraints);
   v("failure", p.cost.failure, 0.0, 1e6);
   v("method", p.method, {"cma_es", "cross_entropy", "random_search"});
-  v("budget", p.budget, 1, kMostRows);
+  v("budget", p.budget, 1, kMaxRows);
   v("rows", p.rows, 1, 100000);
   v("leaders", p.leaders, 1, 1000);
   v("fresh_rows", p.fresh_rows, 1, 100000);
@@ -73,8 +73,8 @@ std::optional<double> ValueOf(const ConfigNode& root, const std::string& key) {
 
 std::map<std::string, double> OwnGains(const TunePlan& plan) {
   Mistakes none;
-  const Config resolved =
-      ParseConfig(ToYaml(LoadScenario(plan.flights.scenario, plan.flights.set).scenario), "", {}, none);
+  const Config resolved = ParseConfig(
+      ToYaml(flight::LoadScenario(plan.flights.scenario, plan.flights.set).scenario), "", {}, none);
   std::map<std::string, double> own;
   for (const auto& [key, gain] : plan.gains)
     if (const auto value = ValueOf(resolved.root, key)) own[key] = *value;
@@ -82,14 +82,14 @@ std::map<std::string, double> OwnGains(const TunePlan& plan) {
 }
 
 List OtherGains(const TunePlan& plan) {
-  List others = NamedGains(ScenarioFile(plan.flights.scenario), plan.flights.set).Under({});
+  List others = flight::NamedGains(ScenarioFile(plan.flights.scenario), plan.flights.set).Under({});
   std::erase_if(others,
                 [&](const std::string& each) { return plan.gains.contains(each.substr(0, each.find('='))); });
   return others;
 }
 
 void CheckBounds(const Gain& gain, const std::string& where, const std::string& path, Mistakes& mistakes) {
-  if (SaidOf(mistakes, path)) return;  // and what has no number has its default
+  if (IsReported(mistakes, path)) return;  // and what has no number has its default
   if (gain.low >= gain.high)
     mistakes.Add(where, path, fmt::format("low = {} is not below high = {}", gain.low, gain.high));
   else if (gain.log && gain.low <= 0)
@@ -100,7 +100,7 @@ void CheckBounds(const Gain& gain, const std::string& where, const std::string& 
 }
 
 void CheckGains(const ConfigNode& root, const TunePlan& plan, Mistakes& mistakes) {
-  if (plan.gains.empty() && !SaidOf(mistakes, "gains"))
+  if (plan.gains.empty() && !IsReported(mistakes, "gains"))
     mistakes.Add(WhereIn(root, {"gains"}), "gains", "nothing is to be tuned; valid: one key or more");
   for (const auto& [key, gain] : plan.gains) {
     const std::string &where = WhereIn(root, {"gains", key}), path = "gains." + key;
@@ -118,13 +118,13 @@ void CheckGains(const ConfigNode& root, const TunePlan& plan, Mistakes& mistakes
 void CheckCost(const ConfigNode& root, const TunePlan& plan, Mistakes& mistakes) {
   const FlightCost& cost = plan.cost;
   FlightMetrics metrics(plan.flights);
-  if (cost.terms.empty() && cost.constraints.empty() && !SaidOf(mistakes, "cost"))
+  if (cost.terms.empty() && cost.constraints.empty() && !IsReported(mistakes, "cost"))
     mistakes.Add(WhereIn(root, {"cost"}), "cost", "no metric is in it; valid: one or more");
   for (const auto& [metric, term] : cost.terms)
     metrics.Check(metric, {}, WhereIn(root, {"cost", metric}), "cost." + metric, mistakes);
   for (const auto& [metric, constraint] : cost.constraints) {
     const std::string& where = WhereIn(root, {"constraints", metric});
-    const bool said = SaidOf(mistakes, "constraints." + metric);
+    const bool said = IsReported(mistakes, "constraints." + metric);
     metrics.Check(metric, {}, where, "constraints." + metric, mistakes);
     if (!said && !constraint.max && !constraint.min)
       mistakes.Add(where, "constraints." + metric, "has no limit; valid: max, min or both");
@@ -141,7 +141,7 @@ void CheckGainsInScenario(const ConfigNode& root, const TunePlan& plan,
   };
   std::vector<List> together(3);
   std::map<std::string, Gain> gains = plan.gains;
-  std::erase_if(gains, [&](const auto& each) { return SaidOf(mistakes, "gains." + each.first); });
+  std::erase_if(gains, [&](const auto& each) { return IsReported(mistakes, "gains." + each.first); });
   for (const auto& [key, gain] : gains)
     for (std::size_t i = 0; i < 3; ++i) together[i].push_back(fmt::format("{}={}", key, values(gain)[i]));
   const bool takes_all = TakesAll(plan.flights, together);
@@ -225,4 +225,4 @@ LoadedTune LoadTune(const std::filesystem::path& file, const List& overrides) {
   return tune;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

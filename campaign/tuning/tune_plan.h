@@ -11,7 +11,7 @@
 #include "campaign/table/sample_table.h"
 #include "campaign/tuning/flight_cost.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 
 // A key of the scenario that is tuned.
 struct Gain {
@@ -59,4 +59,4 @@ SampleTable RowsOfRound(const TunePlan& plan, int round);
 // that leave each other, a budget in which nothing can be found, a metric that no run has.
 LoadedTune LoadTune(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -10,11 +10,11 @@
 #include "base/statistics.h"
 #include "base/version.h"
 #include "campaign/execution/batch_script.h"
-#include "campaign/tuning/kept_flights.h"
+#include "campaign/tuning/flight_cache.h"
 #include "campaign/tuning/tune_files.h"
 #include "flight/simulated/scenario.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
 std::string MethodText(const std::string& method) {
@@ -52,7 +52,7 @@ ReportSubject TuneSubject(const std::vector<Searched>& searches, const std::file
   for (const std::string& each : set) subject.run += " --set " + ShellWord(each);
   subject.run += " --set " + ShellWord("gains=" + (folder / "gains.yaml").string());
   for (const auto& [key, value] : result.gains) set.push_back(fmt::format("{}={}", key, value));
-  subject.identity = {flights.name, ToYaml(LoadScenario(flights.scenario, set).scenario), tune.text,
+  subject.identity = {flights.name, ToYaml(flight::LoadScenario(flights.scenario, set).scenario), tune.text,
                       Version(), tune.held_out};
   subject.results = runs;
   subject.summary = Summarise(subject.identity, runs);
@@ -110,4 +110,4 @@ std::string ComparisonText(const std::vector<Searched>& searches) {
   return text;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

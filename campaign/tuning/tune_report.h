@@ -8,7 +8,7 @@
 #include "campaign/report/html_report.h"
 #include "campaign/tuning/tune.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 
 // A search that came to its end.
 struct Searched {
@@ -26,4 +26,4 @@ ReportSubject TuneSubject(const std::vector<Searched>& searches, const std::file
 // constraints that their gains do not keep to.
 std::string ComparisonText(const std::vector<Searched>& searches);
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -3,7 +3,7 @@
 
 #include <Eigen/LU>
 
-namespace kestrel {
+namespace kestrel::control {
 
 ConstantVelocityFilter::ConstantVelocityFilter(const Eigen::Vector3d& position, double position_sigma,
                                                const Eigen::Vector3d& velocity, double velocity_sigma,
@@ -37,4 +37,4 @@ void ConstantVelocityFilter::Correct(const Eigen::Vector3d& position, const Eige
   P_ = I_KH * P_ * I_KH.transpose() + K * covariance * K.transpose();
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::control

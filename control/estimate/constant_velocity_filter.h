@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-namespace kestrel {
+namespace kestrel::control {
 
 // Kalman filter of a position that moves at constant velocity, thesis 4.6 to 4.8. The process noise is that
 // of a white acceleration, whose discrete covariance follows from the model (the thesis sets Q by trial).
@@ -29,4 +29,4 @@ class ConstantVelocityFilter {
   double acceleration_;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::control

@@ -8,7 +8,7 @@
 #include "geometry/pose.h"
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::control {
 
 namespace {
 
@@ -66,7 +66,7 @@ HorizonFilter::Estimate HorizonFilter::Predicted(const Estimate& from, const Gyr
   return to;
 }
 
-bool HorizonFilter::Believable(const Estimate& e, const Attitude& a) const {
+bool HorizonFilter::Plausible(const Estimate& e, const Attitude& a) const {
   const Tilt tilt = TiltOf(e, a);
   const Eigen::Matrix2d S = tilt.H * e.P * tilt.H.transpose() + tilt.R;
   return a.down_B.dot(e.R_NB.conjugate() * Eigen::Vector3d::UnitZ()) > 0 &&
@@ -145,7 +145,7 @@ bool HorizonFilter::Correct(const Attitude& a) {
   here.gyro.t_s = a.t_s;
   here.estimate = Predicted(nodes_[at].estimate, nodes_[at].gyro, here.gyro);
   if (!started_ || refused_ + 1 >= options_.refusals) {
-    const bool again = started_ && !Believable(here.estimate, a);
+    const bool again = started_ && !Plausible(here.estimate, a);
     if (!started_ || again) {
       Attitude first = a;
       if (again && !a.heading) {  // the gyros still know the heading
@@ -158,7 +158,7 @@ bool HorizonFilter::Correct(const Attitude& a) {
       here.estimate = Corrected(here.estimate, a);
     }
     started_ = true;
-  } else if (!Believable(here.estimate, a)) {
+  } else if (!Plausible(here.estimate, a)) {
     ++refused_;
     return false;
   } else {
@@ -183,4 +183,4 @@ std::optional<HorizonFilter::Estimate> HorizonFilter::Now() const {
   return e;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::control

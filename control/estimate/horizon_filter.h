@@ -9,7 +9,7 @@
 
 // Attitude from rate gyros, held by what the camera says of the vertical and of the heading (thesis 6.3: the
 // skyline gives raw measurements, which a filter makes soft).
-namespace kestrel {
+namespace kestrel::control {
 
 struct HorizonFilterOptions {
   double gyro_noise_deg_per_root_s = 0.05;    // angle random walk
@@ -73,7 +73,7 @@ class HorizonFilter {
     Estimate estimate;
   };
   Estimate Predicted(const Estimate& from, const Gyro& last, const Gyro& next) const;
-  bool Believable(const Estimate& estimate, const Attitude& attitude) const;
+  bool Plausible(const Estimate& estimate, const Attitude& attitude) const;
   Estimate Corrected(Estimate estimate, const Attitude& attitude) const;
   Estimate Started(const Attitude& attitude) const;
 
@@ -84,4 +84,4 @@ class HorizonFilter {
   double last_attitude_s_ = -1e9;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::control

@@ -5,7 +5,7 @@
 
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::control {
 namespace {
 constexpr double kFirstSpeed_m_s = 2;  // deviation of the velocity before anything is known of it
 constexpr double kOdd = 6;             // deviations off where it should be: something else was measured
@@ -15,7 +15,7 @@ constexpr double kOdd_s = 0.3;         // what is odd for longer is believed, an
 MovingTarget::MovingTarget(const Pose& X_BC, const MovingTargetOptions& options)
     : X_BC_(X_BC), options_(options) {}
 
-void MovingTarget::Hear(const VehicleState& state) {
+void MovingTarget::AddState(const VehicleState& state) {
   if (last_) summed_N_ += (state.t_s - last_->t_s) * (state.v_N + last_->v_N) / 2;
   last_ = state;
   VehicleState summed = state;
@@ -78,4 +78,4 @@ Eigen::Vector3d LevelAhead(const Eigen::Vector3d& p_NT, const Eigen::Vector3d& p
   return {p_H.y(), p_H.z(), p_H.x()};
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::control

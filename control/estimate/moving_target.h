@@ -9,7 +9,7 @@
 #include "control/estimate/state_history.h"
 #include "geometry/pose.h"
 
-namespace kestrel {
+namespace kestrel::control {
 
 struct MovingTargetOptions {
   double acceleration_m_s2 = 6;  // of the constant-velocity model, per root hertz
@@ -39,7 +39,8 @@ class MovingTarget {
 
   MovingTarget(const Pose& X_BC, const MovingTargetOptions& options);
 
-  void Hear(const VehicleState& state);  // every state of the autopilot, before the frames exposed before it
+  void AddState(
+      const VehicleState& state);  // every state of the autopilot, before the frames exposed before it
 
   // A place in C at an exposure, m, with its covariance. False: no state of the autopilot for that time, or
   // it is older than the last, or it is far off where the target should be: that is believed once it lasts.
@@ -68,4 +69,4 @@ class MovingTarget {
 // aircraft at p_N with that yaw: thesis 5.4, without its assumption that the tilt is small.
 Eigen::Vector3d LevelAhead(const Eigen::Vector3d& p_NT, const Eigen::Vector3d& p_N, double yaw);
 
-}  // namespace kestrel
+}  // namespace kestrel::control

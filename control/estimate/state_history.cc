@@ -6,7 +6,7 @@
 
 #include "geometry/pose.h"
 
-namespace kestrel {
+namespace kestrel::control {
 namespace {
 
 VehicleState Extrapolate(VehicleState state, double t_s) {
@@ -47,4 +47,4 @@ std::optional<VehicleState> StateHistory::At(double t_s, double slack_s) const {
   return state;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::control

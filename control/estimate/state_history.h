@@ -6,7 +6,7 @@
 
 #include "control/autopilot.h"
 
-namespace kestrel {
+namespace kestrel::control {
 
 // The autopilot's recent states, so that a frame meets the attitude of its own exposure and not of its
 // arrival.
@@ -26,4 +26,4 @@ class StateHistory {
   std::deque<VehicleState> states_;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::control

@@ -6,7 +6,7 @@
 
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::control {
 namespace {
 
 constexpr double kYawTime_s = 1.0;
@@ -18,7 +18,7 @@ constexpr int kRefusalsToBelieve = 6;
 TargetEstimator::TargetEstimator(const Pose& X_BC, const TargetEstimatorOptions& options)
     : X_BC_(X_BC), options_(options), tilt_(TiltAlignment::Options{}) {}
 
-void TargetEstimator::Hear(const VehicleState& state) { history_.Add(state); }
+void TargetEstimator::AddState(const VehicleState& state) { history_.Add(state); }
 
 std::optional<TargetEstimator::Estimate> TargetEstimator::At(double t_s) const {
   const auto state = history_.At(t_s);
@@ -109,4 +109,4 @@ void TargetEstimator::Forget() {
   refused_ = 0;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::control

@@ -10,7 +10,7 @@
 #include "control/estimate/tilt_alignment.h"
 #include "geometry/pose.h"
 
-namespace kestrel {
+namespace kestrel::control {
 
 struct TargetEstimatorOptions {
   double acceleration_m_s2 = 0.6;   // of the constant-velocity model, per root hertz
@@ -44,7 +44,7 @@ class TargetEstimator {
   TargetEstimator(const Pose& X_BC, const TargetEstimatorOptions& options);
 
   // Every state of the autopilot, before the frames that are exposed before it.
-  void Hear(const VehicleState& state);
+  void AddState(const VehicleState& state);
 
   // The target's pose in the camera at a time, from what is known so far. None: nothing known, or too long
   // ago.
@@ -73,4 +73,4 @@ class TargetEstimator {
   int refused_ = 0;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::control

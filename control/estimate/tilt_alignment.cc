@@ -7,7 +7,7 @@
 
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::control {
 namespace {
 
 // The rotation vector, perpendicular to both, that turns unit vector a into b.
@@ -66,4 +66,4 @@ void FuseNormal(const Eigen::Vector3d& normal_C, double sigma, Pose& X_CT,
   covariance = ((covariance + covariance.transpose()) / 2).eval();
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::control

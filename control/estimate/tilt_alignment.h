@@ -8,7 +8,7 @@
 // An autopilot knows "down" with a small noise and an error of a degree that hardly changes: accelerometer
 // bias, a camera mounted askew. A camera over a level pad knows it without bias, but far from the pad, or
 // with most of it hidden, only roughly. Each mends the other.
-namespace kestrel {
+namespace kestrel::control {
 
 // The slowly changing tilt between the autopilot's "down" and the pad's normal, both as unit vectors in the
 // camera frame C. A Kalman filter of two angles.
@@ -45,4 +45,4 @@ class TiltAlignment {
 void FuseNormal(const Eigen::Vector3d& normal_C, double sigma, Pose& X_CT,
                 Eigen::Matrix<double, 6, 6>& covariance);
 
-}  // namespace kestrel
+}  // namespace kestrel::control

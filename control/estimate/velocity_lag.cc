@@ -5,12 +5,12 @@
 #include <cmath>
 #include <vector>
 
-namespace kestrel {
+namespace kestrel::control {
 namespace {
 
 constexpr double kPhaseMargin = M_PI / 6;  // rad
 
-constexpr double kStep_s = 0.1, kMostDelay_s = 1.6, kMostLag_s = 2;
+constexpr double kStep_s = 0.1, kMaxDelay_s = 1.6, kMaxLag_s = 2;
 constexpr double kLeast_s = 10;       // of samples
 constexpr double kMoved_m_s = 0.15;   // root mean square about the mean: less tells nothing
 constexpr double kExplained = 0.8;    // of that square, by the best answer
@@ -19,7 +19,7 @@ constexpr double kFloor_m_s = 0.005;  // so much is left of the best always: the
 
 }  // namespace
 
-double MostLag(double lambda_per_s) {
+double MaxLag(double lambda_per_s) {
   return lambda_per_s > 0 ? (M_PI / 2 - kPhaseMargin) / lambda_per_s
                           : std::numeric_limits<double>::infinity();
 }
@@ -29,16 +29,16 @@ void VelocityLagEstimator::Add(double commanded_s, const std::optional<Eigen::Ve
   if (!commanded_N) return samples_.clear();
   if (!samples_.empty() && !(t_s > samples_.back().t_s && commanded_s > samples_.back().commanded_s)) return;
   samples_.push_back({commanded_s, *commanded_N, t_s, flown_N});
-  while (samples_.front().t_s < t_s - kWindow_s - kMostDelay_s) samples_.pop_front();
+  while (samples_.front().t_s < t_s - kWindow_s - kMaxDelay_s) samples_.pop_front();
 }
 
 std::optional<VelocityLagEstimator::Late> VelocityLagEstimator::Fit(int axis, int axes) const {
-  if (samples_.empty() || samples_.back().t_s - samples_.front().t_s < kLeast_s + kMostDelay_s)
+  if (samples_.empty() || samples_.back().t_s - samples_.front().t_s < kLeast_s + kMaxDelay_s)
     return std::nullopt;
   // Where every delay has its command, the answers begin, at what was flown.
   const auto count = static_cast<std::ptrdiff_t>(samples_.size());
   std::ptrdiff_t begin = 1;
-  while (samples_[begin - 1].t_s < samples_.front().commanded_s + kMostDelay_s) ++begin;
+  while (samples_[begin - 1].t_s < samples_.front().commanded_s + kMaxDelay_s) ++begin;
   const auto scored = static_cast<double>((count - begin) * axes);
   const auto squares = [&](const auto& of) {  // about the mean of each axis
     double sum = 0;
@@ -60,14 +60,14 @@ std::optional<VelocityLagEstimator::Late> VelocityLagEstimator::Fit(int axis, in
   };
   std::vector<Answer> answers;
   std::vector<Eigen::Vector3d> commanded(samples_.size()), answered(samples_.size());
-  for (int d = 0; d * kStep_s <= kMostDelay_s + 1e-9; ++d) {
+  for (int d = 0; d * kStep_s <= kMaxDelay_s + 1e-9; ++d) {
     std::ptrdiff_t in_force = 0;
     for (std::ptrdiff_t i = begin; i < count; ++i) {
       const double at_s = (samples_[i - 1].t_s + samples_[i].t_s) / 2 - d * kStep_s;
       while (in_force + 1 < count && samples_[in_force + 1].commanded_s <= at_s) ++in_force;
       commanded[i] = samples_[in_force].commanded_N;
     }
-    for (int l = 0; l * kStep_s <= kMostLag_s + 1e-9; ++l) {
+    for (int l = 0; l * kStep_s <= kMaxLag_s + 1e-9; ++l) {
       answered[begin - 1] = samples_[begin - 1].flown_N;
       for (std::ptrdiff_t i = begin; i < count; ++i) {
         const double kept = l == 0 ? 0 : std::exp(-(samples_[i].t_s - samples_[i - 1].t_s) / (l * kStep_s));
@@ -83,9 +83,9 @@ std::optional<VelocityLagEstimator::Late> VelocityLagEstimator::Fit(int axis, in
   if (!(best.left <= (1 - kExplained) * moved)) return std::nullopt;
   Late late{best.late_s, best.late_s};
   for (const Answer& answer : answers)
-    if (answer.left <= kMuchWorse * best.left) late.least_s = std::min(late.least_s, answer.late_s);
-  late.least_s = std::max(0.0, late.least_s - kStep_s / 2);  // between two candidates
+    if (answer.left <= kMuchWorse * best.left) late.min_s = std::min(late.min_s, answer.late_s);
+  late.min_s = std::max(0.0, late.min_s - kStep_s / 2);  // between two candidates
   return late;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::control

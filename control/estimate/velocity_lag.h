@@ -9,7 +9,7 @@
 // How late an autopilot follows the velocities that it is given, and how late the loop that gives them
 // allows. Late is meant as the mean of the impulse response: T of a lag of first order, tau of a delay, T +
 // tau of one after the other.
-namespace kestrel {
+namespace kestrel::control {
 
 struct VelocityLag {
   double horizontal_s = std::numeric_limits<double>::infinity();
@@ -28,7 +28,7 @@ struct VelocityLag {
 //
 // That keeps a factor of 1.5 to the gain at which it no longer settles. Not reckoned: what the sight is late,
 // which the estimators of these loops make up for. Endless for lambda = 0.
-double MostLag(double lambda_per_s);
+double MaxLag(double lambda_per_s);
 
 // The lateness by what was commanded and flown in the last kWindow_s: of all lags of first order after
 // delays, those that explain it best, by least squares. The flown velocity may be off by a constant.
@@ -38,7 +38,7 @@ class VelocityLagEstimator {
 
   struct Late {
     double s = 0;
-    double least_s = 0;  // whatever is less late explains it much worse
+    double min_s = 0;  // whatever is less late explains it much worse
   };
 
   // In the order of time. t_s: of the flown velocity, on the clock of commanded_s. None commanded: not
@@ -63,4 +63,4 @@ class VelocityLagEstimator {
   std::deque<Sample> samples_;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::control

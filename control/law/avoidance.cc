@@ -7,7 +7,7 @@
 
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::control {
 namespace {
 
 constexpr double kStep_deg = 5;  // between the bearings that are tried
@@ -74,7 +74,7 @@ std::optional<Manoeuvre> PlanManoeuvre(std::span<const Intruder> intruders, cons
   const PassingSide first = side.value_or(azimuth > 0 ? PassingSide::kLeft : PassingSide::kRight);
   const PassingSide second = first == PassingSide::kLeft ? PassingSide::kRight : PassingSide::kLeft;
   std::optional<Manoeuvre> best;
-  for (double bearing_deg = o.hold.bearing_deg; bearing_deg <= o.most_bearing_deg + 1e-9;
+  for (double bearing_deg = o.hold.bearing_deg; bearing_deg <= o.max_bearing_deg + 1e-9;
        bearing_deg += kStep_deg) {
     for (const PassingSide each : {first, second}) {
       if (side && each != *side) continue;
@@ -87,4 +87,4 @@ std::optional<Manoeuvre> PlanManoeuvre(std::span<const Intruder> intruders, cons
   return best;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::control

@@ -5,11 +5,12 @@
 #include <optional>
 #include <span>
 
+#include "base/yaml/fields.h"
 #include "control/law/hold_bearing.h"
 
 // What thesis 6.4 left open of see and avoid: when to begin, at which bearing to hold what moves, and when to
 // end. Everything happens in the horizontal plane, seen from above: x north, y east, m and m/s.
-namespace kestrel {
+namespace kestrel::control {
 
 // Of two that fly on as they do. p, v: of the other, relative to us.
 struct ClosestApproach {
@@ -25,7 +26,7 @@ struct Intruder {
 
 struct AvoidanceOptions {
   HoldBearingGains hold;  // bearing_deg: the least bearing; more where that does not clear
-  double most_bearing_deg = 120;
+  double max_bearing_deg = 120;
   double safe_m = 2;          // 2 R: whoever would come nearer is avoided
   double clear_share = 1.25;  // of safe_m: to be clear again, and wanted of a manoeuvre
   double horizon_s = 6;       // what comes later is left for later
@@ -38,7 +39,7 @@ struct AvoidanceOptions {
 template <class Visitor>
 void Fields(Visitor& v, AvoidanceOptions& o) {
   v("hold", o.hold);
-  v("most_bearing_deg", o.most_bearing_deg, 0.0, 180.0);
+  v(Renamed("max_bearing_deg", "most_bearing_deg"), o.max_bearing_deg, 0.0, 180.0);
   v("safe_m", o.safe_m, 0.1, 1000.0);
   v("clear_share", o.clear_share, 1.0, 10.0);
   v("horizon_s", o.horizon_s, 0.5, 600.0);
@@ -64,4 +65,4 @@ std::optional<Manoeuvre> PlanManoeuvre(std::span<const Intruder> intruders, cons
                                        double yaw, std::optional<PassingSide> side,
                                        const AvoidanceOptions& options);
 
-}  // namespace kestrel
+}  // namespace kestrel::control

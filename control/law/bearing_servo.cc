@@ -7,7 +7,7 @@
 
 #include "geometry/pose.h"
 
-namespace kestrel {
+namespace kestrel::control {
 
 SpherePoint SpherePointOf(const Eigen::Vector3d& s) {
   return {std::atan2(std::hypot(s.x(), s.y()), s.z()), std::atan2(s.y(), s.x())};  // eq. (6.24)
@@ -62,4 +62,4 @@ ServoStep BearingServo(std::span<const BearingPoint> now, std::span<const Bearin
                        inversion);
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::control

@@ -11,7 +11,7 @@
 // Deviations from (6.25), each against the derivative of (6.24): in the first row the signs of v_x, v_y and
 // w_x are turned and w_x, w_y are divided by a sine that is not there; in the second all signs are turned and
 // the translation has an L too many.
-namespace kestrel {
+namespace kestrel::control {
 
 // Of a unit vector in a frame whose z axis is the pole: colatitude from z, [0, pi], which the thesis calls
 // elevation; azimuth from x to y, (-pi, pi]. In B (x ahead, y right, z down) the azimuth is the relative
@@ -43,4 +43,4 @@ Eigen::MatrixXd BearingInteraction(std::span<const BearingPoint> points);
 ServoStep BearingServo(std::span<const BearingPoint> now, std::span<const BearingPoint> wanted,
                        InteractionChoice choice, double lambda_per_s, const Inversion& inversion = {});
 
-}  // namespace kestrel
+}  // namespace kestrel::control

@@ -6,7 +6,7 @@
 
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::control {
 
 HoldBearingStep HoldBearing(const HoldBearingState& state, std::optional<double> azimuth,
                             const HoldBearingGains& gains) {
@@ -23,4 +23,4 @@ HoldBearingStep HoldBearing(const HoldBearingState& state, std::optional<double>
   return step;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::control

@@ -9,7 +9,7 @@
 // the print the matrix and the law have each turned the sign). And a bearing short of 90 degrees that is held
 // does not keep the distance to a thing that stands still: the range falls by v cos(bearing), a spiral
 // inward. The thesis has no end of the manoeuvre; whoever calls this must have one.
-namespace kestrel {
+namespace kestrel::control {
 
 struct HoldBearingGains {
   double lambda_per_s = 1;
@@ -50,4 +50,4 @@ struct HoldBearingStep {
 HoldBearingStep HoldBearing(const HoldBearingState& state, std::optional<double> azimuth,
                             const HoldBearingGains& gains);
 
-}  // namespace kestrel
+}  // namespace kestrel::control

@@ -6,7 +6,7 @@
 #include "geometry/pose.h"
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::control {
 
 Eigen::Quaterniond LevelRotation(double roll, double pitch, const Eigen::Quaterniond& R_BC) {
   const Eigen::Quaterniond R_HB(RotationFromTaitBryan({.yaw = 0, .pitch = pitch, .roll = roll}));
@@ -42,4 +42,4 @@ Eigen::MatrixXd LevelInteraction(const Eigen::MatrixXd& L_V, const Eigen::Vector
   return L;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::control

@@ -8,7 +8,7 @@
 // image as a motion of the target would: thesis 5.4 and 6.4 assume it small. Rotations leave the depths
 // alone, so bearings of any central camera can be turned by the roll and pitch that the autopilot knows into
 // a virtual camera V: the same centre, hung on the level aircraft as C hangs on the real one.
-namespace kestrel {
+namespace kestrel::control {
 
 // R_VC: turns vectors of C into V; the angles of thesis 4.4, rad; R_BC from the mount.
 Eigen::Quaterniond LevelRotation(double roll, double pitch, const Eigen::Quaterniond& R_BC);
@@ -38,4 +38,4 @@ std::optional<UncertainPoint> OnImagePlane(const UncertainBearing& bearing);
 // sees, except by the lever of a camera off the centre of rotation, which is part of that velocity.
 Eigen::MatrixXd LevelInteraction(const Eigen::MatrixXd& L_V, const Eigen::Vector3d& down_V);
 
-}  // namespace kestrel
+}  // namespace kestrel::control

@@ -6,7 +6,7 @@
 
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::control {
 
 Twist PbvsTwist(const Pose& X_DC, double lambda_per_s) {
   return {-lambda_per_s * (X_DC.R.conjugate() * X_DC.p), -lambda_per_s * LogRotation(X_DC.R)};  // eq. (5.13)
@@ -39,4 +39,4 @@ VelocitySetpoint ServoSetpoint(const Pose& X_DH, const ServoGains& gains) {
   return setpoint;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::control

@@ -11,7 +11,7 @@
 // Deviations: the print writes the second term of (5.9) with a minus and its first cross matrix with a
 // square; for theta u of R_DC, the moving frame seen in the desired one, the sign is a plus. (5.10) has lost
 // an inverse in its last block, (5.11) its stars.
-namespace kestrel {
+namespace kestrel::control {
 
 // The decoupled law, eq. (5.13): v = -lambda R_DC^T t_DC, w = -lambda theta u, where X_DC is the pose of the
 // moving frame C in the desired frame D. Under it the position error falls along a straight line and the
@@ -51,4 +51,4 @@ void Fields(Visitor& v, ServoGains& g) {
 // in the desired one, so the rotation is a yaw. Each limit scales its own motion and keeps the direction.
 VelocitySetpoint ServoSetpoint(const Pose& X_DH, const ServoGains& gains);
 
-}  // namespace kestrel
+}  // namespace kestrel::control

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cassert>
 
-namespace kestrel {
+namespace kestrel::control {
 
 Eigen::Matrix<double, 2, 6> PointInteraction(const Eigen::Vector2d& s, double Z) {
   const double x = s.x(), y = s.y();
@@ -41,4 +41,4 @@ ServoStep PointServo(std::span<const ImagePoint> now, std::span<const ImagePoint
                        inversion);
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::control

@@ -9,7 +9,7 @@
 // Image-based visual servoing on points of a pinhole image, thesis 5.2.3, eqs. (5.1) to (5.7).
 // Deviations: (5.4) has lost a sign of w_x and turned that of w_y in its first line, and (5.7) that of w_y in
 // its last point; (5.5) is right.
-namespace kestrel {
+namespace kestrel::control {
 
 struct ImagePoint {
   Eigen::Vector2d s = Eigen::Vector2d::Zero();  // (X/Z, Y/Z) in C, eq. (5.1)
@@ -29,4 +29,4 @@ Eigen::MatrixXd PointInteraction(std::span<const ImagePoint> points);
 ServoStep PointServo(std::span<const ImagePoint> now, std::span<const ImagePoint> wanted,
                      InteractionChoice choice, double lambda_per_s, const Inversion& inversion = {});
 
-}  // namespace kestrel
+}  // namespace kestrel::control

@@ -9,7 +9,7 @@
 #include <limits>
 #include <numeric>
 
-namespace kestrel {
+namespace kestrel::control {
 namespace {
 
 constexpr double kNotPositive = 1e6;  // more than any sum of distances that matters
@@ -77,4 +77,4 @@ std::string RelativeGainTable(const RelativeGains& rga, std::span<const std::str
   return table;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::control

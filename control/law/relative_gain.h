@@ -9,7 +9,7 @@
 
 // Bristol's relative gain array, thesis 5.4, eqs. (5.22) and (5.23): which input should control which feature
 // when each has a loop of its own, and how much the loops disturb each other.
-namespace kestrel {
+namespace kestrel::control {
 
 struct RelativeGains {
   // L (x) (L^-1)^T, element by element: a row for each feature, a column for each input. The gain of a loop
@@ -28,4 +28,4 @@ std::optional<RelativeGains> RelativeGainArray(const Eigen::MatrixXd& L);
 std::string RelativeGainTable(const RelativeGains& rga, std::span<const std::string> features,
                               std::span<const std::string> inputs);
 
-}  // namespace kestrel
+}  // namespace kestrel::control

@@ -5,9 +5,9 @@
 #include <cassert>
 #include <cmath>
 
-namespace kestrel {
+namespace kestrel::control {
 
-const char* Name(ServoState state) {
+const char* NameOf(ServoState state) {
   switch (state) {
     case ServoState::kRegular:
       return "regular";
@@ -74,4 +74,4 @@ Eigen::MatrixXd Choose(InteractionChoice choice, const Eigen::MatrixXd& L_now,
   return {};
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::control

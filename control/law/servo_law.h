@@ -6,7 +6,7 @@
 #include "control/law/twist.h"
 
 // The law of image-based visual servoing, thesis 5.2.3, eq. (5.6): velocity = -lambda L^+ e.
-namespace kestrel {
+namespace kestrel::control {
 
 enum class ServoState {
   kRegular,           // L has the rank that its size allows
@@ -15,7 +15,7 @@ enum class ServoState {
   kDepthNotPositive,  // a point behind the camera: no velocity
   kNotFinite,         // of the features, lambda or the velocity: no velocity
 };
-const char* Name(ServoState state);
+const char* NameOf(ServoState state);
 
 // Singular values below ratio times the greatest count as zero. Those above are inverted as
 // s / (s^2 + (damping * greatest)^2): with a damping the velocity stays bounded on the way into a
@@ -48,4 +48,4 @@ enum class InteractionChoice { kCurrent, kDesired, kMean };
 Eigen::MatrixXd Choose(InteractionChoice choice, const Eigen::MatrixXd& L_now,
                        const Eigen::MatrixXd& L_wanted);
 
-}  // namespace kestrel
+}  // namespace kestrel::control

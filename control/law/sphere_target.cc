@@ -3,7 +3,7 @@
 
 #include "control/law/point_servo.h"
 
-namespace kestrel {
+namespace kestrel::control {
 
 SphereImage SphereImageOf(const Eigen::Vector3d& p_CT, double D) {
   return {p_CT.head<2>() / p_CT.z(), D / p_CT.z()};  // eq. (5.16)
@@ -57,11 +57,11 @@ FollowStep FollowVelocity(const SphereImage& now, const SphereImage& wanted, dou
                           const Eigen::Vector3d& drift) {
   if (Z <= 0 || now.diameter <= 0) return {ServoState::kDepthNotPositive, Eigen::Vector3d::Zero()};
   const Eigen::Matrix3d inverse =
-      coupling == FollowCoupling::kWhole ? FollowInverse(now, Z) : DecoupledInverse(now, Z);
+      coupling == FollowCoupling::kCoupled ? FollowInverse(now, Z) : DecoupledInverse(now, Z);
   const Eigen::Vector3d error = now.Vector() - wanted.Vector();
   const Eigen::Vector3d velocity = -inverse * (lambda_per_s.cwiseProduct(error) + drift);  // eq. (5.21)
   if (!velocity.allFinite()) return {};
   return {ServoState::kRegular, velocity};
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::control

@@ -9,7 +9,7 @@
 // to (5.25), which agree with their definitions. What they define is the image of a disc that is held
 // parallel to the image plane: the outline of a sphere of diameter D at the distance d is larger, on the axis
 // by 1 / sqrt(1 - (D / 2d)^2), and off it an ellipse.
-namespace kestrel {
+namespace kestrel::control {
 
 struct SphereImage {
   Eigen::Vector2d s = Eigen::Vector2d::Zero();  // centre, (X/Z, Y/Z) in C
@@ -43,7 +43,7 @@ Eigen::Vector3d SphereDrift(const SphereImage& image, double Z, const Eigen::Vec
 // whole inverse the three errors fall as exp(-lambda t), each with its own lambda and all on a straight line
 // if it is the same; decoupled, each as its own loop, disturbed by the others away from the axis. drift: what
 // of the image's motion is known beforehand and taken back; the thesis has none, and lags behind what moves.
-enum class FollowCoupling { kWhole, kDecoupled };
+enum class FollowCoupling { kCoupled, kDecoupled };
 struct FollowStep {
   ServoState state = ServoState::kNotFinite;
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // zero unless the state is kRegular
@@ -52,4 +52,4 @@ FollowStep FollowVelocity(const SphereImage& now, const SphereImage& wanted, dou
                           FollowCoupling coupling, const Eigen::Vector3d& lambda_per_s,
                           const Eigen::Vector3d& drift = Eigen::Vector3d::Zero());
 
-}  // namespace kestrel
+}  // namespace kestrel::control

@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-namespace kestrel {
+namespace kestrel::control {
 
 // Velocity of a frame C, expressed in C: m/s and rad/s. As a vector of six: (v, w).
 struct Twist {
@@ -11,4 +11,4 @@ struct Twist {
   Eigen::Vector3d w = Eigen::Vector3d::Zero();
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::control

@@ -6,7 +6,7 @@
 
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::control {
 namespace {
 
 constexpr double kGravity = 9.80665;
@@ -64,7 +64,7 @@ VelocityLoopOutput FollowVelocity(const VelocitySetpoint& wanted, const VehicleS
   const double upright = std::max(0.5, (vehicle.R_NB * Eigen::Vector3d::UnitZ()).z());
   const double thrust = o.hover_thrust * (kGravity - a_N.z()) / kGravity / upright;
   // An upper limit below the lower one is nonsense that must not become undefined behaviour.
-  out.setpoint.thrust = std::clamp(thrust, o.thrust_least, std::max(o.thrust_least, o.thrust_most));
+  out.setpoint.thrust = std::clamp(thrust, o.thrust_min, std::max(o.thrust_min, o.thrust_max));
 
   // Against a limit an integral goes only where it leads away from it, so that nothing has to be unwound.
   const Eigen::Vector3d integral =
@@ -106,4 +106,4 @@ TouchDown WatchTouchDown(double dt_s, double asked_m_s, double sinking_m_s, cons
   return now;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::control

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <optional>
 
+#include "base/yaml/fields.h"
 #include "control/autopilot.h"
 
 // Velocity and position by an autopilot that is given an attitude and a thrust: what stands between them.
@@ -16,7 +17,7 @@
 // aircraft, g tan(tilt) = a, the vertical part goes to the thrust, hover_thrust (g - a_z) / g / cos(tilt).
 // The integral is what wind and weight ask for: it also makes up for a hover_thrust that is not quite right,
 // within 0.4 to 1.6 times the one that is given.
-namespace kestrel {
+namespace kestrel::control {
 
 struct VelocityLoopOptions {
   double hover_thrust = 0.45;  // of the greatest thrust, in still air
@@ -24,7 +25,7 @@ struct VelocityLoopOptions {
   double roll_gain = 0.80, pitch_gain = 0.84;
   double speed_limit_m_s = 3, climb_limit_m_s = 1.5, acceleration_limit_m_s2 = 2;
   double tilt_limit_deg = 20, yaw_rate_limit_deg_s = 60;
-  double thrust_least = 0.2, thrust_most = 0.8;
+  double thrust_min = 0.2, thrust_max = 0.8;
   double velocity_gain_per_s = 2.0, velocity_integral_per_s2 = 0.8;
   double climb_gain_per_s = 2.5, climb_integral_per_s2 = 1.5;
   double position_gain_per_s = 0.7, yaw_gain_per_s = 1.0;
@@ -42,8 +43,8 @@ void Fields(Visitor& v, VelocityLoopOptions& o) {
   v("acceleration_limit_m_s2", o.acceleration_limit_m_s2, 0.1, 10.0);
   v("tilt_limit_deg", o.tilt_limit_deg, 1.0, 45.0);
   v("yaw_rate_limit_deg_s", o.yaw_rate_limit_deg_s, 1.0, 200.0);
-  v("thrust_least", o.thrust_least, 0.0, 1.0);
-  v("thrust_most", o.thrust_most, 0.0, 1.0);
+  v(Renamed("thrust_min", "thrust_least"), o.thrust_min, 0.0, 1.0);
+  v(Renamed("thrust_max", "thrust_most"), o.thrust_max, 0.0, 1.0);
   v("velocity_gain_per_s", o.velocity_gain_per_s, 0.0, 20.0);
   v("velocity_integral_per_s2", o.velocity_integral_per_s2, 0.0, 20.0);
   v("climb_gain_per_s", o.climb_gain_per_s, 0.0, 20.0);
@@ -86,4 +87,4 @@ struct TouchDown {
 };
 TouchDown WatchTouchDown(double dt_s, double asked_m_s, double sinking_m_s, const TouchDown& before);
 
-}  // namespace kestrel
+}  // namespace kestrel::control

@@ -16,7 +16,7 @@
 #include "base/yaml/yaml_fields.h"
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::control {
 namespace {
 
 namespace asio = boost::asio;
@@ -128,7 +128,7 @@ struct AfcsLink::Session {
       listening = false;
       // Refused: nobody is there yet. What lasts is seen by sending; the next tick listens again.
       if (error) return;
-      Hear({buffer.data(), size});
+      Receive({buffer.data(), size});
       Listen();
     });
   }
@@ -140,7 +140,7 @@ struct AfcsLink::Session {
     receiver.Reset();  // the clock of what answers now may be another
   }
 
-  void Hear(std::span<const std::uint8_t> bytes) {
+  void Receive(std::span<const std::uint8_t> bytes) {
     const auto datagram = receiver.Receive(bytes);
     if (!datagram) return;
     const double now_s = Now_s();
@@ -185,7 +185,7 @@ struct AfcsLink::Session {
 
   void HearState(const wire::AfcsState& message, double their_s, double now_s) {
     VehicleState next = StateOf(message);
-    sync.Hear(their_s, now_s);
+    sync.AddSample(their_s, now_s);
     next.t_s = sync.ToOurs(their_s).value_or(now_s);
     next.landed = message.rpm0 < options.afcs.stopped_rpm;
     heard_s = now_s;
@@ -256,7 +256,7 @@ struct AfcsLink::Session {
                                                                : FlightMode::kPosition;
   }
 
-  std::string Trouble() const {
+  std::string Error() const {
     const double now_s = Now_s();
     if (!no_way.empty()) return fmt::format("{}: {}", where, no_way);
     if (!open && !why_not_open.empty())
@@ -334,7 +334,7 @@ LinkHealth AfcsLink::Health() const {
   for (std::size_t why = 0; why < wire::kAfcsRefusals; ++why)
     health.refused += s.receiver.refused(static_cast<wire::AfcsRefusal>(why));
   health.sent = s.sent;
-  health.trouble = s.Trouble();
+  health.trouble = s.Error();
   return health;
 }
 
@@ -375,4 +375,4 @@ std::optional<wire::AfcsGpsState> AfcsLink::Gps() const {
   return session_->gps;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::control

@@ -10,7 +10,7 @@
 #include "control/link/afcs_settings.h"
 #include "control/link/autopilot_link.h"
 
-namespace kestrel {
+namespace kestrel::control {
 
 struct AfcsLinkOptions {
   std::string host = "127.0.0.1";
@@ -73,4 +73,4 @@ class AfcsLink final : public AutopilotLink {
   std::unique_ptr<Session> session_;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::control

@@ -5,7 +5,7 @@
 
 #include "base/yaml/yaml_fields.h"
 
-namespace kestrel::wire {
+namespace kestrel::control::wire {
 namespace {
 
 double CommandFor(double wanted, const AfcsAxis& axis) {
@@ -44,4 +44,4 @@ VelocitySetpoint VelocityOf(const AfcsTeleop& teleop, const AfcsTeleopAxes& axes
           ObeyedOf(teleop.hdg, axes.hdg)};
 }
 
-}  // namespace kestrel::wire
+}  // namespace kestrel::control::wire

@@ -9,7 +9,7 @@
 
 // What both ends of an AFCS's wire must agree on beside the layout, and nobody has published: what the
 // numbers mean. All of it is assumed, and to be calibrated with the aircraft at hand.
-namespace kestrel::wire {
+namespace kestrel::control::wire {
 
 // An axis of the teleoperation. The aircraft's velocity is that of the command less the offset, less the dead
 // zone: zero within it, and beyond it what is in excess of it. So a command that is smaller than the offset
@@ -67,4 +67,4 @@ AfcsProfile ProfileOf(const AfcsSettings& settings);
 AfcsTeleop TeleopFor(const VelocitySetpoint& wanted, const AfcsTeleopAxes& axes);
 VelocitySetpoint VelocityOf(const AfcsTeleop& teleop, const AfcsTeleopAxes& axes);
 
-}  // namespace kestrel::wire
+}  // namespace kestrel::control::wire

@@ -19,7 +19,7 @@
 #include <mutex>
 #include <thread>
 
-namespace kestrel {
+namespace kestrel::control {
 namespace {
 
 namespace asio = boost::asio;
@@ -27,7 +27,7 @@ using boost::system::error_code;
 
 constexpr auto kTick = std::chrono::milliseconds(2);
 constexpr double kReopen_s = 0.2;
-constexpr std::size_t kMostUnwritten = 512;  // a port that takes no more than this is stuck
+constexpr std::size_t kMaxUnwritten = 512;  // a port that takes no more than this is stuck
 
 double Now_s() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -75,7 +75,7 @@ class AscTecLink::Port {
     if (serial_.is_open()) {
       const wire::Bytes due = Locked([](AscTecSession& s) { return s.Say(Now_s()); });
       unwritten_.insert(unwritten_.end(), due.begin(), due.end());
-      if (unwritten_.size() > kMostUnwritten)
+      if (unwritten_.size() > kMaxUnwritten)
         Close("the device takes no bytes");
       else
         Write();
@@ -122,7 +122,7 @@ class AscTecLink::Port {
       if (opening != opening_) return;
       if (e) return Close(e.message());
       const double now_s = Now_s();
-      Locked([&](AscTecSession& s) { s.Hear(now_s, std::span(read_).first(count)); });
+      Locked([&](AscTecSession& s) { s.Receive(now_s, std::span(read_).first(count)); });
       Read();
     });
   }
@@ -175,4 +175,4 @@ void AscTecLink::Silence() {
   port_->Locked([](AscTecSession& s) { s.Silence(); });
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::control

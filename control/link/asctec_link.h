@@ -6,7 +6,7 @@
 #include "control/link/asctec_session.h"
 #include "control/link/autopilot_link.h"
 
-namespace kestrel {
+namespace kestrel::control {
 
 // An AscTec low-level processor (Pelican, Hummingbird) on a serial device: 57600 baud, 8N1, no flow control.
 // An AscTecSession with a thread and the monotonic clock. A device that cannot be opened, or fails, is opened
@@ -31,4 +31,4 @@ class AscTecLink final : public AutopilotLink {
   std::unique_ptr<Port> port_;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::control

@@ -9,7 +9,7 @@
 #include "control/wire/asctec_units.h"
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::control {
 namespace {
 
 using wire::CtrlInput;
@@ -27,7 +27,7 @@ constexpr double kMotors_s = 3;    // of full yaw, at most
 constexpr double kTakeOffClimb_m_s = 0.5;
 constexpr double kClearOfGround_m = 0.3;
 // Full yaw with no thrust starts and stops the motors: in flight the yaw stays clear of it.
-constexpr std::int16_t kMostYawInFlight = 1700;
+constexpr std::int16_t kMaxYawInFlight = 1700;
 constexpr std::int16_t kAttitude = wire::kCtrlPitch | wire::kCtrlRoll | wire::kCtrlYaw | wire::kCtrlThrust;
 constexpr std::int16_t kSwitchMiddle = 2048;
 constexpr std::int32_t kGpsValid = 0x03;
@@ -77,7 +77,7 @@ void AscTecSession::Closed(const std::string& why) {
   Rest();
 }
 
-void AscTecSession::Hear(double now_s, std::span<const std::uint8_t> bytes) {
+void AscTecSession::Receive(double now_s, std::span<const std::uint8_t> bytes) {
   if (bytes.empty()) return;
   heard_s_ = now_s;
   unread_ = true;
@@ -300,7 +300,7 @@ CtrlInput AscTecSession::ByGpsMode(const VelocitySetpoint& wanted) const {
   const double turn = Radians(options_.velocity_loop.yaw_rate_limit_deg_s);
   input.yaw = std::clamp(wire::StickCounts(signs_.stick_yaw * std::clamp(wanted.yaw_rate, -turn, turn),
                                            wire::kFullYawRate_rad_s),
-                         static_cast<std::int16_t>(-kMostYawInFlight), kMostYawInFlight);
+                         static_cast<std::int16_t>(-kMaxYawInFlight), kMaxYawInFlight);
   input.thrust = wire::ClimbCounts(-wanted.v_H.z(), options_.full_climb_m_s);
   input.ctrl = kAttitude | wire::kCtrlHeight | wire::kCtrlGps;
   return input;
@@ -311,7 +311,7 @@ CtrlInput AscTecSession::Counts(const AttitudeSetpoint& wanted) const {
   input.pitch = wire::StickCounts(signs_.stick_pitch * wanted.pitch, wire::kFullTilt_rad);
   input.roll = wire::StickCounts(signs_.stick_roll * wanted.roll, wire::kFullTilt_rad);
   input.yaw = std::clamp(wire::StickCounts(signs_.stick_yaw * wanted.yaw_rate, wire::kFullYawRate_rad_s),
-                         static_cast<std::int16_t>(-kMostYawInFlight), kMostYawInFlight);
+                         static_cast<std::int16_t>(-kMaxYawInFlight), kMaxYawInFlight);
   input.thrust = wire::ThrustCounts(wanted.thrust);
   input.ctrl = kAttitude;
   return input;
@@ -366,4 +366,4 @@ LinkHealth AscTecSession::Health(double now_s) const {
   return health;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::control

@@ -14,7 +14,7 @@
 #include "control/wire/asctec.h"
 #include "control/wire/asctec_signs.h"
 
-namespace kestrel {
+namespace kestrel::control {
 
 struct AscTecOptions {
   std::string device = "/dev/ttyUSB0";
@@ -66,7 +66,7 @@ class AscTecSession {
 
   void Opened(double now_s);  // the line is there, at first or again
   void Closed(const std::string& why);
-  void Hear(double now_s, std::span<const std::uint8_t> bytes);
+  void Receive(double now_s, std::span<const std::uint8_t> bytes);
   wire::Bytes Say(double now_s);  // what is due; to be called every few milliseconds
 
   void Send(double now_s, const Setpoint& setpoint);
@@ -141,4 +141,4 @@ class AscTecSession {
   double motors_since_s_ = 0, take_off_z_ = 0;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::control

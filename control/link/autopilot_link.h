@@ -7,7 +7,7 @@
 
 #include "control/autopilot.h"
 
-namespace kestrel {
+namespace kestrel::control {
 
 // What is known of the far end before and in flight. Ages in s, on the monotonic clock.
 struct LinkHealth {
@@ -38,4 +38,4 @@ class AutopilotLink : public Autopilot {
   virtual void Silence() = 0;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::control

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <cmath>
 
-namespace kestrel {
+namespace kestrel::control {
 
 // North and east of a place on the WGS 84 ellipsoid, m, by its two radii of curvature there: the plane that
 // touches it. Within a kilometre the error is below 0.3 m, by the Earth's bending and the meridians'
@@ -33,4 +33,4 @@ class LocalPlane {
   double latitude_, longitude_, north_ = 0, east_ = 0;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::control

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "control/link/mavlink_link.h"
 
-#include <array>
 #include <boost/asio.hpp>
 #include <chrono>
 #include <mutex>
@@ -10,15 +9,17 @@
 #include <thread>
 
 #include "base/yaml/yaml_fields.h"
+#include "control/link/session_socket.h"
 #include "control/link/udp_address.h"
 
-namespace kestrel {
+namespace kestrel::control {
 namespace {
 
 using boost::asio::ip::udp;
 using boost::system::error_code;
 
 constexpr auto kTick = std::chrono::milliseconds(4);
+constexpr int kMax = 256;  // datagrams at once, lest a flood stops what is due
 
 double Now_s() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -35,15 +36,14 @@ struct MavlinkLink::Wire {
     if (!error) {
       const udp::endpoint endpoint = *found.begin();
       if (address.listen) {
-        Open(endpoint, error);
+        socket.Open(endpoint, error);
       } else {
-        Open(udp::endpoint(endpoint.protocol(), 0), error);
-        peer = endpoint;
+        socket.Open(udp::endpoint(endpoint.protocol(), 0), error);
+        if (!error) socket.Own(endpoint);
       }
     }
     if (error) throw InputError({"address \"" + text + "\": " + error.message()});
-    if (address.listen) address.port = socket.local_endpoint().port();
-    Receive();
+    if (address.listen) address.port = socket.Where().port();
     Tick();
     thread = std::thread([this] { context.run(); });
   }
@@ -52,38 +52,39 @@ struct MavlinkLink::Wire {
     thread.join();
   }
 
-  void Open(const udp::endpoint& at, error_code& error) {
-    if (socket.open(at.protocol(), error)) return;
-    if (socket.bind(at, error)) return;
-    socket.non_blocking(true, error);
-  }
-
-  void Receive() {
-    socket.async_receive_from(boost::asio::buffer(buffer), from, [this](error_code error, std::size_t size) {
-      receiving = !error;
-      if (error) return;  // tried again by Tick
-      Take({buffer.data(), size});
-      Receive();
-    });
-    receiving = true;
-  }
-
-  void Take(std::span<const std::uint8_t> datagram) {
+  // All that the autopilot sent, and some of what others did, who come after it.
+  void Listen() {
     {
       const std::lock_guard lock(mutex);
-      const double now_s = Now_s();
-      if (address.listen && from != peer) {
-        if ((peer && session.Open(now_s)) || !session.IsAutopilot(datagram)) return;
-        peer = from;
+      const double now_s = Now_s();  // before its queue is empty, so that its silence is its own
+      HearAutopilot(now_s);
+      for (int i = 0; i < kMax; ++i) {
+        const auto datagram = socket.FromOthers();
+        if (!datagram) break;
+        if (datagram->from != socket.owner()) {
+          if (!address.listen || (socket.owner() && session.Open(now_s)) ||
+              !session.IsAutopilot(datagram->bytes))
+            continue;
+          socket.Own(datagram->from);
+        }
+        session.Receive(datagram->bytes, now_s);
+        HearAutopilot(now_s);
       }
-      if (from != peer) return;
-      session.Hear(datagram, now_s);
     }
     Flush();
+    socket.WhenReadable([this] { Listen(); });
+  }
+
+  void HearAutopilot(double now_s) {
+    for (int i = 0; i < kMax; ++i) {
+      const auto datagram = socket.FromOwner();
+      if (!datagram) return;
+      session.Receive(datagram->bytes, now_s);
+    }
   }
 
   void Tick() {
-    if (!receiving) Receive();
+    socket.WhenReadable([this] { Listen(); });
     Flush();
     timer.expires_after(kTick);
     timer.async_wait([this](error_code error) {
@@ -97,10 +98,9 @@ struct MavlinkLink::Wire {
       const std::lock_guard lock(mutex);
       due = session.Due(Now_s());
     }
-    if (!peer) return;
+    if (!socket.owner()) return;
     for (const wire::Bytes& datagram : due) {
-      error_code error;
-      socket.send_to(boost::asio::buffer(datagram), *peer, 0, error);
+      const error_code error = socket.Send(datagram, *socket.owner());
       const std::lock_guard lock(mutex);
       trouble = error ? "sending failed: " + error.message() : "";
     }
@@ -113,12 +113,8 @@ struct MavlinkLink::Wire {
 
   // The thread's own:
   boost::asio::io_context context{1};
-  udp::socket socket{context};
+  SessionSocket socket{context};
   boost::asio::steady_timer timer{context};
-  std::array<std::uint8_t, 2048> buffer{};
-  udp::endpoint from;
-  std::optional<udp::endpoint> peer;
-  bool receiving = false;
   std::thread thread;
 };
 
@@ -168,4 +164,4 @@ void MavlinkLink::ShowTarget(const Eigen::Vector3d& p_NT) {
 
 std::string MavlinkLink::Where() const { return ToText(wire_->address); }
 
-}  // namespace kestrel
+}  // namespace kestrel::control

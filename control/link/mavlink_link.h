@@ -7,7 +7,7 @@
 #include "control/link/autopilot_link.h"
 #include "control/link/mavlink_session.h"
 
-namespace kestrel {
+namespace kestrel::control {
 
 // PX4 or ArduPilot (Copter) by MAVLink 2 over UDP; which of them, its heartbeat tells. MAVLink is used
 // without signatures here: whoever reaches the port may pretend to be the autopilot.
@@ -51,4 +51,4 @@ class MavlinkLink final : public AutopilotLink {
   std::unique_ptr<Wire> wire_;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::control

@@ -10,7 +10,7 @@
 #include "base/printable.h"
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::control {
 namespace {
 
 using namespace wire::mavlink;
@@ -99,7 +99,7 @@ bool MavlinkSession::IsAutopilot(std::span<const std::uint8_t> datagram) const {
 
 bool MavlinkSession::Open(double now_s) const { return heartbeat_ && now_s - heartbeat_s_ <= kSilent_s; }
 
-void MavlinkSession::Hear(std::span<const std::uint8_t> datagram, double now_s) {
+void MavlinkSession::Receive(std::span<const std::uint8_t> datagram, double now_s) {
   const Counts before = parser_.counts();
   for (const Frame& frame : parser_.Datagram(datagram)) {
     const std::optional<Message> message = Decode(frame);
@@ -267,7 +267,7 @@ double MavlinkSession::ToOurs(double their_s, double now_s) const {
 }
 
 void MavlinkSession::TakeMotion(const Message& message, std::uint32_t time_boot_ms, double now_s) {
-  heard_clock_.Hear(1e-3 * time_boot_ms, now_s);
+  heard_clock_.AddSample(1e-3 * time_boot_ms, now_s);
   if (!telemetry_.Take(message)) {
     ++refused_;
     return;
@@ -406,14 +406,14 @@ std::optional<bool> MavlinkSession::PilotAllows(double now_s) const {
   if (options_.switch_channel != 0) {
     if (!rc_ || now_s - rc_s_ > kSwitchStale_s) return false;
     const double us = rc_->chan_raw[static_cast<std::size_t>(options_.switch_channel - 1)];
-    if (options_.switch_channel > rc_->chancount || us < options_.switch_least_us ||
-        us > options_.switch_most_us)
+    if (options_.switch_channel > rc_->chancount || us < options_.switch_min_us ||
+        us > options_.switch_max_us)
       return false;
   }
   return InMode() || asks_;
 }
 
-std::string MavlinkSession::Trouble(double now_s) const {
+std::string MavlinkSession::Error(double now_s) const {
   if (!heartbeat_) return stranger_.empty() ? "no autopilot heard" : stranger_;
   if (!Open(now_s)) return "the autopilot is silent";
   if (!state_s_ || now_s - *state_s_ > kStateStale_s) {
@@ -442,8 +442,8 @@ LinkHealth MavlinkSession::Health(double now_s) const {
   health.pilot_allows = PilotAllows(now_s);
   health.received = received_, health.refused = refused_, health.sent = sent_;
   health.simulated = heartbeat_ && (heartbeat_->base_mode & kSimulatedFlag) != 0;
-  health.trouble = Trouble(now_s);
+  health.trouble = Error(now_s);
   return health;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::control

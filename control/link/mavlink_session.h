@@ -12,10 +12,11 @@
 #include <vector>
 
 #include "base/clock_sync.h"
+#include "base/yaml/fields.h"
 #include "control/link/autopilot_link.h"
 #include "control/wire/mavlink_dialects.h"
 
-namespace kestrel {
+namespace kestrel::control {
 
 struct MavlinkOptions {
   double setpoint_hz = 30;  // a setpoint is repeated so often while it is fresh
@@ -28,9 +29,9 @@ struct MavlinkOptions {
   // coming: standing still is streamed while it is in another mode, and heeds it in no way.
   bool stand_by = false;
   int switch_channel = 0;  // of the pilot's transmitter, in RC_CHANNELS; 0: none is looked at
-  double switch_least_us = 1700, switch_most_us = 2300;  // setpoints are allowed while it is in between
-  int autopilot_system = 0;                              // 0: the first that is heard
-  int system = 1, component = 191;                       // our own: MAV_COMP_ID_ONBOARD_COMPUTER
+  double switch_min_us = 1700, switch_max_us = 2300;  // setpoints are allowed while it is in between
+  int autopilot_system = 0;                           // 0: the first that is heard
+  int system = 1, component = 191;                    // our own: MAV_COMP_ID_ONBOARD_COMPUTER
 };
 
 template <class Visitor>
@@ -41,8 +42,8 @@ void Fields(Visitor& v, MavlinkOptions& o) {
   v("arm", o.arm);
   v("stand_by", o.stand_by);
   v("switch_channel", o.switch_channel, 0, 18);
-  v("switch_least_us", o.switch_least_us, 500.0, 2500.0);
-  v("switch_most_us", o.switch_most_us, 500.0, 2500.0);
+  v(Renamed("switch_min_us", "switch_least_us"), o.switch_min_us, 500.0, 2500.0);
+  v(Renamed("switch_max_us", "switch_most_us"), o.switch_max_us, 500.0, 2500.0);
   v("autopilot_system", o.autopilot_system, 0, 255);
   v("system", o.system, 1, 255);
   v("component", o.component, 1, 255);
@@ -77,7 +78,7 @@ class MavlinkSession {
 
   // Whether it holds a heartbeat of an autopilot that this session could be with.
   bool IsAutopilot(std::span<const std::uint8_t> datagram) const;
-  void Hear(std::span<const std::uint8_t> datagram, double now_s);
+  void Receive(std::span<const std::uint8_t> datagram, double now_s);
   std::vector<wire::Bytes> Due(double now_s);  // what is to be sent now; to be asked every few milliseconds
 
   void Send(const Setpoint& setpoint, double now_s);
@@ -133,7 +134,7 @@ class MavlinkSession {
   bool Fresh(double now_s) const;
   bool TakingOff() const;
   std::optional<bool> PilotAllows(double now_s) const;
-  std::string Trouble(double now_s) const;
+  std::string Error(double now_s) const;
   void Say(const wire::mavlink::Message& message);
 
   MavlinkOptions options_;
@@ -179,4 +180,4 @@ class MavlinkSession {
   std::uint64_t received_ = 0, refused_ = 0, sent_ = 0;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::control

@@ -6,7 +6,7 @@
 
 #include "base/stopwatch.h"
 
-namespace kestrel {
+namespace kestrel::control {
 
 SafeAutopilot::SafeAutopilot(AutopilotLink& link, std::function<std::optional<double>()> image_age_s,
                              const Options& options)
@@ -102,7 +102,7 @@ void SafeAutopilot::Act() {
 }
 
 void SafeAutopilot::Hold(const Situation& now) {
-  const Release how = kestrel::LetGo(now, release_state_, options_.limits, *release_);
+  const Release how = kestrel::control::LetGo(now, release_state_, options_.limits, *release_);
   if (how == Release::kHolding) {
     sent_ = VelocitySetpoint{};
     link_.Send(*sent_);
@@ -122,4 +122,4 @@ void SafeAutopilot::Watch() {
   }
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::control

@@ -12,7 +12,7 @@
 #include "control/safety/release.h"
 #include "control/safety/safety.h"
 
-namespace kestrel {
+namespace kestrel::control {
 
 // What the safety layer did, from then on.
 struct SafetyChange {
@@ -84,4 +84,4 @@ class SafeAutopilot final : public Autopilot {
   std::thread thread_;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::control

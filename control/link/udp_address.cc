@@ -6,7 +6,7 @@
 
 #include "base/yaml/yaml_fields.h"
 
-namespace kestrel {
+namespace kestrel::control {
 namespace {
 
 constexpr std::string_view kTo = "udp://", kIn = "udpin://";
@@ -52,4 +52,4 @@ std::string ToText(const UdpAddress& address) {
          ':' + std::to_string(address.port);
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::control

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-namespace kestrel {
+namespace kestrel::control {
 
 // "udp://HOST:PORT": send to it. "udpin://HOST:PORT": listen there for whoever sends first; HOST is an
 // address of this computer, 0.0.0.0 for all of them, and left out the loopback address. An address of version
@@ -20,4 +20,4 @@ UdpAddress ParseUdpAddress(const std::string& text);
 
 std::string ToText(const UdpAddress& address);
 
-}  // namespace kestrel
+}  // namespace kestrel::control

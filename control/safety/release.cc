@@ -7,12 +7,12 @@
 
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::control {
 
 Release LetGo(const Situation& now, ReleaseState& state, const SafetyLimits& limits,
               const ReleaseLimits& release) {
   if (!now.pilot_allows) return Release::kPilot;
-  const bool over = now.t_s - state.since_s >= release.most_s;
+  const bool over = now.t_s - state.since_s >= release.max_s;
   if (!now.state_age_s) return Release::kStateLost;  // it was never heard: there is nobody to be told
   if (!(*now.state_age_s <= limits.state_s) || !Sane(now.state)) {
     state.still_since_s.reset();
@@ -51,4 +51,4 @@ std::string TextOf(Release release, double after_s) {
   return "velocity zero";
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::control

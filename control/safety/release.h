@@ -9,7 +9,7 @@
 // How an aircraft in flight is let go. The last velocity stays in force at the far end of a silent wire until
 // its own time-out, of an ArduPilot for three seconds; so first it is told to stand still, and silence comes
 // when it does.
-namespace kestrel {
+namespace kestrel::control {
 
 enum class Release {
   kHolding,    // velocity zero is being sent
@@ -24,7 +24,7 @@ enum class Release {
 struct ReleaseLimits {
   double speed_m_s = 0.25, yaw_rate_deg_s = 10;  // slower than both is standing still
   double still_s = 1;                            // for so long without a break
-  double most_s = 5;
+  double max_s = 5;
 };
 
 struct ReleaseState {
@@ -39,4 +39,4 @@ Release LetGo(const Situation& now, ReleaseState& state, const SafetyLimits& lim
 
 std::string TextOf(Release release, double after_s);  // of an end, for the log
 
-}  // namespace kestrel
+}  // namespace kestrel::control

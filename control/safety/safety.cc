@@ -6,7 +6,7 @@
 
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::control {
 namespace {
 
 Hazard Judge(const Situation& now, const SafetyLimits& l) {
@@ -58,7 +58,7 @@ struct Limiter {
         Limit(s.pitch, std::acos(std::min(1.0, std::cos(Radians(l.tilt_deg)) / std::cos(s.roll)))) || limited;
     limited = Limit(s.yaw_rate, Radians(l.yaw_rate_deg_s)) || limited;
     const double thrust = s.thrust;
-    s.thrust = std::clamp(s.thrust, l.thrust_least, std::max(l.thrust_least, l.thrust_most));
+    s.thrust = std::clamp(s.thrust, l.thrust_min, std::max(l.thrust_min, l.thrust_max));
     return limited || s.thrust != thrust;
   }
 };
@@ -154,4 +154,4 @@ const char* NameOf(Reaction reaction) {
   return "?";
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::control

@@ -6,12 +6,13 @@
 #include <optional>
 #include <string_view>
 
+#include "base/yaml/fields.h"
 #include "control/autopilot.h"
 
 // The last word before a setpoint goes to a real aircraft. Flight code asks; this limits what it asks for,
 // and where the ground for it is gone it does what is written down in kReactions, one row for each hazard,
 // the first that applies. No row needs vision, and none sends a setpoint that is not finite.
-namespace kestrel {
+namespace kestrel::control {
 
 enum class Hazard {
   kPilot,       // his switch is not where it lets us fly
@@ -58,9 +59,9 @@ inline constexpr std::array kReactions{
 
 struct SafetyLimits {
   double speed_m_s = 2, climb_m_s = 1, yaw_rate_deg_s = 45, tilt_deg = 20;
-  double thrust_least = 0.2, thrust_most = 0.8;  // of an attitude setpoint
-  double radius_m = 30, height_m = 20;           // of the area, about and over the start
-  double slow_m_s = 0.5;                         // of sinking, returning and descending
+  double thrust_min = 0.2, thrust_max = 0.8;  // of an attitude setpoint
+  double radius_m = 30, height_m = 20;        // of the area, about and over the start
+  double slow_m_s = 0.5;                      // of sinking, returning and descending
   double state_s = 0.5, image_s = 0.5, target_s = 10;
   double patience_s = 10;
 };
@@ -71,8 +72,8 @@ void Fields(Visitor& v, SafetyLimits& l) {
   v("climb_m_s", l.climb_m_s, 0.1, 10.0);
   v("yaw_rate_deg_s", l.yaw_rate_deg_s, 1.0, 360.0);
   v("tilt_deg", l.tilt_deg, 1.0, 60.0);
-  v("thrust_least", l.thrust_least, 0.0, 1.0);
-  v("thrust_most", l.thrust_most, 0.0, 1.0);
+  v(Renamed("thrust_min", "thrust_least"), l.thrust_min, 0.0, 1.0);
+  v(Renamed("thrust_max", "thrust_most"), l.thrust_max, 0.0, 1.0);
   v("radius_m", l.radius_m, 1.0, 5000.0);
   v("height_m", l.height_m, 0.5, 500.0);
   v("slow_m_s", l.slow_m_s, 0.1, 2.0);
@@ -111,4 +112,4 @@ SafeCommand MakeSafe(const Situation& now, const SafetyState& before, const Safe
 const char* NameOf(Hazard hazard);      // "pilot", "state lost", ...
 const char* NameOf(Reaction reaction);  // "silence", "hold", ...
 
-}  // namespace kestrel
+}  // namespace kestrel::control

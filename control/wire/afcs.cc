@@ -10,7 +10,7 @@
 #include <type_traits>
 #include <utility>
 
-namespace kestrel::wire {
+namespace kestrel::control::wire {
 namespace {
 
 constexpr std::size_t kMessages = std::variant_size_v<AfcsMessage>;
@@ -377,4 +377,4 @@ void AfcsReceiver::Reset() {
   last_of_type_.fill(std::nullopt);
 }
 
-}  // namespace kestrel::wire
+}  // namespace kestrel::control::wire

@@ -27,7 +27,7 @@
 // A datagram is seconds, microseconds, type, payload. Nothing in it is a check sum: damage to a payload that
 // UDP's own sum lets through is not seen here, and numbers are not looked at (NaN may stand in a field that
 // the mode does not use).
-namespace kestrel::wire {
+namespace kestrel::control::wire {
 
 // When it was sent. Receivers drop what bears the time of another: see After.
 struct AfcsTime {
@@ -203,4 +203,4 @@ class AfcsReceiver {
   std::array<std::uint64_t, kAfcsRefusals> refused_{};
 };
 
-}  // namespace kestrel::wire
+}  // namespace kestrel::control::wire

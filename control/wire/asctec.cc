@@ -9,7 +9,7 @@
 
 #include "control/wire/crc16.h"
 
-namespace kestrel::wire {
+namespace kestrel::control::wire {
 namespace {
 
 constexpr std::uint16_t kCrcBegin = 0x00FF;
@@ -277,4 +277,4 @@ std::vector<Command> CommandParser::Feed(std::span<const std::uint8_t> bytes) {
 }
 std::vector<Command> CommandParser::Idle() { return Take<Command>(unread_, counts_, true); }
 
-}  // namespace kestrel::wire
+}  // namespace kestrel::control::wire

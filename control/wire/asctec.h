@@ -25,7 +25,7 @@
 // have no padding in any case), 33 or 34 bytes of RC_DATA (34 is sent, both are read), the descriptor that
 // acknowledges a CTRL_INPUT (0x17 is sent), whether bits 4 and 5 of ctrl are heeded on this port, the unit of
 // up_time, and what the processor does with counts out of range (here they are refused).
-namespace kestrel::wire {
+namespace kestrel::control::wire {
 
 struct LlStatus {
   static constexpr std::uint8_t kDescriptor = 0x02;
@@ -220,4 +220,4 @@ class CommandParser {
   LinkCounts counts_;
 };
 
-}  // namespace kestrel::wire
+}  // namespace kestrel::control::wire

@@ -7,7 +7,7 @@
 // where it is decided: each is +1 or -1, and the value of the conventions here (roll right wing down, pitch
 // nose up, yaw clockwise) is the sign times the wire's. Unverified on the aircraft: before a flight, lean and
 // turn it by hand and see that the angles follow, and let the pilot hold it while a small angle is asked for.
-namespace kestrel::wire {
+namespace kestrel::control::wire {
 
 struct AscTecSigns {
   int angle_roll = 1, angle_nick = -1, angle_yaw = 1;   // of IMU_CALCDATA, angles and rates
@@ -23,4 +23,4 @@ inline constexpr AscTecSigns SignsOf(std::string_view profile) {
   return {};
 }
 
-}  // namespace kestrel::wire
+}  // namespace kestrel::control::wire

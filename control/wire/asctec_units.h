@@ -11,7 +11,7 @@
 
 // Counts of the AscTec low-level processor to SI and back. Sizes alone, no signs: which way nick, roll and
 // yaw count is a matter of the vehicle (the public drivers disagree on roll) and of whoever knows the frames.
-namespace kestrel::wire {
+namespace kestrel::control::wire {
 
 inline constexpr double kRadPerAngleCount = std::numbers::pi / 180 / 1000;   // ImuCalcData angles, headings
 inline constexpr double kRad_sPerRateCount = std::numbers::pi / 180 / 64.8;  // ImuCalcData angvel
@@ -55,4 +55,4 @@ inline constexpr double LineTime_s(std::size_t bytes, double baud = 57600) {
   return 10 * static_cast<double>(bytes) / baud;
 }
 
-}  // namespace kestrel::wire
+}  // namespace kestrel::control::wire

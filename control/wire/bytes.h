@@ -11,7 +11,7 @@
 #include <vector>
 
 // Numbers on a wire: integers and IEEE floats in either byte order, whatever this machine's is.
-namespace kestrel::wire {
+namespace kestrel::control::wire {
 
 using Bytes = std::vector<std::uint8_t>;
 
@@ -59,4 +59,4 @@ class Reader {
   bool good_ = true;
 };
 
-}  // namespace kestrel::wire
+}  // namespace kestrel::control::wire

@@ -7,7 +7,7 @@
 
 // The check sum of MAVLink (CRC-16/MCRF4XX) and of AscTec's low-level processor, which is the same but for
 // what it begins with.
-namespace kestrel::wire {
+namespace kestrel::control::wire {
 
 // begin, reflected as both protocols write it: 0xFFFF for MAVLink, 0x00FF for AscTec.
 class Crc16 {
@@ -28,4 +28,4 @@ class Crc16 {
   boost::crc_optimal<16, 0x1021, 0, 0, true, true> crc_;
 };
 
-}  // namespace kestrel::wire
+}  // namespace kestrel::control::wire

@@ -6,7 +6,7 @@
 
 #include "control/wire/crc16.h"
 
-namespace kestrel::wire::mavlink {
+namespace kestrel::control::wire::mavlink {
 namespace {
 
 constexpr std::uint8_t kStart2 = 0xFD, kStart1 = 0xFE;
@@ -183,4 +183,4 @@ std::size_t Parser::Refuse(std::uint64_t& reason) {
   return 1;
 }
 
-}  // namespace kestrel::wire::mavlink
+}  // namespace kestrel::control::wire::mavlink

@@ -16,7 +16,7 @@
 // mavlink.io/en/guide/serialization.html. Frames of version 2 are written; of version 1 are read too, because
 // an autopilot may speak it until it has heard version 2. Signed frames are read and their signature, which
 // is beyond the check sum, is NOT checked: a frame's `is_signed` is no proof of who sent it.
-namespace kestrel::wire::mavlink {
+namespace kestrel::control::wire::mavlink {
 
 // What must be known of a message to check its frames.
 struct Format {
@@ -94,4 +94,4 @@ class Parser {
   std::map<Source, Traffic> traffic_;
 };
 
-}  // namespace kestrel::wire::mavlink
+}  // namespace kestrel::control::wire::mavlink

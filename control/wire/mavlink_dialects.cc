@@ -8,7 +8,7 @@
 
 #include "geometry/tait_bryan.h"
 
-namespace kestrel::wire::mavlink {
+namespace kestrel::control::wire::mavlink {
 namespace {
 
 // MAV_FRAME
@@ -216,4 +216,4 @@ std::optional<VehicleState> Telemetry::State(const Dialect& dialect) const {
   return state;
 }
 
-}  // namespace kestrel::wire::mavlink
+}  // namespace kestrel::control::wire::mavlink

@@ -10,7 +10,7 @@
 
 // What PX4 and ArduPilot (Copter) want otherwise, and kestrel's setpoints and state as messages. Sources:
 // both projects' documentation of off-board and guided flight, and what their receivers do with the fields.
-namespace kestrel::wire::mavlink {
+namespace kestrel::control::wire::mavlink {
 
 struct Dialect {
   const char* name;
@@ -113,4 +113,4 @@ class Telemetry {
   FlightMode sent_ = FlightMode::kVelocity;
 };
 
-}  // namespace kestrel::wire::mavlink
+}  // namespace kestrel::control::wire::mavlink

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace kestrel::wire::mavlink {
+namespace kestrel::control::wire::mavlink {
 namespace {
 
 // The visitors of Fields. A field is a number or an array of them, so that its size here is that on the wire.
@@ -110,4 +110,4 @@ Bytes Sender::Encode(const Message& message) {
       message);
 }
 
-}  // namespace kestrel::wire::mavlink
+}  // namespace kestrel::control::wire::mavlink

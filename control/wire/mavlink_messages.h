@@ -15,7 +15,7 @@
 // (mavlink.io/en/messages/common.html), as values. Their fields have the names, units and order that they
 // have on the wire; each message's Fields says that order once, for writing and reading. N and B are ours:
 // its local NED and its body FRD.
-namespace kestrel::wire::mavlink {
+namespace kestrel::control::wire::mavlink {
 
 // M itself, or M that is only read.
 template <class T, class M>
@@ -437,4 +437,4 @@ class Sender {
   std::uint8_t sequence_ = 0;
 };
 
-}  // namespace kestrel::wire::mavlink
+}  // namespace kestrel::control::wire::mavlink

@@ -7,29 +7,29 @@
 
 #include "control/link/udp_address.h"
 
-namespace kestrel {
+namespace kestrel::flight {
 namespace {
 
 constexpr const char* kForms =
     "mavlink:udp://HOST:PORT, mavlink:udpin://HOST:PORT (listens), afcs:udp://HOST:PORT, "
     "asctec:serial:/dev/ttyUSB0";
 
-std::unique_ptr<AutopilotLink> LinkAt(std::string_view protocol, const std::string& where,
-                                      const Aircraft& aircraft) {
-  if (protocol == "mavlink") return std::make_unique<MavlinkLink>(where, aircraft.mavlink);
+std::unique_ptr<control::AutopilotLink> LinkAt(std::string_view protocol, const std::string& where,
+                                               const Aircraft& aircraft) {
+  if (protocol == "mavlink") return std::make_unique<control::MavlinkLink>(where, aircraft.mavlink);
   if (protocol == "afcs") {
-    const UdpAddress address = ParseUdpAddress(where);
+    const control::UdpAddress address = control::ParseUdpAddress(where);
     if (address.listen)
       throw InputError({fmt::format("'{}' listens, and an AFCS is called; valid: udp://HOST:PORT", where)});
-    AfcsLinkOptions options = aircraft.afcs;
+    control::AfcsLinkOptions options = aircraft.afcs;
     options.host = address.host;
     options.port = address.port;
-    return std::make_unique<AfcsLink>(options);
+    return std::make_unique<control::AfcsLink>(options);
   }
   if (protocol == "asctec" && where.starts_with("serial:")) {
-    AscTecOptions options = aircraft.asctec;
+    control::AscTecOptions options = aircraft.asctec;
     options.device = where.substr(std::string_view("serial:").size());
-    return std::make_unique<AscTecLink>(options);
+    return std::make_unique<control::AscTecLink>(options);
   }
   throw InputError({fmt::format("'{}:{}' is no autopilot; valid: {}", protocol, where, kForms)});
 }
@@ -42,15 +42,15 @@ Aircraft LoadAircraft(const std::string& file, const std::vector<std::string>& o
   const Config config = file.empty() ? ParseConfig("{}", "--aircraft", overrides, mistakes)
                                      : LoadConfig(file, overrides, mistakes);
   Read(config, aircraft, mistakes);
-  if (aircraft.safety.thrust_least >= aircraft.safety.thrust_most)
-    mistakes.Add(file.empty() ? "--set-aircraft" : file, "safety.thrust_least",
-                 fmt::format("{:g} is not below safety.thrust_most = {:g}", aircraft.safety.thrust_least,
-                             aircraft.safety.thrust_most));
+  if (aircraft.safety.thrust_min >= aircraft.safety.thrust_max)
+    mistakes.Add(file.empty() ? "--set-aircraft" : file, "safety.thrust_min",
+                 fmt::format("{:g} is not below safety.thrust_max = {:g}", aircraft.safety.thrust_min,
+                             aircraft.safety.thrust_max));
   return aircraft;
 }
 
-std::unique_ptr<AutopilotLink> MakeLink(const std::string& address, const Aircraft& aircraft,
-                                        Mistakes& mistakes) {
+std::unique_ptr<control::AutopilotLink> MakeLink(const std::string& address, const Aircraft& aircraft,
+                                                 Mistakes& mistakes) {
   const std::size_t colon = address.find(':');
   try {
     if (colon == std::string::npos)
@@ -62,4 +62,4 @@ std::unique_ptr<AutopilotLink> MakeLink(const std::string& address, const Aircra
   }
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::flight

@@ -12,17 +12,17 @@
 #include "control/safety/safety.h"
 #include "vision/capture/live_camera.h"
 
-namespace kestrel {
+namespace kestrel::flight {
 
 // What a flight must know of a real aircraft: a YAML file of its owner's.
 struct Aircraft {
-  SafetyLimits safety;
+  control::SafetyLimits safety;
   // An autopilot that does not tell of the pilot's switch is flown all the same: he takes over elsewhere.
   bool pilot_untold = false;
-  LiveCameraOptions camera;
-  MavlinkOptions mavlink;
-  AfcsLinkOptions afcs;
-  AscTecOptions asctec;
+  vision::LiveCameraOptions camera;
+  control::MavlinkOptions mavlink;
+  control::AfcsLinkOptions afcs;
+  control::AscTecOptions asctec;
 };
 
 template <class Visitor>
@@ -40,7 +40,7 @@ Aircraft LoadAircraft(const std::string& file, const std::vector<std::string>& o
 
 // The link to an autopilot by its address: "mavlink:udp://HOST:PORT", "mavlink:udpin://HOST:PORT",
 // "afcs:udp://HOST:PORT", "asctec:serial:DEVICE". Null: the address is a mistake.
-std::unique_ptr<AutopilotLink> MakeLink(const std::string& address, const Aircraft& aircraft,
-                                        Mistakes& mistakes);
+std::unique_ptr<control::AutopilotLink> MakeLink(const std::string& address, const Aircraft& aircraft,
+                                                 Mistakes& mistakes);
 
-}  // namespace kestrel
+}  // namespace kestrel::flight

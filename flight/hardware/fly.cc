@@ -10,8 +10,8 @@
 #include "base/background_writer.h"
 #include "base/stopwatch.h"
 #include "base/version.h"
-#include "flight/hardware/control_watch.h"
-#include "flight/hardware/lag_watch.h"
+#include "flight/hardware/control_monitor.h"
+#include "flight/hardware/lag_monitor.h"
 #include "mission/flight_loop.h"
 #include "records/recorder.h"
 #include "records/recording.h"
@@ -21,27 +21,27 @@
 #include "records/video/drawn_view.h"
 #include "vision/write_image.h"
 
-namespace kestrel {
+namespace kestrel::flight {
 namespace {
 
 // The camera of a flight that somebody may end, or that has lasted long enough.
-class UntilStopped final : public Camera {
+class UntilStopped final : public vision::Camera {
  public:
   // waiting: called while no image comes.
-  UntilStopped(LiveCamera& camera, double until_s, const std::atomic<bool>* interrupted,
+  UntilStopped(vision::LiveCamera& camera, double until_s, const std::atomic<bool>* interrupted,
                std::function<void()> waiting)
       : camera_(camera), until_s_(until_s), interrupted_(interrupted), waiting_(std::move(waiting)) {}
 
-  std::optional<Frame> Next() override {
+  std::optional<vision::Frame> Next() override {
     for (;;) {
       if (interrupted_ && *interrupted_) return End("interrupted");
-      if (MonotonicNow_s() >= until_s_) return End(ControlWatch::kTimeIsUp);
+      if (MonotonicNow_s() >= until_s_) return End(ControlMonitor::kTimeIsUp);
       auto frame = camera_.Next(0.05);
       if (frame) {
         given_s_ = MonotonicNow_s();
         return frame;
       }
-      if (camera_.Health().state == LiveCameraState::kEnded) return End("camera ended");
+      if (camera_.Health().state == vision::LiveCameraState::kEnded) return End("camera ended");
       waiting_();
     }
   }
@@ -49,12 +49,12 @@ class UntilStopped final : public Camera {
   const std::string& why() const { return why_; }
 
  private:
-  std::optional<Frame> End(const char* why) {
+  std::optional<vision::Frame> End(const char* why) {
     why_ = why;
     return std::nullopt;
   }
 
-  LiveCamera& camera_;
+  vision::LiveCamera& camera_;
   double until_s_;
   const std::atomic<bool>* interrupted_;
   std::function<void()> waiting_;
@@ -64,23 +64,25 @@ class UntilStopped final : public Camera {
 
 // The autopilot as the mission has it. Of one that was never heard nothing is known: not that it stands on
 // the ground, as a VehicleState{} says.
-class AsHeard final : public Autopilot {
+class AsHeard final : public control::Autopilot {
  public:
-  AsHeard(SafeAutopilot& safe, const AutopilotLink& link) : safe_(safe), link_(link) {}
+  AsHeard(control::SafeAutopilot& safe, const control::AutopilotLink& link) : safe_(safe), link_(link) {}
 
-  VehicleState State() const override {
+  control::VehicleState State() const override {
     const bool heard_before = heard();
-    VehicleState state = safe_.State();
+    control::VehicleState state = safe_.State();
     if (!heard_before) state.landed = false;
     return state;
   }
-  void Send(const Setpoint& setpoint) override { safe_.Send(setpoint); }
-  void Aid(const AttitudeAid& aid) override { safe_.Aid(aid); }
-  bool heard() const { return heard_ = heard_ || (link_.Health().state_age_s && Finite(link_.State())); }
+  void Send(const control::Setpoint& setpoint) override { safe_.Send(setpoint); }
+  void Aid(const control::AttitudeAid& aid) override { safe_.Aid(aid); }
+  bool heard() const {
+    return heard_ = heard_ || (link_.Health().state_age_s && control::Finite(link_.State()));
+  }
 
  private:
-  SafeAutopilot& safe_;
-  const AutopilotLink& link_;
+  control::SafeAutopilot& safe_;
+  const control::AutopilotLink& link_;
   mutable bool heard_ = false;
 };
 
@@ -89,7 +91,7 @@ struct Losses {
   bool images = false, state = false;
 
   // Ages of the newest ones in s; while there is none, of the run.
-  void Note(double image_age_s, double state_age_s, const SafetyLimits& limits) {
+  void Note(double image_age_s, double state_age_s, const control::SafetyLimits& limits) {
     images = images || image_age_s > limits.image_s;
     state = state || state_age_s > limits.state_s;
   }
@@ -104,16 +106,16 @@ class Records {
   Records(const std::filesystem::path& folder, const LoadedPlan& plan, const FlyOptions& o,
           const std::string& mode, double begun_s)
       : events_((std::filesystem::create_directories(folder), folder)) {
-    RecorderOptions options;
+    records::RecorderOptions options;
     options.video = o.video;
     options.rate_hz = plan.plan.image.rate_hz;
     options.plots.title = fmt::format("{}, {}", mode, plan.plan.name);
-    options.telemetry = {.truth = false, .safety = true};
+    options.telemetry = {.truth = false, .safety = true, .mission = &plan.plan.flight.type()};
     recorder_.emplace(folder, options);
     WriteFile(folder / "scenario.yaml", ToYaml(plan.plan));
     if (o.images) {
-      recording_.emplace(folder);
-      WriteOwnParts(folder, plan.parts.own_parts);
+      recording_.emplace(folder, plan.plan.flight.type());
+      records::WriteOwnParts(folder, plan.parts.own_parts);
     }
     events_.Line(0, "mode", mode);
     if (!o.aircraft.empty()) WriteFile(folder / "aircraft.yaml", o.aircraft);
@@ -122,35 +124,36 @@ class Records {
     events_.Line(0, "clock", fmt::format("{:.6f} s of the monotonic clock", begun_s));
   }
 
-  void Write(const std::vector<SafetyChange>& changes, double begun_s) {
-    for (const SafetyChange& c : changes)
-      events_.Line(
-          c.t_s - begun_s, "safety",
-          fmt::format("{}, {}{}", NameOf(c.hazard), NameOf(c.reaction), c.limited ? ", limited" : ""));
+  void Write(const std::vector<control::SafetyChange>& changes, double begun_s) {
+    for (const control::SafetyChange& c : changes)
+      events_.Line(c.t_s - begun_s, "safety",
+                   fmt::format("{}, {}{}", control::NameOf(c.hazard), control::NameOf(c.reaction),
+                               c.limited ? ", limited" : ""));
   }
-  void Write(const LogRow& row) {
+  void Write(const records::LogRow& row) {
     recorder_->Write(row);
     events_.Write(row);
   }
   void Line(double t_s, const char* what, const std::string& text) { events_.Line(t_s, what, text); }
   void WriteImage(const cv::Mat& drawn) { recorder_->WriteImage(drawn); }
-  void Record(const Frame& frame, const VehicleState& state, const Decision& decision) {
+  void Record(const vision::Frame& frame, const control::VehicleState& state,
+              const mission::Decision& decision) {
     if (recording_) recording_->Write(frame, state, decision);
   }
-  void Finish(const Summary& summary) {
+  void Finish(const records::Summary& summary) {
     if (recording_) recording_->Close();
     events_.End(summary.sim_s, summary.error.empty() ? summary.outcome : summary.error);
     recorder_->Finish(summary);
   }
 
  private:
-  EventLog events_;
-  std::optional<Recorder> recorder_;
-  std::optional<RecordingWriter> recording_;
+  records::EventLog events_;
+  std::optional<records::Recorder> recorder_;
+  std::optional<records::RecordingWriter> recording_;
 };
 
-Summary SummaryOf(const LoadedPlan& plan, const std::string& mode) {
-  Summary summary;
+records::Summary SummaryOf(const LoadedPlan& plan, const std::string& mode) {
+  records::Summary summary;
   summary.scenario = plan.plan.name;
   summary.version = Version();
   summary.mode = mode;
@@ -163,15 +166,15 @@ Summary SummaryOf(const LoadedPlan& plan, const std::string& mode) {
 void RecordNotFlown(const LoadedPlan& plan, const FlyOptions& o, const std::string& why) {
   FlyOptions options = o;
   options.video = options.images = false;
-  const std::string mode = LiveMode(false, o.dry_run);
-  Summary summary = SummaryOf(plan, mode);
+  const std::string mode = records::LiveMode(false, o.dry_run);
+  records::Summary summary = SummaryOf(plan, mode);
   summary.outcome = "not flown: " + why;
   summary.complete = true;
   Records(*o.folder, plan, options, mode, MonotonicNow_s()).Finish(summary);
 }
 
-void CheckDeclared(const Mission& mission, const std::string& name, Mistakes& mistakes) {
-  if (mission.Target() != TargetNeed::kUndeclared) return;
+void CheckDeclared(const mission::Mission& mission, const std::string& name, Mistakes& mistakes) {
+  if (mission.Target() != mission::TargetNeed::kUndeclared) return;
   mistakes.Add(
       "scenario", "mission",
       fmt::format("'{}' does not declare whether it needs its target in sight, so nobody would notice that "
@@ -179,11 +182,12 @@ void CheckDeclared(const Mission& mission, const std::string& name, Mistakes& mi
                   name));
 }
 
-FlyReport FlyAircraft(const LoadedPlan& plan, LiveCamera& camera, AutopilotLink& link, const FlyOptions& o) {
+FlyReport FlyAircraft(const LoadedPlan& plan, vision::LiveCamera& camera, control::AutopilotLink& link,
+                      const FlyOptions& o) {
   FlyReport report;
-  const std::string mode = LiveMode(link.Health().simulated, o.dry_run);
-  Summary summary = SummaryOf(plan, mode);
-  const std::unique_ptr<Mission> mission = MakeMission(plan.parts);
+  const std::string mode = records::LiveMode(link.Health().simulated, o.dry_run);
+  records::Summary summary = SummaryOf(plan, mode);
+  const std::unique_ptr<mission::Mission> mission = plan.plan.flight->Make(plan.parts);
   const double begun_s = MonotonicNow_s();
   std::optional<Records> records;
   if (o.folder) records.emplace(*o.folder, plan, o, mode, begun_s);
@@ -192,53 +196,55 @@ FlyReport FlyAircraft(const LoadedPlan& plan, LiveCamera& camera, AutopilotLink&
   const std::int64_t overwritten_before = camera.Health().overwritten;
   double seen_s = begun_s;
   std::vector<double> reaction_s, vision_s, control_s;
-  SafetyChange safety;
+  control::SafetyChange safety;
   const Eigen::Vector3d p_N = link.State().p_NB;
-  SafeAutopilot safe(link, [&camera] { return camera.Health().age_s; },
-                     {.limits = o.limits,
-                      .start_N = {p_N.x(), p_N.y(), 0},
-                      .dry_run = o.dry_run,
-                      .pilot_untold = o.pilot_untold});
+  control::SafeAutopilot safe(link, [&camera] { return camera.Health().age_s; },
+                              {.limits = o.limits,
+                               .start_N = {p_N.x(), p_N.y(), 0},
+                               .dry_run = o.dry_run,
+                               .pilot_untold = o.pilot_untold});
   const auto take_changes = [&] {
-    const std::vector<SafetyChange> changes = safe.TakeChanges();
+    const std::vector<control::SafetyChange> changes = safe.TakeChanges();
     if (changes.empty()) return false;
     safety = changes.back();
     if (records) writer.Do([&records, changes, begun_s] { records->Write(changes, begun_s); });
     return true;
   };
   AsHeard autopilot(safe, link);
-  ControlWatch watch;
-  LagWatch lag(mission->MostLag());
+  ControlMonitor watch;
+  LagMonitor lag(mission->MaxLag());
   Losses losses;
-  const bool needs_target = mission->Target() != TargetNeed::kNone;
+  const bool needs_target = mission->Target() != mission::TargetNeed::kNone;
   const auto tell = [&](const char* what, const std::string& text) {
     const double t_s = MonotonicNow_s() - begun_s;
     if (records) writer.Do([&records, t_s, what, text] { records->Line(t_s, what, text); });
   };
-  const auto note = [&](const VehicleState& state) {
+  const auto note = [&](const control::VehicleState& state) {
     const double t_s = MonotonicNow_s() - begun_s;
-    const LinkHealth health = link.Health();
-    SafetyChange known = safety;
+    const control::LinkHealth health = link.Health();
+    control::SafetyChange known = safety;
     // Of a link that is silent the pilot's switch is unknown too: it was not he.
-    if (known.hazard == Hazard::kPilot && !health.pilot_allows) known.hazard = Hazard::kStateLost;
+    if (known.hazard == control::Hazard::kPilot && !health.pilot_allows)
+      known.hazard = control::Hazard::kStateLost;
     watch.Note(t_s, known, state);
     losses.Note(camera.Health().age_s.value_or(t_s),
                 autopilot.heard() ? health.state_age_s.value_or(t_s) : t_s, o.limits);
   };
-  Decision last;
-  UntilStopped eyes(camera, begun_s + o.most_s, o.interrupted, [&] {
-    const VehicleState state = autopilot.State();
+  mission::Decision last;
+  UntilStopped eyes(camera, begun_s + o.max_s, o.interrupted, [&] {
+    const control::VehicleState state = autopilot.State();
     const bool changed = take_changes();
     note(state);
     if (changed && o.progress) o.progress(state, last, safety);
   });
-  const auto record = [&](const Frame& frame, const VehicleState& state, const Decision& decision) {
+  const auto record = [&](const vision::Frame& frame, const control::VehicleState& state,
+                          const mission::Decision& decision) {
     const double now_s = MonotonicNow_s();
     reaction_s.push_back(now_s - eyes.given_s());
     vision_s.push_back(decision.vision_s);
     control_s.push_back(decision.control_s);
     ++report.frames;
-    if (!needs_target || decision.target_in_sight) seen_s = now_s;
+    if (!needs_target || decision.target_state == mission::TargetState::kInSight) seen_s = now_s;
     safe.TargetLostFor(now_s - seen_s);
     if (const std::string late = lag.Note(now_s, safe.sent(), state); !late.empty()) tell("autopilot", late);
     take_changes();
@@ -246,18 +252,18 @@ FlyReport FlyAircraft(const LoadedPlan& plan, LiveCamera& camera, AutopilotLink&
     last = decision;
     if (o.progress) o.progress(state, decision, safety);
     if (!records) return true;
-    LogRow row;
+    records::LogRow row;
     row.sequence = frame.sequence;
     row.exposure.t_s = frame.t_s - begun_s;
     row.now.t_s = now_s - begun_s;
     row.estimate = state;
     row.heard = autopilot.heard();
     row.sent = safe.sent();
-    row.hazard = NameOf(safety.hazard);
-    row.reaction = NameOf(safety.reaction);
+    row.hazard = control::NameOf(safety.hazard);
+    row.reaction = control::NameOf(safety.reaction);
     row.decision = decision;
     cv::Mat drawn;
-    if (o.video) drawn = DrawnView(frame, *mission, mode);
+    if (o.video) drawn = records::DrawnView(frame, *mission, mode);
     writer.Do([&records, row, drawn, frame, state] {
       records->Write(row);
       if (!drawn.empty()) records->WriteImage(drawn);
@@ -266,9 +272,9 @@ FlyReport FlyAircraft(const LoadedPlan& plan, LiveCamera& camera, AutopilotLink&
     return true;
   };
   try {
-    const std::string outcome = Fly(eyes, autopilot, *mission, record);
+    const std::string outcome = mission::Fly(eyes, autopilot, *mission, record);
     take_changes();
-    const ControlWatch::Verdict verdict = watch.Judge(outcome, eyes.why(), mission->Accomplished());
+    const ControlMonitor::Verdict verdict = watch.Judge(outcome, eyes.why(), mission->Accomplished());
     if (o.dry_run) {
       report.accomplished = o.checked && !losses.images && !losses.state && report.frames > 0;
       report.outcome = fmt::format("computed, nothing flown: {}{}{}", outcome.empty() ? eyes.why() : outcome,
@@ -284,7 +290,7 @@ FlyReport FlyAircraft(const LoadedPlan& plan, LiveCamera& camera, AutopilotLink&
   report.lag = lag.told();
   take_changes();
   if (const auto released = safe.LetGo(o.release)) {
-    report.release = TextOf(released->how, released->after_s);
+    report.release = control::TextOf(released->how, released->after_s);
     tell("release", report.release);
   }
   link.Silence();
@@ -293,7 +299,7 @@ FlyReport FlyAircraft(const LoadedPlan& plan, LiveCamera& camera, AutopilotLink&
   report.records_dropped = writer.dropped();
   if (report.error.empty()) report.error = writer.error();
   report.accomplished = report.accomplished && report.error.empty();
-  const StageTime reaction = StageTimeOf(reaction_s);
+  const records::StageTime reaction = records::StageTimeOf(reaction_s);
   report.mean_ms = reaction.mean_ms;
   report.p99_ms = reaction.p99_ms;
   if (!records) return report;
@@ -302,8 +308,8 @@ FlyReport FlyAircraft(const LoadedPlan& plan, LiveCamera& camera, AutopilotLink&
   summary.complete = report.error.empty();
   summary.passed = report.accomplished;
   summary.sim_s = summary.wall_s = MonotonicNow_s() - begun_s;
-  summary.stages = {{"vision", StageTimeOf(vision_s)},
-                    {"control", StageTimeOf(control_s)},
+  summary.stages = {{"vision", records::StageTimeOf(vision_s)},
+                    {"control", records::StageTimeOf(control_s)},
                     {"image_to_setpoint", reaction}};
   try {
     records->Finish(summary);
@@ -314,4 +320,4 @@ FlyReport FlyAircraft(const LoadedPlan& plan, LiveCamera& camera, AutopilotLink&
   return report;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::flight

@@ -14,10 +14,10 @@
 #include "mission/mission.h"
 #include "vision/capture/live_camera.h"
 
-namespace kestrel {
+namespace kestrel::flight {
 
 struct FlyOptions {
-  SafetyLimits limits;
+  control::SafetyLimits limits;
   bool pilot_untold = false;                    // as in PreFlightOptions
   bool dry_run = false;                         // no setpoint is sent
   bool checked = true;                          // the check list was met; a dry run goes on without
@@ -26,17 +26,18 @@ struct FlyOptions {
   std::string aircraft;                         // text of aircraft.yaml, beside them; empty: none
   // The first lines of events.log: what it is flown with, and the check list.
   std::vector<std::pair<std::string, std::string>> flown_with;
-  ReleaseLimits release;  // of the aircraft, at the end
-  double most_s = 3600;
+  control::ReleaseLimits release;  // of the aircraft, at the end
+  double max_s = 3600;
   const std::atomic<bool>* interrupted = nullptr;
   // Each frame of a flight, and each change of safety while none comes (with the last decision), on the
   // flight's own thread; must be quick.
-  std::function<void(const VehicleState&, const Decision&, const SafetyChange&)> progress;
+  std::function<void(const control::VehicleState&, const mission::Decision&, const control::SafetyChange&)>
+      progress;
 };
 
 struct FlyReport {
   // The mission's; "interrupted", "time is up", "camera ended"; who else had the aircraft at its end
-  // (flight/hardware/control_watch.h); of a dry run what it was and what was lost.
+  // (flight/hardware/control_monitor.h); of a dry run what it was and what was lost.
   std::string outcome;
   // What the flight is for, under the mission's own control. Of a dry run: the check list was met, and
   // neither images nor the state were lost.
@@ -50,16 +51,16 @@ struct FlyReport {
 };
 
 // What a real aircraft asks of a mission and a simulated one does not.
-void CheckDeclared(const Mission& mission, const std::string& name, Mistakes& mistakes);
+void CheckDeclared(const mission::Mission& mission, const std::string& name, Mistakes& mistakes);
 
 // Flies a mission on what is real: the same loop as in the simulator, through the safety layer, with records
 // written by another thread that a flight never waits for. However it ends, the aircraft is made to stand
 // still before the wire falls silent. Nothing here throws in flight.
-FlyReport FlyAircraft(const LoadedPlan& plan, LiveCamera& camera, AutopilotLink& link,
+FlyReport FlyAircraft(const LoadedPlan& plan, vision::LiveCamera& camera, control::AutopilotLink& link,
                       const FlyOptions& options);
 
 // The folder of a flight that was not flown: what it would have been flown with, and why it was not. Throws
 // std::runtime_error with the file and the reason.
 void RecordNotFlown(const LoadedPlan& plan, const FlyOptions& options, const std::string& why);
 
-}  // namespace kestrel
+}  // namespace kestrel::flight

@@ -11,14 +11,14 @@
 #include "base/stopwatch.h"
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::flight {
 namespace {
 
 // What a camera gave while it was watched.
 struct Watched {
   int images = 0;
   double first_s = 0, last_s = 0;
-  std::optional<Frame> frame;
+  std::optional<vision::Frame> frame;
 
   double RateHz() const { return images > 1 ? (images - 1) / (last_s - first_s) : 0; }
 };
@@ -27,7 +27,7 @@ constexpr double kSlice_s = 0.05;  // in which an interrupt is looked for
 
 bool Interrupted(const PreFlightOptions& o) { return o.interrupted && *o.interrupted; }
 
-Watched Watch(LiveCamera& camera, const PreFlightOptions& o) {
+Watched Watch(vision::LiveCamera& camera, const PreFlightOptions& o) {
   Watched watched;
   double until_s = MonotonicNow_s() + o.connect_s;
   std::string told;
@@ -36,8 +36,8 @@ Watched Watch(LiveCamera& camera, const PreFlightOptions& o) {
     if (left_s <= 0) break;
     const auto frame = camera.Next(std::min(left_s, kSlice_s));
     if (!frame) {
-      const LiveCameraHealth health = camera.Health();
-      if (health.state == LiveCameraState::kEnded) break;
+      const vision::LiveCameraHealth health = camera.Health();
+      if (health.state == vision::LiveCameraState::kEnded) break;
       if (watched.images == 0 && o.tell && !health.trouble.empty() && health.trouble != told)
         o.tell(told = health.trouble);
       continue;
@@ -51,25 +51,25 @@ Watched Watch(LiveCamera& camera, const PreFlightOptions& o) {
 
 CheckItem RateItem(double rate_hz, double wanted_hz, const PreFlightOptions& o) {
   CheckItem item{"camera rate", fmt::format("{:.1f} images/s of {:g}", rate_hz, wanted_hz), true};
-  if (!(rate_hz >= o.least_rate * wanted_hz)) {
+  if (!(rate_hz >= o.min_rate * wanted_hz)) {
     item.ok = false;
-  } else if (rate_hz > o.most_rate * wanted_hz) {
+  } else if (rate_hz > o.max_rate * wanted_hz) {
     item.ok = false;
     item.found += fmt::format(
         ": more than {:g} times as many; give the camera the flight's rate (--camera ...?rate={:g}) or the "
         "flight the camera's (--set image.rate_hz={:.0f})",
-        o.most_rate, wanted_hz, rate_hz);
+        o.max_rate, wanted_hz, rate_hz);
   }
   return item;
 }
 
-double TiltOf(const VehicleState& state) {
+double TiltOf(const control::VehicleState& state) {
   return std::acos(std::clamp((state.R_NB * Eigen::Vector3d::UnitZ()).z(), -1.0, 1.0));
 }
 
-CheckItem StateItem(const VehicleState& s, const PreFlightOptions& o) {
+CheckItem StateItem(const control::VehicleState& s, const PreFlightOptions& o) {
   CheckItem item{"state", "", false};
-  if (!Finite(s)) {
+  if (!control::Finite(s)) {
     item.found = "not finite";
   } else if (std::abs(s.R_NB.norm() - 1) > 0.01) {
     item.found = "the attitude is no rotation";
@@ -79,16 +79,16 @@ CheckItem StateItem(const VehicleState& s, const PreFlightOptions& o) {
     item.found = fmt::format("moving at {:.1f} m/s", s.v_N.norm());
   } else {
     item.ok = true;
-    item.found = fmt::format("{}, {:.1f} m high, tilt {:.1f} deg, {:.1f} m/s", NameOf(s.mode), -s.p_NB.z(),
-                             Degrees(TiltOf(s)), s.v_N.norm());
+    item.found = fmt::format("{}, {:.1f} m high, tilt {:.1f} deg, {:.1f} m/s", control::NameOf(s.mode),
+                             -s.p_NB.z(), Degrees(TiltOf(s)), s.v_N.norm());
   }
   return item;
 }
 
 }  // namespace
 
-std::vector<CheckItem> PreFlight(const LoadedPlan& plan, LiveCamera& camera, const AutopilotLink& link,
-                                 const PreFlightOptions& o) {
+std::vector<CheckItem> PreFlight(const LoadedPlan& plan, vision::LiveCamera& camera,
+                                 const control::AutopilotLink& link, const PreFlightOptions& o) {
   std::vector<CheckItem> items;
   const auto add = [&](const char* name, bool ok, std::string found) {
     items.push_back({name, std::move(found), ok});
@@ -97,25 +97,26 @@ std::vector<CheckItem> PreFlight(const LoadedPlan& plan, LiveCamera& camera, con
   const Watched watched = Watch(camera, o);
   const double wanted_hz = plan.plan.image.rate_hz;
   if (watched.images == 0) {
-    const LiveCameraHealth health = camera.Health();
+    const vision::LiveCameraHealth health = camera.Health();
     const double waited_s = MonotonicNow_s() - begun_s;
     add("camera", false,
         health.trouble.empty()
-            ? fmt::format("{}, and no image in {:.1f} s", NameOf(health.state), waited_s)
+            ? fmt::format("{}, and no image in {:.1f} s", vision::NameOf(health.state), waited_s)
             : fmt::format("none in {:.1f} s that can be flown by: {}", waited_s, health.trouble));
   } else {
     items.push_back(RateItem(watched.RateHz(), wanted_hz, o));
     const cv::Mat& image = watched.frame->image;
-    const CameraModel& model = plan.parts.camera;
-    add("image against calibration", image.cols == WidthPx(model) && image.rows == HeightPx(model),
+    const vision::CameraModel& model = plan.parts.camera;
+    add("image against calibration",
+        image.cols == vision::WidthPx(model) && image.rows == vision::HeightPx(model),
         fmt::format("{} x {} px, '{}' is of {} x {}", image.cols, image.rows, plan.plan.camera,
-                    WidthPx(model), HeightPx(model)));
+                    vision::WidthPx(model), vision::HeightPx(model)));
     const bool colour = image.channels() == 3;
     add("colour", colour == plan.plan.image.colour,
         fmt::format("{}, the flight wants {}", colour ? "colour" : "grey",
                     plan.plan.image.colour ? "colour" : "grey"));
   }
-  LinkHealth health = link.Health();
+  control::LinkHealth health = link.Health();
   const auto alive = [&] { return health.state_age_s && *health.state_age_s < 0.5; };
   while (!alive() && !Interrupted(o) && MonotonicNow_s() - begun_s < o.connect_s) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
@@ -141,4 +142,4 @@ bool AllOk(const std::vector<CheckItem>& items) {
   return std::all_of(items.begin(), items.end(), [](const CheckItem& item) { return item.ok; });
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::flight

@@ -10,7 +10,7 @@
 #include "flight/flight_plan.h"
 #include "vision/capture/live_camera.h"
 
-namespace kestrel {
+namespace kestrel::flight {
 
 struct CheckItem {
   std::string name;   // "camera rate"
@@ -21,8 +21,8 @@ struct CheckItem {
 struct PreFlightOptions {
   double watch_s = 2;         // for how long camera and link are watched
   double connect_s = 15;      // for how long both are waited for
-  double least_rate = 0.8;    // share of the images that the plan asks for
-  double most_rate = 1.6;     // the same: a camera of 30 images/s flies a plan of 20
+  double min_rate = 0.8;      // share of the images that the plan asks for
+  double max_rate = 1.6;      // the same: a camera of 30 images/s flies a plan of 20
   double sane_tilt_deg = 40;  // beyond it an attitude is not believed
   double sane_speed_m_s = 10;
   bool pilot_untold = false;  // that the autopilot does not tell of a pilot's switch is no reason not to fly
@@ -34,9 +34,9 @@ struct PreFlightOptions {
 // The check list before a flight, each item with what was found: camera rate, image against calibration,
 // link, state, pilot's switch. Nothing is sent as a setpoint. Of a check that was interrupted no item is of
 // worth.
-std::vector<CheckItem> PreFlight(const LoadedPlan& plan, LiveCamera& camera, const AutopilotLink& link,
-                                 const PreFlightOptions& options);
+std::vector<CheckItem> PreFlight(const LoadedPlan& plan, vision::LiveCamera& camera,
+                                 const control::AutopilotLink& link, const PreFlightOptions& options);
 
 bool AllOk(const std::vector<CheckItem>& items);
 
-}  // namespace kestrel
+}  // namespace kestrel::flight

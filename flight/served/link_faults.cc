@@ -8,7 +8,7 @@
 
 #include "base/random.h"
 
-namespace kestrel {
+namespace kestrel::flight {
 namespace {
 
 constexpr double kLater_s = 1;       // after the later reaction the flight is ended
@@ -49,12 +49,13 @@ WireFlightOptions FlightWith(const FaultRow& row, Wire wire, std::uint64_t seed,
   o.overrides = {"start.height_m=3", "start.scatter_m=0.5"};
   o.aircraft = {fmt::format("safety.patience_s={}", kPatience_s)};
   o.fault_after_s = RandomStream(seed, row.name).Uniform(1, 4);
-  if (row.hazard != Hazard::kNone) o.end_after_s = SafetyLimits{}.*row.limit + kPatience_s + kLater_s;
+  if (row.hazard != control::Hazard::kNone)
+    o.end_after_s = control::SafetyLimits{}.*row.limit + kPatience_s + kLater_s;
   o.folder = folder;
   return o;
 }
 
-FaultJudgement JudgeFault(const FaultRow& row, const WireFlown& flown, const SafetyLimits& limits,
+FaultJudgement JudgeFault(const FaultRow& row, const WireFlown& flown, const control::SafetyLimits& limits,
                           double most_error_m) {
   FaultJudgement j;
   const auto require = [&](bool ok, std::string what) {
@@ -64,22 +65,23 @@ FaultJudgement JudgeFault(const FaultRow& row, const WireFlown& flown, const Saf
     j.wrong.push_back("the flight was over before the fault");
     return j;
   }
-  if (row.hazard == Hazard::kNone) {
+  if (row.hazard == control::Hazard::kNone) {
     require(flown.Landed(), "it did not land: " + flown.served.outcome);
     require(flown.TouchdownError_m() <= most_error_m,
             fmt::format("touched down {:.2f} m off", flown.TouchdownError_m()));
     return j;
   }
   const double limit_s = limits.*row.limit;
-  const FlownEvent* first = FirstSafety(flown, *flown.fault_s, NameOf(row.hazard), NameOf(row.first));
+  const FlownEvent* first =
+      FirstSafety(flown, *flown.fault_s, control::NameOf(row.hazard), control::NameOf(row.first));
   if (first) j.reaction_s = first->t_s - *flown.fault_s;
   require(first && *j.reaction_s <= limit_s + kReactionMargin_s,
-          !first ? fmt::format("no '{}, {}'", NameOf(row.hazard), NameOf(row.first))
+          !first ? fmt::format("no '{}, {}'", control::NameOf(row.hazard), control::NameOf(row.first))
                  : fmt::format("'{}' after {:.3f} s", first->is, *j.reaction_s));
   if (!first) return j;
-  const FlownEvent* later = FirstSafety(flown, first->t_s, "", NameOf(row.later));
+  const FlownEvent* later = FirstSafety(flown, first->t_s, "", control::NameOf(row.later));
   require(later && later->t_s <= *flown.fault_s + limit_s + kPatience_s + 2 * kReactionMargin_s,
-          fmt::format("no '{}' in its time", NameOf(row.later)));
+          fmt::format("no '{}' in its time", control::NameOf(row.later)));
   const double later_s = later ? later->t_s : first->t_s;
   for (const FlownEvent& e : flown.events)
     require(e.what != "safety" || e.t_s <= first->t_s || e.is.find(", fly") == std::string::npos,
@@ -87,10 +89,10 @@ FaultJudgement JudgeFault(const FaultRow& row, const WireFlown& flown, const Saf
 
   if (row.fault == WireFault::kCameraCut) {
     // By what came over the wire: an attitude tells nothing of the velocity that it is for.
-    const VelocitySetpoint* held = nullptr;  // what was in force when the hold was due
+    const control::VelocitySetpoint* held = nullptr;  // what was in force when the hold was due
     bool sinks = false;
-    for (const HeardSetpoint& heard : flown.heard) {
-      const auto* velocity = std::get_if<VelocitySetpoint>(&heard.setpoint);
+    for (const ReceivedSetpoint& heard : flown.heard) {
+      const auto* velocity = std::get_if<control::VelocitySetpoint>(&heard.setpoint);
       if (!velocity) continue;
       if (heard.t_s <= *flown.fault_s + limit_s + 2 * kReactionMargin_s) held = velocity;
       if (heard.t_s > *flown.fault_s &&
@@ -111,4 +113,4 @@ FaultJudgement JudgeFault(const FaultRow& row, const WireFlown& flown, const Saf
   return j;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::flight

@@ -11,32 +11,34 @@
 #include "flight/served/wire_flight.h"
 
 // What befalls a wire in flight, and what is to follow, as control/safety/safety.h has it.
-namespace kestrel {
+namespace kestrel::flight {
 
 struct FaultRow {
   WireFault fault;
   std::string_view name;
   // The hazard that the safety layer is to see, and what it does first and later; kNone: the flight goes on,
   // and lands.
-  Hazard hazard;
-  Reaction first, later;
-  double SafetyLimits::*limit;  // within which the first follows, of when the fault began
+  control::Hazard hazard;
+  control::Reaction first, later;
+  double control::SafetyLimits::*limit;  // within which the first follows, of when the fault began
   bool by_datagrams;            // of wires that have them
 };
 
 inline constexpr std::array kFaults{
-    FaultRow{WireFault::kLinkCut, "link cut", Hazard::kStateLost, Reaction::kHold, Reaction::kSilence,
-             &SafetyLimits::state_s, false},
-    FaultRow{WireFault::kCameraCut, "camera cut", Hazard::kImageStale, Reaction::kHold, Reaction::kSink,
-             &SafetyLimits::image_s, false},
-    FaultRow{WireFault::kServerKilled, "simulator killed", Hazard::kStateLost, Reaction::kHold,
-             Reaction::kSilence, &SafetyLimits::state_s, false},
-    FaultRow{WireFault::kLost, "30 % lost", Hazard::kNone, Reaction::kFly, Reaction::kFly, nullptr, true},
-    FaultRow{WireFault::kDoubled, "doubled", Hazard::kNone, Reaction::kFly, Reaction::kFly, nullptr, true},
-    FaultRow{WireFault::kReordered, "reordered", Hazard::kNone, Reaction::kFly, Reaction::kFly, nullptr,
-             true},
-    FaultRow{WireFault::kDelayed, "delayed by 200 ms", Hazard::kNone, Reaction::kFly, Reaction::kFly, nullptr,
-             true},
+    FaultRow{WireFault::kLinkCut, "link cut", control::Hazard::kStateLost, control::Reaction::kHold,
+             control::Reaction::kSilence, &control::SafetyLimits::state_s, false},
+    FaultRow{WireFault::kCameraCut, "camera cut", control::Hazard::kImageStale, control::Reaction::kHold,
+             control::Reaction::kSink, &control::SafetyLimits::image_s, false},
+    FaultRow{WireFault::kServerKilled, "simulator killed", control::Hazard::kStateLost,
+             control::Reaction::kHold, control::Reaction::kSilence, &control::SafetyLimits::state_s, false},
+    FaultRow{WireFault::kLost, "30 % lost", control::Hazard::kNone, control::Reaction::kFly,
+             control::Reaction::kFly, nullptr, true},
+    FaultRow{WireFault::kDoubled, "doubled", control::Hazard::kNone, control::Reaction::kFly,
+             control::Reaction::kFly, nullptr, true},
+    FaultRow{WireFault::kReordered, "reordered", control::Hazard::kNone, control::Reaction::kFly,
+             control::Reaction::kFly, nullptr, true},
+    FaultRow{WireFault::kDelayed, "delayed by 200 ms", control::Hazard::kNone, control::Reaction::kFly,
+             control::Reaction::kFly, nullptr, true},
 };
 
 // Beyond the limit: the safety layer looks every 0.02 s, and an image or a state may have been under way.
@@ -56,7 +58,7 @@ struct FaultJudgement {
 // them but silence; of the camera's also that the zero velocity was heard, and after the patience the
 // sinking; of the link's that the aircraft, left alone, stands. Of datagrams: that it landed within
 // most_error_m.
-FaultJudgement JudgeFault(const FaultRow& row, const WireFlown& flown, const SafetyLimits& limits,
+FaultJudgement JudgeFault(const FaultRow& row, const WireFlown& flown, const control::SafetyLimits& limits,
                           double most_error_m = 0.2);
 
-}  // namespace kestrel
+}  // namespace kestrel::flight

@@ -20,7 +20,7 @@
 #include "sim/server/mavlink_server.h"
 #include "sim/server/physics/ardupilot_physics.h"
 
-namespace kestrel {
+namespace kestrel::flight {
 namespace {
 
 bool IsAddress(const std::string& text) {
@@ -71,15 +71,9 @@ std::string AddressOf(const std::string& where) {
 }
 
 // As `kestrel fly` has it, which knows the size from its calibration.
-std::string CameraAddressOf(const RtpStream& stream) {
-  return fmt::format("{}://{}:{}", stream.coding == RtpStream::Coding::kRaw ? "raw" : "rtp", stream.host,
-                     stream.port);
-}
-
-bool IsSeed(const std::string& text) {
-  std::uint64_t seed = 0;
-  const auto read = std::from_chars(text.data(), text.data() + text.size(), seed);
-  return !text.empty() && read.ec == std::errc{} && read.ptr == text.data() + text.size();
+std::string CameraAddressOf(const vision::RtpStream& stream) {
+  return fmt::format("{}://{}:{}", stream.coding == vision::RtpStream::Coding::kRaw ? "raw" : "rtp",
+                     stream.host, stream.port);
 }
 
 constexpr double kLeast_s = 0.1, kMost_s = 36000;  // as a scenario's duration_s
@@ -106,23 +100,31 @@ void CheckStreamsPort(const ServeArguments& a, Mistakes& mistakes) {
   };
   if (a.mavlink)
     check(a.mavlink_port ? "--mavlink-port" : "--mavlink", a.listen,
-          a.mavlink_port.value_or(MavlinkServerOptions{}.port));
+          a.mavlink_port.value_or(sim::MavlinkServerOptions{}.port));
   if (a.afcs) {
-    const auto place = PlaceIn(*a.afcs).value_or(std::pair(a.listen, AfcsServerOptions{}.port));
+    const auto place = PlaceIn(*a.afcs).value_or(std::pair(a.listen, sim::AfcsServerOptions{}.port));
     check("--afcs", place.first, place.second);
   }
   if (a.physics == "ardupilot")  // PX4's is TCP
     check(a.physics_port ? "--physics-port" : "--physics", a.listen,
-          a.physics_port.value_or(ArduPilotPhysicsParameters{}.port));
+          a.physics_port.value_or(sim::ArduPilotPhysicsParameters{}.port));
 }
 
 }  // namespace
+
+bool IsSeed(const std::string& text) {
+  std::uint64_t seed = 0;
+  const auto read = std::from_chars(text.data(), text.data() + text.size(), seed);
+  return !text.empty() && read.ec == std::errc{} && read.ptr == text.data() + text.size();
+}
 
 bool OnLoopback(const std::string& address) { return address.starts_with("127.") || address == "::1"; }
 
 bool InRange(double for_s) { return for_s >= kLeast_s && for_s <= kMost_s; }
 
-std::optional<RtpStream> StreamOf(const ServeArguments& a) { return ParseRtpStream(a.camera); }
+std::optional<vision::RtpStream> StreamOf(const ServeArguments& a) {
+  return vision::ParseRtpStream(a.camera);
+}
 
 std::string Warning(const std::string& what, const std::string& address) {
   return fmt::format(
@@ -164,8 +166,8 @@ void CheckArguments(const ServeArguments& a, Mistakes& mistakes) {
                  "there is nothing to serve; valid: --afcs, --asctec, --mavlink, --physics, --camera");
 }
 
-std::vector<NamedServer> MakeServers(const ServeArguments& a, const LoadedScenario& loaded, PanTilt* platform,
-                                     Mistakes& mistakes) {
+std::vector<NamedServer> MakeServers(const ServeArguments& a, const LoadedScenario& loaded,
+                                     sim::PanTilt* platform, Mistakes& mistakes) {
   std::vector<NamedServer> servers;
   // What cannot be had, an address in use or no pseudo-terminal, is a mistake of its option.
   const auto add = [&](const char* name, const char* option, auto make) {
@@ -179,29 +181,30 @@ std::vector<NamedServer> MakeServers(const ServeArguments& a, const LoadedScenar
   };
   if (a.afcs)
     add("afcs", "--afcs", [&] {
-      AfcsServerOptions options;
+      sim::AfcsServerOptions options;
       options.address = a.listen;
       if (const auto place = PlaceIn(*a.afcs)) std::tie(options.address, options.port) = *place;
-      return std::make_unique<AfcsServer>(options, platform);
+      return std::make_unique<sim::AfcsServer>(options, platform);
     });
   if (a.asctec)
-    add("asctec", "--asctec", [&] { return std::make_unique<AscTecServer>(AscTecProcessorOptions{}); });
+    add("asctec", "--asctec",
+        [&] { return std::make_unique<sim::AscTecServer>(sim::AscTecProcessorOptions{}); });
   if (a.mavlink)
     add("mavlink", "--mavlink", [&] {
-      MavlinkServerOptions options;
+      sim::MavlinkServerOptions options;
       options.dialect = *a.mavlink;
       options.listen = a.listen;
       if (a.mavlink_port) options.port = *a.mavlink_port;
       constexpr int kQuadrotor = 2, kHelicopter = 4;  // MAV_TYPE
-      options.type =
-          std::holds_alternative<HelicopterParameters>(loaded.simulator.vehicle) ? kHelicopter : kQuadrotor;
-      return std::make_unique<MavlinkServer>(options);
+      options.type = std::holds_alternative<sim::HelicopterParameters>(loaded.simulator.vehicle) ? kHelicopter
+                                                                                                 : kQuadrotor;
+      return std::make_unique<sim::MavlinkServer>(options);
     });
   return servers;
 }
 
 std::string StartLines(const ServeArguments& a, const LoadedScenario& loaded,
-                       const std::vector<NamedServer>& servers, const PanTilt* platform) {
+                       const std::vector<NamedServer>& servers, const sim::PanTilt* platform) {
   const Scenario& scenario = loaded.scenario;
   std::string lines = fmt::format(
       "SIMULATOR  {}, seed {}: {}\n", scenario.name, scenario.seed,
@@ -211,12 +214,12 @@ std::string StartLines(const ServeArguments& a, const LoadedScenario& loaded,
   const auto stream = StreamOf(a);
   std::string camera;
   if (stream) {
-    const cv::Size size(WidthPx(loaded.simulator.camera), HeightPx(loaded.simulator.camera));
-    const double delay_s = scenario.image.latency_s + RtpDelay_s(stream->coding);
-    lines += fmt::format("  camera   {}: {} x {}, {:g} Hz, to {} port {}\n", ToText(*stream), size.width,
-                         size.height, scenario.image.rate_hz, stream->host, stream->port);
+    const cv::Size size(vision::WidthPx(loaded.simulator.camera), vision::HeightPx(loaded.simulator.camera));
+    const double delay_s = scenario.image.latency_s + vision::RtpDelay_s(stream->coding);
+    lines += fmt::format("  camera   {}: {} x {}, {:g} Hz, to {} port {}\n", vision::ToText(*stream),
+                         size.width, size.height, scenario.image.rate_hz, stream->host, stream->port);
     lines += fmt::format("           received by: {}\n",
-                         ReceivingPipeline(*stream, size, loaded.simulator.image.colour));
+                         vision::ReceivingPipeline(*stream, size, loaded.simulator.image.colour));
     lines += fmt::format(
         "           exposure_before_stamp_s: {:.3f} ({:.3f} of the camera, the rest of the "
         "stream)\n",
@@ -247,4 +250,4 @@ std::string StartLines(const ServeArguments& a, const LoadedScenario& loaded,
   return lines;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::flight

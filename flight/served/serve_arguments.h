@@ -11,9 +11,12 @@
 #include "vision/capture/rtp_stream.h"
 
 namespace kestrel {
+class Mistakes;
+}
+
+namespace kestrel::flight {
 
 struct LoadedScenario;
-class Mistakes;
 
 // `kestrel serve`: the simulated aircraft, in real time, for any client. An absent option was not given.
 struct ServeArguments {
@@ -33,23 +36,23 @@ void CheckArguments(const ServeArguments& arguments, Mistakes& mistakes);
 bool IsSeed(const std::string& text);
 bool InRange(double for_s);
 bool OnLoopback(const std::string& address);
-std::optional<RtpStream> StreamOf(const ServeArguments& arguments);
+std::optional<vision::RtpStream> StreamOf(const ServeArguments& arguments);
 // That what listens at or sends to this address is open to others.
 std::string Warning(const std::string& what, const std::string& address);
 
 struct NamedServer {
   std::string name;  // "afcs", as `kestrel fly` has it
-  std::unique_ptr<AutopilotServer> server;
+  std::unique_ptr<sim::AutopilotServer> server;
 };
 
 // The far ends that were asked for, listening. platform: of the camera, which AFCS turns; null: there is
 // none. What cannot be had is a mistake.
 std::vector<NamedServer> MakeServers(const ServeArguments& arguments, const LoadedScenario& loaded,
-                                     PanTilt* platform, Mistakes& mistakes);
+                                     sim::PanTilt* platform, Mistakes& mistakes);
 
 // How to connect, line by line: where each server listens and the camera goes, a warning where that is not
 // this computer alone, and the command line of `kestrel fly` for each.
 std::string StartLines(const ServeArguments& arguments, const LoadedScenario& loaded,
-                       const std::vector<NamedServer>& servers, const PanTilt* platform);
+                       const std::vector<NamedServer>& servers, const sim::PanTilt* platform);
 
-}  // namespace kestrel
+}  // namespace kestrel::flight

@@ -15,7 +15,7 @@
 #include "records/telemetry/metrics.h"
 #include "vision/capture/live_camera.h"
 
-namespace kestrel {
+namespace kestrel::flight {
 namespace {
 
 constexpr double kSlice_s = 0.002;
@@ -24,23 +24,23 @@ constexpr char kLanded[] = "landed", kLasted[] = "completed";
 
 // The simulator as the servers have it: bad numbers end here, as they would in front of a real autopilot's
 // controllers.
-class Overheard final : public Autopilot {
+class Overheard final : public control::Autopilot {
  public:
-  explicit Overheard(Simulator& simulator) : simulator_(simulator) {}
-  VehicleState State() const override { return simulator_.State(); }
-  void Send(const Setpoint& setpoint) override {
-    if (!Finite(setpoint)) return;
+  explicit Overheard(sim::Simulator& simulator) : simulator_(simulator) {}
+  control::VehicleState State() const override { return simulator_.State(); }
+  void Send(const control::Setpoint& setpoint) override {
+    if (!control::Finite(setpoint)) return;
     last = setpoint;
     simulator_.Send(setpoint);
   }
-  void Aid(const AttitudeAid& aid) override {
+  void Aid(const control::AttitudeAid& aid) override {
     if (aid.R_NB.coeffs().allFinite()) simulator_.Aid(aid);
   }
 
-  std::optional<Setpoint> last;  // since it was last taken
+  std::optional<control::Setpoint> last;  // since it was last taken
 
  private:
-  Simulator& simulator_;
+  sim::Simulator& simulator_;
 };
 
 class ServedFlight {
@@ -53,7 +53,7 @@ class ServedFlight {
   }
 
   FlightResult Fly() {
-    Summary& summary = result_.summary;
+    records::Summary& summary = result_.summary;
     summary = BeginSummary(loaded_.scenario);
     const double start_s = options_.clock.now_s();
     RealTime time(start_s);
@@ -98,10 +98,10 @@ class ServedFlight {
       while (const auto frame = simulator_.NextUntil(until_s)) Receive(*frame);
       if (options_.pilot_off_at_s && !pilot_off_ && t_s() >= *options_.pilot_off_at_s) {
         pilot_off_ = true;
-        for (AutopilotServer* server : options_.servers) server->SetPilot(false);
+        for (sim::AutopilotServer* server : options_.servers) server->SetPilot(false);
         Tell("pilot", "his switch takes the aircraft away");
       }
-      for (AutopilotServer* server : options_.servers) server->Serve(now_s, aircraft_);
+      for (sim::AutopilotServer* server : options_.servers) server->Serve(now_s, aircraft_);
       TellNews();
       if (const auto news_s = time.News(now_s))
         Tell("real time", fmt::format("the machine is too slow: {:.3f} s more behind, {:.3f} s in all; time "
@@ -116,8 +116,8 @@ class ServedFlight {
   }
 
   bool Flown() const {
-    return std::ranges::any_of(options_.servers,
-                               [](const AutopilotServer* server) { return server->Heard().followed > 0; });
+    return std::ranges::any_of(
+        options_.servers, [](const sim::AutopilotServer* server) { return server->Heard().followed > 0; });
   }
 
   // The first setpoint that is followed, and the first of each kind of what is not heeded.
@@ -134,11 +134,11 @@ class ServedFlight {
     }
   }
 
-  void Count(Summary& summary) {
-    WireCounts sum;
+  void Count(records::Summary& summary) {
+    sim::WireCounts sum;
     std::uint64_t not_heeded = 0;
-    for (const AutopilotServer* server : options_.servers) {
-      const WireCounts& counts = server->Heard();
+    for (const sim::AutopilotServer* server : options_.servers) {
+      const sim::WireCounts& counts = server->Heard();
       sum.setpoints += counts.setpoints, sum.followed += counts.followed, sum.refused += counts.refused;
       for (const auto& [kind, all] : counts.unheeded) {
         not_heeded += all.count;
@@ -151,9 +151,9 @@ class ServedFlight {
     summary.metrics["messages_not_heeded"] = static_cast<double>(not_heeded);
   }
 
-  void Receive(const Frame& frame) {
+  void Receive(const vision::Frame& frame) {
     if (options_.publish) options_.publish(frame);
-    Decision decision;
+    mission::Decision decision;
     decision.setpoint = std::exchange(aircraft_.last, std::nullopt);
     result_.rows.push_back(
         {frame.sequence, simulator_.exposure(), simulator_.truth(), simulator_.State(), decision});
@@ -161,12 +161,12 @@ class ServedFlight {
   }
 
   // By what is of the truth alone.
-  void Assess(Summary& summary) {
-    for (const auto& [name, value] : Metrics(result_.rows, simulator_.touch()))
-      if (!NeedsDecisions(name)) summary.metrics[name] = value;
+  void Assess(records::Summary& summary) {
+    for (const auto& [name, value] : records::Metrics(result_.rows, simulator_.touch(), nullptr))
+      if (!records::NeedsDecisions(name)) summary.metrics[name] = value;
     std::map<std::string, Limit> limits = loaded_.scenario.criteria;
     std::erase_if(limits, [&](const auto& limit) {
-      const bool out = NeedsDecisions(limit.first);
+      const bool out = records::NeedsDecisions(limit.first);
       if (out) Tell("judgement", limit.first + " is left out: only the flight code knows it");
       return out;
     });
@@ -180,7 +180,7 @@ class ServedFlight {
 
   const LoadedScenario& loaded_;
   const ServeOptions& options_;
-  Simulator simulator_;
+  sim::Simulator simulator_;
   Overheard aircraft_;
   std::optional<FlightRecords> records_;
   FlightResult result_;
@@ -201,4 +201,4 @@ FlightResult ServeFlight(const LoadedScenario& loaded, const ServeOptions& optio
   return ServedFlight(loaded, options).Fly();
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::flight

@@ -12,7 +12,7 @@
 #include "sim/camera/pan_tilt.h"
 #include "sim/server/autopilot_server.h"
 
-namespace kestrel {
+namespace kestrel::flight {
 
 struct WallClock {
   std::function<double()> now_s;            // any that runs in real time
@@ -21,14 +21,14 @@ struct WallClock {
 WallClock MonotonicClock();
 
 struct ServeOptions {
-  std::vector<AutopilotServer*> servers;
-  PanTilt* platform = nullptr;                  // that a server turns: the camera is on it
-  std::function<void(const Frame&)> publish;    // when a frame's latency is over; must return at once
-  std::optional<std::filesystem::path> folder;  // of the records; none: nothing is written
-  std::optional<double> pilot_off_at_s;         // when the pilot's switch takes the aircraft away
-  std::function<void()> begun;                  // the clock runs
-  std::function<void(const std::string&)> say;  // what who watches should know, as it happens
-  std::function<bool()> go_on;                  // false ends the flight in good order
+  std::vector<sim::AutopilotServer*> servers;
+  sim::PanTilt* platform = nullptr;                   // that a server turns: the camera is on it
+  std::function<void(const vision::Frame&)> publish;  // when a frame's latency is over; must return at once
+  std::optional<std::filesystem::path> folder;        // of the records; none: nothing is written
+  std::optional<double> pilot_off_at_s;               // when the pilot's switch takes the aircraft away
+  std::function<void()> begun;                        // the clock runs
+  std::function<void(const std::string&)> say;        // what who watches should know, as it happens
+  std::function<bool()> go_on;                        // false ends the flight in good order
   WallClock clock = MonotonicClock();
 };
 
@@ -46,4 +46,4 @@ struct ServeOptions {
 // its kind comes, and counted at the end. Throws as RunFlight does.
 FlightResult ServeFlight(const LoadedScenario& loaded, const ServeOptions& options);
 
-}  // namespace kestrel
+}  // namespace kestrel::flight

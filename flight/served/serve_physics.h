@@ -8,18 +8,18 @@
 #include "flight/simulated/scenario.h"
 #include "sim/server/physics/physics_server.h"
 
-namespace kestrel {
+namespace kestrel::flight {
 
 // "px4" or "ardupilot", listening at an address; port: none for its usual one. Throws std::runtime_error.
-std::unique_ptr<PhysicsServer> MakePhysics(const std::string& kind, const std::string& address,
-                                           const std::optional<int>& port, const LoadedScenario& loaded);
+std::unique_ptr<sim::PhysicsServer> MakePhysics(const std::string& kind, const std::string& address,
+                                                const std::optional<int>& port, const LoadedScenario& loaded);
 
 // Lets autopilots of software in the loop fly the scenario's aircraft, one flight after the other, each from
 // the ground, until the server is stopped. A flight lasts until its autopilot leaves or begins anew, however
 // long the scenario's own is. No time passes without the autopilot: it flies at its pace, and
 // is waited for. publish: each frame when it is due. say: what happens.
-void ServePhysics(const LoadedScenario& loaded, PhysicsServer& server,
-                  const std::function<void(const Frame&)>& publish,
+void ServePhysics(const LoadedScenario& loaded, sim::PhysicsServer& server,
+                  const std::function<void(const vision::Frame&)>& publish,
                   const std::function<void(const std::string&)>& say);
 
-}  // namespace kestrel
+}  // namespace kestrel::flight

@@ -20,7 +20,7 @@
 #include <thread>
 
 #include "base/file/model_files.h"
-#include "base/process/child_program.h"
+#include "base/process/child_process.h"
 #include "base/process/own_program.h"
 #include "base/real_time.h"
 #include "base/stopwatch.h"
@@ -33,11 +33,11 @@
 #include "sim/server/udp_relay.h"
 #include "vision/capture/rtp_stream.h"
 
-namespace kestrel {
+namespace kestrel::flight {
 namespace {
 
 constexpr double kMost_s = 120;   // of a flight
-constexpr int kMostStarts = 3;    // of a program whose check list is not met by a machine that is busy
+constexpr int kMaxStarts = 3;     // of a program whose check list is not met by a machine that is busy
 constexpr double kBegins_s = 60;  // until the program's first setpoint is followed, check list and all
 
 // A port that nobody listens on, and that is not given out again.
@@ -59,7 +59,7 @@ int FreePort() {
   }
 }
 
-LineFaults OnTheLine(WireFault fault) {
+sim::LineFaults OnTheLine(WireFault fault) {
   switch (fault) {
     case WireFault::kLinkCut:
       return {.cut = true};
@@ -76,32 +76,33 @@ LineFaults OnTheLine(WireFault fault) {
   }
 }
 
-bool Same(const Setpoint& a, const Setpoint& b) {
+bool Same(const control::Setpoint& a, const control::Setpoint& b) {
   if (a.index() != b.index()) return false;
-  if (const auto* v = std::get_if<VelocitySetpoint>(&a)) {
-    const auto& w = std::get<VelocitySetpoint>(b);
+  if (const auto* v = std::get_if<control::VelocitySetpoint>(&a)) {
+    const auto& w = std::get<control::VelocitySetpoint>(b);
     return v->v_H == w.v_H && v->yaw_rate == w.yaw_rate;
   }
-  if (const auto* p = std::get_if<PositionSetpoint>(&a)) {
-    const auto& q = std::get<PositionSetpoint>(b);
+  if (const auto* p = std::get_if<control::PositionSetpoint>(&a)) {
+    const auto& q = std::get<control::PositionSetpoint>(b);
     return p->p_N == q.p_N && p->yaw == q.yaw;
   }
-  const auto &t = std::get<AttitudeSetpoint>(a), &u = std::get<AttitudeSetpoint>(b);
+  const auto &t = std::get<control::AttitudeSetpoint>(a), &u = std::get<control::AttitudeSetpoint>(b);
   return t.roll == u.roll && t.pitch == u.pitch && t.yaw_rate == u.yaw_rate && t.thrust == u.thrust;
 }
 
 // A server that is listened to, and that may be unplugged.
-class Overheard final : public AutopilotServer {
+class Overheard final : public sim::AutopilotServer {
  public:
-  Overheard(AutopilotServer& server, std::vector<HeardSetpoint>& heard) : server_(server), heard_(heard) {}
+  Overheard(sim::AutopilotServer& server, std::vector<ReceivedSetpoint>& heard)
+      : server_(server), heard_(heard) {}
 
-  void Serve(double now_s, Autopilot& aircraft) override {
+  void Serve(double now_s, control::Autopilot& aircraft) override {
     time_.Due(now_s, std::exchange(served_t_s_, aircraft.State().t_s));
     Ear ear(*this, aircraft);
     if (!unplugged) server_.Serve(now_s, ear);
   }
   void SetPilot(bool allows) override { server_.SetPilot(allows); }
-  const WireCounts& Heard() const override { return server_.Heard(); }
+  const sim::WireCounts& Heard() const override { return server_.Heard(); }
   std::string Where() const override { return server_.Where(); }
 
   void Begin() { time_ = RealTime(MonotonicNow_s()); }  // when the serving loop's clock does
@@ -110,23 +111,23 @@ class Overheard final : public AutopilotServer {
   bool unplugged = false;
 
  private:
-  struct Ear final : Autopilot {
-    Ear(Overheard& its, Autopilot& the_aircraft) : whose(its), aircraft(the_aircraft) {}
-    VehicleState State() const override { return aircraft.State(); }
-    void Send(const Setpoint& setpoint) override {
+  struct Ear final : control::Autopilot {
+    Ear(Overheard& its, control::Autopilot& the_aircraft) : whose(its), aircraft(the_aircraft) {}
+    control::VehicleState State() const override { return aircraft.State(); }
+    void Send(const control::Setpoint& setpoint) override {
       const double now_s = MonotonicNow_s();
       if (!whose.first_s) whose.first_s = now_s;
       if (whose.heard_.empty() || !Same(whose.heard_.back().setpoint, setpoint))
         whose.heard_.push_back({now_s, setpoint});
       aircraft.Send(setpoint);
     }
-    void Aid(const AttitudeAid& aid) override { aircraft.Aid(aid); }
+    void Aid(const control::AttitudeAid& aid) override { aircraft.Aid(aid); }
     Overheard& whose;
-    Autopilot& aircraft;
+    control::Autopilot& aircraft;
   };
 
-  AutopilotServer& server_;
-  std::vector<HeardSetpoint>& heard_;
+  sim::AutopilotServer& server_;
+  std::vector<ReceivedSetpoint>& heard_;
   RealTime time_{0};  // as the serving loop has it
   double served_t_s_ = 0;
 };
@@ -150,10 +151,10 @@ LoadedScenario Load(const WireFlightOptions& o) {
 }
 
 double BeforeStamp_s(const LoadedScenario& loaded) {
-  return loaded.scenario.image.latency_s + RtpDelay_s(RtpStream::Coding::kJpeg);
+  return loaded.scenario.image.latency_s + vision::RtpDelay_s(vision::RtpStream::Coding::kJpeg);
 }
 
-std::unique_ptr<ChildProgram> StartProgram(const WireFlightOptions& o, const std::string& autopilot,
+std::unique_ptr<ChildProcess> StartProgram(const WireFlightOptions& o, const std::string& autopilot,
                                            int camera_port, double before_stamp_s) {
   std::vector<std::string> command = {HardwareProgram(),
                                       "fly",
@@ -175,7 +176,7 @@ std::unique_ptr<ChildProgram> StartProgram(const WireFlightOptions& o, const std
   }
   command.push_back("--autopilot");
   command.push_back(fmt::format("{}:{}", NameOf(o.wire), autopilot));
-  return std::make_unique<ChildProgram>(command, std::vector{"KESTREL_ROOT=" + Root().string()},
+  return std::make_unique<ChildProcess>(command, std::vector{"KESTREL_ROOT=" + Root().string()},
                                         o.folder / "flown.txt");
 }
 
@@ -227,17 +228,18 @@ void ReadRecords(const std::filesystem::path& folder, double before_stamp_s, Wir
     image.decided_s = begun_s + NumberOf(cell("t_s"));
     image.phase = cell("phase");
     if (!cell("setpoint_vx_m_s").empty())
-      image.setpoint = VelocitySetpoint{{NumberOf(cell("setpoint_vx_m_s")), NumberOf(cell("setpoint_vy_m_s")),
-                                         NumberOf(cell("setpoint_vz_m_s"))},
-                                        NumberOf(cell("setpoint_yaw_rate_deg_s")) * M_PI / 180};
+      image.setpoint =
+          control::VelocitySetpoint{{NumberOf(cell("setpoint_vx_m_s")), NumberOf(cell("setpoint_vy_m_s")),
+                                     NumberOf(cell("setpoint_vz_m_s"))},
+                                    NumberOf(cell("setpoint_yaw_rate_deg_s")) * M_PI / 180};
     flown.images.push_back(std::move(image));
   }
 }
 
-void EndProgram(ChildProgram& program, WireFlown& flown) {
+void EndProgram(ChildProcess& program, WireFlown& flown) {
   program.Signal(SIGINT);
   flown.status = program.Wait(20);
-  flown.said = program.Said();
+  flown.said = program.Output();
 }
 
 // The simulator in this process.
@@ -250,26 +252,26 @@ WireFlown FlyHere(const WireFlightOptions& o) {
   WireFlown flown;
   Overheard server(*servers.front().server, flown.heard);
   std::string where = server.Where();
-  std::unique_ptr<UdpRelay> relay;
+  std::unique_ptr<sim::UdpRelay> relay;
   if (o.wire != Wire::kAscTec && o.fault != WireFault::kNone) {
-    const UdpAddress address = ParseUdpAddress(where);
-    relay = std::make_unique<UdpRelay>(address.host, address.port, o.seed);
+    const control::UdpAddress address = control::ParseUdpAddress(where);
+    relay = std::make_unique<sim::UdpRelay>(address.host, address.port, o.seed);
     where = fmt::format("udp://127.0.0.1:{}", relay->port());
   }
-  RtpStream stream;
+  vision::RtpStream stream;
   stream.port = FreePort();
-  const CameraModel& model = loaded.simulator.camera;
-  CameraServer camera(stream, {WidthPx(model), HeightPx(model)}, loaded.scenario.image.rate_hz,
-                      loaded.simulator.image.colour);
+  const vision::CameraModel& model = loaded.simulator.camera;
+  sim::CameraServer camera(stream, {vision::WidthPx(model), vision::HeightPx(model)},
+                           loaded.scenario.image.rate_hz, loaded.simulator.image.colour);
   bool camera_cut = false;
   std::vector<double> frames_s;  // when each was there, also of a camera that is cut
 
-  std::unique_ptr<ChildProgram> program;
+  std::unique_ptr<ChildProcess> program;
   std::optional<double> ended_s;
   ServeOptions options;
   options.folder = o.folder / "served";
   options.servers = {&server};
-  options.publish = [&](const Frame& frame) {
+  options.publish = [&](const vision::Frame& frame) {
     const double now_s = MonotonicNow_s();
     frames_s.push_back(now_s);
     if (camera_cut) return;
@@ -296,7 +298,7 @@ WireFlown FlyHere(const WireFlightOptions& o) {
     }
     if (flown.fault_s && o.end_after_s && now_s >= *flown.fault_s + *o.end_after_s) return false;
     // Having landed, it leaves first, and the aircraft is watched while it stands.
-    if (program->Ended() && !server.first_s && flown.starts < kMostStarts) {
+    if (program->Ended() && !server.first_s && flown.starts < kMaxStarts) {
       ++flown.starts;
       program = StartProgram(o, where, stream.port, before_stamp_s);
     }
@@ -336,11 +338,11 @@ WireFlown FlyAgainstProcess(const WireFlightOptions& o) {
   if (o.wire == Wire::kMavlink) command.insert(command.end(), {"--mavlink", "px4", "--mavlink-port", "0"});
   if (o.wire == Wire::kAfcs) command.insert(command.end(), {"--afcs", "127.0.0.1:0"});
   if (o.wire == Wire::kAscTec) command.push_back("--asctec");
-  ChildProgram server(command, {"KESTREL_ROOT=" + Root().string()}, o.folder / "served.txt");
+  ChildProcess server(command, {"KESTREL_ROOT=" + Root().string()}, o.folder / "served.txt");
 
   const auto until = [&](const std::string& said, double most_s) {
     const double until_s = MonotonicNow_s() + most_s;
-    while (server.Said().find(said) == std::string::npos) {
+    while (server.Output().find(said) == std::string::npos) {
       if (server.Ended() || MonotonicNow_s() > until_s) return false;
       Sleep();
     }
@@ -348,8 +350,8 @@ WireFlown FlyAgainstProcess(const WireFlightOptions& o) {
   };
   const std::string key = fmt::format("--autopilot {}:", NameOf(o.wire));
   if (!until("to fly it:", kBegins_s) || !until(key, 1))
-    throw std::runtime_error("the serving process did not begin: " + server.Said());
-  const std::string said = server.Said();
+    throw std::runtime_error("the serving process did not begin: " + server.Output());
+  const std::string said = server.Output();
   std::istringstream rest(said.substr(said.find(key) + key.size()));
   std::string where;
   rest >> where;
@@ -420,7 +422,8 @@ WireFlown FlyOverWire(const WireFlightOptions& options) {
 std::vector<double> AddedLatency_s(const WireFlown& flown, Wire wire) {
   constexpr double kSlack_s = 0.001;   // between the decision's own time and the sending
   constexpr double kRecognised = 0.1;  // m/s, beyond what the wire rounds off
-  const double line_s = wire == Wire::kAscTec ? wire::LineTime_s(wire::kCtrlInputBytes) : -kSlack_s;
+  const double line_s =
+      wire == Wire::kAscTec ? control::wire::LineTime_s(control::wire::kCtrlInputBytes) : -kSlack_s;
   const auto& images = flown.images;
   const auto& published = flown.published;
   if (images.empty() || published.empty()) return {};
@@ -436,7 +439,7 @@ std::vector<double> AddedLatency_s(const WireFlown& flown, Wire wire) {
   }
   std::vector<bool> done(images.size(), false);
   std::vector<double> latency_s;
-  for (const HeardSetpoint& heard : flown.heard) {
+  for (const ReceivedSetpoint& heard : flown.heard) {
     const auto after = std::upper_bound(images.begin(), images.end(), heard.t_s - line_s,
                                         [](double t_s, const FlownImage& i) { return t_s < i.decided_s; });
     std::optional<std::size_t> best;
@@ -445,11 +448,11 @@ std::vector<double> AddedLatency_s(const WireFlown& flown, Wire wire) {
     for (std::size_t back = 1; back <= 3 && back <= newest; ++back) {
       const std::size_t k = newest - back;
       if (!images[k].setpoint) break;
-      if (std::holds_alternative<AttitudeSetpoint>(heard.setpoint)) {
+      if (std::holds_alternative<control::AttitudeSetpoint>(heard.setpoint)) {
         best = k;
         break;
       }
-      const auto* velocity = std::get_if<VelocitySetpoint>(&heard.setpoint);
+      const auto* velocity = std::get_if<control::VelocitySetpoint>(&heard.setpoint);
       if (!velocity) break;
       const double difference = (velocity->v_H - images[k].setpoint->v_H).norm() +
                                 std::abs(velocity->yaw_rate - images[k].setpoint->yaw_rate);
@@ -463,4 +466,4 @@ std::vector<double> AddedLatency_s(const WireFlown& flown, Wire wire) {
   return latency_s;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::flight

@@ -14,7 +14,7 @@
 
 // A landing of the simulated aircraft, in real time, by the program for real aircraft: another process, which
 // knows the aircraft by its wire and its camera by the video stream alone; and what may befall either.
-namespace kestrel {
+namespace kestrel::flight {
 
 enum class Wire { kMavlink, kAfcs, kAscTec };
 inline constexpr Wire kWires[] = {Wire::kMavlink, Wire::kAfcs, Wire::kAscTec};
@@ -46,14 +46,14 @@ struct WireFlightOptions {
 struct PublishedImage {
   double due_s = 0, t_s = 0;  // when it should have been given to the stream, and when it was
 };
-struct HeardSetpoint {  // that differs from the one before, handed to the emulated aircraft
+struct ReceivedSetpoint {  // that differs from the one before, handed to the emulated aircraft
   double t_s = 0;
-  Setpoint setpoint;
+  control::Setpoint setpoint;
 };
 struct FlownImage {  // a line of the program's telemetry
   std::int64_t sequence = 0;
   double came_s = 0, decided_s = 0;
-  std::optional<VelocitySetpoint> setpoint;  // as it was handed to the safety layer
+  std::optional<control::VelocitySetpoint> setpoint;  // as it was handed to the safety layer
   std::string phase;
 };
 struct FlownEvent {  // a line of the program's events.log
@@ -68,9 +68,9 @@ struct TruthSample {
 
 struct WireFlown {
   // Of the serving side; of one that was killed nothing.
-  Summary served;
+  records::Summary served;
   std::vector<PublishedImage> published;
-  std::vector<HeardSetpoint> heard;
+  std::vector<ReceivedSetpoint> heard;
   std::vector<TruthSample> truth;  // at each image's due time
   std::optional<double> fault_s;   // when it began; none: the flight was over before
   // Of the program.
@@ -110,4 +110,4 @@ WireFlown FlyOverWire(const WireFlightOptions& options);
 // cannot be told from the one before.
 std::vector<double> AddedLatency_s(const WireFlown& flown, Wire wire);
 
-}  // namespace kestrel
+}  // namespace kestrel::flight

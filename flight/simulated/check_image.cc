@@ -7,14 +7,14 @@
 
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::flight {
 namespace {
 
 constexpr double kRounding_s = 1e-9;
-constexpr double kLeastLit = 1e-3;  // of the pixels: with less there is no image
+constexpr double kMinLit = 1e-3;  // of the pixels: with less there is no image
 
-void CheckTiming(const ImageParameters& p, int rows, const std::string& where, Mistakes& mistakes) {
-  const double exposure_s = LongestExposure_s(p), readout_s = LongestReadout_s(p, rows);
+void CheckTiming(const sim::ImageParameters& p, int rows, const std::string& where, Mistakes& mistakes) {
+  const double exposure_s = sim::LongestExposure_s(p), readout_s = sim::LongestReadout_s(p, rows);
   const double period_s = 1 / p.rate_hz, needed_s = (exposure_s + readout_s) / 2;
   const bool automatic = exposure_s > 0 && p.auto_exposure.target_grey > 0;
   if (exposure_s > period_s + kRounding_s) {
@@ -41,36 +41,37 @@ void CheckTiming(const ImageParameters& p, int rows, const std::string& where, M
 }
 
 // The pixels to which light comes; none where nothing can keep it off.
-std::optional<int> LitPixels(const LensParameters& lens, const CameraModel& camera) {
-  const cv::Mat shade = Shade(lens, camera);
+std::optional<int> LitPixels(const sim::LensParameters& lens, const vision::CameraModel& camera) {
+  const cv::Mat shade = sim::Shade(lens, camera);
   if (shade.empty()) return std::nullopt;
   int lit = 0;
   for (int y = 0; y < shade.rows; ++y) {
     for (int x = 0; x < shade.cols; ++x)
-      lit += shade.at<float>(y, x) > 0 && Ray(camera, Eigen::Vector2d(x, y)).has_value();
+      lit += shade.at<float>(y, x) > 0 && vision::Ray(camera, Eigen::Vector2d(x, y)).has_value();
   }
   return lit;
 }
 
-void CheckLight(const LensParameters& lens, const CameraModel& camera, const std::string& where,
+void CheckLight(const sim::LensParameters& lens, const vision::CameraModel& camera, const std::string& where,
                 Mistakes& mistakes) {
-  const int pixels = WidthPx(camera) * HeightPx(camera);
-  const auto dark = [&](const std::optional<int>& lit) { return lit && *lit < kLeastLit * pixels; };
+  const int pixels = vision::WidthPx(camera) * vision::HeightPx(camera);
+  const auto dark = [&](const std::optional<int>& lit) { return lit && *lit < kMinLit * pixels; };
   const auto lit = LitPixels(lens, camera);
   if (!dark(lit)) return;
-  LensParameters rim, reflection;
+  sim::LensParameters rim, reflection;
   rim.rim_px = lens.rim_px, reflection.reflection_deg = lens.reflection_deg;
   const std::string left = fmt::format("leaves light to {} of {} pixels", *lit, pixels);
   if (dark(LitPixels(rim, camera))) {
-    const Eigen::VectorXd numbers = Parameters(camera);
+    const Eigen::VectorXd numbers = vision::Parameters(camera);
     mistakes.Add(where, "image.lens.rim_px",
                  fmt::format("{} {}: it is the radius in pixels about the principal point ({:g}, {:g}) of an "
                              "image of {} x {} px; valid: 0 for no rim, or more",
-                             lens.rim_px, left, numbers[2], numbers[3], WidthPx(camera), HeightPx(camera)));
+                             lens.rim_px, left, numbers[2], numbers[3], vision::WidthPx(camera),
+                             vision::HeightPx(camera)));
   } else if (dark(LitPixels(reflection, camera))) {
     mistakes.Add(where, "image.lens.reflection_deg",
                  fmt::format("{} {}: the lens sees to {:.4g} deg from its axis; valid: less than that",
-                             lens.reflection_deg, left, Degrees(MaxAngle(camera))));
+                             lens.reflection_deg, left, Degrees(vision::MaxAngle(camera))));
   } else {
     mistakes.Add(
         where, "image.lens",
@@ -78,17 +79,17 @@ void CheckLight(const LensParameters& lens, const CameraModel& camera, const std
   }
 }
 
-void CheckAutoExposure(const ImageParameters& p, const std::string& where, Mistakes& mistakes) {
-  const AutoExposureParameters& a = p.auto_exposure;
+void CheckAutoExposure(const sim::ImageParameters& p, const std::string& where, Mistakes& mistakes) {
+  const sim::AutoExposureParameters& a = p.auto_exposure;
   if (a.target_grey > 0 && a.longest_s <= a.shortest_s) {
     mistakes.Add(where, "image.auto_exposure.longest_s",
                  fmt::format("{} is not above shortest_s = {}", a.longest_s, a.shortest_s));
   }
 }
 
-void CheckFaults(const ImageParameters& p, const std::string& where, Mistakes& mistakes) {
+void CheckFaults(const sim::ImageParameters& p, const std::string& where, Mistakes& mistakes) {
   for (std::size_t i = 0; i < p.faults.size(); ++i) {
-    const CameraFault& f = p.faults[i];
+    const sim::CameraFault& f = p.faults[i];
     const std::string key = fmt::format("image.faults.{}.", i);
     if (f.until_s <= f.from_s) {
       mistakes.Add(where, key + "until_s", fmt::format("{} is not after from_s = {}", f.until_s, f.from_s));
@@ -102,17 +103,17 @@ void CheckFaults(const ImageParameters& p, const std::string& where, Mistakes& m
 
 }  // namespace
 
-void CheckImage(const ImageParameters& image, const CameraModel* camera, const std::string& where,
-                Mistakes& mistakes) {
-  CheckTiming(image, camera ? HeightPx(*camera) : 1, where, mistakes);
+void CheckImage(const sim::ImageParameters& image, const vision::CameraModel* camera,
+                const std::string& where, Mistakes& mistakes) {
+  CheckTiming(image, camera ? vision::HeightPx(*camera) : 1, where, mistakes);
   if (camera) CheckLight(image.lens, *camera, where, mistakes);
   CheckAutoExposure(image, where, mistakes);
   CheckFaults(image, where, mistakes);
 }
 
-void CheckMount(const CameraMount& mount, const std::string& where, Mistakes& mistakes) {
+void CheckMount(const vision::CameraMount& mount, const std::string& where, Mistakes& mistakes) {
   for (std::size_t i = 0; i < mount.vibration.size(); ++i) {
-    const VibrationBand& band = mount.vibration[i];
+    const vision::VibrationBand& band = mount.vibration[i];
     if (band.until_hz < band.from_hz) {
       mistakes.Add(where, fmt::format("mount.vibration.{}.until_hz", i),
                    fmt::format("{} is below from_hz = {}", band.until_hz, band.from_hz));
@@ -120,4 +121,4 @@ void CheckMount(const CameraMount& mount, const std::string& where, Mistakes& mi
   }
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::flight

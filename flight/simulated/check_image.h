@@ -6,14 +6,14 @@
 #include "base/yaml/yaml_fields.h"
 #include "sim/simulator.h"
 
-namespace kestrel {
+namespace kestrel::flight {
 
 // What each number of a camera allows and their sum does not: an exposure and a readout that neither the
 // period nor the latency has room for, bounds that cross. where: the place of the keys "image" and "mount".
 // camera: null where it is not known; then what depends on it is not looked at. With it, a rim, reflection or
 // vignetting that leaves light to less than a thousandth of the pixels is refused.
-void CheckImage(const ImageParameters& image, const CameraModel* camera, const std::string& where,
-                Mistakes& mistakes);
-void CheckMount(const CameraMount& mount, const std::string& where, Mistakes& mistakes);
+void CheckImage(const sim::ImageParameters& image, const vision::CameraModel* camera,
+                const std::string& where, Mistakes& mistakes);
+void CheckMount(const vision::CameraMount& mount, const std::string& where, Mistakes& mistakes);
 
-}  // namespace kestrel
+}  // namespace kestrel::flight

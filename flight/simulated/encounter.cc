@@ -6,15 +6,15 @@
 #include "base/random.h"
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::flight {
 namespace {
 
 constexpr double kObeys_s = 0.4;  // the aircraft takes to do what it is told
 
 // Where and how fast another flies that meets us, who are at p_own at t_s, north at own_speed.
-TargetParameters Draw(RandomStream& random, EncounterKind kind, double own_speed,
-                      const Eigen::Vector3d& p_own, double t_s, const EncounterLimits& limits,
-                      TargetParameters look, double& miss_m) {
+sim::TargetParameters Draw(RandomStream& random, EncounterKind kind, double own_speed,
+                           const Eigen::Vector3d& p_own, double t_s, const EncounterLimits& limits,
+                           sim::TargetParameters look, double& miss_m) {
   Eigen::Vector3d v;  // north, east, up
   Eigen::Vector2d relative;
   do {
@@ -54,7 +54,7 @@ const char* NameOf(EncounterKind kind) {
 }
 
 EncounterPlan DrawEncounter(std::uint64_t seed, const EncounterLimits& limits, double height_m,
-                            double acceleration_m_s2, const std::vector<TargetParameters>& looks) {
+                            double acceleration_m_s2, const std::vector<sim::TargetParameters>& looks) {
   RandomStream random(seed, "encounter");
   EncounterPlan plan;
   plan.kind = static_cast<EncounterKind>(random.Bits() % kEncounterKinds);
@@ -81,4 +81,4 @@ EncounterPlan DrawEncounter(std::uint64_t seed, const EncounterLimits& limits, d
   return plan;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::flight

@@ -8,7 +8,7 @@
 #include "sim/world/target.h"
 
 // Random meetings of two or three aircraft in flight, built to pass near each other or harmlessly.
-namespace kestrel {
+namespace kestrel::flight {
 
 enum class EncounterKind { kHeadOn, kCrossing, kOvertaken, kTwoAtOnce };
 const char* NameOf(EncounterKind kind);
@@ -17,9 +17,9 @@ inline constexpr int kEncounterKinds = 4;
 struct EncounterPlan {
   EncounterKind kind = EncounterKind::kHeadOn;
   double own_speed_m_s = 1;
-  double meets_s = 10;                    // closest, were everybody to go on
-  double miss_m = 0;                      // how close, the first of them
-  std::vector<TargetParameters> targets;  // where they begin and how they fly
+  double meets_s = 10;                         // closest, were everybody to go on
+  double miss_m = 0;                           // how close, the first of them
+  std::vector<sim::TargetParameters> targets;  // where they begin and how they fly
 };
 
 struct EncounterLimits {
@@ -37,6 +37,6 @@ inline constexpr EncounterLimits kNear{1, 0, 2}, kHarmless{1, 4, 12};
 // across the relative course, evenly in its length, level to half of it. looks: colour and diameter of each,
 // at least two. acceleration: ours, from the beginning on.
 EncounterPlan DrawEncounter(std::uint64_t seed, const EncounterLimits& limits, double height_m,
-                            double acceleration_m_s2, const std::vector<TargetParameters>& looks);
+                            double acceleration_m_s2, const std::vector<sim::TargetParameters>& looks);
 
-}  // namespace kestrel
+}  // namespace kestrel::flight

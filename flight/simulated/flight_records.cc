@@ -6,24 +6,25 @@
 #include "base/file/files.h"
 #include "records/telemetry/flight_mode.h"
 
-namespace kestrel {
+namespace kestrel::flight {
 namespace {
 
-RecorderOptions OptionsFor(const LoadedScenario& loaded, bool video) {
-  RecorderOptions options;
+records::RecorderOptions OptionsFor(const LoadedScenario& loaded, bool video) {
+  records::RecorderOptions options;
   options.video = video;
   options.rate_hz = loaded.scenario.image.rate_hz;
   options.plots.title = loaded.scenario.name + ", seed " + std::to_string(loaded.scenario.seed);
-  const SceneParameters& scene = loaded.simulator.scene;
+  const sim::SceneParameters& scene = loaded.simulator.scene;
+  options.plots.mission = options.telemetry.mission = &loaded.scenario.flight.type();
   if (!scene.pad_texture.empty()) options.plots.pad_size_m = scene.pad.size_m;
   return options;
 }
 
 // In a folder that the recorder has made.
-EventLog BeginEvents(const std::filesystem::path& folder, const Scenario& scenario) {
+records::EventLog BeginEvents(const std::filesystem::path& folder, const Scenario& scenario) {
   std::filesystem::remove(folder / "events.log");  // of an earlier run
   WriteFile(folder / "scenario.yaml", ToYaml(scenario));
-  return EventLog(folder);
+  return records::EventLog(folder);
 }
 
 }  // namespace
@@ -32,10 +33,10 @@ FlightRecords::FlightRecords(const std::filesystem::path& folder, const LoadedSc
     : lock_(LockFolder(folder)),
       recorder_(folder, OptionsFor(loaded, video)),
       events_(BeginEvents(folder, loaded.scenario)) {
-  events_.Line(0, "mode", kSimulatorMode);
+  events_.Line(0, "mode", records::kSimulatorMode);
 }
 
-void FlightRecords::WriteChanges(const Simulator& simulator) {
+void FlightRecords::WriteChanges(const sim::Simulator& simulator) {
   const auto conditions = simulator.camera_changes();
   for (; conditions_written_ < conditions.size(); ++conditions_written_)
     events_.WriteCamera(conditions[conditions_written_].from_s, conditions[conditions_written_].name);
@@ -44,13 +45,13 @@ void FlightRecords::WriteChanges(const Simulator& simulator) {
     events_.Line(states[states_written_].t_s, states[states_written_].what, states[states_written_].is);
 }
 
-void FlightRecords::Write(const LogRow& row, const Simulator& simulator) {
+void FlightRecords::Write(const records::LogRow& row, const sim::Simulator& simulator) {
   recorder_.Write(row);
   WriteChanges(simulator);
   events_.Write(row);
 }
 
-Summary FlightRecords::Finish(Summary summary, const Simulator& simulator) {
+records::Summary FlightRecords::Finish(records::Summary summary, const sim::Simulator& simulator) {
   try {
     WriteChanges(simulator);
     events_.End(summary.sim_s, summary.error.empty() ? summary.outcome : summary.error);
@@ -65,4 +66,4 @@ Summary FlightRecords::Finish(Summary summary, const Simulator& simulator) {
   }
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::flight

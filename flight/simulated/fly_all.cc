@@ -9,12 +9,12 @@
 
 #include "base/process/in_parallel.h"
 
-namespace kestrel {
+namespace kestrel::flight {
 namespace {
 
-void SayWhatWasMissed(const Summary& flight, const std::string& title) {
+void SayWhatWasMissed(const records::Summary& flight, const std::string& title) {
   std::string lines;
-  for (const Criterion& c : flight.criteria) {
+  for (const records::Criterion& c : flight.criteria) {
     if (!c.passed)
       lines += fmt::format("{}, seed {}: {} {:.4g}, {} {:.4g}\n", title, flight.seed, c.name, c.value,
                            c.at_least ? "at least" : "at most", c.limit);
@@ -56,4 +56,4 @@ std::vector<double> Values(const std::vector<FlownScenario>& flights, const std:
   return values;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::flight

@@ -9,13 +9,13 @@
 #include "flight/simulated/seeds.h"
 
 // Many flights of one scenario, and what their metrics come to: for benchmarks.
-namespace kestrel {
+namespace kestrel::flight {
 
 // A flight with what it was flown by.
 struct FlownScenario {
   LoadedScenario loaded;
-  Summary summary;
-  std::vector<LogRow> rows;
+  records::Summary summary;
+  std::vector<records::LogRow> rows;
 };
 
 // Flies a scenario once for each seed, several at a time; results in the order of the seeds, whatever the
@@ -27,4 +27,4 @@ std::vector<FlownScenario> FlyAll(const std::string& scenario, const std::vector
 // A metric of each flight; infinity where it has none.
 std::vector<double> Values(const std::vector<FlownScenario>& flights, const std::string& metric);
 
-}  // namespace kestrel
+}  // namespace kestrel::flight

@@ -10,13 +10,13 @@
 #include "records/telemetry/flight_mode.h"
 #include "sim/machine.h"
 
-namespace kestrel {
+namespace kestrel::flight {
 namespace {
 
 // What scatter makes of the camera in this run, of the values that have any.
-std::map<std::string, double> DrawnValues(const ImageParameters& image, std::uint64_t seed) {
-  const ImageParameters drawn = DrawScatter(image, seed);
-  const ImageScatter& s = image.scatter;
+std::map<std::string, double> DrawnValues(const sim::ImageParameters& image, std::uint64_t seed) {
+  const sim::ImageParameters drawn = sim::DrawScatter(image, seed);
+  const sim::ImageScatter& s = image.scatter;
   std::map<std::string, double> values;
   const auto add = [&](const char* key, double scatter, double value) {
     if (scatter > 0) values[std::string("image.") + key] = value;
@@ -36,28 +36,28 @@ std::map<std::string, double> DrawnValues(const ImageParameters& image, std::uin
 
 }  // namespace
 
-Summary BeginSummary(const Scenario& scenario) {
-  Summary summary;
-  summary.mode = kSimulatorMode;
+records::Summary BeginSummary(const Scenario& scenario) {
+  records::Summary summary;
+  summary.mode = records::kSimulatorMode;
   summary.scenario = scenario.name;
   summary.version = Version();
   summary.seed = scenario.seed;
-  summary.machine = ThisMachine();
+  summary.machine = sim::ThisMachine();
   summary.drawn = DrawnValues(scenario.image, scenario.seed);
   return summary;
 }
 
-void AddSimulator(const Simulator& simulator, Summary& summary) {
+void AddSimulator(const sim::Simulator& simulator, records::Summary& summary) {
   summary.renderer = simulator.renderer_name();
   summary.sim_s = simulator.truth().t_s;
   summary.state_hash = simulator.state_hash();
   summary.image_hash = simulator.image_hash();
-  summary.stages["physics"] = StageTimeOf(simulator.timing().physics_s);
-  summary.stages["render"] = StageTimeOf(simulator.timing().render_s);
-  summary.stages["sensor"] = StageTimeOf(simulator.timing().sensor_s);
+  summary.stages["physics"] = records::StageTimeOf(simulator.timing().physics_s);
+  summary.stages["render"] = records::StageTimeOf(simulator.timing().render_s);
+  summary.stages["sensor"] = records::StageTimeOf(simulator.timing().sensor_s);
 }
 
-void Judge(const std::map<std::string, Limit>& limits, Summary& summary) {
+void Judge(const std::map<std::string, Limit>& limits, records::Summary& summary) {
   const auto add = [&](const std::string& name, double limit, bool at_least) {
     const auto found = summary.metrics.find(name);
     const double value =
@@ -70,8 +70,8 @@ void Judge(const std::map<std::string, Limit>& limits, Summary& summary) {
   }
 }
 
-bool AllPassed(const std::vector<Criterion>& criteria) {
-  return std::all_of(criteria.begin(), criteria.end(), [](const Criterion& c) { return c.passed; });
+bool AllPassed(const std::vector<records::Criterion>& criteria) {
+  return std::all_of(criteria.begin(), criteria.end(), [](const records::Criterion& c) { return c.passed; });
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::flight

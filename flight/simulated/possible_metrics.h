@@ -7,7 +7,7 @@
 
 #include "flight/simulated/scenario.h"
 
-namespace kestrel {
+namespace kestrel::flight {
 
 // The metrics that a flight of a scenario can have if it goes as it is meant to, of all MetricNames. (One
 // that goes wrong may have others: a hover that hits the ground touches down.) varies: whether a key, as
@@ -16,4 +16,4 @@ std::vector<std::string> PossibleMetrics(
     const Scenario& scenario,
     const std::function<bool(const std::string& key)>& varies = [](const std::string&) { return false; });
 
-}  // namespace kestrel
+}  // namespace kestrel::flight

@@ -15,29 +15,29 @@
 #include "records/video/drawn_view.h"
 #include "vision/write_image.h"
 
-namespace kestrel {
+namespace kestrel::flight {
 
 FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) {
   const Scenario& scenario = loaded.scenario;
   FlightResult result;
-  Summary& summary = result.summary;
+  records::Summary& summary = result.summary;
   summary = BeginSummary(scenario);
 
-  SimulatorParameters parameters = loaded.simulator;
+  sim::SimulatorParameters parameters = loaded.simulator;
   parameters.surfaces = options.folder && options.truth;
-  Simulator simulator(parameters);
-  const FlightParts parts = PartsOf(loaded, simulator.model());
-  const std::unique_ptr<Mission> mission = MakeMission(parts);
+  sim::Simulator simulator(parameters);
+  const mission::MissionParts parts = PartsOf(loaded, simulator.model());
+  const std::unique_ptr<mission::Mission> mission = scenario.flight->Make(parts);
   const auto start = std::chrono::steady_clock::now();
 
   std::optional<FlightRecords> records;
   std::optional<TruthImages> truth;
-  std::optional<RecordingWriter> recording;
+  std::optional<records::RecordingWriter> recording;
   if (options.folder) {
     records.emplace(*options.folder, loaded, options.video);
     if (options.images) {
-      recording.emplace(*options.folder);
-      WriteOwnParts(*options.folder, parts.own_parts);
+      recording.emplace(*options.folder, scenario.flight.type());
+      records::WriteOwnParts(*options.folder, parts.own_parts);
     }
     if (options.truth) truth.emplace(*options.folder / "truth", simulator.model());
   }
@@ -45,19 +45,20 @@ FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) 
   std::vector<double> vision_s, control_s, record_s;
   bool stopped = false;
   try {
-    summary.outcome = Fly(
+    summary.outcome = mission::Fly(
         simulator, simulator, *mission,
-        [&](const Frame& frame, const VehicleState& state, const Decision& decision) {
-          RequireNumbers(frame, state, decision);
+        [&](const vision::Frame& frame, const control::VehicleState& state,
+            const mission::Decision& decision) {
+          mission::RequireNumbers(frame, state, decision);
           const auto began = std::chrono::steady_clock::now();
           result.rows.push_back({frame.sequence, simulator.exposure(), simulator.truth(), state, decision});
-          const LogRow& row = result.rows.back();
+          const records::LogRow& row = result.rows.back();
           if (records) {
             records->Write(row, simulator);
             if (truth) truth->Write(frame.sequence, simulator.picture());
             if (recording) recording->Write(frame, state, decision);
             if (records->recorder().wants_images())
-              records->recorder().WriteImage(DrawnView(frame, *mission, kSimulatorMode));
+              records->recorder().WriteImage(records::DrawnView(frame, *mission, records::kSimulatorMode));
           }
           vision_s.push_back(decision.vision_s);
           control_s.push_back(decision.control_s);
@@ -79,12 +80,12 @@ FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) 
   summary.complete = summary.error.empty();
   summary.wall_s = SecondsSince(start);
   AddSimulator(simulator, summary);
-  summary.metrics = Metrics(result.rows, simulator.touch());
+  summary.metrics = records::Metrics(result.rows, simulator.touch(), &scenario.flight.type());
   Judge(scenario.criteria, summary);
   summary.passed = summary.complete && mission->Accomplished() && AllPassed(summary.criteria);
-  summary.stages["vision"] = StageTimeOf(vision_s);
-  summary.stages["control"] = StageTimeOf(control_s);
-  summary.stages["record"] = StageTimeOf(record_s);
+  summary.stages["vision"] = records::StageTimeOf(vision_s);
+  summary.stages["control"] = records::StageTimeOf(control_s);
+  summary.stages["record"] = records::StageTimeOf(record_s);
   try {
     if (recording) recording->Close();
   } catch (const std::exception& e) {
@@ -95,4 +96,4 @@ FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) 
   return result;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::flight

@@ -9,23 +9,23 @@
 #include "flight/simulated/scenario.h"
 #include "records/telemetry/flight_log.h"
 
-namespace kestrel {
+namespace kestrel::flight {
 
 struct RunOptions {
   std::optional<std::filesystem::path> folder;  // of the records; none: nothing is written
   bool video = true;
-  std::function<bool(const LogRow&)> progress;  // after each frame; false breaks the run off
-  bool images = false;                          // recording.h, for replay
-  bool truth = false;                           // truth_images.h, into its folder truth/
+  std::function<bool(const records::LogRow&)> progress;  // after each frame; false breaks the run off
+  bool images = false;                                   // recording.h, for replay
+  bool truth = false;                                    // truth_images.h, into its folder truth/
 };
 
 struct FlightResult {
-  Summary summary;
-  std::vector<LogRow> rows;
+  records::Summary summary;
+  std::vector<records::LogRow> rows;
 };
 
 // Flies a scenario in the simulator. What breaks a run off (a state that is no number, a disk that is full)
 // is in the summary's error. Throws std::runtime_error if it cannot even begin: no OpenGL context, no folder.
 FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options);
 
-}  // namespace kestrel
+}  // namespace kestrel::flight

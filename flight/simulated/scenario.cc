@@ -11,16 +11,18 @@
 
 #include "base/file/files.h"
 #include "base/user_file.h"
+#include "flight/check_mission.h"
 #include "flight/gains_file.h"
 #include "flight/simulated/check_image.h"
 #include "flight/simulated/possible_metrics.h"
 #include "geometry/tait_bryan.h"
 #include "records/telemetry/metrics.h"
+#include "scenarios/flights.h"
 #include "sim/camera/horizon.h"
 #include "sim/vehicle_file.h"
 #include "vision/camera/calibration_file.h"
 
-namespace kestrel {
+namespace kestrel::flight {
 namespace {
 
 namespace fs = std::filesystem;
@@ -32,10 +34,10 @@ std::optional<fs::path> LandscapeFile(const std::string& world) {
 }
 
 // A landscape as its world has it, before the scenario's own words.
-std::optional<LandscapeParameters> LandscapeOf(const std::string& world, Mistakes& mistakes) {
+std::optional<sim::LandscapeParameters> LandscapeOf(const std::string& world, Mistakes& mistakes) {
   const auto file = LandscapeFile(world);
   if (!file) return std::nullopt;
-  LandscapeParameters landscape;
+  sim::LandscapeParameters landscape;
   Read(LoadConfig(*file, {}, mistakes), landscape, mistakes);
   return landscape;
 }
@@ -59,35 +61,13 @@ void CheckLandscape(const Scenario& s, const Config& config, const std::string& 
   }
 }
 
-// No more of the aircraft than its autopilot gives.
-void CheckAvoid(const AvoidFlight& flight, const AutopilotParameters& autopilot, const std::string& where,
-                Mistakes& mistakes) {
-  const NoMoreThan most{where, mistakes};
-  most("flight.speed_m_s", flight.speed_m_s, autopilot.speed_limit_m_s, "autopilot.speed_limit_m_s");
-  most("flight.avoidance.hold.yaw_rate_limit_deg_s", flight.avoidance.hold.yaw_rate_limit_deg_s,
-       autopilot.yaw_rate_limit_deg_s, "autopilot.yaw_rate_limit_deg_s");
-  most("flight.avoidance.acceleration_m_s2", flight.avoidance.acceleration_m_s2,
-       autopilot.acceleration_limit_m_s2, "autopilot.acceleration_limit_m_s2");
-}
-
-void CheckFollow(const FollowFlight& flight, const AutopilotParameters& autopilot, const std::string& where,
-                 Mistakes& mistakes) {
-  const NoMoreThan most{where, mistakes};
-  most("flight.gains.speed_limit_m_s", flight.gains.speed_limit_m_s, autopilot.speed_limit_m_s,
-       "autopilot.speed_limit_m_s");
-  most("flight.gains.climb_limit_m_s", flight.gains.climb_limit_m_s, autopilot.climb_limit_m_s,
-       "autopilot.climb_limit_m_s");
-  most("flight.gains.yaw_rate_limit_deg_s", flight.gains.yaw_rate_limit_deg_s, autopilot.yaw_rate_limit_deg_s,
-       "autopilot.yaw_rate_limit_deg_s");
-}
-
 void CheckTargets(const Scenario& s, const std::string& where, Mistakes& mistakes) {
   constexpr std::size_t kMost = 200;  // MuJoCo's own memory for a step ends below 2000
   if (s.targets.size() > kMost)
     return mistakes.Add(where, "targets",
                         fmt::format("there are {}; valid: up to {}", s.targets.size(), kMost));
   for (std::size_t i = 0; i < s.targets.size(); ++i) {
-    const TargetParameters& t = s.targets[i];
+    const sim::TargetParameters& t = s.targets[i];
     const std::string name = fmt::format("targets[{}]", i);
     if ((t.velocity_m_s.norm() > 0) + (t.string_m > 0) + (t.roam_m_s > 0) > 1)
       mistakes.Add(where, name, "moves in several ways; valid: one of velocity_m_s, string_m and roam_m_s");
@@ -102,7 +82,7 @@ void CheckTargets(const Scenario& s, const std::string& where, Mistakes& mistake
 
 // What a flight of this scenario cannot have is "not reached" by every flight: the criterion is a mistake.
 void CheckCriteria(const Scenario& s, const std::string& where, Mistakes& mistakes) {
-  const std::vector<std::string> all = MetricNames(), possible = PossibleMetrics(s);
+  const std::vector<std::string> all = records::MetricNames(), possible = PossibleMetrics(s);
   for (const auto& [metric, limit] : s.criteria) {
     const std::string key = "criteria." + metric;
     if (!Known("criteria", metric, all, where, mistakes)) continue;
@@ -127,8 +107,8 @@ void CheckFrames(const Scenario& s, const std::string& where, Mistakes& mistakes
 }
 
 // Whether an aircraft can carry its own weight.
-void CheckLift(const AirframeParameters& vehicle, const std::string& where, Mistakes& mistakes) {
-  const double mass = Mass_kg(vehicle), weight = mass * 9.80665, thrust = GreatestThrust_n(vehicle);
+void CheckLift(const sim::AirframeParameters& vehicle, const std::string& where, Mistakes& mistakes) {
+  const double mass = sim::Mass_kg(vehicle), weight = mass * 9.80665, thrust = sim::MaxThrust_n(vehicle);
   if (thrust < 1.2 * weight) {
     mistakes.Add(
         where, "mass_kg",
@@ -136,24 +116,24 @@ void CheckLift(const AirframeParameters& vehicle, const std::string& where, Mist
             "{} weighs {:.3g} N, and the rotors give {:.3g} N at most; valid: a fifth more than the weight",
             mass, weight, thrust));
   }
-  const auto* helicopter = std::get_if<HelicopterParameters>(&vehicle);
-  if (helicopter && HoverPower_w(*helicopter) > 0.9 * helicopter->drive.power_w) {
+  const auto* helicopter = std::get_if<sim::HelicopterParameters>(&vehicle);
+  if (helicopter && sim::HoverPower_w(*helicopter) > 0.9 * helicopter->drive.power_w) {
     mistakes.Add(where, "drive.power_w",
                  fmt::format("{:g} W, and hovering takes {:.0f} W; valid: a ninth more than that",
-                             helicopter->drive.power_w, HoverPower_w(*helicopter)));
+                             helicopter->drive.power_w, sim::HoverPower_w(*helicopter)));
   }
 }
 
-std::vector<std::string> NotesOn(const Scenario& s, const CameraModel& camera) {
+std::vector<std::string> NotesOn(const Scenario& s, const vision::CameraModel& camera) {
   std::vector<std::string> notes;
-  if (const double covered = ShareCovered(camera); covered < 1) {
+  if (const double covered = vision::ShareCovered(camera); covered < 1) {
     notes.push_back(fmt::format(
         "the camera '{}' fills {:.0f} % of its image, to {:.4g} deg from its axis; the rest is black",
-        s.camera, 100 * covered, Degrees(MaxAngle(camera))));
+        s.camera, 100 * covered, Degrees(vision::MaxAngle(camera))));
   }
   Mistakes none;
   const auto file = s.camera.find('/') == std::string::npos ? std::nullopt : std::optional(s.camera);
-  const auto names = file ? CameraNames(LoadConfig(*file, {}, none)) : std::vector<std::string>();
+  const auto names = file ? vision::CameraNames(LoadConfig(*file, {}, none)) : std::vector<std::string>();
   if (names.size() > 1) {
     notes.push_back(fmt::format("the camera is {} of '{}', which has {}",
                                 s.camera_name.empty() ? names.front() : s.camera_name, s.camera,
@@ -164,6 +144,7 @@ std::vector<std::string> NotesOn(const Scenario& s, const CameraModel& camera) {
 
 LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& overrides, bool compile) {
   Mistakes mistakes;
+  scenarios::AddFlights();
   LoadedScenario loaded;
   Scenario& s = loaded.scenario;
   Config config = LoadConfig(file, overrides, mistakes);
@@ -173,13 +154,13 @@ LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& o
   const ConfigNode* named = Find(config, "vehicle");
   const fs::path vehicle_folder = Root() / "models" / "vehicles" / (named ? named->text : s.vehicle);
   const fs::path vehicle_file = vehicle_folder / (vehicle_folder.filename().string() + ".yaml");
-  VehicleFile vehicle;
+  sim::VehicleFile vehicle;
   if (IsFile(vehicle_file)) Read(LoadConfig(vehicle_file, {}, mistakes), vehicle, mistakes);
   s.autopilot = vehicle.autopilot;
   s.platform = vehicle.platform;
   Read(config, s, mistakes);
   if (!s.landscape) s.landscape = landscape;  // it was given without a word
-  if (!config.readable) mistakes.ThrowIfAny();
+  if (!config.readable || !s.flight) mistakes.ThrowIfAny();
   if (s.name.empty()) s.name = file.stem().string();
   const std::string where = file.string();
   if (!NamesFolder(s.name)) {
@@ -192,35 +173,35 @@ LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& o
   if (s.name.size() > kLongestName)
     mistakes.Add(WhereOf(config, "name", where), "name",
                  fmt::format("has {} bytes; valid: up to {}", s.name.size(), kLongestName));
-  if (std::holds_alternative<LandingFlight>(s.flight) && s.start.on_ground) {
+  if (s.flight.type().begins_in_the_air && s.start.on_ground) {
     mistakes.Add(WhereOf(config, "start", where), "start.on_ground",
-                 "true, but a landing begins in the air; valid: false");
+                 fmt::format("true, but the mission '{}' begins in the air; valid: false", s.mission));
   }
   if (s.occlusion.until_s <= s.occlusion.from_s) {
     mistakes.Add(WhereOf(config, "occlusion", where), "occlusion.until_s",
                  fmt::format("{} is not after from_s = {}", s.occlusion.until_s, s.occlusion.from_s));
   }
-  for (const AttitudeFault& fault : s.sensors.attitude_faults) {
+  for (const sim::AttitudeFault& fault : s.sensors.attitude_faults) {
     if (fault.until_s <= fault.from_s)
       mistakes.Add(WhereOf(config, "sensors", where), "sensors.attitude_faults",
                    fmt::format("a fault from {} s until {} s; valid: until_s after from_s", fault.from_s,
                                fault.until_s));
   }
-  CheckFlight(s.flight, s.image.colour, config, where, mistakes);
-  CheckFaults(s.sensors, s.actuators, vehicle.airframe, WhereOf(config, "sensors", where),
-              WhereOf(config, "actuators", where), mistakes);
-  if (const auto* avoid = std::get_if<AvoidFlight>(&s.flight)) {
-    CheckAvoid(*avoid, s.autopilot, WhereOf(config, "flight", where), mistakes);
-  }
-  if (const auto* follow = std::get_if<FollowFlight>(&s.flight))
-    CheckFollow(*follow, s.autopilot, WhereOf(config, "flight", where), mistakes);
+  CheckMission(s.flight, s.image.colour, config, where, mistakes);
+  sim::CheckFaults(s.sensors, s.actuators, vehicle.airframe, WhereOf(config, "sensors", where),
+                   WhereOf(config, "actuators", where), mistakes);
+  s.flight->CheckLimits({.speed_m_s = s.autopilot.speed_limit_m_s,
+                         .climb_m_s = s.autopilot.climb_limit_m_s,
+                         .yaw_rate_deg_s = s.autopilot.yaw_rate_limit_deg_s,
+                         .acceleration_m_s2 = s.autopilot.acceleration_limit_m_s2},
+                        WhereOf(config, "flight", where), mistakes);
   CheckTargets(s, WhereOf(config, "targets", where), mistakes);
   CheckLandscape(s, config, where, mistakes);
   CheckMount(s.mount, WhereOf(config, "mount", where), mistakes);
   CheckCriteria(s, WhereOf(config, "criteria", where), mistakes);
   CheckFrames(s, WhereOf(config, "image", where), mistakes);
 
-  SimulatorParameters& sim = loaded.simulator;
+  sim::SimulatorParameters& sim = loaded.simulator;
   const fs::path models = Root() / "models";
   Known("vehicle", s.vehicle, NamesIn(models / "vehicles", ""), WhereOf(config, "vehicle", where), mistakes);
   sim.scene.vehicle = vehicle_folder / (s.vehicle + ".xml");
@@ -236,7 +217,7 @@ LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& o
   if (const auto camera =
           CameraFile(s.camera, file.parent_path(), WhereOf(config, "camera", where), mistakes)) {
     const std::size_t before = mistakes.messages().size();
-    sim.camera = LoadCamera(*camera, mistakes, s.camera_name);
+    sim.camera = vision::LoadCamera(*camera, mistakes, s.camera_name);
     has_camera = mistakes.messages().size() == before;
     if (has_camera) CheckView(s.flight, s.camera, sim.camera, s.mount, config, where, mistakes);
   }
@@ -248,7 +229,8 @@ LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& o
     CheckHasPad(s.flight, config, where, mistakes);
   } else if (Known("pad", s.pad.name, NamesIn(models / "pads", ""), WhereOf(config, "pad", where),
                    mistakes)) {
-    const PadFile pad = LoadPad(models / "pads" / s.pad.name / (s.pad.name + ".yaml"), mistakes);
+    const vision::PadFile pad =
+        vision::LoadPad(models / "pads" / s.pad.name / (s.pad.name + ".yaml"), mistakes);
     sim.scene.pad = pad.parameters;
     sim.scene.pad_texture = pad.texture;
     loaded.pad = pad.reference;
@@ -268,7 +250,7 @@ LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& o
   sim.duration_s = s.duration_s;
   mistakes.ThrowIfAny();
   try {
-    if (compile) MakeAirframe(sim.vehicle, MakeModel(sim.scene, false).get(), false);
+    if (compile) sim::MakeAirframe(sim.vehicle, sim::MakeModel(sim.scene, false).get(), false);
     CheckLift(sim.vehicle, vehicle_file.string(), mistakes);
   } catch (const std::exception& e) {
     mistakes.Add(where, "", e.what());
@@ -287,17 +269,17 @@ LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<s
                        [&](const std::vector<std::string>& all) { return LoadWhole(file, all, compile); });
 }
 
-FlightParts PartsOf(const LoadedScenario& loaded, const mjModel* model) {
-  const SimulatorParameters& sim = loaded.simulator;
-  FlightParts parts{.flight = loaded.scenario.flight,
-                    .pilot = loaded.scenario.pilot,
-                    .camera = sim.camera,
-                    .X_BC = MountPose(sim.mount),
-                    .pad = loaded.pad,
-                    .own_parts = {},
-                    .seed = sim.seed};
-  if (!LooksForPad(parts.flight)) parts.own_parts = OwnParts(model, parts.camera, parts.X_BC);
+mission::MissionParts PartsOf(const LoadedScenario& loaded, const mjModel* model) {
+  const sim::SimulatorParameters& sim = loaded.simulator;
+  mission::MissionParts parts{.pilot = loaded.scenario.pilot,
+                              .camera = sim.camera,
+                              .X_BC = vision::MountPose(sim.mount),
+                              .pad = loaded.pad,
+                              .own_parts = {},
+                              .seed = sim.seed};
+  if (!loaded.scenario.flight.type().looks_for_pad)
+    parts.own_parts = sim::OwnParts(model, parts.camera, parts.X_BC);
   return parts;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::flight

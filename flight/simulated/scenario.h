@@ -10,11 +10,11 @@
 #include "base/file/model_files.h"
 #include "base/yaml/fields.h"
 #include "base/yaml/yaml_fields.h"
-#include "scenarios/flights.h"
+#include "mission/mission_type.h"
 #include "sim/camera/pan_tilt.h"
 #include "sim/simulator.h"
 
-namespace kestrel {
+namespace kestrel::flight {
 
 // What a metric must keep to for the run to pass.
 struct Limit {
@@ -45,34 +45,35 @@ void Fields(Visitor& v, PadPlacement& p) {
 struct Scenario {
   std::string name;  // of the run; the file's own when none is given
   std::string mission;
-  Flight flight;
+  mission::Flight flight;
   std::uint64_t seed = 1;
   double duration_s = 60;
   std::string vehicle = "pelican", world = "airfield", camera = "thesis_6mm";
-  std::string camera_name;                       // which of a file of Kalibr; empty: its first
-  AutopilotParameters autopilot;                 // as the vehicle has it, but for these
-  std::optional<PanTiltParameters> platform;     // likewise; who is served turns the camera with it
-  std::optional<LandscapeParameters> landscape;  // of a world that is one: as the world has it, but for these
+  std::string camera_name;                         // which of a file of Kalibr; empty: its first
+  sim::AutopilotParameters autopilot;              // as the vehicle has it, but for these
+  std::optional<sim::PanTiltParameters> platform;  // likewise; who is served turns the camera with it
+  std::optional<sim::LandscapeParameters>
+      landscape;  // of a world that is one: as the world has it, but for these
   PadPlacement pad;
-  StartParameters start;
-  CameraMount mount;
-  ImageParameters image;
-  RenderOptions render;
-  WindParameters wind;
-  SensorParameters sensors;
-  ActuatorParameters actuators;
-  OcclusionParameters occlusion;
-  std::vector<TargetParameters> targets;  // what else flies
-  PilotParameters pilot;
+  sim::StartParameters start;
+  vision::CameraMount mount;
+  sim::ImageParameters image;
+  sim::RenderOptions render;
+  sim::WindParameters wind;
+  sim::SensorParameters sensors;
+  sim::ActuatorParameters actuators;
+  sim::OcclusionParameters occlusion;
+  std::vector<sim::TargetParameters> targets;  // what else flies
+  mission::PilotParameters pilot;
   std::map<std::string, Limit> criteria;  // by the name of a metric
 };
 
 template <class Visitor>
 void Fields(Visitor& v, Scenario& s) {
   v("name", s.name);
-  v(Required("mission"), s.mission, MissionNames());
-  SelectFlight(s.mission, s.flight);
-  std::visit([&](auto& flight) { v("flight", flight); }, s.flight);
+  v(Required("mission"), s.mission, mission::MissionNames());
+  mission::SelectMission(s.mission, s.flight);
+  v("flight", s.flight);
   v("seed", s.seed);
   v("duration_s", s.duration_s, 0.1, 36000.0);
   v("vehicle", s.vehicle);
@@ -99,8 +100,8 @@ void Fields(Visitor& v, Scenario& s) {
 // A scenario with the models that it names, ready to fly.
 struct LoadedScenario {
   Scenario scenario;
-  SimulatorParameters simulator;
-  PadReference pad;
+  sim::SimulatorParameters simulator;
+  vision::PadReference pad;
   std::vector<std::string> notes;  // what is valid and may yet surprise, in words
 };
 
@@ -112,6 +113,6 @@ LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<s
                             bool compile = true);
 
 // model: of the scenario's own scene, as a Simulator has it.
-FlightParts PartsOf(const LoadedScenario& loaded, const mjModel* model);
+mission::MissionParts PartsOf(const LoadedScenario& loaded, const mjModel* model);
 
-}  // namespace kestrel
+}  // namespace kestrel::flight

@@ -9,10 +9,10 @@
 
 #include "base/yaml/yaml_fields.h"
 
-namespace kestrel {
+namespace kestrel::flight {
 namespace {
 
-constexpr std::uint64_t kMostSeeds = 1000;  // their flights are held in memory
+constexpr std::uint64_t kMaxSeeds = 1000;  // their flights are held in memory
 
 }  // namespace
 
@@ -28,11 +28,11 @@ SeedRange ParseSeeds(const std::string& text) {
     throw InputError(
         {fmt::format("--seeds: '{}' is not a range; valid: A..B with A <= B, such as 1..20", text)});
   }
-  if (seeds.last - seeds.first >= kMostSeeds || seeds.last > std::numeric_limits<std::int64_t>::max()) {
+  if (seeds.last - seeds.first >= kMaxSeeds || seeds.last > std::numeric_limits<std::int64_t>::max()) {
     throw InputError(
-        {fmt::format("--seeds: '{}' is too much; valid: at most {} seeds, below 2^63", text, kMostSeeds)});
+        {fmt::format("--seeds: '{}' is too much; valid: at most {} seeds, below 2^63", text, kMaxSeeds)});
   }
   return seeds;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::flight

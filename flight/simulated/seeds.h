@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-namespace kestrel {
+namespace kestrel::flight {
 
 struct SeedRange {
   std::uint64_t first = 1, last = 20;
@@ -13,4 +13,4 @@ struct SeedRange {
 // "A..B". Throws InputError.
 SeedRange ParseSeeds(const std::string& text);
 
-}  // namespace kestrel
+}  // namespace kestrel::flight

@@ -12,7 +12,7 @@
 #include "base/file/files.h"
 #include "vision/write_image.h"
 
-namespace kestrel {
+namespace kestrel::flight {
 namespace fs = std::filesystem;
 namespace {
 
@@ -53,12 +53,12 @@ fs::path TruthImages::Name(std::int64_t sequence, const char* what) const {
   return folder_ / fmt::format("{:06}_{}", sequence, what);
 }
 
-void TruthImages::Write(std::int64_t sequence, const Picture& picture) {
-  WriteImage(Name(sequence, "image.png"), picture.image);
-  WriteImage(Name(sequence, "depth.tiff"), picture.surfaces.depth_m);
+void TruthImages::Write(std::int64_t sequence, const sim::RenderedFrame& picture) {
+  vision::WriteImage(Name(sequence, "image.png"), picture.image);
+  vision::WriteImage(Name(sequence, "depth.tiff"), picture.surfaces.depth_m);
   cv::Mat geom;
   cv::add(picture.surfaces.geom, kFirstGeom, geom, {}, CV_16U);
-  WriteImage(Name(sequence, "geom.png"), geom);
+  vision::WriteImage(Name(sequence, "geom.png"), geom);
   if (last_ && !picture.flow_here.empty()) {
     cv::Mat flow = picture.flow_here.clone();
     flow.forEach<cv::Vec2f>([](cv::Vec2f& v, const int*) {
@@ -69,4 +69,4 @@ void TruthImages::Write(std::int64_t sequence, const Picture& picture) {
   last_ = sequence;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::flight

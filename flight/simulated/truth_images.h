@@ -8,9 +8,9 @@
 #include <opencv2/core.hpp>
 #include <optional>
 
-#include "sim/camera/studio.h"
+#include "sim/camera/frame_renderer.h"
 
-namespace kestrel {
+namespace kestrel::flight {
 
 // Writes what is truly in each frame beside the frame, for training and judging vision, into a folder of its
 // own. N is the frame's number (telemetry.csv: sequence):
@@ -25,7 +25,7 @@ class TruthImages {
   // Removes what an earlier run left there under these names.
   TruthImages(std::filesystem::path folder, const mjModel* model);
 
-  void Write(std::int64_t sequence, const Picture& picture);
+  void Write(std::int64_t sequence, const sim::RenderedFrame& picture);
 
  private:
   std::filesystem::path Name(std::int64_t sequence, const char* what) const;
@@ -34,4 +34,4 @@ class TruthImages {
   std::optional<std::int64_t> last_;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::flight

@@ -8,11 +8,11 @@
 #include "records/plot/gnuplot.h"
 #include "records/plot/plot_parts.h"
 
-namespace kestrel {
+namespace kestrel::records {
 namespace {
 
-Eigen::Vector3d VelocityOf(const std::optional<Setpoint>& setpoint) {
-  const auto* velocity = setpoint ? std::get_if<VelocitySetpoint>(&*setpoint) : nullptr;
+Eigen::Vector3d VelocityOf(const std::optional<control::Setpoint>& setpoint) {
+  const auto* velocity = setpoint ? std::get_if<control::VelocitySetpoint>(&*setpoint) : nullptr;
   return velocity ? velocity->v_H : Eigen::Vector3d::Constant(kNone);
 }
 
@@ -42,7 +42,7 @@ std::string Data(const std::vector<LogRow>& rows, Span (&spans)[3]) {
 }
 
 std::string_view ShadeOf(const LogRow& row) {
-  return row.reaction == NameOf(Reaction::kFly) ? "#ffffff" : "#fbe3e3";
+  return row.reaction == control::NameOf(control::Reaction::kFly) ? "#ffffff" : "#fbe3e3";
 }
 
 }  // namespace
@@ -80,4 +80,4 @@ void DrawFlownPlot(const std::filesystem::path& file, const std::vector<LogRow>&
   RunGnuplot(file, text + EndFigure());
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::records

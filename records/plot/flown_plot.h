@@ -7,7 +7,7 @@
 
 #include "records/telemetry/flight_log.h"
 
-namespace kestrel {
+namespace kestrel::records {
 
 // Draws a flight of which no truth is known, as a real aircraft's: where the camera saw it over the pad and
 // how high its autopilot had it; the velocity that the mission asked for, and what was sent after the safety
@@ -16,4 +16,4 @@ namespace kestrel {
 void DrawFlownPlot(const std::filesystem::path& file, const std::vector<LogRow>& rows,
                    const std::string& title);
 
-}  // namespace kestrel
+}  // namespace kestrel::records

@@ -7,9 +7,9 @@
 #include <stdexcept>
 
 #include "base/file/files.h"
-#include "base/process/piped_program.h"
+#include "base/process/piped_process.h"
 
-namespace kestrel {
+namespace kestrel::records {
 
 std::string GnuplotQuoted(const std::string& text) {
   std::string quoted = "'";
@@ -38,7 +38,7 @@ void RequireWholePng(const std::filesystem::path& file) {
 
 void RunGnuplot(const std::filesystem::path& file, const std::string& script) {
   try {
-    PipedProgram gnuplot({"gnuplot", "-d"});
+    PipedProcess gnuplot({"gnuplot", "-d"});
     gnuplot.Write(script);
     gnuplot.Close();
   } catch (const std::runtime_error& e) {
@@ -55,4 +55,4 @@ void DrawPng(const std::filesystem::path& file, int width_px, int height_px, con
                          width_px, height_px, GnuplotOutput(file), script));
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::records

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-namespace kestrel {
+namespace kestrel::records {
 
 // A text as gnuplot takes it: in single quotes it runs nothing that a name may hold.
 std::string GnuplotQuoted(const std::string& text);
@@ -24,4 +24,4 @@ void RunGnuplot(const std::filesystem::path& file, const std::string& script);
 // The same with a script whose terminal and output are set already.
 void DrawPng(const std::filesystem::path& file, int width_px, int height_px, const std::string& script);
 
-}  // namespace kestrel
+}  // namespace kestrel::records

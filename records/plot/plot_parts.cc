@@ -10,7 +10,7 @@
 #include "base/file/files.h"
 #include "records/plot/gnuplot.h"
 
-namespace kestrel {
+namespace kestrel::records {
 
 const char* TargetColour(std::size_t index) {
   static constexpr const char* kColours[] = {"#882255", "#009E73", "#CC79A7", "#7A5C00"};
@@ -100,4 +100,4 @@ std::string AxisName(const std::string& name) {
   return fmt::format("set label {} at graph -0.07, 0.5 center rotate\n", GnuplotQuoted(name));
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::records

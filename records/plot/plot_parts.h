@@ -11,7 +11,7 @@
 #include "records/telemetry/flight_log.h"
 
 // What the figures of flights share: pieces of gnuplot's language, in one look.
-namespace kestrel {
+namespace kestrel::records {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();  // gnuplot leaves it out
 
@@ -61,4 +61,4 @@ std::string AxisName(const std::string& name);
 constexpr const char* kKey =
     "set key at screen 0.97, 0.965 right top horizontal noautotitle samplen 2 width 2\n";
 
-}  // namespace kestrel
+}  // namespace kestrel::records

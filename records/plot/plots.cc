@@ -8,15 +8,13 @@
 #include <stdexcept>
 
 #include "base/file/files.h"
-#include "base/process/piped_program.h"
+#include "base/process/piped_process.h"
 #include "geometry/tait_bryan.h"
+#include "mission/mission_type.h"
 #include "records/plot/gnuplot.h"
 #include "records/plot/plot_parts.h"
-#include "scenarios/avoid/avoid_metrics.h"
-#include "scenarios/avoid/avoid_plots.h"
-#include "scenarios/follow/follow_plots.h"
 
-namespace kestrel {
+namespace kestrel::records {
 namespace {
 
 // One frame as it is drawn; without a fix its numbers are NaN, which gnuplot leaves out.
@@ -206,71 +204,14 @@ std::string Trajectory(const std::filesystem::path& file, const std::vector<Samp
          EndFigure();
 }
 
-// Columns: time, then of roll, pitch and heading the truth, what the camera gave, its error and twice the
-// deviation that it states; in degrees, headings from the camera's first.
-std::string AttitudeData(const std::vector<LogRow>& rows) {
-  std::string text = "$attitude << END_OF_ATTITUDE\n";
-  double turned = 0, last_yaw = YawOf(rows.front().exposure.X_NB.R), zero = kNone;
-  for (const LogRow& row : rows) {
-    const TaitBryan truth = TaitBryanFromRotation(row.exposure.X_NB.R.toRotationMatrix());
-    turned += WrapAngle(truth.yaw - last_yaw);
-    last_yaw = truth.yaw;
-    const auto& fix = row.decision.attitude;
-    const bool headed = fix && fix->turned;
-    if (headed && std::isnan(zero)) zero = turned - *fix->turned;
-    text += fmt::format("{:.4f}", row.exposure.t_s);
-    const auto add = [&](double is, double seen, double sigma) {
-      text += fmt::format(" {:.6g} {:.6g} {:.6g} {:.6g}", Degrees(is), Degrees(seen), Degrees(seen - is),
-                          Degrees(2 * sigma));
-    };
-    add(truth.roll, fix ? fix->roll : kNone, fix ? fix->roll_sigma : kNone);
-    add(truth.pitch, fix ? fix->pitch : kNone, fix ? fix->pitch_sigma : kNone);
-    add(turned - zero, headed ? *fix->turned : kNone, headed ? fix->turned_sigma : kNone);
-    text += '\n';
-  }
-  return text + "END_OF_ATTITUDE\n";
-}
-
-std::string Attitude(const std::filesystem::path& file, const std::vector<LogRow>& rows,
-                     const std::string& title) {
-  static constexpr const char* kAngles[] = {"roll", "pitch", "heading"};
-  std::string text = BeginFigure(file, 1600, 1000) +
-                     BeginPanels("layout 3,2 margins 0.06,0.98,0.07,0.90 spacing 0.07,0.05",
-                                 "Attitude by the skyline, heading by the surroundings: " + title) +
-                     "set xrange " + TimeRange(rows) + '\n';
-  const bool headed = std::any_of(rows.begin(), rows.end(), [](const LogRow& row) {
-    return row.decision.attitude && row.decision.attitude->turned;
-  });
-  for (int i = 0; i < 3; ++i) {
-    const int truth = 2 + 4 * i;
-    const char* range = i == 2 && !headed ? "set yrange [-1:1]\n" : "set autoscale y\n";
-    if (i == 2) text += "set format x '%g'\nset xlabel 'time (s)'\n";
-    text +=
-        PhaseLines(rows, i == 0) + range + "unset xzeroaxis\n" +
-        fmt::format("set ylabel '{} (°)' offset 1,0\n", kAngles[i]) +
-        (i == 0 ? "set key at screen 0.49, 0.955 right top horizontal noautotitle samplen 2\n"
-                : "unset key\n") +
-        fmt::format("plot $attitude using 1:{} with {} title 'camera', '' using 1:{} with {} title 'truth'\n",
-                    truth + 1, kSeenStyle, truth, kTruthStyle);
-    text +=
-        PhaseLines(rows, false) + "set xzeroaxis lc rgb '#888888'\n" +
-        fmt::format("set ylabel '{}, camera less truth (°)' offset 1,0\n", kAngles[i]) +
-        (i == 0 ? "set key at screen 0.98, 0.955 right top horizontal noautotitle samplen 2\n"
-                : "unset key\n") +
-        fmt::format(
-            "plot $attitude using 1:{0} with lines lw 1 lc rgb '#999999' title '2 deviations, as stated', "
-            "'' using 1:(-${0}) with lines lw 1 lc rgb '#999999', "
-            "'' using 1:{1} with points pt 7 ps 0.35 lc rgb '#D55E00' title 'error'\n",
-            truth + 3, truth + 2);
-  }
-  return text + EndFigure();
-}
-
 }  // namespace
 
 std::vector<std::string> PlotNames() {
-  return {"position.png", "error.png",     "trajectory.png", "attitude.png",
-          "follow.png",   "encounter.png", "flown.png"};
+  std::vector<std::string> names = {"position.png", "error.png", "trajectory.png", "flown.png"};
+  for (const mission::Flight& each : mission::Missions())
+    for (const mission::MissionPlot& plot : each.type().plots)
+      if (std::find(names.begin(), names.end(), plot.file) == names.end()) names.push_back(plot.file);
+  return names;
 }
 
 void DrawPlots(const std::filesystem::path& folder, const std::vector<LogRow>& rows,
@@ -278,21 +219,20 @@ void DrawPlots(const std::filesystem::path& folder, const std::vector<LogRow>& r
   if (rows.empty()) return;
   const std::vector<Sample> samples = SamplesOf(rows, options);
   const auto any = [&rows](auto&& has) { return std::any_of(rows.begin(), rows.end(), has); };
-  const bool attitude = any([](const LogRow& row) { return row.decision.attitude.has_value(); });
   const bool fix = any([](const LogRow& row) { return row.decision.fix.has_value(); });
   const std::string& title = options.title;
   std::vector<std::filesystem::path> files;
   const auto file = [&](const char* name) { return files.emplace_back(folder / name); };
   try {
-    PipedProgram gnuplot({"gnuplot", "-d"});
+    PipedProcess gnuplot({"gnuplot", "-d"});
     gnuplot.Write(Data(samples, rows));
     gnuplot.Write(Position(file("position.png"), samples, rows, options, fix));
     gnuplot.Write(Trajectory(file("trajectory.png"), samples, rows, options));
-    if (fix || (options.pad_size_m && !attitude))
+    if (fix || (options.pad_size_m && options.mission && options.mission->looks_for_pad))
       gnuplot.Write(Error(file("error.png"), samples, rows, title));
-    if (attitude) gnuplot.Write(AttitudeData(rows) + Attitude(file("attitude.png"), rows, title));
-    if (FollowsBalloon(rows)) gnuplot.Write(FollowPlot(file("follow.png"), rows, title));
-    if (MeetsOthers(rows)) gnuplot.Write(EncounterPlot(file("encounter.png"), rows, title));
+    if (options.mission)
+      for (const mission::MissionPlot& plot : options.mission->plots)
+        if (plot.has_data(rows)) gnuplot.Write(plot.script(file(plot.file.c_str()), rows, title));
     gnuplot.Close();
   } catch (const std::runtime_error& e) {
     throw std::runtime_error(fmt::format("cannot draw {}: {}", folder.string(), e.what()));
@@ -303,4 +243,4 @@ void DrawPlots(const std::filesystem::path& folder, const std::vector<LogRow>& r
   }
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::records

@@ -9,11 +9,16 @@
 
 #include "records/telemetry/flight_log.h"
 
-namespace kestrel {
+namespace kestrel::mission {
+struct MissionType;
+}
+
+namespace kestrel::records {
 
 struct PlotOptions {
-  std::string title;                          // of every figure: the scenario and its seed
-  std::optional<Eigen::Vector2d> pad_size_m;  // along its x and y; none: there is no pad
+  std::string title;                              // of every figure: the scenario and its seed
+  std::optional<Eigen::Vector2d> pad_size_m;      // along its x and y; none: there is no pad
+  const mission::MissionType* mission = nullptr;  // whose own plots are drawn too; null: none
 };
 
 // The names of all figures that there may be, those of a flight without truth (flown_plot.h) too.
@@ -22,11 +27,10 @@ std::vector<std::string> PlotNames();
 // Draws the figures of a flight with the program gnuplot into an existing folder: position.png, the aircraft
 // in the pad's frame, or north, east and up without one, against time, by the truth, the fix and the
 // autopilot; trajectory.png, the true flight in space, and what else flew near; error.png, of flights over a
-// pad, the fix less the truth at its exposure, and the distance from the pad; attitude.png, of flights that
-// measure it, roll, pitch and heading by the truth and by the camera, and their errors beside the stated
-// deviations; follow.png (scenarios/follow/follow_plots.h); encounter.png (scenarios/avoid/avoid_plots.h).
+// pad, the fix less the truth at its exposure, and the distance from the pad; and those that the type of
+// the mission declares.
 // Without rows there are none. Throws std::runtime_error with the folder and what gnuplot said.
 void DrawPlots(const std::filesystem::path& folder, const std::vector<LogRow>& rows,
                const PlotOptions& options);
 
-}  // namespace kestrel
+}  // namespace kestrel::records

@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-namespace kestrel {
+namespace kestrel::records {
 
 // Of a line of a CSV file in which nothing is quoted, as in our records; they last as long as the line.
 inline std::vector<std::string_view> CsvCells(std::string_view line) {
@@ -17,4 +17,4 @@ inline std::vector<std::string_view> CsvCells(std::string_view line) {
   }
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::records

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-namespace kestrel {
+namespace kestrel::records {
 
 void EventLog::Line(double t_s, std::string_view what, std::string_view is) {
   file_.Write(fmt::format("{:9.3f} s  {}: {}\n", t_s, what, is));
@@ -19,7 +19,7 @@ void EventLog::Write(const LogRow& row) {
   };
   changed(phase_, row.decision.phase, "phase");
   changed(target_, row.decision.target, "target");
-  changed(mode_, row.heard ? NameOf(row.estimate.mode) : "not heard yet", "autopilot");
+  changed(mode_, row.heard ? control::NameOf(row.estimate.mode) : "not heard yet", "autopilot");
   if (row.estimate.saturated != saturated_) {
     saturated_ = row.estimate.saturated;
     Line(t, "autopilot", saturated_ ? "saturated" : "no longer saturated");
@@ -49,4 +49,4 @@ void EventLog::End(double t_s, std::string_view how) {
   file_.Close();
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::records

@@ -8,7 +8,7 @@
 #include "base/file/files.h"
 #include "records/telemetry/flight_log.h"
 
-namespace kestrel {
+namespace kestrel::records {
 
 // events.log of a run: a line, with the time of the flight, whenever a state changes its name: the phase of
 // the flight plan, the target (tracked, found, chained, refused, lost, frozen), the autopilot's mode (hold:
@@ -31,4 +31,4 @@ class EventLog {
   bool saturated_ = false, touching_ = false, aided_ = false, attitude_failed_ = false;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::records

@@ -4,27 +4,13 @@
 #include <map>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
-#include "geometry/truth.h"
-#include "mission/mission.h"
+#include "mission/log_row.h"
 
-namespace kestrel {
+namespace kestrel::records {
 
-// One frame of a flight: a line of telemetry.csv. Of a real aircraft no truth is known: exposure and now hold
-// their times alone.
-struct LogRow {
-  std::int64_t sequence = 0;
-  Truth exposure;         // when the frame was exposed: what the fix is judged by
-  Truth now;              // when the decision was made
-  VehicleState estimate;  // when the decision was made
-  Decision decision;      // its texts are string literals of the mission
-  // Of a real aircraft:
-  bool heard = true;                  // otherwise its autopilot never was: nothing of the estimate is known
-  std::optional<Setpoint> sent = {};  // after the safety layer, or would be in a dry run; none: nothing
-  std::string_view hazard = {}, reaction = {};  // of the safety layer, string literals
-};
+using mission::LogRow;
 
 struct Criterion {
   std::string name;  // a metric: "touchdown_error_m"
@@ -55,4 +41,4 @@ struct Summary {
   std::map<std::string, std::string> machine;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::records

@@ -3,7 +3,7 @@
 
 #include <string>
 
-namespace kestrel {
+namespace kestrel::records {
 
 // What flies, as far as it is known: in every start line, log and overlay.
 inline constexpr const char* kSimulatorMode = "SIMULATOR";
@@ -15,4 +15,4 @@ inline std::string LiveMode(bool simulated, bool dry_run) {
          (dry_run ? ", DRY RUN: no setpoint is sent" : "");
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::records

@@ -5,24 +5,16 @@
 #include <cmath>
 
 #include "geometry/tait_bryan.h"
-#include "scenarios/avoid/avoid_metrics.h"
-#include "scenarios/follow/follow_metrics.h"
+#include "mission/mean_square.h"
+#include "mission/mission_type.h"
 
-namespace kestrel {
+namespace kestrel::records {
 namespace {
 
 constexpr double kSettled_m = 0.15;
 constexpr double kSettledFor_s = 3;
 constexpr double kHoldFrom_s = 15;
 constexpr int kHoldFewest = 10;  // images: the mean of fewer is chance
-constexpr double kOutlier_deg = 5;
-
-struct MeanSquare {
-  double sum = 0;
-  int count = 0;
-  void Add(double e) { sum += e * e, ++count; }
-  double Root() const { return std::sqrt(sum / count); }
-};
 
 Eigen::Vector3d Down_B(const Eigen::Quaterniond& R_NB) { return R_NB.conjugate() * Eigen::Vector3d::UnitZ(); }
 
@@ -34,49 +26,11 @@ double TiltOf(const Pose& X_NB) {
   return Degrees(std::acos(std::clamp((X_NB.R * Eigen::Vector3d::UnitZ()).z(), -1.0, 1.0)));
 }
 
-// Of the attitude that images gave, one source of it.
-void AddAttitude(const std::vector<LogRow>& rows, std::optional<AttitudeFix> Decision::*source,
-                 const std::string& prefix, std::map<std::string, double>& m) {
-  MeanSquare roll, pitch, yaw, early, late;
-  int fixes = 0, outliers = 0, stated = 0, within = 0;
-  double truth_turned = 0, last_yaw = YawOf(rows.front().exposure.X_NB.R);
-  std::optional<double> zero;  // of the truth, where the heading's own is
-  const double middle_s = 0.5 * (rows.front().exposure.t_s + rows.back().exposure.t_s);
-  for (const LogRow& row : rows) {
-    const TaitBryan truth = TaitBryanFromRotation(row.exposure.X_NB.R.toRotationMatrix());
-    truth_turned += WrapAngle(truth.yaw - last_yaw);
-    last_yaw = truth.yaw;
-    const auto& fix = row.decision.*source;
-    if (!fix) continue;
-    ++fixes;
-    const double e_roll = WrapAngle(fix->roll - truth.roll), e_pitch = fix->pitch - truth.pitch;
-    roll.Add(Degrees(e_roll)), pitch.Add(Degrees(e_pitch));
-    if (Degrees(std::hypot(e_roll, e_pitch)) > kOutlier_deg) ++outliers;
-    if (fix->roll_sigma > 0) {
-      stated += 2;
-      within += (std::abs(e_roll) <= 2 * fix->roll_sigma) + (std::abs(e_pitch) <= 2 * fix->pitch_sigma);
-    }
-    if (!fix->turned) continue;
-    if (!zero) zero = truth_turned - *fix->turned;
-    const double e_yaw = Degrees(*fix->turned - (truth_turned - *zero));
-    yaw.Add(e_yaw), (row.exposure.t_s < middle_s ? early : late).Add(e_yaw);
-  }
-  if (fixes == 0) return;
-  m[prefix + "attitude_share"] = static_cast<double>(fixes) / static_cast<double>(rows.size());
-  m[prefix + "attitude_outliers"] = outliers;
-  m[prefix + "roll_rmse_deg"] = roll.Root();
-  m[prefix + "pitch_rmse_deg"] = pitch.Root();
-  if (stated > 0) m[prefix + "attitude_within_2_sigma"] = static_cast<double>(within) / stated;
-  if (yaw.count > 0) m[prefix + "yaw_rmse_deg"] = yaw.Root();
-  if (early.count > 0) m[prefix + "yaw_rmse_first_half_deg"] = early.Root();
-  if (late.count > 0) m[prefix + "yaw_rmse_second_half_deg"] = late.Root();
-}
-
 // Of the time in which the autopilot's own attitude had failed.
 void AddFailure(const std::vector<LogRow>& rows, std::map<std::string, double>& m) {
   const Truth* start = nullptr;
   std::optional<double> noticed_s;
-  MeanSquare tilt, attitude;
+  mission::MeanSquare tilt, attitude;
   double heading = 0, height = 0, place = 0;
   for (const LogRow& row : rows) {
     if (start && row.estimate.aided && !noticed_s) noticed_s = row.now.t_s - start->t_s;
@@ -101,41 +55,41 @@ void AddFailure(const std::vector<LogRow>& rows, std::map<std::string, double>& 
 
 }  // namespace
 
+std::vector<std::string> CommonMetricNames() {
+  return {"fix_x_rmse_m",
+          "fix_y_rmse_m",
+          "fix_z_rmse_m",
+          "fix_yaw_rmse_deg",
+          "fix_share",
+          "longest_loss_s",
+          "settle_s",
+          "hold_horizontal_rmse_m",
+          "hold_vertical_rmse_m",
+          "hold_yaw_rmse_deg",
+          "touchdown_error_m",
+          "touchdown_north_m",
+          "touchdown_east_m",
+          "touchdown_sink_m_s",
+          "touchdown_tilt_deg",
+          "touchdown_speed_m_s",
+          "touchdown_s",
+          "rest_error_m",
+          "rest_tilt_deg",
+          "greatest_tilt_deg",
+          "failure_attitude_rms_deg",
+          "failure_tilt_rms_deg",
+          "failure_heading_worst_deg",
+          "failure_height_worst_m",
+          "failure_place_worst_m",
+          "failure_noticed_s",
+          "failure_returned"};
+}
+
 std::vector<std::string> MetricNames() {
-  std::vector<std::string> names = {"fix_x_rmse_m",
-                                    "fix_y_rmse_m",
-                                    "fix_z_rmse_m",
-                                    "fix_yaw_rmse_deg",
-                                    "fix_share",
-                                    "longest_loss_s",
-                                    "settle_s",
-                                    "hold_horizontal_rmse_m",
-                                    "hold_vertical_rmse_m",
-                                    "hold_yaw_rmse_deg",
-                                    "touchdown_error_m",
-                                    "touchdown_north_m",
-                                    "touchdown_east_m",
-                                    "touchdown_sink_m_s",
-                                    "touchdown_tilt_deg",
-                                    "touchdown_speed_m_s",
-                                    "touchdown_s",
-                                    "rest_error_m",
-                                    "rest_tilt_deg",
-                                    "greatest_tilt_deg",
-                                    "failure_attitude_rms_deg",
-                                    "failure_tilt_rms_deg",
-                                    "failure_heading_worst_deg",
-                                    "failure_height_worst_m",
-                                    "failure_place_worst_m",
-                                    "failure_noticed_s",
-                                    "failure_returned"};
-  for (const std::string prefix : {"", "baseline_"})
-    for (const char* name :
-         {"attitude_share", "attitude_outliers", "attitude_within_2_sigma", "roll_rmse_deg", "pitch_rmse_deg",
-          "yaw_rmse_deg", "yaw_rmse_first_half_deg", "yaw_rmse_second_half_deg"})
-      names.push_back(prefix + name);
-  for (const std::string& name : FollowMetricNames()) names.push_back(name);
-  for (const std::string& name : AvoidMetricNames()) names.push_back(name);
+  std::vector<std::string> names = CommonMetricNames();
+  for (const mission::Flight& each : mission::Missions())
+    for (const std::string& name : each.type().metrics)
+      if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
   return names;
 }
 
@@ -144,10 +98,11 @@ bool NeedsDecisions(const std::string& metric) {
          !metric.starts_with("failure_") && metric != "greatest_tilt_deg";
 }
 
-std::map<std::string, double> Metrics(const std::vector<LogRow>& rows, const std::optional<Truth>& touch) {
+std::map<std::string, double> Metrics(const std::vector<LogRow>& rows, const std::optional<Truth>& touch,
+                                      const mission::MissionType* type) {
   std::map<std::string, double> m;
   if (rows.empty()) return m;
-  MeanSquare x, y, z, yaw, horizontal, vertical, hold_yaw;
+  mission::MeanSquare x, y, z, yaw, horizontal, vertical, hold_yaw;
   int fixes = 0;
   double tilt = 0, longest_loss = 0;
   std::optional<double> last_fix_s, settled_since_s, settle_s;
@@ -185,11 +140,8 @@ std::map<std::string, double> Metrics(const std::vector<LogRow>& rows, const std
     m["fix_yaw_rmse_deg"] = yaw.Root();
     m["longest_loss_s"] = longest_loss;
   }
-  AddAttitude(rows, &Decision::attitude, "", m);
-  AddAttitude(rows, &Decision::baseline, "baseline_", m);
   AddFailure(rows, m);
-  AddFollowMetrics(rows, m);
-  AddAvoidMetrics(rows, m);
+  if (type && type->add_metrics) type->add_metrics(rows, m);
   if (settle_s) m["settle_s"] = *settle_s;
   if (horizontal.count >= kHoldFewest && !touch) {
     m["hold_horizontal_rmse_m"] = horizontal.Root();
@@ -214,4 +166,4 @@ std::map<std::string, double> Metrics(const std::vector<LogRow>& rows, const std
   return m;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::records

@@ -8,9 +8,15 @@
 
 #include "records/telemetry/flight_log.h"
 
-namespace kestrel {
+namespace kestrel::mission {
+struct MissionType;
+}
 
-// Every metric that a run may have, for checking the names of criteria.
+namespace kestrel::records {
+
+// Those of every mission, as listed below.
+std::vector<std::string> CommonMetricNames();
+// Every metric that a run of any mission may have, for checking the names of criteria.
 std::vector<std::string> MetricNames();
 
 // Whether a metric is of what the flight code saw or wanted: without its decisions it cannot be had.
@@ -30,12 +36,6 @@ bool NeedsDecisions(const std::string& metric);
 //   touchdown_north_m, touchdown_east_m   the same instant: from the pad's centre, in N
 //   rest_error_m, rest_tilt_deg           at the end of a landing
 //   greatest_tilt_deg                     of the flight
-//   roll_rmse_deg, pitch_rmse_deg         of the attitude that images gave, at their exposures
-//   attitude_share, attitude_outliers     share of the frames with one; how many were wrong by over 5 degrees
-//   attitude_within_2_sigma               share of rolls and pitches no farther off than they state
-//   yaw_rmse_deg, yaw_rmse_first_half_deg, yaw_rmse_second_half_deg
-//                                         of the heading since the first image that had one
-//   baseline_...                          the same of the thesis's own method
 //   failure_attitude_rms_deg              while the autopilot's own attitude has failed: "down" as it is
 //   flown
 //                                         by, from the truth
@@ -44,9 +44,10 @@ bool NeedsDecisions(const std::string& metric);
 //                                         the same time: farthest from where the aircraft was at its
 //                                         beginning
 //   failure_noticed_s                     until the autopilot flew by another attitude for the first time
-//   of flights after a balloon those of scenarios/follow/follow_metrics.h
 //   failure_returned                      1: that was so, and at the end of the flight it flew by its own
-//   again
-std::map<std::string, double> Metrics(const std::vector<LogRow>& rows, const std::optional<Truth>& touch);
+//                                         again
+// and those that the type of the mission declares; null: of a flight whose mission is not known.
+std::map<std::string, double> Metrics(const std::vector<LogRow>& rows, const std::optional<Truth>& touch,
+                                      const mission::MissionType* type);
 
-}  // namespace kestrel
+}  // namespace kestrel::records

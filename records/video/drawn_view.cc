@@ -5,9 +5,9 @@
 
 #include "mission/caption.h"
 
-namespace kestrel {
+namespace kestrel::records {
 
-cv::Mat DrawnView(const Frame& frame, const Mission& mission, const std::string& mode) {
+cv::Mat DrawnView(const vision::Frame& frame, const mission::Mission& mission, const std::string& mode) {
   cv::Mat drawn;
   if (frame.image.channels() == 1)
     cv::cvtColor(frame.image, drawn, cv::COLOR_GRAY2BGR);
@@ -15,8 +15,8 @@ cv::Mat DrawnView(const Frame& frame, const Mission& mission, const std::string&
     drawn = frame.image.clone();
   mission.Draw(drawn);
   cv::copyMakeBorder(drawn, drawn, 0, kModeStrip_px, 0, 0, cv::BORDER_CONSTANT);
-  CaptionAt(drawn, {8, drawn.rows - 7}, mode);
+  mission::CaptionAt(drawn, {8, drawn.rows - 7}, mode);
   return drawn;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::records

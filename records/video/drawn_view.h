@@ -6,11 +6,11 @@
 
 #include "mission/mission.h"
 
-namespace kestrel {
+namespace kestrel::records {
 
 // A frame as a video has it: in colour, with what the mission saw in it, and in a strip of kModeStrip_px
 // under it what flies (flight_mode.h), where no mission draws.
 inline constexpr int kModeStrip_px = 22;
-cv::Mat DrawnView(const Frame& frame, const Mission& mission, const std::string& mode);
+cv::Mat DrawnView(const vision::Frame& frame, const mission::Mission& mission, const std::string& mode);
 
-}  // namespace kestrel
+}  // namespace kestrel::records

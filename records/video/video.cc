@@ -8,7 +8,7 @@
 
 #include "base/file/files.h"
 
-namespace kestrel {
+namespace kestrel::records {
 
 template <class Action>
 void Video::Named(Action action) const {
@@ -73,4 +73,4 @@ void Video::Close() {
   Complete(file_);
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::records

@@ -5,9 +5,9 @@
 #include <opencv2/core.hpp>
 #include <optional>
 
-#include "base/process/piped_program.h"
+#include "base/process/piped_process.h"
 
-namespace kestrel {
+namespace kestrel::records {
 
 // Writes a video (H.264 in MP4, playable while it loads) through the program ffmpeg. The file has its final
 // name only once it is complete. Throws std::runtime_error with the file and what ffmpeg said.
@@ -25,7 +25,7 @@ class Video {
   std::filesystem::path file_;
   double rate_hz_;
   cv::Size size_;
-  std::optional<PipedProgram> ffmpeg_;
+  std::optional<PipedProcess> ffmpeg_;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::records

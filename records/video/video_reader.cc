@@ -13,7 +13,7 @@
 
 #include "vision/image_file.h"
 
-namespace kestrel {
+namespace kestrel::records {
 namespace {
 
 template <class Action>
@@ -26,7 +26,7 @@ auto Named(const std::filesystem::path& file, Action action) {
 }
 
 std::string OutputOf(std::vector<std::string> command) {
-  PipedProgram program(std::move(command), PipedProgram::Does::kGive);
+  PipedProcess program(std::move(command), PipedProcess::Direction::kRead);
   std::string output(1 << 16, '\0');
   output.resize(program.Read(output.data(), output.size()));
   program.Close();
@@ -60,9 +60,10 @@ VideoReader::VideoReader(std::filesystem::path file) : file_(std::move(file)) {
     const nlohmann::json& stream = found["streams"][0];
     size_ = {stream.value("width", 0), stream.value("height", 0)};
     if (size_.empty()) throw std::runtime_error("its images have no size");
-    if (std::max(size_.width, size_.height) > kMostImageSide_px)
+    if (std::max(size_.width, size_.height) > vision::kMaxImageSide_px)
       throw std::runtime_error(fmt::format("its images have {} x {} pixels; valid: up to {} x {}",
-                                           size_.width, size_.height, kMostImageSide_px, kMostImageSide_px));
+                                           size_.width, size_.height, vision::kMaxImageSide_px,
+                                           vision::kMaxImageSide_px));
     rate_hz_ = NumberOf(stream, "avg_frame_rate");
     if (!(rate_hz_ > 0)) rate_hz_ = 25;  // a still image, or a file that does not say
     frames_ = NumberOf(stream, "nb_frames");
@@ -75,7 +76,7 @@ VideoReader::VideoReader(std::filesystem::path file) : file_(std::move(file)) {
                                  "file:" + file_.string(), "-map", "0:v:0", "-fps_mode", "passthrough",
                                  "-sws_flags", "bicubic+accurate_rnd+full_chroma_int", "-f", "rawvideo",
                                  "-pix_fmt", "bgr24", "pipe:1"},
-        PipedProgram::Does::kGive);
+        PipedProcess::Direction::kRead);
   });
 }
 
@@ -93,4 +94,4 @@ std::optional<cv::Mat> VideoReader::Next() {
   });
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::records

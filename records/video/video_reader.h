@@ -5,9 +5,9 @@
 #include <opencv2/core.hpp>
 #include <optional>
 
-#include "base/process/piped_program.h"
+#include "base/process/piped_process.h"
 
-namespace kestrel {
+namespace kestrel::records {
 
 // Reads any video file that the program ffmpeg knows, frame by frame, as the sensor gave it: a rotation that
 // the file asks for is not made. Throws std::runtime_error with the file and what ffmpeg said.
@@ -25,7 +25,7 @@ class VideoReader {
   std::filesystem::path file_;
   cv::Size size_;
   double rate_hz_ = 0, frames_ = 0;
-  std::optional<PipedProgram> ffmpeg_;
+  std::optional<PipedProcess> ffmpeg_;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::records

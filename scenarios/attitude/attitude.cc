@@ -5,21 +5,23 @@
 #include <optional>
 
 #include "geometry/tait_bryan.h"
-#include "mission/horizon_watch.h"
+#include "mission/horizon_observer.h"
+#include "mission/horizon_records.h"
+#include "records/plot/horizon_plot.h"
 #include "vision/horizon/skyline_baseline.h"
 
-namespace kestrel {
+namespace kestrel::scenarios {
 namespace {
 
 // The ring of the image that the thesis unrolls: of a camera that looks straight down, about the horizon.
-CompassBaseline::Ring RingOf(const CameraModel& camera, const Eigen::Matrix3d& R_BC) {
+vision::CompassBaseline::Ring RingOf(const vision::CameraModel& camera, const Eigen::Matrix3d& R_BC) {
   const auto at = [&](double elevation_deg) {
     const double e = Radians(elevation_deg);
     const Eigen::Vector3d ahead_B(std::cos(e), 0, -std::sin(e));
-    return Project(camera, R_BC.transpose() * ahead_B);
+    return vision::Project(camera, R_BC.transpose() * ahead_B);
   };
-  CompassBaseline::Ring ring;
-  ring.centre = Parameters(camera).segment<2>(2);
+  vision::CompassBaseline::Ring ring;
+  ring.centre = vision::Parameters(camera).segment<2>(2);
   const auto inner = at(-6), outer = at(10);
   if (inner && outer) {
     ring.radius_inner = (*inner - ring.centre).norm();
@@ -30,9 +32,9 @@ CompassBaseline::Ring RingOf(const CameraModel& camera, const Eigen::Matrix3d& R
   return ring;
 }
 
-class AttitudeMission final : public Mission {
+class AttitudeMission final : public mission::Mission {
  public:
-  AttitudeMission(const AttitudeFlight& flight, const CameraModel& camera, const Pose& X_BC,
+  AttitudeMission(const AttitudeFlight& flight, const vision::CameraModel& camera, const Pose& X_BC,
                   const cv::Mat& forbidden, std::uint64_t seed)
       : flight_(flight), pilot_(flight.manoeuvres, seed), watch_(camera, X_BC, forbidden) {
     if (!flight.baseline) return;
@@ -40,30 +42,31 @@ class AttitudeMission final : public Mission {
     compass_baseline_.emplace(camera, RingOf(camera, X_BC.R.toRotationMatrix()));
   }
 
-  Decision Step(const Frame& frame, const VehicleState& state) override {
-    Decision decision;
-    watch_.See(frame, state, decision);
-    if (skyline_baseline_) Compare(frame, decision);
+  mission::Decision Step(const vision::Frame& frame, const control::VehicleState& state) override {
+    mission::Decision decision;
+    auto report = std::make_shared<mission::HorizonReport>(watch_.Observe(frame, state, decision));
+    if (skyline_baseline_) Compare(frame, *report);
+    decision.report = report;
     Steer(state, decision);
     return decision;
   }
   bool Accomplished() const override { return watch_.seen(); }
   // The skyline is measured, and nothing flown by it.
-  TargetNeed Target() const override { return TargetNeed::kNone; }
+  mission::TargetNeed Target() const override { return mission::TargetNeed::kNone; }
   void Draw(cv::Mat& bgr) const override { watch_.Draw(bgr); }
 
  private:
-  // The thesis's own way, on the same image.
-  void Compare(const Frame& frame, Decision& decision) {
-    AttitudeFix fix{};
+  // The reference method, on the same image.
+  void Compare(const vision::Frame& frame, mission::HorizonReport& report) {
+    mission::AttitudeFix fix{};
     fix.turned = compass_baseline_->Turn(frame.image);
     if (const auto attitude = skyline_baseline_->Measure(frame.image)) {
       fix.roll = attitude->roll, fix.pitch = attitude->pitch;
-      decision.baseline = fix;
+      report.baseline = fix;
     }
   }
 
-  void Steer(const VehicleState& state, Decision& decision) {
+  void Steer(const control::VehicleState& state, mission::Decision& decision) {
     if (!home_N_) home_N_ = state.p_NB, home_yaw_ = YawOf(state.R_NB);
     if (state.landed && state.t_s < flight_.take_off_s) {
       decision.phase = "run up";
@@ -72,7 +75,7 @@ class AttitudeMission final : public Mission {
     if (state.t_s < flight_.manual_from_s) {
       const bool from_ground = flight_.take_off_s > 0;
       decision.phase = from_ground ? "take off" : "hold";
-      decision.setpoint = PositionSetpoint{
+      decision.setpoint = control::PositionSetpoint{
           {home_N_->x(), home_N_->y(), home_N_->z() - (from_ground ? flight_.take_off_height_m : 0)},
           home_yaw_};
       return;
@@ -83,18 +86,31 @@ class AttitudeMission final : public Mission {
 
   AttitudeFlight flight_;
   ManualPilot pilot_;
-  HorizonWatch watch_;
-  std::optional<SkylineBaseline> skyline_baseline_;
-  std::optional<CompassBaseline> compass_baseline_;
+  mission::HorizonObserver watch_;
+  std::optional<vision::SkylineBaseline> skyline_baseline_;
+  std::optional<vision::CompassBaseline> compass_baseline_;
   std::optional<Eigen::Vector3d> home_N_;
   double home_yaw_ = 0;
 };
 
 }  // namespace
 
-std::unique_ptr<Mission> MakeMission(const AttitudeFlight& flight, const CameraModel& camera,
-                                     const Pose& X_BC, const cv::Mat& forbidden, std::uint64_t seed) {
-  return std::make_unique<AttitudeMission>(flight, camera, X_BC, forbidden, seed);
+mission::MissionType TypeOf(const AttitudeFlight&) {
+  return {.name = "attitude",
+          .summary = "Measures attitude and heading by the skyline while the autopilot or a pilot flies.",
+          .telemetry = mission::HorizonColumns(),
+          .metrics = mission::HorizonMetricNames(),
+          .add_metrics = mission::AddHorizonMetrics,
+          .plots = {{"attitude.png", records::MeasuresAttitude, records::HorizonPlot}}};
 }
 
-}  // namespace kestrel
+bool FlightCanHave(const AttitudeFlight& flight, const std::string& metric, const mission::Varies& varies) {
+  return !metric.starts_with("baseline_") || flight.baseline || varies("flight.baseline");
+}
+
+std::unique_ptr<mission::Mission> MakeMission(const AttitudeFlight& flight,
+                                              const mission::MissionParts& parts) {
+  return std::make_unique<AttitudeMission>(flight, parts.camera, parts.X_BC, parts.own_parts, parts.seed);
+}
+
+}  // namespace kestrel::scenarios

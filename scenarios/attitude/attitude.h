@@ -7,17 +7,15 @@
 #include <string>
 
 #include "geometry/pose.h"
-#include "mission/mission.h"
+#include "mission/mission_type.h"
 #include "scenarios/attitude/manual_pilot.h"
 #include "vision/camera/camera_model.h"
 
-namespace kestrel {
+namespace kestrel::scenarios {
 
 // Thesis 6.3.5: the attitude from the skyline and the heading from the visual compass, frame by frame, while
 // the autopilot hovers or a pilot flies by hand.
 struct AttitudeFlight {
-  static constexpr const char* kName = "attitude";
-  static constexpr bool kPadless = true;
   double manual_from_s = 1e9;  // until then the autopilot holds the place
   double take_off_s = 0;       // of a flight that begins on the ground: the rotors run up until then
   double take_off_height_m = 5;
@@ -34,8 +32,9 @@ void Fields(Visitor& v, AttitudeFlight& p) {
   v("baseline", p.baseline);
 }
 
-// forbidden: where the aircraft itself is seen, as in Skyline. seed: of the pilot's moods.
-std::unique_ptr<Mission> MakeMission(const AttitudeFlight& flight, const CameraModel& camera,
-                                     const Pose& X_BC, const cv::Mat& forbidden, std::uint64_t seed);
+mission::MissionType TypeOf(const AttitudeFlight& flight);
+bool FlightCanHave(const AttitudeFlight& flight, const std::string& metric, const mission::Varies& varies);
+std::unique_ptr<mission::Mission> MakeMission(const AttitudeFlight& flight,
+                                              const mission::MissionParts& parts);
 
-}  // namespace kestrel
+}  // namespace kestrel::scenarios

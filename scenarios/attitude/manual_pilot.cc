@@ -8,13 +8,13 @@
 #include "base/random.h"
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::scenarios {
 namespace {
 
 constexpr double kGravity = 9.80665;
 constexpr double kTurn = 2 * std::numbers::pi;
 // Towards home, and against the speed.
-constexpr double kHome_per_s2 = 0.15, kSpeed_per_s = 0.55, kMostCare_m_s2 = 2.5;
+constexpr double kHome_per_s2 = 0.15, kSpeed_per_s = 0.55, kMaxCare_m_s2 = 2.5;
 constexpr double kHeight_per_s2 = 1.0, kClimb_per_s = 1.6, kLearn_per_m_s = 0.02;
 
 }  // namespace
@@ -32,7 +32,8 @@ ManualPilot::ManualPilot(const ManoeuvreParameters& manoeuvres, std::uint64_t se
   climb_ = swing(60);
 }
 
-AttitudeSetpoint ManualPilot::Fly(const VehicleState& state, const Eigen::Vector3d& home_N) {
+control::AttitudeSetpoint ManualPilot::Fly(const control::VehicleState& state,
+                                           const Eigen::Vector3d& home_N) {
   const double t = state.t_s, dt = last_s_ < 0 ? 0 : std::clamp(t - last_s_, 0.0, 0.2);
   last_s_ = t;
   const auto swing = [&](const std::array<Swing, 4>& axis) {
@@ -42,10 +43,10 @@ AttitudeSetpoint ManualPilot::Fly(const VehicleState& state, const Eigen::Vector
   const double yaw = YawOf(state.R_NB);
   Eigen::Vector2d care_N =
       kHome_per_s2 * (home_N - state.p_NB).head<2>() - kSpeed_per_s * state.v_N.head<2>();
-  care_N *= std::min(1.0, kMostCare_m_s2 / std::max(care_N.norm(), 1e-9));
+  care_N *= std::min(1.0, kMaxCare_m_s2 / std::max(care_N.norm(), 1e-9));
   const Eigen::Vector2d care_H = Eigen::Rotation2Dd(-yaw) * care_N;
   const double most = Radians(p_.tilt_deg);
-  AttitudeSetpoint stick;
+  control::AttitudeSetpoint stick;
   stick.roll = std::clamp(swing(roll_) + std::atan(care_H.y() / kGravity), -most, most);
   stick.pitch = std::clamp(swing(pitch_) - std::atan(care_H.x() / kGravity), -most, most);
   stick.yaw_rate = Radians(p_.yaw_rate_deg_s * yaw_.At(t) + p_.net_turn_deg_s);
@@ -59,4 +60,4 @@ AttitudeSetpoint ManualPilot::Fly(const VehicleState& state, const Eigen::Vector
   return stick;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::scenarios

@@ -7,7 +7,7 @@
 #include "base/yaml/fields.h"
 #include "control/autopilot.h"
 
-namespace kestrel {
+namespace kestrel::scenarios {
 
 // How hard a safety pilot throws the aircraft about.
 struct ManoeuvreParameters {
@@ -38,7 +38,7 @@ class ManualPilot {
   ManualPilot(const ManoeuvreParameters& manoeuvres, std::uint64_t seed);
 
   // home_N: over which it stays, m; the height is that of the manoeuvres.
-  AttitudeSetpoint Fly(const VehicleState& state, const Eigen::Vector3d& home_N);
+  control::AttitudeSetpoint Fly(const control::VehicleState& state, const Eigen::Vector3d& home_N);
 
  private:
   struct Swing {
@@ -52,4 +52,4 @@ class ManualPilot {
   double last_s_ = -1;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::scenarios

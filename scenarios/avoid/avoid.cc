@@ -9,15 +9,19 @@
 #include <limits>
 #include <opencv2/imgproc.hpp>
 
+#include "base/file/model_files.h"
 #include "base/stopwatch.h"
 #include "control/estimate/state_history.h"
 #include "geometry/tait_bryan.h"
 #include "mission/caption.h"
 #include "mission/command_arrows.h"
+#include "scenarios/avoid/avoid_metrics.h"
+#include "scenarios/avoid/avoid_plots.h"
+#include "scenarios/avoid/avoid_report.h"
 #include "vision/capture/blank_image.h"
 #include "vision/capture/frozen_image.h"
 
-namespace kestrel {
+namespace kestrel::scenarios {
 namespace {
 
 constexpr double kHeightGain_per_s = 0.8, kClimbLimit_m_s = 1;
@@ -29,29 +33,31 @@ constexpr int kSightings = 5;     // before anybody is believed to be there
 constexpr double kSlope = 0.2;    // of the climb or descent of the others, and of what is measured of them
 constexpr double kStands_m_s = 0.3;  // what is slower than its speed is known stands still
 
-class AvoidMission final : public Mission {
+class AvoidMission final : public mission::Mission {
  public:
-  AvoidMission(const AvoidFlight& flight, const CameraModel& camera, const Pose& X_BC,
+  AvoidMission(const AvoidFlight& flight, const vision::CameraModel& camera, const Pose& X_BC,
                const cv::Mat& forbidden)
       : flight_(flight), camera_(camera), X_BC_(X_BC) {
-    for (const BalloonWatchParameters& mark : flight.marks) watches_.emplace_back(camera, X_BC, mark);
+    for (const mission::BalloonObserverParameters& mark : flight.marks)
+      watches_.emplace_back(camera, X_BC, mark);
     if (flight.contrast) contrast_.emplace(camera, X_BC, forbidden, *flight.contrast);
   }
 
-  Decision Step(const Frame& frame, const VehicleState& state) override {
-    Decision decision;
+  mission::Decision Step(const vision::Frame& frame, const control::VehicleState& state) override {
+    mission::Decision decision;
     const auto start = std::chrono::steady_clock::now();
     const bool frozen = frozen_.Is(frame.image);
-    for (BalloonWatch& watch : watches_) watch.See(frame, state, frozen);
-    if (contrast_) contrast_->See(frame, state, frozen, flight_.memory_s);
+    for (mission::BalloonObserver& watch : watches_) watch.Observe(frame, state, frozen);
+    if (contrast_) contrast_->Observe(frame, state, frozen, flight_.memory_s);
     decision.vision_s = SecondsSince(start);
     history_.Add(state);
     state_ = state, exposed_ = history_.At(frame.t_s).value_or(state);
     if (!begin_) begin_ = state.p_NB, course_ = YawOf(state.R_NB);
     Look(state);
-    blank_ = Blank(frame.image);
+    blank_ = vision::Blank(frame.image);
     sees_ = !blank_ && (!contrast_ || contrast_->Sees()) &&
-            std::all_of(watches_.begin(), watches_.end(), [](const BalloonWatch& w) { return w.Sees(); });
+            std::all_of(watches_.begin(), watches_.end(),
+                        [](const mission::BalloonObserver& w) { return w.Sees(); });
     if (sees_ || !saw_s_) saw_s_ = state.t_s;
     decision.target = Status();
     decision.fix_age_s = held_age_s_;
@@ -69,35 +75,40 @@ class AvoidMission final : public Mission {
     }
     decision.setpoint = command_;
     decision.phase = phase_;
-    decision.encounter = encounter_;
+    if (encounter_) {
+      const auto report = std::make_shared<AvoidReport>();
+      report->encounter = *encounter_;
+      decision.report = report;
+    }
     return decision;
   }
 
   bool Accomplished() const override { return phase_ == "goal"; }
 
   // That nobody is in sight is how it should be; when it sees nothing at all it stands still by itself.
-  TargetNeed Target() const override { return TargetNeed::kNone; }
+  mission::TargetNeed Target() const override { return mission::TargetNeed::kNone; }
 
   void Draw(cv::Mat& bgr) const override {
-    for (const BalloonWatch& watch : watches_) watch.Draw(bgr);
+    for (const mission::BalloonObserver& watch : watches_) watch.Draw(bgr);
     if (contrast_) contrast_->Draw(bgr);
-    DrawCommand(
+    mission::DrawCommand(
         bgr, command_,
         {{flight_.speed_m_s, 0, kClimbLimit_m_s}, Radians(flight_.avoidance.hold.yaw_rate_limit_deg_s)});
-    Caption(bgr, 0, fmt::format("{}   other {}", phase_, Status()));
+    mission::Caption(bgr, 0, fmt::format("{}   other {}", phase_, Status()));
     if (encounter_) {
       const double to_other = YawOf(state_.R_NB) + encounter_->azimuth;
       DrawAzimuth(bgr, to_other, fmt::format("tb {:+.0f}", Degrees(encounter_->azimuth)), {0, 220, 255}, 2);
       if (encounter_->wanted)
         DrawAzimuth(bgr, YawOf(exposed_.R_NB) + *encounter_->wanted,
                     fmt::format("db {:+.0f}", Degrees(*encounter_->wanted)), {255, 255, 255}, 1, false);
-      Caption(bgr, 1,
-              fmt::format("bearing {:+.1f}{} deg   {:.1f} m   nearest {:.1f} m in {:.1f} s",
-                          Degrees(encounter_->azimuth),
-                          encounter_->wanted ? fmt::format(" ({:+.0f})", Degrees(*encounter_->wanted)) : "",
-                          encounter_->range_m, encounter_->miss_m, encounter_->after_s));
+      mission::Caption(
+          bgr, 1,
+          fmt::format("bearing {:+.1f}{} deg   {:.1f} m   nearest {:.1f} m in {:.1f} s",
+                      Degrees(encounter_->azimuth),
+                      encounter_->wanted ? fmt::format(" ({:+.0f})", Degrees(*encounter_->wanted)) : "",
+                      encounter_->range_m, encounter_->miss_m, encounter_->after_s));
     }
-    Caption(
+    mission::Caption(
         bgr, 2,
         fmt::format("ahead {:+.2f} m/s   yaw {:+.1f} deg/s", command_.v_H.x(), Degrees(command_.yaw_rate)));
   }
@@ -111,20 +122,20 @@ class AvoidMission final : public Mission {
       const double e = Radians(elevation);
       const Eigen::Vector3d ray_N(std::cos(e) * std::cos(azimuth), std::cos(e) * std::sin(azimuth),
                                   -std::sin(e));
-      if (const auto at = Project(camera_, (exposed_.R_NB * X_BC_.R).conjugate() * ray_N))
+      if (const auto at = vision::Project(camera_, (exposed_.R_NB * X_BC_.R).conjugate() * ray_N))
         line.emplace_back(cv::Point2d(at->x(), at->y()));
     }
     if (line.empty()) return;
     cv::polylines(bgr, line, false, {0, 0, 0}, thickness + 2, cv::LINE_AA);
     cv::polylines(bgr, line, false, colour, thickness, cv::LINE_AA);
     const cv::Point end = named_above ? line.back() + cv::Point(0, -6) : line.front() + cv::Point(0, 18);
-    CaptionAt(bgr, {std::clamp(end.x - 22, 2, std::max(2, bgr.cols - 56)), end.y}, name);
+    mission::CaptionAt(bgr, {std::clamp(end.x - 22, 2, std::max(2, bgr.cols - 56)), end.y}, name);
   }
 
   Eigen::Vector2d AlongCourse(const Eigen::Vector2d& v_N) const { return Eigen::Rotation2Dd(-course_) * v_N; }
 
   // Who is about, by what has been seen and how it went on.
-  void Look(const VehicleState& state) {
+  void Look(const control::VehicleState& state) {
     intruders_.clear(), ids_.clear();
     for (std::size_t i = 0; i < watches_.size(); ++i)
       if (const auto& where = watches_[i].last_known()) Add(*where, i, state);
@@ -132,10 +143,11 @@ class AvoidMission final : public Mission {
       for (const auto& where : contrast_->Known()) Add(where, watches_.size(), state);
   }
 
-  void Add(const MovingTarget::Estimate& where, std::size_t watch, const VehicleState& state) {
+  void Add(const control::MovingTarget::Estimate& where, std::size_t watch,
+           const control::VehicleState& state) {
     if (where.age_s > flight_.memory_s || where.measurements < kSightings) return;
     // Who passes far above or below is no threat, and what is seen far below is often the ground.
-    const AvoidanceOptions& o = flight_.avoidance;
+    const control::AvoidanceOptions& o = flight_.avoidance;
     if (std::abs(where.p_N.z() - state.p_NB.z()) >
         o.clear_share * o.safe_m + kSlope * (where.p_N - state.p_NB).head<2>().norm())
       return;
@@ -149,7 +161,7 @@ class AvoidMission final : public Mission {
   std::string_view Status() const {
     if (blank_) return "blank";
     if (!sees_) {
-      for (const BalloonWatch& watch : watches_)
+      for (const mission::BalloonObserver& watch : watches_)
         if (!watch.Sees()) return watch.status();
       return contrast_->status();
     }
@@ -158,11 +170,11 @@ class AvoidMission final : public Mission {
 
   // Whether to avoid: begins with a threat that lasts, and ends when the way on has been clear for as long.
   // To be clear it must not lead nearer again than what was avoided has been, or it would be met twice.
-  void Judge(const VehicleState& state, const Eigen::Vector2d& wanted_v) {
-    AvoidanceOptions o = flight_.avoidance;
+  void Judge(const control::VehicleState& state, const Eigen::Vector2d& wanted_v) {
+    control::AvoidanceOptions o = flight_.avoidance;
     double distance_m = (avoiding_ ? o.clear_share : 1) * o.safe_m;
     double range_m = std::numeric_limits<double>::infinity();
-    for (const Intruder& i : intruders_) range_m = std::min(range_m, i.p.norm());
+    for (const control::Intruder& i : intruders_) range_m = std::min(range_m, i.p.norm());
     if (avoiding_) {
       nearest_m_ = std::min(nearest_m_, range_m);
       o.horizon_s *= 2;
@@ -175,7 +187,7 @@ class AvoidMission final : public Mission {
     } else {
       distance_m = std::max(distance_m, std::min(keep_m_, nearest_m_));
     }
-    const bool otherwise = Threatened(intruders_, wanted_v, distance_m, o) != avoiding_;
+    const bool otherwise = control::Threatened(intruders_, wanted_v, distance_m, o) != avoiding_;
     if (!otherwise || !flight_.avoids)
       since_s_.reset();
     else if (!since_s_)
@@ -185,7 +197,7 @@ class AvoidMission final : public Mission {
     side_.reset(), since_s_.reset();
   }
 
-  void Fly(const VehicleState& state, const Eigen::Vector2d& along) {
+  void Fly(const control::VehicleState& state, const Eigen::Vector2d& along) {
     const double yaw = YawOf(state.R_NB), speed = flight_.speed_m_s;
     const Eigen::Vector2d v = state.v_N.head<2>();
     // Back to the line at 45 degrees at most.
@@ -198,22 +210,23 @@ class AvoidMission final : public Mission {
     double yaw_rate = kYawGain_per_s * WrapAngle(course_ + back - yaw);
     phase_ = std::abs(along.y()) > kOnCourse_m ? "return" : "cruise";
     encounter_.reset();
-    AvoidanceOptions o = flight_.avoidance;
+    control::AvoidanceOptions o = flight_.avoidance;
     o.clear_share = std::max(o.clear_share, keep_m_ / o.safe_m);
     const Eigen::Vector2d flown_v = v.norm() > speed / 2 ? v : wanted_v;  // not yet at speed: as it will be
-    if (const auto plan = PlanManoeuvre(intruders_, flown_v, yaw, side_, o)) {
+    if (const auto plan = control::PlanManoeuvre(intruders_, flown_v, yaw, side_, o)) {
       held_ = ids_[plan->intruder].watch, held_age_s_ = ids_[plan->intruder].age_s;
-      const Intruder& other = intruders_[plan->intruder];
+      const control::Intruder& other = intruders_[plan->intruder];
       const double azimuth = WrapAngle(std::atan2(other.p.y(), other.p.x()) - yaw);
-      const ClosestApproach approach = ApproachOf(other.p, other.v - v);
+      const control::ClosestApproach approach = control::ApproachOf(other.p, other.v - v);
       encounter_ = Encounter{azimuth, {}, other.p.norm(), approach.distance_m, approach.after_s};
       if (avoiding_) {
         side_ = plan->side;
-        HoldBearingGains gains = o.hold;
+        control::HoldBearingGains gains = o.hold;
         gains.bearing_deg = Degrees(std::abs(plan->bearing));
-        const HoldBearingStep step = HoldBearing({side_}, azimuth, gains);
+        const control::HoldBearingStep step = control::HoldBearing({side_}, azimuth, gains);
         // Only ever away: held to the end, the bearing would lead inwards (control/law/hold_bearing.h).
-        yaw_rate = *side_ == PassingSide::kLeft ? std::min(step.yaw_rate, 0.0) : std::max(step.yaw_rate, 0.0);
+        yaw_rate = *side_ == control::PassingSide::kLeft ? std::min(step.yaw_rate, 0.0)
+                                                         : std::max(step.yaw_rate, 0.0);
         phase_ = yaw_rate == 0 ? "pass" : "avoid";
         encounter_->wanted = plan->bearing;
       }
@@ -225,17 +238,17 @@ class AvoidMission final : public Mission {
   }
 
   AvoidFlight flight_;
-  CameraModel camera_;
+  vision::CameraModel camera_;
   Pose X_BC_;
-  std::vector<BalloonWatch> watches_;
-  std::optional<ContrastWatch> contrast_;
-  FrozenImage frozen_;
+  std::vector<mission::BalloonObserver> watches_;
+  std::optional<ContrastObserver> contrast_;
+  vision::FrozenImage frozen_;
 
   std::optional<Eigen::Vector3d> begin_;  // of the course, in N
   double course_ = 0;                     // rad, from north
   bool blank_ = false, sees_ = true;
   std::optional<double> saw_s_;
-  std::vector<Intruder> intruders_;
+  std::vector<control::Intruder> intruders_;
   struct Source {
     std::size_t watch;  // whose mark it carries; the number of marks: by contrast
     double age_s;       // since it was measured
@@ -247,19 +260,83 @@ class AvoidMission final : public Mission {
   double nearest_m_ = std::numeric_limits<double>::infinity();  // any has come in this manoeuvre
   double keep_m_ = 0;                                           // from all, by where the manoeuvre began
   std::optional<double> since_s_;  // it has been time to change between avoiding and not
-  std::optional<PassingSide> side_;
+  std::optional<control::PassingSide> side_;
   std::string_view phase_ = "cruise";
   std::optional<Encounter> encounter_;
-  VelocitySetpoint command_;
-  StateHistory history_;
-  VehicleState state_, exposed_;  // of the last frame: when it was decided on, and at its exposure
+  control::VelocitySetpoint command_;
+  control::StateHistory history_;
+  control::VehicleState state_, exposed_;  // of the last frame: when it was decided on, and at its exposure
 };
 
 }  // namespace
 
-std::unique_ptr<Mission> MakeMission(const AvoidFlight& flight, const CameraModel& camera, const Pose& X_BC,
-                                     const cv::Mat& forbidden, std::uint64_t) {
-  return std::make_unique<AvoidMission>(flight, camera, X_BC, forbidden);
+mission::MissionType TypeOf(const AvoidFlight&) {
+  return {
+      .name = "avoid",
+      .summary = "Flies a course, passes intruders at a bearing that it holds, and returns to its course.",
+      .needs_colour = true,
+      .telemetry = AvoidColumns(),
+      .metrics = AvoidMetricNames(),
+      .add_metrics = AddAvoidMetrics,
+      .plots = {{"encounter.png", MeetsIntruders, EncounterPlot}}};
 }
 
-}  // namespace kestrel
+std::unique_ptr<mission::Mission> MakeMission(const AvoidFlight& flight, const mission::MissionParts& parts) {
+  return std::make_unique<AvoidMission>(flight, parts.camera, parts.X_BC, parts.own_parts);
+}
+
+void CheckFlight(const AvoidFlight& flight, const std::string& where, Mistakes& mistakes) {
+  const NoMoreThan most{where, mistakes};
+  most("flight.avoidance.hold.bearing_deg", flight.avoidance.hold.bearing_deg,
+       flight.avoidance.max_bearing_deg, "flight.avoidance.max_bearing_deg");
+  if (flight.marks.empty() && !flight.contrast)
+    mistakes.Add(where, "flight.marks", "is empty; valid: at least one, or a flight.contrast");
+  for (std::size_t i = 0; i < flight.marks.size(); ++i) {
+    const vision::ColourRange& a = flight.marks[i].colour;
+    mission::CheckColour(a, fmt::format("flight.marks.{}.colour", i), where, mistakes);
+    for (std::size_t j = 0; j < i; ++j) {
+      const vision::ColourRange& b = flight.marks[j].colour;
+      const double apart_deg = std::abs(Degrees(WrapAngle(Radians(a.hue_deg - b.hue_deg))));
+      if (apart_deg < a.hue_half_width_deg + b.hue_half_width_deg)
+        mistakes.Add(where, fmt::format("flight.marks.{}.colour", i),
+                     fmt::format("hues {:g} +- {:g} overlap those of mark {}, {:g} +- {:g}: two marks alike "
+                                 "cannot be told apart; valid: hues of their own",
+                                 a.hue_deg, a.hue_half_width_deg, j, b.hue_deg, b.hue_half_width_deg));
+    }
+  }
+  if (!flight.contrast) return;
+  const vision::ContrastTrackerOptions& tracker = flight.contrast->tracker;
+  most("flight.contrast.tracker.confirm_sightings", tracker.confirm_sightings, tracker.confirm_images,
+       "flight.contrast.tracker.confirm_images");
+  most("flight.contrast.tracker.detector.min_diameter_px", tracker.detector.min_diameter_px,
+       tracker.detector.max_diameter_px, "flight.contrast.tracker.detector.max_diameter_px");
+}
+
+void CheckFlightLimits(const AvoidFlight& flight, const mission::AircraftLimits& limits,
+                       const std::string& where, Mistakes& mistakes) {
+  const NoMoreThan most{where, mistakes};
+  most("flight.speed_m_s", flight.speed_m_s, limits.speed_m_s, "autopilot.speed_limit_m_s");
+  most("flight.avoidance.hold.yaw_rate_limit_deg_s", flight.avoidance.hold.yaw_rate_limit_deg_s,
+       limits.yaw_rate_deg_s, "autopilot.yaw_rate_limit_deg_s");
+  most("flight.avoidance.acceleration_m_s2", flight.avoidance.acceleration_m_s2, limits.acceleration_m_s2,
+       "autopilot.acceleration_limit_m_s2");
+}
+
+// Who is to be avoided comes from ahead.
+void CheckFlightView(const AvoidFlight&, const vision::CameraModel& camera, const vision::CameraMount& mount,
+                     const std::string&, const std::string& mount_where, Mistakes& mistakes) {
+  const auto at = vision::Project(camera, vision::MountPose(mount).R.conjugate() * Eigen::Vector3d::UnitX());
+  if (!at || at->x() < 0 || at->y() < 0 || at->x() > vision::WidthPx(camera) - 1 ||
+      at->y() > vision::HeightPx(camera) - 1)
+    mistakes.Add(
+        mount_where, "mount.pitch_deg",
+        fmt::format("{:g}: the camera does not see straight ahead, where others come from; valid: one "
+                    "that does (90 looks ahead)",
+                    mount.pitch_deg));
+}
+
+bool FlightCanHave(const AvoidFlight&, const std::string&, const mission::Varies& varies) {
+  return varies("targets");
+}
+
+}  // namespace kestrel::scenarios

@@ -9,19 +9,17 @@
 
 #include "control/law/avoidance.h"
 #include "geometry/pose.h"
-#include "mission/balloon_watch.h"
-#include "mission/mission.h"
-#include "scenarios/avoid/contrast_watch.h"
+#include "mission/balloon_observer.h"
+#include "mission/mission_type.h"
+#include "scenarios/avoid/contrast_observer.h"
 #include "vision/camera/camera_model.h"
 
-namespace kestrel {
+namespace kestrel::scenarios {
 
 // Thesis 6.4: on the way along a straight course the aircraft sees others by the coloured marks that they
 // carry or by their contrast with the sky, passes them at a bearing that it holds them at (6.29), and returns
 // to its course: what the thesis left open.
 struct AvoidFlight {
-  static constexpr const char* kName = "avoid";
-  static constexpr bool kPadless = true, kLooksForColour = true;
   double speed_m_s = 0.5;
   double course_m = 20;     // straight ahead from where the flight begins
   bool avoids = true;       // false: it flies on whatever it sees
@@ -31,9 +29,9 @@ struct AvoidFlight {
   // back. 0: safe_m alone counts.
   double keep_share = 0;
   double cross_track_gain_per_s = 0.5;
-  std::vector<BalloonWatchParameters> marks{BalloonWatchParameters{}};
-  std::optional<ContrastWatchParameters> contrast;  // none: marks alone are looked for
-  AvoidanceOptions avoidance;
+  std::vector<mission::BalloonObserverParameters> marks{mission::BalloonObserverParameters{}};
+  std::optional<ContrastObserverParameters> contrast;  // none: marks alone are looked for
+  control::AvoidanceOptions avoidance;
 };
 
 template <class Visitor>
@@ -50,7 +48,14 @@ void Fields(Visitor& v, AvoidFlight& p) {
   v("avoidance", p.avoidance);
 }
 
-std::unique_ptr<Mission> MakeMission(const AvoidFlight& flight, const CameraModel& camera, const Pose& X_BC,
-                                     const cv::Mat& forbidden, std::uint64_t seed);
+mission::MissionType TypeOf(const AvoidFlight& flight);
+void CheckFlight(const AvoidFlight& flight, const std::string& where, Mistakes& mistakes);
+void CheckFlightLimits(const AvoidFlight& flight, const mission::AircraftLimits& limits,
+                       const std::string& where, Mistakes& mistakes);
+void CheckFlightView(const AvoidFlight& flight, const vision::CameraModel& camera,
+                     const vision::CameraMount& mount, const std::string& where,
+                     const std::string& mount_where, Mistakes& mistakes);
+bool FlightCanHave(const AvoidFlight& flight, const std::string& metric, const mission::Varies& varies);
+std::unique_ptr<mission::Mission> MakeMission(const AvoidFlight& flight, const mission::MissionParts& parts);
 
-}  // namespace kestrel
+}  // namespace kestrel::scenarios

@@ -7,8 +7,9 @@
 #include <optional>
 
 #include "geometry/tait_bryan.h"
+#include "scenarios/avoid/avoid_report.h"
 
-namespace kestrel {
+namespace kestrel::scenarios {
 namespace {
 
 const double kThesisBearing = Radians(50);  // 6.4.3
@@ -22,13 +23,13 @@ double NearestNow(const Truth& truth) {
 
 }  // namespace
 
-bool MeetsOthers(const std::vector<LogRow>& rows) {
-  const bool avoids =
-      std::any_of(rows.begin(), rows.end(), [](const LogRow& r) { return r.decision.phase == "cruise"; });
+bool MeetsIntruders(const std::vector<records::LogRow>& rows) {
+  const bool avoids = std::any_of(rows.begin(), rows.end(),
+                                  [](const records::LogRow& r) { return r.decision.phase == "cruise"; });
   return avoids && !rows.front().now.targets.empty();
 }
 
-Closest ClosestOf(const std::vector<LogRow>& rows) {
+Closest ClosestOf(const std::vector<records::LogRow>& rows) {
   Closest closest;
   for (std::size_t k = 0; k < rows.size(); ++k) {
     const Truth& from = rows[k].now;
@@ -48,20 +49,38 @@ Closest ClosestOf(const std::vector<LogRow>& rows) {
   return closest;
 }
 
+std::vector<mission::TelemetryColumn> AvoidColumns() {
+  const auto column = [](const char* name, auto get) {
+    return mission::TelemetryColumn{name, [get](const records::LogRow& row) -> std::optional<double> {
+                                      const Encounter* encounter = EncounterOf(row.decision);
+                                      return encounter ? get(*encounter) : std::nullopt;
+                                    }};
+  };
+  using E = Encounter;
+  using Cell = std::optional<double>;
+  return {column("intruder_bearing_deg", [](const E& e) { return Cell(Degrees(e.azimuth)); }),
+          column("intruder_wanted_deg",
+                 [](const E& e) { return e.wanted ? Cell(Degrees(*e.wanted)) : std::nullopt; }),
+          column("intruder_range_m", [](const E& e) { return Cell(e.range_m); }),
+          column("intruder_miss_m", [](const E& e) { return Cell(e.miss_m); }),
+          column("intruder_after_s", [](const E& e) { return Cell(e.after_s); })};
+}
+
 std::vector<std::string> AvoidMetricNames() {
   return {"closest_m",          "closest_s",    "closest_share",    "manoeuvred", "manoeuvre_s",
           "manoeuvre_height_m", "course_end_m", "course_end_own_m", "path_excess"};
 }
 
-void AddAvoidMetrics(const std::vector<LogRow>& rows, std::map<std::string, double>& m) {
-  if (!MeetsOthers(rows)) return;
+void AddAvoidMetrics(const std::vector<records::LogRow>& rows, std::map<std::string, double>& m) {
+  if (!MeetsIntruders(rows)) return;
   const Closest closest = ClosestOf(rows);
   m["closest_m"] = closest.distance_m, m["closest_s"] = closest.t_s;
   const Pose& begin = rows.front().now.X_NB;
   const Eigen::Vector2d right =
       HeadingRotation(YawOf(rows.front().estimate.R_NB)).toRotationMatrix().col(1).head<2>();
-  const auto manoeuvre = std::find_if(rows.begin(), rows.end(), [](const LogRow& r) {
-    return r.decision.encounter && r.decision.encounter->wanted;
+  const auto manoeuvre = std::find_if(rows.begin(), rows.end(), [](const records::LogRow& r) {
+    const Encounter* encounter = EncounterOf(r.decision);
+    return encounter && encounter->wanted;
   });
   m["manoeuvred"] = manoeuvre != rows.end();
   if (manoeuvre != rows.end()) {
@@ -82,4 +101,4 @@ void AddAvoidMetrics(const std::vector<LogRow>& rows, std::map<std::string, doub
   if (gone.norm() > 0) m["path_excess"] = length / gone.norm() - 1;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::scenarios

@@ -7,12 +7,13 @@
 #include <string>
 #include <vector>
 
+#include "mission/mission_type.h"
 #include "records/telemetry/flight_log.h"
 
-namespace kestrel {
+namespace kestrel::scenarios {
 
 // Whether the rows are of the mission "avoid", with targets to be met.
-bool MeetsOthers(const std::vector<LogRow>& rows);
+bool MeetsIntruders(const std::vector<records::LogRow>& rows);
 
 // The least distance between the centres of the aircraft and any target; between two rows both move evenly.
 struct Closest {
@@ -20,8 +21,9 @@ struct Closest {
   std::size_t target = 0;
   Eigen::Vector3d target_N = Eigen::Vector3d::Zero();  // where that was
 };
-Closest ClosestOf(const std::vector<LogRow>& rows);
+Closest ClosestOf(const std::vector<records::LogRow>& rows);
 
+std::vector<mission::TelemetryColumn> AvoidColumns();
 std::vector<std::string> AvoidMetricNames();
 
 // How others were met, by the truth; centres of both. Only of flights of the mission "avoid" with targets.
@@ -36,6 +38,6 @@ std::vector<std::string> AvoidMetricNames();
 //                        along the heading that the autopilot had there
 //   course_end_own_m     the same by the autopilot's own position, whose drift is no fault of the manoeuvre
 //   path_excess          the length of the path over the ground over its straight line, less 1
-void AddAvoidMetrics(const std::vector<LogRow>& rows, std::map<std::string, double>& metrics);
+void AddAvoidMetrics(const std::vector<records::LogRow>& rows, std::map<std::string, double>& metrics);
 
-}  // namespace kestrel
+}  // namespace kestrel::scenarios

@@ -6,12 +6,13 @@
 #include <string>
 #include <vector>
 
+#include "base/yaml/fields.h"
 #include "geometry/pose.h"
-#include "mission/balloon_watch.h"
-#include "mission/mission.h"
+#include "mission/balloon_observer.h"
+#include "mission/mission_type.h"
 #include "vision/camera/camera_model.h"
 
-namespace kestrel {
+namespace kestrel::scenarios {
 
 // Where in the image the balloon is wanted, from a time on: thesis 5.4.2, u* and phi*. In the image of a
 // level pinhole that looks straight ahead from where the camera is, with the camera's own focal length.
@@ -36,7 +37,7 @@ struct FollowGains {
   // does. An answer of first order then is as if there were no delay; the thesis has none of this.
   double velocity_response_s = 0.4, yaw_response_s = 0.45;
   double speed_limit_m_s = 3, climb_limit_m_s = 1.5, yaw_rate_limit_deg_s = 80;
-  double least_height_m = 1;  // over the origin of N: no lower, whatever the balloon does
+  double min_height_m = 1;  // over the origin of N: no lower, whatever the balloon does
 };
 
 template <class Visitor>
@@ -48,7 +49,7 @@ void Fields(Visitor& v, FollowGains& g) {
   v("speed_limit_m_s", g.speed_limit_m_s, 0.1, 10.0);
   v("climb_limit_m_s", g.climb_limit_m_s, 0.1, 5.0);
   v("yaw_rate_limit_deg_s", g.yaw_rate_limit_deg_s, 5.0, 180.0);
-  v("least_height_m", g.least_height_m, 0.0, 100.0);
+  v(Renamed("min_height_m", "least_height_m"), g.min_height_m, 0.0, 100.0);
 }
 
 // What to do without a balloon: stop, and turn on the spot, first to the side where it was last.
@@ -68,10 +69,8 @@ void Fields(Visitor& v, LookAround& l) {
 // Thesis 5.4: the aircraft follows a balloon by the centre and the diameter of its image; downwards, ahead
 // and by yaw alone. A balloon that is lost makes it stop and look around; it never flies after an old place.
 struct FollowFlight {
-  static constexpr const char* kName = "follow";
-  static constexpr bool kPadless = true, kLooksForColour = true;
-  BalloonWatchParameters balloon;
-  std::string law = "whole";  // eq. (5.20), or decoupled, eq. (5.25)
+  mission::BalloonObserverParameters balloon;
+  std::string law = "coupled";  // eq. (5.20), or decoupled, eq. (5.25)
   std::vector<FollowReference> reference{FollowReference{}};
   FollowGains gains;
   LookAround look_around;
@@ -80,13 +79,20 @@ struct FollowFlight {
 template <class Visitor>
 void Fields(Visitor& v, FollowFlight& p) {
   v("balloon", p.balloon);
-  v("law", p.law, {"whole", "decoupled"});
+  v("law", p.law, {"coupled", "decoupled", "whole"});  // whole: the former name of coupled
   v("reference", p.reference);
   v("gains", p.gains);
   v("look_around", p.look_around);
 }
 
-std::unique_ptr<Mission> MakeMission(const FollowFlight& flight, const CameraModel& camera, const Pose& X_BC,
-                                     const cv::Mat& forbidden, std::uint64_t seed);
+mission::MissionType TypeOf(const FollowFlight& flight);
+void CheckFlight(const FollowFlight& flight, const std::string& where, Mistakes& mistakes);
+void CheckFlightLimits(const FollowFlight& flight, const mission::AircraftLimits& limits,
+                       const std::string& where, Mistakes& mistakes);
+void CheckFlightView(const FollowFlight& flight, const vision::CameraModel& camera,
+                     const vision::CameraMount& mount, const std::string& where,
+                     const std::string& mount_where, Mistakes& mistakes);
+bool FlightCanHave(const FollowFlight& flight, const std::string& metric, const mission::Varies& varies);
+std::unique_ptr<mission::Mission> MakeMission(const FollowFlight& flight, const mission::MissionParts& parts);
 
-}  // namespace kestrel
+}  // namespace kestrel::scenarios

@@ -6,8 +6,9 @@
 #include <limits>
 
 #include "base/statistics.h"
+#include "scenarios/follow/follow_report.h"
 
-namespace kestrel {
+namespace kestrel::scenarios {
 namespace {
 
 constexpr double kSettling_s = 4;
@@ -16,15 +17,15 @@ constexpr double kSettled = 0.05;
 // Rows over which the same image was wanted: [first, last).
 struct Stretch {
   std::size_t first, last;
-  SphereImage wanted;
+  control::SphereImage wanted;
   double focal_px;
 };
 
 // By the last word of the mission, also while the balloon is lost.
-std::vector<Stretch> StretchesOf(const std::vector<LogRow>& rows) {
+std::vector<Stretch> StretchesOf(const std::vector<records::LogRow>& rows) {
   std::vector<Stretch> stretches;
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    const auto& sight = rows[i].decision.sight;
+    const auto* sight = SightOf(rows[i].decision);
     if (sight && (stretches.empty() || stretches.back().wanted.Vector() != sight->wanted.Vector()))
       stretches.push_back({i, i, sight->wanted, sight->focal_px});
     if (!stretches.empty()) stretches.back().last = i + 1;
@@ -32,11 +33,11 @@ std::vector<Stretch> StretchesOf(const std::vector<LogRow>& rows) {
   return stretches;
 }
 
-SphereImage TrueImage(const Truth& truth) {
-  return SphereImageOf(truth.targets.front().p_V, truth.targets.front().diameter_m);
+control::SphereImage TrueImage(const Truth& truth) {
+  return control::SphereImageOf(truth.targets.front().p_V, truth.targets.front().diameter_m);
 }
 
-void AddStepOfU(const std::vector<LogRow>& rows, const Stretch& before, const Stretch& after,
+void AddStepOfU(const std::vector<records::LogRow>& rows, const Stretch& before, const Stretch& after,
                 double& settle_s, double& overshoot) {
   const double step = after.wanted.s.x() - before.wanted.s.x();
   double settled_s = rows[after.first].now.t_s, farthest = 0;
@@ -52,17 +53,33 @@ void AddStepOfU(const std::vector<LogRow>& rows, const Stretch& before, const St
 
 }  // namespace
 
+std::vector<mission::TelemetryColumn> FollowColumns() {
+  const auto column = [](const char* name, auto get) {
+    return mission::TelemetryColumn{name, [get](const records::LogRow& row) -> std::optional<double> {
+                                      const BalloonSight* sight = SightOf(row.decision);
+                                      return sight ? std::optional(get(*sight) * sight->focal_px)
+                                                   : std::nullopt;
+                                    }};
+  };
+  return {column("balloon_u_px", [](const BalloonSight& s) { return s.now.s.x(); }),
+          column("balloon_v_px", [](const BalloonSight& s) { return s.now.s.y(); }),
+          column("balloon_diameter_px", [](const BalloonSight& s) { return s.now.diameter; }),
+          column("wanted_u_px", [](const BalloonSight& s) { return s.wanted.s.x(); }),
+          column("wanted_v_px", [](const BalloonSight& s) { return s.wanted.s.y(); }),
+          column("wanted_diameter_px", [](const BalloonSight& s) { return s.wanted.diameter; })};
+}
+
 std::vector<std::string> FollowMetricNames() {
   return {"in_view_share",       "followed_share",  "follow_u_rms_px",  "follow_v_rms_px",
           "follow_distance_rms", "step_u_settle_s", "step_u_overshoot", "step_distance_error"};
 }
 
-void AddFollowMetrics(const std::vector<LogRow>& rows, std::map<std::string, double>& m) {
+void AddFollowMetrics(const std::vector<records::LogRow>& rows, std::map<std::string, double>& m) {
   const std::vector<Stretch> stretches = StretchesOf(rows);
   if (stretches.empty() || rows.front().now.targets.empty()) return;
   double in_view = 0, followed = 0;
-  for (const LogRow& row : rows)
-    in_view += row.exposure.targets.front().in_view, followed += row.decision.sight.has_value();
+  for (const records::LogRow& row : rows)
+    in_view += row.exposure.targets.front().in_view, followed += SightOf(row.decision) != nullptr;
   m["in_view_share"] = in_view / static_cast<double>(rows.size());
   m["followed_share"] = followed / static_cast<double>(rows.size());
 
@@ -74,7 +91,7 @@ void AddFollowMetrics(const std::vector<LogRow>& rows, std::map<std::string, dou
     std::vector<double> late;
     for (std::size_t i = s.first; i < s.last; ++i) {
       const Truth& now = rows[i].now;
-      const SphereImage image = TrueImage(now);
+      const control::SphereImage image = TrueImage(now);
       const double off = s.wanted.diameter / image.diameter - 1;  // of the distance
       if (i >= (s.first + s.last) / 2) late.push_back(off);
       if (now.t_s < rows[s.first].now.t_s + kSettling_s) continue;
@@ -101,4 +118,4 @@ void AddFollowMetrics(const std::vector<LogRow>& rows, std::map<std::string, dou
   if (diameter_steps) m["step_distance_error"] = distance_error;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::scenarios

@@ -5,10 +5,12 @@
 #include <string>
 #include <vector>
 
+#include "mission/mission_type.h"
 #include "records/telemetry/flight_log.h"
 
-namespace kestrel {
+namespace kestrel::scenarios {
 
+std::vector<mission::TelemetryColumn> FollowColumns();
 std::vector<std::string> FollowMetricNames();
 
 // How well a balloon, the first target, was followed, by the truth: its image in a level camera beside what
@@ -22,6 +24,6 @@ std::vector<std::string> FollowMetricNames();
 //   step_u_overshoot       the farthest beyond it, share of the change; the worst
 //   step_distance_error    after a change of the diameter wanted: mean error of the distance over the second
 //                          half of the time until the next change, share of that wanted; the worst
-void AddFollowMetrics(const std::vector<LogRow>& rows, std::map<std::string, double>& metrics);
+void AddFollowMetrics(const std::vector<records::LogRow>& rows, std::map<std::string, double>& metrics);
 
-}  // namespace kestrel
+}  // namespace kestrel::scenarios

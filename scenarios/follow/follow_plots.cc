@@ -10,8 +10,9 @@
 #include "control/law/sphere_target.h"
 #include "geometry/tait_bryan.h"
 #include "records/plot/plot_parts.h"
+#include "scenarios/follow/follow_report.h"
 
-namespace kestrel {
+namespace kestrel::scenarios {
 namespace {
 
 constexpr const char* kWantedStyle = "steps lw 2 lc rgb '#D55E00'";
@@ -20,21 +21,21 @@ constexpr const char* kMissingColour = "#f3e3e3";
 // Of one row: u and diameter, px, and the commands, m/s and degrees per second.
 struct Line {
   double t_s = 0;
-  double true_u = kNone, u = kNone, wanted_u = kNone;
-  double true_diameter = kNone, diameter = kNone, wanted_diameter = kNone;
-  double ahead = kNone, down = kNone, yaw_rate_deg_s = kNone;
+  double true_u = records::kNone, u = records::kNone, wanted_u = records::kNone;
+  double true_diameter = records::kNone, diameter = records::kNone, wanted_diameter = records::kNone;
+  double ahead = records::kNone, down = records::kNone, yaw_rate_deg_s = records::kNone;
   bool followed = false;
 };
 
 // What is wanted stands while the balloon is lost, by the last word of the mission.
-std::vector<Line> LinesOf(const std::vector<LogRow>& rows) {
+std::vector<Line> LinesOf(const std::vector<records::LogRow>& rows) {
   std::vector<Line> lines;
-  std::optional<BalloonSight> last;
-  for (const LogRow& row : rows) {
+  const BalloonSight* last = nullptr;
+  for (const records::LogRow& row : rows) {
     Line line;
     line.t_s = row.now.t_s;
-    const auto& sight = row.decision.sight;
-    line.followed = sight.has_value();
+    const auto* sight = SightOf(row.decision);
+    line.followed = sight != nullptr;
     if (sight) {
       last = sight;
       line.u = sight->focal_px * sight->now.s.x(), line.diameter = sight->focal_px * sight->now.diameter;
@@ -45,11 +46,11 @@ std::vector<Line> LinesOf(const std::vector<LogRow>& rows) {
     }
     if (last && !row.now.targets.empty() && row.now.targets.front().p_V.z() > 0) {
       const TargetTruth& balloon = row.now.targets.front();
-      const SphereImage image = SphereImageOf(balloon.p_V, balloon.diameter_m);
+      const control::SphereImage image = control::SphereImageOf(balloon.p_V, balloon.diameter_m);
       line.true_u = last->focal_px * image.s.x(), line.true_diameter = last->focal_px * image.diameter;
     }
     if (row.decision.setpoint) {
-      if (const auto* command = std::get_if<VelocitySetpoint>(&*row.decision.setpoint)) {
+      if (const auto* command = std::get_if<control::VelocitySetpoint>(&*row.decision.setpoint)) {
         line.ahead = command->v_H.x(), line.down = command->v_H.z();
         line.yaw_rate_deg_s = Degrees(command->yaw_rate);
       }
@@ -60,21 +61,22 @@ std::vector<Line> LinesOf(const std::vector<LogRow>& rows) {
 }
 
 // About zero, so that both axes of the commands have theirs at the same height.
-std::string Symmetric(const Span& span, double least) {
+std::string Symmetric(const records::Span& span, double least) {
   const double half = 1.06 * std::max({std::abs(span.low), std::abs(span.high), least});
   return fmt::format("[{:.6g}:{:.6g}]", -half, half);
 }
 
 }  // namespace
 
-bool FollowsBalloon(const std::vector<LogRow>& rows) {
-  return std::any_of(rows.begin(), rows.end(), [](const LogRow& row) { return row.decision.sight; });
+bool FollowsBalloon(const std::vector<records::LogRow>& rows) {
+  return std::any_of(rows.begin(), rows.end(),
+                     [](const records::LogRow& row) { return SightOf(row.decision) != nullptr; });
 }
 
-std::string FollowPlot(const std::filesystem::path& file, const std::vector<LogRow>& rows,
+std::string FollowPlot(const std::filesystem::path& file, const std::vector<records::LogRow>& rows,
                        const std::string& title) {
   const std::vector<Line> lines = LinesOf(rows);
-  Span u, diameter, speed, yaw_rate;
+  records::Span u, diameter, speed, yaw_rate;
   speed.Add(0), yaw_rate.Add(0);
   std::string text = "$follow << END_OF_FOLLOW\n";
   for (const Line& l : lines) {
@@ -85,18 +87,21 @@ std::string FollowPlot(const std::filesystem::path& file, const std::vector<LogR
     if (l.followed) u.Add(l.true_u), diameter.Add(l.true_diameter);  // once lost it may be anywhere
     speed.Add(l.ahead), speed.Add(l.down), yaw_rate.Add(l.yaw_rate_deg_s);
   }
-  text += "END_OF_FOLLOW\n" + BeginFigure(file, 1200, 1100) +
-          BeginPanels("layout 3,1 margins 0.09,0.92,0.07,0.90 spacing 0,0.035",
-                      "Following a balloon by its image: " + title) +
-          "set xrange " + TimeRange(rows) + '\n' +
-          Shades(rows, [](const LogRow& row) { return row.decision.sight ? "#ffffff" : kMissingColour; });
+  text += "END_OF_FOLLOW\n" + records::BeginFigure(file, 1200, 1100) +
+          records::BeginPanels("layout 3,1 margins 0.09,0.92,0.07,0.90 spacing 0,0.035",
+                               "Following a balloon by its image: " + title) +
+          "set xrange " + records::TimeRange(rows) + '\n' +
+          records::Shades(rows, [](const records::LogRow& row) {
+            return SightOf(row.decision) ? "#ffffff" : kMissingColour;
+          });
 
-  const auto image = [&](const char* name, const Span& span, double least, int column, bool keyed) {
-    text += PhaseLines(rows, keyed) + AxisName(name) + (keyed ? kKey : "unset key\n");
+  const auto image = [&](const char* name, const records::Span& span, double least, int column, bool keyed) {
+    text +=
+        records::PhaseLines(rows, keyed) + records::AxisName(name) + (keyed ? records::kKey : "unset key\n");
     text += fmt::format("set yrange {}\nplot $follow using 1:{} with {} title 'mission', ", span.Range(least),
-                        column + 1, kSeenStyle);
+                        column + 1, records::kSeenStyle);
     text += fmt::format("'' using 1:{} with {} title 'truth', '' using 1:{} with {} title 'wanted'", column,
-                        kTruthStyle, column + 2, kWantedStyle);
+                        records::kTruthStyle, column + 2, kWantedStyle);
     if (keyed)
       text += fmt::format(", keyentry with boxes fs solid noborder fc rgb '{}' title 'none followed'",
                           kMissingColour);
@@ -105,7 +110,7 @@ std::string FollowPlot(const std::filesystem::path& file, const std::vector<LogR
   image("u, right of the middle (px)", u, 20, 2, true);
   image("diameter (px)", diameter, 10, 5, false);
 
-  text += PhaseLines(rows, false) + AxisName("command (m/s)") +
+  text += records::PhaseLines(rows, false) + records::AxisName("command (m/s)") +
           "set label 'yaw rate (°/s)' at graph 1.055, 0.5 center rotate tc rgb '#0072B2'\n"
           "set format x '%g'\nset xlabel 'time (s)'\nset border 11\nset ytics nomirror\nset y2tics\n"
           "set xzeroaxis lc rgb '#888888'\nset key at graph 0.995, 0.97 right top horizontal noautotitle "
@@ -116,7 +121,7 @@ std::string FollowPlot(const std::filesystem::path& file, const std::vector<LogR
       "'' using 1:8 with lines lw 1.6 lc rgb '#222222' title 'ahead', "
       "'' using 1:9 with lines lw 1.6 lc rgb '#009E73' title 'down'\n",
       Symmetric(speed, 0.1), Symmetric(yaw_rate, 5));
-  return text + EndFigure();
+  return text + records::EndFigure();
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::scenarios

@@ -8,9 +8,11 @@
 #include <string_view>
 
 #include "geometry/tait_bryan.h"
-#include "mission/horizon_watch.h"
+#include "mission/horizon_observer.h"
+#include "mission/horizon_records.h"
+#include "records/plot/horizon_plot.h"
 
-namespace kestrel {
+namespace kestrel::scenarios {
 namespace {
 
 constexpr int kFrames = 3;             // in a row that must say the same before anything is believed
@@ -18,16 +20,16 @@ constexpr double kLearnTime_s = 5;     // over which what is usual between both 
 constexpr double kUsual = Radians(3);  // the most that it may be: an accelerometer's bias is 1 or 2 degrees
 constexpr double kSoundSigma = Radians(1), kFresh_s = 0.5;  // of a camera's attitude that may accuse
 
-class GyroFailureMission final : public Mission {
+class GyroFailureMission final : public mission::Mission {
  public:
-  GyroFailureMission(const GyroFailureFlight& flight, const CameraModel& camera, const Pose& X_BC,
+  GyroFailureMission(const GyroFailureFlight& flight, const vision::CameraModel& camera, const Pose& X_BC,
                      const cv::Mat& forbidden)
       : flight_(flight), watch_(camera, X_BC, forbidden) {}
 
-  Decision Step(const Frame& frame, const VehicleState& state) override {
-    Decision decision;
-    watch_.See(frame, state, decision);
-    if (!home_) home_ = PositionSetpoint{state.p_NB, YawOf(state.R_NB)};
+  mission::Decision Step(const vision::Frame& frame, const control::VehicleState& state) override {
+    mission::Decision decision;
+    decision.report = std::make_shared<mission::HorizonReport>(watch_.Observe(frame, state, decision));
+    if (!home_) home_ = control::PositionSetpoint{state.p_NB, YawOf(state.R_NB)};
     decision.setpoint = home_;
     const auto seen = watch_.Now();
     const std::string_view fault = FaultOf(state, seen);
@@ -47,11 +49,11 @@ class GyroFailureMission final : public Mission {
   bool Accomplished() const override { return watch_.seen(); }
   // The autopilot holds the place; without a skyline for too long it is no longer aided, and flies by its
   // own.
-  TargetNeed Target() const override { return TargetNeed::kNone; }
+  mission::TargetNeed Target() const override { return mission::TargetNeed::kNone; }
   void Draw(cv::Mat& bgr) const override { watch_.Draw(bgr); }
 
  private:
-  using Estimate = HorizonFilter::Estimate;
+  using Estimate = control::HorizonFilter::Estimate;
 
   // The camera's attitude, about the autopilot's north.
   Eigen::Quaterniond Sighted(const Estimate& seen) const {
@@ -59,7 +61,7 @@ class GyroFailureMission final : public Mission {
   }
 
   // What is wrong with the autopilot's own attitude; empty: nothing.
-  std::string_view FaultOf(const VehicleState& state, const std::optional<Estimate>& seen) {
+  std::string_view FaultOf(const control::VehicleState& state, const std::optional<Estimate>& seen) {
     const auto& own = state.R_NB_inertial;
     still_ = own && last_inertial_ && own->coeffs() == last_inertial_->coeffs() ? still_ + 1 : 0;
     const bool sound = seen && usual_ && seen->coasting_s < kFresh_s &&
@@ -75,7 +77,7 @@ class GyroFailureMission final : public Mission {
 
   // The camera knows how far the aircraft has turned, but not from where, and the autopilot's level is off by
   // a degree or two for as long as it flies.
-  void LearnWhatIsUsual(const VehicleState& state, const Estimate& seen) {
+  void LearnWhatIsUsual(const control::VehicleState& state, const Estimate& seen) {
     if (apart_frames_ > 0) return;
     const Eigen::Quaterniond& own = *state.R_NB_inertial;
     const double north = YawOf(own) - YawOf(seen.R_NB);
@@ -90,7 +92,8 @@ class GyroFailureMission final : public Mission {
     usual_->tilt_B *= std::min(1.0, kUsual / std::max(usual_->tilt_B.norm(), 1e-9));
   }
 
-  void FlyBySight(const VehicleState& state, const std::optional<Estimate>& seen, Decision& decision) {
+  void FlyBySight(const control::VehicleState& state, const std::optional<Estimate>& seen,
+                  mission::Decision& decision) {
     if (!seen || seen->coasting_s > flight_.coast_s) {
       decision.phase = "blind";
       return;
@@ -98,12 +101,13 @@ class GyroFailureMission final : public Mission {
     if (!usual_) usual_.emplace().north = YawOf(state.R_NB) - YawOf(seen->R_NB);  // the last that was heard
     const bool on_trial = apart_ < Radians(flight_.disagree_deg) && still_ < kFrames;
     decision.phase = on_trial ? "by sight: own attitude on trial" : fault_;
-    decision.aid = AttitudeAid{Sighted(*seen), std::sqrt(seen->P.topLeftCorner<3, 3>().trace() / 3)};
+    decision.aid = control::AttitudeAid{Sighted(*seen), std::sqrt(seen->P.topLeftCorner<3, 3>().trace() / 3)};
   }
 
   // It may come back with another level than it had: its sensors have drifted on meanwhile. What counts is
   // that it is not far off and keeps its distance; that is what is usual from then on.
-  void MayReturn(const VehicleState& state, const std::optional<Estimate>& seen, std::string_view fault) {
+  void MayReturn(const control::VehicleState& state, const std::optional<Estimate>& seen,
+                 std::string_view fault) {
     if (!fault.empty() || apart_ > Radians(flight_.disagree_deg)) {
       trial_.reset();
       return;
@@ -115,8 +119,8 @@ class GyroFailureMission final : public Mission {
   }
 
   GyroFailureFlight flight_;
-  HorizonWatch watch_;
-  std::optional<PositionSetpoint> home_;
+  mission::HorizonObserver watch_;
+  std::optional<control::PositionSetpoint> home_;
   struct Usual {                                       // between both attitudes
     double north = 0;                                  // yaw of the autopilot's less yaw of the camera's, rad
     Eigen::Vector3d tilt_B = Eigen::Vector3d::Zero();  // the rest as a rotation vector, rad
@@ -137,9 +141,22 @@ class GyroFailureMission final : public Mission {
 
 }  // namespace
 
-std::unique_ptr<Mission> MakeMission(const GyroFailureFlight& flight, const CameraModel& camera,
-                                     const Pose& X_BC, const cv::Mat& forbidden, std::uint64_t) {
-  return std::make_unique<GyroFailureMission>(flight, camera, X_BC, forbidden);
+mission::MissionType TypeOf(const GyroFailureFlight&) {
+  return {.name = "gyro_failure",
+          .summary = "Holds its place by the attitude from the skyline while the autopilot's own has failed.",
+          .telemetry = mission::HorizonColumns(),
+          .metrics = mission::HorizonMetricNames(),
+          .add_metrics = mission::AddHorizonMetrics,
+          .plots = {{"attitude.png", records::MeasuresAttitude, records::HorizonPlot}}};
 }
 
-}  // namespace kestrel
+bool FlightCanHave(const GyroFailureFlight&, const std::string& metric, const mission::Varies&) {
+  return !metric.starts_with("baseline_");
+}
+
+std::unique_ptr<mission::Mission> MakeMission(const GyroFailureFlight& flight,
+                                              const mission::MissionParts& parts) {
+  return std::make_unique<GyroFailureMission>(flight, parts.camera, parts.X_BC, parts.own_parts);
+}
+
+}  // namespace kestrel::scenarios

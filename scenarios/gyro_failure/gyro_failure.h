@@ -6,17 +6,15 @@
 #include <opencv2/core.hpp>
 
 #include "geometry/pose.h"
-#include "mission/mission.h"
+#include "mission/mission_type.h"
 #include "vision/camera/camera_model.h"
 
-namespace kestrel {
+namespace kestrel::scenarios {
 
 // What thesis 6.3 proposes the skyline for, a second source of the attitude: the aircraft holds its place and
 // heading; when the autopilot's own attitude goes silent, freezes, or parts from what the camera sees, the
 // camera's takes its place, until the own one is back and has agreed with it for a while.
 struct GyroFailureFlight {
-  static constexpr const char* kName = "gyro_failure";
-  static constexpr bool kPadless = true;
   double disagree_deg = 3;  // between both attitudes, beyond what is usual: the own one is wrong
   double agree_deg = 2;     // it is right again if it keeps its distance to the camera's to this,
   double agree_s = 3;       // for so long
@@ -31,8 +29,9 @@ void Fields(Visitor& v, GyroFailureFlight& p) {
   v("coast_s", p.coast_s, 0.1, 60.0);
 }
 
-// forbidden: where the aircraft itself is seen, as in Skyline. Nothing in this flight is left to the seed.
-std::unique_ptr<Mission> MakeMission(const GyroFailureFlight& flight, const CameraModel& camera,
-                                     const Pose& X_BC, const cv::Mat& forbidden, std::uint64_t seed);
+mission::MissionType TypeOf(const GyroFailureFlight& flight);
+bool FlightCanHave(const GyroFailureFlight& flight, const std::string& metric, const mission::Varies& varies);
+std::unique_ptr<mission::Mission> MakeMission(const GyroFailureFlight& flight,
+                                              const mission::MissionParts& parts);
 
-}  // namespace kestrel
+}  // namespace kestrel::scenarios

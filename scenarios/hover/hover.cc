@@ -3,15 +3,16 @@
 
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::scenarios {
 namespace {
 
-class HoverMission final : public Mission {
+class HoverMission final : public mission::Mission {
  public:
-  HoverMission(const HoverFlight& flight, HelipadPilot pilot) : flight_(flight), pilot_(std::move(pilot)) {}
+  HoverMission(const HoverFlight& flight, mission::HelipadPilot pilot)
+      : flight_(flight), pilot_(std::move(pilot)) {}
 
-  Decision Step(const Frame& frame, const VehicleState& state) override {
-    Decision decision = pilot_.See(frame, state);
+  mission::Decision Step(const vision::Frame& frame, const control::VehicleState& state) override {
+    mission::Decision decision = pilot_.Observe(frame, state);
     const Eigen::Vector3d goal_T(0, 0, -flight_.height_m);
     decision.goal_T = goal_T;
     decision.goal_yaw_TB = Radians(flight_.yaw_deg);
@@ -19,8 +20,8 @@ class HoverMission final : public Mission {
       phase_ = "take off";
       centred_ = false;
       decision.setpoint =
-          PositionSetpoint{{state.p_NB.x(), state.p_NB.y(), -flight_.height_m}, YawOf(state.R_NB)};
-    } else if (!pilot_.Knows()) {
+          control::PositionSetpoint{{state.p_NB.x(), state.p_NB.y(), -flight_.height_m}, YawOf(state.R_NB)};
+    } else if (!pilot_.HasEstimate()) {
       phase_ = "search";
       centred_ = false;
       decision.setpoint = pilot_.Search(state);
@@ -36,21 +37,28 @@ class HoverMission final : public Mission {
     return decision;
   }
   bool Accomplished() const override { return centred_; }
-  TargetNeed Target() const override { return TargetNeed::kInSight; }
-  VelocityLag MostLag() const override { return pilot_.MostLag(); }
+  mission::TargetNeed Target() const override { return mission::TargetNeed::kInSight; }
+  control::VelocityLag MaxLag() const override { return pilot_.MaxLag(); }
   void Draw(cv::Mat& bgr) const override { pilot_.Draw(bgr, phase_); }
 
  private:
   HoverFlight flight_;
-  HelipadPilot pilot_;
+  mission::HelipadPilot pilot_;
   std::string_view phase_ = "search";
   bool centred_ = false;
 };
 
 }  // namespace
 
-std::unique_ptr<Mission> MakeMission(const HoverFlight& flight, HelipadPilot pilot) {
-  return std::make_unique<HoverMission>(flight, std::move(pilot));
+mission::MissionType TypeOf(const HoverFlight&) {
+  return {.name = "hover",
+          .summary = "Centres over the pad, goes to a height and stays there.",
+          .looks_for_pad = true,
+          .common_metrics = {"fix_*", "longest_loss_s", "settle_s", "hold_*"}};
 }
 
-}  // namespace kestrel
+std::unique_ptr<mission::Mission> MakeMission(const HoverFlight& flight, const mission::MissionParts& parts) {
+  return std::make_unique<HoverMission>(flight, mission::PilotOf(parts));
+}
+
+}  // namespace kestrel::scenarios

@@ -3,13 +3,12 @@
 
 #include <memory>
 
-#include "mission/helipad_pilot.h"
+#include "mission/mission_type.h"
 
-namespace kestrel {
+namespace kestrel::scenarios {
 
 // Thesis 5.3.1, positioning control: centre over the pad first, then go to the height.
 struct HoverFlight {
-  static constexpr const char* kName = "hover";
   double height_m = 3;
   double centred_m = 0.5;  // horizontal error under which the height follows
   double yaw_deg = 0;      // in the pad's frame
@@ -22,6 +21,7 @@ void Fields(Visitor& v, HoverFlight& p) {
   v("yaw_deg", p.yaw_deg, -180.0, 180.0);
 }
 
-std::unique_ptr<Mission> MakeMission(const HoverFlight& flight, HelipadPilot pilot);
+mission::MissionType TypeOf(const HoverFlight& flight);
+std::unique_ptr<mission::Mission> MakeMission(const HoverFlight& flight, const mission::MissionParts& parts);
 
-}  // namespace kestrel
+}  // namespace kestrel::scenarios

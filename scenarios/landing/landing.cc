@@ -5,28 +5,28 @@
 
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::scenarios {
 namespace {
 
 constexpr double kRest_s = 1;  // after the motors have stopped, until the aircraft stands still
 
-class LandingMission final : public Mission {
+class LandingMission final : public mission::Mission {
  public:
-  LandingMission(const LandingFlight& flight, HelipadPilot pilot)
+  LandingMission(const LandingFlight& flight, mission::HelipadPilot pilot)
       : flight_(flight), pilot_(std::move(pilot)) {}
 
-  Decision Step(const Frame& frame, const VehicleState& state) override {
-    Decision decision = pilot_.See(frame, state);
+  mission::Decision Step(const vision::Frame& frame, const control::VehicleState& state) override {
+    mission::Decision decision = pilot_.Observe(frame, state);
     decision.goal_T = Eigen::Vector3d::Zero();
     decision.goal_yaw_TB = Radians(flight_.yaw_deg);
     if (state.landed) {
       phase_ = "landed";
       if (!landed_s_) landed_s_ = state.t_s;
       if (state.t_s - *landed_s_ >= kRest_s) decision.outcome = "landed";
-    } else if (committed_ && !pilot_.Knows() && decision.fix_age_s < BlindTime_s()) {
+    } else if (committed_ && !pilot_.HasEstimate() && decision.fix_age_s < BlindTime_s()) {
       // Too low to see: on with the last course, level and straight down.
-      decision.setpoint = VelocitySetpoint{{0, 0, flight_.commit_sink_m_s}, 0};
-    } else if (!pilot_.Knows()) {
+      decision.setpoint = control::VelocitySetpoint{{0, 0, flight_.commit_sink_m_s}, 0};
+    } else if (!pilot_.HasEstimate()) {
       committed_ = false;
       phase_ = "search";
       decision.setpoint = pilot_.Search(state);
@@ -38,15 +38,15 @@ class LandingMission final : public Mission {
     return decision;
   }
   bool Accomplished() const override { return landed_s_.has_value(); }
-  TargetNeed Target() const override { return TargetNeed::kInSight; }
-  VelocityLag MostLag() const override { return pilot_.MostLag(); }
+  mission::TargetNeed Target() const override { return mission::TargetNeed::kInSight; }
+  control::VelocityLag MaxLag() const override { return pilot_.MaxLag(); }
   void Draw(cv::Mat& bgr) const override { pilot_.Draw(bgr, phase_); }
 
  private:
   // The ground must come within this, or something else has.
   double BlindTime_s() const { return 2 * flight_.blind_m / flight_.commit_sink_m_s + 1; }
 
-  VelocitySetpoint Descend() {
+  control::VelocitySetpoint Descend() {
     const Eigen::Vector3d& p_TB = pilot_.where().p_TB;
     const double height = -p_TB.z(), off = p_TB.head<2>().norm();
     const double yaw = Radians(flight_.yaw_deg);
@@ -67,7 +67,7 @@ class LandingMission final : public Mission {
   }
 
   LandingFlight flight_;
-  HelipadPilot pilot_;
+  mission::HelipadPilot pilot_;
   std::string_view phase_ = "search";
   std::optional<double> landed_s_;
   bool committed_ = false;  // so low that the camera need no longer see the pad
@@ -75,8 +75,17 @@ class LandingMission final : public Mission {
 
 }  // namespace
 
-std::unique_ptr<Mission> MakeMission(const LandingFlight& flight, HelipadPilot pilot) {
-  return std::make_unique<LandingMission>(flight, std::move(pilot));
+mission::MissionType TypeOf(const LandingFlight&) {
+  return {.name = "landing",
+          .summary = "Centres over the pad, descends and lands on it; it lands on no other place.",
+          .looks_for_pad = true,
+          .begins_in_the_air = true,
+          .common_metrics = {"fix_*", "longest_loss_s", "settle_s", "touchdown_*", "rest_*"}};
 }
 
-}  // namespace kestrel
+std::unique_ptr<mission::Mission> MakeMission(const LandingFlight& flight,
+                                              const mission::MissionParts& parts) {
+  return std::make_unique<LandingMission>(flight, mission::PilotOf(parts));
+}
+
+}  // namespace kestrel::scenarios

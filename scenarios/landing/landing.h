@@ -3,14 +3,13 @@
 
 #include <memory>
 
-#include "mission/helipad_pilot.h"
+#include "mission/mission_type.h"
 
-namespace kestrel {
+namespace kestrel::scenarios {
 
 // Thesis 5.3.1, landing control: centre, descend over the pad, and below a height sink at a constant speed.
 // It lands on a pad that it sees and on no other place: lost above blind_m, it stops, climbs and searches.
 struct LandingFlight {
-  static constexpr const char* kName = "landing";
   double yaw_deg = 0;        // in the pad's frame
   double descent_m_s = 0.7;  // greatest speed of the descent
   double commit_m = 0.7;     // height below which the aircraft sinks at a constant speed
@@ -29,6 +28,8 @@ void Fields(Visitor& v, LandingFlight& p) {
   v("centred_m", p.centred_m, 0.01, 2.0);
 }
 
-std::unique_ptr<Mission> MakeMission(const LandingFlight& flight, HelipadPilot pilot);
+mission::MissionType TypeOf(const LandingFlight& flight);
+std::unique_ptr<mission::Mission> MakeMission(const LandingFlight& flight,
+                                              const mission::MissionParts& parts);
 
-}  // namespace kestrel
+}  // namespace kestrel::scenarios

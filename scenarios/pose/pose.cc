@@ -3,34 +3,44 @@
 
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::scenarios {
 namespace {
 
-class PoseMission final : public Mission {
+class PoseMission final : public mission::Mission {
  public:
-  PoseMission(const PoseFlight& flight, HelipadPilot pilot) : flight_(flight), pilot_(std::move(pilot)) {}
+  PoseMission(const PoseFlight& flight, mission::HelipadPilot pilot)
+      : flight_(flight), pilot_(std::move(pilot)) {}
 
-  Decision Step(const Frame& frame, const VehicleState& state) override {
-    Decision decision = pilot_.See(frame, state);
+  mission::Decision Step(const vision::Frame& frame, const control::VehicleState& state) override {
+    mission::Decision decision = pilot_.Observe(frame, state);
     if (!hold_)
-      hold_ = PositionSetpoint{{state.p_NB.x(), state.p_NB.y(), -flight_.height_m}, YawOf(state.R_NB)};
+      hold_ =
+          control::PositionSetpoint{{state.p_NB.x(), state.p_NB.y(), -flight_.height_m}, YawOf(state.R_NB)};
     decision.phase = "hover";
     decision.setpoint = *hold_;
     return decision;
   }
-  TargetNeed Target() const override { return TargetNeed::kInSight; }
+  mission::TargetNeed Target() const override { return mission::TargetNeed::kInSight; }
   void Draw(cv::Mat& bgr) const override { pilot_.Draw(bgr, "hover on GPS"); }
 
  private:
   PoseFlight flight_;
-  HelipadPilot pilot_;
-  std::optional<PositionSetpoint> hold_;
+  mission::HelipadPilot pilot_;
+  std::optional<control::PositionSetpoint> hold_;
 };
 
 }  // namespace
 
-std::unique_ptr<Mission> MakeMission(const PoseFlight& flight, HelipadPilot pilot) {
-  return std::make_unique<PoseMission>(flight, std::move(pilot));
+mission::MissionType TypeOf(const PoseFlight&) {
+  return {
+      .name = "pose",
+      .summary = "The aircraft hovers by its own sensors, and the vision only estimates where the pad is.",
+      .looks_for_pad = true,
+      .common_metrics = {"fix_*", "longest_loss_s"}};
 }
 
-}  // namespace kestrel
+std::unique_ptr<mission::Mission> MakeMission(const PoseFlight& flight, const mission::MissionParts& parts) {
+  return std::make_unique<PoseMission>(flight, mission::PilotOf(parts));
+}
+
+}  // namespace kestrel::scenarios

@@ -3,13 +3,12 @@
 
 #include <memory>
 
-#include "mission/helipad_pilot.h"
+#include "mission/mission_type.h"
 
-namespace kestrel {
+namespace kestrel::scenarios {
 
 // Thesis 4.4.2: the aircraft hovers on its autopilot's own sensors, and the vision only estimates.
 struct PoseFlight {
-  static constexpr const char* kName = "pose";
   double height_m = 4.2;
 };
 
@@ -18,6 +17,7 @@ void Fields(Visitor& v, PoseFlight& p) {
   v("height_m", p.height_m, 0.3, 60.0);
 }
 
-std::unique_ptr<Mission> MakeMission(const PoseFlight& flight, HelipadPilot pilot);
+mission::MissionType TypeOf(const PoseFlight& flight);
+std::unique_ptr<mission::Mission> MakeMission(const PoseFlight& flight, const mission::MissionParts& parts);
 
-}  // namespace kestrel
+}  // namespace kestrel::scenarios

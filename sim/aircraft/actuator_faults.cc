@@ -4,7 +4,7 @@
 #include "geometry/tait_bryan.h"
 #include "sim/sensor/sensor_fault.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 const ActuatorFault* FaultAt(const std::vector<ActuatorFault>& faults, std::string_view component,
                              int instance, double t_s) {
@@ -35,4 +35,4 @@ ActuatorConditions ConditionsAt(const std::vector<ActuatorFault>& faults, double
   return all;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

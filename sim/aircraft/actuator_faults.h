@@ -8,7 +8,7 @@
 
 #include "base/yaml/fields.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // A fault of a motor or servo while t is in [from_s, until_s), in the vocabulary of PX4's failure injection.
 // instance: which, from 1; 0: all of them.
@@ -72,4 +72,4 @@ struct ActuatorConditions {
 
 ActuatorConditions ConditionsAt(const std::vector<ActuatorFault>& faults, double t_s);
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

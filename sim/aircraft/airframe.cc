@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-namespace kestrel {
+namespace kestrel::sim {
 
 Airframe MakeAirframe(const AirframeParameters& parameters, mjModel* model, bool turning) {
   if (const auto* helicopter = std::get_if<HelicopterParameters>(&parameters))
@@ -21,9 +21,9 @@ double Mass_kg(const AirframeParameters& parameters) {
   return std::visit([](const auto& p) { return p.mass_kg; }, parameters);
 }
 
-double GreatestThrust_n(const AirframeParameters& parameters) {
+double MaxThrust_n(const AirframeParameters& parameters) {
   if (const auto* helicopter = std::get_if<HelicopterParameters>(&parameters))
-    return GreatestThrust(helicopter->rotor, helicopter->drive.speed_rad_s);
+    return MaxThrust(helicopter->rotor, helicopter->drive.speed_rad_s);
   const RotorParameters& rotor = std::get<MultirotorParameters>(parameters).rotor;
   return 4 * rotor.thrust_coefficient_n_s2 * std::pow(rotor.max_speed_rad_s, 2);
 }
@@ -52,4 +52,4 @@ void Disturb(const Airframe& airframe, SensorReadings& readings) {
   if (const auto* helicopter = std::get_if<Helicopter>(&airframe)) helicopter->Disturb(readings);
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -8,7 +8,7 @@
 #include "sim/aircraft/multirotor.h"
 #include "sim/aircraft/multirotor_stabiliser.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // The kinds of aircraft that there are: what they are made of, what flies, what their autopilot asks of them,
 // and its inner loop.
@@ -22,7 +22,7 @@ Airframe MakeAirframe(const AirframeParameters& parameters, mjModel* model, bool
 Stabiliser MakeStabiliser(const AirframeParameters& parameters);
 
 double Mass_kg(const AirframeParameters& parameters);
-double GreatestThrust_n(const AirframeParameters& parameters);
+double MaxThrust_n(const AirframeParameters& parameters);
 Actuation Stopped(const AirframeParameters& parameters);  // motors off
 
 void Command(Airframe& airframe, const Actuation& actuation);                  // of its own kind
@@ -30,4 +30,4 @@ void SetConditions(Airframe& airframe, const ActuatorConditions& conditions);  /
 void Apply(Airframe& airframe, mjData* data, double dt_s, const Eigen::Vector3d& wind_N, double surface_m);
 void Disturb(const Airframe& airframe, SensorReadings& readings);
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

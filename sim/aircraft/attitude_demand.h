@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // What an autopilot's outer loops ask of the inner loop that moves an airframe's rotors or servos.
 struct AttitudeDemand {
@@ -20,4 +20,4 @@ struct SensedMotion {
   double rotor_rad_s = 0;  // of the tachometer of a helicopter
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -7,7 +7,7 @@
 
 #include "sim/world/frames.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 FreeBody::FreeBody(double mass_kg, const Eigen::Vector3d& inertia_kg_m2, mjModel* model, const char* name)
     : body_(mj_name2id(model, mjOBJ_BODY, name)) {
@@ -48,4 +48,4 @@ void FreeBody::Push(const Wrench& wrench, mjData* data) const {
   VectorToMujoco(X.R * wrench.torque, applied + 3);
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -8,7 +8,7 @@
 #include "geometry/pose.h"
 #include "sim/aircraft/rotor/wrench.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // A body with a free joint in a MuJoCo model: an aircraft.
 class FreeBody {
@@ -27,4 +27,4 @@ class FreeBody {
   int body_, position_, velocity_;  // indices into the bodies, qpos and qvel of MuJoCo
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -8,7 +8,7 @@
 #include "geometry/tait_bryan.h"
 #include "sim/aircraft/rotor/rotor.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 constexpr double kGravity = 9.80665;
@@ -186,4 +186,4 @@ void Helicopter::Disturb(SensorReadings& readings) const {
   readings.rotor_rad_s = state_.drive.speed_rad_s;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

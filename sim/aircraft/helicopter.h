@@ -14,7 +14,7 @@
 #include "sim/sensor/heading_gyro.h"
 #include "sim/sensor/sensors.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // What an autopilot's inner loop of a helicopter is tuned to: see sim/aircraft/helicopter_stabiliser.h.
 struct HelicopterGains {
@@ -177,4 +177,4 @@ class Helicopter {
   HelicopterState state_;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

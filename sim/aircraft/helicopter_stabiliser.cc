@@ -6,7 +6,7 @@
 
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 constexpr double kGravity = 9.80665;
@@ -34,7 +34,7 @@ HelicopterControls HelicopterStabiliser::Step(double dt_s, const AttitudeDemand&
 
   HelicopterControls controls;
   controls.running = true;
-  const double thrust = std::clamp(demand.thrust_n, 0.0, GreatestThrust(p.rotor, speed));
+  const double thrust = std::clamp(demand.thrust_n, 0.0, MaxThrust(p.rotor, speed));
   const double low = Radians(p.collective_low_deg), high = Radians(p.collective_high_deg);
   const double collective = PitchFor(p.rotor, speed, thrust, sensed.climb_m_s);
   controls.collective = std::clamp(collective, low, high);
@@ -87,4 +87,4 @@ bool HelicopterStabiliser::Ready(const SensedMotion& sensed) const {
   return sensed.rotor_rad_s > kReadyShare * aircraft_.drive.speed_rad_s;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

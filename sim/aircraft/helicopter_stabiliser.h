@@ -4,7 +4,7 @@
 #include "sim/aircraft/attitude_demand.h"
 #include "sim/aircraft/helicopter.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // The inner loop of a helicopter: collective, cyclic and pedals for the attitude wanted.
 //
@@ -33,4 +33,4 @@ class HelicopterStabiliser {
   bool limited_ = false;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

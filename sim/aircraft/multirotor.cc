@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 constexpr std::array<Spin, 4> kSpins = {Spin::kClockwise, Spin::kCounterclockwise, Spin::kClockwise,
@@ -100,4 +100,4 @@ double Multirotor::HoverSpeed() const {
   return std::sqrt(parameters_.mass_kg * gravity_m_s2_ / (4 * parameters_.rotor.thrust_coefficient_n_s2));
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -10,7 +10,7 @@
 #include "sim/aircraft/free_body.h"
 #include "sim/aircraft/rotor/rotor.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // A rigid airframe with four rotors in a plus: front, right, back, left, along +x, +y, -x, -y of B. Front and
 // back turn clockwise, right and left counterclockwise. The defaults are those of the AscTec Pelican.
@@ -67,7 +67,7 @@ class Multirotor {
   // Rotor speed that carries the weight in still air, rad/s.
   double HoverSpeed() const;
   RotorSpeeds Allocate(double thrust, const Eigen::Vector3d& torque_B) const {
-    return kestrel::Allocate(parameters_, thrust, torque_B);
+    return kestrel::sim::Allocate(parameters_, thrust, torque_B);
   }
 
  private:
@@ -78,4 +78,4 @@ class Multirotor {
   RotorSpeeds command_{}, speeds_{};
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

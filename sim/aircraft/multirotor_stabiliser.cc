@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 // Fast against the identified model that is to be followed, slow against the motors.
@@ -25,4 +25,4 @@ RotorSpeeds MultirotorStabiliser::Step(double /*dt_s*/, const AttitudeDemand& de
   return speeds;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -4,7 +4,7 @@
 #include "sim/aircraft/attitude_demand.h"
 #include "sim/aircraft/multirotor.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // The inner loop of a multirotor: torque for the acceleration wanted, with feedback on attitude and rate.
 class MultirotorStabiliser {
@@ -21,4 +21,4 @@ class MultirotorStabiliser {
   bool limited_ = false;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -6,7 +6,7 @@
 
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 constexpr double kGravity = 9.80665;
@@ -48,19 +48,19 @@ EmulatedAutopilot::EmulatedAutopilot(const AutopilotParameters& parameters, cons
       aircraft_(aircraft),
       stabiliser_(MakeStabiliser(aircraft)),
       navigation_(sensors, parameters.command_timeout_s, X_NB, gyro_bias),
-      mode_(flying ? FlightMode::kPosition : FlightMode::kStopped) {
+      mode_(flying ? control::FlightMode::kPosition : control::FlightMode::kStopped) {
   hold_ = {X_NB.p, YawOf(X_NB.R)};
   setpoint_ = hold_;
   yaw_.angle = yaw_command_ = hold_.yaw;
 }
 
-void EmulatedAutopilot::Send(const Setpoint& setpoint) {
+void EmulatedAutopilot::Send(const control::Setpoint& setpoint) {
   setpoint_ = setpoint;
   setpoint_age_s_ = 0;
-  if (mode_ == FlightMode::kStopped) {
-    const auto* position = std::get_if<PositionSetpoint>(&setpoint);
+  if (mode_ == control::FlightMode::kStopped) {
+    const auto* position = std::get_if<control::PositionSetpoint>(&setpoint);
     if (!position || !(position->p_N.z() < navigation_.InUse().X_NB().p.z() - kClearOfGround_m)) return;
-    mode_ = FlightMode::kTakeOff;
+    mode_ = control::FlightMode::kTakeOff;
     const TaitBryan now = TaitBryanFromRotation(navigation_.InUse().X_NB().R.toRotationMatrix());
     hold_ = {navigation_.InUse().X_NB().p, now.yaw};
     roll_ = {}, pitch_ = {}, yaw_ = {};
@@ -70,10 +70,10 @@ void EmulatedAutopilot::Send(const Setpoint& setpoint) {
     touch_s_ = 0;
     return;
   }
-  if (mode_ == FlightMode::kTakeOff) return;
-  if (std::holds_alternative<VelocitySetpoint>(setpoint)) mode_ = FlightMode::kVelocity;
-  if (std::holds_alternative<PositionSetpoint>(setpoint)) mode_ = FlightMode::kPosition;
-  if (std::holds_alternative<AttitudeSetpoint>(setpoint)) mode_ = FlightMode::kAttitude;
+  if (mode_ == control::FlightMode::kTakeOff) return;
+  if (std::holds_alternative<control::VelocitySetpoint>(setpoint)) mode_ = control::FlightMode::kVelocity;
+  if (std::holds_alternative<control::PositionSetpoint>(setpoint)) mode_ = control::FlightMode::kPosition;
+  if (std::holds_alternative<control::AttitudeSetpoint>(setpoint)) mode_ = control::FlightMode::kAttitude;
 }
 
 Actuation EmulatedAutopilot::Step(double dt_s, const SensorReadings& readings) {
@@ -90,15 +90,15 @@ Actuation EmulatedAutopilot::Step(double dt_s, const SensorReadings& readings) {
   drag_N_ += (1 - std::exp(-dt_s / kDragTime_s)) * (drag_N - drag_N_);
   carried_m_s2_ +=
       (1 - std::exp(-dt_s / kCarriedTime_s)) * (-readings.imu.specific_force_B.z() - carried_m_s2_);
-  if (mode_ == FlightMode::kStopped) return Stopped(aircraft_);
+  if (mode_ == control::FlightMode::kStopped) return Stopped(aircraft_);
   // A position stands until the next one; velocities and attitudes must be kept up.
-  if ((mode_ == FlightMode::kVelocity || mode_ == FlightMode::kAttitude) &&
+  if ((mode_ == control::FlightMode::kVelocity || mode_ == control::FlightMode::kAttitude) &&
       setpoint_age_s_ > parameters_.command_timeout_s) {
-    mode_ = FlightMode::kHold;
+    mode_ = control::FlightMode::kHold;
     hold_ = {navigation_.InUse().X_NB().p, YawOf(navigation_.InUse().X_NB().R)};
   }
   const Demand demand = Navigate(dt_s);
-  if (mode_ == FlightMode::kStopped) return Stopped(aircraft_);
+  if (mode_ == control::FlightMode::kStopped) return Stopped(aircraft_);
   return Stabilise(dt_s, demand);
 }
 
@@ -106,40 +106,40 @@ EmulatedAutopilot::Demand EmulatedAutopilot::Navigate(double dt_s) {
   const double yaw = YawOf(navigation_.InUse().X_NB().R);
   const auto turn_to = [&](double wanted) { return kYawGain_per_s * WrapAngle(wanted - yaw_.angle); };
   switch (mode_) {
-    case FlightMode::kVelocity: {
-      const auto& v = std::get<VelocitySetpoint>(setpoint_);
-      const Demand demand = FollowVelocity(dt_s, HeadingRotation(yaw) * v.v_H, v.yaw_rate);
+    case control::FlightMode::kVelocity: {
+      const auto& v = std::get<control::VelocitySetpoint>(setpoint_);
+      const Demand demand = TrackVelocity(dt_s, HeadingRotation(yaw) * v.v_H, v.yaw_rate);
       WatchTouchDown(dt_s, v.v_H.z());
       return demand;
     }
-    case FlightMode::kAttitude: {
-      const auto& a = std::get<AttitudeSetpoint>(setpoint_);
+    case control::FlightMode::kAttitude: {
+      const auto& a = std::get<control::AttitudeSetpoint>(setpoint_);
       CommandVelocity(navigation_.InUse().v_N());
       const double limit = Radians(parameters_.stick_limit_deg);
       tilt_limited_ = std::abs(a.roll) * parameters_.roll.gain > limit ||
                       std::abs(a.pitch) * parameters_.pitch.gain > limit;
-      return {a.roll, a.pitch, a.yaw_rate, std::clamp(a.thrust, 0.0, 1.0) * GreatestThrust_n(aircraft_)};
+      return {a.roll, a.pitch, a.yaw_rate, std::clamp(a.thrust, 0.0, 1.0) * MaxThrust_n(aircraft_)};
     }
-    case FlightMode::kTakeOff: {
+    case control::FlightMode::kTakeOff: {
       if (!std::visit([&](const auto& s) { return s.Ready(Sensed()); }, stabiliser_)) return {};
       Eigen::Vector3d v = VelocityToward(hold_.p_N);
       v.z() = -kTakeOffClimb_m_s;
       if (navigation_.InUse().X_NB().p.z() < hold_.p_N.z() - kClearOfGround_m) {
-        mode_ = FlightMode::kPosition;
-        if (!std::holds_alternative<PositionSetpoint>(setpoint_))
-          setpoint_ = PositionSetpoint{navigation_.InUse().X_NB().p, hold_.yaw};
+        mode_ = control::FlightMode::kPosition;
+        if (!std::holds_alternative<control::PositionSetpoint>(setpoint_))
+          setpoint_ = control::PositionSetpoint{navigation_.InUse().X_NB().p, hold_.yaw};
       } else {
         v.head<2>().setZero();  // no leaning against skids that still stand
         integral_N_.head<2>().setZero();
       }
-      return FollowVelocity(dt_s, v, turn_to(hold_.yaw));
+      return TrackVelocity(dt_s, v, turn_to(hold_.yaw));
     }
-    case FlightMode::kPosition: {
-      const auto& p = std::get<PositionSetpoint>(setpoint_);
-      return FollowVelocity(dt_s, VelocityToward(p.p_N), turn_to(p.yaw));
+    case control::FlightMode::kPosition: {
+      const auto& p = std::get<control::PositionSetpoint>(setpoint_);
+      return TrackVelocity(dt_s, VelocityToward(p.p_N), turn_to(p.yaw));
     }
     default:
-      return FollowVelocity(dt_s, VelocityToward(hold_.p_N), turn_to(hold_.yaw));
+      return TrackVelocity(dt_s, VelocityToward(hold_.p_N), turn_to(hold_.yaw));
   }
 }
 
@@ -161,8 +161,8 @@ double EmulatedAutopilot::ClimbLate(double v_down) {
   return climb_asked_.front().second;
 }
 
-EmulatedAutopilot::Demand EmulatedAutopilot::FollowVelocity(double dt_s, const Eigen::Vector3d& v_N_asked,
-                                                            double yaw_rate) {
+EmulatedAutopilot::Demand EmulatedAutopilot::TrackVelocity(double dt_s, const Eigen::Vector3d& v_N_asked,
+                                                           double yaw_rate) {
   Eigen::Vector3d v_N_wanted = v_N_asked;
   v_N_wanted.head<2>() = Limited(v_N_asked.head<2>(), parameters_.speed_limit_m_s);
   v_N_wanted.z() = std::clamp(v_N_asked.z(), -parameters_.climb_limit_m_s, parameters_.climb_limit_m_s);
@@ -209,8 +209,8 @@ EmulatedAutopilot::Demand EmulatedAutopilot::FollowVelocity(double dt_s, const E
 // Makes the aircraft follow the identified models, whose state is the reference: feed-forward of its
 // acceleration, feedback on attitude and rate by the inner loop.
 Actuation EmulatedAutopilot::Stabilise(double dt_s, const Demand& demand) {
-  const double limit =
-      Radians(mode_ == FlightMode::kAttitude ? parameters_.stick_limit_deg : parameters_.tilt_limit_deg);
+  const double limit = Radians(mode_ == control::FlightMode::kAttitude ? parameters_.stick_limit_deg
+                                                                       : parameters_.tilt_limit_deg);
   const double rate_limit = Radians(parameters_.yaw_rate_limit_deg_s);
   yaw_command_ += dt_s * std::clamp(demand.yaw_rate, -rate_limit, rate_limit);
   roll_.Step(dt_s, parameters_.roll,
@@ -261,7 +261,7 @@ void EmulatedAutopilot::WatchTouchDown(double dt_s, double descent_wanted) {
 }
 
 void EmulatedAutopilot::StopMotors() {
-  mode_ = FlightMode::kStopped;
+  mode_ = control::FlightMode::kStopped;
   throttle_down_ = 1;
   touch_s_ = 0;
   integral_N_.setZero();
@@ -269,19 +269,19 @@ void EmulatedAutopilot::StopMotors() {
   std::visit([](auto& s) { s.Stop(); }, stabiliser_);
 }
 
-VehicleState EmulatedAutopilot::State() const {
-  VehicleState s;
+control::VehicleState EmulatedAutopilot::State() const {
+  control::VehicleState s;
   s.t_s = t_s_;
   s.p_NB = navigation_.InUse().X_NB().p;
   s.v_N = navigation_.InUse().v_N();
   s.R_NB = navigation_.InUse().X_NB().R;
   s.w_B = navigation_.InUse().w_B();
   s.mode = mode_;
-  s.landed = mode_ == FlightMode::kStopped;
+  s.landed = mode_ == control::FlightMode::kStopped;
   s.saturated = tilt_limited_ || rotor_limited_;
   s.aided = navigation_.aided();
   s.R_NB_inertial = navigation_.InertialAttitude();
   return s;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

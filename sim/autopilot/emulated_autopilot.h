@@ -10,7 +10,7 @@
 #include "sim/autopilot/navigation.h"
 #include "sim/sensor/sensors.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // A closed attitude axis as identified: angle = gain w^2 / (s^2 + 2 d w s + w^2) command.
 struct AxisLoop {
@@ -79,12 +79,12 @@ class EmulatedAutopilot {
                     const AirframeParameters& aircraft, const Pose& X_NB, bool flying,
                     const Eigen::Vector3d& gyro_bias);
 
-  void Send(const Setpoint& setpoint);
-  void Aid(const AttitudeAid& aid) { navigation_.Aid(aid); }
+  void Send(const control::Setpoint& setpoint);
+  void Aid(const control::AttitudeAid& aid) { navigation_.Aid(aid); }
   // Advances by one step of the simulation; returns what the aircraft's rotors are to do.
   Actuation Step(double dt_s, const SensorReadings& readings);
 
-  VehicleState State() const;
+  control::VehicleState State() const;
   NavigationHealth Health() const { return navigation_.Health(); }
   double t_s() const { return t_s_; }
   void SetClock(double t_s) { t_s_ = t_s; }
@@ -100,7 +100,7 @@ class EmulatedAutopilot {
   };
 
   Demand Navigate(double dt_s);
-  Demand FollowVelocity(double dt_s, const Eigen::Vector3d& v_N_wanted, double yaw_rate);
+  Demand TrackVelocity(double dt_s, const Eigen::Vector3d& v_N_wanted, double yaw_rate);
   Eigen::Vector3d VelocityToward(const Eigen::Vector3d& p_N) const;
   double ClimbLate(double v_down);                   // what was asked for climb_delay_s ago
   void CommandVelocity(const Eigen::Vector3d& v_N);  // without slewing
@@ -116,10 +116,10 @@ class EmulatedAutopilot {
   double t_s_ = 0;
   double rotor_rad_s_ = 0;  // of the tachometer
 
-  FlightMode mode_;
-  Setpoint setpoint_;
+  control::FlightMode mode_;
+  control::Setpoint setpoint_;
   double setpoint_age_s_ = 0;
-  PositionSetpoint hold_;
+  control::PositionSetpoint hold_;
 
   AxisState roll_, pitch_, yaw_;
   double yaw_command_ = 0;
@@ -134,4 +134,4 @@ class EmulatedAutopilot {
   bool tilt_limited_ = false, rotor_limited_ = false;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -7,7 +7,7 @@
 #include "sim/aircraft/airframe.h"
 #include "sim/sensor/sensors.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // Who moves the rotors from outside, in place of the emulated autopilot: see Simulator::FlyBy.
 class ExternalAutopilot {
@@ -19,4 +19,4 @@ class ExternalAutopilot {
   virtual std::optional<Actuation> Step(double dt_s, const SensorReadings& readings, const Truth& truth) = 0;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

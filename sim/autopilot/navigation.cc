@@ -5,7 +5,7 @@
 
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 constexpr double kForceTime_s = 1;
@@ -65,7 +65,7 @@ void Navigation::StepEstimators(double dt_s, double t_s, const SensorReadings& r
   if (aid_age_s_ > timeout_s_) aided_.reset();
 }
 
-void Navigation::Aid(const AttitudeAid& aid) {
+void Navigation::Aid(const control::AttitudeAid& aid) {
   if (!aided_) aided_ = own_;
   aided_->SetAttitude(aid.R_NB, aid.sigma);
   aid_age_s_ = 0;
@@ -93,4 +93,4 @@ std::optional<Eigen::Quaterniond> Navigation::InertialAttitude() const {
   return own_.X_NB().R;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -5,10 +5,10 @@
 
 #include "control/autopilot.h"
 #include "sim/autopilot/state_estimator.h"
-#include "sim/sensor/sensor_watch.h"
+#include "sim/sensor/sensor_monitor.h"
 #include "sim/sensor/sensors.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // What an autopilot knows of itself: the estimate of its own sensors, with the faults of its attitude, and
 // while it is sent attitudes from outside a second one that takes these. A fault that ends leaves the own
@@ -22,7 +22,7 @@ class Navigation {
 
   // t_s: of the autopilot's clock, at the end of the step.
   void Step(double dt_s, double t_s, const SensorReadings& readings);
-  void Aid(const AttitudeAid& aid);
+  void Aid(const control::AttitudeAid& aid);
 
   const StateEstimator& InUse() const { return aided_ ? *aided_ : own_; }
   bool aided() const { return aided_.has_value(); }
@@ -36,7 +36,7 @@ class Navigation {
   SensorParameters sensors_;
   double timeout_s_;
   Eigen::Vector3d gyro_bias_;  // at switch-on
-  SensorWatch watch_;
+  SensorMonitor watch_;
   StateEstimator own_;
   std::optional<StateEstimator> aided_;
   double aid_age_s_ = 0;
@@ -45,4 +45,4 @@ class Navigation {
   Eigen::Vector3d field_B_{1, 0, 0};      // the magnetic field, as last heard, T
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

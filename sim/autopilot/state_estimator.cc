@@ -7,7 +7,7 @@
 
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 constexpr double kGravity = 9.80665;
@@ -155,4 +155,4 @@ void StateEstimator::Correct(const Vector15& h, double innovation, double varian
   P_ = ((P_ + P_.transpose()) / 2).eval();
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -7,7 +7,7 @@
 #include "geometry/pose.h"
 #include "sim/sensor/sensors.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // The autopilot's own navigation: an error-state Kalman filter of position, velocity, attitude and the biases
 // of gyroscopes and accelerometers, driven by the IMU and corrected by GPS, barometer and compass. J. Solà,
@@ -73,4 +73,4 @@ class StateEstimator {
   Vector15 error_ = Vector15::Zero();  // found by this step's corrections, not yet moved into the state
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -9,7 +9,7 @@
 
 #include "base/random.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 constexpr double kClock_s = 1e-9;  // times are multiples of a step, but for rounding
@@ -87,4 +87,4 @@ bool CameraFaults::Loses(const CameraCondition& condition, std::int64_t tick) co
   return static_cast<double>(drawn >> 11) * 0x1p-53 < condition.loss;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

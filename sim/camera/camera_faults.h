@@ -8,7 +8,7 @@
 
 #include "base/yaml/fields.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // A fault of the camera, in the vocabulary of PX4's failure injection. What becomes of the frames whose
 // exposure falls into it:
@@ -74,4 +74,4 @@ class CameraFaults {
   std::vector<CameraCondition> conditions_;  // in the order of time; the first has no beginning
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

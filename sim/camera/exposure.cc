@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 constexpr double kDarkest_grey = 0.25;  // a black image asks for more light, but not for endlessly more
@@ -41,4 +41,4 @@ void ExposureControl::Meter(double mean_grey, double t_s) {
   exposure_value_ = std::clamp(exposure_value_ * std::exp(share * wanted), lowest_, highest_);
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -3,7 +3,7 @@
 
 #include <optional>
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // When the pixels gather light. The bytes of a rendered image are what the sensor sees in time_s at a gain of
 // 1: time_s alone changes what is smeared, not how bright it is.
@@ -65,4 +65,4 @@ class ExposureControl {
   std::optional<double> metered_s_;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

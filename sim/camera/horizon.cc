@@ -9,7 +9,7 @@
 #include "sim/world/frames.h"
 #include "sim/world/scene.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 HorizonTruth HorizonOf(const Pose& X_NC) {
   HorizonTruth truth;
@@ -33,7 +33,7 @@ cv::Mat ClassifySky(const mjModel* model, const Surfaces& surfaces) {
   return classes;
 }
 
-cv::Mat OwnParts(const mjModel* model, const CameraModel& camera, const Pose& X_BC) {
+cv::Mat OwnParts(const mjModel* model, const vision::CameraModel& camera, const Pose& X_BC) {
   constexpr double kHigh_m = 5000;  // over all that is fixed to the world
   // What light shines through counts too, and See() leaves it out.
   const ModelPtr opaque(mj_copyModel(nullptr, model));
@@ -50,17 +50,18 @@ cv::Mat OwnParts(const mjModel* model, const CameraModel& camera, const Pose& X_
   RenderOptions by_ray;
   by_ray.backend = "ray";
   by_ray.threads = 1;
-  const Surfaces seen = Renderer(opaque.get(), camera, by_ray).See(data.get(), X_NB * X_BC);
+  const Surfaces seen = Renderer(opaque.get(), camera, by_ray).Trace(data.get(), X_NB * X_BC);
   cv::Mat own = ClassifySky(opaque.get(), seen) == kNeither;
   cv::dilate(own, own, cv::Mat::ones(5, 5, CV_8U));
   return own;
 }
 
-std::vector<SkylinePoint> TrueSkyline(const cv::Mat& classes, const CameraModel& camera, const Pose& X_NC) {
+std::vector<SkylinePoint> TrueSkyline(const cv::Mat& classes, const vision::CameraModel& camera,
+                                      const Pose& X_NC) {
   std::vector<SkylinePoint> line;
   const auto is_edge = [](int a, int b) { return std::min(a, b) == kGround && std::max(a, b) == kSky; };
   const auto add = [&](double u, double v) {
-    const auto ray_C = Ray(camera, Eigen::Vector2d(u, v));
+    const auto ray_C = vision::Ray(camera, Eigen::Vector2d(u, v));
     if (!ray_C) return;
     const Eigen::Vector3d d = (X_NC.R * *ray_C).normalized();
     line.push_back({{u, v}, std::atan2(d.y(), d.x()), std::asin(std::clamp(-d.z(), -1.0, 1.0))});
@@ -75,4 +76,4 @@ std::vector<SkylinePoint> TrueSkyline(const cv::Mat& classes, const CameraModel&
   return line;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

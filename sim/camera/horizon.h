@@ -11,7 +11,7 @@
 #include "sim/camera/renderer.h"
 #include "vision/camera/camera_model.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // Where the horizon of a landscape truly is for a camera.
 struct HorizonTruth {
@@ -26,7 +26,7 @@ enum SkyClass : unsigned char { kGround = 0, kNeither = 128, kSky = 255 };
 cv::Mat ClassifySky(const mjModel* model, const Surfaces& surfaces);
 
 // Where a camera on the aircraft sees the aircraft itself: CV_8U, 255 there and two pixels around.
-cv::Mat OwnParts(const mjModel* model, const CameraModel& camera, const Pose& X_BC);
+cv::Mat OwnParts(const mjModel* model, const vision::CameraModel& camera, const Pose& X_BC);
 
 // A place where sky and ground are neighbours in a column or in a row: half way between the two pixels, known
 // to half a pixel.
@@ -36,6 +36,7 @@ struct SkylinePoint {
   double elevation_rad = 0;  // above the horizontal through the camera
 };
 // The outline between sky and ground of an image of those classes, row after row.
-std::vector<SkylinePoint> TrueSkyline(const cv::Mat& classes, const CameraModel& camera, const Pose& X_NC);
+std::vector<SkylinePoint> TrueSkyline(const cv::Mat& classes, const vision::CameraModel& camera,
+                                      const Pose& X_NC);
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

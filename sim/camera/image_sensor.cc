@@ -9,7 +9,7 @@
 
 #include "base/random.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 void AddNoise(std::uint8_t* row, const std::int8_t* noise, std::size_t length) {
@@ -33,12 +33,13 @@ cv::Mat Compressed(const cv::Mat& image, int quality) {
   return cv::imdecode(bytes, image.channels() == 1 ? cv::IMREAD_GRAYSCALE : cv::IMREAD_COLOR);
 }
 
-double LitShare(const CameraModel& camera, const cv::Mat& shade) {
-  const int width = WidthPx(camera), height = HeightPx(camera);
+double LitShare(const vision::CameraModel& camera, const cv::Mat& shade) {
+  const int width = vision::WidthPx(camera), height = vision::HeightPx(camera);
   int lit = 0;
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x)
-      lit += (shade.empty() || shade.at<float>(y, x) > 0) && Ray(camera, Eigen::Vector2d(x, y)).has_value();
+      lit += (shade.empty() || shade.at<float>(y, x) > 0) &&
+             vision::Ray(camera, Eigen::Vector2d(x, y)).has_value();
   }
   return std::max(1, lit) / (static_cast<double>(width) * height);
 }
@@ -78,7 +79,8 @@ double LongestReadout_s(const ImageParameters& p, int rows) {
   return (p.exposure.line_s + p.scatter.line_s) * (rows - 1);
 }
 
-ImageSensor::ImageSensor(const ImageParameters& parameters, const CameraModel& camera, std::uint64_t seed)
+ImageSensor::ImageSensor(const ImageParameters& parameters, const vision::CameraModel& camera,
+                         std::uint64_t seed)
     : parameters_(parameters),
       seed_(RandomStream(seed, "image garbage").Bits()),
       defocus_(parameters.lens),
@@ -170,4 +172,4 @@ double ImageSensor::MeanGrey(const cv::Mat& image) const {
   return grey / lit_share_;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

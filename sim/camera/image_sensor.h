@@ -12,7 +12,7 @@
 #include "sim/camera/tone_curve.h"
 #include "vision/camera/camera_model.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // How far the camera of a run may be from what its parameters say: each of these is drawn once a run,
 // uniformly within as much around its value, and kept within its range. One that is off on average may so be
@@ -96,7 +96,7 @@ double LongestReadout_s(const ImageParameters& parameters, int rows);
 class ImageSensor {
  public:
   // parameters: without scatter.
-  ImageSensor(const ImageParameters& parameters, const CameraModel& camera, std::uint64_t seed);
+  ImageSensor(const ImageParameters& parameters, const vision::CameraModel& camera, std::uint64_t seed);
   cv::Mat Expose(const cv::Mat& bgr, std::int64_t sequence, const ExposureSetting& setting) const;
   // With the setting of the parameters.
   cv::Mat Expose(const cv::Mat& bgr, std::int64_t sequence) const;
@@ -119,4 +119,4 @@ class ImageSensor {
   double lit_share_ = 1;  // of the pixels, by the lens
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -8,7 +8,7 @@
 
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 constexpr int kParts = 8;  // along each side of a pixel, to find how much of it an edge covers
@@ -24,7 +24,7 @@ double MeanOverPixel(const Eigen::Vector2d& uv, Function&& f) {
   return sum / (kParts * kParts);
 }
 
-Eigen::Vector2d PrincipalPoint(const CameraModel& camera) {
+Eigen::Vector2d PrincipalPoint(const vision::CameraModel& camera) {
   return std::visit([](const auto& c) { return Eigen::Vector2d(c.cx, c.cy); }, camera);
 }
 
@@ -58,15 +58,15 @@ cv::Mat DiscKernel(double radius) {
 
 }  // namespace
 
-cv::Mat Shade(const LensParameters& lens, const CameraModel& camera) {
+cv::Mat Shade(const LensParameters& lens, const vision::CameraModel& camera) {
   const bool falls_off = lens.cos_power > 0 || !lens.vignetting.isZero(0);
   if (!falls_off && lens.rim_px <= 0 && lens.reflection_deg <= 0) return {};
-  cv::Mat shade(HeightPx(camera), WidthPx(camera), CV_32F);
+  cv::Mat shade(vision::HeightPx(camera), vision::WidthPx(camera), CV_32F);
   const Eigen::Vector2d centre = PrincipalPoint(camera);
   const double half_diagonal = std::hypot(shade.cols, shade.rows) / 2;
   const double reflection_rad = Radians(lens.reflection_deg);
   const auto angle_of = [&](const Eigen::Vector2d& uv) -> std::optional<double> {
-    const auto ray = Ray(camera, uv);
+    const auto ray = vision::Ray(camera, uv);
     if (!ray) return std::nullopt;
     return std::atan2(ray->head<2>().norm(), ray->z());
   };
@@ -121,4 +121,4 @@ cv::Mat Defocus::Spread(const cv::Mat& light) const {
   return spread;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

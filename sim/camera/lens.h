@@ -7,7 +7,7 @@
 
 #include "vision/camera/camera_model.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // What a lens does to the light beyond the geometry of its camera model.
 struct LensParameters {
@@ -34,7 +34,7 @@ void Fields(Visitor& v, LensParameters& p) {
 
 // The share of the light that reaches each pixel, CV_32FC1; the edges of rim and reflection are smooth over a
 // pixel. Empty: all of it reaches all of them.
-cv::Mat Shade(const LensParameters& lens, const CameraModel& camera);
+cv::Mat Shade(const LensParameters& lens, const vision::CameraModel& camera);
 
 // Spreads each pixel of an image of floats over its neighbours. Beyond the border the image goes on as at it.
 class Defocus {
@@ -47,4 +47,4 @@ class Defocus {
   cv::Mat kernel_;  // of the disc: both ways; of the Gaussian: one way
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

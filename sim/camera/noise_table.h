@@ -7,7 +7,7 @@
 
 #include "base/random.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // Normal random numbers for images, drawn once: each row of each frame reads them from a place of its own, so
 // that no frame costs a million of them. What a row gets depends on seed, sequence and row alone.
@@ -37,4 +37,4 @@ class NoiseTable {
   std::vector<Number> numbers_;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -6,14 +6,14 @@
 
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 constexpr double kAlongAxis = 1e-9;  // sine of the angle to the pan axis below which pan makes no difference
 
 PanTiltAngles Within(const PanTiltAngles& wanted, const PanTiltParameters& p) {
-  return {std::clamp(WrapAngle(wanted.pan), Radians(p.pan_least_deg), Radians(p.pan_most_deg)),
-          std::clamp(WrapAngle(wanted.tilt), Radians(p.tilt_least_deg), Radians(p.tilt_most_deg))};
+  return {std::clamp(WrapAngle(wanted.pan), Radians(p.pan_min_deg), Radians(p.pan_max_deg)),
+          std::clamp(WrapAngle(wanted.tilt), Radians(p.tilt_min_deg), Radians(p.tilt_max_deg))};
 }
 
 // That turn the axis to this direction.
@@ -40,9 +40,9 @@ Pose PlatformPose(const PanTiltAngles& angles, const Eigen::Vector3d& position_m
   return {PlatformRotation(angles) * Eigen::Quaterniond(R_PC), position_m};
 }
 
-std::optional<PanTiltAngles> AnglesOf(const CameraMount& mount, const PanTiltParameters& parameters) {
+std::optional<PanTiltAngles> AnglesOf(const vision::CameraMount& mount, const PanTiltParameters& parameters) {
   const PanTiltAngles angles = Within({Radians(mount.yaw_deg), Radians(mount.pitch_deg - 90)}, parameters);
-  const Pose mounted = MountPose(mount);
+  const Pose mounted = vision::MountPose(mount);
   constexpr double kSame = 1e-6;  // rad
   if (PlatformPose(angles, mounted.p).R.angularDistance(mounted.R) > kSame) return std::nullopt;
   return angles;
@@ -77,4 +77,4 @@ void PanTilt::Step(double dt_s, const Pose& X_NB) {
   angles_ = Turned(angles_, AnglesFor(look_, X_NB, position_m_, angles_, parameters_), dt_s, parameters_);
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

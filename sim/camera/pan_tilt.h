@@ -9,23 +9,23 @@
 #include "geometry/pose.h"
 #include "vision/camera/camera_mount.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // A platform that turns the camera about two axes: pan about the aircraft's z, and on that, tilt. At zero the
 // camera looks ahead; panned it looks to the right, tilted upwards. The numbers are assumed: none are known
 // of the platforms of the thesis.
 struct PanTiltParameters {
-  double pan_least_deg = -170, pan_most_deg = 170;
-  double tilt_least_deg = -90, tilt_most_deg = 30;
+  double pan_min_deg = -170, pan_max_deg = 170;
+  double tilt_min_deg = -90, tilt_max_deg = 30;
   double rate_deg_s = 90;  // of either
 };
 
 template <class Visitor>
 void Fields(Visitor& v, PanTiltParameters& p) {
-  v("pan_least_deg", p.pan_least_deg, -180.0, 0.0);
-  v("pan_most_deg", p.pan_most_deg, 0.0, 180.0);
-  v("tilt_least_deg", p.tilt_least_deg, -90.0, 0.0);
-  v("tilt_most_deg", p.tilt_most_deg, 0.0, 90.0);
+  v(Renamed("pan_min_deg", "pan_least_deg"), p.pan_min_deg, -180.0, 0.0);
+  v(Renamed("pan_max_deg", "pan_most_deg"), p.pan_max_deg, 0.0, 180.0);
+  v(Renamed("tilt_min_deg", "tilt_least_deg"), p.tilt_min_deg, -90.0, 0.0);
+  v(Renamed("tilt_max_deg", "tilt_most_deg"), p.tilt_max_deg, 0.0, 90.0);
   v("rate_deg_s", p.rate_deg_s, 1.0, 1000.0);
 }
 
@@ -53,7 +53,7 @@ Pose PlatformPose(const PanTiltAngles& angles, const Eigen::Vector3d& position_m
 
 // The angles at which a camera on a platform is as this mount has it; none where there are none within the
 // limits, as of a mount that is rolled.
-std::optional<PanTiltAngles> AnglesOf(const CameraMount& mount, const PanTiltParameters& parameters);
+std::optional<PanTiltAngles> AnglesOf(const vision::CameraMount& mount, const PanTiltParameters& parameters);
 
 // The angles at which the camera looks there, within the limits. Where pan makes no difference, straight
 // above or below, it stays at now.
@@ -86,4 +86,4 @@ class PanTilt {
   Gaze look_;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

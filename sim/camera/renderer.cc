@@ -4,9 +4,9 @@
 #include "sim/render/opengl/opengl_renderer.h"
 #include "sim/render/ray/ray_renderer.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
-Renderer::Renderer(const mjModel* model, const CameraModel& camera, const RenderOptions& options) {
+Renderer::Renderer(const mjModel* model, const vision::CameraModel& camera, const RenderOptions& options) {
   if (options.backend == "ray" || options.backend == "auto") {
     by_ = std::make_unique<RayRenderer>(model, camera, options);
   } else {
@@ -19,15 +19,15 @@ cv::Mat Renderer::Render(const mjData* data, const Pose& X_NC) {
   return std::visit([&](auto& r) { return r->Render(data, X_NC); }, by_);
 }
 
-cv::Mat Renderer::Render(std::span<const Instant> instants, const Shutter& shutter) {
+cv::Mat Renderer::Render(std::span<const SceneState> instants, const Shutter& shutter) {
   return std::visit([&](auto& r) { return r->Render(instants, shutter); }, by_);
 }
 
-Surfaces Renderer::See(const mjData* data, const Pose& X_NC) {
-  return std::visit([&](auto& r) { return r->See(data, X_NC); }, by_);
+Surfaces Renderer::Trace(const mjData* data, const Pose& X_NC) {
+  return std::visit([&](auto& r) { return r->Trace(data, X_NC); }, by_);
 }
 
-cv::Mat Renderer::Flow(const Instant& now, const Instant& next) {
+cv::Mat Renderer::Flow(const SceneState& now, const SceneState& next) {
   auto* ray = std::get_if<std::unique_ptr<RayRenderer>>(&by_);
   return ray ? (*ray)->Flow(now, next) : cv::Mat();
 }
@@ -36,4 +36,4 @@ const std::string& Renderer::name() const {
   return std::visit([](auto& r) -> const std::string& { return r->name(); }, by_);
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

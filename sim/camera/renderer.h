@@ -13,7 +13,7 @@
 #include "sim/render/rendering.h"
 #include "vision/camera/camera_model.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 class OpenGlRenderer;
 class RayRenderer;
@@ -23,17 +23,17 @@ class RayRenderer;
 class Renderer {
  public:
   // The model must outlive it. Throws std::runtime_error with one sentence that names what cannot be drawn.
-  Renderer(const mjModel* model, const CameraModel& camera, const RenderOptions& options);
+  Renderer(const mjModel* model, const vision::CameraModel& camera, const RenderOptions& options);
   ~Renderer();
 
   // The image, CV_8UC3 in the order blue, green, red; black outside the lens.
   cv::Mat Render(const mjData* data, const Pose& X_NC);
   // The same while the world and the camera move: instants in the order of time; between two of them poses
   // are interpolated, beyond the ends the nearest holds.
-  cv::Mat Render(std::span<const Instant> instants, const Shutter& shutter);
-  Surfaces See(const mjData* data, const Pose& X_NC);
+  cv::Mat Render(std::span<const SceneState> instants, const Shutter& shutter);
+  Surfaces Trace(const mjData* data, const Pose& X_NC);
   // As in RayRenderer; empty by OpenGL, which cannot tell.
-  cv::Mat Flow(const Instant& now, const Instant& next);
+  cv::Mat Flow(const SceneState& now, const SceneState& next);
 
   // What draws, and its version.
   const std::string& name() const;
@@ -42,4 +42,4 @@ class Renderer {
   std::variant<std::unique_ptr<RayRenderer>, std::unique_ptr<OpenGlRenderer>> by_;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -5,16 +5,16 @@
 #include <cmath>
 #include <limits>
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 // Light from 2^-24 to 256 in stretches of a 512th of itself: the upper bits of a float number them. No
 // stretch holds two thresholds while gamma is 1 or more: near white two thresholds are gamma / 255 of the
 // light apart, in the dark more.
 constexpr int kDropped_bits = 23 - 9;
-constexpr float kLeastLight = 0x1p-24f, kMostLight = 255;
-constexpr std::uint32_t kFirst = std::bit_cast<std::uint32_t>(kLeastLight) >> kDropped_bits;
-constexpr std::uint32_t kLast = std::bit_cast<std::uint32_t>(kMostLight) >> kDropped_bits;
+constexpr float kMinLight = 0x1p-24f, kMaxLight = 255;
+constexpr std::uint32_t kFirst = std::bit_cast<std::uint32_t>(kMinLight) >> kDropped_bits;
+constexpr std::uint32_t kLast = std::bit_cast<std::uint32_t>(kMaxLight) >> kDropped_bits;
 
 }  // namespace
 
@@ -54,7 +54,7 @@ void ToneCurve::Encode(const float* light, std::uint8_t* bytes, std::size_t coun
     }
   } else {
     for (std::size_t i = 0; i < count; ++i) {
-      const float x = light[i] > kLeastLight ? light[i] < kMostLight ? light[i] : kMostLight : kLeastLight;
+      const float x = light[i] > kMinLight ? light[i] < kMaxLight ? light[i] : kMaxLight : kMinLight;
       const std::uint8_t guess = first_guess_[(std::bit_cast<std::uint32_t>(x) >> kDropped_bits) - kFirst];
       bytes[i] = static_cast<std::uint8_t>(guess + (x >= threshold_[guess + 1]));
     }
@@ -63,4 +63,4 @@ void ToneCurve::Encode(const float* light, std::uint8_t* bytes, std::size_t coun
   for (std::size_t i = 0; i < count; ++i) bytes[i] = byte_[bytes[i]];
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

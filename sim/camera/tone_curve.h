@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // Between the bytes of an image and light, on a scale on which white is 255 in both. A byte b holds the light
 // 255 (b / 255)^gamma. With fewer than 8 bits a byte takes 2^bits values only, evenly spread from 0 to 255.
@@ -27,4 +27,4 @@ class ToneCurve {
   std::vector<std::uint8_t> first_guess_;  // level at the lower end of a stretch of light; see Encode
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -8,16 +8,16 @@
 #include "base/random.h"
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 constexpr int kTones = 8;  // of a band on an axis: enough that their sum is nearly Gaussian
 
 }  // namespace
 
-Vibration::Vibration(const std::vector<VibrationBand>& bands, std::uint64_t seed) {
+Vibration::Vibration(const std::vector<vision::VibrationBand>& bands, std::uint64_t seed) {
   RandomStream random(seed, "mount vibration");
-  for (const VibrationBand& band : bands) {
+  for (const vision::VibrationBand& band : bands) {
     for (int axis = 0; axis < 6; ++axis) {
       const double rms = axis < 3 ? Radians(band.rms_deg) : 1e-3 * band.rms_mm;
       for (int i = 0; i < kTones; ++i) {
@@ -38,4 +38,4 @@ Pose Vibration::At(double t_s) const {
   return {ExpRotation(shift.head<3>()), shift.tail<3>()};
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

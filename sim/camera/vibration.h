@@ -7,13 +7,13 @@
 #include "geometry/pose.h"
 #include "vision/camera/camera_mount.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // How a mount shakes: on each axis some tones for each band, their frequencies and phases drawn by the seed.
 // A function of time alone.
 class Vibration {
  public:
-  Vibration(const std::vector<VibrationBand>& bands, std::uint64_t seed);
+  Vibration(const std::vector<vision::VibrationBand>& bands, std::uint64_t seed);
 
   bool still() const { return tones_.empty(); }
   double highest_hz() const { return highest_hz_; }
@@ -28,4 +28,4 @@ class Vibration {
   double highest_hz_ = 0;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-namespace kestrel::landscape {
+namespace kestrel::sim::landscape {
 namespace {
 
 constexpr float kField_m = 260, kStrip_m = 130;
@@ -112,4 +112,4 @@ Colour Ground::At(float north, float east, float texel) const {
   return sky_.Hazed(colour, r, azimuth);
 }
 
-}  // namespace kestrel::landscape
+}  // namespace kestrel::sim::landscape

@@ -7,7 +7,7 @@
 #include "sim/landscape/sky.h"
 #include "sim/landscape/terrain.h"
 
-namespace kestrel::landscape {
+namespace kestrel::sim::landscape {
 
 // What grows and lies on the ground: fields with paths between, woods, water, snow. The terrain and the sky
 // must outlive it.
@@ -31,4 +31,4 @@ class Ground {
   float forest_above_, water_above_, snow_above_;
 };
 
-}  // namespace kestrel::landscape
+}  // namespace kestrel::sim::landscape

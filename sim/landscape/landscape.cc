@@ -15,7 +15,7 @@
 #include "sim/landscape/sky.h"
 #include "sim/landscape/terrain.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 using namespace landscape;
@@ -59,7 +59,7 @@ void InRows(int rows, const Paint& paint) {
 }
 
 // The picture of a name, and its number of columns.
-mjtByte* Picture(mjModel* m, const char* name, int columns) {
+mjtByte* RenderedFrame(mjModel* m, const char* name, int columns) {
   const int id = mj_name2id(m, mjOBJ_TEXTURE, name);
   if (id < 0 || m->tex_width[id] != columns)
     throw std::runtime_error("The model holds no landscape to be painted.");
@@ -175,14 +175,14 @@ void PaintLandscape(const LandscapeParameters& p, std::uint64_t run_seed, mjMode
   const Parts parts(p, SeedOf(p, run_seed));
   const Colour light = PlainLight(parts.sky);
   PaintPlain(parts.ground, (light.array() + PlainGlow(parts.sky)).cwiseMin(1.0f), kPlaneHalf_m,
-             Picture(m, "plain", kPlainTexels));
-  PaintPlain(parts.ground, light, kLawnHalf_m, Picture(m, "lawn", kPlainTexels));
-  PaintRound(parts.ground, Picture(m, "round", kRoundTexels[0]));
-  PaintSky(parts.sky, Picture(m, "sky", kSkyTexels));
+             RenderedFrame(m, "plain", kPlainTexels));
+  PaintPlain(parts.ground, light, kLawnHalf_m, RenderedFrame(m, "lawn", kPlainTexels));
+  PaintRound(parts.ground, RenderedFrame(m, "round", kRoundTexels[0]));
+  PaintSky(parts.sky, RenderedFrame(m, "sky", kSkyTexels));
   const Scenery scenery = MakeScenery(p, SeedOf(p, run_seed), parts.terrain, parts.sky, parts.ground);
-  mjtByte* palette = Picture(m, "scenery", kPalette);
+  mjtByte* palette = RenderedFrame(m, "scenery", kPalette);
   for (std::size_t face = 0; face < scenery.colours.size(); ++face)
     Put(scenery.colours[face], palette + 3 * face);
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -10,7 +10,7 @@
 
 #include "base/yaml/fields.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // Worlds with a true horizon, made from numbers and a seed: round ground to beyond the horizon, hills,
 // fields, woods, water and snow, trees, buildings, sky, sun, clouds and haze. Angles of azimuth are clockwise
@@ -111,4 +111,4 @@ LandscapeModel MakeLandscape(const LandscapeParameters& parameters, std::uint64_
 // Paints the pictures of a model that holds a landscape of the same parameters and seed.
 void PaintLandscape(const LandscapeParameters& parameters, std::uint64_t run_seed, mjModel* model);
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/landscape/mesh.h"
 
-namespace kestrel::landscape {
+namespace kestrel::sim::landscape {
 
 std::string Msh(const Mesh& mesh) {
   const int counts[4] = {static_cast<int>(mesh.vertices.size()), static_cast<int>(mesh.normals.size()),
@@ -17,4 +17,4 @@ std::string Msh(const Mesh& mesh) {
   return bytes;
 }
 
-}  // namespace kestrel::landscape
+}  // namespace kestrel::sim::landscape

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace kestrel::landscape {
+namespace kestrel::sim::landscape {
 
 // Triangles for the compiler of MuJoCo. In M: x north, y west, z up; counterclockwise as seen.
 struct Mesh {
@@ -17,4 +17,4 @@ struct Mesh {
 // As a file of MuJoCo's binary format MSH.
 std::string Msh(const Mesh& mesh);
 
-}  // namespace kestrel::landscape
+}  // namespace kestrel::sim::landscape

@@ -9,7 +9,7 @@
 
 #include "base/random.h"
 
-namespace kestrel::landscape {
+namespace kestrel::sim::landscape {
 
 // Smooth random numbers over the plane: 0 to 1 on a lattice of step 1 that repeats after 256 steps, smooth
 // between.
@@ -73,4 +73,4 @@ inline float Hashed(int i, int j, std::uint64_t salt) {
   return static_cast<float>(RandomStream::Mix(key ^ RandomStream::Mix(salt)) >> 40) / 16777216.0f;
 }
 
-}  // namespace kestrel::landscape
+}  // namespace kestrel::sim::landscape

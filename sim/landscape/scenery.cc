@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace kestrel::landscape {
+namespace kestrel::sim::landscape {
 namespace {
 
 constexpr float kTurn = 2 * std::numbers::pi_v<float>;
@@ -256,4 +256,4 @@ Scenery MakeScenery(const LandscapeParameters& p, std::uint64_t seed, const Terr
   return scenery;
 }
 
-}  // namespace kestrel::landscape
+}  // namespace kestrel::sim::landscape

@@ -7,7 +7,7 @@
 #include "sim/landscape/ground.h"
 #include "sim/landscape/mesh.h"
 
-namespace kestrel::landscape {
+namespace kestrel::sim::landscape {
 
 inline constexpr int kPalette = 512;  // texels to a side
 
@@ -20,4 +20,4 @@ struct Scenery {
 Scenery MakeScenery(const LandscapeParameters& parameters, std::uint64_t seed, const Terrain& terrain,
                     const Sky& sky, const Ground& ground);
 
-}  // namespace kestrel::landscape
+}  // namespace kestrel::sim::landscape

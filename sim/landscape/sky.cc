@@ -5,7 +5,7 @@
 
 #include "geometry/tait_bryan.h"
 
-namespace kestrel::landscape {
+namespace kestrel::sim::landscape {
 namespace {
 
 constexpr float kCloudBase_m = 1500;
@@ -122,4 +122,4 @@ Colour Sky::Hazed(const Colour& colour, float distance_m, float azimuth) const {
   return Mixed(Haze(azimuth), colour, std::exp(-kFade * distance_m / static_cast<float>(p_.haze_m)));
 }
 
-}  // namespace kestrel::landscape
+}  // namespace kestrel::sim::landscape

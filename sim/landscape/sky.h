@@ -6,7 +6,7 @@
 #include "sim/landscape/landscape.h"
 #include "sim/landscape/noise.h"
 
-namespace kestrel::landscape {
+namespace kestrel::sim::landscape {
 
 using Colour = Eigen::Vector3f;  // red, green, blue; 1: as bright as the image can show
 
@@ -38,4 +38,4 @@ class Sky {
   float threshold_ = 0, open_ = 1;
 };
 
-}  // namespace kestrel::landscape
+}  // namespace kestrel::sim::landscape

@@ -8,7 +8,7 @@
 #include "geometry/tait_bryan.h"
 #include "sim/landscape/noise.h"
 
-namespace kestrel::landscape {
+namespace kestrel::sim::landscape {
 namespace {
 
 constexpr float kTurn = 2 * std::numbers::pi_v<float>;
@@ -132,4 +132,4 @@ Mesh Terrain::ToMesh() const {
   return mesh;
 }
 
-}  // namespace kestrel::landscape
+}  // namespace kestrel::sim::landscape

@@ -8,7 +8,7 @@
 #include "sim/landscape/landscape.h"
 #include "sim/landscape/mesh.h"
 
-namespace kestrel::landscape {
+namespace kestrel::sim::landscape {
 
 inline constexpr float kPlaneHalf_m = 300;  // of the flat ground round the origin
 inline constexpr float kInner_m = 290, kOuter_m = 120e3f;
@@ -33,4 +33,4 @@ class Terrain {
   std::vector<float> hills_;  // ring after ring
 };
 
-}  // namespace kestrel::landscape
+}  // namespace kestrel::sim::landscape

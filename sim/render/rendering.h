@@ -9,7 +9,7 @@
 #include "geometry/pose.h"
 
 // What a renderer is given and gives, whichever it is.
-namespace kestrel {
+namespace kestrel::sim {
 
 struct RenderOptions {
   std::string backend = "auto";  // ray; or OpenGL by osmesa or egl; auto: ray
@@ -28,7 +28,7 @@ void Fields(Visitor& v, RenderOptions& o) {
 
 // The world and the camera in it at one instant. Positions and lights of data are computed (mj_kinematics and
 // mj_camlight, mj_forward or mj_step).
-struct Instant {
+struct SceneState {
   double t_s = 0;
   const mjData* data = nullptr;
   Pose X_NC;  // optical: x right, y down, z forward
@@ -51,4 +51,4 @@ struct Surfaces {
   cv::Mat geom;     // CV_32S, id of the geom; -1: sky, -2: outside the lens
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

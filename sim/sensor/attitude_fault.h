@@ -7,7 +7,7 @@
 
 #include "base/yaml/fields.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // A fault of the attitude that an autopilot has from its own sensors, while t is in [from_s, until_s). The
 // rate gyros that damp the aircraft go on in each.
@@ -36,4 +36,4 @@ inline const AttitudeFault* FaultAt(const std::vector<AttitudeFault>& faults, do
   return nullptr;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace kestrel {
+namespace kestrel::sim {
 
 double HeadingGyro(const HeadingGyroParameters& p, double error_rad_s, double mixed, double low, double high,
                    double dt_s, double& integral) {
@@ -13,4 +13,4 @@ double HeadingGyro(const HeadingGyroParameters& p, double error_rad_s, double mi
   return std::clamp(proportional + integral, low, high);
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

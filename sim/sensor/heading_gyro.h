@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // The heading-hold gyro between pedals and tail rotor, as model helicopters have: it turns the aircraft at
 // the rate that the pedals ask for, and its integral holds the heading. Its own rate sensor is taken for
@@ -23,4 +23,4 @@ void Fields(Visitor& v, HeadingGyroParameters& p) {
 double HeadingGyro(const HeadingGyroParameters& p, double error_rad_s, double mixed, double low, double high,
                    double dt_s, double& integral);
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -8,7 +8,7 @@
 
 #include "base/yaml/fields.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // A fault of one sensor while t is in [from_s, until_s), in the vocabulary of PX4's failure injection. What
 // the autopilot then hears of it:
@@ -77,4 +77,4 @@ inline const SensorFault* FaultAt(const std::vector<SensorFault>& faults, std::s
   return nullptr;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

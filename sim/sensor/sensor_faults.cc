@@ -6,7 +6,7 @@
 
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 constexpr double kRounding_s = 1e-9;
@@ -111,4 +111,4 @@ void SensorFaults::Apply(double t_s, SensorReadings& readings) {
   readings.gps = gps_.Pass(faults_, t_s, readings.gps);
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

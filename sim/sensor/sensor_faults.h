@@ -12,7 +12,7 @@
 #include "sim/sensor/sensor_fault.h"
 #include "sim/sensor/sensors.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // The ranges of garbage. Gyroscopes, accelerometers and magnetometer: of the ADIS16448. Barometer: the
 // heights of pressures of 1100 to 300 hPa. GPS: the speeds of a u-blox 6; positions assumed.
@@ -56,4 +56,4 @@ class SensorFaults {
   Channel<GpsSample> gps_;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 Eigen::Vector3d Normal3(RandomStream& random) {
@@ -78,4 +78,4 @@ SensorReadings Sensors::Read(double dt_s, const Pose& X_NB, const Eigen::Vector3
   return r;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -12,7 +12,7 @@
 #include "sim/sensor/attitude_fault.h"
 #include "sim/sensor/sensor_fault.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // A slow wander (first-order Gauss-Markov) with white noise on top.
 struct SensorError {
@@ -123,4 +123,4 @@ class Sensors {
   std::int64_t steps_ = 0;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

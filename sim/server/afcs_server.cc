@@ -14,16 +14,17 @@
 #include <vector>
 
 #include "base/yaml/yaml_fields.h"
+#include "control/link/session_socket.h"
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 namespace asio = boost::asio;
 using asio::ip::udp;
 using boost::system::error_code;
 
-constexpr double kMost = 1e6;           // of any number of a setpoint
+constexpr double kMax = 1e6;            // of any number of a setpoint
 constexpr int kDatagramsAtOnce = 200;   // a flood does not keep Serve from returning
 constexpr std::int16_t kFixedIn3D = 3;  // GPS
 constexpr double kMinimumFall = 1e-3;   // of the camera's axis, for a place on the ground
@@ -39,29 +40,29 @@ std::string TextOf(const udp::endpoint& peer) {
   return fmt::format("{}:{}", peer.address().to_string(), peer.port());
 }
 
-const char* TextOf(wire::AfcsRefusal why) {
+const char* TextOf(control::wire::AfcsRefusal why) {
   switch (why) {
-    case wire::AfcsRefusal::kShort:
+    case control::wire::AfcsRefusal::kShort:
       return "shorter than a header";
-    case wire::AfcsRefusal::kTime:
+    case control::wire::AfcsRefusal::kTime:
       return "a time that is none";
-    case wire::AfcsRefusal::kType:
-    case wire::AfcsRefusal::kUnknown:
+    case control::wire::AfcsRefusal::kType:
+    case control::wire::AfcsRefusal::kUnknown:
       return "of no known type";
-    case wire::AfcsRefusal::kLength:
+    case control::wire::AfcsRefusal::kLength:
       return "not of the length of its type";
-    case wire::AfcsRefusal::kRange:
+    case control::wire::AfcsRefusal::kRange:
       return "a number out of its range";
-    case wire::AfcsRefusal::kDuplicate:
+    case control::wire::AfcsRefusal::kDuplicate:
       return "the time of one that came before";
-    case wire::AfcsRefusal::kOld:
+    case control::wire::AfcsRefusal::kOld:
       return "older than one that came before";
   }
   return "?";
 }
 
 bool Possible(std::initializer_list<double> numbers) {
-  return std::all_of(numbers.begin(), numbers.end(), [](double x) { return std::abs(x) <= kMost; });
+  return std::all_of(numbers.begin(), numbers.end(), [](double x) { return std::abs(x) <= kMax; });
 }
 
 }  // namespace
@@ -69,7 +70,7 @@ bool Possible(std::initializer_list<double> numbers) {
 struct AfcsServer::Session {
   Session(const AfcsServerOptions& o, PanTilt* camera)
       : options(o),
-        profile(wire::ProfileOf(o.afcs)),
+        profile(control::wire::ProfileOf(o.afcs)),
         open_id(static_cast<std::uint32_t>(std::find_if(profile.messages.begin(), profile.messages.end(),
                                                         [](const auto& m) { return m.name == "open"; })
                                                ->id)),
@@ -78,22 +79,19 @@ struct AfcsServer::Session {
         platform(camera) {
     const udp::endpoint endpoint = EndpointOf(o);
     error_code error;
-    socket.open(endpoint.protocol(), error);
-    if (!error) socket.bind(endpoint, error);
-    if (!error) socket.non_blocking(true, error);
+    socket.Open(endpoint, error);
     if (error)
       throw InputError({fmt::format("AFCS server: udp://{}:{}: {}", o.address, o.port, error.message())});
   }
 
-  void Serve(double now, Autopilot& aircraft) {
+  void Serve(double now, control::Autopilot& aircraft) {
     now_s = now;
     t_s = aircraft.State().t_s;
     Listen(aircraft);
-    if (owner && now_s - heard_s > options.session_s) owner.reset();
-    if (!owner) return;
+    if (!socket.owner()) return;
     const bool state_due = Due(state_due_s, options.state_hz), gps_due = Due(gps_due_s, options.gps_hz);
     if (!state_due && !gps_due) return;
-    const VehicleState state = aircraft.State();
+    const control::VehicleState state = aircraft.State();
     t_s = state.t_s;
     if (state_due) Transmit(StateMessage(state));
     if (gps_due) Transmit(GpsMessage(state));
@@ -107,30 +105,34 @@ struct AfcsServer::Session {
     return true;
   }
 
-  void Listen(Autopilot& aircraft) {
-    for (int i = 0; i < kDatagramsAtOnce; ++i) {
-      udp::endpoint peer;
-      error_code error;
-      const std::size_t size = socket.receive_from(asio::buffer(buffer), peer, 0, error);
-      if (error == asio::error::would_block) return;
-      if (error) continue;
-      Hear({buffer.data(), size}, peer, aircraft);
-    }
+  void Listen(control::Autopilot& aircraft) {
+    const auto hear = [&](const std::optional<control::SessionSocket::Datagram>& datagram) {
+      if (datagram) Receive(datagram->bytes, datagram->from, aircraft);
+      return datagram.has_value();
+    };
+    const auto hear_owner = [&] {
+      for (int i = 0; i < kDatagramsAtOnce && hear(socket.FromOwner()); ++i) continue;
+    };
+    hear_owner();
+    // There is nothing more of it: it is known whether it has been silent.
+    if (socket.owner() && now_s - heard_s > options.session_s) socket.Release();
+    for (int i = 0; i < kDatagramsAtOnce && hear(socket.FromOthers()); ++i) hear_owner();
   }
 
-  void Hear(std::span<const std::uint8_t> bytes, const udp::endpoint& peer, Autopilot& aircraft) {
-    if (owner && now_s - heard_s > options.session_s) owner.reset();
+  void Receive(std::span<const std::uint8_t> bytes, const udp::endpoint& peer, control::Autopilot& aircraft) {
+    const std::optional<udp::endpoint>& owner = socket.owner();
     if (peer != owner) {
       const auto decoded = codec.Decode(bytes);
-      if (const auto* why = std::get_if<wire::AfcsRefusal>(&decoded))
-        return counts.NotHeeded(unheeded::kDamaged, fmt::format("{}, from {}", TextOf(*why), TextOf(peer)));
-      const bool opens =
-          std::holds_alternative<wire::AfcsOpen>(std::get<wire::AfcsDatagram>(decoded).message);
+      if (const auto* why = std::get_if<control::wire::AfcsRefusal>(&decoded))
+        return counts.CountIgnored(unheeded::kDamaged,
+                                   fmt::format("{}, from {}", TextOf(*why), TextOf(peer)));
+      const bool opens = std::holds_alternative<control::wire::AfcsOpen>(
+          std::get<control::wire::AfcsDatagram>(decoded).message);
       if (owner || !opens)
-        return counts.NotHeeded(
+        return counts.CountIgnored(
             opens ? unheeded::kSecondClient : unheeded::kNoSession,
             TextOf(peer) + (owner ? "; it is that of " + TextOf(*owner) : "; nobody has opened one"));
-      owner = peer;
+      socket.Own(peer);
       receiver.Reset();
       state_due_s = gps_due_s = now_s;
     }
@@ -141,11 +143,12 @@ struct AfcsServer::Session {
   }
 
   void CountRefusal() {
-    for (std::size_t i = 0; i < wire::kAfcsRefusals; ++i) {
-      const auto why = static_cast<wire::AfcsRefusal>(i);
-      const bool again = why == wire::AfcsRefusal::kDuplicate || why == wire::AfcsRefusal::kOld;
+    for (std::size_t i = 0; i < control::wire::kAfcsRefusals; ++i) {
+      const auto why = static_cast<control::wire::AfcsRefusal>(i);
+      const bool again =
+          why == control::wire::AfcsRefusal::kDuplicate || why == control::wire::AfcsRefusal::kOld;
       const std::uint64_t count = receiver.refused(why);
-      counts.NotHeeded(again ? unheeded::kAgain : unheeded::kDamaged, TextOf(why), count - refused[i]);
+      counts.CountIgnored(again ? unheeded::kAgain : unheeded::kDamaged, TextOf(why), count - refused[i]);
       refused[i] = count;
     }
   }
@@ -154,37 +157,39 @@ struct AfcsServer::Session {
   bool Follows(const char* name, std::initializer_list<double> numbers) {
     if (!Possible(numbers)) {
       ++counts.refused;
-      counts.NotHeeded(unheeded::kImpossible, fmt::format("{} {}", name, fmt::join(numbers, " ")));
+      counts.CountIgnored(unheeded::kImpossible, fmt::format("{} {}", name, fmt::join(numbers, " ")));
       return false;
     }
     ++counts.setpoints;
     if (pilot_allows)
       ++counts.followed;
     else
-      counts.NotHeeded(unheeded::kPilot, name);
+      counts.CountIgnored(unheeded::kPilot, name);
     return pilot_allows;
   }
 
-  void Obey(const wire::AfcsOpen&, Autopilot&) { Transmit(wire::AfcsAck{open_id}); }
-  void Obey(const wire::AfcsClose&, Autopilot&) {
-    Transmit(wire::AfcsClose{});
-    owner.reset();
+  void Obey(const control::wire::AfcsOpen&, control::Autopilot&) {
+    Transmit(control::wire::AfcsAck{open_id});
   }
-  void Obey(const wire::AfcsTeleop& m, Autopilot& aircraft) {
+  void Obey(const control::wire::AfcsClose&, control::Autopilot&) {
+    Transmit(control::wire::AfcsClose{});
+    socket.Release();
+  }
+  void Obey(const control::wire::AfcsTeleop& m, control::Autopilot& aircraft) {
     if (!Follows("TELEOP", {m.fore, m.side, m.alt, m.hdg})) return;
-    aircraft.Send(wire::VelocityOf(m, options.afcs.teleop));
+    aircraft.Send(control::wire::VelocityOf(m, options.afcs.teleop));
   }
-  void Obey(const wire::AfcsFlyTo& m, Autopilot& aircraft) {
+  void Obey(const control::wire::AfcsFlyTo& m, control::Autopilot& aircraft) {
     if (m.pos_mode != options.afcs.fly_to_position || m.hdg_mode != options.afcs.fly_to_heading) {
       ++counts.refused;
-      return counts.NotHeeded(unheeded::kImpossible,
-                              fmt::format("FLY_TO with the modes {} and {}", m.pos_mode, m.hdg_mode));
+      return counts.CountIgnored(unheeded::kImpossible,
+                                 fmt::format("FLY_TO with the modes {} and {}", m.pos_mode, m.hdg_mode));
     }
     if (!Follows("FLY_TO", {m.x, m.y, m.z, m.hdg})) return;
-    aircraft.Send(PositionSetpoint{{m.x, m.y, m.z}, m.hdg});
-    Transmit(wire::AfcsDesiredPosition{m.x, m.y, m.z, m.hdg});
+    aircraft.Send(control::PositionSetpoint{{m.x, m.y, m.z}, m.hdg});
+    Transmit(control::wire::AfcsDesiredPosition{m.x, m.y, m.z, m.hdg});
   }
-  void Obey(const wire::AfcsPlatform& m, Autopilot& aircraft) {
+  void Obey(const control::wire::AfcsPlatform& m, control::Autopilot& aircraft) {
     if (!platform) return;
     if (m.mode == options.afcs.platform_relative && Possible({m.relative_yaw, m.relative_pitch}))
       platform->Turn(LookFromAircraft{m.relative_yaw, m.relative_pitch});
@@ -193,15 +198,15 @@ struct AfcsServer::Session {
     else if (m.mode == options.afcs.platform_point && Possible({m.camera_n, m.camera_e, m.camera_d}))
       platform->Turn(LookAt{{m.camera_n, m.camera_e, m.camera_d}});
     else
-      return counts.NotHeeded("turns of the camera that cannot be", fmt::format("PLATFORM {}", m.mode));
+      return counts.CountIgnored("turns of the camera that cannot be", fmt::format("PLATFORM {}", m.mode));
     Transmit(PlatformMessage(m.mode, aircraft.State()));
   }
   template <class Other>
-  void Obey(const Other&, Autopilot&) {}  // says what we say
+  void Obey(const Other&, control::Autopilot&) {}  // says what we say
 
   // Angles as they are now; of the camera's place, the one it was told to look at, otherwise where its axis
   // meets the ground, the level of N's origin, and none if it looks above the horizon.
-  wire::AfcsPlatform PlatformMessage(std::int16_t mode, const VehicleState& state) const {
+  control::wire::AfcsPlatform PlatformMessage(std::int16_t mode, const control::VehicleState& state) const {
     const PanTiltAngles& angles = platform->angles();
     const Eigen::Quaterniond R_NP = state.R_NB * PlatformRotation(angles);
     const TaitBryan absolute = TaitBryanFromRotation(R_NP.toRotationMatrix());
@@ -224,9 +229,9 @@ struct AfcsServer::Session {
             .camera_d = seen_N.z()};
   }
 
-  wire::AfcsState StateMessage(const VehicleState& s) const {
+  control::wire::AfcsState StateMessage(const control::VehicleState& s) const {
     const TaitBryan angles = TaitBryanFromRotation(s.R_NB.toRotationMatrix());
-    wire::AfcsState m;
+    control::wire::AfcsState m;
     m.phi = angles.roll, m.theta = angles.pitch, m.psi = angles.yaw;
     m.p = m.raw_p = s.w_B.x(), m.q = m.raw_q = s.w_B.y(), m.r = m.raw_r = s.w_B.z();
     m.x = s.p_NB.x(), m.y = s.p_NB.y(), m.z = s.p_NB.z();
@@ -235,8 +240,8 @@ struct AfcsServer::Session {
     return m;
   }
 
-  wire::AfcsGpsState GpsMessage(const VehicleState& s) const {
-    wire::AfcsGpsState m;
+  control::wire::AfcsGpsState GpsMessage(const control::VehicleState& s) const {
+    control::wire::AfcsGpsState m;
     m.numsv = static_cast<std::int16_t>(options.satellites);
     m.fixtype = kFixedIn3D;
     m.vel_n = s.v_N.x(), m.vel_e = s.v_N.y(), m.vel_d = s.v_N.z();
@@ -250,44 +255,40 @@ struct AfcsServer::Session {
   }
 
   // What cannot be sent is lost, as anything on UDP may be.
-  void Transmit(const wire::AfcsMessage& message) {
-    last_sent = wire::After(last_sent, wire::AfcsTimeOf(t_s));
-    error_code error;
-    socket.send_to(asio::buffer(codec.Encode({last_sent, message})), *owner, 0, error);
+  void Transmit(const control::wire::AfcsMessage& message) {
+    last_sent = control::wire::After(last_sent, control::wire::AfcsTimeOf(t_s));
+    if (const auto& owner = socket.owner()) socket.Send(codec.Encode({last_sent, message}), *owner);
   }
 
   const AfcsServerOptions options;
-  const wire::AfcsProfile profile;
+  const control::wire::AfcsProfile profile;
   const std::uint32_t open_id;
-  const wire::AfcsCodec codec;
-  wire::AfcsReceiver receiver;  // of the owner
+  const control::wire::AfcsCodec codec;
+  control::wire::AfcsReceiver receiver;  // of the owner
   PanTilt* platform;
   asio::io_context io;
-  udp::socket socket{io};
-  std::array<std::uint8_t, 65536> buffer{};
+  control::SessionSocket socket{io};
 
   WireCounts counts;
-  std::array<std::uint64_t, wire::kAfcsRefusals> refused{};  // by the receiver, as far as counted
+  std::array<std::uint64_t, control::wire::kAfcsRefusals> refused{};  // by the receiver, as far as counted
   bool pilot_allows = true;
-  std::optional<udp::endpoint> owner;  // of the session
-  double now_s = 0, t_s = 0;           // ours, and the aircraft's
+  double now_s = 0, t_s = 0;  // ours, and the aircraft's
   double heard_s = 0, state_due_s = 0, gps_due_s = 0;
-  wire::AfcsTime last_sent;
+  control::wire::AfcsTime last_sent;
 };
 
 AfcsServer::AfcsServer(const AfcsServerOptions& options, PanTilt* platform)
     : session_(std::make_unique<Session>(options, platform)) {}
 AfcsServer::~AfcsServer() = default;
 
-void AfcsServer::Serve(double now_s, Autopilot& aircraft) { session_->Serve(now_s, aircraft); }
+void AfcsServer::Serve(double now_s, control::Autopilot& aircraft) { session_->Serve(now_s, aircraft); }
 void AfcsServer::SetPilot(bool allows) { session_->pilot_allows = allows; }
 const WireCounts& AfcsServer::Heard() const { return session_->counts; }
 std::string AfcsServer::Where() const {
-  error_code error;
-  const udp::endpoint endpoint = session_->socket.local_endpoint(error);
+  const udp::endpoint endpoint = session_->socket.Where();
   const std::string address = endpoint.address().to_string();
   return endpoint.address().is_v6() ? fmt::format("udp://[{}]:{}", address, endpoint.port())
                                     : fmt::format("udp://{}:{}", address, endpoint.port());
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

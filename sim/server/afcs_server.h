@@ -11,12 +11,12 @@
 #include "sim/server/autopilot_server.h"
 #include "sim/server/geodetic_origin.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 struct AfcsServerOptions {
   std::string address = "127.0.0.1";  // to listen on
   int port = 2002;                    // 0: any that is free
-  wire::AfcsSettings afcs;            // its teleop: what the aircraft makes of commands
+  control::wire::AfcsSettings afcs;   // its teleop: what the aircraft makes of commands
   double state_hz = 50, gps_hz = 4;
   double session_s = 3;     // a peer that is silent for longer is forgotten, and another may open
   double rotor_rpm = 1500;  // while it flies; on the ground it stands still
@@ -52,7 +52,7 @@ class AfcsServer final : public AutopilotServer {
   explicit AfcsServer(const AfcsServerOptions& options, PanTilt* platform = nullptr);
   ~AfcsServer() override;
 
-  void Serve(double now_s, Autopilot& aircraft) override;
+  void Serve(double now_s, control::Autopilot& aircraft) override;
   void SetPilot(bool allows) override;
   const WireCounts& Heard() const override;
   std::string Where() const override;
@@ -62,4 +62,4 @@ class AfcsServer final : public AutopilotServer {
   std::unique_ptr<Session> session_;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -13,7 +13,7 @@
 #include "sim/server/geodetic_origin.h"
 #include "sim/server/wire_counts.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 struct AscTecProcessorOptions {
   std::string signs = "asctec";  // or "ros": control/wire/asctec_signs.h
@@ -39,11 +39,11 @@ class SerialLine {
  public:
   // They leave at once if the line is free, otherwise after what is on it.
   void Put(double now_s, std::span<const std::uint8_t> bytes);
-  wire::Bytes Take(double now_s);  // what has arrived by now
+  control::wire::Bytes Take(double now_s);  // what has arrived by now
   double free_s() const { return free_s_; }
 
   // As many wait for their turn, as in a driver's buffer; of more, the oldest are lost.
-  static constexpr std::size_t kMost = 4096;
+  static constexpr std::size_t kMax = 4096;
 
  private:
   std::deque<std::uint8_t> bytes_;
@@ -71,28 +71,28 @@ class AscTecProcessor {
  public:
   explicit AscTecProcessor(const AscTecProcessorOptions& options);
 
-  void Hear(double now_s, std::span<const std::uint8_t> bytes);  // put on the line by the other end
-  wire::Bytes Step(double now_s, Autopilot& aircraft);           // what has arrived at the other end
+  void Receive(double now_s, std::span<const std::uint8_t> bytes);        // put on the line by the other end
+  control::wire::Bytes Step(double now_s, control::Autopilot& aircraft);  // what has arrived at the other end
   void SetPilot(bool allows) { pilot_allows_ = allows; }
-  const wire::LinkCounts& counts() const { return parser_.counts(); }
+  const control::wire::LinkCounts& counts() const { return parser_.counts(); }
   const WireCounts& heard() const { return counts_; }
 
  private:
-  void CountSetpoint(const wire::CtrlInput& input);
-  void Obey(double now_s, const wire::CtrlInput& input, Autopilot& aircraft);
-  void Speak(double now_s, Autopilot& aircraft);
-  wire::Bytes NextFrame(double now_s, const VehicleState& state);
-  wire::LlStatus Status(double now_s, const VehicleState& state) const;
-  wire::ImuCalcData Imu(const VehicleState& state) const;
-  wire::GpsDataAdvanced Gps(const VehicleState& state) const;
-  wire::RcData Radio() const;
+  void CountSetpoint(const control::wire::CtrlInput& input);
+  void Obey(double now_s, const control::wire::CtrlInput& input, control::Autopilot& aircraft);
+  void Speak(double now_s, control::Autopilot& aircraft);
+  control::wire::Bytes NextFrame(double now_s, const control::VehicleState& state);
+  control::wire::LlStatus Status(double now_s, const control::VehicleState& state) const;
+  control::wire::ImuCalcData Imu(const control::VehicleState& state) const;
+  control::wire::GpsDataAdvanced Gps(const control::VehicleState& state) const;
+  control::wire::RcData Radio() const;
 
   AscTecProcessorOptions options_;
-  wire::AscTecSigns signs_;
+  control::wire::AscTecSigns signs_;
   bool pilot_allows_ = true;
 
   SerialLine heard_, said_;
-  wire::CommandParser parser_;
+  control::wire::CommandParser parser_;
   WireCounts counts_;
   std::uint64_t damaged_ = 0;            // of the parser's refusals, as far as counted
   std::optional<double> quiet_since_s_;  // with something unread
@@ -106,4 +106,4 @@ class AscTecProcessor {
   bool sticks_done_ = false;  // they must be let go before they count again
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

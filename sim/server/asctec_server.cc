@@ -11,7 +11,7 @@
 #include <cstdlib>
 #include <system_error>
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 [[noreturn]] void Fail(const char* what) { throw std::system_error(errno, std::generic_category(), what); }
@@ -44,14 +44,14 @@ AscTecServer::~AscTecServer() {
   close(master_);
 }
 
-void AscTecServer::Serve(double now_s, Autopilot& aircraft) {
+void AscTecServer::Serve(double now_s, control::Autopilot& aircraft) {
   std::array<std::uint8_t, 256> block{};
   constexpr int kMost = 64;  // blocks at once, lest a flood stops the flight
   ssize_t count = 0;
   for (int i = 0; i < kMost && (count = read(master_, block.data(), block.size())) > 0; ++i)
-    processor_.Hear(now_s, std::span(block).first(static_cast<std::size_t>(count)));
-  const wire::Bytes bytes = processor_.Step(now_s, aircraft);
+    processor_.Receive(now_s, std::span(block).first(static_cast<std::size_t>(count)));
+  const control::wire::Bytes bytes = processor_.Step(now_s, aircraft);
   if (!bytes.empty() && write(master_, bytes.data(), bytes.size()) < 0) return;  // nobody reads: lost
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

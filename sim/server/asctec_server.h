@@ -6,7 +6,7 @@
 #include "sim/server/asctec_processor.h"
 #include "sim/server/autopilot_server.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // An AscTecProcessor on a pseudo-terminal, which stands for its serial port: whoever may open the device, of
 // this user alone, commands the aircraft. Bytes that nobody reads are lost, as on a line.
@@ -18,11 +18,11 @@ class AscTecServer final : public AutopilotServer {
   AscTecServer(const AscTecServer&) = delete;
   AscTecServer& operator=(const AscTecServer&) = delete;
 
-  void Serve(double now_s, Autopilot& aircraft) override;
+  void Serve(double now_s, control::Autopilot& aircraft) override;
   void SetPilot(bool allows) override { processor_.SetPilot(allows); }
   const WireCounts& Heard() const override { return processor_.heard(); }
   std::string Where() const override { return "serial:" + device_; }
-  const wire::LinkCounts& counts() const { return processor_.counts(); }
+  const control::wire::LinkCounts& counts() const { return processor_.counts(); }
 
  private:
   AscTecProcessor processor_;
@@ -30,4 +30,4 @@ class AscTecServer final : public AutopilotServer {
   std::string device_;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -6,7 +6,7 @@
 #include "control/autopilot.h"
 #include "sim/server/wire_counts.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // The far end of an AutopilotLink's wire: what a real autopilot would say and heed, on behalf of an emulated
 // one. It has no thread: Serve is to be called every few milliseconds, reads what has come, hands setpoints
@@ -18,11 +18,11 @@ namespace kestrel {
 class AutopilotServer {
  public:
   virtual ~AutopilotServer() = default;
-  virtual void Serve(double now_s, Autopilot& aircraft) = 0;
+  virtual void Serve(double now_s, control::Autopilot& aircraft) = 0;
   // The pilot's switch: whether setpoints are followed. True at first.
   virtual void SetPilot(bool allows) = 0;
   virtual const WireCounts& Heard() const = 0;
   virtual std::string Where() const = 0;  // to connect to: "udp://127.0.0.1:2002", "serial:/dev/pts/3"
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -7,15 +7,15 @@
 #include <stdexcept>
 #include <utility>
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 // Neither coding knows grey images: they go as luminance, unchanged, with colour that is none. 1:4:0:0: the
 // full range, which decoders of JPEG take for granted. sync=false: an image goes out when it comes, not when
 // its place in the stream says. Within
 // this computer packets may be large: the fewer there are, the fewer are lost.
-std::string SendingPipeline(const RtpStream& stream) {
-  const bool raw = stream.coding == RtpStream::Coding::kRaw;
+std::string SendingPipeline(const vision::RtpStream& stream) {
+  const bool raw = stream.coding == vision::RtpStream::Coding::kRaw;
   const bool here = stream.host.starts_with("127.") || stream.host == "::1";
   const int packet = here ? 60000 : 1400;
   // Nobody beyond this computer has anything to say to a stream within it.
@@ -31,7 +31,7 @@ std::string SendingPipeline(const RtpStream& stream) {
 
 }  // namespace
 
-CameraServer::CameraServer(const RtpStream& stream, cv::Size size, double rate_hz, bool colour)
+CameraServer::CameraServer(const vision::RtpStream& stream, cv::Size size, double rate_hz, bool colour)
     : stream_(stream), thread_([=, this] { Work(size, rate_hz, colour); }) {
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [&] { return stage_ != Stage::kOpening; });
@@ -40,7 +40,7 @@ CameraServer::CameraServer(const RtpStream& stream, cv::Size size, double rate_h
   thread_.join();
   throw std::runtime_error(fmt::format(
       "{}: cannot be sent; are gstreamer1.0-plugins-base and gstreamer1.0-plugins-good installed?",
-      ToText(stream)));
+      vision::ToText(stream)));
 }
 
 CameraServer::~CameraServer() {
@@ -89,4 +89,4 @@ void CameraServer::Work(cv::Size size, double rate_hz, bool colour) {
   }
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -10,7 +10,7 @@
 
 #include "vision/capture/rtp_stream.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // Sends images as a video stream. Coding and sending are on a thread of their own and delay nobody: when an
 // image comes before the one before has been sent, the newer one wins and the other is counted.
@@ -18,7 +18,7 @@ class CameraServer {
  public:
   // The rate is what the stream says of itself. Throws std::runtime_error where GStreamer or its plugins are
   // not there.
-  CameraServer(const RtpStream& stream, cv::Size size, double rate_hz, bool colour);
+  CameraServer(const vision::RtpStream& stream, cv::Size size, double rate_hz, bool colour);
   ~CameraServer();
   CameraServer(const CameraServer&) = delete;
   CameraServer& operator=(const CameraServer&) = delete;
@@ -27,12 +27,12 @@ class CameraServer {
 
   std::int64_t sent() const;
   std::int64_t overwritten() const;
-  const RtpStream& stream() const { return stream_; }
+  const vision::RtpStream& stream() const { return stream_; }
 
  private:
   void Work(cv::Size size, double rate_hz, bool colour);
 
-  RtpStream stream_;
+  vision::RtpStream stream_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   cv::Mat waiting_;  // empty: none
@@ -42,4 +42,4 @@ class CameraServer {
   std::thread thread_;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -5,7 +5,7 @@
 
 #include "base/yaml/fields.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // Where the origin of N is on the earth. The default is Madrid, whose magnetic field the sensors have: an
 // autopilot that compares it with a model of the earth's must find itself there.
@@ -28,4 +28,4 @@ struct GeodeticPosition {
 // origin and to 0.2 m at 1 km.
 GeodeticPosition GeodeticOf(const GeodeticOrigin& origin, const Eigen::Vector3d& p_N);
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -7,18 +7,19 @@
 #include <span>
 
 #include "base/yaml/yaml_fields.h"
+#include "control/link/session_socket.h"
 #include "control/link/udp_address.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 using boost::asio::ip::udp;
 using boost::system::error_code;
 
-udp::endpoint Resolve(boost::asio::io_context& context, const UdpAddress& address) {
+udp::endpoint Resolve(boost::asio::io_context& context, const control::UdpAddress& address) {
   error_code error;
   const auto found = udp::resolver(context).resolve(address.host, std::to_string(address.port), error);
-  if (error) throw InputError({"address \"" + ToText(address) + "\": " + error.message()});
+  if (error) throw InputError({"address \"" + control::ToText(address) + "\": " + error.message()});
   return *found.begin();
 }
 
@@ -33,17 +34,17 @@ struct MavlinkServer::Wire {
     address = {false, options.listen, static_cast<std::uint16_t>(options.port)};
     const udp::endpoint at = Resolve(context, address);
     error_code error;
-    if (!socket.open(at.protocol(), error) && !socket.bind(at, error)) socket.non_blocking(true, error);
-    if (error) throw InputError({"address \"" + ToText(address) + "\": " + error.message()});
-    address.port = socket.local_endpoint().port();
-    if (!options.peer.empty()) peer = fixed = Resolve(context, ParseUdpAddress(options.peer));
+    socket.Open(at, error);
+    if (error) throw InputError({"address \"" + control::ToText(address) + "\": " + error.message()});
+    address.port = socket.Where().port();
+    fixed = !options.peer.empty();
+    if (fixed) socket.Own(Resolve(context, control::ParseUdpAddress(options.peer)));
   }
 
-  UdpAddress address;
+  control::UdpAddress address;
   boost::asio::io_context context;
-  udp::socket socket{context};
-  std::array<std::uint8_t, 2048> buffer{};
-  std::optional<udp::endpoint> fixed, peer;
+  control::SessionSocket socket{context};
+  bool fixed = false;  // whose the session is
   double heard_s = 0;
   double tell_s = 0;  // again that another has the session
 };
@@ -52,41 +53,50 @@ MavlinkServer::MavlinkServer(const MavlinkServerOptions& options)
     : wire_(std::make_unique<Wire>(options)), vehicle_(options) {}
 MavlinkServer::~MavlinkServer() = default;
 
-void MavlinkServer::Serve(double now_s, Autopilot& aircraft) {
+void MavlinkServer::Serve(double now_s, control::Autopilot& aircraft) {
   constexpr int kMost = 256;  // datagrams at once, lest a flood stops the flight
   Wire& wire = *wire_;
+  const auto hear = [&](std::span<const std::uint8_t> datagram) {
+    wire.heard_s = now_s;
+    vehicle_.Receive(datagram, now_s, aircraft);
+  };
+  const auto hear_owner = [&] {
+    for (int i = 0; i < kMost; ++i) {
+      const auto datagram = wire.socket.FromOwner();
+      if (!datagram) return;
+      hear(datagram->bytes);
+    }
+  };
+  // The owner first: whether it has been silent is known when there is nothing more of it.
+  hear_owner();
   for (int i = 0; i < kMost; ++i) {
-    udp::endpoint from;
-    error_code error;
-    const std::size_t size = wire.socket.receive_from(boost::asio::buffer(wire.buffer), from, 0, error);
-    if (error) break;
-    const std::span<const std::uint8_t> datagram(wire.buffer.data(), size);
-    const bool taken = wire.peer && (wire.fixed || now_s - wire.heard_s <= kSilent_s);
-    if (from != wire.peer) {
-      const bool opens = vehicle_.OpensSession(datagram);
+    const auto datagram = wire.socket.FromOthers();
+    if (!datagram) break;
+    const std::optional<udp::endpoint>& owner = wire.socket.owner();
+    if (datagram->from != owner) {
+      const bool opens = vehicle_.OpensSession(datagram->bytes);
+      const bool taken = owner && (wire.fixed || now_s - wire.heard_s <= kSilent_s);
       if (taken || !opens) {
-        vehicle_.heard().NotHeeded(
-            opens ? unheeded::kSecondClient : unheeded::kNoSession,
-            TextOf(from) + (taken ? "; it is that of " + TextOf(*wire.peer) : "; nobody has opened one"));
+        vehicle_.heard().CountIgnored(opens ? unheeded::kSecondClient : unheeded::kNoSession,
+                                      TextOf(datagram->from) + (taken ? "; it is that of " + TextOf(*owner)
+                                                                      : "; nobody has opened one"));
         if (opens && now_s >= wire.tell_s) {
           wire.tell_s = now_s + kTellAgain_s;
-          wire.socket.send_to(boost::asio::buffer(vehicle_.Refusal()), from, 0, error);
+          wire.socket.Send(vehicle_.Refusal(), datagram->from);
         }
         continue;
       }
-      wire.peer = from;
+      wire.socket.Own(datagram->from);
       vehicle_.Greet();
     }
-    wire.heard_s = now_s;
-    vehicle_.Hear(datagram, now_s, aircraft);
+    hear(datagram->bytes);
+    hear_owner();
   }
-  for (const wire::Bytes& datagram : vehicle_.Due(now_s, aircraft)) {
-    error_code error;  // as lost as any other datagram
-    if (wire.peer) wire.socket.send_to(boost::asio::buffer(datagram), *wire.peer, 0, error);
-  }
+  for (const control::wire::Bytes& datagram : vehicle_.Due(now_s, aircraft))
+    if (const auto& owner = wire.socket.owner()) wire.socket.Send(datagram, *owner);
 }
 
 void MavlinkServer::SetPilot(bool allows) { vehicle_.SetPilot(allows); }
-std::string MavlinkServer::Where() const { return ToText(wire_->address); }
+std::string MavlinkServer::Where() const { return control::ToText(wire_->address); }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

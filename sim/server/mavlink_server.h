@@ -7,7 +7,7 @@
 #include "sim/server/autopilot_server.h"
 #include "sim/server/mavlink_vehicle.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // MAVLink 2 over UDP: MavlinkVehicle behind a socket. The session is that of the address from which a
 // heartbeat comes first, or of options.peer; nothing is taken from any other until, in the first case, that
@@ -21,7 +21,7 @@ class MavlinkServer final : public AutopilotServer {
   explicit MavlinkServer(const MavlinkServerOptions& options);
   ~MavlinkServer() override;
 
-  void Serve(double now_s, Autopilot& aircraft) override;
+  void Serve(double now_s, control::Autopilot& aircraft) override;
   void SetPilot(bool allows) override;
   const WireCounts& Heard() const override { return vehicle_.heard(); }
   std::string Where() const override;
@@ -32,4 +32,4 @@ class MavlinkServer final : public AutopilotServer {
   MavlinkVehicle vehicle_;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

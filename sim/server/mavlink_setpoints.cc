@@ -5,10 +5,10 @@
 
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
-using namespace wire::mavlink;
+using namespace control::wire::mavlink;
 
 constexpr double kYawGain_per_s = 1;
 // MAV_FRAME
@@ -26,7 +26,8 @@ bool All(unsigned mask, unsigned bits) { return (mask & bits) == bits; }
 }  // namespace
 
 std::optional<MavlinkSetpoint> MavlinkSetpoint::Read(const SetPositionTargetLocalNed& m,
-                                                     const VehicleState& now, const Dialect& dialect) {
+                                                     const control::VehicleState& now,
+                                                     const Dialect& dialect) {
   const bool px4 = &dialect == &kPx4;
   const unsigned mask = m.type_mask;
   const int frame = m.coordinate_frame;
@@ -40,18 +41,18 @@ std::optional<MavlinkSetpoint> MavlinkSetpoint::Read(const SetPositionTargetLoca
   // PX4 takes no position in its body frame; a velocity beside a position is feed-forward.
   if (None(mask, kPosition) && !(px4 && frame == kBodyNed)) {
     if (has_yaw_rate) return std::nullopt;
-    PositionSetpoint position{p, has_yaw ? m.yaw : YawOf(now.R_NB)};
+    control::PositionSetpoint position{p, has_yaw ? m.yaw : YawOf(now.R_NB)};
     if (frame == kLocalOffset) position.p_N = now.p_NB + p;
     if (frame == kBodyOffset) position.p_N = now.p_NB + R_NH * p;
     read.setpoint_ = position;
   } else if (None(mask, kVelocity) && (All(mask, kPosition) || (px4 && frame == kBodyNed))) {
-    read.setpoint_ = VelocitySetpoint{v, has_yaw_rate ? m.yaw_rate : 0.0};
+    read.setpoint_ = control::VelocitySetpoint{v, has_yaw_rate ? m.yaw_rate : 0.0};
     if (frame == kLocalNed || frame == kLocalOffset) read.v_N_ = v;
     if (has_yaw) read.yaw_ = m.yaw;
   } else {
     return std::nullopt;
   }
-  if ((read.yaw_ && !std::isfinite(*read.yaw_)) || !Finite(read.setpoint_)) return std::nullopt;
+  if ((read.yaw_ && !std::isfinite(*read.yaw_)) || !control::Finite(read.setpoint_)) return std::nullopt;
   return read;
 }
 
@@ -71,22 +72,22 @@ std::optional<MavlinkSetpoint> MavlinkSetpoint::Read(const SetAttitudeTarget& m,
     yaw_rate = &dialect == &kPx4 ? w_B.z() : (q * w_B).z();
   }
   MavlinkSetpoint read;
-  read.setpoint_ = AttitudeSetpoint{angles.roll, angles.pitch, yaw_rate, m.thrust};
+  read.setpoint_ = control::AttitudeSetpoint{angles.roll, angles.pitch, yaw_rate, m.thrust};
   read.yaw_ = angles.yaw;
-  if (!Finite(read.setpoint_)) return std::nullopt;
+  if (!control::Finite(read.setpoint_)) return std::nullopt;
   return read;
 }
 
-Setpoint MavlinkSetpoint::At(const VehicleState& now) const {
-  Setpoint setpoint = setpoint_;
+control::Setpoint MavlinkSetpoint::At(const control::VehicleState& now) const {
+  control::Setpoint setpoint = setpoint_;
   const double yaw = YawOf(now.R_NB);
   const double turn = yaw_ ? kYawGain_per_s * WrapAngle(*yaw_ - yaw) : 0;
-  if (auto* velocity = std::get_if<VelocitySetpoint>(&setpoint)) {
+  if (auto* velocity = std::get_if<control::VelocitySetpoint>(&setpoint)) {
     if (v_N_) velocity->v_H = HeadingRotation(yaw).conjugate() * *v_N_;
     velocity->yaw_rate += turn;
   }
-  if (auto* attitude = std::get_if<AttitudeSetpoint>(&setpoint)) attitude->yaw_rate += turn;
+  if (auto* attitude = std::get_if<control::AttitudeSetpoint>(&setpoint)) attitude->yaw_rate += turn;
   return setpoint;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -11,10 +11,10 @@
 
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
-using namespace wire::mavlink;
+using namespace control::wire::mavlink;
 
 constexpr double kNoTakeOff_s = 10;  // after arming: disarmed again (COM_DISARM_PRFLT, DISARM_DELAY)
 constexpr double kLead_s = 1;        // of setpoints before OFFBOARD
@@ -48,7 +48,7 @@ std::uint32_t PilotMode(const Dialect& dialect) {
   return &dialect == &kPx4 ? kPx4Position : kArduPilotLoiter;
 }
 
-std::uint32_t BootMs(const VehicleState& state) {
+std::uint32_t BootMs(const control::VehicleState& state) {
   return static_cast<std::uint32_t>(static_cast<std::uint64_t>(std::max(0.0, 1e3 * state.t_s)));
 }
 
@@ -111,38 +111,39 @@ void MavlinkVehicle::Say(const Message& message) { out_.push_back(sender_.Encode
 
 void MavlinkVehicle::Warn(const std::string& text) { Say(Warning(text)); }
 
-wire::Bytes MavlinkVehicle::Refusal() {
+control::wire::Bytes MavlinkVehicle::Refusal() {
   return to_others_.Encode(Warning("refused: another client has the session"));
 }
 
-void MavlinkVehicle::Hear(std::span<const std::uint8_t> datagram, double now_s, Autopilot& aircraft) {
+void MavlinkVehicle::Receive(std::span<const std::uint8_t> datagram, double now_s,
+                             control::Autopilot& aircraft) {
   const Counts before = parser_.counts();
   for (const Frame& frame : parser_.Datagram(datagram)) {
     if (const std::optional<Message> message = Decode(frame)) Take(*message, now_s, aircraft);
   }
   const Counts& now = parser_.counts();
   if (now.stray_bytes > before.stray_bytes)
-    counts_.NotHeeded(
+    counts_.CountIgnored(
         unheeded::kDamaged,
         fmt::format("{} of {} bytes are of no frame{}", now.stray_bytes - before.stray_bytes, datagram.size(),
                     now.bad_checksum > before.bad_checksum ? ", by a check sum" : ""));
 }
 
-void MavlinkVehicle::Take(const Message& message, double now_s, Autopilot& aircraft) {
+void MavlinkVehicle::Take(const Message& message, double now_s, control::Autopilot& aircraft) {
   if (const auto* command = std::get_if<CommandLong>(&message)) {
     if (ForMe(command->target_system, command->target_component)) Command(*command, now_s, aircraft);
-  } else if (const auto* mode = std::get_if<wire::mavlink::SetMode>(&message)) {
+  } else if (const auto* mode = std::get_if<control::wire::mavlink::SetMode>(&message)) {
     if (ForMe(mode->target_system, 0)) SetMode(mode->custom_mode, now_s);
   } else if (const auto* position = std::get_if<SetPositionTargetLocalNed>(&message)) {
     if (ForMe(position->target_system, position->target_component))
       TakeSetpoint(MavlinkSetpoint::Read(*position, aircraft.State(), dialect_), *position, now_s, aircraft);
     else
-      counts_.NotHeeded(unheeded::kToAnother, fmt::format("to system {}", position->target_system));
+      counts_.CountIgnored(unheeded::kToAnother, fmt::format("to system {}", position->target_system));
   } else if (const auto* attitude = std::get_if<SetAttitudeTarget>(&message)) {
     if (ForMe(attitude->target_system, attitude->target_component))
       TakeSetpoint(MavlinkSetpoint::Read(*attitude, dialect_), *attitude, now_s, aircraft);
     else
-      counts_.NotHeeded(unheeded::kToAnother, fmt::format("to system {}", attitude->target_system));
+      counts_.CountIgnored(unheeded::kToAnother, fmt::format("to system {}", attitude->target_system));
   } else if (const auto* timesync = std::get_if<Timesync>(&message)) {
     if (timesync->tc1 == 0)
       Say(Timesync{.tc1 = std::max<std::int64_t>(1, std::llround(1e9 * aircraft.State().t_s)),
@@ -151,11 +152,11 @@ void MavlinkVehicle::Take(const Message& message, double now_s, Autopilot& aircr
 }
 
 void MavlinkVehicle::TakeSetpoint(const std::optional<MavlinkSetpoint>& setpoint, const Message& message,
-                                  double now_s, Autopilot& aircraft) {
+                                  double now_s, control::Autopilot& aircraft) {
   const bool following = mode_ == dialect_.setpoint_mode;
   if (!setpoint) {
     ++counts_.refused;
-    counts_.NotHeeded(unheeded::kImpossible, TextOfSetpoint(message));
+    counts_.CountIgnored(unheeded::kImpossible, TextOfSetpoint(message));
     if (&dialect_ == &kArduPilot && following) setpoint_.reset(), Stop(aircraft);
     return;
   }
@@ -165,10 +166,10 @@ void MavlinkVehicle::TakeSetpoint(const std::optional<MavlinkSetpoint>& setpoint
   if (following)
     setpoint_ = setpoint, ++counts_.followed;
   else
-    counts_.NotHeeded(pilot_allows_ ? unheeded::kOtherMode : unheeded::kPilot, TextOfSetpoint(message));
+    counts_.CountIgnored(pilot_allows_ ? unheeded::kOtherMode : unheeded::kPilot, TextOfSetpoint(message));
 }
 
-void MavlinkVehicle::Command(const CommandLong& command, double now_s, Autopilot& aircraft) {
+void MavlinkVehicle::Command(const CommandLong& command, double now_s, control::Autopilot& aircraft) {
   std::uint8_t result = kUnsupported;
   switch (command.command) {
     case kSetModeCommand: {
@@ -223,8 +224,8 @@ std::uint8_t MavlinkVehicle::SetMode(std::uint32_t custom_mode, double now_s) {
   return kAccepted;
 }
 
-std::uint8_t MavlinkVehicle::Arm(bool armed, double now_s, const VehicleState& state) {
-  const bool on_ground = state.mode == FlightMode::kStopped;
+std::uint8_t MavlinkVehicle::Arm(bool armed, double now_s, const control::VehicleState& state) {
+  const bool on_ground = state.mode == control::FlightMode::kStopped;
   if (armed == armed_) return kAccepted;
   if (!on_ground) return kDenied;
   armed_ = armed, armed_s_ = now_s, flew_ = false;
@@ -232,17 +233,17 @@ std::uint8_t MavlinkVehicle::Arm(bool armed, double now_s, const VehicleState& s
   return kAccepted;
 }
 
-std::uint8_t MavlinkVehicle::TakeOff(double param7, Autopilot& aircraft) {
-  const VehicleState state = aircraft.State();
+std::uint8_t MavlinkVehicle::TakeOff(double param7, control::Autopilot& aircraft) {
+  const control::VehicleState state = aircraft.State();
   const bool px4 = &dialect_ == &kPx4;
   // PX4 is told the height above the sea, ArduPilot that above home.
   const double z_N = px4 ? options_.origin.altitude_m - param7 : -param7;
-  if (!armed_ || !pilot_allows_ || state.mode != FlightMode::kStopped) return kFailed;
+  if (!armed_ || !pilot_allows_ || state.mode != control::FlightMode::kStopped) return kFailed;
   if (!px4 && mode_ != dialect_.setpoint_mode) return kFailed;
   if (!(z_N < state.p_NB.z() - kClearOfGround_m)) return kFailed;
   if (px4) mode_ = HoldMode(dialect_);
   setpoint_.reset();
-  aircraft.Send(PositionSetpoint{{state.p_NB.x(), state.p_NB.y(), z_N}, YawOf(state.R_NB)});
+  aircraft.Send(control::PositionSetpoint{{state.p_NB.x(), state.p_NB.y(), z_N}, YawOf(state.R_NB)});
   return kAccepted;
 }
 
@@ -268,14 +269,15 @@ std::uint8_t MavlinkVehicle::SetInterval(const CommandLong& command, double now_
 void MavlinkVehicle::SetPilot(bool allows) { pilot_allows_ = allows; }
 
 // Standing still, once: then the aircraft holds its place by its own time-out.
-void MavlinkVehicle::Stop(Autopilot& aircraft) {
-  if (armed_ && aircraft.State().mode != FlightMode::kStopped) aircraft.Send(VelocitySetpoint{});
+void MavlinkVehicle::Stop(control::Autopilot& aircraft) {
+  if (armed_ && aircraft.State().mode != control::FlightMode::kStopped)
+    aircraft.Send(control::VelocitySetpoint{});
 }
 
-void MavlinkVehicle::Follow(double now_s, Autopilot& aircraft) {
-  const VehicleState state = aircraft.State();
+void MavlinkVehicle::Follow(double now_s, control::Autopilot& aircraft) {
+  const control::VehicleState state = aircraft.State();
   const bool px4 = &dialect_ == &kPx4;
-  const bool stopped = state.mode == FlightMode::kStopped;
+  const bool stopped = state.mode == control::FlightMode::kStopped;
   if (!std::exchange(begun_, true)) armed_ = flew_ = !stopped, armed_s_ = now_s;
   flew_ = flew_ || !stopped;
   if (armed_ && stopped && (flew_ || now_s - armed_s_ > kNoTakeOff_s)) {
@@ -293,7 +295,7 @@ void MavlinkVehicle::Follow(double now_s, Autopilot& aircraft) {
     }
   }
   if (mode_ == dialect_.land_mode && armed_ && !stopped)
-    aircraft.Send(VelocitySetpoint{{0, 0, kLanding_m_s}, 0});
+    aircraft.Send(control::VelocitySetpoint{{0, 0, kLanding_m_s}, 0});
   if (mode_ != dialect_.setpoint_mode) return;
   const bool late = now_s - setpoint_s_ > dialect_.setpoint_timeout_s;
   if (px4 && late) {
@@ -311,12 +313,12 @@ void MavlinkVehicle::Follow(double now_s, Autopilot& aircraft) {
   if (armed_ && (px4 || !stopped)) aircraft.Send(setpoint_->At(state));
 }
 
-std::vector<wire::Bytes> MavlinkVehicle::Due(double now_s, Autopilot& aircraft) {
+std::vector<control::wire::Bytes> MavlinkVehicle::Due(double now_s, control::Autopilot& aircraft) {
   Follow(now_s, aircraft);
-  const VehicleState state = aircraft.State();
+  const control::VehicleState state = aircraft.State();
   if (now_s >= next_heartbeat_s_) {
     next_heartbeat_s_ = now_s + 1;
-    const bool flying = state.mode != FlightMode::kStopped;
+    const bool flying = state.mode != control::FlightMode::kStopped;
     Say(Heartbeat{
         .custom_mode = mode_,
         .type = static_cast<std::uint8_t>(options_.type),
@@ -332,7 +334,7 @@ std::vector<wire::Bytes> MavlinkVehicle::Due(double now_s, Autopilot& aircraft) 
   return std::exchange(out_, {});
 }
 
-Message MavlinkVehicle::Of(std::uint32_t id, const VehicleState& state) const {
+Message MavlinkVehicle::Of(std::uint32_t id, const control::VehicleState& state) const {
   const std::uint32_t ms = BootMs(state);
   const TaitBryan angles = TaitBryanFromRotation(state.R_NB.toRotationMatrix());
   switch (id) {
@@ -379,8 +381,8 @@ Message MavlinkVehicle::Of(std::uint32_t id, const VehicleState& state) const {
               std::lround(1e2 * (heading_deg < 0 ? heading_deg + 360 : heading_deg)) % 36000)};
     }
     case ExtendedSysState::kId: {
-      const bool stopped = state.mode == FlightMode::kStopped;
-      const bool rising = state.mode == FlightMode::kTakeOff;
+      const bool stopped = state.mode == control::FlightMode::kStopped;
+      const bool rising = state.mode == control::FlightMode::kTakeOff;
       return ExtendedSysState{.landed_state = stopped ? kOnGround : rising ? kTakingOff : kInAir};
     }
     case RcChannels::kId: {
@@ -397,4 +399,4 @@ Message MavlinkVehicle::Of(std::uint32_t id, const VehicleState& state) const {
   }
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -16,7 +16,7 @@
 #include "sim/server/mavlink_setpoints.h"
 #include "sim/server/wire_counts.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 struct MavlinkServerOptions {
   std::string dialect = "px4";  // or "ardupilot"
@@ -64,10 +64,10 @@ class MavlinkVehicle {
   // Whether it holds a heartbeat of a companion or a ground station.
   bool OpensSession(std::span<const std::uint8_t> datagram) const;
   void Greet() { next_heartbeat_s_ = std::numeric_limits<double>::lowest(); }  // its heartbeat is due
-  void Hear(std::span<const std::uint8_t> datagram, double now_s, Autopilot& aircraft);
-  std::vector<wire::Bytes> Due(double now_s, Autopilot& aircraft);
+  void Receive(std::span<const std::uint8_t> datagram, double now_s, control::Autopilot& aircraft);
+  std::vector<control::wire::Bytes> Due(double now_s, control::Autopilot& aircraft);
   // To a client that is not taken: a STATUSTEXT.
-  wire::Bytes Refusal();
+  control::wire::Bytes Refusal();
   WireCounts& heard() { return counts_; }
   const WireCounts& heard() const { return counts_; }
   // Turned off, the aircraft is in the pilot's own mode and no other can be had; turned on, it is put into
@@ -81,28 +81,30 @@ class MavlinkVehicle {
     double next_s = 0;
   };
 
-  void Take(const wire::mavlink::Message& message, double now_s, Autopilot& aircraft);
-  void Command(const wire::mavlink::CommandLong& command, double now_s, Autopilot& aircraft);
+  void Take(const control::wire::mavlink::Message& message, double now_s, control::Autopilot& aircraft);
+  void Command(const control::wire::mavlink::CommandLong& command, double now_s,
+               control::Autopilot& aircraft);
   std::uint8_t SetMode(std::uint32_t custom_mode, double now_s);
-  std::uint8_t Arm(bool armed, double now_s, const VehicleState& state);
-  std::uint8_t TakeOff(double param7, Autopilot& aircraft);
-  std::uint8_t SetInterval(const wire::mavlink::CommandLong& command, double now_s);
+  std::uint8_t Arm(bool armed, double now_s, const control::VehicleState& state);
+  std::uint8_t TakeOff(double param7, control::Autopilot& aircraft);
+  std::uint8_t SetInterval(const control::wire::mavlink::CommandLong& command, double now_s);
   // message: what it was read from.
-  void TakeSetpoint(const std::optional<MavlinkSetpoint>& setpoint, const wire::mavlink::Message& message,
-                    double now_s, Autopilot& aircraft);
-  void Follow(double now_s, Autopilot& aircraft);
-  void Stop(Autopilot& aircraft);
+  void TakeSetpoint(const std::optional<MavlinkSetpoint>& setpoint,
+                    const control::wire::mavlink::Message& message, double now_s,
+                    control::Autopilot& aircraft);
+  void Follow(double now_s, control::Autopilot& aircraft);
+  void Stop(control::Autopilot& aircraft);
   bool ForMe(std::uint8_t system, std::uint8_t component) const;
   void Warn(const std::string& text);
-  wire::mavlink::Message Of(std::uint32_t id, const VehicleState& state) const;
-  void Say(const wire::mavlink::Message& message);
+  control::wire::mavlink::Message Of(std::uint32_t id, const control::VehicleState& state) const;
+  void Say(const control::wire::mavlink::Message& message);
 
   MavlinkServerOptions options_;
-  const wire::mavlink::Dialect& dialect_;
-  wire::mavlink::Parser parser_;
-  wire::mavlink::Sender sender_, to_others_;
+  const control::wire::mavlink::Dialect& dialect_;
+  control::wire::mavlink::Parser parser_;
+  control::wire::mavlink::Sender sender_, to_others_;
   WireCounts counts_;
-  std::vector<wire::Bytes> out_;
+  std::vector<control::wire::Bytes> out_;
   std::map<std::uint32_t, Stream> streams_;
   double next_heartbeat_s_ = 0;
 
@@ -119,4 +121,4 @@ class MavlinkVehicle {
   bool pilot_allows_ = true, pilot_was_ = true;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -18,7 +18,7 @@
 #include "base/random.h"
 #include "base/stopwatch.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 using boost::asio::ip::udp;
@@ -146,4 +146,4 @@ LineCounts UdpRelay::counts() const {
   return line_->counts;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // What a line does to each datagram, in both directions.
 struct LineFaults {
@@ -41,4 +41,4 @@ class UdpRelay {
   std::unique_ptr<Line> line_;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -5,7 +5,7 @@
 #include <map>
 #include <string>
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // What came over a server's wire, each message counted once, however long it is followed.
 struct WireCounts {
@@ -20,7 +20,7 @@ struct WireCounts {
   // All that came and was not heeded, by kind, in words: "damaged datagrams". Setpoints are among them.
   std::map<std::string, Kind> unheeded;
 
-  void NotHeeded(const std::string& kind, const std::string& it, std::uint64_t times = 1) {
+  void CountIgnored(const std::string& kind, const std::string& it, std::uint64_t times = 1) {
     if (times == 0) return;
     Kind& all = unheeded[kind];
     if (all.count == 0) all.first = it;
@@ -39,4 +39,4 @@ inline constexpr char kSecondClient[] = "clients refused, as another has the ses
 inline constexpr char kNoSession[] = "messages from an address without the session";
 }  // namespace unheeded
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -8,7 +8,7 @@
 // The only place that knows MuJoCo's frames. M is MuJoCo's world, read as north-west-up; F is a MuJoCo body,
 // forward- left-up; G is a MuJoCo camera, looking along -z with y up. M and N, and F and B, differ by (x, -y,
 // -z): half a turn about x, its own inverse.
-namespace kestrel {
+namespace kestrel::sim {
 
 inline Eigen::Vector3d SwapNedNwu(const Eigen::Vector3d& v) { return {v.x(), -v.y(), -v.z()}; }
 
@@ -34,4 +34,4 @@ inline void PoseToMujoco(const Pose& X_NB, double qpos[7]) {
   qpos[3] = R_MF.w(), qpos[4] = R_MF.x(), qpos[5] = R_MF.y(), qpos[6] = R_MF.z();
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

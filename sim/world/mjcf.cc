@@ -6,7 +6,7 @@
 #include <sstream>
 #include <string_view>
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 // MuJoCo's message as part of a sentence: it has a line with the fault, then one with the place. The numbers
@@ -48,4 +48,4 @@ CompiledModel CompileMjcf(const std::string& mjcf, const std::map<std::string, s
   return compiled;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

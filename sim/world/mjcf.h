@@ -6,7 +6,7 @@
 
 #include "sim/world/scene.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // Empty message: it compiled.
 struct CompiledModel {
@@ -18,4 +18,4 @@ struct CompiledModel {
 // thread.
 CompiledModel CompileMjcf(const std::string& mjcf, const std::map<std::string, std::string>& files = {});
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -19,7 +19,7 @@
 #include "vision/image_file.h"
 #include "vision/image_header.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 constexpr double kTimestep_s = 0.002;
@@ -28,21 +28,21 @@ constexpr double kPadHeight_m = 0.01;
 constexpr double kOccluderClearance_m = 0.03;
 constexpr double kOccluderThickness_m = 0.004;
 constexpr double kOutOfSight_m = 100;  // below the ground
-constexpr std::size_t kMostMjcfBytes = 1u << 24;
+constexpr std::size_t kMaxMjcfBytes = 1u << 24;
 
 std::string TargetName(std::size_t index) { return fmt::format("target {}", index); }
 
 // What MuJoCo is to read itself, pictures and meshes: it would read anything to its end.
 void RequireModest(const std::filesystem::path& file, const std::string& owner) {
   if (!IsFile(file)) throw std::runtime_error(fmt::format("{} needs a file: {}.", owner, NoSuchFile(file)));
-  const FileContent content = ReadUserFile(file, kMostDataBytes);
+  const FileContent content = ReadUserFile(file, kMaxDataBytes);
   if (!content.trouble.empty())
     throw std::runtime_error(fmt::format("{} needs {}, which {}.", owner, file.string(), content.trouble));
-  const auto picture = HeaderOf(content.bytes);
-  if (picture && std::max(picture->size.width, picture->size.height) > kMostImageSide_px)
+  const auto picture = vision::HeaderOf(content.bytes);
+  if (picture && std::max(picture->size.width, picture->size.height) > vision::kMaxImageSide_px)
     throw std::runtime_error(fmt::format("{} needs {}, which has {} x {} pixels; valid: up to {} x {}.",
                                          owner, file.string(), picture->size.width, picture->size.height,
-                                         kMostImageSide_px, kMostImageSide_px));
+                                         vision::kMaxImageSide_px, vision::kMaxImageSide_px));
 }
 
 // File names relative to the file they stand in, as absolute ones: the composed model stands nowhere.
@@ -60,7 +60,7 @@ void MakeFilesAbsolute(pugi::xml_node node, const std::filesystem::path& folder,
 // Appends the sections of an MJCF file, or of a fragment, to the model.
 void Append(pugi::xml_node model, const std::filesystem::path& path, const char* what) {
   const std::string owner = fmt::format("The {} {}", what, path.string());
-  const auto [text, trouble] = ReadUserFile(path, kMostMjcfBytes);
+  const auto [text, trouble] = ReadUserFile(path, kMaxMjcfBytes);
   if (!trouble.empty()) throw std::runtime_error(fmt::format("{} {}.", owner, trouble));
   pugi::xml_document part;
   const pugi::xml_parse_result result = part.load_buffer(text.data(), text.size());
@@ -288,4 +288,4 @@ void PlaceOccluder(const mjModel* model, mjData* data, double share) {
   std::copy(qpos + 3, qpos + 7, data->mocap_quat + 4 * mocap);
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -15,7 +15,7 @@
 #include "sim/world/target.h"
 #include "vision/landmark/pad_file.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 struct ModelDeleter {
   void operator()(mjModel* m) const { mj_deleteModel(m); }
@@ -33,7 +33,7 @@ struct SceneParameters {
   std::optional<LandscapeParameters> landscape;  // instead of the MJCF of the world
   std::uint64_t seed = 1;                        // of the landscape that has none of its own
   std::filesystem::path pad_texture;             // none: there is no pad to be seen, only its place
-  PadParameters pad;                             // its texture is not used: pad_texture is the file found
+  vision::PadParameters pad;                     // its texture is not used: pad_texture is the file found
   Eigen::Vector2d pad_position_m = Eigen::Vector2d::Zero();  // north, east
   double pad_yaw_deg = 0;                                    // clockwise from north
   bool occluder = false;                                     // with a dark sheet that can be put over the pad
@@ -60,4 +60,4 @@ void PlaceTarget(const mjModel* model, mjData* data, std::size_t index, const Ta
 // has none.
 void PlaceOccluder(const mjModel* model, mjData* data, double share);
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

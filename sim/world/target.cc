@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 constexpr double kGravity_m_s2 = 9.80665;
@@ -91,4 +91,4 @@ void TargetPath::NextVelocity(double t_s) {
   holds_until_s_ = arrives_s_ + hold_s;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

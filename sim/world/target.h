@@ -8,7 +8,7 @@
 
 // What flies besides the aircraft: a balloon on its string, or one that is carried about, or another aircraft
 // by its coloured hull. All are spheres, which touch nothing and make no wind.
-namespace kestrel {
+namespace kestrel::sim {
 
 struct TargetParameters {
   double diameter_m = 0.5;
@@ -64,4 +64,4 @@ class TargetPath {
   double leaves_s_ = 0, arrives_s_ = 0, holds_until_s_ = 0;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -11,7 +11,7 @@
 
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 constexpr double kFoot = 0.3048;
@@ -112,4 +112,4 @@ void Wind::StepGusts(double dt_s) {
   }
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -7,7 +7,7 @@
 
 #include "base/random.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // Discrete gusts: how often they come, how strong, how long each lasts.
 struct GustParameters {
@@ -96,4 +96,4 @@ class Wind {
   std::vector<Gust> gusts_;  // those that blow now
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

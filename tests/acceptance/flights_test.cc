@@ -20,17 +20,17 @@ constexpr std::uint64_t kSeeds[] = {101, 102, 103};
 Pose InPadFrame(const Truth& t) { return t.X_NT.Inverse() * t.X_NB; }
 double HeightOverPad(const Truth& t) { return -InPadFrame(t).p.z(); }
 
-bool EverTouched(const FlightResult& result, double from_s = 0, double until_s = 1e9) {
-  return std::any_of(result.rows.begin(), result.rows.end(), [&](const LogRow& row) {
+bool EverTouched(const flight::FlightResult& result, double from_s = 0, double until_s = 1e9) {
+  return std::any_of(result.rows.begin(), result.rows.end(), [&](const records::LogRow& row) {
     return row.now.t_s >= from_s && row.now.t_s < until_s && row.now.touching;
   });
 }
 
 // The greatest distance from a place over the pad from a time on.
-double FarthestFrom(const FlightResult& result, const Vector3d& p_T, double from_s) {
+double FarthestFrom(const flight::FlightResult& result, const Vector3d& p_T, double from_s) {
   double farthest = 0;
   int rows = 0;
-  for (const LogRow& row : result.rows) {
+  for (const records::LogRow& row : result.rows) {
     if (row.now.t_s < from_s) continue;
     ++rows;
     farthest = std::max(farthest, (InPadFrame(row.now).p - p_T).norm());
@@ -43,8 +43,8 @@ class EveryScenario : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(EveryScenario, FlownTwiceIsTheSameFlight) {
   const std::vector<std::string> moment = {"duration_s=1.5", "start.settle_s=1"};
-  const Summary first = Flown(GetParam(), 101, moment).summary,
-                second = Flown(GetParam(), 101, moment).summary;
+  const records::Summary first = Flown(GetParam(), 101, moment).summary,
+                         second = Flown(GetParam(), 101, moment).summary;
   EXPECT_EQ(first.state_hash, second.state_hash);
   EXPECT_EQ(first.image_hash, second.image_hash);
   EXPECT_EQ(first.metrics, second.metrics);
@@ -75,7 +75,7 @@ TEST(Pose, ALateOrPromptImageIsAsGood) {
 
 TEST(Hover, CentresComesDownAndStays) {
   for (const std::uint64_t seed : kSeeds) {
-    const FlightResult result = Flown("hover", seed, {"duration_s=35"});
+    const flight::FlightResult result = Flown("hover", seed, {"duration_s=35"});
     ExpectCriteria(result);
     EXPECT_LT(FarthestFrom(result, {0, 0, -3}, 15), 0.5) << seed;
     EXPECT_FALSE(EverTouched(result)) << seed;
@@ -85,7 +85,8 @@ TEST(Hover, CentresComesDownAndStays) {
 // As ArduCopter does with its defaults. Gains found on a prompt autopilot alone swing by half a metre here.
 TEST(Hover, HoldsItsHeightByAnAutopilotThatFollowsVerticalVelocitiesLate) {
   for (const std::uint64_t seed : kSeeds) {
-    const FlightResult result = Flown("hover", seed, {"duration_s=35", "autopilot.climb_delay_s=0.85"});
+    const flight::FlightResult result =
+        Flown("hover", seed, {"duration_s=35", "autopilot.climb_delay_s=0.85"});
     EXPECT_LT(result.summary.metrics.at("hold_vertical_rmse_m"), 0.1) << seed;
     EXPECT_LT(FarthestFrom(result, {0, 0, -3}, 15), 0.4) << seed;
   }
@@ -93,9 +94,10 @@ TEST(Hover, HoldsItsHeightByAnAutopilotThatFollowsVerticalVelocitiesLate) {
 
 TEST(Hover, WithSeventyPercentOfThePadHiddenItIsStillTracked) {
   for (const std::uint64_t seed : kSeeds) {
-    const FlightResult result = Flown("hover", seed, {"duration_s=20", "occlusion={share: 0.7, from_s: 3}"});
+    const flight::FlightResult result =
+        Flown("hover", seed, {"duration_s=20", "occlusion={share: 0.7, from_s: 3}"});
     int seen = 0, frames = 0;
-    for (const LogRow& row : result.rows) {
+    for (const records::LogRow& row : result.rows) {
       if (row.exposure.t_s < 3) continue;
       ++frames;
       if (!row.decision.fix) continue;
@@ -108,7 +110,7 @@ TEST(Hover, WithSeventyPercentOfThePadHiddenItIsStillTracked) {
 }
 
 TEST(Hover, OverATurnedPadFarFromTheOriginWithATurnedCamera) {
-  const FlightResult result = Flown(
+  const flight::FlightResult result = Flown(
       "hover", 101,
       {"duration_s=30", "pad={position_m: [15, -10], yaw_deg: 130}", "flight.yaw_deg=-20",
        "start.offset_m=[0.6, 0.4]", "start.yaw_deg=40", "mount={yaw_deg: 80, pitch_deg: 4, roll_deg: -3}"});
@@ -118,7 +120,8 @@ TEST(Hover, OverATurnedPadFarFromTheOriginWithATurnedCamera) {
 }
 
 TEST(Hover, TakesOffFromThePadThenHovers) {
-  const FlightResult result = Flown("hover", 101, {"duration_s=35", "start={on_ground: true, settle_s: 3}"});
+  const flight::FlightResult result =
+      Flown("hover", 101, {"duration_s=35", "start={on_ground: true, settle_s: 3}"});
   EXPECT_TRUE(result.rows.front().now.touching);
   EXPECT_LT(HeightOverPad(result.rows.front().now), 0.2);
   EXPECT_FALSE(EverTouched(result, 5));
@@ -128,7 +131,7 @@ TEST(Hover, TakesOffFromThePadThenHovers) {
 // Whole landings, by whatever camera.
 void ExpectLandings(const std::string& scenario) {
   for (const std::uint64_t seed : kSeeds) {
-    const FlightResult result = Flown(scenario, seed);
+    const flight::FlightResult result = Flown(scenario, seed);
     EXPECT_EQ(result.summary.outcome, "landed") << seed;
     ExpectCriteria(result);
     EXPECT_LT(result.summary.sim_s, 45) << seed;
@@ -144,7 +147,7 @@ TEST(Landing, LandsOnThePad) { ExpectLandings("landing"); }
 TEST(Landing, LandsAsWellByAFisheye) { ExpectLandings("landing_fisheye"); }
 
 TEST(Landing, LandsTurnedAsAskedOnATurnedPad) {
-  const FlightResult result =
+  const flight::FlightResult result =
       Flown("landing", 102,
             {"pad={position_m: [-12, 18], yaw_deg: -75}", "flight.yaw_deg=60", "start.yaw_deg=-30"});
   EXPECT_EQ(result.summary.outcome, "landed");
@@ -156,12 +159,12 @@ TEST(Landing, LandsTurnedAsAskedOnATurnedPad) {
 TEST(Landing, WhenThePadIsHiddenItStopsClimbsAndLandsOnceItShowsAgain) {
   constexpr double kHidden_s = 3, kShown_s = 10;
   for (const std::uint64_t seed : kSeeds) {
-    const FlightResult result =
+    const flight::FlightResult result =
         Flown("landing", seed,
               {"start={height_m: 4, scatter_m: 0.2}", "occlusion={share: 1, from_s: 3, until_s: 10}"});
     double at_hiding_m = 0, lowest_m = 1e9, at_showing_m = 0;
     bool searched = false;
-    for (const LogRow& row : result.rows) {
+    for (const records::LogRow& row : result.rows) {
       const double height = HeightOverPad(row.now);
       if (row.exposure.t_s < kHidden_s) at_hiding_m = height;
       if (row.exposure.t_s < kHidden_s || row.exposure.t_s >= kShown_s) continue;
@@ -185,8 +188,8 @@ TEST(Landing, WhenThePadIsHiddenItStopsClimbsAndLandsOnceItShowsAgain) {
 
 constexpr double kFails_s = 3, kWorks_s = 8;
 
-FlightResult LandedDespite(const std::string& fault, std::uint64_t seed) {
-  const FlightResult result =
+flight::FlightResult LandedDespite(const std::string& fault, std::uint64_t seed) {
+  const flight::FlightResult result =
       Flown("landing", seed,
             {"start={height_m: 4, scatter_m: 0.2}", "image.faults=[{from_s: 3, until_s: 8, " + fault + "}]"});
   EXPECT_EQ(result.summary.outcome, "landed") << fault << ", " << seed;
@@ -197,16 +200,16 @@ FlightResult LandedDespite(const std::string& fault, std::uint64_t seed) {
 
 TEST(CameraFaults, OffTheAircraftStopsAndLandsOnceItSeesAgain) {
   for (const std::uint64_t seed : kSeeds) {
-    const FlightResult result = LandedDespite("type: off", seed);
-    const LogRow *last = nullptr, *next = nullptr;
-    for (const LogRow& row : result.rows) {
+    const flight::FlightResult result = LandedDespite("type: off", seed);
+    const records::LogRow *last = nullptr, *next = nullptr;
+    for (const records::LogRow& row : result.rows) {
       EXPECT_TRUE(row.exposure.t_s < kFails_s || row.exposure.t_s >= kWorks_s - 1e-9) << row.exposure.t_s;
       if (row.exposure.t_s < kFails_s) last = &row;
       if (row.exposure.t_s >= kWorks_s - 1e-9 && !next) next = &row;
     }
     ASSERT_TRUE(last && next);
     EXPECT_EQ(next->sequence - last->sequence, 101);  // 5 s at 20 frames a second were lost
-    EXPECT_EQ(next->estimate.mode, FlightMode::kHold);
+    EXPECT_EQ(next->estimate.mode, control::FlightMode::kHold);
     EXPECT_LT(next->now.v_N.norm(), 0.5) << seed;
     EXPECT_GT(HeightOverPad(next->now), HeightOverPad(last->now) - 1.2) << seed;  // 0.7 m/s until it holds
     EXPECT_GT(result.summary.metrics.at("touchdown_s"), kWorks_s) << seed;
@@ -216,9 +219,9 @@ TEST(CameraFaults, OffTheAircraftStopsAndLandsOnceItSeesAgain) {
 TEST(CameraFaults, StuckOrWithGarbageItStopsClimbsAndLandsOnceItSeesAgain) {
   for (const char* type : {"stuck", "garbage"}) {
     for (const std::uint64_t seed : kSeeds) {
-      const FlightResult result = LandedDespite(std::string("type: ") + type, seed);
+      const flight::FlightResult result = LandedDespite(std::string("type: ") + type, seed);
       double at_fault_m = 0, lowest_m = 1e9, at_end_m = 0;
-      for (const LogRow& row : result.rows) {
+      for (const records::LogRow& row : result.rows) {
         const double height = HeightOverPad(row.now);
         if (row.exposure.t_s < kFails_s - 1e-9) at_fault_m = height;
         if (row.exposure.t_s < kFails_s - 1e-9 || row.exposure.t_s >= kWorks_s - 1e-9) continue;
@@ -248,7 +251,7 @@ TEST(CameraFaults, ManyAtRandomEndInANamedState) {
       "{type: garbage, rate_per_min: 6, length_s: 0.3}, {type: slow, rate_per_min: 6, length_s: 2}, "
       "{type: delayed, rate_per_min: 6, length_s: 2}, {type: intermittent, probability: 0.5}]";
   for (const char* scenario : {"landing", "hover", "pose"}) {
-    const FlightResult result = Flown(scenario, 101, {faults, "duration_s=30"});
+    const flight::FlightResult result = Flown(scenario, 101, {faults, "duration_s=30"});
     EXPECT_TRUE(result.summary.complete);
     EXPECT_THAT((std::vector<std::string>{"landed", "completed", "pad not found", "camera off"}),
                 ::testing::Contains(result.summary.outcome));
@@ -258,7 +261,7 @@ TEST(CameraFaults, ManyAtRandomEndInANamedState) {
 
 TEST(Sensor, WithEveryPartOnItStillLands) {
   for (const std::uint64_t seed : kSeeds) {
-    const FlightResult result = Flown(
+    const flight::FlightResult result = Flown(
         "landing", seed,
         {"image.exposure={time_s: 0.006, line_s: 0.00003, samples: 3}", "image.auto_exposure.target_grey=110",
          "image.lens={cos_power: 4, vignetting: [-0.1, 0, 0], defocus_px: 0.7}", "image.full_well_e=10000",
@@ -271,7 +274,8 @@ TEST(Sensor, WithEveryPartOnItStillLands) {
 }
 
 TEST(Landing, WithoutAPadItGivesUpInTheAir) {
-  const FlightResult result = Flown("landing", 101, {"start.offset_m=[-18, 24]", "pilot.search.give_up_s=8"});
+  const flight::FlightResult result =
+      Flown("landing", 101, {"start.offset_m=[-18, 24]", "pilot.search.give_up_s=8"});
   EXPECT_EQ(result.summary.outcome, "pad not found");
   EXPECT_FALSE(result.summary.passed);
   EXPECT_FALSE(EverTouched(result));
@@ -281,7 +285,7 @@ TEST(Landing, WithoutAPadItGivesUpInTheAir) {
 }
 
 TEST(Landing, FindsAPadThatIsNotInSightAtFirst) {
-  const FlightResult result =
+  const flight::FlightResult result =
       Flown("landing", 102, {"duration_s=110", "start={offset_m: [4.5, -3], height_m: 5, scatter_m: 0}"});
   EXPECT_FALSE(result.rows.front().decision.fix);
   EXPECT_EQ(result.summary.outcome, "landed");
@@ -292,7 +296,7 @@ TEST(Landing, FindsAPadThatIsNotInSightAtFirst) {
 class AttitudeFlights : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(AttitudeFlights, AreMeasuredAsWellAsTheyAsk) {
-  const FlightResult result = Flown(GetParam(), 101, {"duration_s=8", "start.settle_s=5"});
+  const flight::FlightResult result = Flown(GetParam(), 101, {"duration_s=8", "start.settle_s=5"});
   ExpectCriteria(result);
   EXPECT_GT(result.summary.metrics.at("attitude_share"), 0.9);
 }
@@ -304,7 +308,7 @@ INSTANTIATE_TEST_SUITE_P(HighUp, AttitudeFlights, ::testing::Values("attitude_1"
 class GyroFailures : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(GyroFailures, LeaveTheAircraftLevelOnItsHeadingAndItsHeight) {
-  const FlightResult result =
+  const flight::FlightResult result =
       Flown("gyro_failure", 101,
             {"duration_s=17", "start.settle_s=8", "sensors.attitude_faults.0.type=" + GetParam(),
              "sensors.attitude_faults.0.from_s=3", "sensors.attitude_faults.0.until_s=11"});
@@ -316,10 +320,10 @@ INSTANTIATE_TEST_SUITE_P(InWind, GyroFailures, ::testing::Values("drift", "freez
                          [](const auto& each) { return each.param; });
 
 TEST(Attitude, ACappedLensGivesNoAttitudeAndItsReason) {
-  const FlightResult result = Flown("attitude_1", 101,
-                                    {"duration_s=3", "start.settle_s=3", "landscape.light=0.02",
-                                     "image.gain=0.05", "image.noise_grey=0.5"});
-  for (const LogRow& row : result.rows) {
+  const flight::FlightResult result = Flown("attitude_1", 101,
+                                            {"duration_s=3", "start.settle_s=3", "landscape.light=0.02",
+                                             "image.gain=0.05", "image.noise_grey=0.5"});
+  for (const records::LogRow& row : result.rows) {
     EXPECT_FALSE(row.decision.attitude);
     EXPECT_TRUE(row.decision.target == "too_dark" || row.decision.target == "frozen_image" ||
                 row.decision.target == "no_contrast" || row.decision.target == "frozen")

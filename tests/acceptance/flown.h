@@ -10,18 +10,18 @@
 
 namespace kestrel {
 
-inline FlightResult Flown(const std::string& scenario, std::uint64_t seed,
-                          std::vector<std::string> overrides = {}) {
+inline flight::FlightResult Flown(const std::string& scenario, std::uint64_t seed,
+                                  std::vector<std::string> overrides = {}) {
   overrides.push_back("seed=" + std::to_string(seed));
-  const FlightResult result = RunFlight(LoadScenario(scenario, overrides), {});
+  const flight::FlightResult result = flight::RunFlight(flight::LoadScenario(scenario, overrides), {});
   EXPECT_EQ(result.summary.error, "");
   EXPECT_FALSE(result.rows.empty());
   return result;
 }
 
-inline void ExpectCriteria(const FlightResult& result) {
+inline void ExpectCriteria(const flight::FlightResult& result) {
   EXPECT_FALSE(result.summary.criteria.empty());
-  for (const Criterion& c : result.summary.criteria) {
+  for (const records::Criterion& c : result.summary.criteria) {
     if (c.at_least) {
       EXPECT_GE(c.value, c.limit) << c.name << ", seed " << result.summary.seed;
     } else {

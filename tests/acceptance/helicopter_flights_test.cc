@@ -9,17 +9,18 @@ namespace kestrel {
 namespace {
 
 TEST(Helicopter, HoversOverThePad) {
-  const FlightResult result = Flown("hover", 101, {"vehicle=sr20", "duration_s=30"});
+  const flight::FlightResult result = Flown("hover", 101, {"vehicle=sr20", "duration_s=30"});
   ExpectCriteria(result);
-  for (const LogRow& row : result.rows) EXPECT_FALSE(row.now.touching || row.estimate.landed) << row.now.t_s;
+  for (const records::LogRow& row : result.rows)
+    EXPECT_FALSE(row.now.touching || row.estimate.landed) << row.now.t_s;
 }
 
 TEST(Helicopter, LandsOnThePadAndStopsItsRotorOnItsSkids) {
-  const FlightResult result = Flown("landing", 101, {"vehicle=sr20"});
+  const flight::FlightResult result = Flown("landing", 101, {"vehicle=sr20"});
   EXPECT_EQ(result.summary.outcome, "landed");
   ExpectCriteria(result);
   bool touched = false;
-  for (const LogRow& row : result.rows) {
+  for (const records::LogRow& row : result.rows) {
     touched = touched || row.now.touching;
     EXPECT_TRUE(touched || !row.estimate.landed) << row.now.t_s;
   }

@@ -21,12 +21,12 @@ TEST(Follow, ABalloonThatIsCarriedAboutStaysInViewAtItsDistance) { ExpectCriteri
 
 // It flies off faster than the aircraft can.
 TEST(Follow, ABalloonThatIsLostMakesItStopLookAroundAndGiveUp) {
-  const FlightResult result = Flown("follow", 103,
-                                    {"targets.0.roam_m_s=0", "targets.0.velocity_m_s=[2,14,0]",
-                                     "flight.look_around.give_up_s=8", "wind.mean_m_s=0"});
+  const flight::FlightResult result = Flown("follow", 103,
+                                            {"targets.0.roam_m_s=0", "targets.0.velocity_m_s=[2,14,0]",
+                                             "flight.look_around.give_up_s=8", "wind.mean_m_s=0"});
   EXPECT_EQ(result.summary.outcome, "balloon not found");
   std::set<std::string_view> phases;
-  for (const LogRow& row : result.rows) phases.insert(row.decision.phase);
+  for (const records::LogRow& row : result.rows) phases.insert(row.decision.phase);
   EXPECT_TRUE(phases.contains("stop"));
   EXPECT_TRUE(phases.contains("look around"));
   EXPECT_LT(result.rows.back().now.v_N.norm(), 0.3);
@@ -35,7 +35,7 @@ TEST(Follow, ABalloonThatIsLostMakesItStopLookAroundAndGiveUp) {
 class AvoidFlights : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(AvoidFlights, PassAtADistanceAndReturnToTheCourse) {
-  const FlightResult result = Flown(GetParam(), 101);
+  const flight::FlightResult result = Flown(GetParam(), 101);
   EXPECT_EQ(result.summary.outcome, "goal reached");
   ExpectCriteria(result);
 }
@@ -45,7 +45,7 @@ INSTANTIATE_TEST_SUITE_P(PastOthers, AvoidFlights,
                          [](const auto& test) { return std::string(test.param); });
 
 TEST(Avoid, WithoutAvoidanceItWouldCollide) {
-  const FlightResult result = Flown("avoid", 101, {"flight.avoids=false", "duration_s=12"});
+  const flight::FlightResult result = Flown("avoid", 101, {"flight.avoids=false", "duration_s=12"});
   EXPECT_LT(result.summary.metrics.at("closest_m"), 1.5);
   EXPECT_EQ(result.summary.metrics.at("manoeuvred"), 0);
 }

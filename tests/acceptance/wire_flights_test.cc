@@ -31,10 +31,11 @@ class WireFlights : public InTemporaryFolder {
   // Flies until nothing is wrong; what is wrong with a flight in which time was not stretched. None: the
   // machine is too busy to tell anything.
   std::optional<std::vector<std::string>> Wrong(
-      WireFlightOptions options, const std::function<std::vector<std::string>(const WireFlown&)>& judge) {
+      flight::WireFlightOptions options,
+      const std::function<std::vector<std::string>(const flight::WireFlown&)>& judge) {
     for (int attempt = 0; attempt < kAttempts; ++attempt) {
       options.folder = folder_ / std::to_string(attempt);
-      const WireFlown flown = FlyOverWire(options);
+      const flight::WireFlown flown = flight::FlyOverWire(options);
       const std::vector<std::string> wrong = judge(flown);
       if (wrong.empty() || flown.Stretched_s() <= kStretched_s) return wrong;
     }
@@ -42,19 +43,19 @@ class WireFlights : public InTemporaryFolder {
   }
 };
 
-class EveryWire : public WireFlights, public ::testing::WithParamInterface<Wire> {};
+class EveryWire : public WireFlights, public ::testing::WithParamInterface<flight::Wire> {};
 
 TEST_P(EveryWire, TheHardwareProgramLands) {
-  WireFlightOptions options;
+  flight::WireFlightOptions options;
   options.wire = GetParam();
   options.seed = 101;
   options.overrides = {"start.height_m=2", "start.scatter_m=0.3"};
-  const auto wrong = Wrong(options, [](const WireFlown& flown) {
+  const auto wrong = Wrong(options, [](const flight::WireFlown& flown) {
     std::vector<std::string> all;
     if (!flown.Landed()) all.push_back("it did not land: " + flown.served.outcome + flown.served.error);
     if (!(flown.TouchdownError_m() <= 0.2)) all.push_back("it touched down elsewhere");
     if (flown.status != 0) all.push_back("the program says it did not: " + flown.said);
-    if (AddedLatency_s(flown, GetParam()).size() < flown.images.size() / 2)
+    if (flight::AddedLatency_s(flown, GetParam()).size() < flown.images.size() / 2)
       all.push_back("most setpoints cannot be traced to their images");
     return all;
   });
@@ -62,14 +63,15 @@ TEST_P(EveryWire, TheHardwareProgramLands) {
   EXPECT_THAT(*wrong, IsEmpty());
 }
 
-INSTANTIATE_TEST_SUITE_P(Wires, EveryWire, ::testing::ValuesIn(kWires),
+INSTANTIATE_TEST_SUITE_P(Wires, EveryWire, ::testing::ValuesIn(flight::kWires),
                          [](const auto& wire) { return std::string(NameOf(wire.param)); });
 
 TEST_F(WireFlights, ACutLinkAndACutCameraAreAnsweredAsWritten) {
-  for (const FaultRow& row : kFaults) {
-    if (row.fault != WireFault::kLinkCut && row.fault != WireFault::kCameraCut) continue;
-    const auto wrong = Wrong(FlightWith(row, Wire::kMavlink, 101, {}),
-                             [&](const WireFlown& flown) { return JudgeFault(row, flown, {}).wrong; });
+  for (const flight::FaultRow& row : flight::kFaults) {
+    if (row.fault != flight::WireFault::kLinkCut && row.fault != flight::WireFault::kCameraCut) continue;
+    const auto wrong =
+        Wrong(flight::FlightWith(row, flight::Wire::kMavlink, 101, {}),
+              [&](const flight::WireFlown& flown) { return flight::JudgeFault(row, flown, {}).wrong; });
     if (!wrong) GTEST_SKIP() << "the machine is too busy to fly in real time: nothing is shown";
     EXPECT_THAT(*wrong, IsEmpty()) << row.name;
   }

@@ -8,7 +8,7 @@
 #include "tests/support/shell.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kestrel {
+namespace kestrel::app {
 namespace {
 
 namespace fs = std::filesystem;
@@ -65,4 +65,4 @@ TEST_F(BootstrapTest, PackagesThatDoNotComeEndItWithTheReason) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::app

@@ -39,7 +39,7 @@ TEST_F(UserFileTest, WhatIsLargerThanSuchAFileIsNotRead) {
   EXPECT_THAT(ReadUserFile(folder_ / "file", 999).bytes, IsEmpty());
   EXPECT_THAT(ReadUserFile(folder_ / "file", 1000).trouble, IsEmpty());
   fs::resize_file(folder_ / "file", std::uintmax_t{20} << 30);
-  EXPECT_THAT(ReadUserFile(folder_ / "file", kMostDataBytes).trouble, HasSubstr("is too large"));
+  EXPECT_THAT(ReadUserFile(folder_ / "file", kMaxDataBytes).trouble, HasSubstr("is too large"));
   EXPECT_THAT(ReadUserFile("/proc/self/status", 10).trouble, HasSubstr("is too large"));
 }
 

@@ -6,7 +6,7 @@
 #include "base/random.h"
 #include "campaign/statistics/comparison.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 
 // 300 landings in wind, of which those in more than 5.7 m/s fail, and some that never touch down.
 inline CampaignResults ExampleCampaign() {
@@ -40,4 +40,4 @@ inline CampaignResults ExampleCampaign() {
   return campaign;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -12,7 +12,7 @@
 
 #include "records/video/video.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
 constexpr const char* kPlan = R"(name: landing_dispersion
@@ -73,7 +73,7 @@ void WriteRecords(const std::filesystem::path& folder, const RunResult& run, dou
                         -(height_m * (1 - down) + 0.16));
   }
   if (!video) return;
-  Video film(folder / "video.mp4", 20);
+  records::Video film(folder / "video.mp4", 20);
   for (int k = 0; k < 10; ++k) {
     cv::Mat image(240, 320, CV_8UC3, cv::Scalar(90, 110, 100));
     cv::circle(image, {160, 120}, 20 + 6 * k, {240, 240, 240}, 5);
@@ -190,4 +190,4 @@ TuningHistory HoverTuning() {
   return tuning;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -5,7 +5,7 @@
 
 #include "campaign/report/html_report.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 
 // A campaign of landings as one might come to: wind, latency, noise, light and starts vary, one run in a
 // hundred does not pass, for different reasons. Made of numbers, not flown. folder: where records of the
@@ -15,4 +15,4 @@ ReportSubject LandingCampaign(std::int64_t runs, const std::filesystem::path& fo
 // Three methods, five repetitions of each.
 TuningHistory HoverTuning();
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -10,7 +10,7 @@
 
 #include "campaign/execution/result_store.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 
 // A table of so many rows, that varies the seed and one key.
 inline SampleTable TableOf(int rows, const std::string& key = "wind.mean_m_s") {
@@ -34,4 +34,4 @@ inline RunResult ResultOf(std::int64_t row) {
   return result;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace kestrel {
+namespace kestrel::campaign {
 
 // The command of a worker that flies nothing: what it does with a row is said by the row's key "do", and what
 // it reports depends on the row alone. Each row that it has flown is a line of a file; each row that it was
@@ -61,4 +61,4 @@ inline std::vector<int> RowsIn(const std::filesystem::path& file) {
   return rows;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

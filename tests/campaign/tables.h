@@ -8,7 +8,7 @@
 
 #include "campaign/execution/result_store.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 
 // A result file but for what depends on the machine, as text, to the last bit.
 inline std::string TablesOf(const std::filesystem::path& file) {
@@ -22,4 +22,4 @@ inline std::string TablesOf(const std::filesystem::path& file) {
   return text;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -9,7 +9,7 @@
 #include "control/wire/mavlink_messages.h"
 
 // Frames and messages to test with.
-namespace kestrel::wire::mavlink {
+namespace kestrel::control::wire::mavlink {
 
 // Values and the frame that node-mavlink makes of them.
 struct Vector {
@@ -50,4 +50,4 @@ inline Bytes WithChecksum(Bytes frame, std::uint8_t crc_extra) {
   return frame;
 }
 
-}  // namespace kestrel::wire::mavlink
+}  // namespace kestrel::control::wire::mavlink

@@ -12,7 +12,7 @@
 
 #include "control/wire/afcs.h"
 
-namespace kestrel {
+namespace kestrel::control {
 
 // Until it holds, for much longer than it could take on a machine that has other things to do.
 inline bool Eventually(const std::function<bool()>& holds) {
@@ -63,4 +63,4 @@ class UdpPeer {
   wire::AfcsCodec codec_{wire::ThesisAfcsProfile()};
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::control

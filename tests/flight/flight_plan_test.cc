@@ -10,7 +10,7 @@
 #include "flight/simulated/scenario.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kestrel {
+namespace kestrel::flight {
 namespace {
 
 using ::testing::HasSubstr;
@@ -66,10 +66,10 @@ TEST_F(FlightPlanTest, IsWhatTheScenarioSays) {
     EXPECT_EQ(plan.plan.mission, scenario.scenario.mission);
     EXPECT_EQ(plan.plan.image.colour, scenario.scenario.image.colour);
     EXPECT_EQ(plan.plan.duration_s, scenario.scenario.duration_s);
-    EXPECT_EQ(plan.parts.X_BC.p, MountPose(scenario.scenario.mount).p);
+    EXPECT_EQ(plan.parts.X_BC.p, vision::MountPose(scenario.scenario.mount).p);
     EXPECT_EQ(ToYaml(plan.plan.pilot), ToYaml(scenario.scenario.pilot));
     EXPECT_EQ(plan.parts.flight.index(), scenario.scenario.flight.index());
-    EXPECT_EQ(WidthPx(plan.parts.camera), WidthPx(scenario.simulator.camera));
+    EXPECT_EQ(vision::WidthPx(plan.parts.camera), vision::WidthPx(scenario.simulator.camera));
   }
 }
 
@@ -116,4 +116,4 @@ TEST_F(FlightPlanTest, OwnPartsMustBeOfTheCamera) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::flight

@@ -14,7 +14,7 @@
 // accepted of a type rise.
 namespace {
 
-using namespace kestrel::wire;  // NOLINT(google-build-using-namespace)
+using namespace kestrel::control::wire;  // NOLINT(google-build-using-namespace)
 
 void Require(bool promise) {
   if (!promise) std::abort();

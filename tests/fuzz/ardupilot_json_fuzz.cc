@@ -6,7 +6,7 @@
 #include "sim/server/physics/ardupilot_json.h"
 
 // Any bytes as a servo packet; and any numbers as a state, which is one line or none.
-using namespace kestrel::wire;
+using namespace kestrel::sim::ardupilot;
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::span<const std::uint8_t> bytes(data, size);

@@ -13,7 +13,7 @@
 // byte is accounted for, and what is accepted is encoded back to bytes that are in the stream.
 namespace {
 
-using namespace kestrel::wire;  // NOLINT(google-build-using-namespace)
+using namespace kestrel::control::wire;  // NOLINT(google-build-using-namespace)
 
 void Require(bool promise) {
   if (!promise) std::abort();

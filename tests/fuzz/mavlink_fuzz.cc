@@ -6,8 +6,8 @@
 
 // The parser on any bytes, as a stream in two pieces, and as frames whose check sums are made right, so that
 // the readers of all messages get any payload; and the telemetry on what they read.
-using namespace kestrel::wire;
-using namespace kestrel::wire::mavlink;
+using namespace kestrel::control::wire;
+using namespace kestrel::control::wire::mavlink;
 
 namespace {
 

@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-namespace kestrel {
+namespace kestrel::mission {
 namespace {
 
 using ::testing::ElementsAre;
@@ -16,34 +16,34 @@ using ::testing::HasSubstr;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 // The three sides of the loop; each writes down when it was called.
-struct Fakes final : public Camera, public Autopilot, public Mission {
+struct Fakes final : public vision::Camera, public control::Autopilot, public Mission {
   std::vector<std::string> calls;
   int frames = 1;
-  VehicleState state;
-  Frame frame;
+  control::VehicleState state;
+  vision::Frame frame;
   std::vector<Decision> decisions = {{}};  // one for each frame, the last for all that follow
   std::size_t steps = 0;
-  std::vector<Setpoint> sent;
+  std::vector<control::Setpoint> sent;
 
-  std::optional<Frame> Next() override {
+  std::optional<vision::Frame> Next() override {
     calls.push_back("next");
     if (frames-- == 0) return std::nullopt;
     ++frame.sequence;
     return frame;
   }
-  VehicleState State() const override {
+  control::VehicleState State() const override {
     const_cast<Fakes*>(this)->calls.push_back("state");
     return state;
   }
-  void Send(const Setpoint& setpoint) override {
+  void Send(const control::Setpoint& setpoint) override {
     calls.push_back("send");
     sent.push_back(setpoint);
   }
-  void Aid(const AttitudeAid& aid) override {
+  void Aid(const control::AttitudeAid& aid) override {
     calls.push_back("aid");
     EXPECT_EQ(aid.sigma, decisions[steps - 1].aid->sigma);
   }
-  Decision Step(const Frame& seen, const VehicleState& s) override {
+  Decision Step(const vision::Frame& seen, const control::VehicleState& s) override {
     calls.push_back("step");
     EXPECT_EQ(seen.sequence, frame.sequence);
     EXPECT_EQ(s.t_s, state.t_s);
@@ -54,7 +54,7 @@ struct Fakes final : public Camera, public Autopilot, public Mission {
   bool go_on = true;
   std::string Run() {
     return Fly(*this, *this, *this,
-               [&](const Frame& given, const VehicleState& heard, const Decision& decided) {
+               [&](const vision::Frame& given, const control::VehicleState& heard, const Decision& decided) {
                  RequireNumbers(given, heard, decided);
                  calls.push_back("record");
                  return go_on;
@@ -73,18 +73,18 @@ struct Fakes final : public Camera, public Autopilot, public Mission {
 TEST(FlightLoop, EachFrameIsSeenDecidedSentAndRecordedInThatOrder) {
   Fakes f;
   f.frames = 2;
-  f.decisions[0].setpoint = VelocitySetpoint{{1, 2, 3}, 4};
+  f.decisions[0].setpoint = control::VelocitySetpoint{{1, 2, 3}, 4};
   EXPECT_EQ(f.Run(), "");
   EXPECT_THAT(f.calls, ElementsAre("next", "state", "step", "send", "record", "next", "state", "step", "send",
                                    "record", "next"));
   ASSERT_EQ(f.sent.size(), 2u);
-  EXPECT_EQ(std::get<VelocitySetpoint>(f.sent[0]).v_H, Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(std::get<control::VelocitySetpoint>(f.sent[0]).v_H, Eigen::Vector3d(1, 2, 3));
 }
 
 TEST(FlightLoop, AnAttitudeGoesOutBeforeTheSetpointThatIsFlownByIt) {
   Fakes f;
-  f.decisions[0].setpoint = VelocitySetpoint{};
-  f.decisions[0].aid = AttitudeAid{Eigen::Quaterniond::Identity(), 0.25};
+  f.decisions[0].setpoint = control::VelocitySetpoint{};
+  f.decisions[0].aid = control::AttitudeAid{Eigen::Quaterniond::Identity(), 0.25};
   EXPECT_EQ(f.Run(), "");
   EXPECT_THAT(f.calls, ElementsAre("next", "state", "step", "aid", "send", "record", "next"));
   f.frames = 1, f.steps = 0;
@@ -103,7 +103,7 @@ TEST(FlightLoop, AnOutcomeEndsTheFlightAfterItsSetpointAndRecord) {
   f.frames = 10;
   f.decisions.resize(3);
   f.decisions[2].outcome = "landed";
-  f.decisions[2].setpoint = VelocitySetpoint{};
+  f.decisions[2].setpoint = control::VelocitySetpoint{};
   EXPECT_EQ(f.Run(), "landed");
   EXPECT_EQ(f.steps, 3u);
   EXPECT_EQ(f.sent.size(), 1u);
@@ -122,7 +122,7 @@ TEST(FlightLoop, MeasuresTheControlWithoutTheVision) {
   Fakes f;
   f.decisions[0].vision_s = -5;  // as if the image had taken that much less than nothing
   double control_s = 0;
-  Fly(f, f, f, [&](const Frame&, const VehicleState&, const Decision& d) {
+  Fly(f, f, f, [&](const vision::Frame&, const control::VehicleState&, const Decision& d) {
     control_s = d.control_s;
     return true;
   });
@@ -156,15 +156,15 @@ TEST(FlightLoop, ADecisionThatIsNoNumberIsNamed) {
   std::vector<std::pair<Decision, const char*>> cases(10);
   cases[0].first.fix = bad_position, cases[0].second = "the measured position";
   cases[1].first.fix = bad_yaw, cases[1].second = "the measured yaw";
-  const std::pair<Setpoint, const char*> setpoints[] = {
-      {VelocitySetpoint{{0, kNaN, 0}, 0}, "the velocity setpoint"},
-      {VelocitySetpoint{{0, 0, 0}, kNaN}, "the velocity setpoint"},
-      {PositionSetpoint{{kNaN, 0, 0}, 0}, "the position setpoint"},
-      {PositionSetpoint{{0, 0, 0}, kNaN}, "the position setpoint"},
-      {AttitudeSetpoint{kNaN, 0, 0, 0}, "the attitude setpoint"},
-      {AttitudeSetpoint{0, kNaN, 0, 0}, "the attitude setpoint"},
-      {AttitudeSetpoint{0, 0, kNaN, 0}, "the attitude setpoint"},
-      {AttitudeSetpoint{0, 0, 0, kNaN}, "the attitude setpoint"},
+  const std::pair<control::Setpoint, const char*> setpoints[] = {
+      {control::VelocitySetpoint{{0, kNaN, 0}, 0}, "the velocity setpoint"},
+      {control::VelocitySetpoint{{0, 0, 0}, kNaN}, "the velocity setpoint"},
+      {control::PositionSetpoint{{kNaN, 0, 0}, 0}, "the position setpoint"},
+      {control::PositionSetpoint{{0, 0, 0}, kNaN}, "the position setpoint"},
+      {control::AttitudeSetpoint{kNaN, 0, 0, 0}, "the attitude setpoint"},
+      {control::AttitudeSetpoint{0, kNaN, 0, 0}, "the attitude setpoint"},
+      {control::AttitudeSetpoint{0, 0, kNaN, 0}, "the attitude setpoint"},
+      {control::AttitudeSetpoint{0, 0, 0, kNaN}, "the attitude setpoint"},
   };
   for (std::size_t i = 0; i < 8; ++i)
     cases[i + 2].first.setpoint = setpoints[i].first, cases[i + 2].second = setpoints[i].second;
@@ -184,4 +184,4 @@ TEST(FlightLoop, AStreamThatIsEmptyIsNoFlight) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::mission

@@ -10,11 +10,11 @@
 #include "sim/simulator.h"
 #include "tests/vision/landmark/pad_photographer.h"
 
-namespace kestrel {
+namespace kestrel::mission {
 namespace {
 
-KannalaBrandt Fisheye() {
-  KannalaBrandt c;
+vision::KannalaBrandt Fisheye() {
+  vision::KannalaBrandt c;
   c.width_px = 640, c.height_px = 480;
   c.fx = c.fy = 241, c.cx = 322.3, c.cy = 236.8;
   c.k1 = -0.01, c.k2 = 0.002;
@@ -26,7 +26,7 @@ KannalaBrandt Fisheye() {
 // grey where that does not reach.
 cv::Mat ThroughFisheye(const cv::Mat& pinhole_image) {
   constexpr int kFine = 4;
-  const KannalaBrandt camera = Fisheye();
+  const vision::KannalaBrandt camera = Fisheye();
   cv::Mat image(camera.height_px, camera.width_px, CV_8UC1, cv::Scalar(105));
   for (int v = 0; v < image.rows; ++v) {
     for (int u = 0; u < image.cols; ++u) {
@@ -35,7 +35,7 @@ cv::Mat ThroughFisheye(const cv::Mat& pinhole_image) {
       for (int k = 0; k < kFine * kFine; ++k) {
         const Eigen::Vector2d at(u + (k % kFine + 0.5) / kFine - 0.5, v + (k / kFine + 0.5) / kFine - 0.5);
         const auto ray = camera.Ray(at);
-        const auto uv = ray ? kPadCamera.Project(*ray) : std::nullopt;
+        const auto uv = ray ? vision::kPadCamera.Project(*ray) : std::nullopt;
         if (!uv || !(uv->x() > 0 && uv->y() > 0 && uv->x() < 638 && uv->y() < 478)) continue;
         cv::Mat one;
         cv::getRectSubPix(pinhole_image, {1, 1}, cv::Point2f(uv->cast<float>().x(), uv->cast<float>().y()),
@@ -50,15 +50,17 @@ cv::Mat ThroughFisheye(const cv::Mat& pinhole_image) {
 }
 
 TEST(HelipadPilotTest, SeesThePadThroughAFisheyeAndDrawsItWhereItIs) {
-  const Pose X_BC = MountPose({});
-  const Pose X_CT = PadBelow({0.1, -0.3, 4}, 20);
+  const Pose X_BC = vision::MountPose({});
+  const Pose X_CT = vision::PadBelow({0.1, -0.3, 4}, 20);
   const Pose X_TB = (X_BC * X_CT).Inverse();
-  VehicleState state;
+  control::VehicleState state;
   state.t_s = 1;
   state.R_NB = X_TB.R;  // the pad lies to the north
-  HelipadPilot pilot(MakePadReference(PadPicture(), kPadLength_m, kPadWidth_m), Fisheye(), X_BC, {});
-  const cv::Mat image = ThroughFisheye(PadPhotographer(PadPicture()).At(X_CT, 1));
-  const Decision decision = pilot.See({image, 1, 0}, state);
+  HelipadPilot pilot(
+      vision::MakePadReference(vision::PadPicture(), vision::kPadLength_m, vision::kPadWidth_m), Fisheye(),
+      X_BC, {});
+  const cv::Mat image = ThroughFisheye(vision::PadPhotographer(vision::PadPicture()).At(X_CT, 1));
+  const Decision decision = pilot.Observe({image, 1, 0}, state);
   ASSERT_TRUE(decision.fix);
   EXPECT_TRUE(decision.fix->registered);
   // So small a pad shows its tilt to 0.4 degrees, which are 3 cm over 4 m; by three of that.
@@ -68,7 +70,7 @@ TEST(HelipadPilotTest, SeesThePadThroughAFisheyeAndDrawsItWhereItIs) {
   cv::Mat drawn(image.size(), CV_8UC3, cv::Scalar(0, 0, 0));
   pilot.Draw(drawn, "test");
   drawn.rowRange(0, 62).setTo(cv::Scalar(0, 0, 0));  // text
-  const double x = kPadLength_m / 2, y = kPadWidth_m / 2;
+  const double x = vision::kPadLength_m / 2, y = vision::kPadWidth_m / 2;
   for (const Eigen::Vector3d& p_T : {Eigen::Vector3d(x, y, 0), Eigen::Vector3d(x, 0, 0),
                                      Eigen::Vector3d(-x, 0.2, 0), Eigen::Vector3d(-0.3, -y, 0)}) {
     const auto uv = Fisheye().Project(X_CT * p_T);
@@ -84,18 +86,18 @@ TEST(HelipadPilotTest, SeesThePadThroughAFisheyeAndDrawsItWhereItIs) {
 }
 
 TEST(TrackersCameraTest, IsAPinholeItselfOrTheVirtualOneOfAWideLens) {
-  const auto same = TrackersCamera(kPadCamera);
+  const auto same = TrackersCamera(vision::kPadCamera);
   ASSERT_TRUE(same);
   EXPECT_EQ(same->width_px, 640);
-  EXPECT_EQ(same->fx, kPadCamera.fx);
+  EXPECT_EQ(same->fx, vision::kPadCamera.fx);
   const auto within = TrackersCamera(Fisheye());
   ASSERT_TRUE(within);
   EXPECT_NEAR(within->fx, 241, 0.1);
   EXPECT_NEAR(2 * Degrees(std::atan2(within->width_px, 2 * within->fx)), 100, 1);
-  KannalaBrandt aside = Fisheye();
+  vision::KannalaBrandt aside = Fisheye();
   aside.cx = -20;
   EXPECT_FALSE(TrackersCamera(aside));
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::mission

@@ -9,17 +9,17 @@
 
 #include "tests/support/temporary_folder.h"
 
-namespace kestrel {
+namespace kestrel::records {
 namespace {
 
 using ::testing::HasSubstr;
 
 using RecordingTest = InTemporaryFolder;
 
-VehicleState SomeState(std::mt19937& random) {
+control::VehicleState SomeState(std::mt19937& random) {
   std::normal_distribution<double> normal(0, 3);
   const auto vector = [&] { return Eigen::Vector3d(normal(random), normal(random), normal(random)); };
-  VehicleState s;
+  control::VehicleState s;
   s.t_s = 1000 * normal(random);
   s.p_NB = vector(), s.v_N = vector(), s.w_B = vector();
   s.R_NB =
@@ -30,22 +30,22 @@ VehicleState SomeState(std::mt19937& random) {
 
 TEST_F(RecordingTest, ReadsBackToTheSameBits) {
   std::mt19937 random(3);
-  std::vector<Frame> frames;
-  std::vector<VehicleState> states;
-  std::vector<Decision> decisions;
+  std::vector<vision::Frame> frames;
+  std::vector<control::VehicleState> states;
+  std::vector<mission::Decision> decisions;
   RecordingWriter writer(folder_);
   for (int i = 0; i < 5; ++i) {
-    Frame frame{cv::Mat(6, 8, i % 2 ? CV_8UC3 : CV_8UC1), 0.1 * i + 1. / 3, 2 * i};
+    vision::Frame frame{cv::Mat(6, 8, i % 2 ? CV_8UC3 : CV_8UC1), 0.1 * i + 1. / 3, 2 * i};
     cv::randu(frame.image, 0, 256);
-    VehicleState state = SomeState(random);
-    state.mode = static_cast<FlightMode>(i);
+    control::VehicleState state = SomeState(random);
+    state.mode = static_cast<control::FlightMode>(i);
     state.landed = i == 3, state.saturated = i == 2, state.aided = i == 1;
     if (i == 4) state.R_NB_inertial.reset();
-    Decision decision;
+    mission::Decision decision;
     decision.phase = "search", decision.target = i ? "tracked" : "";
-    if (i == 1) decision.setpoint = VelocitySetpoint{{1. / 3, 0, -0.0}, 1e-17};
-    if (i == 2) decision.setpoint = PositionSetpoint{{1, 2, 3}, 4};
-    if (i == 3) decision.fix = TargetFix{{1, 2, 3}, 4, 5, 6, 7, true};
+    if (i == 1) decision.setpoint = control::VelocitySetpoint{{1. / 3, 0, -0.0}, 1e-17};
+    if (i == 2) decision.setpoint = control::PositionSetpoint{{1, 2, 3}, 4};
+    if (i == 3) decision.fix = mission::TargetFix{{1, 2, 3}, 4, 5, 6, 7, true};
     writer.Write(frame, state, decision);
     frames.push_back(frame), states.push_back(state), decisions.push_back(decision);
   }
@@ -55,7 +55,7 @@ TEST_F(RecordingTest, ReadsBackToTheSameBits) {
   ASSERT_EQ(recording.frames().size(), 5u);
   for (std::size_t i = 0; i < 5; ++i) {
     const RecordedFrame& got = recording.frames()[i];
-    const Frame frame = recording.At(i);
+    const vision::Frame frame = recording.At(i);
     EXPECT_EQ(frame.t_s, frames[i].t_s);
     EXPECT_EQ(frame.sequence, frames[i].sequence);
     ASSERT_EQ(frame.image.type(), frames[i].image.type());
@@ -113,4 +113,4 @@ TEST_F(RecordingTest, OfAFlightThatBrokeOffThereIsWhatWasWritten) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::records

@@ -10,7 +10,7 @@
 
 #include "records/junit.h"
 
-namespace kestrel {
+namespace kestrel::records {
 namespace {
 
 using ::testing::HasSubstr;
@@ -155,4 +155,4 @@ TEST(Junit, AWholeRunWithoutCriteriaIsOnePassedCase) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::records

@@ -15,7 +15,7 @@
 
 // Plain pictures of coloured balls for the missions that fly by them, drawn in a millisecond: a small pinhole
 // that looks straight ahead, a grey background and noise that never repeats.
-namespace kestrel {
+namespace kestrel::scenarios {
 
 struct Ball {
   Eigen::Vector3d p_N{6, 0, -4};  // m
@@ -28,7 +28,9 @@ class BallPictures {
   static constexpr double kFocal_px = 190;
   static constexpr double kFrame_s = 0.05;
 
-  static CameraModel Camera() { return Pinhole{320, 240, kFocal_px, kFocal_px, 159.5, 119.5}; }
+  static vision::CameraModel Camera() {
+    return vision::Pinhole{320, 240, kFocal_px, kFocal_px, 159.5, 119.5};
+  }
   static Pose Mount() {
     Eigen::Matrix3d R_BC;
     R_BC << 0, 0, 1, 1, 0, 0, 0, 1, 0;
@@ -40,21 +42,21 @@ class BallPictures {
   }
 
   // What the camera sees of balls from there.
-  cv::Mat Draw(const std::vector<Ball>& balls, const VehicleState& state) {
+  cv::Mat Draw(const std::vector<Ball>& balls, const control::VehicleState& state) {
     cv::Mat image = Plain();
     image.rowRange(200, 240).setTo(cv::Scalar(80, 95, 88));  // not blank without a ball
     for (const Ball& ball : balls) {
       const Eigen::Vector3d p_C = (Pose{state.R_NB, state.p_NB} * Mount()).Inverse() * ball.p_N;
-      const auto cone = ConeOfSphere(p_C, ball.diameter_m / 2);
+      const auto cone = vision::ConeOfSphere(p_C, ball.diameter_m / 2);
       if (!cone || p_C.z() <= 0) continue;
-      const auto box = OutlineBox(Camera(), *cone);
+      const auto box = vision::OutlineBox(Camera(), *cone);
       const cv::Rect part =
           box ? cv::Rect(cv::Rect2d(box->x - 2, box->y - 2, box->width + 4, box->height + 4) &
                          cv::Rect2d(0, 0, image.cols, image.rows))
               : cv::Rect();
       if (part.empty()) continue;
       std::vector<cv::Point> outline;  // in a mask of four times the size
-      for (const Eigen::Vector2d& p : DrawOutline(Camera(), *cone)) {
+      for (const Eigen::Vector2d& p : vision::DrawOutline(Camera(), *cone)) {
         const Eigen::Vector2d fine = 256 * (4 * (p - Eigen::Vector2d(part.x, part.y)).array() + 1.5);
         outline.emplace_back(static_cast<int>(std::lround(fine.x())),
                              static_cast<int>(std::lround(fine.y())));
@@ -84,8 +86,8 @@ class BallPictures {
   cv::RNG random_{12345};
 };
 
-inline VehicleState LevelAt(double t_s, const Eigen::Vector3d& p_N, double yaw) {
-  VehicleState state;
+inline control::VehicleState LevelAt(double t_s, const Eigen::Vector3d& p_N, double yaw) {
+  control::VehicleState state;
   state.t_s = t_s;
   state.p_NB = p_N;
   state.R_NB = HeadingRotation(yaw);
@@ -93,4 +95,4 @@ inline VehicleState LevelAt(double t_s, const Eigen::Vector3d& p_N, double yaw) 
   return state;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::scenarios

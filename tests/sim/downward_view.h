@@ -9,7 +9,7 @@
 
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // Every ray within 27.5 degrees of straight down from the vehicle's mount must meet the plane below, not the
 // vehicle. The data are after mj_forward.
@@ -28,4 +28,4 @@ inline void ExpectFreeDownwardView(const mjModel* model, const mjData* data) {
   EXPECT_EQ(rays, 56 * 120);
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -9,7 +9,7 @@
 
 #include "sim/simulator.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 inline const std::filesystem::path kModels = KESTREL_SOURCE_DIR "/models";
 
@@ -19,7 +19,7 @@ inline SimulatorParameters Hover() {
   p.scene.world = kModels / "worlds/airfield/airfield.xml";
   p.scene.vehicle = kModels / "vehicles/pelican/pelican.xml";
   p.scene.pad_texture = kModels / "pads/helipad/helipad.png";
-  p.camera = Pinhole{160, 120, 202.7, 202.7, 79.5, 59.5};
+  p.camera = vision::Pinhole{160, 120, 202.7, 202.7, 79.5, 59.5};
   p.start.height_m = 4;
   p.start.settle_s = 0.5;
   p.wind.mean_m_s = 3, p.wind.turbulence = true;
@@ -35,7 +35,7 @@ inline bool Same(const cv::Mat& a, const cv::Mat& b) {
 // Without a word from the flight code, so that what the camera does cannot change the flight.
 struct Watched {
   std::uint64_t state_hash, image_hash;
-  std::vector<Frame> frames;
+  std::vector<vision::Frame> frames;
   std::vector<double> given_s;  // when Next() gave them
   double end_s;
 };
@@ -54,4 +54,4 @@ inline Watched Watch(const SimulatorParameters& p) {
   return run;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

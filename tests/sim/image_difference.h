@@ -6,7 +6,7 @@
 #include <ostream>
 #include <vector>
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // Grey levels between two images of 8 bits, over all pixels and channels.
 struct ImageDifference {
@@ -35,4 +35,4 @@ inline bool SameBits(const cv::Mat& a, const cv::Mat& b) {
   return a.size() == b.size() && a.type() == b.type() && std::equal(a.datastart, a.dataend, b.datastart);
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

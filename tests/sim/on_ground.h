@@ -3,7 +3,7 @@
 
 #include "sim/simulator.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // The Pelican on the pad, its motors off, seen by a small camera that looks down.
 inline SimulatorParameters OnGround() {
@@ -12,11 +12,11 @@ inline SimulatorParameters OnGround() {
   p.scene.world = models / "worlds/airfield/airfield.xml";
   p.scene.vehicle = models / "vehicles/pelican/pelican.xml";
   p.scene.pad_texture = models / "pads/helipad/helipad.png";
-  p.camera = Pinhole{32, 24, 30, 30, 15.5, 11.5};
+  p.camera = vision::Pinhole{32, 24, 30, 30, 15.5, 11.5};
   p.image.rate_hz = 5;
   p.start.on_ground = true;
   p.start.settle_s = 0.5;
   return p;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

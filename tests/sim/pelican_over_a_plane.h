@@ -10,7 +10,7 @@
 
 #include "sim/world/scene.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // The Pelican alone, over a plane at height 0, in steps of 2 ms.
 inline ModelPtr PelicanOverAPlane() {
@@ -30,4 +30,4 @@ inline ModelPtr PelicanOverAPlane() {
   return model;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -3,7 +3,7 @@
 
 #include "sim/sensor/sensors.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // Sensors that say the truth, at their usual rates.
 inline SensorParameters PerfectSensors() {
@@ -17,4 +17,4 @@ inline SensorParameters PerfectSensors() {
   return p;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -9,11 +9,11 @@
 
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 // Slow waves and a bright corner: smooth enough to be compared where it is filtered in another way.
-cv::Mat Picture() {
+cv::Mat RenderedFrame() {
   cv::Mat image(32, 48, CV_8UC3);
   for (int v = 0; v < image.rows; ++v)
     for (int u = 0; u < image.cols; ++u) {
@@ -250,7 +250,7 @@ ModelPtr CompileScene(const std::string& xml) {
   const auto files = std::make_unique<mjVFS>();
   mj_defaultVFS(files.get());
   AddFile(files.get(), "scene.xml", {xml.begin(), xml.end()});
-  AddFile(files.get(), "picture.png", Png(Picture()));
+  AddFile(files.get(), "picture.png", Png(RenderedFrame()));
   AddFile(files.get(), "faces.png", Png(Faces()));
   AddFile(files.get(), "square.png", Png(Faces().rowRange(64, 96)));
   AddFile(files.get(), "relief.png", Png(Relief()));
@@ -277,4 +277,4 @@ const std::vector<TestScene>& TestScenes() {
   return scenes;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

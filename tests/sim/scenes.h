@@ -12,7 +12,7 @@
 
 // Small worlds for the tests of renderers: together they have every kind of geom, texture, light and blending
 // that is drawn.
-namespace kestrel {
+namespace kestrel::sim {
 
 // The text compiled, with these files at hand: picture.png (2-D, 48 x 32, nothing of it symmetric),
 // faces.png (the six faces of a cube, 32 x 32 each, all different), square.png (one of them) and relief.png
@@ -36,4 +36,4 @@ const std::vector<TestScene>& TestScenes();
 // Optical axis along north turned by yaw (to the east) and pitch (up), rad.
 Pose LookingFrom(const Eigen::Vector3d& p_NC, double yaw, double pitch, double roll = 0);
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

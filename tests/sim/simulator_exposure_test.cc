@@ -7,12 +7,12 @@
 #include "sim/world/frames.h"
 #include "tests/sim/hover.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 TEST(SimulatorExposure, ThatLastsChangesNeitherTheFlightNorTheTimes) {
   SimulatorParameters p = Hover();
-  p.camera = Pinhole{48, 32, 60, 60, 23.5, 15.5};
+  p.camera = vision::Pinhole{48, 32, 60, 60, 23.5, 15.5};
   const Watched sharp = Watch(p);
   p.image.exposure.time_s = 0.02;
   const Watched global = Watch(p);
@@ -28,7 +28,7 @@ TEST(SimulatorExposure, ThatLastsChangesNeitherTheFlightNorTheTimes) {
 
 TEST(SimulatorExposure, NoFrameIsGivenBeforeItIsReadOut) {
   SimulatorParameters p = Hover();
-  p.camera = Pinhole{16, 16, 20, 20, 7.5, 7.5};
+  p.camera = vision::Pinhole{16, 16, 20, 20, 7.5, 7.5};
   p.image.exposure.time_s = 0.021, p.image.exposure.line_s = 0.001;
   p.image.latency_s = 0;  // which a scenario refuses
   const Watched run = Watch(p);
@@ -46,7 +46,7 @@ TEST(SimulatorExposure, AVibratingMountMovesTheCameraAndNotTheAircraft) {
   const Vibration vibration(p.mount.vibration, p.seed);
 
   Simulator simulator(p);
-  EXPECT_EQ(simulator.X_BC().p, MountPose(p.mount).p);
+  EXPECT_EQ(simulator.X_BC().p, vision::MountPose(p.mount).p);
   const ModelPtr model = MakeModel(p.scene);
   const DataPtr data = MakeData(model.get());
   Renderer renderer(model.get(), p.camera, p.render);
@@ -66,9 +66,9 @@ TEST(SimulatorExposure, AVibratingMountMovesTheCameraAndNotTheAircraft) {
 
 TEST(SimulatorExposure, AutoExposureBringsTheImageToItsLevelInOrderOfTheFrames) {
   SimulatorParameters p = Hover();
-  p.camera = Pinhole{48, 32, 60, 60, 23.5, 15.5};
+  p.camera = vision::Pinhole{48, 32, 60, 60, 23.5, 15.5};
   p.duration_s = 3;
-  const auto mean = [](const Frame& f) { return cv::mean(f.image)[0]; };
+  const auto mean = [](const vision::Frame& f) { return cv::mean(f.image)[0]; };
   const Watched fixed = Watch(p);
   p.image.auto_exposure.target_grey = 40, p.image.auto_exposure.lag_s = 0.3;
   const Watched automatic = Watch(p);
@@ -96,4 +96,4 @@ TEST(SimulatorExposure, ScatterMakesEachSeedsCameraAnother) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -7,12 +7,12 @@
 
 #include "tests/sim/hover.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 SimulatorParameters WithFault(const char* type, double from_s, double until_s) {
   SimulatorParameters p = Hover();
-  p.camera = Pinhole{48, 32, 60, 60, 23.5, 15.5};
+  p.camera = vision::Pinhole{48, 32, 60, 60, 23.5, 15.5};
   p.duration_s = 2;
   CameraFault f;
   f.type = type, f.from_s = from_s, f.until_s = until_s;
@@ -27,9 +27,9 @@ Watched Healthy() {
 }
 
 // Frames by their numbers; nothing where one is missing.
-std::map<std::int64_t, Frame> ByNumber(const Watched& run) {
-  std::map<std::int64_t, Frame> frames;
-  for (const Frame& f : run.frames) frames[f.sequence] = f;
+std::map<std::int64_t, vision::Frame> ByNumber(const Watched& run) {
+  std::map<std::int64_t, vision::Frame> frames;
+  for (const vision::Frame& f : run.frames) frames[f.sequence] = f;
   EXPECT_EQ(frames.size(), run.frames.size());
   return frames;
 }
@@ -39,7 +39,7 @@ TEST(SimulatorFaults, OffThereAreNoFramesAndTheirNumbersAreMissing) {
   EXPECT_EQ(run.state_hash, healthy.state_hash);
   ASSERT_EQ(healthy.frames.size(), 41u);
   auto frames = ByNumber(run);
-  for (const Frame& f : healthy.frames) {
+  for (const vision::Frame& f : healthy.frames) {
     const bool off = f.t_s > 0.499 && f.t_s < 1.199;
     ASSERT_EQ(frames.count(f.sequence), off ? 0u : 1u) << f.t_s;
     if (off) continue;
@@ -67,10 +67,10 @@ TEST(SimulatorFaults, WhileItIsOffTheAutopilotHoldsOnceItsSetpointIsStale) {
   Simulator simulator(p);
   while (const auto frame = simulator.Next()) {
     if (frame->t_s < 0.2) {
-      simulator.Send(VelocitySetpoint{{1, 0, 0}, 0});
+      simulator.Send(control::VelocitySetpoint{{1, 0, 0}, 0});
     } else {
       EXPECT_NEAR(frame->t_s, 6, 1e-9);
-      EXPECT_EQ(simulator.State().mode, FlightMode::kHold);
+      EXPECT_EQ(simulator.State().mode, control::FlightMode::kHold);
       EXPECT_LT(simulator.truth().v_N.norm(), 0.4);
       break;
     }
@@ -155,7 +155,7 @@ TEST(SimulatorFaults, IntermittentSomeAreLostBySeed) {
   EXPECT_EQ(run.state_hash, healthy.state_hash);
   auto frames = ByNumber(run);
   int lost = 0;
-  for (const Frame& f : healthy.frames) {
+  for (const vision::Frame& f : healthy.frames) {
     if (!frames.count(f.sequence)) {
       ++lost;
       EXPECT_GT(f.t_s, 0.499);
@@ -168,8 +168,8 @@ TEST(SimulatorFaults, IntermittentSomeAreLostBySeed) {
   EXPECT_LT(lost, 21);
   std::vector<std::int64_t> numbers, others;
   p.seed = 9;
-  for (const Frame& f : run.frames) numbers.push_back(f.sequence);
-  for (const Frame& f : Watch(p).frames) others.push_back(f.sequence);
+  for (const vision::Frame& f : run.frames) numbers.push_back(f.sequence);
+  for (const vision::Frame& f : Watch(p).frames) others.push_back(f.sequence);
   EXPECT_NE(numbers, others);
 }
 
@@ -189,4 +189,4 @@ TEST(SimulatorFaults, AreToldWithTheirTime) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -17,7 +17,7 @@
 #include "tests/sim/hover.h"
 #include "vision/landmark/pad_tracker.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 using Eigen::Vector2d;
@@ -36,7 +36,7 @@ Flown Fly(const SimulatorParameters& p) {
   while (const auto frame = simulator.Next()) {
     run.images.push_back(frame->image);
     run.exposures.push_back(simulator.exposure());
-    simulator.Send(VelocitySetpoint{{0.3, -0.2, 0.1}, 0.1});
+    simulator.Send(control::VelocitySetpoint{{0.3, -0.2, 0.1}, 0.1});
   }
   run.state_hash = simulator.state_hash(), run.image_hash = simulator.image_hash();
   return run;
@@ -46,7 +46,7 @@ TEST(Simulator, TimePassesOnlyInNext) {
   SimulatorParameters p = Hover();
   Simulator simulator(p);
   EXPECT_EQ(simulator.truth().t_s, 0);
-  simulator.Send(VelocitySetpoint{{1, 0, 0}, 0});
+  simulator.Send(control::VelocitySetpoint{{1, 0, 0}, 0});
   std::this_thread::sleep_for(std::chrono::milliseconds(20));
   EXPECT_EQ(simulator.truth().t_s, 0);
   EXPECT_NEAR(simulator.State().t_s, 0, 1e-9);
@@ -72,7 +72,7 @@ TEST(Simulator, AFlightInSlicesIsTheSameFlight) {
         EXPECT_LE(simulator.truth().t_s, k * slice_s + 1e-9);
         run.images.push_back(frame->image);
         EXPECT_EQ(frame->t_s, whole.exposures.at(run.images.size() - 1).t_s);
-        simulator.Send(VelocitySetpoint{{0.3, -0.2, 0.1}, 0.1});
+        simulator.Send(control::VelocitySetpoint{{0.3, -0.2, 0.1}, 0.1});
       }
       // with frames or without, before the last exposure and after
       ASSERT_NEAR(simulator.truth().t_s, std::floor(k * slice_s / 0.002 + 1e-6) * 0.002, 1e-9);
@@ -88,7 +88,7 @@ TEST(Simulator, EachFrameComesItsLatencyAfterItsExposure) {
   for (const double rate_hz : {20.0, 30.0, 7.3}) {
     for (const double latency_s : {0.0, 0.05, 0.0133, 0.31}) {
       SimulatorParameters p = Hover();
-      p.camera = Pinhole{16, 16, 20, 20, 7.5, 7.5};
+      p.camera = vision::Pinhole{16, 16, 20, 20, 7.5, 7.5};
       p.start.settle_s = 0;
       p.image.rate_hz = rate_hz, p.image.latency_s = latency_s;
       Simulator simulator(p);
@@ -193,7 +193,7 @@ TEST(Simulator, WhatOneConsumerDrawsDoesNotShiftAnother) {
   const Flown usual = Fly(Hover());
   SimulatorParameters camera = Hover();
   camera.image.noise_grey = 9, camera.image.colour = true,
-  camera.camera = Pinhole{64, 48, 81, 81, 31.5, 23.5};
+  camera.camera = vision::Pinhole{64, 48, 81, 81, 31.5, 23.5};
   EXPECT_EQ(Fly(camera).state_hash, usual.state_hash);  // what the camera draws
 
   // what the sensors draw does not change the gusts, though the aircraft flies a little differently
@@ -224,12 +224,12 @@ TEST(Simulator, StartsWhereItIsTold) {
   EXPECT_LT((truth.X_NB.p - truth.X_NT.p - Vector3d(0.7, -1.1, -3.5)).norm(), 1e-9);
   EXPECT_NEAR(Degrees(YawOf(truth.X_NB.R)), 40, 1e-9);
   EXPECT_NEAR(Degrees(YawOf(simulator.State().R_NB)), 40, 1e-9);
-  EXPECT_EQ(simulator.State().mode, FlightMode::kPosition);
+  EXPECT_EQ(simulator.State().mode, control::FlightMode::kPosition);
 }
 
 TEST(Simulator, ScattersItsStartBySeedWithinItsBounds) {
   SimulatorParameters p = Hover();
-  p.camera = Pinhole{16, 16, 20, 20, 7.5, 7.5};
+  p.camera = vision::Pinhole{16, 16, 20, 20, 7.5, 7.5};
   p.start.settle_s = 0, p.start.scatter_m = 2, p.start.yaw_scatter_deg = 15, p.start.yaw_deg = 30;
   double farthest = 0, least_yaw = 90, greatest_yaw = -90;
   Vector2d sum = Vector2d::Zero();
@@ -288,7 +288,7 @@ TEST(Simulator, TellsTheInstantBeforeTheTouchDown) {
   Simulator simulator(p);
   while (simulator.Next() && !simulator.truth().touching) {
     EXPECT_FALSE(simulator.touch());
-    simulator.Send(VelocitySetpoint{{0, 0, 0.3}, 0});
+    simulator.Send(control::VelocitySetpoint{{0, 0, 0.3}, 0});
   }
   ASSERT_TRUE(simulator.touch());
   const Truth& touch = *simulator.touch();
@@ -319,7 +319,7 @@ TEST(Simulator, TheSheetCoversThePadForItsTime) {
 
 TEST(Simulator, TheMountTurnsTheCameraInTheAircraft) {
   const auto axes = [](double yaw, double pitch, double roll) {
-    return MountPose({{0.1, 0.2, 0.3}, yaw, pitch, roll}).R.toRotationMatrix();
+    return vision::MountPose({{0.1, 0.2, 0.3}, yaw, pitch, roll}).R.toRotationMatrix();
   };
   const auto near = [](const Vector3d& a, const Vector3d& b) { return (a - b).norm() < 1e-12; };
   const Vector3d forward(1, 0, 0), right(0, 1, 0), down(0, 0, 1);
@@ -329,20 +329,22 @@ TEST(Simulator, TheMountTurnsTheCameraInTheAircraft) {
   EXPECT_TRUE(near(-axes(90, 0, 0).col(1), right));
   EXPECT_TRUE(near(axes(0, 90, 0).col(2), forward));  // nose up: it looks ahead
   EXPECT_TRUE(near(axes(0, 0, 90).col(2), -right));   // right side down: it looks to the left
-  EXPECT_TRUE(near(MountPose({{0.1, 0.2, 0.3}, 1, 2, 3}).p, {0.1, 0.2, 0.3}));
+  EXPECT_TRUE(near(vision::MountPose({{0.1, 0.2, 0.3}, 1, 2, 3}).p, {0.1, 0.2, 0.3}));
 }
 
 TEST(Simulator, TheCameraSeesThePadWhereTheTruthSaysItIs) {
-  for (const CameraMount& mount : {CameraMount{}, CameraMount{{0.12, -0.08, 0.03}, 35, 6, -9}}) {
+  for (const vision::CameraMount& mount :
+       {vision::CameraMount{}, vision::CameraMount{{0.12, -0.08, 0.03}, 35, 6, -9}}) {
     SimulatorParameters p = Hover();
-    p.camera = Pinhole{640, 480, 810.81, 810.81, 319.5, 239.5};
+    p.camera = vision::Pinhole{640, 480, 810.81, 810.81, 319.5, 239.5};
     p.mount = mount;
     p.scene.pad_position_m = {5, -7}, p.scene.pad_yaw_deg = 15;
     p.start.offset_m = {0.45, -0.3}, p.start.yaw_deg = 40, p.start.height_m = 4;
     p.duration_s = 0.1;
     Simulator simulator(p);
     const cv::Mat picture = cv::imread(p.scene.pad_texture.string(), cv::IMREAD_GRAYSCALE);
-    PadTracker tracker(MakePadReference(picture, 1.19, 0.91), std::get<Pinhole>(p.camera), {});
+    vision::PadTracker tracker(vision::MakePadReference(picture, 1.19, 0.91),
+                               std::get<vision::Pinhole>(p.camera), {});
     int seen = 0;
     while (const auto frame = simulator.Next()) {
       const auto observation = tracker.Track(frame->image, std::nullopt);
@@ -367,8 +369,8 @@ TEST(Simulator, AMountAboveOrBelowTheAircraftShowsItsOwnParts) {
   mj_forward(model.get(), data.get());
   Renderer renderer(model.get(), p.camera, p.render);
   const int vehicle = mj_name2id(model.get(), mjOBJ_BODY, "vehicle");
-  const auto own_share = [&](const CameraMount& mount) {
-    const cv::Mat geom = renderer.See(data.get(), X_NB * MountPose(mount)).geom;
+  const auto own_share = [&](const vision::CameraMount& mount) {
+    const cv::Mat geom = renderer.Trace(data.get(), X_NB * vision::MountPose(mount)).geom;
     int own = 0;
     for (int y = 0; y < geom.rows; ++y) {
       for (int x = 0; x < geom.cols; ++x) {
@@ -386,7 +388,7 @@ TEST(Simulator, AMountAboveOrBelowTheAircraftShowsItsOwnParts) {
 TEST(Simulator, AStateThatIsNoNumberEndsTheRun) {
   mju_user_warning = [](const char*) {};
   Simulator simulator(Hover());
-  simulator.Send(AttitudeSetpoint{std::numeric_limits<double>::quiet_NaN(), 0, 0, 0.5});
+  simulator.Send(control::AttitudeSetpoint{std::numeric_limits<double>::quiet_NaN(), 0, 0, 0.5});
   try {
     while (simulator.Next()) {}
     ADD_FAILURE() << "nothing was thrown";
@@ -398,4 +400,4 @@ TEST(Simulator, AStateThatIsNoNumberEndsTheRun) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::sim

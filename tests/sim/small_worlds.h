@@ -11,7 +11,7 @@
 #include "tests/sim/scenes.h"
 
 // Marks to be measured in pictures of them.
-namespace kestrel {
+namespace kestrel::sim {
 
 // A black room in which colours show as they are given, with things in it.
 inline ModelPtr DarkRoom(const std::string& geoms) {
@@ -52,4 +52,4 @@ inline ModelPtr RoomWithSpots(const std::string& spots) {
                                   spots));
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

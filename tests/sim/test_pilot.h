@@ -8,7 +8,7 @@
 #include "geometry/tait_bryan.h"
 #include "sim/aircraft/multirotor.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // What an autopilot from outside knows of it, in its own frame A: forward, right, down.
 struct PilotState {
@@ -70,4 +70,4 @@ class TestPilot {
   double heading_ = 0;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

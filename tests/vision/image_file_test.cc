@@ -13,7 +13,7 @@
 #include "tests/support/temporary_folder.h"
 #include "vision/image_header.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
 using ::testing::HasSubstr;
@@ -165,4 +165,4 @@ TEST_F(ImageFileTest, AMaskIsWhatIsNotBlackInAnyDepth) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::vision

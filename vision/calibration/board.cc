@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
 constexpr int kCells = 6, kBorder = 2;  // of a tag of family 36h11, and of the black around them
@@ -240,4 +240,4 @@ std::string Describe(const Board& board) {
       board);
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

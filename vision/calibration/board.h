@@ -15,7 +15,7 @@
 // Flat boards to calibrate a camera by, described as Kalibr does. T is the board's frame: origin in the lower
 // left corner, x right, y up, z out of the picture towards who looks at it. Corners count from 0 by rows, the
 // lowest row first, each row from the left.
-namespace kestrel {
+namespace kestrel::vision {
 
 // cols x rows corners where four squares meet. The square at the lower left is black.
 struct Chessboard {
@@ -69,4 +69,4 @@ std::string ToKalibr(const Board& board);
 // "chessboard of 11 x 8 corners, squares of 50 mm"
 std::string Describe(const Board& board);
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -13,16 +13,16 @@
 #include "vision/calibration/corner_fit.h"
 #include "vision/calibration/tag_finder.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
 using Eigen::Vector2d;
 
 // Around a corner, free of anything else: to place it well, and to find it at all.
-constexpr double kLeastClear_px = 3.2, kLeastToFind_px = 2;
-constexpr double kLeastRadius_px = 2.5, kMostRadius_px = 7;
-constexpr Eigen::Index kMostDegree = 4;  // of the polynomial along a line of corners
-constexpr int kMostWrongCells = 8;       // of the 100 of a tag that is where it was expected
+constexpr double kMinClear_px = 3.2, kMinToFind_px = 2;
+constexpr double kMinRadius_px = 2.5, kMaxRadius_px = 7;
+constexpr Eigen::Index kMaxDegree = 4;  // of the polynomial along a line of corners
+constexpr int kMaxWrongCells = 8;       // of the 100 of a tag that is where it was expected
 
 // Where the corners of a board have been seen so far: by row and column of its grid.
 class CornerMap {
@@ -56,7 +56,7 @@ class CornerMap {
     if (others.empty()) return std::nullopt;
     std::sort(others.begin(), others.end(),
               [](const auto& a, const auto& b) { return std::abs(a.first) < std::abs(b.first); });
-    const Eigen::Index degree = std::min<Eigen::Index>(kMostDegree, static_cast<Eigen::Index>(others.size()));
+    const Eigen::Index degree = std::min<Eigen::Index>(kMaxDegree, static_cast<Eigen::Index>(others.size()));
     // u(x) / x = tangent + second / 2 x + ...; x in units of the farthest, for the numbers' sake.
     const double unit = std::abs(others[static_cast<std::size_t>(degree - 1)].first);
     Eigen::MatrixXd powers(degree, degree), slopes(degree, 2);
@@ -113,7 +113,7 @@ std::optional<CornerGuess> GuessOf(const Board& board, int col, int row, const V
                      Bend(x, y.tangent),
                      Bend(y, x.tangent),
                      around.black_between,
-                     std::clamp(clear - 1, kLeastRadius_px, kMostRadius_px)};
+                     std::clamp(clear - 1, kMinRadius_px, kMaxRadius_px)};
 }
 
 // Corner k of a tag in the grid of corners.
@@ -152,7 +152,7 @@ std::optional<CornerMap::Line> LineAt(const cv::Mat& grey, const Board& board, c
 std::optional<FittedCorner> FitFree(const cv::Mat& grey, CornerGuess guess) {
   const auto fit = FitCorner(grey, guess);
   if (!fit) return std::nullopt;
-  const double free_px = std::max(guess.radius_px + 1 - 2 * fit->blur_px, kLeastRadius_px);
+  const double free_px = std::max(guess.radius_px + 1 - 2 * fit->blur_px, kMinRadius_px);
   if (free_px >= guess.radius_px) return fit;
   guess.pixel = fit->pixel;
   guess.radius_px = free_px;
@@ -171,7 +171,7 @@ std::vector<BoardCorner> FitAll(const cv::Mat& grey, const Board& board, CornerM
         fitted.At(col, row).reset();
         const auto x = LineAt(grey, board, map, col, row, 0), y = LineAt(grey, board, map, col, row, 1);
         if (!x || !y) continue;
-        auto guess = GuessOf(board, col, row, *map.At(col, row), *x, *y, kLeastClear_px);
+        auto guess = GuessOf(board, col, row, *map.At(col, row), *x, *y, kMinClear_px);
         if (!guess) continue;
         if (pass == 0) guess->bend_x = guess->bend_y = 0;
         const auto fit = FitFree(grey, *guess);
@@ -218,7 +218,7 @@ std::optional<CornerMap> FindChessboard(const cv::Mat& grey, const Board& board,
     const auto x = map.LineAt(chess.cols / 2, chess.rows / 2, 0),
                y = map.LineAt(chess.cols / 2, chess.rows / 2, 1);
     const Vector2d& at = *map.At(chess.cols / 2, chess.rows / 2);
-    const auto guess = GuessOf(board, chess.cols / 2, chess.rows / 2, at, *x, *y, kLeastClear_px);
+    const auto guess = GuessOf(board, chess.cols / 2, chess.rows / 2, at, *x, *y, kMinClear_px);
     if (!guess || Cross(guess->along_x, guess->along_y) > 0) continue;  // rows of the image count downwards
     if (SearchCorner(grey, *guess, 1)) return map;
   }
@@ -255,7 +255,7 @@ class GridTracer {
   // What is to be expected at corner (c, r) of the grid, which is at (x, y) of a tag's patch.
   std::optional<CornerGuess> GuessIn(const TagPatch& patch, double x, double y, int c, int r) const {
     return GuessOf(board_, c, r, patch.At(x, y), LineIn(patch, grid_.tag_m, x, y, 0),
-                   LineIn(patch, grid_.tag_m, x, y, 1), kLeastToFind_px);
+                   LineIn(patch, grid_.tag_m, x, y, 1), kMinToFind_px);
   }
 
   // The corner near a guess. None: there is none.
@@ -282,7 +282,7 @@ class GridTracer {
       if (!found) return false;
       exact.corners[k] = *found;
     }
-    if (WrongCells(grey_, exact) > kMostWrongCells) return false;
+    if (WrongCells(grey_, exact) > kMaxWrongCells) return false;
     for (std::size_t k = 0; k < 4; ++k) {
       const auto [c, r] = TagCorner(col, row, k);
       map_.At(c, r) = exact.corners[k];
@@ -383,11 +383,11 @@ std::vector<BoardCorner> RefitBoard(const cv::Mat& image, const Board& board,
     };
     const auto x = line(0), y = line(1);
     if (!x || !y) continue;
-    const auto guess = GuessOf(board, col, row, corner.pixel, *x, *y, kLeastClear_px);
+    const auto guess = GuessOf(board, col, row, corner.pixel, *x, *y, kMinClear_px);
     const auto fit = guess ? FitFree(grey, *guess) : std::nullopt;
     if (fit) refitted.push_back({corner.index, fit->pixel, fit->covariance});
   }
   return refitted;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -10,7 +10,7 @@
 #include "vision/calibration/board.h"
 #include "vision/camera/camera_model.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 
 struct BoardCorner {
   int index = 0;  // among Corners(board)
@@ -32,4 +32,4 @@ std::vector<BoardCorner> RefitBoard(const cv::Mat& image, const Board& board,
                                     std::span<const BoardCorner> corners, const CameraModel& camera,
                                     const Pose& X_CT);
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -10,7 +10,7 @@
 #include "base/file/model_files.h"
 #include "base/user_file.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 
 namespace fs = std::filesystem;
 
@@ -36,4 +36,4 @@ Board LoadBoardNamed(const std::string& name, const std::string& where, Mistakes
   return {};
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

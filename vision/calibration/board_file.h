@@ -6,9 +6,9 @@
 #include "base/yaml/yaml_fields.h"
 #include "vision/calibration/board.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 
 // One of models/boards by its name, or a file. where: for the mistakes.
 Board LoadBoardNamed(const std::string& name_or_file, const std::string& where, Mistakes& mistakes);
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

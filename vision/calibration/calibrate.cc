@@ -13,26 +13,26 @@
 #include "vision/calibration/calibration_start.h"
 #include "vision/calibration/view_adjustment.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr int kLeastViews = 4;
-constexpr double kSamePose = 0.02;     // of the image's diagonal: views nearer than this are one
-constexpr double kLeastReach = 0.5;    // of half the image's smaller side: the outermost corner
-constexpr double kLeastTilts_deg = 6;  // between the two boards that differ most
-constexpr double kMostAlike = 2;       // see AllowForImages; of noise alone it is 0.5 to 1
+constexpr int kMinViews = 4;
+constexpr double kSamePose = 0.02;   // of the image's diagonal: views nearer than this are one
+constexpr double kMinReach = 0.5;    // of half the image's smaller side: the outermost corner
+constexpr double kMinTilts_deg = 6;  // between the two boards that differ most
+constexpr double kMaxAlike = 2;      // see AllowForImages; of noise alone it is 0.5 to 1
 // Of the focal length. The double sphere has a valley of cameras that fit alike, of which its deviations,
 // straight lines, see only the floor nearby.
-constexpr double kMostSigmaFocal = 0.05, kMostSigmaFocalOfSpheres = 0.02;
-constexpr double kMostUncertainty_px = 5;
-constexpr double kMostSigmaXi = 0.1;
-constexpr double kFirstCommon_px = 0.05;   // see PointsOf; until it is known
-constexpr double kOutlier = 5;             // deviations
-constexpr double kMostLeftOut = 1.0 / 3;   // of the views that show enough of the board
-constexpr double kMostOutliers = 1.0 / 3;  // of a view's corners
+constexpr double kMaxSigmaFocal = 0.05, kMaxSigmaFocalOfSpheres = 0.02;
+constexpr double kMaxUncertainty_px = 5;
+constexpr double kMaxSigmaXi = 0.1;
+constexpr double kFirstCommon_px = 0.05;  // see PointsOf; until it is known
+constexpr double kOutlier = 5;            // deviations
+constexpr double kMaxLeftOut = 1.0 / 3;   // of the views that show enough of the board
+constexpr double kMaxOutliers = 1.0 / 3;  // of a view's corners
 
 // Of a unified camera: fx, fy, cx, cy and xi alone.
 const std::vector<int> kUndistorted = {0, 1, 2, 3, 4};
@@ -85,20 +85,20 @@ void CheckViews(const Board& board, std::span<const BoardView> views, const std:
   const auto any = std::any_of(views.begin(), views.end(), [](const auto& v) { return !v.corners.empty(); });
   if (!any)
     throw InputError({fmt::format("no {} was found in any of the {} images", Describe(board), views.size())});
-  if (usable.size() < kLeastViews) {
-    throw InputError({fmt::format(
-        "{} of {} images show at least {} corners of the {}; a calibration needs {}. "
-        "Corners seen: {}",
-        usable.size(), views.size(), kLeastCorners, Describe(board), kLeastViews, SeenIn(views))});
+  if (usable.size() < kMinViews) {
+    throw InputError(
+        {fmt::format("{} of {} images show at least {} corners of the {}; a calibration needs {}. "
+                     "Corners seen: {}",
+                     usable.size(), views.size(), kMinCorners, Describe(board), kMinViews, SeenIn(views))});
   }
   const double diagonal = std::hypot(WidthPx(like), HeightPx(like));
   const std::size_t different = DifferentViews(views, usable, diagonal).size();
-  if (different < kLeastViews) {
+  if (different < kMinViews) {
     throw InputError(
         {fmt::format("the {} images that show the board show it in only {} different pose{}: a calibration "
                      "needs {}, tilted "
                      "and spread over the image",
-                     usable.size(), different, different == 1 ? "" : "s", kLeastViews)});
+                     usable.size(), different, different == 1 ? "" : "s", kMinViews)});
   }
   const double half = std::min(WidthPx(like), HeightPx(like)) / 2.0;
   double reach = 0;
@@ -106,7 +106,7 @@ void CheckViews(const Board& board, std::span<const BoardView> views, const std:
     for (const BoardCorner& corner : views[i].corners)
       reach = std::max(reach, (corner.pixel - MiddleOf(like)).norm());
   }
-  if (reach < kLeastReach * half) {
+  if (reach < kMinReach * half) {
     throw InputError(
         {fmt::format("the board is seen only within {:.0f} px of the middle of the image of {} x {}: show it "
                      "nearer to the "
@@ -161,7 +161,7 @@ void AddNotes(Calibration& c) {
   if (std::holds_alternative<Unified>(c.camera)) at_limit(4, 0), at_limit(4, 20);
   if (std::holds_alternative<DoubleSphere>(c.camera))
     at_limit(4, -0.99), at_limit(4, 1), at_limit(5, 0), at_limit(5, 1);
-  if (std::holds_alternative<Unified>(c.camera) && c.sigma[4] > kMostSigmaXi) {
+  if (std::holds_alternative<Unified>(c.camera) && c.sigma[4] > kMaxSigmaXi) {
     c.notes.push_back(
         fmt::format("xi, f and k1 can hardly be told apart in these images (xi +- {:.2g}): where rays go is "
                     "known all the same",
@@ -229,8 +229,8 @@ Agreeing SelectAgreeing(const PlacedViews& placed, std::vector<std::string>& lef
     const std::size_t wild = all.points.size() - corners.size();
     std::string& reason = left_out[placed.numbers[i]];
     reason.clear();
-    if (static_cast<double>(wild) > kMostOutliers * static_cast<double>(all.points.size()) ||
-        corners.size() < kLeastCorners) {
+    if (static_cast<double>(wild) > kMaxOutliers * static_cast<double>(all.points.size()) ||
+        corners.size() < kMinCorners) {
       reason = fmt::format("{} of its {} corners do not fit the other views", wild, all.points.size());
       continue;
     }
@@ -348,7 +348,7 @@ double AllowForImages(const Adjustment& adjustment, const std::vector<int>& free
   const Eigen::MatrixXd one = scale.asDiagonal() * c.covariance * scale.asDiagonal();
   const Eigen::MatrixXd other = scale.asDiagonal() * *clustered * scale.asDiagonal();
   const double alike = std::sqrt(one.ldlt().solve(other).trace() / static_cast<double>(free.size()));
-  if (alike > kMostAlike) c.covariance = *clustered;
+  if (alike > kMaxAlike) c.covariance = *clustered;
   return alike;
 }
 
@@ -362,7 +362,7 @@ void CheckLeftOut(std::span<const BoardView> views, const std::vector<std::size_
     names += fmt::format("{}{}", count == 0 ? "" : ", ", views[usable[i]].name);
     ++count;
   }
-  if (count <= kMostLeftOut * static_cast<double>(usable.size())) return;
+  if (count <= kMaxLeftOut * static_cast<double>(usable.size())) return;
   throw InputError({fmt::format(
       "{:g} of {} images do not fit the {} camera of the others: {}. They may be of another camera, or of "
       "one whose zoom or focus changed; or the board's numbers (counts, side, spacing) are wrong, or the "
@@ -391,7 +391,7 @@ void CheckResidual(const Calibration& c, double accepted_px) {
 // Refuses parameters that the views leave open, though they may say well where rays go.
 void CheckFocalLength(const Calibration& c) {
   const double most =
-      std::holds_alternative<DoubleSphere>(c.camera) ? kMostSigmaFocalOfSpheres : kMostSigmaFocal;
+      std::holds_alternative<DoubleSphere>(c.camera) ? kMaxSigmaFocalOfSpheres : kMaxSigmaFocal;
   if (c.sigma.head<2>().maxCoeff() <= most * Parameters(c.camera)[0]) return;
   const std::vector<std::string> names = ParameterNames(c.camera);
   std::string open;
@@ -411,7 +411,7 @@ Calibration Calibrate(const Board& board, std::span<const BoardView> views, cons
                       double accepted_px) {
   std::vector<std::size_t> usable;
   for (std::size_t i = 0; i < views.size(); ++i) {
-    if (views[i].corners.size() >= kLeastCorners) usable.push_back(i);
+    if (views[i].corners.size() >= kMinCorners) usable.push_back(i);
   }
   CheckViews(board, views, usable, like);
 
@@ -425,9 +425,9 @@ Calibration Calibrate(const Board& board, std::span<const BoardView> views, cons
   std::vector<std::string> left_out(usable.size());
   for (int round = 0; round < 3; ++round) {
     agreeing = SelectAgreeing(placed, left_out);
-    if (agreeing.numbers.size() < kLeastViews) {
+    if (agreeing.numbers.size() < kMinViews) {
       throw InputError({fmt::format("only {} of {} views agree on a {} camera; a calibration needs {}",
-                                    agreeing.numbers.size(), usable.size(), NameOf(like), kLeastViews)});
+                                    agreeing.numbers.size(), usable.size(), NameOf(like), kMinViews)});
     }
     Adjust(agreeing.adjustment, {.free = free});
     if (round == 2) break;
@@ -444,14 +444,14 @@ Calibration Calibrate(const Board& board, std::span<const BoardView> views, cons
     c.views.push_back({.name = view.name, .left_out = "", .X_CT = {}, .rms_px = 0, .corners = {}});
     if (view.corners.empty())
       c.views.back().left_out = "the board was not found";
-    else if (view.corners.size() < kLeastCorners)
+    else if (view.corners.size() < kMinCorners)
       c.views.back().left_out = fmt::format("only {} corners were found", view.corners.size());
   }
   for (std::size_t i = 0; i < usable.size(); ++i) c.views[usable[i]].left_out = left_out[i];
   AddResiduals(views, usable, points, agreeing, c);
   CheckResidual(c, accepted_px);
   const double tilts = Degrees(SpreadOfTilts(agreeing.adjustment.views));
-  if (tilts < kLeastTilts_deg) {
+  if (tilts < kMinTilts_deg) {
     throw InputError(
         {fmt::format("in all {} views the board stands parallel to itself, within {:.1f} deg: tilt it "
                      "by 20 to 50 deg this way and that, or focal length and distance cannot be told apart",
@@ -469,7 +469,7 @@ Calibration Calibrate(const Board& board, std::span<const BoardView> views, cons
   const double alike = AllowForImages(agreeing.adjustment, free, c);
   c.sigma = c.covariance.diagonal().cwiseSqrt();
   c.worst_uncertainty_px = WorstUncertainty(c);
-  if (!(c.worst_uncertainty_px < kMostUncertainty_px)) {
+  if (!(c.worst_uncertainty_px < kMaxUncertainty_px)) {
     throw InputError(
         {fmt::format("the views leave the {} model uncertain by {:.1f} px, with boards tilted by up "
                      "to {:.0f} deg against each other; {}",
@@ -477,7 +477,7 @@ Calibration Calibrate(const Board& board, std::span<const BoardView> views, cons
   }
   CheckFocalLength(c);
   AddNotes(c);
-  if (alike > kMostAlike) {
+  if (alike > kMaxAlike) {
     c.notes.push_back(fmt::format(
         "the images contradict each other: errors within one are alike, which makes the deviations {:.1f} "
         "times as large as errors of single corners would; are all images of one camera with one zoom and "
@@ -554,4 +554,4 @@ Coverage CoverageOf(const Calibration& calibration, std::span<const cv::Mat> ima
   return c;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -14,7 +14,7 @@
 #include "vision/calibration/board_detector.h"
 #include "vision/camera/camera_model.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 
 // What one image shows of the board.
 struct BoardView {
@@ -93,4 +93,4 @@ struct Coverage {
 };
 Coverage CoverageOf(const Calibration& calibration, std::span<const cv::Mat> images);
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

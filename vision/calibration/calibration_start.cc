@@ -8,7 +8,7 @@
 #include "geometry/tait_bryan.h"
 #include "vision/calibration/ray_pose.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
 using Eigen::Vector2d;
@@ -38,7 +38,7 @@ std::optional<Pose> PoseOf(const CameraModel& camera, const std::vector<SeenPoin
   for (const SeenPoint& point : points) {
     if (const auto ray = Ray(camera, point.pixel)) rays.push_back({point.p_T, *ray});
   }
-  if (rays.size() < kLeastCorners || 3 * rays.size() < 2 * points.size()) return std::nullopt;
+  if (rays.size() < kMinCorners || 3 * rays.size() < 2 * points.size()) return std::nullopt;
   const auto X_CT = PlanePoseFromRays(rays);
   if (!X_CT) return std::nullopt;
   Adjustment one{camera, {{*X_CT, points}}};
@@ -169,4 +169,4 @@ std::optional<CalibrationStart> StartCalibration(const CameraModel& like, const 
   return start;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -8,10 +8,10 @@
 #include "vision/camera/camera_model.h"
 
 // How a calibration begins: without any idea of the lens.
-namespace kestrel {
+namespace kestrel::vision {
 
 // The least corners of a view that give a pose to be trusted.
-inline constexpr std::size_t kLeastCorners = 8;
+inline constexpr std::size_t kMinCorners = 8;
 
 // Each view's pose under a camera, where it has one.
 struct PlacedViews {
@@ -34,4 +34,4 @@ struct CalibrationStart {
 std::optional<CalibrationStart> StartCalibration(const CameraModel& like, const std::vector<int>& free,
                                                  const std::vector<std::vector<SeenPoint>>& views);
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -8,15 +8,15 @@
 #include <cstdint>
 #include <numbers>
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kLeastContrast = 12;  // grey levels between white and black
-constexpr double kLeastCorrelation = 0.6;
-constexpr double kMostMisfit = 0.15;  // of what the fit leaves, over the contrast
-constexpr int kMostSteps = 30;
+constexpr double kMinContrast = 12;  // grey levels between white and black
+constexpr double kMinCorrelation = 0.6;
+constexpr double kMaxMisfit = 0.15;  // of what the fit leaves, over the contrast
+constexpr int kMaxSteps = 30;
 constexpr double kDone_px = 1e-4;
 
 // One edge: its direction, the side on which the other axis lies, its curvature to that side.
@@ -71,7 +71,7 @@ std::optional<FittedCorner> FitCorner(const cv::Mat& grey, const CornerGuess& gu
   Eigen::Matrix<double, kSize, Eigen::Dynamic> jacobian(kSize, most), weighted(kSize, most);
   Eigen::VectorXd residuals(most);
 
-  for (int step = 0; step < kMostSteps; ++step) {
+  for (int step = 0; step < kMaxSteps; ++step) {
     if (!Inside(grey, p, radius) || !((p - guess.pixel).norm() <= radius / 2)) return std::nullopt;
     int rows = 0;
     double square = 0, weights = 0;
@@ -107,7 +107,7 @@ std::optional<FittedCorner> FitCorner(const cv::Mat& grey, const CornerGuess& gu
     if (!have_light) {  // first the light alone, which is linear
       light = H.bottomRightCorner<4, 4>().ldlt().solve(g.tail<4>());
       have_light = true;
-      if (!(2 * light[1] > kLeastContrast / 2)) return std::nullopt;
+      if (!(2 * light[1] > kMinContrast / 2)) return std::nullopt;
       continue;
     }
     const Eigen::LDLT<Matrix> factors(H);
@@ -127,7 +127,7 @@ std::optional<FittedCorner> FitCorner(const cv::Mat& grey, const CornerGuess& gu
 
     const double variance = square / std::max(weights - kSize, 1.0);
     const double contrast = 2 * light[1];
-    if (!(contrast > kLeastContrast) || !(std::sqrt(variance) < kMostMisfit * contrast) ||
+    if (!(contrast > kMinContrast) || !(std::sqrt(variance) < kMaxMisfit * contrast) ||
         !(std::abs(x.along.dot(y.along)) < 0.94) || !((p - guess.pixel).norm() <= radius / 2)) {
       return std::nullopt;
     }
@@ -145,7 +145,7 @@ std::optional<Vector2d> SearchCorner(const cv::Mat& grey, const CornerGuess& gue
   const double radius = guess.radius_px, black = guess.black_between ? -1 : 1;
   const int reach = static_cast<int>(std::ceil(within_px)), half = static_cast<int>(radius);
   const Vector2d middle = guess.pixel.array().round();
-  double best = kLeastCorrelation;
+  double best = kMinCorrelation;
   std::optional<Vector2d> found;
   for (int dv = -reach; dv <= reach; ++dv) {
     for (int du = -reach; du <= reach; ++du) {
@@ -177,4 +177,4 @@ std::optional<Vector2d> SearchCorner(const cv::Mat& grey, const CornerGuess& gue
   return found;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

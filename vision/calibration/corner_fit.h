@@ -5,7 +5,7 @@
 #include <opencv2/core.hpp>
 #include <optional>
 
-namespace kestrel {
+namespace kestrel::vision {
 
 // A corner where two edges cross and four fields meet, black and white by turns, as it is expected in an
 // image. The edges follow x and y of the board; a lens bends them.
@@ -35,4 +35,4 @@ std::optional<FittedCorner> FitCorner(const cv::Mat& grey, const CornerGuess& gu
 // there is like it.
 std::optional<Eigen::Vector2d> SearchCorner(const cv::Mat& grey, const CornerGuess& guess, double within_px);
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -6,7 +6,7 @@
 #include <Eigen/SVD>
 #include <cmath>
 
-namespace kestrel {
+namespace kestrel::vision {
 
 using Eigen::Matrix3d;
 using Eigen::Vector2d;
@@ -51,4 +51,4 @@ std::optional<Pose> PlanePoseFromRays(std::span<const PlaneRay> pairs) {
   return Pose{Eigen::Quaterniond(R), p};
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -7,7 +7,7 @@
 
 #include "geometry/pose.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 
 // A point of the plane z = 0 of T, m, and the unit vector in C towards it.
 struct PlaneRay {
@@ -20,4 +20,4 @@ struct PlaneRay {
 // it holds for any field of view. None: too few, or the points lie in a line.
 std::optional<Pose> PlanePoseFromRays(std::span<const PlaneRay> pairs);
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

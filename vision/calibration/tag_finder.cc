@@ -13,17 +13,17 @@
 #include "vision/calibration/board.h"
 #include "vision/landmark/homography.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
 using Eigen::Vector2d;
 
 constexpr int kCells = 6, kBorder = 2, kAcross = kCells + 2 * kBorder;
 constexpr std::size_t kCellCount = kAcross * kAcross;
-constexpr double kLeastContrast = 12;  // grey levels
-constexpr int kMostWrongBits = 3;      // two codes of the family differ in 11
-constexpr int kMostWrongBorder = 6;    // of 64 cells
-constexpr double kLeastSide_px = 12;
+constexpr double kMinContrast = 12;  // grey levels
+constexpr int kMaxWrongBits = 3;     // two codes of the family differ in 11
+constexpr int kMaxWrongBorder = 6;   // of 64 cells
+constexpr double kMinSide_px = 12;
 
 double LightAt(const cv::Mat& grey, const Vector2d& at) {
   const int u = static_cast<int>(std::floor(at.x())), v = static_cast<int>(std::floor(at.y()));
@@ -74,7 +74,7 @@ std::optional<std::array<bool, kCellCount>> ReadCells(const cv::Mat& grey,
   std::sort(sorted.begin(), sorted.end());
   // Every tag has at least 75 black cells and 10 white ones.
   const double black = sorted[37], white = sorted[94];
-  if (!(white - black > kLeastContrast)) return std::nullopt;
+  if (!(white - black > kMinContrast)) return std::nullopt;
   std::array<bool, kCellCount> cells;
   for (std::size_t i = 0; i < cells.size(); ++i) cells[i] = light[i] > (black + white) / 2;
   return cells;
@@ -97,7 +97,7 @@ std::optional<std::uint64_t> ReadCode(const cv::Mat& grey, const std::array<Vect
       }
     }
   }
-  if (wrong > kMostWrongBorder) return std::nullopt;
+  if (wrong > kMaxWrongBorder) return std::nullopt;
   return code;
 }
 
@@ -106,7 +106,7 @@ std::optional<SeenTag> Decode(const cv::Mat& grey, const std::array<Vector2d, 4>
   for (int turn = 0; turn < 4; ++turn) {
     if (const auto code = ReadCode(grey, turned)) {
       for (int id = 0; id < ids; ++id) {
-        if (std::popcount(*code ^ TagCode(id)) <= kMostWrongBits) return SeenTag{id, turned};
+        if (std::popcount(*code ^ TagCode(id)) <= kMaxWrongBits) return SeenTag{id, turned};
       }
     }
     std::rotate(turned.begin(), turned.begin() + 1, turned.end());
@@ -120,7 +120,7 @@ std::optional<std::array<Vector2d, 4>> Quadrangle(const std::vector<cv::Point>& 
   std::vector<cv::Point> hull, rough;
   cv::convexHull(outline, hull);
   const double around = cv::arcLength(hull, true);
-  if (around < 4 * kLeastSide_px) return std::nullopt;
+  if (around < 4 * kMinSide_px) return std::nullopt;
   for (const double share : {0.03, 0.05, 0.08}) {
     cv::approxPolyDP(hull, rough, share * around, true);
     if (rough.size() == 4) break;
@@ -132,7 +132,7 @@ std::optional<std::array<Vector2d, 4>> Quadrangle(const std::vector<cv::Point>& 
   for (std::size_t i = 0; i < 4; ++i) {
     const Vector2d &a = corners[i], &b = corners[(i + 1) % 4];
     area += a.x() * b.y() - a.y() * b.x();
-    if ((b - a).norm() < kLeastSide_px / 2) return std::nullopt;
+    if ((b - a).norm() < kMinSide_px / 2) return std::nullopt;
   }
   if (area > 0) std::reverse(corners.begin(), corners.end());  // rows of the image count downwards
   const std::array<Vector2d, 4> tight = corners;
@@ -202,4 +202,4 @@ int WrongCells(const cv::Mat& grey, const SeenTag& tag) {
   return wrong;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-namespace kestrel {
+namespace kestrel::vision {
 
 // A tag of the family 36h11 with a border of two cells. Its corners, as it stands upright: lower left, lower
 // right, upper right, upper left; good to a pixel or two.
@@ -38,4 +38,4 @@ std::vector<SeenTag> FindTags(const cv::Mat& grey, int ids);
 // How many of the 100 cells of a tag with these corners are not as its picture has them.
 int WrongCells(const cv::Mat& grey, const SeenTag& tag);
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
 using Eigen::Index;
@@ -209,4 +209,4 @@ std::optional<MatrixXd> ClusteredCovariance(const Adjustment& a, const std::vect
   return MatrixXd(*inverse * pulls * *inverse * (views / (views - 1)));
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

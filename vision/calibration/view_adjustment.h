@@ -12,7 +12,7 @@
 // One camera and the poses of one board before it, adjusted together to what was seen. Levenberg-Marquardt on
 // the normal equations with the poses eliminated (Schur's complement), a small matter here. The usual solver,
 // Ceres, is linked with GPL parts of SuiteSparse in Debian, so this program may not link it.
-namespace kestrel {
+namespace kestrel::vision {
 
 struct SeenPoint {
   Eigen::Vector2d p_T;  // on the board, m
@@ -62,4 +62,4 @@ std::optional<Eigen::MatrixXd> ParameterCovariance(const Adjustment& adjustment,
 std::optional<Eigen::MatrixXd> ClusteredCovariance(const Adjustment& adjustment,
                                                    const std::vector<int>& free);
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-namespace kestrel {
+namespace kestrel::vision {
 
 namespace {
 
@@ -116,4 +116,4 @@ BandSamples BandSampler::Read(const cv::Mat& image, int reduction, const Horizon
   return out;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

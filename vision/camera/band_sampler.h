@@ -7,7 +7,7 @@
 
 #include "vision/camera/camera_model.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 
 // Directions about a vertical: azimuth from `forward` towards `right`, elevation above their plane.
 struct Horizontal {
@@ -52,4 +52,4 @@ class BandSampler {
   cv::Mat forbidden_;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace kestrel {
+namespace kestrel::vision {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
@@ -60,4 +60,4 @@ void BrownConrady::SetParameters(const Eigen::VectorXd& all) {
   k1 = all[4], k2 = all[5], p1 = all[6], p2 = all[7], k3 = all[8];
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -9,7 +9,7 @@
 #include "vision/camera/camera_parts.h"
 #include "vision/camera/radial_tangential.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 
 // Pinhole camera with the distortion of Brown and Conrady: OpenCV's model with five coefficients, Kalibr's
 // pinhole-radtan. Pixels as everywhere: the centre of the first is (0, 0).
@@ -49,4 +49,4 @@ void Fields(Visitor& v, BrownConrady& c) {
   LensFields(v, c);
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -13,7 +13,7 @@
 
 #include "base/user_file.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
 using Kind = ConfigNode::Kind;
@@ -395,7 +395,7 @@ ValueWriter ValuesOf(CameraModel camera) {
 
 CameraModel LoadCamera(const std::filesystem::path& file, Mistakes& mistakes, const std::string& name,
                        const std::optional<cv::Size>& image) {
-  const FileContent content = ReadUserFile(file, kMostTextBytes);
+  const FileContent content = ReadUserFile(file, kMaxTextBytes);
   const std::string_view text = std::string_view(content.bytes).substr(0, 256);
   if (text.starts_with("<?xml") || text.starts_with("<opencv_storage")) {
     mistakes.Add(file.string(), "",
@@ -478,4 +478,4 @@ std::string ToKalibr(const CameraModel& camera) {
       list({"width_px", "height_px"}), field ? fmt::format("  field_deg: {}\n", *field) : "");
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -10,7 +10,7 @@
 #include "base/yaml/yaml_fields.h"
 #include "vision/camera/camera_model.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 
 // A camera from a file, whatever wrote it, told by its content:
 // - this project: the key `model` (default pinhole) and the keys that the model's Fields say;
@@ -38,4 +38,4 @@ std::vector<std::string> CameraNames(const Config& config);
 std::string ToCameraYaml(const CameraModel& camera);
 std::string ToKalibr(const CameraModel& camera);
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/camera/camera_model.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 
 double ShareCovered(const CameraModel& camera) {
   // From the centre of the first pixel to that of the last, corners included: those stand for less.
@@ -17,4 +17,4 @@ double ShareCovered(const CameraModel& camera) {
   return seen / (kSteps * kSteps);
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -13,7 +13,7 @@
 #include "vision/camera/pinhole.h"
 #include "vision/camera/unified.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 
 // Every central camera there is: chosen by data, so a variant. A new model is one file and its name here.
 using CameraModel = std::variant<Pinhole, BrownConrady, Unified, KannalaBrandt, DoubleSphere>;
@@ -59,4 +59,4 @@ inline void SetParameters(CameraModel& camera, const Eigen::VectorXd& all) {
 // How much of the image the lens fills, by a grid of rays; 1: it all, corners included.
 double ShareCovered(const CameraModel& camera);
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

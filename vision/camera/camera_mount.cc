@@ -3,7 +3,7 @@
 
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 
 Pose MountPose(const CameraMount& mount) {
   Eigen::Matrix3d R_BD;  // D: looking down, the top of the image forward
@@ -13,4 +13,4 @@ Pose MountPose(const CameraMount& mount) {
   return {Eigen::Quaterniond(Eigen::Matrix3d(turn * R_BD)), mount.position_m};
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

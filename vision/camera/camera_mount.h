@@ -7,7 +7,7 @@
 #include "base/yaml/fields.h"
 #include "geometry/pose.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 
 // A band of frequencies in which a camera shakes on its mount, about and along each of its axes alike.
 struct VibrationBand {
@@ -43,4 +43,4 @@ void Fields(Visitor& v, CameraMount& m) {
   v("vibration", m.vibration);
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

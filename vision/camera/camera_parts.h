@@ -12,7 +12,7 @@
 #include "geometry/tait_bryan.h"
 
 // What the camera models share.
-namespace kestrel {
+namespace kestrel::vision {
 
 // A lens that shows all that its model can.
 inline constexpr double kNoLimit = std::numeric_limits<double>::infinity();
@@ -54,4 +54,4 @@ void LensFields(Visitor& v, Camera& c) {
   c.max_angle_rad = field_deg ? Radians(*field_deg / 2) : kNoLimit;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

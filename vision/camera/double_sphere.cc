@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace kestrel {
+namespace kestrel::vision {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
@@ -13,9 +13,7 @@ namespace {
 
 // On the second sphere, as in the unified model: the cosine at which the picture ends in infinity (alpha up
 // to 1/2) or folds back.
-double LeastCosineOnSecond(double alpha) {
-  return alpha <= 0.5 ? -alpha / (1 - alpha) : -(1 - alpha) / alpha;
-}
+double MinCosineOnSecond(double alpha) { return alpha <= 0.5 ? -alpha / (1 - alpha) : -(1 - alpha) / alpha; }
 
 // The distance from the first sphere's centre, xi behind which the second's is, along a direction with cosine
 // c from the second's centre, is 1 here: how far that is, times c, less xi.
@@ -26,7 +24,7 @@ double CosineOnFirst(double c, double xi) { return c * (xi * c + std::sqrt(1 - x
 std::optional<Vector2d> DoubleSphere::Project(const Vector3d& p_CQ, Eigen::Matrix<double, 2, 3>* d_point,
                                               Eigen::Matrix2Xd* d_parameters) const {
   const double d1 = p_CQ.norm();
-  if (!(p_CQ.z() > CosineOnFirst(LeastCosineOnSecond(alpha), xi) * d1)) return std::nullopt;
+  if (!(p_CQ.z() > CosineOnFirst(MinCosineOnSecond(alpha), xi) * d1)) return std::nullopt;
   if (!WithinAngle(p_CQ, max_angle_rad)) return std::nullopt;
   const double z2 = p_CQ.z() + xi * d1;
   const double d2 = std::hypot(p_CQ.x(), p_CQ.y(), z2);
@@ -58,7 +56,7 @@ std::optional<Vector3d> DoubleSphere::Ray(const Vector2d& uv, Eigen::Matrix<doub
   const double mz = (1 - alpha * alpha * r2) / (alpha * std::sqrt(root) + 1 - alpha);
   const double lambda = (mz * xi + std::sqrt(mz * mz + (1 - xi * xi) * r2)) / (mz * mz + r2);
   const Vector3d ray(lambda * m.x(), lambda * m.y(), lambda * mz - xi);
-  if (!(ray.z() > CosineOnFirst(LeastCosineOnSecond(alpha), xi)) || !WithinAngle(ray, max_angle_rad)) {
+  if (!(ray.z() > CosineOnFirst(MinCosineOnSecond(alpha), xi)) || !WithinAngle(ray, max_angle_rad)) {
     return std::nullopt;
   }
   if (d_pixel) {
@@ -70,7 +68,7 @@ std::optional<Vector3d> DoubleSphere::Ray(const Vector2d& uv, Eigen::Matrix<doub
 }
 
 double DoubleSphere::MaxAngle() const {
-  return std::min(max_angle_rad, std::acos(CosineOnFirst(LeastCosineOnSecond(alpha), xi)));
+  return std::min(max_angle_rad, std::acos(CosineOnFirst(MinCosineOnSecond(alpha), xi)));
 }
 
 std::vector<std::string> DoubleSphere::ParameterNames() const {
@@ -83,4 +81,4 @@ void DoubleSphere::SetParameters(const Eigen::VectorXd& all) {
   fx = all[0], fy = all[1], cx = all[2], cy = all[3], xi = all[4], alpha = all[5];
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

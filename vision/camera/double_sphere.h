@@ -8,7 +8,7 @@
 
 #include "vision/camera/camera_parts.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 
 // The fisheye model of two unit spheres of Usenko, Demmel and Cremers (3DV 2018): the point goes to the first
 // sphere, that to a second one whose centre is xi behind, and from there to a plane by a centre alpha / (1 -
@@ -45,4 +45,4 @@ void Fields(Visitor& v, DoubleSphere& c) {
   LensFields(v, c);
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -7,7 +7,7 @@
 
 #include "vision/camera/polynomial.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
@@ -121,4 +121,4 @@ void KannalaBrandt::SetParameters(const Eigen::VectorXd& all) {
   k1 = all[4], k2 = all[5], k3 = all[6], k4 = all[7];
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -8,7 +8,7 @@
 
 #include "vision/camera/camera_parts.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 
 // The fisheye of Kannala and Brandt: at the angle theta from the axis, a point lies
 // theta (1 + k1 theta^2 + k2 theta^4 + k3 theta^6 + k4 theta^8) focal lengths from the centre. Kalibr's
@@ -50,4 +50,4 @@ void Fields(Visitor& v, KannalaBrandt& c) {
   LensFields(v, c);
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-namespace kestrel {
+namespace kestrel::vision {
 
 BarretoParameters BarretoOf(const Mirror& mirror) {
   const double d = mirror.d, p = mirror.p, root = std::hypot(d, 2 * p);
@@ -61,4 +61,4 @@ Unified CameraOf(const HyperbolicMirror& mirror, double focal_px, int width_px, 
   return camera;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -12,7 +12,7 @@
 // mirror, to the camera at the other focus F'. A real camera there sees the world reversed: its rows count
 // the other way than C's. The cameras here give the image after that flip (an elliptical mirror's also turned
 // by half a turn), so all their focal lengths are positive.
-namespace kestrel {
+namespace kestrel::vision {
 
 // A conic mirror by what table 6.1 asks for.
 struct Mirror {
@@ -63,4 +63,4 @@ double FocalLengthPx(double rim_radius_m, double height_m, double rim_radius_px)
 // rim.
 Unified CameraOf(const HyperbolicMirror& mirror, double focal_px, int width_px, int height_px);
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -10,7 +10,7 @@
 
 #include "vision/camera/camera_parts.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 
 // Pinhole camera without distortion, thesis 3.16 and 5.1. Pixels: the centre of the first pixel is (0, 0), u
 // to the right, v down.
@@ -69,4 +69,4 @@ void Fields(Visitor& v, Pinhole& c) {
   LensFields(v, c);
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

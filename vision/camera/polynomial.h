@@ -8,7 +8,7 @@
 #include <limits>
 
 // How far a polynomial c[0] + c[1] x + ... stays positive from x = 0: how far a distortion is one to one.
-namespace kestrel {
+namespace kestrel::vision {
 
 // Whether Bernstein coefficients are those of a polynomial that is positive over its interval. The polynomial
 // lies within the hull of its coefficients, so all positive is proof; what they leave open is halved.
@@ -58,4 +58,4 @@ double FirstZero(const std::array<double, n>& c) {
   return low;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -7,11 +7,11 @@
 
 #include "vision/camera/polynomial.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
 // The least eigenvalue of the Jacobian over all directions, as a polynomial of the radius.
-std::array<double, 7> LeastSlope(const RadialTangential& d) {
+std::array<double, 7> MinSlope(const RadialTangential& d) {
   return {1, -6 * std::hypot(d.p1, d.p2), 3 * d.k1, 0, 5 * d.k2, 0, 7 * d.k3};
 }
 
@@ -24,10 +24,10 @@ double MaxDistorted(const RadialTangential& d) {
 }  // namespace
 
 bool RadialTangential::Holds(double radius) const {
-  return IsNone() ? std::isfinite(radius) : PositiveUpTo(LeastSlope(*this), radius);
+  return IsNone() ? std::isfinite(radius) : PositiveUpTo(MinSlope(*this), radius);
 }
 
-double RadialTangential::MaxRadius() const { return FirstZero(LeastSlope(*this)); }
+double RadialTangential::MaxRadius() const { return FirstZero(MinSlope(*this)); }
 
 Eigen::Vector2d RadialTangential::Distort(const Eigen::Vector2d& m, Eigen::Matrix2d* d_m,
                                           Eigen::Matrix<double, 2, 5>* d_parameters) const {
@@ -79,4 +79,4 @@ std::optional<Eigen::Vector2d> RadialTangential::Undistort(const Eigen::Vector2d
   return m;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

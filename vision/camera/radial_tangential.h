@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <optional>
 
-namespace kestrel {
+namespace kestrel::vision {
 
 // The lens distortion of Brown and Conrady, of a point m = (x, y) in the plane at unit distance, in OpenCV's
 // notation: m (1 + k1 r^2 + k2 r^4 + k3 r^6) + (2 p1 x y + p2 (r^2 + 2 x^2), p1 (r^2 + 2 y^2) + 2 p2 x y).
@@ -27,4 +27,4 @@ struct RadialTangential {
   std::optional<Eigen::Vector2d> Undistort(const Eigen::Vector2d& distorted) const;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

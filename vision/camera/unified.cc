@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace kestrel {
+namespace kestrel::vision {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
@@ -12,14 +12,14 @@ using Eigen::Vector3d;
 namespace {
 
 // The cosine of the greatest angle that the mirror or lens itself can show.
-double LeastCosine(double xi) { return xi <= 1 ? -xi : -1 / xi; }
+double MinCosine(double xi) { return xi <= 1 ? -xi : -1 / xi; }
 
 }  // namespace
 
 std::optional<Vector2d> Unified::Project(const Vector3d& p_CQ, Eigen::Matrix<double, 2, 3>* d_point,
                                          Eigen::Matrix2Xd* d_parameters) const {
   const double r = p_CQ.norm(), z = p_CQ.z();
-  if (!(z > LeastCosine(xi) * r) || !WithinAngle(p_CQ, max_angle_rad)) return std::nullopt;
+  if (!(z > MinCosine(xi) * r) || !WithinAngle(p_CQ, max_angle_rad)) return std::nullopt;
   // z + xi r; behind the centre so that nothing cancels at xi = 1.
   const double depth = z > 0 ? z + xi * r : p_CQ.head<2>().squaredNorm() / (r - z) + (xi - 1) * r;
   if (!(depth > 0)) return std::nullopt;
@@ -56,7 +56,7 @@ std::optional<Vector3d> Unified::Ray(const Vector2d& uv, Eigen::Matrix<double, 3
   if (!(root > 0)) return std::nullopt;
   const double lambda = (xi + std::sqrt(root)) / (1 + r2);  // eq. (6.5)
   const Vector3d ray(lambda * m->x(), lambda * m->y(), lambda - xi);
-  if (!(ray.z() > LeastCosine(xi)) || !WithinAngle(ray, max_angle_rad)) return std::nullopt;
+  if (!(ray.z() > MinCosine(xi)) || !WithinAngle(ray, max_angle_rad)) return std::nullopt;
   if (d_pixel) {
     Eigen::Matrix<double, 2, 3> d_point;
     if (!Project(ray, &d_point)) return std::nullopt;
@@ -66,7 +66,7 @@ std::optional<Vector3d> Unified::Ray(const Vector2d& uv, Eigen::Matrix<double, 3
 }
 
 double Unified::MaxAngle() const {
-  const double own = std::acos(LeastCosine(xi)), radius = Distortion().MaxRadius();
+  const double own = std::acos(MinCosine(xi)), radius = Distortion().MaxRadius();
   const double root = 1 + (1 - xi * xi) * radius * radius;
   if (!std::isfinite(radius) || !(root > 0)) return std::min(max_angle_rad, own);
   const double lambda = (xi + std::sqrt(root)) / (1 + radius * radius);
@@ -84,4 +84,4 @@ void Unified::SetParameters(const Eigen::VectorXd& all) {
   xi = all[4], k1 = all[5], k2 = all[6], p1 = all[7], p2 = all[8], skew = all[9];
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

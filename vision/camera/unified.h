@@ -9,7 +9,7 @@
 #include "vision/camera/camera_parts.h"
 #include "vision/camera/radial_tangential.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 
 // The unified model on the sphere, for every central catadioptric camera and most fisheyes, thesis 6.2 to
 // 6.5, in Mei's form: the point goes to the unit sphere, and from there by a centre that is xi behind the
@@ -59,4 +59,4 @@ void Fields(Visitor& v, Unified& c) {
   LensFields(v, c);
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

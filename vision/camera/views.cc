@@ -11,7 +11,7 @@
 
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
 using Eigen::Vector2d;
@@ -264,4 +264,4 @@ std::optional<Panorama> WholePanorama(const CameraModel& camera, const Eigen::Ma
   return p;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

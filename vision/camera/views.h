@@ -11,7 +11,7 @@
 // Other pictures of what a wide camera sees, thesis 6.2: the image is put back onto the unit sphere about the
 // viewpoint, eq. (6.5), and seen anew from there. V is the frame of a view, with the axes of a camera: x
 // right, y down, z forward.
-namespace kestrel {
+namespace kestrel::vision {
 
 // R_VC of a view that is turned out of C: yaw to the right, then pitch up, then roll clockwise, rad.
 Eigen::Matrix3d ViewRotation(double yaw, double pitch, double roll);
@@ -97,4 +97,4 @@ cv::Size MatchedSize(const Panorama& panorama, const CameraModel& camera);
 std::optional<Panorama> WholePanorama(const CameraModel& camera, const Eigen::Matrix3d& R_VC,
                                       Panorama::Rows rows);
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

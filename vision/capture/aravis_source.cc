@@ -18,7 +18,7 @@
 #include "vision/capture/block_count.h"
 #include "vision/capture/live_camera.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
 constexpr int kBuffers = 3;            // one is filled, one is read, one is between
@@ -121,7 +121,7 @@ class Source final : public ImageSource {
     return std::nullopt;
   }
 
-  std::string Trouble() const override { return trouble_; }
+  std::string Error() const override { return trouble_; }
 
  private:
   std::string Id() const {
@@ -220,7 +220,7 @@ class Source final : public ImageSource {
     ArvBuffer* buffer = arv_stream_timeout_pop_buffer(stream_.get(), static_cast<guint64>(kPoll_s * 1e6));
     for (; buffer; buffer = arv_stream_try_pop_buffer(stream_.get())) {
       const bool good = arv_buffer_get_status(buffer) == ARV_BUFFER_STATUS_SUCCESS;
-      if (good) Hear(buffer);
+      if (good) Receive(buffer);
       ArvBuffer* done = good ? std::exchange(newest, buffer) : buffer;
       if (done) arv_stream_push_buffer(stream_.get(), done);
     }
@@ -228,13 +228,13 @@ class Source final : public ImageSource {
   }
 
   // Aravis stamps what comes by the time of day.
-  void Hear(ArvBuffer* buffer) {
+  void Receive(ArvBuffer* buffer) {
     const double now_s = MonotonicNow_s();
     const double ago_s = 1e-6 * static_cast<double>(g_get_real_time()) -
                          1e-9 * static_cast<double>(arv_buffer_get_system_timestamp(buffer));
     // A time of day that was set meanwhile tells nothing.
     arrived_s_ = now_s - (ago_s > 0 && ago_s < silent_s_ ? ago_s : 0);
-    clock_.Hear(Stamp_s(buffer), arrived_s_);
+    clock_.AddSample(Stamp_s(buffer), arrived_s_);
   }
 
   static double Stamp_s(ArvBuffer* buffer) {
@@ -290,4 +290,4 @@ ImageSourceMaker AravisSource(const AravisSourceOptions& options) {
   return [options] { return std::make_unique<Source>(options); };
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -7,7 +7,7 @@
 
 #include "vision/capture/image_source.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 
 // A GenICam camera (GigE Vision, USB3 Vision). What is asked for is set with its automatic turned off, read
 // back, and must be there: a camera that gives other images would meet the wrong calibration. What is not
@@ -33,4 +33,4 @@ ImageSourceMaker AravisSource(const AravisSourceOptions& options);
 // Shorter than LiveCamera's patience, so that the camera is let go before it is opened anew.
 inline constexpr double kAravisSilent_s = 0.8;
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

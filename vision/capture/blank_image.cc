@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <opencv2/imgproc.hpp>
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
-constexpr int kPixels = 8;            // to a side, averaged: against noise
-constexpr double kLeastSpread = 1.5;  // grey levels, standard deviation of these means
+constexpr int kPixels = 8;          // to a side, averaged: against noise
+constexpr double kMinSpread = 1.5;  // grey levels, standard deviation of these means
 
 }  // namespace
 
@@ -18,7 +18,7 @@ bool Blank(const cv::Mat& image) {
   cv::resize(image, small, {std::max(1, image.cols / kPixels), std::max(1, image.rows / kPixels)}, 0, 0,
              cv::INTER_AREA);
   cv::meanStdDev(small, mean, spread);
-  return cv::norm(spread, cv::NORM_INF) < kLeastSpread;
+  return cv::norm(spread, cv::NORM_INF) < kMinSpread;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

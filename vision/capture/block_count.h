@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <optional>
 
-namespace kestrel {
+namespace kestrel::vision {
 
 // Counts a camera's exposures by the block ids of its stream: GigE Vision's run from 1 to 65535 and begin
 // again at 1, unless the camera has the extended ones, of 64 bits, as USB3 Vision's are. An id above 65535
@@ -32,4 +32,4 @@ class BlockCount {
   bool wide_ = false;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

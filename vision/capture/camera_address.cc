@@ -19,7 +19,7 @@
 #include "vision/capture/rtp_stream.h"
 #include "vision/image_file.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
 using Kind = OpenCvSourceOptions::Kind;
@@ -145,6 +145,7 @@ void Receive(Reader& reader, const Form& form, const std::string& rest, OpenCvSo
     reader.Wrong("", fmt::format("needs width and height, as in {}", form.example));
   // GStreamer gives a raw image that lacks packets as if it were whole, and a JPEG only if it is.
   source.host = parts[1], source.port = port;
+  source.payloads = PayloadsOf(raw ? RtpStream::Coding::kRaw : RtpStream::Coding::kJpeg);
   source.what = ReceivingPipeline({raw ? RtpStream::Coding::kRaw : RtpStream::Coding::kJpeg, parts[1], port},
                                   source.size, source.colour);
 }
@@ -250,4 +251,4 @@ std::string CameraAddressForms() {
          "of a folder's images whose pixels have 16, how many the camera has.";
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -9,7 +9,7 @@
 #include "vision/capture/image_source.h"
 #include "vision/capture/opencv_source.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 
 // What a person writes to name a camera: see CameraAddressForms().
 using CameraAddress = std::variant<OpenCvSourceOptions, AravisSourceOptions, FolderSourceOptions>;
@@ -26,4 +26,4 @@ cv::Size SizeAt(const CameraAddress& address);
 // One line for each form, and the options: for the help of the command line.
 std::string CameraAddressForms();
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -13,7 +13,7 @@
 #include "vision/capture/pace.h"
 #include "vision/image_file.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
 // Whether a name is the pattern's: itself, or with digits where the pattern has its "%d" or "%04d".
@@ -70,7 +70,7 @@ class Source final : public ImageSource {
   }
 
   bool Ended() const override { return true; }
-  std::string Trouble() const override { return trouble_; }
+  std::string Error() const override { return trouble_; }
 
  private:
   FolderSourceOptions options_;
@@ -87,4 +87,4 @@ ImageSourceMaker FolderSource(const FolderSourceOptions& options) {
   return [options] { return std::make_unique<Source>(options); };
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

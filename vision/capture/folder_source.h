@@ -7,7 +7,7 @@
 
 #include "vision/capture/image_source.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 
 // The images of a folder one after the other, by name, numbers in the names by their value; or those of them
 // whose names a pattern with one number matches ("image%04d.png"), or one image alone. What is not an
@@ -24,4 +24,4 @@ struct FolderSourceOptions {
 
 ImageSourceMaker FolderSource(const FolderSourceOptions& options);
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -3,7 +3,7 @@
 
 #include <cstring>
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
 bool SamePixels(const cv::Mat& a, const cv::Mat& b) {
@@ -22,4 +22,4 @@ bool FrozenImage::Is(const cv::Mat& image) {
   return same;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -3,7 +3,7 @@
 
 #include <opencv2/core.hpp>
 
-namespace kestrel {
+namespace kestrel::vision {
 
 // Noise never repeats itself: the same image again is an old one under a new time, and to follow it would be
 // to fly blind without knowing.
@@ -16,4 +16,4 @@ class FrozenImage {
   cv::Mat last_;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -8,7 +8,7 @@
 #include <optional>
 #include <string>
 
-namespace kestrel {
+namespace kestrel::vision {
 
 struct Grabbed {
   cv::Mat image;                      // CV_8UC1, or CV_8UC3 in the order blue, green, red; not shared
@@ -23,11 +23,9 @@ class ImageSource {
   virtual bool Open() = 0;                      // false: not there, or it does not give what is asked of it
   virtual std::optional<Grabbed> Grab() = 0;    // waits for the next image; none: the source has failed
   virtual bool Ended() const { return false; }  // there is no more, and opening again brings none: a file
-  virtual std::string Trouble() const {
-    return {};
-  }  // why it could not be opened or failed; empty: not known
+  virtual std::string Error() const { return {}; }  // why it could not be opened or failed; empty: not known
 };
 
 using ImageSourceMaker = std::function<std::unique_ptr<ImageSource>()>;
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -13,11 +13,11 @@
 #include "base/clock_sync.h"
 #include "base/stopwatch.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
-constexpr double kOpening_s = 10;   // what some cameras take to be opened
-constexpr int kMostLeftBehind = 8;  // sources that hang; then it is waited for the last one
+constexpr double kOpening_s = 10;  // what some cameras take to be opened
+constexpr int kMaxLeftBehind = 8;  // sources that hang; then it is waited for the last one
 
 std::atomic<int> left_behind = 0;
 
@@ -65,14 +65,14 @@ struct LiveCamera::Mailbox {
         if (opened)
           ++health.openings;
         else
-          health.trouble = source ? source->Trouble() : "";
+          health.trouble = source ? source->Error() : "";
       }
       while (opened) {
         std::optional<Grabbed> grabbed = source->Grab();
         const std::lock_guard lock(mutex);
         if (!Current(which)) return;
         if (!grabbed || grabbed->image.empty()) {
-          health.trouble = source->Trouble();
+          health.trouble = source->Error();
           if (source->Ended()) {
             ended = true;
             changed.notify_all();
@@ -88,7 +88,7 @@ struct LiveCamera::Mailbox {
       open = false;
       changed.wait_for(lock, Seconds(pause_s), [&] { return !Current(which); });
       if (!Current(which)) return;
-      pause_s = std::min(2 * pause_s, options.reopen_most_s);
+      pause_s = std::min(2 * pause_s, options.reopen_max_s);
     }
   }
 
@@ -97,7 +97,7 @@ struct LiveCamera::Mailbox {
     if (!stamp_s || !std::isfinite(*stamp_s)) return std::nullopt;
     const double age_s = now_s - *stamp_s;
     if (!own_clock) own_clock = age_s < 0 || age_s > LiveCamera::kMonotonic_s;
-    clock.Hear(*stamp_s, now_s);
+    clock.AddSample(*stamp_s, now_s);
     return std::min(*own_clock ? *clock.ToOurs(*stamp_s) : *stamp_s, now_s);
   }
 
@@ -173,7 +173,7 @@ void LiveCamera::Watch() {
   const double silent_s = MonotonicNow_s() - m.begun_s;
   const bool hangs = (m.open && silent_s > options_.stalled_s) ||
                      (m.opening && silent_s > std::max(kOpening_s, options_.stalled_s));
-  if (m.worker > 0 && !(hangs && m.worker <= kMostLeftBehind)) return;
+  if (m.worker > 0 && !(hangs && m.worker <= kMaxLeftBehind)) return;
   m.begun_s = MonotonicNow_s(), m.open = m.opening = false;
   const int which = ++m.worker;
   m.changed.notify_all();
@@ -235,4 +235,4 @@ const char* NameOf(LiveCameraState state) {
   return "?";
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -9,22 +9,23 @@
 #include <thread>
 #include <vector>
 
+#include "base/yaml/fields.h"
 #include "vision/camera.h"
 #include "vision/capture/image_source.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 
 struct LiveCameraOptions {
-  double stalled_s = 1;                            // without an image for longer: the source is opened anew
-  double reopen_first_s = 0.1, reopen_most_s = 5;  // pause before opening again; doubles with each failure
-  double exposure_before_stamp_s = 0;              // from the middle of the exposure to the stamp: calibrated
+  double stalled_s = 1;                           // without an image for longer: the source is opened anew
+  double reopen_first_s = 0.1, reopen_max_s = 5;  // pause before opening again; doubles with each failure
+  double exposure_before_stamp_s = 0;             // from the middle of the exposure to the stamp: calibrated
 };
 
 template <class Visitor>
 void Fields(Visitor& v, LiveCameraOptions& o) {
   v("stalled_s", o.stalled_s, 0.05, 60.0);
   v("reopen_first_s", o.reopen_first_s, 0.01, 60.0);
-  v("reopen_most_s", o.reopen_most_s, 0.01, 600.0);
+  v(Renamed("reopen_max_s", "reopen_most_s"), o.reopen_max_s, 0.01, 600.0);
   v("exposure_before_stamp_s", o.exposure_before_stamp_s, -1.0, 1.0);
 }
 
@@ -60,7 +61,7 @@ class LiveCamera final : public Camera {
   // longer than stalled_s: one that hangs is left behind.
   ~LiveCamera() override;
   // Threads of this program's cameras that hung within their library to the end. Exit handlers would take
-  // that library down beneath them: see app/option/leave.h.
+  // that library down beneath them: see app/option/exit_status.h.
   static int LeftBehind();
 
   // The next image that nobody has taken yet, waiting for it however long the source takes to come back; its
@@ -82,4 +83,4 @@ class LiveCamera final : public Camera {
   std::vector<std::thread> threads_;  // of worker 1, 2, ...
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

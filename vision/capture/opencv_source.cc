@@ -10,10 +10,11 @@
 #include <vector>
 
 #include "base/stopwatch.h"
+#include "vision/capture/gstreamer_pipeline.h"
 #include "vision/capture/pace.h"
 #include "vision/capture/udp_claim.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
 using Kind = OpenCvSourceOptions::Kind;
@@ -35,18 +36,26 @@ class Source final : public ImageSource {
     }
     if (OpenKind()) return true;
     trouble_ = options_.what + " cannot be opened";
+    if (!pipeline_.Error().empty()) trouble_ += ": " + pipeline_.Error();
     return false;
   }
 
   std::optional<Grabbed> Grab() override {
     if (options_.kind == Kind::kFile) pace_.Wait();
-    if (!capture_.grab()) {
-      if (!Ended()) trouble_ = "no more images come from " + options_.what;
-      return std::nullopt;
-    }
-    const double grabbed_s = MonotonicNow_s();
     cv::Mat raw;
-    if (!capture_.retrieve(raw) || raw.empty()) return std::nullopt;
+    double grabbed_s = 0;
+    if (options_.kind == Kind::kGStreamer) {
+      raw = pipeline_.Next();
+      grabbed_s = MonotonicNow_s();
+      if (raw.empty())
+        trouble_ = fmt::format("no more images come from {}: {}", options_.what, pipeline_.Error());
+    } else if (capture_.grab()) {
+      grabbed_s = MonotonicNow_s();
+      capture_.retrieve(raw);
+    } else if (!Ended()) {
+      trouble_ = "no more images come from " + options_.what;
+    }
+    if (raw.empty()) return std::nullopt;
     if (!options_.size.empty() && raw.size() != options_.size) {
       trouble_ = fmt::format("an image of {}x{} came, not of {}x{}", raw.cols, raw.rows, options_.size.width,
                              options_.size.height);
@@ -59,7 +68,8 @@ class Source final : public ImageSource {
       return std::nullopt;
     }
     if (raw.channels() == channels)
-      grabbed.image = raw.clone();  // the driver's buffer comes round again
+      grabbed.image =
+          options_.kind == Kind::kGStreamer ? raw : raw.clone();  // a driver's buffer comes round again
     else
       cv::cvtColor(raw, grabbed.image, options_.colour ? cv::COLOR_GRAY2BGR : cv::COLOR_BGR2GRAY);
     if (options_.kind == Kind::kV4l2) {
@@ -72,7 +82,7 @@ class Source final : public ImageSource {
   }
 
   bool Ended() const override { return options_.kind == Kind::kFile; }
-  std::string Trouble() const override { return trouble_; }
+  std::string Error() const override { return trouble_; }
 
  private:
   bool OpenKind() {
@@ -81,7 +91,7 @@ class Source final : public ImageSource {
         // Two buffers: one is filled while the other is read; more would be older images.
         return capture_.open(options_.what, cv::CAP_V4L2, Wanted({cv::CAP_PROP_BUFFERSIZE, 2}));
       case Kind::kGStreamer:
-        return capture_.open(Pipeline(options_.what), cv::CAP_GSTREAMER);
+        return pipeline_.Open(Pipeline(options_.what), options_.payloads);
       case Kind::kIeee1394:
         return capture_.open(std::stoi(options_.what), cv::CAP_FIREWIRE, Wanted({}));
       case Kind::kFile:
@@ -103,6 +113,7 @@ class Source final : public ImageSource {
   std::shared_ptr<UdpClaim> claim_;
   OpenCvSourceOptions options_;
   cv::VideoCapture capture_;
+  GStreamerPipeline pipeline_;  // not OpenCV's, whose bus nobody reads
   Pace pace_;
   std::string trouble_;
 };
@@ -117,4 +128,4 @@ ImageSourceMaker OpenCvSource(const OpenCvSourceOptions& options) {
   return [options, claim] { return std::make_unique<Source>(options, claim); };
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -5,7 +5,7 @@
 #include <chrono>
 #include <thread>
 
-namespace kestrel {
+namespace kestrel::vision {
 
 // Lets a recording come as slowly as a camera.
 class Pace {
@@ -25,4 +25,4 @@ class Pace {
   Clock::time_point due_{};
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

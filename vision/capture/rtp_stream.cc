@@ -6,7 +6,7 @@
 
 #include <charconv>
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
 // Only what is an address may stand in a pipeline.
@@ -60,10 +60,15 @@ std::string ReceivingPipeline(const RtpStream& stream, cv::Size size, bool colou
       colour ? "BGR" : "GRAY8");
 }
 
+RtpPayloads PayloadsOf(RtpStream::Coding coding) {
+  return coding == RtpStream::Coding::kRaw ? RtpPayloads{96, 127} : RtpPayloads{26, 26};
+}
+
 ImageSourceMaker RtpSource(const RtpStream& stream, cv::Size size, bool colour) {
   OpenCvSourceOptions options;
   options.kind = OpenCvSourceOptions::Kind::kGStreamer;
   options.host = stream.host, options.port = stream.port;
+  options.payloads = PayloadsOf(stream.coding);
   options.what = ReceivingPipeline(stream, size, colour);
   options.size = size;
   options.colour = colour;
@@ -72,4 +77,4 @@ ImageSourceMaker RtpSource(const RtpStream& stream, cv::Size size, bool colour) 
 
 double RtpDelay_s(RtpStream::Coding coding) { return coding == RtpStream::Coding::kRaw ? 0.003 : 0.006; }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

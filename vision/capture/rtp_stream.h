@@ -8,7 +8,7 @@
 
 #include "vision/capture/opencv_source.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 
 // A video stream by RTP over UDP: as MJPEG (RFC 2435), or uncoded (RFC 4175, planar 4:2:0), which leaves the
 // grey levels as they are and needs a network that carries 1.5 bytes a pixel. It goes to a host and a port;
@@ -32,6 +32,8 @@ std::string ToText(const RtpStream& stream);  // ParseRtpStream's inverse
 // A pipeline of GStreamer that receives it as grey levels or BGR, up to where images are taken. Of an uncoded
 // stream the size must be known.
 std::string ReceivingPipeline(const RtpStream& stream, cv::Size size, bool colour);
+// JPEG has a type of its own (RFC 3551); what has none takes one of those that are free.
+RtpPayloads PayloadsOf(RtpStream::Coding coding);
 ImageSourceMaker RtpSource(const RtpStream& stream, cv::Size size, bool colour);
 
 // From handing an image to CameraServer until a LiveCamera has it, at 640 x 480 over loopback: about the
@@ -39,4 +41,4 @@ ImageSourceMaker RtpSource(const RtpStream& stream, cv::Size size, bool colour);
 // uses it to measure.
 double RtpDelay_s(RtpStream::Coding coding);
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -14,7 +14,7 @@
 #include <cstring>
 #include <memory>
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
 bool IsMulticast(const addrinfo& at) {
@@ -35,7 +35,7 @@ int TryToListen(const addrinfo& at) {
 
 // A name of the kernel's that goes with its process: between two programs of Kestrel, of which one is about
 // to listen.
-int Name(const std::string& what, int& error) {
+int NameOf(const std::string& what, int& error) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   // A name that begins with 0 is of no file.
@@ -66,7 +66,7 @@ std::string UdpClaim::Take() {
   const std::unique_ptr<addrinfo, void (*)(addrinfo*)> at(found, freeaddrinfo);
   if (!IsMulticast(*at)) {
     int error = 0;
-    const int name = Name(what, error);
+    const int name = NameOf(what, error);
     if (error == 0) error = TryToListen(*at);
     if (error != 0) {
       if (name >= 0) close(name);
@@ -79,4 +79,4 @@ std::string UdpClaim::Take() {
   return {};
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-namespace kestrel {
+namespace kestrel::vision {
 
 // This process's claim on an address at which a pipeline of GStreamer listens. Such a pipeline lets others
 // listen there too, so that one that hangs can be replaced; of several, the last has all that comes, and
@@ -32,4 +32,4 @@ class UdpClaim {
   int name_ = -1;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -10,7 +10,7 @@
 
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 
 namespace {
 
@@ -24,11 +24,11 @@ constexpr double kWrongShare = 0.04, kWrongRange = 0.35;  // wrong points: evenl
 
 // Densities of a residual under the stories of CircleFitOptions, and how steeply the log of that of a raised
 // point falls with its height.
-struct Stories {
+struct Mixture {
   double on = 0, raised = 0, wrong = 0, pull = 0;
 };
-Stories Tell(double residual, double scatter, const CircleFitOptions& o) {
-  Stories s;
+Mixture Tell(double residual, double scatter, const CircleFitOptions& o) {
+  Mixture s;
   const double u = residual / scatter;
   s.on = u * u < 50
              ? (1 - o.hill_share - o.tall_share - kWrongShare) * 0.3989 / scatter * std::exp(-u * u / 2)
@@ -48,14 +48,14 @@ class Fitter {
   Fitter(const std::vector<ContourPoint>& contour, const CircleFitOptions& options)
       : contour_(contour), o_(options) {
     for (const ContourPoint& p : contour) rows_.emplace_back(std::cos(p.azimuth), std::sin(p.azimuth), 1.0);
-    const Stories wrong = Tell(-1, kConsensusScatter, o_);
+    const Mixture wrong = Tell(-1, kConsensusScatter, o_);
     const auto surprise = [&](double r) {
-      const Stories s = Tell(r, kConsensusScatter, o_);
+      const Mixture s = Tell(r, kConsensusScatter, o_);
       return -std::log(s.on + s.raised + s.wrong);
     };
     const double least = surprise(0), most = -std::log(wrong.wrong) - least;
-    for (std::size_t k = 0; k < surprise_.size(); ++k)
-      surprise_[k] = (surprise((static_cast<double>(k) + 0.5) * kBin - kBelow) - least) / most;
+    for (std::size_t k = 0; k < negative_log_likelihood_.size(); ++k)
+      negative_log_likelihood_[k] = (surprise((static_cast<double>(k) + 0.5) * kBin - kBelow) - least) / most;
   }
 
   double Residual(std::size_t i, const Eigen::Vector3d& x) const {
@@ -67,7 +67,7 @@ class Fitter {
   double Cost(const Eigen::Vector3d& x, std::size_t stride) const {
     double sum = 0;
     for (std::size_t i = 0; i < rows_.size(); i += stride)
-      sum += contour_[i].weight * Surprise(Residual(i, x));
+      sum += contour_[i].weight * NegativeLogLikelihood(Residual(i, x));
     const double u = (-x.z() - o_.dip) / DipSigma(x);
     // Haze may hide the horizon by more than its deviation; hardly anything raises all of it.
     const double off = (x.head<2>() - o_.near).norm() / o_.reach;
@@ -119,7 +119,7 @@ class Fitter {
     double spread = 0, mass = 0;
     for (std::size_t i = 0; i < rows_.size(); ++i) {
       const double r = Residual(i, x);
-      const Stories s = Tell(r, scatter, o_);
+      const Mixture s = Tell(r, scatter, o_);
       const double on = contour_[i].weight * s.on / (s.on + s.raised + s.wrong);
       const double raised = contour_[i].weight * s.raised / (s.on + s.raised + s.wrong);
       const double w = on / (scatter * scatter);
@@ -129,7 +129,7 @@ class Fitter {
       mass += on;
     }
     x = H.ldlt().solve(g);
-    if (mass > 0) scatter = std::clamp(std::sqrt(spread / mass), o_.least_scatter, o_.most_scatter);
+    if (mass > 0) scatter = std::clamp(std::sqrt(spread / mass), o_.min_scatter, o_.max_scatter);
   }
 
   CircleFit Finish(const Eigen::Vector3d& x, double scatter) const {
@@ -141,13 +141,13 @@ class Fitter {
     double mass = 0, on_mass = 0, below = 0;
     for (std::size_t i = 0; i < rows_.size(); ++i) {
       const double r = Residual(i, x);
-      const Stories s = Tell(r, scatter, o_);
+      const Mixture s = Tell(r, scatter, o_);
       const double all = s.on + s.raised + s.wrong, on = s.on / all, raised = s.raised / all;
       const double w = contour_[i].weight;
       fit.belongs.push_back(on);
       H += w * on / (scatter * scatter) * rows_[i] * rows_[i].transpose();
       gradients.push_back(w * (on * r / (scatter * scatter) + raised * s.pull) * rows_[i]);
-      fit.explained += w * std::max(0.0, 1 - Surprise(r));
+      fit.explained += w * std::max(0.0, 1 - NegativeLogLikelihood(r));
       below += w * (r < -kNear);
       mass += w, on_mass += w * (std::abs(r) < kNear);
     }
@@ -179,7 +179,7 @@ class Fitter {
     const double relief = o_.relief_share * fit.unevenness * std::pow(std::max(seen, 0.05), -0.8);
     // What raises the whole circle beyond what is expected hardly does so evenly.
     const double raised = o_.raised_share * std::max(0.0, std::abs(x.z() + o_.dip) - o_.dip_under_sigma / 2);
-    fit.covariance.diagonal().array() += o_.least_sigma * o_.least_sigma + relief * relief + raised * raised;
+    fit.covariance.diagonal().array() += o_.min_sigma * o_.min_sigma + relief * relief + raised * raised;
     if (o_.arc_relief > 0) fit.covariance += inverse * ArcRelief(fit, scatter) * inverse;
     return fit;
   }
@@ -236,14 +236,16 @@ class Fitter {
     return n > 0 ? std::sqrt(sum / n) : kUneven;
   }
 
-  double Surprise(double residual) const {
+  double NegativeLogLikelihood(double residual) const {
     const auto k = static_cast<std::ptrdiff_t>((residual + kBelow) / kBin);
-    return k < 0 ? 1 : surprise_[std::min(static_cast<std::size_t>(k), surprise_.size() - 1)];
+    return k < 0 ? 1
+                 : negative_log_likelihood_[std::min(static_cast<std::size_t>(k),
+                                                     negative_log_likelihood_.size() - 1)];
   }
 
   const std::vector<ContourPoint>& contour_;
   const CircleFitOptions& o_;
-  std::array<double, 320> surprise_;  // by residual
+  std::array<double, 320> negative_log_likelihood_;  // by residual
   std::vector<Eigen::Vector3d> rows_;
 };
 
@@ -270,7 +272,7 @@ std::optional<CircleFit> FitCircle(const std::vector<ContourPoint>& contour,
   const Fitter fitter(contour, options);
   double rival = 0;
   Eigen::Vector3d x = fitter.Consensus(rival);
-  double scatter = options.most_scatter;
+  double scatter = options.max_scatter;
   for (int k = 0; k < 12; ++k) {
     const Eigen::Vector3d before = x;
     fitter.Step(x, scatter);
@@ -281,4 +283,4 @@ std::optional<CircleFit> FitCircle(const std::vector<ContourPoint>& contour,
   return fit;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

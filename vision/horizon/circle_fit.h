@@ -6,7 +6,7 @@
 #include <vector>
 
 // The horizon is a small circle of the unit sphere about "down": ray . down = sin(dip).
-namespace kestrel {
+namespace kestrel::vision {
 
 // Thesis (6.15): the plane z = n_x x + n_y y + d that lies best to the points, by least squares in z. None:
 // fewer than three points, or all on a line as seen along z.
@@ -28,12 +28,12 @@ struct ContourPoint {
 struct CircleFitOptions {
   double hill_scale = 0.018, tall_scale = 0.20;  // mean heights of hills and of trees, houses, ridges, rad
   double hill_share = 0.35, tall_share = 0.25;   // of the points, beforehand
-  double least_scatter = 0.001;                  // of the points on the circle, rad
-  double most_scatter = 0.008;                   // rad
+  double min_scatter = 0.001;                    // of the points on the circle, rad
+  double max_scatter = 0.008;                    // rad
   double dip = 0.005;                            // expected, rad
   double dip_over_sigma = 0.008;   // rad: the horizon of a greater height; more in haze, which hides it
   double dip_under_sigma = 0.006;  // rad: hills all round
-  double least_sigma = 0.0006;     // of the answer: what repeats from azimuth to azimuth, such as the lens
+  double min_sigma = 0.0006;       // of the answer: what repeats from azimuth to azimuth, such as the lens
   double relief_share = 0.55;      // of the contour's unevenness, in the deviation of the answer
   double raised_share = 0.3;       // of what the circle stands above or below the expected, likewise
   // For a short arc: what lifts or tilts all of it leaves no trace in its own unevenness. Deviation (rad) of
@@ -67,4 +67,4 @@ struct CircleFit {
 std::optional<CircleFit> FitCircle(const std::vector<ContourPoint>& contour,
                                    const CircleFitOptions& options = {});
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

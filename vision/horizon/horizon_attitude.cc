@@ -7,7 +7,7 @@
 
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 
 namespace {
 
@@ -64,4 +64,4 @@ cv::Mat HorizonAttitude::Draw(const cv::Mat& image, const Measurement& m) const 
   return DrawHorizon(image, camera_, R_BC_, m.skyline, m.compass);
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

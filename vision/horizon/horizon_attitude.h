@@ -10,7 +10,7 @@
 #include "vision/horizon/skyline.h"
 #include "vision/horizon/visual_compass.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 
 // Attitude and heading from one camera, image by image: the skyline's raw "down", with the one thing that
 // takes a memory (an image that is the last one over again tells nothing new), and the compass on top of it.
@@ -50,4 +50,4 @@ class HorizonAttitude {
   std::optional<std::uint64_t> last_hash_;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

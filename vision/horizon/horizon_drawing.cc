@@ -11,7 +11,7 @@
 #include "geometry/tait_bryan.h"
 #include "vision/camera/band_sampler.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 
 namespace {
 
@@ -126,4 +126,4 @@ cv::Mat DrawHorizon(const cv::Mat& image, const CameraModel& camera, const Eigen
   return out;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -11,7 +11,7 @@
 #include "vision/horizon/visual_compass.h"
 
 // What the attitude from the skyline saw, drawn for people.
-namespace kestrel {
+namespace kestrel::vision {
 
 // The small circle at an elevation over the horizontal, rad, as a line in the image (CV_8UC3).
 void DrawSmallCircle(cv::Mat& image, const CameraModel& camera, const Eigen::Vector3d& down_C,
@@ -31,4 +31,4 @@ void DrawCompassStrip(cv::Mat& image, cv::Rect place, double heading);
 cv::Mat DrawHorizon(const cv::Mat& image, const CameraModel& camera, const Eigen::Matrix3d& R_BC,
                     const SkylineResult& skyline, const std::optional<CompassResult>& compass);
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

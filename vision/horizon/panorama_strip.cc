@@ -8,7 +8,7 @@
 
 #include "vision/camera/views.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 
 namespace {
 
@@ -77,4 +77,4 @@ PanoramaStrip StripMaker::Make(const cv::Mat& image, const Eigen::Vector3d& down
   return strip;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -6,7 +6,7 @@
 
 #include "vision/camera/band_sampler.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 
 // What is to be seen all round at the height of the horizon, by the measured vertical: a turn of the aircraft
 // shifts its columns and does nothing else, at any tilt. Rows from the lowest elevation up; columns by
@@ -33,4 +33,4 @@ class StripMaker {
   int reduction_;  // of the image, so that its pixels are no finer than the strip's
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -8,7 +8,7 @@
 #include "geometry/tait_bryan.h"
 #include "vision/horizon/skyline_profile.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 
 namespace {
 
@@ -104,4 +104,4 @@ cv::Mat SkyMask::Find(const cv::Mat& quarter, const Eigen::Vector3d& down_C, dou
   return sky;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

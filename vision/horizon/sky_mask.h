@@ -8,7 +8,7 @@
 #include "vision/camera/band_sampler.h"
 #include "vision/camera/camera_model.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 
 // Which pixels show sky, for an attitude known to a degree or so: what lies above the contour between sky and
 // ground (vision/horizon/skyline_profile.h). Where a meridian shows no contour, its neighbours say, and
@@ -34,4 +34,4 @@ class SkyMask {
   std::vector<Eigen::Vector3f> rays_;  // of the half image's pixels; zero where nothing may be seen
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -10,7 +10,7 @@
 #include "geometry/tait_bryan.h"
 #include "vision/horizon/skyline_profile.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 
 namespace {
 
@@ -21,12 +21,12 @@ constexpr int kHorizonRow = 16;  // of kWide, at elevation 0
 constexpr int kFineAzimuths = 240;
 // Grey levels of all channels, at noise of some 2: under the first there is no horizon to be seen. Up to the
 // second the contour may be the edge of a cloud or of haze, and must be the better a circle for it.
-constexpr double kLeastContrast = 12, kPlainContrast = 40;
+constexpr double kMinContrast = 12, kPlainContrast = 40;
 constexpr double kHazyAgreement = 0.4;
 constexpr double kRival = 0.65, kFullRival = 0.9, kRivalAgreement = 0.3;
 constexpr double kChooses = Radians(1);  // rad: what is expected as well as this chooses between rivals
-constexpr double kLeastFound = 0.45;     // of the meridians in view
-constexpr double kMostBelow = 0.25;      // of the contour's points under the circle
+constexpr double kMinFound = 0.45;       // of the meridians in view
+constexpr double kMaxBelow = 0.25;       // of the contour's points under the circle
 constexpr double kNarrow = 0.35;         // of the azimuths: a lens that sees no more of the horizon
 constexpr double kAllRound = 0.6;   // of the azimuths: a lens that sees less of a level horizon looks one way
 constexpr double kOneSided = 0.02;  // of the view, on the other side of the expected horizon
@@ -38,7 +38,7 @@ constexpr double kArcGate = 2.7;       // deviations, by direction
 constexpr double kArcMostSigma = 1.1;  // of an answer, in those of what was expected
 constexpr double kArcLeastExpected = Radians(1.0);
 // Of SkylineSearch::Sides: likeness to sky, over 0, or to ground; nats per cell.
-constexpr double kTurned = 1, kDoubtful = 0.3, kFarLeast = -0.3, kMostSkyBelow = 3.5;
+constexpr double kTurned = 1, kDoubtful = 0.3, kFarLeast = -0.3, kMaxSkyBelow = 3.5;
 constexpr double kGroundAbove = -0.5, kPlainGroundAbove = -1, kRise = 1.5, kPlainRise = 2, kFall = 1;
 constexpr double kStripApart = 0.5;
 constexpr double kTie = 0.15;  // of the quality of two answers
@@ -97,7 +97,7 @@ std::vector<double> CircleOf(const Eigen::Vector3d& state, const BandGrid& grid)
 std::optional<NoSkyline> Doubt(const SkylineSearch::Sides& sides) {
   if (sides.below > sides.above + kTurned) return NoSkyline::kUpsideDown;
   if (sides.above < 0 || sides.far < kFarLeast) return NoSkyline::kNoSky;
-  if (sides.below > kMostSkyBelow) return NoSkyline::kNoGround;
+  if (sides.below > kMaxSkyBelow) return NoSkyline::kNoGround;
   if (sides.below > sides.above + kDoubtful) return NoSkyline::kAmbiguous;
   // The skyline is the topmost edge: right above it there is no ground under more sky, nor a lake under
   // trees.
@@ -148,7 +148,7 @@ std::optional<Skyline::Close> Skyline::LookClosely(const cv::Mat& half, const Ei
   close.horizontal = HorizontalAbout(down_C, R_BC_.transpose() * Eigen::Vector3d::UnitX());
   const auto n = static_cast<double>(kWide.azimuths);
   CircleFitOptions fit_options;
-  fit_options.least_scatter = 0.003;
+  fit_options.min_scatter = 0.003;
   for (int round = 0; round < 2; ++round) {
     const BandSamples band = sampler_.Read(half, 2, close.horizontal, kWide);
     const std::vector<double> start(static_cast<std::size_t>(kWide.azimuths), round ? -close.dip : 0.0);
@@ -225,29 +225,28 @@ Skyline::Refined Skyline::Refine(const cv::Mat& image, const Close& close,
                          0.03 * std::min(9.0, fit->strain * fit->strain);
   const double in_view = static_cast<double>(contour.shown) / grid.azimuths;
   const auto no = [&](NoSkyline reason) { return Refined{reason, quality, in_view}; };
-  if (fix.circle_seen < options_.least_circle) return no(NoSkyline::kTooLittle);
-  if (fix.contrast < kLeastContrast) return no(NoSkyline::kHazy);
+  if (fix.circle_seen < options_.min_circle) return no(NoSkyline::kTooLittle);
+  if (fix.contrast < kMinContrast) return no(NoSkyline::kHazy);
   // A short arc is matched by more circles.
-  const double agreement = expected.down_C ? options_.least_agreement_expected : options_.least_agreement;
+  const double agreement = expected.down_C ? options_.min_agreement_expected : options_.min_agreement;
   const double arc = expected.down_C ? 0.25 : 0.8;
   const double least = agreement + std::clamp(arc * 2 * (0.55 - fix.circle_seen), 0.0, 0.3);
-  const double haze =
-      std::clamp((kPlainContrast - fix.contrast) / (kPlainContrast - kLeastContrast), 0.0, 1.0);
+  const double haze = std::clamp((kPlainContrast - fix.contrast) / (kPlainContrast - kMinContrast), 0.0, 1.0);
   if (fix.agreement < agreement + kHazyAgreement * haze && fix.agreement >= least)
     return no(NoSkyline::kHazy);
   // A horizon leaves its step on most of the meridians that are in view.
-  const bool sparse = static_cast<double>(contour.points.size()) < kLeastFound * contour.shown;
-  if (fix.agreement < least || fit->below > kMostBelow || sparse) return no(NoSkyline::kUneven);
+  const bool sparse = static_cast<double>(contour.points.size()) < kMinFound * contour.shown;
+  if (fix.agreement < least || fit->below > kMaxBelow || sparse) return no(NoSkyline::kUneven);
   // What is expected chooses between rivals, the surer the better it is known.
   const double unsure = std::clamp((expected.down_sigma - kChooses) / kChooses, 0.0, 1.0);
   const double rivalry = unsure * std::clamp((fix.rival - kRival) / (kFullRival - kRival), 0.0, 1.0);
   if (expected.down_C ? fix.agreement < agreement + kRivalAgreement * rivalry
-                      : fix.rival > options_.most_rival)
+                      : fix.rival > options_.max_rival)
     return no(NoSkyline::kAmbiguous);
   if (fix.down_C.dot(R_BC_.transpose() * Eigen::Vector3d::UnitZ()) < std::cos(Radians(options_.max_tilt_deg)))
     return no(NoSkyline::kTooLittle);
   const double sigma = std::sqrt(fix.covariance.trace());
-  if (!(sigma < Radians(options_.most_sigma_deg))) return no(NoSkyline::kTooLittle);
+  if (!(sigma < Radians(options_.max_sigma_deg))) return no(NoSkyline::kTooLittle);
   if (expected.down_C) {
     const double off = std::acos(std::clamp(fix.down_C.dot(expected.down_C->normalized()), -1.0, 1.0));
     if (off > options_.gate * std::hypot(expected.down_sigma, sigma)) return no(NoSkyline::kImplausible);
@@ -336,4 +335,4 @@ SkylineResult Skyline::Measure(const cv::Mat& image, const SkylineExpected& expe
   return top->result;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -10,18 +10,18 @@
 #include "vision/horizon/skyline_fix.h"
 #include "vision/horizon/skyline_search.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 
 struct SkylineOptions {
-  double max_tilt_deg = 60;     // of the aircraft: rules out what would be upside down
-  int candidates = 4;           // directions of the overview that are looked at closely
-  double most_sigma_deg = 2.5;  // of the tilt; worse is no answer
+  double max_tilt_deg = 60;    // of the aircraft: rules out what would be upside down
+  int candidates = 4;          // directions of the overview that are looked at closely
+  double max_sigma_deg = 2.5;  // of the tilt; worse is no answer
   // Of the contour with one circle; more where less of the circle is seen. The second where "down" was
   // expected: then less has to be told from the contour.
-  double least_agreement = 0.55, least_agreement_expected = 0.35;
-  double most_rival = 0.85;    // a second answer so nearly as good makes it ambiguous
-  double least_circle = 0.10;  // share of the azimuths with a contour
-  double gate = 3;             // deviations from what is expected, beyond which an answer is refused
+  double min_agreement = 0.55, min_agreement_expected = 0.35;
+  double max_rival = 0.85;   // a second answer so nearly as good makes it ambiguous
+  double min_circle = 0.10;  // share of the azimuths with a contour
+  double gate = 3;           // deviations from what is expected, beyond which an answer is refused
 };
 
 // What else is known at the time of the image. It says where to look and what to refuse, and is not mixed
@@ -69,4 +69,4 @@ class Skyline {
   bool one_sided_ = false;  // the lens sees no more than an arc of a level aircraft's horizon
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

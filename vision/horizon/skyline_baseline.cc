@@ -10,11 +10,11 @@
 #include "vision/camera/views.h"
 #include "vision/horizon/circle_fit.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 
 namespace {
 constexpr double kField_deg = 120;  // of the compass, its front part
-constexpr int kMostShift = 60;      // columns between two images
+constexpr int kMaxShift = 60;       // columns between two images
 constexpr double kWindow = 0.55;    // of the image's height, of the adaptive threshold
 constexpr int kEllipsePoints = 360;
 }  // namespace
@@ -112,7 +112,7 @@ double CompassBaseline::Turn(const cv::Mat& image) {
   if (!last_.empty()) {
     int best = 0;
     double least = std::numeric_limits<double>::infinity();
-    for (int shift = -kMostShift; shift <= kMostShift; ++shift) {
+    for (int shift = -kMaxShift; shift <= kMaxShift; ++shift) {
       const double d = Distance(last_, panorama, shift);
       if (d < least) least = d, best = shift;
     }
@@ -123,4 +123,4 @@ double CompassBaseline::Turn(const cv::Mat& image) {
   return total_;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -11,7 +11,7 @@
 
 // Attitude and heading as thesis 6.3 has them, kept to compare with. Made for a catadioptric camera that
 // looks along the aircraft's vertical: ground in the middle of the image, sky around it.
-namespace kestrel {
+namespace kestrel::vision {
 
 // 3 B^2 / (R + G + B) of an image in the order blue, green, red (CV_8UC3): CV_8UC1, clipped; 0 for black.
 cv::Mat SkyWeight(const cv::Mat& image);
@@ -65,4 +65,4 @@ class CompassBaseline {
   double total_ = 0;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace kestrel {
+namespace kestrel::vision {
 
 const char* NameOf(NoSkyline reason) {
   switch (reason) {
@@ -49,4 +49,4 @@ RollPitch RollPitchFromDown(const Eigen::Vector3d& d, const Eigen::Matrix3d& cov
   return out;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

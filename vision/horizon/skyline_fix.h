@@ -6,7 +6,7 @@
 #include <vector>
 
 // What the skyline says of the attitude, thesis 6.3.
-namespace kestrel {
+namespace kestrel::vision {
 
 // A place on the contour between sky and ground.
 struct SkylineRay {
@@ -56,4 +56,4 @@ struct RollPitch {
 RollPitch RollPitchFromDown(const Eigen::Vector3d& down_B,
                             const Eigen::Matrix3d& covariance_B = Eigen::Matrix3d::Zero());
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

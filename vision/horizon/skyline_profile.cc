@@ -6,17 +6,17 @@
 #include <array>
 #include <cmath>
 
-namespace kestrel {
+namespace kestrel::vision {
 
 namespace {
 
 constexpr int kSectors = 16;
-constexpr float kMost = 3;            // nats that one sample may say: clouds and windows are no proof
-constexpr float kLeastGain = 4;       // nats of a step
-constexpr float kLeastApart = 0.08f;  // Bhattacharyya's distance of two bodies
-constexpr float kSkyReach2 = 9;       // squared distance from the sky's mean, in its scatter
-constexpr float kElsewhere = 0.08f;   // weight of the other sectors
-constexpr float kNoise2 = 3;          // of the sensor and of the quantisation, grey levels squared
+constexpr float kMax = 3;            // nats that one sample may say: clouds and windows are no proof
+constexpr float kMinGain = 4;        // nats of a step
+constexpr float kMinApart = 0.08f;   // Bhattacharyya's distance of two bodies
+constexpr float kSkyReach2 = 9;      // squared distance from the sky's mean, in its scatter
+constexpr float kElsewhere = 0.08f;  // weight of the other sectors
+constexpr float kNoise2 = 3;         // of the sensor and of the quantisation, grey levels squared
 
 struct Body {
   float n = 0;
@@ -80,7 +80,7 @@ Judge Learn(const Body& sky, const Body& ground) {
   judge.ground_root = Whitener(of_ground, two);
   judge.offset = two - one;
   const float apart = (middle * (judge.sky - judge.ground)).squaredNorm() / 8 + half - (one + two) / 2;
-  judge.knows = apart > kLeastApart;
+  judge.knows = apart > kMinApart;
   return judge;
 }
 
@@ -178,7 +178,7 @@ ProfilePoint Judged(const cv::Vec3f* colour, const uchar* shown, const BandGrid&
   if (!point.shown || !judge.knows) return point;
   float total = 0;
   for (int j = first; j <= last; ++j) {
-    odds[static_cast<std::size_t>(j)] = std::clamp(judge.Odds(colour[j]), -kMost, kMost);
+    odds[static_cast<std::size_t>(j)] = std::clamp(judge.Odds(colour[j]), -kMax, kMax);
     total += odds[static_cast<std::size_t>(j)];
   }
   // The sum of the odds above the step less that below it, by a running sum.
@@ -190,7 +190,7 @@ ProfilePoint Judged(const cv::Vec3f* colour, const uchar* shown, const BandGrid&
   }
   point.gain = static_cast<double>(best - std::abs(total)) / 2;
   // Ground all the way up, or sky all the way down: the contour is elsewhere.
-  if (step < first + 2 || step > last - 2 || point.gain < kLeastGain) return point;
+  if (step < first + 2 || step > last - 2 || point.gain < kMinGain) return point;
   point.found = true;
   point.elevation =
       grid.lowest + grid.step * Crossing(colour, first, last, step, grid, point.blur, point.contrast);
@@ -242,4 +242,4 @@ double ContourSeparation(const BandSamples& band, const BandGrid& grid,
   return static_cast<double>(volume(both) - (sky.n * volume(sky) + ground.n * volume(ground)) / both.n);
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -5,7 +5,7 @@
 
 #include "vision/camera/band_sampler.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 
 // The contour between sky and ground on the meridians of a band: where each stops looking like the ground
 // below and starts looking like the sky above it. What the two look like is learnt from the band itself, in
@@ -34,4 +34,4 @@ std::vector<ProfilePoint> FindContour(const BandSamples& band, const BandGrid& g
 double ContourSeparation(const BandSamples& band, const BandGrid& grid,
                          const std::vector<ProfilePoint>& points);
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -7,18 +7,18 @@
 #include <cmath>
 #include <utility>
 
-namespace kestrel {
+namespace kestrel::vision {
 
 namespace {
 
-constexpr int kCell = 10;             // of the half image, px
-constexpr double kSpacing = 0.11;     // between the directions tried, rad
-constexpr double kBand = 0.7;         // elevations that count, rad
-constexpr double kGap = 0.03;         // cells nearer to the horizon straddle it
-constexpr double kLeastShare = 0.04;  // of the cells on either side
-constexpr double kStrip = 0.14;       // elevations right above a horizon, rad
-constexpr double kLeastStrip = 2;     // mean cells
-constexpr double kApart = 0.16;       // rad between candidates
+constexpr int kCell = 10;           // of the half image, px
+constexpr double kSpacing = 0.11;   // between the directions tried, rad
+constexpr double kBand = 0.7;       // elevations that count, rad
+constexpr double kGap = 0.03;       // cells nearer to the horizon straddle it
+constexpr double kMinShare = 0.04;  // of the cells on either side
+constexpr double kStrip = 0.14;     // elevations right above a horizon, rad
+constexpr double kMinStrip = 2;     // mean cells
+constexpr double kApart = 0.16;     // rad between candidates
 
 // Even points on the cap about an axis: a spiral.
 std::vector<Eigen::Vector3d> CapDirections(const Eigen::Vector3d& axis, double reach) {
@@ -91,7 +91,7 @@ SkylineSearch::SkylineSearch(const CameraModel& camera, const cv::Mat& forbidden
       if (std::abs(s) > std::sin(kBand) || std::abs(s) < kGap) continue;
       (s > 0 ? split.sky : split.ground).push_back(static_cast<int>(i));
     }
-    const auto least = kLeastShare * static_cast<double>(cells_.size());
+    const auto least = kMinShare * static_cast<double>(cells_.size());
     if (static_cast<double>(split.sky.size()) < least || static_cast<double>(split.ground.size()) < least)
       continue;
     splits_.push_back(std::move(split));
@@ -201,7 +201,7 @@ SkylineSearch::Sides SkylineSearch::SidesOf(const Overview& overview, const Eige
   Sides out;
   const Moments above = near + far;
   out.above = like(above), out.below = like(below), out.near = like(near), out.far = like(far);
-  if (near[0] > kLeastStrip && far[0] > kLeastStrip)
+  if (near[0] > kMinStrip && far[0] > kMinStrip)
     out.strip_apart =
         0.5 *
         (above[0] * LogDeterminant(above.data(), nullptr) - near[0] * LogDeterminant(near.data(), nullptr) -
@@ -221,4 +221,4 @@ double SkylineSearch::ShareAbove(const Eigen::Vector3d& down_C) const {
   return above / all;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

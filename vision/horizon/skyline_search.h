@@ -10,7 +10,7 @@
 #include "vision/camera/camera_model.h"
 #include "vision/horizon/skyline_fix.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 
 // Where "down" could be, without any guess: every direction within reach is scored by how much better two
 // bodies of colour and roughness, one on either side of its horizon, explain the image than one does (after
@@ -68,4 +68,4 @@ class SkylineSearch {
   std::vector<Split> splits_;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -10,12 +10,12 @@
 
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 
 namespace {
 
-constexpr float kLeastShared = 0.06f;  // of the strip, in which two must overlap
-constexpr double kTukey = 1.6;         // where a difference says nothing more, in units of the pattern
+constexpr float kMinShared = 0.06f;  // of the strip, in which two must overlap
+constexpr double kTukey = 1.6;       // where a difference says nothing more, in units of the pattern
 
 cv::Mat Halved(const cv::Mat& full) {
   cv::Mat half;
@@ -77,7 +77,7 @@ std::vector<float> TurnLikeness(const StripReference& then, const StripReference
   const cv::Mat then_square = Correlate(now.spectrum_shown, then.spectrum_square);
   const cv::Mat shared = Correlate(now.spectrum_shown, then.spectrum_shown);
   std::vector<float> out(static_cast<std::size_t>(product.cols), -1.0f);
-  const float least = kLeastShared * static_cast<float>(product.cols * now.spectrum.rows);
+  const float least = kMinShared * static_cast<float>(product.cols * now.spectrum.rows);
   for (int k = 0; k < product.cols; ++k) {
     const float energy = now_square.at<float>(0, k) * then_square.at<float>(0, k);
     if (shared.at<float>(0, k) > least && energy > 1e-3f)
@@ -164,4 +164,4 @@ TurnFit RefineTurn(const StripReference& then, const StripReference& now, double
   return fit;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -6,7 +6,7 @@
 
 #include "vision/horizon/panorama_strip.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 
 // A strip made ready for matching.
 struct StripReference {
@@ -34,4 +34,4 @@ struct TurnFit {
 };
 TurnFit RefineTurn(const StripReference& then, const StripReference& now, double turn);
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

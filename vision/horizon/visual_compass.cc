@@ -8,11 +8,11 @@
 
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 
 namespace {
-constexpr double kLeastSeen = 0.08;  // share of the azimuths
-constexpr double kSlack = 0.03;      // rad
+constexpr double kMinSeen = 0.08;  // share of the azimuths
+constexpr double kSlack = 0.03;    // rad
 }  // namespace
 
 const char* NameOf(NoHeading reason) {
@@ -79,7 +79,7 @@ std::vector<std::size_t> VisualCompass::ToCompare() {
 }
 
 void VisualCompass::Learn(const StripReference& now, double heading, double variance) {
-  if (keyframes_.size() >= static_cast<std::size_t>(options_.most_keyframes)) {
+  if (keyframes_.size() >= static_cast<std::size_t>(options_.max_keyframes)) {
     // Gives up the least certain, but never the first.
     const auto worst =
         std::max_element(keyframes_.begin() + 1, keyframes_.end(),
@@ -94,7 +94,7 @@ CompassResult VisualCompass::Turn(const cv::Mat& image, const std::optional<Eige
                                   const std::optional<Expected>& expected) {
   if (!down_C) return NoHeading::kNoVertical;
   last_strip_ = maker_.Make(image, *down_C);
-  if (last_strip_.seen < kLeastSeen) return NoHeading::kTooLittle;
+  if (last_strip_.seen < kMinSeen) return NoHeading::kTooLittle;
   StripReference now = MakeReference(last_strip_);
   CompassHeading heading;
   if (keyframes_.empty()) {
@@ -157,4 +157,4 @@ CompassResult VisualCompass::Turn(const cv::Mat& image, const std::optional<Eige
   return heading;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

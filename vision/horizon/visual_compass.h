@@ -10,13 +10,13 @@
 #include "vision/horizon/panorama_strip.h"
 #include "vision/horizon/strip_match.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 
 struct CompassOptions {
   double new_keyframe_below = 0.75;  // likeness to all that are known
   double lost_below = 0.35;
   double ambiguous_share = 0.93;  // a second turn that is nearly as alike, by this share of the first
-  int most_keyframes = 48;
+  int max_keyframes = 48;
   int matched_each_frame = 6;
 };
 
@@ -83,4 +83,4 @@ class VisualCompass {
   PanoramaStrip last_strip_;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

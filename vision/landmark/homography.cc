@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
 // Moves the centroid to the origin and the mean distance to sqrt(2).
@@ -159,4 +159,4 @@ std::optional<RobustHomography> RansacHomography(std::span<const PointPair> pair
   return std::nullopt;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

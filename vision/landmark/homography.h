@@ -8,7 +8,7 @@
 #include <vector>
 
 // Planar homographies, thesis 3.2.3 (equations 3.13 to 3.15, algorithm 1).
-namespace kestrel {
+namespace kestrel::vision {
 
 struct PointPair {
   Eigen::Vector2d from, to;
@@ -41,4 +41,4 @@ struct RobustHomography {
 std::optional<RobustHomography> RansacHomography(std::span<const PointPair> pairs,
                                                  const RansacOptions& options, std::uint32_t seed = 1);
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

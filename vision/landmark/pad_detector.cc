@@ -11,17 +11,17 @@
 #include "vision/landmark/homography.h"
 #include "vision/landmark/plane_pose.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
-constexpr double kLeastArea_px2 = 250;
+constexpr double kMinArea_px2 = 250;
 constexpr double kAspectTolerance = 1.35;  // factor; far away the tilt makes the ratio uncertain
-constexpr double kLeastCorrelation = 0.55;
+constexpr double kMinCorrelation = 0.55;
 constexpr double kCompare_px_per_m = 60;  // scale at which candidates are compared with the reference
 constexpr double kRectangles_px_per_m =
-    300;                                 // scale at which the reference is searched for its own rectangles
-constexpr double kLeastRectangle = 0.3;  // share of the pad that such a rectangle covers
-constexpr std::size_t kMostCandidates = 40;
+    300;                               // scale at which the reference is searched for its own rectangles
+constexpr double kMinRectangle = 0.3;  // share of the pad that such a rectangle covers
+constexpr std::size_t kMaxCandidates = 40;
 
 using Quad = std::array<Eigen::Vector2d, 4>;
 
@@ -74,12 +74,11 @@ std::vector<Quad> Quads(const cv::Mat& grey) {
     }
     std::vector<std::vector<cv::Point>> contours;
     cv::findContours(binary, contours, cv::RETR_LIST, cv::CHAIN_APPROX_NONE);
-    std::erase_if(contours, [](const auto& c) {
-      return c.size() < 40 || std::abs(cv::contourArea(c)) < kLeastArea_px2;
-    });
+    std::erase_if(contours,
+                  [](const auto& c) { return c.size() < 40 || std::abs(cv::contourArea(c)) < kMinArea_px2; });
     std::sort(contours.begin(), contours.end(),
               [](const auto& a, const auto& b) { return a.size() > b.size(); });
-    if (contours.size() > kMostCandidates) contours.resize(kMostCandidates);
+    if (contours.size() > kMaxCandidates) contours.resize(kMaxCandidates);
     for (const auto& contour : contours) {
       if (const auto quad = QuadOf(contour)) quads.push_back(*quad);
     }
@@ -109,7 +108,7 @@ PadDetector::PadDetector(const PadReference& reference, const Pinhole& camera)
     Quad quad_T;
     for (int k = 0; k < 4; ++k)
       quad_T[k] = Transfer(T_from_pixel, quad[k] - Eigen::Vector2d(kBorder_px, kBorder_px));
-    if (AreaOf(quad_T) < kLeastRectangle * side * side) continue;
+    if (AreaOf(quad_T) < kMinRectangle * side * side) continue;
     // First the corner nearest to the picture's top left, as in the outline.
     int first = 0;
     for (int k = 1; k < 4; ++k) {
@@ -127,7 +126,7 @@ std::optional<Eigen::Matrix3d> PadDetector::Detect(const cv::Mat& grey) const {
   const Quad square = {
       {{1, 0}, {1, 1}, {0, 1}, {0, 0}}};  // the corners of a unit rectangle, in the outline's order
   std::optional<Eigen::Matrix3d> best;
-  double best_correlation = kLeastCorrelation;
+  double best_correlation = kMinCorrelation;
   for (const Quad& quad : Quads(grey)) {
     for (const Quad& rectangle : rectangles_) {
       const double aspect = (rectangle[1] - rectangle[0]).norm() / (rectangle[3] - rectangle[0]).norm();
@@ -155,4 +154,4 @@ std::optional<Eigen::Matrix3d> PadDetector::Detect(const cv::Mat& grey) const {
   return best;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -10,7 +10,7 @@
 #include "vision/camera/pinhole.h"
 #include "vision/landmark/pad_reference.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 
 // Finds the whole pad in one image without any guess: it stands in for the person who clicks four corners in
 // thesis 4.4. Quadrilaterals of the image are matched with the large rectangles of the pad's own picture (its
@@ -32,4 +32,4 @@ class PadDetector {
   std::vector<Quad> rectangles_;  // of the pad's picture, in T, m, clockwise from the picture's top left
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -7,7 +7,7 @@
 #include "vision/landmark/homography.h"
 #include "vision/landmark/plane_pose.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
 constexpr double kReference_px_per_m = 500;  // blocks and polygons down to a centimetre
@@ -15,7 +15,7 @@ constexpr int kReferenceFeatures = 2500;
 constexpr int kImageFeatures = 500;
 constexpr float kDistinct = 0.8F;  // a match is kept if the second best is this much worse (Lowe)
 constexpr double kThreshold_px = 3;
-constexpr int kLeastInliers = 12;
+constexpr int kMinInliers = 12;
 
 }  // namespace
 
@@ -31,7 +31,7 @@ std::optional<Eigen::Matrix3d> PadFeatures::Find(const cv::Mat& grey, std::uint3
   std::vector<cv::KeyPoint> found;
   cv::Mat descriptors;
   cv::SIFT::create(kImageFeatures)->detectAndCompute(grey, cv::noArray(), found, descriptors);
-  if (found.size() < static_cast<std::size_t>(kLeastInliers) || places_.size() < 2) return std::nullopt;
+  if (found.size() < static_cast<std::size_t>(kMinInliers) || places_.size() < 2) return std::nullopt;
   // Every pair is compared: an approximate search would depend on a random forest of its own.
   std::vector<std::vector<cv::DMatch>> matches;
   cv::BFMatcher(cv::NORM_L2).knnMatch(descriptors, descriptors_, matches, 2);
@@ -43,11 +43,11 @@ std::optional<Eigen::Matrix3d> PadFeatures::Find(const cv::Mat& grey, std::uint3
     pairs.push_back({scale * places_[m[0].trainIdx], {at.x, at.y}});
   }
   const auto robust = RansacHomography(
-      pairs, {.threshold = kThreshold_px, .max_trials = 2000, .min_inliers = kLeastInliers}, seed);
+      pairs, {.threshold = kThreshold_px, .max_trials = 2000, .min_inliers = kMinInliers}, seed);
   if (!robust) return std::nullopt;
   const Eigen::Matrix3d H_w = robust->H * Eigen::Vector3d(scale, scale, 1).asDiagonal();
   if (!PoseFromHomography(H_w, camera_)) return std::nullopt;
   return H_w;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

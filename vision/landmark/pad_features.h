@@ -10,7 +10,7 @@
 #include "vision/camera/pinhole.h"
 #include "vision/landmark/pad_reference.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 
 // Finds a pad of which only a part is in view, where PadDetector has no rectangle to go by: SIFT features
 // (thesis 3.2.2) of the image matched with those of the reference, and a RANSAC homography. Some tens of
@@ -29,4 +29,4 @@ class PadFeatures {
   cv::Mat descriptors_;                  // CV_32F, a row each
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -9,7 +9,7 @@
 #include "base/user_file.h"
 #include "vision/image_file.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
 // The last pad: its corners take longer to find than all else of a scenario to read, and most flights of a
@@ -23,7 +23,7 @@ std::mutex mutex;
 Kept kept;
 
 // Of a picture: smaller shows nothing, and larger is finer than any camera sees and takes a gigabyte.
-constexpr int kLeastSide_px = 32, kMostSide_px = 4096;
+constexpr int kMinSide_px = 32, kMaxSide_px = 4096;
 
 }  // namespace
 
@@ -34,7 +34,7 @@ PadFile LoadPad(const std::filesystem::path& file, Mistakes& mistakes) {
   const auto wrong = [&](const std::string& what) {
     mistakes.Add(file.string(), "texture", fmt::format("'{}' {}", pad.texture.string(), what));
   };
-  const FileContent content = ReadUserFile(pad.texture, kMostDataBytes);
+  const FileContent content = ReadUserFile(pad.texture, kMaxDataBytes);
   if (!content.trouble.empty()) return wrong(content.trouble), pad;
   {
     const std::lock_guard lock(mutex);
@@ -43,9 +43,9 @@ PadFile LoadPad(const std::filesystem::path& file, Mistakes& mistakes) {
       return pad;
     }
   }
-  const ImageFile picture = DecodeImage(content.bytes, ImageColours::kGrey, kMostSide_px);
+  const ImageFile picture = DecodeImage(content.bytes, ImageColours::kGrey, kMaxSide_px);
   const auto is_side = [](int px) {
-    return px >= kLeastSide_px && std::has_single_bit(static_cast<unsigned>(px));
+    return px >= kMinSide_px && std::has_single_bit(static_cast<unsigned>(px));
   };
   if (picture.pixels.empty()) {
     wrong(picture.trouble);
@@ -55,7 +55,7 @@ PadFile LoadPad(const std::filesystem::path& file, Mistakes& mistakes) {
     wrong(
         fmt::format("has {} x {} pixels; valid: sides that are powers of two from {} to {} (2048 x 2048), or "
                     "OpenGL draws the pad askew from far away",
-                    picture.pixels.cols, picture.pixels.rows, kLeastSide_px, kMostSide_px));
+                    picture.pixels.cols, picture.pixels.rows, kMinSide_px, kMaxSide_px));
   } else {
     pad.reference = MakePadReference(picture.pixels, pad.parameters.size_m.x(), pad.parameters.size_m.y());
     const std::lock_guard lock(mutex);
@@ -64,4 +64,4 @@ PadFile LoadPad(const std::filesystem::path& file, Mistakes& mistakes) {
   return pad;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

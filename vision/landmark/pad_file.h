@@ -9,7 +9,7 @@
 #include "base/yaml/yaml_fields.h"
 #include "vision/landmark/pad_reference.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 
 // A landing pad: a thin box with a picture on its top. The top of the picture is at +x of the pad.
 struct PadParameters {
@@ -32,4 +32,4 @@ struct PadFile {
 // The pad of a YAML file with PadParameters. With any mistake it is not to be used.
 PadFile LoadPad(const std::filesystem::path& file, Mistakes& mistakes);
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -6,11 +6,11 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
 constexpr int kSmallestSide_px = 24;
-constexpr int kMostCorners = 6000;
+constexpr int kMaxCorners = 6000;
 constexpr double kCornerQuality = 0.02;
 constexpr double kCornerDistance_px = 5;
 constexpr int kRim_px = 4;
@@ -25,7 +25,7 @@ PadReference::Level MakeLevel(const cv::Mat& image, double length_m, double widt
   cv::Mat mask(image.size(), CV_8UC1, cv::Scalar(0));
   mask(cv::Rect(kRim_px, kRim_px, image.cols - 2 * kRim_px, image.rows - 2 * kRim_px)).setTo(255);
   std::vector<cv::Point2f> found;
-  cv::goodFeaturesToTrack(image, found, kMostCorners, kCornerQuality, kCornerDistance_px, mask, 5);
+  cv::goodFeaturesToTrack(image, found, kMaxCorners, kCornerQuality, kCornerDistance_px, mask, 5);
   const Eigen::Matrix3d T_from_pixel = level.pixel_from_T.inverse();
   for (const cv::Point2f& c : found) {
     level.corners.push_back((T_from_pixel * Eigen::Vector3d(c.x, c.y, 1)).head<2>());
@@ -63,4 +63,4 @@ PadReference MakePadReference(const cv::Mat& picture, double length_m, double wi
   return reference;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -5,7 +5,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-namespace kestrel {
+namespace kestrel::vision {
 
 // The reference appearance of a rectangular helipad, at scales half of each other, with its corners by Shi
 // and Tomasi. T is the pad's frame: origin at its centre, x along its length towards the top of the picture,
@@ -30,4 +30,4 @@ struct PadReference {
 // picture: the pad seen from above, CV_8UC1 or CV_8UC3, filled to its rim.
 PadReference MakePadReference(const cv::Mat& picture, double length_m, double width_m);
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

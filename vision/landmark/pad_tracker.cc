@@ -12,16 +12,16 @@
 #include "vision/landmark/homography.h"
 #include "vision/landmark/plane_pose.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
 const cv::Size kFollowWindow(15, 15);
 constexpr int kFollowLevels = 3;
 constexpr int kRegisterLevels = 2;
 constexpr double kFollowThreshold_px = 2;
-constexpr double kLeastVisibleArea_px2 = 300;
+constexpr double kMinVisibleArea_px2 = 300;
 // Correlation of a patch with the reference from which on the point counts.
-constexpr double kLeastCorrelation = 0.7;
+constexpr double kMinCorrelation = 0.7;
 // A registration that moves the outline this far is done once more.
 constexpr double kLargeCorrection_px = 1.5;
 // The dear search for a part of the pad is not made in every lost frame.
@@ -43,7 +43,7 @@ std::vector<cv::Point2f> VisiblePart(const PadReference& reference, const Eigen:
   }
   const float w = static_cast<float>(size.width - 1), h = static_cast<float>(size.height - 1);
   const std::vector<cv::Point2f> image = {{0, 0}, {w, 0}, {w, h}, {0, h}};
-  if (!(cv::intersectConvexConvex(outline, image, visible) > kLeastVisibleArea_px2)) return {};
+  if (!(cv::intersectConvexConvex(outline, image, visible) > kMinVisibleArea_px2)) return {};
   return visible;
 }
 
@@ -232,7 +232,7 @@ std::optional<PadObservation> PadTracker::Register(const cv::Mat& grey, const Ei
     if (!status[i]) continue;
     tracked.push_back(FromCv(to[i] + corner_of_box));
     // Where something hides the pad, Lucas-Kanade converges too, but not onto the same picture.
-    if (!(Correlation(drawn, from[i], seen_box, to[i]) > kLeastCorrelation)) continue;
+    if (!(Correlation(drawn, from[i], seen_box, to[i]) > kMinCorrelation)) continue;
     pairs.push_back({FromCv(from[i]), FromCv(to[i])});
     pairs_T.push_back({corners_T[i], FromCv(to[i] + corner_of_box)});
     at_drawn.push_back(from[i]);
@@ -334,4 +334,4 @@ void PadTracker::Forget() {
   exposure_known_ = false;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

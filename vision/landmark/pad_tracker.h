@@ -13,7 +13,7 @@
 #include "vision/landmark/pad_features.h"
 #include "vision/landmark/pad_reference.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 
 struct PadTrackerOptions {
   bool registration =
@@ -92,4 +92,4 @@ class PadTracker {
   std::vector<Eigen::Vector2d> tracked_, agreed_;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace kestrel {
+namespace kestrel::vision {
 
 double RectangleAspect(const Eigen::Matrix3d& H_unit, const Pinhole& camera) {
   const Eigen::Matrix3d M = camera.K().inverse() * H_unit;
@@ -76,4 +76,4 @@ std::optional<PlanePose> RefinePlanePose(std::span<const PointPair> pairs, const
   }
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

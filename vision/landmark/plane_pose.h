@@ -11,7 +11,7 @@
 
 // Pose of a plane from its homography to the image, thesis 3.16 to 3.25. The plane is z = 0 of T; H_w takes
 // (x, y, 1) of T, m, to a pixel.
-namespace kestrel {
+namespace kestrel::vision {
 
 // The aspect ratio of a rectangle, width over length, from the homography H' of the unit square to the image,
 // eq. (3.21): it needs no size.
@@ -40,4 +40,4 @@ struct PlanePose {
 std::optional<PlanePose> RefinePlanePose(std::span<const PointPair> pairs, const Pinhole& camera,
                                          const Pose& X_CT_start, double sigma_px);
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -9,23 +9,23 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
-namespace kestrel {
+namespace kestrel::vision {
 
 namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr int kLines = 72;                                   // from the middle outwards, by colour
-constexpr double kReach = 1.8;                               // of those lines, by the guessed radius
-constexpr int kMostSteps = 120;                              // on each
-constexpr int kTrials = 120;                                 // of the consensus
-constexpr double kStep_px = 0.5;                             // across the outline
-constexpr double kTukey = 4.685;                             // deviations
-constexpr double kSharp_px = 1.5;                            // half of the width of a sharp edge
-constexpr double kApart_px = 1.5;                            // edge points err independently
-constexpr double kLeastAgreement = 0.6;                      // of the edge points found
-constexpr double kMostUneven_px = 0.6, kMostUneven = 0.015;  // of the outline; by its radius
+constexpr int kLines = 72;                                 // from the middle outwards, by colour
+constexpr double kReach = 1.8;                             // of those lines, by the guessed radius
+constexpr int kMaxSteps = 120;                             // on each
+constexpr int kTrials = 120;                               // of the consensus
+constexpr double kStep_px = 0.5;                           // across the outline
+constexpr double kTukey = 4.685;                           // deviations
+constexpr double kSharp_px = 1.5;                          // half of the width of a sharp edge
+constexpr double kApart_px = 1.5;                          // edge points err independently
+constexpr double kMinAgreement = 0.6;                      // of the edge points found
+constexpr double kMaxUneven_px = 0.6, kMaxUneven = 0.015;  // of the outline; by its radius
 constexpr double kUneven_px = 0.15;  // what the edge points of one side may err otherwise than the others'
 constexpr double kBlurUneven = 0.1, kBlurSigma = 0.08, kBlurBias = 0.01;  // by an edge's width
 // The middle of a disc's blurred edge lies variance / (2 radius) inside of it; the variance of a pixel along
@@ -74,7 +74,7 @@ double Angle(const Vector3d& a, const Vector3d& b) { return std::atan2(a.cross(b
 // Where lines from the middle outwards leave the target's colour, coarsely.
 std::vector<EdgePoint> LeavingPoints(const cv::Mat& image, const CameraModel& camera,
                                      const ColourModel& model, const Vector2d& centre, double radius_px) {
-  const int steps = std::clamp(static_cast<int>(kReach * radius_px + 6), 12, kMostSteps);
+  const int steps = std::clamp(static_cast<int>(kReach * radius_px + 6), 12, kMaxSteps);
   const double step = (kReach * radius_px + 6) / steps;
   Lines lines;
   lines.x.create(kLines, steps, CV_32F), lines.y.create(kLines, steps, CV_32F);
@@ -149,8 +149,8 @@ struct Crossing {
 };
 class Profile {
  public:
-  Profile(const Lines& lines, int line, const cv::Size& image, double least_contrast)
-      : lines_(lines), line_(line), least_contrast_(least_contrast), middle_((lines.Steps() - 1) / 2) {
+  Profile(const Lines& lines, int line, const cv::Size& image, double min_contrast)
+      : lines_(lines), line_(line), min_contrast_(min_contrast), middle_((lines.Steps() - 1) / 2) {
     while (from_ < lines.Steps() && !lines.Valid(line, from_, image)) ++from_;
     until_ = from_;
     while (until_ < lines.Steps() && lines.Valid(line, until_, image)) ++until_;
@@ -203,7 +203,7 @@ class Profile {
   // The steepest of the crossings, or that nearest to a place.
   std::optional<Crossing> Cross(const Vector3d& in, const Vector3d& out, std::optional<double> near) const {
     const Vector3d d = in - out;
-    if (d.norm() < least_contrast_) return {};
+    if (d.norm() < min_contrast_) return {};
     const auto level = [&](int i) { return (lines_.At(line_, i) - out).dot(d) / d.squaredNorm(); };
     std::optional<Crossing> best;
     double best_score = -1e9;
@@ -224,7 +224,7 @@ class Profile {
 
   const Lines& lines_;
   int line_;
-  double least_contrast_;
+  double min_contrast_;
   int middle_, from_ = 0, until_ = 0;
 };
 
@@ -276,7 +276,7 @@ Refined EdgesNear(const cv::Mat& image, const CameraModel& camera, const ColourM
   Sample(image, model, lines);
   std::vector<double> widths;
   for (int k = 0; k < rows; ++k) {
-    const Profile profile(lines, k, image.size(), options.least_contrast);
+    const Profile profile(lines, k, image.size(), options.min_contrast);
     const auto crossing = profile.Find(0.8 * refined.radius_px);
     if (!crossing) continue;
     const Line& line = across[static_cast<std::size_t>(k)];
@@ -413,14 +413,14 @@ BalloonFit Settle(const cv::Mat& image, const CameraModel& camera, const ColourM
   fit.outline = static_cast<double>(agreeing) / edges.lines;
   fit.residual_px = std::sqrt(square / std::max(1, agreeing));
   const double found_px = a.cone.half_angle / *rad_per_px;
-  if (found_px < options.least_radius_px) {
+  if (found_px < options.min_radius_px) {
     fit.state = FitState::kTooSmall;
     return fit;
   }
   // Too uneven for the outline of a ball, or too much beside it that looks as good.
-  if (fit.outline < options.least_outline ||
-      agreeing < kLeastAgreement * static_cast<double>(edges.points.size()) ||
-      fit.residual_px > std::max({kMostUneven_px, kMostUneven * found_px, kBlurUneven * edges.width_px}))
+  if (fit.outline < options.min_outline ||
+      agreeing < kMinAgreement * static_cast<double>(edges.points.size()) ||
+      fit.residual_px > std::max({kMaxUneven_px, kMaxUneven * found_px, kBlurUneven * edges.width_px}))
     return fit;
   // A blurred edge is misplaced by shading and background in proportion to its width.
   const double sigma = std::max({options.sigma_px, fit.residual_px, kBlurSigma * edges.width_px});
@@ -460,7 +460,7 @@ BalloonFit FitBalloon(const cv::Mat& bgr, const CameraModel& camera, const Colou
                       const Vector2d& centre_px, double diameter_px, const BalloonFitOptions& options) {
   BalloonFit fit;
   if (bgr.type() != CV_8UC3 || bgr.cols != WidthPx(camera) || bgr.rows != HeightPx(camera)) return fit;
-  if (!(diameter_px >= 2 * options.least_radius_px)) {
+  if (!(diameter_px >= 2 * options.min_radius_px)) {
     fit.state = FitState::kTooSmall;
     return fit;
   }
@@ -525,4 +525,4 @@ std::optional<cv::Rect2d> OutlineBox(const CameraModel& camera, const OutlineCon
   return cv::Rect2d(low.x() + 0.5, low.y() + 0.5, high.x() - low.x(), high.y() - low.y());
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -6,10 +6,11 @@
 #include <optional>
 #include <vector>
 
+#include "base/yaml/fields.h"
 #include "vision/camera/camera_model.h"
 #include "vision/target/colour_model.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 
 // The rays of C that touch a sphere: around the direction of its centre, for any central camera; the image of
 // the cone is the sphere's outline. sin(half_angle) = radius / distance.
@@ -19,18 +20,18 @@ struct OutlineCone {
 };
 
 struct BalloonFitOptions {
-  double least_radius_px = 3;
-  double least_contrast = 12;   // between inside and outside, grey levels of 255, all colours together
-  double least_outline = 0.35;  // of all round that must be seen
-  double sigma_px = 0.1;        // least deviation of an edge point
-  double bias_px = 0.05;        // what all edge points may err alike, in the deviation of the half-angle
+  double min_radius_px = 3;
+  double min_contrast = 12;   // between inside and outside, grey levels of 255, all colours together
+  double min_outline = 0.35;  // of all round that must be seen
+  double sigma_px = 0.1;      // least deviation of an edge point
+  double bias_px = 0.05;      // what all edge points may err alike, in the deviation of the half-angle
 };
 
 template <class Visitor>
 void Fields(Visitor& v, BalloonFitOptions& o) {
-  v("least_radius_px", o.least_radius_px, 1.0, 100.0);
-  v("least_contrast", o.least_contrast, 1.0, 200.0);
-  v("least_outline", o.least_outline, 0.1, 1.0);
+  v(Renamed("min_radius_px", "least_radius_px"), o.min_radius_px, 1.0, 100.0);
+  v(Renamed("min_contrast", "least_contrast"), o.min_contrast, 1.0, 200.0);
+  v(Renamed("min_outline", "least_outline"), o.min_outline, 0.1, 1.0);
   v("sigma_px", o.sigma_px, 0.001, 5.0);
   v("bias_px", o.bias_px, 0.0, 5.0);
 }
@@ -83,4 +84,4 @@ std::vector<Eigen::Vector2d> DrawOutline(const CameraModel& camera, const Outlin
                                          int points = 180);
 std::optional<cv::Rect2d> OutlineBox(const CameraModel& camera, const OutlineCone& cone);
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

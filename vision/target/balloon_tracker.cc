@@ -4,12 +4,12 @@
 #include <cmath>
 #include <utility>
 
-namespace kestrel {
+namespace kestrel::vision {
 
 namespace {
 
-constexpr double kPlenty = 0.8;      // of the outline: no need to look any further
-constexpr double kMostGrowth = 1.3;  // of the half-angle from image to image
+constexpr double kPlenty = 0.8;     // of the outline: no need to look any further
+constexpr double kMaxGrowth = 1.3;  // of the half-angle from image to image
 
 }  // namespace
 
@@ -44,7 +44,7 @@ BalloonObservation BalloonTracker::Track(const cv::Mat& bgr, std::optional<Outli
     // By its shape where it should be, whether or not its colour tells it there.
     seen.fit = FitBalloonNear(bgr, camera_, colour_.model(), *expected, options_.fit);
     const double grown = seen.fit->cone.half_angle / expected->half_angle;
-    if (fitted() && (grown > kMostGrowth || grown < 1 / kMostGrowth)) seen.fit.reset();
+    if (fitted() && (grown > kMaxGrowth || grown < 1 / kMaxGrowth)) seen.fit.reset();
   }
   if (seen.track.target && !(fitted() && seen.fit->outline > kPlenty)) {
     BalloonFit by_colour = FitBalloon(bgr, camera_, colour_.model(), seen.track.target->centre,
@@ -71,4 +71,4 @@ BalloonObservation BalloonTracker::Track(const cv::Mat& bgr, std::optional<Outli
   return seen;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

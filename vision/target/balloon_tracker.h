@@ -8,7 +8,7 @@
 #include "vision/target/balloon_fit.h"
 #include "vision/target/colour_tracker.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 
 struct BalloonTrackerOptions {
   ColourTrackerOptions colour;
@@ -56,4 +56,4 @@ class BalloonTracker {
   int not_round_frames_ = 0;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

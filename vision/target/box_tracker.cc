@@ -4,7 +4,7 @@
 #include <memory>
 #include <opencv2/tracking.hpp>
 
-namespace kestrel {
+namespace kestrel::vision {
 
 namespace {
 
@@ -76,4 +76,4 @@ double Overlap(const cv::Rect2d& a, const cv::Rect2d& b) {
   return all > 0 ? both / all : 0;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -8,7 +8,7 @@
 
 #include "vision/target/balloon_tracker.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 
 // What all trackers of a target have in common, to compare them on the same images (CV_8UC3). Boxes: the
 // first pixel spans 0 to 1. Nothing throws; none: lost.
@@ -29,4 +29,4 @@ BoxTracker CsrtBoxes();
 // Area of what two boxes share over the area of both together.
 double Overlap(const cv::Rect2d& a, const cv::Rect2d& b);
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -7,14 +7,14 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
-namespace kestrel {
+namespace kestrel::vision {
 
 namespace {
 
-constexpr int kLeastPixels = 30;
-constexpr int kLeastSaturation = 50, kLeastValue = 25;  // of 255: below them a hue is noise
-constexpr double kQuantile = 0.03;                      // of the patch, outside either gate
-constexpr int kMargin = 12;                             // of a gate beyond what the patch showed
+constexpr int kMinPixels = 30;
+constexpr int kMinSaturation = 50, kMinValue = 25;  // of 255: below them a hue is noise
+constexpr double kQuantile = 0.03;                  // of the patch, outside either gate
+constexpr int kMargin = 12;                         // of a gate beyond what the patch showed
 
 int Quantile(std::vector<int>& values, double q) {
   const auto at = values.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1));
@@ -24,28 +24,28 @@ int Quantile(std::vector<int>& values, double q) {
 
 }  // namespace
 
-const char* NameOf(LessonState state) {
+const char* NameOf(TrainingState state) {
   switch (state) {
-    case LessonState::kLearnt:
+    case TrainingState::kTrained:
       return "learnt";
-    case LessonState::kBadPatch:
+    case TrainingState::kBadPatch:
       return "bad patch";
-    case LessonState::kTooFewPixels:
+    case TrainingState::kTooFewPixels:
       return "too few pixels";
-    case LessonState::kTooGrey:
+    case TrainingState::kTooGrey:
       return "too grey";
-    case LessonState::kTooManyColours:
+    case TrainingState::kTooManyColours:
       return "too many colours";
-    case LessonState::kLikeSurroundings:
+    case TrainingState::kLikeSurroundings:
       return "like its surroundings";
   }
   return "?";
 }
 
 ColourModel::ColourModel(const ColourRange& r)
-    : least_saturation_(static_cast<int>(std::lround(255 * r.least_saturation))),
-      least_value_(static_cast<int>(std::lround(255 * r.least_value))),
-      most_value_(static_cast<int>(std::lround(255 * r.most_value))) {
+    : min_saturation_(static_cast<int>(std::lround(255 * r.min_saturation))),
+      min_value_(static_cast<int>(std::lround(255 * r.min_value))),
+      max_value_(static_cast<int>(std::lround(255 * r.max_value))) {
   for (int bin = 0; bin < kBins; ++bin) {
     const double away = std::abs(std::remainder(bin * 360.0 / kBins - r.hue_deg, 360.0));
     // A soft rim of a third of the width: noise in the hue must not switch pixels on and off.
@@ -55,8 +55,8 @@ ColourModel::ColourModel(const ColourRange& r)
   }
 }
 
-ColourLesson ColourModel::Learn(const cv::Mat& bgr, const cv::Mat& mask) {
-  ColourLesson lesson;
+TrainedColour ColourModel::Train(const cv::Mat& bgr, const cv::Mat& mask) {
+  TrainedColour lesson;
   if (bgr.type() != CV_8UC3 || mask.type() != CV_8UC1 || bgr.size() != mask.size() || bgr.empty())
     return lesson;
   cv::Mat hsv;
@@ -69,16 +69,16 @@ ColourLesson ColourModel::Learn(const cv::Mat& bgr, const cv::Mat& mask) {
       if (mask.at<uchar>(y, x) == 0) continue;
       ++pixels;
       const auto& p = hsv.at<cv::Vec3b>(y, x);
-      if (p[1] < kLeastSaturation || p[2] < kLeastValue) continue;
+      if (p[1] < kMinSaturation || p[2] < kMinValue) continue;
       saturations.push_back(p[1]), values.push_back(p[2]);
       counts[p[0]] += 1;
     }
-  if (pixels < kLeastPixels) {
-    lesson.state = LessonState::kTooFewPixels;
+  if (pixels < kMinPixels) {
+    lesson.state = TrainingState::kTooFewPixels;
     return lesson;
   }
   if (2 * static_cast<int>(values.size()) < pixels) {
-    lesson.state = LessonState::kTooGrey;
+    lesson.state = TrainingState::kTooGrey;
     return lesson;
   }
   // Smoothed over a few degrees: a small patch fills its histogram with gaps.
@@ -96,17 +96,18 @@ ColourLesson ColourModel::Learn(const cv::Mat& bgr, const cv::Mat& mask) {
     model.hue_[bin] = static_cast<std::uint8_t>(std::lround(255 * std::min(1.0, 4 * smooth[bin] / most)));
     wide += model.hue_[bin] > 127;
   }
-  model.least_saturation_ = std::max(kLeastSaturation, Quantile(saturations, kQuantile) - kMargin);
-  model.least_value_ = std::max(kLeastValue, Quantile(values, kQuantile) / 4);  // in the shade
-  model.most_value_ = 255;
+  model.min_saturation_ = std::max(kMinSaturation, Quantile(saturations, kQuantile) - kMargin);
+  model.min_value_ = std::max(kMinValue, Quantile(values, kQuantile) / 4);  // in the shade
+  model.max_value_ = 255;
   if (2 * wide > kBins) {
-    lesson.state = LessonState::kTooManyColours;
+    lesson.state = TrainingState::kTooManyColours;
     return lesson;
   }
   cv::Mat weights;
   model.BackProject(bgr, weights);
   const int around = cv::countNonZero(mask == 0), alike = cv::countNonZero((weights > 127) & (mask == 0));
-  lesson.state = around > 0 && 2 * alike > around ? LessonState::kLikeSurroundings : LessonState::kLearnt;
+  lesson.state =
+      around > 0 && 2 * alike > around ? TrainingState::kLikeSurroundings : TrainingState::kTrained;
   return lesson;
 }
 
@@ -117,8 +118,8 @@ void ColourModel::BackProject(const cv::Mat& bgr, cv::Mat& weights) const {
   // The gates as tables: no branches for each pixel.
   std::array<std::uint8_t, 256> saturation{}, value{};
   for (int i = 0; i < 256; ++i) {
-    saturation[static_cast<std::size_t>(i)] = i >= least_saturation_ ? 255 : 0;
-    value[static_cast<std::size_t>(i)] = i >= least_value_ && i <= most_value_ ? 255 : 0;
+    saturation[static_cast<std::size_t>(i)] = i >= min_saturation_ ? 255 : 0;
+    value[static_cast<std::size_t>(i)] = i >= min_value_ && i <= max_value_ ? 255 : 0;
   }
   for (int y = 0; y < hsv.rows; ++y) {
     const uchar* p = hsv.ptr<uchar>(y);
@@ -132,4 +133,4 @@ double ColourModel::Matched(const cv::Mat& weights) {
   return static_cast<double>(cv::countNonZero(weights > 127)) / static_cast<double>(weights.total());
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

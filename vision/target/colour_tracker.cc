@@ -8,14 +8,14 @@
 #include <opencv2/video/tracking.hpp>
 #include <vector>
 
-namespace kestrel {
+namespace kestrel::vision {
 
 namespace {
 
-constexpr double kMostPixels = 80000;  // looked at in one image: bounds the time
-constexpr double kMargin = 1;          // of the window, on each side of the last box, by its longer side
-constexpr double kLeastMargin_px = 24;
-constexpr double kMostFill = 1.15;                 // of its box's ellipse: a rectangle fills 1.27 of it
+constexpr double kMaxPixels = 80000;  // looked at in one image: bounds the time
+constexpr double kMargin = 1;         // of the window, on each side of the last box, by its longer side
+constexpr double kMinMargin_px = 24;
+constexpr double kMaxFill = 1.15;                  // of its box's ellipse: a rectangle fills 1.27 of it
 constexpr double kFewPixels = 12;                  // of a side: a smaller blob's fill says nothing
 constexpr double kMostlyOne = 0.8;                 // of what matches: one blob, however large
 constexpr double kRingFrom = 1.15, kRingTo = 1.5;  // around the target's ellipse, by its axes
@@ -30,7 +30,7 @@ struct Reduced {
 };
 Reduced Reduce(const cv::Mat& bgr, const cv::Rect& part) {
   Reduced r;
-  r.step = std::max(1, static_cast<int>(std::ceil(std::sqrt(part.area() / kMostPixels))));
+  r.step = std::max(1, static_cast<int>(std::ceil(std::sqrt(part.area() / kMaxPixels))));
   r.part = {part.x, part.y, part.width / r.step * r.step, part.height / r.step * r.step};
   if (r.step == 1)
     r.bgr = bgr(r.part);
@@ -58,13 +58,13 @@ struct Blob {
 };
 
 bool Sound(const Blob& b, const cv::Size& image, const ColourTrackerOptions& o) {
-  if (b.area_px < o.least_roundness * M_PI / 4 * o.least_diameter_px * o.least_diameter_px) return false;
+  if (b.area_px < o.min_roundness * M_PI / 4 * o.min_diameter_px * o.min_diameter_px) return false;
   const Edges edges = EdgesOf(b.box, image);
   if (edges.Opposite()) return false;
   const double fill = b.area_px / (M_PI / 4 * b.box.width * b.box.height);
   const double round = std::min(b.box.width, b.box.height) / b.Side();
-  if (fill < o.least_roundness || (!edges.Any() && round < o.least_roundness)) return false;
-  return edges.Any() || b.Side() < kFewPixels || fill < kMostFill;
+  if (fill < o.min_roundness || (!edges.Any() && round < o.min_roundness)) return false;
+  return edges.Any() || b.Side() < kFewPixels || fill < kMaxFill;
 }
 
 std::vector<Blob> SoundBlobs(const cv::Mat& weights, const Reduced& r, const cv::Size& image,
@@ -193,7 +193,7 @@ ColourTracker::Search ColourTracker::Find(const cv::Mat& bgr) {
   model_.BackProject(r.bgr, weights);
   std::vector<Blob> blobs = SoundBlobs(weights, r, bgr.size(), options_);
   const double matched = ColourModel::Matched(weights) * static_cast<double>(r.part.area());
-  if (matched > options_.most_matched * static_cast<double>(r.part.area()) &&
+  if (matched > options_.max_matched * static_cast<double>(r.part.area()) &&
       (blobs.empty() || blobs.front().area_px < kMostlyOne * matched)) {
     return {TrackState::kMatchesTooMuch, {}};
   }
@@ -219,13 +219,13 @@ ColourTracker::Search ColourTracker::Find(const cv::Mat& bgr) {
 
 std::optional<ColourTarget> ColourTracker::Follow(const cv::Mat& bgr, const cv::Rect2d& box, bool& rival) {
   const cv::Rect image(0, 0, bgr.cols, bgr.rows);
-  const double margin = std::max(kLeastMargin_px, kMargin * std::max(box.width, box.height));
+  const double margin = std::max(kMinMargin_px, kMargin * std::max(box.width, box.height));
   // In double: a box may have left the image by far.
   const cv::Rect2d wide =
       cv::Rect2d(box.x - margin, box.y - margin, box.width + 2 * margin, box.height + 2 * margin) &
       cv::Rect2d(image);
   window_ = cv::Rect(wide) & image;
-  if (window_.width < options_.least_diameter_px || window_.height < options_.least_diameter_px) return {};
+  if (window_.width < options_.min_diameter_px || window_.height < options_.min_diameter_px) return {};
   const Reduced r = Reduce(bgr, window_);
   cv::Mat weights;
   model_.BackProject(r.bgr, weights);
@@ -240,10 +240,10 @@ std::optional<ColourTarget> ColourTracker::Follow(const cv::Mat& bgr, const cv::
   ColourTarget target;
   target.centre = {r.Back(ellipse.center.x - 0.5, r.part.x), r.Back(ellipse.center.y - 0.5, r.part.y)};
   target.diameter_px = (ellipse.size.width + ellipse.size.height) / 2 * r.step;
-  if (target.diameter_px < options_.least_diameter_px) return {};
+  if (target.diameter_px < options_.min_diameter_px) return {};
   double inside_px = 0;
   target.confidence = std::clamp(Contrast(weights, ellipse, inside_px), 0.0, 1.0);
-  if (target.confidence < options_.least_confidence) return {};
+  if (target.confidence < options_.min_confidence) return {};
   // The box of the ellipse itself: RotatedRect's own is that of its corners.
   const double c = std::cos(ellipse.angle * CV_PI / 180), s = std::sin(ellipse.angle * CV_PI / 180);
   const double w = std::hypot(c * ellipse.size.width, s * ellipse.size.height) * r.step;
@@ -270,4 +270,4 @@ TrackState ColourTracker::Classify(const cv::Mat& bgr, const ColourTarget& targe
   return rival ? TrackState::kAmbiguous : TrackState::kTracked;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -5,30 +5,31 @@
 #include <opencv2/core.hpp>
 #include <optional>
 
+#include "base/yaml/fields.h"
 #include "vision/target/colour_model.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 
 struct ColourTrackerOptions {
-  double least_diameter_px = 6;   // of a target
-  double least_roundness = 0.5;   // of a target found anew: how much of its box's ellipse it fills, and
-                                  // its short over its long side
-  double rival_share = 0.5;       // of the area of the best: a second one so large makes it ambiguous
-  double most_matched = 0.3;      // of the whole image, beyond which the colour tells nothing
-  double close_share = 0.5;       // of the image covered by the tracked target: too close
-  double least_confidence = 0.3;  // of a tracked target
-  double return_factor = 2;       // how much larger or smaller a lost target may come back within
-  int forget_frames = 60;         // lost for so long, any sound target will do
+  double min_diameter_px = 6;   // of a target
+  double min_roundness = 0.5;   // of a target found anew: how much of its box's ellipse it fills, and
+                                // its short over its long side
+  double rival_share = 0.5;     // of the area of the best: a second one so large makes it ambiguous
+  double max_matched = 0.3;     // of the whole image, beyond which the colour tells nothing
+  double close_share = 0.5;     // of the image covered by the tracked target: too close
+  double min_confidence = 0.3;  // of a tracked target
+  double return_factor = 2;     // how much larger or smaller a lost target may come back within
+  int forget_frames = 60;       // lost for so long, any sound target will do
 };
 
 template <class Visitor>
 void Fields(Visitor& v, ColourTrackerOptions& o) {
-  v("least_diameter_px", o.least_diameter_px, 3.0, 200.0);
-  v("least_roundness", o.least_roundness, 0.0, 1.0);
+  v(Renamed("min_diameter_px", "least_diameter_px"), o.min_diameter_px, 3.0, 200.0);
+  v(Renamed("min_roundness", "least_roundness"), o.min_roundness, 0.0, 1.0);
   v("rival_share", o.rival_share, 0.0, 1.0);
-  v("most_matched", o.most_matched, 0.01, 1.0);
+  v(Renamed("max_matched", "most_matched"), o.max_matched, 0.01, 1.0);
   v("close_share", o.close_share, 0.05, 1.0);
-  v("least_confidence", o.least_confidence, 0.0, 1.0);
+  v(Renamed("min_confidence", "least_confidence"), o.min_confidence, 0.0, 1.0);
   v("return_factor", o.return_factor, 1.0, 100.0);
   v("forget_frames", o.forget_frames, 0, 100000);
 }
@@ -98,4 +99,4 @@ class ColourTracker {
   std::size_t refused_ = 0;  // so many of the largest blobs
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

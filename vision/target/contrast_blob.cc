@@ -6,7 +6,7 @@
 #include <cmath>
 #include <optional>
 
-namespace kestrel {
+namespace kestrel::vision {
 
 namespace {
 
@@ -135,7 +135,7 @@ Blob MeasureBlob(const cv::Mat& image, const cv::Mat& sky, const cv::Point& plac
       colour.push_back(w.Colour(x, y));
     }
   blob.state = BlobState::kHemmedIn;
-  if (static_cast<double>(at.size()) < o.least_around * ring) return blob;
+  if (static_cast<double>(at.size()) < o.min_around * ring) return blob;
   const auto plane = FitRing(at, colour);
   if (!plane) return blob;
   w.SetBackground(*plane);
@@ -151,7 +151,7 @@ Blob MeasureBlob(const cv::Mat& image, const cv::Mat& sky, const cv::Point& plac
       if (w.Inside(x, y) && w.Sky(x, y) && w.At(x, y).largest > peak)
         peak = w.At(x, y).largest, seed = {x, y};
   blob.state = BlobState::kNothing;
-  if (peak < o.least_score * deviation) return blob;
+  if (peak < o.min_score * deviation) return blob;
   // All that hangs together with it. If that goes on and on, as into a cloud behind something dark, its
   // strong part; that of something light would be the middle of a cloud.
   std::vector<cv::Point> members;
@@ -233,8 +233,8 @@ Blob MeasureBlob(const cv::Mat& image, const cv::Mat& sky, const cv::Point& plac
   blob.deviation = static_cast<double>(deviation);
   blob.background = plane->coefficients.col(0).cast<double>();
   blob.state = BlobState::kNotCompact;
-  if (blob.aspect > o.most_aspect || blob.area < o.least_fill * ellipse) return blob;
-  blob.state = blob.score < o.least_score ? BlobState::kClutter : BlobState::kMeasured;
+  if (blob.aspect > o.max_aspect || blob.area < o.min_fill * ellipse) return blob;
+  blob.state = blob.score < o.min_score ? BlobState::kClutter : BlobState::kMeasured;
   return blob;
 }
 
@@ -280,4 +280,4 @@ double SharpnessOf(const cv::Mat& image, const Eigen::Vector2d& centre, double r
   return rays > 0 ? sum / rays / strongest : 0;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -5,14 +5,14 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-namespace kestrel {
+namespace kestrel::vision {
 
 // A compact thing before an even background, measured to a fraction of a pixel.
 struct BlobOptions {
-  double least_score = 5;     // of its contrast, in deviations of what is around it
-  double most_aspect = 3;     // of the axes of its second moments
-  double least_fill = 0.6;    // of the ellipse of its second moments
-  double least_around = 0.5;  // of the ring around it that must be sky
+  double min_score = 5;     // of its contrast, in deviations of what is around it
+  double max_aspect = 3;    // of the axes of its second moments
+  double min_fill = 0.6;    // of the ellipse of its second moments
+  double min_around = 0.5;  // of the ring around it that must be sky
 };
 
 enum class BlobState {
@@ -56,4 +56,4 @@ Blob MeasureBlob(const cv::Mat& image, const cv::Mat& sky, const cv::Point& plac
 double SharpnessOf(const cv::Mat& image, const Eigen::Vector2d& centre, double radius, double strongest,
                    double deviation);
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

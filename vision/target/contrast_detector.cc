@@ -9,7 +9,7 @@
 
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 
 namespace {
 
@@ -17,14 +17,14 @@ constexpr int kLevels = 5;             // of the pyramid: things of about 2 to 5
 constexpr int kFine = 2;               // levels finer than the candidate's, in which it is measured
 constexpr int kAround = 4;             // px to the places it is compared with
 constexpr int kInner = 5, kOuter = 7;  // px of the candidate's level: the ring of the blob's background
-constexpr double kLeastForEdge_px = 6;
+constexpr double kMinForEdge_px = 6;
 constexpr double kExpectedReach = 1.3, kExpected_px = 4;  // around an expected one, of its radius and besides
-constexpr double kLeastAround = 0.35;                     // of the ring around a blob that must be sky
-constexpr double kLeastSky = 0.005;                       // share of the image
+constexpr double kMinAround = 0.35;                       // of the ring around a blob that must be sky
+constexpr double kMinSky = 0.005;                         // share of the image
 constexpr double kGlow =
     205;  // grey levels of red: lighter things before such a sky are the sun's disc or clouds
 constexpr double kDark = 8, kWhite = 250;  // grey levels
-constexpr int kLeastResponse = 4;          // grey levels of the mean of 3 x 3 px
+constexpr int kMinResponse = 4;            // grey levels of the mean of 3 x 3 px
 
 struct Level {
   cv::Mat image, sky;  // sky: 255 or 0
@@ -95,7 +95,7 @@ std::optional<ContrastDetection> ContrastDetector::Measured(const Blob& blob, in
   ContrastDetection d;
   d.centre_px = scale * blob.centre + Eigen::Vector2d::Constant(shift);
   d.diameter_px = 2 * scale * std::sqrt(blob.area / M_PI);
-  if (d.diameter_px < options_.least_diameter_px || d.diameter_px > options_.most_diameter_px)
+  if (d.diameter_px < options_.min_diameter_px || d.diameter_px > options_.max_diameter_px)
     return std::nullopt;
   // The mean of its rays, each weighted by its solid angle, is the axis of a round cone exactly.
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -143,7 +143,7 @@ SkySearch ContrastDetector::Search(const cv::Mat& image, const Eigen::Vector3d& 
                static_cast<int>(std::ceil(radius_px / 2)), kFreeSky, cv::FILLED);
   }
   search.state = SkySearchState::kNoSky;
-  if (cv::countNonZero(levels[1].sky) < kLeastSky * static_cast<double>(levels[1].sky.total())) return search;
+  if (cv::countNonZero(levels[1].sky) < kMinSky * static_cast<double>(levels[1].sky.total())) return search;
   {
     cv::Mat coarse;
     cv::resize(levels[1].sky, coarse, levels[2].image.size(), 0, 0, cv::INTER_NEAREST);
@@ -183,7 +183,7 @@ SkySearch ContrastDetector::Search(const cv::Mat& image, const Eigen::Vector3d& 
       Respond(smooth, free, response);
     }
     // A thing of less than 3 px fills but part of the mean.
-    const int threshold = std::max(kLeastResponse, static_cast<int>(options_.least_contrast * 0.5));
+    const int threshold = std::max(kMinResponse, static_cast<int>(options_.min_contrast * 0.5));
     std::vector<Candidate> here;
     for (int y = 0; y < part.height; ++y) {
       const auto* row = response.ptr<uchar>(y);
@@ -195,7 +195,7 @@ SkySearch ContrastDetector::Search(const cv::Mat& image, const Eigen::Vector3d& 
     std::vector<Candidate> kept;
     for (const Candidate& c : here) {
       if (static_cast<int>(kept.size()) >=
-          (l < kFine ? options_.most_candidates : (options_.most_candidates + 1) / 2))
+          (l < kFine ? options_.max_candidates : (options_.max_candidates + 1) / 2))
         break;
       const bool beside = std::any_of(kept.begin(), kept.end(), [&](const Candidate& k) {
         return std::abs(k.place.x - c.place.x) <= kAround && std::abs(k.place.y - c.place.y) <= kAround;
@@ -208,7 +208,7 @@ SkySearch ContrastDetector::Search(const cv::Mat& image, const Eigen::Vector3d& 
       candidates.push_back(c);
     }
   }
-  const BlobOptions blob_options{options_.least_score, options_.most_aspect, options_.least_fill, 0.5};
+  const BlobOptions blob_options{options_.min_score, options_.max_aspect, options_.min_fill, 0.5};
   for (const Candidate& c : candidates) {
     const int at = std::max(0, c.level - kFine), factor = 1 << (c.level - at);
     const Level& level = levels[static_cast<std::size_t>(at)];
@@ -216,15 +216,15 @@ SkySearch ContrastDetector::Search(const cv::Mat& image, const Eigen::Vector3d& 
     const Blob blob =
         MeasureBlob(level.image, level.sky, place, kInner * factor, kOuter * factor, blob_options);
     if (blob.state != BlobState::kMeasured) continue;
-    if (blob.strongest < options_.least_contrast * (blob.contrast > 0 ? options_.light_factor : 1)) continue;
+    if (blob.strongest < options_.min_contrast * (blob.contrast > 0 ? options_.light_factor : 1)) continue;
     if (blob.contrast > 0 && blob.background[2] > kGlow) continue;
     // Of the centre: noise in the pixels of the edge, and what a grid of pixels adds.
     const double deviation_px = 0.05 + std::sqrt(M_PI * blob.area) / (2 * blob.score * std::sqrt(blob.area));
     auto detection = Measured(blob, at, deviation_px);
     if (!detection) continue;
-    if (detection->diameter_px >= kLeastForEdge_px &&
+    if (detection->diameter_px >= kMinForEdge_px &&
         SharpnessOf(image, detection->centre_px, detection->diameter_px / 2, blob.strongest, blob.deviation) <
-            options_.least_sharpness)
+            options_.min_sharpness)
       continue;
     const auto twin =
         std::find_if(search.detections.begin(), search.detections.end(), [&](const ContrastDetection& d) {
@@ -240,4 +240,4 @@ SkySearch ContrastDetector::Search(const cv::Mat& image, const Eigen::Vector3d& 
   return search;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

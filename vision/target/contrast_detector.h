@@ -6,38 +6,39 @@
 #include <optional>
 #include <vector>
 
+#include "base/yaml/fields.h"
 #include "vision/camera/camera_model.h"
 #include "vision/horizon/sky_mask.h"
 #include "vision/target/balloon_fit.h"
 #include "vision/target/contrast_blob.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 
 struct ContrastDetectorOptions {
-  double least_contrast = 16;  // grey levels of 255, of a thing of a few pixels in its strongest channel
-  double light_factor = 2.5;   // of a lighter thing as many times: clouds are lighter than the sky
-  double least_diameter_px = 1.6;
-  double most_diameter_px = 60;
-  double margin_deg = 0.7;        // above the contour between sky and ground, where nothing is looked for
-  double least_score = 9;         // contrast in deviations of the sky right around
-  double most_aspect = 3;         // of length to width
-  double least_fill = 0.6;        // of the ellipse of its second moments
-  double least_sharpness = 0.45;  // of its edge (SharpnessOf), from 8 px on: clouds and glow have none
-  int most_candidates = 12;       // looked at closely in each of five sizes, the strongest: bounds the time
+  double min_contrast = 16;   // grey levels of 255, of a thing of a few pixels in its strongest channel
+  double light_factor = 2.5;  // of a lighter thing as many times: clouds are lighter than the sky
+  double min_diameter_px = 1.6;
+  double max_diameter_px = 60;
+  double margin_deg = 0.7;      // above the contour between sky and ground, where nothing is looked for
+  double min_score = 9;         // contrast in deviations of the sky right around
+  double max_aspect = 3;        // of length to width
+  double min_fill = 0.6;        // of the ellipse of its second moments
+  double min_sharpness = 0.45;  // of its edge (SharpnessOf), from 8 px on: clouds and glow have none
+  int max_candidates = 12;      // looked at closely in each of five sizes, the strongest: bounds the time
 };
 
 template <class Visitor>
 void Fields(Visitor& v, ContrastDetectorOptions& o) {
-  v("least_contrast", o.least_contrast, 1.0, 200.0);
+  v(Renamed("min_contrast", "least_contrast"), o.min_contrast, 1.0, 200.0);
   v("light_factor", o.light_factor, 1.0, 20.0);
-  v("least_diameter_px", o.least_diameter_px, 1.0, 50.0);
-  v("most_diameter_px", o.most_diameter_px, 2.0, 70.0);
+  v(Renamed("min_diameter_px", "least_diameter_px"), o.min_diameter_px, 1.0, 50.0);
+  v(Renamed("max_diameter_px", "most_diameter_px"), o.max_diameter_px, 2.0, 70.0);
   v("margin_deg", o.margin_deg, 0.0, 20.0);
-  v("least_score", o.least_score, 1.0, 1000.0);
-  v("most_aspect", o.most_aspect, 1.0, 20.0);
-  v("least_fill", o.least_fill, 0.0, 1.0);
-  v("least_sharpness", o.least_sharpness, 0.0, 2.0);
-  v("most_candidates", o.most_candidates, 1, 1000);
+  v(Renamed("min_score", "least_score"), o.min_score, 1.0, 1000.0);
+  v(Renamed("max_aspect", "most_aspect"), o.max_aspect, 1.0, 20.0);
+  v(Renamed("min_fill", "least_fill"), o.min_fill, 0.0, 1.0);
+  v(Renamed("min_sharpness", "least_sharpness"), o.min_sharpness, 0.0, 2.0);
+  v(Renamed("max_candidates", "most_candidates"), o.max_candidates, 1, 1000);
 }
 
 enum class SkySearchState {
@@ -99,4 +100,4 @@ class ContrastDetector {
   SkyMask mask_;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -7,13 +7,13 @@
 
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 
 namespace {
 
-constexpr std::size_t kLeastForPath = 4;  // sightings; fewer give no rate
-constexpr double kLeastSpan = 0.25;       // of the window, that a rate needs
-constexpr double kSizeSigmas = 4;         // of the diameters, that a change of size may be noise
+constexpr std::size_t kMinForPath = 4;  // sightings; fewer give no rate
+constexpr double kMinSpan = 0.25;       // of the window, that a rate needs
+constexpr double kSizeSigmas = 4;       // of the diameters, that a change of size may be noise
 
 ContrastState StateOf(SkySearchState state) {
   switch (state) {
@@ -65,7 +65,7 @@ ContrastTracker::Path ContrastTracker::PathOf(const Track_& track, double t_s) c
   std::size_t first = track.history.size();
   while (first > 0 && track.history[first - 1].t_s >= last.t_s - options_.window_s) --first;
   const std::size_t n = track.history.size() - first;
-  if (n < kLeastForPath || last.t_s - track.history[first].t_s < kLeastSpan * options_.window_s) return path;
+  if (n < kMinForPath || last.t_s - track.history[first].t_s < kMinSpan * options_.window_s) return path;
   // A straight line through what is seen, in the plane that touches the sphere at the last bearing.
   const auto count = static_cast<double>(n);
   double mean_t = 0;
@@ -110,7 +110,7 @@ std::optional<ContrastGrowth> ContrastTracker::GrowthOf(const Track_& track) con
     first_s = std::min(first_s, last_s + t);
   });
   const double determinant = s0 * s2 - s1 * s1;
-  if (n < static_cast<int>(kLeastForPath) || last_s - first_s < kLeastSpan * options_.window_s ||
+  if (n < static_cast<int>(kMinForPath) || last_s - first_s < kMinSpan * options_.window_s ||
       !(determinant > 0))
     return std::nullopt;
   const double a = (s2 * y0 - s1 * y1) / determinant, b = (s0 * y1 - s1 * y0) / determinant;
@@ -134,7 +134,7 @@ double ContrastTracker::Distance(const Track_& track, const Sighting& s) const {
   if (factor > std::log(options_.size_factor) + kSizeSigmas * noise) return kNone;
   const Path path = PathOf(track, s.t_s);
   double gate = Radians(options_.gate_deg) + 0.5 * last.half_angle;
-  if (path.rate_N.isZero() && !track.confirmed) gate += Radians(options_.most_rate_deg_s) * dt;
+  if (path.rate_N.isZero() && !track.confirmed) gate += Radians(options_.max_rate_deg_s) * dt;
   // A path grows uncertain while its target is not seen.
   if (track.confirmed) gate *= 1 + std::min(2.0, dt / std::max(0.1, options_.forget_s));
   return (path.bearing_N - s.bearing_N).norm() / gate;
@@ -196,7 +196,7 @@ ContrastObservation ContrastTracker::Track(const cv::Mat& image, const Eigen::Ma
   for (std::size_t i = 0; i < tracks_.size(); ++i)
     Update(tracks_[i], of_track[i] == kFree ? std::nullopt : std::optional(sightings[of_track[i]]));
   for (std::size_t j = 0; j < sightings.size(); ++j) {
-    if (of_sighting[j] != kFree || static_cast<int>(tracks_.size()) >= options_.most_tracks) continue;
+    if (of_sighting[j] != kFree || static_cast<int>(tracks_.size()) >= options_.max_tracks) continue;
     Track_ track;
     track.id = next_id_++;
     track.begun_s = t_s;
@@ -241,4 +241,4 @@ ContrastObservation ContrastTracker::Track(const cv::Mat& image, const Eigen::Ma
   return observation;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

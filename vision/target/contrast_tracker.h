@@ -7,22 +7,23 @@
 #include <optional>
 #include <vector>
 
+#include "base/yaml/fields.h"
 #include "vision/target/contrast_detector.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 
 struct ContrastTrackerOptions {
   ContrastDetectorOptions detector;
   double down_sigma_deg = 1;  // of the attitude that comes with each image
   int confirm_sightings = 6;  // of the last confirm_images: then a target is confirmed
   int confirm_images = 8;
-  double gate_deg = 1;          // of a sighting from where its target should be
-  double most_rate_deg_s = 40;  // of a target's bearing, while its path is not known yet
-  double steady_deg = 0.4;      // root mean square of a confirmed target's sightings about a straight path
-  double size_factor = 1.7;     // of a sighting's diameter to the last one's, at the most
-  double window_s = 1;          // of the sightings that path and growth are fitted to
-  double forget_s = 2;          // without a sighting: a confirmed target is forgotten
-  int most_tracks = 24;         // at a time, tentative ones too: bounds the time
+  double gate_deg = 1;         // of a sighting from where its target should be
+  double max_rate_deg_s = 40;  // of a target's bearing, while its path is not known yet
+  double steady_deg = 0.4;     // root mean square of a confirmed target's sightings about a straight path
+  double size_factor = 1.7;    // of a sighting's diameter to the last one's, at the most
+  double window_s = 1;         // of the sightings that path and growth are fitted to
+  double forget_s = 2;         // without a sighting: a confirmed target is forgotten
+  int max_tracks = 24;         // at a time, tentative ones too: bounds the time
 };
 
 template <class Visitor>
@@ -32,12 +33,12 @@ void Fields(Visitor& v, ContrastTrackerOptions& o) {
   v("confirm_sightings", o.confirm_sightings, 1, 1000);
   v("confirm_images", o.confirm_images, 1, 1000);
   v("gate_deg", o.gate_deg, 0.01, 30.0);
-  v("most_rate_deg_s", o.most_rate_deg_s, 0.0, 1000.0);
+  v(Renamed("max_rate_deg_s", "most_rate_deg_s"), o.max_rate_deg_s, 0.0, 1000.0);
   v("steady_deg", o.steady_deg, 0.01, 30.0);
   v("size_factor", o.size_factor, 1.0, 100.0);
   v("window_s", o.window_s, 0.1, 20.0);
   v("forget_s", o.forget_s, 0.0, 100.0);
-  v("most_tracks", o.most_tracks, 1, 1000);
+  v(Renamed("max_tracks", "most_tracks"), o.max_tracks, 1, 1000);
 }
 
 enum class ContrastState {
@@ -128,4 +129,4 @@ class ContrastTracker {
   std::optional<double> last_s_;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

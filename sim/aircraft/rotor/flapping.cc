@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 constexpr double kStop = 0.25;
@@ -60,4 +60,4 @@ FlappingState StepFlapping(const PitchedRotorParameters& rotor, const FlappingPa
   return after(dt_s, middle);
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -6,7 +6,7 @@
 #include "sim/aircraft/rotor/pitched_rotor.h"
 #include "sim/aircraft/rotor/rotor.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // The blades' flapping, and the stabiliser bar (flybar) that pitches them with its own tilt.
 struct FlappingParameters {
@@ -66,4 +66,4 @@ FlappingState StepFlapping(const PitchedRotorParameters& rotor, const FlappingPa
                            double nominal_rad_s, const FlappingState& state, const FlappingInput& input,
                            double dt_s);
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -7,7 +7,7 @@
 
 #include "sim/aircraft/rotor/rotor.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 constexpr double kWake = 0.9;
@@ -28,7 +28,7 @@ double Solidity(const PitchedRotorParameters& p) {
   return p.blades * p.chord_m / (std::numbers::pi * p.radius_m);
 }
 
-double GreatestThrust(const PitchedRotorParameters& p, double speed_rad_s) {
+double MaxThrust(const PitchedRotorParameters& p, double speed_rad_s) {
   return p.max_thrust_coefficient * kAirDensity * DiscArea(p) * Square(speed_rad_s * p.radius_m);
 }
 
@@ -41,7 +41,7 @@ RotorLoads LoadsOf(const PitchedRotorParameters& p, double speed_rad_s, double p
   const double U = speed_rad_s * p.radius_m, area = DiscArea(p), solidity = Solidity(p);
   const double through = VelocityThroughDisc(induced_m_s, flow) + flow.climb_m_s;
   const double v2 = Square(flow.in_plane_m_s);
-  const double most = GreatestThrust(p, speed_rad_s);
+  const double most = MaxThrust(p, speed_rad_s);
   RotorLoads loads;
   loads.thrust_n = std::clamp(kAirDensity / 2 * p.lift_slope_per_rad * solidity * area *
                                   (pitch * (U * U / 3 + v2 / 2) - U * through / 2),
@@ -76,4 +76,4 @@ double PitchFor(const PitchedRotorParameters& p, double speed_rad_s, double thru
          (2 * thrust_n / (kAirDensity * p.lift_slope_per_rad * Solidity(p) * DiscArea(p)) + U * through / 2);
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

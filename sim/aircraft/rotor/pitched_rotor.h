@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // A rotor whose blades can be pitched together: a helicopter's main rotor or tail rotor. Blade elements with
 // uniform inflow, as in V. Gavrilets, B. Mettler, E. Feron, "Dynamic model for a miniature aerobatic
@@ -40,7 +40,7 @@ struct RotorLoads {
 
 double DiscArea(const PitchedRotorParameters& p);
 double Solidity(const PitchedRotorParameters& p);  // blade area over disc area
-double GreatestThrust(const PitchedRotorParameters& p, double speed_rad_s);
+double MaxThrust(const PitchedRotorParameters& p, double speed_rad_s);
 
 // At a rotor speed, rad/s, a pitch of the blades, rad, and an induced velocity, m/s. With U = wR, v the
 // velocity in the plane, c the climb and v_i the velocity through the disc:
@@ -63,4 +63,4 @@ double StepInduced(const PitchedRotorParameters& p, double speed_rad_s, double p
 double SteadyInduced(const PitchedRotorParameters& p, double thrust_n, double climb_m_s);
 double PitchFor(const PitchedRotorParameters& p, double speed_rad_s, double thrust_n, double climb_m_s);
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // With C = T / (rho A (wR)^2) the thrust coefficient, s the solidity, a the lift slope, l_c = v_c / (wR):
 //   blade elements   C = s a / 4 (2/3 theta - l)
@@ -49,4 +49,4 @@ double StepMotor(const RotorParameters& p, double speed_rad_s, double command_ra
   return command_rad_s + (speed_rad_s - command_rad_s) * std::exp(-dt_s / tau);
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

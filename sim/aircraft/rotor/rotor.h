@@ -5,7 +5,7 @@
 
 #include "sim/aircraft/rotor/wrench.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 constexpr double kAirDensity = 1.225;  // kg/m3, standard atmosphere at sea level
 
@@ -68,4 +68,4 @@ double GroundEffect(double radius_m, double height_m);
 // down. Exact for a command that is constant over the step.
 double StepMotor(const RotorParameters& p, double speed_rad_s, double command_rad_s, double dt_s);
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace kestrel {
+namespace kestrel::sim {
 
 double DriveTorque(const DriveParameters& p, const DriveState& state) {
   return state.power_w / std::max(state.speed_rad_s, p.speed_rad_s / 4);
@@ -29,4 +29,4 @@ DriveState StepDrive(const DriveParameters& p, const DriveState& state, bool run
   return next;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

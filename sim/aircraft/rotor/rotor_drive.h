@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // Motor and governor, which holds the main rotor's speed: throttle = K_p e + K_i integral of e, between 0 and
 // 1 of the greatest power (Gavrilets, Mettler, Feron 2001, as in sim/aircraft/rotor/pitched_rotor.h), and a
@@ -43,4 +43,4 @@ double DriveTorque(const DriveParameters& p, const DriveState& state);
 DriveState StepDrive(const DriveParameters& p, const DriveState& state, bool running, double load_n_m,
                      double dt_s);
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

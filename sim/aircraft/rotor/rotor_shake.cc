@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-namespace kestrel {
+namespace kestrel::sim {
 
 ImuSample ShakeAt(const RotorShake& s, double azimuth, int blades, double share) {
   const double turn = azimuth, pass = blades * azimuth, k = share * share;
@@ -16,4 +16,4 @@ ImuSample ShakeAt(const RotorShake& s, double azimuth, int blades, double share)
   return imu;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

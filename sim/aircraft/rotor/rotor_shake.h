@@ -3,7 +3,7 @@
 
 #include "sim/sensor/sensors.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // What a rotor shakes of an inertial unit on its mount: amplitudes at the governed rotor speed, once a turn
 // (an unbalanced disc: a force that turns in its plane, and the tilting that goes with it) and once for every
@@ -25,4 +25,4 @@ void Fields(Visitor& v, RotorShake& s) {
 // above; share: of the governed rotor speed.
 ImuSample ShakeAt(const RotorShake& s, double azimuth, int blades, double share);
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // Force, N, and torque, N m, in B.
 struct Wrench {
@@ -11,4 +11,4 @@ struct Wrench {
   Eigen::Vector3d torque = Eigen::Vector3d::Zero();
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -9,7 +9,7 @@
 #include <mutex>
 #include <stdexcept>
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 // Of GL/gl.h, GL/osmesa.h and EGL/egl.h, which need not be installed.
@@ -198,4 +198,4 @@ std::unique_ptr<GlContext> MakeGlContext(std::string_view backend) {
                                        egl_failure));
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // An off-screen OpenGL context. It belongs to the thread that made it: current there, and destroyed there.
 // Several threads may hold one each, of either backend.
@@ -25,4 +25,4 @@ class GlContext {
 // graphics card and driver. Throws std::runtime_error with what was tried, why it failed and what to install.
 std::unique_ptr<GlContext> MakeGlContext(std::string_view backend);
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

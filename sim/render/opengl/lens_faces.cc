@@ -7,17 +7,17 @@
 #include <numbers>
 #include <optional>
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double kShareThatMayBeCoarser = 1e-3;
-constexpr int kBorder_px = 2;         // beyond the outermost patches: interpolation reads one
-constexpr double kWidestPatch = 0.1;  // on the plane one before a face: at a fold a pixel sees far and wide
-constexpr int kMostAcross = 16;       // of a patch: farther apart than a pixel where it is larger
-constexpr double kLeastForward = 0.2588;  // cos 75 deg: a plane grows with the tangent
+constexpr int kBorder_px = 2;           // beyond the outermost patches: interpolation reads one
+constexpr double kWidestPatch = 0.1;    // on the plane one before a face: at a fold a pixel sees far and wide
+constexpr int kMaxAcross = 16;          // of a patch: farther apart than a pixel where it is larger
+constexpr double kMinForward = 0.2588;  // cos 75 deg: a plane grows with the tangent
 // What a face costs beside its pixels: the geometry, in pixels that are drawn meanwhile. Measured with
 // OSMesa.
 constexpr double kFaceCost_px = 1e5;
@@ -28,13 +28,13 @@ struct LensPixel {
   Eigen::Matrix<double, 3, 2> d_pixel;  // its derivative by the pixel
 };
 
-std::vector<LensPixel> PixelsOf(const CameraModel& camera) {
-  const int width = WidthPx(camera), height = HeightPx(camera);
+std::vector<LensPixel> PixelsOf(const vision::CameraModel& camera) {
+  const int width = vision::WidthPx(camera), height = vision::HeightPx(camera);
   std::vector<LensPixel> pixels(static_cast<std::size_t>(width) * height);
   for (int v = 0; v < height; ++v) {
     for (int u = 0; u < width; ++u) {
       LensPixel& pixel = pixels[static_cast<std::size_t>(v) * width + u];
-      const auto ray = Ray(camera, Vector2d(u, v), &pixel.d_pixel);
+      const auto ray = vision::Ray(camera, Vector2d(u, v), &pixel.d_pixel);
       if (!ray) continue;
       pixel.seen = true;
       pixel.ray = *ray;
@@ -44,7 +44,7 @@ std::vector<LensPixel> PixelsOf(const CameraModel& camera) {
 }
 
 // The least of the singular values: by how much at least the place in the face moves with a pixel.
-double LeastStretch(const Eigen::Matrix2d& m) {
+double MinStretch(const Eigen::Matrix2d& m) {
   const double a = m.squaredNorm(), b = std::abs(m.determinant());
   const double most = std::sqrt(a / 2 + std::sqrt(std::max(a * a / 4 - b * b, 0.0)));
   return most > 0 ? b / most : 0;
@@ -66,10 +66,10 @@ OnPlane Tangent(const LensPixel& pixel, const Eigen::Matrix3d& R_VC) {
   return place;
 }
 
-Patch PatchOf(const OnPlane& place, const Pinhole& c, std::size_t face) {
+Patch PatchOf(const OnPlane& place, const vision::Pinhole& c, std::size_t face) {
   const auto fixed = [](double px) { return static_cast<std::int32_t>(std::lround(px * 65536)); };
   const auto across = [](const Vector2d& side) {
-    return static_cast<std::uint8_t>(std::clamp(static_cast<int>(std::ceil(side.norm())), 1, kMostAcross));
+    return static_cast<std::uint8_t>(std::clamp(static_cast<int>(std::ceil(side.norm())), 1, kMaxAcross));
   };
   const Eigen::Matrix2d d = c.fx * place.d_pixel;
   return {static_cast<std::uint16_t>(face),
@@ -83,7 +83,7 @@ Patch PatchOf(const OnPlane& place, const Pinhole& c, std::size_t face) {
           fixed(-d(1, 1))};
 }
 
-std::optional<LensFaces> Plan(const CameraModel& camera, const std::vector<LensPixel>& pixels,
+std::optional<LensFaces> Plan(const vision::CameraModel& camera, const std::vector<LensPixel>& pixels,
                               const FaceLayout& layout, int max_side_px) {
   struct Use {
     Vector2d least = Vector2d::Constant(std::numeric_limits<double>::infinity());
@@ -94,7 +94,7 @@ std::optional<LensFaces> Plan(const CameraModel& camera, const std::vector<LensP
   std::vector<Eigen::Matrix3d> R_VC;
   for (const Eigen::Quaterniond& R_CV : layout) R_VC.push_back(R_CV.conjugate().toRotationMatrix());
 
-  LensFaces plan{WidthPx(camera), HeightPx(camera), {}, 0, {}, {}};
+  LensFaces plan{vision::WidthPx(camera), vision::HeightPx(camera), {}, 0, {}, {}};
   plan.patches.resize(pixels.size());
   plan.stretch.resize(pixels.size());
   for (std::size_t i = 0; i < pixels.size(); ++i) {
@@ -105,13 +105,13 @@ std::optional<LensFaces> Plan(const CameraModel& camera, const std::vector<LensP
       const double z = R_VC[k].row(2).dot(pixels[i].ray);
       if (z > forward) forward = z, nearest = k;
     }
-    if (forward < kLeastForward) return std::nullopt;
+    if (forward < kMinForward) return std::nullopt;
     const OnPlane place = Tangent(pixels[i], R_VC[nearest]);
     Use& use = uses[nearest];
     const Vector2d reach = place.d_pixel.cwiseAbs().rowwise().sum() / 2;
     use.least = use.least.cwiseMin(place.at - reach);
     use.most = use.most.cwiseMax(place.at + reach);
-    use.stretches.push_back(static_cast<float>(LeastStretch(place.d_pixel)));
+    use.stretches.push_back(static_cast<float>(MinStretch(place.d_pixel)));
     plan.patches[i].face = static_cast<std::uint16_t>(nearest);
     plan.stretch[i] = static_cast<float>(1 / forward);
   }
@@ -147,8 +147,8 @@ std::optional<LensFaces> Plan(const CameraModel& camera, const std::vector<LensP
 
 }  // namespace
 
-std::optional<LensFaces> OnlyFace(const CameraModel& camera) {
-  const Pinhole* const c = std::get_if<Pinhole>(&camera);
+std::optional<LensFaces> OnlyFace(const vision::CameraModel& camera) {
+  const vision::Pinhole* const c = std::get_if<vision::Pinhole>(&camera);
   if (!c || std::abs(c->fx - c->fy) > 1e-9 * c->fx) return std::nullopt;
   for (const int u : {0, c->width_px - 1})
     for (const int v : {0, c->height_px - 1})
@@ -175,11 +175,12 @@ FaceLayout Cube(const Eigen::Quaterniond& R_CK) {
   return layout;
 }
 
-std::optional<LensFaces> PlanFaces(const CameraModel& camera, const FaceLayout& layout, int max_side_px) {
+std::optional<LensFaces> PlanFaces(const vision::CameraModel& camera, const FaceLayout& layout,
+                                   int max_side_px) {
   return Plan(camera, PixelsOf(camera), layout, max_side_px);
 }
 
-LensFaces PlanFaces(const CameraModel& camera, int max_side_px) {
+LensFaces PlanFaces(const vision::CameraModel& camera, int max_side_px) {
   const std::vector<LensPixel> pixels = PixelsOf(camera);
   const auto cost = [](const LensFaces& f) {
     return static_cast<double>(f.pixels) + kFaceCost_px * static_cast<double>(f.faces.size());
@@ -189,4 +190,4 @@ LensFaces PlanFaces(const CameraModel& camera, int max_side_px) {
   return plane && cost(*plane) <= cost(cube) ? std::move(*plane) : std::move(cube);
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -9,13 +9,13 @@
 
 #include "vision/camera/camera_model.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // OpenGL draws pinhole pictures with square pixels. Any other lens is put together of some: its faces, all
 // with the lens's viewpoint, each turned its own way and only as large as the lens needs.
 struct Face {
   Eigen::Quaterniond R_CV;  // V: the face's own camera, optical
-  Pinhole camera;           // its middle is seldom in the middle of the picture
+  vision::Pinhole camera;   // its middle is seldom in the middle of the picture
   std::size_t first = 0;    // where its first pixel lies when all faces lie in one array
 };
 
@@ -38,7 +38,7 @@ struct LensFaces {
 };
 
 // The lens as its only face, if it is a pinhole with square pixels that shows all of its image.
-std::optional<LensFaces> OnlyFace(const CameraModel& camera);
+std::optional<LensFaces> OnlyFace(const vision::CameraModel& camera);
 
 // Which way the faces look: the axis of each. A ray belongs to the face whose axis is nearest.
 using FaceLayout = std::vector<Eigen::Quaterniond>;  // R_CV of each
@@ -52,8 +52,9 @@ constexpr double kFinerThanLens = 2;
 // longer than max_side_px, even if a face has to be coarser for that. Faces overlap by enough for
 // interpolation; those that the lens does not use are left out. None at all where a ray is 75 degrees or more
 // from every axis.
-std::optional<LensFaces> PlanFaces(const CameraModel& camera, const FaceLayout& layout, int max_side_px);
+std::optional<LensFaces> PlanFaces(const vision::CameraModel& camera, const FaceLayout& layout,
+                                   int max_side_px);
 // One plane if it is drawn sooner than a cube.
-LensFaces PlanFaces(const CameraModel& camera, int max_side_px);
+LensFaces PlanFaces(const vision::CameraModel& camera, int max_side_px);
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

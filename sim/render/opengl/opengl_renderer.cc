@@ -14,7 +14,7 @@
 
 #include "sim/world/frames.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 constexpr DepthRange kVisible{0.02, 500};
@@ -31,7 +31,7 @@ std::shared_mutex gl_functions;
 // The camera of MuJoCo's scene. It takes top and bottom of the frustum at the near plane, and the middle
 // between left and right; half the width it derives from the height and the aspect of the viewport, so pixels
 // must be square. The image ends half a pixel beyond the centres of its outer pixels.
-mjvGLCamera EyeOf(const Pinhole& c, const Pose& X_NV, DepthRange range) {
+mjvGLCamera EyeOf(const vision::Pinhole& c, const Pose& X_NV, DepthRange range) {
   mjvGLCamera eye{};
   eye.frustum_near = static_cast<float>(range.near_m);
   eye.frustum_far = static_cast<float>(range.far_m);
@@ -50,7 +50,7 @@ mjvGLCamera EyeOf(const Pinhole& c, const Pose& X_NV, DepthRange range) {
 }
 
 // Whether a ball may show in a picture: none of the five planes of the frustum has all of it outside.
-bool MayShow(const Pinhole& c, const Eigen::Vector3d& p_VQ, double radius) {
+bool MayShow(const vision::Pinhole& c, const Eigen::Vector3d& p_VQ, double radius) {
   const double left = c.cx + 1, right = c.width_px - c.cx, top = c.cy + 1, bottom = c.height_px - c.cy;
   const auto inside = [&](double across,
                           double slope) {  // across: from the axis towards the plane, in pixels
@@ -62,16 +62,16 @@ bool MayShow(const Pinhole& c, const Eigen::Vector3d& p_VQ, double radius) {
 
 // What the world and the camera are between at a time.
 struct Between {
-  const Instant *before, *after;
+  const SceneState *before, *after;
   double share = 0;  // of the way from one to the other
-  const Instant& nearest() const { return share < 0.5 ? *before : *after; }
+  const SceneState& nearest() const { return share < 0.5 ? *before : *after; }
 };
-Between Find(std::span<const Instant> instants, double t_s) {
+Between Find(std::span<const SceneState> instants, double t_s) {
   const auto after =
-      std::find_if(instants.begin(), instants.end(), [&](const Instant& i) { return i.t_s > t_s; });
+      std::find_if(instants.begin(), instants.end(), [&](const SceneState& i) { return i.t_s > t_s; });
   if (after == instants.begin()) return {&instants.front(), &instants.front()};
   if (after == instants.end()) return {&instants.back(), &instants.back()};
-  const Instant& before = *std::prev(after);
+  const SceneState& before = *std::prev(after);
   return {&before, &*after, (t_s - before.t_s) / (after->t_s - before.t_s)};
 }
 
@@ -115,13 +115,13 @@ cv::Vec3b Mean(const unsigned char* rgb, int width_px, const Patch& patch) {
   return {mean(sum[2]), mean(sum[1]), mean(sum[0])};
 }
 
-void Check(const CameraModel& camera, const RenderOptions& options) {
-  const int width = WidthPx(camera), height = HeightPx(camera);
+void Check(const vision::CameraModel& camera, const RenderOptions& options) {
+  const int width = vision::WidthPx(camera), height = vision::HeightPx(camera);
   if (width < 1 || height < 1 || width > kMaxSide_px || height > kMaxSide_px)
     throw std::runtime_error(
         fmt::format("The renderer cannot draw an image of {} x {} pixels: each side from 1 to {}.", width,
                     height, kMaxSide_px));
-  const Eigen::VectorXd all = Parameters(camera);
+  const Eigen::VectorXd all = vision::Parameters(camera);
   if (!(all[0] > 0) || !(all[1] > 0) || !all.allFinite())
     throw std::runtime_error(
         fmt::format("The renderer needs positive focal lengths and a finite principal point, "
@@ -134,8 +134,8 @@ void Check(const CameraModel& camera, const RenderOptions& options) {
 
 }  // namespace
 
-OpenGlRenderer::OpenGlRenderer(const mjModel* model, const CameraModel& camera, const RenderOptions& options,
-                               std::optional<LensFaces> faces)
+OpenGlRenderer::OpenGlRenderer(const mjModel* model, const vision::CameraModel& camera,
+                               const RenderOptions& options, std::optional<LensFaces> faces)
     : model_(model), shadows_(options.shadows) {
   Check(camera, options);
   std::optional<LensFaces> only;
@@ -213,7 +213,7 @@ void OpenGlRenderer::SetScene(const mjData* data, const Pose& X_NC) {
   geoms_.assign(scene_.geoms, scene_.geoms + scene_.ngeom);
 }
 
-void OpenGlRenderer::SetScene(std::span<const Instant> instants, double t_s) {
+void OpenGlRenderer::SetScene(std::span<const SceneState> instants, double t_s) {
   const Between now = Find(instants, t_s);
   const Pose &a = now.before->X_NC, &b = now.after->X_NC;
   SetScene(now.nearest().data, {a.R.slerp(now.share, b.R), a.p + now.share * (b.p - a.p)});
@@ -275,7 +275,7 @@ cv::Mat OpenGlRenderer::Render(const mjData* data, const Pose& X_NC) {
   return image;
 }
 
-cv::Mat OpenGlRenderer::Render(std::span<const Instant> instants, const Shutter& shutter) {
+cv::Mat OpenGlRenderer::Render(std::span<const SceneState> instants, const Shutter& shutter) {
   const std::shared_lock lock(gl_functions);
   const int rows_at_once = shutter.line_s == 0 ? lens_.height_px : kBandRows;
   cv::Mat image(lens_.height_px, lens_.width_px, CV_8UC3), sum(image.size(), CV_32FC3, cv::Scalar::all(0));
@@ -293,7 +293,7 @@ cv::Mat OpenGlRenderer::Render(std::span<const Instant> instants, const Shutter&
   return image;
 }
 
-Surfaces OpenGlRenderer::See(const mjData* data, const Pose& X_NC) {
+Surfaces OpenGlRenderer::Trace(const mjData* data, const Pose& X_NC) {
   const std::shared_lock lock(gl_functions);
   SetScene(data, X_NC);
   scene_.flags[mjRND_SEGMENT] = scene_.flags[mjRND_IDCOLOR] = 1;
@@ -350,4 +350,4 @@ Surfaces OpenGlRenderer::See(const mjData* data, const Pose& X_NC) {
   return seen;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -16,7 +16,7 @@
 #include "sim/render/rendering.h"
 #include "vision/camera/camera_model.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 struct DepthRange {
   double near_m, far_m;  // along the axis of a picture
@@ -32,7 +32,7 @@ class OpenGlRenderer {
  public:
   // The model must outlive it. Throws std::runtime_error if no context can be had, or if the image is empty
   // or larger than the context draws. faces: instead of those that are planned for the lens.
-  OpenGlRenderer(const mjModel* model, const CameraModel& camera, const RenderOptions& options,
+  OpenGlRenderer(const mjModel* model, const vision::CameraModel& camera, const RenderOptions& options,
                  std::optional<LensFaces> faces = std::nullopt);
   ~OpenGlRenderer();
   OpenGlRenderer(const OpenGlRenderer&) = delete;
@@ -40,10 +40,10 @@ class OpenGlRenderer {
 
   // See Renderer. Where rows are exposed one after the other, bands of 16 share the times of their middle.
   cv::Mat Render(const mjData* data, const Pose& X_NC);
-  cv::Mat Render(std::span<const Instant> instants, const Shutter& shutter);
+  cv::Mat Render(std::span<const SceneState> instants, const Shutter& shutter);
   // Depth is that of the depth buffer: good to 1e-4 of itself, but at the edge of a thing seen aslant only to
   // half a pixel of a face. What light shines through counts like any other thing.
-  Surfaces See(const mjData* data, const Pose& X_NC);
+  Surfaces Trace(const mjData* data, const Pose& X_NC);
 
   // The backend, what draws, and its version.
   const std::string& name() const { return name_; }
@@ -53,7 +53,7 @@ class OpenGlRenderer {
     int first, end;
   };
   void SetScene(const mjData* data, const Pose& X_NC);
-  void SetScene(std::span<const Instant> instants, double t_s);
+  void SetScene(std::span<const SceneState> instants, double t_s);
   void Draw(const Face& face, DepthRange range);
   void DrawRows(Rows rows, cv::Mat& image);
 
@@ -71,4 +71,4 @@ class OpenGlRenderer {
   std::vector<unsigned char> rgb_;  // all faces, bottom row first, as read back
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

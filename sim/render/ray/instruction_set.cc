@@ -15,7 +15,7 @@
 #include "base/yaml/yaml_fields.h"
 #include "sim/render/ray/kernel.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 struct Named {
@@ -104,4 +104,4 @@ std::vector<std::pair<std::string, std::string>> EnvironmentOf(const std::string
   return {{"GLIBC_TUNABLES", Tunables(set)}, {"OPENCV_CPU_DISABLE", DisabledInOpenCv(set)}};
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -10,7 +10,7 @@
 // Several libraries, and the ray renderer, are compiled for several instruction sets and take the best when
 // they run. Their results differ in the last bits, and a flight with them: machines that are to agree take
 // the same.
-namespace kestrel {
+namespace kestrel::sim {
 
 // The names of those that can be chosen, the least first. Empty where the processor is no x86-64.
 std::span<const std::string_view> InstructionSets();
@@ -26,4 +26,4 @@ void UseInstructionSet(const std::string& name);
 // variables with their values, empty: none.
 std::vector<std::pair<std::string, std::string>> EnvironmentOf(const std::string& instruction_set);
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -18,7 +18,7 @@
 #include "sim/render/ray/surface-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace kestrel::ray::HWY_NAMESPACE {
+namespace kestrel::sim::ray::HWY_NAMESPACE {
 namespace {
 
 constexpr std::uint32_t kOutside = 0x7fffffff;  // codes of a pixel
@@ -35,7 +35,7 @@ void ListSeen(const Slice& slice, int tile_column, Seen& seen) {
   seen.opaque.clear();
   seen.transparent.clear();
   seen.thin = false;
-  const std::uint64_t* words = slice.seen + static_cast<std::ptrdiff_t>(tile_column) * slice.words;
+  const std::uint64_t* words = slice.visible + static_cast<std::ptrdiff_t>(tile_column) * slice.words;
   for (int w = 0; w < slice.words; ++w) {
     for (std::uint64_t bits = words[w]; bits != 0; bits &= bits - 1) {
       const int i = 64 * w + std::countr_zero(bits);
@@ -71,8 +71,8 @@ HWY_INLINE void Keep(MF where, const TriangleHits& from, TriangleHits& to) {
 HWY_INLINE Hit Trace(const Slice& slice, const Seen& seen, const Vec3& d_C, TriangleHits& triangles) {
   Hit hit{F(kNone), hn::Set(di, -1)};
   for (const int i : seen.opaque) {
-    const Thing& thing = slice.things->all[i];
-    const Placed& placed = slice.placement->things[i];
+    const Geom& thing = slice.things->all[i];
+    const GeomInstance& placed = slice.placement->things[i];
     TriangleHits own;
     const VF t = Enter(thing, thing.size, Load3(placed.o), Rotate(placed.R, d_C), hit.t, own);
     const MF nearer = hn::Lt(t, hit.t);
@@ -88,8 +88,8 @@ HWY_INLINE MF Veiled(const Slice& slice, const Seen& seen, const Vec3& d_C, VF t
   MF veiled = hn::Lt(F(1), F(0));
   TriangleHits unused;
   for (const int i : seen.transparent) {
-    const Thing& thing = slice.things->all[i];
-    const Placed& placed = slice.placement->things[i];
+    const Geom& thing = slice.things->all[i];
+    const GeomInstance& placed = slice.placement->things[i];
     const VF entry = Enter(thing, thing.size, Load3(placed.o), Rotate(placed.R, d_C), t, unused);
     veiled = hn::Or(veiled, hn::Lt(entry, t));
   }
@@ -110,11 +110,11 @@ HWY_INLINE void ShadeHit(const Slice& slice, int index, const Rays& rays, VF t, 
 
 HWY_INLINE VI SideOf(const Slice& slice, int index, const Vec3& d_C, VF t, const TriangleHits& triangles,
                      MF wanted) {
-  const Thing& thing = slice.things->all[index];
+  const Geom& thing = slice.things->all[index];
   if (thing.type == mjGEOM_PLANE || thing.type == mjGEOM_SPHERE || thing.type == mjGEOM_ELLIPSOID ||
       thing.type == mjGEOM_CAPSULE)
     return hn::Zero(di);
-  const Placed& placed = slice.placement->things[index];
+  const GeomInstance& placed = slice.placement->things[index];
   const VF far = hn::IfThenElse(wanted, t, F(1));
   Vec3 normal;
   VI side;
@@ -154,8 +154,8 @@ HWY_NOINLINE Picture Look(const Slice& slice, const Seen& seen, const Rays& rays
   std::vector<Layer>& layers = kept;
   layers.clear();
   for (const int i : seen.transparent) {
-    const Thing& thing = slice.things->all[i];
-    const Placed& placed = slice.placement->things[i];
+    const Geom& thing = slice.things->all[i];
+    const GeomInstance& placed = slice.placement->things[i];
     TriangleHits own;
     const VF t = Enter(thing, thing.size, Load3(placed.o), Rotate(placed.R, rays.d), hit.t, own);
     const MF here = hn::And(wanted, hn::Lt(t, hit.t));
@@ -203,8 +203,8 @@ MF NearThin(const Slice& slice, const Seen& seen, const Vec3& d) {
   MF near = hn::Lt(F(1), F(0));
   TriangleHits unused;
   const auto add = [&](int i) {
-    const Thing& thing = slice.things->all[i];
-    const Placed& placed = slice.placement->things[i];
+    const Geom& thing = slice.things->all[i];
+    const GeomInstance& placed = slice.placement->things[i];
     if (!placed.thin) return;
     const float room = slice.lens->pixel_rad * (placed.distance + thing.box_half.norm());
     const Eigen::Vector3f wider = thing.size + Eigen::Vector3f::Constant(room);
@@ -219,7 +219,7 @@ MF NearThin(const Slice& slice, const Seen& seen, const Vec3& d) {
 const char* Name() { return hwy::TargetName(HWY_TARGET); }
 
 // Of large meshes and height fields by their parts.
-HWY_INLINE MF MayMeet(const Thing& thing, const Placed& placed, const Vec3& axis, VF reach) {
+HWY_INLINE MF MayMeet(const Geom& thing, const GeomInstance& placed, const Vec3& axis, VF reach) {
   const MF may = MayMeet(thing.box_centre, thing.box_half, placed, axis, reach);
   if (!thing.triangles || hn::AllFalse(df, may)) return may;
   const std::vector<Triangles::Part>& parts = thing.triangles->parts;
@@ -236,11 +236,11 @@ HWY_INLINE MF MayMeet(const Thing& thing, const Placed& placed, const Vec3& axis
 
 void CullImpl(const Slice& slice, int tile_row) {
   const Lens& lens = *slice.lens;
-  std::fill(slice.seen, slice.seen + static_cast<std::ptrdiff_t>(lens.tiles_x) * slice.words, 0);
+  std::fill(slice.visible, slice.visible + static_cast<std::ptrdiff_t>(lens.tiles_x) * slice.words, 0);
   const int first = tile_row * lens.tiles_x;
   for (std::size_t i = 0; i < slice.things->all.size(); ++i) {
-    const Thing& thing = slice.things->all[i];
-    const Placed& placed = slice.placement->things[i];
+    const Geom& thing = slice.things->all[i];
+    const GeomInstance& placed = slice.placement->things[i];
     for (int c = 0; c < lens.tiles_x; c += kLanes) {
       const auto load = [&](const Aligned<float>& v) { return hn::LoadU(df, v.get() + first + c); };
       const Vec3 axis{load(lens.axis_x), load(lens.axis_y), load(lens.axis_z)};
@@ -248,8 +248,8 @@ void CullImpl(const Slice& slice, int tile_row) {
       for (std::uint32_t bits = BitsOf(may); bits != 0; bits &= bits - 1) {
         const int column = c + std::countr_zero(bits);
         if (column >= lens.tiles_x) break;
-        slice.seen[static_cast<std::ptrdiff_t>(column) * slice.words + static_cast<std::ptrdiff_t>(i / 64)] |=
-            std::uint64_t{1} << (i % 64);
+        slice.visible[static_cast<std::ptrdiff_t>(column) * slice.words +
+                      static_cast<std::ptrdiff_t>(i / 64)] |= std::uint64_t{1} << (i % 64);
       }
     }
   }
@@ -513,8 +513,8 @@ void AddSide(const Slice& slice, const EdgePixels& pixels, int index, VI one, in
     middle = Scale(middle, hn::Div(F(1), hn::Max(weight, F(1.0f / kSubpixels))));
     VF t_middle = F(1);
     if (index >= 0) {
-      const Thing& thing = slice.things->all[index];
-      const Placed& placed = slice.placement->things[index];
+      const Geom& thing = slice.things->all[index];
+      const GeomInstance& placed = slice.placement->things[index];
       t_middle = Enter(thing, thing.size, Load3(placed.o), Rotate(placed.R, middle), F(kFar), triangles);
     }
     const MF meets = hn::Lt(t_middle, F(kFar));
@@ -673,11 +673,11 @@ void SeeRowsImpl(const Slice& slice, int begin, int end, float* depth_m, std::in
 }
 
 }  // namespace
-}  // namespace kestrel::ray::HWY_NAMESPACE
+}  // namespace kestrel::sim::ray::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace kestrel::ray {
+namespace kestrel::sim::ray {
 
 HWY_EXPORT(Name);
 HWY_EXPORT(CullImpl);
@@ -693,9 +693,10 @@ void DrawRows(const Slice& slice, int begin, int end, const Canvas& canvas) {
 void SmoothRows(const Slice& slice, int begin, int end, const Canvas& canvas) {
   HWY_DYNAMIC_DISPATCH(SmoothRowsImpl)(slice, begin, end, canvas);
 }
-void SeeRows(const Slice& slice, int begin, int end, float* depth_m, std::int32_t* geom, std::size_t stride) {
+void TraceRows(const Slice& slice, int begin, int end, float* depth_m, std::int32_t* geom,
+               std::size_t stride) {
   HWY_DYNAMIC_DISPATCH(SeeRowsImpl)(slice, begin, end, depth_m, geom, stride);
 }
 
-}  // namespace kestrel::ray
+}  // namespace kestrel::sim::ray
 #endif

@@ -5,11 +5,11 @@
 #include <cstdint>
 
 #include "sim/render/ray/lens.h"
-#include "sim/render/ray/things.h"
+#include "sim/render/ray/render_scene.h"
 
 // The inner loops, in SIMD: compiled for several instruction sets, the best of which is chosen when the
 // program runs. A packet is as many rays as a vector is wide, at most 16.
-namespace kestrel::ray {
+namespace kestrel::sim::ray {
 
 struct Canvas {
   std::uint8_t* bgr = nullptr;  // 3 bytes a pixel
@@ -25,15 +25,15 @@ struct Canvas {
 // What is needed to draw a row.
 struct Slice {
   const Lens* lens = nullptr;
-  const Things* things = nullptr;
-  const Placement* placement = nullptr;
+  const RenderScene* things = nullptr;
+  const SceneInstance* placement = nullptr;
   // Of each tile of the row of tiles: a bit for each thing that some ray of the tile may meet.
-  std::uint64_t* seen = nullptr;
+  std::uint64_t* visible = nullptr;
   int words = 0;  // for each tile
   bool shadows = false;
 };
 
-inline int SeenWords(const Things& things) { return static_cast<int>((things.all.size() + 63) / 64); }
+inline int VisibleWords(const RenderScene& things) { return static_cast<int>((things.all.size() + 63) / 64); }
 
 // Fills slice.seen of all tiles of a row of tiles.
 void Cull(const Slice& slice, int tile_row);
@@ -43,9 +43,10 @@ void DrawRows(const Slice& slice, int begin, int end, const Canvas& canvas);
 // the canvas are drawn.
 void SmoothRows(const Slice& slice, int begin, int end, const Canvas& canvas);
 // Distance along the ray and id of the geom of each pixel of the rows [begin, end), of what is opaque.
-void SeeRows(const Slice& slice, int begin, int end, float* depth_m, std::int32_t* geom, std::size_t stride);
+void TraceRows(const Slice& slice, int begin, int end, float* depth_m, std::int32_t* geom,
+               std::size_t stride);
 
 // The instruction set in use.
 const char* InstructionSet();
 
-}  // namespace kestrel::ray
+}  // namespace kestrel::sim::ray

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace kestrel::ray {
+namespace kestrel::sim::ray {
 namespace {
 
 constexpr int kPadding = 64;  // no vector is wider
@@ -18,10 +18,10 @@ Aligned<T> Zeros(std::size_t size) {
 
 }  // namespace
 
-Lens MakeLens(const CameraModel& camera) {
+Lens MakeLens(const vision::CameraModel& camera) {
   Lens lens;
-  lens.width = WidthPx(camera);
-  lens.height = HeightPx(camera);
+  lens.width = vision::WidthPx(camera);
+  lens.height = vision::HeightPx(camera);
   lens.tiles_x = (lens.width + Lens::kTile - 1) / Lens::kTile;
   lens.tiles_y = (lens.height + Lens::kTile - 1) / Lens::kTile;
   lens.stride = (lens.tiles_x + 1) * Lens::kTile;
@@ -36,7 +36,7 @@ Lens MakeLens(const CameraModel& camera) {
   const auto at = [&](int u, int v) { return static_cast<std::size_t>(v) * lens.stride + u; };
   for (int v = 0; v < lens.height; ++v) {
     for (int u = 0; u < lens.width; ++u) {
-      if (const auto r = Ray(camera, {u, v})) {
+      if (const auto r = vision::Ray(camera, {u, v})) {
         ray[at(u, v)] = *r;
         lens.inside[at(u, v)] = 1;
       }
@@ -108,4 +108,4 @@ Lens MakeLens(const CameraModel& camera) {
   return lens;
 }
 
-}  // namespace kestrel::ray
+}  // namespace kestrel::sim::ray

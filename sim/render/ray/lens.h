@@ -8,7 +8,7 @@
 
 #include "vision/camera/camera_model.h"
 
-namespace kestrel::ray {
+namespace kestrel::sim::ray {
 
 template <class T>
 using Aligned = hwy::AlignedFreeUniquePtr<T[]>;
@@ -35,6 +35,6 @@ struct Lens {
   float pixel_rad = 0;  // the widest angle between neighbouring pixels
 };
 
-Lens MakeLens(const CameraModel& camera);
+Lens MakeLens(const vision::CameraModel& camera);
 
-}  // namespace kestrel::ray
+}  // namespace kestrel::sim::ray

@@ -14,7 +14,7 @@
 #include <limits>
 
 HWY_BEFORE_NAMESPACE();
-namespace kestrel::ray::HWY_NAMESPACE {
+namespace kestrel::sim::ray::HWY_NAMESPACE {
 namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
@@ -82,7 +82,7 @@ HWY_INLINE VF Log2(VF x) {
 }
 
 }  // namespace
-}  // namespace kestrel::ray::HWY_NAMESPACE
+}  // namespace kestrel::sim::ray::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #endif

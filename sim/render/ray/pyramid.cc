@@ -6,7 +6,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-namespace kestrel::ray {
+namespace kestrel::sim::ray {
 namespace {
 
 std::uint32_t Packed(const cv::Vec3b& rgb) {
@@ -159,4 +159,4 @@ Pyramid MakePyramid(const mjModel* model, int texture) {
   return p;
 }
 
-}  // namespace kestrel::ray
+}  // namespace kestrel::sim::ray

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace kestrel::ray {
+namespace kestrel::sim::ray {
 
 // A picture at all sizes down to one texel, for filtering by footprint; or the six faces of a cube, in
 // OpenGL's order (+x, -x, +y, -y, +z, -z). Trilinear filtering mixes the two sizes next to the footprint,
@@ -16,7 +16,7 @@ namespace kestrel::ray {
 // A texel is four bytes: blue, green, red, 0. Every level has a border of one texel: that of the opposite
 // side where the picture repeats, the same again on the face of a cube.
 struct Pyramid {
-  static constexpr int kMostLevels = 64;
+  static constexpr int kMaxLevels = 64;
 
   std::vector<std::uint32_t> texels;
   int levels = 0;
@@ -25,11 +25,11 @@ struct Pyramid {
   // Of each level; offset: of the texel (0, 0) of the first face. Level 0 is the picture itself, for
   // footprints below one texel; the others are for those whose square is in one half octave each, [1, 1.5),
   // [1.5, 2), ...
-  alignas(64) float width[kMostLevels] = {}, height[kMostLevels] = {};
-  alignas(64) std::int32_t stride[kMostLevels] = {}, offset[kMostLevels] = {};
+  alignas(64) float width[kMaxLevels] = {}, height[kMaxLevels] = {};
+  alignas(64) std::int32_t stride[kMaxLevels] = {}, offset[kMaxLevels] = {};
 };
 
 // Of a texture of the model.
 Pyramid MakePyramid(const mjModel* model, int texture);
 
-}  // namespace kestrel::ray
+}  // namespace kestrel::sim::ray

@@ -16,16 +16,16 @@
 
 #include "sim/render/ray/kernel.h"
 #include "sim/render/ray/lens.h"
-#include "sim/render/ray/things.h"
+#include "sim/render/ray/render_scene.h"
 #include "sim/world/frames.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 using ray::Lens;
-using ray::Placement;
+using ray::RenderScene;
+using ray::SceneInstance;
 using ray::Slice;
-using ray::Things;
 
 // Calls work(0) to work(count - 1), each once, on so many threads.
 template <class Work>
@@ -48,23 +48,23 @@ Pose InterpolatePose(const Pose& a, const Pose& b, double share) {
 // What is kept between pictures.
 struct RayRenderer::Stage {
   Lens lens;
-  Things things;
+  RenderScene things;
   bool shadows = false;
   int threads = 1;
-  cv::Mat code, common;                // CV_32S, as in Canvas
-  std::vector<Placement> placements;   // one, or one for each row
-  std::vector<std::uint64_t> seen;     // of each row of tiles, or of each row
-  std::vector<ray::WorldPose> worlds;  // of the instants
+  cv::Mat code, common;                   // CV_32S, as in Canvas
+  std::vector<SceneInstance> placements;  // one, or one for each row
+  std::vector<std::uint64_t> seen;        // of each row of tiles, or of each row
+  std::vector<ray::ScenePose> worlds;     // of the instants
   std::vector<cv::Mat> given_out;
 
-  int SeenOfRow() const { return lens.tiles_x * ray::SeenWords(things); }
+  int SeenOfRow() const { return lens.tiles_x * ray::VisibleWords(things); }
 
   Slice SliceOf(int placement, int seen_row) {
     return {&lens,
             &things,
             &placements[placement],
             seen.data() + static_cast<std::ptrdiff_t>(seen_row) * SeenOfRow(),
-            ray::SeenWords(things),
+            ray::VisibleWords(things),
             shadows};
   }
 
@@ -115,24 +115,25 @@ struct RayRenderer::Stage {
   }
 
   // World and camera at a time between the instants.
-  void PlaceAt(double t_s, std::span<const Instant> instants, Placement& placement) const {
+  void PlaceAt(double t_s, std::span<const SceneState> instants, SceneInstance& placement) const {
     std::size_t after = 0;
     while (after < instants.size() && instants[after].t_s < t_s) ++after;
     if (after == 0 || after == instants.size()) {
       const std::size_t i = after == 0 ? 0 : after - 1;
-      return ray::Place(things, worlds[i], instants[i].X_NC, lens.pixel_rad, placement);
+      return ray::InstantiateScene(things, worlds[i], instants[i].X_NC, lens.pixel_rad, placement);
     }
-    const Instant &a = instants[after - 1], &b = instants[after];
+    const SceneState &a = instants[after - 1], &b = instants[after];
     const double share = (t_s - a.t_s) / (b.t_s - a.t_s);
-    ray::Place(things, ray::Interpolate(things, worlds[after - 1], worlds[after], share),
-               InterpolatePose(a.X_NC, b.X_NC, share), lens.pixel_rad, placement);
+    ray::InstantiateScene(things, ray::Interpolate(things, worlds[after - 1], worlds[after], share),
+                          InterpolatePose(a.X_NC, b.X_NC, share), lens.pixel_rad, placement);
   }
 };
 
-RayRenderer::RayRenderer(const mjModel* model, const CameraModel& camera, const RenderOptions& options)
+RayRenderer::RayRenderer(const mjModel* model, const vision::CameraModel& camera,
+                         const RenderOptions& options)
     : camera_(camera), stage_(std::make_unique<Stage>()) {
   stage_->lens = ray::MakeLens(camera);
-  stage_->things = ray::CompileThings(model);
+  stage_->things = ray::CompileScene(model);
   stage_->shadows = options.shadows;
   stage_->threads = options.threads > 0 ? options.threads
                                         : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
@@ -145,24 +146,24 @@ RayRenderer::RayRenderer(const mjModel* model, const CameraModel& camera, const 
 RayRenderer::~RayRenderer() = default;
 
 cv::Mat RayRenderer::Render(const mjData* data, const Pose& X_NC) {
-  const ray::WorldPose world = ray::PoseOfWorld(stage_->things, data);
+  const ray::ScenePose world = ray::PoseOfScene(stage_->things, data);
   cv::Mat bgr = stage_->Blank();
-  stage_->Draw(bgr, false, [&](int, Placement& placement) {
-    ray::Place(stage_->things, world, X_NC, stage_->lens.pixel_rad, placement);
+  stage_->Draw(bgr, false, [&](int, SceneInstance& placement) {
+    ray::InstantiateScene(stage_->things, world, X_NC, stage_->lens.pixel_rad, placement);
   });
   return bgr;
 }
 
-cv::Mat RayRenderer::Render(std::span<const Instant> instants, const Shutter& shutter) {
+cv::Mat RayRenderer::Render(std::span<const SceneState> instants, const Shutter& shutter) {
   if (instants.empty()) throw std::runtime_error("A picture needs at least one instant of the world.");
   stage_->worlds.clear();
-  for (const Instant& i : instants) stage_->worlds.push_back(ray::PoseOfWorld(stage_->things, i.data));
+  for (const SceneState& i : instants) stage_->worlds.push_back(ray::PoseOfScene(stage_->things, i.data));
   const bool rolling = shutter.line_s != 0;
   const int samples = std::max(1, shutter.samples);
   cv::Mat sum, bgr = stage_->Blank();
   for (int k = 0; k < samples; ++k) {
     const double offset_s = shutter.exposure_s * ((k + 0.5) / samples - 0.5);
-    stage_->Draw(bgr, rolling, [&](int row, Placement& placement) {
+    stage_->Draw(bgr, rolling, [&](int row, SceneInstance& placement) {
       stage_->PlaceAt(shutter.row_0_s + row * shutter.line_s + offset_s, instants, placement);
     });
     if (samples == 1) return bgr;
@@ -173,28 +174,28 @@ cv::Mat RayRenderer::Render(std::span<const Instant> instants, const Shutter& sh
   return bgr;
 }
 
-Surfaces RayRenderer::See(const mjData* data, const Pose& X_NC) {
+Surfaces RayRenderer::Trace(const mjData* data, const Pose& X_NC) {
   Stage& s = *stage_;
-  const ray::WorldPose world = ray::PoseOfWorld(s.things, data);
+  const ray::ScenePose world = ray::PoseOfScene(s.things, data);
   s.placements.resize(1);
   s.seen.resize(static_cast<std::size_t>(s.lens.tiles_y) * s.SeenOfRow());
-  ray::Place(s.things, world, X_NC, s.lens.pixel_rad, s.placements[0]);
+  ray::InstantiateScene(s.things, world, X_NC, s.lens.pixel_rad, s.placements[0]);
   Surfaces surfaces{cv::Mat(s.lens.height, s.lens.width, CV_32F),
                     cv::Mat(s.lens.height, s.lens.width, CV_32S)};
   InParallel(s.threads, s.lens.tiles_y, [&](int tile_row) {
     const Slice slice = s.SliceOf(0, tile_row);
     ray::Cull(slice, tile_row);
     const int begin = tile_row * Lens::kTile, end = std::min(begin + Lens::kTile, s.lens.height);
-    ray::SeeRows(slice, begin, end, surfaces.depth_m.ptr<float>(), surfaces.geom.ptr<std::int32_t>(),
-                 surfaces.depth_m.step1());
+    ray::TraceRows(slice, begin, end, surfaces.depth_m.ptr<float>(), surfaces.geom.ptr<std::int32_t>(),
+                   surfaces.depth_m.step1());
   });
   return surfaces;
 }
 
-cv::Mat RayRenderer::Flow(const Instant& now, const Instant& next) {
-  const Surfaces surfaces = See(now.data, now.X_NC);
-  const ray::WorldPose before = ray::PoseOfWorld(stage_->things, now.data),
-                       after = ray::PoseOfWorld(stage_->things, next.data);
+cv::Mat RayRenderer::Flow(const SceneState& now, const SceneState& next) {
+  const Surfaces surfaces = Trace(now.data, now.X_NC);
+  const ray::ScenePose before = ray::PoseOfScene(stage_->things, now.data),
+                       after = ray::PoseOfScene(stage_->things, next.data);
   // X of C at the next instant from C now, for the points of each geom; -1: the sky, which only turns.
   const auto pose_M = [](const Pose& X_NC) {
     Eigen::Matrix3d R;
@@ -212,12 +213,12 @@ cv::Mat RayRenderer::Flow(const Instant& now, const Instant& next) {
   InParallel(stage_->threads, flow.rows, [&](int v) {
     for (int u = 0; u < flow.cols; ++u) {
       const int geom = surfaces.geom.at<int>(v, u);
-      const auto ray_C = Ray(camera_, Eigen::Vector2d(u, v));
+      const auto ray_C = vision::Ray(camera_, Eigen::Vector2d(u, v));
       if (geom == -2 || !ray_C) continue;
       const Eigen::Vector3d moved =
           geom < 0 ? turn.R * *ray_C
                    : moves.at(geom) * Eigen::Vector3d(surfaces.depth_m.at<float>(v, u) * *ray_C);
-      if (const auto to = Project(camera_, moved))
+      if (const auto to = vision::Project(camera_, moved))
         flow.at<cv::Vec2f>(v, u) =
             cv::Vec2f(static_cast<float>(to->x() - u), static_cast<float>(to->y() - v));
     }
@@ -225,4 +226,4 @@ cv::Mat RayRenderer::Flow(const Instant& now, const Instant& next) {
   return flow;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -12,7 +12,7 @@
 #include "sim/render/rendering.h"
 #include "vision/camera/camera_model.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // Draws what any central camera sees by casting a ray through each pixel, as the camera's model says, into
 // the MuJoCo model: no seams, no resampling, no nearest and no farthest distance. It draws as MuJoCo's own
@@ -28,24 +28,24 @@ namespace kestrel {
 class RayRenderer {
  public:
   // The model must outlive it. Throws std::runtime_error that names what cannot be drawn.
-  RayRenderer(const mjModel* model, const CameraModel& camera, const RenderOptions& options);
+  RayRenderer(const mjModel* model, const vision::CameraModel& camera, const RenderOptions& options);
   ~RayRenderer();
 
   cv::Mat Render(const mjData* data, const Pose& X_NC);  // as in Renderer
-  cv::Mat Render(std::span<const Instant> instants, const Shutter& shutter);
-  Surfaces See(const mjData* data, const Pose& X_NC);
+  cv::Mat Render(std::span<const SceneState> instants, const Shutter& shutter);
+  Surfaces Trace(const mjData* data, const Pose& X_NC);
   // How each pixel's surface moves in the image until the next instant: CV_32FC2, px. NaN outside the lens,
   // and where it leaves the lens's field. That something else may come before it meanwhile is not considered.
-  cv::Mat Flow(const Instant& now, const Instant& next);
+  cv::Mat Flow(const SceneState& now, const SceneState& next);
 
   const std::string& name() const { return name_; }
 
  private:
   struct Stage;
-  CameraModel camera_;
+  vision::CameraModel camera_;
   int threads_ = 1;
   std::unique_ptr<Stage> stage_;
   std::string name_;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -11,10 +11,10 @@
 #include <algorithm>
 
 #include "sim/render/ray/packet-inl.h"
-#include "sim/render/ray/things.h"
+#include "sim/render/ray/render_scene.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace kestrel::ray::HWY_NAMESPACE {
+namespace kestrel::sim::ray::HWY_NAMESPACE {
 namespace {
 
 // What of a triangle a ray met; valid in the lanes where a thing of triangles was met last.
@@ -155,7 +155,7 @@ VF EnterTriangles(const Triangles& triangles, const Vec3& o, const Vec3& d, VF m
 }
 
 // most: of triangles, none that is farther need be found.
-HWY_INLINE VF Enter(const Thing& thing, const Eigen::Vector3f& size, const Vec3& o, const Vec3& d, VF most,
+HWY_INLINE VF Enter(const Geom& thing, const Eigen::Vector3f& size, const Vec3& o, const Vec3& d, VF most,
                     TriangleHits& hits) {
   switch (thing.type) {
     case mjGEOM_PLANE:
@@ -177,7 +177,7 @@ HWY_INLINE VF Enter(const Thing& thing, const Eigen::Vector3f& size, const Vec3&
 // A ray of the tile is o + t d with every |d_k - a_k| <= reach: a box may be met if for some t >= 0 the point
 // o + t a is within half + t reach of it. Each of the six faces bounds t from one side. axis: in the frame of
 // the thing.
-HWY_INLINE MF MayMeet(const Eigen::Vector3f& centre, const Eigen::Vector3f& half, const Placed& p,
+HWY_INLINE MF MayMeet(const Eigen::Vector3f& centre, const Eigen::Vector3f& half, const GeomInstance& p,
                       const Vec3& a, VF reach) {
   VF low = hn::Zero(df), high = F(kFar);
   const auto face = [&](VF slope, float room) {  // slope t <= room
@@ -197,7 +197,7 @@ HWY_INLINE MF MayMeet(const Eigen::Vector3f& centre, const Eigen::Vector3f& half
 }
 
 }  // namespace
-}  // namespace kestrel::ray::HWY_NAMESPACE
+}  // namespace kestrel::sim::ray::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #endif

@@ -17,7 +17,7 @@
 #include "sim/render/ray/texture-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace kestrel::ray::HWY_NAMESPACE {
+namespace kestrel::sim::ray::HWY_NAMESPACE {
 namespace {
 
 constexpr float kSkyDistance_m = 350;  // of the haze: as far as MuJoCo puts the sky of the OpenGL renderer
@@ -27,9 +27,9 @@ MF InShadow(const Slice& slice, const Vec3& p_C, const Vec3& d_C, VF reach, MF w
   MF dark = hn::Lt(F(1), F(0));
   TriangleHits unused;
   for (std::size_t i = 0; i < slice.things->all.size(); ++i) {
-    const Placed& placed = slice.placement->things[i];
+    const GeomInstance& placed = slice.placement->things[i];
     if (placed.transparent) continue;
-    const Thing& thing = slice.things->all[i];
+    const Geom& thing = slice.things->all[i];
     const Vec3 o = Rotate(placed.R, p_C) + Load3(placed.o), d = Rotate(placed.R, d_C);
     dark = hn::Or(dark, hn::Lt(Enter(thing, thing.size, o, d, reach, unused), reach));
     if (hn::AllTrue(df, hn::Or(dark, hn::Not(wanted)))) break;
@@ -39,15 +39,15 @@ MF InShadow(const Slice& slice, const Vec3& p_C, const Vec3& d_C, VF reach, MF w
 
 // Light on the points, 0 to 1 of the thing's colour, each channel; normals of length 1, in C. Shadows are
 // marked in the side.
-HWY_INLINE Colours Light(const Slice& slice, const Thing& thing, const Vec3& p, const Vec3& n, const Vec3& d,
+HWY_INLINE Colours Light(const Slice& slice, const Geom& thing, const Vec3& p, const Vec3& n, const Vec3& d,
                          MF wanted, VI& side) {
-  const Things& things = *slice.things;
+  const RenderScene& things = *slice.things;
   const VF none = things.lit ? hn::Zero(df) : F(0.3f);
   const auto start = [&](int k) { return hn::Mul(F(thing.rgba[k]), hn::Add(none, F(thing.emission))); };
   VF sum[3] = {start(0), start(1), start(2)};
   for (std::size_t i = 0; i < things.lights.size(); ++i) {
     const ray::Light& light = things.lights[i];
-    const PlacedLight& placed = slice.placement->lights[i];
+    const LightInstance& placed = slice.placement->lights[i];
     Vec3 towards = Scale(Load3(placed.direction), F(-1));
     VF strength = F(1), distance = F(kNone);
     if (!light.directional) {
@@ -104,7 +104,7 @@ struct Surface {
 };
 
 // Normal in G at the point p_G, and the side.
-HWY_INLINE void NormalOf(const Thing& thing, const Vec3& p, const TriangleHits& hits, MF wanted, Vec3& n,
+HWY_INLINE void NormalOf(const Geom& thing, const Vec3& p, const TriangleHits& hits, MF wanted, Vec3& n,
                          VI& side) {
   const VF zero = hn::Zero(df), one = F(1);
   side = hn::Zero(di);
@@ -181,7 +181,7 @@ HWY_INLINE VI LeapOf(const Vec3& n, const Vec3& from) {
 // How the point on a surface moves from a pixel to its neighbour, whose ray differs by e.
 class Steps {
  public:
-  HWY_INLINE Steps(const Thing& thing, const Vec3& d, const Vec3& n, VF t) : d_(d), n_(n), t_(t) {
+  HWY_INLINE Steps(const Geom& thing, const Vec3& d, const Vec3& n, VF t) : d_(d), n_(n), t_(t) {
     is_plane_ = thing.type == mjGEOM_PLANE;
     const VF n_d = is_plane_ ? d.z : Dot(n, d);
     // Near the outline the surface is seen edge on, and the linear step would be endless; on a mesh it would
@@ -203,8 +203,8 @@ class Steps {
 
 HWY_INLINE void Shade(const Slice& slice, int index, const Rays& rays, VF t, const TriangleHits& hits,
                       MF wanted, Surface& surface) {
-  const Thing& thing = slice.things->all[index];
-  const Placed& placed = slice.placement->things[index];
+  const Geom& thing = slice.things->all[index];
+  const GeomInstance& placed = slice.placement->things[index];
   const bool flat = placed.flat && !(slice.shadows && slice.things->lit);
   const auto constant = [&](int side) {
     const float* c = placed.face[side];
@@ -323,7 +323,7 @@ HWY_INLINE Colours Over(const Colours& above, VF alpha, const Colours& below, MF
 
 // Where the haze is, a ray below the horizon: 0 at the horizon, 1 where it stands on the plane; and how far
 // away.
-HWY_INLINE void HazeAt(const Placed& plane, float width, const Vec3& d, VF& u, VF& down, VF& distance) {
+HWY_INLINE void HazeAt(const GeomInstance& plane, float width, const Vec3& d, VF& u, VF& down, VF& distance) {
   const VF up = Rotate(plane.R, d).z;
   const VF level = hn::Sqrt(hn::Max(hn::NegMulAdd(up, up, Dot(d, d)), F(1e-20f)));
   u = hn::Div(hn::Mul(hn::Neg(up), F(kSkyDistance_m / plane.o[2])), level);
@@ -347,7 +347,7 @@ HWY_INLINE void EndPlane(const Slice& slice, const Vec3& d, Hit& hit) {
 // A truncated cone round the viewpoint, from the height of the plane up to the horizon, faded at both ends.
 Colours Hazed(const Slice& slice, const Rays& rays, VF t, const Colours& below) {
   const Haze& haze = slice.things->haze;
-  const Placed& plane = slice.placement->things[haze.thing];
+  const GeomInstance& plane = slice.placement->things[haze.thing];
   const float width = haze.width;
   if (!(plane.o[2] > 0)) return below;
   VF u, down, distance;
@@ -362,7 +362,7 @@ Colours Hazed(const Slice& slice, const Rays& rays, VF t, const Colours& below) 
 }
 
 }  // namespace
-}  // namespace kestrel::ray::HWY_NAMESPACE
+}  // namespace kestrel::sim::ray::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #endif

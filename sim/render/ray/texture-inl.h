@@ -15,7 +15,7 @@
 #include "sim/render/ray/pyramid.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace kestrel::ray::HWY_NAMESPACE {
+namespace kestrel::sim::ray::HWY_NAMESPACE {
 namespace {
 
 struct Colours {
@@ -192,7 +192,7 @@ HWY_INLINE void PlanCube(const Pyramid& p, const Vec3& q, const Vec3& q_u, const
 }
 
 }  // namespace
-}  // namespace kestrel::ray::HWY_NAMESPACE
+}  // namespace kestrel::sim::ray::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #endif

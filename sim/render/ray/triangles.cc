@@ -13,7 +13,7 @@
 
 #include "sim/render/ray/instruction_set.h"
 
-namespace kestrel::ray {
+namespace kestrel::sim::ray {
 namespace {
 
 Eigen::Vector3f Normal(const Eigen::Vector3f& a, const Eigen::Vector3f& b, const Eigen::Vector3f& c) {
@@ -198,4 +198,4 @@ void Triangles::Finish() {
   rtcCommitScene(scene_);
 }
 
-}  // namespace kestrel::ray
+}  // namespace kestrel::sim::ray

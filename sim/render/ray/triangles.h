@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace kestrel::ray {
+namespace kestrel::sim::ray {
 
 // A mesh or a height field in its geom's frame, in an Embree scene of its own: a moving mesh needs no new
 // tree.
@@ -50,4 +50,4 @@ class Triangles {
   RTCScene scene_ = nullptr;
 };
 
-}  // namespace kestrel::ray
+}  // namespace kestrel::sim::ray

@@ -10,8 +10,11 @@
 #include <span>
 #include <utility>
 
-namespace kestrel::wire {
+namespace kestrel::sim::ardupilot {
 namespace {
+
+using control::wire::Append;
+using control::wire::Reader;
 
 constexpr std::uint16_t kMagic16 = 18458, kMagic32 = 29569;
 constexpr std::size_t kHeader = 8, kLongestRanges = 6, kLongestRc = 12;
@@ -66,8 +69,8 @@ std::optional<ServoPacket> DecodeServoPacket(std::span<const std::uint8_t> bytes
   return packet;
 }
 
-Bytes EncodeServoPacket(const ServoPacket& packet) {
-  Bytes bytes;
+control::wire::Bytes EncodeServoPacket(const ServoPacket& packet) {
+  control::wire::Bytes bytes;
   Append(bytes, packet.channels == 16 ? kMagic16 : kMagic32);
   Append(bytes, packet.frame_rate_hz);
   Append(bytes, packet.frame_count);
@@ -124,4 +127,4 @@ std::optional<std::string> StateLine(const PhysicsState& state) {
   return std::move(line).Take();
 }
 
-}  // namespace kestrel::wire
+}  // namespace kestrel::sim::ardupilot

@@ -14,7 +14,7 @@
 // ArduPilot's "JSON" interface to a physics simulation (`--model JSON:127.0.0.1`): servo outputs come in as
 // little packets on UDP port 9002, each is answered with the state as a line of text. Source: ArduPilot's
 // libraries/SITL/examples/JSON/readme.md.
-namespace kestrel::wire {
+namespace kestrel::sim::ardupilot {
 
 struct ServoPacket {
   std::uint16_t frame_rate_hz = 0;  // the physics steps that are asked for in a second
@@ -26,7 +26,7 @@ struct ServoPacket {
 // None: not one, by its length or its first bytes.
 std::optional<ServoPacket> DecodeServoPacket(std::span<const std::uint8_t> bytes);
 // What ArduPilot sends.
-Bytes EncodeServoPacket(const ServoPacket& packet);
+control::wire::Bytes EncodeServoPacket(const ServoPacket& packet);
 
 // What to do about a packet. ArduPilot waits for every answer; if it is long in coming, it sends the packet
 // again.
@@ -63,4 +63,4 @@ struct PhysicsState {
 // The line, between two line feeds. None: a number is not finite, which ArduPilot would take for a state.
 std::optional<std::string> StateLine(const PhysicsState& state);
 
-}  // namespace kestrel::wire
+}  // namespace kestrel::sim::ardupilot

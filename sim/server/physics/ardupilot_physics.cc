@@ -5,19 +5,20 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <cstddef>
-#include <deque>
 #include <span>
 #include <string>
 
+#include "control/link/session_socket.h"
 #include "sim/server/physics/ardupilot_json.h"
 #include "sim/server/physics/gathered_readings.h"
 #include "sim/server/physics/io_wait.h"
 #include "sim/server/physics/motor_layout.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 namespace asio = boost::asio;
@@ -25,66 +26,67 @@ using asio::ip::udp;
 using Clock = std::chrono::steady_clock;
 
 constexpr double kLongest_s = 0.1;  // steps of this and more do not count for ArduPilot
-// More than these are waiting: nobody reads them, and the oldest are of no use.
-constexpr std::size_t kWaiting = 64;
+constexpr int kLook_ms = 20;        // for Stop()
 
 }  // namespace
 
 struct ArduPilotPhysics::Impl {
   struct Received {
     udp::endpoint from;
-    Clock::time_point at;
-    wire::ServoPacket packet;
+    ardupilot::ServoPacket packet;
   };
 
   Impl(const ArduPilotPhysicsParameters& p, const AirframeParameters& aircraft)
-      : parameters(p), motors(p.layout, aircraft), socket(io) {
+      : parameters(p), motors(p.layout, aircraft) {
     const udp::endpoint here(ParseAddress(p.address), static_cast<std::uint16_t>(p.port));
     Listen("udp", here, [&] {
-      socket.open(here.protocol());
-      socket.bind(here);
+      boost::system::error_code error;
+      socket.Open(here, error);
+      if (error) throw boost::system::system_error(error);
     });
-    Read();
   }
 
-  void Read() {
-    socket.async_receive_from(asio::buffer(buffer), sender,
-                              [this](const boost::system::error_code& error, std::size_t size) {
-                                if (error == asio::error::operation_aborted) return;
-                                if (!error) Take(size);
-                                Read();
-                              });
+  // Of this one; none: it says nothing that is understood.
+  std::optional<Received> Read(const control::SessionSocket::Datagram& datagram) {
+    const auto packet = ardupilot::DecodeServoPacket(datagram.bytes);
+    if (packet) return Received{datagram.from, *packet};
+    ++counts.refused;
+    return std::nullopt;
   }
 
-  void Take(std::size_t size) {
-    const auto packet = wire::DecodeServoPacket(std::span(buffer).first(size));
-    if (!packet) {
-      ++counts.refused;
-      return;
-    }
-    if (waiting.size() == kWaiting) waiting.pop_front();
-    waiting.push_back({sender, Clock::now(), *packet});
-  }
-
-  // The next packet; none: Stop().
+  // The next packet of the peer, or, when there is none or it is gone, of one who begins; none: Stop(). What
+  // others send is looked at after all that came of the peer.
   std::optional<Received> Next() {
-    if (!wait.Until([&] { return !waiting.empty(); }) || wait.stopped()) return std::nullopt;
-    const Received received = waiting.front();
-    waiting.pop_front();
-    return received;
+    while (!stop) {
+      const Clock::time_point now =
+          Clock::now();  // before its queue is empty, so that its silence is its own
+      if (const auto datagram = socket.FromOwner()) {
+        if (const auto received = Read(*datagram)) return received;
+      } else if (const auto other = socket.FromOthers()) {
+        if (socket.owner() && other->from != socket.owner() &&
+            now - heard < std::chrono::duration<double>(parameters.gone_s)) {
+          ++counts.refused;
+          continue;
+        }
+        if (const auto received = Read(*other)) return received;
+      } else {
+        socket.Wait(kLook_ms);
+      }
+    }
+    return std::nullopt;
   }
 
   void Open(const Received& first) {
-    peer = first.from;
+    if (first.from != socket.owner()) socket.Own(first.from);
     sequence = {};
     sequence.Take(first.packet.frame_count);
     Obey(first);
   }
 
   void Obey(const Received& received) {
-    heard = received.at;
+    heard = Clock::now();
     owed = true;
-    const wire::ServoPacket& packet = received.packet;
+    const ardupilot::ServoPacket& packet = received.packet;
     const double range_us = parameters.pwm_max_us - parameters.pwm_min_us;
     for (std::size_t i = 0; i < commands.size(); ++i)
       commands[i] = (packet.pwm_us[i] - parameters.pwm_min_us) / range_us;
@@ -92,7 +94,7 @@ struct ArduPilotPhysics::Impl {
   }
 
   bool Begin() {
-    if (wait.stopped()) return false;
+    if (stop) return false;
     if (!owed) {
       const std::optional<Received> first = Next();
       if (!first) return false;
@@ -105,8 +107,8 @@ struct ArduPilotPhysics::Impl {
   }
 
   void Answer() {
-    boost::system::error_code ignored;  // a lost one is asked for again
-    socket.send_to(asio::buffer(line), peer, 0, ignored);
+    socket.Send({reinterpret_cast<const std::uint8_t*>(line.data()), line.size()}, *socket.owner());
+    heard = Clock::now();  // who waits for an answer is not silent
   }
 
   std::optional<Actuation> Step(double dt_s, const SensorReadings& readings, const Truth& truth) {
@@ -115,7 +117,7 @@ struct ArduPilotPhysics::Impl {
     const double steps = std::clamp(std::round(step_s / dt_s), 1.0, most);
     if (gathered.steps() < steps) return motors.Speeds(commands, parameters.thrust_curvature);
 
-    wire::PhysicsState state;
+    ardupilot::PhysicsState state;
     state.t_s = truth.t_s;
     const ImuSample imu = gathered.MeanImu();
     const Eigen::Quaterniond R_AB = motors.R_BA().conjugate();
@@ -125,7 +127,7 @@ struct ArduPilotPhysics::Impl {
     state.v_N = truth.v_N;
     state.R_NB = truth.X_NB.R * motors.R_BA();
     state.wind_N = truth.wind_N;
-    const std::optional<std::string> said = wire::StateLine(state);
+    const std::optional<std::string> said = ardupilot::StateLine(state);
     if (!said) return std::nullopt;
     line = *said;
     gathered = {};
@@ -133,24 +135,19 @@ struct ArduPilotPhysics::Impl {
     Answer();
 
     while (const std::optional<Received> received = Next()) {
-      if (received->from != peer) {
-        if (received->at - heard < std::chrono::duration<double>(parameters.gone_s)) {
-          ++counts.refused;
-          continue;
-        }
+      if (received->from != socket.owner()) {
         Open(*received);
         return std::nullopt;
       }
       switch (sequence.Take(received->packet.frame_count)) {
-        case wire::ServoEvent::kRepeat:
-          heard = received->at;
+        case ardupilot::ServoEvent::kRepeat:
           ++counts.repeated;
           Answer();
           break;
-        case wire::ServoEvent::kReset:
+        case ardupilot::ServoEvent::kReset:
           Open(*received);
           return std::nullopt;
-        case wire::ServoEvent::kNext:
+        case ardupilot::ServoEvent::kNext:
           Obey(*received);
           ++counts.answers;
           return motors.Speeds(commands, parameters.thrust_curvature);
@@ -162,16 +159,13 @@ struct ArduPilotPhysics::Impl {
   ArduPilotPhysicsParameters parameters;
   MotorMapping motors;
   asio::io_context io;
-  IoWait wait{io};
-  udp::socket socket;
-  std::array<std::uint8_t, 2048> buffer{};
-  udp::endpoint sender;  // of what is in it
-  std::deque<Received> waiting;
+  control::SessionSocket socket{io};  // its owner is the peer
+  std::atomic<bool> stop = false;
+  static_assert(std::atomic<bool>::is_always_lock_free);
   PhysicsCounts counts;
 
-  udp::endpoint peer;
-  Clock::time_point heard;  // from it
-  wire::ServoSequence sequence;
+  Clock::time_point heard;  // from the peer, or said to it
+  ardupilot::ServoSequence sequence;
   bool owed = false;  // an answer to what has been obeyed: a flight that begins now owes it too
   std::array<double, 4> commands{};
   double step_s = 0;  // asked for
@@ -192,12 +186,12 @@ std::optional<Actuation> ArduPilotPhysics::Step(double dt_s, const SensorReading
   return impl_->Step(dt_s, readings, truth);
 }
 
-void ArduPilotPhysics::Stop() { impl_->wait.Stop(); }
+void ArduPilotPhysics::Stop() { impl_->stop = true; }
 PhysicsCounts ArduPilotPhysics::counts() const { return impl_->counts; }
 
 std::string ArduPilotPhysics::Where() const {
-  const udp::endpoint here = impl_->socket.local_endpoint();
+  const udp::endpoint here = impl_->socket.Where();
   return fmt::format("udp://{}:{}", here.address().to_string(), here.port());
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

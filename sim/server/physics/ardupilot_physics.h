@@ -7,7 +7,7 @@
 #include "base/yaml/fields.h"
 #include "sim/server/physics/physics_server.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 struct ArduPilotPhysicsParameters {
   std::string address = "127.0.0.1";
@@ -58,4 +58,4 @@ class ArduPilotPhysics final : public PhysicsServer {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

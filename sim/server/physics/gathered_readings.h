@@ -5,7 +5,7 @@
 
 #include "sim/sensor/sensors.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // What the sensors said over some steps, for a message that is sent less often than the physics are stepped.
 // The mean of the inertial samples keeps what an autopilot makes of them, their integrals.
@@ -32,4 +32,4 @@ class GatheredReadings {
   int steps_ = 0;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

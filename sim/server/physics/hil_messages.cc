@@ -8,7 +8,7 @@
 
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 // fields_updated
@@ -35,10 +35,10 @@ double StandardPressure_hpa(double altitude_m) {
 
 double StandardTemperature_c(double altitude_m) { return kSeaLevel_k - 273.15 - kLapse_k_m * altitude_m; }
 
-wire::mavlink::HilSensor ToHilSensor(std::uint64_t time_usec, const GatheredReadings& readings,
-                                     SlowSensors& slow, const Eigen::Quaterniond& R_BA,
-                                     const GeodeticOrigin& origin) {
-  wire::mavlink::HilSensor m;
+control::wire::mavlink::HilSensor ToHilSensor(std::uint64_t time_usec, const GatheredReadings& readings,
+                                              SlowSensors& slow, const Eigen::Quaterniond& R_BA,
+                                              const GeodeticOrigin& origin) {
+  control::wire::mavlink::HilSensor m;
   m.time_usec = time_usec;
   m.fields_updated = kAccelerometer | kGyro;
   if (readings.field_B) {
@@ -63,8 +63,9 @@ wire::mavlink::HilSensor ToHilSensor(std::uint64_t time_usec, const GatheredRead
   return m;
 }
 
-wire::mavlink::HilGps ToHilGps(std::uint64_t time_usec, const GpsSample& gps, const GeodeticOrigin& origin) {
-  wire::mavlink::HilGps m;
+control::wire::mavlink::HilGps ToHilGps(std::uint64_t time_usec, const GpsSample& gps,
+                                        const GeodeticOrigin& origin) {
+  control::wire::mavlink::HilGps m;
   m.time_usec = time_usec;
   const GeodeticPosition position = GeodeticOf(origin, gps.p_N);
   m.lat = Rounded<std::int32_t>(position.latitude_deg * 1e7);
@@ -83,10 +84,11 @@ wire::mavlink::HilGps ToHilGps(std::uint64_t time_usec, const GpsSample& gps, co
   return m;
 }
 
-wire::mavlink::HilStateQuaternion ToHilState(std::uint64_t time_usec, const Truth& truth,
-                                             const Eigen::Vector3d& specific_force_B,
-                                             const Eigen::Quaterniond& R_BA, const GeodeticOrigin& origin) {
-  wire::mavlink::HilStateQuaternion m;
+control::wire::mavlink::HilStateQuaternion ToHilState(std::uint64_t time_usec, const Truth& truth,
+                                                      const Eigen::Vector3d& specific_force_B,
+                                                      const Eigen::Quaterniond& R_BA,
+                                                      const GeodeticOrigin& origin) {
+  control::wire::mavlink::HilStateQuaternion m;
   m.time_usec = time_usec;
   const Eigen::Quaternionf q = (truth.X_NB.R * R_BA).cast<float>();
   m.attitude_quaternion = {q.w(), q.x(), q.y(), q.z()};
@@ -108,4 +110,4 @@ wire::mavlink::HilStateQuaternion ToHilState(std::uint64_t time_usec, const Trut
   return m;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -11,7 +11,7 @@
 
 // Sensors and truth as the messages that PX4 takes from a simulator, in their units. A is the autopilot's
 // body frame, which may be turned in B: see sim/server/physics/motor_layout.h.
-namespace kestrel {
+namespace kestrel::sim {
 
 // The international standard atmosphere (ISO 2533) up to 11 km.
 double StandardPressure_hpa(double altitude_m);
@@ -25,16 +25,18 @@ struct SlowSensors {
 
 // readings: of one step at least. slow is brought up to date with them. The temperature is the standard
 // atmosphere's, there is no air speed.
-wire::mavlink::HilSensor ToHilSensor(std::uint64_t time_usec, const GatheredReadings& readings,
-                                     SlowSensors& slow, const Eigen::Quaterniond& R_BA,
-                                     const GeodeticOrigin& origin);
+control::wire::mavlink::HilSensor ToHilSensor(std::uint64_t time_usec, const GatheredReadings& readings,
+                                              SlowSensors& slow, const Eigen::Quaterniond& R_BA,
+                                              const GeodeticOrigin& origin);
 
 // eph and epv are 100: a dilution of 1 as MAVLink has it, 1 m as PX4 reads it. Ten satellites.
-wire::mavlink::HilGps ToHilGps(std::uint64_t time_usec, const GpsSample& gps, const GeodeticOrigin& origin);
+control::wire::mavlink::HilGps ToHilGps(std::uint64_t time_usec, const GpsSample& gps,
+                                        const GeodeticOrigin& origin);
 
 // specific_force_B in m/s^2.
-wire::mavlink::HilStateQuaternion ToHilState(std::uint64_t time_usec, const Truth& truth,
-                                             const Eigen::Vector3d& specific_force_B,
-                                             const Eigen::Quaterniond& R_BA, const GeodeticOrigin& origin);
+control::wire::mavlink::HilStateQuaternion ToHilState(std::uint64_t time_usec, const Truth& truth,
+                                                      const Eigen::Vector3d& specific_force_B,
+                                                      const Eigen::Quaterniond& R_BA,
+                                                      const GeodeticOrigin& origin);
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -16,7 +16,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // Runs the handlers of a socket on the thread that waits for what they bring.
 class IoWait {
@@ -64,4 +64,4 @@ void Listen(const char* protocol, const Endpoint& here, Open open) {
   }
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -10,7 +10,7 @@
 
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 constexpr int kFront = 0, kRight = 1, kBack = 2, kLeft = 3;
@@ -49,4 +49,4 @@ Actuation MotorMapping::Speeds(const std::array<double, 4>& commands, double cur
   return speeds;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

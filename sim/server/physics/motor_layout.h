@@ -8,7 +8,7 @@
 
 #include "sim/aircraft/airframe.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // Where an autopilot of four motors has them in its own body frame A, forward, right and down, and how that
 // lies in B so that they are the rotors of a Multirotor.
@@ -55,4 +55,4 @@ class MotorMapping {
   Eigen::Quaterniond R_BA_;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

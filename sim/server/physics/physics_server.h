@@ -6,7 +6,7 @@
 
 #include "sim/autopilot/external_autopilot.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // What came over the wire since the server was made.
 struct PhysicsCounts {
@@ -41,4 +41,4 @@ class PhysicsServer : public ExternalAutopilot {
   virtual PhysicsCounts counts() const = 0;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -8,16 +8,17 @@
 #include <chrono>
 #include <cmath>
 #include <utility>
+#include <vector>
 
 #include "control/wire/mavlink_messages.h"
 #include "sim/server/physics/io_wait.h"
 #include "sim/server/physics/motor_layout.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 namespace asio = boost::asio;
-namespace mav = wire::mavlink;
+namespace mav = control::wire::mavlink;
 using asio::ip::tcp;
 using Clock = std::chrono::steady_clock;
 
@@ -27,6 +28,7 @@ constexpr std::uint8_t kArmed = 128;
 constexpr std::uint16_t kSetMessageInterval = 511;
 // Who connects and has said nothing that MAVLink knows after this is sent away.
 constexpr double kIntroduction_s = 5;
+constexpr std::size_t kCandidates = 8;      // who may be silent at once; of more, the oldest goes
 constexpr std::uint64_t kStrayBytes = 280;  // a whole frame's
 // Further behind the real time than this, it is not caught up with.
 constexpr double kBehind_s = 0.1;
@@ -42,6 +44,8 @@ struct Connection {
   std::array<std::uint8_t, 2048> buffer{};
   mav::Parser parser{mav::Formats()};
   mav::Sender sender{kSystem, kComponent};
+  Clock::time_point since = Clock::now();
+  std::vector<mav::Message> first;  // until the session is its own
   bool over = false;
 };
 
@@ -67,14 +71,33 @@ struct Px4Physics::Impl {
     acceptor.async_accept([this](const boost::system::error_code& error, tcp::socket socket) {
       accepting = false;
       if (error) {
-        broken = error != asio::error::connection_aborted;
+        broken = error != asio::error::connection_aborted && error != asio::error::operation_aborted;
         return;
       }
       boost::system::error_code ignored;
       socket.set_option(tcp::no_delay(true), ignored);
-      connection = std::make_shared<Connection>(std::move(socket));
-      Read(connection);
+      if (candidates.size() == kCandidates) {
+        Refuse(*candidates.front());
+        candidates.erase(candidates.begin());
+      }
+      candidates.push_back(std::make_shared<Connection>(std::move(socket)));
+      Read(candidates.back());
+      if (introducing) Accept();
     });
+  }
+
+  void Count(const Connection& over) {
+    const mav::Counts& c = over.parser.counts();
+    refused += c.bad_checksum + c.bad_flags + c.bad_length + c.unconfirmed + c.unknown;
+    stray_bytes += c.stray_bytes;
+  }
+
+  void Refuse(Connection& c) {
+    boost::system::error_code ignored;
+    c.over = true;
+    c.socket.close(ignored);
+    Count(c);
+    ++refused;
   }
 
   void Read(const std::shared_ptr<Connection>& c) {
@@ -82,9 +105,16 @@ struct Px4Physics::Impl {
                               [this, c](const boost::system::error_code& error, std::size_t size) {
                                 c->over = c->over || error;
                                 if (c->over) return;
-                                for (const mav::Frame& frame : c->parser.Stream({c->buffer.data(), size}))
-                                  if (const auto message = mav::Decode(frame)) Take(*message);
-                                Read(c);
+                                for (const mav::Frame& frame : c->parser.Stream({c->buffer.data(), size})) {
+                                  const auto message = mav::Decode(frame);
+                                  if (!message) continue;
+                                  if (c == connection)
+                                    Take(*message);
+                                  else
+                                    c->first.push_back(*message);
+                                }
+                                // Who has said who it is, is read on when the session is its own.
+                                if (c == connection || c->parser.counts().frames == 0) Read(c);
                               });
   }
 
@@ -113,32 +143,47 @@ struct Px4Physics::Impl {
 
   void Close() {
     if (!connection) return;
-    const mav::Counts& c = connection->parser.counts();
-    refused += c.bad_checksum + c.bad_flags + c.bad_length + c.unconfirmed + c.unknown;
-    stray_bytes += c.stray_bytes;
+    Count(*connection);
     boost::system::error_code ignored;
     connection->over = true;
     connection->socket.close(ignored);
     connection.reset();
   }
 
-  // Waits until a peer has said who it is.
+  // Waits until a peer has said who it is: the first that does has the session, and who is silent keeps
+  // nobody waiting.
   bool Introduced() {
-    for (;;) {
-      Close();
-      Accept();
-      if (!wait.Until([&] { return connection || broken; }) || broken) return false;
-      const auto enough = [&] {
-        const mav::Counts& c = connection->parser.counts();
-        return connection->over || c.frames > 0 || c.stray_bytes >= kStrayBytes;
-      };
-      if (!wait.Until(enough, Clock::now() + Seconds(kIntroduction_s)) && wait.stopped()) return false;
-      if (Open() && connection->parser.counts().frames > 0) return true;
-      ++refused;
-    }
+    Close();
+    introducing = true;
+    Accept();
+    std::shared_ptr<Connection> introduced;
+    wait.Until([&] {
+      std::erase_if(candidates, [&](const auto& c) {
+        const mav::Counts& heard = c->parser.counts();
+        if (!introduced && heard.frames > 0 && !c->over) introduced = c;
+        if (c == introduced) return true;
+        const bool goes = c->over || heard.frames > 0 || heard.stray_bytes >= kStrayBytes ||
+                          Clock::now() - c->since > Seconds(kIntroduction_s);
+        if (goes) Refuse(*c);
+        return goes;
+      });
+      return introduced || broken;
+    });
+    // Who comes during the flight waits for its end.
+    introducing = false;
+    boost::system::error_code ignored;
+    acceptor.cancel(ignored);
+    io.poll();
+    for (const auto& c : candidates) Refuse(*c);
+    candidates.clear();
+    if (!introduced || broken || wait.stopped()) return false;
+    connection = introduced;
+    for (const mav::Message& message : std::exchange(connection->first, {})) Take(message);
+    Read(connection);
+    return true;
   }
 
-  bool Send(const wire::Bytes& bytes) {
+  bool Send(const control::wire::Bytes& bytes) {
     bool done = false;
     const auto c = connection;
     asio::async_write(c->socket, asio::buffer(bytes),
@@ -174,9 +219,9 @@ struct Px4Physics::Impl {
     due_s += parameters.sensor_period_s;
 
     const auto time_usec = static_cast<std::uint64_t>(std::llround(truth.t_s * 1e6));
-    wire::Bytes bytes;
+    control::wire::Bytes bytes;
     const auto add = [&](const mav::Message& message) {
-      const wire::Bytes frame = connection->sender.Encode(message);
+      const control::wire::Bytes frame = connection->sender.Encode(message);
       bytes.insert(bytes.end(), frame.begin(), frame.end());
     };
     if (gathered.gps) add(ToHilGps(time_usec, *gathered.gps, parameters.origin));
@@ -212,7 +257,8 @@ struct Px4Physics::Impl {
   asio::io_context io;
   IoWait wait{io};
   tcp::acceptor acceptor;
-  bool accepting = false, broken = false;
+  bool introducing = false, accepting = false, broken = false;
+  std::vector<std::shared_ptr<Connection>> candidates;  // who have connected and said nothing yet
   std::shared_ptr<Connection> connection;
   PhysicsCounts counts;
   std::uint64_t refused = 0, stray_bytes = 0;  // of connections that are over
@@ -274,4 +320,4 @@ PhysicsCounts Px4Physics::counts() const {
   return counts;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -8,7 +8,7 @@
 #include "sim/server/physics/hil_messages.h"
 #include "sim/server/physics/physics_server.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 struct Px4PhysicsParameters {
   std::string address = "127.0.0.1";
@@ -61,4 +61,4 @@ class Px4Physics final : public PhysicsServer {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

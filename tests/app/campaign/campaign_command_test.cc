@@ -15,7 +15,7 @@
 
 #include "app/campaign/command_line.h"
 #include "base/file/files.h"
-#include "base/process/child_program.h"
+#include "base/process/child_process.h"
 #include "base/stopwatch.h"
 #include "campaign/execution/batch_script.h"
 #include "campaign/execution/result_store.h"
@@ -24,7 +24,7 @@
 #include "tests/support/shell.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kestrel {
+namespace kestrel::app {
 namespace {
 
 namespace fs = std::filesystem;
@@ -50,7 +50,7 @@ vary:
   Ended Campaign(const std::string& arguments) const {
     return Shell(fmt::format("{} campaign {}", KESTREL_PROGRAM, arguments));
   }
-  std::string Tables(const std::string& file) const { return TablesOf(folder_ / file); }
+  std::string Tables(const std::string& file) const { return campaign::TablesOf(folder_ / file); }
 };
 
 TEST_F(CampaignCommandTest, TheSameTableForOneWorkerAndTwoAndAgainByReplay) {
@@ -63,7 +63,7 @@ TEST_F(CampaignCommandTest, TheSameTableForOneWorkerAndTwoAndAgainByReplay) {
   const std::string tables = Tables("one/results.sqlite");
   EXPECT_EQ(tables, Tables("two/results.sqlite"));
   // Flights, and different ones.
-  const auto results = ResultStore::Read(folder_ / "one/results.sqlite").Results();
+  const auto results = campaign::ResultStore::Read(folder_ / "one/results.sqlite").Results();
   ASSERT_EQ(results.size(), 6);
   EXPECT_NE(results[0].state_hash, results[1].state_hash);
   EXPECT_TRUE(results[0].metrics.contains("fix_share"));
@@ -193,21 +193,21 @@ TEST_F(CampaignCommandTest, EndedBeforeAnythingFliesItSaysSo) {
 TEST_F(CampaignCommandTest, InterruptedItEndsTheRunsUnderWayAndGoesOn) {
   const auto rows = [&] {
     try {
-      return ResultStore::Read(folder_ / "here/results.sqlite").Rows().size();
+      return campaign::ResultStore::Read(folder_ / "here/results.sqlite").Rows().size();
     } catch (const std::exception&) {
       return std::size_t{0};
     }
   };
   {
-    ChildProgram program({KESTREL_PROGRAM, "campaign", (folder_ / "short.yaml").string(), "--jobs", "1",
+    ChildProcess program({KESTREL_PROGRAM, "campaign", (folder_ / "short.yaml").string(), "--jobs", "1",
                           "--out", (folder_ / "here").string(), "--record-failures", "0"},
                          {}, folder_ / "said.txt");
     const double until_s = MonotonicNow_s() + 60;
     while (rows() < 1 && MonotonicNow_s() < until_s)
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
     program.Signal(SIGINT);
-    EXPECT_EQ(program.Wait(60), 3) << program.Said();
-    EXPECT_THAT(program.Said(), HasSubstr("the same command goes on"));
+    EXPECT_EQ(program.Wait(60), 3) << program.Output();
+    EXPECT_THAT(program.Output(), HasSubstr("the same command goes on"));
   }
   const std::size_t kept = rows();
   EXPECT_GE(kept, 1);
@@ -225,7 +225,7 @@ TEST(ShellWord, MeansItsText) {
   for (const std::string text :
        {"plain", "a b", "it's", "$HOME `x` \"y\" \\z", "", "a;b|c&d", "*?[]", "{a: [1, 2]}"}) {
     const std::string file = (fs::temp_directory_path() / fmt::format("kestrel_word_{}", getpid())).string();
-    ASSERT_EQ(std::system(fmt::format("printf %s {} > {}", ShellWord(text), file).c_str()), 0);
+    ASSERT_EQ(std::system(fmt::format("printf %s {} > {}", campaign::ShellWord(text), file).c_str()), 0);
     EXPECT_EQ(Content(file), text);
     fs::remove(file);
   }
@@ -316,4 +316,4 @@ TEST_F(CampaignCommandTest, SlurmFliesItsPartsAndALostOneIsNamedAndFlownAgain) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::app

@@ -23,7 +23,7 @@
 #include "tests/support/shell.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kestrel {
+namespace kestrel::app {
 namespace {
 
 namespace fs = std::filesystem;
@@ -407,4 +407,4 @@ TEST_F(CommandLineTest, BrokenModelsUnderAnotherRootAreRefused) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::app

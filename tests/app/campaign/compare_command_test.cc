@@ -13,7 +13,7 @@
 #include "tests/campaign/example_campaign.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kestrel {
+namespace kestrel::app {
 namespace {
 
 namespace fs = std::filesystem;
@@ -23,16 +23,17 @@ class CompareCommandLine : public InTemporaryFolder {
  protected:
   void SetUp() override {
     InTemporaryFolder::SetUp();
-    const CampaignResults a = ExampleCampaign();
-    CampaignResults b = a;
-    for (RunResult& run : b.results)
+    const campaign::CampaignResults a = campaign::ExampleCampaign();
+    campaign::CampaignResults b = a;
+    for (campaign::RunResult& run : b.results)
       if (const auto found = run.metrics.find("touchdown_error_m"); found != run.metrics.end())
         found->second *= 0.9;
     Write("a", a), Write("b", b);
   }
-  void Write(const char* name, const CampaignResults& campaign) {
+  void Write(const char* name, const campaign::CampaignResults& campaign) {
     fs::create_directories(folder_ / name);
-    ResultStore store = ResultStore::Open(folder_ / name / "results.sqlite", campaign.identity);
+    campaign::ResultStore store =
+        campaign::ResultStore::Open(folder_ / name / "results.sqlite", campaign.identity);
     for (std::size_t i = 0; i < 60; ++i) store.Put(campaign.results[i]);
   }
   bool Run(std::vector<std::string> words) {
@@ -68,4 +69,4 @@ TEST_F(CompareCommandLine, RefusesWhatHasNoResults) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::app

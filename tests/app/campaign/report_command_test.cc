@@ -13,7 +13,7 @@
 #include "tests/campaign/landing_campaign.h"
 #include "tests/support/content.h"
 
-namespace kestrel {
+namespace kestrel::app {
 namespace {
 
 namespace fs = std::filesystem;
@@ -26,10 +26,10 @@ class ReportCommandTest : public testing::Test {
   void SetUp() override {
     fs::remove_all(folder_);
     fs::create_directories(folder_);
-    ReportSubject subject = LandingCampaign(20, folder_);
+    campaign::ReportSubject subject = campaign::LandingCampaign(20, folder_);
     subject.identity.plan +=
         "\n# --set runs=20\n\n# --set set=[wind.gusts.rate_per_min=0]\n\n# --stop-when 0.02\n";
-    ResultStore store = ResultStore::Open(file_, subject.identity);
+    campaign::ResultStore store = campaign::ResultStore::Open(file_, subject.identity);
     for (std::size_t k = 0; k < 12; ++k) store.Put(subject.results[k]);
   }
 
@@ -59,9 +59,9 @@ TEST_F(ReportCommandTest, FliesAgainWithTheOptionsOfTheFirstTime) {
 TEST_F(ReportCommandTest, NamesTheCampaignsFileWhereItIs) {
   const fs::path file = folder_ / "mine.yaml";
   {
-    CampaignIdentity identity = ResultStore::Read(file_).identity();
+    campaign::CampaignIdentity identity = campaign::ResultStore::Read(file_).identity();
     identity.file = file.string();
-    ResultStore::Open(file_, identity);
+    campaign::ResultStore::Open(file_, identity);
   }
   EXPECT_THAT(SubjectOf(file_).replay, HasSubstr("replay landing_dispersion.yaml "));  // it is no more
   std::ofstream(file) << "scenario: landing\n";
@@ -95,17 +95,18 @@ TEST_F(ReportCommandTest, AFolderThatCannotBeWrittenIsRefusedBeforeTheWork) {
 
 TEST_F(ReportCommandTest, JudgesTheThresholdsOfThePlan) {
   std::vector<std::string> names;
-  for (const JudgedThreshold& each : SubjectOf(file_).summary.thresholds) names.push_back(each.name);
+  for (const campaign::JudgedThreshold& each : SubjectOf(file_).summary.thresholds)
+    names.push_back(each.name);
   EXPECT_THAT(names, ElementsAre("success", "touchdown_error_m, 95 % quantile"));
 }
 
 TEST_F(ReportCommandTest, TellsWhetherTheThresholdsAreKept) {
   EXPECT_FALSE(ReportCommand({file_.string(), "", true}));  // of 12 runs no more than 74 % is shown
-  CampaignIdentity identity = LandingCampaign(20, folder_).identity;
+  campaign::CampaignIdentity identity = campaign::LandingCampaign(20, folder_).identity;
   std::string& plan = identity.plan;
   plan = plan.substr(0, plan.find("thresholds:")) + "thresholds: {success: {min: 0}}\n";
   const fs::path kept = folder_ / "kept.sqlite";
-  ResultStore::Open(kept, identity).Put(LandingCampaign(20, folder_).results[0]);
+  campaign::ResultStore::Open(kept, identity).Put(campaign::LandingCampaign(20, folder_).results[0]);
   EXPECT_TRUE(ReportCommand({kept.string(), "", true}));
 }
 
@@ -117,4 +118,4 @@ TEST_F(ReportCommandTest, RefusesWhatHoldsNoResults) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::app

@@ -15,7 +15,7 @@
 #include "tests/support/content.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kestrel {
+namespace kestrel::app {
 namespace {
 
 namespace fs = std::filesystem;
@@ -64,24 +64,28 @@ for line in sys.stdin:
 
 TEST_F(TuneCommandTest, TheNumberOfWorkersChangesNothingAndWhatWasFlownIsNotFlownAgain) {
   EXPECT_TRUE(TuneCommand(Arguments("one", 1)));
-  const std::vector<int> flown = RowsIn(folder_ / "flown.txt");
+  const std::vector<int> flown = campaign::RowsIn(folder_ / "flown.txt");
   const std::size_t flights = flown.size();
   const auto beyond = std::count_if(flown.begin(), flown.end(), [](int row) { return row >= 57; });
   EXPECT_LE(flights, 120u + 3 * 10);
   EXPECT_TRUE(TuneCommand(Arguments("three", 3)));
   EXPECT_EQ(Text("three/tuning.json"), Text("one/tuning.json"));
   EXPECT_EQ(Text("three/gains.yaml"), Text("one/gains.yaml"));
-  EXPECT_THAT(RowsIn(folder_ / "flown.txt"), SizeIs(2 * flights));
+  EXPECT_THAT(campaign::RowsIn(folder_ / "flown.txt"), SizeIs(2 * flights));
   {
-    const CampaignIdentity identity = ResultStore::Read(folder_ / "three/flights.sqlite").identity();
-    ResultStore::Open(folder_ / "three/flights.sqlite", identity).DropFrom(57);  // as if it had ended there
+    const campaign::CampaignIdentity identity =
+        campaign::ResultStore::Read(folder_ / "three/flights.sqlite").identity();
+    campaign::ResultStore::Open(folder_ / "three/flights.sqlite", identity)
+        .DropFrom(57);  // as if it had ended there
     fs::remove(folder_ / "three/gains.yaml");
   }
   EXPECT_TRUE(TuneCommand(Arguments("three", 2)));
   EXPECT_EQ(Text("three/tuning.json"), Text("one/tuning.json"));
   EXPECT_EQ(Text("three/gains.yaml"), Text("one/gains.yaml"));
-  EXPECT_THAT(RowsIn(folder_ / "flown.txt"), SizeIs(2 * flights + static_cast<std::size_t>(beyond)));
-  const Scenario s = LoadScenario("follow", {"gains=" + (folder_ / "one/gains.yaml").string()}).scenario;
+  EXPECT_THAT(campaign::RowsIn(folder_ / "flown.txt"),
+              SizeIs(2 * flights + static_cast<std::size_t>(beyond)));
+  const flight::Scenario s =
+      flight::LoadScenario("follow", {"gains=" + (folder_ / "one/gains.yaml").string()}).scenario;
   EXPECT_NEAR(s.pilot.servo.lambda_per_s, 1, 0.3);
   EXPECT_NEAR(s.pilot.servo.lambda_yaw_per_s, 1.2, 0.3);
 }
@@ -89,11 +93,11 @@ TEST_F(TuneCommandTest, TheNumberOfWorkersChangesNothingAndWhatWasFlownIsNotFlow
 // What several searches fly alike is flown once: the start and its flights on the held-out rows.
 TEST_F(TuneCommandTest, MethodsAreComparedByTheRowsHeldOutOnOnePage) {
   EXPECT_TRUE(TuneCommand(Arguments("alone", 2)));
-  const std::size_t alone = RowsIn(folder_ / "flown.txt").size();
+  const std::size_t alone = campaign::RowsIn(folder_ / "flown.txt").size();
   TuneArguments arguments = Arguments("all", 2);
   arguments.compare = 2;
   EXPECT_TRUE(TuneCommand(arguments));
-  EXPECT_LE(RowsIn(folder_ / "flown.txt").size(), alone + 6 * alone - 5 * 10);
+  EXPECT_LE(campaign::RowsIn(folder_ / "flown.txt").size(), alone + 6 * alone - 5 * 10);
   for (const char* method : {"cma_es", "cross_entropy", "random_search"})
     for (const char* seed : {"1", "2"})
       EXPECT_TRUE(fs::exists(folder_ / "all" / fmt::format("{}-{}", method, seed) / "gains.yaml"));
@@ -164,4 +168,4 @@ TEST_F(TuneCommandTest, TheFolderOfAnotherTuningIsRefused) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::app

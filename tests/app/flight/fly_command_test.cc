@@ -18,7 +18,7 @@
 #include "base/yaml/yaml_fields.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kestrel {
+namespace kestrel::app {
 namespace {
 
 using ::testing::HasSubstr;
@@ -98,4 +98,4 @@ TEST_F(FlyCommandTest, ATerminalThatGoesEndsTheCheckListInGoodOrderAndItIsOnReco
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::app

@@ -10,19 +10,20 @@
 #include "flight/simulated/runner.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kestrel {
+namespace kestrel::app {
 namespace {
 
 class ReplayCommandTest : public InTemporaryFolder {
  protected:
   void SetUp() override {
     InTemporaryFolder::SetUp();
-    RunOptions options;
+    flight::RunOptions options;
     options.folder = folder_;
     options.video = false;
     options.images = true;
-    RunFlight(LoadScenario("hover", {"duration_s=1.5", "start.settle_s=1", "pilot.servo.lambda_per_s=1.1"}),
-              options);
+    flight::RunFlight(
+        flight::LoadScenario("hover", {"duration_s=1.5", "start.settle_s=1", "pilot.servo.lambda_per_s=1.1"}),
+        options);
   }
   bool Replay(const std::vector<std::string>& overrides = {}, double tolerance = 0) const {
     return ReplayCommand({folder_.string(), "", overrides, tolerance, true});
@@ -64,4 +65,4 @@ TEST_F(ReplayCommandTest, AToleranceThatIsNoneIsRefused) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::app

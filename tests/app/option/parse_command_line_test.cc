@@ -5,7 +5,7 @@
 
 #include <CLI/CLI.hpp>
 
-namespace kestrel {
+namespace kestrel::app {
 namespace {
 
 using ::testing::AllOf;
@@ -95,4 +95,4 @@ TEST_F(ParseCommandLineTest, HelpAndVersionAreVerbsToo) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::app

@@ -9,7 +9,7 @@
 #include "base/yaml/yaml_fields.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kestrel {
+namespace kestrel::app {
 namespace {
 
 using ::testing::AllOf;
@@ -102,4 +102,4 @@ TEST_F(HorizonCommandTest, ACameraOfAnotherSizeIsRefused) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::app

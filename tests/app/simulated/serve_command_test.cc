@@ -11,7 +11,7 @@
 #include "flight/simulated/scenario.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kestrel {
+namespace kestrel::app {
 namespace {
 
 using ::testing::AllOf;
@@ -20,28 +20,28 @@ using ::testing::Not;
 
 constexpr char kNoScenario[] = "no_such_scenario";  // what else is wrong is told beside it, and at once
 
-class At final : public AutopilotServer {
+class At final : public sim::AutopilotServer {
  public:
   explicit At(std::string where) : where_(std::move(where)) {}
-  void Serve(double, Autopilot&) override {}
+  void Serve(double, control::Autopilot&) override {}
   void SetPilot(bool) override {}
-  const WireCounts& Heard() const override { return heard_; }
+  const sim::WireCounts& Heard() const override { return heard_; }
   std::string Where() const override { return where_; }
 
  private:
   std::string where_;
-  WireCounts heard_;
+  sim::WireCounts heard_;
 };
 
-std::vector<NamedServer> Servers(const std::string& name, const std::string& where) {
-  std::vector<NamedServer> servers;
+std::vector<flight::NamedServer> Servers(const std::string& name, const std::string& where) {
+  std::vector<flight::NamedServer> servers;
   servers.push_back({name, std::make_unique<At>(where)});
   return servers;
 }
 
-ServeArguments Parsed(std::vector<std::string> words) {
+flight::ServeArguments Parsed(std::vector<std::string> words) {
   CLI::App app;
-  ServeArguments arguments;
+  flight::ServeArguments arguments;
   AddServeCommand(app, arguments);
   words.insert(words.begin(), "serve");
   std::reverse(words.begin(), words.end());
@@ -54,8 +54,9 @@ TEST(ServeArguments, AfcsMayHaveAPlaceOfItsOwn) {
   EXPECT_EQ(Parsed({"landing", "--afcs"}).afcs, "");
   EXPECT_EQ(Parsed({"landing", "--afcs", "--asctec"}).afcs, "");
   EXPECT_EQ(Parsed({"landing", "--afcs", "127.0.0.1:2002"}).afcs, "127.0.0.1:2002");
-  const ServeArguments all = Parsed({"landing", "--mavlink", "px4", "--mavlink-port", "0", "--for", "2.5",
-                                     "--pilot-off-at", "1", "--set", "seed=3", "--set", "duration_s=4"});
+  const flight::ServeArguments all =
+      Parsed({"landing", "--mavlink", "px4", "--mavlink-port", "0", "--for", "2.5", "--pilot-off-at", "1",
+              "--set", "seed=3", "--set", "duration_s=4"});
   EXPECT_EQ(all.mavlink, "px4");
   EXPECT_EQ(all.mavlink_port, 0);
   EXPECT_EQ(all.for_s, 2.5);
@@ -66,7 +67,7 @@ TEST(ServeArguments, AfcsMayHaveAPlaceOfItsOwn) {
 class ServeCommandTest : public InTemporaryFolder {
  protected:
   // What it is refused with; empty: it is not.
-  std::string Refusal(ServeArguments arguments) {
+  std::string Refusal(flight::ServeArguments arguments) {
     if (arguments.scenario.empty()) arguments.scenario = "landing";
     arguments.out = folder_ / "run";
     try {
@@ -79,7 +80,7 @@ class ServeCommandTest : public InTemporaryFolder {
 };
 
 TEST_F(ServeCommandTest, AllMistakesAreToldAtOnce) {
-  ServeArguments a;
+  flight::ServeArguments a;
   a.camera = "rtp:5600 ! filesink", a.listen = "everywhere", a.afcs = "here:99999", a.mavlink_port = 14550;
   a.pilot_off_at_s = -1, a.seed = "x", a.for_s = std::nan(""), a.overrides = {"wind.mean_m_s=-3"};
   const std::string refusal = Refusal(a);
@@ -92,7 +93,7 @@ TEST_F(ServeCommandTest, AllMistakesAreToldAtOnce) {
 }
 
 TEST_F(ServeCommandTest, HowLongMustBeATime) {
-  ServeArguments a;
+  flight::ServeArguments a;
   a.scenario = kNoScenario, a.afcs = "127.0.0.1:0";
   for (const double for_s : {0.0, -5.0, 1e300, std::numeric_limits<double>::infinity()}) {
     a.for_s = for_s;
@@ -101,7 +102,7 @@ TEST_F(ServeCommandTest, HowLongMustBeATime) {
 }
 
 TEST_F(ServeCommandTest, NoServerListensWhereTheStreamGoes) {
-  ServeArguments a;
+  flight::ServeArguments a;
   a.scenario = kNoScenario, a.camera = "rtp:14580", a.mavlink = "px4";
   EXPECT_THAT(Refusal(a), HasSubstr("--mavlink: port 14580 is where the camera's stream goes"));
   a.camera = "rtp:5600", a.mavlink_port = 5600;
@@ -115,16 +116,16 @@ TEST_F(ServeCommandTest, NoServerListensWhereTheStreamGoes) {
 }
 
 TEST_F(ServeCommandTest, AFlightAtAnAutopilotsPaceIsNotSaidToBeInRealTime) {
-  ServeArguments a;
+  flight::ServeArguments a;
   a.scenario = "landing", a.physics = "px4", a.for_s = 30;
-  const LoadedScenario loaded = LoadScenario("landing");
-  EXPECT_THAT(StartLines(a, loaded, {}, nullptr),
+  const flight::LoadedScenario loaded = flight::LoadScenario("landing");
+  EXPECT_THAT(flight::StartLines(a, loaded, {}, nullptr),
               AllOf(HasSubstr("at the autopilot's pace"), HasSubstr("until 30 s are over"),
                     Not(HasSubstr("in real time"))));
 }
 
 TEST_F(ServeCommandTest, PhysicsThatNobodyFliesEndsWhenItsTimeIsOver) {
-  ServeArguments a;
+  flight::ServeArguments a;
   a.scenario = "landing", a.physics = "px4", a.physics_port = 0, a.for_s = 0.2;
   testing::internal::CaptureStdout();
   EXPECT_EQ(ServeCommand(a), 0);
@@ -132,7 +133,7 @@ TEST_F(ServeCommandTest, PhysicsThatNobodyFliesEndsWhenItsTimeIsOver) {
 }
 
 TEST_F(ServeCommandTest, AFlightThatNobodyFlewIsNotMet) {
-  ServeArguments a;
+  flight::ServeArguments a;
   a.scenario = "hover", a.afcs = "127.0.0.1:0", a.for_s = 0.6, a.out = folder_ / "run";
   testing::internal::CaptureStdout();
   EXPECT_EQ(ServeCommand(a), 1);
@@ -145,10 +146,10 @@ TEST_F(ServeCommandTest, NothingToServeIsAMistake) {
 }
 
 TEST_F(ServeCommandTest, TheStartLinesSayHowToConnect) {
-  ServeArguments a;
+  flight::ServeArguments a;
   a.scenario = "landing", a.camera = "rtp:5600";
-  const LoadedScenario loaded = LoadScenario("landing");
-  const std::string lines = StartLines(a, loaded, Servers("afcs", "udp://127.0.0.1:2002"), nullptr);
+  const flight::LoadedScenario loaded = flight::LoadScenario("landing");
+  const std::string lines = flight::StartLines(a, loaded, Servers("afcs", "udp://127.0.0.1:2002"), nullptr);
   EXPECT_THAT(lines, HasSubstr("SIMULATOR"));
   EXPECT_THAT(lines, HasSubstr("udp://127.0.0.1:2002"));
   EXPECT_THAT(lines, HasSubstr("kestrel fly landing --camera rtp://127.0.0.1:5600 "));
@@ -158,10 +159,12 @@ TEST_F(ServeCommandTest, TheStartLinesSayHowToConnect) {
 }
 
 TEST_F(ServeCommandTest, WhatIsOpenBeyondThisComputerIsWarnedOf) {
-  ServeArguments a;
+  flight::ServeArguments a;
   a.scenario = "landing";
-  const LoadedScenario loaded = LoadScenario("landing");
-  const auto lines = [&](const char* where) { return StartLines(a, loaded, Servers("x", where), nullptr); };
+  const flight::LoadedScenario loaded = flight::LoadScenario("landing");
+  const auto lines = [&](const char* where) {
+    return flight::StartLines(a, loaded, Servers("x", where), nullptr);
+  };
   EXPECT_THAT(lines("udp://0.0.0.0:14550"), HasSubstr("no authentication"));
   EXPECT_THAT(lines("udp://192.168.1.5:14550"), HasSubstr("no authentication"));
   EXPECT_THAT(lines("udp://[::]:14550"), HasSubstr("no authentication"));
@@ -174,4 +177,4 @@ TEST_F(ServeCommandTest, WhatIsOpenBeyondThisComputerIsWarnedOf) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::app

@@ -17,7 +17,7 @@
 #include "tests/support/temporary_folder.h"
 #include "vision/camera/views.h"
 
-namespace kestrel {
+namespace kestrel::app {
 namespace {
 
 namespace fs = std::filesystem;
@@ -64,7 +64,7 @@ class ViewCommandTest : public InTemporaryFolder {
     return "none";
   }
 
-  KannalaBrandt camera_;
+  vision::KannalaBrandt camera_;
   cv::Mat image_;
   ViewArguments arguments_;
 };
@@ -96,9 +96,9 @@ TEST_F(ViewCommandTest, WritesTheViewThatWasAskedFor) {
   arguments_.size = "200x100";
   ViewCommand(arguments_);
   const double f = 100 / std::tan(Radians(40));
-  const View view =
-      PerspectiveView{{200, 100, f, f, 99.5, 49.5}, ViewRotation(Radians(20), Radians(-10), Radians(5))};
-  const cv::Mat expected = Look(MakeViewTable(view, camera_), image_);
+  const vision::View view = vision::PerspectiveView{
+      {200, 100, f, f, 99.5, 49.5}, vision::ViewRotation(Radians(20), Radians(-10), Radians(5))};
+  const cv::Mat expected = vision::Look(vision::MakeViewTable(view, camera_), image_);
   const cv::Mat written = cv::imread(arguments_.out);
   ASSERT_EQ(written.size(), expected.size());
   EXPECT_EQ(cv::norm(written, expected, cv::NORM_INF), 0);
@@ -117,7 +117,7 @@ TEST_F(ViewCommandTest, EveryKindHasASizeOfItsOwnThatFitsTheImage) {
     arguments_.azimuth_deg = "-60..30.5", arguments_.elevation_deg = "-20..20";
     ViewCommand(arguments_);
     const cv::Size size = cv::imread(arguments_.out).size();
-    const double px_per_rad = MeanResolution(camera_);
+    const double px_per_rad = vision::MeanResolution(camera_);
     EXPECT_NEAR(size.width, Radians(90.5) * px_per_rad, 1) << as;
     EXPECT_NEAR(
         size.height,
@@ -171,7 +171,7 @@ TEST_F(ViewCommandTest, TakesACalibrationOfKalibrAndOneOfOpenCvWithoutSize) {
 }
 
 TEST_F(ViewCommandTest, TurnsAVideoFrameByFrame) {
-  Video video(File("video.mp4"), 12.5);
+  records::Video video(File("video.mp4"), 12.5);
   for (int k = 0; k < 7; ++k) video.Write(Frame(k));
   video.Close();
   arguments_.input = File("video.mp4");
@@ -181,22 +181,23 @@ TEST_F(ViewCommandTest, TurnsAVideoFrameByFrame) {
   arguments_.size = "160x90";
   ViewCommand(arguments_);
 
-  VideoReader out(arguments_.out);
+  records::VideoReader out(arguments_.out);
   EXPECT_EQ(out.size(), cv::Size(160, 90));
   EXPECT_DOUBLE_EQ(out.rate_hz(), 12.5);
   EXPECT_EQ(out.frames(), 7);
-  const View view = Panorama{160,
-                             90,
-                             Radians(-30),
-                             Radians(30),
-                             Radians(-20),
-                             Radians(20),
-                             Panorama::Rows::kElevation,
-                             Eigen::Matrix3d::Identity()};
-  const ViewTable table = MakeViewTable(view, camera_);
+  const vision::View view = vision::Panorama{160,
+                                             90,
+                                             Radians(-30),
+                                             Radians(30),
+                                             Radians(-20),
+                                             Radians(20),
+                                             vision::Panorama::Rows::kElevation,
+                                             Eigen::Matrix3d::Identity()};
+  const vision::ViewTable table = vision::MakeViewTable(view, camera_);
   int frames = 0;
   for (; const auto frame = out.Next(); ++frames)
-    EXPECT_LT(cv::norm(*frame, Look(table, Frame(frames)), cv::NORM_L1) / (160 * 90 * 3), 5) << frames;
+    EXPECT_LT(cv::norm(*frame, vision::Look(table, Frame(frames)), cv::NORM_L1) / (160 * 90 * 3), 5)
+        << frames;
   EXPECT_EQ(frames, 7);
 }
 
@@ -239,17 +240,17 @@ TEST_F(ViewCommandTest, RefusesAViewThatWouldBeBlack) {
 }
 
 TEST_F(ViewCommandTest, ABrokenVideoIsNamed) {
-  Video video(File("video.mp4"), 20);
+  records::Video video(File("video.mp4"), 20);
   for (int k = 0; k < 3; ++k) video.Write(Frame(k));
   video.Close();
   fs::resize_file(File("video.mp4"), fs::file_size(File("video.mp4")) / 2);
   EXPECT_THROW(
       {
-        VideoReader reader(File("video.mp4"));
+        records::VideoReader reader(File("video.mp4"));
         while (reader.Next()) {}
       },
       std::runtime_error);
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::app

@@ -9,7 +9,7 @@
 
 #include "bench/horizon/horizon_judgement.h"
 
-namespace kestrel {
+namespace kestrel::bench {
 namespace {
 
 std::vector<StillLandscape> TwoWorlds() {
@@ -86,13 +86,13 @@ TEST(HorizonStills, WhatIsExpectedErrsByTheDeviationThatIsSaid) {
 JudgedStill Off(double roll_deg, double pitch_deg, double sigma_deg) {
   JudgedStill judged;
   judged.X_NB.R = Eigen::Quaterniond::Identity();
-  SkylineFix fix;
+  vision::SkylineFix fix;
   fix.down_C = RotationFromTaitBryan({0, Radians(pitch_deg), Radians(roll_deg)}).transpose() *
                Eigen::Vector3d::UnitZ();
   fix.covariance =
       std::pow(Radians(sigma_deg), 2) * (Eigen::Matrix3d::Identity() - fix.down_C * fix.down_C.transpose());
-  judged.answers[kAlone] = Judge(SkylineResult(fix), Eigen::Matrix3d::Identity(), judged.X_NB);
-  judged.answers[kExpecting] = Judge(NoSkyline::kUneven, Eigen::Matrix3d::Identity(), judged.X_NB);
+  judged.answers[kAlone] = Judge(vision::SkylineResult(fix), Eigen::Matrix3d::Identity(), judged.X_NB);
+  judged.answers[kExpecting] = Judge(vision::NoSkyline::kUneven, Eigen::Matrix3d::Identity(), judged.X_NB);
   return judged;
 }
 
@@ -142,4 +142,4 @@ TEST(HorizonJudgement, EveryStillHasItsRangeOfEachFactor) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::bench

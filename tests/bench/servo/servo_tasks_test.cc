@@ -7,7 +7,7 @@
 
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::bench {
 namespace {
 
 using Eigen::Vector3d;
@@ -88,4 +88,4 @@ TEST(ServoTasks, WithoutTimeThereIsNoConvergenceAndNoTimeOfIt) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::bench

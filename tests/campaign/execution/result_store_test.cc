@@ -19,7 +19,7 @@
 #include "tests/campaign/results.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
 namespace fs = std::filesystem;
@@ -517,4 +517,4 @@ TEST_F(ResultStoreTest, AProcessThatIsKilledLosesNothingThatPutReturnedFrom) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -25,7 +25,7 @@
 #include "tests/campaign/tables.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
 namespace fs = std::filesystem;
@@ -463,4 +463,4 @@ TEST_F(RunCampaignTest, ProgressCountsAndARowsLogIsKept) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::campaign

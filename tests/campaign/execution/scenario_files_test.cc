@@ -11,7 +11,7 @@
 #include "campaign/execution/result_store.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
 namespace fs = std::filesystem;
@@ -53,4 +53,4 @@ TEST_F(ScenarioFilesTest, WhatVariesMayBeAnyOfItsKind) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::campaign

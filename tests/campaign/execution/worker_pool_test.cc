@@ -21,7 +21,7 @@
 #include "tests/campaign/scripted_worker.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
 namespace fs = std::filesystem;
@@ -274,4 +274,4 @@ TEST_F(WorkerPoolTest, ThePoolEndsItsWorkersWithItself) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::campaign

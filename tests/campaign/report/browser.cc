@@ -14,9 +14,9 @@
 #include <stdexcept>
 #include <thread>
 
-#include "base/process/child_program.h"
+#include "base/process/child_process.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
 namespace fs = std::filesystem;
@@ -49,7 +49,7 @@ struct Browser::Driver {
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
     const std::regex started(R"(started successfully on port (\d+))");
     for (std::smatch match; port.empty();) {
-      const std::string said = program.Said();
+      const std::string said = program.Output();
       if (std::regex_search(said, match, started)) port = match[1];
       if (program.Ended() || std::chrono::steady_clock::now() > deadline)
         throw std::runtime_error("chromedriver does not start: " + said);
@@ -106,7 +106,7 @@ struct Browser::Driver {
   }
   Json Log(const char* type) { return Command("/se/log", {{"type", type}}); }
 
-  ChildProgram program;
+  ChildProcess program;
   std::string port, session;
 };
 
@@ -191,4 +191,4 @@ std::vector<std::string> Browser::Requests() {
   return urls;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

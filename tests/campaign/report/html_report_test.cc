@@ -18,7 +18,7 @@
 #include "tests/campaign/landing_campaign.h"
 #include "tests/campaign/report/browser.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
 namespace fs = std::filesystem;
@@ -393,4 +393,4 @@ TEST_F(ReportInBrowser, ShowsAndAnswersWithoutComplaintAndWithoutANetwork) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -12,7 +12,7 @@
 #include "campaign/statistics/stop_rule.h"
 #include "tests/campaign/example_campaign.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
 using ::testing::ElementsAre;
@@ -190,4 +190,4 @@ TEST(CampaignSummary, OfNoRunsIsOne) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::campaign

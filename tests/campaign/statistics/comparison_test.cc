@@ -10,7 +10,7 @@
 #include "tests/campaign/example_campaign.h"
 #include "tests/campaign/statistics/coverage.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
 using ::testing::ElementsAre;
@@ -203,4 +203,4 @@ TEST(Compare, ItsJsonSaysTheSame) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -9,7 +9,7 @@
 #include "base/random.h"
 #include "base/share_interval.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 
 // The share of simulated samples of which the interval holds the truth.
 inline double Coverage(int simulations, double truth,
@@ -25,4 +25,4 @@ inline double Chance(int simulations, double level = 0.95) {
   return 4 * std::sqrt(level * (1 - level) / simulations);
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -8,7 +8,7 @@
 #include "base/statistics.h"
 #include "tests/campaign/statistics/coverage.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
 using std::numbers::pi;
@@ -224,4 +224,4 @@ TEST(Effects, ANumberIsOneFromItsBeginningToItsEnd) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -6,7 +6,7 @@
 
 #include "tests/campaign/statistics/coverage.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
 using ::testing::Ge;
@@ -172,4 +172,4 @@ TEST(QuantileInterval, InfiniteSamplesStandAtTheirEnd) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -4,7 +4,7 @@
 #include "base/statistics.h"
 #include "tests/campaign/statistics/coverage.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
 TEST(McNemar, IsTheShareOfAllWaysToPartTheRowsThatDiffer) {
@@ -167,4 +167,4 @@ TEST(PairedDifferences, IntervalsHoldTheDifferenceAsOftenAsTheySay) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::campaign

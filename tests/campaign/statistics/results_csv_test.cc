@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <limits>
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
 using ::testing::ElementsAre;
@@ -80,4 +80,4 @@ TEST(ResultsCsv, NoCellIsAFormulaToASpreadsheet) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -5,7 +5,7 @@
 
 #include "tests/campaign/statistics/coverage.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
 TEST(ShareSequence, ItsEndsAreWhereTheMixtureIsTwentyTimesAsLikely) {
@@ -99,4 +99,4 @@ TEST(ShareSequence, NarrowEnoughIsOfHalfTheWidth) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -8,7 +8,7 @@
 
 #include "campaign/statistics/share_sequence.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
 // So many runs with errors of 1 to `runs` mm, of which the first do not pass, and the last have no error.
@@ -125,4 +125,4 @@ TEST(Thresholds, AreCasesOfJunit) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::campaign

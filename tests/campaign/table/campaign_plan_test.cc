@@ -12,7 +12,7 @@
 #include "flight/simulated/scenario.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
 namespace fs = std::filesystem;
@@ -88,7 +88,7 @@ TEST_F(CampaignPlanTest, AFileBecomesItsPlanAndATableThatTheScenarioTakes) {
   ASSERT_EQ(loaded.table.rows.size(), 4u);
   for (std::size_t row = 0; row < 4; ++row) {
     const auto& values = loaded.table.rows[row];
-    const LoadedScenario flown = LoadScenario(plan.scenario, OverridesOf(loaded.table, row));
+    const flight::LoadedScenario flown = flight::LoadScenario(plan.scenario, OverridesOf(loaded.table, row));
     EXPECT_EQ(std::to_string(flown.scenario.seed), values[0]);
     EXPECT_EQ(flown.simulator.wind.mean_m_s, std::stod(values[7]));
     EXPECT_EQ(flown.simulator.scene.pad_position_m.x(), std::stod(values[4]));
@@ -156,7 +156,7 @@ TEST_F(CampaignPlanTest, AScenarioMayLieBesideTheFile) {
   Write("mission: pose\nwind: {mean_m_s: 1}\n", "own.yaml");
   const LoadedCampaign loaded = Load("scenario: own.yaml\nruns: 1\n");
   EXPECT_EQ(loaded.plan.scenario, (folder_ / "own.yaml").string());
-  EXPECT_EQ(LoadScenario(loaded.plan.scenario).simulator.wind.mean_m_s, 1);
+  EXPECT_EQ(flight::LoadScenario(loaded.plan.scenario).simulator.wind.mean_m_s, 1);
 }
 
 TEST_F(CampaignPlanTest, EveryMistakeIsNamedWithFileLineKeyAndWhatWouldBeValid) {
@@ -378,7 +378,7 @@ TEST(Campaigns, EveryFileOfEveryFlightIsValidAndNoScenario) {
       EXPECT_THAT(scenarios, ::testing::Not(Contains(name)));
       // Rows that the scenario refuses would be flights lost.
       for (const std::size_t row : {std::size_t{0}, loaded.table.rows.size() - 1})
-        EXPECT_NO_THROW(LoadScenario(loaded.plan.scenario, OverridesOf(loaded.table, row))) << name;
+        EXPECT_NO_THROW(flight::LoadScenario(loaded.plan.scenario, OverridesOf(loaded.table, row))) << name;
       ++files;
     }
   }
@@ -386,4 +386,4 @@ TEST(Campaigns, EveryFileOfEveryFlightIsValidAndNoScenario) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
 using ::testing::ElementsAre;
@@ -68,4 +68,4 @@ TEST(Distribution, NumbersReadBackToTheSameBits) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::campaign

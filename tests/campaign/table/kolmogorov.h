@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-namespace kestrel {
+namespace kestrel::campaign {
 
 // The greatest distance of a sample's distribution from one given, times the root of its size: above 1.95 of
 // one sample in a thousand (Kolmogorov's limit).
@@ -20,4 +20,4 @@ inline double KolmogorovDistance(std::vector<double> sample, const auto& cdf) {
   return distance * std::sqrt(n);
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::campaign

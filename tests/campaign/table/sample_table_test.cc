@@ -3,7 +3,7 @@
 
 #include <gmock/gmock.h>
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
 using ::testing::ElementsAre;
@@ -31,4 +31,4 @@ TEST(SampleTable, AnotherContentHasAnotherHash) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -11,7 +11,7 @@
 
 #include "tests/campaign/table/kolmogorov.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
 using ::testing::ElementsAre;
@@ -116,7 +116,7 @@ TEST(Sampling, TheLeastCorrelationOfAGroupIsWhereItsMatrixTurnsSingular) {
   EXPECT_DOUBLE_EQ(CopulaCorrelation(1), 1);
   EXPECT_DOUBLE_EQ(CopulaCorrelation(0), 0);
   for (const int keys : {2, 3, 7}) {
-    const double least = CopulaCorrelation(LeastRankCorrelation(keys));
+    const double least = CopulaCorrelation(MinRankCorrelation(keys));
     EXPECT_NEAR(1 + (keys - 1) * least, 0, 1e-12);  // the matrix's least eigenvalue
   }
 }
@@ -190,4 +190,4 @@ TEST(Sampling, ASeedThatVariesIsTheFirstColumnToo) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::campaign

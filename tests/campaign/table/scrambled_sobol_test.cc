@@ -9,7 +9,7 @@
 #include "base/random.h"
 #include "tests/campaign/table/kolmogorov.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
 TEST(ScrambledSobol, TheFirstTwoDimensionsHaveOnePointInEveryElementaryBox) {
@@ -61,4 +61,4 @@ TEST(ScrambledSobol, ItIntegratesFarBetterThanIndependentSamples) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::campaign

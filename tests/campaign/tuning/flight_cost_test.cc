@@ -5,7 +5,7 @@
 
 #include <limits>
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
 FlightCost Cost() {
@@ -79,4 +79,4 @@ TEST(FlightCost, NoFlightCostsMoreThanOneThatWasNotFlownToItsEnd) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -8,7 +8,7 @@
 #include "flight/simulated/scenario.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
 using ::testing::ElementsAre;
@@ -22,7 +22,7 @@ class GainsTest : public InTemporaryFolder {
   }
   std::vector<std::string> Refusal(const std::string& scenario) const {
     try {
-      LoadScenario(scenario);
+      flight::LoadScenario(scenario);
     } catch (const InputError& e) {
       return e.messages;
     }
@@ -50,14 +50,16 @@ TEST_F(GainsTest, WhatATuningWritesAScenarioTakes) {
   // Over what the scenario says itself, and under what is set for the run.
   const std::string scenario =
       Write("mission: hover\ngains: gains.yaml\npilot: {servo: {lambda_per_s: 9}}\n", "s.yaml");
-  const Scenario s = LoadScenario(scenario).scenario;
+  const flight::Scenario s = flight::LoadScenario(scenario).scenario;
   EXPECT_EQ(s.pilot.servo.lambda_per_s, 1.23456);
   EXPECT_EQ(s.autopilot.velocity_gain_per_s, 0.7);
   EXPECT_EQ(s.pilot.estimator.acceleration_m_s2, 0.7);
-  EXPECT_EQ(LoadScenario(scenario, {"pilot.servo.lambda_per_s=2"}).scenario.pilot.servo.lambda_per_s, 2);
-  EXPECT_EQ(LoadScenario("follow", {"gains=" + gains}).scenario.pilot.servo.lambda_per_s, 1.23456);
+  EXPECT_EQ(flight::LoadScenario(scenario, {"pilot.servo.lambda_per_s=2"}).scenario.pilot.servo.lambda_per_s,
+            2);
+  EXPECT_EQ(flight::LoadScenario("follow", {"gains=" + gains}).scenario.pilot.servo.lambda_per_s, 1.23456);
   // The resolved text has the values, and needs the file no more.
-  EXPECT_EQ(LoadScenario(Write(ToYaml(s), "resolved.yaml")).scenario.autopilot.velocity_gain_per_s, 0.7);
+  EXPECT_EQ(flight::LoadScenario(Write(ToYaml(s), "resolved.yaml")).scenario.autopilot.velocity_gain_per_s,
+            0.7);
   EXPECT_THAT(ToYaml(s), ::testing::Not(HasSubstr("gains.yaml")));
 }
 
@@ -86,4 +88,4 @@ TEST_F(GainsTest, AGainGivenTwiceAndAFileWithinTheFileAreRefused) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::campaign

@@ -14,7 +14,7 @@
 #include <pagmo/population.hpp>
 #include <pagmo/problem.hpp>
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
 using ::testing::Each;
@@ -123,4 +123,4 @@ TEST(Search, CmaEsIsPagmosOwnThoughItIsAskedAndTold) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::campaign

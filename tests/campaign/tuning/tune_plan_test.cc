@@ -11,7 +11,7 @@
 #include "flight/simulated/scenario.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
 using ::testing::ElementsAre;
@@ -59,7 +59,7 @@ TEST_F(TunePlanTest, AFileBecomesItsPlanAndTablesWithoutARowInCommon) {
   EXPECT_EQ(tune.plan.cost.terms.at("follow_distance_rms").weight, 2);
   EXPECT_EQ(tune.plan.cost.constraints.at("greatest_tilt_deg").max, 20);
   EXPECT_EQ(tune.plan.cost.failure, 3);
-  const Scenario own = LoadScenario("follow").scenario;
+  const flight::Scenario own = flight::LoadScenario("follow").scenario;
   EXPECT_EQ(tune.own.at("pilot.servo.lambda_per_s"), own.pilot.servo.lambda_per_s);
   EXPECT_EQ(tune.own.at("autopilot.velocity_gain_per_s"), own.autopilot.velocity_gain_per_s);
   EXPECT_EQ(tune.plan.gains.at("pilot.servo.lambda_per_s").start, own.pilot.servo.lambda_per_s);
@@ -198,4 +198,4 @@ TEST(Tunings, EveryFileOfEveryFlightIsValid) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::campaign

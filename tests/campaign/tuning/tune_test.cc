@@ -14,7 +14,7 @@
 #include "campaign/tuning/tune_files.h"
 #include "campaign/tuning/tune_report.h"
 
-namespace kestrel {
+namespace kestrel::campaign {
 namespace {
 
 using ::testing::Each;
@@ -310,4 +310,4 @@ TEST(Tune, ThePairedIntervalIsStudents) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::campaign

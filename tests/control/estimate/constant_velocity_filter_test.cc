@@ -9,7 +9,7 @@
 #include <opencv2/video/tracking.hpp>
 #include <random>
 
-namespace kestrel {
+namespace kestrel::control {
 namespace {
 
 using Eigen::Matrix3d;
@@ -156,4 +156,4 @@ TEST(ConstantVelocityFilter, CovarianceStaysSymmetricAndPositive) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::control

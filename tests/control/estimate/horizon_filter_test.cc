@@ -9,7 +9,7 @@
 #include "geometry/pose.h"
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::control {
 namespace {
 
 constexpr double kStep_s = 0.01;
@@ -114,4 +114,4 @@ TEST(HorizonFilter, AnImageFromBeforeItsMemoryIsTooLate) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::control

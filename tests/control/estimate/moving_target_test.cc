@@ -7,7 +7,7 @@
 
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::control {
 namespace {
 
 using Eigen::Vector3d;
@@ -68,7 +68,7 @@ MovingTarget Watched(const Errors& errors = {}, const MovingTargetOptions& optio
   MovingTarget target(kMount, options);
   for (int i = 0; i <= std::lround(kEnd_s / kState_s); ++i) {
     const double t_s = i * kState_s;
-    target.Hear(Believed(t_s, errors));
+    target.AddState(Believed(t_s, errors));
     if (i == 0 || i % std::lround(kFrame_s / kState_s) != 0) continue;
     EXPECT_TRUE(target.Correct(t_s - 0.04, Seen(t_s - 0.04), covariance));
   }
@@ -85,7 +85,7 @@ TEST(MovingTarget, AnEvenMotionIsFoundWhileTheAircraftTurnsTiltsAndFlies) {
 
 TEST(MovingTarget, TheCameraWillSeeItWhereItWillBe) {
   MovingTarget target = Watched();
-  for (double t_s = kEnd_s + kState_s; t_s < kEnd_s + 0.3; t_s += kState_s) target.Hear(Aircraft(t_s));
+  for (double t_s = kEnd_s + kState_s; t_s < kEnd_s + 0.3; t_s += kState_s) target.AddState(Aircraft(t_s));
   const auto p_CT = target.InCamera(kEnd_s + 0.2, 0.5);
   ASSERT_TRUE(p_CT);
   EXPECT_LT((*p_CT - Seen(kEnd_s + 0.2)).norm(), 0.005);
@@ -129,7 +129,7 @@ TEST(MovingTarget, TheVelocitysDeviationIsThatOfTheFilterInItsSteadyState) {
 TEST(MovingTarget, WhatIsOlderOrNewerThanAllThatIsRememberedOfTheAircraftIsRefused) {
   MovingTarget target(kMount, {});
   EXPECT_FALSE(target.Correct(0, {0, 0, 5}, kCovariance));
-  for (int i = 0; i <= 500; ++i) target.Hear(Aircraft(i * kState_s));
+  for (int i = 0; i <= 500; ++i) target.AddState(Aircraft(i * kState_s));
   EXPECT_FALSE(target.Correct(2.5, Seen(2.5), kCovariance));
   EXPECT_FALSE(target.Correct(5.5, Seen(5.5), kCovariance));
   EXPECT_FALSE(target.At(5));
@@ -150,12 +150,12 @@ TEST(MovingTarget, WhatIsSeenFarFromWhereItShouldBeIsBelievedOnceItLasts) {
   MovingTarget target = Watched();
   const auto far = [](double t_s) { return Vector3d(Seen(t_s) + Vector3d(0, 0, 20)); };
   for (double t_s = kEnd_s; t_s < kEnd_s + 0.29; t_s += kFrame_s) {
-    target.Hear(Aircraft(t_s));
+    target.AddState(Aircraft(t_s));
     EXPECT_FALSE(target.Correct(t_s, far(t_s), kCovariance)) << t_s;
     EXPECT_LT((target.At(t_s)->p_N - TargetAt(t_s)).norm(), 0.01) << t_s;
   }
   const double lasting_s = kEnd_s + 0.31;
-  target.Hear(Aircraft(lasting_s));
+  target.AddState(Aircraft(lasting_s));
   EXPECT_TRUE(target.Correct(lasting_s, far(lasting_s), kCovariance));
   EXPECT_NEAR((target.At(lasting_s)->p_N - TargetAt(lasting_s)).norm(), 20, 0.01);
   EXPECT_EQ(target.At(lasting_s)->v_N, Vector3d::Zero());
@@ -173,7 +173,7 @@ TEST(MovingTarget, AMistakeInBetweenIsForgottenByTheNextGoodMeasurement) {
   MovingTarget target = Watched();
   for (int i = 0; i < 20; ++i) {
     const double t_s = kEnd_s + i * kFrame_s;
-    target.Hear(Aircraft(t_s));
+    target.AddState(Aircraft(t_s));
     const bool odd = i % 4 != 3;
     EXPECT_EQ(target.Correct(t_s, Seen(t_s) + Vector3d(0, 0, odd ? -4 : 0), kCovariance), !odd) << i;
   }
@@ -202,4 +202,4 @@ TEST(LevelAhead, IsWhatACameraAheadSeesOfALevelAircraftWhateverTheTiltOfTheRealO
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::control

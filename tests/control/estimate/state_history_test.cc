@@ -7,7 +7,7 @@
 
 #include "geometry/pose.h"
 
-namespace kestrel {
+namespace kestrel::control {
 namespace {
 
 using Eigen::Vector3d;
@@ -109,4 +109,4 @@ TEST(StateHistory, TakesTheLastStateOfATimeAndNoneThatGoesBack) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::control

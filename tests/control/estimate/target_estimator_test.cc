@@ -9,7 +9,7 @@
 
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::control {
 namespace {
 
 using Eigen::Vector3d;
@@ -89,13 +89,13 @@ Pose Noisy(const Pose& X_CT, Random& random) {
 // Flies from one time to another with fixes that arrive late; returns the time up to which states were heard.
 double Fly(const Flight& flight, double from_s, double to_s, TargetEstimator& estimator, Random& random) {
   double heard_s = from_s;
-  estimator.Hear(flight.StateAt(heard_s));
+  estimator.AddState(flight.StateAt(heard_s));
   for (int frame = 0;; ++frame) {
     const double exposure_s = from_s + frame * kFrameStep_s;
     if (exposure_s + kLatency_s > to_s) return heard_s;
     while (heard_s + kStateStep_s <= exposure_s + kLatency_s) {
       heard_s += kStateStep_s;
-      estimator.Hear(flight.StateAt(heard_s));
+      estimator.AddState(flight.StateAt(heard_s));
     }
     estimator.Correct(exposure_s, Noisy(Flight::TruthCT(exposure_s), random), FixCovariance());
   }
@@ -106,7 +106,7 @@ TEST(TargetEstimator, KnowsNothingBeforeItHasSeenTheTarget) {
   EXPECT_FALSE(estimator.At(1));
   EXPECT_FALSE(estimator.ExpectedPose(1));
   EXPECT_FALSE(estimator.Correct(1, Flight::TruthCT(1), FixCovariance()));  // no state of that time
-  estimator.Hear(Flight{}.StateAt(1));
+  estimator.AddState(Flight{}.StateAt(1));
   EXPECT_FALSE(estimator.At(1));
   EXPECT_TRUE(estimator.Correct(1, Flight::TruthCT(1), FixCovariance()));
   EXPECT_TRUE(estimator.At(1));
@@ -116,7 +116,7 @@ TEST(TargetEstimator, KnowsNothingBeforeItHasSeenTheTarget) {
 TEST(TargetEstimator, OneExactFixGivesThePlaceAndTheYaw) {
   TargetEstimator estimator(CameraMount(), {});
   const Flight flight;
-  for (const double t : {0.98, 0.99, 1.0, 1.01}) estimator.Hear(flight.StateAt(t));
+  for (const double t : {0.98, 0.99, 1.0, 1.01}) estimator.AddState(flight.StateAt(t));
   const auto X_TB = estimator.Correct(1, Flight::TruthCT(1), FixCovariance());
   ASSERT_TRUE(X_TB);
   const Pose truth = Flight::TruthTB(1);
@@ -179,7 +179,7 @@ TEST(TargetEstimator, TiltAlignmentMendsTheFix) {
     double now_s = Fly(flight, 0, 20, estimator, random);
     for (int i = 0; i < 100; ++i) {
       now_s += kFrameStep_s;
-      estimator.Hear(flight.StateAt(now_s));
+      estimator.AddState(flight.StateAt(now_s));
       // far more tilt noise than before: mostly hidden, say
       Matrix6 covariance = FixCovariance();
       covariance.diagonal().tail<3>().setConstant(std::pow(Radians(2), 2));
@@ -200,14 +200,14 @@ TEST(TargetEstimator, RefusesAWildFixAndBelievesARunOfThem) {
   double now_s = Fly(flight, 0, 5, estimator, random);
   const auto wild = [&] {
     now_s += kFrameStep_s;
-    estimator.Hear(flight.StateAt(now_s));
+    estimator.AddState(flight.StateAt(now_s));
     Pose X_CT = Flight::TruthCT(now_s);
     X_CT.p += Vector3d(3, 0, 0);
     return estimator.Correct(now_s, X_CT, FixCovariance());
   };
   const auto good = [&] {
     now_s += kFrameStep_s;
-    estimator.Hear(flight.StateAt(now_s));
+    estimator.AddState(flight.StateAt(now_s));
     return estimator.Correct(now_s, Flight::TruthCT(now_s), FixCovariance());
   };
   for (int i = 0; i < 20; ++i) {  // single ones never make a run
@@ -228,7 +228,7 @@ TEST(TargetEstimator, WeighsAFixByWhatItsCovarianceSaysOfThePlace) {
   for (const double sign : {1.0, -1.0}) {
     TargetEstimator estimator(CameraMount(), {.tilt_alignment = false});
     const Flight flight;
-    for (const double t : {0.98, 0.99, 1.0, 1.01}) estimator.Hear(flight.StateAt(t));
+    for (const double t : {0.98, 0.99, 1.0, 1.01}) estimator.AddState(flight.StateAt(t));
     Matrix6 rough = Matrix6::Zero();
     rough.diagonal().setConstant(0.1 * 0.1);
     rough.diagonal().tail<3>().setConstant(1e-6);
@@ -259,13 +259,13 @@ TEST(TargetEstimator, CarriesTheEstimateOverALossOfTheTarget) {
     Random random(50 + i);
     const double lost_s = Fly(flight, 0, 20 + 0.5 * i, estimator, random);
     const double age_s = estimator.At(lost_s)->age_s;
-    for (double t = lost_s; t < lost_s + 1.5; t += kStateStep_s) estimator.Hear(flight.StateAt(t));
+    for (double t = lost_s; t < lost_s + 1.5; t += kStateStep_s) estimator.AddState(flight.StateAt(t));
     const auto estimate = estimator.At(lost_s + 1.4);
     ASSERT_TRUE(estimate);
     EXPECT_NEAR(estimate->age_s, age_s + 1.4, 1e-9);
     EXPECT_TRUE(estimator.ExpectedPose(lost_s + 1.4));
     sum += (estimate->p_TB - Flight::PlaceT(lost_s + 1.4)).squaredNorm();
-    for (double t = lost_s + 1.5; t < lost_s + 4; t += kStateStep_s) estimator.Hear(flight.StateAt(t));
+    for (double t = lost_s + 1.5; t < lost_s + 4; t += kStateStep_s) estimator.AddState(flight.StateAt(t));
     EXPECT_FALSE(estimator.ExpectedPose(lost_s + 3.9));  // too long ago to look there
   }
   EXPECT_LT(std::sqrt(sum / kFlights), 0.3);  // by the reported velocity it would be 0.7 m
@@ -279,7 +279,7 @@ TEST(TargetEstimator, DoesNotFollowAJumpOfTheAutopilotsPosition) {
   const auto before = estimator.At(now_s);
   VehicleState state = flight.StateAt(now_s);
   state.p_NB += Vector3d(5, 5, 5);  // a correction by satellites
-  estimator.Hear(state);
+  estimator.AddState(state);
   ASSERT_TRUE(before);
   EXPECT_LT((estimator.At(now_s)->p_TB - before->p_TB).norm(), 1e-12);
 }
@@ -299,4 +299,4 @@ TEST(TargetEstimator, ForgetsThePlaceAndNotTheAutopilotsErrors) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::control

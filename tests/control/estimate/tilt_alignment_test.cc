@@ -9,7 +9,7 @@
 
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::control {
 namespace {
 
 using Eigen::Matrix3d;
@@ -167,4 +167,4 @@ TEST(FuseNormal, MendsThePositionBoundToTheTilt) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::control

@@ -9,7 +9,7 @@
 #include <functional>
 #include <random>
 
-namespace kestrel {
+namespace kestrel::control {
 namespace {
 
 using Eigen::Vector3d;
@@ -71,8 +71,8 @@ TEST(VelocityLag, LagsAndDelaysAreFoundByWhatWasCommandedAndFlown) {
     ASSERT_TRUE(flown.horizontal && flown.vertical) << lag_s << ' ' << delay_s;
     for (const VelocityLagEstimator::Late& late : {*flown.horizontal, *flown.vertical}) {
       EXPECT_NEAR(late.s, lag_s + delay_s, 0.11) << lag_s << ' ' << delay_s;
-      EXPECT_LE(late.least_s, lag_s + delay_s + 1e-9) << lag_s << ' ' << delay_s;
-      EXPECT_GE(late.least_s, lag_s + delay_s - 0.4) << lag_s << ' ' << delay_s;
+      EXPECT_LE(late.min_s, lag_s + delay_s + 1e-9) << lag_s << ' ' << delay_s;
+      EXPECT_GE(late.min_s, lag_s + delay_s - 0.4) << lag_s << ' ' << delay_s;
     }
   }
 }
@@ -86,7 +86,7 @@ TEST(VelocityLag, ALoopThatCirclesTellsWhoIsLate) {
   const Flown late = Fly(Aircraft(0, 0.85), 40, servo, 0.03, 1);
   ASSERT_TRUE(late.vertical);
   EXPECT_NEAR(late.vertical->s, 0.85, 0.15);
-  EXPECT_GT(late.vertical->least_s, MostLag(4));
+  EXPECT_GT(late.vertical->min_s, MaxLag(4));
 }
 
 TEST(VelocityLag, GustsAndNoiseDoNotMakeAnAutopilotLate) {
@@ -100,7 +100,7 @@ TEST(VelocityLag, GustsAndNoiseDoNotMakeAnAutopilotLate) {
       const Flown flown = Fly(Aircraft(0.3, 0), 60, servo, 0.05, wind_m_s2);
       if (!flown.vertical) continue;
       ++told;
-      EXPECT_LE(flown.vertical->least_s, 0.45) << wind_m_s2 << ' ' << lambda;
+      EXPECT_LE(flown.vertical->min_s, 0.45) << wind_m_s2 << ' ' << lambda;
     }
   EXPECT_GT(told, 3);
 }
@@ -130,13 +130,13 @@ TEST(VelocityLag, WhatTheGainsAllowSettles) {
     return late_swing;
   };
   for (const double lambda : {0.8, 1.2, 2.0}) {
-    EXPECT_LT(swings(0, MostLag(lambda) - kFrame_s / 2, lambda), 0.02) << lambda;
-    EXPECT_LT(swings(MostLag(lambda), 0, lambda), 0.02) << lambda;
-    EXPECT_GT(swings(0, 1.55 * MostLag(lambda), lambda), 0.5) << lambda;
+    EXPECT_LT(swings(0, MaxLag(lambda) - kFrame_s / 2, lambda), 0.02) << lambda;
+    EXPECT_LT(swings(MaxLag(lambda), 0, lambda), 0.02) << lambda;
+    EXPECT_GT(swings(0, 1.55 * MaxLag(lambda), lambda), 0.5) << lambda;
   }
-  EXPECT_NEAR(MostLag(1.2), 0.873, 0.001);
-  EXPECT_EQ(MostLag(0), std::numeric_limits<double>::infinity());
+  EXPECT_NEAR(MaxLag(1.2), 0.873, 0.001);
+  EXPECT_EQ(MaxLag(0), std::numeric_limits<double>::infinity());
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::control

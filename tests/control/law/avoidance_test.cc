@@ -10,7 +10,7 @@
 
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::control {
 namespace {
 
 using Eigen::Vector2d;
@@ -165,7 +165,7 @@ TEST(PlanManoeuvre, IfNothingClearsItIsTheOneThatKeepsThemFarthestOff) {
     ASSERT_TRUE(plan);
     const double los = std::atan2(one[0].p.y(), one[0].p.x());
     double best = 0;
-    for (double deg = o.hold.bearing_deg; deg <= o.most_bearing_deg; deg += 5)
+    for (double deg = o.hold.bearing_deg; deg <= o.max_bearing_deg; deg += 5)
       for (const double sign : {-1, 1})
         best = std::max(best, ObtainedMiss(one, v, los - sign * Radians(deg), o));
     if (best > o.clear_share * o.safe_m - kTolerance_m) continue;
@@ -205,4 +205,4 @@ TEST(PlanManoeuvre, ItHoldsTheOneThatComesNearestWithinTheHorizon) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::control

@@ -11,7 +11,7 @@
 #include "geometry/pose.h"
 #include "tests/control/law/numeric_interaction.h"
 
-namespace kestrel {
+namespace kestrel::control {
 namespace {
 
 using Eigen::Vector2d;
@@ -114,4 +114,4 @@ TEST(BearingServo, WithoutADistanceItStandsStill) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::control

@@ -10,7 +10,7 @@
 #include "control/law/bearing_servo.h"
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::control {
 namespace {
 
 using Eigen::Vector2d;
@@ -28,7 +28,7 @@ struct Craft {
 struct Encounter {
   std::vector<Craft> path;
   HoldBearingState state;
-  double least_range = 1e9;
+  double min_range = 1e9;
 };
 
 Encounter Fly(Craft craft, const HoldBearingGains& gains, double seconds, double speed = 0.5) {
@@ -39,7 +39,7 @@ Encounter Fly(Craft craft, const HoldBearingGains& gains, double seconds, double
     e.state = step.state;
     craft.heading += step.yaw_rate * dt;
     craft.p_N += speed * dt * Vector2d(std::cos(craft.heading), std::sin(craft.heading));
-    e.least_range = std::min(e.least_range, craft.p_N.norm());
+    e.min_range = std::min(e.min_range, craft.p_N.norm());
     e.path.push_back(craft);
   }
   return e;
@@ -87,8 +87,8 @@ TEST(HoldBearing, BothSidesMissAThingDeadOnTheWayMirrorImages) {
   const Encounter left = Fly({{-5, -0.2}, 0}, {}, 14), right = Fly({{-5, 0.2}, 0}, {}, 14);
   EXPECT_EQ(left.state.side, PassingSide::kLeft);
   EXPECT_EQ(right.state.side, PassingSide::kRight);
-  EXPECT_GT(left.least_range, 1.0);  // 5 m away, 50 degrees off
-  EXPECT_NEAR(left.least_range, right.least_range, 1e-9);
+  EXPECT_GT(left.min_range, 1.0);  // 5 m away, 50 degrees off
+  EXPECT_NEAR(left.min_range, right.min_range, 1e-9);
   EXPECT_LT(left.path.back().p_N.y(), 0);
   EXPECT_GT(right.path.back().p_N.y(), 0);
 }
@@ -130,4 +130,4 @@ TEST(HoldBearing, TheYawRateIsLimited) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::control

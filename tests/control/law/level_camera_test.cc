@@ -11,7 +11,7 @@
 #include "geometry/tait_bryan.h"
 #include "tests/control/law/numeric_interaction.h"
 
-namespace kestrel {
+namespace kestrel::control {
 namespace {
 
 using Eigen::Matrix3d;
@@ -110,4 +110,4 @@ TEST(LevelInteraction, IsTheDerivativeOfWhatTheLevelCameraSeesWhileTheAircraftTu
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::control

@@ -5,7 +5,7 @@
 
 #include "geometry/pose.h"
 
-namespace kestrel {
+namespace kestrel::control {
 
 // A feature's derivative by the twist (v, w) of the camera, by its definition: the camera is displaced along
 // each axis and turned about it, and the feature of a point that stands still is measured again. Central
@@ -26,4 +26,4 @@ Eigen::MatrixXd NumericInteraction(const Feature& feature, const Eigen::Vector3d
   return L;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::control

@@ -9,7 +9,7 @@
 
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::control {
 namespace {
 
 using Eigen::Vector3d;
@@ -149,4 +149,4 @@ TEST(ServoSetpoint, FliesHomeAtConstantHeightAndYawGains) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::control

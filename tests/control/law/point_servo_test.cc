@@ -12,7 +12,7 @@
 #include "geometry/pose.h"
 #include "tests/control/law/numeric_interaction.h"
 
-namespace kestrel {
+namespace kestrel::control {
 namespace {
 
 using Eigen::Vector2d;
@@ -151,8 +151,8 @@ TEST(PointServo, WhatCannotBeServedHasANameAndNoVelocity) {
   EXPECT_EQ(state(unknown, InteractionChoice::kDesired), ServoState::kRegular);
   EXPECT_EQ(state(gone, InteractionChoice::kDesired), ServoState::kNotFinite);
   EXPECT_EQ(PointServo({}, {}, InteractionChoice::kMean, 1).state, ServoState::kNoFeatures);
-  EXPECT_STREQ(Name(ServoState::kDepthNotPositive), "depth not positive");
+  EXPECT_STREQ(NameOf(ServoState::kDepthNotPositive), "depth not positive");
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::control

@@ -9,7 +9,7 @@
 
 #include "control/law/sphere_target.h"
 
-namespace kestrel {
+namespace kestrel::control {
 namespace {
 
 using Eigen::Matrix2d;
@@ -107,4 +107,4 @@ TEST(RelativeGainTable, MarksThePairing) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::control

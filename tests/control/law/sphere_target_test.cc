@@ -9,7 +9,7 @@
 #include "geometry/pose.h"
 #include "tests/control/law/numeric_interaction.h"
 
-namespace kestrel {
+namespace kestrel::control {
 namespace {
 
 using Eigen::Matrix3d;
@@ -63,7 +63,7 @@ TEST(FollowVelocity, WholeItBringsTheImageHomeOnAStraightLineDecoupledItAlsoArri
   const SphereImage wanted{{0, 0}, 0.2};
   const double lambda = 0.9, dt = 1e-3;
   const Vector3d lambdas = Vector3d::Constant(lambda);
-  for (const auto coupling : {FollowCoupling::kWhole, FollowCoupling::kDecoupled}) {
+  for (const auto coupling : {FollowCoupling::kCoupled, FollowCoupling::kDecoupled}) {
     Vector3d p(1.5, -0.8, 4);
     const Vector3d start = SphereImageOf(p, kDiameter).Vector() - wanted.Vector();
     double off_line = 0;
@@ -76,7 +76,7 @@ TEST(FollowVelocity, WholeItBringsTheImageHomeOnAStraightLineDecoupledItAlsoArri
       off_line = std::max(off_line, (error - std::exp(-lambda * i * dt) * start).norm());
     }
     EXPECT_LT((SphereImageOf(p, kDiameter).Vector() - wanted.Vector()).norm(), 1e-3);
-    if (coupling == FollowCoupling::kWhole) {
+    if (coupling == FollowCoupling::kCoupled) {
       EXPECT_LT(off_line, 1e-3);  // the integrator's, as in the tests of pbvs
     } else {
       EXPECT_GT(off_line, 1e-2);  // the price of the loops' ignorance of each other
@@ -97,7 +97,7 @@ TEST(FollowVelocity, WithItsDriftItFollowsWithoutALag) {
       const SphereImage now = SphereImageOf(p, kDiameter);
       const Vector3d drift = knows ? SphereDrift(now, p.z(), v_C) : Vector3d::Zero();
       const FollowStep step =
-          FollowVelocity(now, wanted, p.z(), FollowCoupling::kWhole, Vector3d::Constant(1.5), drift);
+          FollowVelocity(now, wanted, p.z(), FollowCoupling::kCoupled, Vector3d::Constant(1.5), drift);
       p = Seen(p + dt * v_C, step.velocity, dt);
       R_NC = R_NC * ExpRotation({0, dt * step.velocity[2], 0});
     }
@@ -111,9 +111,9 @@ TEST(FollowVelocity, WithItsDriftItFollowsWithoutALag) {
 
 TEST(FollowVelocity, WithoutADepthOrAnImageItStandsStillAndSaysWhy) {
   const SphereImage image{{0.1, 0.2}, 0.1};
-  EXPECT_EQ(FollowVelocity(image, image, -1, FollowCoupling::kWhole, Vector3d::Ones()).state,
+  EXPECT_EQ(FollowVelocity(image, image, -1, FollowCoupling::kCoupled, Vector3d::Ones()).state,
             ServoState::kDepthNotPositive);
-  EXPECT_EQ(FollowVelocity({{0.1, 0}, 0}, image, 1, FollowCoupling::kWhole, Vector3d::Ones()).state,
+  EXPECT_EQ(FollowVelocity({{0.1, 0}, 0}, image, 1, FollowCoupling::kCoupled, Vector3d::Ones()).state,
             ServoState::kDepthNotPositive);
   const FollowStep step =
       FollowVelocity({{std::nan(""), 0}, 0.1}, image, 1, FollowCoupling::kDecoupled, Vector3d::Ones());
@@ -122,4 +122,4 @@ TEST(FollowVelocity, WithoutADepthOrAnImageItStandsStillAndSaysWhy) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::control

@@ -10,7 +10,7 @@
 #include "base/yaml/yaml_fields.h"
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::control {
 namespace {
 
 using Eigen::Vector3d;
@@ -25,7 +25,7 @@ struct Aircraft {
   double hover_thrust = 0.45;  // the true one
   double drag_per_s = 0.3;
   Vector3d wind_N = Vector3d::Zero();
-  double least_z = -1e9, most_z = 1e9;  // the ground is at most_z
+  double min_z = -1e9, max_z = 1e9;  // the ground is at most_z
 
   Vector3d p_N = Vector3d::Zero(), v_N = Vector3d::Zero();
   double roll = 0, roll_rate = 0, pitch = 0, pitch_rate = 0, yaw = 0, thrust = 0.45;
@@ -44,7 +44,7 @@ struct Aircraft {
         kGravity * thrust / hover_thrust * up_N + Vector3d(0, 0, kGravity) - drag_per_s * (v_N - wind_N);
     v_N += kDt * a_N;
     p_N += kDt * v_N;
-    if (p_N.z() > most_z) p_N.z() = most_z, v_N.setZero();
+    if (p_N.z() > max_z) p_N.z() = max_z, v_N.setZero();
   }
   Eigen::Quaterniond R_NB() const { return Eigen::Quaterniond(RotationFromTaitBryan({yaw, pitch, roll})); }
   double Tilt() const { return std::acos((R_NB() * Vector3d::UnitZ()).z()); }
@@ -126,8 +126,8 @@ TEST(VelocityLoop, KeepsItsLimits) {
     const double cos_limit = std::cos(Radians(rig.options.tilt_limit_deg));
     EXPECT_LE(std::abs(rig.asked.roll) * rig.options.roll_gain, std::acos(cos_limit) + 1e-9);
     EXPECT_LE(std::abs(rig.asked.pitch) * rig.options.pitch_gain, std::acos(cos_limit) + 1e-9);
-    EXPECT_GE(rig.asked.thrust, rig.options.thrust_least);
-    EXPECT_LE(rig.asked.thrust, rig.options.thrust_most);
+    EXPECT_GE(rig.asked.thrust, rig.options.thrust_min);
+    EXPECT_LE(rig.asked.thrust, rig.options.thrust_max);
     EXPECT_LE(std::abs(rig.asked.yaw_rate), Radians(rig.options.yaw_rate_limit_deg_s) + 1e-12);
     EXPECT_LE(rig.loop.command_N.head<2>().norm(), rig.options.speed_limit_m_s + 1e-9);
     fastest_change = std::max(fastest_change, (rig.loop.command_N - before).head<2>().norm());
@@ -184,7 +184,7 @@ TEST(VelocityLoop, BeginsAtTheVelocityThatThereIsAndKeepsTheIntegralOverAPause) 
 
 TEST(TouchDown, IsNoticedOnTheGroundAndNotInTheAir) {
   Rig rig;
-  rig.aircraft.most_z = 0;
+  rig.aircraft.max_z = 0;
   rig.aircraft.p_N.z() = -1;
   TouchDown touch;
   double touched_s = -1, down_s = -1;
@@ -224,4 +224,4 @@ TEST(VelocityLoop, OptionsAreReadAndRefused) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::control

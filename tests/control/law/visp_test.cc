@@ -11,7 +11,7 @@
 #include "control/law/point_servo.h"
 #include "geometry/pose.h"
 
-namespace kestrel {
+namespace kestrel::control {
 namespace {
 
 using Eigen::Vector3d;
@@ -90,4 +90,4 @@ TEST(Visp, GivesBothLawsOnPosesTheSameVelocity) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::control

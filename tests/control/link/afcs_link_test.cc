@@ -11,7 +11,7 @@
 #include "geometry/tait_bryan.h"
 #include "tests/control/udp_peer.h"
 
-namespace kestrel {
+namespace kestrel::control {
 namespace {
 
 using ::testing::HasSubstr;
@@ -378,4 +378,4 @@ TEST_F(AfcsLinkTest, AHostThatIsNotKnownIsRefusedByName) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::control

@@ -10,7 +10,7 @@
 
 #include "base/yaml/yaml_fields.h"
 
-namespace kestrel::wire {
+namespace kestrel::control::wire {
 namespace {
 
 using ::testing::HasSubstr;
@@ -115,4 +115,4 @@ TEST(AfcsTimes, AreSecondsToTheMicrosecond) {
 }
 
 }  // namespace
-}  // namespace kestrel::wire
+}  // namespace kestrel::control::wire

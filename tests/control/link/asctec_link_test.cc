@@ -23,7 +23,7 @@
 #include "tests/sim/pelican_over_a_plane.h"
 #include "tests/sim/perfect_sensors.h"
 
-namespace kestrel {
+namespace kestrel::control {
 namespace {
 
 using Eigen::Vector3d;
@@ -48,7 +48,7 @@ class ScriptedAircraft final : public Autopilot {
 
 // Both ends and the line between them, in a time of its own.
 struct Line {
-  explicit Line(const AscTecOptions& options = {}, const AscTecProcessorOptions& far = {})
+  explicit Line(const AscTecOptions& options = {}, const sim::AscTecProcessorOptions& far = {})
       : session(options), processor(far) {
     session.Opened(t_s);
   }
@@ -59,11 +59,11 @@ struct Line {
       wire::Bytes asked = session.Say(t_s);
       if (to_processor) to_processor(asked);
       bytes_asked += asked.size();
-      processor.Hear(t_s, asked);
+      processor.Receive(t_s, asked);
       wire::Bytes said = processor.Step(t_s, aircraft);
       if (to_session) to_session(said);
       bytes_said += said.size();
-      session.Hear(t_s, said);
+      session.Receive(t_s, said);
       each();
     }
   }
@@ -80,7 +80,7 @@ struct Line {
 
   double t_s = 100;
   AscTecSession session;
-  AscTecProcessor processor;
+  sim::AscTecProcessor processor;
   std::function<void(wire::Bytes&)> to_processor, to_session;
   std::size_t bytes_asked = 0, bytes_said = 0;
 };
@@ -99,7 +99,7 @@ TEST(AscTecSession, StateNumbersArriveRight) {
   for (const char* signs : {"asctec", "ros"}) {
     AscTecOptions options;
     options.signs = signs;
-    AscTecProcessorOptions far;
+    sim::AscTecProcessorOptions far;
     far.signs = signs;
     far.origin = {-33.9, 179.9999, 20};  // the date line lies within
     Line line(options, far);
@@ -126,7 +126,7 @@ TEST(AscTecSession, StateNumbersArriveRight) {
 }
 
 TEST(AscTecSession, RollIsWhereTheDriversDisagree) {
-  AscTecProcessorOptions far;
+  sim::AscTecProcessorOptions far;
   far.signs = "ros";
   Line line({}, far);
   ScriptedAircraft aircraft;
@@ -168,10 +168,10 @@ TEST(AscTecSession, StatesComeAtTheirPaceWithTheTimeAtWhichTheyWereTaken) {
 }
 
 TEST(AscTecProcessor, BytesLeaveAtThePaceOfTheLine) {
-  AscTecProcessor processor({});
+  sim::AscTecProcessor processor({});
   ScriptedAircraft aircraft;
   const wire::Bytes ask = Encode(wire::Command(wire::Request{wire::kRequestBits}));
-  processor.Hear(10, ask);
+  processor.Receive(10, ask);
   const std::size_t frames = 16 + 28 + 92 + 34 + 16 + 44 + 60 + 7 * wire::kTelemetryOverhead;
   std::size_t said = 0;
   wire::TelemetryParser parser;
@@ -202,16 +202,16 @@ S LastOf(const ScriptedAircraft& aircraft) {
 
 // A peer that writes faster than the line is, as no real one can: the line holds a buffer of it and no more.
 TEST(AscTecProcessor, OfAFloodTheLineHoldsTheNewestBytes) {
-  SerialLine line;
+  sim::SerialLine line;
   std::vector<std::uint8_t> block(256);
   for (int i = 0; i < 4000; ++i) {
     std::fill(block.begin(), block.end(), static_cast<std::uint8_t>(i % 251));
     line.Put(0, block);
   }
   const wire::Bytes arrived = line.Take(1e9);
-  ASSERT_EQ(arrived.size(), SerialLine::kMost);
+  ASSERT_EQ(arrived.size(), sim::SerialLine::kMax);
   EXPECT_EQ(arrived.back(), 3999 % 251);
-  EXPECT_EQ(arrived.front(), (4000 - SerialLine::kMost / 256) % 251);
+  EXPECT_EQ(arrived.front(), (4000 - sim::SerialLine::kMax / 256) % 251);
   line.Put(2e9, block);  // and it goes on as before
   EXPECT_EQ(line.Take(3e9).size(), block.size());
 }
@@ -220,7 +220,7 @@ TEST(AscTecSession, AttitudesArriveRight) {
   for (const char* signs : {"asctec", "ros"}) {
     AscTecOptions options;
     options.signs = signs;
-    AscTecProcessorOptions far;
+    sim::AscTecProcessorOptions far;
     far.signs = signs;
     Line line(options, far);
     ScriptedAircraft aircraft;
@@ -280,7 +280,7 @@ TEST(AscTecSession, CountsMeanWhatTheManualSays) {
     rc.channels_in[4] = 4095;
     for (const wire::Telemetry& message :
          {wire::Telemetry(status), wire::Telemetry(imu), wire::Telemetry(rc), wire::Telemetry(gps)})
-      session.Hear(t_s, Encode(message));
+      session.Receive(t_s, Encode(message));
     return session.Say(t_s + 0.002);
   };
   wire::ImuCalcData imu;
@@ -328,7 +328,7 @@ TEST(AscTecSession, VelocitiesArriveRightInTheGpsMode) {
   EXPECT_NEAR(heard.yaw_rate, -0.5, 0.5001 * wire::kFullYawRate_rad_s / 2047);
   EXPECT_EQ(line.session.State().mode, FlightMode::kVelocity);
   // A processor that does not know those bits takes the same for an attitude.
-  AscTecProcessorOptions far;
+  sim::AscTecProcessorOptions far;
   far.gps_mode = false;
   Line other(options, far);
   ScriptedAircraft leaning;
@@ -404,7 +404,7 @@ TEST(AscTecSession, ThePilotsSwitchKeepsSetpointsOff) {
 TEST(AscTecSession, TroubleHasAName) {
   const auto trouble = [](const Line& line) { return line.session.Health(line.t_s).trouble; };
   ScriptedAircraft aircraft;
-  AscTecProcessorOptions far;
+  sim::AscTecProcessorOptions far;
   far.battery_v = 10.1;
   Line weak({}, far);
   weak.Run(0.3, aircraft);
@@ -535,15 +535,15 @@ TEST(AscTecSession, DamagedBytesCostWhatTheyHitAndNoMore) {
 // An aircraft with its emulated autopilot, in air.
 class Pelican final : public Autopilot {
  public:
-  Pelican(const Pose& X_NB, bool flying, const WindParameters& wind, const SensorParameters& sensors,
-          std::uint64_t seed)
-      : model_(PelicanOverAPlane()),
+  Pelican(const Pose& X_NB, bool flying, const sim::WindParameters& wind,
+          const sim::SensorParameters& sensors, std::uint64_t seed)
+      : model_(sim::PelicanOverAPlane()),
         data_(mj_makeData(model_.get())),
         vehicle_({}, model_.get()),
         wind_(wind, seed),
         sensors_(sensors, seed),
-        autopilot_({}, sensors, MultirotorParameters{}, X_NB, flying, Vector3d::Zero()) {
-    PoseToMujoco(X_NB, data_->qpos);
+        autopilot_({}, sensors, sim::MultirotorParameters{}, X_NB, flying, Vector3d::Zero()) {
+    sim::PoseToMujoco(X_NB, data_->qpos);
     mj_forward(model_.get(), data_.get());
   }
   VehicleState State() const override { return autopilot_.State(); }
@@ -556,26 +556,26 @@ class Pelican final : public Autopilot {
     vehicle_.Apply(data_.get(), kTick_s, wind_.Velocity(), 0);
     mj_step(model_.get(), data_.get());
     const Vector3d force_B = X_NB().R.conjugate() * ((v_N() - before) / kTick_s - Vector3d(0, 0, 9.80665));
-    const Vector3d w_B = VectorFromMujoco(data_->qvel + 3);
-    vehicle_.Command(
-        std::get<RotorSpeeds>(autopilot_.Step(kTick_s, sensors_.Read(kTick_s, X_NB(), v_N(), w_B, force_B))));
+    const Vector3d w_B = sim::VectorFromMujoco(data_->qvel + 3);
+    vehicle_.Command(std::get<sim::RotorSpeeds>(
+        autopilot_.Step(kTick_s, sensors_.Read(kTick_s, X_NB(), v_N(), w_B, force_B))));
   }
-  Pose X_NB() const { return PoseFromMujoco(data_->qpos); }
-  Vector3d v_N() const { return VectorFromMujoco(data_->qvel); }
+  Pose X_NB() const { return sim::PoseFromMujoco(data_->qpos); }
+  Vector3d v_N() const { return sim::VectorFromMujoco(data_->qvel); }
 
  private:
-  ModelPtr model_;
-  DataPtr data_;
-  Multirotor vehicle_;
-  Wind wind_;
-  Sensors sensors_;
-  EmulatedAutopilot autopilot_;
+  sim::ModelPtr model_;
+  sim::DataPtr data_;
+  sim::Multirotor vehicle_;
+  sim::Wind wind_;
+  sim::Sensors sensors_;
+  sim::EmulatedAutopilot autopilot_;
 };
 
 void FliesVelocitiesAndPlaces(const std::string& mode, FlightMode aircrafts) {
-  WindParameters wind;
+  sim::WindParameters wind;
   wind.mean_m_s = 4, wind.from_deg = 200;
-  Pelican pelican({HeadingRotation(0.6), {0, 0, -10}}, true, wind, PerfectSensors(), 1);
+  Pelican pelican({HeadingRotation(0.6), {0, 0, -10}}, true, wind, sim::PerfectSensors(), 1);
   AscTecOptions options;
   options.mode = mode;
   Line line(options);
@@ -602,7 +602,7 @@ TEST(AscTecFlight, VelocitiesAndPlacesAreFlownInTheGpsMode) {
 
 TEST(AscTecFlight, TakesOffAndLandsByAttitudeInWindWithRealSensors) {
   for (const std::uint64_t seed : {1, 2}) {
-    WindParameters wind;
+    sim::WindParameters wind;
     wind.mean_m_s = 3, wind.from_deg = 240, wind.turbulence = true, wind.gusts = {6, 2, 3};
     Pelican pelican({HeadingRotation(0.3), {0, 0, -0.16}}, false, wind, {}, seed);
     Line line;
@@ -639,7 +639,7 @@ double Now_s() {
 
 // Serves until something is so; in real time.
 template <class Condition>
-bool ServeUntil(AscTecServer* server, Autopilot& aircraft, const Condition& condition) {
+bool ServeUntil(sim::AscTecServer* server, Autopilot& aircraft, const Condition& condition) {
   for (const double end_s = Now_s() + 20; Now_s() < end_s;) {
     if (server) server->Serve(Now_s(), aircraft);
     if (condition()) return true;
@@ -647,10 +647,12 @@ bool ServeUntil(AscTecServer* server, Autopilot& aircraft, const Condition& cond
   }
   return false;
 }
-std::string DeviceOf(const AscTecServer& server) { return server.Where().substr(std::strlen("serial:")); }
+std::string DeviceOf(const sim::AscTecServer& server) {
+  return server.Where().substr(std::strlen("serial:"));
+}
 
 TEST(AscTecLink, HearsAndIsHeardOverAPseudoTerminal) {
-  AscTecServer server({});
+  sim::AscTecServer server({});
   AscTecOptions options;
   options.device = DeviceOf(server);
   AscTecLink link(options);
@@ -674,7 +676,7 @@ TEST(AscTecLink, HearsAndIsHeardOverAPseudoTerminal) {
 }
 
 TEST(AscTecLink, TwoDoNotCommandOneDevice) {
-  AscTecServer server({});
+  sim::AscTecServer server({});
   AscTecOptions options;
   options.device = DeviceOf(server);
   ScriptedAircraft aircraft;
@@ -710,7 +712,7 @@ TEST(AscTecLink, OpensTheDeviceAgainWhenTheFarEndComesBack) {
   }));
   std::uint64_t received = 0;
   for (int time = 0; time < 2; ++time) {
-    AscTecServer server({});
+    sim::AscTecServer server({});
     std::filesystem::create_symlink(DeviceOf(server), device);
     EXPECT_TRUE(ServeUntil(&server, aircraft, [&] { return link.Health().received > received + 5; }));
     EXPECT_TRUE(link.Health().open);
@@ -724,4 +726,4 @@ TEST(AscTecLink, OpensTheDeviceAgainWhenTheFarEndComesBack) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::control

@@ -7,7 +7,7 @@
 
 #include "control/link/autopilot_link.h"
 
-namespace kestrel {
+namespace kestrel::control {
 
 // A link without a wire.
 class FakeLink final : public AutopilotLink {
@@ -77,4 +77,4 @@ class FakeLink final : public AutopilotLink {
   bool silent_ = false;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::control

@@ -14,7 +14,7 @@
 #include "sim/server/mavlink_server.h"
 #include "tests/sim/server/fake_aircraft.h"
 
-namespace kestrel {
+namespace kestrel::control {
 namespace {
 
 using boost::asio::ip::udp;
@@ -25,7 +25,7 @@ double Now_s() {
 }
 
 struct Served {
-  explicit Served(const MavlinkServerOptions& options) : server(options) {}
+  explicit Served(const sim::MavlinkServerOptions& options) : server(options) {}
   // Until it is so; false: it never was.
   bool Until(
       const std::function<bool()>& so, const std::function<void()>& each = [] {}, double most_s = 20) {
@@ -38,13 +38,13 @@ struct Served {
     }
     return false;
   }
-  MavlinkServer server;
-  FakeAircraft aircraft = Flying(5);
+  sim::MavlinkServer server;
+  sim::FakeAircraft aircraft = sim::Flying(5);
   double begun_s = Now_s() - 100;
 };
 
-MavlinkServerOptions Options(const char* dialect = "ardupilot") {
-  MavlinkServerOptions options;
+sim::MavlinkServerOptions Options(const char* dialect = "ardupilot") {
+  sim::MavlinkServerOptions options;
   options.dialect = dialect, options.port = 0;
   return options;
 }
@@ -103,7 +103,7 @@ TEST(MavlinkLink, ListensForAnAutopilotThatTellsUnasked) {
   MavlinkLink link("udpin://127.0.0.1:0", {});
   const UdpAddress where = ParseUdpAddress(link.Where());
   EXPECT_GT(where.port, 0);
-  MavlinkServerOptions options = Options("px4");
+  sim::MavlinkServerOptions options = Options("px4");
   options.peer = ToText({false, where.host, where.port});
   Served served(options);
   EXPECT_EQ(link.Health().trouble, "no autopilot heard");
@@ -139,13 +139,73 @@ TEST(MavlinkServer, TakesNothingFromAnAddressThatDidNotOpenTheSession) {
   EXPECT_TRUE(served.aircraft.sent.empty());
   // It is told that it is refused, seldom, and nothing of the aircraft.
   ASSERT_TRUE(late.Heard());
-  EXPECT_LT(late.Drain(), 5 + (Now_s() - begun_s) / MavlinkServer::kTellAgain_s);
+  EXPECT_LT(late.Drain(), 5 + (Now_s() - begun_s) / sim::MavlinkServer::kTellAgain_s);
   const auto& unheeded = served.server.Heard().unheeded;
   EXPECT_GE(unheeded.at(unheeded::kSecondClient).count, 50U);
   EXPECT_GE(unheeded.at(unheeded::kNoSession).count, 100U);
   EXPECT_EQ(served.server.Heard().setpoints, 0U);
   EXPECT_FALSE(early.Heard());
   EXPECT_EQ(link.State().mode, FlightMode::kHold);
+}
+
+// At times that the test makes: two that would both fly the aircraft.
+struct Contended {
+  void Serve(double after_s) {
+    now_s += after_s, aircraft.state.t_s += after_s;
+    server.Serve(now_s, aircraft);
+  }
+  static void Fly(Stranger& by, double v_m_s) {
+    by.Say(CompanionHeartbeat());
+    by.Say(SetCustomMode(kArduPilot.setpoint_mode, kArduPilot, {}));
+    by.Say(ToMessage(VelocitySetpoint{{v_m_s, 0, 0}, 0}, 0, kArduPilot, {}, 0));
+  }
+  // What the aircraft is told last; 0: to stand still, or nothing.
+  double Told() const {
+    return aircraft.sent.empty() ? 0 : std::get<VelocitySetpoint>(aircraft.sent.back()).v_H.x();
+  }
+
+  sim::MavlinkServer server{Options()};
+  sim::FakeAircraft aircraft = sim::Flying(5);
+  Stranger owner{server.Where()}, other{server.Where()};
+  double now_s = 1000;
+};
+
+TEST(MavlinkServer, AFloodNeitherHidesTheOwnerNorTakesTheSession) {
+  Contended c;
+  Contended::Fly(c.owner, 1);
+  c.Serve(0.5);
+  for (int i = 0; i < 12; ++i) {
+    for (int k = 0; k < 400; ++k) Contended::Fly(c.other, 9);  // more than a queue holds
+    Contended::Fly(c.owner, 1);
+    c.Serve(0.5);
+    ASSERT_EQ(c.Told(), 1) << i;
+  }
+  EXPECT_EQ(c.server.Heard().setpoints, 13U);
+}
+
+TEST(MavlinkServer, WhoSpokeInTimeAndWasReadLateKeepsTheSession) {
+  Contended c;
+  Contended::Fly(c.owner, 1);
+  c.Serve(0.5);
+  Contended::Fly(c.other, 9);
+  Contended::Fly(c.owner, 2);
+  c.Serve(10 * sim::MavlinkServer::kSilent_s);
+  EXPECT_EQ(c.Told(), 2);
+}
+
+TEST(MavlinkServer, AnotherHasTheSessionOfAnOwnerWhoIsSilent) {
+  Contended c;
+  Contended::Fly(c.owner, 1);
+  c.Serve(0.5);
+  Contended::Fly(c.other, 9);
+  c.Serve(sim::MavlinkServer::kSilent_s - 0.1);
+  EXPECT_NE(c.Told(), 9);
+  Contended::Fly(c.other, 9);
+  c.Serve(0.2);
+  EXPECT_EQ(c.Told(), 9);
+  Contended::Fly(c.owner, 1);
+  c.Serve(0.1);
+  EXPECT_EQ(c.Told(), 9);
 }
 
 TEST(MavlinkLink, ASecondClientIsToldThatAnotherHasTheSession) {
@@ -160,7 +220,7 @@ TEST(MavlinkLink, ASecondClientIsToldThatAnotherHasTheSession) {
 }
 
 TEST(MavlinkLink, AFarEndThatWasStartedAnewIsHeardAgain) {
-  MavlinkServerOptions options = Options();
+  sim::MavlinkServerOptions options = Options();
   auto served = std::make_unique<Served>(options);
   options.port = ParseUdpAddress(served->server.Where()).port;
   MavlinkLink link(served->server.Where(), {});
@@ -177,10 +237,10 @@ TEST(MavlinkLink, AddressesThatCannotBeAreRefused) {
   EXPECT_THROW(MavlinkLink("udpin://192.0.2.1:0", {}), InputError);  // is not this computer's
   const MavlinkLink link("udpin://127.0.0.1:0", {});
   EXPECT_THROW(MavlinkLink(link.Where(), {}), InputError);
-  MavlinkServerOptions options;
+  sim::MavlinkServerOptions options;
   options.port = ParseUdpAddress(link.Where()).port;
-  EXPECT_THROW(MavlinkServer{options}, InputError);
+  EXPECT_THROW(sim::MavlinkServer{options}, InputError);
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::control

@@ -6,7 +6,7 @@
 #include "control/wire/mavlink_messages.h"
 #include "tests/control/mavlink_frames.h"
 
-namespace kestrel {
+namespace kestrel::control {
 namespace {
 
 namespace mav = wire::mavlink;
@@ -15,9 +15,9 @@ namespace mav = wire::mavlink;
 TEST(MavlinkSession, WhatAnAutopilotSaysCommandsNoTerminal) {
   MavlinkSession session({});
   mav::Sender sender(1, 1);
-  session.Hear(sender.Encode(mav::Statustext{.severity = 3, .text = mav::Text("no\x1b[2J fly\x07")}), 1);
+  session.Receive(sender.Encode(mav::Statustext{.severity = 3, .text = mav::Text("no\x1b[2J fly\x07")}), 1);
   EXPECT_EQ(session.Health(1).trouble, "no\\x1b[2J fly\\x07");
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::control

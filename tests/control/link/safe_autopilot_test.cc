@@ -14,7 +14,7 @@
 #include "base/stopwatch.h"
 #include "tests/control/link/fake_link.h"
 
-namespace kestrel {
+namespace kestrel::control {
 namespace {
 
 constexpr double kDeadline_s = 20;
@@ -177,7 +177,7 @@ TEST_F(SafeAutopilotTest, AnAircraftThatIsLetGoIsToldToStandStillUntilItDoes) {
     EXPECT_FALSE(gone);  // it moves still
     link_.Set([](VehicleState& state, LinkHealth&) { state.v_N.setZero(); });
   });
-  const auto released = safe->LetGo({.still_s = 0.05, .most_s = kDeadline_s});
+  const auto released = safe->LetGo({.still_s = 0.05, .max_s = kDeadline_s});
   gone = true;
   aircraft.join();
   EXPECT_TRUE(held);
@@ -198,7 +198,7 @@ TEST_F(SafeAutopilotTest, WhoDoesNotObeyIsLetGoAllTheSame) {
   });
   const auto safe = Make();
   safe->Send(Ahead());
-  EXPECT_EQ(safe->LetGo({.most_s = 0.1})->how, Release::kNotObeyed);
+  EXPECT_EQ(safe->LetGo({.max_s = 0.1})->how, Release::kNotObeyed);
   EXPECT_FALSE(link_.sent());
   EXPECT_TRUE(link_.silent());
 }
@@ -229,4 +229,4 @@ TEST_F(SafeAutopilotTest, ItsEndSilencesTheLink) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::control

@@ -5,7 +5,7 @@
 
 #include "base/yaml/yaml_fields.h"
 
-namespace kestrel {
+namespace kestrel::control {
 namespace {
 
 TEST(UdpAddress, ToSendToOrToListenOn) {
@@ -30,4 +30,4 @@ TEST(UdpAddress, NothingElse) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::control

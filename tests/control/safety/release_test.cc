@@ -7,7 +7,7 @@
 #include <functional>
 #include <utility>
 
-namespace kestrel {
+namespace kestrel::control {
 namespace {
 
 constexpr double kStep_s = 0.02;
@@ -109,4 +109,4 @@ TEST(Release, EveryEndHasWordsOfItsOwn) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::control

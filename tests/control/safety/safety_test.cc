@@ -9,7 +9,7 @@
 
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::control {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -262,4 +262,4 @@ TEST(Safety, WhateverIsAskedForOnlyWhatIsFiniteAndWithinTheLimitsIsSent) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::control

@@ -16,7 +16,7 @@
 #include "control/wire/afcs.h"
 #include "tests/control/wire/other_afcs_profile.h"
 
-namespace kestrel::wire {
+namespace kestrel::control::wire {
 namespace {
 
 using ::testing::ElementsAre;
@@ -378,4 +378,4 @@ TEST(AfcsDamage, AMillionDamagedDatagramsBreakNothing) {
 }
 
 }  // namespace
-}  // namespace kestrel::wire
+}  // namespace kestrel::control::wire

@@ -16,7 +16,7 @@
 #include "control/wire/asctec_units.h"
 #include "control/wire/crc16.h"
 
-namespace kestrel::wire {
+namespace kestrel::control::wire {
 namespace {
 
 using ::testing::ElementsAre;
@@ -571,4 +571,4 @@ TEST(AscTecDamage, AMillionDamagedFramesLeaveEveryGoodOneReadable) {
 }
 
 }  // namespace
-}  // namespace kestrel::wire
+}  // namespace kestrel::control::wire

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-namespace kestrel::wire::mavlink {
+namespace kestrel::control::wire::mavlink {
 namespace {
 
 constexpr Target kTarget{3, 4};
@@ -213,4 +213,4 @@ TEST(MavlinkTelemetry, WhatCannotBeIsNotTaken) {
 }
 
 }  // namespace
-}  // namespace kestrel::wire::mavlink
+}  // namespace kestrel::control::wire::mavlink

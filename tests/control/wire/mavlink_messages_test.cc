@@ -10,7 +10,7 @@
 
 #include "tests/control/mavlink_frames.h"
 
-namespace kestrel::wire::mavlink {
+namespace kestrel::control::wire::mavlink {
 namespace {
 
 // Every message as MAVLink's own description has it, without what version 2 added: type, name, in its order.
@@ -298,4 +298,4 @@ TEST(MavlinkMessages, ASenderNumbersItsFrames) {
 }
 
 }  // namespace
-}  // namespace kestrel::wire::mavlink
+}  // namespace kestrel::control::wire::mavlink

@@ -5,7 +5,7 @@
 
 #include "tests/control/mavlink_frames.h"
 
-namespace kestrel::wire::mavlink {
+namespace kestrel::control::wire::mavlink {
 namespace {
 
 constexpr Source kAutopilot{1, 1};
@@ -226,4 +226,4 @@ TEST(MavlinkParser, NoiseAloneIsNothing) {
 }
 
 }  // namespace
-}  // namespace kestrel::wire::mavlink
+}  // namespace kestrel::control::wire::mavlink

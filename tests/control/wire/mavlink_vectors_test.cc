@@ -6,7 +6,7 @@
 
 #include "tests/control/mavlink_frames.h"
 
-namespace kestrel::wire::mavlink {
+namespace kestrel::control::wire::mavlink {
 
 const std::vector<Vector>& Vectors() {
   static const std::vector<Vector> vectors{
@@ -64,4 +64,4 @@ TEST(MavlinkVectors, AreWrittenFromTheirValues) {
 }
 
 }  // namespace
-}  // namespace kestrel::wire::mavlink
+}  // namespace kestrel::control::wire::mavlink

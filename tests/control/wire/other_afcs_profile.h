@@ -7,7 +7,7 @@
 
 #include "control/wire/afcs.h"
 
-namespace kestrel::wire {
+namespace kestrel::control::wire {
 
 // Other than the thesis's in all that a profile can say: byte orders, width of the time, order and types of
 // fields.
@@ -26,4 +26,4 @@ inline AfcsProfile OtherAfcsProfile() {
   return profile;
 }
 
-}  // namespace kestrel::wire
+}  // namespace kestrel::control::wire

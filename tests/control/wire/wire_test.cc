@@ -7,7 +7,7 @@
 #include "control/wire/bytes.h"
 #include "control/wire/crc16.h"
 
-namespace kestrel::wire {
+namespace kestrel::control::wire {
 namespace {
 
 TEST(WireBytes, BothOrdersAreAsWritten) {
@@ -59,4 +59,4 @@ TEST(Crc16, TheCheckValuesOfBothProtocols) {
 }
 
 }  // namespace
-}  // namespace kestrel::wire
+}  // namespace kestrel::control::wire

@@ -21,7 +21,7 @@
 #include "tests/control/link/fake_link.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kestrel {
+namespace kestrel::flight {
 namespace {
 
 using ::testing::HasSubstr;
@@ -29,13 +29,13 @@ using ::testing::HasSubstr;
 void Sleep(double s) { std::this_thread::sleep_for(std::chrono::duration<double>(s)); }
 
 // Grey images, so many; then none comes any more.
-class DyingSource final : public ImageSource {
+class DyingSource final : public vision::ImageSource {
  public:
   explicit DyingSource(int images) : left_(images) {}
   bool Open() override { return true; }
-  std::optional<Grabbed> Grab() override {
+  std::optional<vision::Grabbed> Grab() override {
     Sleep(0.02);
-    if (left_-- > 0) return Grabbed{cv::Mat(480, 640, CV_8UC1, cv::Scalar(128)), {}, {}};
+    if (left_-- > 0) return vision::Grabbed{cv::Mat(480, 640, CV_8UC1, cv::Scalar(128)), {}, {}};
     Sleep(0.5);
     return std::nullopt;
   }
@@ -45,13 +45,13 @@ class DyingSource final : public ImageSource {
 };
 
 // A camera that sees noise.
-class NoiseSource final : public ImageSource {
+class NoiseSource final : public vision::ImageSource {
  public:
   explicit NoiseSource(cv::Size size) : size_(size) {}
   bool Open() override { return true; }
-  std::optional<Grabbed> Grab() override {
+  std::optional<vision::Grabbed> Grab() override {
     std::this_thread::sleep_for(std::chrono::milliseconds(40));
-    Grabbed grabbed{cv::Mat(size_, CV_8UC1), MonotonicNow_s(), std::nullopt};
+    vision::Grabbed grabbed{cv::Mat(size_, CV_8UC1), MonotonicNow_s(), std::nullopt};
     cv::randu(grabbed.image, 0, 256);
     return grabbed;
   }
@@ -62,7 +62,7 @@ class NoiseSource final : public ImageSource {
 
 class FlyTest : public InTemporaryFolder {
  protected:
-  static ImageSourceMaker Noise(cv::Size size = {640, 480}) {
+  static vision::ImageSourceMaker Noise(cv::Size size = {640, 480}) {
     return [size] { return std::make_unique<NoiseSource>(size); };
   }
   static std::string Text(const std::filesystem::path& file) {
@@ -77,19 +77,19 @@ class FlyTest : public InTemporaryFolder {
     return items_.front();
   }
   void Check(cv::Size size = {640, 480}) {
-    LiveCamera camera(Noise(size), {});
+    vision::LiveCamera camera(Noise(size), {});
     items_ = PreFlight(plan_, camera, link_, {.watch_s = 0.5, .connect_s = 1});
   }
   FlyOptions Options() const {
     FlyOptions options;
-    options.most_s = 1.5;  // some images, on a busy machine too
+    options.max_s = 1.5;  // some images, on a busy machine too
     options.video = false;
-    options.release = {.still_s = 0.05, .most_s = 0.3};
+    options.release = {.still_s = 0.05, .max_s = 0.3};
     return options;
   }
 
   LoadedPlan plan_ = LoadPlan("hover", {"image.rate_hz=20"});
-  FakeLink link_;
+  control::FakeLink link_;
   std::vector<CheckItem> items_;
 };
 
@@ -120,7 +120,7 @@ TEST_F(FlyTest, ACameraThatIsTooFastIsNotFlownByAndTheRemedyIsSaid) {
 
 TEST_F(FlyTest, AnInterruptEndsTheCheckList) {
   const std::atomic<bool> interrupted = true;
-  LiveCamera camera(Noise(), {});
+  vision::LiveCamera camera(Noise(), {});
   const double begun_s = MonotonicNow_s();
   PreFlight(plan_, camera, link_, {.watch_s = 60, .connect_s = 60, .interrupted = &interrupted});
   EXPECT_LT(MonotonicNow_s() - begun_s, 10);
@@ -133,36 +133,38 @@ TEST_F(FlyTest, AColourThatTheFlightNeedsIsMissed) {
 }
 
 TEST_F(FlyTest, ALinkWithoutAStateIsNotFlownBy) {
-  link_.Set([](VehicleState&, LinkHealth& health) { health.state_age_s.reset(); });
+  link_.Set([](control::VehicleState&, control::LinkHealth& health) { health.state_age_s.reset(); });
   Check();
   EXPECT_FALSE(Item("link").ok);
 }
 
 TEST_F(FlyTest, TroubleOfTheLinkIsAReasonNotToFly) {
-  link_.Set([](VehicleState&, LinkHealth& health) { health.trouble = "battery at 9.8 V"; });
+  link_.Set([](control::VehicleState&, control::LinkHealth& health) { health.trouble = "battery at 9.8 V"; });
   Check();
   EXPECT_FALSE(Item("link").ok);
   EXPECT_THAT(Item("link").found, HasSubstr("9.8 V"));
 }
 
 TEST_F(FlyTest, AStateThatCannotBeIsNotFlownBy) {
-  link_.Set([](VehicleState& state, LinkHealth&) { state.R_NB = Eigen::Quaterniond(0, 1, 0, 0); });
+  link_.Set([](control::VehicleState& state, control::LinkHealth&) {
+    state.R_NB = Eigen::Quaterniond(0, 1, 0, 0);
+  });
   Check();
   EXPECT_FALSE(Item("state").ok);
 }
 
 TEST_F(FlyTest, ASwitchThatIsOffOrNotToldIsNotFlownBy) {
-  link_.Set([](VehicleState&, LinkHealth& health) { health.pilot_allows = false; });
+  link_.Set([](control::VehicleState&, control::LinkHealth& health) { health.pilot_allows = false; });
   Check();
   EXPECT_FALSE(Item("pilot's switch").ok);
-  link_.Set([](VehicleState&, LinkHealth& health) { health.pilot_allows.reset(); });
+  link_.Set([](control::VehicleState&, control::LinkHealth& health) { health.pilot_allows.reset(); });
   Check();
   EXPECT_FALSE(Item("pilot's switch").ok);
   EXPECT_THAT(Item("pilot's switch").found, HasSubstr("--pilot-untold"));
 }
 
 TEST_F(FlyTest, TheSwitchOfAnAutopilotThatIsNotHeardIsUnknownAndNoneIsAskedToPassItOver) {
-  link_.Set([](VehicleState&, LinkHealth& health) {
+  link_.Set([](control::VehicleState&, control::LinkHealth& health) {
     health.state_age_s.reset();
     health.pilot_allows.reset();
     health.open = false;
@@ -175,12 +177,12 @@ TEST_F(FlyTest, TheSwitchOfAnAutopilotThatIsNotHeardIsUnknownAndNoneIsAskedToPas
 }
 
 TEST_F(FlyTest, AnImageThatCameAndCannotBeFlownByIsNotSaidToBeNone) {
-  class Other final : public ImageSource {
+  class Other final : public vision::ImageSource {
     bool Open() override { return true; }
-    std::optional<Grabbed> Grab() override { return std::nullopt; }
+    std::optional<vision::Grabbed> Grab() override { return std::nullopt; }
     std::string Trouble() const override { return "an image of 320x240 came"; }
   };
-  LiveCamera camera([] { return std::make_unique<Other>(); }, {});
+  vision::LiveCamera camera([] { return std::make_unique<Other>(); }, {});
   std::vector<std::string> told;
   items_ = PreFlight(plan_, camera, link_,
                      {.watch_s = 0.2, .connect_s = 0.3, .tell = [&](const std::string& trouble) {
@@ -193,11 +195,11 @@ TEST_F(FlyTest, AnImageThatCameAndCannotBeFlownByIsNotSaidToBeNone) {
 }
 
 TEST_F(FlyTest, ACameraThatIsNotThereIsSaidToBe) {
-  class Absent final : public ImageSource {
+  class Absent final : public vision::ImageSource {
     bool Open() override { return false; }
-    std::optional<Grabbed> Grab() override { return std::nullopt; }
+    std::optional<vision::Grabbed> Grab() override { return std::nullopt; }
   };
-  LiveCamera camera([] { return std::make_unique<Absent>(); }, {});
+  vision::LiveCamera camera([] { return std::make_unique<Absent>(); }, {});
   items_ = PreFlight(plan_, camera, link_, {.watch_s = 0.2, .connect_s = 0.2});
   EXPECT_FALSE(Item("camera").ok);
 }
@@ -206,7 +208,7 @@ TEST_F(FlyTest, AFlightLeavesItsRecords) {
   FlyOptions options = Options();
   options.folder = folder_;
   options.images = true;
-  LiveCamera camera(Noise(), {});
+  vision::LiveCamera camera(Noise(), {});
   const FlyReport report = FlyAircraft(plan_, camera, link_, options);
   EXPECT_EQ(report.outcome, "time is up");
   EXPECT_FALSE(report.accomplished);
@@ -216,12 +218,13 @@ TEST_F(FlyTest, AFlightLeavesItsRecords) {
   EXPECT_TRUE(link_.silent());
   EXPECT_THAT(Text(folder_ / "events.log"), HasSubstr("mode: LIVE"));
   EXPECT_THAT(Text(folder_ / "summary.json"), HasSubstr("\"mode\": \"LIVE\""));
-  const Recording recording(folder_);
+  const records::Recording recording(folder_);
   EXPECT_EQ(static_cast<std::int64_t>(recording.frames().size()), report.frames - report.records_dropped);
   // Its plan is a plan again, and its images give the same decisions.
-  const auto mission = MakeMission(LoadPlan((folder_ / "scenario.yaml").string()).parts);
+  const auto mission = scenarios::MakeMission(LoadPlan((folder_ / "scenario.yaml").string()).parts);
   for (std::size_t i = 0; i < recording.frames().size(); ++i) {
-    const RecordedDecision now = Recorded(mission->Step(recording.At(i), recording.frames()[i].state));
+    const records::RecordedDecision now =
+        records::Recorded(mission->Step(recording.At(i), recording.frames()[i].state));
     EXPECT_EQ(now.numbers, recording.frames()[i].decision.numbers) << i;
   }
 }
@@ -230,7 +233,7 @@ TEST_F(FlyTest, ADryRunSendsNothing) {
   FlyOptions options = Options();
   options.dry_run = true;
   options.folder = folder_;
-  LiveCamera camera(Noise(), {});
+  vision::LiveCamera camera(Noise(), {});
   const FlyReport report = FlyAircraft(plan_, camera, link_, options);
   EXPECT_GT(report.frames, 2);
   EXPECT_EQ(link_.sends(), 0);
@@ -243,12 +246,13 @@ TEST_F(FlyTest, TheRecordsSayWhatItWasFlownWithAndWhatWasSent) {
   Aircraft aircraft = LoadAircraft("", {"safety.speed_m_s=1.25"}, mistakes);
   aircraft.mavlink.take_control = true;
   mistakes.ThrowIfAny();
-  link_.Set([](VehicleState& state, LinkHealth&) { state.landed = false, state.p_NB.z() = -3; });
+  link_.Set(
+      [](control::VehicleState& state, control::LinkHealth&) { state.landed = false, state.p_NB.z() = -3; });
   FlyOptions options = Options();
   options.folder = folder_;
   options.aircraft = ToYaml(aircraft);
   options.flown_with = {{"camera", "v4l2:/dev/video3"}, {"check", "ok link"}};
-  LiveCamera camera(Noise(), {});
+  vision::LiveCamera camera(Noise(), {});
   FlyAircraft(plan_, camera, link_, options);
   const Aircraft again = LoadAircraft(file, {}, mistakes);
   mistakes.ThrowIfAny();
@@ -291,27 +295,28 @@ TEST_F(FlyTest, AFlightThatWasNotFlownLeavesARecordOfWhy) {
   const std::string events = Text(folder_ / "events.log");
   EXPECT_THAT(events, HasSubstr("check: NOT link no autopilot heard"));
   EXPECT_THAT(events, HasSubstr("end: not flown: the check list is not met"));
-  EXPECT_FALSE(ReadSummary(folder_ / "summary.json").passed);
+  EXPECT_FALSE(records::ReadSummary(folder_ / "summary.json").passed);
 }
 
 TEST_F(FlyTest, WhatHappenedIsOnDiskWhileTheFlightGoesOn) {
   FlyOptions options = Options();
   options.folder = folder_;
-  options.most_s = 60;
+  options.max_s = 60;
   std::atomic<bool> interrupted = false;
   options.interrupted = &interrupted;
-  options.progress = [&](const VehicleState&, const Decision&, const SafetyChange&) {
+  options.progress = [&](const control::VehicleState&, const mission::Decision&,
+                         const control::SafetyChange&) {
     const std::string during = Text(folder_ / "events.log.part");
     interrupted = during.find("mode: ") != std::string::npos && during.find("safety: ") != std::string::npos;
   };
-  LiveCamera camera(Noise(), {});
+  vision::LiveCamera camera(Noise(), {});
   EXPECT_EQ(FlyAircraft(plan_, camera, link_, options).outcome, "interrupted");
 }
 
 TEST_F(FlyTest, ADryRunPassesIfTheCheckListWasMetAndNothingWasLost) {
   FlyOptions options = Options();
   options.dry_run = true;
-  LiveCamera camera(Noise(), {});
+  vision::LiveCamera camera(Noise(), {});
   const FlyReport report = FlyAircraft(plan_, camera, link_, options);
   EXPECT_TRUE(report.accomplished);
   EXPECT_EQ(report.outcome, "computed, nothing flown: time is up");
@@ -321,7 +326,7 @@ TEST_F(FlyTest, ADryRunWhoseCheckListWasNotMetDoesNotPass) {
   FlyOptions options = Options();
   options.dry_run = true;
   options.checked = false;
-  LiveCamera camera(Noise(), {});
+  vision::LiveCamera camera(Noise(), {});
   const FlyReport report = FlyAircraft(plan_, camera, link_, options);
   EXPECT_FALSE(report.accomplished);
   EXPECT_THAT(report.outcome, HasSubstr("the check list was not met"));
@@ -333,31 +338,30 @@ TEST_F(FlyTest, ADryRunThatLostImagesOrTheStateDoesNotPass) {
   options.limits.image_s = 0.2;
   {
     bool made = false;
-    LiveCamera camera([&made] { return std::make_unique<DyingSource>(std::exchange(made, true) ? 0 : 5); },
-                      {});
+    vision::LiveCamera camera(
+        [&made] { return std::make_unique<DyingSource>(std::exchange(made, true) ? 0 : 5); }, {});
     const FlyReport report = FlyAircraft(plan_, camera, link_, options);
     EXPECT_FALSE(report.accomplished);
     EXPECT_EQ(report.outcome, "computed, nothing flown: time is up; images were lost");
   }
-  link_.Set([](VehicleState&, LinkHealth& health) { health.state_age_s = 3; });
-  LiveCamera camera(Noise(), {});
+  link_.Set([](control::VehicleState&, control::LinkHealth& health) { health.state_age_s = 3; });
+  vision::LiveCamera camera(Noise(), {});
   const FlyReport report = FlyAircraft(plan_, camera, link_, options);
   EXPECT_FALSE(report.accomplished);
   EXPECT_EQ(report.outcome, "computed, nothing flown: time is up; the state was lost");
 }
 
 TEST_F(FlyTest, AStateThatWasNeverHeardIsNotTakenForLanded) {
-  link_.Set([](VehicleState&, LinkHealth& health) { health.state_age_s.reset(); });
+  link_.Set([](control::VehicleState&, control::LinkHealth& health) { health.state_age_s.reset(); });
   const LoadedPlan plan = LoadPlan("landing", {"image.rate_hz=20"});
   FlyOptions options = Options();
   options.dry_run = true;
   options.folder = folder_;
-  options.most_s = 1.6;  // a landing ends a second after the touch-down
+  options.max_s = 1.6;  // a landing ends a second after the touch-down
   std::vector<std::string> phases;
-  options.progress = [&](const VehicleState&, const Decision& decision, const SafetyChange&) {
-    phases.emplace_back(decision.phase);
-  };
-  LiveCamera camera(Noise(), {});
+  options.progress = [&](const control::VehicleState&, const mission::Decision& decision,
+                         const control::SafetyChange&) { phases.emplace_back(decision.phase); };
+  vision::LiveCamera camera(Noise(), {});
   const FlyReport report = FlyAircraft(plan, camera, link_, options);
   EXPECT_FALSE(report.accomplished);
   EXPECT_THAT(phases, ::testing::Not(::testing::Contains("landed")));
@@ -367,32 +371,32 @@ TEST_F(FlyTest, AStateThatWasNeverHeardIsNotTakenForLanded) {
 }
 
 // In the air, and flying as it is told.
-void Obedient(FakeLink& link) {
-  link.Set([](VehicleState& state, LinkHealth&) {
-    state.landed = false, state.mode = FlightMode::kVelocity;
+void Obedient(control::FakeLink& link) {
+  link.Set([](control::VehicleState& state, control::LinkHealth&) {
+    state.landed = false, state.mode = control::FlightMode::kVelocity;
     state.v_N = {0, 0, 1};
   });
-  link.Answer([](const Setpoint& setpoint, VehicleState& state) {
-    if (const auto* velocity = std::get_if<VelocitySetpoint>(&setpoint)) state.v_N = velocity->v_H;
+  link.Answer([](const control::Setpoint& setpoint, control::VehicleState& state) {
+    if (const auto* velocity = std::get_if<control::VelocitySetpoint>(&setpoint)) state.v_N = velocity->v_H;
   });
 }
 
 TEST_F(FlyTest, HoweverItEndsTheAircraftStandsStillBeforeTheWireFallsSilent) {
   const std::atomic<bool> interrupted = true;
   for (const std::string end : {"time is up", "interrupted"}) {
-    FakeLink link;
+    control::FakeLink link;
     Obedient(link);
     FlyOptions options = Options();
     options.folder = folder_ / end;
-    options.most_s = 0.4;
+    options.max_s = 0.4;
     if (end == "interrupted") options.interrupted = &interrupted;
-    LiveCamera camera(Noise(), {});
+    vision::LiveCamera camera(Noise(), {});
     const FlyReport report = FlyAircraft(plan_, camera, link, options);
     EXPECT_EQ(report.outcome, end);
     EXPECT_THAT(report.release, HasSubstr("held"));
     EXPECT_THAT(Text(folder_ / end / "events.log"), HasSubstr("release: held"));
-    ASSERT_TRUE(link.last() && std::holds_alternative<VelocitySetpoint>(*link.last()));
-    EXPECT_TRUE(std::get<VelocitySetpoint>(*link.last()).v_H.isZero());
+    ASSERT_TRUE(link.last() && std::holds_alternative<control::VelocitySetpoint>(*link.last()));
+    EXPECT_TRUE(std::get<control::VelocitySetpoint>(*link.last()).v_H.isZero());
     EXPECT_TRUE(link.State().v_N.isZero());
     EXPECT_TRUE(link.silent());
   }
@@ -401,7 +405,7 @@ TEST_F(FlyTest, HoweverItEndsTheAircraftStandsStillBeforeTheWireFallsSilent) {
 TEST_F(FlyTest, AnAircraftThatDoesNotStandStillIsLetGoAfterATimeAndThatIsSaid) {
   Obedient(link_);
   link_.Answer({});
-  LiveCamera camera(Noise(), {});
+  vision::LiveCamera camera(Noise(), {});
   const FlyReport report = FlyAircraft(plan_, camera, link_, Options());
   EXPECT_THAT(report.release, HasSubstr("not obeyed"));
   EXPECT_TRUE(link_.silent());
@@ -409,25 +413,25 @@ TEST_F(FlyTest, AnAircraftThatDoesNotStandStillIsLetGoAfterATimeAndThatIsSaid) {
 
 TEST_F(FlyTest, WhatIsThePilotsIsNotHeldAtTheEnd) {
   Obedient(link_);
-  link_.Set([](VehicleState&, LinkHealth& health) { health.pilot_allows = false; });
-  LiveCamera camera(Noise(), {});
+  link_.Set([](control::VehicleState&, control::LinkHealth& health) { health.pilot_allows = false; });
+  vision::LiveCamera camera(Noise(), {});
   const FlyReport report = FlyAircraft(plan_, camera, link_, Options());
   EXPECT_THAT(report.release, HasSubstr("the pilot's"));
   EXPECT_EQ(link_.sends(), 0);
 }
 
 TEST_F(FlyTest, AServedSimulatorIsNotTakenForAnAircraft) {
-  link_.Set([](VehicleState&, LinkHealth& health) { health.simulated = true; });
+  link_.Set([](control::VehicleState&, control::LinkHealth& health) { health.simulated = true; });
   FlyOptions options = Options();
   options.folder = folder_;
-  LiveCamera camera(Noise(), {});
+  vision::LiveCamera camera(Noise(), {});
   FlyAircraft(plan_, camera, link_, options);
   EXPECT_THAT(Text(folder_ / "events.log"), HasSubstr("mode: LIVE, SIMULATED AIRCRAFT"));
 }
 
 TEST_F(FlyTest, AMissionThatDoesNotDeclareItsTargetIsNotFlown) {
-  class Undeclared final : public Mission {
-    Decision Step(const Frame&, const VehicleState&) override { return {}; }
+  class Undeclared final : public mission::Mission {
+    mission::Decision Step(const vision::Frame&, const control::VehicleState&) override { return {}; }
     void Draw(cv::Mat&) const override {}
   };
   Mistakes mistakes;
@@ -437,14 +441,14 @@ TEST_F(FlyTest, AMissionThatDoesNotDeclareItsTargetIsNotFlown) {
 }
 
 TEST_F(FlyTest, EveryMissionOfOursDeclaresWhetherItNeedsItsTarget) {
-  for (const auto& [name, need] : {std::pair{"pose", TargetNeed::kInSight},
-                                   {"hover", TargetNeed::kInSight},
-                                   {"landing", TargetNeed::kInSight},
-                                   {"follow", TargetNeed::kInSight},
-                                   {"attitude_1", TargetNeed::kNone},
-                                   {"gyro_failure", TargetNeed::kNone},
-                                   {"avoid", TargetNeed::kNone}})
-    EXPECT_EQ(MakeMission(LoadPlan(name).parts)->Target(), need) << name;
+  for (const auto& [name, need] : {std::pair{"pose", mission::TargetNeed::kInSight},
+                                   {"hover", mission::TargetNeed::kInSight},
+                                   {"landing", mission::TargetNeed::kInSight},
+                                   {"follow", mission::TargetNeed::kInSight},
+                                   {"attitude_1", mission::TargetNeed::kNone},
+                                   {"gyro_failure", mission::TargetNeed::kNone},
+                                   {"avoid", mission::TargetNeed::kNone}})
+    EXPECT_EQ(scenarios::MakeMission(LoadPlan(name).parts)->Target(), need) << name;
 }
 
 // A source of noise shows no pad.
@@ -452,31 +456,31 @@ TEST_F(FlyTest, ATargetThatIsNeverSeenIsLost) {
   Obedient(link_);
   FlyOptions options = Options();
   options.folder = folder_;
-  options.most_s = 1.5;
+  options.max_s = 1.5;
   options.limits.target_s = 0.3;
-  LiveCamera camera(Noise(), {});
+  vision::LiveCamera camera(Noise(), {});
   FlyAircraft(plan_, camera, link_, options);
   EXPECT_THAT(Text(folder_ / "events.log"), HasSubstr("safety: target lost, hold"));
 }
 
 TEST_F(FlyTest, AFlightThatThePilotTookDoesNotPass) {
-  link_.Set([](VehicleState& state, LinkHealth& health) {
+  link_.Set([](control::VehicleState& state, control::LinkHealth& health) {
     state.landed = false;
     health.pilot_allows = false;
   });
-  LiveCamera camera(Noise(), {});
+  vision::LiveCamera camera(Noise(), {});
   const FlyReport report = FlyAircraft(plan_, camera, link_, Options());
   EXPECT_FALSE(report.accomplished);
   EXPECT_EQ(report.outcome, "ended by the pilot");
 }
 
 TEST_F(FlyTest, AFlightWhoseLinkDiedIsNotSaidToBeThePilots) {
-  link_.Set([](VehicleState& state, LinkHealth& health) {
+  link_.Set([](control::VehicleState& state, control::LinkHealth& health) {
     state.landed = false;
     health.state_age_s = 5;
     health.pilot_allows.reset();  // nothing is told of the switch either
   });
-  LiveCamera camera(Noise(), {});
+  vision::LiveCamera camera(Noise(), {});
   const FlyReport report = FlyAircraft(plan_, camera, link_, Options());
   EXPECT_FALSE(report.accomplished);
   EXPECT_EQ(report.outcome, "ended without link");
@@ -484,10 +488,10 @@ TEST_F(FlyTest, AFlightWhoseLinkDiedIsNotSaidToBeThePilots) {
 
 TEST_F(FlyTest, AnInterruptEndsIt) {
   FlyOptions options = Options();
-  options.most_s = 60;
+  options.max_s = 60;
   const std::atomic<bool> interrupted = true;
   options.interrupted = &interrupted;
-  LiveCamera camera(Noise(), {});
+  vision::LiveCamera camera(Noise(), {});
   EXPECT_EQ(FlyAircraft(plan_, camera, link_, options).outcome, "interrupted");
 }
 
@@ -496,9 +500,10 @@ TEST_F(FlyTest, AFolderThatCannotBeWrittenDoesNotEndAFlight) {
   FlyOptions options = Options();
   options.folder = folder_;
   options.images = true;
-  options.most_s = 1;
-  LiveCamera camera(Noise(), {});
-  options.progress = [&](const VehicleState&, const Decision&, const SafetyChange&) {
+  options.max_s = 1;
+  vision::LiveCamera camera(Noise(), {});
+  options.progress = [&](const control::VehicleState&, const mission::Decision&,
+                         const control::SafetyChange&) {
     std::filesystem::remove_all(folder_ / "recording");
   };
   const FlyReport report = FlyAircraft(plan_, camera, link_, options);
@@ -510,25 +515,27 @@ TEST_F(FlyTest, AFolderThatCannotBeWrittenDoesNotEndAFlight) {
 TEST_F(FlyTest, TheRecordsTellOfTheReactionToACameraThatDied) {
   const LoadedPlan plan = LoadPlan("landing");
   bool made = false;
-  LiveCamera camera([&made] { return std::make_unique<DyingSource>(std::exchange(made, true) ? 0 : 5); }, {});
-  FakeLink link;
+  vision::LiveCamera camera(
+      [&made] { return std::make_unique<DyingSource>(std::exchange(made, true) ? 0 : 5); }, {});
+  control::FakeLink link;
   FlyOptions options;
   options.folder = folder_ / "run";
   options.video = false;
   options.limits.image_s = 0.2;
   options.limits.patience_s = 0.5;
-  options.most_s = 30;
+  options.max_s = 30;
   std::atomic<bool> interrupted = false;
   options.interrupted = &interrupted;
-  std::vector<Reaction> shown;
-  options.progress = [&](const VehicleState&, const Decision&, const SafetyChange& change) {
+  std::vector<control::Reaction> shown;
+  options.progress = [&](const control::VehicleState&, const mission::Decision&,
+                         const control::SafetyChange& change) {
     shown.push_back(change.reaction);
-    if (change.reaction == Reaction::kSink) interrupted = true;
+    if (change.reaction == control::Reaction::kSink) interrupted = true;
   };
   const FlyReport report = FlyAircraft(plan, camera, link, options);
   EXPECT_EQ(report.error, "");
   EXPECT_EQ(report.outcome, "interrupted");  // not by its time: the reaction was told while no image came
-  EXPECT_THAT(shown, ::testing::Contains(Reaction::kSink));
+  EXPECT_THAT(shown, ::testing::Contains(control::Reaction::kSink));
   std::ifstream in(folder_ / "run/events.log");
   std::ostringstream text;
   text << in.rdbuf();
@@ -538,4 +545,4 @@ TEST_F(FlyTest, TheRecordsTellOfTheReactionToACameraThatDied) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::flight

@@ -13,7 +13,7 @@
 #include "records/summary.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kestrel {
+namespace kestrel::flight {
 namespace {
 
 using ::testing::Contains;
@@ -33,9 +33,9 @@ struct FakeClock {
   }
 };
 
-class FakeServer final : public AutopilotServer {
+class FakeServer final : public sim::AutopilotServer {
  public:
-  void Serve(double now_s, Autopilot& aircraft) override {
+  void Serve(double now_s, control::Autopilot& aircraft) override {
     calls.push_back({now_s, aircraft.State().t_s});
     if (!sends || !pilot) return;
     aircraft.Send(*sends);
@@ -43,16 +43,16 @@ class FakeServer final : public AutopilotServer {
     ++heard.setpoints, ++heard.followed;
   }
   void SetPilot(bool allows) override { pilot = allows, switched_at_call = calls.size(); }
-  const WireCounts& Heard() const override { return heard; }
+  const sim::WireCounts& Heard() const override { return heard; }
   std::string Where() const override { return "udp://127.0.0.1:1"; }
 
   struct Call {
     double now_s, t_s;
   };
   std::vector<Call> calls;
-  std::optional<Setpoint> sends;
+  std::optional<control::Setpoint> sends;
   bool counts_each = true;  // otherwise it came once and is followed on
-  WireCounts heard;
+  sim::WireCounts heard;
   bool pilot = true;
   std::size_t switched_at_call = 0;
 };
@@ -70,14 +70,14 @@ class ServeFlightTest : public InTemporaryFolder {
 TEST_F(ServeFlightTest, InRealTimeServersAreServedAndFramesComeWhenTheyAreDue) {
   const LoadedScenario loaded = Short();
   FakeServer server;
-  server.sends = VelocitySetpoint{{0.5, 0, 0}, 0};
+  server.sends = control::VelocitySetpoint{{0.5, 0, 0}, 0};
   const WallClock real = MonotonicClock();
   double begun_s = 0;
   std::vector<double> exposed_s, published_s;
   ServeOptions options;
   options.servers = {&server};
   options.begun = [&] { begun_s = real.now_s(); };
-  options.publish = [&](const Frame& frame) {
+  options.publish = [&](const vision::Frame& frame) {
     exposed_s.push_back(frame.t_s), published_s.push_back(real.now_s() - begun_s);
   };
   const FlightResult result = ServeFlight(loaded, options);
@@ -104,17 +104,17 @@ TEST_F(ServeFlightTest, InRealTimeServersAreServedAndFramesComeWhenTheyAreDue) {
   EXPECT_EQ(result.summary.metrics.at("setpoints_heard"), static_cast<double>(server.calls.size()));
   EXPECT_GT(result.rows.back().now.v_N.head<2>().norm(), 0.1);
   ASSERT_TRUE(result.rows.back().decision.setpoint);
-  EXPECT_EQ(std::get<VelocitySetpoint>(*result.rows.back().decision.setpoint).v_H.x(), 0.5);
+  EXPECT_EQ(std::get<control::VelocitySetpoint>(*result.rows.back().decision.setpoint).v_H.x(), 0.5);
 }
 
 TEST_F(ServeFlightTest, WithoutAClientItIsTheSimulatorsOwnFlightToTheBit) {
   const LoadedScenario loaded = Short();
-  Simulator alone(loaded.simulator);
+  sim::Simulator alone(loaded.simulator);
   while (alone.Next()) {}
   FakeClock clock;
   ServeOptions options;
   options.clock = clock.Clock();
-  const Summary served = ServeFlight(loaded, options).summary;
+  const records::Summary served = ServeFlight(loaded, options).summary;
   EXPECT_EQ(served.state_hash, alone.state_hash());
   EXPECT_EQ(served.image_hash, alone.image_hash());
   EXPECT_NEAR(clock.now_s, 500 + 0.65, 0.01);  // and took its time
@@ -128,7 +128,7 @@ TEST_F(ServeFlightTest, ATooSlowMachineStretchesTimeAndSaysSo) {
   options.clock = clock.Clock();
   options.servers = {&server};
   options.folder = folder_ / "run";
-  options.publish = [&](const Frame&) { clock.now_s += 0.25; };  // where 0.05 were right
+  options.publish = [&](const vision::Frame&) { clock.now_s += 0.25; };  // where 0.05 were right
   options.say = [&](const std::string& line) { said.push_back(line); };
   const FlightResult result = ServeFlight(Short(), options);
   EXPECT_EQ(result.rows.size(), 13u);  // nothing is skipped
@@ -142,13 +142,14 @@ TEST_F(ServeFlightTest, ATooSlowMachineStretchesTimeAndSaysSo) {
   // once a second, and once at the end
   EXPECT_LE(static_cast<double>(said.size()), clock.now_s - 500 + 2);
   EXPECT_THAT(Content("run/events.log"), HasSubstr("the machine is too slow"));
-  EXPECT_NEAR(ReadSummary(folder_ / "run/summary.json").metrics.at("stretched_s"), stretched_s, 1e-6);
+  EXPECT_NEAR(records::ReadSummary(folder_ / "run/summary.json").metrics.at("stretched_s"), stretched_s,
+              1e-6);
 }
 
 TEST_F(ServeFlightTest, ALandingIsJudgedByTheTruthAndEndsWhenItHasStood) {
   FakeClock clock;
   FakeServer server;
-  server.sends = VelocitySetpoint{{0, 0, 0.4}, 0};
+  server.sends = control::VelocitySetpoint{{0, 0, 0.4}, 0};
   ServeOptions options;
   options.clock = clock.Clock();
   options.servers = {&server};
@@ -157,7 +158,7 @@ TEST_F(ServeFlightTest, ALandingIsJudgedByTheTruthAndEndsWhenItHasStood) {
       Short({"duration_s=30", "start.height_m=0.8", "start.scatter_m=0.01", "wind.mean_m_s=0",
              "wind.turbulence=false", "wind.gusts.rate_per_min=0", "criteria.fix_share={min: 0.5}"}),
       options);
-  const Summary& s = result.summary;
+  const records::Summary& s = result.summary;
   EXPECT_EQ(s.outcome, "landed");
   EXPECT_TRUE(s.complete);
   ASSERT_TRUE(s.metrics.contains("touchdown_error_m"));
@@ -168,7 +169,7 @@ TEST_F(ServeFlightTest, ALandingIsJudgedByTheTruthAndEndsWhenItHasStood) {
   EXPECT_LT(s.sim_s, 20);
   EXPECT_GT(s.sim_s, s.metrics.at("touchdown_s") + 3);
   EXPECT_FALSE(s.metrics.contains("fix_share"));
-  for (const Criterion& c : s.criteria) EXPECT_NE(c.name, "fix_share");
+  for (const records::Criterion& c : s.criteria) EXPECT_NE(c.name, "fix_share");
   EXPECT_EQ(s.criteria.size(), 4u);
   EXPECT_THAT(Content("run/events.log"), HasSubstr("fix_share is left out"));
   EXPECT_THAT(Content("run/events.log"), HasSubstr("skids touch"));
@@ -183,7 +184,7 @@ TEST_F(ServeFlightTest, WhoNeverTouchesDownHasNotMetTheCriteria) {
   FakeClock clock;
   ServeOptions options;
   options.clock = clock.Clock();
-  const Summary s = ServeFlight(Short(), options).summary;
+  const records::Summary s = ServeFlight(Short(), options).summary;
   EXPECT_TRUE(s.complete);
   EXPECT_FALSE(s.passed);
 }
@@ -191,12 +192,12 @@ TEST_F(ServeFlightTest, WhoNeverTouchesDownHasNotMetTheCriteria) {
 TEST_F(ServeFlightTest, ThePilotTakesTheAircraftAwayWhenHeIsTold) {
   FakeClock clock;
   FakeServer server;
-  server.sends = VelocitySetpoint{};
+  server.sends = control::VelocitySetpoint{};
   ServeOptions options;
   options.clock = clock.Clock();
   options.servers = {&server};
   options.pilot_off_at_s = 0.3;
-  const Summary s = ServeFlight(Short(), options).summary;
+  const records::Summary s = ServeFlight(Short(), options).summary;
   EXPECT_FALSE(server.pilot);
   ASSERT_LT(server.switched_at_call, server.calls.size());
   EXPECT_NEAR(server.calls[server.switched_at_call].t_s, 0.3, 0.0021);
@@ -206,11 +207,11 @@ TEST_F(ServeFlightTest, ThePilotTakesTheAircraftAwayWhenHeIsTold) {
 TEST_F(ServeFlightTest, SetpointsThatAreNotNumbersDoNotReachTheAircraft) {
   FakeClock clock;
   FakeServer server;
-  server.sends = VelocitySetpoint{{0, std::numeric_limits<double>::quiet_NaN(), 0}, 0};
+  server.sends = control::VelocitySetpoint{{0, std::numeric_limits<double>::quiet_NaN(), 0}, 0};
   ServeOptions options;
   options.clock = clock.Clock();
   options.servers = {&server};
-  const Summary s = ServeFlight(Short(), options).summary;
+  const records::Summary s = ServeFlight(Short(), options).summary;
   EXPECT_EQ(s.error, "");
   EXPECT_TRUE(s.complete);
 }
@@ -218,18 +219,18 @@ TEST_F(ServeFlightTest, SetpointsThatAreNotNumbersDoNotReachTheAircraft) {
 TEST_F(ServeFlightTest, WhatTheWireBroughtIsCountedOnceAndWhatIsNotHeededIsTold) {
   FakeClock clock;
   FakeServer server;
-  server.sends = VelocitySetpoint{};
+  server.sends = control::VelocitySetpoint{};
   server.counts_each = false;
   server.heard.refused = 2;
-  server.heard.NotHeeded(unheeded::kImpossible, "TELEOP nan 0 0 0", 2);
-  server.heard.NotHeeded(unheeded::kDamaged, "shorter than a header", 40000);
+  server.heard.CountIgnored(unheeded::kImpossible, "TELEOP nan 0 0 0", 2);
+  server.heard.CountIgnored(unheeded::kDamaged, "shorter than a header", 40000);
   std::vector<std::string> said;
   ServeOptions options;
   options.clock = clock.Clock();
   options.servers = {&server};
   options.folder = folder_ / "run";
   options.say = [&](const std::string& line) { said.push_back(line); };
-  const Summary s = ServeFlight(Short(), options).summary;
+  const records::Summary s = ServeFlight(Short(), options).summary;
   EXPECT_GT(server.calls.size(), 200u);
   EXPECT_EQ(s.metrics.at("setpoints_heard"), 1);
   EXPECT_EQ(s.metrics.at("setpoints_followed"), 1);
@@ -255,13 +256,13 @@ TEST_F(ServeFlightTest, AFlightThatNobodyFlewHasMetNothing) {
     return ServeFlight(Short(more), options).summary;
   };
   // Of what is left out, all is met.
-  const Summary left_out = fly({"criteria={fix_share: {min: 0.5}}"});
+  const records::Summary left_out = fly({"criteria={fix_share: {min: 0.5}}"});
   EXPECT_EQ(left_out.outcome, "not flown");
   EXPECT_FALSE(left_out.passed);
   server.heard.followed = 1;
   EXPECT_TRUE(fly({"criteria={fix_share: {min: 0.5}}"}).passed);
   server.heard.followed = 0;
-  const Summary nothing_to_judge = fly({"criteria={}"});
+  const records::Summary nothing_to_judge = fly({"criteria={}"});
   EXPECT_EQ(nothing_to_judge.outcome, "completed");
   EXPECT_TRUE(nothing_to_judge.passed);
 }
@@ -272,12 +273,12 @@ TEST_F(ServeFlightTest, AnInterruptEndsItInGoodOrder) {
   options.clock = clock.Clock();
   options.folder = folder_ / "run";
   options.go_on = [&] { return clock.now_s < 500.3; };
-  const Summary s = ServeFlight(Short(), options).summary;
+  const records::Summary s = ServeFlight(Short(), options).summary;
   EXPECT_EQ(s.outcome, "ended from outside");
   EXPECT_TRUE(s.complete);
   EXPECT_NEAR(s.sim_s, 0.3, 0.01);
-  EXPECT_EQ(ReadSummary(folder_ / "run/summary.json").outcome, "ended from outside");
+  EXPECT_EQ(records::ReadSummary(folder_ / "run/summary.json").outcome, "ended from outside");
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::flight

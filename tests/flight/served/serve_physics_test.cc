@@ -5,22 +5,22 @@
 
 #include <string>
 
-namespace kestrel {
+namespace kestrel::flight {
 namespace {
 
 // Has one autopilot, which leaves at a time of its own.
-class OnePeer final : public PhysicsServer {
+class OnePeer final : public sim::PhysicsServer {
  public:
   explicit OnePeer(double leaves_s) : leaves_s_(leaves_s) {}
   bool Begin() override { return begun++ < 1 || last_s < leaves_s_; }
-  std::optional<Actuation> Step(double, const SensorReadings&, const Truth& truth) override {
+  std::optional<sim::Actuation> Step(double, const sim::SensorReadings&, const Truth& truth) override {
     last_s = truth.t_s;
     if (last_s >= leaves_s_) return std::nullopt;
-    return Actuation{};
+    return sim::Actuation{};
   }
   void Stop() override {}
   std::string Where() const override { return "udp://127.0.0.1:1"; }
-  PhysicsCounts counts() const override { return {}; }
+  sim::PhysicsCounts counts() const override { return {}; }
 
   int begun = 0;
   double last_s = 0;
@@ -36,7 +36,7 @@ TEST(ServePhysics, AFlightLastsUntilItsAutopilotLeavesBeyondTheScenariosDuration
   OnePeer peer(1.5);
   int frames = 0, flights = 0;
   ServePhysics(
-      loaded, peer, [&](const Frame&) { ++frames; },
+      loaded, peer, [&](const vision::Frame&) { ++frames; },
       [&](const std::string& line) { flights += line.find("an autopilot is there") != std::string::npos; });
   EXPECT_EQ(flights, 1);
   EXPECT_NEAR(peer.last_s, 1.5, 0.01);
@@ -44,4 +44,4 @@ TEST(ServePhysics, AFlightLastsUntilItsAutopilotLeavesBeyondTheScenariosDuration
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::flight

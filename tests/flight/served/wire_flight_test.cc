@@ -9,7 +9,7 @@
 #include "base/yaml/yaml_fields.h"
 #include "flight/served/link_faults.h"
 
-namespace kestrel {
+namespace kestrel::flight {
 namespace {
 
 using ::testing::DoubleNear;
@@ -25,7 +25,7 @@ WireFlown Flown(int images) {
   for (int i = 0; i < images + 10; ++i) flown.published.push_back({100 + 0.05 * i, 100 + 0.05 * i});
   for (int i = 0; i < images; ++i) {
     const double given_s = flown.published[static_cast<std::size_t>(i + 3)].t_s;
-    const VelocitySetpoint setpoint{{0.01 * i, 0.5, 0}, 0};
+    const control::VelocitySetpoint setpoint{{0.01 * i, 0.5, 0}, 0};
     flown.images.push_back({i + 7, given_s + 0.01, given_s + 0.015, setpoint, "descend"});
     flown.heard.push_back({given_s + 0.018, setpoint});
   }
@@ -68,10 +68,11 @@ TEST(AddedLatency, ALateSetpointIsKnownByItsValue) {
 
 TEST(AddedLatency, AnAttitudeIsTheFirstThatCanHaveLeftAfterTheDecision) {
   WireFlown flown = Flown(50);
-  for (HeardSetpoint& heard : flown.heard) heard.setpoint = AttitudeSetpoint{heard.t_s, 0, 0, 0.5};
+  for (ReceivedSetpoint& heard : flown.heard)
+    heard.setpoint = control::AttitudeSetpoint{heard.t_s, 0, 0, 0.5};
   // One that left 1 ms before the decision on image 20 and comes after it.
   flown.heard.insert(flown.heard.begin() + 20,
-                     {flown.images[20].decided_s + 0.00195, AttitudeSetpoint{0.1, 0.1, 0, 0.5}});
+                     {flown.images[20].decided_s + 0.00195, control::AttitudeSetpoint{0.1, 0.1, 0, 0.5}});
   const auto latency_s = AddedLatency_s(flown, Wire::kAscTec);
   EXPECT_THAT(latency_s, SizeIs(50));
   EXPECT_THAT(latency_s, Each(DoubleNear(0.018, 1e-9)));
@@ -127,15 +128,16 @@ TEST(JudgeFault, EachDeparture) {
 }
 
 TEST(JudgeFault, WithoutACameraTheAircraftIsHeldAndSinks) {
-  const auto wrong = [](const VelocitySetpoint& hold, const VelocitySetpoint& later, double sink_m_s) {
+  const auto wrong = [](const control::VelocitySetpoint& hold, const control::VelocitySetpoint& later,
+                        double sink_m_s) {
     WireFlown flown;
     flown.fault_s = 10;
     flown.events = {{10.45, "safety", "image stale, hold"}, {12.45, "safety", "image stale, sink"}};
-    flown.heard = {{9.9, VelocitySetpoint{{0.3, 0, 0.2}, 0}}, {10.46, hold}, {12.46, later}};
+    flown.heard = {{9.9, control::VelocitySetpoint{{0.3, 0, 0.2}, 0}}, {10.46, hold}, {12.46, later}};
     flown.truth = {{11, {0, 0, 1}, false}, {13, {0, 0, sink_m_s}, false}};
     return JudgeFault(kFaults[1], flown, {}).wrong.size();
   };
-  const VelocitySetpoint none, down{{0, 0, 0.5}, 0}, on{{0.3, 0, 0.2}, 0};
+  const control::VelocitySetpoint none, down{{0, 0, 0.5}, 0}, on{{0.3, 0, 0.2}, 0};
   EXPECT_EQ(wrong(none, down, 0.5), 0U);
   EXPECT_EQ(wrong(on, down, 0.5), 1U);
   EXPECT_EQ(wrong(none, on, 0.5), 1U);
@@ -155,4 +157,4 @@ TEST(JudgeFault, WhereItIsToFlyOnItMustLandInItsPlace) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::flight

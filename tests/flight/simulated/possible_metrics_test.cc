@@ -7,7 +7,7 @@
 #include "flight/simulated/runner.h"
 #include "records/telemetry/metrics.h"
 
-namespace kestrel {
+namespace kestrel::flight {
 namespace {
 
 using ::testing::Contains;
@@ -32,7 +32,7 @@ TEST(PossibleMetrics, HoldWhatFlightsOfEachMissionHave) {
       {"gyro_failure", {"roll_rmse_deg", "failure_tilt_rms_deg"}},
       {"follow", {"in_view_share", "followed_share"}},
       {"avoid", {"closest_m", "manoeuvred"}}};
-  ASSERT_EQ(known.size(), MissionNames().size());
+  ASSERT_EQ(known.size(), scenarios::MissionNames().size());
   for (const auto& [name, telling] : known) {
     std::vector<std::string> overrides = {"duration_s=0.4", "start.settle_s=0.2", "image.rate_hz=10",
                                           "criteria={}"};
@@ -43,9 +43,9 @@ TEST(PossibleMetrics, HoldWhatFlightsOfEachMissionHave) {
     const std::vector<std::string> possible = PossibleMetrics(loaded.scenario);
     EXPECT_THAT(Keys(flight.summary.metrics), IsSubsetOf(possible)) << name;
     EXPECT_THAT(Keys(flight.summary.metrics), IsSupersetOf(telling)) << name;
-    EXPECT_THAT(possible, IsSubsetOf(MetricNames()));
+    EXPECT_THAT(possible, IsSubsetOf(records::MetricNames()));
     bool goal = false;
-    for (const LogRow& row : flight.rows) goal = goal || row.decision.goal_T;
+    for (const records::LogRow& row : flight.rows) goal = goal || row.decision.goal_T;
     EXPECT_EQ(std::count(possible.begin(), possible.end(), "settle_s"), goal) << name;
     const bool lands = name == "landing";
     EXPECT_EQ(std::count(possible.begin(), possible.end(), "touchdown_error_m"), lands) << name;
@@ -78,4 +78,4 @@ TEST(PossibleMetrics, DependOnWhatTheFlightIsToDoOrMayBe) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::flight

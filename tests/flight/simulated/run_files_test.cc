@@ -13,7 +13,7 @@
 #include <sstream>
 
 #include "base/file/files.h"
-#include "base/process/piped_program.h"
+#include "base/process/piped_process.h"
 #include "base/yaml/yaml_fields.h"
 #include "geometry/tait_bryan.h"
 #include "records/recorder.h"
@@ -23,7 +23,7 @@
 #include "tests/support/temporary_folder.h"
 #include "vision/write_image.h"
 
-namespace kestrel {
+namespace kestrel::flight {
 namespace {
 
 namespace fs = std::filesystem;
@@ -61,8 +61,8 @@ std::vector<std::string> Cells(const std::string& line) {
 }
 
 // A cell of a line of telemetry by the name of its column.
-std::string Cell(const LogRow& row, const std::string& column) {
-  const auto names = Cells(TelemetryHeader()), cells = Cells(TelemetryLine(row));
+std::string Cell(const records::LogRow& row, const std::string& column) {
+  const auto names = Cells(records::TelemetryHeader()), cells = Cells(records::TelemetryLine(row));
   EXPECT_EQ(names.size(), cells.size());
   const auto found = std::find(names.begin(), names.end(), column);
   if (found == names.end()) return "no such column";
@@ -78,8 +78,8 @@ std::string MessageOf(const std::function<void()>& action) {
   return "nothing thrown";
 }
 
-LogRow RowAt(double t_s) {
-  LogRow row;
+records::LogRow RowAt(double t_s) {
+  records::LogRow row;
   row.sequence = static_cast<std::int64_t>(t_s * 30);
   row.exposure.t_s = t_s;
   row.now.t_s = t_s + 0.1;
@@ -90,12 +90,12 @@ LogRow RowAt(double t_s) {
   row.estimate.p_NB = row.now.X_NB.p + Eigen::Vector3d(0.2, 0, 0);
   row.decision.phase = t_s < 1 ? "search" : "descend";
   row.decision.target = "tracked";
-  row.decision.fix = TargetFix{{-1, -0.5, -4}, Radians(9), 30, 0.5, 1, true};
+  row.decision.fix = mission::TargetFix{{-1, -0.5, -4}, Radians(9), 30, 0.5, 1, true};
   return row;
 }
 
-Summary Passed() {
-  Summary summary;
+records::Summary Passed() {
+  records::Summary summary;
   summary.scenario = "land";
   summary.complete = summary.passed = true;
   return summary;
@@ -148,21 +148,21 @@ class FullDisk {
 TEST_F(PartFileTest, AnImageIsWholeOrHasNotItsName) {
   cv::Mat image(60, 80, CV_8UC3);
   cv::randu(image, 0, 255);
-  WriteImage(folder_ / "whole.png", image);
+  vision::WriteImage(folder_ / "whole.png", image);
   EXPECT_EQ(cv::norm(cv::imread((folder_ / "whole.png").string()), image, cv::NORM_INF), 0);
   {
     const FullDisk disk(fs::file_size(folder_ / "whole.png") - 1);
-    EXPECT_THAT(MessageOf([&] { WriteImage(folder_ / "cut.png", image); }),
+    EXPECT_THAT(MessageOf([&] { vision::WriteImage(folder_ / "cut.png", image); }),
                 HasSubstr("cut.png: File too large"));
   }
-  EXPECT_THAT(MessageOf([&] { WriteImage(folder_ / "image.none", image); }),
+  EXPECT_THAT(MessageOf([&] { vision::WriteImage(folder_ / "image.none", image); }),
               HasSubstr("image.none: it cannot be encoded so"));
   EXPECT_THAT(Files(), ElementsAre("whole.png"));
 }
 
 TEST_F(VideoTest, IsAFailureWhereTheDiskIsFullAtItsVeryEnd) {
   const auto film = [&](const char* name) {
-    Video video(folder_ / name, 25);
+    records::Video video(folder_ / name, 25);
     for (int i = 0; i < 20; ++i) video.Write(cv::Mat(64, 64, CV_8UC3, cv::Scalar::all(i)));
     video.Close();
   };
@@ -195,27 +195,27 @@ TEST_F(PartFileTest, AfterAFailedWriteTheFileIsNeverGivenItsName) {
 TEST_F(PipedProgramTest, GetsEveryByteAndItsFailureIsToldInItsOwnWords) {
   std::string bytes(3'000'000, 'k');
   for (std::size_t i = 0; i < bytes.size(); i += 997) bytes[i] = static_cast<char>(i);
-  PipedProgram copy({"dd", "status=none", "bs=64k", "iflag=fullblock", "of=" + (folder_ / "copy").string()});
+  PipedProcess copy({"dd", "status=none", "bs=64k", "iflag=fullblock", "of=" + (folder_ / "copy").string()});
   copy.Write(bytes);
   copy.Close();
   EXPECT_EQ(Content(folder_ / "copy"), bytes);
 
-  EXPECT_EQ(MessageOf([] { PipedProgram({"no-such-program"}); }),
+  EXPECT_EQ(MessageOf([] { PipedProcess({"no-such-program"}); }),
             "the program no-such-program is not installed: install the package that has it");
-  PipedProgram fails({"sh", "-c", "echo first >&2; echo the reason >&2; exit 5"});
+  PipedProcess fails({"sh", "-c", "echo first >&2; echo the reason >&2; exit 5"});
   EXPECT_EQ(MessageOf([&] { fails.Close(); }), "sh gave up with status 5: the reason");
-  PipedProgram killed({"sh", "-c", "kill -9 $$"});
+  PipedProcess killed({"sh", "-c", "kill -9 $$"});
   EXPECT_EQ(MessageOf([&] { killed.Close(); }), "sh was ended by signal 9");
 }
 
 TEST_F(PipedProgramTest, ADeadProgramIsAnErrorAndNoSignal) {
-  PipedProgram dead({"sh", "-c", "exec <&-; echo gone >&2; exit 1"});
+  PipedProcess dead({"sh", "-c", "exec <&-; echo gone >&2; exit 1"});
   EXPECT_EQ(MessageOf([&] {
               for (int i = 0; i < 1000; ++i) dead.Write(std::string(100'000, 'x'));
             }),
             "sh gave up with status 1: gone");
   EXPECT_THAT(MessageOf([&] { dead.Close(); }), HasSubstr("gone"));
-  PipedProgram early({"true"});
+  PipedProcess early({"true"});
   EXPECT_THAT(MessageOf([&] {
                 for (int i = 0; i < 1000; ++i) early.Write(std::string(100'000, 'x'));
               }),
@@ -224,7 +224,7 @@ TEST_F(PipedProgramTest, ADeadProgramIsAnErrorAndNoSignal) {
 }
 
 TEST_F(VideoTest, IsAPlayableFileThatHasItsNameOnlyAtTheEnd) {
-  Video video(folder_ / "video.mp4", 25);
+  records::Video video(folder_ / "video.mp4", 25);
   const cv::Mat wide(61, 163, CV_8UC3, cv::Scalar(10, 200, 30));
   const cv::Mat part = wide(cv::Rect(1, 0, 161, 61));  // rows that do not follow one another, and an odd size
   for (int i = 0; i < 20; ++i) video.Write(part);
@@ -236,7 +236,7 @@ TEST_F(VideoTest, IsAPlayableFileThatHasItsNameOnlyAtTheEnd) {
   EXPECT_NE(bytes.find("avc1"), std::string::npos);
 
   const std::string picture = (folder_ / "first.png").string();
-  PipedProgram decode(
+  PipedProcess decode(
       {"ffmpeg", "-loglevel", "error", "-i", (folder_ / "video.mp4").string(), "-frames:v", "1", picture});
   decode.Close();
   const cv::Mat first = cv::imread(picture);
@@ -246,14 +246,14 @@ TEST_F(VideoTest, IsAPlayableFileThatHasItsNameOnlyAtTheEnd) {
 }
 
 TEST_F(VideoTest, AFailureNamesTheFileAndWhatFfmpegSaid) {
-  Video video(folder_ / "none" / "video.mp4", 25);
+  records::Video video(folder_ / "none" / "video.mp4", 25);
   const std::string message = MessageOf([&] {
     for (int i = 0; i < 20; ++i) video.Write(cv::Mat::zeros(64, 64, CV_8UC3));
     video.Close();
   });
   EXPECT_THAT(message, AllOf(HasSubstr("cannot write"), HasSubstr("video.mp4: ffmpeg gave up"),
                              HasSubstr("No such file or directory")));
-  Video changing(folder_ / "video.mp4", 25);
+  records::Video changing(folder_ / "video.mp4", 25);
   changing.Write(cv::Mat::zeros(64, 64, CV_8UC3));
   EXPECT_THAT(MessageOf([&] { changing.Write(cv::Mat::zeros(32, 64, CV_8UC3)); }),
               HasSubstr("a frame of 64x32 px follows frames of 64x64 px"));
@@ -262,7 +262,7 @@ TEST_F(VideoTest, AFailureNamesTheFileAndWhatFfmpegSaid) {
 TEST(Telemetry, SaysTruthFixAndTheTruthOfTheFixEachInItsFrame) {
   // The pad lies at (10, 20) turned by 90 degrees: its x is east, its y south. The aircraft, at (10.5, 19),
   // is 1 m before it and 0.5 m to its left.
-  const LogRow row = RowAt(0);
+  const records::LogRow row = RowAt(0);
   EXPECT_EQ(Cell(row, "truth_x_m"), "10.5");
   EXPECT_EQ(Cell(row, "truth_y_m"), "19");
   EXPECT_EQ(Cell(row, "truth_z_m"), "-4");
@@ -280,20 +280,20 @@ TEST(Telemetry, SaysTruthFixAndTheTruthOfTheFixEachInItsFrame) {
 }
 
 TEST(Telemetry, WhatThereIsNotIsAnEmptyCell) {
-  LogRow row = RowAt(0);
+  records::LogRow row = RowAt(0);
   row.decision.fix.reset();
   EXPECT_EQ(Cell(row, "fix_x_m"), "");
   EXPECT_EQ(Cell(row, "fix_inliers"), "");
   EXPECT_EQ(Cell(row, "setpoint_vx_m_s"), "");
-  row.decision.setpoint = VelocitySetpoint{{1, 2, 3}, Radians(45)};
+  row.decision.setpoint = control::VelocitySetpoint{{1, 2, 3}, Radians(45)};
   EXPECT_EQ(Cell(row, "setpoint_vy_m_s"), "2");
   EXPECT_EQ(Cell(row, "setpoint_yaw_rate_deg_s"), "45");
   EXPECT_EQ(Cell(row, "setpoint_x_m"), "");
-  row.decision.setpoint = PositionSetpoint{{1, 2, 3}, Radians(-30)};
+  row.decision.setpoint = control::PositionSetpoint{{1, 2, 3}, Radians(-30)};
   EXPECT_EQ(Cell(row, "setpoint_z_m"), "3");
   EXPECT_EQ(Cell(row, "setpoint_yaw_deg"), "-30");
   EXPECT_EQ(Cell(row, "setpoint_vx_m_s"), "");
-  row.decision.setpoint = AttitudeSetpoint{Radians(4), Radians(-5), Radians(6), 0.5};
+  row.decision.setpoint = control::AttitudeSetpoint{Radians(4), Radians(-5), Radians(6), 0.5};
   EXPECT_EQ(Cell(row, "setpoint_roll_deg"), "4");
   EXPECT_EQ(Cell(row, "setpoint_pitch_deg"), "-5");
   EXPECT_EQ(Cell(row, "setpoint_yaw_rate_deg_s"), "6");
@@ -301,30 +301,30 @@ TEST(Telemetry, WhatThereIsNotIsAnEmptyCell) {
 }
 
 TEST(Telemetry, HasNoTimesOfTheProcessor) {
-  LogRow row = RowAt(0);
-  const std::string before = TelemetryLine(row);
+  records::LogRow row = RowAt(0);
+  const std::string before = records::TelemetryLine(row);
   row.decision.vision_s = 0.01, row.decision.control_s = 0.02;
-  EXPECT_EQ(TelemetryLine(row), before);
+  EXPECT_EQ(records::TelemetryLine(row), before);
 }
 
 TEST_F(RecorderTest, LeavesAWholeFolderAfterAWholeRun) {
   for (const char* old : {"summary.json", "video.mp4", "telemetry.csv.part"})
     std::ofstream(folder_ / old) << "old";
-  Recorder recorder(folder_, {true, 30, {"it's `land`, seed 1", Eigen::Vector2d(1.19, 0.91)}});
+  records::Recorder recorder(folder_, {true, 30, {"it's `land`, seed 1", Eigen::Vector2d(1.19, 0.91)}});
   EXPECT_THAT(Files(), ElementsAre("telemetry.csv.part"));
   ASSERT_TRUE(recorder.wants_images());
   for (int i = 0; i < 60; ++i) {
     recorder.Write(RowAt(i / 30.0));
     recorder.WriteImage(cv::Mat::zeros(48, 64, CV_8UC3));
   }
-  const Summary summary = recorder.Finish(Passed());
+  const records::Summary summary = recorder.Finish(Passed());
   EXPECT_TRUE(summary.complete) << summary.error;
   EXPECT_TRUE(summary.passed);
   EXPECT_THAT(Files(), UnorderedElementsAre("summary.json", "telemetry.csv", "video.mp4",
                                             "plots/position.png", "plots/error.png", "plots/trajectory.png"));
   const std::string telemetry = Content(folder_ / "telemetry.csv");
   EXPECT_EQ(std::count(telemetry.begin(), telemetry.end(), '\n'), 61);
-  EXPECT_EQ(ReadSummary(folder_ / "summary.json").scenario, "land");
+  EXPECT_EQ(records::ReadSummary(folder_ / "summary.json").scenario, "land");
   for (const char* name : {"position.png", "error.png", "trajectory.png"}) {
     cv::Mat gray = cv::imread((folder_ / "plots" / name).string(), cv::IMREAD_GRAYSCALE);
     ASSERT_FALSE(gray.empty()) << name;
@@ -333,44 +333,44 @@ TEST_F(RecorderTest, LeavesAWholeFolderAfterAWholeRun) {
 }
 
 TEST_F(RecorderTest, ARunWithoutFixOrMotionIsDrawnToo) {
-  Recorder recorder(folder_, {false, 30, {"", Eigen::Vector2d(1.19, 0.91)}});
+  records::Recorder recorder(folder_, {false, 30, {"", Eigen::Vector2d(1.19, 0.91)}});
   EXPECT_FALSE(recorder.wants_images());
-  LogRow row;
+  records::LogRow row;
   recorder.Write(row);
-  const Summary summary = recorder.Finish(Passed());
+  const records::Summary summary = recorder.Finish(Passed());
   EXPECT_TRUE(summary.complete) << summary.error;
   EXPECT_TRUE(fs::exists(folder_ / "plots/error.png"));
 }
 
 TEST_F(RecorderTest, ARunThatBrokeOffLeavesWhatItHadAndSaysSo) {
-  Recorder recorder(folder_, {true, 30, {}});
-  Summary summary;
+  records::Recorder recorder(folder_, {true, 30, {}});
+  records::Summary summary;
   summary.error = "the world came to an end";
   recorder.Finish(summary);
   EXPECT_THAT(Files(), UnorderedElementsAre("summary.json", "telemetry.csv"));
-  const Summary read = ReadSummary(folder_ / "summary.json");
+  const records::Summary read = records::ReadSummary(folder_ / "summary.json");
   EXPECT_FALSE(read.complete);
   EXPECT_EQ(read.error, "the world came to an end");
 }
 
 TEST_F(RecorderTest, WhatCannotBeWrittenMakesTheRunOneThatBrokeOff) {
-  Recorder recorder(folder_, {true, 30, {}});
+  records::Recorder recorder(folder_, {true, 30, {}});
   recorder.Write(RowAt(0));
   fs::remove(folder_ / "telemetry.csv.part");  // as if someone had cleaned up
   fs::remove_all(folder_ / "plots");
-  const Summary summary = recorder.Finish(Passed());
+  const records::Summary summary = recorder.Finish(Passed());
   EXPECT_FALSE(summary.complete);
   EXPECT_FALSE(summary.passed);
   EXPECT_THAT(summary.error, AllOf(HasSubstr("telemetry.csv: No such file"), HasSubstr("; cannot draw")));
-  EXPECT_FALSE(ReadSummary(folder_ / "summary.json").complete);
+  EXPECT_FALSE(records::ReadSummary(folder_ / "summary.json").complete);
   EXPECT_THAT(Files(), ElementsAre("summary.json"));
 }
 
 TEST_F(RecorderTest, AFolderThatCannotBeIsRefusedAtOnce) {
   std::ofstream(folder_ / "file") << "x";
-  EXPECT_THAT(MessageOf([&] { Recorder(folder_ / "file", {}); }),
+  EXPECT_THAT(MessageOf([&] { records::Recorder(folder_ / "file", {}); }),
               HasSubstr("cannot write " + (folder_ / "file").string()));
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::flight

@@ -15,7 +15,7 @@
 #include "tests/support/content.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kestrel {
+namespace kestrel::flight {
 namespace {
 
 namespace fs = std::filesystem;
@@ -34,7 +34,7 @@ LoadedScenario Short(const std::vector<std::string>& more = {}) {
 TEST_F(RunnerTest, ARunLeavesAllItsRecords) {
   const LoadedScenario loaded = Short();
   const FlightResult result = RunFlight(loaded, {folder_ / "run", true, {}});
-  const Summary& s = result.summary;
+  const records::Summary& s = result.summary;
   EXPECT_EQ(s.error, "");
   EXPECT_TRUE(s.complete);
   EXPECT_EQ(s.outcome, "completed");
@@ -53,16 +53,16 @@ TEST_F(RunnerTest, ARunLeavesAllItsRecords) {
   std::istringstream telemetry(Content(folder_ / "run/telemetry.csv"));
   std::string line;
   std::getline(telemetry, line);
-  EXPECT_EQ(line, TelemetryHeader());
-  for (const LogRow& row : result.rows) {
+  EXPECT_EQ(line, records::TelemetryHeader());
+  for (const records::LogRow& row : result.rows) {
     ASSERT_TRUE(std::getline(telemetry, line));
-    EXPECT_EQ(line, TelemetryLine(row));
+    EXPECT_EQ(line, records::TelemetryLine(row));
   }
   EXPECT_FALSE(std::getline(telemetry, line));
-  EXPECT_EQ(s.metrics, Metrics(result.rows, std::nullopt));
+  EXPECT_EQ(s.metrics, records::Metrics(result.rows, std::nullopt));
   EXPECT_NEAR(s.sim_s, 2.05, 1e-9);
 
-  const Summary read = ReadSummary(folder_ / "run/summary.json");
+  const records::Summary read = records::ReadSummary(folder_ / "run/summary.json");
   EXPECT_EQ(read.scenario, "landing");
   EXPECT_EQ(read.seed, 101u);
   EXPECT_EQ(read.state_hash, s.state_hash);
@@ -103,7 +103,7 @@ TEST_F(RunnerTest, CriteriaAreJudgedByTheMetrics) {
       {});
   EXPECT_TRUE(met.summary.passed);
   ASSERT_EQ(met.summary.criteria.size(), 3u);
-  for (const Criterion& c : met.summary.criteria) EXPECT_EQ(c.value, met.summary.metrics.at(c.name));
+  for (const records::Criterion& c : met.summary.criteria) EXPECT_EQ(c.value, met.summary.metrics.at(c.name));
 
   const FlightResult missed =
       RunFlight(LoadScenario("pose", {"duration_s=1", "start.settle_s=1",
@@ -111,7 +111,7 @@ TEST_F(RunnerTest, CriteriaAreJudgedByTheMetrics) {
                 {});
   EXPECT_FALSE(missed.summary.passed);
   int failed = 0;
-  for (const Criterion& c : missed.summary.criteria) {
+  for (const records::Criterion& c : missed.summary.criteria) {
     failed += !c.passed;
     EXPECT_EQ(c.passed, c.name == "fix_share");
   }
@@ -123,7 +123,7 @@ TEST_F(RunnerTest, CriteriaAreJudgedByTheMetrics) {
                                          "criteria={touchdown_error_m: {max: 100}, rest_error_m: {min: 0}}"}),
                 {});
   EXPECT_FALSE(absent.summary.passed);
-  for (const Criterion& c : absent.summary.criteria) {
+  for (const records::Criterion& c : absent.summary.criteria) {
     EXPECT_FALSE(c.passed);
     EXPECT_TRUE(std::isnan(c.value));
   }
@@ -169,12 +169,12 @@ TEST_F(RunnerTest, ACameraThatStaysOffEndsTheRunUnderThatName) {
 TEST_F(RunnerTest, ARunThatIsInterruptedKeepsWhatItHadAndSaysSo) {
   int frames = 0;
   const FlightResult result =
-      RunFlight(Short(), {folder_ / "run", true, [&](const LogRow&) { return ++frames < 10; }});
+      RunFlight(Short(), {folder_ / "run", true, [&](const records::LogRow&) { return ++frames < 10; }});
   EXPECT_FALSE(result.summary.complete);
   EXPECT_FALSE(result.summary.passed);
   EXPECT_EQ(result.summary.outcome, "interrupted");
   EXPECT_EQ(result.rows.size(), 10u);
-  const Summary read = ReadSummary(folder_ / "run/summary.json");
+  const records::Summary read = records::ReadSummary(folder_ / "run/summary.json");
   EXPECT_FALSE(read.complete);
   EXPECT_EQ(read.error, "interrupted");
   const std::string telemetry = Content(folder_ / "run/telemetry.csv");
@@ -184,15 +184,15 @@ TEST_F(RunnerTest, ARunThatIsInterruptedKeepsWhatItHadAndSaysSo) {
 
 TEST_F(RunnerTest, AnErrorInTheMiddleBreaksTheRunOff) {
   int frames = 0;
-  const FlightResult result = RunFlight(Short(), {folder_ / "run", false, [&](const LogRow&) -> bool {
-                                                    if (++frames == 5)
-                                                      throw std::runtime_error("the mast broke");
-                                                    return true;
-                                                  }});
+  const FlightResult result =
+      RunFlight(Short(), {folder_ / "run", false, [&](const records::LogRow&) -> bool {
+                            if (++frames == 5) throw std::runtime_error("the mast broke");
+                            return true;
+                          }});
   EXPECT_EQ(result.summary.outcome, "broke off");
   EXPECT_EQ(result.summary.error, "the mast broke");
   EXPECT_FALSE(result.summary.complete);
-  EXPECT_EQ(ReadSummary(folder_ / "run/summary.json").error, "the mast broke");
+  EXPECT_EQ(records::ReadSummary(folder_ / "run/summary.json").error, "the mast broke");
 }
 
 TEST_F(RunnerTest, AFolderThatCannotBeMadeIsAnErrorThatNamesIt) {
@@ -206,4 +206,4 @@ TEST_F(RunnerTest, AFolderThatCannotBeMadeIsAnErrorThatNamesIt) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::flight

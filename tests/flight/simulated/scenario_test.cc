@@ -14,7 +14,7 @@
 #include "records/telemetry/metrics.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kestrel {
+namespace kestrel::flight {
 namespace {
 
 namespace fs = std::filesystem;
@@ -94,20 +94,21 @@ TEST_F(ScenarioTest, TheResolvedTextHoldsEveryValue) {
 TEST_F(ScenarioTest, AFileNeedsNothingButItsMission) {
   const LoadedScenario loaded = LoadScenario(Write("my_flight.yaml", "mission: hover\n"));
   EXPECT_EQ(loaded.scenario.name, "my_flight");
-  EXPECT_EQ(std::get<HoverFlight>(loaded.scenario.flight).height_m, HoverFlight{}.height_m);
-  EXPECT_EQ(std::get<MultirotorParameters>(loaded.simulator.vehicle).mass_kg, 1.3);
-  EXPECT_EQ(WidthPx(loaded.simulator.camera), 640);
+  EXPECT_EQ(std::get<scenarios::HoverFlight>(loaded.scenario.flight).height_m,
+            scenarios::HoverFlight{}.height_m);
+  EXPECT_EQ(std::get<sim::MultirotorParameters>(loaded.simulator.vehicle).mass_kg, 1.3);
+  EXPECT_EQ(vision::WidthPx(loaded.simulator.camera), 640);
   EXPECT_EQ(loaded.simulator.autopilot.roll.gain, 0.80);
   EXPECT_EQ(loaded.simulator.scene.pad.size_m, Eigen::Vector2d(1.19, 0.91));
   EXPECT_NEAR(loaded.pad.length_m, 1.19, 1e-12);
-  EXPECT_TRUE(MakeMission(PartsOf(loaded, MakeModel(loaded.simulator.scene, false).get())));
+  EXPECT_TRUE(scenarios::MakeMission(PartsOf(loaded, sim::MakeModel(loaded.simulator.scene, false).get())));
 }
 
 TEST_F(ScenarioTest, OverridesReachTheSimulatorAndTheFlight) {
   const LoadedScenario loaded =
       LoadScenario("landing", {"flight.blind_m=0.5", "seed=42", "image.latency_s=0.2", "occlusion.share=0.7",
                                "pad.yaw_deg=33", "mount.pitch_deg=10", "sensors.gps_horizontal_m.white=0.7"});
-  EXPECT_EQ(std::get<LandingFlight>(loaded.scenario.flight).blind_m, 0.5);
+  EXPECT_EQ(std::get<scenarios::LandingFlight>(loaded.scenario.flight).blind_m, 0.5);
   EXPECT_EQ(loaded.simulator.seed, 42u);
   EXPECT_EQ(loaded.simulator.image.latency_s, 0.2);
   EXPECT_EQ(loaded.simulator.occlusion.share, 0.7);
@@ -266,7 +267,7 @@ image:
     - {type: delayed, rate_per_min: 3, length_s: 2, delay_s: 0.1}
 )");
   const LoadedScenario loaded = LoadScenario(file);
-  const ImageParameters& image = loaded.simulator.image;
+  const sim::ImageParameters& image = loaded.simulator.image;
   EXPECT_EQ(image.exposure.samples, 6);
   EXPECT_EQ(image.lens.defocus, "disc");
   EXPECT_EQ(image.scatter.defocus_px, 0.4);
@@ -367,7 +368,7 @@ TEST_F(ScenarioTest, AvoidingAsksNoMoreThanTheAutopilotGives) {
                                                "  speed_m_s: 12\n"
                                                "  avoidance:\n"
                                                "    acceleration_m_s2: 15\n"
-                                               "    most_bearing_deg: 60\n"
+                                               "    max_bearing_deg: 60\n"
                                                "    hold: {yaw_rate_limit_deg_s: 170, bearing_deg: 70}\n"
                                                "  marks: []\n");
   const auto mistakes = Refusal(file);
@@ -379,10 +380,10 @@ TEST_F(ScenarioTest, AvoidingAsksNoMoreThanTheAutopilotGives) {
   refused("speed_m_s: 12", "autopilot.speed_limit_m_s is");
   refused("avoidance.acceleration_m_s2: 15", "autopilot.acceleration_limit_m_s2 is");
   refused("avoidance.hold.yaw_rate_limit_deg_s: 170", "autopilot.yaw_rate_limit_deg_s is");
-  refused("avoidance.hold.bearing_deg: 70", "flight.avoidance.most_bearing_deg is 60");
+  refused("avoidance.hold.bearing_deg: 70", "flight.avoidance.max_bearing_deg is 60");
   EXPECT_THAT(mistakes,
               Contains(file + ":5: flight.marks: is empty; valid: at least one, or a flight.contrast"));
-  EXPECT_THAT(Refusal(Write("b.yaml", text + "flight: {avoidance: {most_bearing_deg: 60, hold: {bearing_deg: "
+  EXPECT_THAT(Refusal(Write("b.yaml", text + "flight: {avoidance: {max_bearing_deg: 60, hold: {bearing_deg: "
                                              "60}}}\n")),
               IsEmpty());
 }
@@ -390,8 +391,8 @@ TEST_F(ScenarioTest, AvoidingAsksNoMoreThanTheAutopilotGives) {
 TEST_F(ScenarioTest, WhatCouldNotBeSeenOrToldApartIsRefused) {
   const auto avoid = [](const std::vector<std::string>& overrides) { return Refusal("avoid", overrides); };
   EXPECT_THAT(
-      avoid({"flight.marks.0.colour.least_value=0.9", "flight.marks.0.colour.most_value=0.1"}),
-      ElementsAre(AllOf(HasSubstr("flight.marks.0.colour.least_value"), HasSubstr("no pixel can match"))));
+      avoid({"flight.marks.0.colour.min_value=0.9", "flight.marks.0.colour.max_value=0.1"}),
+      ElementsAre(AllOf(HasSubstr("flight.marks.0.colour.min_value"), HasSubstr("no pixel can match"))));
   EXPECT_THAT(avoid({"flight.marks.1.colour.hue_deg=275"}),
               ElementsAre(AllOf(HasSubstr("flight.marks.1.colour"), HasSubstr("275 +- 12 overlap"),
                                 HasSubstr("mark 0, 300 +- 20"))));
@@ -402,9 +403,9 @@ TEST_F(ScenarioTest, WhatCouldNotBeSeenOrToldApartIsRefused) {
   EXPECT_THAT(Refusal("avoid_contrast", {"flight.contrast.tracker.confirm_sightings=9",
                                          "flight.contrast.tracker.confirm_images=3"}),
               ElementsAre(AllOf(HasSubstr("confirm_sightings: 9"), HasSubstr("confirm_images is 3"))));
-  EXPECT_THAT(Refusal("follow", {"flight.balloon.colour.least_value=0.9",
-                                 "flight.balloon.colour.most_value=0.1", "autopilot.speed_limit_m_s=0.3"}),
-              UnorderedElementsAre(HasSubstr("flight.balloon.colour.least_value"),
+  EXPECT_THAT(Refusal("follow", {"flight.balloon.colour.min_value=0.9", "flight.balloon.colour.max_value=0.1",
+                                 "autopilot.speed_limit_m_s=0.3"}),
+              UnorderedElementsAre(HasSubstr("flight.balloon.colour.min_value"),
                                    AllOf(HasSubstr("flight.gains.speed_limit_m_s"),
                                          HasSubstr("autopilot.speed_limit_m_s is 0.3"))));
 }
@@ -437,11 +438,12 @@ TEST_F(ScenarioTest, ACameraMayBeACalibrationFileBesideTheScenario) {
   const std::string camera = Write("flights/cameras/kalibr.yaml", kCamchain);
   const std::string file = Write("flights/a.yaml", "mission: pose\ncamera: cameras/kalibr.yaml\n");
   const LoadedScenario loaded = LoadScenario(file);
-  EXPECT_EQ(Parameters(loaded.simulator.camera), Eigen::Vector4d(800, 800, 320, 240));
+  EXPECT_EQ(vision::Parameters(loaded.simulator.camera), Eigen::Vector4d(800, 800, 320, 240));
   // And the resolved scenario means the same file from wherever it lies.
   EXPECT_EQ(loaded.scenario.camera, camera);
-  EXPECT_EQ(Parameters(LoadScenario(Write("runs/1/again.yaml", ToYaml(loaded.scenario))).simulator.camera),
-            Parameters(loaded.simulator.camera));
+  EXPECT_EQ(
+      vision::Parameters(LoadScenario(Write("runs/1/again.yaml", ToYaml(loaded.scenario))).simulator.camera),
+      vision::Parameters(loaded.simulator.camera));
   EXPECT_THAT(Refusal("pose", {"camera=cameras/none.yaml"}),
               ElementsAre(AllOf(HasSubstr("camera"), HasSubstr("no file 'cameras/none.yaml'"))));
 }
@@ -457,10 +459,10 @@ TEST_F(ScenarioTest, MistakesInACalibrationFileNameTheParameter) {
 
 TEST_F(ScenarioTest, TheVehicleBringsItsKindAndItsAutopilot) {
   const LoadedScenario loaded = LoadScenario("hover", {"vehicle=sr20"});
-  EXPECT_EQ(std::get<HelicopterParameters>(loaded.simulator.vehicle).mass_kg, 9.5);
+  EXPECT_EQ(std::get<sim::HelicopterParameters>(loaded.simulator.vehicle).mass_kg, 9.5);
   EXPECT_EQ(loaded.simulator.autopilot.roll.gain, 1.0);
   EXPECT_EQ(loaded.simulator.scene.vehicle.filename(), "sr20.xml");
-  EXPECT_TRUE(std::holds_alternative<HelicopterParameters>(
+  EXPECT_TRUE(std::holds_alternative<sim::HelicopterParameters>(
       LoadScenario("landing", {"vehicle=sra1"}).simulator.vehicle));
 }
 
@@ -507,7 +509,7 @@ TEST_F(ScenarioTest, AWorldThatMujocoRefusesIsNamed) {
 }
 
 TEST_F(ScenarioTest, TheLimitsOfTheCriteriaInTheScenariosAreOfKnownMetrics) {
-  const std::vector<std::string> names = MetricNames();
+  const std::vector<std::string> names = records::MetricNames();
   const std::set<std::string> known(names.begin(), names.end());
   EXPECT_EQ(known.size(), names.size());
   for (const std::string& name : ScenarioNames()) {
@@ -519,4 +521,4 @@ TEST_F(ScenarioTest, TheLimitsOfTheCriteriaInTheScenariosAreOfKnownMetrics) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::flight

@@ -9,7 +9,7 @@
 #include "control/safety/safety.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kestrel {
+namespace kestrel::records {
 namespace {
 
 using FlownPlotTest = InTemporaryFolder;
@@ -29,11 +29,11 @@ std::vector<LogRow> Sinking() {
     const bool held = row.now.t_s > 6;
     row.estimate.p_NB = {0, 0, -5 + 0.3 * row.now.t_s};
     row.decision.phase = "descend";
-    row.decision.fix = TargetFix{{0.3, -0.2, -5 + 0.3 * row.now.t_s}, 0, 30, 0.5, 1, true};
-    row.decision.setpoint = VelocitySetpoint{{0.1, 0, 0.3}, 0};
-    row.sent = VelocitySetpoint{held ? Eigen::Vector3d::Zero() : Eigen::Vector3d(0.1, 0, 0.3), 0};
+    row.decision.fix = mission::TargetFix{{0.3, -0.2, -5 + 0.3 * row.now.t_s}, 0, 30, 0.5, 1, true};
+    row.decision.setpoint = control::VelocitySetpoint{{0.1, 0, 0.3}, 0};
+    row.sent = control::VelocitySetpoint{held ? Eigen::Vector3d::Zero() : Eigen::Vector3d(0.1, 0, 0.3), 0};
     row.hazard = held ? "stale image" : "none";
-    row.reaction = NameOf(held ? Reaction::kHold : Reaction::kFly);
+    row.reaction = control::NameOf(held ? control::Reaction::kHold : control::Reaction::kFly);
     rows.push_back(row);
   }
   return rows;
@@ -57,4 +57,4 @@ TEST_F(FlownPlotTest, AnAircraftThatWasNeverHeardIsDrawnToo) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::records

@@ -13,7 +13,7 @@
 #include "geometry/tait_bryan.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kestrel {
+namespace kestrel::records {
 namespace {
 
 class PlotsTest : public InTemporaryFolder {
@@ -57,7 +57,8 @@ std::vector<LogRow> Climb(const Eigen::Vector3d& off_m, double yaw_off_deg) {
     row.now = row.exposure;
     row.estimate.p_NB = row.now.X_NB.p;
     row.decision.phase = "climb";
-    row.decision.fix = TargetFix{X_TB.p + off_m, WrapAngle(Radians(179 + yaw_off_deg)), 30, 0.5, 1, true};
+    row.decision.fix =
+        mission::TargetFix{X_TB.p + off_m, WrapAngle(Radians(179 + yaw_off_deg)), 30, 0.5, 1, true};
     rows.push_back(row);
   }
   return rows;
@@ -95,7 +96,8 @@ TEST_F(PlotsTest, AnAttitudeIsDrawnBesideItsErrors) {
     row.decision.fix.reset();
     const double t = row.exposure.t_s, roll = Radians(2 * t);
     row.exposure.X_NB.R = Eigen::Quaterniond(RotationFromTaitBryan({0, 0, roll}));
-    row.decision.attitude = AttitudeFix{roll + Radians(t < 5 ? -1 : 1), 0, Radians(1), Radians(1), {}, 0};
+    row.decision.attitude =
+        mission::AttitudeFix{roll + Radians(t < 5 ? -1 : 1), 0, Radians(1), Radians(1), {}, 0};
   }
   DrawPlots(folder_, rows, {});
   EXPECT_FALSE(std::filesystem::exists(folder_ / "error.png"));
@@ -130,9 +132,10 @@ std::vector<LogRow> Following() {
     row.now.targets = {balloon};
     const bool lost = t > 4 && t < 6;
     row.decision.phase = lost ? "look around" : "follow";
-    const SphereImage wanted{Eigen::Vector2d(0.2, 0), 0.15};
-    if (!lost) row.decision.sight = BalloonSight{SphereImageOf(balloon.p_V, 0.5), wanted, 400};
-    row.decision.setpoint = VelocitySetpoint{{1 - 0.2 * t, 0, -0.5}, Radians(10 * t - 50)};
+    const control::SphereImage wanted{Eigen::Vector2d(0.2, 0), 0.15};
+    if (!lost)
+      row.decision.sight = mission::BalloonSight{control::SphereImageOf(balloon.p_V, 0.5), wanted, 400};
+    row.decision.setpoint = control::VelocitySetpoint{{1 - 0.2 * t, 0, -0.5}, Radians(10 * t - 50)};
     rows.push_back(row);
   }
   return rows;
@@ -173,7 +176,7 @@ std::vector<LogRow> Passing() {
     other.p_N = {10, 4, -4};
     row.now.targets = {other};
     row.decision.phase = t < 1 ? "cruise" : t < 10 ? "avoid" : "return";
-    row.decision.setpoint = VelocitySetpoint{{1, 0, 0}, Radians(t < 10 ? -20 : 20)};
+    row.decision.setpoint = control::VelocitySetpoint{{1, 0, 0}, Radians(t < 10 ? -20 : 20)};
     rows.push_back(row);
   }
   return rows;
@@ -219,4 +222,4 @@ TEST_F(PlotsTest, ATitleRunsNothing) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::records

@@ -9,7 +9,7 @@
 
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::records {
 namespace {
 
 using Eigen::Vector3d;
@@ -35,8 +35,8 @@ LogRow Row(double t_s, const Vector3d& p_TB, const TaitBryan& angles_TB = {}) {
   return row;
 }
 
-TargetFix Fix(const Vector3d& p_TB, double yaw_deg) {
-  TargetFix fix;
+mission::TargetFix Fix(const Vector3d& p_TB, double yaw_deg) {
+  mission::TargetFix fix;
   fix.p_TB = p_TB, fix.yaw_TB = Radians(yaw_deg);
   return fix;
 }
@@ -60,7 +60,8 @@ TEST(Metrics, AttitudesAreJudgedAtTheExposureAndHeadingsFromTheirFirst) {
     row.exposure.t_s = row.now.t_s = k;
     row.exposure.X_NB.R = Eigen::Quaterniond(RotationFromTaitBryan({WrapAngle(yaw), 0.1, -0.2}));
     if (k >= 1) {
-      AttitudeFix fix{-0.2 + Radians(1), 0.1 - Radians(k == 5 ? 10 : 1), Radians(0.6), Radians(0.6), {}, 0};
+      mission::AttitudeFix fix{
+          -0.2 + Radians(1), 0.1 - Radians(k == 5 ? 10 : 1), Radians(0.6), Radians(0.6), {}, 0};
       fix.turned = yaw - Radians(40 + 27) + Radians(0.1 * (k - 1));
       row.decision.attitude = fix;
     }
@@ -228,7 +229,7 @@ TEST(Metrics, TheNamesAreThoseThatAFlightCanHave) {
   auto rows = Approach(std::vector<double>(25, 0.1));
   rows[3].decision.fix = Fix({0, 0, -3}, 0);
   for (LogRow& row : rows)
-    row.decision.attitude = row.decision.baseline = AttitudeFix{0, 0, 0.01, 0.01, 0.0, 0.01};
+    row.decision.attitude = row.decision.baseline = mission::AttitudeFix{0, 0, 0.01, 0.01, 0.0, 0.01};
   rows[5].now.attitude_failed = rows[6].estimate.aided = true;
   std::vector<std::string> names;
   for (const auto& [name, value] : Metrics(rows, std::nullopt)) names.push_back(name);
@@ -245,8 +246,8 @@ TEST(Metrics, TheNamesAreThoseThatAFlightCanHave) {
     row.now.targets =
         row.exposure.targets = {TargetTruth{0.5, {9, 3, -4}, Eigen::Vector3d::Zero(), {0, 0, 4}, true}};
     row.decision.phase = "cruise";
-    row.decision.sight = BalloonSight{{}, {{i < 100 ? 0.0 : 0.1, 0}, i < 200 ? 0.1 : 0.2}, 400};
-    row.decision.encounter = Encounter{.wanted = 0.9};
+    row.decision.sight = mission::BalloonSight{{}, {{i < 100 ? 0.0 : 0.1, 0}, i < 200 ? 0.1 : 0.2}, 400};
+    row.decision.encounter = mission::Encounter{.wanted = 0.9};
   }
   for (const auto& [name, value] : Metrics(targets, std::nullopt)) {
     if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
@@ -255,4 +256,4 @@ TEST(Metrics, TheNamesAreThoseThatAFlightCanHave) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::records

@@ -8,13 +8,13 @@
 
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::scenarios {
 namespace {
 
 using Eigen::Vector3d;
 
-LogRow Row(double t_s, const Vector3d& p_N, const std::vector<Vector3d>& others, double yaw = 0) {
-  LogRow row;
+records::LogRow Row(double t_s, const Vector3d& p_N, const std::vector<Vector3d>& others, double yaw = 0) {
+  records::LogRow row;
   row.now.t_s = t_s;
   row.now.X_NB.p = p_N;
   for (const Vector3d& p : others) row.now.targets.push_back({.diameter_m = 1, .p_N = p});
@@ -23,14 +23,14 @@ LogRow Row(double t_s, const Vector3d& p_N, const std::vector<Vector3d>& others,
   return row;
 }
 
-std::map<std::string, double> MetricsOf(const std::vector<LogRow>& rows) {
+std::map<std::string, double> MetricsOf(const std::vector<records::LogRow>& rows) {
   std::map<std::string, double> m;
   AddAvoidMetrics(rows, m);
   return m;
 }
 
 TEST(AvoidMetrics, OnlyOfFlightsThatAvoidAndHaveOthers) {
-  std::vector<LogRow> rows = {Row(0, {0, 0, -4}, {}), Row(1, {1, 0, -4}, {})};
+  std::vector<records::LogRow> rows = {Row(0, {0, 0, -4}, {}), Row(1, {1, 0, -4}, {})};
   EXPECT_TRUE(MetricsOf(rows).empty());
   rows = {Row(0, {0, 0, -4}, {{9, 0, -4}})};
   EXPECT_FALSE(MetricsOf(rows).empty());
@@ -39,7 +39,7 @@ TEST(AvoidMetrics, OnlyOfFlightsThatAvoidAndHaveOthers) {
 }
 
 TEST(AvoidMetrics, TheClosestOfTwoStraightFlightsIsFoundBetweenTheRows) {
-  std::vector<LogRow> rows;
+  std::vector<records::LogRow> rows;
   // 3 m/s head-on, 1.2 m aside and 0.5 m below: nearest after 10 m / 3 m/s, at 1.3 m.
   for (int k = 0; k <= 8; ++k) rows.push_back(Row(k, {2.0 * k, 0, -4}, {{10.0 - k, 1.2, -3.5}, {0, 20, -4}}));
   const auto m = MetricsOf(rows);
@@ -51,7 +51,7 @@ TEST(AvoidMetrics, TheClosestOfTwoStraightFlightsIsFoundBetweenTheRows) {
 }
 
 TEST(AvoidMetrics, OfSeveralOthersAndOfTheEndsTheNearestCounts) {
-  std::vector<LogRow> rows;
+  std::vector<records::LogRow> rows;
   for (int k = 0; k <= 3; ++k) rows.push_back(Row(k, {1.0 * k, 0, -4}, {{10, 0, -4}, {-1, 0, -4}}));
   EXPECT_NEAR(MetricsOf(rows).at("closest_m"), 1, 1e-12);
   EXPECT_EQ(MetricsOf(rows).at("closest_s"), 0);
@@ -61,11 +61,11 @@ TEST(AvoidMetrics, OfSeveralOthersAndOfTheEndsTheNearestCounts) {
 }
 
 TEST(AvoidMetrics, TheShareIsOfWhatTheThesisBearingAllowsWhereOneWasFirstHeld) {
-  std::vector<LogRow> rows;
+  std::vector<records::LogRow> rows;
   for (int k = 0; k <= 10; ++k) rows.push_back(Row(k, {2.0 * k, 0, -4}, {{14, 3, -4}}));
-  rows[1].decision.encounter = Encounter{};  // seen, and nothing to be done
-  rows[5].decision.encounter = Encounter{.wanted = Radians(-60)};
-  rows[6].decision.encounter = Encounter{.wanted = Radians(-80)};
+  rows[1].decision.encounter = mission::Encounter{};  // seen, and nothing to be done
+  rows[5].decision.encounter = mission::Encounter{.wanted = Radians(-60)};
+  rows[6].decision.encounter = mission::Encounter{.wanted = Radians(-80)};
   const auto m = MetricsOf(rows);
   EXPECT_EQ(m.at("manoeuvred"), 1);
   EXPECT_EQ(m.at("manoeuvre_s"), 5);
@@ -74,7 +74,7 @@ TEST(AvoidMetrics, TheShareIsOfWhatTheThesisBearingAllowsWhereOneWasFirstHeld) {
 
 TEST(AvoidMetrics, TheCourseIsThatOfTheHeadingAtTheBeginning) {
   // Course north-east; it ends 5 m from where it began, on a way of 3 m and 4 m.
-  std::vector<LogRow> rows;
+  std::vector<records::LogRow> rows;
   for (const Vector3d& p : {Vector3d(1, 1, -4), Vector3d(4, 1, -4.5), Vector3d(4, 5, -3.2)})
     rows.push_back(Row(static_cast<double>(rows.size()), p, {{50, 50, -4}}, Radians(45)));
   rows.back().estimate.R_NB = HeadingRotation(2);
@@ -88,12 +88,12 @@ TEST(AvoidMetrics, TheCourseIsThatOfTheHeadingAtTheBeginning) {
 }
 
 TEST(AvoidMetrics, AllOfThemHaveNames) {
-  std::vector<LogRow> rows = {Row(0, {0, 0, -4}, {{9, 0, -4}}), Row(1, {1, 0, -4}, {{9, 0, -4}})};
-  rows[1].decision.encounter = Encounter{.wanted = 1.0};
+  std::vector<records::LogRow> rows = {Row(0, {0, 0, -4}, {{9, 0, -4}}), Row(1, {1, 0, -4}, {{9, 0, -4}})};
+  rows[1].decision.encounter = mission::Encounter{.wanted = 1.0};
   std::vector<std::string> names;
   for (const auto& [name, value] : MetricsOf(rows)) names.push_back(name);
   EXPECT_THAT(names, ::testing::UnorderedElementsAreArray(AvoidMetricNames()));
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::scenarios

@@ -8,7 +8,7 @@
 
 #include "tests/scenarios/ball_pictures.h"
 
-namespace kestrel {
+namespace kestrel::scenarios {
 namespace {
 
 using Eigen::Vector3d;
@@ -29,36 +29,38 @@ class Flyer {
       : yaw(course), mission_(MakeMission(flight, BallPictures::Camera(), BallPictures::Mount(), {}, 1)) {}
 
   // What is seen, and then it flies on by what is decided.
-  Decision See(const cv::Mat& image, double frame_s = BallPictures::kFrame_s) {
-    const Decision d = mission_->Step({image, t_s, static_cast<std::int64_t>(20 * t_s)}, State());
+  mission::Decision See(const cv::Mat& image, double frame_s = BallPictures::kFrame_s) {
+    const mission::Decision d = mission_->Step({image, t_s, static_cast<std::int64_t>(20 * t_s)}, State());
     EXPECT_TRUE(d.setpoint);
-    const VelocitySetpoint c = std::get<VelocitySetpoint>(*d.setpoint);
+    const control::VelocitySetpoint c = std::get<control::VelocitySetpoint>(*d.setpoint);
     EXPECT_TRUE(c.v_H.allFinite() && std::isfinite(c.yaw_rate));
     p_N += frame_s * (HeadingRotation(yaw) * c.v_H);
     yaw += frame_s * c.yaw_rate;
     t_s += frame_s;
     return d;
   }
-  Decision See(const std::vector<Ball>& balls, int frames = 1) {
-    Decision d;
+  mission::Decision See(const std::vector<Ball>& balls, int frames = 1) {
+    mission::Decision d;
     for (int i = 0; i < frames; ++i) d = See(pictures.Draw(balls, State()));
     return d;
   }
-  VehicleState State() const {
-    VehicleState state = LevelAt(t_s, p_N, yaw);
+  control::VehicleState State() const {
+    control::VehicleState state = LevelAt(t_s, p_N, yaw);
     state.v_N = HeadingRotation(yaw) * Vector3d(kSpeed_m_s, 0, 0);
     return state;
   }
   bool Accomplished() const { return mission_->Accomplished(); }
 
-  static VelocitySetpoint Command(const Decision& d) { return std::get<VelocitySetpoint>(*d.setpoint); }
+  static control::VelocitySetpoint Command(const mission::Decision& d) {
+    return std::get<control::VelocitySetpoint>(*d.setpoint);
+  }
 
   BallPictures pictures;
   Vector3d p_N{0, 0, -4};
   double yaw, t_s = 0;
 
  private:
-  std::unique_ptr<Mission> mission_;
+  std::unique_ptr<mission::Mission> mission_;
 };
 
 Ball Mark(double ahead, double right) { return {.p_N = {ahead, right, -4}, .diameter_m = 1}; }
@@ -67,7 +69,7 @@ constexpr int kConfirmed = 12;  // frames, until a threat is believed
 TEST(Avoid, WithNobodyAboutItFliesStraightOnItsCourse) {
   Flyer f(Flyer::Flight(), Radians(70));
   for (int i = 0; i < 10; ++i) {
-    const Decision d = f.See(std::vector<Ball>{});
+    const mission::Decision d = f.See(std::vector<Ball>{});
     EXPECT_EQ(d.phase, "cruise");
     EXPECT_FALSE(d.encounter);
     EXPECT_LT((Flyer::Command(d).v_H - Vector3d(kSpeed_m_s, 0, 0)).norm(), 1e-9);
@@ -78,7 +80,7 @@ TEST(Avoid, WithNobodyAboutItFliesStraightOnItsCourse) {
 TEST(Avoid, WhatIsRightAheadIsHeldOnTheSideWhereItIsSeen) {
   for (const double side : {1.0, -1.0}) {
     Flyer f;
-    const Decision d = f.See({Mark(10, 0.4 * side)}, kConfirmed);
+    const mission::Decision d = f.See({Mark(10, 0.4 * side)}, kConfirmed);
     EXPECT_EQ(d.phase, "avoid");
     EXPECT_EQ(d.target, "tracked");
     EXPECT_LT(side * Flyer::Command(d).yaw_rate, -0.1);  // away from it
@@ -91,7 +93,7 @@ TEST(Avoid, WhatIsRightAheadIsHeldOnTheSideWhereItIsSeen) {
 
 TEST(Avoid, WhatStandsAsideOfTheCourseIsLeftThere) {
   Flyer f;
-  const Decision d = f.See({Mark(10, 4)}, kConfirmed);
+  const mission::Decision d = f.See({Mark(10, 4)}, kConfirmed);
   EXPECT_EQ(d.phase, "cruise");
   ASSERT_TRUE(d.encounter);
   EXPECT_FALSE(d.encounter->wanted);
@@ -108,7 +110,7 @@ TEST(Avoid, WhoIsSeenOnceOrFarAboveOrBelowIsNoThreat) {
     ball.p_N.z() -= height;
     Flyer f;
     for (int i = 0; i < 16; ++i) {
-      const Decision d = f.See(std::vector<Ball>{ball});
+      const mission::Decision d = f.See(std::vector<Ball>{ball});
       EXPECT_EQ(d.phase, "cruise") << height;
       if (i > 6 && i < 10) {
         EXPECT_NE(d.target, "lost") << height;  // it is seen
@@ -122,7 +124,7 @@ TEST(Avoid, WithoutAvoidingItSeesThemAndNeverTurns) {
   flight.avoids = false;
   Flyer f(flight);
   for (int i = 0; i < 20; ++i) {
-    const Decision d = f.See(std::vector<Ball>{Mark(10, 0.4)});
+    const mission::Decision d = f.See(std::vector<Ball>{Mark(10, 0.4)});
     EXPECT_NEAR(Flyer::Command(d).yaw_rate, 0, 1e-9);
     EXPECT_EQ(d.phase, "cruise");
     if (i < 10) continue;
@@ -150,7 +152,7 @@ TEST(Avoid, BesideItsCourseItReturnsAt45DegreesAtMost) {
     Flyer f;
     f.See(std::vector<Ball>{});
     f.p_N.y() = 5 * side;
-    Decision d = f.See(std::vector<Ball>{});
+    mission::Decision d = f.See(std::vector<Ball>{});
     EXPECT_EQ(d.phase, "return");
     EXPECT_LT(side * Flyer::Command(d).yaw_rate, -0.1);
     f.yaw = -side * Radians(45);
@@ -172,7 +174,7 @@ TEST(Avoid, AtTheEndOfItsCourseItHasReachedItsGoalAndStops) {
   AvoidFlight flight = Flyer::Flight();
   flight.course_m = 2;
   Flyer f(flight, Radians(-120));
-  Decision d;
+  mission::Decision d;
   while (d.outcome.empty() && f.t_s < 5) {
     EXPECT_FALSE(f.Accomplished());
     d = f.See(std::vector<Ball>{});
@@ -201,7 +203,7 @@ TEST(Avoid, WhoDoesNotSeeDoesNotFlyAhead) {
     int blind_after = 0;
     for (int i = 0; i < 30; ++i) {
       all_of_it.setTo(cv::Scalar(i, 0, 200));  // red all over, and never twice the same
-      const Decision d = f.See(is_frozen ? frozen : all_of_it);
+      const mission::Decision d = f.See(is_frozen ? frozen : all_of_it);
       if (d.phase != "blind") {
         EXPECT_EQ(Flyer::Command(d).v_H.x(), kSpeed_m_s);
         ASSERT_EQ(blind_after, i) << "once blind it stays so";
@@ -231,7 +233,7 @@ TEST(Avoid, ABlackAWhiteAndAnImageOfOneColourTurnNothingAndStopIt) {
   for (const cv::Scalar& colour : {cv::Scalar(0, 0, 0), cv::Scalar(255, 255, 255), cv::Scalar(215, 30, 25)}) {
     Flyer f;
     for (int i = 0; i < 20; ++i) {
-      const Decision d = f.See(f.pictures.Noisy(BallPictures::Plain(colour)));
+      const mission::Decision d = f.See(f.pictures.Noisy(BallPictures::Plain(colour)));
       EXPECT_EQ(d.target, "blank");
       EXPECT_EQ(d.phase, i < 11 ? "cruise" : "blind") << i;
       EXPECT_EQ(Flyer::Command(d).v_H.x(), i < 11 ? kSpeed_m_s : 0.0) << i;
@@ -243,7 +245,7 @@ TEST(Avoid, ABlackAWhiteAndAnImageOfOneColourTurnNothingAndStopIt) {
 TEST(Avoid, ItPassesWhatStandsOnItsCourseAndReachesItsGoal) {
   Flyer f;
   double nearest = 1e9;
-  Decision d;
+  mission::Decision d;
   while (d.outcome.empty() && f.t_s < 30) {
     d = f.See(f.pictures.Draw({Mark(10, 0.4)}, f.State()), 0.1);
     nearest = std::min(nearest, (f.p_N - Mark(10, 0.4).p_N).norm());
@@ -254,4 +256,4 @@ TEST(Avoid, ItPassesWhatStandsOnItsCourseAndReachesItsGoal) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::scenarios

@@ -7,38 +7,39 @@
 #include <cmath>
 #include <functional>
 
-namespace kestrel {
+namespace kestrel::scenarios {
 namespace {
 
 constexpr double kRow_s = 0.05, kDiameter_m = 0.5, kFocal_px = 400;
 
 // One frame: what was wanted of the balloon's image, what it was, and whether the mission saw it.
-LogRow Row(double t_s, const SphereImage& wanted, const SphereImage& image, bool seen = true) {
-  LogRow row;
+records::LogRow Row(double t_s, const control::SphereImage& wanted, const control::SphereImage& image,
+                    bool seen = true) {
+  records::LogRow row;
   row.now.t_s = t_s;
   const double Z = kDiameter_m / image.diameter;
   row.now.targets = {
       {.diameter_m = kDiameter_m, .p_V = {image.s.x() * Z, image.s.y() * Z, Z}, .in_view = true}};
   row.exposure = row.now;
-  if (seen) row.decision.sight = BalloonSight{{}, wanted, kFocal_px};
+  if (seen) row.decision.sight = mission::BalloonSight{{}, wanted, kFocal_px};
   return row;
 }
 
 constexpr double kSize = 0.125;
-SphereImage Beside(double u, double v = 0, double size = kSize) { return {{u, v}, size}; }
+control::SphereImage Beside(double u, double v = 0, double size = kSize) { return {{u, v}, size}; }
 
 using Path = std::function<double(double)>;  // u by the time since the step
 
 // Ten seconds at u = 0, then u is wanted elsewhere.
-std::vector<LogRow> StepOfU(double wanted, const Path& u, double until_s = 10) {
-  std::vector<LogRow> rows;
+std::vector<records::LogRow> StepOfU(double wanted, const Path& u, double until_s = 10) {
+  std::vector<records::LogRow> rows;
   for (double t = 0; t < 10 - 1e-9; t += kRow_s) rows.push_back(Row(t, Beside(0), Beside(0)));
   for (double t = 0; t < until_s - 1e-9; t += kRow_s)
     rows.push_back(Row(10 + t, Beside(wanted), Beside(u(t))));
   return rows;
 }
 
-std::map<std::string, double> MetricsOf(const std::vector<LogRow>& rows) {
+std::map<std::string, double> MetricsOf(const std::vector<records::LogRow>& rows) {
   std::map<std::string, double> m;
   AddFollowMetrics(rows, m);
   return m;
@@ -46,12 +47,12 @@ std::map<std::string, double> MetricsOf(const std::vector<LogRow>& rows) {
 
 TEST(FollowMetrics, OfAFlightThatNeverFollowedThereAreNone) {
   EXPECT_TRUE(MetricsOf({Row(0, {}, Beside(0), false), Row(1, {}, Beside(0), false)}).empty());
-  LogRow without;
+  records::LogRow without;
   EXPECT_TRUE(MetricsOf({without}).empty());
 }
 
 TEST(FollowMetrics, AllOfThemHaveNames) {
-  std::vector<LogRow> rows = StepOfU(0.2, [](double) { return 0.2; });
+  std::vector<records::LogRow> rows = StepOfU(0.2, [](double) { return 0.2; });
   for (double t = 0; t < 10; t += kRow_s) rows.push_back(Row(20 + t, Beside(0.2, 0, 0.1), Beside(0.2)));
   std::vector<std::string> names;
   for (const auto& [name, value] : MetricsOf(rows)) names.push_back(name);
@@ -93,7 +94,7 @@ TEST(FollowMetrics, WhatIsNotSettledAtTheEndNeverSettled) {
 
 TEST(FollowMetrics, OfSeveralStepsTheWorstCounts) {
   auto rows = StepOfU(0.2, [](double t) { return t < 0.99 ? 0.0 : 0.22; });  // never within 5 %, 10 % beyond
-  for (LogRow& row : rows)
+  for (records::LogRow& row : rows)
     if (row.now.t_s > 12) row.now.targets.front().p_V.x() *= 0.2 / 0.22;
   for (double t = 0; t < 10; t += kRow_s)
     rows.push_back(
@@ -104,7 +105,7 @@ TEST(FollowMetrics, OfSeveralStepsTheWorstCounts) {
 }
 
 TEST(FollowMetrics, FollowingIsJudgedFromFourSecondsAfterEachChange) {
-  std::vector<LogRow> rows;
+  std::vector<records::LogRow> rows;
   for (const int stretch : {0, 1}) {
     for (double t = 0; t < 10 - 1e-9; t += kRow_s) {
       const bool late = t > 4 - 1e-9;
@@ -120,7 +121,7 @@ TEST(FollowMetrics, FollowingIsJudgedFromFourSecondsAfterEachChange) {
 }
 
 TEST(FollowMetrics, AStepOfTheDistanceIsJudgedOverTheSecondHalfOfItsTime) {
-  std::vector<LogRow> rows;
+  std::vector<records::LogRow> rows;
   for (double t = 0; t < 10 - 1e-9; t += kRow_s) rows.push_back(Row(t, Beside(0), Beside(0)));
   for (double t = 0; t < 10 - 1e-9; t += kRow_s) {
     // Twice as near is wanted; it is 4 or 8 % too far off in turn, and before that not there at all.
@@ -133,7 +134,7 @@ TEST(FollowMetrics, AStepOfTheDistanceIsJudgedOverTheSecondHalfOfItsTime) {
 }
 
 TEST(FollowMetrics, SharesAreOfAllFramesAndWhatIsLostIsStillWanted) {
-  std::vector<LogRow> rows;
+  std::vector<records::LogRow> rows;
   for (int i = 0; i < 200; ++i) {
     const bool lost = i < 20 || i >= 150;
     rows.push_back(Row(i * kRow_s, Beside(0), Beside(lost ? 0.05 : 0), !lost));
@@ -147,4 +148,4 @@ TEST(FollowMetrics, SharesAreOfAllFramesAndWhatIsLostIsStillWanted) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::scenarios

@@ -9,7 +9,7 @@
 
 #include "tests/scenarios/ball_pictures.h"
 
-namespace kestrel {
+namespace kestrel::scenarios {
 namespace {
 
 using Eigen::Vector3d;
@@ -28,22 +28,25 @@ class Follower {
   explicit Follower(const FollowFlight& flight = Impatient())
       : mission_(MakeMission(flight, BallPictures::Camera(), BallPictures::Mount(), {}, 1)) {}
 
-  Decision See(const cv::Mat& image) {
+  mission::Decision See(const cv::Mat& image) {
     t_s_ += kFrame_s;
-    const Decision d = mission_->Step({image, t_s_, static_cast<std::int64_t>(t_s_ / kFrame_s)}, State());
+    const mission::Decision d =
+        mission_->Step({image, t_s_, static_cast<std::int64_t>(t_s_ / kFrame_s)}, State());
     EXPECT_TRUE(d.setpoint);
     EXPECT_TRUE(Command(d).v_H.allFinite() && std::isfinite(Command(d).yaw_rate));
     return d;
   }
-  Decision See(const std::vector<Ball>& balls) { return See(pictures.Draw(balls, State())); }
-  Decision See(const std::vector<Ball>& balls, int frames) {
-    Decision d;
+  mission::Decision See(const std::vector<Ball>& balls) { return See(pictures.Draw(balls, State())); }
+  mission::Decision See(const std::vector<Ball>& balls, int frames) {
+    mission::Decision d;
     for (int i = 0; i < frames; ++i) d = See(balls);
     return d;
   }
 
-  static VelocitySetpoint Command(const Decision& d) { return std::get<VelocitySetpoint>(*d.setpoint); }
-  VehicleState State() const { return LevelAt(t_s_, p_N, yaw); }
+  static control::VelocitySetpoint Command(const mission::Decision& d) {
+    return std::get<control::VelocitySetpoint>(*d.setpoint);
+  }
+  control::VehicleState State() const { return LevelAt(t_s_, p_N, yaw); }
   double t_s() const { return t_s_; }
 
   BallPictures pictures;
@@ -51,19 +54,19 @@ class Follower {
   double yaw = 0;
 
  private:
-  std::unique_ptr<Mission> mission_;
+  std::unique_ptr<mission::Mission> mission_;
   double t_s_ = 0;
 };
 
 constexpr int kLearnt = 10;  // frames, until it is sure of the balloon
 
-void ExpectStill(const Decision& d) {
+void ExpectStill(const mission::Decision& d) {
   EXPECT_EQ(Follower::Command(d).v_H, Vector3d::Zero()) << d.phase << ' ' << d.target;
 }
 
 TEST(Follow, WhereItIsWantedItIsLeftThere) {
   Follower f;
-  const Decision d = f.See({Ball{}}, 20);
+  const mission::Decision d = f.See({Ball{}}, 20);
   EXPECT_EQ(d.phase, "follow");
   EXPECT_EQ(d.target, "tracked");
   ASSERT_TRUE(d.sight);
@@ -90,7 +93,7 @@ TEST(Follow, TheReferenceIsTheNewestThatHasBegun) {
   flight.reference = {{.from_s = 0, .diameter_px = 16}, {.from_s = 0.42, .u_px = 40, .diameter_px = 16}};
   Follower f(flight);
   EXPECT_EQ(f.See({Ball{}}, 8).sight->wanted.s.x(), 0);  // 0.4 s
-  const Decision d = f.See(std::vector<Ball>{Ball{}});
+  const mission::Decision d = f.See(std::vector<Ball>{Ball{}});
   EXPECT_NEAR(d.sight->wanted.s.x(), 40 / BallPictures::kFocal_px, 1e-12);
   EXPECT_LT(Follower::Command(d).yaw_rate, -0.1);  // to have it to the right it turns left
 }
@@ -99,7 +102,7 @@ TEST(Follow, NeverSeenItStopsLooksAroundAndGivesUp) {
   Follower f;
   int stood = 0, turned = 0;
   while (f.t_s() < 1) {
-    const Decision d = f.See(std::vector<Ball>{});
+    const mission::Decision d = f.See(std::vector<Ball>{});
     ExpectStill(d);
     EXPECT_EQ(d.target, "searching");
     EXPECT_TRUE(d.outcome.empty());
@@ -125,8 +128,9 @@ TEST(Follow, LostItStopsAtOnceAndTurnsToWhereItWasLast) {
     const std::vector<Ball> seen{Ball{{6, side, -5}}};
     f.See(seen, kLearnt);
     // The first frame by which the last measurement is too old.
-    const int coasts = static_cast<int>(std::ceil(BalloonWatchParameters{}.coast_s / Follower::kFrame_s));
-    Decision d = f.See({}, coasts);
+    const int coasts =
+        static_cast<int>(std::ceil(mission::BalloonObserverParameters{}.coast_s / Follower::kFrame_s));
+    mission::Decision d = f.See({}, coasts);
     for (int i = 0; i < 5; ++i) {
       d = f.See(std::vector<Ball>{});
       ExpectStill(d);
@@ -148,8 +152,8 @@ TEST(Follow, AFrozenImageIsNamedAndNotFlownAfter) {
   const cv::Mat last = f.pictures.Draw({Ball{{8, 1, -5}}}, f.State());
   EXPECT_EQ(f.See(last).target, "tracked");
   const double frozen_s = f.t_s();
-  Decision d;
-  while (f.t_s() < frozen_s + BalloonWatchParameters{}.coast_s + Follower::kFrame_s - 1e-9) {
+  mission::Decision d;
+  while (f.t_s() < frozen_s + mission::BalloonObserverParameters{}.coast_s + Follower::kFrame_s - 1e-9) {
     d = f.See(last);
     EXPECT_EQ(d.target, "frozen");
   }
@@ -159,7 +163,7 @@ TEST(Follow, AFrozenImageIsNamedAndNotFlownAfter) {
 
 TEST(Follow, FromABalloonThatFillsTheImageItBacksOff) {
   Follower f;
-  Decision d;
+  mission::Decision d;
   for (double ahead = 3; ahead > 0.31; ahead -= 0.08) d = f.See(std::vector<Ball>{Ball{{ahead, 0, -4}}});
   d = f.See({Ball{{0.31, 0, -4}}}, 8);
   EXPECT_EQ(d.phase, "too close");
@@ -171,7 +175,7 @@ TEST(Follow, FromABalloonThatFillsTheImageItBacksOff) {
 TEST(Follow, TwoAlikeBeforeAnyIsChosenAreAmbiguousAndNoneIsFollowed) {
   Follower f;
   for (int i = 0; i < 15; ++i) {
-    const Decision d = f.See({Ball{{6, 1, -4}}, Ball{{6, -1, -4}}});
+    const mission::Decision d = f.See({Ball{{6, 1, -4}}, Ball{{6, -1, -4}}});
     EXPECT_EQ(d.target, "ambiguous");
     ExpectStill(d);
     EXPECT_EQ(Follower::Command(d).yaw_rate, 0);
@@ -184,7 +188,7 @@ TEST(Follow, WhereHalfOfTheImageHasTheColourItStandsStill) {
   cv::Mat half = BallPictures::Plain();
   half(cv::Rect(0, 0, 160, 240)).setTo(Ball{}.colour);
   for (int i = 0; i < 15; ++i) {
-    const Decision d = f.See(f.pictures.Noisy(half));
+    const mission::Decision d = f.See(f.pictures.Noisy(half));
     EXPECT_EQ(d.target, "matches too much");
     ExpectStill(d);
   }
@@ -197,7 +201,7 @@ TEST(Follow, ABlackAWhiteAndAnImageOfAnotherColourMoveNothing) {
     for (int i = 0; i < 10; ++i) {
       ExpectStill(noisy.See(noisy.pictures.Noisy(BallPictures::Plain(colour))));
       ExpectStill(same.See(BallPictures::Plain(colour)));
-      const Decision d = after.See(after.pictures.Noisy(BallPictures::Plain(colour)));
+      const mission::Decision d = after.See(after.pictures.Noisy(BallPictures::Plain(colour)));
       if (i > 6) {
         ExpectStill(d);
       }
@@ -226,7 +230,8 @@ TEST(Follow, TheCommandKeepsToItsLimits) {
   flight.gains.yaw_rate_limit_deg_s = 6;
   for (const double side : {1.0, -1.0}) {
     Follower f(flight);
-    const VelocitySetpoint c = Follower::Command(f.See({Ball{{10, 2 * side, -4 + 2 * side}}}, kLearnt));
+    const control::VelocitySetpoint c =
+        Follower::Command(f.See({Ball{{10, 2 * side, -4 + 2 * side}}}, kLearnt));
     EXPECT_NEAR(c.v_H.x(), 0.4, 1e-12);
     EXPECT_NEAR(c.v_H.z(), 0.2 * side, 1e-12);
     EXPECT_NEAR(c.yaw_rate, Radians(6) * side, 1e-12);
@@ -240,14 +245,15 @@ TEST(Follow, WhatIsTooCloseIsNotLost) {
   cv::Mat large = BallPictures::Plain();
   cv::ellipse(large, {160, 120}, {150, 105}, 0, 0, 360, Ball{}.colour, cv::FILLED);
   for (int i = 0; i < 15; ++i) {
-    const Decision d = f.See(f.pictures.Noisy(large));
+    const mission::Decision d = f.See(f.pictures.Noisy(large));
     EXPECT_EQ(d.phase, "too close");
     EXPECT_LT(Follower::Command(d).v_H.x(), -0.1);
   }
-  const Decision d = f.See({}, 15);  // 2 s since it was not seen for the first time, 0.75 s since the last
+  const mission::Decision d =
+      f.See({}, 15);  // 2 s since it was not seen for the first time, 0.75 s since the last
   EXPECT_EQ(d.phase, "look around");
   EXPECT_TRUE(d.outcome.empty());
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::scenarios

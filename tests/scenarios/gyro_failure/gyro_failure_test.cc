@@ -10,7 +10,7 @@
 #include "tests/vision/horizon/skyline_photographer.h"
 #include "vision/camera/camera_model.h"
 
-namespace kestrel {
+namespace kestrel::scenarios {
 namespace {
 
 constexpr double kFrame_s = 0.05;
@@ -20,13 +20,13 @@ constexpr double kYaw = Radians(40);  // by the autopilot's own north
 class Watcher {
  public:
   explicit Watcher(const GyroFailureFlight& flight = {})
-      : mission_(MakeMission(flight, camera_, {Eigen::Quaterniond(LooksDown()), {0, 0, 0}}, {}, 1)) {
-    picture_ = SkylinePhotographer(camera_).Paint({}, LooksDown(), 1);
+      : mission_(MakeMission(flight, camera_, {Eigen::Quaterniond(vision::LooksDown()), {0, 0, 0}}, {}, 1)) {
+    picture_ = vision::SkylinePhotographer(camera_).Paint({}, vision::LooksDown(), 1);
   }
 
-  Decision See(const std::optional<Eigen::Quaterniond>& own, bool dark = false) {
+  mission::Decision See(const std::optional<Eigen::Quaterniond>& own, bool dark = false) {
     t_s_ += kFrame_s;
-    VehicleState state;
+    control::VehicleState state;
     state.t_s = t_s_;
     state.p_NB = {0, 0, -60};
     state.R_NB = HeadingRotation(kYaw);
@@ -44,7 +44,7 @@ class Watcher {
   }
   void LearnWhatIsNormal() {
     for (int i = 0; i < 10; ++i) {
-      const Decision d = See(Sound());
+      const mission::Decision d = See(Sound());
       ASSERT_FALSE(d.aid);
       ASSERT_EQ(d.phase, "by own attitude");
       ASSERT_EQ(d.target, "horizon");
@@ -52,15 +52,15 @@ class Watcher {
   }
 
  private:
-  static CameraModel SmallMirror() {
-    Unified mirror;
+  static vision::CameraModel SmallMirror() {
+    vision::Unified mirror;
     mirror.width_px = 320, mirror.height_px = 240;
     mirror.fx = mirror.fy = 67, mirror.cx = 159.5, mirror.cy = 119.5;
     mirror.xi = 0.99, mirror.max_angle_rad = Radians(120);
     return mirror;
   }
-  CameraModel camera_ = SmallMirror();
-  std::unique_ptr<Mission> mission_;
+  vision::CameraModel camera_ = SmallMirror();
+  std::unique_ptr<mission::Mission> mission_;
   cv::Mat picture_;
   cv::RNG random_{12345};
   double t_s_ = 0;
@@ -69,11 +69,11 @@ class Watcher {
 TEST(GyroFailure, ASilentAttitudeIsReplacedInTheSameFrame) {
   Watcher w;
   w.LearnWhatIsNormal();
-  const Decision d = w.See(std::nullopt);
+  const mission::Decision d = w.See(std::nullopt);
   ASSERT_TRUE(d.aid);
   EXPECT_EQ(d.phase, "by sight: own attitude silent");
   EXPECT_LT(Degrees(d.aid->R_NB.angularDistance(HeadingRotation(kYaw))), 0.7);
-  EXPECT_TRUE(std::holds_alternative<PositionSetpoint>(*d.setpoint));
+  EXPECT_TRUE(std::holds_alternative<control::PositionSetpoint>(*d.setpoint));
 }
 
 TEST(GyroFailure, AFrozenAttitudeIsReplacedAfterThreeFrames) {
@@ -81,7 +81,7 @@ TEST(GyroFailure, AFrozenAttitudeIsReplacedAfterThreeFrames) {
   w.LearnWhatIsNormal();
   const Eigen::Quaterniond stuck = w.Sound();
   for (int i = 0; i < 3; ++i) EXPECT_FALSE(w.See(stuck).aid);
-  const Decision d = w.See(stuck);
+  const mission::Decision d = w.See(stuck);
   EXPECT_TRUE(d.aid);
   EXPECT_EQ(d.phase, "by sight: own attitude frozen");
 }
@@ -93,7 +93,7 @@ TEST(GyroFailure, AWrongAttitudeIsReplacedAfterThreeFramesAndOneBadFrameIsNot) {
   EXPECT_FALSE(w.See(w.Sound()).aid);
   EXPECT_FALSE(w.See(w.Sound(2)).aid);
   for (int i = 0; i < 2; ++i) EXPECT_FALSE(w.See(w.Sound(5)).aid);
-  const Decision d = w.See(w.Sound(5));
+  const mission::Decision d = w.See(w.Sound(5));
   ASSERT_TRUE(d.aid);
   EXPECT_EQ(d.phase, "by sight: own attitude wrong");
   EXPECT_LT(Degrees(d.aid->R_NB.angularDistance(HeadingRotation(kYaw))), 0.7);
@@ -134,7 +134,7 @@ TEST(GyroFailure, WithoutASkylineTheGyrosCarryOnForAWhileAndThenItIsBlind) {
   w.LearnWhatIsNormal();
   ASSERT_TRUE(w.See(std::nullopt).aid);
   int carried = 0;
-  Decision d = w.See(std::nullopt, true);
+  mission::Decision d = w.See(std::nullopt, true);
   EXPECT_EQ(d.target, "too_dark");
   for (; d.aid; d = w.See(std::nullopt, true)) ASSERT_LT(++carried, 1000);
   EXPECT_NEAR(carried * kFrame_s, GyroFailureFlight{}.coast_s, 0.15);
@@ -144,7 +144,7 @@ TEST(GyroFailure, WithoutASkylineTheGyrosCarryOnForAWhileAndThenItIsBlind) {
 TEST(GyroFailure, WithoutASkylineASilentAttitudeIsNotPassedOver) {
   Watcher w;
   for (int i = 0; i < 5; ++i) {
-    const Decision d = w.See(std::nullopt, true);
+    const mission::Decision d = w.See(std::nullopt, true);
     EXPECT_FALSE(d.aid);
     EXPECT_EQ(d.phase, "blind");
   }
@@ -152,7 +152,7 @@ TEST(GyroFailure, WithoutASkylineASilentAttitudeIsNotPassedOver) {
 
 TEST(GyroFailure, AnAttitudeThatIsSilentFromTheFirstFrameIsReplacedAtOnce) {
   Watcher w;
-  const Decision d = w.See(std::nullopt);
+  const mission::Decision d = w.See(std::nullopt);
   ASSERT_TRUE(d.aid);
   EXPECT_EQ(d.phase, "by sight: own attitude silent");
   EXPECT_LT(Degrees(d.aid->R_NB.angularDistance(HeadingRotation(kYaw))), 0.7);
@@ -162,11 +162,11 @@ TEST(GyroFailure, WhatCannotBeComparedIsNotOnTrial) {
   Watcher w;
   w.LearnWhatIsNormal();
   for (int i = 0; i < 3; ++i) w.See(w.Sound(8));
-  Decision d;
+  mission::Decision d;
   for (int i = 0; i < 15; ++i) d = w.See(w.Sound(8), true);  // dark for longer than a sight is fresh
   EXPECT_EQ(d.phase, "by sight: own attitude wrong");
   EXPECT_NEAR(d.coasting_s.value_or(-1), 15 * kFrame_s, 1e-6);
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::scenarios

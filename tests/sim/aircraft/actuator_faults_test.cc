@@ -10,7 +10,7 @@
 #include "sim/aircraft/multirotor.h"
 #include "sim/world/mjcf.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 using Eigen::Vector3d;
@@ -133,4 +133,4 @@ TEST(ActuatorFaults, OfAHelicoptersMotor) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -15,7 +15,7 @@
 #include "tests/sim/downward_view.h"
 #include "tests/sim/perfect_sensors.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 using Eigen::Vector3d;
@@ -76,14 +76,14 @@ class Flight {
   void Run(double duration_s) {
     Run(duration_s, [] {});
   }
-  void Keep(const Setpoint& setpoint, double duration_s, auto each) {
+  void Keep(const control::Setpoint& setpoint, double duration_s, auto each) {
     int steps = 0;
     Run(duration_s, [&] {
       if (steps++ % 25 == 0) autopilot.Send(setpoint);
       each();
     });
   }
-  void Keep(const Setpoint& setpoint, double duration_s) {
+  void Keep(const control::Setpoint& setpoint, double duration_s) {
     Keep(setpoint, duration_s, [] {});
   }
 
@@ -113,7 +113,7 @@ Pose At(double height_m, double yaw_deg = 0) {
 }
 
 double HoverThrust(const HelicopterParameters& p) {
-  return p.mass_kg * kGravity / GreatestThrust(p.rotor, p.drive.speed_rad_s);
+  return p.mass_kg * kGravity / MaxThrust(p.rotor, p.drive.speed_rad_s);
 }
 
 TEST(HelicopterModels, DefaultsAreThoseOfTheSr20) {
@@ -168,11 +168,11 @@ TEST(HelicopterFlight, RollAndPitchAnswerAsTheAutopilotIsTuned) {
     Flight flight(At(60, 30), true, what);
     flight.Run(8);
     const double level = flight.Angles().roll;
-    flight.Keep(AttitudeSetpoint{level, 0, 0, thrust}, 2);
+    flight.Keep(control::AttitudeSetpoint{level, 0, 0, thrust}, 2);
     const double roll = flight.Angles().roll, pitch = flight.Angles().pitch;
     double worst = 0, angle = 0, rate = 0, across = 0;  // of the second-order loop that it should be
     const AxisLoop loop = rolls ? what.autopilot.roll : what.autopilot.pitch;
-    flight.Keep(AttitudeSetpoint{level + (rolls ? 0.15 : 0), rolls ? 0 : 0.15, 0, thrust}, 1.5, [&] {
+    flight.Keep(control::AttitudeSetpoint{level + (rolls ? 0.15 : 0), rolls ? 0 : 0.15, 0, thrust}, 1.5, [&] {
       const double w = loop.natural_frequency_rad_s;
       rate += kDt * (w * w * (0.15 - angle) - 2 * loop.damping * w * rate), angle += kDt * rate;
       const double e_roll = flight.Angles().roll - roll, e_pitch = flight.Angles().pitch - pitch;
@@ -187,23 +187,23 @@ TEST(HelicopterFlight, RollAndPitchAnswerAsTheAutopilotIsTuned) {
 TEST(HelicopterFlight, FliesTheVelocityAndTheTurnThatItIsAskedFor) {
   Flight flight(At(30, 90), true);
   flight.Run(5);
-  flight.Keep(VelocitySetpoint{{1, -0.5, -0.5}, 0}, 8);
+  flight.Keep(control::VelocitySetpoint{{1, -0.5, -0.5}, 0}, 8);
   EXPECT_LT((flight.v_N() - Vector3d(0.5, 1, -0.5)).norm(), 0.1);
-  flight.Keep(VelocitySetpoint{{0, 0, 0}, 0.5}, 4);
+  flight.Keep(control::VelocitySetpoint{{0, 0, 0}, 0.5}, 4);
   EXPECT_NEAR(flight.w_B().z(), 0.5, 0.05);
 }
 
 TEST(HelicopterFlight, TakesOffOnceItsRotorTurnsAndLandsWithoutStoppingInTheAir) {
   Flight flight(At(kStandingHeight_m, 25), false);
   flight.Run(0.5);
-  flight.autopilot.Send(PositionSetpoint{{0, 0, -2}, Radians(25)});
+  flight.autopilot.Send(control::PositionSetpoint{{0, 0, -2}, Radians(25)});
   flight.Run(2, [&] { ASSERT_LT((flight.X_NB().p - Vector3d(0, 0, -kStandingHeight_m)).norm(), 0.02); });
   flight.Run(14);
   EXPECT_LT((flight.X_NB().p - Vector3d(0, 0, -2)).norm(), 0.2);
   EXPECT_NEAR(Degrees(flight.Angles().yaw), 25, 2);
 
   double touched_s = -1, stopped_s = -1, sink = 0;
-  flight.Keep(VelocitySetpoint{{0, 0, 0.25}, 0}, 14, [&] {
+  flight.Keep(control::VelocitySetpoint{{0, 0, 0.25}, 0}, 14, [&] {
     if (touched_s < 0 && flight.Touching()) touched_s = flight.t_s;
     if (touched_s < 0) sink = flight.v_N().z();
     if (stopped_s < 0 && flight.autopilot.State().landed) stopped_s = flight.t_s;
@@ -223,7 +223,7 @@ TEST(HelicopterFlight, AStepOfVelocityIsFlownWithoutOvershoot) {
     Flight flight(At(30), true);
     flight.Run(12);
     double greatest = 0, across = 0;
-    flight.Keep(VelocitySetpoint{v_H, 0}, 6, [&] {
+    flight.Keep(control::VelocitySetpoint{v_H, 0}, 6, [&] {
       greatest = std::max(greatest, flight.v_N().dot(v_H));
       across = std::max(across, std::abs(flight.v_N().cross(v_H).z()));
     });
@@ -236,7 +236,7 @@ TEST(HelicopterFlight, AStepOfVelocityIsFlownWithoutOvershoot) {
 TEST(HelicopterFlight, LiftsOffWithItsHeadingHeld) {
   Flight flight(At(kStandingHeight_m, 25), false);
   flight.Run(0.5);
-  flight.autopilot.Send(PositionSetpoint{{0, 0, -2}, Radians(25)});
+  flight.autopilot.Send(control::PositionSetpoint{{0, 0, -2}, Radians(25)});
   double turned = 0, carried_off = 0;
   flight.Run(12, [&] {
     turned = std::max(turned, std::abs(WrapAngle(flight.Angles().yaw - Radians(25))));
@@ -255,7 +255,7 @@ TEST(HelicopterFlight, HeldUpByTheAirItDoesNotTakeThatForTheGround) {
     flight.Run(8);
     const double start = flight.t_s;
     double slowest = 1;
-    flight.Keep(VelocitySetpoint{{0, 0, 0.2}, 0}, 5, [&] {
+    flight.Keep(control::VelocitySetpoint{{0, 0, 0.2}, 0}, 5, [&] {
       flight.wind_N.z() = -10 * std::clamp((flight.t_s - start - 2.5) / 1.5, 0.0, 1.0);
       if (flight.t_s > start + 2.5) slowest = std::min(slowest, flight.v_N().z());
       ASSERT_FALSE(flight.autopilot.State().landed && !flight.Touching()) << height;
@@ -266,7 +266,7 @@ TEST(HelicopterFlight, HeldUpByTheAirItDoesNotTakeThatForTheGround) {
 
 TEST(HelicopterFlight, TheSameFlightGivesTheSameBits) {
   Flight a(At(10, 30), true), b(At(10, 30), true);
-  for (Flight* flight : {&a, &b}) flight->Keep(VelocitySetpoint{{1, 0.5, -0.2}, 0.3}, 2);
+  for (Flight* flight : {&a, &b}) flight->Keep(control::VelocitySetpoint{{1, 0.5, -0.2}, 0.3}, 2);
   EXPECT_EQ(std::memcmp(a.data()->qpos, b.data()->qpos, 7 * sizeof(mjtNum)), 0);
   EXPECT_EQ(std::memcmp(a.data()->qvel, b.data()->qvel, 6 * sizeof(mjtNum)), 0);
 }
@@ -278,4 +278,4 @@ TEST(HelicopterFlight, TheSra1HoversToo) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::sim

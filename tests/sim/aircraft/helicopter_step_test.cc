@@ -10,7 +10,7 @@
 #include "sim/aircraft/rotor/rotor.h"
 #include "tests/sim/aircraft/helicopters.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 using Eigen::Vector3d;
@@ -120,4 +120,4 @@ TEST(HelicopterSteps, PedalsAskForARateWithTheTimeConstantOfTheGyrosLoop) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -11,7 +11,7 @@
 #include "sim/aircraft/rotor/rotor.h"
 #include "tests/sim/aircraft/helicopters.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 using Eigen::Vector3d;
@@ -229,4 +229,4 @@ TEST(RotorShake, TurnsOnceARevolutionAndOnceForEachBlade) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -3,7 +3,7 @@
 
 #include "sim/aircraft/helicopter.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // The MIT X-Cell .60 of V. Gavrilets, B. Mettler, E. Feron, "Dynamic model for a miniature aerobatic
 // helicopter", 2001, table 1, as far as it decides how the rotor moves the fuselage.
@@ -24,4 +24,4 @@ inline HelicopterParameters XCell() {
   return p;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -20,7 +20,7 @@
 #include "sim/world/wind.h"
 #include "tests/sim/downward_view.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 using Eigen::Quaterniond;
@@ -113,7 +113,7 @@ TEST(Parameters, DefaultsLieInTheirRanges) {
 
 RotorSpeeds Same(double speed) { return {speed, speed, speed, speed}; }
 
-double MostThrust(const MultirotorParameters& p) {
+double MaxThrust(const MultirotorParameters& p) {
   return p.rotor.thrust_coefficient_n_s2 * p.rotor.max_speed_rad_s * p.rotor.max_speed_rad_s;
 }
 
@@ -148,7 +148,7 @@ TEST(Allocation, RotorsGiveBackWhatWasAsked) {
 
 TEST(Allocation, KeepsRollAndPitchThenThrustThenYaw) {
   const MultirotorParameters p;
-  const double most = MostThrust(p);
+  const double most = MaxThrust(p);
   int limited_thrust = 0, limited_yaw = 0, cases = 0;
   for (int i = 0; i < 15; ++i) {
     for (int j = -4; j <= 4; ++j) {
@@ -191,9 +191,9 @@ TEST(Allocation, KeepsRollAndPitchThenThrustThenYaw) {
 TEST(Allocation, TorqueOutOfReachKeepsItsDirection) {
   const MultirotorParameters p;
   const auto [thrust, torque] = StillAir(p, Allocate(p, 12, {3, -6, 0.1}));
-  EXPECT_NEAR(torque.y(), -p.arm_m * MostThrust(p), 1e-12);
-  EXPECT_NEAR(torque.x(), 0.5 * p.arm_m * MostThrust(p), 1e-12);
-  EXPECT_NEAR(thrust, 2 * MostThrust(p), 1e-12);
+  EXPECT_NEAR(torque.y(), -p.arm_m * MaxThrust(p), 1e-12);
+  EXPECT_NEAR(torque.x(), 0.5 * p.arm_m * MaxThrust(p), 1e-12);
+  EXPECT_NEAR(thrust, 2 * MaxThrust(p), 1e-12);
 }
 
 TEST_F(MultirotorTest, ModelTakesOnMassAndInertia) {
@@ -404,4 +404,4 @@ TEST_F(MultirotorTest, PelicanLeavesTheViewOfItsDownwardCameraFree) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -17,7 +17,7 @@
 #include "tests/sim/pelican_over_a_plane.h"
 #include "tests/sim/perfect_sensors.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 using Eigen::Vector3d;
@@ -71,14 +71,14 @@ class Flight {
   void Run(double duration_s) {
     Run(duration_s, [] {});
   }
-  void Keep(const Setpoint& setpoint, double duration_s, auto each) {
+  void Keep(const control::Setpoint& setpoint, double duration_s, auto each) {
     int steps = 0;
     for (const double end = t_s + duration_s - kDt / 2; t_s < end; ++steps) {
       if (steps % 25 == 0) autopilot.Send(setpoint);
       Step(), each();
     }
   }
-  void Keep(const Setpoint& setpoint, double duration_s) {
+  void Keep(const control::Setpoint& setpoint, double duration_s) {
     Keep(setpoint, duration_s, [] {});
   }
 
@@ -92,7 +92,7 @@ class Flight {
   double Throttle() const {
     return *std::max_element(vehicle_.speeds().begin(), vehicle_.speeds().end()) / vehicle_.HoverSpeed();
   }
-  FlightMode mode() const { return autopilot.State().mode; }
+  control::FlightMode mode() const { return autopilot.State().mode; }
 
   double t_s = 0;
 
@@ -133,13 +133,13 @@ TEST(EmulatedAutopilot, RollAnswersAsIdentified) {
     flight.Run(3);
     double worst = 0;
     const double start = flight.t_s;
-    flight.Keep(AttitudeSetpoint{command, 0, 0, HoverThrust()}, 1.5, [&] {
+    flight.Keep(control::AttitudeSetpoint{command, 0, 0, HoverThrust()}, 1.5, [&] {
       const double model = 0.80 * command * StepResponse({7.07, 0.72, 0.80}, flight.t_s - start);
       worst = std::max(worst, std::abs(flight.Angles().roll - model));
       EXPECT_LT(std::abs(flight.Angles().pitch), 0.03);
     });
     EXPECT_LT(worst, 0.05 * std::abs(command));
-    EXPECT_EQ(flight.mode(), FlightMode::kAttitude);
+    EXPECT_EQ(flight.mode(), control::FlightMode::kAttitude);
     EXPECT_GT(flight.Angles().roll * command, 0);
     EXPECT_GT(flight.v_N().dot(HeadingRotation(Radians(30)) * Vector3d::UnitY()) * command,
               0);  // right wing down: right
@@ -152,7 +152,7 @@ TEST(EmulatedAutopilot, PitchAnswersAsIdentified) {
     flight.Run(3);
     double worst = 0;
     const double start = flight.t_s;
-    flight.Keep(AttitudeSetpoint{0, command, 0, HoverThrust()}, 1.5, [&] {
+    flight.Keep(control::AttitudeSetpoint{0, command, 0, HoverThrust()}, 1.5, [&] {
       const double model = 0.84 * command * StepResponse({7.07, 0.76, 0.84}, flight.t_s - start);
       worst = std::max(worst, std::abs(flight.Angles().pitch - model));
     });
@@ -168,7 +168,7 @@ TEST(EmulatedAutopilot, YawAnswersToARateAsIdentified) {
     flight.Run(3);
     double worst = 0;
     const double start = flight.t_s;
-    flight.Keep(AttitudeSetpoint{0, 0, rate, HoverThrust()}, 2, [&] {
+    flight.Keep(control::AttitudeSetpoint{0, 0, rate, HoverThrust()}, 2, [&] {
       const double model = Radians(20) + rate * RampResponse({5.0, 0.95, 1.0}, flight.t_s - start);
       worst = std::max(worst, std::abs(flight.Angles().yaw - model));
     });
@@ -179,10 +179,10 @@ TEST(EmulatedAutopilot, YawAnswersToARateAsIdentified) {
 TEST(EmulatedAutopilot, ThrustIsAShareOfTheGreatest) {
   Flight flight(At(60), true);
   flight.Run(3);
-  flight.Keep(AttitudeSetpoint{0, 0, 0, HoverThrust()}, 1);
+  flight.Keep(control::AttitudeSetpoint{0, 0, 0, HoverThrust()}, 1);
   EXPECT_LT(std::abs(flight.v_N().z()), 0.1);
   const double start = flight.v_N().z();
-  flight.Keep(AttitudeSetpoint{0, 0, 0, 1.2 * HoverThrust()}, 0.2);
+  flight.Keep(control::AttitudeSetpoint{0, 0, 0, 1.2 * HoverThrust()}, 0.2);
   EXPECT_NEAR(flight.v_N().z() - start, -0.2 * kGravity * 0.2, 0.1);  // less what the motors take to spin up
 }
 
@@ -195,10 +195,10 @@ TEST(EmulatedAutopilot, VelocityIsFlownInTheHeadingFrame) {
                {{0, 0, -0.6}, {0, 0, -0.6}}};
   for (const auto& c : cases) {
     Flight flight(At(30, 90), true);
-    flight.Keep(VelocitySetpoint{c.v_H, 0}, 6);
+    flight.Keep(control::VelocitySetpoint{c.v_H, 0}, 6);
     EXPECT_LT((flight.v_N() - c.v_N).norm(), 0.05) << c.v_H.transpose();
     EXPECT_NEAR(Degrees(flight.Angles().yaw), 90, 1);
-    EXPECT_EQ(flight.mode(), FlightMode::kVelocity);
+    EXPECT_EQ(flight.mode(), control::FlightMode::kVelocity);
   }
 }
 
@@ -210,7 +210,7 @@ TEST(EmulatedAutopilot, AnAutopilotThatFollowsLateIsLaterByThatAndOtherwiseTheSa
     flight.Run(2);
     const double asked_s = flight.t_s;
     std::optional<double> crossed_s;
-    flight.Keep(VelocitySetpoint{{0, 0, -1}, 0}, 4, [&] {
+    flight.Keep(control::VelocitySetpoint{{0, 0, -1}, 0}, 4, [&] {
       if (!crossed_s && flight.v_N().z() < -0.5) crossed_s = flight.t_s - asked_s;
     });
     EXPECT_NEAR(flight.v_N().z(), -1, 0.1);
@@ -223,10 +223,10 @@ TEST(EmulatedAutopilot, AnAutopilotThatFollowsLateIsLaterByThatAndOtherwiseTheSa
 
 TEST(EmulatedAutopilot, TheHeadingFrameTurnsWithTheAircraftClockwise) {
   Flight flight(At(30, 10), true);
-  flight.Keep(VelocitySetpoint{{1, 0, 0}, 0.5}, 5);
+  flight.Keep(control::VelocitySetpoint{{1, 0, 0}, 0.5}, 5);
   const double yaw = flight.Angles().yaw;
   EXPECT_NEAR(yaw, Radians(10) + 0.5 * (5 - 2 * 0.95 / 5.0), 0.05);
-  flight.Keep(VelocitySetpoint{{1, 0, 0}, 0}, 4);
+  flight.Keep(control::VelocitySetpoint{{1, 0, 0}, 0}, 4);
   const double settled = flight.Angles().yaw;
   EXPECT_GT(settled, yaw);
   EXPECT_LT((flight.v_N() - Vector3d(std::cos(settled), std::sin(settled), 0)).norm(), 0.05);
@@ -235,16 +235,16 @@ TEST(EmulatedAutopilot, TheHeadingFrameTurnsWithTheAircraftClockwise) {
 TEST(EmulatedAutopilot, FliesToAPositionAndHeading) {
   Flight flight(At(10, -170), true);
   const Vector3d p_N(4, -3, -12);
-  flight.autopilot.Send(PositionSetpoint{p_N, Radians(150)});  // once: a position does not go stale
+  flight.autopilot.Send(control::PositionSetpoint{p_N, Radians(150)});  // once: a position does not go stale
   flight.Run(15);
   EXPECT_LT((flight.X_NB().p - p_N).norm(), 0.05);
   EXPECT_NEAR(Degrees(flight.Angles().yaw), 150, 1);
-  EXPECT_EQ(flight.mode(), FlightMode::kPosition);
+  EXPECT_EQ(flight.mode(), control::FlightMode::kPosition);
 }
 
 TEST(EmulatedAutopilot, TurnsTheShortWayRound) {
   Flight flight(At(10, 170), true);
-  flight.autopilot.Send(PositionSetpoint{{0, 0, -10}, Radians(-170)});
+  flight.autopilot.Send(control::PositionSetpoint{{0, 0, -10}, Radians(-170)});
   flight.Run(10, [&] { EXPECT_GT(std::abs(Degrees(flight.Angles().yaw)), 165); });
   EXPECT_NEAR(Degrees(flight.Angles().yaw), -170, 1);
 }
@@ -259,7 +259,7 @@ TEST(EmulatedAutopilot, HoldsItsPlaceInWind) {
 }
 
 TEST(EmulatedAutopilot, KeepsItsLimits) {
-  const auto most = [](const Setpoint& setpoint, double duration_s, auto value) {
+  const auto most = [](const control::Setpoint& setpoint, double duration_s, auto value) {
     Flight flight(At(60, 40), true);
     flight.Run(1);
     double greatest = 0;
@@ -271,42 +271,44 @@ TEST(EmulatedAutopilot, KeepsItsLimits) {
     EXPECT_LT(value, (1 + overshoot) * limit);
     EXPECT_GT(value, 0.95 * limit);  // it is the limit that acts, nothing slower
   };
-  expect_near_limit(most(VelocitySetpoint{{8, -6, 0}, 0}, 8, level_speed), 3, 0.15);
-  expect_near_limit(most(PositionSetpoint{{30, 40, -60}, 0}, 8, level_speed), 3, 0.15);
-  expect_near_limit(most(VelocitySetpoint{{0, 0, -9}, 0}, 4, [](const Flight& f) { return -f.v_N().z(); }), 2,
-                    0.15);
-  expect_near_limit(most(VelocitySetpoint{{0, 0, 9}, 0}, 4, [](const Flight& f) { return f.v_N().z(); }), 2,
-                    0.15);
+  expect_near_limit(most(control::VelocitySetpoint{{8, -6, 0}, 0}, 8, level_speed), 3, 0.15);
+  expect_near_limit(most(control::PositionSetpoint{{30, 40, -60}, 0}, 8, level_speed), 3, 0.15);
+  expect_near_limit(
+      most(control::VelocitySetpoint{{0, 0, -9}, 0}, 4, [](const Flight& f) { return -f.v_N().z(); }), 2,
+      0.15);
+  expect_near_limit(
+      most(control::VelocitySetpoint{{0, 0, 9}, 0}, 4, [](const Flight& f) { return f.v_N().z(); }), 2, 0.15);
   // 4.6 % is the overshoot of a step at that damping
+  expect_near_limit(most(control::AttitudeSetpoint{1.2, 0, 0, HoverThrust()}, 1.5,
+                         [](const Flight& f) { return f.TiltDeg(); }),
+                    45, 0.06);
+  expect_near_limit(most(control::AttitudeSetpoint{0, -1.2, 0, HoverThrust()}, 1.5,
+                         [](const Flight& f) { return f.TiltDeg(); }),
+                    45, 0.06);
   expect_near_limit(
-      most(AttitudeSetpoint{1.2, 0, 0, HoverThrust()}, 1.5, [](const Flight& f) { return f.TiltDeg(); }), 45,
-      0.06);
-  expect_near_limit(
-      most(AttitudeSetpoint{0, -1.2, 0, HoverThrust()}, 1.5, [](const Flight& f) { return f.TiltDeg(); }), 45,
-      0.06);
-  expect_near_limit(
-      most(VelocitySetpoint{{0, 0, 0}, 6}, 4, [](const Flight& f) { return Degrees(f.w_B().z()); }), 90,
-      0.06);
+      most(control::VelocitySetpoint{{0, 0, 0}, 6}, 4, [](const Flight& f) { return Degrees(f.w_B().z()); }),
+      90, 0.06);
 }
 
 TEST(EmulatedAutopilot, ASetpointThatIsNotKeptUpGoesStaleAndThePlaceIsHeld) {
-  for (const Setpoint& setpoint : {Setpoint(VelocitySetpoint{{1.5, -1, 0}, 0.3}),
-                                   Setpoint(AttitudeSetpoint{0.1, 0, 0, HoverThrust()})}) {
+  for (const control::Setpoint& setpoint :
+       {control::Setpoint(control::VelocitySetpoint{{1.5, -1, 0}, 0.3}),
+        control::Setpoint(control::AttitudeSetpoint{0.1, 0, 0, HoverThrust()})}) {
     Flight flight(At(30, 70), true);
     flight.Keep(setpoint, 2);  // last sent 0.05 s before the end
     flight.Run(0.43);
-    EXPECT_NE(flight.mode(), FlightMode::kHold);
+    EXPECT_NE(flight.mode(), control::FlightMode::kHold);
     flight.Run(0.04);
-    EXPECT_EQ(flight.mode(), FlightMode::kHold);
+    EXPECT_EQ(flight.mode(), control::FlightMode::kHold);
     const Vector3d place = flight.X_NB().p;
     const double yaw = flight.Angles().yaw;
     flight.Run(12);
-    EXPECT_EQ(flight.mode(), FlightMode::kHold);
+    EXPECT_EQ(flight.mode(), control::FlightMode::kHold);
     EXPECT_LT((flight.X_NB().p - place).norm(), 0.1);
     EXPECT_NEAR(flight.Angles().yaw, yaw, 0.05);
     EXPECT_LT(flight.v_N().norm(), 0.05);
-    flight.Keep(VelocitySetpoint{}, 0.1);
-    EXPECT_EQ(flight.mode(), FlightMode::kVelocity);
+    flight.Keep(control::VelocitySetpoint{}, 0.1);
+    EXPECT_EQ(flight.mode(), control::FlightMode::kVelocity);
   }
 }
 
@@ -314,24 +316,25 @@ TEST(EmulatedAutopilot, TakesOffOnAPositionAboveItAndOnlyThen) {
   Flight flight(At(kStandingHeight_m, 25), false);
   flight.Run(1);
   EXPECT_TRUE(flight.autopilot.State().landed);
-  const Setpoint no_take_off[] = {
-      VelocitySetpoint{{0, 0, -1}, 0}, AttitudeSetpoint{0, 0, 0, 0.8}, PositionSetpoint{{0, 0, 0}, 0},
-      PositionSetpoint{{0, 0, -kStandingHeight_m - 0.2}, 0}, PositionSetpoint{{3, 0, 5}, 0}};
-  for (const Setpoint& setpoint : no_take_off) {
+  const control::Setpoint no_take_off[] = {
+      control::VelocitySetpoint{{0, 0, -1}, 0}, control::AttitudeSetpoint{0, 0, 0, 0.8},
+      control::PositionSetpoint{{0, 0, 0}, 0}, control::PositionSetpoint{{0, 0, -kStandingHeight_m - 0.2}, 0},
+      control::PositionSetpoint{{3, 0, 5}, 0}};
+  for (const control::Setpoint& setpoint : no_take_off) {
     flight.Keep(setpoint, 0.5);
-    EXPECT_EQ(flight.mode(), FlightMode::kStopped);
+    EXPECT_EQ(flight.mode(), control::FlightMode::kStopped);
     EXPECT_TRUE(flight.autopilot.State().landed);
     EXPECT_EQ(flight.Throttle(), 0);
   }
   EXPECT_LT(std::abs(flight.Height() - kStandingHeight_m), 0.01);
 
-  flight.autopilot.Send(PositionSetpoint{{0, 0, -2}, Radians(25)});
-  EXPECT_EQ(flight.mode(), FlightMode::kTakeOff);
+  flight.autopilot.Send(control::PositionSetpoint{{0, 0, -2}, Radians(25)});
+  EXPECT_EQ(flight.mode(), control::FlightMode::kTakeOff);
   EXPECT_FALSE(flight.autopilot.State().landed);
   flight.Run(0.2);
-  EXPECT_EQ(flight.mode(), FlightMode::kTakeOff);
+  EXPECT_EQ(flight.mode(), control::FlightMode::kTakeOff);
   flight.Run(10, [&] { EXPECT_LT(flight.X_NB().p.head<2>().norm(), 0.1); });
-  EXPECT_EQ(flight.mode(), FlightMode::kPosition);
+  EXPECT_EQ(flight.mode(), control::FlightMode::kPosition);
   EXPECT_NEAR(flight.Height(), 2, 0.05);
   EXPECT_NEAR(Degrees(flight.Angles().yaw), 25, 1);
 }
@@ -343,7 +346,7 @@ TEST(EmulatedAutopilot, StopsItsMotorsSoonAfterTouchingDown) {
     if (seed > 2) c.sensors = {}, c.wind = GustyWind();
     Flight flight(At(1.2, 10), true, c);
     flight.Run(3);
-    const VelocitySetpoint down{{0, 0, 0.2}, 0};
+    const control::VelocitySetpoint down{{0, 0, 0.2}, 0};
     double touched_s = -1, stopped_s = -1;
     flight.Keep(down, 20, [&] {
       if (touched_s < 0 && flight.Touching()) touched_s = flight.t_s;
@@ -353,7 +356,7 @@ TEST(EmulatedAutopilot, StopsItsMotorsSoonAfterTouchingDown) {
     ASSERT_GT(touched_s, 3) << seed;
     ASSERT_GT(stopped_s, touched_s) << seed;
     EXPECT_LT(stopped_s - touched_s, 3) << seed;
-    EXPECT_EQ(flight.mode(), FlightMode::kStopped) << seed;
+    EXPECT_EQ(flight.mode(), control::FlightMode::kStopped) << seed;
     EXPECT_LT(flight.Throttle(), 0.01) << seed;
     EXPECT_LT(flight.TiltDeg(), 3) << seed;
   }
@@ -371,14 +374,14 @@ TEST(EmulatedAutopilot, TheMotorsKeepRunningInTheAir) {
       ASSERT_FALSE(flight.autopilot.State().landed) << "seed " << seed << ", " << flight.t_s << " s";
     };
     flight.Run(1);
-    flight.Keep(VelocitySetpoint{{0.3, -0.2, 0}, 0}, 8, watch);  // level
+    flight.Keep(control::VelocitySetpoint{{0.3, -0.2, 0}, 0}, 8, watch);  // level
     // the beginning of a descent, over and over, slow ones too
     for (int i = 0; i < 5; ++i) {
-      flight.Keep(VelocitySetpoint{{0, 0, 0.13}, 0}, 1.2, watch);
-      flight.Keep(VelocitySetpoint{{0, 0, 0.2}, 0}, 1.2, watch);
-      flight.Keep(VelocitySetpoint{{0, 0, -0.3}, 0}, 1.2, watch);
+      flight.Keep(control::VelocitySetpoint{{0, 0, 0.13}, 0}, 1.2, watch);
+      flight.Keep(control::VelocitySetpoint{{0, 0, 0.2}, 0}, 1.2, watch);
+      flight.Keep(control::VelocitySetpoint{{0, 0, -0.3}, 0}, 1.2, watch);
     }
-    flight.Keep(VelocitySetpoint{{0, 0, 0.2}, 0}, 8, watch);
+    flight.Keep(control::VelocitySetpoint{{0, 0, 0.2}, 0}, 8, watch);
     EXPECT_GT(lowest, 2) << seed;
     EXPECT_GT(weakest, 0.6) << seed;
   }
@@ -386,11 +389,11 @@ TEST(EmulatedAutopilot, TheMotorsKeepRunningInTheAir) {
 
 TEST(EmulatedAutopilot, TakesOffAgainAfterALanding) {
   Flight flight(At(0.6), true);
-  flight.Keep(VelocitySetpoint{{0, 0, 0.25}, 0}, 6);
+  flight.Keep(control::VelocitySetpoint{{0, 0, 0.25}, 0}, 6);
   ASSERT_TRUE(flight.autopilot.State().landed);
-  flight.Keep(VelocitySetpoint{{0, 0, 0.25}, 0}, 1);
+  flight.Keep(control::VelocitySetpoint{{0, 0, 0.25}, 0}, 1);
   EXPECT_TRUE(flight.autopilot.State().landed);
-  flight.autopilot.Send(PositionSetpoint{flight.X_NB().p - Vector3d(0, 0, 1.5), 0});
+  flight.autopilot.Send(control::PositionSetpoint{flight.X_NB().p - Vector3d(0, 0, 1.5), 0});
   flight.Run(8);
   EXPECT_NEAR(flight.Height(), 1.5 + kStandingHeight_m, 0.1);
 }
@@ -398,21 +401,21 @@ TEST(EmulatedAutopilot, TakesOffAgainAfterALanding) {
 TEST(EmulatedAutopilot, SaysWhenItIsSaturated) {
   Flight flight(At(60), true);
   flight.Run(2, [&] { EXPECT_FALSE(flight.autopilot.State().saturated); });
-  flight.Keep(AttitudeSetpoint{0, 0, 0, 1}, 0.5);
+  flight.Keep(control::AttitudeSetpoint{0, 0, 0, 1}, 0.5);
   EXPECT_TRUE(flight.autopilot.State().saturated);  // the motors
-  flight.Keep(AttitudeSetpoint{0, 0, 0, HoverThrust()}, 0.5);
+  flight.Keep(control::AttitudeSetpoint{0, 0, 0, HoverThrust()}, 0.5);
   EXPECT_FALSE(flight.autopilot.State().saturated);
-  flight.Keep(AttitudeSetpoint{1, 0, 0, HoverThrust()}, 0.5);
+  flight.Keep(control::AttitudeSetpoint{1, 0, 0, HoverThrust()}, 0.5);
   EXPECT_TRUE(flight.autopilot.State().saturated);  // the tilt, asked for
-  flight.Keep(AttitudeSetpoint{0, 0, 0, HoverThrust()}, 0.5);
+  flight.Keep(control::AttitudeSetpoint{0, 0, 0, HoverThrust()}, 0.5);
   EXPECT_FALSE(flight.autopilot.State().saturated);
 
   Conditions c;
   c.autopilot.tilt_limit_deg = 5;
   Flight leaning(At(60), true, c);
-  leaning.Keep(VelocitySetpoint{{3, 0, 0}, 0}, 0.8);
+  leaning.Keep(control::VelocitySetpoint{{3, 0, 0}, 0}, 0.8);
   EXPECT_TRUE(leaning.autopilot.State().saturated);  // the tilt, needed for the acceleration
-  leaning.Keep(AttitudeSetpoint{0, 0, 0, HoverThrust()}, 0.5);
+  leaning.Keep(control::AttitudeSetpoint{0, 0, 0, HoverThrust()}, 0.5);
   EXPECT_FALSE(leaning.autopilot.State().saturated);
 }
 
@@ -510,4 +513,4 @@ TEST(EmulatedAutopilot, ItsOwnAttitudeIsSilentOrFrozenWhileItFailsAndLevelledAne
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::sim

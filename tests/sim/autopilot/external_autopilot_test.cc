@@ -8,7 +8,7 @@
 
 #include "tests/sim/on_ground.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 // Full thrust from a time on; the end at another.
@@ -34,15 +34,16 @@ TEST(ExternalAutopilot, IsAskedAfterEachStepAndMovesTheRotorsAlone) {
   Simulator simulator(p);
   Jump jump(0.5, 1.0);
   simulator.FlyBy(&jump);
-  simulator.Send(PositionSetpoint{{0, 0, -5}, 0});  // to the emulated one, whose rotors these are no more
+  simulator.Send(
+      control::PositionSetpoint{{0, 0, -5}, 0});  // to the emulated one, whose rotors these are no more
   std::vector<double> frames_s, heights_m;
   while (const auto frame = simulator.Next()) {
     frames_s.push_back(frame->t_s);
     heights_m.push_back(-simulator.exposure().X_NB.p.z());
     EXPECT_EQ(frame->t_s, simulator.exposure().t_s);
-    const VehicleState state = simulator.State();
+    const control::VehicleState state = simulator.State();
     EXPECT_EQ(state.landed, simulator.truth().touching);
-    EXPECT_EQ(state.mode, state.landed ? FlightMode::kStopped : FlightMode::kHold);
+    EXPECT_EQ(state.mode, state.landed ? control::FlightMode::kStopped : control::FlightMode::kHold);
     EXPECT_LT((state.p_NB - simulator.truth().X_NB.p).norm(), 1.5);  // an estimate, not nonsense
   }
   ASSERT_EQ(jump.times_s.size(), 500U);
@@ -71,4 +72,4 @@ TEST(ExternalAutopilot, WhoDoesNotMoveTheRotorsChangesNothing) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::sim

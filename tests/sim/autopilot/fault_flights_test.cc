@@ -18,7 +18,7 @@
 #include "sim/world/mjcf.h"
 #include "sim/world/wind.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 using Eigen::Vector3d;
@@ -123,7 +123,7 @@ class Flight {
     faults_.Apply(t_s, readings);
     Command(airframe_, autopilot.Step(kDt, readings));
     crashed = crashed || data_->ncon > 0;
-    finite = finite && Finite(autopilot.State()) && X_NB().p.allFinite() && v_N().allFinite();
+    finite = finite && control::Finite(autopilot.State()) && X_NB().p.allFinite() && v_N().allFinite();
     if (autopilot.Health() != health_) health_ = autopilot.Health(), names.insert(NameOf(health_));
   }
 
@@ -311,4 +311,4 @@ TEST(FaultFlights, AHelicoptersServosFailWithoutANumberThatIsNone) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::sim

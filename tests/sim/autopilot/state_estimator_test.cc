@@ -10,7 +10,7 @@
 #include "geometry/tait_bryan.h"
 #include "tests/sim/perfect_sensors.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 using Eigen::Vector3d;
@@ -197,4 +197,4 @@ TEST(StateEstimator, FindsItsPlaceByGpsAndItsHeightByTheBarometer) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::sim

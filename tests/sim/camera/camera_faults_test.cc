@@ -6,7 +6,7 @@
 
 #include <utility>
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 using ::testing::ElementsAre;
@@ -123,4 +123,4 @@ TEST(CameraFaults, AnIntermittentCameraLosesItsShareByTheSeed) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 constexpr double kPeriod_s = 0.02;
@@ -111,4 +111,4 @@ TEST(ExposureControl, ASaturatedSceneIsFoundAsWell) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -8,11 +8,11 @@
 #include <opencv2/imgproc.hpp>
 #include <thread>
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 const cv::Size kSize(320, 240);
-const Pinhole kCamera{320, 240, 300, 300, 159.5, 119.5};
+const vision::Pinhole kCamera{320, 240, 300, 300, 159.5, 119.5};
 
 cv::Mat Grey(int level) { return cv::Mat(kSize, CV_8UC3, cv::Scalar::all(level)); }
 
@@ -178,7 +178,7 @@ cv::Mat Skellam(double variance) {
 
 // The chain as a physicist writes it down, pixel by pixel and in double precision; random numbers are those
 // of the sensor's own table. Its defocus is heat that spreads for a while, which is the discrete Gaussian.
-cv::Mat SlowExpose(const ImageParameters& p, const Pinhole& camera, const NoiseTable<float>& table,
+cv::Mat SlowExpose(const ImageParameters& p, const vision::Pinhole& camera, const NoiseTable<float>& table,
                    const cv::Mat& bytes, std::int64_t sequence, const ExposureSetting& setting) {
   const int channels = bytes.channels(), border = 30;
   cv::Mat result(bytes.size(), bytes.type());
@@ -223,7 +223,7 @@ cv::Mat SlowExpose(const ImageParameters& p, const Pinhole& camera, const NoiseT
 
 // Where an edge of rim or reflection crosses a pixel, the sensor takes a share and the slow chain all or
 // none.
-cv::Mat AwayFromEdges(const ImageParameters& p, const Pinhole& camera) {
+cv::Mat AwayFromEdges(const ImageParameters& p, const vision::Pinhole& camera) {
   cv::Mat mask(camera.height_px, camera.width_px, CV_8U);
   for (int y = 0; y < mask.rows; ++y) {
     for (int x = 0; x < mask.cols; ++x) {
@@ -236,7 +236,7 @@ cv::Mat AwayFromEdges(const ImageParameters& p, const Pinhole& camera) {
 }
 
 TEST(ImageSensor, AgreesWithTheSlowChain) {
-  const Pinhole camera{96, 64, 80, 80, 50.3, 30.8};
+  const vision::Pinhole camera{96, 64, 80, 80, 50.3, 30.8};
   cv::Mat scene(camera.height_px, camera.width_px, CV_8UC3);
   cv::theRNG().state = 5;
   cv::randu(scene, 0, 256);
@@ -446,4 +446,4 @@ TEST(ImageScatter, IsDrawnOnceARunWithinItsBoundsAndRange) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -6,11 +6,11 @@
 #include <cmath>
 #include <numbers>
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 // Wide, with its principal point off the middle.
-const Pinhole kCamera{160, 120, 70, 75, 85.25, 52.5};
+const vision::Pinhole kCamera{160, 120, 70, 75, 85.25, 52.5};
 
 TEST(Shade, OffThereIsNone) { EXPECT_TRUE(Shade({}, kCamera).empty()); }
 
@@ -144,4 +144,4 @@ TEST(Defocus, BeyondItsBorderTheImageGoesOn) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::sim

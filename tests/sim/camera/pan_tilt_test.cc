@@ -9,7 +9,7 @@
 #include "geometry/tait_bryan.h"
 #include "sim/simulator.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 using Eigen::Vector3d;
@@ -40,9 +40,9 @@ TEST(PanTilt, PannedItLooksRightAndTiltedUp) {
 TEST(PanTilt, IsAMountOfTheSamePanWhosePitchIsTakenFromStraightDown) {
   for (const double pan_deg : {-120.0, 0.0, 35.0}) {
     for (const double tilt_deg : {-90.0, -30.0, 0.0}) {
-      CameraMount mount;
+      vision::CameraMount mount;
       mount.yaw_deg = pan_deg, mount.pitch_deg = tilt_deg + 90;
-      const Pose fixed = MountPose(mount);
+      const Pose fixed = vision::MountPose(mount);
       const Pose turned = PlatformPose({Radians(pan_deg), Radians(tilt_deg)}, mount.position_m);
       EXPECT_LT(fixed.R.angularDistance(turned.R), 1e-7) << pan_deg << ' ' << tilt_deg;
       EXPECT_EQ(fixed.p, turned.p);
@@ -131,7 +131,7 @@ TEST(PanTilt, FollowsAPointWhileTheAircraftTurns) {
 }
 
 TEST(PanTilt, HoldsTheCameraAsAMountHasItWhereItCan) {
-  CameraMount mount;
+  vision::CameraMount mount;
   ASSERT_TRUE(AnglesOf(mount, {}));
   EXPECT_NEAR(AnglesOf(mount, {})->tilt, -Radians(90), 1e-12);
   mount.yaw_deg = 30, mount.pitch_deg = 60;
@@ -146,4 +146,4 @@ TEST(PanTilt, HoldsTheCameraAsAMountHasItWhereItCan) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::sim

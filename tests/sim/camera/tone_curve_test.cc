@@ -8,7 +8,7 @@
 #include <random>
 #include <set>
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 std::vector<std::uint8_t> Encoded(const ToneCurve& curve, const std::vector<float>& light) {
@@ -93,4 +93,4 @@ TEST(ToneCurve, WhatIsNoLightIsBlack) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -9,11 +9,11 @@
 
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 TEST(Vibration, AStillMountIsStill) {
-  const Vibration none({}, 1), silent({VibrationBand{}}, 1);
+  const Vibration none({}, 1), silent({vision::VibrationBand{}}, 1);
   for (const Vibration* v : {&none, &silent}) {
     EXPECT_TRUE(v->still());
     EXPECT_TRUE(v->At(0.123).p.isZero(0));
@@ -58,7 +58,7 @@ TEST(Vibration, KeepsToItsBand) {
 }
 
 TEST(Vibration, SeedAloneDecides) {
-  const std::vector<VibrationBand> bands = {{80, 120, 0.2, 0.1}};
+  const std::vector<vision::VibrationBand> bands = {{80, 120, 0.2, 0.1}};
   const Vibration a(bands, 1), again(bands, 1), other(bands, 2);
   EXPECT_EQ(a.At(1.5).p, again.At(1.5).p);
   EXPECT_NE(a.At(1.5).p, other.At(1.5).p);
@@ -67,4 +67,4 @@ TEST(Vibration, SeedAloneDecides) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::sim

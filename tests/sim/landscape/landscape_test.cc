@@ -14,7 +14,7 @@
 #include "sim/world/mjcf.h"
 #include "sim/world/scene.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 // Nothing but round ground.
@@ -52,8 +52,8 @@ Pose Level(double azimuth_deg, const Eigen::Vector3d& p_NC) {
 }
 
 // A tenth of a mrad to a pixel.
-const Pinhole kTelescope{320, 240, 1e4, 1e4, 159.5, 119.5};
-const Pinhole kWide{320, 240, 160, 160, 159.5, 119.5};
+const vision::Pinhole kTelescope{320, 240, 1e4, 1e4, 159.5, 119.5};
+const vision::Pinhole kWide{320, 240, 160, 160, 159.5, 119.5};
 
 TEST(Landscape, TheFreeHorizonLiesLowerByItsDipAtEveryHeightAllRound) {
   const ModelPtr model = Unpainted(Bare());
@@ -67,7 +67,7 @@ TEST(Landscape, TheFreeHorizonLiesLowerByItsDipAtEveryHeightAllRound) {
       // Pitched down so that the horizon passes through the middle; the dip is found from the rays alone.
       Pose X_NC = Level(azimuth_deg, p);
       X_NC.R = X_NC.R * Eigen::AngleAxisd(-dip, Eigen::Vector3d::UnitX());
-      const cv::Mat classes = ClassifySky(model.get(), renderer.See(data.get(), X_NC));
+      const cv::Mat classes = ClassifySky(model.get(), renderer.Trace(data.get(), X_NC));
       const auto line = TrueSkyline(classes, kTelescope, X_NC);
       ASSERT_GT(line.size(), 300u) << height << " m, " << azimuth_deg;
       for (const SkylinePoint& point : line)
@@ -88,7 +88,7 @@ TEST(Landscape, ARidgeOfTenDegreesShowsAtTenDegreesOnItsSideAlone) {
   Renderer renderer(model.get(), kWide, {});
   const auto highest_and_lowest = [&](double azimuth_deg) {
     const Pose X_NC = Level(azimuth_deg, {0, 0, -2});
-    const cv::Mat classes = ClassifySky(model.get(), renderer.See(data.get(), X_NC));
+    const cv::Mat classes = ClassifySky(model.get(), renderer.Trace(data.get(), X_NC));
     std::pair<double, double> range{1e9, -1e9};
     for (const SkylinePoint& point : TrueSkyline(classes, kWide, X_NC)) {
       if (std::abs(std::remainder(Degrees(point.azimuth_rad) - azimuth_deg, 360)) > 30) continue;
@@ -118,7 +118,7 @@ TEST(Landscape, TheHighestHillReachesItsAngleAndOneSidedOnesLeaveTheOtherSideFre
   double east = -90, west = -90;
   for (int azimuth_deg = 0; azimuth_deg < 360; azimuth_deg += 60) {
     const Pose X_NC = Level(azimuth_deg, {0, 0, -0.5});
-    const cv::Mat classes = ClassifySky(model.get(), renderer.See(data.get(), X_NC));
+    const cv::Mat classes = ClassifySky(model.get(), renderer.Trace(data.get(), X_NC));
     for (const SkylinePoint& point : TrueSkyline(classes, kWide, X_NC)) {
       const double off_deg = std::abs(std::remainder(Degrees(point.azimuth_rad) - 90, 360));
       double& highest = off_deg < 100 ? east : west;
@@ -139,7 +139,7 @@ TEST(Landscape, TheBrightestOfTheSkyIsWhereTheSunIs) {
     p.sun_elevation_deg = elevation_deg;
     const ModelPtr model = Painted(p);
     const DataPtr data = Computed(model.get());
-    const Pinhole camera{320, 240, 400, 400, 159.5, 119.5};
+    const vision::Pinhole camera{320, 240, 400, 400, 159.5, 119.5};
     Renderer renderer(model.get(), camera, {});
     // Off the axis, so that a flipped sky fails.
     const Pose X_NC = Level(azimuth_deg - 9, {0, 0, -30});
@@ -151,7 +151,8 @@ TEST(Landscape, TheBrightestOfTheSkyIsWhereTheSunIs) {
     const Eigen::Vector2d seen(moments.m10 / moments.m00, moments.m01 / moments.m00);
     const double a = Radians(azimuth_deg), e = Radians(elevation_deg);
     const Eigen::Vector3d sun_N(std::cos(a) * std::cos(e), std::sin(a) * std::cos(e), -std::sin(e));
-    const auto expected = Project(CameraModel(camera), Eigen::Vector3d(X_NC.R.conjugate() * sun_N));
+    const auto expected =
+        vision::Project(vision::CameraModel(camera), Eigen::Vector3d(X_NC.R.conjugate() * sun_N));
     ASSERT_TRUE(expected);
     EXPECT_LT((seen - *expected).norm(), 2.0) << seen.transpose() << " not " << expected->transpose();
     EXPECT_GT(moments.m00, 2);
@@ -231,4 +232,4 @@ TEST(Landscape, StandsOnPlaneGroundAndItsMeshesTouchNothing) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -541,18 +541,18 @@ Vector3d Direction(const Pose& X_NC, const Vector3d& ray_C) {
 
 }  // namespace
 
-cv::Mat Render(const mjModel* model, const mjData* data, const Pose& X_NC, const CameraModel& camera, int n,
-               bool shadows) {
+cv::Mat Render(const mjModel* model, const mjData* data, const Pose& X_NC, const vision::CameraModel& camera,
+               int n, bool shadows) {
   const View view(model, data, X_NC, shadows);
-  cv::Mat image(HeightPx(camera), WidthPx(camera), CV_8UC3, cv::Scalar::all(0));
+  cv::Mat image(vision::HeightPx(camera), vision::WidthPx(camera), CV_8UC3, cv::Scalar::all(0));
   image.forEach<cv::Vec3b>([&](cv::Vec3b& pixel, const int* place) {
     const Vector2d centre(place[1], place[0]);
-    if (!Ray(camera, centre)) return;
+    if (!vision::Ray(camera, centre)) return;
     Vector3d sum = Vector3d::Zero();
     int rays = 0;
     for (int i = 0; i < n * n; ++i) {
       const Vector2d offset((i % n + 0.5) / n - 0.5, (i / n + 0.5) / n - 0.5);  // NOLINT: whole rows
-      const auto ray = Ray(camera, centre + offset);
+      const auto ray = vision::Ray(camera, centre + offset);
       if (!ray) continue;
       sum += view.Colour(Direction(X_NC, *ray));
       ++rays;
@@ -563,12 +563,12 @@ cv::Mat Render(const mjModel* model, const mjData* data, const Pose& X_NC, const
 }
 
 std::vector<std::vector<Hit>> Hits(const mjModel* model, const mjData* data, const Pose& X_NC,
-                                   const CameraModel& camera) {
+                                   const vision::CameraModel& camera) {
   const View view(model, data, X_NC);
   std::vector<std::vector<Hit>> hits;
-  for (int v = 0; v < HeightPx(camera); ++v) {
-    for (int u = 0; u < WidthPx(camera); ++u) {
-      const auto ray = Ray(camera, Vector2d(u, v));
+  for (int v = 0; v < vision::HeightPx(camera); ++v) {
+    for (int u = 0; u < vision::WidthPx(camera); ++u) {
+      const auto ray = vision::Ray(camera, Vector2d(u, v));
       hits.push_back(ray ? view.Hits(Direction(X_NC, *ray)) : std::vector<Hit>{});
     }
   }
@@ -576,13 +576,13 @@ std::vector<std::vector<Hit>> Hits(const mjModel* model, const mjData* data, con
 }
 
 SurfaceErrors ErrorsOf(const Surfaces& seen, const mjModel* model, const mjData* data, const Pose& X_NC,
-                       const CameraModel& camera) {
+                       const vision::CameraModel& camera) {
   const auto hits = Hits(model, data, X_NC, camera);
   SurfaceErrors errors;
-  for (int v = 0; v < HeightPx(camera); ++v) {
-    for (int u = 0; u < WidthPx(camera); ++u) {
-      if (!Ray(camera, Vector2d(u, v))) continue;
-      const Hit* const hit = FirstOpaque(hits[v * WidthPx(camera) + u]);
+  for (int v = 0; v < vision::HeightPx(camera); ++v) {
+    for (int u = 0; u < vision::WidthPx(camera); ++u) {
+      if (!vision::Ray(camera, Vector2d(u, v))) continue;
+      const Hit* const hit = FirstOpaque(hits[v * vision::WidthPx(camera) + u]);
       if (seen.geom.at<int>(v, u) != (hit ? hit->geom : -1)) {
         ++errors.other_geom;
       } else if (hit) {
@@ -594,7 +594,7 @@ SurfaceErrors ErrorsOf(const Surfaces& seen, const mjModel* model, const mjData*
 }
 
 cv::Mat Flow(const mjModel* model, const mjData* data, const Pose& X_NC, const mjData* next_data,
-             const Pose& X_NC_next, const CameraModel& camera) {
+             const Pose& X_NC_next, const vision::CameraModel& camera) {
   const auto rotation = [](const mjData* d, int geom) -> Matrix3 {
     return Eigen::Map<const Matrix3>(d->geom_xmat + 9 * geom);
   };
@@ -602,10 +602,10 @@ cv::Mat Flow(const mjModel* model, const mjData* data, const Pose& X_NC, const m
     return Eigen::Map<const Vector3d>(d->geom_xpos + 3 * geom);
   };
   const auto hits = Hits(model, data, X_NC, camera);
-  cv::Mat flow(HeightPx(camera), WidthPx(camera), CV_64FC2, cv::Scalar::all(std::nan("")));
+  cv::Mat flow(vision::HeightPx(camera), vision::WidthPx(camera), CV_64FC2, cv::Scalar::all(std::nan("")));
   flow.forEach<cv::Vec2d>([&](cv::Vec2d& pixel, const int* place) {
     const Vector2d uv(place[1], place[0]);
-    const auto ray = Ray(camera, uv);
+    const auto ray = vision::Ray(camera, uv);
     if (!ray) return;
     Vector3d p_C = X_NC_next.R.conjugate() * (X_NC.R * *ray);
     const auto& on_ray = hits[place[0] * flow.cols + place[1]];
@@ -616,7 +616,8 @@ cv::Mat Flow(const mjModel* model, const mjData* data, const Pose& X_NC, const m
       const Vector3d next_M = rotation(next_data, geom) * p_G + position(next_data, geom);
       p_C = X_NC_next.Inverse() * SwapNedNwu(next_M);
     }
-    if (const auto next = Project(camera, p_C)) pixel = cv::Vec2d(next->x() - uv.x(), next->y() - uv.y());
+    if (const auto next = vision::Project(camera, p_C))
+      pixel = cv::Vec2d(next->x() - uv.x(), next->y() - uv.y());
   });
   return flow;
 }

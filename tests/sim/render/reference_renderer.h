@@ -28,14 +28,14 @@ struct Hit {
 // The image, CV_8UC3 in the order blue, green, red: the mean over n x n rays, evenly spread over each pixel's
 // square. Pixels whose centre the lens does not show are black; the parts of others that it does not show do
 // not count. With shadows, lights that cast them do not reach opaque surfaces behind others.
-cv::Mat Render(const mjModel* model, const mjData* data, const Pose& X_NC, const CameraModel& camera, int n,
-               bool shadows = false);
+cv::Mat Render(const mjModel* model, const mjData* data, const Pose& X_NC, const vision::CameraModel& camera,
+               int n, bool shadows = false);
 
 // For each pixel, row after row, all surfaces on the ray through its centre, the nearest first, transparent
 // or not, with what they hide; none in the sky and outside of the lens. At the same distance, the geom that
 // is drawn later comes first.
 std::vector<std::vector<Hit>> Hits(const mjModel* model, const mjData* data, const Pose& X_NC,
-                                   const CameraModel& camera);
+                                   const vision::CameraModel& camera);
 
 // How a renderer's Surfaces differ from the nearest opaque surfaces on the rays, inside the lens.
 struct SurfaceErrors {
@@ -43,12 +43,12 @@ struct SurfaceErrors {
   double depth = 0;    // worst relative error where the geom is right
 };
 SurfaceErrors ErrorsOf(const Surfaces& seen, const mjModel* model, const mjData* data, const Pose& X_NC,
-                       const CameraModel& camera);
+                       const vision::CameraModel& camera);
 
 // Where the nearest opaque surface at each pixel's centre goes, px, CV_64FC2: the point moves with its geom
 // into the next state, or stays in the same direction if it is sky. NaN where the lens does not show it,
 // before or after.
 cv::Mat Flow(const mjModel* model, const mjData* data, const Pose& X_NC, const mjData* next_data,
-             const Pose& X_NC_next, const CameraModel& camera);
+             const Pose& X_NC_next, const vision::CameraModel& camera);
 
 }  // namespace kestrel::reference

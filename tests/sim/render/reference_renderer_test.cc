@@ -11,14 +11,15 @@
 #include "sim/render/opengl/opengl_renderer.h"
 #include "tests/sim/scenes.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
-const Pinhole kCamera{160, 120, 140, 140, 79.5, 59.5};
+const vision::Pinhole kCamera{160, 120, 140, 140, 79.5, 59.5};
 
 // 255 where something is, and a pixel and its neighbours up to two pixels away show the same faces of the
 // same geoms.
-cv::Mat AwayFromEdges(const mjModel* model, const mjData* data, const Pose& X_NC, const Pinhole& camera) {
+cv::Mat AwayFromEdges(const mjModel* model, const mjData* data, const Pose& X_NC,
+                      const vision::Pinhole& camera) {
   const auto hits = reference::Hits(model, data, X_NC, camera);
   const auto same = [](const std::vector<reference::Hit>& a, const std::vector<reference::Hit>& b) {
     bool all = a.size() == b.size();
@@ -61,4 +62,4 @@ INSTANTIATE_TEST_SUITE_P(All, ReferenceOnScene, ::testing::ValuesIn(TestScenes()
                          [](const auto& scene) { return scene.param.name; });
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -10,9 +10,9 @@
 
 #include "geometry/tait_bryan.h"
 #include "sim/fault_schedule.h"
-#include "sim/sensor/sensor_watch.h"
+#include "sim/sensor/sensor_monitor.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 using Eigen::Vector3d;
@@ -308,7 +308,7 @@ actuators: {faults: [{component: servo, type: stuck}, {component: motor, type: g
 
 // What the autopilot calls its sensors in the end of 3 s with a fault from 1 s on.
 std::string Called(const char* component, const char* type) {
-  SensorWatch watch((SensorParameters()));
+  SensorMonitor watch((SensorParameters()));
   SensorFault f = Fault(component, type, 0.5, 1e9);
   f.rate_hz = 0.1, f.delay_s = 10;
   for (const SensorReadings& r : Heard({f})) watch.Step(kDt, r);
@@ -334,4 +334,4 @@ TEST(SensorWatch, NamesSensorsThatAreSilentOrStuck) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -10,7 +10,7 @@
 #include "geometry/tait_bryan.h"
 #include "tests/sim/perfect_sensors.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 using Eigen::Vector3d;
@@ -286,4 +286,4 @@ TEST(Sensors, WhatOneSensorIsLikeDoesNotShiftTheNumbersOfAnother) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -13,14 +13,14 @@
 #include "geometry/tait_bryan.h"
 #include "tests/control/udp_peer.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
 // An aircraft that stays as the test has it and keeps what it is told.
-class FakeAircraft final : public Autopilot {
+class FakeAircraft final : public control::Autopilot {
  public:
   FakeAircraft() {
     state.t_s = 50;
@@ -28,12 +28,12 @@ class FakeAircraft final : public Autopilot {
     state.R_NB = RotationFromTaitBryan({.yaw = 2.5, .pitch = -0.2, .roll = 0.1});
     state.landed = false;
   }
-  VehicleState State() const override { return state; }
-  void Send(const Setpoint& setpoint) override { told.push_back(setpoint); }
-  void Aid(const AttitudeAid&) override {}
+  control::VehicleState State() const override { return state; }
+  void Send(const control::Setpoint& setpoint) override { told.push_back(setpoint); }
+  void Aid(const control::AttitudeAid&) override {}
 
-  VehicleState state;
-  std::vector<Setpoint> told;
+  control::VehicleState state;
+  std::vector<control::Setpoint> told;
 };
 
 AfcsServerOptions AnyPort() {
@@ -51,8 +51,8 @@ class AfcsServerTest : public ::testing::Test {
  protected:
   void Start(const AfcsServerOptions& options, PanTilt* platform = nullptr) {
     server_.emplace(options, platform);
-    peer_.To(UdpPeer::Loopback(PortOf(*server_)));
-    stranger_.To(UdpPeer::Loopback(PortOf(*server_)));
+    peer_.To(control::UdpPeer::Loopback(PortOf(*server_)));
+    stranger_.To(control::UdpPeer::Loopback(PortOf(*server_)));
   }
   // Serves for some time, and gathers what the peer is sent.
   void Serve(double for_s = 0) {
@@ -66,7 +66,7 @@ class AfcsServerTest : public ::testing::Test {
   void Gather() {
     while (const auto datagram = peer_.Receive()) heard_.push_back(*datagram);
   }
-  void Say(const wire::AfcsMessage& message, double for_s = 0) {
+  void Say(const control::wire::AfcsMessage& message, double for_s = 0) {
     stamp_.microseconds += 1;
     peer_.Send(stamp_, message);
     Serve(for_s);
@@ -81,10 +81,10 @@ class AfcsServerTest : public ::testing::Test {
 
   FakeAircraft aircraft_;
   std::optional<AfcsServer> server_;
-  UdpPeer peer_, stranger_;
+  control::UdpPeer peer_, stranger_;
   double now_s_ = 1000;
-  wire::AfcsTime stamp_{7, 0};
-  std::vector<wire::AfcsDatagram> heard_;
+  control::wire::AfcsTime stamp_{7, 0};
+  std::vector<control::wire::AfcsDatagram> heard_;
 };
 
 TEST_F(AfcsServerTest, ListensOnLoopbackAndSaysWhere) {
@@ -107,7 +107,7 @@ TEST_F(AfcsServerTest, RefusesAnAddressThatItCannotHave) {
 
 TEST_F(AfcsServerTest, SaysNothingBeforeItIsOpened) {
   Start(AnyPort());
-  Say(wire::AfcsTeleop{1, 0, 0, 0}, 0.1);
+  Say(control::wire::AfcsTeleop{1, 0, 0, 0}, 0.1);
   EXPECT_TRUE(heard_.empty());
   EXPECT_TRUE(aircraft_.told.empty());
   EXPECT_EQ(server_->Heard().unheeded.at(unheeded::kNoSession).count, 1U);
@@ -116,34 +116,34 @@ TEST_F(AfcsServerTest, SaysNothingBeforeItIsOpened) {
 
 TEST_F(AfcsServerTest, AcknowledgesEveryOpen) {
   Start(AnyPort());
-  Say(wire::AfcsOpen{});
-  Say(wire::AfcsOpen{});
-  EXPECT_EQ(Heard<wire::AfcsAck>(), (std::vector<wire::AfcsAck>{{1}, {1}}));
+  Say(control::wire::AfcsOpen{});
+  Say(control::wire::AfcsOpen{});
+  EXPECT_EQ(Heard<control::wire::AfcsAck>(), (std::vector<control::wire::AfcsAck>{{1}, {1}}));
 }
 
 TEST_F(AfcsServerTest, SendsStatesAt50HzAndGpsAt4Hz) {
   Start(AnyPort());
-  Say(wire::AfcsOpen{}, 2);
-  EXPECT_NEAR(static_cast<double>(Heard<wire::AfcsState>().size()), 100, 1);
-  EXPECT_NEAR(static_cast<double>(Heard<wire::AfcsGpsState>().size()), 8, 1);
+  Say(control::wire::AfcsOpen{}, 2);
+  EXPECT_NEAR(static_cast<double>(Heard<control::wire::AfcsState>().size()), 100, 1);
+  EXPECT_NEAR(static_cast<double>(Heard<control::wire::AfcsGpsState>().size()), 8, 1);
 }
 
 TEST_F(AfcsServerTest, DoesNotMakeUpForStatesThatWereMissed) {
   Start(AnyPort());
-  Say(wire::AfcsOpen{});
+  Say(control::wire::AfcsOpen{});
   now_s_ += 1;  // nobody served
   heard_.clear();
   Serve(0.1);
-  EXPECT_NEAR(static_cast<double>(Heard<wire::AfcsState>().size()), 5, 1);
+  EXPECT_NEAR(static_cast<double>(Heard<control::wire::AfcsState>().size()), 5, 1);
 }
 
 TEST_F(AfcsServerTest, TheStateIsTheAircraftsWithItsTime) {
   Start(AnyPort());
-  const VehicleState& s = aircraft_.state;
+  const control::VehicleState& s = aircraft_.state;
   const double sent_s = s.t_s;
-  Say(wire::AfcsOpen{});
-  ASSERT_EQ(Heard<wire::AfcsState>().size(), 1U);
-  const wire::AfcsState m = Heard<wire::AfcsState>()[0];
+  Say(control::wire::AfcsOpen{});
+  ASSERT_EQ(Heard<control::wire::AfcsState>().size(), 1U);
+  const control::wire::AfcsState m = Heard<control::wire::AfcsState>()[0];
   EXPECT_NEAR(m.phi, 0.1, 1e-12);
   EXPECT_NEAR(m.theta, -0.2, 1e-12);
   EXPECT_NEAR(m.psi, 2.5, 1e-12);
@@ -151,11 +151,11 @@ TEST_F(AfcsServerTest, TheStateIsTheAircraftsWithItsTime) {
   EXPECT_EQ(Eigen::Vector3d(m.x, m.y, m.z), s.p_NB);
   EXPECT_EQ(Eigen::Vector3d(m.vx, m.vy, m.vz), s.v_N);
   EXPECT_EQ(m.rpm0, 1500);
-  for (const auto& datagram : heard_) EXPECT_NEAR(wire::Seconds(datagram.time), sent_s, 5e-6);
+  for (const auto& datagram : heard_) EXPECT_NEAR(control::wire::Seconds(datagram.time), sent_s, 5e-6);
   aircraft_.state.landed = true;
   heard_.clear();
   Serve(0.03);
-  EXPECT_EQ(Heard<wire::AfcsState>().at(0).rpm0, 0);
+  EXPECT_EQ(Heard<control::wire::AfcsState>().at(0).rpm0, 0);
 }
 
 TEST_F(AfcsServerTest, GpsTellsThePlaceOnTheEarth) {
@@ -163,8 +163,8 @@ TEST_F(AfcsServerTest, GpsTellsThePlaceOnTheEarth) {
   options.origin = GeodeticOrigin{40, -3, 600};
   Start(options);
   aircraft_.state.p_NB = {1000, -2000, -50};
-  Say(wire::AfcsOpen{});
-  const wire::AfcsGpsState m = Heard<wire::AfcsGpsState>().at(0);
+  Say(control::wire::AfcsOpen{});
+  const control::wire::AfcsGpsState m = Heard<control::wire::AfcsGpsState>().at(0);
   EXPECT_EQ(m.pos_n, 1000);
   EXPECT_EQ(m.vel_d, -6);
   // A degree at 40 degrees of latitude: 111034.6 m north and 85393.6 m east on the ellipsoid (tables of
@@ -176,8 +176,8 @@ TEST_F(AfcsServerTest, GpsTellsThePlaceOnTheEarth) {
 
 TEST_F(AfcsServerTest, WithoutAnOriginGpsTellsRawPlacesAsAfcs25Does) {
   Start(AnyPort());
-  Say(wire::AfcsOpen{});
-  const wire::AfcsGpsState m = Heard<wire::AfcsGpsState>().at(0);
+  Say(control::wire::AfcsOpen{});
+  const control::wire::AfcsGpsState m = Heard<control::wire::AfcsGpsState>().at(0);
   EXPECT_EQ(Eigen::Vector3d(m.lat, m.lon, m.alt), aircraft_.state.p_NB);
 }
 
@@ -185,54 +185,55 @@ TEST_F(AfcsServerTest, TeleoperationIsAVelocityLessOffsetAndDeadZone) {
   AfcsServerOptions options = AnyPort();
   options.afcs.teleop = {{0.20, 0.05}, {-0.10, 0.02}, {0.30, 0.10}, {0.04, 0.01}, true};
   Start(options);
-  Say(wire::AfcsOpen{});
-  Say(wire::AfcsTeleop{0.05, -0.5, 1.0, 0.1});
+  Say(control::wire::AfcsOpen{});
+  Say(control::wire::AfcsTeleop{0.05, -0.5, 1.0, 0.1});
   ASSERT_EQ(aircraft_.told.size(), 1U);
-  const auto velocity = std::get<VelocitySetpoint>(aircraft_.told[0]);
+  const auto velocity = std::get<control::VelocitySetpoint>(aircraft_.told[0]);
   EXPECT_LT((velocity.v_H - Eigen::Vector3d(-0.10, -0.38, -0.60)).norm(), 1e-12);  // fore: backwards
   EXPECT_NEAR(velocity.yaw_rate, 0.05, 1e-12);
 }
 
 TEST_F(AfcsServerTest, FlyToIsAPlaceAndConfirmed) {
   Start(AnyPort());
-  Say(wire::AfcsOpen{});
-  Say(wire::AfcsFlyTo{0, 0, 0, 1, 2, -3, 0.5});
+  Say(control::wire::AfcsOpen{});
+  Say(control::wire::AfcsFlyTo{0, 0, 0, 1, 2, -3, 0.5});
   ASSERT_EQ(aircraft_.told.size(), 1U);
-  const auto place = std::get<PositionSetpoint>(aircraft_.told[0]);
+  const auto place = std::get<control::PositionSetpoint>(aircraft_.told[0]);
   EXPECT_EQ(place.p_N, Eigen::Vector3d(1, 2, -3));
   EXPECT_EQ(place.yaw, 0.5);
-  EXPECT_EQ(Heard<wire::AfcsDesiredPosition>(), (std::vector<wire::AfcsDesiredPosition>{{1, 2, -3, 0.5}}));
-  Say(wire::AfcsFlyTo{1, 0, 0, 1, 2, -3, 0.5});  // a mode that it does not have
+  EXPECT_EQ(Heard<control::wire::AfcsDesiredPosition>(),
+            (std::vector<control::wire::AfcsDesiredPosition>{{1, 2, -3, 0.5}}));
+  Say(control::wire::AfcsFlyTo{1, 0, 0, 1, 2, -3, 0.5});  // a mode that it does not have
   EXPECT_EQ(aircraft_.told.size(), 1U);
-  EXPECT_EQ(Heard<wire::AfcsDesiredPosition>().size(), 1U);
+  EXPECT_EQ(Heard<control::wire::AfcsDesiredPosition>().size(), 1U);
 }
 
 TEST_F(AfcsServerTest, DoesNotObeyWhatNoAircraftCould) {
   Start(AnyPort());
-  Say(wire::AfcsOpen{});
-  Say(wire::AfcsTeleop{std::nan(""), 0, 0, 0});
-  Say(wire::AfcsTeleop{0, 1e300, 0, 0});
-  Say(wire::AfcsFlyTo{.z = std::numeric_limits<double>::infinity()});
-  Say(wire::AfcsFlyTo{.pos_mode = 77});
+  Say(control::wire::AfcsOpen{});
+  Say(control::wire::AfcsTeleop{std::nan(""), 0, 0, 0});
+  Say(control::wire::AfcsTeleop{0, 1e300, 0, 0});
+  Say(control::wire::AfcsFlyTo{.z = std::numeric_limits<double>::infinity()});
+  Say(control::wire::AfcsFlyTo{.pos_mode = 77});
   EXPECT_TRUE(aircraft_.told.empty());
   EXPECT_EQ(server_->Heard().setpoints, 0U);
   EXPECT_EQ(server_->Heard().refused, 4U);
   ASSERT_TRUE(server_->Heard().unheeded.contains(unheeded::kImpossible));
   EXPECT_EQ(server_->Heard().unheeded.at(unheeded::kImpossible).count, 4U);
   EXPECT_THAT(server_->Heard().unheeded.at(unheeded::kImpossible).first, HasSubstr("TELEOP nan"));
-  EXPECT_TRUE(Heard<wire::AfcsDesiredPosition>().empty());
+  EXPECT_TRUE(Heard<control::wire::AfcsDesiredPosition>().empty());
 }
 
 TEST_F(AfcsServerTest, ThePilotsSwitchEndsObedience) {
   Start(AnyPort());
-  Say(wire::AfcsOpen{});
+  Say(control::wire::AfcsOpen{});
   server_->SetPilot(false);
-  Say(wire::AfcsTeleop{1, 0, 0, 0});
-  Say(wire::AfcsFlyTo{});
+  Say(control::wire::AfcsTeleop{1, 0, 0, 0});
+  Say(control::wire::AfcsFlyTo{});
   EXPECT_TRUE(aircraft_.told.empty());
-  EXPECT_TRUE(Heard<wire::AfcsDesiredPosition>().empty());
+  EXPECT_TRUE(Heard<control::wire::AfcsDesiredPosition>().empty());
   server_->SetPilot(true);
-  Say(wire::AfcsTeleop{1, 0, 0, 0});
+  Say(control::wire::AfcsTeleop{1, 0, 0, 0});
   EXPECT_EQ(aircraft_.told.size(), 1U);
   EXPECT_EQ(server_->Heard().setpoints, 3U);
   EXPECT_EQ(server_->Heard().followed, 1U);
@@ -241,10 +242,12 @@ TEST_F(AfcsServerTest, ThePilotsSwitchEndsObedience) {
 
 TEST_F(AfcsServerTest, AStrangerIsNeitherObeyedNorAnsweredNorMayHeTakeOver) {
   Start(AnyPort());
-  Say(wire::AfcsOpen{});
-  for (const wire::AfcsMessage& message :
-       {wire::AfcsMessage{wire::AfcsOpen{}}, wire::AfcsMessage{wire::AfcsTeleop{1, 0, 0, 0}},
-        wire::AfcsMessage{wire::AfcsFlyTo{}}, wire::AfcsMessage{wire::AfcsClose{}}}) {
+  Say(control::wire::AfcsOpen{});
+  for (const control::wire::AfcsMessage& message :
+       {control::wire::AfcsMessage{control::wire::AfcsOpen{}},
+        control::wire::AfcsMessage{control::wire::AfcsTeleop{1, 0, 0, 0}},
+        control::wire::AfcsMessage{control::wire::AfcsFlyTo{}},
+        control::wire::AfcsMessage{control::wire::AfcsClose{}}}) {
     stamp_.microseconds += 1;
     stranger_.Send(stamp_, message);
   }
@@ -255,29 +258,29 @@ TEST_F(AfcsServerTest, AStrangerIsNeitherObeyedNorAnsweredNorMayHeTakeOver) {
   EXPECT_EQ(server_->Heard().unheeded.at(unheeded::kSecondClient).count, 1U);
   EXPECT_EQ(server_->Heard().unheeded.at(unheeded::kNoSession).count, 3U);
   EXPECT_THAT(server_->Heard().unheeded.at(unheeded::kSecondClient).first, HasSubstr("; it is that of 127."));
-  EXPECT_NEAR(static_cast<double>(Heard<wire::AfcsState>().size()), 5, 1);
-  Say(wire::AfcsTeleop{1, 0, 0, 0});
+  EXPECT_NEAR(static_cast<double>(Heard<control::wire::AfcsState>().size()), 5, 1);
+  Say(control::wire::AfcsTeleop{1, 0, 0, 0});
   EXPECT_EQ(aircraft_.told.size(), 1U);
 }
 
 TEST_F(AfcsServerTest, ClosedByItsOwnerAnotherMayOpen) {
   Start(AnyPort());
-  Say(wire::AfcsOpen{});
-  Say(wire::AfcsClose{});
-  EXPECT_EQ(Heard<wire::AfcsClose>().size(), 1U);
+  Say(control::wire::AfcsOpen{});
+  Say(control::wire::AfcsClose{});
+  EXPECT_EQ(Heard<control::wire::AfcsClose>().size(), 1U);
   heard_.clear();
   Serve(0.1);
   EXPECT_TRUE(heard_.empty());
-  stranger_.Send({1, 0}, wire::AfcsOpen{});
+  stranger_.Send({1, 0}, control::wire::AfcsOpen{});
   Serve();
   ASSERT_TRUE(stranger_.Receive());
 }
 
 TEST_F(AfcsServerTest, AnOwnerWhoIsSilentIsForgotten) {
   Start(AnyPort());
-  Say(wire::AfcsOpen{}, 2.9);
-  EXPECT_GT(Heard<wire::AfcsState>().size(), 140U);
-  Say(wire::AfcsOpen{}, 2.9);  // which keeps the session
+  Say(control::wire::AfcsOpen{}, 2.9);
+  EXPECT_GT(Heard<control::wire::AfcsState>().size(), 140U);
+  Say(control::wire::AfcsOpen{}, 2.9);  // which keeps the session
   heard_.clear();
   Serve(0.09);
   EXPECT_FALSE(heard_.empty());
@@ -285,22 +288,52 @@ TEST_F(AfcsServerTest, AnOwnerWhoIsSilentIsForgotten) {
   heard_.clear();
   Serve(1);
   EXPECT_TRUE(heard_.empty());
-  Say(wire::AfcsTeleop{1, 0, 0, 0});
+  Say(control::wire::AfcsTeleop{1, 0, 0, 0});
   EXPECT_TRUE(aircraft_.told.empty());
+}
+
+TEST_F(AfcsServerTest, AFloodNeitherHidesTheOwnerNorTakesTheSession) {
+  Start(AnyPort());
+  Say(control::wire::AfcsOpen{});
+  for (int i = 0; i < 6; ++i) {
+    for (int k = 0; k < 1000; ++k) {  // more than a queue holds
+      stamp_.microseconds += 1;
+      stranger_.Send(stamp_, k % 2 == 0 ? control::wire::AfcsMessage{control::wire::AfcsOpen{}}
+                                        : control::wire::AfcsMessage{control::wire::AfcsTeleop{9, 0, 0, 0}});
+    }
+    Say(control::wire::AfcsTeleop{1, 0, 0, 0});
+    ASSERT_EQ(aircraft_.told.size(), i + 1U);
+    EXPECT_EQ(std::get<control::VelocitySetpoint>(aircraft_.told.back()).v_H.x(), 1);
+    now_s_ += 1;
+  }
+}
+
+TEST_F(AfcsServerTest, WhoSpokeInTimeAndWasReadLateKeepsTheSession) {
+  Start(AnyPort());
+  Say(control::wire::AfcsOpen{});
+  now_s_ += 100;
+  stranger_.Send({8, 0}, control::wire::AfcsOpen{});
+  Say(control::wire::AfcsTeleop{1, 0, 0, 0});
+  EXPECT_EQ(aircraft_.told.size(), 1U);
+  EXPECT_FALSE(stranger_.Receive());
+  now_s_ += AnyPort().session_s + 0.1;
+  stranger_.Send({9, 0}, control::wire::AfcsOpen{});
+  Serve();
+  EXPECT_TRUE(stranger_.Receive());  // he was silent
 }
 
 TEST_F(AfcsServerTest, DoubledAndLateCommandsAreNotObeyed) {
   Start(AnyPort());
-  Say(wire::AfcsOpen{});
-  peer_.Send({8, 5}, wire::AfcsTeleop{1, 0, 0, 0});
-  peer_.Send({8, 5}, wire::AfcsTeleop{2, 0, 0, 0});
-  peer_.Send({8, 4}, wire::AfcsTeleop{3, 0, 0, 0});
+  Say(control::wire::AfcsOpen{});
+  peer_.Send({8, 5}, control::wire::AfcsTeleop{1, 0, 0, 0});
+  peer_.Send({8, 5}, control::wire::AfcsTeleop{2, 0, 0, 0});
+  peer_.Send({8, 4}, control::wire::AfcsTeleop{3, 0, 0, 0});
   peer_.Send({1, 2, 3});
-  peer_.Send({8, 6}, wire::AfcsTeleop{4, 0, 0, 0});
+  peer_.Send({8, 6}, control::wire::AfcsTeleop{4, 0, 0, 0});
   Serve();
   ASSERT_EQ(aircraft_.told.size(), 2U);
-  EXPECT_EQ(std::get<VelocitySetpoint>(aircraft_.told[0]).v_H.x(), 1);
-  EXPECT_EQ(std::get<VelocitySetpoint>(aircraft_.told[1]).v_H.x(), 4);
+  EXPECT_EQ(std::get<control::VelocitySetpoint>(aircraft_.told[0]).v_H.x(), 1);
+  EXPECT_EQ(std::get<control::VelocitySetpoint>(aircraft_.told[1]).v_H.x(), 4);
   EXPECT_EQ(server_->Heard().setpoints, 2U);
   EXPECT_EQ(server_->Heard().unheeded.at(unheeded::kAgain).count, 2U);
   EXPECT_EQ(server_->Heard().unheeded.at(unheeded::kDamaged).count, 1U);
@@ -308,9 +341,9 @@ TEST_F(AfcsServerTest, DoubledAndLateCommandsAreNotObeyed) {
 
 TEST_F(AfcsServerTest, WithoutAPlatformNoneAnswers) {
   Start(AnyPort());
-  Say(wire::AfcsOpen{});
-  Say(wire::AfcsPlatform{});
-  EXPECT_TRUE(Heard<wire::AfcsPlatform>().empty());
+  Say(control::wire::AfcsOpen{});
+  Say(control::wire::AfcsPlatform{});
+  EXPECT_TRUE(Heard<control::wire::AfcsPlatform>().empty());
 }
 
 TEST_F(AfcsServerTest, ThePlatformTurnsAndAnswersWithEveryField) {
@@ -318,12 +351,13 @@ TEST_F(AfcsServerTest, ThePlatformTurnsAndAnswersWithEveryField) {
   Start(AnyPort(), &platform);
   aircraft_.state.R_NB = HeadingRotation(0.5);
   aircraft_.state.p_NB = {10, 20, -30};
-  Say(wire::AfcsOpen{});
-  Say(wire::AfcsPlatform{.mode = 0, .relative_pitch = -Radians(45), .relative_yaw = 0.2});
+  Say(control::wire::AfcsOpen{});
+  Say(control::wire::AfcsPlatform{.mode = 0, .relative_pitch = -Radians(45), .relative_yaw = 0.2});
   for (int i = 0; i < 1000; ++i) platform.Step(0.01, {aircraft_.state.R_NB, aircraft_.state.p_NB});
-  Say(wire::AfcsPlatform{.mode = 0, .relative_pitch = -Radians(45), .relative_yaw = 0.2});
-  ASSERT_EQ(Heard<wire::AfcsPlatform>().size(), 2U);
-  const auto before = Heard<wire::AfcsPlatform>()[0], after = Heard<wire::AfcsPlatform>()[1];
+  Say(control::wire::AfcsPlatform{.mode = 0, .relative_pitch = -Radians(45), .relative_yaw = 0.2});
+  ASSERT_EQ(Heard<control::wire::AfcsPlatform>().size(), 2U);
+  const auto before = Heard<control::wire::AfcsPlatform>()[0],
+             after = Heard<control::wire::AfcsPlatform>()[1];
   EXPECT_EQ(before.relative_yaw, 0);         // where it is, not where it is to be
   EXPECT_TRUE(std::isnan(before.camera_n));  // level: nowhere on the ground
   EXPECT_NEAR(after.relative_yaw, 0.2, 1e-12);
@@ -340,14 +374,14 @@ TEST_F(AfcsServerTest, ThePlatformLooksAtAPlace) {
   PanTilt platform({}, Eigen::Vector3d::Zero(), {});
   Start(AnyPort(), &platform);
   aircraft_.state.R_NB = HeadingRotation(0), aircraft_.state.p_NB = {0, 0, -10};
-  Say(wire::AfcsOpen{});
-  const wire::AfcsPlatform look{.mode = 2, .camera_n = 10, .camera_e = 0, .camera_d = 0};
+  Say(control::wire::AfcsOpen{});
+  const control::wire::AfcsPlatform look{.mode = 2, .camera_n = 10, .camera_e = 0, .camera_d = 0};
   Say(look);
   for (int i = 0; i < 1000; ++i) platform.Step(0.01, {aircraft_.state.R_NB, aircraft_.state.p_NB});
   Say(look);
-  EXPECT_NEAR(Heard<wire::AfcsPlatform>().at(1).relative_pitch, -Radians(45), 1e-9);
-  Say(wire::AfcsPlatform{.mode = 9});  // a mode that it does not have
-  EXPECT_EQ(Heard<wire::AfcsPlatform>().size(), 2U);
+  EXPECT_NEAR(Heard<control::wire::AfcsPlatform>().at(1).relative_pitch, -Radians(45), 1e-9);
+  Say(control::wire::AfcsPlatform{.mode = 9});  // a mode that it does not have
+  EXPECT_EQ(Heard<control::wire::AfcsPlatform>().size(), 2U);
 }
 
 // ------------------------------------------------------------------------------ both ends of the wire
@@ -363,8 +397,8 @@ class AfcsWire : public ::testing::Test {
     server_options_.port = link_options_.port = PortOf(*server_);
   }
   bool ServedUntil(const std::function<bool()>& holds) {
-    return Eventually([&] {
-      const double now_s = MonotonicTestNow_s();
+    return control::Eventually([&] {
+      const double now_s = control::MonotonicTestNow_s();
       aircraft_.state.t_s = now_s - began_s_;
       if (server_) server_->Serve(now_s, aircraft_);
       return holds();
@@ -373,22 +407,22 @@ class AfcsWire : public ::testing::Test {
 
   FakeAircraft aircraft_;
   AfcsServerOptions server_options_;
-  AfcsLinkOptions link_options_;
+  control::AfcsLinkOptions link_options_;
   std::optional<AfcsServer> server_;
-  double began_s_ = MonotonicTestNow_s();
+  double began_s_ = control::MonotonicTestNow_s();
 };
 
 TEST_F(AfcsWire, TheStateArrivesWithItsNumbersAndItsTime) {
   StartServer();
-  AfcsLink link(link_options_);
+  control::AfcsLink link(link_options_);
   ASSERT_TRUE(ServedUntil([&] { return link.Health().received > 20; }));
-  const VehicleState state = link.State();
+  const control::VehicleState state = link.State();
   EXPECT_EQ(state.p_NB, aircraft_.state.p_NB);
   EXPECT_EQ(state.v_N, aircraft_.state.v_N);
   EXPECT_EQ(state.w_B, aircraft_.state.w_B);
   EXPECT_LT(state.R_NB.angularDistance(aircraft_.state.R_NB), 1e-7);
   EXPECT_FALSE(state.landed);
-  const double true_s = MonotonicTestNow_s();  // the aircraft's clock began at began_s_
+  const double true_s = control::MonotonicTestNow_s();  // the aircraft's clock began at began_s_
   EXPECT_LE(state.t_s, true_s);
   EXPECT_GE(state.t_s, began_s_);
   EXPECT_TRUE(link.Health().open);
@@ -400,55 +434,55 @@ TEST_F(AfcsWire, WhatIsAskedForIsWhatTheAircraftIsToldThroughOffsetAndDeadZone) 
   server_options_.afcs.teleop =
       link_options_.afcs.teleop = {{0.20, 0.05}, {-0.10, 0.02}, {0.30, 0.10}, {0.04, 0.01}, true};
   StartServer();
-  AfcsLink link(link_options_);
+  control::AfcsLink link(link_options_);
   ASSERT_TRUE(ServedUntil([&] { return link.Health().open; }));
-  const VelocitySetpoint wanted{{0.02, -0.3, 0.1}, -0.2};
+  const control::VelocitySetpoint wanted{{0.02, -0.3, 0.1}, -0.2};
   ASSERT_TRUE(ServedUntil([&] {
     link.Send(wanted);
     return !aircraft_.told.empty();
   }));
-  const auto told = std::get<VelocitySetpoint>(aircraft_.told[0]);
+  const auto told = std::get<control::VelocitySetpoint>(aircraft_.told[0]);
   EXPECT_LT((told.v_H - wanted.v_H).norm(), 1e-12);
   EXPECT_NEAR(told.yaw_rate, wanted.yaw_rate, 1e-12);
 }
 
 TEST_F(AfcsWire, APlaceIsToldAndConfirmed) {
   StartServer();
-  AfcsLink link(link_options_);
+  control::AfcsLink link(link_options_);
   ASSERT_TRUE(ServedUntil([&] { return link.Health().open; }));
   ASSERT_TRUE(ServedUntil([&] {
-    link.Send(PositionSetpoint{{1, 2, -3}, 0.5});
+    link.Send(control::PositionSetpoint{{1, 2, -3}, 0.5});
     return link.Desired().has_value();
   }));
-  EXPECT_EQ(std::get<PositionSetpoint>(aircraft_.told.at(0)).p_N, Eigen::Vector3d(1, 2, -3));
+  EXPECT_EQ(std::get<control::PositionSetpoint>(aircraft_.told.at(0)).p_N, Eigen::Vector3d(1, 2, -3));
   EXPECT_EQ(link.Desired()->yaw, 0.5);
 }
 
 TEST_F(AfcsWire, IsOpenedAgainAfterTheServerWasKilledAndStartedAgain) {
   link_options_.silent_s = 0.5;
   StartServer();
-  AfcsLink link(link_options_);
+  control::AfcsLink link(link_options_);
   ASSERT_TRUE(ServedUntil([&] { return link.Health().received > 5; }));
   server_.reset();
   ASSERT_TRUE(ServedUntil([&] { return !link.Health().open; }));
   EXPECT_GT(*link.Health().state_age_s, 0.5);
   StartServer();
-  began_s_ = MonotonicTestNow_s();  // its clock begins anew
+  began_s_ = control::MonotonicTestNow_s();  // its clock begins anew
   aircraft_.state.p_NB = {7, 8, -9};
   ASSERT_TRUE(ServedUntil([&] { return link.Health().open && *link.Health().state_age_s < 0.1; }));
   EXPECT_EQ(link.State().p_NB, Eigen::Vector3d(7, 8, -9));
   EXPECT_GE(link.State().t_s, began_s_);
   EXPECT_TRUE(ServedUntil([&] {
-    link.Send(VelocitySetpoint{{1, 0, 0}, 0});
+    link.Send(control::VelocitySetpoint{{1, 0, 0}, 0});
     return !aircraft_.told.empty();
   }));
 }
 
 TEST_F(AfcsWire, ASecondLinkWaitsUntilTheFirstHasClosed) {
   StartServer();
-  auto first = std::make_unique<AfcsLink>(link_options_);
+  auto first = std::make_unique<control::AfcsLink>(link_options_);
   ASSERT_TRUE(ServedUntil([&] { return first->Health().open; }));
-  AfcsLink second(link_options_);
+  control::AfcsLink second(link_options_);
   ASSERT_TRUE(ServedUntil([&] { return !second.Health().trouble.empty(); }));
   EXPECT_FALSE(second.Health().open);
   first.reset();
@@ -456,4 +490,4 @@ TEST_F(AfcsWire, ASecondLinkWaitsUntilTheFirstHasClosed) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::sim

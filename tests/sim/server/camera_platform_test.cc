@@ -8,7 +8,7 @@
 #include "tests/sim/hover.h"
 
 // The simulated camera on a pan-tilt platform.
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 SimulatorParameters Hovering() {
@@ -78,15 +78,15 @@ TEST(CameraPlatform, KeepsAPlaceInTheMiddleOfTheImageWhileTheAircraftMoves) {
   simulator.CarryCamera(&platform);
   const Eigen::Vector3d pad_N = simulator.truth().X_NT.p;
   platform.Turn(LookAt{pad_N});
-  simulator.Send(VelocitySetpoint{{1, 0.5, 0}, 0});
+  simulator.Send(control::VelocitySetpoint{{1, 0.5, 0}, 0});
   const Eigen::Vector3d began_N = simulator.truth().X_NB.p;
   double moved_m = 0;
   while (simulator.Next()) {
-    simulator.Send(VelocitySetpoint{{1, 0.5, 0}, 0});
+    simulator.Send(control::VelocitySetpoint{{1, 0.5, 0}, 0});
     if (simulator.truth().t_s < 1) continue;
-    const VehicleState believed = simulator.State();
+    const control::VehicleState believed = simulator.State();
     const Pose X_NC = Pose{believed.R_NB, believed.p_NB} * simulator.X_BC();
-    const auto uv = Project(p.camera, X_NC.Inverse() * pad_N);
+    const auto uv = vision::Project(p.camera, X_NC.Inverse() * pad_N);
     ASSERT_TRUE(uv);
     EXPECT_LT((*uv - Eigen::Vector2d(79.5, 59.5)).norm(), 3);  // px: a degree, for the state of a step before
     moved_m = (simulator.truth().X_NB.p - began_N).norm();
@@ -95,4 +95,4 @@ TEST(CameraPlatform, KeepsAPlaceInTheMiddleOfTheImageWhileTheAircraftMoves) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -12,7 +12,7 @@
 #include "base/stopwatch.h"
 #include "vision/capture/live_camera.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 constexpr double kDeadline_s = 30;
@@ -52,7 +52,7 @@ double FarthestOff(const cv::Mat& a, const cv::Mat& b) {
   return farthest;
 }
 
-class CameraServerTest : public testing::TestWithParam<RtpStream::Coding> {
+class CameraServerTest : public testing::TestWithParam<vision::RtpStream::Coding> {
  protected:
   void SetUp() override {
     stream_.coding = GetParam();
@@ -66,7 +66,7 @@ class CameraServerTest : public testing::TestWithParam<RtpStream::Coding> {
       return nullptr;
     }
   }
-  RtpStream stream_;
+  vision::RtpStream stream_;
   std::string reason_;
 };
 
@@ -75,13 +75,13 @@ TEST_P(CameraServerTest, ImagesArriveAsTheyWereSent) {
   for (const bool colour : {false, true}) {
     const auto server = Server(size, colour);
     if (!server) GTEST_SKIP() << reason_;
-    LiveCamera camera(RtpSource(stream_, size, colour), {});
+    vision::LiveCamera camera(vision::RtpSource(stream_, size, colour), {});
     const cv::Mat sent = Patches(size, colour ? CV_8UC3 : CV_8UC1);
     // Uncoded grey levels are the same; a coding, and colours on their way to luminance and back, may err.
-    const bool exact = GetParam() == RtpStream::Coding::kRaw && !colour;
+    const bool exact = GetParam() == vision::RtpStream::Coding::kRaw && !colour;
     const double most = exact ? 0 : colour ? 6 : 2;
     // Until the receiver is there, and has an image of which no packet was lost.
-    std::optional<Frame> frame;
+    std::optional<vision::Frame> frame;
     double off = 255;
     for (const double begun_s = MonotonicNow_s(); off > most && MonotonicNow_s() < begun_s + kDeadline_s;) {
       server->Publish(sent);
@@ -100,7 +100,7 @@ TEST_P(CameraServerTest, NewImagesFollowOldOnes) {
   const cv::Size size(160, 120);
   const auto server = Server(size, false);
   if (!server) GTEST_SKIP() << reason_;
-  LiveCamera camera(RtpSource(stream_, size, false), {});
+  vision::LiveCamera camera(vision::RtpSource(stream_, size, false), {});
   for (int k = 0; k < 5; ++k) {
     const cv::Mat sent = Patches(size, CV_8UC1, k);
     const auto matches = [&] {
@@ -123,8 +123,8 @@ TEST_P(CameraServerTest, ASecondReceiverIsRefusedAndTheFirstGoesOn) {
   const auto server = Server(size, false);
   if (!server) GTEST_SKIP() << reason_;
   const cv::Mat image = Patches(size, CV_8UC1);
-  LiveCamera first(RtpSource(stream_, size, false), {});
-  const auto comes = [&](LiveCamera& camera) {
+  vision::LiveCamera first(vision::RtpSource(stream_, size, false), {});
+  const auto comes = [&](vision::LiveCamera& camera) {
     for (const double begun_s = MonotonicNow_s(); MonotonicNow_s() < begun_s + kDeadline_s;) {
       server->Publish(image);
       if (camera.Next(0.05)) return true;
@@ -132,7 +132,7 @@ TEST_P(CameraServerTest, ASecondReceiverIsRefusedAndTheFirstGoesOn) {
     return false;
   };
   ASSERT_TRUE(comes(first));
-  LiveCamera second(RtpSource(stream_, size, false), {});
+  vision::LiveCamera second(vision::RtpSource(stream_, size, false), {});
   for (const double begun_s = MonotonicNow_s();
        second.Health().trouble.empty() && MonotonicNow_s() < begun_s + kDeadline_s;)
     second.Next(0.01);
@@ -157,8 +157,10 @@ TEST_P(CameraServerTest, PublishingNeverWaitsAndCountsWhatItDrops) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Codings, CameraServerTest,
-                         testing::Values(RtpStream::Coding::kJpeg, RtpStream::Coding::kRaw),
-                         [](const auto& i) { return i.param == RtpStream::Coding::kRaw ? "raw" : "jpeg"; });
+                         testing::Values(vision::RtpStream::Coding::kJpeg, vision::RtpStream::Coding::kRaw),
+                         [](const auto& i) {
+                           return i.param == vision::RtpStream::Coding::kRaw ? "raw" : "jpeg";
+                         });
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -13,12 +13,12 @@
 #include "sim/server/mavlink_vehicle.h"
 #include "tests/sim/server/fake_aircraft.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
-using namespace wire::mavlink;
+using namespace control::wire::mavlink;
+using control::wire::Bytes;
 using Eigen::Vector3d;
-using wire::Bytes;
 
 constexpr double kTick_s = 0.004;
 constexpr std::array<const char*, 2> kDialects{"px4", "ardupilot"};
@@ -75,7 +75,7 @@ class Direction {
 constexpr int kSetMode = 176, kArm = 400, kTakeOffCommand = 22;
 
 struct Pair {
-  explicit Pair(const MavlinkOptions& link_options = {}, const std::string& dialect = "px4",
+  explicit Pair(const control::MavlinkOptions& link_options = {}, const std::string& dialect = "px4",
                 const Line& line = {}, FakeAircraft its = Flying(5))
       : options{.dialect = dialect},
         aircraft(std::move(its)),
@@ -87,9 +87,9 @@ struct Pair {
   void Tick() {
     now_s += kTick_s;
     aircraft.Step(kTick_s);
-    for (const Bytes& datagram : down.Pull(now_s)) link.Hear(datagram, now_s);
+    for (const Bytes& datagram : down.Pull(now_s)) link.Receive(datagram, now_s);
     for (const Bytes& datagram : link.Due(now_s)) up.Push(now_s, datagram);
-    for (const Bytes& datagram : up.Pull(now_s)) vehicle->Hear(datagram, now_s, aircraft);
+    for (const Bytes& datagram : up.Pull(now_s)) vehicle->Receive(datagram, now_s, aircraft);
     for (const Bytes& datagram : vehicle->Due(now_s, aircraft)) down.Push(now_s, datagram);
   }
   void Run(
@@ -97,14 +97,14 @@ struct Pair {
     for (const double end_s = now_s + duration_s; now_s < end_s;) Tick(), each();
   }
   // The flight code's frames, at 20 Hz.
-  void Fly(const Setpoint& setpoint, double duration_s) {
+  void Fly(const control::Setpoint& setpoint, double duration_s) {
     Run(duration_s, [&] {
       if (now_s < next_frame_s_) return;
       next_frame_s_ = now_s + 0.05;
       link.Send(setpoint, now_s);
     });
   }
-  LinkHealth Health() const { return link.Health(now_s); }
+  control::LinkHealth Health() const { return link.Health(now_s); }
   double Offset() const { return now_s - aircraft.state.t_s; }
   // The mode of the last heartbeat.
   std::uint32_t Mode() const { return down.All<Heartbeat>().back().custom_mode; }
@@ -114,7 +114,7 @@ struct Pair {
   MavlinkServerOptions options;
   double now_s = 1000;
   FakeAircraft aircraft;
-  MavlinkSession link;
+  control::MavlinkSession link;
   std::unique_ptr<MavlinkVehicle> vehicle;
   Direction up, down;
 
@@ -122,7 +122,7 @@ struct Pair {
   double next_frame_s_ = 0;
 };
 
-const MavlinkOptions kTakes{.take_control = true};
+const control::MavlinkOptions kTakes{.take_control = true};
 
 TEST(MavlinkPair, TheStateIsTheAircraftsOnOurClock) {
   for (const char* dialect : kDialects) {
@@ -130,9 +130,9 @@ TEST(MavlinkPair, TheStateIsTheAircraftsOnOurClock) {
     EXPECT_FALSE(pair.Health().open);
     EXPECT_FALSE(pair.Health().state_age_s);
     EXPECT_FALSE(pair.Health().pilot_allows);
-    pair.aircraft.following = VelocitySetpoint{{0.5, 0, 0.1}, 0.4};
+    pair.aircraft.following = control::VelocitySetpoint{{0.5, 0, 0.1}, 0.4};
     pair.Run(3);
-    const VehicleState state = pair.link.State(), truth = pair.aircraft.state;
+    const control::VehicleState state = pair.link.State(), truth = pair.aircraft.state;
     EXPECT_EQ(pair.Health().trouble.find("the aircraft is the pilot's") == std::string::npos, false);
     EXPECT_LT(pair.Health().state_age_s.value(), 0.05);
     // Half the round trip is known: what is left are the milliseconds on the wire and the ticks.
@@ -143,7 +143,7 @@ TEST(MavlinkPair, TheStateIsTheAircraftsOnOurClock) {
     EXPECT_LT((state.v_N - truth.v_N).norm(), 0.03);
     EXPECT_NEAR(WrapAngle(YawOf(truth.R_NB) - YawOf(state.R_NB)), 0.4 * age_s, 0.003);
     EXPECT_LT((state.w_B - truth.w_B).norm(), 1e-6);
-    EXPECT_EQ(state.mode, FlightMode::kHold);  // flown by somebody else
+    EXPECT_EQ(state.mode, control::FlightMode::kHold);  // flown by somebody else
     EXPECT_FALSE(state.landed);
     EXPECT_EQ(pair.link.Health(pair.now_s).refused, 0U);
   }
@@ -153,7 +153,7 @@ TEST(MavlinkPair, WithoutTimesyncTheStateIsLateByTheDelay) {
   Line line{.delay_s = 0.040};
   line.swallow = [](const Message& m) { return std::holds_alternative<Timesync>(m); };
   Pair pair({}, "px4", line);
-  pair.aircraft.following = VelocitySetpoint{{0, 0, 0.1}, 0};
+  pair.aircraft.following = control::VelocitySetpoint{{0, 0, 0.1}, 0};
   pair.Run(3);
   const double age_s = pair.now_s - pair.link.State().t_s;
   EXPECT_NEAR((pair.aircraft.state.p_NB.z() - pair.link.State().p_NB.z()) / 0.1, age_s + 0.040, 0.006);
@@ -172,7 +172,7 @@ TEST(MavlinkPair, ATimesyncOfAnotherClockIsNotBelieved) {
     for (; answered < questions.size(); ++answered) {
       const Timesync answer{.tc1 = 1790000000000000000 + std::llround(1e9 * pair.now_s),
                             .ts1 = questions[answered].ts1};
-      pair.link.Hear(clock.Encode(answer), pair.now_s);
+      pair.link.Receive(clock.Encode(answer), pair.now_s);
     }
   });
   EXPECT_GT(answered, 3U);
@@ -182,33 +182,33 @@ TEST(MavlinkPair, ATimesyncOfAnotherClockIsNotBelieved) {
 TEST(MavlinkPair, SetpointsOfEveryKindArriveAsTheyWereSent) {
   for (const char* dialect : kDialects) {
     Pair pair(kTakes, dialect);
-    const VelocitySetpoint velocity{{0.5, -0.2, 0.1}, 0.3};
+    const control::VelocitySetpoint velocity{{0.5, -0.2, 0.1}, 0.3};
     pair.Fly(velocity, 3);
     EXPECT_EQ(pair.Mode(), pair.dialect().setpoint_mode);
     EXPECT_EQ(pair.Health().trouble, "");
     EXPECT_EQ(pair.Health().pilot_allows, true);
-    const auto followed = std::get<VelocitySetpoint>(pair.aircraft.sent.back());
+    const auto followed = std::get<control::VelocitySetpoint>(pair.aircraft.sent.back());
     EXPECT_LT((followed.v_H - velocity.v_H).norm(), 1e-6);
     EXPECT_NEAR(followed.yaw_rate, 0.3, 1e-6);
-    EXPECT_EQ(pair.link.State().mode, FlightMode::kVelocity);
+    EXPECT_EQ(pair.link.State().mode, control::FlightMode::kVelocity);
 
-    const PositionSetpoint position{{3, -4, -7}, 0.6};
+    const control::PositionSetpoint position{{3, -4, -7}, 0.6};
     pair.Fly(position, 1);
-    const auto place = std::get<PositionSetpoint>(pair.aircraft.sent.back());
+    const auto place = std::get<control::PositionSetpoint>(pair.aircraft.sent.back());
     EXPECT_LT((place.p_N - position.p_N).norm(), 1e-6);
     EXPECT_NEAR(place.yaw, 0.6, 1e-6);
-    EXPECT_EQ(pair.link.State().mode, FlightMode::kPosition);
+    EXPECT_EQ(pair.link.State().mode, control::FlightMode::kPosition);
 
-    const AttitudeSetpoint attitude{0.1, -0.2, 0.5, 0.45};
+    const control::AttitudeSetpoint attitude{0.1, -0.2, 0.5, 0.45};
     const double before = YawOf(pair.aircraft.state.R_NB);
     pair.Fly(attitude, 2);
-    const auto tilt = std::get<AttitudeSetpoint>(pair.aircraft.sent.back());
+    const auto tilt = std::get<control::AttitudeSetpoint>(pair.aircraft.sent.back());
     EXPECT_NEAR(tilt.roll, 0.1, 1e-6);
     EXPECT_NEAR(tilt.pitch, -0.2, 1e-6);
     EXPECT_NEAR(tilt.thrust, 0.45, 1e-6);
     EXPECT_NEAR(tilt.yaw_rate, 0.5, 0.05);  // it is led to a heading that turns, too
     EXPECT_NEAR(WrapAngle(YawOf(pair.aircraft.state.R_NB) - before), 0.5 * 2, 0.03);
-    EXPECT_EQ(pair.link.State().mode, FlightMode::kAttitude);
+    EXPECT_EQ(pair.link.State().mode, control::FlightMode::kAttitude);
     EXPECT_EQ(pair.up.Commands(kSetMode), 1);
     EXPECT_EQ(pair.up.Commands(kArm), 0);
   }
@@ -217,16 +217,16 @@ TEST(MavlinkPair, SetpointsOfEveryKindArriveAsTheyWereSent) {
 TEST(MavlinkPair, SetpointsAreRepeatedWhileFreshAndThenStop) {
   Pair pair;
   pair.Run(0.5);
-  pair.link.Send(VelocitySetpoint{}, pair.now_s);
+  pair.link.Send(control::VelocitySetpoint{}, pair.now_s);
   const auto count = [&] { return pair.up.All<SetPositionTargetLocalNed>().size(); };
-  pair.Run(AutopilotLink::kRepeat_s);
+  pair.Run(control::AutopilotLink::kRepeat_s);
   EXPECT_GE(count(), 0.25 * 20);
   EXPECT_EQ(count(), pair.Health().sent);
   pair.Run(kTick_s);
   const std::size_t fresh = count();
   pair.Run(1);
   EXPECT_EQ(count(), fresh);
-  pair.link.Send(VelocitySetpoint{}, pair.now_s);
+  pair.link.Send(control::VelocitySetpoint{}, pair.now_s);
   pair.link.Silence();
   pair.Run(1);
   EXPECT_EQ(count(), fresh);
@@ -236,20 +236,20 @@ TEST(MavlinkPair, TheModeIsAskedForOnceSetpointsHaveBeenStreaming) {
   Pair px4(kTakes, "px4");
   px4.Run(3);
   EXPECT_EQ(px4.up.Commands(kSetMode), 0);
-  px4.Fly(VelocitySetpoint{}, 1.1);
+  px4.Fly(control::VelocitySetpoint{}, 1.1);
   EXPECT_EQ(px4.up.Commands(kSetMode), 0);
-  px4.Fly(VelocitySetpoint{}, 0.3);
+  px4.Fly(control::VelocitySetpoint{}, 0.3);
   EXPECT_EQ(px4.up.Commands(kSetMode), 1);
   EXPECT_EQ(px4.Mode(), kPx4.setpoint_mode);  // or it would have been refused
 
   Pair ardupilot(kTakes, "ardupilot");
   ardupilot.Run(1);
-  ardupilot.Fly(VelocitySetpoint{}, 0.1);
+  ardupilot.Fly(control::VelocitySetpoint{}, 0.1);
   EXPECT_EQ(ardupilot.Mode(), kArduPilot.setpoint_mode);
 
   for (const char* dialect : kDialects) {
     Pair untold({}, dialect);
-    untold.Fly(VelocitySetpoint{}, 5);
+    untold.Fly(control::VelocitySetpoint{}, 5);
     EXPECT_EQ(untold.up.Commands(kSetMode), 0);
     EXPECT_EQ(untold.Health().pilot_allows, false);
     EXPECT_TRUE(untold.aircraft.sent.empty());
@@ -261,90 +261,90 @@ TEST(MavlinkPair, Px4RefusesTheModeWithoutSetpoints) {
   pair.Run(0.5);
   Sender companion(1, 191);
   const auto ask = [&] {
-    pair.vehicle->Hear(companion.Encode(SetCustomMode(kPx4.setpoint_mode, kPx4, {})), pair.now_s,
-                       pair.aircraft);
+    pair.vehicle->Receive(companion.Encode(SetCustomMode(kPx4.setpoint_mode, kPx4, {})), pair.now_s,
+                          pair.aircraft);
     pair.Tick();
     return pair.down.All<CommandAck>().back().result;
   };
   EXPECT_NE(ask(), 0);
-  pair.Fly(VelocitySetpoint{}, 0.9);
+  pair.Fly(control::VelocitySetpoint{}, 0.9);
   EXPECT_NE(ask(), 0);
-  pair.Fly(VelocitySetpoint{}, 0.2);
+  pair.Fly(control::VelocitySetpoint{}, 0.2);
   EXPECT_EQ(ask(), 0);
 }
 
 TEST(MavlinkPair, Px4LeavesTheModeWhenSetpointsStopAndItIsNotTakenBack) {
   Pair pair(kTakes, "px4");
-  pair.Fly(VelocitySetpoint{{1, 0, 0}, 0}, 3);
+  pair.Fly(control::VelocitySetpoint{{1, 0, 0}, 0}, 3);
   ASSERT_EQ(pair.Mode(), kPx4.setpoint_mode);
   pair.link.Silence();
   // It follows the last one until its time-out, then stops.
   pair.Run(0.9);
   EXPECT_EQ(pair.Mode(), kPx4.setpoint_mode);
-  EXPECT_EQ(std::get<VelocitySetpoint>(pair.aircraft.sent.back()).v_H.x(), 1);
+  EXPECT_EQ(std::get<control::VelocitySetpoint>(pair.aircraft.sent.back()).v_H.x(), 1);
   EXPECT_NEAR(pair.aircraft.sent_at_s, pair.aircraft.state.t_s, 1e-9);
   pair.Run(0.2);
   EXPECT_NE(pair.Mode(), kPx4.setpoint_mode);
-  EXPECT_EQ(std::get<VelocitySetpoint>(pair.aircraft.sent.back()).v_H.x(), 0);
+  EXPECT_EQ(std::get<control::VelocitySetpoint>(pair.aircraft.sent.back()).v_H.x(), 0);
   const std::size_t sent = pair.aircraft.sent.size();
   pair.Run(0.5);
   EXPECT_EQ(pair.Health().pilot_allows, false);
   EXPECT_NE(pair.Health().trouble, "");
   const int asked = pair.up.Commands(kSetMode);
-  pair.Fly(VelocitySetpoint{{1, 0, 0}, 0}, 4);
+  pair.Fly(control::VelocitySetpoint{{1, 0, 0}, 0}, 4);
   EXPECT_EQ(pair.up.Commands(kSetMode), asked);
   EXPECT_EQ(pair.aircraft.sent.size(), sent);
   pair.link.TakeControl();
   EXPECT_EQ(pair.Health().pilot_allows, true);
-  pair.Fly(VelocitySetpoint{{1, 0, 0}, 0}, 1);
+  pair.Fly(control::VelocitySetpoint{{1, 0, 0}, 0}, 1);
   EXPECT_EQ(pair.Mode(), kPx4.setpoint_mode);
   EXPECT_EQ(pair.up.Commands(kSetMode), asked + 1);
 }
 
 TEST(MavlinkPair, ArduPilotStopsAfterThreeSecondsButFliesOnToPositions) {
   Pair pair(kTakes, "ardupilot");
-  pair.Fly(VelocitySetpoint{{1, 0, 0}, 0}, 2);
+  pair.Fly(control::VelocitySetpoint{{1, 0, 0}, 0}, 2);
   pair.link.Silence();
   pair.Run(2.9);
-  EXPECT_EQ(std::get<VelocitySetpoint>(pair.aircraft.sent.back()).v_H.x(), 1);
+  EXPECT_EQ(std::get<control::VelocitySetpoint>(pair.aircraft.sent.back()).v_H.x(), 1);
   pair.Run(0.2);
-  EXPECT_EQ(std::get<VelocitySetpoint>(pair.aircraft.sent.back()).v_H.x(), 0);
+  EXPECT_EQ(std::get<control::VelocitySetpoint>(pair.aircraft.sent.back()).v_H.x(), 0);
   const std::size_t sent = pair.aircraft.sent.size();
   pair.Run(2);
   EXPECT_EQ(pair.aircraft.sent.size(), sent);
   EXPECT_EQ(pair.Mode(), kArduPilot.setpoint_mode);
-  pair.Fly(PositionSetpoint{{30, 0, -5}, 0}, 0.5);
+  pair.Fly(control::PositionSetpoint{{30, 0, -5}, 0}, 0.5);
   pair.link.Silence();
   pair.Run(5);
-  EXPECT_TRUE(std::holds_alternative<PositionSetpoint>(pair.aircraft.sent.back()));
+  EXPECT_TRUE(std::holds_alternative<control::PositionSetpoint>(pair.aircraft.sent.back()));
   EXPECT_NEAR(pair.aircraft.sent_at_s, pair.aircraft.state.t_s, 1e-9);
 }
 
 TEST(MavlinkPair, ThePilotTakesOverAndIsNotOverruled) {
   for (const char* dialect : kDialects) {
-    MavlinkOptions options = kTakes;
+    control::MavlinkOptions options = kTakes;
     options.switch_channel = 7;
     Pair pair(options, dialect);
     pair.Run(1.5);
-    pair.Fly(VelocitySetpoint{{1, 0, 0}, 0}, 3);
+    pair.Fly(control::VelocitySetpoint{{1, 0, 0}, 0}, 3);
     ASSERT_EQ(pair.Mode(), pair.dialect().setpoint_mode);
     EXPECT_EQ(pair.Health().pilot_allows, true);
     const int asked = pair.up.Commands(kSetMode);
     pair.vehicle->SetPilot(false);
-    pair.Fly(VelocitySetpoint{{1, 0, 0}, 0}, 0.3);
+    pair.Fly(control::VelocitySetpoint{{1, 0, 0}, 0}, 0.3);
     EXPECT_EQ(pair.Health().pilot_allows, false);
-    EXPECT_EQ(std::get<VelocitySetpoint>(pair.aircraft.sent.back()).v_H.x(), 0);
+    EXPECT_EQ(std::get<control::VelocitySetpoint>(pair.aircraft.sent.back()).v_H.x(), 0);
     const std::size_t sent = pair.aircraft.sent.size();
-    pair.Fly(VelocitySetpoint{{1, 0, 0}, 0}, 5);
+    pair.Fly(control::VelocitySetpoint{{1, 0, 0}, 0}, 5);
     EXPECT_EQ(pair.up.Commands(kSetMode), asked);
     EXPECT_EQ(pair.aircraft.sent.size(), sent);
     // Even when told: his switch is off.
     pair.link.TakeControl();
-    pair.Fly(VelocitySetpoint{{1, 0, 0}, 0}, 2);
+    pair.Fly(control::VelocitySetpoint{{1, 0, 0}, 0}, 2);
     EXPECT_EQ(pair.up.Commands(kSetMode), asked);
     // He gives it back by his switch.
     pair.vehicle->SetPilot(true);
-    pair.Fly(VelocitySetpoint{{1, 0, 0}, 0}, 1);
+    pair.Fly(control::VelocitySetpoint{{1, 0, 0}, 0}, 1);
     EXPECT_EQ(pair.Mode(), pair.dialect().setpoint_mode);
     EXPECT_EQ(pair.Health().pilot_allows, true);
     EXPECT_GT(pair.aircraft.sent.size(), sent);
@@ -354,7 +354,7 @@ TEST(MavlinkPair, ThePilotTakesOverAndIsNotOverruled) {
 TEST(MavlinkPair, EachSetpointIsCountedOnceAndWhatIsNotHeededByItsKind) {
   Pair pair(kTakes);
   pair.Run(1.5);
-  pair.Fly(VelocitySetpoint{{1, 0, 0}, 0}, 3);
+  pair.Fly(control::VelocitySetpoint{{1, 0, 0}, 0}, 3);
   pair.link.Silence();
   pair.Run(0.1);
   const WireCounts& heard = pair.vehicle->heard();
@@ -367,31 +367,31 @@ TEST(MavlinkPair, EachSetpointIsCountedOnceAndWhatIsNotHeededByItsKind) {
 
   Sender sender(255, 190);
   auto target =
-      std::get<SetPositionTargetLocalNed>(ToMessage(VelocitySetpoint{{1, 0, 0}, 0}, 0, kPx4, {}, 0));
+      std::get<SetPositionTargetLocalNed>(ToMessage(control::VelocitySetpoint{{1, 0, 0}, 0}, 0, kPx4, {}, 0));
   target.vy = std::numeric_limits<float>::quiet_NaN();
-  pair.vehicle->Hear(sender.Encode(target), pair.now_s, pair.aircraft);
+  pair.vehicle->Receive(sender.Encode(target), pair.now_s, pair.aircraft);
   target.vy = 0, target.coordinate_frame = 99;
-  pair.vehicle->Hear(sender.Encode(target), pair.now_s, pair.aircraft);
+  pair.vehicle->Receive(sender.Encode(target), pair.now_s, pair.aircraft);
   EXPECT_EQ(heard.refused, 2U);
   EXPECT_EQ(heard.unheeded.at(unheeded::kImpossible).count, 2U);
   EXPECT_NE(heard.unheeded.at(unheeded::kImpossible).first.find("nan"), std::string::npos);
   Bytes damaged = sender.Encode(CompanionHeartbeat());
   damaged[12] ^= 1;
-  pair.vehicle->Hear(damaged, pair.now_s, pair.aircraft);
+  pair.vehicle->Receive(damaged, pair.now_s, pair.aircraft);
   EXPECT_EQ(heard.unheeded.at(unheeded::kDamaged).count, 1U);
 }
 
 TEST(MavlinkPair, ASwitchThatIsNotToldAllowsNothing) {
-  MavlinkOptions options = kTakes;
+  control::MavlinkOptions options = kTakes;
   options.switch_channel = 9;  // the vehicle tells eight channels
   Pair pair(options);
-  pair.Fly(VelocitySetpoint{}, 4);
+  pair.Fly(control::VelocitySetpoint{}, 4);
   EXPECT_EQ(pair.Health().pilot_allows, false);
   EXPECT_EQ(pair.up.Commands(kSetMode), 0);
 }
 
 TEST(MavlinkPair, StandingByLetsThePilotEnterTheMode) {
-  MavlinkOptions options;
+  control::MavlinkOptions options;
   options.stand_by = true;
   Pair pair(options);
   pair.vehicle->SetPilot(false);
@@ -416,22 +416,23 @@ FakeAircraft OnTheGround() {
 
 TEST(MavlinkPair, APositionAboveArmsAndTakesOffWhereThatIsAllowed) {
   for (const char* dialect : kDialects) {
-    MavlinkOptions options = kTakes;
+    control::MavlinkOptions options = kTakes;
     options.arm = true;
     Pair pair(options, dialect, {}, OnTheGround());
     pair.Run(1.5);
-    EXPECT_EQ(pair.link.State().mode, FlightMode::kStopped);
+    EXPECT_EQ(pair.link.State().mode, control::FlightMode::kStopped);
     EXPECT_TRUE(pair.link.State().landed);
-    pair.Fly(VelocitySetpoint{}, 3);  // no take-off
+    pair.Fly(control::VelocitySetpoint{}, 3);  // no take-off
     EXPECT_EQ(pair.up.Commands(kArm), 0);
     const std::size_t before = pair.up.All<SetPositionTargetLocalNed>().size();
-    const PositionSetpoint above{{0, 0, -3}, 0};
+    const control::PositionSetpoint above{{0, 0, -3}, 0};
     bool rose = false;
     const auto fly = [&](double duration_s) {
       for (int i = 0; i < std::lround(duration_s / 0.05); ++i) {
         pair.Fly(above, 0.05);
-        rose = rose || pair.link.State().mode == FlightMode::kTakeOff;
-        if (!pair.dialect().takes_off_by_setpoint && pair.aircraft.state.mode == FlightMode::kStopped) {
+        rose = rose || pair.link.State().mode == control::FlightMode::kTakeOff;
+        if (!pair.dialect().takes_off_by_setpoint &&
+            pair.aircraft.state.mode == control::FlightMode::kStopped) {
           EXPECT_EQ(pair.up.All<SetPositionTargetLocalNed>().size(), before);
         }
       }
@@ -442,14 +443,14 @@ TEST(MavlinkPair, APositionAboveArmsAndTakesOffWhereThatIsAllowed) {
     EXPECT_EQ(pair.up.Commands(kTakeOffCommand), pair.dialect().takes_off_by_setpoint ? 0 : 1);
     EXPECT_TRUE(rose);
     EXPECT_LT((pair.aircraft.state.p_NB - above.p_N).norm(), 0.1);
-    EXPECT_EQ(pair.link.State().mode, FlightMode::kPosition);
+    EXPECT_EQ(pair.link.State().mode, control::FlightMode::kPosition);
     EXPECT_FALSE(pair.link.State().landed);
 
     // Down again: the touch-down logic stops the motors, and nobody starts them again.
-    pair.Fly(VelocitySetpoint{{0, 0, 1}, 0}, 5);
+    pair.Fly(control::VelocitySetpoint{{0, 0, 1}, 0}, 5);
     EXPECT_FALSE(pair.Armed());
     EXPECT_EQ(pair.up.Commands(kArm), 1);
-    EXPECT_EQ(pair.link.State().mode, FlightMode::kStopped);
+    EXPECT_EQ(pair.link.State().mode, control::FlightMode::kStopped);
     EXPECT_TRUE(pair.link.State().landed);
   }
 }
@@ -458,7 +459,7 @@ TEST(MavlinkPair, NothingIsArmedUnlessThatIsAllowed) {
   for (const char* dialect : kDialects) {
     Pair pair(kTakes, dialect, {}, OnTheGround());
     pair.Run(1.5);
-    pair.Fly(PositionSetpoint{{0, 0, -3}, 0}, 4);
+    pair.Fly(control::PositionSetpoint{{0, 0, -3}, 0}, 4);
     EXPECT_EQ(pair.Mode(), pair.dialect().setpoint_mode);
     EXPECT_EQ(pair.up.Commands(kArm), 0);
     EXPECT_EQ(pair.aircraft.state.p_NB.z(), 0);
@@ -473,11 +474,11 @@ TEST(MavlinkPair, FliesOnALineThatLosesDoublesAndReorders) {
     const Vector3d target(4, -3, -8);
     double time_s = -1, oldest_s = 0, next_s = 0, worst_s = 0;
     pair.Run(20, [&] {
-      const VehicleState state = pair.link.State();
+      const control::VehicleState state = pair.link.State();
       EXPECT_GE(state.t_s,
                 time_s - 0.05);  // the offset may be learnt better; the aircraft's time is never old
       time_s = state.t_s;
-      const LinkHealth health = pair.Health();
+      const control::LinkHealth health = pair.Health();
       if (pair.now_s > 1003) {
         oldest_s = std::max(oldest_s, health.state_age_s.value_or(99));
         const Vector3d v = pair.aircraft.state.v_N;
@@ -488,7 +489,7 @@ TEST(MavlinkPair, FliesOnALineThatLosesDoublesAndReorders) {
       if (pair.now_s < next_s) return;
       next_s = pair.now_s + 0.05;
       const Vector3d way = HeadingRotation(-YawOf(state.R_NB)) * (target - state.p_NB);
-      pair.link.Send(VelocitySetpoint{way / std::max(1.0, way.norm()), 0.2}, pair.now_s);
+      pair.link.Send(control::VelocitySetpoint{way / std::max(1.0, way.norm()), 0.2}, pair.now_s);
     });
     EXPECT_EQ(pair.Mode(), pair.dialect().setpoint_mode);
     EXPECT_LT((pair.aircraft.state.p_NB - target).norm(), 0.1);
@@ -502,13 +503,13 @@ TEST(MavlinkPair, FliesOnALineThatLosesDoublesAndReorders) {
 TEST(MavlinkPair, AFarEndThatStartsAnewIsHeardAgainAndNotTakenAgain) {
   for (const char* dialect : kDialects) {
     Pair pair(kTakes, dialect);
-    pair.Fly(VelocitySetpoint{{0.1, 0, 0}, 0}, 3);
+    pair.Fly(control::VelocitySetpoint{{0.1, 0, 0}, 0}, 3);
     ASSERT_EQ(pair.Mode(), pair.dialect().setpoint_mode);
     pair.aircraft = Flying(2);
     pair.aircraft.state.t_s = 0;
     pair.vehicle = std::make_unique<MavlinkVehicle>(pair.options);
     const int asked = pair.up.Commands(kSetMode);
-    pair.Fly(VelocitySetpoint{{0.1, 0, 0}, 0}, 4);
+    pair.Fly(control::VelocitySetpoint{{0.1, 0, 0}, 0}, 4);
     EXPECT_LT(pair.Health().state_age_s.value(), 0.1);
     EXPECT_NEAR(pair.link.State().p_NB.z(), -2, 1e-6);
     EXPECT_NEAR(pair.now_s - pair.link.State().t_s, 0.015, 0.015);
@@ -520,7 +521,7 @@ TEST(MavlinkPair, AFarEndThatStartsAnewIsHeardAgainAndNotTakenAgain) {
 
 TEST(MavlinkPair, ALineThatIsCutIsTold) {
   Pair pair(kTakes);
-  pair.Fly(VelocitySetpoint{}, 3);
+  pair.Fly(control::VelocitySetpoint{}, 3);
   Line cut;
   cut.swallow = [](const Message&) { return true; };
   pair.down = Direction(cut, 1);
@@ -545,7 +546,7 @@ TEST(MavlinkPair, AStateOfWhichOnlyAPartIsStillGoodIsAsOldAsTheOther) {
                                Message(AttitudeQuaternion{.q1 = 0, .q2 = 0, .q3 = 0, .q4 = 0}),
                                Message(AttitudeQuaternion{.q1 = 1, .yawspeed = nan})}) {
       Pair pair(kTakes, dialect);
-      pair.Fly(VelocitySetpoint{}, 3);
+      pair.Fly(control::VelocitySetpoint{}, 3);
       ASSERT_LT(pair.Health().state_age_s.value(), 0.05);
       Line cut;
       const bool position = is_position(bad);
@@ -558,7 +559,7 @@ TEST(MavlinkPair, AStateOfWhichOnlyAPartIsStillGoodIsAsOldAsTheOther) {
         const auto ms = static_cast<std::uint32_t>(std::lround(1e3 * pair.aircraft.state.t_s));
         if (auto* p = std::get_if<LocalPositionNed>(&now)) p->time_boot_ms = ms;
         if (auto* a = std::get_if<AttitudeQuaternion>(&now)) a->time_boot_ms = ms;
-        pair.link.Hear(sender.Encode(now), pair.now_s);
+        pair.link.Receive(sender.Encode(now), pair.now_s);
       });
       EXPECT_NEAR(pair.Health().state_age_s.value(), pair.now_s - from_s, 0.03) << dialect << bad.index();
       EXPECT_GT(pair.Health().refused, 50U);
@@ -571,9 +572,9 @@ TEST(MavlinkPair, OurOwnServerSaysThatItsAircraftIsSimulatedAndOthersDoNot) {
     pair.Run(2);
     EXPECT_TRUE(pair.Health().simulated) << dialect;
   }
-  MavlinkSession link({});
+  control::MavlinkSession link({});
   EXPECT_FALSE(link.Health(0).simulated);
-  link.Hear(Sender(1, 1).Encode(Heartbeat{.type = 2, .autopilot = 12, .base_mode = 129}), 0);
+  link.Receive(Sender(1, 1).Encode(Heartbeat{.type = 2, .autopilot = 12, .base_mode = 129}), 0);
   EXPECT_TRUE(link.Health(0).open);
   EXPECT_FALSE(link.Health(0).simulated);
 }
@@ -596,21 +597,21 @@ TEST(MavlinkPair, TheTargetIsShownAsEachWantsIt) {
 
 TEST(MavlinkPair, WhatCannotBeSaidIsNotSentAndIsTrouble) {
   Pair pair(kTakes);
-  pair.link.Send(AttitudeSetpoint{0, 0, 0, 0.5}, pair.now_s);  // which way does it look?
+  pair.link.Send(control::AttitudeSetpoint{0, 0, 0, 0.5}, pair.now_s);  // which way does it look?
   pair.Run(0.1);
   EXPECT_EQ(pair.Health().sent, 0U);
-  pair.Fly(VelocitySetpoint{}, 3);
+  pair.Fly(control::VelocitySetpoint{}, 3);
   EXPECT_EQ(pair.Health().trouble, "");
   const std::uint64_t sent = pair.Health().sent;
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  for (const Setpoint& bad :
-       {Setpoint(VelocitySetpoint{{nan, 0, 0}, 0}), Setpoint(AttitudeSetpoint{0, 0, 0, 1.5})}) {
+  for (const control::Setpoint& bad : {control::Setpoint(control::VelocitySetpoint{{nan, 0, 0}, 0}),
+                                       control::Setpoint(control::AttitudeSetpoint{0, 0, 0, 1.5})}) {
     pair.link.Send(bad, pair.now_s);
     pair.Tick();
     EXPECT_NE(pair.Health().trouble.find("setpoint not sent"), std::string::npos);
   }
   EXPECT_EQ(pair.Health().sent, sent);
-  pair.Fly(VelocitySetpoint{}, 0.1);
+  pair.Fly(control::VelocitySetpoint{}, 0.1);
   EXPECT_EQ(pair.Health().trouble, "");
   pair.link.Aid();
   EXPECT_NE(pair.Health().trouble, "");
@@ -619,15 +620,15 @@ TEST(MavlinkPair, WhatCannotBeSaidIsNotSentAndIsTrouble) {
 TEST(MavlinkPair, OthersOnTheLineAreNotTheAutopilot) {
   Pair pair(kTakes);
   pair.Run(1);
-  const VehicleState before = pair.link.State();
+  const control::VehicleState before = pair.link.State();
   Sender other(2, 1), gimbal(1, 154);
   for (Sender* sender : {&other, &gimbal}) {
-    pair.link.Hear(sender->Encode(Heartbeat{.custom_mode = kPx4.setpoint_mode, .type = 2, .autopilot = 12}),
-                   pair.now_s);
-    pair.link.Hear(sender->Encode(LocalPositionNed{.time_boot_ms = 4000000000U, .x = 99}), pair.now_s);
+    pair.link.Receive(
+        sender->Encode(Heartbeat{.custom_mode = kPx4.setpoint_mode, .type = 2, .autopilot = 12}), pair.now_s);
+    pair.link.Receive(sender->Encode(LocalPositionNed{.time_boot_ms = 4000000000U, .x = 99}), pair.now_s);
   }
   EXPECT_EQ(pair.link.State().p_NB, before.p_NB);
-  EXPECT_EQ(pair.link.State().mode, FlightMode::kHold);
+  EXPECT_EQ(pair.link.State().mode, control::FlightMode::kHold);
   pair.Run(1);
   EXPECT_LT(pair.Health().state_age_s.value(), 0.1);
 }
@@ -635,10 +636,10 @@ TEST(MavlinkPair, OthersOnTheLineAreNotTheAutopilot) {
 TEST(MavlinkPair, OnlyACopterOfTheTwoIsFlown) {
   for (const Heartbeat& heartbeat :
        {Heartbeat{.type = 1, .autopilot = 3}, Heartbeat{.type = 2, .autopilot = 0}}) {
-    MavlinkSession link(kTakes);
+    control::MavlinkSession link(kTakes);
     Sender sender(1, 1);
-    link.Hear(sender.Encode(heartbeat), 0);
-    link.Send(VelocitySetpoint{}, 0);
+    link.Receive(sender.Encode(heartbeat), 0);
+    link.Send(control::VelocitySetpoint{}, 0);
     EXPECT_FALSE(link.Open(0));
     EXPECT_NE(link.Health(0).trouble.find(heartbeat.type == 1 ? "rotorcraft" : "neither"), std::string::npos);
     EXPECT_EQ(link.Due(0).size(), 1U);  // its own heartbeat
@@ -649,17 +650,17 @@ TEST(MavlinkPair, AConfusedOrHostileStreamDoesNotDisturbTheState) {
   Pair pair;
   pair.Run(2);
   std::mt19937 random(5);
-  const VehicleState before = pair.link.State();
+  const control::VehicleState before = pair.link.State();
   Sender vehicle(1, 1);
   for (int i = 0; i < 2000; ++i) {
     Bytes damaged =
         vehicle.Encode(LocalPositionNed{.time_boot_ms = 60000U + static_cast<unsigned>(i), .x = 5});
     damaged[random() % damaged.size()] ^= static_cast<std::uint8_t>(1U << random() % 8);
-    pair.link.Hear(damaged, pair.now_s);
+    pair.link.Receive(damaged, pair.now_s);
     Bytes noise(random() % 300);
     for (std::uint8_t& byte : noise) byte = static_cast<std::uint8_t>(random());
-    pair.link.Hear(noise, pair.now_s);
-    pair.vehicle->Hear(noise, pair.now_s, pair.aircraft);
+    pair.link.Receive(noise, pair.now_s);
+    pair.vehicle->Receive(noise, pair.now_s, pair.aircraft);
   }
   EXPECT_EQ(pair.link.State().p_NB, before.p_NB);
   EXPECT_GT(pair.Health().refused, 2000U);
@@ -667,4 +668,4 @@ TEST(MavlinkPair, AConfusedOrHostileStreamDoesNotDisturbTheState) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::sim

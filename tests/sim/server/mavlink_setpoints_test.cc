@@ -7,10 +7,10 @@
 
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
-using namespace wire::mavlink;
+using namespace control::wire::mavlink;
 using Eigen::Vector3d;
 
 // Of the mask: 1 the position, 8 the velocity, 64 the acceleration, times 7; 1024 yaw, 2048 yaw rate.
@@ -18,8 +18,8 @@ constexpr int kVelocityAndRate = 7 + 7 * 64 + 1024, kVelocityAndYaw = 7 + 7 * 64
 constexpr int kPositionAndYaw = 7 * 8 + 7 * 64 + 2048;
 
 // Looks east, from (10, 20, -5).
-VehicleState East() {
-  VehicleState state;
+control::VehicleState East() {
+  control::VehicleState state;
   state.p_NB = {10, 20, -5};
   state.R_NB = HeadingRotation(M_PI / 2);
   return state;
@@ -32,7 +32,8 @@ SetPositionTargetLocalNed Message(int frame, int mask) {
   return m;
 }
 
-std::optional<Setpoint> Understood(const SetPositionTargetLocalNed& message, const Dialect& dialect) {
+std::optional<control::Setpoint> Understood(const SetPositionTargetLocalNed& message,
+                                            const Dialect& dialect) {
   const auto setpoint = MavlinkSetpoint::Read(message, East(), dialect);
   if (!setpoint) return std::nullopt;
   return setpoint->At(East());
@@ -40,36 +41,40 @@ std::optional<Setpoint> Understood(const SetPositionTargetLocalNed& message, con
 
 TEST(MavlinkSetpoints, AVelocityIsThatOfItsFrame) {
   for (const Dialect* dialect : {&kPx4, &kArduPilot}) {
-    const auto heading = std::get<VelocitySetpoint>(*Understood(Message(8, kVelocityAndRate), *dialect));
+    const auto heading =
+        std::get<control::VelocitySetpoint>(*Understood(Message(8, kVelocityAndRate), *dialect));
     EXPECT_LT((heading.v_H - Vector3d(4, 5, 6)).norm(), 1e-9);
     EXPECT_EQ(heading.yaw_rate, 0.5);
     // Four to the north and five to the east are five ahead and four to the left.
-    const auto north = std::get<VelocitySetpoint>(*Understood(Message(1, kVelocityAndRate), *dialect));
+    const auto north =
+        std::get<control::VelocitySetpoint>(*Understood(Message(1, kVelocityAndRate), *dialect));
     EXPECT_LT((north.v_H - Vector3d(5, -4, 6)).norm(), 1e-9);
     // To a heading: to the left.
-    const auto to_yaw = std::get<VelocitySetpoint>(*Understood(Message(8, kVelocityAndYaw), *dialect));
+    const auto to_yaw =
+        std::get<control::VelocitySetpoint>(*Understood(Message(8, kVelocityAndYaw), *dialect));
     EXPECT_LT(to_yaw.yaw_rate, -0.5);
   }
 }
 
 TEST(MavlinkSetpoints, AVelocityInNKeepsItsCourseWhenTheAircraftTurns) {
   const auto setpoint = MavlinkSetpoint::Read(Message(1, kVelocityAndRate), East(), kPx4);
-  VehicleState north = East();
+  control::VehicleState north = East();
   north.R_NB.setIdentity();
-  EXPECT_LT((std::get<VelocitySetpoint>(setpoint->At(north)).v_H - Vector3d(4, 5, 6)).norm(), 1e-9);
+  EXPECT_LT((std::get<control::VelocitySetpoint>(setpoint->At(north)).v_H - Vector3d(4, 5, 6)).norm(), 1e-9);
 }
 
 TEST(MavlinkSetpoints, APositionIsThatOfItsFrame) {
   for (const Dialect* dialect : {&kPx4, &kArduPilot}) {
-    const auto in_n = std::get<PositionSetpoint>(*Understood(Message(1, kPositionAndYaw), *dialect));
+    const auto in_n = std::get<control::PositionSetpoint>(*Understood(Message(1, kPositionAndYaw), *dialect));
     EXPECT_LT((in_n.p_N - Vector3d(1, 2, -3)).norm(), 1e-9);
     EXPECT_EQ(in_n.yaw, 0.25);
     // Without a yaw, the one that it has.
-    const auto no_yaw = std::get<PositionSetpoint>(*Understood(Message(1, kPositionAndYaw + 1024), *dialect));
+    const auto no_yaw =
+        std::get<control::PositionSetpoint>(*Understood(Message(1, kPositionAndYaw + 1024), *dialect));
     EXPECT_NEAR(no_yaw.yaw, M_PI / 2, 1e-12);
   }
   const auto place = [](int frame) {
-    return std::get<PositionSetpoint>(*Understood(Message(frame, kPositionAndYaw), kArduPilot)).p_N;
+    return std::get<control::PositionSetpoint>(*Understood(Message(frame, kPositionAndYaw), kArduPilot)).p_N;
   };
   EXPECT_LT((place(7) - Vector3d(11, 22, -8)).norm(), 1e-9);
   EXPECT_LT((place(8) - Vector3d(1, 2, -3)).norm(), 1e-9);
@@ -105,9 +110,9 @@ TEST(MavlinkSetpoints, AttitudesAndTheirRates) {
     return MavlinkSetpoint::Read(m, dialect);
   };
   const auto flown = [&](int mask, const Dialect& dialect) {
-    return std::get<AttitudeSetpoint>(read(mask, dialect)->At(East()));
+    return std::get<control::AttitudeSetpoint>(read(mask, dialect)->At(East()));
   };
-  for (const AttitudeSetpoint& attitude :
+  for (const control::AttitudeSetpoint& attitude :
        {flown(3, kPx4), flown(7, kPx4), flown(0, kArduPilot), flown(7, kArduPilot)}) {
     EXPECT_NEAR(attitude.roll, 0.1, 1e-6);
     EXPECT_NEAR(attitude.pitch, -0.2, 1e-6);
@@ -128,4 +133,4 @@ TEST(MavlinkSetpoints, AttitudesAndTheirRates) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -18,7 +18,7 @@
 #include "sim/server/mavlink_server.h"
 #include "tests/sim/server/fake_aircraft.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 constexpr double kDeadline_s = 30;
@@ -34,7 +34,8 @@ class Served {
   // What it follows; none: not a velocity.
   std::optional<Eigen::Vector3d> Follows() const {
     const std::lock_guard lock(mutex_);
-    const auto* v = aircraft_.following ? std::get_if<VelocitySetpoint>(&*aircraft_.following) : nullptr;
+    const auto* v =
+        aircraft_.following ? std::get_if<control::VelocitySetpoint>(&*aircraft_.following) : nullptr;
     return v ? std::optional(v->v_H) : std::nullopt;
   }
 
@@ -59,9 +60,9 @@ class Served {
   std::thread thread_;
 };
 
-void ExpectLetGo(AutopilotServer& server, AutopilotLink& link) {
+void ExpectLetGo(AutopilotServer& server, control::AutopilotLink& link) {
   const Served served(server);
-  SafeAutopilot safe(link, [] { return 0.0; }, {.limits = {}, .pilot_untold = true});
+  control::SafeAutopilot safe(link, [] { return 0.0; }, {.limits = {}, .pilot_untold = true});
   const double until_s = MonotonicNow_s() + kDeadline_s;
   const auto flies = [&] {
     const auto v = served.Follows();
@@ -69,12 +70,12 @@ void ExpectLetGo(AutopilotServer& server, AutopilotLink& link) {
   };
   while (!flies()) {
     ASSERT_LT(MonotonicNow_s(), until_s) << link.Health().trouble;
-    safe.Send(VelocitySetpoint{{0.5, 0, 0}, 0});
+    safe.Send(control::VelocitySetpoint{{0.5, 0, 0}, 0});
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
-  const auto released = safe.LetGo({.still_s = 0.1, .most_s = kDeadline_s});
+  const auto released = safe.LetGo({.still_s = 0.1, .max_s = kDeadline_s});
   ASSERT_TRUE(released);
-  EXPECT_EQ(released->how, Release::kHeld);
+  EXPECT_EQ(released->how, control::Release::kHeld);
   const auto v = served.Follows();
   ASSERT_TRUE(v);
   EXPECT_LT(v->norm(), 0.01);
@@ -88,7 +89,7 @@ TEST(ReleaseOverWires, Mavlink) {
     MavlinkServerOptions options;
     options.dialect = dialect, options.port = 0;
     MavlinkServer server(options);
-    MavlinkLink link(server.Where(), {.take_control = true});
+    control::MavlinkLink link(server.Where(), {.take_control = true});
     ExpectLetGo(server, link);
   }
 }
@@ -97,22 +98,22 @@ TEST(ReleaseOverWires, Afcs) {
   AfcsServerOptions options;
   options.port = 0;
   AfcsServer server(options);
-  AfcsLinkOptions link_options;
+  control::AfcsLinkOptions link_options;
   const std::string where = server.Where();
   link_options.port = std::stoi(where.substr(where.rfind(':') + 1));
-  AfcsLink link(link_options);
+  control::AfcsLink link(link_options);
   ExpectLetGo(server, link);
 }
 
 TEST(ReleaseOverWires, AscTec) {
   AscTecServer server({});
-  AscTecOptions options;
+  control::AscTecOptions options;
   options.device = server.Where().substr(std::string("serial:").size());
   options.mode =
       "gps";  // in the other the velocity loop is at our end: tests/control/link/asctec_link_test.cc
-  AscTecLink link(options);
+  control::AscTecLink link(options);
   ExpectLetGo(server, link);
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::sim

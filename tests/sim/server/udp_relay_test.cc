@@ -12,7 +12,7 @@
 
 #include "base/stopwatch.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 sockaddr_in Loopback(int port) {
@@ -128,4 +128,4 @@ TEST_F(UdpRelayTest, WhatIsUnderWayWhenTheLineIsCutIsLost) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::sim

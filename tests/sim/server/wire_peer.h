@@ -14,7 +14,7 @@
 
 #include "control/wire/bytes.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // The other end of a server's socket on this computer, by the operating system's own calls. Whoever waits in
 // vain for half a minute is told so: nothing hangs.
@@ -45,8 +45,8 @@ class WirePeer {
     return ::poll(&wait, 1, within_ms) == 1;
   }
   // What is there, after waiting for something. Empty: the other end is closed, or patience.
-  wire::Bytes Receive() const {
-    wire::Bytes bytes(4096);
+  control::wire::Bytes Receive() const {
+    control::wire::Bytes bytes(4096);
     const ssize_t size = Readable(kPatience_ms) ? ::recv(fd_, bytes.data(), bytes.size(), 0) : 0;
     bytes.resize(size > 0 ? static_cast<std::size_t>(size) : 0);
     return bytes;
@@ -57,4 +57,4 @@ class WirePeer {
   bool connected_ = false;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -14,7 +14,7 @@
 
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 using Eigen::Quaterniond;
@@ -127,4 +127,4 @@ TEST_F(Frames, VelocitiesOfTheFreeJointAreLinearInTheWorldAndAngularInTheBody) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::sim

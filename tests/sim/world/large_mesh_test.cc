@@ -10,7 +10,7 @@
 #include "sim/world/frames.h"
 #include "tests/sim/scenes.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 constexpr int kSide = 90;  // points: 15842 triangles, so many parts
@@ -26,7 +26,7 @@ ModelPtr Hills(std::uint64_t seed) {
 
 // MuJoCo's own rays are the oracle: they know nothing of parts, tiles or Embree.
 TEST(LargeMesh, IsSeenWhereverARayMeetsIt) {
-  KannalaBrandt camera{.width_px = 96, .height_px = 72, .fx = 26, .fy = 26, .cx = 47.5, .cy = 35.5};
+  vision::KannalaBrandt camera{.width_px = 96, .height_px = 72, .fx = 26, .fy = 26, .cx = 47.5, .cy = 35.5};
   camera.max_angle_rad = Radians(95);
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     const ModelPtr model = Hills(seed);
@@ -37,7 +37,7 @@ TEST(LargeMesh, IsSeenWhereverARayMeetsIt) {
       const Pose X_NC{Eigen::Quaterniond(RotationFromTaitBryan(
                           {random.Uniform(-3, 3), random.Uniform(-1.2, 1.2), random.Uniform(-3, 3)})),
                       {random.Uniform(-40, 40), random.Uniform(-40, 40), -random.Uniform(8.5, 20)}};
-      const Surfaces seen = renderer.See(data.get(), X_NC);
+      const Surfaces seen = renderer.Trace(data.get(), X_NC);
       int met = 0, missed = 0, wrong = 0;
       for (int v = 0; v < camera.height_px; ++v) {
         for (int u = 0; u < camera.width_px; ++u) {
@@ -78,4 +78,4 @@ TEST(LargeMesh, PartsHoldAllOfItsTriangles) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -14,7 +14,7 @@
 #include "geometry/tait_bryan.h"
 #include "sim/camera/renderer.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 using ::testing::AllOf;
@@ -22,7 +22,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 const std::filesystem::path kModels = KESTREL_SOURCE_DIR "/models";
-const Pinhole kCamera{640, 480, 810.81, 810.81, 319.5, 239.5};
+const vision::Pinhole kCamera{640, 480, 810.81, 810.81, 319.5, 239.5};
 
 // Straight down, the top of the image towards a heading.
 Pose LookingDown(double yaw, const Eigen::Vector3d& p_NC) {
@@ -238,4 +238,4 @@ TEST_F(Scene, HelipadOnTheAirfieldHasCornersFromEveryHeight) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::sim

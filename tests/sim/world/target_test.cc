@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 using Eigen::Vector3d;
@@ -86,4 +86,4 @@ TEST(Target, ASeedIsAPathAndEachTargetHasItsOwn) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -10,7 +10,7 @@
 
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 using Eigen::Vector3d;
@@ -254,4 +254,4 @@ TEST(Gust, ComesAtTheSameTimeAtEveryStepSize) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -16,7 +16,7 @@
 
 // Images of a board from known poses, through any camera: every pixel's rays are met with the board's plane,
 // so that it owes nothing to a renderer.
-namespace kestrel {
+namespace kestrel::vision {
 
 // A board before the camera such that a random corner of it is seen at a random pixel, tilted, near or far.
 // Of a chessboard all corners are in the image, of tags half.
@@ -124,4 +124,4 @@ inline cv::Mat PhotographBoard(const CameraModel& camera, const BoardPicture& pi
   return image;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -14,7 +14,7 @@
 #include "vision/camera/brown_conrady.h"
 #include "vision/camera/pinhole.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
 using ::testing::AllOf;
@@ -150,4 +150,4 @@ TEST(ClusteredCovariance, HoldsForErrorsThatAreAlikeWithinAView) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::vision

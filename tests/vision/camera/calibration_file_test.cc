@@ -7,7 +7,7 @@
 
 #include <fstream>
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
 using Eigen::VectorXd;
@@ -341,4 +341,4 @@ TEST(CalibrationFile, TheFisheyeOfTheModelsFolderFillsItsImageTo190Degrees) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::vision

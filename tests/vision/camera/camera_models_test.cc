@@ -11,7 +11,7 @@
 #include "geometry/tait_bryan.h"
 #include "vision/camera/camera_model.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
 using Eigen::Vector2d;
@@ -249,4 +249,4 @@ INSTANTIATE_TEST_SUITE_P(All, CameraModels, testing::ValuesIn(Cases()),
                          [](const auto& each) { return each.param.name; });
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::vision

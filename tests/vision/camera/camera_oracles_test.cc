@@ -10,7 +10,7 @@
 
 #include "vision/camera/camera_model.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
 using Eigen::Vector2d;
@@ -156,4 +156,4 @@ TEST(CameraOracles, KannalaBrandtIsEquidistantWithoutCoefficients) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -13,7 +13,7 @@
 #include "geometry/tait_bryan.h"
 #include "vision/camera/calibration_file.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
 using Eigen::Vector2d;
@@ -217,4 +217,4 @@ TEST(Mirror, EllipsesAndHyperbolasMeetInTheParabola) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::vision

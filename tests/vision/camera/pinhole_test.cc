@@ -10,7 +10,7 @@
 #include <random>
 #include <vector>
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
 using Eigen::Vector2d;
@@ -61,4 +61,4 @@ TEST(Pinhole, CalibrationMatrixProjects) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -6,10 +6,10 @@
 #include <random>
 #include <unsupported/Eigen/Polynomials>
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
-double LeastPositiveRoot(const std::array<double, 7>& c) {
+double MinPositiveRoot(const std::array<double, 7>& c) {
   Eigen::PolynomialSolver<double, 6> solver(Eigen::Matrix<double, 7, 1>(c.data()));
   double least = std::numeric_limits<double>::infinity();
   for (const auto& root : solver.roots()) {
@@ -25,7 +25,7 @@ TEST(Polynomial, FirstZeroIsTheLeastPositiveRoot) {
   for (int i = 0; i < 2000; ++i) {
     std::array<double, 7> c{1};
     for (std::size_t k = 1; k < 7; ++k) c[k] = coefficient(rng);
-    const double expected = LeastPositiveRoot(c), found = FirstZero(c);
+    const double expected = MinPositiveRoot(c), found = FirstZero(c);
     if (std::isinf(expected)) {
       EXPECT_EQ(found, expected);
       continue;
@@ -48,4 +48,4 @@ TEST(Polynomial, ThatOnlyComesNearZeroStaysPositive) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::vision

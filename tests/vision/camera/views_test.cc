@@ -14,7 +14,7 @@
 
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
 using Eigen::Matrix3d;
@@ -411,4 +411,4 @@ TEST(CentralPinholeTest, KeepsTheResolutionOfTheMiddleAndEndsWhereTheLensDoes) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::vision

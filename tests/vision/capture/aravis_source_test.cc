@@ -10,7 +10,7 @@
 #include "base/stopwatch.h"
 #include "vision/capture/live_camera.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
 using testing::HasSubstr;
@@ -56,12 +56,12 @@ class AravisSourceTest : public testing::Test {
 
 TEST_F(AravisSourceTest, ImagesComeAsAskedWithTheCamerasCountAndStampsOnTheMonotonicClock) {
   const auto source = AravisSource(Small())();
-  ASSERT_TRUE(source->Open()) << source->Trouble();
+  ASSERT_TRUE(source->Open()) << source->Error();
   double last_s = 0;
   std::int64_t last = 0;
   for (int i = 0; i < 5; ++i) {
     const auto grabbed = source->Grab();
-    ASSERT_TRUE(grabbed) << source->Trouble();
+    ASSERT_TRUE(grabbed) << source->Error();
     EXPECT_EQ(grabbed->image.size(), cv::Size(64, 48));
     EXPECT_EQ(grabbed->image.type(), CV_8UC1);
     const double now_s = MonotonicNow_s();
@@ -77,7 +77,7 @@ TEST_F(AravisSourceTest, StampsAreAsFarApartAsTheCameraSays) {
   AravisSourceOptions options = Small();
   options.rate_hz = 20;
   const auto source = AravisSource(options)();
-  ASSERT_TRUE(source->Open()) << source->Trouble();
+  ASSERT_TRUE(source->Open()) << source->Error();
   const auto first = source->Grab(), second = source->Grab();
   ASSERT_TRUE(first && second);
   const auto periods = static_cast<double>(*second->count - *first->count);
@@ -88,7 +88,7 @@ TEST_F(AravisSourceTest, WithoutANameItIsTheFirstCamera) {
   AravisSourceOptions options = Small();
   options.id = "";
   const auto source = AravisSource(options)();
-  ASSERT_TRUE(source->Open()) << source->Trouble();
+  ASSERT_TRUE(source->Open()) << source->Error();
   EXPECT_TRUE(source->Grab());
 }
 
@@ -96,7 +96,7 @@ TEST_F(AravisSourceTest, ExposureAndGainAreSetInTheCamera) {
   AravisSourceOptions options = Small();
   options.exposure_us = 2500, options.gain = 7;
   const auto source = AravisSource(options)();
-  ASSERT_TRUE(source->Open()) << source->Trouble();
+  ASSERT_TRUE(source->Open()) << source->Error();
   ASSERT_TRUE(source->Grab());
   GError* error = nullptr;
   EXPECT_NEAR(arv_device_get_float_feature_value(device_, "ExposureTimeAbs", &error), 2500, 1);
@@ -115,7 +115,7 @@ TEST_F(AravisSourceTest, WhatTheCameraDoesNotTakeIsRefusedByName) {
        {std::pair{too_large, "size"}, {too_long, "exposure"}, {missing, "Nobody-1234"}}) {
     const auto source = AravisSource(options)();
     EXPECT_FALSE(source->Open()) << why;
-    EXPECT_THAT(source->Trouble(), HasSubstr(why));
+    EXPECT_THAT(source->Error(), HasSubstr(why));
   }
 }
 
@@ -141,9 +141,9 @@ TEST_F(AravisSourceTest, ABayerPatternBecomesItsColours) {
   AravisSourceOptions options = Small();
   options.colour = true;
   const auto source = AravisSource(options)();
-  ASSERT_TRUE(source->Open()) << source->Trouble();
+  ASSERT_TRUE(source->Open()) << source->Error();
   const auto grabbed = source->Grab();
-  ASSERT_TRUE(grabbed) << source->Trouble();
+  ASSERT_TRUE(grabbed) << source->Error();
   ASSERT_EQ(grabbed->image.type(), CV_8UC3);
   EXPECT_EQ(grabbed->image.at<cv::Vec3b>(20, 30), cv::Vec3b(50, 100, 200));
   EXPECT_EQ(grabbed->image.at<cv::Vec3b>(21, 31), cv::Vec3b(50, 100, 200));
@@ -151,15 +151,15 @@ TEST_F(AravisSourceTest, ABayerPatternBecomesItsColours) {
 
 TEST_F(AravisSourceTest, ControlThatIsLostIsAFailureAtOnce) {
   const auto source = AravisSource(Small())();
-  ASSERT_TRUE(source->Open()) << source->Trouble();
+  ASSERT_TRUE(source->Open()) << source->Error();
   ASSERT_TRUE(source->Grab());
   LoseControl();
   EXPECT_FALSE(source->Grab());
-  EXPECT_THAT(source->Trouble(), HasSubstr("control"));
+  EXPECT_THAT(source->Error(), HasSubstr("control"));
 }
 
 TEST_F(AravisSourceTest, ACameraThatIsUnpluggedAndComesBackIsOpenedAgain) {
-  LiveCamera camera(AravisSource(Small()), {.reopen_first_s = 0.01, .reopen_most_s = 0.02});
+  LiveCamera camera(AravisSource(Small()), {.reopen_first_s = 0.01, .reopen_max_s = 0.02});
   const auto before = camera.Next(20);
   ASSERT_TRUE(before);
   arv_disable_interface("Fake");
@@ -182,4 +182,4 @@ TEST_F(AravisSourceTest, ACameraThatIsUnpluggedAndComesBackIsOpenedAgain) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
 cv::Mat Noisy(int type, const cv::Scalar& colour, double noise) {
@@ -34,4 +34,4 @@ TEST(BlankImage, OneColourMayDifferAndNotTheLight) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -5,7 +5,7 @@
 
 #include <vector>
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
 std::vector<std::int64_t> Steps(const std::vector<std::uint64_t>& ids) {
@@ -37,4 +37,4 @@ TEST(BlockCount, IdsOfSixtyFourBitsDoNotBeginAgain) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::vision

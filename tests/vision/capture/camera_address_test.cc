@@ -22,7 +22,7 @@
 #include "base/yaml/yaml_fields.h"
 #include "vision/capture/live_camera.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
 using Kind = OpenCvSourceOptions::Kind;
@@ -107,7 +107,7 @@ class CameraAddressFiles : public testing::Test {
 
 TEST_F(CameraAddressFiles, AFolderGivesItsImagesInTheOrderOfTheirNumbersAndEnds) {
   const auto source = SourceAt(ParseCameraAddress("file:" + folder_.string() + "?width=32&height=24"))();
-  ASSERT_TRUE(source->Open()) << source->Trouble();
+  ASSERT_TRUE(source->Open()) << source->Error();
   for (const int i : {1, 2, 10}) {
     const auto grabbed = source->Grab();
     ASSERT_TRUE(grabbed);
@@ -122,7 +122,7 @@ TEST_F(CameraAddressFiles, AnImageOfAnotherSizeIsAFailureWithItsName) {
   const auto source = SourceAt(ParseCameraAddress("file:" + folder_.string() + "?width=64&height=24"))();
   ASSERT_TRUE(source->Open());
   EXPECT_FALSE(source->Grab());
-  EXPECT_THAT(source->Trouble(), HasSubstr("view1.png"));
+  EXPECT_THAT(source->Error(), HasSubstr("view1.png"));
 }
 
 TEST_F(CameraAddressFiles, APatternGivesTheImagesThatItMatches) {
@@ -131,7 +131,7 @@ TEST_F(CameraAddressFiles, APatternGivesTheImagesThatItMatches) {
   for (const auto& [name, values] : std::map<std::string, std::vector<int>>{
            {"view%d.png", {1, 2, 10}}, {"view%02d.png", {1, 2, 10}}, {"view2.png", {2}}}) {
     const auto source = SourceAt(ParseCameraAddress("file:" + (folder_ / name).string()))();
-    ASSERT_TRUE(source->Open()) << source->Trouble();
+    ASSERT_TRUE(source->Open()) << source->Error();
     for (const int value : values) {
       const auto grabbed = source->Grab();
       ASSERT_TRUE(grabbed) << name;
@@ -158,12 +158,12 @@ TEST_F(CameraAddressFiles, PixelsOf16BitsThatDoNotSayTheirDepthAreAskedFor) {
   const auto asks = SourceAt(ParseCameraAddress("file:" + folder.string()))();
   ASSERT_TRUE(asks->Open());
   EXPECT_FALSE(asks->Grab());
-  EXPECT_THAT(asks->Trouble(), AllOf(HasSubstr("1.png"), HasSubstr("?bits=N")));
+  EXPECT_THAT(asks->Error(), AllOf(HasSubstr("1.png"), HasSubstr("?bits=N")));
   const auto told = SourceAt(ParseCameraAddress("file:" + folder.string() + "?bits=12"))();
   ASSERT_TRUE(told->Open());
   for (const int value : {0x12, 0xff}) {
     const auto grabbed = told->Grab();
-    ASSERT_TRUE(grabbed) << told->Trouble();
+    ASSERT_TRUE(grabbed) << told->Error();
     EXPECT_EQ(grabbed->image.at<std::uint8_t>(3, 3), value);
   }
 }
@@ -252,7 +252,7 @@ class Sender {
 };
 
 // Dark on the left, bright on the right, with a block in the upper left that tells up from down.
-cv::Mat Picture() {
+cv::Mat RenderedFrame() {
   cv::Mat image(48, 64, CV_8UC1);
   for (int column = 0; column < 64; ++column) image.col(column).setTo(4 * column);
   cv::rectangle(image, {8, 8, 16, 8}, cv::Scalar(200), cv::FILLED);
@@ -269,11 +269,11 @@ constexpr const char* kJpeg = "videoconvert ! video/x-raw,format=I420 ! jpegenc 
 
 TEST(CameraAddress, MjpegOverRtpArrivesAsItWasSentAndComesBackAfterItsSenderWasAway) {
   const int port = FreePort();
-  const cv::Mat image = Picture();
+  const cv::Mat image = RenderedFrame();
   auto sender = std::make_unique<Sender>(kJpeg, port, image);
   ASSERT_TRUE(sender->Works()) << "GStreamer's plugins: gstreamer1.0-plugins-base and -good";
   LiveCamera camera(SourceAt(ParseCameraAddress("rtp://127.0.0.1:" + std::to_string(port))),
-                    {.stalled_s = 0.5, .reopen_first_s = 0.02, .reopen_most_s = 0.1});
+                    {.stalled_s = 0.5, .reopen_first_s = 0.02, .reopen_max_s = 0.1});
   const auto frame = camera.Next(20);
   ASSERT_TRUE(frame);
   ASSERT_EQ(frame->image.size(), image.size());
@@ -292,13 +292,13 @@ TEST(CameraAddress, MjpegOverRtpArrivesAsItWasSentAndComesBackAfterItsSenderWasA
 
 TEST(CameraAddress, RawVideoOverRtpArrivesAsItWasSent) {
   cv::Mat colour;
-  cv::cvtColor(Picture(), colour, cv::COLOR_GRAY2BGR);
+  cv::cvtColor(RenderedFrame(), colour, cv::COLOR_GRAY2BGR);
   cv::add(colour, cv::Scalar(0, 20, 50), colour);
   struct {
     cv::Mat image;
     std::string format, option;
     double most;
-  } const kinds[] = {{Picture(), "I420", "", 1.5}, {colour, "I420", "&colour=true", 5}};
+  } const kinds[] = {{RenderedFrame(), "I420", "", 1.5}, {colour, "I420", "&colour=true", 5}};
   for (const auto& [image, format, option, most] : kinds) {
     const int port = FreePort();
     const Sender sender("videoconvert ! video/x-raw,format=" + format + " ! rtpvrawpay", port, image);
@@ -319,4 +319,4 @@ TEST(CameraAddress, RawVideoOverRtpArrivesAsItWasSent) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
 cv::Mat Noise(int seed, int type = CV_8UC3, const cv::Size& size = {32, 24}) {
@@ -57,4 +57,4 @@ TEST(FrozenImage, AnEmptyImageRepeatsNothing) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -12,7 +12,7 @@
 
 #include "base/stopwatch.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
 void Sleep(double s) { std::this_thread::sleep_for(std::chrono::duration<double>(s)); }
@@ -39,7 +39,7 @@ class ScriptedSource final : public ImageSource {
   explicit ScriptedSource(std::shared_ptr<Script> script) : script_(std::move(script)) { ++script_->made; }
   bool Open() override { return script_->refuse_openings-- <= 0; }
   bool Ended() const override { return ended_; }
-  std::string Trouble() const override { return "the script says so"; }
+  std::string Error() const override { return "the script says so"; }
   std::optional<Grabbed> Grab() override {
     const std::size_t i = script_->next++;
     if (i >= script_->steps.size()) {
@@ -66,7 +66,7 @@ class ScriptedSource final : public ImageSource {
 
 struct Rig {
   std::shared_ptr<Script> script = std::make_shared<Script>();
-  LiveCameraOptions options{.stalled_s = 0.05, .reopen_first_s = 0.004, .reopen_most_s = 0.02};
+  LiveCameraOptions options{.stalled_s = 0.05, .reopen_first_s = 0.004, .reopen_max_s = 0.02};
   ~Rig() { script->released = true; }
   std::optional<Frame> NextOf(LiveCamera& camera) const {
     ++script->asked;
@@ -397,4 +397,4 @@ TEST(LiveCamera, UnpluggedInFlightAndBackTheFramesGoOnAndTheReasonIsTold) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::vision

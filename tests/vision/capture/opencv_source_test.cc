@@ -11,7 +11,7 @@
 #include "base/stopwatch.h"
 #include "vision/capture/live_camera.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
 using Kind = OpenCvSourceOptions::Kind;
@@ -101,4 +101,4 @@ TEST_F(OpenCvSourceTest, APipelineOfGStreamerIsACamera) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
 using ::testing::HasSubstr;
@@ -37,4 +37,4 @@ TEST(RtpStream, TheReceiverListensWhereTheStreamGoes) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::vision

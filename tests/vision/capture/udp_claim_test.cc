@@ -10,7 +10,7 @@
 
 #include <optional>
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
 using ::testing::HasSubstr;
@@ -73,4 +73,4 @@ TEST(UdpClaim, ListenersOfMulticastDoNotExcludeEachOther) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::vision

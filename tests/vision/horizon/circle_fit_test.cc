@@ -11,7 +11,7 @@
 #include "geometry/tait_bryan.h"
 #include "vision/horizon/skyline_fix.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
 // The circle at a dip about "down", in the frame of the points.
@@ -158,4 +158,4 @@ TEST(FitCircle, AShortArcIsLessSureThanTheWholeCircle) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::vision

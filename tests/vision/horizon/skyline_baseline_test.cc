@@ -7,7 +7,7 @@
 #include "tests/vision/horizon/skyline_photographer.h"
 #include "vision/camera/calibration_file.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
 TEST(SkylineBaseline, SkyWeightIsTheFormula) {
@@ -51,4 +51,4 @@ TEST(CompassBaseline, TheDistanceIsLeastAtTheShiftAndNoneThere) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::vision

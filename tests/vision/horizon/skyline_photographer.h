@@ -16,7 +16,7 @@
 
 // Skies and grounds painted ray by ray, independent of any renderer: every pixel asks what lies in its
 // direction.
-namespace kestrel {
+namespace kestrel::vision {
 
 struct PaintedWorld {
   Eigen::Vector3d zenith{150, 95, 50}, horizon{215, 200, 185};  // blue, green, red
@@ -132,4 +132,4 @@ inline Eigen::Matrix3d LooksDown() {
   return R;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

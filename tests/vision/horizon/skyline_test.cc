@@ -11,7 +11,7 @@
 #include "vision/camera/calibration_file.h"
 #include "vision/horizon/horizon_attitude.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
 struct View {
@@ -291,4 +291,4 @@ TEST(Skyline, TheErrorLiesWithinTwoStatedDeviationsInMostOfManyHillyViews) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -10,7 +10,7 @@
 #include "vision/horizon/horizon_attitude.h"
 #include "vision/horizon/skyline_baseline.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
 CameraModel TheMirror() {
@@ -66,7 +66,7 @@ TEST(VisualCompass, APinholeMeasuresTurnsWithinItsView) {
 
 TEST(HorizonAttitude, WithoutASkylineTheExpectedDownStillGivesAHeading) {
   SkylineOptions none_is_good_enough;  // once "down" is expected
-  none_is_good_enough.least_agreement_expected = 2;
+  none_is_good_enough.min_agreement_expected = 2;
   HorizonAttitude horizon(TheMirror(), LooksDown(), {}, none_is_good_enough, {});
   const Eigen::Matrix3d R_NC = LooksDown(), R_NC_later = RotationFromTaitBryan({0.2, 0, 0}) * LooksDown();
   ASSERT_TRUE(horizon.Measure(Photographer().Paint(Hills(), R_NC, 1)).attitude);
@@ -119,4 +119,4 @@ TEST(CompassBaseline, AddsUpTurnsOnTheSpot) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::vision

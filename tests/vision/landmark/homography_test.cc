@@ -12,7 +12,7 @@
 #include <random>
 #include <vector>
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
 using Eigen::Matrix3d;
@@ -323,4 +323,4 @@ TEST(RansacHomography, TheSameSeedGivesTheSameBits) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -10,7 +10,7 @@
 #include "vision/landmark/homography.h"
 #include "vision/landmark/plane_pose.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
 class PadDetectorTest : public ::testing::Test {
@@ -102,4 +102,4 @@ TEST_F(PadDetectorTest, TheSameImageGivesTheSameBits) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -9,7 +9,7 @@
 
 #include "tests/support/temporary_folder.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
 class PadFileTest : public InTemporaryFolder {
@@ -39,4 +39,4 @@ TEST_F(PadFileTest, ReadAgainItIsWhatTheFilesNowHold) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -16,7 +16,7 @@
 #include "vision/camera/pinhole.h"
 
 // Images of a pad on the ground from known poses, made by warping alone: independent of any renderer.
-namespace kestrel {
+namespace kestrel::vision {
 
 inline constexpr double kPadLength_m = 1.19, kPadWidth_m = 0.91;
 inline const Pinhole kPadCamera{640, 480, 810.81, 810.81, 319.5, 239.5};
@@ -103,4 +103,4 @@ class PadPhotographer {
   std::vector<cv::Mat> pictures_;  // halves of each other, the finest first
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -10,7 +10,7 @@
 
 #include "vision/landmark/homography.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
 using Eigen::Vector2d;
@@ -19,7 +19,7 @@ constexpr double kLength_m = 1.2, kWidth_m = 0.8;
 
 // A white card 0.2 m long and 0.1 m wide on a black pad, its top left corner 0.3 m ahead and 0.1 m right of
 // the centre; 500 px for each metre.
-cv::Mat Picture() {
+cv::Mat RenderedFrame() {
   cv::Mat picture(600, 400, CV_8UC1, cv::Scalar(20));
   picture(cv::Rect(250, 150, 50, 100)).setTo(230);
   return picture;
@@ -44,17 +44,17 @@ TEST(PadReference, EveryLevelMapsTheRimAndTheCentreOfThePadToThoseOfItsPicture) 
 }
 
 TEST(PadReference, LevelsAreHalvesOfEachOther) {
-  const PadReference reference = MakePadReference(Picture(), kLength_m, kWidth_m);
+  const PadReference reference = MakePadReference(RenderedFrame(), kLength_m, kWidth_m);
   EXPECT_EQ(reference.levels.front().image.size(), cv::Size(400, 600));
   EXPECT_NEAR(reference.levels.front().px_per_m, 500, 1e-9);
   for (std::size_t i = 1; i < reference.levels.size(); ++i) {
     EXPECT_NEAR(reference.levels[i - 1].px_per_m / reference.levels[i].px_per_m, 2, 0.05);
-    EXPECT_NEAR(cv::mean(reference.levels[i].image)[0], cv::mean(Picture())[0], 1);
+    EXPECT_NEAR(cv::mean(reference.levels[i].image)[0], cv::mean(RenderedFrame())[0], 1);
   }
 }
 
 TEST(PadReference, OutlineGoesClockwiseFromThePicturesTopLeft) {
-  const auto outline = MakePadReference(Picture(), kLength_m, kWidth_m).Outline();
+  const auto outline = MakePadReference(RenderedFrame(), kLength_m, kWidth_m).Outline();
   ASSERT_EQ(outline.size(), 4u);
   EXPECT_LT((outline[0] - Vector2d(0.6, -0.4)).norm(), 1e-12);
   for (int k = 0; k < 4; ++k) {  // z points down, so a positive turn about it is clockwise seen from above
@@ -67,7 +67,7 @@ TEST(PadReference, OutlineGoesClockwiseFromThePicturesTopLeft) {
 }
 
 TEST(PadReference, FindsTheCornersOfACardWhereItLies) {
-  const PadReference reference = MakePadReference(Picture(), kLength_m, kWidth_m);
+  const PadReference reference = MakePadReference(RenderedFrame(), kLength_m, kWidth_m);
   const PadReference::Level& fine = reference.levels.front();
   ASSERT_EQ(fine.corners.size(), 4u);
   for (const Vector2d& corner :
@@ -96,14 +96,14 @@ TEST(PadReference, CornersKeepOffTheRim) {
 
 TEST(PadReference, TakesAColourPictureForItsGrey) {
   cv::Mat colour;
-  cv::cvtColor(Picture(), colour, cv::COLOR_GRAY2BGR);
+  cv::cvtColor(RenderedFrame(), colour, cv::COLOR_GRAY2BGR);
   const PadReference reference = MakePadReference(colour, kLength_m, kWidth_m);
   EXPECT_EQ(reference.levels.front().image.type(), CV_8UC1);
-  EXPECT_EQ(cv::norm(reference.levels.front().image, Picture(), cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(reference.levels.front().image, RenderedFrame(), cv::NORM_INF), 0);
 }
 
 TEST(PadReference, ChoosesTheCoarsestLevelThatStillShowsWhatTheCameraSees) {
-  const PadReference reference = MakePadReference(Picture(), kLength_m, kWidth_m);
+  const PadReference reference = MakePadReference(RenderedFrame(), kLength_m, kWidth_m);
   EXPECT_EQ(&reference.LevelFor(2000), &reference.levels.front());
   EXPECT_EQ(&reference.LevelFor(500), &reference.levels.front());
   EXPECT_EQ(&reference.LevelFor(250), &reference.levels[1]);
@@ -112,4 +112,4 @@ TEST(PadReference, ChoosesTheCoarsestLevelThatStillShowsWhatTheCameraSees) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -10,7 +10,7 @@
 
 #include "tests/vision/landmark/pad_photographer.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
 using Eigen::Vector3d;
@@ -264,4 +264,4 @@ TEST_F(PadTrackerTest, TheSameImagesGiveTheSameBits) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::vision

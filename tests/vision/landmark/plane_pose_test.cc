@@ -12,7 +12,7 @@
 #include <random>
 #include <vector>
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
 using Eigen::Matrix3d;
@@ -318,4 +318,4 @@ TEST(RefinePlanePose, RefusesWhatFixesNoPose) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::vision

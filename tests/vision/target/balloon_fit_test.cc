@@ -10,7 +10,7 @@
 #include "tests/vision/target/balloon_photographer.h"
 #include "vision/target/balloon_tracker.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
 const Pinhole kPinhole{320, 240, 250, 250, 159.5, 119.5};
@@ -309,4 +309,4 @@ TEST(BalloonFitTest, TheBoxOfTheOutlineHoldsThePaintedBall) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -14,7 +14,7 @@
 
 // Shaded balls before a textured background, painted ray by ray by the definition of a sphere: whether a ray
 // meets it, and with which normal. Knows nothing of cones or outlines.
-namespace kestrel {
+namespace kestrel::vision {
 
 struct PaintedBall {
   Eigen::Vector3d p_CT{0, 0, 4};  // m
@@ -98,4 +98,4 @@ inline cv::Mat PaintBalls(const CameraModel& camera, const PaintedBalls& w, int 
   return image;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -5,7 +5,7 @@
 
 #include "tests/vision/target/balloon_photographer.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
 const Pinhole kCamera{160, 120, 125, 125, 79.5, 59.5};
@@ -55,4 +55,4 @@ TEST(BoxTrackerTest, WithoutATargetTheyAreLostAndNothingThrows) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::vision

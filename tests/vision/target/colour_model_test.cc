@@ -8,7 +8,7 @@
 
 #include "tests/vision/target/balloon_photographer.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
 // The definition of hue, saturation and value, the other way round; 0 to 255.
@@ -48,9 +48,9 @@ TEST(ColourModelTest, LearntFromAPatchItMatchesTheWholeBallAndNotTheBackground) 
   cv::Mat patch = cv::Mat::zeros(image.size(), CV_8UC1);
   cv::circle(patch, middle, 20, 255, cv::FILLED);
   // Of the surroundings only what is surely not the ball.
-  const ColourLesson lesson = ColourModel::Learn(image(cv::Rect(middle.x - 60, middle.y - 60, 120, 120)),
-                                                 patch(cv::Rect(middle.x - 60, middle.y - 60, 120, 120)));
-  ASSERT_EQ(lesson.state, LessonState::kLearnt);
+  const TrainedColour lesson = ColourModel::Train(image(cv::Rect(middle.x - 60, middle.y - 60, 120, 120)),
+                                                  patch(cv::Rect(middle.x - 60, middle.y - 60, 120, 120)));
+  ASSERT_EQ(lesson.state, TrainingState::kTrained);
   cv::Mat weights;
   lesson.model.BackProject(image, weights);
   int on = 0, ball = 0, off = 0, rest = 0;
@@ -69,18 +69,18 @@ TEST(ColourModelTest, LearntFromAPatchItMatchesTheWholeBallAndNotTheBackground) 
 TEST(ColourModelTest, WhatCannotBeLearntIsNamed) {
   cv::Mat image(60, 60, CV_8UC3, cv::Scalar(120, 120, 120)), patch = cv::Mat::zeros(60, 60, CV_8UC1);
   patch(cv::Rect(20, 20, 20, 20)) = 255;
-  EXPECT_EQ(ColourModel::Learn(image, patch).state, LessonState::kTooGrey);
-  EXPECT_EQ(ColourModel::Learn(image, cv::Mat()).state, LessonState::kBadPatch);
-  EXPECT_EQ(ColourModel::Learn(cv::Mat(60, 60, CV_8UC1), patch).state, LessonState::kBadPatch);
-  EXPECT_EQ(ColourModel::Learn(image, cv::Mat::zeros(60, 60, CV_8UC1)).state, LessonState::kTooFewPixels);
+  EXPECT_EQ(ColourModel::Train(image, patch).state, TrainingState::kTooGrey);
+  EXPECT_EQ(ColourModel::Train(image, cv::Mat()).state, TrainingState::kBadPatch);
+  EXPECT_EQ(ColourModel::Train(cv::Mat(60, 60, CV_8UC1), patch).state, TrainingState::kBadPatch);
+  EXPECT_EQ(ColourModel::Train(image, cv::Mat::zeros(60, 60, CV_8UC1)).state, TrainingState::kTooFewPixels);
   for (int x = 20; x < 40; ++x) image(cv::Rect(x, 20, 1, 20)) = cv::Scalar(Bgr(18.0 * (x - 20), 0.9, 0.8));
-  EXPECT_EQ(ColourModel::Learn(image, patch).state, LessonState::kTooManyColours);
+  EXPECT_EQ(ColourModel::Train(image, patch).state, TrainingState::kTooManyColours);
   image = cv::Scalar(Bgr(10, 0.9, 0.8));
-  EXPECT_EQ(ColourModel::Learn(image, patch).state, LessonState::kLikeSurroundings);
+  EXPECT_EQ(ColourModel::Train(image, patch).state, TrainingState::kLikeSurroundings);
   image = cv::Scalar(Bgr(200, 0.9, 0.8));
   image(cv::Rect(20, 20, 20, 20)) = cv::Scalar(Bgr(10, 0.9, 0.8));
-  EXPECT_EQ(ColourModel::Learn(image, patch).state, LessonState::kLearnt);
+  EXPECT_EQ(ColourModel::Train(image, patch).state, TrainingState::kTrained);
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::vision

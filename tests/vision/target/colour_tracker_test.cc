@@ -8,7 +8,7 @@
 #include "tests/vision/target/balloon_photographer.h"
 #include "vision/target/balloon_fit.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
 const Pinhole kCamera{320, 240, 250, 250, 159.5, 119.5};
@@ -134,4 +134,4 @@ TEST_F(ColourTrackerTest, ABadImageIsNamed) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::vision

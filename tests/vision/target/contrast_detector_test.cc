@@ -8,7 +8,7 @@
 #include "geometry/pose.h"
 #include "tests/vision/target/contrast_photographer.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
 constexpr double kDownSigma = Radians(1);
@@ -143,4 +143,4 @@ TEST(ContrastDetector, BadImagesAreNamed) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -14,7 +14,7 @@
 
 // Skies with balls before them, painted by directions: a pixel is a ball's for the share of its 8 x 8 rays
 // that meet the ball.
-namespace kestrel {
+namespace kestrel::vision {
 
 struct FlyingBall {
   Eigen::Vector3d direction_N;  // from the camera, any length
@@ -75,4 +75,4 @@ inline void PaintFlyingBalls(cv::Mat& image, const CameraModel& camera, const Ei
   }
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::vision

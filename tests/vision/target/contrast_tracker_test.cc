@@ -9,7 +9,7 @@
 
 #include "tests/vision/target/contrast_photographer.h"
 
-namespace kestrel {
+namespace kestrel::vision {
 namespace {
 
 constexpr double kStep_s = 0.05;
@@ -147,4 +147,4 @@ TEST(ContrastTracker, BadImagesAndTimesAreNamedAndHoldNoTarget) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::vision

@@ -8,7 +8,7 @@
 
 #include "tests/sim/aircraft/helicopters.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 using Eigen::Vector2d;
@@ -137,4 +137,4 @@ TEST(Flapping, TheDiscIsBlownAwayFromWhereItFlies) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -8,7 +8,7 @@
 
 #include "sim/aircraft/rotor/rotor.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 constexpr double kSpeed = 125;
@@ -136,4 +136,4 @@ TEST(PitchedRotor, ThrustEndsAtTheStallEitherWayAndAStandingRotorHasNone) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -8,7 +8,7 @@
 
 #include "sim/sensor/heading_gyro.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 constexpr double kDt = 0.002;
@@ -97,4 +97,4 @@ TEST(HeadingGyro, ItsIntegralHoldsAgainstASteadyTorqueAndStopsAtTheLimit) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 using Eigen::Vector3d;
@@ -113,4 +113,4 @@ TEST(Motor, ResponseDoesNotDependOnTheStepSize) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::sim

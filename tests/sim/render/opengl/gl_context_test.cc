@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <thread>
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 using ::testing::AllOf;
@@ -63,4 +63,4 @@ TEST(GlContext, EachThreadHasItsOwn) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::sim

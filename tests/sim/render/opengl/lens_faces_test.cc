@@ -8,7 +8,7 @@
 #include "geometry/tait_bryan.h"
 #include "tests/sim/lenses.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 using Eigen::Vector2d;
@@ -25,13 +25,13 @@ class LensFacesTest : public ::testing::TestWithParam<Lens> {};
 INSTANTIATE_TEST_SUITE_P(Lenses, LensFacesTest, ::testing::ValuesIn(Lenses()), NameOfLens);
 
 TEST_P(LensFacesTest, EachPixelOfTheLensIsWhereItsRayMeetsAFace) {
-  const CameraModel& camera = GetParam().camera;
+  const vision::CameraModel& camera = GetParam().camera;
   const LensFaces lens = PlanFaces(camera, kNoMatter_px);
   int seen = 0;
   for (int v = 0; v < lens.height_px; ++v) {
     for (int u = 0; u < lens.width_px; ++u) {
       const std::size_t i = static_cast<std::size_t>(v) * lens.width_px + u;
-      const auto ray = Ray(camera, Vector2d(u, v));
+      const auto ray = vision::Ray(camera, Vector2d(u, v));
       const Patch& patch = lens.patches[i];
       ASSERT_EQ(patch.face != Patch::kOutside, ray.has_value()) << u << ' ' << v;
       if (!ray) continue;
@@ -114,7 +114,7 @@ TEST(LensFaces, APinholeWithSquarePixelsIsItsOwnFace) {
   EXPECT_TRUE(OnlyFace(LensNamed("pinhole")));
   EXPECT_FALSE(OnlyFace(LensNamed("oblong_pinhole")));
   EXPECT_FALSE(OnlyFace(LensNamed("fisheye")));
-  Pinhole narrow{640, 480, 400, 400, 319.5, 239.5};
+  vision::Pinhole narrow{640, 480, 400, 400, 319.5, 239.5};
   narrow.max_angle_rad = Radians(30);  // its corners are black
   EXPECT_FALSE(OnlyFace(narrow));
 }
@@ -131,4 +131,4 @@ TEST(LensFaces, ThereAreNoneWhereRaysGoTooFarFromAllAxes) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::sim

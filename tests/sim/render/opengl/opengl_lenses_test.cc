@@ -11,7 +11,7 @@
 #include "tests/sim/scenes.h"
 #include "tests/sim/small_worlds.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 using Eigen::Vector2d;
@@ -21,10 +21,10 @@ class OpenGlLenses : public ::testing::TestWithParam<Lens> {};
 INSTANTIATE_TEST_SUITE_P(Lenses, OpenGlLenses, ::testing::ValuesIn(Lenses()), NameOfLens);
 
 // A place with that much of the lens's image around it.
-bool Shows(const CameraModel& camera, const Vector2d& uv, double around_px) {
+bool Shows(const vision::CameraModel& camera, const Vector2d& uv, double around_px) {
   for (const double u : {-around_px, around_px})
     for (const double v : {-around_px, around_px})
-      if (!Ray(camera, uv + Vector2d(u, v))) return false;
+      if (!vision::Ray(camera, uv + Vector2d(u, v))) return false;
   return true;
 }
 
@@ -41,7 +41,8 @@ Vector2d Centroid(const cv::Mat& image, const Vector2d& around, int reach_px) {
 
 // Where the middle of a spot's light lies in the image: the mean of where the model puts the patches of its
 // picture, by their brightness and by how large they are there.
-Vector2d MiddleOfLight(const CameraModel& camera, const mjModel* model, const Pose& X_CD, double radius) {
+Vector2d MiddleOfLight(const vision::CameraModel& camera, const mjModel* model, const Pose& X_CD,
+                       double radius) {
   const int side = model->tex_width[0];
   Vector2d sum = Vector2d::Zero();
   double weights = 0;
@@ -50,7 +51,7 @@ Vector2d MiddleOfLight(const CameraModel& camera, const mjModel* model, const Po
       const Vector3d p_DQ = radius * Vector3d((2 * column + 1.0) / side - 1, (2 * row + 1.0) / side - 1, 0);
       if (p_DQ.norm() > radius) continue;
       Eigen::Matrix<double, 2, 3> d_point;
-      const Vector2d uv = *Project(camera, X_CD * p_DQ, &d_point);
+      const Vector2d uv = *vision::Project(camera, X_CD * p_DQ, &d_point);
       const Eigen::Matrix2d d_disc = d_point * X_CD.R.toRotationMatrix().leftCols<2>();
       const double weight = model->tex_rgb[3 * (side * row + column)] * std::abs(d_disc.determinant());
       sum += weight * uv, weights += weight;
@@ -64,17 +65,17 @@ Vector2d MiddleOfLight(const CameraModel& camera, const mjModel* model, const Po
 // pixel.
 TEST_P(OpenGlLenses, DrawsEachPointWhereTheModelPutsIt) {
   constexpr double kRadius_px = 6;
-  const CameraModel& camera = GetParam().camera;
+  const vision::CameraModel& camera = GetParam().camera;
   RandomStream random(11, "markers");
   const Pose X_NC = LookingFrom({3, -2, -4}, 0.4, -0.9, 0.2);
   std::vector<std::pair<Pose, double>> spots;  // X_CD, radius
   std::string geoms;
-  for (double v = 12; v < HeightPx(camera) - 12; v += 24) {
-    for (double u = 12; u < WidthPx(camera) - 12; u += 24) {
+  for (double v = 12; v < vision::HeightPx(camera) - 12; v += 24) {
+    for (double u = 12; u < vision::WidthPx(camera) - 12; u += 24) {
       const Vector2d uv(u + random.Uniform(0, 1), v + random.Uniform(0, 1));
       if (!Shows(camera, uv, 9)) continue;
       Eigen::Matrix<double, 3, 2> d_pixel;
-      const Vector3d ray = *Ray(camera, uv, &d_pixel);
+      const Vector3d ray = *vision::Ray(camera, uv, &d_pixel);
       const double distance = 0.5 * std::pow(40, random.Uniform(0, 1));
       const double pixel_rad = std::sqrt(d_pixel.col(0).cross(d_pixel.col(1)).norm());
       const Pose X_CD{Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), ray), distance * ray};
@@ -92,17 +93,17 @@ TEST_P(OpenGlLenses, DrawsEachPointWhereTheModelPutsIt) {
 }
 
 TEST_P(OpenGlLenses, IsBlackOutsideTheLensAndNowhereElse) {
-  const CameraModel& camera = GetParam().camera;
+  const vision::CameraModel& camera = GetParam().camera;
   const ModelPtr model =
       CompileScene(R"(<mujoco><asset><texture type="skybox" builtin="flat" rgb1="1 1 1" rgb2="1 1 1"
     width="8" height="48"/></asset><worldbody/></mujoco>)");
   const DataPtr data = StateOf(model.get());
   OpenGlRenderer renderer(model.get(), camera, {});
   const cv::Mat image = renderer.Render(data.get(), LookingFrom({0, 0, -1}, 0, 0));
-  const Surfaces seen = renderer.See(data.get(), LookingFrom({0, 0, -1}, 0, 0));
+  const Surfaces seen = renderer.Trace(data.get(), LookingFrom({0, 0, -1}, 0, 0));
   for (int v = 0; v < image.rows; ++v) {
     for (int u = 0; u < image.cols; ++u) {
-      const bool inside = Ray(camera, Vector2d(u, v)).has_value();
+      const bool inside = vision::Ray(camera, Vector2d(u, v)).has_value();
       ASSERT_EQ(image.at<cv::Vec3b>(v, u), inside ? cv::Vec3b(255, 255, 255) : cv::Vec3b()) << u << ' ' << v;
       ASSERT_EQ(seen.geom.at<int>(v, u), inside ? -1 : -2);
       ASSERT_EQ(std::isinf(seen.depth_m.at<float>(v, u)), inside);
@@ -132,7 +133,7 @@ ModelPtr SmoothWorld() {
 // same picture by both. They differ where a sharp edge falls between other pixels, but along seams no more
 // than anywhere.
 TEST_P(OpenGlLenses, FacesMeetWithoutASeam) {
-  const CameraModel& camera = GetParam().camera;
+  const vision::CameraModel& camera = GetParam().camera;
   const ModelPtr model = SmoothWorld();
   const DataPtr data = StateOf(model.get());
   const auto image = [&](const LensFaces& faces) {
@@ -168,7 +169,7 @@ TEST_P(OpenGlLenses, FacesMeetWithoutASeam) {
 // Against MuJoCo's own rays: what each pixel's ray meets, and how far away. All with flat faces: OpenGL draws
 // round things as polyhedra.
 TEST_P(OpenGlLenses, SeesWhatRaysMeetAndHowFarAway) {
-  const CameraModel& camera = GetParam().camera;
+  const vision::CameraModel& camera = GetParam().camera;
   const ModelPtr model = CompileScene(R"(<mujoco><worldbody>
     <geom type="plane" size="90 90 1"/>
     <geom type="box" pos="3 2 0.5" size="0.5 0.8 0.5" euler="0 0 30"/>
@@ -178,7 +179,7 @@ TEST_P(OpenGlLenses, SeesWhatRaysMeetAndHowFarAway) {
   </worldbody></mujoco>)");
   const DataPtr data = StateOf(model.get());
   const Pose X_NC = LookingFrom({0.5, 0.2, -3}, -0.2, -1.1, 0.4);
-  const Surfaces seen = OpenGlRenderer(model.get(), camera, {}).See(data.get(), X_NC);
+  const Surfaces seen = OpenGlRenderer(model.get(), camera, {}).Trace(data.get(), X_NC);
   const auto same_around = [&](int u, int v) {
     for (int dv = -1; dv <= 1; ++dv)
       for (int du = -1; du <= 1; ++du)
@@ -186,9 +187,9 @@ TEST_P(OpenGlLenses, SeesWhatRaysMeetAndHowFarAway) {
     return true;
   };
   int compared = 0, on_boxes = 0, wrong_on_boxes = 0;
-  for (int v = 1; v + 1 < HeightPx(camera); v += 2) {
-    for (int u = 1; u + 1 < WidthPx(camera); u += 2) {
-      const auto ray = Ray(camera, Vector2d(u, v));
+  for (int v = 1; v + 1 < vision::HeightPx(camera); v += 2) {
+    for (int u = 1; u + 1 < vision::WidthPx(camera); u += 2) {
+      const auto ray = vision::Ray(camera, Vector2d(u, v));
       if (!ray || !same_around(u, v)) continue;
       mjtNum eye[3], along[3];
       VectorToMujoco(X_NC.p, eye);
@@ -218,7 +219,7 @@ TEST(OpenGlRenderer, ImageDoesNotDependOnTheFrameBefore) {
     <material name="ground" texture="ground" texrepeat="1 1" texuniform="true"/></asset>
   <worldbody><geom type="plane" size="0 0 1" material="ground"/></worldbody></mujoco>)");
   const DataPtr data = StateOf(model.get());
-  const CameraModel camera = LensNamed("fisheye");
+  const vision::CameraModel camera = LensNamed("fisheye");
   const Pose here = LookingFrom({700, 300, -2}, 0, -0.7);
   OpenGlRenderer renderer(model.get(), camera, {});
   const cv::Mat first = renderer.Render(data.get(), here);
@@ -233,7 +234,7 @@ struct PassingBy {
     <body><joint type="slide" axis="0 1 0"/><geom type="box" pos="5 0 1" size="0.5 0.5 0.5" euler="0 20 30"/></body>
     <geom type="box" pos="6 1 0.6" size="0.3 0.3 0.3" rgba="1 0 0 1"/></worldbody></mujoco>)");
   std::vector<DataPtr> states;
-  std::vector<Instant> instants;
+  std::vector<SceneState> instants;
   PassingBy() {
     for (int i = 0; i < 3; ++i) {
       states.push_back(MakeData(model.get()));
@@ -300,4 +301,4 @@ TEST(OpenGlRenderer, RowsComeFromTheTimeOfTheirBand) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -17,12 +17,12 @@
 #include "tests/sim/scenes.h"
 #include "tests/sim/small_worlds.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 using ::testing::HasSubstr;
 
-const Pinhole kCamera{640, 480, 810.81, 810.81, 319.5, 239.5};
+const vision::Pinhole kCamera{640, 480, 810.81, 810.81, 319.5, 239.5};
 
 Eigen::Vector2d Centroid(const cv::Mat& image, int channel) {
   cv::Mat one;
@@ -71,10 +71,10 @@ double Difference(const std::vector<cv::Mat>& a, const std::vector<cv::Mat>& b) 
 }
 
 TEST(OpenGlRenderer, DrawsEachPointWhereThePinholeModelPutsIt) {
-  const std::vector<Pinhole> cameras{
+  const std::vector<vision::Pinhole> cameras{
       kCamera, {640, 480, 700, 700, 250.3, 300.7}, {331, 257, 300, 300, 201.4, 101.8}};
   RandomStream random(7, "poses");
-  for (const Pinhole& camera : cameras) {
+  for (const vision::Pinhole& camera : cameras) {
     for (int i = 0; i < 4; ++i) {
       const Pose X_NC = LookingFrom({random.Uniform(-5, 5), random.Uniform(-5, 5), random.Uniform(-9, -1)},
                                     random.Uniform(-3, 3), random.Uniform(-1.4, 1.4), random.Uniform(-3, 3));
@@ -174,7 +174,7 @@ TEST(OpenGlRenderer, DrawsNoSites) {
 
 TEST(OpenGlRenderer, RefusesCamerasItCannotDrawAndSaysWhy) {
   const ModelPtr model = DarkRoom("");
-  const auto message = [&](const CameraModel& camera) -> std::string {
+  const auto message = [&](const vision::CameraModel& camera) -> std::string {
     try {
       OpenGlRenderer(model.get(), camera, {});
     } catch (const std::runtime_error& e) {
@@ -182,13 +182,13 @@ TEST(OpenGlRenderer, RefusesCamerasItCannotDrawAndSaysWhy) {
     }
     return "accepted";
   };
-  EXPECT_EQ(message(Pinhole{64, 48, 80, 81, 31.5, 23.5}), "accepted");
-  EXPECT_THAT(message(Pinhole{0, 480, 800, 800, 319.5, 239.5}), HasSubstr("0 x 480"));
-  EXPECT_THAT(message(Pinhole{640, 480, -1, -1, 319.5, 239.5}), HasSubstr("positive focal length"));
-  Pinhole blind{64, 48, 80, 80, 3000, 23.5};
+  EXPECT_EQ(message(vision::Pinhole{64, 48, 80, 81, 31.5, 23.5}), "accepted");
+  EXPECT_THAT(message(vision::Pinhole{0, 480, 800, 800, 319.5, 239.5}), HasSubstr("0 x 480"));
+  EXPECT_THAT(message(vision::Pinhole{640, 480, -1, -1, 319.5, 239.5}), HasSubstr("positive focal length"));
+  vision::Pinhole blind{64, 48, 80, 80, 3000, 23.5};
   blind.max_angle_rad = 0.1;
   EXPECT_THAT(message(blind), HasSubstr("shows nothing"));
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::sim

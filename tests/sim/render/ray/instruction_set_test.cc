@@ -10,7 +10,7 @@
 #include "base/yaml/yaml_fields.h"
 #include "sim/machine.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 using ::testing::Contains;
@@ -92,4 +92,4 @@ TEST(MachineDifferences, NamesWhatEitherHas) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -11,15 +11,15 @@
 #include "tests/sim/render/reference_renderer.h"
 #include "tests/sim/scenes.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
-CameraModel Fisheye() {
-  KannalaBrandt fisheye{.width_px = 85, .height_px = 70, .fx = 24, .fy = 24, .cx = 42, .cy = 34.5};
+vision::CameraModel Fisheye() {
+  vision::KannalaBrandt fisheye{.width_px = 85, .height_px = 70, .fx = 24, .fy = 24, .cx = 42, .cy = 34.5};
   fisheye.k1 = 0.01, fisheye.max_angle_rad = 1.7;
   return fisheye;
 }
-const CameraModel kPinhole = Pinhole{90, 66, 75, 75, 44.5, 32.5};
+const vision::CameraModel kPinhole = vision::Pinhole{90, 66, 75, 75, 44.5, 32.5};
 
 // A field, a shed and a roof that stand, a box that flies and turns, a mesh that rises, a lamp that goes
 // along, seen by a camera that flies and turns itself.
@@ -65,7 +65,7 @@ class Flight : public ::testing::Test {
 };
 
 TEST_F(Flight, FlowIsWhereEachPointOfASurfaceGoes) {
-  for (const CameraModel& camera : {kPinhole, Fisheye()}) {
+  for (const vision::CameraModel& camera : {kPinhole, Fisheye()}) {
     RayRenderer renderer(model_.get(), camera, {});
     const DataPtr now = StateAt(0), next = StateAt(0.05);
     const cv::Mat flow = renderer.Flow({0, now.get(), CameraAt(0)}, {0.05, next.get(), CameraAt(0.05)});
@@ -77,25 +77,27 @@ TEST_F(Flight, FlowIsWhereEachPointOfASurfaceGoes) {
     for (int v = 0; v < flow.rows; ++v) {
       for (int u = 0; u < flow.cols; ++u) {
         const cv::Vec2d is = flow.at<cv::Vec2f>(v, u), should = truth.at<cv::Vec2d>(v, u);
-        ASSERT_EQ(std::isnan(is[0]), std::isnan(should[0])) << NameOf(camera) << " at " << u << ", " << v;
+        ASSERT_EQ(std::isnan(is[0]), std::isnan(should[0]))
+            << vision::NameOf(camera) << " at " << u << ", " << v;
         if (std::isnan(is[0])) continue;
         errors.push_back(cv::norm(is - should));
         longest = std::max(longest, cv::norm(should));
       }
     }
     std::sort(errors.begin(), errors.end());
-    EXPECT_LT(errors[errors.size() * 999 / 1000], 1e-4) << NameOf(camera);  // px; the rest: just on edges
-    EXPECT_LT(errors.back(), longest) << NameOf(camera);
-    EXPECT_GT(longest, 1) << NameOf(camera);
+    EXPECT_LT(errors[errors.size() * 999 / 1000], 1e-4)
+        << vision::NameOf(camera);  // px; the rest: just on edges
+    EXPECT_LT(errors.back(), longest) << vision::NameOf(camera);
+    EXPECT_GT(longest, 1) << vision::NameOf(camera);
   }
 }
 
 TEST_F(Flight, EachRowOfARollingShutterIsASharpPictureOfItsOwnTime) {
   const double kRow0_s = -0.05, kLine_s = 0.004;
   const DataPtr a = StateAt(-0.1), b = StateAt(0.1), c = StateAt(0.4);
-  const std::vector<Instant> instants{
+  const std::vector<SceneState> instants{
       {-0.1, a.get(), CameraAt(-0.1)}, {0.1, b.get(), CameraAt(0.1)}, {0.4, c.get(), CameraAt(0.4)}};
-  for (const CameraModel& camera : {kPinhole, Fisheye()}) {
+  for (const vision::CameraModel& camera : {kPinhole, Fisheye()}) {
     RayRenderer renderer(model_.get(), camera, {});
     const cv::Mat rolling =
         renderer.Render(instants, {.row_0_s = kRow0_s, .exposure_s = 0, .line_s = kLine_s, .samples = 1});
@@ -103,9 +105,9 @@ TEST_F(Flight, EachRowOfARollingShutterIsASharpPictureOfItsOwnTime) {
     for (int v = 0; v < rows.rows; ++v) At(renderer, kRow0_s + v * kLine_s).row(v).copyTo(rows.row(v));
     // Edges are found among the rows of one picture: that alone may differ.
     const ImageDifference difference = Compare(rolling, rows);
-    EXPECT_LT(difference.mean, 0.05) << NameOf(camera) << ": " << difference;
-    EXPECT_LE(difference.of_99, 1) << NameOf(camera) << ": " << difference;
-    EXPECT_GT(Compare(rolling, At(renderer, 0)).mean, 1) << NameOf(camera);
+    EXPECT_LT(difference.mean, 0.05) << vision::NameOf(camera) << ": " << difference;
+    EXPECT_LE(difference.of_99, 1) << vision::NameOf(camera) << ": " << difference;
+    EXPECT_GT(Compare(rolling, At(renderer, 0)).mean, 1) << vision::NameOf(camera);
   }
 }
 
@@ -113,8 +115,8 @@ TEST_F(Flight, MotionBlurIsTheMeanOfSharpPictures) {
   constexpr double kMiddle_s = 0.02, kExposure_s = 0.1;
   constexpr int kSamples = 6;
   const DataPtr a = StateAt(-0.1), b = StateAt(0.1);
-  const std::vector<Instant> instants{{-0.1, a.get(), CameraAt(-0.1)}, {0.1, b.get(), CameraAt(0.1)}};
-  for (const CameraModel& camera : {kPinhole, Fisheye()}) {
+  const std::vector<SceneState> instants{{-0.1, a.get(), CameraAt(-0.1)}, {0.1, b.get(), CameraAt(0.1)}};
+  for (const vision::CameraModel& camera : {kPinhole, Fisheye()}) {
     RayRenderer renderer(model_.get(), camera, {});
     const cv::Mat blurred = renderer.Render(
         instants, {.row_0_s = kMiddle_s, .exposure_s = kExposure_s, .line_s = 0, .samples = kSamples});
@@ -126,18 +128,18 @@ TEST_F(Flight, MotionBlurIsTheMeanOfSharpPictures) {
       mean += sharp;
     }
     mean.convertTo(mean, CV_8U);
-    EXPECT_LE(Compare(blurred, mean).most, 1) << NameOf(camera);
-    EXPECT_GT(Compare(blurred, At(renderer, kMiddle_s)).of_99, 5) << NameOf(camera);
+    EXPECT_LE(Compare(blurred, mean).most, 1) << vision::NameOf(camera);
+    EXPECT_GT(Compare(blurred, At(renderer, kMiddle_s)).of_99, 5) << vision::NameOf(camera);
   }
 }
 
 TEST_F(Flight, AnyNumberOfThreadsDrawsTheSameBits) {
   const DataPtr a = StateAt(-0.1), b = StateAt(0.3);
-  const std::vector<Instant> instants{{-0.1, a.get(), CameraAt(-0.1)}, {0.3, b.get(), CameraAt(0.3)}};
+  const std::vector<SceneState> instants{{-0.1, a.get(), CameraAt(-0.1)}, {0.3, b.get(), CameraAt(0.3)}};
   const Shutter shutter{.row_0_s = 0, .exposure_s = 0.02, .line_s = 0.003, .samples = 2};
   const auto all = [&](int threads) {
     RayRenderer renderer(model_.get(), Fisheye(), {.threads = threads});
-    const Surfaces seen = renderer.See(a.get(), instants[0].X_NC);
+    const Surfaces seen = renderer.Trace(a.get(), instants[0].X_NC);
     return std::vector<cv::Mat>{renderer.Render(a.get(), instants[0].X_NC),
                                 renderer.Render(instants, shutter), seen.depth_m, seen.geom,
                                 renderer.Flow(instants[0], instants[1])};
@@ -151,4 +153,4 @@ TEST_F(Flight, AnyNumberOfThreadsDrawsTheSameBits) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -13,7 +13,7 @@
 #include "tests/sim/render/reference_renderer.h"
 #include "tests/sim/scenes.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 double LogUniform(RandomStream& random, double low, double high) {
@@ -66,22 +66,22 @@ std::string RandomWorld(RandomStream& random) {
 
 TEST(RandomWorlds, AreSeenAsTheReferenceSeesThem) {
   RandomStream random(11, "worlds");
-  KannalaBrandt fisheye{.width_px = 67, .height_px = 67, .fx = 19, .fy = 19, .cx = 33, .cy = 33};
+  vision::KannalaBrandt fisheye{.width_px = 67, .height_px = 67, .fx = 19, .fy = 19, .cx = 33, .cy = 33};
   fisheye.max_angle_rad = 1.75;
-  Unified mirror{.width_px = 83, .height_px = 75, .fx = 42, .fy = 42, .cx = 41, .cy = 37};
+  vision::Unified mirror{.width_px = 83, .height_px = 75, .fx = 42, .fy = 42, .cx = 41, .cy = 37};
   mirror.xi = 0.9, mirror.max_angle_rad = 2.0;
-  const std::vector<CameraModel> cameras{fisheye, mirror, Pinhole{65, 49, 60, 60, 30, 24}};
+  const std::vector<vision::CameraModel> cameras{fisheye, mirror, vision::Pinhole{65, 49, 60, 60, 30, 24}};
   for (int i = 0; i < 12; ++i) {
     const ModelPtr model = CompileScene(RandomWorld(random));
     const DataPtr data = StateOf(model.get());
-    const CameraModel& camera = cameras[i % cameras.size()];
+    const vision::CameraModel& camera = cameras[i % cameras.size()];
     const auto uniform = [&](double most) { return random.Uniform(-most, most); };
     const Eigen::Vector3d p_NC{uniform(0.2), uniform(0.2), uniform(0.2)};
     const double yaw = uniform(3), pitch = uniform(1.5), roll = uniform(3);
     const Pose X_NC = LookingFrom(p_NC, yaw, pitch, roll);
     RayRenderer renderer(model.get(), camera, {});
     const reference::SurfaceErrors errors =
-        reference::ErrorsOf(renderer.See(data.get(), X_NC), model.get(), data.get(), X_NC, camera);
+        reference::ErrorsOf(renderer.Trace(data.get(), X_NC), model.get(), data.get(), X_NC, camera);
     EXPECT_LE(errors.other_geom, 2) << "world " << i;
     EXPECT_LT(errors.depth, 5e-4) << "world " << i;  // a flat side seen along itself
     if (i % 3 != i / 3) continue;                    // pictures of one world for each camera
@@ -105,7 +105,7 @@ TEST(ThinThings, KeepTheirShareOfLight) {
 </mujoco>)",
                                                     thing));
     const DataPtr data = StateOf(model.get());
-    const CameraModel camera = Pinhole{96, 64, 100, 100, 47.3, 31.6};
+    const vision::CameraModel camera = vision::Pinhole{96, 64, 100, 100, 47.3, 31.6};
     const Pose X_NC = LookingFrom({0, 0, 0}, 0, 0);
     const double light = cv::sum(RayRenderer(model.get(), camera, {}).Render(data.get(), X_NC))[0];
     const double truth = cv::sum(reference::Render(model.get(), data.get(), X_NC, camera, 16))[0];
@@ -138,7 +138,7 @@ TEST(Shadows, FallWhereTheLightIsHidden) {
   </worldbody>
 </mujoco>)");
   const DataPtr data = StateOf(model.get());
-  const CameraModel camera = Pinhole{120, 80, 100, 100, 59.5, 39.5};
+  const vision::CameraModel camera = vision::Pinhole{120, 80, 100, 100, 59.5, 39.5};
   const Pose X_NC = LookingFrom({0, 0, -3}, 0, -0.4);
   const cv::Mat truth = reference::Render(model.get(), data.get(), X_NC, camera, 4, true);
   const cv::Mat drawn = RayRenderer(model.get(), camera, {.shadows = true}).Render(data.get(), X_NC);
@@ -149,4 +149,4 @@ TEST(Shadows, FallWhereTheLightIsHidden) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::sim

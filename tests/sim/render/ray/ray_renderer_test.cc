@@ -14,7 +14,7 @@
 #include "tests/sim/render/reference_renderer.h"
 #include "tests/sim/scenes.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 using ::testing::AllOf;
@@ -24,17 +24,19 @@ constexpr int kRays = 6;  // of the reference, along each side of a pixel
 
 // Each model with distortion of its own, several of them beyond 90 degrees from the axis; none is square to
 // the image, all sides are no multiple of what is drawn at once.
-const std::vector<CameraModel>& Cameras() {
-  static const std::vector<CameraModel> cameras = [] {
-    BrownConrady bent{.width_px = 71, .height_px = 53, .fx = 52, .fy = 53, .cx = 36.3, .cy = 25.1};
+const std::vector<vision::CameraModel>& Cameras() {
+  static const std::vector<vision::CameraModel> cameras = [] {
+    vision::BrownConrady bent{.width_px = 71, .height_px = 53, .fx = 52, .fy = 53, .cx = 36.3, .cy = 25.1};
     bent.k1 = -0.2, bent.k2 = 0.03, bent.p1 = 0.002, bent.p2 = -0.003;
-    Unified mirror{.width_px = 75, .height_px = 70, .fx = 55, .fy = 56, .cx = 36, .cy = 35.5};
+    vision::Unified mirror{.width_px = 75, .height_px = 70, .fx = 55, .fy = 56, .cx = 36, .cy = 35.5};
     mirror.xi = 0.95, mirror.k1 = -0.05, mirror.max_angle_rad = 1.8;
-    KannalaBrandt fisheye{.width_px = 69, .height_px = 67, .fx = 20, .fy = 20.5, .cx = 33, .cy = 34.4};
+    vision::KannalaBrandt fisheye{
+        .width_px = 69, .height_px = 67, .fx = 20, .fy = 20.5, .cx = 33, .cy = 34.4};
     fisheye.k1 = 0.01, fisheye.k2 = -0.003, fisheye.max_angle_rad = 1.66;
-    DoubleSphere wide{.width_px = 73, .height_px = 51, .fx = 22, .fy = 22, .cx = 35.2, .cy = 26.6};
+    vision::DoubleSphere wide{.width_px = 73, .height_px = 51, .fx = 22, .fy = 22, .cx = 35.2, .cy = 26.6};
     wide.xi = -0.2, wide.alpha = 0.59, wide.max_angle_rad = 1.65;
-    return std::vector<CameraModel>{Pinhole{100, 75, 82, 82, 49.5, 36.8}, bent, mirror, fisheye, wide};
+    return std::vector<vision::CameraModel>{vision::Pinhole{100, 75, 82, 82, 49.5, 36.8}, bent, mirror,
+                                            fisheye, wide};
   }();
   return cameras;
 }
@@ -55,27 +57,28 @@ std::vector<TestScene> Scenes() {
 // Edges included, which the reference draws by many rays for each pixel. What remains is the ray renderer's
 // coarser smoothing of edges, and its filter for textures, which blurs what is seen at a slant.
 TEST_P(RayOnScene, AgreesWithTheReferenceThroughEveryLens) {
-  for (const CameraModel& camera : Cameras()) {
+  for (const vision::CameraModel& camera : Cameras()) {
     const ImageDifference difference =
         Compare(RayRenderer(model_.get(), camera, {}).Render(data_.get(), GetParam().X_NC),
                 reference::Render(model_.get(), data_.get(), GetParam().X_NC, camera, kRays));
-    EXPECT_LT(difference.mean, 2) << NameOf(camera) << ": " << difference;
-    EXPECT_LE(difference.of_99, 30) << NameOf(camera) << ": " << difference;
-    EXPECT_LE(difference.most, 110) << NameOf(camera) << ": " << difference;
+    EXPECT_LT(difference.mean, 2) << vision::NameOf(camera) << ": " << difference;
+    EXPECT_LE(difference.of_99, 30) << vision::NameOf(camera) << ": " << difference;
+    EXPECT_LE(difference.most, 110) << vision::NameOf(camera) << ": " << difference;
   }
 }
 
 TEST_P(RayOnScene, SeesTheSurfacesThatAreThere) {
-  for (const CameraModel& camera : Cameras()) {
-    const Surfaces seen = RayRenderer(model_.get(), camera, {}).See(data_.get(), GetParam().X_NC);
+  for (const vision::CameraModel& camera : Cameras()) {
+    const Surfaces seen = RayRenderer(model_.get(), camera, {}).Trace(data_.get(), GetParam().X_NC);
     const reference::SurfaceErrors errors =
         reference::ErrorsOf(seen, model_.get(), data_.get(), GetParam().X_NC, camera);
-    EXPECT_LE(errors.other_geom, 2) << NameOf(camera);  // pixels just on an edge
-    EXPECT_LT(errors.depth, 1e-4) << NameOf(camera);
-    for (int v = 0; v < HeightPx(camera); ++v) {
-      for (int u = 0; u < WidthPx(camera); ++u) {
+    EXPECT_LE(errors.other_geom, 2) << vision::NameOf(camera);  // pixels just on an edge
+    EXPECT_LT(errors.depth, 1e-4) << vision::NameOf(camera);
+    for (int v = 0; v < vision::HeightPx(camera); ++v) {
+      for (int u = 0; u < vision::WidthPx(camera); ++u) {
         const int geom = seen.geom.at<int>(v, u);
-        EXPECT_EQ(geom == -2, !Ray(camera, {u, v})) << NameOf(camera) << " at " << u << ", " << v;
+        EXPECT_EQ(geom == -2, !vision::Ray(camera, {u, v}))
+            << vision::NameOf(camera) << " at " << u << ", " << v;
         const float depth = seen.depth_m.at<float>(v, u);
         EXPECT_TRUE(geom >= 0 || (geom == -1 ? std::isinf(depth) : std::isnan(depth))) << depth;
       }
@@ -106,7 +109,7 @@ class By {
 // set: it has no instruction that multiplies and adds at once.
 TEST_P(RayOnScene, EveryInstructionSetDrawsTheSame) {
   const bool triangles = model_->nmesh > 0 || model_->nhfield > 0;
-  for (const CameraModel& camera : Cameras()) {
+  for (const vision::CameraModel& camera : Cameras()) {
     const auto draw = [&] {
       return RayRenderer(model_.get(), camera, {}).Render(data_.get(), GetParam().X_NC);
     };
@@ -116,9 +119,9 @@ TEST_P(RayOnScene, EveryInstructionSetDrawsTheSame) {
       ASSERT_EQ(InstructionSet(), set);
       const ImageDifference difference = Compare(draw(), best);
       // A ray that just meets or just misses an edge is one of sixteen; elsewhere rounding does not show.
-      EXPECT_LE(difference.above_1, 0.001) << NameOf(camera) << " by " << set << ": " << difference;
+      EXPECT_LE(difference.above_1, 0.001) << vision::NameOf(camera) << " by " << set << ": " << difference;
       if (triangles || set == "ssse3") continue;
-      EXPECT_EQ(difference.most, 0) << NameOf(camera) << " by " << set << ": " << difference;
+      EXPECT_EQ(difference.most, 0) << vision::NameOf(camera) << " by " << set << ": " << difference;
     }
   }
 }
@@ -134,12 +137,12 @@ TEST(RayRenderer, ShowsNothingOutsideOfTheLensAndSomethingAllOverIt) {
   const ModelPtr model = CompileScene(R"(<mujoco><asset>
     <texture type="skybox" builtin="flat" rgb1="1 1 1" rgb2="1 1 1" width="8" height="8"/></asset></mujoco>)");
   const DataPtr data = StateOf(model.get());
-  for (const CameraModel& camera : Cameras()) {
+  for (const vision::CameraModel& camera : Cameras()) {
     const cv::Mat image = RayRenderer(model.get(), camera, {}).Render(data.get(), {});
     for (int v = 0; v < image.rows; ++v)
       for (int u = 0; u < image.cols; ++u)
-        EXPECT_EQ(image.at<cv::Vec3b>(v, u), cv::Vec3b::all(Ray(camera, {u, v}) ? 255 : 0))
-            << NameOf(camera) << " at " << u << ", " << v;
+        EXPECT_EQ(image.at<cv::Vec3b>(v, u), cv::Vec3b::all(vision::Ray(camera, {u, v}) ? 255 : 0))
+            << vision::NameOf(camera) << " at " << u << ", " << v;
   }
 }
 
@@ -180,4 +183,4 @@ TEST(RayRenderer, RefusesWhatItDoesNotDrawByName) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::sim

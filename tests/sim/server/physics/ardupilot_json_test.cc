@@ -9,7 +9,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-namespace kestrel::wire {
+namespace kestrel::sim::ardupilot {
 namespace {
 
 TEST(ArduPilotJson, ServoPacketsAreReadByTheirLayout) {
@@ -143,4 +143,4 @@ TEST(ArduPilotJson, WhatIsNoNumberIsNotSent) {
 }
 
 }  // namespace
-}  // namespace kestrel::wire
+}  // namespace kestrel::sim::ardupilot

@@ -7,7 +7,7 @@
 
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 using Eigen::Vector3d;
@@ -127,4 +127,4 @@ TEST(HilMessages, FixesAndTruthAreInTheUnitsOfTheWire) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::sim

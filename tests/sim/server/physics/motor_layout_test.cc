@@ -8,7 +8,7 @@
 
 #include "geometry/tait_bryan.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
 // More thrust of a motor turns the aircraft as the autopilot that numbers it so expects: away from it, and
@@ -56,4 +56,4 @@ TEST(MotorLayout, TheThrustCurveIsTheInverseOfTheAutopilots) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::sim

@@ -13,46 +13,46 @@
 #include "tests/sim/server/wire_peer.h"
 #include "tests/sim/test_pilot.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 
 // What PX4 does at its end of the simulator protocol, as its source has it: connects, asks for the truth,
 // says that it is there, and answers each HIL_SENSOR.
 class Px4Peer {
  public:
   explicit Px4Peer(const std::string& where) : wire_(where) {
-    wire::mavlink::CommandLong ask;  // SET_MESSAGE_INTERVAL of HIL_STATE_QUATERNION: 5 ms
+    control::wire::mavlink::CommandLong ask;  // SET_MESSAGE_INTERVAL of HIL_STATE_QUATERNION: 5 ms
     ask.command = 511, ask.param1 = 115, ask.param2 = 5e3F;
     Send(ask);
-    wire::mavlink::Heartbeat here;
+    control::wire::mavlink::Heartbeat here;
     here.autopilot = 12;
     Send(here);
   }
 
-  bool Send(const wire::mavlink::Message& message) { return wire_.Send(sender_.Encode(message)); }
+  bool Send(const control::wire::mavlink::Message& message) { return wire_.Send(sender_.Encode(message)); }
   const WirePeer& wire() const { return wire_; }
 
   // The next message of the kind; those before it are passed over, but for what `other` is told. None: the
   // connection is closed.
   template <class M>
-  std::optional<M> Await(const std::function<void(const wire::mavlink::Message&)>& other = {}) {
+  std::optional<M> Await(const std::function<void(const control::wire::mavlink::Message&)>& other = {}) {
     for (;;) {
       while (!waiting_.empty()) {
-        const wire::mavlink::Message message = waiting_.front();
+        const control::wire::mavlink::Message message = waiting_.front();
         waiting_.pop_front();
         if (const auto* m = std::get_if<M>(&message)) return *m;
         if (other) other(message);
       }
-      const wire::Bytes bytes = wire_.Receive();
+      const control::wire::Bytes bytes = wire_.Receive();
       if (bytes.empty()) return std::nullopt;
-      for (const wire::mavlink::Frame& frame : parser_.Stream(bytes))
-        if (const auto message = wire::mavlink::Decode(frame)) waiting_.push_back(*message);
+      for (const control::wire::mavlink::Frame& frame : parser_.Stream(bytes))
+        if (const auto message = control::wire::mavlink::Decode(frame)) waiting_.push_back(*message);
     }
   }
   bool Waiting(int within_ms) const { return !waiting_.empty() || wire_.Readable(within_ms); }
 
   bool Answer(std::uint64_t time_usec, const std::array<double, 4>& commands, bool armed = true,
               bool lockstep = true) {
-    wire::mavlink::HilActuatorControls controls;
+    control::wire::mavlink::HilActuatorControls controls;
     controls.time_usec = time_usec;
     controls.flags = lockstep ? 1 : 0;
     controls.mode = static_cast<std::uint8_t>(1 | (armed ? 128 : 0));
@@ -62,9 +62,9 @@ class Px4Peer {
 
  private:
   WirePeer wire_;
-  wire::mavlink::Sender sender_{1, 1};
-  wire::mavlink::Parser parser_{wire::mavlink::Formats()};
-  std::deque<wire::mavlink::Message> waiting_;
+  control::wire::mavlink::Sender sender_{1, 1};
+  control::wire::mavlink::Parser parser_{control::wire::mavlink::Formats()};
+  std::deque<control::wire::mavlink::Message> waiting_;
 };
 
 // Where it is, by HIL_SENSOR and HIL_GPS alone. It stands still for the first second.
@@ -72,7 +72,7 @@ class HilEstimator {
  public:
   static constexpr double kStill_s = 1;
 
-  void Take(const wire::mavlink::HilGps& gps) {
+  void Take(const control::wire::mavlink::HilGps& gps) {
     if (!home_) home_ = gps;
     constexpr double kMetresPerDegree = 111200;  // of latitude, here; to a few parts in a thousand
     const Eigen::Vector2d p(
@@ -82,7 +82,7 @@ class HilEstimator {
     state_.v_N.head<2>() += 0.3 * (Eigen::Vector2d(gps.vn, gps.ve) * 0.01 - state_.v_N.head<2>());
   }
 
-  void Take(const wire::mavlink::HilSensor& s) {
+  void Take(const control::wire::mavlink::HilSensor& s) {
     const double t_s = static_cast<double>(s.time_usec) * 1e-6, dt_s = t_s - t_s_;
     t_s_ = t_s;
     const Eigen::Vector3d force(s.xacc, s.yacc, s.zacc), w(s.xgyro, s.ygyro, s.zgyro);
@@ -118,10 +118,10 @@ class HilEstimator {
 
   PilotState state_;
   double t_s_ = 0;
-  std::optional<wire::mavlink::HilGps> home_;
+  std::optional<control::wire::mavlink::HilGps> home_;
   Eigen::Vector3d force_sum_ = Eigen::Vector3d::Zero(), w_sum_ = Eigen::Vector3d::Zero(), field_{1, 0, 0};
   double pressure_sum_ = 0;
   int still_ = 0, pressures_ = 0;
 };
 
-}  // namespace kestrel
+}  // namespace kestrel::sim

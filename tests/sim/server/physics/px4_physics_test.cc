@@ -5,16 +5,17 @@
 
 #include <atomic>
 #include <cmath>
+#include <deque>
 #include <thread>
 #include <utility>
 
 #include "tests/sim/on_ground.h"
 #include "tests/sim/server/physics/px4_peer.h"
 
-namespace kestrel {
+namespace kestrel::sim {
 namespace {
 
-namespace mav = wire::mavlink;
+namespace mav = control::wire::mavlink;
 
 Px4PhysicsParameters AnyPort() {
   Px4PhysicsParameters p;
@@ -27,7 +28,7 @@ constexpr std::array<double, 4> kStill{};
 
 // Flies one flight of the server to its end.
 struct Flown {
-  std::vector<Frame> frames;
+  std::vector<vision::Frame> frames;
   std::vector<Truth> truths;  // at the frames' exposures
   Truth last;
   std::uint64_t state_hash = 0;
@@ -133,10 +134,10 @@ TEST(Px4Physics, RepetitionsAndGarbageLetNoTimePass) {
   std::thread peer([&] {
     stamps = Exchange(physics.Where(), 100, [](Px4Peer& p, std::uint64_t t) {
       if (t > 4000) p.Answer(t - 4000, kStill);  // of before
-      p.wire().Send(wire::Bytes{0xFD, 0x51, 0x00, 0x12, 0x34});
+      p.wire().Send(control::wire::Bytes{0xFD, 0x51, 0x00, 0x12, 0x34});
       p.Answer(t, kStill);
       p.Answer(t, kStill);
-      p.wire().Send(wire::Bytes(17, 0x55));
+      p.wire().Send(control::wire::Bytes(17, 0x55));
     });
   });
   ASSERT_TRUE(physics.Begin());
@@ -151,6 +152,26 @@ TEST(Px4Physics, RepetitionsAndGarbageLetNoTimePass) {
   EXPECT_GT(physics.counts().stray_bytes, 100U);
 }
 
+TEST(Px4Physics, WhoConnectsAndIsSilentKeepsNobodyWaiting) {
+  Px4Physics physics(AnyPort(), OnGround().vehicle);
+  std::deque<WirePeer> silent;
+  for (int i = 0; i < 8; ++i) silent.emplace_back(physics.Where());
+  std::size_t served = 0;
+  bool shown_out = true;
+  std::thread peer([&] {
+    served = Exchange(physics.Where(), 3, [](Px4Peer& p, std::uint64_t t) { p.Answer(t, kStill); }).size();
+    for (const WirePeer& each : silent) shown_out = shown_out && each.Receive().empty();
+    physics.Stop();
+  });
+  EXPECT_TRUE(physics.Begin());
+  Fly(physics, OnGround());
+  peer.join();
+  EXPECT_EQ(served, 3U);  // and has not waited for half a minute: Px4Peer's patience
+  EXPECT_TRUE(shown_out);
+  EXPECT_EQ(physics.counts().flights, 1U);
+  EXPECT_EQ(physics.counts().refused, 8U);
+}
+
 TEST(Px4Physics, APeerThatGoesAndComesBackBeginsAFlightAnew) {
   Px4Physics physics(AnyPort(), OnGround().vehicle);
   const auto still = [](Px4Peer& p, std::uint64_t t) { p.Answer(t, kStill); };
@@ -159,7 +180,7 @@ TEST(Px4Physics, APeerThatGoesAndComesBackBeginsAFlightAnew) {
   std::thread peers([&] {
     {
       const WirePeer noise(physics.Where());  // no PX4
-      noise.Send(wire::Bytes(400, 0x20));
+      noise.Send(control::wire::Bytes(400, 0x20));
       shown_out = noise.Receive().empty();
     }
     first = Exchange(physics.Where(), 50, still);
@@ -259,4 +280,4 @@ TEST(Px4Physics, SaysWhatIsTheMatter) {
 }
 
 }  // namespace
-}  // namespace kestrel
+}  // namespace kestrel::sim

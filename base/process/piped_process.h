@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <sys/types.h>
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace kestrel {
+
+// Another program that eats what is written to it, or gives what is read from it, started without a shell.
+// It does not hear the terminal's interrupt, so that it can finish its file when the run is broken off.
+// Throws std::runtime_error: the program is missing, or it failed, with the last line that it said.
+class PipedProcess {
+ public:
+  enum class Direction { kWrite, kRead };
+  explicit PipedProcess(std::vector<std::string> command, Direction does = Direction::kWrite);
+  ~PipedProcess();
+  PipedProcess(const PipedProcess&) = delete;
+  PipedProcess& operator=(const PipedProcess&) = delete;
+
+  void Write(std::string_view bytes);
+  std::size_t Read(char* bytes, std::size_t most);  // less than most: its output has ended
+  void Close();                                     // the end of the pipe; waits for the program
+
+ private:
+  void Wait();
+  [[noreturn]] void Fail();
+
+  std::string name_;
+  pid_t child_ = -1;
+  int pipe_ = -1, said_ = -1, status_ = 0;
+  bool failed_ = false;
+};
+
+}  // namespace kestrel

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "base/yaml/yaml_fields.h"
+#include "control/estimate/moving_target.h"
+#include "geometry/pose.h"
+#include "mission/decision.h"
+#include "vision/camera.h"
+#include "vision/camera/camera_model.h"
+#include "vision/target/balloon_tracker.h"
+
+namespace kestrel::mission {
+
+// A coloured sphere whose diameter is known: a balloon, or the mark on another aircraft.
+struct BalloonObserverParameters {
+  vision::ColourRange colour;
+  double diameter_m = 0.5;
+  double coast_s = 0.3;  // without a measurement for longer, its place is not known any more
+  vision::BalloonTrackerOptions tracker;
+  control::MovingTargetOptions estimator;
+};
+
+template <class Visitor>
+void Fields(Visitor& v, BalloonObserverParameters& p) {
+  v("colour", p.colour);
+  v("diameter_m", p.diameter_m, 0.02, 20.0);
+  v("coast_s", p.coast_s, 0.05, 2.0);
+  v("tracker", p.tracker);
+  v("estimator", p.estimator);
+}
+
+// A range that no pixel can match is a mistake of its key.
+void CheckColour(const vision::ColourRange& colour, const std::string& key, const std::string& where,
+                 Mistakes& mistakes);
+
+// What every flight with a balloon shares: it sees it, and knows where it is and how it moves.
+class BalloonObserver {
+ public:
+  BalloonObserver(const vision::CameraModel& camera, const Pose& X_BC,
+                  const BalloonObserverParameters& parameters);
+
+  // frozen: the image is the one before; it shows nothing.
+  void Observe(const vision::Frame& frame, const control::VehicleState& state, bool frozen);
+
+  const BalloonObserverParameters& parameters() const { return parameters_; }
+  bool Measured() const { return seen_ && seen_->cone; }  // in the last image
+  bool HasEstimate() const { return estimate_ && estimate_->age_s < parameters_.coast_s; }
+  const control::MovingTarget::Estimate& where() const {
+    return *estimate_;
+  }  // now; only while it HasEstimate()
+  // The same from longer ago: where it would be now, had it gone on as it did.
+  const std::optional<control::MovingTarget::Estimate>& last_known() const { return estimate_; }
+  double age_s() const {
+    return age_s_;
+  }  // since the exposure that it was last measured in, or the beginning
+  // Whether the last image could show it: not frozen, damaged, or all of its colour.
+  bool Sees() const;
+  vision::TrackState state() const { return seen_ ? seen_->track.state : vision::TrackState::kLost; }
+  TargetState target_state() const;  // of the last image
+  std::string_view status() const;   // the same in the tracker's word, for the log
+
+  void Draw(cv::Mat& bgr) const;  // the outline that was found
+
+ private:
+  BalloonObserverParameters parameters_;
+  vision::CameraModel camera_;
+  vision::BalloonTracker tracker_;
+  control::MovingTarget target_;
+  std::optional<vision::BalloonObservation> seen_;  // none: frozen
+  std::optional<control::MovingTarget::Estimate> estimate_;
+  double age_s_ = 0;
+};
+
+}  // namespace kestrel::mission

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/camera/frame_renderer.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "base/stopwatch.h"
+
+namespace kestrel::sim {
+
+FrameRenderer::FrameRenderer(const mjModel* model, const vision::CameraModel& camera,
+                             const RenderOptions& render, const ImageParameters& image, const Pose& X_BC,
+                             const Vibration& vibration, std::uint64_t seed, bool surfaces, bool beside)
+    : model_(model),
+      camera_(camera),
+      options_(render),
+      parameters_(image),
+      sensor_(image, camera, seed),
+      control_(image.exposure, image.auto_exposure, image.gain, image.gamma),
+      instants_(model, X_BC, vibration),
+      may_repeat_(std::any_of(image.faults.begin(), image.faults.end(),
+                              [](const CameraFault& f) { return f.type == "stuck"; })),
+      surfaces_(surfaces) {
+  if (!beside) {
+    renderer_ = std::make_unique<Renderer>(model_, camera_, options_);
+    return;
+  }
+  std::promise<void> ready;
+  std::future<void> is_ready = ready.get_future();
+  thread_ = std::thread([this, ready = std::move(ready)]() mutable { Work(std::move(ready)); });
+  try {
+    is_ready.get();
+  } catch (...) {
+    thread_.join();
+    throw;
+  }
+}
+
+FrameRenderer::~FrameRenderer() {
+  {
+    const std::lock_guard lock(mutex_);
+    stop_ = true;
+  }
+  wake_.notify_one();
+  if (thread_.joinable()) thread_.join();
+}
+
+void FrameRenderer::Submit(FrameRequest shot) {
+  std::packaged_task<RenderedFrame()> task([this, s = std::move(shot)] { return Draw(s); });
+  pictures_.push_back(task.get_future());
+  if (!thread_.joinable()) return task();
+  {
+    const std::lock_guard lock(mutex_);
+    tasks_.push(std::move(task));
+  }
+  wake_.notify_one();
+}
+
+RenderedFrame FrameRenderer::Next() {
+  RenderedFrame picture = pictures_.front().get();
+  pictures_.pop_front();
+  return picture;
+}
+
+void FrameRenderer::Work(std::promise<void> ready) {
+  try {
+    renderer_ = std::make_unique<Renderer>(model_, camera_, options_);
+    ready.set_value();
+  } catch (...) {
+    renderer_.reset();
+    ready.set_exception(std::current_exception());
+    return;
+  }
+  for (;;) {
+    std::unique_lock lock(mutex_);
+    wake_.wait(lock, [this] { return stop_ || !tasks_.empty(); });
+    if (stop_) break;
+    std::packaged_task<RenderedFrame()> task = std::move(tasks_.front());
+    tasks_.pop();
+    lock.unlock();
+    task();
+  }
+  renderer_.reset();  // on the thread of its context
+}
+
+RenderedFrame FrameRenderer::Draw(const FrameRequest& shot) {
+  RenderedFrame picture;
+  if (surfaces_) Survey(shot, picture);
+  if (shot.content == FrameRequest::Content::kRepeat && !last_.empty()) {
+    picture.image = last_.clone();
+    return picture;
+  }
+  auto start = std::chrono::steady_clock::now();
+  if (shot.content == FrameRequest::Content::kGarbage) {
+    picture.image = sensor_.Garbage({vision::WidthPx(camera_), vision::HeightPx(camera_)}, shot.sequence);
+  } else {
+    const ExposureSetting setting = control_.setting();
+    const cv::Mat bgr = Render(shot, setting);
+    picture.render_s = SecondsSince(start);
+    start = std::chrono::steady_clock::now();
+    picture.image = sensor_.Expose(bgr, shot.sequence, setting);
+    if (control_.automatic()) control_.Meter(sensor_.MeanGrey(picture.image), shot.t_s);
+  }
+  picture.sensor_s = SecondsSince(start);
+  if (may_repeat_) last_ = picture.image.clone();
+  return picture;
+}
+
+void FrameRenderer::Survey(const FrameRequest& shot, RenderedFrame& picture) {
+  std::vector<Snapshot> moments = std::move(surveyed_);
+  const bool first = moments.empty();
+  if (first) surveyed_s_ = shot.t_s;
+  moments.insert(moments.end(), shot.moments.begin(), shot.moments.end());
+  const auto instants = instants_.Of(moments, surveyed_s_, shot.t_s);
+  const SceneState &before = instants.front(), &now = instants.back();
+  picture.surfaces = renderer_->Trace(now.data, now.X_NC);
+  if (!first) picture.flow_here = renderer_->Flow(before, now);
+  surveyed_ = shot.moments;
+  surveyed_s_ = shot.t_s;
+}
+
+cv::Mat FrameRenderer::Render(const FrameRequest& shot, const ExposureSetting& setting) {
+  const double line_s = parameters_.exposure.line_s;
+  const double to_end_s = line_s * (vision::HeightPx(camera_) - 1) / 2 + setting.time_s / 2;
+  const auto instants = instants_.Of(shot.moments, shot.t_s - to_end_s, shot.t_s + to_end_s);
+  if (to_end_s <= 0) return renderer_->Render(instants.front().data, instants.front().X_NC);
+  const Shutter shutter{shot.t_s - line_s * (vision::HeightPx(camera_) - 1) / 2, setting.time_s, line_s,
+                        setting.time_s > 0 ? parameters_.exposure.samples : 1};
+  return renderer_->Render(instants, shutter);
+}
+
+}  // namespace kestrel::sim

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/render/ray/pyramid_cache.h"
+
+#include <gtest/gtest.h>
+
+#include "sim/world/mjcf.h"
+
+namespace kestrel::sim {
+namespace {
+
+// With a texture of these colours, and one that all of them have.
+ModelPtr Painted(const char* rgb) {
+  CompiledModel compiled = CompileMjcf(
+      std::string(
+          R"(<mujoco><asset><texture name="own" type="2d" builtin="flat" width="8" height="8" rgb1=")") +
+      rgb + R"("/><texture name="common" type="2d" builtin="flat" width="16" height="16" rgb1="0 0 1"/>
+      </asset><worldbody/></mujoco>)");
+  EXPECT_TRUE(compiled.model) << compiled.message;
+  return std::move(compiled.model);
+}
+
+TEST(KeptPyramids, TheSamePicturesAreMadeOnce) {
+  const ModelPtr first = Painted("1 0 0"), second = Painted("1 0 0");
+  const auto made = ray::PyramidCache(first.get()).Of(0);
+  EXPECT_EQ(ray::PyramidCache(second.get()).Of(0), made);
+  EXPECT_NE(ray::PyramidCache(second.get()).Of(1), made);
+}
+
+TEST(KeptPyramids, OtherPicturesAreOthersAndTexelsAreTheirs) {
+  const ModelPtr red = Painted("1 0 0"), green = Painted("0 1 0");
+  const auto of_red = ray::PyramidCache(red.get()).Of(0), of_green = ray::PyramidCache(green.get()).Of(0);
+  EXPECT_NE(of_red, of_green);
+  EXPECT_EQ(of_green->texels, ray::MakePyramid(green.get(), 0).texels);
+  EXPECT_NE(of_green->texels, of_red->texels);
+}
+
+TEST(KeptPyramids, WhatAnotherModelDoesNotHaveIsDropped) {
+  const ModelPtr red = Painted("1 0 0"), green = Painted("0 1 0");
+  std::weak_ptr<const ray::Pyramid> own, common;
+  {
+    const ray::PyramidCache kept(red.get());
+    own = kept.Of(0), common = kept.Of(1);
+  }
+  EXPECT_FALSE(own.expired());
+  const ray::PyramidCache other(green.get());
+  EXPECT_TRUE(own.expired());
+  EXPECT_EQ(other.Of(1), common.lock());
+}
+
+}  // namespace
+}  // namespace kestrel::sim
