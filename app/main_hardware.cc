@@ -50,15 +50,15 @@ int Main(int argc, char** argv) {
       return kMet;
     }
     if (*check_command) {
-      LoadPlan(check_file, check_overrides);
+      flight::LoadPlan(check_file, check_overrides);
       fmt::print("{} is valid\n", check_file);
       return kMet;
     }
   } catch (const InputError& e) {
-    Aside("{}\n", e.what());
+    PrintNote("{}\n", e.what());
     return kBadInput;
   } catch (const std::exception& e) {
-    Aside("kestrel: {}\n", Printable(e.what()));
+    PrintNote("kestrel: {}\n", Printable(e.what()));
     return kBrokeOff;
   }
   return kBadInput;

@@ -8,6 +8,7 @@
 
 #include "flight/simulated/runner.h"
 #include "geometry/tait_bryan.h"
+#include "mission/horizon_observer.h"
 #include "tests/acceptance/flown.h"
 
 namespace kestrel {
@@ -324,7 +325,9 @@ TEST(Attitude, ACappedLensGivesNoAttitudeAndItsReason) {
                                             {"duration_s=3", "start.settle_s=3", "landscape.light=0.02",
                                              "image.gain=0.05", "image.noise_grey=0.5"});
   for (const records::LogRow& row : result.rows) {
-    EXPECT_FALSE(row.decision.attitude);
+    const auto* report = mission::ReportOf<mission::HorizonReport>(row.decision);
+    ASSERT_TRUE(report);
+    EXPECT_FALSE(report->attitude);
     EXPECT_TRUE(row.decision.target == "too_dark" || row.decision.target == "frozen_image" ||
                 row.decision.target == "no_contrast" || row.decision.target == "frozen")
         << row.decision.target;

@@ -68,7 +68,7 @@ TEST_F(FlightPlanTest, IsWhatTheScenarioSays) {
     EXPECT_EQ(plan.plan.duration_s, scenario.scenario.duration_s);
     EXPECT_EQ(plan.parts.X_BC.p, vision::MountPose(scenario.scenario.mount).p);
     EXPECT_EQ(ToYaml(plan.plan.pilot), ToYaml(scenario.scenario.pilot));
-    EXPECT_EQ(plan.parts.flight.index(), scenario.scenario.flight.index());
+    EXPECT_EQ(&plan.plan.flight.type(), &scenario.scenario.flight.type());
     EXPECT_EQ(vision::WidthPx(plan.parts.camera), vision::WidthPx(scenario.simulator.camera));
   }
 }

@@ -32,15 +32,14 @@ TEST(HorizonWatch, TurnsInTheDarkAreCountedByTheGyros) {
              : photographer.Paint(world, HeadingRotation(yaw).toRotationMatrix() * vision::LooksDown(),
                                   static_cast<int>(t_s / kFrame_s));
     Decision decision;
-    watch.Observe({image, t_s, 0}, state, decision);
-    return decision;
+    return watch.Observe({image, t_s, 0}, state, decision);
   };
   for (int i = 0; i < 3; ++i) see(0, false);
   for (int i = 0; i < 170; ++i) EXPECT_FALSE(see(kRate, true).attitude);  // one turn and a third
   see(0, false);
-  const Decision decision = see(0, false);
-  ASSERT_TRUE(decision.attitude && decision.attitude->turned) << decision.target;
-  EXPECT_NEAR(Degrees(*decision.attitude->turned), Degrees(yaw), 3);
+  const HorizonReport report = see(0, false);
+  ASSERT_TRUE(report.attitude && report.attitude->turned);
+  EXPECT_NEAR(Degrees(*report.attitude->turned), Degrees(yaw), 3);
 }
 
 }  // namespace

@@ -28,12 +28,20 @@ control::VehicleState SomeState(std::mt19937& random) {
   return s;
 }
 
+// With a column of its own, of some frames.
+const mission::MissionType kType{
+    .name = "some",
+    .summary = "",
+    .telemetry = {{"age_s", [](const mission::LogRow& row) -> std::optional<double> {
+                     return row.decision.fix ? std::optional(row.decision.fix_age_s / 3) : std::nullopt;
+                   }}}};
+
 TEST_F(RecordingTest, ReadsBackToTheSameBits) {
   std::mt19937 random(3);
   std::vector<vision::Frame> frames;
   std::vector<control::VehicleState> states;
   std::vector<mission::Decision> decisions;
-  RecordingWriter writer(folder_);
+  RecordingWriter writer(folder_, kType);
   for (int i = 0; i < 5; ++i) {
     vision::Frame frame{cv::Mat(6, 8, i % 2 ? CV_8UC3 : CV_8UC1), 0.1 * i + 1. / 3, 2 * i};
     cv::randu(frame.image, 0, 256);
@@ -73,7 +81,7 @@ TEST_F(RecordingTest, ReadsBackToTheSameBits) {
     EXPECT_EQ(got.state.landed, states[i].landed);
     EXPECT_EQ(got.state.saturated, states[i].saturated);
     EXPECT_EQ(got.state.aided, states[i].aided);
-    const RecordedDecision wanted = Recorded(decisions[i]);
+    const RecordedDecision wanted = Recorded(decisions[i], kType);
     EXPECT_EQ(got.decision.phase, wanted.phase);
     EXPECT_EQ(got.decision.target, wanted.target);
     EXPECT_EQ(got.decision.numbers, wanted.numbers);
@@ -91,7 +99,7 @@ TEST_F(RecordingTest, SaysWhatIsWrongAndWhere) {
     }
   };
   EXPECT_THAT(complaint(), HasSubstr("--images"));
-  RecordingWriter writer(folder_);
+  RecordingWriter writer(folder_, kType);
   writer.Write({cv::Mat::zeros(4, 4, CV_8U), 0, 0}, {}, {});
   writer.Close();
   const auto file = folder_ / "recording" / "frames.csv";
@@ -105,7 +113,7 @@ TEST_F(RecordingTest, SaysWhatIsWrongAndWhere) {
 
 TEST_F(RecordingTest, OfAFlightThatBrokeOffThereIsWhatWasWritten) {
   {
-    RecordingWriter writer(folder_);
+    RecordingWriter writer(folder_, kType);
     writer.Write({cv::Mat::zeros(4, 4, CV_8U), 0, 0}, {}, {});
     writer.Write({cv::Mat::zeros(4, 4, CV_8U), 1, 1}, {}, {});
   }

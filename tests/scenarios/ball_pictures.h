@@ -9,6 +9,7 @@
 #include "control/autopilot.h"
 #include "geometry/pose.h"
 #include "geometry/tait_bryan.h"
+#include "mission/mission_type.h"
 #include "vision/camera.h"
 #include "vision/camera/camera_model.h"
 #include "vision/target/balloon_fit.h"
@@ -35,6 +36,13 @@ class BallPictures {
     Eigen::Matrix3d R_BC;
     R_BC << 0, 0, 1, 1, 0, 0, 0, 1, 0;
     return {Eigen::Quaterniond(R_BC), Eigen::Vector3d::Zero()};
+  }
+
+  static mission::MissionParts Parts() {
+    mission::MissionParts parts;
+    parts.camera = Camera();
+    parts.X_BC = Mount();
+    return parts;
   }
 
   static cv::Mat Plain(const cv::Scalar& colour = {105, 115, 110}) {

@@ -180,7 +180,7 @@ TEST_F(FlyTest, AnImageThatCameAndCannotBeFlownByIsNotSaidToBeNone) {
   class Other final : public vision::ImageSource {
     bool Open() override { return true; }
     std::optional<vision::Grabbed> Grab() override { return std::nullopt; }
-    std::string Trouble() const override { return "an image of 320x240 came"; }
+    std::string Error() const override { return "an image of 320x240 came"; }
   };
   vision::LiveCamera camera([] { return std::make_unique<Other>(); }, {});
   std::vector<std::string> told;
@@ -221,10 +221,11 @@ TEST_F(FlyTest, AFlightLeavesItsRecords) {
   const records::Recording recording(folder_);
   EXPECT_EQ(static_cast<std::int64_t>(recording.frames().size()), report.frames - report.records_dropped);
   // Its plan is a plan again, and its images give the same decisions.
-  const auto mission = scenarios::MakeMission(LoadPlan((folder_ / "scenario.yaml").string()).parts);
+  const LoadedPlan plan = LoadPlan((folder_ / "scenario.yaml").string());
+  const auto mission = plan.plan.flight->Make(plan.parts);
   for (std::size_t i = 0; i < recording.frames().size(); ++i) {
-    const records::RecordedDecision now =
-        records::Recorded(mission->Step(recording.At(i), recording.frames()[i].state));
+    const records::RecordedDecision now = records::Recorded(
+        mission->Step(recording.At(i), recording.frames()[i].state), plan.plan.flight.type());
     EXPECT_EQ(now.numbers, recording.frames()[i].decision.numbers) << i;
   }
 }
@@ -440,6 +441,8 @@ TEST_F(FlyTest, AMissionThatDoesNotDeclareItsTargetIsNotFlown) {
   EXPECT_THAT(mistakes.messages()[0], ::testing::AllOf(HasSubstr("'sketch'"), HasSubstr("Mission::Target")));
 }
 
+std::unique_ptr<mission::Mission> Made(const LoadedPlan& plan) { return plan.plan.flight->Make(plan.parts); }
+
 TEST_F(FlyTest, EveryMissionOfOursDeclaresWhetherItNeedsItsTarget) {
   for (const auto& [name, need] : {std::pair{"pose", mission::TargetNeed::kInSight},
                                    {"hover", mission::TargetNeed::kInSight},
@@ -448,7 +451,7 @@ TEST_F(FlyTest, EveryMissionOfOursDeclaresWhetherItNeedsItsTarget) {
                                    {"attitude_1", mission::TargetNeed::kNone},
                                    {"gyro_failure", mission::TargetNeed::kNone},
                                    {"avoid", mission::TargetNeed::kNone}})
-    EXPECT_EQ(scenarios::MakeMission(LoadPlan(name).parts)->Target(), need) << name;
+    EXPECT_EQ(Made(LoadPlan(name))->Target(), need) << name;
 }
 
 // A source of noise shows no pad.

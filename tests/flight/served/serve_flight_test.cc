@@ -222,8 +222,8 @@ TEST_F(ServeFlightTest, WhatTheWireBroughtIsCountedOnceAndWhatIsNotHeededIsTold)
   server.sends = control::VelocitySetpoint{};
   server.counts_each = false;
   server.heard.refused = 2;
-  server.heard.CountIgnored(unheeded::kImpossible, "TELEOP nan 0 0 0", 2);
-  server.heard.CountIgnored(unheeded::kDamaged, "shorter than a header", 40000);
+  server.heard.CountIgnored(sim::unheeded::kImpossible, "TELEOP nan 0 0 0", 2);
+  server.heard.CountIgnored(sim::unheeded::kDamaged, "shorter than a header", 40000);
   std::vector<std::string> said;
   ServeOptions options;
   options.clock = clock.Clock();

@@ -6,6 +6,7 @@
 #include "base/file/model_files.h"
 #include "flight/simulated/runner.h"
 #include "records/telemetry/metrics.h"
+#include "scenarios/flights.h"
 
 namespace kestrel::flight {
 namespace {
@@ -32,7 +33,8 @@ TEST(PossibleMetrics, HoldWhatFlightsOfEachMissionHave) {
       {"gyro_failure", {"roll_rmse_deg", "failure_tilt_rms_deg"}},
       {"follow", {"in_view_share", "followed_share"}},
       {"avoid", {"closest_m", "manoeuvred"}}};
-  ASSERT_EQ(known.size(), scenarios::MissionNames().size());
+  scenarios::AddFlights();
+  ASSERT_EQ(known.size(), mission::MissionNames().size());
   for (const auto& [name, telling] : known) {
     std::vector<std::string> overrides = {"duration_s=0.4", "start.settle_s=0.2", "image.rate_hz=10",
                                           "criteria={}"};

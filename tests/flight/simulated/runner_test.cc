@@ -59,7 +59,7 @@ TEST_F(RunnerTest, ARunLeavesAllItsRecords) {
     EXPECT_EQ(line, records::TelemetryLine(row));
   }
   EXPECT_FALSE(std::getline(telemetry, line));
-  EXPECT_EQ(s.metrics, records::Metrics(result.rows, std::nullopt));
+  EXPECT_EQ(s.metrics, records::Metrics(result.rows, std::nullopt, &loaded.scenario.flight.type()));
   EXPECT_NEAR(s.sim_s, 2.05, 1e-9);
 
   const records::Summary read = records::ReadSummary(folder_ / "run/summary.json");

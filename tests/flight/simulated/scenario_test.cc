@@ -12,6 +12,8 @@
 #include <sstream>
 
 #include "records/telemetry/metrics.h"
+#include "scenarios/hover/hover.h"
+#include "scenarios/landing/landing.h"
 #include "tests/support/temporary_folder.h"
 
 namespace kestrel::flight {
@@ -76,7 +78,7 @@ TEST_F(ScenarioTest, EveryScenarioIsValidAndItsResolvedTextReadsBackTheSame) {
     EXPECT_EQ(again.scenario.seed, UINT64_MAX);
     EXPECT_EQ(again.simulator.wind.mean_m_s, 1.2345678901234567);
     EXPECT_EQ(again.simulator.start.offset_m, Eigen::Vector2d(0.1, -0.2));
-    EXPECT_EQ(again.scenario.flight.index(), loaded.scenario.flight.index());
+    EXPECT_EQ(&again.scenario.flight.type(), &loaded.scenario.flight.type());
     ASSERT_TRUE(again.scenario.criteria.count("fix_share"));
     EXPECT_EQ(*again.scenario.criteria.at("fix_share").max, 0.99);
   }
@@ -94,21 +96,21 @@ TEST_F(ScenarioTest, TheResolvedTextHoldsEveryValue) {
 TEST_F(ScenarioTest, AFileNeedsNothingButItsMission) {
   const LoadedScenario loaded = LoadScenario(Write("my_flight.yaml", "mission: hover\n"));
   EXPECT_EQ(loaded.scenario.name, "my_flight");
-  EXPECT_EQ(std::get<scenarios::HoverFlight>(loaded.scenario.flight).height_m,
-            scenarios::HoverFlight{}.height_m);
+  EXPECT_EQ(loaded.scenario.flight.As<scenarios::HoverFlight>()->height_m, scenarios::HoverFlight{}.height_m);
   EXPECT_EQ(std::get<sim::MultirotorParameters>(loaded.simulator.vehicle).mass_kg, 1.3);
   EXPECT_EQ(vision::WidthPx(loaded.simulator.camera), 640);
   EXPECT_EQ(loaded.simulator.autopilot.roll.gain, 0.80);
   EXPECT_EQ(loaded.simulator.scene.pad.size_m, Eigen::Vector2d(1.19, 0.91));
   EXPECT_NEAR(loaded.pad.length_m, 1.19, 1e-12);
-  EXPECT_TRUE(scenarios::MakeMission(PartsOf(loaded, sim::MakeModel(loaded.simulator.scene, false).get())));
+  EXPECT_TRUE(
+      loaded.scenario.flight->Make(PartsOf(loaded, sim::MakeModel(loaded.simulator.scene, false).get())));
 }
 
 TEST_F(ScenarioTest, OverridesReachTheSimulatorAndTheFlight) {
   const LoadedScenario loaded =
       LoadScenario("landing", {"flight.blind_m=0.5", "seed=42", "image.latency_s=0.2", "occlusion.share=0.7",
                                "pad.yaw_deg=33", "mount.pitch_deg=10", "sensors.gps_horizontal_m.white=0.7"});
-  EXPECT_EQ(std::get<scenarios::LandingFlight>(loaded.scenario.flight).blind_m, 0.5);
+  EXPECT_EQ(loaded.scenario.flight.As<scenarios::LandingFlight>()->blind_m, 0.5);
   EXPECT_EQ(loaded.simulator.seed, 42u);
   EXPECT_EQ(loaded.simulator.image.latency_s, 0.2);
   EXPECT_EQ(loaded.simulator.occlusion.share, 0.7);

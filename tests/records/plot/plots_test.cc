@@ -11,6 +11,11 @@
 
 #include "control/law/sphere_target.h"
 #include "geometry/tait_bryan.h"
+#include "mission/horizon_observer.h"
+#include "scenarios/attitude/attitude.h"
+#include "scenarios/avoid/avoid.h"
+#include "scenarios/follow/follow.h"
+#include "scenarios/follow/follow_report.h"
 #include "tests/support/temporary_folder.h"
 
 namespace kestrel::records {
@@ -90,16 +95,24 @@ TEST_F(PlotsTest, ErrorIsTheFixLessTheTruthInThePadsFrame) {
   EXPECT_NEAR(CentreOf(picture, kMiddlePanel, kYaw, 0, 1).y, kMiddlePanel.y + kMiddlePanel.height / 2, 25);
 }
 
+PlotOptions PlotsOf(const mission::MissionType& type) {
+  PlotOptions options;
+  options.mission = &type;
+  return options;
+}
+
 TEST_F(PlotsTest, AnAttitudeIsDrawnBesideItsErrors) {
   std::vector<LogRow> rows = Climb({0, 0, 0}, 0);
   for (LogRow& row : rows) {
     row.decision.fix.reset();
     const double t = row.exposure.t_s, roll = Radians(2 * t);
     row.exposure.X_NB.R = Eigen::Quaterniond(RotationFromTaitBryan({0, 0, roll}));
-    row.decision.attitude =
-        mission::AttitudeFix{roll + Radians(t < 5 ? -1 : 1), 0, Radians(1), Radians(1), {}, 0};
+    const auto report = std::make_shared<mission::HorizonReport>();
+    report->attitude = mission::AttitudeFix{roll + Radians(t < 5 ? -1 : 1), 0, Radians(1), Radians(1), {}, 0};
+    row.decision.report = report;
   }
-  DrawPlots(folder_, rows, {});
+  const mission::MissionType type = TypeOf(scenarios::AttitudeFlight{});
+  DrawPlots(folder_, rows, PlotsOf(type));
   EXPECT_FALSE(std::filesystem::exists(folder_ / "error.png"));
   const cv::Mat picture = Picture("attitude.png");
   ASSERT_EQ(picture.size(), cv::Size(1600, 1000));
@@ -133,8 +146,11 @@ std::vector<LogRow> Following() {
     const bool lost = t > 4 && t < 6;
     row.decision.phase = lost ? "look around" : "follow";
     const control::SphereImage wanted{Eigen::Vector2d(0.2, 0), 0.15};
-    if (!lost)
-      row.decision.sight = mission::BalloonSight{control::SphereImageOf(balloon.p_V, 0.5), wanted, 400};
+    if (!lost) {
+      const auto report = std::make_shared<scenarios::FollowReport>();
+      report->sight = {control::SphereImageOf(balloon.p_V, 0.5), wanted, 400};
+      row.decision.report = report;
+    }
     row.decision.setpoint = control::VelocitySetpoint{{1 - 0.2 * t, 0, -0.5}, Radians(10 * t - 50)};
     rows.push_back(row);
   }
@@ -142,7 +158,8 @@ std::vector<LogRow> Following() {
 }
 
 TEST_F(PlotsTest, FollowingShowsTheImageBesideWhatIsWantedOfIt) {
-  DrawPlots(folder_, Following(), {});
+  const mission::MissionType type = TypeOf(scenarios::FollowFlight{});
+  DrawPlots(folder_, Following(), PlotsOf(type));
   EXPECT_FALSE(Has(folder_, "error.png"));  // there is no pad
   EXPECT_FALSE(Has(folder_, "encounter.png"));
   const cv::Mat picture = Picture("follow.png");
@@ -183,7 +200,8 @@ std::vector<LogRow> Passing() {
 }
 
 TEST_F(PlotsTest, AnEncounterIsAMapWithNorthUpAndOneScale) {
-  DrawPlots(folder_, Passing(), {});
+  const mission::MissionType type = TypeOf(scenarios::AvoidFlight{});
+  DrawPlots(folder_, Passing(), PlotsOf(type));
   EXPECT_FALSE(Has(folder_, "error.png"));
   EXPECT_FALSE(Has(folder_, "follow.png"));
   const cv::Mat picture = Picture("encounter.png");

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "geometry/tait_bryan.h"
+#include "scenarios/avoid/avoid_report.h"
 
 namespace kestrel::scenarios {
 namespace {
@@ -60,12 +61,18 @@ TEST(AvoidMetrics, OfSeveralOthersAndOfTheEndsTheNearestCounts) {
   EXPECT_EQ(MetricsOf(rows).at("closest_s"), 4);
 }
 
+std::shared_ptr<const AvoidReport> Reported(const Encounter& encounter) {
+  const auto report = std::make_shared<AvoidReport>();
+  report->encounter = encounter;
+  return report;
+}
+
 TEST(AvoidMetrics, TheShareIsOfWhatTheThesisBearingAllowsWhereOneWasFirstHeld) {
   std::vector<records::LogRow> rows;
   for (int k = 0; k <= 10; ++k) rows.push_back(Row(k, {2.0 * k, 0, -4}, {{14, 3, -4}}));
-  rows[1].decision.encounter = mission::Encounter{};  // seen, and nothing to be done
-  rows[5].decision.encounter = mission::Encounter{.wanted = Radians(-60)};
-  rows[6].decision.encounter = mission::Encounter{.wanted = Radians(-80)};
+  rows[1].decision.report = Reported({});  // seen, and nothing to be done
+  rows[5].decision.report = Reported({.wanted = Radians(-60)});
+  rows[6].decision.report = Reported({.wanted = Radians(-80)});
   const auto m = MetricsOf(rows);
   EXPECT_EQ(m.at("manoeuvred"), 1);
   EXPECT_EQ(m.at("manoeuvre_s"), 5);
@@ -89,7 +96,7 @@ TEST(AvoidMetrics, TheCourseIsThatOfTheHeadingAtTheBeginning) {
 
 TEST(AvoidMetrics, AllOfThemHaveNames) {
   std::vector<records::LogRow> rows = {Row(0, {0, 0, -4}, {{9, 0, -4}}), Row(1, {1, 0, -4}, {{9, 0, -4}})};
-  rows[1].decision.encounter = mission::Encounter{.wanted = 1.0};
+  rows[1].decision.report = Reported({.wanted = 1.0});
   std::vector<std::string> names;
   for (const auto& [name, value] : MetricsOf(rows)) names.push_back(name);
   EXPECT_THAT(names, ::testing::UnorderedElementsAreArray(AvoidMetricNames()));

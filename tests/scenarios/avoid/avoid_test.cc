@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scenarios/avoid/avoid_report.h"
 #include "tests/scenarios/ball_pictures.h"
 
 namespace kestrel::scenarios {
@@ -26,7 +27,7 @@ class Flyer {
     return flight;
   }
   explicit Flyer(const AvoidFlight& flight = Flight(), double course = 0)
-      : yaw(course), mission_(MakeMission(flight, BallPictures::Camera(), BallPictures::Mount(), {}, 1)) {}
+      : yaw(course), mission_(MakeMission(flight, BallPictures::Parts())) {}
 
   // What is seen, and then it flies on by what is decided.
   mission::Decision See(const cv::Mat& image, double frame_s = BallPictures::kFrame_s) {
@@ -71,7 +72,7 @@ TEST(Avoid, WithNobodyAboutItFliesStraightOnItsCourse) {
   for (int i = 0; i < 10; ++i) {
     const mission::Decision d = f.See(std::vector<Ball>{});
     EXPECT_EQ(d.phase, "cruise");
-    EXPECT_FALSE(d.encounter);
+    EXPECT_FALSE(EncounterOf(d));
     EXPECT_LT((Flyer::Command(d).v_H - Vector3d(kSpeed_m_s, 0, 0)).norm(), 1e-9);
     EXPECT_NEAR(Flyer::Command(d).yaw_rate, 0, 1e-9);
   }
@@ -84,9 +85,9 @@ TEST(Avoid, WhatIsRightAheadIsHeldOnTheSideWhereItIsSeen) {
     EXPECT_EQ(d.phase, "avoid");
     EXPECT_EQ(d.target, "tracked");
     EXPECT_LT(side * Flyer::Command(d).yaw_rate, -0.1);  // away from it
-    ASSERT_TRUE(d.encounter && d.encounter->wanted);
-    EXPECT_GE(side * *d.encounter->wanted, Radians(50));
-    EXPECT_NEAR(d.encounter->range_m, (Mark(10, 0.4 * side).p_N - f.p_N).head<2>().norm(), 0.4);
+    ASSERT_TRUE(EncounterOf(d) && EncounterOf(d)->wanted);
+    EXPECT_GE(side * *EncounterOf(d)->wanted, Radians(50));
+    EXPECT_NEAR(EncounterOf(d)->range_m, (Mark(10, 0.4 * side).p_N - f.p_N).head<2>().norm(), 0.4);
     EXPECT_NEAR(Flyer::Command(d).v_H.x(), kSpeed_m_s, 1e-12);
   }
 }
@@ -95,15 +96,15 @@ TEST(Avoid, WhatStandsAsideOfTheCourseIsLeftThere) {
   Flyer f;
   const mission::Decision d = f.See({Mark(10, 4)}, kConfirmed);
   EXPECT_EQ(d.phase, "cruise");
-  ASSERT_TRUE(d.encounter);
-  EXPECT_FALSE(d.encounter->wanted);
-  EXPECT_NEAR(d.encounter->miss_m, 4, 0.4);
+  ASSERT_TRUE(EncounterOf(d));
+  EXPECT_FALSE(EncounterOf(d)->wanted);
+  EXPECT_NEAR(EncounterOf(d)->miss_m, 4, 0.4);
   EXPECT_NEAR(Flyer::Command(d).yaw_rate, 0, 1e-9);
 }
 
 TEST(Avoid, WhoIsSeenOnceOrFarAboveOrBelowIsNoThreat) {
   Flyer once;
-  EXPECT_FALSE(once.See({Mark(10, 0.4)}, 4).encounter);
+  EXPECT_FALSE(EncounterOf(once.See({Mark(10, 0.4)}, 4)));
   for (int i = 0; i < 20; ++i) EXPECT_EQ(once.See(std::vector<Ball>{}).phase, "cruise");
   for (const double height : {4.6, -4.6}) {
     Ball ball = Mark(9.5, 0.2);
@@ -128,8 +129,8 @@ TEST(Avoid, WithoutAvoidingItSeesThemAndNeverTurns) {
     EXPECT_NEAR(Flyer::Command(d).yaw_rate, 0, 1e-9);
     EXPECT_EQ(d.phase, "cruise");
     if (i < 10) continue;
-    ASSERT_TRUE(d.encounter);
-    EXPECT_LT(d.encounter->miss_m, 1);
+    ASSERT_TRUE(EncounterOf(d));
+    EXPECT_LT(EncounterOf(d)->miss_m, 1);
   }
 }
 
@@ -224,9 +225,9 @@ TEST(Avoid, WhoHasNotBeenSeenForLongerThanItRemembersIsForgotten) {
   flight.avoids = false;
   flight.memory_s = 0.5;
   Flyer f(flight);
-  EXPECT_TRUE(f.See({Mark(10, 0.4)}, 8).encounter);
-  EXPECT_TRUE(f.See({}, 9).encounter);
-  EXPECT_FALSE(f.See({}, 3).encounter);
+  EXPECT_TRUE(EncounterOf(f.See({Mark(10, 0.4)}, 8)));
+  EXPECT_TRUE(EncounterOf(f.See({}, 9)));
+  EXPECT_FALSE(EncounterOf(f.See({}, 3)));
 }
 
 TEST(Avoid, ABlackAWhiteAndAnImageOfOneColourTurnNothingAndStopIt) {

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <functional>
 
+#include "scenarios/follow/follow_report.h"
+
 namespace kestrel::scenarios {
 namespace {
 
@@ -21,7 +23,11 @@ records::LogRow Row(double t_s, const control::SphereImage& wanted, const contro
   row.now.targets = {
       {.diameter_m = kDiameter_m, .p_V = {image.s.x() * Z, image.s.y() * Z, Z}, .in_view = true}};
   row.exposure = row.now;
-  if (seen) row.decision.sight = mission::BalloonSight{{}, wanted, kFocal_px};
+  if (seen) {
+    const auto report = std::make_shared<FollowReport>();
+    report->sight = {{}, wanted, kFocal_px};
+    row.decision.report = report;
+  }
   return row;
 }
 

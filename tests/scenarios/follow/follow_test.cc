@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "scenarios/follow/follow_report.h"
 #include "tests/scenarios/ball_pictures.h"
 
 namespace kestrel::scenarios {
@@ -26,7 +27,7 @@ class Follower {
     return flight;
   }
   explicit Follower(const FollowFlight& flight = Impatient())
-      : mission_(MakeMission(flight, BallPictures::Camera(), BallPictures::Mount(), {}, 1)) {}
+      : mission_(MakeMission(flight, BallPictures::Parts())) {}
 
   mission::Decision See(const cv::Mat& image) {
     t_s_ += kFrame_s;
@@ -69,8 +70,8 @@ TEST(Follow, WhereItIsWantedItIsLeftThere) {
   const mission::Decision d = f.See({Ball{}}, 20);
   EXPECT_EQ(d.phase, "follow");
   EXPECT_EQ(d.target, "tracked");
-  ASSERT_TRUE(d.sight);
-  EXPECT_LT((d.sight->now.Vector() - Vector3d(0, 0, 0.5 / 6)).norm(), 0.002);
+  ASSERT_TRUE(SightOf(d));
+  EXPECT_LT((SightOf(d)->now.Vector() - Vector3d(0, 0, 0.5 / 6)).norm(), 0.002);
   EXPECT_LT(Follower::Command(d).v_H.norm(), 0.1);
   EXPECT_LT(std::abs(Follower::Command(d).yaw_rate), 0.02);
 }
@@ -92,9 +93,9 @@ TEST(Follow, TheReferenceIsTheNewestThatHasBegun) {
   FollowFlight flight = Follower::Impatient();
   flight.reference = {{.from_s = 0, .diameter_px = 16}, {.from_s = 0.42, .u_px = 40, .diameter_px = 16}};
   Follower f(flight);
-  EXPECT_EQ(f.See({Ball{}}, 8).sight->wanted.s.x(), 0);  // 0.4 s
+  EXPECT_EQ(SightOf(f.See({Ball{}}, 8))->wanted.s.x(), 0);  // 0.4 s
   const mission::Decision d = f.See(std::vector<Ball>{Ball{}});
-  EXPECT_NEAR(d.sight->wanted.s.x(), 40 / BallPictures::kFocal_px, 1e-12);
+  EXPECT_NEAR(SightOf(d)->wanted.s.x(), 40 / BallPictures::kFocal_px, 1e-12);
   EXPECT_LT(Follower::Command(d).yaw_rate, -0.1);  // to have it to the right it turns left
 }
 
@@ -106,7 +107,7 @@ TEST(Follow, NeverSeenItStopsLooksAroundAndGivesUp) {
     ExpectStill(d);
     EXPECT_EQ(d.target, "searching");
     EXPECT_TRUE(d.outcome.empty());
-    EXPECT_FALSE(d.sight);
+    EXPECT_FALSE(SightOf(d));
     if (f.t_s() < 0.3) {
       EXPECT_EQ(Follower::Command(d).yaw_rate, 0);
       EXPECT_EQ(d.phase, "stop");
@@ -158,7 +159,7 @@ TEST(Follow, AFrozenImageIsNamedAndNotFlownAfter) {
     EXPECT_EQ(d.target, "frozen");
   }
   ExpectStill(d);
-  EXPECT_FALSE(d.sight);
+  EXPECT_FALSE(SightOf(d));
 }
 
 TEST(Follow, FromABalloonThatFillsTheImageItBacksOff) {

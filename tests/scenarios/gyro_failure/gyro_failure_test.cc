@@ -7,6 +7,7 @@
 #include <string>
 
 #include "geometry/tait_bryan.h"
+#include "mission/horizon_observer.h"
 #include "tests/vision/horizon/skyline_photographer.h"
 #include "vision/camera/camera_model.h"
 
@@ -16,11 +17,17 @@ namespace {
 constexpr double kFrame_s = 0.05;
 constexpr double kYaw = Radians(40);  // by the autopilot's own north
 
+mission::MissionParts Parts(const vision::CameraModel& camera) {
+  mission::MissionParts parts;
+  parts.camera = camera;
+  parts.X_BC = {Eigen::Quaterniond(vision::LooksDown()), {0, 0, 0}};
+  return parts;
+}
+
 // The mission over a painted world; the aircraft stands level in the air, whatever its autopilot believes.
 class Watcher {
  public:
-  explicit Watcher(const GyroFailureFlight& flight = {})
-      : mission_(MakeMission(flight, camera_, {Eigen::Quaterniond(vision::LooksDown()), {0, 0, 0}}, {}, 1)) {
+  explicit Watcher(const GyroFailureFlight& flight = {}) : mission_(MakeMission(flight, Parts(camera_))) {
     picture_ = vision::SkylinePhotographer(camera_).Paint({}, vision::LooksDown(), 1);
   }
 
@@ -165,7 +172,9 @@ TEST(GyroFailure, WhatCannotBeComparedIsNotOnTrial) {
   mission::Decision d;
   for (int i = 0; i < 15; ++i) d = w.See(w.Sound(8), true);  // dark for longer than a sight is fresh
   EXPECT_EQ(d.phase, "by sight: own attitude wrong");
-  EXPECT_NEAR(d.coasting_s.value_or(-1), 15 * kFrame_s, 1e-6);
+  const auto* report = mission::ReportOf<mission::HorizonReport>(d);
+  ASSERT_TRUE(report);
+  EXPECT_NEAR(report->coasting_s.value_or(-1), 15 * kFrame_s, 1e-6);
 }
 
 }  // namespace

@@ -12,7 +12,7 @@
 
 #include "sim/world/frames.h"
 
-namespace kestrel::reference {
+namespace kestrel::sim::reference {
 namespace {
 
 using Eigen::Vector2d;
@@ -622,4 +622,4 @@ cv::Mat Flow(const mjModel* model, const mjData* data, const Pose& X_NC, const m
   return flow;
 }
 
-}  // namespace kestrel::reference
+}  // namespace kestrel::sim::reference

@@ -15,7 +15,7 @@
 // every geom and every triangle, in double. The rules are those of MuJoCo's own OpenGL renderer without
 // shadows and reflections, but shapes are exact, light is computed at each point of a surface and not at its
 // vertices, and textures are only interpolated: many rays through each pixel do the filtering.
-namespace kestrel::reference {
+namespace kestrel::sim::reference {
 
 // A surface that a ray meets.
 struct Hit {
@@ -51,4 +51,4 @@ SurfaceErrors ErrorsOf(const Surfaces& seen, const mjModel* model, const mjData*
 cv::Mat Flow(const mjModel* model, const mjData* data, const Pose& X_NC, const mjData* next_data,
              const Pose& X_NC_next, const vision::CameraModel& camera);
 
-}  // namespace kestrel::reference
+}  // namespace kestrel::sim::reference

@@ -109,8 +109,7 @@ TEST(ReleaseOverWires, AscTec) {
   AscTecServer server({});
   control::AscTecOptions options;
   options.device = server.Where().substr(std::string("serial:").size());
-  options.mode =
-      "gps";  // in the other the velocity loop is at our end: tests/control/link/asctec_link_test.cc
+  options.mode = "gps";  // in the other the velocity loop is at our end: tests/sim/server/asctec_link_test.cc
   control::AscTecLink link(options);
   ExpectLetGo(server, link);
 }

@@ -12,6 +12,8 @@
 namespace kestrel::sim::ardupilot {
 namespace {
 
+using control::wire::Bytes;
+
 TEST(ArduPilotJson, ServoPacketsAreReadByTheirLayout) {
   Bytes bytes{0x1A, 0x48, 0xB0, 0x04, 0x78, 0x56, 0x34, 0x12};  // 18458, 1200, 0x12345678
   for (int i = 0; i < 16; ++i) bytes.insert(bytes.end(), {static_cast<std::uint8_t>(i), 0x04});

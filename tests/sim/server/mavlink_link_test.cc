@@ -141,8 +141,8 @@ TEST(MavlinkServer, TakesNothingFromAnAddressThatDidNotOpenTheSession) {
   ASSERT_TRUE(late.Heard());
   EXPECT_LT(late.Drain(), 5 + (Now_s() - begun_s) / sim::MavlinkServer::kTellAgain_s);
   const auto& unheeded = served.server.Heard().unheeded;
-  EXPECT_GE(unheeded.at(unheeded::kSecondClient).count, 50U);
-  EXPECT_GE(unheeded.at(unheeded::kNoSession).count, 100U);
+  EXPECT_GE(unheeded.at(sim::unheeded::kSecondClient).count, 50U);
+  EXPECT_GE(unheeded.at(sim::unheeded::kNoSession).count, 100U);
   EXPECT_EQ(served.server.Heard().setpoints, 0U);
   EXPECT_FALSE(early.Heard());
   EXPECT_EQ(link.State().mode, FlightMode::kHold);

@@ -519,7 +519,7 @@ TEST(AscTecSession, DamagedBytesCostWhatTheyHitAndNoMore) {
   }
   EXPECT_GT(line.session.Health(line.t_s).refused, 50u);
   EXPECT_EQ(line.processor.heard().followed, aircraft.heard.size());
-  EXPECT_GT(line.processor.heard().unheeded.at(unheeded::kDamaged).count, 0u);
+  EXPECT_GT(line.processor.heard().unheeded.at(sim::unheeded::kDamaged).count, 0u);
   EXPECT_GT(states, 200);  // of 500
   EXPECT_GT(aircraft.heard.size(), 250u);
   EXPECT_LT(oldest_s, 0.6);
