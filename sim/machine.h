@@ -12,12 +12,13 @@ namespace kestrel::sim {
 // the same, bit for bit, as long as the ray renderer draws them. By name:
 //   instruction_set  that the ray renderer and Embree go by
 //   reciprocals      hash of the processor's approximate reciprocals, which Embree begins with and vendors
-//   make
-//                    each their own way
-//   c_library        with its version; mathematics: the variant of its sine, exponential, ...: fma, fma4,
-//   sse2 opencv           version, and the processor's features beyond its baseline that it uses lapack the
-//   library that solves larger systems for OpenCV embree, mujoco   versions build            compiler, and
-//   versions of what is compiled in
+//                    make each their own way
+//   c_library        with its version
+//   mathematics      the variant of its sine, exponential, ...: fma, fma4, sse2
+//   opencv           version, and the processor's features beyond its baseline that it uses
+//   lapack           the library that solves larger systems for OpenCV
+//   embree, mujoco   versions
+//   build            compiler, and versions of what is compiled in
 using Machine = std::map<std::string, std::string>;
 
 // This one, by the instruction set that is in use now.

@@ -39,7 +39,7 @@ void BenchFollow(flight::SeedRange seeds, int jobs, std::vector<records::Figure>
     overrides.push_back("flight.law=" + law);
     return flight::FlyAll(scenario, overrides, seeds, jobs, fmt::format("{}, {}", scenario, law));
   };
-  for (const std::string law : {"whole", "decoupled"}) {
+  for (const std::string law : {"coupled", "decoupled"}) {
     const auto flights = fly("follow_step", law, {});
     const std::string name = "step of u, calm, " + law;
     add(name + ": settling to 5 %, worst", Largest(flight::Values(flights, "step_u_settle_s")), "s", 3, false,
@@ -49,7 +49,7 @@ void BenchFollow(flight::SeedRange seeds, int jobs, std::vector<records::Figure>
     add("step of diameter, calm, " + law + ": distance error, worst",
         100 * Largest(flight::Values(flights, "step_distance_error")), "%", 5, false, "visible");
   }
-  for (const std::string law : {"whole", "decoupled"}) {
+  for (const std::string law : {"coupled", "decoupled"}) {
     const auto flights = fly("follow_step", law, {"wind.mean_m_s=3", "wind.turbulence=true", "criteria={}"});
     const auto u = flight::Values(flights, "follow_u_rms_px");
     add("steady, 3 m/s wind, " + law + ": u, RMS of all", Rms(u), "px", 4);
@@ -59,7 +59,7 @@ void BenchFollow(flight::SeedRange seeds, int jobs, std::vector<records::Figure>
   }
   for (const int speed : {1, 2}) {
     std::vector<std::vector<double>> u, distance;
-    for (const std::string law : {"whole", "decoupled"}) {
+    for (const std::string law : {"coupled", "decoupled"}) {
       const auto flights = fly("follow", law, {fmt::format("targets.0.roam_m_s={}", speed)});
       const std::string name = fmt::format("paths to {} m/s, {}", speed, law);
       const auto in_view = flight::Values(flights, "in_view_share");
@@ -72,7 +72,7 @@ void BenchFollow(flight::SeedRange seeds, int jobs, std::vector<records::Figure>
       add(name + ": u, RMS of all", Rms(u.back()), "px");
     }
     if (seeds.last - seeds.first < 2) continue;
-    const std::string name = fmt::format("paths to {} m/s, decoupled less whole", speed);
+    const std::string name = fmt::format("paths to {} m/s, decoupled less coupled", speed);
     const Mean95 in_u = MeanOfDifferences(u[1], u[0]),
                  in_distance = MeanOfDifferences(distance[1], distance[0]);
     add(name + ": u, RMS, mean", in_u.mean, "px", {}, false, "unimportant");

@@ -9,7 +9,7 @@
 namespace kestrel::bench {
 
 // Thesis 5.4.2: steps of where a balloon is wanted in the image, in a calm and in wind, and balloons that are
-// carried about at up to 1 and 2 m/s; each by the whole law (5.20) and by the decoupled one (5.25), from the
+// carried about at up to 1 and 2 m/s; each by the coupled law (5.20) and by the decoupled one (5.25), from the
 // same seeds.
 void BenchFollow(flight::SeedRange seeds, int jobs, std::vector<records::Figure>& table);
 

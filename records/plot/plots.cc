@@ -228,7 +228,7 @@ void DrawPlots(const std::filesystem::path& folder, const std::vector<LogRow>& r
     gnuplot.Write(Data(samples, rows));
     gnuplot.Write(Position(file("position.png"), samples, rows, options, fix));
     gnuplot.Write(Trajectory(file("trajectory.png"), samples, rows, options));
-    if (fix || (options.pad_size_m && options.mission && options.mission->looks_for_pad))
+    if (fix || (options.pad_size_m && (!options.mission || options.mission->looks_for_pad)))
       gnuplot.Write(Error(file("error.png"), samples, rows, title));
     if (options.mission)
       for (const mission::MissionPlot& plot : options.mission->plots)

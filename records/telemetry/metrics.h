@@ -37,8 +37,7 @@ bool NeedsDecisions(const std::string& metric);
 //   rest_error_m, rest_tilt_deg           at the end of a landing
 //   greatest_tilt_deg                     of the flight
 //   failure_attitude_rms_deg              while the autopilot's own attitude has failed: "down" as it is
-//   flown
-//                                         by, from the truth
+//                                         flown by, from the truth
 //   failure_tilt_rms_deg                  the same time: from level, lean against the wind and all
 //   failure_heading_worst_deg, failure_height_worst_m, failure_place_worst_m
 //                                         the same time: farthest from where the aircraft was at its
