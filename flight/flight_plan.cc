@@ -55,7 +55,7 @@ LoadedPlan LoadWhole(const fs::path& file, const std::vector<std::string>& overr
   PassOverWorld(config.root, "");
   PassOverGains(config);
   Read(config, p, mistakes);
-  if (!config.readable || !p.flight) mistakes.ThrowIfAny();
+  if (!config.readable) mistakes.ThrowIfAny();
   if (p.name.empty()) p.name = file.stem().string();
   CheckMission(p.flight, p.image.colour, config, where, mistakes);
 

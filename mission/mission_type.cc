@@ -34,6 +34,7 @@ void SelectMission(const std::string& name, Flight& flight) {
   if (flight && flight.type().name == name) return;
   for (const Flight& each : Added())
     if (each.type().name == name) flight = each;
+  if (!flight && !Added().empty()) flight = Added().front();
 }
 
 }  // namespace kestrel::mission

@@ -20,7 +20,7 @@
 #include "vision/camera/camera_mount.h"
 #include "vision/landmark/pad_reference.h"
 
-// What a mission declares of itself. The recorder, the runner, campaigns and the program for real aircraft take
+// What a mission declares of itself. The recorder, the runner, campaigns and the hardware program take
 // it from here; none of them knows a mission by its name.
 namespace kestrel::mission {
 
@@ -71,7 +71,7 @@ struct AircraftLimits {
   double speed_m_s = 0, climb_m_s = 0, yaw_rate_deg_s = 0, acceleration_m_s2 = 0;
 };
 
-// Whether a key of the scenario may have another value than it has, in a campaign that varies it; of "targets", also
+// Whether a key of the scenario may have another value than it has, as a campaign varies it; of "targets", also
 // whether there are any.
 using Varies = std::function<bool(const std::string& key)>;
 
@@ -127,8 +127,8 @@ class Flight {
 };
 
 // FlightParameters of a plain struct with Fields, found by what stands beside it: MissionType TypeOf(const
-// Parameters&), MakeMission(parameters, parts), and where there is anything to check CheckFlight, CheckLimits,
-// CheckView and CanHave, all with the struct before the arguments above.
+// Parameters&), MakeMission(parameters, parts), and where there is anything to check CheckFlight,
+// CheckFlightLimits, CheckFlightView and FlightCanHave, with the struct before the arguments above.
 template <class Parameters>
 class FlightOf final : public FlightParameters {
  public:
@@ -195,7 +195,7 @@ void AddMission() {
 const std::vector<Flight>& Missions();  // with their defaults, in the order in which they were added
 std::vector<std::string> MissionNames();
 
-// With its defaults, unless it is that one already; as it is if there is no such mission.
+// With its defaults, unless it is that one already. Without such a mission as it is, or else the first.
 void SelectMission(const std::string& name, Flight& flight);
 
 }  // namespace kestrel::mission

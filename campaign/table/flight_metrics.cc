@@ -27,7 +27,7 @@ bool Varies(const CampaignPlan& plan, const std::string& key) {
 
 }  // namespace
 
-FlightMetrics::FlightMetrics(const CampaignPlan& plan) : own_(records::MetricNames()) {
+FlightMetrics::FlightMetrics(const CampaignPlan& plan) : own_(flight::KnownMetrics()) {
   if (plan.scenario.empty() || Varies(plan, "mission")) return;
   try {
     const flight::Scenario scenario = flight::LoadScenario(plan.scenario, plan.set, false).scenario;
@@ -41,7 +41,7 @@ void FlightMetrics::Check(const std::string& metric, const std::vector<std::stri
   std::vector<std::string> valid = own_;
   valid.insert(valid.end(), also.begin(), also.end());
   if (Has(valid, metric)) return;
-  const bool anothers = Has(records::MetricNames(), metric);
+  const bool anothers = Has(flight::KnownMetrics(), metric);
   const std::string what =
       anothers ? fmt::format("a flight of this scenario, of the mission '{}', has no '{}'", mission_, metric)
                : fmt::format("there is no metric '{}'", metric);

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "records/telemetry/metrics.h"
+#include "scenarios/flights.h"
 
 namespace kestrel::flight {
 namespace {
@@ -15,6 +16,11 @@ bool Matches(std::string_view pattern, std::string_view name) {
 }
 
 }  // namespace
+
+std::vector<std::string> KnownMetrics() {
+  scenarios::AddFlights();
+  return records::MetricNames();
+}
 
 std::vector<std::string> PossibleMetrics(const Scenario& s,
                                          const std::function<bool(const std::string& key)>& varies) {

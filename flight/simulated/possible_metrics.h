@@ -9,7 +9,10 @@
 
 namespace kestrel::flight {
 
-// The metrics that a flight of a scenario can have if it goes as it is meant to, of all MetricNames. (One
+// Every metric that a run of any mission may have.
+std::vector<std::string> KnownMetrics();
+
+// The metrics that a flight of a scenario can have if it goes as it is meant to, of all KnownMetrics(). (One
 // that goes wrong may have others: a hover that hits the ground touches down.) varies: whether a key, as
 // "flight.baseline", may be another than the scenario has; what depends on it is then possible.
 std::vector<std::string> PossibleMetrics(

@@ -82,7 +82,7 @@ void CheckTargets(const Scenario& s, const std::string& where, Mistakes& mistake
 
 // What a flight of this scenario cannot have is "not reached" by every flight: the criterion is a mistake.
 void CheckCriteria(const Scenario& s, const std::string& where, Mistakes& mistakes) {
-  const std::vector<std::string> all = records::MetricNames(), possible = PossibleMetrics(s);
+  const std::vector<std::string> all = KnownMetrics(), possible = PossibleMetrics(s);
   for (const auto& [metric, limit] : s.criteria) {
     const std::string key = "criteria." + metric;
     if (!Known("criteria", metric, all, where, mistakes)) continue;
@@ -160,7 +160,7 @@ LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& o
   s.platform = vehicle.platform;
   Read(config, s, mistakes);
   if (!s.landscape) s.landscape = landscape;  // it was given without a word
-  if (!config.readable || !s.flight) mistakes.ThrowIfAny();
+  if (!config.readable) mistakes.ThrowIfAny();
   if (s.name.empty()) s.name = file.stem().string();
   const std::string where = file.string();
   if (!NamesFolder(s.name)) {

@@ -45,7 +45,7 @@ TEST(PossibleMetrics, HoldWhatFlightsOfEachMissionHave) {
     const std::vector<std::string> possible = PossibleMetrics(loaded.scenario);
     EXPECT_THAT(Keys(flight.summary.metrics), IsSubsetOf(possible)) << name;
     EXPECT_THAT(Keys(flight.summary.metrics), IsSupersetOf(telling)) << name;
-    EXPECT_THAT(possible, IsSubsetOf(records::MetricNames()));
+    EXPECT_THAT(possible, IsSubsetOf(KnownMetrics()));
     bool goal = false;
     for (const records::LogRow& row : flight.rows) goal = goal || row.decision.goal_T;
     EXPECT_EQ(std::count(possible.begin(), possible.end(), "settle_s"), goal) << name;
