@@ -15,7 +15,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     sequence.Take(packet->frame_count);
     if (!std::ranges::equal(EncodeServoPacket(*packet), bytes)) std::abort();
   }
-  Reader reader(bytes);
+  kestrel::control::wire::Reader reader(bytes);
   PhysicsState state;
   state.t_s = reader.Take<double>();
   for (Eigen::Vector3d* v : {&state.w_B, &state.specific_force_B, &state.p_N, &state.v_N})
