@@ -64,17 +64,17 @@ class HelipadPilot {
 
   // The pad is in sight, or was a moment ago.
   bool HasEstimate() const { return estimate_ && estimate_->age_s < parameters_.search.stop_s + latency_s_; }
-  // Now, not at the exposure. Only while Knows().
+  // Now, not at the exposure. Only while HasEstimate().
   const control::TargetEstimator::Estimate& where() const { return *estimate_; }
 
-  // Servoes to a place and yaw in T. Only while Knows().
+  // Servoes to a place and yaw in T. Only while HasEstimate().
   control::VelocitySetpoint GoTo(const Eigen::Vector3d& p_T, double yaw_T) const;
   // The same sideways, with a given velocity downwards.
   control::VelocitySetpoint DescendTo(const Eigen::Vector2d& p_T, double yaw_T, double sink_m_s) const;
 
   control::VelocityLag MaxLag() const;  // of an autopilot that is given what GoTo and DescendTo return
 
-  // Not Knows(): the next move of the search. None: given up.
+  // Not HasEstimate(): the next move of the search. None: given up.
   std::optional<control::Setpoint> Search(const control::VehicleState& state);
 
   void Draw(cv::Mat& bgr, std::string_view phase) const;  // on a frame as the camera gives it

@@ -71,8 +71,8 @@ struct AircraftLimits {
   double speed_m_s = 0, climb_m_s = 0, yaw_rate_deg_s = 0, acceleration_m_s2 = 0;
 };
 
-// Whether a key of the scenario may have another value than it has, as a campaign varies it; of "targets", also
-// whether there are any.
+// Whether a key of the scenario may have another value than it has, as a campaign varies it; of "targets",
+// also whether there are any.
 using Varies = std::function<bool(const std::string& key)>;
 
 // The parameters of a mission: what a scenario has under `flight`. Everything that is wrong with them is a

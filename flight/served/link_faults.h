@@ -21,7 +21,7 @@ struct FaultRow {
   control::Hazard hazard;
   control::Reaction first, later;
   double control::SafetyLimits::*limit;  // within which the first follows, of when the fault began
-  bool by_datagrams;            // of wires that have them
+  bool by_datagrams;                     // of wires that have them
 };
 
 inline constexpr std::array kFaults{

@@ -12,8 +12,8 @@ namespace kestrel::records {
 // Whether any row has an attitude that was measured (mission/horizon_observer.h).
 bool MeasuresAttitude(const std::vector<LogRow>& rows);
 
-// gnuplot's script of a figure against time: roll, pitch and heading by the truth and by the camera, and their
-// errors beside twice the stated sigma.
+// gnuplot's script of a figure against time: roll, pitch and heading by the truth and by the camera, and
+// their errors beside twice the stated sigma.
 std::string HorizonPlot(const std::filesystem::path& file, const std::vector<LogRow>& rows,
                         const std::string& title);
 
