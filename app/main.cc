@@ -25,6 +25,7 @@
 #include "app/simulated/render_board.h"
 #include "app/simulated/serve_command.h"
 #include "app/simulated/view_command.h"
+#include "base/diagnostics.h"
 #include "base/file/files.h"
 #include "base/printable.h"
 #include "base/process/end_signals.h"
@@ -138,7 +139,7 @@ int Run(const RunArguments& arguments) {
 
 int List() {
   if (ScenarioNames().empty())
-    throw InputError({fmt::format("KESTREL_ROOT: '{}' holds no scenarios", Root().string())});
+    throw InputError("KESTREL_ROOT", fmt::format("'{}' holds no scenarios", Root().string()));
   for (const std::string& name : ScenarioNames()) {
     try {
       const flight::Scenario s = flight::LoadScenario(name).scenario;

@@ -10,10 +10,10 @@
 #include "app/flight/replay_command.h"
 #include "app/option/exit_status.h"
 #include "app/option/parse_command_line.h"
+#include "base/diagnostics.h"
 #include "base/printable.h"
 #include "base/process/print_note.h"
 #include "base/version.h"
-#include "base/yaml/yaml_fields.h"
 #include "flight/flight_plan.h"
 
 namespace kestrel::app {

@@ -6,8 +6,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/diagnostics.h"
 #include "base/process/in_parallel.h"
 #include "base/statistics.h"
+#include "bench/named_camera.h"
 #include "flight/simulated/scenario.h"
 #include "sim/camera/board_renderer.h"
 #include "vision/calibration/calibrate.h"
@@ -16,7 +18,7 @@
 namespace kestrel::bench {
 namespace {
 
-constexpr int kImages = 30;
+constexpr int kCalibrationImages = 30;
 
 struct Trial {
   std::string name, model;
@@ -24,22 +26,14 @@ struct Trial {
   vision::Board board;
 };
 
-vision::CameraModel CameraNamed(const char* name) {
-  Mistakes mistakes;
-  const vision::CameraModel camera =
-      vision::LoadCamera(Root() / "models" / "cameras" / (std::string(name) + ".yaml"), mistakes);
-  mistakes.ThrowIfAny();
-  return camera;
-}
-
 std::vector<Trial> Trials() {
   // Some 180 degrees, made up.
   const vision::DoubleSphere sphere{640, 480, 180, 181, 322, 237, -0.2, 0.6, 1.6};
   std::vector<Trial> trials;
   for (const auto& [name, model, camera] :
-       {std::tuple{"pinhole 43 deg", "pinhole", CameraNamed("thesis_6mm")},
-        {"fisheye 190 deg", "fisheye", CameraNamed("fisheye")},
-        {"mirror 243 deg", "unified", CameraNamed("hyperbolic_mirror")},
+       {std::tuple{"pinhole 43 deg", "pinhole", NamedCamera("thesis_6mm")},
+        {"fisheye 190 deg", "fisheye", NamedCamera("fisheye")},
+        {"mirror 243 deg", "unified", NamedCamera("hyperbolic_mirror")},
         {"double sphere 180 deg", "double_sphere", vision::CameraModel(sphere)}}) {
     trials.push_back({fmt::format("{}, chessboard", name), model, camera, vision::Chessboard{}});
     trials.push_back({fmt::format("{}, tags", name), model, camera, vision::AprilGrid{}});
@@ -65,10 +59,10 @@ struct Outcome {
 
 Outcome Run(const Trial& trial, std::uint64_t seed) {
   sim::BoardRenderer studio(trial.board, trial.camera, {.threads = 1});
-  const std::vector<Pose> poses = sim::SpreadPoses(trial.camera, trial.board, kImages, seed);
+  const std::vector<Pose> poses = sim::SpreadPoses(trial.camera, trial.board, kCalibrationImages, seed);
   std::vector<cv::Mat> images;
   std::vector<vision::BoardView> views;
-  for (int i = 0; i < kImages; ++i) {
+  for (int i = 0; i < kCalibrationImages; ++i) {
     images.push_back(studio.Render(poses[static_cast<std::size_t>(i)], seed, i));
     views.push_back({std::to_string(i), vision::FindBoard(images.back(), trial.board)});
   }

@@ -12,11 +12,13 @@
 #include <optional>
 #include <string>
 
+#include "base/diagnostics.h"
 #include "base/file/files.h"
 #include "base/process/in_parallel.h"
 #include "base/random.h"
 #include "base/statistics.h"
 #include "base/stopwatch.h"
+#include "base/yaml/yaml_fields.h"
 #include "flight/simulated/scenario.h"
 #include "geometry/tait_bryan.h"
 #include "sim/camera/image_sensor.h"
@@ -32,8 +34,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kRate_hz = 20, kSpeed_m_s = 5, kFrom_m = 60, kTo_m = 4;
-constexpr int kFrames = static_cast<int>((kFrom_m - kTo_m) / kSpeed_m_s * kRate_hz);
+constexpr double kContrastRate_hz = 20, kSpeed_m_s = 5, kFrom_m = 60, kTo_m = 4;
+constexpr int kContrastFrames = static_cast<int>((kFrom_m - kTo_m) / kSpeed_m_s * kContrastRate_hz);
 constexpr double kAttitudeError = Radians(1), kAttitudeNoise = Radians(0.1);  // slow; from image to image
 constexpr std::array<const char*, 4> kWorlds{"autumn_clear", "summer_sun", "winter_cloudy", "winter_sunset"};
 
@@ -129,7 +131,7 @@ class Clip {
   }
   // The attitude as an autopilot has it.
   Eigen::Matrix3d GivenAttitude(int k) const {
-    const double t = k / kRate_hz;
+    const double t = k / kContrastRate_hz;
     RandomStream random(noise_seed_ ^ RandomStream::Mix(static_cast<std::uint64_t>(k)), "attitude");
     Vector3d error;
     for (int i = 0; i < 3; ++i)
@@ -202,8 +204,8 @@ ClipResult Fly(const Clip& clip, const char* world, std::uint64_t seed, const st
   vision::ContrastTracker tracker(camera, {}, {});
   std::map<int, bool> known_false;
   std::array<std::vector<int>, 6> ids;
-  for (int k = 0; k < kFrames; ++k) {
-    const double t = k / kRate_hz;
+  for (int k = 0; k < kContrastFrames; ++k) {
+    const double t = k / kContrastRate_hz;
     clip.Put(model.get(), data.get(), t);
     const Pose X_NC = clip.CameraPose(t);
     const cv::Mat image = sensor.Expose(renderer.Render(data.get(), X_NC), k);
@@ -211,8 +213,8 @@ ClipResult Fly(const Clip& clip, const char* world, std::uint64_t seed, const st
     const double start_ms = ThreadCpu_ms();
     const vision::ContrastObservation seen = tracker.Track(image, R_NC, t);
     result.ms.push_back(ThreadCpu_ms() - start_ms);
-    result.seconds += 1 / kRate_hz;
-    if (seen.state < vision::ContrastState::kNoSky) result.sky_seconds += 1 / kRate_hz;
+    result.seconds += 1 / kContrastRate_hz;
+    if (seen.state < vision::ContrastState::kNoSky) result.sky_seconds += 1 / kContrastRate_hz;
     if (clip.with() && k % 10 == 0) {
       const cv::Mat geom = renderer.Trace(data.get(), X_NC).geom;
       for (std::size_t i = 0; i < kIntruders.size(); ++i)

@@ -18,6 +18,7 @@
 #include <optional>
 #include <thread>
 
+#include "base/diagnostics.h"
 #include "base/random.h"
 #include "base/statistics.h"
 #include "bench/peer_renderer.h"

@@ -11,9 +11,11 @@
 #include <opencv2/imgproc.hpp>
 #include <string>
 
+#include "base/diagnostics.h"
 #include "base/random.h"
 #include "base/statistics.h"
 #include "base/stopwatch.h"
+#include "bench/named_camera.h"
 #include "flight/simulated/scenario.h"
 #include "geometry/tait_bryan.h"
 #include "sim/camera/image_sensor.h"
@@ -31,14 +33,6 @@ using Eigen::Vector3d;
 constexpr int kFrames = 100;
 constexpr double kRate_hz = 20, kRadius_m = 0.25;
 constexpr double kLostOverlap = 0.3;  // less is no answer
-
-vision::CameraModel CameraNamed(const char* name) {
-  Mistakes mistakes;
-  const vision::CameraModel camera =
-      vision::LoadCamera(Root() / "models" / "cameras" / (std::string(name) + ".yaml"), mistakes);
-  mistakes.ThrowIfAny();
-  return camera;
-}
 
 // What is different in a clip.
 struct Nuisance {
@@ -88,7 +82,7 @@ struct Photo {
 class Clip {
  public:
   Clip(const mjModel* model, const Nuisance& nuisance, std::uint64_t seed)
-      : model_(model), n_(nuisance), seed_(seed), camera_(CameraNamed(nuisance.camera)) {
+      : model_(model), n_(nuisance), seed_(seed), camera_(NamedCamera(nuisance.camera)) {
     RandomStream random(seed, "bench trackers");
     for (double& phase : phases_) phase = random.Uniform(0, 2 * M_PI);
   }

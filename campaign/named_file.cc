@@ -6,9 +6,9 @@
 
 #include <vector>
 
+#include "base/diagnostics.h"
 #include "base/file/model_files.h"
 #include "base/user_file.h"
-#include "base/yaml/yaml_fields.h"
 
 namespace kestrel::campaign {
 
@@ -35,10 +35,9 @@ fs::path NamedFile(const std::string& kind, const std::string& name_or_file) {
   if (found.empty())
     Known(kind.c_str(), name_or_file, names, "kestrel", mistakes);
   else
-    mistakes.Add("kestrel", kind,
-                 fmt::format("'{}' is the name of {}; valid: {}", name_or_file, found.size(),
-                             fmt::join(of_flights, ", ")));
-  throw InputError(mistakes.messages());
+    mistakes.Add("kestrel", kind, fmt::format("'{}' is the name of {}", name_or_file, found.size()),
+                 fmt::format("valid: {}", fmt::join(of_flights, ", ")));
+  throw InputError(mistakes.all());
 }
 
 }  // namespace kestrel::campaign

@@ -5,40 +5,42 @@
 #include <fmt/ranges.h>
 
 #include "base/file/model_files.h"
+#include "base/yaml/config.h"
 
 namespace kestrel::flight {
 
-void CheckMission(const mission::Flight& flight, bool colour, const Config& config, const std::string& where,
+void CheckMission(const mission::Flight& flight, bool colour, const Config& config, const Place& where,
                   Mistakes& mistakes) {
   if (flight.type().needs_colour && !colour)
     mistakes.Add(WhereOf(config, "image", where), "image.colour",
-                 fmt::format("false, but the mission '{}' tells its target by colour; valid: true",
-                             flight.type().name));
+                 fmt::format("false, but the mission '{}' tells its target by colour", flight.type().name),
+                 "valid: true");
   flight->Check(WhereOf(config, "flight", where), mistakes);
 }
 
 void CheckView(const mission::Flight& flight, const std::string& camera_name,
                const vision::CameraModel& camera, const vision::CameraMount& mount, const Config& config,
-               const std::string& where, Mistakes& mistakes) {
+               const Place& where, Mistakes& mistakes) {
   if (flight.type().looks_for_pad && !mission::TrackersCamera(camera)) {
     const Eigen::VectorXd numbers = vision::Parameters(camera);
     mistakes.Add(
         WhereOf(config, "camera", where), "camera",
-        fmt::format("'{}' does not see along its own optical axis, where these flights look for "
-                    "the pad: its principal point ({:g}, {:g}) is too near to the edge of the image "
-                    "of {} x {} px or beyond it; valid: a camera that has it well within",
-                    camera_name, numbers[2], numbers[3], vision::WidthPx(camera), vision::HeightPx(camera)));
+        fmt::format(
+            "'{}' does not see along its own optical axis, where these flights look for the pad: its "
+            "principal point ({:g}, {:g}) is too near to the edge of the image of {} x {} px or beyond it",
+            camera_name, numbers[2], numbers[3], vision::WidthPx(camera), vision::HeightPx(camera)),
+        "valid: a camera that has it well within");
   }
   flight->CheckView(camera, mount, WhereOf(config, "flight", where), WhereOf(config, "mount", where),
                     mistakes);
 }
 
-void CheckHasPad(const mission::Flight& flight, const Config& config, const std::string& where,
+void CheckHasPad(const mission::Flight& flight, const Config& config, const Place& where,
                  Mistakes& mistakes) {
   if (flight.type().looks_for_pad)
     mistakes.Add(WhereOf(config, "pad", where), "pad.name",
-                 fmt::format("none, but the mission '{}' looks for a pad; valid: {}", flight.type().name,
-                             fmt::join(NamesIn(Root() / "models" / "pads", ""), ", ")));
+                 fmt::format("none, but the mission '{}' looks for a pad", flight.type().name),
+                 fmt::format("valid: {}", fmt::join(NamesIn(Root() / "models" / "pads", ""), ", ")));
 }
 
 }  // namespace kestrel::flight

@@ -5,8 +5,10 @@
 
 #include <algorithm>
 
+#include "base/diagnostics.h"
 #include "base/file/model_files.h"
 #include "base/user_file.h"
+#include "base/yaml/yaml_fields.h"
 #include "flight/check_mission.h"
 #include "flight/gains_file.h"
 #include "scenarios/flights.h"
@@ -30,7 +32,7 @@ void PassOverWorld(ConfigNode& node, const std::string& path) {
 }
 
 cv::Mat OwnParts(const FlightPlan& plan, const fs::path& beside, const vision::CameraModel& camera,
-                 const std::string& where, Mistakes& mistakes) {
+                 const Place& where, Mistakes& mistakes) {
   fs::path file = beside / plan.own_parts;
   if (plan.own_parts.empty()) {
     file = beside / "own_parts.png";
@@ -39,15 +41,15 @@ cv::Mat OwnParts(const FlightPlan& plan, const fs::path& beside, const vision::C
   const cv::Mat picture = vision::ReadMask(file, where, "own_parts", mistakes);
   if (!picture.empty() &&
       (picture.cols != vision::WidthPx(camera) || picture.rows != vision::HeightPx(camera)))
-    mistakes.Add(where, "own_parts",
-                 fmt::format("'{}' has {} x {} pixels; valid: the camera's {} x {}", file.string(),
-                             picture.cols, picture.rows, vision::WidthPx(camera), vision::HeightPx(camera)));
+    mistakes.Add(
+        where, "own_parts", fmt::format("'{}' has {} x {} pixels", file.string(), picture.cols, picture.rows),
+        fmt::format("valid: the camera's {} x {}", vision::WidthPx(camera), vision::HeightPx(camera)));
   return picture;
 }
 
 LoadedPlan LoadWhole(const fs::path& file, const std::vector<std::string>& overrides) {
   Mistakes mistakes;
-  const std::string where = file.string();
+  const Place where = file.string();
   scenarios::AddFlights();
   LoadedPlan loaded;
   FlightPlan& p = loaded.plan;
@@ -65,9 +67,9 @@ LoadedPlan LoadWhole(const fs::path& file, const std::vector<std::string>& overr
   parts.seed = p.seed;
   if (const auto camera =
           CameraFile(p.camera, file.parent_path(), WhereOf(config, "camera", where), mistakes)) {
-    const std::size_t before = mistakes.messages().size();
+    const std::size_t before = mistakes.all().size();
     parts.camera = vision::LoadCamera(*camera, mistakes, p.camera_name);
-    if (mistakes.messages().size() == before) {
+    if (mistakes.all().size() == before) {
       CheckView(p.flight, p.camera, parts.camera, p.mount, config, where, mistakes);
       parts.own_parts = OwnParts(p, file.parent_path(), parts.camera, where, mistakes);
     }

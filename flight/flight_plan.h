@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "base/yaml/yaml_fields.h"
+#include "base/yaml/fields.h"
 #include "mission/mission_type.h"
 
 namespace kestrel::flight {
@@ -34,19 +34,14 @@ struct FlightPlan {
   mission::PilotParameters pilot;
 };
 
-template <class Visitor>
-void Fields(Visitor& v, FlightPlan::Pad& p) {
-  v("name", p.name);
-}
+inline void Fields(FieldVisitor& v, FlightPlan::Pad& p) { v("name", p.name); }
 
-template <class Visitor>
-void Fields(Visitor& v, FlightPlan::Image& i) {
+inline void Fields(FieldVisitor& v, FlightPlan::Image& i) {
   v("colour", i.colour);
   v("rate_hz", i.rate_hz, 0.5, 500.0);
 }
 
-template <class Visitor>
-void Fields(Visitor& v, FlightPlan& p) {
+inline void Fields(FieldVisitor& v, FlightPlan& p) {
   v("name", p.name);
   v(Required("mission"), p.mission, mission::MissionNames());
   mission::SelectMission(p.mission, p.flight);

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "base/yaml/yaml_fields.h"
+#include "base/yaml/config.h"
 
 namespace kestrel::flight {
 
@@ -22,7 +22,8 @@ class NamedGains {
 
  private:
   std::optional<std::filesystem::path> file_;
-  std::vector<std::string> overrides_, places_;
+  std::vector<std::string> overrides_;
+  std::vector<Place> places_;  // of the overrides
 };
 
 // What load(overrides) gives, the gains that the scenario names among them. It is to pass over the key.

@@ -8,6 +8,8 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "base/diagnostics.h"
+
 namespace kestrel::mission {
 namespace {
 
@@ -79,7 +81,7 @@ TargetState BalloonObserver::target_state() const {
   }
 }
 
-void CheckColour(const vision::ColourRange& colour, const std::string& key, const std::string& where,
+void CheckColour(const vision::ColourRange& colour, const std::string& key, const Place& where,
                  Mistakes& mistakes) {
   if (colour.min_value >= colour.max_value)
     mistakes.Add(where, key + ".min_value",

@@ -6,7 +6,8 @@
 #include <string>
 #include <string_view>
 
-#include "base/yaml/yaml_fields.h"
+#include "base/diagnostics.h"
+#include "base/yaml/fields.h"
 #include "control/estimate/moving_target.h"
 #include "geometry/pose.h"
 #include "mission/decision.h"
@@ -25,8 +26,7 @@ struct BalloonObserverParameters {
   control::MovingTargetOptions estimator;
 };
 
-template <class Visitor>
-void Fields(Visitor& v, BalloonObserverParameters& p) {
+inline void Fields(FieldVisitor& v, BalloonObserverParameters& p) {
   v("colour", p.colour);
   v("diameter_m", p.diameter_m, 0.02, 20.0);
   v("coast_s", p.coast_s, 0.05, 2.0);
@@ -35,7 +35,7 @@ void Fields(Visitor& v, BalloonObserverParameters& p) {
 }
 
 // A range that no pixel can match is a mistake of its key.
-void CheckColour(const vision::ColourRange& colour, const std::string& key, const std::string& where,
+void CheckColour(const vision::ColourRange& colour, const std::string& key, const Place& where,
                  Mistakes& mistakes);
 
 // What every flight with a balloon shares: it sees it, and knows where it is and how it moves.

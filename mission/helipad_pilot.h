@@ -4,6 +4,7 @@
 #include <optional>
 #include <string_view>
 
+#include "base/yaml/fields.h"
 #include "control/estimate/target_estimator.h"
 #include "control/law/pbvs.h"
 #include "mission/mission.h"
@@ -27,8 +28,7 @@ struct SearchParameters {
   double give_up_s = 90;
 };
 
-template <class Visitor>
-void Fields(Visitor& v, SearchParameters& p) {
+inline void Fields(FieldVisitor& v, SearchParameters& p) {
   v("stop_s", p.stop_s, 0.0, 10.0);
   v("climb_m_s", p.climb_m_s, 0.05, 3.0);
   v("ceiling_m", p.ceiling_m, 1.0, 60.0);
@@ -42,8 +42,7 @@ struct PilotParameters {
   SearchParameters search;
 };
 
-template <class Visitor>
-void Fields(Visitor& v, PilotParameters& p) {
+inline void Fields(FieldVisitor& v, PilotParameters& p) {
   v("tracker", p.tracker);
   v("estimator", p.estimator);
   v("servo", p.servo);

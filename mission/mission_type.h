@@ -12,7 +12,8 @@
 #include <string>
 #include <vector>
 
-#include "base/yaml/yaml_fields.h"
+#include "base/diagnostics.h"
+#include "base/yaml/fields.h"
 #include "mission/helipad_pilot.h"
 #include "mission/log_row.h"
 #include "mission/mission.h"
@@ -82,17 +83,14 @@ class FlightParameters {
   virtual ~FlightParameters() = default;
   virtual const MissionType& type() const = 0;
   virtual std::unique_ptr<FlightParameters> Clone() const = 0;
-  virtual void Visit(FieldReader& reader) = 0;
-  virtual void Visit(FieldWriter& writer) = 0;
+  virtual void Visit(FieldVisitor& visitor) = 0;
   virtual std::unique_ptr<Mission> Make(const MissionParts& parts) const = 0;
   // What each number allows and their sum does not.
-  virtual void Check(const std::string& where, Mistakes& mistakes) const = 0;
-  virtual void CheckLimits(const AircraftLimits& limits, const std::string& where,
-                           Mistakes& mistakes) const = 0;
+  virtual void Check(const Place& where, Mistakes& mistakes) const = 0;
+  virtual void CheckLimits(const AircraftLimits& limits, const Place& where, Mistakes& mistakes) const = 0;
   // What this camera, so mounted, does not allow. mount_where: where the scenario has the mount.
   virtual void CheckView(const vision::CameraModel& camera, const vision::CameraMount& mount,
-                         const std::string& where, const std::string& mount_where,
-                         Mistakes& mistakes) const = 0;
+                         const Place& where, const Place& mount_where, Mistakes& mistakes) const = 0;
   // Whether a flight by these parameters can have a metric of its type at all.
   virtual bool CanHave(const std::string& metric, const Varies& varies) const = 0;
 };
@@ -139,22 +137,19 @@ class FlightOf final : public FlightParameters {
     return kType;
   }
   std::unique_ptr<FlightParameters> Clone() const override { return std::make_unique<FlightOf>(*this); }
-  void Visit(FieldReader& reader) override { Fields(reader, values); }
-  void Visit(FieldWriter& writer) override { Fields(writer, values); }
+  void Visit(FieldVisitor& visitor) override { Fields(visitor, values); }
   std::unique_ptr<Mission> Make(const MissionParts& parts) const override {
     return MakeMission(values, parts);
   }
-  void Check(const std::string& where, Mistakes& mistakes) const override {
+  void Check(const Place& where, Mistakes& mistakes) const override {
     if constexpr (requires { CheckFlight(values, where, mistakes); }) CheckFlight(values, where, mistakes);
   }
-  void CheckLimits(const AircraftLimits& limits, const std::string& where,
-                   Mistakes& mistakes) const override {
+  void CheckLimits(const AircraftLimits& limits, const Place& where, Mistakes& mistakes) const override {
     if constexpr (requires { CheckFlightLimits(values, limits, where, mistakes); })
       CheckFlightLimits(values, limits, where, mistakes);
   }
-  void CheckView(const vision::CameraModel& camera, const vision::CameraMount& mount,
-                 const std::string& where, const std::string& mount_where,
-                 Mistakes& mistakes) const override {
+  void CheckView(const vision::CameraModel& camera, const vision::CameraMount& mount, const Place& where,
+                 const Place& mount_where, Mistakes& mistakes) const override {
     if constexpr (requires { CheckFlightView(values, camera, mount, where, mount_where, mistakes); })
       CheckFlightView(values, camera, mount, where, mount_where, mistakes);
   }
@@ -178,11 +173,8 @@ const Parameters* Flight::As() const {
   return of ? &of->values : nullptr;
 }
 
-inline void Fields(FieldReader& reader, Flight& flight) {
-  if (flight) flight->Visit(reader);
-}
-inline void Fields(FieldWriter& writer, Flight& flight) {
-  if (flight) flight->Visit(writer);
+inline void Fields(FieldVisitor& visitor, Flight& flight) {
+  if (flight) flight->Visit(visitor);
 }
 
 // The missions that there are. A program adds its own before it reads a scenario; two of one name are refused

@@ -11,6 +11,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "base/diagnostics.h"
 #include "base/user_file.h"
 #include "records/telemetry/csv_cells.h"
 #include "vision/image_file.h"
@@ -241,7 +242,7 @@ vision::Frame Recording::At(std::size_t index) const {
   vision::ImageFile image = vision::ReadImageFile(file, vision::ImageColours::kAsStored);
   if (!image.pixels.empty() && image.pixels.depth() != CV_8U)
     image.trouble = "has pixels of 16 bits; valid: 8, as they were recorded";
-  if (!image.trouble.empty()) throw InputError({fmt::format("{}: {}", file.string(), image.trouble)});
+  if (!image.trouble.empty()) throw InputError(file.string(), image.trouble);
   return {image.pixels, recorded.t_s, recorded.sequence};
 }
 

@@ -16,7 +16,7 @@ ActuatorCounts CountsOf(const AirframeParameters& aircraft) {
 }
 
 template <class Fault>
-void CheckTimes(const std::vector<Fault>& faults, const std::string& key, const std::string& where,
+void CheckTimes(const std::vector<Fault>& faults, const std::string& key, const Place& where,
                 Mistakes& mistakes) {
   for (std::size_t i = 0; i < faults.size(); ++i) {
     if (faults[i].until_s > faults[i].from_s) continue;
@@ -59,8 +59,8 @@ std::vector<StateChange> ChangesOf(const std::vector<SensorFault>& sensors,
 }
 
 void CheckFaults(const SensorParameters& sensors, const ActuatorParameters& actuators,
-                 const AirframeParameters& aircraft, const std::string& where_sensors,
-                 const std::string& where_actuators, Mistakes& mistakes) {
+                 const AirframeParameters& aircraft, const Place& where_sensors, const Place& where_actuators,
+                 Mistakes& mistakes) {
   CheckTimes(sensors.faults, "sensors.faults", where_sensors, mistakes);
   for (std::size_t i = 0; i < sensors.faults.size(); ++i) {
     const SensorFault& fault = sensors.faults[i];
@@ -71,8 +71,8 @@ void CheckFaults(const SensorParameters& sensors, const ActuatorParameters& actu
                                                        : 500;
     if (fault.rate_hz < rate_hz) continue;
     mistakes.Add(where_sensors, fmt::format("sensors.faults.{}.rate_hz", i),
-                 fmt::format("{} is not slow for this {}; valid: less than its {} Hz", fault.rate_hz,
-                             fault.component, rate_hz));
+                 fmt::format("{} is not slow for this {}", fault.rate_hz, fault.component),
+                 fmt::format("valid: less than its {} Hz", rate_hz));
   }
   CheckTimes(actuators.faults, "actuators.faults", where_actuators, mistakes);
   const ActuatorCounts counts = CountsOf(aircraft);
@@ -81,11 +81,11 @@ void CheckFaults(const SensorParameters& sensors, const ActuatorParameters& actu
     const int count = fault.component == "motor" ? counts.motors : counts.servos;
     const std::string key = fmt::format("actuators.faults.{}", i);
     if (count == 0)
-      mistakes.Add(where_actuators, key + ".component", "a multirotor has no servo; valid: motor");
+      mistakes.Add(where_actuators, key + ".component", "a multirotor has no servo", "valid: motor");
     else if (fault.instance > count)
-      mistakes.Add(
-          where_actuators, key + ".instance",
-          fmt::format("there is no {} {}; valid: 0 (all) to {}", fault.component, fault.instance, count));
+      mistakes.Add(where_actuators, key + ".instance",
+                   fmt::format("there is no {} {}", fault.component, fault.instance),
+                   fmt::format("valid: 0 (all) to {}", count));
   }
 }
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "base/yaml/yaml_fields.h"
+#include "base/diagnostics.h"
 #include "sim/aircraft/actuator_faults.h"
 #include "sim/aircraft/airframe.h"
 #include "sim/sensor/sensor_fault.h"
@@ -26,7 +26,7 @@ std::vector<StateChange> ChangesOf(const std::vector<SensorFault>& sensors,
 // Faults that end before they begin, sensors that are slow and yet faster than they are, actuators that the
 // aircraft has not. where: the place of the keys "sensors" and "actuators".
 void CheckFaults(const SensorParameters& sensors, const ActuatorParameters& actuators,
-                 const AirframeParameters& aircraft, const std::string& where_sensors,
-                 const std::string& where_actuators, Mistakes& mistakes);
+                 const AirframeParameters& aircraft, const Place& where_sensors, const Place& where_actuators,
+                 Mistakes& mistakes);
 
 }  // namespace kestrel::sim

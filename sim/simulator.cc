@@ -12,6 +12,7 @@
 #include <numbers>
 #include <utility>
 
+#include "base/gravity.h"
 #include "base/stopwatch.h"
 #include "control/estimate/moving_target.h"
 #include "geometry/tait_bryan.h"
@@ -101,9 +102,9 @@ Simulator::Simulator(const SimulatorParameters& parameters)
   constexpr int kSamples = 1000;
   const double dt = model_->opt.timestep;
   for (int i = 0; i < kSamples; ++i) {
-    bias +=
-        at_rest.Read(dt, X_NB, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), {0, 0, -9.80665}).imu.w_B /
-        kSamples;
+    bias += at_rest.Read(dt, X_NB, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), {0, 0, -kGravity_m_s2})
+                .imu.w_B /
+            kSamples;
   }
   autopilot_ = std::make_unique<EmulatedAutopilot>(parameters.autopilot, parameters.sensors,
                                                    parameters.vehicle, X_NB, !start.on_ground, bias);
@@ -177,7 +178,7 @@ void Simulator::Step() {
   }
   truth_ = Look();
   const Eigen::Vector3d specific_force_B =
-      truth_.X_NB.R.conjugate() * ((truth_.v_N - before.v_N) / dt - Eigen::Vector3d(0, 0, 9.80665));
+      truth_.X_NB.R.conjugate() * ((truth_.v_N - before.v_N) / dt - Eigen::Vector3d(0, 0, kGravity_m_s2));
   SensorReadings readings = sensors_.Read(dt, truth_.X_NB, truth_.v_N, truth_.w_B, specific_force_B);
   Disturb(vehicle_, readings);
   sensor_faults_.Apply(truth_.t_s, readings);

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "base/yaml/fields.h"
 #include "control/autopilot.h"
 #include "geometry/truth.h"
 #include "sim/aircraft/airframe.h"
@@ -51,8 +52,7 @@ struct OcclusionParameters {
   double from_s = 0, until_s = 1e9;
 };
 
-template <class Visitor>
-void Fields(Visitor& v, StartParameters& p) {
+inline void Fields(FieldVisitor& v, StartParameters& p) {
   v("offset_m", p.offset_m, -300.0, 300.0);
   v("scatter_m", p.scatter_m, 0.0, 20.0);
   v("height_m", p.height_m, 0.3, 600.0);
@@ -62,8 +62,7 @@ void Fields(Visitor& v, StartParameters& p) {
   v("settle_s", p.settle_s, 0.0, 60.0);
 }
 
-template <class Visitor>
-void Fields(Visitor& v, OcclusionParameters& p) {
+inline void Fields(FieldVisitor& v, OcclusionParameters& p) {
   v("share", p.share, 0.0, 1.0);
   v("from_s", p.from_s, 0.0, 1e9);
   v("until_s", p.until_s, 0.0, 1e9);

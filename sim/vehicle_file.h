@@ -5,6 +5,7 @@
 #include <string>
 #include <variant>
 
+#include "base/yaml/fields.h"
 #include "sim/aircraft/airframe.h"
 #include "sim/autopilot/emulated_autopilot.h"
 #include "sim/camera/pan_tilt.h"
@@ -20,8 +21,7 @@ struct VehicleFile {
   std::optional<PanTiltParameters> platform;
 };
 
-template <class Visitor>
-void Fields(Visitor& v, VehicleFile& f) {
+inline void Fields(FieldVisitor& v, VehicleFile& f) {
   v("kind", f.kind, {"multirotor", "helicopter"});
   if (f.kind == "helicopter" && !std::holds_alternative<HelicopterParameters>(f.airframe))
     f.airframe = HelicopterParameters{};

@@ -171,7 +171,7 @@ cv::Mat ReadImage(const std::string& file, ImageColours colours, std::optional<i
   return depth.EightBits(image);
 }
 
-cv::Mat ReadMask(const fs::path& file, std::string_view where, std::string_view key, Mistakes& mistakes) {
+cv::Mat ReadMask(const fs::path& file, const Place& where, std::string_view key, Mistakes& mistakes) {
   const ImageFile image = ReadImageFile(file, ImageColours::kGrey);
   if (!image.pixels.empty()) return image.pixels > 0;
   mistakes.Add(where, key, fmt::format("'{}' {}", file.string(), image.trouble));

@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "base/yaml/yaml_fields.h"
+#include "base/diagnostics.h"
 
 // Image files of a user, refused before they are decoded if their pixels would take much memory.
 namespace kestrel::vision {
@@ -57,7 +57,7 @@ cv::Mat ReadImage(const std::string& file, ImageColours colours, std::optional<i
                   std::string& note);
 
 // A mask: 255 where the image is not black, otherwise 0. Empty: a mistake says why.
-cv::Mat ReadMask(const std::filesystem::path& file, std::string_view where, std::string_view key,
+cv::Mat ReadMask(const std::filesystem::path& file, const Place& where, std::string_view key,
                  Mistakes& mistakes);
 
 }  // namespace kestrel::vision

@@ -11,6 +11,7 @@
 
 #include "app/camera/calibration_report.h"
 #include "app/option/bits_option.h"
+#include "base/diagnostics.h"
 #include "base/file/files.h"
 #include "vision/calibration/board_file.h"
 #include "vision/calibration/calibrate.h"
@@ -107,7 +108,7 @@ void CalibrateCommand(const CalibrateArguments& a) {
       return vision::Calibrate(board, vision::Refit(board, images, views, first), like, a.accepted_px);
     } catch (const vision::PoorFit& e) {
       if (terminal) fmt::print(stderr, "\r\033[K");
-      throw InputError({std::string(e.what()) + "; --accept-residual PX takes more"});
+      throw InputError({}, std::string(e.what()) + "; --accept-residual PX takes more");
     } catch (const InputError&) {
       if (terminal) fmt::print(stderr, "\r\033[K");
       throw;

@@ -6,8 +6,8 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 
+#include "base/diagnostics.h"
 #include "base/file/files.h"
-#include "base/yaml/yaml_fields.h"
 #include "geometry/tait_bryan.h"
 #include "records/plot/gnuplot.h"
 #include "vision/camera/calibration_file.h"
@@ -48,7 +48,8 @@ void Refuse(const MirrorArguments& a) {
   Mistakes mistakes;
   const auto range = [&](const char* option, double value, double low, double high) {
     if (!(value >= low && value <= high)) {
-      mistakes.Add(option, "", fmt::format("{:g} is out of range; valid: {:g} to {:g}", value, low, high));
+      mistakes.Add(option, "", fmt::format("{:g} is out of range", value),
+                   fmt::format("valid: {:g} to {:g}", low, high));
     }
   };
   range("--rim-mm", a.rim_mm, 0.1, 1e4);
@@ -63,7 +64,8 @@ void Refuse(const MirrorArguments& a) {
                           const char* valid) {
     if (file.empty()) return;
     if (!HasEnding(file, of))
-      mistakes.Add(option, "", fmt::format("'{}' does not end as it should; valid: {}", file, valid));
+      mistakes.Add(option, "", fmt::format("'{}' does not end as it should", file),
+                   fmt::format("valid: {}", valid));
     else
       CheckWritableFile(file, option, mistakes);
   };
@@ -84,12 +86,11 @@ void Refuse(const MirrorArguments& a) {
   }
   const Layout l = LayoutOf(a);
   if (!(l.height_mm > a.ratio * l.rim_mm)) {
-    mistakes.Add(
-        "--ratio", "",
-        fmt::format(
-            "no hyperboloid of a / b = {:g} has a rim of {:g} mm at {:.4g} mm from the camera: the height "
-            "must be more than a / b times the rim, {:.4g} mm; valid: a / b below {:.4g}, or a smaller rim",
-            a.ratio, l.rim_mm, l.height_mm, a.ratio * l.rim_mm, l.height_mm / l.rim_mm));
+    mistakes.Add("--ratio", "",
+                 fmt::format("no hyperboloid of a / b = {:g} has a rim of {:g} mm at {:.4g} mm from the "
+                             "camera: the height must be more than a / b times the rim, {:.4g} mm",
+                             a.ratio, l.rim_mm, l.height_mm, a.ratio * l.rim_mm),
+                 fmt::format("valid: a / b below {:.4g}, or a smaller rim", l.height_mm / l.rim_mm));
   }
   mistakes.ThrowIfAny();
 }

@@ -104,50 +104,44 @@ Asked Read(const CampaignArguments& a) {
   std::vector<std::string> overrides = a.overrides;
   if (!a.runs.empty()) overrides.push_back("runs=" + a.runs);
   if (!a.seed.empty()) overrides.push_back("seed=" + a.seed);
-  Mistakes of_files;
+  Mistakes mistakes;
   // Its folder may be that of the results, which is made with them.
   std::error_code none;
   if (const fs::path folder = fs::path(a.junit).parent_path(); folder.empty() || fs::exists(folder, none))
-    CheckWritableFile(a.junit, "--junit", of_files);
+    CheckWritableFile(a.junit, "--junit", mistakes);
   else
-    CheckWritableFolder(folder, "--junit", of_files);
-  std::vector<std::string> mistakes = of_files.messages();
+    CheckWritableFolder(folder, "--junit", mistakes);
   const auto attempt = [&](const auto& what) {
     try {
       what();
     } catch (const InputError& e) {
-      mistakes.insert(mistakes.end(), e.messages.begin(), e.messages.end());
+      mistakes.Add(e);
     }
   };
   Asked asked;
   if (!a.shard.empty()) attempt([&] { asked.shard = campaign::ShardOf(a.shard); });
   if (asked.shard && a.stop_when)
-    mistakes.push_back(
-        "--stop-when: a part of a table cannot tell when the whole of it is enough; valid: one "
-        "of --shard and --stop-when");
+    mistakes.Add("--stop-when", "", "a part of a table cannot tell when the whole of it is enough",
+                 "valid: one of --shard and --stop-when");
   if (asked.shard && !a.junit.empty())
-    mistakes.push_back(
-        "--junit: a part of a table is not judged; valid: one of --shard and --junit, the latter once the "
-        "parts are merged");
+    mistakes.Add("--junit", "", "a part of a table is not judged",
+                 "valid: one of --shard and --junit, the latter once the parts are merged");
   attempt([&] { asked.campaign = campaign::LoadCampaign(CampaignFile(a.file), overrides); });
   const auto& [vary, sampling] = std::tie(asked.campaign.plan.vary, asked.campaign.plan.sampling);
   if (a.stop_when && sampling == "sobol")
-    mistakes.push_back(
-        "--stop-when: the first points of a Sobol sequence are not like the others; valid: --set "
-        "sampling=latin_hypercube or independent");
+    mistakes.Add("--stop-when", "", "the first points of a Sobol sequence are not like the others",
+                 "valid: --set sampling=latin_hypercube or independent");
   if (a.stop_when && std::any_of(vary.begin(), vary.end(), [](const auto& each) {
         return std::holds_alternative<campaign::Grid>(each.second);
       }))
-    mistakes.push_back(
-        "--stop-when: the first rows of a grid are not like the others; valid: a campaign without grids");
+    mistakes.Add("--stop-when", "", "the first rows of a grid are not like the others",
+                 "valid: a campaign without grids");
   if (mistakes.empty()) {
     asked.folder = a.out.empty() ? fs::path("results/campaigns") / asked.campaign.plan.name : fs::path(a.out);
-    Mistakes of_folder;
-    CheckWritableFolder(asked.folder, "--out", of_folder);
-    RefuseReportOf("tuning", campaign::FlightsFile(asked.folder), of_folder);
-    mistakes = of_folder.messages();
+    CheckWritableFolder(asked.folder, "--out", mistakes);
+    RefuseReportOf("tuning", campaign::FlightsFile(asked.folder), mistakes);
   }
-  if (!mistakes.empty()) throw InputError(mistakes);
+  mistakes.ThrowIfAny();
   return asked;
 }
 
@@ -224,7 +218,8 @@ bool Replay(const CampaignArguments& a) {
   campaign::CampaignWork work = campaign::WorkOf(asked.campaign);
   const auto rows = static_cast<std::int64_t>(work.identity.table.rows.size());
   if (a.row < 0 || a.row >= rows)
-    throw InputError({fmt::format("ROW: there is no row {}; valid: 0 to {}", a.row, rows - 1)});
+    throw InputError("ROW", fmt::format("there is no row {}", a.row),
+                     fmt::format("valid: 0 to {}", rows - 1));
   // What is stored of it: by the whole file or a part.
   std::optional<campaign::RunResult> stored;
   std::vector<fs::path> files = campaign::ShardFiles(asked.folder);
@@ -278,9 +273,8 @@ void RequireNamesWithoutControl(const campaign::BatchJob& job) {
   Mistakes mistakes;
   const auto require = [&](const char* what, const std::string& text) {
     if (HasControl(text))
-      mistakes.Add(
-          what, "",
-          fmt::format("'{}' holds a control character, which no script may; valid: another name", text));
+      mistakes.Add(what, "", fmt::format("'{}' holds a control character, which no script may", text),
+                   "valid: another name");
   };
   require("the program", job.program.string());
   require("the working folder", job.directory.string());
@@ -316,10 +310,9 @@ bool MergeParts(const CampaignArguments& a) {
   std::vector<fs::path> parts(a.shards.begin(), a.shards.end());
   if (parts.empty()) parts = campaign::ShardFiles(asked.folder);
   if (parts.empty())
-    throw InputError({fmt::format(
-        "SHARDS: {} holds no parts; valid: parts that were flown there before (--shard I/N, as by "
-        "the scripts of slurm and parallel), their files by name, or their folder by --out",
-        asked.folder.string())});
+    throw InputError("SHARDS", fmt::format("{} holds no parts", asked.folder.string()),
+                     "valid: parts that were flown there before (--shard I/N, as by the scripts of slurm and "
+                     "parallel), their files by name, or their folder by --out");
   fs::create_directories(asked.folder);
   const fs::path into = campaign::ResultFile(asked.folder);
   const campaign::Merged merged = campaign::Merge(into, work.identity, parts);
@@ -452,7 +445,7 @@ bool CampaignCommand(const CampaignArguments& a) {
   if (a.verb == Verb::kReport) return ReportCommand(a.report);
   if (a.verb == Verb::kCompare) return CompareCommand(a.compare);
   if (a.file.empty())
-    throw InputError({"kestrel campaign: no file; valid: a campaign's YAML file, or the name of one"});
+    throw InputError({}, "kestrel campaign: no file", "valid: a campaign's YAML file, or the name of one");
   switch (a.verb) {
     case Verb::kFly:
       return Fly(a);

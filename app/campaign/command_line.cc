@@ -37,8 +37,8 @@ void RefuseReportOf(const char* kind, const std::filesystem::path& data, Mistake
   std::error_code none;
   if (std::filesystem::exists(data, none))
     mistakes.Add("--out", "",
-                 fmt::format("{} is of a {}, whose report.html would be replaced; valid: another folder",
-                             data.string(), kind));
+                 fmt::format("{} is of a {}, whose report.html would be replaced", data.string(), kind),
+                 "valid: another folder");
 }
 
 void EndOnInterrupt() { OnEndSignals(End); }

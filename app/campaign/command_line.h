@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <string>
 
-#include "base/yaml/yaml_fields.h"
+#include "base/diagnostics.h"
 
 namespace kestrel::app {
 

@@ -6,9 +6,9 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 
+#include "base/diagnostics.h"
 #include "base/file/files.h"
 #include "base/user_file.h"
-#include "base/yaml/yaml_fields.h"
 #include "campaign/statistics/comparison.h"
 
 namespace kestrel::app {
@@ -20,10 +20,9 @@ fs::path ResultsOf(const std::string& given, const char* which, Mistakes& mistak
   const fs::path named = fs::path("results/campaigns") / given / "results.sqlite";
   for (const fs::path& file : {fs::path(given), fs::path(given) / "results.sqlite", named})
     if (IsFile(file)) return file;
-  mistakes.Add(which, "",
-               fmt::format("'{}' has no results; valid: a result file, a folder with results.sqlite, or the "
-                           "name of a campaign in results/campaigns",
-                           given));
+  mistakes.Add(
+      which, "", fmt::format("'{}' has no results", given),
+      "valid: a result file, a folder with results.sqlite, or the name of a campaign in results/campaigns");
   return {};
 }
 

@@ -11,11 +11,11 @@
 
 #include "app/campaign/command_line.h"
 #include "app/simulated/isa_option.h"
+#include "base/diagnostics.h"
 #include "base/file/files.h"
 #include "base/process/end_signals.h"
 #include "base/process/print_note.h"
 #include "base/version.h"
-#include "base/yaml/yaml_fields.h"
 #include "campaign/counted.h"
 #include "campaign/execution/batch_script.h"
 #include "campaign/execution/run_campaign.h"
@@ -80,17 +80,20 @@ campaign::Searched SearchIn(const TuneArguments& a, const fs::path& folder,
 
 // Before the first of them flies.
 void RequireAllMethods(const TuneArguments& a) {
-  std::vector<std::string> mistakes;
+  Mistakes mistakes;
   for (const std::string method : kMethods) {
     std::vector<std::string> overrides = a.overrides;
     overrides.push_back("method=" + method);
     try {
       campaign::LoadTune(campaign::NamedFile("tuning", a.file), overrides);
     } catch (const InputError& e) {
-      for (const std::string& each : e.messages) mistakes.push_back(fmt::format("{} ({})", each, method));
+      for (Diagnostic each : e.diagnostics) {
+        each.what += fmt::format(" ({})", method);
+        mistakes.Add(std::move(each));
+      }
     }
   }
-  if (!mistakes.empty()) throw InputError(mistakes);
+  mistakes.ThrowIfAny();
 }
 
 std::string AgainText(const TuneArguments& a) {

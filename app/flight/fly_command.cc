@@ -13,12 +13,14 @@
 #include <utility>
 #include <vector>
 
+#include "base/diagnostics.h"
 #include "base/file/files.h"
 #include "base/file/writer_lock.h"
 #include "base/printable.h"
 #include "base/process/end_signals.h"
 #include "base/stopwatch.h"
 #include "base/version.h"
+#include "base/yaml/yaml_fields.h"
 #include "flight/hardware/aircraft.h"
 #include "flight/hardware/fly.h"
 #include "flight/hardware/pre_flight.h"
@@ -30,16 +32,6 @@ namespace kestrel::app {
 namespace {
 
 std::atomic<bool> interrupted = false;
-
-// What stands in an InputError, as mistakes among others. as: what is to stand in place of a text.
-void AddAll(const InputError& error, const std::string& text, const std::string& as, Mistakes& mistakes) {
-  for (std::string message : error.messages) {
-    if (const std::size_t at = message.find(text); !text.empty() && at != std::string::npos)
-      message.replace(at, text.size(), as);
-    const std::size_t colon = message.find(": ");
-    mistakes.Add(message.substr(0, colon), "", colon == std::string::npos ? "" : message.substr(colon + 2));
-  }
-}
 
 // The camera of an address, of the size of the calibration, the flight's colour and, of files, its rate where
 // the address says none of them. plan: null where it is a mistake itself; then the address is only checked.
@@ -58,7 +50,10 @@ vision::CameraAddress CameraAt(const FlyArguments& a, const flight::LoadedPlan* 
   try {
     return vision::ParseCameraAddress(address);
   } catch (const InputError& e) {
-    AddAll(e, address, a.camera, mistakes);
+    for (Diagnostic each : e.diagnostics) {
+      if (each.place() == vision::PlaceOfCamera(address)) each.file = vision::PlaceOfCamera(a.camera).file;
+      mistakes.Add(std::move(each));
+    }
     return {};
   }
 }
@@ -94,9 +89,8 @@ std::vector<std::pair<std::string, std::string>> FlownWith(const FlyArguments& a
 void CheckFor(const FlyArguments& a, Mistakes& mistakes) {
   constexpr double kLeast_s = 0.1, kMost_s = 36000;  // as duration_s
   if (a.for_s && !(*a.for_s >= kLeast_s && *a.for_s <= kMost_s))
-    mistakes.Add("--for", "",
-                 fmt::format("{:g} is no time in s that a flight may last; valid: from {:g} to {:g}",
-                             *a.for_s, kLeast_s, kMost_s));
+    mistakes.Add("--for", "", fmt::format("{:g} is no time in s that a flight may last", *a.for_s),
+                 fmt::format("valid: from {:g} to {:g}", kLeast_s, kMost_s));
 }
 
 void CatchSignals() {
@@ -218,7 +212,7 @@ bool FlyCommand(const FlyArguments& a) {
   try {
     loaded = flight::LoadPlan(a.scenario, a.overrides);
   } catch (const InputError& e) {
-    AddAll(e, "", "", mistakes);
+    mistakes.Add(e);
   }
   if (loaded)
     flight::CheckDeclared(*loaded->plan.flight->Make(loaded->parts), loaded->plan.mission, mistakes);
@@ -231,8 +225,8 @@ bool FlyCommand(const FlyArguments& a) {
   const std::unique_ptr<control::AutopilotLink> link = flight::MakeLink(a.autopilot, aircraft, mistakes);
   CheckFor(a, mistakes);
   if (a.dry_run && (a.take_control || a.arm))
-    mistakes.Add(a.arm ? "--arm" : "--take-control", "",
-                 "commands the aircraft, which --dry-run does not; valid: one of them");
+    mistakes.Add(a.arm ? "--arm" : "--take-control", "", "commands the aircraft, which --dry-run does not",
+                 "valid: one of them");
   flight::FlyOptions options;
   options.folder =
       !a.out.empty() ? a.out

@@ -11,6 +11,7 @@
 #include <map>
 #include <optional>
 
+#include "base/diagnostics.h"
 #include "base/file/files.h"
 #include "base/stopwatch.h"
 #include "base/user_file.h"
@@ -91,8 +92,9 @@ class Comparison {
 void RequireSizeOf(const vision::CameraModel& camera, const vision::Frame& frame, const std::string& folder) {
   if (frame.image.cols == vision::WidthPx(camera) && frame.image.rows == vision::HeightPx(camera)) return;
   throw InputError(
-      {fmt::format("{}: its image {} has {} x {} pixels; valid: the camera's {} x {}", folder, frame.sequence,
-                   frame.image.cols, frame.image.rows, vision::WidthPx(camera), vision::HeightPx(camera))});
+      folder,
+      fmt::format("its image {} has {} x {} pixels", frame.sequence, frame.image.cols, frame.image.rows),
+      fmt::format("valid: the camera's {} x {}", vision::WidthPx(camera), vision::HeightPx(camera)));
 }
 
 }  // namespace
@@ -122,7 +124,7 @@ bool ReplayCommand(const ReplayArguments& a) {
     mistakes.Add("replay", "", fmt::format("'{}' holds no scenario.yaml: not a flight's folder", a.folder));
   CheckWritableFile(a.video, "--video", mistakes);
   if (!(a.tolerance >= 0 && std::isfinite(a.tolerance)))
-    mistakes.Add("--tolerance", "", fmt::format("{:g} is no tolerance; valid: 0 or more", a.tolerance));
+    mistakes.Add("--tolerance", "", fmt::format("{:g} is no tolerance", a.tolerance), "valid: 0 or more");
   mistakes.ThrowIfAny();
   const flight::LoadedPlan loaded = flight::LoadPlan((folder / "scenario.yaml").string(), a.overrides);
   const records::Recording recording(folder);

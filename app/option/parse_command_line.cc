@@ -10,14 +10,13 @@
 #include <string>
 #include <vector>
 
+#include "app/option/exit_status.h"
+#include "base/nearest_name.h"
 #include "base/printable.h"
 #include "base/process/print_note.h"
-#include "base/yaml/yaml_fields.h"
 
 namespace kestrel::app {
 namespace {
-
-constexpr int kMet = 0, kBadInput = 2;
 
 using Words = std::vector<std::string>;
 

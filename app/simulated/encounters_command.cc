@@ -14,6 +14,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "base/diagnostics.h"
 #include "base/file/files.h"
 #include "base/file/writer_lock.h"
 #include "base/process/in_parallel.h"
@@ -21,6 +22,7 @@
 #include "base/statistics.h"
 #include "base/user_file.h"
 #include "base/version.h"
+#include "base/yaml/yaml_fields.h"
 #include "flight/simulated/encounter.h"
 #include "flight/simulated/runner.h"
 #include "flight/simulated/scenario.h"
@@ -49,7 +51,7 @@ struct Outcome {
   auto Key() const { return std::pair(harmless, seed); }
 };
 
-constexpr const char* kHeader =
+constexpr const char* kRowHeader =
     "harmless,seed,kind,own_speed_m_s,planned_miss_m,closest_without_m,closest_without_s,closest_m,"
     "manoeuvred,"
     "manoeuvre_s,path_excess\n";
@@ -221,16 +223,16 @@ flight::LoadedScenario Load(const EncountersArguments& a, std::string& settings)
   Mistakes mistakes;
   const auto* flight = base.scenario.flight.As<scenarios::AvoidFlight>();
   if (!flight) {
-    mistakes.Add(
-        a.scenario, "mission",
-        fmt::format("'{}' avoids nobody; valid: a scenario of the mission avoid", base.scenario.mission));
+    mistakes.Add(a.scenario, "mission", fmt::format("'{}' avoids nobody", base.scenario.mission),
+                 "valid: a scenario of the mission avoid");
   } else if (base.scenario.targets.size() < 2 || flight->marks.size() < 2) {
-    mistakes.Add(a.scenario, "targets",
-                 "fewer than two, or fewer than two marks; valid: two of either, for what they look like");
+    mistakes.Add(a.scenario, "targets", "fewer than two, or fewer than two marks",
+                 "valid: two of either, for what they look like");
   } else if (base.scenario.autopilot.speed_limit_m_s < 5) {
-    mistakes.Add(a.scenario, "autopilot.speed_limit_m_s",
-                 fmt::format("{:g}, and encounters are flown at up to 5 m/s; valid: from 5",
-                             base.scenario.autopilot.speed_limit_m_s));
+    mistakes.Add(
+        a.scenario, "autopilot.speed_limit_m_s",
+        fmt::format("{:g}, and encounters are flown at up to 5 m/s", base.scenario.autopilot.speed_limit_m_s),
+        "valid: from 5");
   }
   CheckWritableFolder(a.out, "--out", mistakes);
   CheckWritableFile(a.json, "--json", mistakes);
@@ -240,11 +242,11 @@ flight::LoadedScenario Load(const EncountersArguments& a, std::string& settings)
   settings += ToYaml(base.scenario);
   const fs::path file = fs::path(a.out) / "settings.txt";
   if (IsFile(file) && ReadFile(file) != settings)
-    mistakes.Add("--out", "",
-                 fmt::format("{} holds encounters of other settings, another version or another machine or "
-                             "--isa; valid: another "
-                             "folder, or that one removed",
-                             a.out));
+    mistakes.Add(
+        "--out", "",
+        fmt::format("{} holds encounters of other settings, another version or another machine or --isa",
+                    a.out),
+        "valid: another folder, or that one removed");
   mistakes.ThrowIfAny();
   return base;
 }
@@ -301,7 +303,7 @@ bool EncountersCommand(const EncountersArguments& a) {
   if (missing.size() < wanted.size())
     fmt::print("{} of {} encounters are flown already\n", wanted.size() - missing.size(), wanted.size());
   const auto write_all = [&] {
-    std::string text = kHeader;
+    std::string text = kRowHeader;
     for (const auto& [key, outcome] : outcomes) text += LineOf(outcome);
     WriteFile(file, text);
   };

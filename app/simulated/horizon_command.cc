@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "app/option/bits_option.h"
+#include "base/diagnostics.h"
 #include "base/file/files.h"
 #include "base/user_file.h"
 #include "flight/simulated/scenario.h"
@@ -27,7 +28,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kHeader =
+constexpr const char* kCsvHeader =
     "frame,t_s,roll_deg,pitch_deg,roll_sigma_deg,pitch_sigma_deg,dip_deg,skyline_seen,turned_deg,"
     "turned_sigma_deg,reason\n";
 
@@ -122,9 +123,8 @@ void HorizonCommand(const HorizonArguments& a) {
   if (!a.mask.empty()) {
     mask = vision::ReadMask(a.mask, "--mask", "", mistakes);
     if (!mask.empty() && size && mask.size() != *size)
-      mistakes.Add("--mask", "",
-                   fmt::format("{} x {} pixels; valid: those of the input, {} x {}", mask.cols, mask.rows,
-                               size->width, size->height));
+      mistakes.Add("--mask", "", fmt::format("{} x {} pixels", mask.cols, mask.rows),
+                   fmt::format("valid: those of the input, {} x {}", size->width, size->height));
   }
   if (!a.out.empty() && !(video ? HasEnding(a.out, {".mp4"}) : HasEnding(a.out, {".png", ".jpg", ".jpeg"})))
     mistakes.Add(
@@ -135,16 +135,16 @@ void HorizonCommand(const HorizonArguments& a) {
     CheckWritableFile(file, option, mistakes);
     for (const std::string& taken : {a.input, a.camera, a.mask})
       if (!file.empty() && !taken.empty() && SameFile(file, taken))
-        mistakes.Add(option, "", fmt::format("'{}' is read; valid: another file", file));
+        mistakes.Add(option, "", fmt::format("'{}' is read", file), "valid: another file");
   }
   if (!a.out.empty() && a.out == a.csv)
-    mistakes.Add("--csv", "", fmt::format("'{}' is that of --out too; valid: another file", a.csv));
+    mistakes.Add("--csv", "", fmt::format("'{}' is that of --out too", a.csv), "valid: another file");
   mistakes.ThrowIfAny();
 
   const Pose X_BC =
       vision::MountPose({.yaw_deg = a.yaw_deg, .pitch_deg = a.pitch_deg, .roll_deg = a.roll_deg});
   vision::HorizonAttitude horizon(camera, X_BC.R.toRotationMatrix(), mask, {}, {});
-  std::string csv = kHeader;
+  std::string csv = kCsvHeader;
   if (!video) {
     const auto m = horizon.Measure(image);
     if (!a.quiet && !note.empty()) fmt::print("{}\n", note);

@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 
+#include "base/diagnostics.h"
 #include "base/file/files.h"
 #include "flight/simulated/scenario.h"
 #include "sim/camera/board_renderer.h"
@@ -64,7 +65,7 @@ void RenderBoardCommand(const RenderBoardArguments& a) {
   const fs::path folder = a.out;
   std::error_code error;
   if (fs::exists(folder, error) && !fs::is_empty(folder, error))
-    mistakes.Add("--out", "", fmt::format("'{}' is not an empty folder; valid: a new one", a.out));
+    mistakes.Add("--out", "", fmt::format("'{}' is not an empty folder", a.out), "valid: a new one");
   else
     CheckWritableFolder(folder, "--out", mistakes);
   mistakes.ThrowIfAny();
@@ -74,7 +75,7 @@ void RenderBoardCommand(const RenderBoardArguments& a) {
   try {
     poses = sim::SpreadPoses(camera, board, a.count, a.seed);
   } catch (const std::runtime_error& e) {
-    throw InputError({fmt::format("--camera, --board: {}", e.what())});
+    throw InputError("--camera, --board", fmt::format("{}", e.what()));
   }
   sim::BoardRenderer studio(board, camera,
                             {.blur_px = a.blur_px, .noise_grey = a.noise_grey, .backend = a.backend});

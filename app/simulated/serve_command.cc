@@ -20,9 +20,9 @@
 #include <thread>
 #include <tuple>
 
+#include "base/diagnostics.h"
 #include "base/file/files.h"
 #include "base/process/end_signals.h"
-#include "base/yaml/yaml_fields.h"
 #include "flight/served/serve_flight.h"
 #include "flight/served/serve_physics.h"
 #include "geometry/tait_bryan.h"
@@ -45,10 +45,7 @@ std::optional<flight::LoadedScenario> Load(const std::string& scenario,
   try {
     return flight::LoadScenario(scenario, overrides);
   } catch (const InputError& e) {
-    for (const std::string& message : e.messages) {
-      const std::size_t colon = message.find(": ");
-      mistakes.Add(message.substr(0, colon), "", colon == std::string::npos ? "" : message.substr(colon + 2));
-    }
+    mistakes.Add(e);
     return std::nullopt;
   }
 }

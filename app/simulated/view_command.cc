@@ -16,10 +16,10 @@
 #include <opencv2/imgproc.hpp>
 
 #include "app/option/bits_option.h"
+#include "base/diagnostics.h"
 #include "base/file/files.h"
 #include "base/process/print_note.h"
 #include "base/user_file.h"
-#include "base/yaml/yaml_fields.h"
 #include "flight/simulated/scenario.h"
 #include "geometry/tait_bryan.h"
 #include "records/video/video.h"
@@ -71,8 +71,8 @@ std::optional<Range> ParseRange(const char* option, const std::string& text, dou
       std::min(range.from, range.to) >= low && std::max(range.from, range.to) <= high) {
     return range;
   }
-  mistakes.Add(option, "",
-               fmt::format("'{}' is not a range; valid: A..B within {:g}..{:g}", text, low, high));
+  mistakes.Add(option, "", fmt::format("'{}' is not a range", text),
+               fmt::format("valid: A..B within {:g}..{:g}", low, high));
   return std::nullopt;
 }
 
@@ -80,7 +80,7 @@ std::optional<Range> ParseRising(const char* option, const std::string& text, do
                                  Mistakes& mistakes) {
   const auto range = ParseRange(option, text, low, high, mistakes);
   if (range && range->to < range->from) {
-    mistakes.Add(option, "", fmt::format("'{}' falls; valid: A..B with A < B", text));
+    mistakes.Add(option, "", fmt::format("'{}' falls", text), "valid: A..B with A < B");
     return std::nullopt;
   }
   return range;
@@ -96,9 +96,8 @@ cv::Size ParseSize(const std::string& text, Mistakes& mistakes) {
   };
   if (x == std::string::npos || !side(std::string_view(text).substr(0, x), size.width) ||
       !side(std::string_view(text).substr(x + 1), size.height)) {
-    mistakes.Add("--size", "",
-                 fmt::format("'{}' is not a size; valid: WIDTHxHEIGHT, 1 to {} px each, such as 800x600",
-                             text, kMaxSide_px));
+    mistakes.Add("--size", "", fmt::format("'{}' is not a size", text),
+                 fmt::format("valid: WIDTHxHEIGHT, 1 to {} px each, such as 800x600", kMaxSide_px));
     return {};
   }
   return size;
@@ -108,7 +107,8 @@ double Angle(const char* option, const std::optional<double>& degrees, double ot
              double high, Mistakes& mistakes) {
   const double value = degrees.value_or(otherwise);
   if (!(value >= low && value <= high))
-    mistakes.Add(option, "", fmt::format("{:g} is out of range; valid: {:g} to {:g}", value, low, high));
+    mistakes.Add(option, "", fmt::format("{:g} is out of range", value),
+                 fmt::format("valid: {:g} to {:g}", low, high));
   return Radians(value);
 }
 
@@ -121,8 +121,8 @@ void RefuseOptionsOfOthers(const ViewArguments& a, Mistakes& mistakes) {
   const std::vector<std::string>& valid = kOptions.at(a.as);
   for (const auto& [option, is_given] : given) {
     if (is_given && std::find(valid.begin(), valid.end(), option) == valid.end())
-      mistakes.Add(option, "",
-                   fmt::format("means nothing for --as {}; valid: {}", a.as, fmt::join(valid, ", ")));
+      mistakes.Add(option, "", fmt::format("means nothing for --as {}", a.as),
+                   fmt::format("valid: {}", fmt::join(valid, ", ")));
   }
 }
 
@@ -310,7 +310,7 @@ void ViewCommand(const ViewArguments& a) {
         fmt::format("'{}' does not name {}", a.out,
                     video ? "a video; valid: an ending .mp4" : "an image; valid: an ending .png or .jpg"));
   } else if (SameFile(a.out, a.input)) {
-    mistakes.Add("--out", "", fmt::format("'{}' is the input itself; valid: another file", a.out));
+    mistakes.Add("--out", "", fmt::format("'{}' is the input itself", a.out), "valid: another file");
   } else {
     CheckWritableFile(a.out, "--out", mistakes);
   }
@@ -320,10 +320,10 @@ void ViewCommand(const ViewArguments& a) {
   const vision::ViewTable table = vision::MakeViewTable(view, camera);
   const double shown = vision::ShownShare(table);
   if (shown == 0) {
-    throw InputError(
-        {fmt::format("--as {}: the view would be black: it lies outside of what the lens sees, "
-                     "which ends {:.1f} deg from its axis",
-                     a.as, Degrees(vision::MaxAngle(camera)))});
+    throw InputError({},
+                     fmt::format("--as {}: the view would be black: it lies outside of what the lens sees, "
+                                 "which ends {:.1f} deg from its axis",
+                                 a.as, Degrees(vision::MaxAngle(camera))));
   }
   if (video) {
     const int frames = TurnVideo(*video, view, table, a);

@@ -14,7 +14,6 @@
 
 #include "base/printable.h"
 #include "base/user_file.h"
-#include "base/yaml/yaml_fields.h"
 
 namespace kestrel {
 namespace {

@@ -7,6 +7,8 @@
 #include <string>
 #include <string_view>
 
+#include "base/diagnostics.h"
+
 namespace kestrel {
 
 class Mistakes;

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "base/diagnostics.h"
+#include "base/nearest_name.h"
 #include "base/user_file.h"
 
 namespace kestrel {
@@ -40,27 +42,23 @@ std::vector<std::string> ScenarioNames() {
 }
 
 bool Known(const std::string& what, const std::string& name, const std::vector<std::string>& names,
-           const std::string& where, Mistakes& mistakes) {
+           const Place& where, Mistakes& mistakes) {
   if (std::find(names.begin(), names.end(), name) != names.end()) return true;
-  const auto near = NearestName(name, names);
-  mistakes.Add(where, what,
-               fmt::format("there is no {} '{}'; {}", what, name,
-                           near ? fmt::format("did you mean '{}'?", *near)
-                                : fmt::format("valid: {}", fmt::join(names, ", "))));
+  mistakes.Add(where, what, fmt::format("there is no {} '{}'", what, name), RemedyForName(name, names));
   return false;
 }
 
 void NoMoreThan::operator()(const std::string& key, double value, double limit,
                             const std::string& limit_key) const {
   if (value > limit)
-    mistakes.Add(where, key,
-                 fmt::format("{:g}, and {} is {:g}; valid: no more than that", value, limit_key, limit));
+    mistakes.Add(where, key, fmt::format("{:g}, and {} is {:g}", value, limit_key, limit),
+                 "valid: no more than that");
 }
 
 fs::path ScenarioFile(const std::string& name_or_file) {
   std::error_code none;
   if (!fs::exists(Root() / "scenarios", none))
-    throw InputError({fmt::format("KESTREL_ROOT: '{}' holds no scenarios", Root().string())});
+    throw InputError("KESTREL_ROOT", fmt::format("'{}' holds no scenarios", Root().string()));
   const fs::path file = name_or_file;
   if (file.extension() == ".yaml" || file.extension() == ".yml" || IsFile(file)) return file;
   for (const std::string& folder : NamesIn(Root() / "scenarios", "")) {
@@ -72,10 +70,10 @@ fs::path ScenarioFile(const std::string& name_or_file) {
     mistakes.Add("kestrel", "scenario", NoSuchFile(file));  // a folder, a pipe, a name too long
   else
     Known("scenario", name_or_file, ScenarioNames(), "kestrel", mistakes);
-  throw InputError(mistakes.messages());
+  throw InputError(mistakes.all());
 }
 
-std::optional<fs::path> CameraFile(std::string& name, const fs::path& beside, const std::string& where,
+std::optional<fs::path> CameraFile(std::string& name, const fs::path& beside, const Place& where,
                                    Mistakes& mistakes) {
   const fs::path folder = Root() / "models" / "cameras";
   const std::vector<std::string> names = NamesIn(folder, ".yaml");
@@ -85,15 +83,11 @@ std::optional<fs::path> CameraFile(std::string& name, const fs::path& beside, co
     name = fs::absolute(candidate).lexically_normal().string();
     return name;
   }
-  const std::string key = where == "--camera" ? "" : "camera";
+  const std::string key = where == Place("--camera") ? "" : "camera";
   if (name.find('/') != std::string::npos || name.ends_with(".yaml") || name.ends_with(".yml")) {
     mistakes.Add(where, key, NoSuchFile(name));
   } else {
-    const auto near = NearestName(name, names);
-    mistakes.Add(where, key,
-                 fmt::format("there is no camera '{}'; {}", name,
-                             near ? fmt::format("did you mean '{}'?", *near)
-                                  : fmt::format("valid: {}", fmt::join(names, ", "))));
+    mistakes.Add(where, key, fmt::format("there is no camera '{}'", name), RemedyForName(name, names));
   }
   return std::nullopt;
 }
@@ -105,7 +99,7 @@ const ConfigNode* Find(const Config& config, std::string_view key) {
   return nullptr;
 }
 
-std::string WhereOf(const Config& config, std::string_view key, const std::string& file) {
+Place WhereOf(const Config& config, std::string_view key, const Place& file) {
   const ConfigNode* node = Find(config, key);
   return node ? node->where : file;
 }

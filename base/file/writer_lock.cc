@@ -10,7 +10,7 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "base/yaml/yaml_fields.h"
+#include "base/diagnostics.h"
 
 namespace kestrel {
 
@@ -22,7 +22,7 @@ WriterLock::WriterLock(const fs::path& file, const std::string& refused)
     throw std::runtime_error(fmt::format("cannot write {}: {}", file.string(), std::strerror(errno)));
   if (flock(descriptor_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
   close(descriptor_);
-  throw InputError({refused});
+  throw InputError({}, refused);
 }
 
 WriterLock::~WriterLock() { close(descriptor_); }

@@ -26,7 +26,7 @@ struct Extent {
 };
 
 Extent ExtentOf(const ConfigNode& node) {
-  Extent extent{1, node.text.size() + node.where.size(), 1};
+  Extent extent{1, node.text.size() + node.where.file.size(), 1};
   for (const auto& [key, member] : node.members) {
     const Extent of_member = ExtentOf(member);
     extent.values += of_member.values;
@@ -40,7 +40,7 @@ Extent ExtentOf(const ConfigNode& node) {
 // that costs nothing until it is followed, and then everything.
 class TreeBuilder final : public YAML::EventHandler {
  public:
-  explicit TreeBuilder(const std::function<std::string(int line)>& where_of) : where_of_(where_of) {
+  explicit TreeBuilder(const std::function<Place(int line)>& where_of) : where_of_(where_of) {
     root_.where = where_of(0);
   }
   ConfigNode Take() { return std::move(root_); }
@@ -51,7 +51,7 @@ class TreeBuilder final : public YAML::EventHandler {
     YAML::Mark mark;
     YAML::anchor_t anchor;
     std::optional<std::string> key = std::nullopt;  // of the next value, once it was read
-    std::string key_where = {};
+    Place key_where = {};
   };
 
   void OnDocumentStart(const YAML::Mark& mark) override {
@@ -75,7 +75,7 @@ class TreeBuilder final : public YAML::EventHandler {
     Count(mark, ExtentOf(found->second));
     ConfigNode node = found->second;
     if (!open_.empty() && open_.back().key) node.where = open_.back().key_where;
-    Place(mark, std::move(node));
+    Put(mark, std::move(node));
   }
   void OnSequenceStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
                        YAML::EmitterStyle::value) override {
@@ -108,19 +108,19 @@ class TreeBuilder final : public YAML::EventHandler {
     Open ended = std::move(open_.back());
     open_.pop_back();
     Keep(ended.mark, ended.node, ended.anchor);
-    Place(ended.mark, std::move(ended.node));
+    Put(ended.mark, std::move(ended.node));
   }
   void Add(const YAML::Mark& mark, ConfigNode node, YAML::anchor_t anchor) {
     Count(mark, ExtentOf(node));
     Keep(mark, node, anchor);
-    Place(mark, std::move(node));
+    Put(mark, std::move(node));
   }
   void Keep(const YAML::Mark& mark, const ConfigNode& node, YAML::anchor_t anchor) {
     if (anchor == YAML::NullAnchor) return;
     Count(mark, ExtentOf(node));
     anchors_[anchor] = node;
   }
-  void Place(const YAML::Mark& mark, ConfigNode node) {
+  void Put(const YAML::Mark& mark, ConfigNode node) {
     if (open_.empty()) {
       root_ = std::move(node);
       return;
@@ -153,7 +153,7 @@ class TreeBuilder final : public YAML::EventHandler {
     throw YAML::Exception(mark, "a key must be a name");
   }
 
-  const std::function<std::string(int line)>& where_of_;
+  const std::function<Place(int line)>& where_of_;
   ConfigNode root_;
   std::vector<Open> open_;
   std::map<YAML::anchor_t, ConfigNode> anchors_;
@@ -163,7 +163,7 @@ class TreeBuilder final : public YAML::EventHandler {
 
 }  // namespace
 
-ConfigNode ReadNodes(const std::string& text, const std::function<std::string(int line)>& where_of) {
+ConfigNode ReadNodes(const std::string& text, const std::function<Place(int line)>& where_of) {
   std::istringstream stream(text);
   YAML::Parser parser(stream);
   TreeBuilder tree(where_of);

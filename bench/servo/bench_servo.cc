@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "base/diagnostics.h"
 #include "bench/servo/servo_tasks.h"
 #include "flight/simulated/scenario.h"
 #include "vision/camera/calibration_file.h"

@@ -9,6 +9,7 @@
 #include <fstream>
 #include <string>
 
+#include "base/diagnostics.h"
 #include "base/stopwatch.h"
 #include "flight/simulated/runner.h"
 

@@ -153,15 +153,16 @@ void WriteIdentity(sqlite3* db, const CampaignIdentity& identity) {
 }
 
 [[noreturn]] void RefuseAsNone(const fs::path& file, const std::string& why) {
-  throw InputError(
-      {fmt::format("{}: {}; valid: a result file that `kestrel campaign` wrote", file.string(), why)});
+  throw InputError(file.string(), fmt::format("{}", why),
+                   "valid: a result file that `kestrel campaign` wrote");
 }
 
 [[noreturn]] void RefuseAsDamaged(const fs::path& file, const std::string& why) {
   const auto shard = ShardOfFile(file);
-  throw InputError({fmt::format(
-      "{}: it is damaged: {}; valid: this file moved out of the way, and {} again", file.string(), why,
-      shard ? fmt::format("its part flown (--shard {}/{})", shard->number, shard->of) : "its runs flown")});
+  throw InputError(file.string(), fmt::format("it is damaged: {}", why),
+                   fmt::format("valid: this file moved out of the way, and {} again",
+                               shard ? fmt::format("its part flown (--shard {}/{})", shard->number, shard->of)
+                                     : "its runs flown"));
 }
 
 // Whether this is a file's fault, and not the disk's or another process's: no database, one that was cut or
@@ -343,8 +344,8 @@ ResultStore ResultStore::Open(const fs::path& file, const CampaignIdentity& iden
       if (!differences.empty()) {
         Mistakes mistakes;
         for (const std::string& each : differences)
-          mistakes.Add(file.string(), "",
-                       each + "; valid: another folder (--out), or this file moved out of the way");
+          mistakes.Add(file.string(), "", each,
+                       "valid: another folder (--out), or this file moved out of the way");
         mistakes.ThrowIfAny();
       }
     } else {
@@ -368,10 +369,9 @@ ResultStore ResultStore::Open(const fs::path& file, const CampaignIdentity& iden
 ResultStore ResultStore::ReadCampaign(const fs::path& file) {
   ResultStore store = Read(file);
   if (store.identity().tuning)
-    throw InputError({fmt::format(
-        "{}: it holds the flights of a tuning, each by gains of its own; valid: the results of a campaign. A "
-        "tuning's report is written by the same `kestrel tune` again, which flies nothing anew",
-        file.string())});
+    throw InputError(file.string(), "it holds the flights of a tuning, each by gains of its own",
+                     "valid: the results of a campaign. A tuning's report is written by the same `kestrel "
+                     "tune` again, which flies nothing anew");
   return store;
 }
 

@@ -73,8 +73,8 @@ class Campaign {
       Mistakes mistakes;
       if (fs::exists(file))
         for (const std::string& each : DifferencesOf(file, work_.identity))
-          mistakes.Add(file.string(), "",
-                       each + "; valid: another folder (--out), or this file moved out of the way");
+          mistakes.Add(file.string(), "", each,
+                       "valid: another folder (--out), or this file moved out of the way");
       mistakes.ThrowIfAny();
     }
   }
@@ -235,8 +235,9 @@ int Cores() {
 CampaignEnd RunCampaign(const CampaignWork& work, const CampaignOptions& options) {
   for (const std::int64_t row : options.record)
     if (row < 0 || row >= static_cast<std::int64_t>(work.identity.table.rows.size()))
-      throw InputError({fmt::format("--record: there is no row {}; valid: 0 to {}", row,
-                                    static_cast<std::int64_t>(work.identity.table.rows.size()) - 1)});
+      throw InputError(
+          "--record", fmt::format("there is no row {}", row),
+          fmt::format("valid: 0 to {}", static_cast<std::int64_t>(work.identity.table.rows.size()) - 1));
   return Campaign(work, options).Run();
 }
 

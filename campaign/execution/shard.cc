@@ -39,9 +39,8 @@ bool Same(double a, double b) { return a == b || (a != a && b != b); }
 Shard ShardOf(const std::string& text) {
   const auto shard = Numbers(text, "/");
   if (!shard)
-    throw InputError({fmt::format(
-        "--shard: '{}' is no part of a table; valid: I/N with I from 1 to N, and N to {}, such as 3/8", text,
-        kMaxShards)});
+    throw InputError("--shard", fmt::format("'{}' is no part of a table", text),
+                     fmt::format("valid: I/N with I from 1 to N, and N to {}, such as 3/8", kMaxShards));
   return *shard;
 }
 
@@ -86,7 +85,7 @@ std::string DifferenceOf(const RunResult& a, const RunResult& b) {
 
 Merged Merge(const std::filesystem::path& into, CampaignIdentity identity,
              const std::vector<std::filesystem::path>& parts) {
-  std::vector<std::string> mistakes;
+  Mistakes mistakes;
   std::map<std::int64_t, std::pair<RunResult, std::string>> rows;  // and the file that it is of
   const auto add = [&](const std::filesystem::path& file, const ResultStore& store) {
     for (RunResult& result : store.Results()) {
@@ -95,9 +94,10 @@ Merged Merge(const std::filesystem::path& into, CampaignIdentity identity,
       if (is_new) continue;
       const std::string difference = DifferenceOf(there->second.first, result);
       if (!difference.empty())
-        mistakes.push_back(
-            fmt::format("{}: row {} came to something else than in {}: {}; valid: one of the two files",
-                        file.string(), row, there->second.second, difference));
+        mistakes.Add(file.string(), "",
+                     fmt::format("row {} came to something else than in {}: {}", row, there->second.second,
+                                 difference),
+                     "valid: one of the two files");
     }
   };
   Merged merged;
@@ -108,19 +108,18 @@ Merged Merge(const std::filesystem::path& into, CampaignIdentity identity,
       if (!machine) identity.machine = *(machine = part.identity().machine);
       const auto differences = Differences(part.identity(), identity);
       for (const std::string& each : differences)
-        mistakes.push_back(fmt::format(
-            "{}: {}; valid: parts of this campaign, flown by this version on machines that are alike",
-            file.string(), each));
+        mistakes.Add(file.string(), "", each,
+                     "valid: parts of this campaign, flown by this version on machines that are alike");
       if (differences.empty()) add(file, part);
     } catch (const InputError& e) {
-      mistakes.insert(mistakes.end(), e.messages.begin(), e.messages.end());
+      mistakes.Add(e);
     }
   }
-  if (!mistakes.empty()) throw InputError(mistakes);
+  mistakes.ThrowIfAny();
   ResultStore store = ResultStore::Open(into, identity);
   const std::set<std::int64_t> there = store.Rows();
   add(into, store);
-  if (!mistakes.empty()) throw InputError(mistakes);
+  mistakes.ThrowIfAny();
   std::vector<RunResult> missing;
   for (auto& [row, result] : rows)
     if (!there.contains(row)) missing.push_back(std::move(result.first));

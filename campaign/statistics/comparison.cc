@@ -8,7 +8,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "base/yaml/yaml_fields.h"
+#include "base/diagnostics.h"
 
 namespace kestrel::campaign {
 namespace {
@@ -24,7 +24,7 @@ void RefuseOtherTable(const SampleTable& a, const SampleTable& b) {
   lacks(a, b, "A", "B"), lacks(b, a, "B", "A");
   if (a.rows.size() != b.rows.size())
     mistakes.Add("compare", "", fmt::format("A has {} rows and B {}", a.rows.size(), b.rows.size()));
-  if (mistakes.messages().empty()) {
+  if (mistakes.empty()) {
     std::size_t other = 0;
     std::string first;
     for (std::size_t row = 0; row < a.rows.size(); ++row) {
@@ -42,9 +42,9 @@ void RefuseOtherTable(const SampleTable& a, const SampleTable& b) {
     }
     if (other > 0) mistakes.Add("compare", "", fmt::format("{} ({} rows differ)", first, other));
   }
-  if (!mistakes.messages().empty())
-    mistakes.Add("compare", "",
-                 "the two are not of the same rows; valid: campaigns of one seed, sampling and `vary`");
+  if (!mistakes.empty())
+    mistakes.Add("compare", "", "the two are not of the same rows",
+                 "valid: campaigns of one seed, sampling and `vary`");
   mistakes.ThrowIfAny();
 }
 
@@ -166,7 +166,7 @@ Comparison Compare(const CampaignResults& a, const CampaignResults& b, std::vect
       pairs.emplace_back(&result, found->second);
   }
   c.rows_only_b = std::ssize(b.results) - std::ssize(pairs);
-  if (pairs.empty()) throw InputError({"compare: there is no row of which both have a result"});
+  if (pairs.empty()) throw InputError({}, "compare: there is no row of which both have a result");
 
   for (const auto& [of_a, of_b] : pairs) {
     const bool passed_a = of_a->status == RunStatus::kPassed, passed_b = of_b->status == RunStatus::kPassed;

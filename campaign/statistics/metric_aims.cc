@@ -5,7 +5,7 @@
 
 #include <set>
 
-#include "base/yaml/yaml_fields.h"
+#include "base/yaml/config.h"
 #include "campaign/table/campaign_plan.h"
 
 namespace kestrel::campaign {

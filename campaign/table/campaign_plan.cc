@@ -22,8 +22,7 @@ struct CampaignFile {
   ConfigNode vary;
 };
 
-template <class Visitor>
-void Fields(Visitor& v, CampaignFile& f) {
+void Fields(FieldVisitor& v, CampaignFile& f) {
   v("name", f.plan.name);
   v(Required("scenario"), f.plan.scenario);
   v("set", f.plan.set);
@@ -58,7 +57,7 @@ std::vector<std::string> ThatMakeADifference(std::vector<std::string> overrides,
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
     Config config;
     Mistakes mistakes;
-    if (PlanIn(file, others, config, mistakes) == plan && mistakes.messages().empty())
+    if (PlanIn(file, others, config, mistakes) == plan && mistakes.empty())
       overrides = others;
     else
       ++i;
@@ -73,23 +72,23 @@ void CheckResults(const ConfigNode& root, const CampaignPlan& plan, Mistakes& mi
     metrics.Check(plan.metrics[i], {}, WhereIn(root, {"metrics", index}), "metrics." + index, mistakes);
   }
   for (const auto& [metric, threshold] : plan.thresholds) {
-    const std::string& where = WhereIn(root, {"thresholds", metric});
+    const Place& where = WhereIn(root, {"thresholds", metric});
     const std::string path = "thresholds." + metric;
     const bool said = IsReported(mistakes, path);
     metrics.Check(metric, {"success"}, where, path, mistakes);
     if (!said && !threshold.max && !threshold.min)
-      mistakes.Add(where, path, "has no limit; valid: max, min or both");
+      mistakes.Add(where, path, "has no limit", "valid: max, min or both");
     if (threshold.max && threshold.min && *threshold.min > *threshold.max)
       mistakes.Add(where, path, NoneBetween(*threshold.min, *threshold.max));
     if (threshold.quantile && (*threshold.quantile <= 0 || *threshold.quantile >= 1))
-      mistakes.Add(where, path + ".quantile",
-                   fmt::format("{} is out of range; valid: between 0 and 1", *threshold.quantile));
+      mistakes.Add(where, path + ".quantile", fmt::format("{} is out of range", *threshold.quantile),
+                   "valid: between 0 and 1");
     if (metric != "success") continue;
     if (threshold.quantile)
-      mistakes.Add(where, path + ".quantile", "a share of runs has none; valid: max, min or both");
+      mistakes.Add(where, path + ".quantile", "a share of runs has none", "valid: max, min or both");
     for (const auto& limit : {threshold.max, threshold.min})
       if (limit && (*limit < 0 || *limit > 1))
-        mistakes.Add(where, path, fmt::format("{} is not a share of the runs; valid: 0 to 1", *limit));
+        mistakes.Add(where, path, fmt::format("{} is not a share of the runs", *limit), "valid: 0 to 1");
   }
 }
 

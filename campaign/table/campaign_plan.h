@@ -20,8 +20,7 @@ struct CorrelatedGroup {
   bool operator==(const CorrelatedGroup&) const = default;
 };
 
-template <class Visitor>
-void Fields(Visitor& v, CorrelatedGroup& g) {
+inline void Fields(FieldVisitor& v, CorrelatedGroup& g) {
   v(Required("keys"), g.keys);
   v(Required("rank_correlation"), g.rank_correlation, -1.0, 1.0);
 }
@@ -32,8 +31,7 @@ struct SameValue {
   bool operator==(const SameValue&) const = default;
 };
 
-template <class Visitor>
-void Fields(Visitor& v, SameValue& s) {
+inline void Fields(FieldVisitor& v, SameValue& s) {
   v(Required("key"), s.key);
   v(Required("as"), s.as);
 }
@@ -46,8 +44,7 @@ struct Threshold {
   bool operator==(const Threshold&) const = default;
 };
 
-template <class Visitor>
-void Fields(Visitor& v, Threshold& t) {
+inline void Fields(FieldVisitor& v, Threshold& t) {
   v("quantile", t.quantile, 0.0, 1.0);
   v("max", t.max, -1e9, 1e9);
   v("min", t.min, -1e9, 1e9);

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "base/nearest_name.h"
 #include "flight/simulated/possible_metrics.h"
 #include "records/telemetry/metrics.h"
 
@@ -36,8 +37,8 @@ FlightMetrics::FlightMetrics(const CampaignPlan& plan) : own_(flight::KnownMetri
   } catch (const InputError&) {}  // said elsewhere
 }
 
-void FlightMetrics::Check(const std::string& metric, const std::vector<std::string>& also,
-                          const std::string& where, const std::string& path, Mistakes& mistakes) {
+void FlightMetrics::Check(const std::string& metric, const std::vector<std::string>& also, const Place& where,
+                          const std::string& path, Mistakes& mistakes) {
   std::vector<std::string> valid = own_;
   valid.insert(valid.end(), also.begin(), also.end());
   if (Has(valid, metric)) return;
@@ -46,10 +47,9 @@ void FlightMetrics::Check(const std::string& metric, const std::vector<std::stri
       anothers ? fmt::format("a flight of this scenario, of the mission '{}', has no '{}'", mission_, metric)
                : fmt::format("there is no metric '{}'", metric);
   const auto near = anothers ? std::nullopt : NearestName(metric, valid);
-  if (near) return mistakes.Add(where, path, fmt::format("{}; did you mean '{}'?", what, *near));
-  mistakes.Add(where, path,
-               all_said_ ? fmt::format("{}; valid: as said above", what)
-                         : fmt::format("{}; valid: {}", what, fmt::join(valid, ", ")));
+  if (near) return mistakes.Add(where, path, what, fmt::format("did you mean '{}'?", *near));
+  mistakes.Add(where, path, what,
+               all_said_ ? "valid: as said above" : fmt::format("valid: {}", fmt::join(valid, ", ")));
   all_said_ = true;
 }
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "base/yaml/yaml_fields.h"
+#include "base/diagnostics.h"
 #include "campaign/table/campaign_plan.h"
 
 namespace kestrel::campaign {
@@ -15,7 +15,7 @@ class FlightMetrics {
   // A scenario that is none or not valid, or a mission that varies, may have them all.
   explicit FlightMetrics(const CampaignPlan& plan);
   // also: names that are valid there beside them. All that are is said with the first mistake alone.
-  void Check(const std::string& metric, const std::vector<std::string>& also, const std::string& where,
+  void Check(const std::string& metric, const std::vector<std::string>& also, const Place& where,
              const std::string& path, Mistakes& mistakes);
 
  private:

@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "base/diagnostics.h"
 #include "campaign/table/read_variation.h"
 
 namespace kestrel::campaign {
@@ -17,8 +18,8 @@ void CheckGivenOnce(const ConfigNode& root, const CampaignPlan& plan, Mistakes& 
     const auto [first, is_new] = set.emplace(key, plan.set[i]);
     if (!is_new)
       mistakes.Add(WhereIn(root, {"set", index}), "set." + index,
-                   fmt::format("'{}': '{}' is given twice, first as '{}'; valid: once", plan.set[i], key,
-                               first->second));
+                   fmt::format("'{}': '{}' is given twice, first as '{}'", plan.set[i], key, first->second),
+                   "valid: once");
   }
 
   std::map<std::string, const char*> varies;  // each key, and in which list
@@ -28,13 +29,13 @@ void CheckGivenOnce(const ConfigNode& root, const CampaignPlan& plan, Mistakes& 
     for (std::size_t dot = key.find('.'); dot != key.npos; dot = key.find('.', dot + 1))
       if (const std::string whole = key.substr(0, dot); varies.contains(whole))
         mistakes.Add(WhereIn(root, {list, key}), fmt::format("{}.{}", list, key),
-                     fmt::format("is a part of '{}', which varies too; valid: one of the two", whole));
+                     fmt::format("is a part of '{}', which varies too", whole), "valid: one of the two");
 
   std::set<std::string> metrics;
   for (std::size_t i = 0; i < plan.metrics.size(); ++i)
     if (const std::string index = std::to_string(i); !metrics.insert(plan.metrics[i]).second)
       mistakes.Add(WhereIn(root, {"metrics", index}), "metrics." + index,
-                   fmt::format("'{}' is given twice; valid: once", plan.metrics[i]));
+                   fmt::format("'{}' is given twice", plan.metrics[i]), "valid: once");
 }
 
 }  // namespace kestrel::campaign

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "base/yaml/yaml_fields.h"
+#include "base/yaml/config.h"
 #include "campaign/table/campaign_plan.h"
 
 namespace kestrel::campaign {

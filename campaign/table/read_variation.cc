@@ -10,9 +10,12 @@
 #include <set>
 #include <sstream>
 
+#include "base/diagnostics.h"
 #include "base/file/files.h"
 #include "base/file/model_files.h"
+#include "base/nearest_name.h"
 #include "base/user_file.h"
+#include "base/yaml/yaml_fields.h"
 #include "campaign/table/given_once.h"
 #include "campaign/table/sampling.h"
 #include "flight/simulated/scenario.h"
@@ -76,7 +79,7 @@ std::optional<std::vector<double>> NumbersOf(const ConfigNode& node, std::size_t
     double number = 0;
     const ConfigNode holder{Kind::kMap, "", false, "", {{"n", member}}};
     FieldReader(holder, "", none)("n", number, -1e300, 1e300);
-    if (!none.messages().empty()) return std::nullopt;
+    if (!none.empty()) return std::nullopt;
     numbers.push_back(number);
   }
   return numbers;
@@ -84,28 +87,28 @@ std::optional<std::vector<double>> NumbersOf(const ConfigNode& node, std::size_t
 
 std::optional<Distribution> ReadDistribution(const ConfigNode& node, const std::string& path,
                                              Mistakes& mistakes) {
-  const auto wrong = [&](const std::string& what) {
-    mistakes.Add(node.where, path, what);
+  const auto wrong = [&](const std::string& what, const std::string& remedy = "") {
+    mistakes.Add(node.where, path, what, remedy);
     return std::nullopt;
   };
   if (node.kind != Kind::kMap || node.members.size() != 1)
-    return wrong(fmt::format(
-        "{} is not a distribution; valid: one of {}, as in {{uniform: [0, 6]}}",
-        node.kind == Kind::kMap ? fmt::format("a map of {}", node.members.size()) : FlowText(node),
-        fmt::join(KindNames(), ", ")));
+    return wrong(fmt::format("{} is not a distribution", node.kind == Kind::kMap
+                                                             ? fmt::format("a map of {}", node.members.size())
+                                                             : FlowText(node)),
+                 fmt::format("valid: one of {}, as in {{uniform: [0, 6]}}", fmt::join(KindNames(), ", ")));
   const auto& [name, value] = node.members.front();
   const auto kind =
       std::find_if(std::begin(kKinds), std::end(kKinds), [&](const auto& k) { return name == k.name; });
   if (kind == std::end(kKinds)) {
     const auto near = NearestName(name, KindNames());
-    return wrong(fmt::format("there is no distribution '{}';{} valid: {}", name,
-                             near ? fmt::format(" did you mean '{}'?", *near) : "",
+    return wrong(fmt::format("there is no distribution '{}'", name),
+                 fmt::format("{}valid: {}", near ? fmt::format("did you mean '{}'? ", *near) : "",
                              fmt::join(KindNames(), ", ")));
   }
   if (name == "choice" || name == "grid") {
     if (value.kind != Kind::kList || value.members.empty())
-      return wrong(fmt::format("the {} is {}; valid: a list of one value or more", name,
-                               value.kind == Kind::kList ? "empty" : FlowText(value)));
+      return wrong(fmt::format("the {} is {}", name, value.kind == Kind::kList ? "empty" : FlowText(value)),
+                   "valid: a list of one value or more");
     List values;
     std::set<std::string> different;
     for (const auto& [index, member] : value.members) {
@@ -117,15 +120,17 @@ std::optional<Distribution> ReadDistribution(const ConfigNode& node, const std::
     return Grid{values};
   }
   const auto n = NumbersOf(value, name == "truncated_normal" ? 4 : 2);
-  if (!n) return wrong(fmt::format("{}: {} is not valid; valid: {}", name, FlowText(value), kind->arguments));
+  if (!n)
+    return wrong(fmt::format("{}: {} is not valid", name, FlowText(value)),
+                 fmt::format("valid: {}", kind->arguments));
   if (name == "normal" || name == "truncated_normal") {
-    if ((*n)[1] <= 0) return wrong(fmt::format("the deviation is {}; valid: above 0", (*n)[1]));
+    if ((*n)[1] <= 0) return wrong(fmt::format("the deviation is {}", (*n)[1]), "valid: above 0");
     if (name == "normal") return Normal{(*n)[0], (*n)[1]};
   }
   const double low = n->end()[-2], high = n->end()[-1];
   if (low >= high) return wrong(fmt::format("low = {} is not below high = {}", low, high));
   if (name == "log_uniform" && low <= 0)
-    return wrong(fmt::format("low = {} has no logarithm; valid: above 0", low));
+    return wrong(fmt::format("low = {} has no logarithm", low), "valid: above 0");
   if (name == "uniform") return Uniform{low, high};
   if (name == "log_uniform") return LogUniform{low, high};
   // Ten deviations from the mean nothing is left to be cut.
@@ -136,7 +141,7 @@ std::optional<Distribution> ReadDistribution(const ConfigNode& node, const std::
 }
 
 void ReadVary(const ConfigNode& node, const std::string& prefix, std::map<std::string, Distribution>& vary,
-              std::map<std::string, std::string>& places, Mistakes& mistakes) {
+              std::map<std::string, Place>& places, Mistakes& mistakes) {
   for (const auto& [name, member] : node.members) {
     const std::string key = prefix.empty() ? name : prefix + '.' + name;
     const bool deeper = member.kind == Kind::kMap && !member.members.empty() &&
@@ -147,47 +152,40 @@ void ReadVary(const ConfigNode& node, const std::string& prefix, std::map<std::s
       continue;
     }
     const auto place = places.find(key);
-    if (place != places.end() && !member.where.starts_with("--set"))
-      mistakes.Add(member.where, "vary." + key, "given twice, first at " + place->second);
+    if (place != places.end() && !IsOverride(member.where))
+      mistakes.Add(member.where, "vary." + key, "given twice, first at " + place->second.Text());
     places[key] = member.where;
     if (const auto distribution = ReadDistribution(member, "vary." + key, mistakes))
       vary.insert_or_assign(key, *distribution);
   }
 }
 
-// Of a refusal of the scenario, without what says again where the override came from.
-std::string Shortened(const std::string& message, const std::string& override_text, const std::string& key) {
-  std::string rest = message;
-  for (const std::string& start : {"--set " + override_text + ": ", key + ": "})
-    if (rest.starts_with(start)) rest.erase(0, start.size());
-  return rest;
-}
-
 // What the scenario says of what it is set to, by the file or by the command line.
-void RefuseScenario(const std::string& message, const ConfigNode& root, const CampaignPlan& plan,
+void RefuseScenario(const Diagnostic& wrong, const ConfigNode& root, const CampaignPlan& plan,
                     Mistakes& mistakes) {
   const auto set = std::find_if(plan.set.rbegin(), plan.set.rend(), [&](const std::string& each) {
-    return message.starts_with(fmt::format("--set {}: ", each));
+    return wrong.place() == PlaceOfOverride(each);
   });
-  if (set == plan.set.rend()) return mistakes.Add(WhereIn(root, {"scenario"}), "scenario", message);
-  for (const auto& [name, node] : root.members)
-    for (const auto& [index, member] : node.members)
-      if (name == "set" && member.text == *set)
-        return mistakes.Add(member.where, "set", message.substr(std::string_view("--set ").size()));
-  const std::string where = "--set " + *set;
-  mistakes.Add(where, "", message.substr(where.size() + 2));
+  Diagnostic said = wrong;
+  said.remedy.clear();
+  if (set == plan.set.rend())
+    return mistakes.Add(WhereIn(root, {"scenario"}), "scenario", said.Text(), wrong.remedy);
+  for (const auto& [name, node] : root.members) {
+    for (const auto& [index, member] : node.members) {
+      if (name != "set" || member.text != *set) continue;
+      said.file = *set;
+      return mistakes.Add(member.where, "set", said.Text(), wrong.remedy);
+    }
+  }
+  mistakes.Add(wrong);
 }
 
-void RefuseConstant(const std::string& key, const CampaignPlan& plan, const std::string& where,
+void RefuseConstant(const std::string& key, const CampaignPlan& plan, const Place& where,
                     const std::string& path, Mistakes& mistakes) {
   if (IsReported(mistakes, "vary." + key)) return;  // it does, in a way that is not valid
   List names;
   for (const auto& [name, distribution] : plan.vary) names.push_back(name);
-  const auto near = NearestName(key, names);
-  mistakes.Add(where, path,
-               fmt::format("'{}' does not vary; {}", key,
-                           near ? fmt::format("did you mean '{}'?", *near)
-                                : fmt::format("valid: {}", fmt::join(names, ", "))));
+  mistakes.Add(where, path, fmt::format("'{}' does not vary", key), RemedyForName(key, names));
 }
 
 void CheckGroups(const ConfigNode& root, const CampaignPlan& plan, Mistakes& mistakes) {
@@ -195,33 +193,32 @@ void CheckGroups(const ConfigNode& root, const CampaignPlan& plan, Mistakes& mis
   for (std::size_t g = 0; g < plan.correlated.size(); ++g) {
     const CorrelatedGroup& group = plan.correlated[g];
     const std::string index = std::to_string(g), path = "correlated." + index;
-    const std::string& where = WhereIn(root, {"correlated", index, "keys"});
+    const Place& where = WhereIn(root, {"correlated", index, "keys"});
     if (group.keys.size() < 2)
-      mistakes.Add(where, path + ".keys",
-                   fmt::format("a group of {}; valid: two keys or more", group.keys.size()));
+      mistakes.Add(where, path + ".keys", fmt::format("a group of {}", group.keys.size()),
+                   "valid: two keys or more");
     for (const std::string& key : group.keys) {
       const auto vary = plan.vary.find(key);
       if (vary == plan.vary.end()) {
         RefuseConstant(key, plan, where, path + ".keys", mistakes);
       } else if (std::holds_alternative<Grid>(vary->second) || std::holds_alternative<Choice>(vary->second)) {
         mistakes.Add(where, path + ".keys",
-                     fmt::format("'{}' is a {}, which has no ranks; valid: uniform, log_uniform, normal, "
-                                 "truncated_normal",
-                                 key, std::holds_alternative<Grid>(vary->second) ? "grid" : "choice"));
+                     fmt::format("'{}' is a {}, which has no ranks", key,
+                                 std::holds_alternative<Grid>(vary->second) ? "grid" : "choice"),
+                     "valid: uniform, log_uniform, normal, truncated_normal");
       }
       if (const auto [other, first] = group_of.try_emplace(key, g); !first)
         mistakes.Add(where, path + ".keys",
                      other->second == g ? fmt::format("'{}' is named twice", key)
-                                        : fmt::format("'{}' is in correlated.{} already; valid: in one group",
-                                                      key, other->second));
+                                        : fmt::format("'{}' is in correlated.{} already", key, other->second),
+                     "valid: in one group");
     }
     const double least = MinRankCorrelation(std::max<int>(2, static_cast<int>(group.keys.size())));
     if (group.rank_correlation <= least + 1e-9 || group.rank_correlation >= 1 - 1e-9)
-      mistakes.Add(
-          WhereIn(root, {"correlated", index, "rank_correlation"}), path + ".rank_correlation",
-          fmt::format("{} each with each is no correlation that {} keys can have; valid: above {:.4g} "
-                      "and below 1",
-                      group.rank_correlation, group.keys.size(), least));
+      mistakes.Add(WhereIn(root, {"correlated", index, "rank_correlation"}), path + ".rank_correlation",
+                   fmt::format("{} each with each is no correlation that {} keys can have",
+                               group.rank_correlation, group.keys.size()),
+                   fmt::format("valid: above {:.4g} and below 1", least));
   }
 }
 
@@ -230,13 +227,14 @@ void CheckSame(const ConfigNode& root, const CampaignPlan& plan, Mistakes& mista
   for (std::size_t i = 0; i < plan.same.size(); ++i) {
     const auto& [key, as] = plan.same[i];
     const std::string index = std::to_string(i), path = "same." + index;
-    const std::string& where = WhereIn(root, {"same", index, "key"});
+    const Place& where = WhereIn(root, {"same", index, "key"});
     if (plan.vary.count(key))
-      mistakes.Add(where, path + ".key", fmt::format("'{}' varies for itself; valid: one of the two", key));
+      mistakes.Add(where, path + ".key", fmt::format("'{}' varies for itself", key), "valid: one of the two");
     if (!taken.insert(key).second)
       mistakes.Add(where, path + ".key", fmt::format("'{}' is given twice", key));
     if (key == "seed")
-      mistakes.Add(where, path + ".key", "each run has a seed of its own; valid: another key, or vary.seed");
+      mistakes.Add(where, path + ".key", "each run has a seed of its own",
+                   "valid: another key, or vary.seed");
     if (!plan.vary.count(as))
       RefuseConstant(as, plan, WhereIn(root, {"same", index, "as"}), path + ".as", mistakes);
   }
@@ -278,7 +276,8 @@ List ValuesToTry(const Distribution& distribution) {
 struct KeyToTry {
   std::string key;
   const Distribution& distribution;
-  std::string where, path;
+  Place where;
+  std::string path;
 };
 
 void TryKey(const KeyToTry& k, const List& chosen, const CampaignPlan& plan, Mistakes& mistakes) {
@@ -286,13 +285,13 @@ void TryKey(const KeyToTry& k, const List& chosen, const CampaignPlan& plan, Mis
   const std::size_t ends = IsList(k.distribution) ? values.size() : 2;
   bool all = true;
   for (std::size_t i = 0; i < values.size() && (i < ends || all); ++i) {
-    const std::string_view remedy = i >= ends ? "; of whole numbers valid: choice or grid"
+    const std::string_view remedy = i >= ends ? "of whole numbers valid: choice or grid"
                                     : std::holds_alternative<Normal>(k.distribution)
-                                        ? "; a normal reaches 10 deviations off: valid: truncated_normal"
+                                        ? "a normal reaches 10 deviations off: valid: truncated_normal"
                                         : "";
     if (CheckOverride(plan, chosen, k.key, values[i], k.where, k.path, remedy, mistakes)) continue;
     all = false;
-    if (mistakes.messages().back().find("unknown key") != std::string::npos) return;  // said once
+    if (mistakes.all().back().what == kUnknownKey) return;  // said once
   }
 }
 
@@ -329,7 +328,7 @@ void TryKeys(const ConfigNode& root, const CampaignPlan& plan, Mistakes& mistake
 
 }  // namespace
 
-const std::string& WhereIn(const ConfigNode& root, std::initializer_list<std::string_view> path) {
+const Place& WhereIn(const ConfigNode& root, std::initializer_list<std::string_view> path) {
   const ConfigNode* node = &root;
   for (const std::string_view part : path) {
     const auto found = std::find_if(node->members.rbegin(), node->members.rend(),
@@ -341,10 +340,8 @@ const std::string& WhereIn(const ConfigNode& root, std::initializer_list<std::st
 }
 
 bool IsReported(const Mistakes& mistakes, const std::string& key) {
-  const auto& all = mistakes.messages();
-  return std::any_of(all.begin(), all.end(), [&](const std::string& message) {
-    return message.find(fmt::format(": {}: ", key)) != std::string::npos ||
-           message.find(fmt::format(": {}.", key)) != std::string::npos;
+  return std::any_of(mistakes.all().begin(), mistakes.all().end(), [&](const Diagnostic& each) {
+    return each.key == key || each.key.starts_with(key + '.');
   });
 }
 
@@ -379,7 +376,7 @@ void SetInstead(const List& overrides, List& set) {
 
 std::map<std::string, Distribution> ReadVary(const ConfigNode& vary, Mistakes& mistakes) {
   std::map<std::string, Distribution> read;
-  std::map<std::string, std::string> places;
+  std::map<std::string, Place> places;
   if (vary.kind == Kind::kMap)
     ReadVary(vary, "", read, places, mistakes);
   else if (vary.kind != Kind::kNothing)
@@ -389,16 +386,16 @@ std::map<std::string, Distribution> ReadVary(const ConfigNode& vary, Mistakes& m
 }
 
 bool CheckOverride(const CampaignPlan& plan, const List& others, const std::string& key,
-                   const std::string& value, const std::string& where, const std::string& path,
+                   const std::string& value, const Place& where, const std::string& path,
                    std::string_view remedy, Mistakes& mistakes) {
   const std::string text = fmt::format("{}={}", key, value);
-  const auto complaint = [&](List overrides) -> std::optional<std::string> {
+  const auto complaint = [&](List overrides) -> std::optional<Diagnostic> {
     overrides.push_back(text);
     try {
       flight::LoadScenario(plan.scenario, overrides);
       return std::nullopt;
     } catch (const InputError& e) {
-      return e.messages.front();
+      return e.diagnostics.front();
     }
   };
   const auto refused = complaint(plan.set);
@@ -408,13 +405,18 @@ bool CheckOverride(const CampaignPlan& plan, const List& others, const std::stri
     overrides.insert(overrides.end(), others.begin(), others.end());
     if (!complaint(overrides)) return true;
   }
-  const std::string what = Shortened(*refused, text, key);
-  const bool unknown = what.starts_with("unknown key");
+  // The place and the key are those of this file.
+  Diagnostic rest = *refused;
+  if (rest.place() == PlaceOfOverride(text)) rest.file.clear();
+  if (rest.key == key) rest.key.clear();
+  std::string remedies = std::move(rest.remedy);
+  rest.remedy.clear();
+  const std::string what = rest.Text();
+  const bool unknown = what == kUnknownKey;
+  if (!unknown && !remedy.empty()) remedies += fmt::format("{}{}", remedies.empty() ? "" : "; ", remedy);
   // Such as "3 is out of range" says the value itself.
   const bool said = unknown || what.starts_with(value) || what.starts_with('\'' + value);
-  mistakes.Add(
-      where, path,
-      fmt::format("{}{}{}", said ? "" : fmt::format("with {}: ", value), what, unknown ? "" : remedy));
+  mistakes.Add(where, path, said ? what : fmt::format("with {}: {}", value, what), remedies);
   return false;
 }
 
@@ -434,10 +436,8 @@ bool TakesAll(const CampaignPlan& plan, const std::vector<List>& sets) {
 bool ResolveVariation(const fs::path& file, const ConfigNode& root, CampaignPlan& plan, Mistakes& mistakes) {
   if (plan.name.empty()) plan.name = file.stem().string();
   if (!NamesFolder(plan.name))
-    mistakes.Add(
-        WhereIn(root, {"name"}), "name",
-        fmt::format("'{}' cannot name a folder; valid: no slash, no leading dot, no control character",
-                    plan.name));
+    mistakes.Add(WhereIn(root, {"name"}), "name", fmt::format("'{}' cannot name a folder", plan.name),
+                 "valid: no slash, no leading dot, no control character");
   double points = 1;
   for (const auto& [key, distribution] : plan.vary)
     if (const auto* grid = std::get_if<Grid>(&distribution))
@@ -445,18 +445,18 @@ bool ResolveVariation(const fs::path& file, const ConfigNode& root, CampaignPlan
   const bool too_long = points * plan.runs > kMaxRows;
   if (too_long)
     mistakes.Add(WhereIn(root, {"runs"}), "runs",
-                 fmt::format("{} at each of the {:.0f} points of the grids are {:.0f} runs; valid: no more "
-                             "than {}",
-                             plan.runs, points, points * plan.runs, kMaxRows));
+                 fmt::format("{} at each of the {:.0f} points of the grids are {:.0f} runs", plan.runs,
+                             points, points * plan.runs),
+                 fmt::format("valid: no more than {}", kMaxRows));
   if (plan.vary.size() > 3667)
-    mistakes.Add(WhereIn(root, {"vary"}), "vary",
-                 fmt::format("{} keys; valid: no more than 3667", plan.vary.size()));
-  const auto refuse_set = [&](const std::string& key, const std::string& where, const std::string& path) {
+    mistakes.Add(WhereIn(root, {"vary"}), "vary", fmt::format("{} keys", plan.vary.size()),
+                 "valid: no more than 3667");
+  const auto refuse_set = [&](const std::string& key, const Place& where, const std::string& path) {
     for (const std::string& each : plan.set) {
       const std::string set = each.substr(0, each.find('='));
       if (set == key || set.starts_with(key + '.'))
-        mistakes.Add(where, path,
-                     fmt::format("'{}' varies, and set has '{}'; valid: one of the two", key, each));
+        mistakes.Add(where, path, fmt::format("'{}' varies, and set has '{}'", key, each),
+                     "valid: one of the two");
     }
   };
   for (const auto& [key, distribution] : plan.vary)
@@ -471,15 +471,12 @@ bool ResolveVariation(const fs::path& file, const ConfigNode& root, CampaignPlan
   if (plan.scenario.empty()) return false;  // said already
   const List names = ScenarioNames();
   const fs::path beside = file.parent_path() / plan.scenario;
-  const std::string& where = WhereIn(root, {"scenario"});
+  const Place& where = WhereIn(root, {"scenario"});
   if (std::find(names.begin(), names.end(), plan.scenario) == names.end()) {
     if (!IsFile(beside)) {
-      const auto near = NearestName(plan.scenario, names);
-      mistakes.Add(
-          where, "scenario",
-          fmt::format("there is no scenario '{}', nor a file '{}'; {}", plan.scenario, beside.string(),
-                      near ? fmt::format("did you mean '{}'?", *near)
-                           : fmt::format("valid: {}", fmt::join(names, ", "))));
+      mistakes.Add(where, "scenario",
+                   fmt::format("there is no scenario '{}', nor a file '{}'", plan.scenario, beside.string()),
+                   RemedyForName(plan.scenario, names));
       return false;
     }
     plan.scenario = fs::absolute(beside).lexically_normal().string();
@@ -487,7 +484,7 @@ bool ResolveVariation(const fs::path& file, const ConfigNode& root, CampaignPlan
   try {
     flight::LoadScenario(plan.scenario, plan.set);
   } catch (const InputError& e) {
-    for (const std::string& message : e.messages) RefuseScenario(message, root, plan, mistakes);
+    for (const Diagnostic& each : e.diagnostics) RefuseScenario(each, root, plan, mistakes);
     return false;
   }
   if (!too_long) TryKeys(root, plan, mistakes);

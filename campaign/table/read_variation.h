@@ -8,7 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include "base/yaml/yaml_fields.h"
+#include "base/yaml/config.h"
+#include "base/yaml/fields.h"
 #include "campaign/table/campaign_plan.h"
 
 // What files of campaigns and of tunings have in common: a scenario, and what of it varies.
@@ -18,7 +19,7 @@ namespace kestrel::campaign {
 constexpr int kMaxRows = 10'000'000;
 
 // Where a value was written, or the nearest around it that was.
-const std::string& WhereIn(const ConfigNode& root, std::initializer_list<std::string_view> path);
+const Place& WhereIn(const ConfigNode& root, std::initializer_list<std::string_view> path);
 
 // Whether a mistake of a key, or of one below it, is among them: what follows from it need not be said.
 bool IsReported(const Mistakes& mistakes, const std::string& key);
@@ -34,16 +35,9 @@ SplitOverrides Split(const std::vector<std::string>& overrides, const std::vecto
 void SetInstead(const std::vector<std::string>& overrides, std::vector<std::string>& set);
 
 // The keys that the Fields of a struct name.
-class KeyNames {
+class KeyNames final : public FieldVisitor {
  public:
-  template <class... Rest>
-  void operator()(FieldKey key, Rest&&...) {
-    names.push_back(key.name);
-  }
-  template <class T>
-  void operator()(FieldKey key, T&, std::initializer_list<const char*>) {
-    names.push_back(key.name);
-  }
+  void Visit(const FieldKey& key, const FieldValue&) override { names.push_back(key.name); }
   std::vector<std::string> names;
 };
 template <class T>
@@ -70,7 +64,7 @@ bool TakesAll(const CampaignPlan& plan, const std::vector<std::vector<std::strin
 
 // Whether the scenario takes "key=value" after other overrides; otherwise says why.
 bool CheckOverride(const CampaignPlan& plan, const std::vector<std::string>& others, const std::string& key,
-                   const std::string& value, const std::string& where, const std::string& path,
+                   const std::string& value, const Place& where, const std::string& path,
                    std::string_view remedy, Mistakes& mistakes);
 
 }  // namespace kestrel::campaign

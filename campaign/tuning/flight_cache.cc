@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/version.h"
+#include "base/yaml/yaml_fields.h"
 #include "flight/simulated/scenario.h"
 
 namespace kestrel::campaign {

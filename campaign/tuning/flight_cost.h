@@ -20,8 +20,7 @@ struct CostTerm {
   std::optional<double> wanted;  // none: the less the better
 };
 
-template <class Visitor>
-void Fields(Visitor& v, CostTerm& t) {
+inline void Fields(FieldVisitor& v, CostTerm& t) {
   v("weight", t.weight, 0.0, 1e6);
   v(Required("scale"), t.scale, 1e-9, 1e9);
   v("worst", t.worst, 1e-9, 1e9);  // at 0 the term would be the same for all
@@ -35,8 +34,7 @@ struct CostConstraint {
   double penalty = 5;
 };
 
-template <class Visitor>
-void Fields(Visitor& v, CostConstraint& c) {
+inline void Fields(FieldVisitor& v, CostConstraint& c) {
   v("max", c.max, -1e9, 1e9);
   v("min", c.min, -1e9, 1e9);
   v("penalty", c.penalty, 0.0, 1e6);

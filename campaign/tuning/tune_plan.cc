@@ -29,8 +29,7 @@ struct TuneFile {
   ConfigNode vary;
 };
 
-template <class Visitor>
-void Fields(Visitor& v, TuneFile& f) {
+void Fields(FieldVisitor& v, TuneFile& f) {
   TunePlan& p = f.plan;
   v("name", p.flights.name);
   v(Required("scenario"), p.flights.scenario);
@@ -88,30 +87,31 @@ List OtherGains(const TunePlan& plan) {
   return others;
 }
 
-void CheckBounds(const Gain& gain, const std::string& where, const std::string& path, Mistakes& mistakes) {
+void CheckBounds(const Gain& gain, const Place& where, const std::string& path, Mistakes& mistakes) {
   if (IsReported(mistakes, path)) return;  // and what has no number has its default
   if (gain.low >= gain.high)
     mistakes.Add(where, path, fmt::format("low = {} is not below high = {}", gain.low, gain.high));
   else if (gain.log && gain.low <= 0)
-    mistakes.Add(where, path, fmt::format("low = {} has no logarithm; valid: above 0", gain.low));
+    mistakes.Add(where, path, fmt::format("low = {} has no logarithm", gain.low), "valid: above 0");
   if (gain.start && (*gain.start < gain.low || *gain.start > gain.high))
-    mistakes.Add(where, path + ".start",
-                 fmt::format("{} is out of its bounds; valid: {} to {}", *gain.start, gain.low, gain.high));
+    mistakes.Add(where, path + ".start", fmt::format("{} is out of its bounds", *gain.start),
+                 fmt::format("valid: {} to {}", gain.low, gain.high));
 }
 
 void CheckGains(const ConfigNode& root, const TunePlan& plan, Mistakes& mistakes) {
   if (plan.gains.empty() && !IsReported(mistakes, "gains"))
-    mistakes.Add(WhereIn(root, {"gains"}), "gains", "nothing is to be tuned; valid: one key or more");
+    mistakes.Add(WhereIn(root, {"gains"}), "gains", "nothing is to be tuned", "valid: one key or more");
   for (const auto& [key, gain] : plan.gains) {
-    const std::string &where = WhereIn(root, {"gains", key}), path = "gains." + key;
+    const Place& where = WhereIn(root, {"gains", key});
+    const std::string path = "gains." + key;
     CheckBounds(gain, where, path, mistakes);
     const bool varies = plan.flights.vary.contains(key) ||
                         std::any_of(plan.flights.same.begin(), plan.flights.same.end(),
                                     [&](const SameValue& same) { return same.key == key; });
-    if (varies) mistakes.Add(where, path, "varies from flight to flight too; valid: one of the two");
+    if (varies) mistakes.Add(where, path, "varies from flight to flight too", "valid: one of the two");
     for (const std::string& set : plan.flights.set)
       if (set.substr(0, set.find('=')) == key)
-        mistakes.Add(where, path, fmt::format("is tuned, and set has '{}'; valid: start", set));
+        mistakes.Add(where, path, fmt::format("is tuned, and set has '{}'", set), "valid: start");
   }
 }
 
@@ -119,15 +119,15 @@ void CheckCost(const ConfigNode& root, const TunePlan& plan, Mistakes& mistakes)
   const FlightCost& cost = plan.cost;
   FlightMetrics metrics(plan.flights);
   if (cost.terms.empty() && cost.constraints.empty() && !IsReported(mistakes, "cost"))
-    mistakes.Add(WhereIn(root, {"cost"}), "cost", "no metric is in it; valid: one or more");
+    mistakes.Add(WhereIn(root, {"cost"}), "cost", "no metric is in it", "valid: one or more");
   for (const auto& [metric, term] : cost.terms)
     metrics.Check(metric, {}, WhereIn(root, {"cost", metric}), "cost." + metric, mistakes);
   for (const auto& [metric, constraint] : cost.constraints) {
-    const std::string& where = WhereIn(root, {"constraints", metric});
+    const Place& where = WhereIn(root, {"constraints", metric});
     const bool said = IsReported(mistakes, "constraints." + metric);
     metrics.Check(metric, {}, where, "constraints." + metric, mistakes);
     if (!said && !constraint.max && !constraint.min)
-      mistakes.Add(where, "constraints." + metric, "has no limit; valid: max, min or both");
+      mistakes.Add(where, "constraints." + metric, "has no limit", "valid: max, min or both");
     if (constraint.max && constraint.min && *constraint.min > *constraint.max)
       mistakes.Add(where, "constraints." + metric, NoneBetween(*constraint.min, *constraint.max));
   }
@@ -146,7 +146,8 @@ void CheckGainsInScenario(const ConfigNode& root, const TunePlan& plan,
     for (std::size_t i = 0; i < 3; ++i) together[i].push_back(fmt::format("{}={}", key, values(gain)[i]));
   const bool takes_all = TakesAll(plan.flights, together);
   for (const auto& [key, gain] : gains) {
-    const std::string &where = WhereIn(root, {"gains", key}), path = "gains." + key;
+    const Place& where = WhereIn(root, {"gains", key});
+    const std::string path = "gains." + key;
     bool valid = true;
     for (const double value : values(gain)) {
       valid = takes_all || (valid && CheckOverride(plan.flights, {}, key, fmt::format("{}", value), where,
@@ -155,12 +156,10 @@ void CheckGainsInScenario(const ConfigNode& root, const TunePlan& plan,
     if (!valid || gain.start) continue;
     const auto value = own.find(key);
     if (value == own.end())
-      mistakes.Add(where, path, "the scenario has no number there; valid: with a start");
+      mistakes.Add(where, path, "the scenario has no number there", "valid: with a start");
     else if (value->second < gain.low || value->second > gain.high)
-      mistakes.Add(
-          where, path,
-          fmt::format("the scenario has {}, out of its bounds; valid: bounds around that, or a start",
-                      value->second));
+      mistakes.Add(where, path, fmt::format("the scenario has {}, out of its bounds", value->second),
+                   "valid: bounds around that, or a start");
   }
 }
 
@@ -178,11 +177,11 @@ void CheckBudget(const ConfigNode& root, const LoadedTune& tune, Mistakes& mista
   const std::size_t least =
       (1 + candidates) * rows + static_cast<std::size_t>(plan.leaders) * tune.fresh.rows.size();
   if (static_cast<std::size_t>(plan.budget) < least)
-    mistakes.Add(
-        WhereIn(root, {"budget"}), "budget",
-        fmt::format("{} flights are not enough for the start and one round of {} candidates on {} rows, and "
-                    "{} leaders on {} fresh ones; valid: {} or more",
-                    plan.budget, candidates, rows, plan.leaders, tune.fresh.rows.size(), least));
+    mistakes.Add(WhereIn(root, {"budget"}), "budget",
+                 fmt::format("{} flights are not enough for the start and one round of {} candidates on {} "
+                             "rows, and {} leaders on {} fresh ones",
+                             plan.budget, candidates, rows, plan.leaders, tune.fresh.rows.size()),
+                 fmt::format("valid: {} or more", least));
 }
 
 }  // namespace

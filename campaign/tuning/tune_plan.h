@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "base/yaml/fields.h"
 #include "campaign/table/campaign_plan.h"
 #include "campaign/table/sample_table.h"
 #include "campaign/tuning/flight_cost.h"
@@ -20,8 +21,7 @@ struct Gain {
   std::optional<double> start;  // none: as the scenario has it
 };
 
-template <class Visitor>
-void Fields(Visitor& v, Gain& g) {
+inline void Fields(FieldVisitor& v, Gain& g) {
   v(Required("low"), g.low, -1e9, 1e9);
   v(Required("high"), g.high, -1e9, 1e9);
   v("log", g.log);

@@ -9,6 +9,7 @@
 
 #include "base/statistics.h"
 #include "base/version.h"
+#include "base/yaml/yaml_fields.h"
 #include "campaign/execution/batch_script.h"
 #include "campaign/tuning/flight_cache.h"
 #include "campaign/tuning/tune_files.h"

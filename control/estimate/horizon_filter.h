@@ -22,8 +22,7 @@ struct HorizonFilterOptions {
   double memory_s = 1;  // how late a measurement may come
 };
 
-template <class Visitor>
-void Fields(Visitor& v, HorizonFilterOptions& o) {
+inline void Fields(FieldVisitor& v, HorizonFilterOptions& o) {
   v("gyro_noise_deg_per_root_s", o.gyro_noise_deg_per_root_s, 1e-4, 10.0);
   v("bias_walk_deg_per_s_root_s", o.bias_walk_deg_per_s_root_s, 0.0, 1.0);
   v("initial_bias_deg_per_s", o.initial_bias_deg_per_s, 1e-3, 30.0);

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <optional>
 
+#include "base/yaml/fields.h"
 #include "control/autopilot.h"
 #include "control/estimate/constant_velocity_filter.h"
 #include "control/estimate/state_history.h"
@@ -16,8 +17,7 @@ struct MovingTargetOptions {
   double tilt_sigma_deg = 0.3;   // of the autopilot's attitude, from one frame to the next
 };
 
-template <class Visitor>
-void Fields(Visitor& v, MovingTargetOptions& o) {
+inline void Fields(FieldVisitor& v, MovingTargetOptions& o) {
   v("acceleration_m_s2", o.acceleration_m_s2, 0.01, 50.0);
   v("tilt_sigma_deg", o.tilt_sigma_deg, 0.0, 10.0);
 }

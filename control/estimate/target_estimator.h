@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <optional>
 
+#include "base/yaml/fields.h"
 #include "control/autopilot.h"
 #include "control/estimate/constant_velocity_filter.h"
 #include "control/estimate/state_history.h"
@@ -19,8 +20,7 @@ struct TargetEstimatorOptions {
   bool tilt_alignment = true;       // mend the pose by the autopilot's tilt, and that tilt by the pose
 };
 
-template <class Visitor>
-void Fields(Visitor& v, TargetEstimatorOptions& o) {
+inline void Fields(FieldVisitor& v, TargetEstimatorOptions& o) {
   v("acceleration_m_s2", o.acceleration_m_s2, 0.01, 20.0);
   v("position_sigma_m", o.position_sigma_m, 1e-4, 1.0);
   v("velocity_time_s", o.velocity_time_s, 0.2, 60.0);

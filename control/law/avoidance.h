@@ -36,8 +36,7 @@ struct AvoidanceOptions {
   double acceleration_m_s2 = 2;
 };
 
-template <class Visitor>
-void Fields(Visitor& v, AvoidanceOptions& o) {
+inline void Fields(FieldVisitor& v, AvoidanceOptions& o) {
   v("hold", o.hold);
   v(Renamed("max_bearing_deg", "most_bearing_deg"), o.max_bearing_deg, 0.0, 180.0);
   v("safe_m", o.safe_m, 0.1, 1000.0);

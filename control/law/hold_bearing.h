@@ -3,6 +3,8 @@
 
 #include <optional>
 
+#include "base/yaml/fields.h"
+
 // See and avoid: flying on at constant speed and height while the yaw rate holds the other aircraft at a
 // bearing off the bow, thesis 6.4, eq. (6.29), which needs neither its range nor its path.
 // Deviations: with the derivative of (6.24) the azimuth falls by the yaw rate, so the law has no minus (in
@@ -17,8 +19,7 @@ struct HoldBearingGains {
   double yaw_rate_limit_deg_s = 40;
 };
 
-template <class Visitor>
-void Fields(Visitor& v, HoldBearingGains& g) {
+inline void Fields(FieldVisitor& v, HoldBearingGains& g) {
   v("lambda_per_s", g.lambda_per_s, 0.1, 5.0);
   v("bearing_deg", g.bearing_deg, 10.0, 180.0);
   v("yaw_rate_limit_deg_s", g.yaw_rate_limit_deg_s, 1.0, 180.0);

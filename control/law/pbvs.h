@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 
+#include "base/yaml/fields.h"
 #include "control/autopilot.h"
 #include "control/law/twist.h"
 #include "geometry/pose.h"
@@ -37,8 +38,7 @@ struct ServoGains {
   double yaw_rate_limit_deg_s = 40;
 };
 
-template <class Visitor>
-void Fields(Visitor& v, ServoGains& g) {
+inline void Fields(FieldVisitor& v, ServoGains& g) {
   v("lambda_per_s", g.lambda_per_s, 0.0, 5.0);
   v("lambda_vertical_per_s", g.lambda_vertical_per_s, 0.0, 5.0);
   v("lambda_yaw_per_s", g.lambda_yaw_per_s, 0.0, 5.0);

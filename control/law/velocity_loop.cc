@@ -4,14 +4,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/gravity.h"
 #include "geometry/tait_bryan.h"
 
 namespace kestrel::control {
 namespace {
 
-constexpr double kGravity = 9.80665;
 constexpr double kPause_s = 0.5;
-constexpr double kIntegralLimit_m_s2 = 0.6 * kGravity;
+constexpr double kIntegralLimit_m_s2 = 0.6 * kGravity_m_s2;
 
 constexpr double kTouchDescent_m_s = 0.12;
 constexpr double kTouchStill_m_s = 0.09;
@@ -54,15 +54,15 @@ VelocityLoopOutput FollowVelocity(const VelocitySetpoint& wanted, const VehicleS
   Eigen::Vector3d a_N = state.integral_N + gain.cwiseProduct(error);
   if (dt_s > 0) a_N += step / dt_s;
 
-  const Eigen::Vector2d level = Limited(a_N.head<2>(), kGravity * std::tan(Radians(o.tilt_limit_deg)));
+  const Eigen::Vector2d level = Limited(a_N.head<2>(), kGravity_m_s2 * std::tan(Radians(o.tilt_limit_deg)));
   const bool tilt_limited = level.norm() < a_N.head<2>().norm() - 1e-9;
   const Eigen::Vector3d a_H = HeadingRotation(-yaw) * Eigen::Vector3d(level.x(), level.y(), 0);
-  const double pitch = -std::atan2(a_H.x(), kGravity);
+  const double pitch = -std::atan2(a_H.x(), kGravity_m_s2);
   out.setpoint.pitch = pitch / o.pitch_gain;
-  out.setpoint.roll = std::atan2(a_H.y() * std::cos(pitch), kGravity) / o.roll_gain;
+  out.setpoint.roll = std::atan2(a_H.y() * std::cos(pitch), kGravity_m_s2) / o.roll_gain;
 
   const double upright = std::max(0.5, (vehicle.R_NB * Eigen::Vector3d::UnitZ()).z());
-  const double thrust = o.hover_thrust * (kGravity - a_N.z()) / kGravity / upright;
+  const double thrust = o.hover_thrust * (kGravity_m_s2 - a_N.z()) / kGravity_m_s2 / upright;
   // An upper limit below the lower one is nonsense that must not become undefined behaviour.
   out.setpoint.thrust = std::clamp(thrust, o.thrust_min, std::max(o.thrust_min, o.thrust_max));
 

@@ -33,8 +33,7 @@ struct VelocityLoopOptions {
   double level_delay_s = 0.3, climb_delay_s = 0.15;
 };
 
-template <class Visitor>
-void Fields(Visitor& v, VelocityLoopOptions& o) {
+inline void Fields(FieldVisitor& v, VelocityLoopOptions& o) {
   v("hover_thrust", o.hover_thrust, 0.05, 0.95);
   v("roll_gain", o.roll_gain, 0.1, 2.0);
   v("pitch_gain", o.pitch_gain, 0.1, 2.0);

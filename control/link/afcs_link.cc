@@ -13,7 +13,8 @@
 #include <utility>
 
 #include "base/clock_sync.h"
-#include "base/yaml/yaml_fields.h"
+#include "base/diagnostics.h"
+#include "base/stopwatch.h"
 #include "geometry/tait_bryan.h"
 
 namespace kestrel::control {
@@ -23,18 +24,14 @@ namespace asio = boost::asio;
 using asio::ip::udp;
 using boost::system::error_code;
 
-constexpr std::chrono::milliseconds kTick{5};
-
-double Now_s() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
+constexpr std::chrono::milliseconds kAfcsTick{5};
 
 udp::endpoint Resolve(asio::io_context& io, const AfcsLinkOptions& options) {
   error_code error;
   udp::resolver resolver(io);
   const auto found = resolver.resolve(options.host, std::to_string(options.port), error);
   if (error || found.empty())
-    throw InputError({fmt::format("AFCS: host {}: {}", options.host, error ? error.message() : "not known")});
+    throw InputError("AFCS", fmt::format("host {}: {}", options.host, error ? error.message() : "not known"));
   return found.begin()->endpoint();
 }
 
@@ -72,14 +69,14 @@ struct AfcsLink::Session {
         receiver(codec),
         peer(Resolve(io, o)),
         where(fmt::format("AFCS at {}:{}", o.host, o.port)),
-        begun_s(Now_s()) {
+        begun_s(MonotonicNow_s()) {
     Tick();
     thread = std::thread([this] { io.run(); });
   }
   ~Session() {
     asio::post(io, [this] {
       const std::lock_guard lock(mutex);
-      if (open) Transmit(wire::AfcsClose{}, Now_s());
+      if (open) Transmit(wire::AfcsClose{}, MonotonicNow_s());
       io.stop();
     });
     thread.join();
@@ -90,7 +87,7 @@ struct AfcsLink::Session {
   void Tick() {
     {
       const std::lock_guard lock(mutex);
-      const double now_s = Now_s();
+      const double now_s = MonotonicNow_s();
       if (open && now_s - heard_s > options.silent_s) Reopen("fell silent");
       if (!socket.is_open()) Connect();
       if (now_s >= open_due_s) {
@@ -104,7 +101,7 @@ struct AfcsLink::Session {
       }
       Listen();
     }
-    timer.expires_after(kTick);
+    timer.expires_after(kAfcsTick);
     timer.async_wait([this](const error_code& error) {
       if (!error) Tick();
     });
@@ -143,7 +140,7 @@ struct AfcsLink::Session {
   void Receive(std::span<const std::uint8_t> bytes) {
     const auto datagram = receiver.Receive(bytes);
     if (!datagram) return;
-    const double now_s = Now_s();
+    const double now_s = MonotonicNow_s();
     const auto* ack = std::get_if<wire::AfcsAck>(&datagram->message);
     if (ack) {
       if (!open && Acknowledges(*ack)) {
@@ -235,11 +232,11 @@ struct AfcsLink::Session {
                                         : "";
     if (!not_expressible.empty()) return setpoint.reset();  // nor what was asked for before
     setpoint = wanted;
-    setpoint_s = Now_s();
+    setpoint_s = MonotonicNow_s();
     setpoint_due_s = 0;
     asio::post(io, [this] {
       const std::lock_guard inner(mutex);
-      SendDue(Now_s());
+      SendDue(MonotonicNow_s());
     });
   }
 
@@ -251,13 +248,13 @@ struct AfcsLink::Session {
 
   FlightMode Mode() const {
     if (state.landed) return FlightMode::kStopped;
-    if (!setpoint || Now_s() - setpoint_s > kRepeat_s) return FlightMode::kHold;
+    if (!setpoint || MonotonicNow_s() - setpoint_s > kRepeat_s) return FlightMode::kHold;
     return std::holds_alternative<VelocitySetpoint>(*setpoint) ? FlightMode::kVelocity
                                                                : FlightMode::kPosition;
   }
 
   std::string Error() const {
-    const double now_s = Now_s();
+    const double now_s = MonotonicNow_s();
     if (!no_way.empty()) return fmt::format("{}: {}", where, no_way);
     if (!open && !why_not_open.empty())
       return fmt::format("{} {}, and is being opened again", where, why_not_open);
@@ -328,7 +325,7 @@ LinkHealth AfcsLink::Health() const {
   const Session& s = *session_;
   LinkHealth health;
   health.open = s.open;
-  if (s.state_s) health.state_age_s = Now_s() - *s.state_s;
+  if (s.state_s) health.state_age_s = MonotonicNow_s() - *s.state_s;
   health.received = s.received;
   health.refused = s.not_sane;
   for (std::size_t why = 0; why < wire::kAfcsRefusals; ++why)

@@ -23,8 +23,7 @@ struct AfcsLinkOptions {
   double platform_hz = 5;   // of the newest command to the camera's platform; each is answered
 };
 
-template <class Visitor>
-void Fields(Visitor& v, AfcsLinkOptions& o) {
+inline void Fields(FieldVisitor& v, AfcsLinkOptions& o) {
   v("host", o.host);
   v("port", o.port, 1, 65535);
   v("afcs", o.afcs);

@@ -35,21 +35,18 @@ struct AfcsSettings {
   double stopped_rpm = 100;
 };
 
-template <class Visitor>
-void Fields(Visitor& v, AfcsAxis& a) {
+inline void Fields(FieldVisitor& v, AfcsAxis& a) {
   v("offset", a.offset, -2.0, 2.0);
   v("dead_zone", a.dead_zone, 0.0, 2.0);
 }
-template <class Visitor>
-void Fields(Visitor& v, AfcsTeleopAxes& t) {
+inline void Fields(FieldVisitor& v, AfcsTeleopAxes& t) {
   v("fore", t.fore);
   v("side", t.side);
   v("alt", t.alt);
   v("hdg", t.hdg);
   v("alt_up", t.alt_up);
 }
-template <class Visitor>
-void Fields(Visitor& v, AfcsSettings& s) {
+inline void Fields(FieldVisitor& v, AfcsSettings& s) {
   v("profile", s.profile);
   v("teleop", s.teleop);
   v("fly_to_position", s.fly_to_position, -32768, 32767);

@@ -8,6 +8,8 @@
 #include <sys/sysmacros.h>
 #include <termios.h>
 
+#include "base/stopwatch.h"
+
 // clang-format off
 #include <utility>  // before Boost.Asio, which in 1.74 forgets it
 // clang-format on
@@ -25,13 +27,9 @@ namespace {
 namespace asio = boost::asio;
 using boost::system::error_code;
 
-constexpr auto kTick = std::chrono::milliseconds(2);
+constexpr auto kAscTecTick = std::chrono::milliseconds(2);
 constexpr double kReopen_s = 0.2;
 constexpr std::size_t kMaxUnwritten = 512;  // a port that takes no more than this is stuck
-
-double Now_s() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 // Two that command one aircraft are none that does. The lock is heeded by programs that ask for it, as this
 // one does, and ends with the process, however that ends; exclusive mode keeps out every other. Not of a
@@ -71,16 +69,16 @@ class AscTecLink::Port {
   }
 
   void Tick() {
-    if (!serial_.is_open() && Now_s() >= reopen_s_) Open();
+    if (!serial_.is_open() && MonotonicNow_s() >= reopen_s_) Open();
     if (serial_.is_open()) {
-      const wire::Bytes due = Locked([](AscTecSession& s) { return s.Say(Now_s()); });
+      const wire::Bytes due = Locked([](AscTecSession& s) { return s.Say(MonotonicNow_s()); });
       unwritten_.insert(unwritten_.end(), due.begin(), due.end());
       if (unwritten_.size() > kMaxUnwritten)
         Close("the device takes no bytes");
       else
         Write();
     }
-    timer_.expires_after(kTick);
+    timer_.expires_after(kAscTecTick);
     timer_.async_wait([this](error_code e) {
       if (!e) Tick();
     });
@@ -102,7 +100,7 @@ class AscTecLink::Port {
     if (!e) serial_.set_option(Option::flow_control(Option::flow_control::none), e);
     if (e) return Close(e.message());
     tcflush(serial_.native_handle(), TCIOFLUSH);  // what was meant for others
-    Locked([](AscTecSession& s) { s.Opened(Now_s()); });
+    Locked([](AscTecSession& s) { s.Opened(MonotonicNow_s()); });
     Read();
   }
 
@@ -112,7 +110,7 @@ class AscTecLink::Port {
     ++opening_;
     unwritten_.clear();
     writing_ = false;
-    reopen_s_ = Now_s() + kReopen_s;
+    reopen_s_ = MonotonicNow_s() + kReopen_s;
     Locked([&](AscTecSession& s) { s.Closed(device_ + ": " + why); });
   }
 
@@ -121,7 +119,7 @@ class AscTecLink::Port {
     serial_.async_read_some(asio::buffer(read_), [this, opening = opening_](error_code e, std::size_t count) {
       if (opening != opening_) return;
       if (e) return Close(e.message());
-      const double now_s = Now_s();
+      const double now_s = MonotonicNow_s();
       Locked([&](AscTecSession& s) { s.Receive(now_s, std::span(read_).first(count)); });
       Read();
     });
@@ -163,13 +161,13 @@ VehicleState AscTecLink::State() const {
   return port_->Locked([](AscTecSession& s) { return s.State(); });
 }
 void AscTecLink::Send(const Setpoint& setpoint) {
-  port_->Locked([&](AscTecSession& s) { s.Send(Now_s(), setpoint); });
+  port_->Locked([&](AscTecSession& s) { s.Send(MonotonicNow_s(), setpoint); });
 }
 void AscTecLink::Aid(const AttitudeAid&) {
   port_->Locked([](AscTecSession& s) { s.Aid(); });
 }
 LinkHealth AscTecLink::Health() const {
-  return port_->Locked([](AscTecSession& s) { return s.Health(Now_s()); });
+  return port_->Locked([](AscTecSession& s) { return s.Health(MonotonicNow_s()); });
 }
 void AscTecLink::Silence() {
   port_->Locked([](AscTecSession& s) { s.Silence(); });

@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 
+#include "base/yaml/fields.h"
 #include "control/law/velocity_loop.h"
 #include "control/link/autopilot_link.h"
 #include "control/link/local_geodesy.h"
@@ -34,8 +35,7 @@ struct AscTecOptions {
   VelocityLoopOptions velocity_loop;
 };
 
-template <class Visitor>
-void Fields(Visitor& v, AscTecOptions& o) {
+inline void Fields(FieldVisitor& v, AscTecOptions& o) {
   v("device", o.device);
   v("mode", o.mode, {"attitude", "gps"});
   v("signs", o.signs, {"asctec", "ros"});

@@ -8,7 +8,8 @@
 #include <span>
 #include <thread>
 
-#include "base/yaml/yaml_fields.h"
+#include "base/diagnostics.h"
+#include "base/stopwatch.h"
 #include "control/link/session_socket.h"
 #include "control/link/udp_address.h"
 
@@ -20,10 +21,6 @@ using boost::system::error_code;
 
 constexpr auto kTick = std::chrono::milliseconds(4);
 constexpr int kMax = 256;  // datagrams at once, lest a flood stops what is due
-
-double Now_s() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 }  // namespace
 
@@ -42,7 +39,7 @@ struct MavlinkLink::Wire {
         if (!error) socket.Own(endpoint);
       }
     }
-    if (error) throw InputError({"address \"" + text + "\": " + error.message()});
+    if (error) throw InputError({}, "address \"" + text + "\": " + error.message());
     if (address.listen) address.port = socket.Where().port();
     Tick();
     thread = std::thread([this] { context.run(); });
@@ -56,7 +53,7 @@ struct MavlinkLink::Wire {
   void Listen() {
     {
       const std::lock_guard lock(mutex);
-      const double now_s = Now_s();  // before its queue is empty, so that its silence is its own
+      const double now_s = MonotonicNow_s();  // before its queue is empty, so that its silence is its own
       HearAutopilot(now_s);
       for (int i = 0; i < kMax; ++i) {
         const auto datagram = socket.FromOthers();
@@ -96,7 +93,7 @@ struct MavlinkLink::Wire {
     std::vector<wire::Bytes> due;
     {
       const std::lock_guard lock(mutex);
-      due = session.Due(Now_s());
+      due = session.Due(MonotonicNow_s());
     }
     if (!socket.owner()) return;
     for (const wire::Bytes& datagram : due) {
@@ -130,7 +127,7 @@ VehicleState MavlinkLink::State() const {
 void MavlinkLink::Send(const Setpoint& setpoint) {
   {
     const std::lock_guard lock(wire_->mutex);
-    wire_->session.Send(setpoint, Now_s());
+    wire_->session.Send(setpoint, MonotonicNow_s());
   }
   boost::asio::post(wire_->context, [wire = wire_.get()] { wire->Flush(); });
 }
@@ -142,7 +139,7 @@ void MavlinkLink::Aid(const AttitudeAid&) {
 
 LinkHealth MavlinkLink::Health() const {
   const std::lock_guard lock(wire_->mutex);
-  LinkHealth health = wire_->session.Health(Now_s());
+  LinkHealth health = wire_->session.Health(MonotonicNow_s());
   if (!wire_->trouble.empty()) health.trouble = wire_->trouble;
   return health;
 }

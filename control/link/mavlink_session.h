@@ -34,8 +34,7 @@ struct MavlinkOptions {
   int system = 1, component = 191;                    // our own: MAV_COMP_ID_ONBOARD_COMPUTER
 };
 
-template <class Visitor>
-void Fields(Visitor& v, MavlinkOptions& o) {
+inline void Fields(FieldVisitor& v, MavlinkOptions& o) {
   v("setpoint_hz", o.setpoint_hz, 20.0, 200.0);
   v("state_hz", o.state_hz, 5.0, 400.0);
   v("take_control", o.take_control);

@@ -4,7 +4,7 @@
 #include <charconv>
 #include <string_view>
 
-#include "base/yaml/yaml_fields.h"
+#include "base/diagnostics.h"
 
 namespace kestrel::control {
 namespace {
@@ -12,7 +12,7 @@ namespace {
 constexpr std::string_view kTo = "udp://", kIn = "udpin://";
 
 [[noreturn]] void Refuse(const std::string& text, const char* what) {
-  throw InputError({"address \"" + text + "\": " + what + " (udp://HOST:PORT or udpin://HOST:PORT)"});
+  throw InputError({}, "address \"" + text + "\": " + what + " (udp://HOST:PORT or udpin://HOST:PORT)");
 }
 
 }  // namespace

@@ -66,8 +66,7 @@ struct SafetyLimits {
   double patience_s = 10;
 };
 
-template <class Visitor>
-void Fields(Visitor& v, SafetyLimits& l) {
+inline void Fields(FieldVisitor& v, SafetyLimits& l) {
   v("speed_m_s", l.speed_m_s, 0.1, 30.0);
   v("climb_m_s", l.climb_m_s, 0.1, 10.0);
   v("yaw_rate_deg_s", l.yaw_rate_deg_s, 1.0, 360.0);

@@ -131,20 +131,17 @@ AfcsProfile ThesisAfcsProfile();
 // All that is wrong with a profile, by line.
 std::vector<std::string> MistakesOf(const AfcsProfile& profile);
 
-template <class Visitor>
-void Fields(Visitor& v, AfcsField& f) {
+inline void Fields(FieldVisitor& v, AfcsField& f) {
   v(Required("name"), f.name);
   v(Required("type"), f.type, {"i16", "u16", "i32", "u32", "f32", "f64"});
 }
-template <class Visitor>
-void Fields(Visitor& v, AfcsLayout& m) {
+inline void Fields(FieldVisitor& v, AfcsLayout& m) {
   v(Required("name"), m.name);
   v(Required("id"), m.id, 0, 256);
   v("byte_order", m.byte_order, {"little", "big"});
   v("fields", m.fields);
 }
-template <class Visitor>
-void Fields(Visitor& v, AfcsProfile& p) {
+inline void Fields(FieldVisitor& v, AfcsProfile& p) {
   v(Required("name"), p.name);
   v("header_byte_order", p.header_byte_order, {"little", "big"});
   v("time_bytes", p.time_bytes, 4, 8);

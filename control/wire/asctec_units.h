@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <numbers>
 
+#include "base/gravity.h"
 #include "control/wire/asctec.h"
 
 // Counts of the AscTec low-level processor to SI and back. Sizes alone, no signs: which way nick, roll and
@@ -15,7 +16,7 @@ namespace kestrel::control::wire {
 
 inline constexpr double kRadPerAngleCount = std::numbers::pi / 180 / 1000;   // ImuCalcData angles, headings
 inline constexpr double kRad_sPerRateCount = std::numbers::pi / 180 / 64.8;  // ImuCalcData angvel
-inline constexpr double kM_s2PerAccCount = 9.80665 / 10000;                  // ImuCalcData acc
+inline constexpr double kM_s2PerAccCount = kGravity_m_s2 / 10000;            // ImuCalcData acc
 inline constexpr double kMetresPerCount = 1e-3;                              // heights, and speeds in m/s
 inline constexpr double kRadPerLatitudeCount = std::numbers::pi / 180 * 1e-7;
 

@@ -5,6 +5,8 @@
 
 #include <string_view>
 
+#include "base/diagnostics.h"
+#include "base/yaml/yaml_fields.h"
 #include "control/link/udp_address.h"
 
 namespace kestrel::flight {
@@ -20,7 +22,8 @@ std::unique_ptr<control::AutopilotLink> LinkAt(std::string_view protocol, const 
   if (protocol == "afcs") {
     const control::UdpAddress address = control::ParseUdpAddress(where);
     if (address.listen)
-      throw InputError({fmt::format("'{}' listens, and an AFCS is called; valid: udp://HOST:PORT", where)});
+      throw InputError({}, fmt::format("'{}' listens, and an AFCS is called", where),
+                       "valid: udp://HOST:PORT");
     control::AfcsLinkOptions options = aircraft.afcs;
     options.host = address.host;
     options.port = address.port;
@@ -31,7 +34,8 @@ std::unique_ptr<control::AutopilotLink> LinkAt(std::string_view protocol, const 
     options.device = where.substr(std::string_view("serial:").size());
     return std::make_unique<control::AscTecLink>(options);
   }
-  throw InputError({fmt::format("'{}:{}' is no autopilot; valid: {}", protocol, where, kForms)});
+  throw InputError({}, fmt::format("'{}:{}' is no autopilot", protocol, where),
+                   fmt::format("valid: {}", kForms));
 }
 
 }  // namespace
@@ -54,10 +58,10 @@ std::unique_ptr<control::AutopilotLink> MakeLink(const std::string& address, con
   const std::size_t colon = address.find(':');
   try {
     if (colon == std::string::npos)
-      throw InputError({fmt::format("'{}' is no autopilot; valid: {}", address, kForms)});
+      throw InputError({}, fmt::format("'{}' is no autopilot", address), fmt::format("valid: {}", kForms));
     return LinkAt(std::string_view(address).substr(0, colon), address.substr(colon + 1), aircraft);
   } catch (const InputError& e) {
-    for (const std::string& message : e.messages) mistakes.Add("--autopilot", "", message);
+    mistakes.Add(e, "--autopilot");
     return nullptr;
   }
 }

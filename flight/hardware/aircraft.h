@@ -5,7 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "base/yaml/yaml_fields.h"
+#include "base/diagnostics.h"
+#include "base/yaml/fields.h"
 #include "control/link/afcs_link.h"
 #include "control/link/asctec_link.h"
 #include "control/link/mavlink_link.h"
@@ -25,8 +26,7 @@ struct Aircraft {
   control::AscTecOptions asctec;
 };
 
-template <class Visitor>
-void Fields(Visitor& v, Aircraft& a) {
+inline void Fields(FieldVisitor& v, Aircraft& a) {
   v("safety", a.safety);
   v("pilot_untold", a.pilot_untold);
   v("camera", a.camera);

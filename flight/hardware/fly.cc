@@ -10,6 +10,7 @@
 #include "base/background_writer.h"
 #include "base/stopwatch.h"
 #include "base/version.h"
+#include "base/yaml/yaml_fields.h"
 #include "flight/hardware/control_monitor.h"
 #include "flight/hardware/lag_monitor.h"
 #include "mission/flight_loop.h"

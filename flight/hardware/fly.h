@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/diagnostics.h"
 #include "control/link/safe_autopilot.h"
 #include "flight/flight_plan.h"
 #include "mission/mission.h"

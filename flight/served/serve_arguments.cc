@@ -12,7 +12,6 @@
 #include <cstring>
 #include <tuple>
 
-#include "base/yaml/yaml_fields.h"
 #include "flight/simulated/scenario.h"
 #include "geometry/tait_bryan.h"
 #include "sim/server/afcs_server.h"
@@ -95,8 +94,8 @@ void CheckStreamsPort(const ServeArguments& a, Mistakes& mistakes) {
   if (!stream) return;
   const auto check = [&](const char* option, const std::string& address, int port) {
     if (port == stream->port && (OnLoopback(stream->host) || stream->host == address))
-      mistakes.Add(option, "",
-                   fmt::format("port {} is where the camera's stream goes; valid: another", port));
+      mistakes.Add(option, "", fmt::format("port {} is where the camera's stream goes", port),
+                   "valid: another");
   };
   if (a.mavlink)
     check(a.mavlink_port ? "--mavlink-port" : "--mavlink", a.listen,
@@ -135,35 +134,34 @@ std::string Warning(const std::string& what, const std::string& address) {
 
 void CheckArguments(const ServeArguments& a, Mistakes& mistakes) {
   if (!a.seed.empty() && !IsSeed(a.seed))
-    mistakes.Add("--seed", "",
-                 fmt::format("'{}' is no seed; valid: a whole number from 0 to 2^64 - 1", a.seed));
+    mistakes.Add("--seed", "", fmt::format("'{}' is no seed", a.seed),
+                 "valid: a whole number from 0 to 2^64 - 1");
   if (a.for_s && !InRange(*a.for_s))
-    mistakes.Add("--for", "",
-                 fmt::format("{:g} is out of range; valid: {:g} to {:g} s", *a.for_s, kLeast_s, kMost_s));
+    mistakes.Add("--for", "", fmt::format("{:g} is out of range", *a.for_s),
+                 fmt::format("valid: {:g} to {:g} s", kLeast_s, kMost_s));
   if (a.camera != "none" && !StreamOf(a))
-    mistakes.Add("--camera", "",
-                 fmt::format("'{}' is no stream; valid: rtp:PORT, raw:PORT, rtp:ADDRESS:PORT, "
-                             "raw:ADDRESS:PORT, none",
-                             a.camera));
+    mistakes.Add("--camera", "", fmt::format("'{}' is no stream", a.camera),
+                 "valid: rtp:PORT, raw:PORT, rtp:ADDRESS:PORT, raw:ADDRESS:PORT, none");
   if (!IsAddress(a.listen))
-    mistakes.Add("--listen", "",
-                 fmt::format("'{}' is no address; valid: one of this computer's, as numbers", a.listen));
+    mistakes.Add("--listen", "", fmt::format("'{}' is no address", a.listen),
+                 "valid: one of this computer's, as numbers");
   if (a.afcs && !a.afcs->empty() && !PlaceIn(*a.afcs))
-    mistakes.Add("--afcs", "", fmt::format("'{}' is no place; valid: ADDRESS:PORT, or nothing", *a.afcs));
+    mistakes.Add("--afcs", "", fmt::format("'{}' is no place", *a.afcs), "valid: ADDRESS:PORT, or nothing");
   CheckStreamsPort(a, mistakes);
   if (a.mavlink_port && !a.mavlink) mistakes.Add("--mavlink-port", "", "means nothing without --mavlink");
   if (a.pilot_off_at_s && !(*a.pilot_off_at_s >= 0))
-    mistakes.Add("--pilot-off-at", "",
-                 fmt::format("{:g} is no time of the flight; valid: 0 or more", *a.pilot_off_at_s));
+    mistakes.Add("--pilot-off-at", "", fmt::format("{:g} is no time of the flight", *a.pilot_off_at_s),
+                 "valid: 0 or more");
   if (a.pilot_off_at_s && a.physics)
-    mistakes.Add("--pilot-off-at", "",
-                 "the autopilot that is served has the switch; valid: without --physics");
+    mistakes.Add("--pilot-off-at", "", "the autopilot that is served has the switch",
+                 "valid: without --physics");
   if (a.physics_port && !a.physics) mistakes.Add("--physics-port", "", "means nothing without --physics");
   if (a.physics && (a.afcs || a.asctec || a.mavlink))
-    mistakes.Add("--physics", "", "another autopilot flies, and the emulated one serves none; valid: alone");
+    mistakes.Add("--physics", "", "another autopilot flies, and the emulated one serves none",
+                 "valid: alone");
   if (a.camera == "none" && !a.afcs && !a.asctec && !a.mavlink && !a.physics)
-    mistakes.Add("serve", "",
-                 "there is nothing to serve; valid: --afcs, --asctec, --mavlink, --physics, --camera");
+    mistakes.Add("serve", "", "there is nothing to serve",
+                 "valid: --afcs, --asctec, --mavlink, --physics, --camera");
 }
 
 std::vector<NamedServer> MakeServers(const ServeArguments& a, const LoadedScenario& loaded,
@@ -174,7 +172,7 @@ std::vector<NamedServer> MakeServers(const ServeArguments& a, const LoadedScenar
     try {
       servers.push_back({name, make()});
     } catch (const InputError& e) {
-      for (const std::string& message : e.messages) mistakes.Add(option, "", message);
+      mistakes.Add(e, option);
     } catch (const std::exception& e) {
       mistakes.Add(option, "", e.what());
     }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "base/diagnostics.h"
 #include "sim/camera/pan_tilt.h"
 #include "sim/server/autopilot_server.h"
 #include "vision/capture/rtp_stream.h"

@@ -19,6 +19,7 @@
 #include <sstream>
 #include <thread>
 
+#include "base/diagnostics.h"
 #include "base/file/model_files.h"
 #include "base/process/child_process.h"
 #include "base/process/own_program.h"
@@ -36,9 +37,9 @@
 namespace kestrel::flight {
 namespace {
 
-constexpr double kMost_s = 120;   // of a flight
-constexpr int kMaxStarts = 3;     // of a program whose check list is not met by a machine that is busy
-constexpr double kBegins_s = 60;  // until the program's first setpoint is followed, check list and all
+constexpr double kMaxFlight_s = 120;  // of a flight
+constexpr int kMaxStarts = 3;         // of a program whose check list is not met by a machine that is busy
+constexpr double kBegins_s = 60;      // until the program's first setpoint is followed, check list and all
 
 // A port that nobody listens on, and that is not given out again.
 int FreePort() {
@@ -91,9 +92,9 @@ bool Same(const control::Setpoint& a, const control::Setpoint& b) {
 }
 
 // A server that is listened to, and that may be unplugged.
-class Overheard final : public sim::AutopilotServer {
+class OverheardServer final : public sim::AutopilotServer {
  public:
-  Overheard(sim::AutopilotServer& server, std::vector<ReceivedSetpoint>& heard)
+  OverheardServer(sim::AutopilotServer& server, std::vector<ReceivedSetpoint>& heard)
       : server_(server), heard_(heard) {}
 
   void Serve(double now_s, control::Autopilot& aircraft) override {
@@ -112,7 +113,7 @@ class Overheard final : public sim::AutopilotServer {
 
  private:
   struct Ear final : control::Autopilot {
-    Ear(Overheard& its, control::Autopilot& the_aircraft) : whose(its), aircraft(the_aircraft) {}
+    Ear(OverheardServer& its, control::Autopilot& the_aircraft) : whose(its), aircraft(the_aircraft) {}
     control::VehicleState State() const override { return aircraft.State(); }
     void Send(const control::Setpoint& setpoint) override {
       const double now_s = MonotonicNow_s();
@@ -122,7 +123,7 @@ class Overheard final : public sim::AutopilotServer {
       aircraft.Send(setpoint);
     }
     void Aid(const control::AttitudeAid& aid) override { aircraft.Aid(aid); }
-    Overheard& whose;
+    OverheardServer& whose;
     control::Autopilot& aircraft;
   };
 
@@ -146,7 +147,7 @@ ServeArguments ServerFor(const WireFlightOptions& o) {
 LoadedScenario Load(const WireFlightOptions& o) {
   std::vector<std::string> overrides = o.overrides;
   overrides.push_back(fmt::format("seed={}", o.seed));
-  overrides.push_back(fmt::format("duration_s={}", kMost_s));
+  overrides.push_back(fmt::format("duration_s={}", kMaxFlight_s));
   return LoadScenario("landing", overrides);
 }
 
@@ -165,7 +166,7 @@ std::unique_ptr<ChildProcess> StartProgram(const WireFlightOptions& o, const std
                                       "--out",
                                       o.folder / "flown",
                                       "--for",
-                                      fmt::format("{}", kMost_s),
+                                      fmt::format("{}", kMaxFlight_s),
                                       "--set-aircraft",
                                       fmt::format("camera.exposure_before_stamp_s={:.4f}", before_stamp_s)};
   if (o.wire == Wire::kMavlink) command.push_back("--take-control");
@@ -250,7 +251,7 @@ WireFlown FlyHere(const WireFlightOptions& o) {
   const std::vector<NamedServer> servers = MakeServers(ServerFor(o), loaded, nullptr, mistakes);
   mistakes.ThrowIfAny();
   WireFlown flown;
-  Overheard server(*servers.front().server, flown.heard);
+  OverheardServer server(*servers.front().server, flown.heard);
   std::string where = server.Where();
   std::unique_ptr<sim::UdpRelay> relay;
   if (o.wire != Wire::kAscTec && o.fault != WireFault::kNone) {
@@ -407,10 +408,8 @@ std::filesystem::path HardwareProgram() {
   }
   for (const auto& program : programs)
     if (access(program.c_str(), X_OK) == 0) return program;
-  throw InputError({fmt::format(
-      "{}: the program for real aircraft is not there; `./kestrel fly --help` builds it, or say in "
-      "KESTREL_HARDWARE_PROGRAM where it is",
-      programs.back().string())});
+  throw InputError(programs.back().string(), "the program for real aircraft is not there",
+                   "`./kestrel fly --help` builds it, or say in KESTREL_HARDWARE_PROGRAM where it is");
 }
 
 WireFlown FlyOverWire(const WireFlightOptions& options) {

@@ -13,30 +13,29 @@ namespace {
 constexpr double kRounding_s = 1e-9;
 constexpr double kMinLit = 1e-3;  // of the pixels: with less there is no image
 
-void CheckTiming(const sim::ImageParameters& p, int rows, const std::string& where, Mistakes& mistakes) {
+void CheckTiming(const sim::ImageParameters& p, int rows, const Place& where, Mistakes& mistakes) {
   const double exposure_s = sim::LongestExposure_s(p), readout_s = sim::LongestReadout_s(p, rows);
   const double period_s = 1 / p.rate_hz, needed_s = (exposure_s + readout_s) / 2;
   const bool automatic = exposure_s > 0 && p.auto_exposure.target_grey > 0;
   if (exposure_s > period_s + kRounding_s) {
-    mistakes.Add(
-        where, automatic ? "image.auto_exposure.longest_s" : "image.exposure.time_s",
-        fmt::format("an exposure of up to {:g} s does not fit into the period of {:g} s; valid: that much "
-                    "at most, or a lower image.rate_hz",
-                    exposure_s, period_s));
+    mistakes.Add(where, automatic ? "image.auto_exposure.longest_s" : "image.exposure.time_s",
+                 fmt::format("an exposure of up to {:g} s does not fit into the period of {:g} s", exposure_s,
+                             period_s),
+                 "valid: that much at most, or a lower image.rate_hz");
   }
   if (readout_s > period_s + kRounding_s) {
-    mistakes.Add(
-        where, "image.exposure.line_s",
-        fmt::format("{} rows take up to {:g} s to read out, longer than the period of {:g} s; valid: {:g} "
-                    "at most, or a lower image.rate_hz",
-                    rows, readout_s, period_s, period_s / (rows - 1) - p.scatter.line_s));
+    mistakes.Add(where, "image.exposure.line_s",
+                 fmt::format("{} rows take up to {:g} s to read out, longer than the period of {:g} s", rows,
+                             readout_s, period_s),
+                 fmt::format("valid: {:g} at most, or a lower image.rate_hz",
+                             period_s / (rows - 1) - p.scatter.line_s));
   }
   if (p.latency_s < needed_s - kRounding_s) {
-    mistakes.Add(
-        where, "image.latency_s",
-        fmt::format("{} ends before the image is read out: it counts from the middle of an exposure of up "
-                    "to {:g} s and a readout of up to {:g} s; valid: {:g} or more",
-                    p.latency_s, exposure_s, readout_s, needed_s));
+    mistakes.Add(where, "image.latency_s",
+                 fmt::format("{} ends before the image is read out: it counts from the middle of an exposure "
+                             "of up to {:g} s and a readout of up to {:g} s",
+                             p.latency_s, exposure_s, readout_s),
+                 fmt::format("valid: {:g} or more", needed_s));
   }
 }
 
@@ -52,7 +51,7 @@ std::optional<int> LitPixels(const sim::LensParameters& lens, const vision::Came
   return lit;
 }
 
-void CheckLight(const sim::LensParameters& lens, const vision::CameraModel& camera, const std::string& where,
+void CheckLight(const sim::LensParameters& lens, const vision::CameraModel& camera, const Place& where,
                 Mistakes& mistakes) {
   const int pixels = vision::WidthPx(camera) * vision::HeightPx(camera);
   const auto dark = [&](const std::optional<int>& lit) { return lit && *lit < kMinLit * pixels; };
@@ -65,13 +64,15 @@ void CheckLight(const sim::LensParameters& lens, const vision::CameraModel& came
     const Eigen::VectorXd numbers = vision::Parameters(camera);
     mistakes.Add(where, "image.lens.rim_px",
                  fmt::format("{} {}: it is the radius in pixels about the principal point ({:g}, {:g}) of an "
-                             "image of {} x {} px; valid: 0 for no rim, or more",
+                             "image of {} x {} px",
                              lens.rim_px, left, numbers[2], numbers[3], vision::WidthPx(camera),
-                             vision::HeightPx(camera)));
+                             vision::HeightPx(camera)),
+                 "valid: 0 for no rim, or more");
   } else if (dark(LitPixels(reflection, camera))) {
     mistakes.Add(where, "image.lens.reflection_deg",
-                 fmt::format("{} {}: the lens sees to {:.4g} deg from its axis; valid: less than that",
-                             lens.reflection_deg, left, Degrees(vision::MaxAngle(camera))));
+                 fmt::format("{} {}: the lens sees to {:.4g} deg from its axis", lens.reflection_deg, left,
+                             Degrees(vision::MaxAngle(camera))),
+                 "valid: less than that");
   } else {
     mistakes.Add(
         where, "image.lens",
@@ -79,7 +80,7 @@ void CheckLight(const sim::LensParameters& lens, const vision::CameraModel& came
   }
 }
 
-void CheckAutoExposure(const sim::ImageParameters& p, const std::string& where, Mistakes& mistakes) {
+void CheckAutoExposure(const sim::ImageParameters& p, const Place& where, Mistakes& mistakes) {
   const sim::AutoExposureParameters& a = p.auto_exposure;
   if (a.target_grey > 0 && a.longest_s <= a.shortest_s) {
     mistakes.Add(where, "image.auto_exposure.longest_s",
@@ -87,7 +88,7 @@ void CheckAutoExposure(const sim::ImageParameters& p, const std::string& where, 
   }
 }
 
-void CheckFaults(const sim::ImageParameters& p, const std::string& where, Mistakes& mistakes) {
+void CheckFaults(const sim::ImageParameters& p, const Place& where, Mistakes& mistakes) {
   for (std::size_t i = 0; i < p.faults.size(); ++i) {
     const sim::CameraFault& f = p.faults[i];
     const std::string key = fmt::format("image.faults.{}.", i);
@@ -103,15 +104,15 @@ void CheckFaults(const sim::ImageParameters& p, const std::string& where, Mistak
 
 }  // namespace
 
-void CheckImage(const sim::ImageParameters& image, const vision::CameraModel* camera,
-                const std::string& where, Mistakes& mistakes) {
+void CheckImage(const sim::ImageParameters& image, const vision::CameraModel* camera, const Place& where,
+                Mistakes& mistakes) {
   CheckTiming(image, camera ? vision::HeightPx(*camera) : 1, where, mistakes);
   if (camera) CheckLight(image.lens, *camera, where, mistakes);
   CheckAutoExposure(image, where, mistakes);
   CheckFaults(image, where, mistakes);
 }
 
-void CheckMount(const vision::CameraMount& mount, const std::string& where, Mistakes& mistakes) {
+void CheckMount(const vision::CameraMount& mount, const Place& where, Mistakes& mistakes) {
   for (std::size_t i = 0; i < mount.vibration.size(); ++i) {
     const vision::VibrationBand& band = mount.vibration[i];
     if (band.until_hz < band.from_hz) {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "base/yaml/yaml_fields.h"
+#include "base/diagnostics.h"
 #include "sim/simulator.h"
 
 namespace kestrel::flight {
@@ -12,8 +12,8 @@ namespace kestrel::flight {
 // period nor the latency has room for, bounds that cross. where: the place of the keys "image" and "mount".
 // camera: null where it is not known; then what depends on it is not looked at. With it, a rim, reflection or
 // vignetting that leaves light to less than a thousandth of the pixels is refused.
-void CheckImage(const sim::ImageParameters& image, const vision::CameraModel* camera,
-                const std::string& where, Mistakes& mistakes);
-void CheckMount(const vision::CameraMount& mount, const std::string& where, Mistakes& mistakes);
+void CheckImage(const sim::ImageParameters& image, const vision::CameraModel* camera, const Place& where,
+                Mistakes& mistakes);
+void CheckMount(const vision::CameraMount& mount, const Place& where, Mistakes& mistakes);
 
 }  // namespace kestrel::flight

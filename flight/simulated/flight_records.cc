@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "base/file/files.h"
+#include "base/yaml/yaml_fields.h"
 #include "records/telemetry/flight_mode.h"
 
 namespace kestrel::flight {

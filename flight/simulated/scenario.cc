@@ -9,8 +9,11 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "base/diagnostics.h"
 #include "base/file/files.h"
+#include "base/gravity.h"
 #include "base/user_file.h"
+#include "base/yaml/yaml_fields.h"
 #include "flight/check_mission.h"
 #include "flight/gains_file.h"
 #include "flight/simulated/check_image.h"
@@ -43,13 +46,13 @@ std::optional<sim::LandscapeParameters> LandscapeOf(const std::string& world, Mi
 }
 
 // What of a scenario and a landscape does not go together.
-void CheckLandscape(const Scenario& s, const Config& config, const std::string& where, Mistakes& mistakes) {
+void CheckLandscape(const Scenario& s, const Config& config, const Place& where, Mistakes& mistakes) {
   if (LandscapeFile(s.world)) {
     if (s.render.backend != "auto" && s.render.backend != "ray") {
       mistakes.Add(WhereOf(config, "render", where), "render.backend",
-                   fmt::format("'{}' draws to 500 m alone, and the world '{}' reaches beyond its horizon; "
-                               "valid: ray",
-                               s.render.backend, s.world));
+                   fmt::format("'{}' draws to 500 m alone, and the world '{}' reaches beyond its horizon",
+                               s.render.backend, s.world),
+                   "valid: ray");
     }
   } else if (s.landscape) {
     std::vector<std::string> landscapes;
@@ -61,66 +64,67 @@ void CheckLandscape(const Scenario& s, const Config& config, const std::string& 
   }
 }
 
-void CheckTargets(const Scenario& s, const std::string& where, Mistakes& mistakes) {
+void CheckTargets(const Scenario& s, const Place& where, Mistakes& mistakes) {
   constexpr std::size_t kMost = 200;  // MuJoCo's own memory for a step ends below 2000
   if (s.targets.size() > kMost)
-    return mistakes.Add(where, "targets",
-                        fmt::format("there are {}; valid: up to {}", s.targets.size(), kMost));
+    return mistakes.Add(where, "targets", fmt::format("there are {}", s.targets.size()),
+                        fmt::format("valid: up to {}", kMost));
   for (std::size_t i = 0; i < s.targets.size(); ++i) {
     const sim::TargetParameters& t = s.targets[i];
     const std::string name = fmt::format("targets[{}]", i);
     if ((t.velocity_m_s.norm() > 0) + (t.string_m > 0) + (t.roam_m_s > 0) > 1)
-      mistakes.Add(where, name, "moves in several ways; valid: one of velocity_m_s, string_m and roam_m_s");
+      mistakes.Add(where, name, "moves in several ways", "valid: one of velocity_m_s, string_m and roam_m_s");
     const double lowest_m = t.position_m.z() - t.diameter_m / 2 - t.string_m;
     if (lowest_m < 0)
       mistakes.Add(where, name + ".position_m",
-                   fmt::format("with its diameter and string it reaches {:.3g} m into the ground; valid: a "
-                               "height from {:.3g} m",
-                               -lowest_m, t.position_m.z() - lowest_m));
+                   fmt::format("with its diameter and string it reaches {:.3g} m into the ground", -lowest_m),
+                   fmt::format("valid: a height from {:.3g} m", t.position_m.z() - lowest_m));
   }
 }
 
 // What a flight of this scenario cannot have is "not reached" by every flight: the criterion is a mistake.
-void CheckCriteria(const Scenario& s, const std::string& where, Mistakes& mistakes) {
+void CheckCriteria(const Scenario& s, const Place& where, Mistakes& mistakes) {
   const std::vector<std::string> all = KnownMetrics(), possible = PossibleMetrics(s);
   for (const auto& [metric, limit] : s.criteria) {
     const std::string key = "criteria." + metric;
     if (!Known("criteria", metric, all, where, mistakes)) continue;
     if (std::find(possible.begin(), possible.end(), metric) == possible.end())
-      mistakes.Add(where, key,
-                   fmt::format("a flight of this scenario, of the mission '{}', has no '{}'; valid: {}",
-                               s.mission, metric, fmt::join(possible, ", ")));
-    if (!limit.max && !limit.min) mistakes.Add(where, key, "has no limit; valid: max, min or both");
+      mistakes.Add(
+          where, key,
+          fmt::format("a flight of this scenario, of the mission '{}', has no '{}'", s.mission, metric),
+          fmt::format("valid: {}", fmt::join(possible, ", ")));
+    if (!limit.max && !limit.min) mistakes.Add(where, key, "has no limit", "valid: max, min or both");
   }
 }
 
 // A root mean square over an image or two is no figure, and passes or fails by chance.
-void CheckFrames(const Scenario& s, const std::string& where, Mistakes& mistakes) {
+void CheckFrames(const Scenario& s, const Place& where, Mistakes& mistakes) {
   constexpr double kFewestFrames = 10;
   const double frames = s.duration_s * s.image.rate_hz;
   if (s.criteria.empty() || frames >= kFewestFrames - 1e-9) return;
-  mistakes.Add(
-      where, "image.rate_hz",
-      fmt::format("{:g} gives {:.0f} images in duration_s = {:g}, too few to judge a flight by; valid: at "
-                  "least {:.3g}, a longer duration_s, or no criteria",
-                  s.image.rate_hz, std::floor(frames), s.duration_s, kFewestFrames / s.duration_s));
+  mistakes.Add(where, "image.rate_hz",
+               fmt::format("{:g} gives {:.0f} images in duration_s = {:g}, too few to judge a flight by",
+                           s.image.rate_hz, std::floor(frames), s.duration_s),
+               fmt::format("valid: at least {:.3g}, a longer duration_s, or no criteria",
+                           kFewestFrames / s.duration_s));
 }
 
 // Whether an aircraft can carry its own weight.
-void CheckLift(const sim::AirframeParameters& vehicle, const std::string& where, Mistakes& mistakes) {
-  const double mass = sim::Mass_kg(vehicle), weight = mass * 9.80665, thrust = sim::MaxThrust_n(vehicle);
+void CheckLift(const sim::AirframeParameters& vehicle, const Place& where, Mistakes& mistakes) {
+  const double mass = sim::Mass_kg(vehicle), weight = mass * kGravity_m_s2,
+               thrust = sim::MaxThrust_n(vehicle);
   if (thrust < 1.2 * weight) {
     mistakes.Add(
         where, "mass_kg",
-        fmt::format(
-            "{} weighs {:.3g} N, and the rotors give {:.3g} N at most; valid: a fifth more than the weight",
-            mass, weight, thrust));
+        fmt::format("{} weighs {:.3g} N, and the rotors give {:.3g} N at most", mass, weight, thrust),
+        "valid: a fifth more than the weight");
   }
   const auto* helicopter = std::get_if<sim::HelicopterParameters>(&vehicle);
   if (helicopter && sim::HoverPower_w(*helicopter) > 0.9 * helicopter->drive.power_w) {
     mistakes.Add(where, "drive.power_w",
-                 fmt::format("{:g} W, and hovering takes {:.0f} W; valid: a ninth more than that",
-                             helicopter->drive.power_w, sim::HoverPower_w(*helicopter)));
+                 fmt::format("{:g} W, and hovering takes {:.0f} W", helicopter->drive.power_w,
+                             sim::HoverPower_w(*helicopter)),
+                 "valid: a ninth more than that");
   }
 }
 
@@ -162,20 +166,18 @@ LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& o
   if (!s.landscape) s.landscape = landscape;  // it was given without a word
   if (!config.readable) mistakes.ThrowIfAny();
   if (s.name.empty()) s.name = file.stem().string();
-  const std::string where = file.string();
+  const Place where = file.string();
   if (!NamesFolder(s.name)) {
-    mistakes.Add(
-        WhereOf(config, "name", where), "name",
-        fmt::format("'{}' cannot name a folder; valid: no slash, no leading dot, no control character",
-                    s.name));
+    mistakes.Add(WhereOf(config, "name", where), "name", fmt::format("'{}' cannot name a folder", s.name),
+                 "valid: no slash, no leading dot, no control character");
   }
   constexpr std::size_t kLongestName = 200;  // with the seed or the time it names a folder, of 255 bytes
   if (s.name.size() > kLongestName)
-    mistakes.Add(WhereOf(config, "name", where), "name",
-                 fmt::format("has {} bytes; valid: up to {}", s.name.size(), kLongestName));
+    mistakes.Add(WhereOf(config, "name", where), "name", fmt::format("has {} bytes", s.name.size()),
+                 fmt::format("valid: up to {}", kLongestName));
   if (s.flight.type().begins_in_the_air && s.start.on_ground) {
     mistakes.Add(WhereOf(config, "start", where), "start.on_ground",
-                 fmt::format("true, but the mission '{}' begins in the air; valid: false", s.mission));
+                 fmt::format("true, but the mission '{}' begins in the air", s.mission), "valid: false");
   }
   if (s.occlusion.until_s <= s.occlusion.from_s) {
     mistakes.Add(WhereOf(config, "occlusion", where), "occlusion.until_s",
@@ -184,8 +186,8 @@ LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& o
   for (const sim::AttitudeFault& fault : s.sensors.attitude_faults) {
     if (fault.until_s <= fault.from_s)
       mistakes.Add(WhereOf(config, "sensors", where), "sensors.attitude_faults",
-                   fmt::format("a fault from {} s until {} s; valid: until_s after from_s", fault.from_s,
-                               fault.until_s));
+                   fmt::format("a fault from {} s until {} s", fault.from_s, fault.until_s),
+                   "valid: until_s after from_s");
   }
   CheckMission(s.flight, s.image.colour, config, where, mistakes);
   sim::CheckFaults(s.sensors, s.actuators, vehicle.airframe, WhereOf(config, "sensors", where),
@@ -216,16 +218,16 @@ LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& o
   bool has_camera = false;
   if (const auto camera =
           CameraFile(s.camera, file.parent_path(), WhereOf(config, "camera", where), mistakes)) {
-    const std::size_t before = mistakes.messages().size();
+    const std::size_t before = mistakes.all().size();
     sim.camera = vision::LoadCamera(*camera, mistakes, s.camera_name);
-    has_camera = mistakes.messages().size() == before;
+    has_camera = mistakes.all().size() == before;
     if (has_camera) CheckView(s.flight, s.camera, sim.camera, s.mount, config, where, mistakes);
   }
   CheckImage(s.image, has_camera ? &sim.camera : nullptr, WhereOf(config, "image", where), mistakes);
   if (s.pad.name == "none") {
     if (s.occlusion.share > 0)
       mistakes.Add(WhereOf(config, "occlusion", where), "occlusion.share",
-                   fmt::format("{}, but there is no pad to be covered; valid: 0", s.occlusion.share));
+                   fmt::format("{}, but there is no pad to be covered", s.occlusion.share), "valid: 0");
     CheckHasPad(s.flight, config, where, mistakes);
   } else if (Known("pad", s.pad.name, NamesIn(models / "pads", ""), WhereOf(config, "pad", where),
                    mistakes)) {

@@ -9,7 +9,6 @@
 
 #include "base/file/model_files.h"
 #include "base/yaml/fields.h"
-#include "base/yaml/yaml_fields.h"
 #include "mission/mission_type.h"
 #include "sim/camera/pan_tilt.h"
 #include "sim/simulator.h"
@@ -21,8 +20,7 @@ struct Limit {
   std::optional<double> max, min;
 };
 
-template <class Visitor>
-void Fields(Visitor& v, Limit& l) {
+inline void Fields(FieldVisitor& v, Limit& l) {
   v("max", l.max, -1e9, 1e9);
   v("min", l.min, -1e9, 1e9);
 }
@@ -34,8 +32,7 @@ struct PadPlacement {
   double yaw_deg = 0;
 };
 
-template <class Visitor>
-void Fields(Visitor& v, PadPlacement& p) {
+inline void Fields(FieldVisitor& v, PadPlacement& p) {
   v("name", p.name);
   v("position_m", p.position_m, -1e4, 1e4);
   v("yaw_deg", p.yaw_deg, -360.0, 360.0);
@@ -68,8 +65,7 @@ struct Scenario {
   std::map<std::string, Limit> criteria;  // by the name of a metric
 };
 
-template <class Visitor>
-void Fields(Visitor& v, Scenario& s) {
+inline void Fields(FieldVisitor& v, Scenario& s) {
   v("name", s.name);
   v(Required("mission"), s.mission, mission::MissionNames());
   mission::SelectMission(s.mission, s.flight);

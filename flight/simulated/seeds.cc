@@ -7,7 +7,7 @@
 #include <limits>
 #include <string_view>
 
-#include "base/yaml/yaml_fields.h"
+#include "base/diagnostics.h"
 
 namespace kestrel::flight {
 namespace {
@@ -25,12 +25,12 @@ SeedRange ParseSeeds(const std::string& text) {
   SeedRange seeds;
   if (dots == std::string::npos || !number(std::string_view(text).substr(0, dots), seeds.first) ||
       !number(std::string_view(text).substr(dots + 2), seeds.last) || seeds.last < seeds.first) {
-    throw InputError(
-        {fmt::format("--seeds: '{}' is not a range; valid: A..B with A <= B, such as 1..20", text)});
+    throw InputError("--seeds", fmt::format("'{}' is not a range", text),
+                     "valid: A..B with A <= B, such as 1..20");
   }
   if (seeds.last - seeds.first >= kMaxSeeds || seeds.last > std::numeric_limits<std::int64_t>::max()) {
-    throw InputError(
-        {fmt::format("--seeds: '{}' is too much; valid: at most {} seeds, below 2^63", text, kMaxSeeds)});
+    throw InputError("--seeds", fmt::format("'{}' is too much", text),
+                     fmt::format("valid: at most {} seeds, below 2^63", kMaxSeeds));
   }
   return seeds;
 }

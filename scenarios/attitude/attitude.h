@@ -6,6 +6,7 @@
 #include <opencv2/core.hpp>
 #include <string>
 
+#include "base/yaml/fields.h"
 #include "geometry/pose.h"
 #include "mission/mission_type.h"
 #include "scenarios/attitude/manual_pilot.h"
@@ -23,8 +24,7 @@ struct AttitudeFlight {
   bool baseline = false;  // the thesis's own method too, on the same images
 };
 
-template <class Visitor>
-void Fields(Visitor& v, AttitudeFlight& p) {
+inline void Fields(FieldVisitor& v, AttitudeFlight& p) {
   v("manual_from_s", p.manual_from_s, 0.0, 1e9);
   v("take_off_s", p.take_off_s, 0.0, 1e6);
   v("take_off_height_m", p.take_off_height_m, 1.0, 100.0);

@@ -5,13 +5,13 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/gravity.h"
 #include "base/random.h"
 #include "geometry/tait_bryan.h"
 
 namespace kestrel::scenarios {
 namespace {
 
-constexpr double kGravity = 9.80665;
 constexpr double kTurn = 2 * std::numbers::pi;
 // Towards home, and against the speed.
 constexpr double kHome_per_s2 = 0.15, kSpeed_per_s = 0.55, kMaxCare_m_s2 = 2.5;
@@ -47,8 +47,8 @@ control::AttitudeSetpoint ManualPilot::Fly(const control::VehicleState& state,
   const Eigen::Vector2d care_H = Eigen::Rotation2Dd(-yaw) * care_N;
   const double most = Radians(p_.tilt_deg);
   control::AttitudeSetpoint stick;
-  stick.roll = std::clamp(swing(roll_) + std::atan(care_H.y() / kGravity), -most, most);
-  stick.pitch = std::clamp(swing(pitch_) - std::atan(care_H.x() / kGravity), -most, most);
+  stick.roll = std::clamp(swing(roll_) + std::atan(care_H.y() / kGravity_m_s2), -most, most);
+  stick.pitch = std::clamp(swing(pitch_) - std::atan(care_H.x() / kGravity_m_s2), -most, most);
   stick.yaw_rate = Radians(p_.yaw_rate_deg_s * yaw_.At(t) + p_.net_turn_deg_s);
 
   const double wanted_m = p_.height_m + p_.height_swing_m * climb_.At(t);
@@ -56,7 +56,7 @@ control::AttitudeSetpoint ManualPilot::Fly(const control::VehicleState& state,
   hover_thrust_ = std::clamp(hover_thrust_ + kLearn_per_m_s * std::clamp(low_by, -2.0, 2.0) * dt, 0.3, 0.8);
   const double climb = std::clamp(kHeight_per_s2 * low_by, -3.0, 3.0) + kClimb_per_s * state.v_N.z();
   const double upright = (state.R_NB * Eigen::Vector3d::UnitZ()).z();
-  stick.thrust = std::clamp(hover_thrust_ * (1 + climb / kGravity) / std::max(upright, 0.6), 0.1, 1.0);
+  stick.thrust = std::clamp(hover_thrust_ * (1 + climb / kGravity_m_s2) / std::max(upright, 0.6), 0.1, 1.0);
   return stick;
 }
 

@@ -20,8 +20,7 @@ struct ManoeuvreParameters {
   double height_swing_m = 5;   // up and down from there, in a minute
 };
 
-template <class Visitor>
-void Fields(Visitor& v, ManoeuvreParameters& p) {
+inline void Fields(FieldVisitor& v, ManoeuvreParameters& p) {
   v("tilt_deg", p.tilt_deg, 0.0, 40.0);
   v("period_s", p.period_s, 1.0, 60.0);
   v("yaw_rate_deg_s", p.yaw_rate_deg_s, 0.0, 90.0);

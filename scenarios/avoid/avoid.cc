@@ -285,12 +285,12 @@ std::unique_ptr<mission::Mission> MakeMission(const AvoidFlight& flight, const m
   return std::make_unique<AvoidMission>(flight, parts.camera, parts.X_BC, parts.own_parts);
 }
 
-void CheckFlight(const AvoidFlight& flight, const std::string& where, Mistakes& mistakes) {
+void CheckFlight(const AvoidFlight& flight, const Place& where, Mistakes& mistakes) {
   const NoMoreThan most{where, mistakes};
   most("flight.avoidance.hold.bearing_deg", flight.avoidance.hold.bearing_deg,
        flight.avoidance.max_bearing_deg, "flight.avoidance.max_bearing_deg");
   if (flight.marks.empty() && !flight.contrast)
-    mistakes.Add(where, "flight.marks", "is empty; valid: at least one, or a flight.contrast");
+    mistakes.Add(where, "flight.marks", "is empty", "valid: at least one, or a flight.contrast");
   for (std::size_t i = 0; i < flight.marks.size(); ++i) {
     const vision::ColourRange& a = flight.marks[i].colour;
     mission::CheckColour(a, fmt::format("flight.marks.{}.colour", i), where, mistakes);
@@ -300,8 +300,9 @@ void CheckFlight(const AvoidFlight& flight, const std::string& where, Mistakes& 
       if (apart_deg < a.hue_half_width_deg + b.hue_half_width_deg)
         mistakes.Add(where, fmt::format("flight.marks.{}.colour", i),
                      fmt::format("hues {:g} +- {:g} overlap those of mark {}, {:g} +- {:g}: two marks alike "
-                                 "cannot be told apart; valid: hues of their own",
-                                 a.hue_deg, a.hue_half_width_deg, j, b.hue_deg, b.hue_half_width_deg));
+                                 "cannot be told apart",
+                                 a.hue_deg, a.hue_half_width_deg, j, b.hue_deg, b.hue_half_width_deg),
+                     "valid: hues of their own");
     }
   }
   if (!flight.contrast) return;
@@ -312,8 +313,8 @@ void CheckFlight(const AvoidFlight& flight, const std::string& where, Mistakes& 
        tracker.detector.max_diameter_px, "flight.contrast.tracker.detector.max_diameter_px");
 }
 
-void CheckFlightLimits(const AvoidFlight& flight, const mission::AircraftLimits& limits,
-                       const std::string& where, Mistakes& mistakes) {
+void CheckFlightLimits(const AvoidFlight& flight, const mission::AircraftLimits& limits, const Place& where,
+                       Mistakes& mistakes) {
   const NoMoreThan most{where, mistakes};
   most("flight.speed_m_s", flight.speed_m_s, limits.speed_m_s, "autopilot.speed_limit_m_s");
   most("flight.avoidance.hold.yaw_rate_limit_deg_s", flight.avoidance.hold.yaw_rate_limit_deg_s,
@@ -324,15 +325,14 @@ void CheckFlightLimits(const AvoidFlight& flight, const mission::AircraftLimits&
 
 // Who is to be avoided comes from ahead.
 void CheckFlightView(const AvoidFlight&, const vision::CameraModel& camera, const vision::CameraMount& mount,
-                     const std::string&, const std::string& mount_where, Mistakes& mistakes) {
+                     const Place&, const Place& mount_where, Mistakes& mistakes) {
   const auto at = vision::Project(camera, vision::MountPose(mount).R.conjugate() * Eigen::Vector3d::UnitX());
   if (!at || at->x() < 0 || at->y() < 0 || at->x() > vision::WidthPx(camera) - 1 ||
       at->y() > vision::HeightPx(camera) - 1)
     mistakes.Add(
         mount_where, "mount.pitch_deg",
-        fmt::format("{:g}: the camera does not see straight ahead, where others come from; valid: one "
-                    "that does (90 looks ahead)",
-                    mount.pitch_deg));
+        fmt::format("{:g}: the camera does not see straight ahead, where others come from", mount.pitch_deg),
+        "valid: one that does (90 looks ahead)");
 }
 
 bool FlightCanHave(const AvoidFlight&, const std::string&, const mission::Varies& varies) {

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "base/diagnostics.h"
+#include "base/yaml/fields.h"
 #include "control/law/avoidance.h"
 #include "geometry/pose.h"
 #include "mission/balloon_observer.h"
@@ -34,8 +36,7 @@ struct AvoidFlight {
   control::AvoidanceOptions avoidance;
 };
 
-template <class Visitor>
-void Fields(Visitor& v, AvoidFlight& p) {
+inline void Fields(FieldVisitor& v, AvoidFlight& p) {
   v("speed_m_s", p.speed_m_s, 0.1, 15.0);
   v("course_m", p.course_m, 1.0, 5000.0);
   v("avoids", p.avoids);
@@ -49,12 +50,12 @@ void Fields(Visitor& v, AvoidFlight& p) {
 }
 
 mission::MissionType TypeOf(const AvoidFlight& flight);
-void CheckFlight(const AvoidFlight& flight, const std::string& where, Mistakes& mistakes);
-void CheckFlightLimits(const AvoidFlight& flight, const mission::AircraftLimits& limits,
-                       const std::string& where, Mistakes& mistakes);
+void CheckFlight(const AvoidFlight& flight, const Place& where, Mistakes& mistakes);
+void CheckFlightLimits(const AvoidFlight& flight, const mission::AircraftLimits& limits, const Place& where,
+                       Mistakes& mistakes);
 void CheckFlightView(const AvoidFlight& flight, const vision::CameraModel& camera,
-                     const vision::CameraMount& mount, const std::string& where,
-                     const std::string& mount_where, Mistakes& mistakes);
+                     const vision::CameraMount& mount, const Place& where, const Place& mount_where,
+                     Mistakes& mistakes);
 bool FlightCanHave(const AvoidFlight& flight, const std::string& metric, const mission::Varies& varies);
 std::unique_ptr<mission::Mission> MakeMission(const AvoidFlight& flight, const mission::MissionParts& parts);
 

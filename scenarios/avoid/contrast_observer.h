@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/yaml/fields.h"
 #include "control/estimate/moving_target.h"
 #include "control/estimate/state_history.h"
 #include "geometry/pose.h"
@@ -24,8 +25,7 @@ struct ContrastObserverParameters {
   control::MovingTargetOptions estimator{1, 0.3};
 };
 
-template <class Visitor>
-void Fields(Visitor& v, ContrastObserverParameters& p) {
+inline void Fields(FieldVisitor& v, ContrastObserverParameters& p) {
   v("assumed_diameter_m", p.assumed_diameter_m, 0.05, 100.0);
   v("tracker", p.tracker);
   v("estimator", p.estimator);

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "base/diagnostics.h"
 #include "base/file/model_files.h"
 #include "base/stopwatch.h"
 #include "control/estimate/state_history.h"
@@ -212,13 +213,13 @@ std::unique_ptr<mission::Mission> MakeMission(const FollowFlight& flight,
   return std::make_unique<FollowMission>(flight, parts.camera, parts.X_BC);
 }
 
-void CheckFlight(const FollowFlight& flight, const std::string& where, Mistakes& mistakes) {
-  if (flight.reference.empty()) mistakes.Add(where, "flight.reference", "is empty; valid: at least one");
+void CheckFlight(const FollowFlight& flight, const Place& where, Mistakes& mistakes) {
+  if (flight.reference.empty()) mistakes.Add(where, "flight.reference", "is empty", "valid: at least one");
   mission::CheckColour(flight.balloon.colour, "flight.balloon.colour", where, mistakes);
 }
 
-void CheckFlightLimits(const FollowFlight& flight, const mission::AircraftLimits& limits,
-                       const std::string& where, Mistakes& mistakes) {
+void CheckFlightLimits(const FollowFlight& flight, const mission::AircraftLimits& limits, const Place& where,
+                       Mistakes& mistakes) {
   const NoMoreThan most{where, mistakes};
   most("flight.gains.speed_limit_m_s", flight.gains.speed_limit_m_s, limits.speed_m_s,
        "autopilot.speed_limit_m_s");
@@ -230,8 +231,7 @@ void CheckFlightLimits(const FollowFlight& flight, const mission::AircraftLimits
 
 // A balloon can be wanted only where the camera sees it, at least from a level aircraft.
 void CheckFlightView(const FollowFlight& flight, const vision::CameraModel& camera,
-                     const vision::CameraMount& mount, const std::string& where, const std::string&,
-                     Mistakes& mistakes) {
+                     const vision::CameraMount& mount, const Place& where, const Place&, Mistakes& mistakes) {
   constexpr int kPoints = 72;  // of the circle
   const double focal_px = vision::Parameters(camera)[0];
   const Eigen::Quaterniond R_CB = vision::MountPose(mount).R.conjugate();
@@ -247,18 +247,17 @@ void CheckFlightView(const FollowFlight& flight, const vision::CameraModel& came
     const FollowReference& r = flight.reference[i];
     const std::string key = fmt::format("flight.reference.{}", i);
     if (i > 0 && r.from_s <= flight.reference[i - 1].from_s)
-      mistakes.Add(where, key + ".from_s",
-                   fmt::format("{:g} is not after the one before; valid: above {:g}", r.from_s,
-                               flight.reference[i - 1].from_s));
+      mistakes.Add(where, key + ".from_s", fmt::format("{:g} is not after the one before", r.from_s),
+                   fmt::format("valid: above {:g}", flight.reference[i - 1].from_s));
     bool whole = true;
     for (int k = 0; k < kPoints && whole; ++k) whole = seen(r, 2 * M_PI * k / kPoints);
     if (!whole)
       mistakes.Add(
           where, key,
-          fmt::format("u_px {:g}, v_px {:g} and diameter_px {:g} are a circle beyond the image of "
-                      "{} x {} px, by this camera as it is mounted; valid: one within it, nearer "
-                      "to the middle or smaller, and a camera that looks ahead",
-                      r.u_px, r.v_px, r.diameter_px, vision::WidthPx(camera), vision::HeightPx(camera)));
+          fmt::format("u_px {:g}, v_px {:g} and diameter_px {:g} are a circle beyond the image of {} x {} "
+                      "px, by this camera as it is mounted",
+                      r.u_px, r.v_px, r.diameter_px, vision::WidthPx(camera), vision::HeightPx(camera)),
+          "valid: one within it, nearer to the middle or smaller, and a camera that looks ahead");
   }
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "base/diagnostics.h"
 #include "base/yaml/fields.h"
 #include "geometry/pose.h"
 #include "mission/balloon_observer.h"
@@ -22,8 +23,7 @@ struct FollowReference {
   double diameter_px = 60;
 };
 
-template <class Visitor>
-void Fields(Visitor& v, FollowReference& r) {
+inline void Fields(FieldVisitor& v, FollowReference& r) {
   v("from_s", r.from_s, 0.0, 1e6);
   v("u_px", r.u_px, -2000.0, 2000.0);
   v("v_px", r.v_px, -2000.0, 2000.0);
@@ -40,8 +40,7 @@ struct FollowGains {
   double min_height_m = 1;  // over the origin of N: no lower, whatever the balloon does
 };
 
-template <class Visitor>
-void Fields(Visitor& v, FollowGains& g) {
+inline void Fields(FieldVisitor& v, FollowGains& g) {
   v("lambda_per_s", g.lambda_per_s, 0.05, 5.0);
   v("feed_forward", g.feed_forward);
   v("velocity_response_s", g.velocity_response_s, 0.0, 3.0);
@@ -59,8 +58,7 @@ struct LookAround {
   double give_up_s = 60;
 };
 
-template <class Visitor>
-void Fields(Visitor& v, LookAround& l) {
+inline void Fields(FieldVisitor& v, LookAround& l) {
   v("stop_s", l.stop_s, 0.0, 30.0);
   v("turn_deg_s", l.turn_deg_s, 1.0, 90.0);
   v("give_up_s", l.give_up_s, 1.0, 3600.0);
@@ -76,8 +74,7 @@ struct FollowFlight {
   LookAround look_around;
 };
 
-template <class Visitor>
-void Fields(Visitor& v, FollowFlight& p) {
+inline void Fields(FieldVisitor& v, FollowFlight& p) {
   v("balloon", p.balloon);
   v("law", p.law, {"coupled", "decoupled", "whole"});  // whole: the former name of coupled
   v("reference", p.reference);
@@ -86,12 +83,12 @@ void Fields(Visitor& v, FollowFlight& p) {
 }
 
 mission::MissionType TypeOf(const FollowFlight& flight);
-void CheckFlight(const FollowFlight& flight, const std::string& where, Mistakes& mistakes);
-void CheckFlightLimits(const FollowFlight& flight, const mission::AircraftLimits& limits,
-                       const std::string& where, Mistakes& mistakes);
+void CheckFlight(const FollowFlight& flight, const Place& where, Mistakes& mistakes);
+void CheckFlightLimits(const FollowFlight& flight, const mission::AircraftLimits& limits, const Place& where,
+                       Mistakes& mistakes);
 void CheckFlightView(const FollowFlight& flight, const vision::CameraModel& camera,
-                     const vision::CameraMount& mount, const std::string& where,
-                     const std::string& mount_where, Mistakes& mistakes);
+                     const vision::CameraMount& mount, const Place& where, const Place& mount_where,
+                     Mistakes& mistakes);
 bool FlightCanHave(const FollowFlight& flight, const std::string& metric, const mission::Varies& varies);
 std::unique_ptr<mission::Mission> MakeMission(const FollowFlight& flight, const mission::MissionParts& parts);
 

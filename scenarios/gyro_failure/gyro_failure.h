@@ -5,6 +5,7 @@
 #include <memory>
 #include <opencv2/core.hpp>
 
+#include "base/yaml/fields.h"
 #include "geometry/pose.h"
 #include "mission/mission_type.h"
 #include "vision/camera/camera_model.h"
@@ -21,8 +22,7 @@ struct GyroFailureFlight {
   double coast_s = 5;       // without a skyline for which the gyros alone may carry the camera's attitude on
 };
 
-template <class Visitor>
-void Fields(Visitor& v, GyroFailureFlight& p) {
+inline void Fields(FieldVisitor& v, GyroFailureFlight& p) {
   v("disagree_deg", p.disagree_deg, 0.5, 30.0);
   v("agree_deg", p.agree_deg, 0.1, 30.0);
   v("agree_s", p.agree_s, 0.1, 60.0);

@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "base/yaml/fields.h"
 #include "mission/mission_type.h"
 
 namespace kestrel::scenarios {
@@ -14,8 +15,7 @@ struct HoverFlight {
   double yaw_deg = 0;      // in the pad's frame
 };
 
-template <class Visitor>
-void Fields(Visitor& v, HoverFlight& p) {
+inline void Fields(FieldVisitor& v, HoverFlight& p) {
   v("height_m", p.height_m, 0.3, 60.0);
   v("centred_m", p.centred_m, 0.05, 5.0);
   v("yaw_deg", p.yaw_deg, -180.0, 180.0);

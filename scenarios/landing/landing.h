@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "base/yaml/fields.h"
 #include "mission/mission_type.h"
 
 namespace kestrel::scenarios {
@@ -18,8 +19,7 @@ struct LandingFlight {
   double centred_m = 0.12;  // horizontal error, plus a tenth of the height, up to which it descends
 };
 
-template <class Visitor>
-void Fields(Visitor& v, LandingFlight& p) {
+inline void Fields(FieldVisitor& v, LandingFlight& p) {
   v("yaw_deg", p.yaw_deg, -180.0, 180.0);
   v("descent_m_s", p.descent_m_s, 0.1, 3.0);
   v("commit_m", p.commit_m, 0.1, 5.0);

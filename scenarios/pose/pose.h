@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "base/yaml/fields.h"
 #include "mission/mission_type.h"
 
 namespace kestrel::scenarios {
@@ -12,10 +13,7 @@ struct PoseFlight {
   double height_m = 4.2;
 };
 
-template <class Visitor>
-void Fields(Visitor& v, PoseFlight& p) {
-  v("height_m", p.height_m, 0.3, 60.0);
-}
+inline void Fields(FieldVisitor& v, PoseFlight& p) { v("height_m", p.height_m, 0.3, 60.0); }
 
 mission::MissionType TypeOf(const PoseFlight& flight);
 std::unique_ptr<mission::Mission> MakeMission(const PoseFlight& flight, const mission::MissionParts& parts);

@@ -35,8 +35,7 @@ struct ActuatorFault {
   double slowness = 10;   // slow
 };
 
-template <class Visitor>
-void Fields(Visitor& v, ActuatorFault& f) {
+inline void Fields(FieldVisitor& v, ActuatorFault& f) {
   v(Required("component"), f.component, {"motor", "servo"});
   v(Required("type"), f.type, {"off", "stuck", "wrong", "slow", "ok"});
   v("instance", f.instance, 0, 4);
@@ -51,10 +50,7 @@ struct ActuatorParameters {
   std::vector<ActuatorFault> faults;
 };
 
-template <class Visitor>
-void Fields(Visitor& v, ActuatorParameters& p) {
-  v("faults", p.faults);
-}
+inline void Fields(FieldVisitor& v, ActuatorParameters& p) { v("faults", p.faults); }
 
 // The one that holds of an actuator, instance from 1; none, or ok: nullptr.
 const ActuatorFault* FaultAt(const std::vector<ActuatorFault>& faults, std::string_view component,

@@ -5,13 +5,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/gravity.h"
 #include "geometry/tait_bryan.h"
 #include "sim/aircraft/rotor/rotor.h"
 
 namespace kestrel::sim {
 namespace {
-
-constexpr double kGravity = 9.80665;
 
 Eigen::Vector3d MainHub(const HelicopterParameters& p) { return {0, 0, -p.rotor_height_m}; }
 Eigen::Vector3d TailHub(const HelicopterParameters& p) { return {-p.tail_arm_m, 0, -p.tail_height_m}; }
@@ -141,7 +140,7 @@ HelicopterState HoverState(const HelicopterParameters& p) {
   state.drive.speed_rad_s = state.drive.target_rad_s = speed;
   // thrust: the weight, and what the wake presses on the fuselage, k T
   const double wake_share = kAirDensity / 2 * p.drag_area_m2.z() * std::pow(SteadyInduced(p.rotor, 1, 0), 2);
-  const double thrust = p.mass_kg * kGravity / (1 - wake_share);
+  const double thrust = p.mass_kg * kGravity_m_s2 / (1 - wake_share);
   state.induced_m_s = SteadyInduced(p.rotor, thrust, 0);
   state.collective = PitchFor(p.rotor, speed, thrust, 0);
   const double torque = LoadsOf(p.rotor, speed, state.collective, state.induced_m_s, {}).torque_n_m;

@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 
+#include "base/yaml/fields.h"
 #include "sim/aircraft/actuator_faults.h"
 #include "sim/aircraft/free_body.h"
 #include "sim/aircraft/rotor/flapping.h"
@@ -56,8 +57,7 @@ struct HelicopterParameters {
   HelicopterGains gains;
 };
 
-template <class Visitor>
-void Fields(Visitor& v, HelicopterGains& g) {
+inline void Fields(FieldVisitor& v, HelicopterGains& g) {
   v("attitude_rad_s", g.attitude_rad_s, 0.5, 30.0);
   v("attitude_damping", g.attitude_damping, 0.1, 3.0);
   v("integral_per_s", g.integral_per_s, 0.0, 5.0);
@@ -65,14 +65,12 @@ void Fields(Visitor& v, HelicopterGains& g) {
   v("heading_per_s", g.heading_per_s, 0.1, 20.0);
 }
 
-template <class Visitor>
-void Fields(Visitor& v, FinParameters& p) {
+inline void Fields(FieldVisitor& v, FinParameters& p) {
   v("area_m2", p.area_m2, 0.0, 1.0);
   v("lift_slope_per_rad", p.lift_slope_per_rad, 0.0, 7.0);
 }
 
-template <class Visitor>
-void Fields(Visitor& v, HelicopterParameters& p) {
+inline void Fields(FieldVisitor& v, HelicopterParameters& p) {
   v("mass_kg", p.mass_kg, 0.05, 200.0);
   v("inertia_kg_m2", p.inertia_kg_m2, 1e-5, 100.0);
   v("clockwise", p.clockwise);

@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/gravity.h"
 #include "geometry/tait_bryan.h"
 
 namespace kestrel::sim {
 namespace {
 
-constexpr double kGravity = 9.80665;
 constexpr double kReadyShare = 0.97;  // of the governed rotor speed
 constexpr double kAloftShare = 0.5;  // of the weight: with less thrust the skids stand, and nothing is summed
 constexpr double kIntegralLimit = 0.3;  // rad s
@@ -29,7 +29,7 @@ HelicopterControls HelicopterStabiliser::Step(double dt_s, const AttitudeDemand&
   const HelicopterParameters& p = aircraft_;
   const HelicopterGains& g = p.gains;
   const double speed = std::max(sensed.rotor_rad_s, 0.1 * p.drive.speed_rad_s);
-  const double weight = p.mass_kg * kGravity;
+  const double weight = p.mass_kg * kGravity_m_s2;
   limited_ = false;
 
   HelicopterControls controls;

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <array>
 
+#include "base/yaml/fields.h"
 #include "sim/aircraft/actuator_faults.h"
 #include "sim/aircraft/free_body.h"
 #include "sim/aircraft/rotor/rotor.h"
@@ -23,8 +24,7 @@ struct MultirotorParameters {
   RotorParameters rotor;
 };
 
-template <class Visitor>
-void Fields(Visitor& v, MultirotorParameters& p) {
+inline void Fields(FieldVisitor& v, MultirotorParameters& p) {
   v("mass_kg", p.mass_kg, 0.05, 50.0);
   v("inertia_kg_m2", p.inertia_kg_m2, 1e-5, 10.0);
   v("arm_m", p.arm_m, 0.03, 2.0);

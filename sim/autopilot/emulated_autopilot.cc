@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/gravity.h"
 #include "geometry/tait_bryan.h"
 
 namespace kestrel::sim {
 namespace {
 
-constexpr double kGravity = 9.80665;
 constexpr double kYawGain_per_s = 1.0;
 constexpr double kIntegralLimit_m_s2 = 6;
 constexpr double kDragTime_s = 0.15;
@@ -24,7 +24,7 @@ constexpr double kTouchTime_s = 0.4;
 constexpr double kTouchSpool_s = 0.4;
 constexpr double kTouchFalling_m_s = 0.35;
 constexpr double kTouchThrottle = 0.4;
-constexpr double kTouchCarried_m_s2 = 0.8 * kGravity;
+constexpr double kTouchCarried_m_s2 = 0.8 * kGravity_m_s2;
 constexpr double kCarriedTime_s = 0.05;
 
 Eigen::Vector2d Limited(const Eigen::Vector2d& v, double limit) {
@@ -185,7 +185,7 @@ EmulatedAutopilot::Demand EmulatedAutopilot::TrackVelocity(double dt_s, const Ei
 
   Demand demand;
   const double tilt_limit = Radians(parameters_.tilt_limit_deg);
-  const Eigen::Vector2d level = Limited(a_N.head<2>(), kGravity * std::tan(tilt_limit));
+  const Eigen::Vector2d level = Limited(a_N.head<2>(), kGravity_m_s2 * std::tan(tilt_limit));
   tilt_limited_ = level.norm() < a_N.head<2>().norm() - 1e-9;
   // Integrals stand still against a limit, so that nothing has to be unwound when it ends.
   if (!tilt_limited_) integral_N_.head<2>() += dt_s * parameters_.velocity_integral_per_s2 * error.head<2>();
@@ -195,14 +195,14 @@ EmulatedAutopilot::Demand EmulatedAutopilot::TrackVelocity(double dt_s, const Ei
 
   const Eigen::Vector3d a_H =
       HeadingRotation(-YawOf(navigation_.InUse().X_NB().R)) * Eigen::Vector3d(level.x(), level.y(), 0);
-  const double pitch = -std::atan2(a_H.x(), kGravity);
-  const double roll = std::atan2(a_H.y() * std::cos(pitch), kGravity);
+  const double pitch = -std::atan2(a_H.x(), kGravity_m_s2);
+  const double roll = std::atan2(a_H.y() * std::cos(pitch), kGravity_m_s2);
   demand.roll = roll / parameters_.roll.gain;  // the loop answers with its gain
   demand.pitch = pitch / parameters_.pitch.gain;
   demand.yaw_rate = yaw_rate;
   const TaitBryan now = TaitBryanFromRotation(navigation_.InUse().X_NB().R.toRotationMatrix());
   const double upright = std::max(0.5, std::cos(now.roll) * std::cos(now.pitch));
-  demand.thrust_n = Mass_kg(aircraft_) * std::max(0.0, kGravity - a_N.z()) / upright * throttle_down_;
+  demand.thrust_n = Mass_kg(aircraft_) * std::max(0.0, kGravity_m_s2 - a_N.z()) / upright * throttle_down_;
   return demand;
 }
 

@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "base/yaml/fields.h"
 #include "control/autopilot.h"
 #include "sim/aircraft/airframe.h"
 #include "sim/autopilot/navigation.h"
@@ -41,15 +42,13 @@ struct AutopilotParameters {
   double command_timeout_s = 0.5;
 };
 
-template <class Visitor>
-void Fields(Visitor& v, AxisLoop& a) {
+inline void Fields(FieldVisitor& v, AxisLoop& a) {
   v("natural_frequency_rad_s", a.natural_frequency_rad_s, 0.5, 30.0);
   v("damping", a.damping, 0.1, 3.0);
   v("gain", a.gain, 0.1, 2.0);
 }
 
-template <class Visitor>
-void Fields(Visitor& v, AutopilotParameters& p) {
+inline void Fields(FieldVisitor& v, AutopilotParameters& p) {
   v("roll", p.roll);
   v("pitch", p.pitch);
   v("yaw", p.yaw);

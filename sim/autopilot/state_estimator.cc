@@ -5,12 +5,12 @@
 #include <cmath>
 #include <utility>
 
+#include "base/gravity.h"
 #include "geometry/tait_bryan.h"
 
 namespace kestrel::sim {
 namespace {
 
-constexpr double kGravity = 9.80665;
 // The wander of GPS and barometer is not white: taking each sample for worse than it is keeps the filter from
 // believing that many samples average it away.
 constexpr double kGpsPositionSigma_m = 1.0;
@@ -78,7 +78,8 @@ void StateEstimator::CorrectByGps(const GpsSample& gps) {
   const Verdict velocity = Judge(gps_velocity_, std::max({ratio(3), ratio(4), ratio(5)}), false);
   if (velocity == Verdict::kBelieve) {
     // A velocity that went astray in that time did so by a tilt: let it be found.
-    const double tilt = std::min(kTiltForgotten, innovation.segment<3>(3).norm() / (kGravity * refused_s));
+    const double tilt =
+        std::min(kTiltForgotten, innovation.segment<3>(3).norm() / (kGravity_m_s2 * refused_s));
     P_.diagonal().segment<3>(6).array() += tilt * tilt;
   }
   for (int i = 0; i < 3; ++i) {
@@ -125,7 +126,7 @@ void StateEstimator::Predict(double dt_s, const ImuSample& imu) {
   w_B_ = imu.w_B - gyro_bias_;
   const Eigen::Vector3d force_B = imu.specific_force_B - accelerometer_bias_;
   const Eigen::Matrix3d R = X_NB_.R.toRotationMatrix();
-  const Eigen::Vector3d a_N = R * force_B + Eigen::Vector3d(0, 0, kGravity);
+  const Eigen::Vector3d a_N = R * force_B + Eigen::Vector3d(0, 0, kGravity_m_s2);
   X_NB_.p += dt_s * v_N_ + dt_s * dt_s / 2 * a_N;
   v_N_ += dt_s * a_N;
   X_NB_.R = (X_NB_.R * ExpRotation(dt_s * w_B_)).normalized();

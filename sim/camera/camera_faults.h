@@ -35,8 +35,7 @@ struct CameraFault {
   double delay_s = 0.3;    // delayed
 };
 
-template <class Visitor>
-void Fields(Visitor& v, CameraFault& f) {
+inline void Fields(FieldVisitor& v, CameraFault& f) {
   v(Required("type"), f.type, {"off", "stuck", "garbage", "slow", "delayed", "intermittent"});
   v("from_s", f.from_s, 0.0, 1e9);
   v("until_s", f.until_s, 0.0, 1e9);

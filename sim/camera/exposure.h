@@ -3,6 +3,8 @@
 
 #include <optional>
 
+#include "base/yaml/fields.h"
+
 namespace kestrel::sim {
 
 // When the pixels gather light. The bytes of a rendered image are what the sensor sees in time_s at a gain of
@@ -13,8 +15,7 @@ struct ExposureParameters {
   int samples = 4;    // instants of the exposure at which light is gathered, while time_s > 0
 };
 
-template <class Visitor>
-void Fields(Visitor& v, ExposureParameters& p) {
+inline void Fields(FieldVisitor& v, ExposureParameters& p) {
   v("time_s", p.time_s, 0.0, 1.0);
   v("line_s", p.line_s, 0.0, 0.01);
   v("samples", p.samples, 1, 256);
@@ -29,8 +30,7 @@ struct AutoExposureParameters {
   double highest_gain = 16;                    // and 1 / it is the smallest iris
 };
 
-template <class Visitor>
-void Fields(Visitor& v, AutoExposureParameters& p) {
+inline void Fields(FieldVisitor& v, AutoExposureParameters& p) {
   v("target_grey", p.target_grey, 0.0, 250.0);
   v("lag_s", p.lag_s, 0.0, 60.0);
   v("shortest_s", p.shortest_s, 1e-6, 1.0);

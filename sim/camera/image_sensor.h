@@ -5,6 +5,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
+#include "base/yaml/fields.h"
 #include "sim/camera/camera_faults.h"
 #include "sim/camera/exposure.h"
 #include "sim/camera/lens.h"
@@ -43,8 +44,7 @@ struct ImageParameters {
   std::vector<CameraFault> faults;
 };
 
-template <class Visitor>
-void Fields(Visitor& v, ImageScatter& s) {
+inline void Fields(FieldVisitor& v, ImageScatter& s) {
   v("noise_grey", s.noise_grey, 0.0, 60.0);
   v("gain", s.gain, 0.0, 10.0);
   v("full_well_e", s.full_well_e, 0.0, 1e6);
@@ -57,8 +57,7 @@ void Fields(Visitor& v, ImageScatter& s) {
   v("defocus_px", s.defocus_px, 0.0, 20.0);
 }
 
-template <class Visitor>
-void Fields(Visitor& v, ImageParameters& p) {
+inline void Fields(FieldVisitor& v, ImageParameters& p) {
   v("colour", p.colour);
   v("rate_hz", p.rate_hz, 0.5, 500.0);
   v("latency_s", p.latency_s, 0.0, 2.0);

@@ -5,6 +5,7 @@
 #include <opencv2/core.hpp>
 #include <string>
 
+#include "base/yaml/fields.h"
 #include "vision/camera/camera_model.h"
 
 namespace kestrel::sim {
@@ -22,8 +23,7 @@ struct LensParameters {
   double reflection_deg = 0;  // a mirror shows the camera itself, dark, up to this angle from the axis
 };
 
-template <class Visitor>
-void Fields(Visitor& v, LensParameters& p) {
+inline void Fields(FieldVisitor& v, LensParameters& p) {
   v("cos_power", p.cos_power, 0.0, 16.0);
   v("vignetting", p.vignetting, -4.0, 4.0);
   v("defocus_px", p.defocus_px, 0.0, 20.0);

@@ -20,8 +20,7 @@ struct PanTiltParameters {
   double rate_deg_s = 90;  // of either
 };
 
-template <class Visitor>
-void Fields(Visitor& v, PanTiltParameters& p) {
+inline void Fields(FieldVisitor& v, PanTiltParameters& p) {
   v(Renamed("pan_min_deg", "pan_least_deg"), p.pan_min_deg, -180.0, 0.0);
   v(Renamed("pan_max_deg", "pan_most_deg"), p.pan_max_deg, 0.0, 180.0);
   v(Renamed("tilt_min_deg", "tilt_least_deg"), p.tilt_min_deg, -90.0, 0.0);

@@ -26,8 +26,7 @@ struct RidgeParameters {
   double distance_m = 5000;  // of its crest
 };
 
-template <class Visitor>
-void Fields(Visitor& v, RidgeParameters& p) {
+inline void Fields(FieldVisitor& v, RidgeParameters& p) {
   v("azimuth_deg", p.azimuth_deg, -360.0, 360.0);
   v("height_deg", p.height_deg, 0.0, 40.0);
   v("width_deg", p.width_deg, 0.0, 360.0);
@@ -62,8 +61,7 @@ struct LandscapeParameters {
   int trees = 300, buildings = 25;
 };
 
-template <class Visitor>
-void Fields(Visitor& v, LandscapeParameters& p) {
+inline void Fields(FieldVisitor& v, LandscapeParameters& p) {
   v("seed", p.seed);
   v("sun_azimuth_deg", p.sun_azimuth_deg, -360.0, 360.0);
   v("sun_elevation_deg", p.sun_elevation_deg, -10.0, 90.0);

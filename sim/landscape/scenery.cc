@@ -8,7 +8,7 @@
 namespace kestrel::sim::landscape {
 namespace {
 
-constexpr float kTurn = 2 * std::numbers::pi_v<float>;
+constexpr float kFullTurn = 2 * std::numbers::pi_v<float>;
 const Colour kTrunk(0.28f, 0.22f, 0.17f), kWindow(0.16f, 0.19f, 0.24f);
 
 using Point = Eigen::Vector3f;  // north, east, up
@@ -63,7 +63,7 @@ void Crown(Builder& builder, const Point& centre, float radius, float half_heigh
   for (int i = 0; i <= kBands; ++i) {
     const float polar = std::numbers::pi_v<float> * static_cast<float>(i) / kBands;
     for (int j = 0; j < kAround; ++j) {
-      const float around = kTurn * (static_cast<float>(j) + 0.5f * static_cast<float>(i % 2)) / kAround;
+      const float around = kFullTurn * (static_cast<float>(j) + 0.5f * static_cast<float>(i % 2)) / kAround;
       const float bump = i == 0 || i == kBands ? 1.0f : static_cast<float>(random.Uniform(0.70, 1.18));
       p[i][j] = centre + Point(bump * radius * std::sin(polar) * std::cos(around),
                                bump * radius * std::sin(polar) * std::sin(around),
@@ -89,7 +89,7 @@ void Cone(Builder& builder, const Point& base, float radius, float height, const
   const Point tip = base + Point(0, 0, height);
   for (int j = 0; j < kAround; ++j) {
     const auto at = [&](int k) {
-      const float around = kTurn * static_cast<float>(k % kAround) / kAround;
+      const float around = kFullTurn * static_cast<float>(k % kAround) / kAround;
       return Point(base + radius * Point(std::cos(around), std::sin(around), 0));
     };
     builder.Triangle(tip, at(j), at(j + 1), colour * static_cast<float>(random.Uniform(0.7, 1.2)));
@@ -153,7 +153,7 @@ void Tree(Builder& builder, const LandscapeParameters& p, const Site& site, Shad
   const float thick = 0.025f * height, top = conifer ? 0.25f * height : 0.45f * height;
   for (int k = 0; k < kSides; ++k) {
     const auto at = [&](int j, float up) {
-      const float turn = kTurn * static_cast<float>(j % kSides) / kSides;
+      const float turn = kFullTurn * static_cast<float>(j % kSides) / kSides;
       return Point(foot + Point(thick * std::cos(turn), thick * std::sin(turn), up));
     };
     builder.Quad(at(k, top), at(k, 0), at(k + 1, 0), at(k + 1, top), kTrunk);
@@ -169,7 +169,7 @@ void Building(Builder& builder, const Site& site, Shadows& shadows, RandomStream
               width = static_cast<float>(random.Uniform(7, 14));
   const int storeys = 1 + static_cast<int>(random.Uniform(0, 3.5));
   const float height = 3.2f * static_cast<float>(storeys);
-  const float turn = static_cast<float>(random.Uniform(0, kTurn));
+  const float turn = static_cast<float>(random.Uniform(0, kFullTurn));
   const float grey = static_cast<float>(random.Uniform(0.45, 0.9)),
               warm = static_cast<float>(random.Uniform(0, 0.25));
   const Colour wall(grey, grey * (1 - 0.4f * warm), grey * (1 - warm));
@@ -230,7 +230,7 @@ Scenery MakeScenery(const LandscapeParameters& p, std::uint64_t seed, const Terr
     Site s{};
     for (int attempt = 0; attempt < 8; ++attempt) {
       const float r = nearest * std::pow(farthest / nearest, static_cast<float>(random.Uniform(0, 1)));
-      const float azimuth = static_cast<float>(random.Uniform(0, kTurn));
+      const float azimuth = static_cast<float>(random.Uniform(0, kFullTurn));
       s = {r * std::cos(azimuth), r * std::sin(azimuth), 0};
       if (!ground.IsWater(s.north, s.east)) break;
     }

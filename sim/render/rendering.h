@@ -6,6 +6,7 @@
 #include <opencv2/core.hpp>
 #include <string>
 
+#include "base/yaml/fields.h"
 #include "geometry/pose.h"
 
 // What a renderer is given and gives, whichever it is.
@@ -18,8 +19,7 @@ struct RenderOptions {
   int threads = 1;  // ray: 0: as many as the machine has cores. The picture is the same.
 };
 
-template <class Visitor>
-void Fields(Visitor& v, RenderOptions& o) {
+inline void Fields(FieldVisitor& v, RenderOptions& o) {
   v("backend", o.backend, {"auto", "ray", "osmesa", "egl"});
   v("shadows", o.shadows);
   v("samples", o.samples, 0, 16);

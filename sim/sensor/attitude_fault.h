@@ -21,8 +21,7 @@ struct AttitudeFault {
   Eigen::Vector3d drift_deg_s{3, -2, 2};  // in B
 };
 
-template <class Visitor>
-void Fields(Visitor& v, AttitudeFault& f) {
+inline void Fields(FieldVisitor& v, AttitudeFault& f) {
   v(Required("type"), f.type, {"drift", "freeze", "silent"});
   v("from_s", f.from_s, 0.0, 1e9);
   v("until_s", f.until_s, 0.0, 1e9);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "base/yaml/fields.h"
+
 namespace kestrel::sim {
 
 // The heading-hold gyro between pedals and tail rotor, as model helicopters have: it turns the aircraft at
@@ -11,8 +13,7 @@ struct HeadingGyroParameters {
   double integral = 0.3;  // and per angle
 };
 
-template <class Visitor>
-void Fields(Visitor& v, HeadingGyroParameters& p) {
+inline void Fields(FieldVisitor& v, HeadingGyroParameters& p) {
   v("gain_s", p.gain_s, 0.0, 5.0);
   v("integral", p.integral, 0.0, 20.0);
 }

@@ -38,8 +38,7 @@ struct SensorFault {
   double period_s = 1, duty = 0.5;  // intermittent
 };
 
-template <class Visitor>
-void Fields(Visitor& v, SensorFault& f) {
+inline void Fields(FieldVisitor& v, SensorFault& f) {
   v(Required("component"), f.component, {"gyro", "accel", "mag", "baro", "gps"});
   v(Required("type"), f.type, {"off", "stuck", "garbage", "wrong", "slow", "delayed", "intermittent", "ok"});
   v("from_s", f.from_s, 0.0, 1e9);

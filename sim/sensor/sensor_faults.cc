@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/gravity.h"
 #include "geometry/tait_bryan.h"
 
 namespace kestrel::sim {
@@ -105,7 +106,8 @@ void SensorFaults::Apply(double t_s, SensorReadings& readings) {
     value = channel.last.value_or(at_rest);
   };
   inertial(gyro_, Eigen::Vector3d::Zero(), readings.imu.w_B, readings.gyro_spoke);
-  inertial(accelerometer_, {0, 0, -9.80665}, readings.imu.specific_force_B, readings.accelerometer_spoke);
+  inertial(accelerometer_, {0, 0, -kGravity_m_s2}, readings.imu.specific_force_B,
+           readings.accelerometer_spoke);
   readings.field_B = magnetometer_.Pass(faults_, t_s, readings.field_B);
   readings.height_m = barometer_.Pass(faults_, t_s, readings.height_m);
   readings.gps = gps_.Pass(faults_, t_s, readings.gps);

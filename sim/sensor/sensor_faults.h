@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/gravity.h"
 #include "base/random.h"
 #include "sim/sensor/sensor_fault.h"
 #include "sim/sensor/sensors.h"
@@ -18,7 +19,7 @@ namespace kestrel::sim {
 // heights of pressures of 1100 to 300 hPa. GPS: the speeds of a u-blox 6; positions assumed.
 struct SensorRanges {
   double gyro_deg_s = 1000;
-  double accelerometer_m_s2 = 18 * 9.80665;
+  double accelerometer_m_s2 = 18 * kGravity_m_s2;
   double magnetometer_t = 190e-6;
   double height_low_m = -700, height_high_m = 9200;
   double gps_m = 1e4, gps_m_s = 500;

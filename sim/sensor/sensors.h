@@ -46,15 +46,13 @@ struct SensorParameters {
   std::vector<SensorFault> faults;
 };
 
-template <class Visitor>
-void Fields(Visitor& v, SensorError& e) {
+inline void Fields(FieldVisitor& v, SensorError& e) {
   v("white", e.white, 0.0, 100.0);
   v("wander", e.wander, 0.0, 100.0);
   v("wander_time_s", e.wander_time_s, 0.1, 1e5);
 }
 
-template <class Visitor>
-void Fields(Visitor& v, SensorParameters& p) {
+inline void Fields(FieldVisitor& v, SensorParameters& p) {
   v("gyro_noise_rad_s_rthz", p.gyro_noise_rad_s_rthz, 0.0, 0.1);
   v("gyro_walk_rad_s2_rthz", p.gyro_walk_rad_s2_rthz, 0.0, 0.1);
   v("gyro_walk_time_s", p.gyro_walk_time_s, 1.0, 1e6);

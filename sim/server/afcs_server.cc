@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/yaml/yaml_fields.h"
+#include "base/diagnostics.h"
 #include "control/link/session_socket.h"
 #include "geometry/tait_bryan.h"
 
@@ -32,15 +32,15 @@ constexpr double kMinimumFall = 1e-3;   // of the camera's axis, for a place on 
 udp::endpoint EndpointOf(const AfcsServerOptions& options) {
   error_code error;
   const auto address = asio::ip::make_address(options.address, error);
-  if (error) throw InputError({fmt::format("AFCS server: address {}: {}", options.address, error.message())});
+  if (error) throw InputError("AFCS server", fmt::format("address {}: {}", options.address, error.message()));
   return {address, static_cast<std::uint16_t>(options.port)};
 }
 
-std::string TextOf(const udp::endpoint& peer) {
+std::string AfcsText(const udp::endpoint& peer) {
   return fmt::format("{}:{}", peer.address().to_string(), peer.port());
 }
 
-const char* TextOf(control::wire::AfcsRefusal why) {
+const char* AfcsText(control::wire::AfcsRefusal why) {
   switch (why) {
     case control::wire::AfcsRefusal::kShort:
       return "shorter than a header";
@@ -81,7 +81,7 @@ struct AfcsServer::Session {
     error_code error;
     socket.Open(endpoint, error);
     if (error)
-      throw InputError({fmt::format("AFCS server: udp://{}:{}: {}", o.address, o.port, error.message())});
+      throw InputError("AFCS server", fmt::format("udp://{}:{}: {}", o.address, o.port, error.message()));
   }
 
   void Serve(double now, control::Autopilot& aircraft) {
@@ -125,13 +125,13 @@ struct AfcsServer::Session {
       const auto decoded = codec.Decode(bytes);
       if (const auto* why = std::get_if<control::wire::AfcsRefusal>(&decoded))
         return counts.CountIgnored(unheeded::kDamaged,
-                                   fmt::format("{}, from {}", TextOf(*why), TextOf(peer)));
+                                   fmt::format("{}, from {}", AfcsText(*why), AfcsText(peer)));
       const bool opens = std::holds_alternative<control::wire::AfcsOpen>(
           std::get<control::wire::AfcsDatagram>(decoded).message);
       if (owner || !opens)
         return counts.CountIgnored(
             opens ? unheeded::kSecondClient : unheeded::kNoSession,
-            TextOf(peer) + (owner ? "; it is that of " + TextOf(*owner) : "; nobody has opened one"));
+            AfcsText(peer) + (owner ? "; it is that of " + AfcsText(*owner) : "; nobody has opened one"));
       socket.Own(peer);
       receiver.Reset();
       state_due_s = gps_due_s = now_s;
@@ -148,7 +148,7 @@ struct AfcsServer::Session {
       const bool again =
           why == control::wire::AfcsRefusal::kDuplicate || why == control::wire::AfcsRefusal::kOld;
       const std::uint64_t count = receiver.refused(why);
-      counts.CountIgnored(again ? unheeded::kAgain : unheeded::kDamaged, TextOf(why), count - refused[i]);
+      counts.CountIgnored(again ? unheeded::kAgain : unheeded::kDamaged, AfcsText(why), count - refused[i]);
       refused[i] = count;
     }
   }

@@ -24,8 +24,7 @@ struct AfcsServerOptions {
   std::optional<GeodeticOrigin> origin;  // none: GPS tells raw places in N, as AFCS 2.5 does
 };
 
-template <class Visitor>
-void Fields(Visitor& v, AfcsServerOptions& o) {
+inline void Fields(FieldVisitor& v, AfcsServerOptions& o) {
   v("address", o.address);
   v("port", o.port, 0, 65535);
   v("afcs", o.afcs);

@@ -21,11 +21,11 @@ constexpr std::int16_t kFullYaw = 1900;  // and above
 constexpr std::int16_t kTakeOffThrust = kestrel::control::wire::kThrustCounts * 3 / 10;
 constexpr double kTakeOff_m = 0.5;
 constexpr double kSinkToStop_m_s = 0.2;
-constexpr std::int16_t kAttitude = control::wire::kCtrlPitch | control::wire::kCtrlRoll |
-                                   control::wire::kCtrlYaw | control::wire::kCtrlThrust;
+constexpr std::int16_t kAttitudeSticks = control::wire::kCtrlPitch | control::wire::kCtrlRoll |
+                                         control::wire::kCtrlYaw | control::wire::kCtrlThrust;
 constexpr std::int16_t kGps = control::wire::kCtrlHeight | control::wire::kCtrlGps;
 
-std::int32_t Counts(double value, double unit) {
+std::int32_t ToCounts(double value, double unit) {
   const double counts = std::round(value / unit);
   return std::abs(counts) < 2e9 ? static_cast<std::int32_t>(counts) : 0;
 }
@@ -93,7 +93,7 @@ control::wire::Bytes AscTecProcessor::Step(double now_s, control::Autopilot& air
 
 void AscTecProcessor::CountSetpoint(const control::wire::CtrlInput& input) {
   const bool sticks = MoveTheMotors(input);
-  if (!sticks && (input.ctrl & kAttitude) != kAttitude) {
+  if (!sticks && (input.ctrl & kAttitudeSticks) != kAttitudeSticks) {
     ++counts_.refused;
     counts_.CountIgnored(unheeded::kImpossible, fmt::format("CTRL_INPUT with ctrl 0x{:x}", input.ctrl));
     return;
@@ -152,7 +152,7 @@ void AscTecProcessor::Obey(double now_s, const control::wire::CtrlInput& input,
     sticks_done_ = held;
     return;
   }
-  if ((input.ctrl & kAttitude) != kAttitude) return;
+  if ((input.ctrl & kAttitudeSticks) != kAttitudeSticks) return;
   if (state.landed) {
     if (idling_ && input.thrust > kTakeOffThrust)
       aircraft.Send(
@@ -201,19 +201,19 @@ control::wire::LlStatus AscTecProcessor::Status(double now_s, const control::Veh
 control::wire::ImuCalcData AscTecProcessor::Imu(const control::VehicleState& state) const {
   const TaitBryan angles = TaitBryanFromRotation(state.R_NB.toRotationMatrix());
   control::wire::ImuCalcData d;
-  const auto angle = [](double rad) { return Counts(rad, control::wire::kRadPerAngleCount); };
+  const auto angle = [](double rad) { return ToCounts(rad, control::wire::kRadPerAngleCount); };
   d.angle_nick = d.acc_angle_nick = signs_.angle_nick * angle(angles.pitch);
   d.angle_roll = d.acc_angle_roll = signs_.angle_roll * angle(angles.roll);
   d.angle_yaw = signs_.angle_yaw * angle(angles.yaw);
   if (d.angle_yaw < 0) d.angle_yaw += 360000;
   d.mag_heading = d.angle_yaw;
-  d.angvel_roll = signs_.angle_roll * Counts(state.w_B.x(), control::wire::kRad_sPerRateCount);
-  d.angvel_nick = signs_.angle_nick * Counts(state.w_B.y(), control::wire::kRad_sPerRateCount);
-  d.angvel_yaw = signs_.angle_yaw * Counts(state.w_B.z(), control::wire::kRad_sPerRateCount);
+  d.angvel_roll = signs_.angle_roll * ToCounts(state.w_B.x(), control::wire::kRad_sPerRateCount);
+  d.angvel_nick = signs_.angle_nick * ToCounts(state.w_B.y(), control::wire::kRad_sPerRateCount);
+  d.angvel_yaw = signs_.angle_yaw * ToCounts(state.w_B.z(), control::wire::kRad_sPerRateCount);
   d.acc_absolute_value = 10000;
   d.acc_z = d.acc_z_calib = -10000;
-  d.height = d.height_reference = Counts(-state.p_NB.z(), control::wire::kMetresPerCount);
-  d.dheight = d.dheight_reference = Counts(-state.v_N.z(), control::wire::kMetresPerCount);
+  d.height = d.height_reference = ToCounts(-state.p_NB.z(), control::wire::kMetresPerCount);
+  d.dheight = d.dheight_reference = ToCounts(-state.v_N.z(), control::wire::kMetresPerCount);
   return d;
 }
 
@@ -221,15 +221,15 @@ control::wire::GpsDataAdvanced AscTecProcessor::Gps(const control::VehicleState&
   const GeodeticPosition place = GeodeticOf(options_.origin, state.p_NB);
   control::wire::GpsDataAdvanced d;
   d.latitude_best_estimate = d.gps.latitude =
-      Counts(Radians(place.latitude_deg), control::wire::kRadPerLatitudeCount);
+      ToCounts(Radians(place.latitude_deg), control::wire::kRadPerLatitudeCount);
   d.longitude_best_estimate = d.gps.longitude =
-      Counts(Radians(place.longitude_deg), control::wire::kRadPerLatitudeCount);
-  d.speed_x_best_estimate = d.gps.speed_x = Counts(state.v_N.y(), control::wire::kMetresPerCount);
-  d.speed_y_best_estimate = d.gps.speed_y = Counts(state.v_N.x(), control::wire::kMetresPerCount);
-  d.gps.height = Counts(place.altitude_m, control::wire::kMetresPerCount);
+      ToCounts(Radians(place.longitude_deg), control::wire::kRadPerLatitudeCount);
+  d.speed_x_best_estimate = d.gps.speed_x = ToCounts(state.v_N.y(), control::wire::kMetresPerCount);
+  d.speed_y_best_estimate = d.gps.speed_y = ToCounts(state.v_N.x(), control::wire::kMetresPerCount);
+  d.gps.height = ToCounts(place.altitude_m, control::wire::kMetresPerCount);
   const double course = std::atan2(state.v_N.y(), state.v_N.x());
   d.gps.heading =
-      Counts(course < 0 ? course + 2 * std::numbers::pi : course, control::wire::kRadPerAngleCount);
+      ToCounts(course < 0 ? course + 2 * std::numbers::pi : course, control::wire::kRadPerAngleCount);
   d.gps.horizontal_accuracy = 2000, d.gps.vertical_accuracy = 3000, d.gps.speed_accuracy = 300;
   d.gps.numSV = 10;
   d.gps.status = 0x03;

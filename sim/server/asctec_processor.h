@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 
+#include "base/yaml/fields.h"
 #include "control/autopilot.h"
 #include "control/wire/asctec.h"
 #include "control/wire/asctec_signs.h"
@@ -24,8 +25,7 @@ struct AscTecProcessorOptions {
   GeodeticOrigin origin = {};
 };
 
-template <class Visitor>
-void Fields(Visitor& v, AscTecProcessorOptions& o) {
+inline void Fields(FieldVisitor& v, AscTecProcessorOptions& o) {
   v("signs", o.signs, {"asctec", "ros"});
   v("gps_mode", o.gps_mode);
   v("full_climb_m_s", o.full_climb_m_s, 0.1, 20.0);

@@ -14,8 +14,7 @@ struct GeodeticOrigin {
   double altitude_m = 657;                                 // above the sea
 };
 
-template <class Visitor>
-void Fields(Visitor& v, GeodeticOrigin& o) {
+inline void Fields(FieldVisitor& v, GeodeticOrigin& o) {
   v("latitude_deg", o.latitude_deg, -80.0, 80.0);
   v("longitude_deg", o.longitude_deg, -180.0, 180.0);
   v("altitude_m", o.altitude_m, -400.0, 5000.0);

@@ -6,7 +6,7 @@
 #include <optional>
 #include <span>
 
-#include "base/yaml/yaml_fields.h"
+#include "base/diagnostics.h"
 #include "control/link/session_socket.h"
 #include "control/link/udp_address.h"
 
@@ -19,11 +19,11 @@ using boost::system::error_code;
 udp::endpoint Resolve(boost::asio::io_context& context, const control::UdpAddress& address) {
   error_code error;
   const auto found = udp::resolver(context).resolve(address.host, std::to_string(address.port), error);
-  if (error) throw InputError({"address \"" + control::ToText(address) + "\": " + error.message()});
+  if (error) throw InputError({}, "address \"" + control::ToText(address) + "\": " + error.message());
   return *found.begin();
 }
 
-std::string TextOf(const udp::endpoint& peer) {
+std::string PeerText(const udp::endpoint& peer) {
   return peer.address().to_string() + ":" + std::to_string(peer.port());
 }
 
@@ -35,7 +35,7 @@ struct MavlinkServer::Wire {
     const udp::endpoint at = Resolve(context, address);
     error_code error;
     socket.Open(at, error);
-    if (error) throw InputError({"address \"" + control::ToText(address) + "\": " + error.message()});
+    if (error) throw InputError({}, "address \"" + control::ToText(address) + "\": " + error.message());
     address.port = socket.Where().port();
     fixed = !options.peer.empty();
     if (fixed) socket.Own(Resolve(context, control::ParseUdpAddress(options.peer)));
@@ -77,9 +77,10 @@ void MavlinkServer::Serve(double now_s, control::Autopilot& aircraft) {
       const bool opens = vehicle_.OpensSession(datagram->bytes);
       const bool taken = owner && (wire.fixed || now_s - wire.heard_s <= kSilent_s);
       if (taken || !opens) {
-        vehicle_.heard().CountIgnored(opens ? unheeded::kSecondClient : unheeded::kNoSession,
-                                      TextOf(datagram->from) + (taken ? "; it is that of " + TextOf(*owner)
-                                                                      : "; nobody has opened one"));
+        vehicle_.heard().CountIgnored(
+            opens ? unheeded::kSecondClient : unheeded::kNoSession,
+            PeerText(datagram->from) +
+                (taken ? "; it is that of " + PeerText(*owner) : "; nobody has opened one"));
         if (opens && now_s >= wire.tell_s) {
           wire.tell_s = now_s + kTellAgain_s;
           wire.socket.Send(vehicle_.Refusal(), datagram->from);

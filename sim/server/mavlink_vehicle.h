@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "base/yaml/fields.h"
 #include "control/autopilot.h"
 #include "control/wire/mavlink_dialects.h"
 #include "sim/server/geodetic_origin.h"
@@ -31,8 +32,7 @@ struct MavlinkServerOptions {
   int switch_channel = 7;  // of the pilot's transmitter, as told in RC_CHANNELS
 };
 
-template <class Visitor>
-void Fields(Visitor& v, MavlinkServerOptions& o) {
+inline void Fields(FieldVisitor& v, MavlinkServerOptions& o) {
   v("dialect", o.dialect, {"px4", "ardupilot"});
   v("listen", o.listen);
   v("port", o.port, 0, 65535);

@@ -12,6 +12,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "base/gravity.h"
 #include "base/user_file.h"
 #include "geometry/tait_bryan.h"
 #include "sim/world/frames.h"
@@ -23,7 +24,6 @@ namespace kestrel::sim {
 namespace {
 
 constexpr double kTimestep_s = 0.002;
-constexpr double kGravity_m_s2 = 9.80665;
 constexpr double kPadHeight_m = 0.01;
 constexpr double kOccluderClearance_m = 0.03;
 constexpr double kOccluderThickness_m = 0.004;

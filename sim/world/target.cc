@@ -7,10 +7,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/gravity.h"
+
 namespace kestrel::sim {
 namespace {
 
-constexpr double kGravity_m_s2 = 9.80665;
 constexpr double kAir_kg_m3 = 1.225;
 constexpr double kDragCoefficient = 0.47;
 constexpr double kMassOfDisplaced = 0.4;  // of balloon and helium, of the mass of the air they displace

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "base/random.h"
+#include "base/yaml/fields.h"
 
 // What flies besides the aircraft: a balloon on its string, or one that is carried about, or another aircraft
 // by its coloured hull. All are spheres, which touch nothing and make no wind.
@@ -23,8 +24,7 @@ struct TargetParameters {
   double roam_within_m = 12;  // of where it began, in the horizontal
 };
 
-template <class Visitor>
-void Fields(Visitor& v, TargetParameters& p) {
+inline void Fields(FieldVisitor& v, TargetParameters& p) {
   v("diameter_m", p.diameter_m, 0.05, 20.0);
   v("colour", p.colour, 0.0, 1.0);
   v("position_m", p.position_m, -2000.0, 2000.0);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/random.h"
+#include "base/yaml/fields.h"
 
 namespace kestrel::sim {
 
@@ -16,8 +17,7 @@ struct GustParameters {
   double length_s = 3;       // from calm to calm
 };
 
-template <class Visitor>
-void Fields(Visitor& v, GustParameters& p) {
+inline void Fields(FieldVisitor& v, GustParameters& p) {
   v("rate_per_min", p.rate_per_min, 0.0, 60.0);
   v("amplitude_m_s", p.amplitude_m_s, 0.0, 20.0);
   v("length_s", p.length_s, 0.1, 60.0);
@@ -31,8 +31,7 @@ struct WindParameters {
   GustParameters gusts{};
 };
 
-template <class Visitor>
-void Fields(Visitor& v, WindParameters& p) {
+inline void Fields(FieldVisitor& v, WindParameters& p) {
   v("mean_m_s", p.mean_m_s, 0.0, 20.0);
   v("from_deg", p.from_deg, 0.0, 360.0);
   v("from_scatter_deg", p.from_scatter_deg, 0.0, 180.0);

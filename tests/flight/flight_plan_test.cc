@@ -6,7 +6,10 @@
 
 #include <set>
 
+#include "base/diagnostics.h"
 #include "base/file/files.h"
+#include "base/yaml/fields.h"
+#include "base/yaml/yaml_fields.h"
 #include "flight/simulated/scenario.h"
 #include "tests/support/temporary_folder.h"
 
@@ -18,26 +21,21 @@ using ::testing::HasSubstr;
 using FlightPlanTest = InTemporaryFolder;
 
 // Collects the names of fields, those of the parts "image" and "pad" with their part.
-struct Names {
+struct Names final : FieldVisitor {
+  explicit Names(std::string of = "") : prefix(std::move(of)) {}
+  void Visit(const FieldKey& key, const FieldValue& field) override {
+    const std::string name(key.name);
+    const auto* part = std::get_if<StructField>(&field);
+    if (!part || !prefix.empty() || (name != "image" && name != "pad")) {
+      all.insert(prefix + name);
+      return;
+    }
+    Names inner(name + ".");
+    part->Visit(inner);
+    all.merge(inner.all);
+  }
   std::set<std::string> all;
   std::string prefix;
-
-  void operator()(FieldKey key, std::string&, std::initializer_list<const char*>) {
-    all.insert(prefix + std::string(key.name));
-  }
-  template <class T, class... Rest>
-  void operator()(FieldKey key, T& value, const Rest&...) {
-    const std::string name(key.name);
-    if (prefix.empty() && (name == "image" || name == "pad")) {
-      if constexpr (requires(Names v) { Fields(v, value); }) {
-        Names inner{{}, name + "."};
-        Fields(inner, value);
-        all.merge(inner.all);
-        return;
-      }
-    }
-    all.insert(prefix + name);
-  }
 };
 
 template <class T>

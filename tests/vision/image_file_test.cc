@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "base/diagnostics.h"
 #include "tests/support/temporary_folder.h"
 #include "vision/image_header.h"
 
@@ -157,11 +158,11 @@ TEST_F(ImageFileTest, AMaskIsWhatIsNotBlackInAnyDepth) {
   cv::imwrite((folder_ / "mask.png").string(), deep);
   Mistakes mistakes;
   const cv::Mat mask = ReadMask(folder_ / "mask.png", "--mask", "", mistakes);
-  EXPECT_THAT(mistakes.messages(), IsEmpty());
+  EXPECT_THAT(mistakes.Texts(), IsEmpty());
   EXPECT_EQ(mask.at<std::uint8_t>(1, 2), 255);
   EXPECT_EQ(cv::countNonZero(mask), 1);
   EXPECT_TRUE(ReadMask(folder_, "f.yaml", "own_parts", mistakes).empty());
-  EXPECT_THAT(mistakes.messages(), testing::ElementsAre(testing::StartsWith("f.yaml: own_parts: '")));
+  EXPECT_THAT(mistakes.Texts(), testing::ElementsAre(testing::StartsWith("f.yaml: own_parts: '")));
 }
 
 }  // namespace

@@ -7,11 +7,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/yaml/fields.h"
+#include "base/yaml/yaml_fields.h"
+#include "vision/calibration/tag_36h11.h"
+
 namespace kestrel::vision {
 namespace {
-
-constexpr int kCells = 6, kBorder = 2;  // of a tag of family 36h11, and of the black around them
-constexpr int kCellsAcross = kCells + 2 * kBorder;
 
 template <class... Ts>
 struct Overloaded : Ts... {
@@ -32,11 +33,11 @@ CellGrid Cells(const Board& board) {
                    return CellGrid{{b.col_m, b.row_m}, {b.cols + 3.0, b.rows + 3.0}, 2};
                  },
                  [](const AprilGrid& b) {
-                   const double cell = b.tag_m / kCellsAcross, gap = b.spacing * kCellsAcross;
+                   const double cell = b.tag_m / kTagCells, gap = b.spacing * kTagCells;
                    const auto across = [&](int tags) {
-                     return tags * kCellsAcross + (tags - 1) * gap + 2 * (gap + kBorder);
+                     return tags * kTagCells + (tags - 1) * gap + 2 * (gap + kTagBorderCells);
                    };
-                   return CellGrid{{cell, cell}, {across(b.cols), across(b.rows)}, gap + kBorder};
+                   return CellGrid{{cell, cell}, {across(b.cols), across(b.rows)}, gap + kTagBorderCells};
                  }},
       board);
 }
@@ -48,8 +49,7 @@ struct TargetFile {
   AprilGrid april_grid;
 };
 
-template <class Visitor>
-void Fields(Visitor& v, TargetFile& f) {
+void Fields(FieldVisitor& v, TargetFile& f) {
   v(Required("target_type"), f.target_type, {"checkerboard", "aprilgrid"});
   if (f.target_type != "aprilgrid") {
     v(Required("targetCols"), f.chessboard.cols, 3, 100);
@@ -94,38 +94,40 @@ std::vector<Eigen::Vector2d> Corners(const Board& board) {
 
 std::vector<Rectangle> BlackRectangles(const Board& board) {
   std::vector<Rectangle> black;
-  std::visit(Overloaded{[&](const Chessboard& b) {
-                          for (int row = -1; row < b.rows; ++row) {
-                            for (int col = -1; col < b.cols; ++col) {
-                              if ((row + col) % 2 != 0) continue;
-                              black.push_back({{col * b.col_m, row * b.row_m},  //
-                                               {(col + 1) * b.col_m, (row + 1) * b.row_m}});
-                            }
-                          }
-                        },
-                        [&](const AprilGrid& b) {
-                          const double pitch = (1 + b.spacing) * b.tag_m, gap = b.spacing * b.tag_m;
-                          const double cell = b.tag_m / kCellsAcross;
-                          for (int row = 0; row <= b.rows; ++row) {
-                            for (int col = 0; col <= b.cols; ++col) {
-                              const Eigen::Vector2d tag(col * pitch, row * pitch);
-                              black.push_back({tag - Eigen::Vector2d(gap, gap), tag});
-                              if (row == b.rows || col == b.cols) continue;
-                              const std::uint64_t code = TagCode(row * b.cols + col);
-                              for (int down = 0; down < kCellsAcross; ++down) {
-                                for (int right = 0; right < kCellsAcross; ++right) {
-                                  const int i = down - kBorder, j = right - kBorder;
-                                  const bool inside = i >= 0 && i < kCells && j >= 0 && j < kCells;
-                                  if (inside && code >> (kCells * kCells - 1 - kCells * i - j) & 1) continue;
-                                  const Eigen::Vector2d low =
-                                      tag + cell * Eigen::Vector2d(right, kCellsAcross - 1 - down);
-                                  black.push_back({low, low + Eigen::Vector2d(cell, cell)});
-                                }
-                              }
-                            }
-                          }
-                        }},
-             board);
+  std::visit(
+      Overloaded{
+          [&](const Chessboard& b) {
+            for (int row = -1; row < b.rows; ++row) {
+              for (int col = -1; col < b.cols; ++col) {
+                if ((row + col) % 2 != 0) continue;
+                black.push_back({{col * b.col_m, row * b.row_m},  //
+                                 {(col + 1) * b.col_m, (row + 1) * b.row_m}});
+              }
+            }
+          },
+          [&](const AprilGrid& b) {
+            const double pitch = (1 + b.spacing) * b.tag_m, gap = b.spacing * b.tag_m;
+            const double cell = b.tag_m / kTagCells;
+            for (int row = 0; row <= b.rows; ++row) {
+              for (int col = 0; col <= b.cols; ++col) {
+                const Eigen::Vector2d tag(col * pitch, row * pitch);
+                black.push_back({tag - Eigen::Vector2d(gap, gap), tag});
+                if (row == b.rows || col == b.cols) continue;
+                const std::uint64_t code = TagCode(row * b.cols + col);
+                for (int down = 0; down < kTagCells; ++down) {
+                  for (int right = 0; right < kTagCells; ++right) {
+                    const int i = down - kTagBorderCells, j = right - kTagBorderCells;
+                    const bool inside = i >= 0 && i < kTagCodeCells && j >= 0 && j < kTagCodeCells;
+                    if (inside && code >> (kTagCodeCells * kTagCodeCells - 1 - kTagCodeCells * i - j) & 1)
+                      continue;
+                    const Eigen::Vector2d low = tag + cell * Eigen::Vector2d(right, kTagCells - 1 - down);
+                    black.push_back({low, low + Eigen::Vector2d(cell, cell)});
+                  }
+                }
+              }
+            }
+          }},
+      board);
   return black;
 }
 
@@ -179,7 +181,7 @@ std::uint64_t TagCode(int id) {
       std::uint64_t code = 0;
       for (std::uint32_t bit = 0; bit < family->nbits; ++bit) {
         const std::uint64_t white = family->codes[i] >> (family->nbits - 1 - bit) & 1;
-        const std::uint32_t cell = (family->bit_y[bit] - 1) * kCells + family->bit_x[bit] - 1;
+        const std::uint32_t cell = (family->bit_y[bit] - 1) * kTagCodeCells + family->bit_x[bit] - 1;
         code |= white << (family->nbits - 1 - cell);
       }
       all.push_back(code);
@@ -197,8 +199,8 @@ Board LoadBoard(const std::filesystem::path& file, Mistakes& mistakes) {
     // Of a board that is not known, no other key can be judged.
     if (key == "target_type" && node.kind == ConfigNode::Kind::kText && node.text != "checkerboard" &&
         node.text != "aprilgrid") {
-      mistakes.Add(node.where, key,
-                   fmt::format("'{}' is not valid; valid: checkerboard, aprilgrid", node.text));
+      mistakes.Add(node.where, key, fmt::format("'{}' is not valid", node.text),
+                   "valid: checkerboard, aprilgrid");
       return {};
     }
   }
@@ -206,7 +208,7 @@ Board LoadBoard(const std::filesystem::path& file, Mistakes& mistakes) {
   if (target.target_type != "aprilgrid") return target.chessboard;
   const AprilGrid& grid = target.april_grid;
   if (grid.cols * grid.rows > kTagCount) {
-    mistakes.Add(config.root.where.empty() ? file.string() : config.root.where, "tagCols",
+    mistakes.Add(config.root.where.file.empty() ? Place(file.string()) : config.root.where, "tagCols",
                  fmt::format("{} x {} tags are more than the {} of the family 36h11", grid.cols, grid.rows,
                              kTagCount));
   }

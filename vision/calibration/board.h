@@ -9,8 +9,8 @@
 #include <variant>
 #include <vector>
 
+#include "base/diagnostics.h"
 #include "base/yaml/fields.h"
-#include "base/yaml/yaml_fields.h"
 
 // Flat boards to calibrate a camera by, described as Kalibr does. T is the board's frame: origin in the lower
 // left corner, x right, y up, z out of the picture towards who looks at it. Corners count from 0 by rows, the

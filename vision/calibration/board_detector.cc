@@ -10,6 +10,7 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
+#include "base/diagnostics.h"
 #include "vision/calibration/corner_fit.h"
 #include "vision/calibration/tag_finder.h"
 

@@ -8,13 +8,14 @@
 #include <filesystem>
 
 #include "base/file/model_files.h"
+#include "base/nearest_name.h"
 #include "base/user_file.h"
 
 namespace kestrel::vision {
 
 namespace fs = std::filesystem;
 
-Board LoadBoardNamed(const std::string& name, const std::string& where, Mistakes& mistakes) {
+Board LoadBoardNamed(const std::string& name, const Place& where, Mistakes& mistakes) {
   if (name.find('/') != std::string::npos || name.ends_with(".yaml") || name.ends_with(".yml")) {
     if (IsFile(name)) return LoadBoard(name, mistakes);
     mistakes.Add(where, "", NoSuchFile(name));
@@ -28,11 +29,9 @@ Board LoadBoardNamed(const std::string& name, const std::string& where, Mistakes
     names.push_back(entry.path().stem().string());
   std::sort(names.begin(), names.end());
   const auto near = NearestName(name, names);
-  mistakes.Add(
-      where, "",
-      fmt::format("there is no board '{}'; {}", name,
-                  near ? fmt::format("did you mean '{}'?", *near)
-                       : fmt::format("valid: {}, or a target file of Kalibr", fmt::join(names, ", "))));
+  mistakes.Add(where, "", fmt::format("there is no board '{}'", name),
+               near ? fmt::format("did you mean '{}'?", *near)
+                    : fmt::format("valid: {}, or a target file of Kalibr", fmt::join(names, ", ")));
   return {};
 }
 

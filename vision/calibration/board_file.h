@@ -3,12 +3,12 @@
 
 #include <string>
 
-#include "base/yaml/yaml_fields.h"
+#include "base/diagnostics.h"
 #include "vision/calibration/board.h"
 
 namespace kestrel::vision {
 
 // One of models/boards by its name, or a file. where: for the mistakes.
-Board LoadBoardNamed(const std::string& name_or_file, const std::string& where, Mistakes& mistakes);
+Board LoadBoardNamed(const std::string& name_or_file, const Place& where, Mistakes& mistakes);
 
 }  // namespace kestrel::vision

@@ -48,10 +48,6 @@ std::vector<int> FreeParameters(const CameraModel& camera) {
   return free;
 }
 
-Vector2d MiddleOf(const CameraModel& camera) {
-  return {(WidthPx(camera) - 1) / 2.0, (HeightPx(camera) - 1) / 2.0};
-}
-
 // Of views that show the same, the first; their numbers.
 std::vector<std::size_t> DifferentViews(std::span<const BoardView> views,
                                         const std::vector<std::size_t>& usable, double diagonal_px) {
@@ -84,21 +80,23 @@ void CheckViews(const Board& board, std::span<const BoardView> views, const std:
                 const CameraModel& like) {
   const auto any = std::any_of(views.begin(), views.end(), [](const auto& v) { return !v.corners.empty(); });
   if (!any)
-    throw InputError({fmt::format("no {} was found in any of the {} images", Describe(board), views.size())});
+    throw InputError({},
+                     fmt::format("no {} was found in any of the {} images", Describe(board), views.size()));
   if (usable.size() < kMinViews) {
     throw InputError(
-        {fmt::format("{} of {} images show at least {} corners of the {}; a calibration needs {}. "
-                     "Corners seen: {}",
-                     usable.size(), views.size(), kMinCorners, Describe(board), kMinViews, SeenIn(views))});
+        {}, fmt::format("{} of {} images show at least {} corners of the {}; a calibration needs {}. "
+                        "Corners seen: {}",
+                        usable.size(), views.size(), kMinCorners, Describe(board), kMinViews, SeenIn(views)));
   }
   const double diagonal = std::hypot(WidthPx(like), HeightPx(like));
   const std::size_t different = DifferentViews(views, usable, diagonal).size();
   if (different < kMinViews) {
     throw InputError(
-        {fmt::format("the {} images that show the board show it in only {} different pose{}: a calibration "
-                     "needs {}, tilted "
-                     "and spread over the image",
-                     usable.size(), different, different == 1 ? "" : "s", kMinViews)});
+        {},
+        fmt::format("the {} images that show the board show it in only {} different pose{}: a calibration "
+                    "needs {}, tilted "
+                    "and spread over the image",
+                    usable.size(), different, different == 1 ? "" : "s", kMinViews));
   }
   const double half = std::min(WidthPx(like), HeightPx(like)) / 2.0;
   double reach = 0;
@@ -108,10 +106,11 @@ void CheckViews(const Board& board, std::span<const BoardView> views, const std:
   }
   if (reach < kMinReach * half) {
     throw InputError(
-        {fmt::format("the board is seen only within {:.0f} px of the middle of the image of {} x {}: show it "
-                     "nearer to the "
-                     "edges too, where the distortion is",
-                     reach, WidthPx(like), HeightPx(like))});
+        {},
+        fmt::format("the board is seen only within {:.0f} px of the middle of the image of {} x {}: show it "
+                    "nearer to the "
+                    "edges too, where the distortion is",
+                    reach, WidthPx(like), HeightPx(like)));
   }
 }
 
@@ -363,11 +362,14 @@ void CheckLeftOut(std::span<const BoardView> views, const std::vector<std::size_
     ++count;
   }
   if (count <= kMaxLeftOut * static_cast<double>(usable.size())) return;
-  throw InputError({fmt::format(
-      "{:g} of {} images do not fit the {} camera of the others: {}. They may be of another camera, or of "
-      "one whose zoom or focus changed; or the board's numbers (counts, side, spacing) are wrong, or the "
-      "lens is one for another model",
-      count, usable.size(), NameOf(like), names)});
+  throw InputError(
+      {},
+      fmt::format(
+          "{:g} of {} images do not fit the {} camera of the others: {}. They may be of another camera, or "
+          "of "
+          "one whose zoom or focus changed; or the board's numbers (counts, side, spacing) are wrong, or the "
+          "lens is one for another model",
+          count, usable.size(), NameOf(like), names));
 }
 
 void CheckResidual(const Calibration& c, double accepted_px) {
@@ -380,12 +382,14 @@ void CheckResidual(const Calibration& c, double accepted_px) {
   std::string worst;
   for (std::size_t i = 0; i < std::min<std::size_t>(used.size(), 3); ++i)
     worst += fmt::format("{}{} {:.2f}", i == 0 ? "" : ", ", used[i]->name, used[i]->rms_px);
-  throw PoorFit({fmt::format(
-      "the {} model does not fit: {:.2f} px rms are left between what it says and what {} images show, where "
-      "{:g} px are accepted; worst: {}. The board's numbers may be wrong (counts, side, spacing), the images "
-      "of several cameras, or of one whose zoom or focus changed, the board not flat, or the lens one for "
-      "another model",
-      NameOf(c.camera), c.rms_px, used.size(), accepted_px, worst)});
+  throw PoorFit({}, fmt::format("the {} model does not fit: {:.2f} px rms are left between what it says and "
+                                "what {} images show, where "
+                                "{:g} px are accepted; worst: {}. The board's numbers may be wrong (counts, "
+                                "side, spacing), the images "
+                                "of several cameras, or of one whose zoom or focus changed, the board not "
+                                "flat, or the lens one for "
+                                "another model",
+                                NameOf(c.camera), c.rms_px, used.size(), accepted_px, worst));
 }
 
 // Refuses parameters that the views leave open, though they may say well where rays go.
@@ -401,8 +405,8 @@ void CheckFocalLength(const Calibration& c) {
       open += fmt::format("{}{} {:.4g} +- {:.2g}", open.empty() ? "" : ", ", name,
                           Parameters(c.camera)[c.free[i]], c.sigma[static_cast<Eigen::Index>(i)]);
   }
-  throw InputError({fmt::format("the images do not determine the {} model: {}; {}", NameOf(c.camera), open,
-                                RemedyFor(c.camera))});
+  throw InputError({}, fmt::format("the images do not determine the {} model: {}; {}", NameOf(c.camera), open,
+                                   RemedyFor(c.camera)));
 }
 
 }  // namespace
@@ -419,15 +423,16 @@ Calibration Calibrate(const Board& board, std::span<const BoardView> views, cons
   std::vector<std::vector<SeenPoint>> points = PointsOf(board, views, usable, kFirstCommon_px);
   const auto start = StartCalibration(like, free, points);
   if (!start)
-    throw InputError({fmt::format("no start of the {} model sees the board in these images", NameOf(like))});
+    throw InputError({},
+                     fmt::format("no start of the {} model sees the board in these images", NameOf(like)));
   PlacedViews placed = AdjustRobustly(start->camera, free, points);
   Agreeing agreeing;
   std::vector<std::string> left_out(usable.size());
   for (int round = 0; round < 3; ++round) {
     agreeing = SelectAgreeing(placed, left_out);
     if (agreeing.numbers.size() < kMinViews) {
-      throw InputError({fmt::format("only {} of {} views agree on a {} camera; a calibration needs {}",
-                                    agreeing.numbers.size(), usable.size(), NameOf(like), kMinViews)});
+      throw InputError({}, fmt::format("only {} of {} views agree on a {} camera; a calibration needs {}",
+                                       agreeing.numbers.size(), usable.size(), NameOf(like), kMinViews));
     }
     Adjust(agreeing.adjustment, {.free = free});
     if (round == 2) break;
@@ -453,16 +458,17 @@ Calibration Calibrate(const Board& board, std::span<const BoardView> views, cons
   const double tilts = Degrees(SpreadOfTilts(agreeing.adjustment.views));
   if (tilts < kMinTilts_deg) {
     throw InputError(
-        {fmt::format("in all {} views the board stands parallel to itself, within {:.1f} deg: tilt it "
-                     "by 20 to 50 deg this way and that, or focal length and distance cannot be told apart",
-                     agreeing.numbers.size(), tilts)});
+        {},
+        fmt::format("in all {} views the board stands parallel to itself, within {:.1f} deg: tilt it "
+                    "by 20 to 50 deg this way and that, or focal length and distance cannot be told apart",
+                    agreeing.numbers.size(), tilts));
   }
   const auto covariance = ParameterCovariance(agreeing.adjustment, free);
   const double freedom = FreedomOf(agreeing, free.size());
   if (!covariance || !(freedom > 0)) {
     throw InputError(
-        {fmt::format("{} corners in {} views do not determine the {} parameters of the {} model; {}",
-                     c.corners, agreeing.numbers.size(), free.size(), NameOf(like), RemedyFor(like))});
+        {}, fmt::format("{} corners in {} views do not determine the {} parameters of the {} model; {}",
+                        c.corners, agreeing.numbers.size(), free.size(), NameOf(like), RemedyFor(like)));
   }
   constexpr double kAll = std::numeric_limits<double>::infinity();
   c.covariance = *covariance * (CostOf(agreeing.adjustment, kAll) / freedom);
@@ -471,9 +477,9 @@ Calibration Calibrate(const Board& board, std::span<const BoardView> views, cons
   c.worst_uncertainty_px = WorstUncertainty(c);
   if (!(c.worst_uncertainty_px < kMaxUncertainty_px)) {
     throw InputError(
-        {fmt::format("the views leave the {} model uncertain by {:.1f} px, with boards tilted by up "
-                     "to {:.0f} deg against each other; {}",
-                     NameOf(like), c.worst_uncertainty_px, tilts, RemedyFor(like))});
+        {}, fmt::format("the views leave the {} model uncertain by {:.1f} px, with boards tilted by up "
+                        "to {:.0f} deg against each other; {}",
+                        NameOf(like), c.worst_uncertainty_px, tilts, RemedyFor(like)));
   }
   CheckFocalLength(c);
   AddNotes(c);

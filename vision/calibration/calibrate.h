@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "base/yaml/yaml_fields.h"
+#include "base/diagnostics.h"
 #include "geometry/pose.h"
 #include "vision/calibration/board.h"
 #include "vision/calibration/board_detector.h"

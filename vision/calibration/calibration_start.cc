@@ -21,10 +21,6 @@ std::vector<int> CoarseParameters(const CameraModel& camera) {
   return {0, 1};
 }
 
-Vector2d MiddleOf(const CameraModel& camera) {
-  return {(WidthPx(camera) - 1) / 2.0, (HeightPx(camera) - 1) / 2.0};
-}
-
 double Median(std::vector<double> values) {
   if (values.empty()) return 0;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);

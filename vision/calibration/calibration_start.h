@@ -13,6 +13,11 @@ namespace kestrel::vision {
 // The least corners of a view that give a pose to be trusted.
 inline constexpr std::size_t kMinCorners = 8;
 
+// The pixel in the middle of the image.
+inline Eigen::Vector2d MiddleOf(const CameraModel& camera) {
+  return {(WidthPx(camera) - 1) / 2.0, (HeightPx(camera) - 1) / 2.0};
+}
+
 // Each view's pose under a camera, where it has one.
 struct PlacedViews {
   Adjustment adjustment;

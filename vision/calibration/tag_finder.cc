@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "vision/calibration/board.h"
+#include "vision/calibration/tag_36h11.h"
 #include "vision/landmark/homography.h"
 
 namespace kestrel::vision {
@@ -18,11 +19,10 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr int kCells = 6, kBorder = 2, kAcross = kCells + 2 * kBorder;
-constexpr std::size_t kCellCount = kAcross * kAcross;
-constexpr double kMinContrast = 12;  // grey levels
-constexpr int kMaxWrongBits = 3;     // two codes of the family differ in 11
-constexpr int kMaxWrongBorder = 6;   // of 64 cells
+constexpr std::size_t kCellCount = kTagCells * kTagCells;
+constexpr double kMinTagContrast = 12;  // grey levels
+constexpr int kMaxWrongBits = 3;        // two codes of the family differ in 11
+constexpr int kMaxWrongBorder = 6;      // of 64 cells
 constexpr double kMinSide_px = 12;
 
 double LightAt(const cv::Mat& grey, const Vector2d& at) {
@@ -65,16 +65,16 @@ std::optional<std::array<bool, kCellCount>> ReadCells(const cv::Mat& grey,
   const auto patch = TagPatch::Of(grey, corners);
   if (!patch) return std::nullopt;
   std::array<double, kCellCount> light;
-  for (int i = 0; i < kAcross * kAcross; ++i) {
+  for (int i = 0; i < kTagCells * kTagCells; ++i) {
     double& cell = light[static_cast<std::size_t>(i)];
-    cell = LightAt(grey, patch->At((i % kAcross + 0.5) / kAcross, 1 - (i / kAcross + 0.5) / kAcross));
+    cell = LightAt(grey, patch->At((i % kTagCells + 0.5) / kTagCells, 1 - (i / kTagCells + 0.5) / kTagCells));
     if (!std::isfinite(cell)) return std::nullopt;
   }
   std::array<double, kCellCount> sorted = light;
   std::sort(sorted.begin(), sorted.end());
   // Every tag has at least 75 black cells and 10 white ones.
   const double black = sorted[37], white = sorted[94];
-  if (!(white - black > kMinContrast)) return std::nullopt;
+  if (!(white - black > kMinTagContrast)) return std::nullopt;
   std::array<bool, kCellCount> cells;
   for (std::size_t i = 0; i < cells.size(); ++i) cells[i] = light[i] > (black + white) / 2;
   return cells;
@@ -86,10 +86,11 @@ std::optional<std::uint64_t> ReadCode(const cv::Mat& grey, const std::array<Vect
   if (!cells) return std::nullopt;
   int wrong = 0;
   std::uint64_t code = 0;
-  for (int row = 0; row < kAcross; ++row) {
-    for (int col = 0; col < kAcross; ++col) {
-      const bool white = (*cells)[static_cast<std::size_t>(row * kAcross + col)];
-      const bool border = std::min(row, col) < kBorder || std::max(row, col) >= kAcross - kBorder;
+  for (int row = 0; row < kTagCells; ++row) {
+    for (int col = 0; col < kTagCells; ++col) {
+      const bool white = (*cells)[static_cast<std::size_t>(row * kTagCells + col)];
+      const bool border =
+          std::min(row, col) < kTagBorderCells || std::max(row, col) >= kTagCells - kTagBorderCells;
       if (border) {
         wrong += white;
       } else {
@@ -188,15 +189,16 @@ std::vector<SeenTag> FindTags(const cv::Mat& grey, int ids) {
 
 int WrongCells(const cv::Mat& grey, const SeenTag& tag) {
   const auto cells = ReadCells(grey, tag.corners);
-  if (!cells) return kAcross * kAcross;
+  if (!cells) return kTagCells * kTagCells;
   const std::uint64_t code = TagCode(tag.id);
   int wrong = 0;
-  for (int row = 0; row < kAcross; ++row) {
-    for (int col = 0; col < kAcross; ++col) {
-      const int i = row - kBorder, j = col - kBorder;
-      const bool inside = i >= 0 && i < kCells && j >= 0 && j < kCells;
-      const bool white = inside && (code >> (kCells * kCells - 1 - kCells * i - j) & 1) != 0;
-      wrong += white != (*cells)[static_cast<std::size_t>(row * kAcross + col)];
+  for (int row = 0; row < kTagCells; ++row) {
+    for (int col = 0; col < kTagCells; ++col) {
+      const int i = row - kTagBorderCells, j = col - kTagBorderCells;
+      const bool inside = i >= 0 && i < kTagCodeCells && j >= 0 && j < kTagCodeCells;
+      const bool white =
+          inside && (code >> (kTagCodeCells * kTagCodeCells - 1 - kTagCodeCells * i - j) & 1) != 0;
+      wrong += white != (*cells)[static_cast<std::size_t>(row * kTagCells + col)];
     }
   }
   return wrong;

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "base/yaml/fields.h"
 #include "vision/camera/camera_parts.h"
 #include "vision/camera/radial_tangential.h"
 
@@ -38,8 +39,7 @@ struct BrownConrady {
   void SetParameters(const Eigen::VectorXd& all);
 };
 
-template <class Visitor>
-void Fields(Visitor& v, BrownConrady& c) {
+inline void Fields(FieldVisitor& v, BrownConrady& c) {
   ImageFields(v, c);
   v("k1", c.k1, -100.0, 100.0);
   v("k2", c.k2, -1e3, 1e3);

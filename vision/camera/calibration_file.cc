@@ -11,7 +11,10 @@
 #include <span>
 #include <string_view>
 
+#include "base/diagnostics.h"
 #include "base/user_file.h"
+#include "base/yaml/fields.h"
+#include "base/yaml/yaml_fields.h"
 
 namespace kestrel::vision {
 namespace {
@@ -46,11 +49,12 @@ struct Sheet {
   Mistakes& mistakes;
 
   void Set(const std::string& key, const ConfigNode& value) { node.members.emplace_back(key, value); }
-  void SetText(const std::string& key, const std::string& text, const std::string& where) {
+  void SetText(const std::string& key, const std::string& text, const Place& where) {
     Set(key, {Kind::kText, text, false, where, {}});
   }
-  void Wrong(const std::string& where, std::string_view key, const std::string& what) {
-    mistakes.Add(where, path.empty() ? std::string(key) : fmt::format("{}.{}", path, key), what);
+  void Wrong(const Place& where, std::string_view key, const std::string& what,
+             const std::string& remedy = {}) {
+    mistakes.Add(where, path.empty() ? std::string(key) : fmt::format("{}.{}", path, key), what, remedy);
   }
   // What is wrong already is not to be asked for again.
   void Excuse(const Keys& keys) {
@@ -68,9 +72,9 @@ struct Sheet {
     }
     Excuse(keys);
     if (!list) return Wrong(from.where, key, fmt::format("must be given: {}", fmt::join(keys, ", ")));
-    Wrong(list->where, key,
-          fmt::format("{} numbers are not valid; valid: a list of {}{}{}", list->members.size(), keys.size(),
-                      keys.empty() ? "" : ": ", fmt::join(keys, ", ")));
+    Wrong(
+        list->where, key, fmt::format("{} numbers are not valid", list->members.size()),
+        fmt::format("valid: a list of {}{}{}", keys.size(), keys.empty() ? "" : ": ", fmt::join(keys, ", ")));
   }
 };
 
@@ -118,8 +122,8 @@ void FromKalibr(const ConfigNode& root, const std::string& name, const std::opti
   sheet.path = name.empty() ? cameras.front() : name;
   const ConfigNode* camera = Find(root, sheet.path);
   if (!camera || std::find(cameras.begin(), cameras.end(), sheet.path) == cameras.end()) {
-    return sheet.mistakes.Add(root.where, sheet.path,
-                              fmt::format("there is no such camera; valid: {}", fmt::join(cameras, ", ")));
+    return sheet.mistakes.Add(root.where, sheet.path, "there is no such camera",
+                              fmt::format("valid: {}", fmt::join(cameras, ", ")));
   }
   sheet.node.where = camera->where;
 
@@ -213,8 +217,9 @@ std::optional<OpenCvModel> OpenCvModelOf(const ConfigNode& root, std::size_t coe
   };
   std::vector<Claim> claims;
   bool wrong = false;
-  const auto refuse = [&](const std::string& where, const char* key, const std::string& what) {
-    sheet.Wrong(where, key, what);
+  const auto refuse = [&](const Place& where, const char* key, const std::string& what,
+                          const std::string& remedy = {}) {
+    sheet.Wrong(where, key, what, remedy);
     wrong = true;
   };
 
@@ -226,7 +231,8 @@ std::optional<OpenCvModel> OpenCvModelOf(const ConfigNode& root, std::size_t coe
     if (word) continue;
     Keys valid;
     for (const ModelWord& each : ModelWords()) valid.push_back(each.word);
-    refuse(node->where, key, fmt::format("'{}' is not known; valid: {}", node->text, fmt::join(valid, ", ")));
+    refuse(node->where, key, fmt::format("'{}' is not known", node->text),
+           fmt::format("valid: {}", fmt::join(valid, ", ")));
   }
   const ConfigNode* xi = Find(root, "xi");
   if (xi) claims.push_back({"xi", xi, OpenCvModel::kOmnidir});
@@ -236,14 +242,15 @@ std::optional<OpenCvModel> OpenCvModelOf(const ConfigNode& root, std::size_t coe
     if (yes) claims.push_back({"fisheye_model", flag, OpenCvModel::kFisheye});
     if (no && !xi) claims.push_back({"fisheye_model", flag, OpenCvModel::kBrownConrady});
     if (!yes && !no)
-      refuse(flag->where, "fisheye_model", fmt::format("'{}' is not valid; valid: 0, 1", flag->text));
+      refuse(flag->where, "fisheye_model", fmt::format("'{}' is not valid", flag->text), "valid: 0, 1");
   }
 
   for (const Claim& claim : claims) {
     if (claim.model == claims.front().model) continue;
     refuse(claim.node->where, claim.key,
-           fmt::format("'{}' is of the model {}, but {} is of {}; valid: keys that agree", claim.node->text,
-                       NameOf(claim.model), claims.front().key, NameOf(claims.front().model)));
+           fmt::format("'{}' is of the model {}, but {} is of {}", claim.node->text, NameOf(claim.model),
+                       claims.front().key, NameOf(claims.front().model)),
+           "valid: keys that agree");
   }
   if (wrong) return {};
   if (claims.empty() && coefficients == 4) {
@@ -329,10 +336,9 @@ void FromOwn(const ConfigNode& root, const std::optional<cv::Size>& image, Sheet
   sheet.node = root;
   const auto has = [&](const char* key) { return Find(root, key) != nullptr; };
   if (root.kind == Kind::kMap && !has("model") && !has("width_px") && !has("fx_px")) {
-    sheet.mistakes.Add(
-        root.where, "",
-        "is not a camera; valid: a file of this project (fx_px, ...), a camchain of Kalibr (cam0) or a "
-        "calibration of OpenCV (camera_matrix)");
+    sheet.mistakes.Add(root.where, "", "is not a camera",
+                       "valid: a file of this project (fx_px, ...), a camchain of Kalibr (cam0) or a "
+                       "calibration of OpenCV (camera_matrix)");
   }
   if (image && !Find(root, "width_px") && !Find(root, "height_px")) SetImageSize(sheet, *image);
 }
@@ -364,12 +370,15 @@ CameraModel ReadSheet(const Sheet& sheet) {
 }
 
 // The members of a model by their keys, as text.
-class ValueWriter {
+class ValueWriter final : public FieldVisitor {
  public:
-  void operator()(FieldKey key, double& value, double, double) { Add(key, fmt::format("{}", value)); }
-  void operator()(FieldKey key, int& value, int, int) { Add(key, fmt::format("{}", value)); }
-  void operator()(FieldKey key, std::optional<double>& value, double, double) {
-    if (value) Add(key, fmt::format("{}", *value));
+  void Visit(const FieldKey& key, const FieldValue& field) override {
+    if (const auto* number = std::get_if<NumberField>(&field))
+      Add(key, fmt::format("{}", *number->value));
+    else if (const auto* integer = std::get_if<IntegerField>(&field))
+      Add(key, fmt::format("{}", *integer->value));
+    else if (const auto* optional = std::get_if<OptionalNumberField>(&field); optional && *optional->value)
+      Add(key, fmt::format("{}", **optional->value));
   }
   const std::string* Find(std::string_view key) const {
     for (const auto& [name, value] : values_) {
@@ -398,12 +407,12 @@ CameraModel LoadCamera(const std::filesystem::path& file, Mistakes& mistakes, co
   const FileContent content = ReadUserFile(file, kMaxTextBytes);
   const std::string_view text = std::string_view(content.bytes).substr(0, 256);
   if (text.starts_with("<?xml") || text.starts_with("<opencv_storage")) {
-    mistakes.Add(file.string(), "",
-                 "is XML, which is not read; valid: YAML, which OpenCV writes to a file that ends in .yml");
+    mistakes.Add(file.string(), "", "is XML, which is not read",
+                 "valid: YAML, which OpenCV writes to a file that ends in .yml");
     return {};
   }
   if (text.find('\0') != std::string_view::npos) {
-    mistakes.Add(file.string(), "", "is not a calibration file but an image or the like; valid: YAML");
+    mistakes.Add(file.string(), "", "is not a calibration file but an image or the like", "valid: YAML");
     return {};
   }
   return ParseCamera(LoadConfig(file, {}, mistakes), mistakes, name, image);
@@ -415,7 +424,7 @@ CameraModel ParseCamera(const Config& config, Mistakes& mistakes, const std::str
                         const std::optional<cv::Size>& image) {
   if (!config.readable) return {};
   const ConfigNode& root = config.root;
-  const std::size_t before = mistakes.messages().size();
+  const std::size_t before = mistakes.all().size();
   Sheet sheet{{Kind::kMap, "", false, root.where, {}}, "", mistakes};
   if (!CamerasOf(root).empty())
     FromKalibr(root, name, image, sheet);
@@ -425,10 +434,10 @@ CameraModel ParseCamera(const Config& config, Mistakes& mistakes, const std::str
     FromOpenCv(root, image, sheet);
   else
     FromOwn(root, image, sheet);
-  if (mistakes.messages().size() > before && sheet.node.members.empty()) return {};
+  if (mistakes.all().size() > before && sheet.node.members.empty()) return {};
 
   const CameraModel camera = ReadSheet(sheet);
-  if (mistakes.messages().size() > before) return camera;
+  if (mistakes.all().size() > before) return camera;
   const int width = WidthPx(camera), height = HeightPx(camera);
   if (image && (width != image->width || height != image->height)) {
     mistakes.Add(
@@ -457,8 +466,8 @@ std::string ToKalibr(const CameraModel& camera) {
   for (const char* key : {"k3", "skew_px"}) {
     const std::string* value = std::holds_alternative<KannalaBrandt>(camera) ? nullptr : values.Find(key);
     if (value && *value != "0") {
-      throw InputError(
-          {fmt::format("{} = {}: Kalibr's models have no such parameter; valid: 0", key, *value)});
+      throw InputError({}, fmt::format("{} = {}: Kalibr's models have no such parameter", key, *value),
+                       "valid: 0");
     }
   }
   const auto& forms = KalibrForms();

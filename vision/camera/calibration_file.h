@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "base/yaml/yaml_fields.h"
+#include "base/yaml/config.h"
 #include "vision/camera/camera_model.h"
 
 namespace kestrel::vision {

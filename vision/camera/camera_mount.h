@@ -26,16 +26,14 @@ struct CameraMount {
 };
 Pose MountPose(const CameraMount& mount);  // X_BC, of a mount that is still
 
-template <class Visitor>
-void Fields(Visitor& v, VibrationBand& b) {
+inline void Fields(FieldVisitor& v, VibrationBand& b) {
   v("from_hz", b.from_hz, 0.1, 500.0);
   v("until_hz", b.until_hz, 0.1, 500.0);
   v("rms_deg", b.rms_deg, 0.0, 5.0);
   v("rms_mm", b.rms_mm, 0.0, 50.0);
 }
 
-template <class Visitor>
-void Fields(Visitor& v, CameraMount& m) {
+inline void Fields(FieldVisitor& v, CameraMount& m) {
   v("position_m", m.position_m, -1.0, 1.0);
   v("yaw_deg", m.yaw_deg, -180.0, 180.0);
   v("pitch_deg", m.pitch_deg, -90.0, 90.0);

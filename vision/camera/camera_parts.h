@@ -37,8 +37,8 @@ inline Eigen::Matrix<double, 3, 2> RayJacobian(const Eigen::Vector3d& ray,
 }
 
 // The keys that all cameras have; the model's own come between the two.
-template <class Visitor, class Camera>
-void ImageFields(Visitor& v, Camera& c) {
+template <class Camera>
+void ImageFields(FieldVisitor& v, Camera& c) {
   v(Required("width_px"), c.width_px, 16, 8192);
   v(Required("height_px"), c.height_px, 16, 8192);
   v(Required("fx_px"), c.fx, 1.0, 1e5);
@@ -46,8 +46,8 @@ void ImageFields(Visitor& v, Camera& c) {
   v(Required("cx_px"), c.cx, -1e5, 1e5);
   v(Required("cy_px"), c.cy, -1e5, 1e5);
 }
-template <class Visitor, class Camera>
-void LensFields(Visitor& v, Camera& c) {
+template <class Camera>
+void LensFields(FieldVisitor& v, Camera& c) {
   std::optional<double> field_deg;  // the whole angle that the lens shows
   if (c.max_angle_rad != kNoLimit) field_deg = 2 * Degrees(c.max_angle_rad);
   v("field_deg", field_deg, 0.1, 360.0);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "base/yaml/fields.h"
 #include "vision/camera/camera_parts.h"
 
 namespace kestrel::vision {
@@ -37,8 +38,7 @@ struct DoubleSphere {
   void SetParameters(const Eigen::VectorXd& all);
 };
 
-template <class Visitor>
-void Fields(Visitor& v, DoubleSphere& c) {
+inline void Fields(FieldVisitor& v, DoubleSphere& c) {
   ImageFields(v, c);
   v(Required("xi"), c.xi, -0.99, 1.0);
   v(Required("alpha"), c.alpha, 0.0, 1.0);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "base/yaml/fields.h"
 #include "vision/camera/camera_parts.h"
 
 namespace kestrel::vision {
@@ -40,8 +41,7 @@ struct KannalaBrandt {
   std::optional<double> Theta(double distorted) const;
 };
 
-template <class Visitor>
-void Fields(Visitor& v, KannalaBrandt& c) {
+inline void Fields(FieldVisitor& v, KannalaBrandt& c) {
   ImageFields(v, c);
   v("k1", c.k1, -100.0, 100.0);
   v("k2", c.k2, -100.0, 100.0);

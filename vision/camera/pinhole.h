@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "base/yaml/fields.h"
 #include "vision/camera/camera_parts.h"
 
 namespace kestrel::vision {
@@ -63,8 +64,7 @@ struct Pinhole {
   }
 };
 
-template <class Visitor>
-void Fields(Visitor& v, Pinhole& c) {
+inline void Fields(FieldVisitor& v, Pinhole& c) {
   ImageFields(v, c);
   LensFields(v, c);
 }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "base/yaml/fields.h"
 #include "vision/camera/camera_parts.h"
 #include "vision/camera/radial_tangential.h"
 
@@ -47,8 +48,7 @@ struct Unified {
   void SetParameters(const Eigen::VectorXd& all);
 };
 
-template <class Visitor>
-void Fields(Visitor& v, Unified& c) {
+inline void Fields(FieldVisitor& v, Unified& c) {
   ImageFields(v, c);
   v(Required("xi"), c.xi, 0.0, 20.0);
   v("k1", c.k1, -100.0, 100.0);

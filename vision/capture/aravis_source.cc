@@ -76,10 +76,10 @@ constexpr Format kFormats[] = {
     {ARV_PIXEL_FORMAT_MONO_8, "Mono8", 1, -1, cv::COLOR_GRAY2BGR},
 };
 
-class Source final : public ImageSource {
+class AravisReader final : public ImageSource {
  public:
-  explicit Source(AravisSourceOptions options) : options_(std::move(options)) {}
-  ~Source() override {
+  explicit AravisReader(AravisSourceOptions options) : options_(std::move(options)) {}
+  ~AravisReader() override {
     if (!camera_) return;
     // A camera that is gone would be waited for.
     if (stream_ && !lost_) arv_camera_stop_acquisition(camera_.get(), nullptr);
@@ -94,7 +94,7 @@ class Source final : public ImageSource {
       if (!camera_) throw std::runtime_error("there is no camera " + Id());
       arv_camera_set_range_check_policy(camera_.get(), ARV_RANGE_CHECK_POLICY_ENABLE);
       g_signal_connect(arv_camera_get_device(camera_.get()), "control-lost",
-                       G_CALLBACK(+[](ArvDevice*, Source* self) { self->lost_ = true; }), this);
+                       G_CALLBACK(+[](ArvDevice*, AravisReader* self) { self->lost_ = true; }), this);
       SetUp();
       Start();
       return true;
@@ -287,7 +287,7 @@ class Source final : public ImageSource {
 }  // namespace
 
 ImageSourceMaker AravisSource(const AravisSourceOptions& options) {
-  return [options] { return std::make_unique<Source>(options); };
+  return [options] { return std::make_unique<AravisReader>(options); };
 }
 
 }  // namespace kestrel::vision

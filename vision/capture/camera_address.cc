@@ -14,8 +14,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/nearest_name.h"
 #include "base/user_file.h"
-#include "base/yaml/yaml_fields.h"
 #include "vision/capture/rtp_stream.h"
 #include "vision/image_file.h"
 
@@ -69,8 +69,8 @@ class Reader {
  public:
   explicit Reader(const std::string& address) : address_(address) {}
 
-  void Wrong(const std::string& key, const std::string& what) {
-    mistakes_.Add("--camera " + address_, key, what);
+  void Wrong(const std::string& key, const std::string& what, const std::string& remedy = {}) {
+    mistakes_.Add(PlaceOfCamera(address_), key, what, remedy);
   }
   void ThrowIfAny() const { mistakes_.ThrowIfAny(); }
 
@@ -85,9 +85,9 @@ class Reader {
         Wrong(each, "is not of the form key=value");
       } else if (std::find(form.options.begin(), form.options.end(), key) == form.options.end()) {
         const auto near = NearestName(key, form.options);
-        Wrong(key, fmt::format("is no option of {}:{}; valid are {}", form.scheme,
-                               near ? fmt::format(" did you mean {}?", *near) : "",
-                               fmt::join(form.options, ", ")));
+        Wrong(key, fmt::format("is no option of {}:", form.scheme),
+              fmt::format("{}valid are {}", near ? fmt::format("did you mean {}? ", *near) : "",
+                          fmt::join(form.options, ", ")));
       } else if (!given_.emplace(key, each.substr(equals + 1)).second) {
         Wrong(key, "is given twice");
       }
@@ -151,6 +151,8 @@ void Receive(Reader& reader, const Form& form, const std::string& rest, OpenCvSo
 }
 
 }  // namespace
+
+Place PlaceOfCamera(const std::string& address) { return "--camera " + address; }
 
 CameraAddress ParseCameraAddress(const std::string& address) {
   Reader reader(address);

@@ -4,6 +4,7 @@
 #include <string>
 #include <variant>
 
+#include "base/diagnostics.h"
 #include "vision/capture/aravis_source.h"
 #include "vision/capture/folder_source.h"
 #include "vision/capture/image_source.h"
@@ -17,6 +18,7 @@ using CameraAddress = std::variant<OpenCvSourceOptions, AravisSourceOptions, Fol
 // Throws InputError with every mistake and what would be valid. A file or folder must be there; whether a
 // camera is, only opening it tells.
 CameraAddress ParseCameraAddress(const std::string& address);
+Place PlaceOfCamera(const std::string& address);  // of its mistakes
 
 ImageSourceMaker SourceAt(const CameraAddress& address);
 

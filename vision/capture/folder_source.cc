@@ -29,9 +29,9 @@ bool Matches(std::string_view name, std::string_view pattern) {
          digits(name.substr(before.size(), name.size() - before.size() - after.size()));
 }
 
-class Source final : public ImageSource {
+class FolderReader final : public ImageSource {
  public:
-  explicit Source(const FolderSourceOptions& options)
+  explicit FolderReader(const FolderSourceOptions& options)
       : options_(options), pace_(options.rate_hz), depth_(options.bits) {}
 
   bool Open() override {
@@ -84,7 +84,7 @@ class Source final : public ImageSource {
 }  // namespace
 
 ImageSourceMaker FolderSource(const FolderSourceOptions& options) {
-  return [options] { return std::make_unique<Source>(options); };
+  return [options] { return std::make_unique<FolderReader>(options); };
 }
 
 }  // namespace kestrel::vision

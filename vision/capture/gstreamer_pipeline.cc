@@ -16,11 +16,11 @@ namespace {
 
 constexpr double kLook_s = 0.05;  // how often it is asked whether the pipeline has failed
 
-struct Unref {
+struct GstUnref {
   void operator()(void* object) const { gst_object_unref(object); }
 };
 template <class T>
-using Owned = std::unique_ptr<T, Unref>;
+using GstOwned = std::unique_ptr<T, GstUnref>;
 
 // What a pipeline says that matters here; its elements' threads say it.
 struct Said {
@@ -93,7 +93,7 @@ struct GStreamerPipeline::Impl {
   ~Impl() {
     if (!pipeline) return;
     gst_element_set_state(pipeline.get(), GST_STATE_NULL);
-    const Owned<GstBus> bus(gst_element_get_bus(pipeline.get()));
+    const GstOwned<GstBus> bus(gst_element_get_bus(pipeline.get()));
     gst_bus_set_sync_handler(bus.get(), nullptr, nullptr, nullptr);
   }
 
@@ -112,7 +112,7 @@ struct GStreamerPipeline::Impl {
       pipeline.reset();
       return said.Fail("is no pipeline: it needs a source and, between exclamation marks, what follows it");
     }
-    const Owned<GstBus> bus(gst_element_get_bus(pipeline.get()));
+    const GstOwned<GstBus> bus(gst_element_get_bus(pipeline.get()));
     gst_bus_set_sync_handler(bus.get(), Receive, &said, nullptr);
     EachOf(pipeline.get(), "appsink",
            [&](GstElement* each) { sink.reset(GST_ELEMENT(gst_object_ref(each))); });
@@ -165,7 +165,7 @@ struct GStreamerPipeline::Impl {
   }
 
   Said said;  // outlives the pipeline
-  Owned<GstElement> pipeline, sink;
+  GstOwned<GstElement> pipeline, sink;
   cv::Mat first;
 };
 

@@ -21,8 +21,7 @@ struct LiveCameraOptions {
   double exposure_before_stamp_s = 0;             // from the middle of the exposure to the stamp: calibrated
 };
 
-template <class Visitor>
-void Fields(Visitor& v, LiveCameraOptions& o) {
+inline void Fields(FieldVisitor& v, LiveCameraOptions& o) {
   v("stalled_s", o.stalled_s, 0.05, 60.0);
   v("reopen_first_s", o.reopen_first_s, 0.01, 60.0);
   v(Renamed("reopen_max_s", "reopen_most_s"), o.reopen_max_s, 0.01, 600.0);

@@ -19,15 +19,15 @@ namespace {
 
 using Kind = OpenCvSourceOptions::Kind;
 
-std::string Pipeline(const std::string& what) {
+std::string PipelineWithSink(const std::string& what) {
   return what.find("appsink") != std::string::npos ? what
                                                    : what + " ! appsink drop=true max-buffers=1 sync=false";
 }
 
-class Source final : public ImageSource {
+class OpenCvReader final : public ImageSource {
  public:
   // claim: of the port where it listens; null: nowhere.
-  Source(const OpenCvSourceOptions& options, std::shared_ptr<UdpClaim> claim)
+  OpenCvReader(const OpenCvSourceOptions& options, std::shared_ptr<UdpClaim> claim)
       : claim_(std::move(claim)), options_(options), pace_(options.rate_hz) {}
 
   bool Open() override {
@@ -91,7 +91,7 @@ class Source final : public ImageSource {
         // Two buffers: one is filled while the other is read; more would be older images.
         return capture_.open(options_.what, cv::CAP_V4L2, Wanted({cv::CAP_PROP_BUFFERSIZE, 2}));
       case Kind::kGStreamer:
-        return pipeline_.Open(Pipeline(options_.what), options_.payloads);
+        return pipeline_.Open(PipelineWithSink(options_.what), options_.payloads);
       case Kind::kIeee1394:
         return capture_.open(std::stoi(options_.what), cv::CAP_FIREWIRE, Wanted({}));
       case Kind::kFile:
@@ -125,7 +125,7 @@ ImageSourceMaker OpenCvSource(const OpenCvSourceOptions& options) {
   std::shared_ptr<UdpClaim> claim;
   if (options.port != 0)
     claim = std::make_shared<UdpClaim>(options.host, static_cast<std::uint16_t>(options.port));
-  return [options, claim] { return std::make_unique<Source>(options, claim); };
+  return [options, claim] { return std::make_unique<OpenCvReader>(options, claim); };
 }
 
 }  // namespace kestrel::vision

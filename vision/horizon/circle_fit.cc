@@ -14,8 +14,8 @@ namespace kestrel::vision {
 
 namespace {
 
-constexpr double kUneven = 0.028;    // rad
-constexpr double kElsewhere = 0.06;  // rad of tilt between two different answers
+constexpr double kUneven = 0.028;           // rad
+constexpr double kDistinctTilt_rad = 0.06;  // rad of tilt between two different answers
 constexpr std::size_t kArcs = 16;
 constexpr double kNear = 0.015;                           // rad, on the circle
 constexpr double kConsensusScatter = 0.006;               // rad
@@ -106,7 +106,7 @@ class Fitter {
     for (const ContourPoint& p : contour_) mass += p.weight;
     rival = 0;
     for (const auto& [cost, x] : trials)
-      if ((x - best).head<2>().norm() > kElsewhere)
+      if ((x - best).head<2>().norm() > kDistinctTilt_rad)
         rival = std::max(rival, (mass - cost) / std::max(1e-9, mass - best_cost));
     return best;
   }

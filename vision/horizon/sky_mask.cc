@@ -20,10 +20,10 @@ constexpr int kReach = 4;               // azimuths to either side, of which the
 constexpr int kFar = 12;  // azimuths, over which a contour that is not seen is taken from its neighbours
 
 // The contour's elevation by azimuth: there, and the highest of what is near.
-struct Contour {
+struct MaskContour {
   std::vector<double> here, near;
 };
-Contour ContourOf(const std::vector<ProfilePoint>& points, double unknown) {
+MaskContour ContourOf(const std::vector<ProfilePoint>& points, double unknown) {
   const int n = static_cast<int>(points.size());
   const auto around = [&](int i, int reach) {
     std::vector<double> heights;
@@ -46,7 +46,7 @@ Contour ContourOf(const std::vector<ProfilePoint>& points, double unknown) {
     std::nth_element(heights.begin(), middle, heights.end());
     usual.push_back(std::max(*middle, -unknown));
   }
-  Contour contour;
+  MaskContour contour;
   for (int i = 0; i < n; ++i) {
     double near = usual[static_cast<std::size_t>(i)];
     for (const int d : {-1, 1}) near = std::max(near, usual[static_cast<std::size_t>((i + d + n) % n)]);
@@ -76,7 +76,7 @@ cv::Mat SkyMask::Find(const cv::Mat& quarter, const Eigen::Vector3d& down_C, dou
   const BandSamples band = sampler_.Read(quarter, kReduction, horizontal, grid);
   const std::vector<ProfilePoint> points = FindContour(band, grid, std::vector<double>(kAzimuths, 0.0),
                                                        {std::max(0.02, down_sigma), 0.09, 0.2, 2});
-  const Contour contour = ContourOf(points, 2 * down_sigma);
+  const MaskContour contour = ContourOf(points, 2 * down_sigma);
   std::vector<float> here, free;  // sines
   for (std::size_t i = 0; i < points.size(); ++i) {
     here.push_back(static_cast<float>(std::sin(contour.here[i] + kEdge)));

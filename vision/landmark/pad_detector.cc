@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kMinArea_px2 = 250;
 constexpr double kAspectTolerance = 1.35;  // factor; far away the tilt makes the ratio uncertain
-constexpr double kMinCorrelation = 0.55;
+constexpr double kMinPlausibleCorrelation = 0.55;
 constexpr double kCompare_px_per_m = 60;  // scale at which candidates are compared with the reference
 constexpr double kRectangles_px_per_m =
     300;                               // scale at which the reference is searched for its own rectangles
@@ -126,7 +126,7 @@ std::optional<Eigen::Matrix3d> PadDetector::Detect(const cv::Mat& grey) const {
   const Quad square = {
       {{1, 0}, {1, 1}, {0, 1}, {0, 0}}};  // the corners of a unit rectangle, in the outline's order
   std::optional<Eigen::Matrix3d> best;
-  double best_correlation = kMinCorrelation;
+  double best_correlation = kMinPlausibleCorrelation;
   for (const Quad& quad : Quads(grey)) {
     for (const Quad& rectangle : rectangles_) {
       const double aspect = (rectangle[1] - rectangle[0]).norm() / (rectangle[3] - rectangle[0]).norm();

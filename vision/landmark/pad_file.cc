@@ -6,7 +6,9 @@
 #include <bit>
 #include <mutex>
 
+#include "base/diagnostics.h"
 #include "base/user_file.h"
+#include "base/yaml/yaml_fields.h"
 #include "vision/image_file.h"
 
 namespace kestrel::vision {
@@ -31,8 +33,8 @@ PadFile LoadPad(const std::filesystem::path& file, Mistakes& mistakes) {
   PadFile pad;
   Read(LoadConfig(file, {}, mistakes), pad.parameters, mistakes);
   pad.texture = file.parent_path() / pad.parameters.texture;
-  const auto wrong = [&](const std::string& what) {
-    mistakes.Add(file.string(), "texture", fmt::format("'{}' {}", pad.texture.string(), what));
+  const auto wrong = [&](const std::string& what, const std::string& remedy = {}) {
+    mistakes.Add(file.string(), "texture", fmt::format("'{}' {}", pad.texture.string(), what), remedy);
   };
   const FileContent content = ReadUserFile(pad.texture, kMaxDataBytes);
   if (!content.trouble.empty()) return wrong(content.trouble), pad;
@@ -50,12 +52,12 @@ PadFile LoadPad(const std::filesystem::path& file, Mistakes& mistakes) {
   if (picture.pixels.empty()) {
     wrong(picture.trouble);
   } else if (picture.pixels.depth() != CV_8U) {
-    wrong("has pixels of 16 bits; valid: 8");
+    wrong("has pixels of 16 bits", "valid: 8");
   } else if (!is_side(picture.pixels.cols) || !is_side(picture.pixels.rows)) {
-    wrong(
-        fmt::format("has {} x {} pixels; valid: sides that are powers of two from {} to {} (2048 x 2048), or "
-                    "OpenGL draws the pad askew from far away",
-                    picture.pixels.cols, picture.pixels.rows, kMinSide_px, kMaxSide_px));
+    wrong(fmt::format("has {} x {} pixels", picture.pixels.cols, picture.pixels.rows),
+          fmt::format("valid: sides that are powers of two from {} to {} (2048 x 2048), or OpenGL draws the "
+                      "pad askew from far away",
+                      kMinSide_px, kMaxSide_px));
   } else {
     pad.reference = MakePadReference(picture.pixels, pad.parameters.size_m.x(), pad.parameters.size_m.y());
     const std::lock_guard lock(mutex);

@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <string>
 
+#include "base/diagnostics.h"
 #include "base/yaml/fields.h"
-#include "base/yaml/yaml_fields.h"
 #include "vision/landmark/pad_reference.h"
 
 namespace kestrel::vision {
@@ -17,8 +17,7 @@ struct PadParameters {
   std::string texture;                    // a PNG file beside the file that holds these
 };
 
-template <class Visitor>
-void Fields(Visitor& v, PadParameters& p) {
+inline void Fields(FieldVisitor& v, PadParameters& p) {
   v("size_m", p.size_m, 0.05, 20.0);
   v("texture", p.texture);
 }

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "base/yaml/fields.h"
 #include "geometry/pose.h"
 #include "vision/camera/pinhole.h"
 #include "vision/landmark/pad_detector.h"
@@ -24,8 +25,7 @@ struct PadTrackerOptions {
   double sigma_px = 0.08;     // deviation of a registered point, for the covariance
 };
 
-template <class Visitor>
-void Fields(Visitor& v, PadTrackerOptions& o) {
+inline void Fields(FieldVisitor& v, PadTrackerOptions& o) {
   v("registration", o.registration);
   v("max_points", o.max_points, 20, 400);
   v("min_inliers", o.min_inliers, 6, 100);

@@ -27,8 +27,7 @@ struct BalloonFitOptions {
   double bias_px = 0.05;      // what all edge points may err alike, in the deviation of the half-angle
 };
 
-template <class Visitor>
-void Fields(Visitor& v, BalloonFitOptions& o) {
+inline void Fields(FieldVisitor& v, BalloonFitOptions& o) {
   v(Renamed("min_radius_px", "least_radius_px"), o.min_radius_px, 1.0, 100.0);
   v(Renamed("min_contrast", "least_contrast"), o.min_contrast, 1.0, 200.0);
   v(Renamed("min_outline", "least_outline"), o.min_outline, 0.1, 1.0);

@@ -4,6 +4,7 @@
 #include <opencv2/core.hpp>
 #include <optional>
 
+#include "base/yaml/fields.h"
 #include "vision/camera/camera_model.h"
 #include "vision/target/balloon_fit.h"
 #include "vision/target/colour_tracker.h"
@@ -16,8 +17,7 @@ struct BalloonTrackerOptions {
   int refuse_frames = 5;  // without a round outline, one after the other: something else has its colour
 };
 
-template <class Visitor>
-void Fields(Visitor& v, BalloonTrackerOptions& o) {
+inline void Fields(FieldVisitor& v, BalloonTrackerOptions& o) {
   v("colour", o.colour);
   v("fit", o.fit);
   v("refuse_frames", o.refuse_frames, 1, 10000);

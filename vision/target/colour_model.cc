@@ -14,7 +14,7 @@ namespace {
 constexpr int kMinPixels = 30;
 constexpr int kMinSaturation = 50, kMinValue = 25;  // of 255: below them a hue is noise
 constexpr double kQuantile = 0.03;                  // of the patch, outside either gate
-constexpr int kMargin = 12;                         // of a gate beyond what the patch showed
+constexpr int kHueMargin = 12;                      // of a gate beyond what the patch showed
 
 int Quantile(std::vector<int>& values, double q) {
   const auto at = values.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1));
@@ -96,7 +96,7 @@ TrainedColour ColourModel::Train(const cv::Mat& bgr, const cv::Mat& mask) {
     model.hue_[bin] = static_cast<std::uint8_t>(std::lround(255 * std::min(1.0, 4 * smooth[bin] / most)));
     wide += model.hue_[bin] > 127;
   }
-  model.min_saturation_ = std::max(kMinSaturation, Quantile(saturations, kQuantile) - kMargin);
+  model.min_saturation_ = std::max(kMinSaturation, Quantile(saturations, kQuantile) - kHueMargin);
   model.min_value_ = std::max(kMinValue, Quantile(values, kQuantile) / 4);  // in the shade
   model.max_value_ = 255;
   if (2 * wide > kBins) {

@@ -19,8 +19,7 @@ struct ColourRange {
   double max_value = 1;
 };
 
-template <class Visitor>
-void Fields(Visitor& v, ColourRange& r) {
+inline void Fields(FieldVisitor& v, ColourRange& r) {
   v("hue_deg", r.hue_deg, -360.0, 360.0);
   v("hue_half_width_deg", r.hue_half_width_deg, 1.0, 90.0);
   v(Renamed("min_saturation", "least_saturation"), r.min_saturation, 0.0, 1.0);

@@ -50,14 +50,14 @@ Edges EdgesOf(const cv::Rect2d& box, const cv::Size& image) {
 }
 
 // A connected area of the target's colour, in the image's pixels.
-struct Blob {
+struct ColourBlob {
   cv::Rect2d box;
   double area_px = 0;
   Eigen::Vector2d Centre() const { return {box.x + (box.width - 1) / 2, box.y + (box.height - 1) / 2}; }
   double Side() const { return std::max(box.width, box.height); }
 };
 
-bool Sound(const Blob& b, const cv::Size& image, const ColourTrackerOptions& o) {
+bool Sound(const ColourBlob& b, const cv::Size& image, const ColourTrackerOptions& o) {
   if (b.area_px < o.min_roundness * M_PI / 4 * o.min_diameter_px * o.min_diameter_px) return false;
   const Edges edges = EdgesOf(b.box, image);
   if (edges.Opposite()) return false;
@@ -67,9 +67,9 @@ bool Sound(const Blob& b, const cv::Size& image, const ColourTrackerOptions& o) 
   return edges.Any() || b.Side() < kFewPixels || fill < kMaxFill;
 }
 
-std::vector<Blob> SoundBlobs(const cv::Mat& weights, const Reduced& r, const cv::Size& image,
-                             const ColourTrackerOptions& o) {
-  std::vector<Blob> blobs;
+std::vector<ColourBlob> SoundBlobs(const cv::Mat& weights, const Reduced& r, const cv::Size& image,
+                                   const ColourTrackerOptions& o) {
+  std::vector<ColourBlob> blobs;
   const cv::Mat matches = weights > 127;
   cv::Mat opened, labels, stats, centroids;
   // Without strings and other thin things first; but then nothing is left of the smallest targets.
@@ -79,14 +79,15 @@ std::vector<Blob> SoundBlobs(const cv::Mat& weights, const Reduced& r, const cv:
     const int count = cv::connectedComponentsWithStats(mask, labels, stats, centroids, 8, CV_32S);
     for (int i = 1; i < count; ++i) {
       const int* s = stats.ptr<int>(i);
-      const Blob blob{
+      const ColourBlob blob{
           cv::Rect2d(r.part.x + s[cv::CC_STAT_LEFT] * r.step, r.part.y + s[cv::CC_STAT_TOP] * r.step,
                      s[cv::CC_STAT_WIDTH] * r.step, s[cv::CC_STAT_HEIGHT] * r.step),
           static_cast<double>(s[cv::CC_STAT_AREA]) * r.step * r.step};
       if (Sound(blob, image, o)) blobs.push_back(blob);
     }
   }
-  std::sort(blobs.begin(), blobs.end(), [](const Blob& a, const Blob& b) { return a.area_px > b.area_px; });
+  std::sort(blobs.begin(), blobs.end(),
+            [](const ColourBlob& a, const ColourBlob& b) { return a.area_px > b.area_px; });
   return blobs;
 }
 
@@ -191,7 +192,7 @@ ColourTracker::Search ColourTracker::Find(const cv::Mat& bgr) {
   const Reduced r = Reduce(bgr, window_);
   cv::Mat weights;
   model_.BackProject(r.bgr, weights);
-  std::vector<Blob> blobs = SoundBlobs(weights, r, bgr.size(), options_);
+  std::vector<ColourBlob> blobs = SoundBlobs(weights, r, bgr.size(), options_);
   const double matched = ColourModel::Matched(weights) * static_cast<double>(r.part.area());
   if (matched > options_.max_matched * static_cast<double>(r.part.area()) &&
       (blobs.empty() || blobs.front().area_px < kMostlyOne * matched)) {
@@ -199,7 +200,7 @@ ColourTracker::Search ColourTracker::Find(const cv::Mat& bgr) {
   }
   if (remembered_ && !EdgesOf(*remembered_, bgr.size()).Any()) {
     const double side = std::max(remembered_->width, remembered_->height), f = options_.return_factor;
-    std::erase_if(blobs, [&](const Blob& b) { return b.Side() > f * side || f * b.Side() < side; });
+    std::erase_if(blobs, [&](const ColourBlob& b) { return b.Side() > f * side || f * b.Side() < side; });
   }
   if (refused_ >= blobs.size()) refused_ = 0;
   blobs.erase(blobs.begin(), blobs.begin() + static_cast<std::ptrdiff_t>(refused_));
@@ -209,7 +210,7 @@ ColourTracker::Search ColourTracker::Find(const cv::Mat& bgr) {
     // One of them, if it alone is where the target was.
     const Eigen::Vector2d last(remembered_->x + remembered_->width / 2,
                                remembered_->y + remembered_->height / 2);
-    std::erase_if(blobs, [&](const Blob& b) {
+    std::erase_if(blobs, [&](const ColourBlob& b) {
       return (b.Centre() - last).norm() > 2 * std::max(remembered_->width, remembered_->height);
     });
     if (blobs.size() != 1) return {TrackState::kAmbiguous, {}};
@@ -253,8 +254,8 @@ std::optional<ColourTarget> ColourTracker::Follow(const cv::Mat& bgr, const cv::
   if (!(target.box.width > 0 && target.box.height > 0)) return {};
 
   // Another of its kind beside it; what lies within its own box is a part of it, cut off by a pole.
-  const std::vector<Blob> blobs = SoundBlobs(weights, r, bgr.size(), options_);
-  rival = std::any_of(blobs.begin(), blobs.end(), [&](const Blob& b) {
+  const std::vector<ColourBlob> blobs = SoundBlobs(weights, r, bgr.size(), options_);
+  rival = std::any_of(blobs.begin(), blobs.end(), [&](const ColourBlob& b) {
     const Eigen::Vector2d away = (b.Centre() - target.centre).cwiseAbs();
     return (away.x() > 0.6 * w || away.y() > 0.6 * h) &&
            b.area_px > options_.rival_share * inside_px * r.step * r.step;

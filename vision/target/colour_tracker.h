@@ -22,8 +22,7 @@ struct ColourTrackerOptions {
   int forget_frames = 60;       // lost for so long, any sound target will do
 };
 
-template <class Visitor>
-void Fields(Visitor& v, ColourTrackerOptions& o) {
+inline void Fields(FieldVisitor& v, ColourTrackerOptions& o) {
   v(Renamed("min_diameter_px", "least_diameter_px"), o.min_diameter_px, 3.0, 200.0);
   v(Renamed("min_roundness", "least_roundness"), o.min_roundness, 0.0, 1.0);
   v("rival_share", o.rival_share, 0.0, 1.0);

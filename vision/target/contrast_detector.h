@@ -27,8 +27,7 @@ struct ContrastDetectorOptions {
   int max_candidates = 12;      // looked at closely in each of five sizes, the strongest: bounds the time
 };
 
-template <class Visitor>
-void Fields(Visitor& v, ContrastDetectorOptions& o) {
+inline void Fields(FieldVisitor& v, ContrastDetectorOptions& o) {
   v(Renamed("min_contrast", "least_contrast"), o.min_contrast, 1.0, 200.0);
   v("light_factor", o.light_factor, 1.0, 20.0);
   v(Renamed("min_diameter_px", "least_diameter_px"), o.min_diameter_px, 1.0, 50.0);

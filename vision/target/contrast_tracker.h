@@ -26,8 +26,7 @@ struct ContrastTrackerOptions {
   int max_tracks = 24;         // at a time, tentative ones too: bounds the time
 };
 
-template <class Visitor>
-void Fields(Visitor& v, ContrastTrackerOptions& o) {
+inline void Fields(FieldVisitor& v, ContrastTrackerOptions& o) {
   v("detector", o.detector);
   v("down_sigma_deg", o.down_sigma_deg, 0.0, 20.0);
   v("confirm_sightings", o.confirm_sightings, 1, 1000);

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 
+#include "base/yaml/fields.h"
 #include "sim/aircraft/rotor/pitched_rotor.h"
 #include "sim/aircraft/rotor/rotor.h"
 
@@ -18,8 +19,7 @@ struct FlappingParameters {
   double bar_gain = 1.95;    // tilt asked of the bar over cyclic pitch asked of the blades
 };
 
-template <class Visitor>
-void Fields(Visitor& v, FlappingParameters& p) {
+inline void Fields(FieldVisitor& v, FlappingParameters& p) {
   v("blade_inertia_kg_m2", p.blade_inertia_kg_m2, 1e-4, 5.0);
   v("hub_stiffness_n_m", p.hub_stiffness_n_m, 0.0, 1e4);
   v("speed_response", p.speed_response, 0.0, 1.0);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "base/yaml/fields.h"
+
 namespace kestrel::sim {
 
 // A rotor whose blades can be pitched together: a helicopter's main rotor or tail rotor. Blade elements with
@@ -16,8 +18,7 @@ struct PitchedRotorParameters {
   double max_thrust_coefficient = 0.005;  // T / (rho A (wR)^2), either way
 };
 
-template <class Visitor>
-void Fields(Visitor& v, PitchedRotorParameters& p) {
+inline void Fields(FieldVisitor& v, PitchedRotorParameters& p) {
   v("radius_m", p.radius_m, 0.02, 5.0);
   v("blades", p.blades, 2, 8);
   v("chord_m", p.chord_m, 0.005, 0.5);

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 
+#include "base/yaml/fields.h"
 #include "sim/aircraft/rotor/wrench.h"
 
 namespace kestrel::sim {
@@ -23,8 +24,7 @@ struct RotorParameters {
   double max_speed_rad_s = 838;
 };
 
-template <class Visitor>
-void Fields(Visitor& v, RotorParameters& p) {
+inline void Fields(FieldVisitor& v, RotorParameters& p) {
   v("thrust_coefficient_n_s2", p.thrust_coefficient_n_s2, 1e-8, 1e-2);
   v("moment_coefficient_m", p.moment_coefficient_m, 1e-4, 1.0);
   v("drag_coefficient_kg", p.drag_coefficient_kg, 0.0, 1e-2);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "base/yaml/fields.h"
+
 namespace kestrel::sim {
 
 // Motor and governor, which holds the main rotor's speed: throttle = K_p e + K_i integral of e, between 0 and
@@ -16,8 +18,7 @@ struct DriveParameters {
   double inertia_kg_m2 = 0.139;  // of all that turns, as felt at the main rotor's shaft
 };
 
-template <class Visitor>
-void Fields(Visitor& v, DriveParameters& p) {
+inline void Fields(FieldVisitor& v, DriveParameters& p) {
   v("speed_rad_s", p.speed_rad_s, 10.0, 1000.0);
   v("power_w", p.power_w, 10.0, 1e5);
   v("response_s", p.response_s, 0.001, 5.0);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "base/yaml/fields.h"
 #include "sim/sensor/sensors.h"
 
 namespace kestrel::sim {
@@ -13,8 +14,7 @@ struct RotorShake {
   double turn_rad_s = 0.02, blade_rad_s = 0.02;
 };
 
-template <class Visitor>
-void Fields(Visitor& v, RotorShake& s) {
+inline void Fields(FieldVisitor& v, RotorShake& s) {
   v("turn_m_s2", s.turn_m_s2, 0.0, 50.0);
   v("blade_m_s2", s.blade_m_s2, 0.0, 50.0);
   v("turn_rad_s", s.turn_rad_s, 0.0, 5.0);

@@ -12,7 +12,7 @@
 #include <opencv2/core/utility.hpp>
 #include <sstream>
 
-#include "base/yaml/yaml_fields.h"
+#include "base/diagnostics.h"
 #include "sim/render/ray/kernel.h"
 
 namespace kestrel::sim {
@@ -91,11 +91,13 @@ void UseInstructionSet(const std::string& name) {
   const auto wanted =
       std::find_if(kSets.begin(), kSets.end(), [&](const Named& s) { return s.name == name; });
   if (std::find(here.begin(), here.end(), name) == here.end())
-    throw InputError({fmt::format(
-        "--isa: {}; valid: {}",
-        wanted == kSets.end() ? fmt::format("'{}' is no instruction set that can be chosen", name)
-                              : fmt::format("this machine has no {}", name),
-        here.empty() ? "none, on this processor" : fmt::format("{} here", fmt::join(here, ", ")))});
+    throw InputError(
+        "--isa",
+        fmt::format("{}", wanted == kSets.end()
+                              ? fmt::format("'{}' is no instruction set that can be chosen", name)
+                              : fmt::format("this machine has no {}", name)),
+        fmt::format("valid: {}", here.empty() ? "none, on this processor"
+                                              : fmt::format("{} here", fmt::join(here, ", "))));
   // The better, the lower its bit.
   hwy::DisableTargets(wanted->target - 1);
 }

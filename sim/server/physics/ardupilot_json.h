@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "base/gravity.h"
 #include "control/wire/bytes.h"
 
 // ArduPilot's "JSON" interface to a physics simulation (`--model JSON:127.0.0.1`): servo outputs come in as
@@ -49,9 +50,9 @@ class ServoSequence {
 struct PhysicsState {
   double t_s = 0;                                 // since any moment; steps of 0.1 s and more do not count
   Eigen::Vector3d w_B = Eigen::Vector3d::Zero();  // rad/s
-  Eigen::Vector3d specific_force_B = {0, 0, -9.80665};  // m/s^2
-  Eigen::Vector3d p_N = Eigen::Vector3d::Zero();        // m, from home
-  Eigen::Vector3d v_N = Eigen::Vector3d::Zero();        // m/s
+  Eigen::Vector3d specific_force_B = {0, 0, -kGravity_m_s2};  // m/s^2
+  Eigen::Vector3d p_N = Eigen::Vector3d::Zero();              // m, from home
+  Eigen::Vector3d v_N = Eigen::Vector3d::Zero();              // m/s
   Eigen::Quaterniond R_NB = Eigen::Quaterniond::Identity();
   // What is left out, ArduPilot makes up or does without.
   std::vector<double> ranges_m;           // of up to 6 range finders

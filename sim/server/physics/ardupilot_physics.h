@@ -18,8 +18,7 @@ struct ArduPilotPhysicsParameters {
   double gone_s = 2;  // silent for longer, on this computer's clock, a peer gives way to another
 };
 
-template <class Visitor>
-void Fields(Visitor& v, ArduPilotPhysicsParameters& p) {
+inline void Fields(FieldVisitor& v, ArduPilotPhysicsParameters& p) {
   v("address", p.address);
   v("port", p.port, 0, 65535);
   v("layout", p.layout, {"quad-plus", "quad-x"});

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "base/gravity.h"
 #include "geometry/tait_bryan.h"
 
 namespace kestrel::sim {
@@ -17,7 +18,7 @@ constexpr std::uint32_t kBarometer = 512 | 2048 | 4096;  // pressure, its altitu
 
 constexpr double kGaussPerTesla = 1e4;
 constexpr double kLapse_k_m = 0.0065, kSeaLevel_k = 288.15, kSeaLevel_hpa = 1013.25;
-constexpr double kExponent = 9.80665 / (287.05287 * kLapse_k_m);
+constexpr double kExponent = kGravity_m_s2 / (287.05287 * kLapse_k_m);
 
 // To the nearest that there is.
 template <class Integer>
@@ -103,7 +104,7 @@ control::wire::mavlink::HilStateQuaternion ToHilState(std::uint64_t time_usec, c
   m.vz = Rounded<std::int16_t>(truth.v_N.z() * 100);
   const double airspeed_cm_s = (truth.v_N - truth.wind_N).norm() * 100;
   m.ind_airspeed = m.true_airspeed = Rounded<std::uint16_t>(airspeed_cm_s);
-  const Eigen::Vector3d force_mg = R_BA.conjugate() * specific_force_B / 9.80665e-3;
+  const Eigen::Vector3d force_mg = R_BA.conjugate() * specific_force_B / (kGravity_m_s2 * 1e-3);
   m.xacc = Rounded<std::int16_t>(force_mg.x());
   m.yacc = Rounded<std::int16_t>(force_mg.y());
   m.zacc = Rounded<std::int16_t>(force_mg.z());

@@ -20,8 +20,7 @@ struct Px4PhysicsParameters {
   GeodeticOrigin origin = {};
 };
 
-template <class Visitor>
-void Fields(Visitor& v, Px4PhysicsParameters& p) {
+inline void Fields(FieldVisitor& v, Px4PhysicsParameters& p) {
   v("address", p.address);
   v("port", p.port, 0, 65535);
   v("layout", p.layout, {"quad-plus", "quad-x"});

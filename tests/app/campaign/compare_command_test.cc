@@ -8,7 +8,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "base/yaml/yaml_fields.h"
+#include "base/diagnostics.h"
 #include "campaign/execution/result_store.h"
 #include "tests/campaign/example_campaign.h"
 #include "tests/support/temporary_folder.h"

@@ -13,6 +13,7 @@
 #include "flight/simulated/scenario.h"
 #include "tests/campaign/scripted_worker.h"
 #include "tests/support/content.h"
+#include "tests/support/diagnostic_texts.h"
 #include "tests/support/temporary_folder.h"
 
 namespace kestrel::app {
@@ -149,8 +150,7 @@ TEST_F(TuneCommandTest, AMethodThatCannotBeComparedIsRefusedBeforeAnyFlies) {
     TuneCommand(arguments);
     ADD_FAILURE();
   } catch (const InputError& e) {
-    EXPECT_THAT(e.messages,
-                testing::ElementsAre(testing::ContainsRegex("budget: 34 .*\\(cross_entropy\\)$")));
+    EXPECT_THAT(Texts(e), testing::ElementsAre(testing::ContainsRegex("budget: 34 .*\\(cross_entropy\\)$")));
   }
   EXPECT_FALSE(fs::exists(folder_ / "flown.txt"));
 }

@@ -14,8 +14,8 @@
 #include <sstream>
 #include <thread>
 
+#include "base/diagnostics.h"
 #include "base/file/writer_lock.h"
-#include "base/yaml/yaml_fields.h"
 #include "tests/support/temporary_folder.h"
 
 namespace kestrel::app {

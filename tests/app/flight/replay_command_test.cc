@@ -7,6 +7,7 @@
 
 #include <limits>
 
+#include "base/diagnostics.h"
 #include "flight/simulated/runner.h"
 #include "tests/support/temporary_folder.h"
 

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 
-#include "base/yaml/yaml_fields.h"
+#include "base/diagnostics.h"
 #include "tests/support/temporary_folder.h"
 
 namespace kestrel::app {

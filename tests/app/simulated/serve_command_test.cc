@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/diagnostics.h"
 #include "flight/simulated/scenario.h"
 #include "tests/support/temporary_folder.h"
 

@@ -10,7 +10,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "base/yaml/yaml_fields.h"
+#include "base/diagnostics.h"
 #include "geometry/tait_bryan.h"
 #include "records/video/video.h"
 #include "records/video/video_reader.h"

@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "base/yaml/yaml_fields.h"
+#include "base/diagnostics.h"
 #include "tests/support/temporary_folder.h"
 
 namespace kestrel {

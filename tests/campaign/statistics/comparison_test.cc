@@ -6,7 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "base/yaml/yaml_fields.h"
+#include "base/diagnostics.h"
 #include "tests/campaign/example_campaign.h"
 #include "tests/campaign/statistics/coverage.h"
 

@@ -7,9 +7,10 @@
 #include <chrono>
 #include <fstream>
 
+#include "base/diagnostics.h"
 #include "base/file/model_files.h"
-#include "base/yaml/yaml_fields.h"
 #include "flight/simulated/scenario.h"
+#include "tests/support/diagnostic_texts.h"
 #include "tests/support/temporary_folder.h"
 
 namespace kestrel::campaign {
@@ -39,7 +40,7 @@ class CampaignPlanTest : public InTemporaryFolder {
     try {
       Load(text, overrides);
     } catch (const InputError& e) {
-      std::vector<std::string> messages = e.messages;
+      std::vector<std::string> messages = Texts(e);
       for (std::string& message : messages)
         for (std::size_t at; (at = message.find(folder_.string() + '/')) != std::string::npos;)
           message.erase(at, folder_.string().size() + 1);
@@ -327,7 +328,7 @@ TEST_F(CampaignPlanTest, AKeyMayHaveItsMeaningFromAChoice) {
 }
 
 TEST_F(CampaignPlanTest, BytesOfAWrongFileAreNoCommandsToTheTerminal) {
-  EXPECT_STREQ(InputError({"\x1b[31mred \xc2\x9b \xff gr\xc3\xbcn\x7f \xe2\x82"}).what(),
+  EXPECT_STREQ(InputError({}, "\x1b[31mred \xc2\x9b \xff gr\xc3\xbcn\x7f \xe2\x82").what(),
                "\\x1b[31mred \\xc2\\x9b \\xff gr\xc3\xbcn\\x7f \\xe2\\x82");
   EXPECT_THAT(Refusal("scenario: follow\nruns: " + std::string(5000, 'x') + "\n"),
               ElementsAre("f.yaml:2: runs: '" + std::string(100, 'x') +

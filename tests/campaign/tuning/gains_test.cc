@@ -6,6 +6,7 @@
 #include "base/yaml/yaml_fields.h"
 #include "campaign/tuning/tune_files.h"
 #include "flight/simulated/scenario.h"
+#include "tests/support/diagnostic_texts.h"
 #include "tests/support/temporary_folder.h"
 
 namespace kestrel::campaign {
@@ -24,7 +25,7 @@ class GainsTest : public InTemporaryFolder {
     try {
       flight::LoadScenario(scenario);
     } catch (const InputError& e) {
-      return e.messages;
+      return Texts(e);
     }
     return {};
   }

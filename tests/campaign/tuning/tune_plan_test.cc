@@ -6,9 +6,10 @@
 #include <fstream>
 #include <set>
 
+#include "base/diagnostics.h"
 #include "base/file/model_files.h"
-#include "base/yaml/yaml_fields.h"
 #include "flight/simulated/scenario.h"
+#include "tests/support/diagnostic_texts.h"
 #include "tests/support/temporary_folder.h"
 
 namespace kestrel::campaign {
@@ -28,7 +29,7 @@ class TunePlanTest : public InTemporaryFolder {
     try {
       Load(text);
     } catch (const InputError& e) {
-      std::vector<std::string> messages = e.messages;
+      std::vector<std::string> messages = Texts(e);
       for (std::string& message : messages)
         if (message.starts_with(folder_.string())) message.erase(0, folder_.string().size() + 1);
       return messages;

@@ -220,7 +220,7 @@ TEST(VelocityLoop, OptionsAreReadAndRefused) {
   Fields(reader, options);
   reader.Finish();
   EXPECT_EQ(options.hover_thrust, 0.3);
-  EXPECT_EQ(mistakes.messages().size(), 2u);
+  EXPECT_EQ(mistakes.Texts().size(), 2u);
 }
 
 }  // namespace

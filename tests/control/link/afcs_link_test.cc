@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "base/yaml/yaml_fields.h"
+#include "base/diagnostics.h"
 #include "geometry/tait_bryan.h"
 #include "tests/control/udp_peer.h"
 

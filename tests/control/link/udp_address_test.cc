@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "base/yaml/yaml_fields.h"
+#include "base/diagnostics.h"
 
 namespace kestrel::control {
 namespace {

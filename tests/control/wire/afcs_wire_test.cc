@@ -148,7 +148,7 @@ TEST(AfcsProfiles, AFileMayReplaceALayout) {
   FieldReader reader(config.root, "", mistakes);
   Fields(reader, read);
   reader.Finish();
-  EXPECT_THAT(mistakes.messages(), ElementsAre());
+  EXPECT_THAT(mistakes.Texts(), ElementsAre());
   EXPECT_THAT(MistakesOf(read), ElementsAre());
   const AfcsCodec codec(read);
   EXPECT_EQ(codec.Encode({{0, 1}, AfcsTeleop{.fore = 1, .side = 9, .alt = 9, .hdg = -2}}),

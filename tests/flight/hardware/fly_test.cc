@@ -13,7 +13,9 @@
 #include <utility>
 #include <vector>
 
+#include "base/diagnostics.h"
 #include "base/stopwatch.h"
+#include "base/yaml/yaml_fields.h"
 #include "flight/hardware/aircraft.h"
 #include "flight/hardware/pre_flight.h"
 #include "records/recording.h"
@@ -437,8 +439,8 @@ TEST_F(FlyTest, AMissionThatDoesNotDeclareItsTargetIsNotFlown) {
   };
   Mistakes mistakes;
   CheckDeclared(Undeclared(), "sketch", mistakes);
-  ASSERT_EQ(mistakes.messages().size(), 1u);
-  EXPECT_THAT(mistakes.messages()[0], ::testing::AllOf(HasSubstr("'sketch'"), HasSubstr("Mission::Target")));
+  ASSERT_EQ(mistakes.Texts().size(), 1u);
+  EXPECT_THAT(mistakes.Texts()[0], ::testing::AllOf(HasSubstr("'sketch'"), HasSubstr("Mission::Target")));
 }
 
 std::unique_ptr<mission::Mission> Made(const LoadedPlan& plan) { return plan.plan.flight->Make(plan.parts); }

@@ -6,7 +6,7 @@
 
 #include <cstdlib>
 
-#include "base/yaml/yaml_fields.h"
+#include "base/diagnostics.h"
 #include "flight/served/link_faults.h"
 
 namespace kestrel::flight {

@@ -12,9 +12,9 @@
 #include <opencv2/imgproc.hpp>
 #include <sstream>
 
+#include "base/diagnostics.h"
 #include "base/file/files.h"
 #include "base/process/piped_process.h"
-#include "base/yaml/yaml_fields.h"
 #include "geometry/tait_bryan.h"
 #include "records/recorder.h"
 #include "records/summary.h"
@@ -180,8 +180,7 @@ TEST_F(PartFileTest, ADeviceIsNotReplacedByAFile) {
   Mistakes mistakes;
   CheckWritableFile(folder_ / "pipe", "--json", mistakes);
   CheckWritableFile(folder_ / "a.txt", "--json", mistakes);
-  EXPECT_THAT(mistakes.messages(),
-              ElementsAre(HasSubstr("pipe' cannot be written: it is a device or a pipe")));
+  EXPECT_THAT(mistakes.Texts(), ElementsAre(HasSubstr("pipe' cannot be written: it is a device or a pipe")));
 }
 
 TEST_F(PartFileTest, AfterAFailedWriteTheFileIsNeverGivenItsName) {

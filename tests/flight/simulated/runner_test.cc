@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "base/yaml/yaml_fields.h"
 #include "records/recorder.h"
 #include "records/summary.h"
 #include "records/telemetry/metrics.h"

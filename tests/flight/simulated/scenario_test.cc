@@ -11,10 +11,13 @@
 #include <set>
 #include <sstream>
 
+#include "base/diagnostics.h"
+#include "base/yaml/yaml_fields.h"
 #include "flight/simulated/possible_metrics.h"
 #include "records/telemetry/metrics.h"
 #include "scenarios/hover/hover.h"
 #include "scenarios/landing/landing.h"
+#include "tests/support/diagnostic_texts.h"
 #include "tests/support/temporary_folder.h"
 
 namespace kestrel::flight {
@@ -60,7 +63,7 @@ std::vector<std::string> Refusal(const std::string& name_or_file,
   try {
     LoadScenario(name_or_file, overrides);
   } catch (const InputError& e) {
-    return e.messages;
+    return Texts(e);
   }
   return {};
 }

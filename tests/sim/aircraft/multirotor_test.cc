@@ -15,6 +15,7 @@
 #include <string>
 #include <utility>
 
+#include "base/yaml/fields.h"
 #include "geometry/tait_bryan.h"
 #include "sim/world/frames.h"
 #include "sim/world/wind.h"
@@ -85,19 +86,19 @@ class MultirotorTest : public ::testing::Test {
 };
 
 // Visits the fields of parameters and requires each to lie in its range.
-struct RangeCheck {
+struct RangeCheck final : FieldVisitor {
   int count = 0;
-  void operator()(const char* key, double value, double low, double high) {
-    ++count;
-    EXPECT_TRUE(value >= low && value <= high) << key;
-  }
-  void operator()(const char* key, const Vector3d& value, double low, double high) {
-    for (const double x : value) (*this)(key, x, low, high);
-  }
-  void operator()(const char*, bool) { ++count; }
-  template <class Nested>
-  void operator()(const char*, Nested& nested) {
-    Fields(*this, nested);
+  void Visit(const FieldKey& key, const FieldValue& field) override {
+    const auto lies = [&](double value, double low, double high) {
+      ++count;
+      EXPECT_TRUE(value >= low && value <= high) << key.name;
+    };
+    if (const auto* number = std::get_if<NumberField>(&field))
+      lies(*number->value, number->low, number->high);
+    if (const auto* vector = std::get_if<NumbersField>(&field))
+      for (int i = 0; i < vector->size; ++i) lies(vector->values[i], vector->low, vector->high);
+    if (std::holds_alternative<FlagField>(field)) ++count;
+    if (const auto* nested = std::get_if<StructField>(&field)) nested->Visit(*this);
   }
 };
 

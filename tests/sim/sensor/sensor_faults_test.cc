@@ -8,6 +8,8 @@
 #include <cmath>
 #include <set>
 
+#include "base/diagnostics.h"
+#include "base/yaml/yaml_fields.h"
 #include "geometry/tait_bryan.h"
 #include "sim/fault_schedule.h"
 #include "sim/sensor/sensor_monitor.h"
@@ -276,7 +278,7 @@ std::vector<std::string> Refusals(const char* yaml, const AirframeParameters& ai
   reader("sensors", keys.sensors), reader("actuators", keys.actuators);
   reader.Finish();
   CheckFaults(keys.sensors, keys.actuators, aircraft, "f.yaml", "f.yaml", mistakes);
-  return mistakes.messages();
+  return mistakes.Texts();
 }
 
 TEST(FaultSchedule, RefusesWhatMakesNoSenseAllAtOnce) {

@@ -8,7 +8,7 @@
 #include <limits>
 #include <string>
 
-#include "base/yaml/yaml_fields.h"
+#include "base/diagnostics.h"
 #include "control/link/afcs_link.h"
 #include "geometry/tait_bryan.h"
 #include "tests/control/udp_peer.h"

@@ -9,7 +9,7 @@
 #include <functional>
 #include <thread>
 
-#include "base/yaml/yaml_fields.h"
+#include "base/diagnostics.h"
 #include "control/link/udp_address.h"
 #include "sim/server/mavlink_server.h"
 #include "tests/sim/server/fake_aircraft.h"

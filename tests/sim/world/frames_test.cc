@@ -12,6 +12,7 @@
 #include <random>
 #include <string>
 
+#include "base/diagnostics.h"
 #include "geometry/tait_bryan.h"
 
 namespace kestrel::sim {

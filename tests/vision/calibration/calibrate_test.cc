@@ -9,6 +9,7 @@
 #include <limits>
 #include <random>
 
+#include "base/diagnostics.h"
 #include "tests/vision/calibration/board_photographer.h"
 #include "vision/calibration/view_adjustment.h"
 #include "vision/camera/brown_conrady.h"

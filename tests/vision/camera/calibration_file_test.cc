@@ -7,6 +7,9 @@
 
 #include <fstream>
 
+#include "base/diagnostics.h"
+#include "base/yaml/config.h"
+
 namespace kestrel::vision {
 namespace {
 
@@ -28,7 +31,7 @@ Loaded Load(const std::string& text, const std::string& name = "",
   const Config config = ParseConfig(text, "file.yaml", {}, mistakes);
   Loaded loaded;
   loaded.camera = ParseCamera(config, mistakes, name, image);
-  loaded.messages = mistakes.messages();
+  loaded.messages = mistakes.Texts();
   return loaded;
 }
 
@@ -323,17 +326,17 @@ TEST(CalibrationFile, ACameraOfTheModelsFolderLoadsFromItsFile) {
   Mistakes mistakes;
   const CameraModel camera =
       LoadCamera(std::filesystem::path(KESTREL_SOURCE_DIR) / "models/cameras/thesis_6mm.yaml", mistakes);
-  EXPECT_THAT(mistakes.messages(), IsEmpty());
+  EXPECT_THAT(mistakes.Texts(), IsEmpty());
   ExpectSame(camera, Pinhole{640, 480, 810.81, 810.81, 319.5, 239.5});
   LoadCamera("nowhere.yaml", mistakes);
-  EXPECT_THAT(mistakes.messages(), ElementsAre(HasSubstr("nowhere.yaml: cannot be read")));
+  EXPECT_THAT(mistakes.Texts(), ElementsAre(HasSubstr("nowhere.yaml: cannot be read")));
 }
 
 TEST(CalibrationFile, TheFisheyeOfTheModelsFolderFillsItsImageTo190Degrees) {
   Mistakes mistakes;
   const CameraModel camera =
       LoadCamera(std::filesystem::path(KESTREL_SOURCE_DIR) / "models/cameras/fisheye.yaml", mistakes);
-  EXPECT_THAT(mistakes.messages(), IsEmpty());
+  EXPECT_THAT(mistakes.Texts(), IsEmpty());
   EXPECT_EQ(ShareCovered(camera), 1);
   const auto corner = Ray(camera, {0, 0});
   ASSERT_TRUE(corner);

@@ -10,6 +10,7 @@
 #include <functional>
 #include <optional>
 
+#include "base/diagnostics.h"
 #include "geometry/tait_bryan.h"
 #include "vision/camera/calibration_file.h"
 
@@ -129,7 +130,7 @@ TEST(Mirror, TheModelsFolderHasTheThesisMirror) {
   Mistakes mistakes;
   const CameraModel file = LoadCamera(
       std::filesystem::path(KESTREL_SOURCE_DIR) / "models/cameras/hyperbolic_mirror.yaml", mistakes);
-  ASSERT_TRUE(mistakes.messages().empty());
+  ASSERT_TRUE(mistakes.empty());
   const Unified camera = CameraOf(kThesisMirror, FocalLengthPx(0.02, 0.1, 240), 640, 480);
   EXPECT_LT((Parameters(file) - camera.Parameters()).norm(), 1e-12);
   EXPECT_NEAR(MaxAngle(file), camera.MaxAngle(), 1e-14);

@@ -18,8 +18,9 @@
 #include <thread>
 #include <vector>
 
+#include "base/diagnostics.h"
 #include "base/stopwatch.h"
-#include "base/yaml/yaml_fields.h"
+#include "tests/support/diagnostic_texts.h"
 #include "vision/capture/live_camera.h"
 
 namespace kestrel::vision {
@@ -212,7 +213,7 @@ TEST(CameraAddress, EveryMistakeIsToldAtOnce) {
     ParseCameraAddress("v4l2:video0?rate=fast&colour=yes&zoom=2");
     ADD_FAILURE();
   } catch (const InputError& error) {
-    EXPECT_EQ(error.messages.size(), 4u);
+    EXPECT_EQ(Texts(error).size(), 4u);
   }
 }
 

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "base/diagnostics.h"
 #include "geometry/tait_bryan.h"
 #include "tests/vision/horizon/skyline_photographer.h"
 #include "vision/camera/calibration_file.h"

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "base/diagnostics.h"
 #include "tests/vision/horizon/skyline_photographer.h"
 #include "vision/camera/calibration_file.h"
 #include "vision/horizon/horizon_attitude.h"

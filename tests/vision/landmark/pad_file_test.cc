@@ -7,6 +7,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "base/diagnostics.h"
 #include "tests/support/temporary_folder.h"
 
 namespace kestrel::vision {

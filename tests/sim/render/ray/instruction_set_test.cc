@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <map>
 
-#include "base/yaml/yaml_fields.h"
+#include "base/diagnostics.h"
 #include "sim/machine.h"
 
 namespace kestrel::sim {

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "base/yaml/config.h"
+
+#include <fmt/format.h>
+#include <yaml-cpp/exceptions.h>
+
+#include <algorithm>
+#include <boost/locale/utf.hpp>
+#include <sstream>
+
+#include "base/user_file.h"
+#include "base/yaml/yaml_nodes.h"
+
+namespace kestrel {
+namespace {
+
+using Kind = ConfigNode::Kind;
+
+// The number of the first line that is not UTF-8, in which alone others read what is kept of a file. 0: all
+// are.
+int LineNotUtf8(const std::string& text) {
+  using Utf8 = boost::locale::utf::utf_traits<char>;
+  int line = 1;
+  for (auto at = text.begin(); at != text.end();) {
+    const auto letter = Utf8::decode(at, text.end());
+    if (letter == boost::locale::utf::illegal || letter == boost::locale::utf::incomplete) return line;
+    line += letter == '\n';
+  }
+  return 0;
+}
+
+void Override(ConfigNode& root, const std::string& text, Mistakes& mistakes) {
+  const Place where = PlaceOfOverride(text);
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos || equals == 0)
+    return mistakes.Add(where, "", "not of the form key.path=value");
+  ConfigNode value;
+  try {
+    value = ReadNodes(text.substr(equals + 1), [&](int) { return where; });
+  } catch (const YAML::Exception& e) {
+    return mistakes.Add(where, text.substr(0, equals), "the value is not valid YAML: " + e.msg);
+  }
+
+  ConfigNode* node = &root;
+  std::istringstream path(text.substr(0, equals));
+  std::string walked;
+  for (std::string key; std::getline(path, key, '.');) {
+    if (node->kind == Kind::kText)
+      return mistakes.Add(where, walked, "is a single value: it has no keys below it");
+    walked += (walked.empty() ? "" : ".") + key;
+    // The last of equal keys is the one that a repeated override means; in a file they are refused anyway.
+    const auto found = std::find_if(node->members.rbegin(), node->members.rend(),
+                                    [&](const auto& member) { return member.first == key; });
+    if (found != node->members.rend()) {
+      node = &found->second;
+    } else if (node->kind == Kind::kList) {
+      return mistakes.Add(where, walked,
+                          fmt::format("the list has {} elements, counted from 0", node->members.size()));
+    } else {
+      node->kind = Kind::kMap;
+      node = &node->members.emplace_back(key, ConfigNode{Kind::kNothing, "", false, where, {}}).second;
+    }
+  }
+  *node = std::move(value);
+}
+
+}  // namespace
+
+Place PlaceOfOverride(const std::string& text) { return "--set " + text; }
+bool IsOverride(const Place& place) { return place.file.starts_with("--set "); }
+
+Config LoadConfig(const std::filesystem::path& file, const std::vector<std::string>& overrides,
+                  Mistakes& mistakes) {
+  const FileContent content = ReadUserFile(file, kMaxTextBytes);
+  if (!content.trouble.empty()) {
+    mistakes.Add(file.string(), "", content.trouble);
+    return {};
+  }
+  return ParseConfig(content.bytes, file.string(), overrides, mistakes);
+}
+
+Config ParseConfig(const std::string& text, const std::string& name,
+                   const std::vector<std::string>& overrides, Mistakes& mistakes) {
+  Config config;
+  const auto where_of = [&](int line) { return Place(name, line + 1); };
+  if (const int line = LineNotUtf8(text); line > 0) {
+    mistakes.Add({name, line}, "", "it is not in UTF-8", "valid: the file saved in UTF-8");
+    return config;
+  }
+  try {
+    config.root = ReadNodes(text, where_of);
+    config.readable = true;
+  } catch (const YAML::Exception& e) {
+    mistakes.Add(where_of(e.mark.line), "", "not valid YAML: " + e.msg);
+    return config;
+  }
+  for (const std::string& each : overrides) Override(config.root, each, mistakes);
+  return config;
+}
+
+}  // namespace kestrel
