@@ -18,6 +18,7 @@
 #include "app/campaign/tune_command.h"
 #include "app/flight/replay_command.h"
 #include "app/option/exit_status.h"
+#include "app/option/one_of.h"
 #include "app/option/parse_command_line.h"
 #include "app/simulated/encounters_command.h"
 #include "app/simulated/horizon_command.h"
@@ -219,7 +220,7 @@ int Main(int argc, char** argv) {
       ->add_option("name", bench.name,
                    fmt::format("{}; all but campaign, wire and link_faults when none is given",
                                fmt::join(bench_names, ", ")))
-      ->check(CLI::IsMember(bench_names));
+      ->check(OneOf(bench_names));
   bench_command->add_option("--seeds", bench.seeds, "A..B, first and last")->capture_default_str();
   bench_command->add_option("--jobs", bench.jobs, "Flights at the same time")
       ->check(CLI::Range(1, 256))

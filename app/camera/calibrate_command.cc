@@ -11,6 +11,7 @@
 
 #include "app/camera/calibration_report.h"
 #include "app/option/bits_option.h"
+#include "app/option/one_of.h"
 #include "base/file/files.h"
 #include "vision/calibration/board_file.h"
 #include "vision/calibration/calibrate.h"
@@ -67,7 +68,7 @@ CLI::App* AddCalibrateCommand(CLI::App& app, CalibrateArguments& a) {
           "--model", a.model,
           "pinhole (to some 120 degrees of view), unified (mirrors, most fisheyes), fisheye, double_sphere")
       ->required()
-      ->check(CLI::IsMember(vision::CalibratedModels()));
+      ->check(OneOf(vision::CalibratedModels()));
   command->add_option("--out", a.out, "Folder for camchain.yaml, report.txt and pictures")->required();
   command
       ->add_option("--accept-residual", a.accepted_px,

@@ -350,8 +350,21 @@ bool PrintScript(const CampaignArguments& a) {
   return true;
 }
 
+// `campaign repot` names no campaign, and was to be `campaign report`.
+std::string MeantAsVerb(const CLI::App& command, const std::string& word) {
+  const std::vector<std::string> campaigns = campaign::NamesOfKind("campaign");
+  const bool is_campaign = IsFile(word) || NearestName(word, campaigns) || fs::path(word).has_extension();
+  std::vector<std::string> verbs;
+  for (const CLI::App* each : command.get_subcommands([](const CLI::App*) { return true; }))
+    verbs.push_back(each->get_name());
+  const auto near = NearestName(word, verbs);
+  if (is_campaign || !near) return {};
+  return fmt::format("'{}' is no campaign and no verb; did you mean '{}'?", word, *near);
+}
+
 void AddPlanOptions(CLI::App* command, CampaignArguments& a, bool required) {
-  command->add_option("file", a.file, "A campaign's YAML file, or the name of one in scenarios/*/campaigns")
+  command
+      ->add_option("file", a.file, "A campaign's YAML file, or the name of one that `list campaigns` shows")
       ->required(required);
   command->add_option("--runs", a.runs, "Instead of the file's")->check(NotEmpty);
   command->add_option("--seed", a.seed, "Of the table, instead of the file's")->check(NotEmpty);
@@ -374,6 +387,8 @@ fs::path CampaignFile(const std::string& name_or_file) {
 CLI::App* AddCampaignCommand(CLI::App& app, CampaignArguments& a) {
   CLI::App* command = app.add_subcommand("campaign", "Fly a scenario many times, with what varies in a file");
   AddPlanOptions(command, a, false);
+  command->get_option("file")->check(
+      [command](const std::string& word) { return MeantAsVerb(*command, word); });
   command->add_option("--jobs", a.jobs, "Worker processes (default: one for each core)")
       ->check(WholeNumber(1, 1024));
   command->add_option("--shard", a.shard, "I/N: fly this part of the table alone, into a file of its own")
@@ -451,8 +466,7 @@ CLI::App* AddCampaignCommand(CLI::App& app, CampaignArguments& a) {
 bool CampaignCommand(const CampaignArguments& a) {
   if (a.verb == Verb::kReport) return ReportCommand(a.report);
   if (a.verb == Verb::kCompare) return CompareCommand(a.compare);
-  if (a.file.empty())
-    throw InputError({"kestrel campaign: no file; valid: a campaign's YAML file, or the name of one"});
+  if (a.file.empty()) throw InputError({NoneNamed("campaign")});
   switch (a.verb) {
     case Verb::kFly:
       return Fly(a);

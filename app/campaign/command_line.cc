@@ -2,6 +2,7 @@
 #include "app/campaign/command_line.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include <charconv>
@@ -9,6 +10,7 @@
 #include <string_view>
 
 #include "base/process/end_signals.h"
+#include "campaign/named_file.h"
 
 namespace kestrel::app {
 namespace {
@@ -31,6 +33,11 @@ CLI::Validator WholeNumber(int low, int high) {
         return fmt::format("'{}' is not valid; valid: a whole number, {} to {}", text, low, high);
       },
       fmt::format("INT in [{} - {}]", low, high), "");
+}
+
+std::string NoneNamed(const std::string& kind) {
+  return fmt::format("kestrel: no {0} is named; valid: a {0}'s YAML file, or one of {1}", kind,
+                     fmt::join(campaign::NamesOfKind(kind), ", "));
 }
 
 void RefuseReportOf(const char* kind, const std::filesystem::path& data, Mistakes& mistakes) {

@@ -104,8 +104,7 @@ std::string AgainText(const TuneArguments& a) {
 
 CLI::App* AddTuneCommand(CLI::App& app, TuneArguments& a) {
   CLI::App* command = app.add_subcommand("tune", "Look for the gains of least cost, by many flights");
-  command->add_option("file", a.file, "A tuning's YAML file, or the name of one in scenarios/*/tunings")
-      ->required();
+  command->add_option("file", a.file, "A tuning's YAML file, or the name of one that `list tunings` shows");
   command->add_option(
       "--set", a.overrides,
       "key.path=value, instead of the file's; of a key that only its scenario has, for every flight; may be "
@@ -145,6 +144,7 @@ CLI::App* AddTuneCommand(CLI::App& app, TuneArguments& a) {
 }
 
 bool TuneCommand(const TuneArguments& a) {
+  if (a.file.empty()) throw InputError({NoneNamed("tuning")});
   EndOnInterrupt();
   const campaign::LoadedTune tune = campaign::LoadTune(campaign::NamedFile("tuning", a.file), a.overrides);
   const fs::path folder =

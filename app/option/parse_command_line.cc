@@ -45,6 +45,19 @@ std::string NearestOr(const std::string& word, const Words& valid) {
   return near ? fmt::format("did you mean '{}'?", *near) : fmt::format("valid: {}", fmt::join(valid, ", "));
 }
 
+// Of `campaign replya dispersion`, whose first word was taken for a campaign, the first: what was meant to be a
+// verb.
+std::string MeantAsVerb(const CLI::App& app, const std::string& word, const Words& verbs) {
+  for (const CLI::Option* each : app.get_options([](const CLI::Option* o) { return o->get_positional(); }))
+    for (const std::string& taken : each->results())
+      if (NearestName(taken, verbs)) return taken;
+  return word;
+}
+
+std::string NoVerb(const CLI::App& app, const std::string& word) {
+  return fmt::format("{}: there is no verb '{}'; {}", PathOf(app), word, NearestOr(word, VerbsOf(app)));
+}
+
 // What a word that no verb and no option took should have been.
 std::string Unexpected(const CLI::App& app, const std::string& word) {
   const std::string path = PathOf(app);
@@ -53,8 +66,29 @@ std::string Unexpected(const CLI::App& app, const std::string& word) {
     return fmt::format("{}: there is no option '{}'; {}", path, name, NearestOr(name, OptionsOf(app)));
   }
   const Words verbs = VerbsOf(app);
-  if (!verbs.empty()) return fmt::format("{}: there is no verb '{}'; {}", path, word, NearestOr(word, verbs));
+  if (!verbs.empty()) return NoVerb(app, MeantAsVerb(app, word, verbs));
   return fmt::format("{}: '{}' is one word too many", path, word);
+}
+
+// What CLI11 says, in our words; of a value, what would be valid.
+std::string Said(const CLI::App& verb, const CLI::ParseError& error) {
+  const std::string text = error.what();
+  const auto between = [&](std::string_view before, std::string_view after) {
+    const std::size_t from = before.size(), until = text.find(after, from);
+    return text.starts_with(before) && until != std::string::npos ? text.substr(from, until - from) : "";
+  };
+  if (error.get_name() == "RequiredError") {
+    if (const CLI::Option* option = verb.get_option_no_throw(between("", " is required")))
+      return fmt::format("{}; valid: {}", text, option->get_description());
+  } else if (error.get_name() == "ConversionError") {
+    const std::string name = between("Could not convert: ", " = ");
+    if (const CLI::Option* option = verb.get_option_no_throw(name))
+      return fmt::format("{}: '{}' is not valid; valid: {}", name, fmt::join(option->results(), " "),
+                         option->get_type_name().starts_with("FLOAT") ? "a number" : "a whole number");
+  } else if (const std::string name = between("", ": "); text.ends_with(" missing") && !name.empty()) {
+    return name + ": its value is missing";
+  }
+  return text;
 }
 
 int Refuse(const CLI::App& app, const CLI::ParseError& error) {
@@ -70,7 +104,7 @@ int Refuse(const CLI::App& app, const CLI::ParseError& error) {
   }
   if (text.empty() && !VerbsOf(*verb).empty() && verb->get_require_subcommand_min() > 0)
     text = fmt::format("{}: a verb is missing; valid: {}\n", PathOf(*verb), fmt::join(VerbsOf(*verb), ", "));
-  if (text.empty()) text = fmt::format("{}: {}\n", PathOf(*verb), error.what());
+  if (text.empty()) text = fmt::format("{}: {}\n", PathOf(*verb), Said(*verb, error));
   PrintNote("{}`{} --help` tells more\n", Printable(text), PathOf(*verb));
   return kBadInput;
 }
@@ -90,6 +124,16 @@ std::optional<int> ParseCommandLine(CLI::App& app, int argc, const char* const* 
   if (!words.empty() && words.front() == "version") words = {"--version"};
   if (!words.empty() && words.front() == "help") {
     words.erase(words.begin());
+    const CLI::App* verb = &app;
+    for (const std::string& word : words) {
+      const auto below =
+          verb->get_subcommands([&](const CLI::App* each) { return each->get_name() == word; });
+      if (below.empty()) {
+        PrintNote("{}\n", Printable(VerbsOf(*verb).empty() ? Unexpected(*verb, word) : NoVerb(*verb, word)));
+        return kBadInput;
+      }
+      verb = below.front();
+    }
     words.push_back("--help");
   }
   std::reverse(words.begin(), words.end());  // as CLI11 takes them

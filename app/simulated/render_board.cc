@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 
+#include "app/option/one_of.h"
 #include "base/file/files.h"
 #include "flight/simulated/scenario.h"
 #include "sim/camera/board_renderer.h"
@@ -43,7 +44,7 @@ CLI::App* AddRenderBoardCommand(CLI::App& app, RenderBoardArguments& a) {
       ->check(CLI::Range(0.0, 60.0))
       ->capture_default_str();
   command->add_option("--backend", a.backend, "What draws")
-      ->check(CLI::IsMember({"auto", "ray", "osmesa", "egl"}))
+      ->check(OneOf({"auto", "ray", "osmesa", "egl"}))
       ->capture_default_str();
   command->add_option("--out", a.out, "Folder for the images; new or empty")->required();
   command->footer(

@@ -20,6 +20,7 @@
 #include <thread>
 #include <tuple>
 
+#include "app/option/one_of.h"
 #include "base/file/files.h"
 #include "base/process/end_signals.h"
 #include "base/yaml/yaml_fields.h"
@@ -96,7 +97,7 @@ CLI::App* AddServeCommand(CLI::App& app, flight::ServeArguments& a) {
       ->expected(0, 1);
   serve->add_flag("--asctec", a.asctec, "Ascending Technologies' low-level processor, on a pseudo-terminal");
   serve->add_option("--mavlink", a.mavlink, "MAVLink 2 by UDP, as this autopilot speaks it")
-      ->check(CLI::IsMember({"px4", "ardupilot"}));
+      ->check(OneOf({"px4", "ardupilot"}));
   serve->add_option("--mavlink-port", a.mavlink_port, "Instead of the usual one")
       ->check(CLI::Range(0, 65535));
   serve
@@ -104,7 +105,7 @@ CLI::App* AddServeCommand(CLI::App& app, flight::ServeArguments& a) {
           "--physics", a.physics,
           "The physics for an autopilot of software in the loop, which moves the rotors itself: PX4's "
           "simulator protocol, or ArduPilot's JSON")
-      ->check(CLI::IsMember({"px4", "ardupilot"}));
+      ->check(OneOf({"px4", "ardupilot"}));
   serve->add_option("--physics-port", a.physics_port, "Instead of the usual one")
       ->check(CLI::Range(0, 65535));
   serve

@@ -16,6 +16,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "app/option/bits_option.h"
+#include "app/option/one_of.h"
 #include "base/file/files.h"
 #include "base/process/print_note.h"
 #include "base/user_file.h"
@@ -256,7 +257,7 @@ CLI::App* AddViewCommand(CLI::App& app, ViewArguments& a) {
                    "perspective: as a camera without distortion would see it; panorama: even in azimuth and "
                    "elevation; cylinder: a panorama with upright walls in proportion; polar: the image's own "
                    "circles unrolled, without use of the lens; sphere: a ball with the image on it")
-      ->check(CLI::IsMember(KindsOfView()))
+      ->check(OneOf(KindsOfView()))
       ->capture_default_str();
   view->add_option("--out", a.out, "The file to write: .png or .jpg, or .mp4 of a video")->required();
   view->add_option("--yaw-deg", a.yaw_deg, "Turns the view to the right, off the camera's axis");
