@@ -26,6 +26,8 @@ namespace {
 
 using Kind = ConfigNode::Kind;
 
+constexpr char kDescription[] = "description";
+
 // What is shown of many mistakes, and of a long one: nobody reads more, and a terminal chokes on it.
 constexpr std::size_t kMaxShown = 50, kLongestShown = 2000;
 
@@ -97,6 +99,23 @@ std::string Shown(const ConfigNode& node) {
       return "a map";
   }
   return "";
+}
+
+void TakeDescription(Config& config, Mistakes& mistakes) {
+  constexpr std::size_t kLongest = 200;
+  std::vector<std::pair<std::string, ConfigNode>>& members = config.root.members;
+  if (config.root.kind != Kind::kMap) return;
+  const auto found = std::find_if(members.begin(), members.end(),
+                                  [](const auto& member) { return member.first == kDescription; });
+  if (found == members.end()) return;
+  const ConfigNode& node = found->second;
+  if (node.kind != Kind::kText || node.text.empty() || node.text.size() > kLongest || HasControl(node.text))
+    mistakes.Add(node.where, kDescription,
+                 fmt::format("{} is not valid; valid: a sentence of up to {} bytes in one line", Shown(node),
+                             kLongest));
+  else
+    config.description = node.text;
+  members.erase(found);
 }
 
 enum class Parsed { kNumber, kNotFinite, kNotANumber };
@@ -192,6 +211,7 @@ Config ParseConfig(const std::string& text, const std::string& name,
   try {
     config.root = ReadNodes(text, where_of);
     config.readable = true;
+    TakeDescription(config, mistakes);
   } catch (const YAML::Exception& e) {
     mistakes.Add(where_of(e.mark.line), "", "not valid YAML: " + e.msg);
     return config;
@@ -420,7 +440,9 @@ void FieldReader::Finish() const {
     if (std::find(keys_.begin(), keys_.end(), key) != keys_.end() ||
         std::find(former_keys_.begin(), former_keys_.end(), key) != former_keys_.end())
       continue;
-    const auto nearest = NearestName(key, keys_);
+    std::vector<std::string> valid = keys_;
+    if (path_.empty()) valid.push_back(kDescription);
+    const auto nearest = NearestName(key, valid);
     Wrong(member, key,
           nearest ? fmt::format("unknown key; did you mean '{}'?", *nearest)
                   : fmt::format("unknown key; valid: {}", fmt::join(keys_, ", ")));

@@ -53,6 +53,9 @@ struct ConfigNode {
 
 struct Config {
   ConfigNode root;
+  // The sentence by which a file says what it is, under the key `description` that each may have. It is not in
+  // the root: nothing that is read from a file depends on it.
+  std::string description;
   bool readable = false;  // otherwise the reason is among the mistakes, and Read leaves it at that
 };
 
