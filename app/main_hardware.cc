@@ -23,7 +23,8 @@ int Main(int argc, char** argv) {
   cv::setNumThreads(1);
   CLI::App app{
       "Kestrel for real aircraft: flight by vision.\n\nExit status: 0 the flight did what it is for, "
-      "1 it did not, 2 bad input, 3 it broke off."};
+      "1 it did not, 2 bad input, 3 it broke off.",
+      "kestrel"};
   app.require_subcommand(1);
   app.set_version_flag("--version", Version());
   FlyArguments fly;

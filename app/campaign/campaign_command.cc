@@ -16,6 +16,7 @@
 #include <tuple>
 
 #include "app/campaign/command_line.h"
+#include "app/campaign/progress_log.h"
 #include "app/simulated/isa_option.h"
 #include "base/file/files.h"
 #include "base/file/model_files.h"
@@ -49,14 +50,6 @@ void Interrupt(int signal) {
   if (stop >= 2) EndOnNextSignal();
 }
 
-// "3 min 20 s"
-std::string Duration(double seconds) {
-  const auto s = static_cast<std::int64_t>(std::min(seconds, 1e9) + 0.5);
-  if (s < 60) return fmt::format("{} s", s);
-  if (s < 3600) return fmt::format("{} min {} s", s / 60, s % 60);
-  return fmt::format("{} h {} min", s / 3600, s / 60 % 60);
-}
-
 // With an interval that holds however often one looks.
 std::string Share(std::int64_t passed, std::int64_t runs) {
   if (runs == 0) return "none flown";
@@ -77,13 +70,9 @@ class ProgressLine {
     if (shown_ && SecondsSince(last_) < 0.1) return;
     last_ = std::chrono::steady_clock::now();
     shown_ = true;
-    std::string left;
-    if (p.flown > 0)
-      left = fmt::format("   {:.3g} runs/min, {} left", 60 * p.Rate(),
-                         Duration(static_cast<double>(p.rows - p.done) / p.Rate()));
-    if (stop == 1) left = "   ending; interrupt again to drop the runs under way";
-    PrintNote("\r\033[K{}: {} of {}, {}{}", name_, p.done, campaign::Counted(p.rows, "run"),
-              Share(p.counted_passed, p.counted), left);
+    PrintNote("\r\033[K{}: {} of {}, {}   {}", name_, p.done, campaign::Counted(p.rows, "run"),
+              Share(p.counted_passed, p.counted),
+              stop == 1 ? "ending; interrupt again to drop the runs under way" : TimeLeft(p));
     std::fflush(stderr);
   }
 
@@ -188,7 +177,10 @@ bool Fly(const CampaignArguments& a) {
   campaign::CampaignEnd end;
   {
     ProgressLine line(work.identity.name);
-    if (isatty(STDERR_FILENO) && !a.quiet) options.show = [&](const campaign::Progress& p) { line.Show(p); };
+    ProgressLog log(work.identity.name);
+    if (!a.quiet && isatty(STDERR_FILENO)) options.show = [&](const campaign::Progress& p) { line.Show(p); };
+    if (!a.quiet && !isatty(STDERR_FILENO))
+      options.show = [&](const campaign::Progress& p) { PrintNote("{}", log.Line(p)); };
     OnEndSignals(Interrupt);
     end = campaign::RunCampaign(work, options);
   }
@@ -365,6 +357,7 @@ std::string MeantAsVerb(const CLI::App& command, const std::string& word) {
 void AddPlanOptions(CLI::App* command, CampaignArguments& a, bool required) {
   command
       ->add_option("file", a.file, "A campaign's YAML file, or the name of one that `list campaigns` shows")
+      ->type_name("CAMPAIGN")
       ->required(required);
   command->add_option("--runs", a.runs, "Instead of the file's")->check(NotEmpty);
   command->add_option("--seed", a.seed, "Of the table, instead of the file's")->check(NotEmpty);
@@ -373,8 +366,10 @@ void AddPlanOptions(CLI::App* command, CampaignArguments& a, bool required) {
           "--set", a.overrides,
           "key.path=value, instead of the file's; of a key that only its scenario has, for every run; may be "
           "repeated")
+      ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
   command->add_option("--out", a.out, "Folder of the results (default results/campaigns/NAME)")
+      ->type_name("DIR")
       ->check(NotEmpty);
 }
 
@@ -407,6 +402,7 @@ CLI::App* AddCampaignCommand(CLI::App& app, CampaignArguments& a) {
       ->capture_default_str();
   command->add_option("--record", a.record, "And this row; may be repeated")->allow_extra_args(false);
   command->add_option("--junit", a.junit, "Also write the thresholds as JUnit XML to this file")
+      ->type_name("FILE")
       ->check(NotEmpty);
   command->add_flag("--quiet", a.quiet, "Print nothing but errors");
   command->footer(
@@ -443,8 +439,8 @@ CLI::App* AddCampaignCommand(CLI::App& app, CampaignArguments& a) {
   replay->add_flag("--no-video", a.no_video, "Do not write video.mp4");
   replay->footer("Example:\n  kestrel campaign replay dispersion 17");
   CLI::App* merge = verb("merge", "Join the results of parts into one file", Verb::kMerge);
-  merge->add_option("shards", a.shards,
-                    "Result files of parts (default: those in the folder of the results)");
+  merge->add_option("shards", a.shards, "Result files of parts (default: those in the folder of the results)")
+      ->type_name("FILE");
   merge->footer(
       "Once nothing is missing it writes the report. Exit status 1: rows are missing, or a threshold is not "
       "kept.\n\nExample:\n  kestrel campaign merge dispersion --out /shared/dispersion");

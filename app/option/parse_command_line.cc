@@ -23,7 +23,7 @@ using Words = std::vector<std::string>;
 
 Words VerbsOf(const CLI::App& app) {
   Words names;
-  for (const CLI::App* each : app.get_subcommands([](const CLI::App*) { return true; }))
+  for (const CLI::App* each : app.get_subcommands([](const CLI::App* each) { return !each->get_group().empty(); }))
     names.push_back(each->get_name());
   return names;
 }

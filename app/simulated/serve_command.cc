@@ -90,9 +90,12 @@ std::optional<sim::PanTilt> PlatformOf(const flight::ServeArguments& a, const fl
 CLI::App* AddServeCommand(CLI::App& app, flight::ServeArguments& a) {
   CLI::App* serve = app.add_subcommand(
       "serve", "Fly the simulated aircraft in real time for any client, by real wires and a video stream");
-  serve->add_option("scenario", a.scenario, "A name that `list` shows, or a YAML file")->required();
+  serve->add_option("scenario", a.scenario, "A name that `list` shows, or a YAML file")
+      ->type_name("SCENARIO")
+      ->required();
   serve->add_option("--seed", a.seed, "Of everything random, instead of the scenario's");
-  serve->add_option("--set", a.overrides, "key.path=value, instead of the scenario's; may be repeated");
+  serve->add_option("--set", a.overrides, "key.path=value, instead of the scenario's; may be repeated")
+      ->type_name("KEY=VALUE");
   serve->add_option("--afcs", a.afcs, "Rotomotion's AFCS by UDP, at ADDRESS:PORT or the usual place")
       ->expected(0, 1);
   serve->add_flag("--asctec", a.asctec, "Ascending Technologies' low-level processor, on a pseudo-terminal");
@@ -119,7 +122,8 @@ CLI::App* AddServeCommand(CLI::App& app, flight::ServeArguments& a) {
       "--for", a.for_s,
       "How long, in s of real time, instead of the scenario's duration_s; with --physics, where a "
       "flight lasts until the autopilot leaves, until all ends");
-  serve->add_option("--out", a.out, "Folder for the records (default results/runs/NAME-SEED-served)");
+  serve->add_option("--out", a.out, "Folder for the records (default results/runs/NAME-SEED-served)")
+      ->type_name("DIR");
   serve->add_option("--pilot-off-at", a.pilot_off_at_s,
                     "When the pilot's switch takes the aircraft away, in s of the flight");
   serve->footer(
