@@ -14,6 +14,7 @@
 #include "app/campaign/campaign_command.h"
 #include "app/campaign/tune_command.h"
 #include "app/flight/replay_command.h"
+#include "app/manual/manual_command.h"
 #include "app/option/exit_status.h"
 #include "app/option/parse_command_line.h"
 #include "app/simulated/check_command.h"
@@ -83,6 +84,10 @@ int Main(int argc, char** argv) {
   verbs.push_back({AddCalibrateCommand(app, calibrate), [&] { return CalibrateCommand(calibrate), kMet; }});
   RenderBoardArguments board;
   verbs.push_back({AddRenderBoardCommand(app, board), [&] { return RenderBoardCommand(board), kMet; }});
+  ManualArguments manual;
+  verbs.push_back({AddCompletionCommand(app, manual), [&] { return CompletionCommand(app, manual), kMet; }});
+  verbs.push_back({AddManCommand(app), [&] { return ManCommand(app), kMet; }});
+  verbs.push_back({AddReferenceCommand(app), [&] { return ReferenceCommand(app), kMet; }});
 
   // Of all that fly.
   std::string isa;

@@ -17,6 +17,7 @@
 
 #include "app/campaign/command_line.h"
 #include "app/campaign/progress_log.h"
+#include "app/option/command_tree.h"
 #include "app/simulated/isa_option.h"
 #include "base/file/files.h"
 #include "base/file/model_files.h"
@@ -347,8 +348,7 @@ std::string MeantAsVerb(const CLI::App& command, const std::string& word) {
   const std::vector<std::string> campaigns = campaign::NamesOfKind("campaign");
   const bool is_campaign = IsFile(word) || NearestName(word, campaigns) || fs::path(word).has_extension();
   std::vector<std::string> verbs;
-  for (const CLI::App* each : command.get_subcommands([](const CLI::App*) { return true; }))
-    verbs.push_back(each->get_name());
+  for (const CLI::App* each : VerbsOf(command)) verbs.push_back(each->get_name());
   const auto near = NearestName(word, verbs);
   if (is_campaign || !near) return {};
   return fmt::format("'{}' is no campaign and no verb; did you mean '{}'?", word, *near);

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "app/option/command_tree.h"
 #include "base/printable.h"
 #include "base/process/print_note.h"
 #include "base/yaml/yaml_fields.h"
@@ -21,23 +22,17 @@ constexpr int kMet = 0, kBadInput = 2;
 
 using Words = std::vector<std::string>;
 
-Words VerbsOf(const CLI::App& app) {
+Words NamesOfVerbs(const CLI::App& app) {
   Words names;
-  for (const CLI::App* each : app.get_subcommands([](const CLI::App* each) { return !each->get_group().empty(); }))
-    names.push_back(each->get_name());
+  for (const CLI::App* each : VerbsOf(app)) names.push_back(each->get_name());
   return names;
 }
 
-Words OptionsOf(const CLI::App& app) {
+Words NamesOfOptions(const CLI::App& app) {
   Words names;
-  for (const CLI::Option* each : app.get_options())
+  for (const CLI::Option* each : OptionsOf(app))
     for (const std::string& name : each->get_lnames()) names.push_back("--" + name);
   return names;
-}
-
-// "kestrel campaign replay"
-std::string PathOf(const CLI::App& app) {
-  return app.get_parent() ? PathOf(*app.get_parent()) + ' ' + app.get_name() : "kestrel";
 }
 
 std::string NearestOr(const std::string& word, const Words& valid) {
@@ -48,14 +43,14 @@ std::string NearestOr(const std::string& word, const Words& valid) {
 // Of `campaign replya dispersion`, whose first word was taken for a campaign, the first: what was meant to be a
 // verb.
 std::string MeantAsVerb(const CLI::App& app, const std::string& word, const Words& verbs) {
-  for (const CLI::Option* each : app.get_options([](const CLI::Option* o) { return o->get_positional(); }))
+  for (const CLI::Option* each : PositionalsOf(app))
     for (const std::string& taken : each->results())
       if (NearestName(taken, verbs)) return taken;
   return word;
 }
 
 std::string NoVerb(const CLI::App& app, const std::string& word) {
-  return fmt::format("{}: there is no verb '{}'; {}", PathOf(app), word, NearestOr(word, VerbsOf(app)));
+  return fmt::format("{}: there is no verb '{}'; {}", PathOf(app), word, NearestOr(word, NamesOfVerbs(app)));
 }
 
 // What a word that no verb and no option took should have been.
@@ -63,9 +58,9 @@ std::string Unexpected(const CLI::App& app, const std::string& word) {
   const std::string path = PathOf(app);
   if (word.starts_with("-")) {
     const std::string name = word.substr(0, word.find('='));
-    return fmt::format("{}: there is no option '{}'; {}", path, name, NearestOr(name, OptionsOf(app)));
+    return fmt::format("{}: there is no option '{}'; {}", path, name, NearestOr(name, NamesOfOptions(app)));
   }
-  const Words verbs = VerbsOf(app);
+  const Words verbs = NamesOfVerbs(app);
   if (!verbs.empty()) return NoVerb(app, MeantAsVerb(app, word, verbs));
   return fmt::format("{}: '{}' is one word too many", path, word);
 }
@@ -99,11 +94,12 @@ int Refuse(const CLI::App& app, const CLI::ParseError& error) {
   for (std::size_t i = 0; i < unexpected.size(); ++i) {
     // The value of an option that is not known says nothing of its own, nor do the words after a wrong verb.
     const bool of_option = i > 0 && unexpected[i - 1].starts_with("-") && !unexpected[i].starts_with("-");
-    if (of_option || (i > 0 && !VerbsOf(*verb).empty())) continue;
+    if (of_option || (i > 0 && !NamesOfVerbs(*verb).empty())) continue;
     text += Unexpected(*verb, unexpected[i]) + '\n';
   }
-  if (text.empty() && !VerbsOf(*verb).empty() && verb->get_require_subcommand_min() > 0)
-    text = fmt::format("{}: a verb is missing; valid: {}\n", PathOf(*verb), fmt::join(VerbsOf(*verb), ", "));
+  if (text.empty() && !NamesOfVerbs(*verb).empty() && verb->get_require_subcommand_min() > 0)
+    text = fmt::format("{}: a verb is missing; valid: {}\n", PathOf(*verb),
+                       fmt::join(NamesOfVerbs(*verb), ", "));
   if (text.empty()) text = fmt::format("{}: {}\n", PathOf(*verb), Said(*verb, error));
   PrintNote("{}`{} --help` tells more\n", Printable(text), PathOf(*verb));
   return kBadInput;
@@ -129,7 +125,8 @@ std::optional<int> ParseCommandLine(CLI::App& app, int argc, const char* const* 
       const auto below =
           verb->get_subcommands([&](const CLI::App* each) { return each->get_name() == word; });
       if (below.empty()) {
-        PrintNote("{}\n", Printable(VerbsOf(*verb).empty() ? Unexpected(*verb, word) : NoVerb(*verb, word)));
+        PrintNote("{}\n",
+                  Printable(NamesOfVerbs(*verb).empty() ? Unexpected(*verb, word) : NoVerb(*verb, word)));
         return kBadInput;
       }
       verb = below.front();

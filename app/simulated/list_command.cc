@@ -17,6 +17,7 @@
 #include "base/user_file.h"
 #include "campaign/named_file.h"
 #include "flight/simulated/scenario.h"
+#include "mission/mission_type.h"
 #include "records/telemetry/metrics.h"
 #include "scenarios/flights.h"
 

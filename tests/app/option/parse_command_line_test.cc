@@ -45,7 +45,7 @@ class ParseCommandLineTest : public testing::Test {
     answer.err = testing::internal::GetCapturedStderr();
     return answer;
   }
-  CLI::App app_;
+  CLI::App app_{"", "kestrel"};
   std::string scenario_, file_;
   int seed_ = 0;
 };

@@ -65,7 +65,7 @@ TEST_F(ListCommandTest, WhatIsNotValidIsListedWithTheReason) {
   std::ofstream(folder_ / "scenarios/pose/pose.yaml") << "mission: pse\n";
   std::ofstream(folder_ / "models/cameras/foreign.yaml") << "cam0:\n  camera_model: pinhole\n";
   const std::string root = "KESTREL_ROOT=" + folder_.string();
-  EXPECT_THAT(List("", root).out, HasSubstr("pose              not valid: "));
+  EXPECT_THAT(List("", root).out, HasSubstr("pose             not valid: "));
   EXPECT_THAT(List("cameras", root).out, AllOf(HasSubstr("foreign"), Not(HasSubstr("not valid"))));
 }
 
