@@ -2,15 +2,15 @@
 #include "app/campaign/command_line.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include <charconv>
+#include <sstream>
 #include <string>
 #include <string_view>
 
+#include "app/simulated/list_command.h"
 #include "base/process/end_signals.h"
-#include "campaign/named_file.h"
 
 namespace kestrel::app {
 namespace {
@@ -36,8 +36,10 @@ CLI::Validator WholeNumber(int low, int high) {
 }
 
 std::string NoneNamed(const std::string& kind) {
-  return fmt::format("kestrel: no {0} is named; valid: a {0}'s YAML file, or one of {1}", kind,
-                     fmt::join(campaign::NamesOfKind(kind), ", "));
+  std::string text = fmt::format("kestrel: no {0} is named; valid: a {0}'s YAML file, or one of", kind);
+  std::istringstream lines(ListText(kind + 's'));
+  for (std::string line; std::getline(lines, line);) text += "\n  " + line;
+  return text;
 }
 
 void RefuseReportOf(const char* kind, const std::filesystem::path& data, Mistakes& mistakes) {

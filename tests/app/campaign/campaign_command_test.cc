@@ -110,7 +110,9 @@ TEST_F(CampaignCommandTest, BadInputEndsWithTwoAndSaysWhy) {
     EXPECT_THAT(why(fmt::format("short.yaml {} ''", option)),
                 HasSubstr(fmt::format("{}: it is empty", option)));
   EXPECT_THAT(why("shorrt"), HasSubstr("there is no campaign 'shorrt'"));
-  EXPECT_THAT(why(""), HasSubstr("no campaign is named; valid: a campaign's YAML file, or one of "));
+  EXPECT_THAT(
+      why(""),
+      HasSubstr("no campaign is named; valid: a campaign's YAML file, or one of\n  attitude/weather "));
   EXPECT_THAT(why("merge short.yaml --out none"),
               HasSubstr("none holds no parts; valid: parts that were flown there before (--shard I/N"));
   EXPECT_THAT(why("replay short.yaml 6"), HasSubstr("there is no row 6; valid: 0 to 5"));

@@ -114,8 +114,9 @@ TEST_F(CommandLineTest, QuietSaysWhatFailed) {
 // script(1) gives the program a terminal.
 TEST_F(CommandLineTest, ATerminalGetsColoursUnlessNobodyWantsThem) {
   const auto out = [&](const std::string& environment) {
-    return Shell(folder_, fmt::format("TERM=xterm {} script -qec '" KESTREL_PROGRAM " {} --out here' /dev/null",
-                                      environment, kShort))
+    return Shell(folder_,
+                 fmt::format("TERM=xterm {} script -qec '" KESTREL_PROGRAM " {} --out here' /dev/null",
+                             environment, kShort))
         .out;
   };
   EXPECT_THAT(out("NO_COLOR="), HasSubstr("\x1b[32mPASSED"));
@@ -342,7 +343,7 @@ TEST_F(CommandLineTest, TheScenarioOfARunGivesItAgain) {
 }
 
 TEST_F(CommandLineTest, ListShowsTheScenarios) {
-  const Ended list = Kestrel("list");
+  const Ended list = Kestrel("list --json");
   EXPECT_EQ(list.status, 0);
   for (const char* name : {"hover", "landing", "pose", "pose_high", "pelican", "thesis_6mm", "airfield"}) {
     EXPECT_THAT(list.out, HasSubstr(name));

@@ -131,7 +131,7 @@ TEST_F(TuneCommandTest, AFileMayBeNamedByItsFlight) {
   EXPECT_THAT(refusal("quack"),
               HasSubstr("valid: avoid/poor, follow/poor, hover/family, hover/poor, landing/"));
   EXPECT_THAT(refusal(""),
-              HasSubstr("no tuning is named; valid: a tuning's YAML file, or one of avoid/poor,"));
+              HasSubstr("no tuning is named; valid: a tuning's YAML file, or one of\n  avoid/poor   "));
 }
 
 // Flights that are only read again are not told as progress.
