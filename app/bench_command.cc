@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "app/bench_command.h"
 
+#include <CLI/CLI.hpp>
 #include <filesystem>
+#include <vector>
 
+#include "app/option/one_of.h"
+#include "base/diagnostics.h"
+#include "base/file/files.h"
 #include "base/file/model_files.h"
 #include "bench/bench_attitude.h"
 #include "bench/bench_calibration.h"
@@ -20,13 +25,35 @@
 
 namespace kestrel::app {
 
-std::vector<std::string> BenchNames() {
-  return {"flights", "fisheye", "attitude",    "horizon",     "gyro_failure", "drift",    "heights",
-          "speed",   "render",  "calibration", "servo",       "trackers",     "contrast", "follow",
-          "avoid",   "stream",  "wire",        "link_faults", "campaign",     "hashes"};
+CLI::App* AddBenchCommand(CLI::App& app, BenchArguments& a) {
+  const std::vector<std::string> names = {"flights", "fisheye",  "attitude",    "horizon",  "gyro_failure",
+                                          "drift",   "heights",  "speed",       "render",   "calibration",
+                                          "servo",   "trackers", "contrast",    "follow",   "avoid",
+                                          "stream",  "wire",     "link_faults", "campaign", "hashes"};
+  CLI::App* command = app.add_subcommand("bench", "Measure: a table of figures beside their targets");
+  // Of campaigns by its name alone: it flies for minutes, and kills itself.
+  command->add_option("name", a.name, "All but campaign, wire, link_faults and hashes when none is given")
+      ->check(OneOf(names));
+  command->add_option("--seeds", a.seeds, "A..B, first and last")->capture_default_str();
+  command->add_option("--jobs", a.jobs, "Flights at the same time")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
+  command->add_option("--json", a.json, "Also write the figures as JSON to this file")->type_name("FILE");
+  command
+      ->add_option("--out", a.out,
+                   "Folder for the rows and pictures of horizon, and for the pictures of contrast's failures")
+      ->type_name("DIR")
+      ->capture_default_str();
+  command->footer("Examples:\n  kestrel bench flights --seeds 1..20\n  kestrel bench render");
+  return command;
 }
 
-bool Bench(const BenchArguments& arguments) {
+bool BenchCommand(const BenchArguments& arguments) {
+  Mistakes mistakes;
+  CheckWritableFile(arguments.json, "--json", mistakes);
+  if (arguments.name.empty() || arguments.name == "horizon")
+    CheckWritableFolder(arguments.out, "--out", mistakes);
+  mistakes.ThrowIfAny();
   const flight::SeedRange seeds = flight::ParseSeeds(arguments.seeds);
   const auto chosen = [&](const char* name) { return arguments.name.empty() || arguments.name == name; };
   std::vector<records::Figure> table;

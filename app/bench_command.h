@@ -2,10 +2,14 @@
 #pragma once
 
 #include <string>
-#include <vector>
+
+namespace CLI {
+class App;
+}
 
 namespace kestrel::app {
 
+// `kestrel bench`: figures beside their targets.
 struct BenchArguments {
   std::string name;  // empty: all
   std::string seeds = "1..20";
@@ -14,10 +18,10 @@ struct BenchArguments {
   std::string out = "results/runs/bench_horizon";  // folder of what horizon and contrast leave
 };
 
-std::vector<std::string> BenchNames();
+CLI::App* AddBenchCommand(CLI::App& app, BenchArguments& arguments);
 
 // Measures, prints a table of figures beside their targets, and returns whether all of them were met. Throws
-// InputError if the seeds are not A..B.
-bool Bench(const BenchArguments& arguments);
+// InputError if the seeds are not A..B or a file cannot be written.
+bool BenchCommand(const BenchArguments& arguments);
 
 }  // namespace kestrel::app

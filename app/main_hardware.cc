@@ -8,6 +8,7 @@
 #include "app/camera/calibrate_command.h"
 #include "app/flight/fly_command.h"
 #include "app/flight/replay_command.h"
+#include "app/manual/manual_command.h"
 #include "app/option/exit_status.h"
 #include "app/option/parse_command_line.h"
 #include "base/diagnostics.h"
@@ -23,7 +24,8 @@ int Main(int argc, char** argv) {
   cv::setNumThreads(1);
   CLI::App app{
       "Kestrel for real aircraft: flight by vision.\n\nExit status: 0 the flight did what it is for, "
-      "1 it did not, 2 bad input, 3 it broke off."};
+      "1 it did not, 2 bad input, 3 it broke off.",
+      "kestrel"};
   app.require_subcommand(1);
   app.set_version_flag("--version", Version());
   FlyArguments fly;
@@ -37,6 +39,9 @@ int Main(int argc, char** argv) {
   CLI::App* check_command = app.add_subcommand("check", "Validate a scenario as a flight of a real aircraft");
   check_command->add_option("file", check_file, "A scenario's name, or a YAML file")->required();
   check_command->add_option("--set", check_overrides, "key.path=value, as for fly");
+  ManualArguments manual;
+  const CLI::App* completion_command = AddCompletionCommand(app, manual);
+  const CLI::App* man_command = AddManCommand(app);
   app.footer(
       "Examples:\n  kestrel fly hover --camera v4l2:/dev/video0 --autopilot mavlink:udpin://:14540 "
       "--dry-run\n"
@@ -47,6 +52,14 @@ int Main(int argc, char** argv) {
     if (*replay_command) return ReplayCommand(replay) ? kMet : kNotMet;
     if (*calibrate_command) {
       CalibrateCommand(calibrate);
+      return kMet;
+    }
+    if (*completion_command) {
+      CompletionCommand(app, manual);
+      return kMet;
+    }
+    if (*man_command) {
+      ManCommand(app);
       return kMet;
     }
     if (*check_command) {

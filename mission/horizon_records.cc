@@ -85,14 +85,24 @@ std::vector<TelemetryColumn> HorizonColumns() {
           Column("horizon_coasting_s", [](const HorizonReport& r) { return r.coasting_s; })};
 }
 
-std::vector<std::string> HorizonMetricNames() {
-  std::vector<std::string> names;
-  for (const std::string prefix : {"", "baseline_"})
-    for (const char* name :
-         {"attitude_share", "attitude_outliers", "attitude_within_2_sigma", "roll_rmse_deg", "pitch_rmse_deg",
-          "yaw_rmse_deg", "yaw_rmse_first_half_deg", "yaw_rmse_second_half_deg"})
-      names.push_back(prefix + name);
-  return names;
+std::vector<Metric> HorizonMetrics() {
+  const std::vector<Metric> own = {
+      {"attitude_share", "1", "Share of the frames that gave an attitude", 0, 1},
+      {"attitude_outliers", "1", "How many attitudes were wrong by more than 5 degrees"},
+      {"attitude_within_2_sigma", "1",
+       "Share of the rolls and pitches no farther off than two of their sigmas", 0, 1},
+      {"roll_rmse_deg", "deg", "RMS error of the roll, at the exposures"},
+      {"pitch_rmse_deg", "deg", "RMS error of the pitch, at the exposures"},
+      {"yaw_rmse_deg", "deg", "RMS error of the heading since the first image that had one"},
+      {"yaw_rmse_first_half_deg", "deg", "RMS error of the heading over the first half of that time"},
+      {"yaw_rmse_second_half_deg", "deg", "RMS error of the heading over the second half of that time"}};
+  std::vector<Metric> metrics = own;
+  for (Metric metric : own) {
+    metric.name = "baseline_" + metric.name;
+    metric.description += ", by the reference method";
+    metrics.push_back(std::move(metric));
+  }
+  return metrics;
 }
 
 void AddHorizonMetrics(const std::vector<LogRow>& rows, std::map<std::string, double>& metrics) {

@@ -16,6 +16,7 @@
 #include "base/yaml/fields.h"
 #include "mission/helipad_pilot.h"
 #include "mission/log_row.h"
+#include "mission/metric.h"
 #include "mission/mission.h"
 #include "vision/camera/camera_model.h"
 #include "vision/camera/camera_mount.h"
@@ -49,7 +50,7 @@ struct MissionType {
   bool begins_in_the_air = false;
   std::vector<TelemetryColumn> telemetry = {};  // beside those of every flight
   // Its own metrics, beside those of every flight (records/telemetry/metrics.h), and what computes them.
-  std::vector<std::string> metrics = {};
+  std::vector<Metric> metrics = {};
   std::function<void(const std::vector<LogRow>&, std::map<std::string, double>&)> add_metrics = nullptr;
   // Which of the metrics of every flight mean something here: names, or beginnings of names before '*'.
   std::vector<std::string> common_metrics = {};

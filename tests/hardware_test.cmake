@@ -1,15 +1,25 @@
 # SPDX-License-Identifier: Apache-2.0
-# The program for real aircraft was made from nothing of the simulator's: no header of sim/ or MuJoCo was read for
-# it, no such library is in it, and it runs. program: its file, in its build folder.
+# The program for real aircraft is made from nothing of the simulator's: no object of sim/ goes into it, no header of
+# sim/ or MuJoCo was read for one that does, no such library is in it, and it runs. program: its file, in its build
+# folder.
 get_filename_component(build ${program} DIRECTORY)
-execute_process(COMMAND ninja -C ${build} -t deps OUTPUT_VARIABLE deps RESULT_VARIABLE failed)
+get_filename_component(name ${program} NAME)
+execute_process(COMMAND ninja -C ${build} --quiet -t inputs ${name} OUTPUT_VARIABLE inputs RESULT_VARIABLE failed)
+if(failed OR NOT inputs MATCHES "kestrel_app_flight")
+  message(FATAL_ERROR "ninja does not tell what ${program} is made from")
+endif()
+string(REGEX MATCHALL "[^\n]+\\.o\n" objects "${inputs}")
+list(TRANSFORM objects STRIP)
+execute_process(COMMAND ninja -C ${build} --quiet -t deps ${objects} OUTPUT_VARIABLE deps RESULT_VARIABLE failed)
 if(failed OR NOT deps MATCHES "app/flight/fly_command")
-  message(FATAL_ERROR "ninja does not tell what ${program} was made from")
+  message(FATAL_ERROR "ninja does not tell what the objects of ${program} were made from")
 endif()
-string(REGEX MATCH "[^\n ]*(/sim/|mujoco|osmesa|embree)[^\n ]*" found "${deps}")
-if(found)
-  message(FATAL_ERROR "the program for real aircraft was made from ${found}")
-endif()
+foreach(from inputs deps)
+  string(REGEX MATCH "[^\n ]*(/sim/|kestrel_sim|mujoco|osmesa|embree)[^\n ]*" found "${${from}}")
+  if(found)
+    message(FATAL_ERROR "the program for real aircraft is made from ${found}")
+  endif()
+endforeach()
 execute_process(COMMAND ldd ${program} OUTPUT_VARIABLE libraries)
 if(NOT libraries MATCHES "opencv" OR libraries MATCHES "mujoco|OSMesa|embree")
   message(FATAL_ERROR "the program for real aircraft is linked to:\n${libraries}")

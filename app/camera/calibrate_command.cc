@@ -11,6 +11,7 @@
 
 #include "app/camera/calibration_report.h"
 #include "app/option/bits_option.h"
+#include "app/option/one_of.h"
 #include "base/diagnostics.h"
 #include "base/file/files.h"
 #include "vision/calibration/board_file.h"
@@ -60,16 +61,21 @@ std::vector<cv::Mat> ReadImages(const CalibrateArguments& a, Mistakes& mistakes)
 
 CLI::App* AddCalibrateCommand(CLI::App& app, CalibrateArguments& a) {
   CLI::App* command = app.add_subcommand("calibrate", "Find a camera's parameters from images of a board");
-  command->add_option("images", a.images, "Image files, all of one camera and one board")->required();
+  command->add_option("images", a.images, "Image files, all of one camera and one board")
+      ->type_name("FILE")
+      ->required();
   command->add_option("--board", a.board, "chessboard, aprilgrid, or a target file of Kalibr")
+      ->type_name("FILE")
       ->capture_default_str();
   command
       ->add_option(
           "--model", a.model,
           "pinhole (to some 120 degrees of view), unified (mirrors, most fisheyes), fisheye, double_sphere")
       ->required()
-      ->check(CLI::IsMember(vision::CalibratedModels()));
-  command->add_option("--out", a.out, "Folder for camchain.yaml, report.txt and pictures")->required();
+      ->check(OneOf(vision::CalibratedModels()));
+  command->add_option("--out", a.out, "Folder for camchain.yaml, report.txt and pictures")
+      ->type_name("DIR")
+      ->required();
   command
       ->add_option("--accept-residual", a.accepted_px,
                    "What may be left between the camera and what is seen, root mean square, px: with more "

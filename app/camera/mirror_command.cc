@@ -216,9 +216,13 @@ CLI::App* AddMirrorCommand(CLI::App& app, MirrorArguments& a) {
   command->add_option("--width-px", a.width_px, "Of the image")->capture_default_str();
   command->add_option("--height-px", a.height_px, "Of the image")->capture_default_str();
   command->add_option("--pixel-um", a.pixel_um, "Side of a pixel")->capture_default_str();
-  command->add_option("--out", a.drawing, "PNG file for the drawing")->capture_default_str();
-  command->add_option("--camera", a.camera,
-                      "Also write the camera to this YAML file, for `camera:` in a scenario");
+  command->add_option("--out", a.drawing, "PNG file for the drawing")
+      ->type_name("FILE")
+      ->capture_default_str();
+  command
+      ->add_option("--camera", a.camera,
+                   "Also write the camera to this YAML file, for `camera:` in a scenario")
+      ->type_name("FILE");
   command->footer(
       "Examples:\n  kestrel mirror                                   the thesis's mirror\n"
       "  kestrel mirror --rim-mm 30 --focal-mm 8 --ratio 2.5 --camera my_mirror.yaml");

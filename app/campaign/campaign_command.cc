@@ -16,9 +16,12 @@
 #include <tuple>
 
 #include "app/campaign/command_line.h"
+#include "app/campaign/progress_log.h"
+#include "app/option/command_tree.h"
 #include "app/simulated/isa_option.h"
 #include "base/file/files.h"
 #include "base/file/model_files.h"
+#include "base/nearest_name.h"
 #include "base/printable.h"
 #include "base/process/end_signals.h"
 #include "base/process/own_program.h"
@@ -49,14 +52,6 @@ void Interrupt(int signal) {
   if (stop >= 2) EndOnNextSignal();
 }
 
-// "3 min 20 s"
-std::string Duration(double seconds) {
-  const auto s = static_cast<std::int64_t>(std::min(seconds, 1e9) + 0.5);
-  if (s < 60) return fmt::format("{} s", s);
-  if (s < 3600) return fmt::format("{} min {} s", s / 60, s % 60);
-  return fmt::format("{} h {} min", s / 3600, s / 60 % 60);
-}
-
 // With an interval that holds however often one looks.
 std::string Share(std::int64_t passed, std::int64_t runs) {
   if (runs == 0) return "none flown";
@@ -77,13 +72,9 @@ class ProgressLine {
     if (shown_ && SecondsSince(last_) < 0.1) return;
     last_ = std::chrono::steady_clock::now();
     shown_ = true;
-    std::string left;
-    if (p.flown > 0)
-      left = fmt::format("   {:.3g} runs/min, {} left", 60 * p.Rate(),
-                         Duration(static_cast<double>(p.rows - p.done) / p.Rate()));
-    if (stop == 1) left = "   ending; interrupt again to drop the runs under way";
-    PrintNote("\r\033[K{}: {} of {}, {}{}", name_, p.done, campaign::Counted(p.rows, "run"),
-              Share(p.counted_passed, p.counted), left);
+    PrintNote("\r\033[K{}: {} of {}, {}   {}", name_, p.done, campaign::Counted(p.rows, "run"),
+              Share(p.counted_passed, p.counted),
+              stop == 1 ? "ending; interrupt again to drop the runs under way" : TimeLeft(p));
     std::fflush(stderr);
   }
 
@@ -182,7 +173,10 @@ bool Fly(const CampaignArguments& a) {
   campaign::CampaignEnd end;
   {
     ProgressLine line(work.identity.name);
-    if (isatty(STDERR_FILENO) && !a.quiet) options.show = [&](const campaign::Progress& p) { line.Show(p); };
+    ProgressLog log(work.identity.name);
+    if (!a.quiet && isatty(STDERR_FILENO)) options.show = [&](const campaign::Progress& p) { line.Show(p); };
+    if (!a.quiet && !isatty(STDERR_FILENO))
+      options.show = [&](const campaign::Progress& p) { PrintNote("{}", log.Line(p)); };
     OnEndSignals(Interrupt);
     end = campaign::RunCampaign(work, options);
   }
@@ -343,8 +337,21 @@ bool PrintScript(const CampaignArguments& a) {
   return true;
 }
 
+// `campaign repot` names no campaign, and was to be `campaign report`.
+std::string MeantAsVerb(const CLI::App& command, const std::string& word) {
+  const std::vector<std::string> campaigns = campaign::NamesOfKind("campaign");
+  const bool is_campaign = IsFile(word) || NearestName(word, campaigns) || fs::path(word).has_extension();
+  std::vector<std::string> verbs;
+  for (const CLI::App* each : VerbsOf(command)) verbs.push_back(each->get_name());
+  const auto near = NearestName(word, verbs);
+  if (is_campaign || !near) return {};
+  return fmt::format("'{}' is no campaign and no verb; did you mean '{}'?", word, *near);
+}
+
 void AddPlanOptions(CLI::App* command, CampaignArguments& a, bool required) {
-  command->add_option("file", a.file, "A campaign's YAML file, or the name of one in scenarios/*/campaigns")
+  command
+      ->add_option("file", a.file, "A campaign's YAML file, or the name of one that `list campaigns` shows")
+      ->type_name("CAMPAIGN")
       ->required(required);
   command->add_option("--runs", a.runs, "Instead of the file's")->check(NotEmpty);
   command->add_option("--seed", a.seed, "Of the table, instead of the file's")->check(NotEmpty);
@@ -353,8 +360,10 @@ void AddPlanOptions(CLI::App* command, CampaignArguments& a, bool required) {
           "--set", a.overrides,
           "key.path=value, instead of the file's; of a key that only its scenario has, for every run; may be "
           "repeated")
+      ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
   command->add_option("--out", a.out, "Folder of the results (default results/campaigns/NAME)")
+      ->type_name("DIR")
       ->check(NotEmpty);
 }
 
@@ -367,6 +376,8 @@ fs::path CampaignFile(const std::string& name_or_file) {
 CLI::App* AddCampaignCommand(CLI::App& app, CampaignArguments& a) {
   CLI::App* command = app.add_subcommand("campaign", "Fly a scenario many times, with what varies in a file");
   AddPlanOptions(command, a, false);
+  command->get_option("file")->check(
+      [command](const std::string& word) { return MeantAsVerb(*command, word); });
   command->add_option("--jobs", a.jobs, "Worker processes (default: one for each core)")
       ->check(WholeNumber(1, 1024));
   command->add_option("--shard", a.shard, "I/N: fly this part of the table alone, into a file of its own")
@@ -385,6 +396,7 @@ CLI::App* AddCampaignCommand(CLI::App& app, CampaignArguments& a) {
       ->capture_default_str();
   command->add_option("--record", a.record, "And this row; may be repeated")->allow_extra_args(false);
   command->add_option("--junit", a.junit, "Also write the thresholds as JUnit XML to this file")
+      ->type_name("FILE")
       ->check(NotEmpty);
   command->add_flag("--quiet", a.quiet, "Print nothing but errors");
   command->footer(
@@ -421,8 +433,8 @@ CLI::App* AddCampaignCommand(CLI::App& app, CampaignArguments& a) {
   replay->add_flag("--no-video", a.no_video, "Do not write video.mp4");
   replay->footer("Example:\n  kestrel campaign replay dispersion 17");
   CLI::App* merge = verb("merge", "Join the results of parts into one file", Verb::kMerge);
-  merge->add_option("shards", a.shards,
-                    "Result files of parts (default: those in the folder of the results)");
+  merge->add_option("shards", a.shards, "Result files of parts (default: those in the folder of the results)")
+      ->type_name("FILE");
   merge->footer(
       "Once nothing is missing it writes the report. Exit status 1: rows are missing, or a threshold is not "
       "kept.\n\nExample:\n  kestrel campaign merge dispersion --out /shared/dispersion");
@@ -444,8 +456,7 @@ CLI::App* AddCampaignCommand(CLI::App& app, CampaignArguments& a) {
 bool CampaignCommand(const CampaignArguments& a) {
   if (a.verb == Verb::kReport) return ReportCommand(a.report);
   if (a.verb == Verb::kCompare) return CompareCommand(a.compare);
-  if (a.file.empty())
-    throw InputError({}, "kestrel campaign: no file", "valid: a campaign's YAML file, or the name of one");
+  if (a.file.empty()) throw InputError({}, NoneNamed("campaign"));
   switch (a.verb) {
     case Verb::kFly:
       return Fly(a);

@@ -5,9 +5,11 @@
 #include <unistd.h>
 
 #include <charconv>
+#include <sstream>
 #include <string>
 #include <string_view>
 
+#include "app/simulated/list_command.h"
 #include "base/process/end_signals.h"
 
 namespace kestrel::app {
@@ -31,6 +33,13 @@ CLI::Validator WholeNumber(int low, int high) {
         return fmt::format("'{}' is not valid; valid: a whole number, {} to {}", text, low, high);
       },
       fmt::format("INT in [{} - {}]", low, high), "");
+}
+
+std::string NoneNamed(const std::string& kind) {
+  std::string text = fmt::format("kestrel: no {0} is named; valid: a {0}'s YAML file, or one of", kind);
+  std::istringstream lines(ListText(kind + 's'));
+  for (std::string line; std::getline(lines, line);) text += "\n  " + line;
+  return text;
 }
 
 void RefuseReportOf(const char* kind, const std::filesystem::path& data, Mistakes& mistakes) {

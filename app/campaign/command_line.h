@@ -26,6 +26,9 @@ inline std::string NotNan(const std::string& text) {
 // Refuses an option that is no whole number from low to high.
 CLI::Validator WholeNumber(int low, int high);
 
+// What to say to `kestrel campaign` or `kestrel tune` alone: what there is. kind: "campaign" or "tuning".
+std::string NoneNamed(const std::string& kind);
+
 // A page of another kind than is to be written lies where its data do: --out is refused. kind: of that other,
 // data: its file in the folder.
 void RefuseReportOf(const char* kind, const std::filesystem::path& data, Mistakes& mistakes);

@@ -32,13 +32,15 @@ CLI::App* AddCompareCommand(CLI::App& parent, CompareArguments& a) {
   CLI::App* command = parent.add_subcommand(
       "compare",
       "Two campaigns on the same rows, row by row: is B better than A, worse, or is it not shown?");
-  command->add_option("A", a.a, "A result file, its folder, or a campaign's name")->required();
-  command->add_option("B", a.b, "The same of the other one")->required();
+  command->add_option("A", a.a, "A result file, its folder, or a campaign's name")
+      ->type_name("CAMPAIGN")
+      ->required();
+  command->add_option("B", a.b, "The same of the other one")->type_name("CAMPAIGN")->required();
   command
       ->add_option("--metric", a.metrics,
                    "To compare beside success (default: those that the campaigns list); may be repeated")
       ->allow_extra_args(false);
-  command->add_option("--json", a.json, "Also write the comparison as JSON to this file");
+  command->add_option("--json", a.json, "Also write the comparison as JSON to this file")->type_name("FILE");
   command->add_option("--seed", a.seed, "Of the bootstrap")->capture_default_str();
   command->footer(
       "Exit status 1: B is worse.\n\nExamples:\n"

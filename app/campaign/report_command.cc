@@ -94,8 +94,10 @@ CLI::App* AddReportCommand(CLI::App& campaign, ReportArguments& a) {
   command
       ->add_option("file", a.of,
                    "A campaign's YAML file or name, or its results.sqlite, or the folder of that")
+      ->type_name("CAMPAIGN")
       ->required();
   command->add_option("--out", a.out, "Folder of the results (default results/campaigns/NAME)")
+      ->type_name("DIR")
       ->check(NotEmpty);
   command->add_flag("--quiet", a.quiet, "Print nothing but errors");
   command->footer(

@@ -107,17 +107,20 @@ std::string AgainText(const TuneArguments& a) {
 
 CLI::App* AddTuneCommand(CLI::App& app, TuneArguments& a) {
   CLI::App* command = app.add_subcommand("tune", "Look for the gains of least cost, by many flights");
-  command->add_option("file", a.file, "A tuning's YAML file, or the name of one in scenarios/*/tunings")
-      ->required();
-  command->add_option(
-      "--set", a.overrides,
-      "key.path=value, instead of the file's; of a key that only its scenario has, for every flight; may be "
-      "repeated");
+  command->add_option("file", a.file, "A tuning's YAML file, or the name of one that `list tunings` shows")
+      ->type_name("TUNING");
+  command
+      ->add_option("--set", a.overrides,
+                   "key.path=value, instead of the file's; of a key that only its scenario has, for every "
+                   "flight; may be "
+                   "repeated")
+      ->type_name("KEY=VALUE");
   command->add_option("--compare", a.compare, "Search by every method, so many times each, and compare them")
       ->check(WholeNumber(1, 100));
   command->add_option("--jobs", a.jobs, "Flights at the same time (default: one for each core)")
       ->check(WholeNumber(1, 1024));
   command->add_option("--out", a.out, "Folder for what comes of it (default results/tunings/NAME)")
+      ->type_name("DIR")
       ->check(NotEmpty);
   command->add_flag("--quiet", a.quiet, "Print nothing but errors");
   command->footer(
@@ -148,6 +151,7 @@ CLI::App* AddTuneCommand(CLI::App& app, TuneArguments& a) {
 }
 
 bool TuneCommand(const TuneArguments& a) {
+  if (a.file.empty()) throw InputError({}, NoneNamed("tuning"));
   EndOnInterrupt();
   const campaign::LoadedTune tune = campaign::LoadTune(campaign::NamedFile("tuning", a.file), a.overrides);
   const fs::path folder =

@@ -171,6 +171,7 @@ CLI::App* AddFlyCommand(CLI::App& app, FlyArguments& a) {
   command
       ->add_option("scenario", a.scenario,
                    "A scenario's name or file; what it says of its world is passed over")
+      ->type_name("SCENARIO")
       ->required();
   command->add_option("--camera", a.camera, "\n" + vision::CameraAddressForms())->required();
   command
@@ -178,9 +179,12 @@ CLI::App* AddFlyCommand(CLI::App& app, FlyArguments& a) {
                    "mavlink:udp://HOST:PORT, mavlink:udpin://HOST:PORT, afcs:udp://HOST:PORT, "
                    "asctec:serial:DEVICE")
       ->required();
-  command->add_option("--aircraft", a.aircraft, "YAML file: limits, camera's delay, options of the link");
-  command->add_option("--set", a.overrides, "key.path=value of the flight, as for run");
-  command->add_option("--set-aircraft", a.aircraft_overrides, "key.path=value of the aircraft");
+  command->add_option("--aircraft", a.aircraft, "YAML file: limits, camera's delay, options of the link")
+      ->type_name("FILE");
+  command->add_option("--set", a.overrides, "key.path=value of the flight, as for run")
+      ->type_name("KEY=VALUE");
+  command->add_option("--set-aircraft", a.aircraft_overrides, "key.path=value of the aircraft")
+      ->type_name("KEY=VALUE");
   command->add_flag("--dry-run", a.dry_run,
                     "Compute and show everything and send no setpoint; what opens the link and asks "
                     "for the state is sent");
@@ -190,7 +194,8 @@ CLI::App* AddFlyCommand(CLI::App& app, FlyArguments& a) {
   command->add_flag("--pilot-untold", a.pilot_untold,
                     "Fly though the autopilot does not tell of the pilot's switch");
   command->add_option("--for", a.for_s, "How long at most, in s, instead of the scenario's duration_s");
-  command->add_option("--out", a.out, "Folder for the records (default results/runs/NAME-flown-TIME)");
+  command->add_option("--out", a.out, "Folder for the records (default results/runs/NAME-flown-TIME)")
+      ->type_name("DIR");
   command->add_flag("--no-video", a.no_video, "Do not write video.mp4");
   command->add_flag("--images", a.images, "Write each frame without loss, for replay");
   command->footer(

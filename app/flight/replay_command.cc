@@ -103,12 +103,16 @@ CLI::App* AddReplayCommand(CLI::App& app, ReplayArguments& a) {
   CLI::App* command = app.add_subcommand(
       "replay", "Give a recorded flight's images and states to its mission again, and compare");
   command->add_option("folder", a.folder, "Of a flight with recording/: run or fly with --images")
+      ->type_name("DIR")
       ->required();
-  command->add_option("--set", a.overrides,
-                      "key.path=value of the flight, to see what another gain or tracker would have said");
+  command
+      ->add_option("--set", a.overrides,
+                   "key.path=value of the flight, to see what another gain or tracker would have said")
+      ->type_name("KEY=VALUE");
   command->add_option("--tolerance", a.tolerance, "Up to which numbers count as equal, in their units")
       ->capture_default_str();
-  command->add_option("--video", a.video, "Also write what the vision code sees now to this MP4");
+  command->add_option("--video", a.video, "Also write what the vision code sees now to this MP4")
+      ->type_name("FILE");
   command->add_flag("--quiet", a.quiet, "Print nothing but errors");
   command->footer(
       "Exit status 1: something differs.\n\nExamples:\n"

@@ -257,6 +257,7 @@ CLI::App* AddEncountersCommand(CLI::App& app, EncountersArguments& a) {
   CLI::App* command =
       app.add_subcommand("encounters", "Random meetings in the air, with avoidance and without");
   command->add_option("scenario", a.scenario, "Of the mission avoid: its camera, gains, marks and weather")
+      ->type_name("SCENARIO")
       ->capture_default_str();
   command->add_option("--count", a.count, "Near encounters, each flown twice")
       ->check(CLI::Range(0, 100000))
@@ -269,14 +270,17 @@ CLI::App* AddEncountersCommand(CLI::App& app, EncountersArguments& a) {
   command->add_option("--jobs", a.jobs, "Flights at the same time")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
-  command->add_option("--set", a.overrides, "key.path=value, as for run")->allow_extra_args(false);
+  command->add_option("--set", a.overrides, "key.path=value, as for run")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
   command
       ->add_option("--out", a.out,
                    "Folder of encounters.csv and encounters.png; a set that was broken off goes on there")
+      ->type_name("DIR")
       ->capture_default_str();
   command->add_flag("--record", a.record,
                     "Write video, telemetry and plots of every flight with avoidance to DIR/SEED");
-  command->add_option("--json", a.json, "Also write the figures as JSON to this file");
+  command->add_option("--json", a.json, "Also write the figures as JSON to this file")->type_name("FILE");
   command->footer(
       "Examples:\n"
       "  kestrel encounters avoid --count 400\n"

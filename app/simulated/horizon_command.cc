@@ -70,10 +70,12 @@ CLI::App* AddHorizonCommand(CLI::App& app, HorizonArguments& a) {
   CLI::App* command = app.add_subcommand(
       "horizon", "Find roll and pitch by the skyline, and the heading by the surroundings");
   command->add_option("input", a.input, "An image or a video file in colour, as the camera took it")
+      ->type_name("FILE")
       ->required();
   command
       ->add_option("--camera", a.camera,
                    "A name in models/cameras, or a calibration file of Kestrel, Kalibr or OpenCV")
+      ->type_name("CAMERA")
       ->required();
   command->add_option("--camera-name", a.camera_name, "Which camera of a Kalibr file (default: its first)");
   command
@@ -87,10 +89,12 @@ CLI::App* AddHorizonCommand(CLI::App& app, HorizonArguments& a) {
   command->add_option("--mount-roll-deg", a.roll_deg, "180: looking up")
       ->check(CLI::Range(-180.0, 180.0))
       ->capture_default_str();
-  command->add_option("--mask", a.mask,
-                      "An image of the same size, not black where the aircraft itself is seen");
-  command->add_option("--out", a.out, "Picture (.png, .jpg) or video (.mp4) with what was seen drawn on it");
-  command->add_option("--csv", a.csv, "A row for each frame");
+  command
+      ->add_option("--mask", a.mask, "An image of the same size, not black where the aircraft itself is seen")
+      ->type_name("FILE");
+  command->add_option("--out", a.out, "Picture (.png, .jpg) or video (.mp4) with what was seen drawn on it")
+      ->type_name("FILE");
+  command->add_option("--csv", a.csv, "A row for each frame")->type_name("FILE");
   AddBitsOption(*command, a.bits);
   command->add_flag("--quiet", a.quiet, "Print nothing but errors");
   command->footer(

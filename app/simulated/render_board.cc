@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 
+#include "app/option/one_of.h"
 #include "base/diagnostics.h"
 #include "base/file/files.h"
 #include "flight/simulated/scenario.h"
@@ -31,9 +32,12 @@ std::string PoseLine(const std::string& image, const Pose& X_CT) {
 CLI::App* AddRenderBoardCommand(CLI::App& app, RenderBoardArguments& a) {
   CLI::App* command =
       app.add_subcommand("render-board", "Draw images of a calibration board as a camera sees it");
-  command->add_option("--camera", a.camera, "One of models/cameras, or a camera's file")->required();
+  command->add_option("--camera", a.camera, "One of models/cameras, or a camera's file")
+      ->type_name("CAMERA")
+      ->required();
   command->add_option("--camera-name", a.camera_name, "Which camera of a Kalibr file (default: its first)");
   command->add_option("--board", a.board, "chessboard, aprilgrid, or a target file of Kalibr")
+      ->type_name("FILE")
       ->capture_default_str();
   command->add_option("--count", a.count, "Images")->check(CLI::Range(1, 1000))->capture_default_str();
   command->add_option("--seed", a.seed, "Of the poses and the noise")->capture_default_str();
@@ -44,9 +48,9 @@ CLI::App* AddRenderBoardCommand(CLI::App& app, RenderBoardArguments& a) {
       ->check(CLI::Range(0.0, 60.0))
       ->capture_default_str();
   command->add_option("--backend", a.backend, "What draws")
-      ->check(CLI::IsMember({"auto", "ray", "osmesa", "egl"}))
+      ->check(OneOf({"auto", "ray", "osmesa", "egl"}))
       ->capture_default_str();
-  command->add_option("--out", a.out, "Folder for the images; new or empty")->required();
+  command->add_option("--out", a.out, "Folder for the images; new or empty")->type_name("DIR")->required();
   command->footer(
       "Examples:\n"
       "  kestrel render-board --camera fisheye --out boards\n"

@@ -20,6 +20,7 @@
 #include <thread>
 #include <tuple>
 
+#include "app/option/one_of.h"
 #include "base/diagnostics.h"
 #include "base/file/files.h"
 #include "base/process/end_signals.h"
@@ -36,7 +37,7 @@
 namespace kestrel::app {
 namespace {
 
-std::atomic<bool> interrupted = false;
+std::atomic<bool> serve_interrupted = false;
 std::atomic<sim::PhysicsServer*> stopped_physics = nullptr;  // by a signal
 
 // What is wrong with it is a mistake among others.
@@ -86,14 +87,17 @@ std::optional<sim::PanTilt> PlatformOf(const flight::ServeArguments& a, const fl
 CLI::App* AddServeCommand(CLI::App& app, flight::ServeArguments& a) {
   CLI::App* serve = app.add_subcommand(
       "serve", "Fly the simulated aircraft in real time for any client, by real wires and a video stream");
-  serve->add_option("scenario", a.scenario, "A name that `list` shows, or a YAML file")->required();
+  serve->add_option("scenario", a.scenario, "A name that `list` shows, or a YAML file")
+      ->type_name("SCENARIO")
+      ->required();
   serve->add_option("--seed", a.seed, "Of everything random, instead of the scenario's");
-  serve->add_option("--set", a.overrides, "key.path=value, instead of the scenario's; may be repeated");
+  serve->add_option("--set", a.overrides, "key.path=value, instead of the scenario's; may be repeated")
+      ->type_name("KEY=VALUE");
   serve->add_option("--afcs", a.afcs, "Rotomotion's AFCS by UDP, at ADDRESS:PORT or the usual place")
       ->expected(0, 1);
   serve->add_flag("--asctec", a.asctec, "Ascending Technologies' low-level processor, on a pseudo-terminal");
   serve->add_option("--mavlink", a.mavlink, "MAVLink 2 by UDP, as this autopilot speaks it")
-      ->check(CLI::IsMember({"px4", "ardupilot"}));
+      ->check(OneOf({"px4", "ardupilot"}));
   serve->add_option("--mavlink-port", a.mavlink_port, "Instead of the usual one")
       ->check(CLI::Range(0, 65535));
   serve
@@ -101,7 +105,7 @@ CLI::App* AddServeCommand(CLI::App& app, flight::ServeArguments& a) {
           "--physics", a.physics,
           "The physics for an autopilot of software in the loop, which moves the rotors itself: PX4's "
           "simulator protocol, or ArduPilot's JSON")
-      ->check(CLI::IsMember({"px4", "ardupilot"}));
+      ->check(OneOf({"px4", "ardupilot"}));
   serve->add_option("--physics-port", a.physics_port, "Instead of the usual one")
       ->check(CLI::Range(0, 65535));
   serve
@@ -115,7 +119,8 @@ CLI::App* AddServeCommand(CLI::App& app, flight::ServeArguments& a) {
       "--for", a.for_s,
       "How long, in s of real time, instead of the scenario's duration_s; with --physics, where a "
       "flight lasts until the autopilot leaves, until all ends");
-  serve->add_option("--out", a.out, "Folder for the records (default results/runs/NAME-SEED-served)");
+  serve->add_option("--out", a.out, "Folder for the records (default results/runs/NAME-SEED-served)")
+      ->type_name("DIR");
   serve->add_option("--pilot-off-at", a.pilot_off_at_s,
                     "When the pilot's switch takes the aircraft away, in s of the flight");
   serve->footer(
@@ -178,11 +183,11 @@ int ServeCommand(const flight::ServeArguments& a) {
     std::puts(line.c_str());
     std::fflush(stdout);
   };
-  options.go_on = [] { return !interrupted.load(); };
+  options.go_on = [] { return !serve_interrupted.load(); };
   // The first asks the flight to end in good order; a second one ends the program.
   stopped_physics = physics.get();
   OnEndSignals([](int) {
-    interrupted = true;
+    serve_interrupted = true;
     if (sim::PhysicsServer* server = stopped_physics) server->Stop();
     EndOnNextSignal();
   });

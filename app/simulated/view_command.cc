@@ -16,6 +16,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "app/option/bits_option.h"
+#include "app/option/one_of.h"
 #include "base/diagnostics.h"
 #include "base/file/files.h"
 #include "base/process/print_note.h"
@@ -247,18 +248,23 @@ int TurnVideo(records::VideoReader& video, const vision::View& view, const visio
 
 CLI::App* AddViewCommand(CLI::App& app, ViewArguments& a) {
   CLI::App* view = app.add_subcommand("view", "Turn a wide image or video into another picture of it");
-  view->add_option("input", a.input, "An image or a video file, as the camera took it")->required();
+  view->add_option("input", a.input, "An image or a video file, as the camera took it")
+      ->type_name("FILE")
+      ->required();
   view->add_option("--camera", a.camera,
                    "A name in models/cameras, or a calibration file of Kestrel, Kalibr or OpenCV")
+      ->type_name("CAMERA")
       ->required();
   view->add_option("--camera-name", a.camera_name, "Which camera of a Kalibr file (default: its first)");
   view->add_option("--as", a.as,
                    "perspective: as a camera without distortion would see it; panorama: even in azimuth and "
                    "elevation; cylinder: a panorama with upright walls in proportion; polar: the image's own "
                    "circles unrolled, without use of the lens; sphere: a ball with the image on it")
-      ->check(CLI::IsMember(KindsOfView()))
+      ->check(OneOf(KindsOfView()))
       ->capture_default_str();
-  view->add_option("--out", a.out, "The file to write: .png or .jpg, or .mp4 of a video")->required();
+  view->add_option("--out", a.out, "The file to write: .png or .jpg, or .mp4 of a video")
+      ->type_name("FILE")
+      ->required();
   view->add_option("--yaw-deg", a.yaw_deg, "Turns the view to the right, off the camera's axis");
   view->add_option("--pitch-deg", a.pitch_deg,
                    "then up; +90 makes a panorama of a camera that looks straight down, -90 straight up");

@@ -8,6 +8,7 @@
 #include <boost/locale/utf.hpp>
 #include <sstream>
 
+#include "base/printable.h"
 #include "base/user_file.h"
 #include "base/yaml/yaml_nodes.h"
 
@@ -64,7 +65,37 @@ void Override(ConfigNode& root, const std::string& text, Mistakes& mistakes) {
   *node = std::move(value);
 }
 
+void TakeDescription(Config& config, Mistakes& mistakes) {
+  constexpr std::size_t kLongest = 200;
+  std::vector<std::pair<std::string, ConfigNode>>& members = config.root.members;
+  if (config.root.kind != Kind::kMap) return;
+  const auto found = std::find_if(members.begin(), members.end(),
+                                  [](const auto& member) { return member.first == kDescriptionKey; });
+  if (found == members.end()) return;
+  const ConfigNode& node = found->second;
+  if (node.kind != Kind::kText || node.text.empty() || node.text.size() > kLongest || HasControl(node.text))
+    mistakes.Add(node.where, kDescriptionKey, Shown(node) + " is not valid",
+                 fmt::format("valid: a sentence of up to {} bytes in one line", kLongest));
+  else
+    config.description = node.text;
+  members.erase(found);
+}
+
 }  // namespace
+
+std::string Shown(const ConfigNode& node) {
+  switch (node.kind) {
+    case Kind::kNothing:
+      return "nothing";
+    case Kind::kText:
+      return node.text.size() <= 200 ? '\'' + node.text + '\'' : '\'' + node.text.substr(0, 100) + "'...";
+    case Kind::kList:
+      return fmt::format("a list of {}", node.members.size());
+    case Kind::kMap:
+      return "a map";
+  }
+  return "";
+}
 
 Place PlaceOfOverride(const std::string& text) { return "--set " + text; }
 bool IsOverride(const Place& place) { return place.file.starts_with("--set "); }
@@ -90,6 +121,7 @@ Config ParseConfig(const std::string& text, const std::string& name,
   try {
     config.root = ReadNodes(text, where_of);
     config.readable = true;
+    TakeDescription(config, mistakes);
   } catch (const YAML::Exception& e) {
     mistakes.Add(where_of(e.mark.line), "", "not valid YAML: " + e.msg);
     return config;

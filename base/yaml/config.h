@@ -11,6 +11,9 @@
 // A YAML file as a tree whose every value knows where it was written.
 namespace kestrel {
 
+// The key of a file's sentence of itself.
+inline constexpr char kDescriptionKey[] = "description";
+
 // A value in a YAML file and where it was written.
 struct ConfigNode {
   enum class Kind { kNothing, kText, kList, kMap };
@@ -22,8 +25,14 @@ struct ConfigNode {
       members;  // in the order of the file; the keys of a list are 0, 1, ...
 };
 
+// For messages: a text in quotes, and of the rest what kind of value it is.
+std::string Shown(const ConfigNode& node);
+
 struct Config {
   ConfigNode root;
+  // The sentence by which a file says what it is, under the key `description` that each may have. It is not in
+  // the root: nothing that is read from a file depends on it.
+  std::string description;
   bool readable = false;  // otherwise the reason is among the mistakes, and Read leaves it at that
 };
 

@@ -27,20 +27,6 @@ void NoticeOnce(const std::string& notice) {
   if (told.insert(notice).second) std::fputs(("kestrel: " + Printable(notice) + "\n").c_str(), stderr);
 }
 
-std::string Shown(const ConfigNode& node) {
-  switch (node.kind) {
-    case Kind::kNothing:
-      return "nothing";
-    case Kind::kText:
-      return node.text.size() <= 200 ? '\'' + node.text + '\'' : '\'' + node.text.substr(0, 100) + "'...";
-    case Kind::kList:
-      return fmt::format("a list of {}", node.members.size());
-    case Kind::kMap:
-      return "a map";
-  }
-  return "";
-}
-
 enum class Parsed { kNumber, kNotFinite, kNotANumber };
 
 Parsed ParseNumber(const ConfigNode& node, double& value) {
@@ -279,7 +265,10 @@ void FieldReader::Finish() const {
     if (std::find(keys_.begin(), keys_.end(), key) != keys_.end() ||
         std::find(former_keys_.begin(), former_keys_.end(), key) != former_keys_.end())
       continue;
-    Wrong(member, key, kUnknownKey, RemedyForName(key, keys_));
+    std::vector<std::string> valid = keys_;
+    if (path_.empty()) valid.push_back(kDescriptionKey);
+    const auto nearest = NearestName(key, valid);
+    Wrong(member, key, kUnknownKey, RemedyForName(key, nearest ? valid : keys_));
   }
 }
 

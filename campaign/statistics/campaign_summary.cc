@@ -180,6 +180,7 @@ std::string ToJson(const CampaignSummary& s) {
                       {"passed", t.passed},
                       {"runs", t.runs},
                       {"without", t.without}});
+    if (t.runs_to_tell) threshold["runs_to_tell"] = *t.runs_to_tell;
     json["thresholds"].push_back(threshold);
   }
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';

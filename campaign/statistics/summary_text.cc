@@ -102,6 +102,8 @@ void AddThresholds(const CampaignSummary& s, std::string& text) {
     text += fmt::format("  {:<4} {:<44} {:>10}   at {} {:g}", t.passed ? "ok" : "NOT", t.name,
                         std::isfinite(t.bound) ? fmt::format("{:.4g}", t.bound) : "none",
                         t.at_least ? "least" : "most", t.limit);
+    if (t.runs_to_tell)
+      text += fmt::format("   (too few runs to tell: {} would do that came out alike)", *t.runs_to_tell);
     text += t.without > 0
                 ? fmt::format("   ({} of {} without it: worse than any)\n", t.without, Counted(t.runs, "run"))
                 : "\n";

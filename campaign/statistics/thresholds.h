@@ -22,6 +22,8 @@ struct JudgedThreshold {
   bool passed = false;                 // the bound keeps to the limit
   std::int64_t runs = 0, without = 0;  // all; of them, those that do not have the metric
   bool sequential = false;             // the interval is that of ShareSequence
+  // Where the runs keep to the limit and are too few to tell: how many would do that came out alike.
+  std::optional<std::int64_t> runs_to_tell = std::nullopt;
 };
 
 // In the order of their names; one with a greatest and a least value is two. A run without the metric never

@@ -403,8 +403,7 @@ std::filesystem::path HardwareProgram() {
   if (const char* given = std::getenv("KESTREL_HARDWARE_PROGRAM")) {
     programs = {given};
   } else {
-    const auto build = OwnProgram().parent_path();
-    programs = {build / "hardware" / "kestrel", build.parent_path() / "build-hardware" / "kestrel"};
+    programs = {OwnProgram().parent_path() / "kestrel-fly"};
   }
   for (const auto& program : programs)
     if (access(program.c_str(), X_OK) == 0) return program;

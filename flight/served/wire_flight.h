@@ -85,8 +85,8 @@ struct WireFlown {
   double Stretched_s() const;       // given up by a machine that was too slow
 };
 
-// The program for real aircraft: KESTREL_HARDWARE_PROGRAM of the environment, or what the tests or `./kestrel
-// fly` built beside this program. Throws InputError with the remedy: it is not there.
+// The program for real aircraft: KESTREL_HARDWARE_PROGRAM of the environment, or kestrel-fly beside this program.
+// Throws InputError with the remedy: it is not there.
 std::filesystem::path HardwareProgram();
 
 // Throws InputError and std::runtime_error: it could not even begin.

@@ -19,7 +19,7 @@ bool Matches(std::string_view pattern, std::string_view name) {
 
 std::vector<std::string> KnownMetrics() {
   scenarios::AddFlights();
-  return records::MetricNames();
+  return NamesOf(records::AllMetrics());
 }
 
 std::vector<std::string> PossibleMetrics(const Scenario& s,
@@ -32,13 +32,13 @@ std::vector<std::string> PossibleMetrics(const Scenario& s,
   };
   const auto changes = [&](const std::string& key) { return varies(key); };
   std::vector<std::string> names;
-  for (const std::string& name : records::CommonMetricNames()) {
+  for (const auto& [name, unit, description, low, high] : records::CommonMetrics()) {
     const bool of_every_flight = name == "fix_share" || name == "greatest_tilt_deg";
     const bool of_a_failure = name.starts_with("failure_") && attitude_fails;
     if (of_every_flight || of_a_failure || declared(name)) names.push_back(name);
   }
   const bool others_matter = !s.targets.empty();
-  for (const std::string& name : type.metrics)
+  for (const auto& [name, unit, description, low, high] : type.metrics)
     if (s.flight->CanHave(name, [&](const std::string& key) {
           return changes(key) || (key == "targets" && others_matter);
         }))

@@ -82,18 +82,54 @@ void CheckTargets(const Scenario& s, const Place& where, Mistakes& mistakes) {
   }
 }
 
+// Where a criterion was written; file: where none was.
+Place WhereOfCriterion(const Config& config, const std::string& metric, const Place& file) {
+  const ConfigNode* criteria = Find(config, "criteria");
+  if (!criteria) return file;
+  for (const auto& [name, member] : criteria->members)
+    if (name == metric) return member.where;
+  return criteria->where;
+}
+
+// Limits that leave nothing between them, or nothing of what a metric can be.
+void CheckLimit(const mission::Metric& metric, const Limit& limit, const Place& where, Mistakes& mistakes) {
+  const std::string key = "criteria." + metric.name;
+  const bool has_high = std::isfinite(metric.high);
+  const std::string valid = has_high ? fmt::format("valid: {:g} to {:g}", metric.low, metric.high)
+                                     : fmt::format("valid: {:g} or more", metric.low);
+  if (!limit.max && !limit.min) mistakes.Add(where, key, "has no limit", "valid: max, min or both");
+  if (limit.max && limit.min && *limit.min > *limit.max)
+    mistakes.Add(
+        where, key,
+        fmt::format("min = {:g} is above max = {:g}, so that no flight meets both", *limit.min, *limit.max),
+        "valid: min no more than max");
+  if (limit.max && *limit.max < metric.low)
+    mistakes.Add(
+        where, key + ".max",
+        fmt::format("{:g} is met by no flight, as the metric is never below {:g}", *limit.max, metric.low),
+        valid);
+  if (limit.min && *limit.min > metric.high)
+    mistakes.Add(
+        where, key + ".min",
+        fmt::format("{:g} is met by no flight, as the metric is never above {:g}", *limit.min, metric.high),
+        valid);
+}
+
 // What a flight of this scenario cannot have is "not reached" by every flight: the criterion is a mistake.
-void CheckCriteria(const Scenario& s, const Place& where, Mistakes& mistakes) {
-  const std::vector<std::string> all = KnownMetrics(), possible = PossibleMetrics(s);
+void CheckCriteria(const Scenario& s, const Config& config, const Place& file, Mistakes& mistakes) {
+  const std::vector<mission::Metric> all = records::AllMetrics();
+  const std::vector<std::string> possible = PossibleMetrics(s);
   for (const auto& [metric, limit] : s.criteria) {
     const std::string key = "criteria." + metric;
-    if (!Known("criteria", metric, all, where, mistakes)) continue;
+    const Place where = WhereOfCriterion(config, metric, file);
+    if (!Known("criteria", metric, NamesOf(all), where, mistakes)) continue;
     if (std::find(possible.begin(), possible.end(), metric) == possible.end())
       mistakes.Add(
           where, key,
           fmt::format("a flight of this scenario, of the mission '{}', has no '{}'", s.mission, metric),
           fmt::format("valid: {}", fmt::join(possible, ", ")));
-    if (!limit.max && !limit.min) mistakes.Add(where, key, "has no limit", "valid: max, min or both");
+    CheckLimit(*std::find_if(all.begin(), all.end(), [&](const auto& each) { return each.name == metric; }),
+               limit, where, mistakes);
   }
 }
 
@@ -200,7 +236,7 @@ LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& o
   CheckTargets(s, WhereOf(config, "targets", where), mistakes);
   CheckLandscape(s, config, where, mistakes);
   CheckMount(s.mount, WhereOf(config, "mount", where), mistakes);
-  CheckCriteria(s, WhereOf(config, "criteria", where), mistakes);
+  CheckCriteria(s, config, where, mistakes);
   CheckFrames(s, WhereOf(config, "image", where), mistakes);
 
   sim::SimulatorParameters& sim = loaded.simulator;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "geometry/tait_bryan.h"
 #include "mission/mean_square.h"
@@ -55,42 +56,51 @@ void AddFailure(const std::vector<LogRow>& rows, std::map<std::string, double>& 
 
 }  // namespace
 
-std::vector<std::string> CommonMetricNames() {
-  return {"fix_x_rmse_m",
-          "fix_y_rmse_m",
-          "fix_z_rmse_m",
-          "fix_yaw_rmse_deg",
-          "fix_share",
-          "longest_loss_s",
-          "settle_s",
-          "hold_horizontal_rmse_m",
-          "hold_vertical_rmse_m",
-          "hold_yaw_rmse_deg",
-          "touchdown_error_m",
-          "touchdown_north_m",
-          "touchdown_east_m",
-          "touchdown_sink_m_s",
-          "touchdown_tilt_deg",
-          "touchdown_speed_m_s",
-          "touchdown_s",
-          "rest_error_m",
-          "rest_tilt_deg",
-          "greatest_tilt_deg",
-          "failure_attitude_rms_deg",
-          "failure_tilt_rms_deg",
-          "failure_heading_worst_deg",
-          "failure_height_worst_m",
-          "failure_place_worst_m",
-          "failure_noticed_s",
-          "failure_returned"};
+const std::vector<mission::Metric>& CommonMetrics() {
+  constexpr double kAny = -std::numeric_limits<double>::infinity();
+  static const std::vector<mission::Metric> kMetrics = {
+      {"fix_x_rmse_m", "m", "RMS error of the camera's fix along the pad's x axis, at the exposures"},
+      {"fix_y_rmse_m", "m", "RMS error of the camera's fix along the pad's y axis, at the exposures"},
+      {"fix_z_rmse_m", "m", "RMS error of the camera's fix in height over the pad, at the exposures"},
+      {"fix_yaw_rmse_deg", "deg", "RMS error of the camera's fix in yaw against the pad, at the exposures"},
+      {"fix_share", "1", "Share of the frames with a fix", 0, 1},
+      {"longest_loss_s", "s", "Longest time without a fix, from the first one on"},
+      {"settle_s", "s", "First time from which the flight stayed within 0.15 m of its goal for 3 s"},
+      {"hold_horizontal_rmse_m", "m", "RMS horizontal distance from the goal, from 15 s on"},
+      {"hold_vertical_rmse_m", "m", "RMS vertical distance from the goal, from 15 s on"},
+      {"hold_yaw_rmse_deg", "deg", "RMS yaw off the goal's, from 15 s on"},
+      {"touchdown_error_m", "m", "Distance from the pad's centre at the first touch"},
+      {"touchdown_north_m", "m", "How far north of the pad's centre the first touch was", kAny},
+      {"touchdown_east_m", "m", "How far east of the pad's centre the first touch was", kAny},
+      {"touchdown_sink_m_s", "m/s", "Velocity downwards at the first touch", kAny},
+      {"touchdown_tilt_deg", "deg", "Tilt from level at the first touch", 0, 180},
+      {"touchdown_speed_m_s", "m/s", "Speed sideways at the first touch"},
+      {"touchdown_s", "s", "When the first touch was"},
+      {"rest_error_m", "m", "Distance from the pad's centre at the end of a landing"},
+      {"rest_tilt_deg", "deg", "Tilt from level at the end of a landing", 0, 180},
+      {"greatest_tilt_deg", "deg", "Greatest tilt of the flight", 0, 180},
+      {"failure_attitude_rms_deg", "deg",
+       "RMS angle between the true down and that which is flown by, while the autopilot's attitude has "
+       "failed",
+       0, 180},
+      {"failure_tilt_rms_deg", "deg", "RMS tilt from level while the autopilot's attitude has failed", 0,
+       180},
+      {"failure_heading_worst_deg", "deg", "Farthest from the heading that the failure began at", 0, 180},
+      {"failure_height_worst_m", "m", "Farthest from the height that the failure began at"},
+      {"failure_place_worst_m", "m", "Farthest from the place that the failure began at"},
+      {"failure_noticed_s", "s", "Time from the failure until the autopilot flew by another attitude"},
+      {"failure_returned", "1", "1 if the autopilot did so, and flew by its own attitude again at the end", 0,
+       1}};
+  return kMetrics;
 }
 
-std::vector<std::string> MetricNames() {
-  std::vector<std::string> names = CommonMetricNames();
+std::vector<mission::Metric> AllMetrics() {
+  std::vector<mission::Metric> all = CommonMetrics();
   for (const mission::Flight& each : mission::Missions())
-    for (const std::string& name : each.type().metrics)
-      if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
-  return names;
+    for (const mission::Metric& metric : each.type().metrics)
+      if (std::none_of(all.begin(), all.end(), [&](const auto& there) { return there.name == metric.name; }))
+        all.push_back(metric);
+  return all;
 }
 
 bool NeedsDecisions(const std::string& metric) {

@@ -99,7 +99,7 @@ mission::MissionType TypeOf(const AttitudeFlight&) {
   return {.name = "attitude",
           .summary = "Measures attitude and heading by the skyline while the autopilot or a pilot flies.",
           .telemetry = mission::HorizonColumns(),
-          .metrics = mission::HorizonMetricNames(),
+          .metrics = mission::HorizonMetrics(),
           .add_metrics = mission::AddHorizonMetrics,
           .plots = {{"attitude.png", records::MeasuresAttitude, records::HorizonPlot}}};
 }

@@ -276,7 +276,7 @@ mission::MissionType TypeOf(const AvoidFlight&) {
       .summary = "Flies a course, passes intruders at a bearing that it holds, and returns to its course.",
       .needs_colour = true,
       .telemetry = AvoidColumns(),
-      .metrics = AvoidMetricNames(),
+      .metrics = AvoidMetrics(),
       .add_metrics = AddAvoidMetrics,
       .plots = {{"encounter.png", MeetsIntruders, EncounterPlot}}};
 }

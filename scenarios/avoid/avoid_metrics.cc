@@ -66,9 +66,20 @@ std::vector<mission::TelemetryColumn> AvoidColumns() {
           column("intruder_after_s", [](const E& e) { return Cell(e.after_s); })};
 }
 
-std::vector<std::string> AvoidMetricNames() {
-  return {"closest_m",          "closest_s",    "closest_share",    "manoeuvred", "manoeuvre_s",
-          "manoeuvre_height_m", "course_end_m", "course_end_own_m", "path_excess"};
+std::vector<mission::Metric> AvoidMetrics() {
+  return {
+      {"closest_m", "m", "Least distance to any intruder, between the centres"},
+      {"closest_s", "s", "When that was"},
+      {"closest_share", "1",
+       "Least distance as a share of what the thesis's bearing allows past a thing that stands still: the "
+       "distance when a bearing was first held, times the sine of 50 degrees"},
+      {"manoeuvred", "1", "1 if a bearing was held at all, otherwise 0", 0, 1},
+      {"manoeuvre_s", "s", "When a bearing was held first"},
+      {"manoeuvre_height_m", "m", "Farthest from the height at the beginning"},
+      {"course_end_m", "m", "Distance from the line of the course at the end"},
+      {"course_end_own_m", "m",
+       "The same by the autopilot's own position, whose drift is no fault of the manoeuvre"},
+      {"path_excess", "1", "Length of the path over the ground over its straight line, less 1"}};
 }
 
 void AddAvoidMetrics(const std::vector<records::LogRow>& rows, std::map<std::string, double>& m) {

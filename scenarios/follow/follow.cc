@@ -203,7 +203,7 @@ mission::MissionType TypeOf(const FollowFlight&) {
           .summary = "Follows a coloured balloon by the centre and the diameter of its image.",
           .needs_colour = true,
           .telemetry = FollowColumns(),
-          .metrics = FollowMetricNames(),
+          .metrics = FollowMetrics(),
           .add_metrics = AddFollowMetrics,
           .plots = {{"follow.png", FollowsBalloon, FollowPlot}}};
 }

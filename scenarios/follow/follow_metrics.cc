@@ -69,9 +69,22 @@ std::vector<mission::TelemetryColumn> FollowColumns() {
           column("wanted_diameter_px", [](const BalloonSight& s) { return s.wanted.diameter; })};
 }
 
-std::vector<std::string> FollowMetricNames() {
-  return {"in_view_share",       "followed_share",  "follow_u_rms_px",  "follow_v_rms_px",
-          "follow_distance_rms", "step_u_settle_s", "step_u_overshoot", "step_distance_error"};
+std::vector<mission::Metric> FollowMetrics() {
+  return {{"in_view_share", "1", "Share of the frames with the balloon's centre in the image", 0, 1},
+          {"followed_share", "1", "Share of the frames in which the mission followed the balloon", 0, 1},
+          {"follow_u_rms_px", "px",
+           "RMS of the balloon's u off what was wanted, from 4 s after each change of that"},
+          {"follow_v_rms_px", "px",
+           "RMS of the balloon's v off what was wanted, from 4 s after each change of that"},
+          {"follow_distance_rms", "1",
+           "RMS of the distance off what was wanted, as a share of that, from 4 s after each change of it"},
+          {"step_u_settle_s", "s",
+           "Longest time after a change of the wanted u until u stays within 5 % of the change"},
+          {"step_u_overshoot", "1",
+           "Farthest that u went beyond a change of the wanted u, as a share of the change"},
+          {"step_distance_error", "1",
+           "Worst mean error of the distance over the second half of the time after a change of the wanted "
+           "diameter, as a share of the distance wanted"}};
 }
 
 void AddFollowMetrics(const std::vector<records::LogRow>& rows, std::map<std::string, double>& m) {

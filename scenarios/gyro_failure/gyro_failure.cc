@@ -145,7 +145,7 @@ mission::MissionType TypeOf(const GyroFailureFlight&) {
   return {.name = "gyro_failure",
           .summary = "Holds its place by the attitude from the skyline while the autopilot's own has failed.",
           .telemetry = mission::HorizonColumns(),
-          .metrics = mission::HorizonMetricNames(),
+          .metrics = mission::HorizonMetrics(),
           .add_metrics = mission::AddHorizonMetrics,
           .plots = {{"attitude.png", records::MeasuresAttitude, records::HorizonPlot}}};
 }

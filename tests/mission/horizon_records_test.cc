@@ -57,7 +57,7 @@ TEST(HorizonMetrics, AllOfThemHaveNames) {
   AddHorizonMetrics(rows, metrics);
   std::vector<std::string> names;
   for (const auto& [name, value] : metrics) names.push_back(name);
-  EXPECT_THAT(names, ::testing::UnorderedElementsAreArray(HorizonMetricNames()));
+  EXPECT_THAT(names, ::testing::UnorderedElementsAreArray(NamesOf(HorizonMetrics())));
 }
 
 }  // namespace

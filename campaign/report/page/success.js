@@ -97,7 +97,8 @@ const drawThresholds = () => {
         el("td", {}, `at ${t.at_least ? "least" : "most"} ${shown(t.limit, t.name)}`),
         el("td", {}, hasNumber(t.value) ? shown(t.value, t.name) : "none: not every run has it"),
         el("td", {}, hasNumber(t.value) ? intervalText(t.low, t.high, (value) => shown(value, t.name)) : "none"),
-        el("td", {class: t.passed ? "met" : "missed"}, t.passed ? "met" : "not met",
+        el("td", {class: t.passed ? "met" : "missed"}, t.passed ? "met" : t.runs_to_tell ? "too few runs to tell" : "not met",
+          t.runs_to_tell ? el("small", {}, ` (${count(t.runs_to_tell)} would do that came out alike)`) : null,
           t.without ? el("small", {}, ` (${plural(t.without, "run")} without it)`) : null)))))),
     el("p", {class: "note"}, "Met when the bound of the interval that is against it keeps to the limit. A run without the metric counts as worse than any that has it."));
 };

@@ -49,7 +49,7 @@ constexpr char kShort[] = "run pose --no-video --set duration_s=0.5 --set start.
 TEST_F(CommandLineTest, ARunThatMeetsItsCriteriaEndsWithZero) {
   const Ended run = Kestrel(std::string(kShort) + "--seed 7 --set criteria='{fix_share: {min: 0.1}}'");
   EXPECT_EQ(run.status, 0) << run.err;
-  EXPECT_THAT(run.out, AllOf(HasSubstr("pose, seed 7: completed"), HasSubstr("fix_share"),
+  EXPECT_THAT(run.out, AllOf(HasSubstr("pose, seed 7: PASSED (completed)"), HasSubstr("fix_share"),
                              HasSubstr("at least 0.1"), HasSubstr("results/runs/pose-7")));
   EXPECT_THAT(run.err, IsEmpty());  // no progress where nobody watches
   const auto summary = nlohmann::json::parse(Content(folder_ / "results/runs/pose-7/summary.json"));
@@ -87,7 +87,8 @@ TEST_F(CommandLineTest, ARunThatMissesThemEndsWithOne) {
   const Ended run =
       Kestrel(std::string(kShort) + "--out here --junit report.xml --set criteria='{fix_share: {max: 0}}'");
   EXPECT_EQ(run.status, 1) << run.err;
-  EXPECT_THAT(run.out, HasSubstr("NOT"));
+  EXPECT_THAT(run.out, AllOf(HasSubstr("FAILED: 1 of 1 criteria not met"), HasSubstr("NOT  fix_share")));
+  EXPECT_THAT(run.out, Not(HasSubstr("\x1b")));  // colours are for a terminal
   EXPECT_EQ(nlohmann::json::parse(Content(folder_ / "here/summary.json"))["passed"], false);
   pugi::xml_document junit;
   ASSERT_TRUE(junit.load_file((folder_ / "report.xml").c_str()));
@@ -100,6 +101,26 @@ TEST_F(CommandLineTest, QuietPrintsNothing) {
   EXPECT_EQ(run.status, 0);
   EXPECT_THAT(run.out, IsEmpty());
   EXPECT_THAT(run.err, IsEmpty());
+}
+
+TEST_F(CommandLineTest, QuietSaysWhatFailed) {
+  const Ended run =
+      Kestrel(std::string(kShort) + "--quiet --out here --set criteria='{fix_share: {max: 0}}'");
+  EXPECT_EQ(run.status, 1);
+  EXPECT_THAT(run.out, IsEmpty());
+  EXPECT_THAT(run.err, AllOf(HasSubstr("FAILED: 1 of 1 criteria not met"), HasSubstr("fix_share")));
+}
+
+// script(1) gives the program a terminal.
+TEST_F(CommandLineTest, ATerminalGetsColoursUnlessNobodyWantsThem) {
+  const auto out = [&](const std::string& environment) {
+    return Shell(folder_,
+                 fmt::format("TERM=xterm {} script -qec '" KESTREL_PROGRAM " {} --out here' /dev/null",
+                             environment, kShort))
+        .out;
+  };
+  EXPECT_THAT(out("NO_COLOR="), HasSubstr("\x1b[32mPASSED"));
+  EXPECT_THAT(out("NO_COLOR=1"), AllOf(HasSubstr("PASSED"), Not(HasSubstr("\x1b[32m"))));
 }
 
 TEST_F(CommandLineTest, TheSeedOfTheCommandLineWins) {
@@ -322,7 +343,7 @@ TEST_F(CommandLineTest, TheScenarioOfARunGivesItAgain) {
 }
 
 TEST_F(CommandLineTest, ListShowsTheScenarios) {
-  const Ended list = Kestrel("list");
+  const Ended list = Kestrel("list --json");
   EXPECT_EQ(list.status, 0);
   for (const char* name : {"hover", "landing", "pose", "pose_high", "pelican", "thesis_6mm", "airfield"}) {
     EXPECT_THAT(list.out, HasSubstr(name));

@@ -126,7 +126,13 @@ TEST_F(TuneCommandTest, AFileMayBeNamedByItsFlight) {
   };
   EXPECT_THAT(refusal("poor"), HasSubstr("'poor' is the name of "));
   EXPECT_THAT(refusal("hover/poor"), HasSubstr("budget: 1 flights are not enough"));  // so it was read
-  EXPECT_THAT(refusal("porr"), HasSubstr("there is no tuning 'porr'; did you mean 'poor'?"));
+  EXPECT_THAT(refusal("porr"), HasSubstr("there is no tuning 'porr'; did you mean "
+                                         "'avoid/poor' or 'follow/poor' or 'hover/poor'?"));
+  EXPECT_THAT(refusal("hovr/poor"), HasSubstr("there is no tuning 'hovr/poor'; did you mean 'hover/poor'?"));
+  EXPECT_THAT(refusal("quack"),
+              HasSubstr("valid: avoid/poor, follow/poor, hover/family, hover/poor, landing/"));
+  EXPECT_THAT(refusal(""),
+              HasSubstr("no tuning is named; valid: a tuning's YAML file, or one of\n  avoid/poor   "));
 }
 
 // Flights that are only read again are not told as progress.

@@ -5,6 +5,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include "app/option/one_of.h"
+
 namespace kestrel::app {
 namespace {
 
@@ -24,11 +26,13 @@ class ParseCommandLineTest : public testing::Test {
     app_.require_subcommand(1);
     app_.set_version_flag("--version", "1.2.3");
     CLI::App* run = app_.add_subcommand("run", "Fly a scenario");
-    run->add_option("scenario", scenario_)->required();
+    run->add_option("scenario", scenario_, "A name")->required();
     run->add_option("--seed", seed_);
     CLI::App* campaign = app_.add_subcommand("campaign", "Fly many");
-    campaign->require_subcommand(1);
+    campaign->require_subcommand(0, 1);
+    campaign->add_option("file", file_);
     campaign->add_subcommand("replay", "One of them again")->add_option("--row", seed_);
+    app_.add_subcommand("bench", "Measure")->add_option("name", file_)->check(OneOf({"render", "servo"}));
   }
   Answer Parse(std::vector<const char*> words) {
     words.insert(words.begin(), "kestrel");
@@ -41,8 +45,8 @@ class ParseCommandLineTest : public testing::Test {
     answer.err = testing::internal::GetCapturedStderr();
     return answer;
   }
-  CLI::App app_;
-  std::string scenario_;
+  CLI::App app_{"", "kestrel"};
+  std::string scenario_, file_;
   int seed_ = 0;
 };
 
@@ -59,9 +63,13 @@ TEST_F(ParseCommandLineTest, AMisspeltVerbIsAnsweredWithTheNearest) {
   EXPECT_EQ(answer.status, 2);
   EXPECT_THAT(answer.err, AllOf(HasSubstr("kestrel: there is no verb 'rn'; did you mean 'run'?"),
                                 HasSubstr("`kestrel --help`"), Not(HasSubstr("hover"))));
-  EXPECT_THAT(Parse({"campaign", "repaly"}).err,
+  EXPECT_THAT(Parse({"campaign", "file.yaml", "repaly"}).err,
+              HasSubstr("kestrel campaign: there is no verb 'repaly'; did you mean 'replay'?"));
+  EXPECT_THAT(Parse({"campaign", "repaly", "file.yaml"}).err,  // which was taken for a file
               HasSubstr("kestrel campaign: there is no verb 'repaly'; did you mean 'replay'?"));
   EXPECT_THAT(Parse({"quack"}).err, HasSubstr("valid: run, campaign"));
+  EXPECT_THAT(Parse({"help", "rn"}).err, HasSubstr("kestrel: there is no verb 'rn'; did you mean 'run'?"));
+  EXPECT_THAT(Parse({"help", "campaign", "repaly"}).err, HasSubstr("did you mean 'replay'?"));
 }
 
 TEST_F(ParseCommandLineTest, AMisspeltOptionIsAnsweredWithTheNearest) {
@@ -76,7 +84,16 @@ TEST_F(ParseCommandLineTest, AMisspeltOptionIsAnsweredWithTheNearest) {
   EXPECT_THAT(Parse({"campaign", "replay", "--rwo", "3"}).err,
               HasSubstr("kestrel campaign replay: there is no option '--rwo'; did you mean '--row'?"));
   EXPECT_THAT(Parse({"run", "hover", "again"}).err, HasSubstr("kestrel run: 'again' is one word too many"));
-  EXPECT_THAT(Parse({"run", "--seed", "3"}).err, HasSubstr("scenario is required"));
+  EXPECT_THAT(Parse({"run", "--seed", "3"}).err, HasSubstr("scenario is required; valid: A name"));
+}
+
+TEST_F(ParseCommandLineTest, AValueThatIsNoneIsAnsweredWithWhatWouldBe) {
+  EXPECT_THAT(Parse({"run", "hover", "--seed", "x"}).err,
+              HasSubstr("kestrel run: --seed: 'x' is not valid; valid: a whole number\n"));
+  EXPECT_THAT(Parse({"run", "hover", "--seed"}).err,
+              HasSubstr("kestrel run: --seed: its value is missing\n"));
+  EXPECT_THAT(Parse({"bench", "rendr"}).err, HasSubstr("'rendr' is not valid; did you mean 'render'?"));
+  EXPECT_THAT(Parse({"bench", "quack"}).err, HasSubstr("'quack' is not valid; valid: render, servo"));
 }
 
 TEST_F(ParseCommandLineTest, WithoutAVerbTheVerbsAreNamed) {

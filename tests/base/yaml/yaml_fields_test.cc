@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <bit>
 #include <limits>
@@ -429,6 +430,27 @@ criteria:
     max: 0.25
     min: null
 )");
+}
+
+// Whatever the file is of: nothing that is read from it depends on the sentence.
+TEST(Description, IsOfTheFileAndNotOfWhatIsReadFromIt) {
+  Mistakes mistakes;
+  const Config config = ParseConfig("description: A balloon on a string.\nmean: 2\n", "f.yaml", {}, mistakes);
+  EXPECT_EQ(config.description, "A balloon on a string.");
+  ASSERT_EQ(config.root.members.size(), 1u);
+  EXPECT_EQ(config.root.members[0].first, "mean");
+  EXPECT_EQ(ParseConfig("mean: 2\n", "f.yaml", {}, mistakes).description, "");
+  EXPECT_TRUE(mistakes.empty());
+}
+
+TEST(Description, IsOneLineOfText) {
+  for (const std::string given : {"[a, b]", "\"two\\nlines\"", "''", "{a: b}"}) {
+    Mistakes mistakes;
+    EXPECT_EQ(ParseConfig("a: 1\ndescription: " + given, "f.yaml", {}, mistakes).description, "");
+    ASSERT_EQ(mistakes.Texts().size(), 1u) << given;
+    EXPECT_THAT(mistakes.Texts()[0], testing::HasSubstr("f.yaml:2: description: "));
+    EXPECT_THAT(mistakes.Texts()[0], testing::HasSubstr("valid: a sentence of up to 200 bytes in one line"));
+  }
 }
 
 }  // namespace

@@ -55,6 +55,30 @@ TEST(Thresholds, FewRunsPassNoneThatManyWould) {
   EXPECT_FALSE(Judge({{"success", {kNone, kNone, 0.0001}}}, {})[0].passed);
 }
 
+// By the definition: one run less would not have told.
+TEST(Thresholds, WhereRunsAreTooFewTheyTellHowManyWouldDo) {
+  const auto all = Judge({{"success", {kNone, kNone, 0.98}}}, Runs(10, 0, 0))[0];
+  ASSERT_TRUE(all.runs_to_tell);
+  EXPECT_EQ(*all.runs_to_tell, std::ceil(std::log(0.025) / std::log(0.98)));  // 0.98^n = 0.025
+  EXPECT_TRUE(Judge({{"success", {kNone, kNone, 0.98}}}, Runs(183, 0, 0))[0].passed);
+  EXPECT_FALSE(Judge({{"success", {kNone, kNone, 0.98}}}, Runs(182, 0, 0))[0].passed);
+
+  const auto most = Judge({{"success", {kNone, kNone, 0.8}}}, Runs(20, 2, 0))[0];  // 90 % passed
+  ASSERT_TRUE(most.runs_to_tell);
+  const std::int64_t n = *most.runs_to_tell;
+  EXPECT_GE(ShareInterval(n * 9 / 10, n).low, 0.8);
+  EXPECT_LT(ShareInterval((n - 1) * 9 / 10, n - 1).low, 0.8);
+
+  const auto quantile = Judge({{"error_m", {0.95, 1.0, kNone}}}, Runs(20, 0, 0))[0];
+  EXPECT_EQ(quantile.runs_to_tell, 72);
+  // What is not kept to by the runs themselves more of them would not cure.
+  EXPECT_FALSE(Judge({{"success", {kNone, kNone, 0.95}}}, Runs(20, 2, 0))[0].runs_to_tell);
+  EXPECT_FALSE(Judge({{"success", {kNone, kNone, 1.0}}}, Runs(20, 0, 0))[0].runs_to_tell);
+  EXPECT_FALSE(Judge({{"success", {kNone, kNone, 0.5}}}, Runs(20, 0, 0))[0].runs_to_tell);
+  EXPECT_FALSE(Judge({{"success", {kNone, kNone, 0.5}}}, {})[0].runs_to_tell);
+  EXPECT_THAT(ToJunit("c", {all}), testing::HasSubstr("183 would do that came out alike"));
+}
+
 TEST(Thresholds, ACampaignThatAsksNothingOfItsSuccessAsksForOneRunThatPassed) {
   const auto none = Judge({}, Runs(20, 20, 0));
   ASSERT_EQ(none.size(), 1u);

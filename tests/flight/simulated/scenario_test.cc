@@ -234,6 +234,25 @@ TEST_F(ScenarioTest, ACriterionNeedsALimit) {
               ElementsAre(HasSubstr("criteria.fix_share: has no limit")));
 }
 
+TEST_F(ScenarioTest, ACriterionThatNoFlightCanMeetIsRefusedWhereItIsWritten) {
+  const std::string file = Write("never.yaml", R"(mission: pose
+criteria:
+  fix_x_rmse_m: {max: -0.1}
+  fix_share: {min: 1.5}
+  longest_loss_s: {min: 3, max: 2}
+  touchdown_error_m: {max: 1}
+  greatest_tilt_deg: {max: 200}
+)");
+  EXPECT_THAT(
+      Refusal(file),
+      ElementsAre(AllOf(HasSubstr("never.yaml:4: criteria.fix_share.min: 1.5 is met by no flight"),
+                        HasSubstr("never above 1; valid: 0 to 1")),
+                  AllOf(HasSubstr("never.yaml:3: criteria.fix_x_rmse_m.max: -0.1 is met by no flight"),
+                        HasSubstr("never below 0; valid: 0 or more")),
+                  HasSubstr("never.yaml:5: criteria.longest_loss_s: min = 3 is above max = 2"),
+                  HasSubstr("never.yaml:6: criteria.touchdown_error_m: a flight of this scenario")));
+}
+
 TEST_F(ScenarioTest, ACameraMustBeWhole) {
   CopyRoot();
   const std::string file = (folder_ / "models/cameras/thesis_6mm.yaml").string();

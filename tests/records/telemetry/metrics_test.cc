@@ -207,14 +207,14 @@ TEST(Metrics, TheNamesAreThoseThatAFlightCanHave) {
   for (const auto& [name, value] : Metrics(rows, Over(5, {0, 0, 0}), nullptr)) {
     if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
   }
-  EXPECT_THAT(names, UnorderedElementsAreArray(CommonMetricNames()));
+  EXPECT_THAT(names, UnorderedElementsAreArray(mission::NamesOf(CommonMetrics())));
 }
 
 TEST(Metrics, OfAMissionThatDeclaresItsOwnAreThereToo) {
   const mission::MissionType type{
       .name = "some",
       .summary = "",
-      .metrics = {"rows"},
+      .metrics = {{"rows", "1", "How many rows there are"}},
       .add_metrics = [](const std::vector<LogRow>& rows, std::map<std::string, double>& m) {
         m["rows"] = static_cast<double>(rows.size());
       }};

@@ -99,7 +99,7 @@ TEST(AvoidMetrics, AllOfThemHaveNames) {
   rows[1].decision.report = Reported({.wanted = 1.0});
   std::vector<std::string> names;
   for (const auto& [name, value] : MetricsOf(rows)) names.push_back(name);
-  EXPECT_THAT(names, ::testing::UnorderedElementsAreArray(AvoidMetricNames()));
+  EXPECT_THAT(names, ::testing::UnorderedElementsAreArray(NamesOf(AvoidMetrics())));
 }
 
 }  // namespace

@@ -62,7 +62,7 @@ TEST(FollowMetrics, AllOfThemHaveNames) {
   for (double t = 0; t < 10; t += kRow_s) rows.push_back(Row(20 + t, Beside(0.2, 0, 0.1), Beside(0.2)));
   std::vector<std::string> names;
   for (const auto& [name, value] : MetricsOf(rows)) names.push_back(name);
-  EXPECT_THAT(names, ::testing::UnorderedElementsAreArray(FollowMetricNames()));
+  EXPECT_THAT(names, ::testing::UnorderedElementsAreArray(NamesOf(FollowMetrics())));
 }
 
 TEST(FollowMetrics, AStepOfFirstOrderSettlesAfterThreeTimeConstantsWithoutOvershoot) {
