@@ -314,7 +314,7 @@ TEST(YamlFields, ListsOfTextsAndNodesAsTheyStand) {
   EXPECT_THAT(listed.names, ElementsAre("a=1", "b"));
   ASSERT_EQ(listed.rest.members.size(), 1u);
   EXPECT_EQ(listed.rest.members[0].first, "c");
-  EXPECT_EQ(listed.rest.members[0].second.where, "f.yaml:2");
+  EXPECT_EQ(listed.rest.members[0].second.where.Text(), "f.yaml:2");
   Read(ParseConfig("names: [a, [b]]\n", "f.yaml", {}, mistakes), listed, mistakes);
   Read(ParseConfig("names: a\n", "f.yaml", {}, mistakes), listed, mistakes);
   EXPECT_THAT(mistakes.Texts(), ElementsAre("f.yaml:1: names.1: a list of 1 is not a text",
