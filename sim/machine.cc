@@ -2,7 +2,6 @@
 #include "sim/machine.h"
 
 #include <dlfcn.h>
-#include <embree3/rtcore.h>
 #include <fmt/format.h>
 #include <hwy/highway.h>
 #include <mujoco/mujoco.h>
@@ -18,6 +17,7 @@
 #include <sstream>
 #include <utility>
 
+#include "sim/render/ray/embree.h"
 #include "sim/render/ray/instruction_set.h"
 
 #ifdef __GLIBC__

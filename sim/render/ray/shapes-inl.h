@@ -139,10 +139,7 @@ VF EnterTriangles(const Triangles& triangles, const Vec3& o, const Vec3& d, VF m
     packet.ray.flags[i] = packet.ray.id[i] = 0;
     packet.hit.geomID[i] = packet.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
   }
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  Embree<kLanes>::kIntersect(valid, triangles.scene(), &context, &packet);
+  IntersectCoherent(Embree<kLanes>::kIntersect, valid, triangles.scene(), &packet);
   alignas(64) float t[kLanes];
   for (int i = 0; i < kLanes; ++i) {
     const bool met = packet.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID;

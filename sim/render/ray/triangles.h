@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <embree3/rtcore.h>
 #include <mujoco/mujoco.h>
 
 #include <Eigen/Core>
 #include <cstdint>
 #include <vector>
+
+#include "sim/render/ray/embree.h"
 
 namespace kestrel::sim::ray {
 
