@@ -408,7 +408,7 @@ bool CheckOverride(const CampaignPlan& plan, const List& others, const std::stri
   // The place and the key are those of this file.
   Diagnostic rest = *refused;
   if (rest.place() == PlaceOfOverride(text)) rest.file.clear();
-  if (rest.key == key) rest.key.clear();
+  if (rest.file.empty() && rest.key == key) rest.key.clear();
   std::string remedies = std::move(rest.remedy);
   rest.remedy.clear();
   const std::string what = rest.Text();
