@@ -113,3 +113,32 @@ Libs: -L\${prefix}/${CMAKE_INSTALL_LIBDIR}/kestrel -Wl,--start-group${libraries}
   install(FILES ${CMAKE_BINARY_DIR}/package/kestrel-${component}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig
           COMPONENT kestrel-dev)
 endforeach()
+
+# Debian packages: `cpack -G DEB` in the build folder. kestrel flies; libkestrel-dev is built against.
+set(CPACK_PACKAGE_NAME kestrel)
+set(CPACK_PACKAGE_CONTACT "Kestrel's developers <kestrel@localhost>")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "Software-in-the-loop simulator for vision-guided flight")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_COMPONENTS_ALL kestrel kestrel-dev)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_KESTREL_PACKAGE_NAME kestrel)
+set(CPACK_DEBIAN_KESTREL_PACKAGE_SHLIBDEPS ON)
+# Opened at run time, so no library says so: drawing without a screen.
+set(CPACK_DEBIAN_KESTREL_PACKAGE_DEPENDS "libosmesa6 | libegl1")
+set(CPACK_DEBIAN_KESTREL_PACKAGE_RECOMMENDS "ffmpeg, gnuplot-nox, libjs-chart.js, gstreamer1.0-plugins-base, gstreamer1.0-plugins-good")
+set(CPACK_DEBIAN_KESTREL-DEV_PACKAGE_NAME libkestrel-dev)
+set(CPACK_DEBIAN_KESTREL-DEV_PACKAGE_SECTION libdevel)
+string(CONCAT CPACK_DEBIAN_KESTREL-DEV_PACKAGE_DEPENDS
+       "kestrel (= ${PROJECT_VERSION}), libeigen3-dev, libboost-dev, libfmt-dev, libyaml-cpp-dev, libopencv-dev, "
+       "libgstreamer1.0-dev, nlohmann-json3-dev, libpugixml-dev, libmujoco-dev, libqhull-dev, libgl-dev, libopengl-dev, "
+       "libembree-dev, libhwy-dev, libxxhash-dev, pkg-config")
+if(aravis_FOUND)
+  string(APPEND CPACK_DEBIAN_KESTREL-DEV_PACKAGE_DEPENDS ", libaravis-dev, libusb-1.0-0-dev")
+endif()
+if(apriltag_FOUND)
+  string(APPEND CPACK_DEBIAN_KESTREL-DEV_PACKAGE_DEPENDS ", libapriltag-dev")
+endif()
+include(CPack)
