@@ -58,6 +58,9 @@ install(TARGETS kestrel_plugin EXPORT kestrel COMPONENT kestrel-dev)
 list(APPEND components plugin)
 
 set(package ${CMAKE_INSTALL_LIBDIR}/cmake/kestrel)
+if(NOT apriltag_FOUND)
+  set(apriltag_FOUND FALSE)
+endif()
 configure_package_config_file(kestrelConfig.cmake.in ${CMAKE_BINARY_DIR}/package/kestrelConfig.cmake INSTALL_DESTINATION ${package})
 # Before 1.0 a minor version may change what others build on.
 write_basic_package_version_file(${CMAKE_BINARY_DIR}/package/kestrelConfigVersion.cmake COMPATIBILITY SameMinorVersion)

@@ -81,7 +81,7 @@ mission::MissionType TypeOf(const CircleFlight&) {
   return {.name = "circle",
           .summary = "Circles over the pad.",
           .looks_for_pad = true,
-          .metrics = {{"circle_around_deg", "deg", "how far around the pad it came, clockwise"}},
+          .metrics = {{"circle_around_deg", "deg", "how far around the pad it came, clockwise", -1e9, 1e9}},
           .add_metrics = AddCircleMetrics,
           .common_metrics = {"fix_*", "longest_loss_s"}};
 }
