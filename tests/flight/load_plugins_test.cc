@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <fstream>
 
+#include "base/diagnostics.h"
 #include "base/version.h"
 #include "mission/plugin.h"
 #include "tests/support/temporary_folder.h"
@@ -37,7 +38,9 @@ std::vector<std::string> Refusal(const std::vector<std::string>& files) {
   try {
     LoadPlugins(files);
   } catch (const InputError& e) {
-    return e.messages;
+    Mistakes mistakes;
+    mistakes.Add(e);
+    return mistakes.Texts();
   }
   return {};
 }
