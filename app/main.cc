@@ -17,6 +17,7 @@
 #include "app/manual/manual_command.h"
 #include "app/option/exit_status.h"
 #include "app/option/parse_command_line.h"
+#include "app/option/plugin_option.h"
 #include "app/simulated/check_command.h"
 #include "app/simulated/encounters_command.h"
 #include "app/simulated/horizon_command.h"
@@ -30,6 +31,7 @@
 #include "base/printable.h"
 #include "base/process/print_note.h"
 #include "base/version.h"
+#include "flight/load_plugins.h"
 
 namespace kestrel::app {
 namespace {
@@ -93,6 +95,9 @@ int Main(int argc, char** argv) {
   std::string isa;
   for (const char* name : {"run", "serve", "encounters", "campaign", "tune", "bench", "replay"})
     AddIsaOption(app.get_subcommand(name), isa);
+  std::vector<std::string> plugins;
+  for (const char* name : {"run", "list", "check", "serve", "campaign", "tune", "replay"})
+    AddPluginOption(app.get_subcommand(name), plugins);
   // Last, or each verb without a footer of its own would have this one.
   app.footer(
       "Examples:\n  kestrel run landing\n  kestrel check my_flight.yaml\n"
@@ -102,6 +107,7 @@ int Main(int argc, char** argv) {
   if (const auto status = ParseCommandLine(app, argc, argv)) return *status;
   try {
     GoBy(isa, argv);
+    flight::LoadPlugins(plugins);
     for (const Verb& verb : verbs)
       if (*verb.command) return verb.done();
   } catch (const InputError& e) {

@@ -11,11 +11,13 @@
 #include "app/manual/manual_command.h"
 #include "app/option/exit_status.h"
 #include "app/option/parse_command_line.h"
+#include "app/option/plugin_option.h"
 #include "base/diagnostics.h"
 #include "base/printable.h"
 #include "base/process/print_note.h"
 #include "base/version.h"
 #include "flight/flight_plan.h"
+#include "flight/load_plugins.h"
 
 namespace kestrel::app {
 namespace {
@@ -42,12 +44,15 @@ int Main(int argc, char** argv) {
   ManualArguments manual;
   const CLI::App* completion_command = AddCompletionCommand(app, manual);
   const CLI::App* man_command = AddManCommand(app);
+  std::vector<std::string> plugins;
+  for (const char* name : {"fly", "check", "replay"}) AddPluginOption(app.get_subcommand(name), plugins);
   app.footer(
       "Examples:\n  kestrel fly hover --camera v4l2:/dev/video0 --autopilot mavlink:udpin://:14540 "
       "--dry-run\n"
       "  kestrel replay results/runs/hover-flown-20250101-120000");
   if (const auto status = ParseCommandLine(app, argc, argv)) return *status;
   try {
+    flight::LoadPlugins(plugins);
     if (*fly_command) return FlyCommand(fly) ? kMet : kNotMet;
     if (*replay_command) return ReplayCommand(replay) ? kMet : kNotMet;
     if (*calibrate_command) {

@@ -14,9 +14,11 @@
 #include <string>
 
 #include "app/simulated/isa_option.h"
+#include "base/process/print_note.h"
 #include "base/version.h"
 #include "campaign/execution/fly_row.h"
 #include "campaign/execution/worker_wire.h"
+#include "flight/load_plugins.h"
 
 namespace kestrel::app {
 namespace {
@@ -76,5 +78,11 @@ int main(int argc, char** argv) {
     return 2;
   }
   kestrel::app::GoByTheEnvironment();
+  try {
+    kestrel::flight::LoadPlugins({});  // which KESTREL_PLUGINS names, as kestrel has set it
+  } catch (const std::exception& e) {
+    kestrel::PrintNote("{}\n", e.what());
+    return 2;
+  }
   return kestrel::app::Work();
 }

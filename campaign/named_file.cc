@@ -34,8 +34,8 @@ std::vector<std::string> NearestOf(const std::string& name, const std::vector<st
 
 std::vector<std::string> NamesOfKind(const std::string& kind) {
   std::vector<std::string> names;
-  for (const std::string& flight : NamesIn(Root() / "scenarios", ""))
-    for (const std::string& name : NamesIn(Root() / "scenarios" / flight / (kind + 's'), ".yaml"))
+  for (const std::string& flight : DataNames("scenarios", ""))
+    for (const std::string& name : DataNames(fs::path("scenarios") / flight / (kind + 's'), ".yaml"))
       names.push_back(flight + '/' + name);
   return names;
 }
@@ -49,8 +49,8 @@ fs::path NamedFile(const std::string& kind, const std::string& name_or_file) {
     if (name_or_file == name || name_or_file == LastPart(name)) found.push_back(name);
   if (found.size() == 1) {
     const std::size_t slash = found.front().find('/');
-    return Root() / "scenarios" / found.front().substr(0, slash) / (kind + 's') /
-           (LastPart(found.front()) + ".yaml");
+    return DataFile(fs::path("scenarios") / found.front().substr(0, slash) / (kind + 's') /
+                    (LastPart(found.front()) + ".yaml"));
   }
   if (!found.empty())
     throw InputError(kind, fmt::format("'{}' is the name of {}", name_or_file, found.size()),

@@ -40,7 +40,7 @@ void CheckHasPad(const mission::Flight& flight, const Config& config, const Plac
   if (flight.type().looks_for_pad)
     mistakes.Add(WhereOf(config, "pad", where), "pad.name",
                  fmt::format("none, but the mission '{}' looks for a pad", flight.type().name),
-                 fmt::format("valid: {}", fmt::join(NamesIn(Root() / "models" / "pads", ""), ", ")));
+                 fmt::format("valid: {}", fmt::join(ModelNames(Model::kPad), ", ")));
 }
 
 }  // namespace kestrel::flight

@@ -50,6 +50,7 @@ cv::Mat OwnParts(const FlightPlan& plan, const fs::path& beside, const vision::C
 LoadedPlan LoadWhole(const fs::path& file, const std::vector<std::string>& overrides) {
   Mistakes mistakes;
   const Place where = file.string();
+  const fs::path beside = file.parent_path();
   scenarios::AddFlights();
   LoadedPlan loaded;
   FlightPlan& p = loaded.plan;
@@ -66,19 +67,19 @@ LoadedPlan LoadWhole(const fs::path& file, const std::vector<std::string>& overr
   parts.X_BC = vision::MountPose(p.mount);
   parts.seed = p.seed;
   if (const auto camera =
-          CameraFile(p.camera, file.parent_path(), WhereOf(config, "camera", where), mistakes)) {
+          ModelFile(Model::kCamera, p.camera, beside, WhereOf(config, "camera", where), mistakes)) {
     const std::size_t before = mistakes.all().size();
     parts.camera = vision::LoadCamera(*camera, mistakes, p.camera_name);
     if (mistakes.all().size() == before) {
       CheckView(p.flight, p.camera, parts.camera, p.mount, config, where, mistakes);
-      parts.own_parts = OwnParts(p, file.parent_path(), parts.camera, where, mistakes);
+      parts.own_parts = OwnParts(p, beside, parts.camera, where, mistakes);
     }
   }
-  const fs::path pads = Root() / "models" / "pads";
   if (p.pad.name == "none") {
     CheckHasPad(p.flight, config, where, mistakes);
-  } else if (Known("pad", p.pad.name, NamesIn(pads, ""), WhereOf(config, "pad", where), mistakes)) {
-    parts.pad = vision::LoadPad(pads / p.pad.name / (p.pad.name + ".yaml"), mistakes).reference;
+  } else if (const auto pad =
+                 ModelFile(Model::kPad, p.pad.name, beside, WhereOf(config, "pad", where), mistakes)) {
+    parts.pad = vision::LoadPad(*pad, mistakes).reference;
   }
   mistakes.ThrowIfAny();
   return loaded;

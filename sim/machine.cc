@@ -17,8 +17,8 @@
 #include <sstream>
 #include <utility>
 
-#include "sim/render/ray/embree.h"
 #include "sim/render/ray/instruction_set.h"
+#include "sim/render/ray/triangle_tree.h"
 
 #ifdef __GLIBC__
 #include <gnu/libc-version.h>
@@ -100,17 +100,6 @@ std::string Lapack() {
   return text;
 }
 
-std::string EmbreeVersion() {
-  const RTCDevice device = rtcNewDevice("threads=1");
-  if (!device) return "none";
-  const auto number = [&](RTCDeviceProperty which) { return rtcGetDeviceProperty(device, which); };
-  const std::string text =
-      fmt::format("{}.{}.{}", number(RTC_DEVICE_PROPERTY_VERSION_MAJOR),
-                  number(RTC_DEVICE_PROPERTY_VERSION_MINOR), number(RTC_DEVICE_PROPERTY_VERSION_PATCH));
-  rtcReleaseDevice(device);
-  return text;
-}
-
 std::string Build() {
   return fmt::format("compiler {}, Eigen {}.{}.{}, Highway {}.{}.{}", __VERSION__, EIGEN_WORLD_VERSION,
                      EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION, HWY_MAJOR, HWY_MINOR, HWY_PATCH);
@@ -121,7 +110,7 @@ std::string Build() {
 Machine ThisMachine() {
   static const Machine unchanging = {
       {"c_library", CLibrary()},   {"mathematics", Mathematics()}, {"opencv", OpenCv()}, {"lapack", Lapack()},
-      {"embree", EmbreeVersion()}, {"mujoco", mj_versionString()}, {"build", Build()}};
+      {"embree", ray::EmbreeVersion()}, {"mujoco", mj_versionString()}, {"build", Build()}};
   Machine machine = unchanging;
   const std::string set = InstructionSet();
   machine["instruction_set"] = set;

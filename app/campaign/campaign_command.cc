@@ -273,7 +273,7 @@ void RequireNamesWithoutControl(const campaign::BatchJob& job) {
   require("the program", job.program.string());
   require("the working folder", job.directory.string());
   require("the folder of the results", job.folder.string());
-  require("KESTREL_ROOT", job.root);
+  for (const std::string& each : job.environment) require("the environment", each);
   for (const std::string& each : job.arguments) require("the campaign", each);
   mistakes.ThrowIfAny();
 }
@@ -291,7 +291,9 @@ campaign::BatchJob JobOf(const CampaignArguments& a, const Asked& asked) {
     job.arguments.insert(job.arguments.end(), {"--isa", set});
   job.folder = fs::absolute(asked.folder).lexically_normal();
   job.directory = fs::current_path();
-  if (const char* root = std::getenv("KESTREL_ROOT")) job.root = root;
+  for (const char* name : {"KESTREL_ROOT", "KESTREL_PATH", "KESTREL_PLUGINS"})
+    if (const char* value = std::getenv(name); value && *value)
+      job.environment.push_back(fmt::format("{}={}", name, value));
   job.tasks = a.tasks;
   job.jobs = a.jobs > 0 ? a.jobs : 1;
   RequireNamesWithoutControl(job);

@@ -122,7 +122,7 @@ void HorizonCommand(const HorizonArguments& a) {
   }
   vision::CameraModel camera;
   std::string name = a.camera;
-  if (const auto file = CameraFile(name, "", "--camera", mistakes))
+  if (const auto file = ModelFile(Model::kCamera, name, "", "--camera", mistakes))
     camera = vision::LoadCamera(*file, mistakes, a.camera_name, size);
   if (!a.mask.empty()) {
     mask = vision::ReadMask(a.mask, "--mask", "", mistakes);

@@ -42,7 +42,10 @@ struct Kind {
   Item (*item)(const std::string& name);
 };
 
-fs::path Models() { return Root() / "models"; }
+fs::path FileOf(Model model, std::string name) {
+  Mistakes none;
+  return ModelFile(model, name, "", "", none).value_or("");
+}
 
 // Of a YAML file of ours, or a calibration file of others, which may have none.
 Item ItemOf(const std::string& name, const fs::path& file) {
@@ -71,9 +74,8 @@ Item ScenarioItem(const std::string& name) {
 
 // Of a world in MJCF: <custom><text name="description" data="..."/></custom>.
 Item WorldItem(const std::string& name) {
-  const fs::path folder = Models() / "worlds" / name, landscape = folder / (name + ".yaml");
-  if (IsFile(landscape)) return ItemOf(name, landscape);
-  const fs::path file = folder / (name + ".xml");
+  const fs::path file = FileOf(Model::kWorld, name);
+  if (file.extension() != ".xml") return ItemOf(name, file);
   const FileContent content = ReadUserFile(file, kMaxTextBytes);
   Item item{name, "", content.trouble.empty() ? "" : fmt::format("{}: {}", file.string(), content.trouble)};
   item.more["file"] = file.string();
@@ -112,13 +114,13 @@ const std::vector<Kind>& Kinds() {
       {"scenarios", ScenarioNames, ScenarioItem},
       {"missions", mission::MissionNames, MissionItem},
       {"metrics", [] { return NamesOf(records::AllMetrics()); }, MetricItem},
-      {"vehicles", [] { return NamesIn(Models() / "vehicles", ""); },
-       [](const std::string& name) { return ItemOf(name, Models() / "vehicles" / name / (name + ".yaml")); }},
-      {"worlds", [] { return NamesIn(Models() / "worlds", ""); }, WorldItem},
-      {"cameras", [] { return NamesIn(Models() / "cameras", ".yaml"); },
-       [](const std::string& name) { return ItemOf(name, Models() / "cameras" / (name + ".yaml")); }},
-      {"pads", [] { return NamesIn(Models() / "pads", ""); },
-       [](const std::string& name) { return ItemOf(name, Models() / "pads" / name / (name + ".yaml")); }},
+      {"vehicles", [] { return ModelNames(Model::kVehicle); },
+       [](const std::string& name) { return ItemOf(name, FileOf(Model::kVehicle, name)); }},
+      {"worlds", [] { return ModelNames(Model::kWorld); }, WorldItem},
+      {"cameras", [] { return ModelNames(Model::kCamera); },
+       [](const std::string& name) { return ItemOf(name, FileOf(Model::kCamera, name)); }},
+      {"pads", [] { return ModelNames(Model::kPad); },
+       [](const std::string& name) { return ItemOf(name, FileOf(Model::kPad, name)); }},
       {"campaigns", [] { return campaign::NamesOfKind(kCampaign); }, CampaignItem<kCampaign>},
       {"tunings", [] { return campaign::NamesOfKind(kTuning); }, CampaignItem<kTuning>}};
   return kKinds;

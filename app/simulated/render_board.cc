@@ -63,7 +63,7 @@ void RenderBoardCommand(const RenderBoardArguments& a) {
   Mistakes mistakes;
   vision::CameraModel camera;
   std::string name = a.camera;
-  if (const auto file = CameraFile(name, "", "--camera", mistakes))
+  if (const auto file = ModelFile(Model::kCamera, name, "", "--camera", mistakes))
     camera = vision::LoadCamera(*file, mistakes, a.camera_name);
   const vision::Board board = vision::LoadBoardNamed(a.board, "--board", mistakes);
   const fs::path folder = a.out;

@@ -308,7 +308,7 @@ void ViewCommand(const ViewArguments& a) {
   }
   vision::CameraModel camera;
   std::string name = a.camera;
-  if (const auto file = CameraFile(name, "", "--camera", mistakes))
+  if (const auto file = ModelFile(Model::kCamera, name, "", "--camera", mistakes))
     camera = vision::LoadCamera(*file, mistakes, a.camera_name, size);
   if (video ? !HasEnding(a.out, {".mp4"}) : !HasEnding(a.out, {".png", ".jpg", ".jpeg"})) {
     mistakes.Add(

@@ -5,9 +5,9 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cstdlib>
 
 #include "base/diagnostics.h"
+#include "base/file/files.h"
 #include "base/nearest_name.h"
 #include "base/user_file.h"
 
@@ -15,28 +15,39 @@ namespace kestrel {
 
 namespace fs = std::filesystem;
 
-fs::path Root() {
-  const char* root = std::getenv("KESTREL_ROOT");
-  return root && *root ? fs::path(root) : fs::path(KESTREL_SOURCE_DIR);
+namespace {
+
+struct ModelKind {
+  const char *key, *folder;
+};
+
+ModelKind KindOf(Model model) {
+  switch (model) {
+    case Model::kVehicle:
+      return {"vehicle", "vehicles"};
+    case Model::kWorld:
+      return {"world", "worlds"};
+    case Model::kCamera:
+      return {"camera", "cameras"};
+    case Model::kPad:
+      return {"pad", "pads"};
+  }
+  return {"", ""};
 }
 
-std::vector<std::string> NamesIn(const fs::path& folder, const std::string& ending) {
-  std::vector<std::string> names;
-  std::error_code none;
-  for (const auto& entry : fs::directory_iterator(folder, none)) {
-    if (ending.empty() ? entry.is_directory() : entry.path().extension() == ending) {
-      names.push_back(entry.path().stem().string());
-    }
-  }
-  std::sort(names.begin(), names.end());
-  return names;
+fs::path FileInModels(Model model, const std::string& name) {
+  const fs::path folder = fs::path("models") / KindOf(model).folder;
+  if (model == Model::kCamera) return DataFile(folder / (name + ".yaml"));
+  const fs::path file = DataFile(folder / name) / (name + ".yaml");
+  return IsFile(file) ? file : fs::path(file).replace_extension(".xml");
 }
+
+}  // namespace
 
 std::vector<std::string> ScenarioNames() {
   std::vector<std::string> names;
-  for (const std::string& folder : NamesIn(Root() / "scenarios", "")) {
-    for (const std::string& name : NamesIn(Root() / "scenarios" / folder, ".yaml")) names.push_back(name);
-  }
+  for (const std::string& folder : DataNames("scenarios", ""))
+    for (const std::string& name : DataNames(fs::path("scenarios") / folder, ".yaml")) names.push_back(name);
   std::sort(names.begin(), names.end());
   return names;
 }
@@ -57,12 +68,12 @@ void NoMoreThan::operator()(const std::string& key, double value, double limit,
 
 fs::path ScenarioFile(const std::string& name_or_file) {
   std::error_code none;
-  if (!fs::exists(Root() / "scenarios", none))
+  if (!fs::exists(DataFile("scenarios"), none))
     throw InputError("KESTREL_ROOT", fmt::format("'{}' holds no scenarios", Root().string()));
   const fs::path file = name_or_file;
   if (file.extension() == ".yaml" || file.extension() == ".yml" || IsFile(file)) return file;
-  for (const std::string& folder : NamesIn(Root() / "scenarios", "")) {
-    const fs::path candidate = Root() / "scenarios" / folder / (name_or_file + ".yaml");
+  for (const std::string& folder : DataNames("scenarios", "")) {
+    const fs::path candidate = DataFile(fs::path("scenarios") / folder / (name_or_file + ".yaml"));
     if (IsFile(candidate)) return candidate;
   }
   Mistakes mistakes;
@@ -73,21 +84,24 @@ fs::path ScenarioFile(const std::string& name_or_file) {
   throw InputError(mistakes.all());
 }
 
-std::optional<fs::path> CameraFile(std::string& name, const fs::path& beside, const Place& where,
-                                   Mistakes& mistakes) {
-  const fs::path folder = Root() / "models" / "cameras";
-  const std::vector<std::string> names = NamesIn(folder, ".yaml");
-  if (std::find(names.begin(), names.end(), name) != names.end()) return folder / (name + ".yaml");
+std::vector<std::string> ModelNames(Model model) {
+  return DataNames(fs::path("models") / KindOf(model).folder, model == Model::kCamera ? ".yaml" : "");
+}
+
+std::optional<fs::path> ModelFile(Model model, std::string& name, const fs::path& beside, const Place& where,
+                                  Mistakes& mistakes) {
+  const std::vector<std::string> names = ModelNames(model);
+  if (std::find(names.begin(), names.end(), name) != names.end()) return FileInModels(model, name);
   for (const fs::path& candidate : {beside / name, fs::path(name)}) {
     if (!IsFile(candidate)) continue;
     name = fs::absolute(candidate).lexically_normal().string();
     return name;
   }
-  const std::string key = where == Place("--camera") ? "" : "camera";
-  if (name.find('/') != std::string::npos || name.ends_with(".yaml") || name.ends_with(".yml")) {
+  const std::string what = KindOf(model).key, key = where == Place("--camera") ? "" : what;
+  if (name.find('/') != std::string::npos || HasEnding(name, {".yaml", ".yml", ".xml"})) {
     mistakes.Add(where, key, NoSuchFile(name));
   } else {
-    mistakes.Add(where, key, fmt::format("there is no camera '{}'", name), RemedyForName(name, names));
+    mistakes.Add(where, key, fmt::format("there is no {} '{}'", what, name), RemedyForName(name, names));
   }
   return std::nullopt;
 }

@@ -14,8 +14,9 @@ namespace kestrel::campaign {
 namespace {
 
 std::string Program(const BatchJob& job) {
-  const std::string program = ShellWord(job.program.string()) + " campaign";
-  return job.root.empty() ? program : fmt::format("env KESTREL_ROOT={} {}", ShellWord(job.root), program);
+  std::string program = ShellWord(job.program.string()) + " campaign", environment;
+  for (const std::string& each : job.environment) environment += ' ' + ShellWord(each);
+  return environment.empty() ? program : fmt::format("env{} {}", environment, program);
 }
 
 std::string Arguments(const BatchJob& job) {

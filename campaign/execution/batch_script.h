@@ -17,7 +17,7 @@ struct BatchJob {
       arguments;  // of `kestrel campaign` and of its merge alike: the file and what it is set to
   std::filesystem::path folder;     // absolute, of the results
   std::filesystem::path directory;  // that the file's name and others are relative to
-  std::string root;                 // KESTREL_ROOT, if it is set
+  std::vector<std::string> environment;  // that it is to have, "NAME=value" each
   int tasks = 1;                    // parts
   int jobs = 1;                     // workers for each
 };

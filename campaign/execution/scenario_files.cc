@@ -8,8 +8,9 @@
 #include <stdexcept>
 
 #include "base/file/files.h"
-#include "base/file/model_files.h"
+#include "base/user_file.h"
 #include "flight/gains_file.h"
+#include "flight/load_plugins.h"
 #include "flight/simulated/scenario.h"
 
 namespace kestrel::campaign {
@@ -26,14 +27,27 @@ ScenarioFiles::ScenarioFiles(const std::string& scenario, const std::vector<std:
                        [&](const std::string& each) { return each == key || key.starts_with(each + '.'); });
   };
   const flight::Scenario s = flight::LoadScenario(scenario, set, false).scenario;
-  const fs::path models = Root() / "models";
-  AddModels(models / "vehicles" / (varies("vehicle") ? "" : s.vehicle));
-  AddModels(models / "worlds" / (varies("world") ? "" : s.world));
+  const auto add = [&](Model model, std::string name, const fs::path& all, bool vary) {
+    if (vary)
+      for (const fs::path& data : DataFolders()) AddModels(data / all);
+    Mistakes none;
+    if (const auto found = ModelFile(model, name, file.parent_path(), "", none)) AddModel(model, *found);
+  };
+  for (const fs::path& plugin : flight::LoadedPlugins()) AddModels(plugin);
+  add(Model::kVehicle, s.vehicle, "models/vehicles", varies("vehicle"));
+  add(Model::kWorld, s.world, "models/worlds", varies("world"));
   if (varies("pad.name") || s.pad.name != "none")
-    AddModels(models / "pads" / (varies("pad.name") ? "" : s.pad.name));
-  if (varies("camera")) AddModels(models / "cameras");
-  const fs::path camera = s.camera;
-  AddModels(camera.is_absolute() ? camera : models / "cameras" / (s.camera + ".yaml"));
+    add(Model::kPad, s.pad.name, "models/pads", varies("pad.name"));
+  add(Model::kCamera, s.camera, "models/cameras", varies("camera"));
+}
+
+void ScenarioFiles::AddModel(Model model, const fs::path& file) {
+  if (model == Model::kCamera) return AddModels(file);
+  const fs::path folder = file.parent_path();
+  if (folder.filename() == file.stem()) return AddModels(folder);
+  // One of the user's own, whose folder may hold anything else.
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (entry.path().stem() == file.stem()) AddModels(entry.path());
 }
 
 void ScenarioFiles::AddModels(const fs::path& file_or_folder) {
@@ -41,13 +55,19 @@ void ScenarioFiles::AddModels(const fs::path& file_or_folder) {
   if (fs::is_directory(file_or_folder)) {
     for (const auto& entry : fs::recursive_directory_iterator(file_or_folder))
       if (entry.is_regular_file()) files.push_back(entry.path());
-  } else {
+  } else if (IsFile(file_or_folder)) {
     files.push_back(file_or_folder);
   }
   for (const fs::path& file : files) {
-    const std::string name = file.lexically_relative(Root() / "models").generic_string();
-    models_[name.empty() || name.starts_with("..") ? file.string() : name] = file;
-    text_of_[file] = ReadFile(file);
+    std::string name = file.string();
+    for (const fs::path& data : DataFolders()) {
+      const std::string below = file.lexically_relative(data / "models").generic_string();
+      if (!below.empty() && !below.starts_with("..")) {
+        name = below;
+        break;
+      }
+    }
+    if (models_.try_emplace(name, file).second) text_of_[file] = ReadFile(file);
   }
 }
 

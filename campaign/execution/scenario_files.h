@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "base/file/model_files.h"
+
 namespace kestrel::campaign {
 
 // The files that every flight by a scenario is read from anew: its own, that of the gains it names, and its
@@ -22,6 +24,7 @@ class ScenarioFiles {
   void RequireUnchanged() const;
 
  private:
+  void AddModel(Model model, const std::filesystem::path& file);
   void AddModels(const std::filesystem::path& file_or_folder);
 
   std::map<std::filesystem::path, std::string> text_of_;

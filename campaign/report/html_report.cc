@@ -33,7 +33,7 @@ std::string ContentOf(const fs::path& file, std::string_view remedy) {
 }
 
 std::string PageFile(const char* name) {
-  return ContentOf(Root() / "campaign" / "report" / "page" / name,
+  return ContentOf(DataFile(fs::path("campaign/report/page") / name),
                    "KESTREL_ROOT names the folder that holds it");
 }
 

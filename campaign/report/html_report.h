@@ -48,7 +48,7 @@ struct ReportSubject {
 
 // A page of HTML that holds everything it shows but the videos of recorded runs, which it links relative to
 // its own folder: it works from a file, without a network. The same subject gives the same page. Throws
-// std::runtime_error: the page's own files (campaign/report/page/ under Root()) or Chart.js, of Debian's
+// std::runtime_error: the page's own files (campaign/report/page/ of a data folder) or Chart.js, of Debian's
 // package libjs-chart.js, are not there.
 std::string HtmlReport(const ReportSubject& subject, const std::filesystem::path& page_folder);
 

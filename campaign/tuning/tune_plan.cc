@@ -202,6 +202,12 @@ LoadedTune LoadTune(const std::filesystem::path& file, const List& overrides) {
   plan.flights.vary = ReadVary(read.vary, mistakes);
   plan.flights.runs = plan.rows;
   SetInstead(split.of_scenario, plan.flights.set);
+#ifdef KESTREL_WITHOUT_PAGMO
+  if (plan.method == "cma_es")
+    mistakes.Add(WhereIn(config.root, {"method"}), "method",
+                 "cma_es, and this build has no pagmo; valid: cross_entropy, random_search, or build anew with "
+                 "Debian's libpagmo-dev");
+#endif
   CheckGains(config.root, plan, mistakes);
   const bool flies = ResolveVariation(file, config.root, plan.flights, mistakes);
   CheckCost(config.root, plan, mistakes);

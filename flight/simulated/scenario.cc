@@ -31,23 +31,33 @@ namespace {
 namespace fs = std::filesystem;
 
 // The file of a world that is a landscape, if it is one.
-std::optional<fs::path> LandscapeFile(const std::string& world) {
-  const fs::path file = Root() / "models" / "worlds" / world / (world + ".yaml");
-  return IsFile(file) ? std::optional(file) : std::nullopt;
+std::optional<fs::path> LandscapeFile(std::string world, const fs::path& beside) {
+  Mistakes none;
+  const auto file = ModelFile(Model::kWorld, world, beside, "", none);
+  return file && file->extension() != ".xml" ? file : std::nullopt;
 }
 
 // A landscape as its world has it, before the scenario's own words.
-std::optional<sim::LandscapeParameters> LandscapeOf(const std::string& world, Mistakes& mistakes) {
-  const auto file = LandscapeFile(world);
+std::optional<sim::LandscapeParameters> LandscapeOf(const std::string& world, const fs::path& beside,
+                                                    Mistakes& mistakes) {
+  const auto file = LandscapeFile(world, beside);
   if (!file) return std::nullopt;
   sim::LandscapeParameters landscape;
   Read(LoadConfig(*file, {}, mistakes), landscape, mistakes);
   return landscape;
 }
 
+// The numbers of a vehicle, whose shape lies beside them. Where there is no such vehicle nobody says so yet.
+fs::path VehicleFile(std::string vehicle, const fs::path& beside) {
+  Mistakes none;
+  const auto file = ModelFile(Model::kVehicle, vehicle, beside, "", none);
+  return file ? fs::path(*file).replace_extension(".yaml") : fs::path();
+}
+
 // What of a scenario and a landscape does not go together.
-void CheckLandscape(const Scenario& s, const Config& config, const Place& where, Mistakes& mistakes) {
-  if (LandscapeFile(s.world)) {
+void CheckLandscape(const Scenario& s, const fs::path& beside, const Config& config, const Place& where,
+                    Mistakes& mistakes) {
+  if (LandscapeFile(s.world, beside)) {
     if (s.render.backend != "auto" && s.render.backend != "ray") {
       mistakes.Add(WhereOf(config, "render", where), "render.backend",
                    fmt::format("'{}' draws to 500 m alone, and the world '{}' reaches beyond its horizon",
@@ -56,8 +66,8 @@ void CheckLandscape(const Scenario& s, const Config& config, const Place& where,
     }
   } else if (s.landscape) {
     std::vector<std::string> landscapes;
-    for (const std::string& name : NamesIn(Root() / "models" / "worlds", ""))
-      if (LandscapeFile(name)) landscapes.push_back(name);
+    for (const std::string& name : ModelNames(Model::kWorld))
+      if (LandscapeFile(name, "")) landscapes.push_back(name);
     mistakes.Add(WhereOf(config, "landscape", where), "landscape",
                  fmt::format("the world '{}' is not made from numbers; worlds that are: {}", s.world,
                              fmt::join(landscapes, ", ")));
@@ -184,16 +194,16 @@ std::vector<std::string> NotesOn(const Scenario& s, const vision::CameraModel& c
 
 LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& overrides, bool compile) {
   Mistakes mistakes;
+  const fs::path beside = file.parent_path();
   scenarios::AddFlights();
   LoadedScenario loaded;
   Scenario& s = loaded.scenario;
   Config config = LoadConfig(file, overrides, mistakes);
   PassOverGains(config);
-  if (const ConfigNode* world = Find(config, "world")) s.landscape = LandscapeOf(world->text, mistakes);
+  if (const ConfigNode* world = Find(config, "world")) s.landscape = LandscapeOf(world->text, beside, mistakes);
   const auto landscape = s.landscape;
   const ConfigNode* named = Find(config, "vehicle");
-  const fs::path vehicle_folder = Root() / "models" / "vehicles" / (named ? named->text : s.vehicle);
-  const fs::path vehicle_file = vehicle_folder / (vehicle_folder.filename().string() + ".yaml");
+  const fs::path vehicle_file = VehicleFile(named ? named->text : s.vehicle, beside);
   sim::VehicleFile vehicle;
   if (IsFile(vehicle_file)) Read(LoadConfig(vehicle_file, {}, mistakes), vehicle, mistakes);
   s.autopilot = vehicle.autopilot;
@@ -234,26 +244,26 @@ LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& o
                          .acceleration_m_s2 = s.autopilot.acceleration_limit_m_s2},
                         WhereOf(config, "flight", where), mistakes);
   CheckTargets(s, WhereOf(config, "targets", where), mistakes);
-  CheckLandscape(s, config, where, mistakes);
+  CheckLandscape(s, beside, config, where, mistakes);
   CheckMount(s.mount, WhereOf(config, "mount", where), mistakes);
   CheckCriteria(s, config, where, mistakes);
   CheckFrames(s, WhereOf(config, "image", where), mistakes);
 
   sim::SimulatorParameters& sim = loaded.simulator;
-  const fs::path models = Root() / "models";
-  Known("vehicle", s.vehicle, NamesIn(models / "vehicles", ""), WhereOf(config, "vehicle", where), mistakes);
-  sim.scene.vehicle = vehicle_folder / (s.vehicle + ".xml");
+  if (const auto shape =
+          ModelFile(Model::kVehicle, s.vehicle, beside, WhereOf(config, "vehicle", where), mistakes))
+    sim.scene.vehicle = fs::path(*shape).replace_extension(".xml");
   sim.vehicle = vehicle.airframe;
   sim.autopilot = s.autopilot;
-  if (Known("world", s.world, NamesIn(models / "worlds", ""), WhereOf(config, "world", where), mistakes)) {
-    const fs::path folder = models / "worlds" / s.world;
-    sim.scene.world = folder / (s.world + (s.landscape ? ".yaml" : ".xml"));
+  if (const auto world =
+          ModelFile(Model::kWorld, s.world, beside, WhereOf(config, "world", where), mistakes)) {
+    sim.scene.world = *world;
     sim.scene.landscape = s.landscape;
     sim.scene.seed = s.seed;
   }
   bool has_camera = false;
   if (const auto camera =
-          CameraFile(s.camera, file.parent_path(), WhereOf(config, "camera", where), mistakes)) {
+          ModelFile(Model::kCamera, s.camera, beside, WhereOf(config, "camera", where), mistakes)) {
     const std::size_t before = mistakes.all().size();
     sim.camera = vision::LoadCamera(*camera, mistakes, s.camera_name);
     has_camera = mistakes.all().size() == before;
@@ -265,10 +275,9 @@ LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& o
       mistakes.Add(WhereOf(config, "occlusion", where), "occlusion.share",
                    fmt::format("{}, but there is no pad to be covered", s.occlusion.share), "valid: 0");
     CheckHasPad(s.flight, config, where, mistakes);
-  } else if (Known("pad", s.pad.name, NamesIn(models / "pads", ""), WhereOf(config, "pad", where),
-                   mistakes)) {
-    const vision::PadFile pad =
-        vision::LoadPad(models / "pads" / s.pad.name / (s.pad.name + ".yaml"), mistakes);
+  } else if (const auto file_of_pad =
+                 ModelFile(Model::kPad, s.pad.name, beside, WhereOf(config, "pad", where), mistakes)) {
+    const vision::PadFile pad = vision::LoadPad(*file_of_pad, mistakes);
     sim.scene.pad = pad.parameters;
     sim.scene.pad_texture = pad.texture;
     loaded.pad = pad.reference;

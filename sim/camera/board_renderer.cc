@@ -59,7 +59,9 @@ ModelPtr MakeBoardModel(const vision::Board& board) {
   return std::move(compiled.model);
 }
 
+// Nothing is known of the parameters of an added model that could make it finer.
 int FineFor(const vision::CameraModel& camera) {
+  if (std::holds_alternative<vision::AddedModel>(camera)) return 1;
   return std::clamp(kMaxSide_px / std::max(vision::WidthPx(camera), vision::HeightPx(camera)), 1, 4);
 }
 
@@ -167,7 +169,7 @@ vision::CameraModel Refined(const vision::CameraModel& camera, int n) {
   std::visit(
       [n](auto& c) {
         c.width_px *= n, c.height_px *= n;
-        c.fx *= n, c.fy *= n;
+        if constexpr (requires { c.fx; }) c.fx *= n, c.fy *= n;
         c.cx = n * c.cx + (n - 1) / 2.0, c.cy = n * c.cy + (n - 1) / 2.0;
         if constexpr (requires { c.skew; }) c.skew *= n;
       },

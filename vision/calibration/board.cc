@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/calibration/board.h"
 
+#ifndef KESTREL_WITHOUT_APRILTAG
 #include <apriltag/tag36h11.h>
+#endif
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -172,6 +174,9 @@ BoardPicture DrawBoard(const Board& board, int side_px) {
   return picture;
 }
 
+#ifdef KESTREL_WITHOUT_APRILTAG
+std::uint64_t TagCode(int) { return 0; }  // boards of tags were refused
+#else
 std::uint64_t TagCode(int id) {
   static const std::vector<std::uint64_t> codes = [] {
     // The library counts a code's bits along its own way through the cells, with a border of one.
@@ -191,6 +196,7 @@ std::uint64_t TagCode(int id) {
   }();
   return codes[static_cast<std::size_t>(id)];
 }
+#endif
 
 Board LoadBoard(const std::filesystem::path& file, Mistakes& mistakes) {
   const Config config = LoadConfig(file, {}, mistakes);
@@ -207,6 +213,11 @@ Board LoadBoard(const std::filesystem::path& file, Mistakes& mistakes) {
   Read(config, target, mistakes);
   if (target.target_type != "aprilgrid") return target.chessboard;
   const AprilGrid& grid = target.april_grid;
+#ifdef KESTREL_WITHOUT_APRILTAG
+  mistakes.Add(file.string(), "target_type",
+               "aprilgrid, and this build has no AprilTag; valid: checkerboard, or build anew with Debian's "
+               "libapriltag-dev");
+#endif
   if (grid.cols * grid.rows > kTagCount) {
     mistakes.Add(config.root.where.file.empty() ? Place(file.string()) : config.root.where, "tagCols",
                  fmt::format("{} x {} tags are more than the {} of the family 36h11", grid.cols, grid.rows,

@@ -4,10 +4,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
 #include <filesystem>
 
-#include "base/file/model_files.h"
+#include "base/file/data_folders.h"
 #include "base/nearest_name.h"
 #include "base/user_file.h"
 
@@ -21,13 +20,9 @@ Board LoadBoardNamed(const std::string& name, const Place& where, Mistakes& mist
     mistakes.Add(where, "", NoSuchFile(name));
     return {};
   }
-  const fs::path folder = Root() / "models" / "boards";
-  if (IsFile(folder / (name + ".yaml"))) return LoadBoard(folder / (name + ".yaml"), mistakes);
-  std::vector<std::string> names;
-  std::error_code none;
-  for (const auto& entry : fs::directory_iterator(folder, none))
-    names.push_back(entry.path().stem().string());
-  std::sort(names.begin(), names.end());
+  const fs::path file = DataFile("models/boards/" + name + ".yaml");
+  if (IsFile(file)) return LoadBoard(file, mistakes);
+  const std::vector<std::string> names = DataNames("models/boards", ".yaml");
   const auto near = NearestName(name, names);
   mistakes.Add(where, "", fmt::format("there is no board '{}'", name),
                near ? fmt::format("did you mean '{}'?", *near)

@@ -343,27 +343,15 @@ void FromOwn(const ConfigNode& root, const std::optional<cv::Size>& image, Sheet
   if (image && !Find(root, "width_px") && !Find(root, "height_px")) SetImageSize(sheet, *image);
 }
 
-// The model of that name with its defaults.
-template <std::size_t index = 0>
-CameraModel Select(const std::string& name) {
-  if constexpr (index < std::variant_size_v<CameraModel>) {
-    if (std::variant_alternative_t<index, CameraModel>::kName == name)
-      return std::variant_alternative_t<index, CameraModel>{};
-    return Select<index + 1>(name);
-  }
-  return {};
-}
-
-template <class... Each>
-Keys NamesOf(const std::variant<Each...>&) {
-  return {Each::kName...};
-}
-
 CameraModel ReadSheet(const Sheet& sheet) {
   FieldReader reader(sheet.node, sheet.path, sheet.mistakes);
+  const std::vector<CameraModel> models = CameraModels();
+  Keys names;
+  for (const CameraModel& each : models) names.push_back(NameOf(each));
   std::string name = Pinhole::kName;
-  reader("model", name, NamesOf(CameraModel{}));
-  CameraModel camera = Select(name);
+  reader("model", name, names);
+  const auto named = std::find(names.begin(), names.end(), name);
+  CameraModel camera = named == names.end() ? CameraModel{} : models[named - names.begin()];
   std::visit([&](auto& each) { Fields(reader, each); }, camera);
   reader.Finish();
   return camera;
@@ -474,6 +462,10 @@ std::string ToKalibr(const CameraModel& camera) {
   const auto form = std::find_if(forms.begin(), forms.end(), [&](const KalibrForm& each) {
     return std::string_view(each.model) == NameOf(camera);
   });
+  if (form == forms.end())
+    throw InputError({}, fmt::format("model = {}: Kalibr has no such model", NameOf(camera)),
+                     fmt::format("valid: {}, {}, {}, {}, {}", Pinhole::kName, BrownConrady::kName, Unified::kName,
+                                 KannalaBrandt::kName, DoubleSphere::kName));
   const auto list = [&](const Keys& keys) {
     Keys all;
     for (const std::string& key : keys) all.push_back(*values.Find(key));

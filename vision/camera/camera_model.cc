@@ -1,7 +1,43 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/camera/camera_model.h"
 
+#include <concepts>
+#include <stdexcept>
+
 namespace kestrel::vision {
+namespace {
+
+std::vector<AddedModel>& Added() {
+  static std::vector<AddedModel> models;
+  return models;
+}
+
+template <class Model>
+void AddOwn(std::vector<CameraModel>& models) {
+  if constexpr (std::default_initializable<Model>) models.emplace_back(Model{});
+}
+
+template <class... Each>
+std::vector<CameraModel> OwnModels(const std::variant<Each...>*) {
+  std::vector<CameraModel> models;
+  (AddOwn<Each>(models), ...);
+  return models;
+}
+
+}  // namespace
+
+void AddCameraModel(AddedModel defaults) {
+  for (const CameraModel& other : CameraModels())
+    if (std::string(NameOf(other)) == defaults.name())
+      throw std::logic_error("two camera models are called '" + std::string(defaults.name()) + "'");
+  Added().push_back(std::move(defaults));
+}
+
+std::vector<CameraModel> CameraModels() {
+  std::vector<CameraModel> models = OwnModels(static_cast<const CameraModel*>(nullptr));
+  models.insert(models.end(), Added().begin(), Added().end());
+  return models;
+}
 
 double ShareCovered(const CameraModel& camera) {
   // From the centre of the first pixel to that of the last, corners included: those stand for less.

@@ -7,6 +7,7 @@
 #include <variant>
 #include <vector>
 
+#include "vision/camera/added_model.h"
 #include "vision/camera/brown_conrady.h"
 #include "vision/camera/double_sphere.h"
 #include "vision/camera/kannala_brandt.h"
@@ -15,13 +16,21 @@
 
 namespace kestrel::vision {
 
-// Every central camera there is: chosen by data, so a variant. A new model is one file and its name here.
-using CameraModel = std::variant<Pinhole, BrownConrady, Unified, KannalaBrandt, DoubleSphere>;
+// Every central camera there is: chosen by data, so a variant. A new model is one file and its name here; one
+// from outside is added by AddCameraModel.
+using CameraModel = std::variant<Pinhole, BrownConrady, Unified, KannalaBrandt, DoubleSphere, AddedModel>;
 
 // What all models have, for code that does not care which. Pixels: the centre of the first pixel is (0, 0);
 // points and rays are in C (x right, y down, z forward).
 inline const char* NameOf(const CameraModel& camera) {
-  return std::visit([](const auto& c) { return c.kName; }, camera);
+  return std::visit(
+      [](const auto& c) {
+        if constexpr (requires { c.kName; })
+          return c.kName;
+        else
+          return c.name();
+      },
+      camera);
 }
 inline int WidthPx(const CameraModel& camera) {
   return std::visit([](const auto& c) { return c.width_px; }, camera);
@@ -55,6 +64,9 @@ inline Eigen::VectorXd Parameters(const CameraModel& camera) {
 inline void SetParameters(CameraModel& camera, const Eigen::VectorXd& all) {
   std::visit([&](auto& c) { c.SetParameters(all); }, camera);
 }
+
+// Every model by its defaults: those of the variant, then those that were added.
+std::vector<CameraModel> CameraModels();
 
 // How much of the image the lens fills, by a grid of rays; 1: it all, corners included.
 double ShareCovered(const CameraModel& camera);

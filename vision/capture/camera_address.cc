@@ -193,6 +193,9 @@ CameraAddress ParseCameraAddress(const std::string& address) {
 
   CameraAddress camera;
   if (scheme == "aravis") {
+#ifdef KESTREL_WITHOUT_ARAVIS
+    reader.Wrong("", "this build has no Aravis; build anew with Debian's libaravis-dev and libusb-1.0-0-dev");
+#endif
     camera = AravisSourceOptions{.id = rest,
                                  .size = size,
                                  .rate_hz = rate_hz,
@@ -232,7 +235,11 @@ CameraAddress ParseCameraAddress(const std::string& address) {
 ImageSourceMaker SourceAt(const CameraAddress& address) {
   struct {
     ImageSourceMaker operator()(const OpenCvSourceOptions& o) const { return OpenCvSource(o); }
+#ifdef KESTREL_WITHOUT_ARAVIS
+    ImageSourceMaker operator()(const AravisSourceOptions&) const { return {}; }  // its address was refused
+#else
     ImageSourceMaker operator()(const AravisSourceOptions& o) const { return AravisSource(o); }
+#endif
     ImageSourceMaker operator()(const FolderSourceOptions& o) const { return FolderSource(o); }
   } const make;
   return std::visit(make, address);

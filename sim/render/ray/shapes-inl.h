@@ -10,6 +10,9 @@
 
 #include <algorithm>
 
+#ifndef KESTREL_WITHOUT_EMBREE
+#include "sim/render/ray/embree.h"
+#endif
 #include "sim/render/ray/packet-inl.h"
 #include "sim/render/ray/render_scene.h"
 
@@ -105,6 +108,9 @@ HWY_INLINE VF EnterCapsule(const Eigen::Vector3f& size, const Vec3& o, const Vec
   return nearest;
 }
 
+#ifdef KESTREL_WITHOUT_EMBREE
+VF EnterTriangles(const Triangles&, const Vec3&, const Vec3&, VF, TriangleHits&) { return F(kNone); }
+#else
 // Embree's packet as wide as ours. In a wider one Embree looks at the rays that are not there, too, where it
 // has no instructions of that width.
 template <int lanes>
@@ -139,7 +145,7 @@ VF EnterTriangles(const Triangles& triangles, const Vec3& o, const Vec3& d, VF m
     packet.ray.flags[i] = packet.ray.id[i] = 0;
     packet.hit.geomID[i] = packet.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
   }
-  IntersectCoherent(Embree<kLanes>::kIntersect, valid, triangles.scene(), &packet);
+  IntersectCoherent(Embree<kLanes>::kIntersect, valid, triangles.tree().scene(), &packet);
   alignas(64) float t[kLanes];
   for (int i = 0; i < kLanes; ++i) {
     const bool met = packet.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID;
@@ -150,6 +156,7 @@ VF EnterTriangles(const Triangles& triangles, const Vec3& o, const Vec3& d, VF m
   }
   return hn::Load(df, t);
 }
+#endif
 
 // most: of triangles, none that is farther need be found.
 HWY_INLINE VF Enter(const Geom& thing, const Eigen::Vector3f& size, const Vec3& o, const Vec3& d, VF most,

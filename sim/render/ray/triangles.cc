@@ -1,17 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/render/ray/triangles.h"
 
-#include <fmt/format.h>
-
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <numeric>
-#include <stdexcept>
-#include <string>
 #include <utility>
-
-#include "sim/render/ray/instruction_set.h"
 
 namespace kestrel::sim::ray {
 namespace {
@@ -20,41 +14,7 @@ Eigen::Vector3f Normal(const Eigen::Vector3f& a, const Eigen::Vector3f& b, const
   return (b - a).cross(c - a).normalized();
 }
 
-// Only fronts are seen: a back is as if it were not there.
-void RefuseBacks(const RTCFilterFunctionNArguments* a) {
-  for (unsigned i = 0; i < a->N; ++i) {
-    const float along = RTCRayN_dir_x(a->ray, a->N, i) * RTCHitN_Ng_x(a->hit, a->N, i) +
-                        RTCRayN_dir_y(a->ray, a->N, i) * RTCHitN_Ng_y(a->hit, a->N, i) +
-                        RTCRayN_dir_z(a->ray, a->N, i) * RTCHitN_Ng_z(a->hit, a->N, i);
-    if (along > 0) a->valid[i] = 0;
-  }
-}
-
-// Of its ways to trace rays the one that goes with the renderer's own instruction set.
-std::string EmbreeConfig() {
-  const std::string set = InstructionSet();
-  const char* const isa = set == "avx512" ? "avx512" : set == "avx2" ? "avx2" : set == "ssse3" ? "sse2" : "";
-  return *isa ? fmt::format("threads=1,isa={}", isa) : "threads=1";
-}
-
 }  // namespace
-
-Triangles::Triangles(Triangles&& other) noexcept
-    : vertices(std::move(other.vertices)),
-      faces(std::move(other.faces)),
-      corners(std::move(other.corners)),
-      st_gradient(std::move(other.st_gradient)),
-      has_st(other.has_st),
-      low(other.low),
-      high(other.high),
-      parts(std::move(other.parts)),
-      device_(std::exchange(other.device_, nullptr)),
-      scene_(std::exchange(other.scene_, nullptr)) {}
-
-Triangles::~Triangles() {
-  if (scene_) rtcReleaseScene(scene_);
-  if (device_) rtcReleaseDevice(device_);
-}
 
 // MuJoCo draws a mesh with the normals of its vertices, but where it has no texture coordinates and a
 // corner's normal is more than acos(0.8) away from the triangle's, with the triangle's.
@@ -178,24 +138,7 @@ void Triangles::Finish() {
       st_gradient.push_back(gradient.allFinite() ? gradient : Eigen::Matrix<float, 2, 3>::Zero().eval());
     }
   }
-  device_ = rtcNewDevice(EmbreeConfig().c_str());
-  if (!device_) throw std::runtime_error("Embree, which finds the triangles of meshes, cannot be started.");
-  scene_ = rtcNewScene(device_);
-  rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
-  const RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
-  auto* v = static_cast<float*>(rtcSetNewGeometryBuffer(
-      geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), vertices.size()));
-  for (std::size_t i = 0; i < vertices.size(); ++i)
-    for (int k = 0; k < 3; ++k) v[3 * i + k] = vertices[i][k];
-  auto* f = static_cast<unsigned*>(rtcSetNewGeometryBuffer(
-      geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(unsigned), faces.size()));
-  for (std::size_t i = 0; i < faces.size(); ++i)
-    for (int k = 0; k < 3; ++k) f[3 * i + k] = static_cast<unsigned>(faces[i][k]);
-  rtcSetGeometryIntersectFilterFunction(geometry, RefuseBacks);
-  rtcCommitGeometry(geometry);
-  rtcAttachGeometry(scene_, geometry);
-  rtcReleaseGeometry(geometry);
-  rtcCommitScene(scene_);
+  tree_.emplace(vertices, faces);
 }
 
 }  // namespace kestrel::sim::ray

@@ -5,9 +5,10 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
-#include "sim/render/ray/embree.h"
+#include "sim/render/ray/triangle_tree.h"
 
 namespace kestrel::sim::ray {
 
@@ -17,9 +18,6 @@ class Triangles {
  public:
   static Triangles OfMesh(const mjModel* model, int mesh);
   static Triangles OfHeightField(const mjModel* model, int field);
-  Triangles(Triangles&&) noexcept;
-  Triangles& operator=(Triangles&&) = delete;
-  ~Triangles();
 
   // Of the corners of each triangle; empty: the triangle's own normal.
   struct Corner {
@@ -41,14 +39,13 @@ class Triangles {
   };
   std::vector<Part> parts;
 
-  RTCScene scene() const { return scene_; }
+  const TriangleTree& tree() const { return *tree_; }
 
  private:
   Triangles() = default;
   void Finish();
   void Divide(std::vector<int>::iterator begin, std::vector<int>::iterator end);
-  RTCDevice device_ = nullptr;
-  RTCScene scene_ = nullptr;
+  std::optional<TriangleTree> tree_;
 };
 
 }  // namespace kestrel::sim::ray

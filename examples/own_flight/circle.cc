@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+// A flight of one's own: circles over the pad by what the camera sees of it.
+#include <cmath>
+
+#include "geometry/tait_bryan.h"
+#include "mission/plugin.h"
+
+namespace {
+
+using namespace kestrel;
+
+struct CircleFlight {
+  double height_m = 4;
+  double radius_m = 0.8;
+  double period_s = 30;  // of once around
+};
+
+void Fields(FieldVisitor& v, CircleFlight& p) {
+  v("height_m", p.height_m, 1.0, 30.0);
+  v("radius_m", p.radius_m, 0.1, 10.0);
+  v("period_s", p.period_s, 5.0, 300.0);
+}
+
+class CircleMission final : public mission::Mission {
+ public:
+  CircleMission(const CircleFlight& flight, mission::HelipadPilot pilot)
+      : flight_(flight), pilot_(std::move(pilot)) {}
+
+  mission::Decision Step(const vision::Frame& frame, const control::VehicleState& state) override {
+    mission::Decision decision = pilot_.Observe(frame, state);
+    if (state.landed) {
+      phase_ = "take off";
+      decision.setpoint =
+          control::PositionSetpoint{{state.p_NB.x(), state.p_NB.y(), -flight_.height_m}, YawOf(state.R_NB)};
+    } else if (!pilot_.HasEstimate()) {
+      phase_ = "search";
+      decision.setpoint = pilot_.Search(state);
+      if (!decision.setpoint) decision.outcome = "pad not found";
+    } else {
+      const Eigen::Vector2d from_centre = pilot_.where().p_TB.head<2>();
+      phase_ = around_ || std::abs(from_centre.norm() - flight_.radius_m) < 0.1 ? "circle" : "approach";
+      around_ = around_ || std::string_view(phase_) == "circle";
+      // A step ahead of where the aircraft is, on the circle: the goal cannot run away from it.
+      const double ahead = 2 * M_PI / flight_.period_s;
+      const double angle = std::atan2(from_centre.y(), from_centre.x()) + (around_ ? ahead : 0);
+      const Eigen::Vector3d goal_T(flight_.radius_m * std::cos(angle), flight_.radius_m * std::sin(angle),
+                                   -flight_.height_m);
+      decision.goal_T = goal_T;
+      decision.setpoint = pilot_.GoTo(goal_T, 0);
+    }
+    decision.phase = phase_;
+    return decision;
+  }
+  bool Accomplished() const override { return around_; }
+  mission::TargetNeed Target() const override { return mission::TargetNeed::kInSight; }
+  control::VelocityLag MaxLag() const override { return pilot_.MaxLag(); }
+  void Draw(cv::Mat& bgr) const override { pilot_.Draw(bgr, phase_); }
+
+ private:
+  CircleFlight flight_;
+  mission::HelipadPilot pilot_;
+  std::string_view phase_ = "search";
+  bool around_ = false;
+};
+
+// Judged by the truth: how far around the pad it came.
+void AddCircleMetrics(const std::vector<mission::LogRow>& rows, std::map<std::string, double>& metrics) {
+  double around = 0;
+  std::optional<double> before;
+  for (const mission::LogRow& row : rows) {
+    if (row.decision.phase != "circle") continue;
+    const Eigen::Vector3d p_TB = row.now.X_NT.Inverse() * row.now.X_NB.p;
+    const double angle = std::atan2(p_TB.y(), p_TB.x());
+    if (before) around += std::remainder(angle - *before, 2 * M_PI);
+    before = angle;
+  }
+  if (before) metrics["circle_around_deg"] = Degrees(around);
+}
+
+mission::MissionType TypeOf(const CircleFlight&) {
+  return {.name = "circle",
+          .summary = "Circles over the pad.",
+          .looks_for_pad = true,
+          .metrics = {{"circle_around_deg", "deg", "how far around the pad it came, clockwise", -1e9, 1e9}},
+          .add_metrics = AddCircleMetrics,
+          .common_metrics = {"fix_*", "longest_loss_s"}};
+}
+
+std::unique_ptr<mission::Mission> MakeMission(const CircleFlight& flight, const mission::MissionParts& parts) {
+  return std::make_unique<CircleMission>(flight, mission::PilotOf(parts));
+}
+
+}  // namespace
+
+KESTREL_PLUGIN { kestrel::mission::AddMission<CircleFlight>(); }

@@ -1,0 +1,38 @@
+# Libraries without which Kestrel builds, and what is then missing. What needs one is refused with this word.
+function(kestrel_without library package missing)
+  message(STATUS "Without ${library}: ${missing}. To have it, install ${package}.")
+endfunction()
+
+find_package(apriltag QUIET)
+if(NOT apriltag_FOUND)
+  kestrel_without(AprilTag libapriltag-dev "no calibration by boards of tags")
+endif()
+pkg_check_modules(aravis QUIET aravis-0.8)
+if(NOT aravis_FOUND)
+  kestrel_without(Aravis "libaravis-dev and libusb-1.0-0-dev" "no GenICam cameras, of addresses aravis:ID")
+endif()
+if(KESTREL_TARGET STREQUAL "simulator")
+  find_package(embree 4 QUIET)
+  if(NOT embree_FOUND)
+    find_package(embree 3.13 QUIET)
+  endif()
+  if(NOT embree_FOUND)
+    kestrel_without(Embree libembree-dev "no meshes and height fields by the ray renderer")
+  endif()
+  find_package(pagmo QUIET)  # 2.18 or later: asked for one, it refuses the next minor version
+  if(NOT pagmo_FOUND)
+    kestrel_without(pagmo libpagmo-dev "no tuning by CMA-ES, but by cross-entropy and random search")
+  endif()
+endif()
+
+# In place of a file that needs a library that is not there, a definition for the one that stands at the door.
+# Called in the folder of both.
+function(kestrel_source_needs library source door)
+  if(NOT ${library}_FOUND)
+    string(TOUPPER ${library} name)
+    if(source)
+      set_source_files_properties(${source} PROPERTIES HEADER_FILE_ONLY ON)
+    endif()
+    set_source_files_properties(${door} PROPERTIES COMPILE_DEFINITIONS KESTREL_WITHOUT_${name})
+  endif()
+endfunction()

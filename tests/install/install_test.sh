@@ -1,0 +1,68 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# Installs a build, moves it, builds the examples against it, and flies them from it.
+#   install_test.sh CMAKE BUILD
+set -euo pipefail
+cmake=$1 build=$2
+source=$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+cd "$folder"
+unset KESTREL_ROOT KESTREL_PATH KESTREL_PLUGINS
+
+fail() { echo "FAILED: $*" >&2; exit 1; }
+step() { echo "-- $(date +%T) $*"; }
+# $1: what a refusal must say; the rest: the command, which must end with status 2.
+refused() {
+  local say=$1 status=0
+  shift
+  "$@" >refused.txt 2>&1 || status=$?
+  [[ $status == 2 ]] || { cat refused.txt; fail "status $status of: $*"; }
+  grep -qF "$say" refused.txt || { cat refused.txt; fail "does not say '$say': $*"; }
+}
+
+step "install and move"
+"$cmake" --install "$build" --prefix "$folder/first" --strip >install.log || { cat install.log; fail "the installation"; }
+mv first prefix
+prefix=$folder/prefix
+root=$(sed -n 1p "$build/kestrel-source.txt")
+! grep -rlF "$root" prefix || fail "the files above name the source"
+
+step "build the examples"
+"$cmake" -S "$source" -B examples -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_BUILD_TYPE=Release \
+  -DCMAKE_CXX_COMPILER_LAUNCHER="$(command -v ccache || true)" >configure.log 2>&1 || { cat configure.log; fail "configure"; }
+"$cmake" --build examples -j 2 >build.log 2>&1 || { cat build.log; fail "build"; }
+cat >unknown.cmake <<'END'
+cmake_minimum_required(VERSION 3.25)
+project(unknown LANGUAGES CXX)
+find_package(kestrel 0.1 REQUIRED COMPONENTS visoin)
+END
+mkdir unknown && mv unknown.cmake unknown/CMakeLists.txt
+! "$cmake" -S unknown -B unknown/build -DCMAKE_PREFIX_PATH="$prefix" >unknown.log 2>&1 || fail "an unknown component is taken"
+tr -s ' \n' ' ' <unknown.log | grep -qF "has no component 'visoin'; valid: vision, control," || { cat unknown.log; fail "the word on it"; }
+
+step "fly"
+kestrel=$prefix/bin/kestrel
+circle=$source/../../examples/own_flight/circle.yaml
+wide=$source/../../examples/own_camera/wide.yaml
+plugins=(--plugin examples/own_flight/circle.so --plugin examples/own_camera/stereographic.so)
+examples/own_law/own_law
+"$kestrel" check landing >/dev/null
+refused "there is no" "$kestrel" check "$circle"
+"$kestrel" check "$circle" "${plugins[@]}" >/dev/null
+"$kestrel" run "$circle" "${plugins[@]}" --set camera="$wide" --images --no-video --out flown
+grep -q '"circle_around_deg"' flown/summary.json || fail "summary.json has no metric of the plug-in"
+examples/use_vision/use_vision flown/recording/%06d.png "$wide" "$prefix/share/kestrel/models/pads/helipad/helipad.yaml" | tail -1
+"$prefix/bin/kestrel-fly" check "$circle" "${plugins[@]}" >/dev/null
+
+step "a campaign, whose workers load the plug-in"
+printf 'scenario: %s\nruns: 2\nset: [duration_s=2]\nvary: {wind.mean_m_s: {uniform: [0, 2]}}\n' "$circle" >campaign.yaml
+"$kestrel" campaign campaign.yaml "${plugins[@]}" --jobs 1 --record-failures 0 --out campaign --quiet || [[ $? == 1 ]]
+grep -qa circle_around_deg campaign/* || fail "the campaign has no metric of the plug-in"
+
+step "refusals"
+refused "is no plug-in of Kestrel" "$kestrel" list --plugin "$circle"
+mv prefix/share/kestrel away
+refused "install Kestrel anew, or name the folder" "$kestrel" list
+KESTREL_ROOT=$folder/away "$kestrel" check landing >/dev/null
+step "done"
