@@ -2,7 +2,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <concepts>
 #include <memory>
 #include <optional>
 #include <string>
@@ -17,8 +16,9 @@ namespace kestrel::vision {
 class AddedModel {
  public:
   template <class Model>
-  requires(!std::same_as<Model, AddedModel>)
-  explicit AddedModel(Model model) : AddedModel(std::make_shared<Of<Model>>(std::move(model))) {}
+  requires requires { Model::kName; }
+  explicit AddedModel(Model model)
+      : AddedModel(std::shared_ptr<const Any>(std::make_shared<Of<Model>>(std::move(model)))) {}
 
   const char* name() const { return is_->Name(); }
   std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& p_CQ,
