@@ -12,13 +12,16 @@ foreach(room IN LISTS rooms)
     list(APPEND libraries ${room})
   endif()
 endforeach()
-list(JOIN libraries , libraries)
+list(TRANSFORM libraries REPLACE "(.+)" "$<TARGET_FILE:\\1>" OUTPUT_VARIABLE files)
 
 get_property(programs DIRECTORY app PROPERTY BUILDSYSTEM_TARGETS)
 foreach(program IN LISTS programs)
   get_target_property(type ${program} TYPE)
   if(type STREQUAL EXECUTABLE)
-    set_target_properties(${program} PROPERTIES ENABLE_EXPORTS ON LINK_LIBRARY_OVERRIDE "WHOLE_ARCHIVE,${libraries}")
+    set_target_properties(${program} PROPERTIES ENABLE_EXPORTS ON)
+    # Whole once, before all else; where the linker meets them again, nothing of them is missing.
+    target_link_options(${program} PRIVATE -Wl,--push-state,--whole-archive ${files} -Wl,--pop-state)
+    target_link_libraries(${program} PRIVATE ${libraries})
     target_link_options(${program} PRIVATE -Wl,--as-needed)  # of the libraries, those that are used
   endif()
 endforeach()

@@ -2,6 +2,8 @@
 // The command line: reads what is asked for, has it done, and turns the end into an exit status.
 #include <malloc.h>
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <functional>
 #include <opencv2/core/utility.hpp>
@@ -14,6 +16,10 @@
 #include "app/campaign/campaign_command.h"
 #include "app/campaign/tune_command.h"
 #include "app/flight/replay_command.h"
+#include "app/files/explain_command.h"
+#include "app/files/file_reference.h"
+#include "app/files/new_command.h"
+#include "app/files/schema_command.h"
 #include "app/manual/manual_command.h"
 #include "app/option/exit_status.h"
 #include "app/option/parse_command_line.h"
@@ -61,6 +67,12 @@ int Main(int argc, char** argv) {
   verbs.push_back({AddRunCommand(app, run), [&] { return RunCommand(run); }});
   ListArguments list;
   verbs.push_back({AddListCommand(app, list), [&] { return ListCommand(list), kMet; }});
+  ExplainArguments explain;
+  verbs.push_back({AddExplainCommand(app, explain), [&] { return ExplainCommand(explain), kMet; }});
+  NewArguments begin;
+  verbs.push_back({AddNewCommand(app, begin), [&] { return NewCommand(begin), kMet; }});
+  SchemaArguments schema;
+  verbs.push_back({AddSchemaCommand(app, schema), [&] { return SchemaCommand(schema), kMet; }});
   CheckArguments check;
   verbs.push_back({AddCheckCommand(app, check), [&] { return CheckCommand(check), kMet; }});
   flight::ServeArguments serve;
@@ -89,14 +101,20 @@ int Main(int argc, char** argv) {
   ManualArguments manual;
   verbs.push_back({AddCompletionCommand(app, manual), [&] { return CompletionCommand(app, manual), kMet; }});
   verbs.push_back({AddManCommand(app), [&] { return ManCommand(app), kMet; }});
-  verbs.push_back({AddReferenceCommand(app), [&] { return ReferenceCommand(app), kMet; }});
+  verbs.push_back({AddReferenceCommand(app, manual), [&] {
+                     if (manual.page == "files")
+                       fmt::print("{}", FileReference());
+                     else
+                       ReferenceCommand(app);
+                     return kMet;
+                   }});
 
   // Of all that fly.
   std::string isa;
   for (const char* name : {"run", "serve", "encounters", "campaign", "tune", "bench", "replay"})
     AddIsaOption(app.get_subcommand(name), isa);
   std::vector<std::string> plugins;
-  for (const char* name : {"run", "list", "check", "serve", "campaign", "tune", "replay"})
+  for (const char* name : {"run", "list", "explain", "new", "schema", "check", "serve", "campaign", "tune", "replay"})
     AddPluginOption(app.get_subcommand(name), plugins);
   // Last, or each verb without a footer of its own would have this one.
   app.footer(

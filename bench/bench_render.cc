@@ -493,7 +493,7 @@ void Edges(const BenchCamera& bench, std::uint64_t first_seed, std::uint64_t las
     std::vector<Box> boxes;
     std::string geoms;
     for (const Vector2d& uv : Places(bench.camera, 110, 30, random)) {
-      Eigen::Matrix<double, 3, 2> d_pixel;
+      Eigen::Matrix<double, 3, 2> d_pixel = Eigen::Matrix<double, 3, 2>::Zero();
       const Vector3d ray = *vision::Ray(bench.camera, uv, &d_pixel);
       const double distance = random.Uniform(2, 10);
       const double pixel = distance * std::sqrt(d_pixel.col(0).cross(d_pixel.col(1)).norm());

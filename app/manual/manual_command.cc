@@ -27,8 +27,10 @@ CLI::App* AddManCommand(CLI::App& app) {
   return command;
 }
 
-CLI::App* AddReferenceCommand(CLI::App& app) {
-  return app.add_subcommand("reference", "Print docs/reference/commands.md")->group("");
+CLI::App* AddReferenceCommand(CLI::App& app, ManualArguments& a) {
+  CLI::App* command = app.add_subcommand("reference", "Print a page of docs/reference")->group("");
+  command->add_option("page", a.page, "Which")->check(OneOf({"commands", "files"}))->capture_default_str();
+  return command;
 }
 
 void CompletionCommand(const CLI::App& app, const ManualArguments& a) {

@@ -12,11 +12,12 @@ namespace kestrel::app {
 // `completion`, `man` and `reference`: what a program's verbs and options are, for shells, man and docs/.
 struct ManualArguments {
   std::string shell;
+  std::string page = "commands";  // of docs/reference
 };
 
 CLI::App* AddCompletionCommand(CLI::App& app, ManualArguments& arguments);
 CLI::App* AddManCommand(CLI::App& app);
-CLI::App* AddReferenceCommand(CLI::App& app);  // which help does not show
+CLI::App* AddReferenceCommand(CLI::App& app, ManualArguments& arguments);  // which help does not show
 
 void CompletionCommand(const CLI::App& app, const ManualArguments& arguments);
 void ManCommand(const CLI::App& app);

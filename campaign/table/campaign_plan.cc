@@ -94,6 +94,8 @@ void CheckResults(const ConfigNode& root, const CampaignPlan& plan, Mistakes& mi
 
 }  // namespace
 
+std::vector<FieldDescription> DescribeCampaignFile() { return Describe(CampaignFile{}); }
+
 std::string NoneBetween(double min, double max) {
   return fmt::format("min = {} is above max = {}, so that nothing keeps to both; valid: min no more than max",
                      min, max);

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "base/yaml/describe_fields.h"
 #include "base/yaml/fields.h"
 #include "campaign/table/distribution.h"
 #include "campaign/table/sample_table.h"
@@ -66,6 +67,9 @@ struct CampaignPlan {
   std::map<std::string, Threshold> thresholds;  // by metric, or "success" for the share of runs that passed
   bool operator==(const CampaignPlan&) const = default;
 };
+
+// The keys of its file.
+std::vector<FieldDescription> DescribeCampaignFile();
 
 // Why no value keeps to both.
 std::string NoneBetween(double min, double max);

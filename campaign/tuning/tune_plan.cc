@@ -186,6 +186,8 @@ void CheckBudget(const ConfigNode& root, const LoadedTune& tune, Mistakes& mista
 
 }  // namespace
 
+std::vector<FieldDescription> DescribeTuneFile() { return Describe(TuneFile{}); }
+
 SampleTable RowsOfRound(const TunePlan& plan, int round) {
   return Draw(plan.flights, plan.rows, plan.flights.seed, fmt::format("tuning rows {}", round));
 }

@@ -42,6 +42,9 @@ struct TunePlan {
   std::uint64_t held_out_seed = 1;
 };
 
+// The keys of its file.
+std::vector<FieldDescription> DescribeTuneFile();
+
 struct LoadedTune {
   TunePlan plan;
   std::string text;                   // of the file

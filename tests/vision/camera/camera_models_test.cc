@@ -202,7 +202,11 @@ TEST_P(CameraModels, TheDomainEndsWhereItSaysIt) {
 
 TEST_P(CameraModels, ALensWithoutLimitShowsAllUntilThePictureFoldsOrEndsOrMeetsBehind) {
   CameraModel open = camera();
-  std::visit([](auto& c) { c.max_angle_rad = kNoLimit; }, open);
+  std::visit(
+      [](auto& c) {
+        if constexpr (requires { c.max_angle_rad; }) c.max_angle_rad = kNoLimit;
+      },
+      open);
   const double limit = MaxAngle(open);
   if (limit == M_PI) return;
   double least_slope = kNoLimit, least_radius = kNoLimit;

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "base/yaml/describe_fields.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <cmath>
+
+#include "base/yaml/yaml_fields.h"
+
+namespace kestrel {
+namespace {
+
+std::vector<FieldDescription> FieldsOf(const StructField& field) {
+  DescribingVisitor visitor;
+  field.Visit(visitor);
+  return std::move(visitor.fields);
+}
+
+struct Describer {
+  FieldDescription& of;
+
+  void operator()(const NumberField& f) const { Number(FieldKind::kNumber, f.low, f.high); }
+  void operator()(const OptionalNumberField& f) const {
+    Number(FieldKind::kNumber, f.low, f.high);
+    of.nullable = true;
+  }
+  void operator()(const IntegerField& f) const { Number(FieldKind::kInteger, f.low, f.high); }
+  void operator()(const SeedField&) const { of.kind = FieldKind::kSeed; }
+  void operator()(const FlagField&) const { of.kind = FieldKind::kFlag; }
+  void operator()(const TextField& f) const {
+    of.kind = FieldKind::kText;
+    of.valid = f.valid.value_or(std::vector<std::string>{});
+  }
+  void operator()(const TextsField&) const { of.kind = FieldKind::kTexts; }
+  void operator()(const NumbersField& f) const {
+    Number(FieldKind::kNumbers, f.low, f.high);
+    of.size = f.size;
+  }
+  void operator()(const NodeField&) const { of.kind = FieldKind::kAny; }
+  void operator()(const StructField& f) const {
+    of.kind = FieldKind::kStruct;
+    of.fields = FieldsOf(f);
+  }
+  void operator()(const StructsField& f) const {
+    using Several = StructsField::Kind;
+    of.kind = f.kind == Several::kList  ? FieldKind::kList
+              : f.kind == Several::kMap ? FieldKind::kMap
+                                        : FieldKind::kStruct;
+    of.nullable = f.kind == Several::kOptional;
+    // The first of those that it has says how it is by default, or one that is added to a list of none.
+    const auto all = f.all(f.value);
+    of.fields = FieldsOf(all.empty() ? f.add(f.value, "NAME") : all.front().second);
+    if (all.empty()) f.clear(f.value);
+  }
+
+  void Number(FieldKind kind, double low, double high) const {
+    of.kind = kind;
+    of.low = low;
+    of.high = high;
+  }
+};
+
+// What the writer writes of it on the key's own line.
+std::string ValueText(const FieldKey& key, const FieldValue& field) {
+  FieldWriter writer;
+  writer.Visit(key, field);
+  const std::string& text = writer.text();
+  const std::size_t end = text.find('\n');
+  const std::size_t begin = std::string_view(key.name).size() + 2;  // "key: "
+  if (end == std::string::npos || end + 1 != text.size() || end <= begin) return "";
+  return text.substr(begin, end - begin);
+}
+
+std::string RangeText(const FieldDescription& f) {
+  if (!f.low || !f.high || (*f.low <= -1e9 && *f.high >= 1e9)) return "";
+  if (*f.high >= 1e9) return fmt::format(" from {:g}", *f.low);
+  return fmt::format(" from {:g} to {:g}", *f.low, *f.high);
+}
+
+}  // namespace
+
+void DescribingVisitor::Visit(const FieldKey& key, const FieldValue& field) {
+  FieldDescription description;
+  description.key = key.name;
+  if (key.meaning) description.meaning = key.meaning;
+  description.required = key.required;
+  if (key.former) description.former = key.former;
+  description.value = ValueText(key, field);
+  std::visit(Describer{description}, field);
+  fields.push_back(std::move(description));
+}
+
+std::string TypeText(const FieldDescription& f) {
+  const std::string none = f.nullable ? ", or null" : "";
+  switch (f.kind) {
+    case FieldKind::kNumber:
+      return "number" + RangeText(f) + none;
+    case FieldKind::kInteger:
+      return "integer" + RangeText(f);
+    case FieldKind::kSeed:
+      return "integer from 0";
+    case FieldKind::kFlag:
+      return "true or false";
+    case FieldKind::kText:
+      return f.valid.empty() ? "text" : fmt::format("one of {}", fmt::join(f.valid, ", "));
+    case FieldKind::kTexts:
+      return "list of texts";
+    case FieldKind::kNumbers:
+      return fmt::format("list of {} numbers{}", f.size, RangeText(f));
+    case FieldKind::kAny:
+      return "map";
+    case FieldKind::kStruct:
+      return "map" + none;
+    case FieldKind::kList:
+      return "list of maps";
+    case FieldKind::kMap:
+      return "map of maps by names";
+  }
+  return "";
+}
+
+}  // namespace kestrel
