@@ -22,6 +22,7 @@ namespace kestrel {
 //     v(Required("name"), p.name);                         // any text; the key must be given
 //     v("gusts", p.gusts);                                 // a struct that has Fields
 //     v(Renamed("min_value", "least_value"), p.min_value, 0.0, 1.0);  // a file may have its old name
+//     v({"from_deg", "where it comes from, from north over east"}, p.from_deg, -360.0, 360.0);  // with its meaning
 //   }
 //
 // Readers and writers are visitors of it, so neither is known here. A struct may be in std::optional, in
@@ -29,14 +30,22 @@ namespace kestrel {
 
 struct FieldKey {
   // NOLINTNEXTLINE(google-explicit-constructor): a key is written as its name
-  FieldKey(const char* key, bool must = false, const char* old = nullptr)
-      : name(key), required(must), former(old) {}
+  FieldKey(const char* key, const char* of_it = nullptr) : name(key), meaning(of_it) {}
   const char* name;
-  bool required;
-  const char* former;  // what the key was called in earlier versions; null: it always had its name
+  const char* meaning;  // to whoever writes a file: a phrase without a full stop; null: none is given
+  bool required = false;
+  const char* former = nullptr;  // what the key was called in earlier versions
 };
-inline FieldKey Required(const char* key) { return {key, true}; }
-inline FieldKey Renamed(const char* key, const char* former) { return {key, false, former}; }
+inline FieldKey Required(const char* name, const char* meaning = nullptr) {
+  FieldKey key(name, meaning);
+  key.required = true;
+  return key;
+}
+inline FieldKey Renamed(const char* name, const char* former, const char* meaning = nullptr) {
+  FieldKey key(name, meaning);
+  key.former = former;
+  return key;
+}
 
 struct ConfigNode;
 class FieldVisitor;
