@@ -24,8 +24,8 @@ struct AfcsLinkOptions {
 };
 
 inline void Fields(FieldVisitor& v, AfcsLinkOptions& o) {
-  v({"host", "host name or IP address of the AFCS"}, o.host);
-  v({"port", "UDP port of the AFCS"}, o.port, 1, 65535);
+  v({"host", "host name or IP address of the AFCS; kestrel fly takes that of --autopilot instead"}, o.host);
+  v({"port", "UDP port of the AFCS; kestrel fly takes that of --autopilot instead"}, o.port, 1, 65535);
   v({"afcs", "what the numbers of the messages mean to the AFCS: to be calibrated with it"}, o.afcs);
   v({"open_s", "interval between attempts to open a session until one is acknowledged"}, o.open_s, 0.01,
     10.0);

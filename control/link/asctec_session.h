@@ -36,7 +36,8 @@ struct AscTecOptions {
 };
 
 inline void Fields(FieldVisitor& v, AscTecOptions& o) {
-  v({"device", "serial device of the AscTec low-level processor"}, o.device);
+  v({"device", "serial device of the AscTec processor; kestrel fly takes that of --autopilot instead"},
+    o.device);
   v({"mode", "what is sent: attitude and thrust, or velocities to the processor's own GPS mode"}, o.mode,
     {"attitude", "gps"});
   v({"signs",
