@@ -15,11 +15,11 @@ namespace kestrel::flight {
 // and a recording need. A file of the simulator is read as it is; what it says of its world is passed over.
 struct FlightPlan {
   struct Pad {
-    std::string name = "helipad";  // of models/pads; none: the flight looks for none
+    std::string name = "helipad";
   };
   struct Image {
     bool colour = false;
-    double rate_hz = 20;  // that the camera should keep
+    double rate_hz = 20;
   };
   std::string name;
   std::string mission;
@@ -27,34 +27,39 @@ struct FlightPlan {
   std::uint64_t seed = 1;
   double duration_s = 60;
   std::string camera = "thesis_6mm", camera_name;
-  std::string own_parts;  // picture of where the camera sees the aircraft itself: white there; empty: nowhere
+  std::string own_parts;
   Pad pad;
   vision::CameraMount mount;
   Image image;
   mission::PilotParameters pilot;
 };
 
-inline void Fields(FieldVisitor& v, FlightPlan::Pad& p) { v("name", p.name); }
+inline void Fields(FieldVisitor& v, FlightPlan::Pad& p) {
+  v({"name", "landing pad: a name in models/pads, or a YAML file; none: the mission looks for none"}, p.name);
+}
 
 inline void Fields(FieldVisitor& v, FlightPlan::Image& i) {
-  v("colour", i.colour);
-  v("rate_hz", i.rate_hz, 0.5, 500.0);
+  v({"colour", "colour images; false: grey ones"}, i.colour);
+  v({"rate_hz", "frame rate that the camera should keep"}, i.rate_hz, 0.5, 500.0);
 }
 
 inline void Fields(FieldVisitor& v, FlightPlan& p) {
-  v("name", p.name);
-  v(Required("mission"), p.mission, mission::MissionNames());
+  v({"name", "name of the run and of its folder; empty: that of the file"}, p.name);
+  v(Required("mission", "which mission is flown"), p.mission, mission::MissionNames());
   mission::SelectMission(p.mission, p.flight);
-  v("flight", p.flight);
-  v("seed", p.seed);
-  v("duration_s", p.duration_s, 0.1, 36000.0);
-  v("camera", p.camera);
-  v("camera_name", p.camera_name);
-  v("own_parts", p.own_parts);
-  v("pad", p.pad);
-  v("mount", p.mount);
-  v("image", p.image);
-  v("pilot", p.pilot);
+  v({"flight", "parameters of the mission"}, p.flight);
+  v({"seed", "seed of all random numbers of the flight"}, p.seed);
+  v({"duration_s", "longest time of the flight; the mission may end it earlier"}, p.duration_s, 0.1, 36000.0);
+  v({"camera", "camera: a name in models/cameras, or a calibration file of Kestrel, Kalibr or OpenCV"},
+    p.camera);
+  v({"camera_name", "which camera of a file of Kalibr; empty: its first"}, p.camera_name);
+  v({"own_parts",
+     "picture, white where the camera sees its aircraft; empty: own_parts.png beside this file, if any"},
+    p.own_parts);
+  v({"pad", "landing pad that the mission looks for"}, p.pad);
+  v({"mount", "position and orientation of the camera on the aircraft"}, p.mount);
+  v({"image", "images that the camera is to give"}, p.image);
+  v({"pilot", "vision, estimation and control of missions over a pad"}, p.pilot);
 }
 
 struct LoadedPlan {

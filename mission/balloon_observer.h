@@ -21,17 +21,20 @@ namespace kestrel::mission {
 struct BalloonObserverParameters {
   vision::ColourRange colour;
   double diameter_m = 0.5;
-  double coast_s = 0.3;  // without a measurement for longer, its place is not known any more
+  double coast_s = 0.3;
   vision::BalloonTrackerOptions tracker;
   control::MovingTargetOptions estimator;
 };
 
 inline void Fields(FieldVisitor& v, BalloonObserverParameters& p) {
-  v("colour", p.colour);
-  v("diameter_m", p.diameter_m, 0.02, 20.0);
-  v("coast_s", p.coast_s, 0.05, 2.0);
-  v("tracker", p.tracker);
-  v("estimator", p.estimator);
+  v({"colour", "colour by which the balloon or mark is found"}, p.colour);
+  v({"diameter_m", "true diameter of the balloon or mark, by which its distance is measured"}, p.diameter_m,
+    0.02, 20.0);
+  v({"coast_s",
+     "time without a measurement after which the position of the balloon or mark counts as unknown"},
+    p.coast_s, 0.05, 2.0);
+  v({"tracker", "tracking of the balloon or mark from image to image"}, p.tracker);
+  v({"estimator", "Kalman filter of the position and velocity of the balloon or mark"}, p.estimator);
 }
 
 // A range that no pixel can match is a mistake of its key.

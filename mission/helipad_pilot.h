@@ -20,19 +20,22 @@ namespace kestrel::mission {
 // (thesis 6.6). None: the camera does not see along its own axis.
 std::optional<vision::Pinhole> TrackersCamera(const vision::CameraModel& camera);
 
-// What to do while the pad is out of sight: stop, climb to see more, then fly a growing square.
 struct SearchParameters {
-  double stop_s = 0.5;  // a pad lost for less is waited for
+  double stop_s = 0.5;
   double climb_m_s = 0.8;
-  double ceiling_m = 12;  // of the aircraft above the origin of N
+  double ceiling_m = 12;
   double give_up_s = 90;
 };
 
 inline void Fields(FieldVisitor& v, SearchParameters& p) {
-  v("stop_s", p.stop_s, 0.0, 10.0);
-  v("climb_m_s", p.climb_m_s, 0.05, 3.0);
-  v("ceiling_m", p.ceiling_m, 1.0, 60.0);
-  v("give_up_s", p.give_up_s, 1.0, 3600.0);
+  v({"stop_s",
+     "time out of sight after which the search for the pad begins, and for which it hovers before it climbs"},
+    p.stop_s, 0.0, 10.0);
+  v({"climb_m_s", "climb rate of the search"}, p.climb_m_s, 0.05, 3.0);
+  v({"ceiling_m",
+     "height above the autopilot's local origin up to which the search climbs, then to fly a growing square"},
+    p.ceiling_m, 1.0, 60.0);
+  v({"give_up_s", "time of searching after which the mission gives up"}, p.give_up_s, 1.0, 3600.0);
 }
 
 struct PilotParameters {
@@ -43,10 +46,10 @@ struct PilotParameters {
 };
 
 inline void Fields(FieldVisitor& v, PilotParameters& p) {
-  v("tracker", p.tracker);
-  v("estimator", p.estimator);
-  v("servo", p.servo);
-  v("search", p.search);
+  v({"tracker", "tracking of the pad from image to image"}, p.tracker);
+  v({"estimator", "Kalman filter of the aircraft's position and velocity over the pad"}, p.estimator);
+  v({"servo", "gains and limits of position-based visual servoing"}, p.servo);
+  v({"search", "what to do while the pad is out of sight: stop, climb, fly a growing square"}, p.search);
 }
 
 // What every helipad flight shares: it sees the pad, knows where the aircraft is over it, servoes to a place

@@ -23,18 +23,23 @@ struct CampaignFile {
 };
 
 void Fields(FieldVisitor& v, CampaignFile& f) {
-  v("name", f.plan.name);
-  v(Required("scenario"), f.plan.scenario);
-  v("set", f.plan.set);
-  v("runs", f.plan.runs, 1, kMaxRows);
-  v("seed", f.plan.seed);
-  v("sampling", f.plan.sampling, {"independent", "latin_hypercube", "sobol"});
-  v("vary", f.vary);
-  v("correlated", f.plan.correlated);
-  v("same", f.plan.same);
-  v("metrics", f.plan.metrics);
-  v("limit_s", f.plan.limit_s, 0.1, 1e6);
-  v("thresholds", f.plan.thresholds);
+  v({"name", "name of the campaign and of its results; empty: that of the file"}, f.plan.name);
+  v(Required("scenario", "scenario that is flown: a name, or a file beside this one"), f.plan.scenario);
+  v({"set", "assignments KEY=VALUE to the scenario, for every flight"}, f.plan.set);
+  v({"runs", "number of flights; with a grid: of each of its points"}, f.plan.runs, 1, kMaxRows);
+  v({"seed", "seed of the samples, from which also each flight's own seed follows"}, f.plan.seed);
+  v({"sampling",
+     "how the varied values are drawn: independently, by Latin hypercube, or as a scrambled Sobol sequence"},
+    f.plan.sampling, {"independent", "latin_hypercube", "sobol"});
+  v({"vary", "by key of the scenario, the distribution from which each flight draws its value"}, f.vary);
+  v({"correlated", "groups of varied keys whose values correlate"}, f.plan.correlated);
+  v({"same", "keys that take the value of a varied key in each flight"}, f.plan.same);
+  v({"metrics", "metrics that reports show first; empty: those of the scenario's criteria"}, f.plan.metrics);
+  v({"limit_s", "longest wall-clock time of a flight; after it the flight is ended and counts as timed out"},
+    f.plan.limit_s, 0.1, 1e6);
+  v({"thresholds",
+     "limits by metric, or by success for the share of flights that passed, which the campaign must keep to"},
+    f.plan.thresholds);
 }
 
 // As the file and its overrides say it, of which nothing is resolved yet.

@@ -22,8 +22,9 @@ struct CorrelatedGroup {
 };
 
 inline void Fields(FieldVisitor& v, CorrelatedGroup& g) {
-  v(Required("keys"), g.keys);
-  v(Required("rank_correlation"), g.rank_correlation, -1.0, 1.0);
+  v(Required("keys", "varied keys whose values are drawn together"), g.keys);
+  v(Required("rank_correlation", "rank correlation of each two of these keys"), g.rank_correlation, -1.0,
+    1.0);
 }
 
 // A key that takes in each row the value of one that varies.
@@ -33,38 +34,39 @@ struct SameValue {
 };
 
 inline void Fields(FieldVisitor& v, SameValue& s) {
-  v(Required("key"), s.key);
-  v(Required("as"), s.as);
+  v(Required("key", "key of the scenario that takes the value"), s.key);
+  v(Required("as", "varied key whose value it takes in each flight"), s.as);
 }
 
 // What a campaign's results must keep to, for CI: judged by the bound of the 95 % interval that is against
 // it.
 struct Threshold {
-  std::optional<double> quantile;  // of the metric; none: its mean
+  std::optional<double> quantile;
   std::optional<double> max, min;
   bool operator==(const Threshold&) const = default;
 };
 
 inline void Fields(FieldVisitor& v, Threshold& t) {
-  v("quantile", t.quantile, 0.0, 1.0);
-  v("max", t.max, -1e9, 1e9);
-  v("min", t.min, -1e9, 1e9);
+  v({"quantile", "quantile of the metric that is judged, between 0 and 1; not given: its mean"}, t.quantile,
+    0.0, 1.0);
+  v({"max", "limit that the upper bound of the 95 % interval must not exceed"}, t.max, -1e9, 1e9);
+  v({"min", "limit that the lower bound of the 95 % interval must not go below"}, t.min, -1e9, 1e9);
 }
 
 // A campaign's file.
 struct CampaignPlan {
-  std::string name;                          // of the campaign; the file's own when none is given
-  std::string scenario;                      // a name, or a file beside this one
-  std::vector<std::string> set;              // "key=value" for every run
-  int runs = 100;                            // with a grid: of each of its points
-  std::uint64_t seed = 1;                    // of the sample table
-  std::string sampling = "latin_hypercube";  // independent, latin_hypercube, sobol
-  std::map<std::string, Distribution> vary;  // by the scenario's key
+  std::string name;
+  std::string scenario;
+  std::vector<std::string> set;
+  int runs = 100;
+  std::uint64_t seed = 1;
+  std::string sampling = "latin_hypercube";
+  std::map<std::string, Distribution> vary;
   std::vector<CorrelatedGroup> correlated;
   std::vector<SameValue> same;
-  std::vector<std::string> metrics;             // that reports show first; empty: those of the criteria
-  double limit_s = 600;                         // of wall time for a run
-  std::map<std::string, Threshold> thresholds;  // by metric, or "success" for the share of runs that passed
+  std::vector<std::string> metrics;
+  double limit_s = 600;
+  std::map<std::string, Threshold> thresholds;
   bool operator==(const CampaignPlan&) const = default;
 };
 

@@ -15,16 +15,19 @@ namespace kestrel::campaign {
 // `wanted` stands for it, also in `worst`.
 struct CostTerm {
   double weight = 1;
-  double scale = 1;              // in the metric's unit: what is good
-  std::optional<double> worst;   // none: ten scales
-  std::optional<double> wanted;  // none: the less the better
+  double scale = 1;
+  std::optional<double> worst;
+  std::optional<double> wanted;
 };
 
 inline void Fields(FieldVisitor& v, CostTerm& t) {
-  v("weight", t.weight, 0.0, 1e6);
-  v(Required("scale"), t.scale, 1e-9, 1e9);
-  v("worst", t.worst, 1e-9, 1e9);  // at 0 the term would be the same for all
-  v("wanted", t.wanted, -1e9, 1e9);
+  v({"weight", "factor of this term in the cost: weight * metric / scale"}, t.weight, 0.0, 1e6);
+  v(Required("scale", "value of the metric that counts as good, in the metric's unit"), t.scale, 1e-9, 1e9);
+  v({"worst", "greatest value that counts, also of a flight without the metric; not given: ten times scale"},
+    t.worst, 1e-9, 1e9);  // at 0 the term would be the same for all
+  v({"wanted",
+     "value of a metric that should be great: what it lacks of this counts; not given: the less the better"},
+    t.wanted, -1e9, 1e9);
 }
 
 // What a metric must keep to. A flight that does not costs the penalty, and as much again by the share of the
@@ -35,9 +38,10 @@ struct CostConstraint {
 };
 
 inline void Fields(FieldVisitor& v, CostConstraint& c) {
-  v("max", c.max, -1e9, 1e9);
-  v("min", c.min, -1e9, 1e9);
-  v("penalty", c.penalty, 0.0, 1e6);
+  v({"max", "greatest value of the metric without a penalty"}, c.max, -1e9, 1e9);
+  v({"min", "least value of the metric without a penalty"}, c.min, -1e9, 1e9);
+  v({"penalty", "cost of a flight beyond a limit, up to twice by how far; twice without the metric"},
+    c.penalty, 0.0, 1e6);
 }
 
 struct FlightCost {

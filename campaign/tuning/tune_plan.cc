@@ -31,26 +31,35 @@ struct TuneFile {
 
 void Fields(FieldVisitor& v, TuneFile& f) {
   TunePlan& p = f.plan;
-  v("name", p.flights.name);
-  v(Required("scenario"), p.flights.scenario);
-  v("set", p.flights.set);
-  v("seed", p.flights.seed);
-  v("sampling", p.flights.sampling, {"independent", "latin_hypercube", "sobol"});
-  v("vary", f.vary);
-  v("correlated", p.flights.correlated);
-  v("same", p.flights.same);
-  v("limit_s", p.flights.limit_s, 0.1, 1e6);
-  v(Required("gains"), p.gains);
-  v(Required("cost"), p.cost.terms);
-  v("constraints", p.cost.constraints);
-  v("failure", p.cost.failure, 0.0, 1e6);
-  v("method", p.method, {"cma_es", "cross_entropy", "random_search"});
-  v("budget", p.budget, 1, kMaxRows);
-  v("rows", p.rows, 1, 100000);
-  v("leaders", p.leaders, 1, 1000);
-  v("fresh_rows", p.fresh_rows, 1, 100000);
-  v("held_out_rows", p.held_out_rows, 2, 100000);
-  v("held_out_seed", p.held_out_seed);
+  v({"name", "name of the tuning and of its results; empty: that of the file"}, p.flights.name);
+  v(Required("scenario", "scenario that is flown: a name, or a file beside this one"), p.flights.scenario);
+  v({"set", "assignments KEY=VALUE to the scenario, for every flight"}, p.flights.set);
+  v({"seed", "seed of the search and of the samples that it flies"}, p.flights.seed);
+  v({"sampling",
+     "how the varied values are drawn: independently, by Latin hypercube, or as a scrambled Sobol sequence"},
+    p.flights.sampling, {"independent", "latin_hypercube", "sobol"});
+  v({"vary", "by key of the scenario, the distribution from which each flight draws its value"}, f.vary);
+  v({"correlated", "groups of varied keys whose values correlate"}, p.flights.correlated);
+  v({"same", "keys that take the value of a varied key in each flight"}, p.flights.same);
+  v({"limit_s", "longest wall-clock time of a flight; after it the flight is ended and counts as timed out"},
+    p.flights.limit_s, 0.1, 1e6);
+  v(Required("gains", "keys of the scenario that are tuned, with their bounds"), p.gains);
+  v(Required("cost", "terms of the cost by metric; their sum is to be the least"), p.cost.terms);
+  v({"constraints", "limits by metric, beyond which a flight costs a penalty"}, p.cost.constraints);
+  v({"failure", "cost of a flight that does not pass its scenario's criteria"}, p.cost.failure, 0.0, 1e6);
+  v({"method", "search algorithm for the gains of least cost"}, p.method,
+    {"cma_es", "cross_entropy", "random_search"});
+  v({"budget", "number of flights of the search and its leaders, without those on held-out samples"},
+    p.budget, 1, kMaxRows);
+  v({"rows", "number of flights of each candidate; all candidates of a round fly the same samples"}, p.rows,
+    1, 100000);
+  v({"leaders", "number of candidates that are flown again on fresh samples, to choose the best"}, p.leaders,
+    1, 1000);
+  v({"fresh_rows", "number of fresh samples that each leader flies"}, p.fresh_rows, 1, 100000);
+  v({"held_out_rows",
+     "number of samples that the search never sees, for the gains found and those to compare them with"},
+    p.held_out_rows, 2, 100000);
+  v({"held_out_seed", "seed of the held-out samples"}, p.held_out_seed);
 }
 
 // Of the resolved scenario. None: the key has no number.

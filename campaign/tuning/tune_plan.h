@@ -16,29 +16,29 @@ namespace kestrel::campaign {
 
 // A key of the scenario that is tuned.
 struct Gain {
-  double low = 0, high = 1;     // bounds, both valid
-  bool log = false;             // looked for on a log scale
-  std::optional<double> start;  // none: as the scenario has it
+  double low = 0, high = 1;
+  bool log = false;
+  std::optional<double> start;
 };
 
 inline void Fields(FieldVisitor& v, Gain& g) {
-  v(Required("low"), g.low, -1e9, 1e9);
-  v(Required("high"), g.high, -1e9, 1e9);
-  v("log", g.log);
-  v("start", g.start, -1e9, 1e9);
+  v(Required("low", "lower bound of the search, itself valid"), g.low, -1e9, 1e9);
+  v(Required("high", "upper bound of the search, itself valid"), g.high, -1e9, 1e9);
+  v({"log", "search on a logarithmic scale; low must be above 0"}, g.log);
+  v({"start", "value from which the search starts; not given: that of the scenario"}, g.start, -1e9, 1e9);
 }
 
 // A tuning's file. What varies from flight to flight is as in a campaign's: flights.runs is of its `rows`.
 struct TunePlan {
   CampaignPlan flights;
-  std::map<std::string, Gain> gains;  // by the scenario's key
+  std::map<std::string, Gain> gains;
   FlightCost cost;
-  std::string method = "cma_es";  // cma_es, cross_entropy, random_search
-  int budget = 500;               // flights, all but those on the held-out rows
-  int rows = 2;                   // that every candidate of a round flies, the same for all of them
-  int leaders = 5;                // that are flown again
-  int fresh_rows = 10;            // on so many rows of their own
-  int held_out_rows = 50;  // that the search never sees, for the gains found and those to compare them with
+  std::string method = "cma_es";
+  int budget = 500;
+  int rows = 2;
+  int leaders = 5;
+  int fresh_rows = 10;
+  int held_out_rows = 50;
   std::uint64_t held_out_seed = 1;
 };
 

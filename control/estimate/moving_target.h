@@ -13,13 +13,15 @@
 namespace kestrel::control {
 
 struct MovingTargetOptions {
-  double acceleration_m_s2 = 6;  // of the constant-velocity model, per root hertz
-  double tilt_sigma_deg = 0.3;   // of the autopilot's attitude, from one frame to the next
+  double acceleration_m_s2 = 6;
+  double tilt_sigma_deg = 0.3;
 };
 
 inline void Fields(FieldVisitor& v, MovingTargetOptions& o) {
-  v("acceleration_m_s2", o.acceleration_m_s2, 0.01, 50.0);
-  v("tilt_sigma_deg", o.tilt_sigma_deg, 0.0, 10.0);
+  v({"acceleration_m_s2", "acceleration noise of the target's constant-velocity model, per root hertz"},
+    o.acceleration_m_s2, 0.01, 50.0);
+  v({"tilt_sigma_deg", "standard deviation of the autopilot's attitude from one image to the next"},
+    o.tilt_sigma_deg, 0.0, 10.0);
 }
 
 // Where a target is that moves in any way, by what a camera measured at its exposures: eqs. (4.6) to (4.8) in

@@ -14,17 +14,22 @@
 namespace kestrel::control {
 
 struct TargetEstimatorOptions {
-  double acceleration_m_s2 = 0.6;   // of the constant-velocity model, per root hertz
-  double position_sigma_m = 0.004;  // least deviation of a fix, beside its own covariance
-  double velocity_time_s = 0.9;     // over which the error of the autopilot's velocity is learnt
-  bool tilt_alignment = true;       // mend the pose by the autopilot's tilt, and that tilt by the pose
+  double acceleration_m_s2 = 0.6;
+  double position_sigma_m = 0.004;
+  double velocity_time_s = 0.9;
+  bool tilt_alignment = true;
 };
 
 inline void Fields(FieldVisitor& v, TargetEstimatorOptions& o) {
-  v("acceleration_m_s2", o.acceleration_m_s2, 0.01, 20.0);
-  v("position_sigma_m", o.position_sigma_m, 1e-4, 1.0);
-  v("velocity_time_s", o.velocity_time_s, 0.2, 60.0);
-  v("tilt_alignment", o.tilt_alignment);
+  v({"acceleration_m_s2",
+     "acceleration noise of the aircraft's constant-velocity model over the pad, per root hertz"},
+    o.acceleration_m_s2, 0.01, 20.0);
+  v({"position_sigma_m", "standard deviation that is added to each position fix, beside its own covariance"},
+    o.position_sigma_m, 1e-4, 1.0);
+  v({"velocity_time_s", "time constant with which the error of the autopilot's velocity is estimated"},
+    o.velocity_time_s, 0.2, 60.0);
+  v({"tilt_alignment", "correct the pad's pose by the autopilot's tilt, and that tilt by the pose"},
+    o.tilt_alignment);
 }
 
 // Where the aircraft is over a level target, from camera poses of the target and the autopilot's states: eq.

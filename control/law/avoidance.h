@@ -25,25 +25,29 @@ struct Intruder {
 };
 
 struct AvoidanceOptions {
-  HoldBearingGains hold;  // bearing_deg: the least bearing; more where that does not clear
+  HoldBearingGains hold;
   double max_bearing_deg = 120;
-  double safe_m = 2;          // 2 R: whoever would come nearer is avoided
-  double clear_share = 1.25;  // of safe_m: to be clear again, and wanted of a manoeuvre
-  double horizon_s = 6;       // what comes later is left for later
-  // What the aircraft can do: it takes turn_s to obey, turns as fast as hold.yaw_rate_limit_deg_s, and its
-  // velocity follows as fast as this.
+  double safe_m = 2;  // 2 R
+  double clear_share = 1.25;
+  double horizon_s = 6;
   double turn_s = 0.5;
   double acceleration_m_s2 = 2;
 };
 
 inline void Fields(FieldVisitor& v, AvoidanceOptions& o) {
-  v("hold", o.hold);
-  v(Renamed("max_bearing_deg", "most_bearing_deg"), o.max_bearing_deg, 0.0, 180.0);
-  v("safe_m", o.safe_m, 0.1, 1000.0);
-  v("clear_share", o.clear_share, 1.0, 10.0);
-  v("horizon_s", o.horizon_s, 0.5, 600.0);
-  v("turn_s", o.turn_s, 0.0, 10.0);
-  v("acceleration_m_s2", o.acceleration_m_s2, 0.1, 20.0);
+  v({"hold", "control of the yaw rate that holds another aircraft at a bearing"}, o.hold);
+  v(Renamed("max_bearing_deg", "most_bearing_deg",
+            "greatest bearing off the bow at which another aircraft may be held"),
+    o.max_bearing_deg, 0.0, 180.0);
+  v({"safe_m", "closest distance that is allowed: whoever is predicted to come nearer is avoided"}, o.safe_m,
+    0.1, 1000.0);
+  v({"clear_share", "closest distance that a manoeuvre aims for and needs to end, as a multiple of safe_m"},
+    o.clear_share, 1.0, 10.0);
+  v({"horizon_s", "how far ahead encounters are predicted; later ones are left for later"}, o.horizon_s, 0.5,
+    600.0);
+  v({"turn_s", "assumed delay until the aircraft obeys a yaw rate"}, o.turn_s, 0.0, 10.0);
+  v({"acceleration_m_s2", "assumed acceleration with which the velocity follows the heading"},
+    o.acceleration_m_s2, 0.1, 20.0);
 }
 
 // Whether any of them would come nearer than a distance within the horizon, were we to fly at v.

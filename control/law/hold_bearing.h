@@ -15,14 +15,16 @@ namespace kestrel::control {
 
 struct HoldBearingGains {
   double lambda_per_s = 1;
-  double bearing_deg = 50;  // to hold the other at, either side: thesis 6.4.3
+  double bearing_deg = 50;  // thesis 6.4.3
   double yaw_rate_limit_deg_s = 40;
 };
 
 inline void Fields(FieldVisitor& v, HoldBearingGains& g) {
-  v("lambda_per_s", g.lambda_per_s, 0.1, 5.0);
-  v("bearing_deg", g.bearing_deg, 10.0, 180.0);
-  v("yaw_rate_limit_deg_s", g.yaw_rate_limit_deg_s, 1.0, 180.0);
+  v({"lambda_per_s", "proportional gain from bearing error to yaw rate"}, g.lambda_per_s, 0.1, 5.0);
+  v({"bearing_deg", "least bearing off the bow, on either side, at which another aircraft is held"},
+    g.bearing_deg, 10.0, 180.0);
+  v({"yaw_rate_limit_deg_s", "greatest yaw rate that is commanded, and with which manoeuvres are planned"},
+    g.yaw_rate_limit_deg_s, 1.0, 180.0);
 }
 
 enum class PassingSide { kLeft, kRight };  // of the other, as we see it: left keeps it to our right

@@ -30,7 +30,7 @@ Twist PbvsTargetTwist(const Pose& X_CO, const Pose& X_DO, double lambda_per_s);
 Eigen::Matrix3d RotationVectorInteraction(const Eigen::Vector3d& theta_u);
 
 struct ServoGains {
-  double lambda_per_s = 1.1;  // horizontal
+  double lambda_per_s = 1.1;
   double lambda_vertical_per_s = 1.2;
   double lambda_yaw_per_s = 0.8;
   double speed_limit_m_s = 1.5;
@@ -39,12 +39,15 @@ struct ServoGains {
 };
 
 inline void Fields(FieldVisitor& v, ServoGains& g) {
-  v("lambda_per_s", g.lambda_per_s, 0.0, 5.0);
-  v("lambda_vertical_per_s", g.lambda_vertical_per_s, 0.0, 5.0);
-  v("lambda_yaw_per_s", g.lambda_yaw_per_s, 0.0, 5.0);
-  v("speed_limit_m_s", g.speed_limit_m_s, 0.05, 10.0);
-  v("climb_limit_m_s", g.climb_limit_m_s, 0.05, 5.0);
-  v("yaw_rate_limit_deg_s", g.yaw_rate_limit_deg_s, 1.0, 180.0);
+  v({"lambda_per_s", "proportional gain from horizontal position error to velocity"}, g.lambda_per_s, 0.0,
+    5.0);
+  v({"lambda_vertical_per_s", "proportional gain from height error to vertical velocity"},
+    g.lambda_vertical_per_s, 0.0, 5.0);
+  v({"lambda_yaw_per_s", "proportional gain from heading error to yaw rate"}, g.lambda_yaw_per_s, 0.0, 5.0);
+  v({"speed_limit_m_s", "greatest horizontal speed that is commanded"}, g.speed_limit_m_s, 0.05, 10.0);
+  v({"climb_limit_m_s", "greatest vertical speed that is commanded, up or down"}, g.climb_limit_m_s, 0.05,
+    5.0);
+  v({"yaw_rate_limit_deg_s", "greatest yaw rate that is commanded"}, g.yaw_rate_limit_deg_s, 1.0, 180.0);
 }
 
 // The law applied to what an autopilot holds level itself: X_DH is the pose of the aircraft's heading frame

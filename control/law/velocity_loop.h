@@ -20,8 +20,7 @@
 namespace kestrel::control {
 
 struct VelocityLoopOptions {
-  double hover_thrust = 0.45;  // of the greatest thrust, in still air
-  // The angle that the autopilot gives for one that is asked of it.
+  double hover_thrust = 0.45;
   double roll_gain = 0.80, pitch_gain = 0.84;
   double speed_limit_m_s = 3, climb_limit_m_s = 1.5, acceleration_limit_m_s2 = 2;
   double tilt_limit_deg = 20, yaw_rate_limit_deg_s = 60;
@@ -29,29 +28,43 @@ struct VelocityLoopOptions {
   double velocity_gain_per_s = 2.0, velocity_integral_per_s2 = 0.8;
   double climb_gain_per_s = 2.5, climb_integral_per_s2 = 1.5;
   double position_gain_per_s = 0.7, yaw_gain_per_s = 1.0;
-  // From a state to the acceleration that answers it: the line, the attitude loop, the motors.
   double level_delay_s = 0.3, climb_delay_s = 0.15;
 };
 
 inline void Fields(FieldVisitor& v, VelocityLoopOptions& o) {
-  v("hover_thrust", o.hover_thrust, 0.05, 0.95);
-  v("roll_gain", o.roll_gain, 0.1, 2.0);
-  v("pitch_gain", o.pitch_gain, 0.1, 2.0);
-  v("speed_limit_m_s", o.speed_limit_m_s, 0.1, 30.0);
-  v("climb_limit_m_s", o.climb_limit_m_s, 0.1, 10.0);
-  v("acceleration_limit_m_s2", o.acceleration_limit_m_s2, 0.1, 10.0);
-  v("tilt_limit_deg", o.tilt_limit_deg, 1.0, 45.0);
-  v("yaw_rate_limit_deg_s", o.yaw_rate_limit_deg_s, 1.0, 200.0);
-  v(Renamed("thrust_min", "thrust_least"), o.thrust_min, 0.0, 1.0);
-  v(Renamed("thrust_max", "thrust_most"), o.thrust_max, 0.0, 1.0);
-  v("velocity_gain_per_s", o.velocity_gain_per_s, 0.0, 20.0);
-  v("velocity_integral_per_s2", o.velocity_integral_per_s2, 0.0, 20.0);
-  v("climb_gain_per_s", o.climb_gain_per_s, 0.0, 20.0);
-  v("climb_integral_per_s2", o.climb_integral_per_s2, 0.0, 20.0);
-  v("position_gain_per_s", o.position_gain_per_s, 0.0, 5.0);
-  v("yaw_gain_per_s", o.yaw_gain_per_s, 0.0, 5.0);
-  v("level_delay_s", o.level_delay_s, 0.0, 2.0);
-  v("climb_delay_s", o.climb_delay_s, 0.0, 2.0);
+  v({"hover_thrust", "thrust that hovers in still air, as a share of full thrust"}, o.hover_thrust, 0.05,
+    0.95);
+  v({"roll_gain", "steady roll that the autopilot gives, over the roll that is asked of it"}, o.roll_gain,
+    0.1, 2.0);
+  v({"pitch_gain", "steady pitch that the autopilot gives, over the pitch that is asked of it"}, o.pitch_gain,
+    0.1, 2.0);
+  v({"speed_limit_m_s", "greatest horizontal speed that is commanded"}, o.speed_limit_m_s, 0.1, 30.0);
+  v({"climb_limit_m_s", "greatest vertical speed that is commanded, up or down"}, o.climb_limit_m_s, 0.1,
+    10.0);
+  v({"acceleration_limit_m_s2", "greatest rate at which the velocity command changes"},
+    o.acceleration_limit_m_s2, 0.1, 10.0);
+  v({"tilt_limit_deg", "greatest tilt that is flown to accelerate"}, o.tilt_limit_deg, 1.0, 45.0);
+  v({"yaw_rate_limit_deg_s", "greatest yaw rate that is commanded"}, o.yaw_rate_limit_deg_s, 1.0, 200.0);
+  v(Renamed("thrust_min", "thrust_least", "least thrust that is commanded, as a share of full thrust"),
+    o.thrust_min, 0.0, 1.0);
+  v(Renamed("thrust_max", "thrust_most", "greatest thrust that is commanded, as a share of full thrust"),
+    o.thrust_max, 0.0, 1.0);
+  v({"velocity_gain_per_s", "proportional gain from horizontal velocity error to acceleration"},
+    o.velocity_gain_per_s, 0.0, 20.0);
+  v({"velocity_integral_per_s2", "integral gain from horizontal velocity error to acceleration"},
+    o.velocity_integral_per_s2, 0.0, 20.0);
+  v({"climb_gain_per_s", "proportional gain from vertical velocity error to acceleration"},
+    o.climb_gain_per_s, 0.0, 20.0);
+  v({"climb_integral_per_s2", "integral gain from vertical velocity error to acceleration"},
+    o.climb_integral_per_s2, 0.0, 20.0);
+  v({"position_gain_per_s", "proportional gain from position error to velocity"}, o.position_gain_per_s, 0.0,
+    5.0);
+  v({"yaw_gain_per_s", "proportional gain from heading error to yaw rate"}, o.yaw_gain_per_s, 0.0, 5.0);
+  v({"level_delay_s",
+     "delay from a state to the horizontal acceleration that answers it: link, attitude loop, motors"},
+    o.level_delay_s, 0.0, 2.0);
+  v({"climb_delay_s", "delay from a state to the vertical acceleration that answers it: link and motors"},
+    o.climb_delay_s, 0.0, 2.0);
 }
 
 struct VelocityLoopState {

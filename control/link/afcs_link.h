@@ -16,22 +16,26 @@ struct AfcsLinkOptions {
   std::string host = "127.0.0.1";
   int port = 2002;
   wire::AfcsSettings afcs;  // its teleop: as calibrated, so that what is asked for is what is flown
-  double open_s = 0.25;     // between OPENs until one is acknowledged
-  double alive_s = 0.5;     // between OPENs that keep the session, when nothing else is sent
-  double silent_s = 1;      // without a state for longer: the session is opened anew
-  double repeat_hz = 20;    // of the newest setpoint
-  double platform_hz = 5;   // of the newest command to the camera's platform; each is answered
+  double open_s = 0.25;
+  double alive_s = 0.5;
+  double silent_s = 1;
+  double repeat_hz = 20;
+  double platform_hz = 5;  // each is answered
 };
 
 inline void Fields(FieldVisitor& v, AfcsLinkOptions& o) {
-  v("host", o.host);
-  v("port", o.port, 1, 65535);
-  v("afcs", o.afcs);
-  v("open_s", o.open_s, 0.01, 10.0);
-  v("alive_s", o.alive_s, 0.01, 10.0);
-  v("silent_s", o.silent_s, 0.05, 30.0);
-  v("repeat_hz", o.repeat_hz, 4.0, 100.0);
-  v("platform_hz", o.platform_hz, 0.5, 50.0);
+  v({"host", "host name or IP address of the AFCS; kestrel fly takes that of --autopilot instead"}, o.host);
+  v({"port", "UDP port of the AFCS; kestrel fly takes that of --autopilot instead"}, o.port, 1, 65535);
+  v({"afcs", "what the numbers of the messages mean to the AFCS: to be calibrated with it"}, o.afcs);
+  v({"open_s", "interval between attempts to open a session until one is acknowledged"}, o.open_s, 0.01,
+    10.0);
+  v({"alive_s", "interval of messages that keep the session open when nothing else is sent"}, o.alive_s, 0.01,
+    10.0);
+  v({"silent_s", "time without a state from the AFCS after which the session is opened anew"}, o.silent_s,
+    0.05, 30.0);
+  v({"repeat_hz", "rate at which the newest setpoint is repeated"}, o.repeat_hz, 4.0, 100.0);
+  v({"platform_hz", "rate at which the newest command to the camera's pan-tilt platform is repeated"},
+    o.platform_hz, 0.5, 50.0);
 }
 
 // A Rotomotion AFCS on UDP: AFCS-LIKE, UNVERIFIED AGAINST HARDWARE (control/wire/afcs.h). The session: OPEN

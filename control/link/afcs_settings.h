@@ -15,46 +15,52 @@ namespace kestrel::control::wire {
 // zone: zero within it, and beyond it what is in excess of it. So a command that is smaller than the offset
 // makes it move backwards, as the thesis has it of very small ones.
 struct AfcsAxis {
-  double offset = 0;     // the command at which it stands still
-  double dead_zone = 0;  // on either side of that
+  double offset = 0;
+  double dead_zone = 0;
 };
 
 struct AfcsTeleopAxes {
   AfcsAxis fore, side, alt;  // m/s
   AfcsAxis hdg;              // rad/s, clockwise: taken for the rate of the heading, as the others are rates
-  bool alt_up = true;        // a positive alt climbs; otherwise it is down, as in N
+  bool alt_up = true;
 };
 
 struct AfcsSettings {
-  std::string profile = "thesis";  // or a YAML file of an AfcsProfile
+  std::string profile = "thesis";  // of an AfcsProfile
   AfcsTeleopAxes teleop;
-  int fly_to_position = 0, fly_to_heading = 0;  // AfcsFlyTo::pos_mode and hdg_mode of a place in N
-  // AfcsPlatform::mode: angles to the aircraft, angles in N, a point in N.
+  int fly_to_position = 0, fly_to_heading = 0;
   int platform_relative = 0, platform_absolute = 1, platform_point = 2;
-  // AfcsState::rpm0 is that of the main rotor; below this the aircraft has landed. 0: nothing tells of it.
-  double stopped_rpm = 100;
+  double stopped_rpm = 100;  // AfcsState::rpm0
 };
 
 inline void Fields(FieldVisitor& v, AfcsAxis& a) {
-  v("offset", a.offset, -2.0, 2.0);
-  v("dead_zone", a.dead_zone, 0.0, 2.0);
+  v({"offset", "command at which the aircraft stands still, in m/s, of hdg in rad/s"}, a.offset, -2.0, 2.0);
+  v({"dead_zone", "command to either side of the offset that has no effect, in m/s, of hdg in rad/s"},
+    a.dead_zone, 0.0, 2.0);
 }
 inline void Fields(FieldVisitor& v, AfcsTeleopAxes& t) {
-  v("fore", t.fore);
-  v("side", t.side);
-  v("alt", t.alt);
-  v("hdg", t.hdg);
-  v("alt_up", t.alt_up);
+  v({"fore", "offset and dead zone of the velocity forward"}, t.fore);
+  v({"side", "offset and dead zone of the velocity to the right"}, t.side);
+  v({"alt", "offset and dead zone of the vertical velocity"}, t.alt);
+  v({"hdg", "offset and dead zone of the yaw rate, clockwise positive"}, t.hdg);
+  v({"alt_up", "a positive vertical command climbs; false: it descends"}, t.alt_up);
 }
 inline void Fields(FieldVisitor& v, AfcsSettings& s) {
-  v("profile", s.profile);
-  v("teleop", s.teleop);
-  v("fly_to_position", s.fly_to_position, -32768, 32767);
-  v("fly_to_heading", s.fly_to_heading, -32768, 32767);
-  v("platform_relative", s.platform_relative, -32768, 32767);
-  v("platform_absolute", s.platform_absolute, -32768, 32767);
-  v("platform_point", s.platform_point, -32768, 32767);
-  v("stopped_rpm", s.stopped_rpm, 0.0, 65535.0);
+  v({"profile", "layout of the messages: thesis, or a YAML file"}, s.profile);
+  v({"teleop", "calibration of the velocity commands (TELEOP)"}, s.teleop);
+  v({"fly_to_position", "value of pos_mode in FLY_TO for a position north-east-down"}, s.fly_to_position,
+    -32768, 32767);
+  v({"fly_to_heading", "value of hdg_mode in FLY_TO for a heading clockwise from north"}, s.fly_to_heading,
+    -32768, 32767);
+  v({"platform_relative", "value of mode in PLATFORM for angles relative to the aircraft"},
+    s.platform_relative, -32768, 32767);
+  v({"platform_absolute", "value of mode in PLATFORM for angles relative to north and the vertical"},
+    s.platform_absolute, -32768, 32767);
+  v({"platform_point", "value of mode in PLATFORM for a point to look at, north-east-down"}, s.platform_point,
+    -32768, 32767);
+  v({"stopped_rpm",
+     "speed of the main rotor below which the aircraft has landed; 0: landing is not detected"},
+    s.stopped_rpm, 0.0, 65535.0);
 }
 
 // The one that is named. Throws InputError with all that is wrong with a file.

@@ -24,11 +24,11 @@ struct AscTecOptions {
   // another port of the processor; one that does not heed it on this port would take the velocity for an
   // attitude.
   std::string mode = "attitude";
-  std::string signs = "asctec";  // or "ros": control/wire/asctec_signs.h
-  double cycle_s = 0.04;         // a state each; the line has no room for less than 0.035
-  double battery_v = 10.4;       // below it is trouble
-  int switch_channel = 5;        // of the R/C, that lets setpoints through above its middle; 0: not looked at
-  double full_climb_m_s = 2;     // of the gps mode at full deflection: not documented
+  std::string signs = "asctec";  // control/wire/asctec_signs.h
+  double cycle_s = 0.04;         // the line has no room for less than 0.035
+  double battery_v = 10.4;
+  int switch_channel = 5;
+  double full_climb_m_s = 2;  // not documented
   // Starts the motors on a position above the aircraft, by thrust 0 and full yaw, and stops them after a
   // touch-down (attitude mode). Otherwise both are the pilot's.
   bool motors = true;
@@ -36,15 +36,23 @@ struct AscTecOptions {
 };
 
 inline void Fields(FieldVisitor& v, AscTecOptions& o) {
-  v("device", o.device);
-  v("mode", o.mode, {"attitude", "gps"});
-  v("signs", o.signs, {"asctec", "ros"});
-  v("cycle_s", o.cycle_s, 0.035, 0.5);
-  v("battery_v", o.battery_v, 0.0, 60.0);
-  v("switch_channel", o.switch_channel, 0, 8);
-  v("full_climb_m_s", o.full_climb_m_s, 0.1, 20.0);
-  v("motors", o.motors);
-  v("velocity_loop", o.velocity_loop);
+  v({"device", "serial device of the AscTec processor; kestrel fly takes that of --autopilot instead"},
+    o.device);
+  v({"mode", "what is sent: attitude and thrust, or velocities to the processor's own GPS mode"}, o.mode,
+    {"attitude", "gps"});
+  v({"signs",
+     "which way angles and sticks count: as AscTec's firmware has it, or as the ROS driver asctec_drivers"},
+    o.signs, {"asctec", "ros"});
+  v({"cycle_s", "period of a cycle of requests, each of which gives a state and takes a command"}, o.cycle_s,
+    0.035, 0.5);
+  v({"battery_v", "battery voltage below which the battery is reported as low"}, o.battery_v, 0.0, 60.0);
+  v({"switch_channel", "channel of a pilot's switch that must be above its middle; 0: none"},
+    o.switch_channel, 0, 8);
+  v({"full_climb_m_s", "climb rate at full deflection of the thrust stick in GPS mode"}, o.full_climb_m_s,
+    0.1, 20.0);
+  v({"motors", "start the motors for a take-off and stop them after a touch-down; false: the pilot does"},
+    o.motors);
+  v({"velocity_loop", "controller from velocity and position to attitude and thrust"}, o.velocity_loop);
 }
 
 // The PC's end of the AscTec low-level processor's line, without line, thread and clock: bytes in, bytes out,

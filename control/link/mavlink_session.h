@@ -19,33 +19,40 @@
 namespace kestrel::control {
 
 struct MavlinkOptions {
-  double setpoint_hz = 30;  // a setpoint is repeated so often while it is fresh
-  double state_hz = 50;     // asked of the autopilot, of attitude and position
-  // Asks for the mode in which setpoints are followed (OFFBOARD, GUIDED), once they are streaming. If not,
-  // the pilot changes to it.
-  bool take_control = false;
-  bool arm = false;  // in that mode, for a take-off
-  // Where the pilot is to change to the mode and the autopilot (PX4) lets him only while setpoints are
-  // coming: standing still is streamed while it is in another mode, and heeds it in no way.
+  double setpoint_hz = 30;
+  double state_hz = 50;
+  bool take_control = false;  // once setpoints are streaming
+  bool arm = false;
   bool stand_by = false;
-  int switch_channel = 0;  // of the pilot's transmitter, in RC_CHANNELS; 0: none is looked at
-  double switch_min_us = 1700, switch_max_us = 2300;  // setpoints are allowed while it is in between
-  int autopilot_system = 0;                           // 0: the first that is heard
-  int system = 1, component = 191;                    // our own: MAV_COMP_ID_ONBOARD_COMPUTER
+  int switch_channel = 0;  // as RC_CHANNELS counts
+  double switch_min_us = 1700, switch_max_us = 2300;
+  int autopilot_system = 0;
+  int system = 1, component = 191;  // MAV_COMP_ID_ONBOARD_COMPUTER
 };
 
 inline void Fields(FieldVisitor& v, MavlinkOptions& o) {
-  v("setpoint_hz", o.setpoint_hz, 20.0, 200.0);
-  v("state_hz", o.state_hz, 5.0, 400.0);
-  v("take_control", o.take_control);
-  v("arm", o.arm);
-  v("stand_by", o.stand_by);
-  v("switch_channel", o.switch_channel, 0, 18);
-  v(Renamed("switch_min_us", "switch_least_us"), o.switch_min_us, 500.0, 2500.0);
-  v(Renamed("switch_max_us", "switch_most_us"), o.switch_max_us, 500.0, 2500.0);
-  v("autopilot_system", o.autopilot_system, 0, 255);
-  v("system", o.system, 1, 255);
-  v("component", o.component, 1, 255);
+  v({"setpoint_hz", "rate at which a setpoint is repeated while it is fresh"}, o.setpoint_hz, 20.0, 200.0);
+  v({"state_hz", "rate of attitude and position that is requested from the autopilot"}, o.state_hz, 5.0,
+    400.0);
+  v({"take_control",
+     "request the mode that follows setpoints (OFFBOARD, GUIDED); false: the pilot changes to it"},
+    o.take_control);
+  v({"arm", "arm the motors for a take-off, once the mode that follows setpoints is active"}, o.arm);
+  v({"stand_by",
+     "stream velocity zero while another mode is active, as PX4 lets the pilot change to OFFBOARD only then"},
+    o.stand_by);
+  v({"switch_channel", "RC channel of a pilot's switch that must be on as well; 0: none"}, o.switch_channel,
+    0, 18);
+  v(Renamed("switch_min_us", "switch_least_us",
+            "shortest pulse of switch_channel with which the pilot's switch counts as on"),
+    o.switch_min_us, 500.0, 2500.0);
+  v(Renamed("switch_max_us", "switch_most_us",
+            "longest pulse of switch_channel with which the pilot's switch counts as on"),
+    o.switch_max_us, 500.0, 2500.0);
+  v({"autopilot_system", "MAVLink system ID of the autopilot; 0: the first that is heard"},
+    o.autopilot_system, 0, 255);
+  v({"system", "MAVLink system ID of this program"}, o.system, 1, 255);
+  v({"component", "MAVLink component ID of this program; 191: onboard computer"}, o.component, 1, 255);
 }
 
 // The offset of a clock that answers TIMESYNC: by the answer of the last while that came back the soonest,

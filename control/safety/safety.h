@@ -59,27 +59,39 @@ inline constexpr std::array kReactions{
 
 struct SafetyLimits {
   double speed_m_s = 2, climb_m_s = 1, yaw_rate_deg_s = 45, tilt_deg = 20;
-  double thrust_min = 0.2, thrust_max = 0.8;  // of an attitude setpoint
-  double radius_m = 30, height_m = 20;        // of the area, about and over the start
-  double slow_m_s = 0.5;                      // of sinking, returning and descending
+  double thrust_min = 0.2, thrust_max = 0.8;
+  double radius_m = 30, height_m = 20;
+  double slow_m_s = 0.5;
   double state_s = 0.5, image_s = 0.5, target_s = 10;
   double patience_s = 10;
 };
 
 inline void Fields(FieldVisitor& v, SafetyLimits& l) {
-  v("speed_m_s", l.speed_m_s, 0.1, 30.0);
-  v("climb_m_s", l.climb_m_s, 0.1, 10.0);
-  v("yaw_rate_deg_s", l.yaw_rate_deg_s, 1.0, 360.0);
-  v("tilt_deg", l.tilt_deg, 1.0, 60.0);
-  v(Renamed("thrust_min", "thrust_least"), l.thrust_min, 0.0, 1.0);
-  v(Renamed("thrust_max", "thrust_most"), l.thrust_max, 0.0, 1.0);
-  v("radius_m", l.radius_m, 1.0, 5000.0);
-  v("height_m", l.height_m, 0.5, 500.0);
-  v("slow_m_s", l.slow_m_s, 0.1, 2.0);
-  v("state_s", l.state_s, 0.05, 5.0);
-  v("image_s", l.image_s, 0.05, 5.0);
-  v("target_s", l.target_s, 0.1, 120.0);
-  v("patience_s", l.patience_s, 0.5, 120.0);
+  v({"speed_m_s", "greatest horizontal speed that is sent to the autopilot"}, l.speed_m_s, 0.1, 30.0);
+  v({"climb_m_s", "greatest vertical speed, up or down, that is sent to the autopilot"}, l.climb_m_s, 0.1,
+    10.0);
+  v({"yaw_rate_deg_s", "greatest yaw rate that is sent to the autopilot"}, l.yaw_rate_deg_s, 1.0, 360.0);
+  v({"tilt_deg", "greatest tilt from the vertical of an attitude setpoint"}, l.tilt_deg, 1.0, 60.0);
+  v(Renamed("thrust_min", "thrust_least", "least thrust of an attitude setpoint, as a share of full thrust"),
+    l.thrust_min, 0.0, 1.0);
+  v(Renamed("thrust_max", "thrust_most",
+            "greatest thrust of an attitude setpoint, as a share of full thrust"),
+    l.thrust_max, 0.0, 1.0);
+  v({"radius_m", "greatest horizontal distance from the start; beyond it the aircraft is flown back"},
+    l.radius_m, 1.0, 5000.0);
+  v({"height_m", "greatest height above the autopilot's local origin; above it the aircraft is brought down"},
+    l.height_m, 0.5, 500.0);
+  v({"slow_m_s", "speed of sinking, of returning into the area and of descending below its ceiling"},
+    l.slow_m_s, 0.1, 2.0);
+  v({"state_s", "age of the autopilot's state from which it counts as lost, and velocity zero is sent"},
+    l.state_s, 0.05, 5.0);
+  v({"image_s", "age of the newest image from which the camera counts as failed, and velocity zero is sent"},
+    l.image_s, 0.05, 5.0);
+  v({"target_s", "time without the target after which velocity zero is sent, whatever the mission asks for"},
+    l.target_s, 0.1, 120.0);
+  v({"patience_s",
+     "time after which a failure that lasts is answered by more than holding: sinking, or silence"},
+    l.patience_s, 0.5, 120.0);
 }
 
 // Ages in s, on our own monotonic clock, by which all of this is judged.

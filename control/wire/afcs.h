@@ -109,20 +109,20 @@ using AfcsMessage = std::variant<AfcsOpen, AfcsAck, AfcsClose, AfcsState, AfcsGp
 inline constexpr std::array<const char*, std::variant_size_v<AfcsMessage>> kAfcsMessageNames = {
     "open", "ack", "close", "state", "gps_state", "fly_to", "teleop", "desired_position", "platform"};
 
-// A number of a payload. Its name is that of the struct's member, or begins with "pad": sent as 0, not read.
+// A number of a payload. Its name is that of the struct's member, or begins with "pad".
 struct AfcsField {
-  std::string name, type;  // type: i16, u16, i32, u32, f32 or f64
+  std::string name, type;
 };
 struct AfcsLayout {
   std::string name;  // of kAfcsMessageNames
-  int id = 0;        // the type on the wire
+  int id = 0;
   std::string byte_order = "little";
-  std::vector<AfcsField> fields;  // in their order; a member without field is not sent and reads as 0
+  std::vector<AfcsField> fields;
 };
 struct AfcsProfile {
   std::string name;
   std::string header_byte_order = "big";
-  int time_bytes = 4;                // of seconds and of microseconds: 4, or 8 as 64-bit hosts have them
+  int time_bytes = 4;                // 8 as 64-bit hosts have them
   std::vector<AfcsLayout> messages;  // all of kAfcsMessageNames
 };
 
@@ -132,20 +132,28 @@ AfcsProfile ThesisAfcsProfile();
 std::vector<std::string> MistakesOf(const AfcsProfile& profile);
 
 inline void Fields(FieldVisitor& v, AfcsField& f) {
-  v(Required("name"), f.name);
-  v(Required("type"), f.type, {"i16", "u16", "i32", "u32", "f32", "f64"});
+  v(Required("name", "quantity of the message, or a name that begins with pad: sent as 0 and not read"),
+    f.name);
+  v(Required("type", "number format on the wire: signed, unsigned or floating-point, and its bits"), f.type,
+    {"i16", "u16", "i32", "u32", "f32", "f64"});
 }
 inline void Fields(FieldVisitor& v, AfcsLayout& m) {
-  v(Required("name"), m.name);
-  v(Required("id"), m.id, 0, 256);
-  v("byte_order", m.byte_order, {"little", "big"});
-  v("fields", m.fields);
+  v(Required("name",
+             "message: open, ack, close, state, gps_state, fly_to, teleop, desired_position or platform"),
+    m.name);
+  v(Required("id", "number of the message's type on the wire"), m.id, 0, 256);
+  v({"byte_order", "byte order of the message's payload"}, m.byte_order, {"little", "big"});
+  v({"fields",
+     "numbers of the payload in their order; a quantity that is missing is not sent and reads as 0"},
+    m.fields);
 }
 inline void Fields(FieldVisitor& v, AfcsProfile& p) {
-  v(Required("name"), p.name);
-  v("header_byte_order", p.header_byte_order, {"little", "big"});
-  v("time_bytes", p.time_bytes, 4, 8);
-  v("messages", p.messages);
+  v(Required("name", "name of the layout, for messages about mistakes in it"), p.name);
+  v({"header_byte_order", "byte order of the header of every datagram"}, p.header_byte_order,
+    {"little", "big"});
+  v({"time_bytes", "bytes of each half of the time stamp (seconds, microseconds): 4 or 8"}, p.time_bytes, 4,
+    8);
+  v({"messages", "layouts of all nine messages, each given once"}, p.messages);
 }
 
 enum class AfcsRefusal {

@@ -12,13 +12,13 @@ using namespace kestrel;
 struct CircleFlight {
   double height_m = 4;
   double radius_m = 0.8;
-  double period_s = 30;  // of once around
+  double period_s = 30;
 };
 
 void Fields(FieldVisitor& v, CircleFlight& p) {
-  v("height_m", p.height_m, 1.0, 30.0);
-  v("radius_m", p.radius_m, 0.1, 10.0);
-  v("period_s", p.period_s, 5.0, 300.0);
+  v({"height_m", "height above the pad at which the aircraft circles"}, p.height_m, 1.0, 30.0);
+  v({"radius_m", "radius of the circle about the pad's centre"}, p.radius_m, 0.1, 10.0);
+  v({"period_s", "time of once around the circle"}, p.period_s, 5.0, 300.0);
 }
 
 class CircleMission final : public mission::Mission {

@@ -18,7 +18,6 @@ namespace kestrel::flight {
 // What a flight must know of a real aircraft: a YAML file of its owner's.
 struct Aircraft {
   control::SafetyLimits safety;
-  // An autopilot that does not tell of the pilot's switch is flown all the same: he takes over elsewhere.
   bool pilot_untold = false;
   vision::LiveCameraOptions camera;
   control::MavlinkOptions mavlink;
@@ -27,12 +26,14 @@ struct Aircraft {
 };
 
 inline void Fields(FieldVisitor& v, Aircraft& a) {
-  v("safety", a.safety);
-  v("pilot_untold", a.pilot_untold);
-  v("camera", a.camera);
-  v("mavlink", a.mavlink);
-  v("afcs", a.afcs);
-  v("asctec", a.asctec);
+  v({"safety", "limits of what is sent to the autopilot, and of what may fail for how long"}, a.safety);
+  v({"pilot_untold",
+     "fly although the autopilot does not tell of the pilot's switch: the pilot takes over elsewhere"},
+    a.pilot_untold);
+  v({"camera", "live camera: when to open it anew, and the delay of its time stamps"}, a.camera);
+  v({"mavlink", "link to a MAVLink 2 autopilot (PX4, ArduPilot)"}, a.mavlink);
+  v({"afcs", "link to a Rotomotion AFCS"}, a.afcs);
+  v({"asctec", "link to an AscTec low-level processor"}, a.asctec);
 }
 
 // file: empty for an aircraft as it is by default. overrides: "key.path=value". All mistakes are gathered.

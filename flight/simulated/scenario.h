@@ -21,36 +21,36 @@ struct Limit {
 };
 
 inline void Fields(FieldVisitor& v, Limit& l) {
-  v("max", l.max, -1e9, 1e9);
-  v("min", l.min, -1e9, 1e9);
+  v({"max", "greatest value of the metric with which the run passes"}, l.max, -1e9, 1e9);
+  v({"min", "least value of the metric with which the run passes"}, l.min, -1e9, 1e9);
 }
 
 // Where the pad lies.
 struct PadPlacement {
-  std::string name = "helipad";                          // none: there is no pad, only its place
-  Eigen::Vector2d position_m = Eigen::Vector2d::Zero();  // north, east
+  std::string name = "helipad";
+  Eigen::Vector2d position_m = Eigen::Vector2d::Zero();
   double yaw_deg = 0;
 };
 
 inline void Fields(FieldVisitor& v, PadPlacement& p) {
-  v("name", p.name);
-  v("position_m", p.position_m, -1e4, 1e4);
-  v("yaw_deg", p.yaw_deg, -360.0, 360.0);
+  v({"name", "landing pad: a name in models/pads, or a YAML file; none: there is no pad, only its place"},
+    p.name);
+  v({"position_m", "position of the pad's centre: north, east"}, p.position_m, -1e4, 1e4);
+  v({"yaw_deg", "direction of the top of the pad's picture, clockwise from north"}, p.yaw_deg, -360.0, 360.0);
 }
 
 // A flight as data. Everything that a run depends on is here, in the models it names, or in the program.
 struct Scenario {
-  std::string name;  // of the run; the file's own when none is given
+  std::string name;
   std::string mission;
   mission::Flight flight;
   std::uint64_t seed = 1;
   double duration_s = 60;
   std::string vehicle = "pelican", world = "airfield", camera = "thesis_6mm";
-  std::string camera_name;                         // which of a file of Kalibr; empty: its first
-  sim::AutopilotParameters autopilot;              // as the vehicle has it, but for these
-  std::optional<sim::PanTiltParameters> platform;  // likewise; who is served turns the camera with it
-  std::optional<sim::LandscapeParameters>
-      landscape;  // of a world that is one: as the world has it, but for these
+  std::string camera_name;
+  sim::AutopilotParameters autopilot;
+  std::optional<sim::PanTiltParameters> platform;
+  std::optional<sim::LandscapeParameters> landscape;
   PadPlacement pad;
   sim::StartParameters start;
   vision::CameraMount mount;
@@ -60,37 +60,42 @@ struct Scenario {
   sim::SensorParameters sensors;
   sim::ActuatorParameters actuators;
   sim::OcclusionParameters occlusion;
-  std::vector<sim::TargetParameters> targets;  // what else flies
+  std::vector<sim::TargetParameters> targets;
   mission::PilotParameters pilot;
-  std::map<std::string, Limit> criteria;  // by the name of a metric
+  std::map<std::string, Limit> criteria;
 };
 
 inline void Fields(FieldVisitor& v, Scenario& s) {
-  v("name", s.name);
-  v(Required("mission"), s.mission, mission::MissionNames());
+  v({"name", "name of the run and of its folder; empty: that of the file"}, s.name);
+  v(Required("mission", "which mission is flown"), s.mission, mission::MissionNames());
   mission::SelectMission(s.mission, s.flight);
-  v("flight", s.flight);
-  v("seed", s.seed);
-  v("duration_s", s.duration_s, 0.1, 36000.0);
-  v("vehicle", s.vehicle);
-  v("world", s.world);
-  v("autopilot", s.autopilot);
-  v("platform", s.platform);
-  v("camera", s.camera);
-  v("camera_name", s.camera_name);
-  v("landscape", s.landscape);
-  v("pad", s.pad);
-  v("start", s.start);
-  v("mount", s.mount);
-  v("image", s.image);
-  v("render", s.render);
-  v("wind", s.wind);
-  v("sensors", s.sensors);
-  v("actuators", s.actuators);
-  v("occlusion", s.occlusion);
-  v("targets", s.targets);
-  v("pilot", s.pilot);
-  v("criteria", s.criteria);
+  v({"flight", "parameters of the mission"}, s.flight);
+  v({"seed", "seed of all random numbers of the flight"}, s.seed);
+  v({"duration_s", "longest time of the flight; the mission may end it earlier"}, s.duration_s, 0.1, 36000.0);
+  v({"vehicle", "aircraft that flies: a name in models/vehicles, or a file"}, s.vehicle);
+  v({"world", "world that is flown in: a name in models/worlds, or a file"}, s.world);
+  v({"autopilot", "emulated autopilot; what is not given is the vehicle's"}, s.autopilot);
+  v({"platform",
+     "pan-tilt platform of the camera, which clients of kestrel serve turn; what is not given is the "
+     "vehicle's"},
+    s.platform);
+  v({"camera", "camera: a name in models/cameras, or a calibration file of Kestrel, Kalibr or OpenCV"},
+    s.camera);
+  v({"camera_name", "which camera of a file of Kalibr; empty: its first"}, s.camera_name);
+  v({"landscape", "terrain and sky of a world that is a landscape; what is not given is the world's"},
+    s.landscape);
+  v({"pad", "landing pad and where it lies"}, s.pad);
+  v({"start", "where and how the flight begins"}, s.start);
+  v({"mount", "position and orientation of the camera on the aircraft"}, s.mount);
+  v({"image", "image sensor and lens: frame rate, latency, exposure, noise, faults"}, s.image);
+  v({"render", "how the images are rendered"}, s.render);
+  v({"wind", "mean wind, turbulence and gusts"}, s.wind);
+  v({"sensors", "errors and faults of the aircraft's sensors"}, s.sensors);
+  v({"actuators", "faults of rotors and servos"}, s.actuators);
+  v({"occlusion", "dark sheet that covers part of the pad for some time"}, s.occlusion);
+  v({"targets", "what else flies: balloons or other aircraft, as coloured spheres"}, s.targets);
+  v({"pilot", "vision, estimation and control of missions over a pad"}, s.pilot);
+  v({"criteria", "limits by the names of metrics, which the run must keep to in order to pass"}, s.criteria);
 }
 
 // A scenario with the models that it names, ready to fly.

@@ -17,19 +17,23 @@ namespace kestrel::scenarios {
 // Thesis 6.3.5: the attitude from the skyline and the heading from the visual compass, frame by frame, while
 // the autopilot hovers or a pilot flies by hand.
 struct AttitudeFlight {
-  double manual_from_s = 1e9;  // until then the autopilot holds the place
-  double take_off_s = 0;       // of a flight that begins on the ground: the rotors run up until then
+  double manual_from_s = 1e9;
+  double take_off_s = 0;  // the rotors run up until then
   double take_off_height_m = 5;
   ManoeuvreParameters manoeuvres;
-  bool baseline = false;  // the thesis's own method too, on the same images
+  bool baseline = false;
 };
 
 inline void Fields(FieldVisitor& v, AttitudeFlight& p) {
-  v("manual_from_s", p.manual_from_s, 0.0, 1e9);
-  v("take_off_s", p.take_off_s, 0.0, 1e6);
-  v("take_off_height_m", p.take_off_height_m, 1.0, 100.0);
-  v("manoeuvres", p.manoeuvres);
-  v("baseline", p.baseline);
+  v({"manual_from_s",
+     "time from which a simulated pilot flies by hand; until then the autopilot holds the position"},
+    p.manual_from_s, 0.0, 1e9);
+  v({"take_off_s", "time of the take-off of a flight that begins on the ground; 0: it begins in the air"},
+    p.take_off_s, 0.0, 1e6);
+  v({"take_off_height_m", "height above the start that is climbed to after the take-off"},
+    p.take_off_height_m, 1.0, 100.0);
+  v({"manoeuvres", "what the simulated pilot flies by hand"}, p.manoeuvres);
+  v({"baseline", "evaluate the thesis's own method on the same images too"}, p.baseline);
 }
 
 mission::MissionType TypeOf(const AttitudeFlight& flight);

@@ -23,30 +23,35 @@ namespace kestrel::scenarios {
 // to its course: what the thesis left open.
 struct AvoidFlight {
   double speed_m_s = 0.5;
-  double course_m = 20;     // straight ahead from where the flight begins
-  bool avoids = true;       // false: it flies on whatever it sees
-  double memory_s = 8;      // who has not been seen for longer is forgotten
-  double confirm_s = 0.25;  // a threat must last for so long before anything is done
-  // Of the distance that the least bearing allows from where a manoeuvre begins: kept on the way past and
-  // back. 0: safe_m alone counts.
-  double keep_share = 0;
+  double course_m = 20;
+  bool avoids = true;
+  double memory_s = 8;
+  double confirm_s = 0.25;
+  double keep_share = 0;  // of what the least bearing allows from where a manoeuvre begins
   double cross_track_gain_per_s = 0.5;
   std::vector<mission::BalloonObserverParameters> marks{mission::BalloonObserverParameters{}};
-  std::optional<ContrastObserverParameters> contrast;  // none: marks alone are looked for
+  std::optional<ContrastObserverParameters> contrast;
   control::AvoidanceOptions avoidance;
 };
 
 inline void Fields(FieldVisitor& v, AvoidFlight& p) {
-  v("speed_m_s", p.speed_m_s, 0.1, 15.0);
-  v("course_m", p.course_m, 1.0, 5000.0);
-  v("avoids", p.avoids);
-  v("memory_s", p.memory_s, 0.3, 60.0);
-  v("confirm_s", p.confirm_s, 0.0, 5.0);
-  v("keep_share", p.keep_share, 0.0, 1.0);
-  v("cross_track_gain_per_s", p.cross_track_gain_per_s, 0.05, 2.0);
-  v("marks", p.marks);
-  v("contrast", p.contrast);
-  v("avoidance", p.avoidance);
+  v({"speed_m_s", "speed that is flown, kept in manoeuvres too"}, p.speed_m_s, 0.1, 15.0);
+  v({"course_m", "length of the course, straight ahead from where the flight begins"}, p.course_m, 1.0,
+    5000.0);
+  v({"avoids", "avoid other aircraft; false: fly on whatever is seen"}, p.avoids);
+  v({"memory_s", "time without being seen after which another aircraft is forgotten"}, p.memory_s, 0.3, 60.0);
+  v({"confirm_s", "time for which a threat must last before a manoeuvre begins, or be gone before it ends"},
+    p.confirm_s, 0.0, 5.0);
+  v({"keep_share",
+     "share of the passing distance possible with hold.bearing_deg that is kept past and back; 0: safe_m "
+     "alone"},
+    p.keep_share, 0.0, 1.0);
+  v({"cross_track_gain_per_s", "proportional gain from cross-track error to the velocity back to the course"},
+    p.cross_track_gain_per_s, 0.05, 2.0);
+  v({"marks", "coloured marks of known size by which other aircraft are seen"}, p.marks);
+  v({"contrast", "detection of other aircraft by their contrast with the sky; not given: by marks alone"},
+    p.contrast);
+  v({"avoidance", "when another aircraft is avoided, and at which bearing it is held"}, p.avoidance);
 }
 
 mission::MissionType TypeOf(const AvoidFlight& flight);

@@ -26,9 +26,10 @@ struct ContrastObserverParameters {
 };
 
 inline void Fields(FieldVisitor& v, ContrastObserverParameters& p) {
-  v("assumed_diameter_m", p.assumed_diameter_m, 0.05, 100.0);
-  v("tracker", p.tracker);
-  v("estimator", p.estimator);
+  v({"assumed_diameter_m", "diameter that is assumed of other aircraft, by which their distance is measured"},
+    p.assumed_diameter_m, 0.05, 100.0);
+  v({"tracker", "detection and tracking of other aircraft against the sky"}, p.tracker);
+  v({"estimator", "Kalman filter of the position and velocity of each other aircraft"}, p.estimator);
 }
 
 class ContrastObserver {

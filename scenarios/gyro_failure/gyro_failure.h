@@ -16,17 +16,24 @@ namespace kestrel::scenarios {
 // heading; when the autopilot's own attitude goes silent, freezes, or parts from what the camera sees, the
 // camera's takes its place, until the own one is back and has agreed with it for a while.
 struct GyroFailureFlight {
-  double disagree_deg = 3;  // between both attitudes, beyond what is usual: the own one is wrong
-  double agree_deg = 2;     // it is right again if it keeps its distance to the camera's to this,
-  double agree_s = 3;       // for so long
-  double coast_s = 5;       // without a skyline for which the gyros alone may carry the camera's attitude on
+  double disagree_deg = 3;
+  double agree_deg = 2;
+  double agree_s = 3;
+  double coast_s = 5;
 };
 
 inline void Fields(FieldVisitor& v, GyroFailureFlight& p) {
-  v("disagree_deg", p.disagree_deg, 0.5, 30.0);
-  v("agree_deg", p.agree_deg, 0.1, 30.0);
-  v("agree_s", p.agree_s, 0.1, 60.0);
-  v("coast_s", p.coast_s, 0.1, 60.0);
+  v({"disagree_deg",
+     "angle between the autopilot's attitude and the camera's, beyond the usual, from which the autopilot's "
+     "is wrong"},
+    p.disagree_deg, 0.5, 30.0);
+  v({"agree_deg",
+     "greatest change in the rotation between both attitudes with which the autopilot's is right again"},
+    p.agree_deg, 0.1, 30.0);
+  v({"agree_s", "time for which the autopilot's attitude must keep to agree_deg before it is used again"},
+    p.agree_s, 0.1, 60.0);
+  v({"coast_s", "longest time without a skyline for which gyros alone may carry the camera's attitude on"},
+    p.coast_s, 0.1, 60.0);
 }
 
 mission::MissionType TypeOf(const GyroFailureFlight& flight);

@@ -13,7 +13,10 @@ struct PoseFlight {
   double height_m = 4.2;
 };
 
-inline void Fields(FieldVisitor& v, PoseFlight& p) { v("height_m", p.height_m, 0.3, 60.0); }
+inline void Fields(FieldVisitor& v, PoseFlight& p) {
+  v({"height_m", "height above the autopilot's local origin at which the aircraft hovers"}, p.height_m, 0.3,
+    60.0);
+}
 
 mission::MissionType TypeOf(const PoseFlight& flight);
 std::unique_ptr<mission::Mission> MakeMission(const PoseFlight& flight, const mission::MissionParts& parts);

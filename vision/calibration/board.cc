@@ -52,18 +52,19 @@ struct TargetFile {
 };
 
 void Fields(FieldVisitor& v, TargetFile& f) {
-  v(Required("target_type"), f.target_type, {"checkerboard", "aprilgrid"});
+  v(Required("target_type", "kind of calibration board, as in a target file of Kalibr"), f.target_type,
+    {"checkerboard", "aprilgrid"});
   if (f.target_type != "aprilgrid") {
-    v(Required("targetCols"), f.chessboard.cols, 3, 100);
-    v(Required("targetRows"), f.chessboard.rows, 3, 100);
-    v(Required("colSpacingMeters"), f.chessboard.col_m, 1e-4, 10.0);
-    v(Required("rowSpacingMeters"), f.chessboard.row_m, 1e-4, 10.0);
+    v(Required("targetCols", "inner corners in a row of the chessboard"), f.chessboard.cols, 3, 100);
+    v(Required("targetRows", "inner corners in a column of the chessboard"), f.chessboard.rows, 3, 100);
+    v(Required("colSpacingMeters", "distance between the corners of a row"), f.chessboard.col_m, 1e-4, 10.0);
+    v(Required("rowSpacingMeters", "distance between the rows of corners"), f.chessboard.row_m, 1e-4, 10.0);
   }
   if (f.target_type != "checkerboard") {
-    v(Required("tagCols"), f.april_grid.cols, 1, 100);
-    v(Required("tagRows"), f.april_grid.rows, 1, 100);
-    v(Required("tagSize"), f.april_grid.tag_m, 1e-4, 10.0);
-    v(Required("tagSpacing"), f.april_grid.spacing, 0.1, 2.0);
+    v(Required("tagCols", "number of AprilTags in a row"), f.april_grid.cols, 1, 100);
+    v(Required("tagRows", "number of AprilTags in a column"), f.april_grid.rows, 1, 100);
+    v(Required("tagSize", "side of a tag's black square, in m"), f.april_grid.tag_m, 1e-4, 10.0);
+    v(Required("tagSpacing", "gap between two tags over the side of a tag"), f.april_grid.spacing, 0.1, 2.0);
   }
 }
 

@@ -41,11 +41,11 @@ struct BrownConrady {
 
 inline void Fields(FieldVisitor& v, BrownConrady& c) {
   ImageFields(v, c);
-  v("k1", c.k1, -100.0, 100.0);
-  v("k2", c.k2, -1e3, 1e3);
-  v("p1", c.p1, -1.0, 1.0);
-  v("p2", c.p2, -1.0, 1.0);
-  v("k3", c.k3, -1e4, 1e4);
+  v({"k1", "radial distortion as in OpenCV, coefficient of r^2"}, c.k1, -100.0, 100.0);
+  v({"k2", "radial distortion as in OpenCV, coefficient of r^4"}, c.k2, -1e3, 1e3);
+  v({"p1", "first coefficient of tangential distortion, as in OpenCV"}, c.p1, -1.0, 1.0);
+  v({"p2", "second coefficient of tangential distortion, as in OpenCV"}, c.p2, -1.0, 1.0);
+  v({"k3", "radial distortion as in OpenCV, coefficient of r^6"}, c.k3, -1e4, 1e4);
   LensFields(v, c);
 }
 

@@ -39,18 +39,21 @@ inline Eigen::Matrix<double, 3, 2> RayJacobian(const Eigen::Vector3d& ray,
 // The keys that all cameras have; the model's own come between the two.
 template <class Camera>
 void ImageFields(FieldVisitor& v, Camera& c) {
-  v(Required("width_px"), c.width_px, 16, 8192);
-  v(Required("height_px"), c.height_px, 16, 8192);
-  v(Required("fx_px"), c.fx, 1.0, 1e5);
-  v(Required("fy_px"), c.fy, 1.0, 1e5);
-  v(Required("cx_px"), c.cx, -1e5, 1e5);
-  v(Required("cy_px"), c.cy, -1e5, 1e5);
+  v(Required("width_px", "width of the image"), c.width_px, 16, 8192);
+  v(Required("height_px", "height of the image"), c.height_px, 16, 8192);
+  v(Required("fx_px", "horizontal focal length, as the camera model defines it"), c.fx, 1.0, 1e5);
+  v(Required("fy_px", "vertical focal length, as the camera model defines it"), c.fy, 1.0, 1e5);
+  v(Required("cx_px", "horizontal coordinate of the principal point; the centre of the first pixel is 0"),
+    c.cx, -1e5, 1e5);
+  v(Required("cy_px", "vertical coordinate of the principal point; the centre of the first pixel is 0"), c.cy,
+    -1e5, 1e5);
 }
 template <class Camera>
 void LensFields(FieldVisitor& v, Camera& c) {
-  std::optional<double> field_deg;  // the whole angle that the lens shows
+  std::optional<double> field_deg;
   if (c.max_angle_rad != kNoLimit) field_deg = 2 * Degrees(c.max_angle_rad);
-  v("field_deg", field_deg, 0.1, 360.0);
+  v({"field_deg", "whole angle of view of the lens; not given: all that the camera model can show"},
+    field_deg, 0.1, 360.0);
   c.max_angle_rad = field_deg ? Radians(*field_deg / 2) : kNoLimit;
 }
 

@@ -40,8 +40,9 @@ struct DoubleSphere {
 
 inline void Fields(FieldVisitor& v, DoubleSphere& c) {
   ImageFields(v, c);
-  v(Required("xi"), c.xi, -0.99, 1.0);
-  v(Required("alpha"), c.alpha, 0.0, 1.0);
+  v(Required("xi", "distance of the second unit sphere's centre behind that of the first"), c.xi, -0.99, 1.0);
+  v(Required("alpha", "puts the centre of projection alpha / (1 - alpha) behind that of the second sphere"),
+    c.alpha, 0.0, 1.0);
   LensFields(v, c);
 }
 

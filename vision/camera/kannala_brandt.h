@@ -43,10 +43,14 @@ struct KannalaBrandt {
 
 inline void Fields(FieldVisitor& v, KannalaBrandt& c) {
   ImageFields(v, c);
-  v("k1", c.k1, -100.0, 100.0);
-  v("k2", c.k2, -100.0, 100.0);
-  v("k3", c.k3, -100.0, 100.0);
-  v("k4", c.k4, -100.0, 100.0);
+  v({"k1", "coefficient of theta^3 in the distorted angle, theta being the angle from the axis in rad"}, c.k1,
+    -100.0, 100.0);
+  v({"k2", "coefficient of theta^5 in the distorted angle, theta being the angle from the axis in rad"}, c.k2,
+    -100.0, 100.0);
+  v({"k3", "coefficient of theta^7 in the distorted angle, theta being the angle from the axis in rad"}, c.k3,
+    -100.0, 100.0);
+  v({"k4", "coefficient of theta^9 in the distorted angle, theta being the angle from the axis in rad"}, c.k4,
+    -100.0, 100.0);
   LensFields(v, c);
 }
 

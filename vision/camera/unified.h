@@ -26,7 +26,7 @@ struct Unified {
   double fx = 0, fy = 0, cx = 0, cy = 0;  // px; fx, fy are the generalised focal lengths gamma
   double xi = 0;
   double k1 = 0, k2 = 0, p1 = 0, p2 = 0;  // in OpenCV's order
-  double skew = 0;                        // px, as OpenCV has it: u = fx x + skew y + cx
+  double skew = 0;                        // px
   double max_angle_rad = kNoLimit;        // of the lens, from its axis
 
   RadialTangential Distortion() const { return {k1, k2, p1, p2}; }
@@ -50,12 +50,14 @@ struct Unified {
 
 inline void Fields(FieldVisitor& v, Unified& c) {
   ImageFields(v, c);
-  v(Required("xi"), c.xi, 0.0, 20.0);
-  v("k1", c.k1, -100.0, 100.0);
-  v("k2", c.k2, -1e3, 1e3);
-  v("p1", c.p1, -1.0, 1.0);
-  v("p2", c.p2, -1.0, 1.0);
-  v("skew_px", c.skew, -1e3, 1e3);
+  v(Required("xi",
+             "distance of the centre of projection behind the sphere's; 0: pinhole, 1: parabolic mirror"),
+    c.xi, 0.0, 20.0);
+  v({"k1", "radial distortion as in OpenCV, coefficient of r^2"}, c.k1, -100.0, 100.0);
+  v({"k2", "radial distortion as in OpenCV, coefficient of r^4"}, c.k2, -1e3, 1e3);
+  v({"p1", "first coefficient of tangential distortion, as in OpenCV"}, c.p1, -1.0, 1.0);
+  v({"p2", "second coefficient of tangential distortion, as in OpenCV"}, c.p2, -1.0, 1.0);
+  v({"skew_px", "skew of the pixels: u = fx x + skew y + cx, as in OpenCV"}, c.skew, -1e3, 1e3);
   LensFields(v, c);
 }
 

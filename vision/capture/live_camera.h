@@ -16,16 +16,20 @@
 namespace kestrel::vision {
 
 struct LiveCameraOptions {
-  double stalled_s = 1;                           // without an image for longer: the source is opened anew
-  double reopen_first_s = 0.1, reopen_max_s = 5;  // pause before opening again; doubles with each failure
-  double exposure_before_stamp_s = 0;             // from the middle of the exposure to the stamp: calibrated
+  double stalled_s = 1;
+  double reopen_first_s = 0.1, reopen_max_s = 5;
+  double exposure_before_stamp_s = 0;  // calibrated
 };
 
 inline void Fields(FieldVisitor& v, LiveCameraOptions& o) {
-  v("stalled_s", o.stalled_s, 0.05, 60.0);
-  v("reopen_first_s", o.reopen_first_s, 0.01, 60.0);
-  v(Renamed("reopen_max_s", "reopen_most_s"), o.reopen_max_s, 0.01, 600.0);
-  v("exposure_before_stamp_s", o.exposure_before_stamp_s, -1.0, 1.0);
+  v({"stalled_s", "time without an image after which the camera is opened anew"}, o.stalled_s, 0.05, 60.0);
+  v({"reopen_first_s", "first pause before the camera is opened again; doubles with each failure"},
+    o.reopen_first_s, 0.01, 60.0);
+  v(Renamed("reopen_max_s", "reopen_most_s", "longest pause before the camera is opened again"),
+    o.reopen_max_s, 0.01, 600.0);
+  v({"exposure_before_stamp_s",
+     "time from the middle of the exposure to the image's time stamp, or its arrival if it has none"},
+    o.exposure_before_stamp_s, -1.0, 1.0);
 }
 
 enum class LiveCameraState { kOpening, kStreaming, kStalled, kEnded };

@@ -13,13 +13,14 @@ namespace kestrel::vision {
 
 // A landing pad: a thin box with a picture on its top. The top of the picture is at +x of the pad.
 struct PadParameters {
-  Eigen::Vector2d size_m = {1.19, 0.91};  // along x and y of the pad
-  std::string texture;                    // a PNG file beside the file that holds these
+  Eigen::Vector2d size_m = {1.19, 0.91};
+  std::string texture;
 };
 
 inline void Fields(FieldVisitor& v, PadParameters& p) {
-  v("size_m", p.size_m, 0.05, 20.0);
-  v("texture", p.texture);
+  v({"size_m", "height and width of the pad's picture, which are along x and y of the pad"}, p.size_m, 0.05,
+    20.0);
+  v({"texture", "PNG file of the picture beside this file; its sides are powers of two pixels"}, p.texture);
 }
 
 struct PadFile {

@@ -17,20 +17,24 @@
 namespace kestrel::vision {
 
 struct PadTrackerOptions {
-  bool registration =
-      true;  // against the reference appearance; without it, the thesis's chain of homographies alone
+  bool registration = true;  // without it: as in the thesis
   int max_points = 90;
   int min_inliers = 10;
-  double threshold_px = 1.5;  // symmetric transfer distance of an inlier
-  double sigma_px = 0.08;     // deviation of a registered point, for the covariance
+  double threshold_px = 1.5;
+  double sigma_px = 0.08;
 };
 
 inline void Fields(FieldVisitor& v, PadTrackerOptions& o) {
-  v("registration", o.registration);
-  v("max_points", o.max_points, 20, 400);
-  v("min_inliers", o.min_inliers, 6, 100);
-  v("threshold_px", o.threshold_px, 0.2, 10.0);
-  v("sigma_px", o.sigma_px, 0.001, 5.0);
+  v({"registration",
+     "register each image to the pad's known picture; false: chain homographies between images, which drift"},
+    o.registration);
+  v({"max_points", "approximate number of corners of the pad that are tracked in an image"}, o.max_points, 20,
+    400);
+  v({"min_inliers", "least number of points that must agree for the pad to count as seen"}, o.min_inliers, 6,
+    100);
+  v({"threshold_px", "greatest symmetric transfer distance of an inlier"}, o.threshold_px, 0.2, 10.0);
+  v({"sigma_px", "standard deviation of a tracked point, from which the covariance of the pose follows"},
+    o.sigma_px, 0.001, 5.0);
 }
 
 struct PadObservation {

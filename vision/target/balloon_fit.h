@@ -21,18 +21,23 @@ struct OutlineCone {
 
 struct BalloonFitOptions {
   double min_radius_px = 3;
-  double min_contrast = 12;   // between inside and outside, grey levels of 255, all colours together
-  double min_outline = 0.35;  // of all round that must be seen
-  double sigma_px = 0.1;      // least deviation of an edge point
-  double bias_px = 0.05;      // what all edge points may err alike, in the deviation of the half-angle
+  double min_contrast = 12;
+  double min_outline = 0.35;
+  double sigma_px = 0.1;
+  double bias_px = 0.05;
 };
 
 inline void Fields(FieldVisitor& v, BalloonFitOptions& o) {
-  v(Renamed("min_radius_px", "least_radius_px"), o.min_radius_px, 1.0, 100.0);
-  v(Renamed("min_contrast", "least_contrast"), o.min_contrast, 1.0, 200.0);
-  v(Renamed("min_outline", "least_outline"), o.min_outline, 0.1, 1.0);
-  v("sigma_px", o.sigma_px, 0.001, 5.0);
-  v("bias_px", o.bias_px, 0.0, 5.0);
+  v(Renamed("min_radius_px", "least_radius_px", "least radius of the outline that is fitted"),
+    o.min_radius_px, 1.0, 100.0);
+  v(Renamed("min_contrast", "least_contrast",
+            "least contrast between inside and outside, in grey levels of 255 over all channels together"),
+    o.min_contrast, 1.0, 200.0);
+  v(Renamed("min_outline", "least_outline", "least share of the outline that must be seen, 0 to 1"),
+    o.min_outline, 0.1, 1.0);
+  v({"sigma_px", "least standard deviation of an edge point"}, o.sigma_px, 0.001, 5.0);
+  v({"bias_px", "standard deviation of the error that all edge points share, in the measured radius"},
+    o.bias_px, 0.0, 5.0);
 }
 
 enum class FitState {

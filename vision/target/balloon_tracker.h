@@ -14,13 +14,15 @@ namespace kestrel::vision {
 struct BalloonTrackerOptions {
   ColourTrackerOptions colour;
   BalloonFitOptions fit;
-  int refuse_frames = 5;  // without a round outline, one after the other: something else has its colour
+  int refuse_frames = 5;
 };
 
 inline void Fields(FieldVisitor& v, BalloonTrackerOptions& o) {
-  v("colour", o.colour);
-  v("fit", o.fit);
-  v("refuse_frames", o.refuse_frames, 1, 10000);
+  v({"colour", "search for the balloon's colour and its tracking by CamShift"}, o.colour);
+  v({"fit", "measurement of the balloon by its outline"}, o.fit);
+  v({"refuse_frames",
+     "number of images in a row without a round outline after which another thing of its colour is tried"},
+    o.refuse_frames, 1, 10000);
 }
 
 struct BalloonObservation {

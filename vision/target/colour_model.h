@@ -9,8 +9,7 @@
 
 namespace kestrel::vision {
 
-// A target's colour by numbers: hues of the usual circle (red 0, green 120, blue 240 degrees), saturation and
-// value from 0 to 1. What is grey or dark has no hue worth the name, hence the gates.
+// A target's colour by numbers.
 struct ColourRange {
   double hue_deg = 0;
   double hue_half_width_deg = 15;
@@ -20,11 +19,16 @@ struct ColourRange {
 };
 
 inline void Fields(FieldVisitor& v, ColourRange& r) {
-  v("hue_deg", r.hue_deg, -360.0, 360.0);
-  v("hue_half_width_deg", r.hue_half_width_deg, 1.0, 90.0);
-  v(Renamed("min_saturation", "least_saturation"), r.min_saturation, 0.0, 1.0);
-  v(Renamed("min_value", "least_value"), r.min_value, 0.0, 1.0);
-  v(Renamed("max_value", "most_value"), r.max_value, 0.0, 1.0);
+  v({"hue_deg", "middle of the range of hues: red 0, green 120, blue 240"}, r.hue_deg, -360.0, 360.0);
+  v({"hue_half_width_deg", "half the width of the range of hues"}, r.hue_half_width_deg, 1.0, 90.0);
+  v(Renamed("min_saturation", "least_saturation",
+            "least saturation, 0 to 1: below it a pixel is too grey to have a hue"),
+    r.min_saturation, 0.0, 1.0);
+  v(Renamed("min_value", "least_value",
+            "least value (brightness) of a pixel, 0 to 1: below it a pixel is too dark to have a hue"),
+    r.min_value, 0.0, 1.0);
+  v(Renamed("max_value", "most_value", "greatest value (brightness) of a pixel, 0 to 1"), r.max_value, 0.0,
+    1.0);
 }
 
 enum class TrainingState {

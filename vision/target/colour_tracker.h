@@ -11,26 +11,40 @@
 namespace kestrel::vision {
 
 struct ColourTrackerOptions {
-  double min_diameter_px = 6;   // of a target
-  double min_roundness = 0.5;   // of a target found anew: how much of its box's ellipse it fills, and
-                                // its short over its long side
-  double rival_share = 0.5;     // of the area of the best: a second one so large makes it ambiguous
-  double max_matched = 0.3;     // of the whole image, beyond which the colour tells nothing
-  double close_share = 0.5;     // of the image covered by the tracked target: too close
-  double min_confidence = 0.3;  // of a tracked target
-  double return_factor = 2;     // how much larger or smaller a lost target may come back within
-  int forget_frames = 60;       // lost for so long, any sound target will do
+  double min_diameter_px = 6;
+  double min_roundness = 0.5;
+  double rival_share = 0.5;
+  double max_matched = 0.3;
+  double close_share = 0.5;
+  double min_confidence = 0.3;
+  double return_factor = 2;
+  int forget_frames = 60;
 };
 
 inline void Fields(FieldVisitor& v, ColourTrackerOptions& o) {
-  v(Renamed("min_diameter_px", "least_diameter_px"), o.min_diameter_px, 3.0, 200.0);
-  v(Renamed("min_roundness", "least_roundness"), o.min_roundness, 0.0, 1.0);
-  v("rival_share", o.rival_share, 0.0, 1.0);
-  v(Renamed("max_matched", "most_matched"), o.max_matched, 0.01, 1.0);
-  v("close_share", o.close_share, 0.05, 1.0);
-  v(Renamed("min_confidence", "least_confidence"), o.min_confidence, 0.0, 1.0);
-  v("return_factor", o.return_factor, 1.0, 100.0);
-  v("forget_frames", o.forget_frames, 0, 100000);
+  v(Renamed("min_diameter_px", "least_diameter_px", "least diameter of a target"), o.min_diameter_px, 3.0,
+    200.0);
+  v(Renamed(
+        "min_roundness", "least_roundness",
+        "least share of its box's ellipse that a newly found target fills, and short side over long side"),
+    o.min_roundness, 0.0, 1.0);
+  v({"rival_share",
+     "area over that of the best candidate from which a second one makes the target ambiguous"},
+    o.rival_share, 0.0, 1.0);
+  v(Renamed("max_matched", "most_matched",
+            "share of the image that matches the colour beyond which the colour tells nothing"),
+    o.max_matched, 0.01, 1.0);
+  v({"close_share", "share of the image that the target's box covers beyond which it is too close"},
+    o.close_share, 0.05, 1.0);
+  v(Renamed("min_confidence", "least_confidence",
+            "least density of matching pixels inside a tracked target less that around it, 0 to 1"),
+    o.min_confidence, 0.0, 1.0);
+  v({"return_factor",
+     "greatest factor in size by which a lost target may have grown or shrunk when it is found again"},
+    o.return_factor, 1.0, 100.0);
+  v({"forget_frames",
+     "number of images after which a lost target is forgotten and one of any size is accepted"},
+    o.forget_frames, 0, 100000);
 }
 
 enum class TrackState {

@@ -15,29 +15,42 @@
 namespace kestrel::vision {
 
 struct ContrastDetectorOptions {
-  double min_contrast = 16;   // grey levels of 255, of a thing of a few pixels in its strongest channel
-  double light_factor = 2.5;  // of a lighter thing as many times: clouds are lighter than the sky
+  double min_contrast = 16;
+  double light_factor = 2.5;
   double min_diameter_px = 1.6;
   double max_diameter_px = 60;
-  double margin_deg = 0.7;      // above the contour between sky and ground, where nothing is looked for
-  double min_score = 9;         // contrast in deviations of the sky right around
-  double max_aspect = 3;        // of length to width
-  double min_fill = 0.6;        // of the ellipse of its second moments
-  double min_sharpness = 0.45;  // of its edge (SharpnessOf), from 8 px on: clouds and glow have none
-  int max_candidates = 12;      // looked at closely in each of five sizes, the strongest: bounds the time
+  double margin_deg = 0.7;
+  double min_score = 9;
+  double max_aspect = 3;
+  double min_fill = 0.6;
+  double min_sharpness = 0.45;  // SharpnessOf
+  int max_candidates = 12;      // half as many in the coarse ones
 };
 
 inline void Fields(FieldVisitor& v, ContrastDetectorOptions& o) {
-  v(Renamed("min_contrast", "least_contrast"), o.min_contrast, 1.0, 200.0);
-  v("light_factor", o.light_factor, 1.0, 20.0);
-  v(Renamed("min_diameter_px", "least_diameter_px"), o.min_diameter_px, 1.0, 50.0);
-  v(Renamed("max_diameter_px", "most_diameter_px"), o.max_diameter_px, 2.0, 70.0);
-  v("margin_deg", o.margin_deg, 0.0, 20.0);
-  v(Renamed("min_score", "least_score"), o.min_score, 1.0, 1000.0);
-  v(Renamed("max_aspect", "most_aspect"), o.max_aspect, 1.0, 20.0);
-  v(Renamed("min_fill", "least_fill"), o.min_fill, 0.0, 1.0);
-  v(Renamed("min_sharpness", "least_sharpness"), o.min_sharpness, 0.0, 2.0);
-  v(Renamed("max_candidates", "most_candidates"), o.max_candidates, 1, 1000);
+  v(Renamed("min_contrast", "least_contrast",
+            "least contrast with the sky in the strongest channel, in grey levels of 255"),
+    o.min_contrast, 1.0, 200.0);
+  v({"light_factor", "factor on min_contrast for what is lighter than the sky, as clouds are"},
+    o.light_factor, 1.0, 20.0);
+  v(Renamed("min_diameter_px", "least_diameter_px", "least diameter of a detection"), o.min_diameter_px, 1.0,
+    50.0);
+  v(Renamed("max_diameter_px", "most_diameter_px", "greatest diameter of a detection"), o.max_diameter_px,
+    2.0, 70.0);
+  v({"margin_deg", "strip above the skyline in which nothing is looked for"}, o.margin_deg, 0.0, 20.0);
+  v(Renamed("min_score", "least_score", "least contrast in standard deviations of the sky right around"),
+    o.min_score, 1.0, 1000.0);
+  v(Renamed("max_aspect", "most_aspect", "greatest ratio of length to width of a detection"), o.max_aspect,
+    1.0, 20.0);
+  v(Renamed("min_fill", "least_fill",
+            "least share of the ellipse of its second moments that a detection fills, 0 to 1"),
+    o.min_fill, 0.0, 1.0);
+  v(Renamed("min_sharpness", "least_sharpness",
+            "least edge sharpness of detections from 8 px on: a solid thing has about 1, a cloud less"),
+    o.min_sharpness, 0.0, 2.0);
+  v(Renamed("max_candidates", "most_candidates",
+            "greatest number of candidates measured in each of five image sizes; bounds the computing time"),
+    o.max_candidates, 1, 1000);
 }
 
 enum class SkySearchState {

@@ -14,30 +14,42 @@ namespace kestrel::vision {
 
 struct ContrastTrackerOptions {
   ContrastDetectorOptions detector;
-  double down_sigma_deg = 1;  // of the attitude that comes with each image
-  int confirm_sightings = 6;  // of the last confirm_images: then a target is confirmed
+  double down_sigma_deg = 1;
+  int confirm_sightings = 6;
   int confirm_images = 8;
-  double gate_deg = 1;         // of a sighting from where its target should be
-  double max_rate_deg_s = 40;  // of a target's bearing, while its path is not known yet
-  double steady_deg = 0.4;     // root mean square of a confirmed target's sightings about a straight path
-  double size_factor = 1.7;    // of a sighting's diameter to the last one's, at the most
-  double window_s = 1;         // of the sightings that path and growth are fitted to
-  double forget_s = 2;         // without a sighting: a confirmed target is forgotten
-  int max_tracks = 24;         // at a time, tentative ones too: bounds the time
+  double gate_deg = 1;
+  double max_rate_deg_s = 40;
+  double steady_deg = 0.4;
+  double size_factor = 1.7;
+  double window_s = 1;
+  double forget_s = 2;
+  int max_tracks = 24;
 };
 
 inline void Fields(FieldVisitor& v, ContrastTrackerOptions& o) {
-  v("detector", o.detector);
-  v("down_sigma_deg", o.down_sigma_deg, 0.0, 20.0);
-  v("confirm_sightings", o.confirm_sightings, 1, 1000);
-  v("confirm_images", o.confirm_images, 1, 1000);
-  v("gate_deg", o.gate_deg, 0.01, 30.0);
-  v(Renamed("max_rate_deg_s", "most_rate_deg_s"), o.max_rate_deg_s, 0.0, 1000.0);
-  v("steady_deg", o.steady_deg, 0.01, 30.0);
-  v("size_factor", o.size_factor, 1.0, 100.0);
-  v("window_s", o.window_s, 0.1, 20.0);
-  v("forget_s", o.forget_s, 0.0, 100.0);
-  v(Renamed("max_tracks", "most_tracks"), o.max_tracks, 1, 1000);
+  v({"detector", "detection of things against the sky in each image"}, o.detector);
+  v({"down_sigma_deg", "standard deviation of the attitude that comes with each image"}, o.down_sigma_deg,
+    0.0, 20.0);
+  v({"confirm_sightings", "number of sightings within confirm_images that confirms a target"},
+    o.confirm_sightings, 1, 1000);
+  v({"confirm_images", "number of latest images in which the sightings of a target are counted"},
+    o.confirm_images, 1, 1000);
+  v({"gate_deg", "greatest angle between a sighting and where its target is predicted"}, o.gate_deg, 0.01,
+    30.0);
+  v(Renamed("max_rate_deg_s", "most_rate_deg_s",
+            "greatest bearing rate of a target whose path is not known yet"),
+    o.max_rate_deg_s, 0.0, 1000.0);
+  v({"steady_deg",
+     "greatest rms deviation of the sightings from a straight path with which a target is confirmed"},
+    o.steady_deg, 0.01, 30.0);
+  v({"size_factor", "greatest ratio of the diameters of a sighting and the last one"}, o.size_factor, 1.0,
+    100.0);
+  v({"window_s", "time window of the sightings that path and growth are fitted to"}, o.window_s, 0.1, 20.0);
+  v({"forget_s", "time without a sighting after which a confirmed target is forgotten"}, o.forget_s, 0.0,
+    100.0);
+  v(Renamed("max_tracks", "most_tracks",
+            "greatest number of tracks at a time, tentative ones included; bounds the computing time"),
+    o.max_tracks, 1, 1000);
 }
 
 enum class ContrastState {
