@@ -53,19 +53,23 @@ struct OcclusionParameters {
 };
 
 inline void Fields(FieldVisitor& v, StartParameters& p) {
-  v("offset_m", p.offset_m, -300.0, 300.0);
-  v("scatter_m", p.scatter_m, 0.0, 20.0);
-  v("height_m", p.height_m, 0.3, 600.0);
-  v("on_ground", p.on_ground);
-  v("yaw_deg", p.yaw_deg, -360.0, 360.0);
-  v("yaw_scatter_deg", p.yaw_scatter_deg, 0.0, 180.0);
-  v("settle_s", p.settle_s, 0.0, 60.0);
+  v({"offset_m", "north and east of the pad"}, p.offset_m, -300.0, 300.0);
+  v({"scatter_m", "radius of the disc around the offset in which the start is drawn uniformly, by the seed"},
+    p.scatter_m, 0.0, 20.0);
+  v({"height_m", "height of the aircraft above the pad"}, p.height_m, 0.3, 600.0);
+  v({"on_ground", "whether the flight begins on the ground, with motors off"}, p.on_ground);
+  v({"yaw_deg", "heading, clockwise from north"}, p.yaw_deg, -360.0, 360.0);
+  v({"yaw_scatter_deg",
+     "half width of the interval around yaw_deg in which the heading is drawn, by the seed"},
+    p.yaw_scatter_deg, 0.0, 180.0);
+  v({"settle_s", "time for which the autopilot holds the start before the first frame"}, p.settle_s, 0.0,
+    60.0);
 }
 
 inline void Fields(FieldVisitor& v, OcclusionParameters& p) {
-  v("share", p.share, 0.0, 1.0);
-  v("from_s", p.from_s, 0.0, 1e9);
-  v("until_s", p.until_s, 0.0, 1e9);
+  v({"share", "share of the pad that a dark sheet covers"}, p.share, 0.0, 1.0);
+  v({"from_s", "when the sheet comes, in the time of the flight"}, p.from_s, 0.0, 1e9);
+  v({"until_s", "when the sheet goes"}, p.until_s, 0.0, 1e9);
 }
 
 struct SimulatorParameters {

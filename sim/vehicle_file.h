@@ -22,12 +22,12 @@ struct VehicleFile {
 };
 
 inline void Fields(FieldVisitor& v, VehicleFile& f) {
-  v("kind", f.kind, {"multirotor", "helicopter"});
+  v({"kind", "what the airframe is; it decides the other keys"}, f.kind, {"multirotor", "helicopter"});
   if (f.kind == "helicopter" && !std::holds_alternative<HelicopterParameters>(f.airframe))
     f.airframe = HelicopterParameters{};
   std::visit([&](auto& airframe) { Fields(v, airframe); }, f.airframe);
-  v("autopilot", f.autopilot);
-  v("platform", f.platform);
+  v({"autopilot", "loops and limits of its low-level autopilot"}, f.autopilot);
+  v({"platform", "pan-tilt platform of the camera; null: the camera is fixed"}, f.platform);
 }
 
 }  // namespace kestrel::sim

@@ -56,7 +56,6 @@ Json Schema(const FieldDescription& f) {
       break;
     }
     case FieldKind::kAny:
-      schema["type"] = "object";
       break;
     case FieldKind::kStruct:
       schema = Object(f.fields);

@@ -4,16 +4,45 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <cmath>
+#include <algorithm>
 
 #include "base/yaml/yaml_fields.h"
 
 namespace kestrel {
 namespace {
 
+// Those of both, in their order; one that is not alike in both may be anything.
+void Unite(const std::vector<FieldDescription>& more, std::vector<FieldDescription>& all) {
+  for (const FieldDescription& each : more) {
+    const auto found =
+        std::find_if(all.begin(), all.end(), [&](const auto& other) { return other.key == each.key; });
+    if (found == all.end())
+      all.push_back(each);
+    else if (found->kind != each.kind || found->size != each.size)
+      found->kind = FieldKind::kAny;
+  }
+}
+
+// Which keys a struct has may depend on what it is, as those of a fault on its type: those of all cases.
+void VisitCases(const StructField& field, const std::vector<TextField>& selectors, std::size_t next,
+                std::vector<FieldDescription>& all) {
+  if (next == selectors.size()) {
+    DescribingVisitor visitor;
+    field.Visit(visitor);
+    return Unite(visitor.fields, all);
+  }
+  const std::string own = *selectors[next].value;
+  for (const std::string& each : *selectors[next].valid) {
+    *selectors[next].value = each;
+    VisitCases(field, selectors, next + 1, all);
+  }
+  *selectors[next].value = own;
+}
+
 std::vector<FieldDescription> FieldsOf(const StructField& field) {
   DescribingVisitor visitor;
   field.Visit(visitor);
+  if (!visitor.selectors.empty()) VisitCases(field, visitor.selectors, 0, visitor.fields);
   return std::move(visitor.fields);
 }
 
@@ -88,6 +117,8 @@ void DescribingVisitor::Visit(const FieldKey& key, const FieldValue& field) {
   if (key.former) description.former = key.former;
   description.value = ValueText(key, field);
   std::visit(Describer{description}, field);
+  if (const auto* text = std::get_if<TextField>(&field); text && text->valid && key.required)
+    selectors.push_back(*text);
   fields.push_back(std::move(description));
 }
 
@@ -109,7 +140,7 @@ std::string TypeText(const FieldDescription& f) {
     case FieldKind::kNumbers:
       return fmt::format("list of {} numbers{}", f.size, RangeText(f));
     case FieldKind::kAny:
-      return "map";
+      return "as its meaning says";
     case FieldKind::kStruct:
       return "map" + none;
     case FieldKind::kList:

@@ -17,7 +17,7 @@ enum class FieldKind {
   kText,
   kTexts,
   kNumbers,
-  kAny,  // what no struct describes
+  kAny,  // what no struct describes, or has one kind in one case and another in another
   kStruct,
   kList,  // of structs
   kMap    // of structs, by names
@@ -43,6 +43,7 @@ class DescribingVisitor final : public FieldVisitor {
  public:
   void Visit(const FieldKey& key, const FieldValue& field) override;
   std::vector<FieldDescription> fields;  // in the order in which they were visited
+  std::vector<TextField> selectors;      // of them, the texts from a list that must be given
 };
 
 // Of a struct whose values are the defaults.

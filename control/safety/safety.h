@@ -51,7 +51,7 @@ inline constexpr std::array kReactions{
     ReactionRow{Hazard::kTargetLost, "the target lost for target_s", Reaction::kHold, Reaction::kSink},
     ReactionRow{Hazard::kOutside, "farther than radius_m from the start", Reaction::kReturn,
                 Reaction::kReturn},
-    ReactionRow{Hazard::kTooHigh, "higher than height_m over the start", Reaction::kDescend,
+    ReactionRow{Hazard::kTooHigh, "higher than height_m over the autopilot's origin", Reaction::kDescend,
                 Reaction::kDescend},
     ReactionRow{Hazard::kNoSetpoint, "the flight code asks for nothing", Reaction::kHold, Reaction::kHold},
     ReactionRow{Hazard::kNone, "otherwise", Reaction::kFly, Reaction::kFly},

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scenarios/landing/landing.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "geometry/tait_bryan.h"
@@ -74,6 +76,14 @@ class LandingMission final : public mission::Mission {
 };
 
 }  // namespace
+
+void CheckFlight(const LandingFlight& flight, const Place& where, Mistakes& mistakes) {
+  if (flight.commit_sink_m_s > flight.descent_m_s)
+    mistakes.Add(
+        where, "flight.commit_sink_m_s",
+        fmt::format("{:g} is above flight.descent_m_s = {:g}", flight.commit_sink_m_s, flight.descent_m_s),
+        "valid: no more than that");
+}
 
 mission::MissionType TypeOf(const LandingFlight&) {
   return {.name = "landing",

@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "base/diagnostics.h"
 #include "base/yaml/fields.h"
 #include "mission/mission_type.h"
 
@@ -34,6 +35,7 @@ inline void Fields(FieldVisitor& v, LandingFlight& p) {
     p.centred_m, 0.01, 2.0);
 }
 
+void CheckFlight(const LandingFlight& flight, const Place& where, Mistakes& mistakes);
 mission::MissionType TypeOf(const LandingFlight& flight);
 std::unique_ptr<mission::Mission> MakeMission(const LandingFlight& flight,
                                               const mission::MissionParts& parts);

@@ -36,21 +36,28 @@ struct ActuatorFault {
 };
 
 inline void Fields(FieldVisitor& v, ActuatorFault& f) {
-  v(Required("component"), f.component, {"motor", "servo"});
-  v(Required("type"), f.type, {"off", "stuck", "wrong", "slow", "ok"});
-  v("instance", f.instance, 0, 4);
-  v("from_s", f.from_s, 0.0, 1e9);
-  v("until_s", f.until_s, 0.0, 1e9);
-  if (f.type == "wrong" && f.component == "motor") v("loss", f.loss, 0.0, 1.0);
-  if (f.type == "wrong" && f.component == "servo") v("offset_deg", f.offset_deg, -30.0, 30.0);
-  if (f.type == "slow") v("slowness", f.slowness, 1.0, 1000.0);
+  v(Required("component", "what fails: a motor, or a servo of a helicopter"), f.component,
+    {"motor", "servo"});
+  v(Required("type", "how it fails, in the vocabulary of PX4's failure injection"), f.type,
+    {"off", "stuck", "wrong", "slow", "ok"});
+  v({"instance", "which of them, from 1; 0: all"}, f.instance, 0, 4);
+  v({"from_s", "when the fault begins, in the time of the flight"}, f.from_s, 0.0, 1e9);
+  v({"until_s", "when the fault ends"}, f.until_s, 0.0, 1e9);
+  if (f.type == "wrong" && f.component == "motor")
+    v({"loss", "share of thrust or power that is lost"}, f.loss, 0.0, 1.0);
+  if (f.type == "wrong" && f.component == "servo")
+    v({"offset_deg", "what is added to the angle that is asked of the servo"}, f.offset_deg, -30.0, 30.0);
+  if (f.type == "slow") v({"slowness", "factor on the time constant"}, f.slowness, 1.0, 1000.0);
 }
 
 struct ActuatorParameters {
   std::vector<ActuatorFault> faults;
 };
 
-inline void Fields(FieldVisitor& v, ActuatorParameters& p) { v("faults", p.faults); }
+inline void Fields(FieldVisitor& v, ActuatorParameters& p) {
+  v({"faults", "faults of motors and servos; of several of one at a time the first in the list holds"},
+    p.faults);
+}
 
 // The one that holds of an actuator, instance from 1; none, or ok: nullptr.
 const ActuatorFault* FaultAt(const std::vector<ActuatorFault>& faults, std::string_view component,

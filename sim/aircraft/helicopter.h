@@ -58,43 +58,53 @@ struct HelicopterParameters {
 };
 
 inline void Fields(FieldVisitor& v, HelicopterGains& g) {
-  v("attitude_rad_s", g.attitude_rad_s, 0.5, 30.0);
-  v("attitude_damping", g.attitude_damping, 0.1, 3.0);
-  v("integral_per_s", g.integral_per_s, 0.0, 5.0);
-  v("disc_rad_s", g.disc_rad_s, 1.0, 200.0);
-  v("heading_per_s", g.heading_per_s, 0.1, 20.0);
+  v({"attitude_rad_s", "natural frequency with which errors of roll and pitch die away"}, g.attitude_rad_s,
+    0.5, 30.0);
+  v({"attitude_damping", "damping ratio of that"}, g.attitude_damping, 0.1, 3.0);
+  v({"integral_per_s", "rate at which steady errors of roll and pitch are integrated away"}, g.integral_per_s,
+    0.0, 5.0);
+  v({"disc_rad_s", "bandwidth with which the tip path plane is brought to where it should be"}, g.disc_rad_s,
+    1.0, 200.0);
+  v({"heading_per_s", "rate at which a heading error dies away"}, g.heading_per_s, 0.1, 20.0);
 }
 
 inline void Fields(FieldVisitor& v, FinParameters& p) {
-  v("area_m2", p.area_m2, 0.0, 1.0);
-  v("lift_slope_per_rad", p.lift_slope_per_rad, 0.0, 7.0);
+  v({"area_m2", "area of the fin"}, p.area_m2, 0.0, 1.0);
+  v({"lift_slope_per_rad", "slope of its lift coefficient over angle of attack"}, p.lift_slope_per_rad, 0.0,
+    7.0);
 }
 
 inline void Fields(FieldVisitor& v, HelicopterParameters& p) {
-  v("mass_kg", p.mass_kg, 0.05, 200.0);
-  v("inertia_kg_m2", p.inertia_kg_m2, 1e-5, 100.0);
-  v("clockwise", p.clockwise);
-  v("rotor_height_m", p.rotor_height_m, 0.0, 2.0);
-  v("rotor", p.rotor);
-  v("flapping", p.flapping);
-  v("collective_low_deg", p.collective_low_deg, -20.0, 0.0);
-  v("collective_high_deg", p.collective_high_deg, 1.0, 25.0);
-  v("cyclic_limit_deg", p.cyclic_limit_deg, 0.5, 20.0);
-  v("servo_s", p.servo_s, 1e-4, 1.0);
-  v("tail_rotor", p.tail_rotor);
-  v("tail_gear", p.tail_gear, 0.5, 20.0);
-  v("tail_arm_m", p.tail_arm_m, 0.1, 10.0);
-  v("tail_height_m", p.tail_height_m, -1.0, 2.0);
-  v("tail_low_deg", p.tail_low_deg, -45.0, 0.0);
-  v("tail_high_deg", p.tail_high_deg, 1.0, 45.0);
-  v("heading_gyro", p.heading_gyro);
-  v("drive", p.drive);
-  v("drag_area_m2", p.drag_area_m2, 0.0, 10.0);
-  v("vertical_fin", p.vertical_fin);
-  v("horizontal_fin", p.horizontal_fin);
-  v("horizontal_fin_arm_m", p.horizontal_fin_arm_m, 0.0, 10.0);
-  v("shake", p.shake);
-  v("gains", p.gains);
+  v({"mass_kg", "mass of the aircraft"}, p.mass_kg, 0.05, 200.0);
+  v({"inertia_kg_m2", "moments of inertia about the axes of B, through the centre of mass"}, p.inertia_kg_m2,
+    1e-5, 100.0);
+  v({"clockwise", "whether the main rotor turns clockwise, seen from above"}, p.clockwise);
+  v({"rotor_height_m", "height of the main rotor's hub above the centre of mass"}, p.rotor_height_m, 0.0,
+    2.0);
+  v({"rotor", "main rotor"}, p.rotor);
+  v({"flapping", "flapping of the main rotor's blades and the stabiliser bar"}, p.flapping);
+  v({"collective_low_deg", "lowest collective pitch"}, p.collective_low_deg, -20.0, 0.0);
+  v({"collective_high_deg", "highest collective pitch"}, p.collective_high_deg, 1.0, 25.0);
+  v({"cyclic_limit_deg", "greatest cyclic pitch of the blades, in any direction"}, p.cyclic_limit_deg, 0.5,
+    20.0);
+  v({"servo_s", "time constant of each servo"}, p.servo_s, 1e-4, 1.0);
+  v({"tail_rotor", "tail rotor"}, p.tail_rotor);
+  v({"tail_gear", "speed of the tail rotor over speed of the main rotor"}, p.tail_gear, 0.5, 20.0);
+  v({"tail_arm_m", "distance of the tail rotor behind the centre of mass"}, p.tail_arm_m, 0.1, 10.0);
+  v({"tail_height_m", "height of the tail rotor above the centre of mass"}, p.tail_height_m, -1.0, 2.0);
+  v({"tail_low_deg", "lowest pitch of the tail rotor; positive pushes against the main rotor's torque"},
+    p.tail_low_deg, -45.0, 0.0);
+  v({"tail_high_deg", "highest pitch of the tail rotor"}, p.tail_high_deg, 1.0, 45.0);
+  v({"heading_gyro", "gyro between pedals and tail rotor"}, p.heading_gyro);
+  v({"drive", "motor and governor"}, p.drive);
+  v({"drag_area_m2", "drag area (C_D A) of the fuselage for flow along each axis of B"}, p.drag_area_m2, 0.0,
+    10.0);
+  v({"vertical_fin", "vertical fin, at the tail rotor"}, p.vertical_fin);
+  v({"horizontal_fin", "horizontal fin"}, p.horizontal_fin);
+  v({"horizontal_fin_arm_m", "distance of the horizontal fin behind the centre of mass"},
+    p.horizontal_fin_arm_m, 0.0, 10.0);
+  v({"shake", "vibration by the main rotor that the inertial sensors feel"}, p.shake);
+  v({"gains", "gains of the autopilot's inner loop"}, p.gains);
 }
 
 inline Spin SpinOf(const HelicopterParameters& p) {

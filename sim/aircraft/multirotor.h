@@ -25,12 +25,14 @@ struct MultirotorParameters {
 };
 
 inline void Fields(FieldVisitor& v, MultirotorParameters& p) {
-  v("mass_kg", p.mass_kg, 0.05, 50.0);
-  v("inertia_kg_m2", p.inertia_kg_m2, 1e-5, 10.0);
-  v("arm_m", p.arm_m, 0.03, 2.0);
-  v("rotor_height_m", p.rotor_height_m, -0.5, 0.5);
-  v("drag_area_m2", p.drag_area_m2, 0.0, 1.0);
-  v("rotor", p.rotor);
+  v({"mass_kg", "mass of the aircraft"}, p.mass_kg, 0.05, 50.0);
+  v({"inertia_kg_m2", "moments of inertia about the axes of B, through the centre of mass"}, p.inertia_kg_m2,
+    1e-5, 10.0);
+  v({"arm_m", "distance of each rotor's shaft from the centre of mass"}, p.arm_m, 0.03, 2.0);
+  v({"rotor_height_m", "height of the rotors above the centre of mass"}, p.rotor_height_m, -0.5, 0.5);
+  v({"drag_area_m2", "drag area (C_D A) of the body for flow along each axis of B"}, p.drag_area_m2, 0.0,
+    1.0);
+  v({"rotor", "each of the four rotors"}, p.rotor);
 }
 
 using RotorSpeeds = std::array<double, 4>;  // rad/s, 0 or more: front, right, back, left

@@ -43,29 +43,40 @@ struct AutopilotParameters {
 };
 
 inline void Fields(FieldVisitor& v, AxisLoop& a) {
-  v("natural_frequency_rad_s", a.natural_frequency_rad_s, 0.5, 30.0);
-  v("damping", a.damping, 0.1, 3.0);
-  v("gain", a.gain, 0.1, 2.0);
+  v({"natural_frequency_rad_s", "natural frequency of the closed attitude loop"}, a.natural_frequency_rad_s,
+    0.5, 30.0);
+  v({"damping", "damping ratio of the closed attitude loop"}, a.damping, 0.1, 3.0);
+  v({"gain", "static gain: angle over commanded angle"}, a.gain, 0.1, 2.0);
 }
 
 inline void Fields(FieldVisitor& v, AutopilotParameters& p) {
-  v("roll", p.roll);
-  v("pitch", p.pitch);
-  v("yaw", p.yaw);
-  v("tilt_limit_deg", p.tilt_limit_deg, 1.0, 60.0);
-  v("stick_limit_deg", p.stick_limit_deg, 1.0, 60.0);
-  v("yaw_rate_limit_deg_s", p.yaw_rate_limit_deg_s, 1.0, 360.0);
-  v("speed_limit_m_s", p.speed_limit_m_s, 0.1, 30.0);
-  v("climb_limit_m_s", p.climb_limit_m_s, 0.1, 10.0);
-  v("acceleration_limit_m_s2", p.acceleration_limit_m_s2, 0.1, 10.0);
-  v("velocity_gain_per_s", p.velocity_gain_per_s, 0.0, 20.0);
-  v("velocity_integral_per_s2", p.velocity_integral_per_s2, 0.0, 20.0);
-  v("velocity_lag_s", p.velocity_lag_s, 0.0, 2.0);
-  v("climb_gain_per_s", p.climb_gain_per_s, 0.0, 20.0);
-  v("climb_integral_per_s2", p.climb_integral_per_s2, 0.0, 20.0);
-  v("climb_delay_s", p.climb_delay_s, 0.0, 3.0);
-  v("position_gain_per_s", p.position_gain_per_s, 0.0, 5.0);
-  v("command_timeout_s", p.command_timeout_s, 0.05, 10.0);
+  v({"roll", "closed loop of roll, as identified"}, p.roll);
+  v({"pitch", "closed loop of pitch, as identified"}, p.pitch);
+  v({"yaw", "closed loop of yaw, as identified"}, p.yaw);
+  v({"tilt_limit_deg", "greatest tilt that the velocity loop asks for"}, p.tilt_limit_deg, 1.0, 60.0);
+  v({"stick_limit_deg", "greatest tilt where an attitude is asked for itself"}, p.stick_limit_deg, 1.0, 60.0);
+  v({"yaw_rate_limit_deg_s", "greatest yaw rate"}, p.yaw_rate_limit_deg_s, 1.0, 360.0);
+  v({"speed_limit_m_s", "greatest horizontal speed"}, p.speed_limit_m_s, 0.1, 30.0);
+  v({"climb_limit_m_s", "greatest vertical speed"}, p.climb_limit_m_s, 0.1, 10.0);
+  v({"acceleration_limit_m_s2",
+     "greatest horizontal acceleration with which the velocity setpoint is slewed"},
+    p.acceleration_limit_m_s2, 0.1, 10.0);
+  v({"velocity_gain_per_s", "proportional gain of the horizontal velocity loop"}, p.velocity_gain_per_s, 0.0,
+    20.0);
+  v({"velocity_integral_per_s2", "integral gain of the horizontal velocity loop"}, p.velocity_integral_per_s2,
+    0.0, 20.0);
+  v({"velocity_lag_s",
+     "by how much later than asked for the loop expects the horizontal velocity; 0: it does not"},
+    p.velocity_lag_s, 0.0, 2.0);
+  v({"climb_gain_per_s", "proportional gain of the vertical velocity loop"}, p.climb_gain_per_s, 0.0, 20.0);
+  v({"climb_integral_per_s2", "integral gain of the vertical velocity loop"}, p.climb_integral_per_s2, 0.0,
+    20.0);
+  v({"climb_delay_s", "dead time until a vertical velocity that is asked for is followed"}, p.climb_delay_s,
+    0.0, 3.0);
+  v({"position_gain_per_s", "proportional gain of position hold: velocity over position error"},
+    p.position_gain_per_s, 0.0, 5.0);
+  v({"command_timeout_s", "silence of setpoints after which it holds its place"}, p.command_timeout_s, 0.05,
+    10.0);
 }
 
 // An AscTec-like low-level autopilot: an attitude loop with the identified closed-loop dynamics, velocity and

@@ -36,15 +36,20 @@ struct CameraFault {
 };
 
 inline void Fields(FieldVisitor& v, CameraFault& f) {
-  v(Required("type"), f.type, {"off", "stuck", "garbage", "slow", "delayed", "intermittent"});
-  v("from_s", f.from_s, 0.0, 1e9);
-  v("until_s", f.until_s, 0.0, 1e9);
-  v("rate_per_min", f.rate_per_min, 0.0, 600.0);
-  v("length_s", f.length_s, 0.001, 1e9);
-  v("probability", f.probability, 0.0, 1.0);
-  if (f.type == "intermittent") v("loss", f.loss, 0.0, 1.0);
-  if (f.type == "slow") v("rate_hz", f.rate_hz, 0.01, 500.0);
-  if (f.type == "delayed") v("delay_s", f.delay_s, 0.0, 60.0);
+  v(Required("type", "what becomes of the frames, in the vocabulary of PX4's failure injection"), f.type,
+    {"off", "stuck", "garbage", "slow", "delayed", "intermittent"});
+  v({"from_s", "when the fault begins, in the time of the flight"}, f.from_s, 0.0, 1e9);
+  v({"until_s", "when the fault ends"}, f.until_s, 0.0, 1e9);
+  v({"rate_per_min",
+     "how often in a minute the fault comes, at random, between from_s and until_s; 0: it lasts all that "
+     "time"},
+    f.rate_per_min, 0.0, 600.0);
+  v({"length_s", "how long it lasts each time, with a rate_per_min"}, f.length_s, 0.001, 1e9);
+  v({"probability", "chance that a run has this fault at all, by the seed"}, f.probability, 0.0, 1.0);
+  if (f.type == "intermittent") v({"loss", "chance of each frame to be lost"}, f.loss, 0.0, 1.0);
+  if (f.type == "slow") v({"rate_hz", "frames that are still made in a second"}, f.rate_hz, 0.01, 500.0);
+  if (f.type == "delayed")
+    v({"delay_s", "how much later than image.latency_s frames come"}, f.delay_s, 0.0, 60.0);
 }
 
 // How the camera is from a time on.

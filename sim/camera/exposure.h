@@ -16,9 +16,11 @@ struct ExposureParameters {
 };
 
 inline void Fields(FieldVisitor& v, ExposureParameters& p) {
-  v("time_s", p.time_s, 0.0, 1.0);
-  v("line_s", p.line_s, 0.0, 0.01);
-  v("samples", p.samples, 1, 256);
+  v({"time_s", "exposure time of a row; 0: an instant, without motion blur"}, p.time_s, 0.0, 1.0);
+  v({"line_s", "delay from the exposure of a row to that of the next one; 0: global shutter"}, p.line_s, 0.0,
+    0.01);
+  v({"samples", "instants of the exposure at which the scene is rendered, while time_s is over 0"}, p.samples,
+    1, 256);
 }
 
 // Keeps the mean of the image at a level, by the time of the exposure as far as that goes, beyond it by the
@@ -31,11 +33,13 @@ struct AutoExposureParameters {
 };
 
 inline void Fields(FieldVisitor& v, AutoExposureParameters& p) {
-  v("target_grey", p.target_grey, 0.0, 250.0);
-  v("lag_s", p.lag_s, 0.0, 60.0);
-  v("shortest_s", p.shortest_s, 1e-6, 1.0);
-  v("longest_s", p.longest_s, 1e-6, 1.0);
-  v("highest_gain", p.highest_gain, 1.0, 1000.0);
+  v({"target_grey", "mean grey level, 0 to 255, that auto-exposure keeps; 0: it is off"}, p.target_grey, 0.0,
+    250.0);
+  v({"lag_s", "time constant with which the logarithm of the exposure follows"}, p.lag_s, 0.0, 60.0);
+  v({"shortest_s", "shortest exposure time that auto-exposure sets"}, p.shortest_s, 1e-6, 1.0);
+  v({"longest_s", "longest exposure time that auto-exposure sets"}, p.longest_s, 1e-6, 1.0);
+  v({"highest_gain", "highest gain that auto-exposure sets; its inverse is the smallest iris"},
+    p.highest_gain, 1.0, 1000.0);
 }
 
 struct ExposureSetting {

@@ -45,33 +45,45 @@ struct ImageParameters {
 };
 
 inline void Fields(FieldVisitor& v, ImageScatter& s) {
-  v("noise_grey", s.noise_grey, 0.0, 60.0);
-  v("gain", s.gain, 0.0, 10.0);
-  v("full_well_e", s.full_well_e, 0.0, 1e6);
-  v("gamma", s.gamma, 0.0, 2.0);
-  v("jpeg_quality", s.jpeg_quality, 0.0, 100.0);
-  v("time_s", s.time_s, 0.0, 1.0);
-  v("line_s", s.line_s, 0.0, 0.01);
-  v("cos_power", s.cos_power, 0.0, 16.0);
-  v("vignetting", s.vignetting, 0.0, 4.0);
-  v("defocus_px", s.defocus_px, 0.0, 20.0);
+  v({"noise_grey", "half width of the interval in which image.noise_grey is drawn"}, s.noise_grey, 0.0, 60.0);
+  v({"gain", "half width of the interval in which image.gain is drawn"}, s.gain, 0.0, 10.0);
+  v({"full_well_e", "half width of the interval in which image.full_well_e is drawn"}, s.full_well_e, 0.0,
+    1e6);
+  v({"gamma", "half width of the interval in which image.gamma is drawn"}, s.gamma, 0.0, 2.0);
+  v({"jpeg_quality", "half width of the interval in which image.jpeg_quality is drawn"}, s.jpeg_quality, 0.0,
+    100.0);
+  v({"time_s", "half width of the interval in which image.exposure.time_s is drawn"}, s.time_s, 0.0, 1.0);
+  v({"line_s", "half width of the interval in which image.exposure.line_s is drawn"}, s.line_s, 0.0, 0.01);
+  v({"cos_power", "half width of the interval in which image.lens.cos_power is drawn"}, s.cos_power, 0.0,
+    16.0);
+  v({"vignetting", "half width of the interval in which the first number of image.lens.vignetting is drawn"},
+    s.vignetting, 0.0, 4.0);
+  v({"defocus_px", "half width of the interval in which image.lens.defocus_px is drawn"}, s.defocus_px, 0.0,
+    20.0);
 }
 
 inline void Fields(FieldVisitor& v, ImageParameters& p) {
-  v("colour", p.colour);
-  v("rate_hz", p.rate_hz, 0.5, 500.0);
-  v("latency_s", p.latency_s, 0.0, 2.0);
-  v("exposure", p.exposure);
-  v("auto_exposure", p.auto_exposure);
-  v("lens", p.lens);
-  v("gain", p.gain, 0.05, 1000.0);
-  v("full_well_e", p.full_well_e, 0.0, 1e6);
-  v("noise_grey", p.noise_grey, 0.0, 60.0);
-  v("gamma", p.gamma, 1.0, 3.0);
-  v("bits", p.bits, 1, 8);
-  v("jpeg_quality", p.jpeg_quality, 0, 100);
-  v("scatter", p.scatter);
-  v("faults", p.faults);
+  v({"colour", "colour images; otherwise they are monochrome"}, p.colour);
+  v({"rate_hz", "frames in a second"}, p.rate_hz, 0.5, 500.0);
+  v({"latency_s", "time from the middle of the exposure until the flight code has the frame"}, p.latency_s,
+    0.0, 2.0);
+  v({"exposure", "exposure time and shutter"}, p.exposure);
+  v({"auto_exposure", "control of exposure time, gain and iris by the mean grey level"}, p.auto_exposure);
+  v({"lens", "vignetting and defocus"}, p.lens);
+  v({"gain", "gain of the signal and of its noise; with auto-exposure, the first frame's"}, p.gain, 0.05,
+    1000.0);
+  v({"full_well_e",
+     "electrons of the grey level 255 at a gain of 1, from which the shot noise follows; 0: no shot noise"},
+    p.full_well_e, 0.0, 1e6);
+  v({"noise_grey", "standard deviation of the read noise at a gain of 1, grey levels of 255"}, p.noise_grey,
+    0.0, 60.0);
+  v({"gamma", "gamma by which the image is coded; 1: linear"}, p.gamma, 1.0, 3.0);
+  v({"bits", "bits of each pixel's value"}, p.bits, 1, 8);
+  v({"jpeg_quality", "quality of JPEG compression, 1 to 100; 0: none"}, p.jpeg_quality, 0, 100);
+  v({"scatter",
+     "how far the camera of a run may be from these numbers, drawn uniformly once a run, by the seed"},
+    p.scatter);
+  v({"faults", "faults of the camera; several at a time add up"}, p.faults);
 }
 
 // The camera of one run: the scatter drawn, and none left.

@@ -24,12 +24,24 @@ struct LensParameters {
 };
 
 inline void Fields(FieldVisitor& v, LensParameters& p) {
-  v("cos_power", p.cos_power, 0.0, 16.0);
-  v("vignetting", p.vignetting, -4.0, 4.0);
-  v("defocus_px", p.defocus_px, 0.0, 20.0);
-  v("defocus", p.defocus, {"gaussian", "disc"});
-  v("rim_px", p.rim_px, 0.0, 1e4);
-  v("reflection_deg", p.reflection_deg, 0.0, 90.0);
+  v({"cos_power",
+     "light falls off as this power of the cosine of the angle to the axis; 4: the natural law, 0: not at "
+     "all"},
+    p.cos_power, 0.0, 16.0);
+  v({"vignetting",
+     "a, b, c of the factor 1 + a r^2 + b r^4 + c r^6, r: distance from the principal point over half the "
+     "diagonal"},
+    p.vignetting, -4.0, 4.0);
+  v({"defocus_px",
+     "standard deviation of the Gaussian, or radius of the disc, over which a point is spread; 0: in focus"},
+    p.defocus_px, 0.0, 20.0);
+  v({"defocus", "what a point is spread over"}, p.defocus, {"gaussian", "disc"});
+  v({"rim_px",
+     "radius of the lens's or mirror's image about the principal point, outside of which all is dark; 0: "
+     "none"},
+    p.rim_px, 0.0, 1e4);
+  v({"reflection_deg", "angle from the axis up to which a mirror shows the camera itself, dark; 0: none"},
+    p.reflection_deg, 0.0, 90.0);
 }
 
 // The share of the light that reaches each pixel, CV_32FC1; the edges of rim and reflection are smooth over a

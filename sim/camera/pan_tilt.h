@@ -21,11 +21,14 @@ struct PanTiltParameters {
 };
 
 inline void Fields(FieldVisitor& v, PanTiltParameters& p) {
-  v(Renamed("pan_min_deg", "pan_least_deg"), p.pan_min_deg, -180.0, 0.0);
-  v(Renamed("pan_max_deg", "pan_most_deg"), p.pan_max_deg, 0.0, 180.0);
-  v(Renamed("tilt_min_deg", "tilt_least_deg"), p.tilt_min_deg, -90.0, 0.0);
-  v(Renamed("tilt_max_deg", "tilt_most_deg"), p.tilt_max_deg, 0.0, 90.0);
-  v("rate_deg_s", p.rate_deg_s, 1.0, 1000.0);
+  v(Renamed("pan_min_deg", "pan_least_deg", "end of the travel of pan to the left"), p.pan_min_deg, -180.0,
+    0.0);
+  v(Renamed("pan_max_deg", "pan_most_deg", "end of the travel of pan to the right"), p.pan_max_deg, 0.0,
+    180.0);
+  v(Renamed("tilt_min_deg", "tilt_least_deg", "end of the travel of tilt downwards"), p.tilt_min_deg, -90.0,
+    0.0);
+  v(Renamed("tilt_max_deg", "tilt_most_deg", "end of the travel of tilt upwards"), p.tilt_max_deg, 0.0, 90.0);
+  v({"rate_deg_s", "greatest rate of pan and of tilt"}, p.rate_deg_s, 1.0, 1000.0);
 }
 
 struct PanTiltAngles {

@@ -27,10 +27,12 @@ struct RidgeParameters {
 };
 
 inline void Fields(FieldVisitor& v, RidgeParameters& p) {
-  v("azimuth_deg", p.azimuth_deg, -360.0, 360.0);
-  v("height_deg", p.height_deg, 0.0, 40.0);
-  v("width_deg", p.width_deg, 0.0, 360.0);
-  v("distance_m", p.distance_m, 1000.0, 40000.0);
+  v({"azimuth_deg", "direction of the middle of the ridge, clockwise from north"}, p.azimuth_deg, -360.0,
+    360.0);
+  v({"height_deg", "elevation of its crest as seen from the ground at the origin; 0: no ridge"}, p.height_deg,
+    0.0, 40.0);
+  v({"width_deg", "angle that it takes up as seen from the origin; 360: all round"}, p.width_deg, 0.0, 360.0);
+  v({"distance_m", "distance of its crest from the origin"}, p.distance_m, 1000.0, 40000.0);
 }
 
 struct LandscapeParameters {
@@ -62,35 +64,42 @@ struct LandscapeParameters {
 };
 
 inline void Fields(FieldVisitor& v, LandscapeParameters& p) {
-  v("seed", p.seed);
-  v("sun_azimuth_deg", p.sun_azimuth_deg, -360.0, 360.0);
-  v("sun_elevation_deg", p.sun_elevation_deg, -10.0, 90.0);
-  v("light", p.light, 0.02, 1.2);
-  v("sun", p.sun, 0.0, 1.0);
-  v("sunlight", p.sunlight, 0.0, 1.0);
-  v("ambient", p.ambient, 0.0, 1.0);
-  v("zenith", p.zenith, 0.0, 1.0);
-  v("horizon", p.horizon, 0.0, 1.0);
-  v("horizon_sunward", p.horizon_sunward, 0.0, 1.0);
-  v("haze_m", p.haze_m, 200.0, 1e6);
-  v("cloud_cover", p.cloud_cover, 0.0, 1.0);
-  v("cloud_bright", p.cloud_bright, 0.0, 1.0);
-  v("cloud_dark", p.cloud_dark, 0.0, 1.0);
-  v("grass", p.grass, 0.0, 1.0);
-  v("crop", p.crop, 0.0, 1.0);
-  v("soil", p.soil, 0.0, 1.0);
-  v("forest", p.forest, 0.0, 1.0);
-  v("leaves", p.leaves, 0.0, 1.0);
-  v("leaves_other", p.leaves_other, 0.0, 1.0);
-  v("forest_share", p.forest_share, 0.0, 1.0);
-  v("water_share", p.water_share, 0.0, 1.0);
-  v("snow_share", p.snow_share, 0.0, 1.0);
-  v("hills_deg", p.hills_deg, 0.0, 30.0);
-  v("hills_azimuth_deg", p.hills_azimuth_deg, -360.0, 360.0);
-  v("hills_one_sided", p.hills_one_sided, 0.0, 1.0);
-  v("ridge", p.ridge);
-  v("trees", p.trees, 0, 2000);
-  v("buildings", p.buildings, 0, 300);
+  v({"seed", "seed of fields, hills, clouds, trees and buildings; 0: that of the run"}, p.seed);
+  v({"sun_azimuth_deg", "direction of the sun, clockwise from north"}, p.sun_azimuth_deg, -360.0, 360.0);
+  v({"sun_elevation_deg", "elevation of the sun above the horizontal"}, p.sun_elevation_deg, -10.0, 90.0);
+  v({"light", "brightness of everything: 1 day, 0.1 dusk"}, p.light, 0.02, 1.2);
+  v({"sun", "colour of the glow around the sun: red, green, blue"}, p.sun, 0.0, 1.0);
+  v({"sunlight", "colour of direct light on ground that faces the sun: red, green, blue"}, p.sunlight, 0.0,
+    1.0);
+  v({"ambient", "colour of the light from the whole sky: red, green, blue"}, p.ambient, 0.0, 1.0);
+  v({"zenith", "colour of the sky at the zenith: red, green, blue"}, p.zenith, 0.0, 1.0);
+  v({"horizon", "colour of the sky at the horizon, and of the haze: red, green, blue"}, p.horizon, 0.0, 1.0);
+  v({"horizon_sunward", "colour of the horizon below the sun: red, green, blue"}, p.horizon_sunward, 0.0,
+    1.0);
+  v({"haze_m", "visibility: the distance at which contrast fades to 2 %"}, p.haze_m, 200.0, 1e6);
+  v({"cloud_cover", "share of the sky that clouds cover"}, p.cloud_cover, 0.0, 1.0);
+  v({"cloud_bright", "colour of the bright parts of clouds: red, green, blue"}, p.cloud_bright, 0.0, 1.0);
+  v({"cloud_dark", "colour of the dark parts of clouds: red, green, blue"}, p.cloud_dark, 0.0, 1.0);
+  v({"grass", "colour of meadows: red, green, blue"}, p.grass, 0.0, 1.0);
+  v({"crop", "colour of fields with crops: red, green, blue"}, p.crop, 0.0, 1.0);
+  v({"soil", "colour of bare fields: red, green, blue"}, p.soil, 0.0, 1.0);
+  v({"forest", "colour of forests: red, green, blue"}, p.forest, 0.0, 1.0);
+  v({"leaves", "one end of the range of the trees' colours: red, green, blue"}, p.leaves, 0.0, 1.0);
+  v({"leaves_other", "the other end of the range of the trees' colours: red, green, blue"}, p.leaves_other,
+    0.0, 1.0);
+  v({"forest_share", "share of the ground that is forest"}, p.forest_share, 0.0, 1.0);
+  v({"water_share", "share of the ground that is water"}, p.water_share, 0.0, 1.0);
+  v({"snow_share", "share of the ground that is under snow"}, p.snow_share, 0.0, 1.0);
+  v({"hills_deg", "greatest elevation of the hills around, as seen from the ground at the origin"},
+    p.hills_deg, 0.0, 30.0);
+  v({"hills_azimuth_deg", "direction in which the hills are highest, clockwise from north"},
+    p.hills_azimuth_deg, -360.0, 360.0);
+  v({"hills_one_sided",
+     "by how much the hills on the other side are lower; 0: all round alike, 1: none there"},
+    p.hills_one_sided, 0.0, 1.0);
+  v({"ridge", "a single ridge in one direction"}, p.ridge);
+  v({"trees", "number of trees"}, p.trees, 0, 2000);
+  v({"buildings", "number of buildings"}, p.buildings, 0, 300);
 }
 
 // A landscape for the compiler of MuJoCo: a plane "ground" at height 0, 300 m to each side, that bears what

@@ -20,10 +20,12 @@ struct RenderOptions {
 };
 
 inline void Fields(FieldVisitor& v, RenderOptions& o) {
-  v("backend", o.backend, {"auto", "ray", "osmesa", "egl"});
-  v("shadows", o.shadows);
-  v("samples", o.samples, 0, 16);
-  v("threads", o.threads, 0, 256);
+  v({"backend", "ray: our own ray renderer; osmesa, egl: MuJoCo's OpenGL; auto: ray"}, o.backend,
+    {"auto", "ray", "osmesa", "egl"});
+  v({"shadows", "whether lights cast shadows"}, o.shadows);
+  v({"samples", "OpenGL: samples of each pixel against jagged edges; 0: none"}, o.samples, 0, 16);
+  v({"threads", "ray: threads that render one image; 0: one for each core; the image is the same"}, o.threads,
+    0, 256);
 }
 
 // The world and the camera in it at one instant. Positions and lights of data are computed (mj_kinematics and

@@ -22,10 +22,13 @@ struct AttitudeFault {
 };
 
 inline void Fields(FieldVisitor& v, AttitudeFault& f) {
-  v(Required("type"), f.type, {"drift", "freeze", "silent"});
-  v("from_s", f.from_s, 0.0, 1e9);
-  v("until_s", f.until_s, 0.0, 1e9);
-  if (f.type == "drift") v("drift_deg_s", f.drift_deg_s, -90.0, 90.0);
+  v(Required("type", "what becomes of the attitude: it drifts, stays what it was, or is missing"), f.type,
+    {"drift", "freeze", "silent"});
+  v({"from_s", "when the fault begins, in the time of the flight"}, f.from_s, 0.0, 1e9);
+  v({"until_s", "when the fault ends"}, f.until_s, 0.0, 1e9);
+  if (f.type == "drift")
+    v({"drift_deg_s", "rate at which the estimate turns away from the aircraft, in B"}, f.drift_deg_s, -90.0,
+      90.0);
 }
 
 // The first of the faults that is on; none: nullptr.

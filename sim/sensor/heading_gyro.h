@@ -14,8 +14,8 @@ struct HeadingGyroParameters {
 };
 
 inline void Fields(FieldVisitor& v, HeadingGyroParameters& p) {
-  v("gain_s", p.gain_s, 0.0, 5.0);
-  v("integral", p.integral, 0.0, 20.0);
+  v({"gain_s", "pitch of the tail rotor per yaw rate error, rad per rad/s"}, p.gain_s, 0.0, 5.0);
+  v({"integral", "pitch of the tail rotor per heading error, rad per rad"}, p.integral, 0.0, 20.0);
 }
 
 // The pitch asked of the tail rotor, rad, within its limits. error_rad_s: how much faster the aircraft should

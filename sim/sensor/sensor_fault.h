@@ -39,25 +39,37 @@ struct SensorFault {
 };
 
 inline void Fields(FieldVisitor& v, SensorFault& f) {
-  v(Required("component"), f.component, {"gyro", "accel", "mag", "baro", "gps"});
-  v(Required("type"), f.type, {"off", "stuck", "garbage", "wrong", "slow", "delayed", "intermittent", "ok"});
-  v("from_s", f.from_s, 0.0, 1e9);
-  v("until_s", f.until_s, 0.0, 1e9);
+  v(Required("component",
+             "the sensor that fails: gyro, accelerometer, magnetometer, barometer or GPS receiver"),
+    f.component, {"gyro", "accel", "mag", "baro", "gps"});
+  v(Required("type", "what becomes of its readings, in the vocabulary of PX4's failure injection"), f.type,
+    {"off", "stuck", "garbage", "wrong", "slow", "delayed", "intermittent", "ok"});
+  v({"from_s", "when the fault begins, in the time of the flight"}, f.from_s, 0.0, 1e9);
+  v({"until_s", "when the fault ends"}, f.until_s, 0.0, 1e9);
   if (f.type == "wrong") {
-    if (f.component == "gyro") v("offset_deg_s", f.gyro_offset_deg_s, -1000.0, 1000.0);
-    if (f.component == "accel") v("offset_m_s2", f.accelerometer_offset_m_s2, -200.0, 200.0);
-    if (f.component == "mag") v("offset_ut", f.magnetometer_offset_ut, -200.0, 200.0);
-    if (f.component == "baro") v("offset_m", f.barometer_offset_m, -1e4, 1e4);
+    if (f.component == "gyro")
+      v({"offset_deg_s", "what is added to the true rates, in B"}, f.gyro_offset_deg_s, -1000.0, 1000.0);
+    if (f.component == "accel")
+      v({"offset_m_s2", "what is added to the true specific force, in B"}, f.accelerometer_offset_m_s2,
+        -200.0, 200.0);
+    if (f.component == "mag")
+      v({"offset_ut", "what is added to the true magnetic field, in B"}, f.magnetometer_offset_ut, -200.0,
+        200.0);
+    if (f.component == "baro")
+      v({"offset_m", "what is added to the true height, upwards (baro), or to the true position, in N (gps)"},
+        f.barometer_offset_m, -1e4, 1e4);
     if (f.component == "gps") {
-      v("offset_m", f.gps_offset_m, -1e4, 1e4);
-      v("offset_m_s", f.gps_offset_m_s, -500.0, 500.0);
+      v({"offset_m", "what is added to the true height, upwards (baro), or to the true position, in N (gps)"},
+        f.gps_offset_m, -1e4, 1e4);
+      v({"offset_m_s", "what is added to the true velocity, in N"}, f.gps_offset_m_s, -500.0, 500.0);
     }
   }
-  if (f.type == "slow") v("rate_hz", f.rate_hz, 0.01, 500.0);
-  if (f.type == "delayed") v("delay_s", f.delay_s, 0.001, 60.0);
+  if (f.type == "slow")
+    v({"rate_hz", "readings that still come in a second, at most"}, f.rate_hz, 0.01, 500.0);
+  if (f.type == "delayed") v({"delay_s", "how much later each reading comes"}, f.delay_s, 0.001, 60.0);
   if (f.type == "intermittent") {
-    v("period_s", f.period_s, 0.01, 3600.0);
-    v("duty", f.duty, 0.0, 1.0);
+    v({"period_s", "length of a cycle, part of which has readings"}, f.period_s, 0.01, 3600.0);
+    v({"duty", "share of each cycle, from its beginning, in which readings come"}, f.duty, 0.0, 1.0);
   }
 }
 

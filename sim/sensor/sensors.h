@@ -47,31 +47,43 @@ struct SensorParameters {
 };
 
 inline void Fields(FieldVisitor& v, SensorError& e) {
-  v("white", e.white, 0.0, 100.0);
-  v("wander", e.wander, 0.0, 100.0);
-  v("wander_time_s", e.wander_time_s, 0.1, 1e5);
+  v({"white", "standard deviation of the white noise of one reading"}, e.white, 0.0, 100.0);
+  v({"wander", "standard deviation of the slow error (first-order Gauss-Markov)"}, e.wander, 0.0, 100.0);
+  v({"wander_time_s", "correlation time of the slow error"}, e.wander_time_s, 0.1, 1e5);
 }
 
 inline void Fields(FieldVisitor& v, SensorParameters& p) {
-  v("gyro_noise_rad_s_rthz", p.gyro_noise_rad_s_rthz, 0.0, 0.1);
-  v("gyro_walk_rad_s2_rthz", p.gyro_walk_rad_s2_rthz, 0.0, 0.1);
-  v("gyro_walk_time_s", p.gyro_walk_time_s, 1.0, 1e6);
-  v("gyro_turn_on_rad_s", p.gyro_turn_on_rad_s, 0.0, 0.5);
-  v("accelerometer_noise_m_s2_rthz", p.accelerometer_noise_m_s2_rthz, 0.0, 1.0);
-  v("accelerometer_walk_m_s3_rthz", p.accelerometer_walk_m_s3_rthz, 0.0, 1.0);
-  v("accelerometer_walk_time_s", p.accelerometer_walk_time_s, 1.0, 1e6);
-  v("accelerometer_turn_on_m_s2", p.accelerometer_turn_on_m_s2, 0.0, 2.0);
-  v("gps_rate_hz", p.gps_rate_hz, 0.1, 50.0);
-  v("gps_horizontal_m", p.gps_horizontal_m);
-  v("gps_vertical_m", p.gps_vertical_m);
-  v("gps_velocity_m_s", p.gps_velocity_m_s);
-  v("barometer_rate_hz", p.barometer_rate_hz, 0.1, 500.0);
-  v("barometer_m", p.barometer_m);
-  v("magnetometer_rate_hz", p.magnetometer_rate_hz, 0.1, 500.0);
-  v("magnetometer_white_t", p.magnetometer_white_t, 0.0, 1e-4);
-  v("magnetometer_turn_on_t", p.magnetometer_turn_on_t, 0.0, 1e-4);
-  v("attitude_faults", p.attitude_faults);
-  v("faults", p.faults);
+  v({"gyro_noise_rad_s_rthz", "noise density of the rate gyros, rad/s per root hertz"},
+    p.gyro_noise_rad_s_rthz, 0.0, 0.1);
+  v({"gyro_walk_rad_s2_rthz", "density of the random walk of the gyros' bias"}, p.gyro_walk_rad_s2_rthz, 0.0,
+    0.1);
+  v({"gyro_walk_time_s", "correlation time of the gyros' bias"}, p.gyro_walk_time_s, 1.0, 1e6);
+  v({"gyro_turn_on_rad_s", "standard deviation of the gyros' bias at switch-on"}, p.gyro_turn_on_rad_s, 0.0,
+    0.5);
+  v({"accelerometer_noise_m_s2_rthz", "noise density of the accelerometers, m/s^2 per root hertz"},
+    p.accelerometer_noise_m_s2_rthz, 0.0, 1.0);
+  v({"accelerometer_walk_m_s3_rthz", "density of the random walk of the accelerometers' bias"},
+    p.accelerometer_walk_m_s3_rthz, 0.0, 1.0);
+  v({"accelerometer_walk_time_s", "correlation time of the accelerometers' bias"},
+    p.accelerometer_walk_time_s, 1.0, 1e6);
+  v({"accelerometer_turn_on_m_s2", "standard deviation of the accelerometers' bias at switch-on"},
+    p.accelerometer_turn_on_m_s2, 0.0, 2.0);
+  v({"gps_rate_hz", "fixes of the GPS receiver in a second"}, p.gps_rate_hz, 0.1, 50.0);
+  v({"gps_horizontal_m", "error of the GPS position, of north and east each"}, p.gps_horizontal_m);
+  v({"gps_vertical_m", "error of the GPS height"}, p.gps_vertical_m);
+  v({"gps_velocity_m_s", "error of the GPS velocity, of each component"}, p.gps_velocity_m_s);
+  v({"barometer_rate_hz", "readings of the barometer in a second"}, p.barometer_rate_hz, 0.1, 500.0);
+  v({"barometer_m", "error of the barometric height"}, p.barometer_m);
+  v({"magnetometer_rate_hz", "readings of the magnetometer in a second"}, p.magnetometer_rate_hz, 0.1, 500.0);
+  v({"magnetometer_white_t", "standard deviation of the magnetometer's white noise, tesla"},
+    p.magnetometer_white_t, 0.0, 1e-4);
+  v({"magnetometer_turn_on_t", "standard deviation of the magnetometer's bias at switch-on, tesla"},
+    p.magnetometer_turn_on_t, 0.0, 1e-4);
+  v({"attitude_faults",
+     "faults of the attitude that the autopilot has from its own sensors; the first that is on holds"},
+    p.attitude_faults);
+  v({"faults", "faults of single sensors; of several of one sensor at a time the first in the list holds"},
+    p.faults);
 }
 
 struct ImuSample {

@@ -25,15 +25,16 @@ struct AfcsServerOptions {
 };
 
 inline void Fields(FieldVisitor& v, AfcsServerOptions& o) {
-  v("address", o.address);
-  v("port", o.port, 0, 65535);
-  v("afcs", o.afcs);
-  v("state_hz", o.state_hz, 1.0, 500.0);
-  v("gps_hz", o.gps_hz, 0.1, 50.0);
-  v("session_s", o.session_s, 0.1, 3600.0);
-  v("rotor_rpm", o.rotor_rpm, 0.0, 65535.0);
-  v("satellites", o.satellites, 0, 100);
-  v("origin", o.origin);
+  v({"address", "address to listen on"}, o.address);
+  v({"port", "UDP port to listen on; 0: any that is free"}, o.port, 0, 65535);
+  v({"afcs", "layout and scales of the messages"}, o.afcs);
+  v({"state_hz", "state messages in a second"}, o.state_hz, 1.0, 500.0);
+  v({"gps_hz", "GPS messages in a second"}, o.gps_hz, 0.1, 50.0);
+  v({"session_s", "silence after which a peer's session ends, and another may open one"}, o.session_s, 0.1,
+    3600.0);
+  v({"rotor_rpm", "rotor speed that is reported in flight"}, o.rotor_rpm, 0.0, 65535.0);
+  v({"satellites", "number of satellites in use that is reported"}, o.satellites, 0, 100);
+  v({"origin", "where the origin of N is on the earth; null: GPS messages hold places in N"}, o.origin);
 }
 
 // A Rotomotion AFCS: AFCS-LIKE, UNVERIFIED AGAINST HARDWARE (control/wire/afcs.h). OPEN begins a session and

@@ -26,12 +26,15 @@ struct AscTecProcessorOptions {
 };
 
 inline void Fields(FieldVisitor& v, AscTecProcessorOptions& o) {
-  v("signs", o.signs, {"asctec", "ros"});
-  v("gps_mode", o.gps_mode);
-  v("full_climb_m_s", o.full_climb_m_s, 0.1, 20.0);
-  v("command_timeout_s", o.command_timeout_s, 0.05, 10.0);
-  v("battery_v", o.battery_v, 0.0, 32.0);
-  v("origin", o.origin);
+  v({"signs", "signs of the attitude commands: as AscTec's own manual or as its ROS driver has them"},
+    o.signs, {"asctec", "ros"});
+  v({"gps_mode", "whether the control word's bits for height and GPS control are heeded"}, o.gps_mode);
+  v({"full_climb_m_s", "vertical velocity of a full thrust command in height control"}, o.full_climb_m_s, 0.1,
+    20.0);
+  v({"command_timeout_s", "silence after which the serial interface no longer counts as active"},
+    o.command_timeout_s, 0.05, 10.0);
+  v({"battery_v", "battery voltage that is reported"}, o.battery_v, 0.0, 32.0);
+  v({"origin", "where the origin of N is on the earth"}, o.origin);
 }
 
 // Bytes that take their time on a line of 57600 baud.

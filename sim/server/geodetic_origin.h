@@ -15,9 +15,9 @@ struct GeodeticOrigin {
 };
 
 inline void Fields(FieldVisitor& v, GeodeticOrigin& o) {
-  v("latitude_deg", o.latitude_deg, -80.0, 80.0);
-  v("longitude_deg", o.longitude_deg, -180.0, 180.0);
-  v("altitude_m", o.altitude_m, -400.0, 5000.0);
+  v({"latitude_deg", "latitude of the origin of N, WGS 84"}, o.latitude_deg, -80.0, 80.0);
+  v({"longitude_deg", "longitude of the origin of N, WGS 84"}, o.longitude_deg, -180.0, 180.0);
+  v({"altitude_m", "altitude of the origin of N above the sea"}, o.altitude_m, -400.0, 5000.0);
 }
 
 struct GeodeticPosition {

@@ -33,15 +33,16 @@ struct MavlinkServerOptions {
 };
 
 inline void Fields(FieldVisitor& v, MavlinkServerOptions& o) {
-  v("dialect", o.dialect, {"px4", "ardupilot"});
-  v("listen", o.listen);
-  v("port", o.port, 0, 65535);
-  v("peer", o.peer);
-  v("system", o.system, 1, 255);
-  v("component", o.component, 1, 255);
-  v("type", o.type, 0, 255);
-  v("origin", o.origin);
-  v("switch_channel", o.switch_channel, 1, 18);
+  v({"dialect", "which autopilot's modes and habits are emulated"}, o.dialect, {"px4", "ardupilot"});
+  v({"listen", "address to listen on"}, o.listen);
+  v({"port", "UDP port to listen on; 0: any that is free"}, o.port, 0, 65535);
+  v({"peer", "udp://HOST:PORT that is sent to without being asked; empty: whoever opens the session"},
+    o.peer);
+  v({"system", "MAVLink system id of the vehicle"}, o.system, 1, 255);
+  v({"component", "MAVLink component id of the autopilot"}, o.component, 1, 255);
+  v({"type", "MAV_TYPE of the vehicle: 2 a quadrotor, 4 a helicopter"}, o.type, 0, 255);
+  v({"origin", "where the origin of N is on the earth"}, o.origin);
+  v({"switch_channel", "channel of RC_CHANNELS that tells the pilot's switch"}, o.switch_channel, 1, 18);
 }
 
 // What PX4 or ArduPilot says and heeds on behalf of an emulated autopilot, without a socket: datagrams and

@@ -25,13 +25,16 @@ struct TargetParameters {
 };
 
 inline void Fields(FieldVisitor& v, TargetParameters& p) {
-  v("diameter_m", p.diameter_m, 0.05, 20.0);
-  v("colour", p.colour, 0.0, 1.0);
-  v("position_m", p.position_m, -2000.0, 2000.0);
-  v("velocity_m_s", p.velocity_m_s, -30.0, 30.0);
-  v("string_m", p.string_m, 0.0, 100.0);
-  v("roam_m_s", p.roam_m_s, 0.0, 10.0);
-  v("roam_within_m", p.roam_within_m, 1.0, 1000.0);
+  v({"diameter_m", "diameter of the sphere"}, p.diameter_m, 0.05, 20.0);
+  v({"colour", "red, green and blue, from 0 to 1"}, p.colour, 0.0, 1.0);
+  v({"position_m", "north and east of the origin of N, and height of the centre above the ground, at time 0"},
+    p.position_m, -2000.0, 2000.0);
+  v({"velocity_m_s", "constant velocity from time 0 on: north, east, up"}, p.velocity_m_s, -30.0, 30.0);
+  v({"string_m", "length of the string on which a balloon floats in the wind; 0: no string"}, p.string_m, 0.0,
+    100.0);
+  v({"roam_m_s", "greatest speed on a random smooth path; 0: no such path"}, p.roam_m_s, 0.0, 10.0);
+  v({"roam_within_m", "horizontal distance from its start within which a random path stays"}, p.roam_within_m,
+    1.0, 1000.0);
 }
 
 // The path of one target, step by step. On its string it is a pendulum upside down: a helium balloon with the

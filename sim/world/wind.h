@@ -18,9 +18,9 @@ struct GustParameters {
 };
 
 inline void Fields(FieldVisitor& v, GustParameters& p) {
-  v("rate_per_min", p.rate_per_min, 0.0, 60.0);
-  v("amplitude_m_s", p.amplitude_m_s, 0.0, 20.0);
-  v("length_s", p.length_s, 0.1, 60.0);
+  v({"rate_per_min", "mean number of gusts in a minute (Poisson process)"}, p.rate_per_min, 0.0, 60.0);
+  v({"amplitude_m_s", "speed of the strongest gust"}, p.amplitude_m_s, 0.0, 20.0);
+  v({"length_s", "duration of a gust, from calm to calm"}, p.length_s, 0.1, 60.0);
 }
 
 struct WindParameters {
@@ -32,11 +32,15 @@ struct WindParameters {
 };
 
 inline void Fields(FieldVisitor& v, WindParameters& p) {
-  v("mean_m_s", p.mean_m_s, 0.0, 20.0);
-  v("from_deg", p.from_deg, 0.0, 360.0);
-  v("from_scatter_deg", p.from_scatter_deg, 0.0, 180.0);
-  v("turbulence", p.turbulence);
-  v("gusts", p.gusts);
+  v({"mean_m_s", "mean speed of the wind, the same at every height; it scales the turbulence"}, p.mean_m_s,
+    0.0, 20.0);
+  v({"from_deg", "where the mean wind blows from, clockwise from north"}, p.from_deg, 0.0, 360.0);
+  v({"from_scatter_deg",
+     "half width of the interval around from_deg in which the direction is drawn, by the seed"},
+    p.from_scatter_deg, 0.0, 180.0);
+  v({"turbulence", "Dryden turbulence (MIL-F-8785C, low altitude); there is none without mean wind"},
+    p.turbulence);
+  v({"gusts", "discrete gusts of the form 1 - cos"}, p.gusts);
 }
 
 // Dryden turbulence at low altitude: standard deviations, m/s, and lengths, m, of the longitudinal (u),

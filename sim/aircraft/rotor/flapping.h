@@ -20,12 +20,16 @@ struct FlappingParameters {
 };
 
 inline void Fields(FieldVisitor& v, FlappingParameters& p) {
-  v("blade_inertia_kg_m2", p.blade_inertia_kg_m2, 1e-4, 5.0);
-  v("hub_stiffness_n_m", p.hub_stiffness_n_m, 0.0, 1e4);
-  v("speed_response", p.speed_response, 0.0, 1.0);
-  v("bar_lock_number", p.bar_lock_number, 0.05, 10.0);
-  v("bar_mixing", p.bar_mixing, 0.0, 2.0);
-  v("bar_gain", p.bar_gain, 0.0, 5.0);
+  v({"blade_inertia_kg_m2", "moment of inertia of one blade about its root"}, p.blade_inertia_kg_m2, 1e-4,
+    5.0);
+  v({"hub_stiffness_n_m", "moment of the whole hub per radian of tilt of the tip path plane"},
+    p.hub_stiffness_n_m, 0.0, 1e4);
+  v({"speed_response", "share of the textbook blow-back by forward speed that is left (K_mu)"},
+    p.speed_response, 0.0, 1.0);
+  v({"bar_lock_number", "Lock number of the stabiliser bar"}, p.bar_lock_number, 0.05, 10.0);
+  v({"bar_mixing", "cyclic pitch of the blades over tilt of the stabiliser bar"}, p.bar_mixing, 0.0, 2.0);
+  v({"bar_gain", "tilt asked of the stabiliser bar over cyclic pitch asked of the blades"}, p.bar_gain, 0.0,
+    5.0);
 }
 
 // Tilts against the shaft, rad: x longitudinal, positive backwards (nose up), y lateral, positive to the

@@ -19,12 +19,13 @@ struct PitchedRotorParameters {
 };
 
 inline void Fields(FieldVisitor& v, PitchedRotorParameters& p) {
-  v("radius_m", p.radius_m, 0.02, 5.0);
-  v("blades", p.blades, 2, 8);
-  v("chord_m", p.chord_m, 0.005, 0.5);
-  v("lift_slope_per_rad", p.lift_slope_per_rad, 1.0, 7.0);
-  v("drag_coefficient", p.drag_coefficient, 0.0, 0.1);
-  v("max_thrust_coefficient", p.max_thrust_coefficient, 1e-4, 0.1);
+  v({"radius_m", "radius of the rotor"}, p.radius_m, 0.02, 5.0);
+  v({"blades", "number of blades"}, p.blades, 2, 8);
+  v({"chord_m", "chord of a blade"}, p.chord_m, 0.005, 0.5);
+  v({"lift_slope_per_rad", "lift slope of the blade section"}, p.lift_slope_per_rad, 1.0, 7.0);
+  v({"drag_coefficient", "drag coefficient of the blade section at zero lift"}, p.drag_coefficient, 0.0, 0.1);
+  v({"max_thrust_coefficient", "greatest thrust coefficient T / (rho A (wR)^2), either way: stall"},
+    p.max_thrust_coefficient, 1e-4, 0.1);
 }
 
 // How the hub moves relative to the air, m/s: in the plane of the rotor, and along its thrust. ground:

@@ -25,16 +25,21 @@ struct RotorParameters {
 };
 
 inline void Fields(FieldVisitor& v, RotorParameters& p) {
-  v("thrust_coefficient_n_s2", p.thrust_coefficient_n_s2, 1e-8, 1e-2);
-  v("moment_coefficient_m", p.moment_coefficient_m, 1e-4, 1.0);
-  v("drag_coefficient_kg", p.drag_coefficient_kg, 0.0, 1e-2);
-  v("rolling_coefficient_kg_m", p.rolling_coefficient_kg_m, 0.0, 1e-2);
-  v("radius_m", p.radius_m, 0.01, 2.0);
-  v("solidity", p.solidity, 0.01, 0.5);
-  v("lift_slope_per_rad", p.lift_slope_per_rad, 1.0, 7.0);
-  v("time_constant_up_s", p.time_constant_up_s, 1e-4, 1.0);
-  v("time_constant_down_s", p.time_constant_down_s, 1e-4, 1.0);
-  v("max_speed_rad_s", p.max_speed_rad_s, 10.0, 10000.0);
+  v({"thrust_coefficient_n_s2", "k_f: thrust in still air is k_f w^2"}, p.thrust_coefficient_n_s2, 1e-8,
+    1e-2);
+  v({"moment_coefficient_m", "k_m: reaction torque over thrust in still air"}, p.moment_coefficient_m, 1e-4,
+    1.0);
+  v({"drag_coefficient_kg", "lambda_1: in-plane force per rotor speed and air speed"}, p.drag_coefficient_kg,
+    0.0, 1e-2);
+  v({"rolling_coefficient_kg_m", "mu_1: rolling moment per rotor speed and air speed"},
+    p.rolling_coefficient_kg_m, 0.0, 1e-2);
+  v({"radius_m", "radius of the rotor"}, p.radius_m, 0.01, 2.0);
+  v({"solidity", "blade area over disc area"}, p.solidity, 0.01, 0.5);
+  v({"lift_slope_per_rad", "lift slope of the blade section"}, p.lift_slope_per_rad, 1.0, 7.0);
+  v({"time_constant_up_s", "time constant of the motor when speeding up"}, p.time_constant_up_s, 1e-4, 1.0);
+  v({"time_constant_down_s", "time constant of the motor when slowing down"}, p.time_constant_down_s, 1e-4,
+    1.0);
+  v({"max_speed_rad_s", "greatest rotor speed"}, p.max_speed_rad_s, 10.0, 10000.0);
 }
 
 // Which way a rotor turns, seen from above.

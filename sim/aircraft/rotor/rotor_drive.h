@@ -19,13 +19,14 @@ struct DriveParameters {
 };
 
 inline void Fields(FieldVisitor& v, DriveParameters& p) {
-  v("speed_rad_s", p.speed_rad_s, 10.0, 1000.0);
-  v("power_w", p.power_w, 10.0, 1e5);
-  v("response_s", p.response_s, 0.001, 5.0);
-  v("gain_s", p.gain_s, 0.0, 10.0);
-  v("integral", p.integral, 0.0, 10.0);
-  v("spool_s", p.spool_s, 0.1, 60.0);
-  v("inertia_kg_m2", p.inertia_kg_m2, 1e-3, 100.0);
+  v({"speed_rad_s", "governed speed of the main rotor"}, p.speed_rad_s, 10.0, 1000.0);
+  v({"power_w", "greatest power of the motor"}, p.power_w, 10.0, 1e5);
+  v({"response_s", "time constant of the motor's power"}, p.response_s, 0.001, 5.0);
+  v({"gain_s", "proportional gain of the governor: throttle per speed error"}, p.gain_s, 0.0, 10.0);
+  v({"integral", "integral gain of the governor"}, p.integral, 0.0, 10.0);
+  v({"spool_s", "time from rest to the governed speed"}, p.spool_s, 0.1, 60.0);
+  v({"inertia_kg_m2", "moment of inertia of all that turns, as felt at the main rotor's shaft"},
+    p.inertia_kg_m2, 1e-3, 100.0);
 }
 
 struct DriveState {

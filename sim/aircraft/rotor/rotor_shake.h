@@ -15,10 +15,12 @@ struct RotorShake {
 };
 
 inline void Fields(FieldVisitor& v, RotorShake& s) {
-  v("turn_m_s2", s.turn_m_s2, 0.0, 50.0);
-  v("blade_m_s2", s.blade_m_s2, 0.0, 50.0);
-  v("turn_rad_s", s.turn_rad_s, 0.0, 5.0);
-  v("blade_rad_s", s.blade_rad_s, 0.0, 5.0);
+  v({"turn_m_s2", "amplitude of acceleration once a turn, at the governed speed, by an unbalanced disc"},
+    s.turn_m_s2, 0.0, 50.0);
+  v({"blade_m_s2", "amplitude of acceleration once for each blade that passes"}, s.blade_m_s2, 0.0, 50.0);
+  v({"turn_rad_s", "amplitude of the angular rate once a turn"}, s.turn_rad_s, 0.0, 5.0);
+  v({"blade_rad_s", "amplitude of the angular rate once for each blade that passes"}, s.blade_rad_s, 0.0,
+    5.0);
 }
 
 // Added to the true rates and specific force. azimuth: rad, of a blade, clockwise from ahead as seen from

@@ -19,13 +19,14 @@ struct ArduPilotPhysicsParameters {
 };
 
 inline void Fields(FieldVisitor& v, ArduPilotPhysicsParameters& p) {
-  v("address", p.address);
-  v("port", p.port, 0, 65535);
-  v("layout", p.layout, {"quad-plus", "quad-x"});
-  v("thrust_curvature", p.thrust_curvature, 0.0, 1.0);
-  v("pwm_min_us", p.pwm_min_us, 500, 1500);
-  v("pwm_max_us", p.pwm_max_us, 1501, 3000);
-  v("gone_s", p.gone_s, 0.0, 3600.0);
+  v({"address", "address on which the simulator waits for ArduPilot"}, p.address);
+  v({"port", "UDP port on which the simulator waits for ArduPilot; 0: any that is free"}, p.port, 0, 65535);
+  v({"layout", "where ArduPilot has its motors"}, p.layout, {"quad-plus", "quad-x"});
+  v({"thrust_curvature", "ArduPilot's MOT_THST_EXPO: how thrust goes with the motors' signal"},
+    p.thrust_curvature, 0.0, 1.0);
+  v({"pwm_min_us", "pulse width at which a motor stands still"}, p.pwm_min_us, 500, 1500);
+  v({"pwm_max_us", "pulse width of full throttle"}, p.pwm_max_us, 1501, 3000);
+  v({"gone_s", "silence, in real time, after which another peer may take over"}, p.gone_s, 0.0, 3600.0);
 }
 
 // ArduPilot's JSON interface (sim/server/physics/ardupilot_json.h): each packet of servo outputs is answered

@@ -21,13 +21,15 @@ struct Px4PhysicsParameters {
 };
 
 inline void Fields(FieldVisitor& v, Px4PhysicsParameters& p) {
-  v("address", p.address);
-  v("port", p.port, 0, 65535);
-  v("layout", p.layout, {"quad-plus", "quad-x"});
-  v("thrust_curvature", p.thrust_curvature, 0.0, 1.0);
-  v("sensor_period_s", p.sensor_period_s, 0.002, 0.02);
-  v("speed", p.speed, 0.0, 100.0);
-  v("origin", p.origin);
+  v({"address", "address on which the simulator waits for PX4"}, p.address);
+  v({"port", "TCP port on which the simulator waits for PX4; 0: any that is free"}, p.port, 0, 65535);
+  v({"layout", "where PX4 has its motors"}, p.layout, {"quad-plus", "quad-x"});
+  v({"thrust_curvature", "PX4's THR_MDL_FAC: how thrust goes with the motors' signal"}, p.thrust_curvature,
+    0.0, 1.0);
+  v({"sensor_period_s", "time between two HIL_SENSOR messages, in simulated time"}, p.sensor_period_s, 0.002,
+    0.02);
+  v({"speed", "simulated time over real time; 0: as fast as PX4 answers"}, p.speed, 0.0, 100.0);
+  v({"origin", "where the origin of N is on the earth"}, p.origin);
 }
 
 // PX4's simulator protocol (docs.px4.io, simulation; src/modules/simulation/simulator_mavlink): PX4 connects

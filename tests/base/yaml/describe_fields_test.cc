@@ -19,6 +19,20 @@ void Fields(FieldVisitor& v, DescribedPart& p) {
   v({"length_s", "how long it lasts"}, p.length_s, 0.1, 100.0);
 }
 
+// As a fault, whose keys depend on its type.
+struct DescribedCase {
+  std::string type;
+  double rate_hz = 1, delay_s = 0.5;
+  Eigen::Vector2d both{1, 2};
+};
+void Fields(FieldVisitor& v, DescribedCase& p) {
+  v(Required("type"), p.type, {"slow", "delayed"});
+  if (p.type == "slow") v("rate_hz", p.rate_hz, 0.0, 5.0);
+  if (p.type == "delayed") v("delay_s", p.delay_s, 0.0, 5.0);
+  if (p.type == "slow") v("both", p.delay_s, 0.0, 5.0);
+  if (p.type == "delayed") v("both", p.both, 0.0, 5.0);
+}
+
 struct Described {
   std::string name, backend = "auto";
   std::uint64_t seed = 7;
@@ -31,6 +45,7 @@ struct Described {
   std::vector<DescribedPart> list;
   std::map<std::string, DescribedPart> by_name = {{"a", {5}}};
   std::vector<std::string> words;
+  std::vector<DescribedCase> cases;
 };
 void Fields(FieldVisitor& v, Described& p) {
   v(Required("name", "who it is"), p.name);
@@ -45,6 +60,7 @@ void Fields(FieldVisitor& v, Described& p) {
   v("list", p.list);
   v("by_name", p.by_name);
   v("words", p.words);
+  v("cases", p.cases);
 }
 
 FieldDescription Of(const std::string& key) {
@@ -95,6 +111,15 @@ TEST(DescribeFields, WhatMayBeThereIsDescribedThoughItIsNot) {
     EXPECT_EQ(field.fields.front().value, field.key == "by_name" ? "5" : "3") << key;
   }
   EXPECT_THAT(Of("seed").fields, IsEmpty());
+}
+
+TEST(DescribeFields, KeysThatDependOnAnotherAreAllThere) {
+  const std::vector<FieldDescription> fields = Of("cases").fields;
+  std::vector<std::string> keys;
+  for (const FieldDescription& each : fields) keys.push_back(each.key);
+  EXPECT_THAT(keys, ElementsAre("type", "rate_hz", "both", "delay_s"));
+  EXPECT_EQ(fields[0].value, "\"\"");
+  EXPECT_EQ(fields[2].kind, FieldKind::kAny);
 }
 
 }  // namespace
