@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The command line: reads what is asked for, has it done, and turns the end into an exit status.
-#include <malloc.h>
-
 #include <fmt/format.h>
+#include <malloc.h>
 
 #include <CLI/CLI.hpp>
 #include <functional>
@@ -15,11 +14,11 @@
 #include "app/camera/mirror_command.h"
 #include "app/campaign/campaign_command.h"
 #include "app/campaign/tune_command.h"
-#include "app/flight/replay_command.h"
 #include "app/files/explain_command.h"
 #include "app/files/file_reference.h"
 #include "app/files/new_command.h"
 #include "app/files/schema_command.h"
+#include "app/flight/replay_command.h"
 #include "app/manual/manual_command.h"
 #include "app/option/exit_status.h"
 #include "app/option/parse_command_line.h"
@@ -114,7 +113,8 @@ int Main(int argc, char** argv) {
   for (const char* name : {"run", "serve", "encounters", "campaign", "tune", "bench", "replay"})
     AddIsaOption(app.get_subcommand(name), isa);
   std::vector<std::string> plugins;
-  for (const char* name : {"run", "list", "explain", "new", "schema", "check", "serve", "campaign", "tune", "replay"})
+  for (const char* name :
+       {"run", "list", "explain", "new", "schema", "check", "serve", "campaign", "tune", "replay"})
     AddPluginOption(app.get_subcommand(name), plugins);
   // Last, or each verb without a footer of its own would have this one.
   app.footer(

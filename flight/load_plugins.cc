@@ -53,7 +53,8 @@ void Load(const fs::path& file, const std::string& named, Mistakes& mistakes) {
   if (with.empty())
     return mistakes.Add(named, "", "is no plug-in of Kestrel", "valid: a shared object with KESTREL_PLUGIN");
   if (with != here)
-    return mistakes.Add(named, "", fmt::format("was built for Kestrel {}, and this is {}", with, here), kRemedy);
+    return mistakes.Add(named, "", fmt::format("was built for Kestrel {}, and this is {}", with, here),
+                        kRemedy);
   void* const object = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (!object) return mistakes.Add(named, "", fmt::format("cannot be loaded: {}", dlerror()), kRemedy);
   const auto add = reinterpret_cast<void (*)()>(dlsym(object, "kestrel_add_plugin"));

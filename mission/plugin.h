@@ -22,8 +22,8 @@
 // code runs.
 #define KESTREL_PLUGIN_MARK_ "Kestrel plug-in of "
 
-#define KESTREL_PLUGIN                                                                                      \
-  [[gnu::used]] static const char kestrel_plugin_mark[] = KESTREL_PLUGIN_MARK_ KESTREL_VERSION              \
-      ", " KESTREL_COMPILER_;                                                                               \
-  extern "C" [[gnu::visibility("default")]] void kestrel_add_plugin();                                      \
+#define KESTREL_PLUGIN                                                 \
+  [[gnu::used]] static const char kestrel_plugin_mark[] =              \
+      KESTREL_PLUGIN_MARK_ KESTREL_VERSION ", " KESTREL_COMPILER_;     \
+  extern "C" [[gnu::visibility("default")]] void kestrel_add_plugin(); \
   extern "C" void kestrel_add_plugin()

@@ -109,8 +109,9 @@ std::string Build() {
 
 Machine ThisMachine() {
   static const Machine unchanging = {
-      {"c_library", CLibrary()},   {"mathematics", Mathematics()}, {"opencv", OpenCv()}, {"lapack", Lapack()},
-      {"embree", ray::EmbreeVersion()}, {"mujoco", mj_versionString()}, {"build", Build()}};
+      {"c_library", CLibrary()}, {"mathematics", Mathematics()},   {"opencv", OpenCv()},
+      {"lapack", Lapack()},      {"embree", ray::EmbreeVersion()}, {"mujoco", mj_versionString()},
+      {"build", Build()}};
   Machine machine = unchanging;
   const std::string set = InstructionSet();
   machine["instruction_set"] = set;

@@ -10,7 +10,7 @@ namespace kestrel::app {
 std::string AsSentence(const std::string& phrase) {
   std::string sentence = phrase;
   // A word with a capital or a sign in it is a name or a symbol.
-  if (sentence.size() > 1 && std::islower(static_cast<unsigned char>(sentence[1])))
+  if (sentence.size() > 1 && (sentence[1] == ' ' || std::islower(static_cast<unsigned char>(sentence[1]))))
     sentence[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(sentence[0])));
   return sentence + '.';
 }

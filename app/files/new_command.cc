@@ -12,7 +12,7 @@
 #include "app/option/one_of.h"
 #include "base/diagnostics.h"
 #include "base/nearest_name.h"
-#include "base/user_file.h"
+#include "base/yaml/config.h"
 
 namespace kestrel::app {
 namespace {
@@ -101,7 +101,6 @@ CLI::App* AddNewCommand(CLI::App& app, NewArguments& a) {
 }
 
 std::string NewFile(const FileKind& kind, const FileKind::Variant& variant) {
-  const std::vector<FieldDescription> own = OwnFields(kind, variant);
   std::string text =
       fmt::format("# {}\n# A key behind '#' has the value that stands there unless it is given.\n",
                   AsSentence(kind.summary));
@@ -109,6 +108,7 @@ std::string NewFile(const FileKind& kind, const FileKind::Variant& variant) {
     const auto example = kind.examples.find(each.key);
     if (example != kind.examples.end()) each.value = example->second, each.fields.clear();
     if (each.key == kind.selector) each.value = variant.name;
+    if (each.key == kDescriptionKey) each.value = fmt::format("My own {}.", kind.name);
     const bool stands = each.required || each.key == kind.selector || example != kind.examples.end() ||
                         (kind.name == "scenario" && each.key == "flight");
     // A map of no keys.

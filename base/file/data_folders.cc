@@ -46,9 +46,10 @@ std::optional<fs::path> Own() {
 }
 
 [[noreturn]] void RefuseWithoutData() {
-  throw InputError("kestrel",
-                   fmt::format("there is no folder '{}' with its models and scenarios", InstalledData().string()),
-                   "install Kestrel anew, or name the folder that holds them by KESTREL_ROOT");
+  throw InputError(
+      "kestrel",
+      fmt::format("there is no folder '{}' with its models and scenarios", InstalledData().string()),
+      "install Kestrel anew, or name the folder that holds them by KESTREL_ROOT");
 }
 
 }  // namespace
@@ -66,8 +67,7 @@ std::vector<fs::path> DataFolders() {
   for (std::string each; std::getline(path, each, ':');) {
     if (each.empty()) continue;
     if (!IsFolder(each))
-      mistakes.Add("KESTREL_PATH", "",
-                   fmt::format("there is no folder '{}'", each),
+      mistakes.Add("KESTREL_PATH", "", fmt::format("there is no folder '{}'", each),
                    "valid: folders that hold models/ or scenarios/, separated by colons");
     folders.push_back(each);
   }

@@ -15,11 +15,11 @@ struct BatchJob {
   std::filesystem::path program;
   std::vector<std::string>
       arguments;  // of `kestrel campaign` and of its merge alike: the file and what it is set to
-  std::filesystem::path folder;     // absolute, of the results
-  std::filesystem::path directory;  // that the file's name and others are relative to
+  std::filesystem::path folder;          // absolute, of the results
+  std::filesystem::path directory;       // that the file's name and others are relative to
   std::vector<std::string> environment;  // that it is to have, "NAME=value" each
-  int tasks = 1;                    // parts
-  int jobs = 1;                     // workers for each
+  int tasks = 1;                         // parts
+  int jobs = 1;                          // workers for each
 };
 
 // A text as a word of any POSIX shell that means it.

@@ -215,9 +215,10 @@ LoadedTune LoadTune(const std::filesystem::path& file, const List& overrides) {
   SetInstead(split.of_scenario, plan.flights.set);
 #ifdef KESTREL_WITHOUT_PAGMO
   if (plan.method == "cma_es")
-    mistakes.Add(WhereIn(config.root, {"method"}), "method",
-                 "cma_es, and this build has no pagmo; valid: cross_entropy, random_search, or build anew with "
-                 "Debian's libpagmo-dev");
+    mistakes.Add(
+        WhereIn(config.root, {"method"}), "method",
+        "cma_es, and this build has no pagmo; valid: cross_entropy, random_search, or build anew with "
+        "Debian's libpagmo-dev");
 #endif
   CheckGains(config.root, plan, mistakes);
   const bool flies = ResolveVariation(file, config.root, plan.flights, mistakes);

@@ -86,7 +86,8 @@ mission::MissionType TypeOf(const CircleFlight&) {
           .common_metrics = {"fix_*", "longest_loss_s"}};
 }
 
-std::unique_ptr<mission::Mission> MakeMission(const CircleFlight& flight, const mission::MissionParts& parts) {
+std::unique_ptr<mission::Mission> MakeMission(const CircleFlight& flight,
+                                              const mission::MissionParts& parts) {
   return std::make_unique<CircleMission>(flight, mission::PilotOf(parts));
 }
 

@@ -200,7 +200,8 @@ LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& o
   Scenario& s = loaded.scenario;
   Config config = LoadConfig(file, overrides, mistakes);
   PassOverGains(config);
-  if (const ConfigNode* world = Find(config, "world")) s.landscape = LandscapeOf(world->text, beside, mistakes);
+  if (const ConfigNode* world = Find(config, "world"))
+    s.landscape = LandscapeOf(world->text, beside, mistakes);
   const auto landscape = s.landscape;
   const ConfigNode* named = Find(config, "vehicle");
   const fs::path vehicle_file = VehicleFile(named ? named->text : s.vehicle, beside);

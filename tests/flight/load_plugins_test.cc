@@ -55,9 +55,11 @@ TEST_F(LoadPluginsTest, RefusesAllFilesThatAreNone) {
 
 TEST_F(LoadPluginsTest, RefusesOneOfAnotherVersionWithoutLoadingIt) {
   // No shared object: had it been loaded, the refusal would be that of the system.
-  const std::string old = Write("old.so", std::string(KESTREL_PLUGIN_MARK_ "0.0.1 abc, g++ 9") + '\0' + "more");
-  EXPECT_THAT(Refusal({old}), ElementsAre(AllOf(HasSubstr("was built for Kestrel 0.0.1 abc, g++ 9, and this is"),
-                                                HasSubstr(Version()), HasSubstr("build it with"))));
+  const std::string old =
+      Write("old.so", std::string(KESTREL_PLUGIN_MARK_ "0.0.1 abc, g++ 9") + '\0' + "more");
+  EXPECT_THAT(Refusal({old}),
+              ElementsAre(AllOf(HasSubstr("was built for Kestrel 0.0.1 abc, g++ 9, and this is"),
+                                HasSubstr(Version()), HasSubstr("build it with"))));
 }
 
 TEST_F(LoadPluginsTest, SaysWhyTheSystemLoadsOneNot) {

@@ -464,8 +464,8 @@ std::string ToKalibr(const CameraModel& camera) {
   });
   if (form == forms.end())
     throw InputError({}, fmt::format("model = {}: Kalibr has no such model", NameOf(camera)),
-                     fmt::format("valid: {}, {}, {}, {}, {}", Pinhole::kName, BrownConrady::kName, Unified::kName,
-                                 KannalaBrandt::kName, DoubleSphere::kName));
+                     fmt::format("valid: {}, {}, {}, {}, {}", Pinhole::kName, BrownConrady::kName,
+                                 Unified::kName, KannalaBrandt::kName, DoubleSphere::kName));
   const auto list = [&](const Keys& keys) {
     Keys all;
     for (const std::string& key : keys) all.push_back(*values.Find(key));

@@ -8,7 +8,8 @@ namespace kestrel::sim::ray {
 
 TriangleTree::TriangleTree(const std::vector<Eigen::Vector3f>&, const std::vector<Eigen::Vector3i>&) {
   throw std::runtime_error(
-      "The world has a mesh or a height field, which the ray renderer cannot draw without Embree; build anew with "
+      "The world has a mesh or a height field, which the ray renderer cannot draw without Embree; build anew "
+      "with "
       "Debian's libembree-dev.");
 }
 TriangleTree::TriangleTree(TriangleTree&&) noexcept = default;

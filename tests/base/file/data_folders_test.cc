@@ -73,7 +73,8 @@ TEST_F(DataFoldersTest, OneOfThePathThatIsNotThereIsRefused) {
     DataFolders();
     FAIL();
   } catch (const InputError& e) {
-    EXPECT_THAT(e.what(), AllOf(HasSubstr("KESTREL_PATH"), HasSubstr("nowhere"), HasSubstr("valid: folders")));
+    EXPECT_THAT(e.what(),
+                AllOf(HasSubstr("KESTREL_PATH"), HasSubstr("nowhere"), HasSubstr("valid: folders")));
   }
 }
 
