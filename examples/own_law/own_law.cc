@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A servo law of one's own, against one of Kestrel's: both bring a camera that looks ahead behind a balloon.
+#include <Eigen/Geometry>
 #include <cmath>
 #include <cstdio>
 
