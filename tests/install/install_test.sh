@@ -52,7 +52,10 @@ refused "there is no" "$kestrel" check "$circle"
 "$kestrel" check "$circle" "${plugins[@]}" >/dev/null
 "$kestrel" run "$circle" "${plugins[@]}" --set camera="$wide" --images --no-video --out flown
 grep -q '"circle_around_deg"' flown/summary.json || fail "summary.json has no metric of the plug-in"
-examples/use_vision/use_vision flown/recording/%06d.png "$wide" "$prefix/share/kestrel/models/pads/helipad/helipad.yaml" | tail -1
+# That program knows the cameras of Kestrel alone.
+"$kestrel" run landing --set duration_s=5 --images --no-video --out landing --quiet || [[ $? == 1 ]]
+models=$prefix/share/kestrel/models
+examples/use_vision/use_vision landing/recording/%06d.png "$models/cameras/thesis_6mm.yaml" "$models/pads/helipad/helipad.yaml" | tail -1
 "$prefix/bin/kestrel-fly" check "$circle" "${plugins[@]}" >/dev/null
 
 step "a campaign, whose workers load the plug-in"
