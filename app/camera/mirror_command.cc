@@ -10,8 +10,8 @@
 #include "base/file/files.h"
 #include "geometry/tait_bryan.h"
 #include "records/plot/gnuplot.h"
+#include "vision/calibration/mirror.h"
 #include "vision/camera/calibration_file.h"
-#include "vision/camera/mirror.h"
 
 namespace kestrel::app {
 namespace {

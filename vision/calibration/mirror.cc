@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vision/camera/mirror.h"
+#include "vision/calibration/mirror.h"
 
 #include <cmath>
 

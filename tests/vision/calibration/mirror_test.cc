@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The mirrors against rays that are traced off their surfaces by the law of reflection: nothing here but the
 // expectations knows the unified model.
-#include "vision/camera/mirror.h"
+#include "vision/calibration/mirror.h"
 
 #include <gtest/gtest.h>
 
