@@ -9,7 +9,7 @@ build=$(readlink -f "${1:-build}") suite=${2:-bookworm} mirror=${3:-http://deb.d
 
 (cd "$build" && cpack -G DEB)
 package=$(ls -t "$build"/kestrel_*.deb | head -1)
-root=$(mktemp -d /tmp/kestrel-debian.XXXXXX)
+root=$(mktemp -d --tmpdir kestrel-debian.XXXX)
 trap 'umount -q "$root/proc" || true; rm -rf --one-file-system "$root"' EXIT
 debootstrap --variant=minbase "$suite" "$root" "$mirror"
 mount -t proc proc "$root/proc"

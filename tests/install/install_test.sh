@@ -55,7 +55,10 @@ grep -q '"circle_around_deg"' flown/summary.json || fail "summary.json has no me
 # That program knows the cameras of Kestrel alone.
 "$kestrel" run landing --set duration_s=5 --images --no-video --out landing --quiet || [[ $? == 1 ]]
 models=$prefix/share/kestrel/models
-examples/use_vision/use_vision landing/recording/%06d.png "$models/cameras/thesis_6mm.yaml" "$models/pads/helipad/helipad.yaml" | tail -1
+examples/use_vision/use_vision landing/recording/%06d.png "$models/cameras/thesis_6mm.yaml" \
+  "$models/pads/helipad/helipad.yaml" | tail -1 | tee seen.txt
+read -r _ _ seen _ frames _ <seen.txt
+((frames > 90 && 10 * seen > 9 * frames)) || fail "use_vision does not see the pad"
 "$prefix/bin/kestrel-fly" check "$circle" "${plugins[@]}" >/dev/null
 
 step "a campaign, whose workers load the plug-in"

@@ -68,6 +68,13 @@ std::vector<std::string> Refusal(const std::string& name_or_file,
   return {};
 }
 
+TEST_F(ScenarioTest, ALandingThatWouldSinkFasterNearThePadThanAboveIsRefused) {
+  const std::string file = Write("mine.yaml", "mission: landing\nflight:\n  descent_m_s: 0.3\n");
+  EXPECT_THAT(Refusal(file, {"flight.commit_sink_m_s=0.4"}),
+              ElementsAre(HasSubstr("flight.commit_sink_m_s: 0.4 is above flight.descent_m_s = 0.3")));
+  EXPECT_THAT(Refusal(file, {"flight.commit_sink_m_s=0.3"}), IsEmpty());
+}
+
 TEST_F(ScenarioTest, EveryScenarioIsValidAndItsResolvedTextReadsBackTheSame) {
   const std::vector<std::string> names = ScenarioNames();
   EXPECT_THAT(names, ::testing::IsSupersetOf({"hover", "landing", "pose", "pose_high"}));
