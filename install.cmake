@@ -6,7 +6,7 @@ include(CMakePackageConfigHelpers)
 get_property(programs DIRECTORY app PROPERTY BUILDSYSTEM_TARGETS)
 foreach(program IN LISTS programs)
   get_target_property(type ${program} TYPE)
-  if(type STREQUAL EXECUTABLE)
+  if(type STREQUAL EXECUTABLE AND NOT program STREQUAL kestrel-run)  # whose verbs are kestrel's, too
     install(TARGETS ${program} RUNTIME DESTINATION bin COMPONENT kestrel)
   endif()
 endforeach()

@@ -13,7 +13,7 @@
 #include <opencv2/core/utility.hpp>
 #include <string>
 
-#include "app/simulated/isa_option.h"
+#include "app/run/isa_option.h"
 #include "base/process/print_note.h"
 #include "base/version.h"
 #include "campaign/execution/fly_row.h"

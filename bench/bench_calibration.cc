@@ -11,7 +11,7 @@
 #include "base/statistics.h"
 #include "bench/named_camera.h"
 #include "flight/simulated/scenario.h"
-#include "sim/camera/board_renderer.h"
+#include "sim/calibration/board_renderer.h"
 #include "vision/calibration/calibrate.h"
 #include "vision/camera/calibration_file.h"
 

@@ -18,7 +18,7 @@
 #include "app/campaign/command_line.h"
 #include "app/campaign/progress_log.h"
 #include "app/option/command_tree.h"
-#include "app/simulated/isa_option.h"
+#include "app/run/isa_option.h"
 #include "base/file/files.h"
 #include "base/file/model_files.h"
 #include "base/nearest_name.h"

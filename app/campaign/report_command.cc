@@ -8,7 +8,7 @@
 
 #include "app/campaign/campaign_command.h"
 #include "app/campaign/command_line.h"
-#include "app/simulated/isa_option.h"
+#include "app/run/isa_option.h"
 #include "base/diagnostics.h"
 #include "base/file/files.h"
 #include "base/user_file.h"

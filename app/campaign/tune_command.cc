@@ -10,7 +10,7 @@
 #include <atomic>
 
 #include "app/campaign/command_line.h"
-#include "app/simulated/isa_option.h"
+#include "app/run/isa_option.h"
 #include "base/diagnostics.h"
 #include "base/file/files.h"
 #include "base/process/end_signals.h"

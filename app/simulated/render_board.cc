@@ -11,7 +11,7 @@
 #include "base/diagnostics.h"
 #include "base/file/files.h"
 #include "flight/simulated/scenario.h"
-#include "sim/camera/board_renderer.h"
+#include "sim/calibration/board_renderer.h"
 #include "vision/calibration/board_file.h"
 #include "vision/camera/calibration_file.h"
 #include "vision/write_image.h"

@@ -27,7 +27,7 @@ class BootstrapTest : public InTemporaryFolder {
     StandIn("sudo", "\"$@\"");
     StandIn("apt-get", "echo \"Get:1 libnothing-dev [42 kB]\"");
     StandIn("cmake", "true");
-    StandIn("ninja", "printf '#!/bin/sh\\necho flown\\n' > build/kestrel; chmod +x build/kestrel");
+    StandIn("ninja", "printf '#!/bin/sh\\necho flown\\n' > build/kestrel-run; chmod +x build/kestrel-run");
   }
   void StandIn(const char* program, const char* line) {
     const fs::path file = folder_ / "bin" / program;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "app/simulated/run_command.h"
+#include "app/run/run_command.h"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -12,7 +12,7 @@
 
 #include "app/option/colour.h"
 #include "app/option/exit_status.h"
-#include "app/simulated/run_report.h"
+#include "app/run/run_report.h"
 #include "base/diagnostics.h"
 #include "base/file/files.h"
 #include "base/printable.h"

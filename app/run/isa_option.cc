@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "app/simulated/isa_option.h"
+#include "app/run/isa_option.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

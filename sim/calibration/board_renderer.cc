@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/camera/board_renderer.h"
+#include "sim/calibration/board_renderer.h"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "app/simulated/run_report.h"
+#include "app/run/run_report.h"
 
 #include <fmt/format.h>
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "app/simulated/check_command.h"
+#include "app/run/check_command.h"
 
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
 
-#include "app/simulated/run_command.h"
+#include "app/run/run_command.h"
 #include "flight/simulated/scenario.h"
 
 namespace kestrel::app {
