@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <random>
 #include <string_view>
@@ -35,6 +36,19 @@ class RandomStream {
   std::mt19937_64 engine_;
   std::normal_distribution<double> normal_;
   std::uniform_real_distribution<double> unit_;
+};
+
+// Which of n things the next sample of a consensus takes: the same sequence each time, on every machine, since an
+// estimate may depend on nothing but what it is made from. (A linear congruential generator: Knuth's MMIX.)
+class SampleSequence {
+ public:
+  std::size_t Next(std::size_t n) {
+    state_ = state_ * 6364136223846793005u + 1442695040888963407u;
+    return static_cast<std::size_t>((state_ >> 33) % n);
+  }
+
+ private:
+  std::uint64_t state_ = 0x9E3779B97F4A7C15u;
 };
 
 }  // namespace kestrel

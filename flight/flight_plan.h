@@ -11,9 +11,35 @@
 
 namespace kestrel::flight {
 
+// The keys that every flight has, in the simulator or on a real aircraft.
+struct FlightKeys {
+  std::string name;     // of the run and of its folder; empty: that of the file
+  std::string mission;  // which mission is flown
+  mission::Flight flight;
+  std::uint64_t seed = 1;
+  double duration_s = 60;
+  std::string camera = "thesis_6mm", camera_name;
+  vision::CameraMount mount;
+  mission::PilotParameters pilot;
+};
+
+inline void Fields(FieldVisitor& v, FlightKeys& k) {
+  v({"name", "name of the run and of its folder; empty: that of the file"}, k.name);
+  v(Required("mission", "which mission is flown"), k.mission, mission::MissionNames());
+  mission::SelectMission(k.mission, k.flight);
+  v({"flight", "parameters of the mission"}, k.flight);
+  v({"seed", "seed of all random numbers of the flight"}, k.seed);
+  v({"duration_s", "longest time of the flight; the mission may end it earlier"}, k.duration_s, 0.1, 36000.0);
+  v({"camera", "camera: a name in models/cameras, or a calibration file of Kestrel, Kalibr or OpenCV"},
+    k.camera);
+  v({"camera_name", "which camera of a file of Kalibr; empty: its first"}, k.camera_name);
+  v({"mount", "position and orientation of the camera on the aircraft"}, k.mount);
+  v({"pilot", "vision, estimation and control of missions over a pad"}, k.pilot);
+}
+
 // What a scenario says of the flight itself, whoever's world it is flown in: the part that a real aircraft
 // and a recording need. A file of the simulator is read as it is; what it says of its world is passed over.
-struct FlightPlan {
+struct FlightPlan : FlightKeys {
   struct Pad {
     std::string name = "helipad";
   };
@@ -21,17 +47,9 @@ struct FlightPlan {
     bool colour = false;
     double rate_hz = 20;
   };
-  std::string name;
-  std::string mission;
-  mission::Flight flight;
-  std::uint64_t seed = 1;
-  double duration_s = 60;
-  std::string camera = "thesis_6mm", camera_name;
   std::string own_parts;
   Pad pad;
-  vision::CameraMount mount;
   Image image;
-  mission::PilotParameters pilot;
 };
 
 inline void Fields(FieldVisitor& v, FlightPlan::Pad& p) {
@@ -44,22 +62,12 @@ inline void Fields(FieldVisitor& v, FlightPlan::Image& i) {
 }
 
 inline void Fields(FieldVisitor& v, FlightPlan& p) {
-  v({"name", "name of the run and of its folder; empty: that of the file"}, p.name);
-  v(Required("mission", "which mission is flown"), p.mission, mission::MissionNames());
-  mission::SelectMission(p.mission, p.flight);
-  v({"flight", "parameters of the mission"}, p.flight);
-  v({"seed", "seed of all random numbers of the flight"}, p.seed);
-  v({"duration_s", "longest time of the flight; the mission may end it earlier"}, p.duration_s, 0.1, 36000.0);
-  v({"camera", "camera: a name in models/cameras, or a calibration file of Kestrel, Kalibr or OpenCV"},
-    p.camera);
-  v({"camera_name", "which camera of a file of Kalibr; empty: its first"}, p.camera_name);
+  Fields(v, static_cast<FlightKeys&>(p));
   v({"own_parts",
      "picture, white where the camera sees its aircraft; empty: own_parts.png beside this file, if any"},
     p.own_parts);
   v({"pad", "landing pad that the mission looks for"}, p.pad);
-  v({"mount", "position and orientation of the camera on the aircraft"}, p.mount);
   v({"image", "images that the camera is to give"}, p.image);
-  v({"pilot", "vision, estimation and control of missions over a pad"}, p.pilot);
 }
 
 struct LoadedPlan {

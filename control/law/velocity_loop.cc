@@ -5,6 +5,8 @@
 #include <cmath>
 
 #include "base/gravity.h"
+#include "control/law/level_acceleration.h"
+#include "geometry/limited.h"
 #include "geometry/tait_bryan.h"
 
 namespace kestrel::control {
@@ -19,11 +21,6 @@ constexpr double kTouchTime_s = 0.8;
 constexpr double kTouchSpool_s = 0.4;
 constexpr double kTouchFalling_m_s = 0.35;
 constexpr double kTouchThrottle = 0.4;
-
-Eigen::Vector2d Limited(const Eigen::Vector2d& v, double limit) {
-  const double norm = v.norm();
-  return norm > limit ? Eigen::Vector2d(v * (limit / norm)) : v;
-}
 
 }  // namespace
 
@@ -54,12 +51,9 @@ VelocityLoopOutput FollowVelocity(const VelocitySetpoint& wanted, const VehicleS
   Eigen::Vector3d a_N = state.integral_N + gain.cwiseProduct(error);
   if (dt_s > 0) a_N += step / dt_s;
 
-  const Eigen::Vector2d level = Limited(a_N.head<2>(), kGravity_m_s2 * std::tan(Radians(o.tilt_limit_deg)));
-  const bool tilt_limited = level.norm() < a_N.head<2>().norm() - 1e-9;
-  const Eigen::Vector3d a_H = HeadingRotation(-yaw) * Eigen::Vector3d(level.x(), level.y(), 0);
-  const double pitch = -std::atan2(a_H.x(), kGravity_m_s2);
-  out.setpoint.pitch = pitch / o.pitch_gain;
-  out.setpoint.roll = std::atan2(a_H.y() * std::cos(pitch), kGravity_m_s2) / o.roll_gain;
+  const LevelTilt tilt = TiltToAccelerate(a_N.head<2>(), yaw, Radians(o.tilt_limit_deg));
+  out.setpoint.pitch = tilt.pitch / o.pitch_gain;
+  out.setpoint.roll = tilt.roll / o.roll_gain;
 
   const double upright = std::max(0.5, (vehicle.R_NB * Eigen::Vector3d::UnitZ()).z());
   const double thrust = o.hover_thrust * (kGravity_m_s2 - a_N.z()) / kGravity_m_s2 / upright;
@@ -71,7 +65,8 @@ VelocityLoopOutput FollowVelocity(const VelocitySetpoint& wanted, const VehicleS
       Eigen::Vector3d(o.velocity_integral_per_s2, o.velocity_integral_per_s2, o.climb_integral_per_s2)
           .cwiseProduct(error) *
       dt_s;
-  if (!tilt_limited || integral.head<2>().dot(level) < 0) state.integral_N.head<2>() += integral.head<2>();
+  if (!tilt.limited || integral.head<2>().dot(tilt.acceleration_N) < 0)
+    state.integral_N.head<2>() += integral.head<2>();
   const double beyond = thrust - out.setpoint.thrust;  // more thrust is a smaller a_z
   if (beyond * integral.z() >= 0) state.integral_N.z() += integral.z();
   state.integral_N.head<2>() = Limited(state.integral_N.head<2>(), kIntegralLimit_m_s2);
@@ -79,7 +74,7 @@ VelocityLoopOutput FollowVelocity(const VelocitySetpoint& wanted, const VehicleS
 
   const double turn = Radians(o.yaw_rate_limit_deg_s);
   out.setpoint.yaw_rate = std::clamp(wanted.yaw_rate, -turn, turn);
-  out.limited = tilt_limited || beyond != 0;
+  out.limited = tilt.limited || beyond != 0;
   return out;
 }
 

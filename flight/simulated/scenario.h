@@ -9,6 +9,7 @@
 
 #include "base/file/model_files.h"
 #include "base/yaml/fields.h"
+#include "flight/flight_plan.h"
 #include "mission/mission_type.h"
 #include "sim/camera/pan_tilt.h"
 #include "sim/simulator.h"
@@ -40,20 +41,13 @@ inline void Fields(FieldVisitor& v, PadPlacement& p) {
 }
 
 // A flight as data. Everything that a run depends on is here, in the models it names, or in the program.
-struct Scenario {
-  std::string name;
-  std::string mission;
-  mission::Flight flight;
-  std::uint64_t seed = 1;
-  double duration_s = 60;
-  std::string vehicle = "pelican", world = "airfield", camera = "thesis_6mm";
-  std::string camera_name;
+struct Scenario : FlightKeys {
+  std::string vehicle = "pelican", world = "airfield";
   sim::AutopilotParameters autopilot;
   std::optional<sim::PanTiltParameters> platform;
   std::optional<sim::LandscapeParameters> landscape;
   PadPlacement pad;
   sim::StartParameters start;
-  vision::CameraMount mount;
   sim::ImageParameters image;
   sim::RenderOptions render;
   sim::WindParameters wind;
@@ -61,17 +55,11 @@ struct Scenario {
   sim::ActuatorParameters actuators;
   sim::OcclusionParameters occlusion;
   std::vector<sim::TargetParameters> targets;
-  mission::PilotParameters pilot;
   std::map<std::string, Limit> criteria;
 };
 
 inline void Fields(FieldVisitor& v, Scenario& s) {
-  v({"name", "name of the run and of its folder; empty: that of the file"}, s.name);
-  v(Required("mission", "which mission is flown"), s.mission, mission::MissionNames());
-  mission::SelectMission(s.mission, s.flight);
-  v({"flight", "parameters of the mission"}, s.flight);
-  v({"seed", "seed of all random numbers of the flight"}, s.seed);
-  v({"duration_s", "longest time of the flight; the mission may end it earlier"}, s.duration_s, 0.1, 36000.0);
+  Fields(v, static_cast<FlightKeys&>(s));
   v({"vehicle", "aircraft that flies: a name in models/vehicles, or a file"}, s.vehicle);
   v({"world", "world that is flown in: a name in models/worlds, or a file"}, s.world);
   v({"autopilot", "emulated autopilot; what is not given is the vehicle's"}, s.autopilot);
@@ -79,14 +67,10 @@ inline void Fields(FieldVisitor& v, Scenario& s) {
      "pan-tilt platform of the camera, which clients of kestrel serve turn; what is not given is the "
      "vehicle's"},
     s.platform);
-  v({"camera", "camera: a name in models/cameras, or a calibration file of Kestrel, Kalibr or OpenCV"},
-    s.camera);
-  v({"camera_name", "which camera of a file of Kalibr; empty: its first"}, s.camera_name);
   v({"landscape", "terrain and sky of a world that is a landscape; what is not given is the world's"},
     s.landscape);
   v({"pad", "landing pad and where it lies"}, s.pad);
   v({"start", "where and how the flight begins"}, s.start);
-  v({"mount", "position and orientation of the camera on the aircraft"}, s.mount);
   v({"image", "image sensor and lens: frame rate, latency, exposure, noise, faults"}, s.image);
   v({"render", "how the images are rendered"}, s.render);
   v({"wind", "mean wind, turbulence and gusts"}, s.wind);
@@ -94,7 +78,6 @@ inline void Fields(FieldVisitor& v, Scenario& s) {
   v({"actuators", "faults of rotors and servos"}, s.actuators);
   v({"occlusion", "dark sheet that covers part of the pad for some time"}, s.occlusion);
   v({"targets", "what else flies: balloons or other aircraft, as coloured spheres"}, s.targets);
-  v({"pilot", "vision, estimation and control of missions over a pad"}, s.pilot);
   v({"criteria", "limits by the names of metrics, which the run must keep to in order to pass"}, s.criteria);
 }
 

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "base/gravity.h"
+#include "geometry/limited.h"
 #include "geometry/tait_bryan.h"
 #include "sim/aircraft/rotor/rotor.h"
 
@@ -33,11 +34,6 @@ DriveState StepDrive(const DriveParameters& p, const ActuatorCondition& conditio
   now.power_w *= 1 - condition.loss;
   now.response_s *= condition.stuck ? 1e9 : condition.slowness;
   return StepDrive(now, state, running && !condition.off, load_n_m, dt_s);
-}
-
-Eigen::Vector2d Limited(const Eigen::Vector2d& v, double limit) {
-  const double norm = v.norm();
-  return norm > limit ? Eigen::Vector2d(v * (limit / norm)) : v;
 }
 
 // Lift and drag of a fin, N, along its normal: speeds of the air's relative flow along and across it.

@@ -5,6 +5,8 @@
 #include <cmath>
 
 #include "base/gravity.h"
+#include "control/law/level_acceleration.h"
+#include "geometry/limited.h"
 #include "geometry/tait_bryan.h"
 
 namespace kestrel::sim {
@@ -26,11 +28,6 @@ constexpr double kTouchFalling_m_s = 0.35;
 constexpr double kTouchThrottle = 0.4;
 constexpr double kTouchCarried_m_s2 = 0.8 * kGravity_m_s2;
 constexpr double kCarriedTime_s = 0.05;
-
-Eigen::Vector2d Limited(const Eigen::Vector2d& v, double limit) {
-  const double norm = v.norm();
-  return norm > limit ? Eigen::Vector2d(v * (limit / norm)) : v;
-}
 
 }  // namespace
 
@@ -184,21 +181,17 @@ EmulatedAutopilot::Demand EmulatedAutopilot::TrackVelocity(double dt_s, const Ei
   a_N.z() += parameters_.climb_gain_per_s * error.z();
 
   Demand demand;
-  const double tilt_limit = Radians(parameters_.tilt_limit_deg);
-  const Eigen::Vector2d level = Limited(a_N.head<2>(), kGravity_m_s2 * std::tan(tilt_limit));
-  tilt_limited_ = level.norm() < a_N.head<2>().norm() - 1e-9;
+  const control::LevelTilt tilt = control::TiltToAccelerate(
+      a_N.head<2>(), YawOf(navigation_.InUse().X_NB().R), Radians(parameters_.tilt_limit_deg));
+  tilt_limited_ = tilt.limited;
   // Integrals stand still against a limit, so that nothing has to be unwound when it ends.
   if (!tilt_limited_) integral_N_.head<2>() += dt_s * parameters_.velocity_integral_per_s2 * error.head<2>();
   if (!rotor_limited_ && throttle_down_ >= 1)
     integral_N_.z() += dt_s * parameters_.climb_integral_per_s2 * error.z();
   integral_N_ = integral_N_.cwiseMax(-kIntegralLimit_m_s2).cwiseMin(kIntegralLimit_m_s2);
 
-  const Eigen::Vector3d a_H =
-      HeadingRotation(-YawOf(navigation_.InUse().X_NB().R)) * Eigen::Vector3d(level.x(), level.y(), 0);
-  const double pitch = -std::atan2(a_H.x(), kGravity_m_s2);
-  const double roll = std::atan2(a_H.y() * std::cos(pitch), kGravity_m_s2);
-  demand.roll = roll / parameters_.roll.gain;  // the loop answers with its gain
-  demand.pitch = pitch / parameters_.pitch.gain;
+  demand.roll = tilt.roll / parameters_.roll.gain;  // the loop answers with its gain
+  demand.pitch = tilt.pitch / parameters_.pitch.gain;
   demand.yaw_rate = yaw_rate;
   const TaitBryan now = TaitBryanFromRotation(navigation_.InUse().X_NB().R.toRotationMatrix());
   const double upright = std::max(0.5, std::cos(now.roll) * std::cos(now.pitch));

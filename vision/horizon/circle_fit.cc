@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
 #include <utility>
 
+#include "base/random.h"
 #include "geometry/tait_bryan.h"
 
 namespace kestrel::vision {
@@ -76,12 +76,7 @@ class Fitter {
   }
 
   Eigen::Vector3d Consensus(double& rival) const {
-    // Multiplicative congruence: the draw must be the same on every machine.
-    std::uint64_t seed = 0x9E3779B97F4A7C15u;
-    const auto draw = [&] {
-      seed = seed * 6364136223846793005u + 1442695040888963407u;
-      return static_cast<std::size_t>((seed >> 33) % rows_.size());
-    };
+    SampleSequence samples;
     const std::size_t stride = std::max<std::size_t>(1, rows_.size() / 60);
     Eigen::Vector3d best(o_.near.x(), o_.near.y(), -o_.dip);
     double best_cost = Cost(best, stride);
@@ -90,7 +85,7 @@ class Fitter {
       Eigen::Matrix3d A;
       Eigen::Vector3d b;
       for (int k = 0; k < 3; ++k) {
-        const std::size_t i = draw();
+        const std::size_t i = samples.Next(rows_.size());
         A.row(k) = rows_[i].transpose();
         b[k] = contour_[i].elevation;
       }

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "geometry/tait_bryan.h"
+#include "vision/least_squares.h"
 
 namespace kestrel::vision {
 
@@ -104,12 +105,10 @@ TurnFit RefineTurn(const StripReference& then, const StripReference& now, double
     sines[static_cast<std::size_t>(i)] = static_cast<float>(std::sin(kStripGrid.Azimuth(i)));
   }
   Matrix6 H;
-  double square = 0, weight = 0;
+  NormalEquations<float, 6> normal;
   for (int round = 0; round < 6; ++round) {
-    Eigen::Matrix<float, 6, 6> Hf = Eigen::Matrix<float, 6, 6>::Zero();
-    Vector6f gf = Vector6f::Zero();
+    normal = {};
     double cross = 0, energy_now = 0, energy_then = 0;
-    square = weight = 0;
     for (int i = round % 2; i < columns; i += 2) {
       const float c = cosines[static_cast<std::size_t>(i)], s = sines[static_cast<std::size_t>(i)];
       const float across = static_cast<float>(i) + static_cast<float>(x[0] + x[1] * static_cast<double>(c) +
@@ -132,21 +131,19 @@ TurnFit RefineTurn(const StripReference& then, const StripReference& now, double
         const float here = now.strip.pattern.at<float>(j, i), there = value + up * de;
         const float r = here - there, u = r / static_cast<float>(kTukey);
         cross += here * there, energy_now += here * here, energy_then += there * there;
-        if (u * u >= 1) continue;
-        const float w = (1 - u * u) * (1 - u * u);
+        const float w = TukeyWeight(u);
+        if (w == 0) continue;
         Vector6f J;
         J << da, da * c, da * s, de * c, de * s, de;
-        Hf += w * J * J.transpose();
-        gf += w * r * J;
-        square += w * r * r, weight += w;
+        normal.Add(J, r, w);
       }
     }
-    if (weight < 200) return fit;
+    if (normal.weight < 200) return fit;
     fit.likeness = cross / std::sqrt(energy_now * energy_then + 1e-9);
-    const double noise2 = std::max(0.01, square / weight);
-    H = Hf.cast<double>() / noise2;
+    const double noise2 = std::max(0.01, normal.squares / normal.weight);
+    H = normal.H.cast<double>() / noise2;
     H.diagonal() += prior;
-    Vector6 g = gf.cast<double>() / noise2;
+    Vector6 g = normal.g.cast<double>() / noise2;
     g -= prior.cwiseProduct(x);
     const Vector6 step = H.ldlt().solve(g);
     x += step;

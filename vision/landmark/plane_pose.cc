@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "vision/least_squares.h"
+
 namespace kestrel::vision {
 
 double RectangleAspect(const Eigen::Matrix3d& H_unit, const Pinhole& camera) {
@@ -42,9 +44,7 @@ std::optional<PlanePose> RefinePlanePose(std::span<const PointPair> pairs, const
   if (pairs.size() < 4) return std::nullopt;
   Pose X_CT = X_CT_start;
   for (int iteration = 0;; ++iteration) {
-    Eigen::Matrix<double, 6, 6> JtJ = Eigen::Matrix<double, 6, 6>::Zero();
-    Eigen::Matrix<double, 6, 1> Jtr = Eigen::Matrix<double, 6, 1>::Zero();
-    double sum = 0;
+    NormalEquations<double, 6> normal;
     for (const PointPair& pair : pairs) {
       const Eigen::Vector3d arm_C = X_CT.R * Eigen::Vector3d(pair.from.x(), pair.from.y(), 0);
       const Eigen::Vector3d p_C = arm_C + X_CT.p;
@@ -55,21 +55,19 @@ std::optional<PlanePose> RefinePlanePose(std::span<const PointPair> pairs, const
           0, camera.fy / p_C.z(), -camera.fy * p_C.y() / (p_C.z() * p_C.z());
       Eigen::Matrix<double, 2, 6> J;
       J << d_uv, -d_uv * Skew(arm_C);  // p_C moves by dt + dtheta x arm
-      const Eigen::Vector2d r = pair.to - *uv;
-      JtJ.noalias() += J.transpose() * J;
-      Jtr.noalias() += J.transpose() * r;
-      sum += r.squaredNorm();
+      normal.Add<2>(J, pair.to - *uv);
     }
-    const Eigen::LDLT<Eigen::Matrix<double, 6, 6>> solver(JtJ);
+    const Eigen::LDLT<Eigen::Matrix<double, 6, 6>> solver(normal.H);
     if (solver.info() != Eigen::Success || !(solver.vectorD().minCoeff() > 0)) return std::nullopt;
-    const Eigen::Matrix<double, 6, 1> step = solver.solve(Jtr);
+    const Eigen::Matrix<double, 6, 1> step = solver.solve(normal.g);
     if (!step.allFinite()) return std::nullopt;
     if (iteration >= 10 || step.norm() < 1e-9) {
       const double n = static_cast<double>(pairs.size());
-      const double seen = std::sqrt(sum / std::max(2 * n - 6, 1.0));  // deviation of one coordinate
+      const double seen =
+          std::sqrt(normal.squares / std::max(2 * n - 6, 1.0));  // deviation of one coordinate
       const double sigma = std::max(sigma_px, seen);
       return PlanePose{X_CT, sigma * sigma * solver.solve(Eigen::Matrix<double, 6, 6>::Identity()),
-                       std::sqrt(sum / n)};
+                       std::sqrt(normal.squares / n)};
     }
     X_CT.p += step.head<3>();
     X_CT.R = (ExpRotation(step.tail<3>()) * X_CT.R).normalized();

@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
 #include <opencv2/imgproc.hpp>
 #include <utility>
+
+#include "base/random.h"
+#include "vision/least_squares.h"
 
 namespace kestrel::vision {
 
@@ -111,11 +113,8 @@ std::vector<EdgePoint> LeavingPoints(const cv::Mat& image, const CameraModel& ca
 // unit sphere.
 std::optional<OutlineCone> Consensus(const std::vector<EdgePoint>& points, double guessed_half_angle) {
   if (points.size() < 6) return {};
-  std::uint64_t seed = 0x9E3779B97F4A7C15u;  // the draw must be the same on every machine
-  const auto draw = [&]() -> const EdgePoint& {
-    seed = seed * 6364136223846793005u + 1442695040888963407u;
-    return points[static_cast<std::size_t>((seed >> 33) % points.size())];
-  };
+  SampleSequence samples;
+  const auto draw = [&]() -> const EdgePoint& { return points[samples.Next(points.size())]; };
   std::optional<OutlineCone> best;
   double best_score = 0;
   for (int trial = 0; trial < kTrials; ++trial) {
@@ -300,7 +299,7 @@ Refined EdgesNear(const cv::Mat& image, const CameraModel& camera, const ColourM
 // (Tukey). The scale of what is far is that of the residuals themselves.
 struct Adjusted {
   OutlineCone cone;
-  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();  // of two tangents and the half-angle, 1 px each point
+  NormalEquations<double, 3> normal;  // of two tangents and the half-angle, 1 px each point
   Eigen::Matrix<double, 3, 2> E;
   std::vector<bool> agrees;
   double rms_px = 0;
@@ -321,27 +320,23 @@ Adjusted Adjust(const std::vector<EdgePoint>& points, OutlineCone cone, double s
     std::nth_element(sizes.begin(), middle, sizes.end());
     scale = std::max(1.4826 * *middle, sigma_px);
     a.E = Across(cone.axis);
-    a.normal.setZero();
-    Vector3d g = Vector3d::Zero();
-    double square = 0, mass = 0;
+    a.normal = {};
     for (std::size_t i = 0; i < points.size(); ++i) {
       const EdgePoint& p = points[i];
       const double r = residual(p), u = r / (kTukey * scale);
       a.agrees[i] = std::abs(r) < 3 * scale;
-      if (std::abs(u) >= 1) continue;
-      const double w = (1 - u * u) * (1 - u * u);
+      const double w = TukeyWeight(u);
+      if (w == 0) continue;
       const double s = std::max(1e-9, std::sin(Angle(cone.axis, p.ray)));
       Vector3d J;
       J << -(a.E.transpose() * p.ray) / s, -1;
       J /= p.rad_per_px;
-      a.normal += w * J * J.transpose();
-      g -= w * r * J;
-      square += w * r * r, mass += w;
+      a.normal.Add(J, -r, w);
     }
-    if (mass < 5) return a;
-    a.rms_px = std::sqrt(square / mass);
-    const Eigen::LDLT<Eigen::Matrix3d> ldlt(a.normal);
-    const Vector3d step = ldlt.solve(g);
+    if (a.normal.weight < 5) return a;
+    a.rms_px = std::sqrt(a.normal.squares / a.normal.weight);
+    const Eigen::LDLT<Eigen::Matrix3d> ldlt(a.normal.H);
+    const Vector3d step = ldlt.solve(a.normal.g);
     if (ldlt.info() != Eigen::Success || !step.allFinite() || step.head<2>().norm() > 0.5) return a;
     cone.axis = (cone.axis + a.E * step.head<2>()).normalized();
     cone.half_angle += step.z();
@@ -425,7 +420,7 @@ BalloonFit Settle(const cv::Mat& image, const CameraModel& camera, const ColourM
   // A blurred edge is misplaced by shading and background in proportion to its width.
   const double sigma = std::max({options.sigma_px, fit.residual_px, kBlurSigma * edges.width_px});
   const double crowd = std::max(1.0, kApart_px * edges.lines / (2 * M_PI * found_px));
-  Eigen::Matrix3d covariance = sigma * sigma * crowd * a.normal.inverse();
+  Eigen::Matrix3d covariance = sigma * sigma * crowd * a.normal.H.inverse();
   covariance(2, 2) += std::pow(std::hypot(options.bias_px, kBlurBias * edges.width_px) * *rad_per_px, 2);
   covariance += UnevenCovariance(
       edges.points, a, std::max({kUneven_px, 2 * fit.residual_px, kBlurUneven / 2 * edges.width_px}));
