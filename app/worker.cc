@@ -53,10 +53,10 @@ int Work() {
 #endif
 
   if (!WriteAll(reports, campaign::kGreetingLine)) return 3;
-  std::string heard;
+  std::string received;
   for (;;) {
-    for (std::size_t end; (end = heard.find('\n')) != std::string::npos; heard.erase(0, end + 1)) {
-      const campaign::RunResult result = campaign::FlyRow(campaign::OrderOf(heard.substr(0, end)));
+    for (std::size_t end; (end = received.find('\n')) != std::string::npos; received.erase(0, end + 1)) {
+      const campaign::RunResult result = campaign::FlyRow(campaign::OrderOf(received.substr(0, end)));
       std::fflush(nullptr);
       if (!WriteAll(reports, campaign::ReportLine(result))) return 3;
     }
@@ -64,7 +64,7 @@ int Work() {
     const ssize_t n = read(orders, bytes, sizeof bytes);
     if (n < 0 && errno == EINTR) continue;
     if (n <= 0) return n == 0 ? 0 : 3;
-    heard.append(bytes, static_cast<std::size_t>(n));
+    received.append(bytes, static_cast<std::size_t>(n));
   }
 }
 

@@ -99,10 +99,10 @@ void AddLandings(const std::string& name, const std::vector<flight::FlownScenari
   table.push_back({name + ", touch-down error, median", Quantile(error, 0.5), "m", 0.05, false, "not given"});
   table.push_back(
       {name + ", touch-down error, 95th percentile", Quantile(error, 0.95), "m", 0.12, false, "not given"});
-  table.push_back({name + ", greatest sink rate", Largest(flight::Values(flights, "touchdown_sink_m_s")),
+  table.push_back({name + ", maximum sink rate", Largest(flight::Values(flights, "touchdown_sink_m_s")),
                    "m/s", 0.4, false, "0.2"});
-  table.push_back({name + ", greatest tilt", Largest(flight::Values(flights, "touchdown_tilt_deg")), "deg", 8,
-                   false, ""});
+  table.push_back(
+      {name + ", maximum tilt", Largest(flight::Values(flights, "touchdown_tilt_deg")), "deg", 8, false, ""});
 }
 
 }  // namespace

@@ -35,7 +35,7 @@ void AddOf(flight::Wire wire, const std::vector<flight::WireFlown>& flights,
   table.push_back({name + ", landed", landed, of, count, true, ""});
   table.push_back({name + ", touch-down error, worst", Largest(error_m), "m", kWithin_m, false, ""});
   table.push_back({name + ", touch-down error, mean", Mean(error_m), "m", {}, false, ""});
-  table.push_back({name + ", image given to setpoint heard, mean", Mean(latency_ms), "ms", 25, false, ""});
+  table.push_back({name + ", image given to setpoint received, mean", Mean(latency_ms), "ms", 25, false, ""});
   table.push_back({name + ", the same, 99th percentile", Quantile(latency_ms, 0.99), "ms", 50, false, ""});
   table.push_back({name + ", images whose setpoint was recognised",
                    static_cast<double>(latency_ms.size()),

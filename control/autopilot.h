@@ -45,7 +45,7 @@ struct PositionSetpoint {
 struct AttitudeSetpoint {
   double roll = 0, pitch = 0;  // rad
   double yaw_rate = 0;         // rad/s
-  double thrust = 0;           // 0 to 1 of the greatest thrust
+  double thrust = 0;           // 0 to 1 of the maximum thrust
 };
 
 using Setpoint = std::variant<VelocitySetpoint, PositionSetpoint, AttitudeSetpoint>;

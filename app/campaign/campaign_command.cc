@@ -242,7 +242,7 @@ bool Replay(const CampaignArguments& a) {
   campaign::WorkerPool worker(1, work.limit_s, asked.folder / "logs" / "replay");
   worker.Give(order);
   std::optional<campaign::RunResult> taken;
-  while (!taken) taken = worker.Take(1);
+  while (!taken) taken = worker.WaitForResult(1);
   const campaign::RunResult& flown = *taken;
   if (!a.quiet) {
     fmt::print("  {}: {}\n", campaign::NameOf(flown.status), flown.outcome);

@@ -43,7 +43,7 @@ std::int64_t FlightsUntil(const campaign::TuneResult& result) {
 void ShowRound(const campaign::LoadedTune& tune, const campaign::TuneResult& result) {
   PrintNote("{:>6} of {} flights   round {:>3}   cost {:.4g} at first, {} {:.4g}\n", FlightsUntil(result),
             tune.plan.budget, result.search.back().round, result.search.front().Cost(),
-            result.compares_rounds ? "least until now" : "median of the round",
+            result.compares_rounds ? "minimum until now" : "median of the round",
             campaign::Stages(result).back().cost);
 }
 
@@ -106,7 +106,7 @@ std::string AgainText(const TuneArguments& a) {
 }  // namespace
 
 CLI::App* AddTuneCommand(CLI::App& app, TuneArguments& a) {
-  CLI::App* command = app.add_subcommand("tune", "Look for the gains of least cost, by many flights");
+  CLI::App* command = app.add_subcommand("tune", "Look for the gains of lowest cost, by many flights");
   command->add_option("file", a.file, "A tuning's YAML file, or the name of one that `list tunings` shows")
       ->type_name("TUNING");
   command

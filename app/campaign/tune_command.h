@@ -12,7 +12,7 @@ class App;
 
 namespace kestrel::app {
 
-// `kestrel tune`: looks for the gains of least cost.
+// `kestrel tune`: looks for the gains of lowest cost.
 struct TuneArguments {
   std::string file, out;
   std::vector<std::string> overrides;

@@ -99,7 +99,7 @@ const std::vector<FileKind>& FileKinds() {
       Scenarios(),
       Plain("campaign", "a Monte-Carlo study: what varies from run to run of a scenario",
             campaign::DescribeCampaignFile(), {{"scenario", "landing"}}),
-      Plain("tuning", "a search for gains that fly a scenario at the least cost",
+      Plain("tuning", "a search for gains that fly a scenario at the lowest cost",
             campaign::DescribeTuneFile(),
             {{"scenario", "landing"},
              {"gains", "{pilot.servo.lambda_per_s: {low: 1, high: 4}}"},

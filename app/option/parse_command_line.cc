@@ -65,7 +65,7 @@ std::string Unexpected(const CLI::App& app, const std::string& word) {
 }
 
 // What CLI11 says, in our words; of a value, what would be valid.
-std::string Said(const CLI::App& verb, const CLI::ParseError& error) {
+std::string ErrorText(const CLI::App& verb, const CLI::ParseError& error) {
   const std::string text = error.what();
   const auto between = [&](std::string_view before, std::string_view after) {
     const std::size_t from = before.size(), until = text.find(after, from);
@@ -99,7 +99,7 @@ int Refuse(const CLI::App& app, const CLI::ParseError& error) {
   if (text.empty() && !NamesOfVerbs(*verb).empty() && verb->get_require_subcommand_min() > 0)
     text = fmt::format("{}: a verb is missing; valid: {}\n", PathOf(*verb),
                        fmt::join(NamesOfVerbs(*verb), ", "));
-  if (text.empty()) text = fmt::format("{}: {}\n", PathOf(*verb), Said(*verb, error));
+  if (text.empty()) text = fmt::format("{}: {}\n", PathOf(*verb), ErrorText(*verb, error));
   PrintNote("{}`{} --help` tells more\n", Printable(text), PathOf(*verb));
   return kBadInput;
 }

@@ -52,7 +52,8 @@ void Tell(const vision::HorizonAttitude::Measurement& m) {
   }
   const vision::SkylineFix& fix = std::get<vision::SkylineFix>(m.skyline);
   fmt::print(
-      "roll {:.2f} +- {:.2f} deg, pitch {:.2f} +- {:.2f} deg (one deviation); skyline in {:.0f} % of all "
+      "roll {:.2f} +- {:.2f} deg, pitch {:.2f} +- {:.2f} deg (one standard deviation); skyline in {:.0f} % "
+      "of all "
       "directions, dip {:.2f} deg\n",
       Degrees(m.attitude->roll), Degrees(std::sqrt(m.attitude->covariance(0, 0))), Degrees(m.attitude->pitch),
       Degrees(std::sqrt(m.attitude->covariance(1, 1))), 100 * fix.circle_seen, Degrees(fix.dip));

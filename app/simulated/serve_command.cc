@@ -67,7 +67,7 @@ void Report(const records::Summary& s, const std::string& folder) {
                c.at_least ? "at least" : "at most", c.limit);
   const auto count = [&](const char* name) { return s.metrics.at(name); };
   fmt::print(
-      "  setpoints: {:.0f} heard, {:.0f} of them followed; {:.0f} refused; {:.0f} messages not heeded\n",
+      "  setpoints: {:.0f} received, {:.0f} of them followed; {:.0f} refused; {:.0f} messages ignored\n",
       count("setpoints_heard"), count("setpoints_followed"), count("setpoints_refused"),
       count("messages_not_heeded"));
   fmt::print("  {:.1f} s of flight in {:.1f} s\n  {}\n", s.sim_s, s.wall_s, folder);

@@ -68,7 +68,7 @@ void BenchServo(std::vector<records::Figure>& table) {
     table.push_back({name + ": tasks that converge", converged / n, "share", {}, true, ""});
     table.push_back({name + ": and keep all points in view", in_view / n, "share", {}, true, ""});
     table.push_back({name + ": slowest of them", slowest, "s", {}, false, ""});
-    table.push_back({name + ": greatest retreat of them", retreat, "m", {}, false, ""});
+    table.push_back({name + ": largest retreat of them", retreat, "m", {}, false, ""});
   }
 }
 

@@ -174,12 +174,12 @@ ServoTrial FlyServoTask(const ServoTask& task, ServoLaw law, const ServoTrialOpt
     const auto now = See(X_TC, target);
     if (!now) return trial.end = ServoEnd::kCrossed, trial;
 
-    double greatest_px = 0, square = 0;
+    double max_px = 0, square = 0;
     for (std::size_t i = 0; i < now->size(); ++i) {
       const Eigen::Vector2d from_centre = Eigen::Vector2d(camera.fx, camera.fy).cwiseProduct((*now)[i].s);
       const Eigen::Vector2d error =
           Eigen::Vector2d(camera.fx, camera.fy).cwiseProduct((*now)[i].s - (*wanted)[i].s);
-      greatest_px = std::max(greatest_px, error.norm());
+      max_px = std::max(max_px, error.norm());
       square += error.squaredNorm();
       trial.excursion_px = std::max(trial.excursion_px, from_centre.norm());
       const Eigen::Vector2d uv = from_centre + Eigen::Vector2d(camera.cx, camera.cy);
@@ -187,7 +187,7 @@ ServoTrial FlyServoTask(const ServoTask& task, ServoLaw law, const ServoTrialOpt
                       uv.y() < camera.height_px - 0.5;
     }
     trial.final_px = std::sqrt(square / static_cast<double>(now->size()));
-    if (greatest_px > kConverged_px) {
+    if (max_px > kConverged_px) {
       within_since = -1;
     } else if (within_since < 0) {
       within_since = k;

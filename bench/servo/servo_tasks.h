@@ -51,9 +51,9 @@ struct ServoTrial {
   ServoEnd end = ServoEnd::kTimeOut;
   double converged_s = 0;   // from then on within 1 px; only where it converged
   double final_px = 0;      // RMS of the points at the end of the run
-  double excursion_px = 0;  // greatest distance of a point from the middle of the image
+  double excursion_px = 0;  // largest distance of a point from the middle of the image
   bool in_view = true;      // all points, all the time
-  double retreat_m = 0;     // greatest, along the axis of the goal's camera, behind both start and goal
+  double retreat_m = 0;     // largest, along the axis of the goal's camera, behind both start and goal
 };
 
 // Flies a task: at each period the law is given the exact features, depths or pose, and the camera moves with

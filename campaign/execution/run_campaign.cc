@@ -128,7 +128,7 @@ class Campaign {
     for (;;) {
       GiveNext(pool);
       if (pool.under_way() == 0 || Stop() > 1) return;
-      const auto result = pool.Take(kTick_s);
+      const auto result = pool.WaitForResult(kTick_s);
       if (result) {
         GiveNext(pool);  // first, or its worker would wait for the disk
         Put(*result);
@@ -174,7 +174,7 @@ class Campaign {
       for (; next != rows.end() && Stop() == 0 && pool.Idle(); ++next)
         pool.Give(OrderFor(work_, next->first, RecordingFolder(options_.folder, next->first)));
       if (pool.under_way() == 0 || Stop() > 1) return;
-      if (const auto again = pool.Take(kTick_s)) {
+      if (const auto again = pool.WaitForResult(kTick_s)) {
         store_.SetRecording(again->row, again->execution.recording);
         ++end_.recorded;
         const std::string difference = DifferenceOf(rows.at(again->row), *again);

@@ -83,7 +83,7 @@ struct WorkerPool::Workers {
     pid_t process = -1;
     int wire = -1;
     bool ready = false;  // it has greeted
-    std::string heard;
+    std::string received;
     std::optional<RunOrder> order;
     int deaths = 0, killed = 0;       // of the order
     double given_s = 0, until_s = 0;  // of the order: first given, and when this flight of it is too long
@@ -147,7 +147,7 @@ void WorkerPool::Workers::Start(Worker& w) {
   setpgid(w.process, w.process);  // by whoever is first
   w.wire = ends[0];
   w.ready = false;
-  w.heard.clear();
+  w.received.clear();
 }
 
 int WorkerPool::Workers::End(Worker& w) {
@@ -226,10 +226,10 @@ void WorkerPool::Workers::Receive(Worker& w) {
   const ssize_t n = recv(w.wire, bytes, sizeof bytes, MSG_DONTWAIT);
   if (n < 0 && (errno == EINTR || errno == EAGAIN)) return;
   if (n <= 0) return Died(w);
-  w.heard.append(bytes, static_cast<std::size_t>(n));
-  for (std::size_t end; (end = w.heard.find('\n')) != std::string::npos;) {
-    const std::string line = w.heard.substr(0, end);
-    w.heard.erase(0, end + 1);
+  w.received.append(bytes, static_cast<std::size_t>(n));
+  for (std::size_t end; (end = w.received.find('\n')) != std::string::npos;) {
+    const std::string line = w.received.substr(0, end);
+    w.received.erase(0, end + 1);
     if (!w.ready && IsGreeting(line)) {
       w.ready = true;
       w.until_s = MonotonicNow_s() + limit_s;  // starting costs the run none of its time
@@ -295,7 +295,7 @@ std::size_t WorkerPool::under_way() const {
                                                 [](const auto& w) { return w.order.has_value(); }));
 }
 
-std::optional<RunResult> WorkerPool::Take(double most_s) {
+std::optional<RunResult> WorkerPool::WaitForResult(double most_s) {
   const double until_s = MonotonicNow_s() + most_s;
   for (;;) {
     if (!workers_->ended.empty()) {

@@ -83,11 +83,13 @@ std::string Filled(std::string_view page, const std::map<std::string_view, std::
 std::string HtmlReport(const ReportSubject& subject, const fs::path& page_folder) {
   std::string script = "\"use strict\";\n";
   for (const char* name : kScripts) script += PageFile(name);
-  return Filled(PageFile("report.html"), {{"title", Escaped(subject.identity.name + " – Kestrel")},
-                                          {"style", PageFile("report.css")},
-                                          {"data", PageData(subject, page_folder)},
-                                          {"chart", Chart()},
-                                          {"script", script}});
+  std::map<std::string_view, std::string> parts;
+  parts["title"] = Escaped(subject.identity.name + " – Kestrel");
+  parts["style"] = PageFile("report.css");
+  parts["data"] = PageData(subject, page_folder);
+  parts["chart"] = Chart();
+  parts["script"] = std::move(script);
+  return Filled(PageFile("report.html"), parts);
 }
 
 }  // namespace kestrel::campaign

@@ -79,9 +79,9 @@ void CheckResults(const ConfigNode& root, const CampaignPlan& plan, Mistakes& mi
   for (const auto& [metric, threshold] : plan.thresholds) {
     const Place& where = WhereIn(root, {"thresholds", metric});
     const std::string path = "thresholds." + metric;
-    const bool said = IsReported(mistakes, path);
+    const bool reported = IsReported(mistakes, path);
     metrics.Check(metric, {"success"}, where, path, mistakes);
-    if (!said && !threshold.max && !threshold.min)
+    if (!reported && !threshold.max && !threshold.min)
       mistakes.Add(where, path, "has no limit", "valid: max, min or both");
     if (threshold.max && threshold.min && *threshold.min > *threshold.max)
       mistakes.Add(where, path, NoneBetween(*threshold.min, *threshold.max));
@@ -119,15 +119,16 @@ std::vector<std::string> OverridesNotedIn(const std::string& text) {
 LoadedCampaign LoadCampaign(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
   Mistakes mistakes;
   Config config;
-  const CampaignPlan said = PlanIn(file, overrides, config, mistakes);
+  const CampaignPlan as_written = PlanIn(file, overrides, config, mistakes);
   if (!config.readable) mistakes.ThrowIfAny();
-  CampaignPlan plan = said;
+  CampaignPlan plan = as_written;
   ResolveVariation(file, config.root, plan, mistakes);
   CheckResults(config.root, plan, mistakes);
   mistakes.ThrowIfAny();
 
   std::string text = ReadFile(file);
-  for (const std::string& each : ThatMakeADifference(overrides, file, said)) text += NoteOfOverride(each);
+  for (const std::string& each : ThatMakeADifference(overrides, file, as_written))
+    text += NoteOfOverride(each);
   LoadedCampaign loaded{
       std::move(plan), std::move(text), {}, std::filesystem::absolute(file).lexically_normal()};
   loaded.table = DrawTable(loaded.plan);

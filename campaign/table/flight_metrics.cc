@@ -49,8 +49,8 @@ void FlightMetrics::Check(const std::string& metric, const std::vector<std::stri
   const auto near = anothers ? std::nullopt : NearestName(metric, valid);
   if (near) return mistakes.Add(where, path, what, fmt::format("did you mean '{}'?", *near));
   mistakes.Add(where, path, what,
-               all_said_ ? "valid: as said above" : fmt::format("valid: {}", fmt::join(valid, ", ")));
-  all_said_ = true;
+               all_reported_ ? "valid: as said above" : fmt::format("valid: {}", fmt::join(valid, ", ")));
+  all_reported_ = true;
 }
 
 }  // namespace kestrel::campaign

@@ -21,7 +21,7 @@ class FlightMetrics {
  private:
   std::vector<std::string> own_;
   std::string mission_;  // empty: unknown
-  bool all_said_ = false;
+  bool all_reported_ = false;
 };
 
 }  // namespace kestrel::campaign

@@ -59,10 +59,12 @@ struct DistributionKind {
   const char* name;
   const char* arguments;
 };
-constexpr DistributionKind kKinds[] = {
-    {"uniform", "[low, high]"},      {"log_uniform", "[low, high]"},
-    {"normal", "[mean, deviation]"}, {"truncated_normal", "[mean, deviation, low, high]"},
-    {"choice", "a list of values"},  {"grid", "a list of values"}};
+constexpr DistributionKind kKinds[] = {{"uniform", "[low, high]"},
+                                       {"log_uniform", "[low, high]"},
+                                       {"normal", "[mean, standard deviation]"},
+                                       {"truncated_normal", "[mean, standard deviation, low, high]"},
+                                       {"choice", "a list of values"},
+                                       {"grid", "a list of values"}};
 
 List KindNames() {
   List names;
@@ -124,7 +126,7 @@ std::optional<Distribution> ReadDistribution(const ConfigNode& node, const std::
     return wrong(fmt::format("{}: {} is not valid", name, FlowText(value)),
                  fmt::format("valid: {}", kind->arguments));
   if (name == "normal" || name == "truncated_normal") {
-    if ((*n)[1] <= 0) return wrong(fmt::format("the deviation is {}", (*n)[1]), "valid: above 0");
+    if ((*n)[1] <= 0) return wrong(fmt::format("the standard deviation is {}", (*n)[1]), "valid: above 0");
     if (name == "normal") return Normal{(*n)[0], (*n)[1]};
   }
   const double low = n->end()[-2], high = n->end()[-1];
@@ -135,8 +137,9 @@ std::optional<Distribution> ReadDistribution(const ConfigNode& node, const std::
   if (name == "log_uniform") return LogUniform{low, high};
   // Ten deviations from the mean nothing is left to be cut.
   if (low > (*n)[0] + 10 * (*n)[1] || high < (*n)[0] - 10 * (*n)[1])
-    return wrong(fmt::format("from {} to {} there is nothing of a normal of mean {} and deviation {}", low,
-                             high, (*n)[0], (*n)[1]));
+    return wrong(
+        fmt::format("from {} to {} there is nothing of a normal of mean {} and standard deviation {}", low,
+                    high, (*n)[0], (*n)[1]));
   return TruncatedNormal{(*n)[0], (*n)[1], low, high};
 }
 
@@ -166,15 +169,15 @@ void RefuseScenario(const Diagnostic& wrong, const ConfigNode& root, const Campa
   const auto set = std::find_if(plan.set.rbegin(), plan.set.rend(), [&](const std::string& each) {
     return wrong.place() == PlaceOfOverride(each);
   });
-  Diagnostic said = wrong;
-  said.remedy.clear();
+  Diagnostic reported = wrong;
+  reported.remedy.clear();
   if (set == plan.set.rend())
-    return mistakes.Add(WhereIn(root, {"scenario"}), "scenario", said.Text(), wrong.remedy);
+    return mistakes.Add(WhereIn(root, {"scenario"}), "scenario", reported.Text(), wrong.remedy);
   for (const auto& [name, node] : root.members) {
     for (const auto& [index, member] : node.members) {
       if (name != "set" || member.text != *set) continue;
-      said.file = *set;
-      return mistakes.Add(member.where, "set", said.Text(), wrong.remedy);
+      reported.file = *set;
+      return mistakes.Add(member.where, "set", reported.Text(), wrong.remedy);
     }
   }
   mistakes.Add(wrong);
@@ -291,7 +294,7 @@ void TryKey(const KeyToTry& k, const List& chosen, const CampaignPlan& plan, Mis
                                         : "";
     if (CheckOverride(plan, chosen, k.key, values[i], k.where, k.path, remedy, mistakes)) continue;
     all = false;
-    if (mistakes.all().back().what == kUnknownKey) return;  // said once
+    if (mistakes.all().back().what == kUnknownKey) return;  // reported once
   }
 }
 
@@ -415,8 +418,8 @@ bool CheckOverride(const CampaignPlan& plan, const List& others, const std::stri
   const bool unknown = what == kUnknownKey;
   if (!unknown && !remedy.empty()) remedies += fmt::format("{}{}", remedies.empty() ? "" : "; ", remedy);
   // Such as "3 is out of range" says the value itself.
-  const bool said = unknown || what.starts_with(value) || what.starts_with('\'' + value);
-  mistakes.Add(where, path, said ? what : fmt::format("with {}: {}", value, what), remedies);
+  const bool reported = unknown || what.starts_with(value) || what.starts_with('\'' + value);
+  mistakes.Add(where, path, reported ? what : fmt::format("with {}: {}", value, what), remedies);
   return false;
 }
 
@@ -468,7 +471,7 @@ bool ResolveVariation(const fs::path& file, const ConfigNode& root, CampaignPlan
   CheckGroups(root, plan, mistakes);
   CheckSame(root, plan, mistakes);
   CheckGivenOnce(root, plan, mistakes);
-  if (plan.scenario.empty()) return false;  // said already
+  if (plan.scenario.empty()) return false;  // reported already
   const List names = ScenarioNames();
   const fs::path beside = file.parent_path() / plan.scenario;
   const Place& where = WhereIn(root, {"scenario"});

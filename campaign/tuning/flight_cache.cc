@@ -67,7 +67,7 @@ std::vector<RunResult> FlightCache::operator()(const std::vector<RunOrder>& orde
       files_.RequireUnchanged();
       pool_->Give(*next->second);
     }
-    if (auto result = pool_->Take(0.2)) {
+    if (auto result = pool_->WaitForResult(0.2)) {
       const RunOrder& order = *missing.at(result->row);
       results.push_back(Store(std::move(*result), order));
     }

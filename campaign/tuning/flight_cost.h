@@ -23,7 +23,7 @@ struct CostTerm {
 inline void Fields(FieldVisitor& v, CostTerm& t) {
   v({"weight", "factor of this term in the cost: weight * metric / scale"}, t.weight, 0.0, 1e6);
   v(Required("scale", "value of the metric that counts as good, in the metric's unit"), t.scale, 1e-9, 1e9);
-  v({"worst", "greatest value that counts, also of a flight without the metric; not given: ten times scale"},
+  v({"worst", "maximum value that counts, also of a flight without the metric; not given: ten times scale"},
     t.worst, 1e-9, 1e9);  // at 0 the term would be the same for all
   v({"wanted",
      "value of a metric that should be great: what it lacks of this counts; not given: the less the better"},
@@ -38,8 +38,8 @@ struct CostConstraint {
 };
 
 inline void Fields(FieldVisitor& v, CostConstraint& c) {
-  v({"max", "greatest value of the metric without a penalty"}, c.max, -1e9, 1e9);
-  v({"min", "least value of the metric without a penalty"}, c.min, -1e9, 1e9);
+  v({"max", "maximum value of the metric without a penalty"}, c.max, -1e9, 1e9);
+  v({"min", "minimum value of the metric without a penalty"}, c.min, -1e9, 1e9);
   v({"penalty", "cost of a flight beyond a limit, up to twice by how far; twice without the metric"},
     c.penalty, 0.0, 1e6);
 }

@@ -50,7 +50,7 @@ struct TuneResult {
   bool Better() const { return from_start.high < 0; }
 };
 
-// Looks for the gains of least cost, on rows that all that is compared has in common: each round of a search
+// Looks for the gains of lowest cost, on rows that all that is compared has in common: each round of a search
 // on its own ones, so that it does not settle on what suits a few. Flies the best again on fresh ones, which
 // are of the last rounds then, and what is best there, beside the gains it started from, on the held-out
 // ones. Depends on the plan and the flights' results alone. progress: after each round.

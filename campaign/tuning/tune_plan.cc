@@ -44,10 +44,10 @@ void Fields(FieldVisitor& v, TuneFile& f) {
   v({"limit_s", "longest wall-clock time of a flight; after it the flight is ended and counts as timed out"},
     p.flights.limit_s, 0.1, 1e6);
   v(Required("gains", "keys of the scenario that are tuned, with their bounds"), p.gains);
-  v(Required("cost", "terms of the cost by metric; their sum is to be the least"), p.cost.terms);
+  v(Required("cost", "terms of the cost by metric; their sum is to be minimal"), p.cost.terms);
   v({"constraints", "limits by metric, beyond which a flight costs a penalty"}, p.cost.constraints);
   v({"failure", "cost of a flight that does not pass its scenario's criteria"}, p.cost.failure, 0.0, 1e6);
-  v({"method", "search algorithm for the gains of least cost"}, p.method,
+  v({"method", "search algorithm for the gains of lowest cost"}, p.method,
     {"cma_es", "cross_entropy", "random_search"});
   v({"budget", "number of flights of the search and its leaders, without those on held-out samples"},
     p.budget, 1, kMaxRows);
@@ -133,9 +133,9 @@ void CheckCost(const ConfigNode& root, const TunePlan& plan, Mistakes& mistakes)
     metrics.Check(metric, {}, WhereIn(root, {"cost", metric}), "cost." + metric, mistakes);
   for (const auto& [metric, constraint] : cost.constraints) {
     const Place& where = WhereIn(root, {"constraints", metric});
-    const bool said = IsReported(mistakes, "constraints." + metric);
+    const bool reported = IsReported(mistakes, "constraints." + metric);
     metrics.Check(metric, {}, where, "constraints." + metric, mistakes);
-    if (!said && !constraint.max && !constraint.min)
+    if (!reported && !constraint.max && !constraint.min)
       mistakes.Add(where, "constraints." + metric, "has no limit", "valid: max, min or both");
     if (constraint.max && constraint.min && *constraint.min > *constraint.max)
       mistakes.Add(where, "constraints." + metric, NoneBetween(*constraint.min, *constraint.max));

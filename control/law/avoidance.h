@@ -37,7 +37,7 @@ struct AvoidanceOptions {
 inline void Fields(FieldVisitor& v, AvoidanceOptions& o) {
   v({"hold", "control of the yaw rate that holds another aircraft at a bearing"}, o.hold);
   v(Renamed("max_bearing_deg", "most_bearing_deg",
-            "greatest bearing off the bow at which another aircraft may be held"),
+            "maximum bearing off the bow at which another aircraft may be held"),
     o.max_bearing_deg, 0.0, 180.0);
   v({"safe_m", "closest distance that is allowed: whoever is predicted to come nearer is avoided"}, o.safe_m,
     0.1, 1000.0);

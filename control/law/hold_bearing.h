@@ -21,9 +21,9 @@ struct HoldBearingGains {
 
 inline void Fields(FieldVisitor& v, HoldBearingGains& g) {
   v({"lambda_per_s", "proportional gain from bearing error to yaw rate"}, g.lambda_per_s, 0.1, 5.0);
-  v({"bearing_deg", "least bearing off the bow, on either side, at which another aircraft is held"},
+  v({"bearing_deg", "minimum bearing off the bow, on either side, at which another aircraft is held"},
     g.bearing_deg, 10.0, 180.0);
-  v({"yaw_rate_limit_deg_s", "greatest yaw rate that is commanded, and with which manoeuvres are planned"},
+  v({"yaw_rate_limit_deg_s", "maximum yaw rate that is commanded, and with which manoeuvres are planned"},
     g.yaw_rate_limit_deg_s, 1.0, 180.0);
 }
 

@@ -44,10 +44,10 @@ inline void Fields(FieldVisitor& v, ServoGains& g) {
   v({"lambda_vertical_per_s", "proportional gain from height error to vertical velocity"},
     g.lambda_vertical_per_s, 0.0, 5.0);
   v({"lambda_yaw_per_s", "proportional gain from heading error to yaw rate"}, g.lambda_yaw_per_s, 0.0, 5.0);
-  v({"speed_limit_m_s", "greatest horizontal speed that is commanded"}, g.speed_limit_m_s, 0.05, 10.0);
-  v({"climb_limit_m_s", "greatest vertical speed that is commanded, up or down"}, g.climb_limit_m_s, 0.05,
+  v({"speed_limit_m_s", "maximum horizontal speed that is commanded"}, g.speed_limit_m_s, 0.05, 10.0);
+  v({"climb_limit_m_s", "maximum vertical speed that is commanded, up or down"}, g.climb_limit_m_s, 0.05,
     5.0);
-  v({"yaw_rate_limit_deg_s", "greatest yaw rate that is commanded"}, g.yaw_rate_limit_deg_s, 1.0, 180.0);
+  v({"yaw_rate_limit_deg_s", "maximum yaw rate that is commanded"}, g.yaw_rate_limit_deg_s, 1.0, 180.0);
 }
 
 // The law applied to what an autopilot holds level itself: X_DH is the pose of the aircraft's heading frame

@@ -34,23 +34,23 @@ ServoStep ServoVelocity(const Eigen::MatrixXd& L, const Eigen::VectorXd& e, doub
 
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(L, Eigen::ComputeThinU | Eigen::ComputeThinV);
   const Eigen::VectorXd& s = svd.singularValues();
-  const double greatest = s[0];
+  const double largest = s[0];
   Eigen::VectorXd along = svd.matrixU().transpose() * e;
   double seen = 0;
   for (Eigen::Index i = 0; i < s.size(); ++i) {
-    if (!(greatest > 0) || s[i] <= inversion.ratio * greatest) {
+    if (!(largest > 0) || s[i] <= inversion.ratio * largest) {
       along[i] = 0;
       continue;
     }
     ++step.rank;
     seen += along[i] * along[i];
-    along[i] *= s[i] / (s[i] * s[i] + std::pow(inversion.damping * greatest, 2));
+    along[i] *= s[i] / (s[i] * s[i] + std::pow(inversion.damping * largest, 2));
   }
   const Eigen::VectorXd velocity = -lambda_per_s * (svd.matrixV() * along);  // eq. (5.6)
   if (!velocity.allFinite()) return step;
   step.velocity = velocity;
   step.state = step.rank == s.size() ? ServoState::kRegular : ServoState::kSingular;
-  step.conditioning = greatest > 0 ? s[s.size() - 1] / greatest : 0;
+  step.conditioning = largest > 0 ? s[s.size() - 1] / largest : 0;
   const double error = e.norm();
   step.reach = error > 0 ? std::sqrt(seen) / error : 1;
   return step;

@@ -17,8 +17,8 @@ enum class ServoState {
 };
 const char* NameOf(ServoState state);
 
-// Singular values below ratio times the greatest count as zero. Those above are inverted as
-// s / (s^2 + (damping * greatest)^2): with a damping the velocity stays bounded on the way into a
+// Singular values below ratio times the largest count as zero. Those above are inverted as
+// s / (s^2 + (damping * largest)^2): with a damping the velocity stays bounded on the way into a
 // singularity, and the decrease of the error is no longer quite exponential.
 struct Inversion {
   double ratio = 1e-6;
@@ -29,7 +29,7 @@ struct ServoStep {
   ServoState state = ServoState::kNoFeatures;
   Eigen::VectorXd velocity;  // one for each column of L; zero where the state says that there is none
   int rank = 0;
-  double conditioning = 0;  // least over greatest singular value
+  double conditioning = 0;  // minimum over maximum singular value
   // The share of the error that any velocity can change, |L L^+ e| / |e|: near 0 in a local minimum, where
   // the features stand still away from their goal. 1 where there is no error.
   double reach = 0;

@@ -24,8 +24,8 @@ constexpr double kTouchThrottle = 0.4;
 
 }  // namespace
 
-VelocityLoopOutput FollowVelocity(const VelocitySetpoint& wanted, const VehicleState& vehicle,
-                                  const VelocityLoopState& before, const VelocityLoopOptions& o) {
+VelocityLoopOutput StepVelocityLoop(const VelocitySetpoint& wanted, const VehicleState& vehicle,
+                                    const VelocityLoopState& before, const VelocityLoopOptions& o) {
   VelocityLoopOutput out;
   VelocityLoopState& state = out.state = before;
   double dt_s = before.t_s ? vehicle.t_s - *before.t_s : kPause_s;

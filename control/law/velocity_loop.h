@@ -38,16 +38,16 @@ inline void Fields(FieldVisitor& v, VelocityLoopOptions& o) {
     0.1, 2.0);
   v({"pitch_gain", "steady pitch that the autopilot gives, over the pitch that is asked of it"}, o.pitch_gain,
     0.1, 2.0);
-  v({"speed_limit_m_s", "greatest horizontal speed that is commanded"}, o.speed_limit_m_s, 0.1, 30.0);
-  v({"climb_limit_m_s", "greatest vertical speed that is commanded, up or down"}, o.climb_limit_m_s, 0.1,
+  v({"speed_limit_m_s", "maximum horizontal speed that is commanded"}, o.speed_limit_m_s, 0.1, 30.0);
+  v({"climb_limit_m_s", "maximum vertical speed that is commanded, up or down"}, o.climb_limit_m_s, 0.1,
     10.0);
-  v({"acceleration_limit_m_s2", "greatest rate at which the velocity command changes"},
+  v({"acceleration_limit_m_s2", "maximum rate at which the velocity command changes"},
     o.acceleration_limit_m_s2, 0.1, 10.0);
-  v({"tilt_limit_deg", "greatest tilt that is flown to accelerate"}, o.tilt_limit_deg, 1.0, 45.0);
-  v({"yaw_rate_limit_deg_s", "greatest yaw rate that is commanded"}, o.yaw_rate_limit_deg_s, 1.0, 200.0);
-  v(Renamed("thrust_min", "thrust_least", "least thrust that is commanded, as a share of full thrust"),
+  v({"tilt_limit_deg", "maximum tilt that is flown to accelerate"}, o.tilt_limit_deg, 1.0, 45.0);
+  v({"yaw_rate_limit_deg_s", "maximum yaw rate that is commanded"}, o.yaw_rate_limit_deg_s, 1.0, 200.0);
+  v(Renamed("thrust_min", "thrust_least", "minimum thrust that is commanded, as a share of full thrust"),
     o.thrust_min, 0.0, 1.0);
-  v(Renamed("thrust_max", "thrust_most", "greatest thrust that is commanded, as a share of full thrust"),
+  v(Renamed("thrust_max", "thrust_most", "maximum thrust that is commanded, as a share of full thrust"),
     o.thrust_max, 0.0, 1.0);
   v({"velocity_gain_per_s", "proportional gain from horizontal velocity error to acceleration"},
     o.velocity_gain_per_s, 0.0, 20.0);
@@ -82,8 +82,8 @@ struct VelocityLoopOutput {
 
 // After a pause of half a second or more, and at first, the command begins at the velocity that there is; the
 // integral is kept. A setpoint or vehicle state that is not finite is the caller's to refuse.
-VelocityLoopOutput FollowVelocity(const VelocitySetpoint& wanted, const VehicleState& vehicle,
-                                  const VelocityLoopState& before, const VelocityLoopOptions& options);
+VelocityLoopOutput StepVelocityLoop(const VelocitySetpoint& wanted, const VehicleState& vehicle,
+                                    const VelocityLoopState& before, const VelocityLoopOptions& options);
 
 // The velocity that a position asks for, within the limits of speed, climb and yaw rate.
 VelocitySetpoint VelocityToward(const PositionSetpoint& wanted, const VehicleState& vehicle,

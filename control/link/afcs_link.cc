@@ -224,7 +224,7 @@ struct AfcsLink::Session {
 
   // ------------------------------------------------------------------------------- from any thread
 
-  void Take(const Setpoint& wanted) {
+  void Post(const Setpoint& wanted) {
     const std::lock_guard lock(mutex);
     not_expressible = std::holds_alternative<AttitudeSetpoint>(wanted)
                           ? "an AttitudeSetpoint cannot be said in AFCS: not sent"
@@ -313,7 +313,7 @@ VehicleState AfcsLink::State() const {
   return state;
 }
 
-void AfcsLink::Send(const Setpoint& setpoint) { session_->Take(setpoint); }
+void AfcsLink::Send(const Setpoint& setpoint) { session_->Post(setpoint); }
 
 void AfcsLink::Aid(const AttitudeAid&) {
   const std::lock_guard lock(session_->mutex);

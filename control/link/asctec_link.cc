@@ -31,7 +31,7 @@ constexpr auto kAscTecTick = std::chrono::milliseconds(2);
 constexpr double kReopen_s = 0.2;
 constexpr std::size_t kMaxUnwritten = 512;  // a port that takes no more than this is stuck
 
-// Two that command one aircraft are none that does. The lock is heeded by programs that ask for it, as this
+// Two that command one aircraft are none that does. The lock holds for programs that ask for it, as this
 // one does, and ends with the process, however that ends; exclusive mode keeps out every other. Not of a
 // pseudo-terminal, whose other end may keep it in that mode when the process is gone. Empty: it is ours.
 std::string Reserve(int device) {

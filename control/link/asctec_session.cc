@@ -81,10 +81,10 @@ void AscTecSession::Receive(double now_s, std::span<const std::uint8_t> bytes) {
   if (bytes.empty()) return;
   heard_s_ = now_s;
   unread_ = true;
-  for (const auto& message : parser_.Feed(bytes)) Take(now_s, message);
+  for (const auto& message : parser_.Feed(bytes)) Handle(now_s, message);
 }
 
-void AscTecSession::Take(double now_s, const wire::Telemetry& message) {
+void AscTecSession::Handle(double now_s, const wire::Telemetry& message) {
   const auto began_s = [&](std::size_t bytes) {
     return now_s - wire::LineTime_s(bytes + wire::kTelemetryOverhead);
   };
@@ -114,7 +114,7 @@ wire::Bytes AscTecSession::Say(double now_s) {
   if (!open_) return bytes;
   if (unread_ && now_s - *heard_s_ > kSilence_s) {
     unread_ = false;
-    for (const auto& message : parser_.Idle()) Take(now_s, message);
+    for (const auto& message : parser_.Idle()) Handle(now_s, message);
   }
   for (; !unanswered_.empty() && now_s - unanswered_.front() > kAnswer_s; unanswered_.pop_front())
     ++missed_, ++unacknowledged_;
@@ -276,7 +276,7 @@ CtrlInput AscTecSession::Follow(double now_s, const Setpoint& setpoint) {
 VelocityLoopOutput AscTecSession::Loop(double now_s, const VelocitySetpoint& wanted) const {
   VehicleState now = state_;  // the newest that is known; the loop goes on between two of them
   now.t_s = now_s;
-  return FollowVelocity(wanted, now, loop_, options_.velocity_loop);
+  return StepVelocityLoop(wanted, now, loop_, options_.velocity_loop);
 }
 
 CtrlInput AscTecSession::FollowByAttitude(double now_s, const VelocitySetpoint& wanted) {

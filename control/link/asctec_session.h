@@ -94,7 +94,7 @@ class AscTecSession {
   };
   enum class Motors { kIdle, kStarting, kTakingOff, kFlying, kStopping, kRefused };
 
-  void Take(double now_s, const wire::Telemetry& message);
+  void Handle(double now_s, const wire::Telemetry& message);
   void EndCycle(double now_s);
   void MakeState(double now_s);
   bool InFlight() const;

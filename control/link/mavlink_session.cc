@@ -108,7 +108,7 @@ void MavlinkSession::Receive(std::span<const std::uint8_t> datagram, double now_
     const auto* heartbeat = std::get_if<Heartbeat>(&*message);
     if (heartbeat != nullptr && !Open(now_s) && (source_ != source || DialectOf(*heartbeat) != dialect_))
       Begin(frame, *heartbeat, now_s);
-    if (source_ == source) Take(frame, *message, now_s);
+    if (source_ == source) Handle(frame, *message, now_s);
     // Of who refuses to be our autopilot.
     const auto* text = std::get_if<Statustext>(&*message);
     if (text != nullptr && !heartbeat_ && text->severity <= kWarning) stranger_ = Text(text->text);
@@ -140,7 +140,7 @@ void MavlinkSession::Begin(const Frame& frame, const Heartbeat& heartbeat, doubl
 // What was heard of it is of another flight. Whether the pilot had taken over is not forgotten.
 void MavlinkSession::Restart(double now_s) {
   telemetry_ = {};
-  if (heartbeat_) telemetry_.Take(*heartbeat_);
+  if (heartbeat_) telemetry_.Handle(*heartbeat_);
   if (setpoint_) telemetry_.Sent(*setpoint_);
   heard_clock_ = {}, asked_clock_ = {};
   attitude_ = position_ = channels_ = {};
@@ -188,23 +188,23 @@ void MavlinkSession::Count(std::uint32_t id) {
   for (Stream& stream : streams_) stream.came += stream.id == id ? 1 : 0;
 }
 
-void MavlinkSession::Take(const Frame& frame, const Message& message, double now_s) {
+void MavlinkSession::Handle(const Frame& frame, const Message& message, double now_s) {
   if (const auto* m = std::get_if<Heartbeat>(&message)) {
     if (DialectOf(*m) != dialect_ || !InOrder(frame, now_s)) return;
-    TakeHeartbeat(*m, now_s);
+    HandleHeartbeat(*m, now_s);
   } else if (const auto* quaternion = std::get_if<AttitudeQuaternion>(&message)) {
     Count(frame.id);
     if (!std::exchange(by_quaternion_, true)) attitude_ = {};
     if (!Newer(attitude_, quaternion->time_boot_ms, now_s)) return;
-    TakeMotion(message, quaternion->time_boot_ms, now_s);
+    HandleMotion(message, quaternion->time_boot_ms, now_s);
   } else if (const auto* angles = std::get_if<Attitude>(&message)) {
     if (by_quaternion_) return;  // the same once more
     if (!Newer(attitude_, angles->time_boot_ms, now_s)) return;
-    TakeMotion(message, angles->time_boot_ms, now_s);
+    HandleMotion(message, angles->time_boot_ms, now_s);
   } else if (const auto* position = std::get_if<LocalPositionNed>(&message)) {
     Count(frame.id);
     if (!Newer(position_, position->time_boot_ms, now_s)) return;
-    TakeMotion(message, position->time_boot_ms, now_s);
+    HandleMotion(message, position->time_boot_ms, now_s);
   } else if (const auto* channels = std::get_if<RcChannels>(&message)) {
     Count(frame.id);
     if (!Newer(channels_, channels->time_boot_ms, now_s)) return;
@@ -212,7 +212,7 @@ void MavlinkSession::Take(const Frame& frame, const Message& message, double now
   } else if (std::holds_alternative<ExtendedSysState>(message)) {
     Count(frame.id);
     if (!InOrder(frame, now_s)) return;
-    telemetry_.Take(message);
+    telemetry_.Handle(message);
   } else if (const auto* ack = std::get_if<CommandAck>(&message)) {
     TakeAck(*ack, now_s);
   } else if (const auto* timesync = std::get_if<Timesync>(&message)) {
@@ -231,9 +231,9 @@ void MavlinkSession::Take(const Frame& frame, const Message& message, double now
   ++received_;
 }
 
-void MavlinkSession::TakeHeartbeat(const Heartbeat& heartbeat, double now_s) {
+void MavlinkSession::HandleHeartbeat(const Heartbeat& heartbeat, double now_s) {
   heartbeat_ = heartbeat, heartbeat_s_ = now_s;
-  telemetry_.Take(heartbeat);
+  telemetry_.Handle(heartbeat);
   if (InMode()) {
     had_ = true;
     mode_ = {};
@@ -266,9 +266,9 @@ double MavlinkSession::ToOurs(double their_s, double now_s) const {
   return offset && std::abs(their_s + *offset - heard_s) < kOtherClock_s ? their_s + *offset : heard_s;
 }
 
-void MavlinkSession::TakeMotion(const Message& message, std::uint32_t time_boot_ms, double now_s) {
+void MavlinkSession::HandleMotion(const Message& message, std::uint32_t time_boot_ms, double now_s) {
   heard_clock_.AddSample(1e-3 * time_boot_ms, now_s);
-  if (!telemetry_.Take(message)) {
+  if (!telemetry_.Handle(message)) {
     ++refused_;
     return;
   }

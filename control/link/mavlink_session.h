@@ -122,12 +122,12 @@ class MavlinkSession {
 
   void Begin(const wire::mavlink::Frame& frame, const wire::mavlink::Heartbeat& heartbeat, double now_s);
   void Restart(double now_s);
-  void Take(const wire::mavlink::Frame& frame, const wire::mavlink::Message& message, double now_s);
+  void Handle(const wire::mavlink::Frame& frame, const wire::mavlink::Message& message, double now_s);
   bool Newer(Latest& latest, std::uint32_t time_boot_ms, double now_s);
   bool InOrder(const wire::mavlink::Frame& frame, double now_s);
-  void TakeHeartbeat(const wire::mavlink::Heartbeat& heartbeat, double now_s);
+  void HandleHeartbeat(const wire::mavlink::Heartbeat& heartbeat, double now_s);
   void TakeAck(const wire::mavlink::CommandAck& ack, double now_s);
-  void TakeMotion(const wire::mavlink::Message& message, std::uint32_t time_boot_ms, double now_s);
+  void HandleMotion(const wire::mavlink::Message& message, std::uint32_t time_boot_ms, double now_s);
   void Count(std::uint32_t id);
   double ToOurs(double their_s, double now_s) const;
 

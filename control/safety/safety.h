@@ -67,19 +67,19 @@ struct SafetyLimits {
 };
 
 inline void Fields(FieldVisitor& v, SafetyLimits& l) {
-  v({"speed_m_s", "greatest horizontal speed that is sent to the autopilot"}, l.speed_m_s, 0.1, 30.0);
-  v({"climb_m_s", "greatest vertical speed, up or down, that is sent to the autopilot"}, l.climb_m_s, 0.1,
+  v({"speed_m_s", "maximum horizontal speed that is sent to the autopilot"}, l.speed_m_s, 0.1, 30.0);
+  v({"climb_m_s", "maximum vertical speed, up or down, that is sent to the autopilot"}, l.climb_m_s, 0.1,
     10.0);
-  v({"yaw_rate_deg_s", "greatest yaw rate that is sent to the autopilot"}, l.yaw_rate_deg_s, 1.0, 360.0);
-  v({"tilt_deg", "greatest tilt from the vertical of an attitude setpoint"}, l.tilt_deg, 1.0, 60.0);
-  v(Renamed("thrust_min", "thrust_least", "least thrust of an attitude setpoint, as a share of full thrust"),
+  v({"yaw_rate_deg_s", "maximum yaw rate that is sent to the autopilot"}, l.yaw_rate_deg_s, 1.0, 360.0);
+  v({"tilt_deg", "maximum tilt from the vertical of an attitude setpoint"}, l.tilt_deg, 1.0, 60.0);
+  v(Renamed("thrust_min", "thrust_least",
+            "minimum thrust of an attitude setpoint, as a share of full thrust"),
     l.thrust_min, 0.0, 1.0);
-  v(Renamed("thrust_max", "thrust_most",
-            "greatest thrust of an attitude setpoint, as a share of full thrust"),
+  v(Renamed("thrust_max", "thrust_most", "maximum thrust of an attitude setpoint, as a share of full thrust"),
     l.thrust_max, 0.0, 1.0);
-  v({"radius_m", "greatest horizontal distance from the start; beyond it the aircraft is flown back"},
+  v({"radius_m", "maximum horizontal distance from the start; beyond it the aircraft is flown back"},
     l.radius_m, 1.0, 5000.0);
-  v({"height_m", "greatest height above the autopilot's local origin; above it the aircraft is brought down"},
+  v({"height_m", "maximum height above the autopilot's local origin; above it the aircraft is brought down"},
     l.height_m, 0.5, 500.0);
   v({"slow_m_s", "speed of sinking, of returning into the area and of descending below its ceiling"},
     l.slow_m_s, 0.1, 2.0);

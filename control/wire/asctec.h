@@ -23,7 +23,7 @@
 //
 // Unverified, for want of hardware or a public document: natural alignment of the structs (all but RC_DATA
 // have no padding in any case), 33 or 34 bytes of RC_DATA (34 is sent, both are read), the descriptor that
-// acknowledges a CTRL_INPUT (0x17 is sent), whether bits 4 and 5 of ctrl are heeded on this port, the unit of
+// acknowledges a CTRL_INPUT (0x17 is sent), whether bits 4 and 5 of ctrl count on this port, the unit of
 // up_time, and what the processor does with counts out of range (here they are refused).
 namespace kestrel::control::wire {
 

@@ -162,7 +162,7 @@ bool Telemetry::Note(const Turning& turning) {
   return true;
 }
 
-bool Telemetry::Take(const Message& message) {
+bool Telemetry::Handle(const Message& message) {
   if (const auto* m = std::get_if<Heartbeat>(&message)) {
     heartbeat_ = *m;
     return true;

@@ -82,7 +82,7 @@ LandingTarget ToLandingTarget(const Eigen::Vector3d& p_NT, const Pose& X_NB, con
 class Telemetry {
  public:
   // False: it has nothing to do with the state, or holds a number that is none.
-  bool Take(const Message& message);
+  bool Handle(const Message& message);
 
   // The setpoints of what mode are being sent: on the wire all are one mode.
   void Sent(const Setpoint& setpoint) { sent_ = ModeFor(setpoint); }

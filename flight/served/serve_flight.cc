@@ -117,38 +117,38 @@ class ServedFlight {
 
   bool Flown() const {
     return std::ranges::any_of(
-        options_.servers, [](const sim::AutopilotServer* server) { return server->Heard().followed > 0; });
+        options_.servers, [](const sim::AutopilotServer* server) { return server->Received().followed > 0; });
   }
 
-  // The first setpoint that is followed, and the first of each kind of what is not heeded.
+  // The first setpoint that is followed, and the first of each kind of what is ignored.
   void TellNews() {
     if (!flown_ && Flown()) {
       flown_ = true;
       Tell("client", "its first setpoint");
     }
     for (std::size_t i = 0; i < options_.servers.size(); ++i) {
-      const auto& unheeded = options_.servers[i]->Heard().unheeded;
-      if (unheeded.size() == told_[i].size()) continue;
-      for (const auto& [kind, all] : unheeded)
-        if (told_[i].insert(kind).second) Tell("not heeded", fmt::format("{}: {}", kind, all.first));
+      const auto& ignored = options_.servers[i]->Received().ignored;
+      if (ignored.size() == told_[i].size()) continue;
+      for (const auto& [kind, all] : ignored)
+        if (told_[i].insert(kind).second) Tell("ignored", fmt::format("{}: {}", kind, all.first));
     }
   }
 
   void Count(records::Summary& summary) {
     sim::WireCounts sum;
-    std::uint64_t not_heeded = 0;
+    std::uint64_t ignored = 0;
     for (const sim::AutopilotServer* server : options_.servers) {
-      const sim::WireCounts& counts = server->Heard();
+      const sim::WireCounts& counts = server->Received();
       sum.setpoints += counts.setpoints, sum.followed += counts.followed, sum.refused += counts.refused;
-      for (const auto& [kind, all] : counts.unheeded) {
-        not_heeded += all.count;
-        Tell("not heeded", fmt::format("{} {} in all", all.count, kind));
+      for (const auto& [kind, all] : counts.ignored) {
+        ignored += all.count;
+        Tell("ignored", fmt::format("{} {} in all", all.count, kind));
       }
     }
     summary.metrics["setpoints_heard"] = static_cast<double>(sum.setpoints);
     summary.metrics["setpoints_followed"] = static_cast<double>(sum.followed);
     summary.metrics["setpoints_refused"] = static_cast<double>(sum.refused);
-    summary.metrics["messages_not_heeded"] = static_cast<double>(not_heeded);
+    summary.metrics["messages_not_heeded"] = static_cast<double>(ignored);
   }
 
   void Receive(const vision::Frame& frame) {
@@ -184,7 +184,7 @@ class ServedFlight {
   Overheard aircraft_;
   std::optional<FlightRecords> records_;
   FlightResult result_;
-  std::vector<std::set<std::string>> told_;  // by server: the kinds of what was not heeded
+  std::vector<std::set<std::string>> told_;  // by server: the kinds of what was ignored
   bool pilot_off_ = false, flown_ = false;
 };
 

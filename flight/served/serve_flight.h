@@ -42,7 +42,7 @@ struct ServeOptions {
 // decision.
 //
 // summary.metrics has more than Metrics: stretched_s, and of all servers' WireCounts setpoints_heard,
-// setpoints_followed, setpoints_refused and messages_not_heeded. What is not heeded is told when the first of
+// setpoints_followed, setpoints_refused and messages_not_heeded. What is ignored is told when the first of
 // its kind comes, and counted at the end. Throws as RunFlight does.
 FlightResult ServeFlight(const LoadedScenario& loaded, const ServeOptions& options);
 

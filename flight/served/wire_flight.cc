@@ -103,7 +103,7 @@ class OverheardServer final : public sim::AutopilotServer {
     if (!unplugged) server_.Serve(now_s, ear);
   }
   void SetPilot(bool allows) override { server_.SetPilot(allows); }
-  const sim::WireCounts& Heard() const override { return server_.Heard(); }
+  const sim::WireCounts& Received() const override { return server_.Received(); }
   std::string Where() const override { return server_.Where(); }
 
   void Begin() { time_ = RealTime(MonotonicNow_s()); }  // when the serving loop's clock does

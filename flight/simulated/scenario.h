@@ -22,8 +22,8 @@ struct Limit {
 };
 
 inline void Fields(FieldVisitor& v, Limit& l) {
-  v({"max", "greatest value of the metric with which the run passes"}, l.max, -1e9, 1e9);
-  v({"min", "least value of the metric with which the run passes"}, l.min, -1e9, 1e9);
+  v({"max", "maximum value of the metric with which the run passes"}, l.max, -1e9, 1e9);
+  v({"min", "minimum value of the metric with which the run passes"}, l.min, -1e9, 1e9);
 }
 
 // Where the pad lies.

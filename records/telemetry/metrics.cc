@@ -78,7 +78,7 @@ const std::vector<mission::Metric>& CommonMetrics() {
       {"touchdown_s", "s", "When the first touch was"},
       {"rest_error_m", "m", "Distance from the pad's centre at the end of a landing"},
       {"rest_tilt_deg", "deg", "Tilt from level at the end of a landing", 0, 180},
-      {"greatest_tilt_deg", "deg", "Greatest tilt of the flight", 0, 180},
+      {"greatest_tilt_deg", "deg", "Maximum tilt of the flight", 0, 180},
       {"failure_attitude_rms_deg", "deg",
        "RMS angle between the true down and that which is flown by, while the autopilot's attitude has "
        "failed",

@@ -21,7 +21,7 @@ struct ManoeuvreParameters {
 };
 
 inline void Fields(FieldVisitor& v, ManoeuvreParameters& p) {
-  v({"tilt_deg", "greatest roll and pitch of the manoeuvres"}, p.tilt_deg, 0.0, 40.0);
+  v({"tilt_deg", "maximum roll and pitch of the manoeuvres"}, p.tilt_deg, 0.0, 40.0);
   v({"period_s", "mean period of the swings of roll and pitch"}, p.period_s, 1.0, 60.0);
   v({"yaw_rate_deg_s", "amplitude of the yaw rate, which swings to the left and right"}, p.yaw_rate_deg_s,
     0.0, 90.0);

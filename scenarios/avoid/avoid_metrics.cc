@@ -68,10 +68,10 @@ std::vector<mission::TelemetryColumn> AvoidColumns() {
 
 std::vector<mission::Metric> AvoidMetrics() {
   return {
-      {"closest_m", "m", "Least distance to any intruder, between the centres"},
+      {"closest_m", "m", "Minimum distance to any intruder, between the centres"},
       {"closest_s", "s", "When that was"},
       {"closest_share", "1",
-       "Least distance as a share of what the thesis's bearing allows past a thing that stands still: the "
+       "Minimum distance as a share of what the thesis's bearing allows past a thing that stands still: the "
        "distance when a bearing was first held, times the sine of 50 degrees"},
       {"manoeuvred", "1", "1 if a bearing was held at all, otherwise 0", 0, 1},
       {"manoeuvre_s", "s", "When a bearing was held first"},

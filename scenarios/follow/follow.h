@@ -52,11 +52,9 @@ inline void Fields(FieldVisitor& v, FollowGains& g) {
   v({"yaw_response_s",
      "time in which the aircraft follows a yaw rate, by which the law looks ahead; 0: it does not"},
     g.yaw_response_s, 0.0, 3.0);
-  v({"speed_limit_m_s", "greatest speed forward or backward that is commanded"}, g.speed_limit_m_s, 0.1,
-    10.0);
-  v({"climb_limit_m_s", "greatest vertical speed that is commanded, up or down"}, g.climb_limit_m_s, 0.1,
-    5.0);
-  v({"yaw_rate_limit_deg_s", "greatest yaw rate that is commanded"}, g.yaw_rate_limit_deg_s, 5.0, 180.0);
+  v({"speed_limit_m_s", "maximum speed forward or backward that is commanded"}, g.speed_limit_m_s, 0.1, 10.0);
+  v({"climb_limit_m_s", "maximum vertical speed that is commanded, up or down"}, g.climb_limit_m_s, 0.1, 5.0);
+  v({"yaw_rate_limit_deg_s", "maximum yaw rate that is commanded"}, g.yaw_rate_limit_deg_s, 5.0, 180.0);
   v(Renamed("min_height_m", "least_height_m",
             "height above the autopilot's local origin below which no descent is commanded"),
     g.min_height_m, 0.0, 100.0);

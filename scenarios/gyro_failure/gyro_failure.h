@@ -28,7 +28,7 @@ inline void Fields(FieldVisitor& v, GyroFailureFlight& p) {
      "is wrong"},
     p.disagree_deg, 0.5, 30.0);
   v({"agree_deg",
-     "greatest change in the rotation between both attitudes with which the autopilot's is right again"},
+     "maximum change in the rotation between both attitudes with which the autopilot's is right again"},
     p.agree_deg, 0.1, 30.0);
   v({"agree_s", "time for which the autopilot's attitude must keep to agree_deg before it is used again"},
     p.agree_s, 0.1, 60.0);

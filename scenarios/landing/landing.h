@@ -23,11 +23,11 @@ struct LandingFlight {
 inline void Fields(FieldVisitor& v, LandingFlight& p) {
   v({"yaw_deg", "heading to land with, clockwise from the top of the pad's picture"}, p.yaw_deg, -180.0,
     180.0);
-  v({"descent_m_s", "greatest speed of the descent"}, p.descent_m_s, 0.1, 3.0);
+  v({"descent_m_s", "maximum speed of the descent"}, p.descent_m_s, 0.1, 3.0);
   v({"commit_m", "height above the pad below which the aircraft sinks at a constant speed"}, p.commit_m, 0.1,
     5.0);
   v({"commit_sink_m_s",
-     "speed with which the aircraft sinks below commit_m; also the least speed of the descent above"},
+     "speed with which the aircraft sinks below commit_m; also the minimum speed of the descent above"},
     p.commit_sink_m_s, 0.15, 1.0);
   v({"blind_m", "height above the pad below which the aircraft goes on without seeing it"}, p.blind_m, 0.0,
     2.0);

@@ -85,7 +85,7 @@ inline void Fields(FieldVisitor& v, HelicopterParameters& p) {
   v({"flapping", "flapping of the main rotor's blades and the stabiliser bar"}, p.flapping);
   v({"collective_low_deg", "lowest collective pitch"}, p.collective_low_deg, -20.0, 0.0);
   v({"collective_high_deg", "highest collective pitch"}, p.collective_high_deg, 1.0, 25.0);
-  v({"cyclic_limit_deg", "greatest cyclic pitch of the blades, in any direction"}, p.cyclic_limit_deg, 0.5,
+  v({"cyclic_limit_deg", "maximum cyclic pitch of the blades, in any direction"}, p.cyclic_limit_deg, 0.5,
     20.0);
   v({"servo_s", "time constant of each servo"}, p.servo_s, 1e-4, 1.0);
   v({"tail_rotor", "tail rotor"}, p.tail_rotor);

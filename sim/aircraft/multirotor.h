@@ -64,7 +64,7 @@ class Multirotor {
 
   const MultirotorParameters& parameters() const { return parameters_; }
   const RotorSpeeds& speeds() const { return speeds_; }
-  // A motor is asked for its greatest speed, or one stands still while others turn.
+  // A motor is asked for its maximum speed, or one stands still while others turn.
   bool saturated() const;
   // Rotor speed that carries the weight in still air, rad/s.
   double HoverSpeed() const;

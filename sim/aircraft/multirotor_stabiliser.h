@@ -12,7 +12,7 @@ class MultirotorStabiliser {
   explicit MultirotorStabiliser(const MultirotorParameters& aircraft) : aircraft_(aircraft) {}
 
   RotorSpeeds Step(double dt_s, const AttitudeDemand& demand, const SensedMotion& sensed);
-  bool limited() const { return limited_; }  // a rotor is asked for its greatest speed
+  bool limited() const { return limited_; }  // a rotor is asked for its maximum speed
   void Stop() { limited_ = false; }
   static bool Ready(const SensedMotion&) { return true; }  // to lift: motors spin up at once
 

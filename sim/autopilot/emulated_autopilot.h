@@ -53,13 +53,12 @@ inline void Fields(FieldVisitor& v, AutopilotParameters& p) {
   v({"roll", "closed loop of roll, as identified"}, p.roll);
   v({"pitch", "closed loop of pitch, as identified"}, p.pitch);
   v({"yaw", "closed loop of yaw, as identified"}, p.yaw);
-  v({"tilt_limit_deg", "greatest tilt that the velocity loop asks for"}, p.tilt_limit_deg, 1.0, 60.0);
-  v({"stick_limit_deg", "greatest tilt where an attitude is asked for itself"}, p.stick_limit_deg, 1.0, 60.0);
-  v({"yaw_rate_limit_deg_s", "greatest yaw rate"}, p.yaw_rate_limit_deg_s, 1.0, 360.0);
-  v({"speed_limit_m_s", "greatest horizontal speed"}, p.speed_limit_m_s, 0.1, 30.0);
-  v({"climb_limit_m_s", "greatest vertical speed"}, p.climb_limit_m_s, 0.1, 10.0);
-  v({"acceleration_limit_m_s2",
-     "greatest horizontal acceleration with which the velocity setpoint is slewed"},
+  v({"tilt_limit_deg", "maximum tilt that the velocity loop asks for"}, p.tilt_limit_deg, 1.0, 60.0);
+  v({"stick_limit_deg", "maximum tilt where an attitude is asked for itself"}, p.stick_limit_deg, 1.0, 60.0);
+  v({"yaw_rate_limit_deg_s", "maximum yaw rate"}, p.yaw_rate_limit_deg_s, 1.0, 360.0);
+  v({"speed_limit_m_s", "maximum horizontal speed"}, p.speed_limit_m_s, 0.1, 30.0);
+  v({"climb_limit_m_s", "maximum vertical speed"}, p.climb_limit_m_s, 0.1, 10.0);
+  v({"acceleration_limit_m_s2", "maximum horizontal acceleration with which the velocity setpoint is slewed"},
     p.acceleration_limit_m_s2, 0.1, 10.0);
   v({"velocity_gain_per_s", "proportional gain of the horizontal velocity loop"}, p.velocity_gain_per_s, 0.0,
     20.0);

@@ -23,8 +23,8 @@ std::vector<Pose> SpreadPoses(const vision::CameraModel& camera, const vision::B
                               std::uint64_t seed);
 
 struct BoardRendererOptions {
-  double blur_px = 0.3;          // deviation of the lens's blur
-  double noise_grey = 2;         // deviation of the read noise of a pixel, grey levels of 255
+  double blur_px = 0.3;          // standard deviation of the lens's blur
+  double noise_grey = 2;         // standard deviation of the read noise of a pixel, grey levels of 255
   std::string backend = "auto";  // see RenderOptions
   int threads = 0;               // of the ray renderer; 0: all cores
 };

@@ -36,7 +36,8 @@ struct ImageParameters {
   double gain = 1;  // of the signal and its noise; with auto-exposure, where it begins
   double full_well_e =
       0;  // electrons that make the grey level 255 at a gain of 1: fewer, more shot noise; 0: none
-  double noise_grey = 2;  // deviation of the read noise of a pixel at a gain of 1, grey levels of 255
+  double noise_grey =
+      2;  // standard deviation of the read noise of a pixel at a gain of 1, grey levels of 255
   double gamma = 1;
   int bits = 8;          // of each pixel
   int jpeg_quality = 0;  // 1 to 100; 0: not compressed

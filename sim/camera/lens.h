@@ -17,7 +17,7 @@ struct LensParameters {
   // from the principal point over half the diagonal of the image. Never below 0.
   double cos_power = 0;
   Eigen::Vector3d vignetting = Eigen::Vector3d::Zero();
-  double defocus_px = 0;             // deviation of the Gaussian, or radius of the disc
+  double defocus_px = 0;             // standard deviation of the Gaussian, or radius of the disc
   std::string defocus = "gaussian";  // or disc: what a point is spread over
   double rim_px = 0;          // radius of the lens's or the mirror's image about the principal point; 0: none
   double reflection_deg = 0;  // a mirror shows the camera itself, dark, up to this angle from the axis

@@ -28,7 +28,7 @@ inline void Fields(FieldVisitor& v, PanTiltParameters& p) {
   v(Renamed("tilt_min_deg", "tilt_least_deg", "end of the travel of tilt downwards"), p.tilt_min_deg, -90.0,
     0.0);
   v(Renamed("tilt_max_deg", "tilt_most_deg", "end of the travel of tilt upwards"), p.tilt_max_deg, 0.0, 90.0);
-  v({"rate_deg_s", "greatest rate of pan and of tilt"}, p.rate_deg_s, 1.0, 1000.0);
+  v({"rate_deg_s", "maximum rate of pan and of tilt"}, p.rate_deg_s, 1.0, 1000.0);
 }
 
 struct PanTiltAngles {

@@ -56,7 +56,7 @@ struct LandscapeParameters {
   Eigen::Vector3d leaves{0.18, 0.32, 0.12}, leaves_other{0.26, 0.38, 0.14};  // each tree is between the two
   double forest_share = 0.25, water_share = 0.05, snow_share = 0;
 
-  // Hills round the flight: their greatest angle above the horizontal, from the ground at the origin. To be
+  // Hills round the flight: their maximum angle above the horizontal, from the ground at the origin. To be
   // one-sided is to be lower on the other side, by up to all.
   double hills_deg = 1.5, hills_azimuth_deg = 0, hills_one_sided = 0;
   RidgeParameters ridge;
@@ -90,7 +90,7 @@ inline void Fields(FieldVisitor& v, LandscapeParameters& p) {
   v({"forest_share", "share of the ground that is forest"}, p.forest_share, 0.0, 1.0);
   v({"water_share", "share of the ground that is water"}, p.water_share, 0.0, 1.0);
   v({"snow_share", "share of the ground that is under snow"}, p.snow_share, 0.0, 1.0);
-  v({"hills_deg", "greatest elevation of the hills around, as seen from the ground at the origin"},
+  v({"hills_deg", "maximum elevation of the hills around, as seen from the ground at the origin"},
     p.hills_deg, 0.0, 30.0);
   v({"hills_azimuth_deg", "direction in which the hills are highest, clockwise from north"},
     p.hills_azimuth_deg, -360.0, 360.0);

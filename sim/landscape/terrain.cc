@@ -18,7 +18,7 @@ float Drop(float r) { return static_cast<float>(static_cast<double>(r) * r / (2 
 // Under the plane and its edge the mesh lies a little deeper, so that neither shines through the other.
 float Sunk(float r) { return 0.1f * (1 - Step(430, 700, r)); }
 
-// Of chains of hills, one behind the other, for a greatest slope of about 1.
+// Of chains of hills, one behind the other, for a maximum slope of about 1.
 float Chains(const Noise& noise, float azimuth, float r) {
   constexpr float kDistances_m[] = {1700, 4200, 10000, 24000};
   float height = 0;

@@ -32,14 +32,14 @@ GpsSample Garbage(const SensorFault&, RandomStream& random, const GpsSample&) {
   return {p_N, Uniform3(kRanges.gps_m_s, random)};
 }
 
-Eigen::Vector3d Wrong(const SensorFault& fault, const Eigen::Vector3d& said) {
-  if (fault.component == "gyro") return said + fault.gyro_offset_deg_s.unaryExpr(&Radians);
-  if (fault.component == "accel") return said + fault.accelerometer_offset_m_s2;
-  return said + 1e-6 * fault.magnetometer_offset_ut;
+Eigen::Vector3d Wrong(const SensorFault& fault, const Eigen::Vector3d& measured) {
+  if (fault.component == "gyro") return measured + fault.gyro_offset_deg_s.unaryExpr(&Radians);
+  if (fault.component == "accel") return measured + fault.accelerometer_offset_m_s2;
+  return measured + 1e-6 * fault.magnetometer_offset_ut;
 }
-double Wrong(const SensorFault& fault, double said) { return said + fault.barometer_offset_m; }
-GpsSample Wrong(const SensorFault& fault, const GpsSample& said) {
-  return {said.p_N + fault.gps_offset_m, said.v_N + fault.gps_offset_m_s};
+double Wrong(const SensorFault& fault, double measured) { return measured + fault.barometer_offset_m; }
+GpsSample Wrong(const SensorFault& fault, const GpsSample& measured) {
+  return {measured.p_N + fault.gps_offset_m, measured.v_N + fault.gps_offset_m_s};
 }
 
 bool Speaks(const SensorFault& intermittent, double t_s) {
@@ -55,29 +55,29 @@ SensorFaults::Channel<T>::Channel(const char* of, std::uint64_t seed)
 
 template <class T>
 std::optional<T> SensorFaults::Channel<T>::Pass(const std::vector<SensorFault>& faults, double t_s,
-                                                const std::optional<T>& said) {
+                                                const std::optional<T>& measured) {
   const SensorFault* now = FaultAt(faults, component, t_s);
   if (now != fault) {
     fault = now;
     next_s = -std::numeric_limits<double>::infinity();
     late.clear();
   }
-  std::optional<T> heard = said;
+  std::optional<T> heard = measured;
   if (fault) {
     const std::string& type = fault->type;
     if (type == "off") heard.reset();
-    if (type == "stuck" && said && last) heard = last;
-    if (type == "garbage" && said) heard = Garbage(*fault, random, *said);
-    if (type == "wrong" && said) heard = Wrong(*fault, *said);
+    if (type == "stuck" && measured && last) heard = last;
+    if (type == "garbage" && measured) heard = Garbage(*fault, random, *measured);
+    if (type == "wrong" && measured) heard = Wrong(*fault, *measured);
     if (type == "intermittent" && !Speaks(*fault, t_s)) heard.reset();
-    if (type == "slow" && said) {
+    if (type == "slow" && measured) {
       if (t_s < next_s - kRounding_s)
         heard.reset();
       else
         next_s = t_s + 1 / fault->rate_hz;
     }
     if (type == "delayed") {
-      if (said) late.emplace_back(t_s + fault->delay_s, *said);
+      if (measured) late.emplace_back(t_s + fault->delay_s, *measured);
       heard.reset();
       if (!late.empty() && late.front().first <= t_s + kRounding_s) {
         heard = late.front().second;

@@ -41,7 +41,8 @@ class SensorFaults {
   struct Channel {
     Channel(const char* of, std::uint64_t seed);
     // Of what the sensor said, what is heard.
-    std::optional<T> Pass(const std::vector<SensorFault>& faults, double t_s, const std::optional<T>& said);
+    std::optional<T> Pass(const std::vector<SensorFault>& faults, double t_s,
+                          const std::optional<T>& measured);
 
     std::string component;
     RandomStream random;

@@ -35,8 +35,8 @@ std::string NameOf(const NavigationHealth& h) {
     if (health != SensorHealth::kOk)
       words.push_back(fmt::format("{} {}: {}", sensor, NameOf(health), without));
   };
-  add("gyro", h.gyro, "rates as last heard");
-  add("accel", h.accelerometer, "forces as last heard");
+  add("gyro", h.gyro, "rates as last received");
+  add("accel", h.accelerometer, "forces as last received");
   add("mag", h.compass, "heading by gyro");
   add("baro", h.barometer, by_gps ? "height by gps" : "height by accel");
   add("gps", h.gps, "dead reckoning");
@@ -45,14 +45,14 @@ std::string NameOf(const NavigationHealth& h) {
 
 template <int size>
 SensorHealth SensorMonitor::Record<size>::Step(double dt_s, bool spoke,
-                                               const Eigen::Matrix<double, size, 1>& said, double patience_s,
-                                               bool inertial) {
+                                               const Eigen::Matrix<double, size, 1>& measured,
+                                               double patience_s, bool inertial) {
   silent_s = spoke ? 0 : silent_s + dt_s;
   same_s += dt_s;
   if (spoke) {
-    if (said != last) same = 0, same_s = 0;
+    if (measured != last) same = 0, same_s = 0;
     ++same;
-    last = said;
+    last = measured;
   }
   if (silent_s > patience_s) return SensorHealth::kSilent;
   const bool stuck = inertial ? same > 1 && same_s > patience_s : same >= kStuckReadings;

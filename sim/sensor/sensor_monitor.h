@@ -11,7 +11,7 @@ namespace kestrel::sim {
 // How an autopilot finds one of its sensors.
 enum class SensorHealth {
   kOk,
-  kSilent,   // has said nothing for five of its periods, an inertial one for 0.1 s
+  kSilent,   // has measured nothing for five of its periods, an inertial one for 0.1 s
   kStuck,    // says the same to the last bit again and again: 10 readings, an inertial one for 0.1 s
   kRefused,  // what it says has been too far for a second from what the navigation expects
 };
@@ -41,8 +41,8 @@ class SensorMonitor {
     double silent_s = 0, same_s = 0;
     int same = 0;
 
-    SensorHealth Step(double dt_s, bool spoke, const Eigen::Matrix<double, size, 1>& said, double patience_s,
-                      bool inertial);
+    SensorHealth Step(double dt_s, bool spoke, const Eigen::Matrix<double, size, 1>& measured,
+                      double patience_s, bool inertial);
   };
 
   double gps_period_s_, barometer_period_s_, magnetometer_period_s_;

@@ -16,7 +16,7 @@ namespace kestrel::sim {
 
 // A slow wander (first-order Gauss-Markov) with white noise on top.
 struct SensorError {
-  double white = 0;   // deviation of one sample
+  double white = 0;   // standard deviation of one sample
   double wander = 0;  // stationary deviation of the slow part
   double wander_time_s = 100;
 };

@@ -124,13 +124,13 @@ struct AfcsServer::Session {
     if (peer != owner) {
       const auto decoded = codec.Decode(bytes);
       if (const auto* why = std::get_if<control::wire::AfcsRefusal>(&decoded))
-        return counts.CountIgnored(unheeded::kDamaged,
+        return counts.CountIgnored(ignored::kDamaged,
                                    fmt::format("{}, from {}", AfcsText(*why), AfcsText(peer)));
       const bool opens = std::holds_alternative<control::wire::AfcsOpen>(
           std::get<control::wire::AfcsDatagram>(decoded).message);
       if (owner || !opens)
         return counts.CountIgnored(
-            opens ? unheeded::kSecondClient : unheeded::kNoSession,
+            opens ? ignored::kSecondClient : ignored::kNoSession,
             AfcsText(peer) + (owner ? "; it is that of " + AfcsText(*owner) : "; nobody has opened one"));
       socket.Own(peer);
       receiver.Reset();
@@ -148,7 +148,7 @@ struct AfcsServer::Session {
       const bool again =
           why == control::wire::AfcsRefusal::kDuplicate || why == control::wire::AfcsRefusal::kOld;
       const std::uint64_t count = receiver.refused(why);
-      counts.CountIgnored(again ? unheeded::kAgain : unheeded::kDamaged, AfcsText(why), count - refused[i]);
+      counts.CountIgnored(again ? ignored::kAgain : ignored::kDamaged, AfcsText(why), count - refused[i]);
       refused[i] = count;
     }
   }
@@ -157,14 +157,14 @@ struct AfcsServer::Session {
   bool Follows(const char* name, std::initializer_list<double> numbers) {
     if (!Possible(numbers)) {
       ++counts.refused;
-      counts.CountIgnored(unheeded::kImpossible, fmt::format("{} {}", name, fmt::join(numbers, " ")));
+      counts.CountIgnored(ignored::kImpossible, fmt::format("{} {}", name, fmt::join(numbers, " ")));
       return false;
     }
     ++counts.setpoints;
     if (pilot_allows)
       ++counts.followed;
     else
-      counts.CountIgnored(unheeded::kPilot, name);
+      counts.CountIgnored(ignored::kPilot, name);
     return pilot_allows;
   }
 
@@ -182,7 +182,7 @@ struct AfcsServer::Session {
   void Obey(const control::wire::AfcsFlyTo& m, control::Autopilot& aircraft) {
     if (m.pos_mode != options.afcs.fly_to_position || m.hdg_mode != options.afcs.fly_to_heading) {
       ++counts.refused;
-      return counts.CountIgnored(unheeded::kImpossible,
+      return counts.CountIgnored(ignored::kImpossible,
                                  fmt::format("FLY_TO with the modes {} and {}", m.pos_mode, m.hdg_mode));
     }
     if (!Follows("FLY_TO", {m.x, m.y, m.z, m.hdg})) return;
@@ -283,7 +283,7 @@ AfcsServer::~AfcsServer() = default;
 
 void AfcsServer::Serve(double now_s, control::Autopilot& aircraft) { session_->Serve(now_s, aircraft); }
 void AfcsServer::SetPilot(bool allows) { session_->pilot_allows = allows; }
-const WireCounts& AfcsServer::Heard() const { return session_->counts; }
+const WireCounts& AfcsServer::Received() const { return session_->counts; }
 std::string AfcsServer::Where() const {
   const udp::endpoint endpoint = session_->socket.Where();
   const std::string address = endpoint.address().to_string();

@@ -54,7 +54,7 @@ class AfcsServer final : public AutopilotServer {
 
   void Serve(double now_s, control::Autopilot& aircraft) override;
   void SetPilot(bool allows) override;
-  const WireCounts& Heard() const override;
+  const WireCounts& Received() const override;
   std::string Where() const override;
 
  private:

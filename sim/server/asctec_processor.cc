@@ -49,7 +49,7 @@ void SerialLine::Put(double now_s, std::span<const std::uint8_t> bytes) {
   }
 }
 
-control::wire::Bytes SerialLine::Take(double now_s) {
+control::wire::Bytes SerialLine::Receive(double now_s) {
   control::wire::Bytes arrived;
   for (; !bytes_.empty() && arrive_s_.front() <= now_s; bytes_.pop_front(), arrive_s_.pop_front())
     arrived.push_back(bytes_.front());
@@ -59,10 +59,12 @@ control::wire::Bytes SerialLine::Take(double now_s) {
 AscTecProcessor::AscTecProcessor(const AscTecProcessorOptions& options)
     : options_(options), signs_(control::wire::SignsOf(options.signs)) {}
 
-void AscTecProcessor::Receive(double now_s, std::span<const std::uint8_t> bytes) { heard_.Put(now_s, bytes); }
+void AscTecProcessor::Receive(double now_s, std::span<const std::uint8_t> bytes) {
+  received_.Put(now_s, bytes);
+}
 
 control::wire::Bytes AscTecProcessor::Step(double now_s, control::Autopilot& aircraft) {
-  const control::wire::Bytes arrived = heard_.Take(now_s);
+  const control::wire::Bytes arrived = received_.Receive(now_s);
   std::vector<control::wire::Command> commands;
   if (!arrived.empty()) {
     quiet_since_s_ = now_s;
@@ -76,7 +78,7 @@ control::wire::Bytes AscTecProcessor::Step(double now_s, control::Autopilot& air
       if (!asked_) asked_s_ = now_s;
       asked_ |= request->mask;
     } else if (const auto* input = std::get_if<control::wire::CtrlInput>(&command)) {
-      said_.Put(now_s, Encode(control::wire::Telemetry(
+      sent_.Put(now_s, Encode(control::wire::Telemetry(
                            control::wire::Acknowledgement{control::wire::CtrlInput::kDescriptor})));
       CountSetpoint(*input);
       if (pilot_allows_) Obey(now_s, *input, aircraft);
@@ -84,32 +86,32 @@ control::wire::Bytes AscTecProcessor::Step(double now_s, control::Autopilot& air
   }
   const auto& refused = parser_.counts().refused;
   const std::uint64_t damaged = std::accumulate(refused.begin(), refused.end(), std::uint64_t{0});
-  counts_.CountIgnored(unheeded::kDamaged, "a frame with a wrong check sum, length or kind",
+  counts_.CountIgnored(ignored::kDamaged, "a frame with a wrong check sum, length or kind",
                        damaged - damaged_);
   damaged_ = damaged;
   Speak(now_s, aircraft);
-  return said_.Take(now_s);
+  return sent_.Receive(now_s);
 }
 
 void AscTecProcessor::CountSetpoint(const control::wire::CtrlInput& input) {
   const bool sticks = MoveTheMotors(input);
   if (!sticks && (input.ctrl & kAttitudeSticks) != kAttitudeSticks) {
     ++counts_.refused;
-    counts_.CountIgnored(unheeded::kImpossible, fmt::format("CTRL_INPUT with ctrl 0x{:x}", input.ctrl));
+    counts_.CountIgnored(ignored::kImpossible, fmt::format("CTRL_INPUT with ctrl 0x{:x}", input.ctrl));
     return;
   }
   ++counts_.setpoints;
   if (pilot_allows_)
     ++counts_.followed;
   else
-    counts_.CountIgnored(unheeded::kPilot, "CTRL_INPUT");
+    counts_.CountIgnored(ignored::kPilot, "CTRL_INPUT");
 }
 
 void AscTecProcessor::Speak(double now_s, control::Autopilot& aircraft) {
   // A caller that comes late finds more than one begun: without gaps, as the line would have sent them.
-  while (asked_ && std::max(said_.free_s(), asked_s_) <= now_s) {
-    const double begins_s = std::max(said_.free_s(), asked_s_);
-    said_.Put(begins_s, NextFrame(now_s, aircraft.State()));
+  while (asked_ && std::max(sent_.free_s(), asked_s_) <= now_s) {
+    const double begins_s = std::max(sent_.free_s(), asked_s_);
+    sent_.Put(begins_s, NextFrame(now_s, aircraft.State()));
   }
 }
 

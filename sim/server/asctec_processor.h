@@ -17,9 +17,9 @@
 namespace kestrel::sim {
 
 struct AscTecProcessorOptions {
-  std::string signs = "asctec";  // or "ros": control/wire/asctec_signs.h
-  bool gps_mode = true;       // the bits 4 and 5 of ctrl are heeded; otherwise it is an attitude all the same
-  double full_climb_m_s = 2;  // of that mode
+  std::string signs = "asctec";    // or "ros": control/wire/asctec_signs.h
+  bool gps_mode = true;            // the bits 4 and 5 of ctrl count; otherwise it is an attitude all the same
+  double full_climb_m_s = 2;       // of that mode
   double command_timeout_s = 0.5;  // after which the serial interface is no longer said to be active
   double battery_v = 12;
   GeodeticOrigin origin = {};
@@ -28,7 +28,7 @@ struct AscTecProcessorOptions {
 inline void Fields(FieldVisitor& v, AscTecProcessorOptions& o) {
   v({"signs", "signs of the attitude commands: as AscTec's own manual or as its ROS driver has them"},
     o.signs, {"asctec", "ros"});
-  v({"gps_mode", "whether the control word's bits for height and GPS control are heeded"}, o.gps_mode);
+  v({"gps_mode", "whether the control word's bits for height and GPS control count"}, o.gps_mode);
   v({"full_climb_m_s", "vertical velocity of a full thrust command in height control"}, o.full_climb_m_s, 0.1,
     20.0);
   v({"command_timeout_s", "silence after which the serial interface no longer counts as active"},
@@ -42,7 +42,7 @@ class SerialLine {
  public:
   // They leave at once if the line is free, otherwise after what is on it.
   void Put(double now_s, std::span<const std::uint8_t> bytes);
-  control::wire::Bytes Take(double now_s);  // what has arrived by now
+  control::wire::Bytes Receive(double now_s);  // what has arrived by now
   double free_s() const { return free_s_; }
 
   // As many wait for their turn, as in a driver's buffer; of more, the oldest are lost.
@@ -65,11 +65,11 @@ class SerialLine {
 // fifth) hold, lock, and what follows a time-out (here the aircraft's own holds the place, and the real one
 // goes back to the pilot).
 //
-// CTRL_INPUT: heeded with the lowest four bits of ctrl, as an attitude, or with bits 4 and 5, if the options
+// CTRL_INPUT: followed with the lowest four bits of ctrl, as an attitude, or with bits 4 and 5, if the options
 // say so, as a velocity; acknowledged always. Thrust 0 with full yaw for 0.3 s starts the motors of
 // an aircraft that stands, and stops them: the emulated aircraft has no such command, so it takes off by
 // itself to half a metre once thrust is given, and stops by sinking until its touch-down logic does it. An
-// EMERGENCY_STOP is not heeded, and is not acknowledged.
+// EMERGENCY_STOP is ignored, and is not acknowledged.
 class AscTecProcessor {
  public:
   explicit AscTecProcessor(const AscTecProcessorOptions& options);
@@ -78,7 +78,7 @@ class AscTecProcessor {
   control::wire::Bytes Step(double now_s, control::Autopilot& aircraft);  // what has arrived at the other end
   void SetPilot(bool allows) { pilot_allows_ = allows; }
   const control::wire::LinkCounts& counts() const { return parser_.counts(); }
-  const WireCounts& heard() const { return counts_; }
+  const WireCounts& received() const { return counts_; }
 
  private:
   void CountSetpoint(const control::wire::CtrlInput& input);
@@ -94,7 +94,7 @@ class AscTecProcessor {
   control::wire::AscTecSigns signs_;
   bool pilot_allows_ = true;
 
-  SerialLine heard_, said_;
+  SerialLine received_, sent_;
   control::wire::CommandParser parser_;
   WireCounts counts_;
   std::uint64_t damaged_ = 0;            // of the parser's refusals, as far as counted

@@ -20,7 +20,7 @@ class AscTecServer final : public AutopilotServer {
 
   void Serve(double now_s, control::Autopilot& aircraft) override;
   void SetPilot(bool allows) override { processor_.SetPilot(allows); }
-  const WireCounts& Heard() const override { return processor_.heard(); }
+  const WireCounts& Received() const override { return processor_.received(); }
   std::string Where() const override { return "serial:" + device_; }
   const control::wire::LinkCounts& counts() const { return processor_.counts(); }
 

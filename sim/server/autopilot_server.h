@@ -21,7 +21,7 @@ class AutopilotServer {
   virtual void Serve(double now_s, control::Autopilot& aircraft) = 0;
   // The pilot's switch: whether setpoints are followed. True at first.
   virtual void SetPilot(bool allows) = 0;
-  virtual const WireCounts& Heard() const = 0;
+  virtual const WireCounts& Received() const = 0;
   virtual std::string Where() const = 0;  // to connect to: "udp://127.0.0.1:2002", "serial:/dev/pts/3"
 };
 

@@ -77,8 +77,8 @@ void MavlinkServer::Serve(double now_s, control::Autopilot& aircraft) {
       const bool opens = vehicle_.OpensSession(datagram->bytes);
       const bool taken = owner && (wire.fixed || now_s - wire.heard_s <= kSilent_s);
       if (taken || !opens) {
-        vehicle_.heard().CountIgnored(
-            opens ? unheeded::kSecondClient : unheeded::kNoSession,
+        vehicle_.received().CountIgnored(
+            opens ? ignored::kSecondClient : ignored::kNoSession,
             PeerText(datagram->from) +
                 (taken ? "; it is that of " + PeerText(*owner) : "; nobody has opened one"));
         if (opens && now_s >= wire.tell_s) {

@@ -23,7 +23,7 @@ class MavlinkServer final : public AutopilotServer {
 
   void Serve(double now_s, control::Autopilot& aircraft) override;
   void SetPilot(bool allows) override;
-  const WireCounts& Heard() const override { return vehicle_.heard(); }
+  const WireCounts& Received() const override { return vehicle_.received(); }
   std::string Where() const override;
 
  private:

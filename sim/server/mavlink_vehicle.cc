@@ -119,17 +119,17 @@ void MavlinkVehicle::Receive(std::span<const std::uint8_t> datagram, double now_
                              control::Autopilot& aircraft) {
   const Counts before = parser_.counts();
   for (const Frame& frame : parser_.Datagram(datagram)) {
-    if (const std::optional<Message> message = Decode(frame)) Take(*message, now_s, aircraft);
+    if (const std::optional<Message> message = Decode(frame)) Handle(*message, now_s, aircraft);
   }
   const Counts& now = parser_.counts();
   if (now.stray_bytes > before.stray_bytes)
     counts_.CountIgnored(
-        unheeded::kDamaged,
+        ignored::kDamaged,
         fmt::format("{} of {} bytes are of no frame{}", now.stray_bytes - before.stray_bytes, datagram.size(),
                     now.bad_checksum > before.bad_checksum ? ", by a check sum" : ""));
 }
 
-void MavlinkVehicle::Take(const Message& message, double now_s, control::Autopilot& aircraft) {
+void MavlinkVehicle::Handle(const Message& message, double now_s, control::Autopilot& aircraft) {
   if (const auto* command = std::get_if<CommandLong>(&message)) {
     if (ForMe(command->target_system, command->target_component)) Command(*command, now_s, aircraft);
   } else if (const auto* mode = std::get_if<control::wire::mavlink::SetMode>(&message)) {
@@ -138,12 +138,12 @@ void MavlinkVehicle::Take(const Message& message, double now_s, control::Autopil
     if (ForMe(position->target_system, position->target_component))
       TakeSetpoint(MavlinkSetpoint::Read(*position, aircraft.State(), dialect_), *position, now_s, aircraft);
     else
-      counts_.CountIgnored(unheeded::kToAnother, fmt::format("to system {}", position->target_system));
+      counts_.CountIgnored(ignored::kToAnother, fmt::format("to system {}", position->target_system));
   } else if (const auto* attitude = std::get_if<SetAttitudeTarget>(&message)) {
     if (ForMe(attitude->target_system, attitude->target_component))
       TakeSetpoint(MavlinkSetpoint::Read(*attitude, dialect_), *attitude, now_s, aircraft);
     else
-      counts_.CountIgnored(unheeded::kToAnother, fmt::format("to system {}", attitude->target_system));
+      counts_.CountIgnored(ignored::kToAnother, fmt::format("to system {}", attitude->target_system));
   } else if (const auto* timesync = std::get_if<Timesync>(&message)) {
     if (timesync->tc1 == 0)
       Say(Timesync{.tc1 = std::max<std::int64_t>(1, std::llround(1e9 * aircraft.State().t_s)),
@@ -156,7 +156,7 @@ void MavlinkVehicle::TakeSetpoint(const std::optional<MavlinkSetpoint>& setpoint
   const bool following = mode_ == dialect_.setpoint_mode;
   if (!setpoint) {
     ++counts_.refused;
-    counts_.CountIgnored(unheeded::kImpossible, TextOfSetpoint(message));
+    counts_.CountIgnored(ignored::kImpossible, TextOfSetpoint(message));
     if (&dialect_ == &kArduPilot && following) setpoint_.reset(), Stop(aircraft);
     return;
   }
@@ -166,7 +166,7 @@ void MavlinkVehicle::TakeSetpoint(const std::optional<MavlinkSetpoint>& setpoint
   if (following)
     setpoint_ = setpoint, ++counts_.followed;
   else
-    counts_.CountIgnored(pilot_allows_ ? unheeded::kOtherMode : unheeded::kPilot, TextOfSetpoint(message));
+    counts_.CountIgnored(pilot_allows_ ? ignored::kOtherMode : ignored::kPilot, TextOfSetpoint(message));
 }
 
 void MavlinkVehicle::Command(const CommandLong& command, double now_s, control::Autopilot& aircraft) {

@@ -69,8 +69,8 @@ class MavlinkVehicle {
   std::vector<control::wire::Bytes> Due(double now_s, control::Autopilot& aircraft);
   // To a client that is not taken: a STATUSTEXT.
   control::wire::Bytes Refusal();
-  WireCounts& heard() { return counts_; }
-  const WireCounts& heard() const { return counts_; }
+  WireCounts& received() { return counts_; }
+  const WireCounts& received() const { return counts_; }
   // Turned off, the aircraft is in the pilot's own mode and no other can be had; turned on, it is put into
   // the mode for setpoints, if the dialect lets him.
   void SetPilot(bool allows);
@@ -82,7 +82,7 @@ class MavlinkVehicle {
     double next_s = 0;
   };
 
-  void Take(const control::wire::mavlink::Message& message, double now_s, control::Autopilot& aircraft);
+  void Handle(const control::wire::mavlink::Message& message, double now_s, control::Autopilot& aircraft);
   void Command(const control::wire::mavlink::CommandLong& command, double now_s,
                control::Autopilot& aircraft);
   std::uint8_t SetMode(std::uint32_t custom_mode, double now_s);

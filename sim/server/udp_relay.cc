@@ -61,12 +61,12 @@ struct UdpRelay::Line {
                                    [this, &side](error_code error, std::size_t size) {
                                      // Refused: what was sent before found nobody.
                                      if (error == boost::asio::error::operation_aborted) return;
-                                     if (!error) Take(side, size);
+                                     if (!error) Handle(side, size);
                                      Listen(side);
                                    });
   }
 
-  void Take(Side& side, std::size_t size) {
+  void Handle(Side& side, std::size_t size) {
     const bool to_server = &side == &clients;
     if (to_server)
       client = side.from;

@@ -17,18 +17,18 @@ struct WireCounts {
   std::uint64_t setpoints = 0;  // of the session, and understood
   std::uint64_t followed = 0;   // of these: the others came in another mode, or against the pilot's switch
   std::uint64_t refused = 0;    // setpoints of the session that are not flown, or that no aircraft could fly
-  // All that came and was not heeded, by kind, in words: "damaged datagrams". Setpoints are among them.
-  std::map<std::string, Kind> unheeded;
+  // All that came and was ignored, by kind, in words: "damaged datagrams". Setpoints are among them.
+  std::map<std::string, Kind> ignored;
 
   void CountIgnored(const std::string& kind, const std::string& it, std::uint64_t times = 1) {
     if (times == 0) return;
-    Kind& all = unheeded[kind];
+    Kind& all = ignored[kind];
     if (all.count == 0) all.first = it;
     all.count += times;
   }
 };
 
-namespace unheeded {
+namespace ignored {
 inline constexpr char kImpossible[] = "setpoints that cannot be followed";
 inline constexpr char kPilot[] = "setpoints while the pilot's switch was off";
 inline constexpr char kOtherMode[] = "setpoints outside the mode in which they are followed";
@@ -37,6 +37,6 @@ inline constexpr char kDamaged[] = "damaged messages";
 inline constexpr char kAgain[] = "messages that came twice or late";
 inline constexpr char kSecondClient[] = "clients refused, as another has the session";
 inline constexpr char kNoSession[] = "messages from an address without the session";
-}  // namespace unheeded
+}  // namespace ignored
 
 }  // namespace kestrel::sim

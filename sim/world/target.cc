@@ -17,8 +17,8 @@ constexpr double kDragCoefficient = 0.47;
 constexpr double kMassOfDisplaced = 0.4;  // of balloon and helium, of the mass of the air they displace
 constexpr double kAddedMass = 0.5;        // of the air that a sphere moves, likewise
 
-constexpr double kAcceleration_m_s2 = 1.5;  // the greatest of a random path
-constexpr double kQuinticPeak = 1.875;      // the greatest slope of the quintic from 0 to 1
+constexpr double kAcceleration_m_s2 = 1.5;  // the largest of a random path
+constexpr double kQuinticPeak = 1.875;      // the maximum slope of the quintic from 0 to 1
 constexpr double kLowest_m = 1.5, kUpAndDown_m = 1.5;
 
 Eigen::Vector3d FromPlace(const Eigen::Vector3d& north_east_up) {

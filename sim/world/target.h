@@ -32,7 +32,7 @@ inline void Fields(FieldVisitor& v, TargetParameters& p) {
   v({"velocity_m_s", "constant velocity from time 0 on: north, east, up"}, p.velocity_m_s, -30.0, 30.0);
   v({"string_m", "length of the string on which a balloon floats in the wind; 0: no string"}, p.string_m, 0.0,
     100.0);
-  v({"roam_m_s", "greatest speed on a random smooth path; 0: no such path"}, p.roam_m_s, 0.0, 10.0);
+  v({"roam_m_s", "maximum speed on a random smooth path; 0: no such path"}, p.roam_m_s, 0.0, 10.0);
   v({"roam_within_m", "horizontal distance from its start within which a random path stays"}, p.roam_within_m,
     1.0, 1000.0);
 }

@@ -57,7 +57,7 @@ DrydenScales DrydenLowAltitude(double height_m, double wind_20ft_m_s);
 // The air where the aircraft is: mean wind, Dryden turbulence and gusts.
 //
 // Turbulence: the spectra of MIL-F-8785C as a field frozen in the mean wind, through which the aircraft moves
-// at V, the greatest of its speed relative to the mean wind, the mean wind, and 0.5 m/s: a hovering aircraft
+// at V, the largest of its speed relative to the mean wind, the mean wind, and 0.5 m/s: a hovering aircraft
 // is carried past by the mean wind. u lies along the mean wind. The filters are discretised exactly and start
 // in their stationary state, so the variance is that of the definition whatever the time step, the speed and
 // the height do.

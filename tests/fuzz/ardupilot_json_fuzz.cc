@@ -12,7 +12,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::span<const std::uint8_t> bytes(data, size);
   static ServoSequence sequence;
   if (const auto packet = DecodeServoPacket(bytes)) {
-    sequence.Take(packet->frame_count);
+    sequence.Classify(packet->frame_count);
     if (!std::ranges::equal(EncodeServoPacket(*packet), bytes)) std::abort();
   }
   kestrel::control::wire::Reader reader(bytes);

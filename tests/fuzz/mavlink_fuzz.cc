@@ -19,7 +19,7 @@ void Use(const std::vector<Frame>& frames, Telemetry& telemetry) {
   for (const Frame& frame : frames) {
     const std::optional<Message> message = Decode(frame);
     Require(message.has_value());
-    telemetry.Take(*message);
+    telemetry.Handle(*message);
     // What is written of it reads as the same again.
     Sender sender(frame.system, frame.component);
     Parser parser(Formats());

@@ -114,7 +114,7 @@ void CheckViews(const Board& board, std::span<const BoardView> views, const std:
   }
 }
 
-// The greatest angle between the normals of two boards, rad.
+// The maximum angle between the normals of two boards, rad.
 double SpreadOfTilts(const std::vector<AdjustedView>& views) {
   double least = 1;
   for (const AdjustedView& a : views) {
@@ -126,7 +126,7 @@ double SpreadOfTilts(const std::vector<AdjustedView>& views) {
   return std::acos(std::clamp(least, -1.0, 1.0));
 }
 
-// One deviation of the pixel of a known ray, the greatest over the image.
+// One deviation of the pixel of a known ray, the largest over the image.
 double WorstUncertainty(const Calibration& c) {
   constexpr int kCols = 9, kRows = 7;
   double worst = 0;

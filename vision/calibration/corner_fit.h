@@ -20,7 +20,7 @@ struct CornerGuess {
 struct FittedCorner {
   Eigen::Vector2d pixel;
   Eigen::Matrix2d covariance;  // px^2, for noise as large as what the fit leaves
-  double blur_px = 0;          // deviation of the light's spread, lens and pixel together
+  double blur_px = 0;          // standard deviation of the light's spread, lens and pixel together
   double contrast = 0;         // white less black, grey levels
 };
 

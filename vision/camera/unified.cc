@@ -11,7 +11,7 @@ using Eigen::Vector3d;
 
 namespace {
 
-// The cosine of the greatest angle that the mirror or lens itself can show.
+// The cosine of the maximum angle that the mirror or lens itself can show.
 double MinCosine(double xi) { return xi <= 1 ? -xi : -1 / xi; }
 
 }  // namespace

@@ -23,7 +23,7 @@ struct BaselineAttitude {
   cv::Mat ground;              // CV_8UC1, 255 where the segmentation says ground
 };
 
-// 6.3.1 to 6.3.3: SkyWeight, a pyramid down and up again, a gaussian adaptive threshold, the greatest contour
+// 6.3.1 to 6.3.3: SkyWeight, a pyramid down and up again, a gaussian adaptive threshold, the largest contour
 // of ground, the ellipse fitted to it, its points back on the sphere, (6.15) in B, (6.16). The window of the
 // threshold is a share of the image. None: no contour, or an ellipse off the lens.
 class SkylineBaseline {

@@ -19,7 +19,7 @@ StripReference MakeReference(PanoramaStrip strip);
 
 // How alike two strips are when `now` is turned clockwise from `then` by k * 2 pi / n, k = 0 .. n - 1: the
 // normalised correlation of what both show, -1 to 1; -1 where they share too little. Thesis (6.18) takes the
-// distance of the images themselves; for normalised ones, the least distance is the greatest correlation.
+// distance of the images themselves; for normalised ones, the least distance is the largest correlation.
 std::vector<float> TurnLikeness(const StripReference& then, const StripReference& now);
 
 // The turn to a fraction of a column, from a start that is off by a column or two. Nearer things also shift

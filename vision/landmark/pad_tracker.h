@@ -30,9 +30,9 @@ inline void Fields(FieldVisitor& v, PadTrackerOptions& o) {
     o.registration);
   v({"max_points", "approximate number of corners of the pad that are tracked in an image"}, o.max_points, 20,
     400);
-  v({"min_inliers", "least number of points that must agree for the pad to count as seen"}, o.min_inliers, 6,
-    100);
-  v({"threshold_px", "greatest symmetric transfer distance of an inlier"}, o.threshold_px, 0.2, 10.0);
+  v({"min_inliers", "minimum number of points that must agree for the pad to count as seen"}, o.min_inliers,
+    6, 100);
+  v({"threshold_px", "maximum symmetric transfer distance of an inlier"}, o.threshold_px, 0.2, 10.0);
   v({"sigma_px", "standard deviation of a tracked point, from which the covariance of the pose follows"},
     o.sigma_px, 0.001, 5.0);
 }

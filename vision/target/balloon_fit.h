@@ -28,14 +28,14 @@ struct BalloonFitOptions {
 };
 
 inline void Fields(FieldVisitor& v, BalloonFitOptions& o) {
-  v(Renamed("min_radius_px", "least_radius_px", "least radius of the outline that is fitted"),
+  v(Renamed("min_radius_px", "least_radius_px", "minimum radius of the outline that is fitted"),
     o.min_radius_px, 1.0, 100.0);
   v(Renamed("min_contrast", "least_contrast",
-            "least contrast between inside and outside, in grey levels of 255 over all channels together"),
+            "minimum contrast between inside and outside, in grey levels of 255 over all channels together"),
     o.min_contrast, 1.0, 200.0);
-  v(Renamed("min_outline", "least_outline", "least share of the outline that must be seen, 0 to 1"),
+  v(Renamed("min_outline", "least_outline", "minimum share of the outline that must be seen, 0 to 1"),
     o.min_outline, 0.1, 1.0);
-  v({"sigma_px", "least standard deviation of an edge point"}, o.sigma_px, 0.001, 5.0);
+  v({"sigma_px", "minimum standard deviation of an edge point"}, o.sigma_px, 0.001, 5.0);
   v({"bias_px", "standard deviation of the error that all edge points share, in the measured radius"},
     o.bias_px, 0.0, 5.0);
 }

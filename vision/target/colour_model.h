@@ -22,12 +22,12 @@ inline void Fields(FieldVisitor& v, ColourRange& r) {
   v({"hue_deg", "middle of the range of hues: red 0, green 120, blue 240"}, r.hue_deg, -360.0, 360.0);
   v({"hue_half_width_deg", "half the width of the range of hues"}, r.hue_half_width_deg, 1.0, 90.0);
   v(Renamed("min_saturation", "least_saturation",
-            "least saturation, 0 to 1: below it a pixel is too grey to have a hue"),
+            "minimum saturation, 0 to 1: below it a pixel is too grey to have a hue"),
     r.min_saturation, 0.0, 1.0);
   v(Renamed("min_value", "least_value",
-            "least value (brightness) of a pixel, 0 to 1: below it a pixel is too dark to have a hue"),
+            "minimum value (brightness) of a pixel, 0 to 1: below it a pixel is too dark to have a hue"),
     r.min_value, 0.0, 1.0);
-  v(Renamed("max_value", "most_value", "greatest value (brightness) of a pixel, 0 to 1"), r.max_value, 0.0,
+  v(Renamed("max_value", "most_value", "maximum value (brightness) of a pixel, 0 to 1"), r.max_value, 0.0,
     1.0);
 }
 

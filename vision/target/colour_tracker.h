@@ -22,11 +22,11 @@ struct ColourTrackerOptions {
 };
 
 inline void Fields(FieldVisitor& v, ColourTrackerOptions& o) {
-  v(Renamed("min_diameter_px", "least_diameter_px", "least diameter of a target"), o.min_diameter_px, 3.0,
+  v(Renamed("min_diameter_px", "least_diameter_px", "minimum diameter of a target"), o.min_diameter_px, 3.0,
     200.0);
   v(Renamed(
         "min_roundness", "least_roundness",
-        "least share of its box's ellipse that a newly found target fills, and short side over long side"),
+        "minimum share of its box's ellipse that a newly found target fills, and short side over long side"),
     o.min_roundness, 0.0, 1.0);
   v({"rival_share",
      "area over that of the best candidate from which a second one makes the target ambiguous"},
@@ -37,10 +37,10 @@ inline void Fields(FieldVisitor& v, ColourTrackerOptions& o) {
   v({"close_share", "share of the image that the target's box covers beyond which it is too close"},
     o.close_share, 0.05, 1.0);
   v(Renamed("min_confidence", "least_confidence",
-            "least density of matching pixels inside a tracked target less that around it, 0 to 1"),
+            "minimum density of matching pixels inside a tracked target less that around it, 0 to 1"),
     o.min_confidence, 0.0, 1.0);
   v({"return_factor",
-     "greatest factor in size by which a lost target may have grown or shrunk when it is found again"},
+     "maximum factor in size by which a lost target may have grown or shrunk when it is found again"},
     o.return_factor, 1.0, 100.0);
   v({"forget_frames",
      "number of images after which a lost target is forgotten and one of any size is accepted"},

@@ -50,7 +50,7 @@ struct Blob {
 Blob MeasureBlob(const cv::Mat& image, const cv::Mat& sky, const cv::Point& place, int inner, int outer,
                  const BlobOptions& options);
 
-// How steep the edge of a blob is: the greatest change of any channel over 3 px on rays from its centre, mean
+// How steep the edge of a blob is: the largest change of any channel over 3 px on rays from its centre, mean
 // of 16 rays all round, in its strongest contrast. About 1 of a thing, however it is shaded near 0.5; of a
 // cloud or of a glow the less the larger it is. strongest and deviation as in Blob.
 double SharpnessOf(const cv::Mat& image, const Eigen::Vector2d& centre, double radius, double strongest,

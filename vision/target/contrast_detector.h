@@ -29,27 +29,27 @@ struct ContrastDetectorOptions {
 
 inline void Fields(FieldVisitor& v, ContrastDetectorOptions& o) {
   v(Renamed("min_contrast", "least_contrast",
-            "least contrast with the sky in the strongest channel, in grey levels of 255"),
+            "minimum contrast with the sky in the strongest channel, in grey levels of 255"),
     o.min_contrast, 1.0, 200.0);
   v({"light_factor", "factor on min_contrast for what is lighter than the sky, as clouds are"},
     o.light_factor, 1.0, 20.0);
-  v(Renamed("min_diameter_px", "least_diameter_px", "least diameter of a detection"), o.min_diameter_px, 1.0,
-    50.0);
-  v(Renamed("max_diameter_px", "most_diameter_px", "greatest diameter of a detection"), o.max_diameter_px,
-    2.0, 70.0);
+  v(Renamed("min_diameter_px", "least_diameter_px", "minimum diameter of a detection"), o.min_diameter_px,
+    1.0, 50.0);
+  v(Renamed("max_diameter_px", "most_diameter_px", "maximum diameter of a detection"), o.max_diameter_px, 2.0,
+    70.0);
   v({"margin_deg", "strip above the skyline in which nothing is looked for"}, o.margin_deg, 0.0, 20.0);
-  v(Renamed("min_score", "least_score", "least contrast in standard deviations of the sky right around"),
+  v(Renamed("min_score", "least_score", "minimum contrast in standard deviations of the sky right around"),
     o.min_score, 1.0, 1000.0);
-  v(Renamed("max_aspect", "most_aspect", "greatest ratio of length to width of a detection"), o.max_aspect,
+  v(Renamed("max_aspect", "most_aspect", "maximum ratio of length to width of a detection"), o.max_aspect,
     1.0, 20.0);
   v(Renamed("min_fill", "least_fill",
-            "least share of the ellipse of its second moments that a detection fills, 0 to 1"),
+            "minimum share of the ellipse of its second moments that a detection fills, 0 to 1"),
     o.min_fill, 0.0, 1.0);
   v(Renamed("min_sharpness", "least_sharpness",
-            "least edge sharpness of detections from 8 px on: a solid thing has about 1, a cloud less"),
+            "minimum edge sharpness of detections from 8 px on: a solid thing has about 1, a cloud less"),
     o.min_sharpness, 0.0, 2.0);
   v(Renamed("max_candidates", "most_candidates",
-            "greatest number of candidates measured in each of five image sizes; bounds the computing time"),
+            "maximum number of candidates measured in each of five image sizes; bounds the computing time"),
     o.max_candidates, 1, 1000);
 }
 

@@ -34,21 +34,21 @@ inline void Fields(FieldVisitor& v, ContrastTrackerOptions& o) {
     o.confirm_sightings, 1, 1000);
   v({"confirm_images", "number of latest images in which the sightings of a target are counted"},
     o.confirm_images, 1, 1000);
-  v({"gate_deg", "greatest angle between a sighting and where its target is predicted"}, o.gate_deg, 0.01,
+  v({"gate_deg", "maximum angle between a sighting and where its target is predicted"}, o.gate_deg, 0.01,
     30.0);
   v(Renamed("max_rate_deg_s", "most_rate_deg_s",
-            "greatest bearing rate of a target whose path is not known yet"),
+            "maximum bearing rate of a target whose path is not known yet"),
     o.max_rate_deg_s, 0.0, 1000.0);
   v({"steady_deg",
-     "greatest rms deviation of the sightings from a straight path with which a target is confirmed"},
+     "maximum rms deviation of the sightings from a straight path with which a target is confirmed"},
     o.steady_deg, 0.01, 30.0);
-  v({"size_factor", "greatest ratio of the diameters of a sighting and the last one"}, o.size_factor, 1.0,
+  v({"size_factor", "maximum ratio of the diameters of a sighting and the last one"}, o.size_factor, 1.0,
     100.0);
   v({"window_s", "time window of the sightings that path and growth are fitted to"}, o.window_s, 0.1, 20.0);
   v({"forget_s", "time without a sighting after which a confirmed target is forgotten"}, o.forget_s, 0.0,
     100.0);
   v(Renamed("max_tracks", "most_tracks",
-            "greatest number of tracks at a time, tentative ones included; bounds the computing time"),
+            "maximum number of tracks at a time, tentative ones included; bounds the computing time"),
     o.max_tracks, 1, 1000);
 }
 

@@ -8,7 +8,7 @@ namespace kestrel::sim {
 // A rotor whose blades can be pitched together: a helicopter's main rotor or tail rotor. Blade elements with
 // uniform inflow, as in V. Gavrilets, B. Mettler, E. Feron, "Dynamic model for a miniature aerobatic
 // helicopter", MIT 2001, with the inflow as a state after P. Carpenter, B. Fridovich, NACA TN 3044, 1953.
-// It knows neither the vortex ring state nor stall other than by a greatest thrust.
+// It knows neither the vortex ring state nor stall other than by a maximum thrust.
 struct PitchedRotorParameters {
   double radius_m = 0.88;
   int blades = 2;
@@ -24,7 +24,7 @@ inline void Fields(FieldVisitor& v, PitchedRotorParameters& p) {
   v({"chord_m", "chord of a blade"}, p.chord_m, 0.005, 0.5);
   v({"lift_slope_per_rad", "lift slope of the blade section"}, p.lift_slope_per_rad, 1.0, 7.0);
   v({"drag_coefficient", "drag coefficient of the blade section at zero lift"}, p.drag_coefficient, 0.0, 0.1);
-  v({"max_thrust_coefficient", "greatest thrust coefficient T / (rho A (wR)^2), either way: stall"},
+  v({"max_thrust_coefficient", "maximum thrust coefficient T / (rho A (wR)^2), either way: stall"},
     p.max_thrust_coefficient, 1e-4, 0.1);
 }
 

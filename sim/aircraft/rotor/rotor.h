@@ -39,7 +39,7 @@ inline void Fields(FieldVisitor& v, RotorParameters& p) {
   v({"time_constant_up_s", "time constant of the motor when speeding up"}, p.time_constant_up_s, 1e-4, 1.0);
   v({"time_constant_down_s", "time constant of the motor when slowing down"}, p.time_constant_down_s, 1e-4,
     1.0);
-  v({"max_speed_rad_s", "greatest rotor speed"}, p.max_speed_rad_s, 10.0, 10000.0);
+  v({"max_speed_rad_s", "maximum rotor speed"}, p.max_speed_rad_s, 10.0, 10000.0);
 }
 
 // Which way a rotor turns, seen from above.

@@ -6,11 +6,11 @@
 namespace kestrel::sim {
 
 // Motor and governor, which holds the main rotor's speed: throttle = K_p e + K_i integral of e, between 0 and
-// 1 of the greatest power (Gavrilets, Mettler, Feron 2001, as in sim/aircraft/rotor/pitched_rotor.h), and a
+// 1 of the maximum power (Gavrilets, Mettler, Feron 2001, as in sim/aircraft/rotor/pitched_rotor.h), and a
 // lag of the motor.
 struct DriveParameters {
   double speed_rad_s = 125;  // of the main rotor, governed
-  double power_w = 1400;     // the greatest
+  double power_w = 1400;     // the largest
   double response_s = 0.05;  // lag of the motor's power
   double gain_s = 0.05;
   double integral = 0.1;
@@ -20,7 +20,7 @@ struct DriveParameters {
 
 inline void Fields(FieldVisitor& v, DriveParameters& p) {
   v({"speed_rad_s", "governed speed of the main rotor"}, p.speed_rad_s, 10.0, 1000.0);
-  v({"power_w", "greatest power of the motor"}, p.power_w, 10.0, 1e5);
+  v({"power_w", "maximum power of the motor"}, p.power_w, 10.0, 1e5);
   v({"response_s", "time constant of the motor's power"}, p.response_s, 0.001, 5.0);
   v({"gain_s", "proportional gain of the governor: throttle per speed error"}, p.gain_s, 0.0, 10.0);
   v({"integral", "integral gain of the governor"}, p.integral, 0.0, 10.0);

@@ -35,7 +35,7 @@ class Line {
     fmt::format_to(std::back_inserter(text_), "\"{}\":", name);
     Add(value);
   }
-  std::optional<std::string> Take() && {
+  std::optional<std::string> Release() && {
     if (!finite_) return std::nullopt;
     return std::move(text_);
   }
@@ -79,7 +79,7 @@ control::wire::Bytes EncodeServoPacket(const ServoPacket& packet) {
   return bytes;
 }
 
-ServoEvent ServoSequence::Take(std::uint32_t frame_count) {
+ServoEvent ServoSequence::Classify(std::uint32_t frame_count) {
   const std::optional<std::uint32_t> last = std::exchange(last_, frame_count);
   if (!last) return ServoEvent::kReset;
   const std::uint32_t steps = frame_count - *last;  // modulo 2^32: the count may go round
@@ -124,7 +124,7 @@ std::optional<std::string> StateLine(const PhysicsState& state) {
     line.Add("}");
   }
   line.Add("}\n");
-  return std::move(line).Take();
+  return std::move(line).Release();
 }
 
 }  // namespace kestrel::sim::ardupilot

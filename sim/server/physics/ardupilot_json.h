@@ -39,7 +39,7 @@ enum class ServoEvent {
 
 class ServoSequence {
  public:
-  ServoEvent Take(std::uint32_t frame_count);
+  ServoEvent Classify(std::uint32_t frame_count);
   std::uint64_t missed() const { return missed_; }  // packets that never came
 
  private:

@@ -79,7 +79,7 @@ struct ArduPilotPhysics::Impl {
   void Open(const Received& first) {
     if (first.from != socket.owner()) socket.Own(first.from);
     sequence = {};
-    sequence.Take(first.packet.frame_count);
+    sequence.Classify(first.packet.frame_count);
     Obey(first);
   }
 
@@ -139,7 +139,7 @@ struct ArduPilotPhysics::Impl {
         Open(*received);
         return std::nullopt;
       }
-      switch (sequence.Take(received->packet.frame_count)) {
+      switch (sequence.Classify(received->packet.frame_count)) {
         case ardupilot::ServoEvent::kRepeat:
           ++counts.repeated;
           Answer();

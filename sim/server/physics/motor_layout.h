@@ -35,7 +35,7 @@ struct MotorLayout {
 // PX4's quad_x.toml, of mixers that it no longer has, numbers them otherwise.
 std::span<const MotorLayout> MotorLayouts();
 
-// What a motor's command u, 0 to 1 (anything else is brought there; not a number: 0), is of its greatest
+// What a motor's command u, 0 to 1 (anything else is brought there; not a number: 0), is of its largest
 // thrust: (1 - c) u + c u^2. c = 0: a thrust; c = 1: a rotor speed. Both autopilots make their commands from
 // the thrusts that they want by the inverse of this curve: PX4 with c = THR_MDL_FAC, ArduPilot with c =
 // MOT_THST_EXPO. With the same c here the thrust is the one they wanted.

@@ -109,7 +109,7 @@ struct Px4Physics::Impl {
                                   const auto message = mav::Decode(frame);
                                   if (!message) continue;
                                   if (c == connection)
-                                    Take(*message);
+                                    Handle(*message);
                                   else
                                     c->first.push_back(*message);
                                 }
@@ -118,7 +118,7 @@ struct Px4Physics::Impl {
                               });
   }
 
-  void Take(const mav::Message& message) {
+  void Handle(const mav::Message& message) {
     if (const auto* controls = std::get_if<mav::HilActuatorControls>(&message)) {
       if (last_usec == controls->time_usec) {
         ++counts.repeated;
@@ -178,7 +178,7 @@ struct Px4Physics::Impl {
     candidates.clear();
     if (!introduced || broken || wait.stopped()) return false;
     connection = introduced;
-    for (const mav::Message& message : std::exchange(connection->first, {})) Take(message);
+    for (const mav::Message& message : std::exchange(connection->first, {})) Handle(message);
     Read(connection);
     return true;
   }

@@ -138,8 +138,9 @@ TEST_F(ServeCommandTest, AFlightThatNobodyFlewIsNotMet) {
   a.scenario = "hover", a.afcs = "127.0.0.1:0", a.for_s = 0.6, a.out = folder_ / "run";
   testing::internal::CaptureStdout();
   EXPECT_EQ(ServeCommand(a), 1);
-  EXPECT_THAT(testing::internal::GetCapturedStdout(),
-              AllOf(HasSubstr("not flown"), HasSubstr("setpoints: 0 heard"), Not(HasSubstr("touch-down"))));
+  EXPECT_THAT(
+      testing::internal::GetCapturedStdout(),
+      AllOf(HasSubstr("not flown"), HasSubstr("setpoints: 0 received"), Not(HasSubstr("touch-down"))));
 }
 
 TEST_F(ServeCommandTest, NothingToServeIsAMistake) {

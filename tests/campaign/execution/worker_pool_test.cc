@@ -47,7 +47,7 @@ class WorkerPoolTest : public InTemporaryFolder {
     for (std::size_t given = 0; MonotonicNow_s() < until_s;) {
       while (given < orders.size() && pool.Idle()) pool.Give(orders[given++]);
       if (pool.under_way() == 0) break;
-      if (const auto result = pool.Take(1)) {
+      if (const auto result = pool.WaitForResult(1)) {
         EXPECT_TRUE(results.emplace(result->row, *result).second) << "row " << result->row << " came twice";
       }
     }
@@ -125,7 +125,7 @@ TEST_F(WorkerPoolTest, FliesAllThatIsGivenOnceEach) {
   auto flown = RowsIn(folder_ / "flown.txt");
   EXPECT_EQ(flown.size(), 40);
   EXPECT_EQ(pool.under_way(), 0);
-  EXPECT_FALSE(pool.Take(0));
+  EXPECT_FALSE(pool.WaitForResult(0));
 }
 
 TEST_F(WorkerPoolTest, ACrashCostsItsOwnRunAloneAndIsNamedWithItsLog) {
@@ -200,7 +200,7 @@ TEST_F(WorkerPoolTest, ProgramsThatCannotFlyEndItWithTheReason) {
     try {
       WorkerPool pool(1, kPatience_s, folder_ / "logs", command);
       pool.Give(Order(0));
-      while (!pool.Take(1)) {}
+      while (!pool.WaitForResult(1)) {}
     } catch (const std::runtime_error& e) {
       return e.what();
     }
@@ -239,9 +239,9 @@ TEST_F(WorkerPoolTest, WorkersEndWithTheParentWhateverItsEnd) {
       WorkerPool pool = Pool(2);
       pool.Give(Order(0, "hang"));
       pool.Give(Order(1, "hang"));
-      while (RowsIn(folder_ / "given.txt").size() < 2) pool.Take(0.01);
+      while (RowsIn(folder_ / "given.txt").size() < 2) pool.WaitForResult(0.01);
       std::ofstream(folder_ / "under_way") << "yes";
-      for (;;) pool.Take(1);
+      for (;;) pool.WaitForResult(1);
     } catch (const std::exception& e) {
       std::fputs(e.what(), stderr);
       _exit(1);

@@ -193,7 +193,7 @@ speed: 3
           "f.yaml:10: vary.start.height_m: there is no distribution 'unifrom'; did you mean 'uniform'? "
           "valid: "
           "uniform, log_uniform, normal, truncated_normal, choice, grid",
-          "f.yaml:11: vary.start.yaw_deg: the deviation is -1; valid: above 0",
+          "f.yaml:11: vary.start.yaw_deg: the standard deviation is -1; valid: above 0",
           "f.yaml:14: vary.vehicle: the grid is empty; valid: a list of one value or more",
           "f.yaml:15: vary.pad.yaw_deg: uniform: 3 is not valid; valid: [low, high]",
           "f.yaml:16: vary.pad.size: 4 is not a distribution; valid: one of uniform, log_uniform, normal, "

@@ -69,9 +69,9 @@ struct Rig {
       if (t_s >= due_s - kDt / 2) {
         due_s += kCycle_s;
         const auto* position = std::get_if<PositionSetpoint>(&setpoint);
-        const auto out = FollowVelocity(position ? VelocityToward(*position, past_.front(), options)
-                                                 : std::get<VelocitySetpoint>(setpoint),
-                                        past_.front(), loop, options);
+        const auto out = StepVelocityLoop(position ? VelocityToward(*position, past_.front(), options)
+                                                   : std::get<VelocitySetpoint>(setpoint),
+                                          past_.front(), loop, options);
         asked = out.setpoint, loop = out.state, limited = out.limited;
       }
       aircraft.Step(asked);
@@ -171,13 +171,13 @@ TEST(VelocityLoop, BeginsAtTheVelocityThatThereIsAndKeepsTheIntegralOverAPause) 
   vehicle.t_s = 10, vehicle.v_N = {1.5, -0.5, 0.2};
   VelocityLoopState before;
   before.t_s = 9, before.integral_N = {0.3, 0.2, -0.1};
-  const auto out = FollowVelocity({{1.5, -0.5, 0.2}, 0}, vehicle, before, {});
+  const auto out = StepVelocityLoop({{1.5, -0.5, 0.2}, 0}, vehicle, before, {});
   EXPECT_EQ(out.state.command_N, vehicle.v_N);
   EXPECT_EQ(out.state.integral_N, before.integral_N);
   EXPECT_NEAR(out.setpoint.pitch, -std::atan(0.3 / kGravity) / 0.84, 1e-9);
   EXPECT_NEAR(out.setpoint.thrust, 0.45 * (kGravity + 0.1) / kGravity, 1e-9);
   // The same state again changes nothing.
-  const auto again = FollowVelocity({{1.5, -0.5, 0.2}, 0}, vehicle, out.state, {});
+  const auto again = StepVelocityLoop({{1.5, -0.5, 0.2}, 0}, vehicle, out.state, {});
   EXPECT_EQ(again.state.integral_N, out.state.integral_N);
   EXPECT_EQ(again.setpoint.thrust, out.setpoint.thrust);
 }

@@ -117,15 +117,15 @@ Attitude Level(std::uint32_t time_boot_ms) { return {.time_boot_ms = time_boot_m
 TEST(MavlinkTelemetry, NoStateBeforeAllOfItCame) {
   Telemetry telemetry;
   EXPECT_FALSE(telemetry.State(kPx4));
-  EXPECT_TRUE(telemetry.Take(Heartbeat{}));
-  EXPECT_TRUE(telemetry.Take(Level(1000)));
+  EXPECT_TRUE(telemetry.Handle(Heartbeat{}));
+  EXPECT_TRUE(telemetry.Handle(Level(1000)));
   EXPECT_FALSE(telemetry.State(kPx4));
-  EXPECT_TRUE(telemetry.Take(LocalPositionNed{.time_boot_ms = 1000}));
+  EXPECT_TRUE(telemetry.Handle(LocalPositionNed{.time_boot_ms = 1000}));
   EXPECT_TRUE(telemetry.State(kPx4));
   // The position no longer comes.
-  EXPECT_TRUE(telemetry.Take(Level(1500)));
+  EXPECT_TRUE(telemetry.Handle(Level(1500)));
   EXPECT_TRUE(telemetry.State(kPx4));
-  EXPECT_TRUE(telemetry.Take(Level(1501)));
+  EXPECT_TRUE(telemetry.Handle(Level(1501)));
   EXPECT_FALSE(telemetry.State(kPx4));
 }
 
@@ -133,10 +133,10 @@ TEST(MavlinkTelemetry, AttitudeAndPositionAreOfOneTime) {
   const Eigen::Quaterniond R_NB = Turned(1, 0.1, -0.2);
   const auto q = R_NB.cast<float>();
   Telemetry telemetry;
-  telemetry.Take(Heartbeat{});
-  telemetry.Take(AttitudeQuaternion{
+  telemetry.Handle(Heartbeat{});
+  telemetry.Handle(AttitudeQuaternion{
       .time_boot_ms = 2000, .q1 = q.w(), .q2 = q.x(), .q3 = q.y(), .q4 = q.z(), .rollspeed = 0.5F});
-  telemetry.Take(LocalPositionNed{.time_boot_ms = 1900, .x = 1, .y = 2, .z = -3, .vx = 10, .vz = 1});
+  telemetry.Handle(LocalPositionNed{.time_boot_ms = 1900, .x = 1, .y = 2, .z = -3, .vx = 10, .vz = 1});
   VehicleState state = telemetry.State(kPx4).value();
   EXPECT_DOUBLE_EQ(state.t_s, 2);
   EXPECT_LT((state.p_NB - Eigen::Vector3d(2, 2, -2.9)).norm(), 1e-6);
@@ -144,21 +144,21 @@ TEST(MavlinkTelemetry, AttitudeAndPositionAreOfOneTime) {
   EXPECT_LT(state.R_NB.angularDistance(R_NB), 1e-6);
   EXPECT_EQ(state.w_B, Eigen::Vector3d(0.5, 0, 0));
   EXPECT_TRUE(state.R_NB_inertial && state.R_NB_inertial->isApprox(state.R_NB));
-  telemetry.Take(LocalPositionNed{.time_boot_ms = 2100});
+  telemetry.Handle(LocalPositionNed{.time_boot_ms = 2100});
   state = telemetry.State(kPx4).value();
   EXPECT_DOUBLE_EQ(state.t_s, 2.1);
   EXPECT_LT(state.R_NB.angularDistance(R_NB * Turned(0, 0, 0.05)), 1e-6);
   // By its angles, the same attitude.
-  telemetry.Take(Attitude{.time_boot_ms = 2100, .roll = -0.2F, .pitch = 0.1F, .yaw = 1});
+  telemetry.Handle(Attitude{.time_boot_ms = 2100, .roll = -0.2F, .pitch = 0.1F, .yaw = 1});
   EXPECT_LT(telemetry.State(kPx4)->R_NB.angularDistance(R_NB), 1e-6);
 }
 
 TEST(MavlinkTelemetry, TheModeIsThatOfWhatWasSent) {
   Telemetry telemetry;
-  telemetry.Take(Level(0));
-  telemetry.Take(LocalPositionNed{});
+  telemetry.Handle(Level(0));
+  telemetry.Handle(LocalPositionNed{});
   const auto mode = [&telemetry](std::uint32_t custom_mode, bool armed, const Dialect& dialect) {
-    telemetry.Take(
+    telemetry.Handle(
         Heartbeat{.custom_mode = custom_mode, .base_mode = static_cast<std::uint8_t>(armed ? 129 : 1)});
     return telemetry.State(dialect)->mode;
   };
@@ -170,46 +170,46 @@ TEST(MavlinkTelemetry, TheModeIsThatOfWhatWasSent) {
   EXPECT_EQ(mode(4, true, kArduPilot), FlightMode::kPosition);
   telemetry.Sent(AttitudeSetpoint{});
   EXPECT_EQ(mode(4, true, kArduPilot), FlightMode::kAttitude);
-  telemetry.Take(ExtendedSysState{.landed_state = 3});
+  telemetry.Handle(ExtendedSysState{.landed_state = 3});
   EXPECT_EQ(mode(4, true, kArduPilot), FlightMode::kTakeOff);
 }
 
 TEST(MavlinkTelemetry, LandedAsItSaysOrElseAsItIsArmed) {
   Telemetry telemetry;
-  telemetry.Take(Level(0));
-  telemetry.Take(LocalPositionNed{});
-  telemetry.Take(Heartbeat{.base_mode = 128});
+  telemetry.Handle(Level(0));
+  telemetry.Handle(LocalPositionNed{});
+  telemetry.Handle(Heartbeat{.base_mode = 128});
   EXPECT_FALSE(telemetry.State(kPx4)->landed);
-  telemetry.Take(ExtendedSysState{.landed_state = 1});
+  telemetry.Handle(ExtendedSysState{.landed_state = 1});
   EXPECT_TRUE(telemetry.State(kPx4)->landed);
-  telemetry.Take(ExtendedSysState{.landed_state = 4});
+  telemetry.Handle(ExtendedSysState{.landed_state = 4});
   EXPECT_FALSE(telemetry.State(kPx4)->landed);
-  telemetry.Take(ExtendedSysState{.landed_state = 0});
-  telemetry.Take(Heartbeat{});
+  telemetry.Handle(ExtendedSysState{.landed_state = 0});
+  telemetry.Handle(Heartbeat{});
   EXPECT_TRUE(telemetry.State(kPx4)->landed);
 }
 
 TEST(MavlinkTelemetry, WhatIsNoNumberIsNotTaken) {
   constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
   Telemetry telemetry;
-  EXPECT_FALSE(telemetry.Take(Attitude{.pitch = kNone}));
-  EXPECT_FALSE(telemetry.Take(Attitude{.yawspeed = std::numeric_limits<float>::infinity()}));
-  EXPECT_FALSE(telemetry.Take(AttitudeQuaternion{}));
-  EXPECT_FALSE(telemetry.Take(AttitudeQuaternion{.q1 = kNone}));
-  EXPECT_FALSE(telemetry.Take(AttitudeQuaternion{.q1 = 1, .rollspeed = kNone}));
-  EXPECT_FALSE(telemetry.Take(LocalPositionNed{.z = kNone}));
-  EXPECT_FALSE(telemetry.Take(Statustext{}));
+  EXPECT_FALSE(telemetry.Handle(Attitude{.pitch = kNone}));
+  EXPECT_FALSE(telemetry.Handle(Attitude{.yawspeed = std::numeric_limits<float>::infinity()}));
+  EXPECT_FALSE(telemetry.Handle(AttitudeQuaternion{}));
+  EXPECT_FALSE(telemetry.Handle(AttitudeQuaternion{.q1 = kNone}));
+  EXPECT_FALSE(telemetry.Handle(AttitudeQuaternion{.q1 = 1, .rollspeed = kNone}));
+  EXPECT_FALSE(telemetry.Handle(LocalPositionNed{.z = kNone}));
+  EXPECT_FALSE(telemetry.Handle(Statustext{}));
 }
 
 TEST(MavlinkTelemetry, WhatCannotBeIsNotTaken) {
   Telemetry telemetry;
-  EXPECT_TRUE(telemetry.Take(LocalPositionNed{.x = 9e4F, .vx = 150}));
-  EXPECT_FALSE(telemetry.Take(LocalPositionNed{.x = 3e38F}));
-  EXPECT_FALSE(telemetry.Take(LocalPositionNed{.vz = 1e4F}));
-  EXPECT_TRUE(telemetry.Take(Attitude{.roll = -3.14F, .rollspeed = 30}));
-  EXPECT_FALSE(telemetry.Take(Attitude{.roll = 3e38F}));
-  EXPECT_FALSE(telemetry.Take(Attitude{.rollspeed = 1e3F}));
-  EXPECT_FALSE(telemetry.Take(AttitudeQuaternion{.q1 = 1.1F}));
+  EXPECT_TRUE(telemetry.Handle(LocalPositionNed{.x = 9e4F, .vx = 150}));
+  EXPECT_FALSE(telemetry.Handle(LocalPositionNed{.x = 3e38F}));
+  EXPECT_FALSE(telemetry.Handle(LocalPositionNed{.vz = 1e4F}));
+  EXPECT_TRUE(telemetry.Handle(Attitude{.roll = -3.14F, .rollspeed = 30}));
+  EXPECT_FALSE(telemetry.Handle(Attitude{.roll = 3e38F}));
+  EXPECT_FALSE(telemetry.Handle(Attitude{.rollspeed = 1e3F}));
+  EXPECT_FALSE(telemetry.Handle(AttitudeQuaternion{.q1 = 1.1F}));
 }
 
 }  // namespace

@@ -43,7 +43,7 @@ class FakeServer final : public sim::AutopilotServer {
     ++heard.setpoints, ++heard.followed;
   }
   void SetPilot(bool allows) override { pilot = allows, switched_at_call = calls.size(); }
-  const sim::WireCounts& Heard() const override { return heard; }
+  const sim::WireCounts& Received() const override { return heard; }
   std::string Where() const override { return "udp://127.0.0.1:1"; }
 
   struct Call {
@@ -222,8 +222,8 @@ TEST_F(ServeFlightTest, WhatTheWireBroughtIsCountedOnceAndWhatIsNotHeededIsTold)
   server.sends = control::VelocitySetpoint{};
   server.counts_each = false;
   server.heard.refused = 2;
-  server.heard.CountIgnored(sim::unheeded::kImpossible, "TELEOP nan 0 0 0", 2);
-  server.heard.CountIgnored(sim::unheeded::kDamaged, "shorter than a header", 40000);
+  server.heard.CountIgnored(sim::ignored::kImpossible, "TELEOP nan 0 0 0", 2);
+  server.heard.CountIgnored(sim::ignored::kDamaged, "shorter than a header", 40000);
   std::vector<std::string> said;
   ServeOptions options;
   options.clock = clock.Clock();
@@ -238,8 +238,8 @@ TEST_F(ServeFlightTest, WhatTheWireBroughtIsCountedOnceAndWhatIsNotHeededIsTold)
   EXPECT_EQ(s.metrics.at("messages_not_heeded"), 40002);
   const std::string events = Content("run/events.log");
   for (const char* line :
-       {"not heeded: damaged messages: shorter than a header", "not heeded: 40000 damaged messages in all",
-        "not heeded: setpoints that cannot be followed: TELEOP nan 0 0 0"}) {
+       {"ignored: damaged messages: shorter than a header", "ignored: 40000 damaged messages in all",
+        "ignored: setpoints that cannot be followed: TELEOP nan 0 0 0"}) {
     EXPECT_THAT(events, HasSubstr(line));
     EXPECT_EQ(std::ranges::count_if(said, [&](const auto& each) { return each.ends_with(line); }), 1) << line;
   }

@@ -234,8 +234,8 @@ TEST(FaultFlights, AWrongCompassTurnsTheHeadingButNotAtOnce) {
 }
 
 TEST(FaultFlights, WithoutItsGyroscopesItIsLostAndSaysSo) {
-  const std::pair<const char*, const char*> cases[] = {{"stuck", "gyro stuck: rates as last heard"},
-                                                       {"off", "gyro silent: rates as last heard"}};
+  const std::pair<const char*, const char*> cases[] = {{"stuck", "gyro stuck: rates as last received"},
+                                                       {"off", "gyro silent: rates as last received"}};
   for (const auto& [type, name] : cases) {
     Flight flight("pelican", 7, {Fault("gyro", type)});
     flight.Run(45);

@@ -319,13 +319,13 @@ std::string Called(const char* component, const char* type) {
 
 TEST(SensorWatch, NamesSensorsThatAreSilentOrStuck) {
   for (const char* type : {"off", "slow", "delayed"}) {
-    EXPECT_EQ(Called("gyro", type), "gyro silent: rates as last heard");
-    EXPECT_EQ(Called("accel", type), "accel silent: forces as last heard");
+    EXPECT_EQ(Called("gyro", type), "gyro silent: rates as last received");
+    EXPECT_EQ(Called("accel", type), "accel silent: forces as last received");
     EXPECT_EQ(Called("baro", type), "baro silent: height by gps");
     EXPECT_EQ(Called("gps", type), "gps silent: dead reckoning");
     EXPECT_EQ(Called("mag", type), "mag silent: heading by gyro");
   }
-  EXPECT_EQ(Called("gyro", "stuck"), "gyro stuck: rates as last heard");
+  EXPECT_EQ(Called("gyro", "stuck"), "gyro stuck: rates as last received");
   EXPECT_EQ(Called("gps", "stuck"), "gps stuck: dead reckoning");
   EXPECT_EQ(Called("baro", "stuck"), "baro stuck: height by gps");
   for (const char* component : kComponents) {

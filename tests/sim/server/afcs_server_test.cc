@@ -72,7 +72,7 @@ class AfcsServerTest : public ::testing::Test {
     Serve(for_s);
   }
   template <class Message>
-  std::vector<Message> Heard() {
+  std::vector<Message> Received() {
     std::vector<Message> all;
     for (const auto& datagram : heard_)
       if (const auto* message = std::get_if<Message>(&datagram.message)) all.push_back(*message);
@@ -110,8 +110,8 @@ TEST_F(AfcsServerTest, SaysNothingBeforeItIsOpened) {
   Say(control::wire::AfcsTeleop{1, 0, 0, 0}, 0.1);
   EXPECT_TRUE(heard_.empty());
   EXPECT_TRUE(aircraft_.told.empty());
-  EXPECT_EQ(server_->Heard().unheeded.at(unheeded::kNoSession).count, 1U);
-  EXPECT_EQ(server_->Heard().setpoints, 0U);
+  EXPECT_EQ(server_->Received().ignored.at(ignored::kNoSession).count, 1U);
+  EXPECT_EQ(server_->Received().setpoints, 0U);
 }
 
 TEST_F(AfcsServerTest, AcknowledgesEveryOpen) {
@@ -216,11 +216,11 @@ TEST_F(AfcsServerTest, DoesNotObeyWhatNoAircraftCould) {
   Say(control::wire::AfcsFlyTo{.z = std::numeric_limits<double>::infinity()});
   Say(control::wire::AfcsFlyTo{.pos_mode = 77});
   EXPECT_TRUE(aircraft_.told.empty());
-  EXPECT_EQ(server_->Heard().setpoints, 0U);
-  EXPECT_EQ(server_->Heard().refused, 4U);
-  ASSERT_TRUE(server_->Heard().unheeded.contains(unheeded::kImpossible));
-  EXPECT_EQ(server_->Heard().unheeded.at(unheeded::kImpossible).count, 4U);
-  EXPECT_THAT(server_->Heard().unheeded.at(unheeded::kImpossible).first, HasSubstr("TELEOP nan"));
+  EXPECT_EQ(server_->Received().setpoints, 0U);
+  EXPECT_EQ(server_->Received().refused, 4U);
+  ASSERT_TRUE(server_->Received().ignored.contains(ignored::kImpossible));
+  EXPECT_EQ(server_->Received().ignored.at(ignored::kImpossible).count, 4U);
+  EXPECT_THAT(server_->Received().ignored.at(ignored::kImpossible).first, HasSubstr("TELEOP nan"));
   EXPECT_TRUE(Heard<control::wire::AfcsDesiredPosition>().empty());
 }
 
@@ -235,9 +235,9 @@ TEST_F(AfcsServerTest, ThePilotsSwitchEndsObedience) {
   server_->SetPilot(true);
   Say(control::wire::AfcsTeleop{1, 0, 0, 0});
   EXPECT_EQ(aircraft_.told.size(), 1U);
-  EXPECT_EQ(server_->Heard().setpoints, 3U);
-  EXPECT_EQ(server_->Heard().followed, 1U);
-  EXPECT_EQ(server_->Heard().unheeded.at(unheeded::kPilot).count, 2U);
+  EXPECT_EQ(server_->Received().setpoints, 3U);
+  EXPECT_EQ(server_->Received().followed, 1U);
+  EXPECT_EQ(server_->Received().ignored.at(ignored::kPilot).count, 2U);
 }
 
 TEST_F(AfcsServerTest, AStrangerIsNeitherObeyedNorAnsweredNorMayHeTakeOver) {
@@ -255,9 +255,10 @@ TEST_F(AfcsServerTest, AStrangerIsNeitherObeyedNorAnsweredNorMayHeTakeOver) {
   Serve(0.1);
   EXPECT_TRUE(aircraft_.told.empty());
   EXPECT_FALSE(stranger_.Receive());
-  EXPECT_EQ(server_->Heard().unheeded.at(unheeded::kSecondClient).count, 1U);
-  EXPECT_EQ(server_->Heard().unheeded.at(unheeded::kNoSession).count, 3U);
-  EXPECT_THAT(server_->Heard().unheeded.at(unheeded::kSecondClient).first, HasSubstr("; it is that of 127."));
+  EXPECT_EQ(server_->Received().ignored.at(ignored::kSecondClient).count, 1U);
+  EXPECT_EQ(server_->Received().ignored.at(ignored::kNoSession).count, 3U);
+  EXPECT_THAT(server_->Received().ignored.at(ignored::kSecondClient).first,
+              HasSubstr("; it is that of 127."));
   EXPECT_NEAR(static_cast<double>(Heard<control::wire::AfcsState>().size()), 5, 1);
   Say(control::wire::AfcsTeleop{1, 0, 0, 0});
   EXPECT_EQ(aircraft_.told.size(), 1U);
@@ -334,9 +335,9 @@ TEST_F(AfcsServerTest, DoubledAndLateCommandsAreNotObeyed) {
   ASSERT_EQ(aircraft_.told.size(), 2U);
   EXPECT_EQ(std::get<control::VelocitySetpoint>(aircraft_.told[0]).v_H.x(), 1);
   EXPECT_EQ(std::get<control::VelocitySetpoint>(aircraft_.told[1]).v_H.x(), 4);
-  EXPECT_EQ(server_->Heard().setpoints, 2U);
-  EXPECT_EQ(server_->Heard().unheeded.at(unheeded::kAgain).count, 2U);
-  EXPECT_EQ(server_->Heard().unheeded.at(unheeded::kDamaged).count, 1U);
+  EXPECT_EQ(server_->Received().setpoints, 2U);
+  EXPECT_EQ(server_->Received().ignored.at(ignored::kAgain).count, 2U);
+  EXPECT_EQ(server_->Received().ignored.at(ignored::kDamaged).count, 1U);
 }
 
 TEST_F(AfcsServerTest, WithoutAPlatformNoneAnswers) {

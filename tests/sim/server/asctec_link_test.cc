@@ -208,12 +208,12 @@ TEST(AscTecProcessor, OfAFloodTheLineHoldsTheNewestBytes) {
     std::fill(block.begin(), block.end(), static_cast<std::uint8_t>(i % 251));
     line.Put(0, block);
   }
-  const wire::Bytes arrived = line.Take(1e9);
+  const wire::Bytes arrived = line.Receive(1e9);
   ASSERT_EQ(arrived.size(), sim::SerialLine::kMax);
   EXPECT_EQ(arrived.back(), 3999 % 251);
   EXPECT_EQ(arrived.front(), (4000 - sim::SerialLine::kMax / 256) % 251);
   line.Put(2e9, block);  // and it goes on as before
-  EXPECT_EQ(line.Take(3e9).size(), block.size());
+  EXPECT_EQ(line.Receive(3e9).size(), block.size());
 }
 
 TEST(AscTecSession, AttitudesArriveRight) {
@@ -518,8 +518,8 @@ TEST(AscTecSession, DamagedBytesCostWhatTheyHitAndNoMore) {
     ASSERT_NEAR(std::get<AttitudeSetpoint>(setpoint).thrust, 0.5, 1e-3);
   }
   EXPECT_GT(line.session.Health(line.t_s).refused, 50u);
-  EXPECT_EQ(line.processor.heard().followed, aircraft.heard.size());
-  EXPECT_GT(line.processor.heard().unheeded.at(sim::unheeded::kDamaged).count, 0u);
+  EXPECT_EQ(line.processor.received().followed, aircraft.heard.size());
+  EXPECT_GT(line.processor.received().ignored.at(sim::ignored::kDamaged).count, 0u);
   EXPECT_GT(states, 200);  // of 500
   EXPECT_GT(aircraft.heard.size(), 250u);
   EXPECT_LT(oldest_s, 0.6);

@@ -58,7 +58,7 @@ class Stranger {
     socket_.non_blocking(true);
   }
   void Say(const Message& message) { socket_.send_to(boost::asio::buffer(sender_.Encode(message)), to_); }
-  bool Heard() {
+  bool Received() {
     boost::system::error_code error;
     std::array<char, 300> buffer;
     socket_.receive(boost::asio::buffer(buffer), 0, error);
@@ -66,7 +66,7 @@ class Stranger {
   }
   int Drain() {
     int count = 0;
-    while (Heard()) ++count;
+    while (Received()) ++count;
     return count;
   }
   Sender sender_{1, 1};
@@ -119,7 +119,7 @@ TEST(MavlinkLink, ListensForAnAutopilotThatTellsUnasked) {
                              EXPECT_EQ(link.State().p_NB.x(), 0);
                            }));
   EXPECT_NE(link.Health().pilot_allows, true);
-  EXPECT_FALSE(stranger.Heard());
+  EXPECT_FALSE(stranger.Received());
 }
 
 TEST(MavlinkServer, TakesNothingFromAnAddressThatDidNotOpenTheSession) {
@@ -138,13 +138,13 @@ TEST(MavlinkServer, TakesNothingFromAnAddressThatDidNotOpenTheSession) {
   ASSERT_TRUE(served.Until([&] { return ++times > 50; }, [&] { tell(late); }));
   EXPECT_TRUE(served.aircraft.sent.empty());
   // It is told that it is refused, seldom, and nothing of the aircraft.
-  ASSERT_TRUE(late.Heard());
+  ASSERT_TRUE(late.Received());
   EXPECT_LT(late.Drain(), 5 + (Now_s() - begun_s) / sim::MavlinkServer::kTellAgain_s);
-  const auto& unheeded = served.server.Heard().unheeded;
-  EXPECT_GE(unheeded.at(sim::unheeded::kSecondClient).count, 50U);
-  EXPECT_GE(unheeded.at(sim::unheeded::kNoSession).count, 100U);
-  EXPECT_EQ(served.server.Heard().setpoints, 0U);
-  EXPECT_FALSE(early.Heard());
+  const auto& ignored = served.server.Received().ignored;
+  EXPECT_GE(ignored.at(sim::ignored::kSecondClient).count, 50U);
+  EXPECT_GE(ignored.at(sim::ignored::kNoSession).count, 100U);
+  EXPECT_EQ(served.server.Received().setpoints, 0U);
+  EXPECT_FALSE(early.Received());
   EXPECT_EQ(link.State().mode, FlightMode::kHold);
 }
 
@@ -180,7 +180,7 @@ TEST(MavlinkServer, AFloodNeitherHidesTheOwnerNorTakesTheSession) {
     c.Serve(0.5);
     ASSERT_EQ(c.Told(), 1) << i;
   }
-  EXPECT_EQ(c.server.Heard().setpoints, 13U);
+  EXPECT_EQ(c.server.Received().setpoints, 13U);
 }
 
 TEST(MavlinkServer, WhoSpokeInTimeAndWasReadLateKeepsTheSession) {

@@ -357,13 +357,13 @@ TEST(MavlinkPair, EachSetpointIsCountedOnceAndWhatIsNotHeededByItsKind) {
   pair.Fly(control::VelocitySetpoint{{1, 0, 0}, 0}, 3);
   pair.link.Silence();
   pair.Run(0.1);
-  const WireCounts& heard = pair.vehicle->heard();
+  const WireCounts& heard = pair.vehicle->received();
   EXPECT_EQ(heard.setpoints, pair.up.All<SetPositionTargetLocalNed>().size());
   EXPECT_GT(pair.aircraft.sent.size(), heard.setpoints);  // it is told again at each step
   EXPECT_GT(heard.followed, 20U);
   // PX4 has them before the mode, too.
-  ASSERT_EQ(heard.unheeded.size(), 1U);
-  EXPECT_EQ(heard.unheeded.at(unheeded::kOtherMode).count, heard.setpoints - heard.followed);
+  ASSERT_EQ(heard.ignored.size(), 1U);
+  EXPECT_EQ(heard.ignored.at(ignored::kOtherMode).count, heard.setpoints - heard.followed);
 
   Sender sender(255, 190);
   auto target =
@@ -373,12 +373,12 @@ TEST(MavlinkPair, EachSetpointIsCountedOnceAndWhatIsNotHeededByItsKind) {
   target.vy = 0, target.coordinate_frame = 99;
   pair.vehicle->Receive(sender.Encode(target), pair.now_s, pair.aircraft);
   EXPECT_EQ(heard.refused, 2U);
-  EXPECT_EQ(heard.unheeded.at(unheeded::kImpossible).count, 2U);
-  EXPECT_NE(heard.unheeded.at(unheeded::kImpossible).first.find("nan"), std::string::npos);
+  EXPECT_EQ(heard.ignored.at(ignored::kImpossible).count, 2U);
+  EXPECT_NE(heard.ignored.at(ignored::kImpossible).first.find("nan"), std::string::npos);
   Bytes damaged = sender.Encode(CompanionHeartbeat());
   damaged[12] ^= 1;
   pair.vehicle->Receive(damaged, pair.now_s, pair.aircraft);
-  EXPECT_EQ(heard.unheeded.at(unheeded::kDamaged).count, 1U);
+  EXPECT_EQ(heard.ignored.at(ignored::kDamaged).count, 1U);
 }
 
 TEST(MavlinkPair, ASwitchThatIsNotToldAllowsNothing) {

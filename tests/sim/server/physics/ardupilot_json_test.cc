@@ -50,18 +50,18 @@ TEST(ArduPilotJson, WhatIsNoServoPacketIsRefused) {
 
 TEST(ArduPilotJson, RepeatsResetsAndGapsAreToldApart) {
   ServoSequence sequence;
-  EXPECT_EQ(sequence.Take(5), ServoEvent::kReset);
-  EXPECT_EQ(sequence.Take(6), ServoEvent::kNext);
-  EXPECT_EQ(sequence.Take(6), ServoEvent::kRepeat);
-  EXPECT_EQ(sequence.Take(7), ServoEvent::kNext);
+  EXPECT_EQ(sequence.Classify(5), ServoEvent::kReset);
+  EXPECT_EQ(sequence.Classify(6), ServoEvent::kNext);
+  EXPECT_EQ(sequence.Classify(6), ServoEvent::kRepeat);
+  EXPECT_EQ(sequence.Classify(7), ServoEvent::kNext);
   EXPECT_EQ(sequence.missed(), 0U);
-  EXPECT_EQ(sequence.Take(10), ServoEvent::kNext);
+  EXPECT_EQ(sequence.Classify(10), ServoEvent::kNext);
   EXPECT_EQ(sequence.missed(), 2U);
-  EXPECT_EQ(sequence.Take(0), ServoEvent::kReset);
-  EXPECT_EQ(sequence.Take(1), ServoEvent::kNext);
+  EXPECT_EQ(sequence.Classify(0), ServoEvent::kReset);
+  EXPECT_EQ(sequence.Classify(1), ServoEvent::kNext);
   ServoSequence round;
-  round.Take(0xFFFFFFFF);
-  EXPECT_EQ(round.Take(0), ServoEvent::kNext);
+  round.Classify(0xFFFFFFFF);
+  EXPECT_EQ(round.Classify(0), ServoEvent::kNext);
 }
 
 PhysicsState Example() {
