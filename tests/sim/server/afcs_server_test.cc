@@ -72,7 +72,7 @@ class AfcsServerTest : public ::testing::Test {
     Serve(for_s);
   }
   template <class Message>
-  std::vector<Message> Received() {
+  std::vector<Message> Heard() {
     std::vector<Message> all;
     for (const auto& datagram : heard_)
       if (const auto* message = std::get_if<Message>(&datagram.message)) all.push_back(*message);
