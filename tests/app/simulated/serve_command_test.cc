@@ -26,7 +26,7 @@ class At final : public sim::AutopilotServer {
   explicit At(std::string where) : where_(std::move(where)) {}
   void Serve(double, control::Autopilot&) override {}
   void SetPilot(bool) override {}
-  const sim::WireCounts& Heard() const override { return heard_; }
+  const sim::WireCounts& Received() const override { return heard_; }
   std::string Where() const override { return where_; }
 
  private:
