@@ -71,8 +71,8 @@ TEST_F(GainsTest, MistakesInAGainsFileNameItAndItsLine) {
                                      "beside the scenario or from here"));
   const std::string gains = Write("# tuned\npilot.servo.lambda_pers: 1\nwind.mean_m_s: 99\n", "gains.yaml");
   EXPECT_THAT(Refusal(scenario),
-              ElementsAre(gains + ":3: wind.mean_m_s: 99 is out of range; valid: 0 to 20",
-                          gains + ":2: pilot.servo.lambda_pers: unknown key; did you mean 'lambda_per_s'?"));
+              ElementsAre(gains + ":2: pilot.servo.lambda_pers: unknown key; did you mean 'lambda_per_s'?",
+                          gains + ":3: wind.mean_m_s: 99 is out of range; valid: 0 to 20"));
   Write("pilot: {servo: {lambda_per_s: 1}}\n", "gains.yaml");
   EXPECT_THAT(Refusal(scenario),
               ElementsAre(gains + ":1: pilot: is not a single value; valid: lines of key.path: value"));
