@@ -64,7 +64,7 @@ read -r _ _ seen _ frames _ <seen.txt
 step "a campaign, whose workers load the plug-in"
 printf 'scenario: %s\nruns: 2\nset: [duration_s=2]\nvary: {wind.mean_m_s: {uniform: [0, 2]}}\n' "$circle" >campaign.yaml
 "$kestrel" campaign campaign.yaml "${plugins[@]}" --jobs 1 --record-failures 0 --out campaign --quiet || [[ $? == 1 ]]
-grep -qa circle_around_deg campaign/* || fail "the campaign has no metric of the plug-in"
+grep -rqa circle_around_deg campaign || fail "the campaign has no metric of the plug-in"
 
 step "refusals"
 refused "is no plug-in of Kestrel" "$kestrel" list --plugin "$circle"
