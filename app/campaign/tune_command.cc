@@ -119,7 +119,7 @@ CLI::App* AddTuneCommand(CLI::App& app, TuneArguments& a) {
       ->check(WholeNumber(1, 100));
   command->add_option("--jobs", a.jobs, "Flights at the same time (default: one for each core)")
       ->check(WholeNumber(1, 1024));
-  command->add_option("--out", a.out, "Folder for what comes of it (default results/tunings/NAME)")
+  command->add_option("--out", a.out, "Folder for what comes of it (default results/tunings/SCENARIO/NAME)")
       ->type_name("DIR")
       ->check(NotEmpty);
   command->add_flag("--quiet", a.quiet, "Print nothing but errors");
@@ -146,7 +146,7 @@ CLI::App* AddTuneCommand(CLI::App& app, TuneArguments& a) {
       "  kestrel tune hover/poor --set method=random_search --set seed=2 --out "
       "/tmp/random\n"
       "  kestrel tune hover/poor --compare 5\n"
-      "  kestrel run hover --set gains=results/tunings/poor/gains.yaml");
+      "  kestrel run hover --set gains=results/tunings/hover/poor/gains.yaml");
   return command;
 }
 
@@ -154,8 +154,9 @@ bool TuneCommand(const TuneArguments& a) {
   if (a.file.empty()) throw InputError({}, NoneNamed("tuning"));
   EndOnInterrupt();
   const campaign::LoadedTune tune = campaign::LoadTune(campaign::NamedFile("tuning", a.file), a.overrides);
+  const campaign::CampaignPlan& flights = tune.plan.flights;
   const fs::path folder =
-      a.out.empty() ? fs::path("results/tunings") / tune.plan.flights.name : fs::path(a.out);
+      a.out.empty() ? fs::path("results/tunings") / fs::path(flights.scenario).stem() / flights.name : fs::path(a.out);
   Mistakes mistakes;
   CheckWritableFolder(folder, "--out", mistakes);
   RefuseReportOf("campaign", campaign::ResultFile(folder), mistakes);

@@ -40,7 +40,7 @@ class Progress {
     last_ = now;
     shown_ = true;
     const double wall_s = std::chrono::duration<double>(now - start_).count();
-    PrintNote("\r\033[K{:6.1f} of at most {:.0f} s  {:4.1f} x real time  {:<10} {:<8} height {:5.2f} m",
+    PrintNote("\r\033[K{:6.1f} of at most {:g} s  {:4.1f} x real time  {:<10} {:<8} height {:5.2f} m",
               row.now.t_s, duration_s_, row.now.t_s / std::max(wall_s, 1e-3), row.decision.phase,
               row.decision.target, row.now.X_NT.p.z() - row.now.X_NB.p.z());
     std::fflush(stderr);

@@ -42,6 +42,12 @@ std::string Verdict(const records::Summary& s, bool colours) {
                      s.criteria.size(), s.outcome);
 }
 
+std::string CriteriaLines(const records::Summary& s, bool colours) {
+  std::string text;
+  for (const records::Criterion& c : s.criteria) text += Line(c, colours);
+  return text;
+}
+
 std::string MissedCriteria(const records::Summary& s, bool colours) {
   std::string text;
   for (const records::Criterion& c : s.criteria)
@@ -50,8 +56,7 @@ std::string MissedCriteria(const records::Summary& s, bool colours) {
 }
 
 std::string RunReport(const records::Summary& s, const std::string& folder, bool colours) {
-  std::string text = Verdict(s, colours);
-  for (const records::Criterion& c : s.criteria) text += Line(c, colours);
+  std::string text = Verdict(s, colours) + CriteriaLines(s, colours);
   text += fmt::format("  {:.1f} s flown in {:.1f} s, {:.1f} x real time, drawn by {}\n  {}\n", s.sim_s,
                       s.wall_s, s.sim_s / std::max(s.wall_s, 1e-9), s.renderer, folder);
   return text;

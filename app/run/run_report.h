@@ -10,6 +10,9 @@ namespace kestrel::app {
 // What a run came to, in a line: "landing, seed 1: FAILED: 2 of 4 criteria not met (landed)".
 std::string Verdict(const records::Summary& summary, bool colours);
 
+// A line for each criterion.
+std::string CriteriaLines(const records::Summary& summary, bool colours);
+
 // A line for each criterion that is not met.
 std::string MissedCriteria(const records::Summary& summary, bool colours);
 

@@ -20,7 +20,9 @@
 #include <thread>
 #include <tuple>
 
+#include "app/option/colour.h"
 #include "app/option/one_of.h"
+#include "app/run/run_report.h"
 #include "base/diagnostics.h"
 #include "base/file/files.h"
 #include "base/process/end_signals.h"
@@ -52,8 +54,8 @@ std::optional<flight::LoadedScenario> Load(const std::string& scenario,
 }
 
 void Report(const records::Summary& s, const std::string& folder) {
-  fmt::print("SIMULATOR  {}, seed {}: {}\n", s.scenario, s.seed,
-             s.error.empty() ? s.outcome : "broke off: " + s.error);
+  const bool colours = TakesColours(stdout);
+  fmt::print("{}", Verdict(s, colours));
   const auto value = [&](const char* name) {
     const auto found = s.metrics.find(name);
     return found != s.metrics.end() ? fmt::format("{:.4g}", found->second) : "none";
@@ -61,10 +63,7 @@ void Report(const records::Summary& s, const std::string& folder) {
   if (s.metrics.contains("touchdown_s"))
     fmt::print("  touch-down: error {} m, sink {} m/s, tilt {} deg, at {} s\n", value("touchdown_error_m"),
                value("touchdown_sink_m_s"), value("touchdown_tilt_deg"), value("touchdown_s"));
-  for (const records::Criterion& c : s.criteria)
-    fmt::print("  {:<4} {:<26} {:>11}   {} {:g}\n", c.passed ? "ok" : "NOT", c.name,
-               std::isnan(c.value) ? "not reached" : fmt::format("{:.4g}", c.value),
-               c.at_least ? "at least" : "at most", c.limit);
+  fmt::print("{}", CriteriaLines(s, colours));
   const auto count = [&](const char* name) { return s.metrics.at(name); };
   fmt::print(
       "  setpoints: {:.0f} received, {:.0f} of them followed; {:.0f} refused; {:.0f} messages ignored\n",
