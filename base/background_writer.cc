@@ -6,8 +6,8 @@
 
 namespace kestrel {
 
-BackgroundWriter::BackgroundWriter(std::size_t most_waiting)
-    : max_waiting_(most_waiting), thread_([this] { Work(); }) {}
+BackgroundWriter::BackgroundWriter(std::size_t max_waiting)
+    : max_waiting_(max_waiting), thread_([this] { Work(); }) {}
 
 BackgroundWriter::~BackgroundWriter() { Finish(); }
 

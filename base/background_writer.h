@@ -15,7 +15,7 @@ namespace kestrel {
 // left to do, it is dropped and counted. The first job that throws is the last: what it said is the error.
 class BackgroundWriter {
  public:
-  explicit BackgroundWriter(std::size_t most_waiting = 64);
+  explicit BackgroundWriter(std::size_t max_waiting = 64);
   ~BackgroundWriter();  // does what is left
 
   bool Do(std::function<void()> job);  // false: dropped

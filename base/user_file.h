@@ -23,12 +23,11 @@ std::string NoSuchFile(const std::filesystem::path& file);
 
 struct FileContent {
   std::string bytes;
-  std::string
-      trouble;  // why there are none: "is a folder, not a file", "cannot be read: ..."; empty: all are
+  std::string error;  // why there are none: "is a folder, not a file", "cannot be read: ..."; empty: all are
 };
 
 // All that is in a file of no more than so many bytes; one that is not regular or larger is not read. Never
 // throws, never waits.
-FileContent ReadUserFile(const std::filesystem::path& file, std::size_t most_bytes);
+FileContent ReadUserFile(const std::filesystem::path& file, std::size_t max_bytes);
 
 }  // namespace kestrel

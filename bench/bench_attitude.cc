@@ -54,10 +54,10 @@ void BenchAttitude(flight::SeedRange seeds, int jobs, std::vector<records::Figur
     for (const double w : flight::Values(flights, "attitude_within_2_sigma")) within.push_back(w);
     for (const flight::FlownScenario& f : flights) vision_ms.push_back(f.summary.stages.at("vision").mean_ms);
   }
-  table.push_back({"attitude, errors over 5 degrees said to be valid", outliers, "frames", 0, false, "seen"});
+  table.push_back({"attitude, errors over 5 degrees in fixes", outliers, "frames", 0, false, "seen"});
   double mean_within = 0;
   for (const double w : within) mean_within += w / static_cast<double>(within.size());
-  table.push_back({"attitude, within 2 of its own deviations", mean_within, "share", 0.9, true, "none"});
+  table.push_back({"attitude, within 2 sigma", mean_within, "share", 0.9, true, "none"});
   table.push_back({"attitude and heading, mean a frame", Quantile(vision_ms, 0.5), "ms", 5, false, "50"});
 }
 

@@ -51,19 +51,19 @@ Eigen::VectorXd TruthFor(const vision::CameraModel& camera, Eigen::Index size) {
 
 struct Outcome {
   double rms_px = 0;
-  std::vector<double> deviations;  // of f, centre and xi or alpha: error over its own deviation
+  std::vector<double> normalised;  // of f, centre and xi or alpha: error over its own sigma
   Eigen::Vector2d corner_error = Eigen::Vector2d::Zero();  // sum
   double corner_square = 0;
   int corners = 0;
 };
 
 Outcome Run(const Trial& trial, std::uint64_t seed) {
-  sim::BoardRenderer studio(trial.board, trial.camera, {.threads = 1});
+  sim::BoardRenderer renderer(trial.board, trial.camera, {.threads = 1});
   const std::vector<Pose> poses = sim::SpreadPoses(trial.camera, trial.board, kCalibrationImages, seed);
   std::vector<cv::Mat> images;
   std::vector<vision::BoardView> views;
   for (int i = 0; i < kCalibrationImages; ++i) {
-    images.push_back(studio.Render(poses[static_cast<std::size_t>(i)], seed, i));
+    images.push_back(renderer.Render(poses[static_cast<std::size_t>(i)], seed, i));
     views.push_back({std::to_string(i), vision::FindBoard(images.back(), trial.board)});
   }
   const vision::CameraModel like = vision::CameraLike(trial.model, images.front().size());
@@ -71,13 +71,13 @@ Outcome Run(const Trial& trial, std::uint64_t seed) {
   views = vision::Refit(trial.board, images, views, first);
   const vision::Calibration c = vision::Calibrate(trial.board, views, like);
 
-  Outcome outcome{.rms_px = c.rms_px, .deviations = {}};
+  Outcome outcome{.rms_px = c.rms_px, .normalised = {}};
   const Eigen::VectorXd found = vision::Parameters(c.camera), truth = TruthFor(trial.camera, found.size());
   const std::vector<std::string> names = vision::ParameterNames(c.camera);
   for (std::size_t i = 0; i < c.free.size(); ++i) {
     const std::string& name = names[static_cast<std::size_t>(c.free[i])];
     if (name[0] == 'k' || name[0] == 'p') continue;
-    outcome.deviations.push_back((found - truth)[c.free[i]] / c.sigma[static_cast<Eigen::Index>(i)]);
+    outcome.normalised.push_back((found - truth)[c.free[i]] / c.sigma[static_cast<Eigen::Index>(i)]);
   }
   const std::vector<Eigen::Vector2d> places = vision::Corners(trial.board);
   for (std::size_t i = 0; i < views.size(); ++i) {
@@ -93,10 +93,10 @@ Outcome Run(const Trial& trial, std::uint64_t seed) {
   return outcome;
 }
 
-double ShareWithinTwo(const std::vector<double>& deviations) {
+double ShareWithinTwo(const std::vector<double>& normalised) {
   const auto within =
-      std::count_if(deviations.begin(), deviations.end(), [](double d) { return std::abs(d) <= 2; });
-  return static_cast<double>(within) / static_cast<double>(std::max<std::size_t>(deviations.size(), 1));
+      std::count_if(normalised.begin(), normalised.end(), [](double d) { return std::abs(d) <= 2; });
+  return static_cast<double>(within) / static_cast<double>(std::max<std::size_t>(normalised.size(), 1));
 }
 
 }  // namespace
@@ -111,24 +111,23 @@ void BenchCalibration(std::uint64_t first_seed, std::uint64_t last_seed, int job
 
   Outcome all;
   for (std::size_t t = 0; t < trials.size(); ++t) {
-    std::vector<double> deviations;
+    std::vector<double> normalised;
     double worst = 0;
     for (std::size_t s = 0; s < seeds; ++s) {
       const Outcome& o = outcomes[t * seeds + s];
       worst = std::max(worst, o.rms_px);
-      deviations.insert(deviations.end(), o.deviations.begin(), o.deviations.end());
+      normalised.insert(normalised.end(), o.normalised.begin(), o.normalised.end());
       all.corner_error += o.corner_error;
       all.corner_square += o.corner_square;
       all.corners += o.corners;
     }
     all.rms_px = std::max(all.rms_px, worst);
-    all.deviations.insert(all.deviations.end(), deviations.begin(), deviations.end());
+    all.normalised.insert(all.normalised.end(), normalised.begin(), normalised.end());
     table.push_back({trials[t].name + ": residual, worst seed", worst, "px", 0.15, false, "< 0.5"});
-    table.push_back(
-        {trials[t].name + ": f, centre, xi, RMS error", Rms(deviations), "deviations", {}, false, ""});
+    table.push_back({trials[t].name + ": f, centre, xi, RMS error", Rms(normalised), "sigma", {}, false, ""});
   }
-  table.push_back({"f, centre, xi, alpha within 2 of their own deviations", ShareWithinTwo(all.deviations),
-                   "share", 0.9, true, ""});
+  table.push_back(
+      {"f, centre, xi, alpha within 2 sigma", ShareWithinTwo(all.normalised), "share", 0.9, true, ""});
   table.push_back({"corners, mean error (bias)", all.corner_error.norm() / std::max(all.corners, 1), "px",
                    0.01, false, ""});
   table.push_back({"corners, RMS error along an axis",

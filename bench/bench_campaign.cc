@@ -67,11 +67,11 @@ int Unlike(const std::vector<campaign::RunResult>& a, const std::vector<campaign
 
 // Kills the parent at random moments until it was killed so often; campaigns that come to their end before
 // that are begun anew.
-void Kill(const campaign::CampaignWork& work, const std::vector<campaign::RunResult>& whole, int most_kills,
+void Kill(const campaign::CampaignWork& work, const std::vector<campaign::RunResult>& whole, int max_kills,
           const fs::path& folder, std::vector<records::Figure>& table) {
   RandomStream random(1, "kills");
   int kills = 0, lost = 0, unlike = 0, campaigns = 0;
-  while (kills < most_kills) {
+  while (kills < max_kills) {
     const fs::path here = folder / fmt::format("killed-{}", campaigns++);
     std::set<std::int64_t> before;
     for (bool complete = false; !complete;) {
@@ -86,7 +86,7 @@ void Kill(const campaign::CampaignWork& work, const std::vector<campaign::RunRes
         }
       }
       int status = 0;
-      if (kills < most_kills) {
+      if (kills < max_kills) {
         std::this_thread::sleep_for(std::chrono::duration<double>(random.Uniform(0.2, 4)));
         if (waitpid(parent, &status, WNOHANG) == 0) {
           ++kills;
@@ -102,7 +102,7 @@ void Kill(const campaign::CampaignWork& work, const std::vector<campaign::RunRes
         for (const campaign::RunResult& result : ResultsOf(here)) now.insert(result.row);
       lost += !std::includes(now.begin(), now.end(), before.begin(), before.end());
       before = now;
-      fmt::print(stderr, "\r\033[Kkilled {} of {} times, {} of {} rows", kills, most_kills, now.size(),
+      fmt::print(stderr, "\r\033[Kkilled {} of {} times, {} of {} rows", kills, max_kills, now.size(),
                  whole.size());
     }
     unlike += Unlike(ResultsOf(here), whole);

@@ -371,7 +371,7 @@ void BenchContrast(std::uint64_t first_seed, std::uint64_t last_seed, int jobs,
   }
   table.push_back({"tracked after it, mean", Mean(all.tracked), "share", 0.9, true, ""});
   table.push_back({"bearing in C, median error", Quantile(all.bearing, 0.5), "deg", 0.1, false, ""});
-  table.push_back({"growth within 2 of its deviations", Mean(all.growth_within), "share", 0.9, true, ""});
+  table.push_back({"growth within 2 sigma", Mean(all.growth_within), "share", 0.9, true, ""});
   table.push_back(
       {"false targets in empty sky", empty_false / std::max(1e-9, empty_minutes), "1/min", 0.2, false, ""});
   table.push_back({"time, mean a frame", Mean(ms), "ms", 3, false, ""});

@@ -102,9 +102,9 @@ class Clip {
       Put(first.get(), t - half), Put(last.get(), t + half);
       cv::Mat image;
       if (n_.exposure_s > 0) {
-        const std::vector<sim::SceneState> instants{{t - half, first.get(), CameraPose(t - half)},
-                                                    {t + half, last.get(), CameraPose(t + half)}};
-        image = renderer.Render(instants, {.row_0_s = t, .exposure_s = n_.exposure_s, .samples = 12});
+        const std::vector<sim::SceneState> states{{t - half, first.get(), CameraPose(t - half)},
+                                                  {t + half, last.get(), CameraPose(t + half)}};
+        image = renderer.Render(states, {.row_0_s = t, .exposure_s = n_.exposure_s, .samples = 12});
       } else {
         image = renderer.Render(first.get(), CameraPose(t));
       }
@@ -304,7 +304,7 @@ void BenchTrackers(std::uint64_t first_seed, std::uint64_t last_seed, std::vecto
     table.push_back({name + ": lost", static_cast<double>(ours.lost) / std::max(1, ours.frames), "share",
                      0.02, false,
                      fmt::format("{:.3f}", static_cast<double>(best_lost) / std::max(1, ours.frames))});
-    table.push_back({name + ": within 2 of its own deviations",
+    table.push_back({name + ": within 2 sigma",
                      static_cast<double>(honesty[i].within) / std::max(1, honesty[i].all), "share", 0.9, true,
                      ""});
   }

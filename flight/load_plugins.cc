@@ -47,7 +47,7 @@ std::string BuiltWith(const std::string& bytes) {
 // A file that was found, or what is wrong with it.
 void Load(const fs::path& file, const std::string& named, Mistakes& mistakes) {
   const FileContent content = ReadUserFile(file, kMaxDataBytes);
-  if (!content.trouble.empty()) return mistakes.Add(named, "", content.trouble);
+  if (!content.error.empty()) return mistakes.Add(named, "", content.error);
   const std::string with = BuiltWith(content.bytes);
   const std::string here = fmt::format("{}, " KESTREL_COMPILER_, Version());
   if (with.empty())

@@ -201,9 +201,9 @@ Recording::Recording(const fs::path& flight_folder) : folder_(flight_folder / "r
   const fs::path file = !IsFile(whole) && IsFile(part) ? part : whole;
   const FileContent content = ReadUserFile(file, kMaxDataBytes);
   Mistakes mistakes;
-  if (!content.trouble.empty())
+  if (!content.error.empty())
     mistakes.Add(file.string(), "",
-                 content.trouble + "; fly with --images, and images and states are recorded");
+                 content.error + "; fly with --images, and images and states are recorded");
   mistakes.ThrowIfAny();
   std::istringstream in(content.bytes);
   std::string line;
@@ -241,8 +241,8 @@ vision::Frame Recording::At(std::size_t index) const {
   const fs::path file = folder_ / ImageName(recorded.sequence);
   vision::ImageFile image = vision::ReadImageFile(file, vision::ImageColours::kAsStored);
   if (!image.pixels.empty() && image.pixels.depth() != CV_8U)
-    image.trouble = "has pixels of 16 bits; valid: 8, as they were recorded";
-  if (!image.trouble.empty()) throw InputError(file.string(), image.trouble);
+    image.error = "has pixels of 16 bits; valid: 8, as they were recorded";
+  if (!image.error.empty()) throw InputError(file.string(), image.error);
   return {image.pixels, recorded.t_s, recorded.sequence};
 }
 

@@ -59,10 +59,10 @@ Simulator::Simulator(const SimulatorParameters& parameters)
       sensors_(parameters.sensors, parameters.seed),
       sensor_faults_(parameters.sensors.faults, parameters.seed),
       X_BC_(vision::MountPose(parameters.mount)),
-      studio_(std::make_unique<FrameRenderer>(model_.get(), parameters.camera, parameters.render,
-                                              parameters_.image, X_BC_,
-                                              Vibration(parameters.mount.vibration, parameters.seed),
-                                              parameters.seed, parameters.surfaces, parameters.draw_beside)),
+      renderer_(std::make_unique<FrameRenderer>(
+          model_.get(), parameters.camera, parameters.render, parameters_.image, X_BC_,
+          Vibration(parameters.mount.vibration, parameters.seed), parameters.seed, parameters.surfaces,
+          parameters.draw_beside)),
       hashes_(std::make_unique<Hashes>()),
       scheduled_(ChangesOf(parameters.sensors.faults, parameters.actuators.faults, parameters.vehicle)),
       faults_(parameters.image.faults, parameters.seed, parameters.duration_s) {
@@ -231,25 +231,25 @@ std::int64_t Simulator::TickStep() const {
   return due_s <= parameters_.duration_s ? StepOf(due_s) : kNever;
 }
 
-// What happens to the camera at this instant: moments are kept, exposures begin and end.
+// What happens to the camera at this instant: snapshots are kept, exposures begin and end.
 void Simulator::RunCamera() {
   CoverPad();
   if (!open_.empty() || TickStep() <= steps_ + half_exposure_) {
-    moments_.push_back(SnapshotOf(model_.get(), data_.get(), truth_.t_s));
-    if (platform_) moments_.back().X_BC = X_BC_;
+    snapshots_.push_back(SnapshotOf(model_.get(), data_.get(), truth_.t_s));
+    if (platform_) snapshots_.back().X_BC = X_BC_;
   }
   if (steps_ == TickStep()) Tick();
   const double dt = model_->opt.timestep;
   const double half_s = (static_cast<double>(half_exposure_) + 0.5) * dt;  // half a step more, for rounding
   while (!open_.empty() && StepOf(open_.front().t_s) + half_exposure_ <= steps_) {
-    FrameRequest shot = std::move(open_.front());
+    FrameRequest request = std::move(open_.front());
     open_.pop_front();
-    std::copy_if(moments_.begin(), moments_.end(), std::back_inserter(shot.moments),
-                 [&](const Snapshot& m) { return m.t_s > shot.t_s - half_s; });
-    studio_->Submit(std::move(shot));
+    std::copy_if(snapshots_.begin(), snapshots_.end(), std::back_inserter(request.snapshots),
+                 [&](const Snapshot& m) { return m.t_s > request.t_s - half_s; });
+    renderer_->Submit(std::move(request));
   }
   const double next_s = open_.empty() ? static_cast<double>(TickStep()) * dt : open_.front().t_s;
-  while (!moments_.empty() && moments_.front().t_s < next_s - half_s) moments_.pop_front();
+  while (!snapshots_.empty() && snapshots_.front().t_s < next_s - half_s) snapshots_.pop_front();
 }
 
 // A tick of the camera's clock: the middle of an exposure, unless a fault takes it.
@@ -307,7 +307,7 @@ std::optional<vision::Frame> Simulator::NextUntilStep(std::int64_t last) {
   const Coming coming = coming_.front();
   coming_.pop_front();
   timing_.physics_s.push_back(std::exchange(physics_s_, 0));
-  picture_ = studio_->Next();
+  picture_ = renderer_->Next();
   timing_.render_s.push_back(picture_.render_s);
   timing_.sensor_s.push_back(picture_.sensor_s);
   exposure_ = coming.exposure;
@@ -327,7 +327,7 @@ control::VehicleState Simulator::State() const {
 
 void Simulator::Send(const control::Setpoint& setpoint) { autopilot_->Send(setpoint); }
 void Simulator::Aid(const control::AttitudeAid& aid) { autopilot_->Aid(aid); }
-std::string Simulator::renderer_name() const { return studio_->renderer_name(); }
+std::string Simulator::renderer_name() const { return renderer_->renderer_name(); }
 std::uint64_t Simulator::state_hash() const { return XXH3_64bits_digest(hashes_->state); }
 std::uint64_t Simulator::image_hash() const { return XXH3_64bits_digest(hashes_->image); }
 

@@ -102,7 +102,7 @@ struct RunError : std::runtime_error {
 // The far end of both wires: the camera and the autopilot of an aircraft in a simulated world. Lockstep: time
 // passes only in Next(), which advances the world until the next frame has come through its latency, or to
 // the end if none comes any more, and in NextUntil(), for who keeps time himself. What
-// an image shows depends on the moments of its exposure, and on the frames before it, alone.
+// an image shows depends on the snapshots around its exposure, and on the frames before it, alone.
 //
 // The camera's clock ticks at its rate, and each tick is a frame unless a fault takes it. A frame's time,
 // from which its latency counts, is the middle of the exposure of the middle row; exposure and readout reach
@@ -182,7 +182,7 @@ class Simulator final : public vision::Camera, public control::Autopilot {
   bool ended_ = false;  // by it
   PanTilt* platform_ = nullptr;
   Pose X_BC_;
-  std::unique_ptr<FrameRenderer> studio_;
+  std::unique_ptr<FrameRenderer> renderer_;
   std::unique_ptr<Hashes> hashes_;
 
   std::int64_t steps_ = 0;  // since time 0, negative while settling
@@ -203,7 +203,7 @@ class Simulator final : public vision::Camera, public control::Autopilot {
   std::int64_t sequence_ = 0;       // of the next frame
   double last_frame_s_ = -1e9;      // when the last one that was not lost was due
   std::deque<FrameRequest> open_;   // their exposures have not ended
-  std::deque<Snapshot> moments_;    // that open exposures need, or the next one
+  std::deque<Snapshot> snapshots_;  // that open exposures need, or the next one
   std::deque<Coming> coming_;
   double physics_s_ = 0;  // spent since the last frame
   Timing timing_;

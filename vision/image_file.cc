@@ -83,14 +83,14 @@ ImageFile DecodeImage(const std::string& bytes, ImageColours colours, int most_s
   ImageFile image;
   const auto header = HeaderOf(bytes);
   if (BreaksOff(bytes)) {
-    image.trouble = "is a damaged image: it breaks off before its end";
+    image.error = "is a damaged image: it breaks off before its end";
   } else if (!header) {
-    image.trouble = fmt::format("is not an image, or a damaged one; valid: {}", kImageFormats);
+    image.error = fmt::format("is not an image, or a damaged one; valid: {}", kImageFormats);
   } else if (header->size.width > most_side_px || header->size.height > most_side_px) {
-    image.trouble = fmt::format("has {} x {} pixels; valid: up to {} x {}", header->size.width,
-                                header->size.height, most_side_px, most_side_px);
+    image.error = fmt::format("has {} x {} pixels; valid: up to {} x {}", header->size.width,
+                              header->size.height, most_side_px, most_side_px);
   } else if (image.pixels = Decoded(bytes, colours); image.pixels.empty()) {
-    image.trouble = "is a damaged image";
+    image.error = "is a damaged image";
   } else if (image.pixels.depth() != CV_8U && image.pixels.depth() != CV_16U) {
     image = {{}, {}, "has pixels that are neither of 8 nor of 16 bits; valid: one of these"};
   } else {
@@ -104,7 +104,7 @@ ImageFile ReadImageFile(const fs::path& file, ImageColours colours) {
   if (fs::is_directory(file, none))
     return {{}, {}, fmt::format("is a folder; valid: image files, such as {}", (file / "*.png").string())};
   const FileContent content = ReadUserFile(file, kMaxDataBytes);
-  if (!content.trouble.empty()) return {{}, {}, content.trouble};
+  if (!content.error.empty()) return {{}, {}, content.error};
   if (IsVideo(file))
     return {{},
             {},
@@ -162,9 +162,9 @@ cv::Mat ReadImage(const std::string& file, ImageColours colours, std::optional<i
                   std::string& note) {
   const ImageFile image = ReadImageFile(file, colours);
   PixelDepth depth(bits);
-  const std::string trouble = image.pixels.empty() ? image.trouble : depth.Include(image);
-  if (!trouble.empty()) {
-    mistakes.Add(file, "", trouble);
+  const std::string error = image.pixels.empty() ? image.error : depth.Include(image);
+  if (!error.empty()) {
+    mistakes.Add(file, "", error);
     return {};
   }
   note = depth.Note();
@@ -174,7 +174,7 @@ cv::Mat ReadImage(const std::string& file, ImageColours colours, std::optional<i
 cv::Mat ReadMask(const fs::path& file, const Place& where, std::string_view key, Mistakes& mistakes) {
   const ImageFile image = ReadImageFile(file, ImageColours::kGrey);
   if (!image.pixels.empty()) return image.pixels > 0;
-  mistakes.Add(where, key, fmt::format("'{}' {}", file.string(), image.trouble));
+  mistakes.Add(where, key, fmt::format("'{}' {}", file.string(), image.error));
   return {};
 }
 

@@ -21,7 +21,7 @@ struct ImageFile {
   cv::Mat pixels;  // CV_8U or CV_16U, 1 channel or blue, green, red; never turned by what its camera noted.
                    // Empty: it could not be read
   std::optional<int> white;  // the value of full white, where it is certain
-  std::string trouble;       // why there are no pixels: "is a damaged image", "is not an image; valid: ..."
+  std::string error;         // why there are no pixels: "is a damaged image", "is not an image; valid: ..."
 };
 ImageFile DecodeImage(const std::string& bytes, ImageColours colours, int most_side_px = kMaxImageSide_px);
 // Says of what is no image what it is instead.

@@ -31,8 +31,8 @@ std::vector<cv::Mat> ReadImages(const CalibrateArguments& a, Mistakes& mistakes)
   for (const std::string& file : files) {
     const vision::ImageFile& image =
         read.emplace_back(vision::ReadImageFile(file, vision::ImageColours::kGrey));
-    const std::string trouble = image.pixels.empty() ? image.trouble : depth.Include(image);
-    if (!trouble.empty()) mistakes.Add(file, "", trouble);
+    const std::string error = image.pixels.empty() ? image.error : depth.Include(image);
+    if (!error.empty()) mistakes.Add(file, "", error);
   }
   if (depth.guessed()) fmt::print("{}\n", depth.Note());
   std::vector<cv::Mat> images;

@@ -72,8 +72,8 @@ std::string Text(const flight::CheckItem& item) {
 }
 
 // What a flight is flown with beside the scenario and the aircraft, as events.log has it.
-std::vector<std::pair<std::string, std::string>> FlownWith(const FlyArguments& a, double most_s) {
-  std::string options = fmt::format("--for {:g}", most_s);
+std::vector<std::pair<std::string, std::string>> FlownWith(const FlyArguments& a, double max_s) {
+  std::string options = fmt::format("--for {:g}", max_s);
   for (const auto& [given, name] : {std::pair{a.dry_run, "--dry-run"},
                                     {a.take_control, "--take-control"},
                                     {a.arm, "--arm"},
@@ -260,8 +260,8 @@ bool FlyCommand(const FlyArguments& a) {
   flight::PreFlightOptions check;
   check.pilot_untold = aircraft.pilot_untold;
   check.interrupted = &interrupted;
-  check.tell = [&](const std::string& trouble) {
-    Print(stderr, fmt::format("camera: {}; tried again for {:g} s\n", trouble, check.connect_s));
+  check.tell = [&](const std::string& error) {
+    Print(stderr, fmt::format("camera: {}; tried again for {:g} s\n", error, check.connect_s));
   };
   const std::vector<flight::CheckItem> items = flight::PreFlight(plan, *camera, *link, check);
   if (interrupted) {

@@ -31,7 +31,7 @@ using Json = nlohmann::ordered_json;
 
 struct Item {
   std::string name, description;
-  std::string trouble = {};    // why it is not valid
+  std::string error = {};      // why it is not valid
   Json more = Json::object();  // what programs may want of it
 };
 using Items = std::vector<Item>;
@@ -52,7 +52,7 @@ Item ItemOf(const std::string& name, const fs::path& file) {
   Mistakes mistakes;
   const Config config = LoadConfig(file, {}, mistakes);
   Item item{name, config.description};
-  if (!mistakes.empty()) item.trouble = InputError(mistakes.all()).what();
+  if (!mistakes.empty()) item.error = InputError(mistakes.all()).what();
   item.more["file"] = file.string();
   return item;
 }
@@ -67,7 +67,7 @@ Item ScenarioItem(const std::string& name) {
                       {"camera", s.camera},
                       {"world", s.world}});
   } catch (const InputError& e) {
-    item.trouble = e.what();
+    item.error = e.what();
   }
   return item;
 }
@@ -77,7 +77,7 @@ Item WorldItem(const std::string& name) {
   const fs::path file = FileOf(Model::kWorld, name);
   if (file.extension() != ".xml") return ItemOf(name, file);
   const FileContent content = ReadUserFile(file, kMaxTextBytes);
-  Item item{name, "", content.trouble.empty() ? "" : fmt::format("{}: {}", file.string(), content.trouble)};
+  Item item{name, "", content.error.empty() ? "" : fmt::format("{}: {}", file.string(), content.error)};
   item.more["file"] = file.string();
   pugi::xml_document document;
   if (!document.load_buffer(content.bytes.data(), content.bytes.size())) return item;
@@ -142,7 +142,7 @@ std::string ToJson(const Items& items) {
   for (const Item& item : items) {
     Json each = {{"name", item.name}, {"description", item.description}};
     each.update(item.more);
-    if (!item.trouble.empty()) each["error"] = item.trouble;
+    if (!item.error.empty()) each["error"] = item.error;
     all.push_back(std::move(each));
   }
   return all.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
@@ -171,7 +171,7 @@ std::string ListText(const std::string& kind) {
   for (const Item& item : items) {
     const std::string column = widest_unit > 0 ? fmt::format("  {:<{}}", unit(item), widest_unit) : "";
     text += fmt::format("{:<{}}{}  {}\n", item.name, widest, column,
-                        item.trouble.empty() ? Printable(item.description) : "not valid: " + item.trouble);
+                        item.error.empty() ? Printable(item.description) : "not valid: " + item.error);
   }
   return text;
 }

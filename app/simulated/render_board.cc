@@ -81,8 +81,8 @@ void RenderBoardCommand(const RenderBoardArguments& a) {
   } catch (const std::runtime_error& e) {
     throw InputError("--camera, --board", fmt::format("{}", e.what()));
   }
-  sim::BoardRenderer studio(board, camera,
-                            {.blur_px = a.blur_px, .noise_grey = a.noise_grey, .backend = a.backend});
+  sim::BoardRenderer board_renderer(board, camera,
+                                    {.blur_px = a.blur_px, .noise_grey = a.noise_grey, .backend = a.backend});
   fs::create_directories(folder);
   // In a folder of its own, so that all pictures of this one are the camera's.
   fs::create_directories(folder / "to_print");
@@ -92,18 +92,18 @@ void RenderBoardCommand(const RenderBoardArguments& a) {
       "# The camera `{}` that drew these images, as Kalibr's camchain, and the poses of the {}\n"
       "# in it: the frame of the board has its origin in the lower left corner, x right, y up, z out of it.\n"
       "# Drawn by the {}: seed {}, blur {:g} px, noise {:g} grey levels.\n{}poses:\n",
-      a.camera, vision::Describe(board), studio.renderer(), a.seed, a.blur_px, a.noise_grey, kalibr);
+      a.camera, vision::Describe(board), board_renderer.renderer(), a.seed, a.blur_px, a.noise_grey, kalibr);
   for (int i = 0; i < a.count; ++i) {
     if (isatty(STDERR_FILENO)) fmt::print(stderr, "\r\033[Kdrawing {} of {}", i + 1, a.count);
     const std::string image = fmt::format("image_{:03}.png", i);
     const Pose& X_CT = poses[static_cast<std::size_t>(i)];
-    vision::WriteImage(folder / image, studio.Render(X_CT, a.seed, i));
+    vision::WriteImage(folder / image, board_renderer.Render(X_CT, a.seed, i));
     truth += PoseLine(image, X_CT);
   }
   if (isatty(STDERR_FILENO)) fmt::print(stderr, "\r\033[K");
   WriteFile(folder / "truth.yaml", truth);
   fmt::print("{} images of {} x {} pixels, {}, drawn by {}\n{}\n", a.count, vision::WidthPx(camera),
-             vision::HeightPx(camera), vision::Describe(board), studio.renderer(), a.out);
+             vision::HeightPx(camera), vision::Describe(board), board_renderer.renderer(), a.out);
 }
 
 }  // namespace kestrel::app

@@ -73,8 +73,8 @@ std::optional<int> ChildProcess::Ended() {
   return status_;
 }
 
-std::optional<int> ChildProcess::Wait(double most_s) {
-  const double until_s = MonotonicNow_s() + most_s;
+std::optional<int> ChildProcess::Wait(double max_s) {
+  const double until_s = MonotonicNow_s() + max_s;
   while (!Ended() && MonotonicNow_s() < until_s) std::this_thread::sleep_for(std::chrono::milliseconds(10));
   return status_;
 }

@@ -24,7 +24,7 @@ class ChildProcess {
   void Signal(int signal);
   // Its exit status, 128 + the signal that ended it; none: it runs.
   std::optional<int> Ended();
-  std::optional<int> Wait(double most_s);
+  std::optional<int> Wait(double max_s);
   std::string Output() const;  // until now
 
  private:

@@ -44,7 +44,7 @@ PipedProcess::PipedProcess(std::vector<std::string> command, Direction does) : n
     throw std::runtime_error(fmt::format("cannot start {}: {}", name_, std::strerror(errno)));
   }
   pipe_ = ends[0];
-  said_ = memfd_create("said", MFD_CLOEXEC);
+  errors_ = memfd_create("errors", MFD_CLOEXEC);
 
   posix_spawn_file_actions_t files;
   posix_spawn_file_actions_init(&files);
@@ -52,7 +52,7 @@ PipedProcess::PipedProcess(std::vector<std::string> command, Direction does) : n
   const int other = does == Direction::kWrite ? STDOUT_FILENO : STDIN_FILENO;
   posix_spawn_file_actions_adddup2(&files, ends[1], piped);
   posix_spawn_file_actions_addopen(&files, other, "/dev/null", O_RDWR, 0);
-  posix_spawn_file_actions_adddup2(&files, said_, STDERR_FILENO);
+  posix_spawn_file_actions_adddup2(&files, errors_, STDERR_FILENO);
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
@@ -65,7 +65,7 @@ PipedProcess::PipedProcess(std::vector<std::string> command, Direction does) : n
   posix_spawn_file_actions_destroy(&files);
   close(ends[1]);
   if (error == 0) return;
-  close(pipe_), close(said_);
+  close(pipe_), close(errors_);
   throw std::runtime_error(
       error == ENOENT
           ? fmt::format("the program {0} is not installed: install the package that has it", name_)
@@ -74,7 +74,7 @@ PipedProcess::PipedProcess(std::vector<std::string> command, Direction does) : n
 
 PipedProcess::~PipedProcess() {
   Wait();
-  close(said_);
+  close(errors_);
 }
 
 void PipedProcess::Write(std::string_view bytes) {
@@ -113,10 +113,10 @@ void PipedProcess::Wait() {
 
 void PipedProcess::Fail() {
   failed_ = true;
-  const std::string said = LastLine(said_);
+  const std::string errors = LastLine(errors_);
   const std::string how = WIFSIGNALED(status_) ? fmt::format("was ended by signal {}", WTERMSIG(status_))
                                                : fmt::format("gave up with status {}", WEXITSTATUS(status_));
-  throw std::runtime_error(fmt::format("{} {}{}{}", name_, how, said.empty() ? "" : ": ", said));
+  throw std::runtime_error(fmt::format("{} {}{}{}", name_, how, errors.empty() ? "" : ": ", errors));
 }
 
 }  // namespace kestrel

@@ -30,7 +30,7 @@ class PipedProcess {
 
   std::string name_;
   pid_t child_ = -1;
-  int pipe_ = -1, said_ = -1, status_ = 0;
+  int pipe_ = -1, errors_ = -1, status_ = 0;
   bool failed_ = false;
 };
 

@@ -6,6 +6,9 @@
 
 #include <algorithm>
 #include <boost/locale/utf.hpp>
+#include <cstdio>
+#include <mutex>
+#include <set>
 #include <sstream>
 
 #include "base/printable.h"
@@ -103,8 +106,8 @@ bool IsOverride(const Place& place) { return place.file.starts_with("--set "); }
 Config LoadConfig(const std::filesystem::path& file, const std::vector<std::string>& overrides,
                   Mistakes& mistakes) {
   const FileContent content = ReadUserFile(file, kMaxTextBytes);
-  if (!content.trouble.empty()) {
-    mistakes.Add(file.string(), "", content.trouble);
+  if (!content.error.empty()) {
+    mistakes.Add(file.string(), "", content.error);
     return {};
   }
   return ParseConfig(content.bytes, file.string(), overrides, mistakes);
@@ -128,6 +131,14 @@ Config ParseConfig(const std::string& text, const std::string& name,
   }
   for (const std::string& each : overrides) Override(config.root, each, mistakes);
   return config;
+}
+
+void NoticeFormerName(const Place& where, std::string_view former, std::string_view now) {
+  static std::mutex mutex;
+  static std::set<std::string> told;
+  const std::string notice = fmt::format("{}: {}: is called '{}' now", where.Text(), former, now);
+  const std::lock_guard lock(mutex);
+  if (told.insert(notice).second) std::fputs(("kestrel: " + Printable(notice) + "\n").c_str(), stderr);
 }
 
 }  // namespace kestrel

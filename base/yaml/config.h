@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -46,5 +47,8 @@ Place PlaceOfOverride(const std::string& text);
 bool IsOverride(const Place& place);
 Config ParseConfig(const std::string& text, const std::string& name,
                    const std::vector<std::string>& overrides, Mistakes& mistakes);
+
+// Tells on standard error what is called otherwise now, once, however often the file is read.
+void NoticeFormerName(const Place& where, std::string_view former, std::string_view now);
 
 }  // namespace kestrel

@@ -5,27 +5,15 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
-#include <mutex>
-#include <set>
 #include <unordered_map>
 
 #include "base/nearest_name.h"
-#include "base/printable.h"
 #include "base/yaml/yaml_fields.h"
 
 namespace kestrel {
 namespace {
 
 using Kind = ConfigNode::Kind;
-
-// On standard error, whatever reads the file how often.
-void NoticeOnce(const std::string& notice) {
-  static std::mutex mutex;
-  static std::set<std::string> told;
-  const std::lock_guard lock(mutex);
-  if (told.insert(notice).second) std::fputs(("kestrel: " + Printable(notice) + "\n").c_str(), stderr);
-}
 
 enum class Parsed { kNumber, kNotFinite, kNotANumber };
 
@@ -71,8 +59,7 @@ const ConfigNode* FieldReader::Find(const FieldKey& key) {
         Wrong(*before, key.former, fmt::format("is the former name of '{}', which is given too", key.name),
               "valid: one of the two");
       else
-        NoticeOnce(
-            fmt::format("{}: {}: is called '{}' now", before->where.Text(), Path(key.former), key.name));
+        NoticeFormerName(before->where, Path(key.former), key.name);
     }
     if (now || before) return now ? now : before;
   }

@@ -61,12 +61,12 @@ double RidgeFrom(const sim::RidgeParameters& ridge, const Eigen::Vector3d& p_N) 
   return std::max(0.0, Degrees(std::atan2(-to.z(), to.head<2>().norm())));
 }
 
-JudgedStill Measure(const StillCamera& camera, StillRenderer& studio, const StillSweep& sweep,
+JudgedStill Measure(const StillCamera& camera, StillRenderer& renderer, const StillSweep& sweep,
                     std::size_t index, std::uint64_t seed) {
   const Still& still = sweep.stills[index];
   const StillLandscape& landscape = sweep.landscapes[static_cast<std::size_t>(still.landscape)];
-  JudgedStill judged{still, landscape, studio.PoseOf(still, seed), 0, 0, "", {}};
-  const cv::Mat image = camera.sensor.Expose(studio.Draw(judged.X_NB), static_cast<std::int64_t>(index));
+  JudgedStill judged{still, landscape, renderer.PoseOf(still, seed), 0, 0, "", {}};
+  const cv::Mat image = camera.sensor.Expose(renderer.Draw(judged.X_NB), static_cast<std::int64_t>(index));
   for (const Way way : {kAlone, kExpecting}) {
     const double start_ms = ThreadCpu_ms();
     const vision::SkylineResult result = camera.skyline.Measure(
@@ -88,10 +88,10 @@ std::vector<JudgedStill> MeasureAll(const StillCamera& camera, const StillSweep&
                                     int jobs) {
   std::vector<JudgedStill> judged(sweep.stills.size());
   InParallel(sweep.landscapes.size(), jobs, "horizon", "landscapes", [&](std::size_t l) {
-    StillRenderer studio(sweep.landscapes[l], camera.loaded.simulator.scene, camera.loaded.simulator.camera,
-                         camera.X_BC);
+    StillRenderer renderer(sweep.landscapes[l], camera.loaded.simulator.scene, camera.loaded.simulator.camera,
+                           camera.X_BC);
     for (std::size_t i = l * kStillsEach; i < (l + 1) * kStillsEach; ++i)
-      judged[i] = Measure(camera, studio, sweep, i, seed);
+      judged[i] = Measure(camera, renderer, sweep, i, seed);
   });
   return judged;
 }
@@ -122,11 +122,12 @@ void WriteStills(const std::filesystem::path& file, const std::vector<JudgedStil
                         Degrees(s.still.expected.norm()), s.still.expected_height_m);
     for (const Answer& a : s.answers) {
       if (a.fix())
-        text += fmt::format(",{},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.3f},{:.3f},{:.2f},{:.3f},{:.3f}",
-                            a.said, a.roll_error_deg, a.pitch_error_deg, a.roll_sigma_deg, a.pitch_sigma_deg,
-                            a.error_deg, a.circle_seen, a.agreement, a.contrast, a.rival, a.dip_deg);
+        text +=
+            fmt::format(",{},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.3f},{:.3f},{:.2f},{:.3f},{:.3f}", a.result,
+                        a.roll_error_deg, a.pitch_error_deg, a.roll_sigma_deg, a.pitch_sigma_deg, a.error_deg,
+                        a.circle_seen, a.agreement, a.contrast, a.rival, a.dip_deg);
       else
-        text += fmt::format(",{},,,,,,,,,,", a.said);
+        text += fmt::format(",{},,,,,,,,,,", a.result);
     }
     text += '\n';
   }
@@ -219,9 +220,9 @@ void AddFigures(const std::vector<JudgedStill>& all, const std::vector<FactorRow
       add("roll bias", s.roll_bias_deg, "deg");
       add("pitch bias", s.pitch_bias_deg, "deg");
       add("error, 95th percentile", s.p95_deg, "deg");
-      add("errors over 5 degrees said to be valid", s.outliers, "stills", 0);
-      add("within 2 of its own deviations", s.within_2_sigma, "share", 0.90, true);
-      add("within 2 of its own deviations, no more", s.within_2_sigma, "share", 0.99);
+      add("errors over 5 degrees in fixes", s.outliers, "stills", 0);
+      add("within 2 sigma", s.within_2_sigma, "share", 0.90, true);
+      add("within 2 sigma, no more", s.within_2_sigma, "share", 0.99);
       add("with an attitude", s.Share(), "share");
       for (const auto& [reason, count] : s.refused)
         add(("refused: " + reason).c_str(), static_cast<double>(count) / s.stills, "share");
@@ -240,9 +241,9 @@ void AddOtherLens(const std::string& name, const Statistics& s, std::vector<reco
   table.push_back({name + ": roll RMSE", s.roll_rmse_deg, "deg", {}, false, ""});
   table.push_back({name + ": pitch RMSE", s.pitch_rmse_deg, "deg", {}, false, ""});
   table.push_back({name + ": error, 95th percentile", s.p95_deg, "deg", {}, false, ""});
-  table.push_back({name + ": errors over 5 degrees said to be valid", static_cast<double>(s.outliers),
-                   "stills", 0, false, ""});
-  table.push_back({name + ": within 2 of its own deviations", s.within_2_sigma, "share", 0.90, true, ""});
+  table.push_back(
+      {name + ": errors over 5 degrees in fixes", static_cast<double>(s.outliers), "stills", 0, false, ""});
+  table.push_back({name + ": within 2 sigma", s.within_2_sigma, "share", 0.90, true, ""});
   table.push_back({name + ": with an attitude", s.Share(), "share", {}, false, ""});
 }
 
@@ -279,9 +280,9 @@ void BenchHorizon(std::uint64_t seed, int jobs, const std::filesystem::path& fol
   std::vector<cv::Mat> seen;
   for (const auto& [error_deg, which] : worst) {
     const auto& [i, way] = which;
-    StillRenderer studio(all[i].landscape, camera.loaded.simulator.scene, camera.loaded.simulator.camera,
-                         camera.X_BC);
-    const cv::Mat image = camera.sensor.Expose(studio.Draw(all[i].X_NB), static_cast<std::int64_t>(i));
+    StillRenderer renderer(all[i].landscape, camera.loaded.simulator.scene, camera.loaded.simulator.camera,
+                           camera.X_BC);
+    const cv::Mat image = camera.sensor.Expose(renderer.Draw(all[i].X_NB), static_cast<std::int64_t>(i));
     const vision::SkylineExpected expected =
         way == kAlone ? vision::SkylineExpected{} : camera.Expectation(all[i].still, all[i].X_NB);
     seen.push_back(DrawStill(image, camera.loaded.simulator.camera, camera.X_BC, all[i], i, way,

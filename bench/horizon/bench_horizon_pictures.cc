@@ -112,7 +112,7 @@ void DrawErrors(const std::filesystem::path& file, const std::vector<JudgedStill
           Legend({{"a still", "#9DB7CC"},
                   {"median", "#222222"},
                   {"95th percentile", "#0072B2"},
-                  {"over 5°, said to be valid", "#D55E00"}}) +
+                  {"over 5°, given as a fix", "#D55E00"}}) +
           plots + "unset multiplot\n");
 }
 
@@ -126,7 +126,7 @@ std::vector<Outcome> Outcomes() {
   const auto within = [](double from_deg, double until_deg) {
     return [=](const Answer& a) { return a.fix() && a.error_deg >= from_deg && a.error_deg < until_deg; };
   };
-  const auto says = [](const char* reason) { return [=](const Answer& a) { return a.said == reason; }; };
+  const auto says = [](const char* reason) { return [=](const Answer& a) { return a.result == reason; }; };
   std::vector<Outcome> outcomes = {{"error below 0.5°", "#0072B2", within(0, 0.5)},
                                    {"to 1.5°", "#56B4E9", within(0.5, 1.5)},
                                    {"to 5°", "#F0E442", within(1.5, 5)},
@@ -191,7 +191,7 @@ void DrawOutcomes(const std::filesystem::path& file, const std::vector<JudgedSti
           Legend(legend) + plots + "unset multiplot\n");
 }
 
-void DrawDeviations(const std::filesystem::path& file, const std::vector<JudgedStill>& all) {
+void DrawNormalisedErrors(const std::filesystem::path& file, const std::vector<JudgedStill>& all) {
   constexpr double kMost = 5;
   constexpr int kBins = 50;
   std::string data, plots;
@@ -231,7 +231,7 @@ void DrawDeviations(const std::filesystem::path& file, const std::vector<JudgedS
 void DrawHorizonBench(const std::filesystem::path& folder, const std::vector<JudgedStill>& all) {
   DrawErrors(folder / "errors.png", all);
   DrawOutcomes(folder / "outcomes.png", all);
-  DrawDeviations(folder / "deviations.png", all);
+  DrawNormalisedErrors(folder / "normalised_errors.png", all);
 }
 
 cv::Mat DrawStill(const cv::Mat& image, const vision::CameraModel& camera, const Pose& X_BC,
@@ -241,7 +241,7 @@ cv::Mat DrawStill(const cv::Mat& image, const vision::CameraModel& camera, const
   vision::DrawSmallCircle(drawn, camera, -truth.up_C, -truth.dip_rad, {255, 255, 255});
   const Answer& a = still.answers[way];
   const std::string lines[] = {fmt::format("still {}, {}: {}", index, kWays[way],
-                                           a.fix() ? fmt::format("{:.2f} deg off", a.error_deg) : a.said),
+                                           a.fix() ? fmt::format("{:.2f} deg off", a.error_deg) : a.result),
                                fmt::format("{}, sight {:.1f} km, {:.0f} m, tilt {:.0f}, ridge {:.1f}",
                                            still.landscape.world, still.landscape.parameters.haze_m / 1000,
                                            still.still.height_m, still.tilt_deg, still.ridge_deg)};

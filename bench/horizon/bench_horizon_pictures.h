@@ -11,7 +11,7 @@ namespace kestrel::bench {
 
 // errors.png: the error of each still against height, tilt, ridge and haze, with its median and its 95th
 // percentile, alone and expecting; outcomes.png: what became of the stills of each range of a factor;
-// deviations.png: errors in their stated deviations beside the normal distribution.
+// normalised_errors.png: errors in their stated deviations beside the normal distribution.
 void DrawHorizonBench(const std::filesystem::path& folder, const std::vector<JudgedStill>& all);
 
 // One still as DrawHorizon has it, with the true horizon in white and what it was.

@@ -42,7 +42,7 @@ bool Answer::Outlier() const { return fix() && std::hypot(roll_error_deg, pitch_
 Answer Judge(const vision::SkylineResult& result, const Eigen::Matrix3d& R_BC, const Pose& X_NB) {
   Answer answer;
   if (const auto* reason = std::get_if<vision::NoSkyline>(&result)) {
-    answer.said = vision::NameOf(*reason);
+    answer.result = vision::NameOf(*reason);
     return answer;
   }
   const auto& fix = std::get<vision::SkylineFix>(result);
@@ -51,7 +51,7 @@ Answer Judge(const vision::SkylineResult& result, const Eigen::Matrix3d& R_BC, c
       vision::RollPitchFromDown(down_B, R_BC * fix.covariance * R_BC.transpose());
   const TaitBryan truth = TaitBryanFromRotation(X_NB.R.toRotationMatrix());
   const Eigen::Vector3d true_down_B = X_NB.R.conjugate() * Eigen::Vector3d::UnitZ();
-  answer.said = "fix";
+  answer.result = "fix";
   answer.roll_error_deg = Degrees(WrapAngle(measured.roll - truth.roll));
   answer.pitch_error_deg = Degrees(measured.pitch - truth.pitch);
   answer.roll_sigma_deg = Degrees(std::sqrt(measured.covariance(0, 0)));
@@ -95,7 +95,7 @@ Statistics StatisticsOf(const std::vector<JudgedStill>& all, Way way,
     ++s.stills;
     const Answer& a = still.answers[way];
     if (!a.fix()) {
-      ++s.refused[a.said];
+      ++s.refused[a.result];
       continue;
     }
     ++s.fixes;

@@ -20,13 +20,13 @@ enum Way { kAlone, kExpecting };
 inline constexpr std::array<const char*, 2> kWays = {"alone", "expecting"};
 
 struct Answer {
-  std::string said;  // "fix", or why there is none
+  std::string result;  // "fix", or why there is none
   double roll_error_deg = 0, pitch_error_deg = 0;
   double roll_sigma_deg = 0, pitch_sigma_deg = 0;
   double error_deg = 0;  // between the true "down" and the measured
   double circle_seen = 0, agreement = 0, contrast = 0, rival = 0, dip_deg = 0;
   double cpu_ms = 0;
-  bool fix() const { return said == "fix"; }
+  bool fix() const { return result == "fix"; }
   bool Outlier() const;  // as the flights count them
 };
 Answer Judge(const vision::SkylineResult& result, const Eigen::Matrix3d& R_BC, const Pose& X_NB);

@@ -295,8 +295,8 @@ std::size_t WorkerPool::under_way() const {
                                                 [](const auto& w) { return w.order.has_value(); }));
 }
 
-std::optional<RunResult> WorkerPool::WaitForResult(double most_s) {
-  const double until_s = MonotonicNow_s() + most_s;
+std::optional<RunResult> WorkerPool::WaitForResult(double max_s) {
+  const double until_s = MonotonicNow_s() + max_s;
   for (;;) {
     if (!workers_->ended.empty()) {
       RunResult result = std::move(workers_->ended.front());

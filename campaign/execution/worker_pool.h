@@ -45,7 +45,7 @@ class WorkerPool {
   std::size_t under_way() const;     // runs given and not taken
   // The next run that ends; none: none has within this time, or a signal came. Throws std::runtime_error:
   // workers cannot be started.
-  std::optional<RunResult> WaitForResult(double most_s);
+  std::optional<RunResult> WaitForResult(double max_s);
 
  private:
   struct Workers;

@@ -23,7 +23,7 @@ std::optional<double> Number(std::string_view text) {
 
 }  // namespace
 
-std::optional<Trajectory> ReadTrajectory(const std::filesystem::path& telemetry, std::size_t most_points) {
+std::optional<Trajectory> ReadTrajectory(const std::filesystem::path& telemetry, std::size_t max_points) {
   constexpr std::array kNames = {"t_s", "truth_x_m", "truth_y_m", "truth_z_m"};
   std::istringstream file(ReadUserFile(telemetry, kMaxDataBytes).bytes);
   std::string line;
@@ -46,7 +46,7 @@ std::optional<Trajectory> ReadTrajectory(const std::filesystem::path& telemetry,
   }
   if (points.empty()) return std::nullopt;
   Trajectory trajectory;
-  const std::size_t count = std::min(points.size(), most_points);
+  const std::size_t count = std::min(points.size(), max_points);
   for (std::size_t k = 0; k < count; ++k) {
     const auto& [t_s, x, y, z] = points[count == 1 ? 0 : k * (points.size() - 1) / (count - 1)];
     trajectory.t_s.push_back(t_s), trajectory.north_m.push_back(x);

@@ -16,6 +16,6 @@ struct Trajectory {
 // Of a run's telemetry.csv, at most so many points (two or more) evenly spread, the first and the last among
 // them; lines that are cut off are left out. None: there is no such file, or no whole line with these
 // columns.
-std::optional<Trajectory> ReadTrajectory(const std::filesystem::path& telemetry, std::size_t most_points);
+std::optional<Trajectory> ReadTrajectory(const std::filesystem::path& telemetry, std::size_t max_points);
 
 }  // namespace kestrel::campaign

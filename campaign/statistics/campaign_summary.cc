@@ -44,8 +44,8 @@ MetricSummary SummaryOf(const std::string& name, const std::vector<double>& valu
   MetricSummary metric;
   metric.name = name;
   metric.runs = std::ssize(values);
-  const auto [least, greatest] = std::minmax_element(values.begin(), values.end());
-  metric.least = *least, metric.greatest = *greatest;
+  const auto [min, max] = std::minmax_element(values.begin(), values.end());
+  metric.min = *min, metric.max = *max;
   metric.mean = MeanOf(values);
   for (const double q : {0.05, 0.5, 0.95}) metric.quantiles[q] = QuantileOf(values, q);
   return metric;
@@ -147,8 +147,8 @@ std::string ToJson(const CampaignSummary& s) {
          {"runs", m.runs},
          {"listed", m.listed},
          {"better", m.better ? Json(*m.better == Better::kLower ? "lower" : "higher") : Json()},
-         {"least", m.least},
-         {"greatest", m.greatest},
+         {"min", m.min},
+         {"max", m.max},
          {"mean", estimate(m.mean)},
          {"quantiles", quantiles}});
   }

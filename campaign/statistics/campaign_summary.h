@@ -20,7 +20,7 @@ struct MetricSummary {
   std::int64_t runs = 0;
   bool listed = false;  // among those that the campaign's file, or the criteria, name
   std::optional<Better> better;
-  double least = 0, greatest = 0;
+  double min = 0, max = 0;
   Estimate mean;
   std::map<double, Estimate> quantiles;  // 0.05, 0.5, 0.95
 };
@@ -76,7 +76,7 @@ std::string ToText(const CampaignSummary& summary);
 //   success      E, and "at_least": the one-sided bound
 //   stop_when    of --stop-when: the interval of success holds however often one looks; null: it is exact
 //   ended_early  whether the campaign ended by that before the end of its table
-//   metrics      [{name, runs, listed, better: "lower" | "higher" | null, least, greatest, mean: E,
+//   metrics      [{name, runs, listed, better: "lower" | "higher" | null, min, max, mean: E,
 //                  quantiles: [{q, value, low, high}]}]
 //   failures     [{status, outcome, rows: [...]}]
 //   effects      [{key, of, runs, numeric, rank_correlation: E | null, first_order: E | null}]

@@ -30,14 +30,14 @@ Estimate MeanOf(const std::vector<double>& samples, double level) {
     second += d * d, third += d * d * d;
   }
   if (second == 0) return {mean, {mean, mean}};
-  const double deviation = std::sqrt(second / (n - 1));
+  const double sigma = std::sqrt(second / (n - 1));
   const double skew = third / n / std::pow(second / n, 1.5);
   const double t = boost::math::quantile(boost::math::students_t(n - 1), (1 + level) / 2);
-  const auto end = [&](double y) { return mean - deviation * HallInverse(y / std::sqrt(n), skew, n); };
+  const auto end = [&](double y) { return mean - sigma * HallInverse(y / std::sqrt(n), skew, n); };
   Interval interval{end(t), end(-t)};
-  const auto [least, greatest] = std::minmax_element(samples.begin(), samples.end());
-  if (interval.low < *least) interval.low = Interval().low;
-  if (interval.high > *greatest) interval.high = Interval().high;
+  const auto [min, max] = std::minmax_element(samples.begin(), samples.end());
+  if (interval.low < *min) interval.low = Interval().low;
+  if (interval.high > *max) interval.high = Interval().high;
   return {mean, interval};
 }
 

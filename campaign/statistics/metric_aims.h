@@ -14,7 +14,7 @@ enum class Better { kLower, kHigher };
 // What the texts of a campaign say of its metrics.
 struct MetricAims {
   std::vector<std::string> listed;  // that tables show first: the plan's, or those of the criteria
-  // By metric: lower where a criterion or threshold sets but a greatest value, higher where but a least.
+  // By metric: lower where a criterion or threshold sets but a maximum, higher where but a minimum.
   std::map<std::string, Better> better;
 };
 MetricAims AimsOf(const CampaignIdentity& identity);

@@ -26,7 +26,7 @@ struct JudgedThreshold {
   std::optional<std::int64_t> runs_to_tell = std::nullopt;
 };
 
-// In the order of their names; one with a greatest and a least value is two. A run without the metric never
+// In the order of their names; one with a maximum and a minimum is two. A run without the metric never
 // did what it measures: it counts as worse than any that did, so that a mean is unbounded with one such run.
 // Where none is on success, at least one run must have passed; `success: {min: 0}` asks for nothing.
 // sequential: the number of runs was chosen by what they came to (StopRuleOf), so success is judged by an

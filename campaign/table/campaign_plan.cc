@@ -11,6 +11,7 @@
 #include "campaign/table/flight_metrics.h"
 #include "campaign/table/read_variation.h"
 #include "campaign/table/sampling.h"
+#include "flight/simulated/possible_metrics.h"
 
 namespace kestrel::campaign {
 namespace {
@@ -48,6 +49,7 @@ CampaignPlan PlanIn(const std::filesystem::path& file, const std::vector<std::st
   const SplitOverrides split = Split(overrides, KeysOf<CampaignFile>());
   CampaignFile read;
   config = LoadConfig(file, split.of_file, mistakes);
+  flight::RenameFormerMetrics(config, {"metrics", "thresholds"});
   Read(config, read, mistakes);
   read.plan.vary = ReadVary(read.vary, mistakes);
   SetInstead(split.of_scenario, read.plan.set);

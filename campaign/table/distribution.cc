@@ -10,14 +10,14 @@
 namespace kestrel::campaign {
 namespace {
 
-constexpr double kDeviations = 10;
+constexpr double kSigmas = 10;
 
 // Of the share u of the whole, never the ends, which a normal does not have.
 double StandardNormalQuantile(double u) {
   return boost::math::quantile(boost::math::normal(), std::clamp(u, 0x1p-54, 1 - 0x1p-53));
 }
 
-// Between a and b, in deviations. In the upper tail as the mirror of the lower one, where the shares near 0
+// Between a and b, in sigmas. In the upper tail as the mirror of the lower one, where the shares near 0
 // keep their digits.
 double TruncatedQuantile(double u, double a, double b) {
   if (a > 0) return -TruncatedQuantile(1 - u, -b, -a);
@@ -39,11 +39,11 @@ struct Quantile {
     return Shown(std::clamp(d.low * std::exp(u * std::log(d.high / d.low)), d.low, d.high));
   }
   std::string operator()(const Normal& d) const {
-    return Shown(d.mean + d.deviation * StandardNormalQuantile(u));
+    return Shown(d.mean + d.sigma * StandardNormalQuantile(u));
   }
   std::string operator()(const TruncatedNormal& d) const {
-    const double z = TruncatedQuantile(u, (d.low - d.mean) / d.deviation, (d.high - d.mean) / d.deviation);
-    return Shown(std::clamp(d.mean + d.deviation * z, d.low, d.high));
+    const double z = TruncatedQuantile(u, (d.low - d.mean) / d.sigma, (d.high - d.mean) / d.sigma);
+    return Shown(std::clamp(d.mean + d.sigma * z, d.low, d.high));
   }
   std::string operator()(const Choice& d) const {
     const auto count = static_cast<double>(d.values.size());
@@ -55,7 +55,7 @@ struct Quantile {
 struct Ends {
   using List = std::vector<std::string>;
   List operator()(const Normal& d) const {
-    return {Shown(d.mean - kDeviations * d.deviation), Shown(d.mean + kDeviations * d.deviation)};
+    return {Shown(d.mean - kSigmas * d.sigma), Shown(d.mean + kSigmas * d.sigma)};
   }
   List operator()(const Choice& d) const { return d.values; }
   List operator()(const Grid& d) const { return d.values; }

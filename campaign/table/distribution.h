@@ -18,11 +18,11 @@ struct LogUniform {  // its logarithm is uniform
   bool operator==(const LogUniform&) const = default;
 };
 struct Normal {
-  double mean = 0, deviation = 1;
+  double mean = 0, sigma = 1;
   bool operator==(const Normal&) const = default;
 };
-struct TruncatedNormal {  // of mean and deviation before it is cut
-  double mean = 0, deviation = 1, low = -1, high = 1;
+struct TruncatedNormal {  // of mean and sigma before it is cut
+  double mean = 0, sigma = 1, low = -1, high = 1;
   bool operator==(const TruncatedNormal&) const = default;
 };
 struct Choice {  // each as likely as the others; as YAML
@@ -39,8 +39,8 @@ using Distribution = std::variant<Uniform, LogUniform, Normal, TruncatedNormal, 
 // bits. Of a grid: never asked.
 std::string ValueAt(const Distribution& distribution, double u);
 
-// The least and greatest values that can come, as --set takes them; of choices and grids all of them; of a
-// normal, which has none, the numbers 10 deviations off.
+// The minimum and maximum values that can come, as --set takes them; of choices and grids all of them; of a
+// normal, which has none, the numbers 10 sigma off.
 std::vector<std::string> Extremes(const Distribution& distribution);
 
 }  // namespace kestrel::campaign

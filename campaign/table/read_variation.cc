@@ -216,12 +216,12 @@ void CheckGroups(const ConfigNode& root, const CampaignPlan& plan, Mistakes& mis
                                         : fmt::format("'{}' is in correlated.{} already", key, other->second),
                      "valid: in one group");
     }
-    const double least = MinRankCorrelation(std::max<int>(2, static_cast<int>(group.keys.size())));
-    if (group.rank_correlation <= least + 1e-9 || group.rank_correlation >= 1 - 1e-9)
+    const double min = MinRankCorrelation(std::max<int>(2, static_cast<int>(group.keys.size())));
+    if (group.rank_correlation <= min + 1e-9 || group.rank_correlation >= 1 - 1e-9)
       mistakes.Add(WhereIn(root, {"correlated", index, "rank_correlation"}), path + ".rank_correlation",
                    fmt::format("{} each with each is no correlation that {} keys can have",
                                group.rank_correlation, group.keys.size()),
-                   fmt::format("valid: above {:.4g} and below 1", least));
+                   fmt::format("valid: above {:.4g} and below 1", min));
   }
 }
 
@@ -247,23 +247,23 @@ bool IsList(const Distribution& distribution) {
   return std::holds_alternative<Choice>(distribution) || std::holds_alternative<Grid>(distribution);
 }
 
-// Of a long list of numbers its least, its greatest, and one that is not whole if there is any; of another
+// Of a long list of numbers its minimum, its maximum, and one that is not whole if there is any; of another
 // list all.
 List ValuesOfList(List values) {
   constexpr std::size_t kLong = 100;  // to load a scenario with each takes long
   if (values.size() <= kLong) return values;
   std::optional<std::string> broken;
-  std::pair<double, std::size_t> least{HUGE_VAL, 0}, greatest{-HUGE_VAL, 0};
+  std::pair<double, std::size_t> min{HUGE_VAL, 0}, max{-HUGE_VAL, 0};
   for (std::size_t i = 0; i < values.size(); ++i) {
     const char* last = values[i].data() + values[i].size();
     double number = 0;
     const auto end = std::from_chars(values[i].data(), last, number);
     if (end.ptr != last || end.ec != std::errc{}) return values;
-    least = std::min(least, {number, i});
-    greatest = std::max(greatest, {number, i});
+    min = std::min(min, {number, i});
+    max = std::max(max, {number, i});
     if (number != std::floor(number)) broken = values[i];
   }
-  List tried{values[least.second], values[greatest.second]};
+  List tried{values[min.second], values[max.second]};
   if (broken) tried.push_back(*broken);
   return tried;
 }

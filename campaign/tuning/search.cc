@@ -34,7 +34,7 @@ std::vector<std::size_t> ByCost(const std::vector<double>& costs) {
 }
 
 CrossEntropy::CrossEntropy(Point start, std::uint64_t seed)
-    : seed_(seed), mean_(std::move(start)), deviation_(mean_.size(), kFirstStep) {}
+    : seed_(seed), mean_(std::move(start)), sigma_(mean_.size(), kFirstStep) {}
 
 const std::vector<Point>& CrossEntropy::Ask() {
   if (!asked_.empty()) return asked_;
@@ -43,7 +43,7 @@ const std::vector<Point>& CrossEntropy::Ask() {
   asked_.resize(std::max<std::size_t>(20, 4 * mean_.size()));
   for (Point& point : asked_) {
     point.resize(mean_.size());
-    for (std::size_t i = 0; i < point.size(); ++i) point[i] = mean_[i] + deviation_[i] * random.Normal();
+    for (std::size_t i = 0; i < point.size(); ++i) point[i] = mean_[i] + sigma_[i] * random.Normal();
     point = Reflected(point);
   }
   return asked_;
@@ -59,7 +59,7 @@ void CrossEntropy::Tell(const std::vector<double>& costs) {
     const double mean = sum / static_cast<double>(elite);
     for (std::size_t k = 0; k < elite; ++k) squares += std::pow(asked_[order[k]][i] - mean, 2);
     mean_[i] += kSmoothing * (mean - mean_[i]);
-    deviation_[i] += kSmoothing * (std::sqrt(squares / static_cast<double>(elite - 1)) - deviation_[i]);
+    sigma_[i] += kSmoothing * (std::sqrt(squares / static_cast<double>(elite - 1)) - sigma_[i]);
   }
   asked_.clear(), ++generation_;
 }

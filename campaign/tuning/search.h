@@ -50,7 +50,7 @@ class CrossEntropy {
  private:
   std::uint64_t seed_;
   int generation_ = 0;
-  Point mean_, deviation_;
+  Point mean_, sigma_;
   std::vector<Point> asked_;
 };
 

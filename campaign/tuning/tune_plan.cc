@@ -17,6 +17,7 @@
 #include "campaign/table/sampling.h"
 #include "campaign/tuning/search.h"
 #include "flight/gains_file.h"
+#include "flight/simulated/possible_metrics.h"
 #include "flight/simulated/scenario.h"
 
 namespace kestrel::campaign {
@@ -204,7 +205,8 @@ SampleTable RowsOfRound(const TunePlan& plan, int round) {
 LoadedTune LoadTune(const std::filesystem::path& file, const List& overrides) {
   Mistakes mistakes;
   const SplitOverrides split = Split(overrides, KeysOf<TuneFile>());
-  const Config config = LoadConfig(file, split.of_file, mistakes);
+  Config config = LoadConfig(file, split.of_file, mistakes);
+  flight::RenameFormerMetrics(config, {"cost", "constraints"});
   if (!config.readable) mistakes.ThrowIfAny();
   TuneFile read;
   Read(config, read, mistakes);

@@ -227,7 +227,7 @@ struct AfcsLink::Session {
   void Post(const Setpoint& wanted) {
     const std::lock_guard lock(mutex);
     not_expressible = std::holds_alternative<AttitudeSetpoint>(wanted)
-                          ? "an AttitudeSetpoint cannot be said in AFCS: not sent"
+                          ? "AFCS has no AttitudeSetpoint: not sent"
                       : !Finite(wanted) ? "a setpoint was not finite: not sent"
                                         : "";
     if (!not_expressible.empty()) return setpoint.reset();  // nor what was asked for before
@@ -317,7 +317,7 @@ void AfcsLink::Send(const Setpoint& setpoint) { session_->Post(setpoint); }
 
 void AfcsLink::Aid(const AttitudeAid&) {
   const std::lock_guard lock(session_->mutex);
-  session_->not_expressible = "an AttitudeAid cannot be said in AFCS: not sent";
+  session_->not_expressible = "AFCS has no AttitudeAid: not sent";
 }
 
 LinkHealth AfcsLink::Health() const {
@@ -331,7 +331,7 @@ LinkHealth AfcsLink::Health() const {
   for (std::size_t why = 0; why < wire::kAfcsRefusals; ++why)
     health.refused += s.receiver.refused(static_cast<wire::AfcsRefusal>(why));
   health.sent = s.sent;
-  health.trouble = s.Error();
+  health.error = s.Error();
   return health;
 }
 

@@ -10,7 +10,7 @@ namespace kestrel::control {
 
 // An AscTec low-level processor (Pelican, Hummingbird) on a serial device: 57600 baud, 8N1, no flow control.
 // An AscTecSession with a thread and the monotonic clock. A device that cannot be opened, or fails, is opened
-// again and again, and is trouble by name meanwhile. It is this link's alone while it is open: whoever comes
+// again and again, and is named as an error meanwhile. It is this link's alone while it is open: whoever comes
 // second is told that it is in use, and changes nothing of it.
 //
 // A state's time is when its IMU_CALCDATA began to leave: when the last byte came, less the time of the line.
@@ -22,7 +22,7 @@ class AscTecLink final : public AutopilotLink {
 
   VehicleState State() const override;
   void Send(const Setpoint& setpoint) override;
-  void Aid(const AttitudeAid& aid) override;  // not taken: trouble
+  void Aid(const AttitudeAid& aid) override;  // not taken: an error
   LinkHealth Health() const override;
   void Silence() override;
 

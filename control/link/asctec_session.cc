@@ -345,24 +345,24 @@ LinkHealth AscTecSession::Health(double now_s) const {
   health.sent = sent_;
   const auto battery_v = [&] { return status_->message.battery_voltage_1 * 1e-3; };
   if (!open_)
-    health.trouble = closed_why_;
+    health.error = closed_why_;
   else if (now_s - std::max(heard_s_.value_or(opened_s_), opened_s_) > kNoAnswer_s)
-    health.trouble = "the processor does not answer";
+    health.error = "the processor does not answer";
   else if (status_ && status_->message.flightMode & wire::kFlightModeEmergency)
-    health.trouble = "emergency: the processor has lost its R/C";
+    health.error = "emergency: the processor has lost its R/C";
   else if (status_ && battery_v() < options_.battery_v)
-    health.trouble =
+    health.error =
         fmt::format("the battery has {:.1f} V, less than {:.1f} V", battery_v(), options_.battery_v);
   else if (gps_ && (gps_->message.gps.status & kGpsValid) != kGpsValid)
-    health.trouble = "no GPS fix";
+    health.error = "no GPS fix";
   else if (motors_ == Motors::kRefused)
-    health.trouble = "the motors do not start when asked to";
+    health.error = "the motors do not start when asked to";
   else if (missed_ >= kUnanswered)
-    health.trouble = "setpoints are not acknowledged";
+    health.error = "setpoints are not acknowledged";
   else if (aid_asked_)
-    health.trouble = "the processor takes no attitude from outside";
+    health.error = "the processor takes no attitude from outside";
   else
-    health.trouble = refused_;
+    health.error = refused_;
   return health;
 }
 

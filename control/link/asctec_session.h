@@ -67,7 +67,7 @@ inline void Fields(FieldVisitor& v, AscTecOptions& o) {
 //
 // Setpoints are sent while the pilot allows it (bit 0x20 of flightMode, no emergency, and his switch), while
 // the state is young, and for kRepeat_s after Send. A CTRL_INPUT is repeated by that
-// of the next cycle, acknowledged or not; when five in a row are not within 0.1 s, that is trouble.
+// of the next cycle, acknowledged or not; when five in a row are not within 0.1 s, that is an error.
 class AscTecSession {
  public:
   explicit AscTecSession(const AscTecOptions& options);
@@ -78,7 +78,7 @@ class AscTecSession {
   wire::Bytes Say(double now_s);  // what is due; to be called every few milliseconds
 
   void Send(double now_s, const Setpoint& setpoint);
-  void Aid();  // which the processor does not take: trouble from then on
+  void Aid();  // which the processor does not take: an error from then on
   void Silence();
   const VehicleState& State() const { return state_; }
   LinkHealth Health(double now_s) const;

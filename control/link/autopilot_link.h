@@ -18,7 +18,7 @@ struct LinkHealth {
   std::uint64_t refused = 0;          // that were damaged, unknown, doubled or out of order
   std::uint64_t sent = 0;             // setpoints
   bool simulated = false;  // the far end says so of its aircraft; false: it does not, or its wire cannot
-  std::string trouble;     // empty: none. Otherwise what is the matter, in words
+  std::string error;       // empty: none. Otherwise what is the matter, in words
 };
 
 // An autopilot behind a real wire. A thread of its own listens, keeps the session alive, and sends the newest
@@ -27,7 +27,7 @@ struct LinkHealth {
 // VehicleState::t_s is the monotonic clock of this computer (base/clock_sync.h), as are the times of
 // a LiveCamera's frames. Before the first state it is a VehicleState{}, whose age LinkHealth tells.
 //
-// A setpoint that the protocol cannot express is not sent, and is trouble by name. What was sent is repeated
+// A setpoint that the protocol cannot express is not sent, and is an error by name. What was sent is repeated
 // for kRepeat_s after Send at most: then the wire falls silent, and the autopilot's own time-out acts.
 class AutopilotLink : public Autopilot {
  public:

@@ -99,14 +99,14 @@ struct MavlinkLink::Wire {
     for (const wire::Bytes& datagram : due) {
       const error_code error = socket.Send(datagram, *socket.owner());
       const std::lock_guard lock(mutex);
-      trouble = error ? "sending failed: " + error.message() : "";
+      send_error = error ? "sending failed: " + error.message() : "";
     }
   }
 
   UdpAddress address;
-  mutable std::mutex mutex;  // of session and trouble
+  mutable std::mutex mutex;  // of session and send_error
   MavlinkSession session;
-  std::string trouble;
+  std::string send_error;
 
   // The thread's own:
   boost::asio::io_context context{1};
@@ -140,7 +140,7 @@ void MavlinkLink::Aid(const AttitudeAid&) {
 LinkHealth MavlinkLink::Health() const {
   const std::lock_guard lock(wire_->mutex);
   LinkHealth health = wire_->session.Health(MonotonicNow_s());
-  if (!wire_->trouble.empty()) health.trouble = wire_->trouble;
+  if (!wire_->send_error.empty()) health.error = wire_->send_error;
   return health;
 }
 

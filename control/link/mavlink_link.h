@@ -35,7 +35,7 @@ class MavlinkLink final : public AutopilotLink {
   VehicleState State() const override;
   void Send(const Setpoint& setpoint) override;
   // Nothing: MAVLink tells an attitude from a camera only together with a position
-  // (VISION_POSITION_ESTIMATE), which would be made up. It is trouble by name.
+  // (VISION_POSITION_ESTIMATE), which would be made up. It is an error by name.
   void Aid(const AttitudeAid& aid) override;
   LinkHealth Health() const override;
   void Silence() override;

@@ -301,16 +301,16 @@ bool MavlinkSession::StandsBy() const {
 }
 
 void MavlinkSession::Send(const Setpoint& setpoint, double now_s) {
-  setpoint_trouble_.clear();
+  setpoint_error_.clear();
   const auto* attitude = std::get_if<AttitudeSetpoint>(&setpoint);
   if (!Finite(setpoint)) {
-    setpoint_trouble_ = "setpoint not sent: not finite";
+    setpoint_error_ = "setpoint not sent: not finite";
   } else if (attitude != nullptr && !(attitude->thrust >= 0 && attitude->thrust <= 1)) {
-    setpoint_trouble_ = "setpoint not sent: thrust is not within 0 and 1";
+    setpoint_error_ = "setpoint not sent: thrust is not within 0 and 1";
   } else if (attitude != nullptr && !state_s_) {
-    setpoint_trouble_ = "setpoint not sent: an attitude needs the heading, which is not known yet";
+    setpoint_error_ = "setpoint not sent: an attitude needs the heading, which is not known yet";
   }
-  if (!setpoint_trouble_.empty()) return Silence();
+  if (!setpoint_error_.empty()) return Silence();
   if (!Fresh(now_s)) streaming_s_ = now_s, yaw_.reset();
   if (attitude == nullptr) yaw_.reset();
   setpoint_ = setpoint, setpoint_s_ = now_s, next_s_ = now_s;
@@ -421,7 +421,7 @@ std::string MavlinkSession::Error(double now_s) const {
     if (!position_.time_boot_ms) return "no position comes (LOCAL_POSITION_NED)";
     return "attitude or position no longer comes, or cannot be";
   }
-  if (!setpoint_trouble_.empty()) return setpoint_trouble_;
+  if (!setpoint_error_.empty()) return setpoint_error_;
   const auto refused = [this](const Ask& ask, const std::string& what) {
     return what + " refused (MAV_RESULT " + std::to_string(*ask.refused) + ")" +
            (text_.empty() ? "" : ": " + text_);
@@ -442,7 +442,7 @@ LinkHealth MavlinkSession::Health(double now_s) const {
   health.pilot_allows = PilotAllows(now_s);
   health.received = received_, health.refused = refused_, health.sent = sent_;
   health.simulated = heartbeat_ && (heartbeat_->base_mode & kSimulatedFlag) != 0;
-  health.trouble = Error(now_s);
+  health.error = Error(now_s);
   return health;
 }
 

@@ -175,7 +175,7 @@ class MavlinkSession {
   std::optional<double> yaw_;          // of attitudes on the wire
   double yaw_s_ = 0;                   // when it was that
   std::optional<Eigen::Vector3d> target_N_;
-  std::string setpoint_trouble_;
+  std::string setpoint_error_;
   bool aid_refused_ = false;
 
   bool had_ = false;  // the mode, when it was last heard of

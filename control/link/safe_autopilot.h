@@ -52,7 +52,7 @@ class SafeAutopilot final : public Autopilot {
   void Aid(const AttitudeAid& aid) override;
 
   // Lets the aircraft go (control/safety/release.h), and comes back when the wire is silent, after
-  // ReleaseLimits::most_s at most. From its call on nothing else is sent, whatever is asked for. Of a dry
+  // ReleaseLimits::max_s at most. From its call on nothing else is sent, whatever is asked for. Of a dry
   // run, which has nothing in force: none.
   std::optional<Released> LetGo(const ReleaseLimits& limits = {});
 

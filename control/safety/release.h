@@ -14,7 +14,7 @@ namespace kestrel::control {
 enum class Release {
   kHolding,    // velocity zero is being sent
   kHeld,       // it was obeyed
-  kNotObeyed,  // it was not, in most_s
+  kNotObeyed,  // it was not, in max_s
   kStateLost,  // the same, and nobody can say whether it was
   kOwnHold,    // the autopilot holds the place by itself: nothing is followed that we send
   kLanded,     // nothing to be held

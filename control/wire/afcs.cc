@@ -141,7 +141,7 @@ template <Number T>
 constexpr WireType TypeOf(std::string_view name) {
   return {name, sizeof(T),
           [](Bytes& bytes, double v, std::endian order) { Append(bytes, Nearest<T>(v), order); },
-          [](Reader& reader) { return static_cast<double>(reader.Take<T>()); }};
+          [](Reader& reader) { return static_cast<double>(reader.Read<T>()); }};
 }
 constexpr std::array kTypes = {TypeOf<std::int16_t>("i16"), TypeOf<std::uint16_t>("u16"),
                                TypeOf<std::int32_t>("i32"), TypeOf<std::uint32_t>("u32"),
@@ -327,11 +327,11 @@ std::variant<AfcsDatagram, AfcsRefusal> AfcsCodec::Decode(std::span<const std::u
   if (bytes.size() < compiled_->header_bytes()) return AfcsRefusal::kShort;
   Reader header(bytes, compiled_->header_order);
   const auto half = [&]() -> std::uint64_t {
-    if (compiled_->wide) return header.Take<std::uint64_t>();
-    return header.Take<std::uint32_t>();
+    if (compiled_->wide) return header.Read<std::uint64_t>();
+    return header.Read<std::uint32_t>();
   };
   const std::uint64_t seconds = half(), microseconds = half();
-  const auto type = header.Take<std::uint32_t>();
+  const auto type = header.Read<std::uint32_t>();
   if (seconds > std::numeric_limits<std::uint32_t>::max() || microseconds >= kMicroseconds)
     return AfcsRefusal::kTime;
   if (type > kMaxType) return AfcsRefusal::kType;

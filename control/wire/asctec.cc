@@ -67,7 +67,7 @@ struct Writer {
 struct Filler {
   Reader& reader;
   void operator()(auto&... fields) {
-    ((fields = reader.Take<std::remove_reference_t<decltype(fields)>>()), ...);
+    ((fields = reader.Read<std::remove_reference_t<decltype(fields)>>()), ...);
   }
 };
 
@@ -156,15 +156,15 @@ Judgement<Telemetry> JudgeFrame(std::span<const std::uint8_t> bytes) {
   using J = Judgement<Telemetry>;
   if (bytes.size() < kHeaderBytes) return J::More(bytes.size() >= kBegin.size());
   Reader header(bytes.subspan(kBegin.size()));
-  const std::size_t length = header.Take<std::uint16_t>();
-  const auto descriptor = header.Take<std::uint8_t>();
+  const std::size_t length = header.Read<std::uint16_t>();
+  const auto descriptor = header.Read<std::uint8_t>();
   for (const FrameKind& kind : kKinds) {
     if (kind.descriptor != descriptor) continue;
     if (length < kind.shortest || length > kind.longest) return J::Refused(LinkRefusal::kLength);
     if (bytes.size() < length + kTelemetryOverhead) return J::More(true);
     const auto data = bytes.subspan(kHeaderBytes, length);
     const auto behind = bytes.subspan(kHeaderBytes + length);
-    if (Reader(behind).Take<std::uint16_t>() != CrcOf(data)) return J::Refused(LinkRefusal::kCheckSum);
+    if (Reader(behind).Read<std::uint16_t>() != CrcOf(data)) return J::Refused(LinkRefusal::kCheckSum);
     if (!Agrees(behind.subspan(sizeof(std::uint16_t)), kEnd)) return J::Refused(LinkRefusal::kTrailer);
     return J::Of(length + kTelemetryOverhead, kind.read(data));
   }
@@ -188,7 +188,7 @@ Judgement<Command> Judge(std::span<const std::uint8_t> bytes, Command*) {
   const auto rest = bytes.subspan(kBegin.size());
   if (Agrees(rest, kRequest)) {
     if (bytes.size() < kRequestBytes) return J::More(true);
-    const auto mask = Reader(rest.subspan(kRequest.size())).Take<std::uint16_t>();
+    const auto mask = Reader(rest.subspan(kRequest.size())).Read<std::uint16_t>();
     if (mask & ~kRequestBits) return J::Refused(LinkRefusal::kRange);
     return J::Of(kRequestBytes, Request{mask});
   }
@@ -202,14 +202,14 @@ Judgement<Command> Judge(std::span<const std::uint8_t> bytes, Command*) {
   Filler fill{reader};
   CtrlInput input;
   Layout(fill, input);
-  if (reader.Take<std::uint16_t>() != CheckSum(input)) return J::Refused(LinkRefusal::kCheckSum);
+  if (reader.Read<std::uint16_t>() != CheckSum(input)) return J::Refused(LinkRefusal::kCheckSum);
   if (!InRange(input)) return J::Refused(LinkRefusal::kRange);
   return J::Of(kCtrlInputBytes, input);
 }
 
 // Takes from the front of the unread bytes all that can be judged.
 template <class Message>
-std::vector<Message> Take(Bytes& unread, LinkCounts& counts, bool silent) {
+std::vector<Message> Parse(Bytes& unread, LinkCounts& counts, bool silent) {
   using Kind = typename Judgement<Message>::Kind;
   std::vector<Message> messages;
   std::size_t at = 0;
@@ -267,14 +267,14 @@ Bytes Encode(const Command& command) {
 
 std::vector<Telemetry> TelemetryParser::Feed(std::span<const std::uint8_t> bytes) {
   unread_.insert(unread_.end(), bytes.begin(), bytes.end());
-  return Take<Telemetry>(unread_, counts_, false);
+  return Parse<Telemetry>(unread_, counts_, false);
 }
-std::vector<Telemetry> TelemetryParser::Idle() { return Take<Telemetry>(unread_, counts_, true); }
+std::vector<Telemetry> TelemetryParser::Idle() { return Parse<Telemetry>(unread_, counts_, true); }
 
 std::vector<Command> CommandParser::Feed(std::span<const std::uint8_t> bytes) {
   unread_.insert(unread_.end(), bytes.begin(), bytes.end());
-  return Take<Command>(unread_, counts_, false);
+  return Parse<Command>(unread_, counts_, false);
 }
-std::vector<Command> CommandParser::Idle() { return Take<Command>(unread_, counts_, true); }
+std::vector<Command> CommandParser::Idle() { return Parse<Command>(unread_, counts_, true); }
 
 }  // namespace kestrel::control::wire

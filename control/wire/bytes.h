@@ -33,7 +33,7 @@ class Reader {
       : bytes_(bytes), order_(order) {}
 
   template <Number T>
-  T Take() {
+  T Read() {
     std::array<std::uint8_t, sizeof(T)> raw{};
     if (left() < sizeof(T)) {
       good_ = false, at_ = bytes_.size();

@@ -58,7 +58,7 @@ const Format* Find(std::span<const Format> known, const Head& head) {
 }
 
 bool ChecksumHolds(std::span<const std::uint8_t> bytes, const Head& head, const Format& format) {
-  return Reader(bytes.subspan(head.checked)).Take<std::uint16_t>() ==
+  return Reader(bytes.subspan(head.checked)).Read<std::uint16_t>() ==
          Checksum(bytes.first(head.checked), format.crc_extra);
 }
 

@@ -43,17 +43,17 @@ class Writer {
 class Taker {
  public:
   explicit Taker(std::span<const std::uint8_t> bytes) : reader_(bytes) {}
-  void operator()(auto&... field) { (Take(field), ...); }
-  void Extensions(auto&... field) { (Take(field), ...); }
+  void operator()(auto&... field) { (Read(field), ...); }
+  void Extensions(auto&... field) { (Read(field), ...); }
 
  private:
   template <Number T>
-  void Take(T& value) {
-    value = reader_.Take<T>();
+  void Read(T& value) {
+    value = reader_.Read<T>();
   }
   template <Number T, std::size_t n>
-  void Take(std::array<T, n>& values) {
-    for (T& value : values) value = reader_.Take<T>();
+  void Read(std::array<T, n>& values) {
+    for (T& value : values) value = reader_.Read<T>();
   }
   Reader reader_;
 };

@@ -8,13 +8,13 @@
 namespace kestrel::flight {
 
 std::string LagMonitor::Judge(const char* name,
-                              const std::optional<control::VelocityLagEstimator::Late>& late, double most_s,
+                              const std::optional<control::VelocityLagEstimator::Late>& late, double max_s,
                               Direction& direction) {
-  direction.late = late && late->min_s > most_s ? direction.late + 1 : 0;
+  direction.late = late && late->min_s > max_s ? direction.late + 1 : 0;
   if (direction.told || direction.late < kInARow) return "";
   direction.told = true;
   const std::string text =
-      fmt::format("follows {} velocities {:.1f} s late, the gains allow {:.2f} s", name, late->s, most_s);
+      fmt::format("follows {} velocities {:.1f} s late, the gains allow {:.2f} s", name, late->s, max_s);
   told_ += (told_.empty() ? "the autopilot " : ", and ") + text;
   return text;
 }

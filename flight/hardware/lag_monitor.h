@@ -29,7 +29,7 @@ class LagMonitor {
     bool told = false;
   };
   std::string Judge(const char* name, const std::optional<control::VelocityLagEstimator::Late>& late,
-                    double most_s, Direction& direction);
+                    double max_s, Direction& direction);
 
   control::VelocityLag max_;
   control::VelocityLagEstimator estimator_;

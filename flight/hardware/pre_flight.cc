@@ -38,8 +38,8 @@ Watched Watch(vision::LiveCamera& camera, const PreFlightOptions& o) {
     if (!frame) {
       const vision::LiveCameraHealth health = camera.Health();
       if (health.state == vision::LiveCameraState::kEnded) break;
-      if (watched.images == 0 && o.tell && !health.trouble.empty() && health.trouble != told)
-        o.tell(told = health.trouble);
+      if (watched.images == 0 && o.tell && !health.error.empty() && health.error != told)
+        o.tell(told = health.error);
       continue;
     }
     if (watched.images++ == 0) watched.first_s = frame->t_s, until_s = MonotonicNow_s() + o.watch_s;
@@ -100,9 +100,9 @@ std::vector<CheckItem> PreFlight(const LoadedPlan& plan, vision::LiveCamera& cam
     const vision::LiveCameraHealth health = camera.Health();
     const double waited_s = MonotonicNow_s() - begun_s;
     add("camera", false,
-        health.trouble.empty()
+        health.error.empty()
             ? fmt::format("{}, and no image in {:.1f} s", vision::NameOf(health.state), waited_s)
-            : fmt::format("none in {:.1f} s that can be flown by: {}", waited_s, health.trouble));
+            : fmt::format("none in {:.1f} s that can be flown by: {}", waited_s, health.error));
   } else {
     items.push_back(RateItem(watched.RateHz(), wanted_hz, o));
     const cv::Mat& image = watched.frame->image;
@@ -122,10 +122,10 @@ std::vector<CheckItem> PreFlight(const LoadedPlan& plan, vision::LiveCamera& cam
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
     health = link.Health();
   }
-  add("link", alive() && health.trouble.empty(),
-      !health.state_age_s       ? "no state was heard" + (health.trouble.empty() ? "" : ": " + health.trouble)
-      : !health.trouble.empty() ? health.trouble
-                                : fmt::format("state {:.0f} ms old", 1e3 * *health.state_age_s));
+  add("link", alive() && health.error.empty(),
+      !health.state_age_s     ? "no state was heard" + (health.error.empty() ? "" : ": " + health.error)
+      : !health.error.empty() ? health.error
+                              : fmt::format("state {:.0f} ms old", 1e3 * *health.state_age_s));
   if (health.state_age_s) items.push_back(StateItem(link.State(), o));
   if (!alive() || !health.open) {  // whatever it would tell, it tells nothing
     add("pilot's switch", false, "not known: the autopilot is not heard");

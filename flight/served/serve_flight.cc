@@ -93,7 +93,7 @@ class ServedFlight {
       if (options_.go_on && !options_.go_on()) return "ended from outside";
       const double now_s = options_.clock.now_s();
       const double due_s = time.Due(now_s, t_s());
-      // However late: the servers hear and speak in between.
+      // However late: the servers receive and send in between.
       const double until_s = std::min({due_s, t_s() + kSlice_s, end_s});
       while (const auto frame = simulator_.NextUntil(until_s)) Receive(*frame);
       if (options_.pilot_off_at_s && !pilot_off_ && t_s() >= *options_.pilot_off_at_s) {

@@ -341,8 +341,8 @@ WireFlown FlyAgainstProcess(const WireFlightOptions& o) {
   if (o.wire == Wire::kAscTec) command.push_back("--asctec");
   ChildProcess server(command, {"KESTREL_ROOT=" + Root().string()}, o.folder / "served.txt");
 
-  const auto until = [&](const std::string& said, double most_s) {
-    const double until_s = MonotonicNow_s() + most_s;
+  const auto until = [&](const std::string& said, double max_s) {
+    const double until_s = MonotonicNow_s() + max_s;
     while (server.Output().find(said) == std::string::npos) {
       if (server.Ended() || MonotonicNow_s() > until_s) return false;
       Sleep();

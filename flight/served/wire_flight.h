@@ -78,7 +78,7 @@ struct WireFlown {
   int starts = 1;             // it is started again where its check list is not met
   std::vector<FlownImage> images;
   std::vector<FlownEvent> events;
-  std::string said;
+  std::string output;
 
   bool Landed() const;
   double TouchdownError_m() const;  // infinite: it never touched

@@ -199,6 +199,7 @@ LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& o
   LoadedScenario loaded;
   Scenario& s = loaded.scenario;
   Config config = LoadConfig(file, overrides, mistakes);
+  RenameFormerMetrics(config, {"criteria"});
   PassOverGains(config);
   if (const ConfigNode* world = Find(config, "world"))
     s.landscape = LandscapeOf(world->text, beside, mistakes);

@@ -78,7 +78,7 @@ const std::vector<mission::Metric>& CommonMetrics() {
       {"touchdown_s", "s", "When the first touch was"},
       {"rest_error_m", "m", "Distance from the pad's centre at the end of a landing"},
       {"rest_tilt_deg", "deg", "Tilt from level at the end of a landing", 0, 180},
-      {"greatest_tilt_deg", "deg", "Maximum tilt of the flight", 0, 180},
+      {"max_tilt_deg", "deg", "Maximum tilt of the flight", 0, 180},
       {"failure_attitude_rms_deg", "deg",
        "RMS angle between the true down and that which is flown by, while the autopilot's attitude has "
        "failed",
@@ -105,7 +105,7 @@ std::vector<mission::Metric> AllMetrics() {
 
 bool NeedsDecisions(const std::string& metric) {
   return !metric.starts_with("touchdown_") && !metric.starts_with("rest_") &&
-         !metric.starts_with("failure_") && metric != "greatest_tilt_deg";
+         !metric.starts_with("failure_") && metric != "max_tilt_deg";
 }
 
 std::map<std::string, double> Metrics(const std::vector<LogRow>& rows, const std::optional<Truth>& touch,
@@ -144,7 +144,7 @@ std::map<std::string, double> Metrics(const std::vector<LogRow>& rows, const std
     tilt = std::max(tilt, TiltOf(row.now.X_NB));
   }
   m["fix_share"] = static_cast<double>(fixes) / static_cast<double>(rows.size());
-  m["greatest_tilt_deg"] = tilt;
+  m["max_tilt_deg"] = tilt;
   if (fixes > 0) {
     m["fix_x_rmse_m"] = x.Root(), m["fix_y_rmse_m"] = y.Root(), m["fix_z_rmse_m"] = z.Root();
     m["fix_yaw_rmse_deg"] = yaw.Root();

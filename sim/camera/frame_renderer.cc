@@ -18,7 +18,7 @@ FrameRenderer::FrameRenderer(const mjModel* model, const vision::CameraModel& ca
       parameters_(image),
       sensor_(image, camera, seed),
       control_(image.exposure, image.auto_exposure, image.gain, image.gamma),
-      instants_(model, X_BC, vibration),
+      interpolator_(model, X_BC, vibration),
       may_repeat_(std::any_of(image.faults.begin(), image.faults.end(),
                               [](const CameraFault& f) { return f.type == "stuck"; })),
       surfaces_(surfaces) {
@@ -46,8 +46,8 @@ FrameRenderer::~FrameRenderer() {
   if (thread_.joinable()) thread_.join();
 }
 
-void FrameRenderer::Submit(FrameRequest shot) {
-  std::packaged_task<RenderedFrame()> task([this, s = std::move(shot)] { return Draw(s); });
+void FrameRenderer::Submit(FrameRequest request) {
+  std::packaged_task<RenderedFrame()> task([this, s = std::move(request)] { return Draw(s); });
   pictures_.push_back(task.get_future());
   if (!thread_.joinable()) return task();
   {
@@ -84,50 +84,50 @@ void FrameRenderer::Work(std::promise<void> ready) {
   renderer_.reset();  // on the thread of its context
 }
 
-RenderedFrame FrameRenderer::Draw(const FrameRequest& shot) {
+RenderedFrame FrameRenderer::Draw(const FrameRequest& request) {
   RenderedFrame picture;
-  if (surfaces_) Survey(shot, picture);
-  if (shot.content == FrameRequest::Content::kRepeat && !last_.empty()) {
+  if (surfaces_) Survey(request, picture);
+  if (request.content == FrameRequest::Content::kRepeat && !last_.empty()) {
     picture.image = last_.clone();
     return picture;
   }
   auto start = std::chrono::steady_clock::now();
-  if (shot.content == FrameRequest::Content::kGarbage) {
-    picture.image = sensor_.Garbage({vision::WidthPx(camera_), vision::HeightPx(camera_)}, shot.sequence);
+  if (request.content == FrameRequest::Content::kGarbage) {
+    picture.image = sensor_.Garbage({vision::WidthPx(camera_), vision::HeightPx(camera_)}, request.sequence);
   } else {
     const ExposureSetting setting = control_.setting();
-    const cv::Mat bgr = Render(shot, setting);
+    const cv::Mat bgr = Render(request, setting);
     picture.render_s = SecondsSince(start);
     start = std::chrono::steady_clock::now();
-    picture.image = sensor_.Expose(bgr, shot.sequence, setting);
-    if (control_.automatic()) control_.Meter(sensor_.MeanGrey(picture.image), shot.t_s);
+    picture.image = sensor_.Expose(bgr, request.sequence, setting);
+    if (control_.automatic()) control_.Meter(sensor_.MeanGrey(picture.image), request.t_s);
   }
   picture.sensor_s = SecondsSince(start);
   if (may_repeat_) last_ = picture.image.clone();
   return picture;
 }
 
-void FrameRenderer::Survey(const FrameRequest& shot, RenderedFrame& picture) {
-  std::vector<Snapshot> moments = std::move(surveyed_);
-  const bool first = moments.empty();
-  if (first) surveyed_s_ = shot.t_s;
-  moments.insert(moments.end(), shot.moments.begin(), shot.moments.end());
-  const auto instants = instants_.Of(moments, surveyed_s_, shot.t_s);
-  const SceneState &before = instants.front(), &now = instants.back();
+void FrameRenderer::Survey(const FrameRequest& request, RenderedFrame& picture) {
+  std::vector<Snapshot> snapshots = std::move(surveyed_);
+  const bool first = snapshots.empty();
+  if (first) surveyed_s_ = request.t_s;
+  snapshots.insert(snapshots.end(), request.snapshots.begin(), request.snapshots.end());
+  const auto states = interpolator_.Of(snapshots, surveyed_s_, request.t_s);
+  const SceneState &before = states.front(), &now = states.back();
   picture.surfaces = renderer_->Trace(now.data, now.X_NC);
   if (!first) picture.flow_here = renderer_->Flow(before, now);
-  surveyed_ = shot.moments;
-  surveyed_s_ = shot.t_s;
+  surveyed_ = request.snapshots;
+  surveyed_s_ = request.t_s;
 }
 
-cv::Mat FrameRenderer::Render(const FrameRequest& shot, const ExposureSetting& setting) {
+cv::Mat FrameRenderer::Render(const FrameRequest& request, const ExposureSetting& setting) {
   const double line_s = parameters_.exposure.line_s;
   const double to_end_s = line_s * (vision::HeightPx(camera_) - 1) / 2 + setting.time_s / 2;
-  const auto instants = instants_.Of(shot.moments, shot.t_s - to_end_s, shot.t_s + to_end_s);
-  if (to_end_s <= 0) return renderer_->Render(instants.front().data, instants.front().X_NC);
-  const Shutter shutter{shot.t_s - line_s * (vision::HeightPx(camera_) - 1) / 2, setting.time_s, line_s,
+  const auto states = interpolator_.Of(request.snapshots, request.t_s - to_end_s, request.t_s + to_end_s);
+  if (to_end_s <= 0) return renderer_->Render(states.front().data, states.front().X_NC);
+  const Shutter shutter{request.t_s - line_s * (vision::HeightPx(camera_) - 1) / 2, setting.time_s, line_s,
                         setting.time_s > 0 ? parameters_.exposure.samples : 1};
-  return renderer_->Render(instants, shutter);
+  return renderer_->Render(states, shutter);
 }
 
 }  // namespace kestrel::sim

@@ -22,23 +22,23 @@ namespace kestrel::sim {
 
 // A frame that is to be drawn.
 struct FrameRequest {
-  enum class Content { kScene, kRepeat, kGarbage };  // kRepeat: the image of the shot before
+  enum class Content { kScene, kRepeat, kGarbage };  // kRepeat: the image of the frame before
   double t_s = 0;                                    // middle of the exposure of the middle row
   std::int64_t sequence = 0;
   Content content = Content::kScene;
-  std::vector<Snapshot> moments;  // around its exposure
+  std::vector<Snapshot> snapshots;  // around its exposure
 };
 
 struct RenderedFrame {
   cv::Mat image;
   double render_s = 0, sensor_s = 0;  // time spent
   // If asked for, at the middle of the exposure of the middle row: what is truly there, whatever the sensor
-  // makes of it, and how what was in the shot before has moved since.
+  // makes of it, and how what was in the frame before has moved since.
   Surfaces surfaces;
-  cv::Mat flow_here;  // as in Renderer::Flow, of the shot before; empty for the first
+  cv::Mat flow_here;  // as in Renderer::Flow, of the frame before; empty for the first
 };
 
-// Draws shots in the order in which they come: renders what is seen while the shutter is open, makes the
+// Draws frames in the order in which they come: renders what is seen while the shutter is open, makes the
 // sensor's image of it, and meters that for the next. Beside who submits them, on a thread of its own that
 // holds the renderer; or, if not beside, in Submit(), all of it on one thread.
 class FrameRenderer {
@@ -52,15 +52,15 @@ class FrameRenderer {
   FrameRenderer(const FrameRenderer&) = delete;
   FrameRenderer& operator=(const FrameRenderer&) = delete;
 
-  void Submit(FrameRequest shot);
-  RenderedFrame Next();  // of the earliest shot that is not taken yet; waits for it
+  void Submit(FrameRequest request);
+  RenderedFrame Next();  // of the earliest frame that is not taken yet; waits for it
   const std::string& renderer_name() const { return renderer_->name(); }
 
  private:
   void Work(std::promise<void> ready);
-  RenderedFrame Draw(const FrameRequest& shot);
-  cv::Mat Render(const FrameRequest& shot, const ExposureSetting& setting);
-  void Survey(const FrameRequest& shot, RenderedFrame& picture);
+  RenderedFrame Draw(const FrameRequest& request);
+  cv::Mat Render(const FrameRequest& request, const ExposureSetting& setting);
+  void Survey(const FrameRequest& request, RenderedFrame& picture);
 
   const mjModel* model_;
   vision::CameraModel camera_;
@@ -68,10 +68,10 @@ class FrameRenderer {
   ImageParameters parameters_;
   ImageSensor sensor_;
   ExposureControl control_;
-  SnapshotInterpolator instants_;
+  SnapshotInterpolator interpolator_;
   std::unique_ptr<Renderer> renderer_;
   bool may_repeat_, surfaces_;
-  std::vector<Snapshot> surveyed_;  // the moments around the last shot, if surfaces are asked for
+  std::vector<Snapshot> surveyed_;  // the snapshots around the last frame, if surfaces are asked for
   double surveyed_s_ = 0;
   cv::Mat last_;  // only while it may be asked for again
 

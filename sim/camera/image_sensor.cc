@@ -20,8 +20,8 @@ void AddNoise(std::uint8_t* row, const std::int8_t* noise, std::size_t length) {
 // variance: of a signal of 0, and by how much it grows with each grey level.
 void AddNoise(float* row, const float* noise, std::size_t length, float variance, float growth) {
   if (growth == 0) {
-    const float deviation = std::sqrt(variance);
-    for (std::size_t x = 0; x < length; ++x) row[x] += deviation * noise[x];
+    const float sigma = std::sqrt(variance);
+    for (std::size_t x = 0; x < length; ++x) row[x] += sigma * noise[x];
   } else {
     for (std::size_t x = 0; x < length; ++x) row[x] += std::sqrt(variance + growth * row[x]) * noise[x];
   }

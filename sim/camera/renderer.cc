@@ -19,8 +19,8 @@ cv::Mat Renderer::Render(const mjData* data, const Pose& X_NC) {
   return std::visit([&](auto& r) { return r->Render(data, X_NC); }, by_);
 }
 
-cv::Mat Renderer::Render(std::span<const SceneState> instants, const Shutter& shutter) {
-  return std::visit([&](auto& r) { return r->Render(instants, shutter); }, by_);
+cv::Mat Renderer::Render(std::span<const SceneState> states, const Shutter& shutter) {
+  return std::visit([&](auto& r) { return r->Render(states, shutter); }, by_);
 }
 
 Surfaces Renderer::Trace(const mjData* data, const Pose& X_NC) {

@@ -18,7 +18,7 @@ namespace kestrel::sim {
 class OpenGlRenderer;
 class RayRenderer;
 
-// Draws what a camera sees, by one of two means: see RenderOptions. The same instants give the same image,
+// Draws what a camera sees, by one of two means: see RenderOptions. The same states give the same image,
 // bit for bit, with the same name().
 class Renderer {
  public:
@@ -28,9 +28,9 @@ class Renderer {
 
   // The image, CV_8UC3 in the order blue, green, red; black outside the lens.
   cv::Mat Render(const mjData* data, const Pose& X_NC);
-  // The same while the world and the camera move: instants in the order of time; between two of them poses
+  // The same while the world and the camera move: states in the order of time; between two of them poses
   // are interpolated, beyond the ends the nearest holds.
-  cv::Mat Render(std::span<const SceneState> instants, const Shutter& shutter);
+  cv::Mat Render(std::span<const SceneState> states, const Shutter& shutter);
   Surfaces Trace(const mjData* data, const Pose& X_NC);
   // As in RayRenderer; empty by OpenGL, which cannot tell.
   cv::Mat Flow(const SceneState& now, const SceneState& next);

@@ -32,14 +32,14 @@ Snapshot SnapshotOf(const mjModel* model, const mjData* data, double t_s) {
 SnapshotInterpolator::SnapshotInterpolator(const mjModel* model, const Pose& X_BC, const Vibration& vibration)
     : model_(model), lean_(Lean(model)), X_BC_(X_BC), vibration_(vibration) {}
 
-std::span<const SceneState> SnapshotInterpolator::Of(const std::vector<Snapshot>& moments, double from_s,
+std::span<const SceneState> SnapshotInterpolator::Of(const std::vector<Snapshot>& snapshots, double from_s,
                                                      double until_s) {
-  instants_.clear();
+  states_.clear();
   const auto earlier = [](const Snapshot& m, double t) { return m.t_s < t; };
-  auto first = std::lower_bound(moments.begin(), moments.end(), from_s, earlier);
-  auto last = std::lower_bound(first, moments.end(), until_s, earlier);
-  if (first != moments.begin() && (first == moments.end() || first->t_s > from_s)) --first;
-  if (last == moments.end()) --last;
+  auto first = std::lower_bound(snapshots.begin(), snapshots.end(), from_s, earlier);
+  auto last = std::lower_bound(first, snapshots.end(), until_s, earlier);
+  if (first != snapshots.begin() && (first == snapshots.end() || first->t_s > from_s)) --first;
+  if (last == snapshots.end()) --last;
   for (auto m = first; m != last; ++m) {
     const double gap_s = (m + 1)->t_s - m->t_s;
     const int parts =
@@ -50,12 +50,12 @@ std::span<const SceneState> SnapshotInterpolator::Of(const std::vector<Snapshot>
       Add(m->t_s + gap_s * i / parts, *m, *(m + 1), static_cast<double>(i) / parts);
   }
   Add(last->t_s, *last, *last, 0);
-  return instants_;
+  return states_;
 }
 
 void SnapshotInterpolator::Add(double t_s, const Snapshot& before, const Snapshot& after, double share) {
-  if (data_.size() == instants_.size()) data_.push_back(MakeData(&lean_));
-  mjData* data = data_[instants_.size()].get();
+  if (data_.size() == states_.size()) data_.push_back(MakeData(&lean_));
+  mjData* data = data_[states_.size()].get();
   std::copy(before.qpos.begin(), before.qpos.end(), data->qpos);
   std::copy(before.mocap_pos.begin(), before.mocap_pos.end(), data->mocap_pos);
   std::copy(before.mocap_quat.begin(), before.mocap_quat.end(), data->mocap_quat);
@@ -78,7 +78,7 @@ void SnapshotInterpolator::Add(double t_s, const Snapshot& before, const Snapsho
     X_BC = {X_BC.R.slerp(share, after.X_BC->R), X_BC.p + share * (after.X_BC->p - X_BC.p)};
   Pose X_NC = PoseFromMujoco(data->qpos) * X_BC;
   if (!vibration_.still()) X_NC = X_NC * vibration_.At(t_s);
-  instants_.push_back({t_s, data, X_NC});
+  states_.push_back({t_s, data, X_NC});
 }
 
 }  // namespace kestrel::sim

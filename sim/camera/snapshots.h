@@ -22,17 +22,17 @@ struct Snapshot {
 };
 Snapshot SnapshotOf(const mjModel* model, const mjData* data, double t_s);
 
-// Makes the instants of an exposure out of the moments around it. The aircraft is the first free joint of the
+// Makes the states of the world within an exposure out of the snapshots around it. The aircraft is the first free joint of the
 // model.
 class SnapshotInterpolator {
  public:
   // X_BC: the mount, which the vibration shakes. The model must outlive it.
   SnapshotInterpolator(const mjModel* model, const Pose& X_BC, const Vibration& vibration);
 
-  // Those that enclose [from_s, until_s], as far as there are moments; never none. Moments are in the order
-  // of time; between two of them the world moves evenly, and there are instants in between where the mount
+  // Those that enclose [from_s, until_s], as far as there are snapshots; never none. They are in the order
+  // of time; between two of them the world moves evenly, and there are states in between where the mount
   // shakes. What is returned lasts until the next call.
-  std::span<const SceneState> Of(const std::vector<Snapshot>& moments, double from_s, double until_s);
+  std::span<const SceneState> Of(const std::vector<Snapshot>& snapshots, double from_s, double until_s);
 
  private:
   void Add(double t_s, const Snapshot& before, const Snapshot& after, double share);
@@ -42,7 +42,7 @@ class SnapshotInterpolator {
   Pose X_BC_;
   Vibration vibration_;
   std::vector<DataPtr> data_;
-  std::vector<SceneState> instants_;
+  std::vector<SceneState> states_;
 };
 
 }  // namespace kestrel::sim

@@ -106,17 +106,17 @@ struct AfcsServer::Session {
   }
 
   void Listen(control::Autopilot& aircraft) {
-    const auto hear = [&](const std::optional<control::SessionSocket::Datagram>& datagram) {
+    const auto receive = [&](const std::optional<control::SessionSocket::Datagram>& datagram) {
       if (datagram) Receive(datagram->bytes, datagram->from, aircraft);
       return datagram.has_value();
     };
-    const auto hear_owner = [&] {
-      for (int i = 0; i < kDatagramsAtOnce && hear(socket.FromOwner()); ++i) continue;
+    const auto receive_from_owner = [&] {
+      for (int i = 0; i < kDatagramsAtOnce && receive(socket.FromOwner()); ++i) continue;
     };
-    hear_owner();
+    receive_from_owner();
     // There is nothing more of it: it is known whether it has been silent.
     if (socket.owner() && now_s - heard_s > options.session_s) socket.Release();
-    for (int i = 0; i < kDatagramsAtOnce && hear(socket.FromOthers()); ++i) hear_owner();
+    for (int i = 0; i < kDatagramsAtOnce && receive(socket.FromOthers()); ++i) receive_from_owner();
   }
 
   void Receive(std::span<const std::uint8_t> bytes, const udp::endpoint& peer, control::Autopilot& aircraft) {

@@ -56,7 +56,7 @@ MavlinkServer::~MavlinkServer() = default;
 void MavlinkServer::Serve(double now_s, control::Autopilot& aircraft) {
   constexpr int kMost = 256;  // datagrams at once, lest a flood stops the flight
   Wire& wire = *wire_;
-  const auto hear = [&](std::span<const std::uint8_t> datagram) {
+  const auto receive = [&](std::span<const std::uint8_t> datagram) {
     wire.heard_s = now_s;
     vehicle_.Receive(datagram, now_s, aircraft);
   };
@@ -64,7 +64,7 @@ void MavlinkServer::Serve(double now_s, control::Autopilot& aircraft) {
     for (int i = 0; i < kMost; ++i) {
       const auto datagram = wire.socket.FromOwner();
       if (!datagram) return;
-      hear(datagram->bytes);
+      receive(datagram->bytes);
     }
   };
   // The owner first: whether it has been silent is known when there is nothing more of it.
@@ -90,7 +90,7 @@ void MavlinkServer::Serve(double now_s, control::Autopilot& aircraft) {
       wire.socket.Own(datagram->from);
       vehicle_.Greet();
     }
-    hear(datagram->bytes);
+    receive(datagram->bytes);
     hear_owner();
   }
   for (const control::wire::Bytes& datagram : vehicle_.Due(now_s, aircraft))

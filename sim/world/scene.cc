@@ -36,8 +36,8 @@ std::string TargetName(std::size_t index) { return fmt::format("target {}", inde
 void RequireModest(const std::filesystem::path& file, const std::string& owner) {
   if (!IsFile(file)) throw std::runtime_error(fmt::format("{} needs a file: {}.", owner, NoSuchFile(file)));
   const FileContent content = ReadUserFile(file, kMaxDataBytes);
-  if (!content.trouble.empty())
-    throw std::runtime_error(fmt::format("{} needs {}, which {}.", owner, file.string(), content.trouble));
+  if (!content.error.empty())
+    throw std::runtime_error(fmt::format("{} needs {}, which {}.", owner, file.string(), content.error));
   const auto picture = vision::HeaderOf(content.bytes);
   if (picture && std::max(picture->size.width, picture->size.height) > vision::kMaxImageSide_px)
     throw std::runtime_error(fmt::format("{} needs {}, which has {} x {} pixels; valid: up to {} x {}.",
@@ -60,8 +60,8 @@ void MakeFilesAbsolute(pugi::xml_node node, const std::filesystem::path& folder,
 // Appends the sections of an MJCF file, or of a fragment, to the model.
 void Append(pugi::xml_node model, const std::filesystem::path& path, const char* what) {
   const std::string owner = fmt::format("The {} {}", what, path.string());
-  const auto [text, trouble] = ReadUserFile(path, kMaxMjcfBytes);
-  if (!trouble.empty()) throw std::runtime_error(fmt::format("{} {}.", owner, trouble));
+  const auto [text, error] = ReadUserFile(path, kMaxMjcfBytes);
+  if (!error.empty()) throw std::runtime_error(fmt::format("{} {}.", owner, error));
   pugi::xml_document part;
   const pugi::xml_parse_result result = part.load_buffer(text.data(), text.size());
   if (!result)

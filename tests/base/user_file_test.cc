@@ -25,7 +25,7 @@ TEST_F(UserFileTest, AFileIsReadToItsEnd) {
     const std::string bytes(size, 'x');
     std::ofstream(folder_ / "file") << bytes;
     const FileContent content = ReadUserFile(folder_ / "file", 100'000);
-    EXPECT_THAT(content.trouble, IsEmpty());
+    EXPECT_THAT(content.error, IsEmpty());
     EXPECT_EQ(content.bytes, bytes);
     EXPECT_TRUE(IsFile(folder_ / "file"));
   }
@@ -35,19 +35,19 @@ TEST_F(UserFileTest, AFileIsReadToItsEnd) {
 
 TEST_F(UserFileTest, WhatIsLargerThanSuchAFileIsNotRead) {
   std::ofstream(folder_ / "file") << std::string(1000, 'x');
-  EXPECT_THAT(ReadUserFile(folder_ / "file", 999).trouble, HasSubstr("is too large; valid: up to 999 bytes"));
+  EXPECT_THAT(ReadUserFile(folder_ / "file", 999).error, HasSubstr("is too large; valid: up to 999 bytes"));
   EXPECT_THAT(ReadUserFile(folder_ / "file", 999).bytes, IsEmpty());
-  EXPECT_THAT(ReadUserFile(folder_ / "file", 1000).trouble, IsEmpty());
+  EXPECT_THAT(ReadUserFile(folder_ / "file", 1000).error, IsEmpty());
   fs::resize_file(folder_ / "file", std::uintmax_t{20} << 30);
-  EXPECT_THAT(ReadUserFile(folder_ / "file", kMaxDataBytes).trouble, HasSubstr("is too large"));
-  EXPECT_THAT(ReadUserFile("/proc/self/status", 10).trouble, HasSubstr("is too large"));
+  EXPECT_THAT(ReadUserFile(folder_ / "file", kMaxDataBytes).error, HasSubstr("is too large"));
+  EXPECT_THAT(ReadUserFile("/proc/self/status", 10).error, HasSubstr("is too large"));
 }
 
 TEST_F(UserFileTest, WhatIsNoRegularFileIsNotReadAndNamed) {
   ASSERT_EQ(mkfifo((folder_ / "pipe").c_str(), 0600), 0);
   fs::create_symlink("loop", folder_ / "loop");
   const fs::path long_name = folder_ / std::string(300, 'n');
-  for (const auto& [file, trouble, said] :
+  for (const auto& [file, error, said] :
        {std::tuple{fs::path("/dev/zero"), "is a device or a pipe, not a file", "'/dev/zero' is a device"},
         {folder_ / "pipe", "is a device or a pipe, not a file", "pipe' is a device or a pipe"},
         {folder_, "is a folder, not a file", "is a folder, not a file"},
@@ -55,7 +55,7 @@ TEST_F(UserFileTest, WhatIsNoRegularFileIsNotReadAndNamed) {
         {folder_ / "loop", "cannot be read: Too many levels of symbolic links",
          "loop' cannot be read: Too many"},
         {long_name, "cannot be read: File name too long", "n' cannot be read: File name too long"}}) {
-    EXPECT_EQ(ReadUserFile(file, 1 << 20).trouble, trouble);
+    EXPECT_EQ(ReadUserFile(file, 1 << 20).error, error);
     EXPECT_FALSE(IsFile(file));
     EXPECT_THAT(NoSuchFile(file), HasSubstr(said));
   }

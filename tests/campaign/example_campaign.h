@@ -30,7 +30,7 @@ inline CampaignResults ExampleCampaign() {
     run.outcome = run.status == RunStatus::kPassed   ? "landed"
                   : run.status == RunStatus::kFailed ? "target lost"
                                                      : "took longer than 600 s";
-    run.metrics["greatest_tilt_deg"] = 3 * wind + random.Normal();
+    run.metrics["max_tilt_deg"] = 3 * wind + random.Normal();
     if (run.status != RunStatus::kTimedOut) {
       run.metrics["touchdown_error_m"] = 0.02 * wind + 0.01 * std::abs(random.Normal());
       run.metrics["fix_share"] = random.Uniform(0.9, 1);

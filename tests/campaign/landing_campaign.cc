@@ -121,7 +121,7 @@ ReportSubject LandingCampaign(std::int64_t runs, const std::filesystem::path& fo
          {"touchdown_speed_m_s", std::abs(0.02 * dice.Normal()) + 0.004 * wind},
          {"touchdown_tilt_deg", std::hypot(0.5 * dice.Normal() + 0.45 * wind, 0.5 * dice.Normal())},
          {"touchdown_s", 12 + 3.4 * height_m + 2 * away_m + 0.3 * noise + 1.5 * std::abs(dice.Normal())},
-         {"greatest_tilt_deg", 4 + 1.2 * wind + 2 * away_m + std::abs(dice.Normal())},
+         {"max_tilt_deg", 4 + 1.2 * wind + 2 * away_m + std::abs(dice.Normal())},
          {"fix_share", std::max(0.3, 0.995 - 0.0005 * noise - 0.0002 * noise * noise * (world == 2) +
                                          0.002 * dice.Normal())},
          {"longest_loss_s", 0.1 + 0.02 * noise * dice.Uniform()}};
@@ -136,7 +136,7 @@ ReportSubject LandingCampaign(std::int64_t runs, const std::filesystem::path& fo
     run.execution = {static_cast<int>(row % 2), 2.4 + 0.3 * dice.Uniform(), 0.006, 212, "", ""};
     if (noise > 30 && world == 2 && dice.Uniform() < 0.25) {  // the pad is lost in the noise
       run.status = RunStatus::kFailed, run.outcome = "completed";
-      m = {{"greatest_tilt_deg", 11.5}, {"fix_share", 0.34}, {"longest_loss_s", 21}};
+      m = {{"max_tilt_deg", 11.5}, {"fix_share", 0.34}, {"longest_loss_s", 21}};
     } else if (row % 613 == 412) {
       run.status = RunStatus::kCrashed, run.outcome = "signal 11: segmentation fault", m.clear();
       run.state_hash = run.image_hash = "";

@@ -17,11 +17,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   kestrel::control::wire::Reader reader(bytes);
   PhysicsState state;
-  state.t_s = reader.Take<double>();
+  state.t_s = reader.Read<double>();
   for (Eigen::Vector3d* v : {&state.w_B, &state.specific_force_B, &state.p_N, &state.v_N})
-    for (double& x : *v) x = reader.Take<double>();
+    for (double& x : *v) x = reader.Read<double>();
   while (reader.left() >= 8) {
-    state.ranges_m.push_back(reader.Take<double>());
+    state.ranges_m.push_back(reader.Read<double>());
     state.rc_us.push_back(static_cast<int>(reader.left()));
   }
   if (const auto line = StateLine(state)) {

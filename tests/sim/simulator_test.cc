@@ -231,24 +231,24 @@ TEST(Simulator, ScattersItsStartBySeedWithinItsBounds) {
   SimulatorParameters p = Hover();
   p.camera = vision::Pinhole{16, 16, 20, 20, 7.5, 7.5};
   p.start.settle_s = 0, p.start.scatter_m = 2, p.start.yaw_scatter_deg = 15, p.start.yaw_deg = 30;
-  double farthest = 0, least_yaw = 90, greatest_yaw = -90;
+  double farthest = 0, min_yaw = 90, max_yaw = -90;
   Vector2d sum = Vector2d::Zero();
   constexpr int kSeeds = 15;
   for (p.seed = 1; p.seed <= kSeeds; ++p.seed) {
     const Simulator simulator(p);
     const Pose& X_NB = simulator.truth().X_NB;
     farthest = std::max(farthest, X_NB.p.head<2>().norm());
-    least_yaw = std::min(least_yaw, Degrees(YawOf(X_NB.R)));
-    greatest_yaw = std::max(greatest_yaw, Degrees(YawOf(X_NB.R)));
+    min_yaw = std::min(min_yaw, Degrees(YawOf(X_NB.R)));
+    max_yaw = std::max(max_yaw, Degrees(YawOf(X_NB.R)));
     sum += X_NB.p.head<2>() / kSeeds;
   }
   EXPECT_LE(farthest, 2);
   EXPECT_GT(farthest, 1.5);
   EXPECT_LT(sum.norm(), 0.8);
-  EXPECT_GE(least_yaw, 15);
-  EXPECT_LT(least_yaw, 22);
-  EXPECT_LE(greatest_yaw, 45);
-  EXPECT_GT(greatest_yaw, 38);
+  EXPECT_GE(min_yaw, 15);
+  EXPECT_LT(min_yaw, 22);
+  EXPECT_LE(max_yaw, 45);
+  EXPECT_GT(max_yaw, 38);
 }
 
 TEST(Simulator, SettlesBeforeItsClockIsZero) {

@@ -50,8 +50,8 @@ class TestPilot {
       const double x = std::cos(Radians(bearings_deg[i])), y = std::sin(Radians(bearings_deg[i]));
       const double newtons = thrust / 4 + (-y * torque.x() + x * torque.y()) / (2 * p_.arm_m) +
                              kCounterclockwise[i] * torque.z() / (4 * p_.rotor.moment_coefficient_m);
-      const double greatest = p_.rotor.thrust_coefficient_n_s2 * std::pow(p_.rotor.max_speed_rad_s, 2);
-      commands[i] = CommandFor(std::clamp(newtons / greatest, 0.0, 1.0));
+      const double max_thrust = p_.rotor.thrust_coefficient_n_s2 * std::pow(p_.rotor.max_speed_rad_s, 2);
+      commands[i] = CommandFor(std::clamp(newtons / max_thrust, 0.0, 1.0));
     }
     return commands;
   }

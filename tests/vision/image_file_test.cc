@@ -89,20 +89,19 @@ TEST(ImageFile, OneThatIsLargerThanAnyCameraIsRefusedBeforeItIsDecoded) {
   file[18] = file[22] = 0x40;  // 16384 + 8
   const ImageFile bomb = DecodeImage(file, ImageColours::kGrey);
   EXPECT_TRUE(bomb.pixels.empty());
-  EXPECT_EQ(bomb.trouble, "has 16392 x 16392 pixels; valid: up to 8192 x 8192");
-  EXPECT_THAT(DecodeImage("P5 100000 100000 255\n", ImageColours::kGrey).trouble, HasSubstr("valid: up to"));
-  EXPECT_THAT(DecodeImage("P5 9999999999999 1 255\n", ImageColours::kGrey).trouble,
-              HasSubstr("valid: up to"));
+  EXPECT_EQ(bomb.error, "has 16392 x 16392 pixels; valid: up to 8192 x 8192");
+  EXPECT_THAT(DecodeImage("P5 100000 100000 255\n", ImageColours::kGrey).error, HasSubstr("valid: up to"));
+  EXPECT_THAT(DecodeImage("P5 9999999999999 1 255\n", ImageColours::kGrey).error, HasSubstr("valid: up to"));
   EXPECT_FALSE(
       DecodeImage(Encoded(cv::Mat(8, 8, CV_8U, cv::Scalar(0)), ".png"), ImageColours::kGrey).pixels.empty());
 }
 
 TEST(ImageFile, DamagedOnesAreSaidToBe) {
   const std::string file = Encoded(Ramp(65535), ".png");
-  EXPECT_THAT(DecodeImage(file.substr(0, file.size() / 2), ImageColours::kGrey).trouble,
+  EXPECT_THAT(DecodeImage(file.substr(0, file.size() / 2), ImageColours::kGrey).error,
               HasSubstr("is a damaged image: it breaks off"));
-  EXPECT_THAT(DecodeImage("text", ImageColours::kGrey).trouble, HasSubstr("is not an image"));
-  EXPECT_THAT(DecodeImage("", ImageColours::kGrey).trouble, HasSubstr("is not an image"));
+  EXPECT_THAT(DecodeImage("text", ImageColours::kGrey).error, HasSubstr("is not an image"));
+  EXPECT_THAT(DecodeImage("", ImageColours::kGrey).error, HasSubstr("is not an image"));
 }
 
 // What a camera of 12 bits says in a file of 16, each way that files have of saying it, or not.

@@ -99,7 +99,7 @@ class AravisReader final : public ImageSource {
       Start();
       return true;
     } catch (const std::runtime_error& error) {
-      trouble_ = error.what();
+      error_ = error.what();
       return false;
     }
   }
@@ -113,15 +113,15 @@ class AravisReader final : public ImageSource {
         return grabbed;
       }
       if (MonotonicNow_s() - begun_s > silent_s_) {
-        trouble_ = fmt::format("no undamaged image for {:.1f} s", silent_s_);
+        error_ = fmt::format("no undamaged image for {:.1f} s", silent_s_);
         return std::nullopt;
       }
     }
-    trouble_ = "control of the camera was lost";
+    error_ = "control of the camera was lost";
     return std::nullopt;
   }
 
-  std::string Error() const override { return trouble_; }
+  std::string Error() const override { return error_; }
 
  private:
   std::string Id() const {
@@ -246,14 +246,14 @@ class AravisReader final : public ImageSource {
     std::size_t bytes = 0;
     const void* data = arv_buffer_get_image_data(buffer, &bytes);
     if (!options_.size.empty() && size != options_.size) {
-      trouble_ = fmt::format("an image of {}x{} came", size.width, size.height);
+      error_ = fmt::format("an image of {}x{} came", size.width, size.height);
       return std::nullopt;
     }
     const ArvPixelFormat format = arv_buffer_get_image_pixel_format(buffer);
     if (format != format_->format || !data ||
         bytes < static_cast<std::size_t>(size.area() * format_->channels)) {
-      trouble_ = fmt::format("an image of {}x{} came in {} bytes and pixel format {:#x}, not in {}",
-                             size.width, size.height, bytes, format, format_->name);
+      error_ = fmt::format("an image of {}x{} came in {} bytes and pixel format {:#x}, not in {}", size.width,
+                           size.height, bytes, format, format_->name);
       return std::nullopt;
     }
     const cv::Mat raw(size, CV_8UC(format_->channels), const_cast<void*>(data));  // read only
@@ -272,7 +272,7 @@ class AravisReader final : public ImageSource {
   }
 
   AravisSourceOptions options_;
-  std::string trouble_;
+  std::string error_;
   std::atomic<bool> lost_ = false;  // set by a thread of Aravis's
   const Format* format_ = nullptr;
   double silent_s_ = kAravisSilent_s;

@@ -35,19 +35,19 @@ class FolderReader final : public ImageSource {
       : options_(options), pace_(options.rate_hz), depth_(options.bits) {}
 
   bool Open() override {
-    std::error_code error;
-    const bool folder = std::filesystem::is_directory(options_.images, error);
+    std::error_code failed;
+    const bool folder = std::filesystem::is_directory(options_.images, failed);
     const std::filesystem::path in = folder ? options_.images : options_.images.parent_path();
     const std::string pattern = options_.images.filename();
-    for (std::filesystem::directory_iterator each(in.empty() ? "." : in, error), end; !error && each != end;
-         each.increment(error)) {
+    for (std::filesystem::directory_iterator each(in.empty() ? "." : in, failed), end; !failed && each != end;
+         each.increment(failed)) {
       const bool wanted = folder || Matches(each->path().filename().string(), pattern);
       if (wanted && LooksLikeImage(each->path())) images_.push_back(each->path());
     }
     std::sort(images_.begin(), images_.end(), [](const std::string& a, const std::string& b) {
       return strverscmp(a.c_str(), b.c_str()) < 0;
     });
-    if (images_.empty()) trouble_ = "no images in " + options_.images.string();
+    if (images_.empty()) error_ = "no images in " + options_.images.string();
     return !images_.empty();
   }
 
@@ -56,13 +56,13 @@ class FolderReader final : public ImageSource {
     pace_.Wait();
     const std::string& file = images_[next_++];
     const ImageFile read = ReadImageFile(file, options_.colour ? ImageColours::kColour : ImageColours::kGrey);
-    std::string wrong = read.pixels.empty() ? read.trouble : depth_.Include(read);
+    std::string wrong = read.pixels.empty() ? read.error : depth_.Include(read);
     if (wrong.empty() && !options_.size.empty() && read.pixels.size() != options_.size)
       wrong = "is of another size";
     if (wrong.empty() && depth_.guessed())
       wrong = "has pixels of 16 bits and does not say how many are used; valid: ?bits=N after the folder";
     if (!wrong.empty()) {
-      trouble_ = file + ' ' + wrong;
+      error_ = file + ' ' + wrong;
       return std::nullopt;
     }
     Grabbed grabbed{depth_.EightBits(read), MonotonicNow_s(), static_cast<std::int64_t>(next_)};
@@ -70,7 +70,7 @@ class FolderReader final : public ImageSource {
   }
 
   bool Ended() const override { return true; }
-  std::string Error() const override { return trouble_; }
+  std::string Error() const override { return error_; }
 
  private:
   FolderSourceOptions options_;
@@ -78,7 +78,7 @@ class FolderReader final : public ImageSource {
   PixelDepth depth_;
   std::vector<std::string> images_;
   std::size_t next_ = 0;
-  std::string trouble_;
+  std::string error_;
 };
 
 }  // namespace

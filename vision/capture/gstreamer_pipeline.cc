@@ -22,8 +22,8 @@ struct GstUnref {
 template <class T>
 using GstOwned = std::unique_ptr<T, GstUnref>;
 
-// What a pipeline says that matters here; its elements' threads say it.
-struct Said {
+// Whether a pipeline has ended and why; told by the threads of its elements.
+struct PipelineEnd {
   std::mutex mutex;
   std::string error;  // the first
   bool over = false;
@@ -36,14 +36,14 @@ struct Said {
 };
 
 // Nothing is left on the bus, which nobody reads.
-GstBusSyncReply Receive(GstBus*, GstMessage* message, gpointer said) {
+GstBusSyncReply Receive(GstBus*, GstMessage* message, gpointer end) {
   if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_ERROR) {
     GError* error = nullptr;
     gst_message_parse_error(message, &error, nullptr);
-    static_cast<Said*>(said)->Fail(error->message);
+    static_cast<PipelineEnd*>(end)->Fail(error->message);
     g_error_free(error);
   } else if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_EOS) {
-    static_cast<Said*>(said)->Fail("the stream has ended");
+    static_cast<PipelineEnd*>(end)->Fail("the stream has ended");
   }
   gst_message_unref(message);
   return GST_BUS_DROP;
@@ -97,7 +97,7 @@ struct GStreamerPipeline::Impl {
     gst_bus_set_sync_handler(bus.get(), nullptr, nullptr, nullptr);
   }
 
-  // Null: what is said tells why.
+  // Null: its end tells why.
   void Make(const std::string& description) {
     GError* error = nullptr;
     if (gst_init_check(nullptr, nullptr, &error)) {
@@ -105,18 +105,18 @@ struct GStreamerPipeline::Impl {
           gst_parse_launch_full(description.c_str(), nullptr, GST_PARSE_FLAG_FATAL_ERRORS, &error);
       if (made) pipeline.reset(GST_ELEMENT(gst_object_ref_sink(made)));
     }
-    if (error) said.Fail(error->message);
+    if (error) end.Fail(error->message);
     g_clear_error(&error);
-    if (!pipeline) return said.Fail("GStreamer cannot make it");
+    if (!pipeline) return end.Fail("GStreamer cannot make it");
     if (!GST_IS_PIPELINE(pipeline.get())) {
       pipeline.reset();
-      return said.Fail("is no pipeline: it needs a source and, between exclamation marks, what follows it");
+      return end.Fail("is no pipeline: it needs a source and, between exclamation marks, what follows it");
     }
     const GstOwned<GstBus> bus(gst_element_get_bus(pipeline.get()));
-    gst_bus_set_sync_handler(bus.get(), Receive, &said, nullptr);
+    gst_bus_set_sync_handler(bus.get(), Receive, &end, nullptr);
     EachOf(pipeline.get(), "appsink",
            [&](GstElement* each) { sink.reset(GST_ELEMENT(gst_object_ref(each))); });
-    if (!sink) return said.Fail("it has no appsink, where images are taken");
+    if (!sink) return end.Fail("it has no appsink, where images are taken");
     GstCaps* caps = gst_caps_from_string("video/x-raw,format=(string){BGR,GRAY8}");
     g_object_set(sink.get(), "caps", caps, nullptr);
     gst_caps_unref(caps);
@@ -124,27 +124,26 @@ struct GStreamerPipeline::Impl {
 
   void SetState(GstState state) {
     if (gst_element_set_state(pipeline.get(), state) == GST_STATE_CHANGE_FAILURE)
-      said.Fail("GStreamer cannot start it");
+      end.Fail("GStreamer cannot start it");
   }
 
   void Filter(const RtpPayloads& payloads) {
     EachOf(pipeline.get(), "udpsrc", [&](GstElement* source) {
       GSocket* socket = nullptr;
       g_object_get(source, "used-socket", &socket, nullptr);
-      if (!socket) return said.Fail("its UDP socket is not there");
-      if (const std::string why = TakeRtpOnly(g_socket_get_fd(socket), payloads); !why.empty())
-        said.Fail(why);
+      if (!socket) return end.Fail("its UDP socket is not there");
+      if (const std::string why = TakeRtpOnly(g_socket_get_fd(socket), payloads); !why.empty()) end.Fail(why);
       g_object_unref(socket);
     });
   }
 
   bool Failed() {
-    const std::lock_guard lock(said.mutex);
-    return said.over;
+    const std::lock_guard lock(end.mutex);
+    return end.over;
   }
   std::string Why() {
-    const std::lock_guard lock(said.mutex);
-    return said.error;
+    const std::lock_guard lock(end.mutex);
+    return end.error;
   }
 
   // The next that the sink has; empty: it has failed.
@@ -156,15 +155,15 @@ struct GStreamerPipeline::Impl {
       if (sample) {
         cv::Mat image = ImageOf(sample);
         gst_sample_unref(sample);
-        if (image.empty()) said.Fail("what comes is no image of grey levels or BGR");
+        if (image.empty()) end.Fail("what comes is no image of grey levels or BGR");
         return image;
       }
-      if (MonotonicNow_s() > until_s) said.Fail(fmt::format("no image came within {:g} s", kSilent_s));
+      if (MonotonicNow_s() > until_s) end.Fail(fmt::format("no image came within {:g} s", kSilent_s));
     }
     return {};
   }
 
-  Said said;  // outlives the pipeline
+  PipelineEnd end;  // outlives the pipeline
   GstOwned<GstElement> pipeline, sink;
   cv::Mat first;
 };
@@ -181,7 +180,7 @@ bool GStreamerPipeline::Open(const std::string& description, const std::optional
   if (!impl_->Failed()) impl_->SetState(GST_STATE_PLAYING);
   if (!impl_->Failed()) impl_->first = impl_->Pull();
   if (!impl_->first.empty()) return true;
-  trouble_ = impl_->Why();
+  error_ = impl_->Why();
   impl_.reset();
   return false;
 }
@@ -190,7 +189,7 @@ cv::Mat GStreamerPipeline::Next() {
   if (!impl_) return {};
   cv::Mat image = std::exchange(impl_->first, cv::Mat());
   if (image.empty()) image = impl_->Pull();
-  if (image.empty()) trouble_ = impl_->Why();
+  if (image.empty()) error_ = impl_->Why();
   return image;
 }
 

@@ -23,19 +23,19 @@ class GStreamerPipeline {
   GStreamerPipeline& operator=(const GStreamerPipeline&) = delete;
 
   // Plays it, as gst-launch-1.0 would, until its first image is there. Its UDP sockets take nothing but RTP
-  // of these types, where any are given. False: Trouble() says why.
+  // of these types, where any are given. False: Error() says why.
   bool Open(const std::string& description, const std::optional<RtpPayloads>& payloads);
 
-  // The next image, CV_8UC1 or CV_8UC3 in the order blue, green, red. Empty: none comes, and Trouble() says
+  // The next image, CV_8UC1 or CV_8UC3 in the order blue, green, red. Empty: none comes, and Error() says
   // why.
   cv::Mat Next();
 
-  const std::string& Error() const { return trouble_; }
+  const std::string& Error() const { return error_; }
 
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
-  std::string trouble_;
+  std::string error_;
 };
 
 }  // namespace kestrel::vision

@@ -65,14 +65,14 @@ struct LiveCamera::Mailbox {
         if (opened)
           ++health.openings;
         else
-          health.trouble = source ? source->Error() : "";
+          health.error = source ? source->Error() : "";
       }
       while (opened) {
         std::optional<Grabbed> grabbed = source->Grab();
         const std::lock_guard lock(mutex);
         if (!Current(which)) return;
         if (!grabbed || grabbed->image.empty()) {
-          health.trouble = source->Error();
+          health.error = source->Error();
           if (source->Ended()) {
             ended = true;
             changed.notify_all();
@@ -193,11 +193,11 @@ std::optional<Frame> LiveCamera::Next() {
   }
 }
 
-std::optional<Frame> LiveCamera::Next(double most_s) {
+std::optional<Frame> LiveCamera::Next(double max_s) {
   Mailbox& m = *mailbox_;
   std::unique_lock lock(m.mutex);
   const auto fresh = [&] { return m.newest && m.newest->sequence > m.taken; };
-  const double until_s = MonotonicNow_s() + most_s;
+  const double until_s = MonotonicNow_s() + max_s;
   while (!fresh() && !m.stop && !m.ended) {
     const double left_s = until_s - MonotonicNow_s();
     if (left_s <= 0) return std::nullopt;

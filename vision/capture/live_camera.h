@@ -43,7 +43,7 @@ struct LiveCameraHealth {
   std::int64_t disordered = 0;   // came again, or after newer ones, by the driver's count or stamp: not given
   std::int64_t openings = 0;     // that succeeded
   std::optional<double> age_s;   // of the newest image, by its exposure; none: no image yet
-  std::string trouble;           // why the source failed last; empty: it has not, or it does not say
+  std::string error;             // why the source failed last; empty: it has not, or it does not say
 };
 
 // A real camera. A thread grabs, and the newest image wins: whoever is slow gets fresh images and the rest
@@ -71,7 +71,7 @@ class LiveCamera final : public Camera {
   // time is that of the monotonic clock. None: the source has ended, or Stop() was called.
   std::optional<Frame> Next() override;
   // The same, but waits no longer than this. None: also that nothing came.
-  std::optional<Frame> Next(double most_s);
+  std::optional<Frame> Next(double max_s);
   void Stop();  // from any thread
 
   LiveCameraHealth Health() const;  // from any thread

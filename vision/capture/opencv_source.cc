@@ -32,11 +32,11 @@ class OpenCvReader final : public ImageSource {
 
   bool Open() override {
     if (claim_) {
-      if (trouble_ = claim_->Take(); !trouble_.empty()) return false;
+      if (error_ = claim_->Take(); !error_.empty()) return false;
     }
     if (OpenKind()) return true;
-    trouble_ = options_.what + " cannot be opened";
-    if (!pipeline_.Error().empty()) trouble_ += ": " + pipeline_.Error();
+    error_ = options_.what + " cannot be opened";
+    if (!pipeline_.Error().empty()) error_ += ": " + pipeline_.Error();
     return false;
   }
 
@@ -48,23 +48,23 @@ class OpenCvReader final : public ImageSource {
       raw = pipeline_.Next();
       grabbed_s = MonotonicNow_s();
       if (raw.empty())
-        trouble_ = fmt::format("no more images come from {}: {}", options_.what, pipeline_.Error());
+        error_ = fmt::format("no more images come from {}: {}", options_.what, pipeline_.Error());
     } else if (capture_.grab()) {
       grabbed_s = MonotonicNow_s();
       capture_.retrieve(raw);
     } else if (!Ended()) {
-      trouble_ = "no more images come from " + options_.what;
+      error_ = "no more images come from " + options_.what;
     }
     if (raw.empty()) return std::nullopt;
     if (!options_.size.empty() && raw.size() != options_.size) {
-      trouble_ = fmt::format("an image of {}x{} came, not of {}x{}", raw.cols, raw.rows, options_.size.width,
-                             options_.size.height);
+      error_ = fmt::format("an image of {}x{} came, not of {}x{}", raw.cols, raw.rows, options_.size.width,
+                           options_.size.height);
       return std::nullopt;
     }
     Grabbed grabbed;
     const int channels = options_.colour ? 3 : 1;
     if (raw.depth() != CV_8U || (raw.channels() != 1 && raw.channels() != 3)) {
-      trouble_ = fmt::format("an image of {} channels came, of depth {}", raw.channels(), raw.depth());
+      error_ = fmt::format("an image of {} channels came, of depth {}", raw.channels(), raw.depth());
       return std::nullopt;
     }
     if (raw.channels() == channels)
@@ -82,7 +82,7 @@ class OpenCvReader final : public ImageSource {
   }
 
   bool Ended() const override { return options_.kind == Kind::kFile; }
-  std::string Error() const override { return trouble_; }
+  std::string Error() const override { return error_; }
 
  private:
   bool OpenKind() {
@@ -115,7 +115,7 @@ class OpenCvReader final : public ImageSource {
   cv::VideoCapture capture_;
   GStreamerPipeline pipeline_;  // not OpenCV's, whose bus nobody reads
   Pace pace_;
-  std::string trouble_;
+  std::string error_;
 };
 
 }  // namespace

@@ -22,12 +22,12 @@ constexpr double kConsensusScatter = 0.006;               // rad
 constexpr double kBelow = 0.04, kBin = 0.001;             // rad
 constexpr double kWrongShare = 0.04, kWrongRange = 0.35;  // wrong points: evenly over that range, rad
 
-// Densities of a residual under the stories of CircleFitOptions, and how steeply the log of that of a raised
+// Densities of a residual under the components of the mixture of CircleFitOptions, and how steeply the log of that of a raised
 // point falls with its height.
 struct Mixture {
   double on = 0, raised = 0, wrong = 0, pull = 0;
 };
-Mixture Tell(double residual, double scatter, const CircleFitOptions& o) {
+Mixture DensitiesOf(double residual, double scatter, const CircleFitOptions& o) {
   Mixture s;
   const double u = residual / scatter;
   s.on = u * u < 50
@@ -48,28 +48,29 @@ class Fitter {
   Fitter(const std::vector<ContourPoint>& contour, const CircleFitOptions& options)
       : contour_(contour), o_(options) {
     for (const ContourPoint& p : contour) rows_.emplace_back(std::cos(p.azimuth), std::sin(p.azimuth), 1.0);
-    const Mixture wrong = Tell(-1, kConsensusScatter, o_);
-    const auto surprise = [&](double r) {
-      const Mixture s = Tell(r, kConsensusScatter, o_);
+    const Mixture wrong = DensitiesOf(-1, kConsensusScatter, o_);
+    const auto negative_log = [&](double r) {
+      const Mixture s = DensitiesOf(r, kConsensusScatter, o_);
       return -std::log(s.on + s.raised + s.wrong);
     };
-    const double least = surprise(0), most = -std::log(wrong.wrong) - least;
+    const double lowest = negative_log(0), range = -std::log(wrong.wrong) - lowest;
     for (std::size_t k = 0; k < negative_log_likelihood_.size(); ++k)
-      negative_log_likelihood_[k] = (surprise((static_cast<double>(k) + 0.5) * kBin - kBelow) - least) / most;
+      negative_log_likelihood_[k] =
+          (negative_log((static_cast<double>(k) + 0.5) * kBin - kBelow) - lowest) / range;
   }
 
   double Residual(std::size_t i, const Eigen::Vector3d& x) const {
     return contour_[i].elevation - rows_[i].dot(x);
   }
 
-  // How badly the stories explain the contour, 0 to 1 per point: a raised point is better than one below the
+  // How badly the mixture explains the contour, 0 to 1 per point: a raised point is better than one below the
   // circle, which nothing explains.
   double Cost(const Eigen::Vector3d& x, std::size_t stride) const {
     double sum = 0;
     for (std::size_t i = 0; i < rows_.size(); i += stride)
       sum += contour_[i].weight * NegativeLogLikelihood(Residual(i, x));
     const double u = (-x.z() - o_.dip) / DipSigma(x);
-    // Haze may hide the horizon by more than its deviation; hardly anything raises all of it.
+    // Haze may hide the horizon by more than its sigma; hardly anything raises all of it.
     const double off = (x.head<2>() - o_.near).norm() / o_.reach;
     return sum * static_cast<double>(stride) + PriorWeight() * std::min(u * u, u > 0 ? 16.0 : 60.0) / 2 +
            o_.near_weight * static_cast<double>(rows_.size()) * off * off;
@@ -114,7 +115,7 @@ class Fitter {
     double spread = 0, mass = 0;
     for (std::size_t i = 0; i < rows_.size(); ++i) {
       const double r = Residual(i, x);
-      const Mixture s = Tell(r, scatter, o_);
+      const Mixture s = DensitiesOf(r, scatter, o_);
       const double on = contour_[i].weight * s.on / (s.on + s.raised + s.wrong);
       const double raised = contour_[i].weight * s.raised / (s.on + s.raised + s.wrong);
       const double w = on / (scatter * scatter);
@@ -136,7 +137,7 @@ class Fitter {
     double mass = 0, on_mass = 0, below = 0;
     for (std::size_t i = 0; i < rows_.size(); ++i) {
       const double r = Residual(i, x);
-      const Mixture s = Tell(r, scatter, o_);
+      const Mixture s = DensitiesOf(r, scatter, o_);
       const double all = s.on + s.raised + s.wrong, on = s.on / all, raised = s.raised / all;
       const double w = contour_[i].weight;
       fit.belongs.push_back(on);

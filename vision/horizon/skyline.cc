@@ -109,8 +109,8 @@ std::optional<NoSkyline> Doubt(const SkylineSearch::Sides& sides) {
   return std::nullopt;
 }
 
-// How far an answer lies from what was expected, in deviations of their difference, by its directions.
-double Strangeness(const SkylineFix& fix, const Eigen::Vector3d& down_C, double side_sigma) {
+// Of an answer from what was expected, by its directions.
+double MahalanobisDistance(const SkylineFix& fix, const Eigen::Vector3d& down_C, double side_sigma) {
   Eigen::Matrix<double, 3, 2> across;
   across.col(0) = fix.down_C.unitOrthogonal();
   across.col(1) = fix.down_C.cross(across.col(0));
@@ -254,7 +254,8 @@ Skyline::Refined Skyline::Refine(const cv::Mat& image, const Close& close,
       // An arc seldom contradicts a wrong answer, so that what was expected must; and a deviation like that
       // of what was expected adds little to it.
       const double side_sigma = expected.down_sigma / std::sqrt(2);
-      if (Strangeness(fix, *expected.down_C, side_sigma) > kArcGate) return no(NoSkyline::kImplausible);
+      if (MahalanobisDistance(fix, *expected.down_C, side_sigma) > kArcGate)
+        return no(NoSkyline::kImplausible);
       if (LargestSigma(fix.covariance) > kArcMostSigma * std::max(side_sigma, kArcLeastExpected))
         return no(NoSkyline::kTooLittle);
     }

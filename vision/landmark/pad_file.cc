@@ -37,7 +37,7 @@ PadFile LoadPad(const std::filesystem::path& file, Mistakes& mistakes) {
     mistakes.Add(file.string(), "texture", fmt::format("'{}' {}", pad.texture.string(), what), remedy);
   };
   const FileContent content = ReadUserFile(pad.texture, kMaxDataBytes);
-  if (!content.trouble.empty()) return wrong(content.trouble), pad;
+  if (!content.error.empty()) return wrong(content.error), pad;
   {
     const std::lock_guard lock(mutex);
     if (kept.bytes == content.bytes && kept.size_m == pad.parameters.size_m) {
@@ -50,7 +50,7 @@ PadFile LoadPad(const std::filesystem::path& file, Mistakes& mistakes) {
     return px >= kMinSide_px && std::has_single_bit(static_cast<unsigned>(px));
   };
   if (picture.pixels.empty()) {
-    wrong(picture.trouble);
+    wrong(picture.error);
   } else if (picture.pixels.depth() != CV_8U) {
     wrong("has pixels of 16 bits", "valid: 8");
   } else if (!is_side(picture.pixels.cols) || !is_side(picture.pixels.rows)) {

@@ -190,10 +190,10 @@ std::optional<PadObservation> PadTracker::Register(const cv::Mat& grey, const Ei
   cv::eigen2cv(Eigen::Matrix3d(to_box * H_predicted * level.pixel_from_T.inverse()), map);
   cv::warpPerspective(level.image, drawn, map, box.size(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
   if (!exposure_known_) {
-    cv::Scalar mean_drawn, mean_seen, deviation_drawn, deviation_seen;
-    cv::meanStdDev(drawn, mean_drawn, deviation_drawn, on_pad);
-    cv::meanStdDev(seen_box, mean_seen, deviation_seen, on_pad);
-    gain_ = std::clamp(deviation_seen[0] / std::max(deviation_drawn[0], 1.0), 0.2, 5.0);
+    cv::Scalar mean_drawn, mean_seen, sigma_drawn, sigma_seen;
+    cv::meanStdDev(drawn, mean_drawn, sigma_drawn, on_pad);
+    cv::meanStdDev(seen_box, mean_seen, sigma_seen, on_pad);
+    gain_ = std::clamp(sigma_seen[0] / std::max(sigma_drawn[0], 1.0), 0.2, 5.0);
     offset_ = mean_seen[0] - gain_ * mean_drawn[0];
   }
   drawn.convertTo(drawn, -1, gain_, offset_);

@@ -10,14 +10,14 @@ namespace kestrel::vision {
 
 namespace {
 
-constexpr float kTrim = 2.5f;  // deviations of the ring, beyond which a pixel is not background
-constexpr float kNoise = 1;    // grey levels, least deviation: of quantisation
+constexpr float kTrim = 2.5f;                    // sigmas of the ring, beyond which a pixel is not background
+constexpr float kNoise = 1;                      // grey levels, least sigma: of quantisation
 constexpr float kFaint = 0.3f, kStrong = 0.55f;  // of the strongest contrast, what belongs to the blob
 constexpr int kCore_px = 2;  // px around, in which a pixel's own full contrast is looked for
 
 struct Plane {
   Eigen::Matrix3f coefficients = Eigen::Matrix3f::Zero();  // a row per channel, columns of 1, x, y
-  float deviation = 0;
+  float sigma = 0;
 };
 
 // Least squares over the ring, twice: the second time without what is far from the first.
@@ -43,8 +43,8 @@ std::optional<Plane> FitRing(const std::vector<Eigen::Vector3f>& at,
       if (pass > 0 && e2 > limit2) continue;
       square += e2, ++within;
     }
-    plane.deviation = std::sqrt(square / static_cast<float>(std::max(1, within)));
-    limit2 = std::max(kNoise, kTrim * plane.deviation) * std::max(kNoise, kTrim * plane.deviation);
+    plane.sigma = std::sqrt(square / static_cast<float>(std::max(1, within)));
+    limit2 = std::max(kNoise, kTrim * plane.sigma) * std::max(kNoise, kTrim * plane.sigma);
   }
   return plane;
 }
@@ -139,8 +139,8 @@ Blob MeasureBlob(const cv::Mat& image, const cv::Mat& sky, const cv::Point& plac
   const auto plane = FitRing(at, colour);
   if (!plane) return blob;
   w.SetBackground(*plane);
-  // Of one channel: the deviation is of all together.
-  const float deviation = std::max(kNoise, plane->deviation / std::sqrt(3.0f));
+  // Of one channel: the sigma is of all together.
+  const float sigma = std::max(kNoise, plane->sigma / std::sqrt(3.0f));
 
   // The strongest pixel near the place.
   float peak = 0;
@@ -151,12 +151,12 @@ Blob MeasureBlob(const cv::Mat& image, const cv::Mat& sky, const cv::Point& plac
       if (w.Inside(x, y) && w.Sky(x, y) && w.At(x, y).largest > peak)
         peak = w.At(x, y).largest, seed = {x, y};
   blob.state = BlobState::kNothing;
-  if (peak < o.min_score * deviation) return blob;
+  if (peak < o.min_score * sigma) return blob;
   // All that hangs together with it. If that goes on and on, as into a cloud behind something dark, its
   // strong part; that of something light would be the middle of a cloud.
   std::vector<cv::Point> members;
   const auto grow = [&](float share) {
-    const float threshold = std::max(share * peak, 3.5f * deviation);
+    const float threshold = std::max(share * peak, 3.5f * sigma);
     for (const cv::Point& p : members) w.At(p.x, p.y).part = 0;
     members.assign(1, seed);
     w.At(seed.x, seed.y).part = 1;
@@ -229,8 +229,8 @@ Blob MeasureBlob(const cv::Mat& image, const cv::Mat& sky, const cv::Point& plac
   blob.contrast = static_cast<double>(mean.mean());
   // By the peak: that of a blob of few pixels stands in few of them.
   blob.strongest = static_cast<double>(peak);
-  blob.score = static_cast<double>(peak / deviation);
-  blob.deviation = static_cast<double>(deviation);
+  blob.score = static_cast<double>(peak / sigma);
+  blob.sigma = static_cast<double>(sigma);
   blob.background = plane->coefficients.col(0).cast<double>();
   blob.state = BlobState::kNotCompact;
   if (blob.aspect > o.max_aspect || blob.area < o.min_fill * ellipse) return blob;
@@ -239,7 +239,7 @@ Blob MeasureBlob(const cv::Mat& image, const cv::Mat& sky, const cv::Point& plac
 }
 
 double SharpnessOf(const cv::Mat& image, const Eigen::Vector2d& centre, double radius, double strongest,
-                   double deviation) {
+                   double sigma) {
   constexpr int kRays = 16;
   constexpr double kDrop_px = 3, kStep_px = 0.5;
   constexpr int kDrop = static_cast<int>(kDrop_px / kStep_px);
@@ -275,7 +275,7 @@ double SharpnessOf(const cv::Mat& image, const Eigen::Vector2d& centre, double r
     float drop = 0;
     for (std::size_t j = kDrop; j < along.size(); ++j)
       for (int c = 0; c < 3; ++c) drop = std::max(drop, std::abs(along[j][c] - along[j - kDrop][c]));
-    sum += std::max(0.0, static_cast<double>(drop) - 3 * deviation), ++rays;
+    sum += std::max(0.0, static_cast<double>(drop) - 3 * sigma), ++rays;
   }
   return rays > 0 ? sum / rays / strongest : 0;
 }

@@ -9,7 +9,7 @@ namespace kestrel::vision {
 
 // A compact thing before an even background, measured to a fraction of a pixel.
 struct BlobOptions {
-  double min_score = 5;     // of its contrast, in deviations of what is around it
+  double min_score = 5;     // of its contrast, in sigmas of what is around it
   double max_aspect = 3;    // of the axes of its second moments
   double min_fill = 0.6;    // of the ellipse of its second moments
   double min_around = 0.5;  // of the ring around it that must be sky
@@ -37,8 +37,8 @@ struct Blob {
   double contrast = 0;   // of its inside against the background, grey levels of 255, signed; mean of the
                          // channels
   double strongest = 0;  // the same in the channel where it is largest, without its sign
-  double score = 0;      // strongest, in deviations of the background
-  double deviation = 0;  // of the background about its plane, in one channel
+  double score = 0;      // strongest, in sigmas of the background
+  double sigma = 0;      // of the background about its plane, in one channel
   Eigen::Vector3d background = Eigen::Vector3d::Zero();  // at its middle, of each channel
   double aspect = 0;
   std::vector<BlobPixel> pixels;
@@ -52,8 +52,8 @@ Blob MeasureBlob(const cv::Mat& image, const cv::Mat& sky, const cv::Point& plac
 
 // How steep the edge of a blob is: the largest change of any channel over 3 px on rays from its centre, mean
 // of 16 rays all round, in its strongest contrast. About 1 of a thing, however it is shaded near 0.5; of a
-// cloud or of a glow the less the larger it is. strongest and deviation as in Blob.
+// cloud or of a glow the less the larger it is. strongest and sigma as in Blob.
 double SharpnessOf(const cv::Mat& image, const Eigen::Vector2d& centre, double radius, double strongest,
-                   double deviation);
+                   double sigma);
 
 }  // namespace kestrel::vision

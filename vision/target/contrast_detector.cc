@@ -90,7 +90,7 @@ ContrastDetector::ContrastDetector(const CameraModel& camera, const cv::Mat& for
     : camera_(camera), options_(options), mask_(camera, forbidden) {}
 
 std::optional<ContrastDetection> ContrastDetector::Measured(const Blob& blob, int level,
-                                                            double deviation_px) const {
+                                                            double sigma_px) const {
   const double scale = 1 << level, shift = (scale - 1) / 2;
   ContrastDetection d;
   d.centre_px = scale * blob.centre + Eigen::Vector2d::Constant(shift);
@@ -112,7 +112,7 @@ std::optional<ContrastDetection> ContrastDetector::Measured(const Blob& blob, in
   d.cone.axis = sum.normalized();
   d.cone.half_angle = std::acos(std::clamp(1 - solid_angle / (2 * M_PI), -1.0, 1.0));
   const double rad_per_px = 2 * d.cone.half_angle / d.diameter_px;
-  d.axis_sigma = deviation_px * scale * rad_per_px;
+  d.axis_sigma = sigma_px * scale * rad_per_px;
   d.half_angle_sigma = 0.7 * d.axis_sigma;
   d.contrast = blob.contrast;
   d.score = blob.score;
@@ -219,11 +219,11 @@ SkySearch ContrastDetector::Search(const cv::Mat& image, const Eigen::Vector3d& 
     if (blob.strongest < options_.min_contrast * (blob.contrast > 0 ? options_.light_factor : 1)) continue;
     if (blob.contrast > 0 && blob.background[2] > kGlow) continue;
     // Of the centre: noise in the pixels of the edge, and what a grid of pixels adds.
-    const double deviation_px = 0.05 + std::sqrt(M_PI * blob.area) / (2 * blob.score * std::sqrt(blob.area));
-    auto detection = Measured(blob, at, deviation_px);
+    const double sigma_px = 0.05 + std::sqrt(M_PI * blob.area) / (2 * blob.score * std::sqrt(blob.area));
+    auto detection = Measured(blob, at, sigma_px);
     if (!detection) continue;
     if (detection->diameter_px >= kMinForEdge_px &&
-        SharpnessOf(image, detection->centre_px, detection->diameter_px / 2, blob.strongest, blob.deviation) <
+        SharpnessOf(image, detection->centre_px, detection->diameter_px / 2, blob.strongest, blob.sigma) <
             options_.min_sharpness)
       continue;
     const auto twin =

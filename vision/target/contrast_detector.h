@@ -105,7 +105,7 @@ class ContrastDetector {
     int level = 0;
     int response = 0;
   };
-  std::optional<ContrastDetection> Measured(const Blob& blob, int level, double deviation_px) const;
+  std::optional<ContrastDetection> Measured(const Blob& blob, int level, double sigma_px) const;
 
   CameraModel camera_;
   ContrastDetectorOptions options_;

@@ -101,8 +101,8 @@ std::optional<ContrastGrowth> ContrastTracker::GrowthOf(const Track_& track) con
   const auto each = [&](const auto& use) {
     for (const Sighting& s : track.history)
       if (s.t_s >= last_s - options_.window_s) {
-        const double y = 1 / s.half_angle, deviation = s.half_angle_sigma * y * y;
-        use(s.t_s - last_s, y, 1 / (deviation * deviation));
+        const double y = 1 / s.half_angle, sigma = s.half_angle_sigma * y * y;
+        use(s.t_s - last_s, y, 1 / (sigma * sigma));
       }
   };
   each([&](double t, double y, double w) {
@@ -117,7 +117,7 @@ std::optional<ContrastGrowth> ContrastTracker::GrowthOf(const Track_& track) con
   if (!(a > 0)) return std::nullopt;
   double chi2 = 0;
   each([&](double t, double y, double w) { chi2 += w * (y - a - b * t) * (y - a - b * t); });
-  // By the scatter that there is, where it is more than the sightings' own deviations say.
+  // By the scatter that there is, where it is more than the sightings' own sigmas say.
   const double scatter = std::max(1.0, chi2 / (n - 2));
   const double aa = s2 / determinant, bb = s0 / determinant, ab = -s1 / determinant;
   const double rate = -b / a;

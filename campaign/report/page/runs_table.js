@@ -121,7 +121,7 @@ const setUpTable = () => {
 
 // The worst by a metric; a run that has none of it did not come so far, and is worse than all that did.
 const drawWorst = () => {
-  const name = byId("worst-metric").value, of = metricOf(name), least = byId("worst-order").value === "least";
+  const name = byId('worst-metric').value, of = metricOf(name), least = byId('worst-order').value === 'min';
   const badness = (run) => (!hasNumber(of(run)) ? Infinity : (least ? -1 : 1) * of(run));
   const worst = [...data.runs].sort((a, b) =>
     badness(a) === badness(b) ? passed(a) - passed(b) || a.row - b.row : badness(b) - badness(a)).slice(0, 12);
@@ -136,7 +136,9 @@ const drawWorst = () => {
 const setUpWorst = () => {
   if (!data.metrics.length) return void (byId("worst").hidden = true);
   fillSelect(byId("worst-metric"), data.metrics, data.metrics[0]);
-  const order = () => { byId("worst-order").value = summaryOf.get(byId("worst-metric").value).better === "higher" ? "least" : "greatest"; };
+  const order = () => {
+    byId('worst-order').value = summaryOf.get(byId('worst-metric').value).better === 'higher' ? 'min' : 'max';
+  };
   byId("worst-metric").addEventListener("change", () => { order(); drawWorst(); });
   byId("worst-order").addEventListener("change", drawWorst);
   order();

@@ -65,9 +65,18 @@ const setUpTuning = () => {
   drawIt();
   if (data.tuning.searches.length > 1) showHeldOut();
   if (!data.tuning.gains.length) return void (byId("tuning-gains").hidden = true);
-  byId("tuning-gains").append(el("h3", {}, "Gains"), el("table", {},
-    el("thead", {}, el("tr", {}, el("th", {}, "key"),
-      ["started from", "tuned", "least", "greatest"].map((t) => el("th", {class: "number"}, t)), el("th", {}, "scale"))),
-    el("tbody", {}, data.tuning.gains.map((g) => el("tr", {}, el("td", {class: "mono"}, g.key),
-      [g.start, g.tuned, g.low, g.high].map((v) => el("td", {class: "number"}, number(v))), el("td", {}, g.log ? "log" : "linear"))))));
+  byId('tuning-gains')
+      .append(
+          el('h3', {}, 'Gains'),
+          el('table', {},
+             el('thead', {},
+                el('tr', {}, el('th', {}, 'key'),
+                   ['started from', 'tuned', 'minimum', 'maximum'].map((t) => el('th', {class: 'number'}, t)),
+                   el('th', {}, 'scale'))),
+             el('tbody', {},
+                data.tuning.gains.map(
+                    (g) => el(
+                        'tr', {}, el('td', {class: 'mono'}, g.key),
+                        [g.start, g.tuned, g.low, g.high].map((v) => el('td', {class: 'number'}, number(v))),
+                        el('td', {}, g.log ? 'log' : 'linear'))))));
 };

@@ -66,11 +66,11 @@ struct Between {
   double share = 0;  // of the way from one to the other
   const SceneState& nearest() const { return share < 0.5 ? *before : *after; }
 };
-Between Find(std::span<const SceneState> instants, double t_s) {
+Between Find(std::span<const SceneState> states, double t_s) {
   const auto after =
-      std::find_if(instants.begin(), instants.end(), [&](const SceneState& i) { return i.t_s > t_s; });
-  if (after == instants.begin()) return {&instants.front(), &instants.front()};
-  if (after == instants.end()) return {&instants.back(), &instants.back()};
+      std::find_if(states.begin(), states.end(), [&](const SceneState& i) { return i.t_s > t_s; });
+  if (after == states.begin()) return {&states.front(), &states.front()};
+  if (after == states.end()) return {&states.back(), &states.back()};
   const SceneState& before = *std::prev(after);
   return {&before, &*after, (t_s - before.t_s) / (after->t_s - before.t_s)};
 }
@@ -213,8 +213,8 @@ void OpenGlRenderer::SetScene(const mjData* data, const Pose& X_NC) {
   geoms_.assign(scene_.geoms, scene_.geoms + scene_.ngeom);
 }
 
-void OpenGlRenderer::SetScene(std::span<const SceneState> instants, double t_s) {
-  const Between now = Find(instants, t_s);
+void OpenGlRenderer::SetScene(std::span<const SceneState> states, double t_s) {
+  const Between now = Find(states, t_s);
   const Pose &a = now.before->X_NC, &b = now.after->X_NC;
   SetScene(now.nearest().data, {a.R.slerp(now.share, b.R), a.p + now.share * (b.p - a.p)});
   if (now.share > 0 && now.before->data != now.after->data)
@@ -275,7 +275,7 @@ cv::Mat OpenGlRenderer::Render(const mjData* data, const Pose& X_NC) {
   return image;
 }
 
-cv::Mat OpenGlRenderer::Render(std::span<const SceneState> instants, const Shutter& shutter) {
+cv::Mat OpenGlRenderer::Render(std::span<const SceneState> states, const Shutter& shutter) {
   const std::shared_lock lock(gl_functions);
   const int rows_at_once = shutter.line_s == 0 ? lens_.height_px : kBandRows;
   cv::Mat image(lens_.height_px, lens_.width_px, CV_8UC3), sum(image.size(), CV_32FC3, cv::Scalar::all(0));
@@ -283,7 +283,7 @@ cv::Mat OpenGlRenderer::Render(std::span<const SceneState> instants, const Shutt
     const Rows rows{first, std::min(first + rows_at_once, lens_.height_px)};
     const double middle_s = shutter.row_0_s + shutter.line_s * (rows.first + rows.end - 1) / 2;
     for (int k = 0; k < shutter.samples; ++k) {
-      SetScene(instants, middle_s + shutter.exposure_s * ((k + 0.5) / shutter.samples - 0.5));
+      SetScene(states, middle_s + shutter.exposure_s * ((k + 0.5) / shutter.samples - 0.5));
       DrawRows(rows, image);
       if (shutter.samples > 1)
         cv::accumulate(image.rowRange(rows.first, rows.end), sum.rowRange(rows.first, rows.end));

@@ -40,7 +40,7 @@ class OpenGlRenderer {
 
   // See Renderer. Where rows are exposed one after the other, bands of 16 share the times of their middle.
   cv::Mat Render(const mjData* data, const Pose& X_NC);
-  cv::Mat Render(std::span<const SceneState> instants, const Shutter& shutter);
+  cv::Mat Render(std::span<const SceneState> states, const Shutter& shutter);
   // Depth is that of the depth buffer: good to 1e-4 of itself, but at the edge of a thing seen aslant only to
   // half a pixel of a face. What light shines through counts like any other thing.
   Surfaces Trace(const mjData* data, const Pose& X_NC);
@@ -53,7 +53,7 @@ class OpenGlRenderer {
     int first, end;
   };
   void SetScene(const mjData* data, const Pose& X_NC);
-  void SetScene(std::span<const SceneState> instants, double t_s);
+  void SetScene(std::span<const SceneState> states, double t_s);
   void Draw(const Face& face, DepthRange range);
   void DrawRows(Rows rows, cv::Mat& image);
 

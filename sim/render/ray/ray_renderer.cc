@@ -48,23 +48,23 @@ Pose InterpolatePose(const Pose& a, const Pose& b, double share) {
 // What is kept between pictures.
 struct RayRenderer::Stage {
   Lens lens;
-  RenderScene things;
+  RenderScene scene;
   bool shadows = false;
   int threads = 1;
   cv::Mat code, common;                   // CV_32S, as in Canvas
-  std::vector<SceneInstance> placements;  // one, or one for each row
+  std::vector<SceneInstance> instances;   // one, or one for each row
   std::vector<std::uint64_t> seen;        // of each row of tiles, or of each row
-  std::vector<ray::ScenePose> worlds;     // of the instants
+  std::vector<ray::ScenePose> worlds;     // of the states
   std::vector<cv::Mat> given_out;
 
-  int SeenOfRow() const { return lens.tiles_x * ray::VisibleWords(things); }
+  int SeenOfRow() const { return lens.tiles_x * ray::VisibleWords(scene); }
 
-  Slice SliceOf(int placement, int seen_row) {
+  Slice SliceOf(int instance, int seen_row) {
     return {&lens,
-            &things,
-            &placements[placement],
+            &scene,
+            &instances[instance],
             seen.data() + static_cast<std::ptrdiff_t>(seen_row) * SeenOfRow(),
-            ray::VisibleWords(things),
+            ray::VisibleWords(scene),
             shadows};
   }
 
@@ -79,13 +79,13 @@ struct RayRenderer::Stage {
   }
 
   // One sharp picture; `instant_of_row` gives world and camera of a row, or none if all rows share
-  // placements[0].
+  // instances[0].
   template <class Fill>
   void Draw(cv::Mat& bgr, bool rolling, const Fill& fill) {
     const ray::Canvas canvas{bgr.data, bgr.step, code.ptr<std::uint32_t>(), common.ptr<std::uint32_t>()};
-    placements.resize(rolling ? lens.height : 1);
+    instances.resize(rolling ? lens.height : 1);
     seen.resize(static_cast<std::size_t>(rolling ? lens.height : lens.tiles_y) * SeenOfRow());
-    if (!rolling) fill(0, placements[0]);
+    if (!rolling) fill(0, instances[0]);
     const auto rows_of = [&](int tile_row, const auto& each) {
       const int begin = tile_row * Lens::kTile, end = std::min(begin + Lens::kTile, lens.height);
       each(begin, end);
@@ -99,7 +99,7 @@ struct RayRenderer::Stage {
           return;
         }
         for (int v = begin; v < end; ++v) {
-          fill(v, placements[v]);
+          fill(v, instances[v]);
           const Slice slice = SliceOf(v, v);
           ray::Cull(slice, tile_row);
           ray::DrawRows(slice, v, v + 1, canvas);
@@ -114,18 +114,18 @@ struct RayRenderer::Stage {
     });
   }
 
-  // World and camera at a time between the instants.
-  void PlaceAt(double t_s, std::span<const SceneState> instants, SceneInstance& placement) const {
+  // World and camera at a time between the states.
+  void PlaceAt(double t_s, std::span<const SceneState> states, SceneInstance& instance) const {
     std::size_t after = 0;
-    while (after < instants.size() && instants[after].t_s < t_s) ++after;
-    if (after == 0 || after == instants.size()) {
+    while (after < states.size() && states[after].t_s < t_s) ++after;
+    if (after == 0 || after == states.size()) {
       const std::size_t i = after == 0 ? 0 : after - 1;
-      return ray::InstantiateScene(things, worlds[i], instants[i].X_NC, lens.pixel_rad, placement);
+      return ray::InstantiateScene(scene, worlds[i], states[i].X_NC, lens.pixel_rad, instance);
     }
-    const SceneState &a = instants[after - 1], &b = instants[after];
+    const SceneState &a = states[after - 1], &b = states[after];
     const double share = (t_s - a.t_s) / (b.t_s - a.t_s);
-    ray::InstantiateScene(things, ray::Interpolate(things, worlds[after - 1], worlds[after], share),
-                          InterpolatePose(a.X_NC, b.X_NC, share), lens.pixel_rad, placement);
+    ray::InstantiateScene(scene, ray::Interpolate(scene, worlds[after - 1], worlds[after], share),
+                          InterpolatePose(a.X_NC, b.X_NC, share), lens.pixel_rad, instance);
   }
 };
 
@@ -133,7 +133,7 @@ RayRenderer::RayRenderer(const mjModel* model, const vision::CameraModel& camera
                          const RenderOptions& options)
     : camera_(camera), stage_(std::make_unique<Stage>()) {
   stage_->lens = ray::MakeLens(camera);
-  stage_->things = ray::CompileScene(model);
+  stage_->scene = ray::CompileScene(model);
   stage_->shadows = options.shadows;
   stage_->threads = options.threads > 0 ? options.threads
                                         : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
@@ -146,25 +146,25 @@ RayRenderer::RayRenderer(const mjModel* model, const vision::CameraModel& camera
 RayRenderer::~RayRenderer() = default;
 
 cv::Mat RayRenderer::Render(const mjData* data, const Pose& X_NC) {
-  const ray::ScenePose world = ray::PoseOfScene(stage_->things, data);
+  const ray::ScenePose world = ray::PoseOfScene(stage_->scene, data);
   cv::Mat bgr = stage_->Blank();
-  stage_->Draw(bgr, false, [&](int, SceneInstance& placement) {
-    ray::InstantiateScene(stage_->things, world, X_NC, stage_->lens.pixel_rad, placement);
+  stage_->Draw(bgr, false, [&](int, SceneInstance& instance) {
+    ray::InstantiateScene(stage_->scene, world, X_NC, stage_->lens.pixel_rad, instance);
   });
   return bgr;
 }
 
-cv::Mat RayRenderer::Render(std::span<const SceneState> instants, const Shutter& shutter) {
-  if (instants.empty()) throw std::runtime_error("A picture needs at least one instant of the world.");
+cv::Mat RayRenderer::Render(std::span<const SceneState> states, const Shutter& shutter) {
+  if (states.empty()) throw std::runtime_error("A picture needs at least one instant of the world.");
   stage_->worlds.clear();
-  for (const SceneState& i : instants) stage_->worlds.push_back(ray::PoseOfScene(stage_->things, i.data));
+  for (const SceneState& i : states) stage_->worlds.push_back(ray::PoseOfScene(stage_->scene, i.data));
   const bool rolling = shutter.line_s != 0;
   const int samples = std::max(1, shutter.samples);
   cv::Mat sum, bgr = stage_->Blank();
   for (int k = 0; k < samples; ++k) {
     const double offset_s = shutter.exposure_s * ((k + 0.5) / samples - 0.5);
-    stage_->Draw(bgr, rolling, [&](int row, SceneInstance& placement) {
-      stage_->PlaceAt(shutter.row_0_s + row * shutter.line_s + offset_s, instants, placement);
+    stage_->Draw(bgr, rolling, [&](int row, SceneInstance& instance) {
+      stage_->PlaceAt(shutter.row_0_s + row * shutter.line_s + offset_s, states, instance);
     });
     if (samples == 1) return bgr;
     if (k == 0) sum = cv::Mat::zeros(bgr.size(), CV_32SC3);
@@ -176,10 +176,10 @@ cv::Mat RayRenderer::Render(std::span<const SceneState> instants, const Shutter&
 
 Surfaces RayRenderer::Trace(const mjData* data, const Pose& X_NC) {
   Stage& s = *stage_;
-  const ray::ScenePose world = ray::PoseOfScene(s.things, data);
-  s.placements.resize(1);
+  const ray::ScenePose world = ray::PoseOfScene(s.scene, data);
+  s.instances.resize(1);
   s.seen.resize(static_cast<std::size_t>(s.lens.tiles_y) * s.SeenOfRow());
-  ray::InstantiateScene(s.things, world, X_NC, s.lens.pixel_rad, s.placements[0]);
+  ray::InstantiateScene(s.scene, world, X_NC, s.lens.pixel_rad, s.instances[0]);
   Surfaces surfaces{cv::Mat(s.lens.height, s.lens.width, CV_32F),
                     cv::Mat(s.lens.height, s.lens.width, CV_32S)};
   InParallel(s.threads, s.lens.tiles_y, [&](int tile_row) {
@@ -194,8 +194,8 @@ Surfaces RayRenderer::Trace(const mjData* data, const Pose& X_NC) {
 
 cv::Mat RayRenderer::Flow(const SceneState& now, const SceneState& next) {
   const Surfaces surfaces = Trace(now.data, now.X_NC);
-  const ray::ScenePose before = ray::PoseOfScene(stage_->things, now.data),
-                       after = ray::PoseOfScene(stage_->things, next.data);
+  const ray::ScenePose before = ray::PoseOfScene(stage_->scene, now.data),
+                       after = ray::PoseOfScene(stage_->scene, next.data);
   // X of C at the next instant from C now, for the points of each geom; -1: the sky, which only turns.
   const auto pose_M = [](const Pose& X_NC) {
     Eigen::Matrix3d R;
@@ -204,9 +204,9 @@ cv::Mat RayRenderer::Flow(const SceneState& now, const SceneState& next) {
   };
   const Pose X_MC = pose_M(now.X_NC), X_CM_next = pose_M(next.X_NC).Inverse();
   std::map<int, Pose> moves;
-  for (std::size_t i = 0; i < stage_->things.all.size(); ++i) {
+  for (std::size_t i = 0; i < stage_->scene.all.size(); ++i) {
     const Pose X_MG{before.R[i], before.p[i]}, X_MG_next{after.R[i], after.p[i]};
-    moves[stage_->things.all[i].geom] = X_CM_next * X_MG_next * X_MG.Inverse() * X_MC;
+    moves[stage_->scene.all[i].geom] = X_CM_next * X_MG_next * X_MG.Inverse() * X_MC;
   }
   const Pose turn{(X_CM_next * X_MC).R, Eigen::Vector3d::Zero()};
   cv::Mat flow(surfaces.geom.size(), CV_32FC2, cv::Scalar::all(std::numeric_limits<float>::quiet_NaN()));

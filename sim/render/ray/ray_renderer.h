@@ -32,7 +32,7 @@ class RayRenderer {
   ~RayRenderer();
 
   cv::Mat Render(const mjData* data, const Pose& X_NC);  // as in Renderer
-  cv::Mat Render(std::span<const SceneState> instants, const Shutter& shutter);
+  cv::Mat Render(std::span<const SceneState> states, const Shutter& shutter);
   Surfaces Trace(const mjData* data, const Pose& X_NC);
   // How each pixel's surface moves in the image until the next instant: CV_32FC2, px. NaN outside the lens,
   // and where it leaves the lens's field. That something else may come before it meanwhile is not considered.

@@ -58,14 +58,14 @@ class Line {
 std::optional<ServoPacket> DecodeServoPacket(std::span<const std::uint8_t> bytes) {
   Reader reader(bytes);
   ServoPacket packet;
-  const auto magic = reader.Take<std::uint16_t>();
+  const auto magic = reader.Read<std::uint16_t>();
   if (magic != kMagic16 && magic != kMagic32) return std::nullopt;
   packet.channels = magic == kMagic16 ? 16 : 32;
   if (bytes.size() != kHeader + 2 * static_cast<std::size_t>(packet.channels)) return std::nullopt;
-  packet.frame_rate_hz = reader.Take<std::uint16_t>();
-  packet.frame_count = reader.Take<std::uint32_t>();
+  packet.frame_rate_hz = reader.Read<std::uint16_t>();
+  packet.frame_count = reader.Read<std::uint32_t>();
   for (std::uint16_t& pwm : std::span(packet.pwm_us).first(static_cast<std::size_t>(packet.channels)))
-    pwm = reader.Take<std::uint16_t>();
+    pwm = reader.Read<std::uint16_t>();
   return packet;
 }
 

@@ -127,9 +127,9 @@ struct ArduPilotPhysics::Impl {
     state.v_N = truth.v_N;
     state.R_NB = truth.X_NB.R * motors.R_BA();
     state.wind_N = truth.wind_N;
-    const std::optional<std::string> said = ardupilot::StateLine(state);
-    if (!said) return std::nullopt;
-    line = *said;
+    const std::optional<std::string> state_line = ardupilot::StateLine(state);
+    if (!state_line) return std::nullopt;
+    line = *state_line;
     gathered = {};
     owed = false;
     Answer();
@@ -164,7 +164,7 @@ struct ArduPilotPhysics::Impl {
   static_assert(std::atomic<bool>::is_always_lock_free);
   PhysicsCounts counts;
 
-  Clock::time_point heard;  // from the peer, or said to it
+  Clock::time_point heard;  // from the peer, or state_line to it
   ardupilot::ServoSequence sequence;
   bool owed = false;  // an answer to what has been obeyed: a flight that begins now owes it too
   std::array<double, 4> commands{};

@@ -49,12 +49,12 @@ TEST(CampaignSummary, HasEverythingOfTheRuns) {
 
   ASSERT_EQ(s.metrics.size(), 3u);  // the listed ones first
   EXPECT_EQ(s.metrics[0].name, "touchdown_error_m");
-  EXPECT_EQ(s.metrics[2].name, "greatest_tilt_deg");
+  EXPECT_EQ(s.metrics[2].name, "max_tilt_deg");
   EXPECT_FALSE(s.metrics[2].listed);
   EXPECT_EQ(s.metrics[0].runs, std::ssize(errors));
   EXPECT_EQ(s.metrics[0].mean.value, Mean(errors));
   EXPECT_EQ(s.metrics[0].quantiles.at(0.95).value, Quantile(errors, 0.95));
-  EXPECT_EQ(s.metrics[0].greatest, Largest(errors));
+  EXPECT_EQ(s.metrics[0].max, Largest(errors));
 
   std::set<std::int64_t> grouped;
   ASSERT_EQ(s.failures.size(), 2u);

@@ -107,6 +107,14 @@ TEST_F(CampaignPlanTest, AFileNeedsNothingButItsScenario) {
   EXPECT_EQ(loaded.table.rows.size(), 100u);
 }
 
+TEST_F(CampaignPlanTest, MetricsMayHaveTheirFormerNames) {
+  const CampaignPlan plan =
+      Load("scenario: follow\nmetrics: [greatest_tilt_deg]\nthresholds: {greatest_tilt_deg: {max: 30}}\n")
+          .plan;
+  EXPECT_THAT(plan.metrics, ElementsAre("max_tilt_deg"));
+  EXPECT_EQ(*plan.thresholds.at("max_tilt_deg").max, 30);
+}
+
 TEST_F(CampaignPlanTest, OverridesReachTheFileAndItsDistributions) {
   const LoadedCampaign loaded =
       Load("scenario: follow\nvary: {wind.mean_m_s: {uniform: [0, 6]}}\n",
@@ -282,7 +290,7 @@ TEST_F(CampaignPlanTest, AMetricThatTheFlightCannotHaveIsRefusedBeforeItFlies) {
           "'touchdown_error_m'; valid: fix_x_rmse_m, fix_y_rmse_m, fix_z_rmse_m, fix_yaw_rmse_deg, "
           "fix_share, "
           "longest_loss_s, settle_s, hold_horizontal_rmse_m, hold_vertical_rmse_m, hold_yaw_rmse_deg, "
-          "greatest_tilt_deg",
+          "max_tilt_deg",
           "f.yaml:2: metrics.1: a flight of this scenario, of the mission 'hover', has no 'closest_m'; "
           "valid: "
           "as said above",

@@ -46,7 +46,7 @@ gains:
   pilot.servo.lambda_per_s: {low: 0.1, high: 4, log: true}
   autopilot.velocity_gain_per_s: {low: 0.1, high: 5, start: 0.2}
 cost: {follow_distance_rms: {scale: 0.1, weight: 2}}
-constraints: {greatest_tilt_deg: {max: 20}}
+constraints: {max_tilt_deg: {max: 20}}
 failure: 3
 method: random_search
 budget: 200
@@ -58,7 +58,7 @@ TEST_F(TunePlanTest, AFileBecomesItsPlanAndTablesWithoutARowInCommon) {
   EXPECT_EQ(tune.plan.flights.name, "f");
   EXPECT_EQ(tune.plan.method, "random_search");
   EXPECT_EQ(tune.plan.cost.terms.at("follow_distance_rms").weight, 2);
-  EXPECT_EQ(tune.plan.cost.constraints.at("greatest_tilt_deg").max, 20);
+  EXPECT_EQ(tune.plan.cost.constraints.at("max_tilt_deg").max, 20);
   EXPECT_EQ(tune.plan.cost.failure, 3);
   const flight::Scenario own = flight::LoadScenario("follow").scenario;
   EXPECT_EQ(tune.own.at("pilot.servo.lambda_per_s"), own.pilot.servo.lambda_per_s);
@@ -103,7 +103,7 @@ gains:
   pilot.servo.lambda_per_s: {low: 0, high: 3, log: true}
   pilot.servo.speed_limit_m_s: {low: 2, high: 1, start: 7}
 cost: {follow_distance_rmse: {scale: 0.1}, in_view_share: {weight: 1, worst: 0}}
-constraints: {greatest_tilt_deg: {}, settle_s: {max: 9}, closest_m: {min: 3, max: 2}}
+constraints: {max_tilt_deg: {}, settle_s: {max: 9}, closest_m: {min: 3, max: 2}}
 method: cma
 )"),
       ElementsAre(
@@ -124,7 +124,7 @@ method: cma
                      "has no 'closest_m'; valid: "),
           "f.yaml:10: constraints.closest_m: min = 3 is above max = 2, so that nothing keeps to both; valid: "
           "min no more than max",
-          "f.yaml:10: constraints.greatest_tilt_deg: has no limit; valid: max, min or both",
+          "f.yaml:10: constraints.max_tilt_deg: has no limit; valid: max, min or both",
           "f.yaml:10: constraints.settle_s: a flight of this scenario, of the mission 'follow', has no "
           "'settle_s'; valid: as said above"));
 }
@@ -157,10 +157,10 @@ gains:
   wind.turbulence: {low: 0, high: 1}
   camera: {low: 0, high: 1}
 cost: {follow_u_rms_px: {scale: 10}}
-constraints: {greatest_tilt_deg: {max: abc}}
+constraints: {max_tilt_deg: {max: abc}}
 )"),
       ElementsAre(StartsWith("f.yaml:6: gains.pilot.servo.lambda_yaw_per_s.high: .inf is not a finite"),
-                  StartsWith("f.yaml:10: constraints.greatest_tilt_deg.max: 'abc' is not a number"),
+                  StartsWith("f.yaml:10: constraints.max_tilt_deg.max: 'abc' is not a number"),
                   StartsWith("f.yaml:2: vary.wind.mean_m_s: 60 is out of range"),
                   StartsWith("f.yaml:8: gains.camera: with 0: there is no camera '0'"),
                   StartsWith("f.yaml:5: gains.pilot.servo.lambda_per_s: 30 is out of range"),

@@ -71,7 +71,7 @@ TEST_F(AfcsLinkTest, SaysOpenUntilItIsAcknowledged) {
   EXPECT_FALSE(link.Health().open);
   Say(wire::AfcsAck{1});
   EXPECT_TRUE(Eventually([&] { return link.Health().open; }));
-  EXPECT_EQ(link.Health().trouble, "");
+  EXPECT_EQ(link.Health().error, "");
 }
 
 TEST_F(AfcsLinkTest, BeforeTheFirstStateItHasNone) {
@@ -84,7 +84,7 @@ TEST_F(AfcsLinkTest, BeforeTheFirstStateItHasNone) {
 
 TEST_F(AfcsLinkTest, SaysThatNobodyAnswers) {
   AfcsLink link(options_);
-  EXPECT_TRUE(Eventually([&] { return link.Health().trouble.find("does not answer") != std::string::npos; }));
+  EXPECT_TRUE(Eventually([&] { return link.Health().error.find("does not answer") != std::string::npos; }));
 }
 
 TEST_F(AfcsLinkTest, AStateIsThatOfTheMessageOnOurClock) {
@@ -174,7 +174,7 @@ TEST_F(AfcsLinkTest, AStateThatCannotBeIsRefusedAndNamed) {
     ++refused;
     ASSERT_TRUE(Eventually([&] { return link.Health().refused >= refused; })) << refused;
     EXPECT_EQ(link.State().p_NB.x(), 1);
-    EXPECT_THAT(link.Health().trouble, HasSubstr("cannot be"));
+    EXPECT_THAT(link.Health().error, HasSubstr("cannot be"));
   }
 }
 
@@ -232,7 +232,7 @@ TEST_F(AfcsLinkTest, APlaceThatNobodyConfirmsIsTrouble) {
     Say(wire::AfcsAck{1});
     Say(wire::AfcsState{.rpm0 = 1500});
     link.Send(PositionSetpoint{});
-    return link.Health().trouble.find("does not confirm") != std::string::npos;
+    return link.Health().error.find("does not confirm") != std::string::npos;
   }));
 }
 
@@ -243,10 +243,10 @@ TEST_F(AfcsLinkTest, AnAttitudeIsTroubleByNameAndEndsWhatWasAskedForBefore) {
   ASSERT_TRUE(Next<wire::AfcsTeleop>());
   link.Send(AttitudeSetpoint{});
   const double then_s = MonotonicTestNow_s();
-  EXPECT_THAT(link.Health().trouble, HasSubstr("AttitudeSetpoint"));
+  EXPECT_THAT(link.Health().error, HasSubstr("AttitudeSetpoint"));
   for (int i = 0; i < 4; ++i) ASSERT_TRUE(Next<wire::AfcsOpen>());  // 0.2 s
   link.Send(VelocitySetpoint{{2, 0, 0}, 0});
-  EXPECT_EQ(link.Health().trouble, "");
+  EXPECT_EQ(link.Health().error, "");
   auto teleop = Next<wire::AfcsTeleop>();
   while (teleop && teleop->fore == 1) {  // sent before
     ASSERT_LE(wire::Seconds(stamp_), then_s + 5e-6);
@@ -259,9 +259,9 @@ TEST_F(AfcsLinkTest, ASetpointOrAidThatCannotBeSaidIsTroubleByName) {
   AfcsLink link(options_);
   Open(link);
   link.Send(VelocitySetpoint{{std::numeric_limits<double>::infinity(), 0, 0}, 0});
-  EXPECT_THAT(link.Health().trouble, HasSubstr("not finite"));
+  EXPECT_THAT(link.Health().error, HasSubstr("not finite"));
   link.Aid({});
-  EXPECT_THAT(link.Health().trouble, HasSubstr("AttitudeAid"));
+  EXPECT_THAT(link.Health().error, HasSubstr("AttitudeAid"));
   EXPECT_EQ(link.Health().sent, 0U);
 }
 
@@ -314,7 +314,7 @@ TEST_F(AfcsLinkTest, OpensAnewWhenTheFarEndFallsSilentEvenIfItsClockBeganAnew) {
   Open(link);
   SayState(link, {.x = 1, .rpm0 = 1500});
   ASSERT_TRUE(Eventually([&] { return !link.Health().open; }));
-  EXPECT_THAT(link.Health().trouble, HasSubstr("fell silent"));
+  EXPECT_THAT(link.Health().error, HasSubstr("fell silent"));
   EXPECT_EQ(link.State().p_NB.x(), 1);
   EXPECT_GT(*link.Health().state_age_s, options_.silent_s);
   link.Send(VelocitySetpoint{{1, 0, 0}, 0});

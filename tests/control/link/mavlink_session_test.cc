@@ -16,7 +16,7 @@ TEST(MavlinkSession, WhatAnAutopilotSaysCommandsNoTerminal) {
   MavlinkSession session({});
   mav::Sender sender(1, 1);
   session.Receive(sender.Encode(mav::Statustext{.severity = 3, .text = mav::Text("no\x1b[2J fly\x07")}), 1);
-  EXPECT_EQ(session.Health(1).trouble, "no\\x1b[2J fly\\x07");
+  EXPECT_EQ(session.Health(1).error, "no\\x1b[2J fly\\x07");
 }
 
 }  // namespace

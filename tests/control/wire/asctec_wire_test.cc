@@ -455,8 +455,8 @@ TEST(AscTecDamage, OfTwoWrongBitsOfAControlCommandThePassingOnesAreThoseThatTheS
         const Bytes damaged = Flipped(Flipped(command, one), other);
         Reader reader(std::span<const std::uint8_t>(damaged).subspan(5));
         bool in_range = true;
-        for (int k = 0; k < 3; ++k) in_range &= std::abs(reader.Take<std::int16_t>()) <= 2047;
-        const int thrust = reader.Take<std::int16_t>();
+        for (int k = 0; k < 3; ++k) in_range &= std::abs(reader.Read<std::int16_t>()) <= 2047;
+        const int thrust = reader.Read<std::int16_t>();
         in_range &= thrust >= 0 && thrust <= 4095;
         const bool pass = !Asked(damaged).empty();
         ASSERT_EQ(pass, cancel && in_range) << one << ' ' << other;
@@ -558,8 +558,8 @@ TEST(AscTecDamage, AMillionDamagedFramesLeaveEveryGoodOneReadable) {
       ASSERT_EQ(bad_command.size(), kCtrlInputBytes);
       Reader reader(std::span<const std::uint8_t>(bad_command).subspan(5));
       int sum = 0xAAAA;
-      for (int k = 0; k < 5; ++k) sum += reader.Take<std::int16_t>();
-      ASSERT_EQ(reader.Take<std::uint16_t>(), sum & 0xFFFF);
+      for (int k = 0; k < 5; ++k) sum += reader.Read<std::int16_t>();
+      ASSERT_EQ(reader.Read<std::uint16_t>(), sum & 0xFFFF);
     }
   }
   std::cout << "accepted though damaged, of " << kTrials << " each: " << damaged_frames << " frames, "

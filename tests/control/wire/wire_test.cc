@@ -26,9 +26,9 @@ TEST(WireBytes, WhatIsAppendedIsTaken) {
     Append(bytes, std::uint8_t{200}, order);
     Append(bytes, -1.5e-300, order);
     Reader reader(bytes, order);
-    EXPECT_EQ(reader.Take<std::int64_t>(), std::numeric_limits<std::int64_t>::min());
-    EXPECT_EQ(reader.Take<std::uint8_t>(), 200);
-    EXPECT_EQ(reader.Take<double>(), -1.5e-300);
+    EXPECT_EQ(reader.Read<std::int64_t>(), std::numeric_limits<std::int64_t>::min());
+    EXPECT_EQ(reader.Read<std::uint8_t>(), 200);
+    EXPECT_EQ(reader.Read<double>(), -1.5e-300);
     EXPECT_EQ(reader.left(), 0U);
     EXPECT_TRUE(reader.Good());
   }
@@ -37,11 +37,11 @@ TEST(WireBytes, WhatIsAppendedIsTaken) {
 TEST(WireBytes, BeyondTheEndIsNothingAndSaid) {
   const Bytes bytes{1, 2, 3};
   Reader reader(bytes);
-  reader.Take<std::uint16_t>();
+  reader.Read<std::uint16_t>();
   EXPECT_TRUE(reader.Good());
-  EXPECT_EQ(reader.Take<std::uint16_t>(), 0);
+  EXPECT_EQ(reader.Read<std::uint16_t>(), 0);
   EXPECT_FALSE(reader.Good());
-  EXPECT_EQ(reader.Take<std::uint8_t>(), 0);  // not what was left over
+  EXPECT_EQ(reader.Read<std::uint8_t>(), 0);  // not what was left over
   Reader skipping(bytes);
   skipping.Skip(4);
   EXPECT_FALSE(skipping.Good());

@@ -140,8 +140,8 @@ TEST_F(FlyTest, ALinkWithoutAStateIsNotFlownBy) {
   EXPECT_FALSE(Item("link").ok);
 }
 
-TEST_F(FlyTest, TroubleOfTheLinkIsAReasonNotToFly) {
-  link_.Set([](control::VehicleState&, control::LinkHealth& health) { health.trouble = "battery at 9.8 V"; });
+TEST_F(FlyTest, AnErrorOfTheLinkIsAReasonNotToFly) {
+  link_.Set([](control::VehicleState&, control::LinkHealth& health) { health.error = "battery at 9.8 V"; });
   Check();
   EXPECT_FALSE(Item("link").ok);
   EXPECT_THAT(Item("link").found, HasSubstr("9.8 V"));
@@ -170,7 +170,7 @@ TEST_F(FlyTest, TheSwitchOfAnAutopilotThatIsNotHeardIsUnknownAndNoneIsAskedToPas
     health.state_age_s.reset();
     health.pilot_allows.reset();
     health.open = false;
-    health.trouble = "no autopilot heard";
+    health.error = "no autopilot heard";
   });
   Check();
   EXPECT_FALSE(Item("pilot's switch").ok);
@@ -186,10 +186,9 @@ TEST_F(FlyTest, AnImageThatCameAndCannotBeFlownByIsNotSaidToBeNone) {
   };
   vision::LiveCamera camera([] { return std::make_unique<Other>(); }, {});
   std::vector<std::string> told;
-  items_ = PreFlight(plan_, camera, link_,
-                     {.watch_s = 0.2, .connect_s = 0.3, .tell = [&](const std::string& trouble) {
-                        told.push_back(trouble);
-                      }});
+  items_ = PreFlight(
+      plan_, camera, link_,
+      {.watch_s = 0.2, .connect_s = 0.3, .tell = [&](const std::string& error) { told.push_back(error); }});
   EXPECT_EQ(told, std::vector<std::string>{"an image of 320x240 came"});  // at once, and once
   EXPECT_FALSE(Item("camera").ok);
   EXPECT_THAT(Item("camera").found, HasSubstr("an image of 320x240 came"));

@@ -10,8 +10,8 @@ namespace kestrel::flight {
 namespace {
 
 // What is told in a flight of 60 s at 20 Hz whose vertical velocities are followed so late.
-std::vector<std::string> Told(double delay_s, double most_s, bool landed = false) {
-  LagMonitor watch({.vertical_s = most_s});
+std::vector<std::string> Told(double delay_s, double max_s, bool landed = false) {
+  LagMonitor watch({.vertical_s = max_s});
   std::vector<std::string> told;
   std::deque<double> asked(1 + static_cast<std::size_t>(std::lround(delay_s / 0.05)), 0);
   for (int i = 0; i < 1200; ++i) {

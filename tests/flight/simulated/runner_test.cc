@@ -98,17 +98,17 @@ TEST_F(RunnerTest, ItsScenarioFileGivesTheSameRunAgain) {
 }
 
 TEST_F(RunnerTest, CriteriaAreJudgedByTheMetrics) {
-  const FlightResult met = RunFlight(
-      LoadScenario("pose", {"duration_s=1", "start.settle_s=1",
-                            "criteria={fix_share: {min: 0.5, max: 1}, greatest_tilt_deg: {max: 30}}"}),
-      {});
+  const FlightResult met =
+      RunFlight(LoadScenario("pose", {"duration_s=1", "start.settle_s=1",
+                                      "criteria={fix_share: {min: 0.5, max: 1}, max_tilt_deg: {max: 30}}"}),
+                {});
   EXPECT_TRUE(met.summary.passed);
   ASSERT_EQ(met.summary.criteria.size(), 3u);
   for (const records::Criterion& c : met.summary.criteria) EXPECT_EQ(c.value, met.summary.metrics.at(c.name));
 
   const FlightResult missed =
       RunFlight(LoadScenario("pose", {"duration_s=1", "start.settle_s=1",
-                                      "criteria={fix_share: {min: 0.5}, greatest_tilt_deg: {max: 0.001}}"}),
+                                      "criteria={fix_share: {min: 0.5}, max_tilt_deg: {max: 0.001}}"}),
                 {});
   EXPECT_FALSE(missed.summary.passed);
   int failed = 0;

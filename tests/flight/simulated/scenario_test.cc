@@ -241,6 +241,16 @@ TEST_F(ScenarioTest, ACriterionNeedsALimit) {
               ElementsAre(HasSubstr("criteria.fix_share: has no limit")));
 }
 
+TEST_F(ScenarioTest, AMetricsFormerNameIsReadWithANotice) {
+  testing::internal::CaptureStderr();
+  const Scenario s = LoadScenario("hover", {"criteria={greatest_tilt_deg: {max: 33}}"}).scenario;
+  EXPECT_THAT(testing::internal::GetCapturedStderr(),
+              HasSubstr("greatest_tilt_deg: is called 'max_tilt_deg' now"));
+  ASSERT_TRUE(s.criteria.contains("max_tilt_deg"));
+  EXPECT_EQ(*s.criteria.at("max_tilt_deg").max, 33);
+  EXPECT_EQ(s.criteria.size(), 1u);
+}
+
 TEST_F(ScenarioTest, ACriterionThatNoFlightCanMeetIsRefusedWhereItIsWritten) {
   const std::string file = Write("never.yaml", R"(mission: pose
 criteria:
@@ -248,7 +258,7 @@ criteria:
   fix_share: {min: 1.5}
   longest_loss_s: {min: 3, max: 2}
   touchdown_error_m: {max: 1}
-  greatest_tilt_deg: {max: 200}
+  max_tilt_deg: {max: 200}
 )");
   EXPECT_THAT(
       Refusal(file),

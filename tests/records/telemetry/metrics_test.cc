@@ -48,7 +48,7 @@ TEST(Metrics, WhatDoesNotApplyIsNotThere) {
   const auto m = Metrics({Row(0, {0, 0, -4}), Row(1, {0, 0, -4})}, std::nullopt, nullptr);
   ASSERT_EQ(m.size(), 2u);
   EXPECT_EQ(m.at("fix_share"), 0);
-  EXPECT_EQ(m.at("greatest_tilt_deg"), 0);
+  EXPECT_EQ(m.at("max_tilt_deg"), 0);
 }
 
 TEST(Metrics, FixesAreJudgedAtTheExposureInThePadsFrame) {
@@ -129,7 +129,7 @@ TEST(Metrics, TheGreatestTiltIsTheTrueAngleFromLevel) {
                               Row(1, {0, 0, -3}, {1, Radians(-9), Radians(12)}),
                               Row(2, {0, 0, -3}, {2, Radians(3), 0})};
   const double expected = Degrees(std::acos(std::cos(Radians(9)) * std::cos(Radians(12))));
-  EXPECT_NEAR(Metrics(rows, std::nullopt, nullptr).at("greatest_tilt_deg"), expected, 1e-9);
+  EXPECT_NEAR(Metrics(rows, std::nullopt, nullptr).at("max_tilt_deg"), expected, 1e-9);
 }
 
 TEST(Metrics, ATouchDownIsJudgedAtItsInstantAndTheRestAtTheEnd) {

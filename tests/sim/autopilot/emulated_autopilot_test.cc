@@ -262,9 +262,9 @@ TEST(EmulatedAutopilot, KeepsItsLimits) {
   const auto most = [](const control::Setpoint& setpoint, double duration_s, auto value) {
     Flight flight(At(60, 40), true);
     flight.Run(1);
-    double greatest = 0;
-    flight.Keep(setpoint, duration_s, [&] { greatest = std::max(greatest, double(value(flight))); });
-    return greatest;
+    double max_value = 0;
+    flight.Keep(setpoint, duration_s, [&] { max_value = std::max(max_value, double(value(flight))); });
+    return max_value;
   };
   const auto level_speed = [](const Flight& f) { return f.v_N().head<2>().norm(); };
   const auto expect_near_limit = [](double value, double limit, double overshoot) {

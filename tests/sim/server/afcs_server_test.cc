@@ -428,7 +428,7 @@ TEST_F(AfcsWire, TheStateArrivesWithItsNumbersAndItsTime) {
   EXPECT_GE(state.t_s, began_s_);
   EXPECT_TRUE(link.Health().open);
   EXPECT_EQ(link.Health().refused, 0U);
-  EXPECT_EQ(link.Health().trouble, "");
+  EXPECT_EQ(link.Health().error, "");
 }
 
 TEST_F(AfcsWire, WhatIsAskedForIsWhatTheAircraftIsToldThroughOffsetAndDeadZone) {
@@ -484,7 +484,7 @@ TEST_F(AfcsWire, ASecondLinkWaitsUntilTheFirstHasClosed) {
   auto first = std::make_unique<control::AfcsLink>(link_options_);
   ASSERT_TRUE(ServedUntil([&] { return first->Health().open; }));
   control::AfcsLink second(link_options_);
-  ASSERT_TRUE(ServedUntil([&] { return !second.Health().trouble.empty(); }));
+  ASSERT_TRUE(ServedUntil([&] { return !second.Health().error.empty(); }));
   EXPECT_FALSE(second.Health().open);
   first.reset();
   EXPECT_TRUE(ServedUntil([&] { return second.Health().open; }));

@@ -121,7 +121,7 @@ TEST(AscTecSession, StateNumbersArriveRight) {
     line.Run(0.3, aircraft);
     EXPECT_TRUE(line.session.State().landed);
     EXPECT_EQ(line.session.State().mode, FlightMode::kStopped);
-    EXPECT_EQ(line.session.Health(line.t_s).trouble, "");
+    EXPECT_EQ(line.session.Health(line.t_s).error, "");
   }
 }
 
@@ -351,7 +351,7 @@ TEST(AscTecSession, MotorsThatDoNotStartAreTrouble) {
     bytes = kept;
   };
   line.Keep(PositionSetpoint{{0, 0, -2}, 0}, 5, aircraft);
-  EXPECT_NE(line.session.Health(line.t_s).trouble.find("motors"), std::string::npos);
+  EXPECT_NE(line.session.Health(line.t_s).error.find("motors"), std::string::npos);
   const std::uint64_t sent = line.session.Health(line.t_s).sent;
   line.Keep(PositionSetpoint{{0, 0, -2}, 0}, 1, aircraft);
   EXPECT_EQ(line.session.Health(line.t_s).sent, sent);  // and they are left alone
@@ -401,46 +401,46 @@ TEST(AscTecSession, ThePilotsSwitchKeepsSetpointsOff) {
   EXPECT_GT(aircraft.heard.size(), heard);
 }
 
-TEST(AscTecSession, TroubleHasAName) {
-  const auto trouble = [](const Line& line) { return line.session.Health(line.t_s).trouble; };
+TEST(AscTecSession, ErrorsHaveNames) {
+  const auto error = [](const Line& line) { return line.session.Health(line.t_s).error; };
   ScriptedAircraft aircraft;
   sim::AscTecProcessorOptions far;
   far.battery_v = 10.1;
   Line weak({}, far);
   weak.Run(0.3, aircraft);
-  EXPECT_EQ(trouble(weak), "the battery has 10.1 V, less than 10.4 V");
+  EXPECT_EQ(error(weak), "the battery has 10.1 V, less than 10.4 V");
 
   Line line;
   line.Run(0.3, aircraft);
-  EXPECT_EQ(trouble(line), "");
+  EXPECT_EQ(error(line), "");
   line.session.Send(line.t_s, VelocitySetpoint{{NAN, 0, 0}, 0});
-  EXPECT_NE(trouble(line), "");
+  EXPECT_NE(error(line), "");
   line.Run(0.1, aircraft);
   EXPECT_TRUE(aircraft.heard.empty());
   line.session.Send(line.t_s, VelocitySetpoint{});
-  EXPECT_EQ(trouble(line), "");
+  EXPECT_EQ(error(line), "");
   line.session.Aid();
-  EXPECT_NE(trouble(line).find("attitude"), std::string::npos);
+  EXPECT_NE(error(line).find("attitude"), std::string::npos);
   EXPECT_EQ(aircraft.aids, 0);
 
   Line cut;
   cut.Run(0.3, aircraft);
   cut.to_session = [](wire::Bytes& bytes) { bytes.clear(); };
   cut.Keep(VelocitySetpoint{}, 0.6, aircraft);
-  EXPECT_EQ(trouble(cut), "the processor does not answer");
+  EXPECT_EQ(error(cut), "the processor does not answer");
   EXPECT_GT(*cut.session.Health(cut.t_s).state_age_s, 0.5);
   const std::uint64_t sent = cut.session.Health(cut.t_s).sent;
   cut.Keep(VelocitySetpoint{}, 1, aircraft);  // nothing is flown by an old state
   EXPECT_EQ(cut.session.Health(cut.t_s).sent, sent);
   cut.to_session = nullptr;
   cut.Keep(VelocitySetpoint{}, 0.5, aircraft);
-  EXPECT_EQ(trouble(cut), "");
+  EXPECT_EQ(error(cut), "");
   EXPECT_GT(cut.session.Health(cut.t_s).sent, sent);
 }
 
 // What a frame says that the emulated processor never would.
 TEST(AscTecSession, HeedsEmergencyAndALostFixAndMissingAcknowledgements) {
-  const auto trouble = [](const Line& line) { return line.session.Health(line.t_s).trouble; };
+  const auto error = [](const Line& line) { return line.session.Health(line.t_s).error; };
   const auto replaced = [](auto change) {
     return [change, parser = std::make_shared<wire::TelemetryParser>()](wire::Bytes& bytes) {
       wire::Bytes changed;
@@ -459,7 +459,7 @@ TEST(AscTecSession, HeedsEmergencyAndALostFixAndMissingAcknowledgements) {
     return true;
   });
   lost.Keep(VelocitySetpoint{}, 0.5, aircraft);
-  EXPECT_EQ(trouble(lost), "emergency: the processor has lost its R/C");
+  EXPECT_EQ(error(lost), "emergency: the processor has lost its R/C");
   EXPECT_EQ(lost.session.Health(lost.t_s).pilot_allows, false);
   EXPECT_TRUE(aircraft.heard.empty());
 
@@ -469,7 +469,7 @@ TEST(AscTecSession, HeedsEmergencyAndALostFixAndMissingAcknowledgements) {
     return true;
   });
   blind.Keep(VelocitySetpoint{}, 0.5, aircraft);
-  EXPECT_EQ(trouble(blind), "no GPS fix");
+  EXPECT_EQ(error(blind), "no GPS fix");
   EXPECT_FALSE(blind.session.Health(blind.t_s).state_age_s);
   EXPECT_TRUE(aircraft.heard.empty());
 
@@ -485,7 +485,7 @@ TEST(AscTecSession, HeedsEmergencyAndALostFixAndMissingAcknowledgements) {
   deaf.to_session = replaced(
       [](wire::Telemetry& message) { return !std::holds_alternative<wire::Acknowledgement>(message); });
   deaf.Keep(VelocitySetpoint{}, 1, aircraft);
-  EXPECT_EQ(trouble(deaf), "setpoints are not acknowledged");
+  EXPECT_EQ(error(deaf), "setpoints are not acknowledged");
   EXPECT_GT(deaf.session.unacknowledged(), 10u);
 }
 
@@ -613,7 +613,7 @@ TEST(AscTecFlight, TakesOffAndLandsByAttitudeInWindWithRealSensors) {
     EXPECT_EQ(pelican.State().mode, FlightMode::kStopped);  // only a position takes off
     line.Keep(PositionSetpoint{{0, 0, -2}, 0.3}, 10, pelican, step);
     EXPECT_NEAR(-pelican.X_NB().p.z(), 2.16, 0.6) << seed;
-    EXPECT_EQ(line.session.Health(line.t_s).trouble, "");
+    EXPECT_EQ(line.session.Health(line.t_s).error, "");
     bool landed_in_the_air = false;
     double stopped_s = -1, touched_s = -1;
     const auto watch = [&] {
@@ -629,7 +629,7 @@ TEST(AscTecFlight, TakesOffAndLandsByAttitudeInWindWithRealSensors) {
     ASSERT_GT(stopped_s, 0) << seed;
     EXPECT_LT(stopped_s - touched_s, 4) << seed;
     EXPECT_TRUE(pelican.State().landed);
-    EXPECT_EQ(line.session.Health(line.t_s).trouble, "");
+    EXPECT_EQ(line.session.Health(line.t_s).error, "");
   }
 }
 
@@ -685,7 +685,7 @@ TEST(AscTecLink, TwoDoNotCommandOneDevice) {
   AscTecLink second(options);
   ASSERT_TRUE(ServeUntil(&server, aircraft, [&] {
     second.Send(AttitudeSetpoint{0, 0, 0, 1});
-    return second.Health().trouble == options.device + ": in use by another program";
+    return second.Health().error == options.device + ": in use by another program";
   }));
   // The first is not disturbed, and the second has said nothing.
   const std::uint64_t received = first->Health().received;
@@ -708,7 +708,7 @@ TEST(AscTecLink, OpensTheDeviceAgainWhenTheFarEndComesBack) {
   AscTecLink link(options);
   ScriptedAircraft aircraft;
   EXPECT_TRUE(ServeUntil(nullptr, aircraft, [&] {
-    return !link.Health().open && link.Health().trouble.find(device) != std::string::npos;
+    return !link.Health().open && link.Health().error.find(device) != std::string::npos;
   }));
   std::uint64_t received = 0;
   for (int time = 0; time < 2; ++time) {
@@ -720,7 +720,7 @@ TEST(AscTecLink, OpensTheDeviceAgainWhenTheFarEndComesBack) {
     std::filesystem::remove(device);
   }
   EXPECT_TRUE(ServeUntil(nullptr, aircraft, [&] { return !link.Health().open; }));
-  EXPECT_NE(link.Health().trouble, "");
+  EXPECT_NE(link.Health().error, "");
   EXPECT_TRUE(link.Health().state_age_s);
   std::filesystem::remove_all(folder);
 }

@@ -134,10 +134,10 @@ TEST_P(CameraServerTest, ASecondReceiverIsRefusedAndTheFirstGoesOn) {
   ASSERT_TRUE(comes(first));
   vision::LiveCamera second(vision::RtpSource(stream_, size, false), {});
   for (const double begun_s = MonotonicNow_s();
-       second.Health().trouble.empty() && MonotonicNow_s() < begun_s + kDeadline_s;)
+       second.Health().error.empty() && MonotonicNow_s() < begun_s + kDeadline_s;)
     second.Next(0.01);
-  EXPECT_NE(second.Health().trouble.find("is in use by another program"), std::string::npos)
-      << second.Health().trouble;
+  EXPECT_NE(second.Health().error.find("is in use by another program"), std::string::npos)
+      << second.Health().error;
   EXPECT_TRUE(comes(first));
   EXPECT_EQ(second.Health().images, 0);
 }

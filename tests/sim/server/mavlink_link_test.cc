@@ -28,8 +28,8 @@ struct Served {
   explicit Served(const sim::MavlinkServerOptions& options) : server(options) {}
   // Until it is so; false: it never was.
   bool Until(
-      const std::function<bool()>& so, const std::function<void()>& each = [] {}, double most_s = 20) {
-    for (const double end_s = Now_s() + most_s; Now_s() < end_s;) {
+      const std::function<bool()>& so, const std::function<void()>& each = [] {}, double max_s = 20) {
+    for (const double end_s = Now_s() + max_s; Now_s() < end_s;) {
       aircraft.state.t_s = Now_s() - begun_s;
       server.Serve(Now_s(), aircraft);
       each();
@@ -92,7 +92,7 @@ TEST(MavlinkLink, FliesAServedAircraft) {
       served.Until([&] { return link.State().mode == FlightMode::kVelocity; }, [&] { link.Send(setpoint); }));
   EXPECT_TRUE(link.Health().open);
   EXPECT_EQ(link.Health().pilot_allows, true);
-  EXPECT_EQ(link.Health().trouble, "");
+  EXPECT_EQ(link.Health().error, "");
   EXPECT_GT(link.Health().sent, 0U);
   link.Silence();
   served.server.SetPilot(false);
@@ -106,7 +106,7 @@ TEST(MavlinkLink, ListensForAnAutopilotThatTellsUnasked) {
   sim::MavlinkServerOptions options = Options("px4");
   options.peer = ToText({false, where.host, where.port});
   Served served(options);
-  EXPECT_EQ(link.Health().trouble, "no autopilot heard");
+  EXPECT_EQ(link.Health().error, "no autopilot heard");
   ASSERT_TRUE(served.Until([&] { return link.Health().state_age_s.has_value(); }));
   // A stranger that speaks as the autopilot does, with times that would be the newest.
   Stranger stranger(ToText({false, where.host, where.port}));
@@ -214,7 +214,7 @@ TEST(MavlinkLink, ASecondClientIsToldThatAnotherHasTheSession) {
   ASSERT_TRUE(served.Until([&] { return first.Health().open; }));
   MavlinkLink second(served.server.Where(), {});
   ASSERT_TRUE(served.Until(
-      [&] { return second.Health().trouble.find("another client has the session") != std::string::npos; }));
+      [&] { return second.Health().error.find("another client has the session") != std::string::npos; }));
   EXPECT_FALSE(second.Health().open);
   EXPECT_TRUE(first.Health().open);
 }

@@ -133,7 +133,7 @@ TEST(MavlinkPair, TheStateIsTheAircraftsOnOurClock) {
     pair.aircraft.following = control::VelocitySetpoint{{0.5, 0, 0.1}, 0.4};
     pair.Run(3);
     const control::VehicleState state = pair.link.State(), truth = pair.aircraft.state;
-    EXPECT_EQ(pair.Health().trouble.find("the aircraft is the pilot's") == std::string::npos, false);
+    EXPECT_EQ(pair.Health().error.find("the aircraft is the pilot's") == std::string::npos, false);
     EXPECT_LT(pair.Health().state_age_s.value(), 0.05);
     // Half the round trip is known: what is left are the milliseconds on the wire and the ticks.
     const double age_s = pair.now_s - state.t_s;
@@ -185,7 +185,7 @@ TEST(MavlinkPair, SetpointsOfEveryKindArriveAsTheyWereSent) {
     const control::VelocitySetpoint velocity{{0.5, -0.2, 0.1}, 0.3};
     pair.Fly(velocity, 3);
     EXPECT_EQ(pair.Mode(), pair.dialect().setpoint_mode);
-    EXPECT_EQ(pair.Health().trouble, "");
+    EXPECT_EQ(pair.Health().error, "");
     EXPECT_EQ(pair.Health().pilot_allows, true);
     const auto followed = std::get<control::VelocitySetpoint>(pair.aircraft.sent.back());
     EXPECT_LT((followed.v_H - velocity.v_H).norm(), 1e-6);
@@ -289,7 +289,7 @@ TEST(MavlinkPair, Px4LeavesTheModeWhenSetpointsStopAndItIsNotTakenBack) {
   const std::size_t sent = pair.aircraft.sent.size();
   pair.Run(0.5);
   EXPECT_EQ(pair.Health().pilot_allows, false);
-  EXPECT_NE(pair.Health().trouble, "");
+  EXPECT_NE(pair.Health().error, "");
   const int asked = pair.up.Commands(kSetMode);
   pair.Fly(control::VelocitySetpoint{{1, 0, 0}, 0}, 4);
   EXPECT_EQ(pair.up.Commands(kSetMode), asked);
@@ -527,7 +527,7 @@ TEST(MavlinkPair, ALineThatIsCutIsTold) {
   pair.down = Direction(cut, 1);
   pair.Run(1);
   EXPECT_NEAR(pair.Health().state_age_s.value(), 1, 0.05);
-  EXPECT_NE(pair.Health().trouble, "");
+  EXPECT_NE(pair.Health().error, "");
   pair.Run(3);
   EXPECT_FALSE(pair.Health().open);
   EXPECT_FALSE(pair.Health().pilot_allows);
@@ -601,20 +601,20 @@ TEST(MavlinkPair, WhatCannotBeSaidIsNotSentAndIsTrouble) {
   pair.Run(0.1);
   EXPECT_EQ(pair.Health().sent, 0U);
   pair.Fly(control::VelocitySetpoint{}, 3);
-  EXPECT_EQ(pair.Health().trouble, "");
+  EXPECT_EQ(pair.Health().error, "");
   const std::uint64_t sent = pair.Health().sent;
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (const control::Setpoint& bad : {control::Setpoint(control::VelocitySetpoint{{nan, 0, 0}, 0}),
                                        control::Setpoint(control::AttitudeSetpoint{0, 0, 0, 1.5})}) {
     pair.link.Send(bad, pair.now_s);
     pair.Tick();
-    EXPECT_NE(pair.Health().trouble.find("setpoint not sent"), std::string::npos);
+    EXPECT_NE(pair.Health().error.find("setpoint not sent"), std::string::npos);
   }
   EXPECT_EQ(pair.Health().sent, sent);
   pair.Fly(control::VelocitySetpoint{}, 0.1);
-  EXPECT_EQ(pair.Health().trouble, "");
+  EXPECT_EQ(pair.Health().error, "");
   pair.link.Aid();
-  EXPECT_NE(pair.Health().trouble, "");
+  EXPECT_NE(pair.Health().error, "");
 }
 
 TEST(MavlinkPair, OthersOnTheLineAreNotTheAutopilot) {
@@ -641,7 +641,7 @@ TEST(MavlinkPair, OnlyACopterOfTheTwoIsFlown) {
     link.Receive(sender.Encode(heartbeat), 0);
     link.Send(control::VelocitySetpoint{}, 0);
     EXPECT_FALSE(link.Open(0));
-    EXPECT_NE(link.Health(0).trouble.find(heartbeat.type == 1 ? "rotorcraft" : "neither"), std::string::npos);
+    EXPECT_NE(link.Health(0).error.find(heartbeat.type == 1 ? "rotorcraft" : "neither"), std::string::npos);
     EXPECT_EQ(link.Due(0).size(), 1U);  // its own heartbeat
   }
 }

@@ -69,7 +69,7 @@ void ExpectLetGo(AutopilotServer& server, control::AutopilotLink& link) {
     return v && v->x() > 0.3 && link.State().v_N.norm() > 0.3;
   };
   while (!flies()) {
-    ASSERT_LT(MonotonicNow_s(), until_s) << link.Health().trouble;
+    ASSERT_LT(MonotonicNow_s(), until_s) << link.Health().error;
     safe.Send(control::VelocitySetpoint{{0.5, 0, 0}, 0});
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }

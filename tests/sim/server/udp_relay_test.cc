@@ -41,9 +41,9 @@ class Socket {
     sendto(socket_, &number, sizeof number, 0, reinterpret_cast<const sockaddr*>(&to), sizeof to);
   }
   // What comes until as many are there, or the time is over.
-  std::vector<int> Take(std::size_t count, double most_s = 10) {
+  std::vector<int> Take(std::size_t count, double max_s = 10) {
     std::vector<int> numbers;
-    const double until_s = MonotonicNow_s() + most_s;
+    const double until_s = MonotonicNow_s() + max_s;
     while (numbers.size() < count && MonotonicNow_s() < until_s) {
       pollfd waits{socket_, POLLIN, 0};
       if (poll(&waits, 1, 10) <= 0) continue;

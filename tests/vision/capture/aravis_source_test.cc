@@ -171,7 +171,7 @@ TEST_F(AravisSourceTest, ACameraThatIsUnpluggedAndComesBackIsOpenedAgain) {
   arv_disable_interface("Fake");
   LoseControl();
   const double unplugged_s = MonotonicNow_s();
-  while (camera.Health().trouble.find("Fake_1") == std::string::npos) {
+  while (camera.Health().error.find("Fake_1") == std::string::npos) {
     camera.Next(0.01);
     ASSERT_LT(MonotonicNow_s() - unplugged_s, 20);
   }

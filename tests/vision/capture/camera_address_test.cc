@@ -311,7 +311,7 @@ TEST(CameraAddress, RawVideoOverRtpArrivesAsItWasSent) {
     double difference = 0;
     for (int i = 0; i == 0 || (difference > most && i < 5); ++i) {
       const auto frame = camera.Next(20);
-      ASSERT_TRUE(frame) << format << ": " << camera.Health().trouble;
+      ASSERT_TRUE(frame) << format << ": " << camera.Health().error;
       ASSERT_EQ(frame->image.type(), image.type());
       difference = MeanDifference(frame->image, image);
     }

@@ -380,13 +380,13 @@ TEST(LiveCamera, UnpluggedInFlightAndBackTheFramesGoOnAndTheReasonIsTold) {
   LiveCamera camera = rig.Camera();
   const auto before = rig.NextOf(camera);
   ASSERT_TRUE(before);
-  EXPECT_EQ(camera.Health().trouble, "");
+  EXPECT_EQ(camera.Health().error, "");
   rig.script->refuse_openings = 5;
   ++rig.script->asked;
   const double begun_s = MonotonicNow_s();
   while (camera.Health().state != LiveCameraState::kStalled && MonotonicNow_s() - begun_s < 20) Sleep(0.001);
   EXPECT_EQ(camera.Health().state, LiveCameraState::kStalled);
-  EXPECT_EQ(camera.Health().trouble, "the script says so");
+  EXPECT_EQ(camera.Health().error, "the script says so");
   ++rig.script->asked;
   const auto after = camera.Next();
   ASSERT_TRUE(after);

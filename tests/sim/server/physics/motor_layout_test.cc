@@ -26,9 +26,9 @@ TEST(MotorLayout, EachMotorTurnsTheAircraftAsItsAutopilotExpects) {
                                               Eigen::Vector3d::Zero(), {1e6, 1e6, 1e6, 1e6});
       const Eigen::Vector3d torque_A = mapping.R_BA().conjugate() * wrench.torque;
       const double thrust = -wrench.force.z(), bearing = Radians(layout.motors[i].bearing_deg);
-      const double greatest =
+      const double max_thrust =
           pelican.rotor.thrust_coefficient_n_s2 * std::pow(pelican.rotor.max_speed_rad_s, 2);
-      EXPECT_NEAR(thrust, greatest / 2, 1e-9);
+      EXPECT_NEAR(thrust, max_thrust / 2, 1e-9);
       EXPECT_NEAR(torque_A.x(), -thrust * pelican.arm_m * std::sin(bearing), 1e-9) << layout.name << i;
       EXPECT_NEAR(torque_A.y(), thrust * pelican.arm_m * std::cos(bearing), 1e-9) << layout.name << i;
       const double reaction = thrust * pelican.rotor.moment_coefficient_m;  // clockwise is positive
