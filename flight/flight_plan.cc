@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 void PassOverWorld(ConfigNode& node, const std::string& path) {
   const auto& world = WorldKeys();
   std::erase_if(node.members, [&](const auto& member) {
-    return std::find(world.begin(), world.end(), path + member.first) != world.end();
+    return std::find(world.begin(), world.end(), path + member.key) != world.end();
   });
   if (!path.empty()) return;
   for (auto& [key, member] : node.members) PassOverWorld(member, key + ".");

@@ -65,7 +65,7 @@ InputError NamedGains::Placed(const InputError& error) const {
 }
 
 void PassOverGains(Config& config) {
-  std::erase_if(config.root.members, [](const auto& member) { return member.first == "gains"; });
+  std::erase_if(config.root.members, [](const auto& member) { return member.key == "gains"; });
 }
 
 }  // namespace kestrel::flight

@@ -54,15 +54,16 @@ void Override(ConfigNode& root, const std::string& text, Mistakes& mistakes) {
     walked += (walked.empty() ? "" : ".") + key;
     // The last of equal keys is the one that a repeated override means; in a file they are refused anyway.
     const auto found = std::find_if(node->members.rbegin(), node->members.rend(),
-                                    [&](const auto& member) { return member.first == key; });
+                                    [&](const auto& member) { return member.key == key; });
     if (found != node->members.rend()) {
-      node = &found->second;
+      node = &found->node;
     } else if (node->kind == Kind::kList) {
       return mistakes.Add(where, walked,
                           fmt::format("the list has {} elements, counted from 0", node->members.size()));
     } else {
       node->kind = Kind::kMap;
-      node = &node->members.emplace_back(key, ConfigNode{Kind::kNothing, "", false, where, {}}).second;
+      node->members.push_back({key, {Kind::kNothing, "", false, where, {}}});
+      node = &node->members.back().node;
     }
   }
   *node = std::move(value);
@@ -70,12 +71,12 @@ void Override(ConfigNode& root, const std::string& text, Mistakes& mistakes) {
 
 void TakeDescription(Config& config, Mistakes& mistakes) {
   constexpr std::size_t kLongest = 200;
-  std::vector<std::pair<std::string, ConfigNode>>& members = config.root.members;
+  std::vector<ConfigNode::Member>& members = config.root.members;
   if (config.root.kind != Kind::kMap) return;
   const auto found = std::find_if(members.begin(), members.end(),
-                                  [](const auto& member) { return member.first == kDescriptionKey; });
+                                  [](const auto& member) { return member.key == kDescriptionKey; });
   if (found == members.end()) return;
-  const ConfigNode& node = found->second;
+  const ConfigNode& node = found->node;
   if (node.kind != Kind::kText || node.text.empty() || node.text.size() > kLongest || HasControl(node.text))
     mistakes.Add(node.where, kDescriptionKey, Shown(node) + " is not valid",
                  fmt::format("valid: a sentence of up to {} bytes in one line", kLongest));

@@ -22,8 +22,13 @@ struct ConfigNode {
   std::string text;     // of kText
   bool quoted = false;  // a quoted number is text
   Place where;
-  std::vector<std::pair<std::string, ConfigNode>>
-      members;  // in the order of the file; the keys of a list are 0, 1, ...
+  struct Member;
+  std::vector<Member> members;  // in the order of the file; the keys of a list are 0, 1, ...
+};
+
+struct ConfigNode::Member {
+  std::string key;
+  ConfigNode node;
 };
 
 // For messages: a text in quotes, and of the rest what kind of value it is.

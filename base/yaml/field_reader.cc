@@ -47,7 +47,7 @@ const ConfigNode* FieldReader::Find(const FieldKey& key) {
   keys_.push_back(key.name);
   const auto last = [this](std::string_view name) -> const ConfigNode* {
     for (auto it = node_.members.rbegin(); it != node_.members.rend(); ++it)
-      if (it->first == name) return &it->second;
+      if (it->key == name) return &it->node;
     return nullptr;
   };
   if (node_.kind == Kind::kMap) {
@@ -180,7 +180,7 @@ void FieldReader::Read(const FieldKey& key, const NumbersField& field) {
   if (!node) return;
   const auto is_element = [&](const auto& member) {
     for (int i = 0; i < field.size; ++i)
-      if (member.first == std::to_string(i)) return true;
+      if (member.key == std::to_string(i)) return true;
     return false;
   };
   const bool some = node->kind == Kind::kMap && !node->members.empty() &&

@@ -6,15 +6,11 @@
 #include <cctype>
 #include <cstring>
 
+#include "base/overloaded.h"
 #include "base/yaml/yaml_fields.h"
 
 namespace kestrel {
 namespace {
-
-template <class... Each>
-struct Overloaded : Each... {
-  using Each::operator()...;
-};
 
 std::string QuotedIfNeeded(const std::string& text) {
   const auto plain = [](unsigned char c) { return std::isalnum(c) || std::strchr("_./-", c); };

@@ -127,9 +127,9 @@ class TreeBuilder final : public YAML::EventHandler {
     }
     Open& in = open_.back();
     if (in.node.kind == Kind::kList) {
-      in.node.members.emplace_back(std::to_string(in.node.members.size()), std::move(node));
+      in.node.members.push_back({std::to_string(in.node.members.size()), std::move(node)});
     } else if (in.key) {
-      in.node.members.emplace_back(std::move(*in.key), std::move(node));
+      in.node.members.push_back({std::move(*in.key), std::move(node)});
       in.key.reset();
     } else {
       if (node.kind != Kind::kText) NoName(mark);

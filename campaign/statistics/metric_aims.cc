@@ -53,7 +53,7 @@ MetricAims AimsOf(const CampaignIdentity& identity) {
   for (const ConfigNode* limits : {Member(plan, "thresholds"), Member(scenario, "criteria")}) {
     if (!limits) continue;
     for (const auto& [name, limit] : limits->members) {
-      const auto given = [&](const char* key) {
+      const auto given = [&limit = limit](const char* key) {
         const ConfigNode* value = Member(limit, key);
         return value && value->kind == Kind::kText && value->text != "null" && value->text != "~";
       };

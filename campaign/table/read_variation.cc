@@ -99,8 +99,8 @@ std::optional<Distribution> ReadDistribution(const ConfigNode& node, const std::
                                                              : FlowText(node)),
                  fmt::format("valid: one of {}, as in {{uniform: [0, 6]}}", fmt::join(KindNames(), ", ")));
   const auto& [name, value] = node.members.front();
-  const auto kind =
-      std::find_if(std::begin(kKinds), std::end(kKinds), [&](const auto& k) { return name == k.name; });
+  const auto kind = std::find_if(std::begin(kKinds), std::end(kKinds),
+                                 [&name = name](const auto& k) { return name == k.name; });
   if (kind == std::end(kKinds)) {
     const auto near = NearestName(name, KindNames());
     return wrong(fmt::format("there is no distribution '{}'", name),
@@ -149,7 +149,7 @@ void ReadVary(const ConfigNode& node, const std::string& prefix, std::map<std::s
     const std::string key = prefix.empty() ? name : prefix + '.' + name;
     const bool deeper = member.kind == Kind::kMap && !member.members.empty() &&
                         std::all_of(member.members.begin(), member.members.end(),
-                                    [](const auto& m) { return m.second.kind == Kind::kMap; });
+                                    [](const auto& m) { return m.node.kind == Kind::kMap; });
     if (deeper) {
       ReadVary(member, key, vary, places, mistakes);
       continue;
@@ -335,9 +335,9 @@ const Place& WhereIn(const ConfigNode& root, std::initializer_list<std::string_v
   const ConfigNode* node = &root;
   for (const std::string_view part : path) {
     const auto found = std::find_if(node->members.rbegin(), node->members.rend(),
-                                    [&](const auto& member) { return member.first == part; });
+                                    [&](const auto& member) { return member.key == part; });
     if (found == node->members.rend()) break;
-    node = &found->second;
+    node = &found->node;
   }
   return node->where;
 }

@@ -69,9 +69,9 @@ std::optional<double> ValueOf(const ConfigNode& root, const std::string& key) {
   std::istringstream path(key);
   for (std::string part; std::getline(path, part, '.');) {
     const auto found = std::find_if(node->members.begin(), node->members.end(),
-                                    [&](const auto& member) { return member.first == part; });
+                                    [&](const auto& member) { return member.key == part; });
     if (found == node->members.end()) return std::nullopt;
-    node = &found->second;
+    node = &found->node;
   }
   char* end = nullptr;
   const double value = std::strtod(node->text.c_str(), &end);
@@ -117,7 +117,7 @@ void CheckGains(const ConfigNode& root, const TunePlan& plan, Mistakes& mistakes
     CheckBounds(gain, where, path, mistakes);
     const bool varies = plan.flights.vary.contains(key) ||
                         std::any_of(plan.flights.same.begin(), plan.flights.same.end(),
-                                    [&](const SameValue& same) { return same.key == key; });
+                                    [&key = key](const SameValue& same) { return same.key == key; });
     if (varies) mistakes.Add(where, path, "varies from flight to flight too", "valid: one of the two");
     for (const std::string& set : plan.flights.set)
       if (set.substr(0, set.find('=')) == key)

@@ -240,7 +240,7 @@ void ReadRecords(const std::filesystem::path& folder, double before_stamp_s, Wir
 void EndProgram(ChildProcess& program, WireFlown& flown) {
   program.Signal(SIGINT);
   flown.status = program.Wait(20);
-  flown.said = program.Output();
+  flown.output = program.Output();
 }
 
 // The simulator in this process.

@@ -138,7 +138,8 @@ void CheckCriteria(const Scenario& s, const Config& config, const Place& file, M
           where, key,
           fmt::format("a flight of this scenario, of the mission '{}', has no '{}'", s.mission, metric),
           fmt::format("valid: {}", fmt::join(possible, ", ")));
-    CheckLimit(*std::find_if(all.begin(), all.end(), [&](const auto& each) { return each.name == metric; }),
+    CheckLimit(*std::find_if(all.begin(), all.end(),
+                             [&metric = metric](const auto& each) { return each.name == metric; }),
                limit, where, mistakes);
   }
 }

@@ -54,7 +54,7 @@ TEST_P(EveryWire, TheHardwareProgramLands) {
     std::vector<std::string> all;
     if (!flown.Landed()) all.push_back("it did not land: " + flown.served.outcome + flown.served.error);
     if (!(flown.TouchdownError_m() <= 0.2)) all.push_back("it touched down elsewhere");
-    if (flown.status != 0) all.push_back("the program says it did not: " + flown.said);
+    if (flown.status != 0) all.push_back("the program says it did not: " + flown.output);
     if (flight::AddedLatency_s(flown, GetParam()).size() < flown.images.size() / 2)
       all.push_back("most setpoints cannot be traced to their images");
     return all;

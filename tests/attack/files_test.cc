@@ -55,12 +55,12 @@ class FilesTest : public InTemporaryFolder {
     const std::string command = fmt::format("kestrel {}", fmt::join(arguments, " ")).substr(0, 300);
     SCOPED_TRACE(command);
     RecordProperty("peak_mib", static_cast<int>(taken.peak_mib));
-    EXPECT_EQ(taken.status, 2) << taken.said.substr(0, 1000);
+    EXPECT_EQ(taken.status, 2) << taken.output.substr(0, 1000);
     EXPECT_LT(taken.cpu_s, kMaxCpu_s);
     EXPECT_LT(taken.peak_mib, kMost_mib);
-    EXPECT_LT(taken.said.size(), kMaxSaid);
-    EXPECT_THAT(taken.said, HasSubstr(file.substr(0, 200)));
-    EXPECT_THAT(taken.said, Not(HasSubstr("filesystem error")));
+    EXPECT_LT(taken.output.size(), kMaxSaid);
+    EXPECT_THAT(taken.output, HasSubstr(file.substr(0, 200)));
+    EXPECT_THAT(taken.output, Not(HasSubstr("filesystem error")));
     EXPECT_FALSE(fs::exists(folder_ / "out"));
   }
 };
@@ -186,10 +186,10 @@ TEST_F(FilesTest, PicturesOfPads) {
         std::string("loop.png"), std::string("/dev/zero"), std::string("."), std::string(),
         std::string(300, 'n')}) {
     const Taken taken = with_texture(texture);
-    EXPECT_EQ(taken.status, 2) << texture << ": " << taken.said;
+    EXPECT_EQ(taken.status, 2) << texture << ": " << taken.output;
     EXPECT_LT(taken.cpu_s, kMaxCpu_s) << texture;
     EXPECT_LT(taken.peak_mib, kMost_mib) << texture;
-    EXPECT_THAT(taken.said, HasSubstr("helipad.yaml: texture: '")) << texture;
+    EXPECT_THAT(taken.output, HasSubstr("helipad.yaml: texture: '")) << texture;
   }
   EXPECT_EQ(with_texture("grey.png").status, 0);  // so that it is the picture, and not the checkout
 }
@@ -200,7 +200,7 @@ TEST_F(FilesTest, MoreTargetsThanCanBeFlown) {
     text += fmt::format("  - {{position_m: [{}, {}, 50], diameter_m: 0.3, string_m: 9}}\n", i % 20, i / 20);
   Write("targets.yaml", text);
   const Taken flown = Kestrel({"run", "targets.yaml", "--no-video", "--out", "flown"});
-  EXPECT_EQ(flown.status, 0) << flown.said;
+  EXPECT_EQ(flown.status, 0) << flown.output;
   for (const int more : {1, 2000, 20000}) {
     std::string with = text;
     for (int i = 0; i < more; ++i) with += "  - {position_m: [0, 0, 60], diameter_m: 0.3}\n";
@@ -219,18 +219,18 @@ TEST_F(FilesTest, NoProc) {
   };
   if (without_proc("true").status != 0) GTEST_SKIP() << "this machine lets nobody unmount /proc";
   const Taken check = without_proc(KESTREL_PROGRAM " check pose");
-  EXPECT_EQ(check.status, 0) << check.said;
+  EXPECT_EQ(check.status, 0) << check.output;
   Write("small.yaml",
         "name: small\nscenario: pose\nset: [duration_s=0.5, start.settle_s=1, 'criteria={}']\nruns: 2\n"
         "thresholds: {success: {min: 0.1}}\n");
   const Taken campaign = without_proc(KESTREL_PROGRAM " campaign small.yaml --jobs 1 --out flown");
-  EXPECT_EQ(campaign.status, 0) << campaign.said;
+  EXPECT_EQ(campaign.status, 0) << campaign.output;
 }
 
 TEST_F(FilesTest, DamagedRecordings) {
   const Taken run = Kestrel({"run", "pose", "--no-video", "--images", "--set", "duration_s=0.5", "--set",
                              "start.settle_s=1", "--set", "criteria={}", "--out", "flown"});
-  ASSERT_EQ(run.status, 0) << run.said;
+  ASSERT_EQ(run.status, 0) << run.output;
   const fs::path recording = folder_ / "flown/recording", table = recording / "frames.csv";
   ASSERT_EQ(Kestrel({"replay", "flown"}).status, 0);
   const std::string frames = Content(table);

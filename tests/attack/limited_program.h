@@ -20,7 +20,7 @@ namespace kestrel {
 struct Taken {
   int status = -1;  // of the exit; -1: by a signal, that of the limits among them
   double cpu_s = 0, peak_mib = 0;
-  std::string said;  // on both outputs
+  std::string output;  // of both outputs
 };
 
 // Runs a program in a folder, with no input, which an attack may take down with it: it is ended after 30 s of
@@ -58,7 +58,7 @@ inline Taken RunLimited(const std::filesystem::path& folder, std::vector<std::st
   taken.status = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   taken.cpu_s = seconds(used.ru_utime) + seconds(used.ru_stime);
   taken.peak_mib = static_cast<double>(used.ru_maxrss) / 1024;
-  taken.said = Content(output);
+  taken.output = Content(output);
   return taken;
 }
 

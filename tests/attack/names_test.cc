@@ -60,8 +60,8 @@ TEST_F(NamesTest, ToGnuplotAndFfmpegAFoldersNameIsAName) {
   for (const std::string& name : kHostile) {
     const Taken run = Kestrel({"run", "pose", "--set", "duration_s=1.3", "--set", "start.settle_s=0.5",
                                "--quiet", "--out=" + name});
-    EXPECT_LE(run.status, 1) << name << ": " << run.said;
-    EXPECT_GE(run.status, 0) << name << ": " << run.said;
+    EXPECT_LE(run.status, 1) << name << ": " << run.output;
+    EXPECT_GE(run.status, 0) << name << ": " << run.output;
     EXPECT_TRUE(fs::exists(folder_ / name / "video.mp4")) << name;
     EXPECT_TRUE(fs::exists(folder_ / name / "plots/position.png")) << name;
     ExpectNothingRan(name);
@@ -77,7 +77,7 @@ TEST_F(NamesTest, ToFfmpegAVideosNameIsAName) {
     const std::string video = name + ".mp4", out = "out " + name + ".mp4";
     fs::copy_file(folder_ / "in.mp4", folder_ / video);
     const Taken view = Kestrel({"view", "--camera", "fisheye", "--out=" + out, "--", video});
-    EXPECT_EQ(view.status, 0) << name << ": " << view.said;
+    EXPECT_EQ(view.status, 0) << name << ": " << view.output;
     EXPECT_TRUE(fs::exists(folder_ / out)) << name;
     ExpectNothingRan(name);
   }
@@ -117,15 +117,15 @@ TEST_F(NamesTest, WordsThatCommandATerminalAreRefusedByEveryVerb) {
   std::ofstream(folder_ / "c.yaml") << kCampaign;
   for (const std::vector<std::string>& words : all) {
     const Taken taken = Kestrel(words);
-    EXPECT_EQ(taken.status, 2) << words.front() << ' ' << taken.said;
-    EXPECT_THAT(taken.said, HasSubstr("holds a control character")) << words.front();
-    EXPECT_FALSE(CommandsTerminal(taken.said)) << words.front();
+    EXPECT_EQ(taken.status, 2) << words.front() << ' ' << taken.output;
+    EXPECT_THAT(taken.output, HasSubstr("holds a control character")) << words.front();
+    EXPECT_FALSE(CommandsTerminal(taken.output)) << words.front();
   }
   for (const char* each : {"a\x01", "a\x7f", "a\tb",
                            "a\xc2\x9b"
                            "31m"})
     EXPECT_EQ(Kestrel({"check", each}).status, 2);
-  EXPECT_EQ(Kestrel({"check", "n\xc3\xb6", "\xff"}).said.find('\xff'), std::string::npos);
+  EXPECT_EQ(Kestrel({"check", "n\xc3\xb6", "\xff"}).output.find('\xff'), std::string::npos);
 }
 
 TEST_F(NamesTest, NoNameOfACampaignIsRunByItsScripts) {
@@ -134,7 +134,7 @@ TEST_F(NamesTest, NoNameOfACampaignIsRunByItsScripts) {
     for (const char* verb : {"slurm", "parallel"}) {
       const Taken refused = Kestrel({"campaign", verb, "named.yaml", "--tasks", "2"});
       EXPECT_EQ(refused.status, 2) << verb;
-      EXPECT_THAT(refused.said, AllOf(HasSubstr("name: "), HasSubstr("no control character"))) << verb;
+      EXPECT_THAT(refused.output, AllOf(HasSubstr("name: "), HasSubstr("no control character"))) << verb;
     }
   }
   const bool has_parallel = Shell(folder_, "command -v parallel").status == 0;
@@ -148,17 +148,17 @@ TEST_F(NamesTest, NoNameOfACampaignIsRunByItsScripts) {
     for (const std::string verb : {"slurm", "parallel"}) {
       const Taken printed =
           Kestrel({"campaign", verb, "./" + name + "/c.yaml", "--tasks", "2", "--out=./" + name});
-      ASSERT_EQ(printed.status, 0) << name << ": " << printed.said;
+      ASSERT_EQ(printed.status, 0) << name << ": " << printed.output;
       for (const std::string shell : {"sh", "bash"}) {
         // Slurm's is of bash by its first line; and without parallel its line does nothing.
         if (verb == "slurm" ? shell == "sh" : !has_parallel) continue;
-        RunScript(shell, printed.said);
+        RunScript(shell, printed.output);
         ExpectNothingRan(verb + " by " + shell + ": " + name);
       }
     }
     const Taken by_name = Kestrel({"campaign", "parallel", "c.yaml", "--tasks", "2"});  // whose folder it is
-    ASSERT_EQ(by_name.status, 0) << name << ": " << by_name.said;
-    RunScript("sh", by_name.said);
+    ASSERT_EQ(by_name.status, 0) << name << ": " << by_name.output;
+    RunScript("sh", by_name.output);
     ExpectNothingRan("parallel: " + name);
   }
 }
@@ -173,10 +173,10 @@ TEST_F(NamesTest, AWorkingFolderThatWouldEndALineOfAScriptIsRefused) {
     for (const char* verb : {"slurm", "parallel"}) {
       const Taken taken = RunLimited(folder, {KESTREL_PROGRAM, "campaign", verb, "c.yaml", "--tasks", "2"});
       EXPECT_EQ(taken.status, 2) << verb;
-      EXPECT_THAT(taken.said,
+      EXPECT_THAT(taken.output,
                   AllOf(HasSubstr("the working folder: '"), HasSubstr("holds a control character")))
           << verb;
-      EXPECT_FALSE(CommandsTerminal(taken.said)) << verb;
+      EXPECT_FALSE(CommandsTerminal(taken.output)) << verb;
     }
     // As its help says: | sh
     RunLimited(
@@ -195,7 +195,7 @@ TEST_F(NamesTest, ForeignResultsAreShownAsText) {
   std::ofstream(folder_ / "c.yaml") << kCampaign;
   const Taken flown =
       Kestrel({"campaign", "c.yaml", "--jobs", "1", "--record-failures", "0", "--out", "sent"});
-  ASSERT_TRUE(fs::exists(folder_ / "sent/results.sqlite")) << flown.said;
+  ASSERT_TRUE(fs::exists(folder_ / "sent/results.sqlite")) << flown.output;
   const std::string script = "<script>owned</script>";
   fs::create_directories(folder_ / "sent/javascript:alert(1)");
   std::ofstream(folder_ / "edit.sql")
@@ -213,13 +213,13 @@ TEST_F(NamesTest, ForeignResultsAreShownAsText) {
         {"campaign", "replay", "c.yaml", "0", "--no-video", "--out", "sent"},
         {"campaign", "c.yaml", "--out", "sent"}}) {
     const Taken taken = Kestrel(words);
-    EXPECT_GE(taken.status, 0) << words[1] << taken.said;
-    EXPECT_FALSE(CommandsTerminal(taken.said)) << words[1] << taken.said;
+    EXPECT_GE(taken.status, 0) << words[1] << taken.output;
+    EXPECT_FALSE(CommandsTerminal(taken.output)) << words[1] << taken.output;
   }
   // From within, where the name is one of a folder that is there.
   const Taken report =
       RunLimited(folder_ / "sent", {KESTREL_PROGRAM, "campaign", "report", "results.sqlite"});
-  ASSERT_EQ(report.status, 0) << report.said;
+  ASSERT_EQ(report.status, 0) << report.output;
   const std::string page = Content(folder_ / "sent/report.html");
   EXPECT_TRUE(page.find("\"./javascript:alert(1)\"") != std::string::npos);  // a path within the folder
   for (const std::string& never : {std::string("\"javascript:"), script, std::string("\x1b")})

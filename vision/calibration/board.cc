@@ -9,17 +9,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/overloaded.h"
 #include "base/yaml/fields.h"
 #include "base/yaml/yaml_fields.h"
 #include "vision/calibration/tag_36h11.h"
 
 namespace kestrel::vision {
 namespace {
-
-template <class... Ts>
-struct Overloaded : Ts... {
-  using Ts::operator()...;
-};
 
 // What both boards are made of: cells between which every edge falls, and the sheet counted in them. The
 // lowest corner has `before` cells to its left, and as many below it.

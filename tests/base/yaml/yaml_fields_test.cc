@@ -313,8 +313,8 @@ TEST(YamlFields, ListsOfTextsAndNodesAsTheyStand) {
   Read(ParseConfig("names: [a=1, b]\nrest: {c: [1]}\n", "f.yaml", {}, mistakes), listed, mistakes);
   EXPECT_THAT(listed.names, ElementsAre("a=1", "b"));
   ASSERT_EQ(listed.rest.members.size(), 1u);
-  EXPECT_EQ(listed.rest.members[0].first, "c");
-  EXPECT_EQ(listed.rest.members[0].second.where.Text(), "f.yaml:2");
+  EXPECT_EQ(listed.rest.members[0].key, "c");
+  EXPECT_EQ(listed.rest.members[0].node.where.Text(), "f.yaml:2");
   Read(ParseConfig("names: [a, [b]]\n", "f.yaml", {}, mistakes), listed, mistakes);
   Read(ParseConfig("names: a\n", "f.yaml", {}, mistakes), listed, mistakes);
   EXPECT_THAT(mistakes.Texts(), ElementsAre("f.yaml:1: names.1: a list of 1 is not a text",
@@ -438,7 +438,7 @@ TEST(Description, IsOfTheFileAndNotOfWhatIsReadFromIt) {
   const Config config = ParseConfig("description: A balloon on a string.\nmean: 2\n", "f.yaml", {}, mistakes);
   EXPECT_EQ(config.description, "A balloon on a string.");
   ASSERT_EQ(config.root.members.size(), 1u);
-  EXPECT_EQ(config.root.members[0].first, "mean");
+  EXPECT_EQ(config.root.members[0].key, "mean");
   EXPECT_EQ(ParseConfig("mean: 2\n", "f.yaml", {}, mistakes).description, "");
   EXPECT_TRUE(mistakes.empty());
 }
