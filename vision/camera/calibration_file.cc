@@ -67,7 +67,7 @@ struct Sheet {
     if (!list && keys.empty()) return;
     const bool is_list = list && (list->kind == Kind::kList || list->kind == Kind::kNothing);
     if (is_list && list->members.size() == keys.size()) {
-      for (std::size_t i = 0; i < keys.size(); ++i) Set(keys[i], list->members[i].second);
+      for (std::size_t i = 0; i < keys.size(); ++i) Set(keys[i], list->members[i].node);
       return;
     }
     Excuse(keys);
@@ -284,7 +284,7 @@ void FromOpenCv(const ConfigNode& root, const std::optional<cv::Size>& image, Sh
     sheet.Wrong(matrix.where, "camera_matrix",
                 "is not a matrix of 3 rows and 3 columns with 9 numbers in data");
   } else {
-    const auto at = [&](std::size_t i) -> const ConfigNode& { return K->members[i].second; };
+    const auto at = [&](std::size_t i) -> const ConfigNode& { return K->members[i].node; };
     sheet.Set("fx_px", at(0)), sheet.Set("fy_px", at(4)), sheet.Set("cx_px", at(2)),
         sheet.Set("cy_px", at(5));
     if (xi) sheet.Set("skew_px", at(1));
@@ -300,7 +300,7 @@ void FromOpenCv(const ConfigNode& root, const std::optional<cv::Size>& image, Sh
   sheet.SetText("model", NameOf(*model), root.where);
   if (xi) {
     const ConfigNode* of_matrix = Find(*xi, "data");
-    sheet.Set("xi", of_matrix && of_matrix->members.size() == 1 ? of_matrix->members[0].second : *xi);
+    sheet.Set("xi", of_matrix && of_matrix->members.size() == 1 ? of_matrix->members[0].node : *xi);
   }
   if (!distortion) {
     sheet.Wrong(root.where, "distortion_coefficients", "must be given");
@@ -311,7 +311,7 @@ void FromOpenCv(const ConfigNode& root, const std::optional<cv::Size>& image, Sh
                 fmt::format("{} numbers are not valid; valid: 4 or 5: {}", count, fmt::join(kBrown, ", ")));
   } else {
     for (std::size_t i = 0; i < count; ++i) {
-      const ConfigNode& number = data->members[i].second;
+      const ConfigNode& number = data->members[i].node;
       if (i < kBrown.size()) {
         sheet.Set(kBrown[i], number);
       } else if (!IsNumber(number, 0)) {
