@@ -47,22 +47,22 @@ class StudioTest : public ::testing::Test {
   // Of a middle at t_s, with the places of camera and slab as functions of time, m east.
   using Way = std::function<double(double)>;
   FrameRequest ShotOf(double t_s, const Way& camera, const Way& slab, std::int64_t sequence = 0) const {
-    FrameRequest shot;
-    shot.t_s = t_s, shot.sequence = sequence;
+    FrameRequest request;
+    request.t_s = t_s, request.sequence = sequence;
     const DataPtr data = MakeData(model_.get());
     for (int i = -30; i <= 30; ++i) {
       const double t = t_s + kStep_s * i;
       PoseToMujoco({Eigen::Quaterniond::Identity(), {0, camera(t), -kHeight_m}}, data->qpos);
       data->mocap_pos[1] = -slab(t);
-      shot.moments.push_back(SnapshotOf(model_.get(), data.get(), t));
+      request.snapshots.push_back(SnapshotOf(model_.get(), data.get(), t));
     }
-    return shot;
+    return request;
   }
-  cv::Mat Picture(const FrameRequest& shot) const {
-    FrameRenderer studio(model_.get(), kCamera, {}, image_, vision::MountPose({{0, 0, 0}, 0, 0, 0}),
-                         Vibration({}, 1), 1);
-    studio.Submit(shot);
-    return studio.Next().image;
+  cv::Mat Picture(const FrameRequest& request) const {
+    FrameRenderer renderer(model_.get(), kCamera, {}, image_, vision::MountPose({{0, 0, 0}, 0, 0, 0}),
+                           Vibration({}, 1), 1);
+    renderer.Submit(request);
+    return renderer.Next().image;
   }
   // How far a row has come from dark to bright in each of its pixels.
   static std::vector<double> Profile(const cv::Mat& image, int row) {
@@ -85,17 +85,18 @@ class StudioTest : public ::testing::Test {
   ImageParameters image_;
 };
 
-// The camera goes 0.1 m east between two shots, and later the slab with it; each shot also knows how far away
+// The camera goes 0.1 m east between two shots, and later the slab with it; each request also knows how far away
 // everything is.
 TEST_F(StudioTest, SurveysWhatIsThereAndHowItMovedSinceTheShotBefore) {
   image_.exposure.time_s = 0.01, image_.exposure.line_s = 1e-5;
-  FrameRenderer studio(model_.get(), kCamera, {}, image_, vision::MountPose({{0, 0, 0}, 0, 0, 0}),
-                       Vibration({}, 1), 1, true);
+  FrameRenderer renderer(model_.get(), kCamera, {}, image_, vision::MountPose({{0, 0, 0}, 0, 0, 0}),
+                         Vibration({}, 1), 1, true);
   const Way east = [](double t) { return t - 3; };
-  studio.Submit(ShotOf(3, east, Still));
-  studio.Submit(ShotOf(3.1, east, Still, 1));
-  studio.Submit(ShotOf(3.2, east, east, 2));
-  const kestrel::sim::RenderedFrame first = studio.Next(), second = studio.Next(), third = studio.Next();
+  renderer.Submit(ShotOf(3, east, Still));
+  renderer.Submit(ShotOf(3.1, east, Still, 1));
+  renderer.Submit(ShotOf(3.2, east, east, 2));
+  const kestrel::sim::RenderedFrame first = renderer.Next(), second = renderer.Next(),
+                                    third = renderer.Next();
   EXPECT_TRUE(first.flow_here.empty());
   const cv::Point ground(10, 47), slab(150, 47);
   const double across = 1 / vision::Ray(kCamera, {10, 47})->z();
@@ -124,8 +125,8 @@ TEST_F(StudioTest, AMovingCameraAndAMovingTargetSmearAnEdgeIntoARamp) {
   image_.exposure.time_s = 0.03, image_.exposure.samples = 64;
   constexpr double kSpeed_m_s = 12, kRamp_px = 200 / kHeight_m * kSpeed_m_s * 0.03;
   const Way east = [](double t) { return kSpeed_m_s * (t - 3); };
-  for (const FrameRequest& shot : {ShotOf(3, east, Still), ShotOf(3, Still, east)}) {
-    const cv::Mat image = Picture(shot);
+  for (const FrameRequest& request : {ShotOf(3, east, Still), ShotOf(3, Still, east)}) {
+    const cv::Mat image = Picture(request);
     for (const int row : {5, 50, 90}) {
       const std::vector<double> profile = Profile(image, row);
       for (int x = 0; x < image.cols; ++x) {
@@ -178,22 +179,22 @@ TEST_F(StudioTest, AutoExposureShortensTheSmearOfABrightScene) {
   image_.exposure.time_s = 0.02, image_.exposure.samples = 32;
   image_.auto_exposure.target_grey = 40;
   image_.auto_exposure.lag_s = 0;
-  const auto draw = [&](FrameRenderer& studio, int sequence) {
+  const auto draw = [&](FrameRenderer& renderer, int sequence) {
     const double t = 3 + 0.05 * sequence;
-    studio.Submit(ShotOf(
+    renderer.Submit(ShotOf(
         t, [&](double s) { return 12 * (s - t); }, Still, sequence));
-    return studio.Next().image;
+    return renderer.Next().image;
   };
   const auto ramp_px = [](const cv::Mat& image) {
     int width = 0;
     for (const double share : Profile(image, 50)) width += share > 0.05 && share < 0.95;
     return width / 0.9;
   };
-  FrameRenderer studio(model_.get(), kCamera, {}, image_, vision::MountPose({{0, 0, 0}, 0, 0, 0}),
-                       Vibration({}, 1), 1);
-  const cv::Mat first = draw(studio, 0);
+  FrameRenderer renderer(model_.get(), kCamera, {}, image_, vision::MountPose({{0, 0, 0}, 0, 0, 0}),
+                         Vibration({}, 1), 1);
+  const cv::Mat first = draw(renderer, 0);
   cv::Mat last;
-  for (int k = 1; k < 8; ++k) last = draw(studio, k);
+  for (int k = 1; k < 8; ++k) last = draw(renderer, k);
   EXPECT_NEAR(cv::mean(last)[0], 40, 1);
   EXPECT_NEAR(ramp_px(first), 9.6, 1.2);
   EXPECT_NEAR(ramp_px(last) / ramp_px(first), 40 / cv::mean(first)[0], 0.15);

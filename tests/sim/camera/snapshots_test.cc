@@ -43,13 +43,13 @@ class InstantsTest : public ::testing::Test {
     data_->mocap_quat[0] = std::cos(t), data_->mocap_quat[3] = std::sin(t);
     return SnapshotOf(model_.get(), data_.get(), t);
   }
-  std::vector<Snapshot> Moments(int first, int last) {
-    std::vector<Snapshot> moments;
-    for (int i = first; i <= last; ++i) moments.push_back(At(0.002 * i));
-    return moments;
+  std::vector<Snapshot> Snapshots(int first, int last) {
+    std::vector<Snapshot> snapshots;
+    for (int i = first; i <= last; ++i) snapshots.push_back(At(0.002 * i));
+    return snapshots;
   }
-  Vector3d TipOfBeam(const SceneState& instant) const {
-    return VectorFromMujoco(instant.data->geom_xpos + 3 * mj_name2id(model_.get(), mjOBJ_GEOM, "tip"));
+  Vector3d TipOfBeam(const SceneState& state) const {
+    return VectorFromMujoco(state.data->geom_xpos + 3 * mj_name2id(model_.get(), mjOBJ_GEOM, "tip"));
   }
   static void ExpectNear(const Pose& a, const Pose& b, double tolerance) {
     EXPECT_LT((a.p - b.p).norm(), tolerance);
@@ -62,21 +62,21 @@ class InstantsTest : public ::testing::Test {
 };
 
 TEST_F(InstantsTest, AnInstantIsItsMoment) {
-  SnapshotInterpolator instants(model_.get(), X_BC_, Vibration({}, 1));
-  const auto of = instants.Of(Moments(3, 9), 0.012, 0.012);
+  SnapshotInterpolator interpolator(model_.get(), X_BC_, Vibration({}, 1));
+  const auto of = interpolator.Of(Snapshots(3, 9), 0.012, 0.012);
   ASSERT_EQ(of.size(), 1u);
   EXPECT_EQ(of[0].t_s, 0.012);
   ExpectNear(of[0].X_NC, X_NB(0.012) * X_BC_, 1e-12);
   EXPECT_LT((TipOfBeam(of[0]) - Vector3d(5 + std::cos(Radians(1.08)), -std::sin(Radians(1.08)), 0)).norm(),
             1e-12);
-  ASSERT_EQ(instants.Of({At(3.5)}, 3, 4).size(), 1u);
+  ASSERT_EQ(interpolator.Of({At(3.5)}, 3, 4).size(), 1u);
 }
 
 TEST_F(InstantsTest, TheyEncloseTheExposureAsFarAsThereAreMoments) {
-  SnapshotInterpolator instants(model_.get(), X_BC_, Vibration({}, 1));
-  const std::vector<Snapshot> moments = Moments(0, 10);
+  SnapshotInterpolator interpolator(model_.get(), X_BC_, Vibration({}, 1));
+  const std::vector<Snapshot> snapshots = Snapshots(0, 10);
   const auto ends = [&](double from_s, double until_s) {
-    const auto of = instants.Of(moments, from_s, until_s);
+    const auto of = interpolator.Of(snapshots, from_s, until_s);
     for (std::size_t i = 0; i < of.size(); ++i) {
       EXPECT_NEAR(of[i].t_s, of[0].t_s + 0.002 * static_cast<double>(i), 1e-12);
       ExpectNear(of[i].X_NC, X_NB(of[i].t_s) * X_BC_, 1e-12);  // each has data of its own
@@ -95,19 +95,20 @@ TEST_F(InstantsTest, TheyEncloseTheExposureAsFarAsThereAreMoments) {
 }
 
 TEST_F(InstantsTest, ACameraOnAPlatformIsWhereItStoodThen) {
-  const Vibration vibration({{190, 200, 0, 0}}, 3);  // shakes by nothing, but asks for instants in between
-  SnapshotInterpolator instants(model_.get(), X_BC_, vibration);
+  const Vibration vibration({{190, 200, 0, 0}},
+                            3);  // shakes by nothing, but asks for interpolator in between
+  SnapshotInterpolator interpolator(model_.get(), X_BC_, vibration);
   const auto platform = [](double t) { return Pose{HeadingRotation(Radians(40 * t)), {t, -t, 0.2}}; };
-  std::vector<Snapshot> moments = Moments(0, 10);
-  for (Snapshot& m : moments) m.X_BC = platform(m.t_s);
-  for (const SceneState& i : instants.Of(moments, 0.004, 0.016))
+  std::vector<Snapshot> snapshots = Snapshots(0, 10);
+  for (Snapshot& m : snapshots) m.X_BC = platform(m.t_s);
+  for (const SceneState& i : interpolator.Of(snapshots, 0.004, 0.016))
     ExpectNear(i.X_NC, X_NB(i.t_s) * platform(i.t_s), 1e-9);
 }
 
 TEST_F(InstantsTest, WhereTheMountShakesThereAreInstantsBetweenTheSteps) {
   const Vibration vibration({{190, 200, 1, 2}}, 3);
-  SnapshotInterpolator instants(model_.get(), X_BC_, vibration);
-  const auto of = instants.Of(Moments(0, 10), 0.004, 0.016);
+  SnapshotInterpolator interpolator(model_.get(), X_BC_, vibration);
+  const auto of = interpolator.Of(Snapshots(0, 10), 0.004, 0.016);
   EXPECT_EQ(of.size(), 25u);  // 4 in a step: 8 in a period of 5 ms, nearly
   bool shaken = false;
   for (const SceneState& i : of) {

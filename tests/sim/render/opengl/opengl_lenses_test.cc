@@ -234,13 +234,13 @@ struct PassingBy {
     <body><joint type="slide" axis="0 1 0"/><geom type="box" pos="5 0 1" size="0.5 0.5 0.5" euler="0 20 30"/></body>
     <geom type="box" pos="6 1 0.6" size="0.3 0.3 0.3" rgba="1 0 0 1"/></worldbody></mujoco>)");
   std::vector<DataPtr> states;
-  std::vector<SceneState> instants;
+  std::vector<SceneState> scene_states;
   PassingBy() {
     for (int i = 0; i < 3; ++i) {
       states.push_back(MakeData(model.get()));
       states.back()->qpos[0] = 0.4 * i * i;
       mj_forward(model.get(), states.back().get());
-      instants.push_back({0.1 * i, states.back().get(), LookingFrom({0, 0.1 * i, -1.5}, 0.02 * i, -0.1)});
+      scene_states.push_back({0.1 * i, states.back().get(), LookingFrom({0, 0.1 * i, -1.5}, 0.02 * i, -0.1)});
     }
   }
   // Drawn by a state and a pose of that very time.
@@ -248,7 +248,7 @@ struct PassingBy {
     const DataPtr between = MakeData(model.get());
     between->qpos[0] = (1 - share) * states[from]->qpos[0] + share * states[from + 1]->qpos[0];
     mj_forward(model.get(), between.get());
-    const Pose &a = instants[from].X_NC, &b = instants[from + 1].X_NC;
+    const Pose &a = scene_states[from].X_NC, &b = scene_states[from + 1].X_NC;
     return renderer.Render(between.get(), {a.R.slerp(share, b.R), a.p + share * (b.p - a.p)});
   }
 };
@@ -263,10 +263,10 @@ double ShareThatDiffers(const cv::Mat& a, const cv::Mat& b) {
 TEST(OpenGlRenderer, BetweenTwoInstantsTheCameraAndThingsAreBetweenTheirPlaces) {
   const PassingBy world;
   OpenGlRenderer renderer(world.model.get(), LensNamed("pinhole"), {});
-  const auto sharp_at = [&](double t_s) { return renderer.Render(world.instants, {.row_0_s = t_s}); };
-  EXPECT_EQ(
-      cv::norm(sharp_at(0.1), renderer.Render(world.states[1].get(), world.instants[1].X_NC), cv::NORM_INF),
-      0);
+  const auto sharp_at = [&](double t_s) { return renderer.Render(world.scene_states, {.row_0_s = t_s}); };
+  EXPECT_EQ(cv::norm(sharp_at(0.1), renderer.Render(world.states[1].get(), world.scene_states[1].X_NC),
+                     cv::NORM_INF),
+            0);
   EXPECT_EQ(cv::norm(sharp_at(-5), sharp_at(0), cv::NORM_INF), 0);
   EXPECT_EQ(cv::norm(sharp_at(5), sharp_at(0.2), cv::NORM_INF), 0);
   EXPECT_GT(ShareThatDiffers(sharp_at(0.13), sharp_at(0.1)), 0.01);
@@ -278,26 +278,27 @@ TEST(OpenGlRenderer, BetweenTwoInstantsTheCameraAndThingsAreBetweenTheirPlaces) 
 TEST(OpenGlRenderer, ALongExposureIsTheMeanOfItsSamples) {
   const PassingBy world;
   OpenGlRenderer renderer(world.model.get(), LensNamed("brown_conrady"), {});
-  const cv::Mat blurred = renderer.Render(world.instants, {.row_0_s = 0.1, .exposure_s = 0.08, .samples = 4});
+  const cv::Mat blurred =
+      renderer.Render(world.scene_states, {.row_0_s = 0.1, .exposure_s = 0.08, .samples = 4});
   cv::Mat mean(blurred.size(), CV_32FC3, cv::Scalar::all(0));
   for (const double t : {0.07, 0.09, 0.11, 0.13})
-    cv::accumulate(renderer.Render(world.instants, {.row_0_s = t}), mean);
+    cv::accumulate(renderer.Render(world.scene_states, {.row_0_s = t}), mean);
   mean.convertTo(mean, CV_8U, 0.25);
   EXPECT_LT(ShareThatDiffers(blurred, mean), 2e-4);
-  EXPECT_GT(ShareThatDiffers(blurred, renderer.Render(world.instants, {.row_0_s = 0.1})), 0.01);
+  EXPECT_GT(ShareThatDiffers(blurred, renderer.Render(world.scene_states, {.row_0_s = 0.1})), 0.01);
 }
 
 TEST(OpenGlRenderer, RowsComeFromTheTimeOfTheirBand) {
   const PassingBy world;
   const double line_s = 2e-4;  // 240 rows: 48 ms
   OpenGlRenderer renderer(world.model.get(), LensNamed("fisheye"), {});
-  const cv::Mat rolling = renderer.Render(world.instants, {.row_0_s = 0.1, .line_s = line_s});
+  const cv::Mat rolling = renderer.Render(world.scene_states, {.row_0_s = 0.1, .line_s = line_s});
   for (const int band : {0, 7, 14}) {
     const cv::Range rows(16 * band, 16 * band + 16);
-    const cv::Mat then = renderer.Render(world.instants, {.row_0_s = 0.1 + line_s * (16 * band + 7.5)});
+    const cv::Mat then = renderer.Render(world.scene_states, {.row_0_s = 0.1 + line_s * (16 * band + 7.5)});
     EXPECT_EQ(cv::norm(rolling.rowRange(rows), then.rowRange(rows), cv::NORM_INF), 0) << "band " << band;
   }
-  EXPECT_GT(ShareThatDiffers(rolling, renderer.Render(world.instants, {.row_0_s = 0.1})), 0.001);
+  EXPECT_GT(ShareThatDiffers(rolling, renderer.Render(world.scene_states, {.row_0_s = 0.1})), 0.001);
 }
 
 }  // namespace

@@ -95,12 +95,12 @@ TEST_F(Flight, FlowIsWhereEachPointOfASurfaceGoes) {
 TEST_F(Flight, EachRowOfARollingShutterIsASharpPictureOfItsOwnTime) {
   const double kRow0_s = -0.05, kLine_s = 0.004;
   const DataPtr a = StateAt(-0.1), b = StateAt(0.1), c = StateAt(0.4);
-  const std::vector<SceneState> instants{
+  const std::vector<SceneState> states{
       {-0.1, a.get(), CameraAt(-0.1)}, {0.1, b.get(), CameraAt(0.1)}, {0.4, c.get(), CameraAt(0.4)}};
   for (const vision::CameraModel& camera : {kPinhole, Fisheye()}) {
     RayRenderer renderer(model_.get(), camera, {});
     const cv::Mat rolling =
-        renderer.Render(instants, {.row_0_s = kRow0_s, .exposure_s = 0, .line_s = kLine_s, .samples = 1});
+        renderer.Render(states, {.row_0_s = kRow0_s, .exposure_s = 0, .line_s = kLine_s, .samples = 1});
     cv::Mat rows = rolling.clone();
     for (int v = 0; v < rows.rows; ++v) At(renderer, kRow0_s + v * kLine_s).row(v).copyTo(rows.row(v));
     // Edges are found among the rows of one picture: that alone may differ.
@@ -115,11 +115,11 @@ TEST_F(Flight, MotionBlurIsTheMeanOfSharpPictures) {
   constexpr double kMiddle_s = 0.02, kExposure_s = 0.1;
   constexpr int kSamples = 6;
   const DataPtr a = StateAt(-0.1), b = StateAt(0.1);
-  const std::vector<SceneState> instants{{-0.1, a.get(), CameraAt(-0.1)}, {0.1, b.get(), CameraAt(0.1)}};
+  const std::vector<SceneState> states{{-0.1, a.get(), CameraAt(-0.1)}, {0.1, b.get(), CameraAt(0.1)}};
   for (const vision::CameraModel& camera : {kPinhole, Fisheye()}) {
     RayRenderer renderer(model_.get(), camera, {});
     const cv::Mat blurred = renderer.Render(
-        instants, {.row_0_s = kMiddle_s, .exposure_s = kExposure_s, .line_s = 0, .samples = kSamples});
+        states, {.row_0_s = kMiddle_s, .exposure_s = kExposure_s, .line_s = 0, .samples = kSamples});
     cv::Mat mean = cv::Mat::zeros(blurred.size(), CV_64FC3);
     for (int k = 0; k < kSamples; ++k) {
       cv::Mat sharp;
@@ -135,14 +135,13 @@ TEST_F(Flight, MotionBlurIsTheMeanOfSharpPictures) {
 
 TEST_F(Flight, AnyNumberOfThreadsDrawsTheSameBits) {
   const DataPtr a = StateAt(-0.1), b = StateAt(0.3);
-  const std::vector<SceneState> instants{{-0.1, a.get(), CameraAt(-0.1)}, {0.3, b.get(), CameraAt(0.3)}};
+  const std::vector<SceneState> states{{-0.1, a.get(), CameraAt(-0.1)}, {0.3, b.get(), CameraAt(0.3)}};
   const Shutter shutter{.row_0_s = 0, .exposure_s = 0.02, .line_s = 0.003, .samples = 2};
   const auto all = [&](int threads) {
     RayRenderer renderer(model_.get(), Fisheye(), {.threads = threads});
-    const Surfaces seen = renderer.Trace(a.get(), instants[0].X_NC);
-    return std::vector<cv::Mat>{renderer.Render(a.get(), instants[0].X_NC),
-                                renderer.Render(instants, shutter), seen.depth_m, seen.geom,
-                                renderer.Flow(instants[0], instants[1])};
+    const Surfaces seen = renderer.Trace(a.get(), states[0].X_NC);
+    return std::vector<cv::Mat>{renderer.Render(a.get(), states[0].X_NC), renderer.Render(states, shutter),
+                                seen.depth_m, seen.geom, renderer.Flow(states[0], states[1])};
   };
   const std::vector<cv::Mat> alone = all(1);
   for (const int threads : {2, 3, 7, 0}) {
