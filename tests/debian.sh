@@ -34,6 +34,7 @@ esac
 # Mounts, and the processes of the commands, end with `unshare`, however it ends.
 root=$(mktemp -d --tmpdir "kestrel-$release.XXXXXX")
 trap 'rm -rf --one-file-system "$root"' EXIT
+chmod 755 "$root"  # or no other user of that Debian could run anything
 unshare --mount debootstrap --variant=minbase "$release" "$root" http://deb.debian.org/debian
 cp /etc/resolv.conf /etc/hosts "$root/etc/"
 case $what in
