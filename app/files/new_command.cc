@@ -90,7 +90,7 @@ const FileKind::Variant& VariantOf(const FileKind& kind, const NewArguments& a) 
 
 CLI::App* AddNewCommand(CLI::App& app, NewArguments& a) {
   CLI::App* command = app.add_subcommand("new", "Begin a file, in which every key stands with its meaning");
-  command->add_option("kind", a.kind, "What")->required()->check(OneOf(FileKindNames()));
+  command->add_option("what", a.kind, "What to begin")->required()->check(OneOf(FileKindNames()));
   command->add_option("file", a.file, "File that is written; without one it is printed");
   command->add_option("--mission", a.variants["mission"], "Mission of a scenario")->type_name("MISSION");
   command->add_option("--model", a.variants["model"], "Model of a camera");
