@@ -155,8 +155,9 @@ bool TuneCommand(const TuneArguments& a) {
   EndOnInterrupt();
   const campaign::LoadedTune tune = campaign::LoadTune(campaign::NamedFile("tuning", a.file), a.overrides);
   const campaign::CampaignPlan& flights = tune.plan.flights;
-  const fs::path folder =
-      a.out.empty() ? fs::path("results/tunings") / fs::path(flights.scenario).stem() / flights.name : fs::path(a.out);
+  const fs::path folder = a.out.empty()
+                              ? fs::path("results/tunings") / fs::path(flights.scenario).stem() / flights.name
+                              : fs::path(a.out);
   Mistakes mistakes;
   CheckWritableFolder(folder, "--out", mistakes);
   RefuseReportOf("campaign", campaign::ResultFile(folder), mistakes);

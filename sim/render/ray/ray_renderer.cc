@@ -51,10 +51,10 @@ struct RayRenderer::Stage {
   RenderScene scene;
   bool shadows = false;
   int threads = 1;
-  cv::Mat code, common;                   // CV_32S, as in Canvas
-  std::vector<SceneInstance> instances;   // one, or one for each row
-  std::vector<std::uint64_t> seen;        // of each row of tiles, or of each row
-  std::vector<ray::ScenePose> worlds;     // of the states
+  cv::Mat code, common;                  // CV_32S, as in Canvas
+  std::vector<SceneInstance> instances;  // one, or one for each row
+  std::vector<std::uint64_t> seen;       // of each row of tiles, or of each row
+  std::vector<ray::ScenePose> worlds;    // of the states
   std::vector<cv::Mat> given_out;
 
   int SeenOfRow() const { return lens.tiles_x * ray::VisibleWords(scene); }
