@@ -47,7 +47,8 @@ foreach(component IN LISTS components)
   add_library(kestrel_component_${component} INTERFACE)
   set_target_properties(kestrel_component_${component} PROPERTIES EXPORT_NAME ${component})
   target_compile_features(kestrel_component_${component} INTERFACE cxx_std_20)
-  target_compile_definitions(kestrel_component_${component} INTERFACE EIGEN_MAX_ALIGN_BYTES=32)  # as here
+  target_compile_definitions(kestrel_component_${component} INTERFACE EIGEN_MAX_ALIGN_BYTES=32
+                                                                    EIGEN_MAX_STATIC_ALIGN_BYTES=16)  # as here
   foreach(layer ${component} ${below_${component}})
     target_link_libraries(kestrel_component_${component} INTERFACE ${rooms_of_${layer}})
   endforeach()
@@ -115,7 +116,7 @@ Name: kestrel-${component}
 Description: Kestrel, flight by vision: ${component}
 Version: ${PROJECT_VERSION}
 Requires: ${needs_${component}}
-Cflags: -std=c++20 -DEIGEN_MAX_ALIGN_BYTES=32 -I\${prefix}/include/kestrel
+Cflags: -std=c++20 -DEIGEN_MAX_ALIGN_BYTES=32 -DEIGEN_MAX_STATIC_ALIGN_BYTES=16 -I\${prefix}/include/kestrel
 Libs: -L\${prefix}/${CMAKE_INSTALL_LIBDIR}/kestrel -Wl,--start-group${libraries} -Wl,--end-group ${libraries_${component}} -pthread
 ")
   install(FILES ${CMAKE_BINARY_DIR}/package/kestrel-${component}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig

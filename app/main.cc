@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The program `kestrel`, with all that the simulator does.
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <cerrno>
+#include <cstring>
+#include <stdexcept>
 #include <string>
 
 #include "app/bench_command.h"
@@ -28,9 +32,25 @@
 #include "app/simulated/render_board.h"
 #include "app/simulated/serve_command.h"
 #include "app/simulated/view_command.h"
+#include "flight/served/wire_flight.h"
 
 namespace kestrel::app {
 namespace {
+
+// Of the program for real aircraft, which is a program of its own, so that it holds nothing of the simulator.
+CLI::App* AddFlyVerb(CLI::App& app) {
+  CLI::App* verb =
+      app.add_subcommand("fly", "Fly a real aircraft: what follows goes to kestrel-fly beside this program");
+  verb->set_help_flag();
+  return verb->prefix_command();
+}
+
+// Does not return but by an exception.
+void HandOverToFly(char** argv) {
+  const std::string program = flight::HardwareProgram().string();
+  execv(program.c_str(), argv);
+  throw std::runtime_error(fmt::format("cannot start {}: {}", program, std::strerror(errno)));
+}
 
 int Main(int argc, char** argv) {
   KeepImageMemory();
@@ -89,6 +109,7 @@ int Main(int argc, char** argv) {
   std::string isa;
   for (const char* name : {"run", "serve", "encounters", "campaign", "tune", "bench", "replay"})
     AddIsaOption(app.get_subcommand(name), isa);
+  program.Add(AddFlyVerb(app), [&] { return HandOverToFly(argv), kBrokeOff; });
   program.TakePlugins(
       {"run", "list", "explain", "new", "schema", "check", "serve", "campaign", "tune", "replay"});
   // Last, or each verb without a footer of its own would have this one.

@@ -19,7 +19,7 @@ namespace {
 
 int Main(int argc, char** argv) {
   Program program(
-      "kestrel",
+      "kestrel-fly",
       "Kestrel for real aircraft: flight by vision.\n\nExit status: 0 the flight did what it is for, "
       "1 it did not, 2 bad input, 3 it broke off.");
   CLI::App& app = program.command_line();
@@ -45,9 +45,9 @@ int Main(int argc, char** argv) {
   program.Add(AddManCommand(app), [&] { return ManCommand(app), kMet; });
   program.TakePlugins({"fly", "check", "replay"});
   app.footer(
-      "Examples:\n  kestrel fly hover --camera v4l2:/dev/video0 --autopilot mavlink:udpin://:14540 "
+      "Examples:\n  kestrel-fly fly hover --camera v4l2:/dev/video0 --autopilot mavlink:udpin://:14540 "
       "--dry-run\n"
-      "  kestrel replay results/runs/hover-flown-20250101-120000");
+      "  kestrel-fly replay results/runs/hover-flown-20250101-120000");
   return program.Run(argc, argv);
 }
 

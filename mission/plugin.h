@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Core>
+
 #include "mission/mission_type.h"
 
 // A plug-in is a shared object with missions of its own, which the programs load by --plugin FILE or
@@ -9,6 +11,9 @@
 //   KESTREL_PLUGIN { kestrel::mission::AddMission<CircleFlight>(); }
 //
 // It is built by CMake's target kestrel::plugin, which names the version, and is loaded by that version alone.
+
+static_assert(EIGEN_MAX_STATIC_ALIGN_BYTES == 16,
+              "what holds matrices is laid out as in the program; build with kestrel::plugin");
 
 #ifdef __clang__
 #define KESTREL_COMPILER_ "clang++ " KESTREL_TEXT_(__clang_major__)

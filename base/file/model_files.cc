@@ -69,7 +69,8 @@ void NoMoreThan::operator()(const std::string& key, double value, double limit,
 fs::path ScenarioFile(const std::string& name_or_file) {
   std::error_code none;
   if (!fs::exists(DataFile("scenarios"), none))
-    throw InputError("KESTREL_ROOT", fmt::format("'{}' holds no scenarios", Root().string()));
+    throw InputError("KESTREL_ROOT", fmt::format("'{}' holds no scenarios", Root().string()),
+                     "valid: a folder that holds models/ and scenarios/, or not to be set");
   const fs::path file = name_or_file;
   if (file.extension() == ".yaml" || file.extension() == ".yml" || IsFile(file)) return file;
   for (const std::string& folder : DataNames("scenarios", "")) {

@@ -59,7 +59,17 @@ examples/use_vision/use_vision landing/recording/%06d.png "$models/cameras/thesi
   "$models/pads/helipad/helipad.yaml" | tail -1 | tee seen.txt
 read -r _ _ seen _ frames _ <seen.txt
 ((frames > 90 && 10 * seen > 9 * frames)) || fail "use_vision does not see the pad"
+"$kestrel" fly --help | grep -qF -- "kestrel-fly fly" || fail "kestrel fly does not start kestrel-fly"
 "$prefix/bin/kestrel-fly" check "$circle" "${plugins[@]}" >/dev/null
+
+if grep -qw avx /proc/cpuinfo; then
+  step "a plug-in for a newer processor, whose classes are laid out as the program's"
+  "$cmake" -S "$source/../../examples/own_flight" -B avx -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_BUILD_TYPE=Release \
+    -DCMAKE_CXX_FLAGS=-mavx >configure.log 2>&1 || { cat configure.log; fail "configure with -mavx"; }
+  "$cmake" --build avx >build.log 2>&1 || { cat build.log; fail "build with -mavx"; }
+  "$kestrel" run "$circle" --plugin avx/circle.so --set duration_s=2 --no-video --quiet --out avx/flown || [[ $? == 1 ]] ||
+    fail "a flight by a plug-in that was built with -mavx"
+fi
 
 step "a campaign, whose workers load the plug-in"
 printf 'scenario: %s\nruns: 2\nset: [duration_s=2]\nvary: {wind.mean_m_s: {uniform: [0, 2]}}\n' "$circle" >campaign.yaml
