@@ -12,7 +12,9 @@
 #include "app/manual/manual_command.h"
 #include "app/option/exit_status.h"
 #include "app/option/program.h"
+#include "base/diagnostics.h"
 #include "flight/flight_plan.h"
+#include "flight/hardware/fly.h"
 
 namespace kestrel::app {
 namespace {
@@ -36,7 +38,10 @@ int Main(int argc, char** argv) {
   check->add_option("file", check_file, "A scenario's name, or a YAML file")->required();
   check->add_option("--set", check_overrides, "key.path=value, as for fly");
   program.Add(check, [&] {
-    flight::LoadPlan(check_file, check_overrides);
+    const flight::LoadedPlan plan = flight::LoadPlan(check_file, check_overrides);
+    Mistakes mistakes;
+    flight::CheckDeclared(*plan.plan.flight->Make(plan.parts), plan.plan.mission, mistakes);
+    mistakes.ThrowIfAny();
     fmt::print("{} is valid\n", check_file);
     return kMet;
   });

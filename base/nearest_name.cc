@@ -6,29 +6,47 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 namespace kestrel {
+namespace {
+
+struct Distance {
+  std::size_t whole, beginning;  // of the name to all of another, and to as much of it as is nearest
+};
+
+// Damerau and Levenshtein's: letters inserted, left out, changed, or two neighbours exchanged.
+Distance DistanceOf(std::string_view name, std::string_view other) {
+  std::vector<std::size_t> row(other.size() + 1), before, before_that;
+  std::iota(row.begin(), row.end(), 0u);
+  for (std::size_t i = 0; i < name.size(); ++i) {
+    before_that = std::exchange(before, row);
+    row[0] = i + 1;
+    for (std::size_t j = 0; j < other.size(); ++j) {
+      row[j + 1] = std::min({before[j] + (name[i] != other[j]), before[j + 1] + 1, row[j] + 1});
+      if (i > 0 && j > 0 && name[i] == other[j - 1] && name[i - 1] == other[j])
+        row[j + 1] = std::min(row[j + 1], before_that[j - 1] + 1);
+    }
+  }
+  return {row.back(), *std::min_element(row.begin(), row.end())};
+}
+
+}  // namespace
 
 std::optional<std::string> NearestName(std::string_view name, const std::vector<std::string>& valid) {
-  const auto distance = [](std::string_view a, std::string_view b) {  // Levenshtein
-    std::vector<std::size_t> row(b.size() + 1);
-    std::iota(row.begin(), row.end(), 0u);
-    for (std::size_t i = 0; i < a.size(); ++i) {
-      std::size_t diagonal = row[0]++;
-      for (std::size_t j = 0; j < b.size(); ++j) {
-        const std::size_t changed = diagonal + (a[i] != b[j]);
-        diagonal = row[j + 1];
-        row[j + 1] = std::min({changed, row[j] + 1, diagonal + 1});
-      }
-    }
-    return row.back();
-  };
+  // Beyond a third of the letters it would be a guess; of a name that was cut short, beyond one letter.
+  const std::size_t max_whole = std::max<std::size_t>(1, name.size() / 3);
+  const std::size_t max_beginning = name.size() < 6 ? 0 : 1;
   std::optional<std::string> nearest;
-  // Beyond a third of the letters it would be a guess.
-  std::size_t least = (name.size() < 4 ? 1 : std::max<std::size_t>(2, name.size() / 3)) + 1;
+  std::pair<std::size_t, std::size_t> least(max_whole + 1, 0);
   for (const std::string& each : valid) {
-    if (name.size() >= each.size() + least || each.size() >= name.size() + least) continue;
-    if (const std::size_t d = distance(name, each); d < least) least = d, nearest = each;
+    const Distance d = DistanceOf(name, each);
+    const bool cut_short = name.size() >= 4 && d.beginning <= max_beginning;
+    if (d.whole > max_whole && !cut_short) continue;
+    const std::pair by(cut_short ? std::min(d.whole, d.beginning + 1) : d.whole, d.whole);
+    if (nearest && by >= least) continue;
+    least = by;
+    nearest = each;
   }
   return nearest;
 }

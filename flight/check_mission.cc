@@ -4,10 +4,28 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+
 #include "base/file/model_files.h"
+#include "base/nearest_name.h"
 #include "base/yaml/config.h"
 
 namespace kestrel::flight {
+
+void CheckMissionExists(Config& config, const Place& where, Mistakes& mistakes) {
+  const ConfigNode* named = Find(config, "mission");
+  const std::vector<std::string> names = mission::MissionNames();
+  if (!named || std::find(names.begin(), names.end(), named->text) != names.end()) return;
+  mistakes.Add(WhereOf(config, "mission", where), "mission",
+               fmt::format("there is no mission {}", Shown(*named)),
+               RemedyForName(named->text, names) +
+                   ", or the mission of a plug-in, whose file --plugin or KESTREL_PLUGINS names");
+  for (auto& [key, node] : config.root.members)
+    if (key == "mission")
+      node = {.kind = ConfigNode::Kind::kText, .text = names.front(), .where = node.where};
+  std::erase_if(config.root.members,
+                [](const auto& member) { return member.key == "flight" || member.key == "criteria"; });
+}
 
 void CheckMission(const mission::Flight& flight, bool colour, const Config& config, const Place& where,
                   Mistakes& mistakes) {

@@ -24,8 +24,8 @@ namespace fs = std::filesystem;
 constexpr const char* kVariable = "KESTREL_PLUGINS";
 constexpr const char* kRemedy = "build it with this one's kestrel::plugin (docs/extend/plugin.md)";
 
-std::vector<fs::path>& Loaded() {
-  static std::vector<fs::path> files;
+std::vector<std::string>& Loaded() {
+  static std::vector<std::string> files;
   return files;
 }
 
@@ -72,13 +72,13 @@ void Load(const fs::path& file, const std::string& named, Mistakes& mistakes) {
 void LoadPlugins(const std::vector<std::string>& files) {
   scenarios::AddFlights();  // first, so that a name that both have is the plug-in's mistake
   Mistakes mistakes;
-  const std::vector<fs::path>& loaded = LoadedPlugins();
+  const std::vector<std::string>& loaded = LoadedPlugins();
   for (const std::string& named : WithThoseOfTheEnvironment(files)) {
     std::error_code none;
     const fs::path file = fs::weakly_canonical(fs::absolute(named, none), none);
     if (std::find(loaded.begin(), loaded.end(), file) != loaded.end()) continue;
     if (!IsFile(file))
-      mistakes.Add(named, "", NoSuchFile(named));
+      mistakes.Add("--plugin or " + std::string(kVariable), "", NoSuchFile(named));
     else if (file.string().find(':') != std::string::npos)
       mistakes.Add(named, "", fmt::format("has a colon in '{}'", file.string()), "valid: a path without");
     else
@@ -86,10 +86,9 @@ void LoadPlugins(const std::vector<std::string>& files) {
   }
   mistakes.ThrowIfAny();
   if (loaded.empty()) return;
-  const std::vector<std::string> names(loaded.begin(), loaded.end());
-  setenv(kVariable, fmt::format("{}", fmt::join(names, ":")).c_str(), 1);
+  setenv(kVariable, fmt::format("{}", fmt::join(loaded, ":")).c_str(), 1);
 }
 
-const std::vector<fs::path>& LoadedPlugins() { return Loaded(); }
+const std::vector<std::string>& LoadedPlugins() { return Loaded(); }
 
 }  // namespace kestrel::flight

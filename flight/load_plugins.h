@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -12,7 +11,7 @@ namespace kestrel::flight {
 // loaded once, and stays. Throws InputError with every one that is none, or of another version.
 void LoadPlugins(const std::vector<std::string>& files);
 
-// Those that were loaded, in their order.
-const std::vector<std::filesystem::path>& LoadedPlugins();
+// The files that were loaded, in their order.
+const std::vector<std::string>& LoadedPlugins();
 
 }  // namespace kestrel::flight

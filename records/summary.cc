@@ -52,6 +52,7 @@ std::string ToJson(const Summary& s) {
                      {"seed", s.seed},
                      {"mode", s.mode},
                      {"version", s.version},
+                     {"plugins", s.plugins},
                      {"complete", s.complete},
                      {"passed", s.passed},
                      {"outcome", s.outcome},
@@ -98,6 +99,7 @@ Summary SummaryFromJson(const std::string& text, const std::string& name) {
     s.state_hash = Hash(json.at("state_hash"));
     s.image_hash = Hash(json.at("image_hash"));
     s.renderer = json.at("renderer");
+    if (json.contains("plugins")) s.plugins = json.at("plugins");
     if (json.contains("machine")) s.machine = json.at("machine");  // which older ones do not say
     return s;
   } catch (const std::exception& e) {

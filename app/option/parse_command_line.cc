@@ -34,11 +34,6 @@ Words NamesOfOptions(const CLI::App& app) {
   return names;
 }
 
-std::string NearestOr(const std::string& word, const Words& valid) {
-  const auto near = NearestName(word, valid);
-  return near ? fmt::format("did you mean '{}'?", *near) : fmt::format("valid: {}", fmt::join(valid, ", "));
-}
-
 // Of `campaign replya dispersion`, whose first word was taken for a campaign, the first: what was meant to be a
 // verb.
 std::string MeantAsVerb(const CLI::App& app, const std::string& word, const Words& verbs) {
@@ -49,7 +44,8 @@ std::string MeantAsVerb(const CLI::App& app, const std::string& word, const Word
 }
 
 std::string NoVerb(const CLI::App& app, const std::string& word) {
-  return fmt::format("{}: there is no verb '{}'; {}", PathOf(app), word, NearestOr(word, NamesOfVerbs(app)));
+  return fmt::format("{}: there is no verb '{}'; {}", PathOf(app), word,
+                     RemedyForName(word, NamesOfVerbs(app)));
 }
 
 // What a word that no verb and no option took should have been.
@@ -57,7 +53,8 @@ std::string Unexpected(const CLI::App& app, const std::string& word) {
   const std::string path = PathOf(app);
   if (word.starts_with("-")) {
     const std::string name = word.substr(0, word.find('='));
-    return fmt::format("{}: there is no option '{}'; {}", path, name, NearestOr(name, NamesOfOptions(app)));
+    return fmt::format("{}: there is no option '{}'; {}", path, name,
+                       RemedyForName(name, NamesOfOptions(app)));
   }
   const Words verbs = NamesOfVerbs(app);
   if (!verbs.empty()) return NoVerb(app, MeantAsVerb(app, word, verbs));

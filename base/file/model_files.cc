@@ -72,7 +72,14 @@ fs::path ScenarioFile(const std::string& name_or_file) {
     throw InputError("KESTREL_ROOT", fmt::format("'{}' holds no scenarios", Root().string()),
                      "valid: a folder that holds models/ and scenarios/, or not to be set");
   const fs::path file = name_or_file;
-  if (file.extension() == ".yaml" || file.extension() == ".yml" || IsFile(file)) return file;
+  if (IsFile(file)) return file;
+  if (file.extension() == ".yaml" || file.extension() == ".yml") {
+    const std::vector<std::string> names = ScenarioNames();
+    if (!fs::exists(file, none) && std::find(names.begin(), names.end(), file.stem()) != names.end())
+      throw InputError(name_or_file, NoSuchFile(file),
+                       fmt::format("did you mean the scenario '{}'?", file.stem().string()));
+    return file;
+  }
   for (const std::string& folder : DataNames("scenarios", "")) {
     const fs::path candidate = DataFile(fs::path("scenarios") / folder / (name_or_file + ".yaml"));
     if (IsFile(candidate)) return candidate;

@@ -33,7 +33,7 @@ ScenarioFiles::ScenarioFiles(const std::string& scenario, const std::vector<std:
     Mistakes none;
     if (const auto found = ModelFile(model, name, file.parent_path(), "", none)) AddModel(model, *found);
   };
-  for (const fs::path& plugin : flight::LoadedPlugins()) AddModels(plugin);
+  for (const std::string& plugin : flight::LoadedPlugins()) AddModels(plugin);
   add(Model::kVehicle, s.vehicle, "models/vehicles", varies("vehicle"));
   add(Model::kWorld, s.world, "models/worlds", varies("world"));
   if (varies("pad.name") || s.pad.name != "none")

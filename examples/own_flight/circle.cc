@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // A flight of one's own: circles over the pad by what the camera sees of it.
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cmath>
 
 #include "geometry/tait_bryan.h"
 #include "mission/plugin.h"
+#include "records/plot/gnuplot.h"
+#include "records/plot/plot_parts.h"
 
 namespace {
 
@@ -77,13 +82,40 @@ void AddCircleMetrics(const std::vector<mission::LogRow>& rows, std::map<std::st
   if (before) metrics["circle_around_deg"] = Degrees(around);
 }
 
+bool Circles(const std::vector<mission::LogRow>& rows) {
+  return std::any_of(rows.begin(), rows.end(),
+                     [](const auto& row) { return row.decision.phase == "circle"; });
+}
+
+// The path over the pad from above, with the circle that was to be flown: a script of gnuplot.
+std::string PathPlot(const std::filesystem::path& file, const std::vector<mission::LogRow>& rows,
+                     const std::string& title) {
+  std::string text = "$path << END\n";
+  for (const mission::LogRow& row : rows) {
+    const Eigen::Vector3d p_TB = row.now.X_NT.Inverse() * row.now.X_NB.p;
+    text += fmt::format("{:.4f} {:.4f}\n", p_TB.y(), p_TB.x());
+  }
+  text += "END\n$goals << END\n";
+  for (const mission::LogRow& row : rows)
+    if (const auto& goal_T = row.decision.goal_T)
+      text += fmt::format("{:.4f} {:.4f}\n", goal_T->y(), goal_T->x());
+  return text + "END\n" + records::BeginFigure(file, 800, 800) +
+         fmt::format(
+             "set title {}\nset size ratio -1\nset xlabel 'y of the pad (m)'\n"
+             "set ylabel 'x of the pad (m)'\nset key top right\n"
+             "plot $path with {} title 'truth', $goals with points pt 7 ps 0.4 title 'goal'\n",
+             records::GnuplotQuoted(title), records::kTruthStyle) +
+         records::EndFigure();
+}
+
 mission::MissionType TypeOf(const CircleFlight&) {
   return {.name = "circle",
           .summary = "Circles over the pad.",
           .looks_for_pad = true,
           .metrics = {{"circle_around_deg", "deg", "how far around the pad it came, clockwise", -1e9, 1e9}},
           .add_metrics = AddCircleMetrics,
-          .common_metrics = {"fix_*", "longest_loss_s"}};
+          .common_metrics = {"fix_*", "longest_loss_s"},
+          .plots = {{"circle.png", Circles, PathPlot}}};
 }
 
 std::unique_ptr<mission::Mission> MakeMission(const CircleFlight& flight,

@@ -13,6 +13,7 @@
 #include "base/yaml/yaml_fields.h"
 #include "flight/hardware/control_monitor.h"
 #include "flight/hardware/lag_monitor.h"
+#include "flight/load_plugins.h"
 #include "mission/flight_loop.h"
 #include "records/recorder.h"
 #include "records/recording.h"
@@ -157,6 +158,7 @@ records::Summary SummaryOf(const LoadedPlan& plan, const std::string& mode) {
   records::Summary summary;
   summary.scenario = plan.plan.name;
   summary.version = Version();
+  summary.plugins = LoadedPlugins();
   summary.mode = mode;
   summary.seed = plan.plan.seed;
   return summary;

@@ -12,6 +12,7 @@
 #include <cstring>
 #include <tuple>
 
+#include "flight/load_plugins.h"
 #include "flight/simulated/scenario.h"
 #include "geometry/tait_bryan.h"
 #include "sim/server/afcs_server.h"
@@ -239,11 +240,14 @@ std::string StartLines(const ServeArguments& a, const LoadedScenario& loaded,
     lines += fmt::format("  {:<8} {}\n", each.name, where);
     if (!address.empty() && !OnLoopback(address)) lines += Warning(each.name, address);
   }
+  std::string plugins;
+  for (const std::string& each : LoadedPlugins()) plugins += fmt::format(" --plugin {}", each);
   for (const NamedServer& each : servers) {
     std::string autopilot = fmt::format("{}:{}", each.name, Reachable(each.server->Where()));
     if (each.name == "mavlink") autopilot += " --take-control";
     if (each.name == "afcs") autopilot += " --pilot-untold";
-    lines += fmt::format("  to fly it:  kestrel fly {}{} --autopilot {}\n", a.scenario, camera, autopilot);
+    lines += fmt::format("  to fly it:  kestrel fly {}{}{} --autopilot {}\n", a.scenario, plugins, camera,
+                         autopilot);
   }
   return lines;
 }

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "base/version.h"
+#include "flight/load_plugins.h"
 #include "records/summary.h"
 #include "records/telemetry/flight_mode.h"
 #include "sim/machine.h"
@@ -41,6 +42,7 @@ records::Summary BeginSummary(const Scenario& scenario) {
   summary.mode = records::kSimulatorMode;
   summary.scenario = scenario.name;
   summary.version = Version();
+  summary.plugins = LoadedPlugins();
   summary.seed = scenario.seed;
   summary.machine = sim::ThisMachine();
   summary.drawn = DrawnValues(scenario.image, scenario.seed);

@@ -132,7 +132,7 @@ void CheckCriteria(const Scenario& s, const Config& config, const Place& file, M
   for (const auto& [metric, limit] : s.criteria) {
     const std::string key = "criteria." + metric;
     const Place where = WhereOfCriterion(config, metric, file);
-    if (!Known("criteria", metric, NamesOf(all), where, mistakes)) continue;
+    if (!Known("metric", metric, NamesOf(all), where, mistakes)) continue;
     if (std::find(possible.begin(), possible.end(), metric) == possible.end())
       mistakes.Add(
           where, key,
@@ -200,6 +200,7 @@ LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& o
   LoadedScenario loaded;
   Scenario& s = loaded.scenario;
   Config config = LoadConfig(file, overrides, mistakes);
+  CheckMissionExists(config, file.string(), mistakes);
   RenameFormerMetrics(config, {"criteria"});
   PassOverGains(config);
   if (const ConfigNode* world = Find(config, "world"))

@@ -204,6 +204,34 @@ std::string Trajectory(const std::filesystem::path& file, const std::vector<Samp
          EndFigure();
 }
 
+struct Plot {
+  std::filesystem::path file;
+  std::string script;
+};
+
+// By one gnuplot, which is the fastest. Where it fails, one by one: a plot that cannot be drawn takes none of
+// the others along, and is named.
+void DrawAll(const std::vector<Plot>& plots, const std::string& data) {
+  try {
+    PipedProcess gnuplot({"gnuplot", "-d"});
+    gnuplot.Write(data);
+    for (const Plot& each : plots) gnuplot.Write(each.script);
+    gnuplot.Close();
+    for (const Plot& each : plots) RequireWholePng(each.file);
+    for (const Plot& each : plots) Complete(each.file);
+    return;
+  } catch (const std::runtime_error&) {}
+  std::string errors;
+  for (const Plot& each : plots) {
+    try {
+      RunGnuplot(each.file, data + each.script);
+    } catch (const std::runtime_error& e) {
+      errors += fmt::format("{}{}", errors.empty() ? "" : "; ", e.what());
+    }
+  }
+  if (!errors.empty()) throw std::runtime_error(errors);
+}
+
 }  // namespace
 
 std::vector<std::string> PlotNames() {
@@ -221,26 +249,19 @@ void DrawPlots(const std::filesystem::path& folder, const std::vector<LogRow>& r
   const auto any = [&rows](auto&& has) { return std::any_of(rows.begin(), rows.end(), has); };
   const bool fix = any([](const LogRow& row) { return row.decision.fix.has_value(); });
   const std::string& title = options.title;
-  std::vector<std::filesystem::path> files;
-  const auto file = [&](const char* name) { return files.emplace_back(folder / name); };
-  try {
-    PipedProcess gnuplot({"gnuplot", "-d"});
-    gnuplot.Write(Data(samples, rows));
-    gnuplot.Write(Position(file("position.png"), samples, rows, options, fix));
-    gnuplot.Write(Trajectory(file("trajectory.png"), samples, rows, options));
-    if (fix || (options.pad_size_m && (!options.mission || options.mission->looks_for_pad)))
-      gnuplot.Write(Error(file("error.png"), samples, rows, title));
-    if (options.mission)
-      for (const mission::MissionPlot& plot : options.mission->plots)
-        if (plot.has_data(rows)) gnuplot.Write(plot.script(file(plot.file.c_str()), rows, title));
-    gnuplot.Close();
-  } catch (const std::runtime_error& e) {
-    throw std::runtime_error(fmt::format("cannot draw {}: {}", folder.string(), e.what()));
-  }
-  for (const std::filesystem::path& each : files) {
-    RequireWholePng(each);
-    Complete(each);
-  }
+  std::vector<Plot> plots;
+  const auto add = [&](const std::string& name, auto&& script) {
+    plots.push_back({folder / name, script(folder / name)});
+  };
+  add("position.png", [&](const auto& file) { return Position(file, samples, rows, options, fix); });
+  add("trajectory.png", [&](const auto& file) { return Trajectory(file, samples, rows, options); });
+  if (fix || (options.pad_size_m && (!options.mission || options.mission->looks_for_pad)))
+    add("error.png", [&](const auto& file) { return Error(file, samples, rows, title); });
+  if (options.mission)
+    for (const mission::MissionPlot& plot : options.mission->plots)
+      if (plot.has_data(rows))
+        add(plot.file, [&](const auto& file) { return plot.script(file, rows, title); });
+  DrawAll(plots, Data(samples, rows));
 }
 
 }  // namespace kestrel::records

@@ -28,7 +28,8 @@ struct StageTime {
 struct Summary {
   std::string mode;  // records/telemetry/flight_mode.h
   std::string scenario, version, renderer, outcome,
-      error;  // error: why a run broke off, empty when it did not
+      error;                         // error: why a run broke off, empty when it did not
+  std::vector<std::string> plugins;  // files that it was flown with
   std::uint64_t seed = 0;
   bool complete = false, passed = false;
   std::vector<Criterion> criteria;

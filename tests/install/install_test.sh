@@ -51,6 +51,8 @@ examples/own_law/own_law
 refused "there is no" "$kestrel" check "$circle"
 "$kestrel" check "$circle" "${plugins[@]}" >/dev/null
 "$kestrel" run "$circle" "${plugins[@]}" --set camera="$wide" --images --no-video --out flown
+[[ -s flown/plots/circle.png ]] || fail "there is no plot of the plug-in"
+grep -q 'circle.so' flown/summary.json || fail "summary.json does not name the plug-in"
 grep -q '"circle_around_deg"' flown/summary.json || fail "summary.json has no metric of the plug-in"
 # That program knows the cameras of Kestrel alone.
 "$kestrel" run landing --set duration_s=5 --images --no-video --out landing --quiet || [[ $? == 1 ]]

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "records/plot/plots.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -12,6 +13,7 @@
 #include "control/law/sphere_target.h"
 #include "geometry/tait_bryan.h"
 #include "mission/horizon_observer.h"
+#include "records/plot/plot_parts.h"
 #include "scenarios/attitude/attitude.h"
 #include "scenarios/avoid/avoid.h"
 #include "scenarios/follow/follow.h"
@@ -229,6 +231,27 @@ TEST_F(PlotsTest, AnEncounterIsAMapWithNorthUpAndOneScale) {
 TEST_F(PlotsTest, WithoutRowsThereIsNothingToDraw) {
   DrawPlots(folder_, {}, {});
   EXPECT_TRUE(std::filesystem::is_empty(folder_));
+}
+
+TEST_F(PlotsTest, APlotThatGnuplotRefusesIsNamedAndTakesNoneOfTheOthersAlong) {
+  const auto always = [](const std::vector<LogRow>&) { return true; };
+  const auto script = [](const char* line) {
+    return [line](const std::filesystem::path& file, const std::vector<LogRow>&, const std::string&) {
+      return BeginFigure(file, 300, 200) + line + EndFigure();
+    };
+  };
+  mission::MissionType type;
+  type.plots = {{"wrong.png", always, script("plotte x\n")}, {"right.png", always, script("plot x\n")}};
+  try {
+    DrawPlots(folder_, Climb({0, 0, 0}, 0), PlotsOf(type));
+    ADD_FAILURE() << "drawn";
+  } catch (const std::runtime_error& e) {
+    EXPECT_THAT(e.what(), testing::AllOf(testing::HasSubstr("wrong.png"),
+                                         testing::Not(testing::HasSubstr("right.png"))));
+  }
+  EXPECT_FALSE(Picture("right.png").empty());
+  EXPECT_FALSE(Picture("position.png").empty());
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "wrong.png"));
 }
 
 TEST_F(PlotsTest, ATitleRunsNothing) {
