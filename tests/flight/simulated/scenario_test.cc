@@ -163,6 +163,26 @@ TEST_F(ScenarioTest, EveryMistakeIsNamedWithFileLineKeyAndWhatWouldBeValid) {
   EXPECT_THAT(mistakes, Contains(StartsWith("--set seed=-1: seed")));
 }
 
+TEST_F(ScenarioTest, WhatIsWrongWithAFlightAsAWholeIsToldWithTheLineOfItsKey) {
+  const std::string file = Write("fuzzy.yaml",
+                                 "mission: landing\n"
+                                 "flight:\n"
+                                 "  height_law: fuzzy\n"
+                                 "  commit_sink_m_s: 0.9\n"
+                                 "  fuzzy:\n"
+                                 "    controller:\n"
+                                 "      rules:\n"
+                                 "        - if error is high then descent is fast\n"
+                                 "        - if eror is near then descent is slow\n");
+  EXPECT_THAT(Refusal(file),
+              ElementsAre(StartsWith(file + ":4: flight.commit_sink_m_s: 0.9 is above"),
+                          file + ":9: flight.fuzzy.controller.rules.1: 'eror' is not an input; did you mean "
+                                 "'error'?"));
+  EXPECT_THAT(Refusal("landing", {"flight.fuzzy.controller.rules=[]"}),
+              ElementsAre(StartsWith("--set flight.fuzzy.controller.rules=[]: flight.fuzzy.controller.rules: "
+                                     "there is no rule")));
+}
+
 TEST_F(ScenarioTest, ALandscapeIsAsItsWorldHasItButForTheScenariosOwnWords) {
   const LoadedScenario plain = LoadScenario("pose", {"world=winter_cloudy"});
   const LoadedScenario own = LoadScenario("pose", {"world=winter_cloudy", "landscape.haze_m=1234"});
