@@ -49,12 +49,12 @@ std::string Memberships(const FuzzyVariable& variable, double scale, const std::
     plots +=
         fmt::format("{}{} using 1:2 with lines lw 2.4 lc rgb '{}'", i ? ", " : "plot ", block, SetColour(i));
     const double middle = std::clamp((set.corners[1] + set.corners[2]) / 2, variable.low, variable.high);
-    labels += fmt::format("set label {} at first {:.6g}, first 1.06 center tc rgb '{}' noenhanced\n",
+    labels += fmt::format("set label {} at first {:.6g}, first 1.08 center tc rgb '{}' noenhanced\n",
                           records::GnuplotQuoted(name), scale * middle, SetColour(i));
   }
   return data + labels +
          fmt::format(
-             "set xrange [{:.6g}:{:.6g}]\nset yrange [0:1.15]\nset ytics 0,0.5,1\nset xlabel {}\n{}\n",
+             "set xrange [{:.6g}:{:.6g}]\nset yrange [0:1.2]\nset ytics 0,0.5,1\nset xlabel {}\n{}\n",
              scale * variable.low, scale * variable.high, records::GnuplotQuoted(axis), plots);
 }
 
