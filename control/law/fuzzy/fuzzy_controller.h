@@ -21,9 +21,9 @@ struct FuzzyVariable {
 };
 
 inline void Fields(FieldVisitor& v, FuzzyVariable& x) {
-  v({"low", "lower end of its range"}, x.low, -1e6, 1e6);
-  v({"high", "upper end of its range"}, x.high, -1e6, 1e6);
-  v({"sets", "fuzzy sets by the names that rules have for them"}, x.sets);
+  v(Required("low", "lower end of its range"), x.low, -1e6, 1e6);
+  v(Required("high", "upper end of its range"), x.high, -1e6, 1e6);
+  v(Required("sets", "fuzzy sets by the names that rules have for them"), x.sets);
 }
 
 struct FuzzyController {

@@ -15,9 +15,10 @@ struct FuzzySet {
 };
 
 inline void Fields(FieldVisitor& v, FuzzySet& s) {
-  v({"corners",
-     "where its membership function leaves 0, reaches 1, leaves 1 and reaches 0; of a triangle the "
-     "two middle ones are alike"},
+  v(Required(
+        "corners",
+        "where its membership function leaves 0, reaches 1, leaves 1 and reaches 0; of a triangle the two "
+        "middle ones are alike"),
     s.corners, -1e6, 1e6);
 }
 
