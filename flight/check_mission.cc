@@ -19,6 +19,12 @@ Place WhereOfDotted(const ConfigNode& node, std::string_view key, const Place& h
   return holder;
 }
 
+// What is wrong with a flight as a whole, each at its own key.
+void AddAtKeys(const Mistakes& of_flight, const Config& config, Mistakes& mistakes) {
+  for (const Diagnostic& each : of_flight.all())
+    mistakes.Add(WhereOfDotted(config.root, each.key, each.place()), each.key, each.what, each.remedy);
+}
+
 }  // namespace
 
 void CheckMission(const mission::Flight& flight, bool colour, const Config& config, const Place& where,
@@ -29,8 +35,14 @@ void CheckMission(const mission::Flight& flight, bool colour, const Config& conf
                  "valid: true");
   Mistakes of_flight;
   flight->Check(WhereOf(config, "flight", where), of_flight);
-  for (const Diagnostic& each : of_flight.all())
-    mistakes.Add(WhereOfDotted(config.root, each.key, each.place()), each.key, each.what, each.remedy);
+  AddAtKeys(of_flight, config, mistakes);
+}
+
+void CheckLimits(const mission::Flight& flight, const mission::AircraftLimits& limits, const Config& config,
+                 const Place& where, Mistakes& mistakes) {
+  Mistakes of_flight;
+  flight->CheckLimits(limits, WhereOf(config, "flight", where), of_flight);
+  AddAtKeys(of_flight, config, mistakes);
 }
 
 void CheckView(const mission::Flight& flight, const std::string& camera_name,

@@ -435,16 +435,16 @@ TEST_F(ScenarioTest, AvoidingAsksNoMoreThanTheAutopilotGives) {
                                                "  marks: []\n");
   const auto mistakes = Refusal(file);
   EXPECT_EQ(mistakes.size(), 5u);
-  const auto refused = [&](const std::string& key, const std::string& limit) {
-    EXPECT_THAT(mistakes, Contains(AllOf(StartsWith(file + ":5: flight." + key), HasSubstr(limit),
-                                         HasSubstr("valid: no more than that"))));
+  const auto refused = [&](int line, const std::string& key, const std::string& limit) {
+    EXPECT_THAT(mistakes, Contains(AllOf(StartsWith(fmt::format("{}:{}: flight.{}", file, line, key)),
+                                         HasSubstr(limit), HasSubstr("valid: no more than that"))));
   };
-  refused("speed_m_s: 12", "autopilot.speed_limit_m_s is");
-  refused("avoidance.acceleration_m_s2: 15", "autopilot.acceleration_limit_m_s2 is");
-  refused("avoidance.hold.yaw_rate_limit_deg_s: 170", "autopilot.yaw_rate_limit_deg_s is");
-  refused("avoidance.hold.bearing_deg: 70", "flight.avoidance.max_bearing_deg is 60");
+  refused(6, "speed_m_s: 12", "autopilot.speed_limit_m_s is");
+  refused(8, "avoidance.acceleration_m_s2: 15", "autopilot.acceleration_limit_m_s2 is");
+  refused(10, "avoidance.hold.yaw_rate_limit_deg_s: 170", "autopilot.yaw_rate_limit_deg_s is");
+  refused(10, "avoidance.hold.bearing_deg: 70", "flight.avoidance.max_bearing_deg is 60");
   EXPECT_THAT(mistakes,
-              Contains(file + ":5: flight.marks: is empty; valid: at least one, or a flight.contrast"));
+              Contains(file + ":11: flight.marks: is empty; valid: at least one, or a flight.contrast"));
   EXPECT_THAT(Refusal(Write("b.yaml", text + "flight: {avoidance: {max_bearing_deg: 60, hold: {bearing_deg: "
                                              "60}}}\n")),
               IsEmpty());
