@@ -8,6 +8,24 @@
 #include "base/yaml/config.h"
 
 namespace kestrel::flight {
+namespace {
+
+// Where the file has a dotted key, or the nearest of what holds it.
+Place WhereOfDotted(const ConfigNode& node, std::string_view key, const Place& holder) {
+  const std::string_view first = key.substr(0, key.find('.'));
+  for (const auto& [name, member] : node.members)
+    if (name == first)
+      return first == key ? member.where : WhereOfDotted(member, key.substr(first.size() + 1), member.where);
+  return holder;
+}
+
+// What is wrong with a flight as a whole, each at its own key.
+void AddAtKeys(const Mistakes& of_flight, const Config& config, Mistakes& mistakes) {
+  for (const Diagnostic& each : of_flight.all())
+    mistakes.Add(WhereOfDotted(config.root, each.key, each.place()), each.key, each.what, each.remedy);
+}
+
+}  // namespace
 
 void CheckMission(const mission::Flight& flight, bool colour, const Config& config, const Place& where,
                   Mistakes& mistakes) {
@@ -15,7 +33,16 @@ void CheckMission(const mission::Flight& flight, bool colour, const Config& conf
     mistakes.Add(WhereOf(config, "image", where), "image.colour",
                  fmt::format("false, but the mission '{}' tells its target by colour", flight.type().name),
                  "valid: true");
-  flight->Check(WhereOf(config, "flight", where), mistakes);
+  Mistakes of_flight;
+  flight->Check(WhereOf(config, "flight", where), of_flight);
+  AddAtKeys(of_flight, config, mistakes);
+}
+
+void CheckLimits(const mission::Flight& flight, const mission::AircraftLimits& limits, const Config& config,
+                 const Place& where, Mistakes& mistakes) {
+  Mistakes of_flight;
+  flight->CheckLimits(limits, WhereOf(config, "flight", where), of_flight);
+  AddAtKeys(of_flight, config, mistakes);
 }
 
 void CheckView(const mission::Flight& flight, const std::string& camera_name,

@@ -12,6 +12,8 @@ namespace kestrel::flight {
 // itself. All of it is a mistake before anything starts.
 void CheckMission(const mission::Flight& flight, bool colour, const Config& config, const Place& where,
                   Mistakes& mistakes);
+void CheckLimits(const mission::Flight& flight, const mission::AircraftLimits& limits, const Config& config,
+                 const Place& where, Mistakes& mistakes);
 void CheckView(const mission::Flight& flight, const std::string& camera_name,
                const vision::CameraModel& camera, const vision::CameraMount& mount, const Config& config,
                const Place& where, Mistakes& mistakes);

@@ -241,11 +241,12 @@ LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& o
   CheckMission(s.flight, s.image.colour, config, where, mistakes);
   sim::CheckFaults(s.sensors, s.actuators, vehicle.airframe, WhereOf(config, "sensors", where),
                    WhereOf(config, "actuators", where), mistakes);
-  s.flight->CheckLimits({.speed_m_s = s.autopilot.speed_limit_m_s,
-                         .climb_m_s = s.autopilot.climb_limit_m_s,
-                         .yaw_rate_deg_s = s.autopilot.yaw_rate_limit_deg_s,
-                         .acceleration_m_s2 = s.autopilot.acceleration_limit_m_s2},
-                        WhereOf(config, "flight", where), mistakes);
+  CheckLimits(s.flight,
+              {.speed_m_s = s.autopilot.speed_limit_m_s,
+               .climb_m_s = s.autopilot.climb_limit_m_s,
+               .yaw_rate_deg_s = s.autopilot.yaw_rate_limit_deg_s,
+               .acceleration_m_s2 = s.autopilot.acceleration_limit_m_s2},
+              config, where, mistakes);
   CheckTargets(s, WhereOf(config, "targets", where), mistakes);
   CheckLandscape(s, beside, config, where, mistakes);
   CheckMount(s.mount, WhereOf(config, "mount", where), mistakes);

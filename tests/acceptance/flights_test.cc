@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/statistics.h"
 #include "flight/simulated/runner.h"
 #include "geometry/tait_bryan.h"
 #include "mission/horizon_observer.h"
@@ -144,6 +145,30 @@ void ExpectLandings(const std::string& scenario) {
 }
 
 TEST(Landing, LandsOnThePad) { ExpectLandings("landing"); }
+
+// Thesis 5.3.1: a fuzzy controller of height, and from 0.7 m down 0.2 m/s.
+TEST(Landing, LandsByFuzzyRulesWithinTwelveCentimetresInNineteenOfTwenty) {
+  std::vector<double> errors_m;
+  for (std::uint64_t seed = 101; seed <= 120; ++seed) {
+    const flight::FlightResult result = Flown("landing", seed, {"flight.height_law=fuzzy"});
+    EXPECT_EQ(result.summary.outcome, "landed") << seed;
+    ExpectCriteria(result);
+    errors_m.push_back(result.summary.metrics.at("touchdown_error_m"));
+    EXPECT_LT(errors_m.back(), 0.25) << seed;
+    for (const records::LogRow& row : result.rows) {
+      EXPECT_NE(row.decision.phase, "no rule") << seed << ", " << row.now.t_s << " s";
+    }
+  }
+  EXPECT_LE(Quantile(errors_m, 0.95), 0.12);
+}
+
+TEST(Landing, LandsByFuzzyRulesFromTheStartsOfTheThesis) {
+  for (const char* scenario : {"landing_fuzzy_1", "landing_fuzzy_2", "landing_fuzzy_3"}) {
+    const flight::FlightResult result = Flown(scenario, 101);
+    EXPECT_EQ(result.summary.outcome, "landed") << scenario;
+    ExpectCriteria(result);
+  }
+}
 
 TEST(Landing, LandsAsWellByAFisheye) { ExpectLandings("landing_fisheye"); }
 

@@ -56,7 +56,7 @@ TEST_F(ListCommandTest, MetricsHaveUnitsAndScenariosWhatTheyFlyWith) {
   EXPECT_EQ(scenarios[0].at("vehicle"), "pelican");
   EXPECT_EQ(
       List("campaigns --names").out,
-      "attitude/weather\navoid/encounters\nfollow/speed\nhover/wind\nlanding/dispersion\npose/height\n");
+      "attitude/weather\navoid/encounters\nfollow/speed\nhover/wind\nlanding/dispersion\nlanding/height_laws\npose/height\n");
 }
 
 TEST_F(ListCommandTest, WhatIsNotValidIsListedWithTheReason) {
