@@ -13,6 +13,7 @@
 #include "scenarios/hand_held/hand_held_metrics.h"
 #include "scenarios/hand_held/hand_held_plots.h"
 #include "scenarios/hand_held/hand_held_report.h"
+#include "vision/camera/camera_model.h"
 
 namespace kestrel::scenarios {
 namespace {
