@@ -42,8 +42,8 @@ inline void Fields(FieldVisitor& v, CarryParameters& p) {
 void CheckCarry(const CarryParameters& parameters, const Place& where, Mistakes& mistakes);
 
 // The way as a function of time alone. From each place the hand goes to the next as hands do, with the least
-// jerk (T. Flash and N. Hogan, "The coordination of arm movements", J. Neuroscience 5(7), 1985): the quintic that
-// begins and ends at rest. Before the first place and after the last it stays there.
+// jerk (T. Flash and N. Hogan, "The coordination of arm movements", J. Neuroscience 5(7), 1985): the quintic
+// that begins and ends at rest. Before the first place and after the last it stays there.
 class CarriedPath {
  public:
   // parameters: with one place at least.

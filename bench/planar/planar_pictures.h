@@ -16,8 +16,8 @@ struct PlanarPicture {
 
 inline const cv::Size kPictureSize(1024, 768);
 
-// One of each kind, drawn by the seed: printed text, a rich texture, a poor sign of few shapes, and a pattern that
-// repeats itself within a frame.
+// One of each kind, drawn by the seed: printed text, a rich texture, a poor sign of few shapes, and a pattern
+// that repeats itself within a frame.
 std::vector<PlanarPicture> PlanarPictures(std::uint64_t seed);
 
 // Blotches of several sizes, as grass and gravel or a wall have them. contrast: grey levels of each size.

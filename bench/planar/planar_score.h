@@ -10,7 +10,8 @@
 
 namespace kestrel::bench {
 
-// Root mean square distance of the picture's four corners from where they are, px: the alignment error of POT-210.
+// Root mean square distance of the picture's four corners from where they are, px: the alignment error of
+// POT-210.
 double AlignmentError_px(const Eigen::Matrix3d& H_w, const Eigen::Matrix3d& H_true);
 
 // How a tracker did. A frame counts while enough of the picture is to be seen.

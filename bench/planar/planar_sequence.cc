@@ -40,8 +40,8 @@ std::vector<cv::Mat> Pyramid(const cv::Mat& picture) {
   return levels;
 }
 
-// Draws a picture of so many metres onto an image, of pixels that are kFine times finer, where it lies within it.
-// H: from the plane, m, x up in the picture, y right, to the fine image. px_per_m: of that.
+// Draws a picture of so many metres onto an image, of pixels that are kFine times finer, where it lies within
+// it. H: from the plane, m, x up in the picture, y right, to the fine image. px_per_m: of that.
 void Put(const std::vector<cv::Mat>& levels, double length_m, double width_m, const Matrix3d& H,
          double px_per_m, cv::Mat& image) {
   std::size_t level = 0;
@@ -179,7 +179,8 @@ cv::Mat PlanarSequence::Instant(double t_s) const {
   Matrix3d fine;
   fine << kFine, 0, (kFine - 1) / 2.0, 0, kFine, (kFine - 1) / 2.0, 0, 0, 1;
   const Matrix3d H = fine * vision::HomographyFromPose(X, camera);
-  // The background does not turn with the picture, and moves less: it lies behind it, and the camera moves too.
+  // The background does not turn with the picture, and moves less: it lies behind it, and the camera moves
+  // too.
   const Pose behind{HeadingRotation(Radians(-90)), {0.5 * X.p.x(), 0.5 * X.p.y(), 0.6 * X.p.z() + kBehind_m}};
   const Matrix3d H_behind = fine * vision::HomographyFromPose(behind, camera);
   cv::Mat image(kFine * camera.height_px, kFine * camera.width_px, CV_8UC1, cv::Scalar(115));

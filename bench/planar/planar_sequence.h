@@ -11,9 +11,9 @@
 #include "geometry/pose.h"
 #include "vision/camera/pinhole.h"
 
-// Sequences of a flat picture before a background whose homographies are known exactly, since the images are drawn
-// from them. The factors are those of POT-210 (P. Liang et al., "Planar Object Tracking in the Wild: A Benchmark",
-// ICRA 2018), each by itself and then all together.
+// Sequences of a flat picture before a background whose homographies are known exactly, since the images are
+// drawn from them. The factors are those of POT-210 (P. Liang et al., "Planar Object Tracking in the Wild: A
+// Benchmark", ICRA 2018), each by itself and then all together.
 namespace kestrel::bench {
 
 enum class PlanarFactor {

@@ -188,8 +188,8 @@ Surroundings SurroundingsOf(const std::vector<LogRow>& rows, const PlotOptions& 
   return s;
 }
 
-// Some arrows along the flight, to where the nose points: $heading, by the truth and, where it is not none, by
-// the fix, each as right, forward, up and the arrow along them.
+// Some arrows along the flight, to where the nose points: $heading, by the truth and, where it is not none,
+// by the fix, each as right, forward, up and the arrow along them.
 std::string HeadingData(const std::vector<Sample>& samples, double length_m) {
   constexpr std::size_t kArrows = 24;
   std::string text = "$heading << END_OF_HEADING\n";

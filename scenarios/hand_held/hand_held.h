@@ -8,8 +8,8 @@
 
 namespace kestrel::scenarios {
 
-// Thesis 3.4: a camera is carried by hand through a room before a landmark on the wall, and the vision estimates
-// where it is, image by image, without a filter and without an autopilot.
+// Thesis 3.4: a camera is carried by hand through a room before a landmark on the wall, and the vision
+// estimates where it is, image by image, without a filter and without an autopilot.
 struct HandHeldFlight {
   bool chain = true;
 };

@@ -12,8 +12,8 @@ namespace kestrel::scenarios {
 // Whether the landmark was seen in any of the rows.
 bool SawLandmark(const std::vector<records::LogRow>& rows);
 
-// gnuplot's script of a figure as thesis 3.8 to 3.11: the camera's place in the room and its yaw against time, by
-// the motion capture, by the landmark, and by the chain of homographies alone.
+// gnuplot's script of a figure as thesis 3.8 to 3.11: the camera's place in the room and its yaw against
+// time, by the motion capture, by the landmark, and by the chain of homographies alone.
 std::string HandHeldPlot(const std::filesystem::path& file, const std::vector<records::LogRow>& rows,
                          const std::string& title);
 

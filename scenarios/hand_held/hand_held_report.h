@@ -16,8 +16,8 @@ struct HandHeldReport final : mission::MissionReport {
   std::optional<vision::PadObservation> seen, chained;  // none: the landmark is lost
 };
 
-// The axes of the motion capture of thesis 3.4: x to the right and y ahead of who faces the wall, here east and
-// north, z up, of the origin of N. Yaw turns about z, from looking along y, to the left positive.
+// The axes of the motion capture of thesis 3.4: x to the right and y ahead of who faces the wall, here east
+// and north, z up, of the origin of N. Yaw turns about z, from looking along y, to the left positive.
 struct RoomPlace {
   Eigen::Vector3d p;  // m
   double yaw;         // rad
@@ -27,8 +27,8 @@ inline RoomPlace InRoom(const Pose& X_NC) {
   return {{X_NC.p.y(), X_NC.p.x(), -X_NC.p.z()}, -std::atan2(axis_N.y(), axis_N.x())};
 }
 
-// Where the camera was at the exposure, by the motion capture, and by an observation of the landmark, of whose
-// place the motion capture knows.
+// Where the camera was at the exposure, by the motion capture, and by an observation of the landmark, of
+// whose place the motion capture knows.
 inline Pose TrueCamera(const Truth& exposure, const HandHeldReport& report) {
   return exposure.X_NB * report.X_BC;
 }

@@ -10,7 +10,8 @@
 namespace kestrel::scenarios {
 namespace {
 
-// The autopilot's own estimate at an exposure, between those that came with the frames. None: outside of them.
+// The autopilot's own estimate at an exposure, between those that came with the frames. None: outside of
+// them.
 std::optional<Pose> EstimateAt(const std::vector<records::LogRow>& rows, double t_s) {
   const auto after = std::lower_bound(rows.begin(), rows.end(), t_s,
                                       [](const records::LogRow& row, double t) { return row.now.t_s < t; });

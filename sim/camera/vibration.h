@@ -10,8 +10,8 @@
 
 namespace kestrel::sim {
 
-// How a mount, or the hand that holds it, shakes: on each axis some tones for each band, their frequencies and phases drawn by the seed.
-// A function of time alone.
+// How a mount, or the hand that holds it, shakes: on each axis some tones for each band, their frequencies
+// and phases drawn by the seed. A function of time alone.
 class Vibration {
  public:
   Vibration(const std::vector<vision::VibrationBand>& bands, std::uint64_t seed,

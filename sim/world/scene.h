@@ -51,8 +51,9 @@ struct SceneParameters {
 ModelPtr MakeModel(const SceneParameters& parameters, bool paint = true);
 DataPtr MakeData(const mjModel* model);
 
-// X_NT: origin in the middle of the pad's face, x along the up of its picture, y to the right of it, z
-// into it: down where it lies. Valid once the positions of data are computed (mj_kinematics, mj_forward or mj_step).
+// X_NT: origin in the middle of the pad's face, x along the up of its picture, y to the right of it, z into
+// it: down where it lies. Valid once the positions of data are computed (mj_kinematics, mj_forward or
+// mj_step).
 Pose PadPose(const mjModel* model, const mjData* data);
 
 // Puts a target there, with its string to its anchor. It shows once the positions of data are computed again.

@@ -31,7 +31,8 @@ TEST(CarriedPath, RestsAtItsPlaces) {
   }
 }
 
-// Of the least jerk between two rests a distance d and a time T apart the greatest speed is 15/8 d/T, in the middle.
+// Of the least jerk between two rests a distance d and a time T apart the greatest speed is 15/8 d/T, in the
+// middle.
 TEST(CarriedPath, GoesWithTheLeastJerk) {
   const CarriedPath path(Way(), 1);
   EXPECT_LT((path.X_NB(2).p - Vector3d(2, 1, -1.5)).norm(), 1e-12);

@@ -8,8 +8,8 @@
 namespace kestrel::scenarios {
 namespace {
 
-// A pad that is turned, over which the aircraft goes north with 2 m/s, with an autopilot that believes it 0.3 m
-// farther along the pad's x, and turned by 3 degrees, and a camera that is right. The frame comes late.
+// A pad that is turned, over which the aircraft goes north with 2 m/s, with an autopilot that believes it 0.3
+// m farther along the pad's x, and turned by 3 degrees, and a camera that is right. The frame comes late.
 TEST(PoseMetrics, TellTheFixLessTheAutopilotAtTheExposure) {
   constexpr double kPeriod_s = 0.05, kLatency_s = 0.07, kSpeed_m_s = 2;
   const Pose X_NT{HeadingRotation(Radians(90)), {10, -4, -0.01}};
