@@ -20,16 +20,17 @@
 #include "bench/bench_trackers.h"
 #include "bench/bench_wire.h"
 #include "bench/horizon/bench_horizon.h"
+#include "bench/planar/bench_planar.h"
 #include "bench/servo/bench_servo.h"
 #include "bench/servo/bench_servoing.h"
 
 namespace kestrel::app {
 
 CLI::App* AddBenchCommand(CLI::App& app, BenchArguments& a) {
-  const std::vector<std::string> names = {"flights", "fisheye",  "attitude",    "horizon",  "gyro_failure",
-                                          "drift",   "heights",  "speed",       "render",   "calibration",
-                                          "servo",   "trackers", "contrast",    "follow",   "avoid",
-                                          "stream",  "wire",     "link_faults", "campaign", "hashes"};
+  const std::vector<std::string> names = {
+      "flights", "fisheye", "attitude",    "horizon",     "gyro_failure", "drift",    "heights",
+      "speed",   "render",  "calibration", "servo",       "trackers",     "contrast", "follow",
+      "avoid",   "stream",  "wire",        "link_faults", "campaign",     "hashes",   "planar"};
   CLI::App* command = app.add_subcommand("bench", "Measure: a table of figures beside their targets");
   // Of campaigns by its name alone: it flies for minutes, and kills itself.
   command->add_option("name", a.name, "All but campaign, wire, link_faults and hashes when none is given")
@@ -74,6 +75,9 @@ bool BenchCommand(const BenchArguments& arguments) {
   if (chosen("contrast"))
     bench::BenchContrast(seeds.first, seeds.last, arguments.jobs,
                          std::filesystem::path(arguments.out) / "contrast", table);
+  if (chosen("planar"))
+    bench::BenchPlanar(seeds.first, seeds.last, arguments.jobs,
+                       std::filesystem::path(arguments.out) / "planar", table);
   if (chosen("stream")) bench::BenchStream(table);
   // By name alone: they need the program for real aircraft, and real time.
   const std::filesystem::path wires = "results/runs";

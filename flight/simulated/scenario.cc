@@ -248,6 +248,7 @@ LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& o
                .acceleration_m_s2 = s.autopilot.acceleration_limit_m_s2},
               config, where, mistakes);
   CheckTargets(s, WhereOf(config, "targets", where), mistakes);
+  if (s.carry) sim::CheckCarry(*s.carry, WhereOf(config, "carry", where), mistakes);
   CheckLandscape(s, beside, config, where, mistakes);
   CheckMount(s.mount, WhereOf(config, "mount", where), mistakes);
   CheckCriteria(s, config, where, mistakes);
@@ -288,6 +289,8 @@ LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& o
   }
   sim.scene.pad_position_m = s.pad.position_m;
   sim.scene.pad_yaw_deg = s.pad.yaw_deg;
+  sim.scene.pad_height_m = s.pad.height_m;
+  sim.scene.pad_tilt_deg = s.pad.tilt_deg;
   sim.sensors = s.sensors;
   sim.actuators = s.actuators;
   sim.mount = s.mount;
@@ -295,6 +298,7 @@ LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& o
   sim.render = s.render;
   sim.wind = s.wind;
   sim.start = s.start;
+  sim.carry = s.carry;
   sim.occlusion = s.occlusion;
   sim.targets = s.targets;
   sim.seed = s.seed;
