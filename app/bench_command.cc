@@ -10,6 +10,7 @@
 #include "base/file/files.h"
 #include "base/file/model_files.h"
 #include "bench/alignment/bench_alignment.h"
+#include "bench/alignment/bench_pad_trackers.h"
 #include "bench/bench_attitude.h"
 #include "bench/bench_calibration.h"
 #include "bench/bench_campaign.h"
@@ -69,7 +70,10 @@ bool BenchCommand(const BenchArguments& arguments) {
   if (chosen("render")) bench::BenchRender(seeds.first, seeds.last, table);
   if (chosen("calibration")) bench::BenchCalibration(seeds.first, seeds.last, arguments.jobs, table);
   if (chosen("servo")) bench::BenchServo(table);
-  if (chosen("trackers")) bench::BenchTrackers(seeds.first, seeds.last, table);
+  if (chosen("trackers")) {
+    bench::BenchTrackers(seeds.first, seeds.last, table);
+    bench::BenchPadTrackers(seeds, table);
+  }
   if (chosen("alignment")) bench::BenchAlignment(seeds, table);
   if (chosen("follow")) bench::BenchFollow(seeds, arguments.jobs, table);
   if (chosen("avoid")) bench::BenchAvoid(seeds, arguments.jobs, table);
