@@ -9,6 +9,8 @@
 #include "base/diagnostics.h"
 #include "base/file/files.h"
 #include "base/file/model_files.h"
+#include "bench/alignment/bench_alignment.h"
+#include "bench/alignment/bench_pad_trackers.h"
 #include "bench/bench_attitude.h"
 #include "bench/bench_calibration.h"
 #include "bench/bench_campaign.h"
@@ -30,7 +32,8 @@ CLI::App* AddBenchCommand(CLI::App& app, BenchArguments& a) {
   const std::vector<std::string> names = {
       "flights", "fisheye", "attitude",    "horizon",     "gyro_failure", "drift",    "heights",
       "speed",   "render",  "calibration", "servo",       "trackers",     "contrast", "follow",
-      "avoid",   "stream",  "wire",        "link_faults", "campaign",     "hashes",   "planar"};
+      "avoid",   "stream",  "wire",        "link_faults", "campaign",     "hashes",   "alignment",
+      "planar"};
   CLI::App* command = app.add_subcommand("bench", "Measure: a table of figures beside their targets");
   // Of campaigns by its name alone: it flies for minutes, and kills itself.
   command->add_option("name", a.name, "All but campaign, wire, link_faults and hashes when none is given")
@@ -69,7 +72,11 @@ bool BenchCommand(const BenchArguments& arguments) {
   if (chosen("render")) bench::BenchRender(seeds.first, seeds.last, table);
   if (chosen("calibration")) bench::BenchCalibration(seeds.first, seeds.last, arguments.jobs, table);
   if (chosen("servo")) bench::BenchServo(table);
-  if (chosen("trackers")) bench::BenchTrackers(seeds.first, seeds.last, table);
+  if (chosen("trackers")) {
+    bench::BenchTrackers(seeds.first, seeds.last, table);
+    bench::BenchPadTrackers(seeds, table);
+  }
+  if (chosen("alignment")) bench::BenchAlignment(seeds, table);
   if (chosen("follow")) bench::BenchFollow(seeds, arguments.jobs, table);
   if (chosen("avoid")) bench::BenchAvoid(seeds, arguments.jobs, table);
   if (chosen("contrast"))

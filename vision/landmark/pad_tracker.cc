@@ -77,13 +77,37 @@ double Correlation(const cv::Mat& a, const cv::Point2f& at_a, const cv::Mat& b, 
 }  // namespace
 
 PadTracker::PadTracker(PadReference reference, const Pinhole& camera, const PadTrackerOptions& options)
-    : reference_(std::move(reference)), detector_(reference_, camera), camera_(camera), options_(options) {}
+    : reference_(std::move(reference)), detector_(reference_, camera), camera_(camera), options_(options) {
+  if (options.method == "icia") alignment_.emplace(reference_, camera, options);
+}
 
 std::optional<PadObservation> PadTracker::Track(const cv::Mat& grey,
                                                 const std::optional<Pose>& X_CT_expected) {
   ++frames_;
   tracked_.clear();
   agreed_.clear();
+  return alignment_ ? TrackPicture(grey, X_CT_expected) : TrackCorners(grey, X_CT_expected);
+}
+
+std::optional<PadObservation> PadTracker::TrackPicture(const cv::Mat& grey,
+                                                       const std::optional<Pose>& X_CT_expected) {
+  std::optional<PadObservation> seen;
+  if (seen_last_ || X_CT_expected) alignment_->Look(grey);
+  if (X_CT_expected) seen = alignment_->Follow(HomographyFromPose(*X_CT_expected, camera_));
+  if (!seen && seen_last_) seen = alignment_->Follow(last_H_w_);
+  if (seen) {
+    tracked_ = agreed_ = alignment_->points();
+    lost_frames_ = 0;
+  } else {
+    seen = Find(grey);
+  }
+  seen_last_ = seen.has_value();
+  if (seen) last_H_w_ = seen->H_w;
+  return seen;
+}
+
+std::optional<PadObservation> PadTracker::TrackCorners(const cv::Mat& grey,
+                                                       const std::optional<Pose>& X_CT_expected) {
   std::vector<cv::Mat> pyramid;
   cv::buildOpticalFlowPyramid(grey, pyramid, kFollowWindow, kFollowLevels, true);
 

@@ -7,52 +7,22 @@
 #include <optional>
 #include <vector>
 
-#include "base/yaml/fields.h"
 #include "geometry/pose.h"
 #include "vision/camera/pinhole.h"
+#include "vision/landmark/pad_alignment.h"
 #include "vision/landmark/pad_detector.h"
 #include "vision/landmark/pad_features.h"
 #include "vision/landmark/pad_reference.h"
+#include "vision/landmark/pad_tracking.h"
 
 namespace kestrel::vision {
-
-struct PadTrackerOptions {
-  bool registration = true;  // without it: as in the thesis
-  int max_points = 90;
-  int min_inliers = 10;
-  double threshold_px = 1.5;
-  double sigma_px = 0.08;
-};
-
-inline void Fields(FieldVisitor& v, PadTrackerOptions& o) {
-  v({"registration",
-     "register each image to the pad's known picture; false: chain homographies between images, which drift"},
-    o.registration);
-  v({"max_points", "approximate number of corners of the pad that are tracked in an image"}, o.max_points, 20,
-    400);
-  v({"min_inliers", "minimum number of points that must agree for the pad to count as seen"}, o.min_inliers,
-    6, 100);
-  v({"threshold_px", "maximum symmetric transfer distance of an inlier"}, o.threshold_px, 0.2, 10.0);
-  v({"sigma_px", "standard deviation of a tracked point, from which the covariance of the pose follows"},
-    o.sigma_px, 0.001, 5.0);
-}
-
-struct PadObservation {
-  Pose X_CT;
-  Eigen::Matrix<double, 6, 6> covariance;  // of (translation in C, m; rotation vector in C, rad)
-  Eigen::Matrix3d H_w;                     // from T, m, to the image
-  int inliers = 0;
-  double residual_px = 0;  // root mean square of the inliers
-  double visible = 0;      // area spanned by the inliers, as a share of the pad
-  bool registered = false;
-  bool found = false;  // by search in this frame, not by tracking
-};
 
 // The helipad from image to image, thesis 4.4: corners followed by pyramidal Lucas-Kanade from the last
 // frame, a RANSAC homography (algorithm 1), the chain of 3.19 and 3.20, the pose of 3.22 to 3.25. The thesis
 // names the drift of that chain as its weakness: here the chain is only the prediction, and the reference
 // appearance, drawn as the prediction would see it, is registered to the frame, again by Lucas-Kanade and
-// RANSAC. The pad is found anew by PadDetector when there is nothing to track.
+// RANSAC. By the method icia, PadAlignment takes the place of both. The pad is found anew by PadDetector when
+// there is nothing to track.
 class PadTracker {
  public:
   PadTracker(PadReference reference, const Pinhole& camera, const PadTrackerOptions& options);
@@ -67,6 +37,8 @@ class PadTracker {
   const PadReference& reference() const { return reference_; }
 
  private:
+  std::optional<PadObservation> TrackCorners(const cv::Mat& grey, const std::optional<Pose>& X_CT_expected);
+  std::optional<PadObservation> TrackPicture(const cv::Mat& grey, const std::optional<Pose>& X_CT_expected);
   std::optional<Eigen::Matrix3d> Follow(const std::vector<cv::Mat>& pyramid,
                                         const std::optional<Pose>& X_CT_expected);
   std::optional<PadObservation> Register(const cv::Mat& grey, const Eigen::Matrix3d& H_predicted);
@@ -78,7 +50,8 @@ class PadTracker {
 
   PadReference reference_;
   PadDetector detector_;
-  std::optional<PadFeatures> features_;  // made when first needed
+  std::optional<PadFeatures> features_;    // made when first needed
+  std::optional<PadAlignment> alignment_;  // of the method icia
   Pinhole camera_;
   PadTrackerOptions options_;
   std::uint32_t frames_ = 0;
@@ -87,6 +60,7 @@ class PadTracker {
   std::vector<cv::Mat> last_pyramid_;
   std::vector<cv::Point2f> last_points_;
   Eigen::Matrix3d last_H_w_;
+  bool seen_last_ = false;  // last_H_w_ is of the last frame
   int lost_frames_ = 0;
   int chain_inliers_ = 0;
   double chain_rms_px_ = 0;
