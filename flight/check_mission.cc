@@ -6,6 +6,7 @@
 
 #include "base/file/model_files.h"
 #include "base/yaml/config.h"
+#include "vision/landmark/features/features.h"
 
 namespace kestrel::flight {
 namespace {
@@ -60,6 +61,15 @@ void CheckView(const mission::Flight& flight, const std::string& camera_name,
   }
   flight->CheckView(camera, mount, WhereOf(config, "flight", where), WhereOf(config, "mount", where),
                     mistakes);
+}
+
+void CheckPilot(const mission::Flight& flight, const mission::PilotParameters& pilot, const Config& config,
+                const Place& where, Mistakes& mistakes) {
+  const auto detector = vision::FeatureDetectorNamed(pilot.tracker.features);
+  if (flight.type().looks_for_pad && detector && !vision::IsAvailable(*detector))
+    mistakes.Add(WhereOf(config, "pilot", where), "pilot.tracker.features",
+                 fmt::format("'{}', and this build has no dlib", pilot.tracker.features),
+                 "valid: sift, orb, akaze, or build anew with Debian's libdlib-dev and libblas-dev");
 }
 
 void CheckHasPad(const mission::Flight& flight, const Config& config, const Place& where,

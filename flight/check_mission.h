@@ -17,6 +17,9 @@ void CheckLimits(const mission::Flight& flight, const mission::AircraftLimits& l
 void CheckView(const mission::Flight& flight, const std::string& camera_name,
                const vision::CameraModel& camera, const vision::CameraMount& mount, const Config& config,
                const Place& where, Mistakes& mistakes);
+// Of a mission that looks for the pad: whether this build can do what its pilot is to do.
+void CheckPilot(const mission::Flight& flight, const mission::PilotParameters& pilot, const Config& config,
+                const Place& where, Mistakes& mistakes);
 // Of a file that has no pad.
 void CheckHasPad(const mission::Flight& flight, const Config& config, const Place& where, Mistakes& mistakes);
 

@@ -61,6 +61,7 @@ LoadedPlan LoadWhole(const fs::path& file, const std::vector<std::string>& overr
   if (!config.readable) mistakes.ThrowIfAny();
   if (p.name.empty()) p.name = file.stem().string();
   CheckMission(p.flight, p.image.colour, config, where, mistakes);
+  CheckPilot(p.flight, p.pilot, config, where, mistakes);
 
   mission::MissionParts& parts = loaded.parts;
   parts.pilot = p.pilot;

@@ -239,6 +239,7 @@ LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& o
                    "valid: until_s after from_s");
   }
   CheckMission(s.flight, s.image.colour, config, where, mistakes);
+  CheckPilot(s.flight, s.pilot, config, where, mistakes);
   sim::CheckFaults(s.sensors, s.actuators, vehicle.airframe, WhereOf(config, "sensors", where),
                    WhereOf(config, "actuators", where), mistakes);
   CheckLimits(s.flight,

@@ -134,7 +134,7 @@ std::optional<PadObservation> PadTracker::Find(const cv::Mat& grey) {
   std::optional<PadObservation> seen;
   if (const auto H = detector_.Detect(grey)) seen = Settle(grey, *H, 3);
   if (!seen && lost_frames_++ % kFramesBetweenFeatures == 0) {
-    if (!features_) features_.emplace(reference_, camera_);
+    if (!features_) features_.emplace(reference_, camera_, *FeatureDetectorNamed(options_.features));
     if (const auto H = features_->Find(grey, frames_)) seen = Settle(grey, *H, 3);
   }
   if (seen) seen->found = true;

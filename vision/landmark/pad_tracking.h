@@ -6,6 +6,7 @@
 
 #include "base/yaml/fields.h"
 #include "geometry/pose.h"
+#include "vision/landmark/features/detector.h"
 
 // What a tracker of the pad is told, and what it says of an image.
 namespace kestrel::vision {
@@ -17,6 +18,7 @@ struct PadTrackerOptions {
   int min_inliers = 10;
   double threshold_px = 1.5;
   double sigma_px = 0.08;
+  std::string features = "sift";
 };
 
 inline void Fields(FieldVisitor& v, PadTrackerOptions& o) {
@@ -35,6 +37,8 @@ inline void Fields(FieldVisitor& v, PadTrackerOptions& o) {
   v({"threshold_px", "maximum symmetric transfer distance of an inlier"}, o.threshold_px, 0.2, 10.0);
   v({"sigma_px", "standard deviation of a tracked point, from which the covariance of the pose follows"},
     o.sigma_px, 0.001, 5.0);
+  v({"features", "which features find the pad anew where only a part of it is in view; surf needs dlib"},
+    o.features, FeatureDetectorNames());
 }
 
 struct PadObservation {
