@@ -286,6 +286,7 @@ LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& o
     const vision::PadFile pad = vision::LoadPad(*file_of_pad, mistakes);
     sim.scene.pad = pad.parameters;
     sim.scene.pad_texture = pad.texture;
+    sim.scene.pad_picture = pad.picture;
     loaded.pad = pad.reference;
   }
   sim.scene.pad_position_m = s.pad.position_m;

@@ -17,6 +17,7 @@
 #include "geometry/tait_bryan.h"
 #include "sim/world/frames.h"
 #include "sim/world/mjcf.h"
+#include "sim/world/texture.h"
 #include "vision/image_file.h"
 #include "vision/image_header.h"
 
@@ -25,6 +26,7 @@ namespace {
 
 constexpr double kTimestep_s = 0.002;
 constexpr double kPadThickness_m = 0.01;
+constexpr const char* kPadFile = "picture of the pad.png";  // in memory
 constexpr double kOccluderClearance_m = 0.03;
 constexpr double kOccluderThickness_m = 0.004;
 constexpr double kOutOfSight_m = 100;  // below the ground
@@ -112,8 +114,9 @@ void AppendPad(pugi::xml_node model, const SceneParameters& p) {
       -kPadThickness_m / 2, p.pad.size_m.y() / 2, p.pad.size_m.x() / 2, kPadThickness_m / 2);
   part.load_string(text.c_str());
   PutPad(part.document_element().child("worldbody").child("body"), p, kPadThickness_m);
-  part.document_element().child("asset").child("texture").attribute("file").set_value(
-      std::filesystem::absolute(p.pad_texture).c_str());
+  const std::string texture =
+      p.pad_picture.empty() ? std::filesystem::absolute(p.pad_texture).string() : kPadFile;
+  part.document_element().child("asset").child("texture").attribute("file").set_value(texture.c_str());
   if (p.occluder) {
     pugi::xml_node body = part.document_element().child("worldbody").append_child("body");
     body.append_attribute("name") = "occluder";
@@ -179,7 +182,7 @@ struct Part {
 };
 
 CompiledModel Compose(const SceneParameters& p, int parts) {
-  const LandscapeModel landscape = p.landscape ? MakeLandscape(*p.landscape, p.seed) : LandscapeModel{};
+  LandscapeModel landscape = p.landscape ? MakeLandscape(*p.landscape, p.seed) : LandscapeModel{};
   pugi::xml_document document;
   pugi::xml_node model = document.append_child("mujoco");
   model.append_attribute("model") = "kestrel";
@@ -190,6 +193,7 @@ CompiledModel Compose(const SceneParameters& p, int parts) {
   if (parts > 1) AppendPad(model, p);
   if (parts > 2) Append(model, p.vehicle, "vehicle");
   if (parts > 2) AppendTargets(model, p);
+  if (!p.pad_picture.empty()) landscape.files[kPadFile] = TextureOf(p.pad_picture);
   std::ostringstream text;
   document.save(text);
   return CompileMjcf(text.str(), landscape.files);

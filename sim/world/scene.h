@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <filesystem>
 #include <memory>
+#include <opencv2/core.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -33,7 +34,8 @@ struct SceneParameters {
   std::optional<LandscapeParameters> landscape;  // instead of the MJCF of the world
   std::uint64_t seed = 1;                        // of the landscape that has none of its own
   std::filesystem::path pad_texture;             // none: there is no pad to be seen, only its place
-  vision::PadParameters pad;                     // its texture is not used: pad_texture is the file found
+  cv::Mat pad_picture;        // of any size, CV_8UC1 or CV_8UC3; none: the texture is read as it is
+  vision::PadParameters pad;  // its texture is not used: pad_texture is the file found
   Eigen::Vector2d pad_position_m = Eigen::Vector2d::Zero();  // north, east; of the middle of its back
   double pad_yaw_deg = 0;                                    // clockwise from north
   double pad_height_m = 0;                                   // of the middle of its back

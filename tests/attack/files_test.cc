@@ -178,13 +178,14 @@ TEST_F(FilesTest, PicturesOfPads) {
   std::ofstream(pad / "bomb.png").write(reinterpret_cast<const char*>(bytes.data()), std::ssize(bytes));
   cv::imwrite((pad / "dot.png").string(), cv::Mat(1, 1, CV_8U, cv::Scalar(0)));
   cv::imwrite((pad / "deep.png").string(), cv::Mat(64, 64, CV_16U, cv::Scalar(0)));
-  cv::imwrite((pad / "grey.png").string(), cv::Mat(64, 64, CV_8U, cv::Scalar(0)));
+  cv::imwrite((pad / "black.png").string(), cv::Mat(64, 64, CV_8U, cv::Scalar(0)));
+  cv::imwrite((pad / "grey.png").string(), cv::Mat(cv::Mat::eye(64, 64, CV_8U) * 255));
   ASSERT_EQ(mkfifo((pad / "pipe.png").c_str(), 0600), 0);
   fs::create_symlink("loop.png", pad / "loop.png");
   for (const std::string& texture :
-       {std::string("bomb.png"), std::string("dot.png"), std::string("deep.png"), std::string("pipe.png"),
-        std::string("loop.png"), std::string("/dev/zero"), std::string("."), std::string(),
-        std::string(300, 'n')}) {
+       {std::string("bomb.png"), std::string("dot.png"), std::string("deep.png"), std::string("black.png"),
+        std::string("pipe.png"), std::string("loop.png"), std::string("/dev/zero"), std::string("."),
+        std::string(), std::string(300, 'n')}) {
     const Taken taken = with_texture(texture);
     EXPECT_EQ(taken.status, 2) << texture << ": " << taken.output;
     EXPECT_LT(taken.cpu_s, kMaxCpu_s) << texture;

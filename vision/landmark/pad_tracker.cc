@@ -79,6 +79,7 @@ double Correlation(const cv::Mat& a, const cv::Point2f& at_a, const cv::Mat& b, 
 PadTracker::PadTracker(PadReference reference, const Pinhole& camera, const PadTrackerOptions& options)
     : reference_(std::move(reference)), detector_(reference_, camera), camera_(camera), options_(options) {
   if (options.method == "icia") alignment_.emplace(reference_, camera, options);
+  if (!reference_.tags.empty()) tags_.emplace(reference_.tags, camera);
 }
 
 std::optional<PadObservation> PadTracker::Track(const cv::Mat& grey,
@@ -99,7 +100,7 @@ std::optional<PadObservation> PadTracker::TrackPicture(const cv::Mat& grey,
     tracked_ = agreed_ = alignment_->points();
     lost_frames_ = 0;
   } else {
-    seen = Find(grey);
+    seen = Find(grey, X_CT_expected);
   }
   seen_last_ = seen.has_value();
   if (seen) last_H_w_ = seen->H_w;
@@ -112,14 +113,15 @@ std::optional<PadObservation> PadTracker::TrackCorners(const cv::Mat& grey,
   cv::buildOpticalFlowPyramid(grey, pyramid, kFollowWindow, kFollowLevels, true);
 
   std::optional<PadObservation> seen;
-  const auto H_chain = Follow(pyramid, X_CT_expected);
-  if (!options_.registration) {
-    if (H_chain) seen = FromChain(*H_chain);
-  } else {
-    if (H_chain) seen = Settle(grey, *H_chain, 2);
+  if (tags_) seen = FindTags(grey, X_CT_expected);
+  if (!seen) {
+    const auto H_chain = Follow(pyramid, X_CT_expected);
+    if (H_chain) seen = options_.registration ? Settle(grey, *H_chain, 2) : FromChain(*H_chain);
+  }
+  if (!seen && options_.registration) {
     if (!seen && X_CT_expected) seen = Settle(grey, HomographyFromPose(*X_CT_expected, camera_), 3);
   }
-  if (!seen) seen = Find(grey);
+  if (!seen && !tags_) seen = Find(grey, X_CT_expected);
   if (seen) {
     Remember(grey, std::move(pyramid), *seen);
   } else {
@@ -129,15 +131,44 @@ std::optional<PadObservation> PadTracker::TrackCorners(const cv::Mat& grey,
 }
 
 // A search without a guess.
-std::optional<PadObservation> PadTracker::Find(const cv::Mat& grey) {
+std::optional<PadObservation> PadTracker::Find(const cv::Mat& grey,
+                                               const std::optional<Pose>& X_CT_expected) {
   exposure_known_ = false;
   std::optional<PadObservation> seen;
-  if (const auto H = detector_.Detect(grey)) seen = Settle(grey, *H, 3);
+  std::optional<Eigen::Matrix3d> H_expected;
+  if (X_CT_expected) H_expected = HomographyFromPose(*X_CT_expected, camera_);
+  const auto turned = [&](const Eigen::Matrix3d& H_w) {
+    return NearestTurn(H_w, reference_.turns, H_expected);
+  };
+  if (const auto H = detector_.Detect(grey)) seen = Settle(grey, turned(*H), 3);
   if (!seen && lost_frames_++ % kFramesBetweenFeatures == 0) {
     if (!features_) features_.emplace(reference_, camera_, *FeatureDetectorNamed(options_.features));
-    if (const auto H = features_->Find(grey, frames_)) seen = Settle(grey, *H, 3);
+    if (const auto H = features_->Find(grey, frames_)) seen = Settle(grey, turned(*H), 3);
   }
   if (seen) seen->found = true;
+  return seen;
+}
+
+std::optional<PadObservation> PadTracker::FindTags(const cv::Mat& grey,
+                                                   const std::optional<Pose>& X_CT_expected) {
+  const auto tags = tags_->Track(grey, X_CT_expected);
+  if (!tags) return std::nullopt;
+  PadObservation seen;
+  seen.X_CT = tags->pose.X_CT;
+  seen.covariance = tags->pose.covariance;
+  seen.H_w = HomographyFromPose(seen.X_CT, camera_);
+  seen.inliers = static_cast<int>(tags->corners.size());
+  seen.residual_px = tags->pose.rms_px;
+  seen.found = last_pyramid_.empty();
+  seen.registered = true;
+  std::vector<cv::Point2f> spread, hull;
+  for (const PointPair& pair : tags->corners) {
+    spread.push_back(ToCv(pair.from));
+    agreed_.push_back(pair.to);
+  }
+  tracked_ = agreed_;
+  cv::convexHull(spread, hull);
+  seen.visible = cv::contourArea(hull) / (reference_.length_m * reference_.width_m);
   return seen;
 }
 
@@ -335,7 +366,7 @@ void PadTracker::Remember(const cv::Mat& grey, std::vector<cv::Mat> pyramid, con
   last_pyramid_ = std::move(pyramid);
   last_H_w_ = seen.H_w;
   last_points_.clear();
-  if (options_.registration && seen.registered) {
+  if (options_.registration && seen.registered && !tags_) {  // the corners of tags are too few
     for (const Eigen::Vector2d& p : agreed_) last_points_.push_back(ToCv(p));
     return;
   }

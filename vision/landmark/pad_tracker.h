@@ -15,6 +15,7 @@
 #include "vision/landmark/pad_features.h"
 #include "vision/landmark/pad_reference.h"
 #include "vision/landmark/pad_tracking.h"
+#include "vision/landmark/tag_tracker.h"
 
 namespace kestrel::vision {
 
@@ -24,6 +25,9 @@ namespace kestrel::vision {
 // appearance, drawn as the prediction would see it, is registered to the frame, again by Lucas-Kanade and
 // RANSAC. By the method icia, PadAlignment takes the place of both. The pad is found anew by PadDetector when
 // there is nothing to track.
+//
+// A pad of tags is searched in each image by TagTracker, and its picture registered only where no whole tag is
+// in view. Of a pad that looks the same turned, such as an H, the direction is that of NearestTurn.
 class PadTracker {
  public:
   PadTracker(PadReference reference, const Pinhole& camera, const PadTrackerOptions& options);
@@ -44,7 +48,8 @@ class PadTracker {
                                         const std::optional<Pose>& X_CT_expected);
   std::optional<PadObservation> Register(const cv::Mat& grey, const Eigen::Matrix3d& H_predicted);
   std::optional<PadObservation> Settle(const cv::Mat& grey, const Eigen::Matrix3d& H_guess, int passes);
-  std::optional<PadObservation> Find(const cv::Mat& grey);
+  std::optional<PadObservation> Find(const cv::Mat& grey, const std::optional<Pose>& X_CT_expected);
+  std::optional<PadObservation> FindTags(const cv::Mat& grey, const std::optional<Pose>& X_CT_expected);
   std::optional<PadObservation> FromChain(const Eigen::Matrix3d& H_w) const;
   void Remember(const cv::Mat& grey, std::vector<cv::Mat> pyramid, const PadObservation& seen);
   void Forget();
@@ -53,6 +58,7 @@ class PadTracker {
   PadDetector detector_;
   std::optional<PadFeatures> features_;    // made when first needed
   std::optional<PadAlignment> alignment_;  // of the method icia
+  std::optional<TagTracker> tags_;         // of a pad of tags
   Pinhole camera_;
   PadTrackerOptions options_;
   std::uint32_t frames_ = 0;

@@ -6,7 +6,7 @@
 
 #include "base/yaml/fields.h"
 #include "geometry/pose.h"
-#include "vision/landmark/features/detector.h"
+#include "vision/landmark/features/features.h"
 
 // What a tracker of the pad is told, and what it says of an image.
 namespace kestrel::vision {
