@@ -15,6 +15,7 @@ constexpr int kMinTemplate_px = 80, kMaxTemplate_px = 450;  // shorter side of a
 constexpr int kMaxPixels = 20000;                           // of a template that are in view
 constexpr double kFiner = 1.5;                              // of a template's pixels than the image's
 constexpr int kInset_px = 2;                                // of a template, where the ground shows
+constexpr int kLevels = 2;                                  // on coarser ones what hides the pad misleads
 constexpr int kGrid = 9;                                    // points along either side
 constexpr double kMinAlignedCorrelation = 0.8, kMinAgreeing = 0.4;
 
@@ -29,7 +30,8 @@ PadAlignment::PadAlignment(const PadReference& reference, const Pinhole& camera,
     if ((side < kMinTemplate_px || side > kMaxTemplate_px) && !only) continue;
     const cv::Rect region(kInset_px, kInset_px, level.image.cols - 2 * kInset_px,
                           level.image.rows - 2 * kInset_px);
-    const AlignmentOptions how{.loss = AlignmentLoss::kTukey, .min_correlation = kMinAlignedCorrelation};
+    const AlignmentOptions how{
+        .loss = AlignmentLoss::kTukey, .levels = kLevels, .min_correlation = kMinAlignedCorrelation};
     templates_.push_back(
         {Aligner(level.image, region, how), level.pixel_from_T, level.px_per_m, 1.0 * region.area()});
   }

@@ -88,6 +88,7 @@ struct Aligner::Stage {
   int image_level;
   WarpModel warp;
   Eigen::Matrix3d H_start;
+  AlignmentLoss loss;
   double settled_px;
 };
 
@@ -129,8 +130,7 @@ bool Aligner::Look(const Stage& stage, Fit& fit) {
     fit.light = light_of(nullptr);
     sigma_grey = fit.light.rms_grey;
   } else {
-    WeighResiduals(level, patch_, fit.light.weight > 0 ? fit.light : light_of(nullptr), options_.loss,
-                   weights_);
+    WeighResiduals(level, patch_, fit.light.weight > 0 ? fit.light : light_of(nullptr), stage.loss, weights_);
     fit.light = light_of(weights_.weights.data());
     sigma_grey = weights_.sigma_grey;
     fit.agreeing = fit.light.weight / patch_.count;
@@ -217,8 +217,10 @@ Alignment Aligner::Align(const ImagePyramid& image, const Eigen::Matrix3d& W_sta
     const int top = static_cast<int>(image.levels.size()) - 1, at = std::clamp(image_level, 0, top);
     const bool rough = k == coarsest && coarsest > 0, last = k == 0 || image_level <= 0;
     const WarpModel warp = rough ? std::min(options_.warp, WarpModel::kAffine) : options_.warp;
+    // Tukey's loss has many minima: Huber's, which has but one, leads to the right one.
+    const bool gentle = options_.loss == AlignmentLoss::kTukey && !last;
     Settle({level, image.levels[static_cast<std::size_t>(at)], at, warp, fit.H,
-            last ? options_.settled_px : kSettledCoarse_px},
+            gentle ? AlignmentLoss::kHuber : options_.loss, last ? options_.settled_px : kSettledCoarse_px},
            fit);
   }
   Alignment found;
