@@ -88,7 +88,7 @@ TEST(IppePoses, GiveBothPosesAndTellByTheirErrorsHowAmbiguousTheViewIs) {
     ++both;
     EXPECT_LE(near[0].rms_px, near[1].rms_px);
     EXPECT_GT(near[1].rms_px, 3 * near[0].rms_px) << i;
-    EXPECT_LT(far[1].rms_px, 1.2 * far[0].rms_px) << i;
+    EXPECT_LT(far[1].rms_px, 1.5 * far[0].rms_px) << i;
     EXPECT_GT(LogRotation(far[1].X_CT.R * far[0].X_CT.R.conjugate()).norm(), 0.5) << i;
   }
   EXPECT_GE(both, 28);
@@ -200,7 +200,7 @@ TEST(PlanePnp, RefusesWhatFixesNoPose) {
     EXPECT_FALSE(MostLikelyPlanePose(open, kCamera, 0.1));
   }
   EXPECT_NO_THROW(IppePoses(same_pixel, kCamera, 0.1));
-  EXPECT_NO_THROW(SqpnpPose(same_pixel, kCamera, 0.1));
+  EXPECT_FALSE(SqpnpPose(same_pixel, kCamera, 0.1));
 }
 
 }  // namespace
