@@ -22,6 +22,9 @@
 #include "bench/bench_trackers.h"
 #include "bench/bench_wire.h"
 #include "bench/horizon/bench_horizon.h"
+#include "bench/landmark/bench_features.h"
+#include "bench/landmark/bench_homographies.h"
+#include "bench/landmark/bench_plane_pose.h"
 #include "bench/planar/bench_planar.h"
 #include "bench/servo/bench_servo.h"
 #include "bench/servo/bench_servoing.h"
@@ -29,11 +32,11 @@
 namespace kestrel::app {
 
 CLI::App* AddBenchCommand(CLI::App& app, BenchArguments& a) {
-  const std::vector<std::string> names = {
-      "flights", "fisheye", "attitude",    "horizon",     "gyro_failure", "drift",    "heights",
-      "speed",   "render",  "calibration", "servo",       "trackers",     "contrast", "follow",
-      "avoid",   "stream",  "wire",        "link_faults", "campaign",     "hashes",   "alignment",
-      "planar"};
+  const std::vector<std::string> names = {"flights",    "fisheye",  "attitude",    "horizon",  "gyro_failure",
+                                          "drift",      "heights",  "speed",       "render",   "calibration",
+                                          "servo",      "trackers", "contrast",    "follow",   "avoid",
+                                          "stream",     "planar",   "alignment",   "features", "homographies",
+                                          "plane_pose", "wire",     "link_faults", "campaign", "hashes"};
   CLI::App* command = app.add_subcommand("bench", "Measure: a table of figures beside their targets");
   // Of campaigns by its name alone: it flies for minutes, and kills itself.
   command->add_option("name", a.name, "All but campaign, wire, link_faults and hashes when none is given")
@@ -86,6 +89,9 @@ bool BenchCommand(const BenchArguments& arguments) {
     bench::BenchPlanar(seeds.first, seeds.last, arguments.jobs,
                        std::filesystem::path(arguments.out) / "planar", table);
   if (chosen("stream")) bench::BenchStream(table);
+  if (chosen("features")) bench::BenchFeatures(seeds.first, seeds.last, table);
+  if (chosen("homographies")) bench::BenchHomographies(seeds.first, table);
+  if (chosen("plane_pose")) bench::BenchPlanePose(seeds.first, table);
   // By name alone: they need the program for real aircraft, and real time.
   const std::filesystem::path wires = "results/runs";
   if (arguments.name == "wire") bench::BenchWire(seeds, arguments.jobs, wires / "bench_wire", table);

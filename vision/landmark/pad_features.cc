@@ -11,9 +11,11 @@ namespace {
 
 constexpr double kReference_px_per_m = 500;  // blocks and polygons down to a centimetre
 constexpr int kReferenceFeatures = 2500;
-constexpr int kImageFeatures = 500;
 constexpr double kThreshold_px = 3;
 constexpr int kMinInliers = 12;
+
+// Those of the other detectors are cheaper, and fewer of them are right.
+int ImageFeatures(FeatureDetector detector) { return detector == FeatureDetector::kSift ? 500 : 1000; }
 
 }  // namespace
 
@@ -26,7 +28,7 @@ PadFeatures::PadFeatures(const PadReference& reference, const Pinhole& camera, F
 }
 
 std::optional<Eigen::Matrix3d> PadFeatures::Find(const cv::Mat& grey, std::uint32_t seed) const {
-  const Features found = Detect(grey, {detector_, kImageFeatures});
+  const Features found = Detect(grey, {detector_, ImageFeatures(detector_)});
   std::vector<PointPair> pairs;  // both sides in pixels of about the image's size, for one threshold
   const double scale = kReference_px_per_m;
   for (const Match& match : MatchFeatures(found, reference_, {})) {

@@ -55,7 +55,11 @@ std::vector<PlanePose> Solutions(std::span<const PointPair> pairs, const Pinhole
   cv::Mat K;
   cv::eigen2cv(camera.K(), K);
   std::vector<cv::Mat> rotations, translations;
-  cv::solvePnPGeneric(on_plane, pixels, K, cv::noArray(), rotations, translations, false, method);
+  try {
+    cv::solvePnPGeneric(on_plane, pixels, K, cv::noArray(), rotations, translations, false, method);
+  } catch (const cv::Exception&) {  // its word for pixels that coincide
+    return poses;
+  }
   for (std::size_t i = 0; i < rotations.size(); ++i) {
     Eigen::Vector3d r, t;
     cv::cv2eigen(rotations[i], r);

@@ -17,6 +17,7 @@ namespace {
 using Pairs = std::span<const PointPair>;
 using Matrix3 = Eigen::Matrix3d;
 
+constexpr int kFits = 5;              // of least medians, each to what agrees with the one before
 constexpr int kSample = 4;            // s of algorithm 1
 constexpr int kOptimisations = 4;     // of a sample that is the best so far
 constexpr double kWidest = 3;         // thresholds: the first of them
@@ -122,11 +123,11 @@ std::optional<RobustHomography> LmedsHomography(Pairs pairs, const LmedsOptions&
   if (!best || !(std::sqrt(least) < options.max_median_px)) return std::nullopt;
   const double bound = std::max(3 * DeviationOf(std::sqrt(least), pairs.size()), kNoNoise_px);
   std::vector<int> inliers = Within(Squares(*best, pairs), bound);
-  for (int pass = 0;; ++pass) {  // the sample's own noise is in the first
+  for (int pass = 1;; ++pass) {  // the sample's own noise is in the first
     if (static_cast<int>(inliers.size()) < options.min_inliers) return std::nullopt;
     const auto H = FitHomography(Chosen(pairs, inliers));
     if (!H) return std::nullopt;
-    if (pass == 1) return Result(*H, pairs, std::move(inliers));
+    if (pass == kFits) return Result(*H, pairs, std::move(inliers));
     const std::vector<double> squares = Squares(*H, pairs);
     inliers =
         Within(squares, std::max(3 * DeviationOf(std::sqrt(Median(squares)), pairs.size()), kNoNoise_px));

@@ -14,7 +14,7 @@ namespace kestrel::vision {
 struct LmedsOptions {
   double outliers = 0.5;      // epsilon: the share of outliers up to which a good sample is drawn
   double confidence = 0.999;  // p: with this probability
-  double max_median_px = 5;   // of the symmetric transfer distance: a larger median is no answer
+  double max_median_px = 15;  // of the symmetric transfer distance: a larger median is no answer
   int min_inliers = 8;
 };
 

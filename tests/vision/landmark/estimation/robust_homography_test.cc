@@ -166,7 +166,7 @@ INSTANTIATE_TEST_SUITE_P(Homography, EveryEstimator,
                          ::testing::Values(Estimator{"Ransac", Ransac, cv::RANSAC, 70},
                                            Estimator{"Lmeds", Lmeds, cv::LMEDS, 49},
                                            Estimator{"Msac", Msac, cv::RANSAC, 70}),
-                         [](const auto& info) { return info.param.name; });
+                         [](const auto& each) { return each.param.name; });
 
 TEST(LmedsHomography, SaysNoneWhereMostPairsAreWrong) {
   DrawnPairs random(38);
