@@ -101,7 +101,7 @@ TEST_F(TrackCommandTest, APictureIsFoundWhereItLies) {
   EXPECT_NEAR(std::stod(rows[0][3]), 0, 0.002);
   EXPECT_NEAR(std::stod(rows[0][4]), 0, 0.002);
   EXPECT_NEAR(std::stod(rows[0][5]), 1, 0.004);
-  EXPECT_NEAR(std::stod(rows[0][6]), 0, 0.3);
+  EXPECT_NEAR(std::stod(rows[0][6]), -90, 0.3);  // x of T points up in the image, which is -y of C
   EXPECT_EQ(cv::imread(arguments_.out).size(), cv::Size(320, 240));
 }
 
