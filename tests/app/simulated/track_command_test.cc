@@ -134,10 +134,11 @@ TEST_F(TrackCommandTest, CornersByHandBeginWhereNothingElseFindsIt) {
   cv::imwrite(File("image.png"), image);
   // The corners of another rectangle than the landmark's: of its middle, for a landmark that is the middle.
   cv::imwrite(File("picture.png"), inside);
+  arguments_.size_m = {0.2, 0.3};
   arguments_.corners = {"0,0", "319,1", "318,212", "1,211"};
   TrackCommand(arguments_);
   ASSERT_NE(Rows()[0][2], "lost");
-  EXPECT_NEAR(std::stod(Rows()[0][5]), kFocal_px * 0.5 / 320, 0.02);
+  EXPECT_NEAR(std::stod(Rows()[0][5]), kFocal_px * 0.3 / 320, 0.01);
 }
 
 TEST_F(TrackCommandTest, CornersThatAreNoneAreRefusedWithTheRemedy) {
