@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "base/yaml/config.h"
@@ -20,6 +21,11 @@ void CheckView(const mission::Flight& flight, const std::string& camera_name,
 // Of a mission that looks for the pad: whether this build can do what its pilot is to do.
 void CheckPilot(const mission::Flight& flight, const mission::PilotParameters& pilot, const Config& config,
                 const Place& where, Mistakes& mistakes);
+// Whether the pad can be seen where the flight begins and as low as it needs it; start_m: none where it begins on
+// the ground or nobody knows. heights: the note of what the pad is worth for the camera.
+void CheckPadHeights(const mission::Flight& flight, const vision::PadReference& pad,
+                     const vision::CameraModel& camera, int min_inliers, std::optional<double> start_m,
+                     const Config& config, const Place& where, Mistakes& mistakes, std::string& note);
 // Of a file that has no pad.
 void CheckHasPad(const mission::Flight& flight, const Config& config, const Place& where, Mistakes& mistakes);
 

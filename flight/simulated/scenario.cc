@@ -288,6 +288,11 @@ LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& o
     sim.scene.pad_texture = pad.texture;
     sim.scene.pad_picture = pad.picture;
     loaded.pad = pad.reference;
+    std::optional<double> start_m;
+    if (!s.start.on_ground) start_m = s.start.height_m;
+    if (has_camera)
+      CheckPadHeights(s.flight, loaded.pad, sim.camera, s.pilot.tracker.min_inliers, start_m, config, where,
+                      mistakes, loaded.pad_heights);
   }
   sim.scene.pad_position_m = s.pad.position_m;
   sim.scene.pad_yaw_deg = s.pad.yaw_deg;

@@ -93,6 +93,7 @@ struct LoadedScenario {
   Scenario scenario;
   sim::SimulatorParameters simulator;
   vision::PadReference pad;
+  std::string pad_heights;         // at which the camera can see it, in words; empty: it is not looked for
   std::vector<std::string> notes;  // what is valid and may yet surprise, in words
 };
 

@@ -108,6 +108,18 @@ void CheckFlight(const LandingFlight& flight, const Place& where, Mistakes& mist
   control::CheckHeight(flight.fuzzy, "flight.fuzzy", where, mistakes);
 }
 
+void CheckFlightPad(const LandingFlight& flight, double seen_from_m, const Place& where, Mistakes& mistakes) {
+  constexpr double kStillKnown_m = 0.1;  // it sinks so far until the estimate counts as lost
+  if (seen_from_m > flight.blind_m + kStillKnown_m)
+    mistakes.Add(
+        where, "flight.blind_m",
+        fmt::format("{:g}, but the pad is lost to the camera below {:.2g} m: it would stop there and climb",
+                    flight.blind_m, seen_from_m),
+        fmt::format("valid: from {:.2g} on, a pad with smaller marks in its middle such as nested, or a "
+                    "camera that sees more",
+                    seen_from_m - kStillKnown_m + 0.005));
+}
+
 mission::MissionType TypeOf(const LandingFlight&) {
   return {.name = "landing",
           .summary = "Centres over the pad, descends and lands on it; it lands on no other place.",

@@ -44,6 +44,8 @@ inline void Fields(FieldVisitor& v, LandingFlight& p) {
 }
 
 void CheckFlight(const LandingFlight& flight, const Place& where, Mistakes& mistakes);
+// A pad that is lost above the height at which it need no longer be seen.
+void CheckFlightPad(const LandingFlight& flight, double seen_from_m, const Place& where, Mistakes& mistakes);
 mission::MissionType TypeOf(const LandingFlight& flight);
 std::unique_ptr<mission::Mission> MakeMission(const LandingFlight& flight,
                                               const mission::MissionParts& parts);

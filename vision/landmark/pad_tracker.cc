@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "vision/landmark/homography.h"
+#include "vision/landmark/mirrored.h"
 #include "vision/landmark/plane_pose.h"
 
 namespace kestrel::vision {
@@ -145,6 +146,7 @@ std::optional<PadObservation> PadTracker::Find(const cv::Mat& grey,
     if (!features_) features_.emplace(reference_, camera_, *FeatureDetectorNamed(options_.features));
     if (const auto H = features_->Find(grey, frames_)) seen = Settle(grey, turned(*H), 3);
   }
+  if (seen && LooksMirrored(grey, reference_, seen->H_w)) return std::nullopt;
   if (seen) seen->found = true;
   return seen;
 }

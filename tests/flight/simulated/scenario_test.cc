@@ -558,6 +558,19 @@ TEST_F(ScenarioTest, APadsTextureMustBeAnImage) {
               ElementsAre(AllOf(HasSubstr("helipad.yaml: texture"), HasSubstr("is not an image"))));
 }
 
+TEST_F(ScenarioTest, APadMustBeSeenFromWhereTheFlightBegins) {
+  EXPECT_THAT(Refusal("landing", {"start.height_m=40"}),
+              ElementsAre(AllOf(HasSubstr("start.height_m: 40, and the camera sees the pad from"),
+                                HasSubstr("valid: a height within"))));
+}
+
+TEST_F(ScenarioTest, ALandingMustSeeItsPadDownToTheHeightBelowWhichItNeedNot) {
+  EXPECT_THAT(Refusal("landing", {"pad.name=tag"}),
+              ElementsAre(AllOf(HasSubstr("flight.blind_m: 0.35"),
+                                HasSubstr("is lost to the camera below 2.1 m"), HasSubstr("nested"))));
+  EXPECT_TRUE(Refusal("landing", {"pad.name=nested"}).empty());
+}
+
 TEST_F(ScenarioTest, APadMustFitIntoItsWorld) {
   const auto mistakes = Refusal("pose", {"pad.position_m=[299.9, 0]"});
   ASSERT_EQ(mistakes.size(), 1u);

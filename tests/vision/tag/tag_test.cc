@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/tag/tag.h"
 
+#include <apriltag/apriltag.h>
+#include <apriltag/tag36h11.h>
+#include <apriltag/tagCustom48h12.h>
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <opencv2/aruco.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -75,11 +79,33 @@ TEST(Tag, OpenCvReadsTheSameTagWhereItWasDrawn) {
                              cv::makePtr<cv::aruco::Dictionary>(cv::aruco::getPredefinedDictionary(number)),
                              corners, ids);
     ASSERT_THAT(ids, ElementsAre(13)) << name;
+    // OpenCV's tables have the tags of AprilTag upside down.
+    const std::size_t first = name.starts_with("tag") ? 2 : 0;
     for (std::size_t k = 0; k < 4; ++k) {
-      const Eigen::Vector2d there(corners[0][k].x, corners[0][k].y);
+      const cv::Point2f& corner = corners[0][(first + k) % 4];
+      const Eigen::Vector2d there(corner.x, corner.y);
       EXPECT_LT((there - laid.At(CornersOf(tag)[k])).norm(), 2) << name << k;  // OpenCV's are not refined
     }
   }
+}
+
+TEST(Tag, OfAprilTagIsWhatItsOwnLibraryDraws) {
+  const auto compare = [](const char* name, apriltag_family_t* family, void (*destroy)(apriltag_family_t*)) {
+    image_u8_t* const drawn = apriltag_to_image(family, 11);
+    const cv::Mat theirs(drawn->height, drawn->width, CV_8UC1, drawn->buf,
+                         static_cast<std::size_t>(drawn->stride));
+    const cv::Mat ours = CellsOfTag(TagFamilyOf(name), 11);
+    ASSERT_EQ(ours.size(), theirs.size()) << name;
+    cv::Mat off;
+    cv::absdiff(ours, theirs, off);
+    off.setTo(0, ours == kHoleCell);
+    EXPECT_EQ(cv::countNonZero(off), 0) << name;
+    std::free(drawn->buf);  // as image_u8_destroy does, which is in a library of its own
+    std::free(drawn);
+    destroy(family);
+  };
+  compare("tag36h11", tag36h11_create(), tag36h11_destroy);
+  compare("tagCustom48h12", tagCustom48h12_create(), tagCustom48h12_destroy);
 }
 
 TEST(Tag, OfAnotherNumberOrMirroredIsNone) {
