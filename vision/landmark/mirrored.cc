@@ -11,7 +11,7 @@
 namespace kestrel::vision {
 namespace {
 
-constexpr double kCompare_px_per_m = 60;
+constexpr double kMirrored_px_per_m = 60;
 constexpr double kClearlyMore = 0.1;  // of the correlation
 
 double Likeness(const cv::Mat& view, const cv::Mat& picture) {
@@ -23,7 +23,7 @@ double Likeness(const cv::Mat& view, const cv::Mat& picture) {
 }  // namespace
 
 bool LooksMirrored(const cv::Mat& grey, const PadReference& reference, const Eigen::Matrix3d& H_w) {
-  const PadReference::Level& level = reference.LevelFor(kCompare_px_per_m);
+  const PadReference::Level& level = reference.LevelFor(kMirrored_px_per_m);
   cv::Mat map, view;
   cv::eigen2cv(Eigen::Matrix3d(H_w * level.pixel_from_T.inverse()), map);
   cv::warpPerspective(grey, view, map, level.image.size(), cv::INTER_AREA | cv::WARP_INVERSE_MAP);
