@@ -47,8 +47,8 @@ void PlanarScore::Add(const PlanarScore& other) {
 
 PlanarScore ScoreOf(const PlanarTracker& tracker, const std::vector<PlanarFrame>& frames) {
   PlanarScore score;
-  bool tracked = true, gone = false;
-  std::optional<std::size_t> back;  // the first frame after it was out of view, until it is right again
+  bool tracked = true, gone = false, recovering = false;
+  std::size_t back = 0;  // the first frame after it was out of view, while recovering
   tracker.start(frames.front().image, frames.front().H_w);
   for (std::size_t i = 1; i < frames.size(); ++i) {
     const PlanarFrame& frame = frames[i];
@@ -60,17 +60,17 @@ PlanarScore ScoreOf(const PlanarTracker& tracker, const std::vector<PlanarFrame>
       ++score.gone, score.imagined += H_w.has_value();
       gone = true;
     }
-    if (gone && frame.visible >= kBack) gone = false, back = i;
-    if (back && error <= PlanarScore::kRight_px) {
-      score.recovery_s.push_back(static_cast<double>(i - *back) / kPlanarRate_hz);
-      back.reset();
+    if (gone && frame.visible >= kBack) gone = false, recovering = true, back = i;
+    if (recovering && error <= PlanarScore::kRight_px) {
+      score.recovery_s.push_back(static_cast<double>(i - back) / kPlanarRate_hz);
+      recovering = false;
     }
     if (frame.visible < PlanarScore::kCounts) continue;
     score.error_px.push_back(error);
     score.losses += tracked && error > PlanarScore::kLost_px;
     tracked = error <= PlanarScore::kLost_px;
   }
-  if (back) score.recovery_s.push_back(kNever);
+  if (recovering) score.recovery_s.push_back(kNever);
   return score;
 }
 

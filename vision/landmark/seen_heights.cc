@@ -10,7 +10,7 @@ namespace kestrel::vision {
 namespace {
 
 constexpr double kFindSide_px = 36, kCell_px = 3;
-constexpr double kRim_px = 3;  // within which no corner is followed
+constexpr double kFollowRim_px = 3;  // within which no corner is followed
 constexpr double kStep = 0.97;
 
 // The greatest height at which a length has so many pixels.
@@ -20,8 +20,8 @@ double HeightFor(const Pinhole& camera, double length_m, double px) {
 
 // Half of what the image shows of the ground, along the image's height and width; T's x is upwards.
 Eigen::Vector2d HalfView(const Pinhole& camera, double height_m) {
-  return height_m * Eigen::Vector2d((camera.height_px / 2.0 - kRim_px) / camera.fy,
-                                    (camera.width_px / 2.0 - kRim_px) / camera.fx);
+  return height_m * Eigen::Vector2d((camera.height_px / 2.0 - kFollowRim_px) / camera.fy,
+                                    (camera.width_px / 2.0 - kFollowRim_px) / camera.fx);
 }
 
 SeenHeights OfTag(const Tag& tag, const Pinhole& camera) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vision/landmark/plane_pnp.h"
+#include "vision/landmark/estimation/plane_pnp.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
