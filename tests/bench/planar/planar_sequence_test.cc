@@ -78,6 +78,8 @@ TEST(PlanarSequence, DrawsThePictureWhereTheTruthSaysItIs) {
           const double radius = 14 / kPicture_px_per_m * kPlanarCamera.fx / X_CT.p.z();
           const bool blurred = factor == PlanarFactor::kMotionBlur || factor == PlanarFactor::kUnconstrained;
           if (blurred && frame > 0) continue;  // the middle of the exposure is not that of what is smeared
+          // Nor is the middle of a disc's image, seen aslant, the image of its middle.
+          if (X_CT.R.toRotationMatrix()(2, 2) < std::cos(0.5)) continue;
           EXPECT_LT((DarkMiddle(drawn.image, at, cvRound(radius) + 3) - at).norm(), 0.12)
               << NameOf(factor) << ", frame " << frame;
           ++checked;

@@ -14,7 +14,8 @@ namespace kestrel::vision {
 enum class AlignmentMethod { kForwardAdditive, kInverseCompositional, kSecondOrder };
 
 // The weight w of thesis (3.1) by the residual, in units of a sigma that is taken from the median: Huber
-// beyond 1.345, Tukey's biweight up to 4.685. What hides a quarter of the template misleads them at coarse levels:
+// beyond 1.345, Tukey's biweight up to 4.685. Huber's by itself does not hold against what hides a fifth of the
+// template. A quarter hidden misleads Tukey's at coarse levels too:
 // with two levels and a start within some 3 px they find it.
 enum class AlignmentLoss { kSquares, kHuber, kTukey };
 

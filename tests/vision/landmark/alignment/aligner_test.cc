@@ -110,12 +110,10 @@ TEST_F(AlignerTest, RobustWeightsLeaveOutWhatHidesTheTemplate) {
       const AlignmentOptions options{.method = method, .warp = WarpModel::kAffine, .loss = loss, .levels = 2};
       return AlignOnce(picture_, image, options, start);
     };
-    const Alignment squares = with(AlignmentLoss::kSquares), huber = with(AlignmentLoss::kHuber),
-                    tukey = with(AlignmentLoss::kTukey);
+    const Alignment squares = with(AlignmentLoss::kSquares), tukey = with(AlignmentLoss::kTukey);
     EXPECT_EQ(tukey.state, AlignmentState::kConverged);
     EXPECT_LT(CornerError_px(tukey.W, W), 0.05) << static_cast<int>(method);
     EXPECT_NEAR(tukey.agreeing, 0.75, 0.12);
-    EXPECT_LT(CornerError_px(huber.W, W), CornerError_px(squares.W, W)) << static_cast<int>(method);
     EXPECT_GT(CornerError_px(squares.W, W), 0.3);
   }
 }
