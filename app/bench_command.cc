@@ -86,8 +86,8 @@ bool BenchCommand(const BenchArguments& arguments) {
     bench::BenchContrast(seeds.first, seeds.last, arguments.jobs,
                          std::filesystem::path(arguments.out) / "contrast", table);
   if (chosen("planar"))
-    bench::BenchPlanar(seeds.first, seeds.last, arguments.jobs,
-                       std::filesystem::path(arguments.out) / "planar", table);
+    bench::BenchPlanar(seeds, arguments.jobs, std::filesystem::path(arguments.out) / "planar",
+                       bench::PlanarTrackers, table);
   if (chosen("stream")) bench::BenchStream(table);
   if (chosen("features")) bench::BenchFeatures(seeds.first, seeds.last, table);
   if (chosen("homographies")) bench::BenchHomographies(seeds.first, table);

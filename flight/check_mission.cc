@@ -77,30 +77,34 @@ void CheckPilot(const mission::Flight& flight, const mission::PilotParameters& p
 }
 
 void CheckPadHeights(const mission::Flight& flight, const vision::PadReference& pad,
-                     const vision::CameraModel& camera, int min_inliers, std::optional<double> start_m,
-                     const Config& config, const Place& where, Mistakes& mistakes, std::string& note) {
+                     const vision::CameraModel& camera, const vision::PadTrackerOptions& tracker,
+                     std::optional<double> start_m, const Config& config, const Place& where,
+                     Mistakes& mistakes, std::string& note) {
   const auto view = mission::TrackersCamera(camera);
   if (!flight.type().looks_for_pad || !view || pad.levels.empty()) return;
-  const std::vector<vision::SeenHeights> seen = vision::HeightsSeen(pad, *view, min_inliers);
+  const std::vector<vision::SeenHeights> seen = vision::HeightsSeen(pad, *view, tracker);
   if (seen.empty()) {
-    mistakes.Add(WhereOf(config, "pad", where), "pad.name",
-                 "this camera sees the pad well enough from no height",
-                 "valid: a larger pad, one with more corners, or a camera with more pixels");
+    mistakes.Add(
+        WhereOf(config, "pad", where), "pad.name", "this camera sees the pad well enough from no height",
+        "valid: a larger pad, one with more corners, pilot.tracker.method: icia, or a camera with more "
+        "pixels");
     return;
   }
   std::vector<std::string> ranges;
   for (const vision::SeenHeights& range : seen)
     ranges.push_back(fmt::format("{:.2g} to {:.3g} m", range.min_m, range.max_m));
   note = fmt::format("the camera can see the pad from {} above it", fmt::join(ranges, " and from "));
-  const bool begins_seen = std::any_of(seen.begin(), seen.end(), [&](const vision::SeenHeights& range) {
+  const auto begins = std::find_if(seen.begin(), seen.end(), [&](const vision::SeenHeights& range) {
     return !start_m || (*start_m >= range.min_m && *start_m <= range.max_m);
   });
-  if (!begins_seen)
+  if (begins == seen.end()) {
     mistakes.Add(WhereOf(config, "start", where), "start.height_m",
                  fmt::format("{:g}, and the camera sees the pad from {} above it", *start_m,
                              fmt::join(ranges, " and from ")),
                  "valid: a height within, a larger or smaller pad, or another camera");
-  flight->CheckPad(seen.front().min_m, WhereOf(config, "flight", where), mistakes);
+    return;
+  }
+  flight->CheckPad(begins->min_m, WhereOf(config, "flight", where), mistakes);
 }
 
 void CheckHasPad(const mission::Flight& flight, const Config& config, const Place& where,

@@ -24,8 +24,9 @@ void CheckPilot(const mission::Flight& flight, const mission::PilotParameters& p
 // Whether the pad can be seen where the flight begins and as low as it needs it; start_m: none where it begins on
 // the ground or nobody knows. heights: the note of what the pad is worth for the camera.
 void CheckPadHeights(const mission::Flight& flight, const vision::PadReference& pad,
-                     const vision::CameraModel& camera, int min_inliers, std::optional<double> start_m,
-                     const Config& config, const Place& where, Mistakes& mistakes, std::string& note);
+                     const vision::CameraModel& camera, const vision::PadTrackerOptions& tracker,
+                     std::optional<double> start_m, const Config& config, const Place& where,
+                     Mistakes& mistakes, std::string& note);
 // Of a file that has no pad.
 void CheckHasPad(const mission::Flight& flight, const Config& config, const Place& where, Mistakes& mistakes);
 

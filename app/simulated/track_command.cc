@@ -2,35 +2,30 @@
 #include "app/simulated/track_command.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <atomic>
 #include <chrono>
 #include <filesystem>
-#include <functional>
 #include <memory>
 #include <opencv2/imgproc.hpp>
 #include <optional>
 #include <utility>
 
 #include "app/option/bits_option.h"
+#include "app/simulated/image_verb.h"
 #include "app/simulated/tracked.h"
 #include "base/diagnostics.h"
 #include "base/file/files.h"
 #include "base/file/model_files.h"
 #include "base/process/end_signals.h"
 #include "base/stopwatch.h"
-#include "base/user_file.h"
 #include "mission/helipad_pilot.h"
-#include "records/video/video.h"
 #include "records/video/video_reader.h"
-#include "vision/camera/calibration_file.h"
 #include "vision/capture/camera_address.h"
 #include "vision/capture/live_camera.h"
 #include "vision/image_file.h"
 #include "vision/landmark/pad_file.h"
-#include "vision/write_image.h"
 
 namespace kestrel::app {
 namespace {
@@ -39,54 +34,22 @@ namespace fs = std::filesystem;
 
 std::atomic<bool> stopped = false;
 
-// Where images come from, one after the other.
-struct Input {
-  std::optional<cv::Size> size;  // none: a camera, of which only an image tells
-  double rate_hz = 25;
-  bool still = false;
-  std::function<std::optional<vision::Frame>()> next;
-  std::string note;
-};
-
-Input StillInput(const TrackArguments& a, Mistakes& mistakes) {
-  Input input;
-  input.still = true;
-  const cv::Mat image =
-      vision::ReadImage(a.input, vision::ImageColours::kColour, a.bits, mistakes, input.note);
-  if (!image.empty()) input.size = image.size();
-  input.next = [image, given = false]() mutable -> std::optional<vision::Frame> {
-    if (std::exchange(given, true)) return std::nullopt;
-    return vision::Frame{image, 0, 0};
-  };
-  return input;
-}
-
-Input VideoInput(const std::string& file, Mistakes& mistakes) {
-  Input input;
+// A video whose images change their size is a mistake.
+void RefuseOtherSizes(const std::string& file, const cv::Size& size, Mistakes& mistakes) {
   try {
-    const auto reader = std::make_shared<records::VideoReader>(file);
-    input.size = reader->size();
-    input.rate_hz = reader->rate_hz();
-    if (const auto other = records::OtherSizeIn(file, reader->size()))
+    if (const auto other = records::OtherSizeIn(file, size))
       mistakes.Add(
           file, "",
           fmt::format("its images change from {} x {} to {} x {} pixels, and a calibration is of one size",
-                      reader->size().width, reader->size().height, other->width, other->height),
+                      size.width, size.height, other->width, other->height),
           "valid: the parts by themselves; ffmpeg -ss and -to cut them out");
-    input.next = [reader, number = 0, rate = input.rate_hz]() mutable -> std::optional<vision::Frame> {
-      auto image = reader->Next();
-      if (!image) return std::nullopt;
-      const int i = number++;
-      return vision::Frame{std::move(*image), i / rate, i};
-    };
   } catch (const std::runtime_error& e) {
     mistakes.Add(file, "", fmt::format("neither an image nor a video: {}", e.what()));
   }
-  return input;
 }
 
-Input LiveInput(const std::string& address, Mistakes& mistakes) {
-  Input input;
+ImageInput LiveInput(const std::string& address, Mistakes& mistakes) {
+  ImageInput input;
   try {
     const vision::CameraAddress parsed = vision::ParseCameraAddress(address);
     const cv::Size size = vision::SizeAt(parsed);
@@ -107,12 +70,13 @@ Input LiveInput(const std::string& address, Mistakes& mistakes) {
   return input;
 }
 
-Input Open(const TrackArguments& a, Mistakes& mistakes) {
+ImageInput Open(const TrackArguments& a, Mistakes& mistakes) {
   std::error_code none;
   if (!fs::exists(a.input, none) && a.input.find(':') != std::string::npos)
     return LiveInput(a.input, mistakes);
-  return !IsFile(a.input) || vision::LooksLikeImage(a.input) ? StillInput(a, mistakes)
-                                                             : VideoInput(a.input, mistakes);
+  ImageInput input = OpenImageFile(a, mistakes);
+  if (!input.still && input.size) RefuseOtherSizes(a.input, *input.size, mistakes);
+  return input;
 }
 
 // A pad by its name or file, or any picture with a size.
@@ -137,36 +101,19 @@ vision::PadReference ReadLandmark(const TrackArguments& a, Mistakes& mistakes) {
   return vision::ReferenceOfPicture(grey, {height, width}, a.landmark, "--landmark", "", mistakes);
 }
 
-void CheckOutputs(const TrackArguments& a, bool still, Mistakes& mistakes) {
-  if (!a.out.empty() && !(still ? HasEnding(a.out, {".png", ".jpg", ".jpeg"}) : HasEnding(a.out, {".mp4"})))
-    mistakes.Add(
-        "--out", "",
-        fmt::format("'{}' does not name {}", a.out,
-                    still ? "an image; valid: an ending .png or .jpg" : "a video; valid: an ending .mp4"));
-  for (const auto& [option, file] : {std::pair{"--out", a.out}, {"--csv", a.csv}}) {
-    CheckWritableFile(file, option, mistakes);
-    for (const std::string& taken : {a.input, a.camera, a.landmark})
-      if (!file.empty() && !taken.empty() && SameFile(file, taken))
-        mistakes.Add(option, "", fmt::format("'{}' is read", file), "valid: another file");
-  }
-  if (!a.out.empty() && a.out == a.csv)
-    mistakes.Add("--csv", "", fmt::format("'{}' is that of --out too", a.csv), "valid: another file");
-}
-
 struct Times {
   double read_s = 0, track_s = 0, draw_s = 0;
 };
 
 // Follows through all images. Every frame is told, drawn and written as asked.
 template <class Tracked>
-void Follow(const TrackArguments& a, Input& input, Tracked& tracked, const cv::Size& size) {
+void Follow(const TrackArguments& a, ImageInput& input, Tracked& tracked, const cv::Size& size) {
   std::string csv = "frame,t_s," + Tracked::Columns() + ",read_ms,track_ms\n";
-  std::optional<records::Video> out;
-  if (!a.out.empty() && !input.still) out.emplace(a.out, input.rate_hz);
+  DrawnFile out(a, input);
+  FrameProgress progress(!a.quiet);
   Times sum;
   int frames = 0, with = 0;
   std::string broke_off;
-  const bool shows_progress = !a.quiet && isatty(STDERR_FILENO);
   while (!stopped && (a.frames == 0 || frames < a.frames)) {
     Times now;
     auto start = std::chrono::steady_clock::now();
@@ -185,31 +132,42 @@ void Follow(const TrackArguments& a, Input& input, Tracked& tracked, const cv::S
           frame->image.cols, frame->image.rows, size.width, size.height);
       break;
     }
+    if (Tracked::kByColour && frame->image.channels() == 1) {
+      broke_off =
+          "its images are grey, and a ball is known by its colour; colour=true in a camera's address asks "
+          "for it";
+      break;
+    }
     start = std::chrono::steady_clock::now();
     const bool seen = tracked.Track(frame->image);
     now.track_s = SecondsSince(start);
     with += seen;
     csv += fmt::format("{},{:.4f},{},{:.2f},{:.2f}\n", frame->sequence, frame->t_s, tracked.Row(),
                        1e3 * now.read_s, 1e3 * now.track_s);
-    if (!a.out.empty()) {
+    if (out.wanted()) {
       start = std::chrono::steady_clock::now();
       cv::Mat drawn = frame->image.clone();
       if (drawn.channels() == 1) cv::cvtColor(drawn, drawn, cv::COLOR_GRAY2BGR);
       tracked.Draw(drawn);
+      try {
+        out.Write(drawn);
+      } catch (const std::runtime_error& e) {
+        broke_off = e.what();
+        break;
+      }
       now.draw_s = SecondsSince(start);
-      if (out)
-        out->Write(drawn);
-      else
-        vision::WriteImage(a.out, drawn);
     }
     sum.read_s += now.read_s, sum.track_s += now.track_s, sum.draw_s += now.draw_s;
     if (input.still && !a.quiet) fmt::print("{}\n", tracked.Sentence());
-    ++frames;
-    if (shows_progress && frames % 10 == 0) fmt::print(stderr, "\r\033[Kframe {}", frames);
+    progress.Show(++frames);
   }
-  if (shows_progress) fmt::print(stderr, "\r\033[K");
-  if (out) out->Close();
+  progress.Clear();
   if (!a.csv.empty()) WriteFile(a.csv, csv);
+  try {
+    out.Close();
+  } catch (const std::runtime_error& e) {
+    if (broke_off.empty()) broke_off = e.what();
+  }
   if (!a.quiet && !input.still) fmt::print("{} frames, seen in {}\n", frames, with);
   if (!a.quiet && frames > 0)
     fmt::print("per frame: reading {:.1f} ms, tracking {:.1f} ms, drawing {:.1f} ms\n",
@@ -227,12 +185,7 @@ CLI::App* AddTrackCommand(CLI::App& app, TrackArguments& a) {
   command->add_option("input", a.input, "An image, a video file or a camera's address, as of kestrel fly")
       ->type_name("INPUT")
       ->required();
-  command
-      ->add_option("--camera", a.camera,
-                   "A name in models/cameras, or a calibration file of Kestrel, Kalibr or OpenCV")
-      ->type_name("CAMERA")
-      ->required();
-  command->add_option("--camera-name", a.camera_name, "Which camera of a Kalibr file (default: its first)");
+  AddCameraOptions(*command, a);
   command
       ->add_option("--landmark", a.landmark,
                    "A name in models/pads, the file of a pad, or any picture that lies or hangs flat")
@@ -255,10 +208,7 @@ CLI::App* AddTrackCommand(CLI::App& app, TrackArguments& a) {
           "min_saturation, min_value, max_value")
       ->type_name("KEY=VALUE")
       ->expected(1, 6);
-  command->add_option("--out", a.out, "Picture (.png, .jpg) or video (.mp4) with what was seen drawn on it")
-      ->type_name("FILE");
-  command->add_option("--csv", a.csv, "A row for each frame: pose, covariance, quality, times")
-      ->type_name("FILE");
+  AddOutputOptions(*command, "A row for each frame: pose, covariance, quality, times", a);
   command
       ->add_option("--frames", a.frames,
                    "End after so many frames (default: with the input, or when interrupted)")
@@ -269,33 +219,28 @@ CLI::App* AddTrackCommand(CLI::App& app, TrackArguments& a) {
       "Examples:\n"
       "  kestrel track flight.mp4 --landmark helipad --camera thesis_6mm --out seen.mp4 --csv pose.csv\n"
       "  kestrel track photo.jpg --landmark poster.jpg --size-m 0.42 0.297 --camera my_calibration.yaml\n"
-      "  kestrel track v4l2:/dev/video0 --ball hue=0 diameter_m=0.5 --camera my_calibration.yaml --csv "
+      "  kestrel track v4l2:/dev/video0,colour=true --ball hue=0 diameter_m=0.5 --camera my_calibration.yaml "
+      "--csv "
       "ball.csv");
   return command;
 }
 
 void TrackCommand(const TrackArguments& a) {
   Mistakes mistakes;
-  Input input = Open(a, mistakes);
-  vision::CameraModel camera;
-  bool has_camera = false;
-  std::string name = a.camera;
-  if (const auto file = ModelFile(Model::kCamera, name, "", "--camera", mistakes)) {
-    const std::size_t before = mistakes.all().size();
-    camera = vision::LoadCamera(*file, mistakes, a.camera_name, input.size);
-    has_camera = mistakes.all().size() == before;
-  }
+  ImageInput input = Open(a, mistakes);
+  const std::optional<vision::CameraModel> loaded = ReadCamera(a, input.size, mistakes);
+  const vision::CameraModel camera = loaded.value_or(vision::CameraModel());
   if (a.landmark.empty() == a.ball.empty())
     mistakes.Add("--landmark", "",
                  a.ball.empty() ? "not given, and no --ball" : "a landmark, and a --ball too",
                  "valid: one of them");
-  CheckOutputs(a, input.still, mistakes);
+  CheckOutputFiles(a, input.still, a.landmark, mistakes);
   stopped = false;
   const auto note = [&] {
     if (!a.quiet && !input.note.empty()) fmt::print("{}\n", input.note);
     if (!input.still) OnEndSignals([](int) { stopped = true; });
   };
-  const cv::Size size = has_camera ? cv::Size(vision::WidthPx(camera), vision::HeightPx(camera)) : cv::Size();
+  const cv::Size size = loaded ? cv::Size(vision::WidthPx(camera), vision::HeightPx(camera)) : cv::Size();
   if (!a.ball.empty()) {
     if (!a.corners.empty() || !a.size_m.empty())
       mistakes.Add("--ball", "", "with --corners or --size-m, which are of a landmark",
@@ -309,7 +254,7 @@ void TrackCommand(const TrackArguments& a) {
   vision::PadReference reference;
   if (!a.landmark.empty()) reference = ReadLandmark(a, mistakes);
   const auto corners = ReadCorners(a.corners, input.size, mistakes);
-  if (has_camera && !mission::TrackersCamera(camera))
+  if (loaded && !mission::TrackersCamera(camera))
     mistakes.Add("--camera", "", "does not see along its own axis", "valid: a camera that does");
   mistakes.ThrowIfAny();
   TrackedLandmark tracked(std::move(reference), camera, corners, mistakes);

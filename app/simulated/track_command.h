@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
+
+#include "app/simulated/image_verb.h"
 
 namespace CLI {
 class App;
@@ -12,14 +13,12 @@ class App;
 namespace kestrel::app {
 
 // `kestrel track`: a landmark or a ball, in an image, in a video or before a camera.
-struct TrackArguments {
-  std::string input, camera, camera_name, landmark, out, csv;
+struct TrackArguments : ImageArguments {
+  std::string landmark;
   std::vector<double> size_m;        // of a picture's height and width, or its height alone
   std::vector<std::string> corners;  // "x,y": of the landmark in the first image
   std::vector<std::string> ball;     // "key=value"
   int frames = 0;                    // after so many it ends; 0: with the input
-  std::optional<int> bits;           // of 16-bit pixels
-  bool quiet = false;
 };
 
 CLI::App* AddTrackCommand(CLI::App& app, TrackArguments& arguments);

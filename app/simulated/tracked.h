@@ -27,6 +27,8 @@ std::optional<Corners> ReadCorners(const std::vector<std::string>& texts, const 
 
 class TrackedLandmark {
  public:
+  static constexpr bool kByColour = false;
+
   // A camera that sees along its own axis. corners: in the first image. Where they are none of a plane before the
   // camera it is a mistake.
   TrackedLandmark(vision::PadReference reference, const vision::CameraModel& camera,
@@ -62,6 +64,8 @@ BallParameters ReadBall(const std::vector<std::string>& words, Mistakes& mistake
 
 class TrackedBall {
  public:
+  static constexpr bool kByColour = true;
+
   TrackedBall(const BallParameters& ball, const vision::CameraModel& camera);
 
   static std::string Columns();

@@ -3,21 +3,14 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <string>
 
-#include "base/random.h"
 #include "base/statistics.h"
 #include "base/stopwatch.h"
-#include "flight/simulated/scenario.h"
+#include "bench/pad_scene.h"
 #include "geometry/tait_bryan.h"
-#include "sim/camera/image_sensor.h"
-#include "sim/camera/renderer.h"
-#include "sim/world/scene.h"
-#include "vision/camera/camera_mount.h"
 #include "vision/landmark/pad_tracker.h"
 
 namespace kestrel::bench {
@@ -33,27 +26,12 @@ struct Score {
   std::vector<double> error_m, turn_rad, ms;
 };
 
-// The camera over the pad.
-Pose PathPose(double height_m, double t_s, const Eigen::Matrix<double, 6, 1>& phase) {
-  const auto sway = [&](int i, double hz) { return std::sin(2 * M_PI * hz * t_s + phase(i)); };
-  return Pose{Eigen::Quaterniond(
-                  RotationFromTaitBryan({0.2 * sway(0, 0.1), 0.06 * sway(1, 0.5), 0.06 * sway(2, 0.4)})),
-              {0.06 * height_m * sway(3, 0.3), 0.06 * height_m * sway(4, 0.25),
-               -height_m * (1 + 0.03 * sway(5, 0.2))}} *
-         vision::MountPose({.position_m = Eigen::Vector3d::Zero()});
-}
-
 }  // namespace
 
 void BenchPadTrackers(flight::SeedRange seeds, std::vector<records::Figure>& table) {
   seeds.last = std::min(seeds.last, seeds.first + 4);
-  const flight::LoadedScenario loaded = flight::LoadScenario("pose");
-  const sim::ModelPtr model = sim::MakeModel(loaded.simulator.scene);
-  const sim::DataPtr data = sim::MakeData(model.get());
-  data->qpos[2] = 100;  // the aircraft itself, out of the picture
-  mj_forward(model.get(), data.get());
-  const Pose X_NT = sim::PadPose(model.get(), data.get());
-  sim::Renderer renderer(model.get(), loaded.simulator.camera, loaded.simulator.render);
+  PadScene scene;
+  const flight::LoadedScenario& loaded = scene.loaded();
   const auto& camera = std::get<vision::Pinhole>(loaded.simulator.camera);
   const int threads = cv::getNumThreads();
   cv::setNumThreads(1);
@@ -63,20 +41,17 @@ void BenchPadTrackers(flight::SeedRange seeds, std::vector<records::Figure>& tab
   for (const double height_m : kHeights_m) {
     std::array<Score, 2> scores;
     for (std::uint64_t seed = seeds.first; seed <= seeds.last; ++seed) {
-      RandomStream random(seed, "bench pad trackers");
-      Eigen::Matrix<double, 6, 1> phase;
-      for (int i = 0; i < 6; ++i) phase(i) = random.Uniform(0, 2 * M_PI);
+      const PadSway sway(seed, "bench pad trackers");
       std::vector<vision::PadTracker> trackers;
       for (const std::string& method : kMethods) {
         vision::PadTrackerOptions options = loaded.scenario.pilot.tracker;
         options.method = method;
         trackers.emplace_back(loaded.pad, camera, options);
       }
-      const sim::ImageSensor sensor(sim::DrawScatter(loaded.simulator.image, seed), loaded.simulator.camera,
-                                    seed);
+      const sim::ImageSensor sensor = scene.Sensor(seed);
       for (int k = 0; k < kFrames; ++k) {
-        const Pose X_TC = PathPose(height_m, k / kRate_hz, phase);
-        const cv::Mat image = sensor.Expose(renderer.Render(data.get(), X_NT * X_TC), k);
+        const Pose X_TC = sway.X_TC(height_m, k / kRate_hz);
+        const cv::Mat image = sensor.Expose(scene.Render(X_TC), k);
         for (std::size_t m = 0; m < kMethods.size(); ++m) {
           Score& score = scores[m];
           const double start_ms = ThreadCpu_ms();

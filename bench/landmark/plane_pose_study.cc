@@ -6,8 +6,8 @@
 
 #include "base/random.h"
 #include "geometry/pose.h"
-#include "vision/landmark/homography.h"
 #include "vision/landmark/estimation/plane_pnp.h"
+#include "vision/landmark/homography.h"
 #include "vision/landmark/plane_pose.h"
 
 namespace kestrel::bench {

@@ -28,8 +28,11 @@ struct Piece {
   PlanarFactor factor;
 };
 
+using Trackers = std::function<std::vector<PlanarTracker>(const cv::Mat& picture)>;
+
 struct Row {
   std::string name;
+  bool ours;
   PlanarScore score;
 };
 
@@ -51,14 +54,14 @@ void Save(const std::filesystem::path& out, const Piece& piece, const std::vecto
   }
 }
 
-std::vector<Row> Run(const Piece& piece, const std::filesystem::path& out) {
+std::vector<Row> Run(const Piece& piece, const std::filesystem::path& out, const Trackers& trackers) {
   const PlanarSequence sequence(piece.picture.grey, piece.factor, piece.seed);
   std::vector<PlanarFrame> frames;
   for (int i = 0; i < kPlanarFrames; ++i) frames.push_back(sequence.Draw(i));
   if (!out.empty()) Save(out, piece, frames);
   std::vector<Row> rows;
-  for (const PlanarTracker& tracker : PlanarTrackers(piece.picture.grey))
-    rows.push_back({tracker.name, ScoreOf(tracker, frames)});
+  for (const PlanarTracker& tracker : trackers(piece.picture.grey))
+    rows.push_back({tracker.name, tracker.ours, ScoreOf(tracker, frames)});
   return rows;
 }
 
@@ -69,7 +72,7 @@ double RecoveredShare(const PlanarScore& score) {
 }
 
 void Print(const std::string& what, const std::vector<Row>& rows) {
-  for (const auto& [name, s] : rows)
+  for (const auto& [name, ours, s] : rows)
     fmt::print("| {:<13} | {:<17} | {:8.2f} | {:6.3f} {:6.3f} {:6.3f} | {:6} | {:>9} | {:>8} | {:6.1f} |\n",
                what, name, s.Accuracy_px(), s.Precision(1), s.Precision(5), s.Precision(15), s.losses,
                s.recovery_s.empty() ? "" : fmt::format("{:.2f}", RecoveredShare(s)),
@@ -88,18 +91,18 @@ void Gather(const std::vector<Row>& rows, std::vector<Row>& all) {
 
 }  // namespace
 
-void BenchPlanar(std::uint64_t first_seed, std::uint64_t last_seed, int jobs,
-                 const std::filesystem::path& out, std::vector<records::Figure>& table) {
-  last_seed = std::min(last_seed, first_seed + 4);
+void BenchPlanar(flight::SeedRange seeds, int jobs, const std::filesystem::path& out,
+                 const Trackers& trackers, std::vector<records::Figure>& table) {
+  seeds.last = std::min(seeds.last, seeds.first + 4);
   std::vector<Piece> pieces;
-  for (std::uint64_t seed = first_seed; seed <= last_seed; ++seed)
+  for (std::uint64_t seed = seeds.first; seed <= seeds.last; ++seed)
     for (const PlanarPicture& picture : PlanarPictures(seed))
       for (const PlanarFactor factor : kPlanarFactors) pieces.push_back({seed, picture, factor});
   std::vector<std::vector<Row>> results(pieces.size());
   const int threads = cv::getNumThreads();
   cv::setNumThreads(1);
   InParallel(pieces.size(), jobs, "planar", "sequences", [&](std::size_t i) {
-    results[i] = Run(pieces[i], pieces[i].seed == first_seed ? out : std::filesystem::path());
+    results[i] = Run(pieces[i], pieces[i].seed == seeds.first ? out : std::filesystem::path(), trackers);
   });
   cv::setNumThreads(threads);
 
@@ -127,7 +130,7 @@ void BenchPlanar(std::uint64_t first_seed, std::uint64_t last_seed, int jobs,
   const auto best = [&](auto&& of) {
     double value = 0;
     for (std::size_t k = 0; k < all.size(); ++k)
-      if (!all[k].name.starts_with("ours")) value = std::max(value, of(k));
+      if (!all[k].ours) value = std::max(value, of(k));
     return value;
   };
   for (const auto& [factor, rows] : by_factor) {

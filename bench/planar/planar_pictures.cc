@@ -39,10 +39,20 @@ cv::Mat Sign(RandomStream& random) {
   cv::rectangle(sign, {24, 24}, {sign.cols - 25, sign.rows - 25}, 40, 26);
   const auto x = [&] { return Whole(random, 180, sign.cols - 180); };
   const auto y = [&] { return Whole(random, 160, sign.rows - 160); };
-  cv::circle(sign, {x(), y()}, Whole(random, 70, 120), 90, cv::FILLED, cv::LINE_AA);
-  cv::rectangle(sign, cv::Rect(x() - 90, y() - 60, Whole(random, 120, 220), Whole(random, 80, 140)), 60,
-                cv::FILLED);
-  const cv::Point corner(x(), y());
+  // One draw at a time: the order in which a call's arguments are drawn is the compiler's.
+  const auto point = [&] {
+    const int u = x();
+    return cv::Point(u, y());
+  };
+  const auto size = [&] {
+    const int width = Whole(random, 120, 220);
+    return cv::Size(width, Whole(random, 80, 140));
+  };
+  const cv::Point middle = point();
+  cv::circle(sign, middle, Whole(random, 70, 120), 90, cv::FILLED, cv::LINE_AA);
+  const cv::Point left_top = point() - cv::Point(90, 60);
+  cv::rectangle(sign, cv::Rect(left_top, size()), 60, cv::FILLED);
+  const cv::Point corner = point();
   const std::vector<cv::Point> arrow = {
       corner, {corner.x + 130, corner.y + 60}, {corner.x + 20, corner.y + 130}};
   cv::fillConvexPoly(sign, arrow, 30, cv::LINE_AA);
@@ -52,9 +62,10 @@ cv::Mat Sign(RandomStream& random) {
 cv::Mat Repeated(RandomStream& random) {
   constexpr int kTile = 64;
   cv::Mat tile(kTile, kTile, CV_8UC1, cv::Scalar(200));
-  cv::circle(tile, {Whole(random, 16, 28), Whole(random, 16, 28)}, Whole(random, 8, 14), 50, cv::FILLED,
-             cv::LINE_AA);
-  cv::rectangle(tile, cv::Rect(36, 34, Whole(random, 12, 22), Whole(random, 12, 24)), 95, cv::FILLED);
+  const int u = Whole(random, 16, 28), v = Whole(random, 16, 28), radius = Whole(random, 8, 14),
+            width = Whole(random, 12, 22), height = Whole(random, 12, 24);
+  cv::circle(tile, {u, v}, radius, 50, cv::FILLED, cv::LINE_AA);
+  cv::rectangle(tile, cv::Rect(36, 34, width, height), 95, cv::FILLED);
   cv::line(tile, {0, kTile - 1}, {kTile - 1, kTile - 1}, 130, 2);
   cv::Mat all = cv::repeat(tile, kPictureSize.height / kTile, kPictureSize.width / kTile);
   cv::rectangle(all, {16, 16}, {all.cols - 17, all.rows - 17}, 20,

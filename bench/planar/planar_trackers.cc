@@ -9,7 +9,9 @@
 #include <opencv2/video/tracking.hpp>
 
 #include "bench/planar/planar_sequence.h"
+#include "vision/landmark/alignment/aligner.h"
 #include "vision/landmark/homography.h"
+#include "vision/landmark/pad_features.h"
 #include "vision/landmark/pad_tracker.h"
 #include "vision/landmark/plane_pose.h"
 
@@ -17,6 +19,15 @@ namespace kestrel::bench {
 namespace {
 
 using Eigen::Matrix3d;
+
+// From the picture, so many pixels wide, to T.
+Matrix3d TFromPicture(const cv::Size& size) {
+  Matrix3d T_from_pixel;
+  T_from_pixel << 0, -kPlanarLength_m / size.height, kPlanarLength_m / 2 * (1 - 1.0 / size.height),  //
+      kPlanarWidth_m / size.width, 0, -kPlanarWidth_m / 2 * (1 - 1.0 / size.width),                  //
+      0, 0, 1;
+  return T_from_pixel;
+}
 
 class Ecc {
  public:
@@ -44,10 +55,8 @@ class Ecc {
     cv::Mat pattern, image;
     cv::resize(picture_, pattern, size, 0, 0, cv::INTER_AREA);
     cv::resize(grey, image, {cvRound(grey.cols * scale), cvRound(grey.rows * scale)}, 0, 0, cv::INTER_AREA);
-    Matrix3d T_from_pattern, smaller;
-    T_from_pattern << 0, -kPlanarLength_m / size.height, kPlanarLength_m / 2 * (1 - 1.0 / size.height),  //
-        kPlanarWidth_m / size.width, 0, -kPlanarWidth_m / 2 * (1 - 1.0 / size.width),                    //
-        0, 0, 1;
+    const Matrix3d T_from_pattern = TFromPicture(size);
+    Matrix3d smaller;
     const double sx = static_cast<double>(image.cols) / grey.cols,
                  sy = static_cast<double>(image.rows) / grey.rows;
     smaller << sx, 0, (sx - 1) / 2, 0, sy, (sy - 1) / 2, 0, 0, 1;
@@ -80,9 +89,8 @@ class Ecc {
 
 }  // namespace
 
-PlanarTracker PadPlanarTracker(const cv::Mat& picture, bool registration) {
-  vision::PadTrackerOptions options;
-  options.registration = registration;
+PlanarTracker PadPlanarTracker(const cv::Mat& picture, const vision::PadTrackerOptions& options,
+                               const std::string& name) {
   const auto reference = std::make_shared<const vision::PadReference>(
       vision::MakePadReference(picture, kPlanarLength_m, kPlanarWidth_m));
   const auto tracker = std::make_shared<std::optional<vision::PadTracker>>();
@@ -90,7 +98,7 @@ PlanarTracker PadPlanarTracker(const cv::Mat& picture, bool registration) {
     const auto seen = (*tracker)->Track(grey, expected);
     return seen ? std::optional(seen->H_w) : std::nullopt;
   };
-  return {registration ? "ours, registered" : "ours, chain alone",
+  return {name, true,
           [=](const cv::Mat& grey, const Matrix3d& H_w) {
             tracker->emplace(*reference, kPlanarCamera, options);
             track(grey, vision::PoseFromHomography(H_w, kPlanarCamera));
@@ -98,14 +106,58 @@ PlanarTracker PadPlanarTracker(const cv::Mat& picture, bool registration) {
           [=](const cv::Mat& grey) { return track(grey, std::nullopt); }};
 }
 
+PlanarTracker AlignerPlanarTracker(const cv::Mat& picture, vision::AlignmentMethod method,
+                                   const std::string& name) {
+  constexpr int kTemplate_px = 160, kInset_px = 2;
+  const cv::Size size(kTemplate_px, kTemplate_px * picture.rows / picture.cols);
+  cv::Mat small;
+  cv::resize(picture, small, size, 0, 0, cv::INTER_AREA);
+  struct State {
+    vision::Aligner aligner;
+    vision::ImagePyramid image;
+    Matrix3d H_w = Matrix3d::Identity();
+  };
+  const cv::Rect region(kInset_px, kInset_px, size.width - 2 * kInset_px, size.height - 2 * kInset_px);
+  const vision::AlignmentOptions options{
+      .method = method, .loss = vision::AlignmentLoss::kTukey, .min_correlation = 0.7};
+  const auto state = std::make_shared<State>(State{vision::Aligner(small, region, options), {}});
+  const Matrix3d T_from_pixel = TFromPicture(size);
+  return {name, true, [=](const cv::Mat&, const Matrix3d& H_w) { state->H_w = H_w; },
+          [=](const cv::Mat& grey) -> std::optional<Matrix3d> {
+            vision::FillPyramid(grey, state->image);
+            const vision::Alignment found = state->aligner.Align(state->image, state->H_w * T_from_pixel);
+            if (found.state != vision::AlignmentState::kConverged) return std::nullopt;
+            return state->H_w = found.W * T_from_pixel.inverse();
+          }};
+}
+
+PlanarTracker FeaturesPlanarTracker(const cv::Mat& picture, vision::FeatureDetector detector) {
+  const auto features = std::make_shared<const vision::PadFeatures>(
+      vision::MakePadReference(picture, kPlanarLength_m, kPlanarWidth_m), kPlanarCamera, detector);
+  return {"ours, " + vision::NameOf(detector) + " alone", true, [](const cv::Mat&, const Matrix3d&) {},
+          [=](const cv::Mat& grey) { return features->Find(grey, 1); }};
+}
+
 PlanarTracker EccPlanarTracker(const cv::Mat& picture) {
   const auto ecc = std::make_shared<Ecc>(picture);
-  return {"OpenCV, ECC", [=](const cv::Mat&, const Matrix3d& H_w) { ecc->Start(H_w); },
+  return {"OpenCV, ECC", false, [=](const cv::Mat&, const Matrix3d& H_w) { ecc->Start(H_w); },
           [=](const cv::Mat& grey) { return ecc->Track(grey); }};
 }
 
 std::vector<PlanarTracker> PlanarTrackers(const cv::Mat& picture) {
-  return {PadPlanarTracker(picture, true), PadPlanarTracker(picture, false), EccPlanarTracker(picture)};
+  std::vector<PlanarTracker> all = {
+      PadPlanarTracker(picture, {}, "ours, klt"),
+      PadPlanarTracker(picture, {.method = "icia"}, "ours, icia"),
+      PadPlanarTracker(picture, {.registration = false}, "ours, chain alone"),
+      AlignerPlanarTracker(picture, vision::AlignmentMethod::kInverseCompositional, "ours, ICIA alone"),
+      AlignerPlanarTracker(picture, vision::AlignmentMethod::kSecondOrder, "ours, ESM alone"),
+  };
+  for (const std::string& name : vision::FeatureDetectorNames()) {
+    const auto detector = *vision::FeatureDetectorNamed(name);
+    if (vision::IsAvailable(detector)) all.push_back(FeaturesPlanarTracker(picture, detector));
+  }
+  all.push_back(EccPlanarTracker(picture));
+  return all;
 }
 
 }  // namespace kestrel::bench

@@ -24,6 +24,7 @@
 #include "sim/camera/horizon.h"
 #include "sim/vehicle_file.h"
 #include "vision/camera/calibration_file.h"
+#include "vision/image_file.h"
 
 namespace kestrel::flight {
 namespace {
@@ -287,12 +288,18 @@ LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& o
     sim.scene.pad = pad.parameters;
     sim.scene.pad_texture = pad.texture;
     sim.scene.pad_picture = pad.picture;
+    if (s.pad.print && !pad.reference.levels.empty()) {
+      const cv::Mat picture = pad.picture.empty()
+                                  ? vision::ReadImageFile(pad.texture, vision::ImageColours::kGrey).pixels
+                                  : pad.picture;
+      sim.scene.pad_picture = sim::Printed(picture, pad.parameters.size_m, *s.pad.print, s.seed);
+    }
     loaded.pad = pad.reference;
     std::optional<double> start_m;
-    if (!s.start.on_ground) start_m = s.start.height_m;
+    if (!s.start.on_ground && !s.carry) start_m = s.start.height_m;
     if (has_camera)
-      CheckPadHeights(s.flight, loaded.pad, sim.camera, s.pilot.tracker.min_inliers, start_m, config, where,
-                      mistakes, loaded.pad_heights);
+      CheckPadHeights(s.flight, loaded.pad, sim.camera, s.pilot.tracker, start_m, config, where, mistakes,
+                      loaded.pad_heights);
   }
   sim.scene.pad_position_m = s.pad.position_m;
   sim.scene.pad_yaw_deg = s.pad.yaw_deg;

@@ -13,6 +13,7 @@
 #include "mission/mission_type.h"
 #include "sim/camera/pan_tilt.h"
 #include "sim/simulator.h"
+#include "sim/world/print.h"
 
 namespace kestrel::flight {
 
@@ -31,6 +32,7 @@ struct PadPlacement {
   std::string name = "helipad";
   Eigen::Vector2d position_m = Eigen::Vector2d::Zero();
   double yaw_deg = 0, height_m = 0, tilt_deg = 0;
+  std::optional<sim::PrintParameters> print;
 };
 
 inline void Fields(FieldVisitor& v, PadPlacement& p) {
@@ -43,6 +45,8 @@ inline void Fields(FieldVisitor& v, PadPlacement& p) {
      "how far the top of the pad's picture is raised, from 0, lying, to 90, hanging on a wall that its top "
      "faced"},
     p.tilt_deg, 0.0, 90.0);
+  v({"print", "how its picture came out in print; the trackers know the picture as it is in the file"},
+    p.print);
 }
 
 // A flight as data. Everything that a run depends on is here, in the models it names, or in the program.

@@ -19,7 +19,7 @@ namespace kestrel::scenarios {
 namespace {
 
 vision::PadTrackerOptions ChainOf(vision::PadTrackerOptions options) {
-  options.registration = false;
+  options.method = "klt", options.registration = false;
   return options;
 }
 
@@ -42,8 +42,11 @@ class HandHeldMission final : public mission::Mission {
     report->X_BC = X_BC_;
     seen_ = report->seen = tracker_.Track(grey, std::nullopt);
     decision.vision_s = SecondsSince(start);
-    // The chain begins where the landmark is first found, and goes on alone.
+    // The chain begins where the landmark is first found, and goes on alone until it breaks.
     if (chain_) report->chained = chain_->Track(grey, std::nullopt);
+    const bool breaks = chain_begun_ && (!report->chained || report->chained->found);
+    if (breaks) report->chained.reset(), chain_.reset();
+    chain_begun_ = chain_begun_ || report->chained;
     ever_seen_ = ever_seen_ || seen_;
     decision.phase = "carried";
     decision.target = !seen_ ? "lost" : seen_->found ? "found" : seen_->registered ? "tracked" : "chained";
@@ -83,7 +86,7 @@ class HandHeldMission final : public mission::Mission {
   vision::PadTracker tracker_;
   std::optional<vision::PadTracker> chain_;
   std::optional<vision::PadObservation> seen_;
-  bool ever_seen_ = false;
+  bool ever_seen_ = false, chain_begun_ = false;
 };
 
 }  // namespace

@@ -94,10 +94,10 @@ std::vector<mission::Metric> HandHeldMetrics() {
   metrics.push_back({"within_95_share", "1",
                      "Share of the poses that are within 95 % of what their own covariance allows", 0, 1});
   add("chain_", ", by the chain of homographies alone");
-  metrics.push_back({"chain_landmark_share", "1",
-                     "Share of the frames in which the chain of homographies alone had the landmark", 0, 1});
   metrics.push_back(
-      {"chain_drift_m", "m", "How far off the landmark was in the chain's last image, by the chain alone"});
+      {"chain_landmark_share", "1", "Share of the frames until the chain of homographies alone broke", 0, 1});
+  metrics.push_back(
+      {"chain_drift_m", "m", "How far off the landmark was in the last image before the chain alone broke"});
   return metrics;
 }
 

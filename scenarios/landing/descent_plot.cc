@@ -53,9 +53,8 @@ std::string Memberships(const FuzzyVariable& variable, double scale, const std::
                           records::GnuplotQuoted(name), scale * middle, SetColour(i));
   }
   return data + labels +
-         fmt::format(
-             "set xrange [{:.6g}:{:.6g}]\nset yrange [0:1.2]\nset ytics 0,0.5,1\nset xlabel {}\n{}\n",
-             scale * variable.low, scale * variable.high, records::GnuplotQuoted(axis), plots);
+         fmt::format("set xrange [{:.6g}:{:.6g}]\nset yrange [0:1.2]\nset ytics 0,0.5,1\nset xlabel {}\n{}\n",
+                     scale * variable.low, scale * variable.high, records::GnuplotQuoted(axis), plots);
 }
 
 constexpr int kCells = 60;  // of the surface, along each input

@@ -3,6 +3,7 @@
 // program: alignment_peers [A..B]
 #include <fmt/format.h>
 
+#include <array>
 #include <memory>
 
 #include "bench/alignment/convergence.h"
@@ -14,10 +15,12 @@ namespace {
 NamedAligner VispAligner(const std::string& name, visp::TemplateMethod method, int levels,
                          const cv::Mat& reference) {
   const cv::Rect& r = kTemplateRegion;
+  const double left = r.x, top = r.y, right = r.x + r.width - 1, bottom = r.y + r.height - 1;
   const auto tracker = std::make_shared<visp::TemplateTracker>(
-      method, visp::GreyImage{reference.data, reference.cols, reference.rows}, r.x, r.y, r.width, r.height,
-      levels);
+      method, visp::GreyImage{reference.data, reference.cols, reference.rows},
+      std::array<Eigen::Vector2d, 4>{{{left, top}, {right, top}, {right, bottom}, {left, bottom}}}, levels);
   return {fmt::format("ViSP {}, {} levels", name, levels), [tracker](const cv::Mat& image) {
+            tracker->Restart();
             return tracker->Track({image.data, image.cols, image.rows});
           }};
 }

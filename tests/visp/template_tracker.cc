@@ -29,8 +29,8 @@ struct TemplateTracker::Parts {
   bool second_order = false;
 };
 
-TemplateTracker::TemplateTracker(TemplateMethod method, const GreyImage& reference, int left, int top,
-                                 int width, int height, int levels)
+TemplateTracker::TemplateTracker(TemplateMethod method, const GreyImage& reference,
+                                 const std::array<Eigen::Vector2d, 4>& corners, int levels)
     : parts_(std::make_unique<Parts>()) {
   Parts& p = *parts_;
   p.second_order = method == TemplateMethod::kSecondOrder;
@@ -45,18 +45,21 @@ TemplateTracker::TemplateTracker(TemplateMethod method, const GreyImage& referen
   p.tracker->setLambda(0.001);
   p.tracker->setIterationMax(200);
   p.tracker->setPyramidal(static_cast<unsigned>(levels), 0);
-  const auto at = [&](int x, int y) { return vpImagePoint(top + y, left + x); };
-  const int w = width - 1, h = height - 1;
-  p.tracker->initFromPoints(Visp(reference), {at(0, 0), at(w, 0), at(w, h), at(0, 0), at(w, h), at(0, h)});
+  const auto at = [&](std::size_t k) { return vpImagePoint(corners[k].y(), corners[k].x()); };
+  p.tracker->initFromPoints(Visp(reference), {at(0), at(1), at(2), at(0), at(2), at(3)});
+  Restart();
 }
 
 TemplateTracker::~TemplateTracker() = default;
 
-std::optional<Eigen::Matrix3d> TemplateTracker::Track(const GreyImage& image) {
-  Parts& p = *parts_;
+void TemplateTracker::Restart() {
   vpColVector start(8);
   start = 0;
-  p.tracker->setp(start);
+  parts_->tracker->setp(start);
+}
+
+std::optional<Eigen::Matrix3d> TemplateTracker::Track(const GreyImage& image) {
+  Parts& p = *parts_;
   try {
     p.tracker->track(Visp(image));
   } catch (const vpException&) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <memory>
 #include <optional>
 
@@ -16,14 +17,15 @@ struct GreyImage {
   int cols, rows;
 };
 
-// The homography of a rectangle of one image in another, from the identity: sums of squares by the inverse
-// compositional algorithm or by ESM, or zero-mean normalised correlation by the former.
+// The homography of a quadrangle of one image in others: sums of squares by the inverse compositional algorithm
+// or by ESM, or zero-mean normalised correlation by the former.
 class TemplateTracker {
  public:
-  TemplateTracker(TemplateMethod method, const GreyImage& reference, int left, int top, int width, int height,
-                  int levels);
+  TemplateTracker(TemplateMethod method, const GreyImage& reference,
+                  const std::array<Eigen::Vector2d, 4>& corners, int levels);
   ~TemplateTracker();
-  std::optional<Eigen::Matrix3d> Track(const GreyImage& image);  // none: it gave up
+  void Restart();                                                // from the identity, as at first
+  std::optional<Eigen::Matrix3d> Track(const GreyImage& image);  // from where it ended last; none: it gave up
 
  private:
   struct Parts;

@@ -17,7 +17,7 @@ struct PadTrackerOptions {
   int max_points = 90;
   int min_inliers = 10;
   double threshold_px = 1.5;
-  double sigma_px = 0.08;
+  double sigma_px = 0.08, shift_px = 0.05;
   std::string features = "sift";
 };
 
@@ -37,6 +37,10 @@ inline void Fields(FieldVisitor& v, PadTrackerOptions& o) {
   v({"threshold_px", "maximum symmetric transfer distance of an inlier"}, o.threshold_px, 0.2, 10.0);
   v({"sigma_px", "standard deviation of a tracked point, from which the covariance of the pose follows"},
     o.sigma_px, 0.001, 5.0);
+  v({"shift_px",
+     "standard deviation of an error that all points share, such as that of where the middle of a blurred "
+     "image is"},
+    o.shift_px, 0.0, 5.0);
   v({"features", "which features find the pad anew where only a part of it is in view; surf needs dlib"},
     o.features, FeatureDetectorNames());
 }

@@ -67,6 +67,13 @@ std::optional<Eigen::Matrix<double, 6, 6>> PoseInformation(std::span<const Eigen
   return information;
 }
 
+Eigen::Matrix<double, 6, 6> CovarianceOfShift(const Pose& X_CT, double sigma_rad) {
+  Eigen::Matrix<double, 6, 2> A;
+  A.topRows<3>() = -Skew(X_CT.p).leftCols<2>();
+  A.bottomRows<3>() = Eigen::Matrix<double, 3, 2>::Identity();
+  return sigma_rad * sigma_rad * A * A.transpose();
+}
+
 std::optional<PlanePose> RefinePlanePose(std::span<const PointPair> pairs, const Pinhole& camera,
                                          const Pose& X_CT_start, double sigma_px) {
   if (pairs.size() < 4) return std::nullopt;
@@ -83,7 +90,7 @@ std::optional<PlanePose> RefinePlanePose(std::span<const PointPair> pairs, const
     if (solver.info() != Eigen::Success || !(solver.vectorD().minCoeff() > 0)) return std::nullopt;
     const Eigen::Matrix<double, 6, 1> step = solver.solve(normal.g);
     if (!step.allFinite()) return std::nullopt;
-    if (iteration >= 10 || step.norm() < 1e-9) {
+    if (iteration >= 30 || step.norm() < 1e-9) {
       const double n = static_cast<double>(pairs.size());
       const double seen =
           std::sqrt(normal.squares / std::max(2 * n - 6, 1.0));  // deviation of one coordinate

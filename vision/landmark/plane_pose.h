@@ -43,6 +43,10 @@ std::optional<Eigen::Matrix<double, 6, 6>> PoseInformation(std::span<const Eigen
 // start. Beyond the thesis: eq. (3.24) takes the nearest rotation to what noise made of the columns, in an
 // algebraic sense; this takes the most likely pose. sigma_px scales the covariance; it is at least what the
 // residual shows.
+// What an error that all pixels share adds to the covariance of a pose: to shift the image is to turn the camera
+// across its axis. sigma_rad: the shift over the focal length.
+Eigen::Matrix<double, 6, 6> CovarianceOfShift(const Pose& X_CT, double sigma_rad);
+
 std::optional<PlanePose> RefinePlanePose(std::span<const PointPair> pairs, const Pinhole& camera,
                                          const Pose& X_CT_start, double sigma_px);
 

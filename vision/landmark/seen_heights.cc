@@ -12,6 +12,7 @@ namespace {
 constexpr double kFindSide_px = 36, kCell_px = 3;
 constexpr double kFollowRim_px = 3;  // within which no corner is followed
 constexpr double kStep = 0.97;
+constexpr double kAlignedShare = 0.06;  // of the picture that must be in the image
 
 // The greatest height at which a length has so many pixels.
 double HeightFor(const Pinhole& camera, double length_m, double px) {
@@ -34,27 +35,36 @@ SeenHeights OfTag(const Tag& tag, const Pinhole& camera) {
   return {reach.cwiseQuotient(view).maxCoeff(), HeightFor(camera, cell, kCell_px)};
 }
 
-// Down from where it is found to where too few of its corners are in view.
-SeenHeights OfPicture(const PadReference& pad, const Pinhole& camera, int min_inliers) {
-  const double max = HeightFor(camera, std::min(pad.length_m, pad.width_m), kFindSide_px);
-  double min = max;
-  for (double height = max; height > 0.05; height *= kStep) {
-    const Eigen::Vector2d view = HalfView(camera, height);
-    const auto& corners = pad.LevelFor(camera.fx / height).corners;
-    const auto in_view = std::count_if(corners.begin(), corners.end(), [&](const Eigen::Vector2d& corner) {
-      return (corner.cwiseAbs().array() < view.array()).all();
-    });
-    if (in_view < min_inliers) break;
-    min = height;
+// Whether enough of the picture is in view of a camera at that height to be followed.
+bool IsFollowed(const PadReference& pad, const Pinhole& camera, const PadTrackerOptions& options,
+                double height_m) {
+  const Eigen::Vector2d view = HalfView(camera, height_m);
+  if (options.method == "icia") {
+    const Eigen::Vector2d half(pad.length_m / 2, pad.width_m / 2);
+    return view.cwiseMin(half).prod() >= kAlignedShare * half.prod();
   }
+  const auto& corners = pad.LevelFor(camera.fx / height_m).corners;
+  return std::count_if(corners.begin(), corners.end(), [&](const Eigen::Vector2d& corner) {
+           return (corner.cwiseAbs().array() < view.array()).all();
+         }) >= options.min_inliers;
+}
+
+// Down from where it is found and followed to where it is not followed any more.
+SeenHeights OfPicture(const PadReference& pad, const Pinhole& camera, const PadTrackerOptions& options) {
+  double max = HeightFor(camera, std::min(pad.length_m, pad.width_m), kFindSide_px);
+  while (max > 0.05 && !IsFollowed(pad, camera, options, max)) max *= kStep;
+  double min = max;
+  for (double height = max; height > 0.05 && IsFollowed(pad, camera, options, height); height *= kStep)
+    min = height;
   return {min, max};
 }
 
 }  // namespace
 
-std::vector<SeenHeights> HeightsSeen(const PadReference& pad, const Pinhole& camera, int min_inliers) {
+std::vector<SeenHeights> HeightsSeen(const PadReference& pad, const Pinhole& camera,
+                                     const PadTrackerOptions& options) {
   std::vector<SeenHeights> all, joined;
-  if (pad.tags.empty()) all.push_back(OfPicture(pad, camera, min_inliers));
+  if (pad.tags.empty()) all.push_back(OfPicture(pad, camera, options));
   for (const Tag& tag : pad.tags) all.push_back(OfTag(tag, camera));
   std::erase_if(all, [](const SeenHeights& range) { return !(range.min_m < range.max_m); });
   std::sort(all.begin(), all.end(),

@@ -31,7 +31,7 @@ std::vector<PlanarFrame> Frames(const std::vector<double>& visible) {
 PlanarScore Scored(const std::vector<double>& visible, const std::vector<double>& off_px) {
   const std::vector<PlanarFrame> frames = Frames(visible);
   std::size_t next = 0;
-  const PlanarTracker tracker{"made up", [](const cv::Mat&, const Matrix3d&) {},
+  const PlanarTracker tracker{"made up", true, [](const cv::Mat&, const Matrix3d&) {},
                               [&](const cv::Mat&) -> std::optional<Matrix3d> {
                                 const double off = off_px[next++];
                                 if (std::isnan(off)) return std::nullopt;
@@ -79,7 +79,7 @@ TEST(PlanarTrackers, OursAlignsEachKindOfPictureToAPixel) {
     const PlanarSequence sequence(picture.grey, PlanarFactor::kPerspective, 7);
     std::vector<PlanarFrame> frames;
     for (int i = 0; i < 4; ++i) frames.push_back(sequence.Draw(i));
-    const PlanarScore score = ScoreOf(PadPlanarTracker(picture.grey, true), frames);
+    const PlanarScore score = ScoreOf(PadPlanarTracker(picture.grey, {}, "klt"), frames);
     ASSERT_EQ(score.error_px.size(), 3u);
     EXPECT_EQ(score.Precision(1), 1) << picture.name;
   }

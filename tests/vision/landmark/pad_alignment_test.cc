@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "tests/vision/landmark/pad_photographer.h"
+#include "tests/vision/landmark/pose_difference.h"
 #include "vision/landmark/pad_tracker.h"
 #include "vision/landmark/plane_pose.h"
 
@@ -13,13 +14,6 @@ namespace kestrel::vision {
 namespace {
 
 using Eigen::Vector3d;
-
-// A hovering aircraft's view: it sways, turns and tilts; 15 frames a second.
-Pose PathPose(int frame, double height_m = 4.2) {
-  const double t = frame / 15.0;
-  return PadBelow({0.25 * std::sin(1.1 * t), 0.2 * std::sin(0.8 * t + 1), height_m + 0.2 * std::sin(0.6 * t)},
-                  40 + 15 * std::sin(0.5 * t), 4 * std::sin(1.4 * t), 3 * std::sin(1.9 * t));
-}
 
 class PadAlignmentTest : public ::testing::Test {
  protected:
@@ -38,8 +32,7 @@ TEST_F(PadAlignmentTest, FollowsThePadWithinMillimetresAndFindsItOnce) {
     ASSERT_TRUE(seen) << frame;
     EXPECT_EQ(seen->found, frame == 0) << frame;
     EXPECT_TRUE(seen->registered);
-    Eigen::Matrix<double, 6, 1> off;
-    off << seen->X_CT.p - truth.p, LogRotation(seen->X_CT.R * truth.R.conjugate());
+    const Eigen::Matrix<double, 6, 1> off = Between(truth, seen->X_CT);
     EXPECT_LT(off.head<3>().norm(), 0.004) << frame;
     EXPECT_LT(Degrees(off.tail<3>().norm()), 0.12) << frame;
     EXPECT_LT(seen->residual_px, 0.3) << frame;
@@ -91,6 +84,31 @@ TEST_F(PadAlignmentTest, AnotherPictureIsNoPadEvenWhereItIsExpected) {
     PadTracker tracker = NewTracker();
     for (int frame = 0; frame < 2; ++frame)
       EXPECT_FALSE(tracker.Track(scene->At(PathPose(frame), frame), PathPose(frame)));
+  }
+}
+
+// It goes to and fro by up to 25 px from image to image, 15 of them while the shutter is open.
+TEST_F(PadAlignmentTest, FollowsAPadThatItsMotionBlurs) {
+  constexpr int kInstants = 12, kFrames = 24;
+  constexpr double kExposure = 0.6;  // of the time between images
+  const auto pose = [](double frame) {
+    const double begin = std::min(1.0, frame / 8);
+    return PadBelow({begin * 0.55 * std::sin(0.22 * frame), begin * 0.2 * std::sin(0.15 * frame), 4},
+                    20 + frame);
+  };
+  for (const char* method : {"klt", "icia"}) {
+    PadTracker tracker{reference_, kPadCamera, {.method = method}};
+    for (int frame = 0; frame < kFrames; ++frame) {
+      cv::Mat sum(kPadCamera.height_px, kPadCamera.width_px, CV_32FC1, cv::Scalar(0)), image;
+      for (int i = 0; i < kInstants; ++i)
+        cv::accumulate(
+            photographer_.At(pose(frame + kExposure * ((i + 0.5) / kInstants - 0.5)), 100 * frame + i), sum);
+      sum.convertTo(image, CV_8U, 1.0 / kInstants);
+      const auto seen = tracker.Track(image, frame == 0 ? std::optional(pose(0)) : std::nullopt);
+      ASSERT_TRUE(seen) << method << " " << frame;
+      EXPECT_FALSE(seen->found) << method << " " << frame;
+      EXPECT_LT((seen->X_CT.p - pose(frame).p).head<2>().norm(), 0.01) << method << " " << frame;  // 2 px
+    }
   }
 }
 

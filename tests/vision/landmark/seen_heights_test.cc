@@ -27,7 +27,7 @@ bool Found(const std::vector<Tag>& tags, const PadPhotographer& photographer, do
 TEST(SeenHeights, OfATagAreThoseBetweenWhichItIsFound) {
   for (const Tag& tag : {Tag{"tag36h11", 0, 0.4, {0, 0}}, Tag{"DICT_5X5_50", 1, 0.4, {0, 0}},
                          Tag{"tagCustom48h12", 2, 0.3, {0, 0}}}) {
-    const auto seen = HeightsSeen(OfTags({tag}), kPadCamera, 10);
+    const auto seen = HeightsSeen(OfTags({tag}), kPadCamera, {});
     ASSERT_EQ(seen.size(), 1u);
     const PadPhotographer photographer(DrawTags({tag}, kSize_m));
     EXPECT_TRUE(Found({tag}, photographer, 1.03 * seen[0].min_m)) << tag.family;
@@ -39,7 +39,7 @@ TEST(SeenHeights, OfATagAreThoseBetweenWhichItIsFound) {
 
 TEST(SeenHeights, OfThePadsPictureTheUpperOneIsWhereItIsStillFound) {
   const PadReference pad = MakePadReference(PadPicture(), kPadLength_m, kPadWidth_m);
-  const auto seen = HeightsSeen(pad, kPadCamera, 10);
+  const auto seen = HeightsSeen(pad, kPadCamera, {});
   ASSERT_EQ(seen.size(), 1u);
   EXPECT_LT(seen[0].min_m, 0.3);  // it has corners at every scale
   const PadPhotographer photographer(PadPicture());
@@ -51,9 +51,25 @@ TEST(SeenHeights, OfThePadsPictureTheUpperOneIsWhereItIsStillFound) {
   EXPECT_FALSE(found(2 * seen[0].max_m));
 }
 
+// An H has a dozen corners: too few to be followed by them.
+TEST(SeenHeights, AsAWholeAPictureOfFewCornersIsFollowedFromNear) {
+  cv::Mat picture(600, 600, CV_8UC1, cv::Scalar(60));
+  cv::circle(picture, {300, 300}, 235, 250, 30, cv::LINE_AA);
+  for (const cv::Rect& bar :
+       {cv::Rect(190, 165, 55, 270), cv::Rect(355, 165, 55, 270), cv::Rect(190, 272, 220, 55)})
+    picture(bar).setTo(250);
+  const PadReference pad = MakePadReference(picture, 1.2, 1.2);
+  const auto by_corners = HeightsSeen(pad, kPadCamera, {}),
+             as_a_whole = HeightsSeen(pad, kPadCamera, {.method = "icia"});
+  ASSERT_EQ(as_a_whole.size(), 1u);
+  EXPECT_LT(as_a_whole[0].min_m, 1);
+  EXPECT_GT(as_a_whole[0].max_m, 10);
+  EXPECT_TRUE(by_corners.empty() || by_corners[0].min_m > 5);
+}
+
 TEST(SeenHeights, TagsFarApartInSizeLeaveAGap) {
   const auto seen = HeightsSeen(OfTags({{"tagCustom48h12", 0, 0.5, {0, 0}}, {"tag36h11", 0, 0.02, {0, 0}}}),
-                                kPadCamera, 10);
+                                kPadCamera, {});
   ASSERT_EQ(seen.size(), 2u);
   EXPECT_LT(seen[0].max_m, seen[1].min_m);
 }

@@ -6,6 +6,7 @@
 #include <Eigen/Dense>
 
 #include "tests/vision/landmark/pad_photographer.h"
+#include "tests/vision/landmark/pose_difference.h"
 #include "vision/landmark/pad_tracker.h"
 
 namespace kestrel::vision {
@@ -43,8 +44,7 @@ TEST(TagTracker, CovarianceCoversTheErrors) {
         PadBelow({0.05 - 0.004 * frame, 0.003 * frame, 0.5 + 0.15 * frame}, 5.0 * frame, 0.3 * frame, -4);
     const auto seen = tracker.Track(Nested().At(truth, frame), truth);
     ASSERT_TRUE(seen) << frame;
-    Eigen::Matrix<double, 6, 1> off;
-    off << seen->pose.X_CT.p - truth.p, LogRotation(seen->pose.X_CT.R * truth.R.conjugate());
+    const Eigen::Matrix<double, 6, 1> off = Between(truth, seen->pose.X_CT);
     nees += off.dot(seen->pose.covariance.inverse() * off) / kFrames;
   }
   EXPECT_GT(nees, 0.25);

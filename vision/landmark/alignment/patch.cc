@@ -41,6 +41,7 @@ void Sample(const cv::Mat& image, const Eigen::Matrix3d& M, int cols, int rows, 
   const double right = image.cols - 1 - kRim_px, bottom = image.rows - 1 - kRim_px;
   const std::size_t stride = image.step1();
   const float* pixels = image.ptr<float>();
+  const int last_u = image.cols - 2, last_v = image.rows - 2;
   float *u = patch.u.data(), *v = patch.v.data();
   for (int y = 0; y < rows; ++y) {
     const Eigen::Vector3d at = M.col(1) * y + M.col(2), by = M.col(0);
@@ -66,7 +67,9 @@ void Sample(const cv::Mat& image, const Eigen::Matrix3d& M, int cols, int rows, 
     }
     float* grey = patch.grey.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(cols);
     for (int x = span.begin; x < span.end; ++x) {
-      const int iu = static_cast<int>(u[x]), iv = static_cast<int>(v[x]);
+      // A warp that diverges is seen so obliquely that a float's rounding reaches over the rim.
+      const int iu = std::clamp(static_cast<int>(u[x]), 0, last_u),
+                iv = std::clamp(static_cast<int>(v[x]), 0, last_v);
       const float fu = u[x] - static_cast<float>(iu), fv = v[x] - static_cast<float>(iv);
       const float* p = pixels + static_cast<std::size_t>(iv) * stride + static_cast<std::size_t>(iu);
       const float upper = p[0] + fu * (p[1] - p[0]), lower = p[stride] + fu * (p[stride + 1] - p[stride]);

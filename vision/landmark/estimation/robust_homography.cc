@@ -22,6 +22,7 @@ constexpr int kSample = 4;            // s of algorithm 1
 constexpr int kOptimisations = 4;     // of a sample that is the best so far
 constexpr double kWidest = 3;         // thresholds: the first of them
 constexpr double kNoNoise_px = 1e-3;  // exact pairs are inliers within this
+constexpr double kMaxSamples = 1e5;
 
 // The squares of the symmetric transfer distances, infinite where they are not numbers.
 std::vector<double> Squares(const Matrix3& H, Pairs pairs) {
@@ -75,7 +76,8 @@ class Samples {
 // N of algorithm 1: so many samples have one without outliers with the probability that is asked for.
 double SamplesFor(double inlier_share, double confidence) {
   const double good = std::pow(inlier_share, kSample);
-  return good < 1 ? std::log(1 - confidence) / std::log(1 - good) : 0;
+  const double samples = good < 1 ? std::log(1 - confidence) / std::log(1 - good) : 0;
+  return std::clamp(samples, 1.0, kMaxSamples);
 }
 
 RobustHomography Result(const Matrix3& H, Pairs pairs, std::vector<int> inliers) {

@@ -174,7 +174,10 @@ TEST_F(AlignerTest, AgreesWithOpenCvAndVisp) {
   const visp::GreyImage reference{picture.data, picture.cols, picture.rows},
       seen{image.data, image.cols, image.rows};
   const auto visp = [&](visp::TemplateMethod method) {
-    return visp::TemplateTracker(method, reference, kRegion.x, kRegion.y, kRegion.width, kRegion.height, 3)
+    const double left = kRegion.x, top = kRegion.y, right = left + kRegion.width - 1,
+                 bottom = top + kRegion.height - 1;
+    return visp::TemplateTracker(method, reference,
+                                 {{{left, top}, {right, top}, {right, bottom}, {left, bottom}}}, 3)
         .Track(seen);
   };
   const auto inverse = visp(visp::TemplateMethod::kInverseCompositional),
