@@ -9,6 +9,8 @@
 #include "base/diagnostics.h"
 #include "base/file/files.h"
 #include "base/file/model_files.h"
+#include "bench/alignment/bench_alignment.h"
+#include "bench/alignment/bench_pad_trackers.h"
 #include "bench/bench_attitude.h"
 #include "bench/bench_calibration.h"
 #include "bench/bench_campaign.h"
@@ -20,16 +22,21 @@
 #include "bench/bench_trackers.h"
 #include "bench/bench_wire.h"
 #include "bench/horizon/bench_horizon.h"
+#include "bench/landmark/bench_features.h"
+#include "bench/landmark/bench_homographies.h"
+#include "bench/landmark/bench_plane_pose.h"
+#include "bench/planar/bench_planar.h"
 #include "bench/servo/bench_servo.h"
 #include "bench/servo/bench_servoing.h"
 
 namespace kestrel::app {
 
 CLI::App* AddBenchCommand(CLI::App& app, BenchArguments& a) {
-  const std::vector<std::string> names = {"flights", "fisheye",  "attitude",    "horizon",  "gyro_failure",
-                                          "drift",   "heights",  "speed",       "render",   "calibration",
-                                          "servo",   "trackers", "contrast",    "follow",   "avoid",
-                                          "stream",  "wire",     "link_faults", "campaign", "hashes"};
+  const std::vector<std::string> names = {"flights",    "fisheye",  "attitude",    "horizon",  "gyro_failure",
+                                          "drift",      "heights",  "speed",       "render",   "calibration",
+                                          "servo",      "trackers", "contrast",    "follow",   "avoid",
+                                          "stream",     "planar",   "alignment",   "features", "homographies",
+                                          "plane_pose", "wire",     "link_faults", "campaign", "hashes"};
   CLI::App* command = app.add_subcommand("bench", "Measure: a table of figures beside their targets");
   // Of campaigns by its name alone: it flies for minutes, and kills itself.
   command->add_option("name", a.name, "All but campaign, wire, link_faults and hashes when none is given")
@@ -68,13 +75,23 @@ bool BenchCommand(const BenchArguments& arguments) {
   if (chosen("render")) bench::BenchRender(seeds.first, seeds.last, table);
   if (chosen("calibration")) bench::BenchCalibration(seeds.first, seeds.last, arguments.jobs, table);
   if (chosen("servo")) bench::BenchServo(table);
-  if (chosen("trackers")) bench::BenchTrackers(seeds.first, seeds.last, table);
+  if (chosen("trackers")) {
+    bench::BenchTrackers(seeds.first, seeds.last, table);
+    bench::BenchPadTrackers(seeds, table);
+  }
+  if (chosen("alignment")) bench::BenchAlignment(seeds, table);
   if (chosen("follow")) bench::BenchFollow(seeds, arguments.jobs, table);
   if (chosen("avoid")) bench::BenchAvoid(seeds, arguments.jobs, table);
   if (chosen("contrast"))
     bench::BenchContrast(seeds.first, seeds.last, arguments.jobs,
                          std::filesystem::path(arguments.out) / "contrast", table);
+  if (chosen("planar"))
+    bench::BenchPlanar(seeds, arguments.jobs, std::filesystem::path(arguments.out) / "planar",
+                       bench::PlanarTrackers, table);
   if (chosen("stream")) bench::BenchStream(table);
+  if (chosen("features")) bench::BenchFeatures(seeds.first, seeds.last, table);
+  if (chosen("homographies")) bench::BenchHomographies(seeds.first, table);
+  if (chosen("plane_pose")) bench::BenchPlanePose(seeds.first, table);
   // By name alone: they need the program for real aircraft, and real time.
   const std::filesystem::path wires = "results/runs";
   if (arguments.name == "wire") bench::BenchWire(seeds, arguments.jobs, wires / "bench_wire", table);

@@ -31,6 +31,7 @@
 #include "app/simulated/list_command.h"
 #include "app/simulated/render_board.h"
 #include "app/simulated/serve_command.h"
+#include "app/simulated/track_command.h"
 #include "app/simulated/view_command.h"
 #include "flight/served/wire_flight.h"
 
@@ -90,6 +91,8 @@ int Main(int argc, char** argv) {
   program.Add(AddViewCommand(app, view), [&] { return ViewCommand(view), kMet; });
   HorizonArguments horizon;
   program.Add(AddHorizonCommand(app, horizon), [&] { return HorizonCommand(horizon), kMet; });
+  TrackArguments track;
+  program.Add(AddTrackCommand(app, track), [&] { return TrackCommand(track), kMet; });
   CalibrateArguments calibrate;
   program.Add(AddCalibrateCommand(app, calibrate), [&] { return CalibrateCommand(calibrate), kMet; });
   RenderBoardArguments board;

@@ -11,6 +11,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "base/statistics.h"
+#include "bench/pad_scene.h"
 #include "geometry/tait_bryan.h"
 #include "vision/landmark/homography.h"
 #include "vision/landmark/pad_tracker.h"
@@ -172,36 +173,21 @@ void BenchDrift(flight::SeedRange seeds, int jobs, std::vector<records::Figure>&
 
 // The tracker alone, on images drawn along a path that goes from 3 m to each height and stays there, swaying.
 void BenchHeights(flight::SeedRange seeds, std::vector<records::Figure>& table) {
-  const flight::LoadedScenario loaded = flight::LoadScenario("pose");
-  const sim::ModelPtr model = sim::MakeModel(loaded.simulator.scene);
-  const sim::DataPtr data = sim::MakeData(model.get());
-  data->qpos[2] = 100;  // the aircraft itself, out of the picture
-  mj_forward(model.get(), data.get());
-  const Pose X_NT = sim::PadPose(model.get(), data.get());
-  sim::Renderer renderer(model.get(), loaded.simulator.camera, loaded.simulator.render);
+  PadScene scene;
   for (const double height : {0.3, 0.5, 1.0, 2.0, 6.0, 12.0, 15.0}) {
     int frames = 0, seen = 0;
     double square = 0;
     for (std::uint64_t seed = seeds.first; seed <= seeds.last; ++seed) {
-      RandomStream random(seed, "path");
-      Eigen::Matrix<double, 6, 1> phase;
-      for (int i = 0; i < 6; ++i) phase(i) = random.Uniform(0, 6.28);
-      vision::PadTracker tracker(loaded.pad, std::get<vision::Pinhole>(loaded.simulator.camera),
-                                 loaded.scenario.pilot.tracker);
-      const sim::ImageSensor sensor(sim::DrawScatter(loaded.simulator.image, seed), loaded.simulator.camera,
-                                    seed);
+      const PadSway sway(seed, "path");
+      vision::PadTracker tracker(scene.loaded().pad,
+                                 std::get<vision::Pinhole>(scene.loaded().simulator.camera),
+                                 scene.loaded().scenario.pilot.tracker);
+      const sim::ImageSensor sensor = scene.Sensor(seed);
       constexpr int kTravel = 80, kStay = 40;
       for (int k = 0; k < kTravel + kStay; ++k) {
-        const double t = k / 20.0;
         const double h = 3 * std::pow(height / 3, std::min(1.0, static_cast<double>(k) / kTravel));
-        const auto sway = [&](int i, double hz) { return std::sin(6.283 * hz * t + phase(i)); };
-        const Pose X_TC =
-            Pose{Eigen::Quaterniond(
-                     RotationFromTaitBryan({0.2 * sway(0, 0.1), 0.06 * sway(1, 0.5), 0.06 * sway(2, 0.4)})),
-                 {0.06 * h * sway(3, 0.3), 0.06 * h * sway(4, 0.25), -h * (1 + 0.03 * sway(5, 0.2))}} *
-            vision::MountPose({.position_m = Eigen::Vector3d::Zero()});
-        const auto observation =
-            tracker.Track(sensor.Expose(renderer.Render(data.get(), X_NT * X_TC), k), std::nullopt);
+        const Pose X_TC = sway.X_TC(h, k / 20.0);
+        const auto observation = tracker.Track(sensor.Expose(scene.Render(X_TC), k), std::nullopt);
         if (k < kTravel) continue;
         ++frames;
         if (!observation || !observation->registered) continue;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "base/yaml/config.h"
@@ -16,9 +17,20 @@ void CheckMissionExists(Config& config, const Place& where, Mistakes& mistakes);
 // itself. All of it is a mistake before anything starts.
 void CheckMission(const mission::Flight& flight, bool colour, const Config& config, const Place& where,
                   Mistakes& mistakes);
+void CheckLimits(const mission::Flight& flight, const mission::AircraftLimits& limits, const Config& config,
+                 const Place& where, Mistakes& mistakes);
 void CheckView(const mission::Flight& flight, const std::string& camera_name,
                const vision::CameraModel& camera, const vision::CameraMount& mount, const Config& config,
                const Place& where, Mistakes& mistakes);
+// Of a mission that looks for the pad: whether this build can do what its pilot is to do.
+void CheckPilot(const mission::Flight& flight, const mission::PilotParameters& pilot, const Config& config,
+                const Place& where, Mistakes& mistakes);
+// Whether the pad can be seen where the flight begins and as low as it needs it; start_m: none where it begins on
+// the ground or nobody knows. heights: the note of what the pad is worth for the camera.
+void CheckPadHeights(const mission::Flight& flight, const vision::PadReference& pad,
+                     const vision::CameraModel& camera, const vision::PadTrackerOptions& tracker,
+                     std::optional<double> start_m, const Config& config, const Place& where,
+                     Mistakes& mistakes, std::string& note);
 // Of a file that has no pad.
 void CheckHasPad(const mission::Flight& flight, const Config& config, const Place& where, Mistakes& mistakes);
 

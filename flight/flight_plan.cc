@@ -62,6 +62,7 @@ LoadedPlan LoadWhole(const fs::path& file, const std::vector<std::string>& overr
   if (!config.readable) mistakes.ThrowIfAny();
   if (p.name.empty()) p.name = file.stem().string();
   CheckMission(p.flight, p.image.colour, config, where, mistakes);
+  CheckPilot(p.flight, p.pilot, config, where, mistakes);
 
   mission::MissionParts& parts = loaded.parts;
   parts.pilot = p.pilot;
@@ -96,6 +97,7 @@ const std::vector<std::string_view>& WorldKeys() {
                                                       "actuators",
                                                       "landscape",
                                                       "start",
+                                                      "carry",
                                                       "render",
                                                       "wind",
                                                       "sensors",
@@ -104,6 +106,8 @@ const std::vector<std::string_view>& WorldKeys() {
                                                       "criteria",
                                                       "pad.position_m",
                                                       "pad.yaw_deg",
+                                                      "pad.height_m",
+                                                      "pad.tilt_deg",
                                                       "image.latency_s",
                                                       "image.exposure",
                                                       "image.lens",

@@ -12,6 +12,7 @@
 #include "base/stopwatch.h"
 #include "geometry/tait_bryan.h"
 #include "mission/caption.h"
+#include "vision/landmark/pad_drawing.h"
 
 namespace kestrel::mission {
 namespace {
@@ -131,46 +132,12 @@ control::Setpoint HelipadPilot::GrowingSquare(const control::VehicleState& state
   return waypoint_;
 }
 
-std::optional<cv::Point2d> HelipadPilot::InFrame(const Eigen::Vector3d& p_CQ) const {
-  constexpr double kFarOff_px = 1e4;  // what OpenCV still draws
-  const auto uv = vision::Project(camera_, p_CQ);
-  if (!uv || !(uv->cwiseAbs().maxCoeff() < kFarOff_px)) return std::nullopt;
-  return cv::Point2d(uv->x(), uv->y());
-}
-
 void HelipadPilot::Draw(cv::Mat& bgr, std::string_view phase) const {
-  const cv::Scalar kTracked(0, 200, 255), kInlier(80, 255, 80), kOutline(255, 220, 0);
-  const auto circles = [&](const std::vector<Eigen::Vector2d>& points, int radius, const cv::Scalar& colour) {
-    for (const Eigen::Vector2d& p : points) {
-      const auto ray = view_.Ray(p);
-      const auto at = ray ? InFrame(*ray) : std::nullopt;
-      if (at) cv::circle(bgr, *at, radius, colour, 1, cv::LINE_AA);
-    }
-  };
-  circles(tracker_.tracked_points(), 2, kTracked);
+  const cv::Scalar kTracked(0, 200, 255), kInlier(80, 255, 80);
+  vision::DrawPoints(bgr, camera_, view_, tracker_.tracked_points(), 2, kTracked);
   if (seen_) {
-    circles(tracker_.inlier_points(), 3, kInlier);
-    // A straight side is a curve in a wide image.
-    constexpr int kPieces = 16;
-    const std::vector<Eigen::Vector2d> corners = tracker_.reference().Outline();
-    std::optional<cv::Point2d> last;
-    for (std::size_t k = 0; k <= corners.size() * kPieces; ++k) {
-      const Eigen::Vector2d &from = corners[k / kPieces % corners.size()],
-                            &to = corners[(k / kPieces + 1) % corners.size()];
-      const double share = static_cast<double>(k % kPieces) / kPieces;
-      const Eigen::Vector2d p_T = (1 - share) * from + share * to;
-      const auto at = InFrame(seen_->X_CT * Eigen::Vector3d(p_T.x(), p_T.y(), 0));
-      if (at && last) cv::line(bgr, *last, *at, kOutline, 2, cv::LINE_AA);
-      last = at;
-    }
-    const auto origin = InFrame(seen_->X_CT.p);
-    const cv::Scalar colours[3] = {{60, 60, 255}, {60, 220, 60}, {255, 120, 60}};
-    for (int axis = 0; axis < 3; ++axis) {
-      // z is drawn upwards: down into the ground it would hide behind the pad
-      const Eigen::Vector3d tip = (axis == 2 ? -0.35 : 0.35) * Eigen::Vector3d::Unit(axis);
-      const auto end = InFrame(seen_->X_CT * tip);
-      if (origin && end) cv::arrowedLine(bgr, *origin, *end, colours[axis], 2, cv::LINE_AA, 0, 0.12);
-    }
+    vision::DrawPoints(bgr, camera_, view_, tracker_.inlier_points(), 3, kInlier);
+    vision::DrawOutlineAndAxes(bgr, camera_, seen_->X_CT, tracker_.reference().Outline());
   }
   Caption(bgr, 0, fmt::format("{}{}", phase, fix_ ? "" : "   pad lost"));
   if (fix_) {

@@ -83,7 +83,6 @@ class HelipadPilot {
 
  private:
   control::Setpoint GrowingSquare(const control::VehicleState& state);
-  std::optional<cv::Point2d> InFrame(const Eigen::Vector3d& p_CQ) const;
 
   PilotParameters parameters_;
   vision::CameraModel camera_;

@@ -92,6 +92,8 @@ class FlightParameters {
   // What this camera, so mounted, does not allow. mount_where: where the scenario has the mount.
   virtual void CheckView(const vision::CameraModel& camera, const vision::CameraMount& mount,
                          const Place& where, const Place& mount_where, Mistakes& mistakes) const = 0;
+  // What a pad that the camera sees from this height above it on, and not below, does not allow.
+  virtual void CheckPad(double seen_from_m, const Place& where, Mistakes& mistakes) const = 0;
   // Whether a flight by these parameters can have a metric of its type at all.
   virtual bool CanHave(const std::string& metric, const Varies& varies) const = 0;
 };
@@ -127,7 +129,8 @@ class Flight {
 
 // FlightParameters of a plain struct with Fields, found by what stands beside it: MissionType TypeOf(const
 // Parameters&), MakeMission(parameters, parts), and where there is anything to check CheckFlight,
-// CheckFlightLimits, CheckFlightView and FlightCanHave, with the struct before the arguments above.
+// CheckFlightLimits, CheckFlightView, CheckFlightPad and FlightCanHave, with the struct before the arguments
+// above.
 template <class Parameters>
 class FlightOf final : public FlightParameters {
  public:
@@ -153,6 +156,10 @@ class FlightOf final : public FlightParameters {
                  const Place& mount_where, Mistakes& mistakes) const override {
     if constexpr (requires { CheckFlightView(values, camera, mount, where, mount_where, mistakes); })
       CheckFlightView(values, camera, mount, where, mount_where, mistakes);
+  }
+  void CheckPad(double seen_from_m, const Place& where, Mistakes& mistakes) const override {
+    if constexpr (requires { CheckFlightPad(values, seen_from_m, where, mistakes); })
+      CheckFlightPad(values, seen_from_m, where, mistakes);
   }
   bool CanHave(const std::string& metric, const Varies& varies) const override {
     if constexpr (requires { FlightCanHave(values, metric, varies); })

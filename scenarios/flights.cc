@@ -6,6 +6,7 @@
 #include "scenarios/avoid/avoid.h"
 #include "scenarios/follow/follow.h"
 #include "scenarios/gyro_failure/gyro_failure.h"
+#include "scenarios/hand_held/hand_held.h"
 #include "scenarios/hover/hover.h"
 #include "scenarios/landing/landing.h"
 #include "scenarios/pose/pose.h"
@@ -21,6 +22,7 @@ void AddFlights() {
     mission::AddMission<GyroFailureFlight>();
     mission::AddMission<FollowFlight>();
     mission::AddMission<AvoidFlight>();
+    mission::AddMission<HandHeldFlight>();
     return true;
   }();
   (void)kAdded;

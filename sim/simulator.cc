@@ -93,6 +93,7 @@ Simulator::Simulator(const SimulatorParameters& parameters)
     }
     X_NB.p.z() -= lowest;
   }
+  if (parameters.carry) X_NB = carried_.emplace(*parameters.carry, parameters.seed).X_NB(-start.settle_s);
   PoseToMujoco(X_NB, data_->qpos);
   mj_forward(model_.get(), data_.get());
 
@@ -106,8 +107,9 @@ Simulator::Simulator(const SimulatorParameters& parameters)
                 .imu.w_B /
             kSamples;
   }
-  autopilot_ = std::make_unique<EmulatedAutopilot>(parameters.autopilot, parameters.sensors,
-                                                   parameters.vehicle, X_NB, !start.on_ground, bias);
+  autopilot_ =
+      std::make_unique<EmulatedAutopilot>(parameters.autopilot, parameters.sensors, parameters.vehicle, X_NB,
+                                          !start.on_ground && !carried_, bias);
   for (std::size_t i = 0; i < parameters.targets.size(); ++i)
     PlaceTarget(model_.get(), data_.get(), i,
                 targets_.emplace_back(parameters.targets[i], parameters.seed, i));
@@ -165,6 +167,7 @@ void Simulator::Step() {
   MoveTargets();
   mj_step(model_.get(), data_.get());
   ++steps_;
+  if (carried_) Carry();
   for (const int warning : {mjWARN_BADQPOS, mjWARN_BADQVEL, mjWARN_BADQACC, mjWARN_BADCTRL}) {
     if (data_->warning[warning].number > 0) {
       throw RunError(fmt::format("at {:.3f} s: the physical state of the aircraft is not a number ({})",
@@ -213,6 +216,15 @@ void Simulator::MoveTargets() {
     targets_[i].Step(static_cast<double>(steps_ + 1) * dt, dt, wind_.Velocity());
     PlaceTarget(model_.get(), data_.get(), i, targets_[i]);
   }
+}
+
+// To where the hands have it after this step, whatever pushed it meanwhile.
+void Simulator::Carry() {
+  const double dt = model_->opt.timestep, t_s = static_cast<double>(steps_) * dt;
+  const Pose before = carried_->X_NB(t_s - dt), after = carried_->X_NB(t_s + dt);
+  PoseToMujoco(carried_->X_NB(t_s), data_->qpos);
+  VectorToMujoco((after.p - before.p) / (2 * dt), data_->qvel);
+  VectorToMujoco(LogRotation(before.R.conjugate() * after.R) / (2 * dt), data_->qvel + 3);
 }
 
 // Puts the sheet over the pad, or takes it away, when its time comes.

@@ -23,6 +23,7 @@
 #include "sim/camera/renderer.h"
 #include "sim/camera/snapshots.h"
 #include "sim/camera/vibration.h"
+#include "sim/carried_path.h"
 #include "sim/fault_schedule.h"
 #include "sim/sensor/sensor_faults.h"
 #include "sim/sensor/sensors.h"
@@ -88,6 +89,7 @@ struct SimulatorParameters {
   std::uint64_t seed = 1;
   double duration_s = 60;
   std::vector<TargetParameters> targets = {};
+  std::optional<CarryParameters> carry = {};  // in place of flight and of start
   bool surfaces = false;  // of each frame, and the flow between them, for records: see picture()
   // An image is drawn on a thread of its own, beside the flight code that works on the one before; if not,
   // a flight is one thread, for who flies as many at once as there are cores. The flight is the same.
@@ -164,6 +166,7 @@ class Simulator final : public vision::Camera, public control::Autopilot {
   void NoteChanges();
   void CoverPad();
   void MoveTargets();
+  void Carry();
   void RunCamera();
   void Tick();
   std::int64_t StepOf(double t_s) const;
@@ -192,6 +195,7 @@ class Simulator final : public vision::Camera, public control::Autopilot {
   bool airborne_ = false;
   std::optional<double> occluded_;
   std::vector<TargetPath> targets_;
+  std::optional<CarriedPath> carried_;
 
   std::vector<StateChange> scheduled_;  // the faults that are still to come, the last first
   std::vector<StateChange> state_changes_;

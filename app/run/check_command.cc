@@ -24,6 +24,7 @@ void CheckCommand(const CheckArguments& a) {
   const flight::LoadedScenario loaded = flight::LoadScenario(a.file, a.overrides);
   fmt::print("{} is valid\n", a.file);
   PrintNotes(loaded.notes);
+  if (!loaded.pad_heights.empty()) PrintNotes({loaded.pad_heights});
 }
 
 }  // namespace kestrel::app

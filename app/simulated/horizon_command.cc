@@ -2,37 +2,30 @@
 #include "app/simulated/horizon_command.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <cmath>
-#include <filesystem>
-#include <opencv2/imgcodecs.hpp>
-#include <optional>
+#include <cstdint>
+#include <opencv2/core.hpp>
+#include <variant>
 
 #include "app/option/bits_option.h"
+#include "app/simulated/image_verb.h"
 #include "base/diagnostics.h"
 #include "base/file/files.h"
-#include "base/user_file.h"
-#include "flight/simulated/scenario.h"
 #include "geometry/tait_bryan.h"
-#include "records/video/video.h"
-#include "records/video/video_reader.h"
-#include "vision/camera/calibration_file.h"
+#include "vision/camera/camera_mount.h"
 #include "vision/horizon/horizon_attitude.h"
 #include "vision/image_file.h"
-#include "vision/write_image.h"
 
 namespace kestrel::app {
 namespace {
-
-namespace fs = std::filesystem;
 
 constexpr const char* kCsvHeader =
     "frame,t_s,roll_deg,pitch_deg,roll_sigma_deg,pitch_sigma_deg,dip_deg,skyline_seen,turned_deg,"
     "turned_sigma_deg,reason\n";
 
-std::string Row(int frame, double t_s, const vision::HorizonAttitude::Measurement& m) {
+std::string Row(std::int64_t frame, double t_s, const vision::HorizonAttitude::Measurement& m) {
   std::string row = fmt::format("{},{:.4f},", frame, t_s);
   const auto* fix = std::get_if<vision::SkylineFix>(&m.skyline);
   if (!fix) return row + fmt::format(",,,,,,,,{}\n", vision::NameOf(std::get<vision::NoSkyline>(m.skyline)));
@@ -73,12 +66,7 @@ CLI::App* AddHorizonCommand(CLI::App& app, HorizonArguments& a) {
   command->add_option("input", a.input, "An image or a video file in colour, as the camera took it")
       ->type_name("FILE")
       ->required();
-  command
-      ->add_option("--camera", a.camera,
-                   "A name in models/cameras, or a calibration file of Kestrel, Kalibr or OpenCV")
-      ->type_name("CAMERA")
-      ->required();
-  command->add_option("--camera-name", a.camera_name, "Which camera of a Kalibr file (default: its first)");
+  AddCameraOptions(*command, a);
   command
       ->add_option("--mount-yaw-deg", a.yaw_deg,
                    "How the camera is mounted: looking down with the top of the image forward, then turned")
@@ -93,9 +81,7 @@ CLI::App* AddHorizonCommand(CLI::App& app, HorizonArguments& a) {
   command
       ->add_option("--mask", a.mask, "An image of the same size, not black where the aircraft itself is seen")
       ->type_name("FILE");
-  command->add_option("--out", a.out, "Picture (.png, .jpg) or video (.mp4) with what was seen drawn on it")
-      ->type_name("FILE");
-  command->add_option("--csv", a.csv, "A row for each frame")->type_name("FILE");
+  AddOutputOptions(*command, "A row for each frame", a);
   AddBitsOption(*command, a.bits);
   command->add_flag("--quiet", a.quiet, "Print nothing but errors");
   command->footer(
@@ -107,73 +93,38 @@ CLI::App* AddHorizonCommand(CLI::App& app, HorizonArguments& a) {
 
 void HorizonCommand(const HorizonArguments& a) {
   Mistakes mistakes;
-  cv::Mat image, mask;
-  std::optional<records::VideoReader> video;
-  std::optional<cv::Size> size;
-  std::string note;
-  if (!IsFile(a.input) || vision::LooksLikeImage(a.input)) {
-    image = vision::ReadImage(a.input, vision::ImageColours::kColour, a.bits, mistakes, note);
-    if (!image.empty()) size = image.size();
-  } else {
-    try {
-      size = video.emplace(a.input).size();
-    } catch (const std::runtime_error& e) {
-      mistakes.Add(a.input, "", fmt::format("neither an image nor a video: {}", e.what()));
-    }
-  }
-  vision::CameraModel camera;
-  std::string name = a.camera;
-  if (const auto file = ModelFile(Model::kCamera, name, "", "--camera", mistakes))
-    camera = vision::LoadCamera(*file, mistakes, a.camera_name, size);
+  const ImageInput input = OpenImageFile(a, mistakes);
+  const vision::CameraModel camera = ReadCamera(a, input.size, mistakes).value_or(vision::CameraModel());
+  cv::Mat mask;
   if (!a.mask.empty()) {
     mask = vision::ReadMask(a.mask, "--mask", "", mistakes);
-    if (!mask.empty() && size && mask.size() != *size)
+    if (!mask.empty() && input.size && mask.size() != *input.size)
       mistakes.Add("--mask", "", fmt::format("{} x {} pixels", mask.cols, mask.rows),
-                   fmt::format("valid: those of the input, {} x {}", size->width, size->height));
+                   fmt::format("valid: those of the input, {} x {}", input.size->width, input.size->height));
   }
-  if (!a.out.empty() && !(video ? HasEnding(a.out, {".mp4"}) : HasEnding(a.out, {".png", ".jpg", ".jpeg"})))
-    mistakes.Add(
-        "--out", "",
-        fmt::format("'{}' does not name {}", a.out,
-                    video ? "a video; valid: an ending .mp4" : "an image; valid: an ending .png or .jpg"));
-  for (const auto& [option, file] : {std::pair{"--out", a.out}, {"--csv", a.csv}}) {
-    CheckWritableFile(file, option, mistakes);
-    for (const std::string& taken : {a.input, a.camera, a.mask})
-      if (!file.empty() && !taken.empty() && SameFile(file, taken))
-        mistakes.Add(option, "", fmt::format("'{}' is read", file), "valid: another file");
-  }
-  if (!a.out.empty() && a.out == a.csv)
-    mistakes.Add("--csv", "", fmt::format("'{}' is that of --out too", a.csv), "valid: another file");
+  CheckOutputFiles(a, input.still, a.mask, mistakes);
   mistakes.ThrowIfAny();
 
   const Pose X_BC =
       vision::MountPose({.yaw_deg = a.yaw_deg, .pitch_deg = a.pitch_deg, .roll_deg = a.roll_deg});
   vision::HorizonAttitude horizon(camera, X_BC.R.toRotationMatrix(), mask, {}, {});
   std::string csv = kCsvHeader;
-  if (!video) {
-    const auto m = horizon.Measure(image);
-    if (!a.quiet && !note.empty()) fmt::print("{}\n", note);
-    if (!a.quiet) Tell(m);
-    if (!a.quiet && !m.attitude) TellOfMount(a);
-    csv += Row(0, 0, m);
-    if (!a.out.empty()) vision::WriteImage(a.out, horizon.Draw(image, m));
-  } else {
-    std::optional<records::Video> out;
-    if (!a.out.empty()) out.emplace(a.out, video->rate_hz());
-    int frames = 0, with = 0;
-    for (; const auto frame = video->Next(); ++frames) {
-      const auto m = horizon.Measure(*frame);
-      with += m.attitude.has_value();
-      csv += Row(frames, frames / video->rate_hz(), m);
-      if (out) out->Write(horizon.Draw(*frame, m));
-      if (!a.quiet && isatty(STDERR_FILENO) && frames % 10 == 0)
-        fmt::print(stderr, "\r\033[Kframe {}", frames);
-    }
-    if (!a.quiet && isatty(STDERR_FILENO)) fmt::print(stderr, "\r\033[K");
-    if (out) out->Close();
-    if (!a.quiet) fmt::print("{} frames, {} with an attitude\n", frames, with);
-    if (!a.quiet && 2 * with < frames) TellOfMount(a);
+  DrawnFile out(a, input);
+  FrameProgress progress(!a.quiet);
+  int frames = 0, with = 0;
+  if (!a.quiet && !input.note.empty()) fmt::print("{}\n", input.note);
+  while (const auto frame = input.next()) {
+    const auto m = horizon.Measure(frame->image);
+    with += m.attitude.has_value();
+    csv += Row(frame->sequence, frame->t_s, m);
+    if (input.still && !a.quiet) Tell(m);
+    if (out.wanted()) out.Write(horizon.Draw(frame->image, m));
+    progress.Show(++frames);
   }
+  progress.Clear();
+  out.Close();
+  if (!a.quiet && !input.still) fmt::print("{} frames, {} with an attitude\n", frames, with);
+  if (!a.quiet && 2 * with < frames) TellOfMount(a);
   if (!a.csv.empty()) WriteFile(a.csv, csv);
 }
 

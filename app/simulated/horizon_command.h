@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <optional>
 #include <string>
+
+#include "app/simulated/image_verb.h"
 
 namespace CLI {
 class App;
@@ -11,11 +12,9 @@ class App;
 namespace kestrel::app {
 
 // `kestrel horizon`: attitude from the skyline and heading from the visual compass, of any image or video.
-struct HorizonArguments {
-  std::string input, camera, camera_name, mask, out, csv;
+struct HorizonArguments : ImageArguments {
+  std::string mask;
   double yaw_deg = 0, pitch_deg = 0, roll_deg = 0;  // of the mount, as in a scenario
-  std::optional<int> bits;                          // of 16-bit pixels
-  bool quiet = false;
 };
 
 CLI::App* AddHorizonCommand(CLI::App& app, HorizonArguments& arguments);

@@ -47,11 +47,16 @@ void FieldWriter::Visit(const FieldKey& key, const FieldValue& field) {
                  [&](const SeedField& f) { line(fmt::format("{}", *f.value)); },
                  [&](const FlagField& f) { line(*f.value ? "true" : "false"); },
                  [&](const TextField& f) { line(QuotedIfNeeded(*f.value)); },
-                 [&](const TextsField&) {},  // of files that nothing writes
+                 [&](const TextsField& f) {
+                   std::string items;
+                   for (const std::string& text : *f.value)
+                     items += fmt::format("{:{}}- {}\n", "", 2 * (indent_ + 1), QuotedIfNeeded(text));
+                   Block(key.name, items, "[]");
+                 },
                  [&](const NumbersField& f) {
                    line(fmt::format("[{}]", fmt::join(f.values, f.values + f.size, ", ")));
                  },
-                 [&](const NodeField&) {},  // the same
+                 [&](const NodeField&) {},  // of files that nothing writes
                  [&](const StructField& f) { Block(key.name, Nested(f, indent_ + 1), "{}"); },
                  [&](const StructsField& f) { Write(key.name, f); },
              },

@@ -17,7 +17,8 @@ records::RecorderOptions OptionsFor(const LoadedScenario& loaded, bool video) {
   options.plots.title = loaded.scenario.name + ", seed " + std::to_string(loaded.scenario.seed);
   const sim::SceneParameters& scene = loaded.simulator.scene;
   options.plots.mission = options.telemetry.mission = &loaded.scenario.flight.type();
-  if (!scene.pad_texture.empty()) options.plots.pad_size_m = scene.pad.size_m;
+  const bool lies = scene.pad_tilt_deg == 0;  // what hangs on a wall is no frame for a flight
+  if (!scene.pad_texture.empty() && lies) options.plots.pad_size_m = scene.pad.size_m;
   return options;
 }
 

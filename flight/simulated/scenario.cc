@@ -24,6 +24,7 @@
 #include "sim/camera/horizon.h"
 #include "sim/vehicle_file.h"
 #include "vision/camera/calibration_file.h"
+#include "vision/image_file.h"
 
 namespace kestrel::flight {
 namespace {
@@ -240,14 +241,17 @@ LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& o
                    "valid: until_s after from_s");
   }
   CheckMission(s.flight, s.image.colour, config, where, mistakes);
+  CheckPilot(s.flight, s.pilot, config, where, mistakes);
   sim::CheckFaults(s.sensors, s.actuators, vehicle.airframe, WhereOf(config, "sensors", where),
                    WhereOf(config, "actuators", where), mistakes);
-  s.flight->CheckLimits({.speed_m_s = s.autopilot.speed_limit_m_s,
-                         .climb_m_s = s.autopilot.climb_limit_m_s,
-                         .yaw_rate_deg_s = s.autopilot.yaw_rate_limit_deg_s,
-                         .acceleration_m_s2 = s.autopilot.acceleration_limit_m_s2},
-                        WhereOf(config, "flight", where), mistakes);
+  CheckLimits(s.flight,
+              {.speed_m_s = s.autopilot.speed_limit_m_s,
+               .climb_m_s = s.autopilot.climb_limit_m_s,
+               .yaw_rate_deg_s = s.autopilot.yaw_rate_limit_deg_s,
+               .acceleration_m_s2 = s.autopilot.acceleration_limit_m_s2},
+              config, where, mistakes);
   CheckTargets(s, WhereOf(config, "targets", where), mistakes);
+  if (s.carry) sim::CheckCarry(*s.carry, WhereOf(config, "carry", where), mistakes);
   CheckLandscape(s, beside, config, where, mistakes);
   CheckMount(s.mount, WhereOf(config, "mount", where), mistakes);
   CheckCriteria(s, config, where, mistakes);
@@ -284,10 +288,24 @@ LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& o
     const vision::PadFile pad = vision::LoadPad(*file_of_pad, mistakes);
     sim.scene.pad = pad.parameters;
     sim.scene.pad_texture = pad.texture;
+    sim.scene.pad_picture = pad.picture;
+    if (s.pad.print && !pad.reference.levels.empty()) {
+      const cv::Mat picture = pad.picture.empty()
+                                  ? vision::ReadImageFile(pad.texture, vision::ImageColours::kGrey).pixels
+                                  : pad.picture;
+      sim.scene.pad_picture = sim::Printed(picture, pad.parameters.size_m, *s.pad.print, s.seed);
+    }
     loaded.pad = pad.reference;
+    std::optional<double> start_m;
+    if (!s.start.on_ground && !s.carry) start_m = s.start.height_m;
+    if (has_camera)
+      CheckPadHeights(s.flight, loaded.pad, sim.camera, s.pilot.tracker, start_m, config, where, mistakes,
+                      loaded.pad_heights);
   }
   sim.scene.pad_position_m = s.pad.position_m;
   sim.scene.pad_yaw_deg = s.pad.yaw_deg;
+  sim.scene.pad_height_m = s.pad.height_m;
+  sim.scene.pad_tilt_deg = s.pad.tilt_deg;
   sim.sensors = s.sensors;
   sim.actuators = s.actuators;
   sim.mount = s.mount;
@@ -295,6 +313,7 @@ LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& o
   sim.render = s.render;
   sim.wind = s.wind;
   sim.start = s.start;
+  sim.carry = s.carry;
   sim.occlusion = s.occlusion;
   sim.targets = s.targets;
   sim.seed = s.seed;

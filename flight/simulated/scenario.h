@@ -13,6 +13,7 @@
 #include "mission/mission_type.h"
 #include "sim/camera/pan_tilt.h"
 #include "sim/simulator.h"
+#include "sim/world/print.h"
 
 namespace kestrel::flight {
 
@@ -26,18 +27,26 @@ inline void Fields(FieldVisitor& v, Limit& l) {
   v({"min", "minimum value of the metric with which the run passes"}, l.min, -1e9, 1e9);
 }
 
-// Where the pad lies.
+// Where the pad lies, or hangs.
 struct PadPlacement {
   std::string name = "helipad";
   Eigen::Vector2d position_m = Eigen::Vector2d::Zero();
-  double yaw_deg = 0;
+  double yaw_deg = 0, height_m = 0, tilt_deg = 0;
+  std::optional<sim::PrintParameters> print;
 };
 
 inline void Fields(FieldVisitor& v, PadPlacement& p) {
   v({"name", "landing pad: a name in models/pads, or a YAML file; none: there is no pad, only its place"},
     p.name);
-  v({"position_m", "position of the pad's centre: north, east"}, p.position_m, -1e4, 1e4);
+  v({"position_m", "position of the middle of the pad's back: north, east"}, p.position_m, -1e4, 1e4);
   v({"yaw_deg", "direction of the top of the pad's picture, clockwise from north"}, p.yaw_deg, -360.0, 360.0);
+  v({"height_m", "height of the middle of the pad's back above the ground"}, p.height_m, 0.0, 100.0);
+  v({"tilt_deg",
+     "how far the top of the pad's picture is raised, from 0, lying, to 90, hanging on a wall that its top "
+     "faced"},
+    p.tilt_deg, 0.0, 90.0);
+  v({"print", "how its picture came out in print; the trackers know the picture as it is in the file"},
+    p.print);
 }
 
 // A flight as data. Everything that a run depends on is here, in the models it names, or in the program.
@@ -48,6 +57,7 @@ struct Scenario : FlightKeys {
   std::optional<sim::LandscapeParameters> landscape;
   PadPlacement pad;
   sim::StartParameters start;
+  std::optional<sim::CarryParameters> carry;
   sim::ImageParameters image;
   sim::RenderOptions render;
   sim::WindParameters wind;
@@ -71,6 +81,7 @@ inline void Fields(FieldVisitor& v, Scenario& s) {
     s.landscape);
   v({"pad", "landing pad and where it lies"}, s.pad);
   v({"start", "where and how the flight begins"}, s.start);
+  v({"carry", "the aircraft is carried along a way by hand, with its motors off; null: it flies"}, s.carry);
   v({"image", "image sensor and lens: frame rate, latency, exposure, noise, faults"}, s.image);
   v({"render", "how the images are rendered"}, s.render);
   v({"wind", "mean wind, turbulence and gusts"}, s.wind);
@@ -86,6 +97,7 @@ struct LoadedScenario {
   Scenario scenario;
   sim::SimulatorParameters simulator;
   vision::PadReference pad;
+  std::string pad_heights;         // at which the camera can see it, in words; empty: it is not looked for
   std::vector<std::string> notes;  // what is valid and may yet surprise, in words
 };
 

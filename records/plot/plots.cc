@@ -23,14 +23,21 @@ struct Sample {
   Eigen::Vector3d truth, fix, estimate;  // x and y of the frame of the figures, height above it, m
   Eigen::Vector3d error;                 // of the fix: x, y, z of that frame, m
   double yaw_error_deg = kNone;
+  double yaw_deg = 0, fix_yaw_deg = kNone, estimate_yaw_deg = 0;  // against that frame, without leaps
   double distance_m = 0;
 };
 
 Eigen::Vector3d HeightUp(const Eigen::Vector3d& p_T) { return {p_T.x(), p_T.y(), -p_T.z()}; }
 
-// The frame of the figures: the pad's; without one its axes are those of N.
+// The frame of the figures: the pad's; without one its axes are those of N, over the place of the pad.
 Pose FigureFrame(const Truth& truth, const PlotOptions& options) {
-  return options.pad_size_m ? truth.X_NT : Pose{Eigen::Quaterniond::Identity(), truth.X_NT.p};
+  if (options.pad_size_m) return truth.X_NT;
+  return {Eigen::Quaterniond::Identity(), {truth.X_NT.p.x(), truth.X_NT.p.y(), 0}};
+}
+
+// The angle that is a whole number of turns from this one, and nearest to another.
+double NearestTurn_deg(double angle_rad, double to_deg) {
+  return to_deg + Degrees(WrapAngle(angle_rad - Radians(to_deg)));
 }
 
 std::vector<Sample> SamplesOf(const std::vector<LogRow>& rows, const PlotOptions& options) {
@@ -45,10 +52,14 @@ std::vector<Sample> SamplesOf(const std::vector<LogRow>& rows, const PlotOptions
              Eigen::Vector3d::Constant(kNone),
              kNone,
              X_TB.p.head<2>().norm()};
+    s.yaw_deg = NearestTurn_deg(YawOf(X_TB.R), samples.empty() ? 0 : samples.back().yaw_deg);
+    s.estimate_yaw_deg =
+        NearestTurn_deg(YawOf(FigureFrame(row.now, options).R.conjugate() * row.estimate.R_NB), s.yaw_deg);
     if (const auto& fix = row.decision.fix) {
       s.fix = HeightUp(fix->p_TB);
       s.error = fix->p_TB - X_TB.p;
       s.yaw_error_deg = Degrees(WrapAngle(fix->yaw_TB - YawOf(X_TB.R)));
+      s.fix_yaw_deg = s.yaw_deg + s.yaw_error_deg;
     }
     samples.push_back(s);
   }
@@ -61,37 +72,45 @@ std::string Data(const std::vector<Sample>& samples, const std::vector<LogRow>& 
     const Sample& s = samples[i];
     text += fmt::format(
         "{:.4f} {:.6g} {:.6g} {:.6g} {:.6g} {:.6g} {:.6g} {:.4f} {:.6g} {:.6g} {:.6g} "
-        "{:.6g} {:.6g} {:.6g} {:.6g} {:.6g}\n",
+        "{:.6g} {:.6g} {:.6g} {:.6g} {:.6g} {:.6g} {:.6g} {:.6g}\n",
         s.t_s, s.truth.x(), s.truth.y(), s.truth.z(), s.fix.x(), s.fix.y(), s.fix.z(), rows[i].now.t_s,
         s.estimate.x(), s.estimate.y(), s.estimate.z(), s.error.x(), s.error.y(), s.error.z(),
-        s.yaw_error_deg, s.distance_m);
+        s.yaw_error_deg, s.distance_m, s.yaw_deg, s.fix_yaw_deg, s.estimate_yaw_deg);
   }
   return text + "END_OF_FLIGHT\n";
 }
 
+constexpr const char* kFourPanels = "layout 4,1 margins 0.09,0.97,0.06,0.91 spacing 0,0.03";
 constexpr const char* kThreePanels = "layout 3,1 margins 0.09,0.97,0.07,0.90 spacing 0,0.035";
 
 std::string Position(const std::filesystem::path& file, const std::vector<Sample>& samples,
                      const std::vector<LogRow>& rows, const PlotOptions& options, bool fixes) {
-  static constexpr const char* kOfPad[] = {"x of the pad (m)", "y of the pad (m)",
-                                           "height above the pad (m)"};
-  static constexpr const char* kOfGround[] = {"north (m)", "east (m)", "height (m)"};
+  static constexpr const char* kOfPad[] = {"x of the pad (m)", "y of the pad (m)", "height above the pad (m)",
+                                           "yaw (°)"};
+  static constexpr const char* kOfGround[] = {"north (m)", "east (m)", "height (m)", "yaw (°)"};
   std::string text =
-      BeginFigure(file, 1200, 1100) +
-      BeginPanels(kThreePanels,
+      BeginFigure(file, 1200, 1300) +
+      BeginPanels(kFourPanels,
                   (options.pad_size_m ? "Position in the frame of the pad: " : "Position: ") + options.title);
   text += "set xrange " + TimeRange(rows) + '\n';
-  for (int axis = 0; axis < 3; ++axis) {
+  constexpr int kYaw = 3;
+  for (int axis = 0; axis <= kYaw; ++axis) {
     Span span;
-    for (const Sample& s : samples)
-      span.Add(s.truth[axis]), span.Add(s.fix[axis]), span.Add(s.estimate[axis]);
+    for (const Sample& s : samples) {
+      if (axis == kYaw)
+        span.Add(s.yaw_deg), span.Add(s.fix_yaw_deg), span.Add(s.estimate_yaw_deg);
+      else
+        span.Add(s.truth[axis]), span.Add(s.fix[axis]), span.Add(s.estimate[axis]);
+    }
+    const int truth = axis == kYaw ? 17 : 2 + axis, fix = axis == kYaw ? 18 : 5 + axis,
+              estimate = axis == kYaw ? 19 : 9 + axis;  // columns
     text += PhaseLines(rows, axis == 0);
-    if (axis == 2) text += "set format x '%g'\nset xlabel 'time (s)'\n";
+    if (axis == kYaw) text += "set format x '%g'\nset xlabel 'time (s)'\n";
     text += AxisName((options.pad_size_m ? kOfPad : kOfGround)[axis]) + (axis == 0 ? kKey : "unset key\n");
-    text += fmt::format("set yrange {}\nplot $flight using 8:{} with {} title 'autopilot', ", span.Range(0.5),
-                        9 + axis, kEstimateStyle);
-    if (fixes) text += fmt::format("'' using 1:{} with {} title 'vision fix', ", 5 + axis, kSeenStyle);
-    text += fmt::format("'' using 1:{} with {} title 'truth'\n", 2 + axis, kTruthStyle);
+    text += fmt::format("set yrange {}\nplot $flight using 8:{} with {} title 'autopilot', ",
+                        span.Range(axis == kYaw ? 4 : 0.5), estimate, kEstimateStyle);
+    if (fixes) text += fmt::format("'' using 1:{} with {} title 'vision fix', ", fix, kSeenStyle);
+    text += fmt::format("'' using 1:{} with {} title 'truth'\n", truth, kTruthStyle);
   }
   return text + EndFigure();
 }
@@ -169,14 +188,34 @@ Surroundings SurroundingsOf(const std::vector<LogRow>& rows, const PlotOptions& 
   return s;
 }
 
+// Some arrows along the flight, to where the nose points: $heading, by the truth and, where it is not none,
+// by the fix, each as right, forward, up and the arrow along them.
+std::string HeadingData(const std::vector<Sample>& samples, double length_m) {
+  constexpr std::size_t kArrows = 24;
+  std::string text = "$heading << END_OF_HEADING\n";
+  for (std::size_t i = 0; i < samples.size(); i += std::max<std::size_t>(1, samples.size() / kArrows)) {
+    const Sample& s = samples[i];
+    for (const auto& [p, yaw_deg] : {std::pair{s.truth, s.yaw_deg}, {s.fix, s.fix_yaw_deg}})
+      text += fmt::format("{:.6g} {:.6g} {:.6g} {:.6g} {:.6g} ", p.y(), p.x(), p.z(),
+                          length_m * std::sin(Radians(yaw_deg)), length_m * std::cos(Radians(yaw_deg)));
+    text += '\n';
+  }
+  return text + "END_OF_HEADING\n";
+}
+
 std::string Trajectory(const std::filesystem::path& file, const std::vector<Sample>& samples,
-                       const std::vector<LogRow>& rows, const PlotOptions& options) {
+                       const std::vector<LogRow>& rows, const PlotOptions& options, bool fixes) {
   Span x, y, height;
   height.Add(0);
   for (const Sample& s : samples) x.Add(s.truth.x()), y.Add(s.truth.y()), height.Add(s.truth.z());
   const Surroundings about = SurroundingsOf(rows, options, x, y, height);
   // Right, forward, up: so that turning right looks like it.
-  std::string text = BeginFigure(file, 1200, 1000) + about.data;
+  std::string text = BeginFigure(file, 1200, 1000) + about.data +
+                     HeadingData(samples, 0.07 * std::max({x.size(), y.size(), 1.0}));
+  const std::string fix_headings =
+      fixes ? "$heading using 6:7:8:9:10:(0) with vectors filled head lw 1.4 lc rgb '#E69F00' "
+              "title 'heading by the fix', "
+            : "";
   const Eigen::Vector3d &start = samples.front().truth, &end = samples.back().truth;
   text += fmt::format(
       "$start << END_OF_START\n{} {} {}\nEND_OF_START\n$end << END_OF_END\n{} {} "
@@ -199,6 +238,8 @@ std::string Trajectory(const std::filesystem::path& file, const std::vector<Samp
          "splot $flight using 3:2:(0) with lines lw 1.5 lc rgb '#bbbbbb' title 'track on the ground', " +
          about.plots +
          "$flight using 3:2:4 with lines lw 2.5 lc rgb '#222222' title 'aircraft', "
+         "$heading using 1:2:3:4:5:(0) with vectors filled head lw 1.4 lc rgb '#222222' title 'heading', " +
+         fix_headings +
          "$start using 1:2:3 with points pt 7 ps 2 lc rgb '#0072B2' title 'start', "
          "$end using 1:2:3 with points pt 9 ps 2 lc rgb '#D55E00' title 'end'\n" +
          EndFigure();
@@ -254,7 +295,7 @@ void DrawPlots(const std::filesystem::path& folder, const std::vector<LogRow>& r
     plots.push_back({folder / name, script(folder / name)});
   };
   add("position.png", [&](const auto& file) { return Position(file, samples, rows, options, fix); });
-  add("trajectory.png", [&](const auto& file) { return Trajectory(file, samples, rows, options); });
+  add("trajectory.png", [&](const auto& file) { return Trajectory(file, samples, rows, options, fix); });
   if (fix || (options.pad_size_m && (!options.mission || options.mission->looks_for_pad)))
     add("error.png", [&](const auto& file) { return Error(file, samples, rows, title); });
   if (options.mission)

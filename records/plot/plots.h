@@ -17,7 +17,7 @@ namespace kestrel::records {
 
 struct PlotOptions {
   std::string title;                              // of every figure: the scenario and its seed
-  std::optional<Eigen::Vector2d> pad_size_m;      // along its x and y; none: there is no pad
+  std::optional<Eigen::Vector2d> pad_size_m;      // along its x and y; none: no pad lies on the ground
   const mission::MissionType* mission = nullptr;  // whose own plots are drawn too; null: none
 };
 
@@ -25,8 +25,9 @@ struct PlotOptions {
 std::vector<std::string> PlotNames();
 
 // Draws the figures of a flight with the program gnuplot into an existing folder: position.png, the aircraft
-// in the pad's frame, or north, east and up without one, against time, by the truth, the fix and the
-// autopilot; trajectory.png, the true flight in space, and what else flew near; error.png, of flights over a
+// in the pad's frame, or north, east and up without one, and its yaw, against time, by the truth, the fix and
+// the autopilot; trajectory.png, the true flight in space with its heading and that of the fix, and what else
+// flew near; error.png, of flights over a
 // pad, the fix less the truth at its exposure, and the distance from the pad; and those that the type of
 // the mission declares.
 // Without rows there are none. Throws std::runtime_error with the folder and what gnuplot said.

@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -90,6 +92,24 @@ std::optional<cv::Mat> VideoReader::Next() {
     ffmpeg_->Close();
     ffmpeg_.reset();
     if (got > 0) throw std::runtime_error("it breaks off within a frame");
+    return std::nullopt;
+  });
+}
+
+std::optional<cv::Size> OtherSizeIn(const std::filesystem::path& file, const cv::Size& size) {
+  return Named(file, [&]() -> std::optional<cv::Size> {
+    PipedProcess program(
+        {"ffprobe", "-loglevel", "quiet", "-skip_frame", "nokey", "-select_streams", "v:0", "-show_entries",
+         "frame=width,height", "-of", "csv=print_section=0", "file:" + file.string()},
+        PipedProcess::Direction::kRead);
+    std::string text;
+    char part[4096];
+    while (const std::size_t got = program.Read(part, sizeof part)) text.append(part, got);
+    std::istringstream lines(text);
+    for (std::string line; std::getline(lines, line);) {
+      cv::Size other;
+      if (std::sscanf(line.c_str(), "%d,%d", &other.width, &other.height) == 2 && other != size) return other;
+    }
     return std::nullopt;
   });
 }

@@ -28,4 +28,8 @@ class VideoReader {
   std::optional<PipedProcess> ffmpeg_;
 };
 
+// A size other than this that images of the file have, if there is one: ffmpeg would scale them without a word. It
+// decodes those frames alone that need no others. Throws as above.
+std::optional<cv::Size> OtherSizeIn(const std::filesystem::path& file, const cv::Size& size);
+
 }  // namespace kestrel::records

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <memory>
+#include <string>
 
 #include "base/diagnostics.h"
 #include "base/yaml/fields.h"
+#include "control/law/fuzzy/fuzzy_height.h"
 #include "mission/mission_type.h"
 
 namespace kestrel::scenarios {
@@ -18,6 +20,8 @@ struct LandingFlight {
   double commit_sink_m_s = 0.2;
   double blind_m = 0.35;
   double centred_m = 0.12;
+  std::string height_law = "linear";  // or fuzzy, as the thesis flew it
+  control::FuzzyHeight fuzzy;
 };
 
 inline void Fields(FieldVisitor& v, LandingFlight& p) {
@@ -33,9 +37,15 @@ inline void Fields(FieldVisitor& v, LandingFlight& p) {
     2.0);
   v({"centred_m", "horizontal error, plus a tenth of the height, up to which the aircraft descends"},
     p.centred_m, 0.01, 2.0);
+  v({"height_law",
+     "what says how fast the aircraft descends above commit_m: in proportion to the height, or fuzzy rules"},
+    p.height_law, {"linear", "fuzzy"});
+  v({"fuzzy", "fuzzy law of the descent, from height above the pad and sink rate"}, p.fuzzy);
 }
 
 void CheckFlight(const LandingFlight& flight, const Place& where, Mistakes& mistakes);
+// A pad that is lost above the height at which it need no longer be seen.
+void CheckFlightPad(const LandingFlight& flight, double seen_from_m, const Place& where, Mistakes& mistakes);
 mission::MissionType TypeOf(const LandingFlight& flight);
 std::unique_ptr<mission::Mission> MakeMission(const LandingFlight& flight,
                                               const mission::MissionParts& parts);

@@ -2,6 +2,7 @@
 #include "scenarios/pose/pose.h"
 
 #include "geometry/tait_bryan.h"
+#include "scenarios/pose/pose_metrics.h"
 
 namespace kestrel::scenarios {
 namespace {
@@ -36,6 +37,8 @@ mission::MissionType TypeOf(const PoseFlight&) {
       .name = "pose",
       .summary = "The aircraft hovers by its own sensors, and the vision only estimates where the pad is.",
       .looks_for_pad = true,
+      .metrics = PoseMetrics(),
+      .add_metrics = AddPoseMetrics,
       .common_metrics = {"fix_*", "longest_loss_s"}};
 }
 

@@ -15,8 +15,9 @@ constexpr int kTones = 8;  // of a band on an axis: enough that their sum is nea
 
 }  // namespace
 
-Vibration::Vibration(const std::vector<vision::VibrationBand>& bands, std::uint64_t seed) {
-  RandomStream random(seed, "mount vibration");
+Vibration::Vibration(const std::vector<vision::VibrationBand>& bands, std::uint64_t seed,
+                     std::string_view stream) {
+  RandomStream random(seed, stream);
   for (const vision::VibrationBand& band : bands) {
     for (int axis = 0; axis < 6; ++axis) {
       const double rms = axis < 3 ? Radians(band.rms_deg) : 1e-3 * band.rms_mm;

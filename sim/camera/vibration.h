@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string_view>
 #include <vector>
 
 #include "geometry/pose.h"
@@ -9,11 +10,12 @@
 
 namespace kestrel::sim {
 
-// How a mount shakes: on each axis some tones for each band, their frequencies and phases drawn by the seed.
-// A function of time alone.
+// How a mount, or the hand that holds it, shakes: on each axis some tones for each band, their frequencies
+// and phases drawn by the seed. A function of time alone.
 class Vibration {
  public:
-  Vibration(const std::vector<vision::VibrationBand>& bands, std::uint64_t seed);
+  Vibration(const std::vector<vision::VibrationBand>& bands, std::uint64_t seed,
+            std::string_view stream = "mount vibration");
 
   bool still() const { return tones_.empty(); }
   double highest_hz() const { return highest_hz_; }

@@ -17,6 +17,7 @@
 #include "geometry/tait_bryan.h"
 #include "sim/world/frames.h"
 #include "sim/world/mjcf.h"
+#include "sim/world/texture.h"
 #include "vision/image_file.h"
 #include "vision/image_header.h"
 
@@ -24,7 +25,8 @@ namespace kestrel::sim {
 namespace {
 
 constexpr double kTimestep_s = 0.002;
-constexpr double kPadHeight_m = 0.01;
+constexpr double kPadThickness_m = 0.01;
+constexpr const char* kPadFile = "picture of the pad.png";  // in memory
 constexpr double kOccluderClearance_m = 0.03;
 constexpr double kOccluderThickness_m = 0.004;
 constexpr double kOutOfSight_m = 100;  // below the ground
@@ -74,13 +76,21 @@ void Append(pugi::xml_node model, const std::filesystem::path& path, const char*
   }
 }
 
+// Its face, so far before its back.
+void PutPad(pugi::xml_node body, const SceneParameters& p, double thickness_m) {
+  const Eigen::Quaterniond R_NT = HeadingRotation(Radians(p.pad_yaw_deg)) *
+                                  Eigen::AngleAxisd(Radians(p.pad_tilt_deg), Eigen::Vector3d::UnitY());
+  const Eigen::Vector3d back_N(p.pad_position_m.x(), p.pad_position_m.y(), -p.pad_height_m);
+  mjtNum q[7];
+  PoseToMujoco({R_NT, back_N - R_NT * Eigen::Vector3d(0, 0, thickness_m)}, q);
+  body.append_attribute("pos") = fmt::format("{} {} {}", q[0], q[1], q[2]).c_str();
+  body.append_attribute("quat") = fmt::format("{} {} {} {}", q[3], q[4], q[5], q[6]).c_str();
+}
+
 void AppendPlaceOfPad(pugi::xml_node model, const SceneParameters& p) {
   pugi::xml_node body = model.append_child("worldbody").append_child("body");
   body.append_attribute("name") = "pad";
-  body.append_attribute("pos") = fmt::format("{} {} 0", p.pad_position_m.x(), -p.pad_position_m.y()).c_str();
-  body.append_attribute("quat") =
-      fmt::format("{} 0 0 {}", std::cos(Radians(p.pad_yaw_deg) / 2), -std::sin(Radians(p.pad_yaw_deg) / 2))
-          .c_str();
+  PutPad(body, p, 0);
 }
 
 void AppendPad(pugi::xml_node model, const SceneParameters& p) {
@@ -96,17 +106,17 @@ void AppendPad(pugi::xml_node model, const SceneParameters& p) {
     <material name="pad" texture="pad" specular="0"/>
   </asset>
   <worldbody>
-    <body name="pad" pos="{} {} {}" quat="{} 0 0 {}">
+    <body name="pad">
       <geom name="pad" type="box" pos="0 0 {}" quat="1 0 0 -1" size="{} {} {}" material="pad"/>
     </body>
   </worldbody>
 </mujoco>)",
-      p.pad_position_m.x(), -p.pad_position_m.y(), kPadHeight_m, std::cos(Radians(p.pad_yaw_deg) / 2),
-      -std::sin(Radians(p.pad_yaw_deg) / 2), -kPadHeight_m / 2, p.pad.size_m.y() / 2, p.pad.size_m.x() / 2,
-      kPadHeight_m / 2);
+      -kPadThickness_m / 2, p.pad.size_m.y() / 2, p.pad.size_m.x() / 2, kPadThickness_m / 2);
   part.load_string(text.c_str());
-  part.document_element().child("asset").child("texture").attribute("file").set_value(
-      std::filesystem::absolute(p.pad_texture).c_str());
+  PutPad(part.document_element().child("worldbody").child("body"), p, kPadThickness_m);
+  const std::string texture =
+      p.pad_picture.empty() ? std::filesystem::absolute(p.pad_texture).string() : kPadFile;
+  part.document_element().child("asset").child("texture").attribute("file").set_value(texture.c_str());
   if (p.occluder) {
     pugi::xml_node body = part.document_element().child("worldbody").append_child("body");
     body.append_attribute("name") = "occluder";
@@ -172,7 +182,7 @@ struct Part {
 };
 
 CompiledModel Compose(const SceneParameters& p, int parts) {
-  const LandscapeModel landscape = p.landscape ? MakeLandscape(*p.landscape, p.seed) : LandscapeModel{};
+  LandscapeModel landscape = p.landscape ? MakeLandscape(*p.landscape, p.seed) : LandscapeModel{};
   pugi::xml_document document;
   pugi::xml_node model = document.append_child("mujoco");
   model.append_attribute("model") = "kestrel";
@@ -183,6 +193,7 @@ CompiledModel Compose(const SceneParameters& p, int parts) {
   if (parts > 1) AppendPad(model, p);
   if (parts > 2) Append(model, p.vehicle, "vehicle");
   if (parts > 2) AppendTargets(model, p);
+  if (!p.pad_picture.empty()) landscape.files[kPadFile] = TextureOf(p.pad_picture);
   std::ostringstream text;
   document.save(text);
   return CompileMjcf(text.str(), landscape.files);

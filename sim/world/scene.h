@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <filesystem>
 #include <memory>
+#include <opencv2/core.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -33,23 +34,28 @@ struct SceneParameters {
   std::optional<LandscapeParameters> landscape;  // instead of the MJCF of the world
   std::uint64_t seed = 1;                        // of the landscape that has none of its own
   std::filesystem::path pad_texture;             // none: there is no pad to be seen, only its place
-  vision::PadParameters pad;                     // its texture is not used: pad_texture is the file found
-  Eigen::Vector2d pad_position_m = Eigen::Vector2d::Zero();  // north, east
+  cv::Mat pad_picture;        // of any size, CV_8UC1 or CV_8UC3; none: the texture is read as it is
+  vision::PadParameters pad;  // its texture is not used: pad_texture is the file found
+  Eigen::Vector2d pad_position_m = Eigen::Vector2d::Zero();  // north, east; of the middle of its back
   double pad_yaw_deg = 0;                                    // clockwise from north
-  bool occluder = false;                                     // with a dark sheet that can be put over the pad
-  std::vector<TargetParameters> targets = {};                // what they look like
+  double pad_height_m = 0;                                   // of the middle of its back
+  double pad_tilt_deg = 0;                     // raises the top of its picture; 90: it hangs on a wall
+  bool occluder = false;                       // with a dark sheet that can be put over the pad
+  std::vector<TargetParameters> targets = {};  // what they look like
 };
 
 // The MuJoCo model of a flight: world, vehicle and pad, stepped at 2 ms under 9.80665 m/s2. Names of files
 // within the world and the vehicle are relative to the file they stand in. The pad is a body and a geom
-// "pad", its top 1 cm above the ground; without a picture the body has no geom and lies on the ground. Throws
+// "pad", its face 1 cm before its back, which lies on the ground unless it is raised or tilted; without a
+// picture the body has no geom and is where the back would be. Throws
 // std::runtime_error with one sentence that names the file at fault. May be called on any thread. paint: a
 // landscape's pictures too, which take longer than all the rest.
 ModelPtr MakeModel(const SceneParameters& parameters, bool paint = true);
 DataPtr MakeData(const mjModel* model);
 
-// X_NT: origin in the middle of the pad's top face, x along the up of its picture, y to the right of it, z
-// down. Valid once the positions of data are computed (mj_kinematics, mj_forward or mj_step).
+// X_NT: origin in the middle of the pad's face, x along the up of its picture, y to the right of it, z into
+// it: down where it lies. Valid once the positions of data are computed (mj_kinematics, mj_forward or
+// mj_step).
 Pose PadPose(const mjModel* model, const mjData* data);
 
 // Puts a target there, with its string to its anchor. It shows once the positions of data are computed again.

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/statistics.h"
 #include "flight/simulated/runner.h"
 #include "geometry/tait_bryan.h"
 #include "mission/horizon_observer.h"
@@ -71,6 +72,16 @@ TEST(Pose, AtTenMetresTheFixIsGood) {
 TEST(Pose, ALateOrPromptImageIsAsGood) {
   for (const char* latency : {"image.latency_s=0", "image.latency_s=0.23"}) {
     ExpectCriteria(Flown("pose", 101, {"duration_s=12", latency}));
+  }
+}
+
+// Thesis 3.4: each test that far that it has gone to both sides.
+TEST(HandHeld, TheLandmarkOnTheWallIsWithinCentimetres) {
+  for (const char* scenario : {"vicon_1", "vicon_2", "vicon_3", "vicon_4"}) {
+    const flight::FlightResult result = Flown(scenario, 101, {"duration_s=16"});
+    ExpectCriteria(result);
+    const double way = (result.rows.back().exposure.X_NB.p - result.rows.front().exposure.X_NB.p).norm();
+    EXPECT_GT(way, 0.15) << scenario;
   }
 }
 
@@ -144,6 +155,30 @@ void ExpectLandings(const std::string& scenario) {
 }
 
 TEST(Landing, LandsOnThePad) { ExpectLandings("landing"); }
+
+// Thesis 5.3.1: a fuzzy controller of height, and from 0.7 m down 0.2 m/s.
+TEST(Landing, LandsByFuzzyRulesWithinTwelveCentimetresInNineteenOfTwenty) {
+  std::vector<double> errors_m;
+  for (std::uint64_t seed = 101; seed <= 120; ++seed) {
+    const flight::FlightResult result = Flown("landing", seed, {"flight.height_law=fuzzy"});
+    EXPECT_EQ(result.summary.outcome, "landed") << seed;
+    ExpectCriteria(result);
+    errors_m.push_back(result.summary.metrics.at("touchdown_error_m"));
+    EXPECT_LT(errors_m.back(), 0.25) << seed;
+    for (const records::LogRow& row : result.rows) {
+      EXPECT_NE(row.decision.phase, "no rule") << seed << ", " << row.now.t_s << " s";
+    }
+  }
+  EXPECT_LE(Quantile(errors_m, 0.95), 0.12);
+}
+
+TEST(Landing, LandsByFuzzyRulesFromTheStartsOfTheThesis) {
+  for (const char* scenario : {"landing_fuzzy_1", "landing_fuzzy_2", "landing_fuzzy_3"}) {
+    const flight::FlightResult result = Flown(scenario, 101);
+    EXPECT_EQ(result.summary.outcome, "landed") << scenario;
+    ExpectCriteria(result);
+  }
+}
 
 TEST(Landing, LandsAsWellByAFisheye) { ExpectLandings("landing_fisheye"); }
 

@@ -178,20 +178,21 @@ TEST_F(FilesTest, PicturesOfPads) {
   std::ofstream(pad / "bomb.png").write(reinterpret_cast<const char*>(bytes.data()), std::ssize(bytes));
   cv::imwrite((pad / "dot.png").string(), cv::Mat(1, 1, CV_8U, cv::Scalar(0)));
   cv::imwrite((pad / "deep.png").string(), cv::Mat(64, 64, CV_16U, cv::Scalar(0)));
-  cv::imwrite((pad / "grey.png").string(), cv::Mat(64, 64, CV_8U, cv::Scalar(0)));
+  cv::imwrite((pad / "black.png").string(), cv::Mat(64, 64, CV_8U, cv::Scalar(0)));
+  fs::copy_file(source / "models/pads/helipad/helipad.png", pad / "whole.png");
   ASSERT_EQ(mkfifo((pad / "pipe.png").c_str(), 0600), 0);
   fs::create_symlink("loop.png", pad / "loop.png");
   for (const std::string& texture :
-       {std::string("bomb.png"), std::string("dot.png"), std::string("deep.png"), std::string("pipe.png"),
-        std::string("loop.png"), std::string("/dev/zero"), std::string("."), std::string(),
-        std::string(300, 'n')}) {
+       {std::string("bomb.png"), std::string("dot.png"), std::string("deep.png"), std::string("black.png"),
+        std::string("pipe.png"), std::string("loop.png"), std::string("/dev/zero"), std::string("."),
+        std::string(), std::string(300, 'n')}) {
     const Taken taken = with_texture(texture);
     EXPECT_EQ(taken.status, 2) << texture << ": " << taken.output;
     EXPECT_LT(taken.cpu_s, kMaxCpu_s) << texture;
     EXPECT_LT(taken.peak_mib, kMost_mib) << texture;
     EXPECT_THAT(taken.output, HasSubstr("helipad.yaml: texture: '")) << texture;
   }
-  EXPECT_EQ(with_texture("grey.png").status, 0);  // so that it is the picture, and not the checkout
+  EXPECT_EQ(with_texture("whole.png").status, 0);  // so that it is the picture, and not the checkout
 }
 
 TEST_F(FilesTest, MoreTargetsThanCanBeFlown) {

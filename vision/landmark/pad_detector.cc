@@ -14,77 +14,14 @@
 namespace kestrel::vision {
 namespace {
 
-constexpr double kMinArea_px2 = 250;
 constexpr double kAspectTolerance = 1.35;  // factor; far away the tilt makes the ratio uncertain
 constexpr double kMinPlausibleCorrelation = 0.55;
 constexpr double kCompare_px_per_m = 60;  // scale at which candidates are compared with the reference
 constexpr double kRectangles_px_per_m =
     300;                               // scale at which the reference is searched for its own rectangles
-constexpr double kMinRectangle = 0.3;  // share of the pad that such a rectangle covers
-constexpr std::size_t kMaxCandidates = 40;
-
-using Quad = std::array<Eigen::Vector2d, 4>;
-
-// A straight line through the contour's points between two corners, away from the corners themselves.
-Eigen::Vector3d LineBetween(const std::vector<cv::Point>& contour, int from, int to) {
-  const int n = static_cast<int>(contour.size());
-  const int count = (to - from + n) % n;
-  const int skip = count / 8 + 1;
-  std::vector<cv::Point2f> points;
-  for (int k = skip; k <= count - skip; ++k) points.push_back(contour[(from + k) % n]);
-  if (points.size() < 2) points = {contour[from], contour[to]};
-  cv::Vec4f line;
-  cv::fitLine(points, line, cv::DIST_HUBER, 0, 0.01, 0.01);
-  const Eigen::Vector3d a(line[2], line[3], 1), b(line[2] + line[0], line[3] + line[1], 1);
-  return a.cross(b);
-}
-
-// The contour as a quadrilateral with corners at the crossings of its fitted sides.
-std::optional<Quad> QuadOf(const std::vector<cv::Point>& contour) {
-  std::vector<cv::Point> corners;
-  cv::approxPolyDP(contour, corners, 0.03 * cv::arcLength(contour, true), true);
-  if (corners.size() != 4 || !cv::isContourConvex(corners)) return std::nullopt;
-  std::array<int, 4> at;
-  for (int k = 0; k < 4; ++k) {
-    at[k] = static_cast<int>(std::find(contour.begin(), contour.end(), corners[k]) - contour.begin());
-  }
-  std::array<Eigen::Vector3d, 4> side;
-  for (int k = 0; k < 4; ++k) side[k] = LineBetween(contour, at[k], at[(k + 1) % 4]);
-  Quad quad;
-  for (int k = 0; k < 4; ++k) {
-    quad[k] = side[(k + 3) % 4].cross(side[k]).hnormalized();
-    // Fitted crossings far from the polygon's corner: not a quadrilateral after all.
-    if (!((quad[k] - Eigen::Vector2d(corners[k].x, corners[k].y)).norm() < 12)) return std::nullopt;
-  }
-  const double turn =
-      (quad[1] - quad[0]).x() * (quad[2] - quad[1]).y() - (quad[1] - quad[0]).y() * (quad[2] - quad[1]).x();
-  if (turn < 0) std::swap(quad[1], quad[3]);  // clockwise in the image, like PadReference::Outline
-  return quad;
-}
-
-std::vector<Quad> Quads(const cv::Mat& grey) {
-  std::vector<Quad> quads;
-  cv::Mat smooth, binary;
-  cv::GaussianBlur(grey, smooth, {3, 3}, 0);
-  for (const int block : {0, 31, 101}) {  // a global threshold, then local ones against uneven light
-    if (block == 0) {
-      cv::threshold(smooth, binary, 0, 255, cv::THRESH_BINARY | cv::THRESH_OTSU);
-    } else {
-      cv::adaptiveThreshold(smooth, binary, 255, cv::ADAPTIVE_THRESH_MEAN_C, cv::THRESH_BINARY, block, 0);
-    }
-    std::vector<std::vector<cv::Point>> contours;
-    cv::findContours(binary, contours, cv::RETR_LIST, cv::CHAIN_APPROX_NONE);
-    std::erase_if(contours,
-                  [](const auto& c) { return c.size() < 40 || std::abs(cv::contourArea(c)) < kMinArea_px2; });
-    std::sort(contours.begin(), contours.end(),
-              [](const auto& a, const auto& b) { return a.size() > b.size(); });
-    if (contours.size() > kMaxCandidates) contours.resize(kMaxCandidates);
-    for (const auto& contour : contours) {
-      if (const auto quad = QuadOf(contour)) quads.push_back(*quad);
-    }
-  }
-  return quads;
-}
+constexpr double kMinRectangle = 0.3;  // share of the pad that such a rectangle or circle covers
+constexpr double kRoundCircle = 1.03;  // ratio of its axes
+constexpr int kDirections = 24;
 
 double AreaOf(const Quad& quad) {
   const Eigen::Vector2d a = quad[2] - quad[0], b = quad[3] - quad[1];
@@ -104,7 +41,7 @@ PadDetector::PadDetector(const PadReference& reference, const Pinhole& camera)
                      cv::BORDER_CONSTANT, 128);
   const Eigen::Matrix3d T_from_pixel = fine.pixel_from_T.inverse();
   const double side = std::sqrt(AreaOf(rectangles_[0]));
-  for (const Quad& quad : Quads(bordered)) {
+  for (const Quad& quad : FindQuads(bordered)) {
     Quad quad_T;
     for (int k = 0; k < 4; ++k)
       quad_T[k] = Transfer(T_from_pixel, quad[k] - Eigen::Vector2d(kBorder_px, kBorder_px));
@@ -120,14 +57,53 @@ PadDetector::PadDetector(const PadReference& reference, const Pinhole& camera)
     });
     if (!known) rectangles_.push_back(quad_T);
   }
+  for (const Ellipse& ellipse : FindEllipses(bordered)) {
+    const Eigen::Vector2d middle_T =
+        Transfer(T_from_pixel, ellipse.middle - Eigen::Vector2d(kBorder_px, kBorder_px));
+    const Eigen::Matrix2d axes_T = T_from_pixel.topLeftCorner<2, 2>() * ellipse.axes;
+    const double a = axes_T.col(0).norm(), b = axes_T.col(1).norm(), radius = std::sqrt(a * b);
+    if (!(std::max(a, b) < kRoundCircle * std::min(a, b)) || M_PI * a * b < kMinRectangle * side * side)
+      continue;
+    const bool known = std::any_of(circles_.begin(), circles_.end(), [&](const Circle& other) {
+      return (other.middle - middle_T).norm() + std::abs(other.radius - radius) < 0.02 * side;
+    });
+    if (!known) circles_.push_back({middle_T, radius});
+  }
+}
+
+// What a candidate makes of the image is compared with the reference. None of those so far: 0.
+void PadDetector::Compare(const cv::Mat& grey, const Eigen::Matrix3d& H_w, Best& best) const {
+  if (!PoseFromHomography(H_w, camera_)) return;
+  cv::Mat map, view, correlation;
+  cv::eigen2cv(Eigen::Matrix3d(H_w * level_.pixel_from_T.inverse()), map);
+  cv::warpPerspective(grey, view, map, level_.image.size(), cv::INTER_AREA | cv::WARP_INVERSE_MAP);
+  cv::matchTemplate(view, level_.image, correlation, cv::TM_CCOEFF_NORMED);
+  if (correlation.at<float>(0, 0) > best.correlation) best = {correlation.at<float>(0, 0), H_w};
+}
+
+// A circle tells all but the direction, as long as the view is not very oblique from near.
+void PadDetector::CompareCircles(const cv::Mat& grey, Best& best) const {
+  if (circles_.empty()) return;
+  for (const Ellipse& ellipse : FindEllipses(grey)) {
+    for (const Circle& circle : circles_) {
+      for (int turn = 0; turn < kDirections; ++turn) {
+        const Eigen::Matrix2d A = ellipse.axes *
+                                  Eigen::Rotation2Dd(2 * M_PI * turn / kDirections).toRotationMatrix() /
+                                  circle.radius;
+        Eigen::Matrix3d H_w = Eigen::Matrix3d::Identity();
+        H_w.topLeftCorner<2, 2>() = A;
+        H_w.topRightCorner<2, 1>() = ellipse.middle - A * circle.middle;
+        Compare(grey, H_w, best);
+      }
+    }
+  }
 }
 
 std::optional<Eigen::Matrix3d> PadDetector::Detect(const cv::Mat& grey) const {
   const Quad square = {
       {{1, 0}, {1, 1}, {0, 1}, {0, 0}}};  // the corners of a unit rectangle, in the outline's order
-  std::optional<Eigen::Matrix3d> best;
-  double best_correlation = kMinPlausibleCorrelation;
-  for (const Quad& quad : Quads(grey)) {
+  Best best{kMinPlausibleCorrelation, {}};
+  for (const Quad& quad : FindQuads(grey)) {
     for (const Quad& rectangle : rectangles_) {
       const double aspect = (rectangle[1] - rectangle[0]).norm() / (rectangle[3] - rectangle[0]).norm();
       for (int turn = 0; turn < 4; ++turn) {
@@ -137,21 +113,14 @@ std::optional<Eigen::Matrix3d> PadDetector::Detect(const cv::Mat& grey) const {
           metric[k] = {rectangle[k], quad[(k + turn) % 4]};
         }
         const auto H_unit = FitHomography(unit), H_w = FitHomography(metric);
-        if (!H_unit || !H_w || !PoseFromHomography(*H_w, camera_)) continue;
+        if (!H_unit || !H_w) continue;
         const double off = RectangleAspect(*H_unit, camera_) / aspect;
-        if (!(off < kAspectTolerance && off > 1 / kAspectTolerance)) continue;
-        cv::Mat map, view, correlation;
-        cv::eigen2cv(Eigen::Matrix3d(*H_w * level_.pixel_from_T.inverse()), map);
-        cv::warpPerspective(grey, view, map, level_.image.size(), cv::INTER_AREA | cv::WARP_INVERSE_MAP);
-        cv::matchTemplate(view, level_.image, correlation, cv::TM_CCOEFF_NORMED);
-        if (correlation.at<float>(0, 0) > best_correlation) {
-          best_correlation = correlation.at<float>(0, 0);
-          best = H_w;
-        }
+        if (off < kAspectTolerance && off > 1 / kAspectTolerance) Compare(grey, *H_w, best);
       }
     }
   }
-  return best;
+  CompareCircles(grey, best);
+  return best.H_w;
 }
 
 }  // namespace kestrel::vision

@@ -2,20 +2,20 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
 #include <opencv2/core.hpp>
 #include <optional>
 #include <vector>
 
 #include "vision/camera/pinhole.h"
+#include "vision/landmark/outline/outlines.h"
 #include "vision/landmark/pad_reference.h"
 
 namespace kestrel::vision {
 
 // Finds the whole pad in one image without any guess: it stands in for the person who clicks four corners in
 // thesis 4.4. Quadrilaterals of the image are matched with the large rectangles of the pad's own picture (its
-// outline, its frames) of the same aspect ratio (thesis 3.21), and what such a match makes of the image is
-// compared with the reference appearance, in every direction.
+// outline, its frames) of the same aspect ratio (thesis 3.21), ellipses with its large circles, and what such a
+// match makes of the image is compared with the reference appearance, in every direction.
 class PadDetector {
  public:
   PadDetector(const PadReference& reference, const Pinhole& camera);
@@ -25,10 +25,20 @@ class PadDetector {
   std::optional<Eigen::Matrix3d> Detect(const cv::Mat& grey) const;
 
  private:
-  using Quad = std::array<Eigen::Vector2d, 4>;
+  struct Circle {  // in T, m
+    Eigen::Vector2d middle;
+    double radius;
+  };
+  struct Best {
+    double correlation;
+    std::optional<Eigen::Matrix3d> H_w;
+  };
+  void Compare(const cv::Mat& grey, const Eigen::Matrix3d& H_w, Best& best) const;
+  void CompareCircles(const cv::Mat& grey, Best& best) const;
 
   Pinhole camera_;
-  PadReference::Level level_;     // the scale at which candidates are compared
+  PadReference::Level level_;  // the scale at which candidates are compared
+  std::vector<Circle> circles_;
   std::vector<Quad> rectangles_;  // of the pad's picture, in T, m, clockwise from the picture's top left
 };
 

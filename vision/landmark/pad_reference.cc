@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/landmark/pad_reference.h"
 
-#include <Eigen/LU>
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
@@ -14,6 +14,8 @@ constexpr int kMaxCorners = 6000;
 constexpr double kCornerQuality = 0.02;
 constexpr double kCornerDistance_px = 5;
 constexpr int kRim_px = 4;
+constexpr int kAlike_px = 64;    // side at which a picture is compared with itself turned
+constexpr double kAlike = 0.95;  // correlation from which on it looks the same
 
 PadReference::Level MakeLevel(const cv::Mat& image, double length_m, double width_m) {
   PadReference::Level level;
@@ -33,6 +35,19 @@ PadReference::Level MakeLevel(const cv::Mat& image, double length_m, double widt
   return level;
 }
 
+int TurnsOf(const cv::Mat& grey, double length_m, double width_m) {
+  cv::Mat small;
+  cv::resize(grey, small, {kAlike_px, kAlike_px}, 0, 0, cv::INTER_AREA);
+  const auto alike = [&](int how) {
+    cv::Mat turned, correlation;
+    cv::rotate(small, turned, how);
+    cv::matchTemplate(turned, small, correlation, cv::TM_CCOEFF_NORMED);
+    return correlation.at<float>(0, 0) > kAlike;
+  };
+  if (std::abs(length_m - width_m) < 0.05 * length_m && alike(cv::ROTATE_90_CLOCKWISE)) return 4;
+  return alike(cv::ROTATE_180) ? 2 : 1;
+}
+
 }  // namespace
 
 std::vector<Eigen::Vector2d> PadReference::Outline() const {
@@ -48,10 +63,28 @@ const PadReference::Level& PadReference::LevelFor(double px_per_m) const {
   return *best;
 }
 
+Eigen::Matrix3d NearestTurn(const Eigen::Matrix3d& H_w, int turns,
+                            const std::optional<Eigen::Matrix3d>& H_expected) {
+  // Where a step along the pad's x leads in the image.
+  const auto up = [](const Eigen::Matrix3d& H) {
+    constexpr double kStep_m = 0.1;
+    return Eigen::Vector2d((H * Eigen::Vector3d(kStep_m, 0, 1)).hnormalized() - H.col(2).hnormalized())
+        .normalized();
+  };
+  const Eigen::Vector2d wanted = H_expected ? up(*H_expected) : Eigen::Vector2d(0, -1);
+  Eigen::Matrix3d best = H_w;
+  for (int k = 1; k < turns; ++k) {
+    const Eigen::Matrix3d turned =
+        H_w * Eigen::AngleAxisd(k * 2 * M_PI / turns, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+    if (up(turned).dot(wanted) > up(best).dot(wanted)) best = turned;
+  }
+  return best;
+}
+
 PadReference MakePadReference(const cv::Mat& picture, double length_m, double width_m) {
   cv::Mat grey = picture;
   if (picture.channels() == 3) cv::cvtColor(picture, grey, cv::COLOR_BGR2GRAY);
-  PadReference reference{length_m, width_m, {}};
+  PadReference reference{length_m, width_m, {}, {}, TurnsOf(grey, length_m, width_m)};
   for (double scale = 1;; scale /= 2) {
     const cv::Size size(static_cast<int>(std::lround(grey.cols * scale)),
                         static_cast<int>(std::lround(grey.rows * scale)));

@@ -3,7 +3,10 @@
 
 #include <Eigen/Core>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <vector>
+
+#include "vision/tag/tag.h"
 
 namespace kestrel::vision {
 
@@ -20,12 +23,19 @@ struct PadReference {
   };
   double length_m = 0, width_m = 0;
   std::vector<Level> levels;  // the finest first
+  std::vector<Tag> tags;      // of which its picture is made, if it is: then it is found by them
+  int turns = 1;  // in how many directions it looks alike: 2 after half a turn, 4 after each quarter
 
   // The four corners in T, m, clockwise as seen from above, from the picture's top left.
   std::vector<Eigen::Vector2d> Outline() const;
   // The level whose pixels are at least as fine as px_per_m and nearest to it, the finest where none is.
   const Level& LevelFor(double px_per_m) const;
 };
+
+// The direction, of those in which the pad looks alike, that is nearest to what is expected; where nothing is,
+// that with the top of the picture nearest to the top of the image, as for one who flies ahead.
+Eigen::Matrix3d NearestTurn(const Eigen::Matrix3d& H_w, int turns,
+                            const std::optional<Eigen::Matrix3d>& H_expected);
 
 // picture: the pad seen from above, CV_8UC1 or CV_8UC3, filled to its rim.
 PadReference MakePadReference(const cv::Mat& picture, double length_m, double width_m);

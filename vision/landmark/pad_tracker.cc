@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "vision/landmark/homography.h"
+#include "vision/landmark/mirrored.h"
 #include "vision/landmark/plane_pose.h"
 
 namespace kestrel::vision {
@@ -26,6 +27,8 @@ constexpr double kMinCorrelation = 0.7;
 constexpr double kLargeCorrection_px = 1.5;
 // The dear search for a part of the pad is not made in every lost frame.
 constexpr int kFramesBetweenFeatures = 10;
+// Between two images, from which on its picture may be blurred beyond the corners' knowing it.
+constexpr double kMinBlurringMotion_px = 5;
 const cv::TermCriteria kLucasKanadeEnd(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 20, 0.01);
 
 cv::Point2f ToCv(const Eigen::Vector2d& p) { return {static_cast<float>(p.x()), static_cast<float>(p.y())}; }
@@ -77,25 +80,51 @@ double Correlation(const cv::Mat& a, const cv::Point2f& at_a, const cv::Mat& b, 
 }  // namespace
 
 PadTracker::PadTracker(PadReference reference, const Pinhole& camera, const PadTrackerOptions& options)
-    : reference_(std::move(reference)), detector_(reference_, camera), camera_(camera), options_(options) {}
+    : reference_(std::move(reference)), detector_(reference_, camera), camera_(camera), options_(options) {
+  if (options.method == "icia") alignment_.emplace(reference_, camera, options);
+  if (!reference_.tags.empty()) tags_.emplace(reference_.tags, camera);
+}
 
 std::optional<PadObservation> PadTracker::Track(const cv::Mat& grey,
                                                 const std::optional<Pose>& X_CT_expected) {
   ++frames_;
   tracked_.clear();
   agreed_.clear();
+  corners_agreed_ = false;
+  const auto seen =
+      options_.method == "icia" ? TrackPicture(grey, X_CT_expected) : TrackCorners(grey, X_CT_expected);
+  X_CT_before_ = std::exchange(X_CT_last_, seen ? std::optional(seen->X_CT) : std::nullopt);
+  return seen;
+}
+
+std::optional<PadObservation> PadTracker::TrackPicture(const cv::Mat& grey,
+                                                       const std::optional<Pose>& X_CT_expected) {
+  std::optional<PadObservation> seen;
+  if (tags_) seen = FindTags(grey, X_CT_expected);
+  const auto expected = X_CT_expected ? X_CT_expected : OfConstantVelocity();
+  if (!seen && expected) alignment_->Look(grey);
+  if (!seen && expected) seen = alignment_->Follow(HomographyFromPose(*expected, camera_));
+  if (!seen && X_CT_last_) seen = alignment_->Follow(last_H_w_);
+  if (!seen && expected) seen = FollowBlurred(grey, *expected);
+  if (seen && tracked_.empty()) tracked_ = agreed_ = alignment_->points();
+  if (!seen && !tags_) seen = Find(grey, X_CT_expected);
+  if (seen) last_H_w_ = seen->H_w, lost_frames_ = 0;
+  return seen;
+}
+
+std::optional<PadObservation> PadTracker::TrackCorners(const cv::Mat& grey,
+                                                       const std::optional<Pose>& X_CT_expected) {
   std::vector<cv::Mat> pyramid;
   cv::buildOpticalFlowPyramid(grey, pyramid, kFollowWindow, kFollowLevels, true);
 
   std::optional<PadObservation> seen;
-  const auto H_chain = Follow(pyramid, X_CT_expected);
-  if (!options_.registration) {
-    if (H_chain) seen = FromChain(*H_chain);
-  } else {
-    if (H_chain) seen = Settle(grey, *H_chain, 2);
-    if (!seen && X_CT_expected) seen = Settle(grey, HomographyFromPose(*X_CT_expected, camera_), 3);
+  if (tags_) seen = FindTags(grey, X_CT_expected);
+  if (!seen && !options_.registration) {  // the thesis's chain
+    if (const auto H_chain = Follow(pyramid, X_CT_expected)) seen = FromChain(*H_chain);
+  } else if (!seen) {
+    seen = FollowRegistered(grey, pyramid, X_CT_expected);
   }
-  if (!seen) seen = Find(grey);
+  if (!seen && !tags_) seen = Find(grey, X_CT_expected);
   if (seen) {
     Remember(grey, std::move(pyramid), *seen);
   } else {
@@ -104,16 +133,92 @@ std::optional<PadObservation> PadTracker::Track(const cv::Mat& grey,
   return seen;
 }
 
+// From the likeliest guess to the least: by the chain, by what is expected, blurred by its motion, by a chain that
+// expects nothing.
+std::optional<PadObservation> PadTracker::FollowRegistered(const cv::Mat& grey,
+                                                           const std::vector<cv::Mat>& pyramid,
+                                                           const std::optional<Pose>& X_CT_expected) {
+  const auto expected = X_CT_expected ? X_CT_expected : OfConstantVelocity();
+  const auto H_chain = Follow(pyramid, expected);
+  std::optional<PadObservation> seen;
+  if (H_chain) seen = Settle(grey, *H_chain, 2);
+  if (!seen && expected) seen = Settle(grey, HomographyFromPose(*expected, camera_), 3);
+  if (!seen && H_chain) {
+    if (const auto X_CT_chain = PoseFromHomography(*H_chain, camera_))
+      seen = FollowBlurred(grey, *X_CT_chain);
+  }
+  if (!seen && expected) seen = FollowBlurred(grey, *expected);
+  if (!seen && expected && !X_CT_expected) {
+    if (const auto H_still = Follow(pyramid, std::nullopt)) seen = Settle(grey, *H_still, 2);
+  }
+  return seen;
+}
+
+// As it went between the last two images.
+std::optional<Pose> PadTracker::OfConstantVelocity() const {
+  if (!X_CT_last_ || !X_CT_before_) return X_CT_last_;
+  return *X_CT_last_ * X_CT_before_->Inverse() * *X_CT_last_;
+}
+
+// Where it moves far between two images.
+std::optional<PadObservation> PadTracker::FollowBlurred(const cv::Mat& grey, const Pose& X_CT_expected) {
+  if (!X_CT_last_) return std::nullopt;
+  const Eigen::Matrix3d H_predicted = HomographyFromPose(X_CT_expected, camera_),
+                        H_last = HomographyFromPose(*X_CT_last_, camera_);
+  double moved_px = 0;
+  for (const Eigen::Vector2d& corner : reference_.Outline())
+    moved_px = std::max(moved_px, (Transfer(H_predicted, corner) - Transfer(H_last, corner)).norm());
+  if (!(moved_px > kMinBlurringMotion_px)) return std::nullopt;
+  if (!alignment_) alignment_.emplace(reference_, camera_, options_);
+  alignment_->Look(grey);
+  const auto seen = alignment_->FollowBlurred(H_predicted, H_last);
+  if (seen) tracked_ = agreed_ = alignment_->points(), corners_agreed_ = false;
+  return seen;
+}
+
 // A search without a guess.
-std::optional<PadObservation> PadTracker::Find(const cv::Mat& grey) {
+std::optional<PadObservation> PadTracker::Find(const cv::Mat& grey,
+                                               const std::optional<Pose>& X_CT_expected) {
   exposure_known_ = false;
   std::optional<PadObservation> seen;
-  if (const auto H = detector_.Detect(grey)) seen = Settle(grey, *H, 3);
+  std::optional<Eigen::Matrix3d> H_expected;
+  if (X_CT_expected) H_expected = HomographyFromPose(*X_CT_expected, camera_);
+  const auto turned = [&](const Eigen::Matrix3d& H_w) {
+    return NearestTurn(H_w, reference_.turns, H_expected);
+  };
+  const auto registered = [&](const Eigen::Matrix3d& H_w) {
+    return options_.method == "icia" ? Align(grey, turned(H_w)) : Settle(grey, turned(H_w), 3);
+  };
+  if (const auto H = detector_.Detect(grey)) seen = registered(*H);
   if (!seen && lost_frames_++ % kFramesBetweenFeatures == 0) {
-    if (!features_) features_.emplace(reference_, camera_);
-    if (const auto H = features_->Find(grey, frames_)) seen = Settle(grey, *H, 3);
+    if (!features_) features_.emplace(reference_, camera_, *FeatureDetectorNamed(options_.features));
+    if (const auto H = features_->Find(grey, frames_)) seen = registered(*H);
   }
+  if (seen && LooksMirrored(grey, reference_, seen->H_w)) return std::nullopt;
   if (seen) seen->found = true;
+  return seen;
+}
+
+std::optional<PadObservation> PadTracker::FindTags(const cv::Mat& grey,
+                                                   const std::optional<Pose>& X_CT_expected) {
+  const auto tags = tags_->Track(grey, X_CT_expected);
+  if (!tags) return std::nullopt;
+  PadObservation seen;
+  seen.X_CT = tags->pose.X_CT;
+  seen.covariance = tags->pose.covariance;
+  seen.H_w = HomographyFromPose(seen.X_CT, camera_);
+  seen.inliers = static_cast<int>(tags->corners.size());
+  seen.residual_px = tags->pose.rms_px;
+  seen.found = !X_CT_last_;
+  seen.registered = true;
+  std::vector<cv::Point2f> spread, hull;
+  for (const PointPair& pair : tags->corners) {
+    spread.push_back(ToCv(pair.from));
+    agreed_.push_back(pair.to);
+  }
+  tracked_ = agreed_;
+  cv::convexHull(spread, hull);
+  seen.visible = cv::contourArea(hull) / (reference_.length_m * reference_.width_m);
   return seen;
 }
 
@@ -148,19 +253,29 @@ std::optional<Eigen::Matrix3d> PadTracker::Follow(const std::vector<cv::Mat>& py
   return step->H * last_H_w_;
 }
 
+std::optional<PadObservation> PadTracker::Align(const cv::Mat& grey, const Eigen::Matrix3d& H_guess) {
+  alignment_->Look(grey);
+  auto seen = alignment_->Follow(H_guess);
+  if (seen) tracked_ = agreed_ = alignment_->points();
+  return seen;
+}
+
 // Registers until the correction is small, at most `passes` times.
 std::optional<PadObservation> PadTracker::Settle(const cv::Mat& grey, const Eigen::Matrix3d& H_guess,
                                                  int passes) {
   Eigen::Matrix3d H = H_guess;
+  std::optional<PadObservation> before;
   for (int pass = 1;; ++pass) {
     const auto seen = Register(grey, H);
-    if (!seen || pass >= passes) return seen;
+    if (!seen) return before;
+    if (pass >= passes) return seen;
     double moved = 0;
     for (const Eigen::Vector2d& corner : reference_.Outline()) {
       moved = std::max(moved, (Transfer(seen->H_w, corner) - Transfer(H, corner)).norm());
     }
     if (moved < kLargeCorrection_px) return seen;
     H = seen->H_w;
+    before = seen;
   }
 }
 
@@ -248,8 +363,9 @@ std::optional<PadObservation> PadTracker::Register(const cv::Mat& grey, const Ei
   if (!H_w) return std::nullopt;
   const auto start = PoseFromHomography(*H_w, camera_);
   if (!start) return std::nullopt;
-  const auto pose = RefinePlanePose(inliers, camera_, *start, options_.sigma_px);
+  auto pose = RefinePlanePose(inliers, camera_, *start, options_.sigma_px);
   if (!pose || !(pose->rms_px < options_.threshold_px)) return std::nullopt;
+  pose->covariance += CovarianceOfShift(pose->X_CT, options_.shift_px / camera_.fx);
 
   PadObservation seen;
   seen.X_CT = pose->X_CT;
@@ -257,7 +373,7 @@ std::optional<PadObservation> PadTracker::Register(const cv::Mat& grey, const Ei
   seen.H_w = HomographyFromPose(pose->X_CT, camera_);
   seen.inliers = static_cast<int>(inliers.size());
   seen.residual_px = pose->rms_px;
-  seen.registered = true;
+  seen.registered = corners_agreed_ = true;
   std::vector<cv::Point2f> spread, hull;
   for (const PointPair& pair : inliers) {
     spread.push_back(ToCv(pair.from));
@@ -308,14 +424,16 @@ std::optional<PadObservation> PadTracker::FromChain(const Eigen::Matrix3d& H_w) 
 
 void PadTracker::Remember(const cv::Mat& grey, std::vector<cv::Mat> pyramid, const PadObservation& seen) {
   lost_frames_ = 0;
+  if (!corners_agreed_) exposure_known_ = false;
   last_pyramid_ = std::move(pyramid);
   last_H_w_ = seen.H_w;
   last_points_.clear();
-  if (options_.registration && seen.registered) {
+  if (corners_agreed_) {
     for (const Eigen::Vector2d& p : agreed_) last_points_.push_back(ToCv(p));
     return;
   }
-  // As in the thesis: good features to track on the pad's place in this image.
+  // As in the thesis: good features to track on the pad's place in this image. The corners of tags are too few,
+  // and of an alignment there are none.
   const std::vector<cv::Point2f> visible = VisiblePart(reference_, seen.H_w, grey.size());
   std::vector<cv::Point> polygon;
   for (const cv::Point2f& p : visible) polygon.emplace_back(cvRound(p.x), cvRound(p.y));

@@ -8,6 +8,23 @@
 #include "vision/least_squares.h"
 
 namespace kestrel::vision {
+namespace {
+
+// The pixel of a point of the plane, with its derivative by (translation in C, rotation vector in C).
+std::optional<Eigen::Vector2d> Projected(const Eigen::Vector2d& on_plane, const Pinhole& camera,
+                                         const Pose& X_CT, Eigen::Matrix<double, 2, 6>& J) {
+  const Eigen::Vector3d arm_C = X_CT.R * Eigen::Vector3d(on_plane.x(), on_plane.y(), 0);
+  const Eigen::Vector3d p_C = arm_C + X_CT.p;
+  const auto uv = camera.Project(p_C);
+  if (!uv) return std::nullopt;
+  Eigen::Matrix<double, 2, 3> d_uv;  // of the pixel with respect to p_C
+  d_uv << camera.fx / p_C.z(), 0, -camera.fx * p_C.x() / (p_C.z() * p_C.z()),  //
+      0, camera.fy / p_C.z(), -camera.fy * p_C.y() / (p_C.z() * p_C.z());
+  J << d_uv, -d_uv * Skew(arm_C);  // p_C moves by dt + dtheta x arm
+  return uv;
+}
+
+}  // namespace
 
 double RectangleAspect(const Eigen::Matrix3d& H_unit, const Pinhole& camera) {
   const Eigen::Matrix3d M = camera.K().inverse() * H_unit;
@@ -39,6 +56,24 @@ Eigen::Matrix3d HomographyFromPose(const Pose& X_CT, const Pinhole& camera) {
   return camera.K() * M;
 }
 
+std::optional<Eigen::Matrix<double, 6, 6>> PoseInformation(std::span<const Eigen::Vector2d> on_plane,
+                                                           const Pinhole& camera, const Pose& X_CT) {
+  Eigen::Matrix<double, 6, 6> information = Eigen::Matrix<double, 6, 6>::Zero();
+  for (const Eigen::Vector2d& point : on_plane) {
+    Eigen::Matrix<double, 2, 6> J;
+    if (!Projected(point, camera, X_CT, J)) return std::nullopt;
+    information += J.transpose() * J;
+  }
+  return information;
+}
+
+Eigen::Matrix<double, 6, 6> CovarianceOfShift(const Pose& X_CT, double sigma_rad) {
+  Eigen::Matrix<double, 6, 2> A;
+  A.topRows<3>() = -Skew(X_CT.p).leftCols<2>();
+  A.bottomRows<3>() = Eigen::Matrix<double, 3, 2>::Identity();
+  return sigma_rad * sigma_rad * A * A.transpose();
+}
+
 std::optional<PlanePose> RefinePlanePose(std::span<const PointPair> pairs, const Pinhole& camera,
                                          const Pose& X_CT_start, double sigma_px) {
   if (pairs.size() < 4) return std::nullopt;
@@ -46,22 +81,16 @@ std::optional<PlanePose> RefinePlanePose(std::span<const PointPair> pairs, const
   for (int iteration = 0;; ++iteration) {
     NormalEquations<double, 6> normal;
     for (const PointPair& pair : pairs) {
-      const Eigen::Vector3d arm_C = X_CT.R * Eigen::Vector3d(pair.from.x(), pair.from.y(), 0);
-      const Eigen::Vector3d p_C = arm_C + X_CT.p;
-      const auto uv = camera.Project(p_C);
-      if (!uv) return std::nullopt;
-      Eigen::Matrix<double, 2, 3> d_uv;  // of the pixel with respect to p_C
-      d_uv << camera.fx / p_C.z(), 0, -camera.fx * p_C.x() / (p_C.z() * p_C.z()),  //
-          0, camera.fy / p_C.z(), -camera.fy * p_C.y() / (p_C.z() * p_C.z());
       Eigen::Matrix<double, 2, 6> J;
-      J << d_uv, -d_uv * Skew(arm_C);  // p_C moves by dt + dtheta x arm
+      const auto uv = Projected(pair.from, camera, X_CT, J);
+      if (!uv) return std::nullopt;
       normal.Add<2>(J, pair.to - *uv);
     }
     const Eigen::LDLT<Eigen::Matrix<double, 6, 6>> solver(normal.H);
     if (solver.info() != Eigen::Success || !(solver.vectorD().minCoeff() > 0)) return std::nullopt;
     const Eigen::Matrix<double, 6, 1> step = solver.solve(normal.g);
     if (!step.allFinite()) return std::nullopt;
-    if (iteration >= 10 || step.norm() < 1e-9) {
+    if (iteration >= 30 || step.norm() < 1e-9) {
       const double n = static_cast<double>(pairs.size());
       const double seen =
           std::sqrt(normal.squares / std::max(2 * n - 6, 1.0));  // deviation of one coordinate

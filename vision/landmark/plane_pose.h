@@ -33,10 +33,20 @@ struct PlanePose {
   double rms_px = 0;  // root mean square distance of the pairs, px
 };
 
+// Fisher's information of noisy pixels of points of the plane, m, on the pose (translation in C, m; rotation
+// vector in C, rad), when each pixel coordinate has the deviation 1: no estimate without bias has a smaller
+// covariance than sigma_px^2 times its inverse (Cramer and Rao). None: the camera does not see a point.
+std::optional<Eigen::Matrix<double, 6, 6>> PoseInformation(std::span<const Eigen::Vector2d> on_plane,
+                                                           const Pinhole& camera, const Pose& X_CT);
+
 // The pose that minimises the reprojection error of pairs (plane m, pixel), by Gauss-Newton from a close
 // start. Beyond the thesis: eq. (3.24) takes the nearest rotation to what noise made of the columns, in an
 // algebraic sense; this takes the most likely pose. sigma_px scales the covariance; it is at least what the
 // residual shows.
+// What an error that all pixels share adds to the covariance of a pose: to shift the image is to turn the camera
+// across its axis. sigma_rad: the shift over the focal length.
+Eigen::Matrix<double, 6, 6> CovarianceOfShift(const Pose& X_CT, double sigma_rad);
+
 std::optional<PlanePose> RefinePlanePose(std::span<const PointPair> pairs, const Pinhole& camera,
                                          const Pose& X_CT_start, double sigma_px);
 

@@ -54,9 +54,9 @@ TEST_F(ListCommandTest, MetricsHaveUnitsAndScenariosWhatTheyFlyWith) {
   const auto scenarios = nlohmann::json::parse(List("--json").out);
   EXPECT_EQ(scenarios[0].at("name"), "attitude_1");
   EXPECT_EQ(scenarios[0].at("vehicle"), "pelican");
-  EXPECT_EQ(
-      List("campaigns --names").out,
-      "attitude/weather\navoid/encounters\nfollow/speed\nhover/wind\nlanding/dispersion\npose/height\n");
+  EXPECT_EQ(List("campaigns --names").out,
+            "attitude/weather\navoid/encounters\nfollow/speed\nhover/wind\nlanding/dispersion\n"
+            "landing/height_laws\npose/height\n");
 }
 
 TEST_F(ListCommandTest, WhatIsNotValidIsListedWithTheReason) {

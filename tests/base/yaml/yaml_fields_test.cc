@@ -33,6 +33,15 @@ void Fields(FieldVisitor& v, TestLimit& p) {
   v("min", p.min, -1e9, 1e9);
 }
 
+struct TestRules {
+  std::vector<std::string> rules = {"if error is high then descent is fast", "plain", "", "yes"};
+  std::vector<std::string> none;
+};
+void Fields(FieldVisitor& v, TestRules& p) {
+  v("rules", p.rules);
+  v("none", p.none);
+}
+
 struct TestFlight {
   std::string name = "unnamed", backend = "auto";
   std::uint64_t seed = 0;
@@ -81,6 +90,19 @@ Result ReadText(const std::string& text, const std::vector<std::string>& overrid
   result.mistakes = mistakes.Texts();
   result.shown = InputError(mistakes.all()).what();
   return result;
+}
+
+TEST(FieldWriter, WritesListsOfTextsThatReadBackTheSame) {
+  const std::string text = ToYaml(TestRules{});
+  EXPECT_EQ(
+      text,
+      "rules:\n  - \"if error is high then descent is fast\"\n  - plain\n  - \"\"\n  - \"yes\"\nnone: []\n");
+  Mistakes mistakes;
+  TestRules read{{}, {"one"}};
+  Read(ParseConfig(text, "f.yaml", {}, mistakes), read, mistakes);
+  EXPECT_THAT(mistakes.Texts(), IsEmpty());
+  EXPECT_EQ(read.rules, TestRules{}.rules);
+  EXPECT_THAT(read.none, IsEmpty());
 }
 
 TEST(YamlFields, EveryKindOfFieldIsReadAndDefaultsStayWhereNothingIsSaid) {

@@ -451,7 +451,8 @@ TEST_F(FlyTest, EveryMissionOfOursDeclaresWhetherItNeedsItsTarget) {
                                    {"follow", mission::TargetNeed::kInSight},
                                    {"attitude_1", mission::TargetNeed::kNone},
                                    {"gyro_failure", mission::TargetNeed::kNone},
-                                   {"avoid", mission::TargetNeed::kNone}})
+                                   {"avoid", mission::TargetNeed::kNone},
+                                   {"vicon_1", mission::TargetNeed::kNone}})
     EXPECT_EQ(Made(LoadPlan(name))->Target(), need) << name;
 }
 

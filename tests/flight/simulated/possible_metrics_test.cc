@@ -26,13 +26,14 @@ std::vector<std::string> Keys(const std::map<std::string, double>& metrics) {
 // tells of a goal what only longer flights have metrics of.
 TEST(PossibleMetrics, HoldWhatFlightsOfEachMissionHave) {
   const std::map<std::string, std::vector<std::string>> known = {
-      {"pose", {"fix_x_rmse_m", "longest_loss_s"}},
+      {"pose", {"fix_x_rmse_m", "longest_loss_s", "fix_autopilot_x_rms_m"}},
       {"hover", {"fix_x_rmse_m", "longest_loss_s"}},
       {"landing", {"fix_x_rmse_m", "longest_loss_s"}},
       {"attitude_1", {"roll_rmse_deg", "yaw_rmse_deg"}},
       {"gyro_failure", {"roll_rmse_deg", "failure_tilt_rms_deg"}},
       {"follow", {"in_view_share", "followed_share"}},
-      {"avoid", {"closest_m", "manoeuvred"}}};
+      {"avoid", {"closest_m", "manoeuvred"}},
+      {"vicon_1", {"landmark_z_rmse_m", "chain_drift_m"}}};
   scenarios::AddFlights();
   ASSERT_EQ(known.size(), mission::MissionNames().size());
   for (const auto& [name, telling] : known) {

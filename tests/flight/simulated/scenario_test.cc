@@ -163,6 +163,26 @@ TEST_F(ScenarioTest, EveryMistakeIsNamedWithFileLineKeyAndWhatWouldBeValid) {
   EXPECT_THAT(mistakes, Contains(StartsWith("--set seed=-1: seed")));
 }
 
+TEST_F(ScenarioTest, WhatIsWrongWithAFlightAsAWholeIsToldWithTheLineOfItsKey) {
+  const std::string file = Write("fuzzy.yaml",
+                                 "mission: landing\n"
+                                 "flight:\n"
+                                 "  height_law: fuzzy\n"
+                                 "  commit_sink_m_s: 0.9\n"
+                                 "  fuzzy:\n"
+                                 "    controller:\n"
+                                 "      rules:\n"
+                                 "        - if error is high then descent is fast\n"
+                                 "        - if eror is near then descent is slow\n");
+  EXPECT_THAT(Refusal(file),
+              ElementsAre(StartsWith(file + ":4: flight.commit_sink_m_s: 0.9 is above"),
+                          file + ":9: flight.fuzzy.controller.rules.1: 'eror' is not an input; did you mean "
+                                 "'error'?"));
+  EXPECT_THAT(Refusal("landing", {"flight.fuzzy.controller.rules=[]"}),
+              ElementsAre(StartsWith("--set flight.fuzzy.controller.rules=[]: flight.fuzzy.controller.rules: "
+                                     "there is no rule")));
+}
+
 TEST_F(ScenarioTest, ALandscapeIsAsItsWorldHasItButForTheScenariosOwnWords) {
   const LoadedScenario plain = LoadScenario("pose", {"world=winter_cloudy"});
   const LoadedScenario own = LoadScenario("pose", {"world=winter_cloudy", "landscape.haze_m=1234"});
@@ -415,16 +435,16 @@ TEST_F(ScenarioTest, AvoidingAsksNoMoreThanTheAutopilotGives) {
                                                "  marks: []\n");
   const auto mistakes = Refusal(file);
   EXPECT_EQ(mistakes.size(), 5u);
-  const auto refused = [&](const std::string& key, const std::string& limit) {
-    EXPECT_THAT(mistakes, Contains(AllOf(StartsWith(file + ":5: flight." + key), HasSubstr(limit),
-                                         HasSubstr("valid: no more than that"))));
+  const auto refused = [&](int line, const std::string& key, const std::string& limit) {
+    EXPECT_THAT(mistakes, Contains(AllOf(StartsWith(fmt::format("{}:{}: flight.{}", file, line, key)),
+                                         HasSubstr(limit), HasSubstr("valid: no more than that"))));
   };
-  refused("speed_m_s: 12", "autopilot.speed_limit_m_s is");
-  refused("avoidance.acceleration_m_s2: 15", "autopilot.acceleration_limit_m_s2 is");
-  refused("avoidance.hold.yaw_rate_limit_deg_s: 170", "autopilot.yaw_rate_limit_deg_s is");
-  refused("avoidance.hold.bearing_deg: 70", "flight.avoidance.max_bearing_deg is 60");
+  refused(6, "speed_m_s: 12", "autopilot.speed_limit_m_s is");
+  refused(8, "avoidance.acceleration_m_s2: 15", "autopilot.acceleration_limit_m_s2 is");
+  refused(10, "avoidance.hold.yaw_rate_limit_deg_s: 170", "autopilot.yaw_rate_limit_deg_s is");
+  refused(10, "avoidance.hold.bearing_deg: 70", "flight.avoidance.max_bearing_deg is 60");
   EXPECT_THAT(mistakes,
-              Contains(file + ":5: flight.marks: is empty; valid: at least one, or a flight.contrast"));
+              Contains(file + ":11: flight.marks: is empty; valid: at least one, or a flight.contrast"));
   EXPECT_THAT(Refusal(Write("b.yaml", text + "flight: {avoidance: {max_bearing_deg: 60, hold: {bearing_deg: "
                                              "60}}}\n")),
               IsEmpty());
@@ -536,6 +556,19 @@ TEST_F(ScenarioTest, APadsTextureMustBeAnImage) {
   Write("models/pads/helipad/helipad.png", "no picture");
   EXPECT_THAT(Refusal("pose"),
               ElementsAre(AllOf(HasSubstr("helipad.yaml: texture"), HasSubstr("is not an image"))));
+}
+
+TEST_F(ScenarioTest, APadMustBeSeenFromWhereTheFlightBegins) {
+  EXPECT_THAT(Refusal("landing", {"start.height_m=40"}),
+              ElementsAre(AllOf(HasSubstr("start.height_m: 40, and the camera sees the pad from"),
+                                HasSubstr("valid: a height within"))));
+}
+
+TEST_F(ScenarioTest, ALandingMustSeeItsPadDownToTheHeightBelowWhichItNeedNot) {
+  EXPECT_THAT(Refusal("landing", {"pad.name=tag"}),
+              ElementsAre(AllOf(HasSubstr("flight.blind_m: 0.35"),
+                                HasSubstr("is lost to the camera below 2.1 m"), HasSubstr("nested"))));
+  EXPECT_TRUE(Refusal("landing", {"pad.name=nested"}).empty());
 }
 
 TEST_F(ScenarioTest, APadMustFitIntoItsWorld) {

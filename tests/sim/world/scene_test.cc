@@ -84,6 +84,19 @@ TEST_F(Scene, PadLiesWhereItIsPutOneCentimetreAboveTheGround) {
   EXPECT_LT((X_NT.R * Eigen::Vector3d::UnitZ() - Eigen::Vector3d::UnitZ()).norm(), 1e-12);
 }
 
+TEST_F(Scene, APadHangsOnTheWallThatItsTopFacedWithItsFaceBeforeIt) {
+  p_.pad_position_m = {3, -2};
+  p_.pad_yaw_deg = 30;
+  p_.pad_height_m = 1.5, p_.pad_tilt_deg = 90;
+  const ModelPtr model = MakeModel(p_);
+  const Pose X_NT = PadPose(model.get(), Computed(model.get()).get());
+  const Eigen::Vector3d into_wall(std::sqrt(3) / 2, 0.5, 0);
+  EXPECT_LT((X_NT.p - (Eigen::Vector3d(3, -2, -1.5) - 0.01 * into_wall)).norm(), 1e-12);
+  EXPECT_LT((X_NT.R * Eigen::Vector3d::UnitX() + Eigen::Vector3d::UnitZ()).norm(), 1e-12);  // its top is up
+  EXPECT_LT((X_NT.R * Eigen::Vector3d::UnitZ() - into_wall).norm(), 1e-12);
+  EXPECT_LT((X_NT.R * Eigen::Vector3d::UnitY() - Eigen::Vector3d(-0.5, std::sqrt(3) / 2, 0)).norm(), 1e-12);
+}
+
 TEST_F(Scene, PictureCoversThePadOnceWithItsTopAtPlusX) {
   p_.pad_position_m = {3, -2};
   p_.pad_yaw_deg = 30;

@@ -3,6 +3,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <cmath>
 #include <opencv2/core.hpp>
 #include <opencv2/core/eigen.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -34,6 +35,13 @@ inline Pose PadBelow(const Eigen::Vector3d& p_CT, double yaw_deg, double tilt_x_
                      double tilt_y_deg = 0) {
   return {ExpRotation({Radians(tilt_x_deg), Radians(tilt_y_deg), 0}) * HeadingRotation(Radians(yaw_deg)),
           p_CT};
+}
+
+// A hovering aircraft's view: it sways, turns and tilts; 15 frames a second.
+inline Pose PathPose(int frame, double height_m = 4.2) {
+  const double t = frame / 15.0;
+  return PadBelow({0.25 * std::sin(1.1 * t), 0.2 * std::sin(0.8 * t + 1), height_m + 0.2 * std::sin(0.6 * t)},
+                  40 + 15 * std::sin(0.5 * t), 4 * std::sin(1.4 * t), 3 * std::sin(1.9 * t));
 }
 
 class PadPhotographer {

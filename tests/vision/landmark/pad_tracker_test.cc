@@ -9,18 +9,12 @@
 #include <vector>
 
 #include "tests/vision/landmark/pad_photographer.h"
+#include "tests/vision/landmark/pose_difference.h"
 
 namespace kestrel::vision {
 namespace {
 
 using Eigen::Vector3d;
-
-// A hovering aircraft's view: it sways, turns and tilts; 15 frames a second.
-Pose PathPose(int frame, double height_m = 4.2) {
-  const double t = frame / 15.0;
-  return PadBelow({0.25 * std::sin(1.1 * t), 0.2 * std::sin(0.8 * t + 1), height_m + 0.2 * std::sin(0.6 * t)},
-                  40 + 15 * std::sin(0.5 * t), 4 * std::sin(1.4 * t), 3 * std::sin(1.9 * t));
-}
 
 struct Errors {
   double place_m, turn_rad;
@@ -110,8 +104,7 @@ TEST_F(PadTrackerTest, CovarianceCoversTheErrors) {
     const Pose truth = PathPose(3 * frame);
     const auto seen = tracker.Track(photographer_->At(truth, frame), truth);
     ASSERT_TRUE(seen);
-    Eigen::Matrix<double, 6, 1> off;
-    off << seen->X_CT.p - truth.p, LogRotation(seen->X_CT.R * truth.R.conjugate());
+    const Eigen::Matrix<double, 6, 1> off = Between(truth, seen->X_CT);
     nees += off.dot(seen->covariance.inverse() * off) / kFrames;
   }
   EXPECT_GT(nees, 0.25);

@@ -9,8 +9,9 @@
 #include <numbers>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core/eigen.hpp>
-#include <random>
 #include <vector>
+
+#include "tests/vision/landmark/drawn_poses.h"
 
 namespace kestrel::vision {
 namespace {
@@ -18,62 +19,13 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-using Matrix6 = Eigen::Matrix<double, 6, 6>;
-using Vector6 = Eigen::Matrix<double, 6, 1>;
-
-const Pinhole kCamera{640, 480, 810, 790, 290, 255};
-
-class Random {
- public:
-  explicit Random(unsigned seed) : rng_(seed) {}
-  double Normal() { return normal_(rng_); }
-  double Uniform(double low, double high) { return low + (high - low) * unit_(rng_); }
-  Vector2d Noise(double sigma) { return {sigma * Normal(), sigma * Normal()}; }
-  // A pad below a camera that looks down to within 50 degrees, turned any way about.
-  Pose PadPose() {
-    const double azimuth = Uniform(-std::numbers::pi, std::numbers::pi), tilt = Uniform(0, 0.87);
-    const Eigen::Quaterniond R_CT = ExpRotation(tilt * Vector3d(std::cos(azimuth), std::sin(azimuth), 0)) *
-                                    ExpRotation({0, 0, Uniform(-std::numbers::pi, std::numbers::pi)});
-    const Vector3d ray = *kCamera.Ray({Uniform(150, 490), Uniform(120, 360)});
-    return {R_CT, Uniform(2, 15) / ray.z() * ray};
-  }
-
- private:
-  std::mt19937 rng_;
-  std::normal_distribution<double> normal_;
-  std::uniform_real_distribution<double> unit_;
-};
 
 double AngleBetween(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
   return LogRotation(a.conjugate() * b).norm();
 }
 
-// Points all over a pad of 1.19 m x 0.91 m with their pixels.
-std::vector<PointPair> Grid(const Pose& X_CT, int side = 5) {
-  std::vector<PointPair> pairs;
-  for (int i = 0; i < side; ++i) {
-    for (int k = 0; k < side; ++k) {
-      const Vector2d on_pad(1.19 * (i / (side - 1.0) - 0.5), 0.91 * (k / (side - 1.0) - 0.5));
-      pairs.push_back({on_pad, kCamera.Project(X_CT * Vector3d(on_pad.x(), on_pad.y(), 0)).value()});
-    }
-  }
-  return pairs;
-}
-
-std::vector<PointPair> Noisy(std::vector<PointPair> pairs, double sigma, Random& random) {
-  for (PointPair& pair : pairs) pair.to += random.Noise(sigma);
-  return pairs;
-}
-
-// (translation, rotation vector) from a to b, both in C.
-Vector6 Between(const Pose& a, const Pose& b) {
-  Vector6 d;
-  d << b.p - a.p, LogRotation(b.R * a.R.conjugate());
-  return d;
-}
-
 TEST(HomographyFromPose, ProjectsThePlaneAsTheCameraDoes) {
-  Random random(1);
+  DrawnPoses random(1);
   for (int i = 0; i < 50; ++i) {
     const Pose X_CT = random.PadPose();
     for (const PointPair& pair : Grid(X_CT)) {
@@ -83,7 +35,7 @@ TEST(HomographyFromPose, ProjectsThePlaneAsTheCameraDoes) {
 }
 
 TEST(PoseFromHomography, RecoversThePoseFromProjectedPoints) {
-  Random random(2);
+  DrawnPoses random(2);
   for (int i = 0; i < 200; ++i) {
     const Pose X_CT = random.PadPose();
     const std::vector<PointPair> grid = Grid(X_CT, 2 + i % 4);
@@ -98,7 +50,7 @@ TEST(PoseFromHomography, RecoversThePoseFromProjectedPoints) {
 }
 
 TEST(PoseFromHomography, DoesNotDependOnScaleAndSign) {
-  Random random(3);
+  DrawnPoses random(3);
   for (int i = 0; i < 50; ++i) {
     const Pose X_CT = random.PadPose();
     for (const double scale : {1.0, -3.0, 1e6, -1e-6}) {
@@ -113,7 +65,7 @@ TEST(PoseFromHomography, DoesNotDependOnScaleAndSign) {
 // A plane behind the camera has the same homography as its reflection in the camera's centre, which is in
 // front.
 TEST(PoseFromHomography, NeverPutsThePlaneBehindTheCamera) {
-  Random random(4);
+  DrawnPoses random(4);
   for (int i = 0; i < 50; ++i) {
     Pose X_CT = random.PadPose();
     const Matrix3d H_w = HomographyFromPose(X_CT, kCamera);
@@ -127,7 +79,7 @@ TEST(PoseFromHomography, NeverPutsThePlaneBehindTheCamera) {
 }
 
 TEST(PoseFromHomography, RefusesWhatIsNoPlaneInFront) {
-  Random random(5);
+  DrawnPoses random(5);
   Pose beside = random.PadPose();
   beside.p.z() = 0;
   EXPECT_FALSE(PoseFromHomography(HomographyFromPose(beside, kCamera), kCamera));
@@ -139,7 +91,7 @@ TEST(PoseFromHomography, RefusesWhatIsNoPlaneInFront) {
 }
 
 TEST(PoseFromHomography, TakesTheNearestRotationAndTheMeanScaleOfANoisyHomography) {
-  Random random(6);
+  DrawnPoses random(6);
   for (int i = 0; i < 20; ++i) {
     const auto H_w = FitHomography(Noisy(Grid(random.PadPose()), 1.0, random));
     ASSERT_TRUE(H_w);
@@ -159,7 +111,7 @@ TEST(PoseFromHomography, TakesTheNearestRotationAndTheMeanScaleOfANoisyHomograph
 }
 
 TEST(RectangleAspect, IsThatOfTheRectangleFromAnyPose) {
-  Random random(7);
+  DrawnPoses random(7);
   for (int i = 0; i < 200; ++i) {
     const Pose X_CT = random.PadPose();
     const double length = random.Uniform(0.3, 2), width = random.Uniform(0.3, 2);
@@ -182,7 +134,7 @@ TEST(RectangleAspect, IsThatOfTheRectangleFromAnyPose) {
 }
 
 TEST(RefinePlanePose, KeepsAnExactPose) {
-  Random random(8);
+  DrawnPoses random(8);
   for (int i = 0; i < 50; ++i) {
     const Pose X_CT = random.PadPose();
     const Pose start{ExpRotation({0.05, -0.04, 0.06}) * X_CT.R, 1.05 * X_CT.p};
@@ -195,7 +147,7 @@ TEST(RefinePlanePose, KeepsAnExactPose) {
 
 // OpenCV's iterative solution minimises the same sum; IPPE is in closed form and comes close.
 TEST(RefinePlanePose, AgreesWithOpenCvOnNoisyPoints) {
-  Random random(9);
+  DrawnPoses random(9);
   cv::Mat K;
   cv::eigen2cv(kCamera.K(), K);
   for (int i = 0; i < 50; ++i) {
@@ -234,34 +186,21 @@ TEST(RefinePlanePose, AgreesWithOpenCvOnNoisyPoints) {
   }
 }
 
-// With J the derivative of the pixels by central differences, the covariance is sigma^2 (J^T J)^-1.
+// The covariance is sigma^2 (J^T J)^-1.
 TEST(RefinePlanePose, CovarianceIsThatOfTheNumericDerivative) {
-  Random random(10);
+  DrawnPoses random(10);
   for (int i = 0; i < 20; ++i) {
     const Pose X_CT = random.PadPose();
     const std::vector<PointPair> pairs = Grid(X_CT);
-    Matrix6 JtJ = Matrix6::Zero();
-    const double h = 1e-5;
-    for (const PointPair& pair : pairs) {
-      const Vector3d p_T(pair.from.x(), pair.from.y(), 0);
-      Eigen::Matrix<double, 2, 6> J;
-      for (int k = 0; k < 6; ++k) {
-        const Vector6 d = h * Vector6::Unit(k);
-        const Pose plus{ExpRotation(d.tail<3>()) * X_CT.R, X_CT.p + d.head<3>()};
-        const Pose minus{ExpRotation(-d.tail<3>()) * X_CT.R, X_CT.p - d.head<3>()};
-        J.col(k) = (*kCamera.Project(plus * p_T) - *kCamera.Project(minus * p_T)) / (2 * h);
-      }
-      JtJ += J.transpose() * J;
-    }
     const auto refined = RefinePlanePose(pairs, kCamera, X_CT, 0.3);
     ASSERT_TRUE(refined);
-    const Matrix6 product = refined->covariance * JtJ / (0.3 * 0.3);
+    const Matrix6 product = refined->covariance * NumericInformation(pairs, X_CT) / (0.3 * 0.3);
     EXPECT_LT((product - Matrix6::Identity()).norm(), 1e-3) << i;
   }
 }
 
 TEST(RefinePlanePose, CovarianceIsThatOfManyNoisyDraws) {
-  Random random(11);
+  DrawnPoses random(11);
   const Pose X_CT{ExpRotation({0.3, -0.2, 0}) * ExpRotation({0, 0, 2.2}), {0.3, -0.2, 3}};
   const std::vector<PointPair> clean = Grid(X_CT);
   const double sigma = 0.1;
@@ -292,7 +231,7 @@ TEST(RefinePlanePose, CovarianceIsThatOfManyNoisyDraws) {
 }
 
 TEST(RefinePlanePose, ReportsTheDistanceOfItsPairs) {
-  Random random(12);
+  DrawnPoses random(12);
   const Pose X_CT = random.PadPose();
   const std::vector<PointPair> pairs = Noisy(Grid(X_CT), 0.5, random);
   const auto refined = RefinePlanePose(pairs, kCamera, X_CT, 0.1);
@@ -306,7 +245,7 @@ TEST(RefinePlanePose, ReportsTheDistanceOfItsPairs) {
 }
 
 TEST(RefinePlanePose, RefusesWhatFixesNoPose) {
-  Random random(13);
+  DrawnPoses random(13);
   const Pose X_CT = random.PadPose();
   const std::vector<PointPair> pairs = Grid(X_CT);
   EXPECT_FALSE(RefinePlanePose(std::span(pairs).first(3), kCamera, X_CT, 0.1));

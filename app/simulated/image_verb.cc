@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/simulated/image_verb.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+#include <stdexcept>
+#include <utility>
+
+#include "base/file/files.h"
+#include "base/file/model_files.h"
+#include "base/user_file.h"
+#include "records/video/video_reader.h"
+#include "vision/camera/calibration_file.h"
+#include "vision/image_file.h"
+#include "vision/write_image.h"
+
+namespace kestrel::app {
+
+void AddCameraOptions(CLI::App& command, ImageArguments& a) {
+  command
+      .add_option("--camera", a.camera,
+                  "A name in models/cameras, or a calibration file of Kestrel, Kalibr or OpenCV")
+      ->type_name("CAMERA")
+      ->required();
+  command.add_option("--camera-name", a.camera_name, "Which camera of a Kalibr file (default: its first)");
+}
+
+void AddOutputOptions(CLI::App& command, const std::string& csv_rows, ImageArguments& a) {
+  command.add_option("--out", a.out, "Picture (.png, .jpg) or video (.mp4) with what was seen drawn on it")
+      ->type_name("FILE");
+  command.add_option("--csv", a.csv, csv_rows)->type_name("FILE");
+}
+
+ImageInput OpenImageFile(const ImageArguments& a, Mistakes& mistakes) {
+  ImageInput input;
+  if (!IsFile(a.input) || vision::LooksLikeImage(a.input)) {
+    input.still = true;
+    const cv::Mat image =
+        vision::ReadImage(a.input, vision::ImageColours::kColour, a.bits, mistakes, input.note);
+    if (!image.empty()) input.size = image.size();
+    input.next = [image, given = false]() mutable -> std::optional<vision::Frame> {
+      if (std::exchange(given, true)) return std::nullopt;
+      return vision::Frame{image, 0, 0};
+    };
+    return input;
+  }
+  try {
+    const auto reader = std::make_shared<records::VideoReader>(a.input);
+    input.size = reader->size();
+    input.rate_hz = reader->rate_hz();
+    input.next = [reader, number = 0, rate = input.rate_hz]() mutable -> std::optional<vision::Frame> {
+      auto image = reader->Next();
+      if (!image) return std::nullopt;
+      const int i = number++;
+      return vision::Frame{std::move(*image), i / rate, i};
+    };
+  } catch (const std::runtime_error& e) {
+    mistakes.Add(a.input, "", fmt::format("neither an image nor a video: {}", e.what()));
+  }
+  return input;
+}
+
+std::optional<vision::CameraModel> ReadCamera(const ImageArguments& a, const std::optional<cv::Size>& size,
+                                              Mistakes& mistakes) {
+  std::string name = a.camera;
+  const auto file = ModelFile(Model::kCamera, name, "", "--camera", mistakes);
+  if (!file) return std::nullopt;
+  const std::size_t before = mistakes.all().size();
+  vision::CameraModel camera = vision::LoadCamera(*file, mistakes, a.camera_name, size);
+  if (mistakes.all().size() > before) return std::nullopt;
+  return camera;
+}
+
+void CheckOutputFiles(const ImageArguments& a, bool still, const std::string& also_read, Mistakes& mistakes) {
+  if (!a.out.empty() && !(still ? HasEnding(a.out, {".png", ".jpg", ".jpeg"}) : HasEnding(a.out, {".mp4"})))
+    mistakes.Add(
+        "--out", "",
+        fmt::format("'{}' does not name {}", a.out,
+                    still ? "an image; valid: an ending .png or .jpg" : "a video; valid: an ending .mp4"));
+  for (const auto& [option, file] : {std::pair{"--out", a.out}, {"--csv", a.csv}}) {
+    CheckWritableFile(file, option, mistakes);
+    for (const std::string& taken : {a.input, a.camera, also_read})
+      if (!file.empty() && !taken.empty() && SameFile(file, taken))
+        mistakes.Add(option, "", fmt::format("'{}' is read", file), "valid: another file");
+  }
+  if (!a.out.empty() && a.out == a.csv)
+    mistakes.Add("--csv", "", fmt::format("'{}' is that of --out too", a.csv), "valid: another file");
+}
+
+DrawnFile::DrawnFile(const ImageArguments& a, const ImageInput& input) : file_(a.out) {
+  if (wanted() && !input.still) video_.emplace(file_, input.rate_hz);
+}
+
+void DrawnFile::Write(const cv::Mat& bgr) {
+  if (video_)
+    video_->Write(bgr);
+  else
+    vision::WriteImage(file_, bgr);
+}
+
+void DrawnFile::Close() {
+  if (video_) video_->Close();
+}
+
+FrameProgress::FrameProgress(bool wanted) : wanted_(wanted && isatty(STDERR_FILENO)) {}
+
+void FrameProgress::Show(int frames) {
+  if (!wanted_ || frames % 10 != 0) return;
+  fmt::print(stderr, "\r\033[Kframe {}", frames);
+  shown_ = true;
+}
+
+void FrameProgress::Clear() {
+  if (std::exchange(shown_, false)) fmt::print(stderr, "\r\033[K");
+}
+
+}  // namespace kestrel::app

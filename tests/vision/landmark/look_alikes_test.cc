@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include "tests/vision/landmark/pad_photographer.h"
+#include "vision/landmark/pad_tracker.h"
+
+// What looks like the pad and is not it.
+namespace kestrel::vision {
+namespace {
+
+// The helipad by its picture, and a pad by its tag.
+struct Kind {
+  const char* name;
+  cv::Mat picture, other;  // other: of its kind, not it
+  PadReference reference;
+
+  PadTracker NewTracker() const { return {reference, kPadCamera, {}}; }
+};
+
+// Black and white squares at random in a frame as wide as the helipad's.
+cv::Mat OtherPad() {
+  cv::Mat picture(1024, 1024, CV_8UC1, cv::Scalar(255)), squares(16, 16, CV_8UC1);
+  cv::RNG(5).fill(squares, cv::RNG::UNIFORM, 0, 256);
+  cv::resize(squares, picture(cv::Rect(64, 64, 896, 896)), {896, 896}, 0, 0, cv::INTER_NEAREST);
+  cv::rectangle(picture, cv::Rect(32, 32, 960, 960), cv::Scalar(20), 32);
+  return picture;
+}
+
+const std::vector<Kind>& Kinds() {
+  const std::vector<Tag> mine = {{"tag36h11", 3, 0.72, {0, 0}}}, other = {{"tag36h11", 4, 0.72, {0, 0}}};
+  const Eigen::Vector2d size_m(kPadLength_m, kPadWidth_m);
+  static const std::vector<Kind> kinds = [&] {
+    std::vector<Kind> all = {{"picture", PadPicture(), OtherPad(), {}},
+                             {"tag", DrawTags(mine, size_m), DrawTags(other, size_m), {}}};
+    for (Kind& kind : all) kind.reference = MakePadReference(kind.picture, kPadLength_m, kPadWidth_m);
+    all[1].reference.tags = mine;
+    return all;
+  }();
+  return kinds;
+}
+
+// One image over another, where that shows no ground.
+cv::Mat Together(const cv::Mat& below, const PadPhotographer& above, const Pose& X_CT, int seed) {
+  static const PadPhotographer ground{cv::Mat()};
+  const cv::Mat image = above.At(X_CT, seed);
+  cv::Mat off, together = below.clone();
+  cv::absdiff(image, ground.At(X_CT, seed), off);
+  image.copyTo(together, off > 0);
+  return together;
+}
+
+TEST(LookAlikes, ASecondCopyDoesNotTakeThePlaceOfThePad) {
+  for (const Kind& kind : Kinds()) {
+    const PadPhotographer photographer(kind.picture);
+    PadTracker tracker = kind.NewTracker();
+    for (int frame = 0; frame < 3; ++frame) {
+      const Pose truth = PadBelow({-0.8 + 0.02 * frame, 0, 5}, 3), copy = PadBelow({0.8, 0.1, 5}, 8);
+      cv::Mat image = photographer.At(truth, frame);
+      if (frame > 0) image = Together(image, photographer, copy, frame);
+      const auto seen = tracker.Track(image, std::nullopt);
+      ASSERT_TRUE(seen) << kind.name << frame;
+      EXPECT_LT((seen->X_CT.p - truth.p).norm(), 0.03) << kind.name << frame;
+    }
+  }
+}
+
+TEST(LookAlikes, AMirroredOneIsNotFound) {
+  for (const Kind& kind : Kinds()) {
+    for (const int flip : {0, 1}) {
+      cv::Mat picture;
+      cv::flip(kind.picture, picture, flip);
+      const PadPhotographer mirrored(picture);
+      PadTracker tracker = kind.NewTracker();
+      EXPECT_FALSE(tracker.Track(mirrored.At(PadBelow({0.1, 0, 5}, 10), 2), std::nullopt))
+          << kind.name << flip;
+    }
+  }
+}
+
+TEST(LookAlikes, AnotherPictureInTheSameFrameIsNotTaken) {
+  for (const Kind& kind : Kinds()) {
+    const PadPhotographer mine(kind.picture), other(kind.other);
+    PadTracker tracker = kind.NewTracker();
+    const Pose truth = PadBelow({-0.8, 0, 5}, 3), there = PadBelow({0.8, 0.1, 5}, 8);
+    EXPECT_FALSE(tracker.Track(other.At(there, 0), std::nullopt)) << kind.name;
+    const auto seen = tracker.Track(Together(mine.At(truth, 1), other, there, 1), std::nullopt);
+    ASSERT_TRUE(seen) << kind.name;
+    EXPECT_LT((seen->X_CT.p - truth.p).norm(), 0.03) << kind.name;
+  }
+}
+
+}  // namespace
+}  // namespace kestrel::vision

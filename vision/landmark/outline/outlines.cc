@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vision/landmark/outline/outlines.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <optional>
+
+namespace kestrel::vision {
+namespace {
+
+constexpr double kMinArea_px2 = 250;
+constexpr std::size_t kMinPoints = 40, kMaxCandidates = 40;
+constexpr double kRound =
+    0.03;  // root mean square of a contour's distance from its ellipse, as a share of its size
+
+using Contour = std::vector<cv::Point>;
+
+// The largest, by a global threshold, then by local ones against uneven light.
+std::vector<Contour> LargeContours(const cv::Mat& grey) {
+  std::vector<Contour> all;
+  cv::Mat smooth, binary;
+  cv::GaussianBlur(grey, smooth, {3, 3}, 0);
+  for (const int block : {0, 31, 101}) {
+    if (block == 0) {
+      cv::threshold(smooth, binary, 0, 255, cv::THRESH_BINARY | cv::THRESH_OTSU);
+    } else {
+      cv::adaptiveThreshold(smooth, binary, 255, cv::ADAPTIVE_THRESH_MEAN_C, cv::THRESH_BINARY, block, 0);
+    }
+    std::vector<Contour> contours;
+    cv::findContours(binary, contours, cv::RETR_LIST, cv::CHAIN_APPROX_NONE);
+    std::erase_if(contours, [](const Contour& c) {
+      return c.size() < kMinPoints || std::abs(cv::contourArea(c)) < kMinArea_px2;
+    });
+    std::sort(contours.begin(), contours.end(),
+              [](const Contour& a, const Contour& b) { return a.size() > b.size(); });
+    if (contours.size() > kMaxCandidates) contours.resize(kMaxCandidates);
+    all.insert(all.end(), contours.begin(), contours.end());
+  }
+  return all;
+}
+
+// A straight line through the contour's points between two corners, away from the corners themselves.
+Eigen::Vector3d LineBetween(const std::vector<cv::Point>& contour, int from, int to) {
+  const int n = static_cast<int>(contour.size());
+  const int count = (to - from + n) % n;
+  const int skip = count / 8 + 1;
+  std::vector<cv::Point2f> points;
+  for (int k = skip; k <= count - skip; ++k) points.push_back(contour[(from + k) % n]);
+  if (points.size() < 2) points = {contour[from], contour[to]};
+  cv::Vec4f line;
+  cv::fitLine(points, line, cv::DIST_HUBER, 0, 0.01, 0.01);
+  const Eigen::Vector3d a(line[2], line[3], 1), b(line[2] + line[0], line[3] + line[1], 1);
+  return a.cross(b);
+}
+
+// The contour as a quadrilateral with corners at the crossings of its fitted sides.
+std::optional<Quad> QuadOf(const std::vector<cv::Point>& contour) {
+  std::vector<cv::Point> corners;
+  cv::approxPolyDP(contour, corners, 0.03 * cv::arcLength(contour, true), true);
+  if (corners.size() != 4 || !cv::isContourConvex(corners)) return std::nullopt;
+  std::array<int, 4> at;
+  for (int k = 0; k < 4; ++k) {
+    at[k] = static_cast<int>(std::find(contour.begin(), contour.end(), corners[k]) - contour.begin());
+  }
+  std::array<Eigen::Vector3d, 4> side;
+  for (int k = 0; k < 4; ++k) side[k] = LineBetween(contour, at[k], at[(k + 1) % 4]);
+  Quad quad;
+  for (int k = 0; k < 4; ++k) {
+    quad[k] = side[(k + 3) % 4].cross(side[k]).hnormalized();
+    // Fitted crossings far from the polygon's corner: not a quadrilateral after all.
+    if (!((quad[k] - Eigen::Vector2d(corners[k].x, corners[k].y)).norm() < 12)) return std::nullopt;
+  }
+  const double turn =
+      (quad[1] - quad[0]).x() * (quad[2] - quad[1]).y() - (quad[1] - quad[0]).y() * (quad[2] - quad[1]).x();
+  if (turn < 0) std::swap(quad[1], quad[3]);  // clockwise in the image, like PadReference::Outline
+  return quad;
+}
+
+std::optional<Ellipse> EllipseOf(const Contour& contour) {
+  const cv::RotatedRect box = cv::fitEllipse(contour);
+  if (!(std::min(box.size.width, box.size.height) > 4)) return std::nullopt;
+  const double turn = box.angle * CV_PI / 180;
+  Eigen::Matrix2d R;
+  R << std::cos(turn), -std::sin(turn), std::sin(turn), std::cos(turn);
+  const Ellipse ellipse{{box.center.x, box.center.y},
+                        R * Eigen::Vector2d(box.size.width / 2.0, box.size.height / 2.0).asDiagonal()};
+  const Eigen::Matrix2d to_circle = ellipse.axes.inverse();
+  double squares = 0;
+  for (const cv::Point& p : contour)
+    squares += std::pow((to_circle * (Eigen::Vector2d(p.x, p.y) - ellipse.middle)).norm() - 1, 2);
+  if (!(squares < kRound * kRound * static_cast<double>(contour.size()))) return std::nullopt;
+  return ellipse;
+}
+
+}  // namespace
+
+std::vector<Quad> FindQuads(const cv::Mat& grey) {
+  std::vector<Quad> quads;
+  for (const Contour& contour : LargeContours(grey)) {
+    if (const auto quad = QuadOf(contour)) quads.push_back(*quad);
+  }
+  return quads;
+}
+
+std::vector<Ellipse> FindEllipses(const cv::Mat& grey) {
+  std::vector<Ellipse> ellipses;
+  for (const Contour& contour : LargeContours(grey)) {
+    if (const auto ellipse = EllipseOf(contour)) ellipses.push_back(*ellipse);
+  }
+  return ellipses;
+}
+
+}  // namespace kestrel::vision
