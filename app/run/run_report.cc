@@ -34,7 +34,9 @@ std::string Line(const records::Criterion& c, bool colours) {
 std::string Verdict(const records::Summary& s, bool colours) {
   const std::string run = fmt::format("{}, seed {}: ", s.scenario, s.seed);
   if (!s.complete) return fmt::format("{}{}: {}\n", run, Red("BROKE OFF", colours), Printable(s.error));
-  if (s.passed) return fmt::format("{}{} ({})\n", run, Green("PASSED", colours), s.outcome);
+  if (s.passed)
+    return fmt::format("{}{}{} ({})\n", run, Green("PASSED", colours),
+                       s.criteria.empty() ? ", no criteria to judge by" : "", s.outcome);
   if (EndedBeforeItsPurpose(s))
     return fmt::format("{}{}: the flight ended before what it is for was done ({})\n", run,
                        Red("FAILED", colours), s.outcome);
