@@ -80,13 +80,15 @@ TEST(TagTracker, OfTwoTiltsThatFitAlikeTheExpectedOneIsTaken) {
   }
 }
 
-// Too near for the whole tag: its picture is registered.
-TEST(TagTracker, APadTrackerFollowsASingleTagBelowTheHeightAtWhichItFits) {
+// Too near for the whole tag: its picture is registered, by its corners or as a whole.
+class TagsByMethod : public testing::TestWithParam<const char*> {};
+
+TEST_P(TagsByMethod, APadTrackerFollowsASingleTagBelowTheHeightAtWhichItFits) {
   const std::vector<Tag> tags = {{"tag36h11", 5, 0.72, {0, 0}}};
   const cv::Mat picture = DrawTags(tags, kSize_m);
   PadReference reference = MakePadReference(picture, kPadLength_m, kPadWidth_m);
   reference.tags = tags;
-  PadTracker tracker(reference, kPadCamera, {});
+  PadTracker tracker(reference, kPadCamera, {.method = GetParam()});
   const PadPhotographer photographer(picture);
   int whole = 0, part = 0;
   for (int frame = 0; frame < 14; ++frame) {
@@ -99,6 +101,7 @@ TEST(TagTracker, APadTrackerFollowsASingleTagBelowTheHeightAtWhichItFits) {
   EXPECT_GT(whole, 3);
   EXPECT_GT(part, 3);
 }
+INSTANTIATE_TEST_SUITE_P(TagTracker, TagsByMethod, testing::Values("klt", "icia"));
 
 }  // namespace
 }  // namespace kestrel::vision
