@@ -140,7 +140,9 @@ set(CPACK_DEBIAN_KESTREL_PACKAGE_NAME kestrel)
 set(CPACK_DEBIAN_KESTREL_PACKAGE_SHLIBDEPS ON)
 # Opened at run time, so no library says so: drawing without a screen.
 set(CPACK_DEBIAN_KESTREL_PACKAGE_DEPENDS "libosmesa6 | libegl1")
-set(CPACK_DEBIAN_KESTREL_PACKAGE_RECOMMENDS "ffmpeg, gnuplot-nox, libjs-chart.js, gstreamer1.0-plugins-base, gstreamer1.0-plugins-good")
+set(CPACK_DEBIAN_KESTREL_PACKAGE_RECOMMENDS "ffmpeg, gnuplot-nox, libjs-chart.js")
+# Of cameras that send RTP or are pipelines of GStreamer; they bring in 75 packages.
+set(CPACK_DEBIAN_KESTREL_PACKAGE_SUGGESTS "gstreamer1.0-plugins-base, gstreamer1.0-plugins-good")
 set(CPACK_DEBIAN_KESTREL-DEV_PACKAGE_NAME libkestrel-dev)
 set(CPACK_DEBIAN_KESTREL-DEV_PACKAGE_SECTION libdevel)
 string(CONCAT CPACK_DEBIAN_KESTREL-DEV_PACKAGE_DEPENDS
