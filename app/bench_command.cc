@@ -24,6 +24,7 @@
 #include "bench/horizon/bench_horizon.h"
 #include "bench/landmark/bench_features.h"
 #include "bench/landmark/bench_homographies.h"
+#include "bench/landmark/bench_landings.h"
 #include "bench/landmark/bench_plane_pose.h"
 #include "bench/planar/bench_planar.h"
 #include "bench/servo/bench_servo.h"
@@ -32,11 +33,11 @@
 namespace kestrel::app {
 
 CLI::App* AddBenchCommand(CLI::App& app, BenchArguments& a) {
-  const std::vector<std::string> names = {"flights",    "fisheye",  "attitude",    "horizon",  "gyro_failure",
-                                          "drift",      "heights",  "speed",       "render",   "calibration",
-                                          "servo",      "trackers", "contrast",    "follow",   "avoid",
-                                          "stream",     "planar",   "alignment",   "features", "homographies",
-                                          "plane_pose", "wire",     "link_faults", "campaign", "hashes"};
+  const std::vector<std::string> names = {
+      "flights",  "fisheye", "attitude",    "horizon",   "gyro_failure", "drift",        "heights",
+      "speed",    "render",  "calibration", "servo",     "trackers",     "contrast",     "follow",
+      "avoid",    "stream",  "planar",      "alignment", "features",     "homographies", "plane_pose",
+      "landings", "wire",    "link_faults", "campaign",  "hashes"};
   CLI::App* command = app.add_subcommand("bench", "Measure: a table of figures beside their targets");
   // Of campaigns by its name alone: it flies for minutes, and kills itself.
   command->add_option("name", a.name, "All but campaign, wire, link_faults and hashes when none is given")
@@ -66,6 +67,7 @@ bool BenchCommand(const BenchArguments& arguments) {
   std::vector<records::Figure> table;
   if (chosen("flights")) bench::BenchFlights(seeds, arguments.jobs, table);
   if (chosen("fisheye")) bench::BenchFisheye(seeds, arguments.jobs, table);
+  if (chosen("landings")) bench::BenchLandings(seeds, arguments.jobs, table);
   if (chosen("attitude")) bench::BenchAttitude(seeds, arguments.jobs, table);
   if (chosen("horizon")) bench::BenchHorizon(seeds.first, arguments.jobs, arguments.out, table);
   if (chosen("gyro_failure")) bench::BenchGyroFailure(seeds, arguments.jobs, table);

@@ -41,9 +41,11 @@ void CheckMissionExists(Config& config, const Place& where, Mistakes& mistakes) 
                fmt::format("there is no mission {}", Shown(*named)),
                RemedyForName(named->text, names) +
                    ", or the mission of a plug-in, whose file --plugin or KESTREL_PLUGINS names");
-  for (auto& [key, node] : config.root.members)
-    if (key == "mission")
-      node = {.kind = ConfigNode::Kind::kText, .text = names.front(), .where = node.where};
+  for (auto& [key, node] : config.root.members) {
+    if (key != "mission") continue;
+    node.kind = ConfigNode::Kind::kText;
+    node.text = names.front();
+  }
   std::erase_if(config.root.members,
                 [](const auto& member) { return member.key == "flight" || member.key == "criteria"; });
 }
