@@ -163,7 +163,7 @@ list:
   - length_s: .inf
   - 5
 criteria:
-  tilt_deg: {maks: 1}
+  tilt_deg: {maxi: 1}
 )");
   EXPECT_THAT(
       mistakes,
@@ -181,7 +181,7 @@ criteria:
                   "f.yaml:11: gusts.duty: unknown key; valid: rate_per_min, length_s",
                   "f.yaml:14: list.0.length_s: .inf is not a finite number; valid: 0.1 to 100",
                   "f.yaml:15: list.1: '5' is not valid; valid: a map of rate_per_min, length_s",
-                  "f.yaml:17: criteria.tilt_deg.maks: unknown key; did you mean 'max'?"));
+                  "f.yaml:17: criteria.tilt_deg.maxi: unknown key; did you mean 'max'?"));
   EXPECT_EQ(flight.mean_m_s, 1.5);
   EXPECT_EQ(flight.inertia, Eigen::Vector3d(0.1, 0.2, 0.3));
 }
@@ -382,7 +382,7 @@ TEST(YamlFields, TheErrorHoldsEveryMistakeOnALine) {
 TEST(YamlFields, TheNearestNameIsAGuessOnlyWhenNear) {
   const std::vector<std::string> names = {"latency_s", "rate_hz", "x"};
   EXPECT_EQ(NearestName("latncy_s", names), "latency_s");
-  EXPECT_EQ(NearestName("rate", names), std::nullopt);
+  EXPECT_EQ(NearestName("rat", names), std::nullopt);
   EXPECT_EQ(NearestName("ratehz", names), "rate_hz");
   EXPECT_EQ(NearestName("completely", names), std::nullopt);
   EXPECT_EQ(NearestName("", names), "x");
