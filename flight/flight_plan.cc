@@ -105,6 +105,7 @@ const std::vector<std::string_view>& WorldKeys() {
                                                       "targets",
                                                       "criteria",
                                                       "pad.position_m",
+                                                      "pad.print",
                                                       "pad.yaw_deg",
                                                       "pad.height_m",
                                                       "pad.tilt_deg",

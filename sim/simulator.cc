@@ -114,6 +114,7 @@ Simulator::Simulator(const SimulatorParameters& parameters)
     PlaceTarget(model_.get(), data_.get(), i,
                 targets_.emplace_back(parameters.targets[i], parameters.seed, i));
   steps_ = -std::lround(start.settle_s / dt);
+  if (carried_) Carry();
   autopilot_->SetClock(static_cast<double>(steps_) * dt);
   truth_ = Look();
   airborne_ = !start.on_ground;
