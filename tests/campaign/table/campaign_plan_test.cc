@@ -19,7 +19,6 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::AllOf;
 using ::testing::Contains;
-using ::testing::ContainsRegex;
 using ::testing::ElementsAre;
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
@@ -321,10 +320,8 @@ TEST_F(CampaignPlanTest, WhatTheScenarioRefusesForAnotherReasonThanItsRangeIsSai
   // More of the aircraft than its autopilot gives.
   const auto mistakes =
       Refusal("scenario: follow\nvary: {flight.gains.speed_limit_m_s: {uniform: [1, 9]}}\n");
-  ASSERT_EQ(mistakes.size(), 1u);
-  EXPECT_THAT(mistakes[0], HasSubstr("f.yaml:2: vary.flight.gains.speed_limit_m_s: with 9: "));
-  EXPECT_THAT(mistakes[0], ContainsRegex("follow\\.yaml:[0-9]+: flight\\.gains\\.speed_limit_m_s: 9, and "
-                                         "autopilot\\.speed_limit_m_s is 3"));
+  EXPECT_THAT(mistakes, ElementsAre("f.yaml:2: vary.flight.gains.speed_limit_m_s: 9, and "
+                                    "autopilot.speed_limit_m_s is 3; valid: no more than that"));
 }
 
 TEST_F(CampaignPlanTest, AKeyMayHaveItsMeaningFromAChoice) {
