@@ -38,6 +38,20 @@ std::string ValueOf(const FieldDescription& f) {
   return f.kind == FieldKind::kTexts ? " []" : "";  // of a number, as the model has it
 }
 
+std::string AsComment(const std::string& lines) {
+  std::string text;
+  std::istringstream all(lines);
+  for (std::string line; std::getline(all, line);) text += (line.starts_with("#") ? "" : "#") + line + '\n';
+  return text;
+}
+
+// Its keys are names that stand for any, of which no valid file can be made.
+bool HoldsNames(const FieldDescription& f) {
+  return f.kind == FieldKind::kStruct && std::any_of(f.fields.begin(), f.fields.end(), [](const auto& each) {
+           return each.kind == FieldKind::kMap;
+         });
+}
+
 std::string Lines(const std::vector<FieldDescription>& fields, int indent);
 
 std::string Lines(const FieldDescription& f, int indent) {
@@ -46,6 +60,7 @@ std::string Lines(const FieldDescription& f, int indent) {
   std::string text = WithComment(key, CommentOf(f));
   if (f.kind == FieldKind::kMap)
     return text + fmt::format("{:{}}NAME:\n", "", indent + 2) + Lines(f.fields, indent + 4);
+  if (HoldsNames(f)) return AsComment(text + Lines(f.fields, indent + 2));
   if (f.kind != FieldKind::kList) return text + Lines(f.fields, indent + 2);
   std::string item = Lines(f.fields, indent + 4);
   // The dash goes before the first key, whatever comment stands before that.
@@ -58,13 +73,6 @@ std::string Lines(const FieldDescription& f, int indent) {
 std::string Lines(const std::vector<FieldDescription>& fields, int indent) {
   std::string text;
   for (const FieldDescription& each : fields) text += Lines(each, indent);
-  return text;
-}
-
-std::string AsComment(const std::string& lines) {
-  std::string text;
-  std::istringstream all(lines);
-  for (std::string line; std::getline(all, line);) text += (line.starts_with("# ") ? "" : "#") + line + '\n';
   return text;
 }
 
