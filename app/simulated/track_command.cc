@@ -6,14 +6,13 @@
 #include <CLI/CLI.hpp>
 #include <atomic>
 #include <chrono>
-#include <filesystem>
-#include <memory>
 #include <opencv2/imgproc.hpp>
 #include <optional>
 #include <utility>
 
 #include "app/option/bits_option.h"
 #include "app/simulated/image_verb.h"
+#include "app/simulated/images_input.h"
 #include "app/simulated/tracked.h"
 #include "base/diagnostics.h"
 #include "base/file/files.h"
@@ -21,63 +20,13 @@
 #include "base/process/end_signals.h"
 #include "base/stopwatch.h"
 #include "mission/helipad_pilot.h"
-#include "records/video/video_reader.h"
-#include "vision/capture/camera_address.h"
-#include "vision/capture/live_camera.h"
 #include "vision/image_file.h"
 #include "vision/landmark/pad_file.h"
 
 namespace kestrel::app {
 namespace {
 
-namespace fs = std::filesystem;
-
 std::atomic<bool> stopped = false;
-
-// A video whose images change their size is a mistake.
-void RefuseOtherSizes(const std::string& file, const cv::Size& size, Mistakes& mistakes) {
-  try {
-    if (const auto other = records::OtherSizeIn(file, size))
-      mistakes.Add(
-          file, "",
-          fmt::format("its images change from {} x {} to {} x {} pixels, and a calibration is of one size",
-                      size.width, size.height, other->width, other->height),
-          "valid: the parts by themselves; ffmpeg -ss and -to cut them out");
-  } catch (const std::runtime_error& e) {
-    mistakes.Add(file, "", fmt::format("neither an image nor a video: {}", e.what()));
-  }
-}
-
-ImageInput LiveInput(const std::string& address, Mistakes& mistakes) {
-  ImageInput input;
-  try {
-    const vision::CameraAddress parsed = vision::ParseCameraAddress(address);
-    const cv::Size size = vision::SizeAt(parsed);
-    if (!size.empty()) input.size = size;
-    const auto camera =
-        std::make_shared<vision::LiveCamera>(vision::SourceAt(parsed), vision::LiveCameraOptions{});
-    input.next = [camera]() -> std::optional<vision::Frame> {
-      constexpr double kLook_s = 0.2;  // how long an interrupt may wait
-      while (!stopped) {
-        if (auto frame = camera->Next(kLook_s)) return frame;
-        if (camera->Health().state == vision::LiveCameraState::kEnded) break;
-      }
-      return std::nullopt;
-    };
-  } catch (const InputError& e) {
-    mistakes.Add(e);
-  }
-  return input;
-}
-
-ImageInput Open(const TrackArguments& a, Mistakes& mistakes) {
-  std::error_code none;
-  if (!fs::exists(a.input, none) && a.input.find(':') != std::string::npos)
-    return LiveInput(a.input, mistakes);
-  ImageInput input = OpenImageFile(a, mistakes);
-  if (!input.still && input.size) RefuseOtherSizes(a.input, *input.size, mistakes);
-  return input;
-}
 
 // A pad by its name or file, or any picture with a size.
 vision::PadReference ReadLandmark(const TrackArguments& a, Mistakes& mistakes) {
@@ -182,7 +131,9 @@ void Follow(const TrackArguments& a, ImageInput& input, Tracked& tracked, const 
 CLI::App* AddTrackCommand(CLI::App& app, TrackArguments& a) {
   CLI::App* command = app.add_subcommand(
       "track", "Find and follow a landmark or a ball, and measure where it is from the camera");
-  command->add_option("input", a.input, "An image, a video file or a camera's address, as of kestrel fly")
+  command
+      ->add_option("input", a.input,
+                   "An image, a video file, a folder of images or a camera's address, as of kestrel fly")
       ->type_name("INPUT")
       ->required();
   AddCameraOptions(*command, a);
@@ -227,7 +178,7 @@ CLI::App* AddTrackCommand(CLI::App& app, TrackArguments& a) {
 
 void TrackCommand(const TrackArguments& a) {
   Mistakes mistakes;
-  ImageInput input = Open(a, mistakes);
+  ImageInput input = OpenImages(a, stopped, mistakes);
   const std::optional<vision::CameraModel> loaded = ReadCamera(a, input.size, mistakes);
   const vision::CameraModel camera = loaded.value_or(vision::CameraModel());
   if (a.landmark.empty() == a.ball.empty())
