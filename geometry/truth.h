@@ -22,6 +22,7 @@ struct TargetTruth {
 struct Truth {
   double t_s = 0;
   Pose X_NB;                                         // the aircraft
+  Pose X_NC;                                         // its camera, shaken as its mount is
   Eigen::Vector3d v_N = Eigen::Vector3d::Zero();     // m/s
   Eigen::Vector3d w_B = Eigen::Vector3d::Zero();     // rad/s
   Eigen::Vector3d wind_N = Eigen::Vector3d::Zero();  // velocity of the air at the aircraft, m/s

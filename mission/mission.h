@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <filesystem>
 #include <opencv2/core.hpp>
 
 #include "control/estimate/velocity_lag.h"
@@ -32,6 +33,12 @@ class Mission {
   virtual control::VelocityLag MaxLag() const { return {}; }
   // Draws what the vision code saw in the last frame on a colour copy of it.
   virtual void Draw(cv::Mat& bgr) const = 0;
+  // The next image of the video that its type names (MissionType::product_video), CV_8UC3 of one size in all of
+  // a flight; empty: it has none for this frame.
+  virtual cv::Mat ProductImage() const { return {}; }
+  // Once, after the flight: writes the files that its type names (MissionType::products), as far as there is
+  // anything to write. Throws std::runtime_error with the file and the reason.
+  virtual void WriteProducts(const std::filesystem::path& folder) const { (void)folder; }
 };
 
 }  // namespace kestrel::mission

@@ -55,6 +55,10 @@ struct MissionType {
   // Which of the metrics of every flight mean something here: names, or beginnings of names before '*'.
   std::vector<std::string> common_metrics = {};
   std::vector<MissionPlot> plots = {};
+  // What its vision makes for people to look at, beside the plots: files in the folder of the records, and the
+  // one of them that is a video, which grows frame by frame (Mission::WriteProducts, ProductImage).
+  std::vector<std::string> products = {};
+  std::string product_video = {};
 };
 
 // What a mission is made from, in the simulator as on a real aircraft.

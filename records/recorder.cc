@@ -147,6 +147,11 @@ Recorder::Recorder(std::filesystem::path folder, RecorderOptions options)
   if (error) throw std::runtime_error(fmt::format("cannot write {}: {}", folder_.string(), error.message()));
   std::vector<std::filesystem::path> files = {"summary.json", "telemetry.csv", "video.mp4"};
   for (const std::string& name : PlotNames()) files.push_back(std::filesystem::path("plots") / name);
+  for (const mission::Flight& each : mission::Missions()) {
+    const mission::MissionType& type = each.type();
+    files.insert(files.end(), type.products.begin(), type.products.end());
+    if (!type.product_video.empty()) files.push_back(type.product_video);
+  }
   for (const std::filesystem::path& each : files) {
     for (const std::filesystem::path& file : {folder_ / each, PartOf(folder_ / each)}) {
       std::filesystem::remove(file, error);
@@ -156,7 +161,11 @@ Recorder::Recorder(std::filesystem::path folder, RecorderOptions options)
   }
   telemetry_.emplace(folder_ / "telemetry.csv");
   telemetry_->Write(TelemetryHeader(options_.telemetry) + '\n');
-  if (options_.video) video_.emplace(folder_ / "video.mp4", options_.rate_hz);
+  if (!options_.video) return;
+  video_.emplace(folder_ / "video.mp4", options_.rate_hz);
+  const mission::MissionType* mission = options_.telemetry.mission;
+  if (mission && !mission->product_video.empty())
+    product_.emplace(folder_ / mission->product_video, options_.rate_hz);
 }
 
 void Recorder::Write(const LogRow& row) {
@@ -166,6 +175,10 @@ void Recorder::Write(const LogRow& row) {
 
 void Recorder::WriteImage(const cv::Mat& bgr) {
   if (video_) video_->Write(bgr);
+}
+
+void Recorder::WriteProduct(const cv::Mat& bgr) {
+  if (product_ && !bgr.empty()) product_->Write(bgr);
 }
 
 Summary Recorder::Finish(Summary summary) {
@@ -181,6 +194,7 @@ Summary Recorder::Finish(Summary summary) {
   };
   attempt([&] { telemetry_->Close(); });
   if (video_) attempt([&] { video_->Close(); });
+  if (product_) attempt([&] { product_->Close(); });
   attempt([&] {
     if (options_.telemetry.truth)
       DrawPlots(folder_ / "plots", plotted_.rows(), options_.plots);

@@ -45,6 +45,8 @@ class Recorder {
   void Write(const LogRow& row);
   bool wants_images() const { return video_.has_value(); }
   void WriteImage(const cv::Mat& bgr);  // the next frame of the video, as drawn; nothing without video
+  // The same of the video that the mission's type names; nothing of an empty image.
+  void WriteProduct(const cv::Mat& bgr);
 
   // Ends all files, those of a run that broke off as far as they go. What fails here makes the run one that
   // broke off. Returns what summary.json then says; throws std::runtime_error only if that cannot be written.
@@ -54,7 +56,7 @@ class Recorder {
   std::filesystem::path folder_;
   RecorderOptions options_;
   std::optional<PartFile> telemetry_;
-  std::optional<Video> video_;
+  std::optional<Video> video_, product_;
   PlotRows plotted_;
 };
 

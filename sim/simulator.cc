@@ -59,10 +59,10 @@ Simulator::Simulator(const SimulatorParameters& parameters)
       sensors_(parameters.sensors, parameters.seed),
       sensor_faults_(parameters.sensors.faults, parameters.seed),
       X_BC_(vision::MountPose(parameters.mount)),
+      vibration_(parameters.mount.vibration, parameters.seed),
       renderer_(std::make_unique<FrameRenderer>(
           model_.get(), parameters.camera, parameters.render, parameters_.image, X_BC_,
-          Vibration(parameters.mount.vibration, parameters.seed), parameters.seed, parameters.surfaces,
-          parameters.draw_beside)),
+          vibration_, parameters.seed, parameters.surfaces, parameters.draw_beside)),
       hashes_(std::make_unique<Hashes>()),
       scheduled_(ChangesOf(parameters.sensors.faults, parameters.actuators.faults, parameters.vehicle)),
       faults_(parameters.image.faults, parameters.seed, parameters.duration_s) {
@@ -138,6 +138,7 @@ Truth Simulator::Look() const {
   t.X_NT = PadPose(model_.get(), data_.get());
   const int vehicle = mj_name2id(model_.get(), mjOBJ_BODY, "vehicle");
   const Pose X_NC = t.X_NB * X_BC_;
+  t.X_NC = vibration_.still() ? X_NC : X_NC * vibration_.At(t.t_s);
   for (std::size_t i = 0; i < targets_.size(); ++i) {
     const Eigen::Vector3d p_C = X_NC.Inverse() * targets_[i].p_N();
     const auto uv = vision::Project(parameters_.camera, p_C);

@@ -185,6 +185,7 @@ class Simulator final : public vision::Camera, public control::Autopilot {
   bool ended_ = false;  // by it
   PanTilt* platform_ = nullptr;
   Pose X_BC_;
+  Vibration vibration_;
   std::unique_ptr<FrameRenderer> renderer_;
   std::unique_ptr<Hashes> hashes_;
 

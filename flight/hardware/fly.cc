@@ -137,7 +137,10 @@ class Records {
     events_.Write(row);
   }
   void Line(double t_s, const char* what, const std::string& text) { events_.Line(t_s, what, text); }
-  void WriteImage(const cv::Mat& drawn) { recorder_->WriteImage(drawn); }
+  void WriteImages(const cv::Mat& drawn, const cv::Mat& product) {
+    recorder_->WriteImage(drawn);
+    recorder_->WriteProduct(product);
+  }
   void Record(const vision::Frame& frame, const control::VehicleState& state,
               const mission::Decision& decision) {
     if (recording_) recording_->Write(frame, state, decision);
@@ -265,11 +268,14 @@ FlyReport FlyAircraft(const LoadedPlan& plan, vision::LiveCamera& camera, contro
     row.hazard = control::NameOf(safety.hazard);
     row.reaction = control::NameOf(safety.reaction);
     row.decision = decision;
-    cv::Mat drawn;
-    if (o.video) drawn = records::DrawnView(frame, *mission, mode);
-    writer.Do([&records, row, drawn, frame, state] {
+    cv::Mat drawn, product;
+    if (o.video) {
+      drawn = records::DrawnView(frame, *mission, mode);
+      product = mission->ProductImage().clone();  // the mission goes on with its own
+    }
+    writer.Do([&records, row, drawn, product, frame, state] {
       records->Write(row);
-      if (!drawn.empty()) records->WriteImage(drawn);
+      if (!drawn.empty()) records->WriteImages(drawn, product);
       records->Record(frame, state, row.decision);
     });
     return true;
@@ -314,6 +320,12 @@ FlyReport FlyAircraft(const LoadedPlan& plan, vision::LiveCamera& camera, contro
   summary.stages = {{"vision", records::StageTimeOf(vision_s)},
                     {"control", records::StageTimeOf(control_s)},
                     {"image_to_setpoint", reaction}};
+  try {
+    mission->WriteProducts(*o.folder);
+  } catch (const std::exception& e) {
+    if (report.error.empty()) report.error = summary.error = e.what();
+    report.accomplished = summary.complete = summary.passed = false;
+  }
   try {
     records->Finish(summary);
   } catch (const std::exception& e) {

@@ -57,8 +57,10 @@ FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) 
             records->Write(row, simulator);
             if (truth) truth->Write(frame.sequence, simulator.picture());
             if (recording) recording->Write(frame, state, decision);
-            if (records->recorder().wants_images())
+            if (records->recorder().wants_images()) {
               records->recorder().WriteImage(records::DrawnView(frame, *mission, records::kSimulatorMode));
+              records->recorder().WriteProduct(mission->ProductImage());
+            }
           }
           vision_s.push_back(decision.vision_s);
           control_s.push_back(decision.control_s);
@@ -88,6 +90,7 @@ FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) 
   summary.stages["record"] = records::StageTimeOf(record_s);
   try {
     if (recording) recording->Close();
+    if (records) mission->WriteProducts(*options.folder);
   } catch (const std::exception& e) {
     if (summary.error.empty()) summary.error = e.what();
     summary.complete = summary.passed = false;
