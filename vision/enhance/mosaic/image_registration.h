@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <opencv2/core.hpp>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "vision/camera/camera_model.h"
+#include "vision/enhance/mosaic/motion_estimate.h"
+#include "vision/landmark/features/features.h"
+
+namespace kestrel::vision {
+
+// A grey image and what others are registered to it by, each made when it is first asked for.
+class RegisteredImage {
+ public:
+  RegisteredImage(cv::Mat grey, int max_corners) : grey_(std::move(grey)), max_corners_(max_corners) {}
+
+  const cv::Mat& grey() const { return grey_; }
+  const std::vector<cv::Point2f>& corners();  // Shi and Tomasi 1994, spread over the image
+  const std::vector<cv::Mat>& pyramid();      // for Lucas-Kanade
+  const Features& features();                 // ORB
+  void ForgetPyramid();                       // the largest of them
+
+ private:
+  cv::Mat grey_;
+  int max_corners_;
+  bool has_corners_ = false, has_features_ = false;
+  std::vector<cv::Point2f> corners_;
+  std::vector<cv::Mat> pyramid_;
+  Features features_;
+};
+
+// Places of a in b, by pyramidal Lucas-Kanade from where M_AB says that they are. Where b is turned or scaled
+// against a, it is first drawn as a would see it.
+std::vector<PixelPair> FollowedPairs(const CameraModel& camera, RegisteredImage& a, RegisteredImage& b,
+                                     const Eigen::Matrix3d& M_AB);
+
+// Places that look alike.
+std::vector<PixelPair> FeaturePairs(RegisteredImage& a, RegisteredImage& b);
+
+struct RegistrationOptions {
+  double threshold_px = 1.5;
+  int min_pairs = 15;
+  double min_share = 0.25;  // of the followed places that must agree
+};
+
+// The motion between two images that was nearly guessed: within some 30 px. None: they do not agree.
+std::optional<MotionEstimate> RegisterNear(MosaicModel model, const CameraModel& camera, RegisteredImage& a,
+                                           RegisteredImage& b, const Eigen::Matrix3d& M_AB,
+                                           const RegistrationOptions& options);
+// The same without a guess: by features, then followed from what they say.
+std::optional<MotionEstimate> RegisterFar(MosaicModel model, const CameraModel& camera, RegisteredImage& a,
+                                          RegisteredImage& b, const RegistrationOptions& options);
+
+// The share of b that a shows as well, from 0 to 1.
+double SharedWith(const CameraModel& camera, const Eigen::Matrix3d& M_AB);
+
+}  // namespace kestrel::vision
