@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Geometry>
+#include <opencv2/core.hpp>
+#include <optional>
+#include <vector>
+
+#include "vision/camera/camera_model.h"
+#include "vision/enhance/motion/image_motion.h"
+#include "vision/enhance/stabilisation/stabilised_state.h"
+#include "vision/enhance/stabilisation/stabiliser_options.h"
+
+namespace kestrel::vision {
+
+// What is known of an image beside its pixels.
+struct ImageAttitudes {
+  // R_NC while the rows were exposed, at even times from the first row to the last; one: of all rows; empty: not
+  // known. N is any frame that does not turn.
+  std::vector<Eigen::Quaterniond> R_NC_rows;
+  std::optional<Eigen::Vector3d> down_C;  // unit vector, at the middle row, as the skyline shows it
+};
+
+// How the camera went from the image before to this one: a rotation, and what remains as the motion of a plane.
+struct FollowedImage {
+  StabilisedState state = StabilisedState::kFirst;
+  bool begins = true;                         // it has nothing to do with those before it
+  std::vector<Eigen::Quaterniond> R_NC_rows;  // empty: images alone are followed, and N has the axes of C
+  Eigen::Quaterniond R_NC = Eigen::Quaterniond::Identity();  // at the middle row
+  // From the directions in N that the image before shows to those where this one shows the same; of images alone, a
+  // direction is (u, v, 1).
+  Eigen::Matrix3d G = Eigen::Matrix3d::Identity();
+  std::optional<Eigen::Vector3d> down_N;
+  int points = 0, inliers = 0;
+  double rms_px = 0;
+};
+
+class ImageFollower {
+ public:
+  // camera: none, of images alone. virtual_camera: by == both, the pinhole whose images the plane's motion is of.
+  // keyframes: an image is compared with the last keyframe, not with that before it, so that errors do not add up.
+  ImageFollower(const StabiliserOptions& options, const std::optional<CameraModel>& camera,
+                const Pinhole& virtual_camera, bool keyframes);
+
+  FollowedImage Step(const cv::Mat& grey, const ImageAttitudes& attitudes);
+  const std::vector<PointPair>& last_inliers() const { return inliers_; }
+
+ private:
+  struct Measured {  // as of FollowedImage, but from from_
+    ImageMotion motion;
+    Eigen::Matrix3d G = Eigen::Matrix3d::Identity();
+    Eigen::Quaterniond R_NC = Eigen::Quaterniond::Identity();
+  };
+  Measured Measure(MotionImage& now, const FollowedImage& followed) const;
+  void Begin(MotionImage now, const FollowedImage& followed);
+
+  StabiliserOptions options_;
+  std::optional<CameraModel> camera_;
+  Pinhole virtual_;
+  bool keyframes_, turned_;
+  // What images are compared with, and how the last image came from it.
+  mutable MotionImage from_;
+  std::vector<Eigen::Quaterniond> from_rows_, last_rows_;
+  Eigen::Quaterniond R_NC_from_ = Eigen::Quaterniond::Identity(), R_NC_last_ = Eigen::Quaterniond::Identity();
+  Eigen::Matrix3d G_last_ = Eigen::Matrix3d::Identity(), H_last_ = Eigen::Matrix3d::Identity();
+  MotionImage last_;  // of keyframes
+  std::vector<PointPair> inliers_;
+  bool any_ = false;
+};
+
+}  // namespace kestrel::vision

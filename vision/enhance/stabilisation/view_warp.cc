@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vision/enhance/stabilisation/view_warp.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <opencv2/core/eigen.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "geometry/pose.h"
+#include "vision/enhance/mosaic/pixel_map.h"
+#include "vision/landmark/homography.h"
+
+namespace kestrel::vision {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr int kStep_px = 16;  // between the pixels of a view whose source is calculated by itself
+
+// As SourceOf, with the view's inverse.
+std::optional<Vector2d> Source(const ImageView& view, const Eigen::Matrix3d& H_back, const CameraModel& camera,
+                               const Vector2d& uv) {
+  const auto ray_V = view.virtual_camera.Ray(Transfer(H_back, uv));
+  if (!ray_V) return std::nullopt;
+  const Vector3d ray_N = view.R_NV * *ray_V;
+  const int rows = HeightPx(camera);
+  // Which row saw it depends on where it was seen: a few steps, each of which shrinks the error by the share of the
+  // image that the camera turns in the time that it takes to read it.
+  constexpr int kSteps = 6;
+  std::optional<Vector2d> at;
+  double row = (rows - 1) / 2.0;
+  for (int i = 0; i < kSteps; ++i) {
+    at = Project(camera, AttitudeOfRow(view.R_NC_rows, rows, row).conjugate() * ray_N);
+    if (!at || view.R_NC_rows.size() < 2 || std::abs(at->y() - row) < 1e-3) break;
+    row = std::clamp(at->y(), -1.0 * rows, 2.0 * rows);
+  }
+  return at;
+}
+
+cv::Mat Draw(const ImageView& view, const CameraModel* camera, const cv::Mat& image, int border, cv::Mat* shown) {
+  cv::Mat drawn;
+  if (!view.turned) {
+    cv::Mat H;
+    cv::eigen2cv(view.H, H);
+    cv::warpPerspective(image, drawn, H, view.size, cv::INTER_LINEAR, border);
+    if (shown)
+      cv::warpPerspective(cv::Mat(image.size(), CV_8UC1, cv::Scalar(255)), *shown, H, view.size, cv::INTER_LINEAR,
+                          cv::BORDER_CONSTANT);
+  } else {
+    const Eigen::Matrix3d H_back = view.H.inverse();
+    const PixelMap map = MakePixelMap(cv::Rect({}, view.size), kStep_px,
+                                      [&](const Vector2d& uv) { return Source(view, H_back, *camera, uv); });
+    cv::remap(image, drawn, map.u, map.v, cv::INTER_LINEAR, border);
+    if (shown)
+      cv::remap(cv::Mat(image.size(), CV_8UC1, cv::Scalar(255)), *shown, map.u, map.v, cv::INTER_LINEAR,
+                cv::BORDER_CONSTANT);
+  }
+  if (shown) *shown = *shown == 255;
+  return drawn;
+}
+
+}  // namespace
+
+Eigen::Quaterniond AttitudeOfRow(const std::vector<Eigen::Quaterniond>& R_NC_rows, int rows, double row) {
+  if (R_NC_rows.empty()) return Eigen::Quaterniond::Identity();
+  if (R_NC_rows.size() == 1 || rows < 2) return R_NC_rows.front();
+  const auto intervals = static_cast<double>(R_NC_rows.size() - 1);
+  const double place = row / (rows - 1) * intervals;
+  // Beyond the first and last row the camera turns on as it did there.
+  const double from = std::clamp(std::floor(place), 0.0, intervals - 1);
+  const auto i = static_cast<std::size_t>(from);
+  return R_NC_rows[i] * ExpRotation((place - from) * LogRotation(R_NC_rows[i].conjugate() * R_NC_rows[i + 1]));
+}
+
+std::optional<Vector2d> SourceOf(const ImageView& view, const CameraModel* camera, const Vector2d& uv) {
+  const Eigen::Matrix3d H_back = view.H.inverse();
+  if (!view.turned) return Transfer(H_back, uv);
+  return Source(view, H_back, *camera, uv);
+}
+
+std::optional<Vector2d> ShownAt(const ImageView& view, const CameraModel* camera, const Vector2d& uv) {
+  if (!view.turned) return Transfer(view.H, uv);
+  const auto ray_C = Ray(*camera, uv);
+  if (!ray_C) return std::nullopt;
+  const auto at = view.virtual_camera.Project(
+      view.R_NV.conjugate() * (AttitudeOfRow(view.R_NC_rows, HeightPx(*camera), uv.y()) * *ray_C));
+  if (!at) return std::nullopt;
+  return Transfer(view.H, *at);
+}
+
+cv::Mat DrawView(const ImageView& view, const CameraModel* camera, const cv::Mat& image, cv::Mat* shown) {
+  return Draw(view, camera, image, cv::BORDER_CONSTANT, shown);
+}
+
+cv::Mat DrawViewBeyond(const ImageView& view, const CameraModel* camera, const cv::Mat& image) {
+  return Draw(view, camera, image, cv::BORDER_REPLICATE, nullptr);
+}
+
+}  // namespace kestrel::vision
