@@ -192,6 +192,8 @@ MosaicStep Mosaic::Add(const cv::Mat& image, double, const std::optional<Pose>& 
     current_ = found->keyframe;
     step.keyframe = current_;
     placements_.push_back({step.state, current_, M_KC});
+    // What its pose says of the keyframe.
+    if (M_WC_pose) priors_.push_back({current_, *M_WC_pose * M_KC.inverse(), PoseSigma_px()});
     constexpr double kWorthKeeping = 0.02;
     constexpr std::size_t kMostPending = 24;
     if (pending_.size() < kMostPending && HasRoom() && UncoveredShare(M_WC) > kWorthKeeping)
