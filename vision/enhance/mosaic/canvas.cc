@@ -56,11 +56,11 @@ void HalveInto(Blending blending, const cv::Mat& tile, cv::Mat quarter) {
 }
 
 template <int kChannels>
-void Develop(Blending blending, const cv::Mat& sums, cv::Mat image, cv::Mat shown) {
-  for (int y = 0; y < sums.rows; ++y) {
-    const float* from = sums.ptr<float>(y);
+void Develop(Blending blending, const cv::Mat& sums, int stride, cv::Mat image, cv::Mat shown) {
+  for (int y = 0; y < image.rows; ++y) {
+    const float* from = sums.ptr<float>(y * stride + stride / 2) + stride / 2 * (kChannels + 1);
     std::uint8_t *to = image.ptr<std::uint8_t>(y), *seen = shown.ptr<std::uint8_t>(y);
-    for (int x = 0; x < sums.cols; ++x, from += kChannels + 1, to += kChannels) {
+    for (int x = 0; x < image.cols; ++x, from += stride * (kChannels + 1), to += kChannels) {
       if (from[kChannels] <= 0) continue;
       const float by = blending == Blending::kNearest ? 1 : 1 / from[kChannels];
       for (int c = 0; c < kChannels; ++c) to[c] = cv::saturate_cast<std::uint8_t>(from[c] * by);
@@ -147,23 +147,27 @@ cv::Rect Canvas::extent() const {
   return all;
 }
 
-MosaicPicture Canvas::Picture() const {
+MosaicPicture Canvas::Picture(int stride) const {
+  assert(stride > 0 && kTile % stride == 0);
   const cv::Rect all = extent();
   MosaicPicture picture;
   if (all.empty()) return picture;
-  picture.image = cv::Mat::zeros(all.size(), CV_MAKETYPE(CV_8U, channels_));
-  picture.shown = cv::Mat::zeros(all.size(), CV_8UC1);
+  const int tile_px = kTile / stride;
+  picture.image = cv::Mat::zeros(all.size() / stride, CV_MAKETYPE(CV_8U, channels_));
+  picture.shown = cv::Mat::zeros(all.size() / stride, CV_8UC1);
   for (const auto& [place, tile] : tiles_) {
-    const cv::Rect here(place.second * kTile - all.x, place.first * kTile - all.y, kTile, kTile);
-    channels_ == 1 ? Develop<1>(blending_, tile, picture.image(here), picture.shown(here))
-                   : Develop<3>(blending_, tile, picture.image(here), picture.shown(here));
+    const cv::Rect here((place.second * kTile - all.x) / stride, (place.first * kTile - all.y) / stride,
+                        tile_px, tile_px);
+    channels_ == 1 ? Develop<1>(blending_, tile, stride, picture.image(here), picture.shown(here))
+                   : Develop<3>(blending_, tile, stride, picture.image(here), picture.shown(here));
   }
   const cv::Rect seen = cv::boundingRect(picture.shown);
   picture.image = picture.image(seen).clone();
   picture.shown = picture.shown(seen).clone();
-  picture.scale = std::ldexp(1.0, halvings_);
-  picture.origin = picture.scale * Eigen::Vector2d(all.x + seen.x + 0.5, all.y + seen.y + 0.5) -
-                   Eigen::Vector2d::Constant(0.5);
+  const Eigen::Vector2d first(all.x + seen.x * stride + stride / 2, all.y + seen.y * stride + stride / 2);
+  picture.scale = std::ldexp(stride, halvings_);
+  picture.origin =
+      std::ldexp(1.0, halvings_) * (first + Eigen::Vector2d(0.5, 0.5)) - Eigen::Vector2d(0.5, 0.5);
   return picture;
 }
 

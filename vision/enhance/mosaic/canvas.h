@@ -40,8 +40,8 @@ class Canvas {
 
   std::int64_t bytes() const;
   cv::Rect extent() const;  // of its tiles, in pixels of the canvas; empty: nothing was drawn
-  // All that was drawn, cut to what was seen.
-  MosaicPicture Picture() const;
+  // All that was drawn, cut to what was seen. stride: of every so many pixels one, a power of two below kTile_px.
+  MosaicPicture Picture(int stride = 1) const;
 
  private:
   using Place = std::pair<int, int>;  // row and column of a tile

@@ -128,6 +128,7 @@ MosaicStep Mosaic::Refuse(MosaicState state, MosaicStep step) {
 MosaicStep Mosaic::Add(const cv::Mat& image, double, const std::optional<Pose>& X_NC) {
   MosaicStep step;
   step.number = images();
+  last_pairs_.clear();
   if (image.empty() ||
       (projection_ && (image.size() != projection_->image_size() || image.type() != type_)) ||
       (!projection_ && options_.camera &&
@@ -158,6 +159,7 @@ MosaicStep Mosaic::Add(const cv::Mat& image, double, const std::optional<Pose>& 
     M_WC = M_WK_[static_cast<std::size_t>(found->keyframe)] * found->motion.M_AB;
     step.agreed = static_cast<int>(found->motion.pairs.size());
     step.rms_px = found->motion.rms_px;
+    last_pairs_ = found->motion.pairs;
     step.shared = SharedWith(camera_, found->motion.M_AB);
   } else if (M_WC_pose) {
     step.state = MosaicState::kByPose;
@@ -203,7 +205,9 @@ MosaicStep Mosaic::Add(const cv::Mat& image, double, const std::optional<Pose>& 
   return step;
 }
 
-MosaicPicture Mosaic::Picture() const { return canvas_ ? canvas_->Picture() : MosaicPicture(); }
+MosaicPicture Mosaic::Picture(int stride) const {
+  return canvas_ ? canvas_->Picture(stride) : MosaicPicture();
+}
 
 std::optional<Matrix3d> Mosaic::M_WC(int image) const {
   if (image < 0 || image >= images()) return std::nullopt;

@@ -68,7 +68,8 @@ struct MosaicStep {
 // registered to the last keyframe and not to the one before it, so that errors add up by keyframes alone; a
 // keyframe is registered to all that it overlaps, and loops are closed by bundle adjustment; the canvas grows.
 // With poses, W is laid out by N: on a plane, x of the surface is east and y south; about the vertical, the
-// middle of a cylinder or sphere is north. Without, W is the first image's camera.
+// middle of a cylinder or sphere is north. Without, W is the first image's camera, and what turns is straightened at
+// the end.
 // The same images give the same bits.
 class Mosaic {
  public:
@@ -82,8 +83,10 @@ class Mosaic {
   // All keyframes anew from all that is known, and the canvas drawn anew. The end of a mosaic.
   AdjustmentResult Adjust();
 
-  // As it stands.
-  MosaicPicture Picture() const;
+  // As it stands. stride: of every so many pixels one, for a quick look.
+  MosaicPicture Picture(int stride = 1) const;
+  // The places of the last image that agreed, and where they are in its keyframe.
+  const std::vector<PixelPair>& last_pairs() const { return last_pairs_; }
 
   int images() const { return static_cast<int>(placements_.size()); }
   int keyframes() const { return static_cast<int>(keyframes_.size()); }
@@ -161,6 +164,7 @@ class Mosaic {
   std::vector<KeptImage> pending_;  // since the last keyframe, that showed what no other did
   int current_ = 0;                 // keyframe that images are registered to
   Eigen::Matrix3d M_KC_last_ = Eigen::Matrix3d::Identity(), M_KC_before_ = Eigen::Matrix3d::Identity();
+  std::vector<PixelPair> last_pairs_;
   int lost_ = 0;  // images in a row
   int loops_ = 0, since_adjusted_ = 0;
   bool loop_is_open_ = false;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "vision/enhance/mosaic/mosaic.h"
+#include "vision/enhance/mosaic/straighten.h"
 
 namespace kestrel::vision {
 namespace {
@@ -165,6 +166,9 @@ AdjustmentResult Mosaic::Adjust() {
   AdjustmentResult result;
   constexpr int kIterations = 30;
   if (options_.loops) result = AdjustKeyframes(kIterations, nullptr);
+  if (options_.model == MosaicModel::kRotation && !has_poses_)
+    if (const auto R_VW = Straightening(M_WK_))
+      for (Matrix3d& M : M_WK_) M = *R_VW * M;
   KeepWhatAloneShows();
   Redraw();
   return result;
