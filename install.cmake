@@ -59,7 +59,7 @@ install(TARGETS kestrel_plugin EXPORT kestrel COMPONENT kestrel-dev)
 list(APPEND components plugin)
 
 set(package ${CMAKE_INSTALL_LIBDIR}/cmake/kestrel)
-foreach(library apriltag embree)
+foreach(library apriltag embree TIFF)
   if(NOT ${library}_FOUND)
     set(${library}_FOUND FALSE)
   endif()
