@@ -9,7 +9,10 @@
 #include "scenarios/hand_held/hand_held.h"
 #include "scenarios/hover/hover.h"
 #include "scenarios/landing/landing.h"
+#include "scenarios/panorama/panorama.h"
 #include "scenarios/pose/pose.h"
+#include "scenarios/stabilise/stabilise.h"
+#include "scenarios/survey/survey.h"
 
 namespace kestrel::scenarios {
 
@@ -23,6 +26,9 @@ void AddFlights() {
     mission::AddMission<FollowFlight>();
     mission::AddMission<AvoidFlight>();
     mission::AddMission<HandHeldFlight>();
+    mission::AddMission<StabiliseFlight>();
+    mission::AddMission<SurveyFlight>();
+    mission::AddMission<PanoramaFlight>();
     return true;
   }();
   (void)kAdded;

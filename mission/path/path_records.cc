@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "base/file/model_files.h"
 #include "geometry/tait_bryan.h"
 #include "mission/mean_square.h"
 #include "mission/path/path_pilot.h"
@@ -48,6 +49,16 @@ void AddPathMetrics(const std::vector<LogRow>& rows, std::map<std::string, doubl
   metrics["path_horizontal_rmse_m"] = level.Root();
   metrics["path_vertical_rmse_m"] = height.Root();
   metrics["path_yaw_rmse_deg"] = yaw.Root();
+}
+
+void CheckPathLimits(const PathParameters& path, const AircraftLimits& limits, const Place& where,
+                     Mistakes& mistakes) {
+  const NoMoreThan most{where, mistakes};
+  most("flight.path.speed_m_s", path.speed_m_s, limits.speed_m_s, "autopilot.speed_limit_m_s");
+  most("flight.path.acceleration_m_s2", path.acceleration_m_s2, limits.acceleration_m_s2,
+       "autopilot.acceleration_limit_m_s2");
+  most("flight.path.yaw_rate_deg_s", path.yaw_rate_deg_s, limits.yaw_rate_deg_s,
+       "autopilot.yaw_rate_limit_deg_s");
 }
 
 }  // namespace kestrel::mission

@@ -5,7 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "base/diagnostics.h"
 #include "mission/mission_type.h"
+#include "mission/path/waypoint_path.h"
 
 // What missions whose report is a PathReport declare.
 namespace kestrel::mission {
@@ -16,5 +18,9 @@ std::vector<TelemetryColumn> PathColumns();
 // them.
 std::vector<Metric> PathMetrics();
 void AddPathMetrics(const std::vector<LogRow>& rows, std::map<std::string, double>& metrics);
+
+// What the aircraft's autopilot does not give, of `flight.path`.
+void CheckPathLimits(const PathParameters& path, const AircraftLimits& limits, const Place& where,
+                     Mistakes& mistakes);
 
 }  // namespace kestrel::mission
