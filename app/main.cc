@@ -20,6 +20,7 @@
 #include "app/files/schema_command.h"
 #include "app/flight/replay_command.h"
 #include "app/manual/manual_command.h"
+#include "app/mosaic/mosaic_command.h"
 #include "app/option/exit_status.h"
 #include "app/option/program.h"
 #include "app/run/check_command.h"
@@ -93,6 +94,8 @@ int Main(int argc, char** argv) {
   program.Add(AddHorizonCommand(app, horizon), [&] { return HorizonCommand(horizon), kMet; });
   TrackArguments track;
   program.Add(AddTrackCommand(app, track), [&] { return TrackCommand(track), kMet; });
+  MosaicArguments mosaic;
+  program.Add(AddMosaicCommand(app, mosaic), [&] { return met(MosaicCommand(mosaic)); });
   CalibrateArguments calibrate;
   program.Add(AddCalibrateCommand(app, calibrate), [&] { return CalibrateCommand(calibrate), kMet; });
   RenderBoardArguments board;

@@ -85,6 +85,7 @@ class Mosaic {
 
   // As it stands. stride: of every so many pixels one, for a quick look.
   MosaicPicture Picture(int stride = 1) const;
+  cv::Size CanvasSize() const { return canvas_ ? canvas_->extent().size() : cv::Size(); }
   // The places of the last image that agreed, and where they are in its keyframe.
   const std::vector<PixelPair>& last_pairs() const { return last_pairs_; }
 

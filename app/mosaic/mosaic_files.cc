@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/mosaic/mosaic_files.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/LU>
+#include <filesystem>
+
+#include "vision/enhance/mosaic/geotiff.h"
+#include "vision/write_image.h"
+
+namespace kestrel::app {
+
+std::string MosaicFile(const std::string& file, int i) {
+  if (i == 0) return file;
+  const std::filesystem::path path(file);
+  return (path.parent_path() / fmt::format("{}_{}{}", path.stem().string(), i + 1, path.extension().string()))
+      .string();
+}
+
+std::string WriteMosaic(const vision::Mosaic& mosaic, int i, const vision::CompositionOptions& options,
+                        const std::string& picture_file, const std::string& geotiff_file) {
+  const vision::MosaicPicture picture = vision::Compose(mosaic, options);
+  if (picture.image.empty()) return {};
+  std::string sentence =
+      fmt::format("mosaic {}: {} x {} pixels", i + 1, picture.image.cols, picture.image.rows);
+  if (picture.scale > 1) sentence += fmt::format(", scaled down to 1:{:g}", picture.scale);
+  if (!picture_file.empty()) {
+    vision::WriteImage(MosaicFile(picture_file, i), picture.image);
+    sentence += fmt::format(", {}", MosaicFile(picture_file, i));
+  }
+  const auto ground = mosaic.GroundFromSurface();
+  if (geotiff_file.empty()) return sentence;
+  if (!ground) return sentence + "; no GeoTIFF: its first image has no pose";
+  vision::WriteGeoTiff(MosaicFile(geotiff_file, i), picture, *ground);
+  return sentence + fmt::format(", {}", MosaicFile(geotiff_file, i));
+}
+
+std::string MosaicTable(const vision::MosaicSeries& series, const std::vector<double>& times_s) {
+  std::string table =
+      "frame,t_s,mosaic,state,keyframe,is_keyframe,agreed,rms_px,shared,loops,adjusted,u_px,v_px,north_m,"
+      "east_m\n";
+  for (std::size_t i = 0; i < series.places().size(); ++i) {
+    const auto& place = series.places()[i];
+    table +=
+        fmt::format("{},{:.4f},{},{},", i, times_s[i], place.mosaic + 1, vision::NameOf(place.step.state));
+    if (!vision::IsPlaced(place.step.state)) {
+      table += ",,,,,,,,,,\n";
+      continue;
+    }
+    const vision::Mosaic& mosaic = series.mosaic(place.mosaic);
+    const cv::Size size = mosaic.projection().image_size();
+    const auto at = mosaic.PlaceOf(place.number, {(size.width - 1) / 2.0, (size.height - 1) / 2.0});
+    table += fmt::format("{},{:d},{},{:.3f},{:.3f},{},{:d},", place.step.keyframe, place.step.is_keyframe,
+                         place.step.agreed, place.step.rms_px, place.step.shared, place.step.loops,
+                         place.step.adjusted);
+    table += at ? fmt::format("{:.3f},{:.3f},", at->x(), at->y()) : ",,";
+    const auto ground = mosaic.GroundFromSurface();
+    if (at && ground) {
+      const Eigen::Vector3d N = *ground * Eigen::Vector3d(at->x(), at->y(), 1);
+      table += fmt::format("{:.4f},{:.4f}\n", N.x(), N.y());
+    } else {
+      table += ",\n";
+    }
+  }
+  return table;
+}
+
+}  // namespace kestrel::app

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "vision/enhance/mosaic/composition.h"
+#include "vision/enhance/mosaic/mosaic_series.h"
+
+namespace kestrel::app {
+
+// The name of a file of the mosaic number i of several: mosaic.png, mosaic_2.png, ...
+std::string MosaicFile(const std::string& file, int i);
+
+// Composes a mosaic and writes it as a picture, and as a GeoTIFF where that is named and the mosaic has a ground.
+// Returns a sentence about it. Throws std::runtime_error with the file and the reason.
+std::string WriteMosaic(const vision::Mosaic& mosaic, int i, const vision::CompositionOptions& options,
+                        const std::string& picture_file, const std::string& geotiff_file);
+
+// A row for each image: what became of it, and where its middle lies in the end.
+std::string MosaicTable(const vision::MosaicSeries& series, const std::vector<double>& times_s);
+
+}  // namespace kestrel::app
