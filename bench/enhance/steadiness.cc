@@ -121,9 +121,9 @@ Steadiness SteadinessOf(const ShakenClip& clip, int first, const std::vector<vis
       for (const vision::PointPair& pair : *pairs)
         rms->push_back((vision::Transfer(*S, pair.from) - pair.to).norm());
     }
-    const Eigen::JacobiSVD<Eigen::Matrix2d> svd(LinearPart(view, camera));
-    result.distortion = std::max(result.distortion, svd.singularValues()(0) / svd.singularValues()(1));
-    crops.push_back(view.size.width / (w + 1) / std::sqrt(svd.singularValues().prod()));
+    const Vector2d scales = Eigen::JacobiSVD<Eigen::Matrix2d>(LinearPart(view, camera)).singularValues();
+    result.distortion = std::max(result.distortion, scales.x() / scales.y());
+    crops.push_back(view.size.width / (w + 1) / std::sqrt(scales.x() * scales.y()));
     int outside = 0;
     constexpr int kSteps = 20;
     for (int y = 0; y <= kSteps; ++y)
