@@ -21,6 +21,7 @@
 #include "bench/bench_stream.h"
 #include "bench/bench_trackers.h"
 #include "bench/bench_wire.h"
+#include "bench/enhance/bench_mosaic.h"
 #include "bench/horizon/bench_horizon.h"
 #include "bench/landmark/bench_features.h"
 #include "bench/landmark/bench_homographies.h"
@@ -34,10 +35,10 @@ namespace kestrel::app {
 
 CLI::App* AddBenchCommand(CLI::App& app, BenchArguments& a) {
   const std::vector<std::string> names = {
-      "flights",  "fisheye", "attitude",    "horizon",   "gyro_failure", "drift",        "heights",
-      "speed",    "render",  "calibration", "servo",     "trackers",     "contrast",     "follow",
-      "avoid",    "stream",  "planar",      "alignment", "features",     "homographies", "plane_pose",
-      "landings", "wire",    "link_faults", "campaign",  "hashes"};
+      "flights",  "fisheye", "attitude",    "horizon",     "gyro_failure", "drift",        "heights",
+      "speed",    "render",  "calibration", "servo",       "trackers",     "contrast",     "follow",
+      "avoid",    "stream",  "planar",      "alignment",   "features",     "homographies", "plane_pose",
+      "landings", "mosaic",  "wire",        "link_faults", "campaign",     "hashes"};
   CLI::App* command = app.add_subcommand("bench", "Measure: a table of figures beside their targets");
   // Of campaigns by its name alone: it flies for minutes, and kills itself.
   command->add_option("name", a.name, "All but campaign, wire, link_faults and hashes when none is given")
@@ -90,6 +91,7 @@ bool BenchCommand(const BenchArguments& arguments) {
   if (chosen("planar"))
     bench::BenchPlanar(seeds, arguments.jobs, std::filesystem::path(arguments.out) / "planar",
                        bench::PlanarTrackers, table);
+  if (chosen("mosaic")) bench::BenchMosaic(seeds, std::filesystem::path(arguments.out) / "mosaic", table);
   if (chosen("stream")) bench::BenchStream(table);
   if (chosen("features")) bench::BenchFeatures(seeds.first, seeds.last, table);
   if (chosen("homographies")) bench::BenchHomographies(seeds.first, table);

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/enhance/mosaic_judgement.h"
+
+#include <Eigen/LU>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <opencv2/core/eigen.hpp>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/video/tracking.hpp>
+#include <vector>
+
+#include "base/random.h"
+#include "vision/enhance/mosaic/motion_estimate.h"
+#include "vision/landmark/homography.h"
+
+namespace kestrel::bench {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr int kPoints = 200;
+const Vector2d kMiddle(319.5, 239.5);
+
+struct Seen {
+  int image = -1;
+  Vector2d uv = Vector2d::Zero();
+};
+
+// By the image in whose middle it is, of those that are in the mosaic.
+template <class Pixel>
+Seen SeenBest(int images, const vision::Mosaic& mosaic, const Pixel& pixel) {
+  Seen best;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < images; ++i) {
+    if (!mosaic.M_WC(i)) continue;
+    const auto uv = pixel(i);
+    if (!uv || !vision::InImage({640, 480}, *uv) || (*uv - kMiddle).norm() >= nearest) continue;
+    nearest = (*uv - kMiddle).norm();
+    best = {i, *uv};
+  }
+  return best;
+}
+
+double Rms(const std::vector<double>& errors) {
+  double squares = 0;
+  for (const double e : errors) squares += e * e;
+  return errors.empty() ? std::numeric_limits<double>::infinity()
+                        : std::sqrt(squares / static_cast<double>(errors.size()));
+}
+
+}  // namespace
+
+SurveyErrors JudgeSurvey(const DrawnSurvey& survey, const vision::Mosaic& mosaic,
+                         const vision::MosaicPicture& picture, bool without_poses, std::uint64_t seed,
+                         cv::Mat* drawn) {
+  const double px_per_m = kMosaicCamera.fx / DrawnSurvey::kHeight_m;
+  RandomStream random(seed, "ground points");
+  std::vector<vision::PointPair> pairs;  // from the surface to the orthographic drawing
+  for (int tries = 0; static_cast<int>(pairs.size()) < kPoints && tries < 20 * kPoints; ++tries) {
+    const Vector2d place(random.Uniform(-1, 1) * survey.half_north_m(),
+                         random.Uniform(-1, 1) * survey.half_east_m());
+    const Seen seen = SeenBest(survey.images(), mosaic, [&](int i) {
+      return kMosaicCamera.Project(survey.X_NC(i).Inverse() * Vector3d(place.x(), place.y(), 0));
+    });
+    if (seen.image < 0) continue;
+    pairs.push_back({*mosaic.PlaceOf(seen.image, seen.uv), survey.InOrthographic(place, px_per_m)});
+  }
+  Matrix3d ortho_from_ground;
+  ortho_from_ground << 0, px_per_m, survey.half_east_m() * px_per_m, -px_per_m, 0,
+      survey.half_north_m() * px_per_m, 0, 0, 1;
+  const auto ground = mosaic.GroundFromSurface();
+  const auto fitted = vision::FitHomography(pairs);
+  SurveyErrors errors;
+  errors.placed_px = errors.picture_px = std::numeric_limits<double>::infinity();
+  if (without_poses ? !fitted : !ground) return errors;
+  const Matrix3d H = without_poses ? *fitted : Matrix3d(ortho_from_ground * *ground);
+  std::vector<double> placed;
+  for (const vision::PointPair& pair : pairs)
+    placed.push_back((vision::Transfer(H, pair.from) - pair.to).norm());
+  errors.placed_px = Rms(placed);
+
+  // The picture against the drawing: corners of the one are followed to the other.
+  const cv::Mat ortho = survey.Orthographic(px_per_m);
+  Matrix3d surface;
+  surface << picture.scale, 0, picture.origin.x(), 0, picture.scale, picture.origin.y(), 0, 0, 1;
+  cv::Mat map, as_ortho, shown;
+  cv::eigen2cv(Matrix3d(H * surface), map);
+  cv::warpPerspective(picture.image, as_ortho, map, ortho.size(), cv::INTER_LINEAR);
+  cv::warpPerspective(picture.shown, shown, map, ortho.size(), cv::INTER_NEAREST);
+  cv::erode(shown, shown, cv::Mat(), {-1, -1}, 15);
+  std::vector<cv::Point2f> corners, found;
+  cv::goodFeaturesToTrack(ortho, corners, kPoints, 0.01, 80, shown);
+  std::vector<std::uint8_t> status;
+  std::vector<float> error;
+  cv::calcOpticalFlowPyrLK(ortho, as_ortho, corners, found, status, error, {21, 21}, 3);
+  std::vector<double> in_picture;
+  for (std::size_t i = 0; i < corners.size(); ++i)
+    if (status[i]) in_picture.push_back(cv::norm(found[i] - corners[i]));
+  errors.picture_px = Rms(in_picture);
+  errors.points = static_cast<int>(in_picture.size());
+  if (drawn) *drawn = as_ortho;
+  return errors;
+}
+
+TurnErrors JudgeTurn(const DrawnTurn& turn, const vision::Mosaic& mosaic, std::uint64_t seed) {
+  using std::numbers::pi;
+  TurnErrors errors;
+  errors.closure_deg = errors.direction_deg = 180;
+  RandomStream random(seed, "directions");
+  std::vector<Vector3d> is, found;
+  const auto pixel_in = [&](int i, const Vector3d& w) {
+    return kMosaicCamera.Project(turn.R_WC(i).transpose() * w);
+  };
+  for (int tries = 0; static_cast<int>(is.size()) < kPoints && tries < 20 * kPoints; ++tries) {
+    const double azimuth = random.Uniform(-pi, pi), elevation = random.Uniform(-0.4, 0.1);
+    const Vector3d w(std::sin(azimuth) * std::cos(elevation), -std::sin(elevation),
+                     std::cos(azimuth) * std::cos(elevation));
+    const Seen seen = SeenBest(turn.images(), mosaic, [&](int i) { return pixel_in(i, w); });
+    if (seen.image < 0) continue;
+    is.push_back(w);
+    found.push_back(*mosaic.M_WC(seen.image) * *kMosaicCamera.Ray(seen.uv));
+  }
+  const int last = turn.images() - 1;
+  if (is.size() < 10 || !mosaic.M_WC(0) || !mosaic.M_WC(last)) return errors;
+  const Matrix3d off = vision::RotationBetween(is, found);
+  std::vector<double> angles;
+  const auto angle = [](const Vector3d& a, const Vector3d& b) {
+    return std::atan2(a.cross(b).norm(), a.dot(b));
+  };
+  for (std::size_t i = 0; i < is.size(); ++i) angles.push_back(angle(is[i], off * found[i]) * 180 / pi);
+  errors.direction_deg = Rms(angles);
+  // What is in the middle between both.
+  const Vector3d w = (turn.R_WC(0).col(2) + turn.R_WC(last).col(2)).normalized();
+  errors.closure_deg = angle(*mosaic.M_WC(0) * *kMosaicCamera.Ray(*pixel_in(0, w)),
+                             *mosaic.M_WC(last) * *kMosaicCamera.Ray(*pixel_in(last, w))) *
+                       180 / pi;
+  return errors;
+}
+
+}  // namespace kestrel::bench
