@@ -20,15 +20,16 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using std::numbers::pi;
 
-constexpr int kFine = 2;
-constexpr double kNoise_grey = 2;
+constexpr int kFinePixel = 2;
+constexpr double kNoiseOfImage_grey = 2;
 constexpr double kGround_m = 0.04;       // a pixel of the ground's picture
 const cv::Size kGroundSize(3000, 4500);  // east, north
 const cv::Size kAroundSize(5120, 1280);
 
 Matrix3d FinePixels() {  // to those of the image
   Matrix3d fine;
-  fine << 1.0 / kFine, 0, (1.0 - kFine) / (2 * kFine), 0, 1.0 / kFine, (1.0 - kFine) / (2 * kFine), 0, 0, 1;
+  fine << 1.0 / kFinePixel, 0, (1.0 - kFinePixel) / (2 * kFinePixel), 0, 1.0 / kFinePixel,
+      (1.0 - kFinePixel) / (2 * kFinePixel), 0, 0, 1;
   return fine;
 }
 
@@ -44,7 +45,7 @@ cv::Mat Developed(const cv::Mat& fine, std::uint64_t seed, int i) {
   seen.convertTo(seen, CV_32F);
   noise.create(seen.size(), CV_32F);
   cv::RNG rng(RandomStream::Mix(seed ^ RandomStream::Mix(static_cast<std::uint64_t>(i) + 1)) | 1);
-  rng.fill(noise, cv::RNG::NORMAL, 0, kNoise_grey);
+  rng.fill(noise, cv::RNG::NORMAL, 0, kNoiseOfImage_grey);
   seen += noise;
   seen.convertTo(seen, CV_8U);
   return seen;
@@ -96,7 +97,8 @@ cv::Mat DrawnSurvey::Draw(int i) const {
   const Matrix3d H = picture * ground * kMosaicCamera.K().inverse() * FinePixels();
   cv::Mat map, fine;
   cv::eigen2cv(H, map);
-  cv::warpPerspective(ground_, fine, map, {kFine * kMosaicCamera.width_px, kFine * kMosaicCamera.height_px},
+  cv::warpPerspective(ground_, fine, map,
+                      {kFinePixel * kMosaicCamera.width_px, kFinePixel * kMosaicCamera.height_px},
                       cv::INTER_LINEAR | cv::WARP_INVERSE_MAP, cv::BORDER_REFLECT);
   return Developed(fine, seed_, i);
 }
@@ -115,7 +117,7 @@ cv::Mat DrawnSurvey::Orthographic(double px_per_m) const {
       (kGroundSize.height - 1) / 2.0, 0, 0, 1;
   cv::Mat map, fine, drawn;
   cv::eigen2cv(Matrix3d(picture * place * FinePixels()), map);
-  cv::warpPerspective(ground_, fine, map, size * kFine, cv::INTER_LINEAR | cv::WARP_INVERSE_MAP,
+  cv::warpPerspective(ground_, fine, map, size * kFinePixel, cv::INTER_LINEAR | cv::WARP_INVERSE_MAP,
                       cv::BORDER_REFLECT);
   cv::resize(fine, drawn, size, 0, 0, cv::INTER_AREA);
   return drawn;
@@ -148,7 +150,7 @@ Matrix3d DrawnTurn::R_WC(int i) const {
 }
 
 cv::Mat DrawnTurn::Draw(int i) const {
-  const cv::Size size(kFine * kMosaicCamera.width_px, kFine * kMosaicCamera.height_px);
+  const cv::Size size(kFinePixel * kMosaicCamera.width_px, kFinePixel * kMosaicCamera.height_px);
   cv::Mat u(size, CV_32F), v(size, CV_32F), fine;
   const Matrix3d M = R_WC(i) * kMosaicCamera.K().inverse() * FinePixels();
   const double of_turn = kAroundSize.width / (2 * pi);

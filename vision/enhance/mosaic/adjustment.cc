@@ -182,11 +182,11 @@ AdjustmentResult Adjust(const CameraModel& camera, const std::vector<AdjustmentE
   double damping = 1e-6, cost = problem.Cost(M_WC, nullptr, &result.rms_px);
   constexpr double kMostDamping = 1e6, kGain = 1e-5;
   while (result.iterations < options.most_iterations && !result.converged) {
-    ++result.iterations;
     Sums<N> sums(M_WC.size());
     problem.Cost(M_WC, &sums, nullptr);
     bool better = false;
-    while (!better && damping < kMostDamping) {
+    while (!better && damping < kMostDamping && result.iterations < options.most_iterations) {
+      ++result.iterations;
       const Eigen::VectorXd updates = Solve<N>(sums, damping, priors.empty());
       std::vector<Matrix3d> tried = M_WC;
       for (std::size_t k = 0; updates.size() > 0 && k < tried.size(); ++k)
@@ -204,7 +204,7 @@ AdjustmentResult Adjust(const CameraModel& camera, const std::vector<AdjustmentE
         damping *= 10;
       }
     }
-    if (!better) result.converged = true;  // no way leads down
+    if (!better && damping >= kMostDamping) result.converged = true;  // no way leads down
   }
   return result;
 }

@@ -23,8 +23,8 @@ struct AdjustmentPrior {
 };
 
 struct AdjustmentOptions {
-  int most_iterations = 20;
-  double outlier_px = 1;  // a distance at which a pair counts half (Cauchy)
+  int most_iterations = 20;  // solutions of the equations, those that are refused too
+  double outlier_px = 1;     // a distance at which a pair counts half (Cauchy)
 };
 
 struct AdjustmentResult {

@@ -180,9 +180,12 @@ MosaicStep Mosaic::Add(const cv::Mat& image, double, const std::optional<Pose>& 
     return Refuse(MosaicState::kOblique, step);
   }
   lost_ = 0;
-  constexpr double kLeastAgreed = 0.4;  // of the places that could be followed: then they run out
-  const bool is_new = !found || step.shared < options_.keyframe_overlap ||
-                      step.agreed < kLeastAgreed * options_.max_points * std::min(1.0, step.shared + 0.2);
+  constexpr double kLeastAgreed = 0.4;  // of the keyframe's places that it shares: then they run out
+  const bool is_new =
+      !found || step.shared < options_.keyframe_overlap ||
+      step.agreed <
+          kLeastAgreed * step.shared *
+              static_cast<double>(keyframes_[static_cast<std::size_t>(found->keyframe)].corners().size());
   if (is_new) {
     if (!HasRoom()) return Refuse(MosaicState::kFull, step);
     MakeKeyframe(image, std::move(registered), M_WC, M_WC_pose, found ? &*found : nullptr, step);
