@@ -164,8 +164,7 @@ TEST_P(AdjustmentTest, PriorsPlaceTheWhole) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Models, AdjustmentTest,
-                         ::testing::Values(MosaicModel::kPlane, MosaicModel::kRotation),
-                         [](const auto& its) {
+                         ::testing::Values(MosaicModel::kPlane, MosaicModel::kRotation), [](const auto& its) {
                            return its.param == MosaicModel::kPlane ? "Plane" : "Rotation";
                          });
 
