@@ -59,7 +59,7 @@ Result Run(const ShakenClip& clip, const std::vector<cv::Mat>& images, const Sta
   };
   for (int i = 0; i < static_cast<int>(images.size()); ++i)
     take(stabiliser.Step(images[static_cast<std::size_t>(i)], clip.t_s(i),
-                         {gyro.Rows(clip.t_s(i), clip.options().readout_s), {}}));
+                         {gyro.Rows(clip.t_s(i), clip.options().readout_s), {}, clip.options().readout_s}));
   while (take(stabiliser.Finish())) {
   }
   result.ms = 1e3 * SecondsSince(start) / static_cast<double>(images.size());

@@ -56,13 +56,15 @@ ImageFollower::ImageFollower(const StabiliserOptions& options, const std::option
       keyframes_(keyframes && options.by != "sphere"),
       turned_(options.by != "vision") {}
 
-void ImageFollower::Begin(MotionImage now, const FollowedImage& followed) {
+void ImageFollower::Begin(MotionImage now, double t_s, const FollowedImage& followed) {
+  from_t_s_ = t_s;
   from_ = std::move(now);
   from_rows_ = followed.R_NC_rows, R_NC_from_ = followed.R_NC;
   G_last_ = H_last_ = Matrix3d::Identity();
 }
 
-ImageFollower::Measured ImageFollower::Measure(MotionImage& now, const FollowedImage& followed) const {
+ImageFollower::Measured ImageFollower::Measure(MotionImage& now, double t_s, const FollowedImage& followed,
+                                               double readout_s) const {
   Measured measured;
   ImageMotionOptions options = options_.motion;
   std::optional<Matrix3d> H_expected;
@@ -111,7 +113,20 @@ ImageFollower::Measured ImageFollower::Measure(MotionImage& now, const FollowedI
     sifted = std::move(seen_from);
     const RobustMotionOptions robust{.threshold_px = options_.motion.threshold_px,
                                      .min_inliers = options_.motion.min_inliers};
-    const auto fit = FitRobustMotion(seen, *MotionModelNamed(options_.motion.model), robust);
+    const MotionModel model = *MotionModelNamed(options_.motion.model);
+    auto fit = FitRobustMotion(seen, model, robust);
+    if (fit && readout_s != 0 && t_s > from_t_s_) {
+      // Rows are of other times than the middle one's, and what moves goes on meanwhile.
+      const Matrix3d drift_per_s = (fit->H - Matrix3d::Identity()) / (t_s - from_t_s_);
+      const int rows = HeightPx(*camera_);
+      const auto to_middle = [&](const Eigen::Vector2d& p, double row) {
+        return Transfer(
+            (Matrix3d::Identity() + readout_s * (row / (rows - 1) - 0.5) * drift_per_s).inverse(), p);
+      };
+      for (std::size_t i = 0; i < seen.size(); ++i)
+        seen[i] = {to_middle(seen[i].from, sifted[i].from.y()), to_middle(seen[i].to, sifted[i].to.y())};
+      fit = FitRobustMotion(seen, model, robust);
+    }
     if (fit) {
       const Matrix3d N_from_V = R_NC_from_.toRotationMatrix() * virtual_.K().inverse();
       measured.G = N_from_V * fit->H * N_from_V.inverse();
@@ -124,7 +139,7 @@ ImageFollower::Measured ImageFollower::Measure(MotionImage& now, const FollowedI
   return measured;
 }
 
-FollowedImage ImageFollower::Step(const cv::Mat& grey, const ImageAttitudes& attitudes) {
+FollowedImage ImageFollower::Step(const cv::Mat& grey, double t_s, const ImageAttitudes& attitudes) {
   FollowedImage followed;
   const bool has_attitudes = !attitudes.R_NC_rows.empty(), wants = options_.by == "gyro" || options_.by == "both";
   if (wants && has_attitudes)
@@ -138,16 +153,16 @@ FollowedImage ImageFollower::Step(const cv::Mat& grey, const ImageAttitudes& att
   if (first || resized) {
     followed.state = resized ? StabilisedState::kResized : StabilisedState::kFirst;
     if (wants && !has_attitudes) followed.state = StabilisedState::kNoAttitude;
-    Begin(now, followed);
+    Begin(now, t_s, followed);
   } else if (options_.by == "gyro") {
     followed.begins = false;
     followed.state = has_attitudes ? StabilisedState::kGyro : StabilisedState::kNoAttitude;
   } else {
-    Measured measured = Measure(now, followed);
+    Measured measured = Measure(now, t_s, followed, attitudes.readout_s);
     if (!measured.motion.Known() && keyframes_ && from_.grey().data != last_.grey().data) {
-      from_ = last_, from_rows_ = last_rows_, R_NC_from_ = R_NC_last_;
+      from_ = last_, from_rows_ = last_rows_, R_NC_from_ = R_NC_last_, from_t_s_ = last_t_s_;
       G_last_ = H_last_ = Matrix3d::Identity();
-      measured = Measure(now, followed);
+      measured = Measure(now, t_s, followed, attitudes.readout_s);
     }
     const ImageMotion& motion = measured.motion;
     inliers_ = motion.inliers;
@@ -163,18 +178,18 @@ FollowedImage ImageFollower::Step(const cv::Mat& grey, const ImageAttitudes& att
       G_last_ = measured.G, H_last_ = motion.H;
       const bool renew = !keyframes_ || followed.inliers < kKeyframeInliers * static_cast<double>(from_.Corners(
                                                                options_.motion.max_points).size());
-      if (renew) Begin(now, followed);
+      if (renew) Begin(now, t_s, followed);
     } else if (motion.state == MotionState::kTextureless) {
       followed.state = wants ? StabilisedState::kGyroAlone : StabilisedState::kTextureless;
     } else {
       followed.state = wants ? StabilisedState::kGyroAlone : StabilisedState::kCut;
       followed.begins = !wants;
-      Begin(now, followed);
+      Begin(now, t_s, followed);
     }
     if (wants && !has_attitudes) followed.state = StabilisedState::kNoAttitude;
   }
   R_NC_last_ = followed.R_NC;
-  last_ = now, last_rows_ = followed.R_NC_rows;
+  last_ = now, last_t_s_ = t_s, last_rows_ = followed.R_NC_rows;
   if (attitudes.down_C && turned_) followed.down_N = followed.R_NC * *attitudes.down_C;
   if (!turned_) followed.R_NC_rows.clear();
   return followed;

@@ -19,6 +19,7 @@ struct ImageAttitudes {
   // known. N is any frame that does not turn.
   std::vector<Eigen::Quaterniond> R_NC_rows;
   std::optional<Eigen::Vector3d> down_C;  // unit vector, at the middle row, as the skyline shows it
+  double readout_s = 0;                   // from the first row to the last; negative: the last row is first
 };
 
 // How the camera went from the image before to this one: a rotation, and what remains as the motion of a plane.
@@ -42,7 +43,7 @@ class ImageFollower {
   ImageFollower(const StabiliserOptions& options, const std::optional<CameraModel>& camera,
                 const Pinhole& virtual_camera, bool keyframes);
 
-  FollowedImage Step(const cv::Mat& grey, const ImageAttitudes& attitudes);
+  FollowedImage Step(const cv::Mat& grey, double t_s, const ImageAttitudes& attitudes);
   const std::vector<PointPair>& last_inliers() const { return inliers_; }
 
  private:
@@ -51,8 +52,8 @@ class ImageFollower {
     Eigen::Matrix3d G = Eigen::Matrix3d::Identity();
     Eigen::Quaterniond R_NC = Eigen::Quaterniond::Identity();
   };
-  Measured Measure(MotionImage& now, const FollowedImage& followed) const;
-  void Begin(MotionImage now, const FollowedImage& followed);
+  Measured Measure(MotionImage& now, double t_s, const FollowedImage& followed, double readout_s) const;
+  void Begin(MotionImage now, double t_s, const FollowedImage& followed);
 
   StabiliserOptions options_;
   std::optional<CameraModel> camera_;
@@ -63,7 +64,8 @@ class ImageFollower {
   std::vector<Eigen::Quaterniond> from_rows_, last_rows_;
   Eigen::Quaterniond R_NC_from_ = Eigen::Quaterniond::Identity(), R_NC_last_ = Eigen::Quaterniond::Identity();
   Eigen::Matrix3d G_last_ = Eigen::Matrix3d::Identity(), H_last_ = Eigen::Matrix3d::Identity();
-  MotionImage last_;  // of keyframes
+  MotionImage last_;
+  double from_t_s_ = 0, last_t_s_ = 0;
   std::vector<PointPair> inliers_;
   bool any_ = false;
 };

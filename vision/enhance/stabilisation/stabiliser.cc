@@ -64,7 +64,7 @@ Stabiliser::Stabiliser(const StabiliserOptions& options, const std::optional<Cam
   lag_ = reference_                   ? 0
          : options.mode == "offline" ? before_ + 2 * around_
                                       : static_cast<int>(std::lround(options.lag_s * rate_hz));
-  around_ = std::min(around_, lag_ / 4);
+  around_ = std::min(around_, lag_ / 15);
   after_ = lag_ - 2 * around_;
 }
 
@@ -92,9 +92,10 @@ std::optional<StabilisedImage> Stabiliser::Step(const cv::Mat& image, double t_s
     throw std::invalid_argument("an image of another size than the camera's");
   Image& now = images_.emplace_back();
   now.pixels = image.clone(), now.t_s = t_s, now.number = taken_++;
+  now.readout_s = attitudes.readout_s;
   cv::Mat grey = now.pixels;
   if (image.channels() == 3) cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
-  now.followed = follower_.Step(grey, attitudes);
+  now.followed = follower_.Step(grey, t_s, attitudes);
   if (reference_) {
     AnchorIfLost(now);
     planned_ = now.number + 1;
@@ -178,6 +179,14 @@ void Stabiliser::MakePlan(Image& image, std::int64_t newest) {
     plan.corners[c].to.setZero();
     for (int k = -seen_before; k <= seen_after; ++k) plan.corners[c].to += weights(seen_before + k) * places[k][c];
   }
+  // How what is seen goes on while the rows are exposed, by the images before and after.
+  if (image.readout_s != 0) {
+    Matrix3d later = Matrix3d::Identity(), earlier = Matrix3d::Identity();
+    double between_s = 0;
+    if (seen_after > 0) later = at(1).G, between_s += At(image.number + 1).t_s - image.t_s;
+    if (seen_before > 0) earlier = here.G.inverse(), between_s += image.t_s - At(image.number - 1).t_s;
+    if (between_s > 0) plan.drift_per_s = (later / later(2, 2) - earlier / earlier(2, 2)) / between_s;
+  }
   if (!options_.bound) return;
   constexpr int kSteps = 4, kHalvings = 8;
   if (ShareInside(ViewOf(image, 1), image.pixels.size(), kSteps) == 1) return;
@@ -220,6 +229,8 @@ ImageView Stabiliser::ViewOf(const Image& image, double strength) const {
     std::vector<PointPair> corners = image.plan->corners;
     for (PointPair& corner : corners) corner.to = corner.from + strength * (corner.to - corner.from);
     view.H = Z * FitHomography(corners).value_or(Matrix3d::Identity());
+    const Matrix3d M = FromDirections(view.R_NV);
+    view.readout_s = image.readout_s, view.drift_per_s = M * image.plan->drift_per_s * M.inverse();
   }
   view.H /= view.H(2, 2);
   return view;
@@ -231,7 +242,7 @@ double Stabiliser::ShareInside(const ImageView& view, const cv::Size& size, int 
   int inside = 0;
   for (int y = 0; y <= steps; ++y) {
     for (int x = 0; x <= steps; ++x) {
-      const auto at = SourceOf(view, camera_ ? &*camera_ : nullptr,
+      const auto at = SourceOf(view, camera_ ? &*camera_ : nullptr, size.height,
                                {x * (view.size.width - 1.0) / steps, y * (view.size.height - 1.0) / steps});
       inside += at && at->x() > -kRim_px && at->y() > -kRim_px && at->x() < size.width - 1 + kRim_px &&
                 at->y() < size.height - 1 + kRim_px;

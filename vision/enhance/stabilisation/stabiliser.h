@@ -50,11 +50,12 @@ class Stabiliser {
   struct Plan {
     Eigen::Vector3d turn = Eigen::Vector3d::Zero();  // from R_NC to the smooth attitude, in C
     std::vector<PointPair> corners;                  // of what is shown, and where the smooth path has them
+    Eigen::Matrix3d drift_per_s = Eigen::Matrix3d::Zero();  // of the directions in N, beside the rotation
     double most = 1;  // the greatest strength with which the view stays within the image
   };
   struct Image {
     cv::Mat pixels;  // until it is shown
-    double t_s = 0;
+    double t_s = 0, readout_s = 0;
     std::int64_t number = 0;
     FollowedImage followed;
     std::optional<Plan> plan;

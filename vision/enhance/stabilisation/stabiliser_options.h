@@ -11,7 +11,7 @@ namespace kestrel::vision {
 struct StabiliserOptions {
   std::string mode = "smooth";
   std::string by = "vision";
-  double lag_s = 1.5, cutoff_hz = 0.25;
+  double lag_s = 2, cutoff_hz = 0.2;
   double crop = 0.85;
   bool scale = true, bound = true, level = false;
   std::string border = "black";

@@ -19,21 +19,38 @@ using Eigen::Vector3d;
 
 constexpr int kStep_px = 16;  // between the pixels of a view whose source is calculated by itself
 
+bool RowsDiffer(const ImageView& view) {
+  return view.R_NC_rows.size() > 1 || (view.readout_s != 0 && !view.drift_per_s.isZero(0));
+}
+
+// From the middle row to this one.
+double Later_s(const ImageView& view, int rows, double row) {
+  return rows > 1 ? view.readout_s * (row / (rows - 1) - 0.5) : 0;
+}
+
+Eigen::Matrix3d Drift(const ImageView& view, int rows, double row) {
+  return Eigen::Matrix3d::Identity() + Later_s(view, rows, row) * view.drift_per_s;
+}
+
 // As SourceOf, with the view's inverse.
-std::optional<Vector2d> Source(const ImageView& view, const Eigen::Matrix3d& H_back, const CameraModel& camera,
-                               const Vector2d& uv) {
-  const auto ray_V = view.virtual_camera.Ray(Transfer(H_back, uv));
-  if (!ray_V) return std::nullopt;
-  const Vector3d ray_N = view.R_NV * *ray_V;
-  const int rows = HeightPx(camera);
+std::optional<Vector2d> Source(const ImageView& view, const Eigen::Matrix3d& H_back, const CameraModel* camera,
+                               int rows, const Vector2d& uv) {
+  const Vector2d seen = Transfer(H_back, uv);
+  const auto seen_by = [&](double row) -> std::optional<Vector2d> {
+    const Vector2d then = Transfer(Drift(view, rows, row), seen);
+    if (!view.turned) return then;
+    const auto ray_V = view.virtual_camera.Ray(then);
+    if (!ray_V) return std::nullopt;
+    return Project(*camera, AttitudeOfRow(view.R_NC_rows, rows, row).conjugate() * (view.R_NV * *ray_V));
+  };
   // Which row saw it depends on where it was seen: a few steps, each of which shrinks the error by the share of the
   // image that the camera turns in the time that it takes to read it.
   constexpr int kSteps = 6;
   std::optional<Vector2d> at;
   double row = (rows - 1) / 2.0;
   for (int i = 0; i < kSteps; ++i) {
-    at = Project(camera, AttitudeOfRow(view.R_NC_rows, rows, row).conjugate() * ray_N);
-    if (!at || view.R_NC_rows.size() < 2 || std::abs(at->y() - row) < 1e-3) break;
+    at = seen_by(row);
+    if (!at || !RowsDiffer(view) || std::abs(at->y() - row) < 1e-3) break;
     row = std::clamp(at->y(), -1.0 * rows, 2.0 * rows);
   }
   return at;
@@ -41,7 +58,7 @@ std::optional<Vector2d> Source(const ImageView& view, const Eigen::Matrix3d& H_b
 
 cv::Mat Draw(const ImageView& view, const CameraModel* camera, const cv::Mat& image, int border, cv::Mat* shown) {
   cv::Mat drawn;
-  if (!view.turned) {
+  if (!view.turned && !RowsDiffer(view)) {
     cv::Mat H;
     cv::eigen2cv(view.H, H);
     cv::warpPerspective(image, drawn, H, view.size, cv::INTER_LINEAR, border);
@@ -51,7 +68,7 @@ cv::Mat Draw(const ImageView& view, const CameraModel* camera, const cv::Mat& im
   } else {
     const Eigen::Matrix3d H_back = view.H.inverse();
     const PixelMap map = MakePixelMap(cv::Rect({}, view.size), kStep_px,
-                                      [&](const Vector2d& uv) { return Source(view, H_back, *camera, uv); });
+                                      [&](const Vector2d& uv) { return Source(view, H_back, camera, image.rows, uv); });
     cv::remap(image, drawn, map.u, map.v, cv::INTER_LINEAR, border);
     if (shown)
       cv::remap(cv::Mat(image.size(), CV_8UC1, cv::Scalar(255)), *shown, map.u, map.v, cv::INTER_LINEAR,
@@ -74,20 +91,20 @@ Eigen::Quaterniond AttitudeOfRow(const std::vector<Eigen::Quaterniond>& R_NC_row
   return R_NC_rows[i] * ExpRotation((place - from) * LogRotation(R_NC_rows[i].conjugate() * R_NC_rows[i + 1]));
 }
 
-std::optional<Vector2d> SourceOf(const ImageView& view, const CameraModel* camera, const Vector2d& uv) {
-  const Eigen::Matrix3d H_back = view.H.inverse();
-  if (!view.turned) return Transfer(H_back, uv);
-  return Source(view, H_back, *camera, uv);
+std::optional<Vector2d> SourceOf(const ImageView& view, const CameraModel* camera, int rows, const Vector2d& uv) {
+  return Source(view, view.H.inverse(), camera, rows, uv);
 }
 
-std::optional<Vector2d> ShownAt(const ImageView& view, const CameraModel* camera, const Vector2d& uv) {
-  if (!view.turned) return Transfer(view.H, uv);
-  const auto ray_C = Ray(*camera, uv);
-  if (!ray_C) return std::nullopt;
-  const auto at = view.virtual_camera.Project(
-      view.R_NV.conjugate() * (AttitudeOfRow(view.R_NC_rows, HeightPx(*camera), uv.y()) * *ray_C));
-  if (!at) return std::nullopt;
-  return Transfer(view.H, *at);
+std::optional<Vector2d> ShownAt(const ImageView& view, const CameraModel* camera, int rows, const Vector2d& uv) {
+  std::optional<Vector2d> then = uv;
+  if (view.turned) {
+    const auto ray_C = Ray(*camera, uv);
+    if (!ray_C) return std::nullopt;
+    then = view.virtual_camera.Project(view.R_NV.conjugate() *
+                                       (AttitudeOfRow(view.R_NC_rows, rows, uv.y()) * *ray_C));
+    if (!then) return std::nullopt;
+  }
+  return Transfer(view.H * Drift(view, rows, uv.y()).inverse(), *then);
 }
 
 cv::Mat DrawView(const ImageView& view, const CameraModel* camera, const cv::Mat& image, cv::Mat* shown) {
