@@ -39,13 +39,13 @@ std::string GrowthPlot(const std::filesystem::path& file, const std::vector<LogR
           "set xrange " + TimeRange(rows) + '\n';
   text += PhaseLines(rows, false) + AxisName("images") +
           "unset key\nplot $growth using 1:2 with lines lw 1.8 lc rgb '#222222'\n";
-  text += AxisName("keyframes, loops") +
+  text += PhaseLines(rows, false) + AxisName("keyframes, loops") +
           "set key at screen 0.97, 0.965 right top horizontal noautotitle samplen 2\n"
           "plot $growth using 1:3 with lines lw 1.8 lc rgb '#0072B2' title 'keyframes', "
           "'' using 1:4 with lines lw 1.8 lc rgb '#D55E00' title 'loops'\nunset key\n";
-  text += AxisName("residual (px)") +
+  text += PhaseLines(rows, false) + AxisName("residual (px)") +
           "set yrange [0:*]\nplot $growth using 1:6 with points pt 7 ps 0.4 lc rgb '#E69F00'\n";
-  text += AxisName("moved (px)") +
+  text += PhaseLines(rows, false) + AxisName("moved (px)") +
           "set format x '%g'\nset xlabel 'time (s)'\n"
           "plot $growth using 1:7 with impulses lw 1.4 lc rgb '#009E73'\n";
   return text + EndFigure();

@@ -19,9 +19,9 @@ struct CornerFlow {
 // Of the longest run of images without a gap.
 std::vector<CornerFlow> CornerFlows(const std::vector<mission::LogRow>& rows);
 
-// The amplitudes of a path by its steps: of each cosine in it that has k periods in the steps' time, k = 0, 1, ...;
-// that of 0 is 0. A Hann window is laid over the steps, so that beginning and end leave no trace; the amplitudes
-// are those of a motion that goes on all the time.
+// The spectrum of a path by its steps: amplitudes at k periods in the time of the steps, k = 0, 1, ..., where that of 0
+// is 0. A Hann window is laid over the steps, so that beginning and end leave no trace; it spreads a tone over three
+// amplitudes, whose squares add up to that of the tone's own.
 std::vector<double> PathAmplitudes(const std::vector<double>& steps);
 
 // The root mean square of a path within a band of frequencies, by its steps.

@@ -55,6 +55,8 @@ TEST(SimulatorExposure, AVibratingMountMovesTheCameraAndNotTheAircraft) {
     PoseToMujoco(simulator.exposure().X_NB, data->qpos);
     mj_forward(model.get(), data.get());
     const Pose X_NC = simulator.exposure().X_NB * simulator.X_BC() * vibration.At(frame->t_s);
+    EXPECT_LT((simulator.exposure().X_NC.p - X_NC.p).norm(), 1e-12);
+    EXPECT_LT(simulator.exposure().X_NC.R.angularDistance(X_NC.R), 1e-9);
     // The pose of the aircraft has gone through another frame and back.
     EXPECT_LT(cv::norm(renderer.Render(data.get(), X_NC), frame->image, cv::NORM_L1) / frame->image.total(),
               0.01);

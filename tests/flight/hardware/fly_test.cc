@@ -452,7 +452,10 @@ TEST_F(FlyTest, EveryMissionOfOursDeclaresWhetherItNeedsItsTarget) {
                                    {"attitude_1", mission::TargetNeed::kNone},
                                    {"gyro_failure", mission::TargetNeed::kNone},
                                    {"avoid", mission::TargetNeed::kNone},
-                                   {"vicon_1", mission::TargetNeed::kNone}})
+                                   {"vicon_1", mission::TargetNeed::kNone},
+                                   {"stabilise", mission::TargetNeed::kNone},
+                                   {"survey", mission::TargetNeed::kNone},
+                                   {"panorama", mission::TargetNeed::kNone}})
     EXPECT_EQ(Made(LoadPlan(name))->Target(), need) << name;
 }
 
