@@ -57,7 +57,7 @@ Eigen::Matrix2d LinearPart(const vision::ImageView& view, const vision::CameraMo
   Eigen::Matrix2d A;
   for (int k = 0; k < 2; ++k) {
     const Vector2d step = kStep_px * Vector2d::Unit(k);
-    A.col(k) = (*vision::ShownAt(view, &camera, vision::HeightPx(camera), middle + step) - *vision::ShownAt(view, &camera, vision::HeightPx(camera), middle - step)) /
+    A.col(k) = (*vision::ShownAt(view, &camera, middle + step) - *vision::ShownAt(view, &camera, middle - step)) /
                (2 * kStep_px);
   }
   return A;
@@ -78,7 +78,6 @@ double BandRms(std::vector<double> path, double rate_hz, double from_hz, double 
 
 Steadiness SteadinessOf(const ShakenClip& clip, int first, const std::vector<vision::ImageView>& views) {
   const vision::CameraModel camera = clip.camera();
-  const int rows = clip.camera().height_px;
   const double w = clip.camera().width_px - 1, h = clip.camera().height_px - 1;
   Steadiness result;
   // The corners of what is shown, as the intended path sees them, and where they are.
@@ -95,7 +94,7 @@ Steadiness SteadinessOf(const ShakenClip& clip, int first, const std::vector<vis
       for (const double y : {kCorner, 1 - kCorner}) {
         const Vector2d corner(x * w, y * h);
         const Vector3d p_N = clip.Ground(intended, corner);
-        const Vector2d seen = clip.SeenByRows(i, p_N), shown = *vision::ShownAt(view, &camera, rows, seen);
+        const Vector2d seen = clip.SeenByRows(i, p_N), shown = *vision::ShownAt(view, &camera, seen);
         for (int d = 0; d < 2; ++d, ++c) {
           in[c].push_back(seen[d] - corner[d]), out[c].push_back(shown[d] - corner[d]);
           // The path itself, without what of it is due to the corner being another place each time.
@@ -115,7 +114,7 @@ Steadiness SteadinessOf(const ShakenClip& clip, int first, const std::vector<vis
         const Vector3d p_N = clip.Ground(actual, {x * w, y * h});
         const Vector2d once = clip.SeenFrom(actual, p_N), seen = clip.SeenByRows(i, p_N);
         pairs_in.push_back({once, seen});
-        pairs_out.push_back({*vision::ShownAt(at_once, &camera, rows, once), *vision::ShownAt(view, &camera, rows, seen)});
+        pairs_out.push_back({*vision::ShownAt(at_once, &camera, once), *vision::ShownAt(view, &camera, seen)});
       }
     }
     for (const auto& [pairs, rms] : {std::pair{&pairs_in, &skews_in}, {&pairs_out, &skews}}) {
@@ -131,7 +130,7 @@ Steadiness SteadinessOf(const ShakenClip& clip, int first, const std::vector<vis
     for (int y = 0; y <= kSteps; ++y)
       for (int x = 0; x <= kSteps; ++x) {
         const auto at = vision::SourceOf(
-            view, &camera, rows, {x * (view.size.width - 1.0) / kSteps, y * (view.size.height - 1.0) / kSteps});
+            view, &camera, {x * (view.size.width - 1.0) / kSteps, y * (view.size.height - 1.0) / kSteps});
         outside += !at || at->x() < -0.01 || at->y() < -0.01 || at->x() > w + 0.01 || at->y() > h + 0.01;
       }
     outsides.push_back(outside / double((kSteps + 1) * (kSteps + 1)));

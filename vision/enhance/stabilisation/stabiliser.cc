@@ -219,6 +219,7 @@ ImageView Stabiliser::ViewOf(const Image& image, double strength) const {
   const auto [Z, shown] = Shown(turned_ ? cv::Size(virtual_.width_px, virtual_.height_px) : image.pixels.size(),
                                 options_.crop, options_.scale);
   ImageView view;
+  view.rows = image.pixels.rows;
   view.size = shown, view.turned = turned_, view.virtual_camera = virtual_, view.R_NC_rows = followed.R_NC_rows;
   if (reference_) {
     view.R_NV = R_NC_reference_;
@@ -242,7 +243,7 @@ double Stabiliser::ShareInside(const ImageView& view, const cv::Size& size, int 
   int inside = 0;
   for (int y = 0; y <= steps; ++y) {
     for (int x = 0; x <= steps; ++x) {
-      const auto at = SourceOf(view, camera_ ? &*camera_ : nullptr, size.height,
+      const auto at = SourceOf(view, camera_ ? &*camera_ : nullptr,
                                {x * (view.size.width - 1.0) / steps, y * (view.size.height - 1.0) / steps});
       inside += at && at->x() > -kRim_px && at->y() > -kRim_px && at->x() < size.width - 1 + kRim_px &&
                 at->y() < size.height - 1 + kRim_px;

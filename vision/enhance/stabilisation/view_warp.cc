@@ -24,20 +24,21 @@ bool RowsDiffer(const ImageView& view) {
 }
 
 // From the middle row to this one.
-double Later_s(const ImageView& view, int rows, double row) {
-  return rows > 1 ? view.readout_s * (row / (rows - 1) - 0.5) : 0;
+double Later_s(const ImageView& view, double row) {
+  return view.rows > 1 ? view.readout_s * (row / (view.rows - 1) - 0.5) : 0;
 }
 
-Eigen::Matrix3d Drift(const ImageView& view, int rows, double row) {
-  return Eigen::Matrix3d::Identity() + Later_s(view, rows, row) * view.drift_per_s;
+Eigen::Matrix3d Drift(const ImageView& view, double row) {
+  return Eigen::Matrix3d::Identity() + Later_s(view, row) * view.drift_per_s;
 }
 
 // As SourceOf, with the view's inverse.
 std::optional<Vector2d> Source(const ImageView& view, const Eigen::Matrix3d& H_back, const CameraModel* camera,
-                               int rows, const Vector2d& uv) {
+                               const Vector2d& uv) {
+  const int rows = view.rows;
   const Vector2d seen = Transfer(H_back, uv);
   const auto seen_by = [&](double row) -> std::optional<Vector2d> {
-    const Vector2d then = Transfer(Drift(view, rows, row), seen);
+    const Vector2d then = Transfer(Drift(view, row), seen);
     if (!view.turned) return then;
     const auto ray_V = view.virtual_camera.Ray(then);
     if (!ray_V) return std::nullopt;
@@ -68,7 +69,7 @@ cv::Mat Draw(const ImageView& view, const CameraModel* camera, const cv::Mat& im
   } else {
     const Eigen::Matrix3d H_back = view.H.inverse();
     const PixelMap map = MakePixelMap(cv::Rect({}, view.size), kStep_px,
-                                      [&](const Vector2d& uv) { return Source(view, H_back, camera, image.rows, uv); });
+                                      [&](const Vector2d& uv) { return Source(view, H_back, camera, uv); });
     cv::remap(image, drawn, map.u, map.v, cv::INTER_LINEAR, border);
     if (shown)
       cv::remap(cv::Mat(image.size(), CV_8UC1, cv::Scalar(255)), *shown, map.u, map.v, cv::INTER_LINEAR,
@@ -91,20 +92,20 @@ Eigen::Quaterniond AttitudeOfRow(const std::vector<Eigen::Quaterniond>& R_NC_row
   return R_NC_rows[i] * ExpRotation((place - from) * LogRotation(R_NC_rows[i].conjugate() * R_NC_rows[i + 1]));
 }
 
-std::optional<Vector2d> SourceOf(const ImageView& view, const CameraModel* camera, int rows, const Vector2d& uv) {
-  return Source(view, view.H.inverse(), camera, rows, uv);
+std::optional<Vector2d> SourceOf(const ImageView& view, const CameraModel* camera, const Vector2d& uv) {
+  return Source(view, view.H.inverse(), camera, uv);
 }
 
-std::optional<Vector2d> ShownAt(const ImageView& view, const CameraModel* camera, int rows, const Vector2d& uv) {
+std::optional<Vector2d> ShownAt(const ImageView& view, const CameraModel* camera, const Vector2d& uv) {
   std::optional<Vector2d> then = uv;
   if (view.turned) {
     const auto ray_C = Ray(*camera, uv);
     if (!ray_C) return std::nullopt;
     then = view.virtual_camera.Project(view.R_NV.conjugate() *
-                                       (AttitudeOfRow(view.R_NC_rows, rows, uv.y()) * *ray_C));
+                                       (AttitudeOfRow(view.R_NC_rows, view.rows, uv.y()) * *ray_C));
     if (!then) return std::nullopt;
   }
-  return Transfer(view.H * Drift(view, rows, uv.y()).inverse(), *then);
+  return Transfer(view.H * Drift(view, uv.y()).inverse(), *then);
 }
 
 cv::Mat DrawView(const ImageView& view, const CameraModel* camera, const cv::Mat& image, cv::Mat* shown) {

@@ -14,9 +14,10 @@ namespace kestrel::vision {
 // `virtual_camera` of attitude R_NV would see, as the middle row was exposed, to where it is shown. What moves beside
 // the rotation goes on evenly while the rows are exposed.
 struct ImageView {
-  cv::Size size;                                    // of the view
-  Eigen::Matrix3d H = Eigen::Matrix3d::Identity();  // to the view's pixels, H(2, 2) = 1
-  double readout_s = 0;                                 // from the first row to the last
+  cv::Size size;                                          // of the view
+  Eigen::Matrix3d H = Eigen::Matrix3d::Identity();        // to the view's pixels, H(2, 2) = 1
+  int rows = 0;                                           // of the image
+  double readout_s = 0;                                   // from the first row to the last
   Eigen::Matrix3d drift_per_s = Eigen::Matrix3d::Zero();  // I + dt drift_per_s: what the virtual camera sees dt later
   bool turned = false;                                    // with the attitudes below
   Pinhole virtual_camera;
@@ -28,11 +29,11 @@ struct ImageView {
 Eigen::Quaterniond AttitudeOfRow(const std::vector<Eigen::Quaterniond>& R_NC_rows, int rows, double row);
 
 // The pixel of the image that a pixel of the view shows, which may lie off the image. None: no ray of the camera, or
-// none that a row saw. camera: where the view is turned; rows: of the image.
-std::optional<Eigen::Vector2d> SourceOf(const ImageView& view, const CameraModel* camera, int rows,
+// none that a row saw. camera: where the view is turned.
+std::optional<Eigen::Vector2d> SourceOf(const ImageView& view, const CameraModel* camera,
                                         const Eigen::Vector2d& uv);
 // Where the view shows a pixel of the image.
-std::optional<Eigen::Vector2d> ShownAt(const ImageView& view, const CameraModel* camera, int rows,
+std::optional<Eigen::Vector2d> ShownAt(const ImageView& view, const CameraModel* camera,
                                        const Eigen::Vector2d& uv);
 
 // The view of an image of 8 bits, bilinear. shown: CV_8UC1, 255 where the image has what the view shows; elsewhere the
