@@ -8,6 +8,7 @@
 #include "base/stopwatch.h"
 #include "mission/caption.h"
 #include "mission/mosaic/mosaic_view.h"
+#include "vision/enhance/mosaic/geotiff.h"
 #include "vision/write_image.h"
 
 namespace kestrel::mission {
@@ -104,10 +105,13 @@ cv::Mat MosaicObserver::ProductImage() const {
 
 void MosaicObserver::WriteProducts(const std::filesystem::path& folder) const {
   if (placed_ == 0) return;
-  vision::WriteImage(folder / "mosaic.png", mosaic_.Picture().image);
+  const vision::MosaicPicture picture = mosaic_.Picture();
+  vision::WriteImage(folder / "mosaic.png", picture.image);
+  const auto ground = mosaic_.GroundFromSurface();
+  if (ground && vision::GeoTiffIsAvailable()) vision::WriteGeoTiff(folder / "mosaic.tif", picture, *ground);
   if (!stills_.empty()) vision::WriteImage(folder / "mosaic_growth.png", Tiled(stills_));
 }
 
-std::vector<std::string> MosaicProducts() { return {"mosaic.png", "mosaic_growth.png"}; }
+std::vector<std::string> MosaicProducts() { return {"mosaic.png", "mosaic_growth.png", "mosaic.tif"}; }
 
 }  // namespace kestrel::mission

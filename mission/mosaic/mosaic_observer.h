@@ -54,7 +54,8 @@ class MosaicObserver {
 
   void Draw(cv::Mat& bgr) const;
   cv::Mat ProductImage() const;  // as mission::Mission's
-  // mosaic.png, and mosaic_growth.png, its stills at every hundredth image.
+  // mosaic.png; mosaic_growth.png, its stills at every hundredth image; of the ground with poses mosaic.tif, a
+  // GeoTIFF, where this build can write one.
   void WriteProducts(const std::filesystem::path& folder) const;
 
  private:
@@ -75,7 +76,7 @@ class MosaicObserver {
   mutable int shown_of_ = 0;
 };
 
-// The files that it leaves.
+// The files that it may leave.
 std::vector<std::string> MosaicProducts();
 
 }  // namespace kestrel::mission
