@@ -7,10 +7,11 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 #include <set>
+#include <tuple>
 #include <utility>
 
 #include "vision/landmark/homography.h"
-#include "vision/landmark/mirrored.h"
+#include "vision/landmark/look_alike.h"
 #include "vision/landmark/plane_pose.h"
 
 namespace kestrel::vision {
@@ -25,8 +26,13 @@ constexpr double kMinVisibleArea_px2 = 300;
 constexpr double kMinCorrelation = 0.7;
 // A registration that moves the outline this far is done once more.
 constexpr double kLargeCorrection_px = 1.5;
+// That are enough where they go on from the last image, closely and mostly agreed: of a picture with few corners,
+// or one that is mostly hidden.
+constexpr int kFewInliers = 6;
+constexpr double kFewThreshold_px = 0.5;
+constexpr double kMostlyAgree = 0.6;  // of the corners that are tracked
 // The dear search for a part of the pad is not made in every lost frame.
-constexpr int kFramesBetweenFeatures = 10;
+constexpr int kFramesBetweenFeatures = 3;
 // Between two images, from which on its picture may be blurred beyond the corners' knowing it.
 constexpr double kMinBlurringMotion_px = 5;
 const cv::TermCriteria kLucasKanadeEnd(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 20, 0.01);
@@ -133,24 +139,51 @@ std::optional<PadObservation> PadTracker::TrackCorners(const cv::Mat& grey,
   return seen;
 }
 
-// From the likeliest guess to the least: by the chain, by what is expected, blurred by its motion, by a chain that
-// expects nothing.
+// From the likeliest guess to the least: by the chain, by what is expected, blurred by its motion, by few corners, by
+// the whole picture, by a chain that expects nothing.
 std::optional<PadObservation> PadTracker::FollowRegistered(const cv::Mat& grey,
                                                            const std::vector<cv::Mat>& pyramid,
                                                            const std::optional<Pose>& X_CT_expected) {
   const auto expected = X_CT_expected ? X_CT_expected : OfConstantVelocity();
   const auto H_chain = Follow(pyramid, expected);
   std::optional<PadObservation> seen;
-  if (H_chain) seen = Settle(grey, *H_chain, 2);
-  if (!seen && expected) seen = Settle(grey, HomographyFromPose(*expected, camera_), 3);
-  if (!seen && H_chain) {
-    if (const auto X_CT_chain = PoseFromHomography(*H_chain, camera_))
-      seen = FollowBlurred(grey, *X_CT_chain);
+  if (H_chain) seen = Settle(grey, *H_chain, 2, options_.min_inliers);
+  if (!seen && expected) seen = Settle(grey, HomographyFromPose(*expected, camera_), 3, options_.min_inliers);
+  // The few corners that are left of a blurred picture mislead.
+  if (!seen || seen->inliers < kMostlyAgree * static_cast<double>(tracked_.size())) {
+    const auto corners = std::make_tuple(tracked_, agreed_, corners_agreed_);
+    std::optional<PadObservation> blurred;
+    if (H_chain) {
+      if (const auto X_CT_chain = PoseFromHomography(*H_chain, camera_))
+        blurred = FollowBlurred(grey, *X_CT_chain);
+    }
+    if (!blurred && expected) blurred = FollowBlurred(grey, *expected);
+    if (!blurred && seen) blurred = FollowBlurred(grey, seen->X_CT);
+    if (blurred) {
+      seen = blurred;
+    } else {
+      std::tie(tracked_, agreed_, corners_agreed_) = corners;
+    }
   }
-  if (!seen && expected) seen = FollowBlurred(grey, *expected);
+  if (!seen && H_chain) seen = Settle(grey, *H_chain, 2, kFewInliers);
+  if (!seen && expected) seen = Settle(grey, HomographyFromPose(*expected, camera_), 2, kFewInliers);
+  if (!seen && H_chain) seen = FollowPicture(grey, *H_chain);
+  if (!seen && expected) seen = FollowPicture(grey, HomographyFromPose(*expected, camera_));
   if (!seen && expected && !X_CT_expected) {
-    if (const auto H_still = Follow(pyramid, std::nullopt)) seen = Settle(grey, *H_still, 2);
+    if (const auto H_still = Follow(pyramid, std::nullopt))
+      seen = Settle(grey, *H_still, 2, options_.min_inliers);
   }
+  return seen;
+}
+
+// Where too few corners are seen: of a picture that has few, far away, or mostly hidden.
+std::optional<PadObservation> PadTracker::FollowPicture(const cv::Mat& grey,
+                                                        const Eigen::Matrix3d& H_predicted) {
+  if (!X_CT_last_) return std::nullopt;
+  if (!alignment_) alignment_.emplace(reference_, camera_, options_);
+  alignment_->Look(grey);
+  const auto seen = alignment_->Follow(H_predicted);
+  if (seen) tracked_ = agreed_ = alignment_->points(), corners_agreed_ = false;
   return seen;
 }
 
@@ -160,15 +193,21 @@ std::optional<Pose> PadTracker::OfConstantVelocity() const {
   return *X_CT_last_ * X_CT_before_->Inverse() * *X_CT_last_;
 }
 
+// Since the last image, in which it was seen.
+bool PadTracker::MovesFast(const Eigen::Matrix3d& H_w) const {
+  const Eigen::Matrix3d H_last = HomographyFromPose(*X_CT_last_, camera_);
+  double moved_px = 0;
+  for (const Eigen::Vector2d& corner : reference_.Outline())
+    moved_px = std::max(moved_px, (Transfer(H_w, corner) - Transfer(H_last, corner)).norm());
+  return moved_px > kMinBlurringMotion_px;
+}
+
 // Where it moves far between two images.
 std::optional<PadObservation> PadTracker::FollowBlurred(const cv::Mat& grey, const Pose& X_CT_expected) {
   if (!X_CT_last_) return std::nullopt;
   const Eigen::Matrix3d H_predicted = HomographyFromPose(X_CT_expected, camera_),
                         H_last = HomographyFromPose(*X_CT_last_, camera_);
-  double moved_px = 0;
-  for (const Eigen::Vector2d& corner : reference_.Outline())
-    moved_px = std::max(moved_px, (Transfer(H_predicted, corner) - Transfer(H_last, corner)).norm());
-  if (!(moved_px > kMinBlurringMotion_px)) return std::nullopt;
+  if (!MovesFast(H_predicted)) return std::nullopt;
   if (!alignment_) alignment_.emplace(reference_, camera_, options_);
   alignment_->Look(grey);
   const auto seen = alignment_->FollowBlurred(H_predicted, H_last);
@@ -187,14 +226,16 @@ std::optional<PadObservation> PadTracker::Find(const cv::Mat& grey,
     return NearestTurn(H_w, reference_.turns, H_expected);
   };
   const auto registered = [&](const Eigen::Matrix3d& H_w) {
-    return options_.method == "icia" ? Align(grey, turned(H_w)) : Settle(grey, turned(H_w), 3);
+    return options_.method == "icia" ? Align(grey, turned(H_w))
+                                     : Settle(grey, turned(H_w), 3, options_.min_inliers);
   };
   if (const auto H = detector_.Detect(grey)) seen = registered(*H);
   if (!seen && lost_frames_++ % kFramesBetweenFeatures == 0) {
     if (!features_) features_.emplace(reference_, camera_, *FeatureDetectorNamed(options_.features));
     if (const auto H = features_->Find(grey, frames_)) seen = registered(*H);
   }
-  if (seen && LooksMirrored(grey, reference_, seen->H_w)) return std::nullopt;
+  if (seen && (LooksMirrored(grey, reference_, seen->H_w) || !RimAgrees(grey, reference_, seen->H_w)))
+    return std::nullopt;
   if (seen) seen->found = true;
   return seen;
 }
@@ -241,8 +282,9 @@ std::optional<Eigen::Matrix3d> PadTracker::Follow(const std::vector<cv::Mat>& py
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (status[i]) pairs.push_back({FromCv(last_points_[i]), FromCv(points[i])});
   }
-  const auto step = RansacHomography(
-      pairs, {.threshold = kFollowThreshold_px, .min_inliers = options_.min_inliers}, frames_);
+  const int enough = options_.registration ? kFewInliers : options_.min_inliers;
+  const auto step =
+      RansacHomography(pairs, {.threshold = kFollowThreshold_px, .min_inliers = enough}, frames_);
   if (!step) return std::nullopt;
   chain_inliers_ = static_cast<int>(step->inliers.size());
   chain_rms_px_ = step->rms;
@@ -262,11 +304,11 @@ std::optional<PadObservation> PadTracker::Align(const cv::Mat& grey, const Eigen
 
 // Registers until the correction is small, at most `passes` times.
 std::optional<PadObservation> PadTracker::Settle(const cv::Mat& grey, const Eigen::Matrix3d& H_guess,
-                                                 int passes) {
+                                                 int passes, int min_inliers) {
   Eigen::Matrix3d H = H_guess;
   std::optional<PadObservation> before;
   for (int pass = 1;; ++pass) {
-    const auto seen = Register(grey, H);
+    const auto seen = Register(grey, H, min_inliers);
     if (!seen) return before;
     if (pass >= passes) return seen;
     double moved = 0;
@@ -281,7 +323,8 @@ std::optional<PadObservation> PadTracker::Settle(const cv::Mat& grey, const Eige
 
 // Draws the reference as the camera would see it under H_predicted, in the exposure of the last frame, and
 // finds its corners in the image.
-std::optional<PadObservation> PadTracker::Register(const cv::Mat& grey, const Eigen::Matrix3d& H_predicted) {
+std::optional<PadObservation> PadTracker::Register(const cv::Mat& grey, const Eigen::Matrix3d& H_predicted,
+                                                   int min_inliers) {
   const std::vector<cv::Point2f> visible = VisiblePart(reference_, H_predicted, grey.size());
   if (visible.empty()) return std::nullopt;
   const double px_per_m = ScaleOf(visible, H_predicted);
@@ -332,7 +375,7 @@ std::optional<PadObservation> PadTracker::Register(const cv::Mat& grey, const Ei
     from.push_back(ToCv(uv) - cv::Point2f(static_cast<float>(box.x), static_cast<float>(box.y)));
     if (static_cast<int>(from.size()) >= 2 * options_.max_points) break;
   }
-  if (static_cast<int>(from.size()) < options_.min_inliers) return std::nullopt;
+  if (static_cast<int>(from.size()) < min_inliers) return std::nullopt;
   std::vector<uchar> status;
   std::vector<float> error;
   cv::calcOpticalFlowPyrLK(drawn, seen_box, from, to, status, error, {window, window}, kRegisterLevels,
@@ -354,8 +397,8 @@ std::optional<PadObservation> PadTracker::Register(const cv::Mat& grey, const Ei
   }
   tracked_ = tracked;
   agreed_.clear();
-  const auto robust = RansacHomography(
-      pairs, {.threshold = options_.threshold_px, .min_inliers = options_.min_inliers}, frames_);
+  const auto robust =
+      RansacHomography(pairs, {.threshold = options_.threshold_px, .min_inliers = min_inliers}, frames_);
   if (!robust) return std::nullopt;
   std::vector<PointPair> inliers;
   for (const int i : robust->inliers) inliers.push_back(pairs_T[i]);
@@ -365,6 +408,9 @@ std::optional<PadObservation> PadTracker::Register(const cv::Mat& grey, const Ei
   if (!start) return std::nullopt;
   auto pose = RefinePlanePose(inliers, camera_, *start, options_.sigma_px);
   if (!pose || !(pose->rms_px < options_.threshold_px)) return std::nullopt;
+  if (static_cast<int>(inliers.size()) < options_.min_inliers &&
+      !(pose->rms_px < kFewThreshold_px && inliers.size() > kMostlyAgree * static_cast<double>(pairs.size())))
+    return std::nullopt;
   pose->covariance += CovarianceOfShift(pose->X_CT, options_.shift_px / camera_.fx);
 
   PadObservation seen;

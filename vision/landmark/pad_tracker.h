@@ -50,9 +50,13 @@ class PadTracker {
   std::optional<Pose> OfConstantVelocity() const;
   std::optional<Eigen::Matrix3d> Follow(const std::vector<cv::Mat>& pyramid,
                                         const std::optional<Pose>& X_CT_expected);
+  std::optional<PadObservation> FollowPicture(const cv::Mat& grey, const Eigen::Matrix3d& H_predicted);
+  bool MovesFast(const Eigen::Matrix3d& H_w) const;
   std::optional<PadObservation> FollowBlurred(const cv::Mat& grey, const Pose& X_CT_expected);
-  std::optional<PadObservation> Register(const cv::Mat& grey, const Eigen::Matrix3d& H_predicted);
-  std::optional<PadObservation> Settle(const cv::Mat& grey, const Eigen::Matrix3d& H_guess, int passes);
+  std::optional<PadObservation> Register(const cv::Mat& grey, const Eigen::Matrix3d& H_predicted,
+                                         int min_inliers);
+  std::optional<PadObservation> Settle(const cv::Mat& grey, const Eigen::Matrix3d& H_guess, int passes,
+                                       int min_inliers);
   std::optional<PadObservation> Align(const cv::Mat& grey, const Eigen::Matrix3d& H_guess);
   std::optional<PadObservation> Find(const cv::Mat& grey, const std::optional<Pose>& X_CT_expected);
   std::optional<PadObservation> FindTags(const cv::Mat& grey, const std::optional<Pose>& X_CT_expected);

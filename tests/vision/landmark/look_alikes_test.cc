@@ -2,7 +2,10 @@
 #include <gtest/gtest.h>
 
 #include "tests/vision/landmark/pad_photographer.h"
+#include "vision/landmark/homography.h"
+#include "vision/landmark/look_alike.h"
 #include "vision/landmark/pad_tracker.h"
+#include "vision/landmark/plane_pose.h"
 
 // What looks like the pad and is not it.
 namespace kestrel::vision {
@@ -87,6 +90,43 @@ TEST(LookAlikes, AnotherPictureInTheSameFrameIsNotTaken) {
     ASSERT_TRUE(seen) << kind.name;
     EXPECT_LT((seen->X_CT.p - truth.p).norm(), 0.03) << kind.name;
   }
+}
+
+// A picture of tiles in a frame: a turned or shifted pose fits them as well, but not the frame.
+cv::Mat TiledPicture() {
+  cv::Mat tile(64, 64, CV_8UC1, cv::Scalar(200));
+  cv::circle(tile, {20, 24}, 11, 50, cv::FILLED);
+  cv::rectangle(tile, cv::Rect(36, 34, 18, 16), 95, cv::FILLED);
+  cv::Mat picture = cv::repeat(tile, 16, 16);
+  cv::rectangle(picture, {16, 16}, {picture.cols - 17, picture.rows - 17}, 20, 32);
+  return picture;
+}
+
+TEST(LookAlikes, ARimThatDoesNotShowGivesAShiftedPoseAway) {
+  const cv::Mat picture = TiledPicture();
+  const PadReference reference = MakePadReference(picture, kPadLength_m, kPadWidth_m);
+  const PadPhotographer photographer(picture);
+  const Pose truth = PadBelow({0.1, 0, 4}, 10), out = PadBelow({1.2, 0, 4}, 10);
+  const cv::Mat whole = photographer.At(truth, 1), partly = photographer.At(out, 2);
+  const auto agrees = [&](const cv::Mat& image, const Pose& X_CT) {
+    return RimAgrees(image, reference, HomographyFromPose(X_CT, kPadCamera));
+  };
+  EXPECT_TRUE(agrees(whole, truth));
+  EXPECT_TRUE(agrees(partly, out));
+  for (const double tiles : {1, 2, 3}) {
+    const double shift_m = tiles * kPadLength_m / 16;
+    for (const Eigen::Vector3d& along :
+         {Eigen::Vector3d(shift_m, shift_m, 0), Eigen::Vector3d(shift_m, -shift_m, 0)}) {
+      Pose shifted = truth;
+      shifted.p += truth.R * along;
+      EXPECT_FALSE(agrees(whole, shifted)) << tiles;
+    }
+  }
+  // Where something hides a third of it, it is still the pad.
+  cv::Mat hidden = whole.clone();
+  const Eigen::Vector2d middle = Transfer(HomographyFromPose(truth, kPadCamera), {0, 0});
+  hidden.rowRange(cvRound(middle.y()) + 30, hidden.rows).setTo(120);
+  EXPECT_TRUE(agrees(hidden, truth));
 }
 
 }  // namespace

@@ -12,4 +12,8 @@ namespace kestrel::vision {
 // frames, which are the same, neither detector tells. H_w: from T, m, to the image.
 bool LooksMirrored(const cv::Mat& grey, const PadReference& reference, const Eigen::Matrix3d& H_w);
 
+// Whether the rim of the pad, as far as it is in view and has marks, shows in the image where H_w puts it. Where it
+// does not, what was found is a part that repeats, at another of its places. True where there is nothing to compare.
+bool RimAgrees(const cv::Mat& grey, const PadReference& reference, const Eigen::Matrix3d& H_w);
+
 }  // namespace kestrel::vision
