@@ -22,6 +22,7 @@
 #include "bench/bench_trackers.h"
 #include "bench/bench_wire.h"
 #include "bench/enhance/bench_mosaic.h"
+#include "bench/enhance/bench_stabilise.h"
 #include "bench/horizon/bench_horizon.h"
 #include "bench/landmark/bench_features.h"
 #include "bench/landmark/bench_homographies.h"
@@ -38,7 +39,7 @@ CLI::App* AddBenchCommand(CLI::App& app, BenchArguments& a) {
       "flights",  "fisheye", "attitude",    "horizon",     "gyro_failure", "drift",        "heights",
       "speed",    "render",  "calibration", "servo",       "trackers",     "contrast",     "follow",
       "avoid",    "stream",  "planar",      "alignment",   "features",     "homographies", "plane_pose",
-      "landings", "mosaic",  "wire",        "link_faults", "campaign",     "hashes"};
+      "landings", "mosaic",  "stabilise", "wire",        "link_faults", "campaign",     "hashes"};
   CLI::App* command = app.add_subcommand("bench", "Measure: a table of figures beside their targets");
   // Of campaigns by its name alone: it flies for minutes, and kills itself.
   command->add_option("name", a.name, "All but campaign, wire, link_faults and hashes when none is given")
@@ -91,6 +92,8 @@ bool BenchCommand(const BenchArguments& arguments) {
   if (chosen("planar"))
     bench::BenchPlanar(seeds, arguments.jobs, std::filesystem::path(arguments.out) / "planar",
                        bench::PlanarTrackers, table);
+  if (chosen("stabilise"))
+    bench::BenchStabilise(seeds, std::filesystem::path(arguments.out) / "stabilise", table);
   if (chosen("mosaic")) bench::BenchMosaic(seeds, std::filesystem::path(arguments.out) / "mosaic", table);
   if (chosen("stream")) bench::BenchStream(table);
   if (chosen("features")) bench::BenchFeatures(seeds.first, seeds.last, table);

@@ -34,6 +34,7 @@
 #include "app/simulated/serve_command.h"
 #include "app/simulated/track_command.h"
 #include "app/simulated/view_command.h"
+#include "app/stabilise/stabilise_command.h"
 #include "flight/served/wire_flight.h"
 
 namespace kestrel::app {
@@ -96,6 +97,8 @@ int Main(int argc, char** argv) {
   program.Add(AddTrackCommand(app, track), [&] { return TrackCommand(track), kMet; });
   MosaicArguments mosaic;
   program.Add(AddMosaicCommand(app, mosaic), [&] { return met(MosaicCommand(mosaic)); });
+  StabiliseArguments stabilise;
+  program.Add(AddStabiliseCommand(app, stabilise), [&] { return StabiliseCommand(stabilise), kMet; });
   CalibrateArguments calibrate;
   program.Add(AddCalibrateCommand(app, calibrate), [&] { return CalibrateCommand(calibrate), kMet; });
   RenderBoardArguments board;
