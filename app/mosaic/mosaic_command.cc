@@ -23,7 +23,7 @@
 #include "base/stopwatch.h"
 #include "geometry/tait_bryan.h"
 #include "vision/camera/camera_mount.h"
-#include "vision/enhance/mosaic/geotiff.h"
+#include "vision/enhance/canvas/geotiff.h"
 
 namespace kestrel::app {
 namespace {

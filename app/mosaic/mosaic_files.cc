@@ -6,7 +6,7 @@
 #include <Eigen/LU>
 #include <filesystem>
 
-#include "vision/enhance/mosaic/geotiff.h"
+#include "vision/enhance/canvas/geotiff.h"
 #include "vision/write_image.h"
 
 namespace kestrel::app {

@@ -8,7 +8,7 @@
 #include "base/stopwatch.h"
 #include "mission/caption.h"
 #include "mission/mosaic/mosaic_view.h"
-#include "vision/enhance/mosaic/geotiff.h"
+#include "vision/enhance/canvas/geotiff.h"
 #include "vision/write_image.h"
 
 namespace kestrel::mission {

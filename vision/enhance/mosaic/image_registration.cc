@@ -8,8 +8,8 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 
-#include "vision/enhance/mosaic/pixel_map.h"
-#include "vision/enhance/mosaic/projection.h"
+#include "vision/enhance/canvas/pixel_map.h"
+#include "vision/enhance/canvas/projection.h"
 
 namespace kestrel::vision {
 namespace {

@@ -8,7 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "geometry/pose.h"
-#include "vision/enhance/mosaic/pixel_map.h"
+#include "vision/enhance/canvas/pixel_map.h"
 #include "vision/landmark/homography.h"
 
 namespace kestrel::vision {

@@ -49,7 +49,7 @@ MosaicOptions WithCamera() {
 double ErrorOf(const Mosaic& mosaic, const std::vector<Pose>& poses) {
   std::vector<PointPair> pairs;
   for (std::size_t i = 0; i < poses.size(); ++i)
-    for (const Vector2d uv : {Vector2d(40, 30), Vector2d(280, 30), Vector2d(280, 210), Vector2d(40, 210)}) {
+    for (const Vector2d& uv : {Vector2d(40, 30), Vector2d(280, 30), Vector2d(280, 210), Vector2d(40, 210)}) {
       const auto place = mosaic.PlaceOf(static_cast<int>(i), uv);
       if (place) pairs.push_back({*place, 40 * Transfer(DrawnGround::GroundFromImage(poses[i]), uv)});
     }

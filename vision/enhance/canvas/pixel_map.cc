@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vision/enhance/mosaic/pixel_map.h"
+#include "vision/enhance/canvas/pixel_map.h"
 
 #include <algorithm>
 #include <vector>

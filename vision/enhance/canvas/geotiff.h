@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <filesystem>
 
-#include "vision/enhance/mosaic/canvas.h"
+#include "vision/enhance/canvas/canvas.h"
 
 namespace kestrel::vision {
 

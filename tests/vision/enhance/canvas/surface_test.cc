@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vision/enhance/mosaic/surface.h"
+#include "vision/enhance/canvas/surface.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <opencv2/stitching/detail/warpers.hpp>
 
 #include "vision/camera/pinhole.h"
-#include "vision/enhance/mosaic/projection.h"
+#include "vision/enhance/canvas/projection.h"
 
 namespace kestrel::vision {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vision/enhance/mosaic/geotiff.h"
+#include "vision/enhance/canvas/geotiff.h"
 
 #include <gtest/gtest.h>
 

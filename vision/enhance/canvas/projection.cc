@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vision/enhance/mosaic/projection.h"
+#include "vision/enhance/canvas/projection.h"
 
 #include <Eigen/LU>
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vision/enhance/mosaic/canvas.h"
+#include "vision/enhance/canvas/canvas.h"
 
 #include <algorithm>
 #include <cassert>

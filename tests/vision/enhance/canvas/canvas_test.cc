@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vision/enhance/mosaic/canvas.h"
+#include "vision/enhance/canvas/canvas.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "vision/enhance/mosaic/blending.h"
+#include "vision/enhance/canvas/blending.h"
 
 namespace kestrel::vision {
 namespace {

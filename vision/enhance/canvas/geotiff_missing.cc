@@ -2,7 +2,7 @@
 // Without libtiff.
 #include <stdexcept>
 
-#include "vision/enhance/mosaic/geotiff.h"
+#include "vision/enhance/canvas/geotiff.h"
 
 namespace kestrel::vision {
 

@@ -7,7 +7,7 @@
 #include <opencv2/core.hpp>
 #include <utility>
 
-#include "vision/enhance/mosaic/blending.h"
+#include "vision/enhance/canvas/blending.h"
 
 namespace kestrel::vision {
 

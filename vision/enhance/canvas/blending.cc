@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vision/enhance/mosaic/blending.h"
+#include "vision/enhance/canvas/blending.h"
 
 #include <algorithm>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vision/enhance/mosaic/surface.h"
+#include "vision/enhance/canvas/surface.h"
 
 #include <cmath>
 #include <numbers>

@@ -3,7 +3,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "vision/enhance/mosaic/pixel_map.h"
+#include "vision/enhance/canvas/pixel_map.h"
 
 namespace kestrel::vision {
 

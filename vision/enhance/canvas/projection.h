@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "vision/camera/camera_model.h"
-#include "vision/enhance/mosaic/blending.h"
-#include "vision/enhance/mosaic/canvas.h"
-#include "vision/enhance/mosaic/surface.h"
+#include "vision/enhance/canvas/blending.h"
+#include "vision/enhance/canvas/canvas.h"
+#include "vision/enhance/canvas/surface.h"
 
 namespace kestrel::vision {
 
