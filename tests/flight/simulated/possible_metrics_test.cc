@@ -33,7 +33,10 @@ TEST(PossibleMetrics, HoldWhatFlightsOfEachMissionHave) {
       {"gyro_failure", {"roll_rmse_deg", "failure_tilt_rms_deg"}},
       {"follow", {"in_view_share", "followed_share"}},
       {"avoid", {"closest_m", "manoeuvred"}},
-      {"vicon_1", {"landmark_z_rmse_m", "chain_drift_m"}}};
+      {"vicon_1", {"landmark_z_rmse_m", "chain_drift_m"}},
+      {"stabilise", {"path_horizontal_rmse_m"}},
+      {"survey", {"path_vertical_rmse_m"}},
+      {"panorama", {"path_yaw_rmse_deg"}}};
   scenarios::AddFlights();
   ASSERT_EQ(known.size(), mission::MissionNames().size());
   for (const auto& [name, telling] : known) {
