@@ -8,6 +8,7 @@
 #include <opencv2/core/eigen.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
+#include <optional>
 #include <vector>
 
 #include "base/random.h"
@@ -22,6 +23,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr int kPoints = 200;
+constexpr int kPatch_px = 15, kLooked_px = 40;  // of a patch half; as far as it is looked for
 const Vector2d kMiddle(319.5, 239.5);
 
 struct Seen {
@@ -49,6 +51,33 @@ double Rms(const std::vector<double>& errors) {
   for (const double e : errors) squares += e * e;
   return errors.empty() ? std::numeric_limits<double>::infinity()
                         : std::sqrt(squares / static_cast<double>(errors.size()));
+}
+
+// Where in the picture the drawing has a point: where it correlates best, and from there by its gradient. No pyramid,
+// whose coarse levels take the black around a mosaic for a part of it.
+std::optional<cv::Point2f> FoundIn(const cv::Mat& picture, const cv::Mat& drawing, const cv::Point2f& point) {
+  const auto around = [&](int half_px) {
+    return cv::Rect(cvRound(point.x) - half_px, cvRound(point.y) - half_px, 2 * half_px + 1,
+                    2 * half_px + 1) &
+           cv::Rect({0, 0}, drawing.size());
+  };
+  const cv::Rect patch = around(kPatch_px), looked = around(kPatch_px + kLooked_px);
+  cv::Mat correlation;
+  cv::matchTemplate(picture(looked), drawing(patch), correlation, cv::TM_CCOEFF_NORMED);
+  double most = 0;
+  cv::Point at;
+  cv::minMaxLoc(correlation, nullptr, &most, nullptr, &at);
+  if (most < 0.5) return std::nullopt;
+  const cv::Point moved = looked.tl() + at - patch.tl();
+  const std::vector<cv::Point2f> from = {point};
+  std::vector<cv::Point2f> to = {point + cv::Point2f(moved)};
+  std::vector<std::uint8_t> status;
+  std::vector<float> error;
+  cv::calcOpticalFlowPyrLK(drawing, picture, from, to, status, error, {21, 21}, 0,
+                           {cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 30, 0.01},
+                           cv::OPTFLOW_USE_INITIAL_FLOW);
+  if (!status[0] || cv::norm(to[0] - point - cv::Point2f(moved)) > 2) return std::nullopt;
+  return to[0];
 }
 
 }  // namespace
@@ -82,7 +111,7 @@ SurveyErrors JudgeSurvey(const DrawnSurvey& survey, const vision::Mosaic& mosaic
     placed.push_back((vision::Transfer(H, pair.from) - pair.to).norm());
   errors.placed_px = Rms(placed);
 
-  // The picture against the drawing: corners of the one are followed to the other.
+  // The picture against the drawing: corners of the one are looked for in the other.
   const cv::Mat ortho = survey.Orthographic(px_per_m);
   Matrix3d surface;
   surface << picture.scale, 0, picture.origin.x(), 0, picture.scale, picture.origin.y(), 0, 0, 1;
@@ -90,17 +119,18 @@ SurveyErrors JudgeSurvey(const DrawnSurvey& survey, const vision::Mosaic& mosaic
   cv::eigen2cv(Matrix3d(H * surface), map);
   cv::warpPerspective(picture.image, as_ortho, map, ortho.size(), cv::INTER_LINEAR);
   cv::warpPerspective(picture.shown, shown, map, ortho.size(), cv::INTER_NEAREST);
-  cv::erode(shown, shown, cv::Mat(), {-1, -1}, 15);
-  std::vector<cv::Point2f> corners, found;
+  // Of whole patches, also where it is off.
+  cv::rectangle(shown, cv::Rect({0, 0}, shown.size()), 0, 1);
+  cv::erode(shown, shown, cv::Mat(), {-1, -1}, 2 * kPatch_px);
+  std::vector<cv::Point2f> corners;
   cv::goodFeaturesToTrack(ortho, corners, kPoints, 0.01, 80, shown);
-  std::vector<std::uint8_t> status;
-  std::vector<float> error;
-  cv::calcOpticalFlowPyrLK(ortho, as_ortho, corners, found, status, error, {21, 21}, 3);
   std::vector<double> in_picture;
-  for (std::size_t i = 0; i < corners.size(); ++i)
-    if (status[i]) in_picture.push_back(cv::norm(found[i] - corners[i]));
+  for (const cv::Point2f& corner : corners) {
+    const auto found = FoundIn(as_ortho, ortho, corner);
+    errors.points += found.has_value();
+    in_picture.push_back(found ? cv::norm(*found - corner) : kLooked_px);
+  }
   errors.picture_px = Rms(in_picture);
-  errors.points = static_cast<int>(in_picture.size());
   if (drawn) *drawn = as_ortho;
   return errors;
 }
