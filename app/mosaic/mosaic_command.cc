@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -145,7 +146,7 @@ void TellOfMemory(const MosaicArguments& a, const vision::MosaicOptions& options
 }
 
 struct Count {
-  int frames = 0, placed = 0, without_pose = 0;
+  int frames = 0, placed = 0, without_pose = 0, poses_over = 0;
   double read_s = 0, add_s = 0;
   std::map<std::string, int> of_state;
   std::string broke_off;
@@ -163,7 +164,10 @@ Count AddAll(const MosaicArguments& a, ImageInput& input, const std::vector<std:
       auto start = std::chrono::steady_clock::now();
       const auto frame = input.next();
       count.read_s += SecondsSince(start);
-      if (!frame) break;
+      if (!frame) {
+        count.poses_over = std::max(0, static_cast<int>(poses.size()) - number);
+        break;
+      }
       if (number % a.every != 0) continue;
       const auto pose = static_cast<std::size_t>(number) < poses.size()
                             ? poses[static_cast<std::size_t>(number)]
@@ -198,6 +202,8 @@ void Tell(const MosaicArguments& a, const Count& count, double compose_s,
   for (const auto& [state, n] : count.of_state) states += fmt::format(", {} {}", n, state);
   fmt::print("{} images, {} in a mosaic{}\n", count.frames, count.placed, states);
   if (count.without_pose > 0) fmt::print("{} images have no pose in {}\n", count.without_pose, a.poses);
+  if (count.poses_over > 0)
+    fmt::print("{} poses are left over in {}: is it of these images?\n", count.poses_over, a.poses);
   for (const std::string& sentence : written) fmt::print("{}\n", sentence);
   if (count.frames > 0)
     fmt::print("per image: reading {:.1f} ms, adding {:.1f} ms; adjusting and composing {:.1f} s\n",

@@ -11,10 +11,11 @@
 namespace kestrel::bench {
 
 struct SurveyErrors {
-  double placed_px = 0;  // RMS over 200 points of the ground, by where their images were placed
-  double picture_px =
-      0;           // of 200 corners of the orthographic drawing, by where the picture looks like it; one that
-                   // is not found counts with the 40 px as far as it is looked for
+  // RMS over 200 points of the ground, by where their images were placed.
+  double placed_px = 0;
+  // RMS over 200 corners of the orthographic drawing, by where the picture looks like them. One that is not found
+  // counts with 40 px, which is as far as it is looked for.
+  double picture_px = 0;
   int points = 0;  // that were found in the picture
 };
 
