@@ -79,33 +79,33 @@ FixErrors ErrorsOf(const std::vector<flight::FlownScenario>& flights, double fro
   return e;
 }
 
-// What a pose flight reached by the truth, beside its targets, and by the autopilot's own estimate, beside what
-// thesis 4.4.2 says of that.
-void AddPose(const std::string& name, const std::vector<flight::FlownScenario>& flights, double level,
-             double height, double yaw, const std::array<const char*, 4>& thesis,
-             std::vector<records::Figure>& table) {
-  const FixErrors e = ErrorsOf(flights);
-  table.push_back({name + ", x RMSE", e.x, "m", level, false, ""});
-  table.push_back({name + ", y RMSE", e.y, "m", level, false, ""});
-  table.push_back({name + ", z RMSE", e.z, "m", height, false, ""});
-  table.push_back({name + ", yaw RMSE", e.yaw, "deg", yaw, false, ""});
-  const auto against_autopilot = [&](const std::string& metric) {
-    double squares = 0;
-    const std::vector<double> values = flight::Values(flights, metric);
-    for (const double value : values) squares += value * value / static_cast<double>(values.size());
-    return std::sqrt(squares);
-  };
+// What a pose flight reached, beside its targets.
+void AddPose(const std::string& name, const FixErrors& e, double level, double height, double yaw,
+             const char* thesis, std::vector<records::Figure>& table) {
+  table.push_back({name + ", x RMSE", e.x, "m", level, false, thesis});
+  table.push_back({name + ", y RMSE", e.y, "m", level, false, thesis});
+  table.push_back({name + ", z RMSE", e.z, "m", height, false, thesis});
+  table.push_back({name + ", yaw RMSE", e.yaw, "deg", yaw, false, thesis});
+}
+
+// What thesis 4.4.2 measured: the fix less the autopilot's own estimate, which errs too.
+void AddLessAutopilot(const std::string& name, const std::vector<flight::FlownScenario>& flights,
+                      const std::array<const char*, 4>& thesis, std::vector<records::Figure>& table) {
   const std::array<std::array<const char*, 3>, 4> axes = {{{"x", "fix_autopilot_x_rms_m", "m"},
                                                            {"y", "fix_autopilot_y_rms_m", "m"},
                                                            {"z", "fix_autopilot_z_rms_m", "m"},
                                                            {"yaw", "fix_autopilot_yaw_rms_deg", "deg"}}};
-  for (std::size_t i = 0; i < axes.size(); ++i)
-    table.push_back({name + ", less the autopilot's estimate, " + axes[i][0],
-                     against_autopilot(axes[i][1]),
-                     axes[i][2],
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    const auto& [axis, metric, unit] = axes[i];
+    std::vector<double> squares = flight::Values(flights, metric);
+    for (double& value : squares) value *= value;
+    table.push_back({name + ", fix less the autopilot's estimate, " + axis + " RMS",
+                     std::sqrt(Mean(squares)),
+                     unit,
                      {},
                      false,
                      thesis[i]});
+  }
 }
 
 // What landings reached, beside the targets that hold for any camera.
@@ -134,15 +134,15 @@ void BenchFlights(flight::SeedRange seeds, int jobs, std::vector<records::Figure
   constexpr double kHiddenFrom_s = 10;
   {
     const auto open = flight::FlyAll("pose", {}, seeds, jobs, "pose at 4.2 m");
-    AddPose("pose 4.2 m", open, 0.05, 0.04, 0.5, {"0.42", "0.16", "0.16", "2"}, table);
+    AddPose("pose 4.2 m", ErrorsOf(open), 0.05, 0.04, 0.5, "", table);
+    AddLessAutopilot("pose 4.2 m", open, {"0.42", "0.16", "0.16", "2"}, table);
     table.push_back({"pose 4.2 m, frames tracked with half of the pad in view",
                      ErrorsOf(open, 0, kHalf).Share(), "share", 0.98, true, ""});
     const auto hidden =
         flight::FlyAll("pose", {"occlusion.share=0.7", fmt::format("occlusion.from_s={}", kHiddenFrom_s)},
                        seeds, jobs, "pose, 70 % of the pad hidden");
     const FixErrors before = ErrorsOf(open, kHiddenFrom_s), after = ErrorsOf(hidden, kHiddenFrom_s, kLeast);
-    AddPose("70 % hidden, within twice the open targets", after, 0.10, 0.08, 1.0,
-            {"tracked", "tracked", "tracked", "tracked"}, table);
+    AddPose("70 % hidden, within twice the open targets", after, 0.10, 0.08, 1.0, "tracked", table);
     table.push_back({"70 % hidden, frames tracked with 25 % of the pad in view", after.Share(), "share", 0.95,
                      true, "tracked"});
     table.push_back({"70 % hidden, horizontal RMSE over our own in the open", after.Level() / before.Level(),
@@ -154,7 +154,8 @@ void BenchFlights(flight::SeedRange seeds, int jobs, std::vector<records::Figure
   }
   {
     const auto flights = flight::FlyAll("pose_high", {}, seeds, jobs, "pose at 10 m");
-    AddPose("pose 10 m", flights, 0.15, 0.10, 1, {"", "", "0.85", "4"}, table);
+    AddPose("pose 10 m", ErrorsOf(flights), 0.15, 0.10, 1, "", table);
+    AddLessAutopilot("pose 10 m", flights, {"", "", "0.85", "4"}, table);
     table.push_back({"pose 10 m, frames tracked with half of the pad in view",
                      ErrorsOf(flights, 0, kHalf).Share(), "share", 0.98, true, ""});
   }
