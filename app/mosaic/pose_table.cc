@@ -46,12 +46,17 @@ struct Timed {
   std::optional<Pose> pose;
 };
 
-// Where a track of poses was at a time within it.
+// Where a track of poses was at a time within it, or before it by no more than its first two rows are apart: the first
+// image is exposed before anything is known of it.
 std::optional<Pose> At(const std::vector<Timed>& rows, double t_s) {
-  const auto after = std::lower_bound(rows.begin(), rows.end(), t_s,
-                                      [](const Timed& row, double t) { return row.given_s < t; });
+  auto after = std::lower_bound(rows.begin(), rows.end(), t_s,
+                                [](const Timed& row, double t) { return row.given_s < t; });
   if (after == rows.end()) return std::nullopt;
-  if (after == rows.begin()) return after->given_s == t_s ? after->pose : std::nullopt;
+  if (after == rows.begin()) {
+    if (after->given_s == t_s) return after->pose;
+    if (rows.size() < 2 || t_s < 2 * rows[0].given_s - rows[1].given_s) return std::nullopt;
+    ++after;
+  }
   const Timed &a = *std::prev(after), &b = *after;
   if (!a.pose || !b.pose) return std::nullopt;
   const double share = (t_s - a.given_s) / (b.given_s - a.given_s);

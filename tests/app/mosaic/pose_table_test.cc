@@ -69,7 +69,11 @@ TEST_F(PoseTableTest, TelemetryIsBroughtToTheTimesOfExposure) {
       "estimate_roll_deg\n"
       "1.0,0.95,0,0,-10,0,0,0\n1.1,1.05,2,4,-12,20,0,0\n1.2,1.2,3,4,-12,20,0,0\n");
   ASSERT_EQ(poses.size(), 3u);
-  EXPECT_FALSE(poses[0]) << "before the first row";
+  ASSERT_TRUE(poses[0]) << "exposed before the first row, and less than rows are apart";
+  EXPECT_LT((poses[0]->p - Eigen::Vector3d(-1, -2, -9)).norm(), 1e-9);
+  EXPECT_LT(poses[0]->R.angularDistance(
+                Eigen::Quaterniond(Eigen::AngleAxisd(Radians(-10), Eigen::Vector3d::UnitZ()))),
+            1e-7);
   ASSERT_TRUE(poses[1]);
   EXPECT_LT((poses[1]->p - Eigen::Vector3d(1, 2, -11)).norm(), 1e-9);
   EXPECT_LT(poses[1]->R.angularDistance(
@@ -77,6 +81,18 @@ TEST_F(PoseTableTest, TelemetryIsBroughtToTheTimesOfExposure) {
             1e-9);
   ASSERT_TRUE(poses[2]);
   EXPECT_LT((poses[2]->p - Eigen::Vector3d(3, 4, -12)).norm(), 1e-9);
+}
+
+TEST_F(PoseTableTest, AnExposureLongBeforeTheFirstRowHasNoPose) {
+  const std::string columns =
+      "t_s,exposure_t_s,estimate_x_m,estimate_y_m,estimate_z_m,estimate_yaw_deg,estimate_pitch_deg,"
+      "estimate_roll_deg\n";
+  const auto poses = Read(columns + "1.0,0.8,0,0,-10,0,0,0\n1.1,1.0,2,4,-12,20,0,0\n");
+  ASSERT_EQ(poses.size(), 2u);
+  EXPECT_FALSE(poses[0]);
+  ASSERT_TRUE(poses[1]);
+  EXPECT_EQ(poses[1]->p, Eigen::Vector3d(0, 0, -10));
+  EXPECT_FALSE(Read(columns + "1.0,0.9,0,0,-10,0,0,0\n")[0]) << "of one row nothing can be carried back";
 }
 
 TEST_F(PoseTableTest, EveryColumnThatIsMissingIsTold) {
