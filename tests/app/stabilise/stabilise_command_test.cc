@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/stabilise/stabilise_command.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <ios>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <stdexcept>
+#include <vector>
+
+#include "base/diagnostics.h"
+#include "tests/support/temporary_folder.h"
+
+namespace kestrel::app {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+// A folder of images of a camera that shakes before a picture of random blotches.
+class StabiliseCommandTest : public InTemporaryFolder {
+ protected:
+  void SetUp() override {
+    InTemporaryFolder::SetUp();
+    cv::Mat fine(200, 260, CV_32FC3), scene;
+    cv::RNG(3).fill(fine, cv::RNG::NORMAL, 0, 90);
+    cv::GaussianBlur(fine, fine, {}, 2);
+    fine.convertTo(scene, CV_8U, 3, 128);
+    arguments_.input = File("images");
+    std::filesystem::create_directory(arguments_.input);
+    for (int i = 0; i < 12; ++i)
+      cv::imwrite(Image(i),
+                  scene(cv::Rect(40 + static_cast<int>(std::lround(10 * std::sin(i))), 30, 160, 120)));
+    std::ofstream(File("camera.yaml"))
+        << "model: pinhole\nwidth_px: 160\nheight_px: 120\nfx_px: 150\nfy_px: 150\n"
+           "cx_px: 79.5\ncy_px: 59.5\n";
+    arguments_.csv = File("path.csv");
+    arguments_.options.mode = "reference";
+    arguments_.quiet = true;
+  }
+  std::string File(const std::string& name) const { return (folder_ / name).string(); }
+  std::string Image(int i) const { return fmt::format("{}/{:03}.png", arguments_.input, i); }
+  std::vector<std::string> Rows() const {
+    std::vector<std::string> rows;
+    std::ifstream csv(arguments_.csv);
+    for (std::string line; std::getline(csv, line);) rows.push_back(line);
+    return rows;
+  }
+  std::string Refusal() const {
+    try {
+      StabiliseCommand(arguments_);
+    } catch (const InputError& e) {
+      return e.what();
+    }
+    return "accepted";
+  }
+  StabiliseArguments arguments_;
+};
+
+TEST_F(StabiliseCommandTest, EachModeWritesARowAndAnImageForEachImage) {
+  int modes = 0;
+  for (const char* mode : {"reference", "smooth", "offline"}) {
+    arguments_.options.mode = mode;
+    arguments_.out = File(fmt::format("{}.mp4", mode));
+    arguments_.before_after = File(fmt::format("{}_both.mp4", mode));
+    StabiliseCommand(arguments_);
+    const auto rows = Rows();
+    ASSERT_EQ(rows.size(), 13u) << mode;
+    for (const std::string& row : rows) EXPECT_EQ(std::count(row.begin(), row.end(), ','), 11) << row;
+    EXPECT_THAT(rows[1], HasSubstr(",first,"));
+    EXPECT_THAT(rows[12], HasSubstr(",followed,"));
+    EXPECT_GT(std::filesystem::file_size(arguments_.out), 1000u);
+    EXPECT_GT(std::filesystem::file_size(arguments_.before_after), 1000u);
+    ++modes;
+  }
+  EXPECT_EQ(modes, 3);
+}
+
+TEST_F(StabiliseCommandTest, WhatIsNoVideoIsRefused) {
+  const std::string folder = arguments_.input;
+  arguments_.input = Image(0);
+  EXPECT_THAT(Refusal(), HasSubstr("one image, which has no motion"));
+  arguments_.input = File("camera.yaml");
+  EXPECT_THAT(Refusal(), HasSubstr("neither an image nor a video"));
+  arguments_.input = folder, arguments_.csv = "";
+  EXPECT_THAT(Refusal(), HasSubstr("there would be no result"));
+}
+
+TEST_F(StabiliseCommandTest, AGyroNeedsItsFileAndACamera) {
+  arguments_.options.by = "gyro";
+  EXPECT_THAT(Refusal(), AllOf(HasSubstr("--camera: not given"), HasSubstr("--imu: not given")));
+  arguments_.options.by = "vision", arguments_.imu = File("gyro.csv");
+  EXPECT_THAT(Refusal(), HasSubstr("of no use to --by vision"));
+}
+
+TEST_F(StabiliseCommandTest, AGyroOfAnotherTimeIsToldUnlessItsOffsetIsGiven) {
+  arguments_.options.by = "gyro", arguments_.camera = File("camera.yaml"), arguments_.imu = File("gyro.csv");
+  std::ofstream csv(arguments_.imu);
+  csv << std::fixed << "t_s,wx_rad_s,wy_rad_s,wz_rad_s\n";
+  for (int i = 0; i < 400; ++i) csv << 1000 + i / 200.0 << ",0,0.1,0\n";
+  csv.close();
+  EXPECT_THAT(Refusal(), AllOf(HasSubstr("--imu"), HasSubstr("at no offset of up to 2 s")));
+  arguments_.imu_offset_s = 1000;
+  StabiliseCommand(arguments_);
+  ASSERT_EQ(Rows().size(), 13u);
+  EXPECT_THAT(Rows()[5], HasSubstr(",gyro,"));
+}
+
+TEST_F(StabiliseCommandTest, AnImageOfAnotherSizeEndsAVideoAndStartsTheViewAnewWithoutOne) {
+  cv::imwrite(Image(12), cv::Mat(60, 80, CV_8UC3, cv::Scalar(9, 99, 199)));
+  StabiliseCommand(arguments_);
+  ASSERT_EQ(Rows().size(), 14u);
+  EXPECT_THAT(Rows()[13], HasSubstr(",resized,"));
+  arguments_.out = File("steady.mp4");
+  try {
+    StabiliseCommand(arguments_);
+    FAIL() << "accepted";
+  } catch (const std::runtime_error& e) {
+    EXPECT_THAT(e.what(), AllOf(HasSubstr("it broke off after 12 images"), HasSubstr("80 x 60")));
+  }
+  EXPECT_EQ(Rows().size(), 13u);
+}
+
+}  // namespace
+}  // namespace kestrel::app
