@@ -36,10 +36,10 @@ namespace kestrel::app {
 
 CLI::App* AddBenchCommand(CLI::App& app, BenchArguments& a) {
   const std::vector<std::string> names = {
-      "flights",  "fisheye", "attitude",    "horizon",     "gyro_failure", "drift",        "heights",
-      "speed",    "render",  "calibration", "servo",       "trackers",     "contrast",     "follow",
-      "avoid",    "stream",  "planar",      "alignment",   "features",     "homographies", "plane_pose",
-      "landings", "mosaic",  "stabilise", "wire",        "link_faults", "campaign",     "hashes"};
+      "flights",  "fisheye", "attitude",    "horizon",   "gyro_failure", "drift",        "heights",
+      "speed",    "render",  "calibration", "servo",     "trackers",     "contrast",     "follow",
+      "avoid",    "stream",  "planar",      "alignment", "features",     "homographies", "plane_pose",
+      "landings", "mosaic",  "stabilise",   "wire",      "link_faults",  "campaign",     "hashes"};
   CLI::App* command = app.add_subcommand("bench", "Measure: a table of figures beside their targets");
   // Of campaigns by its name alone: it flies for minutes, and kills itself.
   command->add_option("name", a.name, "All but campaign, wire, link_faults and hashes when none is given")

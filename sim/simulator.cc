@@ -60,9 +60,9 @@ Simulator::Simulator(const SimulatorParameters& parameters)
       sensor_faults_(parameters.sensors.faults, parameters.seed),
       X_BC_(vision::MountPose(parameters.mount)),
       vibration_(parameters.mount.vibration, parameters.seed),
-      renderer_(std::make_unique<FrameRenderer>(
-          model_.get(), parameters.camera, parameters.render, parameters_.image, X_BC_,
-          vibration_, parameters.seed, parameters.surfaces, parameters.draw_beside)),
+      renderer_(std::make_unique<FrameRenderer>(model_.get(), parameters.camera, parameters.render,
+                                                parameters_.image, X_BC_, vibration_, parameters.seed,
+                                                parameters.surfaces, parameters.draw_beside)),
       hashes_(std::make_unique<Hashes>()),
       scheduled_(ChangesOf(parameters.sensors.faults, parameters.actuators.faults, parameters.vehicle)),
       faults_(parameters.image.faults, parameters.seed, parameters.duration_s) {

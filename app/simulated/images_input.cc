@@ -64,8 +64,7 @@ ImageInput FolderInput(const ImageArguments& a, Mistakes& mistakes) {
     return input;
   }
   input.size = first->image.size();
-  input.next = [folder, first, number = 0,
-                rate = input.rate_hz]() mutable -> std::optional<vision::Frame> {
+  input.next = [folder, first, number = 0, rate = input.rate_hz]() mutable -> std::optional<vision::Frame> {
     const auto image = number == 0 ? std::exchange(first, std::nullopt) : folder->Grab();
     if (!image && !folder->Error().empty()) throw std::runtime_error(folder->Error());
     if (!image) return std::nullopt;

@@ -41,7 +41,8 @@ cv::Mat Bgr(const cv::Mat& image) {
 }
 
 // How the camera turned from image to image, for the offset of a gyro's clock. The input is read to its end.
-std::vector<vision::ImageTurn> TurnsOf(const StabiliseArguments& a, const vision::CameraModel& camera, ImageInput input) {
+std::vector<vision::ImageTurn> TurnsOf(const StabiliseArguments& a, const vision::CameraModel& camera,
+                                       ImageInput input) {
   vision::StabiliserOptions sphere = a.options;
   sphere.by = "sphere";
   vision::ImageFollower follower(sphere, camera, {}, false);
@@ -65,8 +66,9 @@ std::vector<vision::ImageTurn> TurnsOf(const StabiliseArguments& a, const vision
 
 std::string Row(const vision::StabilisedImage& image, const vision::CameraModel* camera, const cv::Size& size,
                 double ms) {
-  std::string row = fmt::format("{},{:.4f},{},{},{},{:.3f},{:.4f}", image.number, image.t_s,
-                                vision::NameOf(image.state), image.points, image.inliers, image.rms_px, image.strength);
+  std::string row =
+      fmt::format("{},{:.4f},{},{},{},{:.3f},{:.4f}", image.number, image.t_s, vision::NameOf(image.state),
+                  image.points, image.inliers, image.rms_px, image.strength);
   // How the view shows the middle of the image.
   constexpr double kStep_px = 10;
   const Eigen::Vector2d middle((size.width - 1) / 2.0, (size.height - 1) / 2.0);
@@ -74,7 +76,8 @@ std::string Row(const vision::StabilisedImage& image, const vision::CameraModel*
              right = vision::ShownAt(image.view, camera, middle + Eigen::Vector2d(kStep_px, 0));
   if (!at || !right) return row + fmt::format(",,,,,{:.2f}\n", ms);
   const Eigen::Vector2d along = *right - *at,
-                        shift = *at - Eigen::Vector2d((image.view.size.width - 1) / 2.0, (image.view.size.height - 1) / 2.0);
+                        shift = *at - Eigen::Vector2d((image.view.size.width - 1) / 2.0,
+                                                      (image.view.size.height - 1) / 2.0);
   return row + fmt::format(",{:.3f},{:.3f},{:.4f},{:.5f},{:.2f}\n", shift.x(), shift.y(),
                            std::atan2(along.y(), along.x()) * 180 / M_PI, along.norm() / kStep_px, ms);
 }
@@ -83,7 +86,8 @@ std::string Row(const vision::StabilisedImage& image, const vision::CameraModel*
 cv::Mat SideBySide(const cv::Mat& before, const cv::Mat& after) {
   cv::Mat right = Bgr(after), both;
   if (right.rows != before.rows)
-    cv::resize(right, right, {2 * (right.cols * before.rows / right.rows / 2), before.rows}, 0, 0, cv::INTER_AREA);
+    cv::resize(right, right, {2 * (right.cols * before.rows / right.rows / 2), before.rows}, 0, 0,
+               cv::INTER_AREA);
   cv::hconcat(before, right, both);
   return both;
 }
@@ -124,8 +128,8 @@ void Follow(const StabiliseArguments& a, ImageInput& input, const std::optional<
       if (!frame) break;
       if (size.empty()) size = frame->image.size();
       if (frame->image.size() != size && (out || beside || camera))
-        throw std::runtime_error(fmt::format("an image of {} x {} pixels after those of {} x {}", frame->image.cols,
-                                             frame->image.rows, size.width, size.height));
+        throw std::runtime_error(fmt::format("an image of {} x {} pixels after those of {} x {}",
+                                             frame->image.cols, frame->image.rows, size.width, size.height));
       vision::ImageAttitudes attitudes;
       attitudes.readout_s = a.readout_s;
       if (gyro) attitudes.R_NC_rows = gyro->track.Rows(frame->t_s + gyro->offset_s, a.readout_s);
@@ -145,8 +149,7 @@ void Follow(const StabiliseArguments& a, ImageInput& input, const std::optional<
       show(image);
       progress.Show(++frames);
     }
-    while (show(stabiliser.Finish())) {
-    }
+    while (show(stabiliser.Finish())) {}
   } catch (const std::runtime_error& e) {
     broke_off = e.what();
   }
@@ -160,8 +163,10 @@ void Follow(const StabiliseArguments& a, ImageInput& input, const std::optional<
   }
   if (!a.quiet && frames > 0) {
     std::string counts;
-    for (const auto& [name, count] : states) counts += fmt::format("{}{} {}", counts.empty() ? "" : ", ", count, name);
-    fmt::print("{} images: {}; {:.1f} ms each, {} images late\n", shown, counts, sum_ms / frames, stabiliser.Lag());
+    for (const auto& [name, count] : states)
+      counts += fmt::format("{}{} {}", counts.empty() ? "" : ", ", count, name);
+    fmt::print("{} images: {}; {:.1f} ms each, {} images late\n", shown, counts, sum_ms / frames,
+               stabiliser.Lag());
   }
   if (!broke_off.empty())
     throw std::runtime_error(
@@ -169,25 +174,29 @@ void Follow(const StabiliseArguments& a, ImageInput& input, const std::optional<
 }
 
 // The gyro and its clock. A mistake: no file of a gyro, or one that has nothing to do with the video.
-std::optional<Gyro> OpenGyro(const StabiliseArguments& a, const vision::CameraModel& camera, Mistakes& mistakes) {
+std::optional<Gyro> OpenGyro(const StabiliseArguments& a, const vision::CameraModel& camera,
+                             Mistakes& mistakes) {
   const std::size_t before = mistakes.all().size();
   Gyro gyro{vision::GyroTrack(vision::ReadGyroFile(a.imu, mistakes)), a.imu_offset_s.value_or(0)};
   if (mistakes.all().size() > before) return std::nullopt;
   if (a.imu_offset_s) return gyro;
-  const auto offset = vision::EstimateGyroOffset(TurnsOf(a, camera, OpenImages(a, stopped, mistakes)), gyro.track,
-                                                 a.max_offset_s);
+  const auto offset = vision::EstimateGyroOffset(TurnsOf(a, camera, OpenImages(a, stopped, mistakes)),
+                                                 gyro.track, a.max_offset_s);
   if (!offset) {
-    mistakes.Add("--imu", "",
-                 fmt::format("'{}', from {:.3f} to {:.3f} s, turns as the video does at no offset of up to {} s", a.imu,
-                             gyro.track.begin_s(), gyro.track.end_s(), a.max_offset_s),
-                 "valid: the rates in the camera's axes while it was filmed, of the same clock within --max-offset-s; "
-                 "--imu-offset-s where the offset is known");
+    mistakes.Add(
+        "--imu", "",
+        fmt::format("'{}', from {:.3f} to {:.3f} s, turns as the video does at no offset of up to {} s",
+                    a.imu, gyro.track.begin_s(), gyro.track.end_s(), a.max_offset_s),
+        "valid: the rates in the camera's axes while it was filmed, of the same clock within --max-offset-s; "
+        "--imu-offset-s where the offset is known");
     return std::nullopt;
   }
   gyro.offset_s = offset->offset_s;
   if (!a.quiet)
-    fmt::print("the gyro's clock is {:+.4f} s from the video's, by {} turns of which it leaves {:.1f} % unexplained\n",
-               offset->offset_s, offset->turns, 100 * offset->unlike);
+    fmt::print(
+        "the gyro's clock is {:+.4f} s from the video's, by {} turns of which it leaves {:.1f} % "
+        "unexplained\n",
+        offset->offset_s, offset->turns, 100 * offset->unlike);
   return gyro;
 }
 
@@ -197,17 +206,22 @@ CLI::App* AddStabiliseCommand(CLI::App& app, StabiliseArguments& a) {
   CLI::App* command =
       app.add_subcommand("stabilise", "Steady a video: the view stands still, or goes along a smooth path");
   command
-      ->add_option("input", a.input, "A video file, a folder of images or a camera's address, as of kestrel fly")
+      ->add_option("input", a.input,
+                   "A video file, a folder of images or a camera's address, as of kestrel fly")
       ->type_name("INPUT")
       ->required();
-  command->add_option("--mode", a.options.mode,
-                      "reference: the view stands still; smooth: it goes smoothly, late by --lag-s; offline: the same, "
-                      "with all the images that count")
+  command
+      ->add_option(
+          "--mode", a.options.mode,
+          "reference: the view stands still; smooth: it goes smoothly, late by --lag-s; offline: the same, "
+          "with all the images that count")
       ->check(OneOf({"reference", "smooth", "offline"}))
       ->capture_default_str();
-  command->add_option("--by", a.options.by,
-                      "vision: a plane's motion; sphere: the camera's rotation, by vision; gyro: its rotation by --imu "
-                      "alone; both. All but vision need --camera")
+  command
+      ->add_option(
+          "--by", a.options.by,
+          "vision: a plane's motion; sphere: the camera's rotation, by vision; gyro: its rotation by --imu "
+          "alone; both. All but vision need --camera")
       ->check(OneOf({"vision", "sphere", "gyro", "both"}))
       ->capture_default_str();
   command->add_option("--model", a.options.motion.model, "What an image may do from one to the next")
@@ -234,7 +248,8 @@ CLI::App* AddStabiliseCommand(CLI::App& app, StabiliseArguments& a) {
       ->check(OneOf({"black", "blurred", "filled"}))
       ->capture_default_str();
   command
-      ->add_option("--camera", a.camera, "A name in models/cameras, or a calibration file of Kestrel, Kalibr or OpenCV")
+      ->add_option("--camera", a.camera,
+                   "A name in models/cameras, or a calibration file of Kestrel, Kalibr or OpenCV")
       ->type_name("CAMERA");
   command->add_option("--camera-name", a.camera_name, "Which camera of a Kalibr file (default: its first)");
   command->add_option("--imu", a.imu, "CSV of a gyro: t_s, wx_rad_s, wy_rad_s, wz_rad_s in the camera's axes")
@@ -244,15 +259,20 @@ CLI::App* AddStabiliseCommand(CLI::App& app, StabiliseArguments& a) {
   command->add_option("--max-offset-s", a.max_offset_s, "Within which the offset is looked for")
       ->check(CLI::Range(0.0, 60.0))
       ->capture_default_str();
-  command->add_option("--readout-s", a.readout_s,
-                      "From the first row's exposure to the last one's, of a rolling shutter; negative: from below")
+  command
+      ->add_option(
+          "--readout-s", a.readout_s,
+          "From the first row's exposure to the last one's, of a rolling shutter; negative: from below")
       ->check(CLI::Range(-0.2, 0.2));
   command->add_option("--out", a.out, "The video (.mp4)")->type_name("FILE");
   command
-      ->add_option("--before-after", a.before_after, "A video of both side by side, with what was matched drawn (.mp4)")
+      ->add_option("--before-after", a.before_after,
+                   "A video of both side by side, with what was matched drawn (.mp4)")
       ->type_name("FILE");
   command->add_option("--csv", a.csv, "A row for each image: state, points, path")->type_name("FILE");
-  command->add_option("--frames", a.frames, "End after so many images (default: with the input, or when interrupted)")
+  command
+      ->add_option("--frames", a.frames,
+                   "End after so many images (default: with the input, or when interrupted)")
       ->check(CLI::Range(1, 100000000));
   AddBitsOption(*command, a.bits);
   command->add_flag("--quiet", a.quiet, "Print nothing but errors");
@@ -260,7 +280,8 @@ CLI::App* AddStabiliseCommand(CLI::App& app, StabiliseArguments& a) {
       "Examples:\n"
       "  kestrel stabilise flight.mp4 --out steady.mp4 --before-after both.mp4 --csv path.csv\n"
       "  kestrel stabilise hover.mp4 --mode reference --border filled --out still.mp4\n"
-      "  kestrel stabilise flight.mp4 --by both --imu gyro.csv --camera my_calibration.yaml --readout-s 0.03 --out "
+      "  kestrel stabilise flight.mp4 --by both --imu gyro.csv --camera my_calibration.yaml --readout-s 0.03 "
+      "--out "
       "steady.mp4");
   return command;
 }
@@ -286,7 +307,8 @@ void StabiliseCommand(const StabiliseArguments& given) {
                                : fmt::format("of no use to --by {}", a.options.by),
                  "valid: --by gyro or both, with --imu");
   if (ByGyro(a) && live)
-    mistakes.Add("--imu", "", "a file, and the input is a camera that goes on", "valid: with a video or a folder");
+    mistakes.Add("--imu", "", "a file, and the input is a camera that goes on",
+                 "valid: with a video or a folder");
   if (a.out.empty() && a.csv.empty() && a.before_after.empty())
     mistakes.Add("--out", "", "not given, nor --csv or --before-after: there would be no result");
   CheckOutputFiles(a, false, a.imu, mistakes);
@@ -295,7 +317,8 @@ void StabiliseCommand(const StabiliseArguments& given) {
     other.out = a.before_after;
     CheckOutputFiles(other, false, a.imu, mistakes);
     if (a.before_after == a.out)
-      mistakes.Add("--before-after", "", fmt::format("'{}' is that of --out too", a.out), "valid: another file");
+      mistakes.Add("--before-after", "", fmt::format("'{}' is that of --out too", a.out),
+                   "valid: another file");
   }
   mistakes.ThrowIfAny();
   std::optional<Gyro> gyro;

@@ -26,13 +26,18 @@ constexpr std::array<double, 8> kShakes = {0.35, 0.5, 0.5, 0.4, 0.35, 0.2, 0.15,
 
 }  // namespace
 
-ShakenClip::ShakenClip(const ShakenClipOptions& options, std::uint64_t seed) : options_(options), seed_(seed) {
+ShakenClip::ShakenClip(const ShakenClipOptions& options, std::uint64_t seed)
+    : options_(options), seed_(seed) {
   RandomStream random(seed, "shaken clip " + options.name);
   for (auto& of : phases_)
     for (double& phase : of) phase = random.Uniform(0, 2 * std::numbers::pi);
   ground_ = Blotches({kGround_px, kGround_px}, 4, 22, random.Bits());
   const double f_px = 0.95 * options.size.width;
-  camera_ = {options.size.width, options.size.height, f_px, f_px, (options.size.width - 1) / 2.0,
+  camera_ = {options.size.width,
+             options.size.height,
+             f_px,
+             f_px,
+             (options.size.width - 1) / 2.0,
              (options.size.height - 1) / 2.0};
 }
 
@@ -113,10 +118,9 @@ std::vector<vision::GyroSample> ShakenClip::Gyro() const {
   std::vector<vision::GyroSample> samples;
   const double end_s = t_s(options_.images - 1) + kBeyond_s;
   for (double t = -kBeyond_s; t < end_s; t += 1 / kRate_hz) {
-    const Vector3d w =
-        LogRotation(X_NC(t - kStep_s).R.conjugate() * X_NC(t + kStep_s).R) / (2 * kStep_s);
-    samples.push_back({t, w + bias + Radians(kNoise_deg_s) * Vector3d(random.Normal(), random.Normal(),
-                                                                      random.Normal())});
+    const Vector3d w = LogRotation(X_NC(t - kStep_s).R.conjugate() * X_NC(t + kStep_s).R) / (2 * kStep_s);
+    samples.push_back(
+        {t, w + bias + Radians(kNoise_deg_s) * Vector3d(random.Normal(), random.Normal(), random.Normal())});
   }
   return samples;
 }

@@ -21,7 +21,8 @@ std::vector<double> Cosines(const std::vector<double>& x) {
   std::vector<double> X(n);
   for (std::size_t k = 0; k < n; ++k) {
     for (std::size_t i = 0; i < n; ++i)
-      X[k] += x[i] * std::cos(M_PI * (static_cast<double>(i) + 0.5) * static_cast<double>(k) / static_cast<double>(n));
+      X[k] += x[i] * std::cos(M_PI * (static_cast<double>(i) + 0.5) * static_cast<double>(k) /
+                              static_cast<double>(n));
     X[k] *= std::sqrt((k == 0 ? 1.0 : 2.0) / static_cast<double>(n));
   }
   return X;
@@ -57,8 +58,9 @@ Eigen::Matrix2d LinearPart(const vision::ImageView& view, const vision::CameraMo
   Eigen::Matrix2d A;
   for (int k = 0; k < 2; ++k) {
     const Vector2d step = kStep_px * Vector2d::Unit(k);
-    A.col(k) = (*vision::ShownAt(view, &camera, middle + step) - *vision::ShownAt(view, &camera, middle - step)) /
-               (2 * kStep_px);
+    A.col(k) =
+        (*vision::ShownAt(view, &camera, middle + step) - *vision::ShownAt(view, &camera, middle - step)) /
+        (2 * kStep_px);
   }
   return A;
 }
@@ -114,7 +116,8 @@ Steadiness SteadinessOf(const ShakenClip& clip, int first, const std::vector<vis
         const Vector3d p_N = clip.Ground(actual, {x * w, y * h});
         const Vector2d once = clip.SeenFrom(actual, p_N), seen = clip.SeenByRows(i, p_N);
         pairs_in.push_back({once, seen});
-        pairs_out.push_back({*vision::ShownAt(at_once, &camera, once), *vision::ShownAt(view, &camera, seen)});
+        pairs_out.push_back(
+            {*vision::ShownAt(at_once, &camera, once), *vision::ShownAt(view, &camera, seen)});
       }
     }
     for (const auto& [pairs, rms] : {std::pair{&pairs_in, &skews_in}, {&pairs_out, &skews}}) {

@@ -14,10 +14,10 @@ namespace kestrel::bench {
 struct Steadiness {
   double jitter_in_px = 0, jitter_px = 0;  // RMS of the corners against the intended path, from 0.5 to 15 Hz
   double stability = 0, stability_in = 0;  // share of the corners' paths in their lowest frequencies
-  double distortion = 1;                   // the worst ratio of the two singular values of an image's linear part
-  double crop = 0;                         // mean share of the image's width that is shown
-  double skew_in_px = 0, skew_px = 0;      // RMS of what no similarity explains of the rows' times
-  double outside = 0;                      // mean share of the view that no pixel of the image fills
+  double distortion = 1;               // the worst ratio of the two singular values of an image's linear part
+  double crop = 0;                     // mean share of the image's width that is shown
+  double skew_in_px = 0, skew_px = 0;  // RMS of what no similarity explains of the rows' times
+  double outside = 0;                  // mean share of the view that no pixel of the image fills
 
   double Jitter() const { return jitter_px / jitter_in_px; }
   double Skew() const { return skew_px / skew_in_px; }

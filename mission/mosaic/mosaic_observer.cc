@@ -43,10 +43,7 @@ std::vector<PlacedImage> PlacesOf(const vision::Mosaic& mosaic, const std::vecto
 
 MosaicObserver::MosaicObserver(vision::MosaicOptions options, const MosaicParameters& parameters,
                                const vision::CameraModel& camera, const Pose& X_BC, int images)
-    : parameters_(parameters),
-      X_BC_(X_BC),
-      images_(images),
-      mosaic_(OptionsOf(options, parameters, camera)) {
+    : parameters_(parameters), X_BC_(X_BC), images_(images), mosaic_(OptionsOf(options, parameters, camera)) {
   if (parameters.chain) chain_.emplace(ChainOf(mosaic_.options()));
 }
 
@@ -75,7 +72,8 @@ vision::MosaicStep MosaicObserver::Add(const vision::Frame& frame, Decision& dec
 std::shared_ptr<const FinishedMosaic> MosaicObserver::Finish() {
   if (placed_ == 0) return nullptr;
   mosaic_.Adjust();
-  FinishedMosaic finished{mosaic_.projection(), PlacesOf(mosaic_, sequences_), {}, mosaic_.GroundFromSurface()};
+  FinishedMosaic finished{
+      mosaic_.projection(), PlacesOf(mosaic_, sequences_), {}, mosaic_.GroundFromSurface()};
   if (chain_) finished.chained = PlacesOf(*chain_, sequences_);
   return std::make_shared<FinishedMosaic>(std::move(finished));
 }

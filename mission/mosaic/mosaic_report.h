@@ -28,9 +28,9 @@ struct FinishedMosaic {
 
 // The report of missions that make a mosaic.
 struct MosaicReport final : PathReport {
-  std::optional<vision::MosaicStep> step;  // of this frame; none: it was not asked for
+  std::optional<vision::MosaicStep> step;                 // of this frame; none: it was not asked for
   int offered = 0, placed = 0, keyframes = 0, loops = 0;  // until now
-  std::shared_ptr<const FinishedMosaic> finished;          // of the last frame alone
+  std::shared_ptr<const FinishedMosaic> finished;         // of the last frame alone
 };
 
 }  // namespace kestrel::mission

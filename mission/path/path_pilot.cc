@@ -10,8 +10,7 @@ std::optional<WaypointPath::Reference> PathPilot::Fly(const control::VehicleStat
   const bool rises = state.landed || state.mode == control::FlightMode::kTakeOff;
   if (rises) {
     if (!take_off_)
-      take_off_ =
-          control::PositionSetpoint{{state.p_NB.x(), state.p_NB.y(), -height_m_}, YawOf(state.R_NB)};
+      take_off_ = control::PositionSetpoint{{state.p_NB.x(), state.p_NB.y(), -height_m_}, YawOf(state.R_NB)};
     path_.reset();
     decision.phase = "take off";
     decision.setpoint = *take_off_;

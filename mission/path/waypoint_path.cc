@@ -78,8 +78,8 @@ control::VelocitySetpoint FollowPath(const WaypointPath::Reference& reference,
   setpoint.v_H = HeadingRotation(yaw).conjugate() * v_N;
   setpoint.v_H.head<2>() = Limited(setpoint.v_H.head<2>(), speed);
   setpoint.v_H.z() = std::clamp(setpoint.v_H.z(), -speed, speed);
-  setpoint.yaw_rate = std::clamp(
-      reference.yaw_rate + p.lambda_per_s * WrapAngle(reference.yaw - yaw), -turn, turn);
+  setpoint.yaw_rate =
+      std::clamp(reference.yaw_rate + p.lambda_per_s * WrapAngle(reference.yaw - yaw), -turn, turn);
   return setpoint;
 }
 

@@ -14,9 +14,9 @@ namespace kestrel::mission {
 // A place to be at, and for how long.
 struct Waypoint {
   Eigen::Vector3d p_N = Eigen::Vector3d::Zero();  // m
-  double yaw = 0;         // rad, of any number of turns: from 0 to 2 pi is a whole turn
-  double hold_s = 0;      // stays there once it has arrived
-  std::string_view phase; // of the flight plan, on the way there and while it stays
+  double yaw = 0;          // rad, of any number of turns: from 0 to 2 pi is a whole turn
+  double hold_s = 0;       // stays there once it has arrived
+  std::string_view phase;  // of the flight plan, on the way there and while it stays
 };
 
 // How a path is flown by the autopilot's own state.

@@ -33,10 +33,10 @@ std::string PathPlot(const std::filesystem::path& file, const std::vector<LogRow
     const auto* reference = ReferenceOf(row);
     if (!reference) continue;
     const Eigen::Vector3d &r = reference->p_N, &p = row.now.X_NB.p, &by_autopilot = row.estimate.p_NB;
-    text += fmt::format("{:.4f} {:.6g} {:.6g} {:.6g} {:.6g} {:.6g} {:.6g} {:.6g} {:.6g} {:.6g}\n", row.now.t_s,
-                        r.y(), r.x(), p.y(), p.x(), by_autopilot.y(), by_autopilot.x(),
-                        (p - r).head<2>().norm(), r.z() - p.z(),
-                        Degrees(WrapAngle(YawOf(row.now.X_NB.R) - reference->yaw)));
+    text +=
+        fmt::format("{:.4f} {:.6g} {:.6g} {:.6g} {:.6g} {:.6g} {:.6g} {:.6g} {:.6g} {:.6g}\n", row.now.t_s,
+                    r.y(), r.x(), p.y(), p.x(), by_autopilot.y(), by_autopilot.x(), (p - r).head<2>().norm(),
+                    r.z() - p.z(), Degrees(WrapAngle(YawOf(row.now.X_NB.R) - reference->yaw)));
     for (const Eigen::Vector3d* each : {&r, &p}) east.Add(each->y()), north.Add(each->x());
   }
   text += "END_OF_PATH\n" + BeginFigure(file, 1600, 900);

@@ -108,8 +108,8 @@ mission::MissionType TypeOf(const PanoramaFlight&) {
           .product_video = "mosaic.mp4"};
 }
 
-void CheckFlightLimits(const PanoramaFlight& flight, const mission::AircraftLimits& limits, const Place& where,
-                       Mistakes& mistakes) {
+void CheckFlightLimits(const PanoramaFlight& flight, const mission::AircraftLimits& limits,
+                       const Place& where, Mistakes& mistakes) {
   mission::CheckPathLimits(flight.path, limits, where, mistakes);
 }
 
@@ -121,7 +121,8 @@ bool FlightCanHave(const PanoramaFlight& flight, const std::string& metric, cons
   return true;
 }
 
-std::unique_ptr<mission::Mission> MakeMission(const PanoramaFlight& flight, const mission::MissionParts& parts) {
+std::unique_ptr<mission::Mission> MakeMission(const PanoramaFlight& flight,
+                                              const mission::MissionParts& parts) {
   return std::make_unique<PanoramaMission>(flight, parts);
 }
 

@@ -25,9 +25,7 @@ Eigen::Matrix3d NearestRotation(const Eigen::Matrix3d& m) {
   return svd.matrixU() * Eigen::Vector3d(1, 1, side).asDiagonal() * svd.matrixV().transpose();
 }
 
-double Angle_deg(const Eigen::Matrix3d& R) {
-  return Degrees(LogRotation(Eigen::Quaterniond(R)).norm());
-}
+double Angle_deg(const Eigen::Matrix3d& R) { return Degrees(LogRotation(Eigen::Quaterniond(R)).norm()); }
 
 std::vector<Seen> ImagesOf(const std::vector<mission::LogRow>& rows,
                            const std::vector<mission::PlacedImage>& placed) {

@@ -12,8 +12,9 @@ namespace kestrel::scenarios {
 // How what is truly seen at the four corners of the view moved from one image to the next, px of the view: on the
 // ground, z = 0 of N, by the true poses of the camera.
 struct CornerFlow {
-  double t_s = 0;                           // of the exposure of the later image
-  std::array<Eigen::Vector2d, 4> in, out;   // in a view that stands still in the image, as large; in the stabilised
+  double t_s = 0;  // of the exposure of the later image
+  std::array<Eigen::Vector2d, 4> in,
+      out;  // in a view that stands still in the image, as large; in the stabilised
 };
 
 // Of the longest run of images without a gap.

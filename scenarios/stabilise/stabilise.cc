@@ -40,10 +40,9 @@ class StabiliseMission final : public mission::Mission {
  public:
   StabiliseMission(const StabiliseFlight& flight, const mission::MissionParts& parts)
       : flight_(flight),
-        pilot_(flight.height_m, flight.path,
-               [flight](const Eigen::Vector3d& p_N, double yaw) {
-                 return HoverTransitHover(flight, p_N, yaw);
-               }),
+        pilot_(
+            flight.height_m, flight.path,
+            [flight](const Eigen::Vector3d& p_N, double yaw) { return HoverTransitHover(flight, p_N, yaw); }),
         X_BC_(parts.X_BC),
         camera_(std::make_shared<vision::CameraModel>(parts.camera)),
         stabiliser_(flight.stabiliser, parts.camera, kUsualRate_hz) {}
@@ -89,15 +88,15 @@ class StabiliseMission final : public mission::Mission {
       decision.target = "waiting";
       return;
     }
-    report.shown = ShownImage{waiting_.front(), image->t_s,      image->state,
-                              image->inliers,   image->strength, image->view};
+    report.shown =
+        ShownImage{waiting_.front(), image->t_s, image->state, image->inliers, image->strength, image->view};
     waiting_.pop_front();
     shown_s_ = image->t_s;
     decision.target = vision::NameOf(image->state);
     product_ = image->image;
     if (product_.channels() == 1) cv::cvtColor(image->image, product_, cv::COLOR_GRAY2BGR);
-    last_ = fmt::format("{}   {} of {} points agree, {:.2f} px   {:.1f} s late", decision.target, image->inliers,
-                        image->points, image->rms_px, frame.t_s - image->t_s);
+    last_ = fmt::format("{}   {} of {} points agree, {:.2f} px   {:.1f} s late", decision.target,
+                        image->inliers, image->points, image->rms_px, frame.t_s - image->t_s);
   }
 
   StabiliseFlight flight_;
@@ -141,8 +140,8 @@ void CheckFlight(const StabiliseFlight& flight, const Place& where, Mistakes& mi
                  "valid in flight: reference, smooth");
 }
 
-void CheckFlightLimits(const StabiliseFlight& flight, const mission::AircraftLimits& limits, const Place& where,
-                       Mistakes& mistakes) {
+void CheckFlightLimits(const StabiliseFlight& flight, const mission::AircraftLimits& limits,
+                       const Place& where, Mistakes& mistakes) {
   mission::CheckPathLimits(flight.path, limits, where, mistakes);
 }
 

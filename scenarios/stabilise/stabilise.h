@@ -30,8 +30,9 @@ inline void Fields(FieldVisitor& v, StabiliseFlight& p) {
 
 mission::MissionType TypeOf(const StabiliseFlight& flight);
 void CheckFlight(const StabiliseFlight& flight, const Place& where, Mistakes& mistakes);
-void CheckFlightLimits(const StabiliseFlight& flight, const mission::AircraftLimits& limits, const Place& where,
-                       Mistakes& mistakes);
-std::unique_ptr<mission::Mission> MakeMission(const StabiliseFlight& flight, const mission::MissionParts& parts);
+void CheckFlightLimits(const StabiliseFlight& flight, const mission::AircraftLimits& limits,
+                       const Place& where, Mistakes& mistakes);
+std::unique_ptr<mission::Mission> MakeMission(const StabiliseFlight& flight,
+                                              const mission::MissionParts& parts);
 
 }  // namespace kestrel::scenarios

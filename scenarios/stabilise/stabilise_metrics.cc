@@ -43,21 +43,24 @@ double Jitter_px(const std::vector<CornerFlow>& flows, std::array<Eigen::Vector2
 }  // namespace
 
 std::vector<mission::TelemetryColumn> StabiliseColumns() {
-  return {Column("stabilised_sequence",
-                 [](const ShownImage& s, const mission::LogRow&) { return static_cast<double>(s.sequence); }),
-          Column("stabilised_inliers", [](const ShownImage& s, const mission::LogRow&) { return s.inliers; }),
-          Column("stabilised_strength", [](const ShownImage& s, const mission::LogRow&) { return s.strength; })};
+  return {
+      Column("stabilised_sequence",
+             [](const ShownImage& s, const mission::LogRow&) { return static_cast<double>(s.sequence); }),
+      Column("stabilised_inliers", [](const ShownImage& s, const mission::LogRow&) { return s.inliers; }),
+      Column("stabilised_strength", [](const ShownImage& s, const mission::LogRow&) { return s.strength; })};
 }
 
 std::vector<mission::Metric> StabiliseMetrics() {
-  return {{"jitter_in_px", "px", "RMS motion of the corners of the view from 0.5 to 15 Hz, as it came in"},
-          {"jitter_out_px", "px", "The same of the stabilised view"},
-          {"jitter_left", "1", "Share of the motion of the corners from 0.5 to 15 Hz that is left"},
-          {"stabilised_share", "1", "Share of the stabilised images whose motion was measured", 0, 1},
-          {"drawn_back_share", "1",
-           "Share of the stabilised images whose view was drawn back from its smooth path to stay within the image",
-           0, 1},
-          {"stabilised_late_s", "s", "Longest time from the exposure of an image until it was there stabilised"}};
+  return {
+      {"jitter_in_px", "px", "RMS motion of the corners of the view from 0.5 to 15 Hz, as it came in"},
+      {"jitter_out_px", "px", "The same of the stabilised view"},
+      {"jitter_left", "1", "Share of the motion of the corners from 0.5 to 15 Hz that is left"},
+      {"stabilised_share", "1", "Share of the stabilised images whose motion was measured", 0, 1},
+      {"drawn_back_share", "1",
+       "Share of the stabilised images whose view was drawn back from its smooth path to stay within the "
+       "image",
+       0, 1},
+      {"stabilised_late_s", "s", "Longest time from the exposure of an image until it was there stabilised"}};
 }
 
 void AddStabiliseMetrics(const std::vector<mission::LogRow>& rows, std::map<std::string, double>& metrics) {
@@ -77,9 +80,9 @@ void AddStabiliseMetrics(const std::vector<mission::LogRow>& rows, std::map<std:
   metrics["stabilised_late_s"] = late_s;
   const std::vector<CornerFlow> flows = CornerFlows(rows);
   if (flows.size() < 2) return;
-  const double rate_hz =
-      static_cast<double>(flows.size() - 1) / (flows.back().t_s - flows.front().t_s);
-  const double in = Jitter_px(flows, &CornerFlow::in, rate_hz), out = Jitter_px(flows, &CornerFlow::out, rate_hz);
+  const double rate_hz = static_cast<double>(flows.size() - 1) / (flows.back().t_s - flows.front().t_s);
+  const double in = Jitter_px(flows, &CornerFlow::in, rate_hz),
+               out = Jitter_px(flows, &CornerFlow::out, rate_hz);
   metrics["jitter_in_px"] = in;
   metrics["jitter_out_px"] = out;
   if (in > 0) metrics["jitter_left"] = out / in;

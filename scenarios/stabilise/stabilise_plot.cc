@@ -21,7 +21,8 @@ std::vector<double> WithoutSlowMotion(const std::vector<double>& steps, double r
   const auto n = static_cast<std::ptrdiff_t>(steps.size());
   std::vector<double> sums = {0}, of_places = {0};
   for (const double step : steps) sums.push_back(sums.back() + step);
-  for (std::ptrdiff_t i = 0; i < n; ++i) of_places.push_back(of_places.back() + sums[static_cast<std::size_t>(i) + 1]);
+  for (std::ptrdiff_t i = 0; i < n; ++i)
+    of_places.push_back(of_places.back() + sums[static_cast<std::size_t>(i) + 1]);
   std::vector<double> fast;
   for (std::ptrdiff_t i = 0; i < n; ++i) {
     const auto reach = std::min({static_cast<std::ptrdiff_t>(rate_hz), i, n - 1 - i});
@@ -57,8 +58,8 @@ std::string CornerMotionPlot(const std::filesystem::path& file, const std::vecto
   for (std::size_t i = 0; i < 4; ++i)
     fast[i] = WithoutSlowMotion(steps[i], rate_hz), amplitudes[i] = PathAmplitudes(steps[i]);
   for (std::size_t k = 0; k < flows.size(); ++k)
-    text += fmt::format("{:.4f} {:.5g} {:.5g} {:.5g} {:.5g}\n", flows[k].t_s, fast[0][k], fast[1][k], fast[2][k],
-                        fast[3][k]);
+    text += fmt::format("{:.4f} {:.5g} {:.5g} {:.5g} {:.5g}\n", flows[k].t_s, fast[0][k], fast[1][k],
+                        fast[2][k], fast[3][k]);
   text += "END_OF_MOTION\n$spectrum << END_OF_SPECTRUM\n";
   for (std::size_t k = 1; k < amplitudes[0].size(); ++k) {
     text += fmt::format("{:.5g}", rate_hz * static_cast<double>(k) / static_cast<double>(flows.size()));
@@ -70,15 +71,18 @@ std::string CornerMotionPlot(const std::filesystem::path& file, const std::vecto
                                "What is seen at a corner of the view: " + title) +
           "set xrange " + records::TimeRange(rows) + '\n';
   for (int axis = 0; axis < 2; ++axis)
-    text += records::PhaseLines(rows, false) + records::AxisName(axis == 0 ? "right (px)" : "down (px)") +
-            (axis == 0 ? records::kKey : "unset key\nset format x '%g'\nset xlabel 'time (s)' offset 0,0.6\n") +
-            fmt::format("plot $motion using 1:{} with {} title 'as it came in', '' using 1:{} with {} title "
-                        "'stabilised'\n",
-                        2 + 2 * axis, kInStyle, 3 + 2 * axis, kOutStyle);
+    text +=
+        records::PhaseLines(rows, false) + records::AxisName(axis == 0 ? "right (px)" : "down (px)") +
+        (axis == 0 ? records::kKey : "unset key\nset format x '%g'\nset xlabel 'time (s)' offset 0,0.6\n") +
+        fmt::format(
+            "plot $motion using 1:{} with {} title 'as it came in', '' using 1:{} with {} title "
+            "'stabilised'\n",
+            2 + 2 * axis, kInStyle, 3 + 2 * axis, kOutStyle);
   return text +
-         fmt::format("unset arrow\nunset label\n{}set xlabel 'frequency (Hz)'\nset xrange [{}:*]\nset logscale xy\n"
-                     "plot $spectrum using 1:($2**2+$4**2)**0.5 with {}, '' using 1:($3**2+$5**2)**0.5 with {}\n",
-                     records::AxisName("amplitude (px)"), 0.1, kInStyle, kOutStyle) +
+         fmt::format(
+             "unset arrow\nunset label\n{}set xlabel 'frequency (Hz)'\nset xrange [{}:*]\nset logscale xy\n"
+             "plot $spectrum using 1:($2**2+$4**2)**0.5 with {}, '' using 1:($3**2+$5**2)**0.5 with {}\n",
+             records::AxisName("amplitude (px)"), 0.1, kInStyle, kOutStyle) +
          records::EndFigure();
 }
 

@@ -80,7 +80,8 @@ class SurveyMission final : public mission::Mission {
 
 }  // namespace
 
-std::vector<mission::Waypoint> SurveyLines(const SurveyFlight& flight, const Eigen::Vector3d& p_N, double yaw) {
+std::vector<mission::Waypoint> SurveyLines(const SurveyFlight& flight, const Eigen::Vector3d& p_N,
+                                           double yaw) {
   const double heading = Radians(flight.heading_deg);
   const Eigen::Vector3d along(std::cos(heading), std::sin(heading), 0), right(-along.y(), along.x(), 0);
   const Eigen::Vector3d begin(flight.begin_m.x(), flight.begin_m.y(), -flight.height_m);
@@ -130,7 +131,8 @@ bool FlightCanHave(const SurveyFlight& flight, const std::string& metric, const 
   return true;
 }
 
-std::unique_ptr<mission::Mission> MakeMission(const SurveyFlight& flight, const mission::MissionParts& parts) {
+std::unique_ptr<mission::Mission> MakeMission(const SurveyFlight& flight,
+                                              const mission::MissionParts& parts) {
   return std::make_unique<SurveyMission>(flight, parts);
 }
 

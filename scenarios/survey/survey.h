@@ -24,13 +24,14 @@ struct SurveyFlight {
 };
 
 inline void Fields(FieldVisitor& v, SurveyFlight& p) {
-  v({"height_m", "height above the autopilot's local origin, which is taken for that of the ground"}, p.height_m,
-    2.0, 500.0);
-  v({"begin_m", "where the first line begins: north and east of the autopilot's local origin"}, p.begin_m, -1e4,
-    1e4);
+  v({"height_m", "height above the autopilot's local origin, which is taken for that of the ground"},
+    p.height_m, 2.0, 500.0);
+  v({"begin_m", "where the first line begins: north and east of the autopilot's local origin"}, p.begin_m,
+    -1e4, 1e4);
   v({"heading_deg", "direction of the first line, and heading of the aircraft on all of them"}, p.heading_deg,
     -360.0, 360.0);
-  v({"lines", "number of lines, each to the right of the one before and flown the other way"}, p.lines, 1, 100);
+  v({"lines", "number of lines, each to the right of the one before and flown the other way"}, p.lines, 1,
+    100);
   v({"line_m", "length of a line"}, p.line_m, 1.0, 5000.0);
   v({"spacing_m", "distance of two lines"}, p.spacing_m, 0.5, 500.0);
   v({"images", "images of the mosaic, evenly spread over the time of the lines"}, p.images, 2, 10000);
@@ -45,6 +46,7 @@ bool FlightCanHave(const SurveyFlight& flight, const std::string& metric, const 
 std::unique_ptr<mission::Mission> MakeMission(const SurveyFlight& flight, const mission::MissionParts& parts);
 
 // The way of the lines from where the aircraft is.
-std::vector<mission::Waypoint> SurveyLines(const SurveyFlight& flight, const Eigen::Vector3d& p_N, double yaw);
+std::vector<mission::Waypoint> SurveyLines(const SurveyFlight& flight, const Eigen::Vector3d& p_N,
+                                           double yaw);
 
 }  // namespace kestrel::scenarios

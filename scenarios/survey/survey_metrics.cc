@@ -45,12 +45,13 @@ std::vector<Seen> ImagesOf(const std::vector<mission::LogRow>& rows, const visio
 
 // What the mosaic makes of a place on the ground.
 struct GroundPlace {
-  Eigen::Vector2d ground_N, in_mosaic;           // m, px
-  std::optional<Eigen::Vector2d> first, last;    // by the first and the last image that show it, if of two passes
+  Eigen::Vector2d ground_N, in_mosaic;  // m, px
+  std::optional<Eigen::Vector2d> first,
+      last;  // by the first and the last image that show it, if of two passes
 };
 
 std::optional<GroundPlace> PlaceIn(const std::vector<Seen>& images, const vision::Projection& projection,
-                             const Eigen::Vector2d& ground_N) {
+                                   const Eigen::Vector2d& ground_N) {
   const cv::Size size = projection.image_size();
   const Eigen::Vector2d middle((size.width - 1) / 2.0, (size.height - 1) / 2.0);
   const Seen *first = nullptr, *last = nullptr;
@@ -75,8 +76,7 @@ std::optional<GroundPlace> PlaceIn(const std::vector<Seen>& images, const vision
 // On a grid over the ground that was flown over.
 std::vector<GroundPlace> PlacesOf(const std::vector<Seen>& images, const vision::Projection& projection) {
   Eigen::Vector2d low = images.front().centre_N, high = low;
-  for (const Seen& image : images)
-    low = low.cwiseMin(image.centre_N), high = high.cwiseMax(image.centre_N);
+  for (const Seen& image : images) low = low.cwiseMin(image.centre_N), high = high.cwiseMax(image.centre_N);
   std::vector<GroundPlace> places;
   for (int i = 0; i < kColumns; ++i)
     for (int j = 0; j < kRows; ++j) {
@@ -121,11 +121,12 @@ void AddRms(const std::vector<mission::LogRow>& rows, const mission::FinishedMos
 }  // namespace
 
 std::vector<mission::Metric> SurveyMetrics() {
-  return {{"mosaic_rms_px", "px", "RMS error of places on the ground in the mosaic, in its pixels"},
-          {"mosaic_closure_px", "px", "RMS distance of two passes over a place in the mosaic"},
-          {"chain_rms_px", "px", "RMS error of places on the ground, by images that are chained alone"},
-          {"chain_closure_px", "px", "RMS distance of two passes over a place, by images that are chained alone"},
-          {"georeference_rmse_m", "m", "RMS error of where the mosaic says on the map that places are"}};
+  return {
+      {"mosaic_rms_px", "px", "RMS error of places on the ground in the mosaic, in its pixels"},
+      {"mosaic_closure_px", "px", "RMS distance of two passes over a place in the mosaic"},
+      {"chain_rms_px", "px", "RMS error of places on the ground, by images that are chained alone"},
+      {"chain_closure_px", "px", "RMS distance of two passes over a place, by images that are chained alone"},
+      {"georeference_rmse_m", "m", "RMS error of where the mosaic says on the map that places are"}};
 }
 
 void AddSurveyMetrics(const std::vector<mission::LogRow>& rows, std::map<std::string, double>& metrics) {

@@ -16,7 +16,9 @@ namespace {
 // A part of a turn closes nothing.
 const std::string kNoClosure = "criteria={panorama_rms_deg: {max: 0.1}}";
 
-double Metric(const flight::FlightResult& result, const char* name) { return result.summary.metrics.at(name); }
+double Metric(const flight::FlightResult& result, const char* name) {
+  return result.summary.metrics.at(name);
+}
 
 TEST(Stabilise, WhatIsSeenAtTheCornersShakesLess) {
   const auto result = Flown("stabilise", 101, {"flight.hover_s=3", "flight.transit_m=4"});
@@ -38,9 +40,10 @@ TEST(Stabilise, TheMountShakesTheCameraAndNotTheFlight) {
 }
 
 TEST(Survey, TheMosaicOfTwoLinesIsTrue) {
-  const auto result = Flown("survey", 101,
-                            {"flight.lines=2", "flight.line_m=24", "flight.spacing_m=30", "flight.images=50",
-                             "flight.begin_m=[-10, -15]", "start.offset_m=[-10, -15]", "flight.mosaic.chain=false"});
+  const auto result =
+      Flown("survey", 101,
+            {"flight.lines=2", "flight.line_m=24", "flight.spacing_m=30", "flight.images=50",
+             "flight.begin_m=[-10, -15]", "start.offset_m=[-10, -15]", "flight.mosaic.chain=false"});
   EXPECT_EQ(result.summary.outcome, "surveyed");
   EXPECT_EQ(Metric(result, "mosaic_images"), 50);
   EXPECT_EQ(Metric(result, "mosaic_share"), 1);
@@ -61,8 +64,8 @@ TEST(Panorama, APartOfATurnIsTrue) {
 class Products : public InTemporaryFolder {};
 
 TEST_F(Products, AreInTheFolderWhenTheyAreComplete) {
-  const auto loaded = flight::LoadScenario(
-      "panorama", {"seed=101", "flight.turn_deg=15", "flight.images=12", "flight.mosaic.chain=false", kNoClosure});
+  const auto loaded = flight::LoadScenario("panorama", {"seed=101", "flight.turn_deg=15", "flight.images=12",
+                                                        "flight.mosaic.chain=false", kNoClosure});
   flight::RunOptions options;
   options.folder = folder_;
   const flight::FlightResult result = flight::RunFlight(loaded, options);
@@ -79,9 +82,10 @@ TEST_F(Products, AreInTheFolderWhenTheyAreComplete) {
 
 // On the ground it takes off first.
 TEST(Panorama, TakesOffFromTheGround) {
-  const auto result = Flown("panorama", 101,
-                            {"flight.turn_deg=20", "flight.images=10", "flight.height_m=6", "flight.mosaic.chain=false",
-                             "start={height_m: 0.3, on_ground: true}", kNoClosure});
+  const auto result =
+      Flown("panorama", 101,
+            {"flight.turn_deg=20", "flight.images=10", "flight.height_m=6", "flight.mosaic.chain=false",
+             "start={height_m: 0.3, on_ground: true}", kNoClosure});
   EXPECT_EQ(result.summary.outcome, "turned");
   EXPECT_EQ(result.rows.front().decision.phase, "take off");
   EXPECT_NEAR(result.rows.back().now.X_NB.p.z(), -6, 1.5);

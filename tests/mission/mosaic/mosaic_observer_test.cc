@@ -58,7 +58,8 @@ TEST_F(MosaicOfPassedGround, PlacesEachImageByItsFrame) {
   EXPECT_FALSE(finished->ground_from_surface);
   const auto place = [&](int i) {
     EXPECT_EQ(finished->placed[static_cast<std::size_t>(i)].sequence, 2 * i);
-    return *finished->projection.ToSurface(finished->placed[static_cast<std::size_t>(i)].M_WC, {159.5, 119.5});
+    return *finished->projection.ToSurface(finished->placed[static_cast<std::size_t>(i)].M_WC,
+                                           {159.5, 119.5});
   };
   for (int i = 1; i < kImages; ++i)
     EXPECT_LT((place(i) - place(0) - Eigen::Vector2d(10 * i, 0)).norm(), 0.3) << i;

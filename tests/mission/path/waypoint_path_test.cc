@@ -30,7 +30,7 @@ WaypointPath Rectangle() {
 TEST(WaypointPath, TakesTheTimesOfTrapezoids) {
   const WaypointPath path = Rectangle();
   EXPECT_DOUBLE_EQ(path.arrival_s(0), 0);
-  EXPECT_DOUBLE_EQ(path.arrival_s(1), 2 + 20.0 / 2 + 2 / 0.5);                 // length / speed + one ramp
+  EXPECT_DOUBLE_EQ(path.arrival_s(1), 2 + 20.0 / 2 + 2 / 0.5);  // length / speed + one ramp
   EXPECT_DOUBLE_EQ(path.arrival_s(2), path.arrival_s(1) + 2 * std::sqrt(3 / 0.5));  // too short to cruise
   EXPECT_NEAR(path.arrival_s(3), path.arrival_s(2) + 1 + 360.0 / 20 + 20.0 / 10, 1e-9);
   EXPECT_DOUBLE_EQ(path.duration_s(), path.arrival_s(3) + 1);

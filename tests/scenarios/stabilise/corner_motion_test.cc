@@ -114,7 +114,8 @@ TEST(CornerFlows, OfAViewThatStandsStillOnTheGroundAreNone) {
   EXPECT_LT(metrics.at("jitter_left"), 1e-6);
   EXPECT_EQ(metrics.at("stabilised_share"), 1);
   EXPECT_NEAR(metrics.at("stabilised_late_s"), 0.05, 1e-9);
-  for (const mission::Metric& metric : StabiliseMetrics()) EXPECT_TRUE(metrics.count(metric.name)) << metric.name;
+  for (const mission::Metric& metric : StabiliseMetrics())
+    EXPECT_TRUE(metrics.count(metric.name)) << metric.name;
 }
 
 TEST(CornerFlows, AreOfTheLongestRunWithoutAGap) {

@@ -127,6 +127,26 @@ TEST_F(PadTrackerTest, FollowsThePadUnderASheetOverMostOfIt) {
   }
 }
 
+// Swung to and fro at 30 images a second, each exposed for 0.6 of the time between them: up to 20 px of blur.
+TEST_F(PadTrackerTest, FewCornersThatMotionBlurLeavesDoNotMislead) {
+  constexpr int kInstants = 8;
+  const auto at = [](double frame) {
+    return PadBelow({0.5 * std::sin(0.27 * frame) * std::min(1.0, frame / 15), 0.05, 4.2}, 40);
+  };
+  PadTracker tracker = NewTracker();
+  for (int frame = 0; frame < 40; ++frame) {
+    cv::Mat light(kPadCamera.height_px, kPadCamera.width_px, CV_32FC1, cv::Scalar(0)), image;
+    for (int i = 0; i < kInstants; ++i)
+      cv::accumulate(photographer_->At(at(frame + 0.6 * ((i + 0.5) / kInstants - 0.5)), frame), light);
+    light.convertTo(image, CV_8U, 1.0 / kInstants);
+    const auto seen = tracker.Track(image, std::nullopt);
+    ASSERT_TRUE(seen) << frame;
+    const auto [place, turn] = ErrorsOf(*seen, at(frame));
+    EXPECT_LT(place, 0.02) << frame;
+    EXPECT_LT(Degrees(turn), 1) << frame;
+  }
+}
+
 TEST_F(PadTrackerTest, SaysNoneOnceThePadIsHiddenAndFindsItAgain) {
   const PadPhotographer dark(cv::Mat(1190, 910, CV_8UC1, cv::Scalar(15)));
   for (const PadPhotographer* hiding : {ground_, &dark}) {

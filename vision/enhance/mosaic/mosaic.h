@@ -9,13 +9,13 @@
 
 #include "geometry/pose.h"
 #include "vision/camera/camera_model.h"
-#include "vision/enhance/mosaic/adjustment.h"
 #include "vision/enhance/canvas/blending.h"
 #include "vision/enhance/canvas/canvas.h"
-#include "vision/enhance/mosaic/image_registration.h"
-#include "vision/enhance/mosaic/motion_estimate.h"
 #include "vision/enhance/canvas/projection.h"
 #include "vision/enhance/canvas/surface.h"
+#include "vision/enhance/mosaic/adjustment.h"
+#include "vision/enhance/mosaic/image_registration.h"
+#include "vision/enhance/mosaic/motion_estimate.h"
 
 namespace kestrel::vision {
 

@@ -45,15 +45,16 @@ std::optional<ImageMotion> ByLucasKanade(MotionImage& from, const MotionImage& t
       continue;
     }
     const cv::Point2f there = ToCv(Transfer(*H_expected, {p.x, p.y}));
-    if (!cv::Rect2f(0, 0, static_cast<float>(to.grey().cols), static_cast<float>(to.grey().rows)).contains(there))
+    if (!cv::Rect2f(0, 0, static_cast<float>(to.grey().cols), static_cast<float>(to.grey().rows))
+             .contains(there))
       continue;
     begin.push_back(p), end.push_back(there);
   }
   if (static_cast<int>(begin.size()) < options.min_inliers) return std::nullopt;
   std::vector<std::uint8_t> found;
   const cv::TermCriteria stop(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 20, 0.01);
-  cv::calcOpticalFlowPyrLK(from.pyramid(), to.pyramid(), begin, end, found, cv::noArray(), kWindow, kLevels, stop,
-                           H_expected ? cv::OPTFLOW_USE_INITIAL_FLOW : 0, 1e-3);
+  cv::calcOpticalFlowPyrLK(from.pyramid(), to.pyramid(), begin, end, found, cv::noArray(), kWindow, kLevels,
+                           stop, H_expected ? cv::OPTFLOW_USE_INITIAL_FLOW : 0, 1e-3);
   std::vector<PointPair> pairs;
   for (std::size_t i = 0; i < begin.size(); ++i)
     if (found[i]) pairs.push_back({{begin[i].x, begin[i].y}, {end[i].x, end[i].y}});
@@ -123,8 +124,8 @@ const std::vector<cv::Point2f>& MotionImage::Corners(int max_points) {
   constexpr float kContrast_grey = 3;
   std::erase_if(corners_, [&](const cv::Point2f& p) {
     cv::Scalar mean, deviation;
-    const cv::Rect around = cv::Rect(static_cast<int>(p.x) - 3, static_cast<int>(p.y) - 3, 7, 7) &
-                            cv::Rect({}, half.size());
+    const cv::Rect around =
+        cv::Rect(static_cast<int>(p.x) - 3, static_cast<int>(p.y) - 3, 7, 7) & cv::Rect({}, half.size());
     cv::meanStdDev(half(around), mean, deviation);
     return deviation[0] < kContrast_grey;
   });

@@ -71,7 +71,8 @@ class MotionImage {
 };
 
 // H_expected: from one to the other, roughly; none: they are much alike.
-ImageMotion MotionBetween(MotionImage& from, MotionImage& to, const std::optional<Eigen::Matrix3d>& H_expected,
+ImageMotion MotionBetween(MotionImage& from, MotionImage& to,
+                          const std::optional<Eigen::Matrix3d>& H_expected,
                           const ImageMotionOptions& options);
 
 }  // namespace kestrel::vision

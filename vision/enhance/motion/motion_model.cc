@@ -132,8 +132,8 @@ std::optional<RobustMotion> FitRobustMotion(std::span<const PointPair> pairs, Mo
       FindInliers(pairs, *again, options.threshold_px, inliers);
       if (inliers.size() > best.size()) best = inliers;
     }
-    const double good =
-        std::pow(static_cast<double>(best.size()) / static_cast<double>(pairs.size()), static_cast<double>(size));
+    const double good = std::pow(static_cast<double>(best.size()) / static_cast<double>(pairs.size()),
+                                 static_cast<double>(size));
     needed = good < 1 ? std::log(1 - options.confidence) / std::log1p(-good) : 0;
   }
   std::optional<Matrix3d> H;

@@ -16,7 +16,8 @@ std::vector<int> InliersOf(std::span<const RayPair> pairs, const Eigen::Quaterni
   const double most = 2 * std::sin(threshold / 2);  // chord
   std::vector<int> inliers;
   for (std::size_t i = 0; i < pairs.size(); ++i)
-    if ((turn * pairs[i].from - pairs[i].to).squaredNorm() < most * most) inliers.push_back(static_cast<int>(i));
+    if ((turn * pairs[i].from - pairs[i].to).squaredNorm() < most * most)
+      inliers.push_back(static_cast<int>(i));
   return inliers;
 }
 
@@ -39,7 +40,8 @@ std::optional<Eigen::Quaterniond> FitRotation(std::span<const RayPair> pairs) {
   return Eigen::Quaterniond(R).normalized();
 }
 
-std::optional<RobustRotation> FitRobustRotation(std::span<const RayPair> pairs, double threshold, int min_inliers) {
+std::optional<RobustRotation> FitRobustRotation(std::span<const RayPair> pairs, double threshold,
+                                                int min_inliers) {
   if (static_cast<int>(pairs.size()) < std::max(2, min_inliers)) return std::nullopt;
   constexpr int kMaxTrials = 200;
   constexpr double kConfidence = 0.999;

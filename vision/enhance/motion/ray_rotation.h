@@ -22,6 +22,7 @@ std::optional<Eigen::Quaterniond> FitRotation(std::span<const RayPair> pairs);
 
 // The same by RANSAC from samples of two, which depend on the number of pairs alone. threshold: rad. None: fewer
 // inliers than asked for.
-std::optional<RobustRotation> FitRobustRotation(std::span<const RayPair> pairs, double threshold, int min_inliers);
+std::optional<RobustRotation> FitRobustRotation(std::span<const RayPair> pairs, double threshold,
+                                                int min_inliers);
 
 }  // namespace kestrel::vision

@@ -65,7 +65,8 @@ std::vector<GyroSample> ReadGyroFile(const std::string& file, Mistakes& mistakes
     for (std::size_t k = 0; k < 4; ++k) {
       const auto c = static_cast<std::size_t>(columns[k]);
       if (c < cells.size() && ReadNumber(cells[c], values[k])) continue;
-      mistakes.Add({file, number}, header[c], fmt::format("'{}' is no number", c < cells.size() ? cells[c] : ""));
+      mistakes.Add({file, number}, header[c],
+                   fmt::format("'{}' is no number", c < cells.size() ? cells[c] : ""));
       return {};
     }
     if (!samples.empty() && !(values[0] > samples.back().t_s)) {

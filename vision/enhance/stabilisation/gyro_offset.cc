@@ -11,7 +11,8 @@ namespace {
 constexpr int kLeastTurns = 20;
 constexpr double kLike = 0.5;
 
-std::optional<GyroOffset> Compare(const std::vector<ImageTurn>& turns, const GyroTrack& gyro, double offset_s) {
+std::optional<GyroOffset> Compare(const std::vector<ImageTurn>& turns, const GyroTrack& gyro,
+                                  double offset_s) {
   GyroOffset result{offset_s, 0, 0};
   std::vector<Eigen::Vector3d> seen, felt;
   Eigen::Vector3d mean_seen = Eigen::Vector3d::Zero(), mean_felt = Eigen::Vector3d::Zero();

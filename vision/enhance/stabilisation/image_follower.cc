@@ -120,8 +120,8 @@ ImageFollower::Measured ImageFollower::Measure(MotionImage& now, double t_s, con
       const Matrix3d drift_per_s = (fit->H - Matrix3d::Identity()) / (t_s - from_t_s_);
       const int rows = HeightPx(*camera_);
       const auto to_middle = [&](const Eigen::Vector2d& p, double row) {
-        return Transfer(
-            (Matrix3d::Identity() + readout_s * (row / (rows - 1) - 0.5) * drift_per_s).inverse(), p);
+        return Transfer((Matrix3d::Identity() + readout_s * (row / (rows - 1) - 0.5) * drift_per_s).inverse(),
+                        p);
       };
       for (std::size_t i = 0; i < seen.size(); ++i)
         seen[i] = {to_middle(seen[i].from, sifted[i].from.y()), to_middle(seen[i].to, sifted[i].to.y())};
@@ -141,7 +141,8 @@ ImageFollower::Measured ImageFollower::Measure(MotionImage& now, double t_s, con
 
 FollowedImage ImageFollower::Step(const cv::Mat& grey, double t_s, const ImageAttitudes& attitudes) {
   FollowedImage followed;
-  const bool has_attitudes = !attitudes.R_NC_rows.empty(), wants = options_.by == "gyro" || options_.by == "both";
+  const bool has_attitudes = !attitudes.R_NC_rows.empty(),
+             wants = options_.by == "gyro" || options_.by == "both";
   if (wants && has_attitudes)
     followed.R_NC_rows = attitudes.R_NC_rows, followed.R_NC = Middle(attitudes.R_NC_rows);
   else
@@ -170,14 +171,16 @@ FollowedImage ImageFollower::Step(const cv::Mat& grey, double t_s, const ImageAt
     followed.rms_px = motion.rms_px;
     followed.begins = false;
     if (motion.Known()) {
-      followed.state = motion.state == MotionState::kFollowed ? StabilisedState::kFollowed
-                                                              : StabilisedState::kRecovered;
+      followed.state =
+          motion.state == MotionState::kFollowed ? StabilisedState::kFollowed : StabilisedState::kRecovered;
       if (options_.by == "sphere") followed.R_NC = measured.R_NC, followed.R_NC_rows = {measured.R_NC};
       followed.G = measured.G * G_last_.inverse();
       followed.G /= followed.G(2, 2);
       G_last_ = measured.G, H_last_ = motion.H;
-      const bool renew = !keyframes_ || followed.inliers < kKeyframeInliers * static_cast<double>(from_.Corners(
-                                                               options_.motion.max_points).size());
+      const bool renew =
+          !keyframes_ ||
+          followed.inliers <
+              kKeyframeInliers * static_cast<double>(from_.Corners(options_.motion.max_points).size());
       if (renew) Begin(now, t_s, followed);
     } else if (motion.state == MotionState::kTextureless) {
       followed.state = wants ? StabilisedState::kGyroAlone : StabilisedState::kTextureless;

@@ -49,7 +49,8 @@ std::pair<Matrix3d, cv::Size> Shown(const cv::Size& size, double crop, bool scal
 
 }  // namespace
 
-Stabiliser::Stabiliser(const StabiliserOptions& options, const std::optional<CameraModel>& camera, double rate_hz)
+Stabiliser::Stabiliser(const StabiliserOptions& options, const std::optional<CameraModel>& camera,
+                       double rate_hz)
     : options_(options),
       camera_(camera),
       virtual_(VirtualCamera(camera)),
@@ -60,10 +61,11 @@ Stabiliser::Stabiliser(const StabiliserOptions& options, const std::optional<Cam
       cutoff_(std::min(0.49, options.cutoff_hz / rate_hz)),
       follower_(options, camera_, virtual_, reference_) {
   if (turned_ && !camera_) throw std::invalid_argument("by '" + options.by + "' needs a camera");
-  if (options.level && !turned_) throw std::invalid_argument("a level view needs a camera's attitude, not 'vision'");
-  lag_ = reference_                   ? 0
+  if (options.level && !turned_)
+    throw std::invalid_argument("a level view needs a camera's attitude, not 'vision'");
+  lag_ = reference_                  ? 0
          : options.mode == "offline" ? before_ + 2 * around_
-                                      : static_cast<int>(std::lround(options.lag_s * rate_hz));
+                                     : static_cast<int>(std::lround(options.lag_s * rate_hz));
   around_ = std::min(around_, lag_ / 15);
   after_ = lag_ - 2 * around_;
 }
@@ -87,7 +89,8 @@ Quaterniond Stabiliser::Level(const Quaterniond& R_NV, const Vector3d& down_N) c
   return Quaterniond(R);
 }
 
-std::optional<StabilisedImage> Stabiliser::Step(const cv::Mat& image, double t_s, const ImageAttitudes& attitudes) {
+std::optional<StabilisedImage> Stabiliser::Step(const cv::Mat& image, double t_s,
+                                                const ImageAttitudes& attitudes) {
   if (turned_ && image.size() != cv::Size(WidthPx(*camera_), HeightPx(*camera_)))
     throw std::invalid_argument("an image of another size than the camera's");
   Image& now = images_.emplace_back();
@@ -122,8 +125,9 @@ void Stabiliser::MakePlan(Image& image, std::int64_t newest) {
   while (after < after_ && image.number + after < newest && !at(after + 1).begins) ++after;
   Plan& plan = image.plan.emplace();
   const FollowedImage& here = image.followed;
-  const auto [Z, shown] = Shown(turned_ ? cv::Size(virtual_.width_px, virtual_.height_px) : image.pixels.size(),
-                                options_.crop, options_.scale);
+  const auto [Z, shown] =
+      Shown(turned_ ? cv::Size(virtual_.width_px, virtual_.height_px) : image.pixels.size(), options_.crop,
+            options_.scale);
   const Matrix3d Z_back = Z.inverse();
   const double w = shown.width - 1, h = shown.height - 1;
   for (const Vector2d& corner : {Vector2d(0, 0), Vector2d(w, 0), Vector2d(w, h), Vector2d(0, h)})
@@ -177,7 +181,8 @@ void Stabiliser::MakePlan(Image& image, std::int64_t newest) {
   const Eigen::VectorXd& weights = Weights(seen_before, seen_after);
   for (std::size_t c = 0; c < plan.corners.size(); ++c) {
     plan.corners[c].to.setZero();
-    for (int k = -seen_before; k <= seen_after; ++k) plan.corners[c].to += weights(seen_before + k) * places[k][c];
+    for (int k = -seen_before; k <= seen_after; ++k)
+      plan.corners[c].to += weights(seen_before + k) * places[k][c];
   }
   // How what is seen goes on while the rows are exposed, by the images before and after.
   if (image.readout_s != 0) {
@@ -216,11 +221,13 @@ double Stabiliser::Strength(const Image& image) {
 
 ImageView Stabiliser::ViewOf(const Image& image, double strength) const {
   const FollowedImage& followed = image.followed;
-  const auto [Z, shown] = Shown(turned_ ? cv::Size(virtual_.width_px, virtual_.height_px) : image.pixels.size(),
-                                options_.crop, options_.scale);
+  const auto [Z, shown] =
+      Shown(turned_ ? cv::Size(virtual_.width_px, virtual_.height_px) : image.pixels.size(), options_.crop,
+            options_.scale);
   ImageView view;
   view.rows = image.pixels.rows;
-  view.size = shown, view.turned = turned_, view.virtual_camera = virtual_, view.R_NC_rows = followed.R_NC_rows;
+  view.size = shown, view.turned = turned_, view.virtual_camera = virtual_,
+  view.R_NC_rows = followed.R_NC_rows;
   if (reference_) {
     view.R_NV = R_NC_reference_;
     const Matrix3d M = FromDirections(view.R_NV);

@@ -25,9 +25,10 @@ struct StabilisedImage {
   std::int64_t number = 0;  // of the image, from 0
   StabilisedState state = StabilisedState::kFirst;
   int points = 0, inliers = 0;
-  double rms_px = 0;    // of the inliers
-  double strength = 1;  // 1: as the path asks for; less: drawn back to the image, so that the view stays within it
-  ImageView view;       // where its pixels come from
+  double rms_px = 0;  // of the inliers
+  double strength =
+      1;           // 1: as the path asks for; less: drawn back to the image, so that the view stays within it
+  ImageView view;  // where its pixels come from
 };
 
 class Stabiliser {
@@ -61,7 +62,9 @@ class Stabiliser {
     std::optional<Plan> plan;
   };
 
-  Image& At(std::int64_t number) { return images_[static_cast<std::size_t>(number - images_.front().number)]; }
+  Image& At(std::int64_t number) {
+    return images_[static_cast<std::size_t>(number - images_.front().number)];
+  }
   void AnchorIfLost(Image& now);
   void MakePlan(Image& image, std::int64_t newest);
   double Strength(const Image& image);

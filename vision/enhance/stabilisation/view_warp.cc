@@ -33,8 +33,8 @@ Eigen::Matrix3d Drift(const ImageView& view, double row) {
 }
 
 // As SourceOf, with the view's inverse.
-std::optional<Vector2d> Source(const ImageView& view, const Eigen::Matrix3d& H_back, const CameraModel* camera,
-                               const Vector2d& uv) {
+std::optional<Vector2d> Source(const ImageView& view, const Eigen::Matrix3d& H_back,
+                               const CameraModel* camera, const Vector2d& uv) {
   const int rows = view.rows;
   const Vector2d seen = Transfer(H_back, uv);
   const auto seen_by = [&](double row) -> std::optional<Vector2d> {
@@ -57,15 +57,16 @@ std::optional<Vector2d> Source(const ImageView& view, const Eigen::Matrix3d& H_b
   return at;
 }
 
-cv::Mat Draw(const ImageView& view, const CameraModel* camera, const cv::Mat& image, int border, cv::Mat* shown) {
+cv::Mat Draw(const ImageView& view, const CameraModel* camera, const cv::Mat& image, int border,
+             cv::Mat* shown) {
   cv::Mat drawn;
   if (!view.turned && !RowsDiffer(view)) {
     cv::Mat H;
     cv::eigen2cv(view.H, H);
     cv::warpPerspective(image, drawn, H, view.size, cv::INTER_LINEAR, border);
     if (shown)
-      cv::warpPerspective(cv::Mat(image.size(), CV_8UC1, cv::Scalar(255)), *shown, H, view.size, cv::INTER_LINEAR,
-                          cv::BORDER_CONSTANT);
+      cv::warpPerspective(cv::Mat(image.size(), CV_8UC1, cv::Scalar(255)), *shown, H, view.size,
+                          cv::INTER_LINEAR, cv::BORDER_CONSTANT);
   } else {
     const Eigen::Matrix3d H_back = view.H.inverse();
     const PixelMap map = MakePixelMap(cv::Rect({}, view.size), kStep_px,
@@ -89,7 +90,8 @@ Eigen::Quaterniond AttitudeOfRow(const std::vector<Eigen::Quaterniond>& R_NC_row
   // Beyond the first and last row the camera turns on as it did there.
   const double from = std::clamp(std::floor(place), 0.0, intervals - 1);
   const auto i = static_cast<std::size_t>(from);
-  return R_NC_rows[i] * ExpRotation((place - from) * LogRotation(R_NC_rows[i].conjugate() * R_NC_rows[i + 1]));
+  return R_NC_rows[i] *
+         ExpRotation((place - from) * LogRotation(R_NC_rows[i].conjugate() * R_NC_rows[i + 1]));
 }
 
 std::optional<Vector2d> SourceOf(const ImageView& view, const CameraModel* camera, const Vector2d& uv) {
