@@ -39,11 +39,14 @@ struct FollowedImage {
 class ImageFollower {
  public:
   // camera: none, of images alone. virtual_camera: by == both, the pinhole whose images the plane's motion is of.
-  // keyframes: an image is compared with the last keyframe, not with that before it, so that errors do not add up.
+  // keyframes: an image is compared with a keyframe, not with that before it, so that errors do not add up: with the
+  // first one that it shows most of, else with the last.
   ImageFollower(const StabiliserOptions& options, const std::optional<CameraModel>& camera,
                 const Pinhole& virtual_camera, bool keyframes);
 
   FollowedImage Step(const cv::Mat& grey, double t_s, const ImageAttitudes& attitudes);
+  // Makes the image of the last Step() the first keyframe.
+  void Anchor();
   const std::vector<PointPair>& last_inliers() const { return inliers_; }
 
  private:
@@ -52,22 +55,35 @@ class ImageFollower {
     Eigen::Matrix3d G = Eigen::Matrix3d::Identity();
     Eigen::Quaterniond R_NC = Eigen::Quaterniond::Identity();
   };
+  struct Compared {  // what images are compared with
+    MotionImage image;
+    double t_s = 0, not_before_s = 0;  // not_before_s: it was tried in vain until then
+    std::vector<Eigen::Quaterniond> R_NC_rows;
+    Eigen::Quaterniond R_NC = Eigen::Quaterniond::Identity();
+    // From what the first keyframe shows to what this one does, of directions in N and of pixels.
+    Eigen::Matrix3d G = Eigen::Matrix3d::Identity(), H = Eigen::Matrix3d::Identity();
+  };
   Measured Measure(MotionImage& now, double t_s, const FollowedImage& followed, double readout_s) const;
+  Measured MeasureByKeyframes(MotionImage& now, double t_s, const FollowedImage& followed, double readout_s);
   void Begin(MotionImage now, double t_s, const FollowedImage& followed);
+  void AddKeyframe();
+  // The first of the keyframes before `until` that the last image shows most of; none: `until`.
+  std::size_t Seen(std::size_t until, double t_s) const;
+  void CompareWith(std::size_t keyframe);
+  bool HalfAgree(std::size_t inliers) const;  // of the points of from_
 
   StabiliserOptions options_;
   std::optional<CameraModel> camera_;
   Pinhole virtual_;
-  bool keyframes_, turned_;
-  // What images are compared with, and how the last image came from it.
-  mutable MotionImage from_;
-  std::vector<Eigen::Quaterniond> from_rows_, last_rows_;
-  Eigen::Quaterniond R_NC_from_ = Eigen::Quaterniond::Identity(), R_NC_last_ = Eigen::Quaterniond::Identity();
+  bool by_keyframes_, turned_;
+  // What the next image is compared with, and how the last image came from it.
+  mutable Compared from_;
+  Compared last_;
   Eigen::Matrix3d G_last_ = Eigen::Matrix3d::Identity(), H_last_ = Eigen::Matrix3d::Identity();
-  MotionImage last_;
-  double from_t_s_ = 0, last_t_s_ = 0;
+  std::vector<Compared> keyframes_;
+  std::size_t keyframe_ = 0;  // of which from_ is a copy
   std::vector<PointPair> inliers_;
-  bool any_ = false;
+  bool any_ = false, last_is_known_ = false;
 };
 
 }  // namespace kestrel::vision

@@ -137,11 +137,16 @@ void Stabiliser::MakePlan(Image& image, std::int64_t newest) {
   Quaterniond R_NV = here.R_NC;
   if (turned_) {
     const Eigen::VectorXd& weights = Weights(before, after);
-    Vector3d down_N = Vector3d::Zero();
+    // "Down" goes its smooth way too, since N turns slowly by what its rotations err; where much of it was not seen
+    // the weights that are left mean nothing, and all of it counts alike.
+    Vector3d down_N = Vector3d::Zero(), mean_N = Vector3d::Zero();
+    double weight = 0;
     for (int k = -before; k <= after; ++k) {
       plan.turn += weights(before + k) * LogRotation(here.R_NC.conjugate() * at(k).R_NC);
-      if (at(k).down_N) down_N += *at(k).down_N;
+      if (!at(k).down_N) continue;
+      down_N += weights(before + k) * *at(k).down_N, weight += weights(before + k), mean_N += *at(k).down_N;
     }
+    if (weight < 0.8) down_N = mean_N;
     R_NV = here.R_NC * ExpRotation(plan.turn);
     if (options_.level && down_N.norm() > 1e-6) {
       R_NV = Level(R_NV, down_N.normalized());
@@ -264,8 +269,10 @@ void Stabiliser::AnchorIfLost(Image& now) {
   const bool begins = now.followed.begins;
   constexpr int kSteps = 9;
   const bool lost = !begins && ShareInside(ViewOf(now, 1), now.pixels.size(), kSteps) < kAnchored;
-  if (lost) now.followed.state = StabilisedState::kReanchored;
-  if (lost || begins) G_to_reference_.setIdentity(), R_NC_reference_ = now.followed.R_NC;
+  if (lost) now.followed.state = StabilisedState::kReanchored, follower_.Anchor();
+  if (!lost && !begins) return;
+  G_to_reference_.setIdentity(), R_NC_reference_ = now.followed.R_NC;
+  if (options_.level && now.followed.down_N) R_NC_reference_ = Level(R_NC_reference_, *now.followed.down_N);
 }
 
 void Stabiliser::DrawBorder(const Image& image, const cv::Mat& shown, StabilisedImage& result) {

@@ -75,6 +75,26 @@ TEST(Stabiliser, KeyframesThatFollowOneAnotherAddLittle) {
   for (const double worst : worst_px) EXPECT_LT(worst, 0.6) << ::testing::PrintToString(worst_px);
 }
 
+// The view goes far away, by keyframes that follow one another, and comes back: there the reference itself is compared
+// with, and the error is that of one comparison, however often it went.
+TEST(Stabiliser, AViewThatComesBackIsComparedWithTheReferenceAgain) {
+  Stabiliser stabiliser(Reference(), {}, kRate_hz);
+  constexpr int kPeriod = 60, kPeriods = 6;
+  int back = 0;
+  for (int i = 0; i < kPeriod * kPeriods; ++i) {
+    const double phase = 2 * std::numbers::pi * i / kPeriod;
+    const cv::Point place(static_cast<int>(std::lround(70 * std::sin(phase))),
+                          static_cast<int>(std::lround(25 * (1 - std::cos(phase)))));
+    const auto image = stabiliser.Step(ImageAt(place), i / kRate_hz);
+    ASSERT_NE(image->state, StabilisedState::kReanchored) << i;
+    if (i % kPeriod != 0) continue;
+    ++back;
+    for (const Vector2d& corner : {Vector2d(0, 0), Vector2d(159, 119)})
+      EXPECT_LT((*ShownAt(image->view, nullptr, corner) - corner).norm(), 0.1) << i;
+  }
+  EXPECT_EQ(back, kPeriods);
+}
+
 TEST(Stabiliser, AJumpOf300PixelsIsRecoveredInTheSameImage) {
   const cv::Mat scene = RandomScene({1000, 480}, 2);
   StabiliserOptions options = Reference();
