@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
-#include <opencv2/video/tracking.hpp>
 
 #include "vision/landmark/features/features.h"
 
@@ -15,8 +14,6 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector2d;
 
-const cv::Size kWindow(15, 15);
-constexpr int kLevels = 3;
 // Of the points that were followed, how many must agree. A jump that Lucas-Kanade cannot follow leaves a few that
 // agree by chance.
 constexpr double kAgreeing = 0.35;
@@ -51,10 +48,7 @@ std::optional<ImageMotion> ByLucasKanade(MotionImage& from, const MotionImage& t
     begin.push_back(p), end.push_back(there);
   }
   if (static_cast<int>(begin.size()) < options.min_inliers) return std::nullopt;
-  std::vector<std::uint8_t> found;
-  const cv::TermCriteria stop(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 20, 0.01);
-  cv::calcOpticalFlowPyrLK(from.pyramid(), to.pyramid(), begin, end, found, cv::noArray(), kWindow, kLevels,
-                           stop, H_expected ? cv::OPTFLOW_USE_INITIAL_FLOW : 0, 1e-3);
+  const std::vector<std::uint8_t> found = FollowPoints(from.pyramid(), to.pyramid(), begin, end);
   std::vector<PointPair> pairs;
   for (std::size_t i = 0; i < begin.size(); ++i)
     if (found[i]) pairs.push_back({{begin[i].x, begin[i].y}, {end[i].x, end[i].y}});
@@ -109,8 +103,8 @@ const char* NameOf(MotionState state) {
   return "";
 }
 
-MotionImage::MotionImage(const cv::Mat& grey, bool with_pyramid) : grey_(grey) {
-  if (with_pyramid) cv::buildOpticalFlowPyramid(grey_, pyramid_, kWindow, kLevels, true);
+MotionImage::MotionImage(const cv::Mat& grey, bool with_pyramid, bool opencl) : grey_(grey) {
+  if (with_pyramid) pyramid_ = FlowPyramid(grey_, {.opencl = opencl});
 }
 
 const std::vector<cv::Point2f>& MotionImage::Corners(int max_points) {

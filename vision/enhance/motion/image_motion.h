@@ -9,6 +9,7 @@
 
 #include "base/yaml/fields.h"
 #include "vision/enhance/motion/motion_model.h"
+#include "vision/enhance/motion/point_flow.h"
 
 // How one image of a camera went over into another, thesis 4.1 and 4.2: pairs of points by pyramidal Lucas-Kanade or
 // by features, and a motion model by RANSAC. Nothing depends on the number of threads.
@@ -20,6 +21,7 @@ struct ImageMotionOptions {
   int max_points = 300;
   int min_inliers = 12;
   double threshold_px = 1.5;
+  bool opencl = false;
 };
 
 inline void Fields(FieldVisitor& v, ImageMotionOptions& o) {
@@ -30,6 +32,7 @@ inline void Fields(FieldVisitor& v, ImageMotionOptions& o) {
   v({"max_points", "maximum number of points in an image"}, o.max_points, 20, 5000);
   v({"min_inliers", "minimum number of points that must agree"}, o.min_inliers, 6, 500);
   v({"threshold_px", "maximum distance of an inlier"}, o.threshold_px, 0.1, 20.0);
+  v({"opencl", "method lk: follow the points on a device of OpenCL, if there is one"}, o.opencl);
 }
 
 enum class MotionState {
@@ -55,17 +58,17 @@ struct ImageMotion {
 class MotionImage {
  public:
   // CV_8UC1, which is not copied.
-  explicit MotionImage(const cv::Mat& grey, bool with_pyramid = true);
+  explicit MotionImage(const cv::Mat& grey, bool with_pyramid = true, bool opencl = false);
   MotionImage() = default;
 
   const cv::Mat& grey() const { return grey_; }
-  const std::vector<cv::Mat>& pyramid() const { return pyramid_; }
+  const FlowPyramid& pyramid() const { return pyramid_; }
   // Corners (Shi and Tomasi 1994) of the image at half its size, spread over all of it; found when first asked for.
   const std::vector<cv::Point2f>& Corners(int max_points);
 
  private:
   cv::Mat grey_;
-  std::vector<cv::Mat> pyramid_;
+  FlowPyramid pyramid_;
   std::vector<cv::Point2f> corners_;
   int asked_ = 0;
 };

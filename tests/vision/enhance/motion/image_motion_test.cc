@@ -6,6 +6,7 @@
 #include <opencv2/core/eigen.hpp>
 
 #include "tests/vision/enhance/motion/random_scene.h"
+#include "vision/landmark/features/features.h"
 
 namespace kestrel::vision {
 namespace {
@@ -34,7 +35,8 @@ TEST(ImageMotion, AKnownHomographyIsFoundByEachMethod) {
   cv::eigen2cv(truth, H);
   cv::warpPerspective(scene, moved, H, scene.size(), cv::INTER_CUBIC, cv::BORDER_REFLECT);
   int methods = 0;
-  for (const char* method : {"lk", "sift", "orb"}) {
+  for (const char* method : {"lk", "sift", "surf", "orb"}) {
+    if (std::string(method) == "surf" && !IsAvailable(FeatureDetector::kSurf)) continue;
     ImageMotionOptions options;
     options.method = method;
     const ImageMotion motion = Between(scene, moved, options);
@@ -43,7 +45,7 @@ TEST(ImageMotion, AKnownHomographyIsFoundByEachMethod) {
         << method;
     ++methods;
   }
-  EXPECT_EQ(methods, 3);
+  EXPECT_EQ(methods, IsAvailable(FeatureDetector::kSurf) ? 4 : 3);
 }
 
 TEST(ImageMotion, AJumpOf300PixelsIsRecovered) {
