@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdint>
 #include <opencv2/imgproc.hpp>
-#include <opencv2/video/tracking.hpp>
 
 #include "vision/enhance/canvas/pixel_map.h"
 #include "vision/enhance/canvas/projection.h"
@@ -17,16 +16,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector2d;
 
-const cv::Size kWindow(21, 21);
-constexpr int kLevels = 3;
-
 cv::Size SizeOf(const CameraModel& camera) { return {WidthPx(camera), HeightPx(camera)}; }
-
-std::vector<cv::Mat> PyramidOf(const cv::Mat& grey) {
-  std::vector<cv::Mat> pyramid;
-  cv::buildOpticalFlowPyramid(grey, pyramid, kWindow, kLevels);
-  return pyramid;
-}
 
 // Where a pixel of one image is in another.
 std::optional<Vector2d> Moved(const CameraModel& camera, const Matrix3d& M, const Vector2d& uv) {
@@ -59,8 +49,12 @@ const std::vector<cv::Point2f>& RegisteredImage::corners() {
   return corners_;
 }
 
-const std::vector<cv::Mat>& RegisteredImage::pyramid() {
-  if (pyramid_.empty()) pyramid_ = PyramidOf(grey_);
+FlowOptions RegisteredImage::flow() const {
+  return {.window = {21, 21}, .levels = 3, .least_eigenvalue = 1e-4, .opencl = opencl_};
+}
+
+const FlowPyramid& RegisteredImage::pyramid() {
+  if (pyramid_.empty()) pyramid_ = FlowPyramid(grey_, flow());
   return pyramid_;
 }
 
@@ -72,7 +66,7 @@ const Features& RegisteredImage::features() {
   return features_;
 }
 
-void RegisteredImage::ForgetPyramid() { pyramid_.clear(); }
+void RegisteredImage::ForgetPyramid() { pyramid_ = {}; }
 
 std::vector<PixelPair> FollowedPairs(const CameraModel& camera, RegisteredImage& a, RegisteredImage& b,
                                      const Matrix3d& M_AB) {
@@ -90,20 +84,17 @@ std::vector<PixelPair> FollowedPairs(const CameraModel& camera, RegisteredImage&
   }
   if (from.empty()) return {};
   const bool as_it_is = IsNearlyMovedOnly(camera, M_BA);
-  std::vector<cv::Mat> drawn;
+  FlowPyramid drawn;
   if (!as_it_is) {
     const PixelMap map =
         MakePixelMap({cv::Point(), size}, 16, [&](const Vector2d& uv) { return Moved(camera, M_BA, uv); });
     cv::Mat as_a;
     cv::remap(b.grey(), as_a, map.u, map.v, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
-    drawn = PyramidOf(as_a);
+    drawn = FlowPyramid(as_a, b.flow());
     guess = from;
   }
-  std::vector<std::uint8_t> found;
-  std::vector<float> error;
-  cv::calcOpticalFlowPyrLK(a.pyramid(), as_it_is ? b.pyramid() : drawn, from, guess, found, error, kWindow,
-                           kLevels, {cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 20, 0.01},
-                           cv::OPTFLOW_USE_INITIAL_FLOW);
+  const std::vector<std::uint8_t> found =
+      FollowPoints(a.pyramid(), as_it_is ? b.pyramid() : drawn, from, guess);
   std::vector<PixelPair> pairs;
   for (std::size_t i = 0; i < from.size(); ++i) {
     if (!found[i]) continue;

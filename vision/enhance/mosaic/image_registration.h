@@ -9,6 +9,7 @@
 
 #include "vision/camera/camera_model.h"
 #include "vision/enhance/mosaic/motion_estimate.h"
+#include "vision/enhance/motion/point_flow.h"
 #include "vision/landmark/features/features.h"
 
 namespace kestrel::vision {
@@ -16,20 +17,24 @@ namespace kestrel::vision {
 // A grey image and what others are registered to it by, each made when it is first asked for.
 class RegisteredImage {
  public:
-  RegisteredImage(cv::Mat grey, int max_corners) : grey_(std::move(grey)), max_corners_(max_corners) {}
+  // opencl: what it is registered by is followed on a device of OpenCL, if there is one.
+  RegisteredImage(cv::Mat grey, int max_corners, bool opencl = false)
+      : grey_(std::move(grey)), max_corners_(max_corners), opencl_(opencl) {}
 
   const cv::Mat& grey() const { return grey_; }
   const std::vector<cv::Point2f>& corners();  // Shi and Tomasi 1994, spread over the image
-  const std::vector<cv::Mat>& pyramid();      // for Lucas-Kanade
-  const Features& features();                 // ORB
-  void ForgetPyramid();                       // the largest of them
+  const FlowPyramid& pyramid();
+  FlowOptions flow() const;    // of its pyramid
+  const Features& features();  // ORB
+  void ForgetPyramid();        // the largest of them
 
  private:
   cv::Mat grey_;
   int max_corners_;
+  bool opencl_;
   bool has_corners_ = false, has_features_ = false;
   std::vector<cv::Point2f> corners_;
-  std::vector<cv::Mat> pyramid_;
+  FlowPyramid pyramid_;
   Features features_;
 };
 

@@ -134,7 +134,7 @@ MosaicStep Mosaic::Add(const cv::Mat& image, double, const std::optional<Pose>& 
       (!projection_ && options_.camera &&
        image.size() != cv::Size(WidthPx(*options_.camera), HeightPx(*options_.camera))))
     return Refuse(MosaicState::kOtherSize, step);
-  RegisteredImage registered(GreyOf(image), options_.max_points);
+  RegisteredImage registered(GreyOf(image), options_.max_points, options_.opencl);
   if (keyframes_.empty()) {
     if (static_cast<int>(registered.corners().size()) < kLeastCorners)
       return Refuse(MosaicState::kNoTexture, step);

@@ -30,6 +30,7 @@ struct MosaicOptions {
   double pose_sigma_deg = 1;
   double keyframe_overlap = 0.65;  // an image that shares less than that with the last keyframe is the next
   int max_points = 150;            // that are followed
+  bool opencl = false;             // on a device of OpenCL, if there is one
   bool loops = true;   // keyframes that show the same again are joined and all adjusted; otherwise images are
                        // chained alone, as the thesis does
   bool redraw = true;  // the canvas anew, from the images that are kept, when the adjustment has moved them
