@@ -215,6 +215,10 @@ FollowedImage ImageFollower::Step(const cv::Mat& grey, double t_s, const ImageAt
       if (!by_keyframes_) Begin(now, t_s, followed);
     } else if (motion.state == MotionState::kTextureless) {
       followed.state = wants ? StabilisedState::kGyroAlone : StabilisedState::kTextureless;
+      // What has texture is waited for; what has none, such as a video's black beginning, is of no use.
+      if (static_cast<int>(from_.image.Corners(options_.motion.max_points).size()) <
+          options_.motion.min_inliers)
+        Begin(now, t_s, followed);
     } else {
       followed.state = wants ? StabilisedState::kGyroAlone : StabilisedState::kCut;
       followed.begins = !wants;

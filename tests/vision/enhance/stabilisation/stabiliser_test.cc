@@ -106,6 +106,23 @@ TEST(Stabiliser, AJumpOf300PixelsIsRecoveredInTheSameImage) {
     EXPECT_LT((*ShownAt(all[i].view, nullptr, Vector2d(100, 200)) - Vector2d(400, 200)).norm(), 0.5) << i;
 }
 
+TEST(Stabiliser, AVideoThatBeginsInTheDarkIsFollowedFromItsFirstTexture) {
+  const cv::Mat dark(kSize, CV_8UC1, cv::Scalar(3));
+  int modes = 0;
+  for (const char* mode : {"reference", "smooth"}) {
+    StabiliserOptions options = Reference();
+    options.mode = mode;
+    const auto all = All(options, {dark, dark, ImageAt({0, 0}), ImageAt({4, 0}), ImageAt({6, 2})});
+    ASSERT_EQ(all.size(), 5u);
+    EXPECT_EQ(all[1].state, StabilisedState::kTextureless);
+    EXPECT_EQ(all[2].state, StabilisedState::kTextureless);
+    EXPECT_EQ(all[3].state, StabilisedState::kFollowed);
+    EXPECT_EQ(all[4].state, StabilisedState::kFollowed);
+    ++modes;
+  }
+  EXPECT_EQ(modes, 2);
+}
+
 TEST(Stabiliser, AReferenceOutOfTheViewIsReplaced) {
   std::vector<cv::Mat> images;
   for (int i = 0; i < 40; ++i) images.push_back(ImageAt({5 * i, 0}));
