@@ -17,14 +17,16 @@
 #include "app/mosaic/pose_table.h"
 #include "app/option/bits_option.h"
 #include "app/option/one_of.h"
+#include "app/option/opencl_option.h"
 #include "app/simulated/images_input.h"
+#include "app/simulated/interlace_watch.h"
 #include "base/diagnostics.h"
 #include "base/file/files.h"
 #include "base/process/end_signals.h"
 #include "base/stopwatch.h"
 #include "geometry/tait_bryan.h"
-#include "vision/camera/camera_mount.h"
 #include "vision/enhance/canvas/geotiff.h"
+#include "vision/enhance/motion/point_flow.h"
 
 namespace kestrel::app {
 namespace {
@@ -87,6 +89,7 @@ vision::MosaicOptions OptionsOf(const MosaicArguments& a, const std::optional<vi
   options.pose_sigma_deg = a.pose_sigma_deg;
   options.keyframe_overlap = a.overlap;
   options.loops = !a.chain;
+  options.opencl = a.opencl;
   options.most_bytes = std::int64_t{1'000'000} * a.memory_mb / 2;  // the other half composes it
   return options;
 }
@@ -95,10 +98,7 @@ vision::MosaicOptions OptionsOf(const MosaicArguments& a, const std::optional<vi
 std::vector<std::optional<Pose>> PosesOf(const MosaicArguments& a, Mistakes& mistakes) {
   if (a.poses.empty()) return {};
   std::vector<std::optional<Pose>> poses = ReadPoseTable(a.poses, mistakes);
-  const Pose X_BC = vision::MountPose({.position_m = Eigen::Vector3d::Zero(),
-                                       .yaw_deg = a.yaw_deg,
-                                       .pitch_deg = a.pitch_deg,
-                                       .roll_deg = a.roll_deg});
+  const Pose X_BC = PoseOf(a.mount);
   for (auto& pose : poses)
     if (pose) pose = *pose * X_BC;
   return poses;
@@ -146,6 +146,7 @@ void TellOfMemory(const MosaicArguments& a, const vision::MosaicOptions& options
 }
 
 struct Count {
+  InterlaceWatch interlace;
   int frames = 0, placed = 0, without_pose = 0, poses_over = 0;
   double read_s = 0, add_s = 0;
   std::map<std::string, int> of_state;
@@ -173,6 +174,7 @@ Count AddAll(const MosaicArguments& a, ImageInput& input, const std::vector<std:
                             ? poses[static_cast<std::size_t>(number)]
                             : std::nullopt;
       count.without_pose += !a.poses.empty() && !pose;
+      count.interlace.Add(frame->image);
       start = std::chrono::steady_clock::now();
       const vision::MosaicSeries::Step step = series.Add(frame->image, frame->t_s, pose);
       count.add_s += SecondsSince(start);
@@ -201,9 +203,12 @@ void Tell(const MosaicArguments& a, const Count& count, double compose_s,
   std::string states;
   for (const auto& [state, n] : count.of_state) states += fmt::format(", {} {}", n, state);
   fmt::print("{} images, {} in a mosaic{}\n", count.frames, count.placed, states);
+  if (a.opencl) fmt::print("points were followed on {}\n", vision::FlowDevice(true));
   if (count.without_pose > 0) fmt::print("{} images have no pose in {}\n", count.without_pose, a.poses);
   if (count.poses_over > 0)
     fmt::print("{} poses are left over in {}: is it of these images?\n", count.poses_over, a.poses);
+  if (const std::string interlaced = count.interlace.Sentence(a.input); !interlaced.empty())
+    fmt::print("{}\n", interlaced);
   for (const std::string& sentence : written) fmt::print("{}\n", sentence);
   if (count.frames > 0)
     fmt::print("per image: reading {:.1f} ms, adding {:.1f} ms; adjusting and composing {:.1f} s\n",
@@ -222,11 +227,7 @@ CLI::App* AddMosaicCommand(CLI::App& app, MosaicArguments& a) {
       ->add_option("--out", a.out,
                    "The picture (.png, .jpg); further mosaics, after cuts, are NAME_2 and so on")
       ->type_name("FILE");
-  command
-      ->add_option("--camera", a.camera,
-                   "A name in models/cameras, or a calibration file of Kestrel, Kalibr or OpenCV")
-      ->type_name("CAMERA");
-  command->add_option("--camera-name", a.camera_name, "Which camera of a Kalibr file (default: its first)");
+  AddCameraOptions(*command, a);
   command->add_option("--fov-deg", a.fov_deg, "Without a calibration: the camera's horizontal field of view")
       ->check(CLI::Range(5.0, 150.0));
   command
@@ -245,6 +246,7 @@ CLI::App* AddMosaicCommand(CLI::App& app, MosaicArguments& a) {
       ->check(OneOf(NamesOf(kBlendings)))
       ->capture_default_str();
   command->add_flag("--no-exposure", a.no_exposure, "Leave the images as bright as they are");
+  AddOpenClOption(*command, a.opencl);
   command->add_flag("--chain", a.chain, "Chain images alone, without loops and adjustment");
   command
       ->add_option("--overlap", a.overlap, "An image that shares less with the last keyframe is the next one")
@@ -265,17 +267,7 @@ CLI::App* AddMosaicCommand(CLI::App& app, MosaicArguments& a) {
   command->add_option("--pose-sigma-deg", a.pose_sigma_deg, "Standard deviation of their attitudes")
       ->check(CLI::Range(1e-3, 45.0))
       ->capture_default_str();
-  command
-      ->add_option("--mount-yaw-deg", a.yaw_deg,
-                   "How the camera is mounted: looking down with the top of the image forward, then turned")
-      ->check(CLI::Range(-180.0, 180.0))
-      ->capture_default_str();
-  command->add_option("--mount-pitch-deg", a.pitch_deg, "0: looking down; 90: looking ahead")
-      ->check(CLI::Range(-90.0, 90.0))
-      ->capture_default_str();
-  command->add_option("--mount-roll-deg", a.roll_deg, "180: looking up")
-      ->check(CLI::Range(-180.0, 180.0))
-      ->capture_default_str();
+  AddMountOptions(*command, a.mount);
   command->add_option("--geotiff", a.geotiff, "The picture as a GeoTIFF (.tif) in metres of N; needs --poses")
       ->type_name("FILE");
   command->add_option("--video", a.video, "Images and the growing mosaic side by side (.mp4)")
@@ -288,10 +280,8 @@ CLI::App* AddMosaicCommand(CLI::App& app, MosaicArguments& a) {
   command->add_option("--every", a.every, "Of so many images one")
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();
-  command
-      ->add_option("--frames", a.frames,
-                   "End after so many images (default: with the input, or when interrupted)")
-      ->check(CLI::Range(1, 100000000));
+  AddFramesOption(*command, "images", a.frames);
+  AddDeinterlaceOption(*command, a);
   AddBitsOption(*command, a.bits);
   command->add_flag("--quiet", a.quiet, "Print nothing but errors");
   command->footer(
@@ -332,7 +322,7 @@ bool MosaicCommand(const MosaicArguments& a) {
     if (std::string sentence = WriteMosaic(series.mosaic(i), i, composition, a.out, a.geotiff);
         !sentence.empty())
       written.push_back(std::move(sentence));
-  if (!a.csv.empty()) WriteFile(a.csv, MosaicTable(series, times_s));
+  if (!a.csv.empty()) WriteFile(a.csv, MosaicTable(series, times_s, vision::FlowDevice(a.opencl)));
   if (!a.quiet) Tell(a, count, SecondsSince(start), written);
   if (!count.broke_off.empty())
     throw std::runtime_error(fmt::format("{}: it broke off after {} images, whose mosaic is written: {}",

@@ -18,9 +18,9 @@ struct MosaicArguments : ImageArguments {  // out: the picture; csv: a row for e
   std::string surface = "plane", compose = "multiband", blend = "feather";
   double fov_deg = 0;  // 0: not given
   double ground_down_m = 0, pose_sigma_m = 1, pose_sigma_deg = 1;
-  double yaw_deg = 0, pitch_deg = 0, roll_deg = 0;  // of the mount, as in a scenario
+  MountAngles mount;
   double overlap = 0.65;
-  bool chain = false, no_exposure = false;
+  bool opencl = false, chain = false, no_exposure = false;
   int memory_mb = 2000, frames = 0, every = 1;
 };
 

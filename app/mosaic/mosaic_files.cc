@@ -36,16 +36,17 @@ std::string WriteMosaic(const vision::Mosaic& mosaic, int i, const vision::Compo
   return sentence + fmt::format(", {}", MosaicFile(geotiff_file, i));
 }
 
-std::string MosaicTable(const vision::MosaicSeries& series, const std::vector<double>& times_s) {
+std::string MosaicTable(const vision::MosaicSeries& series, const std::vector<double>& times_s,
+                        const std::string& device) {
   std::string table =
       "frame,t_s,mosaic,state,keyframe,is_keyframe,agreed,rms_px,shared,loops,adjusted,u_px,v_px,north_m,"
-      "east_m\n";
+      "east_m,device\n";
   for (std::size_t i = 0; i < series.places().size(); ++i) {
     const auto& place = series.places()[i];
     table +=
         fmt::format("{},{:.4f},{},{},", i, times_s[i], place.mosaic + 1, vision::NameOf(place.step.state));
     if (!vision::IsPlaced(place.step.state)) {
-      table += ",,,,,,,,,,\n";
+      table += fmt::format(",,,,,,,,,,,{}\n", device);
       continue;
     }
     const vision::Mosaic& mosaic = series.mosaic(place.mosaic);
@@ -58,9 +59,9 @@ std::string MosaicTable(const vision::MosaicSeries& series, const std::vector<do
     const auto ground = mosaic.GroundFromSurface();
     if (at && ground) {
       const Eigen::Vector3d N = *ground * Eigen::Vector3d(at->x(), at->y(), 1);
-      table += fmt::format("{:.4f},{:.4f}\n", N.x(), N.y());
+      table += fmt::format("{:.4f},{:.4f},{}\n", N.x(), N.y(), device);
     } else {
-      table += ",\n";
+      table += fmt::format(",,{}\n", device);
     }
   }
   return table;

@@ -17,7 +17,8 @@ std::string MosaicFile(const std::string& file, int i);
 std::string WriteMosaic(const vision::Mosaic& mosaic, int i, const vision::CompositionOptions& options,
                         const std::string& picture_file, const std::string& geotiff_file);
 
-// A row for each image: what became of it, and where its middle lies in the end.
-std::string MosaicTable(const vision::MosaicSeries& series, const std::vector<double>& times_s);
+// A row for each image: what became of it, where its middle lies in the end, and on what device points were followed.
+std::string MosaicTable(const vision::MosaicSeries& series, const std::vector<double>& times_s,
+                        const std::string& device);
 
 }  // namespace kestrel::app

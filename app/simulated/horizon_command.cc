@@ -14,7 +14,6 @@
 #include "base/diagnostics.h"
 #include "base/file/files.h"
 #include "geometry/tait_bryan.h"
-#include "vision/camera/camera_mount.h"
 #include "vision/horizon/horizon_attitude.h"
 #include "vision/image_file.h"
 
@@ -54,7 +53,7 @@ void Tell(const vision::HorizonAttitude::Measurement& m) {
 
 // How a camera is mounted is not seen in its images, and without a word it is taken to look down.
 void TellOfMount(const HorizonArguments& a) {
-  if (a.pitch_deg == 0 && a.roll_deg == 0)
+  if (a.mount.pitch_deg == 0 && a.mount.roll_deg == 0)
     fmt::print("the camera was taken to look down; for one that looks ahead give --mount-pitch-deg 90\n");
 }
 
@@ -66,18 +65,8 @@ CLI::App* AddHorizonCommand(CLI::App& app, HorizonArguments& a) {
   command->add_option("input", a.input, "An image or a video file in colour, as the camera took it")
       ->type_name("FILE")
       ->required();
-  AddCameraOptions(*command, a);
-  command
-      ->add_option("--mount-yaw-deg", a.yaw_deg,
-                   "How the camera is mounted: looking down with the top of the image forward, then turned")
-      ->check(CLI::Range(-180.0, 180.0))
-      ->capture_default_str();
-  command->add_option("--mount-pitch-deg", a.pitch_deg, "0: looking down; 90: looking ahead")
-      ->check(CLI::Range(-90.0, 90.0))
-      ->capture_default_str();
-  command->add_option("--mount-roll-deg", a.roll_deg, "180: looking up")
-      ->check(CLI::Range(-180.0, 180.0))
-      ->capture_default_str();
+  AddCameraOptions(*command, a)->required();
+  AddMountOptions(*command, a.mount);
   command
       ->add_option("--mask", a.mask, "An image of the same size, not black where the aircraft itself is seen")
       ->type_name("FILE");
@@ -105,9 +94,7 @@ void HorizonCommand(const HorizonArguments& a) {
   CheckOutputFiles(a, input.still, a.mask, mistakes);
   mistakes.ThrowIfAny();
 
-  const Pose X_BC =
-      vision::MountPose({.yaw_deg = a.yaw_deg, .pitch_deg = a.pitch_deg, .roll_deg = a.roll_deg});
-  vision::HorizonAttitude horizon(camera, X_BC.R.toRotationMatrix(), mask, {}, {});
+  vision::HorizonAttitude horizon(camera, PoseOf(a.mount).R.toRotationMatrix(), mask, {}, {});
   std::string csv = kCsvHeader;
   DrawnFile out(a, input);
   FrameProgress progress(!a.quiet);

@@ -14,7 +14,7 @@ namespace kestrel::app {
 // `kestrel horizon`: attitude from the skyline and heading from the visual compass, of any image or video.
 struct HorizonArguments : ImageArguments {
   std::string mask;
-  double yaw_deg = 0, pitch_deg = 0, roll_deg = 0;  // of the mount, as in a scenario
+  MountAngles mount;
 };
 
 CLI::App* AddHorizonCommand(CLI::App& app, HorizonArguments& arguments);

@@ -15,18 +15,48 @@
 #include "base/user_file.h"
 #include "records/video/video_reader.h"
 #include "vision/camera/calibration_file.h"
+#include "vision/camera/camera_mount.h"
 #include "vision/image_file.h"
 #include "vision/write_image.h"
 
 namespace kestrel::app {
 
-void AddCameraOptions(CLI::App& command, ImageArguments& a) {
-  command
-      .add_option("--camera", a.camera,
-                  "A name in models/cameras, or a calibration file of Kestrel, Kalibr or OpenCV")
-      ->type_name("CAMERA")
-      ->required();
+Pose PoseOf(const MountAngles& mount) {
+  return vision::MountPose({.position_m = Eigen::Vector3d::Zero(),
+                            .yaw_deg = mount.yaw_deg,
+                            .pitch_deg = mount.pitch_deg,
+                            .roll_deg = mount.roll_deg});
+}
+
+CLI::Option* AddCameraOptions(CLI::App& command, ImageArguments& a) {
+  CLI::Option* camera =
+      command
+          .add_option("--camera", a.camera,
+                      "A name in models/cameras, or a calibration file of Kestrel, Kalibr or OpenCV")
+          ->type_name("CAMERA");
   command.add_option("--camera-name", a.camera_name, "Which camera of a Kalibr file (default: its first)");
+  return camera;
+}
+
+void AddMountOptions(CLI::App& command, MountAngles& mount) {
+  command
+      .add_option("--mount-yaw-deg", mount.yaw_deg,
+                  "How the camera is mounted: looking down with the top of the image forward, then turned")
+      ->check(CLI::Range(-180.0, 180.0))
+      ->capture_default_str();
+  command.add_option("--mount-pitch-deg", mount.pitch_deg, "0: looking down; 90: looking ahead")
+      ->check(CLI::Range(-90.0, 90.0))
+      ->capture_default_str();
+  command.add_option("--mount-roll-deg", mount.roll_deg, "180: looking up")
+      ->check(CLI::Range(-180.0, 180.0))
+      ->capture_default_str();
+}
+
+void AddFramesOption(CLI::App& command, const std::string& images, int& frames) {
+  command
+      .add_option("--frames", frames,
+                  fmt::format("End after so many {} (default: with the input, or when interrupted)", images))
+      ->check(CLI::Range(1, 100000000));
 }
 
 void AddOutputOptions(CLI::App& command, const std::string& csv_rows, ImageArguments& a) {

@@ -7,13 +7,15 @@
 #include <string>
 
 #include "base/diagnostics.h"
+#include "geometry/pose.h"
 #include "records/video/video.h"
 #include "vision/camera.h"
 #include "vision/camera/camera_model.h"
 
 namespace CLI {
 class App;
-}
+class Option;
+}  // namespace CLI
 
 // What the verbs have in common that measure in the images of a camera: they read an image or a video, write a
 // table of what they saw, and draw it.
@@ -22,11 +24,22 @@ namespace kestrel::app {
 struct ImageArguments {
   std::string input, camera, camera_name, out, csv;
   std::optional<int> bits;  // of 16-bit pixels
-  bool quiet = false;
+  bool deinterlace = false, quiet = false;
 };
 
-// --camera and --camera-name.
-void AddCameraOptions(CLI::App& command, ImageArguments& arguments);
+// How a camera is mounted on the aircraft, as in a scenario: looking down with the top of the image forward, then
+// turned.
+struct MountAngles {
+  double yaw_deg = 0, pitch_deg = 0, roll_deg = 0;
+};
+Pose PoseOf(const MountAngles& mount);  // X_BC, in B's origin
+
+// --camera, which may be asked for by CLI::Option::required(), and --camera-name.
+CLI::Option* AddCameraOptions(CLI::App& command, ImageArguments& arguments);
+// --mount-yaw-deg, --mount-pitch-deg and --mount-roll-deg.
+void AddMountOptions(CLI::App& command, MountAngles& mount);
+// --frames, after which many `images` it ends; 0: with the input.
+void AddFramesOption(CLI::App& command, const std::string& images, int& frames);
 // --out and --csv, of which `csv_rows` says what it holds.
 void AddOutputOptions(CLI::App& command, const std::string& csv_rows, ImageArguments& arguments);
 

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -12,6 +13,7 @@
 #include "records/video/video_reader.h"
 #include "vision/capture/camera_address.h"
 #include "vision/capture/folder_source.h"
+#include "vision/capture/interlaced.h"
 #include "vision/capture/live_camera.h"
 
 namespace kestrel::app {
@@ -74,15 +76,31 @@ ImageInput FolderInput(const ImageArguments& a, Mistakes& mistakes) {
   return input;
 }
 
-}  // namespace
-
-ImageInput OpenImages(const ImageArguments& a, const std::atomic<bool>& stopped, Mistakes& mistakes) {
+ImageInput Open(const ImageArguments& a, const std::atomic<bool>& stopped, Mistakes& mistakes) {
   std::error_code none;
   if (!fs::exists(a.input, none) && a.input.find(':') != std::string::npos)
     return LiveInput(a.input, stopped, mistakes);
   if (fs::is_directory(a.input, none)) return FolderInput(a, mistakes);
   ImageInput input = OpenImageFile(a, mistakes);
   if (!input.still && input.size) RefuseOtherSizes(a.input, *input.size, mistakes);
+  return input;
+}
+
+}  // namespace
+
+void AddDeinterlaceOption(CLI::App& command, ImageArguments& a) {
+  command.add_flag("--deinterlace", a.deinterlace,
+                   "Of interlaced video: take every other row, and draw those between from them");
+}
+
+ImageInput OpenImages(const ImageArguments& a, const std::atomic<bool>& stopped, Mistakes& mistakes) {
+  ImageInput input = Open(a, stopped, mistakes);
+  if (!a.deinterlace) return input;
+  input.next = [next = std::move(input.next)]() -> std::optional<vision::Frame> {
+    auto frame = next();
+    if (frame) frame->image = vision::FirstField(frame->image);
+    return frame;
+  };
   return input;
 }
 

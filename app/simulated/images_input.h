@@ -8,11 +8,16 @@
 
 namespace kestrel::app {
 
+// --deinterlace.
+void AddDeinterlaceOption(CLI::App& command, ImageArguments& arguments);
+
 // What `input` names: an image, a video, a folder of images in the order of their names, or a camera's address. A
 // video whose images change their size is a mistake, since it would be scaled without a word; those of a folder come
 // as they are. The images of a video and a folder are 1 / rate_hz apart, a camera's have the times of the monotonic
 // clock. A camera's next() ends soon after `stopped` is set, and it is to outlive the input. next() throws
 // std::runtime_error where an image cannot be read.
+//
+// With `deinterlace`, the images are those of the first field alone.
 ImageInput OpenImages(const ImageArguments& arguments, const std::atomic<bool>& stopped, Mistakes& mistakes);
 
 }  // namespace kestrel::app

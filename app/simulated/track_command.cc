@@ -136,7 +136,7 @@ CLI::App* AddTrackCommand(CLI::App& app, TrackArguments& a) {
                    "An image, a video file, a folder of images or a camera's address, as of kestrel fly")
       ->type_name("INPUT")
       ->required();
-  AddCameraOptions(*command, a);
+  AddCameraOptions(*command, a)->required();
   command
       ->add_option("--landmark", a.landmark,
                    "A name in models/pads, the file of a pad, or any picture that lies or hangs flat")
@@ -160,10 +160,7 @@ CLI::App* AddTrackCommand(CLI::App& app, TrackArguments& a) {
       ->type_name("KEY=VALUE")
       ->expected(1, 6);
   AddOutputOptions(*command, "A row for each frame: pose, covariance, quality, times", a);
-  command
-      ->add_option("--frames", a.frames,
-                   "End after so many frames (default: with the input, or when interrupted)")
-      ->check(CLI::Range(1, 100000000));
+  AddFramesOption(*command, "frames", a.frames);
   AddBitsOption(*command, a.bits);
   command->add_flag("--quiet", a.quiet, "Print nothing but errors");
   command->footer(

@@ -31,7 +31,7 @@ class HorizonCommandTest : public InTemporaryFolder {
     cv::imwrite(File("image.png"), image);
     arguments_.input = File("image.png");
     arguments_.camera = File("camera.yaml");
-    arguments_.pitch_deg = 90;
+    arguments_.mount.pitch_deg = 90;
     arguments_.csv = File("out.csv");
     arguments_.quiet = true;
   }
@@ -78,7 +78,7 @@ TEST_F(HorizonCommandTest, APhotographFromACameraSaidToLookDownIsAnsweredWithThe
     return testing::internal::GetCapturedStdout();
   };
   EXPECT_THAT(printed(), AllOf(HasSubstr("roll"), Not(HasSubstr("--mount-pitch-deg"))));
-  arguments_.pitch_deg = 0;
+  arguments_.mount.pitch_deg = 0;
   EXPECT_THAT(printed(), AllOf(HasSubstr("no attitude"), HasSubstr("--mount-pitch-deg 90")));
 }
 

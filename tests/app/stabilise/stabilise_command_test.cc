@@ -10,6 +10,7 @@
 #include <ios>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <sstream>
 #include <stdexcept>
 #include <vector>
 
@@ -21,6 +22,7 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 // A folder of images of a camera that shakes before a picture of random blotches.
 class StabiliseCommandTest : public InTemporaryFolder {
@@ -71,7 +73,9 @@ TEST_F(StabiliseCommandTest, EachModeWritesARowAndAnImageForEachImage) {
     StabiliseCommand(arguments_);
     const auto rows = Rows();
     ASSERT_EQ(rows.size(), 13u) << mode;
-    for (const std::string& row : rows) EXPECT_EQ(std::count(row.begin(), row.end(), ','), 11) << row;
+    for (const std::string& row : rows)
+      EXPECT_EQ(std::count(row.begin(), row.end(), ','), std::count(rows[0].begin(), rows[0].end(), ','))
+          << row;
     EXPECT_THAT(rows[1], HasSubstr(",first,"));
     EXPECT_THAT(rows[12], HasSubstr(",followed,"));
     EXPECT_GT(std::filesystem::file_size(arguments_.out), 1000u);
@@ -124,6 +128,72 @@ TEST_F(StabiliseCommandTest, AnImageOfAnotherSizeEndsAVideoAndStartsTheViewAnewW
     EXPECT_THAT(e.what(), AllOf(HasSubstr("it broke off after 12 images"), HasSubstr("80 x 60")));
   }
   EXPECT_EQ(Rows().size(), 13u);
+}
+
+// A camera that looks ahead over flat ground, and rolls: how much is left is known, since the sky is drawn by it.
+TEST_F(StabiliseCommandTest, TheHorizonIsLevelledByTheSkyline) {
+  constexpr int kImages = 40;
+  std::filesystem::remove_all(arguments_.input);
+  std::filesystem::create_directory(arguments_.input);
+  cv::Mat fine(900, 900, CV_32FC3), ground, sky(900, 900, CV_8UC3, cv::Scalar(235, 200, 170));
+  cv::RNG(4).fill(fine, cv::RNG::NORMAL, 0, 30);
+  cv::GaussianBlur(fine, fine, {}, 2);
+  fine.convertTo(ground, CV_8U, 3, 80);
+  ground.rowRange(450, 900).copyTo(sky.rowRange(450, 900));
+  const auto roll_deg = [](int i) { return 6 + 5 * std::sin(0.2 * i); };
+  for (int i = 0; i < kImages; ++i) {
+    cv::Mat seen;  // the sky's middle row is the horizon
+    cv::Mat H = cv::getRotationMatrix2D({450, 449.5}, roll_deg(i), 1);
+    H.at<double>(0, 2) -= 450 - 159.5, H.at<double>(1, 2) -= 449.5 - 119.5;
+    cv::warpAffine(sky, seen, H, {320, 240}, cv::INTER_AREA);
+    cv::imwrite(Image(i), seen);
+  }
+  std::ofstream(File("wide.yaml")) << "model: pinhole\nwidth_px: 320\nheight_px: 240\nfx_px: 160\n"
+                                      "fy_px: 160\ncx_px: 159.5\ncy_px: 119.5\n";
+  arguments_.camera = File("wide.yaml"), arguments_.options.by = "sphere", arguments_.level = "skyline";
+  arguments_.options.mode = "offline", arguments_.unbounded = true;
+  StabiliseCommand(arguments_);
+  const auto rows = Rows();
+  ASSERT_EQ(rows.size(), kImages + 1u);
+  double square_in = 0, square = 0;
+  for (int i = 0; i < kImages; ++i) {
+    double turn_deg = 90;
+    int columns = 0;
+    std::istringstream row(rows[static_cast<std::size_t>(i) + 1]);
+    for (std::string cell; std::getline(row, cell, ','); ++columns)
+      if (columns == 9) turn_deg = std::stod(cell);
+    // getRotationMatrix2D turns counter-clockwise, turn_deg is clockwise.
+    square_in += roll_deg(i) * roll_deg(i) / kImages;
+    square += (turn_deg - roll_deg(i)) * (turn_deg - roll_deg(i)) / kImages;
+  }
+  EXPECT_GT(std::sqrt(square_in), 5);
+  EXPECT_LT(std::sqrt(square), 0.3) << rows[10];
+}
+
+TEST_F(StabiliseCommandTest, ALevelViewNeedsTheCamerasRotation) {
+  arguments_.level = "skyline";
+  EXPECT_THAT(Refusal(), AllOf(HasSubstr("--level"), HasSubstr("--by sphere, gyro or both")));
+}
+
+TEST_F(StabiliseCommandTest, InterlacedVideoIsToldWithItsRemedy) {
+  for (int i = 0; i < 12; ++i) {
+    cv::Mat image = cv::imread(Image(i));
+    const cv::Mat later = cv::imread(Image((i + 1) % 12));
+    for (int r = 1; r < image.rows; r += 2) later.row(r).copyTo(image.row(r));
+    cv::imwrite(Image(i), image);
+  }
+  arguments_.quiet = false;
+  const auto printed = [&] {
+    testing::internal::CaptureStdout();
+    StabiliseCommand(arguments_);
+    std::fflush(stdout);
+    return testing::internal::GetCapturedStdout();
+  };
+  EXPECT_THAT(printed(), AllOf(HasSubstr("interlaced: "), HasSubstr("--deinterlace"), HasSubstr("yadif")));
+  EXPECT_THAT(Rows()[3], ::testing::EndsWith(",1,,"));
+  arguments_.deinterlace = true;
+  EXPECT_THAT(printed(), Not(HasSubstr("interlaced")));
+  EXPECT_THAT(Rows()[3], ::testing::EndsWith(",0,,"));
 }
 
 }  // namespace

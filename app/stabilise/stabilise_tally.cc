@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/stabilise/stabilise_tally.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "geometry/tait_bryan.h"
+#include "vision/enhance/motion/point_flow.h"
+#include "vision/enhance/stabilisation/view_warp.h"
+
+namespace kestrel::app {
+namespace {
+
+// How far an image's horizon is turned, clockwise. None: the camera looks so far up or down that it has no side.
+std::optional<double> Tilt_deg(const Eigen::Vector3d& down) {
+  constexpr double kSideways = 0.1;
+  if (std::hypot(down.x(), down.y()) < kSideways) return std::nullopt;
+  return Degrees(std::atan2(-down.x(), down.y()));
+}
+
+// How the view shows the middle of the image.
+std::string Path(const vision::StabilisedImage& image, const vision::CameraModel* camera,
+                 const cv::Size& size) {
+  constexpr double kStep_px = 10;
+  const Eigen::Vector2d middle((size.width - 1) / 2.0, (size.height - 1) / 2.0);
+  const auto at = vision::ShownAt(image.view, camera, middle),
+             right = vision::ShownAt(image.view, camera, middle + Eigen::Vector2d(kStep_px, 0));
+  if (!at || !right) return ",,,";
+  const Eigen::Vector2d along = *right - *at,
+                        shift = *at - Eigen::Vector2d((image.view.size.width - 1) / 2.0,
+                                                      (image.view.size.height - 1) / 2.0);
+  return fmt::format("{:.3f},{:.3f},{:.4f},{:.5f}", shift.x(), shift.y(),
+                     Degrees(std::atan2(along.y(), along.x())), along.norm() / kStep_px);
+}
+
+}  // namespace
+
+void StabiliseTally::Add(const vision::StabilisedImage& image, const ImageBefore& before) {
+  ++states_[vision::NameOf(image.state)], ++images_, ms_ += before.ms;
+  csv_ += fmt::format("{},{:.4f},{},{},{},{:.3f},{:.4f},{},{:.2f},{},{},", image.number, image.t_s,
+                      vision::NameOf(image.state), image.points, image.inliers, image.rms_px, image.strength,
+                      Path(image, camera_, before.drawn.size()), before.ms, vision::FlowDevice(opencl_),
+                      before.interlaced ? 1 : 0);
+  std::optional<double> in, out;
+  if (before.down_C && image.view.turned) {
+    const Eigen::Quaterniond R_NC = vision::AttitudeOfRow(image.view.R_NC_rows, 3, 1);
+    in = Tilt_deg(*before.down_C);
+    out = Tilt_deg(image.view.R_NV.conjugate() * (R_NC * *before.down_C));
+  }
+  if (!in || !out) {
+    csv_ += ",\n";
+    return;
+  }
+  csv_ += fmt::format("{:.3f},{:.3f}\n", *in, *out);
+  ++levelled_, drawn_back_ += image.strength < 1, square_in_deg2_ += *in * *in, square_deg2_ += *out * *out;
+  worst_deg_ = std::max(worst_deg_, std::abs(*out));
+}
+
+std::vector<std::string> StabiliseTally::Sentences() const {
+  std::string counts;
+  for (const auto& [name, count] : states_)
+    counts += fmt::format("{}{} {}", counts.empty() ? "" : ", ", count, name);
+  std::vector<std::string> sentences = {
+      fmt::format("{} images: {}; {:.1f} ms each", images_, counts, ms_ / std::max(images_, 1))};
+  if (opencl_) sentences.push_back("points were followed on " + vision::FlowDevice(true));
+  using State = vision::StabilisedState;
+  for (const auto& [state, remedy] :
+       {std::pair{State::kTextureless,
+                  "too little is seen, and the view goes along with the image; a gyro (--by both) tells the "
+                  "rotation there too"},
+        std::pair{State::kCut, "nothing of the image before is found again, and the view begins anew"},
+        std::pair{State::kResized, "the size is another one, and the view begins anew"},
+        std::pair{State::kNoAttitude,
+                  "--imu has nothing of their time; valid: a file that covers the video, or --by vision"}})
+    if (const auto found = states_.find(vision::NameOf(state)); found != states_.end())
+      sentences.push_back(fmt::format("{} {}: {}", found->second, found->first, remedy));
+  if (levelled_ > 0)
+    sentences.push_back(fmt::format(
+        "horizon seen in {} images: its tilt is {:.2f} deg (RMS) as they came in, and {:.2f} deg, "
+        "at most {:.2f} deg, in the view{}",
+        levelled_, std::sqrt(square_in_deg2_ / levelled_), std::sqrt(square_deg2_ / levelled_), worst_deg_,
+        drawn_back_ == 0 ? ""
+                         : fmt::format("; in {} of them the view was drawn back, which a smaller "
+                                       "--crop or --unbounded spares it",
+                                       drawn_back_)));
+  return sentences;
+}
+
+}  // namespace kestrel::app
