@@ -15,6 +15,7 @@
 #include "base/stopwatch.h"
 #include "bench/enhance/shaken_clip.h"
 #include "bench/enhance/stabilise_clips.h"
+#include "bench/enhance/stabilise_speed.h"
 #include "bench/enhance/steadiness.h"
 #include "vision/enhance/stabilisation/stabiliser.h"
 #include "vision/write_image.h"
@@ -124,6 +125,7 @@ void BenchStabilise(flight::SeedRange seeds, const std::filesystem::path& out,
       table.push_back(
           {"stabilise, reference: time of an image", Mean(mean.ms), "ms", 1000.0 / 120, false, ""});
   }
+  TimeStabiliser(seeds.first, table);
 }
 
 }  // namespace kestrel::bench
