@@ -19,6 +19,8 @@
 #include "scenarios/stabilise/stabilise_metrics.h"
 #include "scenarios/stabilise/stabilise_plot.h"
 #include "scenarios/stabilise/stabilise_report.h"
+#include "vision/enhance/motion/opencl_device.h"
+#include "vision/enhance/motion/point_flow.h"
 #include "vision/enhance/stabilisation/stabiliser.h"
 
 namespace kestrel::scenarios {
@@ -72,6 +74,8 @@ class StabiliseMission final : public mission::Mission {
                cv::Scalar(80, 255, 80), 1, cv::LINE_AA);
     mission::Caption(bgr, 0, std::string(phase_));
     mission::Caption(bgr, 1, last_.empty() ? "nothing stabilised yet" : last_);
+    if (flight_.stabiliser.motion.opencl)
+      mission::Caption(bgr, 2, "points are followed on " + vision::FlowDevice(true));
   }
   cv::Mat ProductImage() const override { return product_; }
 
@@ -88,8 +92,14 @@ class StabiliseMission final : public mission::Mission {
       decision.target = "waiting";
       return;
     }
-    report.shown =
-        ShownImage{waiting_.front(), image->t_s, image->state, image->inliers, image->strength, image->view};
+    report.shown = ShownImage{
+        waiting_.front(),
+        image->t_s,
+        image->state,
+        image->inliers,
+        image->strength,
+        image->view,
+        flight_.stabiliser.motion.opencl && vision::OpenClStateNow() == vision::OpenClState::kUsed};
     waiting_.pop_front();
     shown_s_ = image->t_s;
     decision.target = vision::NameOf(image->state);

@@ -47,7 +47,9 @@ std::vector<mission::TelemetryColumn> StabiliseColumns() {
       Column("stabilised_sequence",
              [](const ShownImage& s, const mission::LogRow&) { return static_cast<double>(s.sequence); }),
       Column("stabilised_inliers", [](const ShownImage& s, const mission::LogRow&) { return s.inliers; }),
-      Column("stabilised_strength", [](const ShownImage& s, const mission::LogRow&) { return s.strength; })};
+      Column("stabilised_strength", [](const ShownImage& s, const mission::LogRow&) { return s.strength; }),
+      Column("stabilised_by_opencl",
+             [](const ShownImage& s, const mission::LogRow&) { return s.by_opencl; })};
 }
 
 std::vector<mission::Metric> StabiliseMetrics() {

@@ -19,6 +19,7 @@ struct ShownImage {
   int inliers = 0;
   double strength = 1;
   vision::ImageView view;
+  bool by_opencl = false;  // points are followed on a device of OpenCL
 };
 
 struct StabiliseReport final : mission::PathReport {
