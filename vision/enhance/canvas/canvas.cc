@@ -140,6 +140,15 @@ void Canvas::Draw(const cv::Rect& part, const cv::Mat& pixels, const cv::Mat& we
 
 void Canvas::Clear() { tiles_.clear(), halvings_ = 0; }
 
+void Canvas::ClearTile(const cv::Rect& tile) { tiles_.erase({tile.y / kTile, tile.x / kTile}); }
+
+std::vector<cv::Rect> Canvas::tiles() const {
+  std::vector<cv::Rect> all;
+  for (const auto& [place, tile] : tiles_)
+    all.emplace_back(place.second * kTile, place.first * kTile, kTile, kTile);
+  return all;
+}
+
 cv::Rect Canvas::extent() const {
   cv::Rect all;
   for (const auto& [place, tile] : tiles_)

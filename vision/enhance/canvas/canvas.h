@@ -6,6 +6,7 @@
 #include <map>
 #include <opencv2/core.hpp>
 #include <utility>
+#include <vector>
 
 #include "vision/enhance/canvas/blending.h"
 
@@ -37,6 +38,9 @@ class Canvas {
   // Blends pixels (CV_8U) by their weights (CV_32FC1, 0: none). part: in pixels of the canvas.
   void Draw(const cv::Rect& part, const cv::Mat& pixels, const cv::Mat& weights);
   void Clear();
+  void ClearTile(const cv::Rect& tile);
+  std::vector<cv::Rect> tiles()
+      const;  // where something was drawn, each of kTile_px, in pixels of the canvas
 
   std::int64_t bytes() const;
   cv::Rect extent() const;  // of its tiles, in pixels of the canvas; empty: nothing was drawn

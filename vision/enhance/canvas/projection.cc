@@ -26,6 +26,11 @@ cv::Mat HalfOf(const cv::Mat& image) {
 // Of maps from a canvas to an image: exact at every so many pixels, which leaves less than 0.02 px between.
 constexpr int kStep_px = 12;
 
+// The rows of a part, at all azimuths from minus to plus half a turn; of a plane, the part.
+cv::Rect WithinPeriod(const cv::Rect& part, int period_px) {
+  return period_px == 0 ? part : cv::Rect(-period_px / 2, part.y, period_px, part.height);
+}
+
 }  // namespace
 
 bool InImage(cv::Size size, const Vector2d& uv) {
@@ -132,17 +137,20 @@ std::vector<cv::Rect> WrappedParts(const cv::Rect& part, int period_px) {
 
 void DrawImage(const Projection& projection, const cv::Mat& image, const Matrix3d& M_WC, Canvas& canvas,
                Blending blending) {
-  const cv::Rect part = projection.PartOf(M_WC);
+  const cv::Rect part = projection.PartOf(M_WC), all = WithinPeriod(part, projection.period_px());
   if (part.empty()) return;
-  const int period = projection.period_px();
-  const auto all = [&](int halvings) -> std::optional<cv::Rect> {
-    if (period == 0) return std::nullopt;
-    return Halved({-period / 2, part.y, period, part.height}, halvings);
-  };
-  for (const cv::Rect& moved : WrappedParts(part, period)) canvas.MakeRoom(all(0) ? moved & *all(0) : moved);
-  for (const cv::Rect& moved : WrappedParts(part, period)) {
+  for (const cv::Rect& moved : WrappedParts(part, projection.period_px())) canvas.MakeRoom(moved & all);
+  DrawImageWithin(Halved(all, canvas.halvings()), projection, image, M_WC, canvas, blending);
+}
+
+void DrawImageWithin(const cv::Rect& within, const Projection& projection, const cv::Mat& image,
+                     const Matrix3d& M_WC, Canvas& canvas, Blending blending) {
+  const cv::Rect part = projection.PartOf(M_WC), all = WithinPeriod(part, projection.period_px());
+  for (const cv::Rect& moved : WrappedParts(part, projection.period_px())) {
+    const cv::Rect wanted = Halved(all, canvas.halvings()) & within;
+    if ((Halved(moved, canvas.halvings()) & wanted).empty()) continue;
     const ProjectedImage projected =
-        ProjectImage(projection, image, M_WC, moved, canvas.halvings(), blending, all(canvas.halvings()));
+        ProjectImage(projection, image, M_WC, moved, canvas.halvings(), blending, wanted);
     canvas.Draw(projected.part, projected.pixels, projected.weights);
   }
 }

@@ -65,5 +65,8 @@ std::vector<cv::Rect> WrappedParts(const cv::Rect& part, int period_px);
 // Makes room for the image and draws it.
 void DrawImage(const Projection& projection, const cv::Mat& image, const Eigen::Matrix3d& M_WC,
                Canvas& canvas, Blending blending);
+// The same of as much as lies within a part of the canvas, for which there is room.
+void DrawImageWithin(const cv::Rect& within, const Projection& projection, const cv::Mat& image,
+                     const Eigen::Matrix3d& M_WC, Canvas& canvas, Blending blending);
 
 }  // namespace kestrel::vision

@@ -35,6 +35,22 @@ bool IsNearlyMovedOnly(const CameraModel& camera, const Matrix3d& M_BA) {
          ((*below - *at) / kStep_px - Vector2d(0, 1)).norm() < kMost;
 }
 
+// Where a place of an image would be seen from the centre.
+std::optional<Vector2d> FromCentre(const CameraModel& camera, const RegisteredImage& image,
+                                   const Vector2d& uv) {
+  if (!image.parallax) return uv;
+  const auto ray = Ray(camera, uv);
+  if (!ray) return std::nullopt;
+  const double falls = image.parallax->down_C.dot(*ray);
+  return falls > 0 ? Project(camera, *ray + falls * image.parallax->moved_C) : uv;
+}
+
+void AddPair(const CameraModel& camera, const RegisteredImage& a, const RegisteredImage& b,
+             const Vector2d& in_a, const Vector2d& in_b, std::vector<PixelPair>& pairs) {
+  const auto of_a = FromCentre(camera, a, in_a), of_b = FromCentre(camera, b, in_b);
+  if (of_a && of_b) pairs.push_back({*of_a, *of_b});
+}
+
 cv::Point2f AsPoint(const Vector2d& v) { return {static_cast<float>(v.x()), static_cast<float>(v.y())}; }
 
 }  // namespace
@@ -100,19 +116,19 @@ std::vector<PixelPair> FollowedPairs(const CameraModel& camera, RegisteredImage&
     if (!found[i]) continue;
     std::optional<Vector2d> to(Vector2d(guess[i].x, guess[i].y));
     if (!as_it_is) to = Moved(camera, M_BA, *to);
-    if (to && InImage(size, *to)) pairs.push_back({{from[i].x, from[i].y}, *to});
+    if (to && InImage(size, *to)) AddPair(camera, a, b, {from[i].x, from[i].y}, *to, pairs);
   }
   return pairs;
 }
 
-std::vector<PixelPair> FeaturePairs(RegisteredImage& a, RegisteredImage& b) {
+std::vector<PixelPair> FeaturePairs(const CameraModel& camera, RegisteredImage& a, RegisteredImage& b) {
   const Features &of_a = a.features(), &of_b = b.features();
   if (of_a.points.size() < 2 || of_b.points.size() < 2) return {};
   std::vector<PixelPair> pairs;
   for (const Match& match : MatchFeatures(of_a, of_b, {.ratio = 0.8F, .mutual = true})) {
     const cv::Point2f p = of_a.points[static_cast<std::size_t>(match.a)].pt,
                       q = of_b.points[static_cast<std::size_t>(match.b)].pt;
-    pairs.push_back({{p.x, p.y}, {q.x, q.y}});
+    AddPair(camera, a, b, {p.x, p.y}, {q.x, q.y}, pairs);
   }
   return pairs;
 }
@@ -129,8 +145,8 @@ std::optional<MotionEstimate> RegisterNear(MosaicModel model, const CameraModel&
 std::optional<MotionEstimate> RegisterFar(MosaicModel model, const CameraModel& camera, RegisteredImage& a,
                                           RegisteredImage& b, const RegistrationOptions& options) {
   constexpr double kOfFeatures = 2;  // their places are that much less certain
-  const auto rough = EstimateMotion(model, camera, FeaturePairs(a, b), kOfFeatures * options.threshold_px,
-                                    options.min_pairs);
+  const auto rough = EstimateMotion(model, camera, FeaturePairs(camera, a, b),
+                                    kOfFeatures * options.threshold_px, options.min_pairs);
   return rough ? RegisterNear(model, camera, a, b, rough->M_AB, options) : std::nullopt;
 }
 

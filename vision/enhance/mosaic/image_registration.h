@@ -14,6 +14,15 @@
 
 namespace kestrel::vision {
 
+// A panorama is what is seen from one place, its centre, and a camera that turns strays from there. Flat ground then
+// shows a parallax that is known from the camera's pose: a ray r towards the ground, seen from the centre, is
+// r + moved (down . r).
+struct GroundParallax {
+  // From the centre to the camera, over its height above the ground.
+  Eigen::Vector3d moved_C = Eigen::Vector3d::Zero();
+  Eigen::Vector3d down_C = Eigen::Vector3d::Zero();
+};
+
 // A grey image and what others are registered to it by, each made when it is first asked for.
 class RegisteredImage {
  public:
@@ -24,9 +33,10 @@ class RegisteredImage {
   const cv::Mat& grey() const { return grey_; }
   const std::vector<cv::Point2f>& corners();  // Shi and Tomasi 1994, spread over the image
   const FlowPyramid& pyramid();
-  FlowOptions flow() const;    // of its pyramid
-  const Features& features();  // ORB
-  void ForgetPyramid();        // the largest of them
+  FlowOptions flow() const;                // of its pyramid
+  const Features& features();              // ORB
+  void ForgetPyramid();                    // the largest of them
+  std::optional<GroundParallax> parallax;  // none: its places are taken as they are seen
 
  private:
   cv::Mat grey_;
@@ -39,12 +49,12 @@ class RegisteredImage {
 };
 
 // Places of a in b, by pyramidal Lucas-Kanade from where M_AB says that they are. Where b is turned or scaled
-// against a, it is first drawn as a would see it.
+// against a, it is first drawn as a would see it. Without the parallax of either, as all pairs here.
 std::vector<PixelPair> FollowedPairs(const CameraModel& camera, RegisteredImage& a, RegisteredImage& b,
                                      const Eigen::Matrix3d& M_AB);
 
 // Places that look alike.
-std::vector<PixelPair> FeaturePairs(RegisteredImage& a, RegisteredImage& b);
+std::vector<PixelPair> FeaturePairs(const CameraModel& camera, RegisteredImage& a, RegisteredImage& b);
 
 struct RegistrationOptions {
   double threshold_px = 1.5;

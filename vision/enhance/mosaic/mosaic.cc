@@ -112,6 +112,15 @@ Matrix3d Mosaic::FromPose(const Pose& X_NC) const {
   return W * ground;
 }
 
+// The centre is where the first camera was. Nothing is known of the ground for one that is not over it.
+GroundParallax Mosaic::ParallaxAt(const Pose& X_NC) const {
+  const double height_m = options_.ground_down_m - X_NC.p.z();
+  if (height_m <= 0) return {};
+  const Matrix3d R_CN = X_NC.R.toRotationMatrix().transpose();
+  const Vector3d centre(first_.x(), first_.y(), options_.ground_down_m - first_.z());
+  return {R_CN * (X_NC.p - centre) / height_m, R_CN.col(2)};
+}
+
 double Mosaic::PoseSigma_px() const {
   const double f = CentralResolution(camera_), turned_px = f * options_.pose_sigma_deg * M_PI / 180;
   const double moved_px =
@@ -148,6 +157,7 @@ MosaicStep Mosaic::Add(const cv::Mat& image, double, const std::optional<Pose>& 
   const bool by_pose = has_poses_ && X_NC &&
                        (options_.model == MosaicModel::kRotation || X_NC->p.z() < options_.ground_down_m);
   const MaybePlaced M_WC_pose = by_pose ? MaybePlaced(FromPose(*X_NC)) : std::nullopt;
+  if (by_pose && options_.model == MosaicModel::kRotation) registered.parallax = ParallaxAt(*X_NC);
   std::optional<Found> found = lost_ == 0 ? Follow(registered, M_WC_pose) : std::nullopt;
   step.state = MosaicState::kFollowed;
   if (!found) {
@@ -189,11 +199,10 @@ MosaicStep Mosaic::Add(const cv::Mat& image, double, const std::optional<Pose>& 
   if (is_new) {
     if (!HasRoom()) return Refuse(MosaicState::kFull, step);
     MakeKeyframe(image, std::move(registered), M_WC, M_WC_pose, found ? &*found : nullptr, step);
-    AdjustWhenDue(step);
   } else {
     const Matrix3d M_KC = Normalised(options_.model, found->motion.M_AB);
     M_KC_before_ = found->keyframe == current_ ? M_KC_last_ : M_KC;
-    M_KC_last_ = M_KC;
+    M_KC_last_ = M_KC, M_WC_pose_last_ = M_WC_pose;
     current_ = found->keyframe;
     step.keyframe = current_;
     placements_.push_back({step.state, current_, M_KC});
@@ -204,6 +213,10 @@ MosaicStep Mosaic::Add(const cv::Mat& image, double, const std::optional<Pose>& 
     if (pending_.size() < kMostPending && HasRoom() && UncoveredShare(M_WC) > kWorthKeeping)
       pending_.push_back({step.number, image.clone(), part});
   }
+  // A little with each image, so that none takes long.
+  JoinNext(step);
+  AdjustWhenDue(step);
+  RedrawTile();
   DrawImage(*projection_, image, *this->M_WC(step.number), *canvas_, options_.blending);
   return step;
 }

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <deque>
 #include <opencv2/core.hpp>
 #include <optional>
 #include <vector>
@@ -60,7 +61,7 @@ struct MosaicStep {
   int agreed = 0;         // places
   double rms_px = 0;      // of those that agree
   double shared = 0;      // with the keyframe, 0 to 1
-  int loops = 0;          // older keyframes that it was joined to
+  int loops = 0;          // keyframes that were joined to older ones
   bool adjusted = false;  // all were placed anew
   double moved_px = 0;    // by which the farthest was moved
 };
@@ -118,6 +119,7 @@ class Mosaic {
   static std::int64_t MostPixels(const MosaicOptions& options, int channels);
 
  private:
+  using MaybePlaced = std::optional<Eigen::Matrix3d>;
   struct Placement {
     MosaicState state = MosaicState::kLost;
     int keyframe = -1;
@@ -128,27 +130,36 @@ class Mosaic {
     cv::Mat image;
     cv::Rect part;  // of the surface, when it was placed last
   };
+  // A keyframe that is being joined to older ones that show the same.
+  struct Joining {
+    int keyframe;
+    std::vector<int> candidates;  // to be tried, the best last
+    std::vector<int> joined;
+    bool looked_far;
+  };
   struct Found {
     int keyframe;
     MotionEstimate motion;  // of the image in the keyframe
   };
-  using MaybePlaced = std::optional<Eigen::Matrix3d>;
-
   MosaicStep Refuse(MosaicState state, MosaicStep step);
   void Begin(const cv::Mat& image, const std::optional<Pose>& X_NC);
   Eigen::Matrix3d FromPose(const Pose& X_NC) const;
+  GroundParallax ParallaxAt(const Pose& X_NC) const;
   double PoseSigma_px() const;
+  bool AgreesWithPoses(int keyframe, const Eigen::Matrix3d& M_KC, const MaybePlaced& M_WC_pose) const;
   std::optional<Found> Follow(RegisteredImage& image, const MaybePlaced& M_WC_pose);
   std::optional<Found> Find(RegisteredImage& image, const MaybePlaced& M_WC_pose);
   void MakeKeyframe(const cv::Mat& image, RegisteredImage registered, const Eigen::Matrix3d& M_WC,
                     const MaybePlaced& M_WC_pose, const Found* found, MosaicStep& step);
-  void JoinLoops(int joined_already, MosaicStep& step);
+  void BeginJoins(int joined_already);
+  bool JoinNext(MosaicStep& step);
   void AdjustWhenDue(MosaicStep& step);
   AdjustmentResult AdjustKeyframes(int most_iterations, double* moved_px);
   void Keep(KeptImage kept);
   void KeepWhatAloneShows();
   double UncoveredShare(const Eigen::Matrix3d& M_WC) const;
   bool HasRoom() const;
+  void RedrawTile();
   void Redraw();
 
   MosaicOptions options_;
@@ -163,9 +174,13 @@ class Mosaic {
   std::vector<AdjustmentEdge> edges_;
   std::vector<AdjustmentPrior> priors_;
   std::vector<KeptImage> kept_;
+  std::deque<Joining> joining_;
+  std::vector<cv::Rect> stale_;     // tiles of the canvas, drawn before the adjustment
+  int stale_halvings_ = 0;          // of the canvas, when they were listed
   std::vector<KeptImage> pending_;  // since the last keyframe, that showed what no other did
   int current_ = 0;                 // keyframe that images are registered to
   Eigen::Matrix3d M_KC_last_ = Eigen::Matrix3d::Identity(), M_KC_before_ = Eigen::Matrix3d::Identity();
+  MaybePlaced M_WC_pose_last_;
   std::vector<PixelPair> last_pairs_;
   int lost_ = 0;  // images in a row
   int loops_ = 0, since_adjusted_ = 0;

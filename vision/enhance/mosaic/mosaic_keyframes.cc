@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 #include "vision/enhance/mosaic/mosaic.h"
@@ -23,17 +24,27 @@ std::vector<PixelPair> Thinned(const std::vector<PixelPair>& pairs) {
   return thinned;
 }
 
+// Where the middle of an image is in another.
+std::optional<Vector2d> MiddleIn(const CameraModel& camera, const Matrix3d& M) {
+  const auto ray = Ray(camera, {(WidthPx(camera) - 1) / 2.0, (HeightPx(camera) - 1) / 2.0});
+  return ray ? Project(camera, M * *ray) : std::nullopt;
+}
+
 }  // namespace
 
 std::optional<Mosaic::Found> Mosaic::Follow(RegisteredImage& image, const MaybePlaced& M_WC_pose) {
   RegisteredImage& keyframe = keyframes_[static_cast<std::size_t>(current_)];
-  const MaybePlaced& M_WK_pose = M_WK_pose_[static_cast<std::size_t>(current_)];
-  std::vector<Matrix3d> guesses = {M_KC_last_ * M_KC_before_.inverse() * M_KC_last_};  // it goes on so
-  if (M_WC_pose && M_WK_pose) guesses.push_back(M_WK_pose->inverse() * *M_WC_pose);
+  // From one image to the next a pose is far truer than by itself. On ground that repeats a guess that is off by
+  // half its period leads to a motion on which all agree, and which is wrong.
+  std::vector<Matrix3d> guesses;
+  if (M_WC_pose && M_WC_pose_last_) guesses.push_back(M_KC_last_ * M_WC_pose_last_->inverse() * *M_WC_pose);
+  guesses.push_back(M_KC_last_ * M_KC_before_.inverse() * M_KC_last_);  // it goes on so
   guesses.push_back(M_KC_last_);
-  for (const Matrix3d& guess : guesses)
-    if (auto motion = RegisterNear(options_.model, camera_, keyframe, image, guess, {}))
+  for (const Matrix3d& guess : guesses) {
+    auto motion = RegisterNear(options_.model, camera_, keyframe, image, guess, {});
+    if (motion && AgreesWithPoses(current_, motion->M_AB, M_WC_pose))
       return Found{current_, std::move(*motion)};
+  }
   return std::nullopt;
 }
 
@@ -54,13 +65,24 @@ std::optional<Mosaic::Found> Mosaic::Find(RegisteredImage& image, const MaybePla
     for (int i = 0; i < std::min(n, kAtATime); ++i)
       candidates.push_back((n - 1 - ((lost_ - 1) * kAtATime + i) % n));
   }
-  for (const int k : candidates)
-    if (auto motion =
-            RegisterFar(options_.model, camera_, keyframes_[static_cast<std::size_t>(k)], image, {})) {
-      if (k != current_) keyframes_[static_cast<std::size_t>(current_)].ForgetPyramid();
-      return Found{k, std::move(*motion)};
-    }
+  for (const int k : candidates) {
+    auto motion = RegisterFar(options_.model, camera_, keyframes_[static_cast<std::size_t>(k)], image, {});
+    if (!motion || !AgreesWithPoses(k, motion->M_AB, M_WC_pose)) continue;
+    if (k != current_) keyframes_[static_cast<std::size_t>(current_)].ForgetPyramid();
+    return Found{k, std::move(*motion)};
+  }
   return std::nullopt;
+}
+
+// Whether what images say of a motion can be, by the poses of both.
+bool Mosaic::AgreesWithPoses(int keyframe, const Matrix3d& M_KC, const MaybePlaced& M_WC_pose) const {
+  const MaybePlaced& M_WK_pose = M_WK_pose_[static_cast<std::size_t>(keyframe)];
+  if (!M_WC_pose || !M_WK_pose) return true;
+  constexpr double kMostSigmas = 4;
+  const auto by_images = MiddleIn(camera_, M_KC),
+             by_poses = MiddleIn(camera_, M_WK_pose->inverse() * *M_WC_pose);
+  return by_images && by_poses &&
+         (*by_images - *by_poses).norm() <= kMostSigmas * std::sqrt(2.0) * PoseSigma_px();
 }
 
 void Mosaic::MakeKeyframe(const cv::Mat& image, RegisteredImage registered, const Matrix3d& M_WC,
@@ -79,17 +101,16 @@ void Mosaic::MakeKeyframe(const cv::Mat& image, RegisteredImage registered, cons
   // From now on motion is told from here.
   const bool followed = found && found->keyframe == current_;
   M_KC_before_ = followed ? Matrix3d(found->motion.M_AB.inverse() * M_KC_last_) : Matrix3d::Identity();
-  M_KC_last_ = Matrix3d::Identity();
+  M_KC_last_ = Matrix3d::Identity(), M_WC_pose_last_ = M_WC_pose;
   current_ = k;
-  if (options_.loops) JoinLoops(found ? found->keyframe : -1, step);
+  if (options_.loops) BeginJoins(found ? found->keyframe : -1);
   Keep({step.number, image.clone(), projection_->PartOf(M_WC)});
   KeepWhatAloneShows();
 }
 
 // The newest keyframe with all that show the same.
-void Mosaic::JoinLoops(int joined_already, MosaicStep& step) {
+void Mosaic::BeginJoins(int joined_already) {
   constexpr double kLeastShared = 0.2;
-  constexpr int kMostJoined = 4, kApart = 2, kLoop = 4;
   const int k = keyframes() - 1;
   const Matrix3d M_WC = M_WK_.back();
   std::vector<std::pair<double, int>> candidates;
@@ -98,35 +119,47 @@ void Mosaic::JoinLoops(int joined_already, MosaicStep& step) {
     const double shared = SharedWith(camera_, M_WK_[static_cast<std::size_t>(j)].inverse() * M_WC);
     if (shared >= kLeastShared) candidates.emplace_back(-shared, j);
   }
-  std::sort(candidates.begin(), candidates.end());
-  std::vector<int> joined;
-  bool looked_far = false;
-  for (const auto& [less_shared, j] : candidates) {
-    if (static_cast<int>(joined.size()) >= kMostJoined) break;
-    if (std::any_of(joined.begin(), joined.end(),
-                    [j = j](int other) { return std::abs(other - j) < kApart; }))
+  std::sort(candidates.begin(), candidates.end(), std::greater<>());
+  Joining& joining = joining_.emplace_back(k, std::vector<int>(), std::vector<int>(), false);
+  for (const auto& [less_shared, j] : candidates) joining.candidates.push_back(j);
+}
+
+// The next of them that is to be tried. False: none.
+bool Mosaic::JoinNext(MosaicStep& step) {
+  constexpr int kMostJoined = 4, kApart = 2, kLoop = 4;
+  while (!joining_.empty()) {
+    Joining& joining = joining_.front();
+    if (joining.candidates.empty() || static_cast<int>(joining.joined.size()) >= kMostJoined) {
+      joining_.pop_front();
       continue;
-    RegisteredImage& older = keyframes_[static_cast<std::size_t>(j)];
-    const Matrix3d guess = M_WK_[static_cast<std::size_t>(j)].inverse() * M_WC;
-    auto motion = RegisterNear(options_.model, camera_, older, keyframes_.back(), guess, {});
-    if (!motion && !looked_far) {
-      looked_far = true;
-      motion = RegisterFar(options_.model, camera_, older, keyframes_.back(), {});
     }
-    older.ForgetPyramid();
-    if (!motion) continue;
-    joined.push_back(j);
+    const int k = joining.keyframe, j = joining.candidates.back();
+    joining.candidates.pop_back();
+    if (std::any_of(joining.joined.begin(), joining.joined.end(),
+                    [j](int other) { return std::abs(other - j) < kApart; }))
+      continue;
+    RegisteredImage &older = keyframes_[static_cast<std::size_t>(j)],
+                    &newer = keyframes_[static_cast<std::size_t>(k)];
+    const Matrix3d guess = M_WK_[static_cast<std::size_t>(j)].inverse() * M_WK_[static_cast<std::size_t>(k)];
+    auto motion = RegisterNear(options_.model, camera_, older, newer, guess, {});
+    if (!motion && !joining.looked_far) {
+      joining.looked_far = true;
+      motion = RegisterFar(options_.model, camera_, older, newer, {});
+    }
+    for (const int each : {j, k})
+      if (each != current_) keyframes_[static_cast<std::size_t>(each)].ForgetPyramid();
+    if (!motion || !AgreesWithPoses(j, motion->M_AB, M_WK_pose_[static_cast<std::size_t>(k)])) return true;
+    joining.joined.push_back(j);
     edges_.push_back({j, k, Thinned(motion->pairs)});
-    if (k - j < kLoop) continue;
+    if (k - j < kLoop) return true;
     ++loops_, ++step.loops;
     // How far apart the ends were.
     constexpr double kOpen_px = 1;
-    const Vector2d middle((WidthPx(camera_) - 1) / 2.0, (HeightPx(camera_) - 1) / 2.0);
-    const auto ray = Ray(camera_, middle);
-    const auto guessed = ray ? Project(camera_, guess * *ray) : std::nullopt,
-               is = ray ? Project(camera_, motion->M_AB * *ray) : std::nullopt;
+    const auto guessed = MiddleIn(camera_, guess), is = MiddleIn(camera_, motion->M_AB);
     if (guessed && is && (*guessed - *is).norm() > kOpen_px) loop_is_open_ = true;
+    return true;
   }
+  return false;
 }
 
 void Mosaic::AdjustWhenDue(MosaicStep& step) {
@@ -140,7 +173,11 @@ void Mosaic::AdjustWhenDue(MosaicStep& step) {
   constexpr double kWorthDrawing_px = 2, kMore = 1.5;
   if (!options_.redraw || moved_px_ < std::ldexp(kWorthDrawing_px, canvas_->halvings())) return;
   // Ever more seldom, so that it takes a constant share of the time.
-  if (static_cast<double>(keyframes()) >= kMore * static_cast<double>(drawn_anew_)) Redraw();
+  if (!stale_.empty() || static_cast<double>(keyframes()) < kMore * static_cast<double>(drawn_anew_)) return;
+  stale_ = canvas_->tiles();
+  stale_halvings_ = canvas_->halvings();
+  moved_px_ = 0;
+  drawn_anew_ = keyframes_.size();
 }
 
 AdjustmentResult Mosaic::AdjustKeyframes(int most_iterations, double* moved_px) {
@@ -163,6 +200,8 @@ AdjustmentResult Mosaic::AdjustKeyframes(int most_iterations, double* moved_px) 
 
 AdjustmentResult Mosaic::Adjust() {
   if (keyframes_.empty()) return {};
+  MosaicStep step;
+  while (JoinNext(step)) {}
   AdjustmentResult result;
   constexpr int kIterations = 30;
   if (options_.loops) result = AdjustKeyframes(kIterations, nullptr);
@@ -172,65 +211,6 @@ AdjustmentResult Mosaic::Adjust() {
   KeepWhatAloneShows();
   Redraw();
   return result;
-}
-
-void Mosaic::Keep(KeptImage kept) { kept_.push_back(std::move(kept)); }
-
-// Of the images since the last keyframe those that show what no keyframe does, the most of it first.
-void Mosaic::KeepWhatAloneShows() {
-  constexpr double kWorthKeeping = 0.01;
-  while (!pending_.empty() && HasRoom()) {
-    std::size_t best = 0;
-    double most = kWorthKeeping;
-    bool any = false;
-    for (std::size_t i = 0; i < pending_.size(); ++i) {
-      const double share = UncoveredShare(*M_WC(pending_[i].number));
-      if (share <= most) continue;
-      most = share, best = i, any = true;
-    }
-    if (!any) break;
-    Keep(std::move(pending_[best]));
-    pending_.erase(pending_.begin() + static_cast<std::ptrdiff_t>(best));
-  }
-  pending_.clear();
-}
-
-// Of an image at this place, by the images that are kept.
-double Mosaic::UncoveredShare(const Matrix3d& M_WC) const {
-  constexpr int kAcross = 16, kDown = 12;
-  const cv::Size size = projection_->image_size();
-  const cv::Rect part = projection_->PartOf(M_WC);
-  std::vector<Matrix3d> M_CW;
-  for (const KeptImage& each : kept_) {
-    bool near = false;
-    for (const cv::Rect& moved : WrappedParts(each.part, projection_->period_px()))
-      for (const cv::Rect& its : WrappedParts(part, projection_->period_px())) near |= !(moved & its).empty();
-    if (near) M_CW.push_back(this->M_WC(each.number)->inverse());
-  }
-  int all = 0, uncovered = 0;
-  for (int i = 0; i <= kDown; ++i)
-    for (int j = 0; j <= kAcross; ++j) {
-      const auto ray = Ray(camera_, {(size.width - 1.0) * j / kAcross, (size.height - 1.0) * i / kDown});
-      if (!ray) continue;
-      ++all;
-      const Eigen::Vector3d w = M_WC * *ray;
-      uncovered += std::none_of(M_CW.begin(), M_CW.end(), [&](const Matrix3d& M) {
-        const auto uv = Project(camera_, M * w);
-        return uv && InImage(size, *uv);
-      });
-    }
-  return all > 0 ? static_cast<double>(uncovered) / all : 0;
-}
-
-void Mosaic::Redraw() {
-  canvas_->Clear();
-  for (KeptImage& each : kept_) {
-    const Matrix3d M = *M_WC(each.number);
-    each.part = projection_->PartOf(M);
-    DrawImage(*projection_, each.image, M, *canvas_, options_.blending);
-  }
-  moved_px_ = 0;
-  drawn_anew_ = keyframes_.size();
 }
 
 }  // namespace kestrel::vision

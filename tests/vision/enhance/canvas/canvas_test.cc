@@ -4,8 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <opencv2/imgproc.hpp>
 
+#include "vision/camera/pinhole.h"
 #include "vision/enhance/canvas/blending.h"
+#include "vision/enhance/canvas/projection.h"
 
 namespace kestrel::vision {
 namespace {
@@ -154,6 +157,37 @@ TEST(CanvasTest, AQuickLookIsOfEverySoManyPixels) {
                 pixels.at<std::uint8_t>(static_cast<int>(at.y()), static_cast<int>(at.x())));
     }
   EXPECT_EQ(compared, 7500);
+}
+
+// As a mosaic is drawn anew, a tile with each image.
+TEST(DrawImageTest, TileByTileIsAllAtOnce) {
+  const Pinhole camera{320, 240, 200, 200, 159.5, 119.5};
+  cv::Mat image(240, 320, CV_8UC1);
+  cv::RNG(3).fill(image, cv::RNG::UNIFORM, 0, 255);
+  cv::GaussianBlur(image, image, {}, 3);
+  for (const Surface surface : {Surface::kPlane, Surface::kSphere}) {
+    const Projection projection(camera, surface, 300);
+    // On the sphere it lies on both sides of half a turn.
+    const Eigen::Matrix3d M_WC =
+        Eigen::AngleAxisd(surface == Surface::kPlane ? 0.2 : 3.1, Eigen::Vector3d::UnitY())
+            .toRotationMatrix();
+    Canvas canvas(Blending::kFeather, 1, 1'000'000'000);
+    DrawImage(projection, image, M_WC, canvas, Blending::kFeather);
+    const MosaicPicture whole = canvas.Picture();
+    const std::vector<cv::Rect> tiles = canvas.tiles();
+    EXPECT_GT(tiles.size(), 3U);
+    for (const cv::Rect& tile : tiles) {
+      canvas.ClearTile(tile);
+      EXPECT_EQ(canvas.tiles().size(), tiles.size() - 1);
+      DrawImageWithin(tile, projection, image, M_WC, canvas, Blending::kFeather);
+    }
+    const MosaicPicture anew = canvas.Picture();
+    ASSERT_EQ(anew.image.size(), whole.image.size());
+    // Maps are exact at their steps, which a tile has elsewhere: single pixels of the rim are shown or not.
+    cv::Mat difference;
+    cv::absdiff(anew.image, whole.image, difference);
+    EXPECT_LT(cv::countNonZero(difference > 2), cv::countNonZero(whole.shown) / 500);
+  }
 }
 
 }  // namespace
