@@ -15,7 +15,9 @@
 #include "base/stopwatch.h"
 #include "bench/enhance/shaken_clip.h"
 #include "bench/enhance/stabilise_clips.h"
+#include "bench/enhance/stabilise_drift.h"
 #include "bench/enhance/stabilise_speed.h"
+#include "bench/enhance/stabilise_stills.h"
 #include "bench/enhance/steadiness.h"
 #include "vision/enhance/stabilisation/stabiliser.h"
 #include "vision/write_image.h"
@@ -88,7 +90,6 @@ struct Mean3 {
 
 void BenchStabilise(flight::SeedRange seeds, const std::filesystem::path& out,
                     std::vector<records::Figure>& table) {
-  static_cast<void>(out);
   seeds.last = std::min(seeds.last, seeds.first + 2);
   const int threads = cv::getNumThreads();
   cv::setNumThreads(1);
@@ -113,6 +114,11 @@ void BenchStabilise(flight::SeedRange seeds, const std::filesystem::path& out,
             s.skew_in_px > 0 ? fmt::format("{:.3f}", s.Skew()) : "-", s.stability, s.distortion, s.crop,
             r.lost, r.ms);
         all[way.name].Add(r);
+        const bool still = (of.name == "hover" || of.readout_s > 0) &&
+                           (way.name == kReference || way.name.ends_with("lag 2 s"));
+        if (!out.empty() && still && seed == seeds.first)
+          WriteStabiliseStills(clip, images, way.options,
+                               of.name + "_" + way.name.substr(0, way.name.find(',')), out);
       }
     }
   }
@@ -125,6 +131,7 @@ void BenchStabilise(flight::SeedRange seeds, const std::filesystem::path& out,
       table.push_back(
           {"stabilise, reference: time of an image", Mean(mean.ms), "ms", 1000.0 / 120, false, ""});
   }
+  BenchReferenceDrift(seeds.first, table);
   TimeStabiliser(seeds.first, table);
 }
 

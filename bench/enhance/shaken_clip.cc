@@ -52,7 +52,9 @@ double ShakenClip::Shake(int which, double t_s) const {
 Pose ShakenClip::Intended(double t_s) const {
   // Looks down: z of C is z of N; its top is forward.
   const double yaw = options_.turn_rad_s * t_s;
-  const Vector3d p(options_.forward_m_s * t_s, 0, -kHeight_m - options_.climb_m_s * t_s);
+  const double ahead_m = options_.wander_m * std::sin(2 * std::numbers::pi * t_s / 10),
+               aside_m = options_.wander_m * std::sin(2 * std::numbers::pi * t_s / 14);
+  const Vector3d p(options_.forward_m_s * t_s + ahead_m, aside_m, -kHeight_m - options_.climb_m_s * t_s);
   Eigen::Matrix3d look;  // x of C to the right, y backward
   look << 0, -1, 0, 1, 0, 0, 0, 0, 1;
   return {HeadingRotation(yaw) * Eigen::Quaterniond(look), p};

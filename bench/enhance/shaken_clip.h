@@ -21,8 +21,9 @@ struct ShakenClipOptions {
   int images = 300;
   double rate_hz = 30;
   double forward_m_s = 0, turn_rad_s = 0, climb_m_s = 0;  // what is intended
-  double attitude_deg = 1, position_m = 0.03;             // deviations of what is not, in each direction
-  double readout_s = 0;                                   // from the first row to the last
+  double wander_m = 0;                         // and to and fro, ahead in 10 s and to the side in 14 s
+  double attitude_deg = 1, position_m = 0.03;  // deviations of what is not, in each direction
+  double readout_s = 0;                        // from the first row to the last
 };
 
 class ShakenClip {
