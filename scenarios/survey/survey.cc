@@ -2,13 +2,9 @@
 #include "scenarios/survey/survey.h"
 
 #include <cmath>
-#include <string>
 
 #include "geometry/tait_bryan.h"
-#include "mission/caption.h"
-#include "mission/mosaic/mosaic_records.h"
-#include "mission/mosaic/mosaic_report.h"
-#include "mission/path/path_pilot.h"
+#include "mission/mosaic/mosaic_mission.h"
 #include "mission/path/path_records.h"
 #include "records/plot/growth_plot.h"
 #include "records/plot/path_plot.h"
@@ -18,65 +14,6 @@ namespace kestrel::scenarios {
 namespace {
 
 constexpr double kSettle_s = 2;  // at the beginning of the first line
-
-vision::MosaicOptions GroundMosaic() {
-  vision::MosaicOptions options;
-  options.model = vision::MosaicModel::kPlane;
-  options.surface = vision::Surface::kPlane;
-  return options;
-}
-
-class SurveyMission final : public mission::Mission {
- public:
-  SurveyMission(const SurveyFlight& flight, const mission::MissionParts& parts)
-      : flight_(flight),
-        pilot_(flight.height_m, flight.path,
-               [flight](const Eigen::Vector3d& p_N, double yaw) { return SurveyLines(flight, p_N, yaw); }),
-        mosaic_(GroundMosaic(), flight.mosaic, parts.camera, parts.X_BC, flight.images) {}
-
-  mission::Decision Step(const vision::Frame& frame, const control::VehicleState& state) override {
-    mission::Decision decision;
-    auto report = std::make_shared<mission::MosaicReport>();
-    mosaic_.Note(state);
-    report->reference = pilot_.Fly(state, decision);
-    if (pilot_.path() && mosaic_.offered() < flight_.images && Lines_s(state) >= Due_s())
-      report->step = mosaic_.Add(frame, decision);
-    phase_ = decision.phase;
-    if (pilot_.AtEnd(state)) {
-      report->finished = mosaic_.Finish();
-      decision.outcome = "surveyed";
-      surveyed_ = mosaic_.placed() > 0;
-    }
-    mosaic_.Fill(*report);
-    decision.report = report;
-    return decision;
-  }
-  bool Accomplished() const override { return surveyed_; }
-  // It flies by the autopilot's own state, and the mosaic is made beside that.
-  mission::TargetNeed Target() const override { return mission::TargetNeed::kNone; }
-  void Draw(cv::Mat& bgr) const override {
-    mission::Caption(bgr, 0, std::string(phase_));
-    mosaic_.Draw(bgr);
-  }
-  cv::Mat ProductImage() const override { return mosaic_.ProductImage(); }
-  void WriteProducts(const std::filesystem::path& folder) const override { mosaic_.WriteProducts(folder); }
-
- private:
-  // Since the beginning of the first line, which is the second waypoint.
-  double Lines_s(const control::VehicleState& state) const {
-    return pilot_.path_s(state) - pilot_.path()->arrival_s(1) - kSettle_s;
-  }
-  double Due_s() const {
-    const double all_s = pilot_.path()->duration_s() - pilot_.path()->arrival_s(1) - 2 * kSettle_s;
-    return all_s * mosaic_.offered() / (flight_.images - 1);
-  }
-
-  SurveyFlight flight_;
-  mission::PathPilot pilot_;
-  mission::MosaicObserver mosaic_;
-  std::string_view phase_;
-  bool surveyed_ = false;
-};
 
 }  // namespace
 
@@ -99,25 +36,12 @@ std::vector<mission::Waypoint> SurveyLines(const SurveyFlight& flight, const Eig
 }
 
 mission::MissionType TypeOf(const SurveyFlight&) {
-  std::vector<mission::TelemetryColumn> columns = mission::PathColumns();
-  for (const mission::TelemetryColumn& each : mission::MosaicColumns()) columns.push_back(each);
-  std::vector<mission::Metric> metrics = mission::PathMetrics();
-  for (const auto& more : {mission::MosaicMetrics(), SurveyMetrics()})
-    metrics.insert(metrics.end(), more.begin(), more.end());
-  return {.name = "survey",
-          .summary = "Flies over the ground in lines while a mosaic of it grows.",
-          .telemetry = std::move(columns),
-          .metrics = std::move(metrics),
-          .add_metrics =
-              [](const std::vector<mission::LogRow>& rows, std::map<std::string, double>& values) {
-                mission::AddPathMetrics(rows, values);
-                mission::AddMosaicMetrics(rows, values);
-                AddSurveyMetrics(rows, values);
-              },
-          .plots = {{"path.png", records::FliesPath, records::PathPlot},
-                    {"growth.png", records::MakesMosaic, records::GrowthPlot}},
-          .products = mission::MosaicProducts(),
-          .product_video = "mosaic.mp4"};
+  mission::MissionType type =
+      mission::MosaicMissionType("survey", "Flies over the ground in lines while a mosaic of it grows.",
+                                 SurveyMetrics(), AddSurveyMetrics);
+  type.plots = {{"path.png", records::FliesPath, records::PathPlot},
+                {"growth.png", records::MakesMosaic, records::GrowthPlot}};
+  return type;
 }
 
 void CheckFlightLimits(const SurveyFlight& flight, const mission::AircraftLimits& limits, const Place& where,
@@ -133,7 +57,14 @@ bool FlightCanHave(const SurveyFlight& flight, const std::string& metric, const 
 
 std::unique_ptr<mission::Mission> MakeMission(const SurveyFlight& flight,
                                               const mission::MissionParts& parts) {
-  return std::make_unique<SurveyMission>(flight, parts);
+  return mission::MakeMosaicMission(
+      {.height_m = flight.height_m,
+       .path = flight.path,
+       .mosaic = flight.mosaic,
+       .images = flight.images,
+       .plan = [flight](const Eigen::Vector3d& p_N, double yaw) { return SurveyLines(flight, p_N, yaw); },
+       .outcome = "surveyed"},
+      parts);
 }
 
 }  // namespace kestrel::scenarios
