@@ -29,6 +29,15 @@ std::string Line(const records::Criterion& c, bool colours) {
                      c.at_least ? "at least" : "at most", c.limit);
 }
 
+// A mosaic whose images are chained alone, as the thesis has it, stands beside the one that is judged.
+std::string ComparedLines(const records::Summary& s) {
+  std::string text;
+  for (const auto& [name, value] : s.metrics)
+    if (name.starts_with("chain_"))
+      text += fmt::format("       {:<26} {:>11.4g}   to compare\n", name, value);
+  return text;
+}
+
 }  // namespace
 
 std::string Verdict(const records::Summary& s, bool colours) {
@@ -58,7 +67,7 @@ std::string MissedCriteria(const records::Summary& s, bool colours) {
 }
 
 std::string RunReport(const records::Summary& s, const std::string& folder, bool colours) {
-  std::string text = Verdict(s, colours) + CriteriaLines(s, colours);
+  std::string text = Verdict(s, colours) + CriteriaLines(s, colours) + ComparedLines(s);
   text += fmt::format("  {:.1f} s flown in {:.1f} s, {:.1f} x real time, drawn by {}\n  {}\n", s.sim_s,
                       s.wall_s, s.sim_s / std::max(s.wall_s, 1e-9), s.renderer, folder);
   return text;

@@ -45,6 +45,15 @@ TEST(RunReport, AllCriteriaAreInItAndOfAQuietRunThoseThatAreMissed) {
                                               Not(HasSubstr("rest_error_m"))));
 }
 
+TEST(RunReport, AMosaicThatIsChainedAloneStandsBesideTheOneThatIsJudged) {
+  records::Summary s = Ended({{"mosaic_rms_px", 0.4, 1, false, true}}, true);
+  EXPECT_THAT(RunReport(s, "x", false), Not(HasSubstr("to compare")));
+  s.metrics = {{"mosaic_rms_px", 0.4}, {"chain_rms_px", 2.6}};
+  const std::string report = RunReport(s, "x", false);
+  EXPECT_THAT(report, HasSubstr("chain_rms_px                       2.6   to compare\n"));
+  EXPECT_EQ(report.find("mosaic_rms_px"), report.rfind("mosaic_rms_px"));
+}
+
 TEST(RunReport, ColoursAreThereWhereTheyAreWanted) {
   const records::Summary s = Ended({kKept, kMissed}, false);
   EXPECT_THAT(RunReport(s, "x", true), AllOf(HasSubstr("\x1b[31mFAILED"), HasSubstr("\x1b[32mok")));
