@@ -120,7 +120,7 @@ void StabiliseCommand(const StabiliseArguments& given) {
   ImageInput input = OpenImages(a, stopped, mistakes);
   std::error_code none;
   const bool live = !std::filesystem::exists(a.input, none);
-  if (input.still)
+  if (input.still && input.size)
     mistakes.Add(a.input, "", "one image, which has no motion", "valid: a video, or a folder of images");
   std::optional<vision::CameraModel> camera;
   if (!a.camera.empty()) camera = ReadCamera(a, input.size, mistakes);

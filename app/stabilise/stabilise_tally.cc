@@ -66,6 +66,8 @@ std::vector<std::string> StabiliseTally::Sentences() const {
   std::vector<std::string> sentences = {
       fmt::format("{} images: {}; {:.1f} ms each", images_, counts, ms_ / std::max(images_, 1))};
   if (opencl_) sentences.push_back("points were followed on " + vision::FlowDevice(true));
+  if (images_ == 1)
+    sentences.push_back("one image, which has no motion; valid: a video, or a folder of images");
   using State = vision::StabilisedState;
   for (const auto& [state, remedy] :
        {std::pair{State::kTextureless,

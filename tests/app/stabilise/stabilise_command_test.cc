@@ -89,6 +89,8 @@ TEST_F(StabiliseCommandTest, WhatIsNoVideoIsRefused) {
   const std::string folder = arguments_.input;
   arguments_.input = Image(0);
   EXPECT_THAT(Refusal(), HasSubstr("one image, which has no motion"));
+  arguments_.input = File("nowhere.mp4");
+  EXPECT_THAT(Refusal(), AllOf(HasSubstr("cannot be read"), Not(HasSubstr("one image"))));
   arguments_.input = File("camera.yaml");
   EXPECT_THAT(Refusal(), HasSubstr("neither an image nor a video"));
   arguments_.input = folder, arguments_.csv = "";
