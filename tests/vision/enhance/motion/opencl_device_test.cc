@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <opencv2/core/ocl.hpp>
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
@@ -94,6 +96,24 @@ TEST_F(OpenCl, ThatFailsIsToldAndTheProcessorGoesOn) {
   ASSERT_EQ(FollowPoints(from, to, begin, end)[0], 1);
   ASSERT_EQ(FollowPoints(FlowPyramid(before_, {}), FlowPyramid(after_, {}), begin, by_processor)[0], 1);
   EXPECT_EQ(end, by_processor);
+}
+
+[[noreturn]] void FollowWithoutDevice() {
+  setenv("OPENCV_OPENCL_RUNTIME", "disabled", 1);
+  const cv::Mat scene = RandomScene({160, 120}, 1);
+  const std::vector<cv::Point2f> begin = {{80, 60}};
+  std::vector<cv::Point2f> end, by_processor;
+  const FlowPyramid image(scene, {.opencl = true}), plain(scene, {});
+  const bool found = FollowPoints(image, image, begin, end)[0] == 1;
+  FollowPoints(plain, plain, begin, by_processor);
+  std::fputs(FlowDevice(true).c_str(), stderr);
+  std::exit(found && end == by_processor && OpenClStateNow() == OpenClState::kAbsent ? 0 : 1);
+}
+
+// In a process of its own, since a device is looked for once.
+TEST(OpenClDeathTest, ThatIsAbsentIsToldAndTheProcessorGoesOn) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  EXPECT_EXIT(FollowWithoutDevice(), ::testing::ExitedWithCode(0), "processor .OpenCL absent.");
 }
 
 }  // namespace
