@@ -83,7 +83,10 @@ class StabiliseMission final : public mission::Mission {
   void Stabilise(const vision::Frame& frame, mission::Decision& decision, StabiliseReport& report) {
     const auto start = std::chrono::steady_clock::now();
     vision::ImageAttitudes attitudes;
-    if (const auto then = history_.At(frame.t_s)) attitudes.R_NC_rows = {then->R_NB * X_BC_.R};
+    if (const auto then = history_.At(frame.t_s)) {
+      const Eigen::Quaterniond R_NC = then->R_NB * X_BC_.R;
+      attitudes.R_NC_rows = {R_NC}, attitudes.down_C = R_NC.conjugate() * Eigen::Vector3d::UnitZ();
+    }
     const auto image = stabiliser_.Step(frame.image, frame.t_s, attitudes);
     decision.vision_s = SecondsSince(start);
     waiting_.push_back(frame.sequence);
@@ -148,6 +151,10 @@ void CheckFlight(const StabiliseFlight& flight, const Place& where, Mistakes& mi
   if (flight.stabiliser.mode == "offline")
     mistakes.Add(where, "flight.stabiliser.mode", "is 'offline', which waits for the end of the flight",
                  "valid in flight: reference, smooth");
+  if (flight.stabiliser.level && flight.stabiliser.by == "vision")
+    mistakes.Add(where, "flight.stabiliser.level",
+                 "is true, and by: vision knows no attitude of which the view could be levelled",
+                 "valid: by: sphere, gyro or both");
 }
 
 void CheckFlightLimits(const StabiliseFlight& flight, const mission::AircraftLimits& limits,
