@@ -10,11 +10,15 @@ MosaicSeries::MosaicSeries(const MosaicOptions& options) : options_(options) {
   mosaics_.push_back(std::make_unique<Mosaic>(options));
 }
 
-void MosaicSeries::Begin() {
+MosaicOptions MosaicSeries::WithWhatIsLeft() const {
   MosaicOptions options = options_;
   for (const auto& mosaic : mosaics_) options.most_bytes -= mosaic->bytes();
   options.most_bytes = std::max<std::int64_t>(options.most_bytes, 0);
-  next_ = std::make_unique<Mosaic>(options);
+  return options;
+}
+
+void MosaicSeries::Begin() {
+  next_ = std::make_unique<Mosaic>(WithWhatIsLeft());
   of_next_.clear(), next_steps_.clear();
   agreeing_ = 0;
 }
@@ -36,6 +40,10 @@ MosaicSeries::Step MosaicSeries::Add(const cv::Mat& image, double t_s, const std
   }
   if (state == MosaicState::kFull || (state != MosaicState::kOtherSize && mosaics_.back()->keyframes() == 0))
     return result;
+  if (!next_ && Mosaic::MostKept(WithWhatIsLeft(), image.size(), image.channels()) < kLeastKept) {
+    result.step.state = places_.back().step.state = MosaicState::kFull;
+    return result;
+  }
   if (!next_) Begin();
   MosaicStep step = next_->Add(image, t_s, X_NC);
   if (!IsPlaced(step.state)) {  // they do not agree with each other either

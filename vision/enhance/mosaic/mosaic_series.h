@@ -16,6 +16,8 @@ namespace kestrel::vision {
 class MosaicSeries {
  public:
   static constexpr int kCut = 5;  // images in a row
+  static constexpr int kLeastKept =
+      4;  // a mosaic for which less room is left is not begun: its images are full
 
   // As Mosaic. The memory is that of all together: what complete mosaics keep is no more to be had.
   explicit MosaicSeries(const MosaicOptions& options);
@@ -42,6 +44,7 @@ class MosaicSeries {
   const std::vector<Place>& places() const { return places_; }
 
  private:
+  MosaicOptions WithWhatIsLeft() const;
   void Begin();
   void TakeNext();
 

@@ -270,5 +270,20 @@ TEST(MosaicSeriesTest, ImagesOfAnotherSizeAreAnother) {
   EXPECT_EQ(series.mosaic(1).projection().image_size(), cv::Size(280, 200));
 }
 
+// Otherwise each image for which there is no room would be a mosaic of its own.
+TEST(MosaicSeriesTest, WhereMemoryIsUsedUpNoOtherMosaicBegins) {
+  MosaicOptions options = WithCamera();
+  options.most_bytes = 1'500'000;
+  MosaicSeries series(options);
+  int full = 0;
+  for (int i = 0; i < 24; ++i)
+    full += series.Add(Ground().Draw(DrawnGround::Above(-10 + 0.9 * i, 0, 10)), i).step.state ==
+            MosaicState::kFull;
+  series.Finish();
+  EXPECT_GT(full, 8);
+  EXPECT_LE(series.mosaics(), 2);
+  EXPECT_EQ(series.places().back().step.state, MosaicState::kFull);
+}
+
 }  // namespace
 }  // namespace kestrel::vision
