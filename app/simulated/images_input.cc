@@ -13,8 +13,8 @@
 #include "records/video/video_reader.h"
 #include "vision/capture/camera_address.h"
 #include "vision/capture/folder_source.h"
-#include "vision/capture/interlaced.h"
 #include "vision/capture/live_camera.h"
+#include "vision/interlaced.h"
 
 namespace kestrel::app {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "vision/capture/interlaced.h"
+#include "vision/interlaced.h"
 
 namespace kestrel::app {
 

@@ -6,7 +6,7 @@
 
 namespace kestrel::app {
 
-// Counts the images of a video that are woven of two fields (vision/capture/interlaced.h).
+// Counts the images of a video that are woven of two fields (vision/interlaced.h).
 class InterlaceWatch {
  public:
   // Whether this one is.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vision/capture/interlaced.h"
+#include "vision/interlaced.h"
 
 #include <cstdint>
 #include <cstdlib>
