@@ -65,7 +65,7 @@ class MosaicCommandTest : public InTemporaryFolder {
       std::istringstream cells(line + ',');
       for (std::string cell; std::getline(cells, cell, ',');) row.push_back(cell);
     }
-    for (const auto& row : rows) EXPECT_EQ(row.size(), 15u);
+    for (const auto& row : rows) EXPECT_EQ(row.size(), 16u);
     if (!rows.empty()) rows.erase(rows.begin());
     return rows;
   }
@@ -210,6 +210,27 @@ TEST_F(MosaicCommandTest, NoFileIsWrittenTwiceNorOverOneThatIsRead) {
   WritePoses(8);
   arguments_.csv = arguments_.poses;
   EXPECT_THAT(Refusal(), HasSubstr("is read"));
+}
+
+TEST_F(MosaicCommandTest, InterlacedVideoIsToldWithItsRemedy) {
+  arguments_.quiet = false;
+  const auto printed = [&] {
+    testing::internal::CaptureStdout();
+    MosaicCommand(arguments_);
+    std::fflush(stdout);
+    return testing::internal::GetCapturedStdout();
+  };
+  EXPECT_THAT(printed(), Not(HasSubstr("interlaced")));
+  for (int i = 0; i < 8; ++i) {
+    cv::Mat image = Image(i).clone();
+    const cv::Mat later = ground_(cv::Rect(kStep_px * i + kStep_px / 2, 30, 320, 240));
+    for (int r = 1; r < image.rows; r += 2) later.row(r).copyTo(image.row(r));
+    cv::imwrite(fmt::format("{}/{:03}.png", arguments_.input, i), image);
+  }
+  EXPECT_THAT(printed(),
+              AllOf(HasSubstr("interlaced: 8 of 8"), HasSubstr("--deinterlace"), HasSubstr("yadif")));
+  arguments_.deinterlace = true;
+  EXPECT_THAT(printed(), Not(HasSubstr("interlaced")));
 }
 
 }  // namespace
