@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "base/random.h"
-#include "vision/enhance/mosaic/motion_estimate.h"
+#include "vision/enhance/motion/ray_rotation.h"
 #include "vision/landmark/homography.h"
 
 namespace kestrel::bench {
@@ -140,27 +140,27 @@ TurnErrors JudgeTurn(const DrawnTurn& turn, const vision::Mosaic& mosaic, std::u
   TurnErrors errors;
   errors.closure_deg = errors.direction_deg = 180;
   RandomStream random(seed, "directions");
-  std::vector<Vector3d> is, found;
+  std::vector<vision::RayPair> pairs;
   const auto pixel_in = [&](int i, const Vector3d& w) {
     return kMosaicCamera.Project(turn.R_WC(i).transpose() * w);
   };
-  for (int tries = 0; static_cast<int>(is.size()) < kPoints && tries < 20 * kPoints; ++tries) {
+  for (int tries = 0; static_cast<int>(pairs.size()) < kPoints && tries < 20 * kPoints; ++tries) {
     const double azimuth = random.Uniform(-pi, pi), elevation = random.Uniform(-0.4, 0.1);
     const Vector3d w(std::sin(azimuth) * std::cos(elevation), -std::sin(elevation),
                      std::cos(azimuth) * std::cos(elevation));
     const Seen seen = SeenBest(turn.images(), mosaic, [&](int i) { return pixel_in(i, w); });
     if (seen.image < 0) continue;
-    is.push_back(w);
-    found.push_back(*mosaic.M_WC(seen.image) * *kMosaicCamera.Ray(seen.uv));
+    pairs.push_back({(*mosaic.M_WC(seen.image) * *kMosaicCamera.Ray(seen.uv)).normalized(), w});
   }
   const int last = turn.images() - 1;
-  if (is.size() < 10 || !mosaic.M_WC(0) || !mosaic.M_WC(last)) return errors;
-  const Matrix3d off = vision::RotationBetween(is, found);
+  if (pairs.size() < 10 || !mosaic.M_WC(0) || !mosaic.M_WC(last)) return errors;
+  const auto off = vision::FitRotation(pairs);
+  if (!off) return errors;
   std::vector<double> angles;
   const auto angle = [](const Vector3d& a, const Vector3d& b) {
     return std::atan2(a.cross(b).norm(), a.dot(b));
   };
-  for (std::size_t i = 0; i < is.size(); ++i) angles.push_back(angle(is[i], off * found[i]) * 180 / pi);
+  for (const vision::RayPair& pair : pairs) angles.push_back(angle(pair.to, *off * pair.from) * 180 / pi);
   errors.direction_deg = Rms(angles);
   // What is in the middle between both.
   const Vector3d w = (turn.R_WC(0).col(2) + turn.R_WC(last).col(2)).normalized();

@@ -2,13 +2,12 @@
 #include "vision/enhance/mosaic/motion_estimate.h"
 
 #include <Eigen/LU>
-#include <Eigen/SVD>
-#include <array>
 #include <cmath>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core/eigen.hpp>
 
-#include "base/random.h"
+#include "vision/camera/views.h"
+#include "vision/enhance/motion/ray_rotation.h"
 
 namespace kestrel::vision {
 namespace {
@@ -48,34 +47,12 @@ std::vector<int> Agreeing(const CameraModel& camera, const Rays& rays, const Mat
   return agreeing;
 }
 
-Matrix3d RotationOf(const Rays& rays, std::span<const int> which) {
-  std::vector<Vector3d> a, b;
-  for (const int i : which) a.push_back(rays.a[i]), b.push_back(rays.b[i]);
-  return RotationBetween(a, b);
-}
-
 std::optional<Matrix3d> EstimateRotation(const CameraModel& camera, const Rays& rays, double threshold_px) {
-  const std::size_t n = rays.a.size();
-  if (n < 2) return std::nullopt;
-  constexpr int kMostTrials = 300;
-  constexpr double kConfidence = 0.999, kLeastApart_rad = 0.03;
-  SampleSequence samples;
-  std::vector<int> best;
-  double trials = kMostTrials;
-  for (int trial = 0; trial < kMostTrials && trial < trials; ++trial) {
-    const std::array<int, 2> two = {static_cast<int>(samples.Next(n)), static_cast<int>(samples.Next(n))};
-    if (rays.a[two[0]].cross(rays.a[two[1]]).norm() < kLeastApart_rad) continue;
-    std::vector<int> agreeing = Agreeing(camera, rays, RotationOf(rays, two), threshold_px);
-    if (agreeing.size() <= best.size()) continue;
-    best = std::move(agreeing);
-    const double share = static_cast<double>(best.size()) / static_cast<double>(n);
-    trials = share > 0.999 ? 0 : std::log(1 - kConfidence) / std::log(1 - share * share);
-  }
-  if (best.size() < 2) return std::nullopt;
-  Matrix3d R = RotationOf(rays, best);
-  best = Agreeing(camera, rays, R, threshold_px);
-  if (best.size() < 2) return std::nullopt;
-  return RotationOf(rays, best);
+  std::vector<RayPair> pairs;
+  for (std::size_t i = 0; i < rays.a.size(); ++i) pairs.push_back({rays.b[i], rays.a[i]});
+  const auto rotation = FitRobustRotation(pairs, threshold_px / CentralResolution(camera), 2);
+  if (!rotation) return std::nullopt;
+  return rotation->R.toRotationMatrix();
 }
 
 // Points of the plane z = 1, in pixels of a camera without distortion.
@@ -101,14 +78,6 @@ bool IsOfACamera(const Matrix3d& H) {
 }
 
 }  // namespace
-
-Matrix3d RotationBetween(std::span<const Vector3d> a, std::span<const Vector3d> b) {
-  Matrix3d sum = Matrix3d::Zero();
-  for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i].transpose();
-  const Eigen::JacobiSVD<Matrix3d> svd(sum, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Vector3d sign(1, 1, (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1);
-  return svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose();
-}
 
 std::optional<MotionEstimate> EstimateMotion(MosaicModel model, const CameraModel& camera,
                                              std::span<const PixelPair> pairs, double threshold_px,

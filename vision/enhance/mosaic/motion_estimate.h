@@ -34,7 +34,4 @@ std::optional<MotionEstimate> EstimateMotion(MosaicModel model, const CameraMode
                                              std::span<const PixelPair> pairs, double threshold_px,
                                              int min_pairs);
 
-// The rotation that takes directions b nearest to a, in the sense of least squares (Kabsch 1976).
-Eigen::Matrix3d RotationBetween(std::span<const Eigen::Vector3d> a, std::span<const Eigen::Vector3d> b);
-
 }  // namespace kestrel::vision

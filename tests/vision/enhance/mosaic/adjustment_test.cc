@@ -83,19 +83,6 @@ TEST(MotionEstimateTest, PairsThatAgreeOnNothingGiveNone) {
     EXPECT_FALSE(EstimateMotion(model, kCamera, pairs, 1.5, 20));
 }
 
-TEST(MotionEstimateTest, RotationBetweenIsTheOneThatTurnsThem) {
-  RandomStream random(4, "test");
-  for (int i = 0; i < 20; ++i) {
-    const Matrix3d R = RandomRotation(random, 1);
-    std::vector<Vector3d> a, b;
-    for (int k = 0; k < 5; ++k) {
-      b.push_back(Vector3d(random.Normal(), random.Normal(), random.Normal()).normalized());
-      a.push_back(R * b.back());
-    }
-    EXPECT_LT((RotationBetween(a, b) - R).norm(), 1e-12);
-  }
-}
-
 struct Ring {
   std::vector<Matrix3d> truth, start;
   std::vector<AdjustmentEdge> edges;
