@@ -108,7 +108,7 @@ Steadiness SteadinessOf(const ShakenClip& clip, int first, const std::vector<vis
     }
     // The rows' times: against an image that is exposed at once.
     vision::ImageView at_once = view;
-    at_once.readout_s = 0;
+    at_once.row_warps.clear();
     if (view.turned) at_once.R_NC_rows = {vision::AttitudeOfRow(view.R_NC_rows, 3, 1)};
     std::vector<vision::PointPair> pairs_in, pairs_out;
     for (const double x : {0.15, 0.4, 0.6, 0.85}) {

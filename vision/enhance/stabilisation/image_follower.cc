@@ -96,9 +96,12 @@ ImageFollower::Measured ImageFollower::Measure(MotionImage& now, double t_s, con
     H_expected = K * turn * K.inverse() * H_last_;
   }
   // What rows that were exposed one after the other, or a wide lens, do to an image is no plane's motion: pairs are
-  // only sifted by it here, and judged as directions.
-  constexpr double kSift_px = 6;
-  if (turned_) options.threshold_px += kSift_px, options.model = NameOf(MotionModel::kHomography);
+  // only sifted by it here, and judged as directions. By images alone the fit evens out what the rows do.
+  constexpr double kSift_px = 6, kRows_px = 4;
+  if (turned_)
+    options.threshold_px += kSift_px, options.model = NameOf(MotionModel::kHomography);
+  else if (readout_s != 0)
+    options.threshold_px += kRows_px;
   measured.motion = MotionBetween(from_.image, now, H_expected, options);
   ImageMotion& motion = measured.motion;
   measured.R_NC = followed.R_NC;

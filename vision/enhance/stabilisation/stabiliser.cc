@@ -4,13 +4,16 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <opencv2/core/eigen.hpp>
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
+#include <utility>
 
 #include "geometry/pose.h"
 #include "vision/camera/views.h"
-#include "vision/enhance/stabilisation/path_weights.h"
+#include "vision/enhance/stabilisation/bounded_path.h"
+#include "vision/enhance/stabilisation/row_warps.h"
 #include "vision/landmark/homography.h"
 
 namespace kestrel::vision {
@@ -21,10 +24,12 @@ using Eigen::Quaterniond;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr int kOrder = 2;            // of the smooth path: one that goes on evenly is left as it is
-constexpr double kWidest_rad = 1.9;  // of the view that is made of a wide lens
-constexpr double kAnchored = 0.3;    // share of the view that the reference must fill
-constexpr double kStrength_s = 0.3;  // over which the strength changes
+constexpr double kWidest_rad = 1.9;            // of the view that is made of a wide lens
+constexpr double kAnchored = 0.3;              // share of the view that the reference must fill
+constexpr double kStrength_s = 0.3;            // over which the strength changes
+constexpr double kAhead = 0.75, kAhead_s = 2;  // of the lag, and at most: how far ahead a bound is foreseen
+constexpr double kRim_px = 0.5;                // of the image that a bound view leaves out
+constexpr int kSteps = 4;                      // of the grid by which a view is within the image
 
 Pinhole VirtualCamera(const std::optional<CameraModel>& camera) {
   if (!camera) return {};
@@ -57,28 +62,22 @@ Stabiliser::Stabiliser(const StabiliserOptions& options, const std::optional<Cam
       turned_(options.by != "vision"),
       reference_(options.mode == "reference"),
       before_(static_cast<int>(std::ceil(rate_hz / options.cutoff_hz))),
-      around_(options.bound && !reference_ ? static_cast<int>(std::lround(kStrength_s * rate_hz / 2)) : 0),
+      lag_(reference_                  ? 0
+           : options.mode == "offline" ? before_
+                                       : static_cast<int>(std::lround(options.lag_s * rate_hz))),
+      ahead_(options.bound ? static_cast<int>(std::lround(std::min(kAhead_s * rate_hz, kAhead * lag_))) : 0),
+      around_(std::min(ahead_ / 2, static_cast<int>(std::lround(kStrength_s * rate_hz / 2)))),
       cutoff_(std::min(0.49, options.cutoff_hz / rate_hz)),
-      follower_(options, camera_, virtual_, reference_) {
+      follower_(options, camera_, virtual_, reference_),
+      weights_(reference_ ? 0 : before_, lag_, cutoff_) {
   if (turned_ && !camera_) throw std::invalid_argument("by '" + options.by + "' needs a camera");
   if (options.level && !turned_)
     throw std::invalid_argument("a level view needs a camera's attitude, not 'vision'");
-  lag_ = reference_                  ? 0
-         : options.mode == "offline" ? before_ + 2 * around_
-                                     : static_cast<int>(std::lround(options.lag_s * rate_hz));
-  around_ = std::min(around_, lag_ / 15);
-  after_ = lag_ - 2 * around_;
 }
 
 Matrix3d Stabiliser::FromDirections(const Quaterniond& R_NV) const {
   if (!turned_) return Matrix3d::Identity();
   return virtual_.K() * R_NV.conjugate().toRotationMatrix();
-}
-
-const Eigen::VectorXd& Stabiliser::Weights(int before, int after) {
-  auto [at, is_new] = weights_.try_emplace({before, after});
-  if (is_new) at->second = PathWeights(before, after, cutoff_, kOrder);
-  return at->second;
 }
 
 Quaterniond Stabiliser::Level(const Quaterniond& R_NV, const Vector3d& down_N) const {
@@ -103,7 +102,7 @@ std::optional<StabilisedImage> Stabiliser::Step(const cv::Mat& image, double t_s
     AnchorIfLost(now);
     planned_ = now.number + 1;
   } else {
-    for (; planned_ <= now.number - after_; ++planned_) MakePlan(At(planned_), now.number);
+    MakePlans(now.number);
   }
   if (shown_ + lag_ >= taken_) return std::nullopt;
   return Show(At(shown_));
@@ -111,8 +110,25 @@ std::optional<StabilisedImage> Stabiliser::Step(const cv::Mat& image, double t_s
 
 std::optional<StabilisedImage> Stabiliser::Finish() {
   if (shown_ == taken_) return std::nullopt;
-  for (; planned_ < taken_; ++planned_) MakePlan(At(planned_), taken_ - 1);
+  // All images have come, by which those that are left are planned for good.
+  if (!reference_ && !finishing_)
+    for (std::int64_t i = shown_; i < taken_; ++i) MakePlan(At(i), taken_ - 1);
+  finishing_ = true, planned_ = taken_;
   return Show(At(shown_));
+}
+
+// Of the image that is due, and, since a bound is to be foreseen, of later ones by the images that have come: again and
+// again as these grow more.
+void Stabiliser::MakePlans(std::int64_t newest) {
+  const std::int64_t due = newest - lag_;
+  if (due < 0) return;
+  for (const double share : {1.0, 0.5, 0.2}) {
+    const std::int64_t last = due + std::lround(share * ahead_);
+    for (std::int64_t i = due == 0 ? 0 : last; i <= last; ++i) MakePlan(At(i), newest);
+    planned_ = std::max(planned_, last + 1);
+    if (due == 0 || ahead_ == 0) break;
+  }
+  MakePlan(At(due), newest);
 }
 
 // Where what is shown of an image lies in a smooth path: the mean of where it is seen in the images around it, each of
@@ -122,7 +138,7 @@ void Stabiliser::MakePlan(Image& image, std::int64_t newest) {
   int before = 0, after = 0;
   const auto at = [&](int offset) -> const FollowedImage& { return At(image.number + offset).followed; };
   while (image.number - before > oldest && !at(-before).begins) ++before;
-  while (after < after_ && image.number + after < newest && !at(after + 1).begins) ++after;
+  while (after < lag_ && image.number + after < newest && !at(after + 1).begins) ++after;
   Plan& plan = image.plan.emplace();
   const FollowedImage& here = image.followed;
   const auto [Z, shown] =
@@ -136,7 +152,7 @@ void Stabiliser::MakePlan(Image& image, std::int64_t newest) {
   // The rotation, and with it where it points to.
   Quaterniond R_NV = here.R_NC;
   if (turned_) {
-    const Eigen::VectorXd& weights = Weights(before, after);
+    const Eigen::VectorXd& weights = weights_.Of(before, after);
     // "Down" goes its smooth way too, since N turns slowly by what its rotations err; where much of it was not seen
     // the weights that are left mean nothing, and all of it counts alike.
     Vector3d down_N = Vector3d::Zero(), mean_N = Vector3d::Zero();
@@ -153,15 +169,23 @@ void Stabiliser::MakePlan(Image& image, std::int64_t newest) {
       plan.turn = LogRotation(here.R_NC.conjugate() * R_NV);
     }
   }
+  if (image.readout_s != 0) plan.row_warps = RowWarpsOf(image, before, after);
   // Where the corners are in the images before and after, as far as they stay in sight of one another.
   const Matrix3d M = FromDirections(R_NV), M_back = M.inverse();
   const double far = 4.0 * (shown.width + shown.height);
+  std::vector<Vector2d> seen;  // the corners, by the rows that saw them
+  ImageView rows;
+  rows.rows = image.pixels.rows;
+  if (!turned_) rows.row_warps = plan.row_warps;
+  for (const PointPair& corner : plan.corners)
+    seen.push_back(SourceOf(rows, nullptr, corner.from).value_or(corner.from));
   std::map<int, std::vector<Vector2d>> places;
   const auto place = [&](int k, const Matrix3d& G) {
     const Matrix3d H = M * G * M_back;
     std::vector<Vector2d>& of = places[k];
-    for (const PointPair& corner : plan.corners) {
-      const Vector3d p = H * corner.from.homogeneous();
+    for (std::size_t c = 0; c < plan.corners.size(); ++c) {
+      const PointPair& corner = plan.corners[c];
+      const Vector3d p = H * seen[c].homogeneous();
       if (!(p.z() > 0.1) || !(p.hnormalized() - corner.from).allFinite() ||
           (p.hnormalized() - corner.from).norm() > far)
         return false;
@@ -183,29 +207,88 @@ void Stabiliser::MakePlan(Image& image, std::int64_t newest) {
     G /= G(2, 2);
     if (!place(seen_after + 1, G)) break;
   }
-  const Eigen::VectorXd& weights = Weights(seen_before, seen_after);
+  const Eigen::VectorXd& weights = weights_.Of(seen_before, seen_after);
   for (std::size_t c = 0; c < plan.corners.size(); ++c) {
     plan.corners[c].to.setZero();
     for (int k = -seen_before; k <= seen_after; ++k)
       plan.corners[c].to += weights(seen_before + k) * places[k][c];
   }
-  // How what is seen goes on while the rows are exposed, by the images before and after.
-  if (image.readout_s != 0) {
+  if (options_.bound) Bound(image);
+}
+
+std::vector<Matrix3d> Stabiliser::RowWarpsOf(const Image& image, int before, int after) {
+  const auto at = [&](int offset) -> const Image& { return At(image.number + offset); };
+  if (turned_) {  // rows have their attitudes; what else moves goes on evenly from the image before to that after
     Matrix3d later = Matrix3d::Identity(), earlier = Matrix3d::Identity();
     double between_s = 0;
-    if (seen_after > 0) later = at(1).G, between_s += At(image.number + 1).t_s - image.t_s;
-    if (seen_before > 0) earlier = here.G.inverse(), between_s += image.t_s - At(image.number - 1).t_s;
-    if (between_s > 0) plan.drift_per_s = (later / later(2, 2) - earlier / earlier(2, 2)) / between_s;
+    if (after > 0) later = at(1).followed.G, between_s += at(1).t_s - image.t_s;
+    if (before > 0) earlier = image.followed.G.inverse(), between_s += image.t_s - at(-1).t_s;
+    if (!(between_s > 0)) return {};
+    const Matrix3d drift = (later / later(2, 2) - earlier / earlier(2, 2)) * image.readout_s / between_s;
+    return {Matrix3d::Identity() - drift / 2, Matrix3d::Identity() + drift / 2};
   }
-  if (!options_.bound) return;
-  constexpr int kSteps = 4, kHalvings = 8;
-  if (ShareInside(ViewOf(image, 1), image.pixels.size(), kSteps) == 1) return;
+  constexpr int kSide = 6;
+  const int side = std::min({before, after, kSide});
+  if (side == 0) return {};
+  std::vector<Matrix3d> to(static_cast<std::size_t>(2 * side + 1), Matrix3d::Identity());
+  for (int k = 1; k <= side; ++k) {
+    const auto later = static_cast<std::size_t>(side + k), earlier = static_cast<std::size_t>(side - k);
+    to[later] = at(k).followed.G * to[later - 1];
+    to[earlier] = at(1 - k).followed.G.inverse() * to[earlier + 1];
+  }
+  return RowWarps(to, image.readout_s * 2 * side / (at(side).t_s - at(-side).t_s));
+}
+
+// By how much a view may be shifted as it is, and what strength it needs where no shift is enough.
+void Stabiliser::Bound(Image& image) {
+  Plan& plan = *image.plan;
+  const ImageView view = ViewOf(image, 1, {0, 0});
+  const Vector2d rim(kRim_px, kRim_px), end(image.pixels.cols - 1, image.pixels.rows - 1);
+  Vector2d least = end, greatest(0, 0);
+  for (int y = 0; y <= kSteps; ++y) {
+    for (int x = 0; x <= kSteps; ++x) {
+      const auto at = SourceOf(view, camera_ ? &*camera_ : nullptr,
+                               {x * (view.size.width - 1.0) / kSteps, y * (view.size.height - 1.0) / kSteps});
+      if (at) least = least.cwiseMin(*at), greatest = greatest.cwiseMax(*at);
+    }
+  }
+  plan.lower = greatest - (end - rim), plan.upper = least - rim;
+  const Vector2d middle = (plan.lower + plan.upper) / 2;
+  plan.lower = plan.lower.cwiseMin(middle), plan.upper = plan.upper.cwiseMax(middle);
+  plan.most = MostStrength(image, 1, Vector2d::Zero().cwiseMax(plan.lower).cwiseMin(plan.upper));
+}
+
+// The greatest share of the strength and the shift with which the view stays within the image.
+double Stabiliser::MostStrength(const Image& image, double strength, const Vector2d& shift) const {
+  const auto inside = [&](double share) {
+    return ShareInside(ViewOf(image, share * strength, share * shift), image.pixels.size(), kSteps) == 1;
+  };
+  if (inside(1)) return 1;
+  constexpr int kHalvings = 8;
   double low = 0, high = 1;
   for (int i = 0; i < kHalvings; ++i) {
     const double middle = (low + high) / 2;
-    (ShareInside(ViewOf(image, middle), image.pixels.size(), kSteps) == 1 ? low : high) = middle;
+    (inside(middle) ? low : high) = middle;
   }
-  plan.most = low;
+  return low;
+}
+
+// The smoothest way of the view within its bounds, as far as they are foreseen.
+Vector2d Stabiliser::Shift(const Image& image) {
+  if (image.followed.begins) last_shifts_ = {Vector2d::Zero(), Vector2d::Zero()};
+  int n = 1;
+  while (n <= ahead_ && image.number + n < planned_ && !At(image.number + n).followed.begins) ++n;
+  Vector2d shift;
+  for (int d = 0; d < 2; ++d) {
+    Eigen::VectorXd lower(n), upper(n);
+    for (int i = 0; i < n; ++i) {
+      const Plan& plan = *At(image.number + i).plan;
+      lower(i) = plan.lower(d), upper(i) = plan.upper(d);
+    }
+    shift(d) = BoundedPath(lower, upper, {last_shifts_[0](d), last_shifts_[1](d)}, cutoff_)(0);
+  }
+  last_shifts_ = {last_shifts_[1], shift};
+  return shift;
 }
 
 // The mean, over the images around, of the least that is around each of them: it never exceeds the image's own, and
@@ -224,7 +307,7 @@ double Stabiliser::Strength(const Image& image) {
   return sum / (2 * around_ + 1);
 }
 
-ImageView Stabiliser::ViewOf(const Image& image, double strength) const {
+ImageView Stabiliser::ViewOf(const Image& image, double strength, const Vector2d& shift) const {
   const FollowedImage& followed = image.followed;
   const auto [Z, shown] =
       Shown(turned_ ? cv::Size(virtual_.width_px, virtual_.height_px) : image.pixels.size(), options_.crop,
@@ -240,10 +323,10 @@ ImageView Stabiliser::ViewOf(const Image& image, double strength) const {
   } else {
     view.R_NV = followed.R_NC * ExpRotation(strength * image.plan->turn);
     std::vector<PointPair> corners = image.plan->corners;
-    for (PointPair& corner : corners) corner.to = corner.from + strength * (corner.to - corner.from);
+    for (PointPair& corner : corners) corner.to = corner.from + strength * (corner.to - corner.from) + shift;
     view.H = Z * FitHomography(corners).value_or(Matrix3d::Identity());
     const Matrix3d M = FromDirections(view.R_NV);
-    view.readout_s = image.readout_s, view.drift_per_s = M * image.plan->drift_per_s * M.inverse();
+    for (const Matrix3d& warp : image.plan->row_warps) view.row_warps.push_back(M * warp * M.inverse());
   }
   view.H /= view.H(2, 2);
   return view;
@@ -251,14 +334,14 @@ ImageView Stabiliser::ViewOf(const Image& image, double strength) const {
 
 // Of an even grid over the view.
 double Stabiliser::ShareInside(const ImageView& view, const cv::Size& size, int steps) const {
-  constexpr double kRim_px = 0.01;  // what rounding may do
+  constexpr double kRounding_px = 0.01;  // what rounding may do
   int inside = 0;
   for (int y = 0; y <= steps; ++y) {
     for (int x = 0; x <= steps; ++x) {
       const auto at = SourceOf(view, camera_ ? &*camera_ : nullptr,
                                {x * (view.size.width - 1.0) / steps, y * (view.size.height - 1.0) / steps});
-      inside += at && at->x() > -kRim_px && at->y() > -kRim_px && at->x() < size.width - 1 + kRim_px &&
-                at->y() < size.height - 1 + kRim_px;
+      inside += at && at->x() > -kRounding_px && at->y() > -kRounding_px &&
+                at->x() < size.width - 1 + kRounding_px && at->y() < size.height - 1 + kRounding_px;
     }
   }
   return static_cast<double>(inside) / ((steps + 1) * (steps + 1));
@@ -267,8 +350,8 @@ double Stabiliser::ShareInside(const ImageView& view, const cv::Size& size, int 
 void Stabiliser::AnchorIfLost(Image& now) {
   G_to_reference_ = G_to_reference_ * now.followed.G.inverse();
   const bool begins = now.followed.begins;
-  constexpr int kSteps = 9;
-  const bool lost = !begins && ShareInside(ViewOf(now, 1), now.pixels.size(), kSteps) < kAnchored;
+  constexpr int kFine = 9;
+  const bool lost = !begins && ShareInside(ViewOf(now, 1, {0, 0}), now.pixels.size(), kFine) < kAnchored;
   if (lost) now.followed.state = StabilisedState::kReanchored, follower_.Anchor();
   if (!lost && !begins) return;
   G_to_reference_.setIdentity(), R_NC_reference_ = now.followed.R_NC;
@@ -307,8 +390,13 @@ StabilisedImage Stabiliser::Show(Image& image) {
   const FollowedImage& followed = image.followed;
   result.t_s = image.t_s, result.number = image.number, result.state = followed.state;
   result.points = followed.points, result.inliers = followed.inliers, result.rms_px = followed.rms_px;
-  if (!reference_) result.strength = Strength(image);
-  result.view = ViewOf(image, result.strength);
+  Vector2d shift(0, 0);
+  if (!reference_ && options_.bound) {
+    result.strength = Strength(image), shift = Shift(image);
+    const double share = MostStrength(image, result.strength, shift);
+    result.strength *= share, shift *= share;
+  }
+  result.view = ViewOf(image, result.strength, shift);
   cv::Mat shown;
   const bool black = options_.border == "black";
   result.image = DrawView(result.view, camera_ ? &*camera_ : nullptr, image.pixels, black ? nullptr : &shown);

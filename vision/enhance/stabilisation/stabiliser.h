@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <deque>
-#include <map>
 #include <opencv2/core.hpp>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include "vision/camera/camera_model.h"
 #include "vision/enhance/stabilisation/image_follower.h"
+#include "vision/enhance/stabilisation/path_weights.h"
 #include "vision/enhance/stabilisation/stabiliser_options.h"
 #include "vision/enhance/stabilisation/view_warp.h"
 
@@ -51,7 +51,8 @@ class Stabiliser {
   struct Plan {
     Eigen::Vector3d turn = Eigen::Vector3d::Zero();  // from R_NC to the smooth attitude, in C
     std::vector<PointPair> corners;                  // of what is shown, and where the smooth path has them
-    Eigen::Matrix3d drift_per_s = Eigen::Matrix3d::Zero();  // of the directions in N, beside the rotation
+    std::vector<Eigen::Matrix3d> row_warps;          // as of ImageView, but of the directions in N
+    Eigen::Vector2d lower{0, 0}, upper{0, 0};        // shifts with which the view stays within the image, px
     double most = 1;  // the greatest strength with which the view stays within the image
   };
   struct Image {
@@ -67,25 +68,32 @@ class Stabiliser {
   }
   void AnchorIfLost(Image& now);
   void MakePlan(Image& image, std::int64_t newest);
+  void MakePlans(std::int64_t newest);
+  std::vector<Eigen::Matrix3d> RowWarpsOf(const Image& image, int before, int after);
+  void Bound(Image& image);
+  Eigen::Vector2d Shift(const Image& image);
+  double MostStrength(const Image& image, double strength, const Eigen::Vector2d& shift) const;
   double Strength(const Image& image);
-  ImageView ViewOf(const Image& image, double strength) const;
+  ImageView ViewOf(const Image& image, double strength, const Eigen::Vector2d& shift) const;
   double ShareInside(const ImageView& view, const cv::Size& size, int steps) const;
   StabilisedImage Show(Image& image);
   void DrawBorder(const Image& image, const cv::Mat& shown, StabilisedImage& result);
   Eigen::Matrix3d FromDirections(const Eigen::Quaterniond& R_NV) const;
-  const Eigen::VectorXd& Weights(int before, int after);
   Eigen::Quaterniond Level(const Eigen::Quaterniond& R_NV, const Eigen::Vector3d& down_N) const;
 
   StabiliserOptions options_;
   std::optional<CameraModel> camera_;
   Pinhole virtual_;
   bool turned_, reference_;
-  int before_, after_, around_, lag_;  // images that count for one: for its path, and for its strength
-  double cutoff_;                      // cycles an image
+  // Images that count for one: for its path, for its bound, and for its strength.
+  int before_, lag_, ahead_, around_;
+  double cutoff_;  // cycles an image
   ImageFollower follower_;
-  std::map<std::pair<int, int>, Eigen::VectorXd> weights_;
+  PathWeights weights_;
   std::deque<Image> images_;
   std::int64_t taken_ = 0, planned_ = 0, shown_ = 0;
+  bool finishing_ = false;
+  std::array<Eigen::Vector2d, 2> last_shifts_{Eigen::Vector2d(0, 0), Eigen::Vector2d(0, 0)};
   // Mode reference: from the directions that the last image shows to those of the reference.
   Eigen::Matrix3d G_to_reference_ = Eigen::Matrix3d::Identity();
   Eigen::Quaterniond R_NC_reference_ = Eigen::Quaterniond::Identity();

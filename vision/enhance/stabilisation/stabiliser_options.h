@@ -31,7 +31,8 @@ inline void Fields(FieldVisitor& v, StabiliserOptions& o) {
     o.by, {"vision", "sphere", "gyro", "both"});
   v({"lag_s", "how late a smooth view comes, s"}, o.lag_s, 0.0, 10.0);
   v({"cutoff_hz",
-     "motions that are faster are taken out of a smooth path; half of its amplitude at this one"},
+     "motions of a smooth path, which goes along with slower ones; what is faster than 2.5 times it is taken "
+     "out"},
     o.cutoff_hz, 0.05, 5.0);
   v({"crop", "share of the image's width and height that is shown"}, o.crop, 0.2, 1.0);
   v({"scale", "enlarge what is shown to the image's size"}, o.scale);

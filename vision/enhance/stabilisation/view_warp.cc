@@ -19,17 +19,15 @@ using Eigen::Vector3d;
 
 constexpr int kStep_px = 16;  // between the pixels of a view whose source is calculated by itself
 
-bool RowsDiffer(const ImageView& view) {
-  return view.R_NC_rows.size() > 1 || (view.readout_s != 0 && !view.drift_per_s.isZero(0));
-}
+bool RowsDiffer(const ImageView& view) { return view.R_NC_rows.size() > 1 || view.row_warps.size() > 1; }
 
-// From the middle row to this one.
-double Later_s(const ImageView& view, double row) {
-  return view.rows > 1 ? view.readout_s * (row / (view.rows - 1) - 0.5) : 0;
-}
-
-Eigen::Matrix3d Drift(const ImageView& view, double row) {
-  return Eigen::Matrix3d::Identity() + Later_s(view, row) * view.drift_per_s;
+Eigen::Matrix3d RowWarp(const ImageView& view, double row) {
+  if (view.row_warps.size() < 2 || view.rows < 2) return Eigen::Matrix3d::Identity();
+  const auto intervals = static_cast<double>(view.row_warps.size() - 1);
+  const double place = row / (view.rows - 1) * intervals,
+               from = std::clamp(std::floor(place), 0.0, intervals - 1);
+  const auto i = static_cast<std::size_t>(from);
+  return view.row_warps[i] + (place - from) * (view.row_warps[i + 1] - view.row_warps[i]);
 }
 
 // As SourceOf, with the view's inverse.
@@ -38,7 +36,7 @@ std::optional<Vector2d> Source(const ImageView& view, const Eigen::Matrix3d& H_b
   const int rows = view.rows;
   const Vector2d seen = Transfer(H_back, uv);
   const auto seen_by = [&](double row) -> std::optional<Vector2d> {
-    const Vector2d then = Transfer(Drift(view, row), seen);
+    const Vector2d then = Transfer(RowWarp(view, row), seen);
     if (!view.turned) return then;
     const auto ray_V = view.virtual_camera.Ray(then);
     if (!ray_V) return std::nullopt;
@@ -107,7 +105,7 @@ std::optional<Vector2d> ShownAt(const ImageView& view, const CameraModel* camera
                                        (AttitudeOfRow(view.R_NC_rows, view.rows, uv.y()) * *ray_C));
     if (!then) return std::nullopt;
   }
-  return Transfer(view.H * Drift(view, uv.y()).inverse(), *then);
+  return Transfer(view.H * RowWarp(view, uv.y()).inverse(), *then);
 }
 
 cv::Mat DrawView(const ImageView& view, const CameraModel* camera, const cv::Mat& image, cv::Mat* shown) {

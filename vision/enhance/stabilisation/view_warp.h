@@ -11,16 +11,15 @@
 namespace kestrel::vision {
 
 // Where the pixels of a stabilised image come from. Without a camera: H alone. With one: H takes what the pinhole
-// `virtual_camera` of attitude R_NV would see, as the middle row was exposed, to where it is shown. What moves beside
-// the rotation goes on evenly while the rows are exposed.
+// `virtual_camera` of attitude R_NV would see, as the middle row was exposed, to where it is shown.
 struct ImageView {
   cv::Size size;                                    // of the view
   Eigen::Matrix3d H = Eigen::Matrix3d::Identity();  // to the view's pixels, H(2, 2) = 1
   int rows = 0;                                     // of the image
-  double readout_s = 0;                             // from the first row to the last
-  Eigen::Matrix3d drift_per_s =
-      Eigen::Matrix3d::Zero();  // I + dt drift_per_s: what the virtual camera sees dt later
-  bool turned = false;          // with the attitudes below
+  // From where the virtual camera (without a camera: the image) has what the middle row's time shows to where it has
+  // it while a row is exposed, at even times from the first row to the last. Empty: nothing moves meanwhile.
+  std::vector<Eigen::Matrix3d> row_warps;
+  bool turned = false;  // with the attitudes below
   Pinhole virtual_camera;
   Eigen::Quaterniond R_NV = Eigen::Quaterniond::Identity();
   std::vector<Eigen::Quaterniond> R_NC_rows;  // of the camera, from the first row to the last

@@ -3,49 +3,92 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/QR>
 #include <cmath>
 #include <numbers>
 
 namespace kestrel::vision {
 namespace {
 
-TEST(PathWeights, AreTheLeastSquaresOfTheirDefinition) {
-  constexpr double kCutoff = 0.05;
-  const double root = 1 / std::pow(2 * std::sin(std::numbers::pi * kCutoff), 2);  // of lambda, order 2
-  constexpr int kBefore = 12, kAfter = 7, kPlaces = kBefore + kAfter + 1;
-  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(2 * kPlaces - 2, kPlaces);
-  A.topRows(kPlaces).setIdentity();
-  for (int i = 0; i + 2 < kPlaces; ++i)
-    A(kPlaces + i, i) = root, A(kPlaces + i, i + 1) = -2 * root, A(kPlaces + i, i + 2) = root;
-  const Eigen::VectorXd path = Eigen::VectorXd::LinSpaced(kPlaces, 0, 9).array().sin() * 5;
-  Eigen::VectorXd right = Eigen::VectorXd::Zero(A.rows());
-  right.head(kPlaces) = path;
-  const Eigen::VectorXd smooth = A.colPivHouseholderQr().solve(right);
-  EXPECT_NEAR(PathWeights(kBefore, kAfter, kCutoff, 2).dot(path), smooth(kBefore), 1e-9);
+constexpr int kBefore = 75, kAfter = 30;
+constexpr double kCutoff = 1 / 75.0;
+
+// What the weights leave of a wave at the place that is asked for, of any phase.
+double Gain(const Eigen::VectorXd& weights, double frequency) {
+  double cosine = 0, sine = 0;
+  for (int k = 0; k < weights.size(); ++k) {
+    cosine += weights(k) * std::cos(2 * std::numbers::pi * frequency * k);
+    sine += weights(k) * std::sin(2 * std::numbers::pi * frequency * k);
+  }
+  return std::hypot(cosine, sine);
 }
 
-TEST(PathWeights, LeaveAnEvenPathAsItIs) {
-  for (const int before : {0, 1, 5, 40}) {
-    for (const int after : {0, 1, 30}) {
-      const Eigen::VectorXd weights = PathWeights(before, after, 0.01, 2);
-      ASSERT_EQ(weights.size(), before + after + 1);
-      EXPECT_NEAR(weights.sum(), 1, 1e-6);
-      EXPECT_NEAR(weights.dot(Eigen::VectorXd::LinSpaced(weights.size(), -before, after)), 0, 1e-5);
+TEST(PathWeights, LeaveAnEvenPathAsItIsWhereverThePlacesEnd) {
+  PathWeights weights(kBefore, kAfter, kCutoff);
+  for (const int before : {0, 1, 5, kBefore}) {
+    for (const int after : {0, 1, 12, kAfter}) {
+      const Eigen::VectorXd of = weights.Of(before, after);
+      ASSERT_EQ(of.size(), before + after + 1);
+      EXPECT_NEAR(of.sum(), 1, 1e-6);
+      if (of.size() == 1) continue;
+      EXPECT_NEAR(of.dot(Eigen::VectorXd::LinSpaced(of.size(), -before, after)), 0, 1e-4);
     }
   }
 }
 
-TEST(PathWeights, HalveTheAmplitudeAtTheCutoffAndKeepLittleAboveIt) {
-  constexpr int kSide = 400;
-  constexpr double kCutoff = 0.01;
-  const Eigen::VectorXd weights = PathWeights(kSide, kSide, kCutoff, 2);
-  for (const double times : {0.5, 1.0, 3.0}) {
-    double gain = 0;
-    for (int k = -kSide; k <= kSide; ++k)
-      gain += weights(k + kSide) * std::cos(2 * std::numbers::pi * times * kCutoff * k);
-    EXPECT_NEAR(gain, 1 / (1 + std::pow(times, 4)), 2e-3) << times;
+TEST(PathWeights, KeepLittleOfShakesAndMuchOfAPath) {
+  PathWeights weights(kBefore, kAfter, kCutoff);
+  const Eigen::VectorXd of = weights.Of(kBefore, kAfter);
+  for (const double times : {3.0, 5.0, 10.0, 30.0}) EXPECT_LT(Gain(of, times * kCutoff), 0.05) << times;
+  EXPECT_NEAR(Gain(of, 0.2 * kCutoff), 1, 0.1);
+}
+
+// The least mean square error: what is wanted and what comes differ by nothing that the places know, so that no change
+// of the weights which leaves even paths as they are makes the error smaller. Its spectra are those of the definition.
+TEST(PathWeights, AreOfTheLeastMeanSquareError) {
+  PathWeights weights(kBefore, kAfter, kCutoff);
+  const auto error = [](const Eigen::VectorXd& of) {
+    double sum = 0;
+    constexpr int kSteps = 3000;
+    for (int i = 0; i < kSteps; ++i) {
+      const double f = 0.5 * (i + 0.5) / kSteps;
+      double re = 0, im = 0;
+      for (int k = 0; k < of.size(); ++k) {
+        re += of(k) * std::cos(2 * std::numbers::pi * f * (k - kBefore));
+        im += of(k) * std::sin(2 * std::numbers::pi * f * (k - kBefore));
+      }
+      const double path =
+          std::pow(std::sin(std::numbers::pi * kCutoff) / 2 / std::sin(std::numbers::pi * f), 4);
+      sum +=
+          ((re - 1) * (re - 1) + im * im) * path + (re * re + im * im) * ((f < 2.5 * kCutoff ? 0 : 1) + 1e-3);
+    }
+    return sum / kSteps;
+  };
+  const Eigen::VectorXd of = weights.Of(kBefore, kAfter);
+  const double least = error(of);
+  for (const int place : {0, 20, 60, 90}) {
+    for (const double sign : {-1.0, 1.0}) {
+      Eigen::VectorXd other = of;
+      other.segment(place, 3) += sign * 3e-3 * Eigen::Vector3d(1, -2, 1);
+      EXPECT_GT(error(other), least) << place;
+    }
   }
+}
+
+// A path of which the places come one by one is as smooth as one of the whole window.
+TEST(PathWeights, ABeginningIsNoJolt) {
+  PathWeights weights(kBefore, kAfter, kCutoff);
+  const auto shake = [](int k) { return std::sin(2 * std::numbers::pi * 4 * kCutoff * k + 1); };
+  double before = 0, last = 0, jolt = 0;
+  for (int k = 0; k < 2 * kBefore; ++k) {
+    const int known = std::min(k, kBefore);
+    const Eigen::VectorXd& of = weights.Of(known, kAfter);
+    double path = 0;
+    for (int i = 0; i < of.size(); ++i) path += of(i) * shake(k - known + i);
+    if (k > 1) jolt = std::max(jolt, std::abs(path - 2 * last + before));
+    before = last, last = path;
+  }
+  const double of_shake = std::pow(2 * std::numbers::pi * 4 * kCutoff, 2);  // its own second difference
+  EXPECT_LT(jolt, 0.1 * of_shake);
 }
 
 }  // namespace

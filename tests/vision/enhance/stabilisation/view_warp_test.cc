@@ -22,7 +22,7 @@ const Pinhole kCamera{.width_px = kWidth, .height_px = kHeight, .fx = 150, .fy =
 // The camera turns by 0.24 rad while its rows are exposed.
 ImageView TurningView() {
   ImageView view;
-  view.size = {kWidth, kHeight}, view.rows = kHeight, view.readout_s = 0.03;
+  view.size = {kWidth, kHeight}, view.rows = kHeight;
   view.turned = true, view.virtual_camera = kCamera;
   for (int i = 0; i < 16; ++i)
     view.R_NC_rows.push_back(ExpRotation((i / 15.0 - 0.5) * Vector3d(0.05, 0.2, 0.12)));
