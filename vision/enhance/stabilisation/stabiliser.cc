@@ -29,7 +29,7 @@ constexpr double kAnchored = 0.3;              // share of the view that the ref
 constexpr double kStrength_s = 0.3;            // over which the strength changes
 constexpr double kAhead = 0.75, kAhead_s = 2;  // of the lag, and at most: how far ahead a bound is foreseen
 constexpr double kRim_px = 0.5;                // of the image that a bound view leaves out
-constexpr int kSteps = 4;                      // of the grid by which a view is within the image
+constexpr int kGridSteps = 4;                  // of the grid by which a view is within the image
 
 Pinhole VirtualCamera(const std::optional<CameraModel>& camera) {
   if (!camera) return {};
@@ -245,10 +245,11 @@ void Stabiliser::Bound(Image& image) {
   const ImageView view = ViewOf(image, 1, {0, 0});
   const Vector2d rim(kRim_px, kRim_px), end(image.pixels.cols - 1, image.pixels.rows - 1);
   Vector2d least = end, greatest(0, 0);
-  for (int y = 0; y <= kSteps; ++y) {
-    for (int x = 0; x <= kSteps; ++x) {
-      const auto at = SourceOf(view, camera_ ? &*camera_ : nullptr,
-                               {x * (view.size.width - 1.0) / kSteps, y * (view.size.height - 1.0) / kSteps});
+  for (int y = 0; y <= kGridSteps; ++y) {
+    for (int x = 0; x <= kGridSteps; ++x) {
+      const auto at =
+          SourceOf(view, camera_ ? &*camera_ : nullptr,
+                   {x * (view.size.width - 1.0) / kGridSteps, y * (view.size.height - 1.0) / kGridSteps});
       if (at) least = least.cwiseMin(*at), greatest = greatest.cwiseMax(*at);
     }
   }
@@ -261,7 +262,7 @@ void Stabiliser::Bound(Image& image) {
 // The greatest share of the strength and the shift with which the view stays within the image.
 double Stabiliser::MostStrength(const Image& image, double strength, const Vector2d& shift) const {
   const auto inside = [&](double share) {
-    return ShareInside(ViewOf(image, share * strength, share * shift), image.pixels.size(), kSteps) == 1;
+    return ShareInside(ViewOf(image, share * strength, share * shift), image.pixels.size(), kGridSteps) == 1;
   };
   if (inside(1)) return 1;
   constexpr int kHalvings = 8;
