@@ -19,6 +19,8 @@ const char* NameOf(FlightMode mode) {
       return "attitude";
     case FlightMode::kHold:
       return "hold";
+    case FlightMode::kRates:
+      return "rates";
   }
   return "?";
 }
@@ -44,6 +46,7 @@ bool Finite(const Setpoint& setpoint) {
       return std::isfinite(s.roll) && std::isfinite(s.pitch) && std::isfinite(s.yaw_rate) &&
              std::isfinite(s.thrust);
     }
+    bool operator()(const RateSetpoint& s) const { return s.w_B.allFinite() && std::isfinite(s.thrust); }
   };
   return std::visit(Visitor{}, setpoint);
 }

@@ -15,6 +15,7 @@ enum class FlightMode {
   kPosition,  // following a PositionSetpoint
   kAttitude,  // following an AttitudeSetpoint
   kHold,      // setpoints went stale: holding the place where they did
+  kRates,     // following a RateSetpoint
 };
 
 // The autopilot's own estimate, never the truth.
@@ -48,7 +49,13 @@ struct AttitudeSetpoint {
   double thrust = 0;           // 0 to 1 of the maximum thrust
 };
 
-using Setpoint = std::variant<VelocitySetpoint, PositionSetpoint, AttitudeSetpoint>;
+// Of who closes the loops of attitude, velocity and position himself. Nothing limits the tilt.
+struct RateSetpoint {
+  Eigen::Vector3d w_B = Eigen::Vector3d::Zero();  // rad/s, in B
+  double thrust = 0;                              // 0 to 1 of the maximum thrust
+};
+
+using Setpoint = std::variant<VelocitySetpoint, PositionSetpoint, AttitudeSetpoint, RateSetpoint>;
 
 // An attitude from elsewhere, a camera, at the time of the autopilot's own state.
 struct AttitudeAid {

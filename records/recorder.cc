@@ -60,16 +60,23 @@ class Columns {
     const auto* velocity = std::get_if<control::VelocitySetpoint>(setpoint);
     const auto* position = std::get_if<control::PositionSetpoint>(setpoint);
     const auto* attitude = std::get_if<control::AttitudeSetpoint>(setpoint);
+    const auto* rates = std::get_if<control::RateSetpoint>(setpoint);
     Vector(fmt::format("{}_v{{}}_m_s", of), velocity, velocity ? velocity->v_H : Eigen::Vector3d::Zero());
-    Number(fmt::format("{}_yaw_rate_deg_s", of), velocity || attitude,
+    Number(fmt::format("{}_yaw_rate_deg_s", of), velocity || attitude || rates,
            Degrees(velocity   ? velocity->yaw_rate
                    : attitude ? attitude->yaw_rate
+                   : rates    ? rates->w_B.z()
                               : 0));
     Vector(fmt::format("{}_{{}}_m", of), position, position ? position->p_N : Eigen::Vector3d::Zero());
     Number(fmt::format("{}_yaw_deg", of), position, position ? Degrees(position->yaw) : 0);
     Number(fmt::format("{}_pitch_deg", of), attitude, attitude ? Degrees(attitude->pitch) : 0);
     Number(fmt::format("{}_roll_deg", of), attitude, attitude ? Degrees(attitude->roll) : 0);
-    Number(fmt::format("{}_thrust", of), attitude, attitude ? attitude->thrust : 0);
+    Number(fmt::format("{}_pitch_rate_deg_s", of), rates, rates ? Degrees(rates->w_B.y()) : 0);
+    Number(fmt::format("{}_roll_rate_deg_s", of), rates, rates ? Degrees(rates->w_B.x()) : 0);
+    Number(fmt::format("{}_thrust", of), attitude || rates,
+           attitude ? attitude->thrust
+           : rates  ? rates->thrust
+                    : 0);
   }
 };
 

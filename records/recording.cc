@@ -63,6 +63,7 @@ const std::vector<NamedNumber>& Numbers() {
   using V = control::VelocitySetpoint;
   using P = control::PositionSetpoint;
   using A = control::AttitudeSetpoint;
+  using R = control::RateSetpoint;
   static const std::vector<NamedNumber> kNumbers = {
       {"setpoint_vx_m_s", Of<V>([](const V& s) { return s.v_H.x(); })},
       {"setpoint_vy_m_s", Of<V>([](const V& s) { return s.v_H.y(); })},
@@ -76,6 +77,10 @@ const std::vector<NamedNumber>& Numbers() {
       {"setpoint_pitch_rad", Of<A>([](const A& s) { return s.pitch; })},
       {"setpoint_turn_rad_s", Of<A>([](const A& s) { return s.yaw_rate; })},
       {"setpoint_thrust", Of<A>([](const A& s) { return s.thrust; })},
+      {"setpoint_roll_rate_rad_s", Of<R>([](const R& s) { return s.w_B.x(); })},
+      {"setpoint_pitch_rate_rad_s", Of<R>([](const R& s) { return s.w_B.y(); })},
+      {"setpoint_body_yaw_rate_rad_s", Of<R>([](const R& s) { return s.w_B.z(); })},
+      {"setpoint_rates_thrust", Of<R>([](const R& s) { return s.thrust; })},
       {"fix_x_m", OfFix([](const mission::TargetFix& f) { return f.p_TB.x(); })},
       {"fix_y_m", OfFix([](const mission::TargetFix& f) { return f.p_TB.y(); })},
       {"fix_z_m", OfFix([](const mission::TargetFix& f) { return f.p_TB.z(); })},
@@ -126,7 +131,7 @@ RecordedFrame FrameOf(std::string_view line, std::size_t numbers) {
   StateNumbers(s, [&](double& number) { number = Value<double>(cells[next++]); });
   next = kBefore + kStateNumbers;
   const int mode = Value<int>(cells[next++]);
-  if (mode < 0 || mode > static_cast<int>(control::FlightMode::kHold))
+  if (mode < 0 || mode > static_cast<int>(control::FlightMode::kRates))
     throw std::runtime_error(fmt::format("there is no mode {}", mode));
   s.mode = static_cast<control::FlightMode>(mode);
   s.landed = Value<int>(cells[next++]) != 0;

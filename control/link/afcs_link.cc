@@ -228,8 +228,9 @@ struct AfcsLink::Session {
     const std::lock_guard lock(mutex);
     not_expressible = std::holds_alternative<AttitudeSetpoint>(wanted)
                           ? "AFCS has no AttitudeSetpoint: not sent"
-                      : !Finite(wanted) ? "a setpoint was not finite: not sent"
-                                        : "";
+                      : std::holds_alternative<RateSetpoint>(wanted) ? "AFCS has no RateSetpoint: not sent"
+                      : !Finite(wanted)                              ? "a setpoint was not finite: not sent"
+                                                                     : "";
     if (!not_expressible.empty()) return setpoint.reset();  // nor what was asked for before
     setpoint = wanted;
     setpoint_s = MonotonicNow_s();

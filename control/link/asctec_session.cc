@@ -322,6 +322,10 @@ void AscTecSession::Send(double now_s, const Setpoint& setpoint) {
     refused_ = "a setpoint that is not finite was not sent";
     return;
   }
+  if (std::holds_alternative<RateSetpoint>(setpoint)) {
+    refused_ = "AscTec's processor takes no RateSetpoint: not sent";
+    return Silence();  // nor what was asked for before
+  }
   refused_.clear();
   setpoint_ = setpoint;
   setpoint_s_ = now_s;

@@ -303,9 +303,11 @@ bool MavlinkSession::StandsBy() const {
 void MavlinkSession::Send(const Setpoint& setpoint, double now_s) {
   setpoint_error_.clear();
   const auto* attitude = std::get_if<AttitudeSetpoint>(&setpoint);
+  const auto* rates = std::get_if<RateSetpoint>(&setpoint);
+  const double thrust = attitude != nullptr ? attitude->thrust : rates != nullptr ? rates->thrust : 0;
   if (!Finite(setpoint)) {
     setpoint_error_ = "setpoint not sent: not finite";
-  } else if (attitude != nullptr && !(attitude->thrust >= 0 && attitude->thrust <= 1)) {
+  } else if (!(thrust >= 0 && thrust <= 1)) {
     setpoint_error_ = "setpoint not sent: thrust is not within 0 and 1";
   } else if (attitude != nullptr && !state_s_) {
     setpoint_error_ = "setpoint not sent: an attitude needs the heading, which is not known yet";

@@ -61,6 +61,19 @@ struct Limiter {
     s.thrust = std::clamp(s.thrust, l.thrust_min, std::max(l.thrust_min, l.thrust_max));
     return limited || s.thrust != thrust;
   }
+  // Rates are let through up to the tilt that is allowed; from there on only those that lead back.
+  bool operator()(RateSetpoint& s) const {
+    bool limited = Limit(s.w_B.z(), Radians(l.yaw_rate_deg_s));
+    const Eigen::Vector3d down_B = now.state.R_NB.conjugate() * Eigen::Vector3d::UnitZ();
+    const bool leads_on = s.w_B.cross(Eigen::Vector3d::UnitZ()).dot(down_B) < 0;
+    if (down_B.z() < std::cos(Radians(l.tilt_deg)) && leads_on) {
+      s.w_B.head<2>().setZero();
+      limited = true;
+    }
+    const double thrust = s.thrust;
+    s.thrust = std::clamp(s.thrust, l.thrust_min, std::max(l.thrust_min, l.thrust_max));
+    return limited || s.thrust != thrust;
+  }
 };
 
 // What was asked for, but down: a climb becomes a slow descent, the rest stays.

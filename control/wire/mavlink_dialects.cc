@@ -17,7 +17,7 @@ constexpr std::uint8_t kLocalNed = 1, kBodyNed = 8, kBodyFrd = 12;
 constexpr std::uint16_t kNoPosition = 1 | 2 | 4, kNoVelocity = 8 | 16 | 32, kNoAcceleration = 64 | 128 | 256;
 constexpr std::uint16_t kNoYaw = 1024, kNoYawRate = 2048;
 // ATTITUDE_TARGET_TYPEMASK
-constexpr std::uint8_t kNoRollRate = 1, kNoPitchRate = 2;
+constexpr std::uint8_t kNoRollRate = 1, kNoPitchRate = 2, kNoAttitude = 128;
 // MAV_CMD
 constexpr std::uint16_t kTakeOff = 22, kDoSetMode = 176, kArmDisarm = 400, kSetMessageInterval = 511;
 // MAV_MODE_FLAG
@@ -60,6 +60,7 @@ Heartbeat CompanionHeartbeat() {
 FlightMode ModeFor(const Setpoint& setpoint) {
   if (std::holds_alternative<VelocitySetpoint>(setpoint)) return FlightMode::kVelocity;
   if (std::holds_alternative<PositionSetpoint>(setpoint)) return FlightMode::kPosition;
+  if (std::holds_alternative<RateSetpoint>(setpoint)) return FlightMode::kRates;
   return FlightMode::kAttitude;
 }
 
@@ -79,6 +80,16 @@ Message ToMessage(const Setpoint& setpoint, double yaw, const Dialect& dialect, 
     message.type_mask = kNoVelocity | kNoAcceleration | kNoYawRate;
     message.x = Float(position->p_N.x()), message.y = Float(position->p_N.y());
     message.z = Float(position->p_N.z()), message.yaw = Float(position->yaw);
+    return message;
+  }
+  if (const auto* rates = std::get_if<RateSetpoint>(&setpoint)) {
+    SetAttitudeTarget message;
+    message.time_boot_ms = time_boot_ms;
+    message.target_system = target.system, message.target_component = target.component;
+    message.type_mask = kNoAttitude;
+    message.q = {1, 0, 0, 0};
+    message.body_roll_rate = Float(rates->w_B.x()), message.body_pitch_rate = Float(rates->w_B.y());
+    message.body_yaw_rate = Float(rates->w_B.z()), message.thrust = Float(rates->thrust);
     return message;
   }
   const auto& attitude = std::get<AttitudeSetpoint>(setpoint);

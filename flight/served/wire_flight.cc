@@ -87,6 +87,10 @@ bool Same(const control::Setpoint& a, const control::Setpoint& b) {
     const auto& q = std::get<control::PositionSetpoint>(b);
     return p->p_N == q.p_N && p->yaw == q.yaw;
   }
+  if (const auto* r = std::get_if<control::RateSetpoint>(&a)) {
+    const auto& s = std::get<control::RateSetpoint>(b);
+    return r->w_B == s.w_B && r->thrust == s.thrust;
+  }
   const auto &t = std::get<control::AttitudeSetpoint>(a), &u = std::get<control::AttitudeSetpoint>(b);
   return t.roll == u.roll && t.pitch == u.pitch && t.yaw_rate == u.yaw_rate && t.thrust == u.thrust;
 }

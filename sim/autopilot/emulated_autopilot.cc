@@ -15,6 +15,7 @@ namespace {
 constexpr double kYawGain_per_s = 1.0;
 constexpr double kIntegralLimit_m_s2 = 6;
 constexpr double kDragTime_s = 0.15;
+constexpr double kRateLimit_rad_s = 6;  // of roll and pitch, where rates are asked for themselves
 constexpr double kTakeOffClimb_m_s = 0.7;
 constexpr double kClearOfGround_m = 0.3;
 // Touch-down: asked to sink, yet not sinking, for this long; then the thrust is taken away bit by bit, and an
@@ -71,6 +72,7 @@ void EmulatedAutopilot::Send(const control::Setpoint& setpoint) {
   if (std::holds_alternative<control::VelocitySetpoint>(setpoint)) mode_ = control::FlightMode::kVelocity;
   if (std::holds_alternative<control::PositionSetpoint>(setpoint)) mode_ = control::FlightMode::kPosition;
   if (std::holds_alternative<control::AttitudeSetpoint>(setpoint)) mode_ = control::FlightMode::kAttitude;
+  if (std::holds_alternative<control::RateSetpoint>(setpoint)) mode_ = control::FlightMode::kRates;
 }
 
 Actuation EmulatedAutopilot::Step(double dt_s, const SensorReadings& readings) {
@@ -88,12 +90,14 @@ Actuation EmulatedAutopilot::Step(double dt_s, const SensorReadings& readings) {
   carried_m_s2_ +=
       (1 - std::exp(-dt_s / kCarriedTime_s)) * (-readings.imu.specific_force_B.z() - carried_m_s2_);
   if (mode_ == control::FlightMode::kStopped) return Stopped(aircraft_);
-  // A position stands until the next one; velocities and attitudes must be kept up.
-  if ((mode_ == control::FlightMode::kVelocity || mode_ == control::FlightMode::kAttitude) &&
+  // A position stands until the next one; all others must be kept up.
+  if ((mode_ == control::FlightMode::kVelocity || mode_ == control::FlightMode::kAttitude ||
+       mode_ == control::FlightMode::kRates) &&
       setpoint_age_s_ > parameters_.command_timeout_s) {
     mode_ = control::FlightMode::kHold;
     hold_ = {navigation_.InUse().X_NB().p, YawOf(navigation_.InUse().X_NB().R)};
   }
+  if (mode_ == control::FlightMode::kRates) return FollowRates(dt_s);
   const Demand demand = Navigate(dt_s);
   if (mode_ == control::FlightMode::kStopped) return Stopped(aircraft_);
   return Stabilise(dt_s, demand);
@@ -221,10 +225,27 @@ Actuation EmulatedAutopilot::Stabilise(double dt_s, const Demand& demand) {
   const Eigen::Vector3d w(roll_.rate - sp * yaw_.rate, cr * pitch_.rate + sr * cp * yaw_.rate,
                           -sr * pitch_.rate + cr * cp * yaw_.rate);
   const Eigen::Vector3d feed(roll_.acceleration, pitch_.acceleration, yaw_.acceleration);
-  const AttitudeDemand attitude{error_B, w, feed, demand.thrust_n};
+  return Drive(dt_s, {error_B, w, feed, demand.thrust_n});
+}
+
+// The inner loop with no attitude to hold. The loops that rest begin from here, when they are next in use.
+Actuation EmulatedAutopilot::FollowRates(double dt_s) {
+  const auto& wanted = std::get<control::RateSetpoint>(setpoint_);
+  const TaitBryan now = TaitBryanFromRotation(navigation_.InUse().X_NB().R.toRotationMatrix());
+  roll_ = {now.roll}, pitch_ = {now.pitch}, yaw_ = {now.yaw};
+  yaw_command_ = now.yaw;
+  CommandVelocity(navigation_.InUse().v_N());
+  tilt_limited_ = false;
+  const double turn = Radians(parameters_.yaw_rate_limit_deg_s);
+  const Eigen::Vector3d most(kRateLimit_rad_s, kRateLimit_rad_s, turn);
+  return Drive(dt_s, {Eigen::Vector3d::Zero(), wanted.w_B.cwiseMax(-most).cwiseMin(most),
+                      Eigen::Vector3d::Zero(), std::clamp(wanted.thrust, 0.0, 1.0) * MaxThrust_n(aircraft_)});
+}
+
+Actuation EmulatedAutopilot::Drive(double dt_s, const AttitudeDemand& demand) {
   return std::visit(
       [&](auto& stabiliser) {
-        const Actuation actuation = stabiliser.Step(dt_s, attitude, Sensed());
+        const Actuation actuation = stabiliser.Step(dt_s, demand, Sensed());
         rotor_limited_ = stabiliser.limited();
         return actuation;
       },

@@ -79,7 +79,8 @@ inline void Fields(FieldVisitor& v, AutopilotParameters& p) {
 }
 
 // An AscTec-like low-level autopilot: an attitude loop with the identified closed-loop dynamics, velocity and
-// height loops above it, position hold above those; limits, take-off, stopping the motors on touch-down, and
+// height loops above it, position hold above those, and below it rates, for who closes all these loops
+// himself; limits, take-off, stopping the motors on touch-down, and
 // a hold when setpoints go stale. It knows nothing but its sensors, and an attitude that it may be sent.
 class EmulatedAutopilot {
  public:
@@ -114,6 +115,8 @@ class EmulatedAutopilot {
   double ClimbLate(double v_down);                   // what was asked for climb_delay_s ago
   void CommandVelocity(const Eigen::Vector3d& v_N);  // without slewing
   Actuation Stabilise(double dt_s, const Demand& demand);
+  Actuation FollowRates(double dt_s);
+  Actuation Drive(double dt_s, const AttitudeDemand& demand);  // by the inner loop
   SensedMotion Sensed() const;
   void WatchTouchDown(double dt_s, double descent_wanted);
   void StopMotors();

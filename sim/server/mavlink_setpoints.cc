@@ -58,7 +58,13 @@ std::optional<MavlinkSetpoint> MavlinkSetpoint::Read(const SetPositionTargetLoca
 
 std::optional<MavlinkSetpoint> MavlinkSetpoint::Read(const SetAttitudeTarget& m, const Dialect& dialect) {
   const unsigned mask = m.type_mask;
-  if ((mask & (kAttitude | kThrottle | kThrustBody)) != 0) return std::nullopt;
+  if ((mask & (kThrottle | kThrustBody)) != 0) return std::nullopt;
+  if (All(mask, kAttitude)) {  // all three rates are followed
+    MavlinkSetpoint read;
+    read.setpoint_ = control::RateSetpoint{{m.body_roll_rate, m.body_pitch_rate, m.body_yaw_rate}, m.thrust};
+    if (!None(mask, kRates) || !control::Finite(read.setpoint_)) return std::nullopt;
+    return read;
+  }
   // PX4 follows rates of roll and pitch in place of the attitude; ArduPilot takes all three, or none.
   const bool right =
       &dialect == &kPx4 ? (mask & kRollAndPitchRate) != 0 : None(mask, kRates) || All(mask, kRates);

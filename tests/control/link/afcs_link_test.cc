@@ -244,6 +244,8 @@ TEST_F(AfcsLinkTest, AnAttitudeIsTroubleByNameAndEndsWhatWasAskedForBefore) {
   link.Send(AttitudeSetpoint{});
   const double then_s = MonotonicTestNow_s();
   EXPECT_THAT(link.Health().error, HasSubstr("AttitudeSetpoint"));
+  link.Send(RateSetpoint{});
+  EXPECT_THAT(link.Health().error, HasSubstr("RateSetpoint"));
   for (int i = 0; i < 4; ++i) ASSERT_TRUE(Next<wire::AfcsOpen>());  // 0.2 s
   link.Send(VelocitySetpoint{{2, 0, 0}, 0});
   EXPECT_EQ(link.Health().error, "");

@@ -120,7 +120,8 @@ TEST(Safety, ASetpointThatIsNotFiniteIsNotSent) {
   for (const Setpoint& wanted :
        {Setpoint(VelocitySetpoint{{0, kNan, 0}, 0}), Setpoint(VelocitySetpoint{{0, 0, 0}, kInf}),
         Setpoint(PositionSetpoint{{kNan, 0, 0}, 0}), Setpoint(PositionSetpoint{{0, 0, 0}, kNan}),
-        Setpoint(AttitudeSetpoint{kNan, 0, 0, 0.5}), Setpoint(AttitudeSetpoint{0, 0, 0, kNan})}) {
+        Setpoint(AttitudeSetpoint{kNan, 0, 0, 0.5}), Setpoint(AttitudeSetpoint{0, 0, 0, kNan}),
+        Setpoint(RateSetpoint{{0, kNan, 0}, 0.5}), Setpoint(RateSetpoint{{0, 0, 0}, kInf})}) {
     Situation now = Sound();
     now.wanted = wanted;
     EXPECT_EQ(Once(now).state.hazard, Hazard::kNotFinite);
@@ -240,6 +241,27 @@ TEST(Safety, TheTiltThatIsLimitedIsThatOfTheThrust) {
   Situation now = Sound();
   now.wanted = AttitudeSetpoint{0.1, -0.1, 0, 0.5};
   EXPECT_FALSE(Once(now).limited);
+}
+
+TEST(Safety, RatesThatWouldTiltBeyondTheLimitAreStoppedThoseThatLeadBackAreNot) {
+  int stopped = 0, let_through = 0;
+  for (const double tilt_deg : {-30.0, -10.0, 10.0, 30.0}) {
+    for (const double rate : {-1.0, 1.0}) {
+      Situation now = Sound();
+      now.state.R_NB = Eigen::Quaterniond(RotationFromTaitBryan({0.7, 0, Radians(tilt_deg)}));
+      now.wanted = RateSetpoint{{rate, 0, 9}, 0.95};
+      const SafeCommand command = Once(now);
+      EXPECT_TRUE(command.limited);
+      const auto& s = std::get<RateSetpoint>(*command.setpoint);
+      const bool farther = std::abs(tilt_deg) > 20 && tilt_deg * rate > 0;
+      EXPECT_EQ(s.w_B.x(), farther ? 0 : rate) << tilt_deg << ' ' << rate;
+      EXPECT_NEAR(s.w_B.z(), Radians(45), 1e-12);
+      EXPECT_EQ(s.thrust, 0.8);
+      ++(farther ? stopped : let_through);
+    }
+  }
+  EXPECT_EQ(stopped, 2);
+  EXPECT_EQ(let_through, 6);
 }
 
 TEST(Safety, WhateverIsAskedForOnlyWhatIsFiniteAndWithinTheLimitsIsSent) {

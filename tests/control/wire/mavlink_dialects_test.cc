@@ -44,6 +44,21 @@ TEST(MavlinkDialects, APositionGoesOutInNWithItsYaw) {
   }
 }
 
+TEST(MavlinkDialects, RatesAreSentWithoutAnAttitude) {
+  const RateSetpoint setpoint{{0.3, -0.2, 0.7}, 0.6};
+  for (const Dialect* dialect : {&kPx4, &kArduPilot}) {
+    const auto m = std::get<SetAttitudeTarget>(ToMessage(setpoint, 2, *dialect, kTarget, 5));
+    EXPECT_EQ(m.type_mask, 128);  // ATTITUDE_TARGET_TYPEMASK_ATTITUDE_IGNORE
+    EXPECT_EQ(m.body_roll_rate, 0.3F);
+    EXPECT_EQ(m.body_pitch_rate, -0.2F);
+    EXPECT_EQ(m.body_yaw_rate, 0.7F);
+    EXPECT_EQ(m.thrust, 0.6F);
+    EXPECT_EQ(m.target_system, 3);
+    EXPECT_EQ(m.time_boot_ms, 5u);
+  }
+  EXPECT_EQ(ModeFor(setpoint), FlightMode::kRates);
+}
+
 TEST(MavlinkDialects, AnAttitudeHasItsYawAndTheRatesThatEachWants) {
   const AttitudeSetpoint setpoint{.roll = 0.3, .pitch = -0.2, .yaw_rate = 0.7, .thrust = 0.6};
   const Eigen::Quaterniond R_NB = Turned(2, -0.2, 0.3);

@@ -460,6 +460,35 @@ Apart PartedBy(const std::string& type, double length_s, bool aided) {
   return apart;
 }
 
+TEST(EmulatedAutopilot, RatesAreFollowedAndNoLevelIsSought) {
+  for (int axis = 0; axis < 3; ++axis) {
+    Flight flight(At(60), true);
+    flight.Run(1);
+    control::RateSetpoint setpoint{Vector3d::Zero(), HoverThrust()};
+    setpoint.w_B[axis] = 0.5;
+    flight.Keep(setpoint, 0.3);
+    EXPECT_EQ(flight.mode(), control::FlightMode::kRates);
+    EXPECT_NEAR(flight.w_B()[axis], 0.5, 0.03) << axis;
+    const double angle = LogRotation(flight.X_NB().R)[axis];
+    flight.Keep(control::RateSetpoint{Vector3d::Zero(), HoverThrust()}, 0.5);
+    EXPECT_NEAR(flight.w_B()[axis], 0, 0.03) << axis;
+    EXPECT_GT(LogRotation(flight.X_NB().R)[axis], angle) << axis;
+  }
+}
+
+TEST(EmulatedAutopilot, RatesMustBeKeptUpElseItHoldsItsPlaceFromWhereItIs) {
+  Flight flight(At(60), true);
+  flight.Keep(control::RateSetpoint{{0.3, 0, 0}, HoverThrust()}, 0.5);
+  EXPECT_GT(flight.TiltDeg(), 6);
+  flight.Run(AutopilotParameters{}.command_timeout_s + 0.02);
+  EXPECT_EQ(flight.mode(), control::FlightMode::kHold);
+  const Vector3d there = flight.X_NB().p;
+  flight.Run(8);
+  EXPECT_LT(flight.TiltDeg(), 2);
+  EXPECT_LT((flight.X_NB().p - there).norm(), 2.5);
+  EXPECT_LT(flight.v_N().norm(), 0.2);
+}
+
 TEST(EmulatedAutopilot, AFailingAttitudeTakesTheAircraftWithIt) {
   for (const char* type : {"drift", "freeze", "silent"}) {
     EXPECT_GT(PartedBy(type, 12, false).tilt_deg, 15) << type;

@@ -357,6 +357,19 @@ TEST(AscTecSession, MotorsThatDoNotStartAreTrouble) {
   EXPECT_EQ(line.session.Health(line.t_s).sent, sent);  // and they are left alone
 }
 
+TEST(AscTecSession, RatesCannotBeSaidAndEndWhatWasAskedForBefore) {
+  Line line;
+  ScriptedAircraft aircraft;
+  line.Run(0.3, aircraft);
+  line.Keep(AttitudeSetpoint{0, 0, 0, 0.5}, 0.2, aircraft);
+  const std::size_t heard = aircraft.heard.size();
+  ASSERT_GT(heard, 0u);
+  line.session.Send(line.t_s, RateSetpoint{{0, 0, 0}, 0.5});
+  EXPECT_NE(line.session.Health(line.t_s).error.find("RateSetpoint"), std::string::npos);
+  line.Run(0.3, aircraft);
+  EXPECT_LE(aircraft.heard.size(), heard + 1);  // one may have been on the line
+}
+
 TEST(AscTecSession, FallsSilentWhenSetpointsCease) {
   Line line;
   ScriptedAircraft aircraft;

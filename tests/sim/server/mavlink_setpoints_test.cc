@@ -99,6 +99,24 @@ TEST(MavlinkSetpoints, FramesAndMasksThatTheStackRefusesAreRefused) {
   }
 }
 
+TEST(MavlinkSetpoints, RatesWithoutAnAttitudeAreRates) {
+  SetAttitudeTarget m;
+  m.q = {1, 0, 0, 0};
+  m.body_roll_rate = 0.25F, m.body_pitch_rate = -0.5F, m.body_yaw_rate = 0.75F, m.thrust = 0.5F;
+  for (const Dialect* dialect : {&kPx4, &kArduPilot}) {
+    m.type_mask = 128;
+    const auto read = MavlinkSetpoint::Read(m, *dialect);
+    ASSERT_TRUE(read);
+    const auto rates = std::get<control::RateSetpoint>(read->At(East()));
+    EXPECT_EQ(rates.w_B, Vector3d(0.25, -0.5, 0.75));
+    EXPECT_EQ(rates.thrust, 0.5);
+    for (const int left_out : {1, 2, 4, 64}) {
+      m.type_mask = static_cast<std::uint8_t>(128 + left_out);
+      EXPECT_FALSE(MavlinkSetpoint::Read(m, *dialect)) << left_out;
+    }
+  }
+}
+
 TEST(MavlinkSetpoints, AttitudesAndTheirRates) {
   const Eigen::Quaterniond q(RotationFromTaitBryan({.yaw = M_PI / 2, .pitch = -0.2, .roll = 0.1}));
   SetAttitudeTarget m;
