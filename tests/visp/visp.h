@@ -22,4 +22,17 @@ Eigen::VectorXd PoseVelocity(const Pose& X_DC, double lambda);
 Eigen::VectorXd TargetPoseVelocity(const Pose& X_CO, const Pose& X_DO, double lambda);
 Eigen::MatrixXd ThetaUInteraction(const Pose& X_DC);  // 3 x 6
 
+// The velocity of 2 1/2-D servoing: vpFeaturePoint, vpFeatureDepth and vpFeatureThetaU.
+Eigen::VectorXd HybridVelocity(const Eigen::Vector3d& now_xyZ, const Eigen::Vector3d& wanted_xyZ,
+                               const Pose& X_DC, double lambda);
+
+// vpMomentGravityCenterNormalized and vpMomentAreaNormalized of points (x, y) in a plane across the optical axis
+// at the depth Z: (xn, yn, an), and their interaction matrix, 3 x 6.
+struct Moments {
+  Eigen::Vector3d value;
+  Eigen::MatrixXd interaction;
+};
+Moments NormalisedMoments(const std::vector<Eigen::Vector2d>& points, double Z, double area_wanted,
+                          double Z_wanted);
+
 }  // namespace kestrel::visp
