@@ -66,6 +66,10 @@ class HelipadPilot {
 
   // The pad is in sight, or was a moment ago.
   bool HasEstimate() const { return estimate_ && estimate_->age_s < parameters_.search.stop_s + latency_s_; }
+  // The pad in the last frame, before any filter; null: it was not seen, or the fix was not believed.
+  const vision::PadObservation* seen() const { return seen_ && fix_ ? &*seen_ : nullptr; }
+  // The camera that seen() is of: the frame's own, or the virtual one within it.
+  const vision::Pinhole& view() const { return view_; }
   // Now, not at the exposure. Only while HasEstimate().
   const control::TargetEstimator::Estimate& where() const { return *estimate_; }
 
