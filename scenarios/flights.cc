@@ -8,9 +8,11 @@
 #include "scenarios/gyro_failure/gyro_failure.h"
 #include "scenarios/hand_held/hand_held.h"
 #include "scenarios/hover/hover.h"
+#include "scenarios/hover_direct/hover_direct.h"
 #include "scenarios/landing/landing.h"
 #include "scenarios/panorama/panorama.h"
 #include "scenarios/pose/pose.h"
+#include "scenarios/servo/servo.h"
 #include "scenarios/stabilise/stabilise.h"
 #include "scenarios/survey/survey.h"
 
@@ -29,6 +31,8 @@ void AddFlights() {
     mission::AddMission<StabiliseFlight>();
     mission::AddMission<SurveyFlight>();
     mission::AddMission<PanoramaFlight>();
+    mission::AddMission<ServoFlight>();
+    mission::AddMission<HoverDirectFlight>();
     return true;
   }();
   (void)kAdded;

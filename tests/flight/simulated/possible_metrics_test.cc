@@ -36,7 +36,9 @@ TEST(PossibleMetrics, HoldWhatFlightsOfEachMissionHave) {
       {"vicon_1", {"landmark_z_rmse_m", "chain_drift_m"}},
       {"stabilise", {"path_horizontal_rmse_m"}},
       {"survey", {"path_vertical_rmse_m"}},
-      {"panorama", {"path_yaw_rmse_deg"}}};
+      {"panorama", {"path_yaw_rmse_deg"}},
+      {"servo", {"servo_converged", "fix_x_rmse_m"}},
+      {"hover_direct", {"direct_share", "fix_x_rmse_m"}}};
   scenarios::AddFlights();
   ASSERT_EQ(known.size(), mission::MissionNames().size());
   for (const auto& [name, telling] : known) {
