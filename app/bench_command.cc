@@ -30,16 +30,18 @@
 #include "bench/landmark/bench_plane_pose.h"
 #include "bench/planar/bench_planar.h"
 #include "bench/servo/bench_servo.h"
+#include "bench/servo/bench_servo_flights.h"
 #include "bench/servo/bench_servoing.h"
 
 namespace kestrel::app {
 
 CLI::App* AddBenchCommand(CLI::App& app, BenchArguments& a) {
   const std::vector<std::string> names = {
-      "flights",  "fisheye", "attitude",    "horizon",   "gyro_failure", "drift",        "heights",
-      "speed",    "render",  "calibration", "servo",     "trackers",     "contrast",     "follow",
-      "avoid",    "stream",  "planar",      "alignment", "features",     "homographies", "plane_pose",
-      "landings", "mosaic",  "stabilise",   "wire",      "link_faults",  "campaign",     "hashes"};
+      "flights",  "fisheye",      "attitude",   "horizon",     "gyro_failure",  "drift",
+      "heights",  "speed",        "render",     "calibration", "servo",         "trackers",
+      "contrast", "follow",       "avoid",      "stream",      "planar",        "alignment",
+      "features", "homographies", "plane_pose", "landings",    "servo_flights", "direct",
+      "mosaic",   "stabilise",    "wire",       "link_faults", "campaign",      "hashes"};
   CLI::App* command = app.add_subcommand("bench", "Measure: a table of figures beside their targets");
   // Of campaigns by its name alone: it flies for minutes, and kills itself.
   command->add_option("name", a.name, "All but campaign, wire, link_faults and hashes when none is given")
@@ -79,6 +81,8 @@ bool BenchCommand(const BenchArguments& arguments) {
   if (chosen("render")) bench::BenchRender(seeds.first, seeds.last, table);
   if (chosen("calibration")) bench::BenchCalibration(seeds.first, seeds.last, arguments.jobs, table);
   if (chosen("servo")) bench::BenchServo(table);
+  if (chosen("servo_flights")) bench::BenchServoFlights(seeds, arguments.jobs, table);
+  if (chosen("direct")) bench::BenchDirect(seeds, arguments.jobs, table);
   if (chosen("trackers")) {
     bench::BenchTrackers(seeds.first, seeds.last, table);
     bench::BenchPadTrackers(seeds, table);
