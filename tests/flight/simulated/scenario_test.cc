@@ -219,7 +219,8 @@ TEST_F(ScenarioTest, AMissingFileIsNamed) {
 TEST_F(ScenarioTest, NamesThatAreNotKnownGetTheNearest) {
   EXPECT_THAT(Refusal("landin"), ElementsAre(AllOf(HasSubstr("there is no scenario 'landin'"),
                                                    HasSubstr("did you mean 'landing'?"))));
-  EXPECT_THAT(Refusal("xyzzy"), ElementsAre(AllOf(HasSubstr("valid: "), HasSubstr("hover, landing"))));
+  EXPECT_THAT(Refusal("xyzzy"),
+              ElementsAre(AllOf(HasSubstr("valid: "), HasSubstr(" hover,"), HasSubstr(" landing,"))));
   const auto one = [](const char* override_) { return Refusal("pose", {override_}); };
   EXPECT_THAT(one("mission=landnig"),
               ElementsAre(AllOf(HasSubstr("mission"), HasSubstr("did you mean 'landing'?"))));
