@@ -8,29 +8,10 @@
 #include "mission/horizon_observer.h"
 #include "mission/horizon_records.h"
 #include "records/plot/horizon_plot.h"
-#include "vision/horizon/skyline_baseline.h"
+#include "vision/horizon/baseline/skyline_baseline.h"
 
 namespace kestrel::scenarios {
 namespace {
-
-// The ring of the image that the thesis unrolls: of a camera that looks straight down, about the horizon.
-vision::CompassBaseline::Ring RingOf(const vision::CameraModel& camera, const Eigen::Matrix3d& R_BC) {
-  const auto at = [&](double elevation_deg) {
-    const double e = Radians(elevation_deg);
-    const Eigen::Vector3d ahead_B(std::cos(e), 0, -std::sin(e));
-    return vision::Project(camera, R_BC.transpose() * ahead_B);
-  };
-  vision::CompassBaseline::Ring ring;
-  ring.centre = vision::Parameters(camera).segment<2>(2);
-  const auto inner = at(-6), outer = at(10);
-  if (inner && outer) {
-    ring.radius_inner = (*inner - ring.centre).norm();
-    ring.radius_outer = (*outer - ring.centre).norm();
-    const Eigen::Vector2d ahead = *outer - ring.centre;
-    ring.nose = std::atan2(ahead.y(), ahead.x());
-  }
-  return ring;
-}
 
 class AttitudeMission final : public mission::Mission {
  public:
@@ -39,7 +20,8 @@ class AttitudeMission final : public mission::Mission {
       : flight_(flight), pilot_(flight.manoeuvres, seed), watch_(camera, X_BC, forbidden) {
     if (!flight.baseline) return;
     skyline_baseline_.emplace(camera, X_BC.R.toRotationMatrix());
-    compass_baseline_.emplace(camera, RingOf(camera, X_BC.R.toRotationMatrix()));
+    compass_baseline_.emplace(
+        camera, vision::GroundRing(camera, X_BC.R.toRotationMatrix(), flight.baseline_px_per_deg));
   }
 
   mission::Decision Step(const vision::Frame& frame, const control::VehicleState& state) override {

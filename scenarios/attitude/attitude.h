@@ -22,6 +22,7 @@ struct AttitudeFlight {
   double take_off_height_m = 5;
   ManoeuvreParameters manoeuvres;
   bool baseline = false;
+  double baseline_px_per_deg = 2;
 };
 
 inline void Fields(FieldVisitor& v, AttitudeFlight& p) {
@@ -34,6 +35,10 @@ inline void Fields(FieldVisitor& v, AttitudeFlight& p) {
     p.take_off_height_m, 1.0, 100.0);
   v({"manoeuvres", "what the simulated pilot flies by hand"}, p.manoeuvres);
   v({"baseline", "evaluate the thesis's own method on the same images too"}, p.baseline);
+  v({"baseline_px_per_deg",
+     "columns per degree of the panorama by which the thesis's method finds the heading (0.5 in thesis "
+     "6.3.5)"},
+    p.baseline_px_per_deg, 0.1, 20.0);
 }
 
 mission::MissionType TypeOf(const AttitudeFlight& flight);

@@ -9,7 +9,7 @@
 #include "tests/vision/horizon/skyline_photographer.h"
 #include "vision/camera/calibration_file.h"
 #include "vision/horizon/horizon_attitude.h"
-#include "vision/horizon/skyline_baseline.h"
+#include "vision/horizon/baseline/skyline_baseline.h"
 
 namespace kestrel::vision {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vision/horizon/skyline_baseline.h"
+#include "vision/horizon/baseline/skyline_baseline.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,14 +8,14 @@
 
 #include "geometry/tait_bryan.h"
 #include "vision/camera/views.h"
+#include "vision/horizon/baseline/pyramid_segmentation.h"
 #include "vision/horizon/circle_fit.h"
+#include "vision/horizon/skyline_fix.h"
 
 namespace kestrel::vision {
 
 namespace {
-constexpr double kField_deg = 120;  // of the compass, its front part
-constexpr int kMaxShift = 60;       // columns between two images
-constexpr double kWindow = 0.55;    // of the image's height, of the adaptive threshold
+constexpr double kWindow = 0.4;  // of the image's height, of the adaptive threshold
 constexpr int kEllipsePoints = 360;
 }  // namespace
 
@@ -42,15 +42,11 @@ SkylineBaseline::SkylineBaseline(const CameraModel& camera, const Eigen::Matrix3
 
 std::optional<BaselineAttitude> SkylineBaseline::Measure(const cv::Mat& image) const {
   if (image.size() != lens_.size() || image.type() != CV_8UC3) return std::nullopt;
-  cv::Mat weight = SkyWeight(image), small, smooth;
-  cv::pyrDown(weight, small);
-  cv::pyrDown(small, small);
-  cv::pyrUp(small, smooth, {(weight.cols + 1) / 2, (weight.rows + 1) / 2});
-  cv::pyrUp(smooth, smooth, weight.size());
-  smooth.setTo(cv::mean(smooth, lens_)[0], ~lens_);  // black outside would pull the threshold
   BaselineAttitude out;
+  out.segments = SegmentByPyramid(SkyWeight(image));
+  out.segments.setTo(cv::mean(out.segments, lens_)[0], ~lens_);  // black outside would pull the threshold
   const int window = static_cast<int>(kWindow * image.rows) | 1;
-  cv::adaptiveThreshold(smooth, out.ground, 255, cv::ADAPTIVE_THRESH_GAUSSIAN_C, cv::THRESH_BINARY_INV,
+  cv::adaptiveThreshold(out.segments, out.ground, 255, cv::ADAPTIVE_THRESH_GAUSSIAN_C, cv::THRESH_BINARY_INV,
                         window, 0);
   out.ground &= lens_;
   std::vector<std::vector<cv::Point>> contours;
@@ -106,21 +102,48 @@ double CompassBaseline::Distance(const cv::Mat& a, const cv::Mat& b, int shift) 
   return cv::norm(a(in_a), b(in_b), cv::NORM_L2) / std::sqrt(static_cast<double>(width) * a.rows);
 }
 
-double CompassBaseline::Turn(const cv::Mat& image) {
+cv::Mat CompassBaseline::Unwrap(const cv::Mat& image) const {
   cv::Mat panorama;
   cv::remap(image, panorama, map_, cv::noArray(), cv::INTER_LINEAR);
-  if (!last_.empty()) {
-    int best = 0;
-    double least = std::numeric_limits<double>::infinity();
-    for (int shift = -kMaxShift; shift <= kMaxShift; ++shift) {
-      const double d = Distance(last_, panorama, shift);
-      if (d < least) least = d, best = shift;
-    }
-    // What is seen moves against the turn. (6.19)
-    total_ -= clockwise_ * best * per_column_;
+  return panorama;
+}
+
+int CompassBaseline::BestShift(const cv::Mat& a, const cv::Mat& b) {
+  const int reach = a.cols / 4;
+  int best = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (int shift = -reach; shift <= reach; ++shift) {
+    const double d = Distance(a, b, shift);
+    if (d < least) least = d, best = shift;
   }
+  return best;
+}
+
+double CompassBaseline::Turn(const cv::Mat& image) {
+  const cv::Mat panorama = Unwrap(image);
+  // What is seen moves against the turn. (6.19)
+  if (!last_.empty()) total_ -= clockwise_ * BestShift(last_, panorama) * per_column_;
   last_ = panorama;
   return total_;
+}
+
+CompassBaseline::Ring GroundRing(const CameraModel& camera, const Eigen::Matrix3d& R_BC, double px_per_deg) {
+  const auto at = [&](double elevation_deg) {
+    const double e = Radians(elevation_deg);
+    const Eigen::Vector3d ahead_B(std::cos(e), 0, -std::sin(e));
+    return Project(camera, R_BC.transpose() * ahead_B);
+  };
+  CompassBaseline::Ring ring;
+  ring.centre = Parameters(camera).segment<2>(2);
+  ring.width_px = static_cast<int>(std::lround(CompassBaseline::kField_deg * px_per_deg));
+  const auto inner = at(-30), outer = at(10);
+  if (inner && outer) {
+    ring.radius_inner = (*inner - ring.centre).norm();
+    ring.radius_outer = (*outer - ring.centre).norm();
+    const Eigen::Vector2d ahead = *outer - ring.centre;
+    ring.nose = std::atan2(ahead.y(), ahead.x());
+  }
+  return ring;
 }
 
 }  // namespace kestrel::vision

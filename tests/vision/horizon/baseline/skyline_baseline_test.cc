@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vision/horizon/skyline_baseline.h"
+#include "vision/horizon/baseline/skyline_baseline.h"
 
 #include <gtest/gtest.h>
 
