@@ -19,10 +19,10 @@ constexpr double kForget_s = 3;  // what was seen so long ago says nothing of ho
 }  // namespace
 
 BalloonObserver::BalloonObserver(const vision::CameraModel& camera, const Pose& X_BC,
-                                 const BalloonObserverParameters& parameters)
+                                 const BalloonObserverParameters& parameters, vision::BalloonMeasure measure)
     : parameters_(parameters),
       camera_(camera),
-      tracker_(vision::ColourModel(parameters.colour), camera, parameters.tracker),
+      tracker_(vision::ColourModel(parameters.colour), camera, parameters.tracker, measure),
       target_(X_BC, parameters.estimator) {}
 
 void BalloonObserver::Observe(const vision::Frame& frame, const control::VehicleState& state, bool frozen) {
@@ -42,7 +42,7 @@ void BalloonObserver::Observe(const vision::Frame& frame, const control::Vehicle
     Eigen::Matrix<double, 3, 4> J;
     J << distance * Eigen::Matrix3d::Identity(), -along * cone.axis;
     if (target_.At(state.t_s) && target_.At(state.t_s)->age_s > kForget_s) target_.Forget();
-    target_.Correct(frame.t_s, distance * cone.axis, J * seen_->fit->covariance * J.transpose());
+    target_.Correct(frame.t_s, distance * cone.axis, J * seen_->covariance * J.transpose());
   }
   estimate_ = target_.At(state.t_s);
   age_s_ = estimate_ ? estimate_->age_s : state.t_s;

@@ -45,13 +45,18 @@ void CheckColour(const vision::ColourRange& colour, const std::string& key, cons
 class BalloonObserver {
  public:
   BalloonObserver(const vision::CameraModel& camera, const Pose& X_BC,
-                  const BalloonObserverParameters& parameters);
+                  const BalloonObserverParameters& parameters,
+                  vision::BalloonMeasure measure = vision::BalloonMeasure::kOutline);
 
   // frozen: the image is the one before; it shows nothing.
   void Observe(const vision::Frame& frame, const control::VehicleState& state, bool frozen);
 
   const BalloonObserverParameters& parameters() const { return parameters_; }
   bool Measured() const { return seen_ && seen_->cone; }  // in the last image
+  // What the last image says of it: a place or a direction in C, and x, y and diameter of thesis (5.16). Only
+  // if Measured(); the features moreover only of what is before the camera.
+  const vision::OutlineCone& cone() const { return *seen_->cone; }
+  std::optional<vision::SphereFeatures> features() const { return seen_ ? seen_->features : std::nullopt; }
   bool HasEstimate() const { return estimate_ && estimate_->age_s < parameters_.coast_s; }
   const control::MovingTarget::Estimate& where() const {
     return *estimate_;

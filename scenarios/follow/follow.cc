@@ -34,7 +34,9 @@ class FollowMission final : public mission::Mission {
         camera_(camera),
         X_BC_(X_BC),
         focal_px_(vision::Parameters(camera)[0]),
-        watch_(camera, X_BC, flight.balloon) {}
+        watch_(
+            camera, X_BC, flight.balloon,
+            flight.features.outline ? vision::BalloonMeasure::kOutline : vision::BalloonMeasure::kCamShift) {}
 
   mission::Decision Step(const vision::Frame& frame, const control::VehicleState& state) override {
     mission::Decision decision;
@@ -50,7 +52,8 @@ class FollowMission final : public mission::Mission {
     exposed_R_NB_ = history_.At(frame.t_s).value_or(state).R_NB;
     sight_.reset();
     wanted_ = WantedAt(state.t_s);
-    if (watch_.HasEstimate()) {
+    balloon_ = flight_.features.filter ? Filtered() : AsSeen(frame, state);
+    if (balloon_) {
       decision.setpoint = Follow(state);
       if (sight_) {
         const auto report = std::make_shared<FollowReport>();
@@ -70,7 +73,7 @@ class FollowMission final : public mission::Mission {
     return decision;
   }
 
-  bool Accomplished() const override { return watch_.HasEstimate(); }
+  bool Accomplished() const override { return balloon_.has_value(); }
 
   mission::TargetNeed Target() const override { return mission::TargetNeed::kInSight; }
 
@@ -100,6 +103,30 @@ class FollowMission final : public mission::Mission {
   }
 
  private:
+  struct Balloon {
+    Eigen::Vector3d p_N, v_N;
+  };
+
+  std::optional<Balloon> Filtered() const {
+    if (!watch_.HasEstimate()) return std::nullopt;
+    return Balloon{watch_.where().p_N, watch_.where().v_N};
+  }
+
+  // Thesis 5.4: the last image of it as if it were that of now, Z = D / diameter, and no motion.
+  std::optional<Balloon> AsSeen(const vision::Frame& frame, const control::VehicleState& state) {
+    if (const auto features = watch_.features()) {
+      const Eigen::Vector3d& xyd = features->xyd;
+      const Eigen::Vector3d p_C = flight_.balloon.diameter_m / xyd.z() * Eigen::Vector3d(xyd.x(), xyd.y(), 1);
+      const Eigen::Vector3d p_B = X_BC_.R * p_C;
+      seen_H_ = flight_.features.level
+                    ? HeadingRotation(YawOf(exposed_R_NB_)).conjugate() * (exposed_R_NB_ * p_B)
+                    : p_B;
+      seen_s_ = frame.t_s;
+    }
+    if (!seen_s_ || state.t_s - *seen_s_ >= flight_.balloon.coast_s) return std::nullopt;
+    return Balloon{X_NC_.p + HeadingRotation(yaw_) * seen_H_, Eigen::Vector3d::Zero()};
+  }
+
   control::SphereImage WantedAt(double t_s) const {
     const FollowReference* now = &flight_.reference.front();
     for (const FollowReference& reference : flight_.reference)
@@ -113,11 +140,11 @@ class FollowMission final : public mission::Mission {
     const FollowGains& g = flight_.gains;
     const double D = flight_.balloon.diameter_m;
     command_ = {};
-    const Eigen::Vector3d now_V = control::LevelAhead(watch_.where().p_N, X_NC_.p, yaw_);
+    const Eigen::Vector3d now_V = control::LevelAhead(balloon_->p_N, X_NC_.p, yaw_);
     side_ = now_V.x() < 0 ? -1 : 1;
     const double turned = g.yaw_response_s * state.w_B.z();
-    const Eigen::Vector3d v_T_N = g.feed_forward ? watch_.where().v_N : Eigen::Vector3d::Zero();
-    const Eigen::Vector3d ahead_N = watch_.where().p_N + g.velocity_response_s * (v_T_N - state.v_N);
+    const Eigen::Vector3d v_T_N = g.feed_forward ? balloon_->v_N : Eigen::Vector3d::Zero();
+    const Eigen::Vector3d ahead_N = balloon_->p_N + g.velocity_response_s * (v_T_N - state.v_N);
     const Eigen::Vector3d ahead_V = control::LevelAhead(ahead_N, X_NC_.p, yaw_ + turned);
     if (now_V.z() < D || ahead_V.z() < D) {  // beside or behind: only a turn brings it back into view
       command_.yaw_rate = side_ * YawLimit();
@@ -189,6 +216,10 @@ class FollowMission final : public mission::Mission {
   control::StateHistory history_;
   Eigen::Quaterniond exposed_R_NB_ = Eigen::Quaterniond::Identity();  // when the last image was exposed
   double yaw_ = 0;
+  std::optional<Balloon> balloon_;  // as it is reckoned with now; none: it is lost
+  // Without a filter, by the last image that shows it: where it was in H, off the camera, and when.
+  Eigen::Vector3d seen_H_ = Eigen::Vector3d::Zero();
+  std::optional<double> seen_s_;
   double side_ = 1;  // where it was last: 1 right, -1 left
   control::SphereImage wanted_;
   std::optional<BalloonSight> sight_;
@@ -216,6 +247,10 @@ std::unique_ptr<mission::Mission> MakeMission(const FollowFlight& flight,
 void CheckFlight(const FollowFlight& flight, const Place& where, Mistakes& mistakes) {
   if (flight.reference.empty()) mistakes.Add(where, "flight.reference", "is empty", "valid: at least one");
   mission::CheckColour(flight.balloon.colour, "flight.balloon.colour", where, mistakes);
+  if (!flight.features.filter && flight.gains.feed_forward)
+    mistakes.Add(where, "flight.gains.feed_forward",
+                 "true, but without flight.features.filter nobody knows the balloon's motion",
+                 "valid: false, or flight.features.filter: true");
 }
 
 void CheckFlightLimits(const FollowFlight& flight, const mission::AircraftLimits& limits, const Place& where,

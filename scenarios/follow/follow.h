@@ -60,6 +60,25 @@ inline void Fields(FieldVisitor& v, FollowGains& g) {
     g.min_height_m, 0.0, 100.0);
 }
 
+// What the law knows of the balloon. Without any of these it flies as the thesis does: by the last image as it
+// is, which the tilt of the aircraft moves and latency makes late.
+struct FollowFeatures {
+  bool level = true;
+  bool outline = true;
+  bool filter = true;
+};
+
+inline void Fields(FieldVisitor& v, FollowFeatures& f) {
+  v({"level", "image of a level camera, by the attitude at the exposure; false: the camera's own, tilted"},
+    f.level);
+  v({"outline", "measure the balloon by its outline; false: by CamShift's own centre and diameter"},
+    f.outline);
+  v({"filter",
+     "filter the balloon's position and predict it to now; false: the last image, with the depth from the "
+     "diameter"},
+    f.filter);
+}
+
 struct LookAround {
   double stop_s = 1;
   double turn_deg_s = 30;
@@ -79,6 +98,7 @@ struct FollowFlight {
   mission::BalloonObserverParameters balloon;
   std::string law = "coupled";  // eq. (5.20), or decoupled, eq. (5.25)
   std::vector<FollowReference> reference{FollowReference{}};
+  FollowFeatures features;
   FollowGains gains;
   LookAround look_around;
 };
@@ -88,6 +108,7 @@ inline void Fields(FieldVisitor& v, FollowFlight& p) {
   v({"law", "control u, v and diameter together or each by its own input; whole: former name of coupled"},
     p.law, {"coupled", "decoupled", "whole"});
   v({"reference", "wanted image of the balloon, in the order of time"}, p.reference);
+  v({"features", "what the law knows of the balloon's image"}, p.features);
   v({"gains", "gains and limits of the control law"}, p.gains);
   v({"look_around", "what to do without the balloon: stop, then turn on the spot to where it was last"},
     p.look_around);

@@ -10,12 +10,35 @@ namespace {
 
 constexpr double kPlenty = 0.8;     // of the outline: no need to look any further
 constexpr double kMaxGrowth = 1.3;  // of the half-angle from image to image
+// Standard deviations of CamShift's centre, px, and of its diameter, as a share of that.
+constexpr double kCamShiftCentre_px = 1, kCamShiftDiameter = 0.05;
+
+// What CamShift says of a target, as rays: its circle is taken for the outline. Its features are the pixels
+// over the focal length, as thesis (5.16) has them.
+void MeasureByCamShift(const CameraModel& camera, BalloonObservation& seen) {
+  if (!seen.track.target || seen.track.state == TrackState::kTooClose) return;
+  Eigen::Matrix<double, 3, 2> d_pixel;
+  const auto axis = Ray(camera, seen.track.target->centre, &d_pixel);
+  if (!axis) return;
+  const double diameter_px = seen.track.target->diameter_px;
+  const double rad_per_px = std::sqrt(d_pixel.col(0).cross(d_pixel.col(1)).norm());
+  seen.cone = OutlineCone{*axis, diameter_px / 2 * rad_per_px};
+  const double sigma = kCamShiftCentre_px * rad_per_px;
+  seen.covariance.topLeftCorner<3, 3>() =
+      sigma * sigma * (Eigen::Matrix3d::Identity() - *axis * axis->transpose());
+  seen.covariance(3, 3) = std::pow(kCamShiftDiameter * seen.cone->half_angle, 2);
+  seen.features = FeaturesOf(*seen.cone, seen.covariance);
+  if (!seen.features) return;
+  const Eigen::Matrix2d d_xy =
+      (d_pixel.topRows<2>() - axis->head<2>() / axis->z() * d_pixel.row(2)) / axis->z();
+  seen.features->xyd.z() = diameter_px * std::sqrt(std::abs(d_xy.determinant()));
+}
 
 }  // namespace
 
 BalloonTracker::BalloonTracker(const ColourModel& model, const CameraModel& camera,
-                               const BalloonTrackerOptions& options)
-    : camera_(camera), options_(options), colour_(model, options.colour) {}
+                               const BalloonTrackerOptions& options, BalloonMeasure measure)
+    : camera_(camera), options_(options), measure_(measure), colour_(model, options.colour) {}
 
 void BalloonTracker::Begin(const cv::Rect2d& box) {
   colour_.Correct(box);
@@ -30,6 +53,10 @@ void BalloonTracker::Begin(const cv::Rect2d& box) {
 BalloonObservation BalloonTracker::Track(const cv::Mat& bgr, std::optional<OutlineCone> expected) {
   BalloonObservation seen;
   seen.track = colour_.Track(bgr);
+  if (measure_ == BalloonMeasure::kCamShift) {
+    MeasureByCamShift(camera_, seen);
+    return seen;
+  }
   if (!expected && last_) {
     expected = last_;
     if (before_) {
@@ -65,6 +92,7 @@ BalloonObservation BalloonTracker::Track(const cv::Mat& bgr, std::optional<Outli
   }
   not_round_frames_ = 0;
   seen.cone = last_ = seen.fit->cone;
+  seen.covariance = seen.fit->covariance;
   seen.features = FeaturesOf(seen.fit->cone, seen.fit->covariance);
   if (const auto box = OutlineBox(camera_, seen.fit->cone))
     colour_.Correct(*box & cv::Rect2d(0, 0, bgr.cols, bgr.rows));

@@ -47,12 +47,16 @@ class Follower {
   static control::VelocitySetpoint Command(const mission::Decision& d) {
     return std::get<control::VelocitySetpoint>(*d.setpoint);
   }
-  control::VehicleState State() const { return LevelAt(t_s_, p_N, yaw); }
+  control::VehicleState State() const {
+    control::VehicleState state = LevelAt(t_s_, p_N, yaw);
+    state.R_NB = Eigen::Quaterniond(RotationFromTaitBryan({yaw, pitch, 0}));
+    return state;
+  }
   double t_s() const { return t_s_; }
 
   BallPictures pictures;
   Vector3d p_N{0, 0, -4};
-  double yaw = 0;
+  double yaw = 0, pitch = 0;
 
  private:
   std::unique_ptr<mission::Mission> mission_;
@@ -87,6 +91,40 @@ TEST(Follow, TheCommandLeadsTowardsIt) {
   EXPECT_GT(seen_at({6, 0, -3}).v_H.z(), 0.2);
   EXPECT_LT(seen_at({6, 0, -5}).v_H.z(), -0.2);
   EXPECT_EQ(seen_at({6, 0, -3}).v_H.y(), 0);
+}
+
+FollowFlight AsTheThesis() {
+  FollowFlight flight = Follower::Impatient();
+  flight.features = {.level = false, .outline = false, .filter = false};
+  flight.gains.feed_forward = false;
+  flight.gains.velocity_response_s = flight.gains.yaw_response_s = 0;
+  return flight;
+}
+
+TEST(Follow, WithoutAnyHelpOneImageIsEnoughAndTheCommandIsThatOfTheLaw) {
+  Follower f(AsTheThesis());
+  const mission::Decision d = f.See(std::vector<Ball>{Ball{{7, 0.6, -4.3}}});
+  ASSERT_TRUE(SightOf(d));
+  const control::SphereImage &now = SightOf(d)->now, &wanted = SightOf(d)->wanted;
+  EXPECT_LT((now.s - Eigen::Vector2d(0.6 / 7, -0.3 / 7)).norm(), 2 / BallPictures::kFocal_px);
+  // (5.20) and (5.21) by hand.
+  const double Z = 0.5 / now.diameter, x = now.s.x(), y = now.s.y();
+  const Vector3d e = FollowGains{}.lambda_per_s.cwiseProduct(now.Vector() - wanted.Vector());
+  EXPECT_NEAR(Follower::Command(d).v_H.z(), Z * e.y() - Z * y / now.diameter * e.z(), 1e-9);
+  EXPECT_NEAR(Follower::Command(d).v_H.x(), Z * x * e.x() - Z * (x * x + 1) / now.diameter * e.z(), 1e-9);
+  EXPECT_NEAR(Follower::Command(d).yaw_rate, e.x() - x / now.diameter * e.z(), 1e-9);
+}
+
+TEST(Follow, TheTiltOfTheAircraftMovesTheImageUnlessItIsThatOfALevelCamera) {
+  for (const bool level : {false, true}) {
+    FollowFlight flight = AsTheThesis();
+    flight.features.level = level;
+    Follower f(flight);
+    f.pitch = Radians(-8);
+    const mission::Decision d = f.See(std::vector<Ball>{Ball{}});
+    ASSERT_TRUE(SightOf(d));
+    EXPECT_NEAR(SightOf(d)->now.s.y(), level ? 0 : -std::tan(Radians(8)), 0.01);
+  }
 }
 
 TEST(Follow, TheReferenceIsTheNewestThatHasBegun) {

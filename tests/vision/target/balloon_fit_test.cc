@@ -219,6 +219,21 @@ TEST(BalloonFitTest, TrackedInFrontOfAWallOfItsColourItKeepsTheBallWhereCamShift
   EXPECT_GT(camshift_px, 15);
 }
 
+TEST(BalloonTracker, ByCamShiftItsFeaturesArePixelsOverTheFocalLength) {
+  BalloonTracker tracker(kRed, kPinhole, {}, BalloonMeasure::kCamShift);
+  PaintedBalls world;
+  world.balls[0].p_CT = {0.5, -0.3, 2};
+  const BalloonObservation seen = tracker.Track(PaintBalls(kPinhole, world));
+  ASSERT_TRUE(seen.track.target && seen.features && seen.cone);
+  EXPECT_FALSE(seen.fit);
+  const ColourTarget& target = *seen.track.target;
+  EXPECT_NEAR(seen.features->xyd.x(), (target.centre.x() - 159.5) / 250, 1e-9);
+  EXPECT_NEAR(seen.features->xyd.y(), (target.centre.y() - 119.5) / 250, 1e-9);
+  EXPECT_NEAR(seen.features->xyd.z(), target.diameter_px / 250, 1e-9);
+  EXPECT_LT(seen.cone->axis.cross(world.balls[0].p_CT.normalized()).norm() * 250, 2);
+  EXPECT_NEAR(seen.cone->half_angle * world.balls[0].p_CT.norm() / world.balls[0].radius, 1, 0.1);
+}
+
 TEST(BalloonFitTest, StartedOnSomethingLargerOfItsColourItRefusesThatAndTakesTheBall) {
   PaintedBalls world;
   world.balls[0].p_CT = {0.9, 0.1, 3};
