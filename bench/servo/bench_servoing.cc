@@ -82,6 +82,80 @@ void BenchFollow(flight::SeedRange seeds, int jobs, std::vector<records::Figure>
   }
 }
 
+void BenchFollowSteps(flight::SeedRange seeds, int jobs, std::vector<records::Figure>& table) {
+  struct Rung {
+    const char* name;
+    std::vector<std::string> adds;
+  };
+  const std::vector<Rung> rungs = {
+      {"thesis", {}},
+      {"+ level camera", {"flight.features.level=true"}},
+      {"+ outline", {"flight.features.outline=true"}},
+      // With the gains that it allows.
+      {"+ prediction", {"flight.features.filter=true", "gains=gains/follow.yaml"}},
+      {"+ target's velocity", {"flight.gains.feed_forward=true"}},
+  };
+  const auto add = [&](const std::string& name, double value, const char* unit,
+                       std::optional<double> target = {}) {
+    table.push_back({name, value, unit, target, true, target ? "followed" : ""});
+  };
+  std::vector<std::string> overrides = {"criteria={}"};
+  std::vector<flight::FlownScenario> coupled;
+  for (const Rung& rung : rungs) {
+    overrides.insert(overrides.end(), rung.adds.begin(), rung.adds.end());
+    auto flights = flight::FlyAll("follow_thesis", overrides, seeds, jobs, rung.name);
+    const std::string name = std::string("following, ") + rung.name;
+    const auto in_view = flight::Values(flights, "in_view_share");
+    add(name + ": in view, mean", 100 * Mean(in_view), "%", 95);
+    add(name + ": in view, the worst flight", 100 * MinOf(in_view), "%");
+    add(name + ": distance, RMS of all", 100 * Rms(flight::Values(flights, "follow_distance_rms")), "%");
+    add(name + ": u, RMS of all", Rms(flight::Values(flights, "follow_u_rms_px")), "px");
+    add(name + ": v, RMS of all", Rms(flight::Values(flights, "follow_v_rms_px")), "px");
+    if (coupled.empty()) coupled = std::move(flights);
+  }
+  const auto decoupled = flight::FlyAll("follow_thesis", {"criteria={}", "flight.law=decoupled"}, seeds, jobs,
+                                        "thesis, decoupled");
+  const std::string name = "following, thesis, decoupled less coupled";
+  add("following, thesis, decoupled: in view, mean", 100 * Mean(flight::Values(decoupled, "in_view_share")),
+      "%", 95);
+  if (seeds.last - seeds.first < 2) return;
+  struct Metric {
+    const char *metric, *what, *unit;
+    double factor;
+  };
+  for (const Metric& m : {Metric{"in_view_share", "in view", "%", 100},
+                          {"follow_u_rms_px", "u, RMS", "px", 1},
+                          {"follow_v_rms_px", "v, RMS", "px", 1},
+                          {"follow_distance_rms", "distance, RMS", "%", 100}}) {
+    const Mean95 d =
+        MeanOfDifferences(flight::Values(decoupled, m.metric), flight::Values(coupled, m.metric));
+    add(fmt::format("{}: {}, mean", name, m.what), m.factor * d.mean, m.unit);
+    add(fmt::format("{}: {}, 95 % interval, +-", name, m.what), m.factor * d.half_width, m.unit);
+  }
+}
+
+void BenchAvoidSight(flight::SeedRange seeds, int jobs, std::vector<records::Figure>& table) {
+  for (const double right_m : {0.6, 1.2, -0.6, -1.2}) {
+    const auto fly = [&](const char* scenario, const std::string& title) {
+      return flight::FlyAll(scenario,
+                            {fmt::format("targets.0.position_m=[8.5, {}, 4]", right_m), "criteria={}"}, seeds,
+                            jobs, title);
+    };
+    const std::string place =
+        fmt::format("mark {:g} m to the {}", std::abs(right_m), right_m > 0 ? "right" : "left");
+    const auto flights = fly("avoid_sight", "by sight, " + place);
+    table.push_back({"by bearing alone, " + place + ": closest distance, worst",
+                     MinOf(flight::Values(flights, "closest_m")), "m", 2, true, "> 2R"});
+    const auto by_growth =
+        flight::FlyAll(right_m > 0 ? (right_m > 1 ? "avoid_left_2" : "avoid_left_1")
+                                   : (right_m < -1 ? "avoid_right_2" : "avoid_right_1"),
+                       {"flight.decides_by=growth", "flight.avoidance.max_bearing_deg=90", "criteria={}"},
+                       seeds, jobs, "by growth, " + place);
+    table.push_back({"by growth and bearing rate, " + place + ": closest distance, worst",
+                     MinOf(flight::Values(by_growth, "closest_m")), "m", 2, true, "> 2R"});
+  }
+}
+
 void BenchAvoid(flight::SeedRange seeds, int jobs, std::vector<records::Figure>& table) {
   for (const char* scenario : {"avoid_left_1", "avoid_left_2", "avoid_right_1", "avoid_right_2"}) {
     const auto flights = flight::FlyAll(scenario, {}, seeds, jobs, scenario);

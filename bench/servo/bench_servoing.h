@@ -16,4 +16,11 @@ void BenchFollow(flight::SeedRange seeds, int jobs, std::vector<records::Figure>
 // Thesis 6.4.3: the four flights past a thing that stands still.
 void BenchAvoid(flight::SeedRange seeds, int jobs, std::vector<records::Figure>& table);
 
+// Thesis 5.4 by the last image alone, and what each addition buys: a level camera, the outline, prediction, the
+// target's velocity. And its two laws without any of them.
+void BenchFollowSteps(flight::SeedRange seeds, int jobs, std::vector<records::Figure>& table);
+
+// Thesis 6.4 without any range: four passes by (6.29), ended by hand, and by growth and bearing rate.
+void BenchAvoidSight(flight::SeedRange seeds, int jobs, std::vector<records::Figure>& table);
+
 }  // namespace kestrel::bench

@@ -18,19 +18,21 @@
 #include "scenarios/avoid/avoid_metrics.h"
 #include "scenarios/avoid/avoid_plots.h"
 #include "scenarios/avoid/avoid_report.h"
+#include "scenarios/avoid/sight_mission.h"
 #include "vision/capture/blank_image.h"
 #include "vision/capture/frozen_image.h"
 
 namespace kestrel::scenarios {
 namespace {
 
-constexpr double kHeightGain_per_s = 0.8, kClimbLimit_m_s = 1;
 constexpr double kYawGain_per_s = 1.2;
 constexpr double kOnCourse_m = 0.5;  // from its line
 constexpr double kArrived_m = 0.5;
 constexpr double kBlind_s = 0.5;  // without sight it flies on no longer: who does not see must not go ahead
 constexpr int kSightings = 5;     // before anybody is believed to be there
 constexpr double kSlope = 0.2;    // of the climb or descent of the others, and of what is measured of them
+constexpr double kSureOfMotion =
+    0.5;                             // standard deviation of a velocity that is believed, as a share of that
 constexpr double kStands_m_s = 0.3;  // what is slower than its speed is known stands still
 
 class AvoidMission final : public mission::Mission {
@@ -41,14 +43,18 @@ class AvoidMission final : public mission::Mission {
     for (const mission::BalloonObserverParameters& mark : flight.marks)
       watches_.emplace_back(camera, X_BC, mark);
     if (flight.contrast) contrast_.emplace(camera, X_BC, forbidden, *flight.contrast);
+    if (flight.decides_by == "growth") growth_.emplace(flight.growth, flight.avoidance, flight.confirm_s);
   }
 
   mission::Decision Step(const vision::Frame& frame, const control::VehicleState& state) override {
     mission::Decision decision;
     const auto start = std::chrono::steady_clock::now();
     const bool frozen = frozen_.Is(frame.image);
-    for (mission::BalloonObserver& watch : watches_) watch.Observe(frame, state, frozen);
-    if (contrast_) contrast_->Observe(frame, state, frozen, flight_.memory_s);
+    control::VehicleState seen_from = state;
+    // Places relative to us, in units of which nobody knows how long they are: our own way cannot be taken out.
+    if (growth_) seen_from.v_N.setZero();
+    for (mission::BalloonObserver& watch : watches_) watch.Observe(frame, seen_from, frozen);
+    if (contrast_) contrast_->Observe(frame, seen_from, frozen, flight_.memory_s);
     decision.vision_s = SecondsSince(start);
     history_.Add(state);
     state_ = state, exposed_ = history_.At(frame.t_s).value_or(state);
@@ -101,12 +107,13 @@ class AvoidMission final : public mission::Mission {
       if (encounter_->wanted)
         DrawAzimuth(bgr, YawOf(exposed_.R_NB) + *encounter_->wanted,
                     fmt::format("db {:+.0f}", Degrees(*encounter_->wanted)), {255, 255, 255}, 1, false);
-      mission::Caption(
-          bgr, 1,
-          fmt::format("bearing {:+.1f}{} deg   {:.1f} m   nearest {:.1f} m in {:.1f} s",
-                      Degrees(encounter_->azimuth),
-                      encounter_->wanted ? fmt::format(" ({:+.0f})", Degrees(*encounter_->wanted)) : "",
-                      encounter_->range_m, encounter_->miss_m, encounter_->after_s));
+      std::string text =
+          fmt::format("bearing {:+.1f}{} deg", Degrees(encounter_->azimuth),
+                      encounter_->wanted ? fmt::format(" ({:+.0f})", Degrees(*encounter_->wanted)) : "");
+      if (encounter_->range_m)
+        text += fmt::format("   {:.1f} m   nearest {:.1f} m", *encounter_->range_m, *encounter_->miss_m);
+      if (encounter_->after_s) text += fmt::format(" in {:.1f} s", *encounter_->after_s);
+      mission::Caption(bgr, 1, text);
     }
     mission::Caption(
         bgr, 2,
@@ -136,7 +143,7 @@ class AvoidMission final : public mission::Mission {
 
   // Who is about, by what has been seen and how it went on.
   void Look(const control::VehicleState& state) {
-    intruders_.clear(), ids_.clear();
+    intruders_.clear(), sighted_.clear(), ids_.clear();
     for (std::size_t i = 0; i < watches_.size(); ++i)
       if (const auto& where = watches_[i].last_known()) Add(*where, i, state);
     if (contrast_)
@@ -146,6 +153,15 @@ class AvoidMission final : public mission::Mission {
   void Add(const control::MovingTarget::Estimate& where, std::size_t watch,
            const control::VehicleState& state) {
     if (where.age_s > flight_.memory_s || where.measurements < kSightings) return;
+    if (growth_) {
+      const Eigen::Vector3d p = where.p_N - state.p_NB;
+      if (std::abs(p.z()) > (flight_.growth.miss_share + kSlope) * p.head<2>().norm()) return;
+      const bool sure = where.v_sigma < kSureOfMotion * where.v_N.norm();
+      sighted_.push_back(
+          {p.head<2>(), sure ? Eigen::Vector2d(where.v_N.head<2>()) : Eigen::Vector2d::Zero()});
+      ids_.push_back({watch, where.age_s});
+      return;
+    }
     // Who passes far above or below is no threat, and what is seen far below is often the ground.
     const control::AvoidanceOptions& o = flight_.avoidance;
     if (std::abs(where.p_N.z() - state.p_NB.z()) >
@@ -197,6 +213,19 @@ class AvoidMission final : public mission::Mission {
     side_.reset(), since_s_.reset();
   }
 
+  // The yaw rate that holds another at a bearing; only ever away: held to the end, the bearing would lead
+  // inwards (control/law/hold_bearing.h).
+  double HoldAway(double azimuth, double bearing) {
+    const bool left = bearing > 0;
+    control::HoldBearingGains gains = flight_.avoidance.hold;
+    gains.bearing_deg = Degrees(std::abs(bearing));
+    const control::HoldBearingStep step = control::HoldBearing(
+        {left ? control::PassingSide::kLeft : control::PassingSide::kRight}, azimuth, gains);
+    const double yaw_rate = left ? std::min(step.yaw_rate, 0.0) : std::max(step.yaw_rate, 0.0);
+    phase_ = yaw_rate == 0 ? "pass" : "avoid";
+    return yaw_rate;
+  }
+
   void Fly(const control::VehicleState& state, const Eigen::Vector2d& along) {
     const double yaw = YawOf(state.R_NB), speed = flight_.speed_m_s;
     const Eigen::Vector2d v = state.v_N.head<2>();
@@ -205,11 +234,19 @@ class AvoidMission final : public mission::Mission {
         std::clamp(-flight_.cross_track_gain_per_s * along.y() / speed, -std::sqrt(0.5), std::sqrt(0.5)));
     const Eigen::Vector2d wanted_v =
         speed * Eigen::Vector2d(std::cos(course_ + back), std::sin(course_ + back));
-    Judge(state, wanted_v);
+    if (!growth_) Judge(state, wanted_v);
 
     double yaw_rate = kYawGain_per_s * WrapAngle(course_ + back - yaw);
     phase_ = std::abs(along.y()) > kOnCourse_m ? "return" : "cruise";
     encounter_.reset();
+    if (const auto judged =
+            growth_ && flight_.avoids ? growth_->Judge(state.t_s, sighted_, yaw) : std::nullopt) {
+      const Eigen::Vector2d& p = sighted_[judged->other].p;
+      held_ = ids_[judged->other].watch, held_age_s_ = ids_[judged->other].age_s;
+      encounter_ = Encounter{
+          WrapAngle(std::atan2(p.y(), p.x()) - yaw), judged->hold, {}, {}, judged->approach.after_s};
+      if (judged->hold) yaw_rate = HoldAway(encounter_->azimuth, *judged->hold);
+    }
     control::AvoidanceOptions o = flight_.avoidance;
     o.clear_share = std::max(o.clear_share, keep_m_ / o.safe_m);
     const Eigen::Vector2d flown_v = v.norm() > speed / 2 ? v : wanted_v;  // not yet at speed: as it will be
@@ -221,13 +258,7 @@ class AvoidMission final : public mission::Mission {
       encounter_ = Encounter{azimuth, {}, other.p.norm(), approach.distance_m, approach.after_s};
       if (avoiding_) {
         side_ = plan->side;
-        control::HoldBearingGains gains = o.hold;
-        gains.bearing_deg = Degrees(std::abs(plan->bearing));
-        const control::HoldBearingStep step = control::HoldBearing({side_}, azimuth, gains);
-        // Only ever away: held to the end, the bearing would lead inwards (control/law/hold_bearing.h).
-        yaw_rate = *side_ == control::PassingSide::kLeft ? std::min(step.yaw_rate, 0.0)
-                                                         : std::max(step.yaw_rate, 0.0);
-        phase_ = yaw_rate == 0 ? "pass" : "avoid";
+        yaw_rate = HoldAway(azimuth, plan->bearing);
         encounter_->wanted = plan->bearing;
       }
     }
@@ -248,12 +279,14 @@ class AvoidMission final : public mission::Mission {
   double course_ = 0;                     // rad, from north
   bool blank_ = false, sees_ = true;
   std::optional<double> saw_s_;
+  std::optional<GrowthJudge> growth_;
   std::vector<control::Intruder> intruders_;
+  std::vector<Sighted> sighted_;  // in their place, if it decides by growth
   struct Source {
     std::size_t watch;  // whose mark it carries; the number of marks: by contrast
     double age_s;       // since it was measured
   };
-  std::vector<Source> ids_;  // of the intruders
+  std::vector<Source> ids_;  // of either
   std::size_t held_ = 0;     // what the log speaks of
   double held_age_s_ = 0;
   bool avoiding_ = false;
@@ -282,6 +315,7 @@ mission::MissionType TypeOf(const AvoidFlight&) {
 }
 
 std::unique_ptr<mission::Mission> MakeMission(const AvoidFlight& flight, const mission::MissionParts& parts) {
+  if (flight.decides_by == "sight") return MakeSightMission(flight, parts);
   return std::make_unique<AvoidMission>(flight, parts.camera, parts.X_BC, parts.own_parts);
 }
 
@@ -289,6 +323,9 @@ void CheckFlight(const AvoidFlight& flight, const Place& where, Mistakes& mistak
   const NoMoreThan most{where, mistakes};
   most("flight.avoidance.hold.bearing_deg", flight.avoidance.hold.bearing_deg,
        flight.avoidance.max_bearing_deg, "flight.avoidance.max_bearing_deg");
+  if (flight.decides_by == "sight" && (flight.marks.size() != 1 || flight.contrast))
+    mistakes.Add(where, "flight.decides_by", "sight, and not by one mark alone",
+                 "valid: flight.marks with one mark and no flight.contrast, or another flight.decides_by");
   if (flight.marks.empty() && !flight.contrast)
     mistakes.Add(where, "flight.marks", "is empty", "valid: at least one, or a flight.contrast");
   for (std::size_t i = 0; i < flight.marks.size(); ++i) {

@@ -14,14 +14,18 @@
 #include "mission/balloon_observer.h"
 #include "mission/mission_type.h"
 #include "scenarios/avoid/contrast_observer.h"
+#include "scenarios/avoid/growth_judge.h"
 #include "vision/camera/camera_model.h"
 
 namespace kestrel::scenarios {
 
 // Thesis 6.4: on the way along a straight course the aircraft sees others by the coloured marks that they
 // carry or by their contrast with the sky, passes them at a bearing that it holds them at (6.29), and returns
-// to its course: what the thesis left open.
+// to its course: what the thesis left open. When to begin and to end it decides by the range, which needs marks
+// of known size, or without any range by growth and bearing rate; or it does what the thesis did.
 struct AvoidFlight {
+  std::string decides_by = "range";
+  double end_s = 20;
   double speed_m_s = 0.5;
   double course_m = 20;
   bool avoids = true;
@@ -32,9 +36,16 @@ struct AvoidFlight {
   std::vector<mission::BalloonObserverParameters> marks{mission::BalloonObserverParameters{}};
   std::optional<ContrastObserverParameters> contrast;
   control::AvoidanceOptions avoidance;
+  GrowthOptions growth;
 };
 
 inline void Fields(FieldVisitor& v, AvoidFlight& p) {
+  v({"decides_by",
+     "what begins and ends a manoeuvre: range; growth: of the angle, with the rate of the bearing, without "
+     "any "
+     "range; sight: it begins at once and ends by hand, as in the thesis"},
+    p.decides_by, {"range", "growth", "sight"});
+  v({"end_s", "time at which the flight is ended by hand if it decides by sight"}, p.end_s, 1.0, 3600.0);
   v({"speed_m_s", "speed that is flown, kept in manoeuvres too"}, p.speed_m_s, 0.1, 15.0);
   v({"course_m", "length of the course, straight ahead from where the flight begins"}, p.course_m, 1.0,
     5000.0);
@@ -52,7 +63,11 @@ inline void Fields(FieldVisitor& v, AvoidFlight& p) {
   v({"contrast", "detection of other aircraft by their contrast with the sky; not given: by marks alone"},
     p.contrast);
   v({"avoidance", "when another aircraft is avoided, and at which bearing it is held"}, p.avoidance);
+  v({"growth", "what is a threat, and how far it is turned off, without a range"}, p.growth);
 }
+
+// The height at the beginning is held.
+constexpr double kHeightGain_per_s = 0.8, kClimbLimit_m_s = 1;
 
 mission::MissionType TypeOf(const AvoidFlight& flight);
 void CheckFlight(const AvoidFlight& flight, const Place& where, Mistakes& mistakes);

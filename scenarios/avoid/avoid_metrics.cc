@@ -24,8 +24,9 @@ double NearestNow(const Truth& truth) {
 }  // namespace
 
 bool MeetsIntruders(const std::vector<records::LogRow>& rows) {
-  const bool avoids = std::any_of(rows.begin(), rows.end(),
-                                  [](const records::LogRow& r) { return r.decision.phase == "cruise"; });
+  const bool avoids = std::any_of(rows.begin(), rows.end(), [](const records::LogRow& r) {
+    return r.decision.phase == "cruise" || r.decision.phase == "avoid";
+  });
   return avoids && !rows.front().now.targets.empty();
 }
 
@@ -61,9 +62,9 @@ std::vector<mission::TelemetryColumn> AvoidColumns() {
   return {column("intruder_bearing_deg", [](const E& e) { return Cell(Degrees(e.azimuth)); }),
           column("intruder_wanted_deg",
                  [](const E& e) { return e.wanted ? Cell(Degrees(*e.wanted)) : std::nullopt; }),
-          column("intruder_range_m", [](const E& e) { return Cell(e.range_m); }),
-          column("intruder_miss_m", [](const E& e) { return Cell(e.miss_m); }),
-          column("intruder_after_s", [](const E& e) { return Cell(e.after_s); })};
+          column("intruder_range_m", [](const E& e) { return e.range_m; }),
+          column("intruder_miss_m", [](const E& e) { return e.miss_m; }),
+          column("intruder_after_s", [](const E& e) { return e.after_s; })};
 }
 
 std::vector<mission::Metric> AvoidMetrics() {

@@ -98,7 +98,7 @@ std::string FlightData(const std::vector<records::LogRow>& rows) {
                         row.now.X_NB.p.x(), row.now.X_NB.p.y(), RgbOf(LookOf(row.decision.phase)),
                         other ? Degrees(other->azimuth) : records::kNone,
                         other && other->wanted ? Degrees(*other->wanted) : records::kNone,
-                        other ? other->range_m : records::kNone,
+                        other ? other->range_m.value_or(records::kNone) : records::kNone,
                         command ? Degrees(command->yaw_rate) : records::kNone);
     for (std::size_t i = 0; i < row.now.targets.size(); ++i) {
       const TargetTruth& target = row.now.targets[i];

@@ -87,7 +87,7 @@ TEST(Avoid, WhatIsRightAheadIsHeldOnTheSideWhereItIsSeen) {
     EXPECT_LT(side * Flyer::Command(d).yaw_rate, -0.1);  // away from it
     ASSERT_TRUE(EncounterOf(d) && EncounterOf(d)->wanted);
     EXPECT_GE(side * *EncounterOf(d)->wanted, Radians(50));
-    EXPECT_NEAR(EncounterOf(d)->range_m, (Mark(10, 0.4 * side).p_N - f.p_N).head<2>().norm(), 0.4);
+    EXPECT_NEAR(*EncounterOf(d)->range_m, (Mark(10, 0.4 * side).p_N - f.p_N).head<2>().norm(), 0.4);
     EXPECT_NEAR(Flyer::Command(d).v_H.x(), kSpeed_m_s, 1e-12);
   }
 }
@@ -98,7 +98,7 @@ TEST(Avoid, WhatStandsAsideOfTheCourseIsLeftThere) {
   EXPECT_EQ(d.phase, "cruise");
   ASSERT_TRUE(EncounterOf(d));
   EXPECT_FALSE(EncounterOf(d)->wanted);
-  EXPECT_NEAR(EncounterOf(d)->miss_m, 4, 0.4);
+  EXPECT_NEAR(*EncounterOf(d)->miss_m, 4, 0.4);
   EXPECT_NEAR(Flyer::Command(d).yaw_rate, 0, 1e-9);
 }
 
@@ -130,7 +130,7 @@ TEST(Avoid, WithoutAvoidingItSeesThemAndNeverTurns) {
     EXPECT_EQ(d.phase, "cruise");
     if (i < 10) continue;
     ASSERT_TRUE(EncounterOf(d));
-    EXPECT_LT(EncounterOf(d)->miss_m, 1);
+    EXPECT_LT(*EncounterOf(d)->miss_m, 1);
   }
 }
 
