@@ -15,6 +15,8 @@ endforeach()
 install(DIRECTORY models DESTINATION share/kestrel COMPONENT kestrel)
 install(DIRECTORY scenarios DESTINATION share/kestrel COMPONENT kestrel FILES_MATCHING PATTERN "*.yaml")
 install(DIRECTORY campaign/report/page DESTINATION share/kestrel/campaign/report COMPONENT kestrel)
+install(FILES app/reproduce/thesis.yaml app/reproduce/reproduce.css DESTINATION share/kestrel/app/reproduce
+        COMPONENT kestrel)
 install(FILES LICENSE DESTINATION share/doc/kestrel COMPONENT kestrel)
 
 # A component of the package is a layer with all rooms below it.

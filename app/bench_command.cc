@@ -37,11 +37,12 @@ namespace kestrel::app {
 
 CLI::App* AddBenchCommand(CLI::App& app, BenchArguments& a) {
   const std::vector<std::string> names = {
-      "flights",  "fisheye",      "attitude",   "horizon",     "gyro_failure",  "drift",
-      "heights",  "speed",        "render",     "calibration", "servo",         "trackers",
-      "contrast", "follow",       "avoid",      "stream",      "planar",        "alignment",
-      "features", "homographies", "plane_pose", "landings",    "servo_flights", "direct",
-      "mosaic",   "stabilise",    "wire",       "link_faults", "campaign",      "hashes"};
+      "flights",  "fisheye",      "attitude",      "horizon",      "gyro_failure",  "drift",
+      "heights",  "speed",        "render",        "calibration",  "servo",         "trackers",
+      "contrast", "follow",       "avoid",         "stream",       "planar",        "alignment",
+      "features", "homographies", "plane_pose",    "landings",     "servo_flights", "direct",
+      "mosaic",   "stabilise",    "follow_thesis", "avoid_thesis", "wire",          "link_faults",
+      "campaign", "hashes"};
   CLI::App* command = app.add_subcommand("bench", "Measure: a table of figures beside their targets");
   // Of campaigns by its name alone: it flies for minutes, and kills itself.
   command->add_option("name", a.name, "All but campaign, wire, link_faults and hashes when none is given")
@@ -89,6 +90,8 @@ bool BenchCommand(const BenchArguments& arguments) {
   }
   if (chosen("alignment")) bench::BenchAlignment(seeds, table);
   if (chosen("follow")) bench::BenchFollow(seeds, arguments.jobs, table);
+  if (chosen("follow_thesis")) bench::BenchFollowSteps(seeds, arguments.jobs, table);
+  if (chosen("avoid_thesis")) bench::BenchAvoidSight(seeds, arguments.jobs, table);
   if (chosen("avoid")) bench::BenchAvoid(seeds, arguments.jobs, table);
   if (chosen("contrast"))
     bench::BenchContrast(seeds.first, seeds.last, arguments.jobs,

@@ -23,6 +23,7 @@
 #include "app/mosaic/mosaic_command.h"
 #include "app/option/exit_status.h"
 #include "app/option/program.h"
+#include "app/reproduce/reproduce_command.h"
 #include "app/run/check_command.h"
 #include "app/run/isa_option.h"
 #include "app/run/keep_image_memory.h"
@@ -83,6 +84,8 @@ int Main(int argc, char** argv) {
   program.Add(AddCampaignCommand(app, campaign), [&] { return met(CampaignCommand(campaign)); });
   TuneArguments tune;
   program.Add(AddTuneCommand(app, tune), [&] { return met(TuneCommand(tune)); });
+  ReproduceArguments reproduce;
+  program.Add(AddReproduceCommand(app, reproduce), [&] { return met(ReproduceCommand(reproduce)); });
   BenchArguments bench;
   program.Add(AddBenchCommand(app, bench), [&] { return met(BenchCommand(bench)); });
   ReplayArguments replay;
@@ -116,7 +119,7 @@ int Main(int argc, char** argv) {
 
   // Of all that fly.
   std::string isa;
-  for (const char* name : {"run", "serve", "encounters", "campaign", "tune", "bench", "replay"})
+  for (const char* name : {"run", "serve", "encounters", "campaign", "tune", "reproduce", "bench", "replay"})
     AddIsaOption(app.get_subcommand(name), isa);
   program.Add(AddFlyVerb(app), [&] { return HandOverToFly(argv), kBrokeOff; });
   program.TakePlugins(
