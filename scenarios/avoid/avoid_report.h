@@ -11,7 +11,7 @@ namespace kestrel::scenarios {
 struct Encounter {
   double azimuth = 0;            // in the heading frame, right positive, rad
   std::optional<double> wanted;  // the bearing at which it is held, rad; none: nothing need be done
-  std::optional<double> range_m, miss_m, after_s;  // miss: the closest distance if both go on, and when
+  std::optional<double> range_m{}, miss_m{}, after_s{};  // miss: the closest distance if both go on, and when
 };
 
 struct AvoidReport final : mission::MissionReport {
