@@ -54,10 +54,12 @@ TEST_F(RunnerTest, ARunLeavesAllItsRecords) {
   std::istringstream telemetry(Content(folder_ / "run/telemetry.csv"));
   std::string line;
   std::getline(telemetry, line);
-  EXPECT_EQ(line, records::TelemetryHeader());
+  records::TelemetryOptions columns;
+  columns.mission = &loaded.scenario.flight.type();
+  EXPECT_EQ(line, records::TelemetryHeader(columns));
   for (const records::LogRow& row : result.rows) {
     ASSERT_TRUE(std::getline(telemetry, line));
-    EXPECT_EQ(line, records::TelemetryLine(row));
+    EXPECT_EQ(line, records::TelemetryLine(row, columns));
   }
   EXPECT_FALSE(std::getline(telemetry, line));
   EXPECT_EQ(s.metrics, records::Metrics(result.rows, std::nullopt, &loaded.scenario.flight.type()));
