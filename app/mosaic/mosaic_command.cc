@@ -69,6 +69,14 @@ void CheckFiles(const MosaicArguments& a, Mistakes& mistakes) {
   }
 }
 
+// Why the mosaic of this step is another than the one before.
+std::string WhyAnother(const vision::MosaicSeries::Step& step) {
+  using Cause = vision::MosaicSeries::Cause;
+  if (step.cause == Cause::kResized) return "resized";
+  if (step.cause == Cause::kLost) return fmt::format("lost for {} images", step.lost);
+  return "cut";
+}
+
 // Every image, as it comes.
 MosaicCount AddAll(const MosaicArguments& a, ImageInput& input, const std::vector<std::optional<Pose>>& poses,
                    vision::MosaicSeries& series, std::vector<double>& times_s) {
@@ -96,9 +104,9 @@ MosaicCount AddAll(const MosaicArguments& a, ImageInput& input, const std::vecto
       count.add_s += SecondsSince(start);
       times_s.push_back(frame->t_s);
       ++count.frames;
-      if (step.cut && !a.quiet)
-        fmt::print("cut: mosaic {} began {} images before the one at {:.2f} s\n", step.mosaic + 1,
-                   vision::MosaicSeries::kCut - 1, frame->t_s);
+      if (step.cause != vision::MosaicSeries::Cause::kNone && !a.quiet)
+        fmt::print("{}: mosaic {} began {} images before the one at {:.2f} s\n", WhyAnother(step),
+                   step.mosaic + 1, vision::MosaicSeries::kCut - 1, frame->t_s);
       if (video) video->Write(MosaicView(step, series.mosaic(step.mosaic), frame->image));
       progress.Show(count.frames);
     }

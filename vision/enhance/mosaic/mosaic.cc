@@ -87,15 +87,44 @@ Mosaic::Mosaic(const MosaicOptions& options) : options_(options) {
     throw std::invalid_argument("the mosaic of a plane is drawn on a plane");
 }
 
-void Mosaic::Begin(const cv::Mat& image, const std::optional<Pose>& X_NC) {
+void Mosaic::Begin(const cv::Mat& image) {
   camera_ = options_.camera.value_or(AnyPinhole(image.size()));
   type_ = image.type();
   projection_.emplace(camera_, options_.surface, CentralResolution(camera_));
   canvas_.emplace(options_.blending, image.channels(), options_.most_bytes / 2);
-  if (!X_NC || !options_.camera) return;
-  const double height_m = options_.ground_down_m - X_NC->p.z();
-  has_poses_ = options_.model == MosaicModel::kRotation || height_m > 0;
-  first_ = {X_NC->p.x(), X_NC->p.y(), height_m};
+}
+
+bool Mosaic::CanLayOut(const std::optional<Pose>& X_NC) const {
+  return X_NC && options_.camera &&
+         (options_.model == MosaicModel::kRotation || X_NC->p.z() < options_.ground_down_m);
+}
+
+void Mosaic::LayOutAt(const Pose& X_NC) {
+  has_poses_ = true;
+  first_ = {X_NC.p.x(), X_NC.p.y(), options_.ground_down_m - X_NC.p.z()};
+}
+
+// By the pose of an image that is at M_WC in a mosaic without poses.
+bool Mosaic::LayOutAnew(const Pose& X_NC, const Matrix3d& M_WC) {
+  LayOutAt(X_NC);
+  const Matrix3d M_VW = FromPose(X_NC) * M_WC.inverse();
+  std::vector<Matrix3d> M_VK;
+  for (const Matrix3d& M : M_WK_) M_VK.push_back(Normalised(options_.model, M_VW * M));
+  if (std::any_of(M_VK.begin(), M_VK.end(), [this](const Matrix3d& M) { return IsOblique(M); })) {
+    has_poses_ = false;
+    return false;
+  }
+  M_WK_ = std::move(M_VK);
+  Redraw();
+  return true;
+}
+
+// Of a plane seen from its side an image is stretched without end.
+bool Mosaic::IsOblique(const Matrix3d& M_WC) const {
+  constexpr double kMostStretched = 30;
+  const cv::Rect part = projection_->PartOf(M_WC);
+  return part.empty() || (options_.surface == Surface::kPlane &&
+                          1.0 * part.width * part.height > kMostStretched * projection_->image_size().area());
 }
 
 // Of a plane: the ground is met by the ray r = R_NC ray at p + r (g - p_z) / r_z, from which (north, east, 1)
@@ -138,6 +167,7 @@ MosaicStep Mosaic::Add(const cv::Mat& image, double, const std::optional<Pose>& 
   MosaicStep step;
   step.number = images();
   last_pairs_.clear();
+  against_pose_ = false;
   if (image.empty() ||
       (projection_ && (image.size() != projection_->image_size() || image.type() != type_)) ||
       (!projection_ && options_.camera &&
@@ -147,16 +177,21 @@ MosaicStep Mosaic::Add(const cv::Mat& image, double, const std::optional<Pose>& 
   if (keyframes_.empty()) {
     if (static_cast<int>(registered.corners().size()) < kLeastCorners)
       return Refuse(MosaicState::kNoTexture, step);
-    Begin(image, X_NC);
+    Begin(image);
+    if (CanLayOut(X_NC)) LayOutAt(*X_NC);
     const MaybePlaced M_WC = has_poses_ ? MaybePlaced(FromPose(*X_NC)) : std::nullopt;
+    if (IsOblique(M_WC.value_or(Matrix3d::Identity()))) {
+      projection_.reset(), canvas_.reset();
+      has_poses_ = false;
+      return Refuse(MosaicState::kOblique, step);
+    }
     step.state = MosaicState::kFirst;
     MakeKeyframe(image, std::move(registered), M_WC.value_or(Matrix3d::Identity()), M_WC, nullptr, step);
     DrawImage(*projection_, image, M_WK_[0], *canvas_, options_.blending);
     return step;
   }
-  const bool by_pose = has_poses_ && X_NC &&
-                       (options_.model == MosaicModel::kRotation || X_NC->p.z() < options_.ground_down_m);
-  const MaybePlaced M_WC_pose = by_pose ? MaybePlaced(FromPose(*X_NC)) : std::nullopt;
+  const bool by_pose = has_poses_ && CanLayOut(X_NC);
+  MaybePlaced M_WC_pose = by_pose ? MaybePlaced(FromPose(*X_NC)) : std::nullopt;
   if (by_pose && options_.model == MosaicModel::kRotation) registered.parallax = ParallaxAt(*X_NC);
   std::optional<Found> found = lost_ == 0 ? Follow(registered, M_WC_pose) : std::nullopt;
   step.state = MosaicState::kFollowed;
@@ -164,6 +199,7 @@ MosaicStep Mosaic::Add(const cv::Mat& image, double, const std::optional<Pose>& 
     found = Find(registered, M_WC_pose);
     step.state = MosaicState::kFound;
   }
+  step.against_pose = against_pose_ && !found;
   Matrix3d M_WC;
   if (found) {
     M_WC = M_WK_[static_cast<std::size_t>(found->keyframe)] * found->motion.M_AB;
@@ -180,12 +216,9 @@ MosaicStep Mosaic::Add(const cv::Mat& image, double, const std::optional<Pose>& 
                                                                                 : MosaicState::kLost,
                   step);
   }
+  if (found && !has_poses_ && CanLayOut(X_NC) && LayOutAnew(*X_NC, M_WC)) M_WC_pose = M_WC = FromPose(*X_NC);
   M_WC = Normalised(options_.model, M_WC);
-  // Of a plane seen from its side an image is stretched without end.
-  constexpr double kMostStretched = 30;
-  const cv::Rect part = projection_->PartOf(M_WC);
-  if (part.empty() || (options_.surface == Surface::kPlane &&
-                       1.0 * part.width * part.height > kMostStretched * image.size().area())) {
+  if (IsOblique(M_WC)) {
     ++lost_;
     return Refuse(MosaicState::kOblique, step);
   }
@@ -211,7 +244,7 @@ MosaicStep Mosaic::Add(const cv::Mat& image, double, const std::optional<Pose>& 
     constexpr double kWorthKeeping = 0.02;
     constexpr std::size_t kMostPending = 24;
     if (pending_.size() < kMostPending && HasRoom() && UncoveredShare(M_WC) > kWorthKeeping)
-      pending_.push_back({step.number, image.clone(), part});
+      pending_.push_back({step.number, image.clone(), projection_->PartOf(M_WC)});
   }
   // A little with each image, so that none takes long.
   JoinNext(step);

@@ -45,7 +45,7 @@ enum class MosaicState {
   kByPose,     // by the pose alone: it agrees with no image
   kLost,       // it agrees with no image; not in the mosaic
   kNoTexture,  // nothing in it can be followed; not in the mosaic
-  kOblique,    // it sees the plane almost from its side; not in the mosaic
+  kOblique,    // it sees the plane almost from its side; not in the mosaic, and begins none
   kOtherSize,  // of another size than the first; not in the mosaic
   kFull        // the memory for images is used up; not in the mosaic
 };
@@ -58,12 +58,13 @@ struct MosaicStep {
   int number = 0;     // of the image, from 0
   int keyframe = -1;  // which it is placed by, or is itself; none: -1
   bool is_keyframe = false;
-  int agreed = 0;         // places
-  double rms_px = 0;      // of those that agree
-  double shared = 0;      // with the keyframe, 0 to 1
-  int loops = 0;          // keyframes that were joined to older ones
-  bool adjusted = false;  // all were placed anew
-  double moved_px = 0;    // by which the farthest was moved
+  int agreed = 0;             // places
+  double rms_px = 0;          // of those that agree
+  double shared = 0;          // with the keyframe, 0 to 1
+  int loops = 0;              // keyframes that were joined to older ones
+  bool adjusted = false;      // all were placed anew
+  double moved_px = 0;        // by which the farthest was moved
+  bool against_pose = false;  // images agree on a motion, and its pose rules that out
 };
 
 // A mosaic that grows image by image, thesis 4.3: registration, reprojection and blending. Deviations: an image is
@@ -78,8 +79,8 @@ class Mosaic {
   // Throws std::invalid_argument for a rotation without a camera or a plane on another surface.
   explicit Mosaic(const MosaicOptions& options);
 
-  // The next image, CV_8UC1 or CV_8UC3, all of one kind. X_NC: where the camera is, if that is known; without it
-  // for the first image, those of later ones are not used. The image is copied where it is kept.
+  // The next image, CV_8UC1 or CV_8UC3, all of one kind. X_NC: where the camera is, if that is known; the first
+  // that is, over the ground, lays out W anew for all before it. The image is copied where it is kept.
   MosaicStep Add(const cv::Mat& image, double t_s, const std::optional<Pose>& X_NC = std::nullopt);
 
   // All keyframes anew from all that is known, and the canvas drawn anew. The end of a mosaic.
@@ -142,11 +143,15 @@ class Mosaic {
     MotionEstimate motion;  // of the image in the keyframe
   };
   MosaicStep Refuse(MosaicState state, MosaicStep step);
-  void Begin(const cv::Mat& image, const std::optional<Pose>& X_NC);
+  void Begin(const cv::Mat& image);
+  bool CanLayOut(const std::optional<Pose>& X_NC) const;
+  void LayOutAt(const Pose& X_NC);
+  bool LayOutAnew(const Pose& X_NC, const Eigen::Matrix3d& M_WC);
+  bool IsOblique(const Eigen::Matrix3d& M_WC) const;
   Eigen::Matrix3d FromPose(const Pose& X_NC) const;
   GroundParallax ParallaxAt(const Pose& X_NC) const;
   double PoseSigma_px() const;
-  bool AgreesWithPoses(int keyframe, const Eigen::Matrix3d& M_KC, const MaybePlaced& M_WC_pose) const;
+  bool AgreesWithPoses(int keyframe, const Eigen::Matrix3d& M_KC, const MaybePlaced& M_WC_pose);
   std::optional<Found> Follow(RegisteredImage& image, const MaybePlaced& M_WC_pose);
   std::optional<Found> Find(RegisteredImage& image, const MaybePlaced& M_WC_pose);
   void MakeKeyframe(const cv::Mat& image, RegisteredImage registered, const Eigen::Matrix3d& M_WC,
@@ -187,8 +192,9 @@ class Mosaic {
   bool loop_is_open_ = false;
   double moved_px_ = 0;         // since the canvas was drawn anew
   std::size_t drawn_anew_ = 0;  // keyframes there were then
+  bool against_pose_ = false;   // of the image that is being added
   bool has_poses_ = false;
-  // With poses: the first camera's place, north and east, and its height over the ground, m.
+  // With poses: the place of the first camera that has one, north and east, and its height over the ground, m.
   Eigen::Vector3d first_ = Eigen::Vector3d::Zero();
 };
 

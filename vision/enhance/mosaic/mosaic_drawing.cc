@@ -76,11 +76,12 @@ void Mosaic::RedrawTile() {
 void Mosaic::Redraw() {
   stale_.clear();
   canvas_->Clear();
-  for (KeptImage& each : kept_) {
-    const Matrix3d M = *M_WC(each.number);
-    each.part = projection_->PartOf(M);
-    DrawImage(*projection_, each.image, M, *canvas_, options_.blending);
-  }
+  for (std::vector<KeptImage>* images : {&kept_, &pending_})
+    for (KeptImage& each : *images) {
+      const Matrix3d M = *M_WC(each.number);
+      each.part = projection_->PartOf(M);
+      DrawImage(*projection_, each.image, M, *canvas_, options_.blending);
+    }
   moved_px_ = 0;
   drawn_anew_ = keyframes_.size();
 }

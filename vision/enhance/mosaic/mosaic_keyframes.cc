@@ -75,14 +75,16 @@ std::optional<Mosaic::Found> Mosaic::Find(RegisteredImage& image, const MaybePla
 }
 
 // Whether what images say of a motion can be, by the poses of both.
-bool Mosaic::AgreesWithPoses(int keyframe, const Matrix3d& M_KC, const MaybePlaced& M_WC_pose) const {
+bool Mosaic::AgreesWithPoses(int keyframe, const Matrix3d& M_KC, const MaybePlaced& M_WC_pose) {
   const MaybePlaced& M_WK_pose = M_WK_pose_[static_cast<std::size_t>(keyframe)];
   if (!M_WC_pose || !M_WK_pose) return true;
   constexpr double kMostSigmas = 4;
   const auto by_images = MiddleIn(camera_, M_KC),
              by_poses = MiddleIn(camera_, M_WK_pose->inverse() * *M_WC_pose);
-  return by_images && by_poses &&
-         (*by_images - *by_poses).norm() <= kMostSigmas * std::sqrt(2.0) * PoseSigma_px();
+  const bool agrees = by_images && by_poses &&
+                      (*by_images - *by_poses).norm() <= kMostSigmas * std::sqrt(2.0) * PoseSigma_px();
+  against_pose_ |= !agrees;
+  return agrees;
 }
 
 void Mosaic::MakeKeyframe(const cv::Mat& image, RegisteredImage registered, const Matrix3d& M_WC,

@@ -36,14 +36,17 @@ MosaicSeries::Step MosaicSeries::Add(const cv::Mat& image, double t_s, const std
   const MosaicState state = result.step.state;
   if (IsPlaced(state)) {
     next_.reset();
+    unplaced_ = places_.size();
     return result;
   }
-  if (state == MosaicState::kFull || (state != MosaicState::kOtherSize && mosaics_.back()->keyframes() == 0))
-    return result;
-  if (!next_ && Mosaic::MostKept(WithWhatIsLeft(), image.size(), image.channels()) < kLeastKept) {
-    result.step.state = places_.back().step.state = MosaicState::kFull;
+  const std::int64_t room = Mosaic::MostKept(WithWhatIsLeft(), image.size(), image.channels());
+  full_ |= state == MosaicState::kFull || (!next_ && mosaics_.back()->keyframes() > 0 && room < kCut);
+  if (full_) {
+    next_.reset();
+    if (state == MosaicState::kLost) result.step.state = places_.back().step.state = MosaicState::kFull;
     return result;
   }
+  if (state != MosaicState::kOtherSize && mosaics_.back()->keyframes() == 0) return result;
   if (!next_) Begin();
   MosaicStep step = next_->Add(image, t_s, X_NC);
   if (!IsPlaced(step.state)) {  // they do not agree with each other either
@@ -54,8 +57,13 @@ MosaicSeries::Step MosaicSeries::Add(const cv::Mat& image, double t_s, const std
   next_steps_.push_back(step);
   agreeing_ = IsPlaced(step.state) ? agreeing_ + 1 : 0;
   if (agreeing_ < kCut) return result;
+  const auto lost = static_cast<int>(of_next_.front() - unplaced_);
+  const Cause cause = state == MosaicState::kOtherSize ? Cause::kResized
+                      : lost > 0                       ? Cause::kLost
+                                                       : Cause::kCut;
   TakeNext();
-  return {step, mosaics() - 1, true};
+  unplaced_ = places_.size();
+  return {step, mosaics() - 1, cause, lost};
 }
 
 void MosaicSeries::Finish() {

@@ -10,22 +10,28 @@
 namespace kestrel::vision {
 
 // Mosaics of a video with cuts. Images that agree with nothing of the mosaic may be blurred, or show something else:
-// they begin one of their own, beside it. Once so many of those in a row agree with each other it is a cut, and the
-// next mosaic; if one agrees with the old mosaic before that, they are lost. Images of another size are of another
-// mosaic too.
+// they begin one of their own, beside it. Once so many of those in a row agree with each other they are the next
+// mosaic; if one agrees with the old mosaic before that, they are lost. Images of another size are of another
+// mosaic too. Once memory is used up no other begins, and an image that would begin one is full.
 class MosaicSeries {
  public:
   static constexpr int kCut = 5;  // images in a row
-  static constexpr int kLeastKept =
-      4;  // a mosaic for which less room is left is not begun: its images are full
 
   // As Mosaic. The memory is that of all together: what complete mosaics keep is no more to be had.
   explicit MosaicSeries(const MosaicOptions& options);
 
+  // Why a new mosaic began.
+  enum class Cause {
+    kNone,
+    kCut,     // from one image to the next
+    kLost,    // images between agree neither with those before nor with those after them
+    kResized  // its images have another size
+  };
   struct Step {
-    MosaicStep step;   // in the mosaic at its end
-    int mosaic = 0;    // from 0
-    bool cut = false;  // with this image it turned out that there was one; the mosaic is a new one
+    MosaicStep step;             // in the mosaic at its end
+    int mosaic = 0;              // from 0
+    Cause cause = Cause::kNone;  // another: with this image it turned out that the mosaic is a new one
+    int lost = 0;                // images between that and the one before
   };
   Step Add(const cv::Mat& image, double t_s, const std::optional<Pose>& X_NC = std::nullopt);
   // All are adjusted. The images at the end that agree with each other alone are a mosaic as well.
@@ -53,7 +59,9 @@ class MosaicSeries {
   std::unique_ptr<Mosaic> next_;      // of images that agree with nothing
   std::vector<std::size_t> of_next_;  // which images those are
   std::vector<MosaicStep> next_steps_;
-  int agreeing_ = 0;  // of them in a row
+  int agreeing_ = 0;          // of them in a row
+  std::size_t unplaced_ = 0;  // the first image since the last that is in a mosaic
+  bool full_ = false;         // an image found no room
   std::vector<Place> places_;
 };
 

@@ -234,7 +234,8 @@ TEST(MosaicSeriesTest, ACutBeginsANewMosaic) {
   std::vector<bool> cuts;
   for (int i = 0; i < 20; ++i)
     cuts.push_back(
-        series.Add((i < 8 ? Ground() : other).Draw(DrawnGround::Above(0.3 * i, 0, 10)), 0.1 * i).cut);
+        series.Add((i < 8 ? Ground() : other).Draw(DrawnGround::Above(0.3 * i, 0, 10)), 0.1 * i).cause ==
+        MosaicSeries::Cause::kCut);
   series.Finish();
   EXPECT_EQ(series.mosaics(), 2);
   EXPECT_EQ(std::count(cuts.begin(), cuts.end(), true), 1);
