@@ -13,8 +13,12 @@
 namespace kestrel::bench {
 
 std::vector<std::string> ThesisRig() {
-  return {"vehicle=sr20", "mount.position_m=[0.7, 0, -0.2]", "flight.manoeuvres.tilt_deg=8",
-          "flight.baseline=true", "criteria={}"};
+  return {"vehicle=sr20",
+          "mount.position_m=[0.7, 0, -0.2]",
+          "flight.manoeuvres.tilt_deg=8",
+          "landscape.snow_share=0",
+          "flight.baseline=true",
+          "criteria={}"};
 }
 
 void BenchAttitude(flight::SeedRange seeds, int jobs, std::vector<records::Figure>& table) {

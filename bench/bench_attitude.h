@@ -11,8 +11,9 @@
 namespace kestrel::bench {
 
 // What makes the flights attitude_1 to attitude_4 the thesis's: its helicopter, the camera on the platform at
-// its nose, so high that the legs and skids stand before the ground and not before the horizon, and a pilot who
-// tilts by 8 degrees. With the thesis's own method beside ours.
+// its nose, so high that the legs and skids stand before the ground and not before the horizon, a pilot who tilts
+// by 8 degrees, and winters without snow, which to the thesis's sky weight is sky. With the thesis's own method
+// beside ours.
 std::vector<std::string> ThesisRig();
 
 // Thesis table 6.3: attitude and heading by our own method over the four flights, and by the thesis's over the

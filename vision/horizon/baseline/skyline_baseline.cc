@@ -16,6 +16,8 @@ namespace kestrel::vision {
 
 namespace {
 constexpr double kWindow = 0.4;  // of the image's height, of the adaptive threshold
+// Grey levels below the mean of the window: what OpenCV had unless it was told.
+constexpr double kOffset = 5;
 constexpr int kEllipsePoints = 360;
 }  // namespace
 
@@ -47,7 +49,7 @@ std::optional<BaselineAttitude> SkylineBaseline::Measure(const cv::Mat& image) c
   out.segments.setTo(cv::mean(out.segments, lens_)[0], ~lens_);  // black outside would pull the threshold
   const int window = static_cast<int>(kWindow * image.rows) | 1;
   cv::adaptiveThreshold(out.segments, out.ground, 255, cv::ADAPTIVE_THRESH_GAUSSIAN_C, cv::THRESH_BINARY_INV,
-                        window, 0);
+                        window, kOffset);
   out.ground &= lens_;
   std::vector<std::vector<cv::Point>> contours;
   cv::findContours(out.ground, contours, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_NONE);
