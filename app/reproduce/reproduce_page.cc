@@ -71,9 +71,11 @@ std::string Table(const Thesis& thesis, const ThesisItem& item,
   if (item.values.empty()) return "";
   std::string html = "<div class=\"wide\"><table><thead><tr><th></th><th></th>";
   for (const std::string& flight : item.flights)
-    html += fmt::format("<th colspan=\"2\">{}</th>", Escaped(thesis.flights.at(flight).label));
+    html +=
+        fmt::format("<th colspan=\"2\" class=\"number\">{}</th>", Escaped(thesis.flights.at(flight).label));
   html += "</tr><tr><th></th><th>unit</th>";
-  for (std::size_t i = 0; i < item.flights.size(); ++i) html += "<th>thesis</th><th>here</th>";
+  for (std::size_t i = 0; i < item.flights.size(); ++i)
+    html += "<th class=\"number\">thesis</th><th class=\"number\">here</th>";
   html += "</tr></thead><tbody>\n";
   for (const ThesisValue& value : item.values) {
     html += fmt::format("<tr><td>{}</td><td>{}</td>", Escaped(value.what), Escaped(UnitOf(value.metric)));

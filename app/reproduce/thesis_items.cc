@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <regex>
 #include <set>
 
 #include "base/diagnostics.h"
@@ -22,6 +23,11 @@ void CheckItem(const Thesis& thesis, const ThesisItem& item, const std::string& 
   if (item.flights.empty() == item.none.empty())
     mistakes.Add(where, key, "has neither flights nor a reason why there are none, or both",
                  "valid: flights, or none: with the reason");
+  static const std::regex kName("(figure|table)-[0-9a-z]\\.[0-9]{1,3}");
+  for (const std::string& name : item.names)
+    if (!std::regex_match(name, kName))
+      mistakes.Add(where, key + ".names", fmt::format("'{}' is no name", name),
+                   "valid: figure or table with its number, such as figure-3.7");
   for (const std::string& flight : item.flights)
     if (!thesis.flights.contains(flight))
       mistakes.Add(where, key + ".flights", fmt::format("'{}' is none of the flights above", flight), "");
@@ -87,14 +93,29 @@ std::vector<const ThesisItem*> Chosen(const Thesis& thesis, const std::vector<st
 }
 
 std::string TitleOf(const ThesisItem& item) {
+  struct Run {
+    std::string kind, chapter;
+    int first = 0, last = 0;
+  };
+  std::vector<Run> runs;
+  for (const std::string& name : item.names) {
+    const std::size_t dash = name.find('-'), dot = name.find('.');
+    std::string chapter = name.substr(dash + 1, dot - dash - 1);
+    chapter[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(chapter[0])));
+    const int number = std::stoi(name.substr(dot + 1));
+    const std::string kind = name.substr(0, dash);
+    if (!runs.empty() && runs.back().kind == kind && runs.back().chapter == chapter &&
+        runs.back().last + 1 == number)
+      runs.back().last = number;
+    else
+      runs.push_back({kind, chapter, number, number});
+  }
   std::string title;
-  for (std::size_t i = 0; i < item.names.size(); ++i) {
-    const std::string& name = item.names[i];
-    const std::size_t dash = name.find('-');
-    std::string number = name.substr(dash + 1);
-    number[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(number[0])));
-    title += i > 0 ? ", " : "";
-    title += (name.starts_with("table") ? "table " : "figure ") + number;
+  for (const Run& run : runs) {
+    title += fmt::format("{}{} {}.{}", title.empty() ? "" : ", ",
+                         run.kind + (run.last > run.first ? "s" : ""), run.chapter, run.first);
+    if (run.last > run.first)
+      title += fmt::format(" {} {}.{}", run.last > run.first + 1 ? "to" : "and", run.chapter, run.last);
   }
   title[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(title[0])));
   return title;

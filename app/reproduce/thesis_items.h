@@ -78,7 +78,7 @@ std::filesystem::path ThesisFile();
 // the nearest valid name.
 std::vector<const ThesisItem*> Chosen(const Thesis& thesis, const std::vector<std::string>& names);
 
-// "Figures 4.13 to 4.17", for people.
+// "Figures 4.12 to 4.17", for people.
 std::string TitleOf(const ThesisItem& item);
 // kestrel run pose --seed 1 --set ...
 std::string CommandOf(const ThesisFlight& flight, std::uint64_t seed);

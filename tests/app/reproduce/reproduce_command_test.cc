@@ -45,17 +45,23 @@ TEST_F(Reproduce, ItemsAreChosenByNameOrNumber) {
   EXPECT_THROW(Chosen(thesis, {"figure-9.9"}), InputError);
 }
 
+TEST_F(Reproduce, TitlesNameRunsOfFiguresByTheirEnds) {
+  ThesisItem item;
+  item.names = {"table-3.1", "figure-3.7", "figure-3.8", "figure-3.9", "figure-b.1", "figure-b.2"};
+  EXPECT_EQ(TitleOf(item), "Table 3.1, figures 3.7 to 3.9, figures B.1 and B.2");
+}
+
 TEST_F(Reproduce, AFileThatIsWrongIsRefusedWithEveryMistake) {
   WriteFile(folder_ / "thesis.yaml",
             "flights: {pose: {scenario: pose}}\n"
             "items:\n"
-            "  - {names: [figure-1.1]}\n"
+            "  - {names: [figure-1.1, picture]}\n"
             "  - {names: [figure-1.1], flights: [nobody], values: [{what: x, metric: nothing}]}\n");
   try {
     LoadThesis(folder_ / "thesis.yaml");
     FAIL();
   } catch (const InputError& e) {
-    EXPECT_EQ(e.diagnostics.size(), 4);
+    EXPECT_EQ(e.diagnostics.size(), 5);
     EXPECT_THAT(e.what(), HasSubstr("'nobody' is none of the flights"));
     EXPECT_THAT(e.what(), HasSubstr("'nothing' is no metric"));
     EXPECT_THAT(e.what(), HasSubstr("a second time"));
