@@ -12,6 +12,7 @@
 #include "app/camera/calibration_report.h"
 #include "app/option/bits_option.h"
 #include "app/option/one_of.h"
+#include "app/option/within.h"
 #include "base/diagnostics.h"
 #include "base/file/files.h"
 #include "vision/calibration/board_file.h"
@@ -80,7 +81,7 @@ CLI::App* AddCalibrateCommand(CLI::App& app, CalibrateArguments& a) {
       ->add_option("--accept-residual", a.accepted_px,
                    "What may be left between the camera and what is seen, root mean square, px: with more "
                    "nothing is written")
-      ->check(CLI::Range(0.001, 1000.0))
+      ->check(Within(0.001, 1000.0))
       ->capture_default_str();
   AddBitsOption(*command, a.bits);
   command->footer(

@@ -18,6 +18,7 @@
 #include "app/campaign/command_line.h"
 #include "app/campaign/progress_log.h"
 #include "app/option/command_tree.h"
+#include "app/option/within.h"
 #include "app/run/isa_option.h"
 #include "base/file/files.h"
 #include "base/file/model_files.h"
@@ -388,7 +389,7 @@ CLI::App* AddCampaignCommand(CLI::App& app, CampaignArguments& a) {
       ->add_option("--stop-when", a.stop_when,
                    "End when the share that passes is known to within this, to either side")
       ->check(NotNan)
-      ->check(CLI::Range(1e-4, 0.5));
+      ->check(Within(1e-4, 0.5));
   command
       ->add_option(
           "--record-failures", a.record_failures,

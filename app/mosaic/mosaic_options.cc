@@ -12,6 +12,7 @@
 #include "app/option/bits_option.h"
 #include "app/option/one_of.h"
 #include "app/option/opencl_option.h"
+#include "app/option/within.h"
 #include "app/simulated/images_input.h"
 #include "geometry/tait_bryan.h"
 
@@ -99,7 +100,7 @@ CLI::App* AddMosaicCommand(CLI::App& app, MosaicArguments& a) {
       ->type_name("FILE");
   AddCameraOptions(*command, a);
   command->add_option("--fov-deg", a.fov_deg, "Without a calibration: the camera's horizontal field of view")
-      ->check(CLI::Range(5.0, 150.0));
+      ->check(Within(5.0, 150.0));
   command
       ->add_option("--surface", a.surface,
                    "plane: the camera moves over flat ground; cylinder, sphere: it turns on the spot")
@@ -120,7 +121,7 @@ CLI::App* AddMosaicCommand(CLI::App& app, MosaicArguments& a) {
   command->add_flag("--chain", a.chain, "Chain images alone, without loops and adjustment");
   command
       ->add_option("--overlap", a.overlap, "An image that shares less with the last keyframe is the next one")
-      ->check(CLI::Range(0.3, 0.95))
+      ->check(Within(0.3, 0.95))
       ->capture_default_str();
   command
       ->add_option(
@@ -129,13 +130,13 @@ CLI::App* AddMosaicCommand(CLI::App& app, MosaicArguments& a) {
           "east_m, down_m, yaw_deg, pitch_deg, roll_deg")
       ->type_name("FILE");
   command->add_option("--ground-down-m", a.ground_down_m, "How far below N's origin the ground is")
-      ->check(CLI::Range(-1e4, 1e4))
+      ->check(Within(-1e4, 1e4))
       ->capture_default_str();
   command->add_option("--pose-sigma-m", a.pose_sigma_m, "Standard deviation of the poses' positions")
-      ->check(CLI::Range(1e-3, 100.0))
+      ->check(Within(1e-3, 100.0))
       ->capture_default_str();
   command->add_option("--pose-sigma-deg", a.pose_sigma_deg, "Standard deviation of their attitudes")
-      ->check(CLI::Range(1e-3, 45.0))
+      ->check(Within(1e-3, 45.0))
       ->capture_default_str();
   AddMountOptions(*command, a.mount);
   command->add_option("--geotiff", a.geotiff, "The picture as a GeoTIFF (.tif) in metres of N; needs --poses")

@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "app/option/within.h"
 #include "base/file/files.h"
 #include "base/file/model_files.h"
 #include "base/user_file.h"
@@ -42,13 +43,13 @@ void AddMountOptions(CLI::App& command, MountAngles& mount) {
   command
       .add_option("--mount-yaw-deg", mount.yaw_deg,
                   "How the camera is mounted: looking down with the top of the image forward, then turned")
-      ->check(CLI::Range(-180.0, 180.0))
+      ->check(Within(-180.0, 180.0))
       ->capture_default_str();
   command.add_option("--mount-pitch-deg", mount.pitch_deg, "0: looking down; 90: looking ahead")
-      ->check(CLI::Range(-90.0, 90.0))
+      ->check(Within(-90.0, 90.0))
       ->capture_default_str();
   command.add_option("--mount-roll-deg", mount.roll_deg, "180: looking up")
-      ->check(CLI::Range(-180.0, 180.0))
+      ->check(Within(-180.0, 180.0))
       ->capture_default_str();
 }
 

@@ -8,6 +8,7 @@
 #include <filesystem>
 
 #include "app/option/one_of.h"
+#include "app/option/within.h"
 #include "base/diagnostics.h"
 #include "base/file/files.h"
 #include "flight/simulated/scenario.h"
@@ -42,10 +43,10 @@ CLI::App* AddRenderBoardCommand(CLI::App& app, RenderBoardArguments& a) {
   command->add_option("--count", a.count, "Images")->check(CLI::Range(1, 1000))->capture_default_str();
   command->add_option("--seed", a.seed, "Of the poses and the noise")->capture_default_str();
   command->add_option("--blur", a.blur_px, "Of the lens: its standard deviation, px")
-      ->check(CLI::Range(0.0, 10.0))
+      ->check(Within(0.0, 10.0))
       ->capture_default_str();
   command->add_option("--noise", a.noise_grey, "Of a pixel: its standard deviation, grey levels")
-      ->check(CLI::Range(0.0, 60.0))
+      ->check(Within(0.0, 60.0))
       ->capture_default_str();
   command->add_option("--backend", a.backend, "What draws")
       ->check(OneOf({"auto", "ray", "osmesa", "egl"}))

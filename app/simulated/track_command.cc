@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "app/option/bits_option.h"
+#include "app/option/within.h"
 #include "app/simulated/image_verb.h"
 #include "app/simulated/images_input.h"
 #include "app/simulated/tracked.h"
@@ -144,7 +145,7 @@ CLI::App* AddTrackCommand(CLI::App& app, TrackArguments& a) {
   command->add_option("--size-m", a.size_m, "Height and width of a picture in metres, or its height alone")
       ->type_name("METRES")
       ->expected(1, 2)
-      ->check(CLI::Range(0.01, 100.0));
+      ->check(Within(0.01, 100.0));
   command
       ->add_option(
           "--corners", a.corners,

@@ -10,6 +10,7 @@
 #include "app/option/bits_option.h"
 #include "app/option/one_of.h"
 #include "app/option/opencl_option.h"
+#include "app/option/within.h"
 #include "app/simulated/images_input.h"
 #include "app/stabilise/gyro_input.h"
 #include "app/stabilise/stabilise_video.h"
@@ -58,13 +59,13 @@ CLI::App* AddStabiliseCommand(CLI::App& app, StabiliseArguments& a) {
       ->capture_default_str();
   AddOpenClOption(*command, a.options.motion.opencl);
   command->add_option("--lag-s", a.options.lag_s, "How late the view comes")
-      ->check(CLI::Range(0.0, 10.0))
+      ->check(Within(0.0, 10.0))
       ->capture_default_str();
   command->add_option("--cutoff-hz", a.options.cutoff_hz, "What is faster is taken out of the path")
-      ->check(CLI::Range(0.05, 5.0))
+      ->check(Within(0.05, 5.0))
       ->capture_default_str();
   command->add_option("--crop", a.options.crop, "Share of the image's width and height that is shown")
-      ->check(CLI::Range(0.2, 1.0))
+      ->check(Within(0.2, 1.0))
       ->capture_default_str();
   command->add_flag("--no-scale", a.no_scale, "Do not enlarge what is shown to the image's size");
   command->add_flag("--unbounded", a.unbounded, "Let the view leave the image rather than follow its shakes");
@@ -84,13 +85,13 @@ CLI::App* AddStabiliseCommand(CLI::App& app, StabiliseArguments& a) {
   command->add_option("--imu-offset-s", a.imu_offset_s,
                       "What is to be added to the video's time for the gyro's (default: it is estimated)");
   command->add_option("--max-offset-s", a.max_offset_s, "Within which the offset is looked for")
-      ->check(CLI::Range(0.0, 60.0))
+      ->check(Within(0.0, 60.0))
       ->capture_default_str();
   command
       ->add_option(
           "--readout-s", a.readout_s,
           "From the first row's exposure to the last one's, of a rolling shutter; negative: from below")
-      ->check(CLI::Range(-0.2, 0.2));
+      ->check(Within(-0.2, 0.2));
   command->add_option("--out", a.out, "The video (.mp4)")->type_name("FILE");
   command
       ->add_option("--before-after", a.before_after,
