@@ -11,7 +11,7 @@
 #include <set>
 #include <stdexcept>
 
-#include "app/reproduce/horizon_drawings.h"
+#include "app/reproduce/image_drawings.h"
 #include "app/reproduce/reproduce_page.h"
 #include "app/reproduce/thesis_items.h"
 #include "base/diagnostics.h"
@@ -108,8 +108,8 @@ ReproducedItem DrawItem(const ThesisItem& item, const Thesis& thesis,
       add(item.drawing, is.folder / (item.drawing + ".png"), item.drawing != "ellipse",
           [&](const fs::path& file) {
             const sim::SimulatorParameters& simulator = loaded.at(name).simulator;
-            DrawHorizonItem(item.drawing, ImagesOf(is.folder), simulator.camera,
-                            vision::MountPose(simulator.mount), file);
+            DrawFromImages(item.drawing, ImagesOf(is.folder), simulator.camera,
+                           vision::MountPose(simulator.mount), file);
           });
     if (item.stills > 0)
       add("stills", is.folder / fmt::format("stills_{}.jpg", item.stills), true, [&](const fs::path& file) {

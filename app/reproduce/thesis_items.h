@@ -55,7 +55,7 @@ inline void Fields(FieldVisitor& v, ThesisItem& i) {
   v({"pictures", "pictures of each flight, by their file in its folder"}, i.pictures);
   v({"stills", "images from each flight's video, evenly spaced"}, i.stills, 0, 20);
   v({"drawing", "what is drawn from each flight's images"}, i.drawing,
-    {"", "segmentation", "ellipse", "sphere", "unwrapped", "distance"});
+    {"", "views", "segmentation", "ellipse", "sphere", "unwrapped", "distance"});
   v({"values", "metrics of the flights beside the thesis's numbers"}, i.values);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "app/reproduce/horizon_drawings.h"
+#include "app/reproduce/image_drawings.h"
 
 #include <fmt/format.h>
 
@@ -20,6 +20,7 @@ namespace {
 
 constexpr double kPx_per_deg = 2;  // of the appearance images, as in the flights
 constexpr int kSphere_px = 480;
+constexpr double kPerspective_deg = 90;  // field of the perspective view
 
 cv::Mat Coloured(const cv::Mat& grey) {
   cv::Mat bgr;
@@ -103,10 +104,31 @@ void PlotDistance(const Turned& turned, const std::filesystem::path& png) {
           "'#0060c0'\n");
 }
 
+// The image in the middle, the same on the unit sphere, and as a perspective camera would have it.
+cv::Mat Views(const std::vector<cv::Mat>& images, const vision::CameraModel& camera) {
+  if (images.empty()) throw std::runtime_error("there are no images");
+  const cv::Mat& image = images[images.size() / 2];
+  const auto pinhole = vision::CentralPinhole(camera, Radians(kPerspective_deg));
+  if (!pinhole) throw std::runtime_error("the lens does not see its own axis");
+  // From aside, so that the sphere is seen to be one.
+  const vision::SpherePicture sphere{image.rows, image.rows,
+                                     vision::ViewRotation(Radians(35), Radians(-20), 0)};
+  std::vector<cv::Mat> views = {image};
+  for (const vision::View& view : {vision::View(sphere), vision::View(vision::PerspectiveView{*pinhole})}) {
+    const cv::Mat seen = vision::Look(vision::MakeViewTable(view, camera), image);
+    views.emplace_back();
+    cv::resize(seen, views.back(), {image.rows * seen.cols / seen.rows, image.rows}, 0, 0, cv::INTER_AREA);
+  }
+  cv::Mat sheet;
+  cv::hconcat(views, sheet);
+  return sheet;
+}
+
 }  // namespace
 
-void DrawHorizonItem(const std::string& what, const std::vector<cv::Mat>& images,
-                     const vision::CameraModel& camera, const Pose& X_BC, const std::filesystem::path& png) {
+void DrawFromImages(const std::string& what, const std::vector<cv::Mat>& images,
+                    const vision::CameraModel& camera, const Pose& X_BC, const std::filesystem::path& png) {
+  if (what == "views") return vision::WriteImage(png, Views(images, camera));
   if (what == "distance") return PlotDistance(MostTurned(images, camera, X_BC), png);
   if (what == "unwrapped") return vision::WriteImage(png, DrawTurned(MostTurned(images, camera, X_BC)));
   const Seen seen = SeeHorizon(images, camera, X_BC);
