@@ -77,6 +77,8 @@ LoadedPlan LoadWhole(const fs::path& file, const std::vector<std::string>& overr
       parts.own_parts = OwnParts(p, beside, parts.camera, where, mistakes);
     }
   }
+  parts.ground = LoadGroundSight(p.flight.type(), p.ground_camera, beside,
+                                 WhereOf(config, "ground_camera", where), mistakes);
   if (p.pad.name == "none") {
     CheckHasPad(p.flight, config, where, mistakes);
   } else if (const auto pad =
@@ -94,8 +96,10 @@ const std::vector<std::string_view>& WorldKeys() {
                                                       "world",
                                                       "autopilot",
                                                       "platform",
+                                                      "ground_view",
                                                       "actuators",
                                                       "landscape",
+                                                      "deck",
                                                       "start",
                                                       "carry",
                                                       "render",

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "base/yaml/fields.h"
+#include "flight/ground_keys.h"
 #include "mission/mission_type.h"
 
 namespace kestrel::flight {
@@ -20,6 +22,7 @@ struct FlightKeys {
   double duration_s = 60;
   std::string camera = "thesis_6mm", camera_name;
   vision::CameraMount mount;
+  std::optional<GroundCameraKeys> ground_camera;
   mission::PilotParameters pilot;
 };
 
@@ -34,6 +37,7 @@ inline void Fields(FieldVisitor& v, FlightKeys& k) {
     k.camera);
   v({"camera_name", "which camera of a file of Kalibr; empty: its first"}, k.camera_name);
   v({"mount", "position and orientation of the camera on the aircraft"}, k.mount);
+  v({"ground_camera", "camera on the ground that sees the aircraft; null: there is none"}, k.ground_camera);
   v({"pilot", "vision, estimation and control of missions over a pad"}, k.pilot);
 }
 

@@ -26,9 +26,11 @@ struct Truth {
   Eigen::Vector3d v_N = Eigen::Vector3d::Zero();     // m/s
   Eigen::Vector3d w_B = Eigen::Vector3d::Zero();     // rad/s
   Eigen::Vector3d wind_N = Eigen::Vector3d::Zero();  // velocity of the air at the aircraft, m/s
-  Pose X_NT;                     // the pad: x along its long side, z down, origin at its centre
-  bool touching = false;         // the skids touch something
-  bool attitude_failed = false;  // a fault of the autopilot's own attitude is on
+  Pose X_NT;  // the pad: x along its long side, z down, origin at its centre
+  Eigen::Vector3d v_NT = Eigen::Vector3d::Zero();  // m/s, of its centre, in N
+  Eigen::Vector3d w_NT = Eigen::Vector3d::Zero();  // rad/s, in N
+  bool touching = false;                           // the skids touch something
+  bool attitude_failed = false;                    // a fault of the autopilot's own attitude is on
   std::vector<TargetTruth> targets;
 };
 

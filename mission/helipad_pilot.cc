@@ -31,7 +31,8 @@ std::optional<vision::Pinhole> TrackersCamera(const vision::CameraModel& camera)
 
 HelipadPilot::HelipadPilot(vision::PadReference reference, const vision::CameraModel& camera,
                            const Pose& X_BC, const PilotParameters& parameters)
-    : parameters_(parameters),
+    : Pilot(parameters.servo),
+      parameters_(parameters),
       camera_(camera),
       view_(TrackersCamera(camera).value()),
       tracker_(std::move(reference), view_, parameters.tracker),
@@ -79,28 +80,6 @@ Decision HelipadPilot::Observe(const vision::Frame& frame, const control::Vehicl
   }
   decision.vision_s = SecondsSince(start);
   return decision;
-}
-
-control::VelocitySetpoint HelipadPilot::GoTo(const Eigen::Vector3d& p_T, double yaw_T) const {
-  const Pose X_TH{HeadingRotation(estimate_->yaw_TB), estimate_->p_TB};
-  const Pose X_TD{HeadingRotation(yaw_T), p_T};
-  control::VelocitySetpoint setpoint = control::ServoSetpoint(X_TD.Inverse() * X_TH, parameters_.servo);
-  // The autopilot flies the velocity that it believes in: ask for what is wanted plus its error.
-  setpoint.v_H += X_TH.R.conjugate() * estimate_->velocity_error_T;
-  return setpoint;
-}
-
-control::VelocitySetpoint HelipadPilot::DescendTo(const Eigen::Vector2d& p_T, double yaw_T,
-                                                  double sink_m_s) const {
-  control::VelocitySetpoint setpoint = GoTo({p_T.x(), p_T.y(), estimate_->p_TB.z()}, yaw_T);
-  setpoint.v_H.z() += sink_m_s;
-  return setpoint;
-}
-
-control::VelocityLag HelipadPilot::MaxLag() const {
-  const control::ServoGains& gains = parameters_.servo;
-  return {kestrel::control::MaxLag(gains.lambda_per_s),
-          kestrel::control::MaxLag(gains.lambda_vertical_per_s)};
 }
 
 std::optional<control::Setpoint> HelipadPilot::Search(const control::VehicleState& state) {

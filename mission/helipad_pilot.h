@@ -8,6 +8,7 @@
 #include "control/estimate/target_estimator.h"
 #include "control/law/pbvs.h"
 #include "mission/mission.h"
+#include "mission/pilot.h"
 #include "vision/camera/camera_model.h"
 #include "vision/camera/views.h"
 #include "vision/capture/frozen_image.h"
@@ -54,7 +55,7 @@ inline void Fields(FieldVisitor& v, PilotParameters& p) {
 
 // What every helipad flight shares: it sees the pad, knows where the aircraft is over it, servoes to a place
 // over it, and searches when it is lost.
-class HelipadPilot {
+class HelipadPilot final : public Pilot {
  public:
   // A camera that has a TrackersCamera.
   HelipadPilot(vision::PadReference reference, const vision::CameraModel& camera, const Pose& X_BC,
@@ -62,28 +63,23 @@ class HelipadPilot {
 
   // Looks at a frame: fills the target, fix and vision_s of a new decision. An image that is the one before,
   // to the last bit, shows nothing: the camera is frozen.
-  Decision Observe(const vision::Frame& frame, const control::VehicleState& state);
+  Decision Observe(const vision::Frame& frame, const control::VehicleState& state) override;
 
   // The pad is in sight, or was a moment ago.
-  bool HasEstimate() const { return estimate_ && estimate_->age_s < parameters_.search.stop_s + latency_s_; }
+  bool HasEstimate() const override {
+    return estimate_ && estimate_->age_s < parameters_.search.stop_s + latency_s_;
+  }
   // The pad in the last frame, before any filter; null: it was not seen, or the fix was not believed.
   const vision::PadObservation* seen() const { return seen_ && fix_ ? &*seen_ : nullptr; }
   // The camera that seen() is of: the frame's own, or the virtual one within it.
   const vision::Pinhole& view() const { return view_; }
   // Now, not at the exposure. Only while HasEstimate().
-  const control::TargetEstimator::Estimate& where() const { return *estimate_; }
-
-  // Servoes to a place and yaw in T. Only while HasEstimate().
-  control::VelocitySetpoint GoTo(const Eigen::Vector3d& p_T, double yaw_T) const;
-  // The same sideways, with a given velocity downwards.
-  control::VelocitySetpoint DescendTo(const Eigen::Vector2d& p_T, double yaw_T, double sink_m_s) const;
-
-  control::VelocityLag MaxLag() const;  // of an autopilot that is given what GoTo and DescendTo return
+  const control::TargetEstimator::Estimate& where() const override { return *estimate_; }
 
   // Not HasEstimate(): the next move of the search. None: given up.
-  std::optional<control::Setpoint> Search(const control::VehicleState& state);
+  std::optional<control::Setpoint> Search(const control::VehicleState& state) override;
 
-  void Draw(cv::Mat& bgr, std::string_view phase) const;  // on a frame as the camera gives it
+  void Draw(cv::Mat& bgr, std::string_view phase) const override;  // on a frame as the camera gives it
 
  private:
   control::Setpoint GrowingSquare(const control::VehicleState& state);

@@ -18,6 +18,7 @@
 #include "mission/log_row.h"
 #include "mission/metric.h"
 #include "mission/mission.h"
+#include "vision/aircraft/ground_sight.h"
 #include "vision/camera/camera_model.h"
 #include "vision/camera/camera_mount.h"
 #include "vision/landmark/pad_reference.h"
@@ -43,13 +44,14 @@ struct MissionPlot {
 };
 
 struct MissionType {
-  std::string name;            // of the key `mission` in a scenario
-  std::string summary;         // one sentence
-  bool looks_for_pad = false;  // it needs a pad, and a camera that sees along its own axis
-  bool needs_colour = false;   // it tells its target by colour
+  std::string name;                  // of the key `mission` in a scenario
+  std::string summary;               // one sentence
+  bool looks_for_pad = false;        // it needs a pad, and a camera that sees along its own axis
+  bool needs_ground_camera = false;  // it flies by a camera on the ground
+  bool needs_colour = false;         // it tells its target by colour
   bool begins_in_the_air = false;
   std::vector<TelemetryColumn> telemetry = {};  // beside those of every flight
-  // Its own metrics, beside those of every flight (records/telemetry/metrics.h), and what computes them.
+  // Its own metrics, beside those of every flight (records/telemetry/metrics.h), and what computes them from those.
   std::vector<Metric> metrics = {};
   std::function<void(const std::vector<LogRow>&, std::map<std::string, double>&)> add_metrics = nullptr;
   // Which of the metrics of every flight mean something here: names, or beginnings of names before '*'.
@@ -69,6 +71,7 @@ struct MissionParts {
   vision::PadReference pad;  // the same
   cv::Mat own_parts;         // of the others: where the camera sees the aircraft itself, CV_8U, 255 there
   std::uint64_t seed = 1;    // of a pilot who is made up
+  std::optional<vision::GroundSight> ground = {};  // a second camera; none: there is none
 };
 HelipadPilot PilotOf(const MissionParts& parts);
 

@@ -5,11 +5,14 @@
 #include "scenarios/attitude/attitude.h"
 #include "scenarios/avoid/avoid.h"
 #include "scenarios/follow/follow.h"
+#include "scenarios/ground/ground_calibration.h"
+#include "scenarios/ground/ground_flights.h"
 #include "scenarios/gyro_failure/gyro_failure.h"
 #include "scenarios/hand_held/hand_held.h"
 #include "scenarios/hover/hover.h"
 #include "scenarios/hover_direct/hover_direct.h"
 #include "scenarios/landing/landing.h"
+#include "scenarios/landing_deck/landing_deck.h"
 #include "scenarios/panorama/panorama.h"
 #include "scenarios/pose/pose.h"
 #include "scenarios/servo/servo.h"
@@ -23,6 +26,7 @@ void AddFlights() {
     mission::AddMission<PoseFlight>();
     mission::AddMission<HoverFlight>();
     mission::AddMission<LandingFlight>();
+    mission::AddMission<LandingDeckFlight>();
     mission::AddMission<AttitudeFlight>();
     mission::AddMission<GyroFailureFlight>();
     mission::AddMission<FollowFlight>();
@@ -33,6 +37,10 @@ void AddFlights() {
     mission::AddMission<PanoramaFlight>();
     mission::AddMission<ServoFlight>();
     mission::AddMission<HoverDirectFlight>();
+    mission::AddMission<HoverGroundFlight>();
+    mission::AddMission<LandingGroundFlight>();
+    mission::AddMission<LandingHybridFlight>();
+    mission::AddMission<GroundCalibrationFlight>();
     return true;
   }();
   (void)kAdded;

@@ -22,12 +22,17 @@ namespace kestrel::sim {
 namespace {
 
 constexpr double kAirborne_m = 0.3;
+constexpr double kFixedAfter_s = 0.3;  // of standing on a deck that holds it fast
 constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();  // a step
 
 SceneParameters SceneOf(const SimulatorParameters& parameters) {
   SceneParameters scene = parameters.scene;
   scene.occluder = parameters.occlusion.share > 0;
   scene.targets = parameters.targets;
+  if (const auto& ground = parameters.ground) {
+    scene.lights = ground->lights;
+    scene.blind = !ground->view.blocked.empty();
+  }
   return scene;
 }
 
@@ -69,6 +74,10 @@ Simulator::Simulator(const SimulatorParameters& parameters)
   std::reverse(scheduled_.begin(), scheduled_.end());
   mj_forward(model_.get(), data_.get());
   const Pose X_NT = PadPose(model_.get(), data_.get());
+  if (parameters.ground)
+    ground_ = std::make_unique<SimulatedGroundCamera>(model_.get(), X_NT, *parameters.ground,
+                                                      parameters.render, parameters.seed,
+                                                      parameters.duration_s, parameters.draw_beside);
   const StartParameters& start = parameters.start;
   RandomStream random(parameters.seed, "start");
   const double radius = start.scatter_m * std::sqrt(random.Uniform(0, 1));
@@ -114,6 +123,10 @@ Simulator::Simulator(const SimulatorParameters& parameters)
     PlaceTarget(model_.get(), data_.get(), i,
                 targets_.emplace_back(parameters.targets[i], parameters.seed, i));
   steps_ = -std::lround(start.settle_s / dt);
+  if (parameters.scene.deck) {
+    deck_.emplace(*parameters.scene.deck, X_NT, parameters.seed, static_cast<double>(steps_) * dt, dt);
+    PlaceDeck(model_.get(), data_.get(), deck_->now());
+  }
   if (carried_) Carry();
   autopilot_->SetClock(static_cast<double>(steps_) * dt);
   truth_ = Look();
@@ -135,7 +148,13 @@ Truth Simulator::Look() const {
   t.w_B = VectorFromMujoco(data_->qvel + 3);
   t.wind_N = wind_.Velocity();
   t.attitude_failed = FaultAt(parameters_.sensors.attitude_faults, t.t_s) != nullptr;
-  t.X_NT = PadPose(model_.get(), data_.get());
+  if (deck_) {
+    t.X_NT = deck_->now().X_NT;
+    t.v_NT = deck_->now().v_N;
+    t.w_NT = deck_->now().w_N;
+  } else {
+    t.X_NT = PadPose(model_.get(), data_.get());
+  }
   const int vehicle = mj_name2id(model_.get(), mjOBJ_BODY, "vehicle");
   const Pose X_NC = t.X_NB * X_BC_;
   t.X_NC = vibration_.still() ? X_NC : X_NC * vibration_.At(t.t_s);
@@ -165,10 +184,11 @@ void Simulator::Step() {
   wind_.Step(dt, before.X_NT.p.z() - before.X_NB.p.z(), before.v_N);
   if (!parameters_.actuators.faults.empty())
     SetConditions(vehicle_, ConditionsAt(parameters_.actuators.faults, before.t_s));
-  Apply(vehicle_, data_.get(), dt, wind_.Velocity(), -before.X_NT.p.z());
+  Apply(vehicle_, data_.get(), dt, wind_.Velocity(), SurfaceBelow_m());
   MoveTargets();
   mj_step(model_.get(), data_.get());
   ++steps_;
+  if (deck_) MoveDeck();
   if (carried_) Carry();
   for (const int warning : {mjWARN_BADQPOS, mjWARN_BADQVEL, mjWARN_BADQACC, mjWARN_BADCTRL}) {
     if (data_->warning[warning].number > 0) {
@@ -229,12 +249,38 @@ void Simulator::Carry() {
   VectorToMujoco(LogRotation(before.R.conjugate() * after.R) / (2 * dt), data_->qvel + 3);
 }
 
+// To where it is after this step, whatever stood on it; and with it what it holds fast.
+void Simulator::MoveDeck() {
+  deck_->Step();
+  PlaceDeck(model_.get(), data_.get(), deck_->now());
+  if (parameters_.scene.deck->hold != "fixed") return;
+  const DeckMotion& deck = deck_->now();
+  const double t_s = static_cast<double>(steps_) * model_->opt.timestep;
+  if (!touch_ || !truth_.touching) stands_since_s_ = t_s;
+  if (!X_TB_fixed_ && t_s - stands_since_s_ >= kFixedAfter_s)
+    X_TB_fixed_ = deck.X_NT.Inverse() * PoseFromMujoco(data_->qpos);
+  if (!X_TB_fixed_) return;
+  const Pose X_NB = deck.X_NT * *X_TB_fixed_;
+  PoseToMujoco(X_NB, data_->qpos);
+  VectorToMujoco(deck.v_N + deck.w_N.cross(X_NB.p - deck.X_NT.p), data_->qvel);
+  VectorToMujoco(X_NB.R.conjugate() * deck.w_N, data_->qvel + 3);
+}
+
+// Of what makes the ground effect: the pad's plane, or off a deck's plate the ground.
+double Simulator::SurfaceBelow_m() const {
+  const double pad_m = -truth_.X_NT.p.z();
+  if (!deck_) return pad_m;
+  const Eigen::Vector3d p_TB = truth_.X_NT.Inverse() * truth_.X_NB.p;
+  return p_TB.head<2>().cwiseAbs().maxCoeff() < parameters_.scene.deck->size_m / 2 ? pad_m : 0;
+}
+
 // Puts the sheet over the pad, or takes it away, when its time comes.
 void Simulator::CoverPad() {
   const OcclusionParameters& o = parameters_.occlusion;
   if (o.share <= 0) return;
   const double wanted = truth_.t_s >= o.from_s && truth_.t_s < o.until_s ? o.share : 0;
-  if (wanted != occluded_) PlaceOccluder(model_.get(), data_.get(), wanted);
+  if (wanted != occluded_ || (deck_ && wanted > 0))
+    PlaceOccluder(model_.get(), data_.get(), truth_.X_NT, wanted);
   occluded_ = wanted;
 }
 
@@ -248,6 +294,7 @@ std::int64_t Simulator::TickStep() const {
 // What happens to the camera at this instant: snapshots are kept, exposures begin and end.
 void Simulator::RunCamera() {
   CoverPad();
+  if (ground_) ground_->Step(data_.get(), steps_);
   if (!open_.empty() || TickStep() <= steps_ + half_exposure_) {
     snapshots_.push_back(SnapshotOf(model_.get(), data_.get(), truth_.t_s));
     if (platform_) snapshots_.back().X_BC = X_BC_;

@@ -24,7 +24,9 @@
 #include "sim/camera/snapshots.h"
 #include "sim/camera/vibration.h"
 #include "sim/carried_path.h"
+#include "sim/deck/deck.h"
 #include "sim/fault_schedule.h"
+#include "sim/ground/simulated_ground_camera.h"
 #include "sim/sensor/sensor_faults.h"
 #include "sim/sensor/sensors.h"
 #include "sim/world/scene.h"
@@ -90,6 +92,7 @@ struct SimulatorParameters {
   double duration_s = 60;
   std::vector<TargetParameters> targets = {};
   std::optional<CarryParameters> carry = {};  // in place of flight and of start
+  std::optional<GroundCameraParameters> ground = {};  // a second camera, on the ground; none: there is none
   bool surfaces = false;  // of each frame, and the flow between them, for records: see picture()
   // An image is drawn on a thread of its own, beside the flight code that works on the one before; if not,
   // a flight is one thread, for who flies as many at once as there are cores. The flight is the same.
@@ -134,6 +137,9 @@ class Simulator final : public vision::Camera, public control::Autopilot {
   // where the autopilot believes the aircraft to be.
   void CarryCamera(PanTilt* platform) { platform_ = platform; }
 
+  // The camera on the ground; null: there is none. Its frames have come when those of Next() do, or earlier.
+  SimulatedGroundCamera* ground_camera() { return ground_.get(); }
+
   const Truth& truth() const { return truth_; }
   const Truth& exposure() const { return exposure_; }           // of the frame that Next() gave last
   const RenderedFrame& picture() const { return picture_; }     // of the same
@@ -167,6 +173,8 @@ class Simulator final : public vision::Camera, public control::Autopilot {
   void CoverPad();
   void MoveTargets();
   void Carry();
+  void MoveDeck();
+  double SurfaceBelow_m() const;
   void RunCamera();
   void Tick();
   std::int64_t StepOf(double t_s) const;
@@ -187,6 +195,7 @@ class Simulator final : public vision::Camera, public control::Autopilot {
   Pose X_BC_;
   Vibration vibration_;
   std::unique_ptr<FrameRenderer> renderer_;
+  std::unique_ptr<SimulatedGroundCamera> ground_;
   std::unique_ptr<Hashes> hashes_;
 
   std::int64_t steps_ = 0;  // since time 0, negative while settling
@@ -197,6 +206,9 @@ class Simulator final : public vision::Camera, public control::Autopilot {
   std::optional<double> occluded_;
   std::vector<TargetPath> targets_;
   std::optional<CarriedPath> carried_;
+  std::optional<Deck> deck_;
+  double stands_since_s_ = 0;       // on the deck, while it touches
+  std::optional<Pose> X_TB_fixed_;  // where a deck that holds it fast has it
 
   std::vector<StateChange> scheduled_;  // the faults that are still to come, the last first
   std::vector<StateChange> state_changes_;

@@ -3,6 +3,7 @@
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -23,6 +24,7 @@
 #include "base/yaml/yaml_fields.h"
 #include "flight/hardware/aircraft.h"
 #include "flight/hardware/fly.h"
+#include "flight/hardware/live_ground_camera.h"
 #include "flight/hardware/pre_flight.h"
 #include "geometry/tait_bryan.h"
 #include "records/telemetry/flight_mode.h"
@@ -33,29 +35,58 @@ namespace {
 
 std::atomic<bool> interrupted = false;
 
-// The camera of an address, of the size of the calibration, the flight's colour and, of files, its rate where
-// the address says none of them. plan: null where it is a mistake itself; then the address is only checked.
-vision::CameraAddress CameraAt(const FlyArguments& a, const flight::LoadedPlan* plan, Mistakes& mistakes) {
-  std::string address = a.camera;
+// What a camera is to give where its address says nothing of it.
+struct Wanted {
+  int width_px = 640, height_px = 480;
+  bool colour = false;
+  double rate_hz = 20;  // of files
+};
+
+Wanted WantedOf(const vision::CameraModel& camera, bool colour, double rate_hz) {
+  return {vision::WidthPx(camera), vision::HeightPx(camera), colour, rate_hz};
+}
+
+// The camera of an address, with what is wanted where the address does not say it.
+vision::CameraAddress CameraAt(const std::string& given, const Wanted& wanted, Mistakes& mistakes) {
+  std::string address = given;
   const auto add = [&](std::string_view key, const std::string& value) {
     if (address.find(fmt::format("{}=", key)) == std::string::npos)
       address += fmt::format("{}{}={}", address.find('?') == std::string::npos ? "?" : "&", key, value);
   };
   if (!address.starts_with("gst:") && !address.starts_with("file:")) {
-    add("width", fmt::format("{}", plan ? vision::WidthPx(plan->parts.camera) : 640));
-    add("height", fmt::format("{}", plan ? vision::HeightPx(plan->parts.camera) : 480));
+    add("width", fmt::format("{}", wanted.width_px));
+    add("height", fmt::format("{}", wanted.height_px));
   }
-  if (!address.starts_with("gst:")) add("colour", plan && plan->plan.image.colour ? "true" : "false");
-  if (address.starts_with("file:")) add("rate", fmt::format("{}", plan ? plan->plan.image.rate_hz : 20));
+  if (!address.starts_with("gst:")) add("colour", wanted.colour ? "true" : "false");
+  if (address.starts_with("file:")) add("rate", fmt::format("{}", wanted.rate_hz));
   try {
     return vision::ParseCameraAddress(address);
   } catch (const InputError& e) {
     for (Diagnostic each : e.diagnostics) {
-      if (each.place() == vision::PlaceOfCamera(address)) each.file = vision::PlaceOfCamera(a.camera).file;
+      if (each.place() == vision::PlaceOfCamera(address)) each.file = vision::PlaceOfCamera(given).file;
       mistakes.Add(std::move(each));
     }
     return {};
   }
+}
+
+// Of a mission by a camera on the ground whose aircraft carries none: the first camera is that one, and paces the
+// flight.
+bool PacedByGround(const FlyArguments& a, const flight::LoadedPlan& plan) {
+  return plan.parts.ground && !plan.plan.flight.type().looks_for_pad && a.cameras.size() == 1;
+}
+
+// Whether there are as many cameras as the mission flies by.
+void CheckCameras(const FlyArguments& a, const flight::LoadedPlan& plan, Mistakes& mistakes) {
+  const mission::MissionType& type = plan.plan.flight.type();
+  if (a.cameras.size() > (type.needs_ground_camera ? 2 : 1))
+    mistakes.Add("--camera", "",
+                 fmt::format("{} of them, and the mission '{}' flies by {}", a.cameras.size(), type.name,
+                             type.needs_ground_camera ? "two at most" : "one"),
+                 type.needs_ground_camera ? "valid: that on board, then that on the ground" : "valid: one");
+  if (type.needs_ground_camera && type.looks_for_pad && a.cameras.size() == 1)
+    mistakes.Add("--camera", "", fmt::format("one, and the mission '{}' flies by two", type.name),
+                 "valid: --camera twice, that on board, then that on the ground");
 }
 
 void ClearLine() { std::fputs("\r\033[K", stderr); }
@@ -81,7 +112,7 @@ std::vector<std::pair<std::string, std::string>> FlownWith(const FlyArguments& a
     if (given) options += fmt::format(" {}", name);
   return {{"version", Version()},
           {"scenario", a.scenario},
-          {"camera", a.camera},
+          {"camera", fmt::format("{}", fmt::join(a.cameras, ", "))},
           {"autopilot", a.autopilot},
           {"options", options}};
 }
@@ -173,7 +204,13 @@ CLI::App* AddFlyCommand(CLI::App& app, FlyArguments& a) {
                    "A scenario's name or file; what it says of its world is passed over")
       ->type_name("SCENARIO")
       ->required();
-  command->add_option("--camera", a.camera, "\n" + vision::CameraAddressForms())->required();
+  command
+      ->add_option(
+          "--camera", a.cameras,
+          "Twice for a mission with a camera on the ground: that on board, then that on the ground\n" +
+              vision::CameraAddressForms())
+      ->required()
+      ->allow_extra_args(false);
   command
       ->add_option("--autopilot", a.autopilot,
                    "mavlink:udp://HOST:PORT, mavlink:udpin://HOST:PORT, afcs:udp://HOST:PORT, "
@@ -226,7 +263,22 @@ bool FlyCommand(const FlyArguments& a) {
   aircraft.mavlink.take_control |= a.take_control;
   aircraft.mavlink.arm |= a.arm;
   aircraft.pilot_untold |= a.pilot_untold;
-  const vision::CameraAddress address = CameraAt(a, loaded ? &*loaded : nullptr, mistakes);
+  const bool by_ground = loaded && PacedByGround(a, *loaded);
+  if (by_ground) {
+    loaded->parts.camera = loaded->parts.ground->camera;
+    loaded->plan.camera = loaded->plan.ground_camera->camera;
+    loaded->plan.image.colour = true;
+  }
+  if (loaded) CheckCameras(a, *loaded, mistakes);
+  Wanted wanted, of_ground{.colour = true};
+  if (loaded) {
+    wanted = WantedOf(loaded->parts.camera, loaded->plan.image.colour, loaded->plan.image.rate_hz);
+    if (loaded->parts.ground)
+      of_ground = WantedOf(loaded->parts.ground->camera, true, loaded->plan.image.rate_hz);
+  }
+  const vision::CameraAddress address = CameraAt(a.cameras.front(), wanted, mistakes);
+  std::optional<vision::CameraAddress> ground_address;
+  if (a.cameras.size() > 1) ground_address = CameraAt(a.cameras[1], of_ground, mistakes);
   const std::unique_ptr<control::AutopilotLink> link = flight::MakeLink(a.autopilot, aircraft, mistakes);
   CheckFor(a, mistakes);
   if (a.dry_run && (a.take_control || a.arm))
@@ -239,12 +291,12 @@ bool FlyCommand(const FlyArguments& a) {
                                    loaded ? loaded->plan.name : "flight", fmt::localtime(std::time(nullptr)));
   CheckWritableFolder(*options.folder, "--out", mistakes);
   mistakes.ThrowIfAny();
-  const flight::LoadedPlan& plan = *loaded;
+  flight::LoadedPlan& plan = *loaded;
   const WriterLock lock = LockFolder(*options.folder);
 
   CatchSignals();
   Print(stdout, fmt::format("{}  {} by {}, camera {}\n", records::LiveMode(false, a.dry_run), plan.plan.name,
-                            a.autopilot, a.camera));
+                            a.autopilot, fmt::join(a.cameras, ", ")));
   options.limits = aircraft.safety;
   options.pilot_untold = aircraft.pilot_untold;
   options.dry_run = a.dry_run;
@@ -256,8 +308,19 @@ bool FlyCommand(const FlyArguments& a) {
   options.flown_with = FlownWith(a, options.max_s);
 
   std::optional<vision::LiveCamera> camera;
-  camera.emplace(vision::SourceAt(address), aircraft.camera);
+  camera.emplace(vision::SourceAt(address), by_ground ? aircraft.ground_camera : aircraft.camera);
+  std::optional<vision::LiveCamera> ground;
+  std::optional<flight::LiveGroundCamera> beside;
+  flight::PacingGroundCamera pacing;
+  if (ground_address) {
+    ground.emplace(vision::SourceAt(*ground_address), aircraft.ground_camera);
+    plan.parts.ground->stream = &beside.emplace(*ground);
+  } else if (by_ground) {
+    plan.parts.ground->stream = &pacing;
+    options.seen = [&pacing](const vision::Frame& frame) { pacing.Give(frame); };
+  }
   flight::PreFlightOptions check;
+  check.ground = ground ? &*ground : nullptr;
   check.pilot_untold = aircraft.pilot_untold;
   check.interrupted = &interrupted;
   check.tell = [&](const std::string& error) {
@@ -280,7 +343,7 @@ bool FlyCommand(const FlyArguments& a) {
     return false;
   }
   // What was recorded is flown by from its first image.
-  if (a.camera.starts_with("file:")) camera.emplace(vision::SourceAt(address), aircraft.camera);
+  if (a.cameras.front().starts_with("file:")) camera.emplace(vision::SourceAt(address), aircraft.camera);
 
   const std::string mode = records::LiveMode(link->Health().simulated, a.dry_run);
   flight::FlyReport report;

@@ -9,7 +9,8 @@
 namespace kestrel::app {
 
 struct FlyArguments {
-  std::string scenario, camera, autopilot, aircraft, out;
+  std::string scenario, autopilot, aircraft, out;
+  std::vector<std::string> cameras;  // one, or two: on board and on the ground
   std::vector<std::string> overrides, aircraft_overrides;
   std::optional<double> for_s;
   bool dry_run = false, take_control = false, arm = false, pilot_untold = false;

@@ -112,6 +112,10 @@ CLI::App* AddServeCommand(CLI::App& app, flight::ServeArguments& a) {
                    "rtp:PORT (MJPEG), raw:PORT (uncoded) on this computer, rtp:ADDRESS:PORT, "
                    "raw:ADDRESS:PORT to another, or none")
       ->capture_default_str();
+  serve
+      ->add_option("--ground-camera", a.ground_camera,
+                   "Where the images of the scenario's camera on the ground go, in the same forms")
+      ->capture_default_str();
   serve->add_option("--listen", a.listen, "Address of this computer at which servers listen")
       ->capture_default_str();
   serve->add_option(
@@ -149,6 +153,10 @@ int ServeCommand(const flight::ServeArguments& a) {
   const std::string folder =
       a.out.empty() ? fmt::format("results/runs/{}-{}-served", scenario.name, scenario.seed) : a.out;
   if (!a.physics) CheckWritableFolder(folder, "--out", mistakes);
+  if (a.ground_camera != "none" && !loaded.simulator.ground)
+    mistakes.Add("--ground-camera", "",
+                 fmt::format("the scenario '{}' has no camera on the ground", scenario.name),
+                 "valid: none, or a scenario of a mission with one");
   mistakes.ThrowIfAny();
   std::optional<sim::PanTilt> platform = PlatformOf(a, scenario);
   const std::vector<flight::NamedServer> servers =
@@ -172,6 +180,13 @@ int ServeCommand(const flight::ServeArguments& a) {
     camera.emplace(*stream, cv::Size(vision::WidthPx(model), vision::HeightPx(model)), scenario.image.rate_hz,
                    loaded.simulator.image.colour);
     options.publish = [&](const vision::Frame& frame) { camera->Publish(frame.image); };
+  }
+  std::optional<sim::CameraServer> ground;
+  if (const auto stream = flight::GroundStreamOf(a)) {
+    const sim::GroundCameraParameters& of_ground = *loaded.simulator.ground;
+    ground.emplace(*stream, cv::Size(vision::WidthPx(of_ground.camera), vision::HeightPx(of_ground.camera)),
+                   of_ground.view.image.rate_hz, true);
+    options.publish_ground = [&](const vision::Frame& frame) { ground->Publish(frame.image); };
   }
   options.begun = [&] {
     std::fputs(flight::StartLines(a, loaded, servers, options.platform).c_str(), stdout);

@@ -19,7 +19,7 @@ namespace kestrel::flight {
 struct Aircraft {
   control::SafetyLimits safety;
   bool pilot_untold = false;
-  vision::LiveCameraOptions camera;
+  vision::LiveCameraOptions camera, ground_camera;
   control::MavlinkOptions mavlink;
   control::AfcsLinkOptions afcs;
   control::AscTecOptions asctec;
@@ -31,6 +31,7 @@ inline void Fields(FieldVisitor& v, Aircraft& a) {
      "fly although the autopilot does not tell of the pilot's switch: the pilot takes over elsewhere"},
     a.pilot_untold);
   v({"camera", "live camera: when to open it anew, and the delay of its time stamps"}, a.camera);
+  v({"ground_camera", "the same of the camera on the ground"}, a.ground_camera);
   v({"mavlink", "link to a MAVLink 2 autopilot (PX4, ArduPilot)"}, a.mavlink);
   v({"afcs", "link to a Rotomotion AFCS"}, a.afcs);
   v({"asctec", "link to an AscTec low-level processor"}, a.asctec);

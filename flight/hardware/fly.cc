@@ -31,8 +31,12 @@ class UntilStopped final : public vision::Camera {
  public:
   // waiting: called while no image comes.
   UntilStopped(vision::LiveCamera& camera, double until_s, const std::atomic<bool>* interrupted,
-               std::function<void()> waiting)
-      : camera_(camera), until_s_(until_s), interrupted_(interrupted), waiting_(std::move(waiting)) {}
+               std::function<void()> waiting, std::function<void(const vision::Frame&)> seen)
+      : camera_(camera),
+        until_s_(until_s),
+        interrupted_(interrupted),
+        waiting_(std::move(waiting)),
+        seen_(std::move(seen)) {}
 
   std::optional<vision::Frame> Next() override {
     for (;;) {
@@ -41,6 +45,7 @@ class UntilStopped final : public vision::Camera {
       auto frame = camera_.Next(0.05);
       if (frame) {
         given_s_ = MonotonicNow_s();
+        if (seen_) seen_(*frame);
         return frame;
       }
       if (camera_.Health().state == vision::LiveCameraState::kEnded) return End("camera ended");
@@ -60,6 +65,7 @@ class UntilStopped final : public vision::Camera {
   double until_s_;
   const std::atomic<bool>* interrupted_;
   std::function<void()> waiting_;
+  std::function<void(const vision::Frame&)> seen_;
   double given_s_ = 0;
   std::string why_;
 };
@@ -237,12 +243,15 @@ FlyReport FlyAircraft(const LoadedPlan& plan, vision::LiveCamera& camera, contro
                 autopilot.heard() ? health.state_age_s.value_or(t_s) : t_s, o.limits);
   };
   mission::Decision last;
-  UntilStopped eyes(camera, begun_s + o.max_s, o.interrupted, [&] {
-    const control::VehicleState state = autopilot.State();
-    const bool changed = take_changes();
-    note(state);
-    if (changed && o.progress) o.progress(state, last, safety);
-  });
+  UntilStopped eyes(
+      camera, begun_s + o.max_s, o.interrupted,
+      [&] {
+        const control::VehicleState state = autopilot.State();
+        const bool changed = take_changes();
+        note(state);
+        if (changed && o.progress) o.progress(state, last, safety);
+      },
+      o.seen);
   const auto record = [&](const vision::Frame& frame, const control::VehicleState& state,
                           const mission::Decision& decision) {
     const double now_s = MonotonicNow_s();

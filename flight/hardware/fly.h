@@ -30,6 +30,8 @@ struct FlyOptions {
   control::ReleaseLimits release;  // of the aircraft, at the end
   double max_s = 3600;
   const std::atomic<bool>* interrupted = nullptr;
+  // Each frame before the mission has it, on the flight's own thread; must be quick.
+  std::function<void(const vision::Frame&)> seen = {};
   // Each frame of a flight, and each change of safety while none comes (with the last decision), on the
   // flight's own thread; must be quick.
   std::function<void(const control::VehicleState&, const mission::Decision&, const control::SafetyChange&)>

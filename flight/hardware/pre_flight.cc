@@ -63,6 +63,32 @@ CheckItem RateItem(double rate_hz, double wanted_hz, const PreFlightOptions& o) 
   return item;
 }
 
+// Of the second camera: whether it gives images that its mission can use, by the clock of this computer.
+CheckItem GroundItem(const LoadedPlan& plan, vision::LiveCamera& camera, const PreFlightOptions& o) {
+  constexpr double kFewest_hz = 5, kOldest_s = 1.5;
+  const Watched watched = Watch(camera, o);
+  const double now_s = MonotonicNow_s();
+  CheckItem item{"ground camera", "", false};
+  if (watched.images == 0 || !plan.parts.ground) {
+    const vision::LiveCameraHealth health = camera.Health();
+    item.found = health.error.empty() ? vision::NameOf(health.state) : health.error;
+    return item;
+  }
+  const cv::Mat& image = watched.frame->image;
+  const vision::CameraModel& model = plan.parts.ground->camera;
+  const double age_s = now_s - watched.last_s;
+  const bool of_size = image.cols == vision::WidthPx(model) && image.rows == vision::HeightPx(model);
+  item.ok =
+      watched.RateHz() >= kFewest_hz && of_size && image.channels() == 3 && age_s > 0 && age_s < kOldest_s;
+  item.found =
+      fmt::format("{:.1f} images/s, {} x {} px, {}, stamped {:.0f} ms before they came", watched.RateHz(),
+                  image.cols, image.rows, image.channels() == 3 ? "colour" : "grey", 1e3 * age_s);
+  if (item.ok) return item;
+  item.found += fmt::format("; it is to give {:g} and more, {} x {} px, colour, stamped up to {:g} s before",
+                            kFewest_hz, vision::WidthPx(model), vision::HeightPx(model), kOldest_s);
+  return item;
+}
+
 double TiltOf(const control::VehicleState& state) {
   return std::acos(std::clamp((state.R_NB * Eigen::Vector3d::UnitZ()).z(), -1.0, 1.0));
 }
@@ -116,6 +142,7 @@ std::vector<CheckItem> PreFlight(const LoadedPlan& plan, vision::LiveCamera& cam
         fmt::format("{}, the flight wants {}", colour ? "colour" : "grey",
                     plan.plan.image.colour ? "colour" : "grey"));
   }
+  if (o.ground) items.push_back(GroundItem(plan, *o.ground, o));
   control::LinkHealth health = link.Health();
   const auto alive = [&] { return health.state_age_s && *health.state_age_s < 0.5; };
   while (!alive() && !Interrupted(o) && MonotonicNow_s() - begun_s < o.connect_s) {

@@ -27,6 +27,7 @@ struct PreFlightOptions {
   double sane_speed_m_s = 10;
   bool pilot_untold = false;  // that the autopilot does not tell of a pilot's switch is no reason not to fly
   const std::atomic<bool>* interrupted = nullptr;  // ends the watching
+  vision::LiveCamera* ground = nullptr;            // a second camera, on the ground; null: there is none
   std::function<void(const std::string&)> tell =
       {};  // what keeps the first image away, while it is waited for
 };

@@ -126,6 +126,10 @@ std::optional<vision::RtpStream> StreamOf(const ServeArguments& a) {
   return vision::ParseRtpStream(a.camera);
 }
 
+std::optional<vision::RtpStream> GroundStreamOf(const ServeArguments& a) {
+  return vision::ParseRtpStream(a.ground_camera);
+}
+
 std::string Warning(const std::string& what, const std::string& address) {
   return fmt::format(
       "  WARNING: {} is open beyond this computer ({}). These protocols have no authentication: whoever\n"
@@ -143,6 +147,15 @@ void CheckArguments(const ServeArguments& a, Mistakes& mistakes) {
   if (a.camera != "none" && !StreamOf(a))
     mistakes.Add("--camera", "", fmt::format("'{}' is no stream", a.camera),
                  "valid: rtp:PORT, raw:PORT, rtp:ADDRESS:PORT, raw:ADDRESS:PORT, none");
+  if (a.ground_camera != "none" && !GroundStreamOf(a))
+    mistakes.Add("--ground-camera", "", fmt::format("'{}' is no stream", a.ground_camera),
+                 "valid: rtp:PORT, raw:PORT, rtp:ADDRESS:PORT, raw:ADDRESS:PORT, none");
+  if (const auto stream = StreamOf(a), ground = GroundStreamOf(a);
+      stream && ground && stream->port == ground->port && stream->host == ground->host)
+    mistakes.Add("--ground-camera", "",
+                 fmt::format("port {} is where the camera's stream goes", stream->port), "valid: another");
+  if (a.ground_camera != "none" && a.physics)
+    mistakes.Add("--ground-camera", "", "is not served with the physics alone", "valid: without --physics");
   if (!IsAddress(a.listen))
     mistakes.Add("--listen", "", fmt::format("'{}' is no address", a.listen),
                  "valid: one of this computer's, as numbers");
@@ -228,6 +241,17 @@ std::string StartLines(const ServeArguments& a, const LoadedScenario& loaded,
                          CameraAddressOf(*stream), delay_s);
   } else {
     lines += "  camera   none\n";
+  }
+  if (const auto ground = GroundStreamOf(a)) {
+    const vision::CameraModel& model = loaded.simulator.ground->camera;
+    const sim::ImageParameters& image = loaded.simulator.ground->view.image;
+    const double delay_s = image.latency_s + vision::RtpDelay_s(ground->coding);
+    lines += fmt::format("  ground   {}: {} x {}, {:g} Hz, to {} port {}\n", vision::ToText(*ground),
+                         vision::WidthPx(model), vision::HeightPx(model), image.rate_hz, ground->host,
+                         ground->port);
+    if (!OnLoopback(ground->host)) lines += Warning("the stream of the camera on the ground", ground->host);
+    camera += fmt::format(" --camera {} --set-aircraft ground_camera.exposure_before_stamp_s={:.3f}",
+                          CameraAddressOf(*ground), delay_s);
   }
   if (platform)
     lines += fmt::format(

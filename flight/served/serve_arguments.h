@@ -21,7 +21,7 @@ struct LoadedScenario;
 
 // `kestrel serve`: the simulated aircraft, in real time, for any client. An absent option was not given.
 struct ServeArguments {
-  std::string scenario, seed, out, camera = "none", listen = "127.0.0.1";
+  std::string scenario, seed, out, camera = "none", ground_camera = "none", listen = "127.0.0.1";
   std::vector<std::string> overrides;
   std::optional<std::string> afcs;  // ADDRESS:PORT; empty: the usual
   bool asctec = false;
@@ -38,6 +38,7 @@ bool IsSeed(const std::string& text);
 bool InRange(double for_s);
 bool OnLoopback(const std::string& address);
 std::optional<vision::RtpStream> StreamOf(const ServeArguments& arguments);
+std::optional<vision::RtpStream> GroundStreamOf(const ServeArguments& arguments);
 // That what listens at or sends to this address is open to others.
 std::string Warning(const std::string& what, const std::string& address);
 

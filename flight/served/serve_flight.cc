@@ -96,6 +96,9 @@ class ServedFlight {
       // However late: the servers receive and send in between.
       const double until_s = std::min({due_s, t_s() + kSlice_s, end_s});
       while (const auto frame = simulator_.NextUntil(until_s)) Receive(*frame);
+      if (sim::SimulatedGroundCamera* ground = simulator_.ground_camera())
+        while (const auto taken = ground->Take())
+          if (options_.publish_ground) options_.publish_ground(taken->frame);
       if (options_.pilot_off_at_s && !pilot_off_ && t_s() >= *options_.pilot_off_at_s) {
         pilot_off_ = true;
         for (sim::AutopilotServer* server : options_.servers) server->SetPilot(false);

@@ -24,11 +24,12 @@ struct ServeOptions {
   std::vector<sim::AutopilotServer*> servers;
   sim::PanTilt* platform = nullptr;                   // that a server turns: the camera is on it
   std::function<void(const vision::Frame&)> publish;  // when a frame's latency is over; must return at once
-  std::optional<std::filesystem::path> folder;        // of the records; none: nothing is written
-  std::optional<double> pilot_off_at_s;               // when the pilot's switch takes the aircraft away
-  std::function<void()> begun;                        // the clock runs
-  std::function<void(const std::string&)> say;        // what who watches should know, as it happens
-  std::function<bool()> go_on;                        // false ends the flight in good order
+  std::function<void(const vision::Frame&)> publish_ground = {};  // the same of the camera on the ground
+  std::optional<std::filesystem::path> folder;                    // of the records; none: nothing is written
+  std::optional<double> pilot_off_at_s;         // when the pilot's switch takes the aircraft away
+  std::function<void()> begun;                  // the clock runs
+  std::function<void(const std::string&)> say;  // what who watches should know, as it happens
+  std::function<bool()> go_on;                  // false ends the flight in good order
   WallClock clock = MonotonicClock();
 };
 

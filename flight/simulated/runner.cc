@@ -26,7 +26,8 @@ FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) 
   sim::SimulatorParameters parameters = loaded.simulator;
   parameters.surfaces = options.folder && options.truth;
   sim::Simulator simulator(parameters);
-  const mission::MissionParts parts = PartsOf(loaded, simulator.model());
+  mission::MissionParts parts = PartsOf(loaded, simulator.model());
+  if (parts.ground) parts.ground->stream = simulator.ground_camera();
   const std::unique_ptr<mission::Mission> mission = scenario.flight->Make(parts);
   const auto start = std::chrono::steady_clock::now();
 

@@ -16,6 +16,7 @@
 #include "base/yaml/yaml_fields.h"
 #include "flight/check_mission.h"
 #include "flight/gains_file.h"
+#include "flight/simulated/check_ground.h"
 #include "flight/simulated/check_image.h"
 #include "flight/simulated/possible_metrics.h"
 #include "geometry/tait_bryan.h"
@@ -91,6 +92,22 @@ void CheckTargets(const Scenario& s, const Place& where, Mistakes& mistakes) {
                    fmt::format("with its diameter and string it reaches {:.3g} m into the ground", -lowest_m),
                    fmt::format("valid: a height from {:.3g} m", t.position_m.z() - lowest_m));
   }
+}
+
+// Where a deck begins, and what carries it.
+void CheckDeckPlace(const Scenario& s, const Config& config, const Place& file, Mistakes& mistakes) {
+  constexpr double kRoom_m = 0.25;  // for its plate
+  const Place where = WhereOf(config, "deck", file), pad = WhereOf(config, "pad", file);
+  sim::CheckDeck(*s.deck, s.autopilot.speed_limit_m_s, s.autopilot.acceleration_limit_m_s2, where, mistakes);
+  if (s.pad.tilt_deg != 0)
+    mistakes.Add(pad, "pad.tilt_deg", fmt::format("{:g}, but a deck is level at rest", s.pad.tilt_deg),
+                 "valid: 0, or deck: null");
+  if (s.pad.height_m < kRoom_m)
+    mistakes.Add(pad, "pad.height_m", fmt::format("{:g} leaves no room for the deck below", s.pad.height_m),
+                 fmt::format("valid: from {:g} on", kRoom_m));
+  if (s.start.on_ground)
+    mistakes.Add(WhereOf(config, "start", file), "start.on_ground", "true, on a deck that moves",
+                 "valid: false, or deck: null");
 }
 
 // Where a criterion was written; file: where none was.
@@ -251,6 +268,7 @@ LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& o
                .acceleration_m_s2 = s.autopilot.acceleration_limit_m_s2},
               config, where, mistakes);
   CheckTargets(s, WhereOf(config, "targets", where), mistakes);
+  if (s.deck) CheckDeckPlace(s, config, where, mistakes);
   if (s.carry) sim::CheckCarry(*s.carry, WhereOf(config, "carry", where), mistakes);
   CheckLandscape(s, beside, config, where, mistakes);
   CheckMount(s.mount, WhereOf(config, "mount", where), mistakes);
@@ -278,6 +296,16 @@ LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& o
     if (has_camera) CheckView(s.flight, s.camera, sim.camera, s.mount, config, where, mistakes);
   }
   CheckImage(s.image, has_camera ? &sim.camera : nullptr, WhereOf(config, "image", where), mistakes);
+  if (const auto sight = LoadGroundSight(s.flight.type(), s.ground_camera, beside,
+                                         WhereOf(config, "ground_camera", where), mistakes)) {
+    sim.ground = sim::GroundCameraParameters{
+        .camera = sight->camera, .place = sight->place, .lights = sight->lights, .view = s.ground_view};
+    CheckGround(*sim.ground, s.start, s.pad.yaw_deg, config, where, mistakes);
+    CheckImage(s.ground_view.image, &sim.ground->camera, WhereOf(config, "ground_view", where), mistakes);
+    if (s.deck)
+      mistakes.Add(WhereOf(config, "deck", where), "deck",
+                   "given, but the camera on the ground stands beside a pad at rest", "valid: null");
+  }
   if (s.pad.name == "none") {
     if (s.occlusion.share > 0)
       mistakes.Add(WhereOf(config, "occlusion", where), "occlusion.share",
@@ -306,6 +334,7 @@ LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& o
   sim.scene.pad_yaw_deg = s.pad.yaw_deg;
   sim.scene.pad_height_m = s.pad.height_m;
   sim.scene.pad_tilt_deg = s.pad.tilt_deg;
+  sim.scene.deck = s.deck;
   sim.sensors = s.sensors;
   sim.actuators = s.actuators;
   sim.mount = s.mount;
@@ -347,6 +376,11 @@ mission::MissionParts PartsOf(const LoadedScenario& loaded, const mjModel* model
                               .pad = loaded.pad,
                               .own_parts = {},
                               .seed = sim.seed};
+  if (sim.ground)
+    parts.ground = vision::GroundSight{.stream = nullptr,
+                                       .camera = sim.ground->camera,
+                                       .place = sim.ground->place,
+                                       .lights = sim.ground->lights};
   if (!loaded.scenario.flight.type().looks_for_pad)
     parts.own_parts = sim::OwnParts(model, parts.camera, parts.X_BC);
   return parts;

@@ -54,8 +54,10 @@ struct Scenario : FlightKeys {
   std::string vehicle = "pelican", world = "airfield";
   sim::AutopilotParameters autopilot;
   std::optional<sim::PanTiltParameters> platform;
+  sim::GroundViewParameters ground_view;
   std::optional<sim::LandscapeParameters> landscape;
   PadPlacement pad;
+  std::optional<sim::DeckParameters> deck;
   sim::StartParameters start;
   std::optional<sim::CarryParameters> carry;
   sim::ImageParameters image;
@@ -77,9 +79,12 @@ inline void Fields(FieldVisitor& v, Scenario& s) {
      "pan-tilt platform of the camera, which clients of kestrel serve turn; what is not given is the "
      "vehicle's"},
     s.platform);
+  v({"ground_view", "what the camera on the ground is like beyond what the flight knows of it"},
+    s.ground_view);
   v({"landscape", "terrain and sky of a world that is a landscape; what is not given is the world's"},
     s.landscape);
   v({"pad", "landing pad and where it lies"}, s.pad);
+  v({"deck", "deck that moves, on which the pad lies; null: the pad is at rest"}, s.deck);
   v({"start", "where and how the flight begins"}, s.start);
   v({"carry", "the aircraft is carried along a way by hand, with its motors off; null: it flies"}, s.carry);
   v({"image", "image sensor and lens: frame rate, latency, exposure, noise, faults"}, s.image);
@@ -108,7 +113,7 @@ struct LoadedScenario {
 LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<std::string>& overrides = {},
                             bool compile = true);
 
-// model: of the scenario's own scene, as a Simulator has it.
+// model: of the scenario's own scene, as a Simulator has it. A camera on the ground has no stream yet.
 mission::MissionParts PartsOf(const LoadedScenario& loaded, const mjModel* model);
 
 }  // namespace kestrel::flight

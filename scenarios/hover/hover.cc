@@ -8,8 +8,8 @@ namespace {
 
 class HoverMission final : public mission::Mission {
  public:
-  HoverMission(const HoverFlight& flight, mission::HelipadPilot pilot)
-      : flight_(flight), pilot_(std::move(pilot)) {}
+  HoverMission(const HoverFlight& flight, std::unique_ptr<mission::Pilot> pilot)
+      : flight_(flight), own_pilot_(std::move(pilot)), pilot_(*own_pilot_) {}
 
   mission::Decision Step(const vision::Frame& frame, const control::VehicleState& state) override {
     mission::Decision decision = pilot_.Observe(frame, state);
@@ -40,10 +40,12 @@ class HoverMission final : public mission::Mission {
   mission::TargetNeed Target() const override { return mission::TargetNeed::kInSight; }
   control::VelocityLag MaxLag() const override { return pilot_.MaxLag(); }
   void Draw(cv::Mat& bgr) const override { pilot_.Draw(bgr, phase_); }
+  cv::Mat ProductImage() const override { return pilot_.ProductImage(); }
 
  private:
   HoverFlight flight_;
-  mission::HelipadPilot pilot_;
+  std::unique_ptr<mission::Pilot> own_pilot_;
+  mission::Pilot& pilot_;
   std::string_view phase_ = "search";
   bool centred_ = false;
 };
@@ -57,8 +59,13 @@ mission::MissionType TypeOf(const HoverFlight&) {
           .common_metrics = {"fix_*", "longest_loss_s", "settle_s", "hold_*"}};
 }
 
+std::unique_ptr<mission::Mission> MakeHover(const HoverFlight& flight,
+                                            std::unique_ptr<mission::Pilot> pilot) {
+  return std::make_unique<HoverMission>(flight, std::move(pilot));
+}
+
 std::unique_ptr<mission::Mission> MakeMission(const HoverFlight& flight, const mission::MissionParts& parts) {
-  return std::make_unique<HoverMission>(flight, mission::PilotOf(parts));
+  return MakeHover(flight, std::make_unique<mission::HelipadPilot>(mission::PilotOf(parts)));
 }
 
 }  // namespace kestrel::scenarios

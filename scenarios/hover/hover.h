@@ -5,6 +5,7 @@
 
 #include "base/yaml/fields.h"
 #include "mission/mission_type.h"
+#include "mission/pilot.h"
 
 namespace kestrel::scenarios {
 
@@ -22,6 +23,8 @@ inline void Fields(FieldVisitor& v, HoverFlight& p) {
 }
 
 mission::MissionType TypeOf(const HoverFlight& flight);
+// By any pilot.
+std::unique_ptr<mission::Mission> MakeHover(const HoverFlight& flight, std::unique_ptr<mission::Pilot> pilot);
 std::unique_ptr<mission::Mission> MakeMission(const HoverFlight& flight, const mission::MissionParts& parts);
 
 }  // namespace kestrel::scenarios

@@ -76,7 +76,9 @@ void SnapshotInterpolator::Add(double t_s, const Snapshot& before, const Snapsho
   Pose X_BC = before.X_BC.value_or(X_BC_);
   if (before.X_BC && after.X_BC && share > 0)
     X_BC = {X_BC.R.slerp(share, after.X_BC->R), X_BC.p + share * (after.X_BC->p - X_BC.p)};
-  Pose X_NC = PoseFromMujoco(data->qpos) * X_BC;
+  Pose X_NC = before.X_NC.value_or(PoseFromMujoco(data->qpos) * X_BC);
+  if (before.X_NC && after.X_NC && share > 0)
+    X_NC = {X_NC.R.slerp(share, after.X_NC->R), X_NC.p + share * (after.X_NC->p - X_NC.p)};
   if (!vibration_.still()) X_NC = X_NC * vibration_.At(t_s);
   states_.push_back({t_s, data, X_NC});
 }

@@ -19,6 +19,7 @@ struct Snapshot {
   double t_s = 0;
   std::vector<mjtNum> qpos, mocap_pos, mocap_quat;
   std::optional<Pose> X_BC;  // of a camera on a platform; none: it is where it was mounted
+  std::optional<Pose> X_NC;  // of a camera that is not on the aircraft
 };
 Snapshot SnapshotOf(const mjModel* model, const mjData* data, double t_s);
 

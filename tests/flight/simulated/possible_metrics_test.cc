@@ -28,7 +28,8 @@ TEST(PossibleMetrics, HoldWhatFlightsOfEachMissionHave) {
   const std::map<std::string, std::vector<std::string>> known = {
       {"pose", {"fix_x_rmse_m", "longest_loss_s", "fix_autopilot_x_rms_m"}},
       {"hover", {"fix_x_rmse_m", "longest_loss_s"}},
-      {"landing", {"fix_x_rmse_m", "longest_loss_s"}},
+      {"landing", {"fix_x_rmse_m", "longest_loss_s", "within_limits_or_aborted"}},
+      {"landing_deck", {"deck_max_speed_m_s", "within_limits_or_aborted"}},
       {"attitude_1", {"roll_rmse_deg", "yaw_rmse_deg"}},
       {"gyro_failure", {"roll_rmse_deg", "failure_tilt_rms_deg"}},
       {"follow", {"in_view_share", "followed_share"}},
@@ -38,7 +39,11 @@ TEST(PossibleMetrics, HoldWhatFlightsOfEachMissionHave) {
       {"survey", {"path_vertical_rmse_m"}},
       {"panorama", {"path_yaw_rmse_deg"}},
       {"servo", {"servo_converged", "fix_x_rmse_m"}},
-      {"hover_direct", {"direct_share", "fix_x_rmse_m"}}};
+      {"hover_direct", {"direct_share", "fix_x_rmse_m"}},
+      {"hover_ground_camera", {"fix_x_rmse_m", "longest_loss_s"}},
+      {"landing_ground_camera", {"fix_x_rmse_m", "longest_loss_s"}},
+      {"landing_hybrid", {"fix_x_rmse_m", "by_ground_alone_share"}},
+      {"ground_calibration", {"fix_x_rmse_m"}}};
   scenarios::AddFlights();
   ASSERT_EQ(known.size(), mission::MissionNames().size());
   for (const auto& [name, telling] : known) {
@@ -55,7 +60,7 @@ TEST(PossibleMetrics, HoldWhatFlightsOfEachMissionHave) {
     bool goal = false;
     for (const records::LogRow& row : flight.rows) goal = goal || row.decision.goal_T;
     EXPECT_EQ(std::count(possible.begin(), possible.end(), "settle_s"), goal) << name;
-    const bool lands = name == "landing";
+    const bool lands = name.starts_with("landing");
     EXPECT_EQ(std::count(possible.begin(), possible.end(), "touchdown_error_m"), lands) << name;
     EXPECT_EQ(std::count(possible.begin(), possible.end(), "hold_yaw_rmse_deg"), goal && !lands) << name;
   }
