@@ -72,12 +72,12 @@ const std::vector<mission::Metric>& CommonMetrics() {
       {"touchdown_error_m", "m", "Distance from the pad's centre at the first touch"},
       {"touchdown_north_m", "m", "How far north of the pad's centre the first touch was", kAny},
       {"touchdown_east_m", "m", "How far east of the pad's centre the first touch was", kAny},
-      {"touchdown_sink_m_s", "m/s", "Velocity downwards at the first touch", kAny},
-      {"touchdown_tilt_deg", "deg", "Tilt from level at the first touch", 0, 180},
-      {"touchdown_speed_m_s", "m/s", "Speed sideways at the first touch"},
+      {"touchdown_sink_m_s", "m/s", "Velocity into the pad at the first touch", kAny},
+      {"touchdown_tilt_deg", "deg", "Angle between aircraft and pad at the first touch", 0, 180},
+      {"touchdown_speed_m_s", "m/s", "Speed along the pad at the first touch"},
       {"touchdown_s", "s", "When the first touch was"},
       {"rest_error_m", "m", "Distance from the pad's centre at the end of a landing"},
-      {"rest_tilt_deg", "deg", "Tilt from level at the end of a landing", 0, 180},
+      {"rest_tilt_deg", "deg", "Angle between aircraft and pad at the end of a landing", 0, 180},
       {"max_tilt_deg", "deg", "Maximum tilt of the flight", 0, 180},
       {"failure_attitude_rms_deg", "deg",
        "RMS angle between the true down and that which is flown by, while the autopilot's attitude has "
@@ -151,7 +151,6 @@ std::map<std::string, double> Metrics(const std::vector<LogRow>& rows, const std
     m["longest_loss_s"] = longest_loss;
   }
   AddFailure(rows, m);
-  if (type && type->add_metrics) type->add_metrics(rows, m);
   if (settle_s) m["settle_s"] = *settle_s;
   if (horizontal.count >= kHoldFewest && !touch) {
     m["hold_horizontal_rmse_m"] = horizontal.Root();
@@ -164,15 +163,19 @@ std::map<std::string, double> Metrics(const std::vector<LogRow>& rows, const std
     m["touchdown_error_m"] = X_TB.p.head<2>().norm();
     m["touchdown_north_m"] = touch->X_NB.p.x() - touch->X_NT.p.x();
     m["touchdown_east_m"] = touch->X_NB.p.y() - touch->X_NT.p.y();
-    m["touchdown_sink_m_s"] = touch->v_N.z();
-    m["touchdown_speed_m_s"] = touch->v_N.head<2>().norm();
-    m["touchdown_tilt_deg"] = TiltOf(touch->X_NB);
+    // Of the pad's own point below.
+    const Eigen::Vector3d v_T = touch->X_NT.R.conjugate() *
+                                (touch->v_N - touch->v_NT - touch->w_NT.cross(touch->X_NB.p - touch->X_NT.p));
+    m["touchdown_sink_m_s"] = v_T.z();
+    m["touchdown_speed_m_s"] = v_T.head<2>().norm();
+    m["touchdown_tilt_deg"] = TiltOf(X_TB);
     if (rows.back().estimate.landed) {
       const Truth& end = rows.back().now;
       m["rest_error_m"] = (end.X_NT.Inverse() * end.X_NB).p.head<2>().norm();
-      m["rest_tilt_deg"] = TiltOf(end.X_NB);
+      m["rest_tilt_deg"] = TiltOf(end.X_NT.Inverse() * end.X_NB);
     }
   }
+  if (type && type->add_metrics) type->add_metrics(rows, m);
   return m;
 }
 

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "control/law/fuzzy/fuzzy_height.h"
-#include "mission/decision.h"
+#include "mission/touch_down/touch_down_records.h"
 
 namespace kestrel::scenarios {
 
@@ -15,7 +15,7 @@ struct FuzzyDescentLaw {
 };
 
 // What the fuzzy law said of one frame, and the law.
-struct DescentReport final : mission::MissionReport {
+struct DescentReport final : mission::TouchDownReport {
   DescentReport(std::shared_ptr<const FuzzyDescentLaw> of, double height, double sinking, double descent)
       : law(std::move(of)), height_m(height), sink_m_s(sinking), descent_m_s(descent) {}
 

@@ -7,18 +7,27 @@
 #include <utility>
 
 #include "geometry/tait_bryan.h"
+#include "mission/touch_down/touch_down_records.h"
+#include "mission/touch_down/wind_from_lean.h"
 #include "scenarios/landing/descent_plot.h"
 #include "scenarios/landing/descent_report.h"
 
 namespace kestrel::scenarios {
 namespace {
 
-constexpr double kRest_s = 1;  // after the motors have stopped, until the aircraft stands still
+constexpr double kRest_s = 1;        // after the motors have stopped, until the aircraft stands still
+constexpr double kBlindClimb_s = 4;  // of an aborted flight that has lost the pad
+
+using Advice = mission::GoAround::Advice;
 
 class LandingMission final : public mission::Mission {
  public:
-  LandingMission(const LandingFlight& flight, mission::HelipadPilot pilot)
-      : flight_(flight), pilot_(std::move(pilot)) {
+  LandingMission(const LandingFlight& flight, std::unique_ptr<mission::Pilot> pilot)
+      : flight_(flight),
+        own_pilot_(std::move(pilot)),
+        pilot_(*own_pilot_),
+        wind_(flight.drag_per_s),
+        go_around_(flight.limits, flight.go_around) {
     if (flight.height_law == "fuzzy")
       fuzzy_ = std::make_shared<FuzzyDescentLaw>(
           FuzzyDescentLaw{flight.fuzzy, control::MakeInference(flight.fuzzy.controller)});
@@ -28,6 +37,7 @@ class LandingMission final : public mission::Mission {
     mission::Decision decision = pilot_.Observe(frame, state);
     decision.goal_T = Eigen::Vector3d::Zero();
     decision.goal_yaw_TB = Radians(flight_.yaw_deg);
+    wind_.Add(state);
     if (state.landed) {
       phase_ = "landed";
       if (!landed_s_) landed_s_ = state.t_s;
@@ -35,26 +45,76 @@ class LandingMission final : public mission::Mission {
     } else if (committed_ && !pilot_.HasEstimate() && decision.fix_age_s < BlindTime_s()) {
       // Too low to see: on with the last course, level and straight down.
       decision.setpoint = control::VelocitySetpoint{{0, 0, flight_.commit_sink_m_s}, 0};
+    } else if (!pilot_.HasEstimate() && go_around_.aborted()) {
+      decision.setpoint = control::VelocitySetpoint{{0, 0, -flight_.go_around.climb_m_s}, 0};
+      if (decision.fix_age_s > kBlindClimb_s) End(decision);
     } else if (!pilot_.HasEstimate()) {
       committed_ = false;
       phase_ = "search";
       decision.setpoint = pilot_.Search(state);
       if (!decision.setpoint) decision.outcome = "pad not found";
     } else {
-      decision.setpoint = Descend();
-      decision.report = std::exchange(report_, nullptr);
+      decision.setpoint = Approach(state, decision);
     }
+    decision.report = Report();
     decision.phase = phase_;
     return decision;
   }
-  bool Accomplished() const override { return landed_s_.has_value(); }
+  bool Accomplished() const override { return landed_s_.has_value() || ended_; }
   mission::TargetNeed Target() const override { return mission::TargetNeed::kInSight; }
   control::VelocityLag MaxLag() const override { return pilot_.MaxLag(); }
   void Draw(cv::Mat& bgr) const override { pilot_.Draw(bgr, phase_); }
+  cv::Mat ProductImage() const override { return pilot_.ProductImage(); }
 
  private:
   // The ground must come within this, or something else has.
   double BlindTime_s() const { return 2 * flight_.blind_m / flight_.commit_sink_m_s + 1; }
+
+  void End(mission::Decision& decision) {
+    ended_ = true;
+    decision.outcome = mission::kAborted;
+  }
+
+  // Over a level pad.
+  mission::ExpectedTouch Expected(const control::VehicleState& state) const {
+    const Eigen::Vector3d& v_T = pilot_.where().v_T;
+    // What does not sink though it should may stand on the pad, and rocks as it settles there.
+    const bool sinks = v_T.z() > flight_.commit_sink_m_s / 2;
+    const auto tilt_in = [&](double lead_s) {
+      return std::acos(
+          std::clamp((state.R_NB * ExpRotation(lead_s * state.w_B)).toRotationMatrix()(2, 2), -1.0, 1.0));
+    };
+    const double lead_s = sinks ? flight_.go_around.lead_s : 0;
+    // Higher up it sinks faster than it will.
+    const double sink_m_s = -pilot_.where().p_TB.z() < flight_.commit_m ? v_T.z() : flight_.commit_sink_m_s;
+    return {std::max(tilt_in(0), tilt_in(lead_s)), sink_m_s, v_T.head<2>().norm(), wind_.speed_m_s()};
+  }
+
+  control::VelocitySetpoint Approach(const control::VehicleState& state, mission::Decision& decision) {
+    const Eigen::Vector3d& p_TB = pilot_.where().p_TB;
+    const double height = -p_TB.z();
+    switch (go_around_.Ask(state.t_s, height, flight_.commit_m, Expected(state))) {
+      case Advice::kWait:
+        phase_ = "wait";
+        committed_ = false;
+        return pilot_.GoTo({0, 0, -flight_.go_around.decision_m}, Radians(flight_.yaw_deg));
+      case Advice::kGoAround:
+        phase_ = "go around";
+        return Climb();
+      case Advice::kAbort:
+        phase_ = "abort";
+        if (!go_around_.climbing()) End(decision);
+        return Climb();
+      case Advice::kApproach:
+        return Descend();
+    }
+    return {};
+  }
+
+  control::VelocitySetpoint Climb() {
+    committed_ = false;
+    return pilot_.DescendTo({0, 0}, Radians(flight_.yaw_deg), -flight_.go_around.climb_m_s);
+  }
 
   control::VelocitySetpoint Descend() {
     const Eigen::Vector3d& p_TB = pilot_.where().p_TB;
@@ -84,17 +144,31 @@ class LandingMission final : public mission::Mission {
   std::optional<double> Fuzzy(double height) {
     const double sinking = pilot_.where().v_T.z();
     const auto descent = control::FuzzyDescent(fuzzy_->height, fuzzy_->inference, height, sinking);
-    if (descent) report_ = std::make_shared<DescentReport>(fuzzy_, height, sinking, *descent);
+    if (descent) descent_ = std::make_shared<DescentReport>(fuzzy_, height, sinking, *descent);
     return descent;
   }
 
+  std::shared_ptr<const mission::MissionReport> Report() {
+    const std::shared_ptr<DescentReport> descent = std::exchange(descent_, nullptr);
+    const std::shared_ptr<mission::TouchDownReport> report =
+        descent ? descent : std::make_shared<mission::TouchDownReport>();
+    report->limits = flight_.limits;
+    report->attempt = go_around_.attempt();
+    report->wind_m_s = wind_.speed_m_s();
+    return report;
+  }
+
   LandingFlight flight_;
-  mission::HelipadPilot pilot_;
+  std::unique_ptr<mission::Pilot> own_pilot_;
+  mission::Pilot& pilot_;
   std::string_view phase_ = "search";
   std::optional<double> landed_s_;
   std::shared_ptr<const FuzzyDescentLaw> fuzzy_;  // null: the law is linear
-  std::shared_ptr<const DescentReport> report_;   // of this frame
-  bool committed_ = false;                        // so low that the camera need no longer see the pad
+  std::shared_ptr<DescentReport> descent_;        // of this frame
+  mission::WindFromLean wind_;
+  mission::GoAround go_around_;
+  bool committed_ = false;  // so low that the camera need no longer see the pad
+  bool ended_ = false;      // aborted
 };
 
 }  // namespace
@@ -105,6 +179,7 @@ void CheckFlight(const LandingFlight& flight, const Place& where, Mistakes& mist
         where, "flight.commit_sink_m_s",
         fmt::format("{:g} is above flight.descent_m_s = {:g}", flight.commit_sink_m_s, flight.descent_m_s),
         "valid: no more than that");
+  mission::CheckGoAround(flight.go_around, flight.commit_m, "flight.commit_m", where, mistakes);
   control::CheckHeight(flight.fuzzy, "flight.fuzzy", where, mistakes);
 }
 
@@ -125,13 +200,21 @@ mission::MissionType TypeOf(const LandingFlight&) {
           .summary = "Centres over the pad, descends and lands on it; it lands on no other place.",
           .looks_for_pad = true,
           .begins_in_the_air = true,
+          .telemetry = mission::TouchDownColumns(),
+          .metrics = mission::TouchDownMetrics(),
+          .add_metrics = mission::AddTouchDownMetrics,
           .common_metrics = {"fix_*", "longest_loss_s", "settle_s", "touchdown_*", "rest_*"},
           .plots = {{"fuzzy.png", DescendsByRules, DescentPlot}}};
 }
 
+std::unique_ptr<mission::Mission> MakeLanding(const LandingFlight& flight,
+                                              std::unique_ptr<mission::Pilot> pilot) {
+  return std::make_unique<LandingMission>(flight, std::move(pilot));
+}
+
 std::unique_ptr<mission::Mission> MakeMission(const LandingFlight& flight,
                                               const mission::MissionParts& parts) {
-  return std::make_unique<LandingMission>(flight, mission::PilotOf(parts));
+  return MakeLanding(flight, std::make_unique<mission::HelipadPilot>(mission::PilotOf(parts)));
 }
 
 }  // namespace kestrel::scenarios

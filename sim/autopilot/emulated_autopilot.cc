@@ -259,13 +259,16 @@ SensedMotion EmulatedAutopilot::Sensed() const {
 
 void EmulatedAutopilot::WatchTouchDown(double dt_s, double descent_wanted) {
   const double sinking = navigation_.InUse().v_N().z();
-  const bool suspicious = descent_wanted > kTouchDescent_m_s && sinking < kTouchStill_m_s;
+  const double lag = parameters_.touch_down_lag_m_s;
+  const bool stays_behind = lag > 0 && descent_wanted - sinking > lag;
+  const bool suspicious = stays_behind || (descent_wanted > kTouchDescent_m_s && sinking < kTouchStill_m_s);
   if (throttle_down_ >= 1) {
     touch_s_ = suspicious ? touch_s_ + dt_s : 0;
     if (touch_s_ < kTouchTime_s) return;
   }
-  if (sinking > kTouchFalling_m_s || carried_m_s2_ < kTouchCarried_m_s2 ||
-      descent_wanted <= kTouchDescent_m_s) {  // it falls, or wants to go: in the air
+  const bool leaves = sinking > kTouchFalling_m_s || descent_wanted <= kTouchDescent_m_s;
+  if (carried_m_s2_ < kTouchCarried_m_s2 ||
+      (leaves && !stays_behind)) {  // it falls, or wants to go: in the air
     throttle_down_ = 1;
     touch_s_ = 0;
     return;

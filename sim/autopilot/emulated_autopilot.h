@@ -40,6 +40,9 @@ struct AutopilotParameters {
   double climb_delay_s = 0;
   double position_gain_per_s = 0.9;
   double command_timeout_s = 0.5;
+  // Of a touch-down on what moves: by how much less than asked for the aircraft sinks once it stands. 0: it stands
+  // where it does not sink at all.
+  double touch_down_lag_m_s = 0;
 };
 
 inline void Fields(FieldVisitor& v, AxisLoop& a) {
@@ -74,6 +77,11 @@ inline void Fields(FieldVisitor& v, AutopilotParameters& p) {
     0.0, 3.0);
   v({"position_gain_per_s", "proportional gain of position hold: velocity over position error"},
     p.position_gain_per_s, 0.0, 5.0);
+  v({"touch_down_lag_m_s",
+     "how far the sink rate stays behind the one asked for once the aircraft stands, on a deck that heaves; "
+     "0: "
+     "it stands where it does not sink"},
+    p.touch_down_lag_m_s, 0.0, 3.0);
   v({"command_timeout_s", "silence of setpoints after which it holds its place"}, p.command_timeout_s, 0.05,
     10.0);
 }

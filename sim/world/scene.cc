@@ -27,10 +27,21 @@ namespace {
 constexpr double kTimestep_s = 0.002;
 constexpr double kPadThickness_m = 0.01;
 constexpr const char* kPadFile = "picture of the pad.png";  // in memory
+constexpr double kDeckThickness_m = 0.2;
+constexpr double kDeckMass_kg = 1e5;  // no aircraft moves it
 constexpr double kOccluderClearance_m = 0.03;
 constexpr double kOccluderThickness_m = 0.004;
 constexpr double kOutOfSight_m = 100;  // below the ground
+constexpr double kBlindHalf_m = 1.5;
 constexpr std::size_t kMaxMjcfBytes = 1u << 24;
+
+// Red, green and blue of a lamp of this hue, 0 to 1.
+Eigen::Vector3d PureColour(double hue_deg) {
+  const auto channel = [&](double at_deg) {
+    return std::clamp(2 - std::abs(std::remainder(hue_deg - at_deg, 360.0)) / 60, 0.03, 1.0);
+  };
+  return {channel(0), channel(120), channel(240)};
+}
 
 std::string TargetName(std::size_t index) { return fmt::format("target {}", index); }
 
@@ -87,10 +98,34 @@ void PutPad(pugi::xml_node body, const SceneParameters& p, double thickness_m) {
   body.append_attribute("quat") = fmt::format("{} {} {} {}", q[3], q[4], q[5], q[6]).c_str();
 }
 
+// Makes the pad a free body on a plate. Its friction stands for both sides of a contact.
+void PutOnDeck(pugi::xml_node model, pugi::xml_node body, const DeckParameters& deck) {
+  pugi::xml_document part;
+  part.load_string(fmt::format(R"(<body>
+  <freejoint name="pad"/>
+  <inertial pos="0 0 0" mass="{0}" diaginertia="{0} {0} {0}"/>
+  <geom name="deck" type="box" pos="0 0 {1}" size="{2} {2} {3}" rgba="0.33 0.36 0.38 1" priority="1"
+        friction="{4} 0.01 0.001" condim="4" solref="0.02 1.2" solimp="0.9 0.95 0.005"/>
+</body>)",
+                               kDeckMass_kg, -kPadThickness_m - kDeckThickness_m / 2, deck.size_m / 2,
+                               kDeckThickness_m / 2, deck.friction)
+                       .c_str());
+  for (const pugi::xml_node child : part.document_element().children()) body.append_copy(child);
+  pugi::xml_node face = body.child("geom");
+  if (std::strcmp(face.attribute("name").value(), "pad") == 0) {
+    for (const char* const of_contact : {"priority", "friction", "condim", "solref", "solimp"})
+      face.append_attribute(of_contact) = part.document_element().child("geom").attribute(of_contact).value();
+  }
+  pugi::xml_node exclude = model.append_child("contact").append_child("exclude");
+  exclude.append_attribute("body1") = "pad";
+  exclude.append_attribute("body2") = "world";
+}
+
 void AppendPlaceOfPad(pugi::xml_node model, const SceneParameters& p) {
   pugi::xml_node body = model.append_child("worldbody").append_child("body");
   body.append_attribute("name") = "pad";
   PutPad(body, p, 0);
+  if (p.deck) PutOnDeck(model, body, *p.deck);
 }
 
 void AppendPad(pugi::xml_node model, const SceneParameters& p) {
@@ -114,6 +149,8 @@ void AppendPad(pugi::xml_node model, const SceneParameters& p) {
       -kPadThickness_m / 2, p.pad.size_m.y() / 2, p.pad.size_m.x() / 2, kPadThickness_m / 2);
   part.load_string(text.c_str());
   PutPad(part.document_element().child("worldbody").child("body"), p, kPadThickness_m);
+  if (p.deck)
+    PutOnDeck(part.document_element(), part.document_element().child("worldbody").child("body"), *p.deck);
   const std::string texture =
       p.pad_picture.empty() ? std::filesystem::absolute(p.pad_texture).string() : kPadFile;
   part.document_element().child("asset").child("texture").attribute("file").set_value(texture.c_str());
@@ -176,6 +213,48 @@ void AppendTargets(pugi::xml_node model, const SceneParameters& p) {
   }
 }
 
+// Globes that shine by themselves, on the body of the vehicle.
+void AppendLights(pugi::xml_node model, const vision::AircraftLights& lights) {
+  pugi::xml_node body = model.select_node("//body[@name='vehicle']").node();
+  if (!body) return;  // said by MakeModel
+  pugi::xml_node asset = model.append_child("asset");
+  for (const int colour : {1, 2}) {
+    const vision::ColourRange& range = colour == 1 ? lights.colour_1 : lights.colour_2;
+    const Eigen::Vector3d rgb = PureColour(range.hue_deg);
+    pugi::xml_node material = asset.append_child("material");
+    material.append_attribute("name") = fmt::format("light {}", colour).c_str();
+    material.append_attribute("rgba") = fmt::format("{} {} {} 1", rgb.x(), rgb.y(), rgb.z()).c_str();
+    material.append_attribute("specular") = "0";
+    material.append_attribute("emission") = "1";
+  }
+  for (const vision::AircraftLight& light : lights.lights) {
+    pugi::xml_node geom = body.append_child("geom");
+    geom.append_attribute("type") = "sphere";
+    geom.append_attribute("size") = fmt::format("{}", lights.diameter_m / 2).c_str();
+    geom.append_attribute("pos") =
+        fmt::format("{} {} {}", light.position_m.x(), -light.position_m.y(), -light.position_m.z()).c_str();
+    geom.append_attribute("material") = fmt::format("light {}", light.colour).c_str();
+    geom.append_attribute("mass") = "0";
+    geom.append_attribute("contype") = "0";
+    geom.append_attribute("conaffinity") = "0";
+    geom.append_attribute("group") = "1";
+  }
+}
+
+void AppendBlind(pugi::xml_node model) {
+  pugi::xml_node body = model.append_child("worldbody").append_child("body");
+  body.append_attribute("name") = "blind";
+  body.append_attribute("mocap") = "true";
+  body.append_attribute("pos") = fmt::format("0 0 {}", -kOutOfSight_m).c_str();
+  pugi::xml_node geom = body.append_child("geom");
+  geom.append_attribute("name") = "blind";
+  geom.append_attribute("type") = "box";
+  geom.append_attribute("size") = fmt::format("{0} {0} {1}", kBlindHalf_m, kOccluderThickness_m / 2).c_str();
+  geom.append_attribute("rgba") = "0.12 0.12 0.13 1";
+  geom.append_attribute("contype") = "0";
+  geom.append_attribute("conaffinity") = "0";
+}
+
 struct Part {
   const char* what;
   std::filesystem::path path;
@@ -190,9 +269,12 @@ CompiledModel Compose(const SceneParameters& p, int parts) {
     AppendLandscape(model, landscape);
   else
     Append(model, p.world, "world");
-  if (parts > 1) AppendPad(model, p);
+  if (parts > 1 && !p.deck) AppendPad(model, p);
   if (parts > 2) Append(model, p.vehicle, "vehicle");
+  if (parts > 1 && p.deck) AppendPad(model, p);
   if (parts > 2) AppendTargets(model, p);
+  if (parts > 2 && p.lights) AppendLights(model, *p.lights);
+  if (p.blind) AppendBlind(model);
   if (!p.pad_picture.empty()) landscape.files[kPadFile] = TextureOf(p.pad_picture);
   std::ostringstream text;
   document.save(text);
@@ -280,15 +362,30 @@ void PlaceTarget(const mjModel* model, mjData* data, std::size_t index, const Ta
   std::copy(qpos + 3, qpos + 7, data->mocap_quat + 4 * mocap);
 }
 
-void PlaceOccluder(const mjModel* model, mjData* data, double share) {
+void PlaceDeck(const mjModel* model, mjData* data, const DeckMotion& motion) {
+  const int body = Find(model, mjOBJ_BODY, "pad"), joint = model->body_jntadr[body];
+  mjtNum* const qvel = data->qvel + model->jnt_dofadr[joint];
+  PoseToMujoco(motion.X_NT, data->qpos + model->jnt_qposadr[joint]);
+  VectorToMujoco(motion.v_N, qvel);
+  VectorToMujoco(motion.X_NT.R.conjugate() * motion.w_N, qvel + 3);
+  mjtNum* const push = data->xfrc_applied + 6 * body;
+  VectorToMujoco(kDeckMass_kg * (motion.a_N - Eigen::Vector3d(0, 0, kGravity_m_s2)), push);
+  VectorToMujoco(kDeckMass_kg * motion.dw_N, push + 3);  // a ball's inertia has no gyroscopic torque
+}
+
+void PlaceBlind(const mjModel* model, mjData* data, const Pose& X_NQ) {
+  const int mocap = model->body_mocapid[Find(model, mjOBJ_BODY, "blind")];
+  mjtNum qpos[7];
+  PoseToMujoco(X_NQ, qpos);
+  std::copy(qpos, qpos + 3, data->mocap_pos + 3 * mocap);
+  std::copy(qpos + 3, qpos + 7, data->mocap_quat + 4 * mocap);
+}
+
+void PlaceOccluder(const mjModel* model, mjData* data, const Pose& X_NT, double share) {
   const int body = Find(model, mjOBJ_BODY, "occluder");
   if (body < 0) throw std::runtime_error("The scene has no occluder to place.");
   if (!(share >= 0 && share <= 1))
     throw std::runtime_error(fmt::format("The occluder cannot cover a share of {}: 0 to 1.", share));
-  const int pad = Find(model, mjOBJ_BODY, "pad");
-  const mjtNum* const q = model->body_quat + 4 * pad;
-  const Pose X_NT{SwapNedNwu(Eigen::Quaterniond(q[0], q[1], q[2], q[3])),
-                  VectorFromMujoco(model->body_pos + 3 * pad)};
   const double length = 2 * model->geom_size[3 * Find(model, mjOBJ_GEOM, "occluder")];
   const double height = share > 0 ? kOccluderClearance_m + kOccluderThickness_m / 2 : -kOutOfSight_m;
   const Pose X_NO = X_NT * Pose{Eigen::Quaterniond::Identity(), {(1 - share) * length, 0, -height}};

@@ -12,8 +12,10 @@
 #include <vector>
 
 #include "geometry/pose.h"
+#include "sim/deck/deck.h"
 #include "sim/landscape/landscape.h"
 #include "sim/world/target.h"
+#include "vision/aircraft/aircraft_lights.h"
 #include "vision/landmark/pad_file.h"
 
 namespace kestrel::sim {
@@ -40,14 +42,18 @@ struct SceneParameters {
   double pad_yaw_deg = 0;                                    // clockwise from north
   double pad_height_m = 0;                                   // of the middle of its back
   double pad_tilt_deg = 0;                     // raises the top of its picture; 90: it hangs on a wall
+  std::optional<DeckParameters> deck;          // the pad lies on a deck that moves
   bool occluder = false;                       // with a dark sheet that can be put over the pad
   std::vector<TargetParameters> targets = {};  // what they look like
+  std::optional<vision::AircraftLights> lights = {};  // on the vehicle, without mass; none: it has none
+  bool blind = false;                                 // with a sheet that can be put before a lens
 };
 
 // The MuJoCo model of a flight: world, vehicle and pad, stepped at 2 ms under 9.80665 m/s2. Names of files
 // within the world and the vehicle are relative to the file they stand in. The pad is a body and a geom
 // "pad", its face 1 cm before its back, which lies on the ground unless it is raised or tilted; without a
-// picture the body has no geom and is where the back would be. Throws
+// picture the body has no geom and is where the back would be. On a deck the pad is a free body with a plate below
+// it that nothing but the vehicle touches; its joint comes after the vehicle's. Throws
 // std::runtime_error with one sentence that names the file at fault. May be called on any thread. paint: a
 // landscape's pictures too, which take longer than all the rest.
 ModelPtr MakeModel(const SceneParameters& parameters, bool paint = true);
@@ -61,9 +67,16 @@ Pose PadPose(const mjModel* model, const mjData* data);
 // Puts a target there, with its string to its anchor. It shows once the positions of data are computed again.
 void PlaceTarget(const mjModel* model, mjData* data, std::size_t index, const TargetPath& path);
 
-// Puts the occluder 3 cm above the pad, over the given share of it (0 to 1) from its +x end; at 0 it is out
+// Moves the pad that is a deck: its state, and the force that gives it its acceleration in the next step.
+void PlaceDeck(const mjModel* model, mjData* data, const DeckMotion& motion);
+
+// Puts the middle of the blind there, a dark sheet across z of X_NQ; far below the ground it is out of sight. It
+// shows once the positions of data are computed again. Only of a model that has one.
+void PlaceBlind(const mjModel* model, mjData* data, const Pose& X_NQ);
+
+// Puts the occluder 3 cm above the pad, which is at X_NT, over the given share of it (0 to 1) from its +x end; at 0 it is out
 // of sight. It shows once the positions of data are computed again. Throws std::runtime_error if the model
 // has none.
-void PlaceOccluder(const mjModel* model, mjData* data, double share);
+void PlaceOccluder(const mjModel* model, mjData* data, const Pose& X_NT, double share);
 
 }  // namespace kestrel::sim

@@ -135,7 +135,7 @@ TEST_F(Scene, OccluderCoversItsShareFromThePlusXEnd) {
   const Pose X_NC = LookingDown(0, {0, 0, -2.5});
   Renderer renderer(model.get(), kCamera, {});
   const cv::Mat bare = renderer.Render(data.get(), X_NC);
-  PlaceOccluder(model.get(), data.get(), 0.4);
+  PlaceOccluder(model.get(), data.get(), PadPose(model.get(), data.get()), 0.4);
   mj_kinematics(model.get(), data.get());
   const cv::Mat covered = renderer.Render(data.get(), X_NC);
   for (const double along : {-0.48, -0.2, 0.07, 0.13, 0.3, 0.48}) {
@@ -147,10 +147,11 @@ TEST_F(Scene, OccluderCoversItsShareFromThePlusXEnd) {
     else
       EXPECT_EQ(covered.at<cv::Vec3b>(at), bare.at<cv::Vec3b>(at)) << along;
   }
-  PlaceOccluder(model.get(), data.get(), 0);
+  PlaceOccluder(model.get(), data.get(), PadPose(model.get(), data.get()), 0);
   mj_kinematics(model.get(), data.get());
   EXPECT_EQ(cv::norm(renderer.Render(data.get(), X_NC), bare, cv::NORM_INF), 0);
-  EXPECT_THROW(PlaceOccluder(model.get(), data.get(), 1.1), std::runtime_error);
+  EXPECT_THROW(PlaceOccluder(model.get(), data.get(), PadPose(model.get(), data.get()), 1.1),
+               std::runtime_error);
 }
 
 TEST_F(Scene, StepsAtTwoMillisecondsUnderStandardGravity) {
@@ -219,7 +220,7 @@ TEST_F(Scene, RefusesAPadThatReachesBeyondTheGroundWithTheNumbers) {
 
 TEST_F(Scene, WithoutAnOccluderPlacingItIsRefused) {
   const ModelPtr model = MakeModel(p_);
-  EXPECT_THROW(PlaceOccluder(model.get(), MakeData(model.get()).get(), 0.3), std::runtime_error);
+  EXPECT_THROW(PlaceOccluder(model.get(), MakeData(model.get()).get(), {}, 0.3), std::runtime_error);
 }
 
 TEST_F(Scene, HelipadOnTheAirfieldHasCornersFromEveryHeight) {
