@@ -131,6 +131,12 @@ bool ReplayCommand(const ReplayArguments& a) {
     mistakes.Add("--tolerance", "", fmt::format("{:g} is no tolerance", a.tolerance), "valid: 0 or more");
   mistakes.ThrowIfAny();
   const flight::LoadedPlan loaded = flight::LoadPlan((folder / "scenario.yaml").string(), a.overrides);
+  if (const mission::MissionType& flown = loaded.plan.flight.type(); flown.needs_ground_camera)
+    throw InputError(
+        "replay",
+        fmt::format("the mission '{}' flies by a camera on the ground, whose images no recording has",
+                    flown.name),
+        "valid: a flight by the camera on board alone");
   const records::Recording recording(folder);
   const std::vector<records::RecordedFrame>& frames = recording.frames();
   const std::vector<std::filesystem::path> damaged = recording.Damaged();
