@@ -37,7 +37,7 @@ class FlyCommandTest : public InTemporaryFolder {
   FlyArguments Arguments() const {
     FlyArguments a;
     a.scenario = "landing";
-    a.camera = "v4l2:/dev/none";
+    a.cameras = {"v4l2:/dev/none"};
     a.autopilot = "mavlink:udp://127.0.0.1:1";
     a.out = (folder_ / "run").string();
     return a;
@@ -46,7 +46,7 @@ class FlyCommandTest : public InTemporaryFolder {
 
 TEST_F(FlyCommandTest, AllMistakesAreToldAtOnce) {
   FlyArguments a = Arguments();
-  a.camera = "foo";
+  a.cameras = {"foo"};
   a.autopilot = "bar";
   a.overrides = {"a.b=1"};
   a.aircraft_overrides = {"safety.spede_m_s=1"};
@@ -55,6 +55,19 @@ TEST_F(FlyCommandTest, AllMistakesAreToldAtOnce) {
   const std::string told = MistakesOf(a);
   for (const char* each : {"--camera foo", "bar", "a.b", "spede_m_s", "--for: -5", "--arm"})
     EXPECT_THAT(told, HasSubstr(each));
+}
+
+TEST_F(FlyCommandTest, AsManyCamerasAsTheMissionFliesBy) {
+  FlyArguments a = Arguments();
+  a.cameras = {"v4l2:/dev/none", "v4l2:/dev/another"};
+  EXPECT_THAT(MistakesOf(a), HasSubstr("2 of them, and the mission 'landing' flies by one"));
+  a.scenario = "landing_hybrid";
+  a.cameras.push_back("v4l2:/dev/third");
+  EXPECT_THAT(MistakesOf(a), HasSubstr("3 of them, and the mission 'landing_hybrid' flies by two at most"));
+  a.cameras.resize(1);
+  EXPECT_THAT(MistakesOf(a), HasSubstr("--camera twice, that on board, then that on the ground"));
+  a.cameras.push_back("foo");
+  EXPECT_THAT(MistakesOf(a), HasSubstr("--camera foo"));
 }
 
 TEST_F(FlyCommandTest, ATimeThatIsNoneIsRefusedWithNumbersThatCanBeRead) {
@@ -77,7 +90,7 @@ TEST_F(FlyCommandTest, ATerminalThatGoesEndsTheCheckListInGoodOrderAndItIsOnReco
   for (const char* name : {"1.png", "2.png", "3.png"})
     cv::imwrite((folder_ / "images" / name).string(), cv::Mat(480, 640, CV_8UC1, cv::Scalar(128)));
   FlyArguments a = Arguments();
-  a.camera = "file:" + (folder_ / "images").string();
+  a.cameras = {"file:" + (folder_ / "images").string()};
   std::signal(SIGHUP, SIG_DFL);
   std::thread terminal([] {
     struct sigaction now {};

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "base/diagnostics.h"
+#include "base/file/files.h"
 #include "flight/simulated/runner.h"
 #include "tests/support/temporary_folder.h"
 
@@ -58,6 +59,12 @@ TEST_F(ReplayCommandTest, AMissingImageAndOneThatIsCutOffAreRefusedBeforeTheRepl
   EXPECT_THAT(refused(), ::testing::HasSubstr("000003.png"));
   std::filesystem::remove(image(5));
   EXPECT_THAT(refused(), ::testing::HasSubstr("2 of "));
+}
+
+TEST_F(ReplayCommandTest, AFlightByACameraOnTheGroundIsRefusedAsItsImagesAreNotRecorded) {
+  WriteFile(folder_ / "scenario.yaml", "mission: hover_ground_camera\nground_camera: {camera: ground_6mm}\n");
+  EXPECT_THAT([&] { Replay(); }, ::testing::Throws<InputError>(::testing::Property(
+                                     &InputError::what, ::testing::HasSubstr("camera on the ground"))));
 }
 
 TEST_F(ReplayCommandTest, AToleranceThatIsNoneIsRefused) {
