@@ -11,6 +11,7 @@
 #include <string_view>
 #include <system_error>
 
+#include "base/file/files.h"
 #include "base/user_file.h"
 #include "vision/image_header.h"
 
@@ -113,6 +114,10 @@ ImageFile ReadImageFile(const fs::path& file, ImageColours colours) {
 }
 
 bool LooksLikeImage(const fs::path& file) { return IsFile(file) && cv::haveImageReader(file.string()); }
+
+bool IsNamedAsImage(const fs::path& file) {
+  return IsFile(file) && HasEnding(file, {".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".pgm", ".ppm"});
+}
 
 std::string PixelDepth::Include(const ImageFile& image) {
   if (image.pixels.empty() || image.pixels.depth() == CV_8U) return {};

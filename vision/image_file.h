@@ -29,6 +29,8 @@ ImageFile ReadImageFile(const std::filesystem::path& file, ImageColours colours)
 
 // Whether a file begins as images do, whole or not.
 bool LooksLikeImage(const std::filesystem::path& file);
+// Whether its name ends as those of images do, whatever is in it.
+bool IsNamedAsImage(const std::filesystem::path& file);
 
 // Of the images of one camera, what their pixels of 16 bits mean. Cameras of 10, 12 or 14 bits mostly leave
 // the upper bits empty, and files mostly do not say it. What one image says holds for all of them, so that

@@ -34,6 +34,12 @@ std::vector<std::optional<Pose>> PosesOf(const MosaicArguments& a, Mistakes& mis
   const Pose X_BC = PoseOf(a.mount);
   for (auto& pose : poses)
     if (pose) pose = *pose * X_BC;
+  const auto is_above = [&](const auto& pose) { return pose && pose->p.z() < a.ground_down_m; };
+  if (!poses.empty() && MosaicOnPlane(a) && std::none_of(poses.begin(), poses.end(), is_above))
+    mistakes.Add(
+        a.poses, "",
+        fmt::format("no pose is above the ground, which is {:g} m below N's origin", a.ground_down_m),
+        "valid: poses of a flight, down_m less than --ground-down-m");
   return poses;
 }
 
@@ -69,6 +75,16 @@ void CheckFiles(const MosaicArguments& a, Mistakes& mistakes) {
   }
 }
 
+// The next image; an empty one where it cannot be read.
+std::optional<vision::Frame> NextOf(ImageInput& input, int number, bool quiet) {
+  try {
+    return input.next();
+  } catch (const UnreadableImage& e) {
+    if (!quiet) fmt::print("unreadable: {}\n", e.what());
+    return vision::Frame{{}, e.t_s, number};
+  }
+}
+
 // Why the mosaic of this step is another than the one before.
 std::string WhyAnother(const vision::MosaicSeries::Step& step) {
   using Cause = vision::MosaicSeries::Cause;
@@ -87,7 +103,7 @@ MosaicCount AddAll(const MosaicArguments& a, ImageInput& input, const std::vecto
   try {
     for (int number = 0; !stopped && (a.frames == 0 || count.frames < a.frames); ++number) {
       auto start = std::chrono::steady_clock::now();
-      const auto frame = input.next();
+      const auto frame = NextOf(input, number, a.quiet);
       count.read_s += SecondsSince(start);
       if (!frame) {
         count.poses_over = std::max(0, static_cast<int>(poses.size()) - number);
@@ -98,16 +114,19 @@ MosaicCount AddAll(const MosaicArguments& a, ImageInput& input, const std::vecto
                             ? poses[static_cast<std::size_t>(number)]
                             : std::nullopt;
       count.without_pose += !a.poses.empty() && !pose;
-      count.interlace.Add(frame->image);
+      count.below_ground += pose && MosaicOnPlane(a) && pose->p.z() >= a.ground_down_m;
+      if (!frame->image.empty()) count.interlace.Add(frame->image);
       start = std::chrono::steady_clock::now();
       const vision::MosaicSeries::Step step = series.Add(frame->image, frame->t_s, pose);
       count.add_s += SecondsSince(start);
       times_s.push_back(frame->t_s);
       ++count.frames;
+      count.against_pose += step.step.against_pose;
       if (step.cause != vision::MosaicSeries::Cause::kNone && !a.quiet)
         fmt::print("{}: mosaic {} began {} images before the one at {:.2f} s\n", WhyAnother(step),
                    step.mosaic + 1, vision::MosaicSeries::kCut - 1, frame->t_s);
-      if (video) video->Write(MosaicView(step, series.mosaic(step.mosaic), frame->image));
+      if (video && !frame->image.empty())
+        video->Write(MosaicView(step, series.mosaic(step.mosaic), frame->image));
       progress.Show(count.frames);
     }
   } catch (const std::runtime_error& e) {
@@ -146,18 +165,20 @@ bool MosaicCommand(const MosaicArguments& a) {
     count.placed += vision::IsPlaced(place.step.state);
     ++count.of_state[vision::NameOf(place.step.state)];
   }
-  std::vector<std::string> written;
+  std::vector<std::string> sentences;
+  bool whole = true;
   const vision::CompositionOptions composition = MosaicCompositionOf(a);
-  for (int i = 0; i < series.mosaics(); ++i)
-    if (std::string sentence = WriteMosaic(series.mosaic(i), i, composition, a.out, a.geotiff);
-        !sentence.empty())
-      written.push_back(std::move(sentence));
+  for (int i = 0; i < series.mosaics(); ++i) {
+    WrittenMosaic written = WriteMosaic(series.mosaic(i), i, composition, a.out, a.geotiff);
+    whole &= written.whole;
+    if (!written.sentence.empty()) sentences.push_back(std::move(written.sentence));
+  }
   if (!a.csv.empty()) WriteFile(a.csv, MosaicTable(series, times_s, vision::FlowDevice(a.opencl)));
-  if (!a.quiet) fmt::print("{}", MosaicReport(a, count, SecondsSince(start), written));
+  if (!a.quiet) fmt::print("{}", MosaicReport(a, count, SecondsSince(start), sentences));
   if (!count.broke_off.empty())
     throw std::runtime_error(fmt::format("{}: it broke off after {} images, whose mosaic is written: {}",
                                          a.input, count.frames, count.broke_off));
-  return count.placed > 0;
+  return count.joined() > 0 && whole;
 }
 
 }  // namespace kestrel::app

@@ -27,7 +27,7 @@ struct MosaicArguments : ImageArguments {  // out: the picture; csv: a row for e
 CLI::App* AddMosaicCommand(CLI::App& app, MosaicArguments& arguments);
 
 // Throws InputError with every mistake of the arguments and files, and std::runtime_error if reading or writing
-// fails on the way. Whether any image has its place in a mosaic.
+// fails on the way. Whether any images were joined, and every file that was asked for is written.
 bool MosaicCommand(const MosaicArguments& arguments);
 
 }  // namespace kestrel::app

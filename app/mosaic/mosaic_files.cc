@@ -18,22 +18,27 @@ std::string MosaicFile(const std::string& file, int i) {
       .string();
 }
 
-std::string WriteMosaic(const vision::Mosaic& mosaic, int i, const vision::CompositionOptions& options,
-                        const std::string& picture_file, const std::string& geotiff_file) {
+WrittenMosaic WriteMosaic(const vision::Mosaic& mosaic, int i, const vision::CompositionOptions& options,
+                          const std::string& picture_file, const std::string& geotiff_file) {
   const vision::MosaicPicture picture = vision::Compose(mosaic, options);
   if (picture.image.empty()) return {};
-  std::string sentence =
-      fmt::format("mosaic {}: {} x {} pixels", i + 1, picture.image.cols, picture.image.rows);
-  if (picture.scale > 1) sentence += fmt::format(", scaled down to 1:{:g}", picture.scale);
+  WrittenMosaic written{
+      fmt::format("mosaic {}: {} x {} pixels", i + 1, picture.image.cols, picture.image.rows)};
+  if (picture.scale > 1) written.sentence += fmt::format(", scaled down to 1:{:g}", picture.scale);
   if (!picture_file.empty()) {
     vision::WriteImage(MosaicFile(picture_file, i), picture.image);
-    sentence += fmt::format(", {}", MosaicFile(picture_file, i));
+    written.sentence += fmt::format(", {}", MosaicFile(picture_file, i));
   }
   const auto ground = mosaic.GroundFromSurface();
-  if (geotiff_file.empty()) return sentence;
-  if (!ground) return sentence + "; no GeoTIFF: its first image has no pose";
+  if (geotiff_file.empty()) return written;
+  written.whole = ground.has_value();
+  if (!ground) {
+    written.sentence += "; no GeoTIFF: none of its images has a pose above the ground";
+    return written;
+  }
   vision::WriteGeoTiff(MosaicFile(geotiff_file, i), picture, *ground);
-  return sentence + fmt::format(", {}", MosaicFile(geotiff_file, i));
+  written.sentence += fmt::format(", {}", MosaicFile(geotiff_file, i));
+  return written;
 }
 
 std::string MosaicTable(const vision::MosaicSeries& series, const std::vector<double>& times_s,

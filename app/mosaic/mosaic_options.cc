@@ -113,9 +113,10 @@ CLI::App* AddMosaicCommand(CLI::App& app, MosaicArguments& a) {
           "multiband: it is cut around")
       ->check(OneOf(NamesOf(kComposers)))
       ->capture_default_str();
-  command->add_option("--blend", a.blend, "How images are blended as they come, in --video")
-      ->check(OneOf(NamesOf(kBlendings)))
-      ->capture_default_str();
+  CLI::Option* blend =
+      command->add_option("--blend", a.blend, "How images are blended as they come, in --video")
+          ->check(OneOf(NamesOf(kBlendings)))
+          ->capture_default_str();
   command->add_flag("--no-exposure", a.no_exposure, "Leave the images as bright as they are");
   AddOpenClOption(*command, a.opencl);
   command->add_flag("--chain", a.chain, "Chain images alone, without loops and adjustment");
@@ -123,12 +124,12 @@ CLI::App* AddMosaicCommand(CLI::App& app, MosaicArguments& a) {
       ->add_option("--overlap", a.overlap, "An image that shares less with the last keyframe is the next one")
       ->check(Within(0.3, 0.95))
       ->capture_default_str();
-  command
-      ->add_option(
-          "--poses", a.poses,
-          "A CSV file with the aircraft's pose at each image: telemetry.csv of a flight, or columns north_m, "
-          "east_m, down_m, yaw_deg, pitch_deg, roll_deg")
-      ->type_name("FILE");
+  CLI::Option* poses = command
+                           ->add_option("--poses", a.poses,
+                                        "A CSV file with the aircraft's pose at each image: telemetry.csv of "
+                                        "a flight, or columns north_m, "
+                                        "east_m, down_m, yaw_deg, pitch_deg, roll_deg")
+                           ->type_name("FILE");
   command->add_option("--ground-down-m", a.ground_down_m, "How far below N's origin the ground is")
       ->check(Within(-1e4, 1e4))
       ->capture_default_str();
@@ -139,10 +140,13 @@ CLI::App* AddMosaicCommand(CLI::App& app, MosaicArguments& a) {
       ->check(Within(1e-3, 45.0))
       ->capture_default_str();
   AddMountOptions(*command, a.mount);
+  for (const char* of_poses : {"--ground-down-m", "--pose-sigma-m", "--pose-sigma-deg", "--mount-yaw-deg",
+                               "--mount-pitch-deg", "--mount-roll-deg"})
+    command->get_option(of_poses)->needs(poses);
   command->add_option("--geotiff", a.geotiff, "The picture as a GeoTIFF (.tif) in metres of N; needs --poses")
       ->type_name("FILE");
-  command->add_option("--video", a.video, "Images and the growing mosaic side by side (.mp4)")
-      ->type_name("FILE");
+  blend->needs(command->add_option("--video", a.video, "Images and the growing mosaic side by side (.mp4)")
+                   ->type_name("FILE"));
   command->add_option("--csv", a.csv, "A row for each image: what became of it, and where it lies")
       ->type_name("FILE");
   command->add_option("--memory-mb", a.memory_mb, "Memory for images and mosaic")

@@ -11,14 +11,19 @@ namespace {
 // In the order in which they are worth trying.
 const std::vector<std::pair<vision::MosaicState, const char*>> kRemedies = {
     {vision::MosaicState::kNoTexture,
-     "show nothing that can be followed: film closer or with more light, or focus the lens"},
+     "nothing can be followed; film closer or with more light, or focus the lens"},
     {vision::MosaicState::kLost,
-     "agree with none before them: let images overlap by half (--every 1), or give --poses"},
+     "nothing before shows the same; let images overlap by half (--every 1), or give --poses"},
     {vision::MosaicState::kOblique,
-     "see the plane almost from its side: film downwards, or --surface sphere of a camera that turns"},
+     "the plane is seen almost from its side, or from many times the first height; film downwards, begin in "
+     "the air, or "
+     "--surface sphere of a camera that turns"},
     {vision::MosaicState::kOtherSize,
-     "have another size than the rest: scale them, or make a mosaic of each size"},
-    {vision::MosaicState::kFull, "find no room: more --memory-mb, or fewer images by --every"}};
+     "another size than the rest; scale them, or make a mosaic of each size"},
+    {vision::MosaicState::kUnreadable, "the file is damaged; write it again"},
+    {vision::MosaicState::kFull, "memory is used up; more --memory-mb, or fewer images by --every"}};
+
+std::string Images(int n) { return fmt::format("{} image{}", n, n == 1 ? "" : "s"); }
 
 }  // namespace
 
@@ -30,20 +35,36 @@ std::string MosaicMemory(int memory_mb, const vision::MosaicOptions& options, co
       1e-6 * static_cast<double>(vision::Mosaic::MostPixels(options, 3)));
 }
 
+int MosaicCount::joined() const {
+  const auto first = of_state.find(vision::NameOf(vision::MosaicState::kFirst));
+  return placed - (first == of_state.end() ? 0 : first->second);
+}
+
 std::string MosaicReport(const MosaicArguments& a, const MosaicCount& count, double compose_s,
                          const std::vector<std::string>& written) {
-  std::string text = fmt::format("{} images, {} in a mosaic", count.frames, count.placed);
+  std::string text = fmt::format("{}, {} in a mosaic", Images(count.frames), count.placed);
   for (const auto& [state, n] : count.of_state) text += fmt::format(", {} {}", n, state);
   text += '\n';
   for (const auto& [state, remedy] : kRemedies)
     if (const auto n = count.of_state.find(vision::NameOf(state)); n != count.of_state.end())
-      text += fmt::format("{} {} {}\n", n->second, n->first, remedy);
-  if (count.placed == 1) text += "a mosaic of one image is that image: more are needed to see more\n";
+      text += fmt::format("{} {}: {}\n", n->second, n->first, remedy);
+  if (count.joined() == 0)
+    text += count.placed == 0 ? "no image is in a mosaic, and nothing is written\n"
+                              : "no images were joined: a mosaic of one image is that image\n";
   if (a.opencl) text += fmt::format("points were followed on {}\n", vision::FlowDevice(true));
   if (count.without_pose > 0)
-    text += fmt::format("{} images have no pose in {}\n", count.without_pose, a.poses);
+    text += fmt::format("without a pose in {}: {}\n", a.poses, Images(count.without_pose));
+  if (count.below_ground > 0)
+    text += fmt::format("not above the ground by {}: {}, whose poses are not used; --ground-down-m is {:g}\n",
+                        a.poses, Images(count.below_ground), a.ground_down_m);
+  if (count.against_pose > 0)
+    text += fmt::format(
+        "against {}: {} would lie elsewhere by what they show; is it of these images, --mount-* as the "
+        "camera is mounted, --pose-sigma-m large enough?\n",
+        a.poses, Images(count.against_pose));
   if (count.poses_over > 0)
-    text += fmt::format("{} poses are left over in {}: is it of these images?\n", count.poses_over, a.poses);
+    text += fmt::format("left over in {}: {} pose{}; is it of these images?\n", a.poses, count.poses_over,
+                        count.poses_over == 1 ? "" : "s");
   if (const std::string interlaced = count.interlace.Sentence(a.input); !interlaced.empty())
     text += interlaced + '\n';
   for (const std::string& sentence : written) text += sentence + '\n';

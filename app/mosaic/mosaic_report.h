@@ -15,10 +15,12 @@ namespace kestrel::app {
 
 struct MosaicCount {
   InterlaceWatch interlace;
-  int frames = 0, placed = 0, without_pose = 0, poses_over = 0;
+  int frames = 0, placed = 0, without_pose = 0, below_ground = 0, against_pose = 0, poses_over = 0;
   double read_s = 0, add_s = 0;
   std::map<std::string, int> of_state;  // images, by what became of them
   std::string broke_off;
+  // Images that have a place beside others. The first of a mosaic has it by itself.
+  int joined() const;
 };
 
 // What becomes of memory is said before it is used.

@@ -21,6 +21,8 @@ constexpr std::array kPoseColumns = {"north_m", "east_m", "down_m", "yaw_deg", "
 constexpr std::array kTelemetryColumns = {"estimate_x_m",     "estimate_y_m",       "estimate_z_m",
                                           "estimate_yaw_deg", "estimate_pitch_deg", "estimate_roll_deg"};
 
+constexpr double kMost_m = 1e5, kMost_deg = 360;  // of a pose
+
 std::vector<std::string_view> LinesOf(std::string_view text) {
   std::vector<std::string_view> lines;
   while (!text.empty()) {
@@ -111,8 +113,15 @@ std::vector<std::optional<Pose>> ReadPoseTable(const std::filesystem::path& file
       value = number.value_or(0);
       return number.has_value();
     };
-    for (std::size_t k = 0; k < columns.size(); ++k)
+    for (std::size_t k = 0; k < columns.size(); ++k) {
       if (!read(columns[k], names[k], numbers[k]) && !mistakes.empty()) return {};
+      const double most = k < 3 ? kMost_m : kMost_deg;
+      if (std::abs(numbers[k]) <= most) continue;
+      mistakes.Add(Place(file.string(), line), names[k],
+                   fmt::format("'{}' is no place or attitude of an aircraft", cells[columns[k]]),
+                   fmt::format("valid: {:g} to {:g}", -most, most));
+      return {};
+    }
     if (telemetry && (!read(given, "t_s", row.given_s) || !read(exposed, "exposure_t_s", row.exposed_s)) &&
         !mistakes.empty())
       return {};

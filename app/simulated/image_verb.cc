@@ -35,7 +35,8 @@ CLI::Option* AddCameraOptions(CLI::App& command, ImageArguments& a) {
           .add_option("--camera", a.camera,
                       "A name in models/cameras, or a calibration file of Kestrel, Kalibr or OpenCV")
           ->type_name("CAMERA");
-  command.add_option("--camera-name", a.camera_name, "Which camera of a Kalibr file (default: its first)");
+  command.add_option("--camera-name", a.camera_name, "Which camera of a Kalibr file (default: its first)")
+      ->needs(camera);
   return camera;
 }
 

@@ -58,19 +58,23 @@ ImageInput LiveInput(const std::string& address, const std::atomic<bool>& stoppe
 
 ImageInput FolderInput(const ImageArguments& a, Mistakes& mistakes) {
   ImageInput input;
-  const std::shared_ptr<vision::ImageSource> folder =
-      vision::FolderSource({.images = a.input, .size = {}, .colour = true, .bits = a.bits})();
-  auto first = folder->Open() ? folder->Grab() : std::nullopt;
+  const auto make = vision::FolderSource({.images = a.input, .size = {}, .colour = true, .bits = a.bits});
+  const std::unique_ptr<vision::ImageSource> ahead = make();
+  auto first = ahead->Open() ? ahead->Grab() : std::nullopt;
+  const std::string error = ahead->Error();
+  while (!first && !ahead->Error().empty()) first = ahead->Grab();
   if (!first) {
-    mistakes.Add(a.input, "", folder->Error(), "valid: a folder of images, by name in the order of time");
+    mistakes.Add(a.input, "", error, "valid: a folder of images, by name in the order of time");
     return input;
   }
   input.size = first->image.size();
-  input.next = [folder, first, number = 0, rate = input.rate_hz]() mutable -> std::optional<vision::Frame> {
-    const auto image = number == 0 ? std::exchange(first, std::nullopt) : folder->Grab();
-    if (!image && !folder->Error().empty()) throw std::runtime_error(folder->Error());
-    if (!image) return std::nullopt;
+  const std::shared_ptr<vision::ImageSource> folder = make();
+  folder->Open();
+  input.next = [folder, number = 0, rate = input.rate_hz]() mutable -> std::optional<vision::Frame> {
+    const auto image = folder->Grab();
+    if (!image && folder->Error().empty()) return std::nullopt;
     const int i = number++;
+    if (!image) throw UnreadableImage(folder->Error(), i / rate);
     return vision::Frame{image->image, i / rate, i};
   };
   return input;

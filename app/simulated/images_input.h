@@ -2,11 +2,19 @@
 #pragma once
 
 #include <atomic>
+#include <stdexcept>
+#include <string>
 
 #include "app/simulated/image_verb.h"
 #include "base/diagnostics.h"
 
 namespace kestrel::app {
+
+// An image of a folder that cannot be read. It has its time; the next one can be taken.
+struct UnreadableImage : std::runtime_error {
+  UnreadableImage(const std::string& why, double at_s) : std::runtime_error(why), t_s(at_s) {}
+  double t_s;
+};
 
 // --deinterlace.
 void AddDeinterlaceOption(CLI::App& command, ImageArguments& arguments);
@@ -15,7 +23,7 @@ void AddDeinterlaceOption(CLI::App& command, ImageArguments& arguments);
 // video whose images change their size is a mistake, since it would be scaled without a word; those of a folder come
 // as they are. The images of a video and a folder are 1 / rate_hz apart, a camera's have the times of the monotonic
 // clock. A camera's next() ends soon after `stopped` is set, and it is to outlive the input. next() throws
-// std::runtime_error where an image cannot be read.
+// UnreadableImage of one of a folder, and std::runtime_error where a video cannot be read on.
 //
 // With `deinterlace`, the images are those of the first field alone.
 ImageInput OpenImages(const ImageArguments& arguments, const std::atomic<bool>& stopped, Mistakes& mistakes);

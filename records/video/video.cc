@@ -15,6 +15,8 @@ void Video::Named(Action action) const {
   try {
     action();
   } catch (const std::runtime_error& e) {
+    std::error_code none;
+    std::filesystem::remove(PartOf(file_), none);  // it plays nowhere
     throw std::runtime_error(fmt::format("cannot write {}: {}", file_.string(), e.what()));
   }
 }

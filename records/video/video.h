@@ -10,7 +10,8 @@
 namespace kestrel::records {
 
 // Writes a video (H.264 in MP4, playable while it loads) through the program ffmpeg. The file has its final
-// name only once it is complete. Throws std::runtime_error with the file and what ffmpeg said.
+// name only once it is complete, and nothing of it remains where writing failed. Throws std::runtime_error with the
+// file and what ffmpeg said.
 class Video {
  public:
   Video(std::filesystem::path file, double rate_hz) : file_(std::move(file)), rate_hz_(rate_hz) {}

@@ -42,7 +42,8 @@ class FolderReader final : public ImageSource {
     for (std::filesystem::directory_iterator each(in.empty() ? "." : in, failed), end; !failed && each != end;
          each.increment(failed)) {
       const bool wanted = folder || Matches(each->path().filename().string(), pattern);
-      if (wanted && LooksLikeImage(each->path())) images_.push_back(each->path());
+      if (wanted && (IsNamedAsImage(each->path()) || LooksLikeImage(each->path())))
+        images_.push_back(each->path());
     }
     std::sort(images_.begin(), images_.end(), [](const std::string& a, const std::string& b) {
       return strverscmp(a.c_str(), b.c_str()) < 0;
@@ -52,6 +53,7 @@ class FolderReader final : public ImageSource {
   }
 
   std::optional<Grabbed> Grab() override {
+    error_.clear();
     if (next_ == images_.size()) return std::nullopt;
     pace_.Wait();
     const std::string& file = images_[next_++];

@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <CLI/CLI.hpp>
+#include <algorithm>
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -134,19 +136,101 @@ TEST_F(MosaicCommandTest, PosesOfAnotherLengthAreTold) {
     EXPECT_TRUE(MosaicCommand(arguments_));
     return ::testing::internal::GetCapturedStdout();
   };
-  EXPECT_THAT(told(3), HasSubstr("5 images have no pose in"));
-  EXPECT_THAT(told(10), HasSubstr("2 poses are left over"));
+  EXPECT_THAT(told(3), AllOf(HasSubstr("without a pose in"), HasSubstr(": 5 images\n")));
+  EXPECT_THAT(told(10), AllOf(HasSubstr("left over in"), HasSubstr(": 2 poses;")));
   EXPECT_THAT(told(8), AllOf(HasSubstr("8 images, 8 in a mosaic"), Not(HasSubstr(" pose"))));
+}
+
+TEST_F(MosaicCommandTest, AFileThatWasAskedForAndCannotBeIsNotMet) {
+  if (!vision::GeoTiffIsAvailable()) GTEST_SKIP() << "this build has no GeoTIFF";
+  WritePoses(8);
+  arguments_.geotiff = File("ground.tif");
+  const auto with_poses = [&](const std::string& rows) {
+    std::ofstream(arguments_.poses) << "north_m,east_m,down_m,yaw_deg,pitch_deg,roll_deg\n" << rows;
+    return MosaicCommand(arguments_);
+  };
+  EXPECT_TRUE(with_poses(",,,,,\n100,51,-20,0,0,0\n")) << "the second image lays it out";
+  EXPECT_TRUE(std::filesystem::exists(arguments_.geotiff));
+  EXPECT_NEAR(std::stod(Rows()[0][14]), 50, 0.1);
+  std::filesystem::remove(arguments_.geotiff);
+  cv::imwrite(arguments_.input + "/001.png", cv::Mat(240, 320, CV_8UC3, cv::Scalar(90, 90, 90)));
+  EXPECT_FALSE(with_poses(",,,,,\n100,51,-20,0,0,0\n")) << "the only image with a pose is in no mosaic";
+  EXPECT_FALSE(std::filesystem::exists(arguments_.geotiff));
+}
+
+TEST_F(MosaicCommandTest, PosesThatCannotBeAreRefusedWithTheirPlace) {
+  WritePoses(8);
+  const auto refused = [&](const std::string& rows) {
+    std::ofstream(arguments_.poses) << "north_m,east_m,down_m,yaw_deg,pitch_deg,roll_deg\n" << rows;
+    return Refusal();
+  };
+  EXPECT_THAT(refused("1,2,-20,0,0,0\n1,1e9,-20,0,0,0\n"),
+              AllOf(HasSubstr("poses.csv:3"), HasSubstr("east_m")));
+  EXPECT_THAT(refused("1,2,-20,0,4000,0\n"), AllOf(HasSubstr("poses.csv:2"), HasSubstr("pitch_deg")));
+  EXPECT_THAT(refused("1,2,20,0,0,0\n"), HasSubstr("--ground-down-m"));
+}
+
+TEST_F(MosaicCommandTest, AnImageThatCannotBeReadIsNamedAndTheRestGoesOn) {
+  std::ofstream(arguments_.input + "/000.png");
+  std::ofstream(arguments_.input + "/004.png") << "no image";
+  const std::string whole = arguments_.input + "/006.png";
+  std::filesystem::resize_file(whole, std::filesystem::file_size(whole) / 3);
+  arguments_.video = File("growing.mp4");
+  ASSERT_TRUE(MosaicCommand(arguments_));
+  const auto rows = Rows();
+  ASSERT_EQ(rows.size(), 8u);
+  for (const std::size_t i : {0u, 4u, 6u}) EXPECT_EQ(rows[i][3], "unreadable") << i;
+  EXPECT_EQ(rows[7][3], "followed");
+  EXPECT_TRUE(std::filesystem::exists(arguments_.video));
 }
 
 TEST_F(MosaicCommandTest, OneImageIsAMosaicOfItself) {
   WriteImages(1);
-  ASSERT_TRUE(MosaicCommand(arguments_));
+  EXPECT_FALSE(MosaicCommand(arguments_)) << "nothing was joined";
   ASSERT_EQ(Rows().size(), 1u);
   EXPECT_EQ(Rows()[0][3], "first");
   const cv::Mat mosaic = cv::imread(arguments_.out);
-  EXPECT_NEAR(mosaic.cols, 320, 4);
-  EXPECT_NEAR(mosaic.rows, 240, 4);
+  EXPECT_EQ(mosaic.size(), cv::Size(320, 240));
+}
+
+TEST_F(MosaicCommandTest, ImagesOfWhichNoTwoAgreeAreNotMet) {
+  for (int i = 0; i < 8; ++i) {
+    cv::Mat noise(240, 320, CV_8UC3);
+    cv::RNG(static_cast<std::uint64_t>(50 + i)).fill(noise, cv::RNG::UNIFORM, 0, 256);
+    cv::imwrite(fmt::format("{}/{:03}.png", arguments_.input, i), noise);
+  }
+  EXPECT_FALSE(MosaicCommand(arguments_));
+}
+
+// A name at which nothing can be kept, as on a full disk.
+TEST_F(MosaicCommandTest, OfAVideoThatCannotBeWrittenNothingIsLeft) {
+  arguments_.video = File("growing.mp4");
+  std::filesystem::create_symlink("/dev/full", arguments_.video + ".part");
+  EXPECT_THROW(MosaicCommand(arguments_), std::runtime_error);
+  EXPECT_FALSE(std::filesystem::is_symlink(arguments_.video + ".part"));
+  EXPECT_FALSE(std::filesystem::exists(arguments_.video));
+  EXPECT_TRUE(std::filesystem::exists(arguments_.out)) << "the mosaic is written";
+}
+
+TEST_F(MosaicCommandTest, OptionsOfPosesAndOfTheVideoNeedThem) {
+  const auto refusal = [](std::vector<std::string> words) -> std::string {
+    CLI::App app;
+    MosaicArguments arguments;
+    AddMosaicCommand(app, arguments);
+    words.insert(words.begin(), {"mosaic", "x.mp4", "--out", "x.png"});
+    std::reverse(words.begin(), words.end());
+    try {
+      app.parse(words);
+    } catch (const CLI::ParseError& e) {
+      return e.what();
+    }
+    return "accepted";
+  };
+  for (const char* option : {"--ground-down-m", "--pose-sigma-m", "--pose-sigma-deg", "--mount-pitch-deg"})
+    EXPECT_THAT(refusal({option, "1"}), AllOf(HasSubstr(option), HasSubstr("--poses"))) << option;
+  EXPECT_THAT(refusal({"--blend", "nearest"}), HasSubstr("--video"));
+  EXPECT_THAT(refusal({"--camera-name", "cam1"}), HasSubstr("--camera"));
+  EXPECT_EQ(refusal({"--poses", "p.csv", "--ground-down-m", "1"}), "accepted");
 }
 
 TEST_F(MosaicCommandTest, AnImageOfAnotherSizeAndOneWithoutTextureAreNamedAndLeftOut) {

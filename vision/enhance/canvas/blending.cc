@@ -9,12 +9,14 @@ namespace {
 // Off the image: beyond the centres of its outermost pixels, where nothing is to be interpolated.
 template <typename Weight>
 void Fill(cv::Size image, const PixelMap& map, cv::Mat& weights, const Weight& weight) {
-  const auto right = static_cast<float>(image.width - 1), bottom = static_cast<float>(image.height - 1);
+  constexpr float kRounded = 1e-3F;  // px, in the map, or a rim would be lost where pixels lie on pixels
+  const auto right = static_cast<float>(image.width - 1) + kRounded,
+             bottom = static_cast<float>(image.height - 1) + kRounded;
   for (int y = 0; y < weights.rows; ++y) {
     const float *u = map.u.ptr<float>(y), *v = map.v.ptr<float>(y);
     float* w = weights.ptr<float>(y);
     for (int x = 0; x < weights.cols; ++x) {
-      const bool in = u[x] >= 0 && v[x] >= 0 && u[x] <= right && v[x] <= bottom;
+      const bool in = u[x] >= -kRounded && v[x] >= -kRounded && u[x] <= right && v[x] <= bottom;
       w[x] = in ? weight(u[x], v[x]) : 0.0F;
     }
   }

@@ -95,12 +95,15 @@ std::int64_t Canvas::bytes() const { return static_cast<std::int64_t>(tiles_.siz
 void Canvas::MakeRoom(const cv::Rect& part) {
   constexpr int kMostHalvings = 12;
   while (halvings_ < kMostHalvings) {
-    const cv::Rect tiles = Halved(Halved(part, halvings_), kTileBits);
+    const cv::Rect tiles = Halved(Halved(part, halvings_), kTileBits),
+                   all = tiles | Halved(extent(), kTileBits);
+    // A picture is of all between tiles that are far apart too, in bytes where tiles are of floats.
+    const bool fits = std::int64_t{all.width} * all.height <= 4 * most_tiles_;
     std::int64_t needed = static_cast<std::int64_t>(tiles_.size());
     for (int row = tiles.y; row < tiles.br().y && needed <= most_tiles_; ++row)
       for (int column = tiles.x; column < tiles.br().x && needed <= most_tiles_; ++column)
         needed += !tiles_.contains({row, column});
-    if (needed <= most_tiles_) return;
+    if (fits && needed <= most_tiles_) return;
     Halve();
   }
 }

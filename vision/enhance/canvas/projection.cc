@@ -87,6 +87,7 @@ cv::Rect Projection::PartOf(const Matrix3d& M_WC) const {
     }
   }
   constexpr double kMost = 1e6;  // so that it can be told how much too large it is
+  if (left > kMost || right < -kMost || top > kMost || bottom < -kMost) return {};
   constexpr int kMargin_px = 2;  // what the rim may bulge between the places
   const auto whole = [=](double x) { return static_cast<int>(std::clamp(x, -kMost, kMost)); };
   const int x0 = whole(std::floor(left)) - kMargin_px, y0 = whole(std::floor(top)) - kMargin_px;

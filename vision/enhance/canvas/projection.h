@@ -28,7 +28,7 @@ class Projection {
   std::optional<Eigen::Vector2d> ToImage(const Eigen::Matrix3d& M_CW, const Eigen::Vector2d& place) const;
 
   // The pixels of the surface that an image may cover. Of one that goes beyond an azimuth of half a turn they do
-  // so too. Empty: none.
+  // so too. Empty: none, or farther away than any mosaic goes.
   cv::Rect PartOf(const Eigen::Matrix3d& M_WC) const;
 
   const CameraModel& camera() const { return camera_; }

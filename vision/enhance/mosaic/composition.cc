@@ -33,9 +33,9 @@ class Composition {
     do {
       all_ = Extent(parts_, halvings_, projection_.period_px());
     } while (std::int64_t{all_.width} * all_.height > most && ++halvings_ < 12);
-    if (options.exposure) BalanceExposures(projection_, parts_);
+    if (options.exposure) BalanceExposures(projection_, options.most_bytes, parts_);
     if (options.composer == Composer::kSeams || options.composer == Composer::kMultiBand)
-      CutSeams(projection_, parts_);
+      CutSeams(projection_, options.most_bytes, parts_);
   }
 
   MosaicPicture Picture() const {

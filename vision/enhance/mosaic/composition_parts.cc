@@ -20,10 +20,26 @@ struct SmallParts {
   std::vector<cv::Mat> pixels, masks;  // CV_8UC3; CV_8UC1
 };
 
-SmallParts Small(const Projection& projection, const std::vector<CompositionPart>& parts) {
+// Memory of them all, bytes.
+std::int64_t BytesOfSmall(const std::vector<CompositionPart>& parts, int halvings) {
+  constexpr std::int64_t kPixel = 20, kCovered = 4;
+  std::int64_t sum = 0;
+  cv::Rect all;
+  for (const CompositionPart& part : parts) {
+    const cv::Rect here = Halved(part.part, halvings);
+    sum += kPixel * here.width * here.height;
+    all |= here;
+  }
+  return sum + kCovered * all.width * all.height;
+}
+
+SmallParts Small(const Projection& projection, const std::vector<CompositionPart>& parts,
+                 std::int64_t most_bytes) {
   SmallParts small;
   const double area = projection.image_size().area();
+  constexpr int kMostHalvings = 12;
   while (area / std::pow(4, small.halvings) > kSmall_px) ++small.halvings;
+  while (small.halvings < kMostHalvings && BytesOfSmall(parts, small.halvings) > most_bytes) ++small.halvings;
   for (const CompositionPart& part : parts) {
     const std::optional<cv::Rect> all = projection.period_px() > 0
                                             ? std::optional(Halved({-projection.period_px() / 2, part.part.y,
@@ -94,9 +110,10 @@ std::vector<CompositionPart> CompositionParts(const Mosaic& mosaic) {
   return parts;
 }
 
-void BalanceExposures(const Projection& projection, std::vector<CompositionPart>& parts) {
+void BalanceExposures(const Projection& projection, std::int64_t most_bytes,
+                      std::vector<CompositionPart>& parts) {
   if (parts.size() < 2) return;
-  const SmallParts small = Small(projection, parts);
+  const SmallParts small = Small(projection, parts, most_bytes);
   cv::detail::GainCompensator compensator;
   std::vector<std::pair<cv::UMat, std::uint8_t>> masks;
   for (const cv::UMat& mask : AsUMats(small.masks, CV_8U)) masks.emplace_back(mask, std::uint8_t{255});
@@ -106,8 +123,8 @@ void BalanceExposures(const Projection& projection, std::vector<CompositionPart>
   for (std::size_t i = 0; i < parts.size(); ++i) parts[i].gain = gains[i].at<double>(0);
 }
 
-void CutSeams(const Projection& projection, std::vector<CompositionPart>& parts) {
-  SmallParts small = Small(projection, parts);
+void CutSeams(const Projection& projection, std::int64_t most_bytes, std::vector<CompositionPart>& parts) {
+  SmallParts small = Small(projection, parts, most_bytes);
   const std::vector<bool> needed = Needed(small);
   std::vector<CompositionPart> left;
   SmallParts of_left;

@@ -23,12 +23,13 @@ struct CompositionPart {
 
 std::vector<CompositionPart> CompositionParts(const Mosaic& mosaic);
 
-// Sets the gains.
-void BalanceExposures(const Projection& projection, std::vector<CompositionPart>& parts);
+// Sets the gains. most_bytes, here and below: of all images together, as small as they are for it.
+void BalanceExposures(const Projection& projection, std::int64_t most_bytes,
+                      std::vector<CompositionPart>& parts);
 
 // Leaves out images that others show as well, and cuts the rest where they differ least, by graph cuts (Kwatra et
 // al. 2003).
-void CutSeams(const Projection& projection, std::vector<CompositionPart>& parts);
+void CutSeams(const Projection& projection, std::int64_t most_bytes, std::vector<CompositionPart>& parts);
 
 // Takes the weights of what the seam hides.
 void CutBySeam(const CompositionPart& part, int halvings, ProjectedImage& projected);

@@ -26,15 +26,16 @@ cv::Mat GreyOf(const cv::Mat& image) {
   return grey;
 }
 
-// Of a plane without a camera any pinhole will do: the homographies are the same, with other numbers.
+// Of a plane without a camera any pinhole will do: the homographies are the same, with other numbers. By this one
+// the first image's pixels are those of the surface.
 Pinhole AnyPinhole(cv::Size size) {
   const double f_px = std::max(size.width, size.height);
   return {.width_px = size.width,
           .height_px = size.height,
           .fx = f_px,
           .fy = f_px,
-          .cx = (size.width - 1) / 2.0,
-          .cy = (size.height - 1) / 2.0};
+          .cx = std::floor((size.width - 1) / 2.0),
+          .cy = std::floor((size.height - 1) / 2.0)};
 }
 
 // W laid out by N, of a camera that turns: x east, y down, z north.
@@ -69,6 +70,8 @@ const char* NameOf(MosaicState state) {
       return "oblique";
     case MosaicState::kOtherSize:
       return "other_size";
+    case MosaicState::kUnreadable:
+      return "unreadable";
     case MosaicState::kFull:
       return "full";
   }
@@ -168,8 +171,8 @@ MosaicStep Mosaic::Add(const cv::Mat& image, double, const std::optional<Pose>& 
   step.number = images();
   last_pairs_.clear();
   against_pose_ = false;
-  if (image.empty() ||
-      (projection_ && (image.size() != projection_->image_size() || image.type() != type_)) ||
+  if (image.empty()) return Refuse(MosaicState::kUnreadable, step);
+  if ((projection_ && (image.size() != projection_->image_size() || image.type() != type_)) ||
       (!projection_ && options_.camera &&
        image.size() != cv::Size(WidthPx(*options_.camera), HeightPx(*options_.camera))))
     return Refuse(MosaicState::kOtherSize, step);

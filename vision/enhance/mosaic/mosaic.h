@@ -39,15 +39,16 @@ struct MosaicOptions {
 };
 
 enum class MosaicState {
-  kFirst,      // it begins the mosaic
-  kFollowed,   // registered to the last keyframe
-  kFound,      // registered again, by features, after a jump or a loss
-  kByPose,     // by the pose alone: it agrees with no image
-  kLost,       // it agrees with no image; not in the mosaic
-  kNoTexture,  // nothing in it can be followed; not in the mosaic
-  kOblique,    // it sees the plane almost from its side; not in the mosaic, and begins none
-  kOtherSize,  // of another size than the first; not in the mosaic
-  kFull        // the memory for images is used up; not in the mosaic
+  kFirst,       // it begins the mosaic
+  kFollowed,    // registered to the last keyframe
+  kFound,       // registered again, by features, after a jump or a loss
+  kByPose,      // by the pose alone: it agrees with no image
+  kLost,        // it agrees with no image; not in the mosaic
+  kNoTexture,   // nothing in it can be followed; not in the mosaic
+  kOblique,     // it sees the plane almost from its side; not in the mosaic, and begins none
+  kOtherSize,   // of another size than the first; not in the mosaic
+  kUnreadable,  // it came empty; not in the mosaic
+  kFull         // the memory for images is used up; not in the mosaic
 };
 const char* NameOf(MosaicState state);
 bool IsPlaced(MosaicState state);
@@ -79,7 +80,7 @@ class Mosaic {
   // Throws std::invalid_argument for a rotation without a camera or a plane on another surface.
   explicit Mosaic(const MosaicOptions& options);
 
-  // The next image, CV_8UC1 or CV_8UC3, all of one kind. X_NC: where the camera is, if that is known; the first
+  // The next image, CV_8UC1 or CV_8UC3, all of one kind, or empty where it could not be read. X_NC: where the camera is, if that is known; the first
   // that is, over the ground, lays out W anew for all before it. The image is copied where it is kept.
   MosaicStep Add(const cv::Mat& image, double t_s, const std::optional<Pose>& X_NC = std::nullopt);
 

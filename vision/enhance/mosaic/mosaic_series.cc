@@ -39,6 +39,7 @@ MosaicSeries::Step MosaicSeries::Add(const cv::Mat& image, double t_s, const std
     unplaced_ = places_.size();
     return result;
   }
+  if (state == MosaicState::kUnreadable) return result;
   const std::int64_t room = Mosaic::MostKept(WithWhatIsLeft(), image.size(), image.channels());
   full_ |= state == MosaicState::kFull || (!next_ && mosaics_.back()->keyframes() > 0 && room < kCut);
   if (full_) {

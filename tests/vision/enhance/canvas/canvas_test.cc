@@ -124,6 +124,22 @@ TEST(CanvasTest, IsScaledDownByHalvesWhereItWouldOutgrowItsMemory) {
   }
 }
 
+// Two tiles far apart need little, and a picture of both as much as all between them.
+TEST(CanvasTest, IsScaledDownWhereItsPictureWouldOutgrowItsMemory) {
+  constexpr std::int64_t kMost = 100 * kTileBytes;
+  Canvas canvas(Blending::kAverage, 1, kMost);
+  const cv::Mat pixels(8, 8, CV_8UC1, cv::Scalar(77)), weights(8, 8, CV_32FC1, cv::Scalar(1));
+  for (const int at : {0, 100'000}) {
+    canvas.MakeRoom({at, at, 8, 8});
+    canvas.Draw(Halved({at, at, 8, 8}, canvas.halvings()), pixels(Halved({0, 0, 8, 8}, canvas.halvings())),
+                weights(Halved({0, 0, 8, 8}, canvas.halvings())));
+  }
+  EXPECT_GT(canvas.halvings(), 0);
+  const MosaicPicture picture = canvas.Picture();
+  EXPECT_LE(static_cast<std::int64_t>(picture.image.total() + picture.shown.total()), kMost);
+  EXPECT_GT(picture.image.cols * picture.scale, 99'000);
+}
+
 TEST(CanvasTest, AHalvedMeanIsThatOfItsFourPixels) {
   Canvas canvas(Blending::kAverage, 1, 4 * kTileBytes);
   cv::Mat pixels(256, 256, CV_8UC1);

@@ -58,6 +58,53 @@ TEST(MosaicPosesTest, GroundThatRepeatsIsFollowedByWhatPosesSayOfTheMotion) {
   EXPECT_LT(FarthestOff_m(mosaic, poses), 0.1);
 }
 
+TEST(MosaicPosesTest, TheFirstImageThatHasAPoseLaysOutThoseBeforeIt) {
+  const DrawnGround ground(6);
+  MosaicOptions options;
+  options.camera = kGroundCamera;
+  options.pose_sigma_m = 0.02, options.pose_sigma_deg = 0.1;
+  Mosaic mosaic(options);
+  std::vector<Pose> poses;
+  for (int i = 0; i < 12; ++i) poses.push_back(DrawnGround::Above(-3 + 0.5 * i, 1, 10, 20));
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const auto known = i < 3 ? std::nullopt : std::optional(poses[i]);
+    EXPECT_TRUE(IsPlaced(mosaic.Add(ground.Draw(poses[i]), static_cast<double>(i), known).state)) << i;
+    EXPECT_EQ(mosaic.GroundFromSurface().has_value(), i >= 3) << i;
+  }
+  mosaic.Adjust();
+  EXPECT_LT(FarthestOff_m(mosaic, poses), 0.05);
+}
+
+TEST(MosaicPosesTest, AnImageThatSeesTheGroundFromItsSideBeginsNoMosaic) {
+  const DrawnGround ground(6);
+  MosaicOptions options;
+  options.camera = kGroundCamera;
+  Mosaic mosaic(options);
+  const Pose down = DrawnGround::Above(0, 0, 10);
+  for (const double pitch_deg : {75.0, 80.0, 90.0})
+    EXPECT_EQ(mosaic.Add(ground.Draw(down), 0, DrawnGround::Above(0, 0, 10, 0, pitch_deg)).state,
+              MosaicState::kOblique)
+        << pitch_deg;
+  EXPECT_EQ(mosaic.keyframes(), 0);
+  EXPECT_TRUE(mosaic.CanvasSize().empty());
+  EXPECT_EQ(mosaic.Add(ground.Draw(down), 1, down).state, MosaicState::kFirst);
+}
+
+// Poses may be wild where images agree with none: what is drawn is bounded all the same.
+TEST(MosaicPosesTest, APoseFarAwayDoesNotOutgrowTheMemory) {
+  const DrawnGround ground(6), other(8);
+  MosaicOptions options;
+  options.camera = kGroundCamera;
+  options.most_bytes = 20'000'000;
+  Mosaic mosaic(options);
+  const Pose here = DrawnGround::Above(0, 0, 10), far = DrawnGround::Above(9000, 9000, 10),
+             beyond = DrawnGround::Above(90000, 0, 10);
+  mosaic.Add(ground.Draw(here), 0, here);
+  EXPECT_EQ(mosaic.Add(other.Draw(here), 1, far).state, MosaicState::kByPose);
+  EXPECT_EQ(mosaic.Add(other.Draw(here), 2, beyond).state, MosaicState::kOblique);
+  EXPECT_LT(mosaic.CanvasSize().area(), options.most_bytes);
+}
+
 // Two places a period apart look alike, and so do features: what poses cannot be is no loop.
 TEST(MosaicPosesTest, WhatPosesRuleOutIsNotBelieved) {
   const DrawnGround ground(6);

@@ -134,6 +134,16 @@ TEST(MosaicTest, WithoutPosesThereIsNoGround) {
   EXPECT_FALSE(MosaicOf(WithCamera(), {TwoLanes()[0]}).GroundFromSurface());
 }
 
+TEST(MosaicTest, OfOneImageWithoutACameraItIsThatImage) {
+  const cv::Mat image = Ground().Draw(TwoLanes()[0]);
+  MosaicOptions options;
+  Mosaic mosaic(options);
+  mosaic.Add(image, 0);
+  const cv::Mat picture = mosaic.Picture().image;
+  ASSERT_EQ(picture.size(), image.size());
+  EXPECT_LE(cv::norm(picture, image, cv::NORM_INF), 1);
+}
+
 TEST(MosaicTest, APictureShowsTheGroundAsItIs) {
   const std::vector<Pose> poses = TwoLanes();
   const Mosaic mosaic = MosaicOf(WithCamera(), {poses.begin(), poses.begin() + 6});
@@ -162,15 +172,16 @@ TEST(MosaicTest, SaysWhatItCannotPlace) {
   Mosaic mosaic(WithCamera());
   const cv::Mat blank(240, 320, CV_8UC1, cv::Scalar(90));
   EXPECT_EQ(mosaic.Add(blank, 0).state, MosaicState::kNoTexture);
+  EXPECT_EQ(mosaic.Add({}, 0).state, MosaicState::kUnreadable);
   EXPECT_EQ(mosaic.Picture().image.empty(), true);
   EXPECT_EQ(mosaic.Add(Ground().Draw(DrawnGround::Above(0, 0, 10)), 1).state, MosaicState::kFirst);
   EXPECT_EQ(mosaic.Add(blank, 2).state, MosaicState::kNoTexture);
   EXPECT_EQ(mosaic.Add(cv::Mat(100, 100, CV_8UC1, cv::Scalar(0)), 3).state, MosaicState::kOtherSize);
   EXPECT_EQ(mosaic.Add(cv::Mat(240, 320, CV_8UC3, cv::Scalar(0)), 4).state, MosaicState::kOtherSize);
   EXPECT_EQ(mosaic.Add(DrawnGround(9).Draw(DrawnGround::Above(0, 0, 10)), 5).state, MosaicState::kLost);
-  EXPECT_FALSE(mosaic.M_WC(5));
+  EXPECT_FALSE(mosaic.M_WC(6));
   EXPECT_EQ(mosaic.Add(Ground().Draw(DrawnGround::Above(0.5, 0, 10)), 6).state, MosaicState::kFound);
-  EXPECT_EQ(mosaic.images(), 7);
+  EXPECT_EQ(mosaic.images(), 8);
 }
 
 TEST(MosaicTest, AJumpIsFoundByFeatures) {
@@ -245,6 +256,31 @@ TEST(MosaicSeriesTest, ACutBeginsANewMosaic) {
   EXPECT_EQ(series.mosaic(1).images(), 12);
 }
 
+TEST(MosaicSeriesTest, ImagesThatAgreeWithNoneBetweenTwoMosaicsAreALossAndNoCut) {
+  MosaicSeries series(WithCamera());
+  const DrawnGround other(7);
+  std::vector<MosaicSeries::Step> begun;
+  for (int i = 0; i < 18; ++i) {
+    const DrawnGround strange(static_cast<std::uint64_t>(30 + i));
+    const DrawnGround& ground = i < 6 ? Ground() : i < 9 ? strange : other;
+    const auto step = series.Add(ground.Draw(DrawnGround::Above(0.3 * i, 0, 10)), 0.1 * i);
+    if (step.cause != MosaicSeries::Cause::kNone) begun.push_back(step);
+  }
+  ASSERT_EQ(begun.size(), 1u);
+  EXPECT_EQ(begun[0].cause, MosaicSeries::Cause::kLost);
+  EXPECT_EQ(begun[0].lost, 3);
+}
+
+TEST(MosaicSeriesTest, AnImageThatCannotBeReadBeginsNothing) {
+  MosaicSeries series(WithCamera());
+  for (int i = 0; i < 12; ++i)
+    series.Add(i == 5 ? cv::Mat() : Ground().Draw(DrawnGround::Above(0.2 * i, 0, 10)), 0.1 * i);
+  series.Finish();
+  EXPECT_EQ(series.mosaics(), 1);
+  EXPECT_EQ(series.places()[5].step.state, MosaicState::kUnreadable);
+  EXPECT_EQ(series.places()[6].step.state, MosaicState::kFollowed);
+}
+
 TEST(MosaicSeriesTest, AFewBadImagesAreNoCut) {
   MosaicSeries series(WithCamera());
   for (int i = 0; i < 12; ++i) {
@@ -264,7 +300,8 @@ TEST(MosaicSeriesTest, ImagesOfAnotherSizeAreAnother) {
   for (int i = 0; i < 14; ++i) {
     cv::Mat image = Ground().Draw(DrawnGround::Above(0.2 * i, 0, 10));
     if (i >= 6) image = image(cv::Rect(20, 20, 280, 200));
-    series.Add(image, 0.1 * i);
+    const auto cause = series.Add(image, 0.1 * i).cause;
+    EXPECT_EQ(cause == MosaicSeries::Cause::kResized, i == 6 + MosaicSeries::kCut - 1) << i;
   }
   series.Finish();
   EXPECT_EQ(series.mosaics(), 2);
@@ -277,12 +314,14 @@ TEST(MosaicSeriesTest, WhereMemoryIsUsedUpNoOtherMosaicBegins) {
   options.most_bytes = 1'500'000;
   MosaicSeries series(options);
   int full = 0;
-  for (int i = 0; i < 24; ++i)
-    full += series.Add(Ground().Draw(DrawnGround::Above(-10 + 0.9 * i, 0, 10)), i).step.state ==
-            MosaicState::kFull;
+  for (int i = 0; i < 24; ++i) {
+    const auto step = series.Add(Ground().Draw(DrawnGround::Above(-10 + 0.9 * i, 0, 10)), i);
+    full += step.step.state == MosaicState::kFull;
+    EXPECT_EQ(step.cause, MosaicSeries::Cause::kNone) << i;
+  }
   series.Finish();
   EXPECT_GT(full, 8);
-  EXPECT_LE(series.mosaics(), 2);
+  EXPECT_EQ(series.mosaics(), 1);
   EXPECT_EQ(series.places().back().step.state, MosaicState::kFull);
 }
 
