@@ -76,7 +76,8 @@ void GroundPilot::TakeGround(const control::VehicleState& state, std::vector<Mea
     if (offset_T_) measured.back().X_TB.p -= *offset_T_;
   }
   if (const auto clock = clock_.Get()) report_.clock_offset_s = clock->offset_s;
-  clock_apart_ = clock_.Apart(kClockLimit_s);
+  // An aircraft that then stands still tells nothing of the clock.
+  clock_apart_ = clock_.Apart(kClockLimit_s) || (clock_apart_ && !clock_.Together(kClockLimit_s));
   report_.state = clock_apart_ ? "clock apart" : NameOf(observer_.state());
   report_.ground = !measured.empty() && !clock_apart_;
   // The camera on board is the sharper one by far: what both see is measured by it.
@@ -147,8 +148,10 @@ Decision GroundPilot::Observe(const vision::Frame& frame, const control::Vehicle
   const bool used = report_.board || report_.ground;
   // Its frames need not come with those that pace the flight.
   const bool fresh = used || (estimate_ && estimate_->age_s < kFresh_s);
+  const bool bad_clock = clock_apart_ || observer_.state() == GroundState::kClock;
   if (board_)
     decision.target = report_.board && report_.ground ? "both"
+                      : report_.board && bad_clock    ? "board, clock"
                       : report_.board                 ? "board"
                       : report_.ground                ? "ground"
                                                       : report_.state;

@@ -60,7 +60,7 @@ mission::MissionType TypeOf(const LandingHybridFlight&) {
   type.add_metrics = [of_landing = type.add_metrics](const std::vector<LogRow>& rows,
                                                      std::map<std::string, double>& metrics) {
     if (of_landing) of_landing(rows, metrics);
-    metrics["by_board_alone_share"] = Share(rows, {"board"});
+    metrics["by_board_alone_share"] = Share(rows, {"board", "board, clock"});
     metrics["by_ground_alone_share"] = Share(rows, {"ground"});
   };
   return type;

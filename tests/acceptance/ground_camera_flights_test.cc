@@ -75,6 +75,21 @@ TEST(GroundCameraFlights, AClockThatIsApartIsNamedAndItsCameraNotFlownBy) {
       {"duration_s=30", "occlusion={share: 0}", "ground_view.blocked=[]", "ground_view.clock_offset_s=3"});
   EXPECT_EQ(flight.summary.outcome, "landed");
   for (const records::LogRow& row : flight.rows) EXPECT_NE(row.decision.target, "both");
+  EXPECT_EQ(flight.rows[flight.rows.size() / 2].decision.target, "board, clock");
+}
+
+TEST(GroundCameraFlights, AClockThatLagsIsFoundFromTheMotionAndTheAircraftStaysWhereItIs) {
+  const flight::FlightResult flight =
+      Flown("hover_ground_camera", 106, {"duration_s=16", "ground_view.clock_offset_s=-0.3"});
+  ASSERT_EQ(flight.rows.back().decision.target, "clock apart");
+  EXPECT_EQ(flight.rows.back().decision.phase, "search");
+  const auto apart = std::find_if(flight.rows.begin(), flight.rows.end(), [](const records::LogRow& row) {
+    return row.decision.target == "clock apart";
+  });
+  for (auto row = apart; row != flight.rows.end(); ++row) {
+    EXPECT_EQ(row->decision.target, "clock apart");
+    EXPECT_LT((InPadFrame(row->now).p - InPadFrame(apart->now).p).norm(), 1.5);
+  }
 }
 
 TEST(GroundCameraFlights, AStartThatTheCameraDoesNotSeeIsRefusedWithTheRemedy) {

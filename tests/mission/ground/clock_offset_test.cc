@@ -46,9 +46,31 @@ TEST(ClockOffset, IsApartOnlyBeyondDoubt) {
   EXPECT_TRUE(Watched(-0.2, 0.5).Apart(0.04));
 }
 
+TEST(ClockOffset, IsTogetherOnlyWhereThatIsLikely) {
+  EXPECT_TRUE(Watched(0, 0.5).Together(0.04));
+  EXPECT_FALSE(Watched(0.03, 0.5).Together(0.04));
+  EXPECT_FALSE(Watched(0.2, 0.5).Together(0.04));
+}
+
+TEST(ClockOffset, ANavigationThatWandersWhileTheAircraftSinksIsNoClock) {
+  std::mt19937 random(2);
+  std::normal_distribution<double> noise(0, 0.03);
+  ClockOffset clock;
+  for (int i = 0; i < 300; ++i) {
+    const double t = i / 30.0, gust = 0.06 * std::sin(2 * t);
+    const double sink = t < 1 ? 0 : 0.5;
+    const Eigen::Vector3d p(0.03 * (1 - std::cos(2 * t)), 0, -5 + 0.5 * std::max(0.0, t - 1));
+    const Eigen::Vector3d wander(0.2 * std::sin(0.3 * t), 0, -0.02 * t);
+    clock.Add(t, p + Eigen::Vector3d(noise(random), noise(random), noise(random)), p + wander,
+              {gust, 0, sink});
+    EXPECT_FALSE(clock.Apart(0.04)) << t;
+  }
+}
+
 TEST(ClockOffset, SaysNothingOfAnAircraftThatStands) {
   EXPECT_FALSE(Watched(0.3, 0.02).Get());
   EXPECT_FALSE(Watched(0.3, 0.02).Apart(0.04));
+  EXPECT_FALSE(Watched(0, 0.02).Together(0.04));
 }
 
 }  // namespace
