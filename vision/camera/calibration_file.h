@@ -12,25 +12,23 @@
 
 namespace kestrel::vision {
 
-// A camera from a file, whatever wrote it, told by its content:
-// - this project: the key `model` (default pinhole) and the keys that the model's Fields say;
-// - Kalibr: a camchain with pinhole-radtan, pinhole-equi, pinhole-none, omni-radtan, omni-none or ds-none;
-// - OpenCV (FileStorage) or ROS: camera_matrix and distortion_coefficients; with xi it is an omnidir camera,
-//   with `fisheye_model: 1` or a distortion_model such as equidistant a fisheye one. A distortion_model that
-//   is not known is refused, and so are four coefficients of which nothing says whether they are those of
-//   cv::calibrateCamera or of cv::fisheye.
-// All mistakes are gathered, by the file's own line and the name of the parameter; with any, the camera is
-// not to be used.
+// A camera from a file, whatever wrote it, told by its content: this project (the key `model`, default
+// pinhole, and the keys that the model's Fields say), or a program of vision/camera/file/camera_forms.h:
+// Kalibr, OpenCV, ROS, Basalt, VINS, ORB-SLAM, OKVIS, SVO and maplab. A model that is not known is refused,
+// and so are four coefficients of which nothing says whether they are those of cv::calibrateCamera or of
+// cv::fisheye. Mistakes have the file's own line and the name of the parameter; with any, the camera is not
+// to be used.
 //
-// name: which camera of a camchain; the first (cam0) when empty. image: the size of the images that it is
-// for: a file that gives another is refused, and one that gives none (as OpenCV's omnidir does) is completed;
-// without image, a file must give it.
+// name: which camera of a file that has several, by its key in a camchain and otherwise cam0, cam1, ... in
+// the order of the file; the first when empty. image: the size of the images that it is for: a file that
+// gives another is refused, and one that gives none (as OpenCV's omnidir does) is completed; without image, a
+// file must give it.
 CameraModel LoadCamera(const std::filesystem::path& file, Mistakes& mistakes, const std::string& name = "",
                        const std::optional<cv::Size>& image = {});
 CameraModel ParseCamera(const Config& config, Mistakes& mistakes, const std::string& name = "",
                         const std::optional<cv::Size>& image = {});
 
-// The cameras of a camchain of Kalibr, the first first; of any other file none.
+// The cameras of the file of another program, the first first; of this project's none.
 std::vector<std::string> CameraNames(const Config& config);
 
 // The same camera as a file of this project, and as Kalibr's cam0. Numbers read back to the same bits,

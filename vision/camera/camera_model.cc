@@ -4,11 +4,18 @@
 #include <concepts>
 #include <stdexcept>
 
+#include "vision/camera/extended_unified.h"
+#include "vision/camera/fov.h"
+#include "vision/camera/rational.h"
+
 namespace kestrel::vision {
 namespace {
 
+// Those of cameras that are calibrated elsewhere and read here are added as a plug-in's are: they are rarely
+// met, and the variant stays small.
 std::vector<AddedModel>& Added() {
-  static std::vector<AddedModel> models;
+  static std::vector<AddedModel> models{AddedModel(Fov{}), AddedModel(ExtendedUnified{}),
+                                        AddedModel(Rational{})};
   return models;
 }
 

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "vision/camera/polynomial.h"
+#include "vision/camera/distortion/polynomial.h"
 
 namespace kestrel::vision {
 

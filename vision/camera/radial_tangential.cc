@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/camera/radial_tangential.h"
 
-#include <Eigen/LU>
 #include <array>
 #include <cmath>
 
-#include "vision/camera/polynomial.h"
+#include "vision/camera/distortion/one_to_one.h"
+#include "vision/camera/distortion/polynomial.h"
 
 namespace kestrel::vision {
 namespace {
@@ -13,12 +13,6 @@ namespace {
 // The least eigenvalue of the Jacobian over all directions, as a polynomial of the radius.
 std::array<double, 7> MinSlope(const RadialTangential& d) {
   return {1, -6 * std::hypot(d.p1, d.p2), 3 * d.k1, 0, 5 * d.k2, 0, 7 * d.k3};
-}
-
-// No point of the domain is distorted to further out than this.
-double MaxDistorted(const RadialTangential& d) {
-  const double r = d.MaxRadius(), r2 = r * r;
-  return r * (1 + r2 * (d.k1 + r2 * (d.k2 + r2 * d.k3))) + 3 * r2 * std::hypot(d.p1, d.p2);
 }
 
 }  // namespace
@@ -51,32 +45,14 @@ Eigen::Vector2d RadialTangential::Distort(const Eigen::Vector2d& m, Eigen::Matri
 }
 
 std::optional<Eigen::Vector2d> RadialTangential::Undistort(const Eigen::Vector2d& distorted) const {
-  if (!distorted.allFinite()) return std::nullopt;
-  if (IsNone()) return distorted;
-  // Newton's method from the centre, with steps cut so that they stay in the domain and come nearer.
-  const double scale = 1 + distorted.norm();
-  bool reachable = false;  // known to be; asked only when a step leaves the domain
-  Eigen::Vector2d m = Eigen::Vector2d::Zero(), left = distorted;
-  for (int i = 0; i < 100 && left.norm() > 1e-15 * scale; ++i) {
-    Eigen::Matrix2d d_m;
-    Distort(m, &d_m);
-    const Eigen::Vector2d step = d_m.inverse() * left;
-    double share = 1;
-    for (; share > 1e-18; share /= 2) {
-      const Eigen::Vector2d next = m + share * step, next_left = distorted - Distort(next);
-      if (!Holds(next.norm())) {
-        if (!reachable && distorted.norm() > MaxDistorted(*this)) return std::nullopt;
-        reachable = true;
-        continue;
-      }
-      if (!(next_left.norm() < left.norm())) continue;
-      m = next, left = next_left;
-      break;
+  struct Bounded : RadialTangential {
+    double MaxDistorted() const {
+      const double r = MaxRadius(), r2 = r * r;
+      return r * (1 + r2 * (k1 + r2 * (k2 + r2 * k3))) + 3 * r2 * std::hypot(p1, p2);
     }
-    if (share <= 1e-18) break;
-  }
-  if (!(left.norm() <= 1e-12 * scale)) return std::nullopt;
-  return m;
+  };
+  if (IsNone() && distorted.allFinite()) return distorted;
+  return UndistortOneToOne(Bounded{*this}, distorted);
 }
 
 }  // namespace kestrel::vision

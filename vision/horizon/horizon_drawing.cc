@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "geometry/tait_bryan.h"
-#include "vision/camera/band_sampler.h"
+#include "vision/horizon/band_sampler.h"
 
 namespace kestrel::vision {
 

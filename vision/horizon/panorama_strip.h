@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <opencv2/core.hpp>
 
-#include "vision/camera/band_sampler.h"
+#include "vision/horizon/band_sampler.h"
 
 namespace kestrel::vision {
 

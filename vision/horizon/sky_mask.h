@@ -5,8 +5,8 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-#include "vision/camera/band_sampler.h"
 #include "vision/camera/camera_model.h"
+#include "vision/horizon/band_sampler.h"
 
 namespace kestrel::vision {
 

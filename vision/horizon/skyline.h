@@ -5,7 +5,7 @@
 #include <opencv2/core.hpp>
 #include <optional>
 
-#include "vision/camera/band_sampler.h"
+#include "vision/horizon/band_sampler.h"
 #include "vision/horizon/circle_fit.h"
 #include "vision/horizon/skyline_fix.h"
 #include "vision/horizon/skyline_search.h"

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "vision/camera/band_sampler.h"
+#include "vision/horizon/band_sampler.h"
 
 namespace kestrel::vision {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vision/camera/polynomial.h"
+#include "vision/camera/distortion/polynomial.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vision/camera/band_sampler.h"
+#include "vision/horizon/band_sampler.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

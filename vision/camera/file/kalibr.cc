@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vision/camera/file/kalibr.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+namespace kestrel::vision {
+
+const std::vector<KalibrForm>& KalibrForms() {
+  static const std::vector<KalibrForm> kForms = [] {
+    const Keys pinhole{"fx_px", "fy_px", "cx_px", "cy_px"};
+    const Keys omni{"xi", "fx_px", "fy_px", "cx_px", "cy_px"};
+    const Keys spheres{"xi", "alpha", "fx_px", "fy_px", "cx_px", "cy_px"};
+    const Keys extended{"alpha", "beta", "fx_px", "fy_px", "cx_px", "cy_px"};
+    const Keys radtan{"k1", "k2", "p1", "p2"}, equi{"k1", "k2", "k3", "k4"};
+    return std::vector<KalibrForm>{{"pinhole", "radtan", "brown_conrady", pinhole, radtan},
+                                   {"pinhole", "equidistant", "kannala_brandt", pinhole, equi},
+                                   {"pinhole", "equi", "kannala_brandt", pinhole, equi},
+                                   {"pinhole", "fov", "fov", pinhole, {"w"}},
+                                   {"pinhole", "none", "pinhole", pinhole, {}},
+                                   {"omni", "radtan", "unified", omni, radtan},
+                                   {"omni", "none", "unified", omni, {}},
+                                   {"eucm", "none", "extended_unified", extended, {}},
+                                   {"ds", "none", "double_sphere", spheres, {}}};
+  }();
+  return kForms;
+}
+
+Keys KalibrCameras(const ConfigNode& root) {
+  Keys cameras;
+  for (const auto& [key, member] : root.members) {
+    if (key.starts_with("cam") && Find(member, "camera_model")) cameras.push_back(key);
+  }
+  std::sort(cameras.begin(), cameras.end());
+  return cameras;
+}
+
+void FromKalibr(const ConfigNode& root, std::size_t index, Sheet& sheet) {
+  sheet.path = KalibrCameras(root)[index];
+  const ConfigNode& camera = *Find(root, sheet.path);
+  sheet.node.where = camera.where;
+  const std::string model = TextOf(camera, "camera_model"), distortion = TextOf(camera, "distortion_model");
+  const auto& forms = KalibrForms();
+  const auto form = std::find_if(forms.begin(), forms.end(), [&](const KalibrForm& each) {
+    return each.camera_model == model && each.distortion_model == distortion;
+  });
+  if (form == forms.end()) {
+    Keys valid;
+    for (const auto& each : forms)
+      valid.push_back(fmt::format("{}-{}", each.camera_model, each.distortion_model));
+    return sheet.Wrong(Find(camera, "camera_model")->where, "camera_model",
+                       fmt::format("'{}' with distortion_model '{}' is not known here", model, distortion),
+                       fmt::format("valid: {}", fmt::join(valid, ", ")));
+  }
+  sheet.SetText("model", form->model, camera.where);
+  sheet.SetList(camera, "intrinsics", form->intrinsics);
+  sheet.SetList(camera, "distortion_coeffs", form->distortion);
+  if (Find(camera, "resolution")) sheet.SetList(camera, "resolution", {"width_px", "height_px"});
+  if (const ConfigNode* field = Find(camera, "field_deg")) sheet.Set("field_deg", *field);
+}
+
+}  // namespace kestrel::vision
