@@ -233,6 +233,7 @@ MosaicStep Mosaic::Add(const cv::Mat& image, double, const std::optional<Pose>& 
           kLeastAgreed * step.shared *
               static_cast<double>(keyframes_[static_cast<std::size_t>(found->keyframe)].corners().size());
   if (is_new) {
+    if (!HasRoom() && !pending_.empty()) pending_.pop_back();  // of those the one that it shows most of
     if (!HasRoom()) return Refuse(MosaicState::kFull, step);
     MakeKeyframe(image, std::move(registered), M_WC, M_WC_pose, found ? &*found : nullptr, step);
   } else {

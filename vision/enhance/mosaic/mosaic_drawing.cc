@@ -15,7 +15,7 @@ void Mosaic::Keep(KeptImage kept) { kept_.push_back(std::move(kept)); }
 // Of the images since the last keyframe those that show what no keyframe does, the most of it first.
 void Mosaic::KeepWhatAloneShows() {
   constexpr double kWorthKeeping = 0.01;
-  while (!pending_.empty() && HasRoom()) {
+  while (!pending_.empty()) {
     std::size_t best = 0;
     double most = kWorthKeeping;
     bool any = false;

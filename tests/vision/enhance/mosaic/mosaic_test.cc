@@ -209,6 +209,18 @@ TEST(MosaicTest, MemoryIsBounded) {
   EXPECT_GT(full, 0);
 }
 
+TEST(MosaicTest, ImagesBetweenKeyframesLeaveRoomForTheNextOne) {
+  MosaicOptions options = WithCamera();
+  options.most_bytes = 2'000'000;
+  EXPECT_EQ(Mosaic::MostKept(options, {320, 240}, 1), 6);
+  Mosaic mosaic(options);
+  for (int i = 0; i < 20; ++i)
+    EXPECT_TRUE(IsPlaced(mosaic.Add(Ground().Draw(DrawnGround::Above(0, 0.25 * i, 10)), i).state)) << i;
+  EXPECT_GT(mosaic.keyframes(), 1);
+  mosaic.Adjust();
+  EXPECT_LE(mosaic.kept().size(), 6u);
+}
+
 TEST(MosaicTest, RefusesWhatCannotBe) {
   MosaicOptions rotation;
   rotation.model = MosaicModel::kRotation;
