@@ -193,6 +193,18 @@ void CheckLift(const sim::AirframeParameters& vehicle, const Place& where, Mista
   }
 }
 
+// The keys of a mount that is still.
+std::string MountText(const Pose& X_BC) {
+  const TaitBryan turn =
+      TaitBryanFromRotation((X_BC.R * vision::MountPose({}).R.inverse()).toRotationMatrix());
+  const auto rounded = [](double value, double to) { return std::round(value / to) * to + 0.0; };  // no -0
+  return fmt::format(
+      "{{position_m: [{:.3f}, {:.3f}, {:.3f}], yaw_deg: {:.2f}, pitch_deg: {:.2f}, roll_deg: {:.2f}}}",
+      rounded(X_BC.p.x(), 1e-3), rounded(X_BC.p.y(), 1e-3), rounded(X_BC.p.z(), 1e-3),
+      rounded(Degrees(turn.yaw), 1e-2), rounded(Degrees(turn.pitch), 1e-2),
+      rounded(Degrees(turn.roll), 1e-2));
+}
+
 std::vector<std::string> NotesOn(const Scenario& s, const vision::CameraModel& camera) {
   std::vector<std::string> notes;
   if (const double covered = vision::ShareCovered(camera); covered < 1) {
@@ -207,6 +219,20 @@ std::vector<std::string> NotesOn(const Scenario& s, const vision::CameraModel& c
     notes.push_back(fmt::format("the camera is {} of '{}', which has {}",
                                 s.camera_name.empty() ? names.front() : s.camera_name, s.camera,
                                 fmt::join(names, ", ")));
+  }
+  if (file) {
+    Mistakes mistakes;
+    if (const auto X_IC = vision::LoadPoseOnImu(*file, mistakes, s.camera_name)) {
+      const Eigen::Quaterniond R_BI(0, 1, 0, 0);  // from forward, left, up
+      notes.push_back(fmt::format(
+          "'{}' says where the camera is on its IMU, which is the mount if the IMU stands on the aircraft's "
+          "centre: mount: {} with its axes forward, right, down; mount: {} with forward, left, up; the "
+          "flight "
+          "has mount: {}",
+          s.camera, MountText(*X_IC), MountText(Pose{R_BI, Eigen::Vector3d::Zero()} * *X_IC),
+          MountText(vision::MountPose(s.mount))));
+    }
+    for (const std::string& text : mistakes.Texts()) notes.push_back(text);
   }
   return notes;
 }

@@ -15,6 +15,7 @@
 #include "base/yaml/yaml_fields.h"
 #include "vision/camera/file/camera_forms.h"
 #include "vision/camera/file/kalibr.h"
+#include "vision/camera/file/on_imu.h"
 #include "vision/camera/file/opencv_xml.h"
 #include "vision/camera/file/sheet.h"
 
@@ -71,6 +72,25 @@ CameraModel ReadSheet(const Sheet& sheet) {
   return camera;
 }
 
+// What the file says of one of its cameras.
+Sheet SheetOf(const Config& config, Mistakes& mistakes, const std::string& name) {
+  const ConfigNode& root = config.root;
+  Sheet sheet{{ConfigNode::Kind::kMap, "", false, root.where, {}}, "", mistakes};
+  const CameraForm* form = FindForm(root);
+  const Keys cameras = CameraNames(config);
+  const auto named = name.empty() ? cameras.begin() : std::find(cameras.begin(), cameras.end(), name);
+  if (!form && !name.empty())
+    mistakes.Add(root.where, name, "there is no such camera: the file is of one without a name");
+  else if (!form)
+    FromOwn(root, sheet);
+  else if (named == cameras.end())
+    mistakes.Add(root.where, name, "there is no such camera",
+                 fmt::format("valid: {}", fmt::join(cameras, ", ")));
+  else
+    form->read(root, named - cameras.begin(), sheet);
+  return sheet;
+}
+
 // The members of a model by their keys, as text.
 class ValueWriter final : public FieldVisitor {
  public:
@@ -125,6 +145,15 @@ CameraModel LoadCamera(const std::filesystem::path& file, Mistakes& mistakes, co
   return ParseCamera(LoadCalibration(file, mistakes), mistakes, name, image);
 }
 
+std::optional<Pose> LoadPoseOnImu(const std::filesystem::path& file, Mistakes& mistakes,
+                                  const std::string& name) {
+  const std::size_t before = mistakes.all().size();
+  const Config config = LoadCalibration(file, mistakes);
+  if (!config.readable) return std::nullopt;
+  Sheet sheet = SheetOf(config, mistakes, name);
+  return mistakes.all().size() == before ? PoseOnImu(sheet) : std::nullopt;
+}
+
 Keys CameraNames(const Config& config) {
   const CameraForm* form = FindForm(config.root);
   return form ? form->cameras(config.root) : Keys();
@@ -133,23 +162,11 @@ Keys CameraNames(const Config& config) {
 CameraModel ParseCamera(const Config& config, Mistakes& mistakes, const std::string& name,
                         const std::optional<cv::Size>& image) {
   if (!config.readable) return {};
-  const ConfigNode& root = config.root;
   const std::size_t before = mistakes.all().size();
-  Sheet sheet{{ConfigNode::Kind::kMap, "", false, root.where, {}}, "", mistakes};
-  const CameraForm* form = FindForm(root);
-  const Keys cameras = CameraNames(config);
-  const auto named = name.empty() ? cameras.begin() : std::find(cameras.begin(), cameras.end(), name);
-  if (!form && !name.empty())
-    mistakes.Add(root.where, name, "there is no such camera: the file is of one without a name");
-  else if (!form)
-    FromOwn(root, sheet);
-  else if (named == cameras.end())
-    mistakes.Add(root.where, name, "there is no such camera",
-                 fmt::format("valid: {}", fmt::join(cameras, ", ")));
-  else
-    form->read(root, named - cameras.begin(), sheet);
+  Sheet sheet = SheetOf(config, mistakes, name);
   // What is not understood is said once, and not by all that is missing then.
   if (mistakes.all().size() > before) return {};
+  const CameraForm* form = FindForm(config.root);
   if (!Find(sheet.node, "width_px") && !Find(sheet.node, "height_px")) {
     if (image) {
       sheet.SetText("width_px", std::to_string(image->width), sheet.node.where);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/yaml/config.h"
+#include "geometry/pose.h"
 #include "vision/camera/camera_model.h"
 
 namespace kestrel::vision {
@@ -27,6 +28,12 @@ CameraModel LoadCamera(const std::filesystem::path& file, Mistakes& mistakes, co
                        const std::optional<cv::Size>& image = {});
 CameraModel ParseCamera(const Config& config, Mistakes& mistakes, const std::string& name = "",
                         const std::optional<cv::Size>& image = {});
+
+// X_IC, I being the axes of the camera's IMU, by a file that says it: T_cam_imu of Kalibr, T_imu_cam, T_B_C of
+// SVO and maplab, T_SC of OKVIS, Tbc of ORB-SLAM. None: it does not, or the camera is not read. How the IMU
+// stands on the aircraft no such file says.
+std::optional<Pose> LoadPoseOnImu(const std::filesystem::path& file, Mistakes& mistakes,
+                                  const std::string& name = "");
 
 // The cameras of the file of another program, the first first; of this project's none.
 std::vector<std::string> CameraNames(const Config& config);

@@ -58,6 +58,7 @@ void FromAslam(const ConfigNode& root, std::size_t index, Sheet& sheet) {
   const ConfigNode* camera = Find(element, "camera");
   if (!camera) return sheet.Wrong(element.where, "camera", "must be given");
   sheet.node.where = camera->where;
+  sheet.on_imu = Find(element, "T_B_C");
   const ConfigNode *type = Find(*camera, "type"), *distortion = Find(*camera, "distortion");
   if (!type) return sheet.Wrong(camera->where, "type", "must be given");
   const std::string distorted = distortion ? TextOf(*distortion, "type") : "none";

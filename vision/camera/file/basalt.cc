@@ -27,7 +27,7 @@ const std::vector<BasaltModel>& BasaltModels() {
 
 // Of one camera: where its type and numbers stand, and its resolution, which may be missing.
 struct BasaltCamera {
-  const ConfigNode *intrinsics = nullptr, *resolution = nullptr;
+  const ConfigNode *intrinsics = nullptr, *resolution = nullptr, *on_imu = nullptr;
 };
 
 std::vector<BasaltCamera> CamerasOfBasalt(const ConfigNode& root) {
@@ -35,14 +35,16 @@ std::vector<BasaltCamera> CamerasOfBasalt(const ConfigNode& root) {
   const ConfigNode* value = Find(root, "value0");
   const ConfigNode* list = value ? Find(*value, "intrinsics") : nullptr;
   if (list) {
-    const ConfigNode* sizes = Find(*value, "resolution");
+    const auto of = [&](const char* key, std::size_t i) -> const ConfigNode* {
+      const ConfigNode* all = Find(*value, key);
+      return all && i < all->members.size() ? &all->members[i].node : nullptr;
+    };
     for (std::size_t i = 0; i < list->members.size(); ++i)
-      cameras.push_back(
-          {&list->members[i].node, sizes && i < sizes->members.size() ? &sizes->members[i].node : nullptr});
+      cameras.push_back({&list->members[i].node, of("resolution", i), of("T_imu_cam", i)});
   }
   for (const auto& [key, member] : root.members) {
     if (key.starts_with("cam") && Find(member, "camera_type"))
-      cameras.push_back({&member, Find(member, "resolution")});
+      cameras.push_back({&member, Find(member, "resolution"), nullptr});
   }
   return cameras;
 }
@@ -55,6 +57,7 @@ void FromBasalt(const ConfigNode& root, std::size_t index, Sheet& sheet) {
   const BasaltCamera camera = CamerasOfBasalt(root)[index];
   sheet.path = NumberedCameras(index + 1).back();
   sheet.node.where = camera.intrinsics->where;
+  sheet.on_imu = camera.on_imu;
   const ConfigNode *type = Find(*camera.intrinsics, "camera_type"),
                    *numbers = Find(*camera.intrinsics, "intrinsics");
   if (!type || !numbers)

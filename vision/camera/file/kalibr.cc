@@ -58,6 +58,8 @@ void FromKalibr(const ConfigNode& root, std::size_t index, Sheet& sheet) {
   sheet.SetList(camera, "intrinsics", form->intrinsics);
   sheet.SetList(camera, "distortion_coeffs", form->distortion);
   if (Find(camera, "resolution")) sheet.SetList(camera, "resolution", {"width_px", "height_px"});
+  sheet.to_camera = Find(camera, "T_cam_imu");
+  sheet.on_imu = FindAny(camera, {"T_cam_imu", "T_imu_cam"});
   if (const ConfigNode* field = Find(camera, "field_deg")) sheet.Set("field_deg", *field);
 }
 

@@ -16,6 +16,7 @@ void FromOkvis(const ConfigNode& root, std::size_t index, Sheet& sheet) {
   const ConfigNode& camera = Find(root, "cameras")->members[index].node;
   sheet.path = NumberedCameras(index + 1).back();
   sheet.node.where = camera.where;
+  sheet.on_imu = Find(camera, "T_SC");
   sheet.SetList(camera, "focal_length", {"fx_px", "fy_px"});
   sheet.SetList(camera, "principal_point", {"cx_px", "cy_px"});
   if (Find(camera, "image_dimension")) sheet.SetList(camera, "image_dimension", {"width_px", "height_px"});

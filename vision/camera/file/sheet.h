@@ -29,6 +29,10 @@ struct Sheet {
   ConfigNode node;
   std::string path;  // before the keys in the mistakes
   Mistakes& mistakes;
+  // The matrix of 4 x 4 that says where the camera is on its IMU, null: there is none; and whether it turns
+  // coordinates of the IMU into the camera's, as T_cam_imu does, or the other way.
+  const ConfigNode* on_imu = nullptr;
+  bool to_camera = false;
 
   void Set(const std::string& key, const ConfigNode& value);
   void SetText(const std::string& key, const std::string& text, const Place& where);

@@ -332,6 +332,39 @@ TEST_F(ForeignCalibration, OkvisHasItsTypesOfDistortion) {
               ElementsAre(HasSubstr("cam0.distortion_type: 'ellipsoid' is not known")));
 }
 
+// Half a turn about z and a shift, with the camera at (0.1, 0.2, 0.3) of the IMU, as each program writes it.
+TEST_F(ForeignCalibration, ThePlaceOnTheImuIsThatOfTheFile) {
+  const std::string imu_cam = "[[-1, 0, 0, 0.1], [0, -1, 0, 0.2], [0, 0, 1, 0.3], [0, 0, 0, 1]]",
+                    cam_imu = "[[-1, 0, 0, 0.1], [0, -1, 0, 0.2], [0, 0, 1, -0.3], [0, 0, 0, 1]]";
+  const std::string kalibr =
+      "cam0:\n  camera_model: pinhole\n  distortion_coeffs: []\n  distortion_model: none\n"
+      "  intrinsics: [334.25, 333.5, 368.25, 252.5]\n  resolution: [752, 480]\n  ";
+  const std::string basalt =
+      R"({"value0": {"T_imu_cam": [{"px": 0.1, "py": 0.2, "pz": 0.3, "qx": 0, "qy": 0, "qz": 1, "qw": 0}],
+          "intrinsics": [{"camera_type": "pinhole", "intrinsics": {"fx": 1, "fy": 1, "cx": 1, "cy": 1}}]}})";
+  for (const std::string& text :
+       {kalibr + "T_cam_imu: " + cam_imu + "\n", kalibr + "T_imu_cam: " + imu_cam + "\n", basalt,
+        OrbFile("Camera",
+                "Tbc: !!opencv-matrix\n  rows: 4\n  cols: 4\n  dt: f\n"
+                "  data: [-1, 0, 0, 0.1, 0, -1, 0, 0.2, 0, 0, 1, 0.3, 0, 0, 0, 1]\n"),
+        "cameras:\n" + AslamCamera("pinhole", "none", "") + "    T_B_C: " + imu_cam + "\n",
+        "cameras:\n  - {T_SC: " + imu_cam +
+            ", focal_length: [1, 1], principal_point: [1, 1], "
+            "distortion_type: none}\n"}) {
+    std::ofstream(folder_ / "file") << text;
+    Mistakes mistakes;
+    const auto X_IC = LoadPoseOnImu(folder_ / "file", mistakes);
+    EXPECT_THAT(mistakes.Texts(), IsEmpty());
+    ASSERT_TRUE(X_IC) << text;
+    EXPECT_LT((X_IC->p - Eigen::Vector3d(0.1, 0.2, 0.3)).norm(), 1e-12) << text;
+    EXPECT_LT((X_IC->R * Eigen::Vector3d(1, 2, 3) - Eigen::Vector3d(-1, -2, 3)).norm(), 1e-12) << text;
+  }
+  std::ofstream(folder_ / "file") << kalibr << "T_cam_imu: [1, 2, 3]\n";
+  Mistakes mistakes;
+  EXPECT_FALSE(LoadPoseOnImu(folder_ / "file", mistakes));
+  EXPECT_THAT(mistakes.Texts(), ElementsAre(HasSubstr("is no rigid motion")));
+}
+
 TEST_F(ForeignCalibration, WhatIsNoCalibrationIsRefusedInOneLine) {
   EXPECT_THAT(
       Read("imu0:\n  accelerometer_noise_density: 0.01\n  rate: 200\nmodel: adis\nother: 3\n").messages,
