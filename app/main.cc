@@ -101,7 +101,7 @@ int Main(int argc, char** argv) {
   MosaicArguments mosaic;
   program.Add(AddMosaicCommand(app, mosaic), [&] { return met(MosaicCommand(mosaic)); });
   StabiliseArguments stabilise;
-  program.Add(AddStabiliseCommand(app, stabilise), [&] { return StabiliseCommand(stabilise), kMet; });
+  program.Add(AddStabiliseCommand(app, stabilise), [&] { return met(StabiliseCommand(stabilise)); });
   CalibrateArguments calibrate;
   program.Add(AddCalibrateCommand(app, calibrate), [&] { return CalibrateCommand(calibrate), kMet; });
   RenderBoardArguments board;

@@ -75,16 +75,6 @@ void CheckFiles(const MosaicArguments& a, Mistakes& mistakes) {
   }
 }
 
-// The next image; an empty one where it cannot be read.
-std::optional<vision::Frame> NextOf(ImageInput& input, int number, bool quiet) {
-  try {
-    return input.next();
-  } catch (const UnreadableImage& e) {
-    if (!quiet) fmt::print("unreadable: {}\n", e.what());
-    return vision::Frame{{}, e.t_s, number};
-  }
-}
-
 // Why the mosaic of this step is another than the one before.
 std::string WhyAnother(const vision::MosaicSeries::Step& step) {
   using Cause = vision::MosaicSeries::Cause;
@@ -103,7 +93,7 @@ MosaicCount AddAll(const MosaicArguments& a, ImageInput& input, const std::vecto
   try {
     for (int number = 0; !stopped && (a.frames == 0 || count.frames < a.frames); ++number) {
       auto start = std::chrono::steady_clock::now();
-      const auto frame = NextOf(input, number, a.quiet);
+      const auto frame = NextImage(input, number, a.quiet);
       count.read_s += SecondsSince(start);
       if (!frame) {
         count.poses_over = std::max(0, static_cast<int>(poses.size()) - number);

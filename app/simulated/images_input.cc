@@ -4,11 +4,14 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <stdexcept>
 #include <utility>
+#include <vector>
 
 #include "records/video/video_reader.h"
 #include "vision/capture/camera_address.h"
@@ -32,6 +35,32 @@ void RefuseOtherSizes(const std::string& file, const cv::Size& size, Mistakes& m
   } catch (const std::runtime_error& e) {
     mistakes.Add(file, "", fmt::format("neither an image nor a video: {}", e.what()));
   }
+}
+
+// Where images do not come evenly, or not at the rate that the file gives: their own times, and the rate of them all.
+void TakeTimes(const std::string& file, ImageInput& input) {
+  std::vector<double> times_s = records::ImageTimesIn(file);
+  if (times_s.size() < 3 || !(times_s.back() > 0)) return;
+  std::vector<double> steps_s(times_s.size());
+  std::adjacent_difference(times_s.begin(), times_s.end(), steps_s.begin());
+  const auto [least, most] = std::minmax_element(steps_s.begin() + 1, steps_s.end());
+  constexpr double kEven = 0.3;  // of the step: what stamps in whole milliseconds leave uneven
+  const double even_s = 1 / input.rate_hz;
+  if (std::max(even_s - *least, *most - even_s) <= kEven * even_s) return;
+  input.rate_hz = static_cast<double>(times_s.size() - 1) / times_s.back();
+  input.note += fmt::format(
+      "{}the images come {:.3f} to {:.3f} s apart, {:.3g} a second in the mean; ffmpeg -i {} -vf fps={:.3g} "
+      "EVEN.mp4 "
+      "makes them come evenly",
+      input.note.empty() ? "" : "\n", *least, *most, input.rate_hz, file, 1 / std::max(*least, 1e-3));
+  input.next = [next = std::move(input.next), times_s = std::move(times_s), number = std::size_t{0},
+                rate = input.rate_hz]() mutable -> std::optional<vision::Frame> {
+    auto frame = next();
+    if (!frame) return frame;
+    const std::size_t i = number++, last = times_s.size() - 1;
+    frame->t_s = times_s[std::min(i, last)] + static_cast<double>(i - std::min(i, last)) / rate;
+    return frame;
+  };
 }
 
 ImageInput LiveInput(const std::string& address, const std::atomic<bool>& stopped, Mistakes& mistakes) {
@@ -86,7 +115,9 @@ ImageInput Open(const ImageArguments& a, const std::atomic<bool>& stopped, Mista
     return LiveInput(a.input, stopped, mistakes);
   if (fs::is_directory(a.input, none)) return FolderInput(a, mistakes);
   ImageInput input = OpenImageFile(a, mistakes);
-  if (!input.still && input.size) RefuseOtherSizes(a.input, *input.size, mistakes);
+  if (input.still || !input.size) return input;
+  RefuseOtherSizes(a.input, *input.size, mistakes);
+  TakeTimes(a.input, input);
   return input;
 }
 
@@ -106,6 +137,15 @@ ImageInput OpenImages(const ImageArguments& a, const std::atomic<bool>& stopped,
     return frame;
   };
   return input;
+}
+
+std::optional<vision::Frame> NextImage(ImageInput& input, int number, bool quiet) {
+  try {
+    return input.next();
+  } catch (const UnreadableImage& e) {
+    if (!quiet) fmt::print("unreadable: {}\n", e.what());
+    return vision::Frame{{}, e.t_s, number};
+  }
 }
 
 }  // namespace kestrel::app

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <opencv2/imgproc.hpp>
+#include <stdexcept>
 #include <vector>
 
 #include "app/simulated/images_input.h"
@@ -25,9 +26,17 @@ std::vector<vision::ImageTurn> TurnsOf(const StabiliseArguments& a, const vision
   std::optional<Eigen::Quaterniond> before;
   double before_s = 0;
   constexpr int kEnough = 600;
+  const auto next = [&](int number) -> std::optional<vision::Frame> {
+    try {
+      return NextImage(input, number, true);
+    } catch (const std::runtime_error&) {  // told when it is met again, to be stabilised
+      return std::nullopt;
+    }
+  };
   for (int i = 0; i < kEnough && !stopped; ++i) {
-    const auto frame = input.next();
+    const auto frame = next(i);
     if (!frame) break;
+    if (frame->image.empty()) continue;
     cv::Mat grey = frame->image;
     if (grey.channels() == 3) cv::cvtColor(frame->image, grey, cv::COLOR_BGR2GRAY);
     const vision::FollowedImage followed = follower.Step(grey, frame->t_s, {});
@@ -64,6 +73,12 @@ std::optional<Gyro> OpenGyro(const StabiliseArguments& a, const vision::CameraMo
         "the gyro's clock is {:+.4f} s from the video's, by {} turns of which it leaves {:.1f} % "
         "unexplained\n",
         offset->offset_s, offset->turns, 100 * offset->unlike);
+  if (!a.quiet && offset->other_s)
+    fmt::print(
+        "at {:+.2f} s it explains them about as well, since they repeat themselves; --imu-offset-s where it "
+        "is known, "
+        "or a smaller --max-offset-s\n",
+        *offset->other_s);
   return gyro;
 }
 

@@ -6,6 +6,8 @@
 #include <CLI/CLI.hpp>
 #include <atomic>
 #include <filesystem>
+#include <initializer_list>
+#include <string>
 
 #include "app/option/bits_option.h"
 #include "app/option/one_of.h"
@@ -23,6 +25,20 @@ namespace {
 std::atomic<bool> stopped = false;
 
 bool ByGyro(const StabiliseArguments& a) { return a.options.by == "gyro" || a.options.by == "both"; }
+
+// Options that others make meaningless would be left out without a word.
+void RefuseUseless(const CLI::App& command, const StabiliseArguments& a) {
+  const auto refuse = [&](bool useless, const std::string& where, std::initializer_list<const char*> names) {
+    for (const char* name : names)
+      if (useless && command.count(name) > 0)
+        throw CLI::ValidationError(fmt::format("{} is of no use to {}", name, where));
+  };
+  refuse(a.options.mode == "reference", "--mode reference", {"--lag-s", "--cutoff-hz", "--unbounded"});
+  refuse(a.options.mode == "offline", "--mode offline", {"--lag-s"});
+  refuse(a.options.by == "sphere", "--by sphere", {"--model"});
+  refuse(a.options.by == "gyro", "--by gyro", {"--model", "--method", "--points", "--opencl"});
+  refuse(a.level == "none", "--level none", {"--mount-yaw-deg", "--mount-pitch-deg", "--mount-roll-deg"});
+}
 
 }  // namespace
 
@@ -80,13 +96,21 @@ CLI::App* AddStabiliseCommand(CLI::App& app, StabiliseArguments& a) {
       ->check(OneOf({"none", "skyline"}))
       ->capture_default_str();
   AddMountOptions(*command, a.mount);
-  command->add_option("--imu", a.imu, "CSV of a gyro: t_s, wx_rad_s, wy_rad_s, wz_rad_s in the camera's axes")
-      ->type_name("FILE");
-  command->add_option("--imu-offset-s", a.imu_offset_s,
-                      "What is to be added to the video's time for the gyro's (default: it is estimated)");
+  CLI::Option* imu = command
+                         ->add_option("--imu", a.imu,
+                                      "CSV of a gyro: t_s, wx_rad_s, wy_rad_s, wz_rad_s in the camera's axes")
+                         ->type_name("FILE");
+  CLI::Option* offset =
+      command
+          ->add_option("--imu-offset-s", a.imu_offset_s,
+                       "What is to be added to the video's time for the gyro's (default: it is estimated)")
+          ->check(Within(-1e10, 1e10))
+          ->needs(imu);
   command->add_option("--max-offset-s", a.max_offset_s, "Within which the offset is looked for")
       ->check(Within(0.0, 60.0))
-      ->capture_default_str();
+      ->capture_default_str()
+      ->needs(imu)
+      ->excludes(offset);
   command
       ->add_option(
           "--readout-s", a.readout_s,
@@ -102,7 +126,9 @@ CLI::App* AddStabiliseCommand(CLI::App& app, StabiliseArguments& a) {
   AddDeinterlaceOption(*command, a);
   AddBitsOption(*command, a.bits);
   command->add_flag("--quiet", a.quiet, "Print nothing but errors");
+  command->parse_complete_callback([command, &a] { RefuseUseless(*command, a); });
   command->footer(
+      "Exit status 1: no image's motion was measured, or no horizon was seen to be levelled by.\n\n"
       "Examples:\n"
       "  kestrel stabilise flight.mp4 --out steady.mp4 --before-after both.mp4 --csv path.csv\n"
       "  kestrel stabilise hover.mp4 --mode reference --border filled --out still.mp4\n"
@@ -112,7 +138,7 @@ CLI::App* AddStabiliseCommand(CLI::App& app, StabiliseArguments& a) {
   return command;
 }
 
-void StabiliseCommand(const StabiliseArguments& given) {
+bool StabiliseCommand(const StabiliseArguments& given) {
   StabiliseArguments a = given;
   a.options.scale = !a.no_scale, a.options.bound = !a.unbounded;
   a.options.level = a.level == "skyline";
@@ -156,7 +182,7 @@ void StabiliseCommand(const StabiliseArguments& given) {
   mistakes.ThrowIfAny();
   if (!a.quiet && !input.note.empty()) fmt::print("{}\n", input.note);
   OnEndSignals([](int) { stopped = true; });
-  StabiliseVideo(a, input, camera, gyro, stopped);
+  return StabiliseVideo(a, input, camera, gyro, stopped);
 }
 
 }  // namespace kestrel::app

@@ -26,8 +26,9 @@ struct StabiliseArguments : ImageArguments {  // out: the video; csv: a row for 
 
 CLI::App* AddStabiliseCommand(CLI::App& app, StabiliseArguments& arguments);
 
-// Throws InputError with every mistake of the arguments and files, and std::runtime_error if reading or writing fails
-// on the way; then what was stabilised until then has been written.
-void StabiliseCommand(const StabiliseArguments& arguments);
+// Whether the motion of an image was measured and, if it was asked for, a horizon seen. Throws InputError with every
+// mistake of the arguments and files, and std::runtime_error if reading or writing fails on the way; then what was
+// stabilised until then has been written.
+bool StabiliseCommand(const StabiliseArguments& arguments);
 
 }  // namespace kestrel::app

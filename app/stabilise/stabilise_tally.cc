@@ -40,7 +40,7 @@ std::string Path(const vision::StabilisedImage& image, const vision::CameraModel
 
 void StabiliseTally::Add(const vision::StabilisedImage& image, const ImageBefore& before) {
   ++states_[vision::NameOf(image.state)], ++images_, ms_ += before.ms;
-  csv_ += fmt::format("{},{:.4f},{},{},{},{:.3f},{:.4f},{},{:.2f},{},{},", image.number, image.t_s,
+  csv_ += fmt::format("{},{:.4f},{},{},{},{:.3f},{:.4f},{},{:.2f},{},{},", before.number, image.t_s,
                       vision::NameOf(image.state), image.points, image.inliers, image.rms_px, image.strength,
                       Path(image, camera_, before.drawn.size()), before.ms, vision::FlowDevice(opencl_),
                       before.interlaced ? 1 : 0);
@@ -59,12 +59,29 @@ void StabiliseTally::Add(const vision::StabilisedImage& image, const ImageBefore
   worst_deg_ = std::max(worst_deg_, std::abs(*out));
 }
 
+void StabiliseTally::AddLeftOut(const ImageBefore& before) {
+  ++states_[vision::NameOf(*before.left_out)], ++left_out_;
+  csv_ += fmt::format("{},{:.4f},{},0,0,,,,,,,,,,,\n", before.number, before.t_s,
+                      vision::NameOf(*before.left_out));
+}
+
+bool StabiliseTally::Achieved() const {
+  using State = vision::StabilisedState;
+  bool measured = false;
+  for (const State state :
+       {State::kFollowed, State::kRecovered, State::kReanchored, State::kGyro, State::kGyroAlone})
+    measured |= states_.contains(vision::NameOf(state));
+  return measured && (levelled_ > 0 || !level_);
+}
+
 std::vector<std::string> StabiliseTally::Sentences() const {
+  if (images_ == 0) return {"no image came"};
   std::string counts;
   for (const auto& [name, count] : states_)
     counts += fmt::format("{}{} {}", counts.empty() ? "" : ", ", count, name);
-  std::vector<std::string> sentences = {
-      fmt::format("{} images: {}; {:.1f} ms each", images_, counts, ms_ / std::max(images_, 1))};
+  std::vector<std::string> sentences = {fmt::format("{} image{}: {}; {:.1f} ms each", images_ + left_out_,
+                                                    images_ + left_out_ == 1 ? "" : "s", counts,
+                                                    ms_ / images_)};
   if (opencl_) sentences.push_back("points were followed on " + vision::FlowDevice(true));
   if (images_ == 1)
     sentences.push_back("one image, which has no motion; valid: a video, or a folder of images");
@@ -75,15 +92,22 @@ std::vector<std::string> StabiliseTally::Sentences() const {
                   "rotation there too"},
         std::pair{State::kCut, "nothing of the image before is found again, and the view begins anew"},
         std::pair{State::kResized, "the size is another one, and the view begins anew"},
+        std::pair{State::kUnreadable, "the file is damaged, and left out of the video; write it again"},
         std::pair{State::kNoAttitude,
                   "--imu has nothing of their time; valid: a file that covers the video, or --by vision"}})
     if (const auto found = states_.find(vision::NameOf(state)); found != states_.end())
       sentences.push_back(fmt::format("{} {}: {}", found->second, found->first, remedy));
+  if (level_ && levelled_ == 0)
+    sentences.push_back(
+        "horizon seen in none of the images, and nothing is levelled; --level skyline needs ground and sky "
+        "in view, "
+        "and --mount-yaw-deg, --mount-pitch-deg, --mount-roll-deg as the camera is mounted");
   if (levelled_ > 0)
     sentences.push_back(fmt::format(
-        "horizon seen in {} images: its tilt is {:.2f} deg (RMS) as they came in, and {:.2f} deg, "
+        "horizon seen in {} of {} images: its tilt is {:.2f} deg (RMS) as they came in, and {:.2f} deg, "
         "at most {:.2f} deg, in the view{}",
-        levelled_, std::sqrt(square_in_deg2_ / levelled_), std::sqrt(square_deg2_ / levelled_), worst_deg_,
+        levelled_, images_, std::sqrt(square_in_deg2_ / levelled_), std::sqrt(square_deg2_ / levelled_),
+        worst_deg_,
         drawn_back_ == 0 ? ""
                          : fmt::format("; in {} of them the view was drawn back, which a smaller "
                                        "--crop or --unbounded spares it",

@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <variant>
 
+#include "app/simulated/images_input.h"
 #include "app/simulated/interlace_watch.h"
 #include "app/stabilise/stabilise_tally.h"
 #include "base/file/files.h"
@@ -49,7 +50,7 @@ cv::Mat SideBySide(const cv::Mat& before, const cv::Mat& after) {
 
 }  // namespace
 
-void StabiliseVideo(const StabiliseArguments& a, ImageInput& input,
+bool StabiliseVideo(const StabiliseArguments& a, ImageInput& input,
                     const std::optional<vision::CameraModel>& camera, const std::optional<Gyro>& gyro,
                     const std::atomic<bool>& stopped) {
   vision::Stabiliser stabiliser(a.options, camera, input.rate_hz);
@@ -61,28 +62,50 @@ void StabiliseVideo(const StabiliseArguments& a, ImageInput& input,
   if (!a.before_after.empty()) beside.emplace(a.before_after, input.rate_hz);
   FrameProgress progress(!a.quiet);
   InterlaceWatch interlace;
-  StabiliseTally tally(camera ? &*camera : nullptr, a.options.motion.opencl);
+  StabiliseTally tally(camera ? &*camera : nullptr, a.options.motion.opencl, a.options.level);
   std::deque<ImageBefore> waiting;
   cv::Size size;
   std::string broke_off;
   int frames = 0;
+  const auto tell_left_out = [&] {
+    for (; !waiting.empty() && waiting.front().left_out; waiting.pop_front())
+      tally.AddLeftOut(waiting.front());
+  };
   const auto show = [&](const std::optional<vision::StabilisedImage>& image) {
     if (!image) return false;
+    tell_left_out();
     tally.Add(*image, waiting.front());
     if (out) out->Write(Bgr(image->image));
     if (beside) beside->Write(SideBySide(waiting.front().drawn, image->image));
     waiting.pop_front();
     return true;
   };
+  const auto next = [&]() -> std::optional<vision::Frame> {
+    if (stopped || (a.frames > 0 && frames >= a.frames)) return std::nullopt;
+    try {
+      return NextImage(input, frames, a.quiet);
+    } catch (const std::runtime_error& e) {
+      broke_off = e.what();
+      return std::nullopt;
+    }
+  };
   try {
-    while (!stopped && (a.frames == 0 || frames < a.frames)) {
-      const auto frame = input.next();
-      if (!frame) break;
-      if (size.empty()) size = frame->image.size();
-      if (frame->image.size() != size && (out || beside || camera))
-        throw std::runtime_error(fmt::format("an image of {} x {} pixels after those of {} x {}",
-                                             frame->image.cols, frame->image.rows, size.width, size.height));
+    while (const auto frame = next()) {
       ImageBefore before;
+      before.number = frames++, before.t_s = frame->t_s;
+      if (frame->image.empty()) {
+        before.left_out = vision::StabilisedState::kUnreadable;
+        waiting.push_back(before);
+        continue;
+      }
+      if (size.empty()) size = frame->image.size();
+      if (frame->image.size() != size && (out || beside || camera)) {
+        before.left_out = vision::StabilisedState::kResized;
+        waiting.push_back(before);
+        broke_off = fmt::format("an image of {} x {} pixels after those of {} x {}", frame->image.cols,
+                                frame->image.rows, size.width, size.height);
+        break;
+      }
       before.interlaced = interlace.Add(frame->image);
       const auto start = std::chrono::steady_clock::now();
       vision::ImageAttitudes attitudes;
@@ -98,9 +121,10 @@ void StabiliseVideo(const StabiliseArguments& a, ImageInput& input,
       before.drawn = beside ? WithMatches(frame->image, stabiliser.last_inliers()) : frame->image;
       waiting.push_back(before);
       show(image);
-      progress.Show(++frames);
+      progress.Show(frames);
     }
     while (show(stabiliser.Finish())) {}
+    tell_left_out();
   } catch (const std::runtime_error& e) {
     broke_off = e.what();
   }
@@ -112,14 +136,16 @@ void StabiliseVideo(const StabiliseArguments& a, ImageInput& input,
   } catch (const std::runtime_error& e) {
     if (broke_off.empty()) broke_off = e.what();
   }
-  if (!a.quiet && frames > 0) {
+  if (!a.quiet) {
     for (const std::string& sentence : tally.Sentences()) fmt::print("{}\n", sentence);
-    fmt::print("the view comes {} images late\n", stabiliser.Lag());
+    if (a.options.mode == "smooth")
+      fmt::print("the view comes {:.2g} s late\n", stabiliser.Lag() / input.rate_hz);
     if (const std::string told = interlace.Sentence(a.input); !told.empty()) fmt::print("{}\n", told);
   }
   if (!broke_off.empty())
     throw std::runtime_error(fmt::format("{}: it broke off after {} images, which are written: {}", a.input,
                                          tally.images(), broke_off));
+  return tally.Achieved();
 }
 
 }  // namespace kestrel::app

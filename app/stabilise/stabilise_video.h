@@ -10,9 +10,10 @@
 
 namespace kestrel::app {
 
-// Every image of the input, written as it is stabilised. Throws std::runtime_error if reading or writing fails on the
+// Every image of the input, written as it is stabilised, and whether what was asked for came of it, as of
+// StabiliseCommand(). Throws std::runtime_error if reading or writing fails on the
 // way; what was stabilised until then has been written.
-void StabiliseVideo(const StabiliseArguments& arguments, ImageInput& input,
+bool StabiliseVideo(const StabiliseArguments& arguments, ImageInput& input,
                     const std::optional<vision::CameraModel>& camera, const std::optional<Gyro>& gyro,
                     const std::atomic<bool>& stopped);
 

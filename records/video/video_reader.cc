@@ -35,6 +35,18 @@ std::string OutputOf(std::vector<std::string> command) {
   return output;
 }
 
+// What ffprobe says of the video's frames or packets, a line each.
+std::string LinesOf(std::vector<std::string> what, const std::filesystem::path& file) {
+  std::vector<std::string> command = {"ffprobe", "-loglevel", "quiet", "-select_streams", "v:0"};
+  command.insert(command.end(), what.begin(), what.end());
+  command.insert(command.end(), {"-of", "csv=print_section=0", "file:" + file.string()});
+  PipedProcess program(std::move(command), PipedProcess::Direction::kRead);
+  std::string text;
+  char part[4096];
+  while (const std::size_t got = program.Read(part, sizeof part)) text.append(part, got);
+  return text;
+}
+
 // ffprobe writes numbers as text, "N/A" where it has none, and rates as fractions.
 double NumberOf(const nlohmann::json& object, const char* key) {
   const std::string text = object.value(key, "");
@@ -98,19 +110,29 @@ std::optional<cv::Mat> VideoReader::Next() {
 
 std::optional<cv::Size> OtherSizeIn(const std::filesystem::path& file, const cv::Size& size) {
   return Named(file, [&]() -> std::optional<cv::Size> {
-    PipedProcess program(
-        {"ffprobe", "-loglevel", "quiet", "-skip_frame", "nokey", "-select_streams", "v:0", "-show_entries",
-         "frame=width,height", "-of", "csv=print_section=0", "file:" + file.string()},
-        PipedProcess::Direction::kRead);
-    std::string text;
-    char part[4096];
-    while (const std::size_t got = program.Read(part, sizeof part)) text.append(part, got);
-    std::istringstream lines(text);
+    std::istringstream lines(LinesOf({"-skip_frame", "nokey", "-show_entries", "frame=width,height"}, file));
     for (std::string line; std::getline(lines, line);) {
       cv::Size other;
       if (std::sscanf(line.c_str(), "%d,%d", &other.width, &other.height) == 2 && other != size) return other;
     }
     return std::nullopt;
+  });
+}
+
+std::vector<double> ImageTimesIn(const std::filesystem::path& file) {
+  return Named(file, [&]() -> std::vector<double> {
+    std::istringstream lines(LinesOf({"-show_entries", "packet=pts_time,flags"}, file));
+    std::vector<double> times_s;
+    for (std::string line; std::getline(lines, line);) {
+      const std::size_t comma = line.find(',');
+      if (comma != std::string::npos && line.find('D', comma) != std::string::npos) continue;  // never shown
+      double t_s = 0;
+      if (std::sscanf(line.c_str(), "%lf", &t_s) != 1) return {};
+      times_s.push_back(t_s);
+    }
+    std::sort(times_s.begin(), times_s.end());  // packets come as they are decoded
+    for (std::size_t i = times_s.size(); i-- > 0;) times_s[i] -= times_s[0];
+    return times_s;
   });
 }
 

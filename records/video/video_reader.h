@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <opencv2/core.hpp>
 #include <optional>
+#include <vector>
 
 #include "base/process/piped_process.h"
 
@@ -31,5 +32,8 @@ class VideoReader {
 // A size other than this that images of the file have, if there is one: ffmpeg would scale them without a word. It
 // decodes those frames alone that need no others. Throws as above.
 std::optional<cv::Size> OtherSizeIn(const std::filesystem::path& file, const cv::Size& size);
+
+// When each image of the file is shown, s from the first one. Empty: the file does not say it of each. Throws as above.
+std::vector<double> ImageTimesIn(const std::filesystem::path& file);
 
 }  // namespace kestrel::records

@@ -4,14 +4,20 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <fstream>
 #include <ios>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <opencv2/videoio.hpp>
 #include <sstream>
 #include <stdexcept>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "base/diagnostics.h"
@@ -129,7 +135,112 @@ TEST_F(StabiliseCommandTest, AnImageOfAnotherSizeEndsAVideoAndStartsTheViewAnewW
   } catch (const std::runtime_error& e) {
     EXPECT_THAT(e.what(), AllOf(HasSubstr("it broke off after 12 images"), HasSubstr("80 x 60")));
   }
-  EXPECT_EQ(Rows().size(), 13u);
+  EXPECT_EQ(Rows().size(), 14u);
+  EXPECT_THAT(Rows()[13], HasSubstr(",resized,"));
+}
+
+TEST_F(StabiliseCommandTest, WhereTheSizeChangesTheImagesInTheLagAreWritten) {
+  cv::imwrite(Image(12), cv::Mat(60, 80, CV_8UC3, cv::Scalar(9, 99, 199)));
+  arguments_.options.mode = "smooth", arguments_.options.lag_s = 0.2, arguments_.out = File("steady.mp4");
+  EXPECT_THROW(StabiliseCommand(arguments_), std::runtime_error);
+  const auto rows = Rows();
+  ASSERT_EQ(rows.size(), 14u);
+  EXPECT_THAT(rows[12], HasSubstr(",followed,"));
+  EXPECT_THAT(rows[13], HasSubstr(",resized,"));
+  EXPECT_EQ(std::count(rows[13].begin(), rows[13].end(), ','),
+            std::count(rows[0].begin(), rows[0].end(), ','));
+  EXPECT_EQ(cv::VideoCapture(arguments_.out).get(cv::CAP_PROP_FRAME_COUNT), 12);
+}
+
+TEST_F(StabiliseCommandTest, ADamagedFileIsAStateOfItsOwnWhereverItIsDamaged) {
+  std::ofstream(Image(3), std::ios::trunc).close();
+  std::filesystem::resize_file(Image(7), std::filesystem::file_size(Image(7)) / 2);
+  for (const char* mode : {"reference", "smooth"}) {
+    arguments_.options.mode = mode, arguments_.options.lag_s = 0.2;
+    EXPECT_TRUE(StabiliseCommand(arguments_)) << mode;
+    const auto rows = Rows();
+    ASSERT_EQ(rows.size(), 13u) << mode;
+    for (std::size_t i = 0; i < 12; ++i) {
+      EXPECT_THAT(rows[i + 1], ::testing::StartsWith(fmt::format("{},{:.4f},", i, i / 25.0))) << mode;
+      EXPECT_THAT(rows[i + 1], HasSubstr(i == 3 || i == 7 ? ",unreadable,"
+                                         : i == 0         ? ",first,"
+                                                          : ",followed,"))
+          << mode;
+    }
+  }
+}
+
+TEST_F(StabiliseCommandTest, WhereNoMotionIsMeasuredNothingIsAchieved) {
+  EXPECT_TRUE(StabiliseCommand(arguments_));
+  arguments_.frames = 1;
+  EXPECT_FALSE(StabiliseCommand(arguments_));
+  ASSERT_EQ(Rows().size(), 2u);
+  arguments_.frames = 0;
+  for (int i = 0; i < 12; ++i) cv::imwrite(Image(i), cv::Mat(120, 160, CV_8UC3, cv::Scalar(90, 90, 90)));
+  EXPECT_FALSE(StabiliseCommand(arguments_));
+}
+
+TEST_F(StabiliseCommandTest, AHorizonThatIsNowhereSeenIsTold) {
+  arguments_.camera = File("camera.yaml"), arguments_.options.by = "sphere", arguments_.level = "skyline";
+  arguments_.quiet = false;
+  testing::internal::CaptureStdout();
+  EXPECT_FALSE(StabiliseCommand(arguments_));
+  std::fflush(stdout);
+  EXPECT_THAT(testing::internal::GetCapturedStdout(), HasSubstr("horizon seen in none of the images"));
+}
+
+TEST_F(StabiliseCommandTest, ImagesOfAVideoHaveTheTimesThatTheFileGives) {
+  // Of 12 images, three come together, then none for a while.
+  const std::string video = File("uneven.mkv");
+  const std::string command = fmt::format(
+      "ffmpeg -nostdin -loglevel error -framerate 30 -i '{}/%03d.png' -vf "
+      "\"setpts='(floor(N/3)*0.5+mod(N,3)*0.1)/TB'\" "
+      "-fps_mode vfr -c:v ffv1 '{}'",
+      arguments_.input, video);
+  ASSERT_EQ(std::system(command.c_str()), 0);
+  arguments_.input = video, arguments_.quiet = false;
+  testing::internal::CaptureStdout();
+  StabiliseCommand(arguments_);
+  std::fflush(stdout);
+  EXPECT_THAT(testing::internal::GetCapturedStdout(), HasSubstr("the images come 0.100 to 0.300 s apart"));
+  const auto rows = Rows();
+  ASSERT_EQ(rows.size(), 13u);
+  for (std::size_t i = 0; i < 12; ++i) {
+    const double t_s = 0.5 * static_cast<double>(i / 3) + 0.1 * static_cast<double>(i % 3);
+    EXPECT_THAT(rows[i + 1], ::testing::StartsWith(fmt::format("{},{:.4f},", i, t_s)));
+  }
+}
+
+TEST(StabiliseOptions, WhatIsOfNoUseIsRefused) {
+  const auto refusal = [](const std::string& options) -> std::string {
+    CLI::App app;
+    StabiliseArguments arguments;
+    AddStabiliseCommand(app, arguments);
+    try {
+      app.parse("stabilise v.mp4 --csv p.csv " + options);
+    } catch (const CLI::ParseError& e) {
+      return e.what();
+    }
+    return "accepted";
+  };
+  EXPECT_EQ(refusal("--lag-s 1 --cutoff-hz 0.3 --unbounded"), "accepted");
+  EXPECT_EQ(refusal("--by sphere --camera c --level skyline --mount-pitch-deg 80"), "accepted");
+  EXPECT_EQ(refusal("--by both --camera c --imu g.csv --imu-offset-s 1"), "accepted");
+  for (const auto& [options, named] : {std::pair{"--imu-offset-s 1", "--imu"},
+                                       {"--max-offset-s 1", "--imu"},
+                                       {"--imu g.csv --imu-offset-s 1 --max-offset-s 1", "--imu-offset-s"},
+                                       {"--mount-pitch-deg 80", "--level none"},
+                                       {"--mode reference --unbounded", "--mode reference"},
+                                       {"--mode reference --cutoff-hz 1", "--mode reference"},
+                                       {"--mode offline --lag-s 1", "--mode offline"},
+                                       {"--by sphere --model affine", "--by sphere"},
+                                       {"--by gyro --points 90", "--by gyro"},
+                                       {"--crop nan", "nan"},
+                                       {"--imu g.csv --imu-offset-s nan", "nan"},
+                                       {"--cutoff-hz nan", "nan"},
+                                       {"--readout-s nan", "nan"},
+                                       {"--lag-s nan", "nan"}})
+    EXPECT_THAT(refusal(options), AllOf(Not("accepted"), HasSubstr(named))) << options;
 }
 
 // A camera that looks ahead over flat ground, and rolls: how much is left is known, since the sky is drawn by it.

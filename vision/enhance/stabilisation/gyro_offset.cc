@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/enhance/stabilisation/gyro_offset.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "geometry/pose.h"
@@ -43,10 +44,12 @@ std::optional<GyroOffset> EstimateGyroOffset(const std::vector<ImageTurn>& turns
                                              double max_offset_s) {
   constexpr double kCoarse_s = 0.01, kFinest_s = 1e-4;
   std::optional<GyroOffset> best;
+  std::vector<GyroOffset> coarse;
   const auto search = [&](double from_s, double to_s, double step_s) {
     const int steps = static_cast<int>(std::lround((to_s - from_s) / step_s));
     for (int i = 0; i <= steps; ++i) {
       const auto at = Compare(turns, gyro, from_s + i * step_s);
+      if (at && step_s == kCoarse_s) coarse.push_back(*at);
       if (at && (!best || at->unlike < best->unlike)) best = at;
     }
   };
@@ -54,6 +57,15 @@ std::optional<GyroOffset> EstimateGyroOffset(const std::vector<ImageTurn>& turns
   for (double step_s = kCoarse_s / 5; best && step_s > kFinest_s; step_s /= 5)
     search(best->offset_s - 5 * step_s, best->offset_s + 5 * step_s, step_s);
   if (!best || best->unlike > kLike) return std::nullopt;
+  constexpr double kApart_s = 0.05, kAsGood = 0.15;
+  double least = std::min(best->unlike + kAsGood, kLike);
+  for (std::size_t i = 1; i + 1 < coarse.size(); ++i) {
+    const double here = coarse[i].unlike;
+    if (std::abs(coarse[i].offset_s - best->offset_s) < kApart_s || here > least ||
+        here > coarse[i - 1].unlike || here > coarse[i + 1].unlike)
+      continue;
+    least = here, best->other_s = coarse[i].offset_s;
+  }
   return best;
 }
 

@@ -19,6 +19,8 @@ struct GyroOffset {
   double offset_s = 0;  // to be added to an image's time for the gyro's
   double unlike = 0;    // RMS of what the gyro does not explain of the turns, over their RMS
   int turns = 0;        // that were compared
+  std::optional<double> other_s =
+      {};  // another one that is about as good, as of a turning that repeats itself
 };
 
 // The offset of the gyro's clock, at most max_offset_s, by which its turns are most like those of the images. None: it

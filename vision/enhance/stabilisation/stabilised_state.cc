@@ -23,6 +23,8 @@ const char* NameOf(StabilisedState state) {
       return "gyro";
     case StabilisedState::kGyroAlone:
       return "gyro_alone";
+    case StabilisedState::kUnreadable:
+      return "unreadable";
     case StabilisedState::kNoAttitude:
       return "no_attitude";
   }

@@ -13,6 +13,7 @@ enum class StabilisedState {
   kReanchored,   // the reference had left the view: this is the new one
   kGyro,         // by attitudes alone, as asked for
   kGyroAlone,    // by attitudes, since vision found no motion
+  kUnreadable,   // its file is damaged: left out
   kNoAttitude,  // attitudes are asked for, and of this time there are none: taken to stand still but for what is seen
 };
 const char* NameOf(StabilisedState state);

@@ -80,12 +80,31 @@ TEST(GyroOffset, AnotherClockIsFound) {
     EXPECT_LT(found->unlike, 0.02);
     EXPECT_EQ(found->turns, 120);
   }
+  EXPECT_FALSE(EstimateGyroOffset(turns, truth, 0.5)->other_s);
   // A gyro of another flight, and one whose times do not reach the video's.
   std::vector<GyroSample> other = Samples(0, 8);
   for (GyroSample& sample : other)
     sample.w_C = {0.4 * std::sin(23 * sample.t_s), 0, 0.5 * std::cos(17 * sample.t_s)};
   EXPECT_FALSE(EstimateGyroOffset(turns, GyroTrack(other), 1));
   EXPECT_FALSE(EstimateGyroOffset(turns, GyroTrack(Samples(100, 8)), 1));
+}
+
+// To and fro every 0.8 s: so much earlier or later it is the same.
+TEST(GyroOffset, ATurningThatRepeatsItselfHasAnotherOne) {
+  std::vector<GyroSample> samples;
+  for (int i = 0; i <= 2000; ++i)
+    samples.push_back({i / 200.0, {0, 0.5 * std::sin(2 * std::numbers::pi * i / 160.0), 0}});
+  const GyroTrack truth(samples);
+  std::vector<ImageTurn> turns;
+  for (int i = 60; i < 200; ++i) {
+    const double from_s = i / 30.0, to_s = (i + 1) / 30.0;
+    turns.push_back({from_s, to_s, LogRotation(truth.At(from_s)->conjugate() * *truth.At(to_s))});
+  }
+  const auto wide = EstimateGyroOffset(turns, truth, 1), narrow = EstimateGyroOffset(turns, truth, 0.3);
+  ASSERT_TRUE(wide && narrow);
+  ASSERT_TRUE(wide->other_s);
+  EXPECT_NEAR(std::abs(*wide->other_s - wide->offset_s), 0.8, 0.011);
+  EXPECT_FALSE(narrow->other_s);
 }
 
 class GyroFile : public InTemporaryFolder {
