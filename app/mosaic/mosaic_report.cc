@@ -15,9 +15,8 @@ const std::vector<std::pair<vision::MosaicState, const char*>> kRemedies = {
     {vision::MosaicState::kLost,
      "nothing before shows the same; let images overlap by half (--every 1), or give --poses"},
     {vision::MosaicState::kOblique,
-     "the plane is seen almost from its side, or from many times the first height; film downwards, begin in "
-     "the air, or "
-     "--surface sphere of a camera that turns"},
+     "the plane is seen almost from its side, or its pose puts it far away or far above the first; film "
+     "downwards, begin in the air, or --surface sphere of a camera that turns"},
     {vision::MosaicState::kOtherSize,
      "another size than the rest; scale them, or make a mosaic of each size"},
     {vision::MosaicState::kUnreadable, "the file is damaged; write it again"},
