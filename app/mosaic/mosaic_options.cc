@@ -160,6 +160,8 @@ CLI::App* AddMosaicCommand(CLI::App& app, MosaicArguments& a) {
   AddBitsOption(*command, a.bits);
   command->add_flag("--quiet", a.quiet, "Print nothing but errors");
   command->footer(
+      "Exit status 1: no two images were joined, or a GeoTIFF is missing because no image of its mosaic has "
+      "a pose.\n\n"
       "Examples:\n"
       "  kestrel mosaic survey.mp4 --out mosaic.png --video growing.mp4 --csv places.csv\n"
       "  kestrel mosaic turn.mp4 --surface cylinder --camera thesis_2_8mm --out panorama.jpg\n"
