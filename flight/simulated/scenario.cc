@@ -227,8 +227,7 @@ std::vector<std::string> NotesOn(const Scenario& s, const vision::CameraModel& c
       notes.push_back(fmt::format(
           "'{}' says where the camera is on its IMU, which is the mount if the IMU stands on the aircraft's "
           "centre: mount: {} with its axes forward, right, down; mount: {} with forward, left, up; the "
-          "flight "
-          "has mount: {}",
+          "flight has mount: {}",
           s.camera, MountText(*X_IC), MountText(Pose{R_BI, Eigen::Vector3d::Zero()} * *X_IC),
           MountText(vision::MountPose(s.mount))));
     }

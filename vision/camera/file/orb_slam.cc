@@ -57,7 +57,7 @@ void FromOrbSlam(const ConfigNode& root, std::size_t index, Sheet& sheet) {
   set({"fx", "fy", "cx", "cy"}, {"fx_px", "fy_px", "cx_px", "cy_px"}, true);
   if (fisheye) set({"k1", "k2", "k3", "k4"}, {"k1", "k2", "k3", "k4"}, true);
   if (!fisheye && !rectified) set({"k1", "k2", "p1", "p2", "k3"}, {"k1", "k2", "p1", "p2", "k3"}, false);
-  sheet.on_imu = FindAny(root, {"IMU.T_b_c1", "Tbc"});
+  if (index == 0) sheet.on_imu = FindAny(root, {"IMU.T_b_c1", "Tbc"});  // of the first alone
   sheet.SetSize(FirstOf(root, {"Camera", group}, {"width", "cols"}),
                 FirstOf(root, {"Camera", group}, {"height", "rows"}));
 }

@@ -359,6 +359,13 @@ TEST_F(ForeignCalibration, ThePlaceOnTheImuIsThatOfTheFile) {
     EXPECT_LT((X_IC->p - Eigen::Vector3d(0.1, 0.2, 0.3)).norm(), 1e-12) << text;
     EXPECT_LT((X_IC->R * Eigen::Vector3d(1, 2, 3) - Eigen::Vector3d(-1, -2, 3)).norm(), 1e-12) << text;
   }
+  // ORB-SLAM's is that of its first camera alone.
+  std::ofstream(folder_ / "file") << OrbFile("Camera1",
+                                             OrbFile("Camera2", "IMU.T_b_c1: " + imu_cam + "\n").substr(10));
+  Mistakes none;
+  EXPECT_TRUE(LoadPoseOnImu(folder_ / "file", none, "cam0"));
+  EXPECT_FALSE(LoadPoseOnImu(folder_ / "file", none, "cam1"));
+  EXPECT_THAT(none.Texts(), IsEmpty());
   std::ofstream(folder_ / "file") << kalibr << "T_cam_imu: [1, 2, 3]\n";
   Mistakes mistakes;
   EXPECT_FALSE(LoadPoseOnImu(folder_ / "file", mistakes));
