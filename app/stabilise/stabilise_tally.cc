@@ -91,7 +91,8 @@ std::vector<std::string> StabiliseTally::Sentences() const {
                   "too little is seen, and the view goes along with the image; a gyro (--by both) tells the "
                   "rotation there too"},
         std::pair{State::kCut, "nothing of the image before is found again, and the view begins anew"},
-        std::pair{State::kResized, "the size is another one, and the view begins anew"},
+        std::pair{State::kResized,
+                  "the size is another one, where the view begins anew, and a video that is written ends"},
         std::pair{State::kUnreadable, "the file is damaged, and left out of the video; write it again"},
         std::pair{State::kNoAttitude,
                   "--imu has nothing of their time; valid: a file that covers the video, or --by vision"}})

@@ -138,7 +138,7 @@ bool StabiliseVideo(const StabiliseArguments& a, ImageInput& input,
   }
   if (!a.quiet) {
     for (const std::string& sentence : tally.Sentences()) fmt::print("{}\n", sentence);
-    if (a.options.mode == "smooth")
+    if (a.options.mode == "smooth" && frames > 1)
       fmt::print("the view comes {:.2g} s late\n", stabiliser.Lag() / input.rate_hz);
     if (const std::string told = interlace.Sentence(a.input); !told.empty()) fmt::print("{}\n", told);
   }
