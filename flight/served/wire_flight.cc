@@ -139,7 +139,7 @@ class OverheardServer final : public sim::AutopilotServer {
 
 ServeArguments ServerFor(const WireFlightOptions& o) {
   ServeArguments a;
-  a.scenario = "landing";
+  a.scenario = o.scenario;
   a.seed = fmt::format("{}", o.seed);
   a.overrides = o.overrides;
   if (o.wire == Wire::kMavlink) a.mavlink = "px4", a.mavlink_port = 0;
@@ -152,7 +152,7 @@ LoadedScenario Load(const WireFlightOptions& o) {
   std::vector<std::string> overrides = o.overrides;
   overrides.push_back(fmt::format("seed={}", o.seed));
   overrides.push_back(fmt::format("duration_s={}", kMaxFlight_s));
-  return LoadScenario("landing", overrides);
+  return LoadScenario(o.scenario, overrides);
 }
 
 double BeforeStamp_s(const LoadedScenario& loaded) {
@@ -163,7 +163,7 @@ std::unique_ptr<ChildProcess> StartProgram(const WireFlightOptions& o, const std
                                            int camera_port, double before_stamp_s) {
   std::vector<std::string> command = {HardwareProgram(),
                                       "fly",
-                                      "landing",
+                                      o.scenario,
                                       "--camera",
                                       fmt::format("rtp://127.0.0.1:{}", camera_port),
                                       "--no-video",
@@ -175,6 +175,10 @@ std::unique_ptr<ChildProcess> StartProgram(const WireFlightOptions& o, const std
                                       fmt::format("camera.exposure_before_stamp_s={:.4f}", before_stamp_s)};
   if (o.wire == Wire::kMavlink) command.push_back("--take-control");
   if (o.wire == Wire::kAfcs) command.push_back("--pilot-untold");
+  for (const std::string& each : o.plan) {
+    command.push_back("--set");
+    command.push_back(each);
+  }
   for (const std::string& each : o.aircraft) {
     command.push_back("--set-aircraft");
     command.push_back(each);
@@ -329,7 +333,7 @@ WireFlown FlyAgainstProcess(const WireFlightOptions& o) {
   const char* given = std::getenv("KESTREL_PROGRAM");
   std::vector<std::string> command = {given ? given : OwnProgram().string(),
                                       "serve",
-                                      "landing",
+                                      o.scenario,
                                       "--seed",
                                       fmt::format("{}", o.seed),
                                       "--camera",

@@ -12,7 +12,7 @@
 #include "geometry/truth.h"
 #include "records/telemetry/flight_log.h"
 
-// A landing of the simulated aircraft, in real time, by the program for real aircraft: another process, which
+// A flight of the simulated aircraft, in real time, by the program for real aircraft: another process, which
 // knows the aircraft by its wire and its camera by the video stream alone; and what may befall either.
 namespace kestrel::flight {
 
@@ -34,7 +34,9 @@ enum class WireFault {
 struct WireFlightOptions {
   Wire wire = Wire::kMavlink;
   std::uint64_t seed = 1;
+  std::string scenario = "landing";
   std::vector<std::string> overrides;  // of the scenario that is served, "key.path=value"
+  std::vector<std::string> plan;       // of the one that the program flies, as its --set
   std::vector<std::string> aircraft;   // of the program's aircraft, as its --set-aircraft
   WireFault fault = WireFault::kNone;
   double fault_after_s = 1;           // since the program's first setpoint was followed

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <functional>
 #include <optional>
@@ -65,6 +66,26 @@ TEST_P(EveryWire, TheHardwareProgramLands) {
 
 INSTANTIATE_TEST_SUITE_P(Wires, EveryWire, ::testing::ValuesIn(flight::kWires),
                          [](const auto& wire) { return std::string(NameOf(wire.param)); });
+
+TEST_F(WireFlights, TheHardwareProgramStabilises) {
+  flight::WireFlightOptions options;
+  options.scenario = "stabilise";
+  options.seed = 101;
+  options.overrides = options.plan = {"flight.hover_s=1", "flight.transit_m=2"};
+  const auto wrong = Wrong(options, [](const flight::WireFlown& flown) {
+    std::vector<std::string> all;
+    if (flown.status != 0) all.push_back("the program says it did not: " + flown.output);
+    const auto in_phase = [&](const char* phase) {
+      return std::any_of(flown.images.begin(), flown.images.end(),
+                         [&](const flight::FlownImage& image) { return image.phase == phase; });
+    };
+    for (const char* phase : {"hover", "transit", "hover again"})
+      if (!in_phase(phase)) all.push_back(std::string("no image in the phase ") + phase);
+    return all;
+  });
+  if (!wrong) GTEST_SKIP() << "the machine is too busy to fly in real time: nothing is shown";
+  EXPECT_THAT(*wrong, IsEmpty());
+}
 
 TEST_F(WireFlights, ACutLinkAndACutCameraAreAnsweredAsWritten) {
   for (const flight::FaultRow& row : flight::kFaults) {
