@@ -20,15 +20,19 @@ constexpr double kTakeOffClimb_m_s = 0.7;
 constexpr double kClearOfGround_m = 0.3;
 // Touch-down: asked to sink, yet not sinking, for this long; then the thrust is taken away bit by bit, and an
 // aircraft that still does not sink, and that something carries in its place, stands on the ground. In the
-// air its accelerometer feels the thrust go long before it falls.
+// air its accelerometer feels the thrust go long before it falls; but not where it leans so far that its thrust
+// is much more than its weight, as it does on no ground and no deck.
 constexpr double kTouchDescent_m_s = 0.12;
 constexpr double kTouchStill_m_s = 0.09;
 constexpr double kTouchTime_s = 0.4;
 constexpr double kTouchSpool_s = 0.4;
 constexpr double kTouchFalling_m_s = 0.35;
 constexpr double kTouchThrottle = 0.4;
+constexpr double kTouchThrottleMoving =
+    0.05;  // on what moves, where sinking tells less: until nothing else carries
 constexpr double kTouchCarried_m_s2 = 0.8 * kGravity_m_s2;
 constexpr double kCarriedTime_s = 0.05;
+const double kTouchUpright = std::cos(Radians(20));
 
 }  // namespace
 
@@ -261,20 +265,21 @@ void EmulatedAutopilot::WatchTouchDown(double dt_s, double descent_wanted) {
   const double sinking = navigation_.InUse().v_N().z();
   const double lag = parameters_.touch_down_lag_m_s;
   const bool stays_behind = lag > 0 && descent_wanted - sinking > lag;
-  const bool suspicious = stays_behind || (descent_wanted > kTouchDescent_m_s && sinking < kTouchStill_m_s);
+  const bool behind = stays_behind || (descent_wanted > kTouchDescent_m_s && sinking < kTouchStill_m_s);
+  const bool upright = (navigation_.InUse().X_NB().R * Eigen::Vector3d::UnitZ()).z() > kTouchUpright;
   if (throttle_down_ >= 1) {
-    touch_s_ = suspicious ? touch_s_ + dt_s : 0;
+    touch_s_ = behind && upright ? touch_s_ + dt_s : 0;
     if (touch_s_ < kTouchTime_s) return;
   }
   const bool leaves = sinking > kTouchFalling_m_s || descent_wanted <= kTouchDescent_m_s;
-  if (carried_m_s2_ < kTouchCarried_m_s2 ||
+  if (carried_m_s2_ < kTouchCarried_m_s2 || !upright ||
       (leaves && !stays_behind)) {  // it falls, or wants to go: in the air
     throttle_down_ = 1;
     touch_s_ = 0;
     return;
   }
   throttle_down_ -= dt_s / kTouchSpool_s;
-  if (throttle_down_ < kTouchThrottle) StopMotors();
+  if (throttle_down_ < (lag > 0 ? kTouchThrottleMoving : kTouchThrottle)) StopMotors();
 }
 
 void EmulatedAutopilot::StopMotors() {
