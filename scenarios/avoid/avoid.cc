@@ -33,6 +33,7 @@ constexpr int kSightings = 5;     // before anybody is believed to be there
 constexpr double kSlope = 0.2;    // of the climb or descent of the others, and of what is measured of them
 constexpr double kSureOfMotion =
     0.5;                             // standard deviation of a velocity that is believed, as a share of that
+constexpr double kSeen_s = 0.5;      // who was seen so lately is where it is said to be
 constexpr double kStands_m_s = 0.3;  // what is slower than its speed is known stands still
 
 class AvoidMission final : public mission::Mission {
@@ -157,8 +158,8 @@ class AvoidMission final : public mission::Mission {
       const Eigen::Vector3d p = where.p_N - state.p_NB;
       if (std::abs(p.z()) > (flight_.growth.miss_share + kSlope) * p.head<2>().norm()) return;
       const bool sure = where.v_sigma < kSureOfMotion * where.v_N.norm();
-      sighted_.push_back(
-          {p.head<2>(), sure ? Eigen::Vector2d(where.v_N.head<2>()) : Eigen::Vector2d::Zero()});
+      sighted_.push_back({p.head<2>(), sure ? Eigen::Vector2d(where.v_N.head<2>()) : Eigen::Vector2d::Zero(),
+                          sure && where.age_s < kSeen_s});
       ids_.push_back({watch, where.age_s});
       return;
     }
@@ -241,11 +242,15 @@ class AvoidMission final : public mission::Mission {
     encounter_.reset();
     if (const auto judged =
             growth_ && flight_.avoids ? growth_->Judge(state.t_s, sighted_, yaw) : std::nullopt) {
-      const Eigen::Vector2d& p = sighted_[judged->other].p;
-      held_ = ids_[judged->other].watch, held_age_s_ = ids_[judged->other].age_s;
-      encounter_ = Encounter{
-          WrapAngle(std::atan2(p.y(), p.x()) - yaw), judged->hold, {}, {}, judged->approach.after_s};
-      if (judged->hold) yaw_rate = HoldAway(encounter_->azimuth, *judged->hold);
+      if (judged->other) {
+        const Eigen::Vector2d& p = sighted_[*judged->other].p;
+        held_ = ids_[*judged->other].watch, held_age_s_ = ids_[*judged->other].age_s;
+        encounter_ = Encounter{
+            WrapAngle(std::atan2(p.y(), p.x()) - yaw), judged->hold, {}, {}, judged->approach.after_s};
+        if (judged->hold) yaw_rate = HoldAway(encounter_->azimuth, *judged->hold);
+      } else {
+        yaw_rate = 0, phase_ = "pass";
+      }
     }
     control::AvoidanceOptions o = flight_.avoidance;
     o.clear_share = std::max(o.clear_share, keep_m_ / o.safe_m);

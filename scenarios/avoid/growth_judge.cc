@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kDrifts = 0.1;  // miss_share from which the bearing's own drift says on which side it passes
 const double kThere = Radians(10);  // off the bearing that is held: the turn is done
+constexpr double kLate = 5;  // multiples of the horizon: who comes so late does not keep a manoeuvre going
 
 }  // namespace
 
@@ -29,6 +30,7 @@ bool GrowthJudge::Lasts(bool is, double t_s) {
 std::optional<GrowthJudge::Judgement> GrowthJudge::Judge(double t_s, std::span<const Sighted> others,
                                                          double yaw) {
   if (others.empty()) {
+    if (side_ && t_s < passed_s_) return Judgement{};
     side_.reset(), since_s_.reset();
     return std::nullopt;
   }
@@ -41,13 +43,15 @@ std::optional<GrowthJudge::Judgement> GrowthJudge::Judge(double t_s, std::span<c
     const control::LoomingApproach approach = control::ApproachOf(looming);
     const bool threat = approach.after_s > 0 && approach.after_s < avoidance_.horizon_s &&
                         approach.miss_share < growth_.miss_share;
-    const bool nears = approach.after_s > 0 && approach.after_s < 2 * avoidance_.horizon_s;
-    parting = parting && !nears;
+    const bool nears = approach.after_s > 0 && approach.after_s < kLate * avoidance_.horizon_s;
+    // Whose motion is not known is not turned back to before it is passed, as far as was known.
+    if (others[i].known && nears) passed_s_ = t_s + std::min(approach.after_s, 2 * avoidance_.horizon_s);
+    parting = parting && !nears && (others[i].known || t_s > passed_s_);
     const double rank = threat ? approach.after_s : nears ? 1e3 + approach.after_s : 1e6;
     threatened = threatened || threat;
     if (rank < soonest) soonest = rank, is.other = i, is.approach = approach, held = looming;
   }
-  const Eigen::Vector2d& p = others[is.other].p;
+  const Eigen::Vector2d& p = others[*is.other].p;
   const double azimuth = WrapAngle(std::atan2(p.y(), p.x()) - yaw);
   const double most = Radians(avoidance_.max_bearing_deg);
   const auto off_bow = [&](control::PassingSide side) {

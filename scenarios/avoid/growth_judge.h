@@ -30,6 +30,7 @@ inline void Fields(FieldVisitor& v, GrowthOptions& o) {
 // that changes, in any unit of length.
 struct Sighted {
   Eigen::Vector2d p = Eigen::Vector2d::Zero(), v = Eigen::Vector2d::Zero();
+  bool known = true;  // seen just now, and long enough for its motion
 };
 
 // See and avoid without any range (thesis 6.4 has no more): begins, chooses the side and ends by the growth of
@@ -41,11 +42,11 @@ class GrowthJudge {
 
   // Who of them matters most, and the bearing at which it is held while a manoeuvre lasts, rad, right positive.
   struct Judgement {
-    std::size_t other = 0;
+    std::optional<std::size_t> other;  // none: out of sight, and not yet passed
     control::LoomingApproach approach;
     std::optional<double> hold;
   };
-  // None: there are no others.
+  // None: there are no others, and nobody is still to be passed.
   std::optional<Judgement> Judge(double t_s, std::span<const Sighted> others, double yaw);
 
  private:
@@ -57,6 +58,7 @@ class GrowthJudge {
   std::optional<control::PassingSide> side_;  // of the manoeuvre that is flown
   double bearing_ = 0;                        // rad, off the bow to that side
   std::optional<double> since_s_;             // what would change that has been so
+  double passed_s_ = 0;                       // when those whose motion was known last are passed
 };
 
 }  // namespace kestrel::scenarios

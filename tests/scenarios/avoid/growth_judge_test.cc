@@ -21,12 +21,16 @@ GrowthJudge Judge() {
   return {GrowthOptions{}, avoidance, kConfirm_s};
 }
 
+double& Now_s() {
+  static double t_s = 0;
+  return t_s;
+}
+
 // The bearing that is held of others who stay as they are, after so many frames.
 std::optional<double> Held(GrowthJudge& judge, const std::vector<Sighted>& others, int frames,
                            double yaw = 0) {
-  static double t_s = 0;
   std::optional<GrowthJudge::Judgement> judgement;
-  for (int i = 0; i < frames; ++i) judgement = judge.Judge(t_s += kFrame_s, others, yaw);
+  for (int i = 0; i < frames; ++i) judgement = judge.Judge(Now_s() += kFrame_s, others, yaw);
   return judgement ? judgement->hold : std::nullopt;
 }
 
@@ -76,6 +80,23 @@ TEST(GrowthJudge, EndsOnceTheyPart) {
   ASSERT_TRUE(Held(judge, {{{30, 1}, {-7, 0}}}, 8));
   EXPECT_TRUE(Held(judge, {{{10, 12}, {-3, 1}}}, 8));
   EXPECT_FALSE(Held(judge, {{{-2, 12}, {-3, 1}}}, 8));
+}
+
+TEST(GrowthJudge, DoesNotTurnBackToWhoIsOutOfSightBeforeItIsPassed) {
+  GrowthJudge judge = Judge();
+  const Vector2d p(20, 1), v(-5, 0);  // four seconds ahead
+  ASSERT_TRUE(Held(judge, {{p, v}}, 8));
+  const Sighted unseen{{-2, 12}, {-3, 1}, false};
+  EXPECT_TRUE(Held(judge, {unseen}, 40));
+  EXPECT_TRUE(judge.Judge(Now_s(), {}, 0));
+  EXPECT_FALSE(Held(judge, {unseen}, 60));
+  EXPECT_FALSE(judge.Judge(Now_s(), {}, 0));
+}
+
+TEST(GrowthJudge, GoesOnWhileSomebodyNearsSlowly) {
+  GrowthJudge judge = Judge();
+  ASSERT_TRUE(Held(judge, {{{20, -3}, {-5, 0.6}}}, 8));
+  EXPECT_TRUE(Held(judge, {{{4, -10}, {0.1, 0.6}}}, 20));  // in 16 s
 }
 
 TEST(GrowthJudge, OpensTheBearingWhileTheThreatStaysOne) {
