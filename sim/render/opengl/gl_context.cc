@@ -9,6 +9,9 @@
 #include <mutex>
 #include <stdexcept>
 
+#include "sim/render/opengl/egl_display.h"
+#include "sim/render/opengl/shared_library.h"
+
 namespace kestrel::sim {
 namespace {
 
@@ -16,7 +19,7 @@ namespace {
 constexpr unsigned kGlRgba = 0x1908, kGlUnsignedByte = 0x1401, kGlRenderer = 0x1F01, kGlVersion = 0x1F02;
 constexpr int kEglNone = 0x3038, kEglSurfaceType = 0x3033, kEglPbufferBit = 0x0001,
               kEglRenderableType = 0x3040, kEglOpenGlBit = 0x0008;
-constexpr unsigned kEglOpenGlApi = 0x30A2, kEglPlatformSurfacelessMesa = 0x31DD;
+constexpr unsigned kEglOpenGlApi = 0x30A2;
 
 constexpr unsigned kGlTextureFilterControl = 0x8500, kGlTextureLodBias = 0x8501;
 
@@ -30,13 +33,6 @@ void* OpenLibrary(std::initializer_list<const char*> names, int flags) {
     why += fmt::format("{}{}", why.empty() ? "" : "; ", dlerror());
   }
   throw std::runtime_error(why);
-}
-
-template <class Function>
-Function Find(void* library, const char* name) {
-  void* const symbol = dlsym(library, name);
-  if (symbol == nullptr) throw std::runtime_error(fmt::format("the library has no {}", name));
-  return reinterpret_cast<Function>(symbol);
 }
 
 std::string NameOf(std::string_view backend, GetString get_string) {
@@ -100,9 +96,6 @@ class Egl final : public GlContext {
   Egl() {
     static void* const library = OpenLibrary({"libEGL.so.1", "libEGL.so"}, RTLD_LOCAL);
     const auto get = Find<void* (*)(const char*)>(library, "eglGetProcAddress");
-    const auto get_display =
-        reinterpret_cast<void* (*)(unsigned, void*, const int*)>(get("eglGetPlatformDisplayEXT"));
-    const auto initialize = Find<unsigned (*)(void*, int*, int*)>(library, "eglInitialize");
     const auto bind_api = Find<unsigned (*)(unsigned)>(library, "eglBindAPI");
     const auto choose = Find<unsigned (*)(void*, const int*, void**, int, int*)>(library, "eglChooseConfig");
     const auto create = Find<void* (*)(void*, void*, void*, const int*)>(library, "eglCreateContext");
@@ -112,14 +105,10 @@ class Egl final : public GlContext {
     release_thread_ = Find<unsigned (*)()>(library, "eglReleaseThread");
     get_string_ = reinterpret_cast<GetString>(get("glGetString"));
     tex_env_ = reinterpret_cast<TexEnvf>(get("glTexEnvf"));
-    if (get_display == nullptr) throw std::runtime_error("the library has no eglGetPlatformDisplayEXT");
-
     // One display serves the whole process and is never terminated: that would end the contexts of other
     // threads.
-    display_ = get_display(kEglPlatformSurfacelessMesa, nullptr, nullptr);
-    if (display_ == nullptr) throw std::runtime_error("it has no surfaceless display");
-    if (!initialize(display_, nullptr, nullptr))
-      throw std::runtime_error(fmt::format("eglInitialize failed with error {:#x}", error()));
+    static void* const display = OpenEglDisplay(library);
+    display_ = display;
     const std::array<int, 5> wanted{kEglSurfaceType, kEglPbufferBit, kEglRenderableType, kEglOpenGlBit,
                                     kEglNone};
     void* config = nullptr;
@@ -190,7 +179,7 @@ std::unique_ptr<GlContext> MakeGlContext(std::string_view backend) {
       chosen = "egl";
       return context;
     } catch (const std::runtime_error& e) {
-      egl_failure = fmt::format("surfaceless EGL ({}; Debian packages libegl1 and libegl-mesa0)", e.what());
+      egl_failure = fmt::format("EGL ({}; Debian packages libegl1 and libegl-mesa0)", e.what());
     }
   }
   throw std::runtime_error(fmt::format("No off-screen OpenGL: tried {}{}{}.", osmesa_failure,

@@ -20,9 +20,10 @@ class GlContext {
 
 // Makes a context and makes it current on the calling thread, in place of any other. The libraries are opened
 // at run time, so that neither is needed to build. backend: "osmesa" draws in memory with the processor;
-// "egl" is Mesa's surfaceless EGL, which needs no display either, and may draw with a graphics card; "auto"
-// is osmesa where it is installed, otherwise egl: osmesa draws the same bits on a machine whatever its
-// graphics card and driver. Throws std::runtime_error with what was tried, why it failed and what to install.
+// "egl" draws with a graphics card, by Mesa's driver or NVIDIA's, or where there is none with the processor
+// (egl_display.h); "auto" is osmesa where it is installed, otherwise egl: osmesa draws the same bits on a
+// machine whatever its graphics card and driver. Throws std::runtime_error with what was tried, why it failed
+// and what to install.
 std::unique_ptr<GlContext> MakeGlContext(std::string_view backend);
 
 }  // namespace kestrel::sim
