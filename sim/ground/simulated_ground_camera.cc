@@ -3,9 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
-#include <limits>
-#include <utility>
 
 #include "base/random.h"
 #include "geometry/tait_bryan.h"
@@ -14,7 +11,6 @@
 namespace kestrel::sim {
 namespace {
 
-constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
 constexpr double kBlindBefore_m = 0.6;  // the lens
 constexpr double kBlindAway_m = 100;    // below the ground
 
@@ -53,25 +49,13 @@ SimulatedGroundCamera::SimulatedGroundCamera(const mjModel* model, const Pose& X
     : model_(model),
       view_(WithScatterDrawn(parameters.view, OwnSeed(seed))),
       dt_s_(model->opt.timestep),
-      duration_s_(duration_s),
       X_NG_(DrawPlace(X_NT, parameters.view.place.value_or(parameters.place), parameters.view.error, seed)),
-      faults_(view_.image.faults, OwnSeed(seed), duration_s),
+      clock_(view_.image, vision::HeightPx(parameters.camera), OwnSeed(seed), duration_s, dt_s_),
       renderer_(model, parameters.camera, render, view_.image, Pose{}, Vibration{{}, seed}, OwnSeed(seed),
-                false, draw_beside) {
-  const double open_s =
-      LongestExposure_s(view_.image) + LongestReadout_s(view_.image, vision::HeightPx(parameters.camera));
-  half_exposure_ = static_cast<std::int64_t>(std::ceil(open_s / 2 / dt_s_ - 1e-6));
-}
+                false, draw_beside) {}
 
 Pose SimulatedGroundCamera::X_NC() const {
   return {X_NG_.R * vision::HeadRotation({angles_.pan, angles_.tilt}), X_NG_.p};
-}
-
-std::int64_t SimulatedGroundCamera::StepOf(double t_s) const { return std::llround(t_s / dt_s_); }
-
-std::int64_t SimulatedGroundCamera::TickStep() const {
-  const double due_s = static_cast<double>(tick_) / view_.image.rate_hz;
-  return due_s <= duration_s_ ? StepOf(due_s) : kNever;
 }
 
 bool SimulatedGroundCamera::Blocked(double t_s) const {
@@ -93,57 +77,25 @@ void SimulatedGroundCamera::Step(mjData* data, std::int64_t step) {
     if (!Blocked(t_s)) X_NQ.p.z() = kBlindAway_m;
     PlaceBlind(model_, data, X_NQ);
   }
-  if (!open_.empty() || TickStep() <= step_ + half_exposure_) {
-    snapshots_.push_back(SnapshotOf(model_, data, t_s));
-    snapshots_.back().X_NC = X_NC();
-  }
-  if (step_ == TickStep()) Tick();
-  const double half_s = (static_cast<double>(half_exposure_) + 0.5) * dt_s_;
-  while (!open_.empty() && StepOf(open_.front().t_s) + half_exposure_ <= step_) {
-    FrameRequest request = std::move(open_.front());
-    open_.pop_front();
-    std::copy_if(snapshots_.begin(), snapshots_.end(), std::back_inserter(request.snapshots),
-                 [&](const Snapshot& m) { return m.t_s > request.t_s - half_s; });
-    renderer_.Submit(std::move(request));
-  }
-  const double next_s = open_.empty() ? static_cast<double>(TickStep()) * dt_s_ : open_.front().t_s;
-  while (!snapshots_.empty() && snapshots_.front().t_s < next_s - half_s) snapshots_.pop_front();
-}
-
-void SimulatedGroundCamera::Tick() {
-  const double t_s = static_cast<double>(step_) * dt_s_;
-  const CameraCondition& condition = faults_.At(t_s);
-  const std::int64_t tick = tick_++;
-  const double due_s = static_cast<double>(tick) / view_.image.rate_hz;
-  if (condition.off) {
-    ++sequence_;
-    return;
-  }
-  if (due_s < last_frame_s_ + condition.period_s - 1e-9) return;
-  last_frame_s_ = due_s;
-  const std::int64_t sequence = sequence_++;
-  if (faults_.Loses(condition, tick)) return;
-  Coming coming{t_s,
-                sequence,
-                StepOf(due_s + view_.image.latency_s + condition.delay_s),
-                {Rounded(angles_.pan, view_.encoder_deg), Rounded(angles_.tilt, view_.encoder_deg)},
-                X_NC()};
-  coming.due_step = std::max(coming.due_step, step_ + half_exposure_);
-  if (!coming_.empty()) coming.due_step = std::max(coming.due_step, coming_.back().due_step);
-  coming_.push_back(coming);
-  const auto content = condition.stuck     ? FrameRequest::Content::kRepeat
-                       : condition.garbage ? FrameRequest::Content::kGarbage
-                                           : FrameRequest::Content::kScene;
-  open_.push_back({t_s, sequence, content, {}});
+  const auto snapshot = [&] {
+    Snapshot now = SnapshotOf(model_, data, t_s);
+    now.X_NC = X_NC();
+    return now;
+  };
+  if (clock_.Step(step, snapshot, &renderer_))
+    gazed_.push_back(
+        {{Rounded(angles_.pan, view_.encoder_deg), Rounded(angles_.tilt, view_.encoder_deg)}, X_NC()});
 }
 
 std::optional<vision::GroundFrame> SimulatedGroundCamera::Take() {
-  if (coming_.empty() || coming_.front().due_step > step_) return std::nullopt;
-  const Coming coming = coming_.front();
-  coming_.pop_front();
-  taken_X_NC_ = coming.X_NC;
-  return vision::GroundFrame{{renderer_.Next().image, coming.t_s + view_.clock_offset_s, coming.sequence},
-                             {coming.at.pan, coming.at.tilt}};
+  const auto due_step = clock_.DueStep();
+  if (!due_step || *due_step > step_) return std::nullopt;
+  const CameraClock::Frame frame = clock_.Take();
+  const Gazed gazed = gazed_.front();
+  gazed_.pop_front();
+  taken_X_NC_ = gazed.X_NC;
+  return vision::GroundFrame{{renderer_.Next().image, frame.t_s + view_.clock_offset_s, frame.sequence},
+                             {gazed.at.pan, gazed.at.tilt}};
 }
 
 }  // namespace kestrel::sim

@@ -9,11 +9,10 @@
 #include <vector>
 
 #include "geometry/pose.h"
-#include "sim/camera/camera_faults.h"
+#include "sim/camera/camera_clock.h"
 #include "sim/camera/frame_renderer.h"
 #include "sim/camera/pan_tilt.h"
 #include "sim/camera/renderer.h"
-#include "sim/camera/snapshots.h"
 #include "sim/ground/ground_view.h"
 #include "vision/aircraft/aircraft_lights.h"
 #include "vision/aircraft/ground_camera.h"
@@ -28,8 +27,7 @@ struct GroundCameraParameters {
   GroundViewParameters view;
 };
 
-// The camera on the ground in the world that a Simulator steps. Its clock, exposures and latency are kept as
-// the Simulator keeps those of the camera on board.
+// The camera on the ground in the world that a Simulator steps.
 class SimulatedGroundCamera final : public vision::GroundCamera {
  public:
   // X_NT: the pad, beside which it stands. The model must outlive it and have a blind if it is ever blocked
@@ -44,34 +42,25 @@ class SimulatedGroundCamera final : public vision::GroundCamera {
   void Turn(const vision::PanTilt& to) override { wanted_ = {to.pan, to.tilt}; }
 
   Pose X_NC() const;  // the truth, now
-  const Pose& taken_X_NC() const {
-    return taken_X_NC_;
-  }  // at the exposure of the frame that Take() gave last
+  // At the exposure of the frame that Take() gave last.
+  const Pose& taken_X_NC() const { return taken_X_NC_; }
 
  private:
-  struct Coming {
-    double t_s = 0;
-    std::int64_t sequence = 0, due_step = 0;
+  struct Gazed {  // at an exposure
     PanTiltAngles at;
     Pose X_NC;
   };
-  void Tick();
-  std::int64_t StepOf(double t_s) const;
-  std::int64_t TickStep() const;
   bool Blocked(double t_s) const;
 
   const mjModel* model_;
   GroundViewParameters view_;  // with the camera's scatter drawn
-  double dt_s_, duration_s_;
+  double dt_s_;
   Pose X_NG_;  // of the mast, the truth
   PanTiltAngles angles_, wanted_;
-  CameraFaults faults_;
+  CameraClock clock_;
   FrameRenderer renderer_;
-  std::int64_t half_exposure_ = 0, step_ = 0, tick_ = 0, sequence_ = 0;
-  double last_frame_s_ = -1e9;
-  std::deque<FrameRequest> open_;
-  std::deque<Snapshot> snapshots_;
-  std::deque<Coming> coming_;
+  std::int64_t step_ = 0;
+  std::deque<Gazed> gazed_;  // at the exposures of the frames under way
   Pose taken_X_NC_;
 };
 
