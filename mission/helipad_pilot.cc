@@ -29,6 +29,24 @@ std::optional<vision::Pinhole> TrackersCamera(const vision::CameraModel& camera)
   return vision::CentralPinhole(camera, Radians(kMaxField_deg));
 }
 
+TargetFix FixBy(const vision::PadObservation& seen, const Pose& X_TB) {
+  return {X_TB.p, YawOf(X_TB.R), seen.inliers, seen.residual_px, seen.visible, seen.registered};
+}
+
+void TellPad(bool frozen, const std::optional<vision::PadObservation>& seen,
+             const std::optional<TargetFix>& fix, Decision& decision) {
+  decision.target = frozen             ? "frozen"
+                    : !seen            ? "lost"
+                    : !fix             ? "refused"
+                    : seen->found      ? "found"
+                    : seen->registered ? "tracked"
+                                       : "chained";
+  decision.target_state = frozen  ? TargetState::kBlind
+                          : !seen ? TargetState::kLost
+                          : !fix  ? TargetState::kUncertain
+                                  : TargetState::kInSight;
+}
+
 HelipadPilot::HelipadPilot(vision::PadReference reference, const vision::CameraModel& camera,
                            const Pose& X_BC, const PilotParameters& parameters)
     : Pilot(parameters.servo),
@@ -54,23 +72,13 @@ Decision HelipadPilot::Observe(const vision::Frame& frame, const control::Vehicl
   fix_.reset();
   if (seen_) {
     if (const auto X_TB = estimator_.Correct(frame.t_s, seen_->X_CT, seen_->covariance)) {
-      fix_ = TargetFix{X_TB->p,        YawOf(X_TB->R),   seen_->inliers, seen_->residual_px,
-                       seen_->visible, seen_->registered};
+      fix_ = FixBy(*seen_, *X_TB);
     }
   }
   estimate_ = estimator_.At(state.t_s);
   decision.fix = fix_;
   decision.fix_age_s = estimate_ ? estimate_->age_s : state.t_s;
-  decision.target = frozen              ? "frozen"
-                    : !seen_            ? "lost"
-                    : !fix_             ? "refused"
-                    : seen_->found      ? "found"
-                    : seen_->registered ? "tracked"
-                                        : "chained";
-  decision.target_state = frozen   ? TargetState::kBlind
-                          : !seen_ ? TargetState::kLost
-                          : !fix_  ? TargetState::kUncertain
-                                   : TargetState::kInSight;
+  TellPad(frozen, seen_, fix_, decision);
   if (fix_) {
     lost_since_s_.reset();
     leg_ = -1;

@@ -21,6 +21,13 @@ namespace kestrel::mission {
 // (thesis 6.6). None: the camera does not see along its own axis.
 std::optional<vision::Pinhole> TrackersCamera(const vision::CameraModel& camera);
 
+// The fix of an aircraft that is there by an observation of the pad.
+TargetFix FixBy(const vision::PadObservation& seen, const Pose& X_TB);
+// What a decision says of its target: frozen, the same image again; seen: none, it is lost; fix: none, what was seen
+// cannot be where it is expected.
+void TellPad(bool frozen, const std::optional<vision::PadObservation>& seen,
+             const std::optional<TargetFix>& fix, Decision& decision);
+
 struct SearchParameters {
   double stop_s = 0.5;
   double climb_m_s = 0.8;

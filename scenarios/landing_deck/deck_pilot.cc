@@ -40,8 +40,7 @@ mission::Decision DeckPilot::Observe(const vision::Frame& frame, const control::
   fix_.reset();
   if (seen_)
     if (const auto X_TB = estimator_.Correct(frame.t_s, seen_->X_CT, seen_->covariance))
-      fix_ = mission::TargetFix{X_TB->p,        YawOf(X_TB->R),   seen_->inliers, seen_->residual_px,
-                                seen_->visible, seen_->registered};
+      fix_ = mission::FixBy(*seen_, *X_TB);
   deck_ = estimator_.At(t_s_);
   const bool too_long = deck_ && deck_->age_s > deck_parameters_.chase_s;
   if (deck_ && (too_long || deck_->sigma_m > deck_parameters_.chase_sigma_m)) {
@@ -56,16 +55,7 @@ mission::Decision DeckPilot::Observe(const vision::Frame& frame, const control::
   }
   decision.fix = fix_;
   decision.fix_age_s = deck_ ? deck_->age_s : state.t_s;
-  decision.target = frozen              ? "frozen"
-                    : !seen_            ? "lost"
-                    : !fix_             ? "refused"
-                    : seen_->found      ? "found"
-                    : seen_->registered ? "tracked"
-                                        : "chained";
-  decision.target_state = frozen   ? mission::TargetState::kBlind
-                          : !seen_ ? mission::TargetState::kLost
-                          : !fix_  ? mission::TargetState::kUncertain
-                                   : mission::TargetState::kInSight;
+  mission::TellPad(frozen, seen_, fix_, decision);
   decision.vision_s = SecondsSince(start);
   return decision;
 }
