@@ -387,6 +387,26 @@ TEST(EmulatedAutopilot, TheMotorsKeepRunningInTheAir) {
   }
 }
 
+TEST(EmulatedAutopilot, TheMotorsKeepRunningWhereItBrakesAboveADeck) {
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    Conditions c;
+    c.seed = seed, c.sensors = {}, c.wind = GustyWind();
+    c.autopilot.touch_down_lag_m_s = 0.5;
+    c.autopilot.speed_limit_m_s = 14, c.autopilot.acceleration_limit_m_s2 = 4;
+    c.autopilot.tilt_limit_deg = 35;
+    Flight flight(At(30), true, c);
+    const auto watch = [&] {
+      ASSERT_FALSE(flight.autopilot.State().landed) << "seed " << seed << ", " << flight.t_s << " s";
+    };
+    for (int i = 0; i < 3; ++i) {
+      flight.Keep(control::VelocitySetpoint{{13, 0, -0.2}, 0}, 5, watch);
+      flight.Keep(control::VelocitySetpoint{{9, 3, 0.2}, 0}, 0.7, watch);
+      flight.Keep(control::VelocitySetpoint{{5, -3, 1.6}, 0}, 1.5, watch);
+    }
+    EXPECT_GT(flight.Height(), 15) << seed;
+  }
+}
+
 TEST(EmulatedAutopilot, TakesOffAgainAfterALanding) {
   Flight flight(At(0.6), true);
   flight.Keep(control::VelocitySetpoint{{0, 0, 0.25}, 0}, 6);
