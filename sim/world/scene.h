@@ -41,10 +41,10 @@ struct SceneParameters {
   Eigen::Vector2d pad_position_m = Eigen::Vector2d::Zero();  // north, east; of the middle of its back
   double pad_yaw_deg = 0;                                    // clockwise from north
   double pad_height_m = 0;                                   // of the middle of its back
-  double pad_tilt_deg = 0;                     // raises the top of its picture; 90: it hangs on a wall
-  std::optional<DeckParameters> deck;          // the pad lies on a deck that moves
-  bool occluder = false;                       // with a dark sheet that can be put over the pad
-  std::vector<TargetParameters> targets = {};  // what they look like
+  double pad_tilt_deg = 0;                            // raises the top of its picture; 90: it hangs on a wall
+  std::optional<DeckParameters> deck;                 // the pad lies on a deck that moves
+  bool occluder = false;                              // with a dark sheet that can be put over the pad
+  std::vector<TargetParameters> targets = {};         // what they look like
   std::optional<vision::AircraftLights> lights = {};  // on the vehicle, without mass; none: it has none
   bool blind = false;                                 // with a sheet that can be put before a lens
 };

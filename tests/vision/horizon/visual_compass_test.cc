@@ -8,8 +8,8 @@
 #include "base/diagnostics.h"
 #include "tests/vision/horizon/skyline_photographer.h"
 #include "vision/camera/calibration_file.h"
-#include "vision/horizon/horizon_attitude.h"
 #include "vision/horizon/baseline/skyline_baseline.h"
+#include "vision/horizon/horizon_attitude.h"
 
 namespace kestrel::vision {
 namespace {
