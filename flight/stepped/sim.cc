@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "flight/stepped/sim.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+#include "base/stopwatch.h"
+#include "flight/simulated/judgement.h"
+#include "records/telemetry/metrics.h"
+
+namespace kestrel {
+namespace {
+
+flight::LoadedScenario Load(const std::string& scenario, const SimOptions& options) {
+  std::vector<std::string> overrides = options.overrides;
+  if (options.seed) overrides.push_back(fmt::format("seed={}", *options.seed));
+  return flight::LoadScenario(scenario, overrides, false);  // the simulator compiles it
+}
+
+}  // namespace
+
+struct Sim::State {
+  std::string name;
+  SimOptions options;
+  flight::LoadedScenario loaded;
+  std::unique_ptr<sim::Simulator> simulator = nullptr;
+  std::unique_ptr<mission::Mission> pilot = nullptr;  // the scenario's own; null: it was not asked
+  std::optional<vision::Frame> frame = {};            // the last
+  control::VehicleState estimate = {};                // when it came
+  std::optional<mission::Decision> decision = {};     // on it
+  sim::Readings readings = {};
+  std::vector<sim::CameraFrame> camera_frames = {};
+  std::vector<records::LogRow> rows = {};
+  std::chrono::steady_clock::time_point began = {};
+  bool done = true;
+  std::string outcome = {};
+
+  void RequireFlight(const char* what) const {
+    if (!simulator) throw SimError(fmt::format("{} before the flight has begun: call reset first", what));
+    if (done)
+      throw SimError(fmt::format("{} after the end of the flight ({}, at {:.3f} s): call reset first", what,
+                                 outcome, simulator->truth().t_s));
+  }
+
+  void Send(const std::optional<control::Setpoint>& setpoint) {
+    if (!setpoint) return;
+    if (!control::Finite(*setpoint))
+      throw SimError(
+          fmt::format("at {:.3f} s: the setpoint has a number that is not one", simulator->truth().t_s));
+    simulator->Send(*setpoint);
+    if (!rows.empty()) rows.back().decision.setpoint = setpoint;
+  }
+
+  void End(std::string how) {
+    done = true;
+    outcome = std::move(how);
+    frame.reset();
+  }
+
+  void Forget() {
+    readings = {};
+    camera_frames.clear();
+  }
+
+  // The next frame, no later than until_s.
+  std::optional<vision::Frame> Next(std::optional<double> until_s = std::nullopt) {
+    try {
+      auto next = until_s ? simulator->NextUntil(*until_s) : simulator->Next();
+      sim::Append(readings, simulator->readings());
+      const auto& frames = simulator->camera_frames();
+      camera_frames.insert(camera_frames.end(), frames.begin(), frames.end());
+      return next;
+    } catch (...) {
+      End("broke off");
+      throw;
+    }
+  }
+
+  Observation Observe(std::optional<vision::Frame> next) {
+    Observation o{next, simulator->State(), {}, {}};
+    decision.reset();
+    frame = std::move(next);
+    estimate = o.state;
+    if (!frame) return o;
+    o.surfaces = simulator->picture().surfaces;
+    o.flow = simulator->picture().flow_here;
+    rows.push_back({frame->sequence, simulator->exposure(), simulator->truth(), o.state, {}});
+    return o;
+  }
+};
+
+Sim::Sim(const std::string& scenario, const SimOptions& options)
+    : state_(new State{.name = scenario, .options = options, .loaded = Load(scenario, options)}) {}
+Sim::~Sim() = default;
+Sim::Sim(Sim&&) noexcept = default;
+Sim& Sim::operator=(Sim&&) noexcept = default;
+
+Observation Sim::Reset(std::optional<std::uint64_t> seed) {
+  State& s = *state_;
+  if (seed && *seed != s.loaded.scenario.seed) {
+    s.options.seed = seed;
+    s.loaded = Load(s.name, s.options);
+  }
+  sim::SimulatorParameters parameters = s.loaded.simulator;
+  parameters.images = s.options.images;
+  parameters.surfaces = s.options.images && s.options.surfaces;
+  parameters.draw_beside = s.options.draw_beside;
+  s.pilot.reset();
+  s.simulator.reset();
+  s.simulator = std::make_unique<sim::Simulator>(parameters);
+  s.Forget();
+  s.rows.clear();
+  s.outcome.clear();
+  s.done = false;
+  s.began = std::chrono::steady_clock::now();
+  Observation first = s.Observe(s.Next());
+  if (!first.frame) s.End("completed");
+  return first;
+}
+
+Observation Sim::Step(const std::optional<control::Setpoint>& setpoint,
+                      const std::optional<control::AttitudeAid>& aid) {
+  State& s = *state_;
+  s.RequireFlight("a step");
+  s.Forget();
+  if (aid) s.simulator->Aid(*aid);
+  s.Send(setpoint);
+  if (s.decision && !s.decision->outcome.empty()) {  // the scenario's mission is over
+    s.End(std::string(s.decision->outcome));
+    return {std::nullopt, s.simulator->State(), {}, {}};
+  }
+  Observation next = s.Observe(s.Next());
+  if (!next.frame) s.End("completed");
+  return next;
+}
+
+Observation Sim::Advance(double duration_s, const std::optional<control::Setpoint>& setpoint) {
+  State& s = *state_;
+  s.RequireFlight("a step");
+  if (!(duration_s > 0) || !std::isfinite(duration_s))
+    throw SimError(fmt::format("a step of {} s: time goes on by a positive number of seconds", duration_s));
+  s.Forget();
+  s.Send(setpoint);
+  const double until_s = s.simulator->truth().t_s + duration_s;
+  if (until_s > s.loaded.simulator.duration_s + dt_s() / 2) {
+    Observation last{std::nullopt, s.simulator->State(), {}, {}};
+    s.End("completed");
+    return last;
+  }
+  Observation o{std::nullopt, {}, {}, {}};
+  while (auto frame = s.Next(until_s)) o = s.Observe(std::move(frame));
+  o.state = s.simulator->State();
+  return o;
+}
+
+const mission::Decision& Sim::Decide() {
+  State& s = *state_;
+  s.RequireFlight("a decision");
+  if (!s.frame || s.frame->image.empty())
+    throw SimError(
+        fmt::format("at {:.3f} s: the scenario's mission decides on a frame with an image, and there is none",
+                    s.simulator->truth().t_s));
+  if (s.decision) return *s.decision;
+  if (!s.pilot) {
+    mission::MissionParts parts = flight::PartsOf(s.loaded, s.simulator->model());
+    if (parts.ground) parts.ground->stream = s.simulator->ground_camera();
+    s.pilot = s.loaded.scenario.flight->Make(parts);
+  }
+  s.decision = s.pilot->Step(*s.frame, s.estimate);
+  s.rows.back().decision = *s.decision;
+  return *s.decision;
+}
+
+void Sim::Finish(const std::string& outcome) {
+  state_->RequireFlight("an end");
+  state_->End(outcome);
+}
+
+bool Sim::done() const { return state_->done; }
+const std::string& Sim::outcome() const { return state_->outcome; }
+double Sim::t_s() const { return simulator().truth().t_s; }
+double Sim::dt_s() const { return simulator().model()->opt.timestep; }
+const Truth& Sim::truth() const { return simulator().truth(); }
+const Truth& Sim::exposure() const { return simulator().exposure(); }
+const flight::LoadedScenario& Sim::scenario() const { return state_->loaded; }
+const sim::Readings& Sim::readings() const { return state_->readings; }
+const std::vector<sim::CameraFrame>& Sim::camera_frames() const { return state_->camera_frames; }
+const std::vector<records::LogRow>& Sim::rows() const { return state_->rows; }
+
+const sim::Simulator& Sim::simulator() const {
+  if (!state_->simulator) throw SimError("the flight has not begun: call reset first");
+  return *state_->simulator;
+}
+
+records::Summary Sim::Summarise() const {
+  const State& s = *state_;
+  const sim::Simulator& sim = simulator();
+  records::Summary summary = flight::BeginSummary(s.loaded.scenario);
+  summary.outcome = s.outcome.empty() ? "under way" : s.outcome;
+  summary.complete = s.done;
+  summary.wall_s = SecondsSince(s.began);
+  flight::AddSimulator(sim, summary);
+  summary.metrics = records::Metrics(s.rows, sim.touch(), &s.loaded.scenario.flight.type());
+  flight::Judge(s.loaded.scenario.criteria, summary);
+  summary.passed =
+      summary.complete && (!s.pilot || s.pilot->Accomplished()) && flight::AllPassed(summary.criteria);
+  return summary;
+}
+
+}  // namespace kestrel

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "flight/stepped/sim.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "base/diagnostics.h"
+#include "flight/simulated/runner.h"
+
+namespace kestrel {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
+SimOptions Short() {
+  SimOptions options;
+  options.seed = 5;
+  options.overrides = {"duration_s=1.5", "start.settle_s=2"};
+  return options;
+}
+
+records::Summary Flown(const SimOptions& options) {
+  std::vector<std::string> overrides = options.overrides;
+  overrides.push_back("seed=" + std::to_string(*options.seed));
+  return flight::RunFlight(flight::LoadScenario("landing", overrides), {}).summary;
+}
+
+TEST(Sim, WithTheMissionsSetpointsFliesTheFlightOfARun) {
+  const SimOptions options = Short();
+  Sim sim("landing", options);
+  sim.Reset();
+  while (!sim.done()) {
+    const mission::Decision& decision = sim.Decide();
+    sim.Step(decision.setpoint, decision.aid);
+  }
+  const records::Summary stepped = sim.Summarise(), flown = Flown(options);
+  EXPECT_EQ(stepped.state_hash, flown.state_hash);
+  EXPECT_EQ(stepped.image_hash, flown.image_hash);
+  EXPECT_EQ(stepped.metrics, flown.metrics);
+  EXPECT_EQ(stepped.outcome, flown.outcome);
+}
+
+TEST(Sim, BeginsAgainWithAnotherSeedAsIfItWereNew) {
+  Sim sim("hover", Short());
+  sim.Reset();
+  sim.Step(control::VelocitySetpoint{{1, 0, 0}, 0});
+  const Observation again = sim.Reset(6);
+  SimOptions options = Short();
+  options.seed = 6;
+  Sim other("hover", options);
+  const Observation first = other.Reset();
+  EXPECT_EQ(cv::norm(again.frame->image, first.frame->image, cv::NORM_INF), 0);
+  EXPECT_EQ(sim.simulator().state_hash(), other.simulator().state_hash());
+}
+
+TEST(Sim, AFlightWithoutImagesIsTheSameInItsStates) {
+  SimOptions options = Short();
+  Sim drawn("hover", options);
+  options.images = false;
+  Sim blind("hover", options);
+  Observation a = drawn.Reset(), b = blind.Reset();
+  while (!drawn.done()) {
+    EXPECT_TRUE(b.frame->image.empty());
+    EXPECT_EQ(a.frame->t_s, b.frame->t_s);
+    a = drawn.Step(control::VelocitySetpoint{{0.5, 0.2, 0}, 0.1});
+    b = blind.Step(control::VelocitySetpoint{{0.5, 0.2, 0}, 0.1});
+  }
+  EXPECT_TRUE(blind.done());
+  EXPECT_EQ(drawn.simulator().state_hash(), blind.simulator().state_hash());
+}
+
+TEST(Sim, TimeGoesOnBySingleStepsOfThePhysics) {
+  SimOptions options = Short();
+  options.images = false;
+  Sim sim("hover", options);
+  sim.Reset();
+  const double from_s = sim.t_s();
+  for (int i = 1; i <= 100; ++i) {
+    sim.Advance(sim.dt_s());
+    EXPECT_NEAR(sim.t_s(), from_s + i * sim.dt_s(), 1e-9);
+  }
+}
+
+TEST(Sim, GivesDepthAndFlowOfAFrameWhereAskedFor) {
+  SimOptions options = Short();
+  options.surfaces = true;
+  Sim sim("hover", options);
+  EXPECT_TRUE(sim.Reset().flow.empty());
+  const Observation o = sim.Step();
+  EXPECT_EQ(o.surfaces.depth_m.size(), o.frame->image.size());
+  EXPECT_EQ(o.surfaces.geom.type(), CV_32S);
+  EXPECT_EQ(o.flow.type(), CV_32FC2);
+}
+
+TEST(Sim, SaysHowItWasMisused) {
+  Sim sim("hover", Short());
+  EXPECT_THAT([&] { sim.Step(); }, ThrowsMessage<SimError>(HasSubstr("call reset first")));
+  sim.Reset();
+  const control::VelocitySetpoint none{{std::numeric_limits<double>::quiet_NaN(), 0, 0}, 0};
+  EXPECT_THAT([&] { sim.Step(none); }, ThrowsMessage<SimError>(HasSubstr("the setpoint has a number")));
+  EXPECT_THAT([&] { sim.Advance(-1); }, ThrowsMessage<SimError>(HasSubstr("positive")));
+  sim.Finish("tired");
+  EXPECT_TRUE(sim.done());
+  EXPECT_EQ(sim.Summarise().outcome, "tired");
+  EXPECT_THAT([&] { sim.Step(); }, ThrowsMessage<SimError>(HasSubstr("tired")));
+}
+
+TEST(Sim, RefusesWhatAScenarioDoesNotHave) {
+  SimOptions options;
+  options.overrides = {"wind.mean_m_z=5"};
+  EXPECT_THROW(Sim("hover", options), InputError);
+  EXPECT_THROW(Sim("no_such", {}), InputError);
+}
+
+}  // namespace
+}  // namespace kestrel
