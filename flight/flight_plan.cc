@@ -105,6 +105,8 @@ const std::vector<std::string_view>& WorldKeys() {
                                                       "render",
                                                       "wind",
                                                       "sensors",
+                                                      "instruments",
+                                                      "cameras",
                                                       "occlusion",
                                                       "targets",
                                                       "criteria",

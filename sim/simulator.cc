@@ -7,8 +7,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <iterator>
-#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -16,6 +14,7 @@
 #include "base/stopwatch.h"
 #include "control/estimate/moving_target.h"
 #include "geometry/tait_bryan.h"
+#include "sim/instrument/beam.h"
 #include "sim/world/frames.h"
 
 namespace kestrel::sim {
@@ -23,7 +22,7 @@ namespace {
 
 constexpr double kAirborne_m = 0.3;
 constexpr double kFixedAfter_s = 0.3;  // of standing on a deck that holds it fast
-constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();  // a step
+constexpr std::int64_t kNever = CameraClock::kNever;
 
 SceneParameters SceneOf(const SimulatorParameters& parameters) {
   SceneParameters scene = parameters.scene;
@@ -65,12 +64,15 @@ Simulator::Simulator(const SimulatorParameters& parameters)
       sensor_faults_(parameters.sensors.faults, parameters.seed),
       X_BC_(vision::MountPose(parameters.mount)),
       vibration_(parameters.mount.vibration, parameters.seed),
-      renderer_(std::make_unique<FrameRenderer>(model_.get(), parameters.camera, parameters.render,
-                                                parameters_.image, X_BC_, vibration_, parameters.seed,
-                                                parameters.surfaces, parameters.draw_beside)),
+      renderer_(parameters.images
+                    ? std::make_unique<FrameRenderer>(model_.get(), parameters.camera, parameters.render,
+                                                      parameters_.image, X_BC_, vibration_, parameters.seed,
+                                                      parameters.surfaces, parameters.draw_beside)
+                    : nullptr),
       hashes_(std::make_unique<Hashes>()),
       scheduled_(ChangesOf(parameters.sensors.faults, parameters.actuators.faults, parameters.vehicle)),
-      faults_(parameters.image.faults, parameters.seed, parameters.duration_s) {
+      clock_(parameters_.image, vision::HeightPx(parameters.camera), parameters.seed, parameters.duration_s,
+             model_->opt.timestep) {
   std::reverse(scheduled_.begin(), scheduled_.end());
   mj_forward(model_.get(), data_.get());
   const Pose X_NT = PadPose(model_.get(), data_.get());
@@ -78,6 +80,14 @@ Simulator::Simulator(const SimulatorParameters& parameters)
     ground_ = std::make_unique<SimulatedGroundCamera>(model_.get(), X_NT, *parameters.ground,
                                                       parameters.render, parameters.seed,
                                                       parameters.duration_s, parameters.draw_beside);
+  if (parameters.instruments.any()) {
+    instruments_ = std::make_unique<Instruments>(parameters.instruments, parameters.seed);
+    beam_ = BeamIn(model_.get(), data_.get());
+  }
+  for (const CarriedCameraParameters& camera : parameters.cameras)
+    cameras_.push_back(std::make_unique<CarriedCamera>(
+        model_.get(), camera, parameters.render, parameters.seed, parameters.duration_s,
+        CarriedCameraOptions{parameters.images, parameters.surfaces, parameters.draw_beside}));
   const StartParameters& start = parameters.start;
   RandomStream random(parameters.seed, "start");
   const double radius = start.scatter_m * std::sqrt(random.Uniform(0, 1));
@@ -131,9 +141,6 @@ Simulator::Simulator(const SimulatorParameters& parameters)
   autopilot_->SetClock(static_cast<double>(steps_) * dt);
   truth_ = Look();
   airborne_ = !start.on_ground;
-  const double open_s = LongestExposure_s(parameters_.image) +
-                        LongestReadout_s(parameters_.image, vision::HeightPx(parameters.camera));
-  half_exposure_ = static_cast<std::int64_t>(std::ceil(open_s / 2 / dt - 1e-6));
   RunCamera();
   AdvanceTo(0);
 }
@@ -202,6 +209,7 @@ void Simulator::Step() {
     X_BC_ = platform_->X_BC();
   }
   truth_ = Look();
+  if (instruments_) instruments_->Step(before, truth_, beam_);
   const Eigen::Vector3d specific_force_B =
       truth_.X_NB.R.conjugate() * ((truth_.v_N - before.v_N) / dt - Eigen::Vector3d(0, 0, kGravity_m_s2));
   SensorReadings readings = sensors_.Read(dt, truth_.X_NB, truth_.v_N, truth_.w_B, specific_force_B);
@@ -284,60 +292,21 @@ void Simulator::CoverPad() {
   occluded_ = wanted;
 }
 
-std::int64_t Simulator::StepOf(double t_s) const { return std::llround(t_s / model_->opt.timestep); }
-
-std::int64_t Simulator::TickStep() const {
-  const double due_s = static_cast<double>(tick_) / parameters_.image.rate_hz;
-  return due_s <= parameters_.duration_s ? StepOf(due_s) : kNever;
-}
-
-// What happens to the camera at this instant: snapshots are kept, exposures begin and end.
+// What happens to the cameras at this instant.
 void Simulator::RunCamera() {
   CoverPad();
   if (ground_) ground_->Step(data_.get(), steps_);
-  if (!open_.empty() || TickStep() <= steps_ + half_exposure_) {
-    snapshots_.push_back(SnapshotOf(model_.get(), data_.get(), truth_.t_s));
-    if (platform_) snapshots_.back().X_BC = X_BC_;
+  for (const auto& camera : cameras_) camera->Step(data_.get(), steps_, truth_.X_NB);
+  if (steps_ == clock_.TickStep()) {
+    XXH3_64bits_update(hashes_->state, data_->qpos, sizeof(mjtNum) * model_->nq);
+    XXH3_64bits_update(hashes_->state, data_->qvel, sizeof(mjtNum) * model_->nv);
   }
-  if (steps_ == TickStep()) Tick();
-  const double dt = model_->opt.timestep;
-  const double half_s = (static_cast<double>(half_exposure_) + 0.5) * dt;  // half a step more, for rounding
-  while (!open_.empty() && StepOf(open_.front().t_s) + half_exposure_ <= steps_) {
-    FrameRequest request = std::move(open_.front());
-    open_.pop_front();
-    std::copy_if(snapshots_.begin(), snapshots_.end(), std::back_inserter(request.snapshots),
-                 [&](const Snapshot& m) { return m.t_s > request.t_s - half_s; });
-    renderer_->Submit(std::move(request));
-  }
-  const double next_s = open_.empty() ? static_cast<double>(TickStep()) * dt : open_.front().t_s;
-  while (!snapshots_.empty() && snapshots_.front().t_s < next_s - half_s) snapshots_.pop_front();
-}
-
-// A tick of the camera's clock: the middle of an exposure, unless a fault takes it.
-void Simulator::Tick() {
-  XXH3_64bits_update(hashes_->state, data_->qpos, sizeof(mjtNum) * model_->nq);
-  XXH3_64bits_update(hashes_->state, data_->qvel, sizeof(mjtNum) * model_->nv);
-  const ImageParameters& image = parameters_.image;
-  const CameraCondition& condition = faults_.At(truth_.t_s);
-  const std::int64_t tick = tick_++;
-  const double due_s = static_cast<double>(tick) / image.rate_hz;
-  if (condition.off) {
-    ++sequence_;
-    return;
-  }
-  if (due_s < last_frame_s_ + condition.period_s - 1e-9) return;
-  last_frame_s_ = due_s;
-  const std::int64_t sequence = sequence_++;
-  if (faults_.Loses(condition, tick)) return;
-
-  Coming coming{truth_, sequence, StepOf(due_s + image.latency_s + condition.delay_s)};
-  coming.due_step = std::max(coming.due_step, steps_ + half_exposure_);
-  if (!coming_.empty()) coming.due_step = std::max(coming.due_step, coming_.back().due_step);
-  coming_.push_back(coming);
-  const auto content = condition.stuck     ? FrameRequest::Content::kRepeat
-                       : condition.garbage ? FrameRequest::Content::kGarbage
-                                           : FrameRequest::Content::kScene;
-  open_.push_back({truth_.t_s, sequence, content, {}});
+  const auto snapshot = [&] {
+    Snapshot now = SnapshotOf(model_.get(), data_.get(), truth_.t_s);
+    if (platform_) now.X_BC = X_BC_;
+    return now;
+  };
+  if (clock_.Step(steps_, snapshot, renderer_.get())) exposures_.push_back(truth_);
 }
 
 void Simulator::AdvanceTo(std::int64_t step) {
@@ -356,24 +325,35 @@ std::optional<vision::Frame> Simulator::NextUntil(double t_s) {
 
 std::optional<vision::Frame> Simulator::NextUntilStep(std::int64_t last) {
   const auto start = std::chrono::steady_clock::now();
-  while (coming_.empty() && TickStep() <= last && TickStep() != kNever && !ended_) AdvanceTo(TickStep());
-  const bool comes = !coming_.empty() && coming_.front().due_step <= last;
+  while (!clock_.DueStep() && clock_.TickStep() <= last && clock_.TickStep() != kNever && !ended_)
+    AdvanceTo(clock_.TickStep());
+  const auto due_step = clock_.DueStep();
+  const bool comes = due_step && *due_step <= last;
   if (comes) {
-    AdvanceTo(coming_.front().due_step);
+    AdvanceTo(*due_step);
   } else if (last != kNever) {
     AdvanceTo(last);
   }
   physics_s_ += SecondsSince(start);
+  Gather();
   if (!comes || ended_) return std::nullopt;
-  const Coming coming = coming_.front();
-  coming_.pop_front();
+  const CameraClock::Frame frame = clock_.Take();
+  exposure_ = std::move(exposures_.front());
+  exposures_.pop_front();
   timing_.physics_s.push_back(std::exchange(physics_s_, 0));
-  picture_ = renderer_->Next();
+  picture_ = renderer_ ? renderer_->Next() : RenderedFrame{};
   timing_.render_s.push_back(picture_.render_s);
   timing_.sensor_s.push_back(picture_.sensor_s);
-  exposure_ = coming.exposure;
   XXH3_64bits_update(hashes_->image, picture_.image.data, picture_.image.total() * picture_.image.elemSize());
-  return vision::Frame{picture_.image, exposure_.t_s, coming.sequence};
+  return vision::Frame{picture_.image, frame.t_s, frame.sequence};
+}
+
+// What instruments and further cameras have given meanwhile.
+void Simulator::Gather() {
+  if (instruments_) readings_ = instruments_->Take(truth_.t_s);
+  camera_frames_.clear();
+  for (const auto& camera : cameras_)
+    while (auto frame = camera->Take()) camera_frames_.push_back(std::move(*frame));
 }
 
 control::VehicleState Simulator::State() const {
@@ -388,7 +368,7 @@ control::VehicleState Simulator::State() const {
 
 void Simulator::Send(const control::Setpoint& setpoint) { autopilot_->Send(setpoint); }
 void Simulator::Aid(const control::AttitudeAid& aid) { autopilot_->Aid(aid); }
-std::string Simulator::renderer_name() const { return renderer_->renderer_name(); }
+std::string Simulator::renderer_name() const { return renderer_ ? renderer_->renderer_name() : "none"; }
 std::uint64_t Simulator::state_hash() const { return XXH3_64bits_digest(hashes_->state); }
 std::uint64_t Simulator::image_hash() const { return XXH3_64bits_digest(hashes_->image); }
 

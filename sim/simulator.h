@@ -16,7 +16,8 @@
 #include "sim/aircraft/airframe.h"
 #include "sim/autopilot/emulated_autopilot.h"
 #include "sim/autopilot/external_autopilot.h"
-#include "sim/camera/camera_faults.h"
+#include "sim/camera/camera_clock.h"
+#include "sim/camera/carried/carried_camera.h"
 #include "sim/camera/frame_renderer.h"
 #include "sim/camera/image_sensor.h"
 #include "sim/camera/pan_tilt.h"
@@ -27,6 +28,7 @@
 #include "sim/deck/deck.h"
 #include "sim/fault_schedule.h"
 #include "sim/ground/simulated_ground_camera.h"
+#include "sim/instrument/instruments.h"
 #include "sim/sensor/sensor_faults.h"
 #include "sim/sensor/sensors.h"
 #include "sim/world/scene.h"
@@ -91,8 +93,11 @@ struct SimulatorParameters {
   std::uint64_t seed = 1;
   double duration_s = 60;
   std::vector<TargetParameters> targets = {};
-  std::optional<CarryParameters> carry = {};  // in place of flight and of start
+  std::optional<CarryParameters> carry = {};          // in place of flight and of start
   std::optional<GroundCameraParameters> ground = {};  // a second camera, on the ground; none: there is none
+  InstrumentParameters instruments = {};
+  std::vector<CarriedCameraParameters> cameras = {};  // beside the one above
+  bool images = true;     // false: frames come when they would, and show nothing; none is drawn
   bool surfaces = false;  // of each frame, and the flow between them, for records: see picture()
   // An image is drawn on a thread of its own, beside the flight code that works on the one before; if not,
   // a flight is one thread, for who flies as many at once as there are cores. The flight is the same.
@@ -109,10 +114,7 @@ struct RunError : std::runtime_error {
 // the end if none comes any more, and in NextUntil(), for who keeps time himself. What
 // an image shows depends on the snapshots around its exposure, and on the frames before it, alone.
 //
-// The camera's clock ticks at its rate, and each tick is a frame unless a fault takes it. A frame's time,
-// from which its latency counts, is the middle of the exposure of the middle row; exposure and readout reach
-// to both sides of it, and the latency and the period must leave room for them (a frame whose latency does
-// not comes as soon as it is read out). Both the time and the latency are kept to the nearest step.
+// When it exposes, and when its frames come, is CameraClock's.
 class Simulator final : public vision::Camera, public control::Autopilot {
  public:
   explicit Simulator(const SimulatorParameters& parameters);
@@ -140,6 +142,11 @@ class Simulator final : public vision::Camera, public control::Autopilot {
   // The camera on the ground; null: there is none. Its frames have come when those of Next() do, or earlier.
   SimulatedGroundCamera* ground_camera() { return ground_.get(); }
 
+  // What has come during the last Next() or NextUntil(), the next one's taking its place: of the instruments, and of
+  // the cameras beside this one, in the order of the parameters and each in the order of time.
+  const Readings& readings() const { return readings_; }
+  const std::vector<CameraFrame>& camera_frames() const { return camera_frames_; }
+
   const Truth& truth() const { return truth_; }
   const Truth& exposure() const { return exposure_; }           // of the frame that Next() gave last
   const RenderedFrame& picture() const { return picture_; }     // of the same
@@ -147,7 +154,7 @@ class Simulator final : public vision::Camera, public control::Autopilot {
   const Pose& X_BC() const { return X_BC_; }                    // now
   const mjModel* model() const { return model_.get(); }
   // The changes of the camera's condition until now.
-  std::span<const CameraCondition> camera_changes() const { return faults_.ChangesUntil(truth_.t_s); }
+  std::span<const CameraCondition> camera_changes() const { return clock_.ChangesUntil(truth_.t_s); }
   // The faults of sensors and actuators, and what the autopilot makes of its sensors, until now.
   std::span<const StateChange> state_changes() const { return state_changes_; }
   std::string renderer_name() const;
@@ -161,14 +168,10 @@ class Simulator final : public vision::Camera, public control::Autopilot {
 
  private:
   struct Hashes;
-  struct Coming {  // a frame under way
-    Truth exposure;
-    std::int64_t sequence = 0, due_step = 0;
-  };
-
   void Step();
   void AdvanceTo(std::int64_t step);
   std::optional<vision::Frame> NextUntilStep(std::int64_t last);
+  void Gather();
   void NoteChanges();
   void CoverPad();
   void MoveTargets();
@@ -176,9 +179,6 @@ class Simulator final : public vision::Camera, public control::Autopilot {
   void MoveDeck();
   double SurfaceBelow_m() const;
   void RunCamera();
-  void Tick();
-  std::int64_t StepOf(double t_s) const;
-  std::int64_t TickStep() const;  // of the next tick; kNever when there is none
   Truth Look() const;
 
   SimulatorParameters parameters_;  // with the camera's scatter drawn
@@ -194,8 +194,13 @@ class Simulator final : public vision::Camera, public control::Autopilot {
   PanTilt* platform_ = nullptr;
   Pose X_BC_;
   Vibration vibration_;
-  std::unique_ptr<FrameRenderer> renderer_;
+  std::unique_ptr<FrameRenderer> renderer_;  // null: without images
   std::unique_ptr<SimulatedGroundCamera> ground_;
+  std::unique_ptr<Instruments> instruments_;  // null: none
+  Beam beam_;
+  Readings readings_;
+  std::vector<std::unique_ptr<CarriedCamera>> cameras_;
+  std::vector<CameraFrame> camera_frames_;
   std::unique_ptr<Hashes> hashes_;
 
   std::int64_t steps_ = 0;  // since time 0, negative while settling
@@ -214,15 +219,9 @@ class Simulator final : public vision::Camera, public control::Autopilot {
   std::vector<StateChange> state_changes_;
   NavigationHealth health_;
 
-  CameraFaults faults_;
-  std::int64_t half_exposure_ = 0;  // steps on either side of a tick in which pixels may be open
-  std::int64_t tick_ = 0;           // the next one
-  std::int64_t sequence_ = 0;       // of the next frame
-  double last_frame_s_ = -1e9;      // when the last one that was not lost was due
-  std::deque<FrameRequest> open_;   // their exposures have not ended
-  std::deque<Snapshot> snapshots_;  // that open exposures need, or the next one
-  std::deque<Coming> coming_;
-  double physics_s_ = 0;  // spent since the last frame
+  CameraClock clock_;
+  std::deque<Truth> exposures_;  // of the frames under way
+  double physics_s_ = 0;         // spent since the last frame
   Timing timing_;
 };
 

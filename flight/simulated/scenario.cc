@@ -255,8 +255,11 @@ LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& o
   if (IsFile(vehicle_file)) Read(LoadConfig(vehicle_file, {}, mistakes), vehicle, mistakes);
   s.autopilot = vehicle.autopilot;
   s.platform = vehicle.platform;
+  const auto imu = ImuOfFile(config, beside, mistakes);
+  s.instruments.imu = imu;
   Read(config, s, mistakes);
   if (!s.landscape) s.landscape = landscape;  // it was given without a word
+  if (imu && s.instruments.imu) s.instruments.imu->file = imu->file;
   if (!config.readable) mistakes.ThrowIfAny();
   if (s.name.empty()) s.name = file.stem().string();
   const Place where = file.string();
@@ -321,6 +324,8 @@ LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& o
     if (has_camera) CheckView(s.flight, s.camera, sim.camera, s.mount, config, where, mistakes);
   }
   CheckImage(s.image, has_camera ? &sim.camera : nullptr, WhereOf(config, "image", where), mistakes);
+  CheckInstruments(s.instruments, WhereOf(config, "instruments", where), mistakes);
+  sim.cameras = LoadCameras(s.cameras, s.image, beside, config, mistakes);
   if (const auto sight = LoadGroundSight(s.flight.type(), s.ground_camera, beside,
                                          WhereOf(config, "ground_camera", where), mistakes)) {
     sim.ground = sim::GroundCameraParameters{
@@ -361,6 +366,7 @@ LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& o
   sim.scene.pad_tilt_deg = s.pad.tilt_deg;
   sim.scene.deck = s.deck;
   sim.sensors = s.sensors;
+  sim.instruments = s.instruments;
   sim.actuators = s.actuators;
   sim.mount = s.mount;
   sim.image = s.image;

@@ -10,6 +10,7 @@
 #include "base/file/model_files.h"
 #include "base/yaml/fields.h"
 #include "flight/flight_plan.h"
+#include "flight/simulated/equipment.h"
 #include "mission/mission_type.h"
 #include "sim/camera/pan_tilt.h"
 #include "sim/simulator.h"
@@ -64,6 +65,8 @@ struct Scenario : FlightKeys {
   sim::RenderOptions render;
   sim::WindParameters wind;
   sim::SensorParameters sensors;
+  sim::InstrumentParameters instruments;
+  std::vector<CameraKeys> cameras;
   sim::ActuatorParameters actuators;
   sim::OcclusionParameters occlusion;
   std::vector<sim::TargetParameters> targets;
@@ -91,6 +94,9 @@ inline void Fields(FieldVisitor& v, Scenario& s) {
   v({"render", "how the images are rendered"}, s.render);
   v({"wind", "mean wind, turbulence and gusts"}, s.wind);
   v({"sensors", "errors and faults of the aircraft's sensors"}, s.sensors);
+  v({"instruments", "instruments that the aircraft carries beside the sensors of its autopilot"},
+    s.instruments);
+  v({"cameras", "cameras that the aircraft carries beside the one that it is flown by"}, s.cameras);
   v({"actuators", "faults of rotors and servos"}, s.actuators);
   v({"occlusion", "dark sheet that covers part of the pad for some time"}, s.occlusion);
   v({"targets", "what else flies: balloons or other aircraft, as coloured spheres"}, s.targets);

@@ -61,11 +61,11 @@ struct RangefinderParameters : SampleTiming {
 };
 
 struct InstrumentParameters {
-  std::optional<ImuParameters> imu;
-  std::optional<GpsParameters> gps;
-  std::optional<BarometerParameters> barometer;
-  std::optional<MagnetometerParameters> magnetometer;
-  std::optional<RangefinderParameters> rangefinder;
+  std::optional<ImuParameters> imu = {};
+  std::optional<GpsParameters> gps = {};
+  std::optional<BarometerParameters> barometer = {};
+  std::optional<MagnetometerParameters> magnetometer = {};
+  std::optional<RangefinderParameters> rangefinder = {};
 
   bool any() const { return imu || gps || barometer || magnetometer || rangefinder; }
 };
