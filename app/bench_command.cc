@@ -28,6 +28,7 @@
 #include "bench/landmark/bench_homographies.h"
 #include "bench/landmark/bench_landings.h"
 #include "bench/landmark/bench_plane_pose.h"
+#include "bench/lockstep/bench_lockstep.h"
 #include "bench/planar/bench_planar.h"
 #include "bench/servo/bench_servo.h"
 #include "bench/servo/bench_servo_flights.h"
@@ -42,10 +43,12 @@ CLI::App* AddBenchCommand(CLI::App& app, BenchArguments& a) {
       "contrast", "follow",       "avoid",         "stream",       "planar",        "alignment",
       "features", "homographies", "plane_pose",    "landings",     "servo_flights", "direct",
       "mosaic",   "stabilise",    "follow_thesis", "avoid_thesis", "wire",          "link_faults",
-      "campaign", "hashes"};
+      "campaign", "hashes",       "lockstep"};
   CLI::App* command = app.add_subcommand("bench", "Measure: a table of figures beside their targets");
   // Of campaigns by its name alone: it flies for minutes, and kills itself.
-  command->add_option("name", a.name, "All but campaign, wire, link_faults and hashes when none is given")
+  command
+      ->add_option("name", a.name,
+                   "All but campaign, wire, link_faults, hashes and lockstep when none is given")
       ->check(OneOf(names));
   command->add_option("--seeds", a.seeds, "A..B, first and last")->capture_default_str();
   command->add_option("--jobs", a.jobs, "Flights at the same time")
@@ -114,6 +117,7 @@ bool BenchCommand(const BenchArguments& arguments) {
   // By name alone: they take long, and are asked for by who changes what they measure.
   if (arguments.name == "campaign")
     bench::BenchCampaign(static_cast<int>(seeds.last - seeds.first) + 1, wires / "bench_campaign", table);
+  if (arguments.name == "lockstep") bench::BenchLockstep(table);
   if (arguments.name == "hashes")
     bench::BenchHashes(seeds, arguments.jobs, Root() / "results" / "hashes.csv", table);
   records::PrintFigures(table);

@@ -26,6 +26,7 @@
 #include "base/diagnostics.h"
 #include "base/file/files.h"
 #include "base/process/end_signals.h"
+#include "flight/lockstep/lockstep_server.h"
 #include "flight/served/serve_flight.h"
 #include "flight/served/serve_physics.h"
 #include "geometry/tait_bryan.h"
@@ -81,11 +82,58 @@ std::optional<sim::PanTilt> PlatformOf(const flight::ServeArguments& a, const fl
   return sim::PanTilt(*scenario.platform, scenario.mount.position_m, *angles);
 }
 
+// A terminal that has gone is no reason to break off a flight, and so no exception.
+void Say(const std::string& line) {
+  std::puts(line.c_str());
+  std::fflush(stdout);
+}
+
+int ServeLockstep(const flight::ServeArguments& a, const std::vector<std::string>& overrides,
+                  const flight::LoadedScenario& loaded) {
+  flight::LockstepServerOptions options;
+  options.address = a.lockstep->empty() ? flight::DefaultLockstepAddress() : *a.lockstep;
+  options.timeout_s = a.lockstep_timeout_s;
+  options.once = a.once;
+  options.go_on = [] { return !serve_interrupted.load(); };
+  flight::LockstepOptions flight;
+  flight.scenario = a.scenario;
+  flight.sim.overrides = overrides;
+  flight.video = !a.no_video;
+  flight.folder = [&, flights = 0](std::uint64_t seed) mutable {
+    ++flights;
+    if (a.out.empty()) return fmt::format("results/runs/{}-{}-lockstep", loaded.scenario.name, seed);
+    return flights == 1 ? a.out : fmt::format("{}-{}", a.out, flights);
+  };
+  flight.say = Say;
+  OnEndSignals([](int) {
+    serve_interrupted = true;
+    EndOnNextSignal();
+  });
+  Mistakes mistakes;
+  std::optional<flight::LockstepServer> server;
+  try {
+    const std::string wrong = flight::LockstepAddressMistake(options.address);
+    if (!wrong.empty()) throw std::runtime_error(wrong);
+    server.emplace(options, flight, loaded);
+  } catch (const std::runtime_error& e) {
+    mistakes.Add("--lockstep", "", e.what(), "valid: tcp:PORT, or the file of a Unix socket");
+  }
+  mistakes.ThrowIfAny();
+  Say(fmt::format("SIMULATOR  {}, seed {}: in lockstep at {}, {}", loaded.scenario.name, loaded.scenario.seed,
+                  server->where(),
+                  a.once ? "for one client" : "client after client, until it is interrupted"));
+  const std::optional<records::Summary> last = server->Serve();
+  if (!a.once) return 0;
+  if (!last) return 1;
+  return !last->complete ? 3 : last->passed ? 0 : 1;
+}
+
 }  // namespace
 
 CLI::App* AddServeCommand(CLI::App& app, flight::ServeArguments& a) {
-  CLI::App* serve = app.add_subcommand(
-      "serve", "Fly the simulated aircraft in real time for any client, by real wires and a video stream");
+  CLI::App* serve = app.add_subcommand("serve",
+                                       "Fly the simulated aircraft for any client: in real time by real "
+                                       "wires and a video stream, or in lockstep");
   serve->add_option("scenario", a.scenario, "A name that `list` shows, or a YAML file")
       ->type_name("SCENARIO")
       ->required();
@@ -122,7 +170,21 @@ CLI::App* AddServeCommand(CLI::App& app, flight::ServeArguments& a) {
       "--for", a.for_s,
       "How long, in s of real time, instead of the scenario's duration_s; with --physics, where a "
       "flight lasts until the autopilot leaves, until all ends");
-  serve->add_option("--out", a.out, "Folder for the records (default results/runs/NAME-SEED-served)")
+  serve
+      ->add_option(
+          "--lockstep", a.lockstep,
+          "One program is the flight code, and time waits for it: by the Unix socket at this file, or "
+          "at tcp:PORT of this computer; default a file of this user's (docs/guide/lockstep.md)")
+      ->expected(0, 1)
+      ->type_name("ADDRESS");
+  serve->add_option("--lockstep-timeout", a.lockstep_timeout_s,
+                    "How long, in s, its client may say nothing; for ever if not given");
+  serve->add_flag("--once", a.once, "With --lockstep: end when the first client has gone");
+  serve->add_flag("--no-video", a.no_video, "With --lockstep: leave out video.mp4");
+  serve
+      ->add_option("--out", a.out,
+                   "Folder for the records (default results/runs/NAME-SEED-served, in lockstep "
+                   "NAME-SEED-lockstep); of a further flight in lockstep DIR-2")
       ->type_name("DIR");
   serve->add_option("--pilot-off-at", a.pilot_off_at_s,
                     "When the pilot's switch takes the aircraft away, in s of the flight");
@@ -131,7 +193,8 @@ CLI::App* AddServeCommand(CLI::App& app, flight::ServeArguments& a) {
       "bad\n"
       "input, 3 it broke off.\n\nExamples:\n  kestrel serve landing --afcs --camera rtp:5600\n"
       "  kestrel serve landing --mavlink px4 --camera raw:5600 --for 120\n"
-      "  kestrel serve hover --physics ardupilot --camera rtp:5600");
+      "  kestrel serve hover --physics ardupilot --camera rtp:5600\n"
+      "  kestrel serve landing --lockstep tcp:4573");
   return serve;
 }
 
@@ -149,6 +212,11 @@ int ServeCommand(const flight::ServeArguments& a) {
     mistakes.ThrowIfAny();
   }
   const flight::LoadedScenario& loaded = *read;
+  if (a.lockstep) {
+    if (!a.out.empty()) CheckWritableFolder(a.out, "--out", mistakes);
+    mistakes.ThrowIfAny();
+    return ServeLockstep(a, overrides, loaded);
+  }
   const flight::Scenario& scenario = loaded.scenario;
   const std::string folder =
       a.out.empty() ? fmt::format("results/runs/{}-{}-served", scenario.name, scenario.seed) : a.out;
@@ -192,11 +260,7 @@ int ServeCommand(const flight::ServeArguments& a) {
     std::fputs(flight::StartLines(a, loaded, servers, options.platform).c_str(), stdout);
     std::fflush(stdout);
   };
-  // A terminal that has gone is no reason to break off a flight, and so no exception.
-  options.say = [](const std::string& line) {
-    std::puts(line.c_str());
-    std::fflush(stdout);
-  };
+  options.say = Say;
   options.go_on = [] { return !serve_interrupted.load(); };
   // The first asks the flight to end in good order; a second one ends the program.
   stopped_physics = physics.get();

@@ -110,6 +110,41 @@ void CheckStreamsPort(const ServeArguments& a, Mistakes& mistakes) {
           a.physics_port.value_or(sim::ArduPilotPhysicsParameters{}.port));
 }
 
+// Time waits for the client: what serves in real time has no place beside it.
+void CheckLockstep(const ServeArguments& a, Mistakes& mistakes) {
+  const std::vector<std::pair<const char*, bool>> of_lockstep = {
+      {"--lockstep-timeout", a.lockstep_timeout_s.has_value()},
+      {"--once", a.once},
+      {"--no-video", a.no_video}};
+  if (!a.lockstep) {
+    for (const auto& [option, given] : of_lockstep)
+      if (given) mistakes.Add(option, "", "means nothing without --lockstep");
+    return;
+  }
+  const ServeArguments usual;
+  const std::vector<std::pair<const char*, bool>> of_real_time = {
+      {"--afcs", a.afcs.has_value()},
+      {"--asctec", a.asctec},
+      {"--mavlink", a.mavlink.has_value()},
+      {"--mavlink-port", a.mavlink_port.has_value()},
+      {"--physics", a.physics.has_value()},
+      {"--physics-port", a.physics_port.has_value()},
+      {"--camera", a.camera != usual.camera},
+      {"--ground-camera", a.ground_camera != usual.ground_camera},
+      {"--listen", a.listen != usual.listen},
+      {"--for", a.for_s.has_value()},
+      {"--pilot-off-at", a.pilot_off_at_s.has_value()}};
+  std::string beside;
+  for (const auto& [option, given] : of_real_time)
+    if (given) beside += fmt::format("{}{}", beside.empty() ? "" : ", ", option);
+  if (!beside.empty())
+    mistakes.Add("--lockstep", "", fmt::format("does not go with {}: time waits for its client", beside),
+                 "valid: with --seed, --set, --out, --no-video, --once, --lockstep-timeout");
+  if (a.lockstep_timeout_s && !(*a.lockstep_timeout_s > 0 && *a.lockstep_timeout_s <= kMost_s))
+    mistakes.Add("--lockstep-timeout", "", fmt::format("{:g} is out of range", *a.lockstep_timeout_s),
+                 fmt::format("valid: more than 0, to {:g} s", kMost_s));
+}
+
 }  // namespace
 
 bool IsSeed(const std::string& text) {
@@ -141,6 +176,8 @@ void CheckArguments(const ServeArguments& a, Mistakes& mistakes) {
   if (!a.seed.empty() && !IsSeed(a.seed))
     mistakes.Add("--seed", "", fmt::format("'{}' is no seed", a.seed),
                  "valid: a whole number from 0 to 2^64 - 1");
+  CheckLockstep(a, mistakes);
+  if (a.lockstep) return;
   if (a.for_s && !InRange(*a.for_s))
     mistakes.Add("--for", "", fmt::format("{:g} is out of range", *a.for_s),
                  fmt::format("valid: {:g} to {:g} s", kLeast_s, kMost_s));
@@ -175,7 +212,7 @@ void CheckArguments(const ServeArguments& a, Mistakes& mistakes) {
                  "valid: alone");
   if (a.camera == "none" && !a.afcs && !a.asctec && !a.mavlink && !a.physics)
     mistakes.Add("serve", "", "there is nothing to serve",
-                 "valid: --afcs, --asctec, --mavlink, --physics, --camera");
+                 "valid: --afcs, --asctec, --mavlink, --physics, --camera, --lockstep");
 }
 
 std::vector<NamedServer> MakeServers(const ServeArguments& a, const LoadedScenario& loaded,

@@ -19,7 +19,8 @@ namespace kestrel::flight {
 
 struct LoadedScenario;
 
-// `kestrel serve`: the simulated aircraft, in real time, for any client. An absent option was not given.
+// `kestrel serve`: the simulated aircraft, in real time or in lockstep, for any client. An absent option was not
+// given.
 struct ServeArguments {
   std::string scenario, seed, out, camera = "none", ground_camera = "none", listen = "127.0.0.1";
   std::vector<std::string> overrides;
@@ -30,6 +31,9 @@ struct ServeArguments {
   std::optional<std::string> physics;  // px4, ardupilot
   std::optional<int> physics_port;
   std::optional<double> for_s, pilot_off_at_s;
+  std::optional<std::string> lockstep;  // at this address (flight/lockstep); empty: the usual
+  std::optional<double> lockstep_timeout_s;
+  bool once = false, no_video = false;
 };
 
 // What is wrong with them by themselves, whatever the scenario.

@@ -12,5 +12,7 @@ namespace kestrel::records {
 // under it what flies (flight_mode.h), where no mission draws.
 inline constexpr int kModeStrip_px = 22;
 cv::Mat DrawnView(const vision::Frame& frame, const mission::Mission& mission, const std::string& mode);
+// The same of flight code that is elsewhere, and draws nothing.
+cv::Mat DrawnView(const vision::Frame& frame, const std::string& mode);
 
 }  // namespace kestrel::records
