@@ -1,5 +1,6 @@
 # What `cmake --install` puts into a prefix: programs, data, and the rooms that others build on. Nothing of it
-# names the source, so the prefix may be moved. Two components: kestrel flies, kestrel-dev is built against.
+# names the source, so the prefix may be moved. Three components: kestrel flies, kestrel-dev is built
+# against, kestrel-python is the package for Python.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
@@ -131,13 +132,24 @@ Libs: -L\${prefix}/${CMAKE_INSTALL_LIBDIR}/kestrel -Wl,--start-group${libraries}
           COMPONENT kestrel-dev)
 endforeach()
 
-# Debian packages: `cpack -G DEB` in the build folder. kestrel flies; libkestrel-dev is built against.
+# Debian packages: `cpack -G DEB` in the build folder. kestrel flies; libkestrel-dev is built against; python3-kestrel
+# is for Python.
 set(CPACK_PACKAGE_NAME kestrel)
 set(CPACK_PACKAGE_CONTACT "Kestrel's developers <kestrel@localhost>")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "Software-in-the-loop simulator for vision-guided flight")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_COMPONENTS_ALL kestrel kestrel-dev)
+if(TARGET kestrel_python)
+  list(APPEND CPACK_COMPONENTS_ALL kestrel-python)
+  set(CPACK_DEBIAN_KESTREL-PYTHON_PACKAGE_NAME python3-kestrel)
+  set(CPACK_DEBIAN_KESTREL-PYTHON_PACKAGE_SECTION python)
+  set(CPACK_DEBIAN_KESTREL-PYTHON_PACKAGE_SHLIBDEPS ON)
+  math(EXPR next ${Python3_VERSION_MINOR}+1)
+  string(CONCAT CPACK_DEBIAN_KESTREL-PYTHON_PACKAGE_DEPENDS "kestrel (= ${PROJECT_VERSION}), "
+         "python3 (>= 3.${Python3_VERSION_MINOR}~), python3 (<< 3.${next}), python3-numpy")
+  set(CPACK_DEBIAN_KESTREL-PYTHON_PACKAGE_SUGGESTS "python3-pandas")
+endif()
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)

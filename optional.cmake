@@ -37,6 +37,16 @@ if(KESTREL_TARGET STREQUAL "simulator")
   if(NOT pagmo_FOUND)
     kestrel_without(pagmo libpagmo-dev "no tuning by CMA-ES, but by cross-entropy and random search")
   endif()
+  # Debian's Python, unless another is asked for: that which has numpy, and for which the package is built.
+  find_program(KESTREL_PYTHON python3 PATHS /usr/bin NO_DEFAULT_PATH)
+  set(Python3_EXECUTABLE ${KESTREL_PYTHON})
+  find_package(Python3 3.9 QUIET COMPONENTS Interpreter Development.Module)
+  set(PYBIND11_NOPYTHON ON)  # it looks for it by means of its own
+  find_package(pybind11 2.10 QUIET)
+  if(NOT Python3_FOUND OR NOT pybind11_FOUND)
+    set(pybind11_FOUND FALSE)
+    kestrel_without(pybind11 "pybind11-dev, python3-dev and python3-numpy" "no package for Python")
+  endif()
 endif()
 
 # In place of a file that needs a library that is not there, a definition for the one that stands at the door.

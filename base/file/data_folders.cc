@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "base/file/data_folders.h"
 
+#include <dlfcn.h>
 #include <fmt/format.h>
+#include <link.h>
 
 #include <algorithm>
 #include <cstdlib>
@@ -27,22 +29,32 @@ bool IsFolder(const fs::path& path) {
   return fs::is_directory(path, none);
 }
 
+// The file that this code is in: the program, or a module that Python has loaded.
+fs::path OwnCode() {
+  Dl_info info;
+  void* found = nullptr;
+  static const char here = 0;
+  if (dladdr1(&here, &info, &found, RTLD_DL_LINKMAP) == 0) return OwnProgram();
+  const char* const name = static_cast<const link_map*>(found)->l_name;
+  std::error_code none;
+  return name && *name ? fs::weakly_canonical(name, none) : OwnProgram();
+}
+
 fs::path InstalledData() { return OwnProgram().parent_path().parent_path() / "share" / "kestrel"; }
 
-// The source of the build folder that the program lies in, or in a folder of which.
-std::optional<fs::path> Source() {
-  const fs::path folder = OwnProgram().parent_path();
-  for (const fs::path& build : {folder, folder.parent_path()}) {
-    std::ifstream file(build / "kestrel-source.txt");  // as CMake writes it
+// What is installed beside it, or the source of its build folder: a program lies in PREFIX/bin or the build folder or in
+// a folder of that, the module of Python at most in PREFIX/lib/python3/dist-packages/kestrel.
+std::optional<fs::path> Own() {
+  if (const std::string root = FromEnvironment("KESTREL_ROOT"); !root.empty()) return root;
+  const fs::path code = OwnCode();
+  const int up = code.extension() == ".so" ? 5 : 2;
+  fs::path folder = code.parent_path();
+  for (int i = 0; i < up; ++i, folder = folder.parent_path()) {
+    if (const fs::path installed = folder / "share" / "kestrel"; IsFolder(installed)) return installed;
+    std::ifstream file(folder / "kestrel-source.txt");  // as CMake writes it
     if (std::string source; std::getline(file, source) && IsFolder(source)) return source;
   }
   return std::nullopt;
-}
-
-std::optional<fs::path> Own() {
-  if (const std::string root = FromEnvironment("KESTREL_ROOT"); !root.empty()) return root;
-  if (const fs::path installed = InstalledData(); IsFolder(installed)) return installed;
-  return Source();
 }
 
 [[noreturn]] void RefuseWithoutData() {

@@ -39,6 +39,7 @@ const std::map<std::string, Names> kLayers = {
     {"app",
      {"base", "geometry", "vision", "control", "sim", "mission", "records", "scenarios", "flight", "campaign",
       "bench"}},
+    {"python", {"base", "geometry", "vision", "control", "sim", "mission", "records", "scenarios", "flight"}},
 };
 
 std::string LayerOf(const std::string& room) { return room.substr(0, room.find('/')); }

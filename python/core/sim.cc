@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "flight/stepped/sim.h"
+
+#include <fmt/format.h>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <utility>
+
+#include "base/yaml/yaml_fields.h"
+#include "control/autopilot.h"
+#include "python/core/decisions.h"
+#include "python/core/frames.h"
+#include "python/core/module.h"
+#include "python/core/overrides.h"
+#include "records/summary.h"
+
+namespace kestrel::python {
+namespace py = pybind11;
+using namespace pybind11::literals;
+namespace {
+
+// A Sim and who may use it: one thread at a time, of the process that made it.
+class StepSim {
+ public:
+  StepSim(const std::filesystem::path& scenario, std::optional<std::uint64_t> seed,
+          const py::object& overrides, bool images, bool depth, bool segmentation, bool flow,
+          bool draw_beside)
+      : depth_(depth), segmentation_(segmentation), flow_(flow) {
+    if (!images && (depth || segmentation || flow))
+      throw py::value_error("a Sim without images has no depth, segmentation or flow");
+    SimOptions options;
+    options.seed = seed;
+    options.overrides = OverridesOf(overrides);
+    options.images = images;
+    options.surfaces = depth || segmentation || flow;
+    options.draw_beside = draw_beside;
+    const py::gil_scoped_release others_run;
+    sim_ = std::make_unique<Sim>(scenario.string(), options);
+  }
+  ~StepSim() {
+    // The threads of a Sim do not follow into a forked process, so it cannot be taken down there.
+    if (getpid() != process_)
+      (void)sim_.release();
+    else if (sim_) {
+      const py::gil_scoped_release others_run;
+      sim_.reset();
+    }
+  }
+  StepSim(const StepSim&) = delete;
+  StepSim& operator=(const StepSim&) = delete;
+
+  // What a function makes of the Sim, while nobody else uses it. Let others run: without Python's lock.
+  template <class Function>
+  auto Use(Function function) const {
+    const InUse use(*this);
+    return function(*sim_);
+  }
+  template <class Function>
+  auto LetOthersRun(Function function) const {
+    const InUse use(*this);
+    const py::gil_scoped_release others_run;
+    return function(*sim_);
+  }
+
+  py::tuple Give(Observation o) const {
+    py::object frame = py::none();
+    if (o.frame)
+      frame = py::cast(ShownFrame{std::move(*o.frame), depth_ ? o.surfaces.depth_m : cv::Mat(),
+                                  segmentation_ ? o.surfaces.geom : cv::Mat(), flow_ ? o.flow : cv::Mat()});
+    return py::make_tuple(std::move(frame), py::cast(std::move(o.state)));
+  }
+
+ private:
+  struct InUse {
+    explicit InUse(const StepSim& of) : sim(of) {
+      if (getpid() != sim.process_)
+        throw SimError("this Sim was made in another process; let each process make its own");
+      if (sim.used_.exchange(true))
+        throw SimError("two threads use this Sim at a time; let each make its own");
+    }
+    ~InUse() { sim.used_ = false; }
+    InUse(const InUse&) = delete;
+    InUse& operator=(const InUse&) = delete;
+    const StepSim& sim;
+  };
+
+  bool depth_, segmentation_, flow_;
+  pid_t process_ = getpid();
+  mutable std::atomic<bool> used_ = false;
+  std::unique_ptr<Sim> sim_;
+};
+
+struct Command {
+  std::optional<control::Setpoint> setpoint;
+  std::optional<control::AttitudeAid> aid;
+};
+
+Command CommandOf(const py::object& given) {
+  if (given.is_none()) return {};
+  if (py::isinstance<control::VelocitySetpoint>(given)) return {given.cast<control::VelocitySetpoint>(), {}};
+  if (py::isinstance<OwnedDecision>(given)) {
+    const auto& decision = given.cast<const OwnedDecision&>().decision;
+    return {decision.setpoint, decision.aid};
+  }
+  if (py::isinstance<control::PositionSetpoint>(given)) return {given.cast<control::PositionSetpoint>(), {}};
+  if (py::isinstance<control::AttitudeSetpoint>(given)) return {given.cast<control::AttitudeSetpoint>(), {}};
+  if (py::isinstance<control::RateSetpoint>(given)) return {given.cast<control::RateSetpoint>(), {}};
+  throw py::type_error(fmt::format(
+      "a setpoint is a Velocity, Position, Attitude, Rates or Decision of kestrel, or None, and not {}",
+      std::string(py::repr(given))));
+}
+
+std::vector<std::string> GeomNames(const Sim& sim) {
+  const mjModel* model = sim.simulator().model();
+  std::vector<std::string> names;
+  for (int i = 0; i < model->ngeom; ++i) {
+    const char* name = mj_id2name(model, mjOBJ_GEOM, i);
+    names.emplace_back(name ? name : "");
+  }
+  return names;
+}
+
+}  // namespace
+
+void BindSim(py::module_& m) {
+  using S = StepSim;
+  py::class_<S>(
+      m, "Sim",
+      R"(A scenario's aircraft, world and camera, in lockstep: the world stands still but in step() and advance().
+
+scenario: a name in scenarios/, or a YAML file. seed: in place of the scenario's. overrides: a dict of "key.path" and
+value, or a list of "key.path=value". images: False draws nothing, and frames have no image. depth, segmentation, flow:
+what comes with each frame. draw_beside: images are drawn on a thread of their own; False: all is on the caller's.
+
+The same scenario, seed and setpoints give the same flight as `kestrel run`, bit for bit. Of one Sim only one thread at
+a time; several Sims may be used beside each other, and Python's lock is released while they work. Raises InputError
+with every mistake of the scenario.)")
+      .def(py::init<const std::filesystem::path&, std::optional<std::uint64_t>, const py::object&, bool, bool,
+                    bool, bool, bool>(),
+           "scenario"_a, "seed"_a = py::none(), "overrides"_a = py::dict(), "images"_a = true,
+           "depth"_a = false, "segmentation"_a = false, "flow"_a = false, "draw_beside"_a = true)
+      .def(
+          "reset",
+          [](S& s, std::optional<std::uint64_t> seed) {
+            return s.Give(s.LetOthersRun([&](Sim& sim) { return sim.Reset(seed); }));
+          },
+          "seed"_a = py::none(),
+          "Begins the flight, also one that is under way. seed: from now on, in place of the one before. "
+          "Returns the "
+          "first Frame and the State.")
+      .def(
+          "step",
+          [](S& s, const py::object& setpoint) {
+            const Command command = CommandOf(setpoint);
+            return s.Give(s.LetOthersRun([&](Sim& sim) { return sim.Step(command.setpoint, command.aid); }));
+          },
+          "setpoint"_a = py::none(),
+          "Sends the setpoint, if any, and lets time go on until the next frame has come. Without one the "
+          "last stands "
+          "until it is stale. Returns (Frame, State); at the end of the flight the frame is None. Raises "
+          "SimError "
+          "before reset() and after the end.")
+      .def(
+          "advance",
+          [](S& s, double seconds, const py::object& setpoint) {
+            const Command command = CommandOf(setpoint);
+            return s.Give(s.LetOthersRun([&](Sim& sim) { return sim.Advance(seconds, command.setpoint); }));
+          },
+          "seconds"_a, "setpoint"_a = py::none(),
+          "The same, but time goes on by so many seconds, in steps of dt, whatever the camera gives. The "
+          "frame is the "
+          "last that has come meanwhile, or None.")
+      .def(
+          "decide", [](S& s) { return OwnedDecision(s.LetOthersRun([](Sim& sim) { return sim.Decide(); })); },
+          "What the scenario's own mission decides on the frame that step() gave last: a Decision, which "
+          "step() takes.")
+      .def(
+          "finish", [](S& s, const std::string& outcome) { s.Use([&](Sim& sim) { sim.Finish(outcome); }); },
+          "outcome"_a, "Ends the flight. outcome: for the summary, such as 'landed'.")
+      .def_property_readonly(
+          "done", [](const S& s) { return s.Use([](const Sim& sim) { return sim.done(); }); },
+          "No flight is under way: none has begun, time is up, or it was ended.")
+      .def_property_readonly(
+          "outcome", [](const S& s) { return s.Use([](const Sim& sim) { return sim.outcome(); }); },
+          "How the flight ended; empty until then.")
+      .def_property_readonly(
+          "t", [](const S& s) { return s.Use([](const Sim& sim) { return sim.t_s(); }); },
+          "Time of the flight, s.")
+      .def_property_readonly(
+          "dt", [](const S& s) { return s.Use([](const Sim& sim) { return sim.dt_s(); }); },
+          "Step of the physics, s.")
+      .def_property_readonly(
+          "truth", [](const S& s) { return s.Use([](const Sim& sim) { return sim.truth(); }); },
+          "The Truth now.")
+      .def_property_readonly(
+          "exposure_truth", [](const S& s) { return s.Use([](const Sim& sim) { return sim.exposure(); }); },
+          "The Truth at the exposure of the frame given last.")
+      .def_property_readonly(
+          "geom_names", [](const S& s) { return s.Use(&GeomNames); },
+          "Names of what Frame.segmentation counts; empty of what has none.")
+      .def_property_readonly(
+          "scenario",
+          [](const S& s) { return s.Use([](const Sim& sim) { return ToYaml(sim.scenario().scenario); }); },
+          "The whole scenario with its overrides, as YAML.")
+      .def(
+          "summary",
+          [](const S& s) {
+            const std::string json =
+                s.LetOthersRun([](const Sim& sim) { return records::ToJson(sim.Summarise()); });
+            return py::dict(py::module_::import("json").attr("loads")(json));
+          },
+          "Outcome, metrics, criteria and hashes of the flight so far, as in summary.json of `kestrel run`.");
+}
+
+}  // namespace kestrel::python
