@@ -6,6 +6,7 @@
 
 #include <fstream>
 
+#include "base/yaml/yaml_fields.h"
 #include "flight/simulated/scenario.h"
 #include "tests/support/temporary_folder.h"
 
@@ -14,7 +15,6 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
-using ::testing::Not;
 using ::testing::ThrowsMessage;
 
 class Equipment : public InTemporaryFolder {
@@ -112,6 +112,23 @@ TEST_F(Equipment, AnImuTakesItsNumbersFromKalibrsFileUnderTheScenariosOwn) {
   EXPECT_EQ(imu->gyroscope_random_walk, 0.00001);
   EXPECT_EQ(imu->rate_hz, 500);
   EXPECT_EQ(imu->file, (folder_ / "imu.yaml").string());  // so that a record of it finds it
+}
+
+TEST_F(Equipment, AsItIsRecordedItIsReadBack) {
+  std::ofstream(folder_ / "imu.yaml") << kImu;
+  const LoadedScenario given = Loaded(
+      "image: {rate_hz: 30}\n"
+      "instruments: {imu: {file: imu.yaml}, rangefinder: {max_m: 9}}\n"
+      "cameras:\n"
+      "  - {name: left, trigger: main, mount: {position_m: [0.1, -0.1, 0]}}\n"
+      "  - {name: tail, image: {rate_hz: 15}, phase_s: 0.01}\n");
+  const std::string recorded = ToYaml(given.scenario);
+  std::ofstream(folder_ / "recorded.yaml") << recorded;
+  const LoadedScenario again = LoadScenario((folder_ / "recorded.yaml").string(), {}, false);
+  EXPECT_EQ(ToYaml(again.scenario), recorded);
+  EXPECT_EQ(again.simulator.instruments.imu->rate_hz, 250);
+  EXPECT_EQ(again.simulator.cameras.at(0).image.rate_hz, 30);
+  EXPECT_EQ(again.simulator.cameras.at(1).timing.phase_s, 0.01);
 }
 
 TEST_F(Equipment, AFileOfAnImuThatIsNotThereOrNotWholeIsRefused) {
