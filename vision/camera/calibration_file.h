@@ -15,7 +15,7 @@ namespace kestrel::vision {
 
 // A camera from a file, whatever wrote it, told by its content: this project (the key `model`, default
 // pinhole, and the keys that the model's Fields say), or a program of vision/camera/file/camera_forms.h:
-// Kalibr, OpenCV, ROS, Basalt, VINS, ORB-SLAM, OKVIS, SVO and maplab. A model that is not known is refused,
+// Kalibr, OpenCV, ROS, Basalt, VINS, ORB-SLAM, OKVIS, SVO, maplab and EuRoC. A model that is not known is refused,
 // and so are four coefficients of which nothing says whether they are those of cv::calibrateCamera or of
 // cv::fisheye. Mistakes have the file's own line and the name of the parameter; with any, the camera is not
 // to be used.
@@ -30,7 +30,7 @@ CameraModel ParseCamera(const Config& config, Mistakes& mistakes, const std::str
                         const std::optional<cv::Size>& image = {});
 
 // X_IC, I being the axes of the camera's IMU, by a file that says it: T_cam_imu of Kalibr, T_imu_cam, T_B_C of
-// SVO and maplab, T_SC of OKVIS, Tbc of ORB-SLAM. None: it does not, or the camera is not read. How the IMU
+// SVO and maplab, T_SC of OKVIS, Tbc of ORB-SLAM, T_BS of EuRoC. None: it does not, or the camera is not read. How the IMU
 // stands on the aircraft no such file says.
 std::optional<Pose> LoadPoseOnImu(const std::filesystem::path& file, Mistakes& mistakes,
                                   const std::string& name = "");

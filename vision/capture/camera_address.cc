@@ -8,6 +8,7 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <optional>
 #include <regex>
 #include <system_error>
@@ -16,6 +17,7 @@
 
 #include "base/nearest_name.h"
 #include "base/user_file.h"
+#include "vision/capture/recorded/recorded_images.h"
 #include "vision/capture/rtp_stream.h"
 #include "vision/image_file.h"
 
@@ -50,8 +52,9 @@ const std::vector<Form>& Forms() {
       {"gst", "gst:PIPELINE", "a pipeline of GStreamer, up to its appsink", {"width", "height", "colour"}},
       {"file",
        "file:PATH",
-       "a video, a folder of images, or a pattern of them (image%04d.png)",
-       {"width", "height", "rate", "colour", "bits"}},
+       "a video, a folder of images, a pattern of them (image%04d.png), or a recording (EuRoC, TUM, KITTI, "
+       "MCAP)",
+       {"width", "height", "rate", "colour", "bits", "topic"}},
   };
   return forms;
 }
@@ -73,6 +76,7 @@ class Reader {
     mistakes_.Add(PlaceOfCamera(address_), key, what, remedy);
   }
   void ThrowIfAny() const { mistakes_.ThrowIfAny(); }
+  Mistakes& mistakes() { return mistakes_; }
 
   void Take(const std::string& options, const Form& form) {
     for (std::size_t from = 0; from < options.size();) {
@@ -114,6 +118,11 @@ class Reader {
     if (given_.contains("width") != given_.contains("height"))
       Wrong(given_.contains("width") ? "height" : "width", "must be given too");
     return size;
+  }
+
+  std::string Text(const std::string& key) const {
+    const auto found = given_.find(key);
+    return found == given_.end() ? "" : found->second;
   }
 
   bool Colour() {
@@ -173,7 +182,8 @@ CameraAddress ParseCameraAddress(const std::string& address) {
   // A file's name and a pipeline may have a question mark of their own: then what follows is no option.
   std::string rest = address.substr(colon + 1), options;
   const std::size_t mark = rest.rfind('?');
-  static const std::regex key_values(R"([a-z_]+=[^&\s/!]*(&[a-z_]+=[^&\s/!]*)*)");
+  static const std::regex key_values(
+      R"((topic=[^&\s!]*|[a-z_]+=[^&\s/!]*)(&(topic=[^&\s!]*|[a-z_]+=[^&\s/!]*))*)");
   const bool may_have_its_own = scheme == "file" || scheme == "gst";
   if (mark != std::string::npos &&
       (!may_have_its_own ||
@@ -203,10 +213,18 @@ CameraAddress ParseCameraAddress(const std::string& address) {
                                  .gain = reader.Number("gain", -100, 10000),
                                  .colour = colour};
   } else if (std::error_code error;
-             scheme == "file" && (std::filesystem::is_directory(rest, error) ||
-                                  rest.find('%') != std::string::npos || LooksLikeImage(rest))) {
-    camera =
-        FolderSourceOptions{.images = rest, .size = size, .rate_hz = rate_hz, .colour = colour, .bits = bits};
+             scheme == "file" &&
+             (IsRecording(rest) || rest.find('%') != std::string::npos || LooksLikeImage(rest))) {
+    const auto recorded = std::make_shared<const RecordedImages>(
+        OpenRecordedImages(rest, reader.Text("topic"), reader.mistakes()));
+    camera = FolderSourceOptions{.images = rest,
+                                 .topic = reader.Text("topic"),
+                                 .opened = recorded,
+                                 .size = size,
+                                 .rate_hz = rate_hz,
+                                 .as_recorded = recorded->stamped() && rate_hz == 0,
+                                 .colour = colour,
+                                 .bits = bits};
   } else {
     OpenCvSourceOptions source{.what = rest, .size = size, .rate_hz = rate_hz, .colour = colour};
     if (rest.empty()) reader.Wrong("", fmt::format("names nothing; it must be like {}", form->example));
@@ -257,7 +275,9 @@ std::string CameraAddressForms() {
   return text +
          "  Options follow as ?key=value&key=value. rate: images per second; colour: true or false (grey); "
          "bits: "
-         "of a folder's images whose pixels have 16, how many the camera has.";
+         "of a folder's images whose pixels have 16, how many the camera has; topic: which camera of a "
+         "recording (cam1, /camera/image_raw). The images of a recording with stamps come by these, unless a "
+         "rate is given.";
 }
 
 }  // namespace kestrel::vision

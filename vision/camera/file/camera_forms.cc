@@ -5,6 +5,7 @@
 
 #include "vision/camera/file/aslam.h"
 #include "vision/camera/file/basalt.h"
+#include "vision/camera/file/euroc.h"
 #include "vision/camera/file/kalibr.h"
 #include "vision/camera/file/okvis.h"
 #include "vision/camera/file/opencv.h"
@@ -18,6 +19,7 @@ const std::vector<CameraForm>& CameraForms() {
       {"Kalibr", "resolution", KalibrCameras, FromKalibr},
       {"Basalt", "resolution", BasaltCameras, FromBasalt},
       {"SVO or maplab", "image_width, image_height", AslamCameras, FromAslam},
+      {"EuRoC", "resolution", EurocCameras, FromEuroc},
       {"OKVIS", "image_dimension", OkvisCameras, FromOkvis},
       {"VINS", "image_width, image_height", VinsCameras, FromVins},
       {"ORB-SLAM", "Camera.width, Camera.height", OrbSlamCameras, FromOrbSlam},
