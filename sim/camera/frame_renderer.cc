@@ -115,7 +115,8 @@ void FrameRenderer::Survey(const FrameRequest& request, RenderedFrame& picture) 
   const auto states = interpolator_.Of(snapshots, surveyed_s_, request.t_s);
   const SceneState &before = states.front(), &now = states.back();
   picture.surfaces = renderer_->Trace(now.data, now.X_NC);
-  if (!first) picture.flow_here = renderer_->Flow(before, now);
+  if (!first) picture.flow_here = renderer_->Flow(seen_, before, now);
+  seen_ = picture.surfaces;
   surveyed_ = request.snapshots;
   surveyed_s_ = request.t_s;
 }

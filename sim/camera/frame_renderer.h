@@ -72,6 +72,7 @@ class FrameRenderer {
   std::unique_ptr<Renderer> renderer_;
   bool may_repeat_, surfaces_;
   std::vector<Snapshot> surveyed_;  // the snapshots around the last frame, if surfaces are asked for
+  Surfaces seen_;                   // in it
   double surveyed_s_ = 0;
   cv::Mat last_;  // only while it may be asked for again
 

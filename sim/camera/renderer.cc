@@ -27,9 +27,9 @@ Surfaces Renderer::Trace(const mjData* data, const Pose& X_NC) {
   return std::visit([&](auto& r) { return r->Trace(data, X_NC); }, by_);
 }
 
-cv::Mat Renderer::Flow(const SceneState& now, const SceneState& next) {
+cv::Mat Renderer::Flow(const Surfaces& seen_now, const SceneState& now, const SceneState& next) {
   auto* ray = std::get_if<std::unique_ptr<RayRenderer>>(&by_);
-  return ray ? (*ray)->Flow(now, next) : cv::Mat();
+  return ray ? (*ray)->Flow(seen_now, now, next) : cv::Mat();
 }
 
 const std::string& Renderer::name() const {

@@ -33,7 +33,7 @@ class Renderer {
   cv::Mat Render(std::span<const SceneState> states, const Shutter& shutter);
   Surfaces Trace(const mjData* data, const Pose& X_NC);
   // As in RayRenderer; empty by OpenGL, which cannot tell.
-  cv::Mat Flow(const SceneState& now, const SceneState& next);
+  cv::Mat Flow(const Surfaces& seen_now, const SceneState& now, const SceneState& next);
 
   // What draws, and its version.
   const std::string& name() const;

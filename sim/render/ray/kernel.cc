@@ -261,11 +261,27 @@ struct Job {
   Surface surface;
   alignas(64) std::int32_t mixed[4 * kLanes];
   MF inside;
-  std::uint8_t* to = nullptr;
-  int pixels = 0;
+  int u = 0, pixels = 0;
 };
 
-HWY_INLINE void StorePixels(const Colours& colour, MF inside, int pixels, std::uint8_t* to) {
+// The weights of ITU-R BT.601, as OpenCV's conversion to grey has them.
+HWY_INLINE VF GreyOf(const Colours& c) {
+  return hn::MulAdd(c.r, F(0.299f), hn::MulAdd(c.g, F(0.587f), hn::Mul(c.b, F(0.114f))));
+}
+
+// Of the row v from u on.
+HWY_INLINE void StorePixels(const Colours& colour, MF inside, int pixels, const Canvas& canvas, int v,
+                            int u) {
+  if (canvas.grey) {
+    const VF grey = hn::IfThenElseZero(inside, GreyOf(colour));
+    float* const to = canvas.grey + v * canvas.step + u;
+    if (pixels >= kLanes) return hn::StoreU(grey, df, to);
+    alignas(64) float last[kLanes];
+    hn::Store(grey, df, last);
+    std::memcpy(to, last, sizeof(float) * static_cast<std::size_t>(pixels));
+    return;
+  }
+  std::uint8_t* const to = canvas.bgr + v * canvas.step + 3 * static_cast<std::size_t>(u);
   const hn::Rebind<std::uint8_t, DF> d8;
   const auto bytes = [&](VF c) {
     return hn::U8FromU32(hn::BitCast(hn::RebindToUnsigned<DF>(), Rounded(hn::IfThenElseZero(inside, c))));
@@ -275,6 +291,15 @@ HWY_INLINE void StorePixels(const Colours& colour, MF inside, int pixels, std::u
   std::uint8_t last[3 * kLanes + 16];
   hn::StoreInterleaved3(bytes(colour.b), bytes(colour.g), bytes(colour.r), d8, last);
   std::memcpy(to, last, 3 * static_cast<std::size_t>(pixels));
+}
+
+void StoreNothing(int pixels, const Canvas& canvas, int v, int u) {
+  if (canvas.grey) {
+    std::fill_n(canvas.grey + v * canvas.step + u, pixels, 0.0f);
+  } else {
+    std::memset(canvas.bgr + v * canvas.step + 3 * static_cast<std::size_t>(u), 0,
+                3 * static_cast<std::size_t>(pixels));
+  }
 }
 
 void DrawRowsImpl(const Slice& slice, int begin, int end, const Canvas& canvas) {
@@ -293,12 +318,11 @@ void DrawRowsImpl(const Slice& slice, int begin, int end, const Canvas& canvas) 
     int planned = 0;
     for (int column = 0; column < lens.tiles_x; ++column) {
       const int u0 = column * Lens::kTile;
-      std::uint8_t* row = canvas.bgr + v * canvas.step + 3 * static_cast<std::size_t>(u0);
       std::uint32_t* codes = canvas.code + static_cast<std::ptrdiff_t>(v) * lens.stride + u0;
       std::uint32_t& common = canvas.common[static_cast<std::ptrdiff_t>(v) * lens.tiles_x + column];
       common = Canvas::kMixed;
       if (lens.reach[tile_row * lens.tiles_x + column] < 0) {
-        std::memset(row, 0, 3 * static_cast<std::size_t>(std::min(Lens::kTile, lens.width - u0)));
+        StoreNothing(std::min(Lens::kTile, lens.width - u0), canvas, v, u0);
         std::fill(codes, codes + Lens::kTile, kOutside);
         common = kOutside;
         continue;
@@ -311,7 +335,7 @@ void DrawRowsImpl(const Slice& slice, int begin, int end, const Canvas& canvas) 
         const int pixels = std::min(kLanes, lens.width - u0 - k);
         const MF inside = InsideAt(lens, at);
         if (hn::AllFalse(df, inside)) {
-          std::memset(row + 3 * k, 0, 3 * static_cast<std::size_t>(pixels));
+          StoreNothing(pixels, canvas, v, u0 + k);
           std::fill(codes + k, codes + k + kLanes, kOutside);
           continue;
         }
@@ -330,12 +354,12 @@ void DrawRowsImpl(const Slice& slice, int begin, int end, const Canvas& canvas) 
           Job& job = jobs[planned++];
           ShadeHit(slice, first, rays, hit.t, triangles, inside, job.surface);
           job.inside = inside;
-          job.to = row + 3 * k;
+          job.u = u0 + k;
           job.pixels = pixels;
           code = hn::And(CodeOf(job.surface.side, first), hn::Set(di, 0x3fffffff));
         } else {
           const Picture picture = Look(slice, here, rays, hit, triangles, inside);
-          StorePixels(picture.colour, inside, pixels, row + 3 * k);
+          StorePixels(picture.colour, inside, pixels, canvas, v, u0 + k);
           code = picture.code;
         }
         code = hn::IfThenElse(hn::RebindMask(di, inside), code,
@@ -356,7 +380,8 @@ void DrawRowsImpl(const Slice& slice, int begin, int end, const Canvas& canvas) 
     for (int i = 0; i < planned; ++i) {
       const Job& job = jobs[i];
       const Colours& lit = job.surface.lit;
-      StorePixels(job.surface.fetch.texels ? Tinted(lit, job.mixed) : lit, job.inside, job.pixels, job.to);
+      StorePixels(job.surface.fetch.texels ? Tinted(lit, job.mixed) : lit, job.inside, job.pixels, canvas, v,
+                  job.u);
     }
   }
 }
@@ -629,6 +654,15 @@ void SmoothRowsImpl(const Slice& slice, int begin, int end, const Canvas& canvas
       if (!simple || !MeanBySides(slice, seen, group, means))
         for (int p = 0; p < group.packets; ++p) MeanOfAll(slice, seen, group.pixels[p], means[p]);
       for (int p = 0; p < group.packets; ++p) {
+        if (canvas.grey) {
+          alignas(64) float grey[kLanes];
+          hn::Store(GreyOf(means[p]), df, grey);
+          for (int i = 0; i < group.pixels[p].count; ++i) {
+            const Place& place = found[from + p * kLanes + i];
+            canvas.grey[place.v * canvas.step + place.u] = grey[i];
+          }
+          continue;
+        }
         alignas(64) std::int32_t channel[3][kLanes];
         hn::Store(Rounded(means[p].b), di, channel[0]);
         hn::Store(Rounded(means[p].g), di, channel[1]);

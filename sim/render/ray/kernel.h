@@ -12,8 +12,10 @@
 namespace kestrel::sim::ray {
 
 struct Canvas {
+  // One of the two is drawn into.
   std::uint8_t* bgr = nullptr;  // 3 bytes a pixel
-  std::size_t step = 0;         // bytes a row
+  float* grey = nullptr;        // 0 to 255, not rounded
+  std::size_t step = 0;         // a row: bytes, or floats
   // What each pixel shows: the thing, which side of it, what lies over it. Where neighbours differ there is
   // an edge. Row stride as the lens's table.
   std::uint32_t* code = nullptr;

@@ -8,7 +8,6 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <optional>
 #include <stdexcept>
 #include <thread>
@@ -43,6 +42,17 @@ Pose InterpolatePose(const Pose& a, const Pose& b, double share) {
   return {a.R.slerp(share, b.R), a.p + share * (b.p - a.p)};
 }
 
+// CV_64FC3: the unit vector through the centre of each pixel; NaN outside the lens.
+cv::Mat RaysOf(const vision::CameraModel& camera) {
+  cv::Mat rays(vision::HeightPx(camera), vision::WidthPx(camera), CV_64FC3,
+               cv::Scalar::all(std::numeric_limits<double>::quiet_NaN()));
+  rays.forEach<cv::Vec3d>([&](cv::Vec3d& pixel, const int* at) {
+    if (const auto ray = vision::Ray(camera, Eigen::Vector2d(at[1], at[0])))
+      pixel = {ray->x(), ray->y(), ray->z()};
+  });
+  return rays;
+}
+
 }  // namespace
 
 // What is kept between pictures.
@@ -56,6 +66,7 @@ struct RayRenderer::Stage {
   std::vector<std::uint64_t> seen;       // of each row of tiles, or of each row
   std::vector<ray::ScenePose> worlds;    // of the states
   std::vector<cv::Mat> given_out;
+  cv::Mat rays;  // as RaysOf(), once they are asked for
 
   int SeenOfRow() const { return lens.tiles_x * ray::VisibleWords(scene); }
 
@@ -81,8 +92,10 @@ struct RayRenderer::Stage {
   // One sharp picture; `instant_of_row` gives world and camera of a row, or none if all rows share
   // instances[0].
   template <class Fill>
-  void Draw(cv::Mat& bgr, bool rolling, const Fill& fill) {
-    const ray::Canvas canvas{bgr.data, bgr.step, code.ptr<std::uint32_t>(), common.ptr<std::uint32_t>()};
+  void Draw(cv::Mat& picture, bool rolling, const Fill& fill) {
+    const bool grey = picture.depth() == CV_32F;  // or the bytes of blue, green, red
+    const ray::Canvas canvas{grey ? nullptr : picture.data, grey ? picture.ptr<float>() : nullptr,
+                             picture.step1(), code.ptr<std::uint32_t>(), common.ptr<std::uint32_t>()};
     instances.resize(rolling ? lens.height : 1);
     seen.resize(static_cast<std::size_t>(rolling ? lens.height : lens.tiles_y) * SeenOfRow());
     if (!rolling) fill(0, instances[0]);
@@ -174,6 +187,15 @@ cv::Mat RayRenderer::Render(std::span<const SceneState> states, const Shutter& s
   return bgr;
 }
 
+cv::Mat RayRenderer::RenderGrey(std::span<const SceneState> states, double t_s) {
+  if (states.empty()) throw std::runtime_error("A picture needs at least one instant of the world.");
+  stage_->worlds.clear();
+  for (const SceneState& i : states) stage_->worlds.push_back(ray::PoseOfScene(stage_->scene, i.data));
+  cv::Mat grey(stage_->lens.height, stage_->lens.width, CV_32FC1);
+  stage_->Draw(grey, false, [&](int, SceneInstance& instance) { stage_->PlaceAt(t_s, states, instance); });
+  return grey;
+}
+
 Surfaces RayRenderer::Trace(const mjData* data, const Pose& X_NC) {
   Stage& s = *stage_;
   const ray::ScenePose world = ray::PoseOfScene(s.scene, data);
@@ -192,8 +214,7 @@ Surfaces RayRenderer::Trace(const mjData* data, const Pose& X_NC) {
   return surfaces;
 }
 
-cv::Mat RayRenderer::Flow(const SceneState& now, const SceneState& next) {
-  const Surfaces surfaces = Trace(now.data, now.X_NC);
+cv::Mat RayRenderer::Flow(const Surfaces& seen_now, const SceneState& now, const SceneState& next) {
   const ray::ScenePose before = ray::PoseOfScene(stage_->scene, now.data),
                        after = ray::PoseOfScene(stage_->scene, next.data);
   // X of C at the next instant from C now, for the points of each geom; -1: the sky, which only turns.
@@ -203,26 +224,44 @@ cv::Mat RayRenderer::Flow(const SceneState& now, const SceneState& next) {
     return Pose{Eigen::Quaterniond(R), SwapNedNwu(X_NC.p)};
   };
   const Pose X_MC = pose_M(now.X_NC), X_CM_next = pose_M(next.X_NC).Inverse();
-  std::map<int, Pose> moves;
+  struct Move {
+    Eigen::Matrix3d R;
+    Eigen::Vector3d p;
+  };
+  const auto move_of = [](const Pose& X) { return Move{X.R.toRotationMatrix(), X.p}; };
+  std::vector<Move> moves;  // by the id of the geom
   for (std::size_t i = 0; i < stage_->scene.all.size(); ++i) {
     const Pose X_MG{before.R[i], before.p[i]}, X_MG_next{after.R[i], after.p[i]};
-    moves[stage_->scene.all[i].geom] = X_CM_next * X_MG_next * X_MG.Inverse() * X_MC;
+    const auto geom = static_cast<std::size_t>(stage_->scene.all[i].geom);
+    if (geom >= moves.size()) moves.resize(geom + 1);
+    moves[geom] = move_of(X_CM_next * X_MG_next * X_MG.Inverse() * X_MC);
   }
-  const Pose turn{(X_CM_next * X_MC).R, Eigen::Vector3d::Zero()};
-  cv::Mat flow(surfaces.geom.size(), CV_32FC2, cv::Scalar::all(std::numeric_limits<float>::quiet_NaN()));
-  InParallel(stage_->threads, flow.rows, [&](int v) {
-    for (int u = 0; u < flow.cols; ++u) {
-      const int geom = surfaces.geom.at<int>(v, u);
-      const auto ray_C = vision::Ray(camera_, Eigen::Vector2d(u, v));
-      if (geom == -2 || !ray_C) continue;
-      const Eigen::Vector3d moved =
-          geom < 0 ? turn.R * *ray_C
-                   : moves.at(geom) * Eigen::Vector3d(surfaces.depth_m.at<float>(v, u) * *ray_C);
-      if (const auto to = vision::Project(camera_, moved))
-        flow.at<cv::Vec2f>(v, u) =
-            cv::Vec2f(static_cast<float>(to->x() - u), static_cast<float>(to->y() - v));
-    }
-  });
+  const Eigen::Matrix3d turn = (X_CM_next * X_MC).R.toRotationMatrix();
+  if (stage_->rays.empty()) stage_->rays = RaysOf(camera_);
+  cv::Mat flow(seen_now.geom.size(), CV_32FC2, cv::Scalar::all(std::numeric_limits<float>::quiet_NaN()));
+  std::visit(  // once, and not for each pixel
+      [&](const auto& camera) {
+        InParallel(stage_->threads, flow.rows, [&](int v) {
+          const auto* rays = stage_->rays.ptr<cv::Vec3d>(v);
+          const int* geoms = seen_now.geom.ptr<int>(v);
+          const float* depths_m = seen_now.depth_m.ptr<float>(v);
+          auto* flows = flow.ptr<cv::Vec2f>(v);
+          for (int u = 0; u < flow.cols; ++u) {
+            if (geoms[u] == -2 || std::isnan(rays[u][0])) continue;
+            const Eigen::Vector3d ray_C(rays[u].val);
+            Eigen::Vector3d moved;
+            if (geoms[u] < 0) {
+              moved = turn * ray_C;
+            } else {
+              const Move& move = moves[static_cast<std::size_t>(geoms[u])];
+              moved = move.R * (depths_m[u] * ray_C) + move.p;
+            }
+            if (const auto to = camera.Project(moved))
+              flows[u] = cv::Vec2f(static_cast<float>(to->x() - u), static_cast<float>(to->y() - v));
+          }
+        });
+      },
+      camera_);
   return flow;
 }
 

@@ -33,10 +33,14 @@ class RayRenderer {
 
   cv::Mat Render(const mjData* data, const Pose& X_NC);  // as in Renderer
   cv::Mat Render(std::span<const SceneState> states, const Shutter& shutter);
+  // The same at one instant, in grey and before it is rounded to bytes: CV_32FC1, 0 to 255, 0 outside the
+  // lens.
+  cv::Mat RenderGrey(std::span<const SceneState> states, double t_s);
   Surfaces Trace(const mjData* data, const Pose& X_NC);
   // How each pixel's surface moves in the image until the next instant: CV_32FC2, px. NaN outside the lens,
   // and where it leaves the lens's field. That something else may come before it meanwhile is not considered.
-  cv::Mat Flow(const SceneState& now, const SceneState& next);
+  // seen_now: as Trace() gives it of `now`.
+  cv::Mat Flow(const Surfaces& seen_now, const SceneState& now, const SceneState& next);
 
   const std::string& name() const { return name_; }
 

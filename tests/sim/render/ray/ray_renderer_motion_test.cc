@@ -68,7 +68,8 @@ TEST_F(Flight, FlowIsWhereEachPointOfASurfaceGoes) {
   for (const vision::CameraModel& camera : {kPinhole, Fisheye()}) {
     RayRenderer renderer(model_.get(), camera, {});
     const DataPtr now = StateAt(0), next = StateAt(0.05);
-    const cv::Mat flow = renderer.Flow({0, now.get(), CameraAt(0)}, {0.05, next.get(), CameraAt(0.05)});
+    const cv::Mat flow = renderer.Flow(renderer.Trace(now.get(), CameraAt(0)), {0, now.get(), CameraAt(0)},
+                                       {0.05, next.get(), CameraAt(0.05)});
     const cv::Mat truth =
         reference::Flow(model_.get(), now.get(), CameraAt(0), next.get(), CameraAt(0.05), camera);
     ASSERT_EQ(flow.type(), CV_32FC2);
@@ -141,7 +142,7 @@ TEST_F(Flight, AnyNumberOfThreadsDrawsTheSameBits) {
     RayRenderer renderer(model_.get(), Fisheye(), {.threads = threads});
     const Surfaces seen = renderer.Trace(a.get(), states[0].X_NC);
     return std::vector<cv::Mat>{renderer.Render(a.get(), states[0].X_NC), renderer.Render(states, shutter),
-                                seen.depth_m, seen.geom, renderer.Flow(states[0], states[1])};
+                                seen.depth_m, seen.geom, renderer.Flow(seen, states[0], states[1])};
   };
   const std::vector<cv::Mat> alone = all(1);
   for (const int threads : {2, 3, 7, 0}) {

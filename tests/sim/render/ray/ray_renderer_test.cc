@@ -5,6 +5,7 @@
 #include <hwy/targets.h>
 
 #include <cmath>
+#include <opencv2/imgproc.hpp>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -64,6 +65,20 @@ TEST_P(RayOnScene, AgreesWithTheReferenceThroughEveryLens) {
     EXPECT_LT(difference.mean, 2) << vision::NameOf(camera) << ": " << difference;
     EXPECT_LE(difference.of_99, 30) << vision::NameOf(camera) << ": " << difference;
     EXPECT_LE(difference.most, 110) << vision::NameOf(camera) << ": " << difference;
+  }
+}
+
+// Grey is what the bytes are rounded from: off by half a level in each channel, and by half in OpenCV's own.
+TEST_P(RayOnScene, GreyIsThePictureBeforeItIsRounded) {
+  for (const vision::CameraModel& camera : Cameras()) {
+    RayRenderer renderer(model_.get(), camera, {});
+    cv::Mat rounded;
+    cv::cvtColor(renderer.Render(data_.get(), GetParam().X_NC), rounded, cv::COLOR_BGR2GRAY);
+    const SceneState state{0, data_.get(), GetParam().X_NC};
+    const cv::Mat grey = renderer.RenderGrey({&state, 1}, 0);
+    rounded.convertTo(rounded, CV_32F);
+    EXPECT_LE(cv::norm(rounded, grey, cv::NORM_INF), 1.01) << vision::NameOf(camera);
+    EXPECT_GT(cv::norm(rounded, grey, cv::NORM_INF), 0) << vision::NameOf(camera);
   }
 }
 
