@@ -80,6 +80,10 @@ Simulator::Simulator(const SimulatorParameters& parameters)
     ground_ = std::make_unique<SimulatedGroundCamera>(model_.get(), X_NT, *parameters.ground,
                                                       parameters.render, parameters.seed,
                                                       parameters.duration_s, parameters.draw_beside);
+  if (parameters.events)
+    events_ =
+        std::make_unique<EventRenderer>(model_.get(), parameters.camera, parameters.render, parameters_.image,
+                                        X_BC_, vibration_, *parameters.events, parameters.seed);
   if (parameters.instruments.any()) {
     instruments_ = std::make_unique<Instruments>(parameters.instruments, parameters.seed);
     beam_ = BeamIn(model_.get(), data_.get());
@@ -306,6 +310,7 @@ void Simulator::RunCamera() {
     if (platform_) now.X_BC = X_BC_;
     return now;
   };
+  if (events_ && steps_ >= 0) events_->Add(snapshot());
   if (clock_.Step(steps_, snapshot, renderer_.get())) exposures_.push_back(truth_);
 }
 

@@ -18,6 +18,7 @@
 #include "sim/autopilot/external_autopilot.h"
 #include "sim/camera/camera_clock.h"
 #include "sim/camera/carried/carried_camera.h"
+#include "sim/camera/event/event_renderer.h"
 #include "sim/camera/frame_renderer.h"
 #include "sim/camera/image_sensor.h"
 #include "sim/camera/pan_tilt.h"
@@ -95,6 +96,7 @@ struct SimulatorParameters {
   std::vector<TargetParameters> targets = {};
   std::optional<CarryParameters> carry = {};          // in place of flight and of start
   std::optional<GroundCameraParameters> ground = {};  // a second camera, on the ground; none: there is none
+  std::optional<EventCameraParameters> events = {};  // of an event camera behind the same lens; none: there is none
   InstrumentParameters instruments = {};
   std::vector<CarriedCameraParameters> cameras = {};  // beside the one above
   bool images = true;     // false: frames come when they would, and show nothing; none is drawn
@@ -141,6 +143,9 @@ class Simulator final : public vision::Camera, public control::Autopilot {
 
   // The camera on the ground; null: there is none. Its frames have come when those of Next() do, or earlier.
   SimulatedGroundCamera* ground_camera() { return ground_.get(); }
+
+  // The event camera, from time 0 on; null: there is none.
+  EventRenderer* event_camera() { return events_.get(); }
 
   // What has come during the last Next() or NextUntil(), the next one's taking its place: of the instruments, and of
   // the cameras beside this one, in the order of the parameters and each in the order of time.
@@ -196,6 +201,7 @@ class Simulator final : public vision::Camera, public control::Autopilot {
   Vibration vibration_;
   std::unique_ptr<FrameRenderer> renderer_;  // null: without images
   std::unique_ptr<SimulatedGroundCamera> ground_;
+  std::unique_ptr<EventRenderer> events_;
   std::unique_ptr<Instruments> instruments_;  // null: none
   Beam beam_;
   Readings readings_;
