@@ -18,6 +18,7 @@
 #include "app/files/file_reference.h"
 #include "app/files/new_command.h"
 #include "app/files/schema_command.h"
+#include "app/flight/export_command.h"
 #include "app/flight/replay_command.h"
 #include "app/manual/manual_command.h"
 #include "app/mosaic/mosaic_command.h"
@@ -90,6 +91,8 @@ int Main(int argc, char** argv) {
   program.Add(AddBenchCommand(app, bench), [&] { return met(BenchCommand(bench)); });
   ReplayArguments replay;
   program.Add(AddReplayCommand(app, replay), [&] { return met(ReplayCommand(replay)); });
+  ExportArguments to_export;
+  program.Add(AddExportCommand(app, to_export), [&] { return ExportCommand(to_export), kMet; });
   MirrorArguments mirror;
   program.Add(AddMirrorCommand(app, mirror), [&] { return MirrorCommand(mirror), kMet; });
   ViewArguments view;
@@ -123,7 +126,7 @@ int Main(int argc, char** argv) {
     AddIsaOption(app.get_subcommand(name), isa);
   program.Add(AddFlyVerb(app), [&] { return HandOverToFly(argv), kBrokeOff; });
   program.TakePlugins(
-      {"run", "list", "explain", "new", "schema", "check", "serve", "campaign", "tune", "replay"});
+      {"run", "list", "explain", "new", "schema", "check", "serve", "campaign", "tune", "replay", "export"});
   // Last, or each verb without a footer of its own would have this one.
   app.footer(
       "Examples:\n  kestrel run landing\n  kestrel check my_flight.yaml\n"

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "app/camera/calibrate_command.h"
+#include "app/flight/export_command.h"
 #include "app/flight/fly_command.h"
 #include "app/flight/replay_command.h"
 #include "app/manual/manual_command.h"
@@ -30,6 +31,8 @@ int Main(int argc, char** argv) {
   program.Add(AddFlyCommand(app, fly), [&] { return met(FlyCommand(fly)); });
   ReplayArguments replay;
   program.Add(AddReplayCommand(app, replay), [&] { return met(ReplayCommand(replay)); });
+  ExportArguments to_export;
+  program.Add(AddExportCommand(app, to_export), [&] { return ExportCommand(to_export), kMet; });
   CalibrateArguments calibrate;
   program.Add(AddCalibrateCommand(app, calibrate), [&] { return CalibrateCommand(calibrate), kMet; });
   std::string check_file;
@@ -48,7 +51,7 @@ int Main(int argc, char** argv) {
   ManualArguments manual;
   program.Add(AddCompletionCommand(app, manual), [&] { return CompletionCommand(app, manual), kMet; });
   program.Add(AddManCommand(app), [&] { return ManCommand(app), kMet; });
-  program.TakePlugins({"fly", "check", "replay"});
+  program.TakePlugins({"fly", "check", "replay", "export"});
   app.footer(
       "Examples:\n  kestrel-fly fly hover --camera v4l2:/dev/video0 --autopilot mavlink:udpin://:14540 "
       "--dry-run\n"

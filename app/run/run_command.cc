@@ -20,6 +20,7 @@
 #include "base/process/print_note.h"
 #include "flight/simulated/runner.h"
 #include "records/junit.h"
+#include "records/mcap/flight_mcap.h"
 #include "records/telemetry/flight_mode.h"
 
 namespace kestrel::app {
@@ -68,6 +69,9 @@ CLI::App* AddRunCommand(CLI::App& app, RunArguments& a) {
   command->add_flag("--images", a.images,
                     "Write each frame without loss and the autopilot's states to DIR/recording, for replay "
                     "(some 200 kB a frame at 640 x 480)");
+  command->add_flag(
+      "--mcap{jpeg}", a.mcap,
+      "Write DIR/flight.mcap, for Foxglove, PlotJuggler and ROS 2; --mcap=raw has the images without loss");
   command->add_flag("--truth", a.truth,
                     "Write each frame with its true depth, segmentation and optical flow to DIR/truth "
                     "(some 4 MB a frame at 640 x 480)");
@@ -94,7 +98,11 @@ int RunCommand(const RunArguments& a) {
   options.video = !a.no_video;
   options.images = a.images;
   options.truth = a.truth;
+  if (!a.mcap.empty())
+    options.mcap = a.mcap == "raw" ? records::McapImages::kRaw : records::McapImages::kJpeg;
   Mistakes mistakes;
+  if (!a.mcap.empty() && a.mcap != "jpeg" && a.mcap != "raw")
+    mistakes.Add("--mcap", "", fmt::format("'{}' is no kind of image", a.mcap), "valid: jpeg, raw");
   CheckWritableFolder(*options.folder, "--out", mistakes);
   CheckWritableFile(a.junit, "--junit", mistakes);
   mistakes.ThrowIfAny();

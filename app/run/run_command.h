@@ -14,7 +14,7 @@ namespace kestrel::app {
 struct RunArguments {
   std::string scenario, out, junit;
   std::vector<std::string> overrides;
-  std::string seed;
+  std::string seed, mcap;
   bool no_video = false, images = false, truth = false, quiet = false;
 };
 

@@ -2,8 +2,10 @@
 #include "flight/simulated/flight_records.h"
 
 #include <stdexcept>
+#include <utility>
 
 #include "base/file/files.h"
+#include "base/version.h"
 #include "base/yaml/yaml_fields.h"
 #include "records/telemetry/flight_mode.h"
 
@@ -24,7 +26,10 @@ records::RecorderOptions OptionsFor(const LoadedScenario& loaded, bool video) {
 
 // In a folder that the recorder has made.
 records::EventLog BeginEvents(const std::filesystem::path& folder, const Scenario& scenario) {
-  std::filesystem::remove(folder / "events.log");  // of an earlier run
+  for (const char* name : {"events.log", "flight.mcap"}) {  // of an earlier run
+    std::filesystem::remove(folder / name);
+    std::filesystem::remove(PartOf(folder / name));
+  }
   WriteFile(folder / "scenario.yaml", ToYaml(scenario));
   return records::EventLog(folder);
 }
@@ -32,10 +37,30 @@ records::EventLog BeginEvents(const std::filesystem::path& folder, const Scenari
 }  // namespace
 
 FlightRecords::FlightRecords(const std::filesystem::path& folder, const LoadedScenario& loaded, bool video)
-    : lock_(LockFolder(folder)),
+    : folder_(folder),
+      lock_(LockFolder(folder)),
       recorder_(folder, OptionsFor(loaded, video)),
       events_(BeginEvents(folder, loaded.scenario)) {
   events_.Line(0, "mode", records::kSimulatorMode);
+}
+
+void FlightRecords::AddMcap(records::McapImages images, const LoadedScenario& loaded,
+                            const mission::MissionParts& parts) {
+  records::FlightMcapOptions options;
+  options.images = images;
+  if (loaded.scenario.pad.name != "none") options.outline = loaded.pad.Outline();
+  options.camera = parts.camera;
+  options.X_BC = parts.X_BC;
+  mcap_ = std::make_unique<records::FlightMcap>(folder_ / "flight.mcap", std::move(options));
+  carried_.emplace(loaded.simulator.instruments, loaded.simulator.cameras);
+  const Scenario& scenario = loaded.scenario;
+  mcap_->WriteScenario(ToYaml(scenario), {{"scenario", scenario.name},
+                                          {"mission", scenario.flight.type().name},
+                                          {"seed", std::to_string(scenario.seed)},
+                                          {"version", Version()},
+                                          {"mode", records::kSimulatorMode}});
+  events_.Tell(
+      [this](double t_s, std::string_view what, std::string_view is) { mcap_->WriteEvent(t_s, what, is); });
 }
 
 void FlightRecords::WriteChanges(const sim::Simulator& simulator) {
@@ -47,8 +72,12 @@ void FlightRecords::WriteChanges(const sim::Simulator& simulator) {
     events_.Line(states[states_written_].t_s, states[states_written_].what, states[states_written_].is);
 }
 
-void FlightRecords::Write(const records::LogRow& row, const sim::Simulator& simulator) {
+void FlightRecords::Write(const records::LogRow& row, const sim::Simulator& simulator, const cv::Mat& image) {
   recorder_.Write(row);
+  if (mcap_) {
+    carried_->Write(simulator.readings(), simulator.camera_frames(), row.now.t_s, *mcap_);
+    mcap_->Write(row, image);
+  }
   WriteChanges(simulator);
   events_.Write(row);
 }
@@ -57,6 +86,7 @@ records::Summary FlightRecords::Finish(records::Summary summary, const sim::Simu
   try {
     WriteChanges(simulator);
     events_.End(summary.sim_s, summary.error.empty() ? summary.outcome : summary.error);
+    if (mcap_) mcap_->Close();
   } catch (const std::runtime_error& e) {
     if (summary.error.empty()) summary.error = e.what();
     summary.complete = summary.passed = false;

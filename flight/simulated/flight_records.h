@@ -2,23 +2,33 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
+#include <opencv2/core.hpp>
+#include <optional>
 #include <string_view>
 
 #include "base/file/writer_lock.h"
+#include "flight/mcap/carried_topics.h"
 #include "flight/simulated/scenario.h"
+#include "records/mcap/flight_mcap.h"
 #include "records/recorder.h"
 #include "records/telemetry/event_log.h"
 
 namespace kestrel::flight {
 
-// The folder of a flight in the simulator: what the Recorder writes, events.log, scenario.yaml. Throws
+// The folder of a flight in the simulator: what the Recorder writes, events.log, scenario.yaml, if asked for flight.mcap.
+// Throws
 // std::runtime_error with the file and the reason, but for Finish; InputError where another process writes to
 // that folder.
 class FlightRecords {
  public:
   FlightRecords(const std::filesystem::path& folder, const LoadedScenario& loaded, bool video);
 
-  void Write(const records::LogRow& row, const sim::Simulator& simulator);
+  // From now on flight.mcap is written too. parts: what the mission was made from.
+  void AddMcap(records::McapImages images, const LoadedScenario& loaded, const mission::MissionParts& parts);
+
+  // image: of the row's frame, for flight.mcap; empty: there is none.
+  void Write(const records::LogRow& row, const sim::Simulator& simulator, const cv::Mat& image = {});
   // Of events.log, between rows.
   void Note(double t_s, std::string_view what, std::string_view is) { events_.Line(t_s, what, is); }
   records::Recorder& recorder() { return recorder_; }
@@ -30,9 +40,12 @@ class FlightRecords {
  private:
   void WriteChanges(const sim::Simulator& simulator);
 
+  std::filesystem::path folder_;
   WriterLock lock_;  // before anything is written
   records::Recorder recorder_;
   records::EventLog events_;
+  std::unique_ptr<records::FlightMcap> mcap_;  // null: not asked for
+  std::optional<CarriedTopics> carried_;       // as mcap_
   std::size_t conditions_written_ = 0, states_written_ = 0;
 };
 

@@ -36,6 +36,7 @@ FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) 
   std::optional<records::RecordingWriter> recording;
   if (options.folder) {
     records.emplace(*options.folder, loaded, options.video);
+    if (options.mcap) records->AddMcap(*options.mcap, loaded, parts);
     if (options.images) {
       recording.emplace(*options.folder, scenario.flight.type());
       records::WriteOwnParts(*options.folder, parts.own_parts);
@@ -55,7 +56,7 @@ FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) 
           result.rows.push_back({frame.sequence, simulator.exposure(), simulator.truth(), state, decision});
           const records::LogRow& row = result.rows.back();
           if (records) {
-            records->Write(row, simulator);
+            records->Write(row, simulator, frame.image);
             if (truth) truth->Write(frame.sequence, simulator.picture());
             if (recording) recording->Write(frame, state, decision);
             if (records->recorder().wants_images()) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "flight/simulated/scenario.h"
+#include "records/mcap/flight_mcap.h"
 #include "records/telemetry/flight_log.h"
 
 namespace kestrel::flight {
@@ -16,6 +17,7 @@ struct RunOptions {
   bool video = true;
   std::function<bool(const records::LogRow&)> progress;  // after each frame; false breaks the run off
   bool images = false;                                   // recording.h, for replay
+  std::optional<records::McapImages> mcap = {};          // flight.mcap with such images; none: there is none
   bool truth = false;                                    // truth_images.h, into its folder truth/
 };
 

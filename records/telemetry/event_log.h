@@ -2,8 +2,10 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "base/file/files.h"
 #include "records/telemetry/flight_log.h"
@@ -19,6 +21,10 @@ namespace kestrel::records {
 class EventLog {
  public:
   explicit EventLog(const std::filesystem::path& folder) : file_(folder / "events.log") {}
+  // From now on this too is told each line, before its file is.
+  void Tell(std::function<void(double t_s, std::string_view what, std::string_view is)> listener) {
+    listener_ = std::move(listener);
+  }
   // In the order of time.
   void Write(const LogRow& row);
   void WriteCamera(double t_s, std::string_view condition);
@@ -27,6 +33,7 @@ class EventLog {
 
  private:
   PartFile file_;
+  std::function<void(double, std::string_view, std::string_view)> listener_;
   std::string phase_, target_, mode_, camera_ = "ok";
   bool saturated_ = false, touching_ = false, aided_ = false, attitude_failed_ = false;
 };
