@@ -14,6 +14,7 @@
 #include "app/camera/mirror_command.h"
 #include "app/campaign/campaign_command.h"
 #include "app/campaign/tune_command.h"
+#include "app/dataset/dataset_command.h"
 #include "app/files/explain_command.h"
 #include "app/files/file_reference.h"
 #include "app/files/new_command.h"
@@ -93,6 +94,8 @@ int Main(int argc, char** argv) {
   program.Add(AddReplayCommand(app, replay), [&] { return met(ReplayCommand(replay)); });
   ExportArguments to_export;
   program.Add(AddExportCommand(app, to_export), [&] { return ExportCommand(to_export), kMet; });
+  DatasetCommandArguments dataset;
+  program.Add(AddDatasetCommand(app, dataset), [&] { return DatasetCommand(dataset), kMet; });
   MirrorArguments mirror;
   program.Add(AddMirrorCommand(app, mirror), [&] { return MirrorCommand(mirror), kMet; });
   ViewArguments view;
@@ -122,11 +125,12 @@ int Main(int argc, char** argv) {
 
   // Of all that fly.
   std::string isa;
-  for (const char* name : {"run", "serve", "encounters", "campaign", "tune", "reproduce", "bench", "replay"})
+  for (const char* name :
+       {"run", "serve", "encounters", "campaign", "tune", "reproduce", "bench", "replay", "dataset"})
     AddIsaOption(app.get_subcommand(name), isa);
   program.Add(AddFlyVerb(app), [&] { return HandOverToFly(argv), kBrokeOff; });
   program.TakePlugins(
-      {"run", "list", "explain", "new", "schema", "check", "serve", "campaign", "tune", "replay", "export"});
+      {"run", "list", "explain", "new", "schema", "check", "serve", "campaign", "tune", "replay", "export", "dataset"});
   // Last, or each verb without a footer of its own would have this one.
   app.footer(
       "Examples:\n  kestrel run landing\n  kestrel check my_flight.yaml\n"

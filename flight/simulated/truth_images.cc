@@ -24,16 +24,34 @@ std::string NameOr(const mjModel* model, mjtObj kind, int id) {
   return name && *name ? name : fmt::format("{}", id);
 }
 
+}  // namespace
+
+std::string GeomsCsv(const mjModel* model) {
+  std::string geoms = "value,name,body\n0,outside the lens,\n1,sky,\n";
+  for (int g = 0; g < model->ngeom; ++g)
+    geoms += fmt::format("{},{},{}\n", g + kFirstGeom, NameOr(model, mjOBJ_GEOM, g),
+                         NameOr(model, mjOBJ_BODY, model->geom_bodyid[g]));
+  return geoms;
+}
+
+cv::Mat GeomPicture(const cv::Mat& geom) {
+  cv::Mat values;
+  cv::add(geom, kFirstGeom, values, {}, CV_16U);
+  return values;
+}
+
 // As cv::writeOpticalFlow does, which does not tell whether all of it could be written.
-void WriteFlow(const fs::path& file, const cv::Mat& flow) {
-  const std::int32_t size[] = {flow.cols, flow.rows};
+std::string FlowFile(const cv::Mat& flow_px) {
+  const std::int32_t size[] = {flow_px.cols, flow_px.rows};
+  cv::Mat flow = flow_px.clone();
+  flow.forEach<cv::Vec2f>([](cv::Vec2f& v, const int*) {
+    if (std::isnan(v[0])) v = {kUnknownFlow, kUnknownFlow};
+  });
   std::string bytes = "PIEH";
   bytes.append(reinterpret_cast<const char*>(size), sizeof size);
   bytes.append(flow.ptr<char>(), flow.total() * flow.elemSize());
-  WriteFile(file, bytes);
+  return bytes;
 }
-
-}  // namespace
 
 TruthImages::TruthImages(fs::path folder, const mjModel* model) : folder_(std::move(folder)) {
   std::error_code error;
@@ -42,11 +60,7 @@ TruthImages::TruthImages(fs::path folder, const mjModel* model) : folder_(std::m
   static const std::regex ours(R"(\d{6,}_(image\.png|depth\.tiff|geom\.png|flow\.flo)(\.part)?)");
   for (const auto& entry : fs::directory_iterator(folder_))
     if (std::regex_match(entry.path().filename().string(), ours)) fs::remove(entry.path());
-  std::string geoms = "value,name,body\n0,outside the lens,\n1,sky,\n";
-  for (int g = 0; g < model->ngeom; ++g)
-    geoms += fmt::format("{},{},{}\n", g + kFirstGeom, NameOr(model, mjOBJ_GEOM, g),
-                         NameOr(model, mjOBJ_BODY, model->geom_bodyid[g]));
-  WriteFile(folder_ / "geoms.csv", geoms);
+  WriteFile(folder_ / "geoms.csv", GeomsCsv(model));
 }
 
 fs::path TruthImages::Name(std::int64_t sequence, const char* what) const {
@@ -56,16 +70,8 @@ fs::path TruthImages::Name(std::int64_t sequence, const char* what) const {
 void TruthImages::Write(std::int64_t sequence, const sim::RenderedFrame& picture) {
   vision::WriteImage(Name(sequence, "image.png"), picture.image);
   vision::WriteImage(Name(sequence, "depth.tiff"), picture.surfaces.depth_m);
-  cv::Mat geom;
-  cv::add(picture.surfaces.geom, kFirstGeom, geom, {}, CV_16U);
-  vision::WriteImage(Name(sequence, "geom.png"), geom);
-  if (last_ && !picture.flow_here.empty()) {
-    cv::Mat flow = picture.flow_here.clone();
-    flow.forEach<cv::Vec2f>([](cv::Vec2f& v, const int*) {
-      if (std::isnan(v[0])) v = {kUnknownFlow, kUnknownFlow};
-    });
-    WriteFlow(Name(*last_, "flow.flo"), flow);
-  }
+  vision::WriteImage(Name(sequence, "geom.png"), GeomPicture(picture.surfaces.geom));
+  if (last_ && !picture.flow_here.empty()) WriteFile(Name(*last_, "flow.flo"), FlowFile(picture.flow_here));
   last_ = sequence;
 }
 

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "flight/dataset/journal.h"
+#include "flight/dataset/plan.h"
+
+namespace kestrel::flight {
+
+// Fills a sequence along the plan's trajectory, frames on all jobs, and writes its pictures.
+void FlyTrajectory(const DatasetPlan& plan, Journal& journal, Sequence& sequence);
+
+}  // namespace kestrel::flight

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "flight/dataset/check_trajectory.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+
+namespace kestrel::flight {
+namespace {
+
+constexpr int kProbes = 20;  // of each piece
+constexpr std::size_t kMostBeyond = 20;
+
+struct World {
+  double north_m = std::numeric_limits<double>::infinity(),
+         west_m = north_m;  // to each side
+};
+
+World WorldOf(const sim::SimulatorParameters& simulator) {
+  World world;
+  const sim::ModelPtr model = sim::MakeModel(simulator.scene, false);
+  const int ground = mj_name2id(model.get(), mjOBJ_GEOM, "ground");
+  const mjtNum* size = model->geom_size + 3 * ground;  // 0: endless
+  if (size[0] > 0) world.north_m = size[0];
+  if (size[1] > 0) world.west_m = size[1];
+  return world;
+}
+
+// What is wrong there; nothing: empty.
+std::string WrongAt(const Eigen::Vector3d& p_N, const World& world, std::string& remedy) {
+  if (!(p_N.z() < 0)) {
+    remedy = "valid: a height over 0 all along";
+    return fmt::format("is {:.3g} m below the ground", p_N.z());
+  }
+  if (std::abs(p_N.x()) > world.north_m || std::abs(p_N.y()) > world.west_m) {
+    remedy = fmt::format("valid: within {:g} m to north and south, {:g} m to east and west", world.north_m,
+                         world.west_m);
+    return fmt::format("is beyond the world's edge, {:.6g} m north and {:.6g} m east", p_N.x(), p_N.y());
+  }
+  return {};
+}
+
+}  // namespace
+
+void CheckTrajectory(const LoadedTrajectory& loaded, const sim::SimulatorParameters& simulator,
+                     Mistakes& mistakes) {
+  const World world = WorldOf(simulator);
+  const auto& stamps = loaded.stamps_ns;
+  std::size_t found = 0;
+  for (std::size_t i = 0; i < stamps.size() && found < kMostBeyond; ++i) {
+    const std::int64_t from = i == 0 ? stamps[0] : stamps[i - 1];
+    for (int k = 1; k <= kProbes; ++k) {
+      const std::int64_t t = from + (stamps[i] - from) * k / kProbes;
+      std::string remedy;
+      const std::string wrong = WrongAt(loaded.trajectory.At(t).X_NB.p, world, remedy);
+      if (wrong.empty()) continue;
+      const double since_s = static_cast<double>(t - stamps[0]) * 1e-9;
+      mistakes.Add(loaded.places[i], "",
+                   fmt::format("the aircraft, {:.3f} s after the first place, {}", since_s, wrong), remedy);
+      ++found;
+      break;
+    }
+  }
+  const auto refuse = [&](const char* key, const char* what, const char* remedy) {
+    mistakes.Add("--in", key, fmt::format("{}, but along a trajectory each frame is drawn by itself", what),
+                 remedy);
+  };
+  if (simulator.image.auto_exposure.target_grey > 0)
+    refuse("image.auto_exposure.target_grey", "it follows the frames before", "valid: 0");
+  if (!simulator.image.faults.empty()) refuse("image.faults", "faults come and go in a flight", "valid: []");
+  if (simulator.scene.deck) refuse("deck", "it moves", "valid: null");
+  for (const sim::TargetParameters& target : simulator.targets)
+    if (target.velocity_m_s.norm() > 0 || target.roam_m_s > 0)
+      return refuse("targets", "one of them moves", "valid: targets at rest");
+}
+
+}  // namespace kestrel::flight

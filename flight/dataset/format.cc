@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "flight/dataset/format.h"
+
+#include "flight/dataset/euroc_format.h"
+#include "flight/dataset/kitti_format.h"
+#include "flight/dataset/tum_format.h"
+
+namespace kestrel::flight {
+
+std::vector<std::string> FormatNames() { return {"euroc", "tum", "kitti"}; }
+
+std::unique_ptr<Format> MakeFormat(const std::string& name) {
+  if (name == "tum") return std::make_unique<TumFormat>();
+  if (name == "kitti") return std::make_unique<KittiFormat>();
+  return std::make_unique<EurocFormat>();
+}
+
+}  // namespace kestrel::flight

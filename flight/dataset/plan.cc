@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "flight/dataset/plan.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "base/file/files.h"
+#include "base/file/model_files.h"
+#include "base/user_file.h"
+#include "base/version.h"
+#include "base/yaml/yaml_fields.h"
+#include "flight/dataset/check_trajectory.h"
+#include "flight/dataset/pose_file.h"
+#include "geometry/tait_bryan.h"
+#include "sim/machine.h"
+#include "vision/camera/camera_mount.h"
+
+namespace kestrel::flight {
+namespace {
+
+namespace fs = std::filesystem;
+
+// What a trajectory is flown in where no scenario is named: one that asks nothing of its camera and its pad.
+constexpr const char* kPlainScenario = "stabilise";
+const std::vector<std::string> kPlain{"mount.vibration=[]", "criteria={}", "image.rate_hz=20",
+                                      "image.noise_grey=0", "pad.name=helipad"};
+
+// An IMU without errors, where a scenario has none.
+std::string PerfectImu(double rate_hz) {
+  return fmt::format(
+      "instruments.imu={{rate_hz: {}, accelerometer_noise_density: 0, "
+      "accelerometer_random_walk: 0, "
+      "accelerometer_turn_on_m_s2: 0, gyroscope_noise_density: 0, "
+      "gyroscope_random_walk: 0, "
+      "gyroscope_turn_on_rad_s: 0}}",
+      rate_hz);
+}
+
+bool IsWay(const fs::path& file) {
+  if (!HasEnding(file, {".yaml", ".yml"}) || !IsFile(file)) return false;
+  Mistakes none;
+  const Config config = LoadConfig(file, {}, none);
+  return Find(config, "way") != nullptr;
+}
+
+std::string SettingsOf(const DatasetPlan& plan) {
+  const DatasetArguments& a = plan.arguments;
+  std::string text = fmt::format("# {}\n", Version());
+  for (const auto& [name, value] : sim::ThisMachine()) text += fmt::format("# {} {}\n", name, value);
+  text += fmt::format(
+      "format: {}\ncount: {}\nframes: {}\nduration_s: "
+      "{}\nimu_rate_hz: {}\ncolour: {}\ndepth: {}\nflow: {}\n"
+      "segmentation: {}\nboxes: {}\n",
+      a.format, a.count, a.frames.value_or(0), a.duration_s.value_or(0), a.imu_rate_hz, a.extras.colour,
+      a.extras.depth, a.extras.flow, a.extras.segmentation, a.extras.boxes);
+  if (plan.trajectory) text += fmt::format("trajectory: |\n{}\n", ReadFile(a.source));
+  return text + ToYaml(plan.scenarios.front().scenario);
+}
+
+void CheckFolder(const DatasetPlan& plan, Mistakes& mistakes) {
+  const fs::path& out = plan.arguments.out;
+  CheckWritableFolder(out, "--out", mistakes);
+  const fs::path settings = out / "settings.txt";
+  std::error_code error;
+  if (IsFile(settings)) {
+    if (ReadFile(settings) != plan.settings)
+      mistakes.Add("--out", "",
+                   fmt::format("{} holds a data set of other settings, another "
+                               "version or another machine",
+                               out.string()),
+                   "valid: another folder, or that one removed");
+  } else if (fs::is_directory(out, error) && fs::directory_iterator(out, error) != fs::directory_iterator()) {
+    mistakes.Add("--out", "", fmt::format("'{}' is not an empty folder", out.string()),
+                 "valid: a new one, or one with a data set that was broken off");
+  }
+}
+
+}  // namespace
+
+Sequence BeginSequence(const DatasetPlan& plan, std::size_t number) {
+  const LoadedScenario& loaded = plan.scenarios[number];
+  const sim::SimulatorParameters& simulator = loaded.simulator;
+  Sequence s;
+  s.number = static_cast<int>(number);
+  if (plan.scenarios.size() > 1) s.folder = fmt::format("{}/", loaded.scenario.seed);
+  s.extras = plan.arguments.extras;
+  s.cameras.push_back(
+      MakeRigCamera(simulator.camera, vision::MountPose(simulator.mount), simulator.image.rate_hz));
+  for (const sim::CarriedCameraParameters& camera : simulator.cameras)
+    s.cameras.push_back(MakeRigCamera(camera.camera, vision::MountPose(camera.mount), camera.image.rate_hz));
+  s.frames.resize(s.cameras.size());
+  s.imu_parameters = *simulator.instruments.imu;
+  const sim::ImuParameters& imu = s.imu_parameters;
+  s.X_BI.R = Eigen::Quaterniond(
+      RotationFromTaitBryan({Radians(imu.yaw_deg), Radians(imu.pitch_deg), Radians(imu.roll_deg)}));
+  s.X_BI.p = imu.position_m;
+  return s;
+}
+
+DatasetPlan LoadDatasetPlan(const DatasetArguments& arguments) {
+  DatasetPlan plan{.arguments = arguments,
+                   .overrides = {},
+                   .scenarios = {},
+                   .trajectory = {},
+                   .format = {},
+                   .settings = {}};
+  const DatasetArguments& a = plan.arguments;
+  const bool poses = IsPoseFile(a.source), way = !poses && IsWay(a.source);
+  Mistakes mistakes;
+  if (!a.in.empty() && !poses && !way)
+    mistakes.Add("--in", "", fmt::format("'{}' is no trajectory, and flies in its own world", a.source),
+                 "valid: without, or the file of a way or of poses");
+  const bool flown = !poses && !way;
+  std::vector<std::string>& overrides = plan.overrides;
+  if (!flown && a.in.empty()) overrides = kPlain;
+  overrides.insert(overrides.end(), a.overrides.begin(), a.overrides.end());
+  if (a.extras.colour || a.format == "tum") overrides.emplace_back("image.colour=true");
+  if (a.duration_s && flown) overrides.push_back(fmt::format("duration_s={}", *a.duration_s));
+  const std::string scenario = flown ? a.source : a.in.empty() ? kPlainScenario : a.in;
+  try {
+    LoadedScenario loaded = LoadScenario(scenario, overrides);
+    if (!loaded.simulator.instruments.imu) {
+      overrides.push_back(PerfectImu(a.imu_rate_hz));
+      loaded = LoadScenario(scenario, overrides, false);
+    }
+    plan.scenarios.push_back(std::move(loaded));
+  } catch (const InputError& e) {
+    mistakes.Add(e);
+  }
+  try {
+    // Without a scenario where the camera is on the body is not known, and what else is wrong does not
+    // ask for it.
+    const Pose X_BC =
+        vision::MountPose(plan.scenarios.empty() ? vision::CameraMount() : plan.scenarios[0].simulator.mount);
+    if (poses) plan.trajectory = LoadPoses(a.source, X_BC);
+    if (way) plan.trajectory = LoadWay(a.source);
+  } catch (const InputError& e) {
+    mistakes.Add(e);
+  }
+  if (plan.trajectory && !plan.scenarios.empty())
+    CheckTrajectory(*plan.trajectory, plan.scenarios[0].simulator, mistakes);
+  if (!plan.scenarios.empty()) {
+    const std::uint64_t seed = plan.scenarios[0].scenario.seed;
+    for (int i = 1; i < a.count; ++i) {
+      std::vector<std::string> all = overrides;
+      all.push_back(fmt::format("seed={}", seed + static_cast<std::uint64_t>(i)));
+      plan.scenarios.push_back(LoadScenario(scenario, all, false));
+    }
+    plan.format = MakeFormat(a.format);
+    plan.format->Check(BeginSequence(plan, plan.scenarios.size() - 1), mistakes);
+    plan.settings = SettingsOf(plan);
+    CheckFolder(plan, mistakes);
+  }
+  mistakes.ThrowIfAny();
+  return plan;
+}
+
+}  // namespace kestrel::flight

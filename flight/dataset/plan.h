@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "flight/dataset/format.h"
+#include "flight/dataset/sequence.h"
+#include "flight/dataset/way_file.h"
+#include "flight/simulated/scenario.h"
+
+namespace kestrel::flight {
+
+struct DatasetArguments {
+  std::string source;  // a scenario, a way (YAML with the key way), or poses
+                       // (pose_file.h)
+  std::string in;      // of a trajectory: the scenario whose world, camera and pad
+                       // are used; empty: none
+  std::string format = "euroc";
+  std::filesystem::path out;
+  std::vector<std::string> overrides;  // of the scenario
+  int count = 1;                       // sequences, of the seed and those after it
+  std::optional<int> frames;           // of each sequence, at most
+  std::optional<double> duration_s;    // the same
+  double imu_rate_hz = 200;            // where the scenario has no IMU: of one without errors
+  Extras extras;
+  int jobs = 1;
+};
+
+// A data set that can be made: all that it is made from.
+struct DatasetPlan {
+  DatasetArguments arguments;
+  std::vector<std::string> overrides;          // of the scenario, those of the arguments
+                                               // and what follows from them
+  std::vector<LoadedScenario> scenarios;       // of each sequence
+  std::optional<LoadedTrajectory> trajectory;  // none: the missions are flown
+  std::unique_ptr<Format> format;
+  std::string settings;  // all that its bytes depend on, in words
+};
+
+// Throws InputError with every mistake of the source, the scenario and the folder: one that holds a set of
+// other settings too.
+DatasetPlan LoadDatasetPlan(const DatasetArguments& arguments);
+
+// The sequence of a scenario, without its rows.
+Sequence BeginSequence(const DatasetPlan& plan, std::size_t number);
+
+}  // namespace kestrel::flight
