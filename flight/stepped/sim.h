@@ -12,6 +12,8 @@
 #include "flight/simulated/scenario.h"
 #include "mission/mission.h"
 #include "records/telemetry/flight_log.h"
+#include "sim/camera/carried/carried_camera.h"
+#include "sim/instrument/readings.h"
 #include "sim/simulator.h"
 #include "vision/camera.h"
 
