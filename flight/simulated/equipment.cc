@@ -9,7 +9,7 @@
 
 #include "base/file/model_files.h"
 #include "base/user_file.h"
-#include "flight/simulated/check_image.h"
+#include "flight/simulated/check/check_image.h"
 #include "sim/instrument/kalibr_imu.h"
 #include "vision/camera/calibration_file.h"
 

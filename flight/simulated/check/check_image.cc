@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "flight/simulated/check_image.h"
+#include "flight/simulated/check/check_image.h"
 
 #include <fmt/format.h>
 
