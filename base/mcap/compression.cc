@@ -14,7 +14,8 @@ namespace {
 
 constexpr std::size_t kFirstPiece = 1u << 20;
 
-// The decoder's next piece: whether it came to an end, by the bytes that it took and gave; throws what it says.
+// The decoder's next piece: whether it came to an end, by the bytes that it took and gave; throws what it
+// says.
 struct Progress {
   std::size_t taken = 0, given = 0;
   bool ended = false;

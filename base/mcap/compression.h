@@ -21,8 +21,8 @@ struct Decompressed {
   std::string error;  // why these are not all; empty: they are
 };
 
-// As far as it goes: of bytes that were cut or are damaged those that came before. Never more than `size`, what it is
-// said to be; memory grows by what comes, not by what is said. name: as a chunk has it.
+// As far as it goes: of bytes that were cut or are damaged those that came before. Never more than `size`,
+// what it is said to be; memory grows by what comes, not by what is said. name: as a chunk has it.
 Decompressed Decompress(std::string_view name, std::string_view bytes, std::uint64_t size);
 
 }  // namespace kestrel::mcap

@@ -6,8 +6,8 @@
 #include <string>
 #include <string_view>
 
-// What an MCAP file holds, for who writes one and who reads one. Times are ns since an epoch that the log's users know: here the
-// beginning of a flight, or 1970.
+// What an MCAP file holds, for who writes one and who reads one. Times are ns since an epoch that the log's
+// users know: here the beginning of a flight, or 1970.
 namespace kestrel::mcap {
 
 // How the messages of a channel are to be decoded. An empty encoding: there is no schema.

@@ -19,17 +19,18 @@
 
 namespace kestrel::mcap {
 
-// Reads an MCAP file of whoever: our Writer's, ROS 2's. One that was cut, or is damaged, gives the messages that are whole, as
-// far as the bytes before the cut decompress; damage() says what is wrong and where. Every length is held against what is left
-// before it is used, and of chunks so much is in memory as overlaps in time, up to 1 GiB.
+// Reads an MCAP file of whoever: our Writer's, ROS 2's. One that was cut, or is damaged, gives the messages
+// that are whole, as far as the bytes before the cut decompress; damage() says what is wrong and where. Every
+// length is held against what is left before it is used, and of chunks so many are in memory as overlap in
+// time, up to 1 GiB and one more of at most that.
 //
 //   mcap::Reader reader("flight.mcap");
 //   reader.Select({"/imu"});
 //   while (const std::optional<mcap::Message> message = reader.Next()) ...
 class Reader {
  public:
-  // Reads the summary. Without one, or where it is damaged, it goes through the whole file once. Throws InputError: no file, or no
-  // MCAP of version 0.
+  // Reads the summary. Without one, or where it is damaged, it goes through the whole file once. Throws
+  // InputError: no file, or no MCAP of version 0.
   explicit Reader(const std::filesystem::path& file);
   ~Reader();
   Reader(Reader&&) noexcept;
@@ -43,17 +44,18 @@ class Reader {
   std::uint64_t until_ns() const { return summary_.last_ns; }
   std::uint64_t message_count() const { return summary_.messages; }
   bool indexed() const { return summary_.indexed; }
-  // What is wrong and where, the first of it: "byte 4711: ..."; empty: nothing so far. Of what a summary speaks of, the chunks are
-  // looked at only when Next() comes to them.
+  // What is wrong and where, the first of it: "byte 4711: ..."; empty: nothing so far. Of what a summary
+  // speaks of, the chunks are looked at only when Next() comes to them.
   const std::string& damage() const { return damage_; }
 
-  // From now on Next() gives these topics from the beginning, of log times from `from_ns` to `until_ns`, both included. None:
-  // all topics.
+  // From now on Next() gives these topics from the beginning, of log times from `from_ns` to `until_ns`, both
+  // included. None: all topics.
   void Select(const std::vector<std::string>& topics, std::uint64_t from_ns = 0,
               std::uint64_t until_ns = std::numeric_limits<std::uint64_t>::max());
 
-  // The next message; none: that was the last. With an index in the order of the log times, and of the file where these are the
-  // same; without one in the order of the file. Its data last until the next call, its channel as long as the reader.
+  // The next message; none: that was the last. With an index in the order of the log times, and of the file
+  // where these are the same; without one in the order of the file. Its data last until the next call, its
+  // channel as long as the reader.
   std::optional<Message> Next();
 
   std::vector<std::string> attachment_names() const;

@@ -39,8 +39,8 @@ struct Summary {
   std::uint64_t messages = 0, first_ns = 1, last_ns = 0;
 };
 
-// The summary that a file has at its end; none: it has none that would do. Throws Malformed where that is because it is damaged or
-// was cut off.
+// The summary that a file has at its end; none: it has none that would do. Throws Malformed where that is
+// because it is damaged or was cut off.
 std::optional<Summary> ReadSummary(const FileBytes& file);
 
 }  // namespace kestrel::mcap

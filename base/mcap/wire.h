@@ -8,8 +8,8 @@
 #include <string>
 #include <string_view>
 
-// The bytes of MCAP, version 0, by its published specification (https://mcap.dev/spec): records of an opcode, a length of 8 bytes
-// and a content, all numbers little-endian.
+// The bytes of MCAP, version 0, by its published specification (https://mcap.dev/spec): records of an opcode,
+// a length of 8 bytes and a content, all numbers little-endian.
 namespace kestrel::mcap {
 
 inline constexpr std::string_view kMagic("\x89MCAP0\r\n", 8);
@@ -51,8 +51,8 @@ struct Malformed : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// Takes one field after another from bytes of others; each is asked whether it is there before it is read. Throws Malformed
-// with the name of the field.
+// Takes one field after another from bytes of others; each is asked whether it is there before it is read.
+// Throws Malformed with the name of the field.
 class Cursor {
  public:
   explicit Cursor(std::string_view bytes) : left_(bytes) {}

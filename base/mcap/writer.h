@@ -21,9 +21,10 @@ struct WriterOptions {
   std::size_t chunk_bytes = 1u << 20;  // from which on a chunk is closed
 };
 
-// Writes an MCAP file: messages in chunks with a check sum and an index each, and behind them the summary by which a reader finds
-// a time and a topic. Until it is closed the file has ".part" behind its name; each chunk is with the system when it is
-// closed, so that what a dying program leaves is a file that was cut after its last whole chunk.
+// Writes an MCAP file: messages in chunks with a check sum and an index each, and behind them the summary by
+// which a reader finds a time and a topic. Until it is closed the file has ".part" behind its name; each
+// chunk is with the system when it is closed, so that what a dying program leaves is a file that was cut
+// after its last whole chunk.
 //
 // Throws std::runtime_error with the file and the reason.
 class Writer {

@@ -7,8 +7,8 @@
 
 #include "base/ros/messages.h"
 
-// What Foxglove draws over an image (foxglove_msgs of ROS 2). Pixels from the upper left corner of the image: the
-// centre of the first is (0.5, 0.5).
+// What Foxglove draws over an image (foxglove_msgs of ROS 2). Pixels from the upper left corner of the image:
+// the centre of the first is (0.5, 0.5).
 namespace kestrel::ros {
 
 struct Point2 {

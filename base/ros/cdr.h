@@ -12,11 +12,13 @@
 #include <utility>
 #include <vector>
 
-// How ROS 2 writes a message: plain CDR of version 1 (OMG DDSI-RTPS 2.3, 10.2, and CORBA 3.3, 9.3), little-endian. Behind 4 bytes
-// that say so, each number stands at a multiple of its size, counted from behind them; a text is its length with the
-// null that ends it, in 4 bytes, and its bytes; a sequence is its length in 4 bytes, and its elements.
+// How ROS 2 writes a message: plain CDR of version 1 (OMG DDSI-RTPS 2.3, 10.2, and CORBA 3.3, 9.3),
+// little-endian. Behind 4 bytes that say so, each number stands at a multiple of its size, counted from
+// behind them; a text is its length with the null that ends it, in 4 bytes, and its bytes; a sequence is its
+// length in 4 bytes, and its elements.
 //
-// A message is a struct with Members(visitor, message), which names its members in order; one serves both ways.
+// A message is a struct with Members(visitor, message), which names its members in order; one serves both
+// ways.
 namespace kestrel::ros {
 
 static_assert(std::endian::native == std::endian::little, "numbers are copied as they are");

@@ -6,9 +6,10 @@
 #include <string>
 #include <vector>
 
-// The messages of ROS 2 that a flight's log is made of, by their published definitions (common_interfaces, geometry2,
-// rcl_interfaces, mavros). Names and order are theirs; units are SI, and a quaternion turns vectors of the child's
-// frame into the header's. kType finds the schema (schemas.h); Members names what is written (cdr.h).
+// The messages of ROS 2 that a flight's log is made of, by their published definitions (common_interfaces,
+// geometry2, rcl_interfaces, mavros). Names and order are theirs; units are SI, and a quaternion turns
+// vectors of the child's frame into the header's. kType finds the schema (schemas.h); Members names what is
+// written (cdr.h).
 namespace kestrel::ros {
 
 struct Time {

@@ -14,7 +14,8 @@ namespace {
 
 using Definitions = std::map<std::string, std::string, std::less<>>;
 
-// By "package/Type". What a line begins with is the type of a member; one of capitals alone and '=' is a constant.
+// By "package/Type". What a line begins with is the type of a member; one of capitals alone and '=' is a
+// constant.
 const Definitions& AllDefinitions() {
   static const Definitions kAll = {
       {"builtin_interfaces/Time", "int32 sec\nuint32 nanosec\n"},

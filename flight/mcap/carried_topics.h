@@ -11,8 +11,9 @@
 // What a simulated aircraft carries beside the camera that it is flown by, in flight.mcap.
 namespace kestrel::flight {
 
-// Each reading by its own stamp, which is its log time too. The IMU's and the rangefinder's axes are x, -y, -z of ours in the frames
-// "imu" and "rangefinder", whose places on the aircraft go to /tf with the first reading.
+// Each reading by its own stamp, which is its log time too. The IMU's and the rangefinder's axes are x, -y,
+// -z of ours in the frames "imu" and "rangefinder", whose places on the aircraft go to /tf with the first
+// reading.
 class CarriedTopics {
  public:
   CarriedTopics(const sim::InstrumentParameters& instruments,

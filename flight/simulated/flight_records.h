@@ -16,10 +16,9 @@
 
 namespace kestrel::flight {
 
-// The folder of a flight in the simulator: what the Recorder writes, events.log, scenario.yaml, if asked for flight.mcap.
-// Throws
-// std::runtime_error with the file and the reason, but for Finish; InputError where another process writes to
-// that folder.
+// The folder of a flight in the simulator: what the Recorder writes, events.log, scenario.yaml, if asked for
+// flight.mcap. Throws std::runtime_error with the file and the reason, but for Finish; InputError where
+// another process writes to that folder.
 class FlightRecords {
  public:
   FlightRecords(const std::filesystem::path& folder, const LoadedScenario& loaded, bool video);

@@ -30,8 +30,9 @@ struct FlightMcapOptions {
   Pose X_BC;                             // the same
 };
 
-// flight.mcap: a flight as ROS's and Foxglove's tools read it (docs/guide/logs.md has the topics). Log times are those at which the
-// flight code had a message, stamps those that it is of, both in ns of the flight's time.
+// flight.mcap: a flight as ROS's and Foxglove's tools read it (docs/guide/logs.md has the topics). Log times
+// are those at which the flight code had a message, stamps those that it is of, both in ns of the flight's
+// time.
 //
 // Throws std::runtime_error with the file and the reason.
 class FlightMcap {

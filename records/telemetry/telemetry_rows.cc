@@ -125,7 +125,7 @@ Pose At(const std::vector<mission::LogRow>& rows, double t_s) {
   if (after == rows.begin()) return rows.front().now.X_NB;
   if (after == rows.end()) return rows.back().now.X_NB;
   const Truth &a = std::prev(after)->now, &b = after->now;
-  const double share = (t_s - a.t_s) / (b.t_s - a.t_s);
+  const double share = b.t_s > a.t_s ? (t_s - a.t_s) / (b.t_s - a.t_s) : 1;
   return {a.X_NB.R.slerp(share, b.X_NB.R), a.X_NB.p + share * (b.X_NB.p - a.X_NB.p)};
 }
 
@@ -149,8 +149,8 @@ TelemetryRows ReadTelemetry(const std::filesystem::path& file, const Pose& X_BC)
       const Row row(columns, line);
       all.rows.push_back(RowOf(row, all.texts));
       const double t_s = all.rows.back().now.t_s;
-      if (all.rows.size() > 1 && !(t_s > all.rows[all.rows.size() - 2].now.t_s))
-        throw std::runtime_error(fmt::format("t_s: {} is not later than the row before", t_s));
+      if (all.rows.size() > 1 && !(t_s >= all.rows[all.rows.size() - 2].now.t_s))
+        throw std::runtime_error(fmt::format("t_s: {} is before the row above it", t_s));
       all.truth |= row.Number("truth_x_m").has_value();
       const auto p_TB = row.Vector("target_{}_m");
       targets.push_back(p_TB ? std::optional(std::pair(*p_TB, row.Angle("target_yaw_deg"))) : std::nullopt);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the writer wrote is what the reader gives. That others read it too, and by the specification alone, is held by
-// tests/peers/mcap.
+// What the writer wrote is what the reader gives. That others read it too, and by the specification alone, is
+// held by tests/peers/mcap.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

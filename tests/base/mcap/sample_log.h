@@ -32,7 +32,8 @@ inline std::vector<Copy> AllOf(Reader& reader) {
 inline const Channel kFast{"/fast", "cdr", {"pkg/msg/Fast", "ros2msg", "float64 x"}, {{"rate", "500"}}};
 inline const Channel kSlow{"/slow", "json", {}, {}};
 
-// Some messages of two channels in several chunks, an attachment and metadata; what was written, in the order of the times.
+// Some messages of two channels in several chunks, an attachment and metadata; what was written, in the order
+// of the times.
 inline std::vector<Copy> WriteSample(const std::filesystem::path& file, Compression compression,
                                      int messages = 40, std::size_t chunk_bytes = 400) {
   Writer writer(file, {"ros2", compression, chunk_bytes});

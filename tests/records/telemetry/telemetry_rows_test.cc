@@ -82,8 +82,8 @@ TEST_F(TelemetryRowsTest, WhatIsWrongIsRefusedWithItsLine) {
   Write("a,b,c\n1,2,3\n");
   EXPECT_THAT(Refusal(), HasSubstr("is no telemetry"));
   const std::string header = TelemetryHeader() + '\n', line = TelemetryLine(RowAt(1)) + '\n';
-  Write(header + line + line);
-  EXPECT_THAT(Refusal(), HasSubstr("telemetry.csv:3: t_s: 1 is not later"));
+  Write(header + TelemetryLine(RowAt(1.5)) + '\n' + line);
+  EXPECT_THAT(Refusal(), HasSubstr("telemetry.csv:3: t_s: 1 is before"));
   Write(header + line.substr(0, line.size() / 2) + '\n');
   EXPECT_THAT(Refusal(), HasSubstr("telemetry.csv:2"));
   std::string other = line;
