@@ -13,22 +13,24 @@ PAD = (1.19, 0.91)  # m, along the picture's up and right (models/pads/helipad)
 
 class PadFinder:
     def __init__(self, picture):
-        self.sift, self.matcher = cv2.SIFT_create(600), cv2.BFMatcher()
+        self.sift, self.matcher = cv2.SIFT_create(600), cv2.FlannBasedMatcher({"algorithm": 1, "trees": 4}, {})
         height, width = picture.shape
-        keys, self.descriptors = cv2.SIFT_create().detectAndCompute(picture, None)
+        keys, descriptors = cv2.SIFT_create().detectAndCompute(picture, None)
+        self.matcher.add([descriptors])
         self.points = np.array([(PAD[0] * (0.5 - k.pt[1] / height), PAD[1] * (k.pt[0] / width - 0.5), 0) for k in keys])
 
     def find(self, image):
         """Where the pad's middle is from the camera: right, down, ahead, m; None: not seen."""
-        keys, descriptors = self.sift.detectAndCompute(image, None)
+        half = cv2.resize(image, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA)
+        keys, descriptors = self.sift.detectAndCompute(half, None)
         if len(keys) < 8:
             return None
-        pairs = self.matcher.knnMatch(descriptors, self.descriptors, k=2)
+        pairs = self.matcher.knnMatch(descriptors, k=2)
         good = [a for a, b in pairs if a.distance < 0.75 * b.distance]
         if len(good) < 8:
             return None
         pad = self.points[[m.trainIdx for m in good]]
-        seen = np.array([keys[m.queryIdx].pt for m in good])
+        seen = np.array([keys[m.queryIdx].pt for m in good]) * 2 + 0.5
         _, inliers = cv2.findHomography(pad[:, :2], seen, cv2.RANSAC, 3.0)
         if inliers is None or inliers.sum() < 10:
             return None

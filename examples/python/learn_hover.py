@@ -17,7 +17,7 @@ env = None  # of this process
 def fly(weights, seed):
     """The return of an episode and its mean distance from the goal in the last half, m."""
     global env
-    env = env or kestrel.gym.make("kestrel/Hover-v0", duration_s=SECONDS)
+    env = env or kestrel.gym.make("kestrel/Hover-v0", duration_s=SECONDS, overrides={"start.settle_s": 2})
     weights = weights.reshape(4, 13)
     state, info = env.reset(seed=seed)
     total, errors, over = 0.0, [], False
@@ -40,8 +40,8 @@ def learn(pool, generations, offspring=24, sigma=0.3):
         returns = [total for total, _ in pool.starmap(fly, [(child, seed) for child in children])]
         order = np.argsort(returns)[::-1]
         mean = share @ children[order[:best]]
-        sigma *= 0.97
-        if generation % 10 == 9:
+        sigma *= 0.98
+        if generation % 20 == 19:
             print(f"generation {generation + 1}: the best return is {max(returns):.2f}")
     return mean
 
@@ -54,6 +54,6 @@ def error(pool, weights):
 if __name__ == "__main__":
     began = time.monotonic()
     with multiprocessing.get_context("spawn").Pool(2) as pool:
-        learnt = learn(pool, int(sys.argv[1]) if len(sys.argv) > 1 else 60)
+        learnt = learn(pool, int(sys.argv[1]) if len(sys.argv) > 1 else 100)
         print(f"{time.monotonic() - began:.0f} s of learning; mean distance from the goal after {SECONDS // 2} s: "
               f"untrained {error(pool, np.zeros(SIZE)):.2f} m, learnt {error(pool, learnt):.2f} m")
