@@ -30,6 +30,12 @@ void BindFrames(py::module_& m) {
           "(height, width) int32, what each pixel shows, by its place in Sim.geom_names; -1: sky, -2: "
           "outside the lens. None: not asked for.")
       .def_property_readonly(
+          "camera_position", [](const F& f) { return f.X_NC.p; },
+          "(3,) the truth of the camera at the exposure: north, east, down, m.")
+      .def_property_readonly(
+          "camera_rotation", [](const F& f) { return f.X_NC.R.toRotationMatrix(); },
+          "(3, 3) the truth: turns vectors of the camera (right, down, forward) into north-east-down.")
+      .def_property_readonly(
           "flow", [](const F& f) { return ViewOf(f.flow); },
           "(height, width, 2) float32, by how many pixels to the right and down what was in the frame "
           "before has moved until this one. None: not asked for, or it is the first.");

@@ -3,6 +3,7 @@
 
 #include <opencv2/core.hpp>
 
+#include "geometry/pose.h"
 #include "vision/camera.h"
 
 namespace kestrel::python {
@@ -11,6 +12,7 @@ namespace kestrel::python {
 struct ShownFrame {
   vision::Frame frame;
   cv::Mat depth, segmentation, flow;
+  Pose X_NC;  // the truth at its exposure
 };
 
 }  // namespace kestrel::python

@@ -10,4 +10,10 @@ PYBIND11_MODULE(_core, m) {
   BindFrames(m);
   BindDecisions(m);
   BindSim(m);
+  BindCamera(m);
+  BindWorld(m);
+  BindPad(m);
+  BindBall(m);
+  BindHorizon(m);
+  BindLaws(m);
 }

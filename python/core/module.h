@@ -12,5 +12,11 @@ void BindStates(pybind11::module_& m);
 void BindFrames(pybind11::module_& m);
 void BindDecisions(pybind11::module_& m);
 void BindSim(pybind11::module_& m);
+void BindCamera(pybind11::module_& m);
+void BindWorld(pybind11::module_& m);
+void BindPad(pybind11::module_& m);
+void BindBall(pybind11::module_& m);
+void BindHorizon(pybind11::module_& m);
+void BindLaws(pybind11::module_& m);
 
 }  // namespace kestrel::python

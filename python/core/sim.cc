@@ -13,6 +13,7 @@
 #include "control/autopilot.h"
 #include "python/core/decisions.h"
 #include "python/core/frames.h"
+#include "python/core/instruments.h"
 #include "python/core/module.h"
 #include "python/core/overrides.h"
 #include "records/summary.h"
@@ -67,13 +68,27 @@ class StepSim {
 
   py::tuple Give(Observation o) const {
     py::object frame = py::none();
-    if (o.frame)
-      frame = py::cast(ShownFrame{std::move(*o.frame), depth_ ? o.surfaces.depth_m : cv::Mat(),
-                                  segmentation_ ? o.surfaces.geom : cv::Mat(), flow_ ? o.flow : cv::Mat()});
+    if (o.frame) frame = py::cast(Shown(std::move(*o.frame), o.surfaces, o.flow, sim_->exposure().X_NC));
     return py::make_tuple(std::move(frame), py::cast(std::move(o.state)));
   }
 
+  // The frames of the cameras beside the one that is flown by: a list for each, by its name.
+  py::dict GiveCameras() const {
+    const InUse use(*this);
+    py::dict all;
+    for (const auto& camera : sim_->scenario().simulator.cameras) all[py::str(camera.name)] = py::list();
+    for (const sim::CameraFrame& f : sim_->camera_frames())
+      all[py::str(f.name)].cast<py::list>().append(Shown(f.frame, f.surfaces, f.flow, f.X_NC));
+    return all;
+  }
+
  private:
+  ShownFrame Shown(vision::Frame frame, const sim::Surfaces& surfaces, const cv::Mat& flow,
+                   const Pose& X_NC) const {
+    return {std::move(frame), depth_ ? surfaces.depth_m : cv::Mat(),
+            segmentation_ ? surfaces.geom : cv::Mat(), flow_ ? flow : cv::Mat(), X_NC};
+  }
+
   struct InUse {
     explicit InUse(const StepSim& of) : sim(of) {
       if (getpid() != sim.process_)
@@ -174,6 +189,17 @@ with every mistake of the scenario.)")
           "frame is the "
           "last that has come meanwhile, or None.")
       .def(
+          "_repeat",
+          [](S& s, int times, const py::object& setpoint, std::optional<double> seconds) {
+            const Command command = CommandOf(setpoint);
+            s.LetOthersRun([&](Sim& sim) {
+              for (int i = 0; i < times && !sim.done(); ++i)
+                seconds ? sim.Advance(*seconds, command.setpoint) : sim.Step(command.setpoint, command.aid);
+            });
+          },
+          "times"_a, "setpoint"_a = py::none(), "seconds"_a = py::none(),
+          "For kestrel.bench: so many step(setpoint) or advance(seconds, setpoint) in C++.")
+      .def(
           "decide", [](S& s) { return OwnedDecision(s.LetOthersRun([](Sim& sim) { return sim.Decide(); })); },
           "What the scenario's own mission decides on the frame that step() gave last: a Decision, which "
           "step() takes.")
@@ -205,6 +231,33 @@ with every mistake of the scenario.)")
           "scenario",
           [](const S& s) { return s.Use([](const Sim& sim) { return ToYaml(sim.scenario().scenario); }); },
           "The whole scenario with its overrides, as YAML.")
+      .def_property_readonly(
+          "cameras", &S::GiveCameras,
+          "Of each camera beside the one that is flown by (the scenario's key cameras) the list of "
+          "Frames that have come since step(), advance() or reset() was called last, by its name.")
+      .def_property_readonly(
+          "imu", [](const S& s) { return s.Use(&ImuOf); },
+          "(n,) structured, every sample since step(), advance() or reset() was called last: t_ns "
+          "int64, ns; gyro (3,), rad/s; accel (3,), m/s^2. Raises SimError where the scenario has no "
+          "instruments.imu.")
+      .def_property_readonly(
+          "imu_truth", [](const S& s) { return s.Use(&ImuTruthOf); },
+          "(n,) structured, the truth at the instants of imu: t_ns, ns; position (3,), m; attitude (4,) "
+          "w, x, y, z; velocity (3,), m/s; rates (3,), rad/s; gyro_bias (3,), rad/s; accel_bias (3,), "
+          "m/s^2.")
+      .def_property_readonly(
+          "gps", [](const S& s) { return s.Use(&GpsOf); },
+          "(n,) structured, as imu: t_ns, ns; position (3,), m; velocity (3,), m/s; north, east, down.")
+      .def_property_readonly(
+          "barometer", [](const S& s) { return s.Use(&BarometerOf); },
+          "(n,) structured, as imu: t_ns, ns; height, m; pressure, Pa.")
+      .def_property_readonly(
+          "magnetometer", [](const S& s) { return s.Use(&MagnetometerOf); },
+          "(n,) structured, as imu: t_ns, ns; field (3,), T, in the body.")
+      .def_property_readonly(
+          "rangefinder", [](const S& s) { return s.Use(&RangefinderOf); },
+          "(n,) structured, as imu: t_ns, ns; range, m; infinite: nothing is within the longest, minus "
+          "infinite: nearer than the shortest.")
       .def(
           "summary",
           [](const S& s) {

@@ -133,6 +133,48 @@ class WhatAStepGives(unittest.TestCase):
         self.assertRegex(self.sim.scenario, r"(?m)^duration_s: 1.5$")
 
 
+class SensorsAndCameras(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.sim = kestrel.Sim("landing_sensors", seed=2, overrides=SHORT)
+        cls.sim.reset()
+
+    def test_every_sample_since_the_last_step(self):
+        stamps = []
+        for step in range(6):
+            before = self.sim.t
+            self.sim.advance(0.1) if step % 2 else self.sim.step()
+            imu = self.sim.imu
+            self.assertAlmostEqual(len(imu), (self.sim.t - before) * 500, delta=1)
+            self.assertEqual((imu.dtype["t_ns"], imu["gyro"].shape), (np.int64, (len(imu), 3)))
+            self.assertTrue((abs(imu["accel"][:, 2] + 9.8) < 3).all())
+            np.testing.assert_array_equal(self.sim.imu_truth["t_ns"], imu["t_ns"])
+            stamps.extend(imu["t_ns"])
+        self.assertTrue((np.diff(stamps) == 2_000_000).all())
+        truth = self.sim.imu_truth[-1]
+        np.testing.assert_allclose(truth["position"], self.sim.truth.position, atol=0.01)
+        for table in self.sim.gps, self.sim.barometer, self.sim.magnetometer, self.sim.rangefinder:
+            self.assertIn("t_ns", table.dtype.names)
+
+    def test_frames_of_all_cameras(self):
+        self.sim.reset()
+        frame, _ = self.sim.step()
+        cameras = self.sim.cameras
+        self.assertEqual(list(cameras), ["left", "right"])
+        left, right = cameras["left"][-1], cameras["right"][-1]
+        self.assertEqual((left.t, right.t), (frame.t, frame.t))
+        self.assertAlmostEqual(np.linalg.norm(left.camera_position - right.camera_position), 0.2, places=9)
+        self.assertEqual(left.image.dtype, np.uint8)
+        np.testing.assert_array_equal(frame.camera_position, self.sim.exposure_truth.camera_position)
+
+    def test_of_instruments_that_are_not_there(self):
+        sim = kestrel.Sim("hover", overrides=SHORT, images=False)
+        sim.reset()
+        self.assertEqual(sim.cameras, {})
+        with self.assertRaisesRegex(kestrel.SimError, "instruments.imu"):
+            sim.imu
+
+
 class Misuse(unittest.TestCase):
     def test_is_named(self):
         sim = kestrel.Sim("hover", overrides=SHORT, images=False)
