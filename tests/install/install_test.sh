@@ -54,6 +54,14 @@ refused "there is no" "$kestrel" check "$circle"
 [[ -s flown/plots/circle.png ]] || fail "there is no plot of the plug-in"
 grep -q 'circle.so' flown/summary.json || fail "summary.json does not name the plug-in"
 grep -q '"circle_around_deg"' flown/summary.json || fail "summary.json has no metric of the plug-in"
+module=$(find "$prefix" -name '_core.*.so')
+if [[ -n $module ]]; then
+  PYTHONPATH=$(dirname "$(dirname "$module")") /usr/bin/python3 -B -c "import kestrel
+sim = kestrel.Sim('hover', overrides={'duration_s': 2}, images=False)
+sim.reset()
+while not sim.done: sim.step()
+print(sim.summary()['outcome'])" | grep -qx completed || fail "a flight from Python"
+fi
 # That program knows the cameras of Kestrel alone.
 "$kestrel" run landing --set duration_s=5 --images --no-video --out landing --quiet || [[ $? == 1 ]]
 models=$prefix/share/kestrel/models
