@@ -35,13 +35,13 @@ class Lockstep:
                 time.sleep(0.05)
         if tcp:
             self.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        self.token, self.memory, self.mapped, self.inline = None, None, None, b""
+        self.token, self.reply, self.memory, self.mapped, self.inline = None, None, None, None, b""
         self.hello = self.ask("hello", version=1, client=name)
 
     def ask(self, request, **keys):
         message = json.dumps({"request": request, "token": self.token, **keys}).encode()
         self.socket.sendall(struct.pack("<I", len(message)) + message)
-        reply = json.loads(self._read(struct.unpack("<I", self._read(4))[0]))
+        self.reply = reply = json.loads(self._read(struct.unpack("<I", self._read(4))[0]))
         self.inline = self._read(reply.get("bytes", 0))
         self.token = reply["token"]
         if not reply["ok"]:
@@ -49,13 +49,13 @@ class Lockstep:
         return reply
 
     def pixels(self, frame, picture="image"):
-        """A memoryview of shape [rows, columns(, channels)], valid until the next request."""
+        """Of a frame of the last reply: a memoryview of shape [rows, columns(, channels)], until the next request."""
         layout = frame[picture]
-        if "memory" in frame:
-            if frame["memory"] != self.memory:
-                self.memory = frame["memory"]
+        if "memory" in self.reply:
+            if self.reply["memory"] != self.memory:
+                self.memory = self.reply["memory"]
                 file = os.open("/dev/shm" + self.memory, os.O_RDONLY)
-                self.mapped = mmap.mmap(file, frame["memory_bytes"], prot=mmap.PROT_READ)
+                self.mapped = mmap.mmap(file, self.reply["memory_bytes"], prot=mmap.PROT_READ)
                 os.close(file)
             memory = memoryview(self.mapped)
         else:

@@ -26,16 +26,6 @@ std::size_t BytesOf(const cv::Mat& picture) {
 
 }  // namespace
 
-std::vector<std::size_t> PictureOffsets(const std::vector<cv::Mat>& pictures) {
-  std::vector<std::size_t> offsets;
-  std::size_t at = 0;
-  for (const cv::Mat& picture : pictures) {
-    offsets.push_back(at);
-    at += BytesOf(picture);
-  }
-  return offsets;
-}
-
 std::size_t PictureBytes(const std::vector<cv::Mat>& pictures) {
   std::size_t bytes = 0;
   for (const cv::Mat& picture : pictures) bytes += BytesOf(picture);
@@ -75,7 +65,7 @@ void ImageMemory::Make(std::size_t size) {
   int error = posix_fallocate(descriptor, 0, static_cast<off_t>(size));
   void* bytes = MAP_FAILED;
   if (error == 0) {
-    bytes = mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor, 0);
+    bytes = mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_POPULATE, descriptor, 0);
     if (bytes == MAP_FAILED) error = errno;
   }
   close(descriptor);

@@ -8,13 +8,10 @@
 
 namespace kestrel::flight {
 
-// Where a picture's rows begin among the bytes of several, one behind the other: of the first element, each at
-// a multiple of kPictureAlignment.
+// Bytes of pictures one behind the other: each without gaps between its rows, and begun at a multiple of
+// kPictureAlignment.
 inline constexpr std::size_t kPictureAlignment = 64;
-std::vector<std::size_t> PictureOffsets(const std::vector<cv::Mat>& pictures);
-// Of all of them together.
 std::size_t PictureBytes(const std::vector<cv::Mat>& pictures);
-// To there, without gaps between rows.
 void CopyPictures(const std::vector<cv::Mat>& pictures, unsigned char* to);
 
 // POSIX shared memory for the pictures of one client, which this user's programs may read and none may write.

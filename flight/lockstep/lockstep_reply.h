@@ -2,10 +2,12 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
+#include <vector>
 
 #include "control/autopilot.h"
 #include "geometry/truth.h"
 #include "mission/decision.h"
+#include "sim/instrument/readings.h"
 
 // The parts of the replies of the lockstep protocol (docs/guide/lockstep.md). Numbers are written in full: who
 // reads them by the rules of IEEE 754 has the same bits.
@@ -13,7 +15,10 @@ namespace kestrel::flight {
 
 nlohmann::ordered_json LockstepJson(const control::VehicleState& state);
 nlohmann::ordered_json LockstepJson(const Truth& truth);
-nlohmann::ordered_json LockstepJson(
-    const mission::Decision& decision);  // what goes into a step, and its outcome
+nlohmann::ordered_json LockstepJson(const std::vector<sim::TruthSample>& samples);
+// Of the instruments that have given something; an empty object: none has.
+nlohmann::ordered_json LockstepJson(const sim::Readings& readings);
+// What goes into a step, and how the flight is to end.
+nlohmann::ordered_json LockstepJson(const mission::Decision& decision);
 
 }  // namespace kestrel::flight

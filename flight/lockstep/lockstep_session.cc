@@ -171,45 +171,51 @@ Json LockstepSession::Observed(const Observation& observation) {
     if (recorded_) recorded_->Write(observation);
     if (sim_->done()) End("");
   }
-  return {{"t_s", sim_->t_s()},
-          {"done", sim_->done()},
-          {"outcome", sim_->outcome()},
-          {"frame", FrameOf(observation)},
-          {"state", LockstepJson(observation.state)}};
+  Json json = {{"t_s", sim_->t_s()},
+               {"done", sim_->done()},
+               {"outcome", sim_->outcome()},
+               {"frame", nullptr},
+               {"state", LockstepJson(observation.state)}};
+  if (observation.frame)
+    json["frame"] = FrameJson(*observation.frame, observation.surfaces, observation.flow);
+  for (const sim::CameraFrame& other : sim_->camera_frames()) {
+    Json frame = FrameJson(other.frame, other.surfaces, other.flow);
+    frame["camera"] = other.name;
+    json["frames"].push_back(frame);
+  }
+  if (Json readings = LockstepJson(sim_->readings()); !readings.empty())
+    json["readings"] = std::move(readings);
+  if (!inline_images_ && !pictures_.empty()) {
+    memory_.Store(pictures_);
+    pictures_.clear();
+    json["memory"] = memory_.name();
+    json["memory_bytes"] = memory_.size();
+  }
+  return json;
 }
 
-Json LockstepSession::FrameOf(const Observation& o) {
-  if (!o.frame) return nullptr;
-  Json frame = {{"sequence", o.frame->sequence}, {"t_s", o.frame->t_s}};
-  std::vector<std::string> names;
-  std::vector<cv::Mat> pictures;
+Json LockstepSession::FrameJson(const vision::Frame& frame, const sim::Surfaces& surfaces,
+                                const cv::Mat& flow) {
+  Json json = {{"sequence", frame.sequence}, {"t_s", frame.t_s}};
   const auto add = [&](const char* name, const cv::Mat& picture) {
     if (picture.empty()) return;
-    names.emplace_back(name);
-    pictures.push_back(picture);
+    json[name] = Layout(picture, PictureBytes(pictures_));
+    pictures_.push_back(picture);
   };
-  add("image", o.frame->image);
-  add("depth", o.surfaces.depth_m);
-  add("geom", o.surfaces.geom);
-  add("flow", o.flow);
-  if (pictures.empty()) return frame;
-  const std::vector<std::size_t> offsets = PictureOffsets(pictures);
-  for (std::size_t i = 0; i < pictures.size(); ++i) frame[names[i]] = Layout(pictures[i], offsets[i]);
-  if (inline_images_) {
-    pictures_ = std::move(pictures);
-  } else {
-    memory_.Store(pictures);
-    frame["memory"] = memory_.name();
-    frame["memory_bytes"] = memory_.size();
-  }
-  return frame;
+  add("image", frame.image);
+  add("depth", surfaces.depth_m);
+  add("geom", surfaces.geom);
+  add("flow", flow);
+  return json;
 }
 
 Json LockstepSession::Do(const DecideRequest&) { return {{"decision", LockstepJson(Flight().Decide())}}; }
 
 Json LockstepSession::Do(const TruthRequest&) {
   const Sim& sim = Flight();
-  return {{"now", LockstepJson(sim.truth())}, {"exposure", LockstepJson(sim.exposure())}};
+  return {{"now", LockstepJson(sim.truth())},
+          {"exposure", LockstepJson(sim.exposure())},
+          {"imu", LockstepJson(sim.readings().truth)}};
 }
 
 Json LockstepSession::Do(const SummaryRequest&) {

@@ -65,7 +65,8 @@ class LockstepSession {
   nlohmann::ordered_json Do(const ByeRequest& request);
   Sim& Flight();
   nlohmann::ordered_json Observed(const Observation& observation);
-  nlohmann::ordered_json FrameOf(const Observation& observation);
+  nlohmann::ordered_json FrameJson(const vision::Frame& frame, const sim::Surfaces& surfaces,
+                                   const cv::Mat& flow);
   void BeginRecords(const Observation& first);
   void End(const std::string& error);  // of the flight that is under way
 
@@ -81,7 +82,7 @@ class LockstepSession {
   std::string client_;
   bool inline_images_ = false;
   ImageMemory memory_;
-  std::vector<cv::Mat> pictures_;  // of the reply that is being made, inline
+  std::vector<cv::Mat> pictures_;  // of the reply that is being made
   double simulator_s_ = 0;         // of real time, that the simulator took for it
   bool farewell_ = false;
 };

@@ -47,6 +47,7 @@ circle=$source/../../examples/own_flight/circle.yaml
 wide=$source/../../examples/own_camera/wide.yaml
 plugins=(--plugin examples/own_flight/circle.so --plugin examples/own_camera/stereographic.so)
 examples/own_law/own_law
+examples/own_loop/own_loop 7 | tee loop.txt
 "$kestrel" check landing >/dev/null
 refused "there is no" "$kestrel" check "$circle"
 "$kestrel" check "$circle" "${plugins[@]}" >/dev/null
@@ -80,6 +81,13 @@ if grep -qw avx /proc/cpuinfo; then
   "$kestrel" run "$circle" --plugin avx/circle.so --set duration_s=2 --no-video --quiet --out avx/flown || [[ $? == 1 ]] ||
     fail "a flight by a plug-in that was built with -mavx"
 fi
+
+step "a loop of one's own, built without CMake: the same flight"
+PKG_CONFIG_PATH=$(dirname "$(find "$prefix" -name kestrel-flight.pc)")
+export PKG_CONFIG_PATH
+read -ra flags < <(pkg-config --cflags --libs kestrel-flight)
+"${CXX:-c++}" -O1 "$source/../../examples/own_loop/own_loop.cc" "${flags[@]}" -o loop || fail "the build by pkg-config"
+KESTREL_ROOT=$prefix/share/kestrel ./loop 7 | cmp - loop.txt || fail "another flight"
 
 step "a campaign, whose workers load the plug-in"
 printf 'scenario: %s\nruns: 2\nset: [duration_s=2]\nvary: {wind.mean_m_s: {uniform: [0, 2]}}\n' "$circle" >campaign.yaml

@@ -93,6 +93,23 @@ TEST_F(ServeCommandTest, AllMistakesAreToldAtOnce) {
   EXPECT_THAT(Refusal(a), AllOf(HasSubstr(kNoScenario), HasSubstr("--listen")));
 }
 
+TEST_F(ServeCommandTest, WhatIsOfRealTimeDoesNotGoWithLockstep) {
+  flight::ServeArguments a =
+      Parsed({"landing", "--lockstep", "tcp:0", "--afcs", "--camera", "rtp:5600", "--for", "5"});
+  EXPECT_THAT(Refusal(a), HasSubstr("--lockstep: does not go with --afcs, --camera, --for: time waits"));
+  a = Parsed({"landing", "--lockstep"});
+  EXPECT_EQ(a.lockstep, "");
+  a.lockstep = "tcp:70000";
+  EXPECT_THAT(
+      Refusal(a),
+      HasSubstr("--lockstep: 'tcp:70000' has no port; valid: tcp:PORT, or the file of a Unix socket"));
+  a.lockstep_timeout_s = -1;
+  EXPECT_THAT(Refusal(a), HasSubstr("--lockstep-timeout: -1 is out of range"));
+  a = Parsed({"landing", "--afcs", "127.0.0.1:0", "--once", "--no-video", "--lockstep-timeout", "3"});
+  for (const char* option : {"--once", "--no-video", "--lockstep-timeout"})
+    EXPECT_THAT(Refusal(a), HasSubstr(std::string(option) + ": means nothing without --lockstep"));
+}
+
 TEST_F(ServeCommandTest, HowLongMustBeATime) {
   flight::ServeArguments a;
   a.scenario = kNoScenario, a.afcs = "127.0.0.1:0";

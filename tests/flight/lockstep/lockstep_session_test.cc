@@ -144,20 +144,20 @@ TEST_F(LockstepSessionTest, AfterTheEndAStepIsRefusedAndAnotherFlightMayBegin) {
 
 TEST_F(LockstepSessionTest, GivesImagesInSharedMemoryThatNobodyElseMayWrite) {
   Hello();
-  const Json frame = Ask("reset", R"("records":false,"surfaces":true)")["frame"];
+  const Json reset = Ask("reset", R"("records":false,"surfaces":true)"), frame = reset["frame"];
   Sim sim("hover", [&] {
     SimOptions options = options_.sim;
     options.surfaces = true;
     return options;
   }());
   const Observation o = sim.Reset();
-  const std::string name = frame["memory"];
+  const std::string name = reset["memory"];
   const int file = shm_open(name.c_str(), O_RDONLY, 0);
   ASSERT_GE(file, 0);
   struct stat there {};
   ASSERT_EQ(fstat(file, &there), 0);
   EXPECT_EQ(there.st_mode & 0777, 0400u);
-  const std::size_t size = frame["memory_bytes"];
+  const std::size_t size = reset["memory_bytes"];
   void* memory = mmap(nullptr, size, PROT_READ, MAP_SHARED, file, 0);
   ASSERT_NE(memory, MAP_FAILED);
   const auto expect = [&](const char* name_of, const cv::Mat& picture) {
@@ -182,11 +182,36 @@ TEST_F(LockstepSessionTest, GivesImagesInSharedMemoryThatNobodyElseMayWrite) {
 TEST_F(LockstepSessionTest, GivesImagesBehindTheReplyWhereAsked) {
   Hello(R"("inline":true)");
   const Json reset = Ask("reset", R"("records":false)");
-  EXPECT_FALSE(reset["frame"].contains("memory"));
+  EXPECT_FALSE(reset.contains("memory"));
   EXPECT_EQ(reset["bytes"], PictureBytes(reply_.pictures));
   Sim sim("hover", options_.sim);
   ASSERT_EQ(reply_.pictures.size(), 1u);
   EXPECT_EQ(cv::norm(reply_.pictures[0], sim.Reset().frame->image, cv::NORM_INF), 0);
+}
+
+TEST_F(LockstepSessionTest, GivesReadingsAndFramesOfOtherCamerasWithTheirOwnStamps) {
+  options_.sim.overrides.insert(
+      options_.sim.overrides.end(),
+      {"instruments={imu: {rate_hz: 200}, barometer: {}}",
+       "cameras=[{name: ahead, camera: thesis_6mm, mount: {pitch_deg: 90}, image: {rate_hz: 20}}]"});
+  session_.emplace(options_, *loaded_);
+  Hello();
+  Ask("reset", R"("records":false)");
+  const Json now = Ask("step");
+  Sim sim("hover", options_.sim);
+  sim.Reset();
+  sim.Step();
+  const Json& imu = now["readings"]["imu"];
+  ASSERT_EQ(imu.size(), sim.readings().imu.size());
+  EXPECT_EQ(imu.size(), 10u);
+  EXPECT_EQ(imu[3]["t_ns"], sim.readings().imu[3].t_ns);
+  EXPECT_EQ(imu[3]["w_I_rad_s"][1], sim.readings().imu[3].w_I.y());
+  EXPECT_GT(now["readings"]["barometer"].size(), 0u);
+  ASSERT_EQ(now["frames"].size(), 1u);
+  EXPECT_EQ(now["frames"][0]["camera"], "ahead");
+  EXPECT_EQ(now["frames"][0]["t_s"], sim.camera_frames()[0].frame.t_s);
+  EXPECT_GT(now["frames"][0]["image"]["offset"], now["frame"]["image"]["offset"]);
+  EXPECT_EQ(Ask("truth")["imu"].size(), imu.size());
 }
 
 TEST_F(LockstepSessionTest, WhoGoesInAFlightLeavesItsRecord) {
