@@ -54,7 +54,7 @@ class Dict:
 class Env:
     """An environment with random numbers of its own, which reset() seeds."""
 
-    metadata = {"render_modes": []}
+    metadata: dict = {"render_modes": []}
     render_mode = None
     spec = None
     _np_random = None

@@ -26,6 +26,10 @@ info has always: t, seed, truth (position, velocity, attitude as w, x, y, z) and
 and with the last step: outcome and metrics, as in the summary of a run.
 """
 
+from __future__ import annotations
+
+from typing import Any
+
 import numpy as np
 
 import kestrel
@@ -62,9 +66,10 @@ class Flight(Env):
     limits = (1.5, 1.5, 0.8, 0.7)  # of velocity setpoints: forward, right, down in m/s, yaw rate in rad/s
     reach_m = 15.0
     targets = 0
-    actions = ("velocity",)
+    actions: tuple[str, ...] = ("velocity",)
 
-    def __init__(self, observation="state", action="velocity", render_mode=None, duration_s=None, overrides=None):
+    def __init__(self, observation: str = "state", action: str = "velocity", render_mode: str | None = None,
+                 duration_s: float | None = None, overrides: dict[str, Any] | None = None):
         if observation not in ("state", "image", "both"):
             raise ValueError(f'observation="{observation}": give "state", "image" or "both"')
         if action not in self.actions:
@@ -80,7 +85,7 @@ class Flight(Env):
             self.duration_s = float(duration_s)
         overrides = {**(overrides or {}), "duration_s": self.duration_s}
         self._sim = kestrel.Sim(self.scenario, overrides=overrides, images=images, draw_beside=False)
-        self._image = None
+        self._image: Any = None
         self._over = True
         self.action_space = Box(-1.0, 1.0, (4,), np.float32)
         own, each_target = [100.0] * 3 + [20.0] * 3 + [np.pi] * 3 + [35.0] * 3, [200.0] * 3 + [40.0] * 3
@@ -93,7 +98,7 @@ class Flight(Env):
             image = Box(0, 255, self._image.shape, np.uint8)
             self.observation_space = image if observation == "image" else Dict({"image": image, "state": state})
 
-    def reset(self, *, seed=None, options=None):
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         super().reset(seed=seed)
         self._seed = int(seed) if seed is not None else int(self.np_random.integers(2**31))
         frame, state = self._sim.reset(seed=self._seed)
@@ -102,7 +107,7 @@ class Flight(Env):
         self._begin(self._sim.truth)
         return self._observe(), self._info(state)
 
-    def step(self, action):
+    def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         if self._over:
             raise kestrel.SimError("a step before reset() or after the end of an episode: call reset() first")
         before_s = self._sim.t
@@ -122,7 +127,7 @@ class Flight(Env):
             info["metrics"] = dict(self._sim.summary()["metrics"])
         return self._observe(), float(reward), terminated, truncated, info
 
-    def render(self):
+    def render(self) -> np.ndarray | None:
         if self.render_mode is None or self._image is None:
             return None
         return np.repeat(self._image, 3, axis=2) if self._image.shape[2] == 1 else self._image.copy()
@@ -302,7 +307,7 @@ class Avoiding(Flight):
 ENVIRONMENTS = {f"kestrel/{flight.__name__}-v0": flight for flight in (Hover, Landing, Following, Avoiding)}
 
 
-def make(id, **arguments):
+def make(id: str, **arguments: Any) -> Flight:
     """The environment of that name, bare: what gymnasium.make() does without its wrappers, and without Gymnasium."""
     if id not in ENVIRONMENTS:
         raise ValueError(f'no environment is named "{id}": there are {", ".join(ENVIRONMENTS)}')
