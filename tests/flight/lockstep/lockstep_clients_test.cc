@@ -70,7 +70,6 @@ TEST_F(LockstepClientsTest, PythonBySharedMemoryFliesTheFlightOfARunAndOfASim) {
 }
 
 TEST_F(LockstepClientsTest, NodeByTcpFliesTheFlightOfARun) {
-  if (std::system("command -v node >/dev/null") != 0) GTEST_SKIP() << "node (packages.txt) is not installed";
   ExpectTheRun(Flown(
       "tcp:0", R"(client.mjs $(for i in $(seq 300); do )"
                R"(sed -n 's/.* tcp:\([0-9]*\),.*/\1/p' serve.txt | grep . && break; sleep 0.1; done) 11)"));
