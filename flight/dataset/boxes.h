@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "flight/dataset/sequence.h"
+#include "flight/dataset/format/sequence.h"
 
 namespace kestrel::flight {
 

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "flight/dataset/boxes.h"
-#include "flight/dataset/sequence.h"
-#include "flight/dataset/trajectory.h"
+#include "flight/dataset/format/sequence.h"
+#include "flight/dataset/trajectory/trajectory.h"
 #include "sim/camera/carried/carried_camera.h"
 #include "sim/camera/image_sensor.h"
 #include "sim/camera/renderer.h"

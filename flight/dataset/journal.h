@@ -10,7 +10,7 @@
 #include <tuple>
 #include <vector>
 
-#include "flight/dataset/format.h"
+#include "flight/dataset/format/format.h"
 
 namespace kestrel::flight {
 

@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "flight/dataset/mission_flight.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <map>
 #include <memory>
 #include <utility>
 
 #include "base/nanoseconds.h"
+#include "base/process/print_note.h"
 #include "flight/dataset/boxes.h"
-#include "flight/dataset/conventions.h"
+#include "flight/dataset/trajectory/conventions.h"
 #include "flight/dataset/writers.h"
 #include "flight/stepped/sim.h"
 
@@ -101,11 +104,14 @@ void FlyMission(const DatasetPlan& plan, int threads, Journal& journal, Sequence
   Observation seen = sim.Reset();
   Gatherer gatherer(plan, sim.simulator().model(), threads, journal, s);
   gatherer.Take(sim, seen);
+  const bool terminal = plan.scenarios.size() == 1 && isatty(STDERR_FILENO);  // of several, InParallel tells
   const auto enough = [&] { return a.frames && s.frames[0].size() >= static_cast<std::size_t>(*a.frames); };
   while (!sim.done() && !enough()) {
     const mission::Decision& decision = sim.Decide();
     seen = sim.Step(decision.setpoint, decision.aid);
     gatherer.Take(sim, seen);
+    if (terminal)
+      PrintNote("\r\033[Kdata set: {} frames, {:.1f} s of the flight", s.frames[0].size(), sim.t_s());
   }
   gatherer.Finish();
 }

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "flight/dataset/format.h"
-#include "flight/dataset/sequence.h"
-#include "flight/dataset/way_file.h"
+#include "flight/dataset/format/format.h"
+#include "flight/dataset/format/sequence.h"
+#include "flight/dataset/trajectory/way_file.h"
 #include "flight/simulated/scenario.h"
 
 namespace kestrel::flight {

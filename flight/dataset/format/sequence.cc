@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "flight/dataset/sequence.h"
+#include "flight/dataset/format/sequence.h"
 
 #include <algorithm>
 #include <iterator>

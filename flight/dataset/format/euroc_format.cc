@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "flight/dataset/euroc_format.h"
+#include "flight/dataset/format/euroc_format.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "flight/dataset/pictures.h"
-#include "flight/dataset/tables.h"
+#include "flight/dataset/format/pictures.h"
+#include "flight/dataset/format/tables.h"
 #include "flight/simulated/truth_images.h"
 #include "vision/camera/calibration_file.h"
 
@@ -16,9 +16,11 @@ std::string PoseText(const Pose& X_BS) {
   return fmt::format("T_BS:\n  cols: 4\n  rows: 4\n  data: [{}]\n", MatrixOf(X_BS));
 }
 
-// Kalibr's words for the distortion, as EuRoC's files have them.
+// Kalibr's words for the distortion, as EuRoC's files have them, which know no camera without.
 std::string DistortionName(const std::string& kalibr) {
-  return kalibr == "radtan" ? "radial-tangential" : kalibr == "equi" ? "equidistant" : kalibr;
+  return kalibr == "equi"                         ? "equidistant"
+         : kalibr == "radtan" || kalibr == "none" ? "radial-tangential"
+                                                  : kalibr;
 }
 
 std::string CameraSheet(const RigCamera& camera) {
@@ -35,12 +37,14 @@ std::string CameraSheet(const RigCamera& camera) {
     for (const auto& each : member(key).members) numbers.push_back(each.node.text);
     return fmt::format("[{}]", fmt::join(numbers, ", "));
   };
+  const std::string distortion = member("distortion_model").text;
   return fmt::format(
       "sensor_type: camera\ncomment: simulated by Kestrel\n{}rate_hz: "
       "{}\nresolution: {}\ncamera_model: {}\n"
       "intrinsics: {}\ndistortion_model: {}\ndistortion_coefficients: {}\n",
       PoseText(camera.X_BC), camera.rate_hz, list("resolution"), member("camera_model").text,
-      list("intrinsics"), DistortionName(member("distortion_model").text), list("distortion_coeffs"));
+      list("intrinsics"), DistortionName(distortion),
+      distortion == "none" ? "[0, 0, 0, 0]" : list("distortion_coeffs"));
 }
 
 std::string ImuSheet(const Sequence& s) {

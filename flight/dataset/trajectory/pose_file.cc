@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "flight/dataset/pose_file.h"
+#include "flight/dataset/trajectory/pose_file.h"
 
 #include <fmt/format.h>
 
@@ -12,7 +12,7 @@
 
 #include "base/file/files.h"
 #include "base/user_file.h"
-#include "flight/dataset/conventions.h"
+#include "flight/dataset/trajectory/conventions.h"
 
 namespace kestrel::flight {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "flight/dataset/way_file.h"
+#include "flight/dataset/trajectory/way_file.h"
 #include "geometry/pose.h"
 
 namespace kestrel::flight {

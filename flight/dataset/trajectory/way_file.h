@@ -8,7 +8,7 @@
 
 #include "base/diagnostics.h"
 #include "base/yaml/fields.h"
-#include "flight/dataset/trajectory.h"
+#include "flight/dataset/trajectory/trajectory.h"
 
 namespace kestrel::flight {
 

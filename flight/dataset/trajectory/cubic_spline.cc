@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "flight/dataset/cubic_spline.h"
+#include "flight/dataset/trajectory/cubic_spline.h"
 
 #include <algorithm>
 #include <utility>

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "flight/dataset/cubic_spline.h"
+#include "flight/dataset/trajectory/cubic_spline.h"
 #include "geometry/pose.h"
 
 namespace kestrel::flight {

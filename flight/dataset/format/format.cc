@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "flight/dataset/format.h"
+#include "flight/dataset/format/format.h"
 
-#include "flight/dataset/euroc_format.h"
-#include "flight/dataset/kitti_format.h"
-#include "flight/dataset/tum_format.h"
+#include "flight/dataset/format/euroc_format.h"
+#include "flight/dataset/format/kitti_format.h"
+#include "flight/dataset/format/tum_format.h"
 
 namespace kestrel::flight {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/diagnostics.h"
-#include "flight/dataset/sequence.h"
+#include "flight/dataset/format/sequence.h"
 
 namespace kestrel::flight {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "flight/dataset/trajectory.h"
+#include "flight/dataset/trajectory/trajectory.h"
 
 #include <algorithm>
 #include <cmath>

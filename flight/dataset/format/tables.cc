@@ -1,16 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "flight/dataset/tables.h"
+#include "flight/dataset/format/tables.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "flight/dataset/conventions.h"
+#include "flight/dataset/trajectory/conventions.h"
 #include "vision/camera/calibration_file.h"
 
 namespace kestrel::flight {
 namespace {
 
-std::string Numbers(const Eigen::Vector3d& v) { return fmt::format("{},{},{}", v.x(), v.y(), v.z()); }
+std::string Numbers(const Eigen::Vector3d& v) {
+  return fmt::format("{},{},{}", v.x() + 0.0, v.y() + 0.0, v.z() + 0.0);  // no -0
+}
 
 }  // namespace
 

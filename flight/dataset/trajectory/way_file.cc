@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "flight/dataset/way_file.h"
+#include "flight/dataset/trajectory/way_file.h"
 
 #include <fmt/format.h>
 
 #include <cmath>
 
 #include "base/yaml/yaml_fields.h"
-#include "flight/dataset/conventions.h"
+#include "flight/dataset/trajectory/conventions.h"
 #include "geometry/tait_bryan.h"
 
 namespace kestrel::flight {

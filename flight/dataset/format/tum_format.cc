@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "flight/dataset/tum_format.h"
+#include "flight/dataset/format/tum_format.h"
 
 #include <fmt/format.h>
 
 #include <opencv2/imgproc.hpp>
 
-#include "flight/dataset/conventions.h"
-#include "flight/dataset/pictures.h"
-#include "flight/dataset/tables.h"
+#include "flight/dataset/format/pictures.h"
+#include "flight/dataset/format/tables.h"
+#include "flight/dataset/trajectory/conventions.h"
 #include "flight/simulated/truth_images.h"
 #include "vision/camera/calibration_file.h"
 

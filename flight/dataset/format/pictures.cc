@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "flight/dataset/pictures.h"
+#include "flight/dataset/format/pictures.h"
 
 #include <fmt/format.h>
 

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "flight/dataset/format.h"
-#include "flight/dataset/sequence.h"
+#include "flight/dataset/format/format.h"
+#include "flight/dataset/format/sequence.h"
 
 // Tables and calibration files that several formats have.
 namespace kestrel::flight {

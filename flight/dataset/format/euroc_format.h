@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "flight/dataset/format.h"
+#include "flight/dataset/format/format.h"
 
 namespace kestrel::flight {
 

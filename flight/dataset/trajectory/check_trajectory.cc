@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "flight/dataset/check_trajectory.h"
+#include "flight/dataset/trajectory/check_trajectory.h"
 
 #include <fmt/format.h>
 
 #include <cmath>
 #include <limits>
+#include <string>
 
 namespace kestrel::flight {
 namespace {
@@ -27,18 +28,20 @@ World WorldOf(const sim::SimulatorParameters& simulator) {
   return world;
 }
 
-// What is wrong there; nothing: empty.
-std::string WrongAt(const Eigen::Vector3d& p_N, const World& world, std::string& remedy) {
-  if (!(p_N.z() < 0)) {
-    remedy = "valid: a height over 0 all along";
-    return fmt::format("is {:.3g} m below the ground", p_N.z());
-  }
-  if (std::abs(p_N.x()) > world.north_m || std::abs(p_N.y()) > world.west_m) {
-    remedy = fmt::format("valid: within {:g} m to north and south, {:g} m to east and west", world.north_m,
-                         world.west_m);
-    return fmt::format("is beyond the world's edge, {:.6g} m north and {:.6g} m east", p_N.x(), p_N.y());
-  }
-  return {};
+struct Wrong {
+  std::string what, remedy;
+};
+
+Wrong Below(const Eigen::Vector3d& p_N) {
+  if (p_N.z() < 0) return {};
+  return {fmt::format("is {:.3g} m below the ground", p_N.z()), "valid: a height over 0 all along"};
+}
+
+Wrong Beyond(const Eigen::Vector3d& p_N, const World& world) {
+  if (std::abs(p_N.x()) <= world.north_m && std::abs(p_N.y()) <= world.west_m) return {};
+  return {fmt::format("is beyond the world's edge, {:.6g} m north and {:.6g} m east", p_N.x(), p_N.y()),
+          fmt::format("valid: within {:g} m to north and south, {:g} m to east and west", world.north_m,
+                      world.west_m)};
 }
 
 }  // namespace
@@ -50,17 +53,22 @@ void CheckTrajectory(const LoadedTrajectory& loaded, const sim::SimulatorParamet
   std::size_t found = 0;
   for (std::size_t i = 0; i < stamps.size() && found < kMostBeyond; ++i) {
     const std::int64_t from = i == 0 ? stamps[0] : stamps[i - 1];
-    for (int k = 1; k <= kProbes; ++k) {
-      const std::int64_t t = from + (stamps[i] - from) * k / kProbes;
-      std::string remedy;
-      const std::string wrong = WrongAt(loaded.trajectory.At(t).X_NB.p, world, remedy);
-      if (wrong.empty()) continue;
-      const double since_s = static_cast<double>(t - stamps[0]) * 1e-9;
-      mistakes.Add(loaded.places[i], "",
-                   fmt::format("the aircraft, {:.3f} s after the first place, {}", since_s, wrong), remedy);
-      ++found;
-      break;
-    }
+    // Of each kind the first place that is wrong.
+    const auto probe = [&](const auto& wrong_at) {
+      for (int k = 1; k <= kProbes; ++k) {
+        const std::int64_t t = from + (stamps[i] - from) * k / kProbes;
+        const Wrong wrong = wrong_at(loaded.trajectory.At(t).X_NB.p);
+        if (wrong.what.empty()) continue;
+        const double since_s = static_cast<double>(t - stamps[0]) * 1e-9;
+        mistakes.Add(loaded.places[i], "",
+                     fmt::format("the aircraft, {:.3f} s after the first place, {}", since_s, wrong.what),
+                     wrong.remedy);
+        ++found;
+        return;
+      }
+    };
+    probe(Below);
+    probe([&](const Eigen::Vector3d& p_N) { return Beyond(p_N, world); });
   }
   const auto refuse = [&](const char* key, const char* what, const char* remedy) {
     mistakes.Add("--in", key, fmt::format("{}, but along a trajectory each frame is drawn by itself", what),

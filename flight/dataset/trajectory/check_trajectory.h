@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base/diagnostics.h"
-#include "flight/dataset/way_file.h"
+#include "flight/dataset/trajectory/way_file.h"
 #include "sim/simulator.h"
 
 namespace kestrel::flight {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "flight/dataset/kitti_format.h"
+#include "flight/dataset/format/kitti_format.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "flight/dataset/pictures.h"
-#include "flight/dataset/tables.h"
+#include "flight/dataset/format/pictures.h"
+#include "flight/dataset/format/tables.h"
 #include "flight/simulated/truth_images.h"
 
 namespace kestrel::flight {
