@@ -2,9 +2,9 @@
 #include "flight/stepped/sim.h"
 
 #include <fmt/format.h>
+#include <pthread.h>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
-#include <unistd.h>
 
 #include <atomic>
 #include <utility>
@@ -22,6 +22,9 @@ namespace kestrel::python {
 namespace py = pybind11;
 using namespace pybind11::literals;
 namespace {
+
+// How many forks lie between the process that loaded this module and this one. (getpid() is a system call.)
+std::atomic<int> forks = 0;
 
 // A Sim and who may use it: one thread at a time, of the process that made it.
 class StepSim {
@@ -43,7 +46,7 @@ class StepSim {
   }
   ~StepSim() {
     // The threads of a Sim do not follow into a forked process, so it cannot be taken down there.
-    if (getpid() != process_)
+    if (forks != process_)
       (void)sim_.release();
     else if (sim_) {
       const py::gil_scoped_release others_run;
@@ -91,7 +94,7 @@ class StepSim {
 
   struct InUse {
     explicit InUse(const StepSim& of) : sim(of) {
-      if (getpid() != sim.process_)
+      if (forks != sim.process_)
         throw SimError("this Sim was made in another process; let each process make its own");
       if (sim.used_.exchange(true))
         throw SimError("two threads use this Sim at a time; let each make its own");
@@ -103,7 +106,7 @@ class StepSim {
   };
 
   bool depth_, segmentation_, flow_;
-  pid_t process_ = getpid();
+  int process_ = forks;
   mutable std::atomic<bool> used_ = false;
   std::unique_ptr<Sim> sim_;
 };
@@ -141,6 +144,7 @@ std::vector<std::string> GeomNames(const Sim& sim) {
 }  // namespace
 
 void BindSim(py::module_& m) {
+  pthread_atfork(nullptr, nullptr, [] { ++forks; });
   using S = StepSim;
   py::class_<S>(
       m, "Sim",
