@@ -5,7 +5,6 @@
 
 #include "vision/camera/file/aslam.h"
 #include "vision/camera/file/basalt.h"
-#include "vision/camera/file/euroc.h"
 #include "vision/camera/file/kalibr.h"
 #include "vision/camera/file/okvis.h"
 #include "vision/camera/file/opencv.h"

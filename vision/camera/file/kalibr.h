@@ -10,6 +10,12 @@ namespace kestrel::vision {
 Keys KalibrCameras(const ConfigNode& root);
 void FromKalibr(const ConfigNode& root, std::size_t index, Sheet& sheet);
 
+// sensor.yaml of one camera of a EuRoC folder, also as TUM-VI and others write it, in Kalibr's words: camera_model,
+// intrinsics, distortion_model and distortion_coefficients at its top; T_BS is the camera's pose on the body,
+// which is the IMU.
+Keys EurocCameras(const ConfigNode& root);
+void FromEuroc(const ConfigNode& root, std::size_t index, Sheet& sheet);
+
 // Kalibr's names of a model, ours, and the order of its numbers.
 struct KalibrForm {
   const char *camera_model, *distortion_model, *model;
