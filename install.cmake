@@ -112,13 +112,14 @@ foreach(component base vision control sim flight)
     foreach(room IN LISTS rooms_of_${layer})
       get_target_property(type ${room} TYPE)
       if(type STREQUAL STATIC_LIBRARY)
-        string(APPEND libraries " -l${room}")
+        string(APPEND libraries ",-l${room}")
       endif()
     endforeach()
   endforeach()
   if(NOT libraries)
     continue()
   endif()
+  # The group is one word: pkg-config gives a word that several files have but once.
   file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/package/kestrel-${component}.pc @ONLY CONTENT
 "prefix=\${pcfiledir}/@up@
 Name: kestrel-${component}
@@ -126,7 +127,7 @@ Description: Kestrel, flight by vision: ${component}
 Version: ${PROJECT_VERSION}
 Requires: ${needs_${component}}
 Cflags: -std=c++20 -DEIGEN_MAX_ALIGN_BYTES=32 -DEIGEN_MAX_STATIC_ALIGN_BYTES=16 -I\${prefix}/include/kestrel
-Libs: -L\${prefix}/${CMAKE_INSTALL_LIBDIR}/kestrel -Wl,--start-group${libraries} -Wl,--end-group ${libraries_${component}} -pthread
+Libs: -L\${prefix}/${CMAKE_INSTALL_LIBDIR}/kestrel -Wl,--start-group${libraries},--end-group ${libraries_${component}} -pthread
 ")
   install(FILES ${CMAKE_BINARY_DIR}/package/kestrel-${component}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig
           COMPONENT kestrel-dev)
