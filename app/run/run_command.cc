@@ -75,6 +75,10 @@ CLI::App* AddRunCommand(CLI::App& app, RunArguments& a) {
   command->add_flag("--truth", a.truth,
                     "Write each frame with its true depth, segmentation and optical flow to DIR/truth "
                     "(some 4 MB a frame at 640 x 480)");
+  command->add_flag(
+      "--events", a.events,
+      "Write the events of the scenario's event_camera, and each frame with the last of them, to "
+      "DIR/events");
   command->add_option("--junit", a.junit, "Also write the criteria as JUnit XML to this file")
       ->type_name("FILE");
   command->add_flag("--quiet", a.quiet, "Print nothing but errors, and what failed of a run that did");
@@ -100,6 +104,7 @@ int RunCommand(const RunArguments& a) {
   options.truth = a.truth;
   if (!a.mcap.empty())
     options.mcap = a.mcap == "raw" ? records::McapImages::kRaw : records::McapImages::kJpeg;
+  options.events = a.events;
   Mistakes mistakes;
   if (!a.mcap.empty() && a.mcap != "jpeg" && a.mcap != "raw")
     mistakes.Add("--mcap", "", fmt::format("'{}' is no kind of image", a.mcap), "valid: jpeg, raw");

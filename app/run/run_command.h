@@ -15,7 +15,7 @@ struct RunArguments {
   std::string scenario, out, junit;
   std::vector<std::string> overrides;
   std::string seed, mcap;
-  bool no_video = false, images = false, truth = false, quiet = false;
+  bool no_video = false, images = false, truth = false, events = false, quiet = false;
 };
 
 CLI::App* AddRunCommand(CLI::App& app, RunArguments& arguments);

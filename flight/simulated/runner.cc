@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "base/stopwatch.h"
+#include "flight/simulated/event_files.h"
 #include "flight/simulated/flight_records.h"
 #include "flight/simulated/judgement.h"
 #include "flight/simulated/truth_images.h"
@@ -25,6 +26,7 @@ FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) 
 
   sim::SimulatorParameters parameters = loaded.simulator;
   parameters.surfaces = options.folder && options.truth;
+  if (options.folder && options.events) parameters.events = scenario.event_camera;
   sim::Simulator simulator(parameters);
   mission::MissionParts parts = PartsOf(loaded, simulator.model());
   if (parts.ground) parts.ground->stream = simulator.ground_camera();
@@ -33,6 +35,7 @@ FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) 
 
   std::optional<FlightRecords> records;
   std::optional<TruthImages> truth;
+  std::optional<EventFiles> events;
   std::optional<records::RecordingWriter> recording;
   if (options.folder) {
     records.emplace(*options.folder, loaded, options.video);
@@ -42,6 +45,7 @@ FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) 
       records::WriteOwnParts(*options.folder, parts.own_parts);
     }
     if (options.truth) truth.emplace(*options.folder / "truth", simulator.model());
+    if (options.events) events.emplace(*options.folder / "events");
   }
 
   std::vector<double> vision_s, control_s, record_s;
@@ -58,6 +62,10 @@ FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) 
           if (records) {
             records->Write(row, simulator, frame.image);
             if (truth) truth->Write(frame.sequence, simulator.picture());
+            if (events) {
+              events->Write(simulator.event_camera()->Take());
+              events->WriteView(frame.sequence, frame.t_s, frame.image);
+            }
             if (recording) recording->Write(frame, state, decision);
             if (records->recorder().wants_images()) {
               records->recorder().WriteImage(records::DrawnView(frame, *mission, records::kSimulatorMode));
@@ -92,6 +100,11 @@ FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) 
   summary.stages["record"] = records::StageTimeOf(record_s);
   try {
     if (recording) recording->Close();
+    if (events) {
+      simulator.event_camera()->Finish();
+      events->Write(simulator.event_camera()->Take());
+      events->Close();
+    }
     if (records) mission->WriteProducts(*options.folder);
   } catch (const std::exception& e) {
     if (summary.error.empty()) summary.error = e.what();

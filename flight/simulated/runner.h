@@ -19,6 +19,7 @@ struct RunOptions {
   bool images = false;                                   // recording.h, for replay
   std::optional<records::McapImages> mcap = {};          // flight.mcap with such images; none: there is none
   bool truth = false;                                    // truth_images.h, into its folder truth/
+  bool events = false;                                   // event_files.h, into its folder events/
 };
 
 struct FlightResult {

@@ -62,6 +62,7 @@ struct Scenario : FlightKeys {
   sim::StartParameters start;
   std::optional<sim::CarryParameters> carry;
   sim::ImageParameters image;
+  sim::EventCameraParameters event_camera;
   sim::RenderOptions render;
   sim::WindParameters wind;
   sim::SensorParameters sensors;
@@ -91,6 +92,7 @@ inline void Fields(FieldVisitor& v, Scenario& s) {
   v({"start", "where and how the flight begins"}, s.start);
   v({"carry", "the aircraft is carried along a way by hand, with its motors off; null: it flies"}, s.carry);
   v({"image", "image sensor and lens: frame rate, latency, exposure, noise, faults"}, s.image);
+  v({"event_camera", "event camera behind the same lens, which --events records"}, s.event_camera);
   v({"render", "how the images are rendered"}, s.render);
   v({"wind", "mean wind, turbulence and gusts"}, s.wind);
   v({"sensors", "errors and faults of the aircraft's sensors"}, s.sensors);
