@@ -58,9 +58,15 @@ vision::CameraAddress CameraAt(const std::string& given, const Wanted& wanted, M
     add("height", fmt::format("{}", wanted.height_px));
   }
   if (!address.starts_with("gst:")) add("colour", wanted.colour ? "true" : "false");
-  if (address.starts_with("file:")) add("rate", fmt::format("{}", wanted.rate_hz));
   try {
-    return vision::ParseCameraAddress(address);
+    vision::CameraAddress camera = vision::ParseCameraAddress(address);
+    auto* folder = std::get_if<vision::FolderSourceOptions>(&camera);
+    auto* video = std::get_if<vision::OpenCvSourceOptions>(&camera);
+    const bool paced = folder && (folder->as_recorded || folder->rate_hz > 0);
+    if (folder && !paced) folder->rate_hz = wanted.rate_hz;
+    if (video && video->kind == vision::OpenCvSourceOptions::Kind::kFile && video->rate_hz == 0)
+      video->rate_hz = wanted.rate_hz;
+    return camera;
   } catch (const InputError& e) {
     for (Diagnostic each : e.diagnostics) {
       if (each.place() == vision::PlaceOfCamera(address)) each.file = vision::PlaceOfCamera(given).file;

@@ -10,7 +10,10 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <utility>
 
+#include "app/flight/replay_log.h"
+#include "app/option/bits_option.h"
 #include "base/diagnostics.h"
 #include "base/file/files.h"
 #include "base/stopwatch.h"
@@ -89,6 +92,8 @@ class Comparison {
   std::map<std::string, Difference> differences_;
 };
 
+}  // namespace
+
 void RequireSizeOf(const vision::CameraModel& camera, const vision::Frame& frame, const std::string& folder) {
   if (frame.image.cols == vision::WidthPx(camera) && frame.image.rows == vision::HeightPx(camera)) return;
   throw InputError(
@@ -97,13 +102,14 @@ void RequireSizeOf(const vision::CameraModel& camera, const vision::Frame& frame
       fmt::format("valid: the camera's {} x {}", vision::WidthPx(camera), vision::HeightPx(camera)));
 }
 
-}  // namespace
-
 CLI::App* AddReplayCommand(CLI::App& app, ReplayArguments& a) {
   CLI::App* command = app.add_subcommand(
       "replay", "Give a recorded flight's images and states to its mission again, and compare");
-  command->add_option("folder", a.folder, "Of a flight with recording/: run or fly with --images")
-      ->type_name("DIR")
+  command
+      ->add_option(
+          "folder", a.folder,
+          "Of a flight with recording/: run or fly with --images; or an MCAP of ROS 2, of any flight")
+      ->type_name("FLIGHT")
       ->required();
   command
       ->add_option("--set", a.overrides,
@@ -113,19 +119,47 @@ CLI::App* AddReplayCommand(CLI::App& app, ReplayArguments& a) {
       ->capture_default_str();
   command->add_option("--video", a.video, "Also write what the vision code sees now to this MP4")
       ->type_name("FILE");
+  command
+      ->add_option("--scenario", a.scenario,
+                   "Of an MCAP: whose mission sees it, by the scenario's camera and pad; a name or a file")
+      ->type_name("SCENARIO");
+  command->add_option("--topic", a.topic, "Of an MCAP: the images (default: the only ones)")
+      ->type_name("NAME");
+  command
+      ->add_option(
+          "--state-topic", a.state_topic,
+          "Of an MCAP: nav_msgs/Odometry, or sensor_msgs/Imu with orientation (default: the only one)")
+      ->type_name("NAME");
+  command
+      ->add_option("--csv", a.csv,
+                   "Of an MCAP: a row for each image, with what the mission measured and asked for")
+      ->type_name("FILE");
+  AddBitsOption(*command, a.bits);
   command->add_flag("--quiet", a.quiet, "Print nothing but errors");
   command->footer(
       "Exit status 1: something differs.\n\nExamples:\n"
       "  kestrel run landing --images --out results/runs/first && kestrel replay results/runs/first\n"
-      "  kestrel replay results/runs/first --set pilot.servo.lambda_per_s=0.8 --video again.mp4");
+      "  kestrel replay results/runs/first --set pilot.servo.lambda_per_s=0.8 --video again.mp4\n"
+      "  kestrel replay flight.mcap --scenario landing --set camera=my_calibration.yaml --csv seen.csv");
   return command;
 }
 
 bool ReplayCommand(const ReplayArguments& a) {
+  if (IsFile(a.folder)) {
+    ReplayLog(a);
+    return true;
+  }
   const std::filesystem::path folder = a.folder;
   Mistakes mistakes;
+  for (const auto& [option, given] : {std::pair{"--scenario", !a.scenario.empty()},
+                                      {"--topic", !a.topic.empty()},
+                                      {"--state-topic", !a.state_topic.empty()},
+                                      {"--csv", !a.csv.empty()},
+                                      {"--bits", a.bits.has_value()}})
+    if (given) mistakes.Add(option, "", fmt::format("'{}' is no MCAP", a.folder), "valid: without it");
   if (!IsFile(folder / "scenario.yaml"))
-    mistakes.Add("replay", "", fmt::format("'{}' holds no scenario.yaml: not a flight's folder", a.folder));
+    mistakes.Add("replay", "", fmt::format("'{}' holds no scenario.yaml: not a flight's folder", a.folder),
+                 "valid: the folder of run or fly with --images, or an MCAP of ROS 2");
   CheckWritableFile(a.video, "--video", mistakes);
   if (!(a.tolerance >= 0 && std::isfinite(a.tolerance)))
     mistakes.Add("--tolerance", "", fmt::format("{:g} is no tolerance", a.tolerance), "valid: 0 or more");

@@ -2,13 +2,19 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <optional>
 #include <string>
 #include <vector>
+
+#include "vision/camera.h"
+#include "vision/camera/camera_model.h"
 
 namespace kestrel::app {
 
 struct ReplayArguments {
   std::string folder, video;
+  std::string scenario, topic, state_topic, csv;  // of an MCAP
+  std::optional<int> bits;                        // the same
   std::vector<std::string> overrides;
   double tolerance = 0;
   bool quiet = false;
@@ -16,8 +22,13 @@ struct ReplayArguments {
 
 CLI::App* AddReplayCommand(CLI::App& app, ReplayArguments& arguments);
 
+// Throws InputError where an image is not of the camera's size.
+void RequireSizeOf(const vision::CameraModel& camera, const vision::Frame& frame,
+                   const std::string& recording);
+
 // Gives the images and states of a recorded flight to its mission again, and tells where what is measured and
-// asked for now differs from what it was then. True: nowhere by more than the tolerance.
+// asked for now differs from what it was then. True: nowhere by more than the tolerance. Of an MCAP as
+// ReplayLog has it.
 bool ReplayCommand(const ReplayArguments& arguments);
 
 }  // namespace kestrel::app

@@ -49,7 +49,7 @@ std::string MosaicTable(const vision::MosaicSeries& series, const std::vector<do
   for (std::size_t i = 0; i < series.places().size(); ++i) {
     const auto& place = series.places()[i];
     table +=
-        fmt::format("{},{:.4f},{},{},", i, times_s[i], place.mosaic + 1, vision::NameOf(place.step.state));
+        fmt::format("{},{:.9f},{},{},", i, times_s[i], place.mosaic + 1, vision::NameOf(place.step.state));
     if (!vision::IsPlaced(place.step.state)) {
       table += fmt::format(",,,,,,,,,,,{}\n", device);
       continue;

@@ -47,7 +47,9 @@ std::optional<vision::CameraModel> MosaicCameraOf(const MosaicArguments& a, cons
                                                   Mistakes& mistakes) {
   if (!a.camera.empty() && a.fov_deg > 0)
     mistakes.Add("--fov-deg", "", "with --camera, which has one", "valid: one of them");
-  if (!a.camera.empty()) return ReadCamera(a, input.size, mistakes);
+  const bool needed = !MosaicOnPlane(a) || !a.poses.empty();
+  const bool of_recording = needed && a.fov_deg == 0 && input.has_calibration();
+  if (!a.camera.empty() || of_recording) return ReadCamera(a, input, mistakes);
   if (a.fov_deg > 0 && input.size) {
     const double f_px = input.size->width / 2.0 / std::tan(Radians(a.fov_deg) / 2);
     return vision::Pinhole{.width_px = input.size->width,
@@ -91,13 +93,17 @@ vision::CompositionOptions MosaicCompositionOf(const MosaicArguments& a) {
 CLI::App* AddMosaicCommand(CLI::App& app, MosaicArguments& a) {
   CLI::App* command = app.add_subcommand("mosaic", "Join the images of a video to one picture");
   command
-      ->add_option("input", a.input, "A video, a folder of images, or a camera's address, as of kestrel fly")
+      ->add_option(
+          "input", a.input,
+          "A video, a folder of images, a recording (EuRoC, TUM, KITTI, MCAP), or a camera's address, as "
+          "of kestrel fly")
       ->type_name("INPUT")
       ->required();
   command
       ->add_option("--out", a.out,
                    "The picture (.png, .jpg); further mosaics, after cuts, are NAME_2 and so on")
       ->type_name("FILE");
+  AddRecordingOptions(*command, a);
   AddCameraOptions(*command, a);
   command->add_option("--fov-deg", a.fov_deg, "Without a calibration: the camera's horizontal field of view")
       ->check(Within(5.0, 150.0));
@@ -164,6 +170,7 @@ CLI::App* AddMosaicCommand(CLI::App& app, MosaicArguments& a) {
       "a pose.\n\n"
       "Examples:\n"
       "  kestrel mosaic survey.mp4 --out mosaic.png --video growing.mp4 --csv places.csv\n"
+      "  kestrel mosaic EUROC --topic cam1 --surface sphere --out panorama.jpg\n"
       "  kestrel mosaic turn.mp4 --surface cylinder --camera thesis_2_8mm --out panorama.jpg\n"
       "  kestrel mosaic flight/recording --poses flight/telemetry.csv --camera thesis_6mm --geotiff "
       "ground.tif");

@@ -4,15 +4,21 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+#include <optional>
+#include <stdexcept>
 #include <variant>
 
 #include "app/option/bits_option.h"
 #include "app/simulated/image_verb.h"
+#include "app/simulated/images_input.h"
 #include "base/diagnostics.h"
 #include "base/file/files.h"
+#include "base/process/end_signals.h"
 #include "geometry/tait_bryan.h"
 #include "vision/horizon/horizon_attitude.h"
 #include "vision/image_file.h"
@@ -20,12 +26,14 @@
 namespace kestrel::app {
 namespace {
 
+std::atomic<bool> horizon_ends = false;
+
 constexpr const char* kCsvHeader =
     "frame,t_s,roll_deg,pitch_deg,roll_sigma_deg,pitch_sigma_deg,dip_deg,skyline_seen,turned_deg,"
     "turned_sigma_deg,reason\n";
 
 std::string Row(std::int64_t frame, double t_s, const vision::HorizonAttitude::Measurement& m) {
-  std::string row = fmt::format("{},{:.4f},", frame, t_s);
+  std::string row = fmt::format("{},{:.9f},", frame, t_s);
   const auto* fix = std::get_if<vision::SkylineFix>(&m.skyline);
   if (!fix) return row + fmt::format(",,,,,,,,{}\n", vision::NameOf(std::get<vision::NoSkyline>(m.skyline)));
   row += fmt::format("{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},", Degrees(m.attitude->roll),
@@ -62,10 +70,15 @@ void TellOfMount(const HorizonArguments& a) {
 CLI::App* AddHorizonCommand(CLI::App& app, HorizonArguments& a) {
   CLI::App* command = app.add_subcommand(
       "horizon", "Find roll and pitch by the skyline, and the heading by the surroundings");
-  command->add_option("input", a.input, "An image or a video file in colour, as the camera took it")
-      ->type_name("FILE")
+  command
+      ->add_option(
+          "input", a.input,
+          "In colour, as the camera took it: an image, a video file, a folder of images, a recording "
+          "(EuRoC, TUM, KITTI, MCAP) or a camera's address, as of kestrel fly")
+      ->type_name("INPUT")
       ->required();
-  AddCameraOptions(*command, a)->required();
+  AddCameraOptions(*command, a);
+  AddRecordingOptions(*command, a);
   AddMountOptions(*command, a.mount);
   command
       ->add_option("--mask", a.mask, "An image of the same size, not black where the aircraft itself is seen")
@@ -76,14 +89,16 @@ CLI::App* AddHorizonCommand(CLI::App& app, HorizonArguments& a) {
   command->footer(
       "Examples:\n"
       "  kestrel horizon flight.mp4 --camera hyperbolic_mirror --out seen.mp4 --csv attitude.csv\n"
+      "  kestrel horizon EUROC --topic cam1 --mount-pitch-deg 90 --csv attitude.csv\n"
       "  kestrel horizon photo.jpg --camera my_calibration.yaml --mount-pitch-deg 90 --out seen.png");
   return command;
 }
 
 void HorizonCommand(const HorizonArguments& a) {
   Mistakes mistakes;
-  const ImageInput input = OpenImageFile(a, mistakes);
-  const vision::CameraModel camera = ReadCamera(a, input.size, mistakes).value_or(vision::CameraModel());
+  horizon_ends = false;
+  ImageInput input = OpenImages(a, horizon_ends, mistakes);
+  const vision::CameraModel camera = ReadCamera(a, input, mistakes).value_or(vision::CameraModel());
   cv::Mat mask;
   if (!a.mask.empty()) {
     mask = vision::ReadMask(a.mask, "--mask", "", mistakes);
@@ -100,19 +115,42 @@ void HorizonCommand(const HorizonArguments& a) {
   FrameProgress progress(!a.quiet);
   int frames = 0, with = 0;
   if (!a.quiet && !input.note.empty()) fmt::print("{}\n", input.note);
-  while (const auto frame = input.next()) {
+  if (!input.still) OnEndSignals([](int) { horizon_ends = true; });
+  const cv::Size size(vision::WidthPx(camera), vision::HeightPx(camera));
+  std::string broke_off;
+  while (!horizon_ends) {
+    std::optional<vision::Frame> frame;
+    try {
+      frame = NextImage(input, frames, a.quiet);
+    } catch (const std::runtime_error& e) {
+      broke_off = e.what();
+    }
+    if (!frame) break;
+    progress.Show(++frames);
+    if (frame->image.empty()) {
+      csv += fmt::format("{},{:.9f},,,,,,,,,unreadable\n", frame->sequence, frame->t_s);
+      continue;
+    }
+    if (frame->image.size() != size) {
+      broke_off = fmt::format("an image of {} x {} pixels, and the camera's file is of {} x {}",
+                              frame->image.cols, frame->image.rows, size.width, size.height);
+      break;
+    }
+    if (frame->image.channels() == 1) cv::cvtColor(frame->image, frame->image, cv::COLOR_GRAY2BGR);
     const auto m = horizon.Measure(frame->image);
     with += m.attitude.has_value();
     csv += Row(frame->sequence, frame->t_s, m);
     if (input.still && !a.quiet) Tell(m);
     if (out.wanted()) out.Write(horizon.Draw(frame->image, m));
-    progress.Show(++frames);
   }
   progress.Clear();
   out.Close();
   if (!a.quiet && !input.still) fmt::print("{} frames, {} with an attitude\n", frames, with);
   if (!a.quiet && 2 * with < frames) TellOfMount(a);
   if (!a.csv.empty()) WriteFile(a.csv, csv);
+  if (!broke_off.empty())
+    throw std::runtime_error(
+        fmt::format("{}: it broke off after {} frames, which are written: {}", a.input, frames, broke_off));
 }
 
 }  // namespace kestrel::app

@@ -29,15 +29,15 @@ Pose PoseOf(const MountAngles& mount) {
                             .roll_deg = mount.roll_deg});
 }
 
-CLI::Option* AddCameraOptions(CLI::App& command, ImageArguments& a) {
+void AddCameraOptions(CLI::App& command, ImageArguments& a) {
   CLI::Option* camera =
       command
           .add_option("--camera", a.camera,
-                      "A name in models/cameras, or a calibration file of Kestrel, Kalibr or OpenCV")
+                      "A name in models/cameras, or a calibration file of Kestrel, Kalibr, OpenCV or EuRoC "
+                      "(default: what a recording has of its camera)")
           ->type_name("CAMERA");
   command.add_option("--camera-name", a.camera_name, "Which camera of a Kalibr file (default: its first)")
       ->needs(camera);
-  return camera;
 }
 
 void AddMountOptions(CLI::App& command, MountAngles& mount) {
@@ -96,13 +96,29 @@ ImageInput OpenImageFile(const ImageArguments& a, Mistakes& mistakes) {
   return input;
 }
 
-std::optional<vision::CameraModel> ReadCamera(const ImageArguments& a, const std::optional<cv::Size>& size,
-                                              Mistakes& mistakes) {
+std::optional<std::filesystem::path> CameraFile(const ImageArguments& a, const ImageInput& input,
+                                                Mistakes& mistakes) {
+  if (a.camera.empty() && !input.calibration.empty()) return input.calibration;
+  if (a.camera.empty()) {
+    if (input.next)  // otherwise it is told already why there is no input
+      mistakes.Add("--camera", "", "not given, and the input has no calibration of its own",
+                   "valid: a name in models/cameras, or a calibration file");
+    return std::nullopt;
+  }
   std::string name = a.camera;
-  const auto file = ModelFile(Model::kCamera, name, "", "--camera", mistakes);
-  if (!file) return std::nullopt;
+  return ModelFile(Model::kCamera, name, "", "--camera", mistakes);
+}
+
+std::optional<vision::CameraModel> ReadCamera(const ImageArguments& a, const ImageInput& input,
+                                              Mistakes& mistakes) {
   const std::size_t before = mistakes.all().size();
-  vision::CameraModel camera = vision::LoadCamera(*file, mistakes, a.camera_name, size);
+  vision::CameraModel camera;
+  if (a.camera.empty() && !input.calibration_text.empty()) {
+    const Config config = ParseConfig(input.calibration_text, a.input + ": camera_info", {}, mistakes);
+    camera = vision::ParseCamera(config, mistakes, a.camera_name, input.size);
+  } else if (const auto file = CameraFile(a, input, mistakes)) {
+    camera = vision::LoadCamera(*file, mistakes, a.camera_name, input.size);
+  }
   if (mistakes.all().size() > before) return std::nullopt;
   return camera;
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <opencv2/core.hpp>
 #include <optional>
@@ -14,7 +16,6 @@
 
 namespace CLI {
 class App;
-class Option;
 }  // namespace CLI
 
 // What the verbs have in common that measure in the images of a camera: they read an image or a video, write a
@@ -23,7 +24,9 @@ namespace kestrel::app {
 
 struct ImageArguments {
   std::string input, camera, camera_name, out, csv;
-  std::optional<int> bits;  // of 16-bit pixels
+  std::string topic;              // which camera of a recording with several
+  std::optional<double> rate_hz;  // of images without stamps
+  std::optional<int> bits;        // of 16-bit pixels
   bool deinterlace = false, quiet = false;
 };
 
@@ -34,8 +37,8 @@ struct MountAngles {
 };
 Pose PoseOf(const MountAngles& mount);  // X_BC, in B's origin
 
-// --camera, which may be asked for by CLI::Option::required(), and --camera-name.
-CLI::Option* AddCameraOptions(CLI::App& command, ImageArguments& arguments);
+// --camera and --camera-name.
+void AddCameraOptions(CLI::App& command, ImageArguments& arguments);
 // --mount-yaw-deg, --mount-pitch-deg and --mount-roll-deg.
 void AddMountOptions(CLI::App& command, MountAngles& mount);
 // --frames, after which many `images` it ends; 0: with the input.
@@ -43,21 +46,31 @@ void AddFramesOption(CLI::App& command, const std::string& images, int& frames);
 // --out and --csv, of which `csv_rows` says what it holds.
 void AddOutputOptions(CLI::App& command, const std::string& csv_rows, ImageArguments& arguments);
 
-// Where images come from, one after the other.
+// Where images come from, one after the other. Of a recording with stamps, an image's t_s is the time since the
+// first image, to the nanosecond.
 struct ImageInput {
   std::optional<cv::Size> size;  // none: a camera, of which only an image tells
   double rate_hz = 25;
   bool still = false;
   std::function<std::optional<vision::Frame>()> next;
   std::string note;
+  std::optional<std::int64_t> first_ns;  // of a recording with stamps: that of the first image
+  std::filesystem::path calibration;     // what a recording has of this camera; empty: none
+  std::string calibration_text;          // the same, of a recording in one file
+  bool has_calibration() const { return !calibration.empty() || !calibration_text.empty(); }
+  std::filesystem::path gyro;  // and of a gyro of the same clock; empty: none
 };
 
 // An image or a video in a file. What is neither is a mistake.
 ImageInput OpenImageFile(const ImageArguments& arguments, Mistakes& mistakes);
 
-// The camera of images of this size. None: a mistake says why.
-std::optional<vision::CameraModel> ReadCamera(const ImageArguments& arguments,
-                                              const std::optional<cv::Size>& size, Mistakes& mistakes);
+// The camera of --camera, or else that of the recording, for images of the input's size. None: a mistake says
+// why.
+std::optional<vision::CameraModel> ReadCamera(const ImageArguments& arguments, const ImageInput& input,
+                                              Mistakes& mistakes);
+// Its file, where there is one.
+std::optional<std::filesystem::path> CameraFile(const ImageArguments& arguments, const ImageInput& input,
+                                                Mistakes& mistakes);
 
 // Whether --out and --csv can be written and are none of the files that are read: the input, the camera's and
 // this one. still: the input is one image.

@@ -11,12 +11,15 @@
 #include <optional>
 #include <stdexcept>
 #include <utility>
+#include <variant>
 #include <vector>
 
+#include "app/option/within.h"
 #include "records/video/video_reader.h"
 #include "vision/capture/camera_address.h"
 #include "vision/capture/folder_source.h"
 #include "vision/capture/live_camera.h"
+#include "vision/capture/recorded/recorded_images.h"
 #include "vision/interlaced.h"
 
 namespace kestrel::app {
@@ -63,57 +66,111 @@ void TakeTimes(const std::string& file, ImageInput& input) {
   };
 }
 
-ImageInput LiveInput(const std::string& address, const std::atomic<bool>& stopped, Mistakes& mistakes) {
+ImageInput LiveInput(const vision::CameraAddress& address, const std::atomic<bool>& stopped) {
   ImageInput input;
-  try {
-    const vision::CameraAddress parsed = vision::ParseCameraAddress(address);
-    const cv::Size size = vision::SizeAt(parsed);
-    if (!size.empty()) input.size = size;
-    const auto camera =
-        std::make_shared<vision::LiveCamera>(vision::SourceAt(parsed), vision::LiveCameraOptions{});
-    input.next = [camera, &stopped]() -> std::optional<vision::Frame> {
-      constexpr double kLook_s = 0.2;  // how long an interrupt may wait
-      while (!stopped) {
-        if (auto frame = camera->Next(kLook_s)) return frame;
-        if (camera->Health().state == vision::LiveCameraState::kEnded) break;
-      }
-      return std::nullopt;
-    };
-  } catch (const InputError& e) {
-    mistakes.Add(e);
-  }
+  const cv::Size size = vision::SizeAt(address);
+  if (!size.empty()) input.size = size;
+  const auto camera =
+      std::make_shared<vision::LiveCamera>(vision::SourceAt(address), vision::LiveCameraOptions{});
+  input.next = [camera, &stopped]() -> std::optional<vision::Frame> {
+    constexpr double kLook_s = 0.2;  // how long an interrupt may wait
+    while (!stopped) {
+      if (auto frame = camera->Next(kLook_s)) return frame;
+      if (camera->Health().state == vision::LiveCameraState::kEnded) break;
+    }
+    return std::nullopt;
+  };
   return input;
 }
 
-ImageInput FolderInput(const ImageArguments& a, Mistakes& mistakes) {
+// Of a recording with stamps, from when they are, and how they follow one another.
+std::string NoteOfStamps(const vision::RecordedImages& recorded) {
+  return fmt::format(
+      "{} images{}, stamped from {} ns, {:.9g} s, {:.4g} a second in the mean; t_s counts from there",
+      recorded.size(), recorded.topic.empty() ? "" : " of " + recorded.topic, recorded.stamps_ns.front(),
+      recorded.Time_s(recorded.size() - 1), recorded.Rate_hz());
+}
+
+ImageInput RecordedInput(const ImageArguments& a, vision::FolderSourceOptions options, Mistakes& mistakes) {
   ImageInput input;
-  const auto make = vision::FolderSource({.images = a.input, .size = {}, .colour = true, .bits = a.bits});
+  const std::size_t before = mistakes.all().size();
+  if (!options.opened)
+    options.opened = std::make_shared<const vision::RecordedImages>(
+        vision::OpenRecordedImages(options.images, options.topic, mistakes));
+  if (mistakes.all().size() > before) return input;
+  const auto& recorded = options.opened;
+  const auto make = vision::FolderSource(options);
   const std::unique_ptr<vision::ImageSource> ahead = make();
   auto first = ahead->Open() ? ahead->Grab() : std::nullopt;
   const std::string error = ahead->Error();
   while (!first && !ahead->Error().empty()) first = ahead->Grab();
   if (!first) {
-    mistakes.Add(a.input, "", error, "valid: a folder of images, by name in the order of time");
+    mistakes.Add(a.input, "", error,
+                 "valid: a folder of images, by name in the order of time, or a recording");
     return input;
   }
+  if (recorded->stamped() && a.rate_hz)
+    mistakes.Add("--rate", "", fmt::format("{:g}, and the images have stamps of their own", *a.rate_hz),
+                 "valid: without it");
   input.size = first->image.size();
-  const std::shared_ptr<vision::ImageSource> folder = make();
-  folder->Open();
-  input.next = [folder, number = 0, rate = input.rate_hz]() mutable -> std::optional<vision::Frame> {
-    const auto image = folder->Grab();
-    if (!image && folder->Error().empty()) return std::nullopt;
-    const int i = number++;
-    if (!image) throw UnreadableImage(folder->Error(), i / rate);
-    return vision::Frame{image->image, i / rate, i};
+  input.rate_hz = a.rate_hz.value_or(input.rate_hz);
+  input.calibration = recorded->calibration, input.gyro = recorded->gyro;
+  input.calibration_text = recorded->calibration_text;
+  input.note = recorded->note;
+  if (recorded->stamped()) {
+    if (recorded->Rate_hz() > 0) input.rate_hz = recorded->Rate_hz();
+    input.first_ns = recorded->stamps_ns.front();
+    input.note += (input.note.empty() ? "" : "\n") + NoteOfStamps(*recorded);
+  }
+  const std::shared_ptr<vision::ImageSource> source = make();
+  source->Open();
+  input.next = [source, recorded, number = std::size_t{0},
+                rate = input.rate_hz]() mutable -> std::optional<vision::Frame> {
+    const auto image = source->Grab();
+    if (!image && source->Error().empty()) return std::nullopt;
+    const std::size_t i = number++;
+    const double t_s = recorded->stamped() ? recorded->Time_s(i) : static_cast<double>(i) / rate;
+    if (!image) throw UnreadableImage(source->Error(), t_s);
+    return vision::Frame{image->image, t_s, static_cast<std::int64_t>(i)};
   };
   return input;
+}
+
+void RefuseRecordingOptions(const ImageArguments& a, const std::string& why, const std::string& remedy,
+                            Mistakes& mistakes) {
+  for (const auto& [option, given] :
+       {std::pair{"--topic", !a.topic.empty()}, {"--rate", a.rate_hz.has_value()}})
+    if (given) mistakes.Add(option, "", why, remedy);
+}
+
+ImageInput AddressInput(const ImageArguments& a, const std::atomic<bool>& stopped, Mistakes& mistakes) {
+  RefuseRecordingOptions(a, "with a camera's address, which has options of its own",
+                         "valid: ?topic=NAME&rate=HZ after it", mistakes);
+  try {
+    const vision::CameraAddress address = vision::ParseCameraAddress(a.input);
+    const auto* recording = std::get_if<vision::FolderSourceOptions>(&address);
+    if (!recording) return LiveInput(address, stopped);
+    ImageArguments as_given = a;
+    if (recording->rate_hz > 0) as_given.rate_hz = recording->rate_hz;
+    vision::FolderSourceOptions at_once = *recording;  // a verb waits for none of its images
+    at_once.as_recorded = false, at_once.rate_hz = 0, at_once.colour = true;
+    if (a.bits) at_once.bits = a.bits;
+    return RecordedInput(as_given, at_once, mistakes);
+  } catch (const InputError& e) {
+    mistakes.Add(e);
+    return {};
+  }
 }
 
 ImageInput Open(const ImageArguments& a, const std::atomic<bool>& stopped, Mistakes& mistakes) {
   std::error_code none;
   if (!fs::exists(a.input, none) && a.input.find(':') != std::string::npos)
-    return LiveInput(a.input, stopped, mistakes);
-  if (fs::is_directory(a.input, none)) return FolderInput(a, mistakes);
+    return AddressInput(a, stopped, mistakes);
+  if (vision::IsRecording(a.input))
+    return RecordedInput(a, {.images = a.input, .topic = a.topic, .size = {}, .colour = true, .bits = a.bits},
+                         mistakes);
+  RefuseRecordingOptions(a, fmt::format("'{}' is no recording", a.input),
+                         "valid: with a folder of images, a data set or an MCAP", mistakes);
   ImageInput input = OpenImageFile(a, mistakes);
   if (input.still || !input.size) return input;
   RefuseOtherSizes(a.input, *input.size, mistakes);
@@ -126,6 +183,17 @@ ImageInput Open(const ImageArguments& a, const std::atomic<bool>& stopped, Mista
 void AddDeinterlaceOption(CLI::App& command, ImageArguments& a) {
   command.add_flag("--deinterlace", a.deinterlace,
                    "Of interlaced video: take every other row, and draw those between from them");
+}
+
+void AddRecordingOptions(CLI::App& command, ImageArguments& a) {
+  command
+      .add_option("--topic", a.topic,
+                  "Which camera of a recording with several, by its folder or topic, as cam1 or "
+                  "/camera/image_raw (default: the only one, or cam0)")
+      ->type_name("NAME");
+  command
+      .add_option("--rate", a.rate_hz, "How many a second are a folder's images without stamps (default: 25)")
+      ->check(Within(0.01, 10000.0));
 }
 
 ImageInput OpenImages(const ImageArguments& a, const std::atomic<bool>& stopped, Mistakes& mistakes) {

@@ -20,10 +20,14 @@ struct UnreadableImage : std::runtime_error {
 // --deinterlace.
 void AddDeinterlaceOption(CLI::App& command, ImageArguments& arguments);
 
-// What `input` names: an image, a video, a folder of images in the order of their names, or a camera's address. A
-// video whose images change their size is a mistake, since it would be scaled without a word; those of a folder come
-// as they are. The images of a video and a folder are 1 / rate_hz apart, those of a video of variable rate as the
-// file says, which is noted, and a camera's have the times of the monotonic clock. A camera's next() ends soon after `stopped` is set, and it is to outlive the input. next() throws
+// --topic and --rate.
+void AddRecordingOptions(CLI::App& command, ImageArguments& arguments);
+
+// What `input` names: an image, a video, a recording (vision/capture/recorded/recorded_images.h), be it a data set
+// or a folder of images in the order of their names, or a camera's address. A video whose images change their size
+// is a mistake, since it would be scaled without a word; those of a recording come as they are. The images of a
+// recording have its stamps, which is noted; without them, and of a video, they are 1 / rate_hz apart; those of a
+// video of variable rate as the file says, which is noted, and a camera's have the times of the monotonic clock. A camera's next() ends soon after `stopped` is set, and it is to outlive the input. next() throws
 // UnreadableImage of one of a folder, and std::runtime_error where a video cannot be read on.
 //
 // With `deinterlace`, the images are those of the first field alone.

@@ -92,7 +92,7 @@ void Follow(const TrackArguments& a, ImageInput& input, Tracked& tracked, const 
     const bool seen = tracked.Track(frame->image);
     now.track_s = SecondsSince(start);
     with += seen;
-    csv += fmt::format("{},{:.4f},{},{:.2f},{:.2f}\n", frame->sequence, frame->t_s, tracked.Row(),
+    csv += fmt::format("{},{:.9f},{},{:.2f},{:.2f}\n", frame->sequence, frame->t_s, tracked.Row(),
                        1e3 * now.read_s, 1e3 * now.track_s);
     if (out.wanted()) {
       start = std::chrono::steady_clock::now();
@@ -133,11 +133,14 @@ CLI::App* AddTrackCommand(CLI::App& app, TrackArguments& a) {
   CLI::App* command = app.add_subcommand(
       "track", "Find and follow a landmark or a ball, and measure where it is from the camera");
   command
-      ->add_option("input", a.input,
-                   "An image, a video file, a folder of images or a camera's address, as of kestrel fly")
+      ->add_option(
+          "input", a.input,
+          "An image, a video file, a folder of images, a recording (EuRoC, TUM, KITTI, MCAP) or a camera's "
+          "address, as of kestrel fly")
       ->type_name("INPUT")
       ->required();
-  AddCameraOptions(*command, a)->required();
+  AddCameraOptions(*command, a);
+  AddRecordingOptions(*command, a);
   command
       ->add_option("--landmark", a.landmark,
                    "A name in models/pads, the file of a pad, or any picture that lies or hangs flat")
@@ -167,6 +170,7 @@ CLI::App* AddTrackCommand(CLI::App& app, TrackArguments& a) {
   command->footer(
       "Examples:\n"
       "  kestrel track flight.mp4 --landmark helipad --camera thesis_6mm --out seen.mp4 --csv pose.csv\n"
+      "  kestrel track EUROC --topic cam1 --landmark helipad --csv pose.csv\n"
       "  kestrel track photo.jpg --landmark poster.jpg --size-m 0.42 0.297 --camera my_calibration.yaml\n"
       "  kestrel track v4l2:/dev/video0,colour=true --ball hue=0 diameter_m=0.5 --camera my_calibration.yaml "
       "--csv "
@@ -177,7 +181,7 @@ CLI::App* AddTrackCommand(CLI::App& app, TrackArguments& a) {
 void TrackCommand(const TrackArguments& a) {
   Mistakes mistakes;
   ImageInput input = OpenImages(a, stopped, mistakes);
-  const std::optional<vision::CameraModel> loaded = ReadCamera(a, input.size, mistakes);
+  const std::optional<vision::CameraModel> loaded = ReadCamera(a, input, mistakes);
   const vision::CameraModel camera = loaded.value_or(vision::CameraModel());
   if (a.landmark.empty() == a.ball.empty())
     mistakes.Add("--landmark", "",

@@ -3,12 +3,15 @@
 
 #include <fmt/format.h>
 
+#include <cstdint>
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 #include <vector>
 
 #include "app/simulated/images_input.h"
 #include "geometry/pose.h"
+#include "vision/camera/calibration_file.h"
+#include "vision/capture/recorded/recorded_gyro.h"
 #include "vision/enhance/stabilisation/gyro_file.h"
 #include "vision/enhance/stabilisation/gyro_offset.h"
 #include "vision/enhance/stabilisation/image_follower.h"
@@ -48,14 +51,47 @@ std::vector<vision::ImageTurn> TurnsOf(const StabiliseArguments& a, const vision
   return turns;
 }
 
+struct GyroSamples {
+  std::vector<vision::GyroSample> all;
+  bool same_clock = false;  // as the images'
+};
+
+// Of an IMU that was recorded: in the camera's axes, from the first image on, or else from its own first sample.
+GyroSamples SamplesOfImu(const StabiliseArguments& a, const ImageInput& input, Mistakes& mistakes) {
+  const std::vector<vision::RecordedRate> rates = vision::ReadRecordedGyro(a.imu, a.imu_topic, mistakes);
+  if (rates.empty()) return {};
+  const std::filesystem::path camera = a.camera.empty() ? input.calibration : *CameraFile(a, input, mistakes);
+  const auto X_IC = camera.empty() ? std::nullopt : vision::LoadPoseOnImu(camera, mistakes, a.camera_name);
+  if (!X_IC) {
+    mistakes.Add(camera.empty() ? "--camera" : camera.string(), "",
+                 "how the camera stands on the IMU, in whose axes the rates are, is not said",
+                 "valid: a calibration with T_BS of EuRoC or T_cam_imu of Kalibr");
+    return {};
+  }
+  GyroSamples samples;
+  samples.same_clock =
+      input.first_ns && *input.first_ns >= rates.front().stamp_ns && *input.first_ns <= rates.back().stamp_ns;
+  const std::int64_t from_ns = samples.same_clock ? *input.first_ns : rates.front().stamp_ns;
+  const Eigen::Matrix3d R_CI = X_IC->R.inverse().toRotationMatrix();
+  for (const vision::RecordedRate& each : rates)
+    samples.all.push_back({static_cast<double>(each.stamp_ns - from_ns) / 1e9, R_CI * each.w_I});
+  return samples;
+}
+
+GyroSamples SamplesOf(const StabiliseArguments& a, const ImageInput& input, Mistakes& mistakes) {
+  if (vision::IsRecordedGyro(a.imu)) return SamplesOfImu(a, input, mistakes);
+  return {vision::ReadGyroFile(a.imu, mistakes)};
+}
+
 }  // namespace
 
 std::optional<Gyro> OpenGyro(const StabiliseArguments& a, const vision::CameraModel& camera,
-                             const std::atomic<bool>& stopped, Mistakes& mistakes) {
+                             const ImageInput& input, const std::atomic<bool>& stopped, Mistakes& mistakes) {
   const std::size_t before = mistakes.all().size();
-  Gyro gyro{vision::GyroTrack(vision::ReadGyroFile(a.imu, mistakes)), a.imu_offset_s.value_or(0)};
+  const GyroSamples samples = SamplesOf(a, input, mistakes);
   if (mistakes.all().size() > before) return std::nullopt;
-  if (a.imu_offset_s) return gyro;
+  Gyro gyro{vision::GyroTrack(samples.all), a.imu_offset_s.value_or(0)};
+  if (a.imu_offset_s || samples.same_clock) return gyro;
   const auto offset = vision::EstimateGyroOffset(
       TurnsOf(a, camera, stopped, OpenImages(a, stopped, mistakes)), gyro.track, a.max_offset_s);
   if (!offset) {

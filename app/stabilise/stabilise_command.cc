@@ -47,7 +47,9 @@ CLI::App* AddStabiliseCommand(CLI::App& app, StabiliseArguments& a) {
       app.add_subcommand("stabilise", "Steady a video: the view stands still, or goes along a smooth path");
   command
       ->add_option("input", a.input,
-                   "A video file, a folder of images or a camera's address, as of kestrel fly")
+                   "A video file, a folder of images, a recording (EuRoC, TUM, KITTI, MCAP) or a camera's "
+                   "address, as of "
+                   "kestrel fly")
       ->type_name("INPUT")
       ->required();
   command
@@ -88,6 +90,7 @@ CLI::App* AddStabiliseCommand(CLI::App& app, StabiliseArguments& a) {
   command->add_option("--border", a.options.border, "What is shown where the image has nothing")
       ->check(OneOf({"black", "blurred", "filled"}))
       ->capture_default_str();
+  AddRecordingOptions(*command, a);
   AddCameraOptions(*command, a);
   command
       ->add_option(
@@ -96,10 +99,16 @@ CLI::App* AddStabiliseCommand(CLI::App& app, StabiliseArguments& a) {
       ->check(OneOf({"none", "skyline"}))
       ->capture_default_str();
   AddMountOptions(*command, a.mount);
-  CLI::Option* imu = command
-                         ->add_option("--imu", a.imu,
-                                      "CSV of a gyro: t_s, wx_rad_s, wy_rad_s, wz_rad_s in the camera's axes")
-                         ->type_name("FILE");
+  CLI::Option* imu =
+      command
+          ->add_option(
+              "--imu", a.imu,
+              "CSV of a gyro: t_s, wx_rad_s, wy_rad_s, wz_rad_s in the camera's axes; or imu0/data.csv of EuRoC "
+              "or an MCAP, by a calibration with the camera's pose on the IMU (default: that "
+              "of the recording)")
+          ->type_name("FILE");
+  command->add_option("--imu-topic", a.imu_topic, "Which IMU of an MCAP with several (default: the only one)")
+      ->type_name("NAME");
   CLI::Option* offset =
       command
           ->add_option("--imu-offset-s", a.imu_offset_s,
@@ -131,6 +140,7 @@ CLI::App* AddStabiliseCommand(CLI::App& app, StabiliseArguments& a) {
       "Exit status 1: no image's motion was measured, or no horizon was seen to be levelled by.\n\n"
       "Examples:\n"
       "  kestrel stabilise flight.mp4 --out steady.mp4 --before-after both.mp4 --csv path.csv\n"
+      "  kestrel stabilise EUROC --by gyro --out steady.mp4\n"
       "  kestrel stabilise hover.mp4 --mode reference --border filled --out still.mp4\n"
       "  kestrel stabilise flight.mp4 --by both --imu gyro.csv --camera my_calibration.yaml --readout-s 0.03 "
       "--out "
@@ -150,8 +160,10 @@ bool StabiliseCommand(const StabiliseArguments& given) {
   if (input.still && input.size)
     mistakes.Add(a.input, "", "one image, which has no motion", "valid: a video, or a folder of images");
   std::optional<vision::CameraModel> camera;
-  if (!a.camera.empty()) camera = ReadCamera(a, input.size, mistakes);
-  if (a.camera.empty() && a.options.by != "vision")
+  const bool has_camera = !a.camera.empty() || input.has_calibration();
+  if (!a.camera.empty() || (has_camera && a.options.by != "vision")) camera = ReadCamera(a, input, mistakes);
+  if (ByGyro(a) && a.imu.empty()) a.imu = input.gyro.string();
+  if (!has_camera && input.next && a.options.by != "vision")
     mistakes.Add("--camera", "", fmt::format("not given, and --by {} needs it", a.options.by),
                  "valid: a calibration file, or --by vision");
   if (a.options.level && a.options.by == "vision")
@@ -178,7 +190,7 @@ bool StabiliseCommand(const StabiliseArguments& given) {
   }
   mistakes.ThrowIfAny();
   std::optional<Gyro> gyro;
-  if (ByGyro(a)) gyro = OpenGyro(a, *camera, stopped, mistakes);
+  if (ByGyro(a)) gyro = OpenGyro(a, *camera, input, stopped, mistakes);
   mistakes.ThrowIfAny();
   if (!a.quiet && !input.note.empty()) fmt::print("{}\n", input.note);
   OnEndSignals([](int) { stopped = true; });

@@ -16,7 +16,7 @@ namespace kestrel::app {
 // `kestrel stabilise`: a video whose view stands still or goes smoothly.
 struct StabiliseArguments : ImageArguments {  // out: the video; csv: a row for each image
   vision::StabiliserOptions options;
-  std::string imu, before_after, level = "none";
+  std::string imu, imu_topic, before_after, level = "none";
   MountAngles mount{.pitch_deg = 90};  // a horizon is seen by a camera that looks ahead
   std::optional<double> imu_offset_s;  // none: it is estimated
   double readout_s = 0, max_offset_s = 2;

@@ -40,7 +40,7 @@ std::string Path(const vision::StabilisedImage& image, const vision::CameraModel
 
 void StabiliseTally::Add(const vision::StabilisedImage& image, const ImageBefore& before) {
   ++states_[vision::NameOf(image.state)], ++images_, ms_ += before.ms;
-  csv_ += fmt::format("{},{:.4f},{},{},{},{:.3f},{:.4f},{},{:.2f},{},{},", before.number, image.t_s,
+  csv_ += fmt::format("{},{:.9f},{},{},{},{:.3f},{:.4f},{},{:.2f},{},{},", before.number, image.t_s,
                       vision::NameOf(image.state), image.points, image.inliers, image.rms_px, image.strength,
                       Path(image, camera_, before.drawn.size()), before.ms, vision::FlowDevice(opencl_),
                       before.interlaced ? 1 : 0);
@@ -61,7 +61,7 @@ void StabiliseTally::Add(const vision::StabilisedImage& image, const ImageBefore
 
 void StabiliseTally::AddLeftOut(const ImageBefore& before) {
   ++states_[vision::NameOf(*before.left_out)], ++left_out_;
-  csv_ += fmt::format("{},{:.4f},{},0,0,,,,,,,,,,,\n", before.number, before.t_s,
+  csv_ += fmt::format("{},{:.9f},{},0,0,,,,,,,,,,,\n", before.number, before.t_s,
                       vision::NameOf(*before.left_out));
 }
 

@@ -28,7 +28,10 @@ class ReplayCommandTest : public InTemporaryFolder {
         options);
   }
   bool Replay(const std::vector<std::string>& overrides = {}, double tolerance = 0) const {
-    return ReplayCommand({folder_.string(), "", overrides, tolerance, true});
+    ReplayArguments arguments;
+    arguments.folder = folder_.string();
+    arguments.overrides = overrides, arguments.tolerance = tolerance, arguments.quiet = true;
+    return ReplayCommand(arguments);
   }
 };
 

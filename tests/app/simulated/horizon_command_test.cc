@@ -57,7 +57,7 @@ TEST_F(HorizonCommandTest, ALevelPhotographIsLevel) {
   arguments_.out = File("seen.png");
   HorizonCommand(arguments_);
   double roll = 90, pitch = 90;
-  ASSERT_EQ(std::sscanf(Row().c_str(), "0,0.0000,%lf,%lf", &roll, &pitch), 2) << Row();
+  ASSERT_EQ(std::sscanf(Row().c_str(), "0,0.000000000,%lf,%lf", &roll, &pitch), 2) << Row();
   EXPECT_NEAR(roll, 0, 0.2);
   EXPECT_NEAR(pitch, 0, 0.4);  // the horizon lies half a pixel, 0.18 degrees, from the middle row
   EXPECT_EQ(cv::imread(arguments_.out).size(), cv::Size(320, 240));

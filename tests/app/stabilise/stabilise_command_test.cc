@@ -161,7 +161,7 @@ TEST_F(StabiliseCommandTest, ADamagedFileIsAStateOfItsOwnWhereverItIsDamaged) {
     const auto rows = Rows();
     ASSERT_EQ(rows.size(), 13u) << mode;
     for (std::size_t i = 0; i < 12; ++i) {
-      EXPECT_THAT(rows[i + 1], ::testing::StartsWith(fmt::format("{},{:.4f},", i, i / 25.0))) << mode;
+      EXPECT_THAT(rows[i + 1], ::testing::StartsWith(fmt::format("{},{:.9f},", i, i / 25.0))) << mode;
       EXPECT_THAT(rows[i + 1], HasSubstr(i == 3 || i == 7 ? ",unreadable,"
                                          : i == 0         ? ",first,"
                                                           : ",followed,"))
@@ -207,7 +207,7 @@ TEST_F(StabiliseCommandTest, ImagesOfAVideoHaveTheTimesThatTheFileGives) {
   ASSERT_EQ(rows.size(), 13u);
   for (std::size_t i = 0; i < 12; ++i) {
     const double t_s = 0.5 * static_cast<double>(i / 3) + 0.1 * static_cast<double>(i % 3);
-    EXPECT_THAT(rows[i + 1], ::testing::StartsWith(fmt::format("{},{:.4f},", i, t_s)));
+    EXPECT_THAT(rows[i + 1], ::testing::StartsWith(fmt::format("{},{:.9f},", i, t_s)));
   }
 }
 
