@@ -53,7 +53,7 @@ def load(path: str | os.PathLike[str]) -> Results:
 def _read(database: sqlite3.Connection) -> Results:
     runs = _table(database, "SELECT row, status, outcome, state_hash, image_hash FROM runs ORDER BY row").set_index("row")
     samples = _table(database, "SELECT row, key, value FROM samples")
-    samples["value"] = samples["value"].map(_value)
+    samples["value"] = pd.Series([_value(text) for text in samples["value"]], dtype=object)  # seeds stay whole numbers
     metrics = _table(database, "SELECT row, name, value FROM metrics")
     varied = samples.pivot(index="row", columns="key", values="value").infer_objects()
     measured = metrics.pivot(index="row", columns="name", values="value").astype(float)

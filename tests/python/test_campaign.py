@@ -27,7 +27,8 @@ class Results(unittest.TestCase):
             database.executescript(tables)
             database.executemany("INSERT INTO samples VALUES (?, ?, ?)",
                                  [(0, "wind.mean_m_s", "2.5"), (0, "vehicle", "pelican"), (1, "wind.mean_m_s", "4"),
-                                  (1, "vehicle", "sr20"), (2, "wind.mean_m_s", "5"), (2, "vehicle", "sr20")])
+                                  (1, "vehicle", "sr20"), (2, "wind.mean_m_s", "5"), (2, "vehicle", "sr20"),
+                                  (0, "seed", "7"), (1, "seed", "10063200608917704705"), (2, "seed", "9")])
             database.executemany("INSERT INTO runs VALUES (?, ?, ?, 'aa', 'bb')", [(0, "passed", "landed"),
                                                                                    (1, "failed", "completed")])
             database.executemany("INSERT INTO metrics VALUES (?, ?, ?)",
@@ -45,6 +46,7 @@ class Results(unittest.TestCase):
             runs = results.runs
             self.assertEqual(list(runs.index), [0, 1, 2])
             self.assertEqual(runs["wind.mean_m_s"].tolist(), [2.5, 4, 5])
+            self.assertEqual(runs["seed"].tolist(), [7, 10063200608917704705, 9])
             self.assertEqual(runs["vehicle"].tolist(), ["pelican", "sr20", "sr20"])
             self.assertEqual(runs.loc[0, "outcome"], "landed")
             self.assertTrue(pd.isna(runs.loc[2, "status"]))  # not flown yet
