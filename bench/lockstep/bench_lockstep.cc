@@ -141,8 +141,8 @@ void BenchSteps(Client& client, std::vector<records::Figure>& table) {
   for (int i = 0; i < kSteps; ++i) sim.Advance(sim.dt_s(), SetpointOf(i));
   const double alone_s = SecondsSince(began_alone);
 
-  AddTrips("one step of the physics without images, round trip beside the simulator", trips_ms, table);
-  table.push_back({"the same by the time of all, against a Sim alone",
+  AddTrips("one step of the physics, no images: round trip", trips_ms, table);
+  table.push_back({"the same by the time of all beside a Sim alone",
                    1e3 * (by_socket_s - alone_s) / kSteps,
                    "ms",
                    {},
@@ -165,7 +165,7 @@ void BenchFrames(Client& client, std::vector<records::Figure>& table) {
       return now;
     });
   AddTrips(
-      fmt::format("one frame of {} x {} by shared memory, round trip beside the simulator",
+      fmt::format("one frame of {} x {}, shared memory: round trip",
                   now["frame"]["image"]["shape"][1].get<int>(), now["frame"]["image"]["shape"][0].get<int>()),
       trips_ms, table);
 }
