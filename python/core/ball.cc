@@ -8,6 +8,7 @@
 #include "python/core/arrays.h"
 #include "python/core/camera.h"
 #include "python/core/module.h"
+#include "python/core/one_thread.h"
 #include "vision/target/balloon_tracker.h"
 
 namespace kestrel::python {
@@ -41,6 +42,7 @@ class BallTracker {
   void Begin(const std::array<double, 4>& box) { tracker_.Begin(cv::Rect2d(box[0], box[1], box[2], box[3])); }
 
   vision::BalloonObservation Track(const py::array& image) {
+    const OneThread::Use use(one_thread_);
     const cv::Mat bgr = ImageOf(image, "image");
     if (bgr.channels() != 3) throw py::value_error("image is grey, and a ball is known by its colour");
     if (bgr.cols != vision::WidthPx(camera_) || bgr.rows != vision::HeightPx(camera_))
@@ -52,6 +54,7 @@ class BallTracker {
   }
 
  private:
+  OneThread one_thread_{"BallTracker"};
   vision::CameraModel camera_;
   vision::BalloonTracker tracker_;
 };

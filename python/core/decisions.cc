@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "python/core/decisions.h"
-
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 
 #include <optional>
 
 #include "python/core/arrays.h"
+#include "python/core/given.h"
 #include "python/core/module.h"
 
 namespace kestrel::python {

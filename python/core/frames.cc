@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "python/core/frames.h"
-
 #include "python/core/arrays.h"
+#include "python/core/given.h"
 #include "python/core/module.h"
 
 namespace kestrel::python {

@@ -8,6 +8,7 @@
 #include "python/core/arrays.h"
 #include "python/core/camera.h"
 #include "python/core/module.h"
+#include "python/core/one_thread.h"
 #include "python/core/poses.h"
 #include "vision/horizon/skyline.h"
 #include "vision/horizon/visual_compass.h"
@@ -79,6 +80,7 @@ class Compass {
         compass_(camera_, RotationOf(mount).toRotationMatrix(), MaskOf(mask, camera_), {}) {}
 
   vision::CompassResult Turn(const py::array& image, const Eigen::Vector3d& down) {
+    const OneThread::Use use(one_thread_);
     const cv::Mat pixels = SizedImage(image, "image", camera_);
     if (pixels.channels() != 3) throw py::value_error("image must be (height, width, 3)");
     const auto down_C = UnitOf(down, "down");
@@ -87,9 +89,13 @@ class Compass {
   }
 
   int keyframes() const { return compass_.keyframes(); }
-  void Forget() { compass_.Forget(); }
+  void Forget() {
+    const OneThread::Use use(one_thread_);
+    compass_.Forget();
+  }
 
  private:
+  OneThread one_thread_{"Compass"};
   vision::CameraModel camera_;
   vision::VisualCompass compass_;
 };

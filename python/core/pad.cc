@@ -11,6 +11,7 @@
 #include "python/core/arrays.h"
 #include "python/core/camera.h"
 #include "python/core/module.h"
+#include "python/core/one_thread.h"
 #include "python/core/poses.h"
 #include "vision/camera/views.h"
 #include "vision/landmark/pad_file.h"
@@ -75,6 +76,7 @@ class PadTracker {
   std::optional<vision::PadObservation> Track(const py::array& image,
                                               const std::optional<Eigen::Vector3d>& position,
                                               const std::optional<Eigen::Matrix3d>& rotation) {
+    const OneThread::Use use(one_thread_);
     cv::Mat grey = GreyOf(image, "image");
     if (grey.cols != vision::WidthPx(camera_) || grey.rows != vision::HeightPx(camera_))
       throw py::value_error(fmt::format("image is of {} x {} pixels, and the camera's are of {} x {}",
@@ -90,6 +92,7 @@ class PadTracker {
   }
 
  private:
+  OneThread one_thread_{"PadTracker"};
   vision::CameraModel camera_;
   vision::Pinhole view_;                      // the tracker's camera, of the same C
   std::optional<vision::ViewTable> to_view_;  // none: the image is the view

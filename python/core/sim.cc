@@ -11,10 +11,10 @@
 
 #include "base/yaml/yaml_fields.h"
 #include "control/autopilot.h"
-#include "python/core/decisions.h"
-#include "python/core/frames.h"
+#include "python/core/given.h"
 #include "python/core/instruments.h"
 #include "python/core/module.h"
+#include "python/core/one_thread.h"
 #include "python/core/overrides.h"
 #include "records/summary.h"
 
@@ -93,21 +93,16 @@ class StepSim {
   }
 
   struct InUse {
-    explicit InUse(const StepSim& of) : sim(of) {
+    explicit InUse(const StepSim& sim) : use(sim.one_thread_) {
       if (forks != sim.process_)
         throw SimError("this Sim was made in another process; let each process make its own");
-      if (sim.used_.exchange(true))
-        throw SimError("two threads use this Sim at a time; let each make its own");
     }
-    ~InUse() { sim.used_ = false; }
-    InUse(const InUse&) = delete;
-    InUse& operator=(const InUse&) = delete;
-    const StepSim& sim;
+    OneThread::Use use;
   };
 
   bool depth_, segmentation_, flow_;
   int process_ = forks;
-  mutable std::atomic<bool> used_ = false;
+  OneThread one_thread_{"Sim"};
   std::unique_ptr<Sim> sim_;
 };
 

@@ -11,8 +11,9 @@
 #include "flight/simulated/scenario.h"
 #include "python/core/arrays.h"
 #include "python/core/camera.h"
-#include "python/core/frames.h"
+#include "python/core/given.h"
 #include "python/core/module.h"
+#include "python/core/one_thread.h"
 #include "python/core/overrides.h"
 #include "python/core/poses.h"
 #include "sim/camera/renderer.h"
@@ -49,6 +50,7 @@ class World {
 
   ShownFrame Render(const Eigen::Vector3d& position, const Eigen::Matrix3d& rotation,
                     const py::object& camera, bool depth, bool segmentation) {
+    const OneThread::Use use(one_thread_);
     const Pose X_NC = PoseOf(position, rotation);
     const vision::CameraModel seen_by = camera.is_none() ? camera_ : CameraOf(camera);
     const std::string described = vision::NameOf(seen_by) + std::to_string(vision::WidthPx(seen_by)) + "x" +
@@ -84,6 +86,7 @@ class World {
   }
 
  private:
+  OneThread one_thread_{"World"};
   vision::CameraModel camera_;
   sim::RenderOptions options_;
   sim::ModelPtr model_;

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What is drawn and seen without a flight, against where it was put."""
 
+import threading
 import unittest
 
 import numpy as np
@@ -76,6 +77,23 @@ class Pad(unittest.TestCase):
             self.world.render((np.nan, 0, -3), np.eye(3))
         with self.assertRaisesRegex(TypeError, "a camera is a kestrel.Camera"):
             self.world.render((0, 0, -3), np.eye(3), 5)
+
+    def test_two_threads_at_a_time_are_refused(self):
+        refused = []
+
+        def draw():
+            for _ in range(20):
+                try:
+                    self.world.render((0, 0, -3), DOWN, self.camera)
+                except kestrel.SimError as error:
+                    refused.append(str(error))
+
+        threads = [threading.Thread(target=draw) for _ in range(2)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertIn("two threads use this World", refused[0])
 
     def test_images_of_any_strides(self):
         frame, (position, _) = self.seen_from(3.0, 0.0)
