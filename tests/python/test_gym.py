@@ -3,6 +3,9 @@
 
 import hashlib
 import multiprocessing
+import subprocess
+import sys
+import textwrap
 import unittest
 
 import gym_contract
@@ -62,6 +65,23 @@ class Contract(unittest.TestCase):
 
     def test_rates(self):
         gym_contract.check(kestrel.gym.make("kestrel/Hover-v0", action="rates"))
+
+    @unittest.skipIf(gymnasium, "Gymnasium is installed")
+    def test_registers_with_a_gymnasium(self):
+        program = textwrap.dedent("""
+            import pkgutil, sys, types
+            from kestrel import _environment
+            registered = {}
+            sys.modules["gymnasium"] = types.SimpleNamespace(
+                Env=type("Env", (_environment.Env,), {}), register=lambda id, entry_point: registered.update({id: entry_point}))
+            sys.modules["gymnasium.spaces"] = _environment
+            import kestrel.gym
+            for id, entry_point in registered.items():
+                assert kestrel.gym.ENVIRONMENTS[id] is pkgutil.resolve_name(entry_point), id
+                assert issubclass(kestrel.gym.ENVIRONMENTS[id], sys.modules["gymnasium"].Env)
+            print(len(registered))
+            """)
+        self.assertEqual(subprocess.check_output([sys.executable, "-c", program], text=True), "4\n")
 
     @unittest.skipUnless(gymnasium, "Gymnasium is not installed")
     def test_gymnasium_finds_no_fault(self):
