@@ -75,7 +75,7 @@ class Flight(Env):
         if action not in self.actions:
             raise ValueError(f'action="{action}": {type(self).__name__} has {" and ".join(self.actions)}')
         if action == "rates" and (observation != "state" or render_mode):
-            raise ValueError('action="rates" needs observation="state" and no render_mode: an image is not as often as that')
+            raise ValueError('action="rates" needs observation="state" and no render_mode: images are not as frequent')
         if render_mode not in (None, "rgb_array"):
             raise ValueError(f'render_mode="{render_mode}": give None or "rgb_array"')
         self.render_mode = render_mode
@@ -229,9 +229,9 @@ class Hover(Flight):
 class Landing(Flight):
     """Lands on the pad from about 5 m in wind (scenario `landing`, 60 s). The goal is the pad.
 
-    Reward of a step: by how many m it has come nearer to the pad. The first touch ends the episode, with 10, less 10 for
-    each metre from the pad's centre, less 10 for each m/s beyond the 0.4 m/s of the scenario's criterion; at the least
-    -10. Who leaves gets -10."""
+    Reward of a step: by how many m it has come nearer to the pad. The first touch ends the episode, with 10, less 10
+    for each metre from the pad's centre, less 10 for each m/s beyond the 0.4 m/s of the scenario's criterion; at the
+    least -10. Who leaves gets -10."""
 
     scenario = "landing"
 
@@ -254,8 +254,8 @@ class Landing(Flight):
 
 
 class Following(Flight):
-    """Follows a balloon on a random path in wind (scenario `follow`, 60 s). The goal is 4 m before the balloon on the way
-    to it, with the nose to it; the observation has the balloon too.
+    """Follows a balloon on a random path in wind (scenario `follow`, 60 s). The goal is 4 m before the balloon on the
+    way to it, with the nose to it; the observation has the balloon too.
 
     Reward of a step: -(distance from the goal in m + turn / 5) * time in s."""
 
@@ -273,11 +273,11 @@ class Following(Flight):
 
 
 class Avoiding(Flight):
-    """Flies 80 m straight on past two other aircraft that cross its way (scenario `avoid`, 60 s). The goal is the end of
-    that course; the observation has both of the others.
+    """Flies 80 m straight on past two other aircraft that cross its way (scenario `avoid`, 60 s). The goal is the end
+    of that course; the observation has both of the others.
 
-    Reward of a step: by how many m it has come nearer to the goal. Within 1 m of it the episode ends with 20 more, within
-    2 m of another aircraft with -50; so it does on the ground or far away."""
+    Reward of a step: by how many m it has come nearer to the goal. Within 1 m of it the episode ends with 20 more,
+    within 2 m of another aircraft with -50; so it does on the ground or far away."""
 
     scenario = "avoid"
     limits = (6.0, 6.0, 1.5, 1.0)

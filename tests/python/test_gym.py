@@ -73,7 +73,8 @@ class Contract(unittest.TestCase):
             from kestrel import _environment
             registered = {}
             sys.modules["gymnasium"] = types.SimpleNamespace(
-                Env=type("Env", (_environment.Env,), {}), register=lambda id, entry_point: registered.update({id: entry_point}))
+                Env=type("Env", (_environment.Env,), {}),
+                register=lambda id, entry_point: registered.update({id: entry_point}))
             sys.modules["gymnasium.spaces"] = _environment
             import kestrel.gym
             for id, entry_point in registered.items():
