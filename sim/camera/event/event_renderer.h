@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "geometry/pose.h"
 #include "sim/camera/event/event_camera.h"
 #include "sim/camera/image_sensor.h"
 #include "sim/camera/snapshots.h"
