@@ -74,6 +74,11 @@ void ExportCommand(const ExportArguments& a) {
   for (const char* name : {"scenario.yaml", "telemetry.csv"})
     if (!IsFile(folder / name))
       mistakes.Add("export", "", fmt::format("'{}' holds no {}: not a flight's folder", a.folder, name));
+  if (IsFile(folder / "flight.mcap"))
+    mistakes.Add(
+        "export", "",
+        fmt::format("'{}' has a flight.mcap, which may hold more than can be made of the rest", a.folder),
+        "valid: a folder without one; move it away");
   mistakes.ThrowIfAny();
   const WriterLock lock = LockFolder(folder);
   const flight::LoadedPlan loaded = flight::LoadPlan((folder / "scenario.yaml").string(), {});
