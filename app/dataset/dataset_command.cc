@@ -49,16 +49,19 @@ CLI::App* AddDatasetCommand(CLI::App& app, DatasetCommandArguments& a) {
   command->add_option("--world", a.world, "As --set world=WORLD")->type_name("WORLD");
   command->add_option("--camera", a.camera, "As --set camera=CAMERA")->type_name("CAMERA");
   command->add_option("--rate", a.rate_hz, "Images in a second: as --set image.rate_hz=HZ")->type_name("HZ");
-  command->add_option("--imu-rate", set.imu_rate_hz, "Readings of the IMU in a second, of a trajectory")
-      ->check(Within(1, 10000))
-      ->type_name("HZ")
-      ->capture_default_str();
+  command
+      ->add_option("--imu-rate", set.imu_rate_hz,
+                   "Readings of the IMU in a second (default: the scenario's; 200 where it has no IMU)")
+      ->check(Within(1, 1000))
+      ->type_name("HZ");
   command->add_option("--set", set.overrides, "key.path=value, as for run")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
-  command->add_option("--jobs", set.jobs, "Threads; the bytes are the same for any number")
+  command
+      ->add_option("--jobs", set.jobs,
+                   "Threads (default: one for each core); the bytes are the same for any number")
       ->check(CLI::Range(1, 256))
-      ->capture_default_str();
+      ->type_name("N");
   command->footer(
       "Examples:\n"
       "  kestrel dataset landing --out landing_set --depth --flow --segmentation --boxes\n"

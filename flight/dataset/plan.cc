@@ -53,17 +53,23 @@ std::string SettingsOf(const DatasetPlan& plan) {
       "format: {}\ncount: {}\nframes: {}\nduration_s: "
       "{}\nimu_rate_hz: {}\ncolour: {}\ndepth: {}\nflow: {}\n"
       "segmentation: {}\nboxes: {}\n",
-      a.format, a.count, a.frames.value_or(0), a.duration_s.value_or(0), a.imu_rate_hz, a.extras.colour,
-      a.extras.depth, a.extras.flow, a.extras.segmentation, a.extras.boxes);
+      a.format, a.count, a.frames.value_or(0), a.duration_s.value_or(0), a.imu_rate_hz.value_or(0),
+      a.extras.colour, a.extras.depth, a.extras.flow, a.extras.segmentation, a.extras.boxes);
   if (plan.trajectory) text += fmt::format("trajectory: |\n{}\n", ReadFile(a.source));
   return text + ToYaml(plan.scenarios.front().scenario);
+}
+
+bool HoldsFiles(const fs::path& folder) {
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error))
+    if (entry.path().filename() != ".lock") return true;  // which the writer leaves
+  return false;
 }
 
 void CheckFolder(const DatasetPlan& plan, Mistakes& mistakes) {
   const fs::path& out = plan.arguments.out;
   CheckWritableFolder(out, "--out", mistakes);
   const fs::path settings = out / "settings.txt";
-  std::error_code error;
   if (IsFile(settings)) {
     if (ReadFile(settings) != plan.settings)
       mistakes.Add("--out", "",
@@ -71,7 +77,7 @@ void CheckFolder(const DatasetPlan& plan, Mistakes& mistakes) {
                                "version or another machine",
                                out.string()),
                    "valid: another folder, or that one removed");
-  } else if (fs::is_directory(out, error) && fs::directory_iterator(out, error) != fs::directory_iterator()) {
+  } else if (HoldsFiles(out)) {
     mistakes.Add("--out", "", fmt::format("'{}' is not an empty folder", out.string()),
                  "valid: a new one, or one with a data set that was broken off");
   }
@@ -121,10 +127,11 @@ DatasetPlan LoadDatasetPlan(const DatasetArguments& arguments) {
   const std::string scenario = flown ? a.source : a.in.empty() ? kPlainScenario : a.in;
   try {
     LoadedScenario loaded = LoadScenario(scenario, overrides);
-    if (!loaded.simulator.instruments.imu) {
-      overrides.push_back(PerfectImu(a.imu_rate_hz));
-      loaded = LoadScenario(scenario, overrides, false);
-    }
+    if (!loaded.simulator.instruments.imu)
+      overrides.push_back(PerfectImu(a.imu_rate_hz.value_or(200)));
+    else if (a.imu_rate_hz)
+      overrides.push_back(fmt::format("instruments.imu.rate_hz={}", *a.imu_rate_hz));
+    loaded = LoadScenario(scenario, overrides, false);
     plan.scenarios.push_back(std::move(loaded));
   } catch (const InputError& e) {
     mistakes.Add(e);

@@ -25,7 +25,7 @@ struct DatasetArguments {
   int count = 1;                       // sequences, of the seed and those after it
   std::optional<int> frames;           // of each sequence, at most
   std::optional<double> duration_s;    // the same
-  double imu_rate_hz = 200;            // where the scenario has no IMU: of one without errors
+  std::optional<double> imu_rate_hz;   // none: the scenario's; 200 of an IMU without errors where it has none
   Extras extras;
   int jobs = 1;
 };

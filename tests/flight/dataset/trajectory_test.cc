@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "flight/dataset/trajectory.h"
+#include "flight/dataset/trajectory/trajectory.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <fstream>
 
-#include "flight/dataset/pose_file.h"
+#include "flight/dataset/trajectory/pose_file.h"
 #include "geometry/tait_bryan.h"
 #include "tests/support/temporary_folder.h"
 
