@@ -10,8 +10,9 @@
 #include "base/stopwatch.h"
 #include "flight/simulated/judgement.h"
 #include "records/telemetry/metrics.h"
+#include "sim/camera/event/event_renderer.h"
 
-namespace kestrel {
+namespace kestrel::flight {
 namespace {
 
 flight::LoadedScenario Load(const std::string& scenario, const SimOptions& options) {
@@ -33,6 +34,7 @@ struct Sim::State {
   std::optional<mission::Decision> decision = {};     // on it
   sim::Readings readings = {};
   std::vector<sim::CameraFrame> camera_frames = {};
+  std::vector<sim::Event> events = {};
   std::vector<records::LogRow> rows = {};
   std::chrono::steady_clock::time_point began = {};
   bool done = true;
@@ -55,6 +57,10 @@ struct Sim::State {
   }
 
   void End(std::string how) {
+    if (sim::EventRenderer* camera = simulator->event_camera()) {
+      camera->Finish();
+      TakeEvents(*camera);
+    }
     done = true;
     outcome = std::move(how);
     frame.reset();
@@ -63,6 +69,12 @@ struct Sim::State {
   void Forget() {
     readings = {};
     camera_frames.clear();
+    events.clear();
+  }
+
+  void TakeEvents(sim::EventRenderer& camera) {
+    const std::vector<sim::Event> more = camera.Take();
+    events.insert(events.end(), more.begin(), more.end());
   }
 
   // The next frame, no later than until_s.
@@ -72,6 +84,7 @@ struct Sim::State {
       sim::Append(readings, simulator->readings());
       const auto& frames = simulator->camera_frames();
       camera_frames.insert(camera_frames.end(), frames.begin(), frames.end());
+      if (sim::EventRenderer* camera = simulator->event_camera()) TakeEvents(*camera);
       return next;
     } catch (...) {
       End("broke off");
@@ -108,6 +121,7 @@ Observation Sim::Reset(std::optional<std::uint64_t> seed) {
   parameters.images = s.options.images;
   parameters.surfaces = s.options.images && s.options.surfaces;
   parameters.draw_beside = s.options.draw_beside;
+  if (s.options.events) parameters.events = s.loaded.scenario.event_camera;
   s.pilot.reset();
   s.simulator.reset();
   s.simulator = std::make_unique<sim::Simulator>(parameters);
@@ -187,6 +201,10 @@ const Truth& Sim::truth() const { return simulator().truth(); }
 const Truth& Sim::exposure() const { return simulator().exposure(); }
 const flight::LoadedScenario& Sim::scenario() const { return state_->loaded; }
 const sim::Readings& Sim::readings() const { return state_->readings; }
+const std::vector<sim::Event>& Sim::events() const {
+  if (!state_->options.events) throw SimError("this Sim has no event camera; make it with the option events");
+  return state_->events;
+}
 const std::vector<sim::CameraFrame>& Sim::camera_frames() const { return state_->camera_frames; }
 const std::vector<records::LogRow>& Sim::rows() const { return state_->rows; }
 
@@ -210,4 +228,4 @@ records::Summary Sim::Summarise() const {
   return summary;
 }
 
-}  // namespace kestrel
+}  // namespace kestrel::flight

@@ -13,18 +13,20 @@
 #include "mission/mission.h"
 #include "records/telemetry/flight_log.h"
 #include "sim/camera/carried/carried_camera.h"
+#include "sim/camera/event/event_camera.h"
 #include "sim/instrument/readings.h"
 #include "sim/simulator.h"
 #include "vision/camera.h"
 
 // A simulated flight step by step, for flight code of one's own, whoever's loop it is in.
-namespace kestrel {
+namespace kestrel::flight {
 
 struct SimOptions {
   std::optional<std::uint64_t> seed;   // in place of the scenario's
   std::vector<std::string> overrides;  // of the scenario, "key.path=value"
   bool images = true;                  // false: nothing is drawn, and frames have no image
   bool surfaces = false;               // with each frame its depth, what each pixel shows, and the flow
+  bool events = false;                 // of the scenario's event camera, behind the same lens
   bool draw_beside = true;  // images are drawn on a thread of their own; false: all is on the caller's
 };
 
@@ -84,6 +86,9 @@ class Sim {
   // beside the one that paces the flight (the scenario's `cameras`), of each camera in the order of time.
   const sim::Readings& readings() const;
   const std::vector<sim::CameraFrame>& camera_frames() const;
+  // The same of the event camera. It samples light as often as the world moves, and so its events come up to some
+  // 10 ms later than they happen, the last of them when the flight ends. SimError: there is none.
+  const std::vector<sim::Event>& events() const;
 
   bool done() const;                   // time is up, or Finish(), or the scenario's mission has ended it
   const std::string& outcome() const;  // empty until then
@@ -103,5 +108,14 @@ class Sim {
   struct State;
   std::unique_ptr<State> state_;
 };
+
+}  // namespace kestrel::flight
+
+namespace kestrel {
+
+using flight::Observation;
+using flight::Sim;
+using flight::SimError;
+using flight::SimOptions;
 
 }  // namespace kestrel

@@ -3,7 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <cstddef>
 #include <cstring>
+#include <tuple>
 #include <vector>
 
 #include "python/core/arrays.h"
@@ -97,6 +99,22 @@ py::array MagnetometerOf(const Sim& sim) {
 py::array RangefinderOf(const Sim& sim) {
   Require(sim.scenario().simulator.instruments.rangefinder, "rangefinder");
   return Table(sim.readings().rangefinder, {{"range", 1}});
+}
+
+py::array EventsOf(const Sim& sim) {
+  static_assert(sizeof(sim::Event) == 16 && offsetof(sim::Event, x) == 8 && offsetof(sim::Event, on) == 12);
+  py::list names, formats, offsets;
+  int offset = 0;
+  for (const auto& [name, format, bytes] :
+       {std::tuple("t_ns", "i8", 8), {"x", "u2", 2}, {"y", "u2", 2}, {"on", "?", 1}}) {
+    names.append(name), formats.append(format), offsets.append(offset);
+    offset += bytes;
+  }
+  const std::vector<sim::Event>& events = sim.events();
+  py::array table(py::dtype(names, formats, offsets, sizeof(sim::Event)),
+                  std::vector<py::ssize_t>{static_cast<py::ssize_t>(events.size())});
+  if (!events.empty()) std::memcpy(table.mutable_data(), events.data(), events.size() * sizeof(sim::Event));
+  return table;
 }
 
 }  // namespace kestrel::python

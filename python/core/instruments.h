@@ -14,5 +14,6 @@ pybind11::array GpsOf(const Sim& sim);
 pybind11::array BarometerOf(const Sim& sim);
 pybind11::array MagnetometerOf(const Sim& sim);
 pybind11::array RangefinderOf(const Sim& sim);
+pybind11::array EventsOf(const Sim& sim);
 
 }  // namespace kestrel::python

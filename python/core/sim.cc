@@ -31,7 +31,7 @@ class StepSim {
  public:
   StepSim(const std::filesystem::path& scenario, std::optional<std::uint64_t> seed,
           const py::object& overrides, bool images, bool depth, bool segmentation, bool flow,
-          bool draw_beside)
+          bool draw_beside, bool events)
       : depth_(depth), segmentation_(segmentation), flow_(flow) {
     if (!images && (depth || segmentation || flow))
       throw py::value_error("a Sim without images has no depth, segmentation or flow");
@@ -41,6 +41,7 @@ class StepSim {
     options.images = images;
     options.surfaces = depth || segmentation || flow;
     options.draw_beside = draw_beside;
+    options.events = events;
     const py::gil_scoped_release others_run;
     sim_ = std::make_unique<Sim>(scenario.string(), options);
   }
@@ -148,14 +149,16 @@ void BindSim(py::module_& m) {
 scenario: a name in scenarios/, or a YAML file. seed: in place of the scenario's. overrides: a dict of "key.path" and
 value, or a list of "key.path=value". images: False draws nothing, and frames have no image. depth, segmentation, flow:
 what comes with each frame. draw_beside: images are drawn on a thread of their own; False: all is on the caller's.
+events: of the scenario's event camera, behind the same lens.
 
 The same scenario, seed and setpoints give the same flight as `kestrel run`, bit for bit. Of one Sim only one thread at
 a time; several Sims may be used beside each other, and Python's lock is released while they work. Raises InputError
 with every mistake of the scenario.)")
       .def(py::init<const std::filesystem::path&, std::optional<std::uint64_t>, const py::object&, bool, bool,
-                    bool, bool, bool>(),
+                    bool, bool, bool, bool>(),
            "scenario"_a, "seed"_a = py::none(), "overrides"_a = py::dict(), "images"_a = true,
-           "depth"_a = false, "segmentation"_a = false, "flow"_a = false, "draw_beside"_a = true)
+           "depth"_a = false, "segmentation"_a = false, "flow"_a = false, "draw_beside"_a = true,
+           "events"_a = false)
       .def(
           "reset",
           [](S& s, std::optional<std::uint64_t> seed) {
@@ -257,6 +260,13 @@ with every mistake of the scenario.)")
           "rangefinder", [](const S& s) { return s.Use(&RangefinderOf); },
           "(n,) structured, as imu: t_ns, ns; range, m; infinite: nothing is within the longest, minus "
           "infinite: nearer than the shortest.")
+      .def_property_readonly(
+          "events", [](const S& s) { return s.Use(&EventsOf); },
+          "(n,) structured, of the event camera, since step(), advance() or reset() was called last: t_ns, "
+          "ns; x, y, "
+          "px; on: brighter. They come up to some 10 ms late, the last when the flight ends. Raises SimError "
+          "without "
+          "events=True.")
       .def(
           "summary",
           [](const S& s) {

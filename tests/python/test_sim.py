@@ -167,6 +167,25 @@ class SensorsAndCameras(unittest.TestCase):
         self.assertEqual(left.image.dtype, np.uint8)
         np.testing.assert_array_equal(frame.camera_position, self.sim.exposure_truth.camera_position)
 
+    def test_events_are_the_same_in_whatever_slices(self):
+        flights = []
+        for step in (lambda sim: sim.step(), lambda sim: sim.advance(0.03)):
+            sim = kestrel.Sim("hover", seed=3, overrides={**SHORT, "duration_s": 0.5, "criteria": {}}, images=False, events=True)
+            sim.reset()
+            events = [sim.events]
+            while not sim.done:
+                step(sim)
+                events.append(sim.events)
+            flights.append(np.concatenate(events))
+        by_frames, by_time = flights
+        self.assertGreater(len(by_frames), 1000)
+        self.assertTrue((np.diff(by_frames["t_ns"]) >= 0).all())
+        self.assertLess(by_frames["x"].max(), 640)
+        common = by_time["t_ns"].max() - 20_000_000  # the one ends a little earlier than the other
+        np.testing.assert_array_equal(by_frames[by_frames["t_ns"] < common], by_time[by_time["t_ns"] < common])
+        with self.assertRaisesRegex(kestrel.SimError, "no event camera"):
+            self.sim.events
+
     def test_of_instruments_that_are_not_there(self):
         sim = kestrel.Sim("hover", overrides=SHORT, images=False)
         sim.reset()
