@@ -58,6 +58,7 @@ struct ImageInput {
   std::filesystem::path calibration;     // what a recording has of this camera; empty: none
   std::string calibration_text;          // the same, of a recording in one file
   bool has_calibration() const { return !calibration.empty() || !calibration_text.empty(); }
+  std::string topic;           // which camera of a recording with several; empty: it has but one
   std::filesystem::path gyro;  // and of a gyro of the same clock; empty: none
 };
 

@@ -114,7 +114,7 @@ ImageInput RecordedInput(const ImageArguments& a, vision::FolderSourceOptions op
                  "valid: without it");
   input.size = first->image.size();
   input.rate_hz = a.rate_hz.value_or(input.rate_hz);
-  input.calibration = recorded->calibration, input.gyro = recorded->gyro;
+  input.calibration = recorded->calibration, input.gyro = recorded->gyro, input.topic = recorded->topic;
   input.calibration_text = recorded->calibration_text;
   input.note = recorded->note;
   if (recorded->stamped()) {

@@ -11,6 +11,8 @@
 #include "app/simulated/images_input.h"
 #include "geometry/pose.h"
 #include "vision/camera/calibration_file.h"
+#include "vision/capture/recorded/mcap_frames.h"
+#include "vision/capture/recorded/mcap_images.h"
 #include "vision/capture/recorded/recorded_gyro.h"
 #include "vision/enhance/stabilisation/gyro_file.h"
 #include "vision/enhance/stabilisation/gyro_offset.h"
@@ -56,16 +58,25 @@ struct GyroSamples {
   bool same_clock = false;  // as the images'
 };
 
+// X_IC, by the calibration or else by what an MCAP says of it.
+std::optional<Pose> PoseOnImu(const StabiliseArguments& a, const ImageInput& input, Mistakes& mistakes) {
+  if (!a.camera.empty() || !input.calibration.empty())
+    if (const auto file = CameraFile(a, input, mistakes))
+      if (const auto X_IC = vision::LoadPoseOnImu(*file, mistakes, a.camera_name)) return X_IC;
+  if (!vision::IsMcap(a.imu) || a.imu != input.gyro) return std::nullopt;
+  return vision::PoseOnImuInMcap(a.imu, input.topic, a.imu_topic);
+}
+
 // Of an IMU that was recorded: in the camera's axes, from the first image on, or else from its own first sample.
 GyroSamples SamplesOfImu(const StabiliseArguments& a, const ImageInput& input, Mistakes& mistakes) {
   const std::vector<vision::RecordedRate> rates = vision::ReadRecordedGyro(a.imu, a.imu_topic, mistakes);
   if (rates.empty()) return {};
-  const std::filesystem::path camera = a.camera.empty() ? input.calibration : *CameraFile(a, input, mistakes);
-  const auto X_IC = camera.empty() ? std::nullopt : vision::LoadPoseOnImu(camera, mistakes, a.camera_name);
+  const auto X_IC = PoseOnImu(a, input, mistakes);
   if (!X_IC) {
-    mistakes.Add(camera.empty() ? "--camera" : camera.string(), "",
-                 "how the camera stands on the IMU, in whose axes the rates are, is not said",
-                 "valid: a calibration with T_BS of EuRoC or T_cam_imu of Kalibr");
+    mistakes.Add(
+        "--camera", "", "how the camera stands on the IMU, in whose axes the rates are, is not said",
+        "valid: a calibration with T_BS of EuRoC or T_cam_imu of Kalibr, or an MCAP whose transforms join "
+        "their frames");
     return {};
   }
   GyroSamples samples;

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "app/flight/recorded_states.h"
 #include "app/flight/replay_command.h"
 #include "base/diagnostics.h"
 #include "base/mcap/writer.h"
@@ -118,6 +119,27 @@ TEST_F(ReplayLogTest, TheMissionAsksForWhatItAskedForInFlight) {
   }
   EXPECT_EQ(rows, recording_->frames().size());
   EXPECT_GT(compared, 5 * rows);
+}
+
+TEST_F(ReplayLogTest, AnImusOrientationAndRatesAreAStateWithoutAPlace) {
+  const control::VehicleState& flown = recording_->frames()[5].state;
+  const Eigen::Quaterniond R = WorldBodyToRos(flown.R_NB);
+  mcap::Writer writer(arguments_.folder);
+  ros::Imu message;
+  message.header.stamp = At(flown.t_s);
+  message.orientation = {R.x(), R.y(), R.z(), R.w()};
+  message.angular_velocity = {0.1, 0.2, 0.3};
+  writer.Write(Add(writer, "/imu", ros::Imu::kType), 7, ros::ToCdr(message));
+  writer.Close();
+  Mistakes mistakes;
+  const RecordedStates states = ReadRecordedStates(arguments_.folder, "", mistakes);
+  ASSERT_TRUE(mistakes.empty());
+  ASSERT_EQ(states.states.size(), 1u);
+  EXPECT_FALSE(states.placed);
+  EXPECT_EQ(states.logged_ns[0], 7);
+  EXPECT_LT(states.states[0].R_NB.angularDistance(flown.R_NB), 1e-9);
+  EXPECT_EQ(states.states[0].w_B, Eigen::Vector3d(0.1, -0.2, -0.3));  // forward, right, down
+  EXPECT_EQ(states.states[0].p_NB, Eigen::Vector3d::Zero());
 }
 
 TEST_F(ReplayLogTest, WhatIsMissingIsTold) {

@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 #include <fstream>
+#include <string_view>
 
 #include "base/mcap/reader.h"
 #include "base/ros/cdr.h"
@@ -25,10 +26,11 @@ constexpr const char* kImuRow =
 
 bool IsEurocImu(const std::filesystem::path& file) {
   if (!IsFile(file)) return false;
-  std::ifstream in(file);
-  std::string line;
-  std::getline(in, line);
-  return line.starts_with("#timestamp") && line.find("rad") != std::string::npos;
+  constexpr std::size_t kHeader = 256;  // as much of it as tells
+  std::string begin(kHeader, '\0');
+  std::ifstream(file, std::ios::binary).read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  const std::string_view header = std::string_view(begin).substr(0, begin.find('\n'));
+  return header.starts_with("#timestamp") && header.find("rad") != std::string_view::npos;
 }
 
 std::vector<RecordedRate> ReadEurocImu(const std::filesystem::path& file, Mistakes& mistakes) {
