@@ -107,6 +107,7 @@ const std::vector<std::string_view>& WorldKeys() {
                                                       "sensors",
                                                       "instruments",
                                                       "cameras",
+                                                      "event_camera",
                                                       "occlusion",
                                                       "targets",
                                                       "criteria",
