@@ -77,6 +77,20 @@ TEST_F(TelemetryRowsTest, AreThoseThatWereWritten) {
   EXPECT_LT((row.exposure.X_NT.p - was.exposure.X_NT.p).norm(), 1e-7);
 }
 
+TEST_F(TelemetryRowsTest, OfARealAircraftThereIsNoTruth) {
+  const TelemetryOptions real = {.truth = false, .safety = true};
+  mission::LogRow unheard = RowAt(1), heard = RowAt(1.1);
+  unheard.heard = false;
+  Write(TelemetryHeader(real) + '\n' + TelemetryLine(unheard, real) + '\n' + TelemetryLine(heard, real) +
+        '\n');
+  const TelemetryRows read = ReadTelemetry(file(), {});
+  EXPECT_FALSE(read.truth);
+  ASSERT_EQ(read.rows.size(), 2u);
+  EXPECT_FALSE(read.rows[0].heard);
+  EXPECT_TRUE(read.rows[1].heard);
+  EXPECT_EQ(read.rows[1].estimate.p_NB, heard.estimate.p_NB);
+}
+
 TEST_F(TelemetryRowsTest, WhatIsWrongIsRefusedWithItsLine) {
   EXPECT_THAT(Refusal(), HasSubstr("telemetry.csv"));
   Write("a,b,c\n1,2,3\n");
