@@ -102,6 +102,29 @@ class Files(unittest.TestCase):
         self.assertEqual(kestrel.Camera.from_yaml(kestrel.Camera.load("thesis_6mm").yaml("kalibr")).width,
                          kestrel.Camera.load("thesis_6mm").width)
 
+    def test_of_opencv(self):
+        try:
+            import cv2
+        except ImportError:
+            self.skipTest("without python3-opencv")
+        matrix = np.array([[500.0, 0, 320], [0, 510, 240], [0, 0, 1]])
+        distortion = np.array([[-0.2, 0.05, 0.001, -0.002, 0.01]])
+        with tempfile.TemporaryDirectory() as folder:
+            file = os.path.join(folder, "camera.yml")
+            storage = cv2.FileStorage(file, cv2.FILE_STORAGE_WRITE)
+            storage.write("camera_matrix", matrix)
+            storage.write("distortion_coefficients", distortion)
+            storage.release()
+            with self.assertRaisesRegex(kestrel.InputError, "image_width"):
+                kestrel.Camera.load(file)
+            camera = kestrel.Camera.load(file, size=(640, 480))
+        p = points()
+        pixels = camera.project(p)
+        valid = ~np.isnan(pixels[:, 0])
+        self.assertGreater(valid.sum(), 300)
+        expected, _ = cv2.projectPoints(p[valid], np.zeros(3), np.zeros(3), matrix, distortion)
+        np.testing.assert_allclose(pixels[valid], expected[:, 0], atol=1e-9)
+
     def test_mistakes_are_named(self):
         with self.assertRaisesRegex(kestrel.InputError, "no_such"):
             kestrel.Camera.load("no_such")
