@@ -94,10 +94,10 @@ void AddImu(const Trajectory& trajectory, std::int64_t end_ns, std::uint64_t see
 
 }  // namespace
 
-void FlyTrajectory(const DatasetPlan& plan, Journal& journal, Sequence& s) {
+void FlyTrajectory(const DatasetPlan& plan, const sim::SimulatorParameters& simulator, Journal& journal,
+                   Sequence& s) {
   const DatasetArguments& a = plan.arguments;
   const Trajectory& trajectory = plan.trajectory->trajectory;
-  const sim::SimulatorParameters& simulator = plan.scenarios[static_cast<std::size_t>(s.number)].simulator;
   const std::vector<FrameMakerParameters> cameras = CamerasOf(simulator);
   const std::int64_t begin_ns = trajectory.begin_ns();
   std::int64_t end_ns = trajectory.end_ns();
@@ -109,9 +109,13 @@ void FlyTrajectory(const DatasetPlan& plan, Journal& journal, Sequence& s) {
   std::vector<std::pair<std::size_t, std::size_t>> missing;  // camera, frame
   for (std::size_t c = 0; c < cameras.size(); ++c) {
     const sim::CameraTiming& timing = cameras[c].camera.timing;
+    const sim::Vibration vibration(cameras[c].camera.mount.vibration, SeedOf(cameras[c]));
+    const auto shaken = [&](std::int64_t t_ns, const Pose& X_NC) {
+      return vibration.still() ? X_NC : X_NC * vibration.At(static_cast<double>(t_ns - begin_ns) * 1e-9);
+    };
     const double rate_hz = cameras[c].camera.image.rate_hz * (1 + 1e-6 * timing.drift_ppm);
     for (const std::int64_t stamp : StampsUntil(begin_ns, end_ns, timing.phase_s, rate_hz))
-      s.frames[c].push_back({stamp, trajectory.At(stamp).X_NB * s.cameras[c].X_BC, {}});
+      s.frames[c].push_back({stamp, shaken(stamp, trajectory.At(stamp).X_NB * s.cameras[c].X_BC), {}});
     for (std::size_t i = 0; i < s.frames[c].size(); ++i) {
       if (const auto* entry = journal.Find({s.number, static_cast<int>(i), c}))
         s.frames[c][i].boxes = entry->boxes;

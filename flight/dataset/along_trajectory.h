@@ -6,7 +6,9 @@
 
 namespace kestrel::flight {
 
-// Fills a sequence along the plan's trajectory, frames on all jobs, and writes its pictures.
-void FlyTrajectory(const DatasetPlan& plan, Journal& journal, Sequence& sequence);
+// Fills a sequence along the plan's trajectory, frames on all jobs, and writes its pictures. simulator: of its
+// scenario.
+void FlyTrajectory(const DatasetPlan& plan, const sim::SimulatorParameters& simulator, Journal& journal,
+                   Sequence& sequence);
 
 }  // namespace kestrel::flight

@@ -26,8 +26,9 @@ using OrderedJson = nlohmann::ordered_json;
 std::string ManifestOf(const DatasetPlan& plan, const std::vector<WrittenFile>& files, std::size_t frames) {
   OrderedJson manifest{
       {"version", Version()}, {"format", plan.arguments.format}, {"source", plan.arguments.source}};
-  manifest["scenario"] = plan.scenarios.front().scenario.name;
-  for (const LoadedScenario& loaded : plan.scenarios) manifest["seeds"].push_back(loaded.scenario.seed);
+  manifest["scenario"] = plan.first.scenario.name;
+  for (int i = 0; i < plan.arguments.count; ++i)
+    manifest["seeds"].push_back(plan.first.scenario.seed + static_cast<std::uint64_t>(i));
   manifest["settings"] = "settings.txt";
   manifest["frames"] = frames;
   manifest["hash"] = "XXH128";
@@ -50,23 +51,24 @@ std::optional<DatasetResult> CompleteSet(const DatasetPlan& plan) {
       OrderedJson::parse(ReadFile(plan.arguments.out / "manifest.json"), nullptr, false);
   if (!manifest.is_object()) return std::nullopt;
   const std::size_t frames = manifest.at("frames");
-  DatasetResult result{plan.scenarios.size(), frames, manifest.at("files").size(), frames, 0};
+  DatasetResult result{static_cast<std::size_t>(plan.arguments.count), frames, manifest.at("files").size(),
+                       frames, 0};
   for (const OrderedJson& file : manifest.at("files")) result.bytes += file.at("bytes").get<std::uint64_t>();
   return result;
 }
 
 // Whole, or what of it is still missing.
-void MakeSequence(const DatasetPlan& plan, std::size_t number, int threads, Journal& journal) {
-  const Journal::Key tables(static_cast<int>(number), Journal::kTables, 0);
+void MakeSequence(const DatasetPlan& plan, int number, int threads, Journal& journal) {
+  const Journal::Key tables(number, Journal::kTables, 0);
   if (journal.Find(tables)) return;
-  Sequence sequence = BeginSequence(plan, number);
+  const LoadedScenario loaded = ScenarioOf(plan, number);
+  Sequence sequence = BeginSequence(plan, loaded, number);
   if (plan.trajectory)
-    FlyTrajectory(plan, journal, sequence);
+    FlyTrajectory(plan, loaded.simulator, journal, sequence);
   else
-    FlyMission(plan, threads, journal, sequence);
+    FlyMission(plan, loaded.scenario.seed, threads, journal, sequence);
   std::vector<SetFile> files = plan.format->Tables(sequence);
-  if (sequence.extras.segmentation)
-    files.push_back({sequence.folder + "geoms.csv", GeomTable(plan.scenarios[number])});
+  if (sequence.extras.segmentation) files.push_back({sequence.folder + "geoms.csv", GeomTable(loaded)});
   journal.Write(tables, files, {});
 }
 
@@ -78,17 +80,16 @@ DatasetResult MakeDataset(const DatasetPlan& plan) {
   if (const auto complete = CompleteSet(plan)) return *complete;
   WriteFile(a.out / "settings.txt", plan.settings);
   Journal journal(a.out);
-  const std::size_t count = plan.scenarios.size();
   if (plan.trajectory) {  // its frames share the jobs
-    for (std::size_t i = 0; i < count; ++i) MakeSequence(plan, i, 0, journal);
+    for (int i = 0; i < a.count; ++i) MakeSequence(plan, i, 0, journal);
   } else {
-    const int flights = std::min(a.jobs, static_cast<int>(count)), each = a.jobs / flights;
-    InParallel(count, flights, "data set", "flights",
-               [&](std::size_t i) { MakeSequence(plan, i, each > 1 ? each : 0, journal); });
+    const int flights = std::min(a.jobs, a.count), each = a.jobs / flights;
+    InParallel(static_cast<std::size_t>(a.count), flights, "data set", "flights",
+               [&](std::size_t i) { MakeSequence(plan, static_cast<int>(i), each > 1 ? each : 0, journal); });
   }
   const std::vector<WrittenFile> files = journal.Files();
   WriteFile(a.out / "manifest.json", ManifestOf(plan, files, journal.frames()));
-  DatasetResult result{count, journal.frames(), files.size(), journal.found(), 0};
+  DatasetResult result{static_cast<std::size_t>(a.count), journal.frames(), files.size(), journal.found(), 0};
   for (const WrittenFile& f : files) result.bytes += f.size;
   journal.Remove();
   return result;

@@ -16,12 +16,11 @@ sim::RenderOptions OnOneThread(sim::RenderOptions options) {
   return options;
 }
 
-// So that the noise of each camera is its own.
+}  // namespace
+
 std::uint64_t SeedOf(const FrameMakerParameters& p) {
   return p.number == 0 ? p.seed : RandomStream(p.seed, "camera " + p.camera.name).Bits();
 }
-
-}  // namespace
 
 FrameMaker::FrameMaker(const mjModel* model, const FrameMakerParameters& parameters,
                        const Trajectory& trajectory, const Extras& extras)

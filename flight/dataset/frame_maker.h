@@ -29,6 +29,9 @@ struct FrameMakerParameters {
   std::uint64_t seed = 1;                      // of the scenario
 };
 
+// Of its noise and its shaking: of each camera its own.
+std::uint64_t SeedOf(const FrameMakerParameters& parameters);
+
 // Draws what a camera of an aircraft sees that is put along a trajectory. Each frame depends on its stamp
 // alone. One for each thread.
 class FrameMaker {

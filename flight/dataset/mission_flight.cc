@@ -21,14 +21,14 @@ namespace {
 // Gathers what comes from a flight. A frame is written once the flow from it is known, with the one after it.
 class Gatherer {
  public:
-  Gatherer(const DatasetPlan& plan, const mjModel* model, int threads, Journal& journal, Sequence& sequence)
+  Gatherer(const DatasetPlan& plan, const Sim& sim, int threads, Journal& journal, Sequence& sequence)
       : plan_(plan),
-        boxes_(model),
+        boxes_(sim.simulator().model()),
         journal_(journal),
         s_(sequence),
         last_(sequence.cameras.size()),
         writers_(threads) {
-    const auto& cameras = plan.scenarios[static_cast<std::size_t>(s_.number)].simulator.cameras;
+    const auto& cameras = sim.scenario().simulator.cameras;
     for (std::size_t i = 0; i < cameras.size(); ++i) number_[cameras[i].name] = i + 1;
   }
 
@@ -93,18 +93,18 @@ class Gatherer {
 
 }  // namespace
 
-void FlyMission(const DatasetPlan& plan, int threads, Journal& journal, Sequence& s) {
+void FlyMission(const DatasetPlan& plan, std::uint64_t seed, int threads, Journal& journal, Sequence& s) {
   const DatasetArguments& a = plan.arguments;
   SimOptions options;
-  options.seed = plan.scenarios[static_cast<std::size_t>(s.number)].scenario.seed;
+  options.seed = seed;
   options.overrides = plan.overrides;
   options.surfaces = s.extras.Surfaces();
   options.draw_beside = threads > 0;
   Sim sim(a.source, options);
   Observation seen = sim.Reset();
-  Gatherer gatherer(plan, sim.simulator().model(), threads, journal, s);
+  Gatherer gatherer(plan, sim, threads, journal, s);
   gatherer.Take(sim, seen);
-  const bool terminal = plan.scenarios.size() == 1 && isatty(STDERR_FILENO);  // of several, InParallel tells
+  const bool terminal = a.count == 1 && isatty(STDERR_FILENO);  // of several, InParallel tells
   const auto enough = [&] { return a.frames && s.frames[0].size() >= static_cast<std::size_t>(*a.frames); };
   while (!sim.done() && !enough()) {
     const mission::Decision& decision = sim.Decide();

@@ -56,7 +56,7 @@ std::string SettingsOf(const DatasetPlan& plan) {
       a.format, a.count, a.frames.value_or(0), a.duration_s.value_or(0), a.imu_rate_hz.value_or(0),
       a.extras.colour, a.extras.depth, a.extras.flow, a.extras.segmentation, a.extras.boxes);
   if (plan.trajectory) text += fmt::format("trajectory: |\n{}\n", ReadFile(a.source));
-  return text + ToYaml(plan.scenarios.front().scenario);
+  return text + ToYaml(plan.first.scenario);
 }
 
 bool HoldsFiles(const fs::path& folder) {
@@ -85,12 +85,18 @@ void CheckFolder(const DatasetPlan& plan, Mistakes& mistakes) {
 
 }  // namespace
 
-Sequence BeginSequence(const DatasetPlan& plan, std::size_t number) {
-  const LoadedScenario& loaded = plan.scenarios[number];
+LoadedScenario ScenarioOf(const DatasetPlan& plan, int number) {
+  if (number == 0) return plan.first;
+  std::vector<std::string> overrides = plan.overrides;
+  overrides.push_back(fmt::format("seed={}", plan.first.scenario.seed + static_cast<std::uint64_t>(number)));
+  return LoadScenario(plan.scenario, overrides, false);
+}
+
+Sequence BeginSequence(const DatasetPlan& plan, const LoadedScenario& loaded, int number) {
   const sim::SimulatorParameters& simulator = loaded.simulator;
   Sequence s;
-  s.number = static_cast<int>(number);
-  if (plan.scenarios.size() > 1) s.folder = fmt::format("{}/", loaded.scenario.seed);
+  s.number = number;
+  if (plan.arguments.count > 1) s.folder = fmt::format("{}/", loaded.scenario.seed);
   s.extras = plan.arguments.extras;
   s.cameras.push_back(
       MakeRigCamera(simulator.camera, vision::MountPose(simulator.mount), simulator.image.rate_hz));
@@ -106,12 +112,8 @@ Sequence BeginSequence(const DatasetPlan& plan, std::size_t number) {
 }
 
 DatasetPlan LoadDatasetPlan(const DatasetArguments& arguments) {
-  DatasetPlan plan{.arguments = arguments,
-                   .overrides = {},
-                   .scenarios = {},
-                   .trajectory = {},
-                   .format = {},
-                   .settings = {}};
+  DatasetPlan plan;
+  plan.arguments = arguments;
   const DatasetArguments& a = plan.arguments;
   const bool poses = IsPoseFile(a.source), way = !poses && IsWay(a.source);
   Mistakes mistakes;
@@ -124,39 +126,31 @@ DatasetPlan LoadDatasetPlan(const DatasetArguments& arguments) {
   overrides.insert(overrides.end(), a.overrides.begin(), a.overrides.end());
   if (a.extras.colour || a.format == "tum") overrides.emplace_back("image.colour=true");
   if (a.duration_s && flown) overrides.push_back(fmt::format("duration_s={}", *a.duration_s));
-  const std::string scenario = flown ? a.source : a.in.empty() ? kPlainScenario : a.in;
+  plan.scenario = flown ? a.source : a.in.empty() ? kPlainScenario : a.in;
+  bool has_scenario = false;
   try {
-    LoadedScenario loaded = LoadScenario(scenario, overrides);
+    const LoadedScenario loaded = LoadScenario(plan.scenario, overrides);
     if (!loaded.simulator.instruments.imu)
       overrides.push_back(PerfectImu(a.imu_rate_hz.value_or(200)));
     else if (a.imu_rate_hz)
       overrides.push_back(fmt::format("instruments.imu.rate_hz={}", *a.imu_rate_hz));
-    loaded = LoadScenario(scenario, overrides, false);
-    plan.scenarios.push_back(std::move(loaded));
+    plan.first = LoadScenario(plan.scenario, overrides, false);
+    has_scenario = true;
   } catch (const InputError& e) {
     mistakes.Add(e);
   }
   try {
-    // Without a scenario where the camera is on the body is not known, and what else is wrong does not
-    // ask for it.
-    const Pose X_BC =
-        vision::MountPose(plan.scenarios.empty() ? vision::CameraMount() : plan.scenarios[0].simulator.mount);
+    // Without a scenario it is not known where the camera is, and what else is wrong does not ask for it.
+    const Pose X_BC = vision::MountPose(plan.first.simulator.mount);
     if (poses) plan.trajectory = LoadPoses(a.source, X_BC);
     if (way) plan.trajectory = LoadWay(a.source);
   } catch (const InputError& e) {
     mistakes.Add(e);
   }
-  if (plan.trajectory && !plan.scenarios.empty())
-    CheckTrajectory(*plan.trajectory, plan.scenarios[0].simulator, mistakes);
-  if (!plan.scenarios.empty()) {
-    const std::uint64_t seed = plan.scenarios[0].scenario.seed;
-    for (int i = 1; i < a.count; ++i) {
-      std::vector<std::string> all = overrides;
-      all.push_back(fmt::format("seed={}", seed + static_cast<std::uint64_t>(i)));
-      plan.scenarios.push_back(LoadScenario(scenario, all, false));
-    }
+  if (has_scenario) {
+    if (plan.trajectory) CheckTrajectory(*plan.trajectory, plan.first.simulator, mistakes);
     plan.format = MakeFormat(a.format);
-    plan.format->Check(BeginSequence(plan, plan.scenarios.size() - 1), mistakes);
+    plan.format->Check(BeginSequence(plan, plan.first, a.count - 1), mistakes);
     plan.settings = SettingsOf(plan);
     CheckFolder(plan, mistakes);
   }

@@ -33,9 +33,9 @@ struct DatasetArguments {
 // A data set that can be made: all that it is made from.
 struct DatasetPlan {
   DatasetArguments arguments;
-  std::vector<std::string> overrides;          // of the scenario, those of the arguments
-                                               // and what follows from them
-  std::vector<LoadedScenario> scenarios;       // of each sequence
+  std::string scenario;                        // flown, or in whose world the trajectory leads
+  std::vector<std::string> overrides;          // of it: those of the arguments and what follows from them
+  LoadedScenario first;                        // with its own seed
   std::optional<LoadedTrajectory> trajectory;  // none: the missions are flown
   std::unique_ptr<Format> format;
   std::string settings;  // all that its bytes depend on, in words
@@ -45,7 +45,10 @@ struct DatasetPlan {
 // other settings too.
 DatasetPlan LoadDatasetPlan(const DatasetArguments& arguments);
 
-// The sequence of a scenario, without its rows.
-Sequence BeginSequence(const DatasetPlan& plan, std::size_t number);
+// The scenario of a sequence, counted from 0: with the seed after that of the one before.
+LoadedScenario ScenarioOf(const DatasetPlan& plan, int number);
+
+// Its sequence, without rows.
+Sequence BeginSequence(const DatasetPlan& plan, const LoadedScenario& loaded, int number);
 
 }  // namespace kestrel::flight

@@ -56,7 +56,7 @@ void CheckTrajectory(const LoadedTrajectory& loaded, const sim::SimulatorParamet
     // Of each kind the first place that is wrong.
     const auto probe = [&](const auto& wrong_at) {
       for (int k = 1; k <= kProbes; ++k) {
-        const std::int64_t t = from + (stamps[i] - from) * k / kProbes;
+        const std::int64_t t = stamps[i] - (stamps[i] - from) / kProbes * (kProbes - k);
         const Wrong wrong = wrong_at(loaded.trajectory.At(t).X_NB.p);
         if (wrong.what.empty()) continue;
         const double since_s = static_cast<double>(t - stamps[0]) * 1e-9;

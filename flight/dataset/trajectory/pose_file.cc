@@ -17,9 +17,10 @@
 namespace kestrel::flight {
 namespace {
 
-constexpr std::size_t kNumbers = 7;        // of a pose
-constexpr double kOffUnit = 0.01;          // TUM's files have four decimals
-constexpr std::size_t kMostMistakes = 20;  // of one kind of file: the rest says the same
+constexpr std::size_t kNumbers = 7;                       // of a pose
+constexpr double kOffUnit = 0.01;                         // TUM's files have four decimals
+constexpr std::int64_t kLongest_ns = 36'000'000'000'000;  // as a flight
+constexpr std::size_t kMostMistakes = 20;                 // of one kind of file: the rest says the same
 
 std::vector<std::string_view> CellsOf(std::string_view line, bool csv) {
   const char* separators = csv ? "," : " \t";
@@ -114,6 +115,11 @@ LoadedTrajectory LoadPoses(const std::filesystem::path& file, const Pose& X_BC) 
     poses.push_back(csv ? X_N : X_N * X_BC.Inverse());
     places.push_back(where);
   }
+  if (!stamps.empty() && stamps.back() - stamps.front() > kLongest_ns)
+    mistakes.Add(places.back(), "",
+                 fmt::format("is {:.6g} s after the first pose",
+                             1e-9 * static_cast<double>(stamps.back() - stamps.front())),
+                 "valid: up to 36000 s");
   if (mistakes.empty() && stamps.size() < 2)
     mistakes.Add(file.string(), "", fmt::format("holds {} poses", stamps.size()), "valid: two or more");
   mistakes.ThrowIfAny();

@@ -129,6 +129,8 @@ TEST_F(TrajectoryFile, OfPosesTellsEveryMistakeWithItsLine) {
                     HasSubstr("bad.txt:4: 'nan' is not a finite number"),
                     HasSubstr("bad.txt:5: the quaternion has the length 2; valid: 1"),
                     HasSubstr("bad.txt:6: has 4 values"), HasSubstr("bad.txt:7: 'x' is no stamp")));
+  EXPECT_THAT(Refused("long.csv", "0,0,0,1,1,0,0,0\n9000000000000000000,0,0,1,1,0,0,0\n"),
+              HasSubstr("long.csv:2: is 9e+09 s after the first pose; valid: up to 36000 s"));
   EXPECT_THAT(Refused("one.csv", "0,0,0,1,1,0,0,0\n"), HasSubstr("holds 1 poses; valid: two or more"));
 }
 
