@@ -12,6 +12,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kThere = "an image that is there; where it is lost, the table without its row";
+
 // Of rows "stamp, name of an image in this folder".
 std::vector<StampedImage> ReadImageTable(const fs::path& table, const TableForm& form, const fs::path& folder,
                                          Mistakes& mistakes) {
@@ -32,7 +34,8 @@ std::vector<StampedImage> ReadEurocTable(const fs::path& camera_folder, Mistakes
                          .least_cells = 2,
                          .most_cells = 2,
                          .stamp = StampOfNanoseconds,
-                         .row = "rows of a stamp in ns, a comma, and the name of an image in data/"},
+                         .row = "rows of a stamp in ns, a comma, and the name of an image in data/",
+                         .rest = kThere},
                         camera_folder / "data", mistakes);
 }
 
@@ -42,7 +45,8 @@ std::vector<StampedImage> ReadTumTable(const fs::path& table, Mistakes& mistakes
                          .least_cells = 2,
                          .most_cells = 2,
                          .stamp = StampOfSeconds,
-                         .row = "rows of a stamp in s, a space, and the path of an image"},
+                         .row = "rows of a stamp in s, a space, and the path of an image",
+                         .rest = kThere},
                         table.parent_path(), mistakes);
 }
 

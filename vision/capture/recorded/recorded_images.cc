@@ -184,7 +184,8 @@ RecordedImages OpenRecordedImages(const fs::path& given, const std::string& topi
   const fs::path recording = given.has_filename() ? given : given.parent_path();  // "mav0/cam0/"
   RecordedImages recorded = Open(recording, topic, mistakes);
   if (mistakes.all().size() > before) return {};
-  if (recorded.size() == 0) mistakes.Add(recording.string(), "", "no images are in it",
+  if (recorded.size() == 0)
+    mistakes.Add(recording.string(), "", "no images are in it",
                  "valid: a folder of images, a data set of EuRoC, TUM or KITTI, or an MCAP");
   return recorded;
 }

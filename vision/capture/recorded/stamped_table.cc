@@ -53,16 +53,16 @@ void ReadTable(const std::filesystem::path& file, const TableForm& form, Mistake
     const std::vector<std::string> cells = CellsOf(line, form.between);
     const bool shaped = cells.size() >= form.least_cells && cells.size() <= form.most_cells;
     const auto stamp = shaped ? form.stamp(cells[0]) : std::nullopt;
-    std::string what;
-    if (!shaped)
+    std::string what, remedy = fmt::format("valid: {}, in the order of time", form.row);
+    if (!shaped) {
       what = fmt::format("'{:.80}' has {} cell{}", line, cells.size(), cells.size() == 1 ? "" : "s");
-    else if (!stamp)
+    } else if (!stamp) {
       what = fmt::format("'{:.80}' is no stamp", cells[0]);
-    else if (what = order.Next(*stamp, cells[0]); what.empty())
+    } else if (what = order.Next(*stamp, cells[0]); what.empty()) {
       what = row(*stamp, cells);
-    if (!what.empty() && ++wrong <= kMaxTold)
-      mistakes.Add({file.string(), number}, "", what,
-                   fmt::format("valid: {}, in the order of time", form.row));
+      if (form.rest) remedy = fmt::format("valid: {}", form.rest);
+    }
+    if (!what.empty() && ++wrong <= kMaxTold) mistakes.Add({file.string(), number}, "", what, remedy);
   }
   if (wrong > kMaxTold)
     mistakes.Add(file.string(), "", fmt::format("and {} more mistakes in its rows", wrong - kMaxTold));

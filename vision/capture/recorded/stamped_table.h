@@ -27,6 +27,7 @@ struct TableForm {
   std::size_t least_cells, most_cells;
   std::optional<std::int64_t> (*stamp)(std::string_view);  // of the first cell
   const char* row;                                         // what a row must be
+  const char* rest = nullptr;  // the same of what a TableRow is to judge; null: `row`
 };
 
 // What is wrong with the rest of a row, whose cells these are; empty: nothing.
