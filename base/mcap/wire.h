@@ -32,9 +32,10 @@ enum class Op : std::uint8_t {
   kDataEnd = 0x0F,
 };
 
-inline constexpr std::size_t kRecordHead = 9;      // opcode and length
-inline constexpr std::size_t kFooterContent = 20;  // of a fixed size for good
-inline constexpr std::size_t kMessageHead = 22;    // of a message's content, before its data
+inline constexpr std::uint64_t kMostInMemory = 1u << 30;  // of what is read whole: a record, a chunk
+inline constexpr std::size_t kRecordHead = 9;             // opcode and length
+inline constexpr std::size_t kFooterContent = 20;         // of a fixed size for good
+inline constexpr std::size_t kMessageHead = 22;           // of a message's content, before its data
 
 template <std::unsigned_integral Number>
 void Put(std::string& to, Number value) {
