@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "app/option/program.h"
 
+#include <csignal>
 #include <exception>
 #include <opencv2/core/utility.hpp>
 #include <utility>
@@ -28,6 +29,8 @@ void Program::TakePlugins(const std::vector<std::string>& verbs) {
 }
 
 int Program::Run(int argc, char** argv, const std::function<void()>& begin) {
+  // Beyond a limit of the shell's for files, writing fails as on a full disk, and is told.
+  std::signal(SIGXFSZ, SIG_IGN);
   // The second core draws the next image; threads inside OpenCV would only wait for it.
   cv::setNumThreads(1);
   if (const auto status = ParseCommandLine(command_line_, argc, argv)) return *status;

@@ -45,7 +45,7 @@ std::string GeomTable(const LoadedScenario& loaded) {
   return GeomsCsv(model.get());
 }
 
-// Of a set that is complete; none: it is not.
+// Of a set that is complete; none: it is not, or a file of it is no longer there as it was.
 std::optional<DatasetResult> CompleteSet(const DatasetPlan& plan) {
   const OrderedJson manifest =
       OrderedJson::parse(ReadFile(plan.arguments.out / "manifest.json"), nullptr, false);
@@ -53,7 +53,13 @@ std::optional<DatasetResult> CompleteSet(const DatasetPlan& plan) {
   const std::size_t frames = manifest.at("frames");
   DatasetResult result{static_cast<std::size_t>(plan.arguments.count), frames, manifest.at("files").size(),
                        frames, 0};
-  for (const OrderedJson& file : manifest.at("files")) result.bytes += file.at("bytes").get<std::uint64_t>();
+  for (const OrderedJson& file : manifest.at("files")) {
+    const auto size = file.at("bytes").get<std::uint64_t>();
+    std::error_code error;
+    if (fs::file_size(plan.arguments.out / file.at("path").get<std::string>(), error) != size || error)
+      return std::nullopt;
+    result.bytes += size;
+  }
   return result;
 }
 

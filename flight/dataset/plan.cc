@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <sstream>
 #include <utility>
 
 #include "base/file/files.h"
@@ -66,17 +67,28 @@ bool HoldsFiles(const fs::path& folder) {
   return false;
 }
 
+// Of two texts, the first line in which they differ, as it stands in the one and in the other.
+std::string FirstDifference(const std::string& there, const std::string& here) {
+  std::istringstream a(there), b(here);
+  std::string x, y;
+  while (x == y && (a || b)) {
+    if (!std::getline(a, x)) x.clear();
+    if (!std::getline(b, y)) y.clear();
+  }
+  return fmt::format("'{}' there, '{}' here", x, y);
+}
+
 void CheckFolder(const DatasetPlan& plan, Mistakes& mistakes) {
   const fs::path& out = plan.arguments.out;
   CheckWritableFolder(out, "--out", mistakes);
   const fs::path settings = out / "settings.txt";
   if (IsFile(settings)) {
-    if (ReadFile(settings) != plan.settings)
-      mistakes.Add("--out", "",
-                   fmt::format("{} holds a data set of other settings, another "
-                               "version or another machine",
-                               out.string()),
-                   "valid: another folder, or that one removed");
+    if (const std::string there = ReadFile(settings); there != plan.settings)
+      mistakes.Add(
+          "--out", "",
+          fmt::format("{} holds a data set of other settings, another version or another machine: {}",
+                      out.string(), FirstDifference(there, plan.settings)),
+          "valid: another folder, or that one removed");
   } else if (HoldsFiles(out)) {
     mistakes.Add("--out", "", fmt::format("'{}' is not an empty folder", out.string()),
                  "valid: a new one, or one with a data set that was broken off");

@@ -21,7 +21,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 // Who connects and has not said hello after this is sent away: there is one place.
-constexpr double kIntroduction_s = 10;
+constexpr double kIntroduction_s = 2;
 constexpr auto kLook = std::chrono::milliseconds(100);  // at go_on
 // What a client was told last may still be under way when it is sent away.
 constexpr auto kLinger = std::chrono::seconds(1);
@@ -43,6 +43,11 @@ std::uint32_t LengthIn(const std::string& bytes) {
   for (std::size_t i = 0; i < kHead; ++i)
     length |= std::uint32_t{static_cast<unsigned char>(bytes[i])} << 8 * i;
   return length;
+}
+
+bool Gone(int client) {
+  char next = 0;
+  return recv(client, &next, 1, MSG_PEEK | MSG_DONTWAIT) == 0;
 }
 
 std::string BytesOf(const LockstepSession::Reply& reply) {
@@ -87,8 +92,8 @@ std::optional<records::Summary> LockstepServer::Serve() {
     if (client < 0) continue;  // it has gone again
     const int yes = 1;
     setsockopt(client, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);  // of Unix sockets it is refused
-    ServeClient(client);
-    if (options_.once) break;
+    const bool introduced = ServeClient(client);
+    if (options_.once && introduced) break;
   }
   return summary_;
 }
@@ -111,7 +116,10 @@ LockstepServer::Wait LockstepServer::WaitFor(int descriptor, short events, Deadl
     const int wait_ms = static_cast<int>(std::chrono::ceil<std::chrono::milliseconds>(left).count());
     if (poll(polled.data(), polled.size(), wait_ms) <= 0) continue;
     if (descriptor < 0) return Wait::kReady;
-    if ((polled[0].revents & POLLIN) != 0) TurnAway();
+    if ((polled[0].revents & POLLIN) != 0) {
+      if (Gone(descriptor)) return Wait::kReady;  // then the other one may have its place
+      TurnAway();
+    }
     if (polled[1].revents != 0) return Wait::kReady;
   }
 }
@@ -188,7 +196,7 @@ std::optional<std::string> LockstepServer::Send(int client, const LockstepSessio
   return std::nullopt;
 }
 
-void LockstepServer::ServeClient(int client) {
+bool LockstepServer::ServeClient(int client) {
   LockstepSession session(flight_, loaded_);
   received_.clear();
   std::optional<std::string> over;
@@ -216,6 +224,7 @@ void LockstepServer::ServeClient(int client) {
   }
   if (session.summary()) summary_ = session.summary();
   SendAway(client);
+  return session.introduced();
 }
 
 }  // namespace kestrel::flight

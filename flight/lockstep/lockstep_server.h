@@ -15,7 +15,7 @@ namespace kestrel::flight {
 struct LockstepServerOptions {
   std::string address;              // "tcp:PORT" on loopback, 0: any; or the file of a Unix socket
   std::optional<double> timeout_s;  // for which a client may say nothing; none: for ever
-  bool once = false;                // ends after the first client
+  bool once = false;                // ends after the first client that says hello
   std::function<bool()> go_on;      // false ends the flight and the serving; asked every 0.1 s
 };
 
@@ -47,7 +47,7 @@ class LockstepServer {
   Wait WaitFor(int descriptor, short events, Deadline deadline);
   void TurnAway();  // who has just connected
   void SendAway(int client);
-  void ServeClient(int client);
+  bool ServeClient(int client);  // whether it said hello
   // Why it is over; none: the message is there.
   std::optional<std::string> Read(int client, Deadline deadline, std::string& message);
   std::optional<std::string> Send(int client, const LockstepSession::Reply& reply, Deadline deadline);

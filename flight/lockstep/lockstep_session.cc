@@ -241,15 +241,21 @@ Json LockstepSession::Do(const ByeRequest&) {
 void LockstepSession::End(const std::string& error) {
   under_way_ = false;
   if (!sim_->done()) sim_->Finish("broke off");
-  if (recorded_) {
+  summary_ = SummaryOf(*sim_, error);
+  if (!recorded_) return;
+  try {
     summary_ = recorded_->Finish(error);
+  } catch (const std::exception& e) {
+    summary_->error = e.what();
+    summary_->complete = summary_->passed = false;
     recorded_.reset();
-    options_.say(fmt::format("flight {}, seed {}: {}, {:.1f} s in {:.1f} s{}; {}", loaded_.scenario.name,
-                             summary_->seed, summary_->outcome, summary_->sim_s, summary_->wall_s,
-                             summary_->error.empty() ? "" : ": " + summary_->error, folder_.string()));
-  } else {
-    summary_ = SummaryOf(*sim_, error);
+    options_.say(e.what());
+    throw;
   }
+  recorded_.reset();
+  options_.say(fmt::format("flight {}, seed {}: {}, {:.1f} s in {:.1f} s{}; {}", loaded_.scenario.name,
+                           summary_->seed, summary_->outcome, summary_->sim_s, summary_->wall_s,
+                           summary_->error.empty() ? "" : ": " + summary_->error, folder_.string()));
 }
 
 void LockstepSession::Leave(const std::string& why) {

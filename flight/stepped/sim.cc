@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <utility>
@@ -21,6 +22,12 @@ flight::LoadedScenario Load(const std::string& scenario, const SimOptions& optio
   return flight::LoadScenario(scenario, overrides, false);  // the simulator compiles it
 }
 
+std::optional<double> ThrustOf(const control::Setpoint& setpoint) {
+  if (const auto* attitude = std::get_if<control::AttitudeSetpoint>(&setpoint)) return attitude->thrust;
+  if (const auto* rates = std::get_if<control::RateSetpoint>(&setpoint)) return rates->thrust;
+  return std::nullopt;
+}
+
 }  // namespace
 
 struct Sim::State {
@@ -37,6 +44,7 @@ struct Sim::State {
   std::vector<sim::Event> events = {};
   std::vector<records::LogRow> rows = {};
   std::chrono::steady_clock::time_point began = {};
+  double asked_s = 0;  // how far Advance() was asked to go
   bool done = true;
   std::string outcome = {};
 
@@ -52,6 +60,9 @@ struct Sim::State {
     if (!control::Finite(*setpoint))
       throw SimError(
           fmt::format("at {:.3f} s: the setpoint has a number that is not one", simulator->truth().t_s));
+    if (const std::optional<double> thrust = ThrustOf(*setpoint); thrust && (*thrust < 0 || *thrust > 1))
+      throw SimError(fmt::format("at {:.3f} s: the setpoint has a thrust of {}: valid are 0 to 1",
+                                 simulator->truth().t_s, *thrust));
     simulator->Send(*setpoint);
     if (!rows.empty()) rows.back().decision.setpoint = setpoint;
   }
@@ -121,6 +132,7 @@ Observation Sim::Reset(std::optional<std::uint64_t> seed) {
   parameters.images = s.options.images;
   parameters.surfaces = s.options.images && s.options.surfaces;
   parameters.draw_beside = s.options.draw_beside;
+  if (s.options.imu && !parameters.instruments.imu) parameters.instruments.imu.emplace();
   if (s.options.events) parameters.events = s.loaded.scenario.event_camera;
   s.pilot.reset();
   s.simulator.reset();
@@ -131,6 +143,7 @@ Observation Sim::Reset(std::optional<std::uint64_t> seed) {
   s.done = false;
   s.began = std::chrono::steady_clock::now();
   Observation first = s.Observe(s.Next());
+  s.asked_s = t_s();
   if (!first.frame) s.End("completed");
   return first;
 }
@@ -147,25 +160,34 @@ Observation Sim::Step(const std::optional<control::Setpoint>& setpoint,
     return {std::nullopt, s.simulator->State(), {}, {}};
   }
   Observation next = s.Observe(s.Next());
+  s.asked_s = t_s();
   if (!next.frame) s.End("completed");
   return next;
 }
 
-Observation Sim::Advance(double duration_s, const std::optional<control::Setpoint>& setpoint) {
+Observation Sim::Advance(double duration_s, const std::optional<control::Setpoint>& setpoint,
+                         const std::function<bool()>& go_on) {
   State& s = *state_;
   s.RequireFlight("a step");
   if (!(duration_s > 0) || !std::isfinite(duration_s))
     throw SimError(fmt::format("a step of {} s: time goes on by a positive number of seconds", duration_s));
   s.Forget();
   s.Send(setpoint);
-  const double until_s = s.simulator->truth().t_s + duration_s;
-  if (until_s > s.loaded.simulator.duration_s + dt_s() / 2) {
-    Observation last{std::nullopt, s.simulator->State(), {}, {}};
-    s.End("completed");
-    return last;
-  }
+  s.asked_s += duration_s;
+  const double end_s = s.loaded.simulator.duration_s;
+  const bool ends = s.asked_s > end_s + dt_s() / 2;
+  const double until_s = std::round(std::min(s.asked_s, end_s) / dt_s()) * dt_s();
   Observation o{std::nullopt, {}, {}, {}};
-  while (auto frame = s.Next(until_s)) o = s.Observe(std::move(frame));
+  while (auto frame = s.Next(until_s)) {
+    o = s.Observe(std::move(frame));
+    if (!go_on || go_on()) continue;
+    s.asked_s = t_s();
+    return o;
+  }
+  if (ends) {
+    o = {};
+    s.End("completed");
+  }
   o.state = s.simulator->State();
   return o;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <opencv2/core.hpp>
 #include <optional>
@@ -26,6 +27,7 @@ struct SimOptions {
   std::vector<std::string> overrides;  // of the scenario, "key.path=value"
   bool images = true;                  // false: nothing is drawn, and frames have no image
   bool surfaces = false;               // with each frame its depth, what each pixel shows, and the flow
+  bool imu = false;                    // where the scenario has none, one by the defaults of instruments.imu
   bool events = false;                 // of the scenario's event camera, behind the same lens
   bool draw_beside = true;  // images are drawn on a thread of their own; false: all is on the caller's
 };
@@ -63,14 +65,17 @@ class Sim {
 
   // Sends the setpoint, if any, and lets time go on until the next frame has come. Without one the last setpoint stands until it
   // is stale (control/autopilot.h). At the end of the flight there is no frame, and done() is true. Throws
-  // SimError before Reset(), after the end, and of a setpoint that is not finite; sim::RunError where the
+  // SimError before Reset(), after the end, and of a setpoint that is not finite or a thrust beyond 0 to 1; sim::RunError where the
   // physics give up.
   Observation Step(const std::optional<control::Setpoint>& setpoint = std::nullopt,
                    const std::optional<control::AttitudeAid>& aid = std::nullopt);
 
-  // The same, but time goes on by so much (s, in steps of the physics: dt_s()) whatever the camera gives. The
-  // frame is the last that has come meanwhile; earlier ones are passed over. After that Step() goes on as before.
-  Observation Advance(double duration_s, const std::optional<control::Setpoint>& setpoint = std::nullopt);
+  // The same, but time goes on by so much (s) whatever the camera gives, to the nearest step of the physics
+  // (dt_s()); what is left over counts for the next Advance(). Beyond the flight's duration it goes to its end.
+  // The frame is the last that has come meanwhile; earlier ones are passed over. go_on is asked now and then,
+  // and time stops where it says false. After that Step() goes on as before.
+  Observation Advance(double duration_s, const std::optional<control::Setpoint>& setpoint = std::nullopt,
+                      const std::function<bool()>& go_on = nullptr);
 
   // What the scenario's own mission decides on the frame that Step() gave last: a pilot to compare with, to
   // learn from, or to hand over to. Step() takes its setpoint and its aid; where it has an outcome, the next Step()

@@ -9,7 +9,8 @@ namespace py = pybind11;
 void BindFrames(py::module_& m) {
   using F = ShownFrame;
   py::class_<F>(m, "Frame",
-                "A camera's frame. Its arrays are views without a copy, which cannot be written and stay "
+                "A camera's frame. Its arrays are views without a copy, which numpy does not write (OpenCV "
+                "does: copy first), and which stay "
                 "valid for as long as they are held.")
       .def_property_readonly(
           "t", [](const F& f) { return f.frame.t_s; }, "Middle of the exposure, on the autopilot's clock, s.")
@@ -36,8 +37,9 @@ void BindFrames(py::module_& m) {
           "(3, 3) the truth: turns vectors of the camera (right, down, forward) into north-east-down.")
       .def_property_readonly(
           "flow", [](const F& f) { return ViewOf(f.flow); },
-          "(height, width, 2) float32, by how many pixels to the right and down what was in the frame "
-          "before has moved until this one. None: not asked for, or it is the first.");
+          "(height, width, 2) float32: [v, u] is by how many pixels to the right and down what pixel (u, v) "
+          "of "
+          "the frame before showed has moved until this one. None: not asked for, or it is the first.");
 }
 
 }  // namespace kestrel::python

@@ -55,13 +55,9 @@ struct PackedTruth {
 
 }  // namespace
 
-py::array ImuOf(const Sim& sim) {
-  Require(sim.scenario().simulator.instruments.imu, "imu");
-  return Table(sim.readings().imu, {{"gyro", 3}, {"accel", 3}});
-}
+py::array ImuOf(const Sim& sim) { return Table(sim.readings().imu, {{"gyro", 3}, {"accel", 3}}); }
 
 py::array ImuTruthOf(const Sim& sim) {
-  Require(sim.scenario().simulator.instruments.imu, "imu");
   std::vector<PackedTruth> rows;
   for (const sim::TruthSample& truth : sim.readings().truth) {
     PackedTruth& row = rows.emplace_back();

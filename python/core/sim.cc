@@ -41,9 +41,14 @@ class StepSim {
     options.images = images;
     options.surfaces = depth || segmentation || flow;
     options.draw_beside = draw_beside;
+    options.imu = true;
     options.events = events;
     const py::gil_scoped_release others_run;
     sim_ = std::make_unique<Sim>(scenario.string(), options);
+    const std::string& backend = sim_->scenario().simulator.render.backend;
+    if (flow && (backend == "osmesa" || backend == "egl"))
+      throw InputError("flow", "render.backend is " + backend,
+                       "valid: ray, which alone gives the optical flow");
   }
   ~StepSim() {
     // The threads of a Sim do not follow into a forked process, so it cannot be taken down there.
@@ -184,12 +189,27 @@ with every mistake of the scenario.)")
           "advance",
           [](S& s, double seconds, const py::object& setpoint) {
             const Command command = CommandOf(setpoint);
-            return s.Give(s.LetOthersRun([&](Sim& sim) { return sim.Advance(seconds, command.setpoint); }));
+            if (!(seconds > 0) || !std::isfinite(seconds))
+              throw py::value_error(fmt::format("seconds: {}; valid: a positive number", seconds));
+            bool interrupted = false;
+            const auto go_on = [&] {
+              const py::gil_scoped_acquire python;
+              interrupted = PyErr_CheckSignals() != 0;
+              return !interrupted;
+            };
+            Observation o =
+                s.LetOthersRun([&](Sim& sim) { return sim.Advance(seconds, command.setpoint, go_on); });
+            if (interrupted) throw py::error_already_set();
+            return s.Give(std::move(o));
           },
           "seconds"_a, "setpoint"_a = py::none(),
-          "The same, but time goes on by so many seconds, in steps of dt, whatever the camera gives. The "
-          "frame is the "
-          "last that has come meanwhile, or None.")
+          "The same, but time goes on by so many seconds, to the nearest step of dt, whatever the camera "
+          "gives; "
+          "what is left over counts for the next advance(). The frame is the last that has come meanwhile, "
+          "or "
+          "None. The setpoint is sent once, and after autopilot.command_timeout_s, 0.5 s, the aircraft holds "
+          "its "
+          "place. Raises ValueError of a time that is not positive.")
       .def(
           "_repeat",
           [](S& s, int times, const py::object& setpoint, std::optional<double> seconds) {
@@ -240,8 +260,9 @@ with every mistake of the scenario.)")
       .def_property_readonly(
           "imu", [](const S& s) { return s.Use(&ImuOf); },
           "(n,) structured, every sample since step(), advance() or reset() was called last: t_ns "
-          "int64, ns; gyro (3,), rad/s; accel (3,), m/s^2. Raises SimError where the scenario has no "
-          "instruments.imu.")
+          "int64, ns; gyro (3,), rad/s; accel (3,), m/s^2. Of the scenario's instruments.imu, or where it "
+          "has "
+          "none of one by that key's defaults, which steers nothing.")
       .def_property_readonly(
           "imu_truth", [](const S& s) { return s.Use(&ImuTruthOf); },
           "(n,) structured, the truth at the instants of imu: t_ns, ns; position (3,), m; attitude (4,) "

@@ -6,6 +6,7 @@ import math
 import multiprocessing
 import os
 import pickle
+import signal
 import subprocess
 import sys
 import tempfile
@@ -190,8 +191,15 @@ class SensorsAndCameras(unittest.TestCase):
         sim = kestrel.Sim("hover", overrides=SHORT, images=False)
         sim.reset()
         self.assertEqual(sim.cameras, {})
-        with self.assertRaisesRegex(kestrel.SimError, "instruments.imu"):
-            sim.imu
+        with self.assertRaisesRegex(kestrel.SimError, "instruments.gps"):
+            sim.gps
+
+    def test_an_imu_where_the_scenario_has_none(self):
+        sim = kestrel.Sim("hover", overrides=SHORT, images=False)
+        sim.reset()
+        sim.advance(0.5)
+        self.assertAlmostEqual(len(sim.imu), 100, delta=1)
+        self.assertTrue((abs(sim.imu["accel"][:, 2] + 9.8) < 3).all())
 
 
 class Misuse(unittest.TestCase):
@@ -254,9 +262,9 @@ class Misuse(unittest.TestCase):
         sim.step()
 
     def test_by_two_threads_at_a_time(self):
-        sim = kestrel.Sim("hover", overrides=SHORT, images=False)
+        sim = kestrel.Sim("hover", overrides={"duration_s": 3600}, images=False)
         sim.reset()
-        stepping = threading.Thread(target=sim.advance, args=(1.0,))
+        stepping = threading.Thread(target=sim.advance, args=(600.0,))  # some seconds of real time
         stepping.start()
         refused = False
         while stepping.is_alive() and not refused:
@@ -266,6 +274,28 @@ class Misuse(unittest.TestCase):
                 refused = "two threads" in str(error)
         stepping.join()
         self.assertTrue(refused)
+
+
+    def test_of_flow_by_a_renderer_without_it(self):
+        with self.assertRaisesRegex(kestrel.InputError, "render.backend is osmesa"):
+            kestrel.Sim("hover", overrides={"render.backend": "osmesa"}, flow=True)
+
+    def test_times_that_are_none(self):
+        sim = kestrel.Sim("hover", overrides=SHORT, images=False)
+        sim.reset()
+        for seconds in (0, -1, float("nan"), float("inf")):
+            with self.assertRaisesRegex(ValueError, "seconds"):
+                sim.advance(seconds)
+
+    def test_is_left_by_an_interrupt_in_the_middle(self):
+        sim = kestrel.Sim("hover", overrides={"duration_s": 3600}, images=False)
+        sim.reset()
+        threading.Timer(0.05, os.kill, (os.getpid(), signal.SIGINT)).start()
+        with self.assertRaises(KeyboardInterrupt):
+            sim.advance(3500)
+        self.assertLess(sim.t, 3500)
+        self.assertFalse(sim.done)
+        sim.step()
 
 
 class Values(unittest.TestCase):

@@ -18,10 +18,9 @@
 //   IMU's. Stamps are s with nine decimals. The depth is that of the plane, along the optical axis, 5000 to the
 //   metre; 0: none, or beyond 13.1 m.
 // - KITTI: poses/NN.txt are the first three rows of X_C0Ck, of camera 0 at frame k in camera 0 at the first
-//   frame. Tr of calib.txt is X_CB, as there is no lidar. times.txt is s since the first frame. The depth
-// is that
-//   of the plane, 256 to the metre; 0: none, or beyond 255.9 m. The flow is that of KITTI's devkit: 64 to the
-//   pixel about 32768, and whether it is known.
+//   frame. Tr of calib.txt is X_CB, as there is no lidar. times.txt is s since the first frame. The depth is
+//   that of the plane, 256 to the metre; 0: none, or beyond 255.9 m. The flow is that of KITTI's devkit: 64 to
+//   the pixel about 32768, and whether it is known.
 // - Kalibr: T_cam_imu of camchain.yaml is X_CI. Camera and IMU have one clock: timeshift_cam_imu is 0.
 namespace kestrel::flight {
 

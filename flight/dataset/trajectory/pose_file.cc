@@ -84,7 +84,8 @@ LoadedTrajectory LoadPoses(const std::filesystem::path& file, const Pose& X_BC) 
     const auto stamp = csv ? NumberOf<std::int64_t>(cells[0]) : StampOfSeconds(cells[0]);
     if (!stamp || *stamp < 0) {
       mistakes.Add(where, "", fmt::format("'{}' is no stamp", cells[0]),
-                   csv ? "valid: a whole number of ns" : "valid: seconds, with up to nine decimals");
+                   csv ? "valid: a whole number of ns, not negative"
+                       : "valid: seconds, not negative, without exponent, with up to nine decimals");
       continue;
     }
     std::array<double, kNumbers> n{};

@@ -84,6 +84,64 @@ TEST(Sim, TimeGoesOnBySingleStepsOfThePhysics) {
   }
 }
 
+TEST(Sim, TimesThatAreNoStepsOfThePhysicsAddUp) {
+  SimOptions options = Short();
+  options.images = false;
+  Sim sim("hover", options);
+  sim.Reset();
+  const double from_s = sim.t_s();
+  for (int i = 0; i < 30; ++i) sim.Advance(1 / 30.0);
+  EXPECT_NEAR(sim.t_s(), from_s + 1, 1e-9);
+  sim.Advance(0.0005);
+  EXPECT_NEAR(sim.t_s(), from_s + 1, 1e-9);
+  sim.Advance(0.0005);
+  sim.Advance(0.0005);
+  EXPECT_NEAR(sim.t_s(), from_s + 1.002, 1e-9);
+}
+
+TEST(Sim, AdvancesToItsEndAndNoFurther) {
+  SimOptions options = Short();
+  options.images = false;
+  Sim sim("hover", options), by_parts("hover", options);
+  sim.Reset();
+  by_parts.Reset();
+  sim.Advance(1e300);
+  EXPECT_TRUE(sim.done());
+  EXPECT_EQ(sim.outcome(), "completed");
+  EXPECT_NEAR(sim.t_s(), 1.5, 1e-9);
+  while (!by_parts.done()) by_parts.Advance(0.1);
+  EXPECT_EQ(sim.simulator().state_hash(), by_parts.simulator().state_hash());
+  EXPECT_EQ(sim.rows().size(), by_parts.rows().size());
+}
+
+TEST(Sim, StopsWhereItIsToldTo) {
+  SimOptions options = Short();
+  options.images = false;
+  Sim sim("hover", options);
+  sim.Reset();
+  int asked = 0;
+  sim.Advance(1, std::nullopt, [&] { return ++asked < 3; });
+  EXPECT_EQ(asked, 3);
+  EXPECT_FALSE(sim.done());
+  EXPECT_LT(sim.t_s(), 0.5);
+  EXPECT_TRUE(sim.Step().frame);
+}
+
+TEST(Sim, HasAnImuWhereAskedForAndIsTheSameFlight) {
+  SimOptions options = Short();
+  options.images = false;
+  Sim without("hover", options);
+  options.imu = true;
+  Sim with("hover", options);
+  without.Reset();
+  with.Reset();
+  EXPECT_TRUE(without.readings().imu.empty());
+  with.Advance(0.5);
+  without.Advance(0.5);
+  EXPECT_NEAR(static_cast<double>(with.readings().imu.size()), 100, 1);
+  EXPECT_EQ(with.simulator().state_hash(), without.simulator().state_hash());
+}
+
 TEST(Sim, GivesDepthAndFlowOfAFrameWhereAskedFor) {
   SimOptions options = Short();
   options.surfaces = true;
@@ -101,6 +159,11 @@ TEST(Sim, SaysHowItWasMisused) {
   sim.Reset();
   const control::VelocitySetpoint none{{std::numeric_limits<double>::quiet_NaN(), 0, 0}, 0};
   EXPECT_THAT([&] { sim.Step(none); }, ThrowsMessage<SimError>(HasSubstr("the setpoint has a number")));
+  EXPECT_THAT(
+      [&] {
+        sim.Step(control::RateSetpoint{{0, 0, 0}, 2});
+      },
+      ThrowsMessage<SimError>(HasSubstr("a thrust of 2: valid are 0 to 1")));
   EXPECT_THAT([&] { sim.Advance(-1); }, ThrowsMessage<SimError>(HasSubstr("positive")));
   sim.Finish("tired");
   EXPECT_TRUE(sim.done());
