@@ -96,7 +96,7 @@ struct SimulatorParameters {
   std::vector<TargetParameters> targets = {};
   std::optional<CarryParameters> carry = {};          // in place of flight and of start
   std::optional<GroundCameraParameters> ground = {};  // a second camera, on the ground; none: there is none
-  std::optional<EventCameraParameters> events = {};  // of an event camera behind the same lens; none: there is none
+  std::optional<EventCameraParameters> events = {};   // a camera behind the same lens; none: there is none
   InstrumentParameters instruments = {};
   std::vector<CarriedCameraParameters> cameras = {};  // beside the one above
   bool images = true;     // false: frames come when they would, and show nothing; none is drawn

@@ -101,11 +101,11 @@ CLI::App* AddStabiliseCommand(CLI::App& app, StabiliseArguments& a) {
   AddMountOptions(*command, a.mount);
   CLI::Option* imu =
       command
-          ->add_option(
-              "--imu", a.imu,
-              "CSV of a gyro: t_s, wx_rad_s, wy_rad_s, wz_rad_s in the camera's axes; or imu0/data.csv of EuRoC "
-              "or an MCAP, by a calibration with the camera's pose on the IMU (default: that "
-              "of the recording)")
+          ->add_option("--imu", a.imu,
+                       "CSV of a gyro: t_s, wx_rad_s, wy_rad_s, wz_rad_s in the camera's axes; or "
+                       "imu0/data.csv of EuRoC "
+                       "or an MCAP, by a calibration with the camera's pose on the IMU (default: that "
+                       "of the recording)")
           ->type_name("FILE");
   command->add_option("--imu-topic", a.imu_topic, "Which IMU of an MCAP with several (default: the only one)")
       ->type_name("NAME");

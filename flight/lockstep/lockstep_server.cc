@@ -117,7 +117,7 @@ LockstepServer::Wait LockstepServer::WaitFor(int descriptor, short events, Deadl
     if (poll(polled.data(), polled.size(), wait_ms) <= 0) continue;
     if (descriptor < 0) return Wait::kReady;
     if ((polled[0].revents & POLLIN) != 0) {
-      if (Gone(descriptor)) return Wait::kReady;  // then the other one may have its place
+      if (events == POLLIN && Gone(descriptor)) return Wait::kReady;  // then the other one may have its place
       TurnAway();
     }
     if (polled[1].revents != 0) return Wait::kReady;

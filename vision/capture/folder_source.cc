@@ -58,7 +58,9 @@ class FolderReader final : public ImageSource {
     if (wrong.empty() && !options_.size.empty() && read.pixels.size() != options_.size)
       wrong = "is of another size";
     if (wrong.empty() && depth_.guessed())
-      wrong = "has pixels of 16 bits and does not say how many are used; valid: --bits N of a verb, ?bits=N of an address";
+      wrong =
+          "has pixels of 16 bits and does not say how many are used; valid: --bits N of a verb, ?bits=N of "
+          "an address";
     if (!wrong.empty()) {
       error_ = images_->names[i] + ' ' + wrong;
       return std::nullopt;

@@ -349,6 +349,18 @@ TEST_F(Dataset, GoesOnFromWhatAJournalSays) {
   EXPECT_THAT(Content(a.out / "mav0/cam0/data/1000300000000.png"), StartsWith("\x89PNG"));
 }
 
+TEST_F(Dataset, ThatIsCompleteButForAFileIsMadeAnew) {
+  DatasetArguments a = Arguments("euroc");
+  Make(a);
+  const std::string whole = Content(a.out / "manifest.json");
+  const fs::path image = a.out / "mav0/cam0/data/1000200000000.png";
+  const std::string bytes = Content(image);
+  fs::remove(image);
+  Make(a);
+  EXPECT_EQ(Content(image), bytes);
+  EXPECT_EQ(Content(a.out / "manifest.json"), whole);
+}
+
 TEST_F(Dataset, RefusesAllThatIsWrongAtOnce) {
   std::ofstream(folder_ / "way.yaml") << "way:\n"
                                          "  - {t_s: 0, position_m: [0, 0, 4]}\n"
@@ -379,6 +391,7 @@ TEST_F(Dataset, OfOtherSettingsIsNotGoneOnWith) {
     FAIL() << "it was taken";
   } catch (const InputError& e) {
     EXPECT_THAT(e.what(), HasSubstr("holds a data set of other settings"));
+    EXPECT_THAT(e.what(), HasSubstr("'frames: 0' there, 'frames: 3' here"));
   }
 }
 

@@ -323,6 +323,45 @@ TEST_F(LockstepServerTest, WithOnceItEndsAfterItsFirstClient) {
   EXPECT_EQ(last_->outcome, "tired");
 }
 
+TEST_F(LockstepServerTest, WhoConnectsAndSaysNothingIsNotTheClientOfOnce) {
+  options_.once = true;
+  Begin();
+  { Peer probe(server_->where()); }
+  Peer peer(server_->where());
+  EXPECT_EQ(peer.Hello()["ok"], true);
+  peer.Ask("reset", kBlindUnrecorded);
+  peer.Ask("finish", R"(,"outcome":"tired")");
+  peer.Ask("bye");
+  thread_.join();
+  ASSERT_TRUE(last_);
+  EXPECT_EQ(last_->outcome, "tired");
+}
+
+TEST_F(LockstepServerTest, WhoLeavesMakesRoomAtOnce) {
+  Begin();
+  for (int i = 0; i < 30; ++i) EXPECT_EQ(Peer(server_->where()).Hello()["ok"], true);
+}
+
+TEST_F(LockstepServerTest, RecordsThatFailBreakTheFlightOffAndItsSummaryHasWhy) {
+  options_.once = true;
+  std::string said;
+  flight_.say = [&](const std::string& what) { said += what + "\n"; };
+  Begin();
+  {
+    Peer peer(server_->where());
+    peer.Hello();
+    peer.Ask("reset", kBlind);
+    std::filesystem::rename(folder_ / "flight", folder_ / "elsewhere");
+    EXPECT_EQ(peer.Ask("finish", R"(,"outcome":"tired")")["error"]["kind"], "broke off");
+    peer.Ask("bye");
+  }
+  thread_.join();
+  ASSERT_TRUE(last_);
+  EXPECT_FALSE(last_->complete);
+  EXPECT_THAT(last_->error, HasSubstr("cannot write"));
+  EXPECT_THAT(said, HasSubstr("cannot write"));
+}
+
 TEST_F(LockstepServerTest, ListensWhereItMayAndSaysWhereNot) {
   const auto listen = [&] { LockstepServer(options_, flight_, *loaded_); };
   std::ofstream(folder_ / "socket") << "precious";

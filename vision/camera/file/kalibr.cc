@@ -14,6 +14,23 @@ namespace {
 // EuRoC's word for what Kalibr calls radtan.
 constexpr const char *kRadialTangential = "radial-tangential", *kRadtan = "radtan";
 
+// Null: Kalibr has no such pair.
+const KalibrForm* FormOf(const std::string& model, const std::string& distortion) {
+  for (const KalibrForm& each : KalibrForms())
+    if (each.camera_model == model && each.distortion_model == distortion) return &each;
+  return nullptr;
+}
+
+// also: what is valid beside Kalibr's own.
+void UnknownForm(const ConfigNode& camera, const std::string& model, const std::string& distortion, Keys also,
+                 Sheet& sheet) {
+  for (const KalibrForm& each : KalibrForms())
+    also.push_back(fmt::format("{}-{}", each.camera_model, each.distortion_model));
+  sheet.Wrong(Find(camera, "camera_model")->where, "camera_model",
+              fmt::format("'{}' with distortion_model '{}' is not known here", model, distortion),
+              fmt::format("valid: {}", fmt::join(also, ", ")));
+}
+
 }  // namespace
 
 const std::vector<KalibrForm>& KalibrForms() {
@@ -50,18 +67,8 @@ void FromKalibr(const ConfigNode& root, std::size_t index, Sheet& sheet) {
   const ConfigNode& camera = *Find(root, sheet.path);
   sheet.node.where = camera.where;
   const std::string model = TextOf(camera, "camera_model"), distortion = TextOf(camera, "distortion_model");
-  const auto& forms = KalibrForms();
-  const auto form = std::find_if(forms.begin(), forms.end(), [&](const KalibrForm& each) {
-    return each.camera_model == model && each.distortion_model == distortion;
-  });
-  if (form == forms.end()) {
-    Keys valid;
-    for (const auto& each : forms)
-      valid.push_back(fmt::format("{}-{}", each.camera_model, each.distortion_model));
-    return sheet.Wrong(Find(camera, "camera_model")->where, "camera_model",
-                       fmt::format("'{}' with distortion_model '{}' is not known here", model, distortion),
-                       fmt::format("valid: {}", fmt::join(valid, ", ")));
-  }
+  const KalibrForm* form = FormOf(model, distortion);
+  if (form == nullptr) return UnknownForm(camera, model, distortion, {}, sheet);
   sheet.SetText("model", form->model, camera.where);
   sheet.SetList(camera, "intrinsics", form->intrinsics);
   sheet.SetList(camera, "distortion_coeffs", form->distortion);
@@ -81,18 +88,9 @@ void FromEuroc(const ConfigNode& root, std::size_t, Sheet& sheet) {
   sheet.node.where = root.where;
   const std::string model = TextOf(root, "camera_model"), written = TextOf(root, "distortion_model");
   const std::string distortion = written == kRadialTangential ? kRadtan : written;
-  const auto& forms = KalibrForms();
-  const auto form = std::find_if(forms.begin(), forms.end(), [&](const KalibrForm& each) {
-    return each.camera_model == model && each.distortion_model == distortion;
-  });
-  if (form == forms.end()) {
-    Keys valid{fmt::format("pinhole with {}", kRadialTangential)};
-    for (const auto& each : forms)
-      valid.push_back(fmt::format("{} with {}", each.camera_model, each.distortion_model));
-    return sheet.Wrong(Find(root, "camera_model")->where, "camera_model",
-                       fmt::format("'{}' with distortion_model '{}' is not known here", model, written),
-                       fmt::format("valid: {}", fmt::join(valid, ", ")));
-  }
+  const KalibrForm* form = FormOf(model, distortion);
+  if (form == nullptr)
+    return UnknownForm(root, model, written, {fmt::format("pinhole-{}", kRadialTangential)}, sheet);
   sheet.SetText("model", form->model, root.where);
   sheet.SetList(root, "intrinsics", form->intrinsics);
   sheet.SetList(root, "distortion_coefficients", form->distortion);
