@@ -15,7 +15,9 @@ endforeach()
 # Below one folder as in the source: the program looks for them there (base/file/data_folders.h).
 install(DIRECTORY models DESTINATION share/kestrel COMPONENT kestrel)
 install(DIRECTORY scenarios DESTINATION share/kestrel COMPONENT kestrel FILES_MATCHING PATTERN "*.yaml")
+install(DIRECTORY base/html/web DESTINATION share/kestrel/base/html COMPONENT kestrel)
 install(DIRECTORY campaign/report/page DESTINATION share/kestrel/campaign/report COMPONENT kestrel)
+install(DIRECTORY records/page/web DESTINATION share/kestrel/records/page COMPONENT kestrel)
 install(FILES app/reproduce/thesis.yaml app/reproduce/reproduce.css DESTINATION share/kestrel/app/reproduce
         COMPONENT kestrel)
 install(FILES LICENSE DESTINATION share/doc/kestrel COMPONENT kestrel)
@@ -158,7 +160,7 @@ set(CPACK_DEBIAN_KESTREL_PACKAGE_NAME kestrel)
 set(CPACK_DEBIAN_KESTREL_PACKAGE_SHLIBDEPS ON)
 # Opened at run time, so no library says so: drawing without a screen.
 set(CPACK_DEBIAN_KESTREL_PACKAGE_DEPENDS "libosmesa6 | libegl1")
-set(CPACK_DEBIAN_KESTREL_PACKAGE_RECOMMENDS "ffmpeg, gnuplot-nox, libjs-chart.js")
+set(CPACK_DEBIAN_KESTREL_PACKAGE_RECOMMENDS "ffmpeg, gnuplot-nox, libjs-chart.js, libjs-three")
 # Of cameras that send RTP or are pipelines of GStreamer; they bring in 75 packages.
 set(CPACK_DEBIAN_KESTREL_PACKAGE_SUGGESTS "gstreamer1.0-plugins-base, gstreamer1.0-plugins-good")
 set(CPACK_DEBIAN_KESTREL-DEV_PACKAGE_NAME libkestrel-dev)

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "base/html/html.h"
 #include "base/user_file.h"
 #include "campaign/report/trajectory.h"
 
@@ -160,15 +161,7 @@ std::string PageData(const ReportSubject& subject, const fs::path& page_folder) 
                      {"tuning", TuningOf(subject.tuning)},
                      {"plan_text", subject.identity.plan},
                      {"scenario_text", subject.identity.scenario}};
-  // Within a script element "<!--" and "</script" would end or hide what follows.
-  std::string text;
-  for (const char c : data.dump(-1, ' ', false, Json::error_handler_t::replace)) {
-    if (c == '<')
-      text += "\\u003c";
-    else
-      text += c;
-  }
-  return text;
+  return InScript(data.dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
 }  // namespace kestrel::campaign

@@ -50,10 +50,3 @@ const saveFile = (name, text, type = "text/plain") => {
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 10000);
 };
-
-const badge = (status) => el("span", {class: `badge ${status === "passed" ? "passed" : ""}`}, status);
-const rowButton = (row) =>
-  el("button", {type: "button", class: "link", onclick: () => showRun(row)}, `run ${row}`);
-const videoOf = (run) => (run.video
-  ? el("video", {controls: true, preload: "metadata", src: run.video, title: `Run ${run.row}`})
-  : null);
