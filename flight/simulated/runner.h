@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "flight/simulated/scenario.h"
+#include "flight/simulated/view/view_options.h"
 #include "records/mcap/flight_mcap.h"
 #include "records/telemetry/flight_log.h"
 
@@ -20,6 +21,7 @@ struct RunOptions {
   std::optional<records::McapImages> mcap = {};          // flight.mcap with such images; none: there is none
   bool truth = false;                                    // truth_images.h, into its folder truth/
   bool events = false;                                   // event_files.h, into its folder events/
+  std::optional<ViewOptions> view = {};  // the flight from outside, as view.mp4; none: it is not drawn
 };
 
 struct FlightResult {

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <mujoco/mujoco.h>
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "geometry/pose.h"
+#include "geometry/truth.h"
+#include "sim/view/view_parameters.h"
+
+namespace kestrel::sim {
+
+// Where a view is seen from at one instant.
+struct ViewAim {
+  Pose X_NC;           // optical: x right, y down, z forward
+  double fov_rad = 0;  // over the width of the picture
+};
+
+// The radius of the sphere about the aircraft's origin that holds what is seen of it.
+double AircraftRadius_m(const mjModel* model);
+
+// Leads a view's camera by where the aircraft truly is. The same truths give the same aims, bit for bit.
+class ViewCamera {
+ public:
+  // model: with a body "vehicle".
+  ViewCamera(const mjModel* model, const ViewParameters& parameters);
+
+  // In the order of time.
+  ViewAim At(const Truth& truth);
+
+ private:
+  struct Followed {  // softly
+    double t_s;
+    Eigen::Vector3d p;      // the aircraft, in N
+    Eigen::Vector2d ahead;  // its heading
+  };
+  void Follow(const Truth& truth);
+  Eigen::Vector3d Ahead() const;
+  Eigen::Vector3d Tower(const Truth& truth) const;
+
+  ViewParameters parameters_;
+  double radius_m_, distance_m_;
+  std::optional<Followed> followed_;
+  double begin_s_ = 0;
+  Eigen::Vector3d tower_ = Eigen::Vector3d::Zero();
+};
+
+}  // namespace kestrel::sim
