@@ -24,10 +24,11 @@ std::string HtmlReport(const ReportSubject& subject, const fs::path& page_folder
   parts["data"] = PageData(subject, page_folder);
   parts["chart"] = LibraryFile(ChartLibrary());
   // In the order in which they need each other.
-  parts["script"] = PageScript({own / "data.js", "base/html/web/dom.js", own / "marks.js", own / "charts.js",
-                                own / "success.js", own / "distributions.js", own / "scatter.js",
-                                own / "effects.js", own / "places.js", own / "run_panel.js",
-                                own / "runs_table.js", own / "tuning.js", own / "main.js"});
+  parts["script"] =
+      PageScript({"base/html/web/numbers.js", own / "data.js", "base/html/web/dom.js", own / "marks.js",
+                  own / "charts.js", own / "success.js", own / "distributions.js", own / "scatter.js",
+                  own / "effects.js", own / "places.js", own / "run_panel.js", own / "runs_table.js",
+                  own / "tuning.js", own / "main.js"});
   return Filled(Own("report.html"), parts);
 }
 
