@@ -3,8 +3,9 @@
 
 #include <gmock/gmock.h>
 
-#include <cstdlib>
 #include <stdexcept>
+
+#include "base/file/data_folders.h"
 
 namespace kestrel {
 namespace {
@@ -51,8 +52,9 @@ TEST(Html, ALibraryThatIsNotThereOrAnotherIsToldOf) {
     return "";
   };
   EXPECT_THAT(message({"/none/there.js", "libjs-there", {}}), HasSubstr("apt-get install libjs-there"));
-  EXPECT_THAT(message({__FILE__, "libjs-there", {"version " + std::to_string(7)}}), HasSubstr("version 7"));
-  EXPECT_EQ(message({__FILE__, "libjs-there", {"SPDX"}}), "");
+  const auto there = DataFile("base/html/web/dom.js");
+  EXPECT_THAT(message({there, "libjs-there", {"SPDX", "version 7"}}), HasSubstr("'version 7'"));
+  EXPECT_EQ(message({there, "libjs-there", {"SPDX"}}), "");
   EXPECT_EQ(message(ChartLibrary()), "");
 }
 

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "records/page/flight_page.h"
+
+#include <fmt/format.h>
+
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string_view>
+#include <vector>
+
+#include "base/file/data_folders.h"
+#include "base/file/files.h"
+#include "base/html/html.h"
+#include "base/user_file.h"
+#include "records/page/flight_data.h"
+#include "records/page/flight_json.h"
+
+namespace kestrel::records {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kOwn = "records/page/web";
+
+// In the order in which they need each other.
+constexpr const char* kScripts[] = {"flight.js", "clock.js", "plots.js",   "events.js", "video.js",
+                                    "scene.js",  "live.js",  "summary.js", "main.js"};
+
+// three.js, version 111, of libjs-three (MIT), with what reads glTF and turns the view.
+std::string Three() {
+  const fs::path folder = "/usr/share/javascript/three";
+  std::string all;
+  for (const auto& [file, says] : std::initializer_list<std::pair<const char*, const char*>>{
+           {"three.min.js", "REVISION=\"111\""},
+           {"examples/js/controls/OrbitControls.js", "OrbitControls"},
+           {"examples/js/loaders/GLTFLoader.js", "GLTFLoader"}})
+    all += LibraryFile({folder / file, "libjs-three", {says}}) + '\n';
+  return all;
+}
+
+std::string Element(std::string_view id, std::string_view bytes) {
+  if (bytes.empty()) return {};
+  return fmt::format("<script type=\"text/plain\" id=\"{}\">{}</script>\n", id, Base64(bytes));
+}
+
+std::string MediaOf(const fs::path& folder, std::string_view suffix) {
+  std::string elements;
+  for (const auto& [id, file] : std::initializer_list<std::pair<const char*, const char*>>{
+           {"video", "video.mp4"}, {"view", "view.mp4"}, {"scene", "scene.glb"}})
+    if (IsFile(folder / file)) elements += Element(fmt::format("{}{}", id, suffix), ReadFile(folder / file));
+  return elements;
+}
+
+// flights: elements of a list of JSON.
+std::string PageOf(const std::string& title, const std::string& flights, std::string media) {
+  std::vector<fs::path> scripts = {"base/html/web/dom.js"};
+  for (const char* name : kScripts)
+    if (IsFile(DataFile(fs::path(kOwn) / name))) scripts.push_back(fs::path(kOwn) / name);
+  std::map<std::string_view, std::string> parts;
+  parts["title"] = Escaped(title + " – Kestrel");
+  parts["style"] = PageFile(fs::path(kOwn) / "flight.css");
+  parts["data"] = InScript("{\"flights\":[" + flights + "]}");
+  parts["media"] = std::move(media);
+  parts["chart"] = LibraryFile(ChartLibrary());
+  parts["three"] = Three();
+  parts["script"] = PageScript(scripts);
+  return Filled(PageFile(fs::path(kOwn) / "flight.html"), parts);
+}
+
+std::string TitleOf(const std::string& flight) { return Json::parse(flight).at("title"); }
+
+}  // namespace
+
+std::string FlightPage(const fs::path& folder, const std::optional<fs::path>& second) {
+  std::string flights = FlightData(folder), title = TitleOf(flights), media = MediaOf(folder, "");
+  if (second) {
+    const std::string other = FlightData(*second);
+    title += " | " + TitleOf(other);
+    flights += ',' + other;
+    media += MediaOf(*second, "-b");
+  }
+  return PageOf(title, flights, std::move(media));
+}
+
+std::string LiveFlightPage(const FlightSubject& subject, const std::string& scene_glb) {
+  return PageOf(subject.title, LiveJson(subject).dump(-1, ' ', false, Json::error_handler_t::replace),
+                Element("scene", scene_glb));
+}
+
+void WriteFlightPage(const fs::path& folder) { WriteFile(folder / "report.html", FlightPage(folder)); }
+
+}  // namespace kestrel::records
