@@ -91,7 +91,7 @@ void ExportCommand(const ExportArguments& a) {
   if (recording)
     for (std::size_t i = 0; i < recording->frames().size(); ++i) images[recording->frames()[i].sequence] = i;
 
-  records::FlightMcapOptions options;
+  records::FlightMessageOptions options;
   options.images = a.images == "raw" ? records::McapImages::kRaw : records::McapImages::kJpeg;
   options.truth = telemetry.truth;
   options.camera = loaded.parts.camera;

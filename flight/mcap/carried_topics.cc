@@ -35,7 +35,7 @@ ros::Imu ImuMessage(const sim::ImuReading& reading, const sim::ImuParameters& im
 
 }  // namespace
 
-void CarriedTopics::WritePlaces(double now_s, records::FlightMcap& mcap) const {
+void CarriedTopics::WritePlaces(double now_s, records::FlightMessages& messages) const {
   ros::TfMessage tf;
   const auto add = [&](const char* frame, const Pose& X) {
     tf.transforms.push_back({records::HeaderOf(now_s, records::kBodyFrame), frame, records::TransformOf(X)});
@@ -51,15 +51,15 @@ void CarriedTopics::WritePlaces(double now_s, records::FlightMcap& mcap) const {
     add(kRangeFrame, {R, BodyToRos(range->position_m)});
   }
   const std::int64_t now_ns = Nanoseconds(now_s);
-  if (!tf.transforms.empty()) mcap.Write("/tf", now_ns, now_ns, tf);
+  if (!tf.transforms.empty()) messages.Write("/tf", now_ns, now_ns, tf);
 }
 
 void CarriedTopics::Write(const sim::Readings& readings, const std::vector<sim::CameraFrame>& frames,
-                          double now_s, records::FlightMcap& mcap) {
-  if (!placed_) WritePlaces(now_s, mcap);
+                          double now_s, records::FlightMessages& messages) {
+  if (!placed_) WritePlaces(now_s, messages);
   placed_ = true;
   const auto write = [&](const char* topic, std::int64_t t_ns, const auto& message) {
-    mcap.Write(topic, t_ns, t_ns, message);
+    messages.Write(topic, t_ns, t_ns, message);
   };
   for (const sim::ImuReading& each : readings.imu)
     write("/imu", each.t_ns, ImuMessage(each, *instruments_.imu));
@@ -97,7 +97,7 @@ void CarriedTopics::Write(const sim::Readings& readings, const std::vector<sim::
     const auto camera =
         std::find_if(cameras_.begin(), cameras_.end(), [&](const auto& c) { return c.name == each.name; });
     if (each.frame.image.empty() || camera == cameras_.end()) continue;
-    mcap.WriteFrame(each.name, camera->camera, vision::MountPose(camera->mount), each.frame, now_s);
+    messages.WriteFrame(each.name, camera->camera, vision::MountPose(camera->mount), each.frame, now_s);
   }
 }
 

@@ -3,12 +3,12 @@
 
 #include <vector>
 
-#include "records/mcap/flight_mcap.h"
+#include "records/mcap/flight_messages.h"
 #include "sim/camera/carried/carried_camera.h"
 #include "sim/instrument/instrument_parameters.h"
 #include "sim/instrument/readings.h"
 
-// What a simulated aircraft carries beside the camera that it is flown by, in flight.mcap.
+// What a simulated aircraft carries beside the camera that it is flown by, in its messages.
 namespace kestrel::flight {
 
 // Each reading by its own stamp, which is its log time too. The IMU's and the rangefinder's axes are x, -y,
@@ -22,10 +22,10 @@ class CarriedTopics {
 
   // What has come until now_s.
   void Write(const sim::Readings& readings, const std::vector<sim::CameraFrame>& frames, double now_s,
-             records::FlightMcap& mcap);
+             records::FlightMessages& messages);
 
  private:
-  void WritePlaces(double now_s, records::FlightMcap& mcap) const;
+  void WritePlaces(double now_s, records::FlightMessages& messages) const;
 
   sim::InstrumentParameters instruments_;
   std::vector<sim::CarriedCameraParameters> cameras_;

@@ -46,7 +46,7 @@ FlightRecords::FlightRecords(const std::filesystem::path& folder, const LoadedSc
 
 void FlightRecords::AddMcap(records::McapImages images, const LoadedScenario& loaded,
                             const mission::MissionParts& parts) {
-  records::FlightMcapOptions options;
+  records::FlightMessageOptions options;
   options.images = images;
   if (loaded.scenario.pad.name != "none") options.outline = loaded.pad.Outline();
   options.camera = parts.camera;
