@@ -30,6 +30,7 @@
 #include "app/run/isa_option.h"
 #include "app/run/keep_image_memory.h"
 #include "app/run/run_command.h"
+#include "app/run/picture_command.h"
 #include "app/simulated/encounters_command.h"
 #include "app/simulated/horizon_command.h"
 #include "app/simulated/list_command.h"
@@ -79,6 +80,8 @@ int Main(int argc, char** argv) {
   CheckArguments check;
   program.Add(AddCheckCommand(app, check), [&] { return CheckCommand(check), kMet; });
   flight::ServeArguments serve;
+  PictureArguments picture;
+  program.Add(AddPictureCommand(app, picture), [&] { return PictureCommand(picture), kMet; });
   program.Add(AddServeCommand(app, serve), [&] { return ServeCommand(serve); });
   EncountersArguments encounters;
   program.Add(AddEncountersCommand(app, encounters), [&] { return met(EncountersCommand(encounters)); });
@@ -126,10 +129,10 @@ int Main(int argc, char** argv) {
   // Of all that fly.
   std::string isa;
   for (const char* name :
-       {"run", "serve", "encounters", "campaign", "tune", "reproduce", "bench", "replay", "dataset"})
+       {"run", "picture", "serve", "encounters", "campaign", "tune", "reproduce", "bench", "replay", "dataset"})
     AddIsaOption(app.get_subcommand(name), isa);
   program.Add(AddFlyVerb(app), [&] { return HandOverToFly(argv), kBrokeOff; });
-  program.TakePlugins({"run", "list", "explain", "new", "schema", "check", "serve", "campaign", "tune",
+  program.TakePlugins({"run", "picture", "list", "explain", "new", "schema", "check", "serve", "campaign", "tune",
                        "replay", "export", "dataset"});
   // Last, or each verb without a footer of its own would have this one.
   app.footer(

@@ -305,13 +305,16 @@ void Simulator::RunCamera() {
     XXH3_64bits_update(hashes_->state, data_->qpos, sizeof(mjtNum) * model_->nq);
     XXH3_64bits_update(hashes_->state, data_->qvel, sizeof(mjtNum) * model_->nv);
   }
-  const auto snapshot = [&] {
-    Snapshot now = SnapshotOf(model_.get(), data_.get(), truth_.t_s);
-    if (platform_) now.X_BC = X_BC_;
-    return now;
-  };
   if (events_ && steps_ >= 0) events_->Add(snapshot());
-  if (clock_.Step(steps_, snapshot, renderer_.get())) exposures_.push_back(truth_);
+  if (clock_.Step(
+          steps_, [&] { return snapshot(); }, renderer_.get()))
+    exposures_.push_back(truth_);
+}
+
+Snapshot Simulator::snapshot() const {
+  Snapshot now = SnapshotOf(model_.get(), data_.get(), truth_.t_s);
+  if (platform_) now.X_BC = X_BC_;
+  return now;
 }
 
 void Simulator::AdvanceTo(std::int64_t step) {

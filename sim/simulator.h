@@ -166,6 +166,7 @@ class Simulator final : public vision::Camera, public control::Autopilot {
 
   std::uint64_t state_hash() const;  // of the physical state at every exposure
   std::uint64_t image_hash() const;  // of every frame given out
+  Snapshot snapshot() const;  // of the world now, for pictures of it: sim/view
   struct Timing {
     std::vector<double> physics_s, render_s, sensor_s;  // one for each frame
   };

@@ -14,7 +14,7 @@ namespace kestrel::app {
 struct RunArguments {
   std::string scenario, out, junit;
   std::vector<std::string> overrides;
-  std::string seed, mcap;
+  std::string seed, mcap, view, view_size;
   bool no_video = false, images = false, truth = false, events = false, quiet = false;
 };
 

@@ -26,7 +26,7 @@ records::RecorderOptions OptionsFor(const LoadedScenario& loaded, bool video) {
 
 // In a folder that the recorder has made.
 records::EventLog BeginEvents(const std::filesystem::path& folder, const Scenario& scenario) {
-  for (const char* name : {"events.log", "flight.mcap"}) {  // of an earlier run
+  for (const char* name : {"events.log", "flight.mcap", "view.mp4"}) {  // of an earlier run
     std::filesystem::remove(folder / name);
     std::filesystem::remove(PartOf(folder / name));
   }

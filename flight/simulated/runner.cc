@@ -8,6 +8,7 @@
 #include "flight/simulated/flight_records.h"
 #include "flight/simulated/judgement.h"
 #include "flight/simulated/truth_images.h"
+#include "flight/simulated/view/view_video.h"
 #include "mission/flight_loop.h"
 #include "records/recording.h"
 #include "records/summary.h"
@@ -36,6 +37,7 @@ FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) 
   std::optional<FlightRecords> records;
   std::optional<TruthImages> truth;
   std::optional<EventFiles> events;
+  std::optional<ViewVideo> view;
   std::optional<records::RecordingWriter> recording;
   if (options.folder) {
     records.emplace(*options.folder, loaded, options.video);
@@ -47,6 +49,11 @@ FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) 
     if (options.truth) truth.emplace(*options.folder / "truth", simulator.model());
     if (options.events) events.emplace(*options.folder / "events");
   }
+
+  if (options.view)
+    view.emplace(simulator, *options.view,
+                 options.folder ? std::optional(*options.folder / "view.mp4") : std::nullopt,
+                 scenario.image.rate_hz, scenario.render.threads);
 
   std::vector<double> vision_s, control_s, record_s;
   bool stopped = false;
@@ -76,6 +83,8 @@ FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) 
           control_s.push_back(decision.control_s);
           record_s.push_back(SecondsSince(began));
           stopped = options.progress && !options.progress(row);
+          if (view) view->Write(simulator, frame.image);
+          if (options.watch) options.watch(simulator, frame);
           return !stopped;
         });
     if (summary.outcome.empty()) {
@@ -105,6 +114,7 @@ FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) 
       events->Write(simulator.event_camera()->Take());
       events->Close();
     }
+    if (view) view->Close();
     if (records) mission->WriteProducts(*options.folder);
   } catch (const std::exception& e) {
     if (summary.error.empty()) summary.error = e.what();

@@ -22,6 +22,8 @@ struct RunOptions {
   bool truth = false;                                    // truth_images.h, into its folder truth/
   bool events = false;                                   // event_files.h, into its folder events/
   std::optional<ViewOptions> view = {};  // the flight from outside, as view.mp4; none: it is not drawn
+  // After each frame, for who wants to look at the world and changes nothing in it.
+  std::function<void(const sim::Simulator&, const vision::Frame&)> watch = {};
 };
 
 struct FlightResult {

@@ -15,6 +15,7 @@
 #include "sim/camera/pan_tilt.h"
 #include "sim/simulator.h"
 #include "sim/world/print.h"
+#include "sim/view/view_parameters.h"
 
 namespace kestrel::flight {
 
@@ -67,6 +68,7 @@ struct Scenario : FlightKeys {
   sim::WindParameters wind;
   sim::SensorParameters sensors;
   sim::InstrumentParameters instruments;
+  sim::ViewParameters view;
   std::vector<CameraKeys> cameras;
   sim::ActuatorParameters actuators;
   sim::OcclusionParameters occlusion;
@@ -101,6 +103,7 @@ inline void Fields(FieldVisitor& v, Scenario& s) {
   v({"cameras", "cameras that the aircraft carries beside the one that it is flown by"}, s.cameras);
   v({"actuators", "faults of rotors and servos"}, s.actuators);
   v({"occlusion", "dark sheet that covers part of the pad for some time"}, s.occlusion);
+  v({"view", "camera that watches the flight from outside, for run --view and picture"}, s.view);
   v({"targets", "what else flies: balloons or other aircraft, as coloured spheres"}, s.targets);
   v({"criteria", "limits by the names of metrics, which the run must keep to in order to pass"}, s.criteria);
 }

@@ -14,15 +14,21 @@ namespace kestrel::sim {
 
 struct RenderOptions {
   std::string backend = "auto";  // ray; or OpenGL by osmesa or egl; auto: ray
-  bool shadows = false;
-  int samples = 0;  // OpenGL: for each pixel, to smooth edges; 0: none
-  int threads = 1;  // ray: 0: as many as the machine has cores. The picture is the same.
+  std::string light = "lamps";   // what the model's lights alone make; sky: as sun and sky shine, ray alone
+  bool shadows = false;          // of lamps: with hard edges
+  int samples = 0;               // OpenGL: for each pixel, to smooth edges; 0: none
+  int threads = 1;               // ray: 0: as many as the machine has cores. The picture is the same.
 };
 
 inline void Fields(FieldVisitor& v, RenderOptions& o) {
   v({"backend", "ray: our own ray renderer; osmesa, egl: MuJoCo's OpenGL; auto: ray"}, o.backend,
     {"auto", "ray", "osmesa", "egl"});
-  v({"shadows", "whether lights cast shadows"}, o.shadows);
+  v({"light",
+     "lamps: the world's lights alone; sky: soft shadows of the sun, light from the whole sky and detail of "
+     "the "
+     "ground, by ray"},
+    o.light, {"lamps", "sky"});
+  v({"shadows", "whether lights cast shadows, with hard edges; light: sky has its own"}, o.shadows);
   v({"samples", "OpenGL: samples of each pixel against jagged edges; 0: none"}, o.samples, 0, 16);
   v({"threads", "ray: threads that render one image; 0: one for each core; the image is the same"}, o.threads,
     0, 256);

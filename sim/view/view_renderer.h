@@ -5,6 +5,7 @@
 
 #include <memory>
 #include <opencv2/core.hpp>
+#include <vector>
 
 #include "sim/camera/snapshots.h"
 #include "sim/view/view_camera.h"
@@ -31,6 +32,8 @@ class ViewRenderer {
   ~ViewRenderer();
 
   cv::Mat Draw(const Snapshot& world, const ViewAim& aim);  // CV_8UC3: blue, green, red
+  // Between two instants: worlds are around t_s, with X_NC.
+  cv::Mat Draw(const std::vector<Snapshot>& worlds, double t_s, double fov_rad);
 
  private:
   struct Stage;

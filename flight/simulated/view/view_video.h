@@ -30,9 +30,8 @@ class ViewVideo {
   ViewVideo(const ViewVideo&) = delete;
   ViewVideo& operator=(const ViewVideo&) = delete;
 
-  bool wants_camera() const { return options_.with_camera; }
-  // The next picture: of the simulator's instant. camera: what is shown in the corner, if it is wanted.
-  void Write(const sim::Simulator& simulator, const cv::Mat& camera = {});
+  // The next picture: of the simulator's instant. camera: the image on board, for the corner.
+  void Write(const sim::Simulator& simulator, const cv::Mat& camera);
   // Waits for what is not yet drawn and ends the file. Throws what drawing or writing has thrown.
   void Close();
 

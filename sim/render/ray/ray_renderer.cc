@@ -16,6 +16,7 @@
 #include "sim/render/ray/kernel.h"
 #include "sim/render/ray/lens.h"
 #include "sim/render/ray/render_scene.h"
+#include "sim/render/ray/sky_light.h"
 #include "sim/world/frames.h"
 
 namespace kestrel::sim {
@@ -59,7 +60,7 @@ cv::Mat RaysOf(const vision::CameraModel& camera) {
 struct RayRenderer::Stage {
   Lens lens;
   RenderScene scene;
-  bool shadows = false;
+  bool shadows = false, sky_light = false;
   int threads = 1;
   cv::Mat code, common;                  // CV_32S, as in Canvas
   std::vector<SceneInstance> instances;  // one, or one for each row
@@ -121,10 +122,22 @@ struct RayRenderer::Stage {
     });
     InParallel(threads, lens.tiles_y, [&](int tile_row) {
       rows_of(tile_row, [&](int begin, int end) {
-        if (!rolling) return ray::SmoothRows(SliceOf(0, tile_row), begin, end, canvas);
-        for (int v = begin; v < end; ++v) ray::SmoothRows(SliceOf(v, v), v, v + 1, canvas);
+        const auto finish = [&](const Slice& slice, int from, int to) {
+          ray::SmoothRows(slice, from, to, canvas);
+          if (sky_light) ray::LightRows(slice, from, to, canvas);
+        };
+        if (!rolling) return finish(SliceOf(0, tile_row), begin, end);
+        for (int v = begin; v < end; ++v) finish(SliceOf(v, v), v, v + 1);
       });
     });
+  }
+
+  void SetLens(const vision::CameraModel& camera) {
+    lens = ray::MakeLens(camera);
+    code = cv::Mat(lens.tiles_y * Lens::kTile, lens.stride, CV_32S, cv::Scalar(0x7fffffff));
+    common = cv::Mat(lens.height, lens.tiles_x, CV_32S);
+    if (!given_out.empty() && given_out[0].size() != cv::Size(lens.width, lens.height)) given_out.clear();
+    rays.release();
   }
 
   // World and camera at a time between the states.
@@ -145,18 +158,21 @@ struct RayRenderer::Stage {
 RayRenderer::RayRenderer(const mjModel* model, const vision::CameraModel& camera,
                          const RenderOptions& options)
     : camera_(camera), stage_(std::make_unique<Stage>()) {
-  stage_->lens = ray::MakeLens(camera);
+  stage_->SetLens(camera);
   stage_->scene = ray::CompileScene(model);
-  stage_->shadows = options.shadows;
+  stage_->sky_light = options.light == "sky";
+  stage_->shadows = options.shadows && !stage_->sky_light;
   stage_->threads = options.threads > 0 ? options.threads
                                         : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  const Lens& lens = stage_->lens;
-  stage_->code = cv::Mat(lens.tiles_y * Lens::kTile, lens.stride, CV_32S, cv::Scalar(0x7fffffff));
-  stage_->common = cv::Mat(lens.height, lens.tiles_x, CV_32S);
   name_ = fmt::format("ray renderer ({})", ray::InstructionSet());
 }
 
 RayRenderer::~RayRenderer() = default;
+
+void RayRenderer::SetCamera(const vision::CameraModel& camera) {
+  camera_ = camera;
+  stage_->SetLens(camera);
+}
 
 cv::Mat RayRenderer::Render(const mjData* data, const Pose& X_NC) {
   const ray::ScenePose world = ray::PoseOfScene(stage_->scene, data);

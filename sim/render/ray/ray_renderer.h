@@ -23,6 +23,7 @@ namespace kestrel::sim {
 // - round things are round;
 // - the sky is infinitely far: it hides nothing but what lies behind haze of an endless plane;
 // - of transparent meshes and height fields the nearest face shows, and what is transparent casts no shadow.
+// With RenderOptions::light sky there are soft shadows, light from the sky and grass: sky_light.h.
 // What a pixel shows does not depend on the number of threads. It is compiled for several instruction sets
 // and takes the best at run time; name() tells which.
 class RayRenderer {
@@ -31,6 +32,7 @@ class RayRenderer {
   RayRenderer(const mjModel* model, const vision::CameraModel& camera, const RenderOptions& options);
   ~RayRenderer();
 
+  void SetCamera(const vision::CameraModel& camera);     // from now on; a lens that zooms
   cv::Mat Render(const mjData* data, const Pose& X_NC);  // as in Renderer
   cv::Mat Render(std::span<const SceneState> states, const Shutter& shutter);
   // The same at one instant, in grey and before it is rounded to bytes: CV_32FC1, 0 to 255, 0 outside the

@@ -109,6 +109,15 @@ void MapTexture(const mjModel* m, int material, Geom& t) {
   }
 }
 
+bool IsSheet(const Geom& t) {
+  constexpr float kThickest_m = 0.05f, kNarrowest_m = 1, kTerrain_m = 1000;
+  if (t.type == mjGEOM_PLANE || t.type == mjGEOM_HFIELD) return true;
+  if (!t.still) return false;
+  if (t.triangles) return t.box_half.maxCoeff() > kTerrain_m;
+  return t.type == mjGEOM_BOX && t.size.z() < kThickest_m / 2 &&
+         t.size.head<2>().maxCoeff() > kNarrowest_m / 2 && t.size.head<2>().minCoeff() > 2 * t.size.z();
+}
+
 bool IsThin(const Geom& t, float distance, float pixel_rad) {
   if (t.type == mjGEOM_PLANE || t.triangles) return false;
   Eigen::Vector3f half = t.box_half;
@@ -203,6 +212,8 @@ RenderScene CompileScene(const mjModel* m) {
       MapTexture(m, material, t);
     }
     BoundThing(t);
+    t.sheet = IsSheet(t);
+    t.baked = t.still && t.triangles && t.texture && t.emission >= 1;
     t.bound = static_cast<float>(m->geom_rbound[t.geom]);
     if (t.type == mjGEOM_PLANE && t.size.x() == 0 && t.size.y() == 0 && things.haze.thing < 0) {
       things.haze.thing = static_cast<int>(things.all.size());
@@ -279,6 +290,8 @@ void InstantiateScene(const RenderScene& things, const ScenePose& world, const P
   const Eigen::Matrix3d R_CM = R_MC.transpose();
   for (int r = 0; r < 3; ++r)
     for (int c = 0; c < 3; ++c) placement.R_MC[3 * r + c] = static_cast<float>(R_MC(r, c));
+
+  for (int k = 0; k < 3; ++k) placement.eye_M[k] = static_cast<float>(p_MC[k]);
 
   placement.lights.resize(things.lights.size());
   bool all_directional = true;

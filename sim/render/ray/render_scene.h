@@ -40,6 +40,8 @@ struct Geom {
   Eigen::Vector3f cube_scale = Eigen::Vector3f::Ones();
   const Triangles* triangles = nullptr;  // of a mesh or a height field
   bool still = false;                    // fixed to the world
+  bool sheet = false;  // ground, or as flat and wide as that: it casts no shadow that one would see
+  bool baked = false;  // a still mesh whose picture has its light painted in
 };
 
 struct Light {
@@ -97,6 +99,7 @@ struct SceneInstance {
   std::vector<LightInstance> lights;
   std::vector<int> transparent;  // indices, the nearest first
   float R_MC[9] = {};            // directions of the world, for the sky
+  float eye_M[3] = {};           // the viewpoint in the world
 };
 
 // Where the geoms and lights of the world are: copied from mjData, so that instants can be interpolated.

@@ -345,7 +345,7 @@ HWY_INLINE void EndPlane(const Slice& slice, const Vec3& d, Hit& hit) {
 }
 
 // A truncated cone round the viewpoint, from the height of the plane up to the horizon, faded at both ends.
-Colours Hazed(const Slice& slice, const Rays& rays, VF t, const Colours& below) {
+HWY_MAYBE_UNUSED Colours Hazed(const Slice& slice, const Rays& rays, VF t, const Colours& below) {
   const Haze& haze = slice.things->haze;
   const GeomInstance& plane = slice.placement->things[haze.thing];
   const float width = haze.width;

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// Detail of level ground: blades and tufts of grass, grain of what is not green.
+// Included once for each instruction set.
+#if defined(KESTREL_SIM_RAY_GRASS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef KESTREL_SIM_RAY_GRASS_INL_H_
+#undef KESTREL_SIM_RAY_GRASS_INL_H_
+#else
+#define KESTREL_SIM_RAY_GRASS_INL_H_
+#endif
+
+#include "sim/render/ray/packet-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace kestrel::sim::ray::HWY_NAMESPACE {
+namespace {
+
+// -1 to 1, of a corner of the lattice.
+HWY_INLINE VF Corner(VI x, VI y) {
+  VI h = hn::Add(hn::Mul(x, hn::Set(di, 0x27d4eb2d)), hn::Mul(y, hn::Set(di, 0x165667b1)));
+  h = hn::Mul(hn::Xor(h, hn::ShiftRight<15>(h)), hn::Set(di, 0x2c1b3c6d));
+  h = hn::Mul(hn::Xor(h, hn::ShiftRight<12>(h)), hn::Set(di, 0x297a2d39));
+  h = hn::And(hn::ShiftRight<8>(h), hn::Set(di, 0xffff));
+  return hn::MulAdd(hn::ConvertTo(df, h), F(2.0f / 65535), F(-1));
+}
+
+// Smooth between the corners of a lattice of the width 1; -1 to 1.
+HWY_INLINE VF Noise(VF x, VF y) {
+  const VF xf = hn::Floor(x), yf = hn::Floor(y);
+  const VI xi = hn::ConvertTo(di, xf), yi = hn::ConvertTo(di, yf), one = hn::Set(di, 1);
+  const auto smooth = [](VF t) { return hn::Mul(hn::Mul(t, t), hn::NegMulAdd(F(2), t, F(3))); };
+  const VF u = smooth(hn::Sub(x, xf)), v = smooth(hn::Sub(y, yf));
+  const auto mix = [](VF a, VF b, VF share) { return hn::MulAdd(share, hn::Sub(b, a), a); };
+  return mix(mix(Corner(xi, yi), Corner(hn::Add(xi, one), yi), u),
+             mix(Corner(xi, hn::Add(yi, one)), Corner(hn::Add(xi, one), hn::Add(yi, one)), u), v);
+}
+
+// What the brightness of the ground is multiplied by. x, y: m, in the world; footprint: width of a pixel on
+// it, m; green: 0 to 1.
+HWY_INLINE VF Grain(VF x, VF y, VF footprint, VF green) {
+  struct Octave {
+    float width_m, grass, other;
+  };
+  constexpr Octave kOctaves[] = {{2.1f, 0.07f, 0.03f},
+                                 {0.7f, 0.09f, 0.03f},
+                                 {0.23f, 0.11f, 0.03f},
+                                 {0.08f, 0.14f, 0.03f},
+                                 {0.028f, 0.17f, 0.04f}};
+  VF sum = F(1);
+  for (const Octave& o : kOctaves) {
+    // An octave fades before it is finer than a pixel.
+    const VF seen =
+        hn::Min(hn::Max(hn::MulAdd(footprint, F(-1.6f / o.width_m), F(1.4f)), hn::Zero(df)), F(1));
+    if (hn::AllTrue(df, hn::Le(seen, hn::Zero(df)))) break;
+    const VF strength = hn::Mul(seen, hn::MulAdd(green, F(o.grass - o.other), F(o.other)));
+    // Each turned against the one before, so that no lattice shows.
+    const float c = o.width_m > 0.5f ? 0.86f : 0.42f, s = o.width_m > 0.5f ? 0.51f : 0.91f,
+                per = 1 / o.width_m;
+    const VF a = hn::MulAdd(x, F(c * per), hn::Mul(y, F(s * per)));
+    const VF b = hn::MulAdd(x, F(-s * per), hn::Mul(y, F(c * per)));
+    sum = hn::MulAdd(strength, Noise(a, b), sum);
+  }
+  return sum;
+}
+
+}  // namespace
+}  // namespace kestrel::sim::ray::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
