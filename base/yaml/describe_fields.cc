@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "base/yaml/yaml_fields.h"
+#include "base/yaml/yaml_nodes.h"
 
 namespace kestrel {
 namespace {
@@ -92,6 +93,7 @@ struct Describer {
 
 // What the writer writes of it on the key's own line.
 std::string ValueText(const FieldKey& key, const FieldValue& field) {
+  if (std::holds_alternative<NodeField>(field)) return "";
   FieldWriter writer;
   writer.Visit(key, field);
   const std::string& text = writer.text();
@@ -100,6 +102,64 @@ std::string ValueText(const FieldKey& key, const FieldValue& field) {
   if (end == std::string::npos || end + 1 != text.size() || end <= begin) return "";
   return text.substr(begin, end - begin);
 }
+
+// All of what the writer writes, in one line.
+std::string FlowValue(const FieldKey& key, const FieldValue& field) {
+  FieldWriter writer;
+  writer.Visit(key, field);
+  return FlowText(ReadNodes(writer.text(), [](int) { return Place(); }).members.front().node);
+}
+
+// Walks down a dotted path.
+class PathVisitor final : public FieldVisitor {
+ public:
+  explicit PathVisitor(std::string_view path) : name_(path.substr(0, path.find('.'))) {
+    if (name_.size() < path.size()) rest_ = path.substr(name_.size() + 1);
+  }
+
+  void Visit(const FieldKey& key, const FieldValue& field) override {
+    if (name_ != key.name) return;
+    if (rest_) return std::visit([&](const auto& of_kind) { Into(key, of_kind); }, field);
+    DescribingVisitor visitor;
+    visitor.Visit(key, field);
+    found = std::move(visitor.fields.front());
+    found->value = FlowValue(key, field);
+  }
+
+  std::optional<FieldDescription> found;
+
+ private:
+  void Below(const StructField& field, std::string_view path) {
+    PathVisitor visitor(path);
+    field.Visit(visitor);
+    found = std::move(visitor.found);
+  }
+
+  void Into(const FieldKey&, const StructField& field) { Below(field, *rest_); }
+  void Into(const FieldKey&, const StructsField& field) {
+    const auto all = field.all(field.value);
+    if (field.kind == StructsField::Kind::kOptional)
+      return all.empty() ? void() : Below(all.front().second, *rest_);
+    const std::string_view name = rest_->substr(0, rest_->find('.'));
+    if (name.size() == rest_->size()) return;  // one as a whole
+    for (std::size_t i = 0; i < all.size(); ++i)
+      if (name == (field.kind == StructsField::Kind::kMap ? all[i].first : std::to_string(i)))
+        return Below(all[i].second, rest_->substr(name.size() + 1));
+  }
+  void Into(const FieldKey& key, const NumbersField& field) {
+    for (int i = 0; i < field.size; ++i) {
+      if (*rest_ != std::to_string(i)) continue;
+      DescribingVisitor visitor;
+      visitor.Visit(key, NumberField{field.values + i, field.low, field.high});
+      found = std::move(visitor.fields.front());
+    }
+  }
+  template <class Field>
+  void Into(const FieldKey&, const Field&) {}
+
+  std::string_view name_;
+  std::optional<std::string_view> rest_;  // none: the path ends here
+};
 
 std::string RangeText(const FieldDescription& f) {
   if (!f.low || !f.high || (*f.low <= -1e9 && *f.high >= 1e9)) return "";
@@ -120,6 +180,13 @@ void DescribingVisitor::Visit(const FieldKey& key, const FieldValue& field) {
   if (const auto* text = std::get_if<TextField>(&field); text && text->valid && key.required)
     selectors.push_back(*text);
   fields.push_back(std::move(description));
+}
+
+std::optional<FieldDescription> DescribeAt(const std::function<void(FieldVisitor&)>& fields,
+                                           std::string_view path) {
+  PathVisitor visitor(path);
+  fields(visitor);
+  return std::move(visitor.found);
 }
 
 std::string TypeText(const FieldDescription& f) {

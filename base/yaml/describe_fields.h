@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/yaml/fields.h"
@@ -53,6 +55,11 @@ std::vector<FieldDescription> Describe(T value) {
   Fields(visitor, value);
   return std::move(visitor.fields);
 }
+
+// The field at a dotted path, such as targets.0.velocity_m_s, of this very value; its `value` is in one line, as
+// FlowText has it. None: there is no such field.
+std::optional<FieldDescription> DescribeAt(const std::function<void(FieldVisitor&)>& fields,
+                                           std::string_view path);
 
 // "number from 0 to 20", "one of auto, osmesa, egl", "list of 3 numbers from 0 to 1".
 std::string TypeText(const FieldDescription& field);

@@ -8,6 +8,7 @@
 
 #include "base/overloaded.h"
 #include "base/yaml/yaml_fields.h"
+#include "base/yaml/yaml_nodes.h"
 
 namespace kestrel {
 namespace {
@@ -56,7 +57,7 @@ void FieldWriter::Visit(const FieldKey& key, const FieldValue& field) {
                  [&](const NumbersField& f) {
                    line(fmt::format("[{}]", fmt::join(f.values, f.values + f.size, ", ")));
                  },
-                 [&](const NodeField&) {},  // of files that nothing writes
+                 [&](const NodeField& f) { line(FlowText(*f.value)); },
                  [&](const StructField& f) { Block(key.name, Nested(f, indent_ + 1), "{}"); },
                  [&](const StructsField& f) { Write(key.name, f); },
              },

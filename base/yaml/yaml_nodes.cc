@@ -2,10 +2,12 @@
 #include "base/yaml/yaml_nodes.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
+#include <charconv>
 #include <map>
 #include <optional>
 #include <sstream>
@@ -161,6 +163,31 @@ class TreeBuilder final : public YAML::EventHandler {
   int documents_ = 0;
 };
 
+std::string Quoted(const std::string& text) {
+  std::string quoted = "\"";
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (c == '"' || c == '\\')
+      quoted += {'\\', c};
+    else if (byte < 0x20 || byte == 0x7f)
+      quoted += fmt::format("\\u{:04x}", byte);
+    else
+      quoted += c;
+  }
+  return quoted + '"';
+}
+
+// Whether JSON has it without quotes.
+bool IsPlain(const std::string& text) {
+  if (text == "true" || text == "false") return true;
+  const std::size_t first = text.starts_with('-') ? 1 : 0;
+  const auto digit = [&](std::size_t at) { return at < text.size() && text[at] >= '0' && text[at] <= '9'; };
+  if (!digit(first) || (text[first] == '0' && digit(first + 1)) || text.ends_with('.')) return false;
+  double number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  return error == std::errc() && end == text.data() + text.size();
+}
+
 }  // namespace
 
 ConfigNode ReadNodes(const std::string& text, const std::function<Place(int line)>& where_of) {
@@ -169,6 +196,23 @@ ConfigNode ReadNodes(const std::string& text, const std::function<Place(int line
   TreeBuilder tree(where_of);
   while (parser.HandleNextDocument(tree)) {}
   return tree.Take();
+}
+
+std::string FlowText(const ConfigNode& node) {
+  std::vector<std::string> members;
+  switch (node.kind) {
+    case Kind::kNothing:
+      return "null";
+    case Kind::kText:
+      return !node.quoted && IsPlain(node.text) ? node.text : Quoted(node.text);
+    case Kind::kList:
+      for (const auto& [key, member] : node.members) members.push_back(FlowText(member));
+      return fmt::format("[{}]", fmt::join(members, ", "));
+    case Kind::kMap:
+      for (const auto& [key, member] : node.members) members.push_back(Quoted(key) + ": " + FlowText(member));
+      return fmt::format("{{{}}}", fmt::join(members, ", "));
+  }
+  return "";
 }
 
 }  // namespace kestrel

@@ -13,4 +13,7 @@ namespace kestrel {
 // lines of aliases of aliases do. where_of: what a value's `where` says of a line, counted from 0.
 ConfigNode ReadNodes(const std::string& text, const std::function<Place(int line)>& where_of);
 
+// A value in one line, as JSON, which is YAML too: numbers, true and false as they stand, other texts in quotes.
+std::string FlowText(const ConfigNode& node);
+
 }  // namespace kestrel
