@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <utility>
 
@@ -22,6 +23,7 @@ namespace {
 
 constexpr double kAirborne_m = 0.3;
 constexpr double kFixedAfter_s = 0.3;  // of standing on a deck that holds it fast
+constexpr char kNavigation[] = "navigation";
 constexpr std::int64_t kNever = CameraClock::kNever;
 
 SceneParameters SceneOf(const SimulatorParameters& parameters) {
@@ -234,13 +236,55 @@ void Simulator::Step() {
   if (!touch_ && airborne_ && truth_.touching && !before.touching && truth_.t_s > 0) touch_ = before;
 }
 
+void Simulator::Change(const WindParameters& wind) { wind_.Change(wind); }
+
+void Simulator::Change(const std::vector<TargetParameters>& targets) {
+  for (std::size_t i = 0; i < targets_.size(); ++i) targets_[i].Change(targets[i], truth_.t_s);
+}
+
+void Simulator::Change(const std::vector<CameraFault>& faults) {
+  clock_.ChangeFaults({faults, parameters_.seed, parameters_.duration_s}, truth_.t_s);
+}
+
+void Simulator::Change(const std::vector<SensorFault>& faults, const std::vector<AttitudeFault>& attitude) {
+  parameters_.sensors.faults = faults;
+  parameters_.sensors.attitude_faults = attitude;
+  sensor_faults_.Change(faults);
+  autopilot_->ChangeFaults(attitude);
+  ScheduleFaults();
+}
+
+void Simulator::Change(const ActuatorParameters& actuators) {
+  parameters_.actuators = actuators;
+  SetConditions(vehicle_, ConditionsAt(actuators.faults, truth_.t_s));
+  ScheduleFaults();
+}
+
+// After a change of the faults.
+void Simulator::ScheduleFaults() {
+  std::map<std::string, std::string> is;
+  for (const StateChange& change : state_changes_)
+    if (change.what != kNavigation) is[change.what] = change.is;
+  scheduled_ = ChangesOf(parameters_.sensors.faults, parameters_.actuators.faults, parameters_.vehicle);
+  const auto later = std::find_if(scheduled_.begin(), scheduled_.end(),
+                                  [&](const StateChange& change) { return change.t_s > truth_.t_s + 1e-9; });
+  std::map<std::string, std::string> will_be;
+  for (const auto& [what, state] : is) will_be[what] = "ok";
+  for (auto past = scheduled_.begin(); past != later; ++past) will_be[past->what] = past->is;
+  for (const auto& [what, state] : will_be)
+    if (const auto before = is.find(what); state != (before == is.end() ? "ok" : before->second))
+      state_changes_.push_back({truth_.t_s, what, state});
+  scheduled_.erase(scheduled_.begin(), later);
+  std::reverse(scheduled_.begin(), scheduled_.end());
+}
+
 void Simulator::NoteChanges() {
   for (; !scheduled_.empty() && scheduled_.back().t_s <= truth_.t_s + 1e-9; scheduled_.pop_back())
     state_changes_.push_back(scheduled_.back());
   const NavigationHealth health = autopilot_->Health();
   if (health == health_) return;
   health_ = health;
-  state_changes_.push_back({truth_.t_s, "navigation", NameOf(health)});
+  state_changes_.push_back({truth_.t_s, kNavigation, NameOf(health)});
 }
 
 // To where they are after this step.

@@ -141,6 +141,14 @@ class Simulator final : public vision::Camera, public control::Autopilot {
   // where the autopilot believes the aircraft to be.
   void CarryCamera(PanTilt* platform) { platform_ = platform; }
 
+  // From the next step on. Of targets: how they move, from where they are; there are as many as before.
+  void Change(const WindParameters& wind);
+  void Change(const std::vector<TargetParameters>& targets);
+  // Faults of the camera, of the aircraft's sensors and of its actuators. One that is to begin in the past begins now.
+  void Change(const std::vector<CameraFault>& faults);
+  void Change(const std::vector<SensorFault>& faults, const std::vector<AttitudeFault>& attitude);
+  void Change(const ActuatorParameters& actuators);
+
   // The camera on the ground; null: there is none. Its frames have come when those of Next() do, or earlier.
   SimulatedGroundCamera* ground_camera() { return ground_.get(); }
 
@@ -179,6 +187,7 @@ class Simulator final : public vision::Camera, public control::Autopilot {
   std::optional<vision::Frame> NextUntilStep(std::int64_t last);
   void Gather();
   void NoteChanges();
+  void ScheduleFaults();
   void CoverPad();
   void MoveTargets();
   void Carry();

@@ -99,6 +99,7 @@ class EmulatedAutopilot {
 
   void Send(const control::Setpoint& setpoint);
   void Aid(const control::AttitudeAid& aid) { navigation_.Aid(aid); }
+  void ChangeFaults(std::vector<AttitudeFault> faults) { navigation_.ChangeFaults(std::move(faults)); }
   // Advances by one step of the simulation; returns what the aircraft's rotors are to do.
   Actuation Step(double dt_s, const SensorReadings& readings);
 

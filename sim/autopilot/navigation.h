@@ -20,6 +20,7 @@ class Navigation {
   Navigation(const SensorParameters& sensors, double timeout_s, const Pose& X_NB,
              const Eigen::Vector3d& gyro_bias);
 
+  void ChangeFaults(std::vector<AttitudeFault> faults) { sensors_.attitude_faults = std::move(faults); }
   // t_s: of the autopilot's clock, at the end of the step.
   void Step(double dt_s, double t_s, const SensorReadings& readings);
   void Aid(const control::AttitudeAid& aid);

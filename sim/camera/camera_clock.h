@@ -39,6 +39,9 @@ class CameraClock {
   CameraClock(const ImageParameters& image, int rows, std::uint64_t seed, double duration_s, double dt_s,
               const CameraTiming& timing = {});
 
+  // From t_s on the camera has these faults.
+  void ChangeFaults(const CameraFaults& faults, double t_s) { faults_.Change(faults, t_s); }
+
   std::int64_t TickStep() const;  // of the next tick; kNever when there is none
 
   // After each step of the world, and at its beginning: keeps a snapshot of it while one is needed, begins an

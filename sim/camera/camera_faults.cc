@@ -74,6 +74,20 @@ CameraFaults::CameraFaults(const std::vector<CameraFault>& faults, std::uint64_t
   }
 }
 
+void CameraFaults::Change(const CameraFaults& later, double t_s) {
+  CameraCondition now = later.At(t_s);
+  now.from_s = At(t_s).from_s;
+  const bool differs = now != At(t_s);
+  conditions_.erase(conditions_.begin() + 1 + static_cast<std::ptrdiff_t>(ChangesUntil(t_s).size()),
+                    conditions_.end());
+  now.from_s = t_s;
+  if (differs) conditions_.push_back(std::move(now));
+  conditions_.insert(
+      conditions_.end(),
+      later.conditions_.begin() + 1 + static_cast<std::ptrdiff_t>(later.ChangesUntil(t_s).size()),
+      later.conditions_.end());
+}
+
 const CameraCondition& CameraFaults::At(double t_s) const { return conditions_[ChangesUntil(t_s).size()]; }
 
 std::span<const CameraCondition> CameraFaults::ChangesUntil(double t_s) const {

@@ -60,12 +60,16 @@ struct CameraCondition {
   double loss = 0;      // chance of each frame
   double period_s = 0;  // at least, between two frames
   double delay_s = 0;
+  bool operator==(const CameraCondition&) const = default;
 };
 
 // The faults of one run, settled before it begins: schedule, seed and duration decide.
 class CameraFaults {
  public:
   CameraFaults(const std::vector<CameraFault>& faults, std::uint64_t seed, double duration_s);
+
+  // What has been until t_s stays, what is later is by these.
+  void Change(const CameraFaults& later, double t_s);
 
   const CameraCondition& At(double t_s) const;
   // Every change up to a time, its own included; none while there has been no fault.

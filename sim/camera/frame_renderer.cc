@@ -87,6 +87,7 @@ void FrameRenderer::Work(std::promise<void> ready) {
 RenderedFrame FrameRenderer::Draw(const FrameRequest& request) {
   RenderedFrame picture;
   if (surfaces_) Survey(request, picture);
+  may_repeat_ |= request.content == FrameRequest::Content::kRepeat;
   if (request.content == FrameRequest::Content::kRepeat && !last_.empty()) {
     picture.image = last_.clone();
     return picture;

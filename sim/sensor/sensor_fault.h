@@ -36,6 +36,7 @@ struct SensorFault {
   double rate_hz = 1;               // slow
   double delay_s = 0.5;             // delayed
   double period_s = 1, duty = 0.5;  // intermittent
+  bool operator==(const SensorFault&) const = default;
 };
 
 inline void Fields(FieldVisitor& v, SensorFault& f) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/sensor/sensor_faults.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -96,6 +97,17 @@ SensorFaults::SensorFaults(std::vector<SensorFault> faults, std::uint64_t seed)
       magnetometer_("mag", seed),
       barometer_("baro", seed),
       gps_("gps", seed) {}
+
+void SensorFaults::Change(std::vector<SensorFault> faults) {
+  const auto go_on = [&](auto& channel) {
+    if (faults.empty()) channel.last.reset(), channel.late.clear();
+    if (!channel.fault) return;
+    const auto same = std::find(faults.begin(), faults.end(), *channel.fault);
+    channel.fault = same != faults.end() ? &*same : nullptr;
+  };
+  go_on(gyro_), go_on(accelerometer_), go_on(magnetometer_), go_on(barometer_), go_on(gps_);
+  faults_ = std::move(faults);  // whose elements stay where they are
+}
 
 void SensorFaults::Apply(double t_s, SensorReadings& readings) {
   if (faults_.empty()) return;

@@ -33,6 +33,9 @@ class SensorFaults {
   SensorFaults(const SensorFaults&) = delete;
   SensorFaults& operator=(const SensorFaults&) = delete;
 
+  // From the next step on there are these. A fault that goes on goes on as it was.
+  void Change(std::vector<SensorFault> faults);
+
   // To be called for every step, in the order of time; t_s: at its end.
   void Apply(double t_s, SensorReadings& readings);
 

@@ -44,6 +44,16 @@ void TargetPath::Step(double t_s, double dt_s, const Eigen::Vector3d& wind_N) {
   }
 }
 
+void TargetPath::Change(const TargetParameters& parameters, double t_s) {
+  if (parameters == parameters_) return;
+  const bool roamed = parameters_.roam_m_s > 0;
+  parameters_ = parameters;
+  if (parameters.roam_m_s <= 0)
+    begin_N_ = p_N_ - t_s * FromPlace(parameters.velocity_m_s);
+  else if (!roamed)
+    begin_N_ = p_N_, holds_until_s_ = t_s;
+}
+
 void TargetPath::Sway(double dt_s, const Eigen::Vector3d& wind_N) {
   const double radius = parameters_.diameter_m / 2;
   const double displaced_kg = kAir_kg_m3 * 4 / 3 * std::numbers::pi * std::pow(radius, 3);

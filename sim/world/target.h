@@ -22,6 +22,7 @@ struct TargetParameters {
   double string_m = 0;        // over 0: on a string of this length, from its lowest point straight down
   double roam_m_s = 0;        // over 0: on a random smooth path, up to this speed, with stops and reversals
   double roam_within_m = 12;  // of where it began, in the horizontal
+  bool operator==(const TargetParameters&) const = default;
 };
 
 inline void Fields(FieldVisitor& v, TargetParameters& p) {
@@ -49,6 +50,9 @@ class TargetPath {
 
   // To the next instant, t_s, which may lie before 0: only the wind moves anything then.
   void Step(double t_s, double dt_s, const Eigen::Vector3d& wind_N);
+
+  // From t_s on, where it is, it moves by these: other velocity_m_s or another random path.
+  void Change(const TargetParameters& parameters, double t_s);
 
   const Eigen::Vector3d& p_N() const { return p_N_; }            // m, of its centre
   const Eigen::Vector3d& v_N() const { return v_N_; }            // m/s

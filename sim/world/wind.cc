@@ -37,15 +37,11 @@ DrydenScales DrydenLowAltitude(double height_m, double wind_20ft_m_s) {
 
 Wind::Wind(const WindParameters& parameters, std::uint64_t seed)
     : parameters_(parameters),
+      turn_deg_(parameters.from_scatter_deg * RandomStream(seed, "wind direction").Uniform(-1, 1)),
       turbulence_stream_(seed, "wind turbulence"),
       gust_stream_(seed, "wind gusts"),
       next_gust_s_(NextArrival(gust_stream_, parameters.gusts.rate_per_min)) {
-  const double turn = parameters.from_scatter_deg * RandomStream(seed, "wind direction").Uniform(-1, 1);
-  const double from = Radians(parameters.from_deg + turn);
-  along_N_ = {-std::cos(from), -std::sin(from), 0};
-  across_N_ = {std::sin(from), -std::cos(from), 0};
-  mean_N_ = parameters.mean_m_s * along_N_;
-
+  Turn();
   // the stationary covariance of the two lags is [1/2 1/4; 1/4 1/4]
   const auto stationary = [this]() -> Transverse {
     const double first = std::sqrt(0.5) * turbulence_stream_.Normal();
@@ -54,6 +50,22 @@ Wind::Wind(const WindParameters& parameters, std::uint64_t seed)
   u_ = turbulence_stream_.Normal();
   v_ = stationary();
   w_ = stationary();
+}
+
+void Wind::Change(const WindParameters& parameters) {
+  const double rate_before = parameters_.gusts.rate_per_min;
+  parameters_ = parameters;
+  Turn();
+  if (!parameters.turbulence) turbulence_N_.setZero();
+  if (parameters.gusts.rate_per_min != rate_before)
+    next_gust_s_ = t_s_ + NextArrival(gust_stream_, parameters.gusts.rate_per_min);
+}
+
+void Wind::Turn() {
+  const double from = Radians(parameters_.from_deg + turn_deg_);
+  along_N_ = {-std::cos(from), -std::sin(from), 0};
+  across_N_ = {std::sin(from), -std::cos(from), 0};
+  mean_N_ = parameters_.mean_m_s * along_N_;
 }
 
 void Wind::Step(double dt_s, double height_m, const Eigen::Vector3d& v_N_vehicle) {
@@ -101,14 +113,15 @@ void Wind::StepGusts(double dt_s) {
   while (next_gust_s_ <= t_s_) {
     const double angle = gust_stream_.Uniform(-1, 1) * std::numbers::pi / 4;
     const double amplitude = gust_stream_.Uniform(0.5, 1) * p.amplitude_m_s;
-    gusts_.push_back({next_gust_s_, amplitude * (std::cos(angle) * along_N_ + std::sin(angle) * across_N_)});
+    gusts_.push_back(
+        {next_gust_s_, p.length_s, amplitude * (std::cos(angle) * along_N_ + std::sin(angle) * across_N_)});
     next_gust_s_ += NextArrival(gust_stream_, p.rate_per_min);
   }
-  std::erase_if(gusts_, [&](const Gust& g) { return t_s_ >= g.start_s + p.length_s; });
+  std::erase_if(gusts_, [&](const Gust& g) { return t_s_ >= g.start_s + g.length_s; });
 
   gust_N_.setZero();
   for (const Gust& g : gusts_) {
-    gust_N_ += (1 - std::cos(2 * std::numbers::pi * (t_s_ - g.start_s) / p.length_s)) / 2 * g.amplitude_N;
+    gust_N_ += (1 - std::cos(2 * std::numbers::pi * (t_s_ - g.start_s) / g.length_s)) / 2 * g.amplitude_N;
   }
 }
 

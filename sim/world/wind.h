@@ -69,6 +69,9 @@ class Wind {
  public:
   Wind(const WindParameters& parameters, std::uint64_t seed);
 
+  // From now on it blows by these, and its random streams go on.
+  void Change(const WindParameters& parameters);
+
   // To the next instant. height_m: of the aircraft above the ground. v_N_vehicle: m/s over the ground.
   void Step(double dt_s, double height_m, const Eigen::Vector3d& v_N_vehicle);
 
@@ -77,7 +80,7 @@ class Wind {
 
  private:
   struct Gust {
-    double start_s;
+    double start_s, length_s;
     Eigen::Vector3d amplitude_N;
   };
   // A transverse component of variance 1: two first-order lags in series, the output a sum of both.
@@ -85,10 +88,12 @@ class Wind {
     double first, second;
   };
 
+  void Turn();
   void StepTurbulence(double dt_s, double height_m, const Eigen::Vector3d& v_N_vehicle);
   void StepGusts(double dt_s);
 
   WindParameters parameters_;
+  double turn_deg_;  // off from_deg, as drawn
   RandomStream turbulence_stream_, gust_stream_;
   Eigen::Vector3d along_N_, across_N_;  // unit vectors: where the mean wind blows to, and to the right of it
   Eigen::Vector3d mean_N_;
