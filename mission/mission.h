@@ -12,6 +12,9 @@ namespace kestrel::mission {
 
 // Whether a flight needs to see its target to stay in the air: what the safety layer of a real aircraft is to
 // hold it to (control/safety/safety.h).
+class Flight;
+struct PilotParameters;
+
 enum class TargetNeed {
   kUndeclared,  // nobody has said: such a mission is not flown on a real aircraft
   kNone,        // what it commands is safe whatever the camera shows, or the mission itself stops when blind
@@ -27,6 +30,9 @@ class Mission {
   virtual Decision Step(const vision::Frame& frame, const control::VehicleState& state) = 0;
   // Whether the flight, were it to end now, has done what it is for.
   virtual bool Accomplished() const { return true; }
+  // From the next frame on it flies by these parameters. They differ from those that it was made from, or that it
+  // was given before, in no key but those that its type says may change in flight (MissionType::changeable).
+  virtual void Change(const Flight& flight, const PilotParameters& pilot) { (void)flight, (void)pilot; }
   virtual TargetNeed Target() const { return TargetNeed::kUndeclared; }
   // How late an autopilot may follow the velocities that it is given; endless: they close no loop by sight,
   // or nothing is known of it.

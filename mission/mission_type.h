@@ -61,6 +61,9 @@ struct MissionType {
   // one of them that is a video, which grows frame by frame (Mission::WriteProducts, ProductImage).
   std::vector<std::string> products = {};
   std::string product_video = {};
+  // Which keys of flight and pilot may change in flight (Mission::Change): names, or patterns with '*', such as
+  // "flight.gains.*".
+  std::vector<std::string> changeable = {};
 };
 
 // What a mission is made from, in the simulator as on a real aircraft.

@@ -36,6 +36,7 @@ class Pilot {
   // Servoes to a place and yaw in T. Only while HasEstimate().
   control::VelocitySetpoint GoTo(const Eigen::Vector3d& p_T, double yaw_T) const;
   // The same sideways, with a given velocity downwards.
+  void ChangeServo(const control::ServoGains& servo) { servo_ = servo; }
   control::VelocitySetpoint DescendTo(const Eigen::Vector2d& p_T, double yaw_T, double sink_m_s) const;
   control::VelocityLag MaxLag() const;  // of an autopilot that is given what GoTo and DescendTo return
 

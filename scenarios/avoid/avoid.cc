@@ -96,6 +96,13 @@ class AvoidMission final : public mission::Mission {
   mission::TargetNeed Target() const override { return mission::TargetNeed::kNone; }
 
   void Draw(cv::Mat& bgr) const override {
+  void Change(const mission::Flight& flight, const mission::PilotParameters&) override {
+    const auto* changed = flight.As<AvoidFlight>();
+    if (!changed) return;
+    flight_ = *changed;
+    if (growth_) growth_->Change(flight_.growth, flight_.avoidance, flight_.confirm_s);
+  }
+
     for (const mission::BalloonObserver& watch : watches_) watch.Draw(bgr);
     if (contrast_) contrast_->Draw(bgr);
     mission::DrawCommand(
@@ -316,7 +323,10 @@ mission::MissionType TypeOf(const AvoidFlight&) {
       .telemetry = AvoidColumns(),
       .metrics = AvoidMetrics(),
       .add_metrics = AddAvoidMetrics,
-      .plots = {{"encounter.png", MeetsIntruders, EncounterPlot}}};
+      .plots = {{"encounter.png", MeetsIntruders, EncounterPlot}},
+      .changeable = {"flight.speed_m_s", "flight.course_m", "flight.avoids", "flight.memory_s",
+                     "flight.confirm_s", "flight.keep_share", "flight.cross_track_gain_per_s",
+                     "flight.avoidance.*", "flight.growth.*"}};
 }
 
 std::unique_ptr<mission::Mission> MakeMission(const AvoidFlight& flight, const mission::MissionParts& parts) {

@@ -40,6 +40,10 @@ class GrowthJudge {
   GrowthJudge(const GrowthOptions& growth, const control::AvoidanceOptions& avoidance, double confirm_s)
       : growth_(growth), avoidance_(avoidance), confirm_s_(confirm_s) {}
 
+  void Change(const GrowthOptions& growth, const control::AvoidanceOptions& avoidance, double confirm_s) {
+    growth_ = growth, avoidance_ = avoidance, confirm_s_ = confirm_s;
+  }
+
   // Who of them matters most, and the bearing at which it is held while a manoeuvre lasts, rad, right positive.
   struct Judgement {
     std::optional<std::size_t> other;  // none: out of sight, and not yet passed

@@ -47,6 +47,10 @@ class SightMission final : public mission::Mission {
 
   bool Accomplished() const override { return phase_ == "ended"; }
   mission::TargetNeed Target() const override { return mission::TargetNeed::kNone; }
+  void Change(const mission::Flight& flight, const mission::PilotParameters&) override {
+    if (const auto* changed = flight.As<AvoidFlight>()) flight_ = *changed;
+  }
+
 
   void Draw(cv::Mat& bgr) const override {
     watch_.Draw(bgr);

@@ -83,6 +83,10 @@ class FollowMission final : public mission::Mission {
                 flight_.gains.velocity_response_s + kestrel::control::MaxLag(flight_.gains.lambda_per_s[1])};
   }
 
+  void Change(const mission::Flight& flight, const mission::PilotParameters&) override {
+    if (const auto* changed = flight.As<FollowFlight>()) flight_ = *changed;
+  }
+
   void Draw(cv::Mat& bgr) const override {
     watch_.Draw(bgr);
     DrawWanted(bgr);
@@ -236,7 +240,8 @@ mission::MissionType TypeOf(const FollowFlight&) {
           .telemetry = FollowColumns(),
           .metrics = FollowMetrics(),
           .add_metrics = AddFollowMetrics,
-          .plots = {{"follow.png", FollowsBalloon, FollowPlot}}};
+          .plots = {{"follow.png", FollowsBalloon, FollowPlot}},
+          .changeable = {"flight.gains.*", "flight.reference.*", "flight.look_around.*"}};
 }
 
 std::unique_ptr<mission::Mission> MakeMission(const FollowFlight& flight,

@@ -36,6 +36,10 @@ class HoverMission final : public mission::Mission {
     decision.phase = phase_;
     return decision;
   }
+  void Change(const mission::Flight& flight, const mission::PilotParameters& pilot) override {
+    if (const auto* changed = flight.As<HoverFlight>()) flight_ = *changed;
+    pilot_.ChangeServo(pilot.servo);
+  }
   bool Accomplished() const override { return centred_; }
   mission::TargetNeed Target() const override { return mission::TargetNeed::kInSight; }
   control::VelocityLag MaxLag() const override { return pilot_.MaxLag(); }
@@ -56,7 +60,8 @@ mission::MissionType TypeOf(const HoverFlight&) {
   return {.name = "hover",
           .summary = "Centres over the pad, goes to a height and stays there.",
           .looks_for_pad = true,
-          .common_metrics = {"fix_*", "longest_loss_s", "settle_s", "hold_*"}};
+          .common_metrics = {"fix_*", "longest_loss_s", "settle_s", "hold_*"},
+          .changeable = {"flight.*", "pilot.servo.*"}};
 }
 
 std::unique_ptr<mission::Mission> MakeHover(const HoverFlight& flight,

@@ -60,6 +60,10 @@ class LandingMission final : public mission::Mission {
     decision.phase = phase_;
     return decision;
   }
+  void Change(const mission::Flight& flight, const mission::PilotParameters& pilot) override {
+    if (const auto* changed = flight.As<LandingFlight>()) flight_ = *changed;
+    pilot_.ChangeServo(pilot.servo);
+  }
   bool Accomplished() const override { return landed_s_.has_value() || ended_; }
   mission::TargetNeed Target() const override { return mission::TargetNeed::kInSight; }
   control::VelocityLag MaxLag() const override { return pilot_.MaxLag(); }
@@ -204,7 +208,9 @@ mission::MissionType TypeOf(const LandingFlight&) {
           .metrics = mission::TouchDownMetrics(),
           .add_metrics = mission::AddTouchDownMetrics,
           .common_metrics = {"fix_*", "longest_loss_s", "settle_s", "touchdown_*", "rest_*"},
-          .plots = {{"fuzzy.png", DescendsByRules, DescentPlot}}};
+          .plots = {{"fuzzy.png", DescendsByRules, DescentPlot}},
+          .changeable = {"flight.yaw_deg", "flight.descent_m_s", "flight.commit_*", "flight.blind_m",
+                         "flight.centred_m", "pilot.servo.*"}};
 }
 
 std::unique_ptr<mission::Mission> MakeLanding(const LandingFlight& flight,

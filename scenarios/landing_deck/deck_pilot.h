@@ -55,6 +55,7 @@ class DeckPilot {
   // It holds its place, then climbs above where it began, and waits there. None: given up.
   std::optional<control::Setpoint> Search(const control::VehicleState& state);
 
+  void ChangeServo(const control::ServoGains& servo) { parameters_.servo = servo; }
   control::VelocityLag MaxLag() const;
   void Draw(cv::Mat& bgr, std::string_view phase) const;
 

@@ -58,6 +58,10 @@ class LandingDeckMission final : public mission::Mission {
     decision.phase = phase_;
     return decision;
   }
+  void Change(const mission::Flight& flight, const mission::PilotParameters& pilot) override {
+    if (const auto* changed = flight.As<LandingDeckFlight>()) flight_ = *changed;
+    pilot_.ChangeServo(pilot.servo);
+  }
   bool Accomplished() const override { return landed_s_.has_value() || ended_; }
   mission::TargetNeed Target() const override { return mission::TargetNeed::kInSight; }
   control::VelocityLag MaxLag() const override { return pilot_.MaxLag(); }
@@ -211,7 +215,9 @@ mission::MissionType TypeOf(const LandingDeckFlight&) {
           .telemetry = DeckColumns(),
           .metrics = DeckMetrics(),
           .add_metrics = AddDeckMetrics,
-          .common_metrics = {"fix_*", "longest_loss_s", "settle_s", "touchdown_*", "rest_*"}};
+          .common_metrics = {"fix_*", "longest_loss_s", "settle_s", "touchdown_*", "rest_*"},
+          .changeable = {"flight.yaw_deg", "flight.follow_m", "flight.centred_m", "flight.matched_m_s",
+                         "flight.descent_m_s", "flight.commit_sink_m_s", "flight.coast_s", "pilot.servo.*"}};
 }
 
 std::unique_ptr<mission::Mission> MakeMission(const LandingDeckFlight& flight,
