@@ -23,7 +23,7 @@
 #include "base/user_file.h"
 #include "base/version.h"
 #include "base/yaml/yaml_fields.h"
-#include "flight/simulated/encounter.h"
+#include "flight/simulated/encounter/encounter.h"
 #include "flight/simulated/runner.h"
 #include "flight/simulated/scenario.h"
 #include "records/figures.h"

@@ -10,6 +10,7 @@
 
 #include "base/real_time.h"
 #include "base/stopwatch.h"
+#include "flight/simulated/changes.h"
 #include "flight/simulated/flight_records.h"
 #include "flight/simulated/judgement.h"
 #include "records/telemetry/metrics.h"
@@ -46,7 +47,13 @@ class Overheard final : public control::Autopilot {
 class ServedFlight {
  public:
   ServedFlight(const LoadedScenario& loaded, const ServeOptions& options)
-      : loaded_(loaded), options_(options), simulator_(loaded.simulator), aircraft_(simulator_) {
+      : loaded_(loaded), options_(options), simulator_(loaded.simulator), aircraft_(simulator_),
+        changes_(loaded, simulator_, nullptr, [this](const MadeChange& change) {
+          if (options_.say)
+            options_.say(fmt::format("{:9.3f} s  change: {} {} -> {}", change.t_s, change.key, change.before,
+                                     change.value));
+          if (records_) records_->Write(change, changes_.flown());
+        }) {
     simulator_.CarryCamera(options.platform);
     told_.resize(options.servers.size());
     if (options.folder) records_.emplace(*options.folder, loaded, false);
@@ -161,6 +168,7 @@ class ServedFlight {
     result_.rows.push_back(
         {frame.sequence, simulator_.exposure(), simulator_.truth(), simulator_.State(), decision});
     if (records_) records_->Write(result_.rows.back(), simulator_);
+    changes_.MakeDue();
   }
 
   // By what is of the truth alone.
@@ -185,6 +193,7 @@ class ServedFlight {
   const ServeOptions& options_;
   sim::Simulator simulator_;
   Overheard aircraft_;
+  Changes changes_;
   std::optional<FlightRecords> records_;
   FlightResult result_;
   std::vector<std::set<std::string>> told_;  // by server: the kinds of what was ignored

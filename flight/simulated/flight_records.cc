@@ -99,3 +99,8 @@ records::Summary FlightRecords::Finish(records::Summary summary, const sim::Simu
 }
 
 }  // namespace kestrel::flight
+void FlightRecords::Write(const MadeChange& change, const Scenario& flown) {
+  Note(change.t_s, "change", change.key + ' ' + change.before + " -> " + change.value);
+  if (change.by_hand) WriteFile(folder_ / "scenario.yaml", ToYaml(flown));
+}
+

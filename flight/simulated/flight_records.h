@@ -9,6 +9,7 @@
 
 #include "base/file/writer_lock.h"
 #include "flight/mcap/carried_topics.h"
+#include "flight/simulated/changes.h"
 #include "flight/simulated/scenario.h"
 #include "records/mcap/flight_mcap.h"
 #include "records/recorder.h"
@@ -36,6 +37,8 @@ class FlightRecords {
   // Throws only if that cannot be written.
   records::Summary Finish(records::Summary summary, const sim::Simulator& simulator);
 
+  // A change in flight; flown: the scenario by which it is flown again.
+  void Write(const MadeChange& change, const Scenario& flown);
  private:
   void WriteChanges(const sim::Simulator& simulator);
 

@@ -55,6 +55,9 @@ FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) 
                  options.folder ? std::optional(*options.folder / "view.mp4") : std::nullopt,
                  scenario.image.rate_hz, scenario.render.threads);
 
+  Changes in_flight(loaded, simulator, mission.get(), [&](const MadeChange& change) {
+    if (records) records->Write(change, in_flight.flown());
+  });
   std::vector<double> vision_s, control_s, record_s;
   bool stopped = false;
   try {
@@ -80,11 +83,13 @@ FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) 
             }
           }
           vision_s.push_back(decision.vision_s);
+          if (view) view->Write(simulator, frame.image);
+          if (options.watch) options.watch(simulator, frame);
           control_s.push_back(decision.control_s);
           record_s.push_back(SecondsSince(began));
           stopped = options.progress && !options.progress(row);
-          if (view) view->Write(simulator, frame.image);
-          if (options.watch) options.watch(simulator, frame);
+          in_flight.MakeDue();
+          if (options.change) options.change(in_flight);
           return !stopped;
         });
     if (summary.outcome.empty()) {
@@ -109,12 +114,12 @@ FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) 
   summary.stages["record"] = records::StageTimeOf(record_s);
   try {
     if (recording) recording->Close();
+    if (view) view->Close();
     if (events) {
       simulator.event_camera()->Finish();
       events->Write(simulator.event_camera()->Take());
       events->Close();
     }
-    if (view) view->Close();
     if (records) mission->WriteProducts(*options.folder);
   } catch (const std::exception& e) {
     if (summary.error.empty()) summary.error = e.what();

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "flight/simulated/changes.h"
 #include "flight/simulated/scenario.h"
 #include "flight/simulated/view/view_options.h"
 #include "records/mcap/flight_mcap.h"
@@ -21,9 +22,11 @@ struct RunOptions {
   std::optional<records::McapImages> mcap = {};          // flight.mcap with such images; none: there is none
   bool truth = false;                                    // truth_images.h, into its folder truth/
   bool events = false;                                   // event_files.h, into its folder events/
-  std::optional<ViewOptions> view = {};  // the flight from outside, as view.mp4; none: it is not drawn
   // After each frame, for who wants to look at the world and changes nothing in it.
   std::function<void(const sim::Simulator&, const vision::Frame&)> watch = {};
+  // After each frame and the decision on it, for who changes what the scenario lets change.
+  std::function<void(Changes&)> change = {};
+  std::optional<ViewOptions> view = {};  // the flight from outside, as view.mp4; none: it is not drawn
 };
 
 struct FlightResult {

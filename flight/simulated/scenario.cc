@@ -17,6 +17,7 @@
 #include "flight/check_mission.h"
 #include "flight/gains_file.h"
 #include "flight/simulated/check/check_ground.h"
+#include "flight/simulated/changes.h"
 #include "flight/simulated/check/check_image.h"
 #include "flight/simulated/possible_metrics.h"
 #include "geometry/tait_bryan.h"
@@ -279,23 +280,7 @@ LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& o
     mistakes.Add(WhereOf(config, "occlusion", where), "occlusion.until_s",
                  fmt::format("{} is not after from_s = {}", s.occlusion.until_s, s.occlusion.from_s));
   }
-  for (const sim::AttitudeFault& fault : s.sensors.attitude_faults) {
-    if (fault.until_s <= fault.from_s)
-      mistakes.Add(WhereOf(config, "sensors", where), "sensors.attitude_faults",
-                   fmt::format("a fault from {} s until {} s", fault.from_s, fault.until_s),
-                   "valid: until_s after from_s");
-  }
-  CheckMission(s.flight, s.image.colour, config, where, mistakes);
-  CheckPilot(s.flight, s.pilot, config, where, mistakes);
-  sim::CheckFaults(s.sensors, s.actuators, vehicle.airframe, WhereOf(config, "sensors", where),
-                   WhereOf(config, "actuators", where), mistakes);
-  CheckLimits(s.flight,
-              {.speed_m_s = s.autopilot.speed_limit_m_s,
-               .climb_m_s = s.autopilot.climb_limit_m_s,
-               .yaw_rate_deg_s = s.autopilot.yaw_rate_limit_deg_s,
-               .acceleration_m_s2 = s.autopilot.acceleration_limit_m_s2},
-              config, where, mistakes);
-  CheckTargets(s, WhereOf(config, "targets", where), mistakes);
+  CheckNumbers(s, vehicle.airframe, config, where, mistakes);
   if (s.deck) CheckDeckPlace(s, config, where, mistakes);
   if (s.carry) sim::CheckCarry(*s.carry, WhereOf(config, "carry", where), mistakes);
   CheckLandscape(s, beside, config, where, mistakes);
@@ -395,8 +380,31 @@ LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& o
 LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<std::string>& overrides,
                             bool compile) {
   const fs::path file = ScenarioFile(name_or_file);
-  return LoadWithGains(file, overrides,
-                       [&](const std::vector<std::string>& all) { return LoadWhole(file, all, compile); });
+  LoadedScenario loaded = LoadWithGains(
+      file, overrides, [&](const std::vector<std::string>& all) { return LoadWhole(file, all, compile); });
+  loaded.again = CommandOf(name_or_file, overrides);
+  return loaded;
+}
+
+void CheckNumbers(const Scenario& s, const sim::AirframeParameters& aircraft, const Config& config,
+                  const Place& where, Mistakes& mistakes) {
+  for (const sim::AttitudeFault& fault : s.sensors.attitude_faults) {
+    if (fault.until_s <= fault.from_s)
+      mistakes.Add(WhereOf(config, "sensors", where), "sensors.attitude_faults",
+                   fmt::format("a fault from {} s until {} s", fault.from_s, fault.until_s),
+                   "valid: until_s after from_s");
+  }
+  CheckMission(s.flight, s.image.colour, config, where, mistakes);
+  CheckPilot(s.flight, s.pilot, config, where, mistakes);
+  sim::CheckFaults(s.sensors, s.actuators, aircraft, WhereOf(config, "sensors", where),
+                   WhereOf(config, "actuators", where), mistakes);
+  CheckLimits(s.flight,
+              {.speed_m_s = s.autopilot.speed_limit_m_s,
+               .climb_m_s = s.autopilot.climb_limit_m_s,
+               .yaw_rate_deg_s = s.autopilot.yaw_rate_limit_deg_s,
+               .acceleration_m_s2 = s.autopilot.acceleration_limit_m_s2},
+              config, where, mistakes);
+  CheckTargets(s, WhereOf(config, "targets", where), mistakes);
 }
 
 mission::MissionParts PartsOf(const LoadedScenario& loaded, const mjModel* model) {

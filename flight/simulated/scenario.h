@@ -9,6 +9,7 @@
 
 #include "base/file/model_files.h"
 #include "base/yaml/fields.h"
+#include "flight/change_keys.h"
 #include "flight/flight_plan.h"
 #include "flight/simulated/equipment.h"
 #include "mission/mission_type.h"
@@ -76,6 +77,8 @@ struct Scenario : FlightKeys {
   std::map<std::string, Limit> criteria;
 };
 
+  std::vector<ChangeableKeys> changeable;
+  std::vector<ChangeKeys> changes;
 inline void Fields(FieldVisitor& v, Scenario& s) {
   Fields(v, static_cast<FlightKeys&>(s));
   v({"vehicle", "aircraft that flies: a name in models/vehicles, or a file"}, s.vehicle);
@@ -110,6 +113,8 @@ inline void Fields(FieldVisitor& v, Scenario& s) {
 
 // A scenario with the models that it names, ready to fly.
 struct LoadedScenario {
+  v({"changeable", "keys that may be changed in flight, by hand or by changes"}, s.changeable);
+  v({"changes", "what is changed in flight, and when"}, s.changes);
   Scenario scenario;
   sim::SimulatorParameters simulator;
   vision::PadReference pad;

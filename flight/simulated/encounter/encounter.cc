@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "flight/simulated/encounter.h"
+#include "flight/simulated/encounter/encounter.h"
 
 #include <cmath>
 
