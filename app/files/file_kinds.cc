@@ -13,6 +13,7 @@
 #include "scenarios/flights.h"
 #include "sim/landscape/landscape.h"
 #include "sim/vehicle_file.h"
+#include "sim/world/world_file.h"
 #include "vision/camera/camera_model.h"
 #include "vision/landmark/pad_file.h"
 
@@ -106,7 +107,8 @@ const std::vector<FileKind>& FileKinds() {
              {"cost", "{touchdown_error_m: {scale: 0.05}}"}}),
       Vehicles(),
       Cameras(),
-      Plain("world", "a landscape that is made from numbers", Describe(sim::LandscapeParameters{})),
+      Plain("world", "a landscape that is made from numbers, or a model; and what is put into it",
+            Describe(sim::WorldFile{})),
       Plain("pad", "a landing pad, beside its picture", Describe(vision::PadParameters{})),
       Plain("aircraft", "a real aircraft: its limits, its camera and its links, for `fly`",
             Describe(flight::Aircraft{}))};

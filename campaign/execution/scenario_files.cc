@@ -36,6 +36,8 @@ ScenarioFiles::ScenarioFiles(const std::string& scenario, const std::vector<std:
   for (const std::string& plugin : flight::LoadedPlugins()) AddModels(plugin);
   add(Model::kVehicle, s.vehicle, "models/vehicles", varies("vehicle"));
   add(Model::kWorld, s.world, "models/worlds", varies("world"));
+  for (const sim::MeshParameters& mesh : s.meshes) AddModels(mesh.file);
+  if (s.ground_photo) AddModels(s.ground_photo->file);
   if (varies("pad.name") || s.pad.name != "none")
     add(Model::kPad, s.pad.name, "models/pads", varies("pad.name"));
   add(Model::kCamera, s.camera, "models/cameras", varies("camera"));

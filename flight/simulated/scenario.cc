@@ -20,6 +20,7 @@
 #include "flight/simulated/changes.h"
 #include "flight/simulated/check/check_image.h"
 #include "flight/simulated/possible_metrics.h"
+#include "flight/simulated/world_of.h"
 #include "geometry/tait_bryan.h"
 #include "records/telemetry/metrics.h"
 #include "scenarios/flights.h"
@@ -33,23 +34,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The file of a world that is a landscape, if it is one.
-std::optional<fs::path> LandscapeFile(std::string world, const fs::path& beside) {
-  Mistakes none;
-  const auto file = ModelFile(Model::kWorld, world, beside, "", none);
-  return file && file->extension() != ".xml" ? file : std::nullopt;
-}
-
-// A landscape as its world has it, before the scenario's own words.
-std::optional<sim::LandscapeParameters> LandscapeOf(const std::string& world, const fs::path& beside,
-                                                    Mistakes& mistakes) {
-  const auto file = LandscapeFile(world, beside);
-  if (!file) return std::nullopt;
-  sim::LandscapeParameters landscape;
-  Read(LoadConfig(*file, {}, mistakes), landscape, mistakes);
-  return landscape;
-}
-
 // The numbers of a vehicle, whose shape lies beside them. Where there is no such vehicle nobody says so yet.
 fs::path VehicleFile(std::string vehicle, const fs::path& beside) {
   Mistakes none;
@@ -57,10 +41,10 @@ fs::path VehicleFile(std::string vehicle, const fs::path& beside) {
   return file ? fs::path(*file).replace_extension(".yaml") : fs::path();
 }
 
-// What of a scenario and a landscape does not go together.
-void CheckLandscape(const Scenario& s, const fs::path& beside, const Config& config, const Place& where,
+// What of a scenario and a landscape does not go together. world: as its file has it.
+void CheckLandscape(const Scenario& s, const LoadedWorld& world, const Config& config, const Place& where,
                     Mistakes& mistakes) {
-  if (LandscapeFile(s.world, beside)) {
+  if (world.landscape) {
     if (s.render.backend != "auto" && s.render.backend != "ray") {
       mistakes.Add(WhereOf(config, "render", where), "render.backend",
                    fmt::format("'{}' draws to 500 m alone, and the world '{}' reaches beyond its horizon",
@@ -68,12 +52,9 @@ void CheckLandscape(const Scenario& s, const fs::path& beside, const Config& con
                    "valid: ray");
     }
   } else if (s.landscape) {
-    std::vector<std::string> landscapes;
-    for (const std::string& name : ModelNames(Model::kWorld))
-      if (LandscapeFile(name, "")) landscapes.push_back(name);
     mistakes.Add(WhereOf(config, "landscape", where), "landscape",
                  fmt::format("the world '{}' is not made from numbers; worlds that are: {}", s.world,
-                             fmt::join(landscapes, ", ")));
+                             fmt::join(LandscapeNames(), ", ")));
   }
 }
 
@@ -247,9 +228,9 @@ LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& o
   CheckMissionExists(config, file.string(), mistakes);
   RenameFormerMetrics(config, {"criteria"});
   PassOverGains(config);
-  if (const ConfigNode* world = Find(config, "world"))
-    s.landscape = LandscapeOf(world->text, beside, mistakes);
-  const auto landscape = s.landscape;
+  const ConfigNode* world_named = Find(config, "world");
+  const auto world = WorldOf(world_named ? world_named->text : s.world, beside, mistakes);
+  if (world) s.landscape = world->landscape;
   const ConfigNode* named = Find(config, "vehicle");
   const fs::path vehicle_file = VehicleFile(named ? named->text : s.vehicle, beside);
   sim::VehicleFile vehicle;
@@ -259,7 +240,7 @@ LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& o
   const auto imu = ImuOfFile(config, beside, mistakes);
   s.instruments.imu = imu;
   Read(config, s, mistakes);
-  if (!s.landscape) s.landscape = landscape;  // it was given without a word
+  if (world && !s.landscape) s.landscape = world->landscape;  // it was given without a word
   if (imu && s.instruments.imu) s.instruments.imu->file = imu->file;
   if (!config.readable) mistakes.ThrowIfAny();
   if (s.name.empty()) s.name = file.stem().string();
@@ -283,7 +264,8 @@ LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& o
   CheckNumbers(s, vehicle.airframe, config, where, mistakes);
   if (s.deck) CheckDeckPlace(s, config, where, mistakes);
   if (s.carry) sim::CheckCarry(*s.carry, WhereOf(config, "carry", where), mistakes);
-  CheckLandscape(s, beside, config, where, mistakes);
+  if (world) CheckLandscape(s, *world, config, where, mistakes);
+  FindAdditions(s.meshes, s.ground_photo, beside, config, where, mistakes);
   CheckMount(s.mount, WhereOf(config, "mount", where), mistakes);
   CheckCriteria(s, config, where, mistakes);
   CheckFrames(s, WhereOf(config, "image", where), mistakes);
@@ -294,11 +276,13 @@ LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& o
     sim.scene.vehicle = fs::path(*shape).replace_extension(".xml");
   sim.vehicle = vehicle.airframe;
   sim.autopilot = s.autopilot;
-  if (const auto world =
-          ModelFile(Model::kWorld, s.world, beside, WhereOf(config, "world", where), mistakes)) {
-    sim.scene.world = *world;
+  if (ModelFile(Model::kWorld, s.world, beside, WhereOf(config, "world", where), mistakes) && world) {
+    sim.scene.world = world->file;
     sim.scene.landscape = s.landscape;
     sim.scene.seed = s.seed;
+    sim.scene.additions = world->additions;
+    sim.scene.additions.meshes.insert(sim.scene.additions.meshes.end(), s.meshes.begin(), s.meshes.end());
+    if (s.ground_photo) sim.scene.additions.ground_photo = s.ground_photo;
   }
   bool has_camera = false;
   if (const auto camera =

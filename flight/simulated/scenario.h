@@ -59,6 +59,8 @@ struct Scenario : FlightKeys {
   std::optional<sim::PanTiltParameters> platform;
   sim::GroundViewParameters ground_view;
   std::optional<sim::LandscapeParameters> landscape;
+  std::vector<sim::MeshParameters> meshes;
+  std::optional<sim::GroundPhotoParameters> ground_photo;
   PadPlacement pad;
   std::optional<sim::DeckParameters> deck;
   sim::StartParameters start;
@@ -92,6 +94,8 @@ inline void Fields(FieldVisitor& v, Scenario& s) {
     s.ground_view);
   v({"landscape", "terrain and sky of a world that is a landscape; what is not given is the world's"},
     s.landscape);
+  v({"meshes", "things from files that stand in the world, beside those that it has"}, s.meshes);
+  v({"ground_photo", "photo or orthophoto that lies on the ground; null: the world's"}, s.ground_photo);
   v({"pad", "landing pad and where it lies"}, s.pad);
   v({"deck", "deck that moves, on which the pad lies; null: the pad is at rest"}, s.deck);
   v({"start", "where and how the flight begins"}, s.start);

@@ -255,12 +255,22 @@ void AppendBlind(pugi::xml_node model) {
   geom.append_attribute("conaffinity") = "0";
 }
 
+void AppendAdditions(pugi::xml_node model, const WorldAdditions& additions, const AdditionsModel& made) {
+  pugi::xml_document part;
+  part.load_string(made.mjcf.c_str());
+  for (const pugi::xml_node section : part.document_element().children()) model.append_copy(section);
+  pugi::xml_node ground = model.select_node("worldbody/geom[@name='ground']").node();
+  if (!additions.endless || !ground) return;
+  if (!ground.attribute("size")) ground.append_attribute("size");
+  ground.attribute("size") = "0 0 1";
+}
+
 struct Part {
   const char* what;
   std::filesystem::path path;
 };
 
-CompiledModel Compose(const SceneParameters& p, int parts) {
+CompiledModel Compose(const SceneParameters& p, const AdditionsModel& additions, int parts) {
   LandscapeModel landscape = p.landscape ? MakeLandscape(*p.landscape, p.seed) : LandscapeModel{};
   pugi::xml_document document;
   pugi::xml_node model = document.append_child("mujoco");
@@ -269,6 +279,7 @@ CompiledModel Compose(const SceneParameters& p, int parts) {
     AppendLandscape(model, landscape);
   else
     Append(model, p.world, "world");
+  AppendAdditions(model, p.additions, additions);
   if (parts > 1 && !p.deck) AppendPad(model, p);
   if (parts > 2) Append(model, p.vehicle, "vehicle");
   if (parts > 1 && p.deck) AppendPad(model, p);
@@ -276,6 +287,7 @@ CompiledModel Compose(const SceneParameters& p, int parts) {
   if (parts > 2 && p.lights) AppendLights(model, *p.lights);
   if (p.blind) AppendBlind(model);
   if (!p.pad_picture.empty()) landscape.files[kPadFile] = TextureOf(p.pad_picture);
+  landscape.files.insert(additions.files.begin(), additions.files.end());
   std::ostringstream text;
   document.save(text);
   return CompileMjcf(text.str(), landscape.files);
@@ -319,11 +331,14 @@ ModelPtr MakeModel(const SceneParameters& parameters, bool paint) {
   const std::array<Part, kParts> parts{{{"world", parameters.world},
                                         {"pad's picture", parameters.pad_texture},
                                         {"vehicle", parameters.vehicle}}};
-  CompiledModel whole = Compose(parameters, kParts);
+  const AdditionsModel additions = MakeAdditions(parameters.additions);
+  CompiledModel whole = Compose(parameters, additions, kParts);
   if (!whole.model) {
     // MuJoCo does not say which file: the first part without which it would have compiled.
     int at_fault = 1;
-    while (at_fault < kParts && Compose(parameters, at_fault).model) ++at_fault;
+    while (at_fault < kParts && Compose(parameters, additions, at_fault).model) ++at_fault;
+    if (at_fault == 1 && !parameters.additions.meshes.empty() && Compose(parameters, {}, at_fault).model)
+      throw std::runtime_error(fmt::format("The meshes of the world do not load: {}.", whole.message));
     const Part& part = parts[static_cast<std::size_t>(at_fault - 1)];
     throw std::runtime_error(
         fmt::format("The {} {} does not load: {}.", part.what, part.path.string(), whole.message));
@@ -334,6 +349,7 @@ ModelPtr MakeModel(const SceneParameters& parameters, bool paint) {
         fmt::format("The vehicle {} has no body named \"vehicle\".", parameters.vehicle.string()));
   if (parameters.landscape && paint)
     PaintLandscape(*parameters.landscape, parameters.seed, whole.model.get());
+  if (paint) PaintAdditions(additions, whole.model.get());
   whole.model->opt.timestep = kTimestep_s;
   whole.model->opt.gravity[0] = whole.model->opt.gravity[1] = 0;
   whole.model->opt.gravity[2] = -kGravity_m_s2;

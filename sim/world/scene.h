@@ -14,6 +14,7 @@
 #include "geometry/pose.h"
 #include "sim/deck/deck.h"
 #include "sim/landscape/landscape.h"
+#include "sim/world/additions.h"
 #include "sim/world/target.h"
 #include "vision/aircraft/aircraft_lights.h"
 #include "vision/landmark/pad_file.h"
@@ -47,6 +48,7 @@ struct SceneParameters {
   std::vector<TargetParameters> targets = {};         // what they look like
   std::optional<vision::AircraftLights> lights = {};  // on the vehicle, without mass; none: it has none
   bool blind = false;                                 // with a sheet that can be put before a lens
+  WorldAdditions additions = {};                      // to the world
 };
 
 // The MuJoCo model of a flight: world, vehicle and pad, stepped at 2 ms under 9.80665 m/s2. Names of files

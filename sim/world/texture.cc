@@ -26,11 +26,14 @@ cv::Mat Resized(const cv::Mat& picture, const cv::Size& size) {
 
 }  // namespace
 
-std::string TextureOf(const cv::Mat& picture) {
+cv::Mat TexturePicture(const cv::Mat& picture) {
   const cv::Size size(SideOf(picture.cols), SideOf(picture.rows));
-  const cv::Mat wide = Resized(picture, {size.width, picture.rows});
+  return Resized(Resized(picture, {size.width, picture.rows}), size);
+}
+
+std::string TextureOf(const cv::Mat& picture) {
   std::vector<uchar> bytes;
-  cv::imencode(".png", Resized(wide, size), bytes, {cv::IMWRITE_PNG_COMPRESSION, 1});
+  cv::imencode(".png", TexturePicture(picture), bytes, {cv::IMWRITE_PNG_COMPRESSION, 1});
   return {bytes.begin(), bytes.end()};
 }
 

@@ -10,5 +10,7 @@ namespace kestrel::sim {
 // 4096, and from edge to edge it shows the same. OpenGL halves other sizes by leaving a row out, so that a thing
 // would look smaller from afar. picture: CV_8UC1 or CV_8UC3.
 std::string TextureOf(const cv::Mat& picture);
+// The same as pixels, of any type.
+cv::Mat TexturePicture(const cv::Mat& picture);
 
 }  // namespace kestrel::sim
