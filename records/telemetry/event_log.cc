@@ -6,7 +6,7 @@
 namespace kestrel::records {
 
 void EventLog::Line(double t_s, std::string_view what, std::string_view is) {
-  if (listener_) listener_(t_s, what, is);
+  for (const auto& listener : listeners_) listener(t_s, what, is);
   file_.Write(fmt::format("{:9.3f} s  {}: {}\n", t_s, what, is));
   file_.Flush();
 }

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "base/file/files.h"
 #include "records/telemetry/flight_log.h"
@@ -23,7 +24,7 @@ class EventLog {
   explicit EventLog(const std::filesystem::path& folder) : file_(folder / "events.log") {}
   // From now on this too is told each line, before its file is.
   void Tell(std::function<void(double t_s, std::string_view what, std::string_view is)> listener) {
-    listener_ = std::move(listener);
+    listeners_.push_back(std::move(listener));
   }
   // In the order of time.
   void Write(const LogRow& row);
@@ -33,7 +34,7 @@ class EventLog {
 
  private:
   PartFile file_;
-  std::function<void(double, std::string_view, std::string_view)> listener_;
+  std::vector<std::function<void(double, std::string_view, std::string_view)>> listeners_;
   std::string phase_, target_, mode_, camera_ = "ok";
   bool saturated_ = false, touching_ = false, aided_ = false, attitude_failed_ = false;
 };

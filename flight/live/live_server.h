@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "flight/live/connection.h"
+
+namespace kestrel::flight {
+
+struct LiveServerOptions {
+  std::string address = "127.0.0.1";  // as digits; elsewhere than on loopback a token is asked for
+  std::uint16_t port = 8765;          // Foxglove's usual one; 0: any that is free
+  std::vector<std::string> origins;   // of other pages that may connect
+  double frozen_s = 10;               // how long a viewer may take for one message
+};
+
+// Takes viewers, on the thread of an io_context. All but the constructor is of that thread.
+class LiveServer {
+ public:
+  static constexpr std::size_t kMaxConnections = 64;
+
+  // Listens at once. page: null while there is none. Throws InputError: the address is none, or cannot be had.
+  LiveServer(boost::asio::io_context& io, const LiveServerOptions& options, std::function<double()> now_s,
+             std::function<std::shared_ptr<const std::string>()> page,
+             std::function<std::unique_ptr<Conversation>(bool foxglove)> join);
+
+  const std::string& url() const { return url_; }
+  std::uint16_t port() const { return acceptor_.local_endpoint().port(); }
+  void Kick();  // there may be something new for the viewers
+  int viewers() const;
+  void End();
+
+ private:
+  void Listen(const LiveServerOptions& options);
+  void Accept();
+  void Tick();
+
+  boost::asio::ip::tcp::acceptor acceptor_;
+  boost::asio::steady_timer timer_;
+  std::string url_;
+  std::unique_ptr<ConnectionHost> host_;
+  std::vector<std::weak_ptr<Connection>> connections_;
+};
+
+}  // namespace kestrel::flight
