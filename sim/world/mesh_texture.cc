@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/world/mesh_texture.h"
 
+#include <assimp/texture.h>
 #include <fmt/format.h>
 
 #include <algorithm>

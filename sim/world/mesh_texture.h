@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <assimp/texture.h>
-
 #include <filesystem>
 #include <opencv2/core.hpp>
 #include <string>
+
+struct aiTexture;  // of Assimp
 
 namespace kestrel::sim {
 
