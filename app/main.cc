@@ -25,12 +25,13 @@
 #include "app/mosaic/mosaic_command.h"
 #include "app/option/exit_status.h"
 #include "app/option/program.h"
+#include "app/page/report_command.h"
 #include "app/reproduce/reproduce_command.h"
 #include "app/run/check_command.h"
 #include "app/run/isa_option.h"
 #include "app/run/keep_image_memory.h"
-#include "app/run/run_command.h"
 #include "app/run/picture_command.h"
+#include "app/run/run_command.h"
 #include "app/simulated/encounters_command.h"
 #include "app/simulated/horizon_command.h"
 #include "app/simulated/list_command.h"
@@ -79,9 +80,9 @@ int Main(int argc, char** argv) {
   program.Add(AddSchemaCommand(app, schema), [&] { return SchemaCommand(schema), kMet; });
   CheckArguments check;
   program.Add(AddCheckCommand(app, check), [&] { return CheckCommand(check), kMet; });
-  flight::ServeArguments serve;
   PictureArguments picture;
   program.Add(AddPictureCommand(app, picture), [&] { return PictureCommand(picture), kMet; });
+  flight::ServeArguments serve;
   program.Add(AddServeCommand(app, serve), [&] { return ServeCommand(serve); });
   EncountersArguments encounters;
   program.Add(AddEncountersCommand(app, encounters), [&] { return met(EncountersCommand(encounters)); });
@@ -95,6 +96,8 @@ int Main(int argc, char** argv) {
   program.Add(AddBenchCommand(app, bench), [&] { return met(BenchCommand(bench)); });
   ReplayArguments replay;
   program.Add(AddReplayCommand(app, replay), [&] { return met(ReplayCommand(replay)); });
+  ReportArguments report;
+  program.Add(AddReportCommand(app, report), [&] { return ReportCommand(report), kMet; });
   ExportArguments to_export;
   program.Add(AddExportCommand(app, to_export), [&] { return ExportCommand(to_export), kMet; });
   DatasetCommandArguments dataset;

@@ -13,6 +13,7 @@
 #include "app/manual/manual_command.h"
 #include "app/option/exit_status.h"
 #include "app/option/program.h"
+#include "app/page/report_command.h"
 #include "base/diagnostics.h"
 #include "flight/flight_plan.h"
 #include "flight/hardware/fly.h"
@@ -31,6 +32,8 @@ int Main(int argc, char** argv) {
   program.Add(AddFlyCommand(app, fly), [&] { return met(FlyCommand(fly)); });
   ReplayArguments replay;
   program.Add(AddReplayCommand(app, replay), [&] { return met(ReplayCommand(replay)); });
+  ReportArguments report;
+  program.Add(AddReportCommand(app, report), [&] { return ReportCommand(report), kMet; });
   ExportArguments to_export;
   program.Add(AddExportCommand(app, to_export), [&] { return ExportCommand(to_export), kMet; });
   CalibrateArguments calibrate;

@@ -3,6 +3,7 @@
 // calibration are built of. `./kestrel run` builds this one, in a third of the time.
 #include "app/option/exit_status.h"
 #include "app/option/program.h"
+#include "app/page/report_command.h"
 #include "app/run/check_command.h"
 #include "app/run/isa_option.h"
 #include "app/run/keep_image_memory.h"
@@ -19,6 +20,8 @@ int Main(int argc, char** argv) {
   program.Add(AddRunCommand(line, run), [&] { return RunCommand(run); });
   CheckArguments check;
   program.Add(AddCheckCommand(line, check), [&] { return CheckCommand(check), kMet; });
+  ReportArguments report;
+  program.Add(AddReportCommand(line, report), [&] { return ReportCommand(report), kMet; });
   std::string isa;
   AddIsaOption(line.get_subcommand("run"), isa);
   program.TakePlugins({"run", "check"});

@@ -195,7 +195,7 @@ bool Fly(const CampaignArguments& a) {
                  file.string());
     return end.mistrust.empty();
   }
-  ReportCommand({.of = a.file, .out = asked.folder.string(), .quiet = a.quiet});
+  CampaignReportCommand({.of = a.file, .out = asked.folder.string(), .quiet = a.quiet});
   const std::vector<campaign::RunResult> results = campaign::ResultStore::Read(file).Results();
   if (!a.quiet) {
     fmt::print("{}\n", file.string());
@@ -317,7 +317,7 @@ bool MergeParts(const CampaignArguments& a) {
   fmt::print("{}: {} rows from {} files, {} were there; {} of {}\n", work.identity.name, merged.added,
              parts.size(), merged.there, rows - static_cast<std::int64_t>(merged.missing.size()), rows);
   fmt::print("  {}\n", into.string());
-  if (merged.missing.empty()) return ReportCommand({.of = a.file, .out = asked.folder.string()});
+  if (merged.missing.empty()) return CampaignReportCommand({.of = a.file, .out = asked.folder.string()});
 
   // Whose they are, if all parts are of one division.
   std::set<int> divisions;
@@ -451,13 +451,13 @@ CLI::App* AddCampaignCommand(CLI::App& app, CampaignArguments& a) {
   }
   slurm->footer("Example:\n  kestrel campaign slurm dispersion --tasks 64 > job.sh && sbatch job.sh");
   parallel->footer("Example:\n  kestrel campaign parallel dispersion --tasks 8 | sh");
-  AddReportCommand(*command, a.report)->callback([&a] { a.verb = Verb::kReport; });
+  AddCampaignReportCommand(*command, a.report)->callback([&a] { a.verb = Verb::kReport; });
   AddCompareCommand(*command, a.compare)->callback([&a] { a.verb = Verb::kCompare; });
   return command;
 }
 
 bool CampaignCommand(const CampaignArguments& a) {
-  if (a.verb == Verb::kReport) return ReportCommand(a.report);
+  if (a.verb == Verb::kReport) return CampaignReportCommand(a.report);
   if (a.verb == Verb::kCompare) return CompareCommand(a.compare);
   if (a.file.empty()) throw InputError({}, NoneNamed("campaign"));
   switch (a.verb) {

@@ -36,7 +36,7 @@ struct CampaignArguments {
   std::vector<std::string> shards;  // of merge
   int tasks = 0;                    // of slurm and parallel
 
-  ReportArguments report;
+  CampaignReportArguments report;
   CompareArguments compare;
 
   enum class Verb { kFly, kReplay, kMerge, kSlurm, kParallel, kReport, kCompare } verb = Verb::kFly;

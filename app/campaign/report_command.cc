@@ -11,6 +11,7 @@
 #include "app/run/isa_option.h"
 #include "base/diagnostics.h"
 #include "base/file/files.h"
+#include "base/process/shell_word.h"
 #include "base/user_file.h"
 #include "campaign/execution/batch_script.h"
 #include "campaign/statistics/results_csv.h"
@@ -25,14 +26,14 @@ namespace fs = std::filesystem;
 std::string OptionsOf(const campaign::CampaignIdentity& identity, const fs::path& folder) {
   std::string options;
   for (const std::string& each : campaign::OverridesNotedIn(identity.plan))
-    options += " --set " + campaign::ShellWord(each);
+    options += " --set " + ShellWord(each);
   if (folder.lexically_normal() != fs::path("results/campaigns") / identity.name)
-    options += " --out " + campaign::ShellWord(folder.empty() ? "." : folder.string());
+    options += " --out " + ShellWord(folder.empty() ? "." : folder.string());
   // That which its rows were flown by, unless it is what is taken here in any case.
   if (const auto set = identity.machine.find("instruction_set");
       set != identity.machine.end() &&
       (!ChosenInstructionSet().empty() || set->second != sim::InstructionSet()))
-    options += " --isa " + campaign::ShellWord(set->second);
+    options += " --isa " + ShellWord(set->second);
   return options;
 }
 
@@ -79,7 +80,7 @@ campaign::ReportSubject SubjectOf(const fs::path& results, const std::string& ca
   subject.identity = store.identity();
   subject.results = store.Results();
   subject.results_file = results.string();
-  const std::string name = campaign::ShellWord(campaign.empty() ? NameOf(subject.identity) : campaign);
+  const std::string name = ShellWord(campaign.empty() ? NameOf(subject.identity) : campaign);
   const std::string options = OptionsOf(subject.identity, results.parent_path());
   subject.replay = fmt::format("./kestrel campaign replay {}{}", name, options);
   subject.again = fmt::format("./kestrel campaign {}{}", name, options);
@@ -88,7 +89,7 @@ campaign::ReportSubject SubjectOf(const fs::path& results, const std::string& ca
   return subject;
 }
 
-CLI::App* AddReportCommand(CLI::App& campaign, ReportArguments& a) {
+CLI::App* AddCampaignReportCommand(CLI::App& campaign, CampaignReportArguments& a) {
   CLI::App* command = campaign.add_subcommand(
       "report", "Write report.html, runs.csv and summary.json of what has a result, beside the results");
   command
@@ -106,7 +107,7 @@ CLI::App* AddReportCommand(CLI::App& campaign, ReportArguments& a) {
   return command;
 }
 
-bool ReportCommand(const ReportArguments& a) {
+bool CampaignReportCommand(const CampaignReportArguments& a) {
   fs::path results = a.of;
   std::error_code none;
   if (a.out.empty() && fs::is_directory(results, none)) results /= "results.sqlite";

@@ -15,6 +15,7 @@
 #include "base/file/files.h"
 #include "base/process/end_signals.h"
 #include "base/process/print_note.h"
+#include "base/process/shell_word.h"
 #include "base/version.h"
 #include "campaign/counted.h"
 #include "campaign/execution/batch_script.h"
@@ -49,8 +50,8 @@ void ShowRound(const campaign::LoadedTune& tune, const campaign::TuneResult& res
 
 // But for where the program is, and what comes of it.
 std::string CommandText(const TuneArguments& a, const std::vector<std::string>& overrides) {
-  std::string text = "kestrel tune " + campaign::ShellWord(a.file);
-  for (const std::string& each : overrides) text += " --set " + campaign::ShellWord(each);
+  std::string text = "kestrel tune " + ShellWord(a.file);
+  for (const std::string& each : overrides) text += " --set " + ShellWord(each);
   if (const std::string set = ChosenInstructionSet(); !set.empty()) text += " --isa " + set;
   return text;
 }
@@ -99,7 +100,7 @@ void RequireAllMethods(const TuneArguments& a) {
 std::string AgainText(const TuneArguments& a) {
   std::string text = "./" + CommandText(a, a.overrides);
   if (a.compare > 0) text += fmt::format(" --compare {}", a.compare);
-  if (!a.out.empty()) text += " --out " + campaign::ShellWord(a.out);
+  if (!a.out.empty()) text += " --out " + ShellWord(a.out);
   return text;
 }
 

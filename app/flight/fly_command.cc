@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "app/page/report_command.h"
 #include "base/diagnostics.h"
 #include "base/file/files.h"
 #include "base/file/writer_lock.h"
@@ -169,7 +170,7 @@ class Progress {
 };
 
 void Report(const flight::FlyReport& r, const FlyArguments& a, const std::string& mode,
-            const std::string& folder) {
+            const std::string& page) {
   std::string text = fmt::format("{}  {}{}\n", mode, r.outcome, r.error.empty() ? "" : ": " + r.error);
   if (!r.lag.empty()) text += fmt::format("  {}: lower them, or ask the autopilot for less shaping\n", r.lag);
   if (!r.release.empty()) text += fmt::format("  at the end: {}\n", r.release);
@@ -184,7 +185,7 @@ void Report(const flight::FlyReport& r, const FlyArguments& a, const std::string
       r.frames, r.images_overwritten, r.mean_ms, r.p99_ms);
   if (r.records_dropped > 0)
     text += fmt::format("  {} images could not be recorded in time\n", r.records_dropped);
-  Print(stdout, text + fmt::format("  {}\n", folder));
+  Print(stdout, text + fmt::format("  {}\n", page));
 }
 
 // Of a flight that ends before it begins: its folder says why.
@@ -359,7 +360,7 @@ bool FlyCommand(const FlyArguments& a) {
                            const control::SafetyChange& safety) { progress.Show(state, decision, safety); };
     report = flight::FlyAircraft(plan, *camera, *link, options);
   }
-  Report(report, a, mode, options.folder->string());
+  Report(report, a, mode, ReportOf(*options.folder));
   return report.accomplished;
 }
 

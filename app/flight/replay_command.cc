@@ -193,7 +193,7 @@ bool ReplayCommand(const ReplayArguments& a) {
     const mission::Decision decision = mission->Step(frame, frames[i].state);
     comparison.Compare(i, frames[i].decision, records::Recorded(decision, type));
     if (video) {
-      video->Write(records::DrawnView(frame, *mission, "RECORDING"));
+      video->Write(records::DrawnView(frame, frame.t_s, *mission, "RECORDING"));
     }
     if (terminal && i % 20 == 0) fmt::print(stderr, "\r\033[K{} of {} frames", i, frames.size());
   }

@@ -98,7 +98,7 @@ void ReplayLog(const ReplayArguments& a) {
     with_fix += decision.fix.has_value();
     if (phases.empty() || phases.back() != decision.phase) phases.emplace_back(decision.phase);
     csv += Row(frame.sequence, stamp_ns, frame.t_s, records::Recorded(decision, type));
-    if (video) video->Write(records::DrawnView(frame, *mission, "RECORDING"));
+    if (video) video->Write(records::DrawnView(frame, frame.t_s, *mission, "RECORDING"));
   }
   if (video) video->Close();
   if (!a.csv.empty()) WriteFile(a.csv, csv);

@@ -12,9 +12,10 @@
 
 #include "app/option/colour.h"
 #include "app/option/exit_status.h"
+#include "app/page/report_command.h"
 #include "app/run/run_report.h"
-#include "base/diagnostics.h"
 #include "app/run/view_option.h"
+#include "base/diagnostics.h"
 #include "base/file/files.h"
 #include "base/printable.h"
 #include "base/process/end_signals.h"
@@ -80,12 +81,12 @@ CLI::App* AddRunCommand(CLI::App& app, RunArguments& a) {
       "--events", a.events,
       "Write the events of the scenario's event_camera, and each frame with the last of them, to "
       "DIR/events");
-  command->add_option("--junit", a.junit, "Also write the criteria as JUnit XML to this file")
   command->add_option("--view", a.view,
                       "Also write the flight from outside to DIR/view.mp4: chase, tower, orbit, top or free, as the "
                       "scenario's key view says more closely; with the image on board in a corner: chase+camera")
       ->type_name("VIEW");
   command->add_option("--view-size", a.view_size, "WIDTHxHEIGHT in pixels of that, instead of the scenario's");
+  command->add_option("--junit", a.junit, "Also write the criteria as JUnit XML to this file")
       ->type_name("FILE");
   command->add_flag("--quiet", a.quiet, "Print nothing but errors, and what failed of a run that did");
   command->footer(
@@ -114,8 +115,8 @@ int RunCommand(const RunArguments& a) {
   Mistakes mistakes;
   if (!a.mcap.empty() && a.mcap != "jpeg" && a.mcap != "raw")
     mistakes.Add("--mcap", "", fmt::format("'{}' is no kind of image", a.mcap), "valid: jpeg, raw");
-  CheckWritableFolder(*options.folder, "--out", mistakes);
   options.view = ReadView(a.view, a.view_size, loaded.scenario.view, mistakes);
+  CheckWritableFolder(*options.folder, "--out", mistakes);
   CheckWritableFile(a.junit, "--junit", mistakes);
   mistakes.ThrowIfAny();
   if (!a.quiet) {
@@ -138,9 +139,10 @@ int RunCommand(const RunArguments& a) {
     result = flight::RunFlight(loaded, options);
   }
   const records::Summary& summary = result.summary;
+  const std::string report = ReportOf(*options.folder);
   if (!a.junit.empty()) WriteFile(a.junit, records::ToJunit({summary}));
   if (!a.quiet)
-    fmt::print("{}", RunReport(summary, options.folder->string(), TakesColours(stdout)));
+    fmt::print("{}", RunReport(summary, report, TakesColours(stdout)));
   else if (!summary.passed)
     PrintNote("{}{}", Verdict(summary, TakesColours(stderr)), MissedCriteria(summary, TakesColours(stderr)));
   if (!summary.complete) return kBrokeOff;

@@ -66,10 +66,10 @@ std::string MissedCriteria(const records::Summary& s, bool colours) {
   return text;
 }
 
-std::string RunReport(const records::Summary& s, const std::string& folder, bool colours) {
+std::string RunReport(const records::Summary& s, const std::string& report, bool colours) {
   std::string text = Verdict(s, colours) + CriteriaLines(s, colours) + ComparedLines(s);
   text += fmt::format("  {:.1f} s flown in {:.1f} s, {:.1f} x real time, drawn by {}\n  {}\n", s.sim_s,
-                      s.wall_s, s.sim_s / std::max(s.wall_s, 1e-9), s.renderer, folder);
+                      s.wall_s, s.sim_s / std::max(s.wall_s, 1e-9), s.renderer, report);
   return text;
 }
 

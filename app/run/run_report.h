@@ -16,7 +16,7 @@ std::string CriteriaLines(const records::Summary& summary, bool colours);
 // A line for each criterion that is not met.
 std::string MissedCriteria(const records::Summary& summary, bool colours);
 
-// The end of a run: verdict, all criteria, how long it took, and where its records are.
-std::string RunReport(const records::Summary& summary, const std::string& folder, bool colours);
+// The end of a run: verdict, all criteria, how long it took, and where it can be looked at.
+std::string RunReport(const records::Summary& summary, const std::string& report, bool colours);
 
 }  // namespace kestrel::app

@@ -22,6 +22,7 @@
 
 #include "app/option/colour.h"
 #include "app/option/one_of.h"
+#include "app/page/report_command.h"
 #include "app/run/run_report.h"
 #include "base/diagnostics.h"
 #include "base/file/files.h"
@@ -54,7 +55,7 @@ std::optional<flight::LoadedScenario> Load(const std::string& scenario,
   }
 }
 
-void Report(const records::Summary& s, const std::string& folder) {
+void Report(const records::Summary& s, const std::string& report) {
   const bool colours = TakesColours(stdout);
   fmt::print("{}", Verdict(s, colours));
   const auto value = [&](const char* name) {
@@ -70,7 +71,7 @@ void Report(const records::Summary& s, const std::string& folder) {
       "  setpoints: {:.0f} received, {:.0f} of them followed; {:.0f} refused; {:.0f} messages ignored\n",
       count("setpoints_heard"), count("setpoints_followed"), count("setpoints_refused"),
       count("messages_not_heeded"));
-  fmt::print("  {:.1f} s of flight in {:.1f} s\n  {}\n", s.sim_s, s.wall_s, folder);
+  fmt::print("  {:.1f} s of flight in {:.1f} s\n  {}\n", s.sim_s, s.wall_s, report);
 }
 
 // The aircraft's platform for the camera, where there is one, a server turns it and it can be where the
@@ -288,7 +289,7 @@ int ServeCommand(const flight::ServeArguments& a) {
     return 0;
   }
   const records::Summary summary = flight::ServeFlight(loaded, options).summary;
-  Report(summary, folder);
+  Report(summary, ReportOf(folder));
   if (!summary.complete) return 3;
   return summary.passed ? 0 : 1;
 }

@@ -5,10 +5,11 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cctype>
 #include <set>
 #include <string_view>
 #include <utility>
+
+#include "base/process/shell_word.h"
 
 namespace kestrel::campaign {
 namespace {
@@ -37,19 +38,6 @@ std::vector<std::pair<std::int64_t, std::int64_t>> RangesOf(const std::set<std::
 }
 
 }  // namespace
-
-std::string ShellWord(const std::string& text) {
-  const auto plain = [](unsigned char c) {
-    return std::isalnum(c) || std::string_view("_-+=./:,@%").find(static_cast<char>(c)) != std::string::npos;
-  };
-  if (!text.empty() && std::all_of(text.begin(), text.end(), plain)) return text;
-  std::string inside;
-  for (const char c : text) {
-    if (c == '\'') inside += "'\\'";
-    inside += c;
-  }
-  return fmt::format("'{}'", inside);
-}
 
 std::string FlyCommand(const BatchJob& job) { return Program(job) + Arguments(job); }
 

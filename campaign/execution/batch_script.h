@@ -22,9 +22,6 @@ struct BatchJob {
   int jobs = 1;                          // workers for each
 };
 
-// A text as a word of any POSIX shell that means it.
-std::string ShellWord(const std::string& text);
-
 // An sbatch script of a job array, a part for each of its tasks, that a lost task may be started with again.
 std::string SlurmScript(const BatchJob& job);
 // A line for GNU parallel, and the merge after it. at_once: parts that fly at the same time.

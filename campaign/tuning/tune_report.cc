@@ -7,10 +7,10 @@
 #include <algorithm>
 #include <map>
 
+#include "base/process/shell_word.h"
 #include "base/statistics.h"
 #include "base/version.h"
 #include "base/yaml/yaml_fields.h"
-#include "campaign/execution/batch_script.h"
 #include "campaign/tuning/flight_cache.h"
 #include "campaign/tuning/tune_files.h"
 #include "flight/simulated/scenario.h"

@@ -100,7 +100,6 @@ std::string FlightData(const fs::path& folder) {
       }
     }
     if (subject.rate_hz <= 0) subject.rate_hz = columns.rate_hz;
-    subject.changeable.clear();
     Json flight = SubjectJson(subject);
     flight.update(OutcomeJson(summary));
     const fs::path log = WholeOrPart(folder / "events.log");

@@ -34,9 +34,16 @@ Json JsonOf(const std::optional<FlightSubject::Pad>& pad) {
 
 Json SubjectJson(const FlightSubject& s) {
   Json changeable = Json::array();
-  for (const ChangeableKey& c : s.changeable)
-    changeable.push_back(
-        {{"key", c.key}, {"meaning", c.meaning}, {"value", c.value}, {"min", c.min}, {"max", c.max}});
+  for (const ChangeableKey& c : s.changeable) {
+    Json choices = Json::array();
+    for (const std::string& each : c.choices) choices.push_back(Json::parse(each));
+    changeable.push_back({{"key", c.key},
+                          {"meaning", c.meaning},
+                          {"value", Json::parse(c.value)},
+                          {"min", c.min ? Json(*c.min) : Json()},
+                          {"max", c.max ? Json(*c.max) : Json()},
+                          {"choices", choices}});
+  }
   return {{"scenario", s.scenario},     {"seed", s.seed},       {"mode", s.mode},
           {"mission", s.mission},       {"title", s.title},     {"wanted", s.wanted},
           {"again", s.again},           {"version", s.version}, {"rate_hz", s.rate_hz},

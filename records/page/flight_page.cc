@@ -24,8 +24,10 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kOwn = "records/page/web";
 
 // In the order in which they need each other.
-constexpr const char* kScripts[] = {"flight.js", "clock.js", "plots.js",   "events.js", "video.js",
-                                    "scene.js",  "live.js",  "summary.js", "main.js"};
+constexpr const char* kScripts[] = {
+    "flight.js",      "clock.js",       "video.js",   "quantities.js",  "charts.js",      "events.js",
+    "player.js",      "verdict.js",     "compare.js", "scene_poses.js", "scene_model.js", "scene_paths.js",
+    "scene_marks.js", "scene_views.js", "scene.js",   "live.js",        "keyboard.js",    "main.js"};
 
 // three.js, version 111, of libjs-three (MIT), with what reads glTF and turns the view.
 std::string Three() {
@@ -52,16 +54,19 @@ std::string MediaOf(const fs::path& folder, std::string_view suffix) {
   return elements;
 }
 
-// flights: elements of a list of JSON.
-std::string PageOf(const std::string& title, const std::string& flights, std::string media) {
-  std::vector<fs::path> scripts = {"base/html/web/dom.js"};
+// flights: elements of a list of JSON; connect: with whom it may speak, as a Content-Security-Policy says it.
+std::string PageOf(const std::string& title, const std::string& flights, std::string media,
+                   std::string connect) {
+  const fs::path shared = "base/html/web";
+  std::vector<fs::path> scripts = {shared / "numbers.js", shared / "dom.js", shared / "theme.js"};
   for (const char* name : kScripts)
     if (IsFile(DataFile(fs::path(kOwn) / name))) scripts.push_back(fs::path(kOwn) / name);
   std::map<std::string_view, std::string> parts;
   parts["title"] = Escaped(title + " – Kestrel");
-  parts["style"] = PageFile(fs::path(kOwn) / "flight.css");
+  parts["style"] = PageFile(shared / "page.css") + PageFile(fs::path(kOwn) / "flight.css");
   parts["data"] = InScript("{\"flights\":[" + flights + "]}");
   parts["media"] = std::move(media);
+  parts["connect"] = std::move(connect);
   parts["chart"] = LibraryFile(ChartLibrary());
   parts["three"] = Three();
   parts["script"] = PageScript(scripts);
@@ -80,12 +85,12 @@ std::string FlightPage(const fs::path& folder, const std::optional<fs::path>& se
     flights += ',' + other;
     media += MediaOf(*second, "-b");
   }
-  return PageOf(title, flights, std::move(media));
+  return PageOf(title, flights, std::move(media), "'none'");
 }
 
 std::string LiveFlightPage(const FlightSubject& subject, const std::string& scene_glb) {
   return PageOf(subject.title, LiveJson(subject).dump(-1, ' ', false, Json::error_handler_t::replace),
-                Element("scene", scene_glb));
+                Element("scene", scene_glb), "'self'");
 }
 
 void WriteFlightPage(const fs::path& folder) { WriteFile(folder / "report.html", FlightPage(folder)); }

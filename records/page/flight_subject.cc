@@ -111,9 +111,6 @@ FlightSubject ReadSubject(const std::filesystem::path& folder) {
     s.rate_hz = json.at("rate_hz");
     if (const Json& camera = json.at("camera"); !camera.is_null()) s.camera = CameraIn(camera);
     if (const Json& pad = json.at("pad"); !pad.is_null()) s.pad = PadIn(pad);
-    for (const Json& each : json.at("changeable"))
-      s.changeable.push_back(
-          {each.at("key"), each.at("meaning"), each.at("value"), each.at("min"), each.at("max")});
     return s;
   } catch (const std::exception& e) {
     throw std::runtime_error(fmt::format("{}: not of a flight: {}", file.string(), e.what()));

@@ -17,7 +17,9 @@ namespace kestrel::records {
 // A key of the scenario that may be changed while it is flown.
 struct ChangeableKey {
   std::string key, meaning;
-  double value = 0, min = 0, max = 0;  // value: at the beginning
+  std::string value;                 // JSON
+  std::optional<double> min, max;    // of a number, or of each of a list of numbers
+  std::vector<std::string> choices;  // JSON each; none: any that is valid
 };
 
 // What a page of a flight tells of it and its telemetry does not hold, known before it begins. page.json of its
@@ -44,7 +46,7 @@ struct FlightSubject {
   double rate_hz = 0;  // of the video
   std::optional<Camera> camera;
   std::optional<Pad> pad;
-  std::vector<ChangeableKey> changeable;
+  std::vector<ChangeableKey> changeable;  // while it is flown; not in page.json
 };
 
 FlightSubject::Camera CameraOf(const std::string& name, const vision::CameraModel& camera, const Pose& X_BC);

@@ -16,6 +16,7 @@
 #include "app/campaign/command_line.h"
 #include "base/file/files.h"
 #include "base/process/child_process.h"
+#include "base/process/shell_word.h"
 #include "base/stopwatch.h"
 #include "campaign/execution/batch_script.h"
 #include "campaign/execution/result_store.h"
@@ -228,7 +229,7 @@ TEST(ShellWord, MeansItsText) {
   for (const std::string text :
        {"plain", "a b", "it's", "$HOME `x` \"y\" \\z", "", "a;b|c&d", "*?[]", "{a: [1, 2]}"}) {
     const std::string file = (fs::temp_directory_path() / fmt::format("kestrel_word_{}", getpid())).string();
-    ASSERT_EQ(std::system(fmt::format("printf %s {} > {}", campaign::ShellWord(text), file).c_str()), 0);
+    ASSERT_EQ(std::system(fmt::format("printf %s {} > {}", ShellWord(text), file).c_str()), 0);
     EXPECT_EQ(Content(file), text);
     fs::remove(file);
   }

@@ -40,7 +40,7 @@ class ReportCommandTest : public testing::Test {
 };
 
 TEST_F(ReportCommandTest, WritesWhatHasAResultBesideTheResults) {
-  ReportCommand({file_.string(), "", true});
+  CampaignReportCommand({file_.string(), "", true});
   EXPECT_THAT(Content(folder_ / "report.html"), StartsWith("<!DOCTYPE html>"));
   const std::string csv = Content(folder_ / "runs.csv");
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 13);
@@ -69,7 +69,7 @@ TEST_F(ReportCommandTest, NamesTheCampaignsFileWhereItIs) {
 }
 
 TEST_F(ReportCommandTest, TakesAFolderAsCompareDoes) {
-  ReportCommand({folder_.string(), "", true});
+  CampaignReportCommand({folder_.string(), "", true});
   EXPECT_TRUE(fs::exists(folder_ / "report.html"));
 }
 
@@ -79,7 +79,7 @@ TEST_F(ReportCommandTest, AFolderThatCannotBeWrittenIsRefusedBeforeTheWork) {
   if (reader == 0) {
     if (getuid() == 0 && setuid(65534) != 0) _exit(9);  // permissions do not hold root back
     try {
-      ReportCommand({file_.string(), "", true});
+      CampaignReportCommand({file_.string(), "", true});
     } catch (const InputError& e) {
       _exit(std::string(e.what()).starts_with("report: '") ? 2 : 4);
     } catch (const std::exception&) {
@@ -101,20 +101,20 @@ TEST_F(ReportCommandTest, JudgesTheThresholdsOfThePlan) {
 }
 
 TEST_F(ReportCommandTest, TellsWhetherTheThresholdsAreKept) {
-  EXPECT_FALSE(ReportCommand({file_.string(), "", true}));  // of 12 runs no more than 74 % is shown
+  EXPECT_FALSE(CampaignReportCommand({file_.string(), "", true}));  // of 12 runs no more than 74 % is shown
   campaign::CampaignIdentity identity = campaign::LandingCampaign(20, folder_).identity;
   std::string& plan = identity.plan;
   plan = plan.substr(0, plan.find("thresholds:")) + "thresholds: {success: {min: 0}}\n";
   const fs::path kept = folder_ / "kept.sqlite";
   campaign::ResultStore::Open(kept, identity).Put(campaign::LandingCampaign(20, folder_).results[0]);
-  EXPECT_TRUE(ReportCommand({kept.string(), "", true}));
+  EXPECT_TRUE(CampaignReportCommand({kept.string(), "", true}));
 }
 
 TEST_F(ReportCommandTest, RefusesWhatHoldsNoResults) {
-  EXPECT_THROW(ReportCommand({(folder_ / "none.sqlite").string(), "", true}), InputError);
+  EXPECT_THROW(CampaignReportCommand({(folder_ / "none.sqlite").string(), "", true}), InputError);
   std::ofstream(folder_ / "text.sqlite") << "text";
-  EXPECT_THROW(ReportCommand({(folder_ / "text.sqlite").string(), "", true}), InputError);
-  EXPECT_THROW(ReportCommand({"no_such_campaign", "", true}), InputError);
+  EXPECT_THROW(CampaignReportCommand({(folder_ / "text.sqlite").string(), "", true}), InputError);
+  EXPECT_THROW(CampaignReportCommand({"no_such_campaign", "", true}), InputError);
 }
 
 }  // namespace
