@@ -55,6 +55,7 @@ LoadedPlan LoadWhole(const fs::path& file, const std::vector<std::string>& overr
   LoadedPlan loaded;
   FlightPlan& p = loaded.plan;
   Config config = LoadConfig(file, overrides, mistakes);
+  loaded.description = config.description;
   CheckMissionExists(config, where, mistakes);
   PassOverWorld(config.root, "");
   PassOverGains(config);

@@ -77,6 +77,7 @@ inline void Fields(FieldVisitor& v, FlightPlan& p) {
 struct LoadedPlan {
   FlightPlan plan;
   mission::MissionParts parts;
+  std::string description;  // the file's sentence of itself; may be empty
 };
 
 // As LoadScenario. The picture own_parts is looked for beside the file; a file own_parts.png there is taken

@@ -236,6 +236,7 @@ void Simulator::Step() {
   if (!touch_ && airborne_ && truth_.touching && !before.touching && truth_.t_s > 0) touch_ = before;
 }
 
+void Simulator::ChangeDaylight(double daylight) { parameters_.render.daylight = daylight; }
 void Simulator::Change(const WindParameters& wind) { wind_.Change(wind); }
 
 void Simulator::Change(const std::vector<TargetParameters>& targets) {
@@ -343,8 +344,8 @@ void Simulator::CoverPad() {
 // What happens to the cameras at this instant.
 void Simulator::RunCamera() {
   CoverPad();
-  if (ground_) ground_->Step(data_.get(), steps_);
-  for (const auto& camera : cameras_) camera->Step(data_.get(), steps_, truth_.X_NB);
+  if (ground_) ground_->Step(data_.get(), steps_, parameters_.render.daylight);
+  for (const auto& camera : cameras_) camera->Step(data_.get(), steps_, truth_.X_NB, parameters_.render.daylight);
   if (steps_ == clock_.TickStep()) {
     XXH3_64bits_update(hashes_->state, data_->qpos, sizeof(mjtNum) * model_->nq);
     XXH3_64bits_update(hashes_->state, data_->qvel, sizeof(mjtNum) * model_->nv);
@@ -357,6 +358,7 @@ void Simulator::RunCamera() {
 
 Snapshot Simulator::snapshot() const {
   Snapshot now = SnapshotOf(model_.get(), data_.get(), truth_.t_s);
+  now.daylight = parameters_.render.daylight;
   if (platform_) now.X_BC = X_BC_;
   return now;
 }

@@ -142,6 +142,7 @@ class Simulator final : public vision::Camera, public control::Autopilot {
   void CarryCamera(PanTilt* platform) { platform_ = platform; }
 
   // From the next step on. Of targets: how they move, from where they are; there are as many as before.
+  void ChangeDaylight(double daylight);
   void Change(const WindParameters& wind);
   void Change(const std::vector<TargetParameters>& targets);
   // Faults of the camera, of the aircraft's sensors and of its actuators. One that is to begin in the past begins now.
@@ -166,6 +167,7 @@ class Simulator final : public vision::Camera, public control::Autopilot {
   const std::optional<Truth>& touch() const { return touch_; }  // the instant before the first touch-down
   const Pose& X_BC() const { return X_BC_; }                    // now
   const mjModel* model() const { return model_.get(); }
+  Snapshot snapshot() const;  // of the world now, for pictures of it: sim/view
   // The changes of the camera's condition until now.
   std::span<const CameraCondition> camera_changes() const { return clock_.ChangesUntil(truth_.t_s); }
   // The faults of sensors and actuators, and what the autopilot makes of its sensors, until now.
@@ -174,7 +176,6 @@ class Simulator final : public vision::Camera, public control::Autopilot {
 
   std::uint64_t state_hash() const;  // of the physical state at every exposure
   std::uint64_t image_hash() const;  // of every frame given out
-  Snapshot snapshot() const;  // of the world now, for pictures of it: sim/view
   struct Timing {
     std::vector<double> physics_s, render_s, sensor_s;  // one for each frame
   };

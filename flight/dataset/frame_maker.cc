@@ -55,7 +55,7 @@ SetFrame FrameMaker::Make(int index, std::int64_t stamp_ns, std::optional<std::i
                  .flow = {},
                  .boxes = {}};
   const sim::ExposureParameters& exposure = image_.exposure;
-  const sim::ExposureSetting setting{exposure.time_s, 1, image_.gain};
+  const sim::ExposureSetting setting{exposure.time_s, parameters_.render.daylight, image_.gain};
   const double readout_s = exposure.line_s * (vision::HeightPx(parameters_.camera.camera) - 1);
   const double half_s = (readout_s + exposure.time_s) / 2;
   std::vector<sim::Snapshot> shots{SnapshotAt(stamp_ns)};

@@ -11,6 +11,7 @@
 #include "base/stopwatch.h"
 #include "base/version.h"
 #include "base/yaml/yaml_fields.h"
+#include "flight/flight_subject.h"
 #include "flight/hardware/control_monitor.h"
 #include "flight/hardware/lag_monitor.h"
 #include "flight/load_plugins.h"
@@ -121,6 +122,9 @@ class Records {
     options.telemetry = {.truth = false, .safety = true, .mission = &plan.plan.flight.type()};
     recorder_.emplace(folder, options);
     WriteFile(folder / "scenario.yaml", ToYaml(plan.plan));
+    records::FlightSubject subject = SubjectOf(plan.plan, plan.parts, mode, plan.description);
+    subject.rate_hz = plan.plan.image.rate_hz;
+    records::WriteSubject(folder, subject);
     if (o.images) {
       recording_.emplace(folder, plan.plan.flight.type());
       records::WriteOwnParts(folder, plan.parts.own_parts);
@@ -279,7 +283,7 @@ FlyReport FlyAircraft(const LoadedPlan& plan, vision::LiveCamera& camera, contro
     row.decision = decision;
     cv::Mat drawn, product;
     if (o.video) {
-      drawn = records::DrawnView(frame, *mission, mode);
+      drawn = records::DrawnView(frame, row.now.t_s, *mission, mode);
       product = mission->ProductImage().clone();  // the mission goes on with its own
     }
     writer.Do([&records, row, drawn, product, frame, state] {

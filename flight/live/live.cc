@@ -20,6 +20,7 @@
 #include "base/html/html.h"
 #include "base/stopwatch.h"
 #include "flight/live/foxglove.h"
+#include "flight/live/live_server.h"
 #include "flight/live/pace.h"
 #include "records/page/flight_json.h"
 #include "records/page/flight_page.h"

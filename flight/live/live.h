@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "flight/live/feed.h"
-#include "flight/live/live_server.h"
+#include "flight/live/live_options.h"
 #include "flight/live/page_conversation.h"
 #include "mission/log_row.h"
 #include "records/mcap/flight_messages.h"
@@ -17,12 +17,6 @@
 #include "records/recorder.h"
 
 namespace kestrel::flight {
-
-struct LiveOptions {
-  LiveServerOptions server;
-  double speed = 1;               // at the begin (pace.h)
-  std::function<double()> now_s;  // any clock that runs in real time; null: the monotonic one
-};
 
 // What a flight makes of a change: from when it holds, or why it is refused.
 struct LiveAnswer {

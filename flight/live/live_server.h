@@ -10,15 +10,9 @@
 #include <vector>
 
 #include "flight/live/connection.h"
+#include "flight/live/live_options.h"
 
 namespace kestrel::flight {
-
-struct LiveServerOptions {
-  std::string address = "127.0.0.1";  // as digits; elsewhere than on loopback a token is asked for
-  std::uint16_t port = 8765;          // Foxglove's usual one; 0: any that is free
-  std::vector<std::string> origins;   // of other pages that may connect
-  double frozen_s = 10;               // how long a viewer may take for one message
-};
 
 // Takes viewers, on the thread of an io_context. All but the constructor is of that thread.
 class LiveServer {

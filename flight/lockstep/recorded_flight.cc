@@ -8,7 +8,7 @@ namespace kestrel::flight {
 
 RecordedFlight::RecordedFlight(const Sim& sim, const Observation& first, const std::filesystem::path& folder,
                                bool video)
-    : sim_(sim), records_(folder, sim.scenario(), video) {
+    : sim_(sim), records_(folder, sim.scenario(), sim.simulator(), video) {
   WriteImage(first);
 }
 
@@ -24,7 +24,8 @@ void RecordedFlight::WriteRows(std::size_t until) {
 
 void RecordedFlight::WriteImage(const Observation& observation) {
   if (records_.recorder().wants_images() && observation.frame && !observation.frame->image.empty())
-    records_.recorder().WriteImage(records::DrawnView(*observation.frame, records::kSimulatorMode));
+    records_.recorder().WriteImage(records::DrawnView(*observation.frame, sim_.t_s(),
+                                                      records::kSimulatorMode));
 }
 
 records::Summary RecordedFlight::Finish(const std::string& error) {

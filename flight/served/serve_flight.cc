@@ -56,7 +56,7 @@ class ServedFlight {
         }) {
     simulator_.CarryCamera(options.platform);
     told_.resize(options.servers.size());
-    if (options.folder) records_.emplace(*options.folder, loaded, false);
+    if (options.folder) records_.emplace(*options.folder, loaded, simulator_, false);
   }
 
   FlightResult Fly() {

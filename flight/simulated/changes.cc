@@ -26,6 +26,9 @@ struct OfWorld {
   void (*change)(const Scenario& scenario, sim::Simulator& simulator);
 };
 constexpr auto kWind = [](const Scenario& s, sim::Simulator& simulator) { simulator.Change(s.wind); };
+constexpr auto kLight = [](const Scenario& s, sim::Simulator& simulator) {
+  simulator.ChangeDaylight(s.render.daylight);
+};
 constexpr auto kTargets = [](const Scenario& s, sim::Simulator& simulator) { simulator.Change(s.targets); };
 constexpr auto kCamera = [](const Scenario& s, sim::Simulator& simulator) {
   simulator.Change(s.image.faults);
@@ -40,6 +43,7 @@ constexpr OfWorld kWorld[] = {{"wind.mean_m_s", kWind},
                               {"wind.from_deg", kWind},
                               {"wind.turbulence", kWind},
                               {"wind.gusts.*", kWind},
+                              {"render.daylight", kLight},
                               {"targets.*.velocity_m_s*", kTargets},
                               {"targets.*.roam_m_s", kTargets},
                               {"targets.*.roam_within_m", kTargets},
@@ -165,6 +169,8 @@ void CheckChangeable(const Scenario& s, const Config& config, const Place& file,
     const Place where = WhereOfItem(config, "changeable", i, file);
     const std::string name = fmt::format("changeable.{}", i);
     const auto field = Describe(s, each.key);
+    if (!field && Covers("targets.*", each.key) && InWorld(each.key))
+      continue;  // with fewer of them, not that one
     if (!field || !(InWorld(each.key) || InMission(s, each.key))) {
       mistakes.Add(where, name + ".key",
                    fmt::format("{}'{}'{}", field ? "" : "this scenario has no key ", each.key,
@@ -271,13 +277,13 @@ void Changes::Apply(const ChangeKeys& change, const Scenario& changed, bool by_h
     told_({simulator_.truth().t_s, change.key, before ? before->value : "", now ? now->value : "", by_hand});
 }
 
-std::vector<Changeable> Changes::All() const {
-  std::vector<Changeable> all;
+std::vector<records::ChangeableKey> Changes::All() const {
+  std::vector<records::ChangeableKey> all;
   for (const ChangeableKeys& declared : now_.changeable) {
     if (!InWorld(declared.key) && !mission_) continue;
     const auto field = Describe(now_, declared.key);
     if (!field) continue;  // an element of a list that is shorter now
-    Changeable each{declared.key, field->meaning, field->value, declared.min, declared.max, {}};
+    records::ChangeableKey each{declared.key, field->meaning, field->value, declared.min, declared.max, {}};
     if (!each.min) each.min = field->low;
     if (!each.max) each.max = field->high;
     for (const std::string& choice : declared.choices) each.choices.push_back(Flow(choice));

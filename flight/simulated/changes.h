@@ -11,22 +11,15 @@
 #include "base/yaml/config.h"
 #include "flight/simulated/scenario.h"
 #include "mission/mission.h"
+#include "records/page/flight_subject.h"
 #include "sim/simulator.h"
 
 namespace kestrel::flight {
 
-// A key that may be changed now. Values are JSON: a number, a list, a text, true or false.
-struct Changeable {
-  std::string key, meaning;
-  std::string value;                 // as it is now
-  std::optional<double> min, max;    // of a number, or of each of a list of numbers
-  std::vector<std::string> choices;  // none: any that is valid
-};
-
-// A change that was made.
+// A change that was made. Values are JSON.
 struct MadeChange {
   double t_s = 0;
-  std::string key, before, value;  // as those of Changeable
+  std::string key, before, value;
   bool by_hand = false;            // not in the scenario before
 };
 
@@ -49,7 +42,8 @@ class Changes {
   // sentence, and nothing is changed then; empty: it is done. To be called where MakeDue() is.
   std::string Make(const std::string& key, const std::string& value);
 
-  std::vector<Changeable> All() const;
+  // What may be changed now, and the values as they are.
+  std::vector<records::ChangeableKey> All() const;
   // The scenario as it began, with all changes that were made and that are still to come.
   const Scenario& flown() const { return flown_; }
 

@@ -7,7 +7,10 @@
 #include "base/file/files.h"
 #include "base/version.h"
 #include "base/yaml/yaml_fields.h"
+#include "flight/flight_subject.h"
 #include "records/telemetry/flight_mode.h"
+#include "sim/gltf/scene_glb.h"
+#include "vision/image_file.h"
 
 namespace kestrel::flight {
 namespace {
@@ -19,6 +22,10 @@ records::RecorderOptions OptionsFor(const LoadedScenario& loaded, bool video) {
   options.plots.title = loaded.scenario.name + ", seed " + std::to_string(loaded.scenario.seed);
   const sim::SceneParameters& scene = loaded.simulator.scene;
   options.plots.mission = options.telemetry.mission = &loaded.scenario.flight.type();
+  for (const auto& [metric, limit] : loaded.scenario.criteria) {
+    if (limit.max) options.plots.limits.push_back({metric, *limit.max, false});
+    if (limit.min) options.plots.limits.push_back({metric, *limit.min, true});
+  }
   const bool lies = scene.pad_tilt_deg == 0;  // what hangs on a wall is no frame for a flight
   if (!scene.pad_texture.empty() && lies) options.plots.pad_size_m = scene.pad.size_m;
   return options;
@@ -36,11 +43,36 @@ records::EventLog BeginEvents(const std::filesystem::path& folder, const Scenari
 
 }  // namespace
 
-FlightRecords::FlightRecords(const std::filesystem::path& folder, const LoadedScenario& loaded, bool video)
+records::FlightSubject SubjectOf(const LoadedScenario& loaded, const sim::Simulator& simulator) {
+  const Scenario& scenario = loaded.scenario;
+  mission::MissionParts parts;
+  parts.camera = loaded.simulator.camera;
+  parts.X_BC = vision::MountPose(loaded.simulator.mount);
+  parts.pad = loaded.pad;
+  records::FlightSubject subject = SubjectOf(scenario, parts, records::kSimulatorMode, loaded.description);
+  subject.rate_hz = scenario.image.rate_hz;
+  subject.again = loaded.again;
+  if (subject.pad) {
+    subject.pad->X_NT = simulator.truth().X_NT;
+    const sim::SceneParameters& scene = loaded.simulator.scene;
+    const cv::Mat picture =
+        scene.pad_picture.empty()
+            ? vision::ReadImageFile(scene.pad_texture, vision::ImageColours::kColour).pixels
+            : scene.pad_picture;
+    if (picture.depth() == CV_8U) subject.pad->picture = records::PictureOf(picture);
+  }
+  return subject;
+}
+
+FlightRecords::FlightRecords(const std::filesystem::path& folder, const LoadedScenario& loaded,
+                             const sim::Simulator& simulator, bool video)
     : folder_(folder),
       lock_(LockFolder(folder)),
       recorder_(folder, OptionsFor(loaded, video)),
       events_(BeginEvents(folder, loaded.scenario)) {
+  records::WriteSubject(folder, SubjectOf(loaded, simulator));
+  WriteFile(folder / "scene.glb",
+            sim::SceneGlb(simulator.model(), sim::SeenRotors(loaded.simulator.vehicle)));
   events_.Line(0, "mode", records::kSimulatorMode);
 }
 
@@ -82,6 +114,11 @@ void FlightRecords::Write(const records::LogRow& row, const sim::Simulator& simu
   events_.Write(row);
 }
 
+void FlightRecords::Write(const MadeChange& change, const Scenario& flown) {
+  Note(change.t_s, "change", change.key + ' ' + change.before + " -> " + change.value);
+  if (change.by_hand) WriteFile(folder_ / "scenario.yaml", ToYaml(flown));
+}
+
 records::Summary FlightRecords::Finish(records::Summary summary, const sim::Simulator& simulator) {
   try {
     WriteChanges(simulator);
@@ -99,8 +136,3 @@ records::Summary FlightRecords::Finish(records::Summary summary, const sim::Simu
 }
 
 }  // namespace kestrel::flight
-void FlightRecords::Write(const MadeChange& change, const Scenario& flown) {
-  Note(change.t_s, "change", change.key + ' ' + change.before + " -> " + change.value);
-  if (change.by_hand) WriteFile(folder_ / "scenario.yaml", ToYaml(flown));
-}
-

@@ -12,17 +12,23 @@
 #include "flight/simulated/changes.h"
 #include "flight/simulated/scenario.h"
 #include "records/mcap/flight_mcap.h"
+#include "records/page/flight_subject.h"
 #include "records/recorder.h"
 #include "records/telemetry/event_log.h"
 
 namespace kestrel::flight {
 
-// The folder of a flight in the simulator: what the Recorder writes, events.log, scenario.yaml, if asked for
-// flight.mcap. Throws std::runtime_error with the file and the reason, but for Finish; InputError where
+// The folder of a flight in the simulator: what the Recorder writes, events.log, scenario.yaml, page.json, if
+// asked for flight.mcap. Throws std::runtime_error with the file and the reason, but for Finish; InputError where
 // another process writes to that folder.
+// What a page tells of such a flight. simulator: at its begin.
+records::FlightSubject SubjectOf(const LoadedScenario& loaded, const sim::Simulator& simulator);
+
 class FlightRecords {
  public:
-  FlightRecords(const std::filesystem::path& folder, const LoadedScenario& loaded, bool video);
+  // simulator: at the begin of the flight.
+  FlightRecords(const std::filesystem::path& folder, const LoadedScenario& loaded,
+                const sim::Simulator& simulator, bool video);
 
   // From now on flight.mcap is written too. parts: what the mission was made from.
   void AddMcap(records::McapImages images, const LoadedScenario& loaded, const mission::MissionParts& parts);
@@ -31,14 +37,14 @@ class FlightRecords {
   void Write(const records::LogRow& row, const sim::Simulator& simulator, const cv::Mat& image = {});
   // Of events.log, between rows.
   void Note(double t_s, std::string_view what, std::string_view is) { events_.Line(t_s, what, is); }
+  // A change in flight; flown: the scenario by which it is flown again.
+  void Write(const MadeChange& change, const Scenario& flown);
   records::Recorder& recorder() { return recorder_; }
 
   // Ends all files. What fails here makes the flight one that broke off; returns what summary.json then says.
   // Throws only if that cannot be written.
   records::Summary Finish(records::Summary summary, const sim::Simulator& simulator);
 
-  // A change in flight; flown: the scenario by which it is flown again.
-  void Write(const MadeChange& change, const Scenario& flown);
  private:
   void WriteChanges(const sim::Simulator& simulator);
 

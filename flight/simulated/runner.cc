@@ -40,7 +40,7 @@ FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) 
   std::optional<ViewVideo> view;
   std::optional<records::RecordingWriter> recording;
   if (options.folder) {
-    records.emplace(*options.folder, loaded, options.video);
+    records.emplace(*options.folder, loaded, simulator, options.video);
     if (options.mcap) records->AddMcap(*options.mcap, loaded, parts);
     if (options.images) {
       recording.emplace(*options.folder, scenario.flight.type());
@@ -78,13 +78,14 @@ FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) 
             }
             if (recording) recording->Write(frame, state, decision);
             if (records->recorder().wants_images()) {
-              records->recorder().WriteImage(records::DrawnView(frame, *mission, records::kSimulatorMode));
+              records->recorder().WriteImage(
+                  records::DrawnView(frame, row.now.t_s, *mission, records::kSimulatorMode));
               records->recorder().WriteProduct(mission->ProductImage());
             }
           }
-          vision_s.push_back(decision.vision_s);
           if (view) view->Write(simulator, frame.image);
           if (options.watch) options.watch(simulator, frame);
+          vision_s.push_back(decision.vision_s);
           control_s.push_back(decision.control_s);
           record_s.push_back(SecondsSince(began));
           stopped = options.progress && !options.progress(row);
@@ -113,8 +114,8 @@ FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) 
   summary.stages["control"] = records::StageTimeOf(control_s);
   summary.stages["record"] = records::StageTimeOf(record_s);
   try {
-    if (recording) recording->Close();
     if (view) view->Close();
+    if (recording) recording->Close();
     if (events) {
       simulator.event_camera()->Finish();
       events->Write(simulator.event_camera()->Take());

@@ -15,9 +15,10 @@
 #include "base/user_file.h"
 #include "base/yaml/yaml_fields.h"
 #include "flight/check_mission.h"
+#include "flight/flight_subject.h"
 #include "flight/gains_file.h"
-#include "flight/simulated/check/check_ground.h"
 #include "flight/simulated/changes.h"
+#include "flight/simulated/check/check_ground.h"
 #include "flight/simulated/check/check_image.h"
 #include "flight/simulated/possible_metrics.h"
 #include "flight/simulated/world_of.h"
@@ -225,6 +226,7 @@ LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& o
   LoadedScenario loaded;
   Scenario& s = loaded.scenario;
   Config config = LoadConfig(file, overrides, mistakes);
+  loaded.description = config.description;
   CheckMissionExists(config, file.string(), mistakes);
   RenameFormerMetrics(config, {"criteria"});
   PassOverGains(config);
@@ -347,6 +349,7 @@ LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& o
   sim.targets = s.targets;
   sim.seed = s.seed;
   sim.duration_s = s.duration_s;
+  if (mistakes.empty()) CheckChanges(loaded, s, config, where, mistakes);
   mistakes.ThrowIfAny();
   try {
     if (compile) sim::MakeAirframe(sim.vehicle, sim::MakeModel(sim.scene, false).get(), false);

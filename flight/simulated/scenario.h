@@ -15,8 +15,8 @@
 #include "mission/mission_type.h"
 #include "sim/camera/pan_tilt.h"
 #include "sim/simulator.h"
-#include "sim/world/print.h"
 #include "sim/view/view_parameters.h"
+#include "sim/world/print.h"
 
 namespace kestrel::flight {
 
@@ -68,19 +68,19 @@ struct Scenario : FlightKeys {
   sim::ImageParameters image;
   sim::EventCameraParameters event_camera;
   sim::RenderOptions render;
+  sim::ViewParameters view;
   sim::WindParameters wind;
   sim::SensorParameters sensors;
   sim::InstrumentParameters instruments;
-  sim::ViewParameters view;
   std::vector<CameraKeys> cameras;
   sim::ActuatorParameters actuators;
   sim::OcclusionParameters occlusion;
   std::vector<sim::TargetParameters> targets;
   std::map<std::string, Limit> criteria;
-};
-
   std::vector<ChangeableKeys> changeable;
   std::vector<ChangeKeys> changes;
+};
+
 inline void Fields(FieldVisitor& v, Scenario& s) {
   Fields(v, static_cast<FlightKeys&>(s));
   v({"vehicle", "aircraft that flies: a name in models/vehicles, or a file"}, s.vehicle);
@@ -103,6 +103,7 @@ inline void Fields(FieldVisitor& v, Scenario& s) {
   v({"image", "image sensor and lens: frame rate, latency, exposure, noise, faults"}, s.image);
   v({"event_camera", "event camera behind the same lens, which --events records"}, s.event_camera);
   v({"render", "how the images are rendered"}, s.render);
+  v({"view", "camera that watches the flight from outside, for run --view and picture"}, s.view);
   v({"wind", "mean wind, turbulence and gusts"}, s.wind);
   v({"sensors", "errors and faults of the aircraft's sensors"}, s.sensors);
   v({"instruments", "instruments that the aircraft carries beside the sensors of its autopilot"},
@@ -110,18 +111,19 @@ inline void Fields(FieldVisitor& v, Scenario& s) {
   v({"cameras", "cameras that the aircraft carries beside the one that it is flown by"}, s.cameras);
   v({"actuators", "faults of rotors and servos"}, s.actuators);
   v({"occlusion", "dark sheet that covers part of the pad for some time"}, s.occlusion);
-  v({"view", "camera that watches the flight from outside, for run --view and picture"}, s.view);
   v({"targets", "what else flies: balloons or other aircraft, as coloured spheres"}, s.targets);
   v({"criteria", "limits by the names of metrics, which the run must keep to in order to pass"}, s.criteria);
+  v({"changeable", "keys that may be changed in flight, by hand or by changes"}, s.changeable);
+  v({"changes", "what is changed in flight, and when"}, s.changes);
 }
 
 // A scenario with the models that it names, ready to fly.
 struct LoadedScenario {
-  v({"changeable", "keys that may be changed in flight, by hand or by changes"}, s.changeable);
-  v({"changes", "what is changed in flight, and when"}, s.changes);
   Scenario scenario;
   sim::SimulatorParameters simulator;
   vision::PadReference pad;
+  std::string description;         // the file's sentence of itself; may be empty
+  std::string again;               // the command that flies it again
   std::string pad_heights;         // at which the camera can see it, in words; empty: it is not looked for
   std::vector<std::string> notes;  // what is valid and may yet surprise, in words
 };
@@ -132,6 +134,11 @@ struct LoadedScenario {
 // ms; otherwise the Simulator throws it.
 LoadedScenario LoadScenario(const std::string& name_or_file, const std::vector<std::string>& overrides = {},
                             bool compile = true);
+
+// What the numbers of a scenario do not allow together, as far as no file that it names decides. where: what
+// has no place in the config.
+void CheckNumbers(const Scenario& scenario, const sim::AirframeParameters& aircraft, const Config& config,
+                  const Place& where, Mistakes& mistakes);
 
 // model: of the scenario's own scene, as a Simulator has it. A camera on the ground has no stream yet.
 mission::MissionParts PartsOf(const LoadedScenario& loaded, const mjModel* model);

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/stopwatch.h"
+#include "flight/simulated/changes.h"
 #include "flight/simulated/judgement.h"
 #include "records/telemetry/metrics.h"
 #include "sim/camera/event/event_renderer.h"
@@ -36,9 +37,11 @@ struct Sim::State {
   flight::LoadedScenario loaded;
   std::unique_ptr<sim::Simulator> simulator = nullptr;
   std::unique_ptr<mission::Mission> pilot = nullptr;  // the scenario's own; null: it was not asked
-  std::optional<vision::Frame> frame = {};            // the last
-  control::VehicleState estimate = {};                // when it came
-  std::optional<mission::Decision> decision = {};     // on it
+  std::unique_ptr<Changes> changes = nullptr;
+  bool between = false;                     // a frame has come, and what is due then has not been changed yet
+  std::optional<vision::Frame> frame = {};  // the last
+  control::VehicleState estimate = {};      // when it came
+  std::optional<mission::Decision> decision = {};  // on it
   sim::Readings readings = {};
   std::vector<sim::CameraFrame> camera_frames = {};
   std::vector<sim::Event> events = {};
@@ -91,6 +94,7 @@ struct Sim::State {
   // The next frame, no later than until_s.
   std::optional<vision::Frame> Next(std::optional<double> until_s = std::nullopt) {
     try {
+      if (std::exchange(between, false)) changes->MakeDue();
       auto next = until_s ? simulator->NextUntil(*until_s) : simulator->Next();
       sim::Append(readings, simulator->readings());
       const auto& frames = simulator->camera_frames();
@@ -109,6 +113,7 @@ struct Sim::State {
     frame = std::move(next);
     estimate = o.state;
     if (!frame) return o;
+    between = true;
     o.surfaces = simulator->picture().surfaces;
     o.flow = simulator->picture().flow_here;
     rows.push_back({frame->sequence, simulator->exposure(), simulator->truth(), o.state, {}});
@@ -134,9 +139,12 @@ Observation Sim::Reset(std::optional<std::uint64_t> seed) {
   parameters.draw_beside = s.options.draw_beside;
   if (s.options.imu && !parameters.instruments.imu) parameters.instruments.imu.emplace();
   if (s.options.events) parameters.events = s.loaded.scenario.event_camera;
+  s.changes.reset();
   s.pilot.reset();
   s.simulator.reset();
   s.simulator = std::make_unique<sim::Simulator>(parameters);
+  s.changes = std::make_unique<Changes>(s.loaded, *s.simulator, nullptr);
+  s.between = false;
   s.Forget();
   s.rows.clear();
   s.outcome.clear();
@@ -204,10 +212,22 @@ const mission::Decision& Sim::Decide() {
     mission::MissionParts parts = flight::PartsOf(s.loaded, s.simulator->model());
     if (parts.ground) parts.ground->stream = s.simulator->ground_camera();
     s.pilot = s.loaded.scenario.flight->Make(parts);
+    s.changes->FlyBy(s.pilot.get());
   }
   s.decision = s.pilot->Step(*s.frame, s.estimate);
   s.rows.back().decision = *s.decision;
   return *s.decision;
+}
+
+void Sim::Change(const std::string& key, const std::string& value) {
+  state_->RequireFlight("a change");
+  const std::string why = state_->changes->Make(key, value);
+  if (!why.empty()) throw SimError(fmt::format("at {:.3f} s: {}", t_s(), why));
+}
+
+const flight::Scenario& Sim::flown() const {
+  simulator();
+  return state_->changes->flown();
 }
 
 void Sim::Finish(const std::string& outcome) {

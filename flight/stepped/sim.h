@@ -83,6 +83,12 @@ class Sim {
   // without an image.
   const mission::Decision& Decide();
 
+  // Changes a key that the scenario lets change in flight (its `changeable`), from the next step of the physics on;
+  // value: YAML. Throws SimError that says why it cannot be done. Keys of the mission can be changed
+  // once Decide() was asked. A flight by flown() is the same, bit for bit, where changes come before a Step().
+  void Change(const std::string& key, const std::string& value);
+  const flight::Scenario& flown() const;  // the scenario with the changes that were made
+
   // Ends the flight: done() is true from now on. outcome: for the summary, such as "landed".
   void Finish(const std::string& outcome);
 

@@ -6,10 +6,8 @@
 
 namespace kestrel::python {
 namespace py = pybind11;
-namespace {
 
-// As YAML, of which JSON is a part; a string as it is.
-std::string TextOf(const std::string& key, py::object value) {
+std::string YamlOf(const std::string& key, py::object value) {
   if (py::isinstance<py::str>(value)) return value.cast<std::string>();
   if (py::hasattr(value, "tolist")) value = value.attr("tolist")();  // of numpy
   try {
@@ -19,8 +17,6 @@ std::string TextOf(const std::string& key, py::object value) {
   }
 }
 
-}  // namespace
-
 std::vector<std::string> OverridesOf(const py::object& given) {
   std::vector<std::string> all;
   if (given.is_none()) return all;
@@ -29,7 +25,7 @@ std::vector<std::string> OverridesOf(const py::object& given) {
       if (!py::isinstance<py::str>(key))
         throw py::type_error(fmt::format("overrides: the key {} is no string", std::string(py::repr(key))));
       const auto name = key.cast<std::string>();
-      all.push_back(fmt::format("{}={}", name, TextOf(name, py::reinterpret_borrow<py::object>(value))));
+      all.push_back(fmt::format("{}={}", name, YamlOf(name, py::reinterpret_borrow<py::object>(value))));
     }
     return all;
   }

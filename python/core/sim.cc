@@ -226,6 +226,15 @@ with every mistake of the scenario.)")
           "What the scenario's own mission decides on the frame that step() gave last: a Decision, which "
           "step() takes.")
       .def(
+          "change",
+          [](S& s, const std::string& key, const py::object& value) {
+            const std::string yaml = YamlOf(key, value);
+            s.Use([&](Sim& sim) { sim.Change(key, yaml); });
+          },
+          "key"_a, "value"_a,
+          "Changes a key that the scenario lets change in flight (its `changeable`), from now on. Raises "
+          "SimError that says why it cannot be done.")
+      .def(
           "finish", [](S& s, const std::string& outcome) { s.Use([&](Sim& sim) { sim.Finish(outcome); }); },
           "outcome"_a, "Ends the flight. outcome: for the summary, such as 'landed'.")
       .def_property_readonly(

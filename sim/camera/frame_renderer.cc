@@ -3,11 +3,20 @@
 
 #include <algorithm>
 #include <chrono>
+#include <iterator>
 #include <utility>
 
 #include "base/stopwatch.h"
 
 namespace kestrel::sim {
+namespace {
+
+double DaylightAt(const FrameRequest& request) {
+  const auto later = std::ranges::upper_bound(request.snapshots, request.t_s + 1e-9, {}, &Snapshot::t_s);
+  return later == request.snapshots.begin() ? request.snapshots.front().daylight : std::prev(later)->daylight;
+}
+
+}  // namespace
 
 FrameRenderer::FrameRenderer(const mjModel* model, const vision::CameraModel& camera,
                              const RenderOptions& render, const ImageParameters& image, const Pose& X_BC,
@@ -96,8 +105,9 @@ RenderedFrame FrameRenderer::Draw(const FrameRequest& request) {
   if (request.content == FrameRequest::Content::kGarbage) {
     picture.image = sensor_.Garbage({vision::WidthPx(camera_), vision::HeightPx(camera_)}, request.sequence);
   } else {
-    const ExposureSetting setting = control_.setting();
+    ExposureSetting setting = control_.setting();
     const cv::Mat bgr = Render(request, setting);
+    setting.light *= DaylightAt(request);
     picture.render_s = SecondsSince(start);
     start = std::chrono::steady_clock::now();
     picture.image = sensor_.Expose(bgr, request.sequence, setting);

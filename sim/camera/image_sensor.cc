@@ -114,9 +114,11 @@ cv::Mat ImageSensor::Expose(const cv::Mat& bgr, std::int64_t sequence, const Exp
   }
   if (linear_) {
     Develop(image, sequence, setting);
-  } else if (!byte_noise_.empty()) {
+  } else {
+    if (setting.light != 1) image.convertTo(image, -1, setting.light);
     const std::size_t length = static_cast<std::size_t>(image.cols) * image.channels();
-    for (int y = 0; y < image.rows; ++y) AddNoise(image.ptr(y), byte_noise_.Row(sequence, y, length), length);
+    for (int y = 0; y < image.rows && !byte_noise_.empty(); ++y)
+      AddNoise(image.ptr(y), byte_noise_.Row(sequence, y, length), length);
   }
   if (parameters_.jpeg_quality > 0) image = Compressed(image, parameters_.jpeg_quality);
   return image;

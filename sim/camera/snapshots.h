@@ -18,6 +18,7 @@ namespace kestrel::sim {
 struct Snapshot {
   double t_s = 0;
   std::vector<mjtNum> qpos, mocap_pos, mocap_quat;
+  double daylight = 1;       // as a multiple of the usual
   std::optional<Pose> X_BC;  // of a camera on a platform; none: it is where it was mounted
   std::optional<Pose> X_NC;  // of a camera that is not on the aircraft
 };

@@ -63,7 +63,7 @@ bool SimulatedGroundCamera::Blocked(double t_s) const {
                      [&](const BlockedTime& b) { return t_s >= b.from_s && t_s < b.until_s; });
 }
 
-void SimulatedGroundCamera::Step(mjData* data, std::int64_t step) {
+void SimulatedGroundCamera::Step(mjData* data, std::int64_t step, double daylight) {
   step_ = step;
   const double t_s = static_cast<double>(step) * dt_s_;
   if (view_.head) {
@@ -80,6 +80,7 @@ void SimulatedGroundCamera::Step(mjData* data, std::int64_t step) {
   const auto snapshot = [&] {
     Snapshot now = SnapshotOf(model_, data, t_s);
     now.X_NC = X_NC();
+    now.daylight = daylight;
     return now;
   };
   if (clock_.Step(step, snapshot, &renderer_))

@@ -36,7 +36,7 @@ class SimulatedGroundCamera final : public vision::GroundCamera {
                         const RenderOptions& render, std::uint64_t seed, double duration_s, bool draw_beside);
 
   // After each step of the world, and at its beginning: turns the head, puts the blind where it belongs, exposes.
-  void Step(mjData* data, std::int64_t step);
+  void Step(mjData* data, std::int64_t step, double daylight);
 
   std::optional<vision::GroundFrame> Take() override;
   void Turn(const vision::PanTilt& to) override { wanted_ = {to.pan, to.tilt}; }

@@ -15,6 +15,7 @@ namespace kestrel::sim {
 struct RenderOptions {
   std::string backend = "auto";  // ray; or OpenGL by osmesa or egl; auto: ray
   std::string light = "lamps";   // what the model's lights alone make; sky: as sun and sky shine, ray alone
+  double daylight = 1;           // as a multiple of the usual
   bool shadows = false;          // of lamps: with hard edges
   int samples = 0;               // OpenGL: for each pixel, to smooth edges; 0: none
   int threads = 1;               // ray: 0: as many as the machine has cores. The picture is the same.
@@ -28,6 +29,10 @@ inline void Fields(FieldVisitor& v, RenderOptions& o) {
      "the "
      "ground, by ray"},
     o.light, {"lamps", "sky"});
+  v({"daylight",
+     "light of the world as a multiple of the usual: less under a dark cloud; cameras see it, but for an event "
+     "camera"},
+    o.daylight, 0.02, 5.0);
   v({"shadows", "whether lights cast shadows, with hard edges; light: sky has its own"}, o.shadows);
   v({"samples", "OpenGL: samples of each pixel against jagged edges; 0: none"}, o.samples, 0, 16);
   v({"threads", "ray: threads that render one image; 0: one for each core; the image is the same"}, o.threads,

@@ -9,6 +9,7 @@
 #include "geometry/pose.h"
 #include "geometry/truth.h"
 #include "sim/view/view_parameters.h"
+#include "sim/world/scene.h"
 
 namespace kestrel::sim {
 
@@ -24,7 +25,7 @@ double AircraftRadius_m(const mjModel* model);
 // Leads a view's camera by where the aircraft truly is. The same truths give the same aims, bit for bit.
 class ViewCamera {
  public:
-  // model: with a body "vehicle".
+  // model: with a body "vehicle". It must outlive it.
   ViewCamera(const mjModel* model, const ViewParameters& parameters);
 
   // In the order of time.
@@ -36,10 +37,14 @@ class ViewCamera {
     Eigen::Vector3d p;      // the aircraft, in N
     Eigen::Vector2d ahead;  // its heading
   };
+  void Begin(const Truth& truth);
   void Follow(const Truth& truth);
-  Eigen::Vector3d Ahead() const;
-  Eigen::Vector3d Tower(const Truth& truth) const;
+  ViewAim FromTower(const Eigen::Vector3d& aircraft) const;
+  // From there the aircraft is seen: nothing that stands in the world is between. Otherwise nearer.
+  Eigen::Vector3d InSight(const Eigen::Vector3d& place, const Eigen::Vector3d& aircraft) const;
 
+  const mjModel* model_;
+  DataPtr still_;  // the world without what moves
   ViewParameters parameters_;
   double radius_m_, distance_m_;
   std::optional<Followed> followed_;

@@ -62,7 +62,7 @@ inline void Fields(FieldVisitor& v, GroundPhotoParameters& p) {
 struct WorldAdditions {
   std::vector<MeshParameters> meshes;  // their files as found
   std::optional<GroundPhotoParameters> ground_photo;
-  bool endless = false;  // the plane "ground" reaches to the horizon, with the world's haze
+  bool endless = false;  // the plane "ground" reaches 50 km to each side: to the horizon
 };
 
 // For the compiler of MuJoCo: an element <mujoco>, and the files that it names. The pictures are still to be

@@ -33,6 +33,7 @@ constexpr double kOccluderClearance_m = 0.03;
 constexpr double kOccluderThickness_m = 0.004;
 constexpr double kOutOfSight_m = 100;  // below the ground
 constexpr double kBlindHalf_m = 1.5;
+constexpr double kEndless_m = 50e3;  // a plane without an end MuJoCo, and we, draw to some 350 m
 constexpr std::size_t kMaxMjcfBytes = 1u << 24;
 
 // Red, green and blue of a lamp of this hue, 0 to 1.
@@ -262,7 +263,7 @@ void AppendAdditions(pugi::xml_node model, const WorldAdditions& additions, cons
   pugi::xml_node ground = model.select_node("worldbody/geom[@name='ground']").node();
   if (!additions.endless || !ground) return;
   if (!ground.attribute("size")) ground.append_attribute("size");
-  ground.attribute("size") = "0 0 1";
+  ground.attribute("size") = fmt::format("{0} {0} 1", kEndless_m).c_str();
 }
 
 struct Part {

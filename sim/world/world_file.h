@@ -23,8 +23,7 @@ struct WorldFile {
 inline void Fields(FieldVisitor& v, WorldFile& w) {
   v({"model", "MJCF file that the world is made from; empty: the landscape that the other keys make"},
     w.model);
-  v({"endless", "whether the plane \"ground\" of the model reaches to the horizon, with the model's haze"},
-    w.endless);
+  v({"endless", "whether the plane \"ground\" of the model reaches to the horizon"}, w.endless);
   Fields(v, w.landscape);
   v({"meshes", "things from files that stand in the world"}, w.meshes);
   v({"ground_photo", "photo or orthophoto that lies on the ground; null: none"}, w.ground_photo);

@@ -218,6 +218,17 @@ class Misuse(unittest.TestCase):
         with self.assertRaisesRegex(kestrel.SimError, "tired"):
             sim.step()
 
+    def test_changes_that_cannot_be_made(self):
+        sim = kestrel.Sim("hover", overrides=SHORT)
+        sim.reset()
+        sim.change("wind.mean_m_s", 6)
+        sim.change("sensors.faults", [{"component": "gps", "type": "off"}])
+        with self.assertRaisesRegex(kestrel.SimError, "wind.mean_m_s: 60 is out of range; valid: 0 to 20"):
+            sim.change("wind.mean_m_s", 60)
+        with self.assertRaisesRegex(kestrel.SimError, "not among what this scenario lets change"):
+            sim.change("seed", 3)
+        sim.step()
+
     def test_setpoints_that_are_no_numbers(self):
         with self.assertRaisesRegex(ValueError, "Velocity: vy is nan"):
             kestrel.Velocity(0, math.nan, 0)

@@ -30,10 +30,14 @@ CarriedCamera::CarriedCamera(const mjModel* model, const CarriedCameraParameters
                                                                  options.surfaces, options.draw_beside)
                                : nullptr) {}
 
-void CarriedCamera::Step(const mjData* data, std::int64_t step, const Pose& X_NB) {
+void CarriedCamera::Step(const mjData* data, std::int64_t step, const Pose& X_NB, double daylight) {
   step_ = step;
   const double t_s = static_cast<double>(step) * dt_s_;
-  const auto snapshot = [&] { return SnapshotOf(model_, data, t_s); };
+  const auto snapshot = [&] {
+    Snapshot now = SnapshotOf(model_, data, t_s);
+    now.daylight = daylight;
+    return now;
+  };
   if (!clock_.Step(step, snapshot, renderer_.get())) return;
   const Pose X_NC = X_NB * X_BC_;
   exposures_.push_back(vibration_.still() ? X_NC : X_NC * vibration_.At(t_s));

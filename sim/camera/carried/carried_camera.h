@@ -56,7 +56,7 @@ class CarriedCamera {
                 std::uint64_t seed, double duration_s, const CarriedCameraOptions& options);
 
   // After each step of the world, and at its beginning. X_NB: the truth after it.
-  void Step(const mjData* data, std::int64_t step, const Pose& X_NB);
+  void Step(const mjData* data, std::int64_t step, const Pose& X_NB, double daylight);
 
   // The earliest frame that has come and was not taken yet, waiting for its image; none: there is none.
   std::optional<CameraFrame> Take();

@@ -35,23 +35,22 @@ HWY_INLINE VF Noise(VF x, VF y) {
 }
 
 // What the brightness of the ground is multiplied by. x, y: m, in the world; footprint: width of a pixel on
-// it, m; green: 0 to 1.
-HWY_INLINE VF Grain(VF x, VF y, VF footprint, VF green) {
+// it, m; growth: 0 of stone to 1 of grass.
+HWY_INLINE VF Grain(VF x, VF y, VF footprint, VF growth) {
   struct Octave {
     float width_m, grass, other;
   };
-  constexpr Octave kOctaves[] = {{2.1f, 0.07f, 0.03f},
-                                 {0.7f, 0.09f, 0.03f},
-                                 {0.23f, 0.11f, 0.03f},
-                                 {0.08f, 0.14f, 0.03f},
-                                 {0.028f, 0.17f, 0.04f}};
+  // The widest are what a picture that repeats lacks.
+  constexpr Octave kOctaves[] = {{47, 0.08f, 0},         {13, 0.09f, 0.01f},    {4.3f, 0.05f, 0.02f},
+                                 {1.7f, 0.06f, 0.03f},   {0.6f, 0.09f, 0.03f},  {0.21f, 0.11f, 0.03f},
+                                 {0.075f, 0.14f, 0.03f}, {0.027f, 0.17f, 0.04f}};
   VF sum = F(1);
   for (const Octave& o : kOctaves) {
     // An octave fades before it is finer than a pixel.
     const VF seen =
         hn::Min(hn::Max(hn::MulAdd(footprint, F(-1.6f / o.width_m), F(1.4f)), hn::Zero(df)), F(1));
     if (hn::AllTrue(df, hn::Le(seen, hn::Zero(df)))) break;
-    const VF strength = hn::Mul(seen, hn::MulAdd(green, F(o.grass - o.other), F(o.other)));
+    const VF strength = hn::Mul(seen, hn::MulAdd(growth, F(o.grass - o.other), F(o.other)));
     // Each turned against the one before, so that no lattice shows.
     const float c = o.width_m > 0.5f ? 0.86f : 0.42f, s = o.width_m > 0.5f ? 0.51f : 0.91f,
                 per = 1 / o.width_m;

@@ -107,7 +107,7 @@ Sun MakeSun(const Slice& slice) {
   sun.across = sun.towards.unitOrthogonal();
   sun.down = sun.towards.cross(sun.across);
   // Lamps that cast no shadows of their own are many, and wide.
-  sun.radius = light.shadows ? 0.012f : 0.25f;
+  sun.radius = light.shadows ? 0.007f : 0.25f;
   sun.colour = light.diffuse;
   return sun;
 }
@@ -186,6 +186,8 @@ struct alignas(64) Packet {
   VF glow;       // of the surface itself
   VF baked;      // 1: its light is painted in
   VF sheet;      // 1: ground
+  VI thing;
+  VF sun, sky;  // the shares of them that are seen
   Ball ball;
 };
 
@@ -200,6 +202,7 @@ void Meet(const Slice& slice, const Seen& seen, std::ptrdiff_t at, Packet& packe
   const VF zero = hn::Zero(df);
   packet.glow = packet.baked = packet.sheet = zero;
   packet.n = {zero, zero, zero};
+  packet.thing = hit.thing;
   alignas(64) std::int32_t index[kLanes];
   hn::Store(hit.thing, di, index);
   const VF t = hn::IfThenElse(packet.wanted, hit.t, F(1));
@@ -289,16 +292,43 @@ VF SkySeen(const Slice& slice, const Near& near, const Packet& packet, int v) {
   return hn::NegMulAdd(hidden, F(1.0f / kRays), F(1));
 }
 
+// Four pixels that lie together have looked at different places of sun and sky: what they have in common.
+void ShareLight(Packet& upper, Packet& lower) {
+  const auto beside = [](VF v) { return hn::Shuffle2301(v); };
+  const auto turned = [&](const Packet& of) {
+    Packet p = of;
+    p.n = {beside(of.n.x), beside(of.n.y), beside(of.n.z)};
+    p.thing = hn::Shuffle2301(of.thing);
+    p.sun = beside(of.sun), p.sky = beside(of.sky);
+    return p;
+  };
+  const Packet all[4] = {upper, turned(upper), lower, turned(lower)};
+  const auto mean = [&](const Packet& own, Packet& to) {
+    VF count = hn::Zero(df), sun = count, sky = count;
+    for (const Packet& other : all) {
+      const MF same =
+          hn::And(hn::RebindMask(df, hn::Eq(own.thing, other.thing)), hn::Gt(Dot(own.n, other.n), F(0.8f)));
+      count = hn::Add(count, hn::IfThenElseZero(same, F(1)));
+      sun = hn::Add(sun, hn::IfThenElseZero(same, other.sun));
+      sky = hn::Add(sky, hn::IfThenElseZero(same, other.sky));
+    }
+    const MF some = hn::Gt(count, hn::Zero(df));
+    to.sun = hn::IfThenElse(some, hn::Div(sun, count), own.sun);
+    to.sky = hn::IfThenElse(some, hn::Div(sky, count), own.sky);
+  };
+  mean(all[0], upper);
+  mean(all[2], lower);
+}
+
 // What the drawn colours are multiplied by.
-Colours Relight(const Slice& slice, const Sun& sun, const Near& near, const Packet& packet, int v) {
+Colours Relight(const Slice& slice, const Sun& sun, const Packet& packet) {
   const VF one = F(1), zero = hn::Zero(df);
-  const VF sun_seen = SunSeen(slice, sun, near, packet, v), sky_seen = SkySeen(slice, near, packet, v);
   const Vec3 up = Load3(slice.placement->R_MC + 6);
   // From below comes what the ground throws back; painted light has that in it.
   const VF above =
       hn::MulAdd(hn::MulAdd(Dot(packet.n, up), F(0.2f), F(-0.2f)), hn::Sub(one, packet.baked), one);
   const VF cosine = hn::Max(Dot(packet.n, Load3(sun.towards.data())), zero);
-  const VF sky = hn::Mul(above, sky_seen), direct = hn::Mul(cosine, sun_seen);
+  const VF sky = hn::Mul(above, packet.sky), direct = hn::Mul(cosine, packet.sun);
   Eigen::Vector3f ambient = Eigen::Vector3f::Zero();
   for (const ray::Light& light : slice.things->lights) ambient += light.ambient;
   const auto channel = [&](int c) {
@@ -309,10 +339,12 @@ Colours Relight(const Slice& slice, const Sun& sun, const Near& near, const Pack
   return {channel(0), channel(1), channel(2)};
 }
 
-// How green a colour is, 0 to 1.
-HWY_INLINE VF Green(const Colours& c) {
-  const VF most = hn::Max(c.r, c.b);
-  return hn::Min(hn::Max(hn::Div(hn::Mul(hn::Sub(c.g, most), F(6)), hn::Max(c.g, F(1))), hn::Zero(df)), F(1));
+// How much like plants and soil a colour is, and not like stone or water, 0 to 1.
+HWY_INLINE VF Growth(const Colours& c) {
+  const VF most = hn::Max(hn::Max(c.r, c.g), F(1)), least = hn::Min(c.b, hn::Min(c.r, c.g));
+  const VF pure = hn::Div(hn::Sub(most, least), most);
+  return hn::IfThenElseZero(hn::Lt(c.b, c.g),
+                            hn::Min(hn::Max(hn::MulAdd(pure, F(4), F(-0.5f)), hn::Zero(df)), F(1)));
 }
 
 void Apply(const Slice& slice, const Packet& packet, const Colours& light, const Canvas& canvas, int v,
@@ -332,7 +364,7 @@ void Apply(const Slice& slice, const Packet& packet, const Colours& light, const
     const VF distance = LengthOf(packet.p),
              slope = hn::Max(hn::Abs(hn::Div(Dot(packet.n, packet.p), distance)), F(0.02f));
     const VF footprint = hn::Div(hn::Mul(distance, F(slice.lens->pixel_rad)), hn::Sqrt(slope));
-    grain = hn::IfThenElse(ground, Grain(p_M.x, p_M.y, footprint, Green(colour)), grain);
+    grain = hn::IfThenElse(ground, Grain(p_M.x, p_M.y, footprint, Growth(colour)), grain);
   }
   // Nothing changes suddenly at the end.
   const VF near = hn::Min(hn::Max(hn::MulAdd(LengthOf(packet.p), F(-4 / kEnd_m), F(4)), hn::Zero(df)), F(1));
@@ -390,12 +422,26 @@ void LightRowsImpl(const Slice& slice, int begin, int end, const Canvas& canvas)
     }
     if (tile.radius < 0) continue;
     FindNear(slice, balls, sun, tile, all, of_tile);
+    const auto at = [&](int v, int k) -> Packet& {
+      return packets[static_cast<std::size_t>((v - begin) * kPackets + k)];
+    };
     for (int v = begin; v < end; ++v) {
       for (int k = 0; k < kPackets; ++k) {
-        const Packet& packet = packets[static_cast<std::size_t>((v - begin) * kPackets + k)];
+        Packet& packet = at(v, k);
+        packet.sun = packet.sky = F(1);
         if (packet.ball.radius < 0) continue;
         FindNear(slice, balls, sun, packet.ball, of_tile, of_packet);
-        Apply(slice, packet, Relight(slice, sun, of_packet, packet, v), canvas, v, u0 + k * kLanes);
+        packet.sun = SunSeen(slice, sun, of_packet, packet, v);
+        packet.sky = SkySeen(slice, of_packet, packet, v);
+      }
+    }
+    for (int v = begin; v < end; ++v) {
+      for (int k = 0; k < kPackets; ++k) {
+        Packet& packet = at(v, k);
+        if (packet.ball.radius < 0) continue;
+        if (v % 2 == 0 || v == begin)
+          ShareLight(packet, v + 1 < end && at(v + 1, k).ball.radius >= 0 ? at(v + 1, k) : packet);
+        Apply(slice, packet, Relight(slice, sun, packet), canvas, v, u0 + k * kLanes);
       }
     }
   }

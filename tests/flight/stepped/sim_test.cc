@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "flight/stepped/sim.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -41,6 +43,41 @@ TEST(Sim, WithTheMissionsSetpointsFliesTheFlightOfARun) {
   EXPECT_EQ(stepped.image_hash, flown.image_hash);
   EXPECT_EQ(stepped.metrics, flown.metrics);
   EXPECT_EQ(stepped.outcome, flown.outcome);
+}
+
+TEST(Sim, ChangedByHandFliesTheFlightOfARunByItsFile) {
+  const SimOptions options = Short();
+  Sim sim("landing", options);
+  EXPECT_THAT([&] { sim.Change("wind.mean_m_s", "7"); },
+              ThrowsMessage<SimError>(HasSubstr("call reset first")));
+  sim.Reset();
+  EXPECT_THAT([&] { sim.Change("pilot.servo.lambda_per_s", "0.5"); },
+              ThrowsMessage<SimError>(HasSubstr("nobody flies by the scenario's own mission")));
+  for (int frame = 0; !sim.done(); ++frame) {
+    const mission::Decision& decision = sim.Decide();
+    if (frame == 8) sim.Change("wind.mean_m_s", "7");
+    if (frame == 15) sim.Change("pilot.servo.lambda_per_s", "0.5");
+    sim.Step(decision.setpoint, decision.aid);
+  }
+  EXPECT_THAT([&] { sim.Change("wind.mean_m_s", "7"); }, ThrowsMessage<SimError>(HasSubstr("after the end")));
+  ASSERT_EQ(sim.flown().changes.size(), 2u);
+  std::vector<std::string> made;
+  for (const flight::ChangeKeys& change : sim.flown().changes)
+    made.push_back(
+        fmt::format("{{at_s: {}, key: {}, value: {}}}", change.at_s, change.key, change.value.text));
+  SimOptions again = options;
+  again.overrides.push_back(fmt::format("changes=[{}]", fmt::join(made, ", ")));
+  const records::Summary changed = sim.Summarise(), flown = Flown(again);
+  EXPECT_EQ(changed.state_hash, flown.state_hash);
+  EXPECT_EQ(changed.image_hash, flown.image_hash);
+  EXPECT_NE(changed.state_hash, Flown(options).state_hash);
+  Sim from_keys("landing", again);
+  from_keys.Reset();
+  while (!from_keys.done()) {
+    const mission::Decision& decision = from_keys.Decide();
+    from_keys.Step(decision.setpoint, decision.aid);
+  }
+  EXPECT_EQ(from_keys.Summarise().state_hash, flown.state_hash);
 }
 
 TEST(Sim, BeginsAgainWithAnotherSeedAsIfItWereNew) {

@@ -268,12 +268,19 @@ TEST_F(Additions, ALargePhotoKeepsItsResolution) {
   }
 }
 
-TEST_F(Additions, TheGroundOfAModelMayBeEndless) {
+// From 40 m the edge of the world's plane lies 11 degrees below the horizontal, of an endless one 0.05.
+TEST_F(Additions, TheGroundOfAModelMayReachToTheHorizon) {
+  const Pose X_NC = LookingFrom({0, 0, -40}, 0, 0);
+  const auto is_ground = [&](double down_deg, double right_deg) {
+    const cv::Mat image = Seen(X_NC);
+    return At(image, X_NC, {1, std::tan(Radians(right_deg)), std::tan(Radians(down_deg)) - 40})[0] > 30;
+  };
+  EXPECT_FALSE(is_ground(1, 0));
   p_.additions.endless = true;
-  const ModelPtr model = MakeModel(p_);
-  const int ground = mj_name2id(model.get(), mjOBJ_GEOM, "ground");
-  EXPECT_EQ(model->geom_size[3 * ground], 0);
-  EXPECT_EQ(model->geom_size[3 * ground + 1], 0);
+  for (const double right_deg : {-25, 0, 25}) {
+    EXPECT_TRUE(is_ground(0.5, right_deg)) << right_deg;
+    EXPECT_FALSE(is_ground(-0.5, right_deg)) << right_deg;
+  }
 }
 
 TEST_F(Additions, AreRefusedWithTheirNameAndARemedy) {
