@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/diagnostics.h"
+#include "vision/drawn_colours.h"
 
 namespace kestrel::mission {
 namespace {
@@ -65,7 +66,7 @@ void BalloonObserver::Draw(cv::Mat& bgr) const {
   for (const Eigen::Vector2d& p : vision::DrawOutline(camera_, *seen_->cone, 90))
     outline.emplace_back(static_cast<int>(std::lround(16 * p.x())),
                          static_cast<int>(std::lround(16 * p.y())));
-  cv::polylines(bgr, outline, true, {255, 220, 0}, 2, cv::LINE_AA, 4);
+  cv::polylines(bgr, outline, true, vision::kFixColour, 2, cv::LINE_AA, 4);
 }
 
 TargetState BalloonObserver::target_state() const {

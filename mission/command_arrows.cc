@@ -4,7 +4,8 @@
 #include <algorithm>
 #include <opencv2/imgproc.hpp>
 
-#include "mission/caption.h"
+#include "mission/caption/caption.h"
+#include "vision/drawn_colours.h"
 
 namespace kestrel::mission {
 namespace {
@@ -17,10 +18,10 @@ void Arrow(cv::Mat& bgr, const char* name, cv::Point2d from, cv::Point2d whole, 
   const double length = cv::norm(to - from);
   if (length >= 1) {
     const double tip = std::min(0.9, 9 / length);
-    cv::arrowedLine(bgr, from, to, {0, 0, 0}, 5, cv::LINE_AA, 0, tip);
-    cv::arrowedLine(bgr, from, to, {120, 255, 120}, 2, cv::LINE_AA, 0, tip);
+    cv::arrowedLine(bgr, from, to, {255, 255, 255}, 5, cv::LINE_AA, 0, tip);
+    cv::arrowedLine(bgr, from, to, vision::kSetpointColour, 3, cv::LINE_AA, 0, tip);
   }
-  CaptionAt(bgr, from + cv::Point2d(-18, bgr.rows / 12.0 + 16), name);
+  NameMark(bgr, from + cv::Point2d(-18, bgr.rows / 12.0 + 16), name);
 }
 
 }  // namespace

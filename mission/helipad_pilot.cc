@@ -11,7 +11,7 @@
 
 #include "base/stopwatch.h"
 #include "geometry/tait_bryan.h"
-#include "mission/caption.h"
+#include "vision/drawn_colours.h"
 #include "vision/landmark/pad_drawing.h"
 
 namespace kestrel::mission {
@@ -119,24 +119,25 @@ control::Setpoint HelipadPilot::GrowingSquare(const control::VehicleState& state
   return waypoint_;
 }
 
-void HelipadPilot::Draw(cv::Mat& bgr, std::string_view phase) const {
-  const cv::Scalar kTracked(0, 200, 255), kInlier(80, 255, 80);
-  vision::DrawPoints(bgr, camera_, view_, tracker_.tracked_points(), 2, kTracked);
-  if (seen_) {
-    vision::DrawPoints(bgr, camera_, view_, tracker_.inlier_points(), 3, kInlier);
-    vision::DrawOutlineAndAxes(bgr, camera_, seen_->X_CT, tracker_.reference().Outline());
-  }
-  Caption(bgr, 0, fmt::format("{}{}", phase, fix_ ? "" : "   pad lost"));
+void HelipadPilot::Draw(cv::Mat& bgr) const {
+  vision::DrawPoints(bgr, camera_, view_, tracker_.tracked_points(), 2, vision::kPointColour);
+  if (!seen_) return;
+  vision::DrawPoints(bgr, camera_, view_, tracker_.inlier_points(), 3, vision::kFixColour);
+  vision::DrawOutlineAndAxes(bgr, camera_, seen_->X_CT, tracker_.reference().Outline());
+}
+
+std::vector<Caption> HelipadPilot::Captions(std::string_view phase) const {
+  std::vector<Caption> captions = {{std::string(phase)}};
+  if (!fix_) captions.push_back({"pad lost", true});
   if (fix_) {
-    Caption(bgr, 1,
-            fmt::format("x {:+.2f}  y {:+.2f}  z {:+.2f} m   yaw {:+.1f} deg", fix_->p_TB.x(), fix_->p_TB.y(),
-                        fix_->p_TB.z(), Degrees(fix_->yaw_TB)));
-    Caption(bgr, 2,
-            fmt::format("{} inliers  {:.2f} px  {:.0f} % of the pad", fix_->inliers, fix_->residual_px,
-                        100 * std::min(1.0, fix_->visible)));
+    captions.push_back({fmt::format("x {:+.2f}  y {:+.2f}  z {:+.2f} m  yaw {:+.1f} deg", fix_->p_TB.x(),
+                                    fix_->p_TB.y(), fix_->p_TB.z(), Degrees(fix_->yaw_TB))});
+    captions.push_back({fmt::format("{} inliers, {:.2f} px, over {:.0f} % of the pad", fix_->inliers,
+                                    fix_->residual_px, 100 * std::min(1.0, fix_->visible))});
   } else if (estimate_) {
-    Caption(bgr, 1, fmt::format("last seen {:.1f} s ago", estimate_->age_s));
+    captions.push_back({fmt::format("last seen {:.1f} s ago", estimate_->age_s)});
   }
+  return captions;
 }
 
 }  // namespace kestrel::mission

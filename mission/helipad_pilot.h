@@ -86,7 +86,8 @@ class HelipadPilot final : public Pilot {
   // Not HasEstimate(): the next move of the search. None: given up.
   std::optional<control::Setpoint> Search(const control::VehicleState& state) override;
 
-  void Draw(cv::Mat& bgr, std::string_view phase) const override;  // on a frame as the camera gives it
+  void Draw(cv::Mat& bgr) const override;
+  std::vector<Caption> Captions(std::string_view phase) const override;
 
  private:
   control::Setpoint GrowingSquare(const control::VehicleState& state);

@@ -77,11 +77,16 @@ HorizonReport HorizonObserver::Observe(const vision::Frame& frame, const control
 }
 
 void HorizonObserver::Draw(cv::Mat& bgr) const {
-  if (!measured_) return;
-  bgr = horizon_.Draw(bgr, *measured_);
-  if (coasting_s_ > 0)
-    cv::putText(bgr, cv::format("by gyros for %.1f s", coasting_s_), {8, bgr.rows - 50},
-                cv::FONT_HERSHEY_SIMPLEX, 0.45, {255, 255, 255}, 1, cv::LINE_AA);
+  if (measured_) bgr = horizon_.Draw(bgr, *measured_);
+}
+
+std::vector<Caption> HorizonObserver::Captions(std::string_view phase) const {
+  std::vector<Caption> captions = {{std::string(phase)}};
+  if (!measured_) return captions;
+  for (const std::string& words : horizon_.Words(*measured_))
+    captions.push_back({words, words.starts_with("no ")});
+  if (coasting_s_ > 0) captions.push_back({cv::format("by gyros for %.1f s", coasting_s_)});
+  return captions;
 }
 
 }  // namespace kestrel::mission

@@ -41,6 +41,7 @@ class HorizonObserver {
   std::optional<control::HorizonFilter::Estimate> Now() const { return filter_.Now(); }
   bool seen() const { return seen_; }  // an attitude, at least once
   void Draw(cv::Mat& bgr) const;
+  std::vector<Caption> Captions(std::string_view phase) const;
 
  private:
   vision::HorizonAttitude::Expected Expect(const vision::Frame& frame, const control::VehicleState& state);

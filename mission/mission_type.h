@@ -14,6 +14,7 @@
 
 #include "base/diagnostics.h"
 #include "base/yaml/fields.h"
+#include "mission/figure_text.h"
 #include "mission/helipad_pilot.h"
 #include "mission/log_row.h"
 #include "mission/metric.h"
@@ -38,8 +39,7 @@ struct MissionPlot {
   std::string file;                                          // "follow.png"
   std::function<bool(const std::vector<LogRow>&)> has_data;  // whether there is anything to draw
   // gnuplot's script that draws it (records/plot/plot_parts.h).
-  std::function<std::string(const std::filesystem::path&, const std::vector<LogRow>&,
-                            const std::string& title)>
+  std::function<std::string(const std::filesystem::path&, const std::vector<LogRow>&, const FigureText&)>
       script;
 };
 

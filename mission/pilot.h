@@ -5,10 +5,12 @@
 #include <opencv2/core.hpp>
 #include <optional>
 #include <string_view>
+#include <vector>
 
 #include "control/estimate/target_estimator.h"
 #include "control/estimate/velocity_lag.h"
 #include "control/law/pbvs.h"
+#include "mission/caption/caption.h"
 #include "mission/decision.h"
 #include "vision/camera.h"
 
@@ -29,14 +31,15 @@ class Pilot {
   virtual const control::TargetEstimator::Estimate& where() const = 0;
   // Not HasEstimate(): the next move of the search. None: given up.
   virtual std::optional<control::Setpoint> Search(const control::VehicleState& state) = 0;
-  virtual void Draw(cv::Mat& bgr, std::string_view phase) const = 0;  // on a frame as the camera gives it
+  virtual void Draw(cv::Mat& bgr) const = 0;  // on a frame as the camera gives it
+  virtual std::vector<Caption> Captions(std::string_view phase) const = 0;
   // As Mission's: the last image of a second camera, as the pilot saw it; empty: there is none.
   virtual cv::Mat ProductImage() const { return {}; }
 
+  void ChangeServo(const control::ServoGains& servo) { servo_ = servo; }
   // Servoes to a place and yaw in T. Only while HasEstimate().
   control::VelocitySetpoint GoTo(const Eigen::Vector3d& p_T, double yaw_T) const;
   // The same sideways, with a given velocity downwards.
-  void ChangeServo(const control::ServoGains& servo) { servo_ = servo; }
   control::VelocitySetpoint DescendTo(const Eigen::Vector2d& p_T, double yaw_T, double sink_m_s) const;
   control::VelocityLag MaxLag() const;  // of an autopilot that is given what GoTo and DescendTo return
 

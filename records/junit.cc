@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <pugixml.hpp>
 #include <sstream>
 
@@ -67,7 +68,8 @@ void AddRun(const Summary& run, std::vector<JunitCase>& cases) {
   for (const Criterion& c : run.criteria) {
     JunitCase& test = add(c.name);
     if (!c.passed)
-      test.failure = fmt::format("{} is {:g}; it must be at {} {:g}", c.name, c.value,
+      test.failure = fmt::format("{} {}; it must be at {} {:g}", c.name,
+                                 std::isnan(c.value) ? "was not reached" : fmt::format("is {:g}", c.value),
                                  c.at_least ? "least" : "most", c.limit);
   }
 }

@@ -152,7 +152,7 @@ Recorder::Recorder(std::filesystem::path folder, RecorderOptions options)
   std::error_code error;
   std::filesystem::create_directories(folder_ / "plots", error);
   if (error) throw std::runtime_error(fmt::format("cannot write {}: {}", folder_.string(), error.message()));
-  std::vector<std::filesystem::path> files = {"summary.json", "telemetry.csv", "video.mp4"};
+  std::vector<std::filesystem::path> files = {"page.json", "report.html", "summary.json", "telemetry.csv", "video.mp4"};
   for (const std::string& name : PlotNames()) files.push_back(std::filesystem::path("plots") / name);
   for (const mission::Flight& each : mission::Missions()) {
     const mission::MissionType& type = each.type();

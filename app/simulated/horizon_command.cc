@@ -20,6 +20,7 @@
 #include "base/file/files.h"
 #include "base/process/end_signals.h"
 #include "geometry/tait_bryan.h"
+#include "mission/caption/strip.h"
 #include "vision/horizon/horizon_attitude.h"
 #include "vision/image_file.h"
 
@@ -141,7 +142,11 @@ void HorizonCommand(const HorizonArguments& a) {
     with += m.attitude.has_value();
     csv += Row(frame->sequence, frame->t_s, m);
     if (input.still && !a.quiet) Tell(m);
-    if (out.wanted()) out.Write(horizon.Draw(frame->image, m));
+    if (out.wanted()) {
+      mission::StripText text;
+      for (const std::string& words : horizon.Words(m)) text.captions.push_back({words});
+      out.Write(mission::WithStrip(horizon.Draw(frame->image, m), text, 2));
+    }
   }
   progress.Clear();
   out.Close();

@@ -20,6 +20,7 @@
 #include "base/file/model_files.h"
 #include "base/process/end_signals.h"
 #include "base/stopwatch.h"
+#include "mission/caption/strip.h"
 #include "mission/helipad_pilot.h"
 #include "vision/image_file.h"
 #include "vision/landmark/pad_file.h"
@@ -100,7 +101,7 @@ void Follow(const TrackArguments& a, ImageInput& input, Tracked& tracked, const 
       if (drawn.channels() == 1) cv::cvtColor(drawn, drawn, cv::COLOR_GRAY2BGR);
       tracked.Draw(drawn);
       try {
-        out.Write(drawn);
+        out.Write(mission::WithStrip(drawn, {{}, {}, tracked.Captions()}, 1));
       } catch (const std::runtime_error& e) {
         broke_off = e.what();
         break;

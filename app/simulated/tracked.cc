@@ -11,8 +11,8 @@
 
 #include "base/yaml/yaml_fields.h"
 #include "geometry/tait_bryan.h"
-#include "mission/caption.h"
 #include "mission/helipad_pilot.h"
+#include "vision/drawn_colours.h"
 #include "vision/landmark/homography.h"
 #include "vision/landmark/pad_drawing.h"
 #include "vision/landmark/plane_pose.h"
@@ -143,13 +143,17 @@ std::string TrackedLandmark::Sentence() const {
 }
 
 void TrackedLandmark::Draw(cv::Mat& bgr) const {
-  vision::DrawPoints(bgr, camera_, view_, tracker_.tracked_points(), 2, {0, 200, 255});
-  if (!seen_) return mission::Caption(bgr, 0, "lost");
-  vision::DrawPoints(bgr, camera_, view_, tracker_.inlier_points(), 3, {80, 255, 80});
+  vision::DrawPoints(bgr, camera_, view_, tracker_.tracked_points(), 2, vision::kPointColour);
+  if (!seen_) return;
+  vision::DrawPoints(bgr, camera_, view_, tracker_.inlier_points(), 3, vision::kFixColour);
   vision::DrawOutlineAndAxes(bgr, camera_, seen_->X_CT, tracker_.reference().Outline());
+}
+
+std::vector<mission::Caption> TrackedLandmark::Captions() const {
+  if (!seen_) return {{"lost", true}};
   const Eigen::Vector3d& p = seen_->X_CT.p;
-  mission::Caption(bgr, 0, fmt::format("x {:+.3f}  y {:+.3f}  z {:.3f} m", p.x(), p.y(), p.z()));
-  mission::Caption(bgr, 1, fmt::format("{} inliers  {:.2f} px", seen_->inliers, seen_->residual_px));
+  return {{fmt::format("x {:+.3f}  y {:+.3f}  z {:.3f} m", p.x(), p.y(), p.z())},
+          {fmt::format("{} inliers, {:.2f} px", seen_->inliers, seen_->residual_px)}};
 }
 
 namespace {
@@ -227,13 +231,17 @@ std::string TrackedBall::Sentence() const {
 }
 
 void TrackedBall::Draw(cv::Mat& bgr) const {
-  if (!seen_->cone) return mission::Caption(bgr, 0, vision::NameOf(seen_->track.state));
+  if (!seen_->cone) return;
   std::vector<cv::Point> outline;
   for (const Eigen::Vector2d& p : vision::DrawOutline(camera_, *seen_->cone, 90))
     outline.emplace_back(static_cast<int>(std::lround(16 * p.x())),
                          static_cast<int>(std::lround(16 * p.y())));
-  cv::polylines(bgr, outline, true, {255, 220, 0}, 2, cv::LINE_AA, 4);
-  mission::Caption(bgr, 0, Sentence());
+  cv::polylines(bgr, outline, true, vision::kFixColour, 2, cv::LINE_AA, 4);
+}
+
+std::vector<mission::Caption> TrackedBall::Captions() const {
+  if (!seen_->cone) return {{vision::NameOf(seen_->track.state), true}};
+  return {{Sentence()}};
 }
 
 }  // namespace kestrel::app

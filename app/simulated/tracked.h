@@ -10,6 +10,7 @@
 
 #include "base/diagnostics.h"
 #include "base/yaml/fields.h"
+#include "mission/caption/caption.h"
 #include "vision/camera/camera_model.h"
 #include "vision/camera/views.h"
 #include "vision/landmark/pad_tracker.h"
@@ -39,6 +40,7 @@ class TrackedLandmark {
   std::string Row() const;           // of the last image
   std::string Sentence() const;
   void Draw(cv::Mat& bgr) const;
+  std::vector<mission::Caption> Captions() const;
 
  private:
   vision::CameraModel camera_;
@@ -73,6 +75,7 @@ class TrackedBall {
   std::string Row() const;
   std::string Sentence() const;
   void Draw(cv::Mat& bgr) const;
+  std::vector<mission::Caption> Captions() const;
 
  private:
   vision::CameraModel camera_;

@@ -59,7 +59,8 @@ class CircleMission final : public mission::Mission {
   bool Accomplished() const override { return around_; }
   mission::TargetNeed Target() const override { return mission::TargetNeed::kInSight; }
   control::VelocityLag MaxLag() const override { return pilot_.MaxLag(); }
-  void Draw(cv::Mat& bgr) const override { pilot_.Draw(bgr, phase_); }
+  void Draw(cv::Mat& bgr) const override { pilot_.Draw(bgr); }
+  std::vector<mission::Caption> Captions() const override { return pilot_.Captions(phase_); }
 
  private:
   CircleFlight flight_;
@@ -89,7 +90,7 @@ bool Circles(const std::vector<mission::LogRow>& rows) {
 
 // The path over the pad from above, with the circle that was to be flown: a script of gnuplot.
 std::string PathPlot(const std::filesystem::path& file, const std::vector<mission::LogRow>& rows,
-                     const std::string& title) {
+                     const mission::FigureText& figure) {
   std::string text = "$path << END\n";
   for (const mission::LogRow& row : rows) {
     const Eigen::Vector3d p_TB = row.now.X_NT.Inverse() * row.now.X_NB.p;
@@ -104,7 +105,7 @@ std::string PathPlot(const std::filesystem::path& file, const std::vector<missio
              "set title {}\nset size ratio -1\nset xlabel 'y of the pad (m)'\n"
              "set ylabel 'x of the pad (m)'\nset key top right\n"
              "plot $path with {} title 'truth', $goals with points pt 7 ps 0.4 title 'goal'\n",
-             records::GnuplotQuoted(title), records::kTruthStyle) +
+             records::GnuplotQuoted(figure.title), records::kTruthStyle) +
          records::EndFigure();
 }
 

@@ -10,7 +10,8 @@
 #include <utility>
 
 #include "geometry/tait_bryan.h"
-#include "mission/caption.h"
+#include "mission/caption/strip.h"
+#include "vision/drawn_colours.h"
 
 namespace kestrel::mission {
 namespace {
@@ -139,7 +140,7 @@ cv::Mat GroundObserver::Drawn() const {
   const auto at = [](const Eigen::Vector2d& uv) {
     return cv::Point(static_cast<int>(std::lround(uv.x())), static_cast<int>(std::lround(uv.y())));
   };
-  for (const vision::LightSpot& spot : spots_) cv::circle(bgr, at(spot.centre), 7, {0, 200, 255}, 1);
+  for (const vision::LightSpot& spot : spots_) cv::circle(bgr, at(spot.centre), 7, vision::kFixColour, 1);
   if (X_CB_) {
     constexpr double kAxis_m = 0.35;
     const auto origin = vision::Project(sight_.camera, X_CB_->p);
@@ -152,8 +153,7 @@ cv::Mat GroundObserver::Drawn() const {
       if (const auto uv = vision::Project(sight_.camera, *X_CB_ * light.position_m))
         cv::drawMarker(bgr, at(*uv), {255, 255, 255}, cv::MARKER_CROSS, 5, 1);
   }
-  Caption(bgr, 0, fmt::format("camera on the ground: {}", NameOf(state_)));
-  return bgr;
+  return WithStrip(bgr, {fmt::format("camera on the ground: {}", NameOf(state_)), {}, {}}, 1);
 }
 
 }  // namespace kestrel::mission

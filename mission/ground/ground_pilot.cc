@@ -9,7 +9,6 @@
 
 #include "base/stopwatch.h"
 #include "geometry/tait_bryan.h"
-#include "mission/caption.h"
 
 namespace kestrel::mission {
 namespace {
@@ -177,17 +176,23 @@ std::optional<control::Setpoint> GroundPilot::Search(const control::VehicleState
   return *stay_;
 }
 
-void GroundPilot::Draw(cv::Mat& bgr, std::string_view phase) const {
+void GroundPilot::Draw(cv::Mat& bgr) const {
+  if (board_) board_->Draw(bgr);
+}
+
+std::vector<Caption> GroundPilot::Captions(std::string_view phase) const {
+  std::vector<Caption> captions;
   if (board_) {
-    board_->Draw(bgr, phase);
+    captions = board_->Captions(phase);
   } else {
-    Caption(bgr, 0, fmt::format("{}   (not flown by this camera)", phase));
+    captions = {{std::string(phase)}, {"not flown by this camera"}};
     if (fix_)
-      Caption(bgr, 1,
-              fmt::format("by the ground: x {:+.2f}  y {:+.2f}  z {:+.2f} m   yaw {:+.1f} deg",
-                          fix_->p_TB.x(), fix_->p_TB.y(), fix_->p_TB.z(), Degrees(fix_->yaw_TB)));
+      captions.push_back(
+          {fmt::format("by the ground: x {:+.2f}  y {:+.2f}  z {:+.2f} m  yaw {:+.1f} deg", fix_->p_TB.x(),
+                       fix_->p_TB.y(), fix_->p_TB.z(), Degrees(fix_->yaw_TB))});
   }
-  Caption(bgr, 3, fmt::format("ground {}", report_.state));
+  captions.push_back({fmt::format("ground {}", report_.state)});
+  return captions;
 }
 
 }  // namespace kestrel::mission

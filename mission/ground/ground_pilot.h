@@ -41,7 +41,8 @@ class GroundPilot final : public Pilot {
   // Stays where it last knew its place, by the autopilot's own navigation, while the head of the mast looks for
   // it; hybrid, it searches for the pad.
   std::optional<control::Setpoint> Search(const control::VehicleState& state) override;
-  void Draw(cv::Mat& bgr, std::string_view phase) const override;
+  void Draw(cv::Mat& bgr) const override;
+  std::vector<Caption> Captions(std::string_view phase) const override;
   cv::Mat ProductImage() const override { return observer_.Drawn(); }
 
   const GroundReport& report() const { return report_; }  // of the last frame

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mission/mosaic/mosaic_mission.h"
 
-#include "mission/caption.h"
 #include "mission/mosaic/mosaic_records.h"
 #include "mission/mosaic/mosaic_report.h"
 #include "mission/path/path_records.h"
@@ -41,9 +40,11 @@ class MosaicMission final : public Mission {
   }
   bool Accomplished() const override { return made_; }
   TargetNeed Target() const override { return TargetNeed::kNone; }
-  void Draw(cv::Mat& bgr) const override {
-    Caption(bgr, 0, std::string(phase_));
-    mosaic_.Draw(bgr);
+  void Draw(cv::Mat&) const override {}
+  std::vector<Caption> Captions() const override {
+    std::vector<Caption> captions = mosaic_.Captions();
+    captions.insert(captions.begin(), {std::string(phase_)});
+    return captions;
   }
   cv::Mat ProductImage() const override { return mosaic_.ProductImage(); }
   void WriteProducts(const std::filesystem::path& folder) const override { mosaic_.WriteProducts(folder); }

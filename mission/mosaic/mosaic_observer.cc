@@ -6,7 +6,6 @@
 #include <chrono>
 
 #include "base/stopwatch.h"
-#include "mission/caption.h"
 #include "mission/mosaic/mosaic_view.h"
 #include "vision/enhance/canvas/geotiff.h"
 #include "vision/write_image.h"
@@ -83,12 +82,11 @@ void MosaicObserver::Fill(MosaicReport& report) const {
   report.keyframes = mosaic_.keyframes(), report.loops = mosaic_.loops();
 }
 
-void MosaicObserver::Draw(cv::Mat& bgr) const {
-  if (!last_) return;
-  Caption(bgr, 1,
-          fmt::format("image {} of {}: {}   {} places agree, {:.2f} px", offered(), images_,
-                      vision::NameOf(last_->state), last_->agreed, last_->rms_px));
-  Caption(bgr, 2, fmt::format("{} keyframes   {} loops", mosaic_.keyframes(), mosaic_.loops()));
+std::vector<Caption> MosaicObserver::Captions() const {
+  if (!last_) return {};
+  return {{fmt::format("image {} of {}: {}", offered(), images_, vision::NameOf(last_->state))},
+          {fmt::format("{} places agree, {:.2f} px", last_->agreed, last_->rms_px)},
+          {fmt::format("{} keyframes, {} loops", mosaic_.keyframes(), mosaic_.loops())}};
 }
 
 cv::Mat MosaicObserver::ProductImage() const {

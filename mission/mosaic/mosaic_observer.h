@@ -10,6 +10,7 @@
 
 #include "base/yaml/fields.h"
 #include "control/estimate/state_history.h"
+#include "mission/caption/caption.h"
 #include "mission/mosaic/mosaic_report.h"
 #include "vision/camera.h"
 #include "vision/enhance/mosaic/mosaic.h"
@@ -52,7 +53,7 @@ class MosaicObserver {
   int placed() const { return placed_; }
   void Fill(MosaicReport& report) const;  // what is counted
 
-  void Draw(cv::Mat& bgr) const;
+  std::vector<Caption> Captions() const;
   cv::Mat ProductImage() const;  // as mission::Mission's
   // mosaic.png; mosaic_growth.png, its stills at every hundredth image; of the ground with poses mosaic.tif, a
   // GeoTIFF, where this build can write one.

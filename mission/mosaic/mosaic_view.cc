@@ -5,7 +5,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "mission/caption.h"
+#include "mission/caption/caption.h"
 
 namespace kestrel::mission {
 namespace {
@@ -49,7 +49,7 @@ cv::Mat DrawnMosaic(const vision::Mosaic& mosaic, const cv::Mat& image, cv::Size
              cv::INTER_AREA);
   inset.copyTo(drawn(cv::Rect({}, inset.size())));
   cv::rectangle(drawn, cv::Rect({}, inset.size()), kRed, 2);
-  CaptionAt(drawn, {8, size.height - 10}, caption);
+  NameMark(drawn, {8, size.height - 10}, caption);
   return drawn;
 }
 

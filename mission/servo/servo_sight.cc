@@ -6,6 +6,7 @@
 
 #include "control/law/level_camera.h"
 #include "geometry/tait_bryan.h"
+#include "vision/drawn_colours.h"
 #include "vision/landmark/homography.h"
 
 namespace kestrel::mission {
@@ -103,7 +104,7 @@ void ServoSight::Draw(cv::Mat& bgr) const {
     const auto to = on_image(view_.corners_wanted[i]), from = on_image(view_.corners[i]);
     if (!to || !from) continue;
     cv::line(bgr, *from, *to, cv::Scalar(255, 255, 255), 1, cv::LINE_AA);
-    cv::drawMarker(bgr, *to, cv::Scalar(60, 60, 255), cv::MARKER_CROSS, 16, 2, cv::LINE_AA);
+    cv::drawMarker(bgr, *to, vision::kSetpointColour, cv::MARKER_CROSS, 16, 2, cv::LINE_AA);
   }
 }
 

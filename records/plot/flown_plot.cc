@@ -18,31 +18,37 @@ Eigen::Vector3d VelocityOf(const std::optional<control::Setpoint>& setpoint) {
 
 // Columns: time; x, y and height over the pad by the camera; height by the autopilot; velocity asked for, and
 // sent; roll and pitch.
-std::string Data(const std::vector<LogRow>& rows, Span (&spans)[3]) {
-  std::string text = "$flown << END_OF_FLIGHT\n";
-  for (const LogRow& row : rows) {
-    const double t_s = row.now.t_s;
-    Eigen::Vector3d fix = Eigen::Vector3d::Constant(kNone);
-    if (const auto& seen = row.decision.fix) fix = {seen->p_TB.x(), seen->p_TB.y(), -seen->p_TB.z()};
-    const double height_m = row.heard ? -row.estimate.p_NB.z() : kNone;
-    const Eigen::Vector3d asked = VelocityOf(row.decision.setpoint), sent = VelocityOf(row.sent);
+constexpr int kSeen = 2, kHeight = 5, kAsked = 6, kSent = 9, kRoll = 12;
+struct Row {
+  Eigen::Vector3d seen = Eigen::Vector3d::Constant(kNone), asked, sent;
+  double height_m = kNone, roll_deg = kNone, pitch_deg = kNone;
+
+  explicit Row(const LogRow& row) : asked(VelocityOf(row.decision.setpoint)), sent(VelocityOf(row.sent)) {
+    if (const auto& fix = row.decision.fix) seen = {fix->p_TB.x(), fix->p_TB.y(), -fix->p_TB.z()};
+    if (!row.heard) return;
     const TaitBryan angles = TaitBryanFromRotation(row.estimate.R_NB.toRotationMatrix());
-    const double roll = row.heard ? Degrees(angles.roll) : kNone;
-    const double pitch = row.heard ? Degrees(angles.pitch) : kNone;
-    text += fmt::format("{:.4f} {:.6g} {:.6g} {:.6g} {:.6g}", t_s, fix.x(), fix.y(), fix.z(), height_m);
-    for (const Eigen::Vector3d& v : {asked, sent})
+    height_m = -row.estimate.p_NB.z();
+    roll_deg = Degrees(angles.roll), pitch_deg = Degrees(angles.pitch);
+  }
+};
+
+std::string Data(const std::vector<LogRow>& rows) {
+  std::string text = "$flown << END_OF_FLIGHT\n";
+  for (const LogRow& each : rows) {
+    const Row row(each);
+    text += fmt::format("{:.4f} {:.6g} {:.6g} {:.6g} {:.6g}", each.now.t_s, row.seen.x(), row.seen.y(),
+                        row.seen.z(), row.height_m);
+    for (const Eigen::Vector3d& v : {row.asked, row.sent})
       text += fmt::format(" {:.6g} {:.6g} {:.6g}", v.x(), v.y(), v.z());
-    text += fmt::format(" {:.6g} {:.6g}\n", roll, pitch);
-    for (const double each : {fix.x(), fix.y(), fix.z(), height_m}) spans[0].Add(each);
-    for (const Eigen::Vector3d& v : {asked, sent})
-      for (const double each : v) spans[1].Add(each);
-    spans[2].Add(roll), spans[2].Add(pitch);
+    text += fmt::format(" {:.6g} {:.6g}\n", row.roll_deg, row.pitch_deg);
   }
   return text + "END_OF_FLIGHT\n";
 }
 
+constexpr const char* kAskedStyle = "lines lw 1.2 dt (3,3) lc rgb '#009E73'";
+constexpr const char* kHeldColour = "#fbe3e3";
 std::string_view ShadeOf(const LogRow& row) {
-  return row.reaction == control::NameOf(control::Reaction::kFly) ? "#ffffff" : "#fbe3e3";
+  return row.reaction == control::NameOf(control::Reaction::kFly) ? "#ffffff" : kHeldColour;
 }
 
 }  // namespace
@@ -50,33 +56,55 @@ std::string_view ShadeOf(const LogRow& row) {
 void DrawFlownPlot(const std::filesystem::path& file, const std::vector<LogRow>& rows,
                    const std::string& title) {
   if (rows.empty()) return;
-  Span spans[3];
-  for (Span& span : spans) span.Add(0);
-  const std::string data = Data(rows, spans);
-  constexpr const char* kColours[] = {"#D55E00", "#0072B2", "#009E73"};
-  const auto line = [&](int column, int colour, const char* style, const std::string& name) {
-    return fmt::format("using 1:{} with {} lc rgb '{}' title '{}'", column, style, kColours[colour], name);
+  std::string text = Data(rows) + BeginFigure(file, 1200, 1700) +
+                     BeginPanels("layout 8,1 margins 0.09,0.97,0.045,0.93 spacing 0,0.02", title) +
+                     "set xrange " + TimeRange(rows) + "\n" + Shades(rows, ShadeOf) +
+                     "set key at screen 0.97, 0.972 right top horizontal noautotitle samplen 2\n";
+  int panels = 0;
+  const auto panel = [&](const std::string& name, double least, auto&& values, const std::string& plot) {
+    Span span;
+    for (const LogRow& row : rows)
+      for (const double value : values(Row(row))) span.Add(value);
+    if (panels == 1) text += "unset key\n";
+    text += PhaseLines(rows, panels == 0) + AxisName(name);
+    if (++panels == 8) text += "set format x '%g'\nset xlabel 'time (s)'\n";
+    text += fmt::format("set yrange {}\nplot {}\n", span.Range(least), plot);
   };
-  std::string text = data + BeginFigure(file, 1200, 1100) +
-                     BeginPanels("layout 3,1 margins 0.09,0.97,0.07,0.90 spacing 0,0.05", title) +
-                     "set xrange " + TimeRange(rows) +
-                     "\nset key inside right top horizontal noautotitle samplen 2\n";
-  const auto panel = [&](int i, const char* axis, double least) {
-    text += PhaseLines(rows, i == 0) + Shades(rows, ShadeOf) + AxisName(axis);
-    if (i == 2) text += "set format x '%g'\nset xlabel 'time (s)'\n";
-    text += fmt::format("set yrange {}\nplot $flown ", spans[i].Range(least));
+  using Values = std::vector<double>;
+  const auto using_ = [](int column, const char* style, const char* name) {
+    return fmt::format("$flown using 1:{} with {} title '{}'", column, style, name);
   };
-  const char *seen = "points pt 7 ps 0.45", *thin = "lines lw 1.2 dt (4,4)", *thick = "lines lw 1.8";
-  panel(0, "over the pad (m)", 0.5);
-  text += line(2, 0, seen, "x") + ", '' " + line(3, 1, seen, "y") + ", '' " + line(4, 2, seen, "height") +
-          ", '' using 1:5 with lines lw 1.6 lc rgb '#222222' title 'height, autopilot'\n";
-  text += "set key at graph 1, 1.13 right top horizontal noautotitle samplen 2\n";
-  panel(1, "velocity (m/s)", 0.2);
-  text += line(9, 0, thick, "forward, sent") + ", '' " + line(10, 1, thick, "right, sent") + ", '' " +
-          line(11, 2, thick, "down, sent") + ", '' " + line(6, 0, thin, "asked for") + ", '' " +
-          line(7, 1, thin, "") + ", '' " + line(8, 2, thin, "") + '\n';
-  panel(2, "roll and pitch (°)", 2.0);
-  text += line(12, 0, thick, "roll") + ", '' " + line(13, 1, thick, "pitch") + '\n';
+  // The key is that of all panels.
+  const std::string keys = fmt::format(
+      ", keyentry with {} title 'autopilot', keyentry with {} title 'sent', keyentry with {} title 'asked "
+      "for', "
+      "keyentry with boxes fs solid noborder fc rgb '{}' title 'the safety layer stood in'",
+      kEstimateStyle, kSetpointStyle, kAskedStyle, kHeldColour);
+  panel(
+      "x, forward (m)", 0.5, [](const Row& r) { return Values{r.seen.x()}; },
+      using_(kSeen, kSeenStyle, "vision fix") + keys);
+  panel(
+      "y, right (m)", 0.5, [](const Row& r) { return Values{r.seen.y()}; },
+      using_(kSeen + 1, kSeenStyle, ""));
+  panel(
+      "height (m)", 0.5,
+      [](const Row& r) {
+        return Values{r.seen.z(), r.height_m};
+      },
+      using_(kHeight, kEstimateStyle, "") + ", " + using_(kSeen + 2, kSeenStyle, ""));
+  constexpr const char* kNames[] = {"forward (m/s)", "right (m/s)", "down (m/s)"};
+  for (int i = 0; i < 3; ++i)
+    panel(
+        kNames[i], 0.2,
+        [i](const Row& r) {
+          return Values{r.asked[i], r.sent[i], 0};
+        },
+        using_(kSent + i, kSetpointStyle, "") + ", " + using_(kAsked + i, kAskedStyle, ""));
+  panel(
+      "roll (°)", 2, [](const Row& r) { return Values{r.roll_deg}; }, using_(kRoll, kEstimateStyle, ""));
+  panel(
+      "pitch (°)", 2, [](const Row& r) { return Values{r.pitch_deg}; },
+      using_(kRoll + 1, kEstimateStyle, ""));
   RunGnuplot(file, text + EndFigure());
 }
 

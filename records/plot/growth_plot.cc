@@ -23,31 +23,37 @@ bool MakesMosaic(const std::vector<LogRow>& rows) {
 }
 
 std::string GrowthPlot(const std::filesystem::path& file, const std::vector<LogRow>& rows,
-                       const std::string& title) {
+                       const mission::FigureText& figure) {
   // Columns: time, images, keyframes, loops, places that agree, their rms, moved.
   std::string text = "$growth << END_OF_GROWTH\n";
+  Span residual;
+  residual.Add(0);
   for (const LogRow& row : rows)
     if (const auto* report = ReportOf(row)) {
       const bool placed = vision::IsPlaced(report->step->state);
+      if (placed) residual.Add(report->step->rms_px);
       text += fmt::format("{:.4f} {} {} {} {} {:.4g} {:.4g}\n", row.exposure.t_s, report->placed,
                           report->keyframes, report->loops, report->step->agreed,
                           placed ? report->step->rms_px : kNone,
                           report->step->adjusted ? report->step->moved_px : kNone);
     }
-  text += "END_OF_GROWTH\n" + BeginFigure(file, 1200, 1000) +
-          BeginPanels("layout 4,1 margins 0.09,0.97,0.07,0.91 spacing 0,0.03", "The mosaic: " + title) +
-          "set xrange " + TimeRange(rows) + '\n';
+  text +=
+      "END_OF_GROWTH\n" + BeginFigure(file, 1200, 1000) +
+      BeginPanels("layout 4,1 margins 0.09,0.97,0.07,0.91 spacing 0,0.03", "The mosaic: " + figure.title) +
+      "set xrange " + TimeRange(rows) + '\n';
   text += PhaseLines(rows, false) + AxisName("images") +
           "unset key\nplot $growth using 1:2 with lines lw 1.8 lc rgb '#222222'\n";
   text += PhaseLines(rows, false) + AxisName("keyframes, loops") +
           "set key at screen 0.97, 0.965 right top horizontal noautotitle samplen 2\n"
-          "plot $growth using 1:3 with lines lw 1.8 lc rgb '#0072B2' title 'keyframes', "
-          "'' using 1:4 with lines lw 1.8 lc rgb '#D55E00' title 'loops'\nunset key\n";
+          "plot $growth using 1:3 with lines lw 1.8 lc rgb '#222222' title 'keyframes', "
+          "'' using 1:4 with lines lw 1.8 lc rgb '#882255' title 'loops'\nunset key\n";
   text += PhaseLines(rows, false) + AxisName("residual (px)") +
-          "set yrange [0:*]\nplot $growth using 1:6 with points pt 7 ps 0.4 lc rgb '#E69F00'\n";
-  text += PhaseLines(rows, false) + AxisName("moved (px)") +
-          "set format x '%g'\nset xlabel 'time (s)'\n"
-          "plot $growth using 1:7 with impulses lw 1.4 lc rgb '#009E73'\n";
+          LimitLines(figure, {"mosaic_rms_px"}, residual) +
+          fmt::format("set yrange [0:{:.6g}]\nplot $growth using 1:6 with {}\n",
+                      1.08 * std::max(residual.high, 0.5), kSeenStyle);
+  text += PhaseLines(rows, false) + AxisName("moved by the adjustment (px)") +
+          "set yrange [0:*]\nset format x '%g'\nset xlabel 'time (s)'\n"
+          "plot $growth using 1:7 with impulses lw 1.4 lc rgb '#222222'\n";
   return text + EndFigure();
 }
 

@@ -13,7 +13,7 @@
 namespace kestrel::records {
 
 const char* TargetColour(std::size_t index) {
-  static constexpr const char* kColours[] = {"#882255", "#009E73", "#CC79A7", "#7A5C00"};
+  static constexpr const char* kColours[] = {"#882255", "#7A5C00", "#56B4E9", "#999933"};
   return kColours[index % std::size(kColours)];
 }
 
@@ -61,6 +61,39 @@ std::string PhaseLines(const std::vector<LogRow>& rows, bool named) {
     text +=
         fmt::format("set label {} at first {:.4f}, graph 1.05 left tc rgb '#666666' font ',10' noenhanced\n",
                     GnuplotQuoted(name), t_s);
+  }
+  return text;
+}
+
+std::string LimitLines(const mission::FigureText& figure, const std::vector<std::string>& metrics, Span& span,
+                       bool is_signed) {
+  constexpr double kFar = 2;  // times as far as the data, from their middle or from zero
+  std::string text;
+  double words_at = 0.94;
+  for (const mission::MetricLimit& each : figure.limits) {
+    if (std::find(metrics.begin(), metrics.end(), each.metric) == metrics.end()) continue;
+    const std::string words =
+        fmt::format("{} at {} {:g}", each.metric, each.at_least ? "least" : "most", each.limit);
+    const bool any = span.low <= span.high;
+    const double reach = any ? std::max({std::abs(span.low), std::abs(span.high), span.size()}) : 0;
+    const auto label = [&](const std::string& said, const std::string& at) {
+      text += fmt::format("set label {} at {} right tc rgb '#D55E00' font ',9' noenhanced front\n",
+                          GnuplotQuoted(said), at);
+    };
+    if (any && std::abs(each.limit) > kFar * reach) {
+      label(words + ", beyond this panel", fmt::format("graph 0.995, graph {:.2f}", words_at));
+      words_at -= 0.1;
+      continue;
+    }
+    for (const double limit : {each.limit, -each.limit}) {
+      span.Add(limit);
+      text += fmt::format(
+          "set arrow from graph 0, first {0:.6g} to graph 1, first {0:.6g} nohead dt (6,4) lw 1.4 lc rgb "
+          "'#D55E00' front\n",
+          limit);
+      if (!is_signed) break;
+    }
+    label(words, fmt::format("graph 0.995, first {:.6g} offset 0,0.6", each.limit));
   }
   return text;
 }

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "mission/figure_text.h"
 #include "records/telemetry/flight_log.h"
 
 // What the figures of flights share: pieces of gnuplot's language, in one look.
@@ -18,6 +19,7 @@ constexpr double kNone = std::numeric_limits<double>::quiet_NaN();  // gnuplot l
 constexpr const char* kTruthStyle = "lines lw 1.6 lc rgb '#222222'";
 constexpr const char* kSeenStyle = "points pt 7 ps 0.6 lc rgb '#E69F00'";  // by the camera
 constexpr const char* kEstimateStyle = "lines lw 1.8 dt (8,4) lc rgb '#0072B2'";
+constexpr const char* kSetpointStyle = "lines lw 1.8 lc rgb '#009E73'";
 
 const char* TargetColour(std::size_t index);  // "#rrggbb"
 
@@ -42,6 +44,12 @@ std::string TimeRange(const std::vector<LogRow>& rows);
 // A line where each phase of the flight begins, with its name above the panel where there is room; labels and
 // arrows set before are gone.
 std::string PhaseLines(const std::vector<LogRow>& rows, bool named);
+
+// What the scenario asks of these metrics as lines across a panel, with words; where a limit lies so far off that
+// it would make the data small, the words alone. To be called after PhaseLines, and with the span of the data,
+// which grows to hold the lines. is_signed: the data are errors, and the limits of their size.
+std::string LimitLines(const mission::FigureText& figure, const std::vector<std::string>& metrics, Span& span,
+                       bool is_signed = false);
 
 // Rectangles behind a panel over time, in the colour of each row, "#rrggbb"; objects set before are gone.
 std::string Shades(const std::vector<LogRow>& rows,

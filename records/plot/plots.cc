@@ -17,13 +17,17 @@
 namespace kestrel::records {
 namespace {
 
+Eigen::Vector3d None3() { return Eigen::Vector3d::Constant(kNone); }
+
 // One frame as it is drawn; without a fix its numbers are NaN, which gnuplot leaves out.
 struct Sample {
   double t_s = 0;
-  Eigen::Vector3d truth, fix, estimate;  // x and y of the frame of the figures, height above it, m
-  Eigen::Vector3d error;                 // of the fix: x, y, z of that frame, m
+  // x and y of the frame of the figures, height above it, m
+  Eigen::Vector3d truth, fix = None3(), estimate, setpoint = None3();
+  Eigen::Vector3d error = None3();  // of the fix: x, y, z of that frame, m
   double yaw_error_deg = kNone;
-  double yaw_deg = 0, fix_yaw_deg = kNone, estimate_yaw_deg = 0;  // against that frame, without leaps
+  // Against that frame, without leaps.
+  double yaw_deg = 0, fix_yaw_deg = kNone, estimate_yaw_deg = 0, setpoint_yaw_deg = kNone;
   double distance_m = 0;
 };
 
@@ -45,16 +49,20 @@ std::vector<Sample> SamplesOf(const std::vector<LogRow>& rows, const PlotOptions
   for (const LogRow& row : rows) {
     const Pose X_TN = FigureFrame(row.exposure, options).Inverse();
     const Pose X_TB = X_TN * row.exposure.X_NB;
-    Sample s{row.exposure.t_s,
-             HeightUp(X_TB.p),
-             Eigen::Vector3d::Constant(kNone),
-             HeightUp(FigureFrame(row.now, options).Inverse() * row.estimate.p_NB),
-             Eigen::Vector3d::Constant(kNone),
-             kNone,
-             X_TB.p.head<2>().norm()};
+    const Pose X_NT = FigureFrame(row.now, options);
+    Sample s;
+    s.t_s = row.exposure.t_s;
+    s.truth = HeightUp(X_TB.p);
+    s.estimate = HeightUp(X_NT.Inverse() * row.estimate.p_NB);
+    s.distance_m = X_TB.p.head<2>().norm();
     s.yaw_deg = NearestTurn_deg(YawOf(X_TB.R), samples.empty() ? 0 : samples.back().yaw_deg);
-    s.estimate_yaw_deg =
-        NearestTurn_deg(YawOf(FigureFrame(row.now, options).R.conjugate() * row.estimate.R_NB), s.yaw_deg);
+    s.estimate_yaw_deg = NearestTurn_deg(YawOf(X_NT.R.conjugate() * row.estimate.R_NB), s.yaw_deg);
+    const auto* position =
+        row.decision.setpoint ? std::get_if<control::PositionSetpoint>(&*row.decision.setpoint) : nullptr;
+    if (position) {
+      s.setpoint = HeightUp(X_NT.Inverse() * position->p_N);
+      s.setpoint_yaw_deg = NearestTurn_deg(position->yaw - YawOf(X_NT.R), s.yaw_deg);
+    }
     if (const auto& fix = row.decision.fix) {
       s.fix = HeightUp(fix->p_TB);
       s.error = fix->p_TB - X_TB.p;
@@ -72,16 +80,17 @@ std::string Data(const std::vector<Sample>& samples, const std::vector<LogRow>& 
     const Sample& s = samples[i];
     text += fmt::format(
         "{:.4f} {:.6g} {:.6g} {:.6g} {:.6g} {:.6g} {:.6g} {:.4f} {:.6g} {:.6g} {:.6g} "
-        "{:.6g} {:.6g} {:.6g} {:.6g} {:.6g} {:.6g} {:.6g} {:.6g}\n",
+        "{:.6g} {:.6g} {:.6g} {:.6g} {:.6g} {:.6g} {:.6g} {:.6g} {:.6g} {:.6g} {:.6g} {:.6g}\n",
         s.t_s, s.truth.x(), s.truth.y(), s.truth.z(), s.fix.x(), s.fix.y(), s.fix.z(), rows[i].now.t_s,
         s.estimate.x(), s.estimate.y(), s.estimate.z(), s.error.x(), s.error.y(), s.error.z(),
-        s.yaw_error_deg, s.distance_m, s.yaw_deg, s.fix_yaw_deg, s.estimate_yaw_deg);
+        s.yaw_error_deg, s.distance_m, s.yaw_deg, s.fix_yaw_deg, s.estimate_yaw_deg, s.setpoint.x(),
+        s.setpoint.y(), s.setpoint.z(), s.setpoint_yaw_deg);
   }
   return text + "END_OF_FLIGHT\n";
 }
 
 constexpr const char* kFourPanels = "layout 4,1 margins 0.09,0.97,0.06,0.91 spacing 0,0.03";
-constexpr const char* kThreePanels = "layout 3,1 margins 0.09,0.97,0.07,0.90 spacing 0,0.035";
+constexpr const char* kFivePanels = "layout 5,1 margins 0.09,0.97,0.05,0.93 spacing 0,0.025";
 
 std::string Position(const std::filesystem::path& file, const std::vector<Sample>& samples,
                      const std::vector<LogRow>& rows, const PlotOptions& options, bool fixes) {
@@ -93,22 +102,26 @@ std::string Position(const std::filesystem::path& file, const std::vector<Sample
       BeginPanels(kFourPanels,
                   (options.pad_size_m ? "Position in the frame of the pad: " : "Position: ") + options.title);
   text += "set xrange " + TimeRange(rows) + '\n';
+  const bool sent = std::any_of(samples.begin(), samples.end(),
+                                [](const Sample& s) { return !std::isnan(s.setpoint_yaw_deg); });
   constexpr int kYaw = 3;
   for (int axis = 0; axis <= kYaw; ++axis) {
     Span span;
     for (const Sample& s : samples) {
       if (axis == kYaw)
-        span.Add(s.yaw_deg), span.Add(s.fix_yaw_deg), span.Add(s.estimate_yaw_deg);
+        for (const double each : {s.yaw_deg, s.fix_yaw_deg, s.estimate_yaw_deg, s.setpoint_yaw_deg})
+          span.Add(each);
       else
-        span.Add(s.truth[axis]), span.Add(s.fix[axis]), span.Add(s.estimate[axis]);
+        for (const Eigen::Vector3d& each : {s.truth, s.fix, s.estimate, s.setpoint}) span.Add(each[axis]);
     }
     const int truth = axis == kYaw ? 17 : 2 + axis, fix = axis == kYaw ? 18 : 5 + axis,
-              estimate = axis == kYaw ? 19 : 9 + axis;  // columns
+              estimate = axis == kYaw ? 19 : 9 + axis, setpoint = 20 + axis;  // columns
     text += PhaseLines(rows, axis == 0);
     if (axis == kYaw) text += "set format x '%g'\nset xlabel 'time (s)'\n";
     text += AxisName((options.pad_size_m ? kOfPad : kOfGround)[axis]) + (axis == 0 ? kKey : "unset key\n");
-    text += fmt::format("set yrange {}\nplot $flight using 8:{} with {} title 'autopilot', ",
-                        span.Range(axis == kYaw ? 4 : 0.5), estimate, kEstimateStyle);
+    text += fmt::format("set yrange {}\nplot ", span.Range(axis == kYaw ? 4 : 0.5));
+    if (sent) text += fmt::format("$flight using 8:{} with {} title 'setpoint', ", setpoint, kSetpointStyle);
+    text += fmt::format("$flight using 8:{} with {} title 'autopilot', ", estimate, kEstimateStyle);
     if (fixes) text += fmt::format("'' using 1:{} with {} title 'vision fix', ", fix, kSeenStyle);
     text += fmt::format("'' using 1:{} with {} title 'truth'\n", truth, kTruthStyle);
   }
@@ -116,34 +129,38 @@ std::string Position(const std::filesystem::path& file, const std::vector<Sample
 }
 
 std::string Error(const std::filesystem::path& file, const std::vector<Sample>& samples,
-                  const std::vector<LogRow>& rows, const std::string& title) {
-  Span position, yaw, distance;
-  distance.Add(0);
+                  const std::vector<LogRow>& rows, const mission::FigureText& figure) {
+  struct Panel {
+    const char* name;
+    int column;
+    double least;
+    std::vector<std::string> metrics;
+    Span span = {};
+  };
+  Panel panels[] = {
+      {"x, fix less truth (m)", 12, 0.02, {"fix_x_rmse_m"}},
+      {"y, fix less truth (m)", 13, 0.02, {"fix_y_rmse_m"}},
+      {"z (down), fix less truth (m)", 14, 0.02, {"fix_z_rmse_m"}},
+      {"yaw, fix less truth (°)", 15, 0.5, {"fix_yaw_rmse_deg"}},
+      {"horizontal distance (m)", 16, 0.5, {"touchdown_error_m", "rest_error_m", "hold_horizontal_rmse_m"}}};
   for (const Sample& s : samples) {
-    for (const double each : s.error) position.Add(each);
-    yaw.Add(s.yaw_error_deg);
-    distance.Add(s.distance_m);
+    for (int axis = 0; axis < 3; ++axis) panels[axis].span.Add(s.error[axis]);
+    panels[3].span.Add(s.yaw_error_deg);
+    panels[4].span.Add(s.distance_m);
   }
+  panels[4].span.Add(0);
   std::string text =
-      BeginFigure(file, 1200, 1100) + BeginPanels(kThreePanels, "Error of the vision fix: " + title);
-  text += "set xrange " + TimeRange(rows) + "\nset xzeroaxis lc rgb '#888888'\n";
-  text += PhaseLines(rows, true) + AxisName("fix less truth (m)") + kKey;
-  text += fmt::format(
-      "set yrange {}\n"
-      "plot $flight using 1:14 with points pt 7 ps 0.45 lc rgb '#009E73' title 'z (down)', "
-      "'' using 1:12 with points pt 7 ps 0.45 lc rgb '#D55E00' title 'x', "
-      "'' using 1:13 with points pt 7 ps 0.45 lc rgb '#0072B2' title 'y'\n",
-      position.Range(0.02));
-  text += PhaseLines(rows, false) + AxisName("yaw, fix less truth (°)") + "unset key\n";
-  text += fmt::format(
-      "set yrange {}\n"
-      "plot $flight using 1:15 with points pt 7 ps 0.45 lc rgb '#882255'\n",
-      yaw.Range(0.5));
-  text += PhaseLines(rows, false) + AxisName("horizontal distance (m)");
-  text += fmt::format(
-      "set format x '%g'\nset xlabel 'time (s)'\nset yrange {}\n"
-      "plot $flight using 1:16 with {}\n",
-      distance.Range(0.5), kTruthStyle);
+      BeginFigure(file, 1200, 1500) +
+      BeginPanels(kFivePanels, "Error of the vision fix, distance from the pad: " + figure.title);
+  text += "set xrange " + TimeRange(rows) + "\nset xzeroaxis lc rgb '#888888'\nunset key\n";
+  for (Panel& panel : panels) {
+    const bool first = &panel == panels, last = panel.column == 16;
+    text +=
+        PhaseLines(rows, first) + AxisName(panel.name) + LimitLines(figure, panel.metrics, panel.span, !last);
+    if (last) text += "set format x '%g'\nset xlabel 'time (s)'\n";
+    text += fmt::format("set yrange {}\nplot $flight using 1:{} with {}\n", panel.span.Range(panel.least),
+                        panel.column, last ? kTruthStyle : kSeenStyle);
+  }
   return text + EndFigure();
 }
 
@@ -163,7 +180,7 @@ Surroundings SurroundingsOf(const std::vector<LogRow>& rows, const PlotOptions& 
     for (const auto& [sx, sy] : {std::pair{1, 1}, {1, -1}, {-1, -1}, {-1, 1}, {1, 1}})
       s.data += fmt::format("{} {}\n", sy * half.y(), sx * half.x());
     s.data += "END_OF_PAD\n";
-    s.plots += "$pad using 1:2:(0) with lines lw 3 lc rgb '#009E73' title 'pad', ";
+    s.plots += "$pad using 1:2:(0) with lines lw 3 lc rgb '#999999' title 'pad', ";
   }
   const std::size_t targets = rows.front().now.targets.size();
   std::vector<std::vector<Eigen::Vector3d>> paths(targets);
@@ -240,8 +257,8 @@ std::string Trajectory(const std::filesystem::path& file, const std::vector<Samp
          "$flight using 3:2:4 with lines lw 2.5 lc rgb '#222222' title 'aircraft', "
          "$heading using 1:2:3:4:5:(0) with vectors filled head lw 1.4 lc rgb '#222222' title 'heading', " +
          fix_headings +
-         "$start using 1:2:3 with points pt 7 ps 2 lc rgb '#0072B2' title 'start', "
-         "$end using 1:2:3 with points pt 9 ps 2 lc rgb '#D55E00' title 'end'\n" +
+         "$start using 1:2:3 with points pt 7 ps 2 lc rgb '#222222' title 'start', "
+         "$end using 1:2:3 with points pt 9 ps 2 lc rgb '#222222' title 'end'\n" +
          EndFigure();
 }
 
@@ -289,7 +306,7 @@ void DrawPlots(const std::filesystem::path& folder, const std::vector<LogRow>& r
   const std::vector<Sample> samples = SamplesOf(rows, options);
   const auto any = [&rows](auto&& has) { return std::any_of(rows.begin(), rows.end(), has); };
   const bool fix = any([](const LogRow& row) { return row.decision.fix.has_value(); });
-  const std::string& title = options.title;
+  const mission::FigureText figure{options.title, options.limits};
   std::vector<Plot> plots;
   const auto add = [&](const std::string& name, auto&& script) {
     plots.push_back({folder / name, script(folder / name)});
@@ -297,11 +314,11 @@ void DrawPlots(const std::filesystem::path& folder, const std::vector<LogRow>& r
   add("position.png", [&](const auto& file) { return Position(file, samples, rows, options, fix); });
   add("trajectory.png", [&](const auto& file) { return Trajectory(file, samples, rows, options, fix); });
   if (fix || (options.pad_size_m && (!options.mission || options.mission->looks_for_pad)))
-    add("error.png", [&](const auto& file) { return Error(file, samples, rows, title); });
+    add("error.png", [&](const auto& file) { return Error(file, samples, rows, figure); });
   if (options.mission)
     for (const mission::MissionPlot& plot : options.mission->plots)
       if (plot.has_data(rows))
-        add(plot.file, [&](const auto& file) { return plot.script(file, rows, title); });
+        add(plot.file, [&](const auto& file) { return plot.script(file, rows, figure); });
   DrawAll(plots, Data(samples, rows));
 }
 

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "records/video/drawn_view.h"
 
+#include <fmt/format.h>
+
 #include <opencv2/imgproc.hpp>
 
-#include "mission/caption.h"
+#include "mission/caption/strip.h"
 
 namespace kestrel::records {
 
@@ -18,22 +20,21 @@ cv::Mat InColour(const cv::Mat& image) {
   return drawn;
 }
 
-cv::Mat WithMode(cv::Mat drawn, const std::string& mode) {
-  cv::copyMakeBorder(drawn, drawn, 0, kModeStrip_px, 0, 0, cv::BORDER_CONSTANT);
-  mission::CaptionAt(drawn, {8, drawn.rows - 7}, mode);
-  return drawn;
-}
+constexpr int kRows = 3, kRowsWithoutMission = 1;
+
+std::string Clock(double t_s) { return fmt::format("{:7.2f} s", t_s); }
 
 }  // namespace
 
-cv::Mat DrawnView(const vision::Frame& frame, const mission::Mission& mission, const std::string& mode) {
+cv::Mat DrawnView(const vision::Frame& frame, double t_s, const mission::Mission& mission,
+                  const std::string& mode) {
   cv::Mat drawn = InColour(frame.image);
   mission.Draw(drawn);
-  return WithMode(drawn, mode);
+  return mission::WithStrip(drawn, {Clock(t_s), mode, mission.Captions()}, kRows);
 }
 
-cv::Mat DrawnView(const vision::Frame& frame, const std::string& mode) {
-  return WithMode(InColour(frame.image), mode);
+cv::Mat DrawnView(const vision::Frame& frame, double t_s, const std::string& mode) {
+  return mission::WithStrip(InColour(frame.image), {Clock(t_s), mode, {}}, kRowsWithoutMission);
 }
 
 }  // namespace kestrel::records

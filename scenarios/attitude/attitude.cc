@@ -30,12 +30,14 @@ class AttitudeMission final : public mission::Mission {
     if (skyline_baseline_) Compare(frame, *report);
     decision.report = report;
     Steer(state, decision);
+    phase_ = decision.phase;
     return decision;
   }
   bool Accomplished() const override { return watch_.seen(); }
   // The skyline is measured, and nothing flown by it.
   mission::TargetNeed Target() const override { return mission::TargetNeed::kNone; }
   void Draw(cv::Mat& bgr) const override { watch_.Draw(bgr); }
+  std::vector<mission::Caption> Captions() const override { return watch_.Captions(phase_); }
 
  private:
   // The reference method, on the same image.
@@ -73,6 +75,7 @@ class AttitudeMission final : public mission::Mission {
   std::optional<vision::CompassBaseline> compass_baseline_;
   std::optional<Eigen::Vector3d> home_N_;
   double home_yaw_ = 0;
+  std::string_view phase_;
 };
 
 }  // namespace

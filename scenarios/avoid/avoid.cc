@@ -13,7 +13,7 @@
 #include "base/stopwatch.h"
 #include "control/estimate/state_history.h"
 #include "geometry/tait_bryan.h"
-#include "mission/caption.h"
+#include "mission/caption/caption.h"
 #include "mission/command_arrows.h"
 #include "scenarios/avoid/avoid_metrics.h"
 #include "scenarios/avoid/avoid_plots.h"
@@ -21,6 +21,7 @@
 #include "scenarios/avoid/sight_mission.h"
 #include "vision/capture/blank_image.h"
 #include "vision/capture/frozen_image.h"
+#include "vision/drawn_colours.h"
 
 namespace kestrel::scenarios {
 namespace {
@@ -95,7 +96,6 @@ class AvoidMission final : public mission::Mission {
   // That nobody is in sight is how it should be; when it sees nothing at all it stands still by itself.
   mission::TargetNeed Target() const override { return mission::TargetNeed::kNone; }
 
-  void Draw(cv::Mat& bgr) const override {
   void Change(const mission::Flight& flight, const mission::PilotParameters&) override {
     const auto* changed = flight.As<AvoidFlight>();
     if (!changed) return;
@@ -103,29 +103,34 @@ class AvoidMission final : public mission::Mission {
     if (growth_) growth_->Change(flight_.growth, flight_.avoidance, flight_.confirm_s);
   }
 
+  void Draw(cv::Mat& bgr) const override {
     for (const mission::BalloonObserver& watch : watches_) watch.Draw(bgr);
     if (contrast_) contrast_->Draw(bgr);
     mission::DrawCommand(
         bgr, command_,
         {{flight_.speed_m_s, 0, kClimbLimit_m_s}, Radians(flight_.avoidance.hold.yaw_rate_limit_deg_s)});
-    mission::Caption(bgr, 0, fmt::format("{}   other {}", phase_, Status()));
+    if (!encounter_) return;
+    const double to_other = YawOf(state_.R_NB) + encounter_->azimuth;
+    DrawAzimuth(bgr, to_other, fmt::format("tb {:+.0f}", Degrees(encounter_->azimuth)), vision::kFixColour,
+                2);
+    if (encounter_->wanted)
+      DrawAzimuth(bgr, YawOf(exposed_.R_NB) + *encounter_->wanted,
+                  fmt::format("db {:+.0f}", Degrees(*encounter_->wanted)), vision::kSetpointColour, 2, false);
+  }
+  std::vector<mission::Caption> Captions() const override {
+    std::vector<mission::Caption> captions = {{std::string(phase_)}, {fmt::format("other {}", Status())}};
     if (encounter_) {
-      const double to_other = YawOf(state_.R_NB) + encounter_->azimuth;
-      DrawAzimuth(bgr, to_other, fmt::format("tb {:+.0f}", Degrees(encounter_->azimuth)), {0, 220, 255}, 2);
-      if (encounter_->wanted)
-        DrawAzimuth(bgr, YawOf(exposed_.R_NB) + *encounter_->wanted,
-                    fmt::format("db {:+.0f}", Degrees(*encounter_->wanted)), {255, 255, 255}, 1, false);
       std::string text =
           fmt::format("bearing {:+.1f}{} deg", Degrees(encounter_->azimuth),
                       encounter_->wanted ? fmt::format(" ({:+.0f})", Degrees(*encounter_->wanted)) : "");
       if (encounter_->range_m)
         text += fmt::format("   {:.1f} m   nearest {:.1f} m", *encounter_->range_m, *encounter_->miss_m);
       if (encounter_->after_s) text += fmt::format(" in {:.1f} s", *encounter_->after_s);
-      mission::Caption(bgr, 1, text);
+      captions.push_back({text});
     }
-    mission::Caption(
-        bgr, 2,
-        fmt::format("ahead {:+.2f} m/s   yaw {:+.1f} deg/s", command_.v_H.x(), Degrees(command_.yaw_rate)));
+    captions.push_back(
+        {fmt::format("ahead {:+.2f} m/s  yaw {:+.1f} deg/s", command_.v_H.x(), Degrees(command_.yaw_rate))});
+    return captions;
   }
 
  private:
@@ -144,7 +149,7 @@ class AvoidMission final : public mission::Mission {
     cv::polylines(bgr, line, false, {0, 0, 0}, thickness + 2, cv::LINE_AA);
     cv::polylines(bgr, line, false, colour, thickness, cv::LINE_AA);
     const cv::Point end = named_above ? line.back() + cv::Point(0, -6) : line.front() + cv::Point(0, 18);
-    mission::CaptionAt(bgr, {std::clamp(end.x - 22, 2, std::max(2, bgr.cols - 56)), end.y}, name);
+    mission::NameMark(bgr, {std::clamp(end.x - 22, 2, std::max(2, bgr.cols - 56)), end.y}, name);
   }
 
   Eigen::Vector2d AlongCourse(const Eigen::Vector2d& v_N) const { return Eigen::Rotation2Dd(-course_) * v_N; }

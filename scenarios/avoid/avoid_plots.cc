@@ -19,7 +19,7 @@ constexpr int kHeight_px = 1000;
 constexpr double kPlanTop = 0.90, kPlanBottom = 0.07;  // shares of the figure
 constexpr double kLeft_px = 70, kGap_px = 120, kPanels_px = 680, kRight_px = 30;
 constexpr double kNarrowest_px = 330, kWidest_px = 830;  // the plan
-constexpr const char* kHeldStyle = "lines lw 2.5 dt (6,3) lc rgb '#D55E00'";
+constexpr const char* kHeldStyle = "lines lw 2.5 dt (6,3) lc rgb '#009E73'";
 constexpr double kHeadings = 45;  // at most so many are drawn
 
 struct PhaseLook {
@@ -27,9 +27,9 @@ struct PhaseLook {
   const char *colour, *shade;
 };
 constexpr PhaseLook kPhases[] = {{"cruise", "#222222", "#ffffff"},
-                                 {"avoid", "#D55E00", "#fbe6da"},
-                                 {"pass", "#E69F00", "#fdf3dc"},
-                                 {"return", "#0072B2", "#dcebf5"}};
+                                 {"avoid", "#AA4499", "#f5e4f2"},
+                                 {"pass", "#999933", "#f2f2dd"},
+                                 {"return", "#56B4E9", "#e2f1fb"}};
 
 const PhaseLook& LookOf(std::string_view phase) {
   const auto found = std::find_if(std::begin(kPhases), std::end(kPhases),
@@ -193,7 +193,7 @@ std::string Plan(const std::vector<records::LogRow>& rows, const Map& map, const
 }
 
 std::string Panels(const std::vector<records::LogRow>& rows, const Map& map, const Closest& closest,
-                   double width_px) {
+                   double width_px, const mission::FigureText& figure) {
   const std::size_t targets = rows.front().now.targets.size();
   const double left_px = kLeft_px + map.width_px + kGap_px;
   const double height = (kPlanTop - kPlanBottom - 0.07) / 3;
@@ -225,17 +225,19 @@ std::string Panels(const std::vector<records::LogRow>& rows, const Map& map, con
     if (const auto* command = std::get_if<control::VelocitySetpoint>(&*row.decision.setpoint))
       yaw_rate.Add(Degrees(command->yaw_rate));
   }
+  text += records::LimitLines(figure, {"closest_m"}, distance);
   panel(0, "distance (m)", fmt::format("[0:{:.6g}]", 1.06 * std::max(distance.high, 1.0)));
   text += fmt::format(
       "set key at screen {:.5f}, 0.955 right top horizontal noautotitle samplen 2 width 1 maxrows 1\n"
-      "set label 1 '{:.2f} m' at {:.4f}, {:.6g} point pt 6 ps 1.6 lw 2 lc rgb '{}' offset 0,1.2 center\n"
-      "plot $encounter using 1:7 with points pt 7 ps 0.4 lc rgb '#E69F00' title 'mission', ",
+      "set label '{:.2f} m' at {:.4f}, {:.6g} point pt 6 ps 1.6 lw 2 lc rgb '{}' offset 0,1.2 center\n"
+      "plot $encounter using 1:7 with points pt 7 ps 0.4 lc rgb '#E69F00' title 'vision', ",
       (left_px + kPanels_px) / width_px, closest.distance_m, closest.t_s, closest.distance_m,
       records::TargetColour(closest.target));
   for (std::size_t i = 0; i < targets; ++i)
     text += fmt::format("'' using 1:{} with lines lw 1.8 lc rgb '{}' title 'target {}', ", 11 + 4 * i,
                         records::TargetColour(i), i);
-  text += fmt::format("keyentry with {} title 'held'\nunset key\nunset label\n", kHeldStyle);
+  text += fmt::format("keyentry with {} title 'bearing to be held'\nunset key\nunset label\nunset arrow\n",
+                      kHeldStyle);
 
   panel(1, "bearing (°)", bearing.Range(40));
   text +=
@@ -246,24 +248,25 @@ std::string Panels(const std::vector<records::LogRow>& rows, const Map& map, con
         fmt::format(", '' using 1:{} with lines lw 1.6 lc rgb '{}'", 12 + 4 * i, records::TargetColour(i));
   text += fmt::format(", '' using 1:6 with {}\n", kHeldStyle);
 
-  panel(2, "yaw rate, command (°/s)", yaw_rate.Range(10));
+  panel(2, "yaw rate, asked for (°/s)", yaw_rate.Range(10));
   text +=
       "set format x '%g'\nset xlabel 'time (s)'\n"
-      "plot $encounter using 1:8 with lines lw 1.6 lc rgb '#222222'\n";
+      "plot $encounter using 1:8 with " +
+      std::string(records::kSetpointStyle) + '\n';
   return text;
 }
 
 }  // namespace
 
 std::string EncounterPlot(const std::filesystem::path& file, const std::vector<records::LogRow>& rows,
-                          const std::string& title) {
+                          const mission::FigureText& figure) {
   const Closest closest = ClosestOf(rows);
   const Map map = MapOf(rows, CourseEnd(rows), closest);
   const double width_px = std::round(kLeft_px + map.width_px + kGap_px + kPanels_px + kRight_px);
   return FlightData(rows) + InstantData(rows, 0.025 * std::max(map.north.size(), map.east.size())) +
          records::BeginFigure(file, static_cast<int>(width_px), kHeight_px) +
-         records::BeginPanels("", "Passing others: " + title) + Plan(rows, map, closest, width_px) +
-         Panels(rows, map, closest, width_px) + records::EndFigure();
+         records::BeginPanels("", "Passing others: " + figure.title) + Plan(rows, map, closest, width_px) +
+         Panels(rows, map, closest, width_px, figure) + records::EndFigure();
 }
 
 }  // namespace kestrel::scenarios

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "mission/figure_text.h"
 #include "records/telemetry/flight_log.h"
 
 namespace kestrel::scenarios {
@@ -16,6 +17,6 @@ namespace kestrel::scenarios {
 // beside the one that was seen and the one that was to be held, and the commanded yaw rate. Of rows for which
 // MeetsOthers() (scenarios/avoid/avoid_metrics.h).
 std::string EncounterPlot(const std::filesystem::path& file, const std::vector<records::LogRow>& rows,
-                          const std::string& title);
+                          const mission::FigureText& figure);
 
 }  // namespace kestrel::scenarios

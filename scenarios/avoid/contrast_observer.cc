@@ -5,6 +5,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "vision/drawn_colours.h"
+
 namespace kestrel::scenarios {
 
 ContrastObserver::ContrastObserver(const vision::CameraModel& camera, const Pose& X_BC,
@@ -61,7 +63,7 @@ void ContrastObserver::Draw(cv::Mat& bgr) const {
   for (const vision::ContrastTarget& target : seen_.targets) {
     const cv::Point2d at(target.seen.centre_px.x(), target.seen.centre_px.y());
     const int radius = std::max(6, static_cast<int>(target.seen.diameter_px));
-    cv::circle(bgr, at, radius, target.confirmed ? cv::Scalar(255, 220, 0) : cv::Scalar(160, 160, 160),
+    cv::circle(bgr, at, radius, target.confirmed ? vision::kFixColour : vision::kPointColour,
                target.confirmed ? 2 : 1, cv::LINE_AA);
   }
 }

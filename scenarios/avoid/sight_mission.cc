@@ -10,7 +10,6 @@
 
 #include "base/stopwatch.h"
 #include "geometry/tait_bryan.h"
-#include "mission/caption.h"
 #include "mission/command_arrows.h"
 #include "scenarios/avoid/avoid_report.h"
 #include "vision/capture/frozen_image.h"
@@ -47,19 +46,23 @@ class SightMission final : public mission::Mission {
 
   bool Accomplished() const override { return phase_ == "ended"; }
   mission::TargetNeed Target() const override { return mission::TargetNeed::kNone; }
+
   void Change(const mission::Flight& flight, const mission::PilotParameters&) override {
     if (const auto* changed = flight.As<AvoidFlight>()) flight_ = *changed;
   }
-
 
   void Draw(cv::Mat& bgr) const override {
     watch_.Draw(bgr);
     mission::DrawCommand(
         bgr, command_,
         {{flight_.speed_m_s, 0, kClimbLimit_m_s}, Radians(flight_.avoidance.hold.yaw_rate_limit_deg_s)});
-    mission::Caption(bgr, 0, fmt::format("{}   mark {}", phase_, watch_.status()));
-    if (azimuth_) mission::Caption(bgr, 1, fmt::format("bearing {:+.1f} deg", Degrees(*azimuth_)));
-    mission::Caption(bgr, 2, fmt::format("yaw {:+.1f} deg/s", Degrees(command_.yaw_rate)));
+  }
+  std::vector<mission::Caption> Captions() const override {
+    std::vector<mission::Caption> captions = {{std::string(phase_)},
+                                              {fmt::format("mark {}", watch_.status())}};
+    if (azimuth_) captions.push_back({fmt::format("bearing {:+.1f} deg", Degrees(*azimuth_))});
+    captions.push_back({fmt::format("yaw {:+.1f} deg/s", Degrees(command_.yaw_rate))});
+    return captions;
   }
 
  private:

@@ -15,12 +15,12 @@
 #include "control/law/sphere_target.h"
 #include "geometry/tait_bryan.h"
 #include "mission/balloon_observer.h"
-#include "mission/caption.h"
 #include "mission/command_arrows.h"
 #include "scenarios/follow/follow_metrics.h"
 #include "scenarios/follow/follow_plots.h"
 #include "scenarios/follow/follow_report.h"
 #include "vision/capture/frozen_image.h"
+#include "vision/drawn_colours.h"
 
 namespace kestrel::scenarios {
 namespace {
@@ -92,18 +92,19 @@ class FollowMission final : public mission::Mission {
     DrawWanted(bgr);
     mission::DrawCommand(bgr, command_,
                          {{flight_.gains.speed_limit_m_s, 0, flight_.gains.climb_limit_m_s}, YawLimit()});
-    mission::Caption(bgr, 0, fmt::format("{}   balloon {}", phase_, watch_.status()));
+  }
+  std::vector<mission::Caption> Captions() const override {
+    std::vector<mission::Caption> captions = {{std::string(phase_)},
+                                              {fmt::format("balloon {}", watch_.status()), !sight_}};
     if (sight_)
-      mission::Caption(
-          bgr, 1,
-          fmt::format("u {:+.1f} ({:+.0f})  v {:+.1f} ({:+.0f})  diameter {:.1f} ({:.0f}) px   {:.2f} m",
-                      focal_px_ * sight_->now.s.x(), focal_px_ * wanted_.s.x(), focal_px_ * sight_->now.s.y(),
-                      focal_px_ * wanted_.s.y(), focal_px_ * sight_->now.diameter,
-                      focal_px_ * wanted_.diameter,
-                      control::SphereDepth(sight_->now, flight_.balloon.diameter_m)));
-    mission::Caption(bgr, 2,
-                     fmt::format("ahead {:+.2f}  down {:+.2f} m/s   yaw {:+.1f} deg/s", command_.v_H.x(),
-                                 command_.v_H.z(), Degrees(command_.yaw_rate)));
+      captions.push_back({fmt::format(
+          "u {:+.1f} ({:+.0f})  v {:+.1f} ({:+.0f})  diameter {:.1f} ({:.0f}) px  {:.2f} m",
+          focal_px_ * sight_->now.s.x(), focal_px_ * wanted_.s.x(), focal_px_ * sight_->now.s.y(),
+          focal_px_ * wanted_.s.y(), focal_px_ * sight_->now.diameter, focal_px_ * wanted_.diameter,
+          control::SphereDepth(sight_->now, flight_.balloon.diameter_m))});
+    captions.push_back({fmt::format("ahead {:+.2f}  down {:+.2f} m/s  yaw {:+.1f} deg/s", command_.v_H.x(),
+                                    command_.v_H.z(), Degrees(command_.yaw_rate))});
+    return captions;
   }
 
  private:
@@ -189,7 +190,7 @@ class FollowMission final : public mission::Mission {
 
   // The image wanted, as the camera would have had it at the exposure: a circle about a cross.
   void DrawWanted(cv::Mat& bgr) const {
-    const cv::Scalar colour(255, 255, 255);
+    const cv::Scalar& colour = vision::kSetpointColour;
     const Eigen::Quaterniond R_NH = HeadingRotation(YawOf(exposed_R_NB_)), R_NC = exposed_R_NB_ * X_BC_.R;
     const auto at = [&](const Eigen::Vector2d& s) {
       return vision::Project(camera_, R_NC.conjugate() * (R_NH * Eigen::Vector3d(1, s.x(), s.y())));

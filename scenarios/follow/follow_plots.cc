@@ -15,7 +15,7 @@
 namespace kestrel::scenarios {
 namespace {
 
-constexpr const char* kWantedStyle = "steps lw 2 lc rgb '#D55E00'";
+constexpr const char* kWantedStyle = "steps lw 2 lc rgb '#009E73'";
 constexpr const char* kMissingColour = "#f3e3e3";
 
 // Of one row: u and diameter, px, and the commands, m/s and degrees per second.
@@ -60,12 +60,6 @@ std::vector<Line> LinesOf(const std::vector<records::LogRow>& rows) {
   return lines;
 }
 
-// About zero, so that both axes of the commands have theirs at the same height.
-std::string Symmetric(const records::Span& span, double least) {
-  const double half = 1.06 * std::max({std::abs(span.low), std::abs(span.high), least});
-  return fmt::format("[{:.6g}:{:.6g}]", -half, half);
-}
-
 }  // namespace
 
 bool FollowsBalloon(const std::vector<records::LogRow>& rows) {
@@ -74,10 +68,10 @@ bool FollowsBalloon(const std::vector<records::LogRow>& rows) {
 }
 
 std::string FollowPlot(const std::filesystem::path& file, const std::vector<records::LogRow>& rows,
-                       const std::string& title) {
+                       const mission::FigureText& figure) {
   const std::vector<Line> lines = LinesOf(rows);
-  records::Span u, diameter, speed, yaw_rate;
-  speed.Add(0), yaw_rate.Add(0);
+  records::Span u, diameter, ahead, down, yaw_rate;
+  ahead.Add(0), down.Add(0), yaw_rate.Add(0);
   std::string text = "$follow << END_OF_FOLLOW\n";
   for (const Line& l : lines) {
     text += fmt::format("{:.4f} {:.6g} {:.6g} {:.6g} {:.6g} {:.6g} {:.6g} {:.6g} {:.6g} {:.6g}\n", l.t_s,
@@ -85,11 +79,11 @@ std::string FollowPlot(const std::filesystem::path& file, const std::vector<reco
                         l.down, l.yaw_rate_deg_s);
     u.Add(l.u), u.Add(l.wanted_u), diameter.Add(l.diameter), diameter.Add(l.wanted_diameter);
     if (l.followed) u.Add(l.true_u), diameter.Add(l.true_diameter);  // once lost it may be anywhere
-    speed.Add(l.ahead), speed.Add(l.down), yaw_rate.Add(l.yaw_rate_deg_s);
+    ahead.Add(l.ahead), down.Add(l.down), yaw_rate.Add(l.yaw_rate_deg_s);
   }
-  text += "END_OF_FOLLOW\n" + records::BeginFigure(file, 1200, 1100) +
-          records::BeginPanels("layout 3,1 margins 0.09,0.92,0.07,0.90 spacing 0,0.035",
-                               "Following a balloon by its image: " + title) +
+  text += "END_OF_FOLLOW\n" + records::BeginFigure(file, 1200, 1400) +
+          records::BeginPanels("layout 5,1 margins 0.09,0.97,0.055,0.925 spacing 0,0.028",
+                               "Following a balloon by its image: " + figure.title) +
           "set xrange " + records::TimeRange(rows) + '\n' +
           records::Shades(rows, [](const records::LogRow& row) {
             return SightOf(row.decision) ? "#ffffff" : kMissingColour;
@@ -98,7 +92,7 @@ std::string FollowPlot(const std::filesystem::path& file, const std::vector<reco
   const auto image = [&](const char* name, const records::Span& span, double least, int column, bool keyed) {
     text +=
         records::PhaseLines(rows, keyed) + records::AxisName(name) + (keyed ? records::kKey : "unset key\n");
-    text += fmt::format("set yrange {}\nplot $follow using 1:{} with {} title 'mission', ", span.Range(least),
+    text += fmt::format("set yrange {}\nplot $follow using 1:{} with {} title 'vision', ", span.Range(least),
                         column + 1, records::kSeenStyle);
     text += fmt::format("'' using 1:{} with {} title 'truth', '' using 1:{} with {} title 'wanted'", column,
                         records::kTruthStyle, column + 2, kWantedStyle);
@@ -110,17 +104,16 @@ std::string FollowPlot(const std::filesystem::path& file, const std::vector<reco
   image("u, right of the middle (px)", u, 20, 2, true);
   image("diameter (px)", diameter, 10, 5, false);
 
-  text += records::PhaseLines(rows, false) + records::AxisName("command (m/s)") +
-          "set label 'yaw rate (°/s)' at graph 1.055, 0.5 center rotate tc rgb '#0072B2'\n"
-          "set format x '%g'\nset xlabel 'time (s)'\nset border 11\nset ytics nomirror\nset y2tics\n"
-          "set xzeroaxis lc rgb '#888888'\nset key at graph 0.995, 0.97 right top horizontal noautotitle "
-          "samplen 2\n";
-  text += fmt::format(
-      "set yrange {}\nset y2range {}\n"
-      "plot $follow using 1:10 axes x1y2 with lines lw 1.2 lc rgb '#0072B2' title 'yaw rate', "
-      "'' using 1:8 with lines lw 1.6 lc rgb '#222222' title 'ahead', "
-      "'' using 1:9 with lines lw 1.6 lc rgb '#009E73' title 'down'\n",
-      Symmetric(speed, 0.1), Symmetric(yaw_rate, 5));
+  text += "set xzeroaxis lc rgb '#888888'\n";
+  const auto command = [&](const char* name, const records::Span& span, double least, int column) {
+    text += records::PhaseLines(rows, false) + records::AxisName(name) +
+            fmt::format("set yrange {}\nplot $follow using 1:{} with {}\n", span.Range(least), column,
+                        records::kSetpointStyle);
+  };
+  command("ahead, asked for (m/s)", ahead, 0.2, 8);
+  command("down, asked for (m/s)", down, 0.2, 9);
+  text += "set format x '%g'\nset xlabel 'time (s)'\n";
+  command("yaw rate, asked for (°/s)", yaw_rate, 10, 10);
   return text + records::EndFigure();
 }
 

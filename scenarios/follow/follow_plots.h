@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "mission/figure_text.h"
 #include "records/telemetry/flight_log.h"
 
 namespace kestrel::scenarios {
@@ -16,6 +17,6 @@ bool FollowsBalloon(const std::vector<records::LogRow>& rows);
 // was and how large, as a level camera would have had it, by the truth, by the mission and as wanted, and
 // what was commanded for it. Shaded where no balloon was followed.
 std::string FollowPlot(const std::filesystem::path& file, const std::vector<records::LogRow>& rows,
-                       const std::string& title);
+                       const mission::FigureText& figure);
 
 }  // namespace kestrel::scenarios

@@ -93,7 +93,8 @@ class CalibrationMission final : public mission::Mission {
   }
   mission::TargetNeed Target() const override { return mission::TargetNeed::kInSight; }
   control::VelocityLag MaxLag() const override { return pilot_.MaxLag(); }
-  void Draw(cv::Mat& bgr) const override { pilot_.Draw(bgr, phase_); }
+  void Draw(cv::Mat& bgr) const override { pilot_.Draw(bgr); }
+  std::vector<mission::Caption> Captions() const override { return pilot_.Captions(phase_); }
   cv::Mat ProductImage() const override { return observer_.Drawn(); }
   void WriteProducts(const std::filesystem::path& folder) const override {
     if (const auto found = Found(); found.state == vision::PlaceState::kFound)

@@ -4,13 +4,17 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <opencv2/imgproc.hpp>
 #include <optional>
 #include <string_view>
 
 #include "geometry/tait_bryan.h"
+#include "mission/caption/caption.h"
 #include "mission/horizon_observer.h"
 #include "mission/horizon_records.h"
 #include "records/plot/horizon_plot.h"
+#include "vision/drawn_colours.h"
+#include "vision/horizon/horizon_drawing.h"
 
 namespace kestrel::scenarios {
 namespace {
@@ -42,6 +46,7 @@ class GyroFailureMission final : public mission::Mission {
       FlyBySight(state, seen, decision);
       MayReturn(state, seen, fault);
     }
+    phase_ = decision.phase;
     last_inertial_ = state.R_NB_inertial;
     last_s_ = state.t_s;
     return decision;
@@ -50,7 +55,15 @@ class GyroFailureMission final : public mission::Mission {
   // The autopilot holds the place; without a skyline for too long it is no longer aided, and flies by its
   // own.
   mission::TargetNeed Target() const override { return mission::TargetNeed::kNone; }
-  void Draw(cv::Mat& bgr) const override { watch_.Draw(bgr); }
+  void Draw(cv::Mat& bgr) const override {
+    watch_.Draw(bgr);
+    DrawOwn(bgr);
+  }
+  std::vector<mission::Caption> Captions() const override {
+    std::vector<mission::Caption> captions = watch_.Captions(phase_);
+    captions.front().alarm = !by_own_;
+    return captions;
+  }
 
  private:
   using Estimate = control::HorizonFilter::Estimate;
@@ -58,6 +71,24 @@ class GyroFailureMission final : public mission::Mission {
   // The camera's attitude, about the autopilot's north.
   Eigen::Quaterniond Sighted(const Estimate& seen) const {
     return HeadingRotation(usual_->north) * seen.R_NB;
+  }
+
+  // The autopilot's own attitude in the corner across from the camera's, struck out where it is not believed.
+  void DrawOwn(cv::Mat& bgr) const {
+    constexpr int kRadius_px = vision::kHorizonRadius_px, kMiddle_px = vision::kHorizonMiddle_px;
+    if (bgr.cols < 4 * kMiddle_px) return;
+    const cv::Point centre(bgr.cols - kMiddle_px, kMiddle_px);
+    if (last_inertial_) {
+      const TaitBryan own = TaitBryanFromRotation(last_inertial_->toRotationMatrix());
+      vision::DrawArtificialHorizon(bgr, centre, kRadius_px, {own.roll, own.pitch}, vision::kEstimateColour);
+    }
+    mission::NameMark(bgr, {8, 2 * kMiddle_px + 8}, "by sight");
+    mission::NameMark(bgr, {bgr.cols - 112, 2 * kMiddle_px + 8}, by_own_ ? "own attitude" : "own: FAILED");
+    if (by_own_) return;
+    const cv::Point across(37, 37), down(37, -37);
+    cv::circle(bgr, centre, kRadius_px - 1, vision::kLimitColour, 3, cv::LINE_AA);
+    cv::line(bgr, centre - across, centre + across, vision::kLimitColour, 4, cv::LINE_AA);
+    cv::line(bgr, centre - down, centre + down, vision::kLimitColour, 4, cv::LINE_AA);
   }
 
   // What is wrong with the autopilot's own attitude; empty: nothing.
@@ -132,6 +163,7 @@ class GyroFailureMission final : public mission::Mission {
   double apart_ = 0;  // rad, between both attitudes beyond the usual; infinite: they cannot be compared
   bool by_own_ = true;
   std::string_view fault_;  // the last that was found
+  std::string_view phase_;
   struct Trial {
     double since_s;
     Eigen::Vector3d apart_B;  // both attitudes then, as a rotation vector

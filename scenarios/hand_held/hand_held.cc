@@ -9,11 +9,11 @@
 #include <variant>
 
 #include "base/stopwatch.h"
-#include "mission/caption.h"
 #include "scenarios/hand_held/hand_held_metrics.h"
 #include "scenarios/hand_held/hand_held_plots.h"
 #include "scenarios/hand_held/hand_held_report.h"
 #include "vision/camera/camera_model.h"
+#include "vision/drawn_colours.h"
 
 namespace kestrel::scenarios {
 namespace {
@@ -58,10 +58,9 @@ class HandHeldMission final : public mission::Mission {
   mission::TargetNeed Target() const override { return mission::TargetNeed::kNone; }  // it commands nothing
 
   void Draw(cv::Mat& bgr) const override {
-    const cv::Scalar kInlier(80, 255, 80), kOutline(255, 220, 0);
-    if (!seen_) return mission::Caption(bgr, 0, "landmark lost");
+    if (!seen_) return;
     for (const Eigen::Vector2d& p : tracker_.inlier_points())
-      cv::circle(bgr, cv::Point2d(p.x(), p.y()), 3, kInlier, 1, cv::LINE_AA);
+      cv::circle(bgr, cv::Point2d(p.x(), p.y()), 3, vision::kFixColour, 1, cv::LINE_AA);
     const auto at = [&](const Eigen::Vector3d& p_T) {
       const Eigen::Vector2d uv =
           vision::Project(camera_, seen_->X_CT * p_T).value_or(Eigen::Vector2d::Zero());
@@ -70,14 +69,16 @@ class HandHeldMission final : public mission::Mission {
     const std::vector<Eigen::Vector2d> corners = tracker_.reference().Outline();
     for (std::size_t k = 0; k < corners.size(); ++k) {
       const Eigen::Vector2d &from = corners[k], &to = corners[(k + 1) % corners.size()];
-      cv::line(bgr, at({from.x(), from.y(), 0}), at({to.x(), to.y(), 0}), kOutline, 2, cv::LINE_AA);
+      cv::line(bgr, at({from.x(), from.y(), 0}), at({to.x(), to.y(), 0}), vision::kFixColour, 2, cv::LINE_AA);
     }
+  }
+  std::vector<mission::Caption> Captions() const override {
+    if (!seen_) return {{"carried by hand"}, {"landmark lost", true}};
     const Eigen::Vector3d &p = seen_->X_CT.p, sigma = seen_->covariance.diagonal().head<3>().cwiseSqrt();
-    mission::Caption(bgr, 0, "carried by hand");
-    mission::Caption(bgr, 1, fmt::format("landmark  x {:+.3f}  y {:+.3f}  z {:.3f} m", p.x(), p.y(), p.z()));
-    mission::Caption(bgr, 2,
-                     fmt::format("sigma {:.1f} {:.1f} {:.1f} mm   {} inliers  {:.2f} px", 1e3 * sigma.x(),
-                                 1e3 * sigma.y(), 1e3 * sigma.z(), seen_->inliers, seen_->residual_px));
+    return {{"carried by hand"},
+            {fmt::format("landmark x {:+.3f}  y {:+.3f}  z {:.3f} m", p.x(), p.y(), p.z())},
+            {fmt::format("sigma {:.1f} {:.1f} {:.1f} mm", 1e3 * sigma.x(), 1e3 * sigma.y(), 1e3 * sigma.z())},
+            {fmt::format("{} inliers, {:.2f} px", seen_->inliers, seen_->residual_px)}};
   }
 
  private:

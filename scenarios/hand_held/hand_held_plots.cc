@@ -16,7 +16,7 @@ namespace {
 
 using records::kNone;
 
-constexpr const char* kChainStyle = "lines lw 1.4 dt (6,3) lc rgb '#D55E00'";
+constexpr const char* kChainStyle = "lines lw 1.4 dt (6,3) lc rgb '#882255'";
 
 RoomPlace Nowhere() { return {Eigen::Vector3d::Constant(kNone), kNone}; }
 
@@ -62,13 +62,13 @@ bool SawLandmark(const std::vector<records::LogRow>& rows) {
 }
 
 std::string HandHeldPlot(const std::filesystem::path& file, const std::vector<records::LogRow>& rows,
-                         const std::string& title) {
+                         const mission::FigureText& figure) {
   const std::vector<Line> lines = LinesOf(rows);
   const bool chained =
       std::any_of(lines.begin(), lines.end(), [](const Line& l) { return !std::isnan(l.chained.yaw); });
   std::string text = Data(lines) + records::BeginFigure(file, 1200, 1300) +
                      records::BeginPanels("layout 4,1 margins 0.09,0.97,0.06,0.92 spacing 0,0.03",
-                                          "The camera in the room: " + title) +
+                                          "The camera in the room: " + figure.title) +
                      "set xrange " + records::TimeRange(rows) + '\n';
   constexpr const char* kNames[] = {"x, across (m)", "y, depth (m)", "z, up (m)", "yaw (°)"};
   for (int panel = 0; panel < 4; ++panel) {
@@ -90,7 +90,7 @@ std::string HandHeldPlot(const std::filesystem::path& file, const std::vector<re
 }
 
 std::string HandHeldTrajectory(const std::filesystem::path& file, const std::vector<records::LogRow>& rows,
-                               const std::string& title) {
+                               const mission::FigureText& figure) {
   const std::vector<Line> lines = LinesOf(rows);
   const Eigen::Vector3d p_NT = rows.front().exposure.X_NT.p;
   records::Span x, y;
@@ -116,14 +116,14 @@ std::string HandHeldTrajectory(const std::filesystem::path& file, const std::vec
       "set title {} noenhanced font ',14'\nset size ratio -1\nset xrange {}\nset yrange {}\n"
       "set xlabel 'x, across (m)'\nset ylabel 'y, depth (m)'\n"
       "set key outside bottom center horizontal noautotitle samplen 2\n",
-      records::GnuplotQuoted("The way through the room: " + title), x.Range(1.0), y.Range(1.0));
+      records::GnuplotQuoted("The way through the room: " + figure.title), x.Range(1.0), y.Range(1.0));
   return text +
          fmt::format(
              "plot $camera using 2:3 with {} title 'motion capture', "
              "$camera using 6:7 with {} title 'landmark', "
              "$heading using 1:2:3:4 with vectors filled head lw 1.4 lc rgb '#222222', "
              "$heading using 5:6:7:8 with vectors filled head lw 1.4 lc rgb '#E69F00' title 'heading', "
-             "$landmark using 1:2 with points pt 5 ps 1.6 lc rgb '#009E73' title 'the landmark'\n",
+             "$landmark using 1:2 with points pt 5 ps 1.6 lc rgb '#999999' title 'the landmark'\n",
              records::kTruthStyle, records::kSeenStyle) +
          records::EndFigure();
 }

@@ -12,7 +12,6 @@
 #include "control/estimate/state_history.h"
 #include "control/law/level_camera.h"
 #include "geometry/tait_bryan.h"
-#include "mission/caption.h"
 #include "mission/mean_square.h"
 #include "mission/servo/servo_sight.h"
 #include "scenarios/hover_direct/photometric_sight.h"
@@ -74,12 +73,13 @@ class HoverDirectMission final : public mission::Mission {
   mission::TargetNeed Target() const override { return mission::TargetNeed::kInSight; }
 
   void Draw(cv::Mat& bgr) const override {
-    if (near_) {
-      mission::Caption(bgr, 0, "grey levels");
-    } else {
-      pilot_.Draw(bgr, phase_);
-      sight_.Draw(bgr);
-    }
+    if (near_) return;
+    pilot_.Draw(bgr);
+    sight_.Draw(bgr);
+  }
+  std::vector<mission::Caption> Captions() const override {
+    if (near_) return {{"grey levels"}};
+    return pilot_.Captions(phase_);
   }
 
  private:

@@ -92,7 +92,7 @@ bool DescendsByRules(const std::vector<LogRow>& rows) {
 }
 
 std::string DescentPlot(const std::filesystem::path& file, const std::vector<LogRow>& rows,
-                        const std::string& title) {
+                        const mission::FigureText& figure) {
   const auto first = std::find_if(rows.begin(), rows.end(), ReportOf);
   const FuzzyDescentLaw& law = *ReportOf(*first)->law;
   const control::FuzzyHeight& height = law.height;
@@ -106,7 +106,7 @@ std::string DescentPlot(const std::filesystem::path& file, const std::vector<Log
   };
   std::string text = SurfaceData(law) + FlownData(rows) + records::BeginFigure(file, 1600, 1000) +
                      fmt::format("set multiplot title {} noenhanced font ',14'\nunset key\n",
-                                 records::GnuplotQuoted("Descent by fuzzy rules: " + title));
+                                 records::GnuplotQuoted("Descent by fuzzy rules: " + figure.title));
   text += "set ylabel 'membership' offset 1,0\n";
   text += margins(0.06, 0.44, 0.72, 0.91) +
           Memberships(error, height.error_scale_m, "error: height above the pad (m)");
@@ -122,7 +122,7 @@ std::string DescentPlot(const std::filesystem::path& file, const std::vector<Log
               "set palette defined (0 '#f7fbff', 0.5 '#6baed6', 1 '#08306b')\n"
               "set key at graph 0.98, graph 1.045 right top noautotitle samplen 2\n"
               "plot $surface using 1:2:3 with image, "
-              "$flown using 1:2 with lines lw 1.8 lc rgb '#D55E00' title 'this flight'\n",
+              "$flown using 1:2 with lines lw 1.8 lc rgb '#E69F00' title 'this flight'\n",
               height.error_scale_m * error.low, height.error_scale_m * error.high,
               height.rate_scale_m_s * rate.low, height.rate_scale_m_s * rate.high);
   return text + records::EndFigure();

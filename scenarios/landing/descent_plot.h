@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "mission/figure_text.h"
 #include "records/telemetry/flight_log.h"
 
 namespace kestrel::scenarios {
@@ -16,6 +17,6 @@ bool DescendsByRules(const std::vector<records::LogRow>& rows);
 // units of the flight, and the velocity that it commands over both inputs, with what it was asked in this
 // flight.
 std::string DescentPlot(const std::filesystem::path& file, const std::vector<records::LogRow>& rows,
-                        const std::string& title);
+                        const mission::FigureText& figure);
 
 }  // namespace kestrel::scenarios

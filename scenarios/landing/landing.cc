@@ -67,7 +67,8 @@ class LandingMission final : public mission::Mission {
   bool Accomplished() const override { return landed_s_.has_value() || ended_; }
   mission::TargetNeed Target() const override { return mission::TargetNeed::kInSight; }
   control::VelocityLag MaxLag() const override { return pilot_.MaxLag(); }
-  void Draw(cv::Mat& bgr) const override { pilot_.Draw(bgr, phase_); }
+  void Draw(cv::Mat& bgr) const override { pilot_.Draw(bgr); }
+  std::vector<mission::Caption> Captions() const override { return pilot_.Captions(phase_); }
   cv::Mat ProductImage() const override { return pilot_.ProductImage(); }
 
  private:

@@ -10,7 +10,7 @@
 #include "base/stopwatch.h"
 #include "geometry/limited.h"
 #include "geometry/tait_bryan.h"
-#include "mission/caption.h"
+#include "vision/drawn_colours.h"
 #include "vision/landmark/pad_drawing.h"
 
 namespace kestrel::scenarios {
@@ -97,20 +97,22 @@ control::VelocityLag DeckPilot::MaxLag() const {
           control::MaxLag(parameters_.servo.lambda_vertical_per_s)};
 }
 
-void DeckPilot::Draw(cv::Mat& bgr, std::string_view phase) const {
-  const cv::Scalar kTracked(0, 200, 255), kInlier(80, 255, 80);
-  vision::DrawPoints(bgr, camera_, view_, tracker_.tracked_points(), 2, kTracked);
-  if (seen_) {
-    vision::DrawPoints(bgr, camera_, view_, tracker_.inlier_points(), 3, kInlier);
-    vision::DrawOutlineAndAxes(bgr, camera_, seen_->X_CT, tracker_.reference().Outline());
-  }
-  mission::Caption(bgr, 0, fmt::format("{}{}", phase, fix_ ? "" : "   pad lost"));
-  if (!deck_) return;
-  mission::Caption(
-      bgr, 1,
-      fmt::format("off {:.2f} m   height {:.2f} m   deck {:.1f} m/s, heave {:+.2f} m/s",
-                  p_TB_N_.head<2>().norm(), -p_TB_N_.z(), deck_->v_N.head<2>().norm(), -deck_->v_N.z()));
-  if (!fix_) mission::Caption(bgr, 2, fmt::format("last seen {:.1f} s ago", deck_->age_s));
+void DeckPilot::Draw(cv::Mat& bgr) const {
+  vision::DrawPoints(bgr, camera_, view_, tracker_.tracked_points(), 2, vision::kPointColour);
+  if (!seen_) return;
+  vision::DrawPoints(bgr, camera_, view_, tracker_.inlier_points(), 3, vision::kFixColour);
+  vision::DrawOutlineAndAxes(bgr, camera_, seen_->X_CT, tracker_.reference().Outline());
+}
+
+std::vector<mission::Caption> DeckPilot::Captions(std::string_view phase) const {
+  std::vector<mission::Caption> captions = {{std::string(phase)}};
+  if (!fix_) captions.push_back({"pad lost", true});
+  if (!deck_) return captions;
+  captions.push_back({fmt::format("off {:.2f} m  height {:.2f} m", p_TB_N_.head<2>().norm(), -p_TB_N_.z())});
+  captions.push_back(
+      {fmt::format("deck {:.1f} m/s, heave {:+.2f} m/s", deck_->v_N.head<2>().norm(), -deck_->v_N.z())});
+  if (!fix_) captions.push_back({fmt::format("last seen {:.1f} s ago", deck_->age_s)});
+  return captions;
 }
 
 }  // namespace kestrel::scenarios

@@ -57,7 +57,8 @@ class DeckPilot {
 
   void ChangeServo(const control::ServoGains& servo) { parameters_.servo = servo; }
   control::VelocityLag MaxLag() const;
-  void Draw(cv::Mat& bgr, std::string_view phase) const;
+  void Draw(cv::Mat& bgr) const;
+  std::vector<mission::Caption> Captions(std::string_view phase) const;
 
  private:
   mission::PilotParameters parameters_;

@@ -22,7 +22,8 @@ class PoseMission final : public mission::Mission {
     return decision;
   }
   mission::TargetNeed Target() const override { return mission::TargetNeed::kInSight; }
-  void Draw(cv::Mat& bgr) const override { pilot_.Draw(bgr, "hover on GPS"); }
+  void Draw(cv::Mat& bgr) const override { pilot_.Draw(bgr); }
+  std::vector<mission::Caption> Captions() const override { return pilot_.Captions("hover on GPS"); }
 
  private:
   PoseFlight flight_;

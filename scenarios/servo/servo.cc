@@ -9,7 +9,6 @@
 #include "base/file/model_files.h"
 #include "control/estimate/velocity_lag.h"
 #include "geometry/tait_bryan.h"
-#include "mission/caption.h"
 #include "mission/servo/servo_sight.h"
 #include "scenarios/servo/servo_metrics.h"
 #include "scenarios/servo/servo_plot.h"
@@ -74,10 +73,13 @@ class ServoMission final : public mission::Mission {
   }
 
   void Draw(cv::Mat& bgr) const override {
-    pilot_.Draw(bgr, phase_);
-    if (!report_) return;
-    sight_.Draw(bgr);
-    mission::Caption(bgr, 3, fmt::format("{}  error {:.1f} px", flight_.law, report_->error_px));
+    pilot_.Draw(bgr);
+    if (report_) sight_.Draw(bgr);
+  }
+  std::vector<mission::Caption> Captions() const override {
+    std::vector<mission::Caption> captions = pilot_.Captions(phase_);
+    if (report_) captions.push_back({fmt::format("{}: error {:.1f} px", flight_.law, report_->error_px)});
+    return captions;
   }
 
  private:

@@ -44,7 +44,7 @@ bool HasServoed(const std::vector<mission::LogRow>& rows) {
 }
 
 std::string ServoPlot(const std::filesystem::path& file, const std::vector<mission::LogRow>& rows,
-                      const std::string& title) {
+                      const mission::FigureText& figure) {
   const auto first = std::find_if(rows.begin(), rows.end(), ReportOf);
   records::Span u, v;
   std::string goal = "$goal << END_OF_GOAL\n";
@@ -59,7 +59,7 @@ std::string ServoPlot(const std::filesystem::path& file, const std::vector<missi
       }
   std::string text = Data(rows) + goal + records::BeginFigure(file, 1500, 800) +
                      fmt::format("set multiplot title {} noenhanced font ',14'\n",
-                                 records::GnuplotQuoted("Visual servoing: " + title));
+                                 records::GnuplotQuoted("Visual servoing: " + figure.title));
   const auto panel = [](double left, double right, double bottom, double top) {
     return fmt::format(
         "set lmargin at screen {}\nset rmargin at screen {}\nset bmargin at screen {}\nset "
@@ -74,17 +74,17 @@ std::string ServoPlot(const std::filesystem::path& file, const std::vector<missi
   for (int i = 0; i < 4; ++i)
     text += fmt::format("$servo using {}:{} with lines lw 1.6 lc rgb '{}', ", 6 + 2 * i, 7 + 2 * i,
                         records::TargetColour(static_cast<std::size_t>(i)));
-  text += "$goal using 1:2 with points pt 2 ps 2 lw 2 lc rgb '#222222' title 'corners wanted'\n";
+  text += "$goal using 1:2 with points pt 2 ps 2 lw 2 lc rgb '#009E73' title 'corners wanted'\n";
   text += "set size noratio\nset yrange [*:*]\nset xlabel ''\nset key top right\n";
   text += "set xrange " + records::TimeRange(rows) + '\n';
-  text +=
-      panel(0.60, 0.97, 0.65, 0.91) +
-      "set ylabel 'error (px)'\nset format x ''\nplot $servo using 1:2 with lines lw 1.6 lc rgb '#222222'\n";
-  text += panel(0.60, 0.97, 0.37, 0.62) +
-          "set ylabel 'm'\nplot $servo using 1:4 with lines lw 1.6 lc rgb '#0072B2' title 'height', "
-          "'' using 1:3 with lines lw 1.6 lc rgb '#D55E00' title 'from the goal'\n";
-  text += panel(0.60, 0.97, 0.09, 0.34) +
-          "set ylabel 'yaw off (°)'\nset format x '%g'\nset xlabel 'time (s)'\n"
+  text += panel(0.60, 0.97, 0.65, 0.91) + records::PhaseLines(rows, true) +
+          "set ylabel 'error of the corners (px)'\nset format x ''\nplot $servo using 1:2 with points pt 7 "
+          "ps 0.4 lc rgb '#E69F00'\n";
+  text += panel(0.60, 0.97, 0.37, 0.62) + records::PhaseLines(rows, false) +
+          "set ylabel 'true height, distance (m)'\nplot $servo using 1:4 with lines lw 1.6 lc rgb '#222222' "
+          "title 'height', '' using 1:3 with lines lw 1.6 dt (2,3) lc rgb '#222222' title 'from the goal'\n";
+  text += panel(0.60, 0.97, 0.09, 0.34) + records::PhaseLines(rows, false) +
+          "set ylabel 'yaw off the goal (°)'\nset format x '%g'\nset xlabel 'time (s)'\n"
           "plot $servo using 1:5 with lines lw 1.6 lc rgb '#222222'\n";
   return text + records::EndFigure();
 }

@@ -12,13 +12,13 @@
 #include "base/stopwatch.h"
 #include "control/estimate/state_history.h"
 #include "geometry/tait_bryan.h"
-#include "mission/caption.h"
 #include "mission/path/path_pilot.h"
 #include "mission/path/path_records.h"
 #include "records/plot/path_plot.h"
 #include "scenarios/stabilise/stabilise_metrics.h"
 #include "scenarios/stabilise/stabilise_plot.h"
 #include "scenarios/stabilise/stabilise_report.h"
+#include "vision/drawn_colours.h"
 #include "vision/enhance/motion/opencl_device.h"
 #include "vision/enhance/motion/point_flow.h"
 #include "vision/enhance/stabilisation/stabiliser.h"
@@ -71,11 +71,14 @@ class StabiliseMission final : public mission::Mission {
   void Draw(cv::Mat& bgr) const override {
     for (const vision::PointPair& pair : stabiliser_.last_inliers())
       cv::line(bgr, cv::Point2d(pair.from.x(), pair.from.y()), cv::Point2d(pair.to.x(), pair.to.y()),
-               cv::Scalar(80, 255, 80), 1, cv::LINE_AA);
-    mission::Caption(bgr, 0, std::string(phase_));
-    mission::Caption(bgr, 1, last_.empty() ? "nothing stabilised yet" : last_);
+               vision::kFixColour, 1, cv::LINE_AA);
+  }
+  std::vector<mission::Caption> Captions() const override {
+    std::vector<mission::Caption> captions = {{std::string(phase_)},
+                                              {last_.empty() ? "nothing stabilised yet" : last_}};
     if (flight_.stabiliser.motion.opencl)
-      mission::Caption(bgr, 2, "points are followed on " + vision::FlowDevice(true));
+      captions.push_back({"points are followed on " + vision::FlowDevice(true)});
+    return captions;
   }
   cv::Mat ProductImage() const override { return product_; }
 

@@ -14,7 +14,7 @@ namespace kestrel::scenarios {
 namespace {
 
 constexpr const char* kInStyle = "lines lw 1 lc rgb '#999999'";
-constexpr const char* kOutStyle = "lines lw 1.8 lc rgb '#D55E00'";
+constexpr const char* kOutStyle = "lines lw 1.8 lc rgb '#882255'";
 
 // The places after each step, less the mean of those that are up to a second away.
 std::vector<double> WithoutSlowMotion(const std::vector<double>& steps, double rate_hz) {
@@ -44,7 +44,7 @@ bool ShowsStabilised(const std::vector<mission::LogRow>& rows) {
 }
 
 std::string CornerMotionPlot(const std::filesystem::path& file, const std::vector<mission::LogRow>& rows,
-                             const std::string& title) {
+                             const mission::FigureText& figure) {
   const std::vector<CornerFlow> flows = CornerFlows(rows);
   const double span_s = flows.size() < 2 ? 1 : flows.back().t_s - flows.front().t_s;
   const double rate_hz = static_cast<double>(std::max<std::size_t>(flows.size(), 2) - 1) / span_s;
@@ -68,7 +68,7 @@ std::string CornerMotionPlot(const std::filesystem::path& file, const std::vecto
   }
   text += "END_OF_SPECTRUM\n" + records::BeginFigure(file, 1400, 1000) +
           records::BeginPanels("layout 3,1 margins 0.08,0.97,0.07,0.91 spacing 0,0.06",
-                               "What is seen at a corner of the view: " + title) +
+                               "What is seen at a corner of the view: " + figure.title) +
           "set xrange " + records::TimeRange(rows) + '\n';
   for (int axis = 0; axis < 2; ++axis)
     text +=

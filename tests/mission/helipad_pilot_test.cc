@@ -68,8 +68,7 @@ TEST(HelipadPilotTest, SeesThePadThroughAFisheyeAndDrawsItWhereItIs) {
   EXPECT_NEAR(Degrees(decision.fix->yaw_TB), Degrees(YawOf(X_TB.R)), 0.3);
 
   cv::Mat drawn(image.size(), CV_8UC3, cv::Scalar(0, 0, 0));
-  pilot.Draw(drawn, "test");
-  drawn.rowRange(0, 62).setTo(cv::Scalar(0, 0, 0));  // text
+  pilot.Draw(drawn);
   const double x = vision::kPadLength_m / 2, y = vision::kPadWidth_m / 2;
   for (const Eigen::Vector3d& p_T : {Eigen::Vector3d(x, y, 0), Eigen::Vector3d(x, 0, 0),
                                      Eigen::Vector3d(-x, 0.2, 0), Eigen::Vector3d(-0.3, -y, 0)}) {

@@ -118,6 +118,15 @@ TEST(Junit, HasACaseForEachCriterionAndTheFailureHasValueAndLimit) {
   EXPECT_TRUE(root.find_child_by_attribute("testsuite", "name", "hover <&> \"hold\""));
 }
 
+TEST(Junit, AMetricThatAFlightDidNotComeToIsNotReached) {
+  Summary none = Example();
+  none.passed = false;
+  none.criteria = {{"touchdown_error_m", std::numeric_limits<double>::quiet_NaN(), 0.12, false, false}};
+  const std::string xml = ToJunit({none});
+  EXPECT_THAT(xml, HasSubstr("touchdown_error_m was not reached; it must be at most 0.12"));
+  EXPECT_THAT(xml, testing::Not(HasSubstr("nan")));
+}
+
 TEST(Junit, ARunThatBrokeOffIsAnError) {
   Summary broken = Example();
   broken.complete = broken.passed = false;

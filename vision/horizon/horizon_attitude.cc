@@ -64,4 +64,8 @@ cv::Mat HorizonAttitude::Draw(const cv::Mat& image, const Measurement& m) const 
   return DrawHorizon(image, camera_, R_BC_, m.skyline, m.compass);
 }
 
+std::vector<std::string> HorizonAttitude::Words(const Measurement& m) const {
+  return HorizonWords(R_BC_, m.skyline, m.compass);
+}
+
 }  // namespace kestrel::vision

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <opencv2/core.hpp>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "vision/horizon/horizon_drawing.h"
 #include "vision/horizon/skyline.h"
@@ -41,6 +43,7 @@ class HorizonAttitude {
   Measurement Measure(const cv::Mat& image) { return Measure(image, Expected()); }
 
   cv::Mat Draw(const cv::Mat& image, const Measurement& measurement) const;
+  std::vector<std::string> Words(const Measurement& measurement) const;  // as HorizonWords
 
  private:
   CameraModel camera_;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "geometry/tait_bryan.h"
+#include "vision/drawn_colours.h"
 #include "vision/horizon/band_sampler.h"
 
 namespace kestrel::vision {
@@ -18,9 +19,8 @@ namespace {
 const cv::Scalar kSkyBlue(235, 175, 90), kGroundBrown(40, 80, 120), kWhite(255, 255, 255),
     kYellow(0, 230, 255);
 
-void Text(cv::Mat& image, const std::string& text, cv::Point at, double scale, const cv::Scalar& colour) {
-  cv::putText(image, text, at, cv::FONT_HERSHEY_SIMPLEX, scale, cv::Scalar(0, 0, 0), 3, cv::LINE_AA);
-  cv::putText(image, text, at, cv::FONT_HERSHEY_SIMPLEX, scale, colour, 1, cv::LINE_AA);
+RollPitch AnglesOf(const Eigen::Matrix3d& R_BC, const SkylineFix& fix) {
+  return RollPitchFromDown(R_BC * fix.down_C, R_BC * fix.covariance * R_BC.transpose());
 }
 
 }  // namespace
@@ -39,16 +39,17 @@ void DrawSmallCircle(cv::Mat& image, const CameraModel& camera, const Eigen::Vec
 }
 
 void DrawSkyline(cv::Mat& image, const CameraModel& camera, const SkylineFix& fix) {
-  DrawSmallCircle(image, camera, fix.down_C, -fix.dip, kYellow);
+  DrawSmallCircle(image, camera, fix.down_C, -fix.dip, kFixColour);
   for (const SkylineRay& p : fix.points) {
     const auto uv = Project(camera, p.ray_C);
     if (!uv) continue;
-    const cv::Scalar colour(0, 255 * p.weight, 255 * (1 - p.weight));
+    const cv::Scalar colour = kFixColour * (0.15 + 0.85 * p.weight);
     cv::circle(image, cv::Point2d(uv->x(), uv->y()), 2, colour, cv::FILLED, cv::LINE_AA);
   }
 }
 
-void DrawArtificialHorizon(cv::Mat& image, cv::Point centre, int radius, const RollPitch& attitude) {
+void DrawArtificialHorizon(cv::Mat& image, cv::Point centre, int radius, const RollPitch& attitude,
+                           const cv::Scalar& ring) {
   const cv::Rect all(0, 0, image.cols, image.rows),
       disc(centre.x - radius, centre.y - radius, 2 * radius, 2 * radius);
   if ((disc & all) != disc) return;
@@ -73,7 +74,7 @@ void DrawArtificialHorizon(cv::Mat& image, cv::Point centre, int radius, const R
   const cv::Point mid(radius, radius);
   cv::line(view, mid - cv::Point(radius / 2, 0), mid - cv::Point(radius / 6, 0), kYellow, 2, cv::LINE_AA);
   cv::line(view, mid + cv::Point(radius / 6, 0), mid + cv::Point(radius / 2, 0), kYellow, 2, cv::LINE_AA);
-  cv::circle(view, mid, radius - 1, kWhite, 1, cv::LINE_AA);
+  cv::circle(view, mid, radius - 1, ring, 2, cv::LINE_AA);
 }
 
 void DrawCompassStrip(cv::Mat& image, cv::Rect place, double heading) {
@@ -100,30 +101,35 @@ cv::Mat DrawHorizon(const cv::Mat& image, const CameraModel& camera, const Eigen
     cv::cvtColor(image, out, cv::COLOR_GRAY2BGR);
   else
     out = image.clone();
-  std::string words;
   if (const auto* fix = std::get_if<SkylineFix>(&skyline)) {
     DrawSkyline(out, camera, *fix);
-    const RollPitch angles = RollPitchFromDown(R_BC * fix->down_C, R_BC * fix->covariance * R_BC.transpose());
-    DrawArtificialHorizon(out, {62, 62}, 52, angles);
-    words = fmt::format("roll {:.2f} +- {:.2f}  pitch {:.2f} +- {:.2f} deg", Degrees(angles.roll),
-                        Degrees(std::sqrt(angles.covariance(0, 0))), Degrees(angles.pitch),
-                        Degrees(std::sqrt(angles.covariance(1, 1))));
-  } else {
-    words = fmt::format("no attitude: {}", NameOf(std::get<NoSkyline>(skyline)));
+    DrawArtificialHorizon(out, {kHorizonMiddle_px, kHorizonMiddle_px}, kHorizonRadius_px,
+                          AnglesOf(R_BC, *fix), kFixColour);
   }
-  Text(out, words, {8, out.rows - 30}, 0.45, kWhite);
-  if (compass) {
-    if (const auto* heading = std::get_if<CompassHeading>(&*compass)) {
-      DrawCompassStrip(out, {out.cols / 2 - 110, 6, 220, 26}, heading->turned);
-      words =
-          fmt::format("turned {:.2f} +- {:.2f} deg  keyframe {}  likeness {:.2f}", Degrees(heading->turned),
-                      Degrees(std::sqrt(heading->variance)), heading->keyframe, heading->likeness);
-    } else {
-      words = fmt::format("no heading: {}", NameOf(std::get<NoHeading>(*compass)));
-    }
-    Text(out, words, {8, out.rows - 12}, 0.45, kWhite);
-  }
+  const auto* heading = compass ? std::get_if<CompassHeading>(&*compass) : nullptr;
+  if (heading) DrawCompassStrip(out, {out.cols / 2 - 110, 6, 220, 26}, heading->turned);
   return out;
+}
+
+std::vector<std::string> HorizonWords(const Eigen::Matrix3d& R_BC, const SkylineResult& skyline,
+                                      const std::optional<CompassResult>& compass) {
+  std::vector<std::string> words;
+  if (const auto* fix = std::get_if<SkylineFix>(&skyline)) {
+    const RollPitch angles = AnglesOf(R_BC, *fix);
+    words.push_back(fmt::format("roll {:.2f} +- {:.2f}  pitch {:.2f} +- {:.2f} deg", Degrees(angles.roll),
+                                Degrees(std::sqrt(angles.covariance(0, 0))), Degrees(angles.pitch),
+                                Degrees(std::sqrt(angles.covariance(1, 1)))));
+  } else {
+    words.push_back(fmt::format("no attitude: {}", NameOf(std::get<NoSkyline>(skyline))));
+  }
+  if (!compass) return words;
+  if (const auto* heading = std::get_if<CompassHeading>(&*compass))
+    words.push_back(fmt::format("turned {:.2f} +- {:.2f} deg, keyframe {}, likeness {:.2f}",
+                                Degrees(heading->turned), Degrees(std::sqrt(heading->variance)),
+                                heading->keyframe, heading->likeness));
+  else
+    words.push_back(fmt::format("no heading: {}", NameOf(std::get<NoHeading>(*compass))));
+  return words;
 }
 
 }  // namespace kestrel::vision

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "vision/drawn_colours.h"
+
 namespace kestrel::vision {
 namespace {
 
@@ -28,7 +30,6 @@ void DrawPoints(cv::Mat& bgr, const CameraModel& camera, const Pinhole& view,
 
 void DrawOutlineAndAxes(cv::Mat& bgr, const CameraModel& camera, const Pose& X_CT,
                         const std::vector<Eigen::Vector2d>& outline_T) {
-  const cv::Scalar kOutline(255, 220, 0);
   // A straight side is a curve in a wide image.
   constexpr int kPieces = 16;
   std::optional<cv::Point2d> last;
@@ -38,7 +39,7 @@ void DrawOutlineAndAxes(cv::Mat& bgr, const CameraModel& camera, const Pose& X_C
     const double share = static_cast<double>(k % kPieces) / kPieces;
     const Eigen::Vector2d p_T = (1 - share) * from + share * to;
     const auto at = InFrame(camera, X_CT * Eigen::Vector3d(p_T.x(), p_T.y(), 0));
-    if (at && last) cv::line(bgr, *last, *at, kOutline, 2, cv::LINE_AA);
+    if (at && last) cv::line(bgr, *last, *at, kFixColour, 2, cv::LINE_AA);
     last = at;
   }
   // As long as a third of the longer side.

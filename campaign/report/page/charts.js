@@ -143,8 +143,11 @@ const draw = (name, describe) => {
 };
 const drawAllAgain = () => described.forEach((describe, name) => draw(name, describe));
 
+// Chart.js writes a step of 0.25 with one digit: 0.3, 0.5, 0.8.
+const tickText = (value) => number(value, 10);
 const axis = (title, more = {}) => ({
   type: "linear", title: {display: Boolean(title), text: title}, grid: {color: color("line")}, ...more,
+  ticks: {...(more.type === "logarithmic" ? {} : {callback: tickText}), ...more.ticks},
 });
 
 // Two datasets of points that stand for runs, those that passed and the others; points are {x, y, run}.

@@ -2,8 +2,10 @@
 // What each parameter does to a metric: rank correlation and Sobol indices, with their intervals.
 const effectKinds = [
   {field: "rank_correlation", title: "Rank correlation (Spearman)", from: -1, to: 1,
-   sure: ({low, high}) => low > 0 || high < 0},
-  {field: "first_order", title: "First-order Sobol index", from: 0, to: 1, sure: ({low}) => low > 0.01},
+   sure: ({low, high}) => low > 0 || high < 0, note: ""},
+  {field: "first_order", title: "First-order Sobol index", from: 0, to: 1, sure: ({low}) => low > 0.01,
+   note: " The Sobol index is the share of the metric’s variance that goes with this parameter alone; what is left goes with several " +
+     "together, and with the seed."},
 ];
 
 const effectsOf = (metric, field) => summary.effects.filter((each) => each.of === metric && each[field])
@@ -42,6 +44,7 @@ const drawEffects = () => {
     el("div", {class: "chart", style: `height:${3.2 + 1.7 * effectsOf(metric, field).length}rem`},
       el("canvas", {id: `effects-${field}`, role: "img", "aria-label": `${title} of ${metric}: ` +
         effectsOf(metric, field).map(({key, value}) => `${key} ${number(value, 2)}`).join(", ")})))));
+  byId("effects-note").textContent = `Lines are ${confidence} intervals. A pale bar cannot be told from none.${kinds.map(({note}) => note).join("")}`;
   for (const kind of kinds) draw(`effects-${kind.field}`, () => describeEffects(metric, kind));
 };
 
@@ -51,7 +54,5 @@ const setUpEffects = () => {
   byId("effects").hidden = false;
   fillSelect(byId("effects-metric"), metrics, data.metrics.find((name) => metrics.includes(name)));
   byId("effects-metric").addEventListener("change", drawEffects);
-  byId("effects-note").textContent = `Lines are ${confidence} intervals. A pale bar cannot be told from none. The Sobol index is the ` +
-    "share of the metric’s variance that goes with this parameter alone; what is left goes with several together, and with the seed.";
   drawEffects();
 };

@@ -4,5 +4,6 @@ const badge = (status) => el("span", {class: `badge ${status === "passed" ? "pas
 const rowButton = (row) =>
   el("button", {type: "button", class: "link", onclick: () => showRun(row)}, `run ${row}`);
 const videoOf = (run) => (run.video
-  ? el("video", {controls: true, preload: "metadata", src: run.video, title: `Run ${run.row}`})
+  // Without a time in its address a video is a black box until it is played.
+  ? el("video", {controls: true, preload: "metadata", src: `${run.video}#t=0.05`, title: `Run ${run.row}`})
   : null);

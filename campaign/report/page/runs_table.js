@@ -133,12 +133,17 @@ const drawWorst = () => {
     commandLine(replayCommand(run.row)))));
 };
 
+// What its criterion keeps from is bad; without one, what is known of the metric.
+const worstEnd = (name) => {
+  const {min, max} = data.limits[name] ?? {};
+  if (hasNumber(min) !== hasNumber(max)) return hasNumber(min) ? "min" : "max";
+  return summaryOf.get(name).better === "higher" ? "min" : "max";
+};
+
 const setUpWorst = () => {
   if (!data.metrics.length) return void (byId("worst").hidden = true);
   fillSelect(byId("worst-metric"), data.metrics, data.metrics[0]);
-  const order = () => {
-    byId('worst-order').value = summaryOf.get(byId('worst-metric').value).better === 'higher' ? 'min' : 'max';
-  };
+  const order = () => { byId("worst-order").value = worstEnd(byId("worst-metric").value); };
   byId("worst-metric").addEventListener("change", () => { order(); drawWorst(); });
   byId("worst-order").addEventListener("change", drawWorst);
   order();

@@ -90,13 +90,13 @@ const drawThresholds = () => {
   const shown = (value, name) => (name === "success" ? percent(value) : withUnit(value, name.split(",")[0]));
   box.replaceChildren(
     el("h3", {}, "Asked of the campaign"),
-    el("div", {class: "scroll"}, el("table", {},
+    el("div", {class: "scroll"}, el("table", {class: "stacks"},
       el("thead", {}, el("tr", {}, ["figure", "wanted", "value", `${confidence} interval`, ""].map((t) => el("th", {}, t)))),
       el("tbody", {}, summary.thresholds.map((t) => el("tr", {},
         el("td", {}, t.name === "success" ? "share of runs that pass" : t.name),
-        el("td", {}, `at ${t.at_least ? "least" : "most"} ${shown(t.limit, t.name)}`),
-        el("td", {}, hasNumber(t.value) ? shown(t.value, t.name) : "none: not every run has it"),
-        el("td", {}, hasNumber(t.value) ? intervalText(t.low, t.high, (value) => shown(value, t.name)) : "none"),
+        el("td", {"data-is": "wanted"}, `at ${t.at_least ? "least" : "most"} ${shown(t.limit, t.name)}`),
+        el("td", {"data-is": "value"}, hasNumber(t.value) ? shown(t.value, t.name) : "none: not every run has it"),
+        el("td", {"data-is": `${confidence} interval`}, hasNumber(t.value) ? intervalText(t.low, t.high, (value) => shown(value, t.name)) : "none"),
         el("td", {class: t.passed ? "met" : "missed"}, t.passed ? "met" : t.runs_to_tell ? "too few runs to tell" : "not met",
           t.runs_to_tell ? el("small", {}, ` (${count(t.runs_to_tell)} would do that came out alike)`) : null,
           t.without ? el("small", {}, ` (${plural(t.without, "run")} without it)`) : null)))))),

@@ -172,6 +172,9 @@ class ReportInBrowser : public testing::Test {
   static void SortsAndFiltersTheTable();
   static void FiltersByAClickOnHowRunsEnded();
   static void ShowsVideosOfWorstRuns();
+  static void TakesForWorstWhatTheCriterionKeepsFrom();
+  static void WritesQuartersAsTheyAre();
+  static void SpeaksOfTheIndicesThatItDraws();
   static void DrawsEveryChartInLightAndDarkAndOnAPhone();
   static void ShowsWhatThereIsOfAlmostNothing();
   static void PrintsOnPaper();
@@ -286,6 +289,35 @@ void ReportInBrowser::ShowsVideosOfWorstRuns() {
   ASSERT_TRUE(video.is_string());
   EXPECT_THAT(video.get<std::string>(), StartsWith("./recordings/"));
   EXPECT_TRUE(Comes("document.querySelector('#worst-list video').videoWidth === 320"));
+  // It shows a picture before it is played.
+  EXPECT_TRUE(Comes("document.querySelector('#worst-list video').currentTime > 0"));
+  EXPECT_TRUE(Comes("document.querySelector('#worst-list video').readyState >= 2"));
+}
+
+void ReportInBrowser::TakesForWorstWhatTheCriterionKeepsFrom() {
+  Run("data.limits.fix_share = {min: 0.9}");
+  browser_->Choose("#worst-metric", "fix_share");
+  EXPECT_EQ(Run("return document.getElementById('worst-order').value"), "min");
+  browser_->Choose("#worst-metric", "touchdown_error_m");
+  EXPECT_EQ(Run("return document.getElementById('worst-order').value"), "max");
+}
+
+void ReportInBrowser::WritesQuartersAsTheyAre() {
+  EXPECT_EQ(
+      Run("const chart = new Chart(document.createElement('canvas'), {type: 'scatter', data: {datasets: "
+          "[]}, options: {scales: {x: axis('', {min: 0, max: 1, ticks: {stepSize: 0.25}})}}}); "
+          "return chart.scales.x.ticks.map((t) => t.label)"),
+      Json({"0", "0.25", "0.5", "0.75", "1"}));
+}
+
+void ReportInBrowser::SpeaksOfTheIndicesThatItDraws() {
+  const auto note = [] {
+    return Run("return document.getElementById('effects-note').textContent").get<std::string>();
+  };
+  EXPECT_THAT(note(), HasSubstr("Sobol"));
+  Run("summary.effects.forEach((each) => delete each.first_order); drawEffects()");
+  EXPECT_EQ(Run("return document.querySelectorAll('#effects-charts canvas').length"), 1);
+  EXPECT_THAT(note(), Not(HasSubstr("Sobol")));
 }
 
 void ReportInBrowser::DrawsEveryChartInLightAndDarkAndOnAPhone() {
@@ -310,6 +342,9 @@ void ReportInBrowser::DrawsEveryChartInLightAndDarkAndOnAPhone() {
   browser_->PreferDark(false);
   browser_->Resize(390, 844);
   EXPECT_TRUE(Comes("document.documentElement.scrollWidth === 390"));  // nothing sticks out
+  EXPECT_EQ(Run("return [...document.querySelectorAll('#thresholds tbody td')].filter((td) => "
+                "td.getBoundingClientRect().right > 390).map((td) => td.textContent)"),
+            Json::array());
   Picture("phone");
   browser_->Click("#worst-list .link");
   Picture("phone_run");
@@ -377,6 +412,9 @@ TEST_F(ReportInBrowser, ShowsAndAnswersWithoutComplaintAndWithoutANetwork) {
       {"SortsAndFiltersTheTable", SortsAndFiltersTheTable},
       {"FiltersByAClickOnHowRunsEnded", FiltersByAClickOnHowRunsEnded},
       {"ShowsVideosOfWorstRuns", ShowsVideosOfWorstRuns},
+      {"TakesForWorstWhatTheCriterionKeepsFrom", TakesForWorstWhatTheCriterionKeepsFrom},
+      {"WritesQuartersAsTheyAre", WritesQuartersAsTheyAre},
+      {"SpeaksOfTheIndicesThatItDraws", SpeaksOfTheIndicesThatItDraws},
       {"DrawsEveryChartInLightAndDarkAndOnAPhone", DrawsEveryChartInLightAndDarkAndOnAPhone},
       {"ShowsWhatThereIsOfAlmostNothing", ShowsWhatThereIsOfAlmostNothing},
       {"PrintsOnPaper", PrintsOnPaper},

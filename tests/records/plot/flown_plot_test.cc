@@ -42,8 +42,8 @@ std::vector<LogRow> Sinking() {
 TEST_F(FlownPlotTest, ShowsWhatWasSeenAndSentAndWhereTheSafetyLayerStoodIn) {
   DrawFlownPlot(folder_ / "flown.png", Sinking(), "LIVE, a descent");
   const cv::Mat picture = cv::imread((folder_ / "flown.png").string());
-  ASSERT_EQ(picture.size(), cv::Size(1200, 1100));
-  EXPECT_GT(Count(picture, {0x73, 0x9e, 0x00}), 500);  // height seen
+  ASSERT_EQ(picture.size(), cv::Size(1200, 1700));
+  EXPECT_GT(Count(picture, {0x00, 0x9f, 0xe6}), 500);  // what was seen
   const cv::Vec3b shade(0xe3, 0xe3, 0xfb);
   EXPECT_EQ(Count(picture(cv::Rect(120, 100, 500, 800)), shade), 0);
   EXPECT_GT(Count(picture(cv::Rect(760, 100, 380, 800)), shade), 100'000);

@@ -28,8 +28,9 @@ class PlotsTest : public InTemporaryFolder {
   cv::Mat Picture(const char* name) const { return cv::imread((folder_ / name).string()); }
 };
 
-const cv::Rect kTopPanel(110, 115, 1050, 265), kMiddlePanel(110, 435, 1050, 265),
-    kBottomPanel(110, 755, 1050, 260);
+// Of the five panels of error.png.
+const cv::Rect kErrorX(110, 110, 1050, 225), kErrorY(110, 382, 1050, 225), kErrorZ(110, 653, 1050, 225),
+    kErrorYaw(110, 925, 1050, 225), kDistance(110, 1196, 1050, 225);
 // Of the four panels of position.png.
 const cv::Rect kPanelX(110, 122, 1050, 237), kPanelY(110, 408, 1050, 237), kPanelHeight(110, 694, 1050, 237),
     kPanelYaw(110, 980, 1050, 237);
@@ -50,8 +51,8 @@ cv::Point2d CentreOf(const cv::Mat& picture, cv::Rect panel, const cv::Vec3b& bg
   return count ? sum / count : sum;
 }
 
-const cv::Vec3b kFixColour(0x00, 0x9f, 0xe6), kX(0x00, 0x5e, 0xd5), kY(0xb2, 0x72, 0x00),
-    kZ(0x73, 0x9e, 0x00), kYaw(0x55, 0x22, 0x88), kTruth(0x22, 0x22, 0x22);
+const cv::Vec3b kFixColour(0x00, 0x9f, 0xe6), kLimit(0x00, 0x5e, 0xd5), kEstimate(0xb2, 0x72, 0x00),
+    kSetpoint(0x73, 0x9e, 0x00), kTruth(0x22, 0x22, 0x22);
 
 const Eigen::Vector2d kPad_m(1.19, 0.91);
 
@@ -91,16 +92,74 @@ TEST_F(PlotsTest, PositionShowsThePadsAxesAndHeightUpwards) {
             CentreOf(picture, kPanelYaw, kTruth, 0, 1).y - 20);
 }
 
+double Rise(const cv::Mat& picture, const cv::Rect& panel, const cv::Vec3b& colour) {
+  return CentreOf(picture, panel, colour, 0, 0.3).y - CentreOf(picture, panel, colour, 0.7, 1).y;
+}
+
 TEST_F(PlotsTest, ErrorIsTheFixLessTheTruthInThePadsFrame) {
   // The yaw of the fix passes through half a turn: its error must not.
-  DrawPlots(folder_, Climb({0.5, -0.5, 0.1}, 4), {"", kPad_m});
+  std::vector<LogRow> rows = Climb({0, 0, 0}, 4);
+  for (LogRow& row : rows) row.decision.fix->p_TB += 0.1 * row.now.t_s * Eigen::Vector3d(0.5, -0.5, 0.1);
+  DrawPlots(folder_, rows, {"", kPad_m});
   const cv::Mat picture = Picture("error.png");
-  ASSERT_FALSE(picture.empty());
-  const double x = CentreOf(picture, kTopPanel, kX, 0, 1).y, y = CentreOf(picture, kTopPanel, kY, 0, 1).y,
-               z = CentreOf(picture, kTopPanel, kZ, 0, 1).y;
-  EXPECT_NEAR((z - x) / (y - x), 0.4 / 1.0, 0.03);  // errors of 0.5, -0.5 and 0.1 m
-  EXPECT_LT(x, y);
-  EXPECT_NEAR(CentreOf(picture, kMiddlePanel, kYaw, 0, 1).y, kMiddlePanel.y + kMiddlePanel.height / 2, 25);
+  ASSERT_EQ(picture.size(), cv::Size(1200, 1500));
+  EXPECT_GT(Rise(picture, kErrorX, kFixColour), 50);
+  EXPECT_LT(Rise(picture, kErrorY, kFixColour), -50);
+  EXPECT_GT(Rise(picture, kErrorZ, kFixColour), 50);
+  EXPECT_NEAR(CentreOf(picture, kErrorYaw, kFixColour, 0, 1).y, kErrorYaw.y + kErrorYaw.height / 2, 25);
+}
+
+TEST_F(PlotsTest, ErrorHasTheDistanceFromThePad) {
+  DrawPlots(folder_, Climb({0, 0, 0}, 0), {"", kPad_m});
+  EXPECT_GT(Rise(Picture("error.png"), kDistance, kTruth), 50);
+}
+
+TEST_F(PlotsTest, PositionShowsWhereTheAircraftWasSent) {
+  std::vector<LogRow> rows = Climb({0, 0, 0}, 0);
+  DrawPlots(folder_, rows, {"", kPad_m});
+  const auto green = [&] {
+    cv::Mat is;
+    cv::inRange(Picture("position.png")(kPanelX), kSetpoint, kSetpoint, is);
+    return cv::countNonZero(is);
+  };
+  EXPECT_EQ(green(), 0);
+  for (LogRow& row : rows)  // 1 m along the pad's x
+    row.decision.setpoint = control::PositionSetpoint{row.now.X_NT * Eigen::Vector3d(1, 0, -5), 0};
+  DrawPlots(folder_, rows, {"", kPad_m});
+  EXPECT_GT(green(), 300);
+  // It passes there after half of the flight.
+  const cv::Mat picture = Picture("position.png");
+  EXPECT_NEAR(CentreOf(picture, kPanelX, kSetpoint, 0.45, 0.55).y,
+              CentreOf(picture, kPanelX, kTruth, 0.45, 0.55).y, 12);
+}
+
+// Rows of a panel that are a line in this colour.
+int LinesAcross(const cv::Mat& picture, const cv::Rect& panel, const cv::Vec3b& colour) {
+  int lines = 0;
+  bool within = false;
+  for (int y = panel.y; y < panel.y + panel.height; ++y) {
+    int count = 0;
+    for (int x = panel.x; x < panel.x + panel.width; ++x)
+      count += cv::norm(picture.at<cv::Vec3b>(y, x), colour) < 80;
+    lines += count > panel.width / 3 && !within;
+    within = count > panel.width / 3;
+  }
+  return lines;
+}
+
+TEST_F(PlotsTest, CriteriaAreLinesWhereTheyDoNotMakeTheDataSmall) {
+  std::vector<LogRow> rows = Climb({0, 0, 0}, 0);
+  for (LogRow& row : rows) row.decision.fix->p_TB += 0.01 * row.now.t_s * Eigen::Vector3d(0.5, -0.5, 0);
+  PlotOptions options{"", kPad_m};
+  DrawPlots(folder_, rows, options);
+  for (const cv::Rect& panel : {kErrorX, kErrorY, kDistance})
+    EXPECT_EQ(LinesAcross(Picture("error.png"), panel, kLimit), 0);
+  options.limits = {
+      {"fix_x_rmse_m", 0.04, false}, {"fix_y_rmse_m", 4, false}, {"touchdown_error_m", 1, false}};
+  DrawPlots(folder_, rows, options);
+  EXPECT_EQ(LinesAcross(Picture("error.png"), kErrorX, kLimit), 2);  // an error may be to either side
+  EXPECT_EQ(LinesAcross(Picture("error.png"), kErrorY, kLimit), 0);
+  EXPECT_EQ(LinesAcross(Picture("error.png"), kDistance, kLimit), 1);
 }
 
 PlotOptions PlotsOf(const mission::MissionType& type) {
@@ -124,9 +183,36 @@ TEST_F(PlotsTest, AnAttitudeIsDrawnBesideItsErrors) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "error.png"));
   const cv::Mat picture = Picture("attitude.png");
   ASSERT_EQ(picture.size(), cv::Size(1600, 1000));
-  const cv::Rect roll(100, 105, 690, 245), error(890, 125, 670, 225);
+  const cv::Rect roll(100, 125, 670, 228), error(890, 125, 670, 228);
   EXPECT_GT(CentreOf(picture, roll, kTruth, 0, 0.3).y, CentreOf(picture, roll, kTruth, 0.7, 1).y + 50);
-  EXPECT_GT(CentreOf(picture, error, kX, 0, 0.45).y, CentreOf(picture, error, kX, 0.55, 1).y + 50);
+  EXPECT_GT(CentreOf(picture, error, kFixColour, 0, 0.45).y,
+            CentreOf(picture, error, kFixColour, 0.55, 1).y + 50);
+}
+
+TEST_F(PlotsTest, AnAttitudeThatFailedIsDrawnAndShaded) {
+  std::vector<LogRow> rows = Climb({0, 0, 0}, 0);
+  for (LogRow& row : rows) {
+    const double t = row.exposure.t_s;
+    row.decision.fix.reset();
+    row.exposure.X_NB.R = Eigen::Quaterniond::Identity();
+    row.now.attitude_failed = t > 4 && t < 6;
+    row.estimate.R_NB_inertial =
+        Eigen::Quaterniond(RotationFromTaitBryan({0, 0, Radians(t > 4 && t < 6 ? 3 : 0)}));
+    const auto report = std::make_shared<mission::HorizonReport>();
+    report->attitude = mission::AttitudeFix{0, 0, Radians(1), Radians(1), {}, 0};
+    row.decision.report = report;
+  }
+  const mission::MissionType type = TypeOf(scenarios::AttitudeFlight{});
+  DrawPlots(folder_, rows, PlotsOf(type));
+  const cv::Mat picture = Picture("attitude.png");
+  const cv::Rect roll(100, 125, 670, 228);
+  EXPECT_LT(CentreOf(picture, roll, kEstimate, 0.45, 0.55).y,
+            CentreOf(picture, roll, kEstimate, 0, 0.3).y - 50);
+  // 96 to 776 px are 10 s.
+  for (const int t_s : {2, 5, 8})
+    EXPECT_EQ(cv::norm(picture.at<cv::Vec3b>(340, 96 + 68 * t_s + 15), cv::Vec3b(0xe3, 0xe3, 0xfb)) < 6,
+              t_s == 5)
+        << t_s << " s";
 }
 
 bool Has(const std::filesystem::path& folder, const char* name) {
@@ -171,22 +257,21 @@ TEST_F(PlotsTest, FollowingShowsTheImageBesideWhatIsWantedOfIt) {
   EXPECT_FALSE(Has(folder_, "error.png"));  // there is no pad
   EXPECT_FALSE(Has(folder_, "encounter.png"));
   const cv::Mat picture = Picture("follow.png");
-  ASSERT_EQ(picture.size(), cv::Size(1200, 1100));
+  ASSERT_EQ(picture.size(), cv::Size(1200, 1400));
   // Both grow towards what is wanted, which stands, also while nothing is followed.
-  const cv::Rect left(115, 120, 900, 260), middle(115, 435, 900, 260);
+  const cv::Rect left(115, 112, 900, 200), middle(115, 362, 900, 200);
   for (const cv::Rect& panel : {left, middle}) {
     EXPECT_GT(CentreOf(picture, panel, kTruth, 0, 0.3).y, CentreOf(picture, panel, kTruth, 0.7, 1).y + 20);
-    EXPECT_NEAR(CentreOf(picture, panel, kX, 0, 0.3).y, CentreOf(picture, panel, kX, 0.45, 0.55).y, 2);
-    EXPECT_LT(CentreOf(picture, panel, kX, 0, 0.3).y, CentreOf(picture, panel, kTruth, 0, 0.3).y - 20);
+    EXPECT_NEAR(CentreOf(picture, panel, kSetpoint, 0, 0.3).y,
+                CentreOf(picture, panel, kSetpoint, 0.45, 0.55).y, 2);
+    EXPECT_LT(CentreOf(picture, panel, kSetpoint, 0, 0.3).y, CentreOf(picture, panel, kTruth, 0, 0.3).y - 20);
   }
-  // 108 to 1104 px are 10 s.
+  // 108 to 1164 px are 10 s.
   for (const int t_s : {2, 5, 8})
-    EXPECT_EQ(ColourAt(picture, {108 + 996 * t_s / 10 + 15, 130})[0] < 250, t_s == 5) << t_s << " s";
-  // The yaw rate rises by its own axis, the velocity ahead falls.
-  const cv::Rect commands(115, 790, 980, 225);
-  EXPECT_GT(CentreOf(picture, commands, kY, 0, 0.3).y, CentreOf(picture, commands, kY, 0.7, 1).y + 50);
-  EXPECT_LT(CentreOf(picture, commands, kTruth, 0, 0.3).y,
-            CentreOf(picture, commands, kTruth, 0.7, 1).y - 50);
+    EXPECT_EQ(ColourAt(picture, {108 + 1056 * t_s / 10 + 15, 120})[0] < 250, t_s == 5) << t_s << " s";
+  // The velocity ahead falls, the yaw rate rises.
+  EXPECT_LT(Rise(picture, {115, 612, 980, 200}, kSetpoint), -50);
+  EXPECT_GT(Rise(picture, {115, 1114, 980, 200}, kSetpoint), 50);
 }
 
 // 20 s northwards at 1 m/s past a thing that stands 4 m to the right of the way, half along it; "avoid" until
@@ -215,10 +300,10 @@ TEST_F(PlotsTest, AnEncounterIsAMapWithNorthUpAndOneScale) {
   const cv::Mat picture = Picture("encounter.png");
   ASSERT_EQ(picture.rows, 1000);
   const cv::Rect map(75, 105, 320, 820);
-  const cv::Vec3b other(0x55, 0x22, 0x88);
+  const cv::Vec3b other(0x55, 0x22, 0x88), avoids(0x99, 0x44, 0xaa), returns(0xe9, 0xb4, 0x56);
   // The circle of 4 m about the target touches the way where its two halves meet, and is round.
-  const cv::Point2d way_before = CentreOf(picture, map, kX, 0, 1),
-                    way_after = CentreOf(picture, map, kY, 0, 1);
+  const cv::Point2d way_before = CentreOf(picture, map, avoids, 0, 1),
+                    way_after = CentreOf(picture, map, returns, 0, 1);
   EXPECT_GT(way_before.y, way_after.y + 200);
   EXPECT_NEAR(way_before.x, way_after.x, 3);
   std::vector<cv::Point> circle;
@@ -242,7 +327,7 @@ TEST_F(PlotsTest, WithoutRowsThereIsNothingToDraw) {
 TEST_F(PlotsTest, APlotThatGnuplotRefusesIsNamedAndTakesNoneOfTheOthersAlong) {
   const auto always = [](const std::vector<LogRow>&) { return true; };
   const auto script = [](const char* line) {
-    return [line](const std::filesystem::path& file, const std::vector<LogRow>&, const std::string&) {
+    return [line](const std::filesystem::path& file, const std::vector<LogRow>&, const mission::FigureText&) {
       return BeginFigure(file, 300, 200) + line + EndFigure();
     };
   };
