@@ -12,7 +12,7 @@ class Flight {
     for (const [name, column] of Object.entries(data.columns ?? {})) {
       this.columns[name] = column;
       this.names.push(name);
-      if ((column.at ?? column).some((value) => value !== null)) this.filled.add(name);
+      if ((column.words ? column.at : column).some((value) => value !== null)) this.filled.add(name);
     }
   }
 
