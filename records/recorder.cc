@@ -152,7 +152,8 @@ Recorder::Recorder(std::filesystem::path folder, RecorderOptions options)
   std::error_code error;
   std::filesystem::create_directories(folder_ / "plots", error);
   if (error) throw std::runtime_error(fmt::format("cannot write {}: {}", folder_.string(), error.message()));
-  std::vector<std::filesystem::path> files = {"page.json", "report.html", "summary.json", "telemetry.csv", "video.mp4"};
+  std::vector<std::filesystem::path> files = {"page.json", "report.html", "summary.json", "telemetry.csv",
+                                              "video.mp4"};
   for (const std::string& name : PlotNames()) files.push_back(std::filesystem::path("plots") / name);
   for (const mission::Flight& each : mission::Missions()) {
     const mission::MissionType& type = each.type();
@@ -169,7 +170,7 @@ Recorder::Recorder(std::filesystem::path folder, RecorderOptions options)
   telemetry_.emplace(folder_ / "telemetry.csv");
   telemetry_->Write(TelemetryHeader(options_.telemetry) + '\n');
   if (!options_.video) return;
-  video_.emplace(folder_ / "video.mp4", options_.rate_hz);
+  video_.emplace(folder_ / "video.mp4", options_.rate_hz, options_.video_kbit_s);
   const mission::MissionType* mission = options_.telemetry.mission;
   if (mission && !mission->product_video.empty())
     product_.emplace(folder_ / mission->product_video, options_.rate_hz);

@@ -25,6 +25,7 @@ struct RecorderOptions {
   double rate_hz = 30;  // of the video
   PlotOptions plots = {};
   TelemetryOptions telemetry = {};  // without truth there is one plot (flown_plot.h)
+  int video_kbit_s = 800;  // at most: the page of a minute, with all that it holds, has less than 12 MB then
 };
 
 // Writes the folder of a run: telemetry.csv, video.mp4, plots/ and, last, summary.json. A file has its final

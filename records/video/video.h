@@ -14,7 +14,10 @@ namespace kestrel::records {
 // file and what ffmpeg said.
 class Video {
  public:
-  Video(std::filesystem::path file, double rate_hz) : file_(std::move(file)), rate_hz_(rate_hz) {}
+  // most_kbit_s: of a video that is looked at frame by frame within a page. No frame is far from one that stands by
+  // itself then, and what would be larger loses detail instead. None: as large as it needs.
+  Video(std::filesystem::path file, double rate_hz, std::optional<int> most_kbit_s = {})
+      : file_(std::move(file)), rate_hz_(rate_hz), most_kbit_s_(most_kbit_s) {}
 
   void Write(const cv::Mat& bgr);  // CV_8UC3, all of one size
   void Close();                    // without any frame there is no file
@@ -25,6 +28,7 @@ class Video {
 
   std::filesystem::path file_;
   double rate_hz_;
+  std::optional<int> most_kbit_s_;
   cv::Size size_;
   std::optional<PipedProcess> ffmpeg_;
 };

@@ -8,6 +8,7 @@
 namespace kestrel::flight {
 namespace {
 
+constexpr int kMost_kbit_s = 400;        // it has no noise of a camera
 constexpr std::size_t kMostWaiting = 8;  // pictures, before the flight waits
 
 // The image in the lower right corner, a third as wide, in a thin frame.
@@ -36,7 +37,7 @@ ViewVideo::ViewVideo(const sim::Simulator& simulator, ViewOptions options,
     : options_(std::move(options)),
       camera_(simulator.model(), options_.parameters),
       renderer_(simulator.model(), options_.parameters, threads) {
-  if (file && options_.video) video_.emplace(*file, rate_hz);
+  if (file && options_.video) video_.emplace(*file, rate_hz, kMost_kbit_s);
   thread_ = std::thread([this] { Work(); });
 }
 
