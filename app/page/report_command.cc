@@ -12,6 +12,14 @@
 #include "records/page/flight_page.h"
 
 namespace kestrel::app {
+namespace {
+
+void TellWhatIsLeftOut(const std::filesystem::path& folder) {
+  for (const std::string& name : records::LeftOutOfPage(folder))
+    PrintNote("{} is too large for a page, which is without it\n", Printable((folder / name).string()));
+}
+
+}  // namespace
 
 CLI::App* AddReportCommand(CLI::App& app, ReportArguments& a) {
   CLI::App* command = app.add_subcommand(
@@ -45,12 +53,14 @@ void ReportCommand(const ReportArguments& a) {
   mistakes.ThrowIfAny();
   const std::string page = records::FlightPage(a.folder, second);
   WriteFile(file, page);
+  for (const std::string& each : {a.folder, a.second}) TellWhatIsLeftOut(each);
   fmt::print("{}\n", Printable(file.string()));
 }
 
 std::string ReportOf(const std::filesystem::path& folder) {
   try {
     records::WriteFlightPage(folder);
+    TellWhatIsLeftOut(folder);
     return (folder / "report.html").string();
   } catch (const std::exception& e) {
     PrintNote("no report.html: {}\n", Printable(e.what()));

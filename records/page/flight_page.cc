@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <cstdint>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string_view>
@@ -46,11 +47,22 @@ std::string Element(std::string_view id, std::string_view bytes) {
   return fmt::format("<script type=\"text/plain\" id=\"{}\">{}</script>\n", id, Base64(bytes));
 }
 
+struct Media {
+  const char *id, *file;
+};
+constexpr Media kMedia[] = {{"video", "video.mp4"}, {"view", "view.mp4"}, {"scene", "scene.glb"}};
+constexpr std::uintmax_t kMaxMediaBytes = std::uintmax_t{64} << 20;
+
+bool Fits(const fs::path& file) {
+  std::error_code none;
+  return fs::file_size(file, none) <= kMaxMediaBytes;
+}
+
 std::string MediaOf(const fs::path& folder, std::string_view suffix) {
   std::string elements;
-  for (const auto& [id, file] : std::initializer_list<std::pair<const char*, const char*>>{
-           {"video", "video.mp4"}, {"view", "view.mp4"}, {"scene", "scene.glb"}})
-    if (IsFile(folder / file)) elements += Element(fmt::format("{}{}", id, suffix), ReadFile(folder / file));
+  for (const auto& [id, file] : kMedia)
+    if (IsFile(folder / file) && Fits(folder / file))
+      elements += Element(fmt::format("{}{}", id, suffix), ReadFile(folder / file));
   return elements;
 }
 
@@ -91,6 +103,13 @@ std::string FlightPage(const fs::path& folder, const std::optional<fs::path>& se
 std::string LiveFlightPage(const FlightSubject& subject, const std::string& scene_glb) {
   return PageOf(subject.title, LiveJson(subject).dump(-1, ' ', false, Json::error_handler_t::replace),
                 Element("scene", scene_glb), "'self'");
+}
+
+std::vector<std::string> LeftOutOfPage(const fs::path& folder) {
+  std::vector<std::string> names;
+  for (const Media& each : kMedia)
+    if (IsFile(folder / each.file) && !Fits(folder / each.file)) names.emplace_back(each.file);
+  return names;
 }
 
 void WriteFlightPage(const fs::path& folder) { WriteFile(folder / "report.html", FlightPage(folder)); }
