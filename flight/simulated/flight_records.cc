@@ -15,9 +15,10 @@
 namespace kestrel::flight {
 namespace {
 
-records::RecorderOptions OptionsFor(const LoadedScenario& loaded, bool video) {
+records::RecorderOptions OptionsFor(const LoadedScenario& loaded, bool video, bool view) {
   records::RecorderOptions options;
   options.video = video;
+  if (view) options.video_kbit_s /= 2;
   options.rate_hz = loaded.scenario.image.rate_hz;
   options.plots.title = loaded.scenario.name + ", seed " + std::to_string(loaded.scenario.seed);
   const sim::SceneParameters& scene = loaded.simulator.scene;
@@ -65,10 +66,10 @@ records::FlightSubject SubjectOf(const LoadedScenario& loaded, const sim::Simula
 }
 
 FlightRecords::FlightRecords(const std::filesystem::path& folder, const LoadedScenario& loaded,
-                             const sim::Simulator& simulator, bool video)
+                             const sim::Simulator& simulator, bool video, bool view)
     : folder_(folder),
       lock_(LockFolder(folder)),
-      recorder_(folder, OptionsFor(loaded, video)),
+      recorder_(folder, OptionsFor(loaded, video, view)),
       events_(BeginEvents(folder, loaded.scenario)) {
   records::WriteSubject(folder, SubjectOf(loaded, simulator));
   WriteFile(folder / "scene.glb",

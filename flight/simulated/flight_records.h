@@ -26,9 +26,10 @@ records::FlightSubject SubjectOf(const LoadedScenario& loaded, const sim::Simula
 
 class FlightRecords {
  public:
-  // simulator: at the begin of the flight.
+  // simulator: at the begin of the flight. view: there is a video from outside too (flight/simulated/view), with
+  // which that on board shares the size of the page.
   FlightRecords(const std::filesystem::path& folder, const LoadedScenario& loaded,
-                const sim::Simulator& simulator, bool video);
+                const sim::Simulator& simulator, bool video, bool view = false);
 
   // From now on flight.mcap is written too. parts: what the mission was made from.
   void AddMcap(records::McapImages images, const LoadedScenario& loaded, const mission::MissionParts& parts);

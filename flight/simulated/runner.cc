@@ -40,7 +40,7 @@ FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) 
   std::optional<ViewVideo> view;
   std::optional<records::RecordingWriter> recording;
   if (options.folder) {
-    records.emplace(*options.folder, loaded, simulator, options.video);
+    records.emplace(*options.folder, loaded, simulator, options.video, options.view.has_value());
     if (options.mcap) records->AddMcap(*options.mcap, loaded, parts);
     if (options.images) {
       recording.emplace(*options.folder, scenario.flight.type());
