@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "app/flight/replay_log.h"
+#include "app/flight/replay_records.h"
 #include "app/option/bits_option.h"
 #include "base/diagnostics.h"
 #include "base/file/files.h"
@@ -20,6 +21,7 @@
 #include "base/user_file.h"
 #include "flight/flight_plan.h"
 #include "records/recording.h"
+#include "records/telemetry/flight_mode.h"
 #include "records/video/drawn_view.h"
 #include "records/video/video.h"
 
@@ -120,6 +122,11 @@ CLI::App* AddReplayCommand(CLI::App& app, ReplayArguments& a) {
   command->add_option("--video", a.video, "Also write what the vision code sees now to this MP4")
       ->type_name("FILE");
   command
+      ->add_option(
+          "--out", a.out,
+          "Also write the records of what the mission makes of it now, with their page, to this folder")
+      ->type_name("DIR");
+  command
       ->add_option("--scenario", a.scenario,
                    "Of an MCAP: whose mission sees it, by the scenario's camera and pad; a name or a file")
       ->type_name("SCENARIO");
@@ -161,6 +168,9 @@ bool ReplayCommand(const ReplayArguments& a) {
     mistakes.Add("replay", "", fmt::format("'{}' holds no scenario.yaml: not a flight's folder", a.folder),
                  "valid: the folder of run or fly with --images, or an MCAP of ROS 2");
   CheckWritableFile(a.video, "--video", mistakes);
+  CheckWritableFolder(a.out, "--out", mistakes);
+  if (!a.out.empty() && SameFile(a.out, folder))
+    mistakes.Add("--out", "", fmt::format("'{}' holds the flight itself", a.out), "valid: another folder");
   if (!(a.tolerance >= 0 && std::isfinite(a.tolerance)))
     mistakes.Add("--tolerance", "", fmt::format("{:g} is no tolerance", a.tolerance), "valid: 0 or more");
   mistakes.ThrowIfAny();
@@ -183,6 +193,8 @@ bool ReplayCommand(const ReplayArguments& a) {
   const std::unique_ptr<mission::Mission> mission = loaded.plan.flight->Make(loaded.parts);
   std::optional<records::Video> video;
   if (!a.video.empty()) video.emplace(a.video, loaded.plan.image.rate_hz);
+  std::optional<ReplayRecords> records;
+  if (!a.out.empty()) records.emplace(a.out, loaded, loaded.plan.image.rate_hz);
   const mission::MissionType& type = loaded.plan.flight.type();
   Comparison comparison(a.tolerance, recording.numbers(), records::RecordedNumbers(type));
   const bool terminal = isatty(STDERR_FILENO) && !a.quiet;
@@ -193,12 +205,17 @@ bool ReplayCommand(const ReplayArguments& a) {
     const mission::Decision decision = mission->Step(frame, frames[i].state);
     comparison.Compare(i, frames[i].decision, records::Recorded(decision, type));
     if (video) {
-      video->Write(records::DrawnView(frame, frame.t_s, *mission, "RECORDING"));
+      video->Write(records::DrawnView(frame, frame.t_s, *mission, records::kRecordingMode));
     }
+    if (records) records->Write(frame, frames[i].state, decision, *mission);
     if (terminal && i % 20 == 0) fmt::print(stderr, "\r\033[K{} of {} frames", i, frames.size());
   }
   if (terminal) fmt::print(stderr, "\r\033[K");
   if (video) video->Close();
+  std::string report;
+  if (records)
+    report = records->Finish(comparison.same() ? "as it was recorded" : "other than it was recorded",
+                             comparison.same(), SecondsSince(begun));
   if (!a.quiet) {
     fmt::print("{}: {} frames of {:.1f} s seen again in {:.1f} s\n", loaded.plan.name, frames.size(),
                frames.back().t_s - frames.front().t_s, SecondsSince(begun));
@@ -207,6 +224,7 @@ bool ReplayCommand(const ReplayArguments& a) {
                  a.tolerance > 0 ? fmt::format(", to {:g}", a.tolerance) : ", to the last bit");
     else
       comparison.Print(frames);
+    if (!report.empty()) fmt::print("  {}\n", report);
   }
   return comparison.same();
 }

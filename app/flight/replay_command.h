@@ -12,7 +12,7 @@
 namespace kestrel::app {
 
 struct ReplayArguments {
-  std::string folder, video;
+  std::string folder, video, out;
   std::string scenario, topic, state_topic, csv;  // of an MCAP
   std::optional<int> bits;                        // the same
   std::vector<std::string> overrides;

@@ -10,11 +10,13 @@
 #include <vector>
 
 #include "app/flight/recorded_states.h"
+#include "app/flight/replay_records.h"
 #include "base/diagnostics.h"
 #include "base/file/files.h"
 #include "base/stopwatch.h"
 #include "flight/flight_plan.h"
 #include "records/recording.h"
+#include "records/telemetry/flight_mode.h"
 #include "records/video/drawn_view.h"
 #include "records/video/video.h"
 #include "vision/capture/folder_source.h"
@@ -48,6 +50,7 @@ void ReplayLog(const ReplayArguments& a) {
                  "valid: a scenario's name or file");
   CheckWritableFile(a.csv, "--csv", mistakes);
   CheckWritableFile(a.video, "--video", mistakes);
+  CheckWritableFolder(a.out, "--out", mistakes);
   std::optional<flight::LoadedPlan> loaded;
   try {
     if (!a.scenario.empty()) loaded = flight::LoadPlan(a.scenario, a.overrides);
@@ -69,9 +72,11 @@ void ReplayLog(const ReplayArguments& a) {
   if (!source->Open()) throw InputError(a.folder, source->Error());
   const std::unique_ptr<mission::Mission> mission = plan.flight->Make(loaded->parts);
   const mission::MissionType& type = plan.flight.type();
+  const double rate_hz = images->Rate_hz() > 0 ? images->Rate_hz() : plan.image.rate_hz;
   std::optional<records::Video> video;
-  if (!a.video.empty())
-    video.emplace(a.video, images->Rate_hz() > 0 ? images->Rate_hz() : plan.image.rate_hz);
+  if (!a.video.empty()) video.emplace(a.video, rate_hz);
+  std::optional<ReplayRecords> records;
+  if (!a.out.empty()) records.emplace(a.out, *loaded, rate_hz);
   std::string csv = fmt::format("image,stamp_ns,t_s,phase,target,outcome,{}\n",
                                 fmt::join(records::RecordedNumbers(type), ","));
   const auto begun = std::chrono::steady_clock::now();
@@ -98,10 +103,13 @@ void ReplayLog(const ReplayArguments& a) {
     with_fix += decision.fix.has_value();
     if (phases.empty() || phases.back() != decision.phase) phases.emplace_back(decision.phase);
     csv += Row(frame.sequence, stamp_ns, frame.t_s, records::Recorded(decision, type));
-    if (video) video->Write(records::DrawnView(frame, frame.t_s, *mission, "RECORDING"));
+    if (video) video->Write(records::DrawnView(frame, frame.t_s, *mission, records::kRecordingMode));
+    if (records) records->Write(frame, state, decision, *mission);
   }
   if (video) video->Close();
   if (!a.csv.empty()) WriteFile(a.csv, csv);
+  std::string report;
+  if (records) report = records->Finish("seen again", true, SecondsSince(begun));
   if (a.quiet) return;
   if (!images->note.empty()) fmt::print("{}\n", images->note);
   fmt::print("{}: {} images of {}, {:.1f} s, seen in {:.1f} s, by the states of {}{}\n", plan.name,
@@ -111,6 +119,7 @@ void ReplayLog(const ReplayArguments& a) {
   if (unreadable + without_state > 0)
     fmt::print("left out: {} unreadable, {} from before the first state\n", unreadable, without_state);
   fmt::print("a fix in {} of them; phases: {}\n", with_fix, fmt::join(phases, ", "));
+  if (!report.empty()) fmt::print("  {}\n", report);
 }
 
 }  // namespace kestrel::app

@@ -7,6 +7,7 @@ namespace kestrel::records {
 
 // What flies, as far as it is known: in every start line, log and overlay.
 inline constexpr const char* kSimulatorMode = "SIMULATOR";
+inline constexpr const char* kRecordingMode = "RECORDING";  // nothing flies: it is seen again
 
 // Of an autopilot at the far end of a wire. Whether there is an aircraft behind it the wire does not tell,
 // unless it says that there is none: simulated.

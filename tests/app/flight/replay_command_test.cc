@@ -9,7 +9,9 @@
 
 #include "base/diagnostics.h"
 #include "base/file/files.h"
+#include "base/user_file.h"
 #include "flight/simulated/runner.h"
+#include "records/summary.h"
 #include "tests/support/temporary_folder.h"
 
 namespace kestrel::app {
@@ -36,6 +38,22 @@ class ReplayCommandTest : public InTemporaryFolder {
 };
 
 TEST_F(ReplayCommandTest, TheSameCodeSaysTheSameToTheLastBit) { EXPECT_TRUE(Replay()); }
+
+TEST_F(ReplayCommandTest, WhatTheMissionMakesOfItNowHasRecordsAndAPage) {
+  ReplayArguments arguments;
+  arguments.folder = folder_.string();
+  arguments.quiet = true;
+  arguments.out = (folder_ / "again").string();
+  ASSERT_TRUE(ReplayCommand(arguments));
+  const records::Summary summary = records::ReadSummary(folder_ / "again" / "summary.json");
+  EXPECT_EQ(summary.mode, "RECORDING");
+  EXPECT_TRUE(summary.passed);
+  for (const char* file : {"telemetry.csv", "events.log", "video.mp4", "report.html"})
+    EXPECT_TRUE(IsFile(folder_ / "again" / file)) << file;
+  arguments.out = arguments.folder;  // which would be overwritten
+  EXPECT_THROW(ReplayCommand(arguments), InputError);
+  EXPECT_FALSE(IsFile(folder_ / "report.html"));
+}
 
 TEST_F(ReplayCommandTest, AnotherGainIsSeenToAskForAnotherVelocity) {
   EXPECT_FALSE(Replay({"pilot.servo.lambda_per_s=0.8"}));
