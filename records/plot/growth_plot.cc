@@ -37,6 +37,7 @@ std::string GrowthPlot(const std::filesystem::path& file, const std::vector<LogR
                           placed ? report->step->rms_px : kNone,
                           report->step->adjusted ? report->step->moved_px : kNone);
     }
+  const std::string limits = LimitLines(figure, {"mosaic_rms_px"}, residual);
   text +=
       "END_OF_GROWTH\n" + BeginFigure(file, 1200, 1000) +
       BeginPanels("layout 4,1 margins 0.09,0.97,0.07,0.91 spacing 0,0.03", "The mosaic: " + figure.title) +
@@ -47,8 +48,7 @@ std::string GrowthPlot(const std::filesystem::path& file, const std::vector<LogR
           "set key at screen 0.97, 0.965 right top horizontal noautotitle samplen 2\n"
           "plot $growth using 1:3 with lines lw 1.8 lc rgb '#222222' title 'keyframes', "
           "'' using 1:4 with lines lw 1.8 lc rgb '#882255' title 'loops'\nunset key\n";
-  text += PhaseLines(rows, false) + AxisName("residual (px)") +
-          LimitLines(figure, {"mosaic_rms_px"}, residual) +
+  text += PhaseLines(rows, false) + AxisName("residual (px)") + limits +
           fmt::format("set yrange [0:{:.6g}]\nplot $growth using 1:6 with {}\n",
                       1.08 * std::max(residual.high, 0.5), kSeenStyle);
   text += PhaseLines(rows, false) + AxisName("moved by the adjustment (px)") +

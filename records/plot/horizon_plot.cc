@@ -165,8 +165,8 @@ std::string HorizonPlot(const std::filesystem::path& file, const std::vector<Log
     for (const Line& line : lines)
       for (const double each : {line.error(i), 2 * line.sigma.of(i), -2 * line.sigma.of(i)})
         errors.Add(Degrees(each));
-    text += '\n' + PhaseLines(rows, false) + LimitLines(figure, angles[i].metrics, errors, true) +
-            "set xzeroaxis lc rgb '#888888'\n" +
+    const std::string limits = LimitLines(figure, angles[i].metrics, errors, true);
+    text += '\n' + PhaseLines(rows, false) + limits + "set xzeroaxis lc rgb '#888888'\n" +
             fmt::format("set yrange {}\nset ylabel '{}, camera less truth (°)' offset 1,0\n",
                         errors.Range(0.2), angles[i].name) +
             (i == 0 ? key("0.98") : "unset key\n") +

@@ -63,7 +63,8 @@ std::string PathPlot(const std::filesystem::path& file, const std::vector<LogRow
                           {"yaw off it (°)", {"path_yaw_rmse_deg"}}};
   for (int i = 0; i < 3; ++i) {
     const double top = 0.9 - 0.28 * i;
-    text += PhaseLines(rows, i == 0) + LimitLines(figure, panels[i].metrics, off[i], i > 0) +
+    const std::string limits = LimitLines(figure, panels[i].metrics, off[i], i > 0);
+    text += PhaseLines(rows, i == 0) + limits +
             fmt::format("set tmargin at screen {:.3f}\nset bmargin at screen {:.3f}\n", top, top - 0.25) +
             fmt::format("set format x '{}'\nset xlabel '{}'\nset ylabel '{}'\nset yrange {}\n",
                         i == 2 ? "%g" : "", i == 2 ? "time (s)" : "", panels[i].name,

@@ -67,15 +67,15 @@ std::string PhaseLines(const std::vector<LogRow>& rows, bool named) {
 
 std::string LimitLines(const mission::FigureText& figure, const std::vector<std::string>& metrics, Span& span,
                        bool is_signed) {
-  constexpr double kFar = 2;  // times as far as the data, from their middle or from zero
+  constexpr double kFar = 2;  // times as far as the data reach from zero
   std::string text;
-  double words_at = 0.94;
+  double words_at = 0.94, beside = 0.995;
   for (const mission::MetricLimit& each : figure.limits) {
     if (std::find(metrics.begin(), metrics.end(), each.metric) == metrics.end()) continue;
     const std::string words =
         fmt::format("{} at {} {:g}", each.metric, each.at_least ? "least" : "most", each.limit);
     const bool any = span.low <= span.high;
-    const double reach = any ? std::max({std::abs(span.low), std::abs(span.high), span.size()}) : 0;
+    const double reach = any ? std::max(std::abs(span.low), std::abs(span.high)) : 0;
     const auto label = [&](const std::string& said, const std::string& at) {
       text += fmt::format("set label {} at {} right tc rgb '#D55E00' font ',9' noenhanced front\n",
                           GnuplotQuoted(said), at);
@@ -93,7 +93,8 @@ std::string LimitLines(const mission::FigureText& figure, const std::vector<std:
           limit);
       if (!is_signed) break;
     }
-    label(words, fmt::format("graph 0.995, first {:.6g} offset 0,0.6", each.limit));
+    label(words, fmt::format("graph {:.3f}, first {:.6g} offset 0,0.6", beside, each.limit));
+    beside -= 0.3;  // the next line may be near
   }
   return text;
 }
@@ -130,7 +131,7 @@ std::string BeginPanels(const std::string& layout, const std::string& title) {
 }
 
 std::string AxisName(const std::string& name) {
-  return fmt::format("set label {} at graph -0.07, 0.5 center rotate\n", GnuplotQuoted(name));
+  return fmt::format("set label {} at graph -0.08, 0.5 center rotate\n", GnuplotQuoted(name));
 }
 
 }  // namespace kestrel::records

@@ -47,7 +47,7 @@ std::string PhaseLines(const std::vector<LogRow>& rows, bool named);
 
 // What the scenario asks of these metrics as lines across a panel, with words; where a limit lies so far off that
 // it would make the data small, the words alone. To be called after PhaseLines, and with the span of the data,
-// which grows to hold the lines. is_signed: the data are errors, and the limits of their size.
+// which it grows to hold the lines: not within an expression that uses the span. is_signed: the data are errors, and the limits of their size.
 std::string LimitLines(const mission::FigureText& figure, const std::vector<std::string>& metrics, Span& span,
                        bool is_signed = false);
 

@@ -138,10 +138,10 @@ std::string Error(const std::filesystem::path& file, const std::vector<Sample>& 
     Span span = {};
   };
   Panel panels[] = {
-      {"x, fix less truth (m)", 12, 0.02, {"fix_x_rmse_m"}},
-      {"y, fix less truth (m)", 13, 0.02, {"fix_y_rmse_m"}},
-      {"z (down), fix less truth (m)", 14, 0.02, {"fix_z_rmse_m"}},
-      {"yaw, fix less truth (°)", 15, 0.5, {"fix_yaw_rmse_deg"}},
+      {"x, error (m)", 12, 0.02, {"fix_x_rmse_m"}},
+      {"y, error (m)", 13, 0.02, {"fix_y_rmse_m"}},
+      {"z (down), error (m)", 14, 0.02, {"fix_z_rmse_m"}},
+      {"yaw, error (°)", 15, 0.5, {"fix_yaw_rmse_deg"}},
       {"horizontal distance (m)", 16, 0.5, {"touchdown_error_m", "rest_error_m", "hold_horizontal_rmse_m"}}};
   for (const Sample& s : samples) {
     for (int axis = 0; axis < 3; ++axis) panels[axis].span.Add(s.error[axis]);
@@ -151,7 +151,8 @@ std::string Error(const std::filesystem::path& file, const std::vector<Sample>& 
   panels[4].span.Add(0);
   std::string text =
       BeginFigure(file, 1200, 1500) +
-      BeginPanels(kFivePanels, "Error of the vision fix, distance from the pad: " + figure.title);
+      BeginPanels(kFivePanels,
+                  "Error of the vision fix (fix less truth), and distance from the pad: " + figure.title);
   text += "set xrange " + TimeRange(rows) + "\nset xzeroaxis lc rgb '#888888'\nunset key\n";
   for (Panel& panel : panels) {
     const bool first = &panel == panels, last = panel.column == 16;

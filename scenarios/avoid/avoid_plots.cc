@@ -27,7 +27,7 @@ struct PhaseLook {
   const char *colour, *shade;
 };
 constexpr PhaseLook kPhases[] = {{"cruise", "#222222", "#ffffff"},
-                                 {"avoid", "#AA4499", "#f5e4f2"},
+                                 {"avoid", "#332288", "#e6e3f2"},
                                  {"pass", "#999933", "#f2f2dd"},
                                  {"return", "#56B4E9", "#e2f1fb"}};
 

@@ -78,13 +78,15 @@ std::string ServoPlot(const std::filesystem::path& file, const std::vector<missi
   text += "set size noratio\nset yrange [*:*]\nset xlabel ''\nset key top right\n";
   text += "set xrange " + records::TimeRange(rows) + '\n';
   text += panel(0.60, 0.97, 0.65, 0.91) + records::PhaseLines(rows, true) +
-          "set ylabel 'error of the corners (px)'\nset format x ''\nplot $servo using 1:2 with points pt 7 "
+          "set ylabel 'error of the corners (px)' offset -0.5,0\nset format x ''\nplot $servo using 1:2 with "
+          "points pt 7 "
           "ps 0.4 lc rgb '#E69F00'\n";
   text += panel(0.60, 0.97, 0.37, 0.62) + records::PhaseLines(rows, false) +
-          "set ylabel 'true height, distance (m)'\nplot $servo using 1:4 with lines lw 1.6 lc rgb '#222222' "
-          "title 'height', '' using 1:3 with lines lw 1.6 dt (2,3) lc rgb '#222222' title 'from the goal'\n";
+          "set ylabel 'true height, distance (m)' offset -0.5,0\nplot $servo using 1:4 with lines lw 1.6 lc "
+          "rgb '#222222' "
+          "title 'height', '' using 1:3 with lines lw 1.8 dt (6,4) lc rgb '#222222' title 'from the goal'\n";
   text += panel(0.60, 0.97, 0.09, 0.34) + records::PhaseLines(rows, false) +
-          "set ylabel 'yaw off the goal (°)'\nset format x '%g'\nset xlabel 'time (s)'\n"
+          "set ylabel 'yaw off the goal (°)' offset -0.5,0\nset format x '%g'\nset xlabel 'time (s)'\n"
           "plot $servo using 1:5 with lines lw 1.6 lc rgb '#222222'\n";
   return text + records::EndFigure();
 }

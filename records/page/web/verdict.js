@@ -48,7 +48,7 @@ const drawVerdict = (of) => {
             class: i === 1 || i === 3 ? "number" : null}, text))))),
         el("tbody", {}, data.criteria.map(criterionRow))))
       : el("p", {class: "note"}, data.live ? "Criteria are held against the whole flight, when it has ended." : "It was flown without criteria."),
-    ...(data.again ? [el("h3", {}, "Fly it again"), commandLine(data.again)] : []));
+    ...(data.again ? [el("h2", {}, "Fly it again"), commandLine(data.again)] : []));
 };
 
 const factsOf = ({data}) => [

@@ -9,6 +9,7 @@
 
 #include "base/mcap/reader.h"
 #include "base/ros/sensor_messages.h"
+#include "records/mcap/flight_mcap.h"
 #include "tests/support/temporary_folder.h"
 
 namespace kestrel::flight {

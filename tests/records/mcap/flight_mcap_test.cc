@@ -49,8 +49,8 @@ mission::LogRow Row() {
 class FlightMcapTest : public InTemporaryFolder {
  protected:
   std::filesystem::path file() const { return folder_ / "flight.mcap"; }
-  FlightMcapOptions Options(McapImages images = McapImages::kJpeg) const {
-    FlightMcapOptions options;
+  FlightMessageOptions Options(McapImages images = McapImages::kJpeg) const {
+    FlightMessageOptions options;
     options.images = images;
     options.camera = Camera();
     options.X_BC = vision::MountPose({});

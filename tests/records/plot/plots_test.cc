@@ -133,6 +133,12 @@ TEST_F(PlotsTest, PositionShowsWhereTheAircraftWasSent) {
               CentreOf(picture, kPanelX, kTruth, 0.45, 0.55).y, 12);
 }
 
+PlotOptions PlotsOf(const mission::MissionType& type) {
+  PlotOptions options;
+  options.mission = &type;
+  return options;
+}
+
 // Rows of a panel that are a line in this colour.
 int LinesAcross(const cv::Mat& picture, const cv::Rect& panel, const cv::Vec3b& colour) {
   int lines = 0;
@@ -140,7 +146,7 @@ int LinesAcross(const cv::Mat& picture, const cv::Rect& panel, const cv::Vec3b& 
   for (int y = panel.y; y < panel.y + panel.height; ++y) {
     int count = 0;
     for (int x = panel.x; x < panel.x + panel.width; ++x)
-      count += cv::norm(picture.at<cv::Vec3b>(y, x), colour) < 80;
+      count += cv::norm(picture.at<cv::Vec3b>(y, x), colour) < 55;
     lines += count > panel.width / 3 && !within;
     within = count > panel.width / 3;
   }
@@ -162,10 +168,30 @@ TEST_F(PlotsTest, CriteriaAreLinesWhereTheyDoNotMakeTheDataSmall) {
   EXPECT_EQ(LinesAcross(Picture("error.png"), kDistance, kLimit), 1);
 }
 
-PlotOptions PlotsOf(const mission::MissionType& type) {
-  PlotOptions options;
-  options.mission = &type;
-  return options;
+TEST_F(PlotsTest, ACriterionOfAnAttitudeIsWhereItsErrorsAre) {
+  std::vector<LogRow> rows = Climb({0, 0, 0}, 0);
+  for (LogRow& row : rows) {
+    row.decision.fix.reset();
+    row.exposure.X_NB.R = Eigen::Quaterniond::Identity();
+    const auto report = std::make_shared<mission::HorizonReport>();
+    report->attitude = mission::AttitudeFix{Radians(2), 0, Radians(0.1), Radians(0.1), {}, 0};
+    row.decision.report = report;
+  }
+  const mission::MissionType type = TypeOf(scenarios::AttitudeFlight{});
+  PlotOptions options = PlotsOf(type);
+  options.limits = {{"roll_rmse_deg", 3, false}};
+  DrawPlots(folder_, rows, options);
+  const cv::Mat picture = Picture("attitude.png");
+  const cv::Rect error(890, 125, 670, 228);
+  EXPECT_EQ(LinesAcross(picture, error, kLimit), 2);
+  // All errors are 2 degrees: at five sixths of the way from one line to the other.
+  const cv::Rect upper(890, 125, 670, 60), lower(890, 290, 670, 63);
+  const double above = CentreOf(picture, upper, kLimit, 0, 0.5).y,
+               below = CentreOf(picture, lower, kLimit, 0, 0.5).y;
+  EXPECT_NEAR((below - CentreOf(picture, error, kFixColour, 0, 0.5).y) / (below - above), 5 / 6.0, 0.02);
+  options.limits = {{"roll_rmse_deg", 5, false}};
+  DrawPlots(folder_, rows, options);
+  EXPECT_EQ(LinesAcross(Picture("attitude.png"), error, kLimit), 0);
 }
 
 TEST_F(PlotsTest, AnAttitudeIsDrawnBesideItsErrors) {
@@ -207,7 +233,7 @@ TEST_F(PlotsTest, AnAttitudeThatFailedIsDrawnAndShaded) {
   const cv::Mat picture = Picture("attitude.png");
   const cv::Rect roll(100, 125, 670, 228);
   EXPECT_LT(CentreOf(picture, roll, kEstimate, 0.45, 0.55).y,
-            CentreOf(picture, roll, kEstimate, 0, 0.3).y - 50);
+            CentreOf(picture, roll, kTruth, 0.45, 0.55).y - 50);
   // 96 to 776 px are 10 s.
   for (const int t_s : {2, 5, 8})
     EXPECT_EQ(cv::norm(picture.at<cv::Vec3b>(340, 96 + 68 * t_s + 15), cv::Vec3b(0xe3, 0xe3, 0xfb)) < 6,
@@ -300,7 +326,7 @@ TEST_F(PlotsTest, AnEncounterIsAMapWithNorthUpAndOneScale) {
   const cv::Mat picture = Picture("encounter.png");
   ASSERT_EQ(picture.rows, 1000);
   const cv::Rect map(75, 105, 320, 820);
-  const cv::Vec3b other(0x55, 0x22, 0x88), avoids(0x99, 0x44, 0xaa), returns(0xe9, 0xb4, 0x56);
+  const cv::Vec3b other(0x55, 0x22, 0x88), avoids(0x88, 0x22, 0x33), returns(0xe9, 0xb4, 0x56);
   // The circle of 4 m about the target touches the way where its two halves meet, and is round.
   const cv::Point2d way_before = CentreOf(picture, map, avoids, 0, 1),
                     way_after = CentreOf(picture, map, returns, 0, 1);

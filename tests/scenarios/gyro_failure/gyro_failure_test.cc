@@ -10,6 +10,7 @@
 #include "mission/horizon_observer.h"
 #include "tests/vision/horizon/skyline_photographer.h"
 #include "vision/camera/camera_model.h"
+#include "vision/drawn_colours.h"
 
 namespace kestrel::scenarios {
 namespace {
@@ -49,6 +50,14 @@ class Watcher {
     return Eigen::Quaterniond(
         RotationFromTaitBryan({kYaw + jitter(), jitter(), Radians(roll_deg) + jitter()}));
   }
+  std::vector<mission::Caption> Captions() const { return mission_->Captions(); }
+  // Pixels of the last frame, as a video has it, in the colour of what must not be.
+  int Struck() const {
+    cv::Mat drawn = picture_.clone(), struck;
+    mission_->Draw(drawn);
+    cv::inRange(drawn, vision::kLimitColour, vision::kLimitColour, struck);
+    return cv::countNonZero(struck);
+  }
   void LearnWhatIsNormal() {
     for (int i = 0; i < 10; ++i) {
       const mission::Decision d = See(Sound());
@@ -81,6 +90,18 @@ TEST(GyroFailure, ASilentAttitudeIsReplacedInTheSameFrame) {
   EXPECT_EQ(d.phase, "by sight: own attitude silent");
   EXPECT_LT(Degrees(d.aid->R_NB.angularDistance(HeadingRotation(kYaw))), 0.7);
   EXPECT_TRUE(std::holds_alternative<control::PositionSetpoint>(*d.setpoint));
+}
+
+TEST(GyroFailure, TheVideoSaysThatTheOwnAttitudeHasFailed) {
+  Watcher w;
+  w.LearnWhatIsNormal();
+  EXPECT_EQ(w.Captions().front().text, "by own attitude");
+  EXPECT_FALSE(w.Captions().front().alarm);
+  EXPECT_EQ(w.Struck(), 0);
+  w.See(std::nullopt);
+  EXPECT_EQ(w.Captions().front().text, "by sight: own attitude silent");
+  EXPECT_TRUE(w.Captions().front().alarm);
+  EXPECT_GT(w.Struck(), 300);
 }
 
 TEST(GyroFailure, AFrozenAttitudeIsReplacedAfterThreeFrames) {
