@@ -9,7 +9,7 @@
 #include <map>
 #include <stdexcept>
 
-#include "sim/render/ray/pyramid_cache.h"
+#include "sim/render/pyramid/pyramid_cache.h"
 #include "sim/world/frames.h"
 #include "sim/world/scene.h"
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "geometry/pose.h"
-#include "sim/render/ray/pyramid.h"
+#include "sim/render/pyramid/pyramid.h"
 #include "sim/render/ray/triangles.h"
 
 namespace kestrel::sim::ray {

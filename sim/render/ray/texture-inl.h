@@ -12,7 +12,7 @@
 #include <cstring>
 
 #include "sim/render/ray/packet-inl.h"
-#include "sim/render/ray/pyramid.h"
+#include "sim/render/pyramid/pyramid.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace kestrel::sim::ray::HWY_NAMESPACE {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/render/ray/pyramid.h"
+#include "sim/render/pyramid/pyramid.h"
 
 #include <Eigen/Core>
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/render/ray/pyramid_cache.h"
+#include "sim/render/pyramid/pyramid_cache.h"
 
 #include <algorithm>
 #include <mutex>

@@ -7,7 +7,7 @@
 #include <memory>
 #include <vector>
 
-#include "sim/render/ray/pyramid.h"
+#include "sim/render/pyramid/pyramid.h"
 
 namespace kestrel::sim::ray {
 
