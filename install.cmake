@@ -102,7 +102,7 @@ set(needs_sim "kestrel-vision kestrel-control pugixml libhwy libxxhash")
 if(embree_FOUND)
   set(embree -lembree${embree_VERSION_MAJOR})
 endif()
-set(libraries_sim "-lmujoco ${embree} -ldl")  # which have no file of their own
+set(libraries_sim "-lmujoco -lassimp ${embree} -ldl")  # which have no file of their own
 set(needs_flight "kestrel-vision kestrel-control nlohmann_json pugixml")
 if(TARGET kestrel_sim)
   string(PREPEND needs_flight "kestrel-sim ")
@@ -168,7 +168,7 @@ set(CPACK_DEBIAN_KESTREL-DEV_PACKAGE_SECTION libdevel)
 string(CONCAT CPACK_DEBIAN_KESTREL-DEV_PACKAGE_DEPENDS
        "kestrel (= ${PROJECT_VERSION}), libeigen3-dev, libboost-dev, libfmt-dev, libyaml-cpp-dev, libopencv-dev, "
        "libgstreamer1.0-dev, nlohmann-json3-dev, libpugixml-dev, libmujoco-dev, libqhull-dev, libgl-dev, libopengl-dev, "
-       "libembree-dev, libhwy-dev, libxxhash-dev, pkg-config")
+       "libassimp-dev, libembree-dev, libhwy-dev, libxxhash-dev, pkg-config")
 if(aravis_FOUND)
   string(APPEND CPACK_DEBIAN_KESTREL-DEV_PACKAGE_DEPENDS ", libaravis-dev, libusb-1.0-0-dev")
 endif()

@@ -5,6 +5,8 @@
 #include <utility>
 
 #include "base/file/files.h"
+#include "base/printable.h"
+#include "base/process/print_note.h"
 #include "base/version.h"
 #include "base/yaml/yaml_fields.h"
 #include "flight/flight_subject.h"
@@ -72,8 +74,14 @@ FlightRecords::FlightRecords(const std::filesystem::path& folder, const LoadedSc
       recorder_(folder, OptionsFor(loaded, video, view)),
       events_(BeginEvents(folder, loaded.scenario)) {
   records::WriteSubject(folder, SubjectOf(loaded, simulator));
-  WriteFile(folder / "scene.glb",
-            sim::SceneGlb(simulator.model(), sim::SeenRotors(loaded.simulator.vehicle)));
+  try {
+    WriteFile(folder / "scene.glb",
+              sim::SceneGlb(simulator.model(), sim::SeenRotors(loaded.simulator.vehicle)));
+  } catch (const std::runtime_error& e) {  // the flight is what it is without
+    PrintNote("no scene.glb: {}\n", Printable(e.what()));
+    std::error_code none;
+    std::filesystem::remove(PartOf(folder / "scene.glb"), none);
+  }
   events_.Line(0, "mode", records::kSimulatorMode);
 }
 
