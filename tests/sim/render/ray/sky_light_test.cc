@@ -65,7 +65,7 @@ TEST(SkyLight, ThingCastsItsShadowWhereTheSunPutsIt) {
 TEST(SkyLight, ShadowIsTheSofterTheFartherItFalls) {
   const auto width_px = [](double height_m) {
     const ModelPtr model =
-        Yard(fmt::format(R"(<geom type="box" pos="{} 0 {}" size="3 8 0.02"/>)", -height_m, height_m));
+        Yard(fmt::format(R"(<geom type="box" pos="{} 0 {}" size="3 8 0.2"/>)", -height_m, height_m));
     const cv::Mat sky = FromAbove(model.get(), "sky"), lamps = FromAbove(model.get(), "lamps");
     int between = 0;  // along the line north through the shadow's northern edge, 3 m from the middle
     for (int v = 30; v < 110; ++v) {
