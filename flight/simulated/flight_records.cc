@@ -36,7 +36,8 @@ records::RecorderOptions OptionsFor(const LoadedScenario& loaded, bool video, bo
 
 // In a folder that the recorder has made.
 records::EventLog BeginEvents(const std::filesystem::path& folder, const Scenario& scenario) {
-  for (const char* name : {"events.log", "flight.mcap", "view.mp4"}) {  // of an earlier run
+  for (const char* name :
+       {"events.log", "flight.mcap", "page.json", "scene.glb", "view.mp4"}) {  // of an earlier run
     std::filesystem::remove(folder / name);
     std::filesystem::remove(PartOf(folder / name));
   }
@@ -73,15 +74,21 @@ FlightRecords::FlightRecords(const std::filesystem::path& folder, const LoadedSc
       lock_(LockFolder(folder)),
       recorder_(folder, OptionsFor(loaded, video, view)),
       events_(BeginEvents(folder, loaded.scenario)) {
-  records::WriteSubject(folder, SubjectOf(loaded, simulator));
-  try {
+  // The flight is what it is without them.
+  const auto for_page = [&](const char* name, const auto& write) {
+    try {
+      write();
+    } catch (const std::runtime_error& e) {
+      PrintNote("no {}: {}\n", name, Printable(e.what()));
+      std::error_code none;
+      std::filesystem::remove(PartOf(folder / name), none);
+    }
+  };
+  for_page("page.json", [&] { records::WriteSubject(folder, SubjectOf(loaded, simulator)); });
+  for_page("scene.glb", [&] {
     WriteFile(folder / "scene.glb",
               sim::SceneGlb(simulator.model(), sim::SeenRotors(loaded.simulator.vehicle)));
-  } catch (const std::runtime_error& e) {  // the flight is what it is without
-    PrintNote("no scene.glb: {}\n", Printable(e.what()));
-    std::error_code none;
-    std::filesystem::remove(PartOf(folder / "scene.glb"), none);
-  }
+  });
   events_.Line(0, "mode", records::kSimulatorMode);
 }
 
