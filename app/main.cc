@@ -131,12 +131,12 @@ int Main(int argc, char** argv) {
 
   // Of all that fly.
   std::string isa;
-  for (const char* name :
-       {"run", "picture", "serve", "encounters", "campaign", "tune", "reproduce", "bench", "replay", "dataset"})
+  for (const char* name : {"run", "picture", "serve", "encounters", "campaign", "tune", "reproduce", "bench",
+                           "replay", "dataset"})
     AddIsaOption(app.get_subcommand(name), isa);
   program.Add(AddFlyVerb(app), [&] { return HandOverToFly(argv), kBrokeOff; });
-  program.TakePlugins({"run", "picture", "list", "explain", "new", "schema", "check", "serve", "campaign", "tune",
-                       "replay", "export", "dataset"});
+  program.TakePlugins({"run", "picture", "list", "explain", "new", "schema", "check", "serve", "campaign",
+                       "tune", "replay", "export", "dataset"});
   // Last, or each verb without a footer of its own would have this one.
   app.footer(
       "Examples:\n  kestrel run landing\n  kestrel check my_flight.yaml\n"

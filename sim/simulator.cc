@@ -345,7 +345,8 @@ void Simulator::CoverPad() {
 void Simulator::RunCamera() {
   CoverPad();
   if (ground_) ground_->Step(data_.get(), steps_, parameters_.render.daylight);
-  for (const auto& camera : cameras_) camera->Step(data_.get(), steps_, truth_.X_NB, parameters_.render.daylight);
+  for (const auto& camera : cameras_)
+    camera->Step(data_.get(), steps_, truth_.X_NB, parameters_.render.daylight);
   if (steps_ == clock_.TickStep()) {
     XXH3_64bits_update(hashes_->state, data_->qpos, sizeof(mjtNum) * model_->nq);
     XXH3_64bits_update(hashes_->state, data_->qvel, sizeof(mjtNum) * model_->nv);

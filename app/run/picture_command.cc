@@ -149,7 +149,7 @@ void PictureCommand(const PictureArguments& a) {
   options.watch = [&](const sim::Simulator& simulator, const vision::Frame& frame) {
     const double t_s = simulator.truth().t_s;
     waiting.Show(t_s < a.at_s ? fmt::format("{:.1f} of {:g} s flown", t_s, a.at_s)
-                               : fmt::format("drawing {} x {}", view.width_px, view.height_px));
+                              : fmt::format("drawing {} x {}", view.width_px, view.height_px));
     if (on_board) {
       if (t_s >= a.at_s && picture.empty()) picture = frame.image.clone();
     } else if (picture.empty() && photographer.Watch(simulator, 0)) {

@@ -81,11 +81,14 @@ CLI::App* AddRunCommand(CLI::App& app, RunArguments& a) {
       "--events", a.events,
       "Write the events of the scenario's event_camera, and each frame with the last of them, to "
       "DIR/events");
-  command->add_option("--view", a.view,
-                      "Also write the flight from outside to DIR/view.mp4: chase, tower, orbit, top or free, as the "
-                      "scenario's key view says more closely; with the image on board in a corner: chase+camera")
+  command
+      ->add_option(
+          "--view", a.view,
+          "Also write the flight from outside to DIR/view.mp4: chase, tower, orbit, top or free, as the "
+          "scenario's key view says more closely; with the image on board in a corner: chase+camera")
       ->type_name("VIEW");
-  command->add_option("--view-size", a.view_size, "WIDTHxHEIGHT in pixels of that, instead of the scenario's");
+  command->add_option("--view-size", a.view_size,
+                      "WIDTHxHEIGHT in pixels of that, instead of the scenario's");
   command->add_option("--junit", a.junit, "Also write the criteria as JUnit XML to this file")
       ->type_name("FILE");
   command->add_flag("--quiet", a.quiet, "Print nothing but errors, and what failed of a run that did");

@@ -24,8 +24,8 @@ void RecordedFlight::WriteRows(std::size_t until) {
 
 void RecordedFlight::WriteImage(const Observation& observation) {
   if (records_.recorder().wants_images() && observation.frame && !observation.frame->image.empty())
-    records_.recorder().WriteImage(records::DrawnView(*observation.frame, sim_.t_s(),
-                                                      records::kSimulatorMode));
+    records_.recorder().WriteImage(
+        records::DrawnView(*observation.frame, sim_.t_s(), records::kSimulatorMode));
 }
 
 records::Summary RecordedFlight::Finish(const std::string& error) {

@@ -47,7 +47,10 @@ class Overheard final : public control::Autopilot {
 class ServedFlight {
  public:
   ServedFlight(const LoadedScenario& loaded, const ServeOptions& options)
-      : loaded_(loaded), options_(options), simulator_(loaded.simulator), aircraft_(simulator_),
+      : loaded_(loaded),
+        options_(options),
+        simulator_(loaded.simulator),
+        aircraft_(simulator_),
         changes_(loaded, simulator_, nullptr, [this](const MadeChange& change) {
           if (options_.say)
             options_.say(fmt::format("{:9.3f} s  change: {} {} -> {}", change.t_s, change.key, change.before,

@@ -20,7 +20,7 @@ namespace kestrel::flight {
 struct MadeChange {
   double t_s = 0;
   std::string key, before, value;
-  bool by_hand = false;            // not in the scenario before
+  bool by_hand = false;  // not in the scenario before
 };
 
 // What is changed in a flight that goes on: what its scenario says, and what somebody asks for. A change comes

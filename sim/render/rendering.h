@@ -30,7 +30,8 @@ inline void Fields(FieldVisitor& v, RenderOptions& o) {
      "ground, by ray"},
     o.light, {"lamps", "sky"});
   v({"daylight",
-     "light of the world as a multiple of the usual: less under a dark cloud; cameras see it, but for an event "
+     "light of the world as a multiple of the usual: less under a dark cloud; cameras see it, but for an "
+     "event "
      "camera"},
     o.daylight, 0.02, 5.0);
   v({"shadows", "whether lights cast shadows, with hard edges; light: sky has its own"}, o.shadows);

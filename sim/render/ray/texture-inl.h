@@ -11,8 +11,8 @@
 #include <bit>
 #include <cstring>
 
-#include "sim/render/ray/packet-inl.h"
 #include "sim/render/pyramid/pyramid.h"
+#include "sim/render/ray/packet-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace kestrel::sim::ray::HWY_NAMESPACE {
