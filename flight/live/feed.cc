@@ -31,13 +31,14 @@ std::vector<std::string> Cells(std::string_view line) {
   return cells;
 }
 
-// As it is written where that is a number of JSON.
+// As it is written where that is a number of JSON, which "01" and ".5" are not.
 std::string CellJson(const std::string& cell) {
   if (cell.empty()) return "null";
   double number = 0;
   const auto [end, wrong] = std::from_chars(cell.data(), cell.data() + cell.size(), number);
   if (wrong != std::errc() || end != cell.data() + cell.size()) return TextOf(cell);
-  return std::isfinite(number) ? cell : "null";
+  if (!std::isfinite(number)) return "null";
+  return json::accept(cell) ? cell : TextOf(cell);
 }
 
 }  // namespace
