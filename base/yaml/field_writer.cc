@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "base/overloaded.h"
+#include "base/yaml/quoted.h"
 #include "base/yaml/yaml_fields.h"
 #include "base/yaml/yaml_nodes.h"
 
@@ -23,17 +24,7 @@ std::string QuotedIfNeeded(const std::string& text) {
       std::find(kSpecial.begin(), kSpecial.end(), lower) == kSpecial.end()) {
     return text;
   }
-  std::string quoted = "\"";
-  for (const char c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (c == '"' || c == '\\')
-      quoted += {'\\', c};
-    else if (byte < 0x20 || byte == 0x7f)
-      quoted += fmt::format("\\x{:02x}", byte);
-    else
-      quoted += c;
-  }
-  return quoted + '"';
+  return Quoted(text);
 }
 
 }  // namespace

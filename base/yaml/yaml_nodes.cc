@@ -14,6 +14,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/yaml/quoted.h"
+
 namespace kestrel {
 namespace {
 
@@ -162,20 +164,6 @@ class TreeBuilder final : public YAML::EventHandler {
   Extent all_;
   int documents_ = 0;
 };
-
-std::string Quoted(const std::string& text) {
-  std::string quoted = "\"";
-  for (const char c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (c == '"' || c == '\\')
-      quoted += {'\\', c};
-    else if (byte < 0x20 || byte == 0x7f)
-      quoted += fmt::format("\\u{:04x}", byte);
-    else
-      quoted += c;
-  }
-  return quoted + '"';
-}
 
 // Whether JSON has it without quotes.
 bool IsPlain(const std::string& text) {

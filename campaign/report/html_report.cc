@@ -20,15 +20,16 @@ std::string HtmlReport(const ReportSubject& subject, const fs::path& page_folder
   const fs::path own = "campaign/report/page";
   std::map<std::string_view, std::string> parts;
   parts["title"] = Escaped(subject.identity.name + " – Kestrel");
-  parts["style"] = Own("report.css");
+  parts["style"] = PageFile("base/html/web/page.css") + Own("report.css");
   parts["data"] = PageData(subject, page_folder);
   parts["chart"] = LibraryFile(ChartLibrary());
+  parts["mit"] = PageFile("base/html/web/mit.txt");
   // In the order in which they need each other.
   parts["script"] =
-      PageScript({"base/html/web/numbers.js", own / "data.js", "base/html/web/dom.js", own / "marks.js",
-                  own / "charts.js", own / "success.js", own / "distributions.js", own / "scatter.js",
-                  own / "effects.js", own / "places.js", own / "run_panel.js", own / "runs_table.js",
-                  own / "tuning.js", own / "main.js"});
+      PageScript({"base/html/web/numbers.js", own / "data.js", "base/html/web/dom.js",
+                  "base/html/web/theme.js", own / "marks.js", own / "charts.js", own / "success.js",
+                  own / "distributions.js", own / "scatter.js", own / "effects.js", own / "places.js",
+                  own / "run_panel.js", own / "runs_table.js", own / "tuning.js", own / "main.js"});
   return Filled(Own("report.html"), parts);
 }
 

@@ -9,7 +9,6 @@
 #include <string_view>
 #include <vector>
 
-#include "base/file/data_folders.h"
 #include "base/file/files.h"
 #include "base/html/html.h"
 #include "base/user_file.h"
@@ -28,7 +27,7 @@ constexpr const char* kOwn = "records/page/web";
 constexpr const char* kScripts[] = {
     "flight.js",      "clock.js",       "video.js",   "quantities.js",  "charts.js",      "events.js",
     "player.js",      "verdict.js",     "compare.js", "scene_poses.js", "scene_model.js", "scene_paths.js",
-    "scene_marks.js", "scene_views.js", "scene.js",   "live.js",        "keyboard.js",    "main.js"};
+    "scene_marks.js", "scene_views.js", "scene.js",   "keyboard.js",    "main.js"};
 
 // three.js, version 111, of libjs-three (MIT), with what reads glTF and turns the view.
 std::string Three() {
@@ -71,8 +70,7 @@ std::string PageOf(const std::string& title, const std::string& flights, std::st
                    std::string connect) {
   const fs::path shared = "base/html/web";
   std::vector<fs::path> scripts = {shared / "numbers.js", shared / "dom.js", shared / "theme.js"};
-  for (const char* name : kScripts)
-    if (IsFile(DataFile(fs::path(kOwn) / name))) scripts.push_back(fs::path(kOwn) / name);
+  for (const char* name : kScripts) scripts.push_back(fs::path(kOwn) / name);
   std::map<std::string_view, std::string> parts;
   parts["title"] = Escaped(title + " – Kestrel");
   parts["style"] = PageFile(shared / "page.css") + PageFile(fs::path(kOwn) / "flight.css");
@@ -80,6 +78,7 @@ std::string PageOf(const std::string& title, const std::string& flights, std::st
   parts["media"] = std::move(media);
   parts["connect"] = std::move(connect);
   parts["chart"] = LibraryFile(ChartLibrary());
+  parts["mit"] = PageFile("base/html/web/mit.txt");
   parts["three"] = Three();
   parts["script"] = PageScript(scripts);
   return Filled(PageFile(fs::path(kOwn) / "flight.html"), parts);

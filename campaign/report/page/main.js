@@ -40,7 +40,4 @@ setUpFiles();
 setUpSections();
 setUpRunPanel();
 
-matchMedia("(prefers-color-scheme: dark)").addEventListener("change", drawAllAgain);
-// Charts are pictures: for paper they are drawn in its colours.
-addEventListener("beforeprint", drawAllAgain);
-addEventListener("afterprint", drawAllAgain);
+theme.onChange(drawAllAgain);  // charts are pictures, and on paper in its colours
