@@ -70,7 +70,8 @@ examples/use_vision/use_vision landing/recording/%06d.png "$models/cameras/thesi
   "$models/pads/helipad/helipad.yaml" | tail -1 | tee seen.txt
 read -r _ _ seen _ frames _ <seen.txt
 ((frames > 90 && 10 * seen > 9 * frames)) || fail "use_vision does not see the pad"
-"$kestrel" fly --help | grep -qF -- "kestrel-fly fly" || fail "kestrel fly does not start kestrel-fly"
+"$kestrel" fly --help >fly.txt  # not to a pipe, which grep may close before all is said
+grep -qF -- "kestrel-fly fly" fly.txt || fail "kestrel fly does not start kestrel-fly"
 "$prefix/bin/kestrel-fly" check "$circle" "${plugins[@]}" >/dev/null
 
 if grep -qw avx /proc/cpuinfo; then
