@@ -16,7 +16,7 @@
 #include "campaign/report/page_data.h"
 #include "campaign/report/trajectory.h"
 #include "tests/campaign/landing_campaign.h"
-#include "tests/campaign/report/browser.h"
+#include "tests/support/browser.h"
 
 namespace kestrel::campaign {
 namespace {

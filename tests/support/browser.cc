@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/campaign/report/browser.h"
+#include "tests/support/browser.h"
 
 #include <fmt/format.h>
 
@@ -16,7 +16,7 @@
 
 #include "base/process/child_process.h"
 
-namespace kestrel::campaign {
+namespace kestrel {
 namespace {
 
 namespace fs = std::filesystem;
@@ -191,4 +191,4 @@ std::vector<std::string> Browser::Requests() {
   return urls;
 }
 
-}  // namespace kestrel::campaign
+}  // namespace kestrel

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace kestrel::campaign {
+namespace kestrel {
 
 // Chromium without a screen, driven by the WebDriver protocol through chromedriver, with a profile of its own
 // that ends with it.
@@ -43,4 +43,4 @@ class Browser {
   std::unique_ptr<Driver> driver_;
 };
 
-}  // namespace kestrel::campaign
+}  // namespace kestrel
