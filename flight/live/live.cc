@@ -12,6 +12,7 @@
 #include <condition_variable>
 #include <deque>
 #include <mutex>
+#include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <thread>
 #include <utility>
@@ -229,7 +230,9 @@ void Live::Begin(LiveFlight flight) {
       [&s, flight = std::move(flight)] {
         s.page = std::make_shared<const std::string>(PageOf(flight));
         s.pages.refusals = flight.refusals;
-        s.pages.feed.Begin(records::LiveJson(flight.subject), records::TelemetryHeader(flight.telemetry));
+        nlohmann::json told = records::LiveJson(flight.subject);
+        told["refusals"] = {{"pace", flight.refusals.pace}, {"change", flight.refusals.change}};
+        s.pages.feed.Begin(std::move(told), records::TelemetryHeader(flight.telemetry));
         s.foxglove.Begin("Kestrel", flight.messages);
       },
       true);

@@ -24,10 +24,11 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kOwn = "records/page/web";
 
 // In the order in which they need each other.
-constexpr const char* kScripts[] = {
-    "flight.js",      "clock.js",       "video.js",   "quantities.js",  "charts.js",      "events.js",
-    "player.js",      "verdict.js",     "compare.js", "scene_poses.js", "scene_model.js", "scene_paths.js",
-    "scene_marks.js", "scene_views.js", "scene.js",   "keyboard.js",    "main.js"};
+constexpr const char* kScripts[] = {"flight.js",        "clock.js",        "video.js",       "quantities.js",
+                                    "charts.js",        "events.js",       "player.js",      "verdict.js",
+                                    "compare.js",       "scene_poses.js",  "scene_model.js", "scene_paths.js",
+                                    "scene_marks.js",   "scene_views.js",  "scene.js",       "keyboard.js",
+                                    "live_pictures.js", "live_changes.js", "live.js",        "main.js"};
 
 // three.js, version 111, of libjs-three (MIT), with what reads glTF and turns the view.
 std::string Three() {
@@ -73,7 +74,8 @@ std::string PageOf(const std::string& title, const std::string& flights, std::st
   for (const char* name : kScripts) scripts.push_back(fs::path(kOwn) / name);
   std::map<std::string_view, std::string> parts;
   parts["title"] = Escaped(title + " – Kestrel");
-  parts["style"] = PageFile(shared / "page.css") + PageFile(fs::path(kOwn) / "flight.css");
+  parts["style"] = PageFile(shared / "page.css") + PageFile(fs::path(kOwn) / "flight.css") +
+                   PageFile(fs::path(kOwn) / "live.css");
   parts["data"] = InScript("{\"flights\":[" + flights + "]}");
   parts["media"] = std::move(media);
   parts["connect"] = std::move(connect);

@@ -249,8 +249,10 @@ const updatePlots = () => {
   if (columnsDue) {
     columnsDue = false;
     if (firstChoice) shownAtFirst(quantities().map(({key}) => key)).forEach((key) => chosenPlots.add(key));
+    const before = [...plots.values()];
     arrangePlots();
-    plots.forEach((plot) => plot.build());
+    before.forEach((plot) => plot.build());
+    before.forEach((plot) => { if (plot.inView) plot.draw(); });
     return;
   }
   plots.forEach((plot) => { if (plot.inView) plot.update(); });

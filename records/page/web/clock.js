@@ -13,7 +13,7 @@ const clock = {
   onChange(fn) { clock.changed.push(fn); },
 
   seek(t_s) {
-    clock.following = isLive && t_s >= clock.end_s;
+    clock.following = flight.data.live && t_s >= clock.end_s;
     clock.t_s = Math.min(Math.max(t_s, clock.begin_s), clock.end_s);
     clock.redraw();
   },
@@ -25,7 +25,7 @@ const clock = {
   },
   play() {
     if (clock.playing || !flight.rows) return;
-    if (clock.t_s >= clock.end_s && !isLive) clock.seek(clock.begin_s);
+    if (clock.t_s >= clock.end_s && !flight.data.live) clock.seek(clock.begin_s);
     clock.playing = true;
     clock.last_ms = undefined;
     requestAnimationFrame(clock.advance);
@@ -39,7 +39,7 @@ const clock = {
   toggle() { clock.playing || clock.following ? clock.pause() : clock.play(); },
   follow() {
     clock.playing = false;
-    clock.following = true;
+    clock.following = flight.data.live;
     clock.seek(clock.end_s);
     clock.tell();
   },
@@ -74,7 +74,7 @@ const clock = {
     clock.show();
     if (clock.t_s < clock.end_s) return requestAnimationFrame(clock.advance);
     clock.playing = false;
-    clock.following = isLive;
+    clock.following = flight.data.live;
     clock.tell();
   },
   // However often the time is set, it is shown once for each picture of the window.

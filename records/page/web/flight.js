@@ -68,20 +68,20 @@ class Flight {
     this.filled.clear();
     this.tell("columns");
   }
-  append(row) {
+  append(rows) {
     const filled = this.filled.size;
-    this.names.forEach((name, i) => {
-      const value = row[i] ?? null;
-      let column = this.columns[name];
-      if (typeof value === "string" && !column.words)
-        column = this.columns[name] = {words: [], at: column.map(() => null)};
-      if (value !== null) this.filled.add(name);
-      if (!column.words) return column.push(value);
-      if (value !== null && !column.words.includes(value)) column.words.push(value);
-      column.at.push(value === null ? null : column.words.indexOf(value));
-    });
+    for (const row of rows) this.names.forEach((name, i) => this.push(name, row[i] ?? null));
     this.tell("row");
     if (this.filled.size !== filled) this.tell("columns");
+  }
+  push(name, value) {
+    let column = this.columns[name];
+    if (typeof value === "string" && !column.words)
+      column = this.columns[name] = {words: [], at: column.map(() => null)};
+    if (value !== null) this.filled.add(name);
+    if (!column.words) return column.push(value);
+    if (value !== null && !column.words.includes(value)) column.words.push(value);
+    column.at.push(value === null ? null : column.words.indexOf(value));
   }
   addEvent(event) {
     this.events.push(event);
@@ -97,4 +97,4 @@ class Flight {
 const data = JSON.parse(byId("data").textContent);
 const flights = data.flights.map((flight, i) => new Flight(flight, "AB"[i]));
 const [flight, second] = flights;
-const isLive = Boolean(flight.data.live);
+const isLive = Boolean(flight.data.live);  // the page is of a flight that is, or was, still flown

@@ -31,6 +31,7 @@ setUpEvents();
 setUpPlots();
 setUpTables();
 setUpKeyboard();
+setUpLive();
 theme.onChange(() => {
   drawPlotsAgain();
   sceneView?.repaint();

@@ -43,19 +43,29 @@ const setUpPlayer = () => {
     if (clock.playing) clock.pause();
     clock.seek(Number(slider.value));
   });
-  byId("newest").hidden = !isLive;
   byId("newest").addEventListener("click", clock.follow);
 
   const changed = () => {
     const runs = clock.playing || clock.following;
-    play.replaceChildren(symbol(runs ? "pause" : "play"));
+    if (changed.runs !== runs) play.replaceChildren(symbol(runs ? "pause" : "play"));
+    changed.runs = runs;
     play.setAttribute("aria-label", runs ? "Pause" : "Play");
     rate.value = String(clock.rate);
     Object.assign(slider, {min: clock.begin_s, max: clock.end_s, step: "any"});
+    byId("newest").hidden = !flight.data.live;
     byId("newest").setAttribute("aria-pressed", String(clock.following));
     byId("length").textContent = `of ${seconds(clock.end_s)}`;
-    if (changed.end_s !== clock.end_s) drawTimeline();
+    if (changed.end_s !== clock.end_s) growTimeline();
     changed.end_s = clock.end_s;
+  };
+  // That of a flight that is still flown grows with every row.
+  let growing = null;
+  const growTimeline = () => {
+    if (!flight.data.live) return drawTimeline();
+    growing ??= setTimeout(() => {
+      growing = null;
+      drawTimeline();
+    }, 200);
   };
   clock.onChange(changed);
   clock.onTime((t_s) => {
@@ -72,6 +82,6 @@ const setUpPlayer = () => {
     }
   });
   byId("states").replaceChildren(...flights.map(() => el("p", {})));
-  flights.forEach((each) => each.onChange((what) => { if (what === "row") clock.span(); }));
+  flights.forEach((each) => each.onChange((what) => { if (what === "row" || what === "columns") clock.span(); }));
   clock.span();
 };

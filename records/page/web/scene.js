@@ -55,7 +55,7 @@ const marksOf = (north, flight, drawn) => {
 
 class FlightScene {
   constructor(element, flights, glbs, {context, software}, canvas) {
-    Object.assign(this, {element, flights, canvas, t_s: flights[0].begin_s, models: [], inSight: true});
+    Object.assign(this, {element, flights, canvas, t_s: flights[0].begin_s, models: [], inSight: true, looked_rows: 0});
     this.renderer = new THREE.WebGLRenderer({canvas, context, alpha: true});
     this.renderer.setPixelRatio(software ? 1 : Math.min(window.devicePixelRatio, 2));
     this.scene = new THREE.Scene();
@@ -65,16 +65,25 @@ class FlightScene {
     const drawn = () => this.draw();
     this.camera = new SceneCamera(canvas, flights, drawn);
     this.marks = marksOf(this.north, flights[0], drawn);
-    this.setpointVelocity = velocitySetpointInN(flights[0]);
-    this.paths = flights.flatMap((flight, i) => pathsOf(this.north, flight, i > 0).map((path) => ({flight, path})));
+    this.paths = [];
+    this.takeColumns();
     new ResizeObserver(() => this.resize()).observe(canvas);
     new IntersectionObserver(([{isIntersecting}]) => {
       this.inSight = isIntersecting;
       if (isIntersecting) this.draw();
     }).observe(canvas);
     this.camera.choose("orbit", aircraftPose(flights[0], this.t_s));
-    flights.forEach((flight) => flight.onChange?.((what) => { if (what === "columns") this.fitted = false; }));
+    flights.forEach((flight) => flight.onChange?.((what) => { if (what === "columns") this.takeColumns(); }));
     Promise.all(glbs.map(loadModel)).then((models) => this.setModels(models));
+  }
+
+  // What there is to show, anew when a flight that is still flown has filled further columns, or begins again.
+  takeColumns() {
+    this.paths.forEach(({path}) => path.remove());
+    this.paths = this.flights.flatMap((flight, i) => pathsOf(this.north, flight, i > 0).map((path) => ({flight, path})));
+    this.setpointVelocity = velocitySetpointInN(this.flights[0]);
+    this.element.querySelector(".scene-legend")?.replaceWith(legendOf(this.flights, this.flights[0]));
+    if (!this.flights[0].rows) this.looked_rows = 0;
   }
 
   setModels(models) {
@@ -102,6 +111,7 @@ class FlightScene {
   }
 
   choose(view) {
+    this.camera.held = false;
     this.camera.choose(view, aircraftPose(this.flights[0], this.t_s));
     this.show(this.t_s);
   }
@@ -109,9 +119,10 @@ class FlightScene {
   show(t_s) {
     this.t_s = t_s;
     const [flight] = this.flights;
-    if (!this.fitted && flight.rows) {  // the first rows of a flight that is still flown
-      this.fitted = true;
-      this.camera.choose(this.camera.view, aircraftPose(flight, t_s));
+    // A flight that is still flown is kept in sight until one turns the view by hand.
+    if (flight.rows > this.looked_rows) {
+      this.looked_rows = 1.1 * flight.rows + 10;
+      if (this.camera.outgrown()) this.camera.choose(this.camera.view, aircraftPose(flight, t_s));
     }
     if (!this.inSight) return;
     this.flights.forEach((each, i) => this.showAircraft(each, this.models[i], t_s));
@@ -188,6 +199,7 @@ class FlightScene {
     this.renderer.setSize(clientWidth, clientHeight, false);
     this.camera.eye.aspect = clientWidth / clientHeight;
     this.camera.eye.updateProjectionMatrix();
+    if (!this.camera.held) this.camera.choose(this.camera.view, aircraftPose(this.flights[0], this.t_s));
     this.show(this.t_s);
   }
 

@@ -71,6 +71,13 @@ class GrowingPath {
     this.rest.geometry.setDrawRange(from, this.rows.length - from);
   }
 
+  remove() {
+    for (const drawn of [this.past, this.rest]) {
+      drawn.parent.remove(drawn);
+      drawn.geometry.dispose();
+      drawn.material.dispose();
+    }
+  }
   repaint() {
     for (const {material} of [this.past, this.rest]) material.color.set(this.color());
   }

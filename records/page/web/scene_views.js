@@ -16,6 +16,7 @@ class SceneCamera {
     Object.assign(this.controls, {enableKeys: false, maxPolarAngle: 0.5 * Math.PI, minDistance: 0.3, maxDistance: 20e3,
       enableZoom: false});
     this.controls.addEventListener("change", changed);
+    this.controls.addEventListener("start", () => { this.held = true; });
     // The wheel scrolls the page until one takes hold of the scene.
     canvas.addEventListener("pointerdown", () => { this.controls.enableZoom = true; });
     canvas.addEventListener("pointerleave", () => { this.controls.enableZoom = false; });
@@ -36,6 +37,9 @@ class SceneCamera {
     return ball;
   }
 
+  // Whether the flights go on where the view does not reach, and nobody has turned it by hand.
+  outgrown() { return !this.held && ["orbit", "top"].includes(this.view) && this.ball().radius > 1.1 * this.radius; }
+
   choose(view, pose) {
     this.view = view;
     this.yaw = this.at = null;
@@ -44,6 +48,7 @@ class SceneCamera {
     this.controls.enabled = view !== "board";
     this.controls.enableRotate = view !== "top";
     const {center, radius} = this.ball();
+    this.radius = radius;
     const distance = 1.1 * radius / Math.sin(kFov_deg * kDegree / 2) / Math.min(1, this.eye.aspect);
     this.controls.target.copy(center);
     if (view === "top") this.eye.position.copy(center).add(new THREE.Vector3(-1e-3 * distance, distance, 0));

@@ -61,7 +61,7 @@ const drawHeading = () => {
   const {data} = flight;
   byId("name").textContent = flights.map((each) => each.data.title || each.data.scenario).filter((name, i, all) => all.indexOf(name) === i)
     .join(" and ");
-  byId("kind").textContent = second ? "Two flights, laid over each other" : isLive ? "Kestrel, in the air" : "Kestrel flight";
+  byId("kind").textContent = second ? "Two flights, laid over each other" : flight.data.live ? "Kestrel, in the air" : "Kestrel flight";
   byId("wanted").textContent = data.wanted ?? "";
   byId("facts").replaceChildren(...flights.flatMap((each) => [
     second ? el("b", {class: "letter"}, each.letter) : "", ...factsOf(each)]));

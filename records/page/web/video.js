@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The videos of the flights, by the clock, and the pictures of a flight that is still flown. Frame i of a video shows
-// row i of its flight.
+// The videos of the flights, by the clock. Frame i of a video shows row i of its flight.
 const videoOfFlight = (element, of) => {
   const first_s = of.begin_s, half_s = of.step_s / 2;
   let wanted_s = null;
@@ -69,18 +68,4 @@ const setUpVideos = () => {
   for (const name of Object.keys(panes)) for (const of of flights) addVideo(name, of);
   clock.onTime((t_s) => movingPictures.forEach((each) => each.show(t_s)));
   clock.onChange(() => movingPictures.forEach((each) => each.show(clock.t_s)));
-};
-
-// The newest picture of a flight that is flown, as bytes of a JPEG; name is one of panes. Resolves once it is drawn.
-const showLivePicture = async (name, jpeg) => {
-  const picture = await createImageBitmap(new Blob([jpeg], {type: "image/jpeg"}));
-  let canvas = byId(`${name}-pane`)?.querySelector("canvas");
-  if (!canvas) {
-    canvas = el("canvas", {role: "img", "aria-label": panes[name].title});
-    byId("panes").prepend(pane(`${name}-pane`, panes[name].title, canvas));
-  }
-  if (canvas.width !== picture.width || canvas.height !== picture.height)
-    [canvas.width, canvas.height] = [picture.width, picture.height];
-  canvas.getContext("2d").drawImage(picture, 0, 0);
-  picture.close();
 };
