@@ -113,6 +113,7 @@ const drawLive = () => {
   Object.assign(byId("live-badge"), {textContent: badge, className: `badge ${how}`});
   byId("live-says").textContent = name === "flying" && factor ? `${fixedNumber(factor)} × real time` : says;
   const flying = live.state === "flying";
+  byId("live-more").hidden = !changes.size || live.state === "ended";
   byId("live-pace").hidden = Boolean(live.refusals.pace) || live.state === "connecting" || live.state === "ended";
   byId("live-pace").disabled = byId("live-changes").disabled = !flying;
   byId("live-pause").textContent = live.paused ? "Fly on" : "Pause the flight";

@@ -92,9 +92,8 @@ const controlOf = ({value, choices}) => (choices?.length ? choiceControl : hasNu
 
 const fillChanges = (changeable) => {
   changes.clear();
-  byId("live-more").hidden = !changeable.length;
   byId("live-changes").replaceChildren(...changeable.map((each) => {
-    const label = each.meaning || each.key;
+    const label = each.meaning ? each.meaning[0].toUpperCase() + each.meaning.slice(1) : each.key;
     const {element, show} = controlOf(each)(each, label, senderOf(each.key));
     changes.set(each.key, {value: each.value, show});
     show(each.value);

@@ -4,7 +4,8 @@
 // called, when the view changes or the element's size, and never else.
 const kNoWebGl = "This browser cannot draw in three dimensions (WebGL), so the scene is left out. All that it shows is in the plots.";
 
-// Software draws every sample itself.
+// Software draws every sample itself, and takes the processors from a flight that is watched.
+const kSoftwarePeriod_ms = 66;
 const contextOf = (canvas) => {
   const probe = document.createElement("canvas").getContext("webgl");
   if (!probe) return null;
@@ -55,7 +56,7 @@ const marksOf = (north, flight, drawn) => {
 
 class FlightScene {
   constructor(element, flights, glbs, {context, software}, canvas) {
-    Object.assign(this, {element, flights, canvas, t_s: flights[0].begin_s, models: [], inSight: true, looked_rows: 0});
+    Object.assign(this, {element, flights, canvas, t_s: flights[0].begin_s, models: [], inSight: true, looked_rows: 0, software, rendered_ms: 0});
     this.renderer = new THREE.WebGLRenderer({canvas, context, alpha: true});
     this.renderer.setPixelRatio(software ? 1 : Math.min(window.devicePixelRatio, 2));
     this.scene = new THREE.Scene();
@@ -128,6 +129,9 @@ class FlightScene {
     this.flights.forEach((each, i) => this.showAircraft(each, this.models[i], t_s));
     this.paths.forEach(({flight: of, path}) => path.show(of.rowAt(t_s)));
     if (flight.rows) this.showMarks(flight, t_s);
+    // What flies has the processors first.
+    const soon_ms = this.software && flight.data.live ? this.rendered_ms + kSoftwarePeriod_ms - performance.now() : 0;
+    if (soon_ms > 0) return this.drawIn(soon_ms);
     this.render();
   }
 
@@ -212,10 +216,17 @@ class FlightScene {
   render() {
     if (this.sky) this.sky.position.copy(this.camera.eye.position);
     this.renderer.render(this.scene, this.camera.eye);
+    this.rendered_ms = performance.now();
     ++this.drawings;
   }
   drawings = 0;  // for who measures
 
+  drawIn(wait_ms) {
+    this.later ??= setTimeout(() => {
+      this.later = null;
+      this.draw();
+    }, wait_ms);
+  }
   // With the next picture of the window, once.
   draw() {
     if (this.due) return;
