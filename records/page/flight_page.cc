@@ -24,11 +24,12 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kOwn = "records/page/web";
 
 // In the order in which they need each other.
-constexpr const char* kScripts[] = {"flight.js",        "clock.js",        "video.js",       "quantities.js",
-                                    "charts.js",        "events.js",       "player.js",      "verdict.js",
-                                    "compare.js",       "scene_poses.js",  "scene_model.js", "scene_paths.js",
-                                    "scene_marks.js",   "scene_views.js",  "scene.js",       "keyboard.js",
-                                    "live_pictures.js", "live_changes.js", "live.js",        "main.js"};
+constexpr const char* kScripts[] = {"flight.js",      "clock.js",         "video.js",        "quantities.js",
+                                    "charts.js",      "chart_marks.js",   "events.js",       "player.js",
+                                    "verdict.js",     "compare.js",       "scene_poses.js",  "scene_model.js",
+                                    "scene_paths.js", "scene_marks.js",   "scene_views.js",  "scene.js",
+                                    "keyboard.js",    "live_pictures.js", "live_changes.js", "live.js",
+                                    "main.js"};
 
 // three.js, version 111, of libjs-three (MIT), with what reads glTF and turns the view.
 std::string Three() {

@@ -12,14 +12,14 @@ Chart.defaults.plugins.tooltip.enabled = false;
 const styles = {
   truth: {borderWidth: 1.8}, estimate: {borderWidth: 1.6, borderDash: [6, 4]},
   own: {borderWidth: 1.4, borderDash: [2, 3], ink: "estimate"}, setpoint: {borderWidth: 1.4},
-  fix: {showLine: false, pointRadius: 1.7}, target: {borderWidth: 1.4, borderDash: [8, 3, 2, 3], ink: "soft"},
+  fix: {showLine: false, dotted: true}, target: {borderWidth: 1.4, borderDash: [8, 3, 2, 3], ink: "soft"},
   second: {borderWidth: 1.8}, plain: {borderWidth: 1.6, ink: "accent"},
 };
 const inkOf = (kind) => color(styles[kind].ink ?? kind);
 // Later ones lie over those before.
 const drawnLast = ["target", "truth", "plain", "second", "setpoint", "own", "estimate", "fix"];
 
-const leftOfPlot = 58, rightOfPlot = 10;  // pixels, of every plot: the same instant lies below itself
+const leftOfPlot = 58, rightOfPlot = 18;  // pixels, of every plot: the same instant lies below itself
 const followed_s = 60;                    // of a flight that is still flown, so much is in view
 
 // The turns of an angle that leave no leap, near to the first series of its plot.
@@ -166,25 +166,6 @@ class Plot {
 // As many digits as do not dance.
 const fixedNumber = (value, unit) =>
   minus(value.toFixed(unit === "m" || unit === "m/s" ? 3 : Math.abs(value) >= 1000 ? 0 : 2));
-
-// Dashed where a phase begins.
-Chart.register({
-  id: "phases",
-  beforeDatasetsDraw({ctx, chartArea: area, scales: {x}}) {
-    ctx.save();
-    ctx.strokeStyle = color("soft");
-    ctx.globalAlpha = 0.45;
-    ctx.setLineDash([2, 3]);
-    ctx.beginPath();
-    for (const {t_s} of phasesOf(flight).slice(1)) {
-      const at = Math.round(x.getPixelForValue(t_s)) + 0.5;
-      if (at < area.left || at > area.right) continue;
-      ctx.moveTo(at, area.top), ctx.lineTo(at, area.bottom);
-    }
-    ctx.stroke();
-    ctx.restore();
-  },
-});
 
 // A plot is drawn when it comes into view.
 const seen = new IntersectionObserver((entries) => {

@@ -154,7 +154,7 @@ const overlaid = [
 const shownAtFirst = (keys) => {
   const attitude = keys.includes("error_roll") && flight.has("horizon_roll_deg");
   const wanted = attitude ? ["roll", "pitch", "error_roll", "error_pitch", "yaw", "height"]
-    : ["x", "y", "height", "yaw", "error_x", "error_y", "distance", "bearing", "balloon_u", "balloon_diameter"];
+    : ["x", "y", "height", "yaw", "error_x", "error_y", "distance", "bearing", "balloon_u", "balloon_diameter", "vx", "vy"];
   const shown = wanted.filter((key) => keys.includes(key) && !(key.startsWith("error_") && !attitude && !flight.has("fix_x_m")));
   return shown.length ? shown.slice(0, 8) : keys.slice(0, 4);
 };

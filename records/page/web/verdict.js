@@ -23,10 +23,13 @@ const criterionBar = ({name, value, limit, at_least, passed}) => {
   el("i", {class: "limit", style: `left: ${place(limit)}`}));
 };
 
+// On a phone it may be broken, but not within a word.
+const breakable = (name) => name.split(/(?<=_)/).flatMap((word) => [word, el("wbr", {})]);
+
 const criterionRow = (criterion) => {
   const {name, value, limit, at_least, passed} = criterion;
   return el("tr", {"data-criterion": name},
-    el("th", {scope: "row"}, plainName(name), el("code", {}, name)),
+    el("th", {scope: "row"}, plainName(name), el("code", {}, breakable(name))),
     el("td", {class: "number"}, hasNumber(value) ? withUnit(value, name) : "not reached"),
     el("td", {class: "reach"}, criterionBar(criterion)),
     el("td", {class: "number"}, `${at_least ? "at least" : "at most"} ${withUnit(limit, name)}`),
