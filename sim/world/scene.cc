@@ -33,7 +33,8 @@ constexpr double kOccluderClearance_m = 0.03;
 constexpr double kOccluderThickness_m = 0.004;
 constexpr double kOutOfSight_m = 100;  // below the ground
 constexpr double kBlindHalf_m = 1.5;
-constexpr double kEndless_m = 50e3;  // a plane without an end MuJoCo, and we, draw to some 350 m
+constexpr double kEndless_m = 50e3;     // a plane without an end MuJoCo, and we, draw to some 350 m
+constexpr double kVisibility_m = 20e3;  // over ground that reaches so far
 constexpr std::size_t kMaxMjcfBytes = 1u << 24;
 
 // Red, green and blue of a lamp of this hue, 0 to 1.
@@ -264,6 +265,9 @@ void AppendAdditions(pugi::xml_node model, const WorldAdditions& additions, cons
   if (!additions.endless || !ground) return;
   if (!ground.attribute("size")) ground.append_attribute("size");
   ground.attribute("size") = fmt::format("{0} {0} 1", kEndless_m).c_str();
+  pugi::xml_node visibility = model.append_child("custom").append_child("numeric");
+  visibility.append_attribute("name") = "visibility_m";
+  visibility.append_attribute("data") = kVisibility_m;
 }
 
 struct Part {

@@ -72,6 +72,7 @@ HWY_INLINE VI CodeOf(VI side, int index) { return hn::Add(hn::ShiftLeft<12>(side
 HWY_NOINLINE Picture Look(const Slice& slice, const Seen& seen, const Rays& rays, const Hit& hit,
                           const TriangleHits& triangles, MF wanted) {
   Picture picture{{hn::Zero(df), hn::Zero(df), hn::Zero(df)}, hn::Zero(di)};
+  const Air& air = slice.things->air;
   alignas(64) std::int32_t index[kLanes];
   hn::Store(hit.thing, di, index);
   Surface surface;
@@ -81,7 +82,8 @@ HWY_NOINLINE Picture Look(const Slice& slice, const Seen& seen, const Rays& rays
     const MF here = hn::And(left, hn::RebindMask(df, hn::Eq(hit.thing, hn::Set(di, i))));
     left = hn::AndNot(here, left);
     ShadeHit(slice, i, rays, hit.t, triangles, here, surface);
-    const Colours c = Finish(surface);
+    Colours c = Finish(surface);
+    if (air.per_m > 0 && i >= 0) c = ThroughAir(air, ContrastAt(air, rays.d, hit.t), c);
     picture.colour = {hn::IfThenElse(here, c.r, picture.colour.r),
                       hn::IfThenElse(here, c.g, picture.colour.g),
                       hn::IfThenElse(here, c.b, picture.colour.b)};
@@ -186,6 +188,8 @@ struct Job {
   Surface surface;
   alignas(64) std::int32_t mixed[4 * kLanes];
   MF inside;
+  VF contrast;
+  bool hazed = false;
   int u = 0, pixels = 0;
 };
 
@@ -229,6 +233,7 @@ void StoreNothing(int pixels, const Canvas& canvas, int v, int u) {
 
 void DrawRowsImpl(const Slice& slice, int begin, int end, const Canvas& canvas) {
   const Lens& lens = *slice.lens;
+  const Air& air = slice.things->air;
   const int tile_row = begin / Lens::kTile;
   // Kept from call to call: to ask for memory thousands of times a frame costs.
   static thread_local std::vector<Seen> kept_seen;
@@ -279,6 +284,8 @@ void DrawRowsImpl(const Slice& slice, int begin, int end, const Canvas& canvas) 
           Job& job = jobs[planned++];
           ShadeHit(slice, first, rays, hit.t, triangles, inside, job.surface);
           job.inside = inside;
+          job.hazed = air.per_m > 0 && first >= 0;
+          if (job.hazed) job.contrast = ContrastAt(air, rays.d, hit.t);
           job.u = u0 + k;
           job.pixels = pixels;
           code = hn::And(CodeOf(job.surface.side, first), hn::Set(di, 0x3fffffff));
@@ -305,8 +312,9 @@ void DrawRowsImpl(const Slice& slice, int begin, int end, const Canvas& canvas) 
     for (int i = 0; i < planned; ++i) {
       const Job& job = jobs[i];
       const Colours& lit = job.surface.lit;
-      StorePixels(job.surface.fetch.texels ? Tinted(lit, job.mixed) : lit, job.inside, job.pixels, canvas, v,
-                  job.u);
+      Colours colour = job.surface.fetch.texels ? Tinted(lit, job.mixed) : lit;
+      if (job.hazed) colour = ThroughAir(air, job.contrast, colour);
+      StorePixels(colour, job.inside, job.pixels, canvas, v, job.u);
     }
   }
 }
@@ -474,7 +482,10 @@ void AddSide(const Slice& slice, const EdgePixels& pixels, int index, VI one, in
   }
   Surface surface;
   ShadeHit(slice, index, rays, t, triangles, here, surface);
-  Add(Finish(surface), weight, sum);
+  const Air& air = slice.things->air;
+  const Colours colour = Finish(surface);
+  Add(air.per_m > 0 && index >= 0 ? ThroughAir(air, ContrastAt(air, rays.d, t), colour) : colour, weight,
+      sum);
 }
 
 // One colour for each side of each thing in a pixel, by how many of the rays meet it. False: something

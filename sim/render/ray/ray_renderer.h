@@ -22,6 +22,8 @@ namespace kestrel::sim {
 // - pixels at edges, and on things thinner than a pixel, are drawn by 8 rays each;
 // - round things are round;
 // - the sky is infinitely far: it hides nothing but what lies behind haze of an endless plane;
+// - a model with the number "visibility_m" (an element <numeric>) is seen through air: what is so far keeps 2 % of
+//   its contrast with the sky above the horizon;
 // - of transparent meshes and height fields the nearest face shows, and what is transparent casts no shadow.
 // With RenderOptions::light sky there are soft shadows, light from the sky and grass: sky_light.h.
 // What a pixel shows does not depend on the number of threads. It is compiled for several instruction sets

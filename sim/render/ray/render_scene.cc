@@ -138,6 +138,27 @@ void PlaceLight(const Light& light, int index, const ScenePose& world, const Eig
   }
 }
 
+Air AirOf(const mjModel* m) {
+  Air air;
+  const int number = mj_name2id(m, mjOBJ_NUMERIC, "visibility_m");
+  if (number < 0 || m->numeric_size[number] < 1 || m->numeric_data[m->numeric_adr[number]] <= 0) return air;
+  constexpr double kFade = 3.912;  // of contrast, at the visibility: to 2 %
+  air.per_m = static_cast<float>(kFade / m->numeric_data[m->numeric_adr[number]]);
+  for (int i = 0; i < m->ntex; ++i) {
+    if (m->tex_type[i] != mjTEXTURE_SKYBOX) continue;
+    // The rows in the middle of the four upright faces, of six one above the other.
+    const int width = m->tex_width[i], face = m->tex_height[i] / 6;
+    for (const int side : {0, 1, 4, 5}) {
+      const mjtByte* row =
+          m->tex_rgb + m->tex_adr[i] + 3 * static_cast<std::ptrdiff_t>(width) * (side * face + face / 2);
+      for (int x = 0; x < width; ++x)
+        for (int c = 0; c < 3; ++c) air.rgb[c] += row[3 * x + c] / (4.0f * static_cast<float>(width));
+    }
+    break;
+  }
+  return air;
+}
+
 }  // namespace
 
 RenderScene CompileScene(const mjModel* m) {
@@ -225,6 +246,7 @@ RenderScene CompileScene(const mjModel* m) {
   for (int i = 0; i < m->ntex && !things.sky; ++i)
     if (m->tex_type[i] == mjTEXTURE_SKYBOX) things.sky = texture(i);
   if (!things.sky) things.haze.thing = -1;
+  things.air = AirOf(m);
 
   int next =
       0;  // the lights of the scene are the headlight, then the active ones of the model in their order

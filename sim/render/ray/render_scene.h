@@ -58,6 +58,13 @@ struct Haze {
   Eigen::Vector3f rgb = Eigen::Vector3f::Zero();
 };
 
+// What is far takes the colour of the sky above the horizon, by Koschmieder's law: of contrast with it
+// exp(-per_m distance) is left.
+struct Air {
+  float per_m = 0;                                // 0: it is clear
+  Eigen::Vector3f rgb = Eigen::Vector3f::Zero();  // 0 to 255
+};
+
 // All that is drawn of a model.
 struct RenderScene {
   std::vector<Geom> all;
@@ -66,6 +73,7 @@ struct RenderScene {
   std::vector<std::unique_ptr<Triangles>> meshes;
   const Pyramid* sky = nullptr;
   Haze haze;
+  Air air;
   bool lit = true;  // false: there is no light, and MuJoCo shines a little of its own
 };
 

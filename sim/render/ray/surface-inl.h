@@ -321,6 +321,19 @@ HWY_INLINE Colours Over(const Colours& above, VF alpha, const Colours& below, MF
   return {mix(above.r, below.r), mix(above.g, below.g), mix(above.b, below.b)};
 }
 
+// Of contrast with the air, what is left at t along the rays.
+HWY_INLINE VF ContrastAt(const Air& air, const Vec3& d, VF t) {
+  // exp(-x) by the eighth power of exp(-x / 8).
+  const VF x = hn::Mul(hn::Mul(hn::Min(t, F(kFar)), LengthOf(d)), F(air.per_m / 8));
+  VF share = hn::Div(F(1), hn::MulAdd(x, hn::MulAdd(x, hn::MulAdd(x, F(1.0f / 6), F(0.5f)), F(1)), F(1)));
+  for (int i = 0; i < 3; ++i) share = hn::Mul(share, share);
+  return share;
+}
+HWY_INLINE Colours ThroughAir(const Air& air, VF contrast, const Colours& c) {
+  const auto mix = [&](VF own, float rgb) { return hn::MulAdd(contrast, hn::Sub(own, F(rgb)), F(rgb)); };
+  return {mix(c.r, air.rgb.x()), mix(c.g, air.rgb.y()), mix(c.b, air.rgb.z())};
+}
+
 // Where the haze is, a ray below the horizon: 0 at the horizon, 1 where it stands on the plane; and how far
 // away.
 HWY_INLINE void HazeAt(const GeomInstance& plane, float width, const Vec3& d, VF& u, VF& down, VF& distance) {

@@ -273,7 +273,7 @@ TEST_F(Additions, TheGroundOfAModelMayReachToTheHorizon) {
   const Pose X_NC = LookingFrom({0, 0, -40}, 0, 0);
   const auto is_ground = [&](double down_deg, double right_deg) {
     const cv::Mat image = Seen(X_NC);
-    return At(image, X_NC, {1, std::tan(Radians(right_deg)), std::tan(Radians(down_deg)) - 40})[0] > 30;
+    return At(image, X_NC, {1, std::tan(Radians(right_deg)), std::tan(Radians(down_deg)) - 40})[0] > 10;
   };
   EXPECT_FALSE(is_ground(1, 0));
   p_.additions.endless = true;
@@ -281,6 +281,22 @@ TEST_F(Additions, TheGroundOfAModelMayReachToTheHorizon) {
     EXPECT_TRUE(is_ground(0.5, right_deg)) << right_deg;
     EXPECT_FALSE(is_ground(-0.5, right_deg)) << right_deg;
   }
+}
+
+// Of its contrast with the sky above the horizon 2 % are left at 20 km (Koschmieder): exp(-3.912 distance / 20 km).
+TEST_F(Additions, GroundToTheHorizonFadesIntoTheSky) {
+  p_.additions.endless = true;
+  const Pose X_NC = LookingFrom({0, 0, -100}, 0, 0);
+  const cv::Mat image = Seen(X_NC);
+  const auto blue = [&](double down_deg) {
+    return At(image, X_NC, {1, 0, std::tan(Radians(down_deg)) - 100})[0];
+  };
+  const double sky = blue(-0.3), ground = blue(20);
+  for (const double down_deg : {0.6, 1.0, 2.0, 4.0}) {
+    const double distance_m = 100 / std::sin(Radians(down_deg)), left = std::exp(-3.912 * distance_m / 20e3);
+    EXPECT_NEAR(blue(down_deg), sky + left * (ground - sky), 4) << down_deg;
+  }
+  EXPECT_GT(std::abs(ground - sky), 40);
 }
 
 TEST_F(Additions, AreRefusedWithTheirNameAndARemedy) {
