@@ -105,7 +105,7 @@ const turnRotors = (rotors, t_s) => {
 // In one colour, and one sees through it.
 const asGhost = (object, color) => {
   object.traverse((each) => {
-    if (each.isMesh) each.material = new THREE.MeshLambertMaterial({color, transparent: true, opacity: 0.55});
+    if (each.isMesh) each.material = new THREE.MeshLambertMaterial({color, transparent: true, opacity: 0.75});
   });
 };
 

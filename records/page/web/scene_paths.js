@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Paths and points in N that are strong up to now and faint after, and that grow with the rows of a flight.
 const kFaint = 0.3;
+const kApart_m = 0.1;  // of points, so that a line behind them is in sight
 
 class GrowingPath {
   // of(row): a place or null. options: {color(), dashed, points: size in pixels}
@@ -45,8 +46,9 @@ class GrowingPath {
       if (!place) continue;
       const n = this.rows.length;
       if (n === this.places.count) this.room(2 * n);
+      const last = n ? new THREE.Vector3().fromBufferAttribute(this.places, n - 1) : null;
+      if (last && this.past.isPoints && last.distanceTo(place) < kApart_m) continue;
       if (this.dashed && n) {
-        const last = new THREE.Vector3().fromBufferAttribute(this.places, n - 1);
         this.length_m += last.distanceTo(place);
         this.along.setX(n, this.length_m);
         this.along.needsUpdate = true;
