@@ -82,7 +82,7 @@ int Main(int argc, char** argv) {
   program.Add(AddCheckCommand(app, check), [&] { return CheckCommand(check), kMet; });
   PictureArguments picture;
   program.Add(AddPictureCommand(app, picture), [&] { return PictureCommand(picture), kMet; });
-  flight::ServeArguments serve;
+  ServeCommandArguments serve;
   program.Add(AddServeCommand(app, serve), [&] { return ServeCommand(serve); });
   EncountersArguments encounters;
   program.Add(AddEncountersCommand(app, encounters), [&] { return met(EncountersCommand(encounters)); });

@@ -22,6 +22,14 @@ records::FlightSubject SubjectOf(const FlightKeys& keys, const mission::MissionP
   return subject;
 }
 
+records::FlightMessageOptions MessageOptionsOf(const mission::MissionParts& parts) {
+  records::FlightMessageOptions options;
+  if (!parts.pad.levels.empty()) options.outline = parts.pad.Outline();
+  options.camera = parts.camera;
+  options.X_BC = parts.X_BC;
+  return options;
+}
+
 std::string CommandOf(const std::string& name_or_file, const std::vector<std::string>& overrides) {
   constexpr std::string_view kSeed = "seed=";
   std::string command = "kestrel run " + ShellWord(name_or_file);

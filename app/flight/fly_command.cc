@@ -238,6 +238,7 @@ CLI::App* AddFlyCommand(CLI::App& app, FlyArguments& a) {
   command->add_flag("--pilot-untold", a.pilot_untold,
                     "Fly though the autopilot does not tell of the pilot's switch");
   command->add_option("--for", a.for_s, "How long at most, in s, instead of the scenario's duration_s");
+  AddLiveOptions(*command, a.live, false);
   command->add_option("--out", a.out, "Folder for the records (default results/runs/NAME-flown-TIME)")
       ->type_name("DIR");
   command->add_flag("--no-video", a.no_video, "Do not write video.mp4");
@@ -296,6 +297,7 @@ bool FlyCommand(const FlyArguments& a) {
       !a.out.empty() ? a.out
                      : fmt::format("results/runs/{}-flown-{:%Y%m%d-%H%M%S}",
                                    loaded ? loaded->plan.name : "flight", fmt::localtime(std::time(nullptr)));
+  const std::optional<flight::LiveOptions> of_live = ReadLive(a.live, mistakes);
   CheckWritableFolder(*options.folder, "--out", mistakes);
   mistakes.ThrowIfAny();
   flight::LoadedPlan& plan = *loaded;
@@ -353,6 +355,8 @@ bool FlyCommand(const FlyArguments& a) {
   if (a.cameras.front().starts_with("file:")) camera.emplace(vision::SourceAt(address), aircraft.camera);
 
   const std::string mode = records::LiveMode(link->Health().simulated, a.dry_run);
+  const std::unique_ptr<flight::Live> live = ShowLive(of_live);
+  options.live = live.get();
   flight::FlyReport report;
   {
     Progress progress(mode);
@@ -361,6 +365,7 @@ bool FlyCommand(const FlyArguments& a) {
     report = flight::FlyAircraft(plan, *camera, *link, options);
   }
   Report(report, a, mode, ReportOf(*options.folder));
+  Linger(live.get(), [] { return !interrupted.load(); });
   return report.accomplished;
 }
 

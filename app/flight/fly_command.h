@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "app/option/live_option.h"
+
 namespace kestrel::app {
 
 struct FlyArguments {
@@ -13,6 +15,7 @@ struct FlyArguments {
   std::vector<std::string> cameras;  // one, or two: on board and on the ground
   std::vector<std::string> overrides, aircraft_overrides;
   std::optional<double> for_s;
+  LiveArguments live;
   bool dry_run = false, take_control = false, arm = false, pilot_untold = false;
   bool no_video = false, images = false;
 };

@@ -126,6 +126,7 @@ CLI::App* AddReplayCommand(CLI::App& app, ReplayArguments& a) {
           "--out", a.out,
           "Also write the records of what the mission makes of it now, with their page, to this folder")
       ->type_name("DIR");
+  AddLiveOptions(*command, a.live, true);
   command
       ->add_option("--scenario", a.scenario,
                    "Of an MCAP: whose mission sees it, by the scenario's camera and pad; a name or a file")
@@ -151,6 +152,11 @@ CLI::App* AddReplayCommand(CLI::App& app, ReplayArguments& a) {
   return command;
 }
 
+std::optional<std::filesystem::path> OutOf(const ReplayArguments& a) {
+  if (a.out.empty()) return std::nullopt;
+  return a.out;
+}
+
 bool ReplayCommand(const ReplayArguments& a) {
   if (IsFile(a.folder)) {
     ReplayLog(a);
@@ -168,6 +174,7 @@ bool ReplayCommand(const ReplayArguments& a) {
     mistakes.Add("replay", "", fmt::format("'{}' holds no scenario.yaml: not a flight's folder", a.folder),
                  "valid: the folder of run or fly with --images, or an MCAP of ROS 2");
   CheckWritableFile(a.video, "--video", mistakes);
+  const std::optional<flight::LiveOptions> of_live = ReadLive(a.live, mistakes);
   CheckWritableFolder(a.out, "--out", mistakes);
   if (!a.out.empty() && SameFile(a.out, folder))
     mistakes.Add("--out", "", fmt::format("'{}' holds the flight itself", a.out), "valid: another folder");
@@ -193,8 +200,8 @@ bool ReplayCommand(const ReplayArguments& a) {
   const std::unique_ptr<mission::Mission> mission = loaded.plan.flight->Make(loaded.parts);
   std::optional<records::Video> video;
   if (!a.video.empty()) video.emplace(a.video, loaded.plan.image.rate_hz);
-  std::optional<ReplayRecords> records;
-  if (!a.out.empty()) records.emplace(a.out, loaded, loaded.plan.image.rate_hz);
+  const std::unique_ptr<flight::Live> live = ShowLive(of_live);
+  ReplayRecords records(OutOf(a), live.get(), loaded, loaded.plan.image.rate_hz);
   const mission::MissionType& type = loaded.plan.flight.type();
   Comparison comparison(a.tolerance, recording.numbers(), records::RecordedNumbers(type));
   const bool terminal = isatty(STDERR_FILENO) && !a.quiet;
@@ -207,15 +214,14 @@ bool ReplayCommand(const ReplayArguments& a) {
     if (video) {
       video->Write(records::DrawnView(frame, frame.t_s, *mission, records::kRecordingMode));
     }
-    if (records) records->Write(frame, frames[i].state, decision, *mission);
+    records.Write(frame, frames[i].state, decision, *mission);
     if (terminal && i % 20 == 0) fmt::print(stderr, "\r\033[K{} of {} frames", i, frames.size());
   }
   if (terminal) fmt::print(stderr, "\r\033[K");
   if (video) video->Close();
-  std::string report;
-  if (records)
-    report = records->Finish(comparison.same() ? "as it was recorded" : "other than it was recorded",
-                             comparison.same(), SecondsSince(begun));
+  const std::string report =
+      records.Finish(comparison.same() ? "as it was recorded" : "other than it was recorded",
+                     comparison.same(), SecondsSince(begun));
   if (!a.quiet) {
     fmt::print("{}: {} frames of {:.1f} s seen again in {:.1f} s\n", loaded.plan.name, frames.size(),
                frames.back().t_s - frames.front().t_s, SecondsSince(begun));
@@ -226,6 +232,7 @@ bool ReplayCommand(const ReplayArguments& a) {
       comparison.Print(frames);
     if (!report.empty()) fmt::print("  {}\n", report);
   }
+  Linger(live.get(), [] { return true; });
   return comparison.same();
 }
 

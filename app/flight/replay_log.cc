@@ -64,6 +64,7 @@ void ReplayLog(const ReplayArguments& a) {
       std::make_shared<const vision::RecordedImages>(vision::OpenMcapImages(a.folder, a.topic, mistakes));
   const RecordedStates states =
       images->size() > 0 ? ReadRecordedStates(a.folder, a.state_topic, mistakes) : RecordedStates();
+  const std::optional<flight::LiveOptions> of_live = ReadLive(a.live, mistakes);
   mistakes.ThrowIfAny();
 
   const flight::FlightPlan& plan = loaded->plan;
@@ -75,8 +76,8 @@ void ReplayLog(const ReplayArguments& a) {
   const double rate_hz = images->Rate_hz() > 0 ? images->Rate_hz() : plan.image.rate_hz;
   std::optional<records::Video> video;
   if (!a.video.empty()) video.emplace(a.video, rate_hz);
-  std::optional<ReplayRecords> records;
-  if (!a.out.empty()) records.emplace(a.out, *loaded, rate_hz);
+  const std::unique_ptr<flight::Live> live = ShowLive(of_live);
+  ReplayRecords records(OutOf(a), live.get(), *loaded, rate_hz);
   std::string csv = fmt::format("image,stamp_ns,t_s,phase,target,outcome,{}\n",
                                 fmt::join(records::RecordedNumbers(type), ","));
   const auto begun = std::chrono::steady_clock::now();
@@ -104,13 +105,12 @@ void ReplayLog(const ReplayArguments& a) {
     if (phases.empty() || phases.back() != decision.phase) phases.emplace_back(decision.phase);
     csv += Row(frame.sequence, stamp_ns, frame.t_s, records::Recorded(decision, type));
     if (video) video->Write(records::DrawnView(frame, frame.t_s, *mission, records::kRecordingMode));
-    if (records) records->Write(frame, state, decision, *mission);
+    records.Write(frame, state, decision, *mission);
   }
   if (video) video->Close();
   if (!a.csv.empty()) WriteFile(a.csv, csv);
-  std::string report;
-  if (records) report = records->Finish("seen again", true, SecondsSince(begun));
-  if (a.quiet) return;
+  const std::string report = records.Finish("seen again", true, SecondsSince(begun));
+  if (a.quiet) return Linger(live.get(), [] { return true; });
   if (!images->note.empty()) fmt::print("{}\n", images->note);
   fmt::print("{}: {} images of {}, {:.1f} s, seen in {:.1f} s, by the states of {}{}\n", plan.name,
              images->size(), images->topic, images->Time_s(images->size() - 1), SecondsSince(begun),
@@ -120,6 +120,7 @@ void ReplayLog(const ReplayArguments& a) {
     fmt::print("left out: {} unreadable, {} from before the first state\n", unreadable, without_state);
   fmt::print("a fix in {} of them; phases: {}\n", with_fix, fmt::join(phases, ", "));
   if (!report.empty()) fmt::print("  {}\n", report);
+  Linger(live.get(), [] { return true; });
 }
 
 }  // namespace kestrel::app

@@ -89,12 +89,14 @@ CLI::App* AddRunCommand(CLI::App& app, RunArguments& a) {
       ->type_name("VIEW");
   command->add_option("--view-size", a.view_size,
                       "WIDTHxHEIGHT in pixels of that, instead of the scenario's");
+  AddLiveOptions(*command, a.live, true);
   command->add_option("--junit", a.junit, "Also write the criteria as JUnit XML to this file")
       ->type_name("FILE");
   command->add_flag("--quiet", a.quiet, "Print nothing but errors, and what failed of a run that did");
   command->footer(
       "Examples:\n  kestrel run landing\n"
-      "  kestrel run hover --seed 7 --set wind.mean_m_s=5 --out /tmp/hover");
+      "  kestrel run hover --seed 7 --set wind.mean_m_s=5 --out /tmp/hover\n"
+      "  kestrel run follow --live --view chase");
   return command;
 }
 
@@ -119,6 +121,7 @@ int RunCommand(const RunArguments& a) {
   if (!a.mcap.empty() && a.mcap != "jpeg" && a.mcap != "raw")
     mistakes.Add("--mcap", "", fmt::format("'{}' is no kind of image", a.mcap), "valid: jpeg, raw");
   options.view = ReadView(a.view, a.view_size, loaded.scenario.view, mistakes);
+  const std::optional<flight::LiveOptions> of_live = ReadLive(a.live, mistakes);
   CheckWritableFolder(*options.folder, "--out", mistakes);
   CheckWritableFile(a.junit, "--junit", mistakes);
   mistakes.ThrowIfAny();
@@ -126,6 +129,8 @@ int RunCommand(const RunArguments& a) {
     fmt::print("{}  {}, seed {}\n", records::kSimulatorMode, loaded.scenario.name, loaded.scenario.seed);
     PrintNotes(loaded.notes);
   }
+  const std::unique_ptr<flight::Live> live = ShowLive(of_live);
+  options.live = live.get();
   flight::FlightResult result;
   {
     Progress progress(loaded.scenario.duration_s);
@@ -148,6 +153,7 @@ int RunCommand(const RunArguments& a) {
     fmt::print("{}", RunReport(summary, report, TakesColours(stdout)));
   else if (!summary.passed)
     PrintNote("{}{}", Verdict(summary, TakesColours(stderr)), MissedCriteria(summary, TakesColours(stderr)));
+  Linger(live.get(), [] { return !interrupted.load(); });
   if (!summary.complete) return kBrokeOff;
   return summary.passed ? kMet : kNotMet;
 }

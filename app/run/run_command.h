@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "app/option/live_option.h"
+
 namespace CLI {
 class App;
 }
@@ -15,6 +17,7 @@ struct RunArguments {
   std::string scenario, out, junit;
   std::vector<std::string> overrides;
   std::string seed, mcap, view, view_size;
+  LiveArguments live;
   bool no_video = false, images = false, truth = false, events = false, quiet = false;
 };
 

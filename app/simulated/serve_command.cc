@@ -131,7 +131,7 @@ int ServeLockstep(const flight::ServeArguments& a, const std::vector<std::string
 
 }  // namespace
 
-CLI::App* AddServeCommand(CLI::App& app, flight::ServeArguments& a) {
+CLI::App* AddServeCommand(CLI::App& app, ServeCommandArguments& a) {
   CLI::App* serve = app.add_subcommand("serve",
                                        "Fly the simulated aircraft for any client: in real time by real "
                                        "wires and a video stream, or in lockstep");
@@ -182,6 +182,7 @@ CLI::App* AddServeCommand(CLI::App& app, flight::ServeArguments& a) {
                     "How long, in s, its client may say nothing; for ever if not given");
   serve->add_flag("--once", a.once, "With --lockstep: end when the first client has gone");
   serve->add_flag("--no-video", a.no_video, "With --lockstep: leave out video.mp4");
+  AddLiveOptions(*serve, a.live, false);
   serve
       ->add_option("--out", a.out,
                    "Folder for the records (default results/runs/NAME-SEED-served, in lockstep "
@@ -199,7 +200,7 @@ CLI::App* AddServeCommand(CLI::App& app, flight::ServeArguments& a) {
   return serve;
 }
 
-int ServeCommand(const flight::ServeArguments& a) {
+int ServeCommand(const ServeCommandArguments& a) {
   std::vector<std::string> overrides = a.overrides;
   if (flight::IsSeed(a.seed)) overrides.push_back("seed=" + a.seed);
   // Of a flight at an autopilot's pace it is the real time.
@@ -207,6 +208,10 @@ int ServeCommand(const flight::ServeArguments& a) {
     overrides.push_back(fmt::format("duration_s={}", *a.for_s));
   Mistakes mistakes;
   flight::CheckArguments(a, mistakes);
+  const std::optional<flight::LiveOptions> of_live = ReadLive(a.live, mistakes);
+  if (a.live.port && (a.lockstep || a.physics))
+    mistakes.Add("--live", "", fmt::format("is not shown with {}", a.lockstep ? "--lockstep" : "--physics"),
+                 "valid: with --afcs, --asctec, --mavlink or --camera");
   const std::optional<flight::LoadedScenario> read = Load(a.scenario, overrides, mistakes);
   if (!read) {
     if (!a.out.empty() && !a.physics) CheckWritableFolder(a.out, "--out", mistakes);
@@ -288,8 +293,11 @@ int ServeCommand(const flight::ServeArguments& a) {
     stopped_physics = nullptr;
     return 0;
   }
+  const std::unique_ptr<flight::Live> live = ShowLive(of_live);
+  options.live = live.get();
   const records::Summary summary = flight::ServeFlight(loaded, options).summary;
   Report(summary, ReportOf(folder));
+  Linger(live.get(), [] { return !serve_interrupted.load(); });
   if (!summary.complete) return 3;
   return summary.passed ? 0 : 1;
 }

@@ -14,7 +14,7 @@
 #include "flight/dataset/along_trajectory.h"
 #include "flight/dataset/journal.h"
 #include "flight/dataset/mission_flight.h"
-#include "flight/simulated/truth_images.h"
+#include "flight/simulated/images/truth_images.h"
 #include "sim/world/scene.h"
 
 namespace kestrel::flight {

@@ -109,6 +109,16 @@ struct Losses {
   }
 };
 
+records::TelemetryOptions TelemetryOf(const LoadedPlan& plan) {
+  return {.truth = false, .safety = true, .mission = &plan.plan.flight.type()};
+}
+
+records::FlightSubject FlownSubject(const LoadedPlan& plan, const std::string& mode) {
+  records::FlightSubject subject = SubjectOf(plan.plan, plan.parts, mode, plan.description);
+  subject.rate_hz = plan.plan.image.rate_hz;
+  return subject;
+}
+
 // The folder of a real flight: as a simulated one's, without what only a simulator knows.
 class Records {
  public:
@@ -119,12 +129,10 @@ class Records {
     options.video = o.video;
     options.rate_hz = plan.plan.image.rate_hz;
     options.plots.title = fmt::format("{}, {}", mode, plan.plan.name);
-    options.telemetry = {.truth = false, .safety = true, .mission = &plan.plan.flight.type()};
+    options.telemetry = TelemetryOf(plan);
     recorder_.emplace(folder, options);
     WriteFile(folder / "scenario.yaml", ToYaml(plan.plan));
-    records::FlightSubject subject = SubjectOf(plan.plan, plan.parts, mode, plan.description);
-    subject.rate_hz = plan.plan.image.rate_hz;
-    records::WriteSubject(folder, subject);
+    records::WriteSubject(folder, FlownSubject(plan, mode));
     if (o.images) {
       recording_.emplace(folder, plan.plan.flight.type());
       records::WriteOwnParts(folder, plan.parts.own_parts);
@@ -146,6 +154,7 @@ class Records {
     recorder_->Write(row);
     events_.Write(row);
   }
+  void Tell(records::EventListener listener) { events_.Tell(std::move(listener)); }
   void Line(double t_s, const char* what, const std::string& text) { events_.Line(t_s, what, text); }
   void WriteImages(const cv::Mat& drawn, const cv::Mat& product) {
     recorder_->WriteImage(drawn);
@@ -175,6 +184,18 @@ records::Summary SummaryOf(const LoadedPlan& plan, const std::string& mode) {
   summary.mode = mode;
   summary.seed = plan.plan.seed;
   return summary;
+}
+
+// A viewer of a real aircraft only watches.
+void BeginLive(Live& live, const LoadedPlan& plan, const std::string& mode) {
+  const std::string watches = "this is a flight that is only watched: no viewer commands an aircraft";
+  LiveFlight flight;
+  flight.subject = FlownSubject(plan, mode);
+  flight.telemetry = TelemetryOf(plan);
+  flight.messages = MessageOptionsOf(plan.parts);
+  flight.messages->truth = false;
+  flight.refusals = {.pace = watches, .change = watches};
+  live.Begin(std::move(flight));
 }
 
 }  // namespace
@@ -207,6 +228,13 @@ FlyReport FlyAircraft(const LoadedPlan& plan, vision::LiveCamera& camera, contro
   const double begun_s = MonotonicNow_s();
   std::optional<Records> records;
   if (o.folder) records.emplace(*o.folder, plan, o, mode, begun_s);
+  if (o.live) {
+    BeginLive(*o.live, plan, mode);
+    if (records)
+      records->Tell([live = o.live](double t_s, std::string_view what, std::string_view is) {
+        live->Event(t_s, what, is);
+      });
+  }
   BackgroundWriter writer;
 
   const std::int64_t overwritten_before = camera.Health().overwritten;
@@ -270,7 +298,7 @@ FlyReport FlyAircraft(const LoadedPlan& plan, vision::LiveCamera& camera, contro
     note(state);
     last = decision;
     if (o.progress) o.progress(state, decision, safety);
-    if (!records) return true;
+    if (!records && !o.live) return true;
     records::LogRow row;
     row.sequence = frame.sequence;
     row.exposure.t_s = frame.t_s - begun_s;
@@ -282,13 +310,20 @@ FlyReport FlyAircraft(const LoadedPlan& plan, vision::LiveCamera& camera, contro
     row.reaction = control::NameOf(safety.reaction);
     row.decision = decision;
     cv::Mat drawn, product;
+    const bool shown = o.live && o.live->WantsPicture(Picture::kOnBoard);
+    if (o.video || shown) drawn = records::DrawnView(frame, row.now.t_s, *mission, mode);
+    if (o.live) {
+      o.live->Row(row, o.live->WantsImage() ? frame.image : cv::Mat());
+      if (shown) o.live->Show(Picture::kOnBoard, row.now.t_s, drawn);
+      o.live->Wait(row.now.t_s, [] { return true; });  // for no one: those who ask are refused
+    }
+    if (!records) return true;
     if (o.video) {
-      drawn = records::DrawnView(frame, row.now.t_s, *mission, mode);
       product = mission->ProductImage().clone();  // the mission goes on with its own
     }
-    writer.Do([&records, row, drawn, product, frame, state] {
+    writer.Do([&records, row, drawn, product, frame, state, video = o.video] {
       records->Write(row);
-      if (!drawn.empty()) records->WriteImages(drawn, product);
+      if (video) records->WriteImages(drawn, product);
       records->Record(frame, state, row.decision);
     });
     return true;
@@ -324,7 +359,7 @@ FlyReport FlyAircraft(const LoadedPlan& plan, vision::LiveCamera& camera, contro
   const records::StageTime reaction = records::StageTimeOf(reaction_s);
   report.mean_ms = reaction.mean_ms;
   report.p99_ms = reaction.p99_ms;
-  if (!records) return report;
+  if (!records && !o.live) return report;
   summary.outcome = report.outcome;
   summary.error = report.error;
   summary.complete = report.error.empty();
@@ -333,18 +368,23 @@ FlyReport FlyAircraft(const LoadedPlan& plan, vision::LiveCamera& camera, contro
   summary.stages = {{"vision", records::StageTimeOf(vision_s)},
                     {"control", records::StageTimeOf(control_s)},
                     {"image_to_setpoint", reaction}};
-  try {
-    mission->WriteProducts(*o.folder);
-  } catch (const std::exception& e) {
+  const auto fail = [&](const std::exception& e) {
     if (report.error.empty()) report.error = summary.error = e.what();
     report.accomplished = summary.complete = summary.passed = false;
+  };
+  if (records) {
+    try {
+      mission->WriteProducts(*o.folder);
+    } catch (const std::exception& e) {
+      fail(e);
+    }
+    try {
+      records->Finish(summary);
+    } catch (const std::exception& e) {
+      fail(e);
+    }
   }
-  try {
-    records->Finish(summary);
-  } catch (const std::exception& e) {
-    if (report.error.empty()) report.error = e.what();
-    report.accomplished = false;
-  }
+  if (o.live) o.live->End(summary);
   return report;
 }
 

@@ -12,6 +12,7 @@
 #include "base/diagnostics.h"
 #include "control/link/safe_autopilot.h"
 #include "flight/flight_plan.h"
+#include "flight/live/live.h"
 #include "mission/mission.h"
 #include "vision/capture/live_camera.h"
 
@@ -30,6 +31,7 @@ struct FlyOptions {
   control::ReleaseLimits release;  // of the aircraft, at the end
   double max_s = 3600;
   const std::atomic<bool>* interrupted = nullptr;
+  Live* live = nullptr;  // shows it to viewers, who cannot command it; null: nobody sees it
   // Each frame before the mission has it, on the flight's own thread; must be quick.
   std::function<void(const vision::Frame&)> seen = {};
   // Each frame of a flight, and each change of safety while none comes (with the last decision), on the

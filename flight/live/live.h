@@ -36,8 +36,8 @@ struct LiveFlight {
 };
 
 // Shows flights to whoever opens its address, one after the other, while they fly: by a thread of its own. The
-// flight never waits for a viewer; with none, slow ones or many it is the same to the last bit. All but
-// viewers() and url() is called by the flight's thread.
+// flight never waits for a viewer; with none, slow ones or many it is the same to the last bit. All is called by the
+// flight's thread, but that any may call url, viewers and Event, and another one WantsPicture and Show of its kind.
 class Live {
  public:
   // Throws InputError: the port is in use.

@@ -10,10 +10,13 @@
 
 #include "base/real_time.h"
 #include "base/stopwatch.h"
+#include "flight/simulated/begin_live.h"
 #include "flight/simulated/changes.h"
 #include "flight/simulated/flight_records.h"
 #include "flight/simulated/judgement.h"
+#include "records/telemetry/flight_mode.h"
 #include "records/telemetry/metrics.h"
+#include "records/video/drawn_view.h"
 #include "vision/capture/live_camera.h"
 
 namespace kestrel::flight {
@@ -60,6 +63,13 @@ class ServedFlight {
     simulator_.CarryCamera(options.platform);
     told_.resize(options.servers.size());
     if (options.folder) records_.emplace(*options.folder, loaded, simulator_, false);
+    if (!options.live) return;
+    BeginLive(*options.live, loaded, simulator_, PartsOf(loaded, simulator_.model()), changes_,
+              "it flies at the pace of whoever is on the wires");
+    if (records_)
+      records_->Tell([live = options.live](double t_s, std::string_view what, std::string_view is) {
+        live->Event(t_s, what, is);
+      });
   }
 
   FlightResult Fly() {
@@ -84,6 +94,7 @@ class ServedFlight {
       Tell("real time", fmt::format("the machine was too slow: time was stretched by {:.3f} s in all",
                                     time.stretched_s()));
     if (records_) summary = records_->Finish(summary, simulator_);
+    if (options_.live) options_.live->End(summary);
     return std::move(result_);
   }
 
@@ -172,6 +183,16 @@ class ServedFlight {
         {frame.sequence, simulator_.exposure(), simulator_.truth(), simulator_.State(), decision});
     if (records_) records_->Write(result_.rows.back(), simulator_);
     changes_.MakeDue();
+    if (options_.live) Show(*options_.live, frame);
+  }
+
+  void Show(Live& live, const vision::Frame& frame) {
+    const records::LogRow& row = result_.rows.back();
+    live.Row(row, live.WantsImage() ? frame.image : cv::Mat());
+    if (live.WantsPicture(Picture::kOnBoard))
+      live.Show(Picture::kOnBoard, row.now.t_s,
+                records::DrawnView(frame, row.now.t_s, records::kSimulatorMode));
+    live.Wait(row.now.t_s, [] { return true; });  // for no one: it makes the changes that are asked for
   }
 
   // By what is of the truth alone.

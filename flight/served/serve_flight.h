@@ -31,6 +31,7 @@ struct ServeOptions {
   std::function<void(const std::string&)> say;  // what who watches should know, as it happens
   std::function<bool()> go_on;                  // false ends the flight in good order
   WallClock clock = MonotonicClock();
+  Live* live = nullptr;  // shows it to viewers, who may change it; null: nobody does
 };
 
 // Flies a scenario's aircraft in real time for whoever is on the wires, until the scenario's duration is

@@ -94,11 +94,8 @@ FlightRecords::FlightRecords(const std::filesystem::path& folder, const LoadedSc
 
 void FlightRecords::AddMcap(records::McapImages images, const LoadedScenario& loaded,
                             const mission::MissionParts& parts) {
-  records::FlightMessageOptions options;
+  records::FlightMessageOptions options = MessageOptionsOf(parts);
   options.images = images;
-  if (loaded.scenario.pad.name != "none") options.outline = loaded.pad.Outline();
-  options.camera = parts.camera;
-  options.X_BC = parts.X_BC;
   mcap_ = std::make_unique<records::FlightMcap>(folder_ / "flight.mcap", std::move(options));
   carried_.emplace(loaded.simulator.instruments, loaded.simulator.cameras);
   const Scenario& scenario = loaded.scenario;

@@ -6,6 +6,7 @@
 #include <opencv2/core.hpp>
 #include <optional>
 #include <string_view>
+#include <utility>
 
 #include "base/file/writer_lock.h"
 #include "flight/mcap/carried_topics.h"
@@ -18,12 +19,12 @@
 
 namespace kestrel::flight {
 
-// The folder of a flight in the simulator: what the Recorder writes, events.log, scenario.yaml, page.json, if
-// asked for flight.mcap. Throws std::runtime_error with the file and the reason, but for Finish; InputError where
-// another process writes to that folder.
 // What a page tells of such a flight. simulator: at its begin.
 records::FlightSubject SubjectOf(const LoadedScenario& loaded, const sim::Simulator& simulator);
 
+// The folder of a flight in the simulator: what the Recorder writes, events.log, scenario.yaml, page.json, if
+// asked for flight.mcap. Throws std::runtime_error with the file and the reason, but for Finish; InputError where
+// another process writes to that folder.
 class FlightRecords {
  public:
   // simulator: at the begin of the flight. view: there is a video from outside too (flight/simulated/view), with
@@ -33,6 +34,9 @@ class FlightRecords {
 
   // From now on flight.mcap is written too. parts: what the mission was made from.
   void AddMcap(records::McapImages images, const LoadedScenario& loaded, const mission::MissionParts& parts);
+
+  // From now on this too is told each line of events.log.
+  void Tell(records::EventListener listener) { events_.Tell(std::move(listener)); }
 
   // image: of the row's frame, for flight.mcap; empty: there is none.
   void Write(const records::LogRow& row, const sim::Simulator& simulator, const cv::Mat& image = {});

@@ -4,10 +4,11 @@
 #include <chrono>
 
 #include "base/stopwatch.h"
-#include "flight/simulated/event_files.h"
+#include "flight/simulated/begin_live.h"
 #include "flight/simulated/flight_records.h"
+#include "flight/simulated/images/event_files.h"
+#include "flight/simulated/images/truth_images.h"
 #include "flight/simulated/judgement.h"
-#include "flight/simulated/truth_images.h"
 #include "flight/simulated/view/view_video.h"
 #include "mission/flight_loop.h"
 #include "records/recording.h"
@@ -50,14 +51,28 @@ FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) 
     if (options.events) events.emplace(*options.folder / "events");
   }
 
-  if (options.view)
-    view.emplace(simulator, *options.view,
+  if (options.view) {
+    ViewOptions of_view = *options.view;
+    if (options.live)
+      of_view.on_frame = [live = options.live, told = of_view.on_frame](double t_s, const cv::Mat& bgr) {
+        if (live->WantsPicture(Picture::kView)) live->Show(Picture::kView, t_s, bgr.clone());
+        if (told) told(t_s, bgr);
+      };
+    view.emplace(simulator, of_view,
                  options.folder ? std::optional(*options.folder / "view.mp4") : std::nullopt,
                  scenario.image.rate_hz, scenario.render.threads);
+  }
 
   Changes in_flight(loaded, simulator, mission.get(), [&](const MadeChange& change) {
     if (records) records->Write(change, in_flight.flown());
   });
+  if (options.live) {
+    BeginLive(*options.live, loaded, simulator, parts, in_flight);
+    if (records)
+      records->Tell([live = options.live](double t_s, std::string_view what, std::string_view is) {
+        live->Event(t_s, what, is);
+      });
+  }
   std::vector<double> vision_s, control_s, record_s;
   bool stopped = false;
   try {
@@ -69,6 +84,12 @@ FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) 
           const auto began = std::chrono::steady_clock::now();
           result.rows.push_back({frame.sequence, simulator.exposure(), simulator.truth(), state, decision});
           const records::LogRow& row = result.rows.back();
+          cv::Mat drawn_once;
+          const auto drawn = [&] {
+            if (drawn_once.empty())
+              drawn_once = records::DrawnView(frame, row.now.t_s, *mission, records::kSimulatorMode);
+            return drawn_once;
+          };
           if (records) {
             records->Write(row, simulator, frame.image);
             if (truth) truth->Write(frame.sequence, simulator.picture());
@@ -78,12 +99,16 @@ FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) 
             }
             if (recording) recording->Write(frame, state, decision);
             if (records->recorder().wants_images()) {
-              records->recorder().WriteImage(
-                  records::DrawnView(frame, row.now.t_s, *mission, records::kSimulatorMode));
+              records->recorder().WriteImage(drawn());
               records->recorder().WriteProduct(mission->ProductImage());
             }
           }
           if (view) view->Write(simulator, frame.image);
+          if (options.live) {
+            options.live->Row(row, options.live->WantsImage() ? frame.image : cv::Mat());
+            if (options.live->WantsPicture(Picture::kOnBoard))
+              options.live->Show(Picture::kOnBoard, row.now.t_s, drawn());
+          }
           if (options.watch) options.watch(simulator, frame);
           vision_s.push_back(decision.vision_s);
           control_s.push_back(decision.control_s);
@@ -91,6 +116,8 @@ FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) 
           stopped = options.progress && !options.progress(row);
           in_flight.MakeDue();
           if (options.change) options.change(in_flight);
+          const auto go_on = [&] { return !options.progress || options.progress(row); };
+          if (options.live && !stopped) stopped = !options.live->Wait(row.now.t_s, go_on);
           return !stopped;
         });
     if (summary.outcome.empty()) {
@@ -127,6 +154,7 @@ FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) 
     summary.complete = summary.passed = false;
   }
   if (records) summary = records->Finish(summary, simulator);
+  if (options.live) options.live->End(summary);
   return result;
 }
 

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "flight/live/live.h"
 #include "flight/simulated/changes.h"
 #include "flight/simulated/scenario.h"
 #include "flight/simulated/view/view_options.h"
@@ -27,6 +28,7 @@ struct RunOptions {
   // After each frame and the decision on it, for who changes what the scenario lets change.
   std::function<void(Changes&)> change = {};
   std::optional<ViewOptions> view = {};  // the flight from outside, as view.mp4; none: it is not drawn
+  Live* live = nullptr;  // shows it to viewers, who may pause and change it; null: nobody does
 };
 
 struct FlightResult {

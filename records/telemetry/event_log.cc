@@ -7,8 +7,9 @@ namespace kestrel::records {
 
 void EventLog::Line(double t_s, std::string_view what, std::string_view is) {
   for (const auto& listener : listeners_) listener(t_s, what, is);
-  file_.Write(fmt::format("{:9.3f} s  {}: {}\n", t_s, what, is));
-  file_.Flush();
+  if (!file_) return;
+  file_->Write(fmt::format("{:9.3f} s  {}: {}\n", t_s, what, is));
+  file_->Flush();
 }
 
 void EventLog::Write(const LogRow& row) {
@@ -47,7 +48,7 @@ void EventLog::WriteCamera(double t_s, std::string_view condition) {
 
 void EventLog::End(double t_s, std::string_view how) {
   Line(t_s, "end", how);
-  file_.Close();
+  if (file_) file_->Close();
 }
 
 }  // namespace kestrel::records

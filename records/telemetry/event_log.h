@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -13,6 +14,8 @@
 
 namespace kestrel::records {
 
+using EventListener = std::function<void(double t_s, std::string_view what, std::string_view is)>;
+
 // events.log of a run: a line, with the time of the flight, whenever a state changes its name: the phase of
 // the flight plan, the target (tracked, found, chained, refused, lost, frozen), the autopilot's mode (hold:
 // its setpoints went stale), its saturation, the attitude it flies by, the faults of that, of the camera, of
@@ -22,10 +25,9 @@ namespace kestrel::records {
 class EventLog {
  public:
   explicit EventLog(const std::filesystem::path& folder) : file_(folder / "events.log") {}
+  EventLog() = default;  // of no file: for who is told
   // From now on this too is told each line, before its file is.
-  void Tell(std::function<void(double t_s, std::string_view what, std::string_view is)> listener) {
-    listeners_.push_back(std::move(listener));
-  }
+  void Tell(EventListener listener) { listeners_.push_back(std::move(listener)); }
   // In the order of time.
   void Write(const LogRow& row);
   void WriteCamera(double t_s, std::string_view condition);
@@ -33,8 +35,8 @@ class EventLog {
   void End(double t_s, std::string_view how);
 
  private:
-  PartFile file_;
-  std::vector<std::function<void(double, std::string_view, std::string_view)>> listeners_;
+  std::optional<PartFile> file_;
+  std::vector<EventListener> listeners_;
   std::string phase_, target_, mode_, camera_ = "ok";
   bool saturated_ = false, touching_ = false, aided_ = false, attitude_failed_ = false;
 };

@@ -6,7 +6,7 @@
 
 #include "flight/dataset/format/pictures.h"
 #include "flight/dataset/format/tables.h"
-#include "flight/simulated/truth_images.h"
+#include "flight/simulated/images/truth_images.h"
 
 namespace kestrel::flight {
 namespace {

@@ -8,7 +8,7 @@
 #include "flight/dataset/format/pictures.h"
 #include "flight/dataset/format/tables.h"
 #include "flight/dataset/trajectory/conventions.h"
-#include "flight/simulated/truth_images.h"
+#include "flight/simulated/images/truth_images.h"
 #include "vision/camera/calibration_file.h"
 
 namespace kestrel::flight {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "flight/simulated/event_files.h"
+#include "flight/simulated/images/event_files.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "flight/simulated/truth_images.h"
+#include "flight/simulated/images/truth_images.h"
 
 #include <fmt/format.h>
 

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "flight/live/live.h"
+#include "flight/simulated/changes.h"
+#include "flight/simulated/scenario.h"
+#include "mission/mission.h"
+#include "sim/simulator.h"
+
+namespace kestrel::flight {
+
+// From now on viewers see this flight, and change what its scenario lets change. simulator: at its begin; parts: what
+// flies it is made from; changes: of this flight, must outlive it. pace_refused: why its time is not theirs; empty: it
+// is.
+void BeginLive(Live& live, const LoadedScenario& loaded, const sim::Simulator& simulator,
+               const mission::MissionParts& parts, Changes& changes, const std::string& pace_refused = {});
+
+}  // namespace kestrel::flight
