@@ -44,7 +44,7 @@ std::string Browser::Missing() {
 }
 
 struct Browser::Driver {
-  explicit Driver(const fs::path& folder)
+  Driver(const fs::path& folder, WebGl webgl)
       : program({kDriver, "--port=0"}, {"HOME=" + folder.string()}, folder / "chromedriver.log") {
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
     const std::regex started(R"(started successfully on port (\d+))");
@@ -55,12 +55,14 @@ struct Browser::Driver {
         throw std::runtime_error("chromedriver does not start: " + said);
       if (port.empty()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
-    const Json options = {{"binary", kChromium},
-                          {"args",
-                           {"--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
-                            "--disable-background-networking", "--disable-component-update", "--disable-sync",
-                            "--disable-dev-shm-usage", "--hide-scrollbars", "--force-color-profile=srgb",
-                            "--user-data-dir=" + (folder / "profile").string()}}};
+    Json options = {
+        {"binary", kChromium},
+        {"args",
+         {"--headless", "--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking",
+          "--disable-component-update", "--disable-sync", "--disable-dev-shm-usage", "--hide-scrollbars",
+          "--force-color-profile=srgb", "--user-data-dir=" + (folder / "profile").string()}}};
+    options["args"].push_back("--disable-gpu");
+    options["args"].push_back(webgl == WebGl::kNone ? "--disable-3d-apis" : "--enable-unsafe-swiftshader");
     const Json wanted = {{"goog:chromeOptions", options},
                          {"goog:loggingPrefs", {{"browser", "ALL"}, {"performance", "ALL"}}}};
     session =
@@ -110,10 +112,10 @@ struct Browser::Driver {
   std::string port, session;
 };
 
-Browser::Browser(const fs::path& folder) {
+Browser::Browser(const fs::path& folder, WebGl webgl) {
   fs::remove_all(folder);
   fs::create_directories(folder);
-  driver_ = std::make_unique<Driver>(folder);
+  driver_ = std::make_unique<Driver>(folder, webgl);
   driver_->Command("/url", {{"url", "about:blank"}});
   Complaints(), Requests();  // of the page that it begins with
 }
@@ -121,8 +123,10 @@ Browser::Browser(const fs::path& folder) {
 Browser::~Browser() = default;
 
 void Browser::Open(const fs::path& page) {
-  driver_->Command("/url", {{"url", "file://" + fs::absolute(page).string()}});
+  OpenUrl("file://" + fs::absolute(page).string());
 }
+
+void Browser::OpenUrl(const std::string& url) { driver_->Command("/url", {{"url", url}}); }
 
 Json Browser::Run(const std::string& script) {
   return driver_->Command("/execute/sync", {{"script", script}, {"args", Json::array()}});
@@ -175,9 +179,12 @@ std::string Browser::Print() {
 
 std::vector<std::string> Browser::Complaints() {
   std::vector<std::string> complaints;
-  for (const Json& entry : driver_->Log("browser"))
-    if (entry.at("level") != "INFO" && entry.at("level") != "DEBUG")
-      complaints.push_back(entry.at("message"));
+  for (const Json& entry : driver_->Log("browser")) {
+    const std::string message = entry.at("message");
+    const bool driver =
+        message.find("GL Driver Message") != std::string::npos;  // of its speed, not of the page
+    if (entry.at("level") != "INFO" && entry.at("level") != "DEBUG" && !driver) complaints.push_back(message);
+  }
   return complaints;
 }
 

@@ -16,11 +16,14 @@ class Browser {
   // What is not installed of it; empty: nothing is missing.
   static std::string Missing();
 
-  // Throws std::runtime_error, here and later, with what the driver said.
-  explicit Browser(const std::filesystem::path& folder);  // of its profile and its log
+  enum class WebGl { kNone, kSoftware };
+
+  // folder: of its profile and its log. Throws std::runtime_error, here and later, with what the driver said.
+  Browser(const std::filesystem::path& folder, WebGl webgl);
   ~Browser();
 
   void Open(const std::filesystem::path& page);  // as a file://
+  void OpenUrl(const std::string& url);
   // The body of a function of JavaScript, and what it returns.
   nlohmann::json Run(const std::string& script);
   void Click(const std::string& css);  // as a mouse does, on what must be there and visible

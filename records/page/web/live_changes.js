@@ -26,8 +26,8 @@ const senderOf = (key) => {
 
 // A number of 1, 2 or 5 and zeros: a hundredth of the span or so.
 const stepOf = (span) => {
-  const power = 10 ** Math.floor(Math.log10(span / 50));
-  return power * ([5, 2].find((each) => each * power <= span / 50) ?? 1);
+  const power = 10 ** Math.floor(Math.log10(span / 100));
+  return power * ([5, 2].find((each) => each * power <= span / 100) ?? 1);
 };
 const numberControl = ({key, min, max}, label, send) => {
   const bounds = {min: min ?? undefined, max: max ?? undefined};

@@ -128,7 +128,7 @@ class ReportInBrowser : public testing::Test {
     subject.tuning = HoverTuning();
     subject.tuning->verdict = "The tuned gains are better.";
     Write(folder_ / "tuning.html", HtmlReport(subject, folder_));
-    browser_ = std::make_unique<Browser>(folder_ / "browser");
+    browser_ = std::make_unique<Browser>(folder_ / "browser", Browser::WebGl::kNone);
   }
   static void TearDownTestSuite() { browser_.reset(); }
 
