@@ -100,7 +100,6 @@ class Plot {
     this.extend();
     this.chart?.destroy();
     this.chart = new Chart(this.canvas, this.description());
-    this.place();
   }
   datasets() {
     return this.series.filter(({hidden}) => !hidden)
@@ -118,7 +117,7 @@ class Plot {
     const line = color("line"), least = {"°": 1, "px": 2, "m": 0.1, "m/s": 0.1, "°/s": 1}[this.quantity.unit] ?? 1e-3;
     const ticks = {color: color("soft"), font: {size: 11, family: getComputedStyle(document.body).fontFamily}};
     return {
-      type: "line", data: {datasets: this.datasets()},
+      type: "line", data: {datasets: this.datasets()}, plugins: [{id: "place", afterLayout: (chart) => this.place(chart)}],
       options: {
         parsing: false, normalized: true, events: [], spanGaps: false,
         layout: {padding: {top: 6, right: rightOfPlot}},
@@ -141,12 +140,10 @@ class Plot {
     this.extend();
     Object.assign(this.chart.options.scales.x, this.span());
     this.chart.update("none");
-    this.place();
   }
 
   // Where the cursor runs; without asking the page for sizes while the time goes on.
-  place() {
-    const {chartArea: area, scales: {x}} = this.chart;
+  place({chartArea: area, scales: {x}}) {
     this.cursor.style.top = `${area.top}px`;
     this.cursor.style.height = `${area.bottom - area.top}px`;
     this.pixelAt = (t_s) => area.left + (area.right - area.left) * (t_s - x.min) / (x.max - x.min || 1);
