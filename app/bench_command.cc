@@ -17,7 +17,6 @@
 #include "bench/bench_contrast.h"
 #include "bench/bench_flights.h"
 #include "bench/bench_hashes.h"
-#include "bench/bench_render.h"
 #include "bench/bench_stream.h"
 #include "bench/bench_trackers.h"
 #include "bench/bench_wire.h"
@@ -30,6 +29,8 @@
 #include "bench/landmark/bench_plane_pose.h"
 #include "bench/lockstep/bench_lockstep.h"
 #include "bench/planar/bench_planar.h"
+#include "bench/render/bench_frames.h"
+#include "bench/render/bench_render.h"
 #include "bench/servo/bench_servo.h"
 #include "bench/servo/bench_servo_flights.h"
 #include "bench/servo/bench_servoing.h"
@@ -43,12 +44,12 @@ CLI::App* AddBenchCommand(CLI::App& app, BenchArguments& a) {
       "contrast", "follow",       "avoid",         "stream",       "planar",        "alignment",
       "features", "homographies", "plane_pose",    "landings",     "servo_flights", "direct",
       "mosaic",   "stabilise",    "follow_thesis", "avoid_thesis", "wire",          "link_faults",
-      "campaign", "hashes",       "lockstep"};
+      "campaign", "hashes",       "lockstep",      "frames"};
   CLI::App* command = app.add_subcommand("bench", "Measure: a table of figures beside their targets");
   // Of campaigns by its name alone: it flies for minutes, and kills itself.
   command
       ->add_option("name", a.name,
-                   "All but campaign, wire, link_faults, hashes and lockstep when none is given")
+                   "All but campaign, wire, link_faults, hashes, lockstep and frames when none is given")
       ->check(OneOf(names));
   command->add_option("--seeds", a.seeds, "A..B, first and last")->capture_default_str();
   command->add_option("--jobs", a.jobs, "Flights at the same time")
@@ -57,8 +58,12 @@ CLI::App* AddBenchCommand(CLI::App& app, BenchArguments& a) {
   command->add_option("--json", a.json, "Also write the figures as JSON to this file")->type_name("FILE");
   command
       ->add_option("--out", a.out,
-                   "Folder for the rows and pictures of horizon, and for the pictures of contrast's failures")
+                   "Folder for the rows and pictures of horizon, and for the pictures of frames and of "
+                   "contrast's failures")
       ->type_name("DIR")
+      ->capture_default_str();
+  command->add_option("--backend", a.backend, "What OpenGL draws by in render and frames")
+      ->check(OneOf({"osmesa", "egl"}))
       ->capture_default_str();
   command->footer("Examples:\n  kestrel bench flights --seeds 1..20\n  kestrel bench render");
   return command;
@@ -67,7 +72,7 @@ CLI::App* AddBenchCommand(CLI::App& app, BenchArguments& a) {
 bool BenchCommand(const BenchArguments& arguments) {
   Mistakes mistakes;
   CheckWritableFile(arguments.json, "--json", mistakes);
-  if (arguments.name.empty() || arguments.name == "horizon")
+  if (arguments.name.empty() || arguments.name == "horizon" || arguments.name == "frames")
     CheckWritableFolder(arguments.out, "--out", mistakes);
   mistakes.ThrowIfAny();
   const flight::SeedRange seeds = flight::ParseSeeds(arguments.seeds);
@@ -82,7 +87,7 @@ bool BenchCommand(const BenchArguments& arguments) {
   if (chosen("drift")) bench::BenchDrift(seeds, arguments.jobs, table);
   if (chosen("heights")) bench::BenchHeights(seeds, table);
   if (chosen("speed")) bench::BenchSpeed(seeds, table);
-  if (chosen("render")) bench::BenchRender(seeds.first, seeds.last, table);
+  if (chosen("render")) bench::BenchRender(seeds.first, seeds.last, arguments.backend, table);
   if (chosen("calibration")) bench::BenchCalibration(seeds.first, seeds.last, arguments.jobs, table);
   if (chosen("servo")) bench::BenchServo(table);
   if (chosen("servo_flights")) bench::BenchServoFlights(seeds, arguments.jobs, table);
@@ -118,6 +123,9 @@ bool BenchCommand(const BenchArguments& arguments) {
   if (arguments.name == "campaign")
     bench::BenchCampaign(static_cast<int>(seeds.last - seeds.first) + 1, wires / "bench_campaign", table);
   if (arguments.name == "lockstep") bench::BenchLockstep(table);
+  if (arguments.name == "frames")
+    bench::BenchFrames(seeds.first, seeds.last, arguments.jobs, arguments.backend,
+                       std::filesystem::path(arguments.out) / "frames", table);
   if (arguments.name == "hashes")
     bench::BenchHashes(seeds, arguments.jobs, Root() / "results" / "hashes.csv", table);
   records::PrintFigures(table);

@@ -15,7 +15,8 @@ struct BenchArguments {
   std::string seeds = "1..20";
   int jobs = 2;
   std::string json;
-  std::string out = "results/runs/bench_horizon";  // folder of what horizon and contrast leave
+  std::string out = "results/runs/bench_horizon";  // folder of what horizon, contrast and frames leave
+  std::string backend = "osmesa";                  // of OpenGL
 };
 
 CLI::App* AddBenchCommand(CLI::App& app, BenchArguments& arguments);

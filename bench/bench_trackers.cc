@@ -79,9 +79,9 @@ struct Photo {
 };
 
 // A clip of one nuisance: the camera hovers at 3 m and sways, the balloon wanders before it.
-class Clip {
+class BalloonClip {
  public:
-  Clip(const mjModel* model, const Nuisance& nuisance, std::uint64_t seed)
+  BalloonClip(const mjModel* model, const Nuisance& nuisance, std::uint64_t seed)
       : model_(model), n_(nuisance), seed_(seed), camera_(NamedCamera(nuisance.camera)) {
     RandomStream random(seed, "bench trackers");
     for (double& phase : phases_) phase = random.Uniform(0, 2 * M_PI);
@@ -257,7 +257,7 @@ void BenchTrackers(std::uint64_t first_seed, std::uint64_t last_seed, std::vecto
       if (isatty(STDERR_FILENO))
         fmt::print(stderr, "\r\033[Ktrackers: seed {} of {}..{}, {}", seed, first_seed, last_seed,
                    nuisances[i].name);
-      const Clip clip(model.get(), nuisances[i], seed);
+      const BalloonClip clip(model.get(), nuisances[i], seed);
       const std::vector<Photo> frames = clip.Draw();
       if (!colour) colour = Learn(frames.front(), clip.camera());
       const std::vector<vision::BoxTracker> trackers{vision::CamShiftBoxes(*colour),

@@ -1,32 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bench/bench_render.h"
+#include "bench/render/bench_render.h"
 
 #include <fmt/format.h>
-#include <time.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
-#include <condition_variable>
 #include <cstdlib>
 #include <cstring>
-#include <functional>
-#include <future>
 #include <memory>
-#include <mutex>
 #include <opencv2/imgproc.hpp>
 #include <optional>
-#include <thread>
 
-#include "base/diagnostics.h"
 #include "base/random.h"
 #include "base/statistics.h"
-#include "bench/peer_renderer.h"
-#include "flight/simulated/scenario.h"
+#include "bench/render/drawer.h"
+#include "bench/render/peer_renderer.h"
+#include "bench/render/render_world.h"
 #include "geometry/tait_bryan.h"
 #include "sim/camera/renderer.h"
 #include "sim/world/frames.h"
-#include "vision/camera/calibration_file.h"
 
 namespace kestrel::bench {
 namespace {
@@ -34,166 +27,26 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-struct BenchCamera {
-  std::string name;
-  vision::CameraModel camera;
-  double horizon_tilt_deg;  // nose up, so that the horizon is well in view of this camera that looks down
-  // What is asked: times as fast as the peers, and frames a second.
-  double times, frames_s;
-};
-
-std::vector<BenchCamera> BenchCameras() {
-  Mistakes mistakes;
-  const auto load = [&](const char* name) {
-    return vision::LoadCamera(Root() / "models" / "cameras" / (std::string(name) + ".yaml"), mistakes);
-  };
-  std::vector<BenchCamera> cameras{{"catadioptric", load("hyperbolic_mirror"), 15, 15, 200},
-                                   {"fisheye", load("fisheye"), 40, 12, 0},
-                                   {"pinhole", load("thesis_6mm"), 78, 4, 0}};
-  mistakes.ThrowIfAny();
-  return cameras;
-}
-
 void Progress(const std::string& what) {
   if (isatty(STDERR_FILENO)) fmt::print(stderr, "\r\033[K{}", what);
 }
 
-// A thread that does as it is told: OpenGL's context belongs to one, and each who draws has its own.
-class Hand {
- public:
-  Hand() : thread_([this] { Work(); }) {}
-  ~Hand() {
-    Give({});
-    thread_.join();
-  }
-  template <class Function>
-  auto Do(Function function) {
-    std::packaged_task<decltype(function())()> task(std::move(function));
-    auto result = task.get_future();
-    Give([&] { task(); });
-    return result.get();
-  }
-
- private:
-  void Give(std::function<void()> task) {
-    {
-      const std::lock_guard lock(mutex_);
-      task_ = std::move(task);
-      given_ = true;
-    }
-    wake_.notify_one();
-  }
-  void Work() {
-    for (;;) {
-      std::function<void()> task;
-      {
-        std::unique_lock lock(mutex_);
-        wake_.wait(lock, [&] { return given_; });
-        task = std::move(task_);
-        given_ = false;
-      }
-      if (!task) return;
-      task();
-    }
-  }
-
-  std::mutex mutex_;
-  std::condition_variable wake_;
-  std::function<void()> task_;
-  bool given_ = false;
-  std::thread thread_;
-};
-
-// One who draws, on a thread of its own.
-template <class Drawing>
-class Drawer {
- public:
-  template <class... Arguments>
-  explicit Drawer(const Arguments&... arguments) {
-    hand_.Do([&] { drawing_ = std::make_unique<Drawing>(arguments...); });
-  }
-  ~Drawer() {
-    hand_.Do([&] { drawing_.reset(); });
-  }
-  cv::Mat Render(const mjData* data, const Pose& X_NC) {
-    return hand_.Do([&] { return drawing_->Render(data, X_NC); });
-  }
-  sim::Surfaces Trace(const mjData* data, const Pose& X_NC) {
-    return hand_.Do([&] { return drawing_->Trace(data, X_NC); });
-  }
-  const Drawing& drawing() const { return *drawing_; }
-  // Milliseconds of processor time, of all threads together.
-  double Time(const mjData* data, const Pose& X_NC) {
-    const auto now_ms = [] {
-      timespec t;
-      clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-      return static_cast<double>(t.tv_sec) * 1e3 + static_cast<double>(t.tv_nsec) * 1e-6;
-    };
-    const double start = now_ms();
-    Render(data, X_NC);
-    return now_ms() - start;
-  }
-
- private:
-  Hand hand_;
-  std::unique_ptr<Drawing> drawing_;
-};
-
-// Where the aircraft is: near the ground, at 5 m, at 20 m with the horizon in view.
-enum class Height { kNear, kMiddle, kHigh };
-constexpr std::array kHeights{Height::kNear, Height::kMiddle, Height::kHigh};
-constexpr std::array kHeightNames{"0.4 to 1 m", "5 m", "20 m, horizon"};
-
-Pose AircraftPose(const BenchCamera& camera, Height height, std::uint64_t seed) {
-  RandomStream random(seed, "bench render");
-  const double side = height == Height::kNear ? 0.5 : height == Height::kMiddle ? 4 : 25;
-  const double up = height == Height::kNear ? random.Uniform(0.4, 1) : height == Height::kMiddle ? 5 : 20;
-  const double tilt = height == Height::kHigh ? camera.horizon_tilt_deg : 0;
-  const TaitBryan angles{.yaw = Radians(random.Uniform(-180, 180)),
-                         .pitch = Radians(tilt + random.Uniform(-8, 8)),
-                         .roll = Radians(random.Uniform(-8, 8))};
-  return {Eigen::Quaterniond(RotationFromTaitBryan(angles)),
-          {random.Uniform(-side, side), random.Uniform(-side, side), -up}};
-}
-
-// The landing's world with the aircraft somewhere in it.
-class World {
-  static constexpr double kBelow_m = 0.1;  // the camera: OpenGL would cut open what is within 2 cm
-
- public:
-  World()
-      : loaded_(flight::LoadScenario("landing")),
-        model_(sim::MakeModel(loaded_.simulator.scene)),
-        data_(sim::MakeData(model_.get())) {}
-  const mjModel* model() const { return model_.get(); }
-  const mjData* data() const { return data_.get(); }
-  Pose Put(const Pose& X_NB) {  // gives the pose of the camera
-    const int joint = model_->body_jntadr[mj_name2id(model_.get(), mjOBJ_BODY, "vehicle")];
-    sim::PoseToMujoco(X_NB, data_->qpos + model_->jnt_qposadr[joint]);
-    mj_forward(model_.get(), data_.get());
-    return X_NB * vision::MountPose({.position_m = {0, 0, kBelow_m}});
-  }
-
- private:
-  flight::LoadedScenario loaded_;
-  sim::ModelPtr model_;
-  sim::DataPtr data_;
-};
-
 constexpr std::uint64_t kTurn = 5;
 
-const sim::RenderOptions kByRay{.backend = "ray"}, kByOpenGl{.backend = "osmesa"};
+const sim::RenderOptions kByRay{.backend = "ray"};
 
-void Speed(const BenchCamera& bench, World& world, std::uint64_t first_seed, std::uint64_t last_seed,
-           std::vector<records::Figure>& table) {
-  Drawer<PeerRenderer> peer(world.model(), bench.camera, 0, 1.0), coarse(world.model(), bench.camera, 0, 0.5);
+void Speed(const BenchCamera& bench, World& world, const sim::RenderOptions& by_opengl,
+           std::uint64_t first_seed, std::uint64_t last_seed, std::vector<records::Figure>& table) {
+  Drawer<PeerRenderer> peer(world.model(), bench.camera, by_opengl.backend, 0, 1.0),
+      coarse(world.model(), bench.camera, by_opengl.backend, 0, 0.5);
   Drawer<sim::Renderer> ray(world.model(), bench.camera, kByRay),
-      opengl(world.model(), bench.camera, kByOpenGl);
+      opengl(world.model(), bench.camera, by_opengl);
   const PeerRenderer& faces = peer.drawing();
   const bool wide = faces.face_px() > 0;
   std::vector<double> smoothed_ms;
   {
-    Drawer<PeerRenderer> smoothed(world.model(), bench.camera, world.model()->vis.quality.offsamples, 1.0);
+    Drawer<PeerRenderer> smoothed(world.model(), bench.camera, by_opengl.backend,
+                                  world.model()->vis.quality.offsamples, 1.0);
     for (std::size_t i = 0; i < 9; ++i) {
       const Pose X_NC = world.Put(AircraftPose(bench, kHeights[i % 3], first_seed));
       const double time_ms = smoothed.Time(world.data(), X_NC);
@@ -270,10 +123,10 @@ cv::Mat AwayFromEdges(const sim::Surfaces& seen) {
 }
 
 // Mean absolute difference of the two renderers, grey levels of 255.
-void Agreement(const BenchCamera& bench, World& world, std::uint64_t first_seed, std::uint64_t last_seed,
-               std::vector<records::Figure>& table) {
+void Agreement(const BenchCamera& bench, World& world, const sim::RenderOptions& by_opengl,
+               std::uint64_t first_seed, std::uint64_t last_seed, std::vector<records::Figure>& table) {
   Drawer<sim::Renderer> ray(world.model(), bench.camera, kByRay),
-      opengl(world.model(), bench.camera, kByOpenGl);
+      opengl(world.model(), bench.camera, by_opengl);
   std::vector<double> differences;
   for (std::uint64_t seed = first_seed; seed <= last_seed; ++seed) {
     Progress(fmt::format("{}, agreement: seed {} of {}..{}", bench.name, seed, first_seed, last_seed));
@@ -372,7 +225,8 @@ Vector2d MiddleOfLight(const vision::CameraModel& camera, const mjModel* model, 
   return sum / weights;
 }
 
-void Markers(const BenchCamera& bench, std::uint64_t seed, std::vector<records::Figure>& table) {
+void Markers(const BenchCamera& bench, const sim::RenderOptions& by_opengl, std::uint64_t seed,
+             std::vector<records::Figure>& table) {
   constexpr double kRadius_px = 6, kStep_px = 30;
   constexpr int kReach_px = 10;
   RandomStream random(seed, "bench render markers");
@@ -392,7 +246,7 @@ void Markers(const BenchCamera& bench, std::uint64_t seed, std::vector<records::
   const sim::ModelPtr model = DarkRoom(geoms);
   const sim::DataPtr data = sim::MakeData(model.get());
   mj_forward(model.get(), data.get());
-  for (const auto& [name, options] : {std::pair("ray", kByRay), std::pair("OpenGL", kByOpenGl)}) {
+  for (const auto& [name, options] : {std::pair("ray", kByRay), std::pair("OpenGL", by_opengl)}) {
     cv::Mat grey;
     cv::extractChannel(Drawer<sim::Renderer>(model.get(), bench.camera, options).Render(data.get(), X_NC),
                        grey, 0);
@@ -481,9 +335,9 @@ void EdgesOf(const Box& box, const vision::CameraModel& camera, const cv::Mat& b
 }
 
 // Where both draw the straight edges of boxes: each edge as a whole, since OpenGL's steps are pixels.
-void Edges(const BenchCamera& bench, std::uint64_t first_seed, std::uint64_t last_seed,
-           std::vector<records::Figure>& table) {
-  sim::RenderOptions smooth = kByOpenGl;
+void Edges(const BenchCamera& bench, const sim::RenderOptions& by_opengl, std::uint64_t first_seed,
+           std::uint64_t last_seed, std::vector<records::Figure>& table) {
+  sim::RenderOptions smooth = by_opengl;
   smooth.samples = 4;
   const Pose X_NC{Eigen::Quaterniond(RotationFromTaitBryan({0.4, -0.9, 0.2})), {3, -2, -4}};
   EdgeErrors errors;
@@ -510,12 +364,12 @@ void Edges(const BenchCamera& bench, std::uint64_t first_seed, std::uint64_t las
     const sim::ModelPtr model = DarkRoom(geoms);
     const sim::DataPtr data = sim::MakeData(model.get());
     mj_forward(model.get(), data.get());
-    cv::Mat by_ray, by_opengl;
+    cv::Mat seen_by_ray, seen_by_opengl;
     cv::extractChannel(Drawer<sim::Renderer>(model.get(), bench.camera, kByRay).Render(data.get(), X_NC),
-                       by_ray, 0);
+                       seen_by_ray, 0);
     cv::extractChannel(Drawer<sim::Renderer>(model.get(), bench.camera, smooth).Render(data.get(), X_NC),
-                       by_opengl, 0);
-    for (const Box& box : boxes) EdgesOf(box, bench.camera, by_ray, by_opengl, errors);
+                       seen_by_opengl, 0);
+    for (const Box& box : boxes) EdgesOf(box, bench.camera, seen_by_ray, seen_by_opengl, errors);
   }
   Progress("");
   const auto name = [&](const char* what) {
@@ -531,15 +385,17 @@ void Edges(const BenchCamera& bench, std::uint64_t first_seed, std::uint64_t las
 
 }  // namespace
 
-void BenchRender(std::uint64_t first_seed, std::uint64_t last_seed, std::vector<records::Figure>& table) {
+void BenchRender(std::uint64_t first_seed, std::uint64_t last_seed, const std::string& opengl,
+                 std::vector<records::Figure>& table) {
   // Mesa's software renderer draws with as many threads as there are cores, unless told before it starts.
   setenv("LP_NUM_THREADS", "0", 0);
-  World world;
+  const sim::RenderOptions by_opengl{.backend = opengl};
+  World world("landing");
   for (const BenchCamera& bench : BenchCameras()) {
-    Speed(bench, world, first_seed, last_seed, table);
-    Agreement(bench, world, first_seed, last_seed, table);
-    Edges(bench, first_seed, last_seed, table);
-    Markers(bench, first_seed, table);
+    Speed(bench, world, by_opengl, first_seed, last_seed, table);
+    Agreement(bench, world, by_opengl, first_seed, last_seed, table);
+    Edges(bench, by_opengl, first_seed, last_seed, table);
+    Markers(bench, by_opengl, first_seed, table);
   }
 }
 

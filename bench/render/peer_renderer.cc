@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bench/peer_renderer.h"
+#include "bench/render/peer_renderer.h"
 
 #include <algorithm>
 #include <array>
@@ -48,7 +48,8 @@ int SideFor(const vision::CameraModel& camera, const std::vector<Eigen::Quaterni
 
 }  // namespace
 
-PeerRenderer::PeerRenderer(const mjModel* model, const vision::CameraModel& camera, int samples, double finer)
+PeerRenderer::PeerRenderer(const mjModel* model, const vision::CameraModel& camera,
+                           const std::string& backend, int samples, double finer)
     : model_(model) {
   const vision::Pinhole* const pinhole = std::get_if<vision::Pinhole>(&camera);
   if (pinhole) {
@@ -82,7 +83,7 @@ PeerRenderer::PeerRenderer(const mjModel* model, const vision::CameraModel& came
     cv::convertMaps(table, cv::Mat(), table_, table_fraction_, CV_16SC2);
   }
 
-  context_ = sim::MakeGlContext("osmesa");
+  context_ = sim::MakeGlContext(backend);
   mjv_defaultOption(&visible_);
   mjModel shown = *model;
   shown.vis.global.offwidth = picture_.width_px;

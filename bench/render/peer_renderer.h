@@ -5,6 +5,7 @@
 
 #include <memory>
 #include <opencv2/core.hpp>
+#include <string>
 #include <vector>
 
 #include "geometry/pose.h"
@@ -13,14 +14,16 @@
 
 namespace kestrel::bench {
 
-// How others draw with MuJoCo, to be measured against: its own off-screen path through OSMesa, without
+// How others draw with MuJoCo, to be measured against: its own off-screen path through OpenGL, without
 // shadows. A pinhole directly; a wide lens from whole faces of a cube, whose pixels are half as large as the
 // lens's in the middle of its image, read back and looked up in a table with bilinear interpolation. A face
 // that the lens does not see is left out. Belongs to the thread that made it.
 class PeerRenderer {
  public:
-  // The model must outlive it. samples: for each pixel; MuJoCo's own default is 4. finer: than said above.
-  PeerRenderer(const mjModel* model, const vision::CameraModel& camera, int samples, double finer = 1);
+  // The model must outlive it. backend: osmesa or egl. samples: for each pixel; MuJoCo's own default is 4.
+  // finer: than said above.
+  PeerRenderer(const mjModel* model, const vision::CameraModel& camera, const std::string& backend,
+               int samples, double finer = 1);
   ~PeerRenderer();
   PeerRenderer(const PeerRenderer&) = delete;
   PeerRenderer& operator=(const PeerRenderer&) = delete;
