@@ -252,8 +252,9 @@ class AvoidMission final : public mission::Mission {
     double yaw_rate = kYawGain_per_s * WrapAngle(course_ + back - yaw);
     phase_ = std::abs(along.y()) > kOnCourse_m ? "return" : "cruise";
     encounter_.reset();
-    if (const auto judged =
-            growth_ && flight_.avoids ? growth_->Judge(state.t_s, sighted_, yaw) : std::nullopt) {
+    if (const auto judged = growth_ && flight_.avoids
+                                ? growth_->Judge(state.t_s, sighted_, yaw, course_ + back)
+                                : std::nullopt) {
       if (judged->other) {
         const Eigen::Vector2d& p = sighted_[*judged->other].p;
         held_ = ids_[*judged->other].watch, held_age_s_ = ids_[*judged->other].age_s;

@@ -27,8 +27,16 @@ bool GrowthJudge::Lasts(bool is, double t_s) {
   return true;
 }
 
+// Whether a turn to `back` leaves another on the side on which it is held, as far off the bow as turns do, or
+// astern. That they part is not enough: whom we outran the turn back would meet.
+bool GrowthJudge::LeftBehind(const Sighted& other, double back) const {
+  const double azimuth = WrapAngle(std::atan2(other.p.y(), other.p.x()) - back);
+  const double off_bow = side_ == control::PassingSide::kLeft ? azimuth : -azimuth;
+  return off_bow > Radians(avoidance_.hold.bearing_deg) || std::abs(azimuth) > Radians(90);
+}
+
 std::optional<GrowthJudge::Judgement> GrowthJudge::Judge(double t_s, std::span<const Sighted> others,
-                                                         double yaw) {
+                                                         double yaw, double back) {
   if (others.empty()) {
     if (side_ && t_s < passed_s_) return Judgement{};
     side_.reset(), since_s_.reset();
@@ -46,7 +54,7 @@ std::optional<GrowthJudge::Judgement> GrowthJudge::Judge(double t_s, std::span<c
     const bool nears = approach.after_s > 0 && approach.after_s < kLate * avoidance_.horizon_s;
     // Whose motion is not known is not turned back to before it is passed, as far as was known.
     if (others[i].known && nears) passed_s_ = t_s + std::min(approach.after_s, 2 * avoidance_.horizon_s);
-    parting = parting && !nears && (others[i].known || t_s > passed_s_);
+    parting = parting && !nears && (others[i].known || t_s > passed_s_) && LeftBehind(others[i], back);
     const double rank = threat ? approach.after_s : nears ? 1e3 + approach.after_s : 1e6;
     threatened = threatened || threat;
     if (rank < soonest) soonest = rank, is.other = i, is.approach = approach, held = looming;

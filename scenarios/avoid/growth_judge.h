@@ -50,11 +50,13 @@ class GrowthJudge {
     control::LoomingApproach approach;
     std::optional<double> hold;
   };
-  // None: there are no others, and nobody is still to be passed.
-  std::optional<Judgement> Judge(double t_s, std::span<const Sighted> others, double yaw);
+  // back: where the way on would lead, rad from north. None: there are no others, and nobody is still to be
+  // passed.
+  std::optional<Judgement> Judge(double t_s, std::span<const Sighted> others, double yaw, double back);
 
  private:
   bool Lasts(bool is, double t_s);
+  bool LeftBehind(const Sighted& other, double back) const;
 
   GrowthOptions growth_;
   control::AvoidanceOptions avoidance_;

@@ -27,10 +27,10 @@ double& Now_s() {
 }
 
 // The bearing that is held of others who stay as they are, after so many frames.
-std::optional<double> Held(GrowthJudge& judge, const std::vector<Sighted>& others, int frames,
-                           double yaw = 0) {
+std::optional<double> Held(GrowthJudge& judge, const std::vector<Sighted>& others, int frames, double yaw = 0,
+                           double back = 0) {
   std::optional<GrowthJudge::Judgement> judgement;
-  for (int i = 0; i < frames; ++i) judgement = judge.Judge(Now_s() += kFrame_s, others, yaw);
+  for (int i = 0; i < frames; ++i) judgement = judge.Judge(Now_s() += kFrame_s, others, yaw, back);
   return judgement ? judgement->hold : std::nullopt;
 }
 
@@ -82,15 +82,26 @@ TEST(GrowthJudge, EndsOnceTheyPart) {
   EXPECT_FALSE(Held(judge, {{{-2, 12}, {-3, 1}}}, 8));
 }
 
+// Abeam to the left and falling back, as one whom we outran: the way back to the left would cross before it.
+TEST(GrowthJudge, DoesNotTurnBackAcrossTheWayOfWhoIsPassed) {
+  GrowthJudge judge = Judge();
+  ASSERT_TRUE(Held(judge, {{{15, -4}, {-3.5, 1}}}, 8));
+  const double yaw = Radians(85), back = Radians(-45);
+  EXPECT_TRUE(Held(judge, {{{10.3, -2.2}, {-0.2, -2}}}, 40, yaw, back));
+  EXPECT_TRUE(Held(judge, {{{10, -8}, {-0.2, -2}}}, 40, yaw, back));
+  // As far off the way back as a turn off it leads.
+  EXPECT_FALSE(Held(judge, {{{-4, -16}, {-0.2, -2}}}, 8, yaw, back));
+}
+
 TEST(GrowthJudge, DoesNotTurnBackToWhoIsOutOfSightBeforeItIsPassed) {
   GrowthJudge judge = Judge();
   const Vector2d p(20, 1), v(-5, 0);  // four seconds ahead
   ASSERT_TRUE(Held(judge, {{p, v}}, 8));
   const Sighted unseen{{-2, 12}, {-3, 1}, false};
   EXPECT_TRUE(Held(judge, {unseen}, 40));
-  EXPECT_TRUE(judge.Judge(Now_s(), {}, 0));
+  EXPECT_TRUE(judge.Judge(Now_s(), {}, 0, 0));
   EXPECT_FALSE(Held(judge, {unseen}, 60));
-  EXPECT_FALSE(judge.Judge(Now_s(), {}, 0));
+  EXPECT_FALSE(judge.Judge(Now_s(), {}, 0, 0));
 }
 
 TEST(GrowthJudge, GoesOnWhileSomebodyNearsSlowly) {
