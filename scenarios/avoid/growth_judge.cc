@@ -67,8 +67,10 @@ std::optional<GrowthJudge::Judgement> GrowthJudge::Judge(double t_s, std::span<c
   };
   if (!side_) {
     if (Lasts(threatened, t_s)) {
-      // Whoever drifts is let drift on; else by the sign of the bearing, thesis 6.4.3.
-      const bool right = is.approach.miss_share > kDrifts ? held.bearing_rate > 0 : azimuth > 0;
+      // Whoever drifts is let drift on. Who stays off the bow does not stand still: it comes across from that
+      // side, and is passed behind. Else by the sign of the bearing, thesis 6.4.3.
+      const bool crosses = std::abs(std::sin(azimuth)) > growth_.miss_share;
+      const bool right = is.approach.miss_share > kDrifts ? held.bearing_rate > 0 : (azimuth > 0) != crosses;
       side_ = right ? control::PassingSide::kLeft : control::PassingSide::kRight;
       bearing_ =
           std::clamp(off_bow(*side_) + Radians(growth_.turn_deg), Radians(avoidance_.hold.bearing_deg), most);

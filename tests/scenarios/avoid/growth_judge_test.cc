@@ -68,6 +68,16 @@ TEST(GrowthJudge, WhoDriftsIsLetDriftOn) {
   EXPECT_GT(*held, 0);
 }
 
+TEST(GrowthJudge, WhoComesAcrossIsPassedBehind) {
+  for (const double side : {1.0, -1.0}) {
+    GrowthJudge judge = Judge();
+    // At a bearing of 27 degrees that stays: on its way across the bow.
+    const auto held = Held(judge, {{{20, 10 * side}, {-4, -2 * side}}}, 8);
+    ASSERT_TRUE(held);
+    EXPECT_NEAR(*held, -side * Radians(50), 1e-9);
+  }
+}
+
 TEST(GrowthJudge, WhoPassesFarOffOrPartsIsNoThreat) {
   for (const Sighted& other : {Sighted{{30, 0}, {7, 0}}, {{30, 7}, {-7, 0}}, {{30, 0}, {-1, 0}}}) {
     GrowthJudge judge = Judge();
@@ -85,7 +95,7 @@ TEST(GrowthJudge, EndsOnceTheyPart) {
 // Abeam to the left and falling back, as one whom we outran: the way back to the left would cross before it.
 TEST(GrowthJudge, DoesNotTurnBackAcrossTheWayOfWhoIsPassed) {
   GrowthJudge judge = Judge();
-  ASSERT_TRUE(Held(judge, {{{15, -4}, {-3.5, 1}}}, 8));
+  ASSERT_TRUE(Held(judge, {{{15, -2}, {-3.5, 0.5}}}, 8));
   const double yaw = Radians(85), back = Radians(-45);
   EXPECT_TRUE(Held(judge, {{{10.3, -2.2}, {-0.2, -2}}}, 40, yaw, back));
   EXPECT_TRUE(Held(judge, {{{10, -8}, {-0.2, -2}}}, 40, yaw, back));
