@@ -5,7 +5,7 @@ const setUpFiles = () => {
       el("div", {class: "actions"},
         el("button", {type: "button", onclick: () => saveFile(name, content, "text/yaml")}, `Save as ${name}`),
         el("button", {type: "button", onclick: () => copyText(content)}, "Copy")),
-      el("pre", {}, content))] : []);
+      el("pre", {tabindex: 0}, content))] : []);
   byId("provenance").append(
     el("p", {}, "Results: ", el("code", {}, data.results_file)),
     ...text("The campaign’s file", `${data.name}.yaml`, data.plan_text),

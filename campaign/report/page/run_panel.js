@@ -22,7 +22,7 @@ const showRun = (row) => {
     videoOf(run),
     el("h3", {}, "Fly it again"), commandLine(replayCommand(row)),
     run.recording ? el("p", {class: "note"}, "Recorded in ", el("a", {href: `${run.recording}/`}, run.recording)) : null,
-    run.log ? el("details", {open: true}, el("summary", {}, "What its worker said last"), el("pre", {}, run.log)) : null,
+    run.log ? el("details", {open: true}, el("summary", {}, "What its worker said last"), el("pre", {tabindex: 0}, run.log)) : null,
     el("h3", {}, "Parameters"), table(data.keys.map((key, i) => [key, run.values[i]])),
     el("h3", {}, "Metrics"), table(data.metrics.filter((_, i) => hasNumber(run.metrics[i]))
       .map((name) => [name, withUnit(metricOf(name)(run), name)])),

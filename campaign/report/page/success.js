@@ -91,7 +91,7 @@ const drawThresholds = () => {
   box.replaceChildren(
     el("h3", {}, "Asked of the campaign"),
     el("div", {class: "scroll"}, el("table", {class: "stacks"},
-      el("thead", {}, el("tr", {}, ["figure", "wanted", "value", `${confidence} interval`, ""].map((t) => el("th", {}, t)))),
+      el("thead", {}, el("tr", {}, ["figure", "wanted", "value", `${confidence} interval`, "met"].map((t) => el("th", {}, t)))),
       el("tbody", {}, summary.thresholds.map((t) => el("tr", {},
         el("td", {}, t.name === "success" ? "share of runs that pass" : t.name),
         el("td", {"data-is": "wanted"}, `at ${t.at_least ? "least" : "most"} ${shown(t.limit, t.name)}`),
