@@ -14,9 +14,10 @@ HWY_BEFORE_NAMESPACE();
 namespace kestrel::sim::ray::HWY_NAMESPACE {
 namespace {
 
-// -1 to 1, of a corner of the lattice.
-HWY_INLINE VF Corner(VI x, VI y) {
-  VI h = hn::Add(hn::Mul(x, hn::Set(di, 0x27d4eb2d)), hn::Mul(y, hn::Set(di, 0x165667b1)));
+constexpr std::int32_t kColumn = 0x27d4eb2d, kRow = 0x165667b1;
+
+// -1 to 1, of a corner of the lattice; h: its column times kColumn plus its row times kRow.
+HWY_INLINE VF Corner(VI h) {
   h = hn::Mul(hn::Xor(h, hn::ShiftRight<15>(h)), hn::Set(di, 0x2c1b3c6d));
   h = hn::Mul(hn::Xor(h, hn::ShiftRight<12>(h)), hn::Set(di, 0x297a2d39));
   h = hn::And(hn::ShiftRight<8>(h), hn::Set(di, 0xffff));
@@ -26,12 +27,15 @@ HWY_INLINE VF Corner(VI x, VI y) {
 // Smooth between the corners of a lattice of the width 1; -1 to 1.
 HWY_INLINE VF Noise(VF x, VF y) {
   const VF xf = hn::Floor(x), yf = hn::Floor(y);
-  const VI xi = hn::ConvertTo(di, xf), yi = hn::ConvertTo(di, yf), one = hn::Set(di, 1);
+  const VI corner = hn::Add(hn::Mul(hn::ConvertTo(di, xf), hn::Set(di, kColumn)),
+                            hn::Mul(hn::ConvertTo(di, yf), hn::Set(di, kRow)));
+  const VI right = hn::Set(di, kColumn), above = hn::Set(di, kRow);
   const auto smooth = [](VF t) { return hn::Mul(hn::Mul(t, t), hn::NegMulAdd(F(2), t, F(3))); };
   const VF u = smooth(hn::Sub(x, xf)), v = smooth(hn::Sub(y, yf));
   const auto mix = [](VF a, VF b, VF share) { return hn::MulAdd(share, hn::Sub(b, a), a); };
-  return mix(mix(Corner(xi, yi), Corner(hn::Add(xi, one), yi), u),
-             mix(Corner(xi, hn::Add(yi, one)), Corner(hn::Add(xi, one), hn::Add(yi, one)), u), v);
+  const VI upper = hn::Add(corner, above);
+  return mix(mix(Corner(corner), Corner(hn::Add(corner, right)), u),
+             mix(Corner(upper), Corner(hn::Add(upper, right)), u), v);
 }
 
 // What the brightness of the ground is multiplied by. x, y: m, in the world; footprint: width of a pixel on

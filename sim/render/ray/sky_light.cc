@@ -154,16 +154,15 @@ void FindNear(const Slice& slice, const std::vector<Ball>& balls, const Sun& sun
 }
 
 Ball BallAround(const Vec3& p, MF wanted) {
-  alignas(64) float x[kLanes], y[kLanes], z[kLanes];
-  hn::Store(p.x, df, x), hn::Store(p.y, df, y), hn::Store(p.z, df, z);
   Ball ball;
-  Eigen::Vector3f low = Eigen::Vector3f::Constant(1e9f), high = -low;
-  for (std::uint32_t bits = BitsOf(wanted); bits != 0; bits &= bits - 1) {
-    const int i = std::countr_zero(bits);
-    const Eigen::Vector3f at(x[i], y[i], z[i]);
-    low = low.cwiseMin(at), high = high.cwiseMax(at);
-  }
-  if (low.x() > high.x()) return ball;
+  if (hn::AllFalse(df, wanted)) return ball;
+  const auto least = [&](VF v) {
+    return hn::GetLane(hn::MinOfLanes(df, hn::IfThenElse(wanted, v, F(1e9f))));
+  };
+  const auto most = [&](VF v) {
+    return hn::GetLane(hn::MaxOfLanes(df, hn::IfThenElse(wanted, v, F(-1e9f))));
+  };
+  const Eigen::Vector3f low(least(p.x), least(p.y), least(p.z)), high(most(p.x), most(p.y), most(p.z));
   ball.centre = 0.5f * (low + high);
   ball.radius = 0.5f * (high - low).norm() + 1e-3f;
   return ball;
@@ -246,8 +245,18 @@ HWY_INLINE VF Meets(const Slice& slice, int i, const Vec3& p, const Vec3& d, VF 
   return Enter(thing, thing.size, Rotate(placed.R, p) + Load3(placed.o), Rotate(placed.R, d), reach, unused);
 }
 
+// Which rays from p along d come near the ball: what is in it no others meet.
+HWY_INLINE MF Passes(const Ball& ball, const Vec3& p, const Vec3& d) {
+  const Vec3 to = Load3(ball.centre.data()) - p;
+  const Vec3 across{hn::MulSub(to.y, d.z, hn::Mul(to.z, d.y)), hn::MulSub(to.z, d.x, hn::Mul(to.x, d.z)),
+                    hn::MulSub(to.x, d.y, hn::Mul(to.y, d.x))};
+  const float radius = 1.001f * ball.radius + 1e-3f;
+  return hn::Le(Dot(across, across), hn::Mul(Dot(d, d), F(radius * radius)));
+}
+
 // The share of the sun that is seen.
-VF SunSeen(const Slice& slice, const Sun& sun, const Near& near, const Packet& packet, int v) {
+VF SunSeen(const Slice& slice, const Sun& sun, const std::vector<Ball>& balls, const Near& near,
+           const Packet& packet, int v) {
   if (near.sun.empty()) return F(1);
   const Places& places = ThePlaces();
   VF sum = hn::Zero(df);
@@ -258,6 +267,7 @@ VF SunSeen(const Slice& slice, const Sun& sun, const Near& near, const Packet& p
         Along(Along(Load3(sun.towards.data()), a, Load3(sun.across.data())), b, Load3(sun.down.data()));
     VF through = F(1);
     for (const int i : near.sun) {
+      if (hn::AllFalse(df, Passes(balls[static_cast<std::size_t>(i)], packet.p, d))) continue;
       const MF met = hn::Lt(Meets(slice, i, packet.p, d, F(kFar)), F(kFar));
       const GeomInstance& placed = slice.placement->things[static_cast<std::size_t>(i)];
       through =
@@ -270,7 +280,8 @@ VF SunSeen(const Slice& slice, const Sun& sun, const Near& near, const Packet& p
 }
 
 // The share of the sky that is seen from the surface, by the cosine.
-VF SkySeen(const Slice& slice, const Near& near, const Packet& packet, int v) {
+VF SkySeen(const Slice& slice, const std::vector<Ball>& balls, const Near& near, const Packet& packet,
+           int v) {
   if (near.sky.empty()) return F(1);
   const Places& places = ThePlaces();
   // Two directions along the surface (Duff et al. 2017).
@@ -285,7 +296,9 @@ VF SkySeen(const Slice& slice, const Near& near, const Packet& packet, int v) {
     const Vec3 d = Along(Along(Scale(n, Turned(places.sky[k][2], v)), Turned(places.sky[k][0], v), e1),
                          Turned(places.sky[k][1], v), e2);
     VF nearest = F(kReach_m);
-    for (const int i : near.sky) nearest = hn::Min(nearest, Meets(slice, i, packet.p, d, nearest));
+    for (const int i : near.sky)
+      if (!hn::AllFalse(df, Passes(balls[static_cast<std::size_t>(i)], packet.p, d)))
+        nearest = hn::Min(nearest, Meets(slice, i, packet.p, d, nearest));
     const VF close = hn::NegMulAdd(nearest, F(1 / kReach_m), F(1));
     hidden = hn::MulAdd(close, close, hidden);
   }
@@ -431,8 +444,8 @@ void LightRowsImpl(const Slice& slice, int begin, int end, const Canvas& canvas)
         packet.sun = packet.sky = F(1);
         if (packet.ball.radius < 0) continue;
         FindNear(slice, balls, sun, packet.ball, of_tile, of_packet);
-        packet.sun = SunSeen(slice, sun, of_packet, packet, v);
-        packet.sky = SkySeen(slice, of_packet, packet, v);
+        packet.sun = SunSeen(slice, sun, balls, of_packet, packet, v);
+        packet.sky = SkySeen(slice, balls, of_packet, packet, v);
       }
     }
     for (int v = begin; v < end; ++v) {
