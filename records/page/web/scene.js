@@ -6,6 +6,7 @@ const kNoWebGl = "This browser cannot draw in three dimensions (WebGL), so the s
 
 // Software draws every sample itself, and takes the processors from a flight that is watched.
 const kSoftwarePeriod_ms = 66;
+const kMoving_ms = 200, kCoarse = 0.6;  // by software what moves is drawn with so many pixels for each
 const contextOf = (canvas) => {
   const probe = document.createElement("canvas").getContext("webgl");
   if (!probe) return null;
@@ -24,34 +25,6 @@ const legendOf = (flights, flight) => {
     ...(flight.has("fix_x_m") ? [entry("fix", "vision’s fix, and the pad by it")] : []),
     ...(["setpoint_vx_m_s", "setpoint_x_m"].some((name) => flight.has(name)) ? [entry("setpoint", "setpoint")] : []),
     ...(flights.length > 1 ? [entry("second", "run B")] : []));
-};
-
-// Of the first flight: all that is beside the world itself.
-const marksOf = (north, flight, drawn) => {
-  const add = (object, parent = north) => {
-    object.visible = false;
-    parent.add(object);
-    return object;
-  };
-  const {camera, pad} = flight.data;
-  const marks = {
-    body: add(new THREE.Group()), padT: add(new THREE.Group()),
-    wind: add(arrowOf("#56B4E9")), setpoint: add(arrowOf(kColours.setpoint)),
-    place: add(new THREE.Mesh(new THREE.OctahedronBufferGeometry(0.12), plainColour(kColours.setpoint))),
-    shadow: add(shadowOf(0.3)), ring: add(ringOf(truthColour())),
-    down: add(lineOf([new THREE.Vector3(), new THREE.Vector3(0, 0, 1)], "#000000", {transparent: true, opacity: 0.35})),
-  };
-  if (camera) {
-    const mount = new THREE.Group();
-    place(mount, poseOf(camera.X_BC));
-    marks.body.add(mount);
-    mount.add(marks.frustum = frustumOf(camera));
-  }
-  if (pad) {
-    marks.plate = add(plateOf(pad, drawn), marks.padT);
-    marks.seen = add(outlineOf(pad.size_m, kColours.fix), marks.padT);
-  }
-  return marks;
 };
 
 class FlightScene {
@@ -213,7 +186,16 @@ class FlightScene {
     this.draw();
   }
 
+  // By software it is coarser while it moves.
+  sharpen() {
+    const moves = performance.now() - this.rendered_ms < kMoving_ms, ratio = moves ? kCoarse : 1;
+    if (this.renderer.getPixelRatio() !== ratio) this.renderer.setPixelRatio(ratio);
+    clearTimeout(this.still);
+    if (moves) this.still = setTimeout(() => this.draw(), kMoving_ms);
+  }
+
   render() {
+    if (this.software) this.sharpen();
     if (this.sky) this.sky.position.copy(this.camera.eye.position);
     this.renderer.render(this.scene, this.camera.eye);
     this.rendered_ms = performance.now();
