@@ -38,6 +38,17 @@ const frustumOf = (camera) => {
   return group;
 };
 
+// A camera on the ground, at a pose in N, with a mast down to the ground and where it looks with its head at rest.
+const mastOf = (camera, pose, ground_m) => {
+  const mast = new THREE.Group(), view = frustumOf(camera);
+  place(view, pose);
+  view.scale.setScalar(Math.hypot(...camera.X_TC.p) / 4);
+  const height_m = Math.max(ground_m - pose.p.z, 0.01);
+  const pole = new THREE.Mesh(new THREE.CylinderBufferGeometry(0.06, 0.06, height_m, 12).rotateX(Math.PI / 2), plainColour("#555555"));
+  pole.position.copy(pose.p).setZ(pose.p.z + height_m / 2);
+  return mast.add(view, pole);
+};
+
 // A frame round a pad of this size, in T, a little above it.
 const outlineOf = (size_m, color) => {
   const [x, y] = size_m.map((each) => each / 2), edge = 0.04 * Math.max(...size_m);
@@ -99,4 +110,37 @@ const ringOf = (color) => {
   ring.scale.setScalar(0.05);
   ring.renderOrder = 6;
   return ring;
+};
+
+// Of the first flight: all that is beside the world itself.
+const marksOf = (north, flight, drawn) => {
+  const add = (object, parent = north) => {
+    object.visible = false;
+    parent.add(object);
+    return object;
+  };
+  const {camera, pad} = flight.data;
+  const marks = {
+    body: add(new THREE.Group()), padT: add(new THREE.Group()),
+    wind: add(arrowOf("#56B4E9")), setpoint: add(arrowOf(kColours.setpoint)),
+    place: add(new THREE.Mesh(new THREE.OctahedronBufferGeometry(0.12), plainColour(kColours.setpoint))),
+    shadow: add(shadowOf(0.3)), ring: add(ringOf(truthColour())),
+    down: add(lineOf([new THREE.Vector3(), new THREE.Vector3(0, 0, 1)], "#000000", {transparent: true, opacity: 0.35})),
+  };
+  if (camera) {
+    const mount = new THREE.Group();
+    place(mount, poseOf(camera.X_BC));
+    marks.body.add(mount);
+    mount.add(marks.frustum = frustumOf(camera));
+  }
+  const mast = groundCameraPose(flight);
+  if (mast) {
+    marks.mast = add(mastOf(flight.data.ground_camera, mast, padPose(flight, flight.begin_s)?.p.z ?? 0));
+    marks.mast.visible = true;
+  }
+  if (pad) {
+    marks.plate = add(plateOf(pad, drawn), marks.padT);
+    marks.seen = add(outlineOf(pad.size_m, kColours.fix), marks.padT);
+  }
+  return marks;
 };

@@ -36,6 +36,13 @@ const aircraftPose = (flight, t_s) =>
 const padPose = (flight, t_s) => between(flight, (row) => poseIn(flight, "deck", row), t_s)
   ?? (flight.data.pad?.X_NT ? poseOf(flight.data.pad.X_NT) : null);
 
+// Of a camera on the ground, X_NC, where the flight takes it to be; null: there is none.
+const groundCameraPose = ({data: {ground_camera, pad}}) => {
+  if (!ground_camera) return null;
+  const {p, q} = poseOf(ground_camera.X_TC), X_NT = pad?.X_NT ? poseOf(pad.X_NT) : null;
+  return X_NT ? {p: p.applyQuaternion(X_NT.q).add(X_NT.p), q: X_NT.q.multiply(q)} : {p, q};
+};
+
 // Where vision takes the pad to be, in the frame of where it is: from the fix and from the truth of the same instant.
 const seenPad = (flight, row) => {
   const fix = positionIn(flight, "fix", row), truth = positionIn(flight, "target", row);

@@ -28,7 +28,7 @@ class SceneCamera {
       const some = Math.max(1, Math.floor(flight.rows / 400)), found = [];
       for (let row = 0; row < flight.rows; row += some)
         found.push(positionIn(flight, "truth", row) ?? positionIn(flight, "estimate", row));
-      return [...found, padPose(flight, flight.begin_s)?.p];
+      return [...found, padPose(flight, flight.begin_s)?.p, groundCameraPose(flight)?.p];
     });
     const box = new THREE.Box3().setFromPoints(places.filter(Boolean).map(toUp));
     if (box.isEmpty()) box.set(new THREE.Vector3(-3, 0, -3), new THREE.Vector3(3, 4, 3));
