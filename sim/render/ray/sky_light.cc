@@ -22,7 +22,7 @@
 #define KESTREL_SIM_RAY_SKY_LIGHT_ONCE
 namespace kestrel::sim::ray {
 
-inline constexpr int kRays = 12;      // to the sun, and as many to the sky
+inline constexpr int kRays = 6;       // to the sun, and as many to the sky; four neighbours share theirs
 inline constexpr int kTurns = 4;      // a pixel and its neighbours have different ones
 inline constexpr float kReach_m = 4;  // what is farther hides nothing of the sky
 inline constexpr float kEnd_m = 400;  // farther off all is as it was
