@@ -28,6 +28,7 @@
 #include "app/page/report_command.h"
 #include "app/reproduce/reproduce_command.h"
 #include "app/run/check_command.h"
+#include "app/run/demo_command.h"
 #include "app/run/isa_option.h"
 #include "app/run/keep_image_memory.h"
 #include "app/run/picture_command.h"
@@ -70,6 +71,8 @@ int Main(int argc, char** argv) {
   const auto met = [](bool is) { return is ? kMet : kNotMet; };
   RunArguments run;
   program.Add(AddRunCommand(app, run), [&] { return RunCommand(run); });
+  DemoArguments demo;
+  program.Add(AddDemoCommand(app, demo), [&] { return DemoCommand(demo); });
   ListArguments list;
   program.Add(AddListCommand(app, list), [&] { return ListCommand(list), kMet; });
   ExplainArguments explain;

@@ -5,6 +5,7 @@
 #include "app/option/program.h"
 #include "app/page/report_command.h"
 #include "app/run/check_command.h"
+#include "app/run/demo_command.h"
 #include "app/run/isa_option.h"
 #include "app/run/keep_image_memory.h"
 #include "app/run/run_command.h"
@@ -18,6 +19,8 @@ int Main(int argc, char** argv) {
   CLI::App& line = program.command_line();
   RunArguments run;
   program.Add(AddRunCommand(line, run), [&] { return RunCommand(run); });
+  DemoArguments demo;
+  program.Add(AddDemoCommand(line, demo), [&] { return DemoCommand(demo); });
   CheckArguments check;
   program.Add(AddCheckCommand(line, check), [&] { return CheckCommand(check), kMet; });
   ReportArguments report;

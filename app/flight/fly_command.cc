@@ -34,8 +34,6 @@
 namespace kestrel::app {
 namespace {
 
-std::atomic<bool> interrupted = false;
-
 // What a camera is to give where its address says nothing of it.
 struct Wanted {
   int width_px = 640, height_px = 480;
@@ -129,16 +127,6 @@ void CheckFor(const FlyArguments& a, Mistakes& mistakes) {
   if (a.for_s && !(*a.for_s >= kLeast_s && *a.for_s <= kMost_s))
     mistakes.Add("--for", "", fmt::format("{:g} is no time in s that a flight may last", *a.for_s),
                  fmt::format("valid: from {:g} to {:g}", kLeast_s, kMost_s));
-}
-
-void CatchSignals() {
-  interrupted = false;
-  // The first asks the flight to end in good order; a second one ends the program.
-  OnEndSignals([](int) {
-    interrupted = true;
-    EndOnNextSignal();
-  });
-  std::signal(SIGPIPE, SIG_IGN);  // nor may it end a flight that nobody reads what it prints
 }
 
 // A line on a terminal, ten times a second; elsewhere one for each change of what matters.
@@ -303,7 +291,8 @@ bool FlyCommand(const FlyArguments& a) {
   flight::LoadedPlan& plan = *loaded;
   const WriterLock lock = LockFolder(*options.folder);
 
-  CatchSignals();
+  const std::atomic<bool>& interrupted = EndInGoodOrder();
+  std::signal(SIGPIPE, SIG_IGN);  // nor may it end a flight that nobody reads what it prints
   Print(stdout, fmt::format("{}  {} by {}, camera {}\n", records::LiveMode(false, a.dry_run), plan.plan.name,
                             a.autopilot, fmt::join(a.cameras, ", ")));
   options.limits = aircraft.safety;
@@ -365,7 +354,7 @@ bool FlyCommand(const FlyArguments& a) {
     report = flight::FlyAircraft(plan, *camera, *link, options);
   }
   Report(report, a, mode, ReportOf(*options.folder));
-  Linger(live.get(), [] { return !interrupted.load(); });
+  Linger(live.get(), [&] { return !interrupted.load(); });
   return report.accomplished;
 }
 

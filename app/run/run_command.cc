@@ -28,8 +28,6 @@
 namespace kestrel::app {
 namespace {
 
-std::atomic<bool> interrupted = false;
-
 // One line on a terminal, rewritten ten times a second.
 class Progress {
  public:
@@ -131,6 +129,7 @@ int RunCommand(const RunArguments& a) {
   }
   const std::unique_ptr<flight::Live> live = ShowLive(of_live);
   options.live = live.get();
+  const std::atomic<bool>& interrupted = EndInGoodOrder();
   flight::FlightResult result;
   {
     Progress progress(loaded.scenario.duration_s);
@@ -139,11 +138,6 @@ int RunCommand(const RunArguments& a) {
       if (terminal) progress.Show(row);
       return !interrupted.load();
     };
-    // The first asks the flight to end in good order; a second one ends the program.
-    OnEndSignals([](int) {
-      interrupted = true;
-      EndOnNextSignal();
-    });
     result = flight::RunFlight(loaded, options);
   }
   const records::Summary& summary = result.summary;
@@ -153,7 +147,7 @@ int RunCommand(const RunArguments& a) {
     fmt::print("{}", RunReport(summary, report, TakesColours(stdout)));
   else if (!summary.passed)
     PrintNote("{}{}", Verdict(summary, TakesColours(stderr)), MissedCriteria(summary, TakesColours(stderr)));
-  Linger(live.get(), [] { return !interrupted.load(); });
+  Linger(live.get(), [&] { return !interrupted.load(); });
   if (!summary.complete) return kBrokeOff;
   return summary.passed ? kMet : kNotMet;
 }

@@ -41,7 +41,6 @@
 namespace kestrel::app {
 namespace {
 
-std::atomic<bool> serve_interrupted = false;
 std::atomic<sim::PhysicsServer*> stopped_physics = nullptr;  // by a signal
 
 // What is wrong with it is a mistake among others.
@@ -95,7 +94,8 @@ int ServeLockstep(const flight::ServeArguments& a, const std::vector<std::string
   options.address = a.lockstep->empty() ? flight::DefaultLockstepAddress() : *a.lockstep;
   options.timeout_s = a.lockstep_timeout_s;
   options.once = a.once;
-  options.go_on = [] { return !serve_interrupted.load(); };
+  const std::atomic<bool>& interrupted = EndInGoodOrder();
+  options.go_on = [&] { return !interrupted.load(); };
   flight::LockstepOptions flight;
   flight.scenario = a.scenario;
   flight.sim.overrides = overrides;
@@ -106,10 +106,6 @@ int ServeLockstep(const flight::ServeArguments& a, const std::vector<std::string
     return flights == 1 ? a.out : fmt::format("{}-{}", a.out, flights);
   };
   flight.say = Say;
-  OnEndSignals([](int) {
-    serve_interrupted = true;
-    EndOnNextSignal();
-  });
   Mistakes mistakes;
   std::optional<flight::LockstepServer> server;
   try {
@@ -127,6 +123,32 @@ int ServeLockstep(const flight::ServeArguments& a, const std::vector<std::string
   if (!a.once) return 0;
   if (!last) return 1;
   return !last->complete ? 3 : last->passed ? 0 : 1;
+}
+
+int ServePhysicsAlone(const flight::ServeArguments& a, const flight::LoadedScenario& loaded,
+                      sim::PhysicsServer& physics, const flight::ServeOptions& options) {
+  // The first asks the flight to end in good order; a second one ends the program.
+  stopped_physics = &physics;
+  OnEndSignals([](int) {
+    if (sim::PhysicsServer* server = stopped_physics) server->Stop();
+    EndOnNextSignal();
+  });
+  fmt::print("{}", flight::StartLines(a, loaded, {}, nullptr));
+  fmt::print("  physics  {}, for {}\n", physics.Where(), *a.physics);
+  if (!flight::OnLoopback(a.listen)) fmt::print("{}", flight::Warning("the physics", a.listen));
+  std::fflush(stdout);
+  std::jthread end;
+  if (a.for_s)
+    end = std::jthread([&physics, for_s = *a.for_s](const std::stop_token& over) {
+      std::mutex mutex;
+      std::unique_lock lock(mutex);
+      std::condition_variable_any never;
+      never.wait_for(lock, over, std::chrono::duration<double>(for_s), [] { return false; });
+      physics.Stop();
+    });
+  flight::ServePhysics(loaded, physics, options.publish, options.say);
+  stopped_physics = nullptr;
+  return 0;
 }
 
 }  // namespace
@@ -267,37 +289,14 @@ int ServeCommand(const ServeCommandArguments& a) {
     std::fflush(stdout);
   };
   options.say = Say;
-  options.go_on = [] { return !serve_interrupted.load(); };
-  // The first asks the flight to end in good order; a second one ends the program.
-  stopped_physics = physics.get();
-  OnEndSignals([](int) {
-    serve_interrupted = true;
-    if (sim::PhysicsServer* server = stopped_physics) server->Stop();
-    EndOnNextSignal();
-  });
-  if (physics) {
-    fmt::print("{}", flight::StartLines(a, loaded, {}, nullptr));
-    fmt::print("  physics  {}, for {}\n", physics->Where(), *a.physics);
-    if (!flight::OnLoopback(a.listen)) fmt::print("{}", flight::Warning("the physics", a.listen));
-    std::fflush(stdout);
-    std::jthread end;
-    if (a.for_s)
-      end = std::jthread([&physics, for_s = *a.for_s](const std::stop_token& over) {
-        std::mutex mutex;
-        std::unique_lock lock(mutex);
-        std::condition_variable_any never;
-        never.wait_for(lock, over, std::chrono::duration<double>(for_s), [] { return false; });
-        physics->Stop();
-      });
-    flight::ServePhysics(loaded, *physics, options.publish, options.say);
-    stopped_physics = nullptr;
-    return 0;
-  }
+  if (physics) return ServePhysicsAlone(a, loaded, *physics, options);
+  const std::atomic<bool>& interrupted = EndInGoodOrder();
+  options.go_on = [&] { return !interrupted.load(); };
   const std::unique_ptr<flight::Live> live = ShowLive(of_live);
   options.live = live.get();
   const records::Summary summary = flight::ServeFlight(loaded, options).summary;
   Report(summary, ReportOf(folder));
-  Linger(live.get(), [] { return !serve_interrupted.load(); });
+  Linger(live.get(), options.go_on);
   if (!summary.complete) return 3;
   return summary.passed ? 0 : 1;
 }

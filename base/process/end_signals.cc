@@ -8,6 +8,7 @@ namespace kestrel {
 namespace {
 
 std::atomic<void (*)(int)> told = nullptr;
+std::atomic<bool> asked_once = false;
 static_assert(decltype(told)::is_always_lock_free);  // what a signal's handler may use
 
 void Receive(int signal) { told.load()(signal == SIGINT ? SIGINT : SIGTERM); }
@@ -26,6 +27,15 @@ void OnEndSignals(void (*asked)(int signal)) {
 void EndOnNextSignal() {
   std::signal(SIGINT, SIG_DFL);
   std::signal(SIGTERM, SIG_DFL);
+}
+
+const std::atomic<bool>& EndInGoodOrder() {
+  asked_once = false;
+  OnEndSignals([](int) {
+    asked_once = true;
+    EndOnNextSignal();
+  });
+  return asked_once;
 }
 
 }  // namespace kestrel

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
+
 namespace kestrel {
 
 // How the program is asked to end, for all verbs alike: the interrupt (SIGINT, Ctrl-C), the request to
@@ -14,5 +16,9 @@ void OnEndSignals(void (*asked)(int signal));
 // The next interrupt or request to terminate ends the program at once. A hang-up does not, and still comes to
 // asked: nobody sent it to say that it takes too long. May be called within asked.
 void EndOnNextSignal();
+
+// From now on the first signal is a request to end in good order: it sets what is returned, which is false at first;
+// a second one ends the program.
+const std::atomic<bool>& EndInGoodOrder();
 
 }  // namespace kestrel

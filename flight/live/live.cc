@@ -64,6 +64,7 @@ class Beat {
 struct Live::State {
   explicit State(const LiveOptions& options)
       : now_s(options.now_s ? options.now_s : MonotonicNow_s),
+        awaits(options.await_viewer),
         pace(options.speed),
         drain(io),
         server(
@@ -196,6 +197,7 @@ struct Live::State {
   std::atomic<int> viewers = 0;
 
   // Of the flight's.
+  bool awaits;
   Pace pace;
   bool paced = true;
   std::function<LiveAnswer(const std::string&, const std::string&)> change;
@@ -283,6 +285,12 @@ void Live::Event(double t_s, std::string_view what, std::string_view is) {
 
 bool Live::Wait(double t_s, const std::function<bool()>& go_on) {
   State& s = *state_;
+  while (s.awaits) {
+    s.Do([] {}, true);  // viewers are counted again
+    s.awaits = viewers() == 0;
+    if (s.awaits && !go_on()) return false;
+    if (s.awaits) std::this_thread::sleep_for(Seconds(kPoll_s));
+  }
   s.pace.Flown(s.now_s(), t_s);
   for (;;) {
     s.ObeyAll();

@@ -17,6 +17,7 @@ struct LiveServerOptions {
 
 struct LiveOptions {
   LiveServerOptions server;
+  bool await_viewer = false;      // the first flight stays at its first frame until somebody sees it
   double speed = 1;               // at the begin (pace.h)
   std::function<double()> now_s;  // any clock that runs in real time; null: the monotonic one
 };
