@@ -73,7 +73,8 @@ std::string Access::Refusal(const Request& request) const {
   const bool known = here ? host == "localhost" || IsLoopback(host)
                           : host == "localhost" || IsAddress(host) || (!host.empty() && host == HostName());
   if (!known) return "this flight is not at that host; open the address that the program printed";
-  const bool own = request.origin.empty() || request.origin == fmt::format("http://{}", request.host);
+  const bool own = request.origin.empty() || request.origin == fmt::format("http://{}", request.host) ||
+                   (request.foxglove && request.origin == "file://");
   if (!own && std::ranges::find(origins_, request.origin) == origins_.end())
     return "a page of another site may not connect; --live-origin names one that may";
   if (!token_.empty() && !Same(TokenOf(request.target), token_))

@@ -80,12 +80,15 @@ void Connection::StartFull() {
 void Connection::Answer() {
   const Request& request = parser_.get();
   const std::string_view target = View(request.target());
+  const std::string subprotocol = SubprotocolOf(View(request[http::field::sec_websocket_protocol]));
   const std::string refusal =
-      host_.access.Refusal({View(request[http::field::host]), View(request[http::field::origin]), target});
+      host_.access.Refusal({.host = View(request[http::field::host]),
+                            .origin = View(request[http::field::origin]),
+                            .target = target,
+                            .foxglove = websocket::is_upgrade(request) && !subprotocol.empty()});
   if (!refusal.empty()) return Respond(403, "text/plain", Line(refusal));
   const std::string_view path = target.substr(0, target.find('?'));
   if (websocket::is_upgrade(request)) {
-    const std::string subprotocol = SubprotocolOf(View(request[http::field::sec_websocket_protocol]));
     if (!subprotocol.empty()) return Upgrade(true, subprotocol);
     if (path == "/live") return Upgrade(false, {});
     return Respond(404, "text/plain", Line("valid: /live, or Foxglove's subprotocol"));

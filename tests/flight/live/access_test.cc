@@ -36,6 +36,16 @@ TEST(LiveAccess, APageOfAnotherSiteIsRefused) {
               HasSubstr("another site"));
 }
 
+// Its page is a file of this computer; a site in a frame without an origin is "null".
+TEST(LiveAccess, FoxglovesApplicationMayWatch) {
+  EXPECT_EQ(kLoopback.Refusal({"localhost:8765", "file://", "/", true}), "");
+  EXPECT_EQ(kOpen.Refusal({"10.0.0.2:8765", "file://", "/?token=0123abcd", true}), "");
+  EXPECT_THAT(kOpen.Refusal({"10.0.0.2:8765", "file://", "/", true}), HasSubstr("token"));
+  for (const char* origin : {"null", "http://evil.example", "https://app.foxglove.dev"})
+    EXPECT_THAT(kLoopback.Refusal({"localhost:8765", origin, "/", true}), HasSubstr("another site"))
+        << origin;
+}
+
 TEST(LiveAccess, ElsewhereOnlyWhoKnowsTheTokenMay) {
   EXPECT_EQ(kOpen.Refusal({"10.0.0.2:8765", "", "/?token=0123abcd"}), "");
   EXPECT_EQ(kOpen.Refusal({"10.0.0.2:8765", "http://10.0.0.2:8765", "/live?a=b&token=0123abcd"}), "");
