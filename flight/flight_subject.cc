@@ -3,6 +3,7 @@
 
 #include "base/process/shell_word.h"
 #include "base/version.h"
+#include "vision/aircraft/ground_camera.h"
 
 namespace kestrel::flight {
 
@@ -16,6 +17,9 @@ records::FlightSubject SubjectOf(const FlightKeys& keys, const mission::MissionP
   subject.wanted = description.empty() ? keys.flight.type().summary : description;
   subject.version = Version();
   subject.camera = records::CameraOf(keys.camera, parts.camera, parts.X_BC);
+  if (parts.ground)
+    subject.ground_camera = records::CameraOf(keys.ground_camera->camera, parts.ground->camera,
+                                              vision::CameraPose(vision::MastPose(parts.ground->place), {}));
   const vision::PadReference& pad = parts.pad;
   if (!pad.levels.empty())
     subject.pad = {{pad.length_m, pad.width_m}, {}, records::PictureOf(pad.levels.front().image)};

@@ -53,6 +53,8 @@ records::FlightSubject SubjectOf(const LoadedScenario& loaded, const sim::Simula
   parts.camera = loaded.simulator.camera;
   parts.X_BC = vision::MountPose(loaded.simulator.mount);
   parts.pad = loaded.pad;
+  if (const auto& ground = loaded.simulator.ground)
+    parts.ground = vision::GroundSight{nullptr, ground->camera, ground->place, ground->lights};
   records::FlightSubject subject = SubjectOf(scenario, parts, records::kSimulatorMode, loaded.description);
   subject.rate_hz = scenario.image.rate_hz;
   subject.again = loaded.again;

@@ -14,13 +14,13 @@ Json JsonOf(const Pose& X) {
   return {{"p", {X.p.x(), X.p.y(), X.p.z()}}, {"q", {X.R.w(), X.R.x(), X.R.y(), X.R.z()}}};
 }
 
-Json JsonOf(const std::optional<FlightSubject::Camera>& camera) {
+Json JsonOf(const std::optional<FlightSubject::Camera>& camera, const char* pose) {
   if (!camera) return {};
   return {{"name", camera->name},
           {"projection", camera->projection},
           {"size_px", {camera->width_px, camera->height_px}},
           {"fov_deg", {camera->h_deg, camera->v_deg}},
-          {"X_BC", JsonOf(camera->X_BC)}};
+          {pose, JsonOf(camera->X)}};
 }
 
 Json JsonOf(const std::optional<FlightSubject::Pad>& pad) {
@@ -44,10 +44,19 @@ Json SubjectJson(const FlightSubject& s) {
                           {"max", c.max ? Json(*c.max) : Json()},
                           {"choices", choices}});
   }
-  return {{"scenario", s.scenario},     {"seed", s.seed},       {"mode", s.mode},
-          {"mission", s.mission},       {"title", s.title},     {"wanted", s.wanted},
-          {"again", s.again},           {"version", s.version}, {"rate_hz", s.rate_hz},
-          {"camera", JsonOf(s.camera)}, {"pad", JsonOf(s.pad)}, {"changeable", changeable}};
+  return {{"scenario", s.scenario},
+          {"seed", s.seed},
+          {"mode", s.mode},
+          {"mission", s.mission},
+          {"title", s.title},
+          {"wanted", s.wanted},
+          {"again", s.again},
+          {"version", s.version},
+          {"rate_hz", s.rate_hz},
+          {"camera", JsonOf(s.camera, "X_BC")},
+          {"ground_camera", JsonOf(s.ground_camera, "X_TC")},
+          {"pad", JsonOf(s.pad)},
+          {"changeable", changeable}};
 }
 
 Json OutcomeJson(const Summary& summary) {

@@ -39,11 +39,11 @@ Pose PoseIn(const Json& json) {
   return {R.normalized(), VectorIn(json.at("p"), 3)};
 }
 
-FlightSubject::Camera CameraIn(const Json& json) {
+FlightSubject::Camera CameraIn(const Json& json, const char* pose) {
   const Eigen::VectorXd fov = VectorIn(json.at("fov_deg"), 2);
   const auto size = json.at("size_px").get<std::vector<int>>();
   if (size.size() != 2) throw std::runtime_error("a camera's size_px that is no width and height");
-  return {json.at("name"), json.at("projection"), size[0], size[1], fov[0], fov[1], PoseIn(json.at("X_BC"))};
+  return {json.at("name"), json.at("projection"), size[0], size[1], fov[0], fov[1], PoseIn(json.at(pose))};
 }
 
 FlightSubject::Pad PadIn(const Json& json) {
@@ -67,7 +67,7 @@ double SeenAcross_deg(const vision::CameraModel& camera, const Eigen::Vector2d& 
 
 }  // namespace
 
-FlightSubject::Camera CameraOf(const std::string& name, const vision::CameraModel& camera, const Pose& X_BC) {
+FlightSubject::Camera CameraOf(const std::string& name, const vision::CameraModel& camera, const Pose& X) {
   const int w = vision::WidthPx(camera), h = vision::HeightPx(camera);
   const double u = (w - 1) / 2.0, v = (h - 1) / 2.0;
   return {name,
@@ -76,7 +76,7 @@ FlightSubject::Camera CameraOf(const std::string& name, const vision::CameraMode
           h,
           SeenAcross_deg(camera, {-0.5, v}, {w - 0.5, v}),
           SeenAcross_deg(camera, {u, -0.5}, {u, h - 0.5}),
-          X_BC};
+          X};
 }
 
 std::string PictureOf(const cv::Mat& picture) {
@@ -109,7 +109,9 @@ FlightSubject ReadSubject(const std::filesystem::path& folder) {
     s.again = json.at("again");
     s.version = json.at("version");
     s.rate_hz = json.at("rate_hz");
-    if (const Json& camera = json.at("camera"); !camera.is_null()) s.camera = CameraIn(camera);
+    if (const Json& camera = json.at("camera"); !camera.is_null()) s.camera = CameraIn(camera, "X_BC");
+    if (const Json ground = json.value("ground_camera", Json()); !ground.is_null())
+      s.ground_camera = CameraIn(ground, "X_TC");
     if (const Json& pad = json.at("pad"); !pad.is_null()) s.pad = PadIn(pad);
     return s;
   } catch (const std::exception& e) {

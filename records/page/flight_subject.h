@@ -29,7 +29,7 @@ struct FlightSubject {
     std::string name, projection;  // a name in models/cameras or a file; which of the models it is
     int width_px = 0, height_px = 0;
     double h_deg = 0, v_deg = 0;  // how much it sees across its middle row and column
-    Pose X_BC;
+    Pose X;                       // X_BC; of a camera on the ground X_TC, with its head at rest
   };
   struct Pad {
     Eigen::Vector2d size_m = Eigen::Vector2d::Zero();  // along x and y of T
@@ -44,12 +44,12 @@ struct FlightSubject {
   std::string version;
   std::uint64_t seed = 0;
   double rate_hz = 0;  // of the video
-  std::optional<Camera> camera;
+  std::optional<Camera> camera, ground_camera;
   std::optional<Pad> pad;
   std::vector<ChangeableKey> changeable;  // while it is flown; not in page.json
 };
 
-FlightSubject::Camera CameraOf(const std::string& name, const vision::CameraModel& camera, const Pose& X_BC);
+FlightSubject::Camera CameraOf(const std::string& name, const vision::CameraModel& camera, const Pose& X);
 
 // A picture, CV_8UC1 or CV_8UC3, as a data URL of a page, made smaller where it is large; empty: there is none.
 std::string PictureOf(const cv::Mat& picture);

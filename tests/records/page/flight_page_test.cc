@@ -42,8 +42,10 @@ FlightSubject Subject() {
   s.seed = 18446744073709551615u;
   s.rate_hz = 20;
   s.camera = FlightSubject::Camera{"thesis_6mm", "pinhole", 640, 480, 43.1, 33, {}};
-  s.camera->X_BC.R = Eigen::Quaterniond(0.5, 0.5, -0.5, 0.5);
-  s.camera->X_BC.p = {0, 0, 0.05};
+  s.camera->X.R = Eigen::Quaterniond(0.5, 0.5, -0.5, 0.5);
+  s.camera->X.p = {0, 0, 0.05};
+  s.ground_camera = FlightSubject::Camera{"ground_6mm", "pinhole", 1280, 960, 55, 43, {}};
+  s.ground_camera->X.p = {-15, 0, -2};
   s.pad = FlightSubject::Pad{{1.19, 0.91}, Pose{}, "data:image/png;base64,AAAA"};
   return s;
 }
@@ -88,6 +90,7 @@ TEST_F(FlightPageTest, HasOfAFlightWhatItsFolderHolds) {
   EXPECT_EQ(data["columns"]["x_m"], Json::array({1, 2}));
   EXPECT_EQ(data["columns"]["phase"]["words"], Json::array({"up", "down"}));
   EXPECT_EQ(data["camera"]["fov_deg"], Json::array({43.1, 33.0}));
+  EXPECT_EQ(data["ground_camera"]["X_TC"]["p"], Json::array({-15, 0, -2}));
   EXPECT_EQ(data["pad"]["X_NT"]["q"], Json::array({1, 0, 0, 0}));
   EXPECT_EQ(data["live"], false);
   EXPECT_EQ(data["changeable"], Json::array());
