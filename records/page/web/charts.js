@@ -151,6 +151,7 @@ class Plot {
   }
   show(t_s) {
     if (!this.pixelAt) return;
+    if (flight.data.live) this.extend();
     this.cursor.style.transform = `translateX(${this.pixelAt(t_s)}px)`;
     this.series.forEach((series, i) => {
       const value = this.valueAt(series, t_s);

@@ -64,15 +64,17 @@ const listControl = (changeable, label, send) => {
   };
 };
 
-// In words: a fault is "gps off", no fault "none".
+// In words: a fault is "gps off" or "motor 1 wrong, loss 0.2", no fault "none".
 const wordsOf = (value) => {
-  if (Array.isArray(value)) return value.length ? value.map(wordsOf).join(", ") : "none";
-  if (value && typeof value === "object")
-    return Object.entries(value).map(([name, of]) =>
-      (name === "component" || name === "type" ? wordsOf(of) : `${plainName(name)} ${withUnitOf(of, name)}`)).join(" ");
+  if (Array.isArray(value)) return value.length ? value.map(wordsOf).join("; ") : "none";
+  if (value && typeof value === "object") {
+    const {component, instance, type, ...more} = value;
+    return [[component, instance, type].filter((word) => word !== undefined).map(wordsOf).join(" "),
+      ...Object.entries(more).map(([name, of]) => `${plainName(name)} ${hasNumber(of) ? withUnit(of, name) : wordsOf(of)}`)]
+      .filter(Boolean).join(", ");
+  }
   return value === true ? "yes" : value === false ? "no" : String(value);
 };
-const withUnitOf = (value, name) => (hasNumber(value) ? withUnit(value, name) : wordsOf(value));
 const choiceControl = ({choices}, label, send) => {
   const buttons = choices.map((choice) => ({choice: JSON.stringify(choice),
     button: el("button", {type: "button", onclick: () => send(choice)}, wordsOf(choice))}));
