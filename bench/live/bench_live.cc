@@ -11,11 +11,11 @@
 #include <cstdint>
 #include <list>
 #include <memory>
-#include <mutex>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "base/statistics.h"
 #include "base/stopwatch.h"
@@ -52,20 +52,24 @@ class Viewer {
     Connect(port);
     thread_ = std::thread([this] { Read(); });
   }
-  ~Viewer() { thread_.join(); }
-  std::vector<Come> Taken() {
-    const std::lock_guard lock(mutex_);
-    return rows_;
+  ~Viewer() {
+    if (thread_.joinable()) thread_.join();
   }
-  // Until the server has gone.
-  void Read() {
-    try {
-      for (;;) {
-        beast::flat_buffer buffer;
-        stream_.read(buffer);
-        if (stream_.got_text()) Take(beast::buffers_to_string(buffer.data()), MonotonicNow_s());
+  // Once the server has gone.
+  std::vector<Come> Rows() {
+    thread_.join();
+    std::vector<Come> rows;
+    std::size_t time = 0;  // its column
+    for (const auto& [text, at_s] : texts_) {
+      const Json message = Json::parse(text);
+      if (message["op"] == "columns") {
+        const Json& names = message["names"];
+        time = static_cast<std::size_t>(std::find(names.begin(), names.end(), "t_s") - names.begin());
       }
-    } catch (const beast::system_error&) {}
+      if (message["op"] != "rows") continue;
+      for (const Json& row : message["rows"]) rows.push_back({row.at(time).get<double>(), at_s});
+    }
+    return rows;
   }
 
  private:
@@ -75,22 +79,21 @@ class Viewer {
     stream_.read_message_max(0);
     stream_.handshake("127.0.0.1:" + port, "/live");
   }
-  void Take(const std::string& text, double at_s) {
-    const Json message = Json::parse(text);
-    if (message["op"] == "columns") {
-      const auto& names = message["names"];
-      time_ = static_cast<std::size_t>(std::find(names.begin(), names.end(), "t_s") - names.begin());
-    }
-    if (message["op"] != "rows") return;
-    const std::lock_guard lock(mutex_);
-    for (const Json& row : message["rows"]) rows_.push_back({row.at(time_).get<double>(), at_s});
+  // What is to be measured is not what it makes of them.
+  void Read() {
+    try {
+      for (;;) {
+        beast::flat_buffer buffer;
+        stream_.read(buffer);
+        const double at_s = MonotonicNow_s();
+        if (stream_.got_text()) texts_.emplace_back(beast::buffers_to_string(buffer.data()), at_s);
+      }
+    } catch (const beast::system_error&) {}
   }
 
   boost::asio::io_context io_;
   websocket::stream<tcp::socket> stream_;
-  std::size_t time_ = 0;  // its column
-  std::mutex mutex_;
-  std::vector<Come> rows_;
+  std::vector<std::pair<std::string, double>> texts_;  // and when they came
   std::thread thread_;
 };
 
@@ -146,7 +149,7 @@ Flown Fly(const flight::LoadedScenario& loaded, const Watched* watched) {
   live.reset();  // which ends the viewers
   Flown flown{summary.sim_s / summary.wall_s, summary.state_hash, summary.image_hash, {}};
   for (Viewer& each : viewers)
-    for (const Viewer::Come& row : each.Taken()) {
+    for (const Viewer::Come& row : each.Rows()) {
       const auto when = std::ranges::find_if(
           made, [&](const Viewer::Come& one) { return std::abs(one.t_s - row.t_s) < 1e-6; });
       if (when != made.end()) flown.delays_ms.push_back((row.at_s - when->at_s) * 1e3);

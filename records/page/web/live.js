@@ -147,7 +147,7 @@ const setUpLive = () => {
         speeds.map((speed) => el("option", {value: speed}, speedName(speed))))))),
     el("p", {id: "live-only", class: "note", hidden: true}),
     el("p", {id: "live-refused", class: "missed", role: "alert"}),
-    el("details", {id: "live-more", hidden: true, open: innerWidth > 640}, el("summary", {}, "Change in flight"),
+    el("details", {id: "live-more", hidden: true}, el("summary", {}, "Change in flight"),
       el("fieldset", {id: "live-changes", "aria-label": "Changes in flight"})));
   drawLive();
   if (location.host) live.connect();

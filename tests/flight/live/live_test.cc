@@ -29,6 +29,7 @@
 #include "base/ros/schemas.h"
 #include "base/ros/sensor_messages.h"
 #include "flight/live/rate_limit.h"
+#include "tests/support/live_client.h"
 
 // The server as a program of others meets it: by Beast's client, on loopback. What it times by is a clock of the test's;
 // only that something comes at all is waited for.
@@ -63,75 +64,7 @@ mission::LogRow RowAt(std::int64_t sequence) {
   return row;
 }
 
-class Client {
- public:
-  explicit Client(std::uint16_t port, int receive_buffer = 0) : stream_(io_), port_(port) {
-    tcp::socket& socket = beast::get_lowest_layer(stream_).socket();
-    socket.open(tcp::v4());
-    if (receive_buffer) socket.set_option(boost::asio::socket_base::receive_buffer_size(receive_buffer));
-    socket.connect({boost::asio::ip::address_v4::loopback(), port});
-  }
-  std::string host() const { return "127.0.0.1:" + std::to_string(port_); }
-
-  // As a browser or another program asks for a WebSocket; false: it was refused, and why() says so.
-  bool Join(const std::string& target, const std::string& subprotocol = "", const std::string& origin = "",
-            const std::string& as_host = "") {
-    stream_.set_option(websocket::stream_base::decorator([&](websocket::request_type& request) {
-      if (!subprotocol.empty()) request.set(http::field::sec_websocket_protocol, subprotocol);
-      if (!origin.empty()) request.set(http::field::origin, origin);
-    }));
-    websocket::response_type response;
-    beast::error_code wrong;
-    // Not by handshake(), which does not hand over the response of a server that refuses.
-    stream_.async_handshake(response, as_host.empty() ? host() : as_host, target,
-                            [&](beast::error_code is) { wrong = is; });
-    io_.restart();
-    io_.run();
-    chosen_ = std::string(response[http::field::sec_websocket_protocol]);
-    status_ = response.result_int();
-    return !wrong;
-  }
-  void Say(const std::string& text, bool binary = false) {
-    stream_.binary(binary);
-    stream_.write(boost::asio::buffer(text));
-  }
-  // The next message; an empty one: the connection is closed.
-  std::string Hear() {
-    beast::flat_buffer buffer;
-    beast::error_code wrong;
-    stream_.read(buffer, wrong);
-    return wrong ? "" : beast::buffers_to_string(buffer.data());
-  }
-  bool binary() const { return stream_.got_binary(); }
-  // The next message of JSON with this op.
-  json HearOp(const std::string& op) {
-    for (;;) {
-      const std::string text = Hear();
-      if (text.empty()) return {};
-      if (!binary() && json::parse(text)["op"] == op) return json::parse(text);
-    }
-  }
-  // Bytes as they are; it may be closed before all have been said.
-  void Raw(const std::string& bytes) {
-    beast::error_code ignored;
-    boost::asio::write(beast::get_lowest_layer(stream_).socket(), boost::asio::buffer(bytes), ignored);
-  }
-  std::string RawAnswer() {
-    std::string all;
-    beast::error_code wrong;
-    boost::asio::read(beast::get_lowest_layer(stream_).socket(), boost::asio::dynamic_buffer(all), wrong);
-    return all;
-  }
-  const std::string& chosen() const { return chosen_; }
-  unsigned status() const { return status_; }
-
- private:
-  boost::asio::io_context io_;
-  websocket::stream<beast::tcp_stream> stream_;
-  std::uint16_t port_;
-  std::string chosen_;
-  unsigned status_ = 0;
-};
+using Client = LiveClient;
 
 class LiveFlights : public testing::Test {
  protected:
