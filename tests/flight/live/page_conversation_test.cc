@@ -38,7 +38,7 @@ class LivePage : public testing::Test {
   PageConversation page_{pages_};
 };
 
-TEST_F(LivePage, CommandsReachTheFlight) {
+TEST_F(LiveConversation, CommandsReachTheFlight) {
   for (const char* message :
        {R"({"op":"pause"})", R"({"op":"resume"})", R"({"op":"step"})", R"({"op":"speed","value":0.1})",
         R"({"op":"speed","value":0})", R"({"op":"change","key":"wind.mean_m_s","value":[1,2]})"})
@@ -49,7 +49,7 @@ TEST_F(LivePage, CommandsReachTheFlight) {
   EXPECT_EQ(commands_[5].value, "[1,2]");
 }
 
-TEST_F(LivePage, WhatIsNoCommandIsRefusedWithAWord) {
+TEST_F(LiveConversation, WhatIsNoCommandIsRefusedWithAWord) {
   const std::string deep(20000, '['), long_key(3000, 'k');
   for (const std::string& message :
        {std::string(), std::string("\0\xff\x80", 3), std::string("["), std::string("42"), std::string("{}"),
@@ -67,7 +67,7 @@ TEST_F(LivePage, WhatIsNoCommandIsRefusedWithAWord) {
   EXPECT_TRUE(commands_.empty());
 }
 
-TEST_F(LivePage, AFlightThatIsOnlyWatchedRefusesEveryCommand) {
+TEST_F(LiveConversation, AFlightThatIsOnlyWatchedRefusesEveryCommand) {
   pages_.refusals = {"this page only watches", "nothing is changed from here"};
   EXPECT_THAT(Answer(R"({"op":"pause"})"), HasSubstr("only watches"));
   EXPECT_THAT(Answer(R"({"op":"speed","value":2})"), HasSubstr("only watches"));
@@ -75,7 +75,7 @@ TEST_F(LivePage, AFlightThatIsOnlyWatchedRefusesEveryCommand) {
   EXPECT_TRUE(commands_.empty());
 }
 
-TEST_F(LivePage, AFlightThatIsOverOrHasTooMuchToDoSaysSo) {
+TEST_F(LiveConversation, AFlightThatIsOverOrHasTooMuchToDoSaysSo) {
   room_ = false;
   EXPECT_THAT(Answer(R"({"op":"step"})"), HasSubstr("later"));
   pages_.feed.End({});
@@ -83,7 +83,7 @@ TEST_F(LivePage, AFlightThatIsOverOrHasTooMuchToDoSaysSo) {
   EXPECT_THAT(*page_.Next()->bytes, HasSubstr("over"));
 }
 
-TEST_F(LivePage, WhoReadsNoAnswersDoesNotPileThemUp) {
+TEST_F(LiveConversation, WhoReadsNoAnswersDoesNotPileThemUp) {
   for (int i = 0; i < 10000; ++i) page_.Hear("garbage", false);
   int answers = 0;
   while (page_.Next()) ++answers;
