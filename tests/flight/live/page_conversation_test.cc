@@ -12,9 +12,9 @@ namespace {
 using nlohmann::json;
 using testing::HasSubstr;
 
-class LivePage : public testing::Test {
+class LiveConversation : public testing::Test {
  protected:
-  LivePage() {
+  LiveConversation() {
     pages_.feed.Begin({{"scenario", "landing"}}, "t_s");
     pages_.command = [this](LiveCommand command) {
       commands_.push_back(std::move(command));
