@@ -87,6 +87,15 @@ std::string Flow(const std::string& yaml) {
   return FlowText(Parsed(yaml, none));
 }
 
+// A map's keys have no order.
+bool Same(const ConfigNode& a, const ConfigNode& b) {
+  if (a.kind != b.kind || a.text != b.text || a.members.size() != b.members.size()) return false;
+  return std::ranges::all_of(a.members, [&](const ConfigNode::Member& each) {
+    const auto other = std::ranges::find(b.members, each.key, &ConfigNode::Member::key);
+    return other != b.members.end() && Same(each.node, other->node);
+  });
+}
+
 void Numbers(const ConfigNode& node, std::vector<double>& all) {
   if (node.kind == ConfigNode::Kind::kText) all.push_back(std::strtod(node.text.c_str(), nullptr));
   for (const auto& [key, member] : node.members) Numbers(member, all);
@@ -104,22 +113,24 @@ std::vector<std::string> KeysOf(const Scenario& s) {
 }
 
 // What the scenario itself says of a value that its key may have.
-void CheckDeclared(const ChangeableKeys& declared, const Scenario& changed, const std::string& value,
+void CheckDeclared(const ChangeableKeys& declared, const Scenario& changed, const ConfigNode& value,
                    Mistakes& mistakes) {
+  Mistakes none;
   std::vector<std::string> choices;
   for (const std::string& choice : declared.choices) choices.push_back(Flow(choice));
-  if (!choices.empty() && std::ranges::find(choices, value) == choices.end())
-    mistakes.Add("", declared.key, value + " is not offered by changeable",
+  if (!choices.empty() && std::ranges::none_of(declared.choices, [&](const std::string& choice) {
+        return Same(Parsed(choice, none), value);
+      }))
+    mistakes.Add("", declared.key, FlowText(value) + " is not offered by changeable",
                  fmt::format("valid: {}", fmt::join(choices, ", or ")));
   if (!declared.min && !declared.max) return;
   const auto field = Describe(changed, declared.key);
   std::vector<double> numbers;
-  Mistakes none;
   if (field) Numbers(Parsed(field->value, none), numbers);
   const double low = declared.min.value_or(field->low.value_or(-1e9)),
                high = declared.max.value_or(field->high.value_or(1e9));
   if (std::ranges::any_of(numbers, [&](double n) { return n < low || n > high; }))
-    mistakes.Add("", declared.key, value + " is out of the range that changeable gives it",
+    mistakes.Add("", declared.key, FlowText(value) + " is out of the range that changeable gives it",
                  fmt::format("valid: {} to {}", low, high));
 }
 
@@ -140,7 +151,7 @@ Scenario Changed(const LoadedScenario& loaded, const Scenario& scenario, const s
   if (own.empty()) {
     CheckNumbers(changed, loaded.simulator.vehicle, {}, "", own);
     CheckImage(changed.image, &loaded.simulator.camera, "", own);
-    CheckDeclared(*declared, changed, text, own);
+    CheckDeclared(*declared, changed, value, own);
   }
   for (const Diagnostic& each : own.all()) mistakes.Add("", each.key, each.what, each.remedy);
   return changed;

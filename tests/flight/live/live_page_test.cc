@@ -149,9 +149,10 @@ TEST_F(LivePage, PausesStepsAndSetsTheSpeed) {
 
 TEST_F(LivePage, ChangesWhatTheScenarioLetsAndSaysWhatIsRefused) {
   LiveFlight flight = FlightOf("hover");
-  flight.subject.changeable = {{"wind.mean_m_s", "mean wind", "3", 0, 10, {}},
-                               {"sensors.faults", "faults", "[]", {}, {}, {"[]", R"([{"type":"off"}])"}},
-                               {"flight.yaw_deg", "heading", "0", {}, {}, {}}};
+  flight.subject.changeable = {
+      {"wind.mean_m_s", "mean wind", "3", 0, 10, {}},
+      {"sensors.faults", "faults", "[]", {}, {}, {"[]", R"([{"type":"off","instance":1}])"}},
+      {"flight.yaw_deg", "heading", "0", {}, {}, {}}};
   std::vector<std::string> changes;
   flight.change = [&](const std::string& key, const std::string& value) {
     changes.push_back(key + "=" + value);
@@ -159,6 +160,7 @@ TEST_F(LivePage, ChangesWhatTheScenarioLetsAndSaysWhatIsRefused) {
   };
   Live& live = Begin(std::move(flight));
   Open();
+  browser_->Click("#live-more summary");
   browser_->Run(
       "const slider = document.querySelector('[data-key=\"wind.mean_m_s\"] [type=range]');"
       "slider.value = 6.5; slider.dispatchEvent(new Event('input'))");
@@ -166,7 +168,7 @@ TEST_F(LivePage, ChangesWhatTheScenarioLetsAndSaysWhatIsRefused) {
   browser_->Click("[data-key=\"sensors.faults\"] button:last-child");
   ASSERT_TRUE(Until([&] { return live.Wait(0, TwiceMore()), changes.size() == 2; }));
   ASSERT_TRUE(Comes(
-      "document.querySelector('[data-key=\"sensors.faults\"] [aria-pressed=true]').textContent === 'off'"));
+      "document.querySelector('[data-key=\"sensors.faults\"] [aria-pressed=true]').textContent === '1 off'"));
   browser_->Run(
       "const field = document.querySelector('[data-key=\"flight.yaw_deg\"] input');"
       "field.value = 400; field.dispatchEvent(new Event('change'))");
@@ -175,8 +177,8 @@ TEST_F(LivePage, ChangesWhatTheScenarioLetsAndSaysWhatIsRefused) {
   EXPECT_EQ(Text("#live-refused"), "Refused: not <i>now</i>");
   EXPECT_EQ(Run("return document.querySelector('[data-key=\"flight.yaw_deg\"] input').value"), "0");
   EXPECT_EQ(Run("return document.querySelector('[data-key=\"wind.mean_m_s\"] [type=number]').value"), "6.5");
-  EXPECT_THAT(changes,
-              ElementsAre("wind.mean_m_s=6.5", R"(sensors.faults=[{"type":"off"}])", "flight.yaw_deg=400"));
+  EXPECT_THAT(changes, ElementsAre("wind.mean_m_s=6.5", R"(sensors.faults=[{"instance":1,"type":"off"}])",
+                                   "flight.yaw_deg=400"));
 }
 
 TEST_F(LivePage, OffersNothingWhereOneOnlyWatches) {

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -122,6 +123,19 @@ TEST_F(ChangesTest, ThatAreRefusedSayWhyAndChangeNothing) {
   const records::Summary flown = RunFlight(loaded, {}).summary;
   EXPECT_EQ(asked_for.state_hash, flown.state_hash);
   EXPECT_EQ(asked_for.image_hash, flown.image_hash);
+}
+
+// As a page of JSON says it.
+TEST_F(ChangesTest, AChoiceIsTheSameInAnyOrderOfItsKeys) {
+  const LoadedScenario loaded = Short(
+      "hover", {"changeable=[{key: sensors.faults, choices: ['[]', '[{component: gps, type: off}]']}]"});
+  RunOptions options;
+  std::optional<std::string> why;
+  options.change = [&](Changes& changes) {
+    if (!why) why = changes.Make("sensors.faults", R"([{"type": "off", "component": "gps"}])");
+  };
+  RunFlight(loaded, options);
+  EXPECT_EQ(why, "");
 }
 
 TEST_F(ChangesTest, TellWhatMayBeChangedWithItsMeaningValueAndRange) {
