@@ -55,11 +55,11 @@ class OsMesa final : public GlContext {
     static void* const library =
         OpenLibrary({"libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so"}, RTLD_GLOBAL);
     const auto create = Find<void* (*)(unsigned, int, int, int, void*)>(library, "OSMesaCreateContextExt");
-    const auto get = Find<void* (*)(const char*)>(library, "OSMesaGetProcAddress");
+    get_ = Find<void* (*)(const char*)>(library, "OSMesaGetProcAddress");
     make_current_ = Find<MakeCurrent>(library, "OSMesaMakeCurrent");
     destroy_ = Find<void (*)(void*)>(library, "OSMesaDestroyContext");
-    get_string_ = reinterpret_cast<GetString>(get("glGetString"));
-    tex_env_ = reinterpret_cast<TexEnvf>(get("glTexEnvf"));
+    get_string_ = reinterpret_cast<GetString>(get_("glGetString"));
+    tex_env_ = reinterpret_cast<TexEnvf>(get_("glTexEnvf"));
     context_ = create(kGlRgba, 24, 8, 0, nullptr);
     if (context_ == nullptr) throw std::runtime_error("OSMesaCreateContextExt failed");
     if (!make_current_(context_, window_.data(), kGlUnsignedByte, kSide, kSide)) {
@@ -78,6 +78,7 @@ class OsMesa final : public GlContext {
   void BlurTextures(double octaves) override {
     tex_env_(kGlTextureFilterControl, kGlTextureLodBias, static_cast<float>(octaves));
   }
+  void* Function(const char* name) const override { return get_(name); }
 
  private:
   using MakeCurrent = unsigned char (*)(void*, void*, unsigned, int, int);
@@ -86,6 +87,7 @@ class OsMesa final : public GlContext {
   void* context_ = nullptr;
   MakeCurrent make_current_ = nullptr;
   void (*destroy_)(void*) = nullptr;
+  void* (*get_)(const char*) = nullptr;
   GetString get_string_ = nullptr;
   TexEnvf tex_env_ = nullptr;
   std::array<unsigned char, 4 * kSide * kSide> window_{};
@@ -95,7 +97,7 @@ class Egl final : public GlContext {
  public:
   Egl() {
     static void* const library = OpenLibrary({"libEGL.so.1", "libEGL.so"}, RTLD_LOCAL);
-    const auto get = Find<void* (*)(const char*)>(library, "eglGetProcAddress");
+    get_ = Find<void* (*)(const char*)>(library, "eglGetProcAddress");
     const auto bind_api = Find<unsigned (*)(unsigned)>(library, "eglBindAPI");
     const auto choose = Find<unsigned (*)(void*, const int*, void**, int, int*)>(library, "eglChooseConfig");
     const auto create = Find<void* (*)(void*, void*, void*, const int*)>(library, "eglCreateContext");
@@ -103,8 +105,8 @@ class Egl final : public GlContext {
     make_current_ = Find<MakeCurrent>(library, "eglMakeCurrent");
     destroy_ = Find<unsigned (*)(void*, void*)>(library, "eglDestroyContext");
     release_thread_ = Find<unsigned (*)()>(library, "eglReleaseThread");
-    get_string_ = reinterpret_cast<GetString>(get("glGetString"));
-    tex_env_ = reinterpret_cast<TexEnvf>(get("glTexEnvf"));
+    get_string_ = reinterpret_cast<GetString>(get_("glGetString"));
+    tex_env_ = reinterpret_cast<TexEnvf>(get_("glTexEnvf"));
     // One display serves the whole process and is never terminated: that would end the contexts of other
     // threads.
     static void* const display = OpenEglDisplay(library);
@@ -136,6 +138,7 @@ class Egl final : public GlContext {
   void BlurTextures(double octaves) override {
     tex_env_(kGlTextureFilterControl, kGlTextureLodBias, static_cast<float>(octaves));
   }
+  void* Function(const char* name) const override { return get_(name); }
 
  private:
   using MakeCurrent = unsigned (*)(void*, void*, void*, void*);
@@ -145,6 +148,7 @@ class Egl final : public GlContext {
   MakeCurrent make_current_ = nullptr;
   unsigned (*destroy_)(void*, void*) = nullptr;
   unsigned (*release_thread_)() = nullptr;
+  void* (*get_)(const char*) = nullptr;
   GetString get_string_ = nullptr;
   TexEnvf tex_env_ = nullptr;
 };

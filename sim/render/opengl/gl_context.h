@@ -16,6 +16,8 @@ class GlContext {
   virtual std::string RendererName() const = 0;
   // Textures are taken from pictures that are smaller by so many octaves than OpenGL would choose.
   virtual void BlurTextures(double octaves) = 0;
+  // One of OpenGL's, as "glFlush"; null where there is none.
+  virtual void* Function(const char* name) const = 0;
 };
 
 // Makes a context and makes it current on the calling thread, in place of any other. The libraries are opened

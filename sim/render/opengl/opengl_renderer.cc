@@ -91,30 +91,6 @@ void MoveBetween(const Between& b, mjvGeom& geom) {
   for (int i = 0; i < 9; ++i) geom.mat[i] = static_cast<float>(R.data()[i]);
 }
 
-// The mean over a patch, in blue, green, red: interpolated at as many places as it is pixels across.
-// rgb: of its face.
-cv::Vec3b Mean(const unsigned char* rgb, int width_px, const Patch& patch) {
-  const int n_u = patch.across_u, n_v = patch.across_v;
-  const int u_x = patch.u_x / n_u, u_y = patch.u_y / n_u, v_x = patch.v_x / n_v, v_y = patch.v_y / n_v;
-  const int first_x = patch.x - (u_x * (n_u - 1) + v_x * (n_v - 1)) / 2;
-  const int first_y = patch.y - (u_y * (n_u - 1) + v_y * (n_v - 1)) / 2;
-  std::uint32_t sum[3] = {};
-  for (int j = 0; j < n_v; ++j) {
-    for (int i = 0; i < n_u; ++i) {
-      const int x = first_x + i * u_x + j * v_x, y = first_y + i * u_y + j * v_y;
-      const std::uint32_t right = (x >> 8) & 255, up = (y >> 8) & 255, left = 256 - right, down = 256 - up;
-      const unsigned char* const low =
-          rgb + 3 * (static_cast<std::ptrdiff_t>(y >> 16) * width_px + (x >> 16));
-      const unsigned char* const high = low + 3 * width_px;
-      for (int k = 0; k < 3; ++k)
-        sum[k] += down * (left * low[k] + right * low[k + 3]) + up * (left * high[k] + right * high[k + 3]);
-    }
-  }
-  const std::uint32_t all = static_cast<std::uint32_t>(n_u * n_v) << 16;
-  const auto mean = [&](std::uint32_t s) { return static_cast<unsigned char>((s + all / 2) / all); };
-  return {mean(sum[2]), mean(sum[1]), mean(sum[0])};
-}
-
 void Check(const vision::CameraModel& camera, const RenderOptions& options) {
   const int width = vision::WidthPx(camera), height = vision::HeightPx(camera);
   if (width < 1 || height < 1 || width > kMaxSide_px || height > kMaxSide_px)
@@ -179,12 +155,19 @@ OpenGlRenderer::OpenGlRenderer(const mjModel* model, const vision::CameraModel& 
     throw std::runtime_error(
         fmt::format("{} cannot draw off screen at {} x {} pixels.", name_, width, height));
   }
+  try {
+    if (!direct_) lookup_ = std::make_unique<LensLookup>(*context_, lens_);
+  } catch (const std::runtime_error&) {
+    mjr_freeContext(&gpu_);
+    throw;
+  }
   mjv_defaultScene(&scene_);
   mjv_makeScene(model, &scene_, model->ngeom + kSceneRoom);
 }
 
 OpenGlRenderer::~OpenGlRenderer() {
   const std::shared_lock lock(gl_functions);
+  lookup_.reset();
   mjv_freeScene(&scene_);
   mjr_freeContext(&gpu_);
 }
@@ -238,33 +221,27 @@ void OpenGlRenderer::Draw(const Face& face, DepthRange range) {
 }
 
 void OpenGlRenderer::DrawRows(Rows rows, cv::Mat& image) {
-  const auto begin = static_cast<std::ptrdiff_t>(rows.first) * lens_.width_px;
-  const auto end = static_cast<std::ptrdiff_t>(rows.end) * lens_.width_px;
-  std::vector<bool> used(lens_.faces.size());
-  for (std::ptrdiff_t i = begin; i < end; ++i)
-    if (lens_.patches[i].face != Patch::kOutside) used[lens_.patches[i].face] = true;
-  for (std::size_t k = 0; k < lens_.faces.size(); ++k) {
-    if (!used[k]) continue;
-    const Face& face = lens_.faces[k];
-    Draw(face, kVisible);
-    mjr_readPixels(rgb_.data() + 3 * face.first, nullptr, {0, 0, face.camera.width_px, face.camera.height_px},
-                   &gpu_);
-  }
   if (direct_) {
+    const Face& face = lens_.faces.front();
+    Draw(face, kVisible);
+    mjr_readPixels(rgb_.data(), nullptr, {0, 0, lens_.width_px, lens_.height_px}, &gpu_);
     const cv::Mat rgb(lens_.height_px, lens_.width_px, CV_8UC3, rgb_.data());
-    cv::Mat part = image.rowRange(rows.first, rows.end);
-    cv::flip(rgb.rowRange(lens_.height_px - rows.end, lens_.height_px - rows.first), part, 0);
-    cv::cvtColor(part, part, cv::COLOR_RGB2BGR);
+    for (int v = rows.first; v < rows.end; ++v)
+      cv::cvtColor(rgb.row(lens_.height_px - 1 - v), image.row(v), cv::COLOR_RGB2BGR);
     return;
   }
-  for (std::ptrdiff_t i = begin; i < end; ++i) {
-    const Patch& patch = lens_.patches[i];
-    cv::Vec3b& pixel = reinterpret_cast<cv::Vec3b*>(image.data)[i];
-    pixel = cv::Vec3b();
-    if (patch.face == Patch::kOutside) continue;
-    const Face& face = lens_.faces[patch.face];
-    pixel = Mean(rgb_.data() + 3 * face.first, face.camera.width_px, patch);
+  const auto patches = std::span(lens_.patches)
+                           .subspan(static_cast<std::size_t>(rows.first) * lens_.width_px,
+                                    static_cast<std::size_t>(rows.end - rows.first) * lens_.width_px);
+  std::vector<bool> used(lens_.faces.size());
+  for (const Patch& patch : patches)
+    if (patch.face != Patch::kOutside) used[patch.face] = true;
+  for (std::size_t k = 0; k < lens_.faces.size(); ++k) {
+    if (!used[k]) continue;
+    Draw(lens_.faces[k], kVisible);
+    lookup_->Take(k, gpu_);
   }
+  lookup_->Fill(rows.first, rows.end, image);
 }
 
 cv::Mat OpenGlRenderer::Render(const mjData* data, const Pose& X_NC) {

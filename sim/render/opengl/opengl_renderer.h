@@ -13,6 +13,7 @@
 #include "geometry/pose.h"
 #include "sim/render/opengl/gl_context.h"
 #include "sim/render/opengl/lens_faces.h"
+#include "sim/render/opengl/lens_lookup.h"
 #include "sim/render/rendering.h"
 #include "vision/camera/camera_model.h"
 
@@ -66,9 +67,10 @@ class OpenGlRenderer {
   mjvScene scene_;
   mjvOption visible_;
   mjrContext gpu_;
-  Pose X_NC_;                       // of the scene
-  std::vector<mjvGeom> geoms_;      // of the scene, of which each face draws those before it
-  std::vector<unsigned char> rgb_;  // all faces, bottom row first, as read back
+  std::unique_ptr<LensLookup> lookup_;  // unless direct
+  Pose X_NC_;                           // of the scene
+  std::vector<mjvGeom> geoms_;          // of the scene, of which each face draws those before it
+  std::vector<unsigned char> rgb_;      // all faces, bottom row first, as read back
 };
 
 }  // namespace kestrel::sim
