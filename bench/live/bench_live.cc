@@ -32,7 +32,7 @@ using boost::asio::ip::tcp;
 using Json = nlohmann::json;
 
 constexpr char kScenario[] = "landing";
-constexpr int kPairs = 7;
+constexpr int kPairs = 9;
 constexpr double kMostDelay_ms = 100, kMostCost_percent = 3;
 
 // The number in http://ADDRESS:PORT/.
@@ -157,19 +157,17 @@ Flown Fly(const flight::LoadedScenario& loaded, const Watched* watched) {
   return flown;
 }
 
-// The median of what it costs, in percent of the real-time factor.
+// What it costs, in percent of the real-time factor: the fastest of such flights against the fastest of those between
+// them that nobody could watch, since whatever else the machine does only slows them down.
 double Cost_percent(const flight::LoadedScenario& loaded, const Watched& watched, bool& same) {
-  std::vector<double> costs;
+  double with = 0, without = 0;
   for (int i = 0; i < kPairs; ++i) {
-    // Now one goes first, now the other.
-    Flown with, without;
-    if (i % 2) with = Fly(loaded, &watched);
-    without = Fly(loaded, nullptr);
-    if (i % 2 == 0) with = Fly(loaded, &watched);
-    same = same && with.state_hash == without.state_hash && with.image_hash == without.image_hash;
-    costs.push_back(100 * (1 - with.real_time_factor / without.real_time_factor));
+    const Flown alone = Fly(loaded, nullptr), seen = Fly(loaded, &watched);
+    same = same && alone.state_hash == seen.state_hash && alone.image_hash == seen.image_hash;
+    without = std::max(without, alone.real_time_factor);
+    with = std::max(with, seen.real_time_factor);
   }
-  return Quantile(costs, 0.5);
+  return 100 * (1 - with / without);
 }
 
 }  // namespace
