@@ -36,7 +36,7 @@ const live = {
   },
   told: {
     flight(told) {
-      if (!isThisFlight(told) && reloadFor(told)) return;
+      if (goesToNext(told)) return;
       live.tries = 0;
       live.refusals = told.refusals ?? {};
       Object.values(live.pictures).forEach((each) => each.clear());
@@ -82,12 +82,13 @@ const live = {
 // The page is of one flight, with its world. The server has the page of the next one by the time that it tells of it.
 const whichFlight = ({scenario, seed, mode, mission, title, again, version}) =>
   JSON.stringify([scenario, seed, mode, mission, title, again, version]);
-const isThisFlight = (told) => whichFlight(told) === whichFlight(flight.data);
 // Not twice for the same one, should it come as another nevertheless.
-const reloadFor = (told) => {
+const goesToNext = (told) => {
   try {
-    if (sessionStorage.getItem("kestrel-live") === whichFlight(told)) return false;
-    sessionStorage.setItem("kestrel-live", whichFlight(told));
+    const [wanted, before] = [whichFlight(told), sessionStorage.getItem("kestrel-live")];
+    sessionStorage.removeItem("kestrel-live");
+    if (wanted === whichFlight(flight.data) || wanted === before) return false;
+    sessionStorage.setItem("kestrel-live", wanted);
   } catch {  // a page that may keep nothing
     return false;
   }
