@@ -31,8 +31,8 @@ namespace websocket = beast::websocket;
 using boost::asio::ip::tcp;
 using Json = nlohmann::json;
 
-constexpr char kScenario[] = "landing";
-constexpr int kPairs = 9;
+constexpr char kScenario[] = "hover";
+constexpr int kPairs = 5;
 constexpr double kMostDelay_ms = 100, kMostCost_percent = 3;
 
 // The number in http://ADDRESS:PORT/.
