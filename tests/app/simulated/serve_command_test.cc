@@ -40,9 +40,9 @@ std::vector<flight::NamedServer> Servers(const std::string& name, const std::str
   return servers;
 }
 
-flight::ServeArguments Parsed(std::vector<std::string> words) {
+ServeCommandArguments Parsed(std::vector<std::string> words) {
   CLI::App app;
-  flight::ServeArguments arguments;
+  ServeCommandArguments arguments;
   AddServeCommand(app, arguments);
   words.insert(words.begin(), "serve");
   std::reverse(words.begin(), words.end());
@@ -55,7 +55,7 @@ TEST(ServeArguments, AfcsMayHaveAPlaceOfItsOwn) {
   EXPECT_EQ(Parsed({"landing", "--afcs"}).afcs, "");
   EXPECT_EQ(Parsed({"landing", "--afcs", "--asctec"}).afcs, "");
   EXPECT_EQ(Parsed({"landing", "--afcs", "127.0.0.1:2002"}).afcs, "127.0.0.1:2002");
-  const flight::ServeArguments all =
+  const ServeCommandArguments all =
       Parsed({"landing", "--mavlink", "px4", "--mavlink-port", "0", "--for", "2.5", "--pilot-off-at", "1",
               "--set", "seed=3", "--set", "duration_s=4"});
   EXPECT_EQ(all.mavlink, "px4");
@@ -68,7 +68,7 @@ TEST(ServeArguments, AfcsMayHaveAPlaceOfItsOwn) {
 class ServeCommandTest : public InTemporaryFolder {
  protected:
   // What it is refused with; empty: it is not.
-  std::string Refusal(flight::ServeArguments arguments) {
+  std::string Refusal(ServeCommandArguments arguments) {
     if (arguments.scenario.empty()) arguments.scenario = "landing";
     arguments.out = folder_ / "run";
     try {
@@ -81,7 +81,7 @@ class ServeCommandTest : public InTemporaryFolder {
 };
 
 TEST_F(ServeCommandTest, AllMistakesAreToldAtOnce) {
-  flight::ServeArguments a;
+  ServeCommandArguments a;
   a.camera = "rtp:5600 ! filesink", a.listen = "everywhere", a.afcs = "here:99999", a.mavlink_port = 14550;
   a.pilot_off_at_s = -1, a.seed = "x", a.for_s = std::nan(""), a.overrides = {"wind.mean_m_s=-3"};
   const std::string refusal = Refusal(a);
@@ -94,7 +94,7 @@ TEST_F(ServeCommandTest, AllMistakesAreToldAtOnce) {
 }
 
 TEST_F(ServeCommandTest, WhatIsOfRealTimeDoesNotGoWithLockstep) {
-  flight::ServeArguments a =
+  ServeCommandArguments a =
       Parsed({"landing", "--lockstep", "tcp:0", "--afcs", "--camera", "rtp:5600", "--for", "5"});
   EXPECT_THAT(Refusal(a), HasSubstr("--lockstep: does not go with --afcs, --camera, --for: time waits"));
   a = Parsed({"landing", "--lockstep"});
@@ -111,7 +111,7 @@ TEST_F(ServeCommandTest, WhatIsOfRealTimeDoesNotGoWithLockstep) {
 }
 
 TEST_F(ServeCommandTest, HowLongMustBeATime) {
-  flight::ServeArguments a;
+  ServeCommandArguments a;
   a.scenario = kNoScenario, a.afcs = "127.0.0.1:0";
   for (const double for_s : {0.0, -5.0, 1e300, std::numeric_limits<double>::infinity()}) {
     a.for_s = for_s;
@@ -120,7 +120,7 @@ TEST_F(ServeCommandTest, HowLongMustBeATime) {
 }
 
 TEST_F(ServeCommandTest, NoServerListensWhereTheStreamGoes) {
-  flight::ServeArguments a;
+  ServeCommandArguments a;
   a.scenario = kNoScenario, a.camera = "rtp:14580", a.mavlink = "px4";
   EXPECT_THAT(Refusal(a), HasSubstr("--mavlink: port 14580 is where the camera's stream goes"));
   a.camera = "rtp:5600", a.mavlink_port = 5600;
@@ -134,7 +134,7 @@ TEST_F(ServeCommandTest, NoServerListensWhereTheStreamGoes) {
 }
 
 TEST_F(ServeCommandTest, AFlightAtAnAutopilotsPaceIsNotSaidToBeInRealTime) {
-  flight::ServeArguments a;
+  ServeCommandArguments a;
   a.scenario = "landing", a.physics = "px4", a.for_s = 30;
   const flight::LoadedScenario loaded = flight::LoadScenario("landing");
   EXPECT_THAT(flight::StartLines(a, loaded, {}, nullptr),
@@ -143,7 +143,7 @@ TEST_F(ServeCommandTest, AFlightAtAnAutopilotsPaceIsNotSaidToBeInRealTime) {
 }
 
 TEST_F(ServeCommandTest, PhysicsThatNobodyFliesEndsWhenItsTimeIsOver) {
-  flight::ServeArguments a;
+  ServeCommandArguments a;
   a.scenario = "landing", a.physics = "px4", a.physics_port = 0, a.for_s = 0.2;
   testing::internal::CaptureStdout();
   EXPECT_EQ(ServeCommand(a), 0);
@@ -151,7 +151,7 @@ TEST_F(ServeCommandTest, PhysicsThatNobodyFliesEndsWhenItsTimeIsOver) {
 }
 
 TEST_F(ServeCommandTest, AFlightThatNobodyFlewIsNotMet) {
-  flight::ServeArguments a;
+  ServeCommandArguments a;
   a.scenario = "hover", a.afcs = "127.0.0.1:0", a.for_s = 0.6, a.out = folder_ / "run";
   testing::internal::CaptureStdout();
   EXPECT_EQ(ServeCommand(a), 1);
@@ -165,7 +165,7 @@ TEST_F(ServeCommandTest, NothingToServeIsAMistake) {
 }
 
 TEST_F(ServeCommandTest, TheStartLinesSayHowToConnect) {
-  flight::ServeArguments a;
+  ServeCommandArguments a;
   a.scenario = "landing", a.camera = "rtp:5600";
   const flight::LoadedScenario loaded = flight::LoadScenario("landing");
   const std::string lines = flight::StartLines(a, loaded, Servers("afcs", "udp://127.0.0.1:2002"), nullptr);
@@ -178,7 +178,7 @@ TEST_F(ServeCommandTest, TheStartLinesSayHowToConnect) {
 }
 
 TEST_F(ServeCommandTest, WhatIsOpenBeyondThisComputerIsWarnedOf) {
-  flight::ServeArguments a;
+  ServeCommandArguments a;
   a.scenario = "landing";
   const flight::LoadedScenario loaded = flight::LoadScenario("landing");
   const auto lines = [&](const char* where) {
