@@ -290,11 +290,14 @@ bool FlyCommand(const FlyArguments& a) {
   mistakes.ThrowIfAny();
   flight::LoadedPlan& plan = *loaded;
   const WriterLock lock = LockFolder(*options.folder);
+  const std::unique_ptr<flight::Live> live = MakeLive(of_live);
 
   const std::atomic<bool>& interrupted = EndInGoodOrder();
   std::signal(SIGPIPE, SIG_IGN);  // nor may it end a flight that nobody reads what it prints
   Print(stdout, fmt::format("{}  {} by {}, camera {}\n", records::LiveMode(false, a.dry_run), plan.plan.name,
                             a.autopilot, fmt::join(a.cameras, ", ")));
+  PrintLive(live.get());
+  options.live = live.get();
   options.limits = aircraft.safety;
   options.pilot_untold = aircraft.pilot_untold;
   options.dry_run = a.dry_run;
@@ -344,8 +347,6 @@ bool FlyCommand(const FlyArguments& a) {
   if (a.cameras.front().starts_with("file:")) camera.emplace(vision::SourceAt(address), aircraft.camera);
 
   const std::string mode = records::LiveMode(link->Health().simulated, a.dry_run);
-  const std::unique_ptr<flight::Live> live = ShowLive(of_live);
-  options.live = live.get();
   flight::FlyReport report;
   {
     Progress progress(mode);

@@ -200,7 +200,8 @@ bool ReplayCommand(const ReplayArguments& a) {
   const std::unique_ptr<mission::Mission> mission = loaded.plan.flight->Make(loaded.parts);
   std::optional<records::Video> video;
   if (!a.video.empty()) video.emplace(a.video, loaded.plan.image.rate_hz);
-  const std::unique_ptr<flight::Live> live = ShowLive(of_live);
+  const std::unique_ptr<flight::Live> live = MakeLive(of_live);
+  PrintLive(live.get());
   ReplayRecords records(OutOf(a), live.get(), loaded, loaded.plan.image.rate_hz);
   const mission::MissionType& type = loaded.plan.flight.type();
   Comparison comparison(a.tolerance, recording.numbers(), records::RecordedNumbers(type));

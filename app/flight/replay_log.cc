@@ -76,7 +76,8 @@ void ReplayLog(const ReplayArguments& a) {
   const double rate_hz = images->Rate_hz() > 0 ? images->Rate_hz() : plan.image.rate_hz;
   std::optional<records::Video> video;
   if (!a.video.empty()) video.emplace(a.video, rate_hz);
-  const std::unique_ptr<flight::Live> live = ShowLive(of_live);
+  const std::unique_ptr<flight::Live> live = MakeLive(of_live);
+  PrintLive(live.get());
   ReplayRecords records(OutOf(a), live.get(), *loaded, rate_hz);
   std::string csv = fmt::format("image,stamp_ns,t_s,phase,target,outcome,{}\n",
                                 fmt::join(records::RecordedNumbers(type), ","));

@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <cstdio>
 
-#include "flight/live/access.h"
 #include "flight/live/pace.h"
 
 namespace kestrel::app {
@@ -84,16 +83,18 @@ std::optional<flight::LiveOptions> ReadLive(const LiveArguments& a, Mistakes& mi
   return options;
 }
 
-std::unique_ptr<flight::Live> ShowLive(const std::optional<flight::LiveOptions>& options) {
-  if (!options) return nullptr;
-  auto live = std::make_unique<flight::Live>(*options);
+std::unique_ptr<flight::Live> MakeLive(const std::optional<flight::LiveOptions>& options) {
+  return options ? std::make_unique<flight::Live>(*options) : nullptr;
+}
+
+void PrintLive(const flight::Live* live) {
+  if (!live) return;
   fmt::print("  live  {}\n", live->url());
-  if (!flight::IsLoopback(options->server.address))
+  if (live->open_to_others())
     fmt::print(
         "        it is open to the network, uncoded: whoever reads this address sees the flight, and of a "
         "simulated one changes what its scenario lets change\n");
   std::fflush(stdout);
-  return live;
 }
 
 void Linger(flight::Live* live, const std::function<bool()>& go_on) {

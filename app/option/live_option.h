@@ -26,8 +26,10 @@ void AddLiveOptions(CLI::App& command, LiveArguments& arguments, bool own_time);
 // None: it was not asked for, or something is wrong with it.
 std::optional<flight::LiveOptions> ReadLive(const LiveArguments& arguments, Mistakes& mistakes);
 
-// Null: it is not to be shown. Throws InputError where that cannot be; otherwise prints where viewers find it.
-std::unique_ptr<flight::Live> ShowLive(const std::optional<flight::LiveOptions>& options);
+// Null: it is not to be shown. Throws InputError where that cannot be.
+std::unique_ptr<flight::Live> MakeLive(const std::optional<flight::LiveOptions>& options);
+// Where viewers find it. Null: nothing.
+void PrintLive(const flight::Live* live);
 // After the flight: the page stays for those who look at it. Null: it does nothing.
 void Linger(flight::Live* live, const std::function<bool()>& go_on);
 

@@ -82,7 +82,8 @@ int DemoCommand(const DemoArguments& a) {
     scenarios.back().description = act.sentence;
   }
 
-  const std::unique_ptr<flight::Live> live = ShowLive(options);
+  const std::unique_ptr<flight::Live> live = MakeLive(options);
+  PrintLive(live.get());
   fmt::print("Open this address in a browser: the flights begin then. Ctrl-C ends them.\n");
   std::fflush(stdout);
   const std::atomic<bool>& interrupted = EndInGoodOrder();

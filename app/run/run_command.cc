@@ -123,12 +123,13 @@ int RunCommand(const RunArguments& a) {
   CheckWritableFolder(*options.folder, "--out", mistakes);
   CheckWritableFile(a.junit, "--junit", mistakes);
   mistakes.ThrowIfAny();
+  const std::unique_ptr<flight::Live> live = MakeLive(of_live);
+  options.live = live.get();
   if (!a.quiet) {
     fmt::print("{}  {}, seed {}\n", records::kSimulatorMode, loaded.scenario.name, loaded.scenario.seed);
     PrintNotes(loaded.notes);
   }
-  const std::unique_ptr<flight::Live> live = ShowLive(of_live);
-  options.live = live.get();
+  PrintLive(live.get());
   const std::atomic<bool>& interrupted = EndInGoodOrder();
   flight::FlightResult result;
   {

@@ -292,7 +292,8 @@ int ServeCommand(const ServeCommandArguments& a) {
   if (physics) return ServePhysicsAlone(a, loaded, *physics, options);
   const std::atomic<bool>& interrupted = EndInGoodOrder();
   options.go_on = [&] { return !interrupted.load(); };
-  const std::unique_ptr<flight::Live> live = ShowLive(of_live);
+  const std::unique_ptr<flight::Live> live = MakeLive(of_live);
+  PrintLive(live.get());
   options.live = live.get();
   const records::Summary summary = flight::ServeFlight(loaded, options).summary;
   Report(summary, ReportOf(folder));

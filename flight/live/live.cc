@@ -20,6 +20,7 @@
 
 #include "base/html/html.h"
 #include "base/stopwatch.h"
+#include "flight/live/access.h"
 #include "flight/live/foxglove.h"
 #include "flight/live/live_server.h"
 #include "flight/live/pace.h"
@@ -64,6 +65,7 @@ class Beat {
 struct Live::State {
   explicit State(const LiveOptions& options)
       : now_s(options.now_s ? options.now_s : MonotonicNow_s),
+        open(!IsLoopback(options.server.address)),
         awaits(options.await_viewer),
         pace(options.speed),
         drain(io),
@@ -185,6 +187,7 @@ struct Live::State {
   }
 
   std::function<double()> now_s;
+  bool open;  // to more than this computer
 
   // Of both threads.
   std::mutex mutex;
@@ -220,6 +223,7 @@ struct Live::State {
 Live::Live(const LiveOptions& options) : state_(std::make_unique<State>(options)) {}
 Live::~Live() = default;
 
+bool Live::open_to_others() const { return state_->open; }
 std::string Live::url() const { return state_->server.url(); }
 int Live::viewers() const { return state_->viewers; }
 

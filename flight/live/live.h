@@ -45,6 +45,7 @@ class Live {
   ~Live();
 
   std::string url() const;
+  bool open_to_others() const;  // to more than this computer
   int viewers() const;
 
   void Begin(LiveFlight flight);

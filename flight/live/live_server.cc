@@ -60,6 +60,9 @@ void LiveServer::Listen(const LiveServerOptions& options) {
   if (!wrong) acceptor_.set_option(tcp::acceptor::reuse_address(true), wrong);
   if (!wrong) acceptor_.bind(where, wrong);
   if (!wrong) acceptor_.listen(boost::asio::socket_base::max_listen_connections, wrong);
+  if (wrong == boost::system::errc::address_not_available)
+    throw InputError("--live-address", fmt::format("'{}' is no address of this computer", options.address),
+                     "valid: one of this computer, or 0.0.0.0 for all of them");
   if (wrong)
     throw InputError(
         "--live",
