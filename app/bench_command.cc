@@ -45,12 +45,13 @@ CLI::App* AddBenchCommand(CLI::App& app, BenchArguments& a) {
       "contrast", "follow",       "avoid",         "stream",       "planar",        "alignment",
       "features", "homographies", "plane_pose",    "landings",     "servo_flights", "direct",
       "mosaic",   "stabilise",    "follow_thesis", "avoid_thesis", "wire",          "link_faults",
-      "campaign", "hashes",       "lockstep",      "frames",        "live"};
+      "campaign", "hashes",       "lockstep",      "frames",       "live"};
   CLI::App* command = app.add_subcommand("bench", "Measure: a table of figures beside their targets");
   // Of campaigns by its name alone: it flies for minutes, and kills itself.
   command
-      ->add_option("name", a.name,
-                   "All but campaign, wire, link_faults, hashes, lockstep, frames and live when none is given")
+      ->add_option(
+          "name", a.name,
+          "All but campaign, wire, link_faults, hashes, lockstep, frames and live when none is given")
       ->check(OneOf(names));
   command->add_option("--seeds", a.seeds, "A..B, first and last")->capture_default_str();
   command->add_option("--jobs", a.jobs, "Flights at the same time")
@@ -124,7 +125,7 @@ bool BenchCommand(const BenchArguments& arguments) {
   if (arguments.name == "campaign")
     bench::BenchCampaign(static_cast<int>(seeds.last - seeds.first) + 1, wires / "bench_campaign", table);
   if (arguments.name == "lockstep") bench::BenchLockstep(table);
-  if (arguments.name == "live") bench::BenchLive(seeds, table);
+  if (arguments.name == "live") bench::BenchLive(seeds, wires / "bench_live", table);
   if (arguments.name == "frames")
     bench::BenchFrames(seeds.first, seeds.last, arguments.jobs, arguments.backend,
                        std::filesystem::path(arguments.out) / "frames", table);

@@ -125,8 +125,10 @@ struct Watched {
 };
 
 // watched: null: nobody could.
-Flown Fly(const flight::LoadedScenario& loaded, const Watched* watched) {
+Flown Fly(const flight::LoadedScenario& loaded, const std::filesystem::path& folder, const Watched* watched) {
   flight::RunOptions options;
+  options.folder = folder;
+  options.video = false;
   std::list<Viewer> viewers;  // who end when the server has gone
   std::list<FrozenViewer> frozen;
   std::unique_ptr<flight::Live> live;
@@ -159,10 +161,11 @@ Flown Fly(const flight::LoadedScenario& loaded, const Watched* watched) {
 
 // What it costs, in percent of the real-time factor: the fastest of such flights against the fastest of those between
 // them that nobody could watch, since whatever else the machine does only slows them down.
-double Cost_percent(const flight::LoadedScenario& loaded, const Watched& watched, bool& same) {
+double Cost_percent(const flight::LoadedScenario& loaded, const std::filesystem::path& folder,
+                    const Watched& watched, bool& same) {
   double with = 0, without = 0;
   for (int i = 0; i < kPairs; ++i) {
-    const Flown alone = Fly(loaded, nullptr), seen = Fly(loaded, &watched);
+    const Flown alone = Fly(loaded, folder, nullptr), seen = Fly(loaded, folder, &watched);
     same = same && alone.state_hash == seen.state_hash && alone.image_hash == seen.image_hash;
     without = std::max(without, alone.real_time_factor);
     with = std::max(with, seen.real_time_factor);
@@ -172,12 +175,13 @@ double Cost_percent(const flight::LoadedScenario& loaded, const Watched& watched
 
 }  // namespace
 
-void BenchLive(const flight::SeedRange& seeds, std::vector<records::Figure>& table) {
+void BenchLive(const flight::SeedRange& seeds, const std::filesystem::path& folder,
+               std::vector<records::Figure>& table) {
   const flight::LoadedScenario loaded =
       flight::LoadScenario(kScenario, {fmt::format("seed={}", seeds.first)});
   bool same = true;
   const Watched real_time{.viewers = 1, .speed = 1};
-  const Flown shown = Fly(loaded, &real_time);
+  const Flown shown = Fly(loaded, folder, &real_time);
   const auto add = [&](const char* name, double value, const char* unit, std::optional<double> target,
                        bool at_least = false) {
     table.push_back({std::string("live: ") + name, value, unit, target, at_least, ""});
@@ -186,10 +190,13 @@ void BenchLive(const flight::SeedRange& seeds, std::vector<records::Figure>& tab
   add("a row on its way to a viewer, in real time: median", Quantile(shown.delays_ms, 0.5), "ms", {});
   add("the same, 99 %", Quantile(shown.delays_ms, 0.99), "ms", kMostDelay_ms);
   add("the same, longest", *std::ranges::max_element(shown.delays_ms), "ms", {});
-  add("a server and no viewer cost the flight", Cost_percent(loaded, {}, same), "%", kMostCost_percent);
-  add("three viewers cost the flight", Cost_percent(loaded, {.viewers = 3}, same), "%", kMostCost_percent);
-  add("a frozen viewer costs the flight", Cost_percent(loaded, {.frozen = 1}, same), "%", kMostCost_percent);
-  const Flown alone = Fly(loaded, nullptr);
+  add("a server and no viewer cost the flight", Cost_percent(loaded, folder, {}, same), "%",
+      kMostCost_percent);
+  add("three viewers cost the flight", Cost_percent(loaded, folder, {.viewers = 3}, same), "%",
+      kMostCost_percent);
+  add("a frozen viewer costs the flight", Cost_percent(loaded, folder, {.frozen = 1}, same), "%",
+      kMostCost_percent);
+  const Flown alone = Fly(loaded, folder, nullptr);
   same = same && alone.state_hash == shown.state_hash && alone.image_hash == shown.image_hash;
   add("the same flight with viewers, bit for bit", same ? 1.0 : 0.0, "", 1, true);
 }

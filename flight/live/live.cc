@@ -32,8 +32,12 @@ namespace {
 
 using Seconds = std::chrono::duration<double>;
 
-constexpr double kPicturePeriod_s = 0.05;
-constexpr double kDrainPeriod_s = 0.015;  // of what is new to the viewers
+// How often pictures are taken, and what is new is handed to the viewers. To draw a picture takes the flight a few ms,
+// which one that goes as fast as it can has not to spare.
+struct Periods {
+  double picture_s, drain_s;
+};
+constexpr Periods kInRealTime{0.05, 0.02}, kAsFast{0.25, 0.06};
 constexpr double kStatePeriod_s = 0.25;
 constexpr double kPoll_s = 0.05;
 constexpr double kGone_s = 2;  // without a viewer: one who loads the page again comes back within it
@@ -54,7 +58,7 @@ std::string PageOf(const LiveFlight& flight) {
 class Beat {
  public:
   bool Due(double now_s) const { return now_s >= next_s_; }
-  void Take(double now_s) { next_s_ = std::max(next_s_ + kPicturePeriod_s, now_s); }
+  void Take(double now_s, double period_s) { next_s_ = std::max(next_s_ + period_s, now_s); }
 
  private:
   double next_s_ = 0;
@@ -72,6 +76,7 @@ struct Live::State {
         server(
             io, options.server, now_s, [this] { return page; },
             [this](bool foxglove_client) { return Join(foxglove_client); }) {
+    as_fast = pace.speed() == Pace::kAsFast;
     pages.command = [this](LiveCommand command) {
       const std::lock_guard lock(mutex);
       if (commands.size() >= kMaxCommands) return false;
@@ -135,7 +140,7 @@ struct Live::State {
       if (std::exchange(posted, true)) return;
     }
     boost::asio::post(io, [this] {
-      const double wait_s = drained_s + kDrainPeriod_s - now_s();
+      const double wait_s = drained_s + periods().drain_s - now_s();
       if (wait_s <= 0) return Drain();
       drain.expires_after(std::chrono::duration_cast<std::chrono::nanoseconds>(Seconds(wait_s)));
       drain.async_wait([this](boost::system::error_code wrong) {
@@ -167,7 +172,9 @@ struct Live::State {
       case Op::kStep:
         return pace.Step();
       case Op::kSpeed:
-        return pace.SetSpeed(command.speed);
+        pace.SetSpeed(command.speed);
+        as_fast = pace.speed() == Pace::kAsFast;
+        return;
       case Op::kChange:
         break;
     }
@@ -198,6 +205,8 @@ struct Live::State {
   std::array<std::atomic<bool>, 2> wants{};
   std::atomic<bool> wants_image = false;
   std::atomic<int> viewers = 0;
+  std::atomic<bool> as_fast = false;
+  const Periods& periods() const { return as_fast ? kAsFast : kInRealTime; }
 
   // Of the flight's.
   bool awaits;
@@ -254,7 +263,7 @@ bool Live::WantsImage() const { return state_->wants_image && state_->image_beat
 
 void Live::Row(const mission::LogRow& row, const cv::Mat& image) {
   State& s = *state_;
-  if (!image.empty()) s.image_beat.Take(s.now_s());
+  if (!image.empty()) s.image_beat.Take(s.now_s(), s.periods().picture_s);
   s.Do(
       [&s, row, image, telemetry = s.telemetry] {
         s.pages.feed.AddRow(records::TelemetryLine(row, telemetry));
@@ -267,7 +276,7 @@ void Live::Show(Picture kind, double t_s, const cv::Mat& bgr) {
   State& s = *state_;
   if (bgr.empty()) return;
   const auto index = static_cast<std::size_t>(kind);
-  s.beats[index].Take(s.now_s());
+  s.beats[index].Take(s.now_s(), s.periods().picture_s);
   s.wants[index] = false;  // until somebody has taken it
   s.Do(
       [&s, kind, t_s, bgr] {

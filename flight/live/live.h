@@ -49,7 +49,8 @@ class Live {
   int viewers() const;
 
   void Begin(LiveFlight flight);
-  // Whether a picture of now would be seen: some twenty times a second while there is somebody who takes them.
+  // Whether a picture of now would be seen: some twenty times a second, four of a flight that goes as fast as it can,
+  // while there is somebody who takes them.
   bool WantsPicture(Picture kind) const;
   bool WantsImage() const;  // the same of Row's
   // image: of the frame, as the camera gave it; not to be written to any more. Empty: none.

@@ -8,7 +8,8 @@ namespace kestrel::flight {
 
 RecordedFlight::RecordedFlight(const Sim& sim, const Observation& first, const std::filesystem::path& folder,
                                bool video)
-    : sim_(sim), records_(folder, sim.scenario(), sim.simulator(), video) {
+    : sim_(sim),
+      records_(folder, sim.scenario(), sim.simulator(), SceneOf(sim.scenario(), sim.simulator()), video) {
   WriteImage(first);
 }
 

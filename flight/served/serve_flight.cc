@@ -62,9 +62,10 @@ class ServedFlight {
         }) {
     simulator_.CarryCamera(options.platform);
     told_.resize(options.servers.size());
-    if (options.folder) records_.emplace(*options.folder, loaded, simulator_, false);
+    const std::string scene = options.folder || options.live ? SceneOf(loaded, simulator_) : "";
+    if (options.folder) records_.emplace(*options.folder, loaded, simulator_, scene, false);
     if (!options.live) return;
-    BeginLive(*options.live, loaded, simulator_, PartsOf(loaded, simulator_.model()), changes_,
+    BeginLive(*options.live, loaded, simulator_, scene, PartsOf(loaded, simulator_.model()), changes_,
               "it flies at the pace of whoever is on the wires");
     if (records_)
       records_->Tell([live = options.live](double t_s, std::string_view what, std::string_view is) {

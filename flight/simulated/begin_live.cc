@@ -1,27 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "flight/simulated/begin_live.h"
 
-#include <stdexcept>
 #include <utility>
 
-#include "base/printable.h"
-#include "base/process/print_note.h"
 #include "flight/flight_subject.h"
 #include "flight/simulated/flight_records.h"
-#include "sim/gltf/scene_glb.h"
 
 namespace kestrel::flight {
 
 void BeginLive(Live& live, const LoadedScenario& loaded, const sim::Simulator& simulator,
-               const mission::MissionParts& parts, Changes& changes, const std::string& pace_refused) {
+               const std::string& scene_glb, const mission::MissionParts& parts, Changes& changes,
+               const std::string& pace_refused) {
   LiveFlight flight;
   flight.subject = SubjectOf(loaded, simulator);
   flight.subject.changeable = changes.All();
-  try {
-    flight.scene_glb = sim::SceneGlb(simulator.model(), sim::SeenRotors(loaded.simulator.vehicle));
-  } catch (const std::runtime_error& e) {  // the flight is what it is without
-    PrintNote("viewers have no scene: {}\n", Printable(e.what()));
-  }
+  flight.scene_glb = scene_glb;
   flight.telemetry.mission = &loaded.scenario.flight.type();
   flight.messages = MessageOptionsOf(parts);
   flight.refusals.pace = pace_refused;

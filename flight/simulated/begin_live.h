@@ -11,10 +11,11 @@
 
 namespace kestrel::flight {
 
-// From now on viewers see this flight, and change what its scenario lets change. simulator: at its begin; parts: what
+// From now on viewers see this flight, and change what its scenario lets change. simulator: at its begin; scene_glb: of it; parts: what
 // flies it is made from; changes: of this flight, must outlive it. pace_refused: why its time is not theirs; empty: it
 // is.
 void BeginLive(Live& live, const LoadedScenario& loaded, const sim::Simulator& simulator,
-               const mission::MissionParts& parts, Changes& changes, const std::string& pace_refused = {});
+               const std::string& scene_glb, const mission::MissionParts& parts, Changes& changes,
+               const std::string& pace_refused = {});
 
 }  // namespace kestrel::flight

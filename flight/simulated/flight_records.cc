@@ -70,8 +70,18 @@ records::FlightSubject SubjectOf(const LoadedScenario& loaded, const sim::Simula
   return subject;
 }
 
+std::string SceneOf(const LoadedScenario& loaded, const sim::Simulator& simulator) {
+  try {
+    return sim::SceneGlb(simulator.model(), sim::SeenRotors(loaded.simulator.vehicle));
+  } catch (const std::runtime_error& e) {  // the flight is what it is without
+    PrintNote("no scene.glb: {}\n", Printable(e.what()));
+    return {};
+  }
+}
+
 FlightRecords::FlightRecords(const std::filesystem::path& folder, const LoadedScenario& loaded,
-                             const sim::Simulator& simulator, bool video, bool view)
+                             const sim::Simulator& simulator, const std::string& scene_glb, bool video,
+                             bool view)
     : folder_(folder),
       lock_(LockFolder(folder)),
       recorder_(folder, OptionsFor(loaded, video, view)),
@@ -87,10 +97,7 @@ FlightRecords::FlightRecords(const std::filesystem::path& folder, const LoadedSc
     }
   };
   for_page("page.json", [&] { records::WriteSubject(folder, SubjectOf(loaded, simulator)); });
-  for_page("scene.glb", [&] {
-    WriteFile(folder / "scene.glb",
-              sim::SceneGlb(simulator.model(), sim::SeenRotors(loaded.simulator.vehicle)));
-  });
+  if (!scene_glb.empty()) for_page("scene.glb", [&] { WriteFile(folder / "scene.glb", scene_glb); });
   events_.Line(0, "mode", records::kSimulatorMode);
 }
 

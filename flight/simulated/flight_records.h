@@ -5,6 +5,7 @@
 #include <memory>
 #include <opencv2/core.hpp>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -22,15 +23,18 @@ namespace kestrel::flight {
 // What a page tells of such a flight. simulator: at its begin.
 records::FlightSubject SubjectOf(const LoadedScenario& loaded, const sim::Simulator& simulator);
 
+// Its scene.glb; empty, and standard error says why: it cannot be made.
+std::string SceneOf(const LoadedScenario& loaded, const sim::Simulator& simulator);
+
 // The folder of a flight in the simulator: what the Recorder writes, events.log, scenario.yaml, page.json, if
 // asked for flight.mcap. Throws std::runtime_error with the file and the reason, but for Finish; InputError where
 // another process writes to that folder.
 class FlightRecords {
  public:
-  // simulator: at the begin of the flight. view: there is a video from outside too (flight/simulated/view), with
+  // simulator: at the begin of the flight; scene_glb: of it. view: there is a video from outside too (flight/simulated/view), with
   // which that on board shares the size of the page.
   FlightRecords(const std::filesystem::path& folder, const LoadedScenario& loaded,
-                const sim::Simulator& simulator, bool video, bool view = false);
+                const sim::Simulator& simulator, const std::string& scene_glb, bool video, bool view = false);
 
   // From now on flight.mcap is written too. parts: what the mission was made from.
   void AddMcap(records::McapImages images, const LoadedScenario& loaded, const mission::MissionParts& parts);

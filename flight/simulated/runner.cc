@@ -35,13 +35,14 @@ FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) 
   const std::unique_ptr<mission::Mission> mission = scenario.flight->Make(parts);
   const auto start = std::chrono::steady_clock::now();
 
+  const std::string scene = options.folder || options.live ? SceneOf(loaded, simulator) : "";
   std::optional<FlightRecords> records;
   std::optional<TruthImages> truth;
   std::optional<EventFiles> events;
   std::optional<ViewVideo> view;
   std::optional<records::RecordingWriter> recording;
   if (options.folder) {
-    records.emplace(*options.folder, loaded, simulator, options.video, options.view.has_value());
+    records.emplace(*options.folder, loaded, simulator, scene, options.video, options.view.has_value());
     if (options.mcap) records->AddMcap(*options.mcap, loaded, parts);
     if (options.images) {
       recording.emplace(*options.folder, scenario.flight.type());
@@ -67,7 +68,7 @@ FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) 
     if (records) records->Write(change, in_flight.flown());
   });
   if (options.live) {
-    BeginLive(*options.live, loaded, simulator, parts, in_flight);
+    BeginLive(*options.live, loaded, simulator, scene, parts, in_flight);
     if (records)
       records->Tell([live = options.live](double t_s, std::string_view what, std::string_view is) {
         live->Event(t_s, what, is);
