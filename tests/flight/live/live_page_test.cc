@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <functional>
@@ -37,11 +38,13 @@ class LivePage : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     if (Browser::Missing().empty())
-      browser_ = std::make_unique<Browser>(testing::TempDir() + "kestrel_live_page", Browser::WebGl::kNone);
+      browser_ = std::make_unique<Browser>(
+          testing::TempDir() + "kestrel_live_page_" + std::to_string(getpid()), Browser::WebGl::kNone);
   }
   static void TearDownTestSuite() { browser_.reset(); }
   void SetUp() override {
-    if (!browser_) GTEST_SKIP() << Browser::Missing();
+    if (!Browser::Missing().empty()) GTEST_SKIP() << Browser::Missing();
+    ASSERT_TRUE(browser_) << "the browser did not start";
   }
 
   Live& Begin(LiveFlight flight) {
