@@ -20,7 +20,8 @@ class Access {
     std::string_view host;    // as the header has it, with its port
     std::string_view origin;  // empty: none, as of a program that is no browser
     std::string_view target;  // path?query
-    bool foxglove = false;    // by its subprotocol, which only watches: a page that is a file, its application, may
+    bool foxglove =
+        false;  // by its subprotocol, which only watches: a page that is a file, its application, may
   };
   // Why it is refused; empty: it is not.
   std::string Refusal(const Request& request) const;

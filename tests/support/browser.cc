@@ -122,9 +122,7 @@ Browser::Browser(const fs::path& folder, WebGl webgl) {
 
 Browser::~Browser() = default;
 
-void Browser::Open(const fs::path& page) {
-  OpenUrl("file://" + fs::absolute(page).string());
-}
+void Browser::Open(const fs::path& page) { OpenUrl("file://" + fs::absolute(page).string()); }
 
 void Browser::OpenUrl(const std::string& url) { driver_->Command("/url", {{"url", url}}); }
 
