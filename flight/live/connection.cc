@@ -96,7 +96,10 @@ void Connection::Answer() {
   if (request.method() != http::verb::get) return Respond(405, "text/plain", Line("valid: GET"));
   if (path != "/") return Respond(404, "text/plain", Line("valid: /"));
   const std::shared_ptr<const std::string> page = host_.page();
-  if (!page) return Respond(503, "text/plain", Line("no flight has begun yet"));
+  if (!page)  // which comes by itself to who opened it too soon
+    return Respond(
+        503, "text/html; charset=utf-8",
+        Line("<!doctype html><meta http-equiv=\"refresh\" content=\"1\"><p>no flight has begun yet</p>"));
   Respond(200, "text/html; charset=utf-8", page);
 }
 

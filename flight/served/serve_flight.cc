@@ -235,7 +235,9 @@ WallClock MonotonicClock() {
 }
 
 FlightResult ServeFlight(const LoadedScenario& loaded, const ServeOptions& options) {
-  return ServedFlight(loaded, options).Fly();
+  LoadedScenario served = loaded;
+  served.again.clear();  // who flew it is not in the scenario
+  return ServedFlight(served, options).Fly();
 }
 
 }  // namespace kestrel::flight

@@ -98,6 +98,7 @@ FlightRecords::FlightRecords(const std::filesystem::path& folder, const LoadedSc
   };
   for_page("page.json", [&] { records::WriteSubject(folder, SubjectOf(loaded, simulator)); });
   if (!scene_glb.empty()) for_page("scene.glb", [&] { WriteFile(folder / "scene.glb", scene_glb); });
+  if (IsFile(folder / "page.json")) again_ = loaded.again;
   events_.Line(0, "mode", records::kSimulatorMode);
 }
 
@@ -138,7 +139,17 @@ void FlightRecords::Write(const records::LogRow& row, const sim::Simulator& simu
 
 void FlightRecords::Write(const MadeChange& change, const Scenario& flown) {
   Note(change.t_s, "change", change.key + ' ' + change.before + " -> " + change.value);
-  if (change.by_hand) WriteFile(folder_ / "scenario.yaml", ToYaml(flown));
+  if (!change.by_hand) return;
+  WriteFile(folder_ / "scenario.yaml", ToYaml(flown));
+  if (again_.empty()) return;
+  again_ = CommandOf((folder_ / "scenario.yaml").string(), {});
+  try {
+    records::FlightSubject subject = records::ReadSubject(folder_);
+    subject.again = again_;
+    records::WriteSubject(folder_, subject);
+  } catch (const std::runtime_error& e) {  // the flight is what it is without
+    PrintNote("page.json has the command of before the change: {}\n", Printable(e.what()));
+  }
 }
 
 records::Summary FlightRecords::Finish(records::Summary summary, const sim::Simulator& simulator) {

@@ -63,6 +63,7 @@ class FlightRecords {
   records::EventLog events_;
   std::unique_ptr<records::FlightMcap> mcap_;  // null: not asked for
   std::optional<CarriedTopics> carried_;       // as mcap_
+  std::string again_;                          // the command that page.json has; empty: none
   std::size_t conditions_written_ = 0, states_written_ = 0;
 };
 

@@ -50,7 +50,8 @@ const drawVerdict = (of) => {
           ["Criterion", "Came to", "", "Limit", "Margin"].map((text, i) => (i === 2 ? el("td", {}) : el("th", {scope: "col",
             class: i === 1 || i === 3 ? "number" : null}, text))))),
         el("tbody", {}, data.criteria.map(criterionRow))))
-      : el("p", {class: "note"}, data.live ? "Criteria are held against the whole flight, when it has ended." : "It was flown without criteria."),
+      : el("p", {class: "note"}, data.live ? "Criteria are held against the whole flight, when it has ended."
+        : data.complete ? "It was flown without criteria." : "It broke off before criteria were held against it."),
     ...(data.again ? [el("h2", {}, "Fly it again"), commandLine(data.again)] : []));
 };
 

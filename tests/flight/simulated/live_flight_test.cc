@@ -109,6 +109,8 @@ TEST_F(LiveFlightInTheSimulator, IsChangedWhereItsScenarioSaysSoAndFlownAgainFro
   viewer.Say(R"({"op":"resume"})");
   const records::Summary changed = flown.get();
   EXPECT_THAT(Content(folder_ / "events.log"), HasSubstr("change: wind.mean_m_s"));
+  EXPECT_THAT(Content(folder_ / "page.json"),
+              HasSubstr("kestrel run " + (folder_ / "scenario.yaml").string()));
   EXPECT_NE(changed.state_hash, RunFlight(loaded, {}).summary.state_hash);
   EXPECT_EQ(RunFlight(LoadScenario(folder_ / "scenario.yaml"), {}).summary.state_hash, changed.state_hash);
 }
