@@ -68,6 +68,12 @@ std::optional<flight::LiveOptions> ReadLive(const LiveArguments& a, Mistakes& mi
   }
   if (!a.address.empty()) options.server.address = a.address;
   options.server.origins = a.origins;
+  for (const std::string& origin : a.origins)
+    if (!(origin.starts_with("http://") || origin.starts_with("https://")) ||
+        origin.find_first_of("/ *", origin.find("//") + 2) != std::string::npos || origin.ends_with("//"))
+      mistakes.Add(
+          "--live-origin", "", fmt::format("'{}' is no origin of web pages", origin),
+          "valid: a scheme and a host, with a port where it has one, such as https://app.foxglove.dev");
   if (a.speed == kAsFast) {
     options.speed = flight::Pace::kAsFast;
   } else if (!a.speed.empty()) {

@@ -52,6 +52,13 @@ TEST(LiveOptions, AreRefusedAllAtOnceWithWhatIsValid) {
                           HasSubstr("--live-speed")));
 }
 
+TEST(LiveOptions, AnOriginIsASchemeAndAHost) {
+  for (const char* wrong : {"not a url", "*", "https://", "https://*.a.b", "https://a.b/", "a.b", ""})
+    EXPECT_THAT(MistakesOf({.port = "", .address = {}, .speed = {}, .origins = {wrong}}),
+                ElementsAre(HasSubstr("is no origin of web pages")))
+        << wrong;
+}
+
 TEST(LiveOptions, AreNoneWhereNobodyAskedForThem) { EXPECT_THAT(MistakesOf({}), IsEmpty()); }
 
 }  // namespace

@@ -14,8 +14,15 @@
 namespace kestrel::sim {
 namespace {
 
+// The others are drawn as they are.
+std::vector<Lens> LensesOfFaces() {
+  std::vector<Lens> all = Lenses();
+  std::erase_if(all, [](const Lens& lens) { return OnlyFace(lens.camera).has_value(); });
+  return all;
+}
+
 class LensLookupTest : public ::testing::TestWithParam<Lens> {};
-INSTANTIATE_TEST_SUITE_P(Lenses, LensLookupTest, ::testing::ValuesIn(Lenses()), NameOfLens);
+INSTANTIATE_TEST_SUITE_P(Lenses, LensLookupTest, ::testing::ValuesIn(LensesOfFaces()), NameOfLens);
 
 // A picture between its pixels. x to the right, y up, from the middle of its lower left pixel.
 cv::Vec3d Between(const cv::Mat& picture, double x, double y) {
@@ -32,7 +39,6 @@ cv::Vec3d Between(const cv::Mat& picture, double x, double y) {
 // a 256th of a pixel, which is a grey level where black meets white.
 TEST_P(LensLookupTest, EachPixelIsTheMeanOverItsPatch) {
   const vision::CameraModel& camera = GetParam().camera;
-  if (OnlyFace(camera)) GTEST_SKIP() << "drawn as it is";
   const ModelPtr model = DarkRoom(R"(<geom type="box" pos="3 1 1" size="1 1 1" rgba="0.9 0.4 0.1 1"/>
     <geom type="box" pos="-2 2 0" size="0.7 0.7 2" rgba="0.2 0.9 0.5 1"/>
     <geom type="box" pos="0 -3 1" size="1 0.5 2" rgba="0.3 0.2 1 1"/>
