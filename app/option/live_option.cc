@@ -51,9 +51,9 @@ void AddLiveOptions(CLI::App& command, LiveArguments& a, bool own_time) {
 
 std::optional<flight::LiveOptions> ReadLive(const LiveArguments& a, Mistakes& mistakes) {
   if (!a.port) {
-    for (const auto& [option, given] : {std::pair{"--live-address", !a.address.empty()},
+    for (const auto& [option, given] : {std::pair{"--live-address", a.address.has_value()},
                                         {"--live-origin", !a.origins.empty()},
-                                        {"--live-speed", !a.speed.empty()}})
+                                        {"--live-speed", a.speed.has_value()}})
       if (given) mistakes.Add(option, "", "given without --live");
     return std::nullopt;
   }
@@ -66,7 +66,7 @@ std::optional<flight::LiveOptions> ReadLive(const LiveArguments& a, Mistakes& mi
                    "valid: from 1 to 65535, or 0 for any that is free; the scenario comes before --live");
     options.server.port = port.value_or(0);
   }
-  if (!a.address.empty()) options.server.address = a.address;
+  if (a.address) options.server.address = *a.address;
   options.server.origins = a.origins;
   for (const std::string& origin : a.origins)
     if (!(origin.starts_with("http://") || origin.starts_with("https://")) ||
@@ -76,12 +76,12 @@ std::optional<flight::LiveOptions> ReadLive(const LiveArguments& a, Mistakes& mi
           "valid: a scheme and a host, with a port where it has one, such as https://app.foxglove.dev");
   if (a.speed == kAsFast) {
     options.speed = flight::Pace::kAsFast;
-  } else if (!a.speed.empty()) {
-    const auto speed = Read<double>(a.speed);
+  } else if (a.speed) {
+    const auto speed = Read<double>(*a.speed);
     if (speed && *speed != flight::Pace::kAsFast && flight::Pace::Valid(*speed))
       options.speed = *speed;
     else
-      mistakes.Add("--live-speed", "", fmt::format("'{}' is no speed", a.speed),
+      mistakes.Add("--live-speed", "", fmt::format("'{}' is no speed", *a.speed),
                    fmt::format("valid: from {:g} to {:g} times real time, or {}", flight::Pace::kLeast,
                                flight::Pace::kMost, kAsFast));
   }

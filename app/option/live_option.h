@@ -16,7 +16,7 @@ namespace kestrel::app {
 // How a flight is shown while it flies. Absent: it is not.
 struct LiveArguments {
   std::optional<std::string> port;  // empty: the usual one
-  std::string address, speed;       // empty: not given
+  std::optional<std::string> address, speed;
   std::vector<std::string> origins;
 };
 

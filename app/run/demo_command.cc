@@ -90,16 +90,22 @@ int DemoCommand(const DemoArguments& a) {
   const auto go_on = [&] { return !interrupted.load(); };
   flight::RunOptions run;
   run.live = live.get();
-  run.progress = [&](const records::LogRow&) { return go_on(); };
-  int status = kMet;
-  for (std::size_t i = 0; i < scenarios.size() && go_on(); ++i) {
-    if (i > 0) Rest(kBetween_s, go_on);
-    fmt::print("{} of {}  {}: {}\n", i + 1, scenarios.size(), kActs[i].scenario, kActs[i].sentence);
-    std::fflush(stdout);
-    run.folder = out / kActs[i].scenario;
-    const records::Summary summary = flight::RunFlight(scenarios[i], run).summary;
-    if (!go_on()) break;
+  int status = kMet, rows = 0;
+  std::size_t act = 0;
+  run.progress = [&](const records::LogRow&) {
+    if (++rows == 2) {  // beyond the first frame there is a viewer
+      fmt::print("{} of {}  {}: {}\n", act + 1, scenarios.size(), kActs[act].scenario, kActs[act].sentence);
+      std::fflush(stdout);
+    }
+    return go_on();
+  };
+  for (; act < scenarios.size() && go_on(); ++act) {
+    if (act > 0) Rest(kBetween_s, go_on);
+    rows = 0;
+    run.folder = out / kActs[act].scenario;
+    const records::Summary summary = flight::RunFlight(scenarios[act], run).summary;
     if (!summary.complete) status = kBrokeOff;
+    if (!go_on()) break;
     fmt::print("  {}: {}\n", summary.outcome, ReportOf(*run.folder));
     std::fflush(stdout);
   }

@@ -100,7 +100,7 @@ CLI::App* AddPictureCommand(CLI::App& app, PictureArguments& a) {
           "the image of the camera on board")
       ->type_name("VIEW")
       ->capture_default_str();
-  command->add_option("--size", a.size, "WIDTHxHEIGHT in pixels; of camera its own")->capture_default_str();
+  command->add_option("--size", a.size, "WIDTHxHEIGHT in pixels, 1920x1080 if not given; camera has its own");
   command->add_option("--seed", a.seed, "Of everything random, instead of the scenario's");
   command->add_option("--set", a.overrides, "key.path=value, instead of the scenario's; may be repeated")
       ->type_name("KEY=VALUE");
@@ -127,7 +127,10 @@ void PictureCommand(const PictureArguments& a) {
   if (!on_board && std::ranges::find(sim::KindsOfView(), a.view) == sim::KindsOfView().end())
     mistakes.Add("--view", "", fmt::format("'{}' is no view", a.view),
                  fmt::format("valid: {}, {}", fmt::join(sim::KindsOfView(), ", "), kOnBoard));
-  if (const auto size = ReadViewSize("--size", a.size, mistakes))
+  if (on_board && a.size)
+    mistakes.Add("--size", "", "the image of the camera on board has the size of that camera",
+                 "valid: another view, or no --size");
+  if (const auto size = ReadViewSize("--size", a.size.value_or("1920x1080"), mistakes))
     view.width_px = size->width, view.height_px = size->height;
   if (!(a.at_s >= 0 && a.at_s <= scenario.duration_s))
     mistakes.Add("--at", "", fmt::format("{:g} is not within the flight", a.at_s),

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,7 +13,8 @@ namespace kestrel::app {
 
 // `kestrel picture`: an instant of a flight, seen from outside, at high quality.
 struct PictureArguments {
-  std::string scenario, out, view = "chase", size = "1920x1080";
+  std::string scenario, out, view = "chase";
+  std::optional<std::string> size;
   double at_s = 0;
   std::vector<std::string> overrides;
   std::string seed;

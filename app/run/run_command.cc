@@ -103,6 +103,7 @@ void PrintNotes(const std::vector<std::string>& notes) {
 }
 
 int RunCommand(const RunArguments& a) {
+  const std::atomic<bool>& interrupted = EndInGoodOrder();
   std::vector<std::string> overrides = a.overrides;
   if (!a.seed.empty()) overrides.push_back("seed=" + a.seed);
   const flight::LoadedScenario loaded = flight::LoadScenario(a.scenario, overrides);
@@ -130,7 +131,6 @@ int RunCommand(const RunArguments& a) {
     PrintNotes(loaded.notes);
   }
   PrintLive(live.get());
-  const std::atomic<bool>& interrupted = EndInGoodOrder();
   flight::FlightResult result;
   {
     Progress progress(loaded.scenario.duration_s);

@@ -73,11 +73,13 @@ void Connection::Start() {
 }
 
 void Connection::StartFull() {
+  asked_ = true;
   since_s_ = host_.now_s();
   Respond(503, "text/plain", Line("too many are watching; valid: later"));
 }
 
 void Connection::Answer() {
+  asked_ = true;
   const Request& request = parser_.get();
   const std::string_view target = View(request.target());
   const std::string subprotocol = SubprotocolOf(View(request[http::field::sec_websocket_protocol]));

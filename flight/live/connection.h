@@ -38,6 +38,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   void Tick();       // ends what takes too long
   void End();        // at once
   bool viewer() const { return conversation_ != nullptr && !ended_; }
+  bool asking() const { return !asked_ && !ended_; }  // its request is not whole yet
 
  private:
   using Request = boost::beast::http::request<boost::beast::http::string_body>;
@@ -58,7 +59,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   std::optional<LiveMessage> writing_;
   RateLimit rate_;
   std::optional<double> since_s_;  // when what is under way began: a request, a message to the viewer
-  bool upgraded_ = false, closing_ = false, ended_ = false;
+  bool asked_ = false, upgraded_ = false, closing_ = false, ended_ = false;
 };
 
 }  // namespace kestrel::flight

@@ -72,9 +72,12 @@ void Feed::AddEvent(double t_s, std::string_view what, std::string_view is) {
   Tell(TextOf({{"op", "event"}, {"t_s", t_s}, {"what", what}, {"is", is}}));
 }
 
-void Feed::AddChange(const std::string& key, const std::string& value, double t_s) {
-  Tell(
-      TextOf({{"op", "changed"}, {"key", key}, {"value", json::parse(value, nullptr, false)}, {"t_s", t_s}}));
+void Feed::AddChange(const std::string& key, const std::string& value, double t_s, const std::string& again) {
+  Tell(TextOf({{"op", "changed"},
+               {"key", key},
+               {"value", json::parse(value, nullptr, false)},
+               {"t_s", t_s},
+               {"again", again}}));
 }
 
 void Feed::SetState(bool paused, double speed, double real_time_factor) {

@@ -40,7 +40,8 @@ class Feed {
   void Begin(nlohmann::json flight, std::string_view header);
   void AddRow(std::string_view line) { rows_.Add(RowJson(line)); }
   void AddEvent(double t_s, std::string_view what, std::string_view is);
-  void AddChange(const std::string& key, const std::string& value, double t_s);  // value: JSON
+  // value: JSON; again: the command that flies the flight again now.
+  void AddChange(const std::string& key, const std::string& value, double t_s, const std::string& again);
   void SetState(bool paused, double speed, double real_time_factor);
   void AddPicture(Picture kind, double t_s, std::string_view jpeg);
   void End(nlohmann::json summary);

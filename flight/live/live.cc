@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "base/html/html.h"
+#include "base/process/print_note.h"
 #include "base/stopwatch.h"
 #include "flight/live/access.h"
 #include "flight/live/foxglove.h"
@@ -154,11 +155,11 @@ struct Live::State {
         factor = pace.real_time_factor()] { pages.feed.SetState(paused, speed, factor); },
        false);
   }
-  void Refuse(std::int64_t viewer, const std::string& why) {
+  void Refuse(const LiveCommand& command, const std::string& why) {
     Do(
-        [this, viewer, why] {
+        [this, viewer = command.from, key = command.key, why] {
           const auto found = pages.all.find(viewer);
-          if (found != pages.all.end()) found->second->Refuse(why);
+          if (found != pages.all.end()) found->second->Refuse(why, key);
         },
         true);
   }
@@ -178,10 +179,12 @@ struct Live::State {
       case Op::kChange:
         break;
     }
-    if (!change) return Refuse(command.from, "nothing of this flight can be changed");
+    if (!change) return Refuse(command, "nothing of this flight can be changed");
     const LiveAnswer answer = change(command.key, command.value);
-    if (!answer.refused.empty()) return Refuse(command.from, answer.refused);
-    Do([this, command, answer] { pages.feed.AddChange(command.key, command.value, answer.t_s); }, true);
+    if (!answer.refused.empty()) return Refuse(command, answer.refused);
+    Do([this, command,
+        answer] { pages.feed.AddChange(command.key, command.value, answer.t_s, answer.again); },
+       true);
   }
   void ObeyAll() {
     std::deque<LiveCommand> taken;
@@ -305,8 +308,12 @@ bool Live::Wait(double t_s, const std::function<bool()>& go_on) {
     if (s.awaits) std::this_thread::sleep_for(Seconds(kPoll_s));
   }
   s.pace.Flown(s.now_s(), t_s);
-  for (;;) {
+  bool told = false;
+  for (double seen_s = s.now_s();;) {
     s.ObeyAll();
+    if (!s.pace.paused() || viewers() > 0) seen_s = s.now_s();
+    if (s.now_s() - seen_s > kGone_s && !std::exchange(told, true))
+      PrintNote("the flight is paused, and nobody watches: {} lets it fly on\n", url());
     const double wait_s = s.paced ? s.pace.Wait_s(s.now_s(), t_s) : 0;
     if (!(wait_s > 0)) return true;
     if (!go_on()) return false;

@@ -22,6 +22,7 @@ namespace kestrel::flight {
 struct LiveAnswer {
   std::string refused;  // empty: it is not
   double t_s = 0;
+  std::string again;  // the command that flies it again now; empty: none does
 };
 
 // A flight that is watched.

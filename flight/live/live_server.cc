@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
@@ -75,12 +76,31 @@ void LiveServer::Accept() {
     if (wrong == boost::asio::error::operation_aborted || !acceptor_.is_open()) return;
     if (!wrong) {
       auto connection = std::make_shared<Connection>(std::move(socket), *host_);
-      const bool full = connections_.size() >= kMaxConnections;
+      MakeRoom();
+      const auto answered = std::ranges::count_if(connections_, [](const auto& each) {
+        const auto there = each.lock();
+        return there && !there->asking();
+      });
+      const bool full = static_cast<std::size_t>(answered) >= kMaxConnections;
       connections_.push_back(connection);
       full ? connection->StartFull() : connection->Start();
     }
     Accept();
   });
+}
+
+// Of those whose requests are not whole the oldest goes, so that they keep nobody out who asks in one piece.
+void LiveServer::MakeRoom() {
+  std::erase_if(connections_, [](const auto& each) { return each.expired(); });
+  std::size_t asking = 0;
+  std::shared_ptr<Connection> oldest;
+  for (const auto& each : connections_) {
+    const auto connection = each.lock();
+    if (!connection || !connection->asking()) continue;
+    ++asking;
+    if (!oldest) oldest = connection;
+  }
+  if (asking >= kMaxAsking) oldest->End();
 }
 
 void LiveServer::Tick() {

@@ -17,7 +17,7 @@ namespace kestrel::flight {
 // Takes viewers, on the thread of an io_context. All but the constructor is of that thread.
 class LiveServer {
  public:
-  static constexpr std::size_t kMaxConnections = 64;
+  static constexpr std::size_t kMaxConnections = 64, kMaxAsking = 64;
 
   // Listens at once. page: null while there is none. Throws InputError: the address is none, or cannot be had.
   LiveServer(boost::asio::io_context& io, const LiveServerOptions& options, std::function<double()> now_s,
@@ -33,6 +33,7 @@ class LiveServer {
  private:
   void Listen(const LiveServerOptions& options);
   void Accept();
+  void MakeRoom();
   void Tick();
 
   boost::asio::ip::tcp::acceptor acceptor_;

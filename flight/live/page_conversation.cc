@@ -52,7 +52,8 @@ LiveCommand ParseLiveCommand(std::string_view message) {
   }
   if (command.op == Op::kChange) {
     const auto key = parsed.find("key");
-    if (key == parsed.end() || !key->is_string() || key->get_ref<const std::string&>().size() > kMaxKey)
+    if (key == parsed.end() || !key->is_string() || key->get_ref<const std::string&>().empty() ||
+        key->get_ref<const std::string&>().size() > kMaxKey)
       throw std::invalid_argument("a change has a \"key\" of the scenario");
     if (value == parsed.end()) throw std::invalid_argument("a change has a \"value\"");
     command.key = *key;
@@ -67,8 +68,8 @@ void PageConversation::Hear(std::string_view message, bool binary) {
     LiveCommand command = ParseLiveCommand(message);
     const std::string& refusal =
         command.op == LiveCommand::Op::kChange ? pages_.refusals.change : pages_.refusals.pace;
-    if (pages_.feed.ended()) return Refuse("the flight is over");
-    if (!refusal.empty()) return Refuse(refusal);
+    if (pages_.feed.ended()) return Refuse("the flight is over", command.key);
+    if (!refusal.empty()) return Refuse(refusal, command.key);
     command.from = number_;
     if (!pages_.command(std::move(command))) Refuse("the flight has too much to do; valid: later");
   } catch (const std::invalid_argument& e) {
@@ -76,9 +77,9 @@ void PageConversation::Hear(std::string_view message, bool binary) {
   }
 }
 
-void PageConversation::Refuse(const std::string& why) {
+void PageConversation::Refuse(const std::string& why, const std::string& key) {
   if (answers_.size() < kMaxAnswers)
-    answers_.push_back(TextMessage(TextOf({{"op", "refused"}, {"why", why}})));
+    answers_.push_back(TextMessage(TextOf({{"op", "refused"}, {"why", why}, {"key", key}})));
 }
 
 std::optional<LiveMessage> PageConversation::Next() {

@@ -50,7 +50,8 @@ class PageConversation final : public Conversation {
   ~PageConversation() override { pages_.all.erase(number_); }
 
   void Hear(std::string_view message, bool binary) override;
-  void Refuse(const std::string& why) override;
+  void Refuse(const std::string& why) override { Refuse(why, ""); }
+  void Refuse(const std::string& why, const std::string& key);  // of a change of that key
   std::optional<LiveMessage> Next() override;
 
  private:

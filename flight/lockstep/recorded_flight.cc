@@ -5,11 +5,21 @@
 #include "records/video/drawn_view.h"
 
 namespace kestrel::flight {
+namespace {
+
+// Who steps it is not in the scenario, so that no command flies it again.
+LoadedScenario SteppedByOthers(LoadedScenario loaded) {
+  loaded.again.clear();
+  return loaded;
+}
+
+}  // namespace
 
 RecordedFlight::RecordedFlight(const Sim& sim, const Observation& first, const std::filesystem::path& folder,
                                bool video)
     : sim_(sim),
-      records_(folder, sim.scenario(), sim.simulator(), SceneOf(sim.scenario(), sim.simulator()), video) {
+      records_(folder, SteppedByOthers(sim.scenario()), sim.simulator(),
+               SceneOf(sim.scenario(), sim.simulator()), video) {
   WriteImage(first);
 }
 

@@ -66,7 +66,7 @@ class ServedFlight {
     if (options.folder) records_.emplace(*options.folder, loaded, simulator_, scene, false);
     if (!options.live) return;
     BeginLive(*options.live, loaded, simulator_, scene, PartsOf(loaded, simulator_.model()), changes_,
-              "it flies at the pace of whoever is on the wires");
+              records_ ? &*records_ : nullptr, "it flies at the pace of whoever is on the wires");
     if (records_)
       records_->Tell([live = options.live](double t_s, std::string_view what, std::string_view is) {
         live->Event(t_s, what, is);

@@ -4,13 +4,12 @@
 #include <utility>
 
 #include "flight/flight_subject.h"
-#include "flight/simulated/flight_records.h"
 
 namespace kestrel::flight {
 
 void BeginLive(Live& live, const LoadedScenario& loaded, const sim::Simulator& simulator,
                const std::string& scene_glb, const mission::MissionParts& parts, Changes& changes,
-               const std::string& pace_refused) {
+               const FlightRecords* records, const std::string& pace_refused) {
   LiveFlight flight;
   flight.subject = SubjectOf(loaded, simulator);
   flight.subject.changeable = changes.All();
@@ -21,8 +20,10 @@ void BeginLive(Live& live, const LoadedScenario& loaded, const sim::Simulator& s
   if (flight.subject.changeable.empty())
     flight.refusals.change = "the scenario names nothing under `changeable`";
   else
-    flight.change = [&](const std::string& key, const std::string& value) {
-      return LiveAnswer{.refused = changes.Make(key, value), .t_s = simulator.truth().t_s};
+    flight.change = [&changes, &simulator, records](const std::string& key, const std::string& value) {
+      const std::string refused = changes.Make(key, value);
+      return LiveAnswer{
+          .refused = refused, .t_s = simulator.truth().t_s, .again = records ? records->again() : ""};
     };
   live.Begin(std::move(flight));
 }

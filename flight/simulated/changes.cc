@@ -112,6 +112,14 @@ std::vector<std::string> KeysOf(const Scenario& s) {
   return keys;
 }
 
+struct Range {
+  double low = 0, high = 0;
+};
+// Within that of its key.
+Range RangeOf(const ChangeableKeys& declared, const FieldDescription& field) {
+  return {declared.min.value_or(field.low.value_or(-1e9)), declared.max.value_or(field.high.value_or(1e9))};
+}
+
 // What the scenario itself says of a value that its key may have.
 void CheckDeclared(const ChangeableKeys& declared, const Scenario& changed, const ConfigNode& value,
                    Mistakes& mistakes) {
@@ -126,12 +134,23 @@ void CheckDeclared(const ChangeableKeys& declared, const Scenario& changed, cons
   if (!declared.min && !declared.max) return;
   const auto field = Describe(changed, declared.key);
   std::vector<double> numbers;
-  if (field) Numbers(Parsed(field->value, none), numbers);
-  const double low = declared.min.value_or(field->low.value_or(-1e9)),
-               high = declared.max.value_or(field->high.value_or(1e9));
+  if (!field) return;
+  Numbers(Parsed(field->value, none), numbers);
+  const auto [low, high] = RangeOf(declared, *field);
   if (std::ranges::any_of(numbers, [&](double n) { return n < low || n > high; }))
     mistakes.Add("", declared.key, FlowText(value) + " is out of the range that changeable gives it",
                  fmt::format("valid: {} to {}", low, high));
+}
+
+// The remedy for a value that its key does not take, with what the scenario leaves of the key's range.
+std::string Narrowed(std::string remedy, const ChangeableKeys& declared, const Scenario& s) {
+  const auto field = Describe(s, declared.key);
+  if (!field || !field->low || !field->high) return remedy;
+  const auto [low, high] = RangeOf(declared, *field);
+  const std::string of_key = fmt::format("{} to {}", *field->low, *field->high);
+  if (const std::size_t at = remedy.find(of_key); at != std::string::npos)
+    remedy.replace(at, of_key.size(), fmt::format("{} to {}", low, high));
+  return remedy;
 }
 
 // The scenario with another value of a key; what is wrong with it is among the mistakes.
@@ -153,7 +172,8 @@ Scenario Changed(const LoadedScenario& loaded, const Scenario& scenario, const s
     CheckImage(changed.image, &loaded.simulator.camera, "", own);
     CheckDeclared(*declared, changed, value, own);
   }
-  for (const Diagnostic& each : own.all()) mistakes.Add("", each.key, each.what, each.remedy);
+  for (const Diagnostic& each : own.all())
+    mistakes.Add("", each.key, each.what, Narrowed(each.remedy, *declared, scenario));
   return changed;
 }
 

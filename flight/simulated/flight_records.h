@@ -48,6 +48,8 @@ class FlightRecords {
   void Note(double t_s, std::string_view what, std::string_view is) { events_.Line(t_s, what, is); }
   // A change in flight; flown: the scenario by which it is flown again.
   void Write(const MadeChange& change, const Scenario& flown);
+  // The command that flies it again, from scenario.yaml after a change by hand; empty: none does.
+  const std::string& again() const { return again_; }
   records::Recorder& recorder() { return recorder_; }
 
   // Ends all files. What fails here makes the flight one that broke off; returns what summary.json then says.
@@ -63,7 +65,7 @@ class FlightRecords {
   records::EventLog events_;
   std::unique_ptr<records::FlightMcap> mcap_;  // null: not asked for
   std::optional<CarriedTopics> carried_;       // as mcap_
-  std::string again_;                          // the command that page.json has; empty: none
+  std::string again_;
   std::size_t conditions_written_ = 0, states_written_ = 0;
 };
 

@@ -68,7 +68,7 @@ FlightResult RunFlight(const LoadedScenario& loaded, const RunOptions& options) 
     if (records) records->Write(change, in_flight.flown());
   });
   if (options.live) {
-    BeginLive(*options.live, loaded, simulator, scene, parts, in_flight);
+    BeginLive(*options.live, loaded, simulator, scene, parts, in_flight, records ? &*records : nullptr);
     if (records)
       records->Tell([live = options.live](double t_s, std::string_view what, std::string_view is) {
         live->Event(t_s, what, is);

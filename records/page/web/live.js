@@ -26,6 +26,7 @@ const live = {
     drawLive();
   },
   say(command) {
+    refusedInFlight("");
     if (live.socket?.readyState === WebSocket.OPEN) live.socket.send(JSON.stringify(command));
   },
 
@@ -59,12 +60,13 @@ const live = {
       announce(`${verdictOf(flight)[0]}: ${told.outcome}`);
       if (clock.following) clock.follow();
     },
-    changed({key, value}) {
+    changed({key, value, again}) {
       refusedInFlight("");
+      flight.describe({again});
       showChanged(key, value);
     },
-    refused({why}) {
-      refusedInFlight(why);
+    refused({why, key}) {
+      refusedInFlight(why, key);
       drawLive();
       showAllAsTheyAre();
     },
@@ -80,6 +82,7 @@ const live = {
 };
 
 // The page is of one flight, with its world. The server has the page of the next one by the time that it tells of it.
+let loadedFor;
 const whichFlight = ({scenario, seed, mode, mission, title, again, version}) =>
   JSON.stringify([scenario, seed, mode, mission, title, again, version]);
 // Not twice for the same one, should it come as another nevertheless.
@@ -87,7 +90,7 @@ const goesToNext = (told) => {
   try {
     const [wanted, before] = [whichFlight(told), sessionStorage.getItem("kestrel-live")];
     sessionStorage.removeItem("kestrel-live");
-    if (wanted === whichFlight(flight.data) || wanted === before) return false;
+    if (wanted === loadedFor || wanted === before) return false;
     sessionStorage.setItem("kestrel-live", wanted);
   } catch {  // a page that may keep nothing
     return false;
@@ -106,7 +109,13 @@ const liveStates = {
 const speeds = [0.1, 0.25, 0.5, 1, 2, 5, 10, 0];
 const speedName = (speed) => (speed === 0 ? "as fast as it goes" : `${number(speed)} ×`);
 
-const refusedInFlight = (why) => { byId("live-refused").textContent = why && `Refused: ${why}`; };
+// Where it was asked for; until the next that is.
+const refusedInFlight = (why, key = "") => {
+  byId("live-refused").remove();
+  const place = [...document.querySelectorAll(".change")].find((each) => key && each.dataset.key === key);
+  (place ?? byId("live")).append(refusalLine(why && `Refused: ${why}`));
+};
+const refusalLine = (text = "") => el("p", {id: "live-refused", class: "missed", role: "alert"}, text);
 
 const drawLive = () => {
   const name = live.state === "flying" && live.paused ? "paused" : live.state;
@@ -147,10 +156,11 @@ const setUpLive = () => {
           onchange: (event) => live.say({op: "speed", value: Number(event.target.value)})},
         speeds.map((speed) => el("option", {value: speed}, speedName(speed))))))),
     el("p", {id: "live-only", class: "note", hidden: true}),
-    el("p", {id: "live-refused", class: "missed", role: "alert"}),
+    refusalLine(),
     el("details", {id: "live-more", hidden: true}, el("summary", {}, "Change in flight"),
       el("fieldset", {id: "live-changes", "aria-label": "Changes in flight"})));
   drawLive();
+  loadedFor = whichFlight(flight.data);
   if (location.host) live.connect();
   else live.become("lost");  // a copy of the page
 };

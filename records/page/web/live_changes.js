@@ -39,7 +39,9 @@ const numberControl = ({key, min, max}, label, send) => {
     send(Number(slider.value));
   });
   field.addEventListener("change", () => {
-    if (field.value !== "") send(Number(field.value));
+    if (field.value !== "") return send(Number(field.value));
+    showAllAsTheyAre();
+    refusedInFlight("that is no number", field.closest(".change").dataset.key);
   });
   const unit = unitOf(key)[1];
   return {

@@ -52,6 +52,16 @@ TEST(LiveOptions, AreRefusedAllAtOnceWithWhatIsValid) {
                           HasSubstr("--live-speed")));
 }
 
+TEST(LiveOptions, AnEmptyAddressIsNoneAndAnEmptySpeedIsRefused) {
+  EXPECT_THAT(
+      MistakesOf({.port = {}, .address = "", .speed = "", .origins = {}}),
+      ElementsAre(HasSubstr("--live-address: given without"), HasSubstr("--live-speed: given without")));
+  Mistakes mistakes;
+  const auto options = ReadLive({.port = "0", .address = "", .speed = {}, .origins = {}}, mistakes);
+  ASSERT_TRUE(options);
+  EXPECT_THROW(MakeLive(options), InputError);
+}
+
 TEST(LiveOptions, AnOriginIsASchemeAndAHost) {
   for (const char* wrong : {"not a url", "*", "https://", "https://*.a.b", "https://a.b/", "a.b", ""})
     EXPECT_THAT(MistakesOf({.port = "", .address = {}, .speed = {}, .origins = {wrong}}),

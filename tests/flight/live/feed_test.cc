@@ -41,7 +41,7 @@ TEST(LiveFeed, WhoComesLateIsToldAllThatWas) {
   Feed feed = FeedOf(1000);
   feed.AddEvent(1, "phase", "search");
   feed.SetState(false, 1, 1);
-  feed.AddChange("wind.mean_m_s", "4.5", 2);
+  feed.AddChange("wind.mean_m_s", "4.5", 2, "kestrel run changed.yaml");
   Feed::Place late;
   std::vector<double> numbers;
   std::vector<std::string> ops;
@@ -51,6 +51,8 @@ TEST(LiveFeed, WhoComesLateIsToldAllThatWas) {
       for (const json& row : each["rows"]) numbers.push_back(row[0]);
     EXPECT_FALSE(each.contains("columns"));
     EXPECT_EQ(each.value("value", 4.5), 4.5);
+    EXPECT_EQ(each["op"] == "changed" ? each["again"] : "kestrel run changed.yaml",
+              "kestrel run changed.yaml");
   }
   EXPECT_THAT(ops, testing::ElementsAre("flight", "columns", "rows", "event", "changed", "state"));
   ASSERT_EQ(numbers.size(), 1000u);

@@ -159,7 +159,8 @@ TEST_F(LivePage, ChangesWhatTheScenarioLetsAndSaysWhatIsRefused) {
   std::vector<std::string> changes;
   flight.change = [&](const std::string& key, const std::string& value) {
     changes.push_back(key + "=" + value);
-    return key == "flight.yaw_deg" ? LiveAnswer{"not <i>now</i>"} : LiveAnswer{"", 1};
+    return key == "flight.yaw_deg" ? LiveAnswer{"not <i>now</i>", 1, ""}
+                                   : LiveAnswer{"", 1, "kestrel run changed.yaml"};
   };
   Live& live = Begin(std::move(flight));
   Open();
@@ -177,11 +178,19 @@ TEST_F(LivePage, ChangesWhatTheScenarioLetsAndSaysWhatIsRefused) {
       "field.value = 400; field.dispatchEvent(new Event('change'))");
   ASSERT_TRUE(Until([&] { return live.Wait(0, TwiceMore()), changes.size() == 3; }));
   ASSERT_TRUE(Comes("byId('live-refused').textContent"));
-  EXPECT_EQ(Text("#live-refused"), "Refused: not <i>now</i>");
+  EXPECT_EQ(Text("[data-key=\"flight.yaw_deg\"] #live-refused"), "Refused: not <i>now</i>");
+  EXPECT_THAT(Text("#verdict-A"), HasSubstr("kestrel run changed.yaml"));
   EXPECT_EQ(Run("return document.querySelector('[data-key=\"flight.yaw_deg\"] input').value"), "0");
   EXPECT_EQ(Run("return document.querySelector('[data-key=\"wind.mean_m_s\"] [type=number]').value"), "6.5");
   EXPECT_THAT(changes, ElementsAre("wind.mean_m_s=6.5", R"(sensors.faults=[{"instance":1,"type":"off"}])",
                                    "flight.yaw_deg=400"));
+  browser_->Click("#live-pause");
+  EXPECT_EQ(Text("#live-refused"), "");
+  browser_->Run(
+      "const field = document.querySelector('[data-key=\"wind.mean_m_s\"] [type=number]');"
+      "field.value = ''; field.dispatchEvent(new Event('change'))");
+  EXPECT_EQ(Text("[data-key=\"wind.mean_m_s\"] #live-refused"), "Refused: that is no number");
+  EXPECT_EQ(Run("return document.querySelector('[data-key=\"wind.mean_m_s\"] [type=number]').value"), "6.5");
 }
 
 TEST_F(LivePage, OffersNothingWhereOneOnlyWatches) {

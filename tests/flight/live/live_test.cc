@@ -198,8 +198,8 @@ TEST_F(LiveFlights, AChangeIsMadeOnTheFlightsThreadAndToldToAll) {
   flight.change = [&](const std::string& key, const std::string& value) {
     EXPECT_EQ(std::this_thread::get_id(), own);
     changes.push_back(key + "=" + value);
-    return key == "wind.mean_m_s" ? LiveAnswer{"", 1.5}
-                                  : LiveAnswer{"'" + key + "' is not declared changeable"};
+    return key == "wind.mean_m_s" ? LiveAnswer{"", 1.5, ""}
+                                  : LiveAnswer{"'" + key + "' is not declared changeable", 1.5, ""};
   };
   live_->Begin(flight);
   Client one(port()), other(port());
@@ -351,6 +351,18 @@ TEST_F(LiveFlights, AHalfRequestAndAHalfFrameHoldNobodyUp) {
   EXPECT_FALSE(other.HearOp("rows").empty());
   now_s_ = now_s_ + 60;
   EXPECT_EQ(half.RawAnswer(), "");  // it was closed
+}
+
+TEST_F(LiveFlights, HalfRequestsHoweverManyKeepNobodyOut) {
+  Begin();
+  std::vector<std::unique_ptr<Client>> half;
+  for (int i = 0; i < 200; ++i) {
+    half.push_back(std::make_unique<Client>(port()));
+    half.back()->Raw("GET / HT");
+  }
+  Client viewer(port());
+  ASSERT_TRUE(viewer.Join("/live"));
+  EXPECT_EQ(viewer.HearOp("flight")["scenario"], "landing");
 }
 
 TEST_F(LiveFlights, AFrozenViewerIsDroppedAndCostsNoPictures) {

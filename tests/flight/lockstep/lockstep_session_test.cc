@@ -94,6 +94,7 @@ TEST_F(LockstepSessionTest, LeavesTheFolderOfARun) {
   EXPECT_THAT(telemetry, HasSubstr(",0.5,0.25,0,7.16197244,"));  // the setpoints are in it
   EXPECT_THAT(Content(folder_ / "flight/events.log"), HasSubstr("a test"));
   EXPECT_TRUE(std::filesystem::exists(folder_ / "flight/scenario.yaml"));
+  EXPECT_EQ(Json::parse(Content(folder_ / "flight/page.json"))["again"], "");  // it was stepped by others
 }
 
 TEST_F(LockstepSessionTest, ATokenIsOfOneRequest) {

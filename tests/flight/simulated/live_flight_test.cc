@@ -105,7 +105,9 @@ TEST_F(LiveFlightInTheSimulator, IsChangedWhereItsScenarioSaysSoAndFlownAgainFro
   viewer.Say(R"({"op":"change","key":"pilot.servo.lambda_per_s","value":1})");
   EXPECT_THAT(viewer.HearOp("refused")["why"].get<std::string>(), HasSubstr("pilot.servo.lambda_per_s"));
   viewer.Say(R"({"op":"change","key":"wind.mean_m_s","value":5.5})");
-  EXPECT_EQ(viewer.HearOp("changed")["value"], 5.5);
+  const json changed_to = viewer.HearOp("changed");
+  EXPECT_EQ(changed_to["value"], 5.5);
+  EXPECT_THAT(changed_to["again"].get<std::string>(), HasSubstr((folder_ / "scenario.yaml").string()));
   viewer.Say(R"({"op":"resume"})");
   const records::Summary changed = flown.get();
   EXPECT_THAT(Content(folder_ / "events.log"), HasSubstr("change: wind.mean_m_s"));
