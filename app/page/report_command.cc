@@ -10,13 +10,15 @@
 #include "base/printable.h"
 #include "base/process/print_note.h"
 #include "records/page/flight_page.h"
+#include "records/page/page_media.h"
 
 namespace kestrel::app {
 namespace {
 
 void TellWhatIsLeftOut(const std::filesystem::path& folder) {
-  for (const std::string& name : records::LeftOutOfPage(folder))
-    PrintNote("{} is too large for a page, which is without it\n", Printable((folder / name).string()));
+  if (folder.empty()) return;
+  for (const std::string& each : records::LeftOutOfPage(folder))
+    PrintNote("{}: {}\n", Printable(folder.string()), each);
 }
 
 }  // namespace

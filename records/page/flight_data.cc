@@ -11,6 +11,7 @@
 #include "base/file/files.h"
 #include "base/user_file.h"
 #include "records/page/flight_json.h"
+#include "records/page/page_media.h"
 #include "records/page/telemetry_columns.h"
 #include "records/summary.h"
 
@@ -105,6 +106,7 @@ std::string FlightData(const fs::path& folder) {
     const fs::path log = WholeOrPart(folder / "events.log");
     flight["events"] = log.empty() ? Json::array() : EventsOf(TextOf(log));
     flight["live"] = false;
+    flight["left_out"] = LeftOutOfPage(folder);
     std::string json = flight.dump(-1, ' ', false, Json::error_handler_t::replace);
     json.pop_back();
     return json + ",\"columns\":" + columns.json + '}';

@@ -11,6 +11,7 @@ namespace kestrel::records {
 //   events      [{t_s, what, is}], the lines of events.log
 //   columns     those of telemetry.csv (telemetry_columns.h)
 //   live        false
+//   left_out    what the page is without though it should have it (page_media.h)
 //   changeable  []: it has ended
 // Of a flight that was broken off, by a crash or a cut of power, what had been written is there, "complete" is false
 // and "error" says so. A folder of an older version has no page.json: camera and pad are null then, and again is

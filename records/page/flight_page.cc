@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <cstdint>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string_view>
@@ -14,6 +13,7 @@
 #include "base/user_file.h"
 #include "records/page/flight_data.h"
 #include "records/page/flight_json.h"
+#include "records/page/page_media.h"
 
 namespace kestrel::records {
 namespace {
@@ -43,30 +43,6 @@ std::string Three() {
   return all;
 }
 
-std::string Element(std::string_view id, std::string_view bytes) {
-  if (bytes.empty()) return {};
-  return fmt::format("<script type=\"text/plain\" id=\"{}\">{}</script>\n", id, Base64(bytes));
-}
-
-struct Media {
-  const char *id, *file;
-};
-constexpr Media kMedia[] = {{"video", "video.mp4"}, {"view", "view.mp4"}, {"scene", "scene.glb"}};
-constexpr std::uintmax_t kMaxMediaBytes = std::uintmax_t{64} << 20;
-
-bool Fits(const fs::path& file) {
-  std::error_code none;
-  return fs::file_size(file, none) <= kMaxMediaBytes;
-}
-
-std::string MediaOf(const fs::path& folder, std::string_view suffix) {
-  std::string elements;
-  for (const auto& [id, file] : kMedia)
-    if (IsFile(folder / file) && Fits(folder / file))
-      elements += Element(fmt::format("{}{}", id, suffix), ReadFile(folder / file));
-  return elements;
-}
-
 // flights: elements of a list of JSON; connect: with whom it may speak, as a Content-Security-Policy says it.
 std::string PageOf(const std::string& title, const std::string& flights, std::string media,
                    std::string connect) {
@@ -92,26 +68,19 @@ std::string TitleOf(const std::string& flight) { return Json::parse(flight).at("
 }  // namespace
 
 std::string FlightPage(const fs::path& folder, const std::optional<fs::path>& second) {
-  std::string flights = FlightData(folder), title = TitleOf(flights), media = MediaOf(folder, "");
+  std::string flights = FlightData(folder), title = TitleOf(flights), media = MediaElements(folder, "");
   if (second) {
     const std::string other = FlightData(*second);
     title += " | " + TitleOf(other);
     flights += ',' + other;
-    media += MediaOf(*second, "-b");
+    media += MediaElements(*second, "-b");
   }
   return PageOf(title, flights, std::move(media), "'none'");
 }
 
 std::string LiveFlightPage(const FlightSubject& subject, const std::string& scene_glb) {
   return PageOf(subject.title, LiveJson(subject).dump(-1, ' ', false, Json::error_handler_t::replace),
-                Element("scene", scene_glb), "'self'");
-}
-
-std::vector<std::string> LeftOutOfPage(const fs::path& folder) {
-  std::vector<std::string> names;
-  for (const Media& each : kMedia)
-    if (IsFile(folder / each.file) && !Fits(folder / each.file)) names.emplace_back(each.file);
-  return names;
+                MediaElement("scene", scene_glb), "'self'");
 }
 
 void WriteFlightPage(const fs::path& folder) { WriteFile(folder / "report.html", FlightPage(folder)); }

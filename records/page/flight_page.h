@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "records/page/flight_subject.h"
 
@@ -17,7 +16,7 @@ namespace kestrel::records {
 //   script#video, #view, #scene          of text/plain: video.mp4, view.mp4, scene.glb in Base64; none where the
 //                                        folder has no such file
 //   script#video-b, #view-b, #scene-b    of the second flight
-// A file of media of more than 64 MB, a video of ten minutes, is left out: no browser would take hours of it.
+// What cannot be shown is left out, and the page says so (page_media.h).
 // The same folders give the same page. Throws InputError as FlightData; std::runtime_error: a file of the page or a
 // library is not there.
 std::string FlightPage(const std::filesystem::path& folder,
@@ -26,9 +25,6 @@ std::string FlightPage(const std::filesystem::path& folder,
 // The page of a flight that goes on: FLIGHT is LiveJson's (flight_json.h). scene_glb: of its world; empty: there is
 // none.
 std::string LiveFlightPage(const FlightSubject& subject, const std::string& scene_glb = {});
-
-// The names of those files of a folder that its page leaves out for their size.
-std::vector<std::string> LeftOutOfPage(const std::filesystem::path& folder);
 
 // Writes report.html into the folder of a run that has ended.
 void WriteFlightPage(const std::filesystem::path& folder);

@@ -43,7 +43,8 @@ const drawVerdict = (of) => {
   card.replaceChildren(
     el("p", {class: "verdict"}, second ? el("b", {class: "letter"}, of.letter) : "", el("span", {class: `badge big ${how}`}, word),
       el("span", {class: "outcome"}, data.outcome || (data.live ? "still in the air" : ""))),
-    data.error ? el("p", {class: "missed"}, data.error) : "",
+    data.error && data.error !== data.outcome ? el("p", {class: "missed"}, data.error) : "",
+    ...(data.left_out ?? []).map((what) => el("p", {class: "missed"}, `Left out: ${what}.`)),
     data.criteria?.length
       ? el("div", {class: "scroll", tabindex: 0, role: "region", "aria-label": `Criteria${second ? ` of run ${of.letter}` : ""}`},
         el("table", {class: "criteria"}, el("thead", {}, el("tr", {},

@@ -14,6 +14,7 @@
 #include "base/html/html.h"
 #include "records/page/flight_data.h"
 #include "records/page/flight_json.h"
+#include "records/page/page_media.h"
 #include "records/summary.h"
 #include "tests/support/temporary_folder.h"
 #include "vision/camera/camera_model.h"
@@ -24,6 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 using ::testing::AllOf;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -49,6 +51,13 @@ FlightSubject Subject() {
   s.pad = FlightSubject::Pad{{1.19, 0.91}, Pose{}, "data:image/png;base64,AAAA"};
   return s;
 }
+
+// Of ISO/IEC 14496-12, and glTF 2.0 without chunks.
+std::string Box(const std::string& type, const std::string& content) {
+  return std::string{0, 0, 0, static_cast<char>(8 + content.size())} + type + content;
+}
+const std::string kMp4 = Box("ftyp", "isom") + Box("moov", "") + Box("mdat", "pictures");
+const std::string kGlb = std::string("glTF\2\0\0\0\x10\0\0\0", 12) + "four";
 
 class FlightPageTest : public InTemporaryFolder {
  protected:
@@ -163,30 +172,58 @@ TEST_F(FlightPageTest, NamesWithMarkupAreText) {
 }
 
 TEST_F(FlightPageTest, HoldsItsMediaAndThoseOfASecondFlight) {
-  Write(folder_ / "video.mp4", "a video");
-  Write(folder_ / "scene.glb", "a scene");
+  Write(folder_ / "video.mp4", kMp4);
+  Write(folder_ / "scene.glb", kGlb);
   const fs::path other = folder_ / "other";
   fs::create_directory(other);
   WriteSubject(other, Subject());
-  Write(other / "view.mp4", "a view");
+  Write(other / "view.mp4", kMp4);
   const std::string one = FlightPage(folder_), both = FlightPage(folder_, other);
   const auto element = [](const std::string& id, const std::string& bytes) {
     return "<script type=\"text/plain\" id=\"" + id + "\">" + Base64(bytes) + "</script>";
   };
-  EXPECT_THAT(one, AllOf(HasSubstr(element("video", "a video")), HasSubstr(element("scene", "a scene"))));
+  EXPECT_THAT(one, AllOf(HasSubstr(element("video", kMp4)), HasSubstr(element("scene", kGlb))));
   EXPECT_THAT(one, AllOf(Not(HasSubstr("<script type=\"text/plain\" id=\"view\">")),
                          Not(HasSubstr("<script type=\"text/plain\" id=\"view-b\">"))));
-  EXPECT_THAT(both, AllOf(HasSubstr(element("video", "a video")), HasSubstr(element("view-b", "a view"))));
+  EXPECT_THAT(both, AllOf(HasSubstr(element("video", kMp4)), HasSubstr(element("view-b", kMp4))));
   EXPECT_EQ(one, FlightPage(folder_));
 }
 
-TEST_F(FlightPageTest, MediaThatNoBrowserWouldTakeAreLeftOut) {
+TEST_F(FlightPageTest, LeavesOutWhatCannotBeShownAndSaysSo) {
   Write(folder_ / "video.mp4", "");
   fs::resize_file(folder_ / "video.mp4", (std::uintmax_t{64} << 20) + 1);
-  EXPECT_EQ(LeftOutOfPage(folder_), std::vector<std::string>{"video.mp4"});
+  EXPECT_THAT(LeftOutOfPage(folder_), ElementsAre("video.mp4 is too large for a page"));
+  EXPECT_EQ(Data()["left_out"], Json::array({"video.mp4 is too large for a page"}));
   EXPECT_THAT(FlightPage(folder_), Not(HasSubstr("<script type=\"text/plain\" id=\"video\">")));
-  fs::resize_file(folder_ / "video.mp4", 10);
-  EXPECT_EQ(LeftOutOfPage(folder_), std::vector<std::string>{});
+
+  Write(folder_ / "video.mp4", "a text");
+  Write(folder_ / "view.mp4", kMp4.substr(0, kMp4.size() - 1));
+  Write(folder_ / "scene.glb", kGlb.substr(0, kGlb.size() - 1));
+  fs::remove(folder_ / "telemetry.csv");
+  EXPECT_THAT(LeftOutOfPage(folder_),
+              ElementsAre("video.mp4 is no MP4", "view.mp4 is cut off", "scene.glb is cut off",
+                          "telemetry.csv is missing, and so are all plots and paths"));
+  for (const char* id : {"video", "view", "scene"})
+    EXPECT_THAT(FlightPage(folder_),
+                Not(HasSubstr("<script type=\"text/plain\" id=\"" + std::string(id) + "\">")));
+}
+
+TEST_F(FlightPageTest, AVideoIsShownWhereItsIndexIsThereAndAllBoxesAreWhole) {
+  const std::string last = {0, 0, 0, 0};
+  for (const auto& [bytes, wrong] : std::vector<std::pair<std::string, std::string>>{
+           {kMp4, ""},
+           {Box("ftyp", "") + Box("moov", "") + last + "mdat and all that follows", ""},
+           {Box("ftyp", "") + Box("moov", "") + std::string{0, 0, 0, 1} + "mdat" +
+                std::string{0, 0, 0, 0, 0, 0, 0, 17} + "x",
+            ""},
+           {Box("ftyp", "isom") + Box("mdat", "pictures"), "is cut off"},
+           {kMp4 + "half", "is cut off"},
+           {Box("ftyp", "") + std::string{0, 0, 0, 1} + "mdat" + std::string(8, '\xff'), "is cut off"},
+           {Box("ftyp", "") + std::string{0, 0, 0, 7} + "moov", "is damaged"}}) {
+    Write(folder_ / "video.mp4", bytes);
+    const auto left_out = LeftOutOfPage(folder_);
+    EXPECT_EQ(left_out.empty() ? "" : left_out[0], wrong.empty() ? "" : "video.mp4 " + wrong) << bytes;
+  }
 }
 
 TEST_F(FlightPageTest, OfAFlightThatGoesOnThereIsNoOutcomeYet) {
