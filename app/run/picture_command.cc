@@ -110,7 +110,7 @@ CLI::App* AddPictureCommand(CLI::App& app, PictureArguments& a) {
       ->type_name("FILE");
   command->add_flag("--quiet", a.quiet, "Print nothing but errors");
   command->footer(
-      "Examples:\n  kestrel picture landing --at 3.2 --view tower --size 3840x2160\n"
+      "Examples:\n  kestrel picture landing --at 12.5 --view tower --size 3840x2160\n"
       "  kestrel picture follow --at 10 --set view.distance_m=4 --out follow.jpg");
   return command;
 }

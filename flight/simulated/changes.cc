@@ -298,14 +298,15 @@ std::string Changes::Make(const std::string& key, const std::string& value) {
 }
 
 void Changes::Apply(const ChangeKeys& change, const Scenario& changed, bool by_hand) {
-  const auto before = Describe(now_, change.key), now = Describe(changed, change.key);
+  const auto begun = Describe(now_, change.key);
+  const std::string before = std::exchange(
+      told_values_.try_emplace(change.key, begun ? begun->value : "").first->second, FlowText(change.value));
   now_ = changed;
   if (const OfWorld* world = InWorld(change.key))
     world->change(now_, simulator_);
   else if (mission_)
     mission_->Change(now_.flight, now_.pilot);
-  if (told_)
-    told_({simulator_.truth().t_s, change.key, before ? before->value : "", now ? now->value : "", by_hand});
+  if (told_) told_({simulator_.truth().t_s, change.key, before, told_values_[change.key], by_hand});
 }
 
 std::vector<records::ChangeableKey> Changes::All() const {

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,7 +17,7 @@
 
 namespace kestrel::flight {
 
-// A change that was made. Values are JSON.
+// A change that was made. Values are JSON, as they were given: without defaults.
 struct MadeChange {
   double t_s = 0;
   std::string key, before, value;
@@ -55,7 +56,8 @@ class Changes {
   mission::Mission* mission_;
   std::function<void(const MadeChange&)> told_;
   Scenario flown_, now_;
-  std::size_t next_ = 0;  // of flown_.changes, which are in the order of time
+  std::map<std::string, std::string> told_values_;  // of keys that were changed, as they were written
+  std::size_t next_ = 0;                            // of flown_.changes, which are in the order of time
 };
 
 // That `changeable` names keys that can be changed, and `changes` such as are among them and valid one after

@@ -19,7 +19,7 @@ constexpr double kLowest_m = 0.15;   // above the ground
 constexpr double kEye_m = 1.7;       // a person's
 constexpr double kTowerSize = 0.16;  // of the picture's width, the aircraft by tower
 constexpr double kTightest_deg = 3;
-constexpr double kSmallest = 0.065;  // at least, where the horizon would else be in it
+constexpr double kSmallest = 0.09;  // at least, where the horizon would else be in it
 constexpr double kFarPad_m = 30, kFarTower_m = 150;
 constexpr double kAway_m = 1e6;
 constexpr double kRoom = 0.9;  // of the way to what stands in the sight
