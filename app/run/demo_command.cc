@@ -93,7 +93,7 @@ int DemoCommand(const DemoArguments& a) {
   int status = kMet, rows = 0;
   std::size_t act = 0;
   run.progress = [&](const records::LogRow&) {
-    if (++rows == 2) {  // beyond the first frame there is a viewer
+    if (++rows == 2 && go_on()) {  // beyond the first frame there is a viewer
       fmt::print("{} of {}  {}: {}\n", act + 1, scenarios.size(), kActs[act].scenario, kActs[act].sentence);
       std::fflush(stdout);
     }

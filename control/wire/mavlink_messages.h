@@ -2,24 +2,22 @@
 #pragma once
 
 #include <array>
-#include <concepts>
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <type_traits>
 #include <variant>
 
 #include "control/wire/mavlink.h"
+#include "control/wire/mavlink_fields.h"
+#include "control/wire/mavlink_list_messages.h"
+#include "control/wire/mavlink_station_messages.h"
+#include "control/wire/mavlink_vision_messages.h"
 
 // The messages between an autopilot, its companion and a simulator: MAVLink's "common" set
 // (mavlink.io/en/messages/common.html), as values. Their fields have the names, units and order that they
 // have on the wire; each message's Fields says that order once, for writing and reading. N and B are ours:
 // its local NED and its body FRD.
 namespace kestrel::control::wire::mavlink {
-
-// M itself, or M that is only read.
-template <class T, class M>
-concept Either = std::same_as<std::remove_const_t<T>, M>;
 
 // Who is there, and an autopilot's mode.
 struct Heartbeat {
@@ -244,23 +242,6 @@ constexpr void Fields(Visitor& v, M& m) {
   v(m.time_usec, m.flags, m.controls, m.mode);
 }
 
-struct VisionPositionEstimate {
-  static constexpr std::uint32_t kId = 102;
-  static constexpr std::uint8_t kCrcExtra = 158;
-  std::uint64_t usec = 0;
-  float x = 0, y = 0, z = 0;           // m, in N
-  float roll = 0, pitch = 0, yaw = 0;  // rad
-  // Since version 2:
-  std::array<float, 21> covariance{};  // upper triangle, by rows; first NaN: unknown
-  std::uint8_t reset_counter = 0;
-  bool operator==(const VisionPositionEstimate&) const = default;
-};
-template <class Visitor, Either<VisionPositionEstimate> M>
-constexpr void Fields(Visitor& v, M& m) {
-  v(m.usec, m.x, m.y, m.z, m.roll, m.pitch, m.yaw);
-  v.Extensions(m.covariance, m.reset_counter);
-}
-
 struct HilSensor {
   static constexpr std::uint32_t kId = 107;
   static constexpr std::uint8_t kCrcExtra = 108;
@@ -364,28 +345,6 @@ constexpr void Fields(Visitor& v, M& m) {
   v.Extensions(m.horizontal_fov, m.vertical_fov, m.quaternion, m.signal_quality);
 }
 
-struct LandingTarget {
-  static constexpr std::uint32_t kId = 149;
-  static constexpr std::uint8_t kCrcExtra = 200;
-  std::uint64_t time_usec = 0;
-  float angle_x = 0, angle_y = 0;  // rad, from the axis of the camera
-  float distance = 0;              // m
-  float size_x = 0, size_y = 0;    // rad
-  std::uint8_t target_num = 0;
-  std::uint8_t frame = 0;  // MAV_FRAME
-  // Since version 2:
-  float x = 0, y = 0, z = 0;        // m, in frame
-  std::array<float, 4> q{};         // w, x, y, z
-  std::uint8_t type = 0;            // LANDING_TARGET_TYPE
-  std::uint8_t position_valid = 0;  // 1: x, y, z are
-  bool operator==(const LandingTarget&) const = default;
-};
-template <class Visitor, Either<LandingTarget> M>
-constexpr void Fields(Visitor& v, M& m) {
-  v(m.time_usec, m.angle_x, m.angle_y, m.distance, m.size_x, m.size_y, m.target_num, m.frame);
-  v.Extensions(m.x, m.y, m.z, m.q, m.type, m.position_valid);
-}
-
 struct ExtendedSysState {
   static constexpr std::uint32_t kId = 245;
   static constexpr std::uint8_t kCrcExtra = 130;
@@ -413,11 +372,17 @@ constexpr void Fields(Visitor& v, M& m) {
   v(m.severity, m.text);
   v.Extensions(m.id, m.chunk_seq);
 }
-using Message = std::variant<Heartbeat, SystemTime, SetMode, Attitude, AttitudeQuaternion, LocalPositionNed,
-                             GlobalPositionInt, RcChannels, CommandLong, CommandAck, SetAttitudeTarget,
-                             SetPositionTargetLocalNed, PositionTargetLocalNed, HilActuatorControls,
-                             VisionPositionEstimate, HilSensor, Timesync, HilGps, HilStateQuaternion,
-                             DistanceSensor, LandingTarget, ExtendedSysState, Statustext>;
+
+using Message =
+    std::variant<Heartbeat, SystemTime, SetMode, Attitude, AttitudeQuaternion, LocalPositionNed,
+                 GlobalPositionInt, RcChannels, CommandLong, CommandAck, SetAttitudeTarget,
+                 SetPositionTargetLocalNed, PositionTargetLocalNed, HilActuatorControls,
+                 VisionPositionEstimate, HilSensor, Timesync, HilGps, HilStateQuaternion, DistanceSensor,
+                 LandingTarget, ExtendedSysState, Statustext, SysStatus, Ping, ParamRequestRead,
+                 ParamRequestList, ParamValue, ParamSet, GpsRawInt, MissionRequest, MissionSetCurrent,
+                 MissionCurrent, MissionRequestList, MissionCount, MissionClearAll, MissionAck,
+                 GpsGlobalOrigin, MissionRequestInt, RequestDataStream, VfrHud, CommandInt, BatteryStatus,
+                 AutopilotVersion, HomePosition, MessageInterval, Odometry, TargetRelative>;
 
 // Of every message above.
 std::span<const Format> Formats();

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <string_view>
 #include <vector>
 
@@ -24,8 +25,9 @@ struct Vector {
 const std::vector<Vector>& Vectors();
 Bytes FromHex(std::string_view hex);
 
-inline std::array<char, 50> Text(std::string_view text) {
-  std::array<char, 50> chars{};
+template <std::size_t n = 50>
+std::array<char, n> Text(std::string_view text) {
+  std::array<char, n> chars{};
   std::ranges::copy(text, chars.begin());
   return chars;
 }

@@ -5,13 +5,13 @@
 //   mkdir /tmp/vectors && cp mavlink_vectors.mjs /tmp/vectors && cd /tmp/vectors
 //   npm install node-mavlink@2.3.0 mavlink-mappings@1.0.21-20250824-1
 //   node mavlink_vectors.mjs > mavlink_vectors.inc
-import { minimal, common } from 'mavlink-mappings';
+import { minimal, common, development } from 'mavlink-mappings';
 import { MavLinkProtocolV1, MavLinkProtocolV2, x25crc } from 'node-mavlink';
 
 const messages = ['Heartbeat', 'SystemTime', 'SetMode', 'Attitude', 'AttitudeQuaternion', 'LocalPositionNed',
   'GlobalPositionInt', 'RcChannels', 'CommandLong', 'CommandAck', 'SetAttitudeTarget', 'SetPositionTargetLocalNed',
   'PositionTargetLocalNed', 'HilActuatorControls', 'VisionPositionEstimate', 'HilSensor', 'TimeSync', 'HilGps',
-  'HilStateQuaternion', 'DistanceSensor', 'LandingTarget', 'ExtendedSysState', 'StatusText'];
+  'HilStateQuaternion', 'DistanceSensor', 'LandingTarget', 'ExtendedSysState', 'StatusText', 'SysStatus', 'Ping', 'ParamRequestRead', 'ParamRequestList', 'ParamValue', 'ParamSet', 'GpsRawInt', 'MissionRequest', 'MissionSetCurrent', 'MissionCurrent', 'MissionRequestList', 'MissionCount', 'MissionClearAll', 'MissionAck', 'GpsGlobalOrigin', 'MissionRequestInt', 'RequestDataStream', 'VfrHud', 'CommandInt', 'BatteryStatus', 'AutopilotVersion', 'HomePosition', 'MessageInterval', 'Odometry', 'TargetRelative'];
 const ours = { TimeSync: 'Timesync', StatusText: 'Statustext' };
 
 let state = 12345n;  // Knuth's generator
@@ -68,10 +68,10 @@ function fill(type, all, zeros) {
     const base = field.type.replace('[]', '');
     let text;
     if (base === 'char') {
-      const value = zero ? '' : Array.from({ length: pick === 'any' ? 20 : 50 },
+      const value = zero ? '' : Array.from({ length: pick === 'any' ? Math.min(20, field.length) : field.length },
         () => String.fromCharCode(97 + random() % 26)).join('');
       message[field.name] = value;
-      text = `Text("${value}")`;
+      text = `Text<${field.length}>("${value}")`;
     } else if (field.type.endsWith('[]')) {
       const values = Array.from({ length: field.length }, () => zero ? 0 : scalar(base, pick));
       message[field.name] = values;
@@ -94,7 +94,7 @@ function fill(type, all, zeros) {
 
 console.log('// Written by mavlink_vectors.mjs: {values, frame, {version, signed, sequence, system, component}}.');
 for (const name of messages) {
-  const type = minimal[name] ?? common[name];
+  const type = minimal[name] ?? common[name] ?? development[name];
   for (const [pick, zeros] of [['any', false], ['any', true], ['least', false], ['greatest', false]]) {
     const [message, fields] = fill(type, pick, zeros);
     const sequence = random() % 256, system = 1 + random() % 255, component = 1 + random() % 255;
