@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <functional>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "app/option/exit_status.h"
@@ -90,10 +91,12 @@ int DemoCommand(const DemoArguments& a) {
   const auto go_on = [&] { return !interrupted.load(); };
   flight::RunOptions run;
   run.live = live.get();
-  int status = kMet, rows = 0;
+  int status = kMet;
   std::size_t act = 0;
-  run.progress = [&](const records::LogRow&) {
-    if (++rows == 2 && go_on()) {  // beyond the first frame there is a viewer
+  bool told = false;
+  run.progress = [&](const records::LogRow& row) {
+    // Of the first frame it is asked until there is a viewer.
+    if (row.sequence > 0 && !std::exchange(told, true)) {
       fmt::print("{} of {}  {}: {}\n", act + 1, scenarios.size(), kActs[act].scenario, kActs[act].sentence);
       std::fflush(stdout);
     }
@@ -101,7 +104,7 @@ int DemoCommand(const DemoArguments& a) {
   };
   for (; act < scenarios.size() && go_on(); ++act) {
     if (act > 0) Rest(kBetween_s, go_on);
-    rows = 0;
+    told = false;
     run.folder = out / kActs[act].scenario;
     const records::Summary summary = flight::RunFlight(scenarios[act], run).summary;
     if (!summary.complete) status = kBrokeOff;
