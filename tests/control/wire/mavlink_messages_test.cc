@@ -84,6 +84,60 @@ std::vector<Description> Descriptions() {
        " float size_x float size_y"},
       {245, "EXTENDED_SYS_STATE", "uint8_t vtol_state uint8_t landed_state"},
       {253, "STATUSTEXT", "uint8_t severity char[50] text"},
+      {1, "SYS_STATUS",
+       "uint32_t onboard_control_sensors_present uint32_t onboard_control_sensors_enabled uint32_t "
+       "onboard_control_sensors_health uint16_t load uint16_t voltage_battery int16_t current_battery int8_t "
+       "battery_remaining uint16_t drop_rate_comm uint16_t errors_comm uint16_t errors_count1 uint16_t "
+       "errors_count2 uint16_t errors_count3 uint16_t errors_count4"},
+      {4, "PING", "uint64_t time_usec uint32_t seq uint8_t target_system uint8_t target_component"},
+      {20, "PARAM_REQUEST_READ",
+       "uint8_t target_system uint8_t target_component char[16] param_id int16_t param_index"},
+      {21, "PARAM_REQUEST_LIST", "uint8_t target_system uint8_t target_component"},
+      {22, "PARAM_VALUE",
+       "char[16] param_id float param_value uint8_t param_type uint16_t param_count uint16_t param_index"},
+      {23, "PARAM_SET",
+       "uint8_t target_system uint8_t target_component char[16] param_id float param_value uint8_t "
+       "param_type"},
+      {24, "GPS_RAW_INT",
+       "uint64_t time_usec uint8_t fix_type int32_t lat int32_t lon int32_t alt uint16_t eph uint16_t epv "
+       "uint16_t vel uint16_t cog uint8_t satellites_visible"},
+      {40, "MISSION_REQUEST", "uint8_t target_system uint8_t target_component uint16_t seq"},
+      {41, "MISSION_SET_CURRENT", "uint8_t target_system uint8_t target_component uint16_t seq"},
+      {42, "MISSION_CURRENT", "uint16_t seq"},
+      {43, "MISSION_REQUEST_LIST", "uint8_t target_system uint8_t target_component"},
+      {44, "MISSION_COUNT", "uint8_t target_system uint8_t target_component uint16_t count"},
+      {45, "MISSION_CLEAR_ALL", "uint8_t target_system uint8_t target_component"},
+      {47, "MISSION_ACK", "uint8_t target_system uint8_t target_component uint8_t type"},
+      {49, "GPS_GLOBAL_ORIGIN", "int32_t latitude int32_t longitude int32_t altitude"},
+      {51, "MISSION_REQUEST_INT", "uint8_t target_system uint8_t target_component uint16_t seq"},
+      {66, "REQUEST_DATA_STREAM",
+       "uint8_t target_system uint8_t target_component uint8_t req_stream_id uint16_t req_message_rate "
+       "uint8_t start_stop"},
+      {74, "VFR_HUD",
+       "float airspeed float groundspeed int16_t heading uint16_t throttle float alt float climb"},
+      {75, "COMMAND_INT",
+       "uint8_t target_system uint8_t target_component uint8_t frame uint16_t command uint8_t current "
+       "uint8_t autocontinue float param1 float param2 float param3 float param4 int32_t x int32_t y float "
+       "z"},
+      {147, "BATTERY_STATUS",
+       "uint8_t id uint8_t battery_function uint8_t type int16_t temperature uint16_t[10] voltages int16_t "
+       "current_battery int32_t current_consumed int32_t energy_consumed int8_t battery_remaining"},
+      {148, "AUTOPILOT_VERSION",
+       "uint64_t capabilities uint32_t flight_sw_version uint32_t middleware_sw_version uint32_t "
+       "os_sw_version uint32_t board_version uint8_t[8] flight_custom_version uint8_t[8] "
+       "middleware_custom_version uint8_t[8] os_custom_version uint16_t vendor_id uint16_t product_id "
+       "uint64_t uid"},
+      {242, "HOME_POSITION",
+       "int32_t latitude int32_t longitude int32_t altitude float x float y float z float[4] q float "
+       "approach_x float approach_y float approach_z"},
+      {244, "MESSAGE_INTERVAL", "uint16_t message_id int32_t interval_us"},
+      {331, "ODOMETRY",
+       "uint64_t time_usec uint8_t frame_id uint8_t child_frame_id float x float y float z float[4] q float "
+       "vx float vy float vz float rollspeed float pitchspeed float yawspeed float[21] pose_covariance "
+       "float[21] velocity_covariance"},
+      {511, "TARGET_RELATIVE",
+       "uint64_t timestamp uint8_t id uint8_t frame float x float y float z float[3] pos_std float yaw_std "
+       "float[4] q_target float[4] q_sensor uint8_t type"},
   };
 }
 
@@ -149,11 +203,18 @@ TEST(MavlinkMessages, TheirChecksAndLengthsAreThePublishedOnes) {
     std::uint8_t length, base_length, crc_extra;
   };
   for (const auto& [id, length, base_length, crc_extra] : std::vector<Published>{
-           {0, 9, 9, 50},      {2, 12, 12, 137},  {11, 6, 6, 89},     {30, 28, 28, 39},  {31, 48, 32, 246},
-           {32, 28, 28, 185},  {33, 28, 28, 104}, {65, 42, 42, 118},  {76, 33, 33, 152}, {77, 10, 3, 143},
-           {82, 51, 39, 49},   {84, 53, 53, 143}, {85, 51, 51, 140},  {93, 81, 81, 47},  {102, 117, 32, 158},
-           {107, 65, 64, 108}, {111, 18, 16, 34}, {113, 39, 36, 124}, {115, 64, 64, 4},  {132, 39, 14, 85},
-           {149, 60, 30, 200}, {245, 2, 2, 130},  {253, 54, 51, 83}}) {
+           {0, 9, 9, 50},      {2, 12, 12, 137},   {11, 6, 6, 89},      {30, 28, 28, 39},
+           {31, 48, 32, 246},  {32, 28, 28, 185},  {33, 28, 28, 104},   {65, 42, 42, 118},
+           {76, 33, 33, 152},  {77, 10, 3, 143},   {82, 51, 39, 49},    {84, 53, 53, 143},
+           {85, 51, 51, 140},  {93, 81, 81, 47},   {102, 117, 32, 158}, {107, 65, 64, 108},
+           {111, 18, 16, 34},  {113, 39, 36, 124}, {115, 64, 64, 4},    {132, 39, 14, 85},
+           {149, 60, 30, 200}, {245, 2, 2, 130},   {253, 54, 51, 83},   {1, 43, 31, 124},
+           {4, 14, 14, 237},   {20, 20, 20, 214},  {21, 2, 2, 159},     {22, 25, 25, 220},
+           {23, 23, 23, 168},  {24, 52, 30, 24},   {40, 5, 4, 230},     {41, 4, 4, 28},
+           {42, 18, 2, 28},    {43, 3, 2, 132},    {44, 9, 4, 221},     {45, 3, 2, 232},
+           {47, 8, 3, 153},    {49, 20, 12, 39},   {51, 5, 4, 196},     {66, 6, 6, 148},
+           {74, 20, 20, 20},   {75, 35, 35, 158},  {147, 54, 36, 154},  {148, 78, 60, 178},
+           {242, 60, 52, 104}, {244, 6, 6, 95},    {331, 233, 230, 91}, {511, 71, 71, 28}}) {
     const auto format = std::ranges::find(Formats(), id, &Format::id);
     ASSERT_NE(format, Formats().end()) << id;
     EXPECT_EQ(format->length, length) << id;

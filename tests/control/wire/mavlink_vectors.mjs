@@ -5,7 +5,7 @@
 //   mkdir /tmp/vectors && cp mavlink_vectors.mjs /tmp/vectors && cd /tmp/vectors
 //   npm install node-mavlink@2.3.0 mavlink-mappings@1.0.21-20250824-1
 //   node mavlink_vectors.mjs > mavlink_vectors.inc
-import { minimal, common, development } from 'mavlink-mappings';
+import { minimal, standard, common, development } from 'mavlink-mappings';
 import { MavLinkProtocolV1, MavLinkProtocolV2, x25crc } from 'node-mavlink';
 
 const messages = ['Heartbeat', 'SystemTime', 'SetMode', 'Attitude', 'AttitudeQuaternion', 'LocalPositionNed',
@@ -73,8 +73,8 @@ function fill(type, all, zeros) {
       message[field.name] = value;
       text = `Text<${field.length}>("${value}")`;
     } else if (field.type.endsWith('[]')) {
-      const values = Array.from({ length: field.length }, () => zero ? 0 : scalar(base, pick));
-      message[field.name] = values;
+      const values = Array.from({ length: field.length }, () => zero ? (base === 'float' ? 0 : 0n) : scalar(base, pick));
+      message[field.name] = bits[base] && bits[base] < 64 ? values.map(Number) : values;
       text = `{${values.map(v => literal(base, v)).join(', ')}}`;
     } else {
       const value = zero ? (base === 'float' ? 0 : 0n) : scalar(base, pick);
@@ -94,7 +94,7 @@ function fill(type, all, zeros) {
 
 console.log('// Written by mavlink_vectors.mjs: {values, frame, {version, signed, sequence, system, component}}.');
 for (const name of messages) {
-  const type = minimal[name] ?? common[name] ?? development[name];
+  const type = minimal[name] ?? standard[name] ?? common[name] ?? development[name];
   for (const [pick, zeros] of [['any', false], ['any', true], ['least', false], ['greatest', false]]) {
     const [message, fields] = fill(type, pick, zeros);
     const sequence = random() % 256, system = 1 + random() % 255, component = 1 + random() % 255;
@@ -104,7 +104,7 @@ for (const name of messages) {
     const signing = new MavLinkProtocolV2(system, component, MavLinkProtocolV2.IFLAG_SIGNED);
     line(name, fields, signing.sign(signing.serialize(message, sequence), 1, Buffer.alloc(32, 7), 1.7e12),
       `{2, true, ${header}}`, type, message);
-    if (type.FIELDS.every(field => !field.extension))  // which node-mavlink would send in version 1 too
+    if (type.MSG_ID < 256 && type.FIELDS.every(field => !field.extension))  // which node-mavlink would send in version 1 too
       line(name, fields, new MavLinkProtocolV1(system, component).serialize(message, sequence), `{1, false, ${header}}`, type, message);
   }
 }
