@@ -154,16 +154,10 @@ Eigen::Vector3d EmulatedAutopilot::VelocityToward(const Eigen::Vector3d& p_N) co
 
 void EmulatedAutopilot::CommandVelocity(const Eigen::Vector3d& v_N) {
   v_N_command_ = v_N;
+  level_.Reset(v_N.head<2>());
+  climb_.Reset(VelocityShaper<1>::Vector(v_N.z()));
+  turn_.Reset(VelocityShaper<1>::Vector::Zero());
   north_ = {v_N.x()}, east_ = {v_N.y()};
-}
-
-double EmulatedAutopilot::ClimbLate(double v_down) {
-  if (parameters_.climb_delay_s <= 0) return v_down;
-  climb_asked_.emplace_back(t_s_, v_down);
-  // The newest of those that are old enough stays in front; while none is, it is the oldest.
-  while (climb_asked_.size() > 1 && climb_asked_[1].first <= t_s_ - parameters_.climb_delay_s)
-    climb_asked_.pop_front();
-  return climb_asked_.front().second;
 }
 
 EmulatedAutopilot::Demand EmulatedAutopilot::TrackVelocity(double dt_s, const Eigen::Vector3d& v_N_asked,
@@ -171,10 +165,14 @@ EmulatedAutopilot::Demand EmulatedAutopilot::TrackVelocity(double dt_s, const Ei
   Eigen::Vector3d v_N_wanted = v_N_asked;
   v_N_wanted.head<2>() = Limited(v_N_asked.head<2>(), parameters_.speed_limit_m_s);
   v_N_wanted.z() = std::clamp(v_N_asked.z(), -parameters_.climb_limit_m_s, parameters_.climb_limit_m_s);
-  const Eigen::Vector2d step = (v_N_wanted - v_N_command_).head<2>();
-  const Eigen::Vector2d slewed = Limited(step, parameters_.acceleration_limit_m_s2 * dt_s);
-  v_N_command_.head<2>() += slewed;
-  v_N_command_.z() = ClimbLate(v_N_wanted.z());
+  using OneAxis = VelocityShaper<1>::Vector;
+  const auto level = level_.Step(
+      t_s_, dt_s, v_N_wanted.head<2>(),
+      {parameters_.level_delay_s, parameters_.acceleration_limit_m_s2, parameters_.level_jerk_limit_m_s3});
+  const auto climb = climb_.Step(t_s_, dt_s, OneAxis(v_N_wanted.z()),
+                                 {parameters_.climb_delay_s, parameters_.climb_acceleration_limit_m_s2,
+                                  parameters_.climb_jerk_limit_m_s3});
+  v_N_command_ << level.velocity, climb.velocity;
   Eigen::Vector3d v_N_expected = v_N_command_;
   if (parameters_.velocity_lag_s > 0) {
     const AxisLoop lag{2 / parameters_.velocity_lag_s, 1, 1};
@@ -185,8 +183,8 @@ EmulatedAutopilot::Demand EmulatedAutopilot::TrackVelocity(double dt_s, const Ei
   const Eigen::Vector3d error = v_N_expected - navigation_.InUse().v_N();
 
   Eigen::Vector3d a_N = integral_N_ - drag_N_;
-  a_N.head<2>() += parameters_.velocity_gain_per_s * error.head<2>() + slewed / dt_s;
-  a_N.z() += parameters_.climb_gain_per_s * error.z();
+  a_N.head<2>() += parameters_.velocity_gain_per_s * error.head<2>() + level.acceleration;
+  a_N.z() += parameters_.climb_gain_per_s * error.z() + climb.acceleration[0];
 
   Demand demand;
   const control::LevelTilt tilt = control::TiltToAccelerate(
@@ -200,10 +198,11 @@ EmulatedAutopilot::Demand EmulatedAutopilot::TrackVelocity(double dt_s, const Ei
 
   demand.roll = tilt.roll / parameters_.roll.gain;  // the loop answers with its gain
   demand.pitch = tilt.pitch / parameters_.pitch.gain;
-  demand.yaw_rate = yaw_rate;
+  demand.yaw_rate = turn_.Step(t_s_, dt_s, OneAxis(yaw_rate), {parameters_.yaw_delay_s}).velocity[0];
   const TaitBryan now = TaitBryanFromRotation(navigation_.InUse().X_NB().R.toRotationMatrix());
   const double upright = std::max(0.5, std::cos(now.roll) * std::cos(now.pitch));
-  demand.thrust_n = Mass_kg(aircraft_) * std::max(0.0, kGravity_m_s2 - a_N.z()) / upright * throttle_down_;
+  demand.thrust_n = parameters_.thrust_gain * Mass_kg(aircraft_) * std::max(0.0, kGravity_m_s2 - a_N.z()) /
+                    upright * throttle_down_;
   return demand;
 }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <deque>
 #include <optional>
 #include <utility>
 
@@ -9,6 +8,7 @@
 #include "control/autopilot.h"
 #include "sim/aircraft/airframe.h"
 #include "sim/autopilot/navigation.h"
+#include "sim/autopilot/velocity_shaper.h"
 #include "sim/sensor/sensors.h"
 
 namespace kestrel::sim {
@@ -35,9 +35,16 @@ struct AutopilotParameters {
   double velocity_lag_s = 0;
   double climb_gain_per_s = 3.5;
   double climb_integral_per_s2 = 2.0;
-  // Dead time from a vertical velocity that is asked for until it is followed. An autopilot that shapes its
-  // commands has one: ArduCopter, by its defaults, follows 0.85 s late.
-  double climb_delay_s = 0;
+  // How the velocities that are asked for are shaped before they are followed. The dead times are of what is
+  // late by as much whatever it is asked for. A limit of acceleration makes it late by how much that asks for:
+  // ArduCopter by its defaults takes 1 m/s^2 up and down (WPNAV_ACCEL_Z), and follows 0.85 s late.
+  double level_delay_s = 0, climb_delay_s = 0, yaw_delay_s = 0;
+  double level_jerk_limit_m_s3 = 0;          // 0: none
+  double climb_acceleration_limit_m_s2 = 0;  // 0: none
+  double climb_jerk_limit_m_s3 = 0;          // 0: none; of use with a limit of the acceleration alone
+  // Thrust that comes over the thrust that is asked for: of an autopilot that takes the aircraft for another
+  // mass, or its rotors for another curve of thrust.
+  double thrust_gain = 1;
   double position_gain_per_s = 0.9;
   double command_timeout_s = 0.5;
   // Of a touch-down on what moves: by how much less than asked for the aircraft sinks once it stands. 0: it stands
@@ -73,8 +80,23 @@ inline void Fields(FieldVisitor& v, AutopilotParameters& p) {
   v({"climb_gain_per_s", "proportional gain of the vertical velocity loop"}, p.climb_gain_per_s, 0.0, 20.0);
   v({"climb_integral_per_s2", "integral gain of the vertical velocity loop"}, p.climb_integral_per_s2, 0.0,
     20.0);
+  v({"level_delay_s", "dead time until a horizontal velocity that is asked for is followed"}, p.level_delay_s,
+    0.0, 3.0);
   v({"climb_delay_s", "dead time until a vertical velocity that is asked for is followed"}, p.climb_delay_s,
     0.0, 3.0);
+  v({"yaw_delay_s", "dead time until a yaw rate that is asked for is followed"}, p.yaw_delay_s, 0.0, 3.0);
+  v({"level_jerk_limit_m_s3", "maximum jerk with which the horizontal velocity setpoint is shaped; 0: none"},
+    p.level_jerk_limit_m_s3, 0.0, 100.0);
+  v({"climb_acceleration_limit_m_s2",
+     "maximum vertical acceleration with which the velocity setpoint is slewed; 0: none"},
+    p.climb_acceleration_limit_m_s2, 0.0, 20.0);
+  v({"climb_jerk_limit_m_s3",
+     "maximum jerk of that, with a limit of the vertical acceleration alone; 0: none"},
+    p.climb_jerk_limit_m_s3, 0.0, 100.0);
+  v({"thrust_gain",
+     "thrust that comes over the thrust that is asked for: mass and thrust curve as the autopilot has them, "
+     "over the true ones"},
+    p.thrust_gain, 0.4, 2.0);
   v({"position_gain_per_s", "proportional gain of position hold: velocity over position error"},
     p.position_gain_per_s, 0.0, 5.0);
   v({"touch_down_lag_m_s",
@@ -121,7 +143,6 @@ class EmulatedAutopilot {
   Demand Navigate(double dt_s);
   Demand TrackVelocity(double dt_s, const Eigen::Vector3d& v_N_wanted, double yaw_rate);
   Eigen::Vector3d VelocityToward(const Eigen::Vector3d& p_N) const;
-  double ClimbLate(double v_down);                   // what was asked for climb_delay_s ago
   void CommandVelocity(const Eigen::Vector3d& v_N);  // without slewing
   Actuation Stabilise(double dt_s, const Demand& demand);
   Actuation FollowRates(double dt_s);
@@ -146,9 +167,10 @@ class EmulatedAutopilot {
   double yaw_command_ = 0;
   Eigen::Vector3d v_N_command_ = Eigen::Vector3d::Zero();  // slewed by the acceleration limit
   AxisState north_, east_;                                 // that, later by velocity_lag_s
-  std::deque<std::pair<double, double>> climb_asked_;      // s, m/s down: those of the last climb_delay_s
-  Eigen::Vector3d integral_N_ = Eigen::Vector3d::Zero();   // m/s^2: what wind and weight ask for
-  Eigen::Vector3d drag_N_ = Eigen::Vector3d::Zero();       // felt by the accelerometers, m/s^2, level
+  VelocityShaper<2> level_;
+  VelocityShaper<1> climb_, turn_;
+  Eigen::Vector3d integral_N_ = Eigen::Vector3d::Zero();  // m/s^2: what wind and weight ask for
+  Eigen::Vector3d drag_N_ = Eigen::Vector3d::Zero();      // felt by the accelerometers, m/s^2, level
   double carried_m_s2_ = 0;   // specific force upwards, smoothed: what carries the aircraft
   double touch_s_ = 0;        // how long it has looked like standing on the ground
   double throttle_down_ = 1;  // share of the thrust left while making sure of that

@@ -202,23 +202,60 @@ TEST(EmulatedAutopilot, VelocityIsFlownInTheHeadingFrame) {
   }
 }
 
-TEST(EmulatedAutopilot, AnAutopilotThatFollowsLateIsLaterByThatAndOtherwiseTheSame) {
-  const auto half_way_s = [](double delay_s) {
-    Conditions late;
-    late.autopilot.climb_delay_s = delay_s;
-    Flight flight({Eigen::Quaterniond::Identity(), {0, 0, -20}}, true, late);
-    flight.Run(2);
-    const double asked_s = flight.t_s;
-    std::optional<double> crossed_s;
-    flight.Keep(control::VelocitySetpoint{{0, 0, -1}, 0}, 4, [&] {
-      if (!crossed_s && flight.v_N().z() < -0.5) crossed_s = flight.t_s - asked_s;
-    });
-    EXPECT_NEAR(flight.v_N().z(), -1, 0.1);
-    return crossed_s.value_or(-1);
+// When half of what is asked for is flown, after it was asked for.
+double HalfWay_s(const AutopilotParameters& autopilot, const control::VelocitySetpoint& asked) {
+  Conditions conditions;
+  conditions.autopilot = autopilot;
+  Flight flight({Eigen::Quaterniond::Identity(), {0, 0, -20}}, true, conditions);
+  flight.Run(2);
+  const double asked_s = flight.t_s;
+  std::optional<double> crossed_s;
+  const auto answer = [&] {
+    return asked.yaw_rate != 0 ? flight.w_B().z() / asked.yaw_rate
+                               : flight.v_N().dot(asked.v_H) / asked.v_H.squaredNorm();
   };
-  const double at_once_s = half_way_s(0);
-  EXPECT_GT(at_once_s, 0.05);
-  EXPECT_NEAR(half_way_s(0.85), at_once_s + 0.85, 0.01);
+  flight.Keep(asked, 5, [&] {
+    if (!crossed_s && answer() > 0.5) crossed_s = flight.t_s - asked_s;
+  });
+  EXPECT_NEAR(answer(), 1, 0.1);
+  return crossed_s.value_or(-1);
+}
+
+TEST(EmulatedAutopilot, AnAutopilotThatFollowsLateIsLaterByThatAndOtherwiseTheSame) {
+  const struct {
+    double AutopilotParameters::*delay;
+    control::VelocitySetpoint asked;
+  } axes[] = {{&AutopilotParameters::level_delay_s, {{0.7, 0, 0}, 0}},
+              {&AutopilotParameters::climb_delay_s, {{0, 0, -1}, 0}},
+              {&AutopilotParameters::yaw_delay_s, {{0, 0, 0}, 0.4}}};
+  for (const auto& axis : axes) {
+    const double at_once_s = HalfWay_s({}, axis.asked);
+    EXPECT_GT(at_once_s, 0.05);
+    AutopilotParameters late;
+    late.*axis.delay = 0.85;
+    EXPECT_NEAR(HalfWay_s(late, axis.asked), at_once_s + 0.85, 0.01);
+  }
+}
+
+TEST(EmulatedAutopilot, AVerticalVelocityIsShapedWithinItsLimits) {
+  const control::VelocitySetpoint climb{{0, 0, -1}, 0};
+  AutopilotParameters shaped;
+  shaped.climb_acceleration_limit_m_s2 = 1;
+  EXPECT_NEAR(HalfWay_s(shaped, climb), 0.5, 0.05);  // v / a / 2, followed without a lag of its own
+  shaped.climb_jerk_limit_m_s3 = 4;
+  EXPECT_NEAR(HalfWay_s(shaped, climb), 0.5 + 0.125, 0.05);  // and a / j / 2
+}
+
+TEST(EmulatedAutopilot, AMassTakenWronglyIsMadeGood) {
+  for (const double gain : {0.7, 1.4}) {
+    Conditions conditions;
+    conditions.autopilot.thrust_gain = gain;
+    Flight flight(At(20), true, conditions);
+    flight.Run(0.5);
+    EXPECT_GT(std::abs(flight.v_N().z()), 0.05) << gain;  // the weight comes as an error
+    flight.Run(20);
+    EXPECT_NEAR(flight.Height(), 20, 0.05) << gain;
+  }
 }
 
 TEST(EmulatedAutopilot, TheHeadingFrameTurnsWithTheAircraftClockwise) {
