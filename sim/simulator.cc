@@ -37,8 +37,9 @@ SceneParameters SceneOf(const SimulatorParameters& parameters) {
   return scene;
 }
 
-SimulatorParameters WithScatterDrawn(SimulatorParameters parameters) {
+SimulatorParameters WithScatterDrawn(SimulatorParameters parameters, const CameraError& error) {
   parameters.image = DrawScatter(parameters.image, parameters.seed);
+  parameters.camera = error.Of(parameters.camera);
   return parameters;
 }
 
@@ -57,17 +58,18 @@ struct Simulator::Hashes {
 };
 
 Simulator::Simulator(const SimulatorParameters& parameters)
-    : parameters_(WithScatterDrawn(parameters)),
+    : camera_error_(parameters.camera_error, parameters.seed),
+      parameters_(WithScatterDrawn(parameters, camera_error_)),
       model_(MakeModel(SceneOf(parameters))),
       data_(MakeData(model_.get())),
       vehicle_(MakeAirframe(parameters.vehicle, model_.get(), !parameters.start.on_ground)),
       wind_(parameters.wind, parameters.seed),
       sensors_(parameters.sensors, parameters.seed),
       sensor_faults_(parameters.sensors.faults, parameters.seed),
-      X_BC_(vision::MountPose(parameters.mount)),
+      X_BC_(camera_error_.Of(vision::MountPose(parameters.mount))),
       vibration_(parameters.mount.vibration, parameters.seed),
       renderer_(parameters.images
-                    ? std::make_unique<FrameRenderer>(model_.get(), parameters.camera, parameters.render,
+                    ? std::make_unique<FrameRenderer>(model_.get(), parameters_.camera, parameters.render,
                                                       parameters_.image, X_BC_, vibration_, parameters.seed,
                                                       parameters.surfaces, parameters.draw_beside)
                     : nullptr),
@@ -83,9 +85,9 @@ Simulator::Simulator(const SimulatorParameters& parameters)
                                                       parameters.render, parameters.seed,
                                                       parameters.duration_s, parameters.draw_beside);
   if (parameters.events)
-    events_ =
-        std::make_unique<EventRenderer>(model_.get(), parameters.camera, parameters.render, parameters_.image,
-                                        X_BC_, vibration_, *parameters.events, parameters.seed);
+    events_ = std::make_unique<EventRenderer>(model_.get(), parameters_.camera, parameters.render,
+                                              parameters_.image, X_BC_, vibration_, *parameters.events,
+                                              parameters.seed);
   if (parameters.instruments.any()) {
     instruments_ = std::make_unique<Instruments>(parameters.instruments, parameters.seed);
     beam_ = BeamIn(model_.get(), data_.get());
@@ -212,7 +214,7 @@ void Simulator::Step() {
   if (platform_) {
     const control::VehicleState state = State();
     platform_->Step(dt, {state.R_NB, state.p_NB});
-    X_BC_ = platform_->X_BC();
+    X_BC_ = camera_error_.Of(platform_->X_BC());
   }
   truth_ = Look();
   if (instruments_) instruments_->Step(before, truth_, beam_);
@@ -400,7 +402,7 @@ std::optional<vision::Frame> Simulator::NextUntilStep(std::int64_t last) {
   timing_.render_s.push_back(picture_.render_s);
   timing_.sensor_s.push_back(picture_.sensor_s);
   XXH3_64bits_update(hashes_->image, picture_.image.data, picture_.image.total() * picture_.image.elemSize());
-  return vision::Frame{picture_.image, frame.t_s, frame.sequence};
+  return vision::Frame{picture_.image, camera_error_.Stamp(frame.t_s, frame.sequence), frame.sequence};
 }
 
 // What instruments and further cameras have given meanwhile.

@@ -17,6 +17,7 @@
 #include "sim/autopilot/emulated_autopilot.h"
 #include "sim/autopilot/external_autopilot.h"
 #include "sim/camera/camera_clock.h"
+#include "sim/camera/camera_error.h"
 #include "sim/camera/carried/carried_camera.h"
 #include "sim/camera/event/event_renderer.h"
 #include "sim/camera/frame_renderer.h"
@@ -86,6 +87,8 @@ struct SimulatorParameters {
   ActuatorParameters actuators = {};
   vision::CameraModel camera;
   vision::CameraMount mount;
+  CameraErrorParameters camera_error =
+      {};  // of the camera that it flies by; camera and mount are as believed
   ImageParameters image;
   RenderOptions render;
   WindParameters wind;
@@ -197,7 +200,8 @@ class Simulator final : public vision::Camera, public control::Autopilot {
   void RunCamera();
   Truth Look() const;
 
-  SimulatorParameters parameters_;  // with the camera's scatter drawn
+  CameraError camera_error_;
+  SimulatorParameters parameters_;  // with the camera's scatter drawn, and the camera as it truly is
   ModelPtr model_;
   DataPtr data_;
   Airframe vehicle_;

@@ -12,6 +12,7 @@
 #include "base/diagnostics.h"
 #include "base/file/files.h"
 #include "base/gravity.h"
+#include "base/random.h"
 #include "base/user_file.h"
 #include "base/yaml/yaml_fields.h"
 #include "flight/check_mission.h"
@@ -82,9 +83,11 @@ void CheckDeckPlace(const Scenario& s, const Config& config, const Place& file, 
   constexpr double kRoom_m = 0.25;  // for its plate
   const Place where = WhereOf(config, "deck", file), pad = WhereOf(config, "pad", file);
   sim::CheckDeck(*s.deck, s.autopilot.speed_limit_m_s, s.autopilot.acceleration_limit_m_s2, where, mistakes);
-  if (s.pad.tilt_deg != 0)
-    mistakes.Add(pad, "pad.tilt_deg", fmt::format("{:g}, but a deck is level at rest", s.pad.tilt_deg),
-                 "valid: 0, or deck: null");
+  for (const auto& [key, value] :
+       {std::pair{"pad.tilt_deg", s.pad.tilt_deg}, {"pad.uneven_deg", s.pad.uneven_deg}})
+    if (value != 0)
+      mistakes.Add(pad, key, fmt::format("{:g}, but a deck is level at rest", value),
+                   "valid: 0, or deck: null");
   if (s.pad.height_m < kRoom_m)
     mistakes.Add(pad, "pad.height_m", fmt::format("{:g} leaves no room for the deck below", s.pad.height_m),
                  fmt::format("valid: from {:g} on", kRoom_m));
@@ -335,12 +338,17 @@ LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& o
   sim.scene.pad_yaw_deg = s.pad.yaw_deg;
   sim.scene.pad_height_m = s.pad.height_m;
   sim.scene.pad_tilt_deg = s.pad.tilt_deg;
+  if (s.pad.uneven_deg > 0) {
+    RandomStream random(s.seed, "pad uneven");
+    for (double& each : sim.scene.pad_lean_deg) each = s.pad.uneven_deg * random.Normal();
+  }
   sim.scene.deck = s.deck;
   sim.sensors = s.sensors;
   sim.instruments = s.instruments;
   sim.actuators = s.actuators;
   sim.mount = s.mount;
   sim.image = s.image;
+  sim.camera_error = s.camera_error;
   sim.render = s.render;
   sim.wind = s.wind;
   sim.start = s.start;

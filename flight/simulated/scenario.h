@@ -34,7 +34,7 @@ inline void Fields(FieldVisitor& v, Limit& l) {
 struct PadPlacement {
   std::string name = "helipad";
   Eigen::Vector2d position_m = Eigen::Vector2d::Zero();
-  double yaw_deg = 0, height_m = 0, tilt_deg = 0;
+  double yaw_deg = 0, height_m = 0, tilt_deg = 0, uneven_deg = 0;
   std::optional<sim::PrintParameters> print;
 };
 
@@ -48,6 +48,9 @@ inline void Fields(FieldVisitor& v, PadPlacement& p) {
      "how far the top of the pad's picture is raised, from 0, lying, to 90, hanging on a wall that its top "
      "faced"},
     p.tilt_deg, 0.0, 90.0);
+  v({"uneven_deg",
+     "standard deviation of how far it leans about each of its sides, as on grass, drawn by the seed"},
+    p.uneven_deg, 0.0, 15.0);
   v({"print", "how its picture came out in print; the trackers know the picture as it is in the file"},
     p.print);
 }
@@ -66,6 +69,7 @@ struct Scenario : FlightKeys {
   sim::StartParameters start;
   std::optional<sim::CarryParameters> carry;
   sim::ImageParameters image;
+  sim::CameraErrorParameters camera_error;
   sim::EventCameraParameters event_camera;
   sim::RenderOptions render;
   sim::ViewParameters view;
@@ -101,6 +105,8 @@ inline void Fields(FieldVisitor& v, Scenario& s) {
   v({"start", "where and how the flight begins"}, s.start);
   v({"carry", "the aircraft is carried along a way by hand, with its motors off; null: it flies"}, s.carry);
   v({"image", "image sensor and lens: frame rate, latency, exposure, noise, faults"}, s.image);
+  v({"camera_error", "how far the camera truly is from its calibration, mount and clock, drawn by the seed"},
+    s.camera_error);
   v({"event_camera", "event camera behind the same lens, which --events records"}, s.event_camera);
   v({"render", "how the images are rendered"}, s.render);
   v({"view", "camera that watches the flight from outside, for run --view and picture"}, s.view);

@@ -123,16 +123,17 @@ class LandingMission final : public mission::Mission {
 
   control::VelocitySetpoint Descend() {
     const Eigen::Vector3d& p_TB = pilot_.where().p_TB;
-    const double height = -p_TB.z(), off = p_TB.head<2>().norm();
+    const double off = p_TB.head<2>().norm();
     const double yaw = Radians(flight_.yaw_deg);
-    committed_ = height < flight_.blind_m;
+    committed_ = -p_TB.z() < flight_.blind_m;
+    const double height = -pilot_.Ahead_T().z();  // at which it will do what it is told now
     if (height < flight_.commit_m) {
       phase_ = "touch down";
       return pilot_.DescendTo({0, 0}, yaw, flight_.commit_sink_m_s);
     }
     if (off > flight_.centred_m + 0.1 * height) {
       phase_ = "centre";
-      return pilot_.GoTo({0, 0, p_TB.z()}, yaw);
+      return pilot_.DescendTo({0, 0}, yaw, 0);
     }
     phase_ = "descend";
     const std::optional<double> wanted = fuzzy_ ? Fuzzy(height) : Linear(height);

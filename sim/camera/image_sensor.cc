@@ -86,10 +86,10 @@ ImageSensor::ImageSensor(const ImageParameters& parameters, const vision::Camera
       defocus_(parameters.lens),
       tone_(parameters.gamma, parameters.bits) {
   const ImageParameters& p = parameters_;
-  const cv::Mat shade = Shade(p.lens, camera);
+  const cv::Mat shade = Shade(p.lens, camera, seed);
   if (p.auto_exposure.target_grey > 0) lit_share_ = LitShare(camera, shade);
-  linear_ = !shade.empty() || !defocus_.sharp() || p.auto_exposure.target_grey > 0 || p.gain != 1 ||
-            p.full_well_e > 0 || p.gamma != 1 || p.bits != 8;
+  linear_ = !shade.empty() || !defocus_.sharp() || p.lens.glare > 0 || p.auto_exposure.target_grey > 0 ||
+            p.gain != 1 || p.full_well_e > 0 || p.gamma != 1 || p.bits != 8;
   if (linear_) {
     noise_ = NoiseTable<float>(seed, [](double n) { return static_cast<float>(n); });
     shade_ = shade;
@@ -127,11 +127,13 @@ cv::Mat ImageSensor::Expose(const cv::Mat& bgr, std::int64_t sequence, const Exp
 // Row by row, so that a row stays in the cache from the first part to the last.
 void ImageSensor::Develop(cv::Mat& image, std::int64_t sequence, const ExposureSetting& setting) const {
   const std::size_t length = static_cast<std::size_t>(image.cols) * image.channels();
-  cv::Mat blurred;
-  if (!defocus_.sharp()) {
+  cv::Mat spread;  // what the lens makes of the light
+  if (!defocus_.sharp() || parameters_.lens.glare > 0) {
     cv::Mat light(image.size(), CV_MAKETYPE(CV_32F, image.channels()));
     for (int y = 0; y < image.rows; ++y) tone_.Decode(image.ptr(y), 1, light.ptr<float>(y), length);
-    blurred = defocus_.Spread(light);
+    spread = defocus_.sharp() ? light : defocus_.Spread(light);
+    if (const double glare = parameters_.lens.glare; glare > 0)
+      spread = (1 - glare) * spread + glare * cv::mean(spread);
   }
   const float brightness = static_cast<float>(setting.light * setting.gain);
   const double read = parameters_.noise_grey * setting.gain;
@@ -141,10 +143,10 @@ void ImageSensor::Develop(cv::Mat& image, std::int64_t sequence, const ExposureS
   std::vector<float> row(length);
   for (int y = 0; y < image.rows; ++y) {
     std::uint8_t* bytes = image.ptr(y);
-    if (blurred.empty()) {
+    if (spread.empty()) {
       tone_.Decode(bytes, brightness, row.data(), length);
     } else {
-      const float* light = blurred.ptr<float>(y);
+      const float* light = spread.ptr<float>(y);
       for (std::size_t x = 0; x < length; ++x) row[x] = brightness * light[x];
     }
     if (!shade_.empty()) {

@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
+#include "base/random.h"
 #include "geometry/tait_bryan.h"
 
 namespace kestrel::sim {
@@ -56,11 +57,25 @@ cv::Mat DiscKernel(double radius) {
   return kernel / cv::sum(kernel)[0];
 }
 
+void Dust(const DustParameters& dust, std::uint64_t seed, cv::Mat& shade) {
+  RandomStream random(seed, "dust");
+  const int reach = static_cast<int>(std::ceil(4 * dust.size_px));
+  for (int i = 0; i < dust.count; ++i) {
+    const double u = random.Uniform(-0.5, shade.cols - 0.5), v = random.Uniform(-0.5, shade.rows - 0.5);
+    const int left = std::max(0, static_cast<int>(u) - reach), top = std::max(0, static_cast<int>(v) - reach);
+    for (int y = top; y < std::min(shade.rows, top + 2 * reach + 1); ++y)
+      for (int x = left; x < std::min(shade.cols, left + 2 * reach + 1); ++x) {
+        const double r2 = ((x - u) * (x - u) + (y - v) * (y - v)) / (dust.size_px * dust.size_px);
+        shade.at<float>(y, x) *= static_cast<float>(1 - dust.darkness * std::exp(-r2 / 2));
+      }
+  }
+}
+
 }  // namespace
 
-cv::Mat Shade(const LensParameters& lens, const vision::CameraModel& camera) {
+cv::Mat Shade(const LensParameters& lens, const vision::CameraModel& camera, std::uint64_t seed) {
   const bool falls_off = lens.cos_power > 0 || !lens.vignetting.isZero(0);
-  if (!falls_off && lens.rim_px <= 0 && lens.reflection_deg <= 0) return {};
+  if (!falls_off && lens.rim_px <= 0 && lens.reflection_deg <= 0 && lens.dust.count <= 0) return {};
   cv::Mat shade(vision::HeightPx(camera), vision::WidthPx(camera), CV_32F);
   const Eigen::Vector2d centre = PrincipalPoint(camera);
   const double half_diagonal = std::hypot(shade.cols, shade.rows) / 2;
@@ -103,6 +118,7 @@ cv::Mat Shade(const LensParameters& lens, const vision::CameraModel& camera) {
       shade.at<float>(y, x) = static_cast<float>(std::max(0.0, share));
     }
   }
+  Dust(lens.dust, seed, shade);
   return shade;
 }
 

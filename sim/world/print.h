@@ -15,6 +15,9 @@ struct PrintParameters {
   double grain_grey = 0;          // standard deviation
   double grain_mm = 1;            // size of a grain
   double spread_mm = 0;           // of the ink: standard deviation of a Gaussian
+  double shade = 0;               // share of it that lies in the shade of something, to one side
+  double shade_light = 0.35;      // of the light, there
+  double wet = 0;  // share of it that is wet, in blots: darker, and a mirror to some of the sky
 
   friend bool operator==(const PrintParameters&, const PrintParameters&) = default;
 };
@@ -26,9 +29,13 @@ inline void Fields(FieldVisitor& v, PrintParameters& p) {
     100.0);
   v({"grain_mm", "size of a grain"}, p.grain_mm, 0.1, 1000.0);
   v({"spread_mm", "how far the ink spreads: standard deviation of a Gaussian"}, p.spread_mm, 0.0, 20.0);
+  v({"shade", "share of the picture that lies in the shade, to one side that is drawn by the seed"}, p.shade,
+    0.0, 1.0);
+  v({"shade_light", "share of the light that is left in the shade"}, p.shade_light, 0.0, 1.0);
+  v({"wet", "share of the picture that is wet, in blots at places drawn by the seed"}, p.wet, 0.0, 1.0);
 }
 
-// picture: CV_8UC1 or CV_8UC3; size_m: its height and width. The grain is drawn by the seed.
+// picture: CV_8UC1 or CV_8UC3; size_m: its height and width. Grain, shade and blots are drawn by the seed.
 cv::Mat Printed(const cv::Mat& picture, const Eigen::Vector2d& size_m, const PrintParameters& print,
                 std::uint64_t seed);
 

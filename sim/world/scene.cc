@@ -89,11 +89,21 @@ void Append(pugi::xml_node model, const std::filesystem::path& path, const char*
   }
 }
 
+// Where there is none, a product with it changes no bit.
+Eigen::Quaterniond Lean(const Eigen::Vector2d& deg) {
+  return Eigen::Quaterniond(Eigen::AngleAxisd(Radians(deg.x()), Eigen::Vector3d::UnitX()) *
+                            Eigen::AngleAxisd(Radians(deg.y()), Eigen::Vector3d::UnitY()));
+}
+
 // Its face, so far before its back.
 void PutPad(pugi::xml_node body, const SceneParameters& p, double thickness_m) {
   const Eigen::Quaterniond R_NT = HeadingRotation(Radians(p.pad_yaw_deg)) *
-                                  Eigen::AngleAxisd(Radians(p.pad_tilt_deg), Eigen::Vector3d::UnitY());
-  const Eigen::Vector3d back_N(p.pad_position_m.x(), p.pad_position_m.y(), -p.pad_height_m);
+                                  Eigen::AngleAxisd(Radians(p.pad_tilt_deg), Eigen::Vector3d::UnitY()) *
+                                  Lean(p.pad_lean_deg);
+  const Eigen::Vector2d sines =
+      p.pad_lean_deg.unaryExpr([](double deg) { return std::abs(std::sin(Radians(deg))); });
+  const double raised_m = sines.x() * p.pad.size_m.y() / 2 + sines.y() * p.pad.size_m.x() / 2;
+  const Eigen::Vector3d back_N(p.pad_position_m.x(), p.pad_position_m.y(), -p.pad_height_m - raised_m);
   mjtNum q[7];
   PoseToMujoco({R_NT, back_N - R_NT * Eigen::Vector3d(0, 0, thickness_m)}, q);
   body.append_attribute("pos") = fmt::format("{} {} {}", q[0], q[1], q[2]).c_str();

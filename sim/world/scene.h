@@ -42,7 +42,10 @@ struct SceneParameters {
   Eigen::Vector2d pad_position_m = Eigen::Vector2d::Zero();  // north, east; of the middle of its back
   double pad_yaw_deg = 0;                                    // clockwise from north
   double pad_height_m = 0;                                   // of the middle of its back
-  double pad_tilt_deg = 0;                            // raises the top of its picture; 90: it hangs on a wall
+  double pad_tilt_deg = 0;  // raises the top of its picture; 90: it hangs on a wall
+  // Beside that, as it lies on uneven ground: about the up and the right of its picture. Its middle is so much
+  // higher that no corner is in the ground.
+  Eigen::Vector2d pad_lean_deg = Eigen::Vector2d::Zero();
   std::optional<DeckParameters> deck;                 // the pad lies on a deck that moves
   bool occluder = false;                              // with a dark sheet that can be put over the pad
   std::vector<TargetParameters> targets = {};         // what they look like

@@ -42,7 +42,7 @@ EventRenderer::EventRenderer(const mjModel* model, const vision::CameraModel& ca
       renderer_(model, camera, render),
       flow_(model, Sparse(camera), render),
       defocus_(image.lens),
-      shade_(Shade(image.lens, camera)),
+      shade_(Shade(image.lens, camera, seed)),
       gamma_(image.gamma) {}
 
 void EventRenderer::Add(Snapshot snapshot) {

@@ -274,6 +274,17 @@ TEST(ImageSensor, AgreesWithTheSlowChain) {
   }
 }
 
+TEST(ImageSensor, GlareSpreadsItsShareOfTheLightOverAllOfTheImage) {
+  ImageParameters p;
+  p.noise_grey = 0;
+  p.lens.glare = 0.1;
+  cv::Mat half(100, 200, CV_8UC3, cv::Scalar::all(0));
+  half.colRange(0, 100).setTo(cv::Scalar::all(200));
+  const cv::Mat image = ImageSensor(p, vision::Pinhole{200, 100, 100, 100, 99.5, 49.5}, 1).Expose(half, 0);
+  EXPECT_EQ(image.at<uchar>(50, 20), 190);  // 0.9 * 200 + 0.1 * 100
+  EXPECT_EQ(image.at<uchar>(50, 180), 10);
+}
+
 TEST(ImageSensor, FewBitsAreFewLevels) {
   ImageParameters p;
   p.noise_grey = 0, p.bits = 3;

@@ -143,5 +143,23 @@ TEST(Defocus, BeyondItsBorderTheImageGoesOn) {
   EXPECT_FALSE(Defocus(lens).sharp());
 }
 
+TEST(Shade, DustTakesTheLightOfItsGrains) {
+  LensParameters lens;
+  lens.dust = {.count = 1, .size_px = 3, .darkness = 0.4};
+  for (const std::uint64_t seed : {1, 2, 3, 4}) {
+    const cv::Mat shade = Shade(lens, kCamera, seed);
+    double low = 0, high = 0;
+    cv::minMaxLoc(shade, &low, &high);
+    EXPECT_NEAR(low, 0.6, 0.02) << seed;
+    EXPECT_EQ(high, 1) << seed;
+    // The volume of a Gaussian, less of one at the border.
+    EXPECT_LE(cv::sum(1 - shade)[0], 0.4 * 2 * std::numbers::pi * 9 + 0.01) << seed;
+  }
+  lens.dust.count = 400;
+  const double lost = cv::mean(1 - Shade(lens, kCamera, 1))[0];
+  EXPECT_NEAR(lost, 1 - std::exp(-400 * 0.4 * 2 * std::numbers::pi * 9 / (160 * 120)), 0.12);
+  EXPECT_GT(cv::norm(Shade(lens, kCamera, 1), Shade(lens, kCamera, 2), cv::NORM_INF), 0.1);
+}
+
 }  // namespace
 }  // namespace kestrel::sim

@@ -52,5 +52,32 @@ TEST(Print, GrainHasItsDeviationAndSizeAndSeed) {
   EXPECT_GT(cv::norm(printed, Printed(grey, kSize_m, print, 2), cv::NORM_INF), 0);
 }
 
+TEST(Print, AShareOfItLiesInTheShadeToOneSide) {
+  const cv::Mat grey(200, 400, CV_8UC1, cv::Scalar(200));
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    const cv::Mat printed = Printed(grey, kSize_m, {.shade = 0.3, .shade_light = 0.4}, seed);
+    const double dark = cv::countNonZero(printed < 140) / static_cast<double>(printed.total());
+    EXPECT_NEAR(dark, 0.3, 0.01) << seed;
+    double low = 0, high = 0;
+    cv::minMaxLoc(printed, &low, &high);
+    EXPECT_EQ(low, 80);
+    EXPECT_EQ(high, 200);
+    const cv::Moments of_shade =
+        cv::moments(printed < 140, true);  // to one side: its middle is not that of the picture
+    EXPECT_GT(std::hypot(of_shade.m10 / of_shade.m00 - 200, of_shade.m01 / of_shade.m00 - 100), 30) << seed;
+  }
+  EXPECT_EQ(cv::countNonZero(Printed(grey, kSize_m, {.shade = 1, .shade_light = 0.4}, 1) != 80), 0);
+}
+
+TEST(Print, WhereItIsWetWhiteIsDarkerAndBlackIsNot) {
+  const cv::Mat white(400, 400, CV_8UC1, cv::Scalar(255)), black(400, 400, CV_8UC1, cv::Scalar(0));
+  const Eigen::Vector2d size_m(1, 1);
+  const cv::Mat of_white = Printed(white, size_m, {.wet = 0.2}, 4),
+                of_black = Printed(black, size_m, {.wet = 0.2}, 4);
+  EXPECT_NEAR(cv::countNonZero(of_white < 200) / 160000.0, 0.2, 0.02);
+  EXPECT_NEAR(cv::countNonZero(of_black > 7) / 160000.0, 0.2, 0.02);
+  EXPECT_GT(cv::countNonZero(of_white == 255), 100000);
+}
+
 }  // namespace
 }  // namespace kestrel::sim

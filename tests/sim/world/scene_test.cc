@@ -97,6 +97,23 @@ TEST_F(Scene, APadHangsOnTheWallThatItsTopFacedWithItsFaceBeforeIt) {
   EXPECT_LT((X_NT.R * Eigen::Vector3d::UnitY() - Eigen::Vector3d(-0.5, std::sqrt(3) / 2, 0)).norm(), 1e-12);
 }
 
+TEST_F(Scene, APadOnUnevenGroundLeansWithNoCornerInIt) {
+  p_.pad_position_m = {3, -2};
+  p_.pad_yaw_deg = 30;
+  p_.pad_lean_deg = {2, -3};
+  const ModelPtr model = MakeModel(p_);
+  const Pose X_NT = PadPose(model.get(), Computed(model.get()).get());
+  EXPECT_LT((X_NT.p - Eigen::Vector3d(3, -2, 0)).head<2>().norm(), 0.001);
+  // Of small angles each is that of its axis.
+  EXPECT_NEAR(Degrees(std::acos((X_NT.R * Eigen::Vector3d::UnitZ()).z())), std::hypot(2, 3), 0.01);
+  double lowest = -1;
+  for (const double along : {-0.5, 0.5})
+    for (const double across : {-0.5, 0.5})
+      lowest = std::max(
+          lowest, (X_NT * Eigen::Vector3d(along * p_.pad.size_m.x(), across * p_.pad.size_m.y(), 0.01)).z());
+  EXPECT_NEAR(lowest, 0, 1e-4);
+}
+
 TEST_F(Scene, PictureCoversThePadOnceWithItsTopAtPlusX) {
   p_.pad_position_m = {3, -2};
   p_.pad_yaw_deg = 30;
