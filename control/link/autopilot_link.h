@@ -6,6 +6,7 @@
 #include <string>
 
 #include "control/autopilot.h"
+#include "control/sighting.h"
 
 namespace kestrel::control {
 
@@ -36,6 +37,8 @@ class AutopilotLink : public Autopilot {
   virtual LinkHealth Health() const = 0;
   // Nothing more is sent as a setpoint until the next Send(). (Keeping the session alive goes on.)
   virtual void Silence() = 0;
+  // What the camera saw, for an autopilot that flies by it itself. Wires without such a message pass it over.
+  virtual void See(const Sighting&) {}
 };
 
 }  // namespace kestrel::control

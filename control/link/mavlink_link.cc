@@ -154,9 +154,9 @@ void MavlinkLink::TakeControl() {
   wire_->session.TakeControl();
 }
 
-void MavlinkLink::ShowTarget(const Eigen::Vector3d& p_NT) {
+void MavlinkLink::See(const Sighting& sighting) {
   const std::lock_guard lock(wire_->mutex);
-  wire_->session.ShowTarget(p_NT);
+  wire_->session.See(sighting);
 }
 
 std::string MavlinkLink::Where() const { return ToText(wire_->address); }

@@ -39,10 +39,10 @@ class MavlinkLink final : public AutopilotLink {
   void Aid(const AttitudeAid& aid) override;
   LinkHealth Health() const override;
   void Silence() override;
+  // As MavlinkOptions::landing_target and vision_position say, once for each sighting.
+  void See(const Sighting& sighting) override;
 
   void TakeControl();  // the mode for setpoints is asked for, once they are streaming
-  // LANDING_TARGET, once for each call: where the target is in N.
-  void ShowTarget(const Eigen::Vector3d& p_NT);
   // Where it listens, or sends to: as ParseUdpAddress reads it.
   std::string Where() const;
 

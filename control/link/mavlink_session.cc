@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/printable.h"
+#include "control/wire/mavlink_sightings.h"
 #include "geometry/tait_bryan.h"
 
 namespace kestrel::control {
@@ -336,12 +337,9 @@ std::vector<wire::Bytes> MavlinkSession::Due(double now_s) {
     SendSetpoint(now_s);
     AskForControl(now_s);
     AskForStreams(now_s);
-    if (target_N_ && state_s_) {
-      const Pose X_NB{state_.R_NB, state_.p_NB};
-      Say(ToLandingTarget(*target_N_, X_NB, *dialect_, static_cast<std::uint64_t>(1e6 * state_.t_s)));
-    }
+    TellSighting();
   }
-  target_N_.reset();
+  sighting_.reset();
   return std::exchange(out_, {});
 }
 
@@ -403,6 +401,31 @@ void MavlinkSession::SendSetpoint(double now_s) {
   ++sent_;
 }
 
+// The autopilot's own pose is that of the exposure, as far as its newest state tells.
+void MavlinkSession::TellSighting() {
+  constexpr double kOldest_s = 1;
+  if (!sighting_ || !state_s_ || !sighting_->p_TB.allFinite() || !sighting_->R_TB.coeffs().allFinite())
+    return;
+  const double ago_s = std::clamp(state_.t_s - sighting_->t_s, 0.0, kOldest_s);
+  const Pose X_NB{state_.R_NB * ExpRotation(-ago_s * state_.w_B), state_.p_NB - ago_s * state_.v_N};
+  const bool px4 = dialect_ == &kPx4;
+  if (options_.landing_target == "landing_target") Say(ToLandingTarget(*sighting_, X_NB, *dialect_));
+  if (options_.landing_target == "target_relative" && px4) Say(ToTargetRelative(*sighting_, X_NB.R));
+  if (options_.vision_position == "odometry" && px4) Say(ToOdometry(*sighting_));
+  if (options_.vision_position == "vision_position_estimate")
+    Say(ToVisionPosition(*sighting_, YawOf(X_NB.R)));
+}
+
+std::string MavlinkSession::SightingError() const {
+  if (dialect_ != &kArduPilot) return "";
+  if (options_.landing_target == "target_relative")
+    return "ArduPilot has no TARGET_RELATIVE; valid: mavlink.landing_target=landing_target";
+  if (options_.vision_position == "odometry")
+    return "ArduPilot takes no ODOMETRY without velocities; valid: "
+           "mavlink.vision_position=vision_position_estimate";
+  return "";
+}
+
 std::optional<bool> MavlinkSession::PilotAllows(double now_s) const {
   if (!Open(now_s)) return std::nullopt;
   if (options_.switch_channel != 0) {
@@ -424,6 +447,7 @@ std::string MavlinkSession::Error(double now_s) const {
     return "attitude or position no longer comes, or cannot be";
   }
   if (!setpoint_error_.empty()) return setpoint_error_;
+  if (const std::string error = SightingError(); !error.empty()) return error;
   const auto refused = [this](const Ask& ask, const std::string& what) {
     return what + " refused (MAV_RESULT " + std::to_string(*ask.refused) + ")" +
            (text_.empty() ? "" : ": " + text_);

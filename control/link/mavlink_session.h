@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <Eigen/Core>
 #include <array>
 #include <cstdint>
 #include <deque>
@@ -14,6 +13,7 @@
 #include "base/clock_sync.h"
 #include "base/yaml/fields.h"
 #include "control/link/autopilot_link.h"
+#include "control/sighting.h"
 #include "control/wire/mavlink_dialects.h"
 
 namespace kestrel::control {
@@ -28,6 +28,8 @@ struct MavlinkOptions {
   double switch_min_us = 1700, switch_max_us = 2300;
   int autopilot_system = 0;
   int system = 1, component = 191;  // MAV_COMP_ID_ONBOARD_COMPUTER
+  // What is told of what the camera sees, beside setpoints.
+  std::string landing_target = "none", vision_position = "none";
 };
 
 inline void Fields(FieldVisitor& v, MavlinkOptions& o) {
@@ -53,6 +55,16 @@ inline void Fields(FieldVisitor& v, MavlinkOptions& o) {
     o.autopilot_system, 0, 255);
   v({"system", "MAVLink system ID of this program"}, o.system, 1, 255);
   v({"component", "MAVLink component ID of this program; 191: onboard computer"}, o.component, 1, 255);
+  v({"landing_target",
+     "message that tells the autopilot where the pad is, for its own precision landing; target_relative is "
+     "of PX4 "
+     "alone"},
+    o.landing_target, {"none", "landing_target", "target_relative"});
+  v({"vision_position",
+     "message that tells the autopilot the pose by the camera, with covariance and time of exposure, for its "
+     "own "
+     "estimator; odometry is of PX4 alone"},
+    o.vision_position, {"none", "odometry", "vision_position_estimate"});
 }
 
 // The offset of a clock that answers TIMESYNC: by the answer of the last while that came back the soonest,
@@ -90,7 +102,7 @@ class MavlinkSession {
   void Send(const Setpoint& setpoint, double now_s);
   void Silence();
   void TakeControl() { asks_ = true; }
-  void ShowTarget(const Eigen::Vector3d& p_NT) { target_N_ = p_NT; }
+  void See(const Sighting& sighting) { sighting_ = sighting; }
   void Aid() { aid_refused_ = true; }
 
   VehicleState State() const { return state_; }
@@ -134,6 +146,8 @@ class MavlinkSession {
   void AskForStreams(double now_s);
   void AskForControl(double now_s);
   void SendSetpoint(double now_s);
+  void TellSighting();
+  std::string SightingError() const;
   bool StandsBy() const;
   bool InMode() const;
   bool Armed() const;
@@ -174,7 +188,7 @@ class MavlinkSession {
   double next_s_ = 0;                  // when it is to be repeated
   std::optional<double> yaw_;          // of attitudes on the wire
   double yaw_s_ = 0;                   // when it was that
-  std::optional<Eigen::Vector3d> target_N_;
+  std::optional<Sighting> sighting_;   // that was not told yet
   std::string setpoint_error_;
   bool aid_refused_ = false;
 

@@ -14,6 +14,7 @@
 #include "flight/flight_subject.h"
 #include "flight/hardware/control_monitor.h"
 #include "flight/hardware/lag_monitor.h"
+#include "flight/hardware/sighting_of.h"
 #include "flight/load_plugins.h"
 #include "mission/flight_loop.h"
 #include "records/recorder.h"
@@ -293,6 +294,8 @@ FlyReport FlyAircraft(const LoadedPlan& plan, vision::LiveCamera& camera, contro
     ++report.frames;
     if (!needs_target || decision.target_state == mission::TargetState::kInSight) seen_s = now_s;
     safe.TargetLostFor(now_s - seen_s);
+    if (decision.fix && !o.dry_run && !plan.parts.ground)
+      link.See(SightingOf(*decision.fix, frame.t_s, state, plan.parts));
     if (const std::string late = lag.Note(now_s, safe.sent(), state); !late.empty()) tell("autopilot", late);
     take_changes();
     note(state);
