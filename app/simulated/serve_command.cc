@@ -34,7 +34,7 @@
 #include "sim/server/afcs_server.h"
 #include "sim/server/asctec_server.h"
 #include "sim/server/camera_server.h"
-#include "sim/server/mavlink_server.h"
+#include "sim/server/mavlink/mavlink_server.h"
 #include "sim/server/physics/ardupilot_physics.h"
 #include "vision/capture/rtp_stream.h"
 

@@ -17,7 +17,7 @@
 #include "geometry/tait_bryan.h"
 #include "sim/server/afcs_server.h"
 #include "sim/server/asctec_server.h"
-#include "sim/server/mavlink_server.h"
+#include "sim/server/mavlink/mavlink_server.h"
 #include "sim/server/physics/ardupilot_physics.h"
 
 namespace kestrel::flight {

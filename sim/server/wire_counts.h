@@ -17,6 +17,8 @@ struct WireCounts {
   std::uint64_t setpoints = 0;  // of the session, and understood
   std::uint64_t followed = 0;   // of these: the others came in another mode, or against the pilot's switch
   std::uint64_t refused = 0;    // setpoints of the session that are not flown, or that no aircraft could fly
+  std::map<std::string, std::uint64_t>
+      sightings;  // what a camera saw, by the name of the message; not flown by
   // All that came and was ignored, by kind, in words: "damaged datagrams". Setpoints are among them.
   std::map<std::string, Kind> ignored;
 

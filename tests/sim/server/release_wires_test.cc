@@ -15,7 +15,7 @@
 #include "control/link/safe_autopilot.h"
 #include "sim/server/afcs_server.h"
 #include "sim/server/asctec_server.h"
-#include "sim/server/mavlink_server.h"
+#include "sim/server/mavlink/mavlink_server.h"
 #include "tests/sim/server/fake_aircraft.h"
 
 namespace kestrel::sim {

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/server/mavlink_server.h"
+#include "sim/server/mavlink/mavlink_server.h"
 
 #include <array>
 #include <boost/asio.hpp>
+#include <chrono>
 #include <optional>
 #include <span>
+#include <utility>
 
 #include "base/diagnostics.h"
 #include "control/link/session_socket.h"
@@ -21,6 +23,10 @@ udp::endpoint Resolve(boost::asio::io_context& context, const control::UdpAddres
   const auto found = udp::resolver(context).resolve(address.host, std::to_string(address.port), error);
   if (error) throw InputError({}, "address \"" + control::ToText(address) + "\": " + error.message());
   return *found.begin();
+}
+
+double TimeOfDay_s() {
+  return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
 }
 
 std::string PeerText(const udp::endpoint& peer) {
@@ -47,6 +53,7 @@ struct MavlinkServer::Wire {
   bool fixed = false;  // whose the session is
   double heard_s = 0;
   double tell_s = 0;  // again that another has the session
+  bool dated = false;
 };
 
 MavlinkServer::MavlinkServer(const MavlinkServerOptions& options)
@@ -56,6 +63,7 @@ MavlinkServer::~MavlinkServer() = default;
 void MavlinkServer::Serve(double now_s, control::Autopilot& aircraft) {
   constexpr int kMost = 256;  // datagrams at once, lest a flood stops the flight
   Wire& wire = *wire_;
+  if (!std::exchange(wire.dated, true)) vehicle_.SetDate(TimeOfDay_s() - now_s);
   const auto receive = [&](std::span<const std::uint8_t> datagram) {
     wire.heard_s = now_s;
     vehicle_.Receive(datagram, now_s, aircraft);

@@ -11,7 +11,7 @@
 
 #include "base/diagnostics.h"
 #include "control/link/udp_address.h"
-#include "sim/server/mavlink_server.h"
+#include "sim/server/mavlink/mavlink_server.h"
 #include "tests/sim/server/fake_aircraft.h"
 
 namespace kestrel::control {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <map>
@@ -14,7 +15,9 @@
 #include "control/autopilot.h"
 #include "control/wire/mavlink_dialects.h"
 #include "sim/server/geodetic_origin.h"
-#include "sim/server/mavlink_setpoints.h"
+#include "sim/server/mavlink/mavlink_flight.h"
+#include "sim/server/mavlink/mavlink_parameters.h"
+#include "sim/server/mavlink/mavlink_setpoints.h"
 #include "sim/server/wire_counts.h"
 
 namespace kestrel::sim {
@@ -48,16 +51,13 @@ inline void Fields(FieldVisitor& v, MavlinkServerOptions& o) {
 // What PX4 or ArduPilot says and heeds on behalf of an emulated autopilot, without a socket: datagrams and
 // times in, datagrams out. now_s is any clock that runs in real time.
 //
-// Emulated of both: heartbeats; ATTITUDE, ATTITUDE_QUATERNION, LOCAL_POSITION_NED, GLOBAL_POSITION_INT,
-// EXTENDED_SYS_STATE, RC_CHANNELS (the pilot's switch) and SYSTEM_TIME, at rates that SET_MESSAGE_INTERVAL
-// changes; TIMESYNC; arming and disarming on the ground, disarming after touch-down and where no take-off
-// follows; modes for setpoints, for holding the place and for landing; TAKEOFF. Of setpoints what
-// sim/server/mavlink_setpoints.h says. Of PX4: OFFBOARD needs setpoints for a second before, and is left for
-// holding the place when they stop for its time-out. Of ArduPilot: GUIDED is kept, but the aircraft stops
-// when velocities or attitudes stop for its time-out, or are malformed; on the ground setpoints do nothing.
-// ArduPilot streams nothing before it is asked to, PX4 the messages above: that and the rates are assumed.
-//
-// Parameters, missions, other commands: answered as unsupported, or not at all.
+// Emulated of both: heartbeats with the modes that ground stations know; the messages of MavlinkOffers(), at rates
+// that SET_MESSAGE_INTERVAL and REQUEST_DATA_STREAM change, or once by REQUEST_MESSAGE; parameters
+// (sim/server/mavlink/mavlink_parameters.h); TIMESYNC and PING; commands as COMMAND_LONG and COMMAND_INT; how it
+// flies, sim/server/mavlink/mavlink_flight.h; setpoints, sim/server/mavlink/mavlink_setpoints.h. It has no missions,
+// fences or rally points: their lists are empty, and what would fill them is refused. A command that it has not is
+// answered as unsupported, and STATUSTEXT says why something was refused. ArduPilot streams nothing before it is
+// asked to, PX4 what MavlinkOffers() says: the rates are assumed.
 class MavlinkVehicle {
  public:
   explicit MavlinkVehicle(const MavlinkServerOptions& options);
@@ -73,53 +73,61 @@ class MavlinkVehicle {
   const WireCounts& received() const { return counts_; }
   // Turned off, the aircraft is in the pilot's own mode and no other can be had; turned on, it is put into
   // the mode for setpoints, if the dialect lets him.
-  void SetPilot(bool allows);
+  void SetPilot(bool allows) { flight_.SetPilot(allows); }
+  // The time of day less now_s, for SYSTEM_TIME; without, it tells none.
+  void SetDate(double offset_s) { date_s_ = offset_s; }
 
  private:
   struct Stream {
     double period_s = 0;  // 0: none
     double default_s = 0;
     double next_s = 0;
+    std::uint8_t group = 0;  // MAV_DATA_STREAM
+  };
+  // A command, in whichever of the two messages it came.
+  struct Order {
+    std::uint16_t command = 0;
+    std::array<float, 4> param{};
+    std::optional<Eigen::Vector2d> place_deg{};  // latitude, longitude
+    double height_m = 0;                         // param7
+    int frame = 0;                               // MAV_FRAME of the height
+    bool with_frame = false;                     // it came with one
+    control::wire::mavlink::Source from{};
   };
 
-  void Handle(const control::wire::mavlink::Message& message, double now_s, control::Autopilot& aircraft);
-  void Command(const control::wire::mavlink::CommandLong& command, double now_s,
-               control::Autopilot& aircraft);
-  std::uint8_t SetMode(std::uint32_t custom_mode, double now_s);
-  std::uint8_t Arm(bool armed, double now_s, const control::VehicleState& state);
-  std::uint8_t TakeOff(double param7, control::Autopilot& aircraft);
-  std::uint8_t SetInterval(const control::wire::mavlink::CommandLong& command, double now_s);
-  // message: what it was read from.
+  void Handle(const control::wire::mavlink::Message& message, const control::wire::mavlink::Source& from,
+              double now_s, control::Autopilot& aircraft);
+  void HandleLists(const control::wire::mavlink::Message& message,
+                   const control::wire::mavlink::Source& from);
+  void Obey(const Order& order, double now_s, control::Autopilot& aircraft);
+  std::uint8_t ResultOf(const Order& order, double now_s, control::Autopilot& aircraft);
+  std::optional<double> HeightAboveHome(const Order& order) const;
+  std::uint8_t TakeOff(const Order& order, double now_s, control::Autopilot& aircraft);
+  std::uint8_t GoTo(const Order& order, double now_s, const control::VehicleState& state);
+  std::uint8_t TellOnce(std::uint32_t id, double now_s, const control::VehicleState& state);
+  std::uint8_t SetInterval(const Order& order, double now_s);
+  void SetStreams(const control::wire::mavlink::RequestDataStream& request, double now_s);
   void TakeSetpoint(const std::optional<MavlinkSetpoint>& setpoint,
                     const control::wire::mavlink::Message& message, double now_s,
                     control::Autopilot& aircraft);
-  void Follow(double now_s, control::Autopilot& aircraft);
-  void Stop(control::Autopilot& aircraft);
+  void TakeAnswer(const MavlinkParameters::Answer& answer);
   bool ForMe(std::uint8_t system, std::uint8_t component) const;
   void Warn(const std::string& text);
-  control::wire::mavlink::Message Of(std::uint32_t id, const control::VehicleState& state) const;
+  std::optional<control::wire::mavlink::Message> Of(std::uint32_t id, double now_s,
+                                                    const control::VehicleState& state) const;
   void Say(const control::wire::mavlink::Message& message);
 
   MavlinkServerOptions options_;
   const control::wire::mavlink::Dialect& dialect_;
   control::wire::mavlink::Parser parser_;
   control::wire::mavlink::Sender sender_, to_others_;
+  MavlinkParameters parameters_;
+  MavlinkFlight flight_;
   WireCounts counts_;
   std::vector<control::wire::Bytes> out_;
   std::map<std::uint32_t, Stream> streams_;
   double next_heartbeat_s_ = 0;
-
-  std::uint32_t mode_;
-  bool armed_ = false;
-  double armed_s_ = 0;
-  bool flew_ = false;  // since it was armed
-  bool begun_ = false;
-
-  std::optional<MavlinkSetpoint> setpoint_;
-  double setpoint_s_ = 0;              // when the last came
-  std::optional<double> streaming_s_;  // since when they have been coming
-
-  bool pilot_allows_ = true, pilot_was_ = true;
+  std::optional<double> date_s_;
 };
 
 }  // namespace kestrel::sim

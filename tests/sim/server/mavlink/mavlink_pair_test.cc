@@ -10,7 +10,7 @@
 #include <random>
 
 #include "control/link/mavlink_session.h"
-#include "sim/server/mavlink_vehicle.h"
+#include "sim/server/mavlink/mavlink_vehicle.h"
 #include "tests/sim/server/fake_aircraft.h"
 
 namespace kestrel::sim {
@@ -579,20 +579,88 @@ TEST(MavlinkPair, OurOwnServerSaysThatItsAircraftIsSimulatedAndOthersDoNot) {
   EXPECT_FALSE(link.Health(0).simulated);
 }
 
+// The pad lies two metres east of the origin of N, its long side to the south; the aircraft is over the origin and
+// looks east.
+control::Sighting PadToTheEast(double t_s) {
+  control::Sighting sighting;
+  sighting.t_s = t_s;
+  sighting.p_TB = {0, 2, -5};
+  sighting.R_TB = HeadingRotation(-M_PI / 2);
+  for (int i = 0; i < 6; ++i) sighting.covariance(i, i) = 0.01 * (i + 1);
+  return sighting;
+}
+
 TEST(MavlinkPair, TheTargetIsShownAsEachWantsIt) {
-  Pair px4, ardupilot({}, "ardupilot");
+  control::MavlinkOptions options;
+  options.landing_target = "landing_target";
+  Pair px4(options), ardupilot(options, "ardupilot");
   for (Pair* pair : {&px4, &ardupilot}) {
     pair->aircraft.state.R_NB = HeadingRotation(M_PI / 2);
     pair->Run(2);
-    pair->link.ShowTarget({0, 2, 0});
+    pair->link.See(PadToTheEast(pair->now_s - 0.1));
     pair->Run(0.5);
     ASSERT_EQ(pair->up.All<LandingTarget>().size(), 1U);
+    EXPECT_NEAR(1e-6 * static_cast<double>(pair->up.All<LandingTarget>()[0].time_usec), pair->now_s - 0.6,
+                0.01);
+    EXPECT_EQ(pair->vehicle->received().sightings.at("LANDING_TARGET"), 1U);
   }
   const LandingTarget in_n = px4.up.All<LandingTarget>()[0], in_b = ardupilot.up.All<LandingTarget>()[0];
   EXPECT_EQ(in_n.frame, 1);
   EXPECT_LT((Vector3d(in_n.x, in_n.y, in_n.z) - Vector3d(0, 2, 0)).norm(), 1e-5);
   EXPECT_EQ(in_b.frame, 12);
   EXPECT_LT((Vector3d(in_b.x, in_b.y, in_b.z) - Vector3d(2, 0, 5)).norm(), 1e-5);
+}
+
+TEST(MavlinkPair, TheFixIsToldAsEachTakesIt) {
+  control::MavlinkOptions options;
+  options.landing_target = "target_relative", options.vision_position = "odometry";
+  Pair px4(options);
+  px4.aircraft.state.R_NB = HeadingRotation(M_PI / 2);
+  px4.Run(2);
+  px4.link.See(PadToTheEast(px4.now_s - 0.1));
+  px4.Run(0.1);
+  ASSERT_EQ(px4.up.All<TargetRelative>().size(), 1U);
+  const TargetRelative target = px4.up.All<TargetRelative>()[0];
+  EXPECT_LT((Vector3d(target.x, target.y, target.z) - Vector3d(0, 2, 5)).norm(), 1e-5);
+  // T is turned by half a turn from N: the deviations keep their axes.
+  EXPECT_NEAR(target.pos_std[0], std::sqrt(0.01), 1e-5);
+  EXPECT_NEAR(target.pos_std[1], std::sqrt(0.02), 1e-5);
+  EXPECT_NEAR(target.yaw_std, std::sqrt(0.06), 1e-5);
+  ASSERT_EQ(px4.up.All<Odometry>().size(), 1U);
+  const Odometry odometry = px4.up.All<Odometry>()[0];
+  EXPECT_EQ(odometry.frame_id, 20);
+  EXPECT_EQ(odometry.child_frame_id, 12);
+  EXPECT_LT((Vector3d(odometry.x, odometry.y, odometry.z) - Vector3d(0, 2, -5)).norm(), 1e-5);
+  EXPECT_NEAR(odometry.q[0], std::cos(M_PI / 4), 1e-5);
+  EXPECT_NEAR(odometry.q[3], -std::sin(M_PI / 4), 1e-5);
+  EXPECT_TRUE(std::isnan(odometry.vx));
+  // x, y, z in T; it looks along -y of T, so that roll is about it and pitch about x.
+  const std::array<std::pair<std::size_t, double>, 6> diagonal{
+      {{0, 0.01}, {6, 0.02}, {11, 0.03}, {15, 0.05}, {18, 0.04}, {20, 0.06}}};
+  for (const auto& [at, value] : diagonal) EXPECT_NEAR(odometry.pose_covariance[at], value, 1e-6) << at;
+  EXPECT_EQ(px4.vehicle->received().sightings.at("ODOMETRY"), 1U);
+  EXPECT_EQ(px4.vehicle->received().sightings.at("TARGET_RELATIVE"), 1U);
+
+  Pair refused(options, "ardupilot");
+  refused.Run(2);
+  refused.link.See(PadToTheEast(refused.now_s));
+  refused.Run(0.1);
+  EXPECT_TRUE(refused.up.All<Odometry>().empty());
+  EXPECT_NE(refused.Health().error.find("TARGET_RELATIVE"), std::string::npos);
+
+  control::MavlinkOptions by_place;
+  by_place.vision_position = "vision_position_estimate";
+  Pair ardupilot(by_place, "ardupilot");
+  ardupilot.aircraft.state.R_NB = HeadingRotation(M_PI / 2);
+  ardupilot.Run(2);
+  ardupilot.link.See(PadToTheEast(ardupilot.now_s - 0.1));
+  ardupilot.Run(0.1);
+  ASSERT_EQ(ardupilot.up.All<VisionPositionEstimate>().size(), 1U);
+  const VisionPositionEstimate place = ardupilot.up.All<VisionPositionEstimate>()[0];
+  EXPECT_LT((Vector3d(place.x, place.y, place.z) - Vector3d(0, -2, -5)).norm(), 1e-5);  // west of the pad
+  EXPECT_NEAR(place.yaw, M_PI / 2, 1e-5);
+  EXPECT_NEAR(place.covariance[6], 0.02, 1e-6);
+  EXPECT_EQ(ardupilot.Health().error.find("ArduPilot"), std::string::npos);
 }
 
 TEST(MavlinkPair, WhatCannotBeSaidIsNotSentAndIsTrouble) {

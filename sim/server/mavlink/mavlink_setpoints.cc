@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/server/mavlink_setpoints.h"
+#include "sim/server/mavlink/mavlink_setpoints.h"
 
 #include <cmath>
 

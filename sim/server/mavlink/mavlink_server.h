@@ -5,7 +5,7 @@
 #include <string>
 
 #include "sim/server/autopilot_server.h"
-#include "sim/server/mavlink_vehicle.h"
+#include "sim/server/mavlink/mavlink_vehicle.h"
 
 namespace kestrel::sim {
 
