@@ -111,6 +111,16 @@ CheckItem StateItem(const control::VehicleState& s, const PreFlightOptions& o) {
   return item;
 }
 
+// What is heard of the autopilot; of one that is there and tells no state, both.
+std::string LinkText(const control::LinkHealth& health) {
+  if (!health.state_age_s) {
+    const std::string heard =
+        health.open ? "the autopilot is heard, its state is not" : "the autopilot is not heard";
+    return heard + (health.error.empty() ? "" : ": " + health.error);
+  }
+  return health.error.empty() ? fmt::format("state {:.0f} ms old", 1e3 * *health.state_age_s) : health.error;
+}
+
 }  // namespace
 
 std::vector<CheckItem> PreFlight(const LoadedPlan& plan, vision::LiveCamera& camera,
@@ -149,13 +159,11 @@ std::vector<CheckItem> PreFlight(const LoadedPlan& plan, vision::LiveCamera& cam
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
     health = link.Health();
   }
-  add("link", alive() && health.error.empty(),
-      !health.state_age_s     ? "no state was heard" + (health.error.empty() ? "" : ": " + health.error)
-      : !health.error.empty() ? health.error
-                              : fmt::format("state {:.0f} ms old", 1e3 * *health.state_age_s));
+  add("link", alive() && health.error.empty(), LinkText(health));
   if (health.state_age_s) items.push_back(StateItem(link.State(), o));
-  if (!alive() || !health.open) {  // whatever it would tell, it tells nothing
-    add("pilot's switch", false, "not known: the autopilot is not heard");
+  if (!health.pilot_allows && (!alive() || !health.open)) {  // whatever it would tell, it tells nothing
+    add("pilot's switch", false,
+        health.open ? "not known: no state comes" : "not known: the autopilot is not heard");
     return items;
   }
   add("pilot's switch", health.pilot_allows.value_or(o.pilot_untold),

@@ -178,6 +178,21 @@ TEST_F(FlyTest, TheSwitchOfAnAutopilotThatIsNotHeardIsUnknownAndNoneIsAskedToPas
   EXPECT_THAT(Item("pilot's switch").found, ::testing::Not(HasSubstr("--pilot-untold")));
 }
 
+TEST_F(FlyTest, AnAutopilotThatIsThereAndTellsNoStateIsNotSaidToBeUnheard) {
+  link_.Set([](control::VehicleState&, control::LinkHealth& health) {
+    health.open = true;
+    health.state_age_s.reset();
+    health.pilot_allows = true;
+    health.error = "no position comes (LOCAL_POSITION_NED)";
+  });
+  Check();
+  EXPECT_FALSE(Item("link").ok);
+  EXPECT_THAT(Item("link").found,
+              ::testing::AllOf(HasSubstr("the autopilot is heard"), HasSubstr("LOCAL_POSITION_NED")));
+  EXPECT_TRUE(Item("pilot's switch").ok);
+  for (const CheckItem& item : items_) EXPECT_THAT(item.found, ::testing::Not(HasSubstr("not heard")));
+}
+
 TEST_F(FlyTest, AnImageThatCameAndCannotBeFlownByIsNotSaidToBeNone) {
   class Other final : public vision::ImageSource {
     bool Open() override { return true; }
