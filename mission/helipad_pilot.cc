@@ -65,6 +65,7 @@ Decision HelipadPilot::Observe(const vision::Frame& frame, const control::Vehicl
   cv::Mat grey = frame.image;
   if (grey.channels() == 3) cv::cvtColor(frame.image, grey, cv::COLOR_BGR2GRAY);
   if (to_view_) grey = vision::Look(*to_view_, grey);
+  Hear(state);
   estimator_.AddState(state);
   latency_s_ = state.t_s - frame.t_s;
   const bool frozen = frozen_.Is(grey);
@@ -137,6 +138,9 @@ std::vector<Caption> HelipadPilot::Captions(std::string_view phase) const {
   } else if (estimate_) {
     captions.push_back({fmt::format("last seen {:.1f} s ago", estimate_->age_s)});
   }
+  if (following().level_s() > 0 || following().climb_s() > 0)
+    captions.push_back({fmt::format("autopilot late by {:.1f} s sideways, {:.1f} s up and down",
+                                    following().level_s(), following().climb_s())});
   return captions;
 }
 

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "control/estimate/late_following.h"
 #include "control/estimate/target_estimator.h"
 #include "control/estimate/velocity_lag.h"
 #include "control/law/pbvs.h"
@@ -38,13 +39,25 @@ class Pilot {
 
   void ChangeServo(const control::ServoGains& servo) { servo_ = servo; }
   // Servoes to a place and yaw in T. Only while HasEstimate().
-  control::VelocitySetpoint GoTo(const Eigen::Vector3d& p_T, double yaw_T) const;
+  control::VelocitySetpoint GoTo(const Eigen::Vector3d& p_T, double yaw_T);
   // The same sideways, with a given velocity downwards.
-  control::VelocitySetpoint DescendTo(const Eigen::Vector2d& p_T, double yaw_T, double sink_m_s) const;
+  control::VelocitySetpoint DescendTo(const Eigen::Vector2d& p_T, double yaw_T, double sink_m_s);
+  // Where it will be in T once the autopilot has flown what it was given; where it is, with one that is
+  // prompt. Only while HasEstimate().
+  Eigen::Vector3d Ahead_T() const;
+  const control::LateFollowing& following() const { return following_; }
   control::VelocityLag MaxLag() const;  // of an autopilot that is given what GoTo and DescendTo return
 
+ protected:
+  // Of each frame, before anything is decided on it.
+  void Hear(const control::VehicleState& state);
+
  private:
+  void Give(const control::VelocitySetpoint& setpoint);
+
   control::ServoGains servo_;
+  control::LateFollowing following_;
+  double yaw_NB_ = 0;  // rad
 };
 
 }  // namespace kestrel::mission

@@ -11,7 +11,7 @@ namespace {
 constexpr double kPhaseMargin = M_PI / 6;  // rad
 
 constexpr double kStep_s = 0.1, kMaxDelay_s = 1.6, kMaxLag_s = 2;
-constexpr double kLeast_s = 10;       // of samples
+constexpr double kLeast_s = 5;        // of samples
 constexpr double kMoved_m_s = 0.15;   // root mean square about the mean: less tells nothing
 constexpr double kExplained = 0.8;    // of that square, by the best answer
 constexpr double kMuchWorse = 1.5;    // as many times the squares that are left

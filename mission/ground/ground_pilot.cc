@@ -103,6 +103,7 @@ bool GroundPilot::Correct(const Measured& measured) {
 Decision GroundPilot::Observe(const vision::Frame& frame, const control::VehicleState& state) {
   const auto start = std::chrono::steady_clock::now();
   report_ = {};
+  Hear(state);
   states_.Add(state);
   estimator_.AddState(state);
   std::vector<Measured> all;

@@ -11,6 +11,7 @@
 #include "base/diagnostics.h"
 #include "base/file/model_files.h"
 #include "base/stopwatch.h"
+#include "control/estimate/late_following.h"
 #include "control/estimate/state_history.h"
 #include "control/law/sphere_target.h"
 #include "geometry/tait_bryan.h"
@@ -49,12 +50,15 @@ class FollowMission final : public mission::Mission {
     X_NC_ = Pose{state.R_NB, state.p_NB} * X_BC_;
     yaw_ = YawOf(state.R_NB);
     history_.Add(state);
+    following_.Hear(state);
     exposed_R_NB_ = history_.At(frame.t_s).value_or(state).R_NB;
     sight_.reset();
     wanted_ = WantedAt(state.t_s);
     balloon_ = flight_.features.filter ? Filtered() : AsSeen(frame, state);
     if (balloon_) {
       decision.setpoint = Follow(state);
+      const Eigen::Vector3d asked_N = HeadingRotation(yaw_) * command_.v_H;
+      following_.Give(asked_N, asked_N);
       if (sight_) {
         const auto report = std::make_shared<FollowReport>();
         report->sight = *sight_;
@@ -149,7 +153,7 @@ class FollowMission final : public mission::Mission {
     side_ = now_V.x() < 0 ? -1 : 1;
     const double turned = g.yaw_response_s * state.w_B.z();
     const Eigen::Vector3d v_T_N = g.feed_forward ? balloon_->v_N : Eigen::Vector3d::Zero();
-    const Eigen::Vector3d ahead_N = balloon_->p_N + g.velocity_response_s * (v_T_N - state.v_N);
+    const Eigen::Vector3d ahead_N = Ahead_N(state, v_T_N);
     const Eigen::Vector3d ahead_V = control::LevelAhead(ahead_N, X_NC_.p, yaw_ + turned);
     if (now_V.z() < D || ahead_V.z() < D) {  // beside or behind: only a turn brings it back into view
       command_.yaw_rate = side_ * YawLimit();
@@ -173,6 +177,18 @@ class FollowMission final : public mission::Mission {
     if (-state.p_NB.z() < g.min_height_m) command_.v_H.z() = std::min(command_.v_H.z(), 0.0);
     command_.yaw_rate = std::clamp(step.velocity[2], -YawLimit(), YawLimit());
     return command_;
+  }
+
+  // Where the balloon is, less the way that the aircraft has gone, by when it answers: at the velocity that it has,
+  // or, where the autopilot turns out to be late, at those that it was given.
+  Eigen::Vector3d Ahead_N(const control::VehicleState& state, const Eigen::Vector3d& v_T_N) const {
+    const double response_s = flight_.gains.velocity_response_s;
+    Eigen::Vector3d ahead_N = balloon_->p_N + response_s * (v_T_N - state.v_N);
+    const Eigen::Vector3d to_come_N = following_.ToCome_N();
+    const double level_s = following_.level_s(), climb_s = following_.climb_s();
+    if (level_s > 0) ahead_N.head<2>() = (balloon_->p_N + level_s * v_T_N - to_come_N).head<2>();
+    if (climb_s > 0) ahead_N.z() = balloon_->p_N.z() + climb_s * v_T_N.z() - to_come_N.z();
+    return ahead_N;
   }
 
   control::Setpoint LookForIt(const control::VehicleState& state) {
@@ -219,6 +235,7 @@ class FollowMission final : public mission::Mission {
   std::string_view phase_ = "stop";
   Pose X_NC_;  // now, by the autopilot
   control::StateHistory history_;
+  control::LateFollowing following_;
   Eigen::Quaterniond exposed_R_NB_ = Eigen::Quaterniond::Identity();  // when the last image was exposed
   double yaw_ = 0;
   std::optional<Balloon> balloon_;  // as it is reckoned with now; none: it is lost

@@ -30,7 +30,7 @@ class HoverMission final : public mission::Mission {
       const Eigen::Vector3d& p_TB = pilot_.where().p_TB;
       centred_ = centred_ || p_TB.head<2>().norm() < flight_.centred_m;
       phase_ = centred_ ? "hover" : "centre";
-      const double height = centred_ ? goal_T.z() : p_TB.z();
+      const double height = centred_ ? goal_T.z() : pilot_.Ahead_T().z();
       decision.setpoint = pilot_.GoTo({0, 0, height}, Radians(flight_.yaw_deg));
     }
     decision.phase = phase_;

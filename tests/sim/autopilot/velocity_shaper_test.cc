@@ -49,8 +49,8 @@ TEST(VelocityShaper, TheVelocityIsThatOfTheLimits) {
   const auto curved = Asked(2, {.acceleration_m_s2 = a, .jerk_m_s3 = j}, 4);
   for (const double t_s : {0.1, 0.2, 0.4}) EXPECT_NEAR(At(curved, t_s), j * t_s * t_s / 2, 0.01) << t_s;
   for (const double t_s : {0.6, 0.9}) EXPECT_NEAR(At(curved, t_s), a * (t_s - a / j / 2), 0.01) << t_s;
-  EXPECT_NEAR(At(curved, 2 / a + a / j), 2, 0.06);  // proportional near the goal: a little later
-  EXPECT_NEAR(At(curved, 3.5), 2, 1e-3);
+  EXPECT_NEAR(At(curved, 2 / a + a / j), 2, 0.2);  // proportional near the goal: a little later
+  EXPECT_NEAR(At(curved, 3.5), 2, 2e-3);
 }
 
 TEST(VelocityShaper, NoStepGoesBeyondALimitOrPastTheGoal) {
