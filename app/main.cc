@@ -13,12 +13,14 @@
 #include "app/camera/calibrate_command.h"
 #include "app/camera/mirror_command.h"
 #include "app/campaign/campaign_command.h"
+#include "app/campaign/margins_command.h"
 #include "app/campaign/tune_command.h"
 #include "app/dataset/dataset_command.h"
 #include "app/files/explain_command.h"
 #include "app/files/file_reference.h"
 #include "app/files/new_command.h"
 #include "app/files/schema_command.h"
+#include "app/files/vehicle_command.h"
 #include "app/flight/export_command.h"
 #include "app/flight/replay_command.h"
 #include "app/manual/manual_command.h"
@@ -79,6 +81,8 @@ int Main(int argc, char** argv) {
   program.Add(AddExplainCommand(app, explain), [&] { return ExplainCommand(explain), kMet; });
   NewArguments begin;
   program.Add(AddNewCommand(app, begin), [&] { return NewCommand(begin), kMet; });
+  VehicleArguments vehicle;
+  program.Add(AddVehicleCommand(app, vehicle), [&] { return VehicleCommand(vehicle), kMet; });
   SchemaArguments schema;
   program.Add(AddSchemaCommand(app, schema), [&] { return SchemaCommand(schema), kMet; });
   CheckArguments check;
@@ -93,6 +97,8 @@ int Main(int argc, char** argv) {
   program.Add(AddCampaignCommand(app, campaign), [&] { return met(CampaignCommand(campaign)); });
   TuneArguments tune;
   program.Add(AddTuneCommand(app, tune), [&] { return met(TuneCommand(tune)); });
+  MarginsArguments margins;
+  program.Add(AddMarginsCommand(app, margins), [&] { return met(MarginsCommand(margins)); });
   ReproduceArguments reproduce;
   program.Add(AddReproduceCommand(app, reproduce), [&] { return met(ReproduceCommand(reproduce)); });
   BenchArguments bench;
