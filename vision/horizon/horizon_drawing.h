@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "vision/camera/camera_model.h"
-#include "vision/horizon/skyline_fix.h"
+#include "vision/horizon/border/skyline_fix.h"
 #include "vision/horizon/visual_compass.h"
 
 // What the attitude from the skyline saw, drawn for people.

@@ -141,6 +141,8 @@ Skyline::Skyline(const CameraModel& camera, const Eigen::Matrix3d& R_BC, const c
   int shown = 0;
   for (int i = 0; i < kWide.azimuths; ++i) shown += band.shown.at<uchar>(i, kHorizonRow) != 0;
   one_sided_ = shown < kAllRound * kWide.azimuths;
+  if (StraightSkyline::Suits(camera))
+    straight_.emplace(camera, forbidden, R_CB.col(2), Radians(options.max_tilt_deg));
 }
 
 std::optional<Skyline::Close> Skyline::LookClosely(const cv::Mat& half, const Eigen::Vector3d& down_C) const {
@@ -280,6 +282,16 @@ SkylineResult Skyline::Measure(const cv::Mat& image, const SkylineExpected& expe
   if (overview.dark > 0.97) return NoSkyline::kTooDark;
   if (overview.white > 0.9) return NoSkyline::kWhiteOut;
   if (overview.spread < 3 && overview.rough < 3) return NoSkyline::kNoContrast;
+  if (straight_ && !expected.down_C) {
+    SkylineResult result = straight_->Measure(colour);
+    const auto* why = std::get_if<NoSkyline>(&result);
+    if (why && *why == NoSkyline::kNoLine && !overview.candidates.empty()) {
+      const SkylineSearch::Candidate& first = overview.candidates.front();
+      if (first.sky_above > 0 && first.sky_below > 0) return NoSkyline::kNoGround;
+      if (first.sky_above < 0 && first.sky_below < 0) return NoSkyline::kNoSky;
+    }
+    return result;
+  }
   if (expected.down_C) {
     if (expected.down_sigma < kSure) {
       if (std::get<NoSkyline>(best.result) != NoSkyline::kTooLittle) return best.result;

@@ -7,8 +7,9 @@
 
 #include "vision/horizon/band_sampler.h"
 #include "vision/horizon/circle_fit.h"
-#include "vision/horizon/skyline_fix.h"
+#include "vision/horizon/border/skyline_fix.h"
 #include "vision/horizon/skyline_search.h"
+#include "vision/horizon/border/straight_skyline.h"
 
 namespace kestrel::vision {
 
@@ -34,7 +35,8 @@ struct SkylineExpected {
 
 // Attitude from the skyline of one image of any central camera, thesis 6.3.1 to 6.3.3 in its purpose, not its
 // means (SkylineBaseline has those): an overview of the sphere for candidates, the contour on their
-// meridians, and a small circle under it, all by directions. Each image on its own.
+// meridians, and a small circle under it, all by directions. Each image on its own. Through a lens that looks
+// one way, and with nothing expected, it is the straight line of StraightSkyline instead.
 class Skyline {
  public:
   // R_BC of the camera's mount. forbidden: CV_8UC1 of the image's size, not 0 where the aircraft itself is
@@ -66,6 +68,7 @@ class Skyline {
   SkylineOptions options_;
   BandSampler sampler_;
   SkylineSearch search_;
+  std::optional<StraightSkyline> straight_;  // of a lens that suits it, for images alone
   bool one_sided_ = false;  // the lens sees no more than an arc of a level aircraft's horizon
 };
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "vision/camera/camera_model.h"
-#include "vision/horizon/skyline_fix.h"
+#include "vision/horizon/border/skyline_fix.h"
 
 namespace kestrel::vision {
 

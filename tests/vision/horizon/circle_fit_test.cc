@@ -9,7 +9,7 @@
 #include <random>
 
 #include "geometry/tait_bryan.h"
-#include "vision/horizon/skyline_fix.h"
+#include "vision/horizon/border/skyline_fix.h"
 
 namespace kestrel::vision {
 namespace {

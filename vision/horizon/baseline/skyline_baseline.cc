@@ -10,7 +10,7 @@
 #include "vision/camera/views.h"
 #include "vision/horizon/baseline/pyramid_segmentation.h"
 #include "vision/horizon/circle_fit.h"
-#include "vision/horizon/skyline_fix.h"
+#include "vision/horizon/border/skyline_fix.h"
 
 namespace kestrel::vision {
 

@@ -36,6 +36,7 @@ enum class NoSkyline {
   kNoGround,     // sky alone in view
   kHazy,         // sky and ground melt into each other: where the horizon is cannot be seen
   kUneven,       // the contour lies on no one circle: hills or houses nearly all round
+  kNoLine,       // what is likest to a horizon is not likely to be one
   kAmbiguous,    // two answers are nearly as good
   kUpsideDown,   // ground above, sky below
   kTooLittle,    // so little of the skyline is seen that its tilt is not known
@@ -43,6 +44,7 @@ enum class NoSkyline {
   kFrozen,       // the very image of the last time: only a wrapper with a memory says so
 };
 const char* NameOf(NoSkyline reason);
+const char* MeaningOf(NoSkyline reason);  // what was seen, and a remedy where there is one
 
 using SkylineResult = std::variant<SkylineFix, NoSkyline>;
 
