@@ -22,6 +22,7 @@
 #include "geometry/tait_bryan.h"
 #include "mission/caption/strip.h"
 #include "vision/horizon/horizon_attitude.h"
+#include "vision/horizon/border/straight_skyline.h"
 #include "vision/image_file.h"
 
 namespace kestrel::app {
@@ -48,7 +49,8 @@ std::string Row(std::int64_t frame, double t_s, const vision::HorizonAttitude::M
 
 void Tell(const vision::HorizonAttitude::Measurement& m) {
   if (!m.attitude) {
-    fmt::print("no attitude: {}\n", vision::NameOf(std::get<vision::NoSkyline>(m.skyline)));
+    const auto reason = std::get<vision::NoSkyline>(m.skyline);
+    fmt::print("no attitude: {}: {}\n", vision::NameOf(reason), vision::MeaningOf(reason));
     return;
   }
   const vision::SkylineFix& fix = std::get<vision::SkylineFix>(m.skyline);
@@ -60,9 +62,20 @@ void Tell(const vision::HorizonAttitude::Measurement& m) {
       Degrees(std::sqrt(m.attitude->covariance(1, 1))), 100 * fix.circle_seen, Degrees(fix.dip));
 }
 
-// How a camera is mounted is not seen in its images, and without a word it is taken to look down.
-void TellOfMount(const HorizonArguments& a) {
-  if (a.mount.pitch_deg == 0 && a.mount.roll_deg == 0)
+bool MountGiven(const HorizonArguments& a) {
+  return a.mount_given || a.mount.pitch_deg != 0 || a.mount.roll_deg != 0;
+}
+
+// A lens that looks one way sees no horizon if it looks down: without a word it is taken to look ahead, and any
+// other to look down.
+MountAngles MountOf(const HorizonArguments& a, const vision::CameraModel& camera) {
+  MountAngles mount = a.mount;
+  if (!MountGiven(a) && vision::StraightSkyline::Suits(camera)) mount.pitch_deg = 90;
+  return mount;
+}
+
+void TellOfMount(const MountAngles& mount) {
+  if (mount.pitch_deg == 0 && mount.roll_deg == 0)
     fmt::print("the camera was taken to look down; for one that looks ahead give --mount-pitch-deg 90\n");
 }
 
@@ -81,6 +94,9 @@ CLI::App* AddHorizonCommand(CLI::App& app, HorizonArguments& a) {
   AddCameraOptions(*command, a);
   AddRecordingOptions(*command, a);
   AddMountOptions(*command, a.mount);
+  command->parse_complete_callback([command, &a] {
+    a.mount_given = command->count("--mount-pitch-deg") + command->count("--mount-roll-deg") > 0;
+  });
   command
       ->add_option("--mask", a.mask, "An image of the same size, not black where the aircraft itself is seen")
       ->type_name("FILE");
@@ -91,7 +107,7 @@ CLI::App* AddHorizonCommand(CLI::App& app, HorizonArguments& a) {
       "Examples:\n"
       "  kestrel horizon flight.mp4 --camera hyperbolic_mirror --out seen.mp4 --csv attitude.csv\n"
       "  kestrel horizon EUROC --topic cam1 --mount-pitch-deg 90 --csv attitude.csv\n"
-      "  kestrel horizon photo.jpg --camera my_calibration.yaml --mount-pitch-deg 90 --out seen.png");
+      "  kestrel horizon photo.jpg --camera my_calibration.yaml --out seen.png");
   return command;
 }
 
@@ -110,7 +126,10 @@ void HorizonCommand(const HorizonArguments& a) {
   CheckOutputFiles(a, input.still, a.mask, mistakes);
   mistakes.ThrowIfAny();
 
-  vision::HorizonAttitude horizon(camera, PoseOf(a.mount).R.toRotationMatrix(), mask, {}, {});
+  const MountAngles mount = MountOf(a, camera);
+  if (!a.quiet && mount.pitch_deg != a.mount.pitch_deg)
+    fmt::print("the camera is taken to look ahead; for one that looks elsewhere give --mount-pitch-deg\n");
+  vision::HorizonAttitude horizon(camera, PoseOf(mount).R.toRotationMatrix(), mask, {}, {});
   std::string csv = kCsvHeader;
   DrawnFile out(a, input);
   FrameProgress progress(!a.quiet);
@@ -151,7 +170,7 @@ void HorizonCommand(const HorizonArguments& a) {
   progress.Clear();
   out.Close();
   if (!a.quiet && !input.still) fmt::print("{} frames, {} with an attitude\n", frames, with);
-  if (!a.quiet && 2 * with < frames) TellOfMount(a);
+  if (!a.quiet && 2 * with < frames) TellOfMount(mount);
   if (!a.csv.empty()) WriteFile(a.csv, csv);
   if (!broke_off.empty())
     throw std::runtime_error(

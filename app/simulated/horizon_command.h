@@ -15,6 +15,7 @@ namespace kestrel::app {
 struct HorizonArguments : ImageArguments {
   std::string mask;
   MountAngles mount;
+  bool mount_given = false;  // by an option; if not, a lens that looks one way is taken to look ahead
 };
 
 CLI::App* AddHorizonCommand(CLI::App& app, HorizonArguments& arguments);

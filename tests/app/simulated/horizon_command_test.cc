@@ -80,8 +80,22 @@ TEST_F(HorizonCommandTest, APhotographFromACameraSaidToLookDownIsAnsweredWithThe
     return testing::internal::GetCapturedStdout();
   };
   EXPECT_THAT(printed(), AllOf(HasSubstr("roll"), Not(HasSubstr("--mount-pitch-deg"))));
-  arguments_.mount.pitch_deg = 0;
+  arguments_.mount.pitch_deg = 0, arguments_.mount_given = true;
   EXPECT_THAT(printed(), AllOf(HasSubstr("no attitude"), HasSubstr("--mount-pitch-deg 90")));
+}
+
+TEST_F(HorizonCommandTest, APhotographOfWhichNoMountIsGivenIsTakenToLookAheadAndThatIsSaid) {
+  arguments_.quiet = false;
+  arguments_.mount.pitch_deg = 0;
+  testing::internal::CaptureStdout();
+  HorizonCommand(arguments_);
+  std::fflush(stdout);
+  EXPECT_THAT(testing::internal::GetCapturedStdout(),
+              AllOf(HasSubstr("look ahead"), HasSubstr("--mount-pitch-deg"), HasSubstr("roll")));
+  double roll = 90, pitch = 90;
+  ASSERT_EQ(std::sscanf(Row().c_str(), "0,0.000000000,%lf,%lf", &roll, &pitch), 2) << Row();
+  EXPECT_NEAR(roll, 0, 0.2);
+  EXPECT_NEAR(pitch, 0, 0.4);
 }
 
 TEST_F(HorizonCommandTest, EveryMistakeIsToldAtOnce) {
