@@ -23,6 +23,7 @@
 #include "bench/enhance/bench_mosaic.h"
 #include "bench/enhance/bench_stabilise.h"
 #include "bench/horizon/bench_horizon.h"
+#include "bench/horizon/bench_photographs.h"
 #include "bench/landmark/bench_features.h"
 #include "bench/landmark/bench_homographies.h"
 #include "bench/landmark/bench_landings.h"
@@ -45,14 +46,25 @@ CLI::App* AddBenchCommand(CLI::App& app, BenchArguments& a) {
       "contrast", "follow",       "avoid",         "stream",       "planar",        "alignment",
       "features", "homographies", "plane_pose",    "landings",     "servo_flights", "direct",
       "mosaic",   "stabilise",    "follow_thesis", "avoid_thesis", "wire",          "link_faults",
-      "campaign", "hashes",       "lockstep",      "frames",       "live"};
+      "campaign", "hashes",       "lockstep",      "frames",       "live",          "horizon_pictures"};
   CLI::App* command = app.add_subcommand("bench", "Measure: a table of figures beside their targets");
   // Of campaigns by its name alone: it flies for minutes, and kills itself.
   command
-      ->add_option(
-          "name", a.name,
-          "All but campaign, wire, link_faults, hashes, lockstep, frames and live when none is given")
+      ->add_option("name", a.name,
+                   "All but campaign, wire, link_faults, hashes, lockstep, frames, live and horizon_pictures "
+                   "when none is "
+                   "given")
       ->check(OneOf(names));
+  command
+      ->add_option(
+          "pictures", a.pictures,
+          "Of horizon_pictures: a folder of photographs, with label.csv (filename,slope,offset) or without")
+      ->type_name("DIR");
+  command
+      ->add_option("--fov-deg", a.fov_deg,
+                   "Of horizon_pictures: what the longer side of the photographs sees")
+      ->check(CLI::Range(5.0, 120.0))
+      ->capture_default_str();
   command->add_option("--seeds", a.seeds, "A..B, first and last")->capture_default_str();
   command->add_option("--jobs", a.jobs, "Flights at the same time")
       ->check(CLI::Range(1, 256))
@@ -76,6 +88,11 @@ bool BenchCommand(const BenchArguments& arguments) {
   CheckWritableFile(arguments.json, "--json", mistakes);
   if (arguments.name.empty() || arguments.name == "horizon" || arguments.name == "frames")
     CheckWritableFolder(arguments.out, "--out", mistakes);
+  const bool of_photographs = arguments.name == "horizon_pictures";
+  std::vector<bench::Photograph> photographs;
+  if (of_photographs) photographs = bench::ReadPhotographs(arguments.pictures, mistakes);
+  if (!of_photographs && !arguments.pictures.empty())
+    mistakes.Add("bench", arguments.name, arguments.pictures, "valid: a folder after horizon_pictures alone");
   mistakes.ThrowIfAny();
   const flight::SeedRange seeds = flight::ParseSeeds(arguments.seeds);
   const auto chosen = [&](const char* name) { return arguments.name.empty() || arguments.name == name; };
@@ -124,6 +141,9 @@ bool BenchCommand(const BenchArguments& arguments) {
   // By name alone: they take long, and are asked for by who changes what they measure.
   if (arguments.name == "campaign")
     bench::BenchCampaign(static_cast<int>(seeds.last - seeds.first) + 1, wires / "bench_campaign", table);
+  if (of_photographs)
+    bench::BenchPhotographs(photographs, arguments.fov_deg,
+                            std::filesystem::path(arguments.out) / "photographs", table);
   if (arguments.name == "lockstep") bench::BenchLockstep(table);
   if (arguments.name == "live") bench::BenchLive(seeds, wires / "bench_live", table);
   if (arguments.name == "frames")

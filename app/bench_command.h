@@ -11,7 +11,9 @@ namespace kestrel::app {
 
 // `kestrel bench`: figures beside their targets.
 struct BenchArguments {
-  std::string name;  // empty: all
+  std::string name;      // empty: all
+  std::string pictures;  // folder of horizon_pictures
+  double fov_deg = 60;   // of those
   std::string seeds = "1..20";
   int jobs = 2;
   std::string json;

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "base/diagnostics.h"
+#include "records/figures.h"
+
+namespace kestrel::bench {
+
+// A photograph, and where its horizon is if somebody has said so: y = slope x + offset height, px.
+struct Photograph {
+  std::filesystem::path file;
+  std::string flight;  // its name up to the last "_", of which there may be many photographs
+  bool labelled = false;
+  double slope = 0, offset = 0;
+};
+
+// The .jpg, .jpeg and .png files of a folder by their names, with the labels of its label.csv, if there is one
+// (filename,slope,offset). Mistakes: no such folder, no photograph, a line that cannot be read.
+std::vector<Photograph> ReadPhotographs(const std::filesystem::path& folder, Mistakes& mistakes);
+
+// Attitude from each photograph alone, through a pinhole that looks ahead with that field of view along the longer
+// side: by flight how many are answered, how far off, and why the others are refused. In the folder
+// `out`: photographs.csv with a row for each, and each photograph with what was seen in it.
+void BenchPhotographs(const std::vector<Photograph>& photographs, double fov_deg,
+                      const std::filesystem::path& out, std::vector<records::Figure>& table);
+
+}  // namespace kestrel::bench
