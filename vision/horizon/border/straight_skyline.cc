@@ -24,9 +24,9 @@ constexpr double kRival = 0.5, kRivalApart = Radians(4);  // of the beliefs of t
 constexpr double kLeastSide = 0.01;                       // of the view, on either side
 constexpr double kWidestLens = Radians(62);
 constexpr double kLeastContrast = 12, kLeastNear = 0.6;
-constexpr double kRelief = Radians(0.6);  // of the skyline, beforehand
+constexpr double kRelief = Radians(1.1);  // of the skyline, beforehand
 constexpr double kDip = 0.002;            // of the horizon from 13 m up, rad
-constexpr double kUnevenShare = 0.6, kRollShare = 0.9;
+constexpr double kUnevenShare = 1.0, kRollShare = 0.9;
 
 struct Seen {
   BorderLook look;
