@@ -12,7 +12,8 @@ struct ActuatorCounts {
   int motors, servos;
 };
 ActuatorCounts CountsOf(const AirframeParameters& aircraft) {
-  return std::holds_alternative<HelicopterParameters>(aircraft) ? ActuatorCounts{1, 4} : ActuatorCounts{4, 0};
+  const auto* multirotor = std::get_if<MultirotorParameters>(&aircraft);
+  return multirotor ? ActuatorCounts{static_cast<int>(LayoutOf(*multirotor).count), 0} : ActuatorCounts{1, 4};
 }
 
 template <class Fault>

@@ -7,6 +7,7 @@
 
 #include "base/yaml/fields.h"
 #include "sim/aircraft/airframe.h"
+#include "sim/aircraft/multirotor_shape.h"
 #include "sim/autopilot/emulated_autopilot.h"
 #include "sim/camera/pan_tilt.h"
 

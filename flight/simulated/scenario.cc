@@ -179,6 +179,20 @@ void CheckLift(const sim::AirframeParameters& vehicle, const Place& where, Mista
   }
 }
 
+// What a list of rotors cannot do. where: of the list.
+void CheckRotors(const sim::AirframeParameters& vehicle, const Place& where, Mistakes& mistakes) {
+  const auto* multirotor = std::get_if<sim::MultirotorParameters>(&vehicle);
+  if (!multirotor || multirotor->rotors.empty()) return;
+  if (multirotor->rotors.size() > sim::kMaxRotors) {
+    mistakes.Add(where, "rotors", fmt::format("has {}", multirotor->rotors.size()),
+                 fmt::format("valid: 4 to {}", sim::kMaxRotors));
+  } else if (const auto why = sim::CannotFly(sim::LayoutOf(*multirotor), sim::LimitsOf(multirotor->rotor),
+                                             multirotor->mass_kg * kGravity_m_s2)) {
+    mistakes.Add(where, "rotors", *why,
+                 "valid: 4 or more about the centre of mass, half of them of each spin");
+  }
+}
+
 // The keys of a mount that is still.
 std::string MountText(const Pose& X_BC) {
   const TaitBryan turn =
@@ -239,7 +253,12 @@ LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& o
   const ConfigNode* named = Find(config, "vehicle");
   const fs::path vehicle_file = VehicleFile(named ? named->text : s.vehicle, beside);
   sim::VehicleFile vehicle;
-  if (IsFile(vehicle_file)) Read(LoadConfig(vehicle_file, {}, mistakes), vehicle, mistakes);
+  Config vehicle_config;
+  if (IsFile(vehicle_file)) {
+    vehicle_config = LoadConfig(vehicle_file, {}, mistakes);
+    Read(vehicle_config, vehicle, mistakes);
+    CheckRotors(vehicle.airframe, WhereOf(vehicle_config, "rotors", vehicle_file.string()), mistakes);
+  }
   s.autopilot = vehicle.autopilot;
   s.platform = vehicle.platform;
   const auto imu = ImuOfFile(config, beside, mistakes);
@@ -279,6 +298,9 @@ LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& o
   if (const auto shape =
           ModelFile(Model::kVehicle, s.vehicle, beside, WhereOf(config, "vehicle", where), mistakes))
     sim.scene.vehicle = fs::path(*shape).replace_extension(".xml");
+  if (const auto* drawn = std::get_if<sim::MultirotorParameters>(&vehicle.airframe);
+      drawn && !drawn->rotors.empty() && !IsFile(sim.scene.vehicle))
+    sim.scene.vehicle_shape = sim::MultirotorShape(*drawn);
   sim.vehicle = vehicle.airframe;
   sim.autopilot = s.autopilot;
   if (ModelFile(Model::kWorld, s.world, beside, WhereOf(config, "world", where), mistakes) && world) {

@@ -7,13 +7,14 @@
 #include <vector>
 
 #include "base/yaml/fields.h"
+#include "sim/aircraft/rotor_layout.h"
 
 namespace kestrel::sim {
 
 // A fault of a motor or servo while t is in [from_s, until_s), in the vocabulary of PX4's failure injection.
 // instance: which, from 1; 0: all of them.
 //
-//   motors   of a multirotor: 1 front, 2 right, 3 back, 4 left; of a helicopter: 1, which drives both rotors
+//   motors   of a multirotor: in the order of its rotors, of a plus 1 front, 2 right, 3 back, 4 left; of a helicopter: 1, which drives both rotors
 //   servos   of a helicopter: 1 collective, 2 longitudinal cyclic, 3 lateral cyclic, 4 the tail's pitch
 //            (swashplate with mechanical mixing: a servo for each)
 //
@@ -40,7 +41,7 @@ inline void Fields(FieldVisitor& v, ActuatorFault& f) {
     {"motor", "servo"});
   v(Required("type", "how it fails, in the vocabulary of PX4's failure injection"), f.type,
     {"off", "stuck", "wrong", "slow", "ok"});
-  v({"instance", "which of them, from 1; 0: all"}, f.instance, 0, 4);
+  v({"instance", "which of them, from 1; 0: all"}, f.instance, 0, static_cast<int>(kMaxRotors));
   v({"from_s", "when the fault begins, in the time of the flight"}, f.from_s, 0.0, 1e9);
   v({"until_s", "when the fault ends"}, f.until_s, 0.0, 1e9);
   if (f.type == "wrong" && f.component == "motor")
@@ -70,7 +71,8 @@ struct ActuatorCondition {
 };
 
 struct ActuatorConditions {
-  std::array<ActuatorCondition, 4> motors, servos;  // those that the aircraft has
+  std::array<ActuatorCondition, kMaxRotors> motors;
+  std::array<ActuatorCondition, 4> servos;  // those that the aircraft has
 };
 
 ActuatorConditions ConditionsAt(const std::vector<ActuatorFault>& faults, double t_s);

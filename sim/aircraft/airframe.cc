@@ -24,8 +24,10 @@ double Mass_kg(const AirframeParameters& parameters) {
 double MaxThrust_n(const AirframeParameters& parameters) {
   if (const auto* helicopter = std::get_if<HelicopterParameters>(&parameters))
     return MaxThrust(helicopter->rotor, helicopter->drive.speed_rad_s);
-  const RotorParameters& rotor = std::get<MultirotorParameters>(parameters).rotor;
-  return 4 * rotor.thrust_coefficient_n_s2 * std::pow(rotor.max_speed_rad_s, 2);
+  const auto& multirotor = std::get<MultirotorParameters>(parameters);
+  const RotorParameters& rotor = multirotor.rotor;
+  return static_cast<double>(LayoutOf(multirotor).count) * rotor.thrust_coefficient_n_s2 *
+         std::pow(rotor.max_speed_rad_s, 2);
 }
 
 Actuation Stopped(const AirframeParameters& parameters) {

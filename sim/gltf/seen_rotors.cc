@@ -10,11 +10,10 @@ int AboutShaft(Spin spin) { return -static_cast<int>(spin); }
 
 std::vector<SeenRotor> Of(const MultirotorParameters& p) {
   std::vector<SeenRotor> rotors;
-  const Eigen::Vector3d arms[] = {{1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}};
-  for (const Eigen::Vector3d& arm : arms)
-    rotors.push_back({p.arm_m * arm - Eigen::Vector3d(0, 0, p.rotor_height_m), -Eigen::Vector3d::UnitZ(),
-                      p.rotor.radius_m,
-                      AboutShaft(arm.x() != 0 ? Spin::kClockwise : Spin::kCounterclockwise)});
+  const RotorLayout layout = LayoutOf(p);
+  for (std::size_t i = 0; i < layout.count; ++i)
+    rotors.push_back(
+        {layout.hubs_B[i], -Eigen::Vector3d::UnitZ(), p.rotor.radius_m, AboutShaft(layout.spins[i])});
   return rotors;
 }
 

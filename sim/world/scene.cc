@@ -73,10 +73,9 @@ void MakeFilesAbsolute(pugi::xml_node node, const std::filesystem::path& folder,
 }
 
 // Appends the sections of an MJCF file, or of a fragment, to the model.
-void Append(pugi::xml_node model, const std::filesystem::path& path, const char* what) {
-  const std::string owner = fmt::format("The {} {}", what, path.string());
-  const auto [text, error] = ReadUserFile(path, kMaxMjcfBytes);
-  if (!error.empty()) throw std::runtime_error(fmt::format("{} {}.", owner, error));
+// What is in text, as if it stood in a file there.
+void AppendText(pugi::xml_node model, const std::string& text, const std::filesystem::path& path,
+                const std::string& owner) {
   pugi::xml_document part;
   const pugi::xml_parse_result result = part.load_buffer(text.data(), text.size());
   if (!result)
@@ -87,6 +86,13 @@ void Append(pugi::xml_node model, const std::filesystem::path& path, const char*
     const bool bare = std::strcmp(section.name(), "body") == 0;
     (bare ? model.append_child("worldbody") : model).append_copy(section);
   }
+}
+
+void Append(pugi::xml_node model, const std::filesystem::path& path, const char* what) {
+  const std::string owner = fmt::format("The {} {}", what, path.string());
+  const auto [text, error] = ReadUserFile(path, kMaxMjcfBytes);
+  if (!error.empty()) throw std::runtime_error(fmt::format("{} {}.", owner, error));
+  AppendText(model, text, path, owner);
 }
 
 // Where there is none, a product with it changes no bit.
@@ -296,7 +302,12 @@ CompiledModel Compose(const SceneParameters& p, const AdditionsModel& additions,
     Append(model, p.world, "world");
   AppendAdditions(model, p.additions, additions);
   if (parts > 1 && !p.deck) AppendPad(model, p);
-  if (parts > 2) Append(model, p.vehicle, "vehicle");
+  if (parts > 2) {
+    if (p.vehicle_shape.empty())
+      Append(model, p.vehicle, "vehicle");
+    else
+      AppendText(model, p.vehicle_shape, p.vehicle, "The vehicle");
+  }
   if (parts > 1 && p.deck) AppendPad(model, p);
   if (parts > 2) AppendTargets(model, p);
   if (parts > 2 && p.lights) AppendLights(model, *p.lights);

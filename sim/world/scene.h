@@ -52,6 +52,7 @@ struct SceneParameters {
   std::optional<vision::AircraftLights> lights = {};  // on the vehicle, without mass; none: it has none
   bool blind = false;                                 // with a sheet that can be put before a lens
   WorldAdditions additions = {};                      // to the world
+  std::string vehicle_shape = {};  // a fragment as the vehicle's file would hold, in its place
 };
 
 // The MuJoCo model of a flight: world, vehicle and pad, stepped at 2 ms under 9.80665 m/s2. Names of files

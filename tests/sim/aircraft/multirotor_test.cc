@@ -28,7 +28,7 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 constexpr double kFar = std::numeric_limits<double>::infinity();
-constexpr std::array<double, 4> kHigh = {kFar, kFar, kFar, kFar};
+constexpr RotorSpeeds kHigh = {kFar, kFar, kFar, kFar};
 constexpr double kNoGround = -1e6;  // the height of a surface far below
 const Vector3d kZero = Vector3d::Zero();
 
