@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/files/vehicle_command.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <fstream>
+
+#include "app/option/one_of.h"
+#include "base/diagnostics.h"
+
+namespace kestrel::app {
+
+CLI::App* AddVehicleCommand(CLI::App& app, VehicleArguments& a) {
+  CLI::App* verb = app.add_subcommand("vehicle", "Begin a vehicle of your own");
+  verb->require_subcommand(1);
+  CLI::App* command =
+      verb->add_subcommand("new", "Write a vehicle file that flies, from mass, arms, rotors and battery");
+  command->add_option("name", a.draft.name, "Name of the vehicle and its file")->required();
+  command->add_option("--mass", a.draft.mass_kg, "Mass ready to fly, kg")
+      ->required()
+      ->check(CLI::Range(0.05, 50.0));
+  command->add_option("--arm", a.draft.arm_m, "From the centre to each shaft, m")
+      ->required()
+      ->check(CLI::Range(0.05, 2.0));
+  command->add_option("--layout", a.draft.layout, "Where the rotors are: plus, x, or h (two rails)")
+      ->capture_default_str()
+      ->check(OneOf({"plus", "x", "h"}));
+  command->add_option("--rotors", a.draft.rotors, "How many: 4, 6 or 8")
+      ->capture_default_str()
+      ->check(CLI::IsMember({4, 6, 8}));
+  command->add_option("--battery", a.draft.cells, "Lithium cells in series")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 16));
+  command
+      ->add_option("--kv", a.draft.kv_rpm_v,
+                   "Of the motors, rpm/V; without it --thrust-to-weight tells their speed")
+      ->check(CLI::Range(20.0, 10000.0));
+  command
+      ->add_option("--propeller", a.draft.propeller_m,
+                   "Diameter, m; without it the largest that leaves a gap of a tenth")
+      ->check(CLI::Range(0.03, 3.0));
+  command->add_option("--thrust-to-weight", a.draft.thrust_to_weight, "Of all rotors at full speed")
+      ->capture_default_str()
+      ->check(CLI::Range(0.1, 10.0));
+  command->add_option("--out", a.out, "Folder that the file is written to")->capture_default_str();
+  command->footer(
+      "Examples:\n"
+      "  kestrel vehicle new mine --mass 1.6 --arm 0.25 --rotors 6\n"
+      "  kestrel vehicle new heavy --mass 6 --arm 0.5 --rotors 8 --battery 6 --kv 380 --propeller 0.35 --out "
+      "vehicles\n"
+      "  kestrel run hover --set vehicle=mine.yaml");
+  return verb;
+}
+
+void VehicleCommand(const VehicleArguments& a) {
+  Mistakes mistakes;
+  if (a.draft.name.empty() || a.draft.name.front() == '.' ||
+      a.draft.name.find_first_of("/\"\\\n") != std::string::npos)
+    mistakes.Add("kestrel vehicle new", "", fmt::format("'{}' cannot name a file", a.draft.name),
+                 "valid: no slash, no quote, no leading dot");
+  const std::string text = sim::VehicleText(a.draft, mistakes);
+  const std::filesystem::path file = a.out / (a.draft.name + ".yaml");
+  if (std::filesystem::exists(file))
+    mistakes.Add(file.string(), "", "is there already", "give another name, or remove it");
+  mistakes.ThrowIfAny();
+  std::error_code error;
+  std::filesystem::create_directories(a.out, error);
+  std::ofstream out(file);
+  out << text;
+  if (!out.flush()) throw InputError(file.string(), "cannot be written");
+  fmt::print("{}\nFly it by: kestrel run hover --set vehicle={}\n", file.string(), file.string());
+}
+
+}  // namespace kestrel::app
