@@ -142,7 +142,7 @@ ServeArguments ServerFor(const WireFlightOptions& o) {
   a.scenario = o.scenario;
   a.seed = fmt::format("{}", o.seed);
   a.overrides = o.overrides;
-  if (o.wire == Wire::kMavlink) a.mavlink = "px4", a.mavlink_port = 0;
+  if (o.wire == Wire::kMavlink) a.mavlink = o.dialect, a.mavlink_port = 0;
   if (o.wire == Wire::kAfcs) a.afcs = "127.0.0.1:0";
   a.asctec = o.wire == Wire::kAscTec;
   return a;
@@ -305,6 +305,11 @@ WireFlown FlyHere(const WireFlightOptions& o) {
       if (o.fault == WireFault::kLinkCut) server.unplugged = true;
       if (o.fault == WireFault::kCameraCut) camera_cut = true;
     }
+    if (!flown.stopped_s && o.stop_after_s && server.first_s && now_s >= *server.first_s + *o.stop_after_s) {
+      flown.stopped_s = now_s;
+      program->Signal(SIGINT);
+    }
+    if (flown.stopped_s) return now_s < *flown.stopped_s + kWatchEnd_s;
     if (flown.fault_s && o.end_after_s && now_s >= *flown.fault_s + *o.end_after_s) return false;
     // Having landed, it leaves first, and the aircraft is watched while it stands.
     if (program->Ended() && !server.first_s && flown.starts < kMaxStarts) {
@@ -319,7 +324,8 @@ WireFlown FlyHere(const WireFlightOptions& o) {
   EndProgram(*program, flown);
   flown.served = std::move(result.summary);
   for (std::size_t i = 0; i < std::min(frames_s.size(), result.rows.size()); ++i)
-    flown.truth.push_back({frames_s[i], result.rows[i].now.v_N, result.rows[i].now.touching});
+    flown.truth.push_back(
+        {frames_s[i], result.rows[i].now.v_N, result.rows[i].now.touching, result.rows[i].now.X_NB.p});
   ReadRecords(o.folder / "flown", before_stamp_s, flown);
   return flown;
 }
@@ -344,7 +350,8 @@ WireFlown FlyAgainstProcess(const WireFlightOptions& o) {
     command.push_back("--set");
     command.push_back(each);
   }
-  if (o.wire == Wire::kMavlink) command.insert(command.end(), {"--mavlink", "px4", "--mavlink-port", "0"});
+  if (o.wire == Wire::kMavlink)
+    command.insert(command.end(), {"--mavlink", o.dialect, "--mavlink-port", "0"});
   if (o.wire == Wire::kAfcs) command.insert(command.end(), {"--afcs", "127.0.0.1:0"});
   if (o.wire == Wire::kAscTec) command.push_back("--asctec");
   ChildProcess server(command, {"KESTREL_ROOT=" + Root().string()}, o.folder / "served.txt");
@@ -399,6 +406,18 @@ bool WireFlown::Landed() const { return served.outcome == "landed"; }
 double WireFlown::TouchdownError_m() const {
   const auto found = served.metrics.find("touchdown_error_m");
   return found != served.metrics.end() ? found->second : std::numeric_limits<double>::infinity();
+}
+
+double WireFlown::MotionAfterStop_m() const {
+  double motion_m = std::numeric_limits<double>::quiet_NaN();
+  if (!stopped_s) return motion_m;
+  std::optional<Eigen::Vector3d> from_N;
+  for (const TruthSample& sample : truth) {
+    if (sample.t_s < *stopped_s) continue;
+    if (!from_N) from_N = sample.p_NB, motion_m = 0;
+    motion_m = std::max(motion_m, (sample.p_NB - *from_N).norm());
+  }
+  return motion_m;
 }
 
 double WireFlown::Stretched_s() const {

@@ -33,6 +33,7 @@ enum class WireFault {
 
 struct WireFlightOptions {
   Wire wire = Wire::kMavlink;
+  std::string dialect = "px4";  // of MAVLink; or "ardupilot"
   std::uint64_t seed = 1;
   std::string scenario = "landing";
   std::vector<std::string> overrides;  // of the scenario that is served, "key.path=value"
@@ -41,8 +42,12 @@ struct WireFlightOptions {
   WireFault fault = WireFault::kNone;
   double fault_after_s = 1;           // since the program's first setpoint was followed
   std::optional<double> end_after_s;  // the same since the fault; none: once it has landed
-  std::filesystem::path folder;       // served/ and flown/ come to lie there
+  // The program is interrupted, as by Ctrl-C, so long after its first setpoint was followed; then the aircraft is
+  // watched for kWatchEnd_s. None: it is not.
+  std::optional<double> stop_after_s;
+  std::filesystem::path folder;  // served/ and flown/ come to lie there
 };
+inline constexpr double kWatchEnd_s = 8;
 
 // Times of this computer's monotonic clock.
 struct PublishedImage {
@@ -66,6 +71,7 @@ struct TruthSample {
   double t_s = 0;
   Eigen::Vector3d v_N = Eigen::Vector3d::Zero();
   bool touching = false;
+  Eigen::Vector3d p_NB = Eigen::Vector3d::Zero();
 };
 
 struct WireFlown {
@@ -73,8 +79,9 @@ struct WireFlown {
   records::Summary served;
   std::vector<PublishedImage> published;
   std::vector<ReceivedSetpoint> heard;
-  std::vector<TruthSample> truth;  // at each image's due time
-  std::optional<double> fault_s;   // when it began; none: the flight was over before
+  std::vector<TruthSample> truth;   // at each image's due time
+  std::optional<double> fault_s;    // when it began; none: the flight was over before
+  std::optional<double> stopped_s;  // when the program was interrupted
   // Of the program.
   std::optional<int> status;  // its exit; none: it had to be killed
   int starts = 1;             // it is started again where its check list is not met
@@ -84,7 +91,10 @@ struct WireFlown {
 
   bool Landed() const;
   double TouchdownError_m() const;  // infinite: it never touched
-  double Stretched_s() const;       // given up by a machine that was too slow
+  // How far the aircraft came, by the truth, from where it was when the program was interrupted. NaN: it was not, or
+  // was not watched after it.
+  double MotionAfterStop_m() const;
+  double Stretched_s() const;  // given up by a machine that was too slow
 };
 
 // The program for real aircraft: KESTREL_HARDWARE_PROGRAM of the environment, or kestrel-fly beside this program.

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <cstdlib>
 #include <functional>
 #include <optional>
@@ -66,6 +67,43 @@ TEST_P(EveryWire, TheHardwareProgramLands) {
 
 INSTANTIATE_TEST_SUITE_P(Wires, EveryWire, ::testing::ValuesIn(flight::kWires),
                          [](const auto& wire) { return std::string(NameOf(wire.param)); });
+
+// By Ctrl-C while it sinks towards the pad: on each wire it stays where it was, and nothing is left in force.
+struct EndOf {
+  flight::Wire wire;
+  const char* dialect;
+};
+class EveryEnd : public WireFlights, public ::testing::WithParamInterface<EndOf> {};
+
+TEST_P(EveryEnd, LeavesTheAircraftWhereItWas) {
+  flight::WireFlightOptions options;
+  options.wire = GetParam().wire;
+  options.dialect = GetParam().dialect;
+  options.seed = 103;
+  options.stop_after_s = 5;
+  const auto wrong = Wrong(options, [](const flight::WireFlown& flown) {
+    std::vector<std::string> all;
+    if (!flown.stopped_s) return std::vector<std::string>{"it was never flown"};
+    const double motion_m = flown.MotionAfterStop_m();
+    std::printf("  moved %.3f m after the end\n", motion_m);
+    if (!(motion_m <= 0.3)) all.push_back("it moved by " + std::to_string(motion_m) + " m");
+    if (flown.output.find("held: standing still") == std::string::npos)
+      all.push_back("it was not held: " + flown.output);
+    return all;
+  });
+  if (!wrong) GTEST_SKIP() << "the machine is too busy to fly in real time: nothing is shown";
+  EXPECT_THAT(*wrong, IsEmpty());
+}
+
+INSTANTIATE_TEST_SUITE_P(Wires, EveryEnd,
+                         ::testing::Values(EndOf{flight::Wire::kMavlink, "px4"},
+                                           EndOf{flight::Wire::kMavlink, "ardupilot"},
+                                           EndOf{flight::Wire::kAfcs, "px4"},
+                                           EndOf{flight::Wire::kAscTec, "px4"}),
+                         [](const auto& end) {
+                           return std::string(NameOf(end.param.wire)) +
+                                  (end.param.wire == flight::Wire::kMavlink ? end.param.dialect : "");
+                         });
 
 TEST_F(WireFlights, TheHardwareProgramStabilises) {
   flight::WireFlightOptions options;
