@@ -22,6 +22,7 @@
 #include "app/files/schema_command.h"
 #include "app/files/vehicle_command.h"
 #include "app/flight/export_command.h"
+#include "app/flight/identify_command.h"
 #include "app/flight/replay_command.h"
 #include "app/manual/manual_command.h"
 #include "app/mosaic/mosaic_command.h"
@@ -109,6 +110,8 @@ int Main(int argc, char** argv) {
   program.Add(AddReportCommand(app, report), [&] { return ReportCommand(report), kMet; });
   ExportArguments to_export;
   program.Add(AddExportCommand(app, to_export), [&] { return ExportCommand(to_export), kMet; });
+  IdentifyArguments identify;
+  program.Add(AddIdentifyCommand(app, identify), [&] { return met(IdentifyCommand(identify)); });
   DatasetCommandArguments dataset;
   program.Add(AddDatasetCommand(app, dataset), [&] { return DatasetCommand(dataset), kMet; });
   MirrorArguments mirror;
