@@ -17,7 +17,8 @@
 // lowest row first, each row from the left.
 namespace kestrel::vision {
 
-// cols x rows corners where four squares meet. The square at the lower left is black.
+// cols x rows corners where four squares meet. The square at the lower left is drawn black; a printed board
+// with a white one is found as well.
 struct Chessboard {
   int cols = 9, rows = 6;
   double col_m = 0.05, row_m = 0.05;  // sides of a square along x and y

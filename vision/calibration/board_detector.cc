@@ -6,11 +6,11 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
 #include "base/diagnostics.h"
+#include "vision/calibration/chessboard_finder.h"
 #include "vision/calibration/corner_fit.h"
 #include "vision/calibration/tag_finder.h"
 
@@ -102,8 +102,8 @@ double Bend(const CornerMap::Line& line, const Vector2d& other) {
 
 // What is to be expected at a corner whose lines are known. None: too small to be placed.
 std::optional<CornerGuess> GuessOf(const Board& board, int col, int row, const Vector2d& pixel,
-                                   const CornerMap::Line& x, const CornerMap::Line& y,
-                                   double least_clear_px) {
+                                   const CornerMap::Line& x, const CornerMap::Line& y, double least_clear_px,
+                                   bool black_lower_left = true) {
   const Surroundings around = SurroundingsOf(board, col, row);
   const Vector2d a = x.tangent * around.clear_m.x(), b = y.tangent * around.clear_m.y();
   const double clear = std::abs(Cross(a, b)) / std::max({a.norm(), b.norm(), 1e-12});
@@ -113,7 +113,7 @@ std::optional<CornerGuess> GuessOf(const Board& board, int col, int row, const V
                      y.tangent,
                      Bend(x, y.tangent),
                      Bend(y, x.tangent),
-                     around.black_between,
+                     around.black_between == black_lower_left,
                      std::clamp(clear - 1, kMinRadius_px, kMaxRadius_px)};
 }
 
@@ -162,7 +162,8 @@ std::optional<FittedCorner> FitFree(const cv::Mat& grey, CornerGuess guess) {
 
 // Fits every corner of the map. Thrice, since the curvature of the edges is known only once their corners
 // are; a corner where it is never known is left out, as is one that cannot be fitted.
-std::vector<BoardCorner> FitAll(const cv::Mat& grey, const Board& board, CornerMap map) {
+std::vector<BoardCorner> FitAll(const cv::Mat& grey, const Board& board, CornerMap map,
+                                bool black_lower_left) {
   std::vector<BoardCorner> corners;
   for (int pass = 0; pass < 3; ++pass) {
     corners.clear();
@@ -172,14 +173,15 @@ std::vector<BoardCorner> FitAll(const cv::Mat& grey, const Board& board, CornerM
         fitted.At(col, row).reset();
         const auto x = LineAt(grey, board, map, col, row, 0), y = LineAt(grey, board, map, col, row, 1);
         if (!x || !y) continue;
-        auto guess = GuessOf(board, col, row, *map.At(col, row), *x, *y, kMinClear_px);
+        auto guess = GuessOf(board, col, row, *map.At(col, row), *x, *y, kMinClear_px, black_lower_left);
         if (!guess) continue;
         if (pass == 0) guess->bend_x = guess->bend_y = 0;
         const auto fit = FitFree(grey, *guess);
         if (!fit) continue;
         fitted.At(col, row) = fit->pixel;
         if (x->bend_known && y->bend_known)
-          corners.push_back({static_cast<int>(map.Index(col, row)), fit->pixel, fit->covariance});
+          corners.push_back(
+              {static_cast<int>(map.Index(col, row)), fit->pixel, fit->covariance, black_lower_left});
       }
     }
     map = fitted;
@@ -187,43 +189,17 @@ std::vector<BoardCorner> FitAll(const cv::Mat& grey, const Board& board, CornerM
   return corners;
 }
 
-// The corners of a whole chessboard to a fraction of a pixel. In the order of Corners, the square at the
-// lower left black.
-std::optional<CornerMap> FindChessboard(const cv::Mat& grey, const Board& board, const Chessboard& chess) {
-  std::vector<cv::Point2f> points;
-  const int flags = cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_ACCURACY;
-  const cv::Size size(chess.cols, chess.rows);
-  if (!cv::findChessboardCornersSB(grey, size, points, flags)) {
-    // Squares of ten pixels are too small for it.
-    constexpr std::size_t kMostPixels = 2'000'000;
-    cv::Mat large;
-    if (grey.total() > kMostPixels) return std::nullopt;
-    cv::resize(grey, large, {}, 2, 2, cv::INTER_CUBIC);
-    if (!cv::findChessboardCornersSB(large, size, points, flags)) return std::nullopt;
-    for (cv::Point2f& p : points) p = {(p.x - 0.5f) / 2, (p.y - 0.5f) / 2};
-  }
+// A whole chessboard. In the order of Corners.
+std::optional<CornerMap> FindChessboard(const cv::Mat& grey, const Board& board, const Chessboard& chess,
+                                        bool& black_lower_left) {
+  const auto seen = FindChessboardCorners(grey, chess.cols, chess.rows);
+  if (!seen) return std::nullopt;
+  black_lower_left = seen->black_lower_left;
   CornerMap map(board);
-  const auto place = [&](bool rows_down, bool cols_left) {
-    for (int row = 0; row < chess.rows; ++row) {
-      for (int col = 0; col < chess.cols; ++col) {
-        const int r = rows_down ? chess.rows - 1 - row : row, c = cols_left ? chess.cols - 1 - col : col;
-        const cv::Point2f& p = points[static_cast<std::size_t>(r * chess.cols + c)];
-        map.At(col, row) = Vector2d(p.x, p.y);
-      }
-    }
-  };
-  // Of the four ways to count, those that are not mirrored; of these, one with the right colours.
-  for (const auto& [rows_down, cols_left] :
-       {std::pair{true, false}, {false, true}, {false, false}, {true, true}}) {
-    place(rows_down, cols_left);
-    const auto x = map.LineAt(chess.cols / 2, chess.rows / 2, 0),
-               y = map.LineAt(chess.cols / 2, chess.rows / 2, 1);
-    const Vector2d& at = *map.At(chess.cols / 2, chess.rows / 2);
-    const auto guess = GuessOf(board, chess.cols / 2, chess.rows / 2, at, *x, *y, kMinClear_px);
-    if (!guess || Cross(guess->along_x, guess->along_y) > 0) continue;  // rows of the image count downwards
-    if (SearchCorner(grey, *guess, 1)) return map;
+  for (int row = 0; row < chess.rows; ++row) {
+    for (int col = 0; col < chess.cols; ++col) map.At(col, row) = seen->corners[map.Index(col, row)];
   }
-  return std::nullopt;
+  return map;
 }
 
 // The tags of a grid: those that are found by themselves, then, from each to its neighbours, those that are
@@ -356,9 +332,11 @@ cv::Mat Grey(const cv::Mat& image) {
 std::vector<BoardCorner> FindBoard(const cv::Mat& image, const Board& board) {
   const cv::Mat grey = Grey(image);
   const Chessboard* chess = std::get_if<Chessboard>(&board);
-  const auto map = chess ? FindChessboard(grey, board, *chess) : GridTracer(grey, board).Trace();
+  bool black_lower_left = true;
+  const auto map =
+      chess ? FindChessboard(grey, board, *chess, black_lower_left) : GridTracer(grey, board).Trace();
   if (!map) return {};
-  return FitAll(grey, board, *map);
+  return FitAll(grey, board, *map, black_lower_left);
 }
 
 std::vector<BoardCorner> RefitBoard(const cv::Mat& image, const Board& board,
@@ -384,9 +362,9 @@ std::vector<BoardCorner> RefitBoard(const cv::Mat& image, const Board& board,
     };
     const auto x = line(0), y = line(1);
     if (!x || !y) continue;
-    const auto guess = GuessOf(board, col, row, corner.pixel, *x, *y, kMinClear_px);
+    const auto guess = GuessOf(board, col, row, corner.pixel, *x, *y, kMinClear_px, corner.black_lower_left);
     const auto fit = guess ? FitFree(grey, *guess) : std::nullopt;
-    if (fit) refitted.push_back({corner.index, fit->pixel, fit->covariance});
+    if (fit) refitted.push_back({corner.index, fit->pixel, fit->covariance, corner.black_lower_left});
   }
   return refitted;
 }

@@ -16,6 +16,9 @@ struct BoardCorner {
   int index = 0;  // among Corners(board)
   Eigen::Vector2d pixel;
   Eigen::Matrix2d covariance;  // px^2, by what is left where it was fitted (vision/calibration/corner_fit.h)
+  // Whether the square at the lower left of the board is black, as Chessboard has it. One that is white there
+  // however it is turned is seen with its colours exchanged.
+  bool black_lower_left = true;
 };
 
 // The corners of a board in an image, by index: of a chessboard only when all of it is in view, of tags those
