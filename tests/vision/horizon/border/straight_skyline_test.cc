@@ -10,7 +10,7 @@
 #include "geometry/tait_bryan.h"
 #include "tests/vision/horizon/skyline_photographer.h"
 #include "vision/camera/calibration_file.h"
-#include "vision/horizon/border/border_search.h"
+#include "vision/horizon/border/border_look.h"
 
 namespace kestrel::vision {
 namespace {
@@ -105,7 +105,7 @@ TEST(StraightSkyline, TheHorizonIsWhereTheSkyEndsNotTheDarkEdgeOfTheWoodsBelowTh
   // Three layers: sky, ground that the haze has paled, woods.
   const TaitBryan attitude{0.3, 0, 0.3}, lower{0.3, 0.04, 0.3};
   PaintedWorld hazy, woods;
-  hazy.ground = hazy.ground_far = {165, 165, 160};
+  hazy.ground = hazy.ground_far = {180, 172, 163};
   hazy.ground_rough = 8;
   woods.ground = woods.ground_far = {40, 60, 50};
   woods.haze_m = 1e6;
@@ -115,6 +115,16 @@ TEST(StraightSkyline, TheHorizonIsWhereTheSkyEndsNotTheDarkEdgeOfTheWoodsBelowTh
   for (int y = 0; y < image.rows; ++y)
     for (int x = 0; x < image.cols; ++x)
       if (kPhotograph.Ray({x, y})->dot(down) > 0) image.at<cv::Vec3b>(y, x) = near.at<cv::Vec3b>(y, x);
+  // From the edge of the woods, the place where the sky ends lies higher.
+  const PlaneView plane(kPhotograph, {});
+  const auto top = LookAtBorder(plane, image, plane.BorderOf(down), true),
+             edge = LookAtBorder(plane, image, plane.BorderOf(down), false);
+  ASSERT_TRUE(top && edge);
+  const auto off_deg = [&](const BorderLook& look, const TaitBryan& from) {
+    return Degrees(std::acos(std::min(1.0, plane.DownOf(look.line, 0).dot(DownOf(from)))));
+  };
+  EXPECT_LT(off_deg(*top, attitude), 1);
+  EXPECT_LT(off_deg(*edge, lower), 0.5);
   const auto result = Measured(image);
   ASSERT_EQ(Said(result), "fix");
   EXPECT_LT(ErrorDeg(std::get<SkylineFix>(result), DownOf(attitude)), 1);
