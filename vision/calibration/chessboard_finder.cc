@@ -23,7 +23,7 @@ struct Alternation {
   double share = 0;          // of the pairs that differ in that direction
 };
 
-double LightAt(const cv::Mat& grey, const Eigen::Vector2d& at, double half_px) {
+double LightOfSquare(const cv::Mat& grey, const Eigen::Vector2d& at, double half_px) {
   const int half = std::max(0, static_cast<int>(half_px));
   const cv::Rect square(static_cast<int>(std::lround(at.x())) - half,
                         static_cast<int>(std::lround(at.y())) - half, 2 * half + 1, 2 * half + 1);
@@ -38,7 +38,7 @@ Alternation AlternationOf(const cv::Mat& grey, const Corners2d& corners, int col
     for (int c = 0; c + 1 < cols; ++c) {
       const Eigen::Vector2d middle = (at(c, r) + at(c + 1, r) + at(c, r + 1) + at(c + 1, r + 1)) / 4;
       const double side = std::min((at(c + 1, r) - at(c, r)).norm(), (at(c, r + 1) - at(c, r)).norm());
-      light.at<double>(r, c) = LightAt(grey, middle, side / 6);
+      light.at<double>(r, c) = LightOfSquare(grey, middle, side / 6);
     }
   }
   int pairs = 0, brighter = 0;
