@@ -68,12 +68,12 @@ bool Spread(const cv::Mat& pixels, int bits) {
 
 std::optional<int> CertainWhite(const ImageHeader& header, const cv::Mat& pixels) {
   if (pixels.depth() == CV_8U) return WhiteOf(8);
-  if (header.white) return header.white;
+  // Writers that know nothing of the camera say 16 bits, so that says nothing.
+  if (header.white && *header.white < kWhiteOf16) return header.white;
   const int largest = Largest(pixels);
   if (header.bits && *header.bits > 8 && *header.bits < 16)
     return largest > WhiteOf(*header.bits) || Spread(pixels, *header.bits) ? kWhiteOf16
                                                                            : WhiteOf(*header.bits);
-  if (header.bits == 16) return kWhiteOf16;
   // No camera of fewer than 16 bits has more than 14.
   return largest > WhiteOf(14) ? std::optional(kWhiteOf16) : std::nullopt;
 }

@@ -124,6 +124,10 @@ TEST(PixelDepth, TwelveBitsAreTwelve) {
   }
   EXPECT_EQ(brightest(WithSignificantBits(Ramp(1000), 12)), 1000 / 16);
   EXPECT_EQ(brightest(WithSignificantBits(Ramp(100) * 16, 12)), 1600 / 256);  // as the specification wants it
+  // What says 16 bits as writers do of any file.
+  EXPECT_EQ(brightest(WithSignificantBits(Ramp(4095), 16)), 255);
+  EXPECT_EQ(brightest("P5 2 1 65535\n" + std::string("\x0f\xff\x00\x10", 4)), 255);
+  EXPECT_EQ(brightest("P5 2 1 65535\n" + std::string("\xff\xff\x00\x10", 4)), 255);
   EXPECT_EQ(brightest("P5 2 1 4095\n" + std::string("\x08\x00\x00\x10", 4)), 128);
   EXPECT_EQ(brightest(Encoded(cv::Mat(4, 4, CV_8U, cv::Scalar(7)), ".png"), 12), 7);
 }
