@@ -47,7 +47,8 @@ struct WireFlightOptions {
   std::optional<double> stop_after_s;
   std::filesystem::path folder;  // served/ and flown/ come to lie there
 };
-inline constexpr double kWatchEnd_s = 8;
+inline constexpr double kWatchEnd_s =
+    5;  // the release, and the longest time-out of an autopilot (ArduPilot, 3 s)
 
 // Times of this computer's monotonic clock.
 struct PublishedImage {
