@@ -11,8 +11,9 @@ namespace {
 constexpr double kPhaseMargin = M_PI / 6;  // rad
 
 constexpr double kStep_s = 0.1, kMaxDelay_s = 1.6, kMaxLag_s = 2;
-constexpr double kLeast_s = 5;        // of samples
-constexpr double kMoved_m_s = 0.15;   // root mean square about the mean: less tells nothing
+constexpr double kLeast_s = 5;  // of samples
+// Root mean square about the mean: less tells nothing. Up and down an estimate wanders more, with the barometer.
+constexpr double kMovedLevel_m_s = 0.07, kMovedClimb_m_s = 0.15;
 constexpr double kExplained = 0.8;    // of that square, by the best answer
 constexpr double kMuchWorse = 1.5;    // as many times the squares that are left
 constexpr double kFloor_m_s = 0.005;  // so much is left of the best always: the candidates are a grid
@@ -33,6 +34,7 @@ void VelocityLagEstimator::Add(double commanded_s, const std::optional<Eigen::Ve
 }
 
 std::optional<VelocityLagEstimator::Late> VelocityLagEstimator::Fit(int axis, int axes) const {
+  const double tells_m_s = axes == 2 ? kMovedLevel_m_s : kMovedClimb_m_s;
   if (samples_.empty() || samples_.back().t_s - samples_.front().t_s < kLeast_s + kMaxDelay_s)
     return std::nullopt;
   // Where every delay has its command, the answers begin, at what was flown.
@@ -53,7 +55,7 @@ std::optional<VelocityLagEstimator::Late> VelocityLagEstimator::Fit(int axis, in
     return sum;
   };
   const double moved = squares([&](std::ptrdiff_t i, int k) { return samples_[i].flown_N[k]; });
-  if (!(moved >= scored * kMoved_m_s * kMoved_m_s)) return std::nullopt;
+  if (!(moved >= scored * tells_m_s * tells_m_s)) return std::nullopt;
 
   struct Answer {
     double late_s, left;
