@@ -149,6 +149,12 @@ class Progress {
     last_s_ = now_s;
     shown_ = terminal_;
   }
+  // A line that stays.
+  void Tell(const std::string& text) {
+    if (shown_) ClearLine();
+    shown_ = false;
+    Print(stderr, fmt::format("{}  {:6.1f} s  {}\n", mode_, MonotonicNow_s() - begun_s_, text));
+  }
 
  private:
   std::string mode_;
@@ -352,6 +358,7 @@ bool FlyCommand(const FlyArguments& a) {
     Progress progress(mode);
     options.progress = [&](const control::VehicleState& state, const mission::Decision& decision,
                            const control::SafetyChange& safety) { progress.Show(state, decision, safety); };
+    options.told = [&](const std::string& text) { progress.Tell(text); };
     report = flight::FlyAircraft(plan, *camera, *link, options);
   }
   Report(report, a, mode, ReportOf(*options.folder));

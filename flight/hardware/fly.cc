@@ -296,7 +296,10 @@ FlyReport FlyAircraft(const LoadedPlan& plan, vision::LiveCamera& camera, contro
     safe.TargetLostFor(now_s - seen_s);
     if (decision.fix && !o.dry_run && !plan.parts.ground)
       link.See(SightingOf(*decision.fix, frame.t_s, state, plan.parts));
-    if (const std::string late = lag.Note(now_s, safe.sent(), state); !late.empty()) tell("autopilot", late);
+    if (const std::string late = lag.Note(now_s, safe.sent(), state); !late.empty()) {
+      tell("autopilot", late);
+      if (o.told) o.told("the autopilot " + late);
+    }
     take_changes();
     note(state);
     last = decision;

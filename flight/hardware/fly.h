@@ -38,6 +38,8 @@ struct FlyOptions {
   // flight's own thread; must be quick.
   std::function<void(const control::VehicleState&, const mission::Decision&, const control::SafetyChange&)>
       progress;
+  // What happens of itself and should be known at once, in words, on the flight's own thread; must be quick.
+  std::function<void(const std::string&)> told = {};
 };
 
 struct FlyReport {

@@ -12,7 +12,7 @@ namespace kestrel::flight {
 // Whether an autopilot in flight follows velocities later than the flight's gains allow.
 class LagMonitor {
  public:
-  static constexpr double kPeriod_s = 2;  // between two judgements
+  static constexpr double kPeriod_s = 1;  // between two judgements
   static constexpr int kInARow = 2;       // that must agree
 
   explicit LagMonitor(const control::VelocityLag& most) : max_(most) {}

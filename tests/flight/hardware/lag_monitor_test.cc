@@ -33,6 +33,25 @@ TEST(LagWatch, AnAutopilotSlowerThanTheGainsAllowIsToldOfOnce) {
                                                   testing::HasSubstr("the gains allow 0.26 s"))));
 }
 
+// Of a descent that begins 4 s into the flight, from 5 m at 0.6 m/s: before it has gone three.
+TEST(LagWatch, ItIsToldBeforeALandingIsDown) {
+  LagMonitor watch({.vertical_s = 0.5});
+  std::deque<double> asked(1 + std::lround(0.9 / 0.05), 0);
+  double told_s = 0;
+  for (int i = 0; i < 400; ++i) {
+    const double t_s = 0.05 * i;
+    control::VehicleState state;
+    state.t_s = t_s, state.landed = false;
+    state.v_N.z() = asked.front();
+    const double v_m_s = t_s < 4 ? 0 : 0.6;
+    if (!watch.Note(t_s, control::VelocitySetpoint{{0, 0, v_m_s}, 0}, state).empty() && told_s == 0)
+      told_s = t_s;
+    asked.push_back(v_m_s), asked.pop_front();
+  }
+  EXPECT_GT(told_s, 4);
+  EXPECT_LT(told_s, 9);
+}
+
 TEST(LagWatch, OneThatIsAsPromptAsTheyNeedIsNot) {
   EXPECT_THAT(Told(0.85, 1.27), testing::IsEmpty());
   EXPECT_THAT(Told(0.1, 0.26), testing::IsEmpty());
