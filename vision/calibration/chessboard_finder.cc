@@ -151,7 +151,9 @@ std::optional<SeenChessboard> FindChessboardCorners(const cv::Mat& grey, int col
   if (grey.total() >= kLeastToShrink) scales.push_back(0.5);
   if (grey.total() <= kMostToEnlarge) scales.push_back(2);
   for (const double scale : scales) {
-    for (const Detector detect : {BySectors, BySquares, BySectorsNormalised, BySquaresPlain}) {
+    for (const Detector detect : {BySectors, BySectorsNormalised, BySquares, BySquaresPlain}) {
+      // The search for squares takes seconds in a large image of another board, and gains nothing there.
+      if (scale > 1 && (detect == BySquares || detect == BySquaresPlain)) continue;
       if (auto seen = look(scale, detect)) return seen;
     }
   }
