@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kPenumbra_m = 0.03;
 constexpr double kBlot_m = 0.12;
+constexpr double kEdge = 0.1;  // of a blot, of the deviation of what it is drawn from
 // Water fills the pores of paper and cloth, which then give back less light, and its face some of the sky's.
 constexpr float kWetLight = 0.55f, kSkyInIt = 14;
 
@@ -52,7 +53,7 @@ void ShadeOneSide(cv::Mat& picture, const Eigen::Vector2d& size_m, const PrintPa
       sorted.begin() + static_cast<std::ptrdiff_t>(print.shade * static_cast<double>(sorted.size() - 1));
   std::nth_element(sorted.begin(), edge, sorted.end());
   for (std::size_t i = 0; i < along.size(); ++i)
-    at.ptr<float>()[i] = Step(*edge - along[i], print.shade < 1 ? kPenumbra_m : 1e-9);
+    at.ptr<float>()[i] = Step(*edge - along[i] + (print.shade < 1 ? 0 : kPenumbra_m), kPenumbra_m);
   Blend(picture, at, static_cast<float>(print.shade_light), 0);
 }
 
@@ -69,7 +70,7 @@ void Wet(cv::Mat& picture, const Eigen::Vector2d& size_m, double share, std::uin
       sorted.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(sorted.size() - 1));
   std::nth_element(sorted.begin(), edge, sorted.end());
   const float level = *edge;
-  for (float& each : cv::Mat_<float>(noise)) each = Step(level - each, share < 1 ? 0.1 : 1e-9);
+  for (float& each : cv::Mat_<float>(noise)) each = Step(level - each + (share < 1 ? 0 : kEdge), kEdge);
   Blend(picture, noise, kWetLight, kSkyInIt);
 }
 

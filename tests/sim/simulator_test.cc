@@ -60,6 +60,24 @@ TEST(Simulator, TimePassesOnlyInNext) {
   EXPECT_EQ(frame->image.type(), CV_8UC1);
 }
 
+TEST(Simulator, ACameraThatIsOffSeesAsOneThatIsTrulySo) {
+  SimulatorParameters off = Hover();
+  off.camera_error = {.focal = 0.02, .centre_px = 3};
+  SimulatorParameters truly = Hover();
+  truly.camera = CameraError(off.camera_error, off.seed).Of(truly.camera);
+  EXPECT_EQ(Fly(off), Fly(truly));
+  const Flown right = Fly(Hover());
+  EXPECT_NE(Fly(off).image_hash, right.image_hash);
+  EXPECT_EQ(Fly(off).state_hash, right.state_hash);
+  off.camera_error = {.position_m = 0.02, .angle_deg = 1, .clock_offset_s = 0.01};
+  const Flown mounted = Fly(off);
+  EXPECT_NE(mounted.image_hash, right.image_hash);
+  EXPECT_EQ(mounted.state_hash, right.state_hash);
+  Simulator simulator(off);
+  EXPECT_EQ(simulator.Next()->t_s, CameraError(off.camera_error, off.seed).Stamp(0, 0));
+  EXPECT_EQ(simulator.exposure().t_s, 0);
+}
+
 TEST(Simulator, AFlightInSlicesIsTheSameFlight) {
   SimulatorParameters p = Hover();
   p.image.faults = {{.type = "intermittent", .from_s = 0.1, .until_s = 0.3, .loss = 0.5}};

@@ -211,6 +211,18 @@ TEST_F(ScenarioTest, WhatDoesNotGoWithALandscapeIsRefused) {
   EXPECT_THAT(refusal({"pad.name=none"}), HasSubstr("pad.name: none"));
 }
 
+TEST_F(ScenarioTest, APadOnUnevenGroundLeansByTheSeedAndNotOnADeck) {
+  const auto lean = [](const std::vector<std::string>& overrides) {
+    return LoadScenario("landing", overrides).simulator.scene.pad_lean_deg;
+  };
+  EXPECT_EQ(lean({}), Eigen::Vector2d(0, 0));
+  EXPECT_NE(lean({"pad.uneven_deg=2", "seed=3"}), lean({"pad.uneven_deg=2", "seed=4"}));
+  EXPECT_EQ(lean({"pad.uneven_deg=4", "seed=3"}), Eigen::Vector2d(2 * lean({"pad.uneven_deg=2", "seed=3"})));
+  EXPECT_THAT(
+      Refusal("landing_ship", {"pad.uneven_deg=2"}),
+      ElementsAre(HasSubstr("pad.uneven_deg: 2, but a deck is level at rest; valid: 0, or deck: null")));
+}
+
 TEST_F(ScenarioTest, AMissingFileIsNamed) {
   const std::string file = (folder_ / "none.yaml").string();
   EXPECT_THAT(Refusal(file), ElementsAre(AllOf(StartsWith(file), HasSubstr("No such file"))));
