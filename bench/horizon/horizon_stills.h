@@ -10,7 +10,7 @@
 
 #include "geometry/pose.h"
 #include "geometry/tait_bryan.h"
-#include "sim/camera/horizon.h"
+#include "sim/camera/skyline/horizon.h"
 #include "sim/camera/image_sensor.h"
 #include "sim/camera/renderer.h"
 #include "sim/landscape/landscape.h"

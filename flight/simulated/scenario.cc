@@ -26,7 +26,7 @@
 #include "geometry/tait_bryan.h"
 #include "records/telemetry/metrics.h"
 #include "scenarios/flights.h"
-#include "sim/camera/horizon.h"
+#include "sim/camera/skyline/horizon.h"
 #include "sim/vehicle_file.h"
 #include "vision/camera/calibration_file.h"
 #include "vision/image_file.h"

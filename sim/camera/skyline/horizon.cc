@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/camera/horizon.h"
+#include "sim/camera/skyline/horizon.h"
 
 #include <algorithm>
 #include <cmath>
