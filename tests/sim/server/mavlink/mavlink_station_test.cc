@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "sim/server/mavlink/mavlink_vehicle.h"
@@ -170,6 +171,27 @@ TEST(MavlinkStation, WhatIsSetIsFlownByAndWhatCannotBeSetKeepsItsValue) {
     EXPECT_EQ(station.Command(21), kAccepted);
     station.Run(0.1);
     EXPECT_EQ(std::get<control::VelocitySetpoint>(station.aircraft.sent.back()).v_H.z(), 1.25);
+  }
+}
+
+TEST(MavlinkStation, WhatFollowsWhenSetpointsStopIsPx4sParameter) {
+  const std::vector<std::pair<std::int32_t, std::uint32_t>> modes{{3, 5}, {4, 6}, {5, 3}};
+  for (const auto& [act, sub] : modes) {
+    Station station("px4", Flying(5));
+    station.Say(ParamSet{.param_value = std::bit_cast<float>(act),
+                         .target_system = 1,
+                         .param_id = Text<16>("COM_OBL_RC_ACT"),
+                         .param_type = 6});
+    station.Say(ParamSet{
+        .param_value = 2, .target_system = 1, .param_id = Text<16>("COM_OF_LOSS_T"), .param_type = 9});
+    const Message forward = ToMessage(control::VelocitySetpoint{{0.5, 0, 0}, 0}, 0, kPx4, {}, 0);
+    for (int i = 0; i < 15; ++i) station.Say(forward), station.Run(0.1);
+    station.Say(SetCustomMode(kPx4.setpoint_mode, kPx4, {}));
+    station.Say(forward);
+    station.Run(1.8);
+    EXPECT_EQ(station.Mode().custom_mode, kPx4.setpoint_mode);
+    station.Run(0.4);
+    EXPECT_EQ(station.Mode().custom_mode, 4U << 16 | sub << 24);
   }
 }
 
