@@ -17,7 +17,7 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 // Fisher's information of a grid of points over the pad that the camera sees, of pixels with the deviation 1, on place
 // and attitude in T; for one point. None: it sees none of them.
 std::optional<Matrix6> InformationPerPoint(const Pose& X_TB, const mission::MissionParts& parts) {
-  constexpr int kGrid = 5;
+  constexpr int kGrid = 21;  // so dense that enough of it is in view of one who is about to touch down
   const Pose X_CT = (X_TB * parts.X_BC).Inverse();
   const Eigen::Matrix3d R_CT = X_CT.R.toRotationMatrix();
   Matrix6 information = Matrix6::Zero();
