@@ -43,11 +43,11 @@ TEST(SightingOf, ItsCovarianceIsThatOfThePointsInTheCamera) {
   const Pose X_TB{sighting.R_TB, sighting.p_TB};
   const Pose X_CT = (X_TB * parts.X_BC).Inverse();
   std::vector<Eigen::Vector2d> points;
-  for (int i = 0; i < 5; ++i)
-    for (int j = 0; j < 5; ++j) points.emplace_back(1.2 * (i / 4.0 - 0.5), 0.8 * (j / 4.0 - 0.5));
+  for (int i = 0; i < 21; ++i)
+    for (int j = 0; j < 21; ++j) points.emplace_back(1.2 * (i / 20.0 - 0.5), 0.8 * (j / 20.0 - 0.5));
   const auto information = vision::PoseInformation(points, kCamera, X_CT);
   ASSERT_TRUE(information);
-  const Eigen::Matrix<double, 6, 6> in_C = 0.9 * 0.9 * 25 / 60 * information->inverse();
+  const Eigen::Matrix<double, 6, 6> in_C = 0.9 * 0.9 * 441 / 60 * information->inverse();
   // To where the aircraft then is in T, by differences.
   Eigen::Matrix<double, 6, 6> J;
   for (int k = 0; k < 6; ++k) {
@@ -69,6 +69,15 @@ TEST(SightingOf, ItsCovarianceIsThatOfThePointsInTheCamera) {
   EXPECT_LT((sighting.covariance - expected).norm(), 1e-3 * expected.norm());
   EXPECT_GT(std::sqrt(expected(0, 0)), 0.001);
   EXPECT_LT(std::sqrt(expected(0, 0)), 0.1);
+}
+
+TEST(SightingOf, ItHasACovarianceDownToTheGround) {
+  for (const double height_m : {5.0, 1.0, 0.4, 0.2}) {
+    const mission::TargetFix fix{.p_TB = {0, 0, -height_m}, .inliers = 60, .residual_px = 0.9};
+    const control::Sighting sighting = SightingOf(fix, 0, {}, Parts());
+    EXPECT_GT(sighting.covariance(0, 0), 0) << height_m;
+    EXPECT_LT(sighting.covariance(0, 0), 0.1) << height_m;
+  }
 }
 
 TEST(SightingOf, WhereTheCameraCannotSeeThePadNothingIsKnownOfIt) {
