@@ -16,6 +16,8 @@ namespace {
 
 // The margin that control/estimate/velocity_lag.h keeps too, and half as much again as the gain.
 constexpr double kLeastPhase_deg = 30, kLeastGain = 1.5;
+// By how much an autopilot is later than one that counts as prompt until a flight is sure of it.
+constexpr double kSurely_s = 0.1;
 
 struct ServoAxis {
   const char* name;
@@ -26,12 +28,12 @@ struct ServoAxis {
 
 bool ShowAxis(const ServoAxis& axis, double hold_s) {
   const double late_s = axis.answer.Late_s();
-  const double reckoned_s = late_s > axis.prompt_s ? late_s : 0;
+  const double reckoned_s = late_s > axis.prompt_s + kSurely_s ? late_s : 0;
   const control::ServoLoop loop{axis.lambda_per_s, reckoned_s, hold_s};
   const control::LoopMargins margins =
       control::Margins([&](double w) { return control::OpenLoop(axis.answer, loop, w); });
   const bool enough = margins.gain >= kLeastGain && margins.phase_deg >= kLeastPhase_deg;
-  fmt::print("  {:<12}{:>8.3g}{:>9.2f}{:>13}{:>9.2f}{:>10.1f}{:>10.2f}   {}\n", axis.name, axis.lambda_per_s,
+  fmt::print("  {:<12}{:>8.3g}{:>9.2f}{:>15}{:>9.2f}{:>10.1f}{:>10.2f}   {}\n", axis.name, axis.lambda_per_s,
              late_s, reckoned_s > 0 ? "yes" : "no", margins.gain, margins.phase_deg, margins.delay_s,
              enough ? "ok" : "TOO LITTLE");
   return enough;
@@ -71,7 +73,7 @@ bool MarginsCommand(const MarginsArguments& a) {
   const double hold_s = 1 / scenario.image.rate_hz;
   fmt::print("{}: answers to steps of {:g} m/s and {:g} deg/s\n", a.file,
              2 * flight::AutopilotSteps::kStep_m_s, 2 * flight::AutopilotSteps::kTurn_deg_s);
-  fmt::print("  {:<12}{:>8}{:>9}{:>13}{:>9}{:>10}{:>10}\n", "axis", "lambda", "late, s", "reckoned with",
+  fmt::print("  {:<12}{:>8}{:>9}{:>15}{:>9}{:>10}{:>10}\n", "axis", "lambda", "late, s", "reckoned with",
              "gain", "phase", "delay, s");
   bool enough = true;
   for (const ServoAxis& axis :

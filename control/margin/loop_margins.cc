@@ -52,20 +52,33 @@ LoopMargins Margins(const std::function<Complex(double)>& open_loop, double low,
   const auto excess = [&](double w) { return std::log(std::abs(open_loop(w))); };
   const auto across = [&](double w) { return open_loop(w).imag(); };
   const auto at = [&](int i) { return low * std::pow(high / low, static_cast<double>(i) / kScanned); };
+  std::vector<std::pair<double, double>> crossovers;  // rad/s, and rad from -1: above 0, before it
+  std::vector<double> gains;                          // with which it would go through -1
+  double turned = 0;                                  // of 1 + L, rad
   Complex before = open_loop(low);
   for (int i = 1; i <= kScanned; ++i) {
     const Complex now = open_loop(at(i));
+    turned += std::arg((1.0 + now) / (1.0 + before));
     if ((std::abs(before) < 1) != (std::abs(now) < 1)) {
       const double w = Root(excess, at(i - 1), at(i));
-      const double phase = std::arg(-open_loop(w));
-      margins.phase_deg = std::min(margins.phase_deg, phase * 180 / M_PI);
-      margins.delay_s = std::min(margins.delay_s, phase / w);
-      if (margins.crossover_rad_s == 0) margins.crossover_rad_s = w;
+      crossovers.emplace_back(w, std::arg(-open_loop(w)));
     }
     if ((before.imag() < 0) != (now.imag() < 0) && before.real() < 0 && now.real() < 0)
-      margins.gain = std::min(margins.gain, 1 / std::abs(open_loop(Root(across, at(i - 1), at(i)))));
+      gains.push_back(1 / std::abs(open_loop(Root(across, at(i - 1), at(i)))));
     before = now;
   }
+  // Nyquist, of a loop that integrates once and has no pole to the right: stable, 1 + L turns from -90 degrees to
+  // 0; each pair of poles to the right takes a whole turn from that.
+  const bool stable = turned > 0;
+  for (const double gain : gains)
+    if ((gain > 1) == stable) margins.gain = std::min(margins.gain, gain);
+  for (const auto& [w, phase] : crossovers) {
+    margins.phase_deg = std::min(margins.phase_deg, std::abs(phase) * 180 / M_PI);
+    const double delayed = stable && phase < 0 ? phase + 2 * M_PI : std::abs(phase);
+    margins.delay_s = std::min(margins.delay_s, delayed / w);
+  }
+  if (!crossovers.empty()) margins.crossover_rad_s = crossovers.front().first;
+  if (!stable) margins.phase_deg *= -1, margins.delay_s *= -1;
   return margins;
 }
 

@@ -32,15 +32,16 @@ struct ServoLoop {
 // exp(-s T)) / (s T) it is lambda / (1 + lambda X) H Z / s.
 std::complex<double> OpenLoop(const VelocityStep& answer, const ServoLoop& loop, double w);
 
-// Of an open loop whose closed one is stable. A margin that nothing limits is infinite.
+// A margin that nothing limits is infinite.
 struct LoopMargins {
-  double gain = 0;             // by which times as much it would swing
-  double phase_deg = 0;        // the least, where the gain is 1; negative: it swings
-  double delay_s = 0;          // more dead time with which it would swing; negative as phase_deg
+  double gain = 0;  // by which times as much it would swing; below 1: by which times as little it would not
+  double phase_deg = 0;        // by which it may turn, either way; negative: it swings
+  double delay_s = 0;          // more dead time with which it would swing; negative: it swings
   double crossover_rad_s = 0;  // where the gain is 1, the lowest
 };
 
-// By a scan of the frequencies from low to high, rad/s, in which its gain must fall through 1.
+// Of an open loop that integrates once and is stable otherwise, by a scan of the frequencies from low to high,
+// rad/s, in which its gain must fall through 1.
 LoopMargins Margins(const std::function<std::complex<double>(double)>& open_loop, double low = 0.01,
                     double high = 60);
 
