@@ -16,6 +16,9 @@ namespace {
 
 constexpr double kAspectTolerance = 1.35;  // factor; far away the tilt makes the ratio uncertain
 constexpr double kMinPlausibleCorrelation = 0.55;
+constexpr double kMinEvenlyLitCorrelation =
+    0.5;                                  // see EvenlyLit: less of it is the frame's, which many things have
+constexpr double kEvened_m = 0.3;         // over which light is evened: some of the pad's details
 constexpr double kCompare_px_per_m = 60;  // scale at which candidates are compared with the reference
 constexpr double kRectangles_px_per_m =
     300;                               // scale at which the reference is searched for its own rectangles
@@ -28,10 +31,24 @@ double AreaOf(const Quad& quad) {
   return std::abs(a.x() * b.y() - a.y() * b.x()) / 2;
 }
 
+// Each place by how far it is from the mean around it, in deviations there.
+cv::Mat EvenlyLit(const cv::Mat& image) {
+  constexpr double kLeastDeviation = 2;  // of grey: noise is not made large
+  const int side = static_cast<int>(std::lround(kEvened_m * kCompare_px_per_m)) | 1;
+  cv::Mat light, mean, squares;
+  image.convertTo(light, CV_32F);
+  cv::boxFilter(light, mean, CV_32F, {side, side}, {-1, -1}, true, cv::BORDER_REFLECT);
+  cv::sqrBoxFilter(light, squares, CV_32F, {side, side}, {-1, -1}, true, cv::BORDER_REFLECT);
+  cv::Mat deviation = squares - mean.mul(mean);
+  cv::max(deviation, kLeastDeviation * kLeastDeviation, deviation);
+  cv::sqrt(deviation, deviation);
+  return (light - mean) / deviation;
+}
+
 }  // namespace
 
 PadDetector::PadDetector(const PadReference& reference, const Pinhole& camera)
-    : camera_(camera), level_(reference.LevelFor(kCompare_px_per_m)) {
+    : camera_(camera), level_(reference.LevelFor(kCompare_px_per_m)), evenly_lit_(EvenlyLit(level_.image)) {
   const std::vector<Eigen::Vector2d> outline = reference.Outline();
   rectangles_.push_back({outline[0], outline[1], outline[2], outline[3]});
   const PadReference::Level& fine = reference.LevelFor(kRectangles_px_per_m);
@@ -71,18 +88,8 @@ PadDetector::PadDetector(const PadReference& reference, const Pinhole& camera)
   }
 }
 
-// What a candidate makes of the image is compared with the reference. None of those so far: 0.
-void PadDetector::Compare(const cv::Mat& grey, const Eigen::Matrix3d& H_w, Best& best) const {
-  if (!PoseFromHomography(H_w, camera_)) return;
-  cv::Mat map, view, correlation;
-  cv::eigen2cv(Eigen::Matrix3d(H_w * level_.pixel_from_T.inverse()), map);
-  cv::warpPerspective(grey, view, map, level_.image.size(), cv::INTER_AREA | cv::WARP_INVERSE_MAP);
-  cv::matchTemplate(view, level_.image, correlation, cv::TM_CCOEFF_NORMED);
-  if (correlation.at<float>(0, 0) > best.correlation) best = {correlation.at<float>(0, 0), H_w};
-}
-
 // A circle tells all but the direction, as long as the view is not very oblique from near.
-void PadDetector::CompareCircles(const cv::Mat& grey, Best& best) const {
+void PadDetector::AddCircles(const cv::Mat& grey, std::vector<Eigen::Matrix3d>& candidates) const {
   if (circles_.empty()) return;
   for (const Ellipse& ellipse : FindEllipses(grey)) {
     for (const Circle& circle : circles_) {
@@ -93,16 +100,17 @@ void PadDetector::CompareCircles(const cv::Mat& grey, Best& best) const {
         Eigen::Matrix3d H_w = Eigen::Matrix3d::Identity();
         H_w.topLeftCorner<2, 2>() = A;
         H_w.topRightCorner<2, 1>() = ellipse.middle - A * circle.middle;
-        Compare(grey, H_w, best);
+        candidates.push_back(H_w);
       }
     }
   }
 }
 
-std::optional<Eigen::Matrix3d> PadDetector::Detect(const cv::Mat& grey) const {
+// Each may be where the pad is.
+std::vector<Eigen::Matrix3d> PadDetector::Candidates(const cv::Mat& grey) const {
   const Quad square = {
       {{1, 0}, {1, 1}, {0, 1}, {0, 0}}};  // the corners of a unit rectangle, in the outline's order
-  Best best{kMinPlausibleCorrelation, {}};
+  std::vector<Eigen::Matrix3d> candidates;
   for (const Quad& quad : FindQuads(grey)) {
     for (const Quad& rectangle : rectangles_) {
       const double aspect = (rectangle[1] - rectangle[0]).norm() / (rectangle[3] - rectangle[0]).norm();
@@ -115,12 +123,32 @@ std::optional<Eigen::Matrix3d> PadDetector::Detect(const cv::Mat& grey) const {
         const auto H_unit = FitHomography(unit), H_w = FitHomography(metric);
         if (!H_unit || !H_w) continue;
         const double off = RectangleAspect(*H_unit, camera_) / aspect;
-        if (off < kAspectTolerance && off > 1 / kAspectTolerance) Compare(grey, *H_w, best);
+        if (off < kAspectTolerance && off > 1 / kAspectTolerance) candidates.push_back(*H_w);
       }
     }
   }
-  CompareCircles(grey, best);
-  return best.H_w;
+  AddCircles(grey, candidates);
+  std::erase_if(candidates, [this](const Eigen::Matrix3d& H_w) { return !PoseFromHomography(H_w, camera_); });
+  return candidates;
+}
+
+// What each makes of the image is compared with the reference.
+std::optional<Eigen::Matrix3d> PadDetector::Detect(const cv::Mat& grey) const {
+  const std::vector<Eigen::Matrix3d> candidates = Candidates(grey);
+  for (const bool evened : {false, true}) {
+    double best = evened ? kMinEvenlyLitCorrelation : kMinPlausibleCorrelation;
+    std::optional<Eigen::Matrix3d> found;
+    for (const Eigen::Matrix3d& H_w : candidates) {
+      cv::Mat map, view, correlation;
+      cv::eigen2cv(Eigen::Matrix3d(H_w * level_.pixel_from_T.inverse()), map);
+      cv::warpPerspective(grey, view, map, level_.image.size(), cv::INTER_AREA | cv::WARP_INVERSE_MAP);
+      if (evened) view = EvenlyLit(view);
+      cv::matchTemplate(view, evened ? evenly_lit_ : level_.image, correlation, cv::TM_CCOEFF_NORMED);
+      if (correlation.at<float>(0, 0) > best) best = correlation.at<float>(0, 0), found = H_w;
+    }
+    if (found) return found;
+  }
+  return std::nullopt;
 }
 
 }  // namespace kestrel::vision

@@ -15,7 +15,8 @@ namespace kestrel::vision {
 // Finds the whole pad in one image without any guess: it stands in for the person who clicks four corners in
 // thesis 4.4. Quadrilaterals of the image are matched with the large rectangles of the pad's own picture (its
 // outline, its frames) of the same aspect ratio (thesis 3.21), ellipses with its large circles, and what such a
-// match makes of the image is compared with the reference appearance, in every direction.
+// match makes of the image is compared with the reference appearance, in every direction: as it is and, where
+// nothing then looks like the pad, with its light evened out, as part of it may be in the shade.
 class PadDetector {
  public:
   PadDetector(const PadReference& reference, const Pinhole& camera);
@@ -29,15 +30,12 @@ class PadDetector {
     Eigen::Vector2d middle;
     double radius;
   };
-  struct Best {
-    double correlation;
-    std::optional<Eigen::Matrix3d> H_w;
-  };
-  void Compare(const cv::Mat& grey, const Eigen::Matrix3d& H_w, Best& best) const;
-  void CompareCircles(const cv::Mat& grey, Best& best) const;
+  std::vector<Eigen::Matrix3d> Candidates(const cv::Mat& grey) const;
+  void AddCircles(const cv::Mat& grey, std::vector<Eigen::Matrix3d>& candidates) const;
 
   Pinhole camera_;
   PadReference::Level level_;  // the scale at which candidates are compared
+  cv::Mat evenly_lit_;         // the same, as it is compared where light and shade lie over the pad
   std::vector<Circle> circles_;
   std::vector<Quad> rectangles_;  // of the pad's picture, in T, m, clockwise from the picture's top left
 };
