@@ -31,7 +31,7 @@ TEST(AutopilotSteps, ADeadTimeComesOutAsOneInEveryAxis) {
     const auto margins = [&](const AutopilotSteps& steps) {
       return control::Margins([&](double w) { return control::OpenLoop(steps.*axis, {0.9}, w); });
     };
-    EXPECT_NEAR(margins(before).delay_s - margins(after).delay_s, kDelay_s, 0.06);
+    EXPECT_NEAR(margins(before).delay_s - margins(after).delay_s, kDelay_s, 0.1);  // the phase above, at 0.9
   }
 }
 
