@@ -39,6 +39,7 @@ namespace {
 
 constexpr double kMaxFlight_s = 120;  // of a flight
 constexpr int kMaxStarts = 3;         // of a program whose check list is not met by a machine that is busy
+constexpr double kReleases_s = 20;    // an interrupted program's release of the aircraft, and its records
 constexpr double kBegins_s = 60;      // until the program's first setpoint is followed, check list and all
 
 // A port that nobody listens on, and that is not given out again.
@@ -309,7 +310,10 @@ WireFlown FlyHere(const WireFlightOptions& o) {
       flown.stopped_s = now_s;
       program->Signal(SIGINT);
     }
-    if (flown.stopped_s) return now_s < *flown.stopped_s + kWatchEnd_s;
+    if (flown.stopped_s) {
+      if (!flown.ended_s && program->Ended()) flown.ended_s = now_s;
+      return now_s < flown.ended_s.value_or(*flown.stopped_s + kReleases_s) + kWatchEnd_s;
+    }
     if (flown.fault_s && o.end_after_s && now_s >= *flown.fault_s + *o.end_after_s) return false;
     // Having landed, it leaves first, and the aircraft is watched while it stands.
     if (program->Ended() && !server.first_s && flown.starts < kMaxStarts) {
@@ -408,14 +412,15 @@ double WireFlown::TouchdownError_m() const {
   return found != served.metrics.end() ? found->second : std::numeric_limits<double>::infinity();
 }
 
-double WireFlown::MotionAfterStop_m() const {
+double WireFlown::Motion_m(std::optional<double> from_s, std::optional<double> until_s, bool upright) const {
   double motion_m = std::numeric_limits<double>::quiet_NaN();
-  if (!stopped_s) return motion_m;
+  if (!from_s || !until_s) return motion_m;
   std::optional<Eigen::Vector3d> from_N;
   for (const TruthSample& sample : truth) {
-    if (sample.t_s < *stopped_s) continue;
+    if (sample.t_s < *from_s || sample.t_s > *until_s) continue;
     if (!from_N) from_N = sample.p_NB, motion_m = 0;
-    motion_m = std::max(motion_m, (sample.p_NB - *from_N).norm());
+    const Eigen::Vector3d way = sample.p_NB - *from_N;
+    motion_m = std::max(motion_m, upright ? std::abs(way.z()) : way.norm());
   }
   return motion_m;
 }

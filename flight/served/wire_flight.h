@@ -43,12 +43,11 @@ struct WireFlightOptions {
   double fault_after_s = 1;           // since the program's first setpoint was followed
   std::optional<double> end_after_s;  // the same since the fault; none: once it has landed
   // The program is interrupted, as by Ctrl-C, so long after its first setpoint was followed; then the aircraft is
-  // watched for kWatchEnd_s. None: it is not.
+  // watched for kWatchEnd_s after it has ended. None: it is not.
   std::optional<double> stop_after_s;
   std::filesystem::path folder;  // served/ and flown/ come to lie there
 };
-inline constexpr double kWatchEnd_s =
-    5;  // the release, and the longest time-out of an autopilot (ArduPilot, 3 s)
+inline constexpr double kWatchEnd_s = 4;  // longer than any time-out of an autopilot (ArduPilot, 3 s)
 
 // Times of this computer's monotonic clock.
 struct PublishedImage {
@@ -83,6 +82,7 @@ struct WireFlown {
   std::vector<TruthSample> truth;   // at each image's due time
   std::optional<double> fault_s;    // when it began; none: the flight was over before
   std::optional<double> stopped_s;  // when the program was interrupted
+  std::optional<double> ended_s;    // when it was gone after that: the wire was silent then
   // Of the program.
   std::optional<int> status;  // its exit; none: it had to be killed
   int starts = 1;             // it is started again where its check list is not met
@@ -92,9 +92,9 @@ struct WireFlown {
 
   bool Landed() const;
   double TouchdownError_m() const;  // infinite: it never touched
-  // How far the aircraft came, by the truth, from where it was when the program was interrupted. NaN: it was not, or
-  // was not watched after it.
-  double MotionAfterStop_m() const;
+  // How far the aircraft came from where it was at the one time until the other, by the truth; upright: up and down
+  // alone. NaN: it was not watched between them.
+  double Motion_m(std::optional<double> from_s, std::optional<double> until_s, bool upright) const;
   double Stretched_s() const;  // given up by a machine that was too slow
 };
 
