@@ -108,6 +108,7 @@ const std::vector<std::string_view>& WorldKeys() {
                                                       "sensors",
                                                       "instruments",
                                                       "cameras",
+                                                      "camera_error",
                                                       "event_camera",
                                                       "occlusion",
                                                       "targets",
