@@ -123,6 +123,7 @@ const std::vector<std::string_view>& WorldKeys() {
                                                       "pad.yaw_deg",
                                                       "pad.height_m",
                                                       "pad.tilt_deg",
+                                                      "pad.uneven_deg",
                                                       "image.latency_s",
                                                       "image.exposure",
                                                       "image.lens",

@@ -106,12 +106,10 @@ void PadDetector::AddCircles(const cv::Mat& grey, std::vector<Eigen::Matrix3d>& 
   }
 }
 
-// Each may be where the pad is.
-std::vector<Eigen::Matrix3d> PadDetector::Candidates(const cv::Mat& grey) const {
+void PadDetector::AddQuads(const std::vector<Quad>& quads, std::vector<Eigen::Matrix3d>& candidates) const {
   const Quad square = {
       {{1, 0}, {1, 1}, {0, 1}, {0, 0}}};  // the corners of a unit rectangle, in the outline's order
-  std::vector<Eigen::Matrix3d> candidates;
-  for (const Quad& quad : FindQuads(grey)) {
+  for (const Quad& quad : quads) {
     for (const Quad& rectangle : rectangles_) {
       const double aspect = (rectangle[1] - rectangle[0]).norm() / (rectangle[3] - rectangle[0]).norm();
       for (int turn = 0; turn < 4; ++turn) {
@@ -127,18 +125,19 @@ std::vector<Eigen::Matrix3d> PadDetector::Candidates(const cv::Mat& grey) const 
       }
     }
   }
-  AddCircles(grey, candidates);
-  std::erase_if(candidates, [this](const Eigen::Matrix3d& H_w) { return !PoseFromHomography(H_w, camera_); });
-  return candidates;
 }
 
-// What each makes of the image is compared with the reference.
+// What each candidate makes of the image is compared with the reference.
 std::optional<Eigen::Matrix3d> PadDetector::Detect(const cv::Mat& grey) const {
-  const std::vector<Eigen::Matrix3d> candidates = Candidates(grey);
+  std::vector<Eigen::Matrix3d> candidates;
+  AddQuads(FindQuads(grey), candidates);
+  AddCircles(grey, candidates);
   for (const bool evened : {false, true}) {
+    if (evened) AddQuads(FindDarkQuads(grey), candidates);
     double best = evened ? kMinEvenlyLitCorrelation : kMinPlausibleCorrelation;
     std::optional<Eigen::Matrix3d> found;
     for (const Eigen::Matrix3d& H_w : candidates) {
+      if (!PoseFromHomography(H_w, camera_)) continue;
       cv::Mat map, view, correlation;
       cv::eigen2cv(Eigen::Matrix3d(H_w * level_.pixel_from_T.inverse()), map);
       cv::warpPerspective(grey, view, map, level_.image.size(), cv::INTER_AREA | cv::WARP_INVERSE_MAP);

@@ -30,7 +30,7 @@ class PadDetector {
     Eigen::Vector2d middle;
     double radius;
   };
-  std::vector<Eigen::Matrix3d> Candidates(const cv::Mat& grey) const;
+  void AddQuads(const std::vector<Quad>& quads, std::vector<Eigen::Matrix3d>& candidates) const;
   void AddCircles(const cv::Mat& grey, std::vector<Eigen::Matrix3d>& candidates) const;
 
   Pinhole camera_;

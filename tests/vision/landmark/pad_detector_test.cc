@@ -78,6 +78,37 @@ TEST_F(PadDetectorTest, FindsThePadInDimAndInHarshLight) {
   }
 }
 
+// To one side, along a line aslant; light: of what is left there.
+cv::Mat HalfInTheShade(cv::Mat picture, double light) {
+  for (int y = 0; y < picture.rows; ++y)
+    for (int x = 0; x < picture.cols; ++x)
+      if (x + 0.4 * y < 0.5 * picture.cols + 0.2 * picture.rows)
+        picture.at<uchar>(y, x) = cv::saturate_cast<uchar>(light * picture.at<uchar>(y, x));
+  return picture;
+}
+
+TEST_F(PadDetectorTest, FindsThePadHalfInTheShade) {
+  for (const double light : {0.5, 0.35}) {
+    const PadPhotographer shaded(HalfInTheShade(PadPicture(), light));
+    for (const double height : {3.0, 4.2, 6.0}) {
+      const Pose X_CT = PadBelow({0.02 * height, -0.01 * height, height}, 35 * height);
+      const auto H_w = detector_->Detect(shaded.At(X_CT, 3));
+      ASSERT_TRUE(H_w) << light << " at " << height;
+      EXPECT_LT(Error(*H_w, X_CT), 2.5) << light << " at " << height;
+    }
+  }
+}
+
+TEST_F(PadDetectorTest, FindsNothingInARectangleHalfInTheShade) {
+  const PadPhotographer blank(HalfInTheShade(cv::Mat(1190, 910, CV_8UC1, cv::Scalar(220)), 0.35));
+  cv::Mat framed(1190, 910, CV_8UC1, cv::Scalar(220));
+  cv::rectangle(framed, {60, 60}, {850, 1130}, cv::Scalar(10), 60);
+  const PadPhotographer frame(HalfInTheShade(framed, 0.35));
+  for (const double height : {3.0, 4.2, 8.0})
+    for (const PadPhotographer* each : {&blank, &frame})
+      EXPECT_FALSE(detector_->Detect(each->At(PadBelow({0.1, 0.1, height}, 20), 1))) << height;
+}
+
 TEST_F(PadDetectorTest, FindsNothingOnTheGroundAlone) {
   const PadPhotographer ground({});
   for (const double height : {2.0, 4.2, 8.0, 15.0}) {

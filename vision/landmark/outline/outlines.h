@@ -13,6 +13,8 @@ using Quad = std::array<Eigen::Vector2d, 4>;  // corners in px, clockwise in the
 
 // What a rectangle may look like.
 std::vector<Quad> FindQuads(const cv::Mat& grey);
+// The same of what is darkest in the image, as a black frame is though part of it is in the shade.
+std::vector<Quad> FindDarkQuads(const cv::Mat& grey);
 
 // What a circle may look like: the points middle + axes * (cos t, sin t). The axes, px, are at right angles.
 struct Ellipse {
