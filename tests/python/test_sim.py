@@ -223,7 +223,7 @@ class Misuse(unittest.TestCase):
         sim.reset()
         sim.change("wind.mean_m_s", 6)
         sim.change("sensors.faults", [{"component": "gps", "type": "off"}])
-        with self.assertRaisesRegex(kestrel.SimError, "wind.mean_m_s: 60 is out of range; valid: 0 to 20"):
+        with self.assertRaisesRegex(kestrel.SimError, "wind.mean_m_s: 60 is out of range; valid: 0 to 10"):
             sim.change("wind.mean_m_s", 60)
         with self.assertRaisesRegex(kestrel.SimError, "not among what this scenario lets change"):
             sim.change("seed", 3)
