@@ -94,7 +94,8 @@ TEST_F(PadDetectorTest, FindsThePadHalfInTheShade) {
       const Pose X_CT = PadBelow({0.02 * height, -0.01 * height, height}, 35 * height);
       const auto H_w = detector_->Detect(shaded.At(X_CT, 3));
       ASSERT_TRUE(H_w) << light << " at " << height;
-      EXPECT_LT(Error(*H_w, X_CT), 2.5) << light << " at " << height;
+      EXPECT_LT(Error(*H_w, X_CT), 3)
+          << light << " at " << height;  // one threshold for both lights moves edges
     }
   }
 }
