@@ -21,8 +21,8 @@
 #include "base/process/end_signals.h"
 #include "geometry/tait_bryan.h"
 #include "mission/caption/strip.h"
-#include "vision/horizon/horizon_attitude.h"
 #include "vision/horizon/border/straight_skyline.h"
+#include "vision/horizon/horizon_attitude.h"
 #include "vision/image_file.h"
 
 namespace kestrel::app {

@@ -10,9 +10,9 @@
 
 #include "geometry/pose.h"
 #include "geometry/tait_bryan.h"
-#include "sim/camera/skyline/horizon.h"
 #include "sim/camera/image_sensor.h"
 #include "sim/camera/renderer.h"
+#include "sim/camera/skyline/horizon.h"
 #include "sim/landscape/landscape.h"
 #include "sim/world/scene.h"
 

@@ -6,10 +6,10 @@
 #include <optional>
 
 #include "vision/horizon/band_sampler.h"
-#include "vision/horizon/circle_fit.h"
 #include "vision/horizon/border/skyline_fix.h"
-#include "vision/horizon/skyline_search.h"
 #include "vision/horizon/border/straight_skyline.h"
+#include "vision/horizon/circle_fit.h"
+#include "vision/horizon/skyline_search.h"
 
 namespace kestrel::vision {
 

@@ -147,9 +147,9 @@ struct Field {
 };
 
 std::vector<Field> Parse(const char* text) {
-  static const std::map<std::string, std::size_t> sizes{{"char", 1},    {"int8_t", 1},   {"uint8_t", 1},  {"uint16_t", 2},
-                                                        {"int16_t", 2}, {"uint32_t", 4}, {"int32_t", 4},
-                                                        {"float", 4},   {"uint64_t", 8}, {"int64_t", 8}};
+  static const std::map<std::string, std::size_t> sizes{
+      {"char", 1},     {"int8_t", 1},  {"uint8_t", 1}, {"uint16_t", 2}, {"int16_t", 2},
+      {"uint32_t", 4}, {"int32_t", 4}, {"float", 4},   {"uint64_t", 8}, {"int64_t", 8}};
   std::istringstream stream(text);
   std::vector<Field> fields;
   for (Field field; stream >> field.type >> field.name;) {

@@ -9,8 +9,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "geometry/tait_bryan.h"
-#include "sim/camera/skyline/horizon.h"
 #include "sim/camera/renderer.h"
+#include "sim/camera/skyline/horizon.h"
 #include "sim/world/mjcf.h"
 #include "sim/world/scene.h"
 

@@ -9,8 +9,8 @@
 #include "geometry/tait_bryan.h"
 #include "vision/camera/views.h"
 #include "vision/horizon/baseline/pyramid_segmentation.h"
-#include "vision/horizon/circle_fit.h"
 #include "vision/horizon/border/skyline_fix.h"
+#include "vision/horizon/circle_fit.h"
 
 namespace kestrel::vision {
 
