@@ -21,9 +21,8 @@ class PadDetector {
  public:
   PadDetector(const PadReference& reference, const Pinhole& camera);
 
-  // H_w, the homography from T, m, to the image (CV_8UC1), good to about a pixel, and to some 8 where part of the pad is
-  // in the shade. None: nothing looks like
-  // the pad.
+  // H_w, the homography from T, m, to the image (CV_8UC1), good to about a pixel, and to some 8 where part of
+  // the pad is in the shade. None: nothing looks like the pad.
   std::optional<Eigen::Matrix3d> Detect(const cv::Mat& grey) const;
 
  private:

@@ -98,7 +98,6 @@ TEST_F(PadDetectorTest, FindsThePadHalfInTheShade) {
       ASSERT_TRUE(H_w) << light << " at " << height;
       // Of pads of 90 to 300 px. One threshold for two lights moves edges, which the tracker then sets right.
       EXPECT_LT(Error(*H_w, X_CT), 8) << light << " at " << height;
-      << light << " at " << height;
     }
   }
 }
