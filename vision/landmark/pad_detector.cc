@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "vision/landmark/even_light.h"
 #include "vision/landmark/homography.h"
 #include "vision/landmark/plane_pose.h"
 
@@ -18,8 +19,8 @@ constexpr double kAspectTolerance = 1.35;  // factor; far away the tilt makes th
 constexpr double kMinPlausibleCorrelation = 0.55;
 constexpr double kMinEvenlyLitCorrelation =
     0.5;                                  // see EvenlyLit: less of it is the frame's, which many things have
-constexpr double kEvened_m = 0.3;         // over which light is evened: some of the pad's details
 constexpr double kCompare_px_per_m = 60;  // scale at which candidates are compared with the reference
+constexpr int kEvened_px = 19;  // over which light is evened there: 0.3 m, some of the pad's details
 constexpr double kRectangles_px_per_m =
     300;                               // scale at which the reference is searched for its own rectangles
 constexpr double kMinRectangle = 0.3;  // share of the pad that such a rectangle or circle covers
@@ -31,24 +32,12 @@ double AreaOf(const Quad& quad) {
   return std::abs(a.x() * b.y() - a.y() * b.x()) / 2;
 }
 
-// Each place by how far it is from the mean around it, in deviations there.
-cv::Mat EvenlyLit(const cv::Mat& image) {
-  constexpr double kLeastDeviation = 2;  // of grey: noise is not made large
-  const int side = static_cast<int>(std::lround(kEvened_m * kCompare_px_per_m)) | 1;
-  cv::Mat light, mean, squares;
-  image.convertTo(light, CV_32F);
-  cv::boxFilter(light, mean, CV_32F, {side, side}, {-1, -1}, true, cv::BORDER_REFLECT);
-  cv::sqrBoxFilter(light, squares, CV_32F, {side, side}, {-1, -1}, true, cv::BORDER_REFLECT);
-  cv::Mat deviation = squares - mean.mul(mean);
-  cv::max(deviation, kLeastDeviation * kLeastDeviation, deviation);
-  cv::sqrt(deviation, deviation);
-  return (light - mean) / deviation;
-}
-
 }  // namespace
 
 PadDetector::PadDetector(const PadReference& reference, const Pinhole& camera)
-    : camera_(camera), level_(reference.LevelFor(kCompare_px_per_m)), evenly_lit_(EvenlyLit(level_.image)) {
+    : camera_(camera),
+      level_(reference.LevelFor(kCompare_px_per_m)),
+      evenly_lit_(EvenlyLit(level_.image, kEvened_px)) {
   const std::vector<Eigen::Vector2d> outline = reference.Outline();
   rectangles_.push_back({outline[0], outline[1], outline[2], outline[3]});
   const PadReference::Level& fine = reference.LevelFor(kRectangles_px_per_m);
@@ -141,7 +130,7 @@ std::optional<Eigen::Matrix3d> PadDetector::Detect(const cv::Mat& grey) const {
       cv::Mat map, view, correlation;
       cv::eigen2cv(Eigen::Matrix3d(H_w * level_.pixel_from_T.inverse()), map);
       cv::warpPerspective(grey, view, map, level_.image.size(), cv::INTER_AREA | cv::WARP_INVERSE_MAP);
-      if (evened) view = EvenlyLit(view);
+      if (evened) view = EvenlyLit(view, kEvened_px);
       cv::matchTemplate(view, evened ? evenly_lit_ : level_.image, correlation, cv::TM_CCOEFF_NORMED);
       if (correlation.at<float>(0, 0) > best) best = correlation.at<float>(0, 0), found = H_w;
     }

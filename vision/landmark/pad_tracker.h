@@ -14,6 +14,7 @@
 #include "vision/landmark/pad_detector.h"
 #include "vision/landmark/pad_features.h"
 #include "vision/landmark/pad_reference.h"
+#include "vision/landmark/pad_registration.h"
 #include "vision/landmark/pad_tracking.h"
 #include "vision/landmark/tag_tracker.h"
 
@@ -82,10 +83,10 @@ class PadTracker {
   int chain_inliers_ = 0;
   double chain_rms_px_ = 0;
 
-  double gain_ = 1, offset_ = 0;  // grey of the image = gain * grey of the reference + offset
-  bool exposure_known_ = false;
+  PadRegistration registration_;
   std::vector<Eigen::Vector2d> tracked_, agreed_;
   bool corners_agreed_ = false;  // agreed_ are corners of the reference
+  bool fine_ = true;             // those were found in the image as it is, not in one that is coarser
 };
 
 }  // namespace kestrel::vision

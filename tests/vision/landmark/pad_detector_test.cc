@@ -78,15 +78,6 @@ TEST_F(PadDetectorTest, FindsThePadInDimAndInHarshLight) {
   }
 }
 
-// To one side, along a line aslant; light: of what is left there.
-cv::Mat HalfInTheShade(cv::Mat picture, double light) {
-  for (int y = 0; y < picture.rows; ++y)
-    for (int x = 0; x < picture.cols; ++x)
-      if (x + 0.4 * y < 0.5 * picture.cols + 0.2 * picture.rows)
-        picture.at<uchar>(y, x) = cv::saturate_cast<uchar>(light * picture.at<uchar>(y, x));
-  return picture;
-}
-
 TEST_F(PadDetectorTest, FindsThePadHalfInTheShade) {
   for (const double light : {0.5, 0.35, 0.25}) {
     cv::Mat printed = PadPicture();

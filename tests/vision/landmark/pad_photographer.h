@@ -29,6 +29,15 @@ inline cv::Mat PadPicture() {
   return picture;
 }
 
+// To one side, along a line aslant; light: of what is left there.
+inline cv::Mat HalfInTheShade(cv::Mat picture, double light) {
+  for (int y = 0; y < picture.rows; ++y)
+    for (int x = 0; x < picture.cols; ++x)
+      if (x + 0.4 * y < 0.5 * picture.cols + 0.2 * picture.rows)
+        picture.at<uchar>(y, x) = cv::saturate_cast<uchar>(light * picture.at<uchar>(y, x));
+  return picture;
+}
+
 // X_CT of a camera above the pad: place of the pad on the optical axes, m; yaw of the pad in the image; tilt
 // of the camera about its own x and y.
 inline Pose PadBelow(const Eigen::Vector3d& p_CT, double yaw_deg, double tilt_x_deg = 0,

@@ -210,6 +210,38 @@ TEST_F(PadTrackerTest, FollowsThePadInDimAndInPaleLight) {
   }
 }
 
+TEST_F(PadTrackerTest, FollowsBothHalvesOfAPadThatIsHalfInTheShade) {
+  for (const double light : {0.5, 0.3}) {
+    const PadPhotographer shaded(HalfInTheShade(PadPicture(), light));
+    PadTracker tracker = NewTracker();
+    for (int frame = 0; frame < 12; ++frame) {
+      const Pose truth = PathPose(frame + 100, 3.2);
+      const auto seen = tracker.Track(shaded.At(truth, frame), std::nullopt);
+      ASSERT_TRUE(seen) << light << " in " << frame;
+      EXPECT_EQ(seen->found, frame == 0) << light << " in " << frame;
+      EXPECT_LT(ErrorsOf(*seen, truth).place_m, 0.006) << light << " in " << frame;
+      EXPECT_GT(seen->visible, 0.6) << light << " in " << frame;
+    }
+  }
+}
+
+// Its finest details, which the reference has, are not in the image.
+TEST_F(PadTrackerTest, FollowsABlurredPrintDownToTheGround) {
+  cv::Mat spread;
+  cv::GaussianBlur(PadPicture(), spread, {}, 3);
+  const PadPhotographer blurred(HalfInTheShade(spread, 0.4));
+  PadTracker tracker = NewTracker();
+  for (int frame = 0; frame < 30; ++frame) {
+    const double height = 0.8 - 0.02 * frame;
+    const Pose truth = PadBelow({0.02, -0.01, height}, 30 + 0.1 * frame);
+    cv::Mat image;
+    cv::GaussianBlur(blurred.At(truth, frame), image, {}, 1.2);
+    const auto seen = tracker.Track(image, frame == 0 ? std::optional(truth) : std::nullopt);
+    ASSERT_TRUE(seen) << height;
+    EXPECT_LT(ErrorsOf(*seen, truth).place_m, 0.004) << height;
+  }
+}
+
 TEST_F(PadTrackerTest, SearchesAnewAfterALoss) {
   for (const bool registration : {true, false}) {
     PadTracker tracker = NewTracker({.registration = registration});

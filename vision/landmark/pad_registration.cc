@@ -1,0 +1,286 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vision/landmark/pad_registration.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <opencv2/core/eigen.hpp>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/video/tracking.hpp>
+#include <set>
+#include <utility>
+
+#include "vision/landmark/even_light.h"
+#include "vision/landmark/homography.h"
+#include "vision/landmark/plane_pose.h"
+
+namespace kestrel::vision {
+namespace {
+
+constexpr int kLevelsOfRegistration = 2;
+// Than the image, where the light is evened out: the fine details of a print are blurred from near.
+constexpr std::array kCoarser = {1, 2, 4};
+constexpr double kMinVisibleArea_px2 = 300;
+// Correlation of a patch with the reference from which on the point counts.
+constexpr double kMinPatchCorrelation = 0.7;
+constexpr double kRimInset_px = 3;  // of corners from the image's border
+// Of fewer corners than are asked for, where they go on from the last image.
+constexpr double kFewThreshold_px = 0.5;
+constexpr double kEvenedOfPad_m = 0.3;   // over which light is evened out: some of the pad's details
+constexpr double kGreyOfDeviation = 40;  // of an evenly lit picture
+const cv::TermCriteria kRegistrationEnd(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 20, 0.01);
+
+cv::Point2f ToPoint(const Eigen::Vector2d& p) {
+  return {static_cast<float>(p.x()), static_cast<float>(p.y())};
+}
+Eigen::Vector2d ToVector(const cv::Point2f& p) { return {p.x, p.y}; }
+
+// Pixels per metre of the plane, from the area of a polygon in the image and of its preimage on the pad.
+double ScaleOf(const std::vector<cv::Point2f>& visible, const Eigen::Matrix3d& H_w) {
+  const Eigen::Matrix3d H_inverse = H_w.inverse();
+  std::vector<cv::Point2f> on_pad;
+  for (const cv::Point2f& p : visible) on_pad.push_back(ToPoint(Transfer(H_inverse, ToVector(p))));
+  return std::sqrt(cv::contourArea(visible) / std::max(cv::contourArea(on_pad), 1e-9));
+}
+
+// Zero-mean normalised correlation of two square patches.
+double PatchCorrelation(const cv::Mat& a, const cv::Point2f& at_a, const cv::Mat& b,
+                        const cv::Point2f& at_b) {
+  constexpr int kSide = 11;
+  cv::Mat patch_a, patch_b;
+  cv::getRectSubPix(a, {kSide, kSide}, at_a, patch_a);
+  cv::getRectSubPix(b, {kSide, kSide}, at_b, patch_b);
+  double sa = 0, sb = 0, saa = 0, sbb = 0, sab = 0;
+  for (int y = 0; y < kSide; ++y) {
+    const uchar *ra = patch_a.ptr(y), *rb = patch_b.ptr(y);
+    for (int x = 0; x < kSide; ++x) {
+      const double va = ra[x], vb = rb[x];
+      sa += va, sb += vb, saa += va * va, sbb += vb * vb, sab += va * vb;
+    }
+  }
+  const double n = kSide * kSide;
+  const double variance = (saa - sa * sa / n) * (sbb - sb * sb / n);
+  return variance > 0 ? (sab - sa * sb / n) / std::sqrt(variance) : 0;
+}
+
+// The strongest corners, spread over the visible part: one for each cell of a grid.
+std::vector<Eigen::Vector2d> SpreadCorners(const std::vector<Eigen::Vector2d>& corners_T,
+                                           const Eigen::Matrix3d& H_predicted, const cv::Size& image,
+                                           double cell_px, int most) {
+  std::set<std::pair<int, int>> taken;
+  std::vector<Eigen::Vector2d> spread;
+  for (const Eigen::Vector2d& corner : corners_T) {
+    const Eigen::Vector2d uv = Transfer(H_predicted, corner);
+    if (!(uv.x() > kRimInset_px && uv.y() > kRimInset_px && uv.x() < image.width - 1 - kRimInset_px &&
+          uv.y() < image.height - 1 - kRimInset_px))
+      continue;
+    if (!taken.emplace(static_cast<int>(uv.x() / cell_px), static_cast<int>(uv.y() / cell_px)).second)
+      continue;
+    spread.push_back(corner);
+    if (static_cast<int>(spread.size()) >= most) break;
+  }
+  return spread;
+}
+
+// What lies around the pad is not known: its mean grey makes the pad's own rim an honest edge.
+void DrawAround(cv::Mat& drawn, const cv::Mat& seen, const cv::Mat& on_pad) {
+  drawn.setTo(cv::mean(seen, ~on_pad), ~on_pad);
+}
+
+bool MostAgree(const Registered& r) {
+  return r.seen &&
+         static_cast<double>(r.agreed.size()) >= kMostlyAgree * static_cast<double>(r.tracked.size());
+}
+
+}  // namespace
+
+std::vector<cv::Point2f> VisiblePart(const PadReference& reference, const Eigen::Matrix3d& H_w,
+                                     const cv::Size& size) {
+  std::vector<cv::Point2f> outline, visible;
+  const double side = (H_w.row(2) * Eigen::Vector3d(0, 0, 1))(0);
+  for (const Eigen::Vector2d& corner : reference.Outline()) {
+    // A corner behind the camera: the pad cannot be seen as a polygon.
+    if (!((H_w.row(2) * corner.homogeneous())(0) * side > 0)) return {};
+    outline.push_back(ToPoint(Transfer(H_w, corner)));
+  }
+  const float w = static_cast<float>(size.width - 1), h = static_cast<float>(size.height - 1);
+  const std::vector<cv::Point2f> image = {{0, 0}, {w, 0}, {w, h}, {0, h}};
+  if (!(cv::intersectConvexConvex(outline, image, visible) > kMinVisibleArea_px2)) return {};
+  return visible;
+}
+
+std::optional<PadRegistration::Sight> PadRegistration::Look(const PadReference& reference,
+                                                            const cv::Mat& grey,
+                                                            const Eigen::Matrix3d& H_predicted,
+                                                            int coarser) const {
+  Sight s;
+  s.coarser = coarser;
+  cv::Mat image = grey;
+  s.H_w = H_predicted;
+  if (coarser > 1) {
+    cv::resize(grey, image, grey.size() / coarser, 0, 0, cv::INTER_AREA);
+    Eigen::Matrix3d coarse_from_image = Eigen::Matrix3d::Identity();
+    coarse_from_image.topLeftCorner<2, 2>() /= coarser;
+    coarse_from_image.topRightCorner<2, 1>().setConstant(0.5 / coarser - 0.5);
+    s.H_w = coarse_from_image * H_predicted;
+  }
+  const std::vector<cv::Point2f> visible = VisiblePart(reference, s.H_w, image.size());
+  if (visible.empty()) return std::nullopt;
+  const double px_per_m = ScaleOf(visible, s.H_w);
+  const PadReference::Level& level = reference.LevelFor(px_per_m);
+  s.window_px = px_per_m * reference.width_m < 120 ? 9 : 13;
+  s.evened_px = std::clamp(static_cast<int>(kEvenedOfPad_m * px_per_m), 2 * s.window_px, 8 * s.window_px) | 1;
+
+  const int margin = 2 * s.window_px;
+  cv::Rect box = cv::boundingRect(visible);
+  box = cv::Rect(box.x - margin, box.y - margin, box.width + 2 * margin, box.height + 2 * margin) &
+        cv::Rect({0, 0}, image.size());
+  s.seen = image(box);
+  s.offset = cv::Point2f(static_cast<float>(box.x), static_cast<float>(box.y));
+
+  std::vector<cv::Point> polygon;
+  for (const cv::Point2f& p : visible) polygon.emplace_back(cvRound(p.x) - box.x, cvRound(p.y) - box.y);
+  s.on_pad = cv::Mat(box.size(), CV_8UC1, cv::Scalar(0));
+  cv::fillConvexPoly(s.on_pad, polygon, 255);
+
+  Eigen::Matrix3d to_box = Eigen::Matrix3d::Identity();
+  to_box(0, 2) = -box.x, to_box(1, 2) = -box.y;
+  cv::Mat map;
+  cv::eigen2cv(Eigen::Matrix3d(to_box * s.H_w * level.pixel_from_T.inverse()), map);
+  cv::warpPerspective(level.image, s.drawn, map, box.size(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+
+  const double cell_px = std::max(4.0, std::sqrt(cv::contourArea(visible) / options_.max_points));
+  s.corners_T = SpreadCorners(level.corners, s.H_w, image.size(), cell_px, 2 * options_.max_points);
+  return s;
+}
+
+Registered PadRegistration::Register(const PadReference& reference, const cv::Mat& grey,
+                                     const Eigen::Matrix3d& H_predicted, int min_inliers,
+                                     std::uint32_t draw) {
+  const Consensus consensus{min_inliers, draw, reference.length_m * reference.width_m};
+  std::optional<Sight> sight = Look(reference, grey, H_predicted, 1);
+  if (!sight || static_cast<int>(sight->corners_T.size()) < min_inliers) return {};
+  Registered best = InExposure(*sight, consensus);
+  if (MostAgree(best)) return best;
+  for (const int coarser : kCoarser) {
+    if (coarser > 1) sight = Look(reference, grey, H_predicted, coarser);
+    if (!sight || static_cast<int>(sight->corners_T.size()) < min_inliers) break;
+    Registered even = InEvenLight(*sight, consensus);
+    even.coarser = coarser;
+    // Of an evenly lit picture some corners agree with whatever is there.
+    if (MostAgree(even)) return even;
+  }
+  return best;
+}
+
+Registered PadRegistration::InExposure(const Sight& s, const Consensus& consensus) {
+  if (!exposure_known_) {
+    cv::Scalar mean_drawn, mean_seen, sigma_drawn, sigma_seen;
+    cv::meanStdDev(s.drawn, mean_drawn, sigma_drawn, s.on_pad);
+    cv::meanStdDev(s.seen, mean_seen, sigma_seen, s.on_pad);
+    gain_ = std::clamp(sigma_seen[0] / std::max(sigma_drawn[0], 1.0), 0.2, 5.0);
+    offset_ = mean_seen[0] - gain_ * mean_drawn[0];
+  }
+  cv::Mat drawn;
+  s.drawn.convertTo(drawn, -1, gain_, offset_);
+  DrawAround(drawn, s.seen, s.on_pad);
+  Matches matches;
+  Registered registered = Match(drawn, s.seen, s, consensus, matches);
+  if (registered.seen) LearnExposure(drawn, s.seen, matches);
+  return registered;
+}
+
+Registered PadRegistration::InEvenLight(const Sight& s, const Consensus& consensus) const {
+  cv::Mat seen, drawn;
+  EvenlyLit(s.seen, s.evened_px, s.on_pad).convertTo(seen, CV_8UC1, kGreyOfDeviation, 128);
+  EvenlyLit(s.drawn, s.evened_px, s.on_pad).convertTo(drawn, CV_8UC1, kGreyOfDeviation, 128);
+  DrawAround(drawn, seen, s.on_pad);
+  Matches matches;
+  return Match(drawn, seen, s, consensus, matches);
+}
+
+Registered PadRegistration::Match(const cv::Mat& drawn, const cv::Mat& seen, const Sight& sight,
+                                  const Consensus& consensus, Matches& matches) const {
+  std::vector<cv::Point2f> from, to;
+  for (const Eigen::Vector2d& corner : sight.corners_T)
+    from.push_back(ToPoint(Transfer(sight.H_w, corner)) - sight.offset);
+  std::vector<uchar> status;
+  std::vector<float> error;
+  cv::calcOpticalFlowPyrLK(drawn, seen, from, to, status, error, {sight.window_px, sight.window_px},
+                           kLevelsOfRegistration, kRegistrationEnd, 0, 1e-3);
+  const auto in_image = [&sight](const cv::Point2f& p) -> Eigen::Vector2d {
+    const Eigen::Vector2d of_sight = ToVector(p + sight.offset);
+    if (sight.coarser == 1) return of_sight;
+    return (of_sight.array() + 0.5) * sight.coarser - 0.5;
+  };
+
+  Registered registered;
+  std::vector<PointPair> pairs;    // drawn pixel to seen pixel
+  std::vector<PointPair> pairs_T;  // pad to seen pixel
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    if (!status[i]) continue;
+    registered.tracked.push_back(in_image(to[i]));
+    // Where something hides the pad, Lucas-Kanade converges too, but not onto the same picture.
+    if (!(PatchCorrelation(drawn, from[i], seen, to[i]) > kMinPatchCorrelation)) continue;
+    pairs.push_back({ToVector(from[i]), ToVector(to[i])});
+    pairs_T.push_back({sight.corners_T[i], in_image(to[i])});
+  }
+  const auto robust = RansacHomography(
+      pairs, {.threshold = options_.threshold_px, .min_inliers = consensus.min_inliers}, consensus.draw);
+  if (!robust) return registered;
+  std::vector<PointPair> inliers;
+  for (const int i : robust->inliers) inliers.push_back(pairs_T[i]);
+  const auto H_w = FitHomography(inliers);
+  if (!H_w) return registered;
+  const auto start = PoseFromHomography(*H_w, camera_);
+  if (!start) return registered;
+  auto pose = RefinePlanePose(inliers, camera_, *start, options_.sigma_px * sight.coarser);
+  if (!pose || !(pose->rms_px < options_.threshold_px * sight.coarser)) return registered;
+  if (static_cast<int>(inliers.size()) < options_.min_inliers &&
+      !(pose->rms_px < kFewThreshold_px * sight.coarser &&
+        inliers.size() > kMostlyAgree * static_cast<double>(pairs.size())))
+    return registered;
+  pose->covariance += CovarianceOfShift(pose->X_CT, options_.shift_px / camera_.fx);
+
+  PadObservation of_pad;
+  of_pad.X_CT = pose->X_CT;
+  of_pad.covariance = pose->covariance;
+  of_pad.H_w = HomographyFromPose(pose->X_CT, camera_);
+  of_pad.inliers = static_cast<int>(inliers.size());
+  of_pad.residual_px = pose->rms_px;
+  of_pad.registered = true;
+  std::vector<cv::Point2f> spread, hull;
+  for (const PointPair& pair : inliers) {
+    spread.push_back(ToPoint(pair.from));
+    registered.agreed.push_back(pair.to);
+  }
+  cv::convexHull(spread, hull);
+  of_pad.visible = cv::contourArea(hull) / consensus.pad_area_m2;
+  registered.seen = of_pad;
+  for (const int i : robust->inliers) matches.push_back(pairs[i]);
+  return registered;
+}
+
+// The exposure of this image, for the next one: regression of grey on grey over the patches that agreed.
+void PadRegistration::LearnExposure(const cv::Mat& drawn, const cv::Mat& seen, const Matches& matches) {
+  double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
+  for (const PointPair& match : matches) {
+    cv::Mat a, b;
+    cv::getRectSubPix(drawn, {7, 7}, ToPoint(match.from), a);
+    cv::getRectSubPix(seen, {7, 7}, ToPoint(match.to), b);
+    for (int k = 0; k < 49; ++k) {
+      const double x = a.data[k], y = b.data[k];
+      n += 1, sx += x, sy += y, sxx += x * x, sxy += x * y;
+    }
+  }
+  const double slope = (sxy - sx * sy / n) / std::max(sxx - sx * sx / n, 1e-9);
+  if (slope > 0.5 && slope < 2) {
+    // drawn = gain * reference + offset and seen = slope * drawn + shift: the two affine maps one after the
+    // other
+    offset_ = slope * offset_ + (sy - slope * sx) / n;
+    gain_ = std::clamp(slope * gain_, 0.1, 10.0);
+    exposure_known_ = true;
+  }
+}
+
+}  // namespace kestrel::vision
