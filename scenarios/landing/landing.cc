@@ -90,9 +90,17 @@ class LandingMission final : public mission::Mission {
           std::clamp((state.R_NB * ExpRotation(lead_s * state.w_B)).toRotationMatrix()(2, 2), -1.0, 1.0));
     };
     const double lead_s = sinks ? flight_.go_around.lead_s : 0;
-    // Higher up it sinks faster than it will.
-    const double sink_m_s = -pilot_.where().p_TB.z() < flight_.commit_m ? v_T.z() : flight_.commit_sink_m_s;
-    return {std::max(tilt_in(0), tilt_in(lead_s)), sink_m_s, v_T.head<2>().norm(), wind_.speed_m_s()};
+    return {std::max(tilt_in(0), tilt_in(lead_s)), ExpectedSink(-pilot_.where().p_TB.z(), v_T.z()),
+            v_T.head<2>().norm(), wind_.speed_m_s()};
+  }
+
+  // At the touch. From commit_m to blind_m it still slows down from its descent, within a second or so: each metre
+  // takes away a metre per second.
+  double ExpectedSink(double height_m, double sink_m_s) const {
+    constexpr double kSlowsWithin_s = 1;
+    if (height_m > flight_.commit_m) return flight_.commit_sink_m_s;
+    const double slowed_m_s = sink_m_s - std::max(0.0, height_m - flight_.blind_m) / kSlowsWithin_s;
+    return std::max(slowed_m_s, std::min(sink_m_s, flight_.commit_sink_m_s));
   }
 
   control::VelocitySetpoint Approach(const control::VehicleState& state, mission::Decision& decision) {
