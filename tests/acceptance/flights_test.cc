@@ -180,6 +180,25 @@ TEST(Landing, LandsByFuzzyRulesFromTheStartsOfTheThesis) {
   }
 }
 
+// Of a late camera, from high up, in wind: at the height of its last look it still slows down.
+TEST(Landing, SlowingDownItDoesNotGoAroundForItsSinkRate) {
+  const flight::FlightResult result =
+      Flown("landing", 311, {"wind.mean_m_s=5.5", "image.latency_s=0.11", "start.height_m=6.3"});
+  EXPECT_EQ(result.summary.metrics.at("approaches"), 1);
+  EXPECT_LT(result.summary.metrics.at("touchdown_sink_m_s"), 0.4);
+  EXPECT_LT(result.summary.metrics.at("touchdown_error_m"), 0.12);
+}
+
+TEST(Landing, WithTheErrorsOfRealHardwareItKeepsThePadInSightAndLandsOnIt) {
+  const flight::FlightResult result = Flown("landing_realistic", 102);
+  ExpectCriteria(result);
+  EXPECT_EQ(result.summary.outcome, "landed");
+  for (const records::LogRow& row : result.rows) {
+    const double height_m = -InPadFrame(row.exposure).p.z();
+    EXPECT_TRUE(row.decision.fix || height_m < 0.4) << row.exposure.t_s << " s, " << height_m << " m";
+  }
+}
+
 TEST(Landing, LandsAsWellByAFisheye) { ExpectLandings("landing_fisheye"); }
 
 TEST(Landing, LandsTurnedAsAskedOnATurnedPad) {
