@@ -107,11 +107,13 @@ std::optional<PadObservation> PadTracker::FollowRegistered(const cv::Mat& grey,
   if (!seen || !fine_ || seen->inliers < kMostlyAgree * static_cast<double>(tracked_.size())) {
     const auto corners = std::make_tuple(tracked_, agreed_, corners_agreed_);
     std::optional<PadObservation> blurred;
-    if (H_chain) {
-      if (const auto X_CT_chain = PoseFromHomography(*H_chain, camera_))
-        blurred = FollowBlurred(grey, *X_CT_chain);
+    if (!seen || fine_) {
+      if (H_chain) {
+        if (const auto X_CT_chain = PoseFromHomography(*H_chain, camera_))
+          blurred = FollowBlurred(grey, *X_CT_chain);
+      }
+      if (!blurred && expected) blurred = FollowBlurred(grey, *expected);
     }
-    if (!blurred && expected) blurred = FollowBlurred(grey, *expected);
     if (!blurred && seen) blurred = FollowBlurred(grey, seen->X_CT);
     if (blurred) {
       seen = blurred;
