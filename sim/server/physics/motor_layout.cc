@@ -33,8 +33,12 @@ MotorMapping::MotorMapping(const std::string& layout, const AirframeParameters& 
   const auto* found = std::ranges::find_if(kLayouts, [&](const MotorLayout& l) { return layout == l.name; });
   if (found == kLayouts.end()) throw std::runtime_error(fmt::format("{}: no layout of motors", layout));
   const auto* multirotor = std::get_if<MultirotorParameters>(&aircraft);
-  if (multirotor == nullptr || !multirotor->rotors.empty())
-    throw std::runtime_error("an autopilot from outside flies aircraft of four rotors in plus only");
+  if (multirotor == nullptr)
+    throw std::runtime_error("an autopilot's motors turn the rotors of a multirotor; this aircraft is none");
+  if (!multirotor->rotors.empty())
+    throw std::runtime_error(
+        "an autopilot's motors are known for four rotors in plus, without a list of rotors; this aircraft "
+        "lists its rotors");
   layout_ = *found;
   max_speed_rad_s_ = multirotor->rotor.max_speed_rad_s;
   R_BA_ = HeadingRotation(Radians(layout_.yaw_deg));
