@@ -253,6 +253,7 @@ int ServeCommand(const ServeCommandArguments& a) {
     mistakes.Add("--ground-camera", "",
                  fmt::format("the scenario '{}' has no camera on the ground", scenario.name),
                  "valid: none, or a scenario of a mission with one");
+  if (a.physics) flight::CheckPhysicsFaults(*a.physics, loaded, mistakes);
   mistakes.ThrowIfAny();
   std::optional<sim::PanTilt> platform = PlatformOf(a, scenario);
   const std::vector<flight::NamedServer> servers =

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <cstddef>
 #include <limits>
 
 #include "sim/server/physics/ardupilot_physics.h"
@@ -20,6 +21,23 @@ std::unique_ptr<sim::PhysicsServer> MakePhysics(const std::string& kind, const s
   };
   if (kind == "px4") return make.template operator()<sim::Px4Physics>(sim::Px4PhysicsParameters{});
   return make.template operator()<sim::ArduPilotPhysics>(sim::ArduPilotPhysicsParameters{});
+}
+
+void CheckPhysicsFaults(const std::string& kind, const LoadedScenario& loaded, Mistakes& mistakes) {
+  const sim::SensorParameters& sensors = loaded.simulator.sensors;
+  for (std::size_t i = 0; i < sensors.attitude_faults.size(); ++i)
+    mistakes.Add("--physics", fmt::format("sensors.attitude_faults.{}", i),
+                 "is of the emulated autopilot's attitude; this autopilot estimates its own",
+                 "valid: sensors.faults of gyro or accel");
+  if (kind != "ardupilot") return;
+  for (std::size_t i = 0; i < sensors.faults.size(); ++i) {
+    const sim::SensorFault& fault = sensors.faults[i];
+    if (fault.type == "ok" || fault.component == "gyro" || fault.component == "accel") continue;
+    mistakes.Add("--physics", fmt::format("sensors.faults.{}.component", i),
+                 fmt::format("{}: ArduPilot makes this sensor from the truth, so its fault cannot reach it",
+                             fault.component),
+                 "valid: gyro, accel; or a fault of ArduPilot's own by its SIM_ parameters");
+  }
 }
 
 void ServePhysics(const LoadedScenario& loaded, sim::PhysicsServer& server,

@@ -43,5 +43,34 @@ TEST(ServePhysics, AFlightLastsUntilItsAutopilotLeavesBeyondTheScenariosDuration
   EXPECT_GE(frames, 1);
 }
 
+TEST(ServePhysics, FaultsThatCannotReachTheAutopilotAreRefusedAllAtOnce) {
+  const LoadedScenario loaded = LoadScenario(
+      "hover",
+      {"criteria={}",
+       "sensors.faults=[{component: gps, type: off}, {component: gyro, type: stuck}, {component: baro, type: "
+       "wrong}, {component: mag, type: off}, {component: mag, type: ok}]"});
+  Mistakes of_ardupilot, of_px4;
+  CheckPhysicsFaults("ardupilot", loaded, of_ardupilot);
+  CheckPhysicsFaults("px4", loaded, of_px4);
+  ASSERT_EQ(of_ardupilot.all().size(), 3U);
+  EXPECT_EQ(of_ardupilot.all()[0].key, "sensors.faults.0.component");
+  EXPECT_EQ(of_ardupilot.all()[1].key, "sensors.faults.2.component");
+  EXPECT_EQ(of_ardupilot.all()[2].key, "sensors.faults.3.component");
+  EXPECT_EQ(of_ardupilot.all()[0].what.substr(0, 4), "gps:");
+  EXPECT_FALSE(of_ardupilot.all()[0].remedy.empty());
+  EXPECT_TRUE(of_px4.empty());
+}
+
+TEST(ServePhysics, AFaultOfTheEmulatedAttitudeIsRefusedForBothAutopilots) {
+  const LoadedScenario loaded =
+      LoadScenario("hover", {"criteria={}", "sensors.attitude_faults=[{type: freeze}]"});
+  for (const char* const kind : {"ardupilot", "px4"}) {
+    Mistakes mistakes;
+    CheckPhysicsFaults(kind, loaded, mistakes);
+    ASSERT_EQ(mistakes.all().size(), 1U) << kind;
+    EXPECT_EQ(mistakes.all()[0].key, "sensors.attitude_faults.0");
+  }
+}
+
 }  // namespace
 }  // namespace kestrel::flight
