@@ -8,6 +8,8 @@ namespace {
 
 constexpr float kField_m = 260, kStrip_m = 130;
 constexpr float kWoods_m = 1300, kLakes_m = 2400;
+constexpr float kWave_m = 45;  // the longest
+constexpr float kEye_m = 60;   // height from which water is seen, over it
 const Colour kSnow(0.93f, 0.94f, 0.97f), kPath(0.55f, 0.51f, 0.45f);
 
 int Octaves(float largest_m, float texel_m, int most) {
@@ -25,6 +27,7 @@ Ground::Ground(const LandscapeParameters& p, std::uint64_t seed, const Terrain& 
       woods_(seed, "landscape woods"),
       lakes_(seed, "landscape lakes"),
       drifts_(seed, "landscape snow"),
+      waves_(seed, "landscape waves"),
       grass_(p.grass.cast<float>()),
       crop_(p.crop.cast<float>()),
       soil_(p.soil.cast<float>()),
@@ -97,13 +100,45 @@ Colour Ground::Albedo(float north, float east, float texel) const {
   return colour;
 }
 
+// Facets of all slopes: each mirrors the sky by Fresnel's law, as Schlick approximates it, and shows the water else. How
+// many of them mirror the sun into the eye is by Cox and Munk: their slopes are normally distributed.
+Colour Ground::Waves(float north, float east, float texel) const {
+  const float r = std::hypot(north, east), azimuth = std::atan2(east, north);
+  const float sigma = static_cast<float>(p_.waves.slope), down = std::atan2(kEye_m, r);
+  const int octaves = Octaves(kWave_m, texel, 6);
+  const float field = waves_.Fractal(north / kWave_m, east / (2.5f * kWave_m), octaves) - 0.5f;
+  const float slope =
+      5 * sigma * field * Step(1, 4, static_cast<float>(octaves));  // towards the eye; seen as such
+  const float met = std::clamp(down + slope + 0.4f * sigma, 0.01f, 1.5f);
+  const float mirrored = 0.02f + 0.98f * std::pow(1 - std::sin(met), 5.0f);
+  const float up = std::clamp(down + 2 * slope + sigma, 0.01f, 1.5f);
+  const Colour sky =
+      sky_.At({std::cos(azimuth) * std::cos(up), std::sin(azimuth) * std::cos(up), std::sin(up)});
+  Colour colour = Mixed(sky_.Lit(p_.waves.water.cast<float>(), Eigen::Vector3f::UnitZ(), north, east) * 2,
+                        sky, 0.9f * mirrored);
+  if (p_.sun_elevation_deg > 0 && p_.cloud_cover < 1) {
+    const Eigen::Vector3f eye(-std::cos(azimuth) * std::cos(down), -std::sin(azimuth) * std::cos(down),
+                              std::sin(down));
+    const Eigen::Vector3f facet = (eye + sky_.sun()).normalized();
+    const float steep2 = facet.head<2>().squaredNorm() / std::max(facet.z() * facet.z(), 1e-4f);
+    float share = std::exp(-steep2 / (2 * sigma * sigma));
+    if (texel < 6)
+      share *= 2 * Step(0.45f, 0.75f, waves_.Fractal(north / (2 * texel), east / (2 * texel), 2));
+    colour +=
+        static_cast<float>(p_.waves.glitter * p_.light * (1 - p_.cloud_cover)) * share * p_.sun.cast<float>();
+  }
+  return colour;
+}
+
 Colour Ground::At(float north, float east, float texel) const {
   const float r = std::hypot(north, east), azimuth = std::atan2(east, north);
   Colour colour;
-  if (IsWater(north, east)) {
+  if (IsWater(north, east) && p_.waves.slope > 0) {
+    colour = Waves(north, east, texel);
+  } else if (IsWater(north, east)) {
     // A mirror of the sky, ruffled: what is seen in it lies somewhat higher than the image of the eye, 60 m
     // up.
-    const float up = std::atan2(60.0f, r) + 0.05f + 0.04f * (detail_.At(north / 30, east / 30) - 0.5f);
+    const float up = std::atan2(kEye_m, r) + 0.05f + 0.04f * (detail_.At(north / 30, east / 30) - 0.5f);
     colour =
         0.82f * sky_.At({std::cos(azimuth) * std::cos(up), std::sin(azimuth) * std::cos(up), std::sin(up)});
   } else {

@@ -21,12 +21,13 @@ class Ground {
 
  private:
   Colour Albedo(float north, float east, float texel_m) const;
+  Colour Waves(float north, float east, float texel_m) const;
 
   LandscapeParameters p_;
   std::uint64_t salt_;
   const Terrain& terrain_;
   const Sky& sky_;
-  Noise detail_, woods_, lakes_, drifts_;
+  Noise detail_, woods_, lakes_, drifts_, waves_;
   Colour grass_, crop_, soil_, forest_;
   float forest_above_, water_above_, snow_above_;
 };

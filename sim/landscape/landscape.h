@@ -35,6 +35,45 @@ inline void Fields(FieldVisitor& v, RidgeParameters& p) {
   v({"distance_m", "distance of its crest from the origin"}, p.distance_m, 1000.0, 40000.0);
 }
 
+// Streaks over the horizon, as clouds and layers of air have them at sunset: each has edges as straight as a skyline.
+struct BandsParameters {
+  int count = 0;
+  double top_deg = 8;     // below which they lie
+  double contrast = 0.7;  // of the clearest
+};
+
+inline void Fields(FieldVisitor& v, BandsParameters& p) {
+  v({"count", "number of them; 0: none"}, p.count, 0, 50);
+  v({"top_deg", "elevation below which they lie"}, p.top_deg, 1.0, 45.0);
+  v({"contrast", "share of the sky's colour that the clearest of them hides"}, p.contrast, 0.0, 1.0);
+}
+
+// Air that is thick up to a height, and ends there: an edge in the sky that is no horizon.
+struct HazeLayerParameters {
+  double top_deg = 0;    // elevation of its upper edge; 0: there is none
+  double density = 0.6;  // share of the sky's colour that it hides
+};
+
+inline void Fields(FieldVisitor& v, HazeLayerParameters& p) {
+  v({"top_deg", "elevation of its upper edge; 0: there is none"}, p.top_deg, 0.0, 20.0);
+  v({"density", "share of the sky's colour that it hides"}, p.density, 0.0, 1.0);
+}
+
+// What water looks like that is more than a ruffled mirror.
+struct WavesParameters {
+  double slope = 0;                         // standard deviation of the facets'; 0: a mirror of the sky
+  Eigen::Vector3d water{0.03, 0.13, 0.17};  // what is seen where a facet mirrors little
+  double glitter = 1;                       // brightness of the facets that mirror the sun
+};
+
+inline void Fields(FieldVisitor& v, WavesParameters& p) {
+  v({"slope",
+     "standard deviation of their slope: 0.1 of a breeze, 0.25 of a gale; 0: water is a mirror of the sky"},
+    p.slope, 0.0, 0.4);
+  v({"water", "colour of the water where it mirrors little: red, green, blue"}, p.water, 0.0, 1.0);
+  v({"glitter", "brightness of the facets that mirror the sun"}, p.glitter, 0.0, 4.0);
+}
+
 struct LandscapeParameters {
   std::uint64_t seed = 0;  // 0: the run's
 
@@ -61,6 +100,10 @@ struct LandscapeParameters {
   double hills_deg = 1.5, hills_azimuth_deg = 0, hills_one_sided = 0;
   RidgeParameters ridge;
   int trees = 300, buildings = 25;
+  int towers = 0;  // of a city, from 800 m to 4 km away
+  BandsParameters bands;
+  HazeLayerParameters haze_layer;
+  WavesParameters waves;
 };
 
 inline void Fields(FieldVisitor& v, LandscapeParameters& p) {
@@ -100,6 +143,11 @@ inline void Fields(FieldVisitor& v, LandscapeParameters& p) {
   v({"ridge", "a single ridge in one direction"}, p.ridge);
   v({"trees", "number of trees"}, p.trees, 0, 2000);
   v({"buildings", "number of buildings"}, p.buildings, 0, 300);
+  v({"towers", "number of high buildings, a city's, from 0.8 to 4 km away"}, p.towers, 0, 400);
+  v({"bands", "streaks over the horizon, as of a sunset"}, p.bands);
+  v({"haze_layer", "air that is thick up to a height and ends there: an edge in the sky that is no horizon"},
+    p.haze_layer);
+  v({"waves", "waves of the water, and the sun's glitter on them"}, p.waves);
 }
 
 // A landscape for the compiler of MuJoCo: a plane "ground" at height 0, 300 m to each side, that bears what

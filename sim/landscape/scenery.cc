@@ -218,6 +218,35 @@ void Building(Builder& builder, const Site& site, Shadows& shadows, RandomStream
   }
 }
 
+// A high building, seen from afar: a block with rows of windows, and perhaps a narrower one on it.
+void Tower(Builder& builder, const Site& site, RandomStream& random) {
+  constexpr float kRow_m = 9;  // of windows and wall: finer than is seen from there
+  const float turn = static_cast<float>(random.Uniform(0, kFullTurn));
+  const float grey = static_cast<float>(random.Uniform(0.25, 0.8)),
+              warm = static_cast<float>(random.Uniform(-0.15, 0.25));
+  const Colour wall(grey * (1 + 0.3f * warm), grey, grey * (1 - warm)), glass = Mixed(wall, kWindow, 0.6f);
+  float half = static_cast<float>(random.Uniform(9, 26)), foot = -5;
+  const int blocks = random.Uniform(0, 1) < 0.3 ? 2 : 1;
+  for (int block = 0; block < blocks; ++block, half *= 0.6f) {
+    const float top = std::max(foot, 0.0f) +
+                      static_cast<float>(block == 0 ? random.Uniform(20, 150) : random.Uniform(8, 40));
+    const auto at = [&](int corner, float up) {
+      const float a = turn + kFullTurn * (static_cast<float>(corner % 4) + 0.5f) / 4;
+      return Point(site.north + 1.4f * half * std::cos(a), site.east + 1.4f * half * std::sin(a),
+                   site.up + up);
+    };
+    for (int k = 0; k < 4; ++k)
+      for (int row = 0; foot + kRow_m * static_cast<float>(row) < top; ++row) {
+        const float low = foot + kRow_m * static_cast<float>(row), high = std::min(low + kRow_m, top),
+                    middle = 0.5f * (low + high);
+        builder.Quad(at(k, middle), at(k, low), at(k + 1, low), at(k + 1, middle), wall);
+        builder.Quad(at(k, high), at(k, middle), at(k + 1, middle), at(k + 1, high), glass);
+      }
+    builder.Quad(at(3, top), at(2, top), at(1, top), at(0, top), 0.8f * wall);
+    foot = top;
+  }
+}
+
 }  // namespace
 
 Scenery MakeScenery(const LandscapeParameters& p, std::uint64_t seed, const Terrain& terrain, const Sky& sky,
@@ -252,6 +281,15 @@ Scenery MakeScenery(const LandscapeParameters& p, std::uint64_t seed, const Terr
       if (std::hypot(s.north, s.east) < 25) continue;  // the start stays free
       Tree(builder, p, s, shadows, random);
     }
+  }
+  // In a part of the view, as cities lie.
+  const float city = static_cast<float>(random.Uniform(0, kFullTurn));
+  for (int i = 0; i < p.towers; ++i) {
+    const float r = 800 * std::pow(5.0f, static_cast<float>(random.Uniform(0, 1)));
+    const float azimuth = city + 0.7f * static_cast<float>(random.Normal());
+    Site s{r * std::cos(azimuth), r * std::sin(azimuth), 0};
+    s.up = terrain.Height(s.north, s.east);
+    Tower(builder, s, random);
   }
   return scenery;
 }

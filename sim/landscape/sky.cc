@@ -29,6 +29,7 @@ float AngleBetween(const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
 Sky::Sky(const LandscapeParameters& p, std::uint64_t seed)
     : p_(p),
       clouds_(seed, "landscape clouds"),
+      bands_(seed, "landscape bands"),
       sun_(Towards(p.sun_azimuth_deg, p.sun_elevation_deg)),
       glow_(p.sun.cast<float>()),
       sunlight_(p.sunlight.cast<float>()),
@@ -39,7 +40,8 @@ Sky::Sky(const LandscapeParameters& p, std::uint64_t seed)
       bright_(p.cloud_bright.cast<float>()),
       dark_(p.cloud_dark.cast<float>()),
       threshold_(Threshold(p.cloud_cover)),
-      open_(1 - Step(0.75f, 1.0f, static_cast<float>(p.cloud_cover))) {}
+      open_(1 - Step(0.75f, 1.0f, static_cast<float>(p.cloud_cover))),
+      salt_(RandomStream(seed, "landscape bands' heights").Bits()) {}
 
 float Sky::Cloud(float north_m, float east_m, int octaves) const {
   return clouds_.Fractal(north_m / kCloudSize_m, east_m / kCloudSize_m, octaves);
@@ -95,11 +97,39 @@ Colour Sky::At(const Eigen::Vector3f& d) const {
     const float far = 1 - std::exp(-kFade * reach / (3 * static_cast<float>(p_.haze_m) + 20000));
     colour = Mixed(colour, haze + open_ * 0.5f * shine * glow_, far);
   }
+  colour = WithBands(colour, elevation, azimuth);
+  if (p_.haze_layer.top_deg > 0) {
+    // Its edge is a quarter of a degree wide, and somewhat darker than the haze below it.
+    const float top = static_cast<float>(p_.haze_layer.top_deg) * kDegree, soft = 0.12f * kDegree;
+    const float within = 1 - Step(top - soft, top + soft, elevation);
+    colour = Mixed(colour, 0.88f * haze, static_cast<float>(p_.haze_layer.density) * within);
+  }
   // The band of haze over the horizon.
   const float band =
       std::exp(-elevation / (1.2f * kDegree * std::sqrt(20000 / static_cast<float>(p_.haze_m))));
   colour = Mixed(colour, haze, 0.85f * band * (1 - disc * open_));
   return light * colour;
+}
+
+// Dark streaks and lit ones in turn, each as wide as a quarter of what is between them, here and there broken.
+Colour Sky::WithBands(const Colour& colour, float elevation, float azimuth) const {
+  Colour with = colour;
+  for (int k = 0; k < p_.bands.count; ++k) {
+    const float share = (static_cast<float>(k) + Hashed(k, 1, salt_)) / static_cast<float>(p_.bands.count);
+    const float middle = static_cast<float>(p_.bands.top_deg) * kDegree * share;
+    const float half = static_cast<float>(p_.bands.top_deg) * kDegree * (0.1f + 0.3f * Hashed(k, 2, salt_)) /
+                       static_cast<float>(p_.bands.count);
+    const float turn = 3 + 4 * Hashed(k, 3, salt_), row = 11 * static_cast<float>(k);
+    const float here =
+        Step(0.40f, 0.55f, bands_.Fractal(turn * std::cos(azimuth) + row, turn * std::sin(azimuth), 4));
+    const float soft = 0.06f * kDegree;  // of its edges
+    const float within = Step(-half - soft, -half + soft, elevation - middle) *
+                         (1 - Step(half - soft, half + soft, elevation - middle));
+    const Colour streak = k % 2 == 0 ? dark_ : Colour(0.6f * bright_ + 0.4f * glow_);
+    with = Mixed(with, streak,
+                 static_cast<float>(p_.bands.contrast) * (0.5f + 0.5f * Hashed(k, 4, salt_)) * here * within);
+  }
+  return with;
 }
 
 Colour Sky::LevelLight() const {

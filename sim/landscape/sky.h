@@ -30,12 +30,14 @@ class Sky {
  private:
   float Cloud(float north_m, float east_m, int octaves) const;  // 0 to 1
   float Density(float noise) const;
+  Colour WithBands(const Colour& colour, float elevation, float azimuth) const;
 
   LandscapeParameters p_;
-  Noise clouds_;
+  Noise clouds_, bands_;
   Eigen::Vector3f sun_;
   Colour glow_, sunlight_, ambient_, zenith_, horizon_, sunward_, bright_, dark_;
   float threshold_ = 0, open_ = 1;
+  std::uint64_t salt_;  // of the bands
 };
 
 }  // namespace kestrel::sim::landscape

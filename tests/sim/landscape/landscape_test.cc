@@ -11,6 +11,10 @@
 #include "geometry/tait_bryan.h"
 #include "sim/camera/renderer.h"
 #include "sim/camera/skyline/horizon.h"
+#include "sim/landscape/ground.h"
+#include "sim/landscape/scenery.h"
+#include "sim/landscape/sky.h"
+#include "sim/landscape/terrain.h"
 #include "sim/world/mjcf.h"
 #include "sim/world/scene.h"
 
@@ -229,6 +233,97 @@ TEST(Landscape, StandsOnPlaneGroundAndItsMeshesTouchNothing) {
     ++seen_alone;
   }
   EXPECT_EQ(seen_alone, 3);  // the lawn, the round ground, what stands on it
+}
+
+// Of a colour in the sky; elevation and azimuth in degrees.
+landscape::Colour SkyAt(const landscape::Sky& sky, double elevation_deg, double azimuth_deg) {
+  const double e = Radians(elevation_deg), a = Radians(azimuth_deg);
+  return sky.At(
+      Eigen::Vector3d(std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e)).cast<float>());
+}
+
+TEST(Landscape, ALayerOfHazeEndsAtItsElevationAllRound) {
+  LandscapeParameters p = Bare();
+  p.cloud_cover = 0;
+  const landscape::Sky clear(p, 1);
+  p.haze_layer = {3, 0.7};
+  const landscape::Sky layered(p, 1);
+  for (const double azimuth_deg : {-150.0, -60.0, 0.0, 80.0, 170.0}) {
+    EXPECT_GT((SkyAt(clear, 2.7, azimuth_deg) - SkyAt(layered, 2.7, azimuth_deg)).norm(), 0.03f);
+    EXPECT_EQ(SkyAt(clear, 3.3, azimuth_deg), SkyAt(layered, 3.3, azimuth_deg));
+  }
+}
+
+TEST(Landscape, BandsAreStreaksBelowTheirTopAlone) {
+  LandscapeParameters p = Bare();
+  p.cloud_cover = 0;
+  const landscape::Sky clear(p, 1);
+  p.bands = {6, 9, 0.8};
+  const landscape::Sky banded(p, 1);
+  const auto turns = [](const landscape::Sky& sky, double azimuth_deg) {
+    int count = 0;
+    for (double e = 0.4; e < 9; e += 0.05) {
+      const auto brightness = [&](double elevation_deg) {
+        return SkyAt(sky, elevation_deg, azimuth_deg).sum();
+      };
+      count += (brightness(e + 0.05) - brightness(e)) * (brightness(e) - brightness(e - 0.05)) < -1e-6;
+    }
+    return count;
+  };
+  int of_clear = 0, of_banded = 0;
+  for (double azimuth_deg = -180; azimuth_deg < 180; azimuth_deg += 30) {
+    of_clear += turns(clear, azimuth_deg);
+    of_banded += turns(banded, azimuth_deg);
+    EXPECT_EQ(SkyAt(clear, 10.5, azimuth_deg), SkyAt(banded, 10.5, azimuth_deg));
+  }
+  EXPECT_EQ(of_clear, 0);
+  EXPECT_GT(of_banded, 24);
+}
+
+TEST(Landscape, TheSunGlittersOnWavesBelowItAndNotOnTheOtherSide) {
+  LandscapeParameters p = Bare();
+  p.cloud_cover = 0;
+  p.water_share = 1;
+  p.waves.slope = 0.12;
+  p.sun_elevation_deg = 20;
+  const auto brightness = [&p](double azimuth_deg) {
+    const landscape::Terrain terrain(p, 1);
+    const landscape::Sky sky(p, 1);
+    const landscape::Ground ground(p, 1, terrain, sky);
+    const double r = 60 / std::tan(Radians(20)), a = Radians(azimuth_deg);  // where a level facet mirrors it
+    float sum = 0;
+    for (int k = 0; k < 20; ++k)
+      sum += ground
+                 .At(static_cast<float>((r + 3 * k) * std::cos(a)),
+                     static_cast<float>((r + 3 * k) * std::sin(a)), 3)
+                 .sum();
+    return sum / 20;
+  };
+  const double sun_deg = p.sun_azimuth_deg;
+  const float below = brightness(sun_deg), opposite = brightness(sun_deg + 180);
+  EXPECT_GT(below, 2 * opposite);
+  p.waves.glitter = 0;
+  EXPECT_LT(brightness(sun_deg), below / 1.5f);
+}
+
+TEST(Landscape, TowersStandOverTheHorizonInAPartOfTheView) {
+  LandscapeParameters p = Bare();
+  p.towers = 60;
+  const landscape::Terrain terrain(p, 1);
+  const landscape::Sky sky(p, 1);
+  const landscape::Ground ground(p, 1, terrain, sky);
+  const landscape::Scenery scenery = landscape::MakeScenery(p, 1, terrain, sky, ground);
+  double highest_deg = 0;
+  int turned[12] = {};  // vertices above 1 degree, by azimuth
+  for (const Eigen::Vector3f& v : scenery.mesh.vertices) {
+    const double elevation_deg = Degrees(std::atan2(v.z() - 2, std::hypot(v.x(), v.y())));
+    highest_deg = std::max(highest_deg, elevation_deg);
+    if (elevation_deg > 1)
+      ++turned[static_cast<int>((std::atan2(v.y(), v.x()) / std::numbers::pi + 1) * 5.999)];
+  }
+  EXPECT_GT(highest_deg, 3);
+  EXPECT_LT(highest_deg, 15);
+  EXPECT_GE(std::count(std::begin(turned), std::end(turned), 0), 3);
 }
 
 }  // namespace
