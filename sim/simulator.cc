@@ -43,6 +43,12 @@ SimulatorParameters WithScatterDrawn(SimulatorParameters parameters, const Camer
   return parameters;
 }
 
+ModelPtr ModelOf(const SimulatorParameters& parameters) {
+  ModelPtr model = MakeModel(SceneOf(parameters));
+  if (parameters.step_s) model->opt.timestep = *parameters.step_s;
+  return model;
+}
+
 }  // namespace
 
 struct Simulator::Hashes {
@@ -60,7 +66,7 @@ struct Simulator::Hashes {
 Simulator::Simulator(const SimulatorParameters& parameters)
     : camera_error_(parameters.camera_error, parameters.seed),
       parameters_(WithScatterDrawn(parameters, camera_error_)),
-      model_(MakeModel(SceneOf(parameters))),
+      model_(ModelOf(parameters)),
       data_(MakeData(model_.get())),
       vehicle_(MakeAirframe(parameters.vehicle, model_.get(), !parameters.start.on_ground)),
       wind_(parameters.wind, parameters.seed),
@@ -127,12 +133,12 @@ Simulator::Simulator(const SimulatorParameters& parameters)
   // The gyroscopes' bias, averaged over two seconds at rest before the flight.
   Sensors at_rest = sensors_;
   Eigen::Vector3d bias = Eigen::Vector3d::Zero();
-  constexpr int kSamples = 1000;
   const double dt = model_->opt.timestep;
-  for (int i = 0; i < kSamples; ++i) {
+  const int samples = static_cast<int>(std::lround(2 / dt));
+  for (int i = 0; i < samples; ++i) {
     bias += at_rest.Read(dt, X_NB, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), {0, 0, -kGravity_m_s2})
                 .imu.w_B /
-            kSamples;
+            samples;
   }
   autopilot_ =
       std::make_unique<EmulatedAutopilot>(parameters.autopilot, parameters.sensors, parameters.vehicle, X_NB,

@@ -96,6 +96,8 @@ struct SimulatorParameters {
   OcclusionParameters occlusion;
   std::uint64_t seed = 1;
   double duration_s = 60;
+  std::optional<double> step_s =
+      {};  // of the physics and the inertial sensors; none: 2 ms, as all flights have it
   std::vector<TargetParameters> targets = {};
   std::optional<CarryParameters> carry = {};          // in place of flight and of start
   std::optional<GroundCameraParameters> ground = {};  // a second camera, on the ground; none: there is none

@@ -234,6 +234,8 @@ int ServeCommand(const ServeCommandArguments& a) {
   if (a.live.port && (a.lockstep || a.physics))
     mistakes.Add("--live", "", fmt::format("is not shown with {}", a.lockstep ? "--lockstep" : "--physics"),
                  "valid: with --afcs, --asctec, --mavlink or --camera");
+  if (a.physics && !a.out.empty())
+    mistakes.Add("--out", "", "no records are written with --physics", "valid: without --physics");
   const std::optional<flight::LoadedScenario> read = Load(a.scenario, overrides, mistakes);
   if (!read) {
     if (!a.out.empty() && !a.physics) CheckWritableFolder(a.out, "--out", mistakes);

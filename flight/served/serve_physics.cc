@@ -53,7 +53,9 @@ void ServePhysics(const LoadedScenario& loaded, sim::PhysicsServer& server,
     return server.Begin();
   };
   for (int flight = 1; waits(); ++flight) {
-    say(fmt::format("flight {}: an autopilot is there", flight));
+    parameters.step_s = server.step_s();
+    say(fmt::format("flight {}: an autopilot is there{}", flight,
+                    parameters.step_s ? fmt::format("; physics of {:g} Hz", 1 / *parameters.step_s) : ""));
     sim::Simulator simulator(parameters);
     simulator.FlyBy(&server);
     while (const auto frame = simulator.Next())

@@ -153,8 +153,8 @@ Bytes Servos(std::uint32_t count, int pwm_us) {
 
 TEST_F(FloodsTest, ThePeerOfServedPhysicsIsHeardWhileOthersSend) {
   const int port = FreePort();
-  Start(KESTREL_PROGRAM,
-        fmt::format("serve hover --physics ardupilot --physics-port {} --for 600 --out run", port), port);
+  Start(KESTREL_PROGRAM, fmt::format("serve hover --physics ardupilot --physics-port {} --for 600", port),
+        port);
   const Sender peer(port), attacker(port);
   const auto time_of = [](const std::string& line) {
     const std::size_t at = line.find("\"timestamp\":");

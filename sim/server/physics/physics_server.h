@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "sim/autopilot/external_autopilot.h"
@@ -34,6 +35,8 @@ class PhysicsServer : public ExternalAutopilot {
   // Waits until an autopilot begins a flight. False: Stop() was called, or the socket is lost. A flight that
   // its caller left before it ended is over: the next one is of an autopilot that begins anew, or goes on.
   virtual bool Begin() = 0;
+  // Step of the physics that this flight's autopilot asks for; none: any. To be asked once Begin() was true.
+  virtual std::optional<double> step_s() const = 0;
   // Begin() and Step() return within 50 ms, false and none, and from now on at once. On any thread, or in a
   // signal's handler.
   virtual void Stop() = 0;

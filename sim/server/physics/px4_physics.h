@@ -51,6 +51,7 @@ class Px4Physics final : public PhysicsServer {
   ~Px4Physics() override;
 
   bool Begin() override;
+  std::optional<double> step_s() const override { return std::nullopt; }
   std::optional<Actuation> Step(double dt_s, const SensorReadings& readings, const Truth& truth) override;
   void Stop() override;
   std::string Where() const override;

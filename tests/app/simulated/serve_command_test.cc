@@ -142,6 +142,12 @@ TEST_F(ServeCommandTest, AFlightAtAnAutopilotsPaceIsNotSaidToBeInRealTime) {
                     Not(HasSubstr("in real time"))));
 }
 
+TEST_F(ServeCommandTest, AFolderForTheRecordsThatPhysicsDoesNotWriteIsRefused) {
+  ServeCommandArguments a;
+  a.scenario = "landing", a.physics = "px4", a.out = folder_ / "run";
+  EXPECT_THAT(Refusal(a), HasSubstr("--out: no records are written with --physics"));
+}
+
 TEST_F(ServeCommandTest, PhysicsThatNobodyFliesEndsWhenItsTimeIsOver) {
   ServeCommandArguments a;
   a.scenario = "landing", a.physics = "px4", a.physics_port = 0, a.for_s = 0.2;

@@ -13,8 +13,10 @@ class OnePeer final : public sim::PhysicsServer {
  public:
   explicit OnePeer(double leaves_s) : leaves_s_(leaves_s) {}
   bool Begin() override { return begun++ < 1 || last_s < leaves_s_; }
-  std::optional<sim::Actuation> Step(double, const sim::SensorReadings&, const Truth& truth) override {
+  std::optional<double> step_s() const override { return 0.001; }
+  std::optional<sim::Actuation> Step(double dt_s, const sim::SensorReadings&, const Truth& truth) override {
     last_s = truth.t_s;
+    last_dt_s = dt_s;
     if (last_s >= leaves_s_) return std::nullopt;
     return sim::Actuation{};
   }
@@ -23,7 +25,7 @@ class OnePeer final : public sim::PhysicsServer {
   sim::PhysicsCounts counts() const override { return {}; }
 
   int begun = 0;
-  double last_s = 0;
+  double last_s = 0, last_dt_s = 0;
 
  private:
   const double leaves_s_;
@@ -40,6 +42,7 @@ TEST(ServePhysics, AFlightLastsUntilItsAutopilotLeavesBeyondTheScenariosDuration
       [&](const std::string& line) { flights += line.find("an autopilot is there") != std::string::npos; });
   EXPECT_EQ(flights, 1);
   EXPECT_NEAR(peer.last_s, 1.5, 0.01);
+  EXPECT_EQ(peer.last_dt_s, 0.001);  // as it asked for
   EXPECT_GE(frames, 1);
 }
 

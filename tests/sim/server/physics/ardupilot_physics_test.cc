@@ -131,6 +131,48 @@ TEST(ArduPilotPhysics, APeerTakesOffAndHoversByTheStateItIsSent) {
   }
 }
 
+// As ArduCopter does, it arms only if its gyroscopes are faster than 1.8 times its loop of 400 Hz.
+TEST(ArduPilotPhysics, APeerThatAsksForItsDefaultRateArmsAndFlies) {
+  constexpr double kLoop_hz = 400, kMeasured_s = 1;
+  for (const int rate_hz : {1200, 400}) {
+    SimulatorParameters p = OnGround();
+    p.duration_s = 10;
+    ArduPilotPhysics physics(AnyPort(), p.vehicle);
+    std::atomic<bool> over = false;
+    double gyro_hz = 0;
+    std::thread peer([&] {
+      const ArduPilotPeer ardupilot(physics.Where());
+      TestPilot pilot(false, 0.65);
+      nlohmann::json line = ardupilot.Exchange(0, {}, rate_hz);
+      pilot.KeepHeading(YawOf(StateOf(line).R_NA));
+      const double ground_m = StateOf(line).p_N.z(), began_s = TimeOf(line);
+      bool armed = false;
+      for (std::uint32_t i = 1; line.is_object(); ++i) {
+        const double t_s = TimeOf(line);
+        if (gyro_hz == 0 && t_s - began_s >= kMeasured_s) {
+          gyro_hz = i / (t_s - began_s);
+          armed = gyro_hz > 1.8 * kLoop_hz;
+        }
+        PilotState state = StateOf(line);
+        state.p_N.z() -= ground_m;
+        ardupilot.Send(i, armed ? pilot.Fly(t_s, state, 2) : std::array<double, 4>{}, rate_hz);
+        while (!over && !ardupilot.wire().Readable(20)) continue;
+        if (over) return;
+        line = ardupilot.Receive();
+      }
+    });
+    EXPECT_TRUE(physics.Begin());
+    p.step_s = physics.step_s();
+    const Flown flown = Fly(physics, p);
+    over = true;
+    peer.join();
+    ASSERT_FALSE(flown.truths.empty());
+    const double up_m = flown.truths[0].X_NB.p.z() - flown.last.X_NB.p.z();
+    EXPECT_NEAR(gyro_hz, rate_hz == 1200 ? 1000 : 500, 2);
+    EXPECT_NEAR(up_m, rate_hz == 1200 ? 2 : 0, 0.25) << rate_hz;
+  }
+}
+
 TEST(ArduPilotPhysics, RepetitionsAreAnsweredAgainAndGarbageIsNot) {
   ArduPilotPhysics physics(AnyPort(), OnGround().vehicle);
   std::vector<nlohmann::json> lines;
