@@ -13,9 +13,9 @@
 #include "base/statistics.h"
 #include "bench/pad_scene.h"
 #include "geometry/tait_bryan.h"
-#include "vision/landmark/homography.h"
 #include "vision/landmark/pad_tracker.h"
-#include "vision/landmark/plane_pose.h"
+#include "vision/landmark/plane/homography.h"
+#include "vision/landmark/plane/plane_pose.h"
 
 namespace kestrel::bench {
 namespace {

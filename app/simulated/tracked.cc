@@ -13,9 +13,9 @@
 #include "geometry/tait_bryan.h"
 #include "mission/helipad_pilot.h"
 #include "vision/drawn_colours.h"
-#include "vision/landmark/homography.h"
 #include "vision/landmark/pad_drawing.h"
-#include "vision/landmark/plane_pose.h"
+#include "vision/landmark/plane/homography.h"
+#include "vision/landmark/plane/plane_pose.h"
 
 namespace kestrel::app {
 

@@ -12,7 +12,7 @@
 
 #include "base/file/model_files.h"
 #include "base/random.h"
-#include "vision/landmark/homography.h"
+#include "vision/landmark/plane/homography.h"
 
 namespace kestrel::bench {
 namespace {

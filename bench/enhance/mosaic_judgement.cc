@@ -13,7 +13,7 @@
 
 #include "base/random.h"
 #include "vision/enhance/motion/ray_rotation.h"
-#include "vision/landmark/homography.h"
+#include "vision/landmark/plane/homography.h"
 
 namespace kestrel::bench {
 namespace {

@@ -19,7 +19,7 @@
 #include "sim/world/scene.h"
 #include "vision/landmark/pad_features.h"
 #include "vision/landmark/pad_file.h"
-#include "vision/landmark/plane_pose.h"
+#include "vision/landmark/plane/plane_pose.h"
 
 namespace kestrel::bench {
 namespace {

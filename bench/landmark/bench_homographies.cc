@@ -15,7 +15,7 @@
 #include "base/stopwatch.h"
 #include "vision/landmark/estimation/homography_solutions.h"
 #include "vision/landmark/estimation/robust_homography.h"
-#include "vision/landmark/homography.h"
+#include "vision/landmark/plane/homography.h"
 
 namespace kestrel::bench {
 namespace {

@@ -7,8 +7,8 @@
 #include "base/random.h"
 #include "geometry/pose.h"
 #include "vision/landmark/estimation/plane_pnp.h"
-#include "vision/landmark/homography.h"
-#include "vision/landmark/plane_pose.h"
+#include "vision/landmark/plane/homography.h"
+#include "vision/landmark/plane/plane_pose.h"
 
 namespace kestrel::bench {
 namespace {

@@ -13,7 +13,7 @@
 #include "base/statistics.h"
 #include "bench/planar/planar_pictures.h"
 #include "bench/planar/planar_score.h"
-#include "vision/landmark/homography.h"
+#include "vision/landmark/plane/homography.h"
 #include "vision/write_image.h"
 
 namespace kestrel::bench {

@@ -7,7 +7,7 @@
 
 #include "base/statistics.h"
 #include "base/stopwatch.h"
-#include "vision/landmark/homography.h"
+#include "vision/landmark/plane/homography.h"
 
 namespace kestrel::bench {
 namespace {

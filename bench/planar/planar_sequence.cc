@@ -13,8 +13,8 @@
 #include "base/random.h"
 #include "bench/planar/planar_pictures.h"
 #include "geometry/tait_bryan.h"
-#include "vision/landmark/homography.h"
-#include "vision/landmark/plane_pose.h"
+#include "vision/landmark/plane/homography.h"
+#include "vision/landmark/plane/plane_pose.h"
 
 namespace kestrel::bench {
 namespace {

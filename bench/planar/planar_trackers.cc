@@ -10,10 +10,10 @@
 
 #include "bench/planar/planar_sequence.h"
 #include "vision/landmark/alignment/aligner.h"
-#include "vision/landmark/homography.h"
 #include "vision/landmark/pad_features.h"
 #include "vision/landmark/pad_tracker.h"
-#include "vision/landmark/plane_pose.h"
+#include "vision/landmark/plane/homography.h"
+#include "vision/landmark/plane/plane_pose.h"
 
 namespace kestrel::bench {
 namespace {

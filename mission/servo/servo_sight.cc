@@ -7,7 +7,7 @@
 #include "control/law/level_camera.h"
 #include "geometry/tait_bryan.h"
 #include "vision/drawn_colours.h"
-#include "vision/landmark/homography.h"
+#include "vision/landmark/plane/homography.h"
 
 namespace kestrel::mission {
 namespace {

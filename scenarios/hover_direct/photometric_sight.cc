@@ -4,7 +4,7 @@
 #include <Eigen/LU>
 #include <opencv2/imgproc.hpp>
 
-#include "vision/landmark/plane_pose.h"
+#include "vision/landmark/plane/plane_pose.h"
 
 namespace kestrel::scenarios {
 namespace {

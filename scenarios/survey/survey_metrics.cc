@@ -7,7 +7,7 @@
 
 #include "mission/mean_square.h"
 #include "mission/mosaic/mosaic_report.h"
-#include "vision/landmark/homography.h"
+#include "vision/landmark/plane/homography.h"
 
 namespace kestrel::scenarios {
 namespace {

@@ -10,7 +10,7 @@
 #include "bench/planar/bench_planar.h"
 #include "bench/planar/planar_sequence.h"
 #include "tests/visp/template_tracker.h"
-#include "vision/landmark/homography.h"
+#include "vision/landmark/plane/homography.h"
 
 namespace kestrel::bench {
 namespace {

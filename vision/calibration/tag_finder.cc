@@ -12,7 +12,7 @@
 
 #include "vision/calibration/board.h"
 #include "vision/calibration/tag_36h11.h"
-#include "vision/landmark/homography.h"
+#include "vision/landmark/plane/homography.h"
 
 namespace kestrel::vision {
 namespace {

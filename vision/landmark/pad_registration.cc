@@ -11,8 +11,8 @@
 #include <utility>
 
 #include "vision/landmark/even_light.h"
-#include "vision/landmark/homography.h"
-#include "vision/landmark/plane_pose.h"
+#include "vision/landmark/plane/homography.h"
+#include "vision/landmark/plane/plane_pose.h"
 
 namespace kestrel::vision {
 namespace {

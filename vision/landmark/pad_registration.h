@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "vision/camera/pinhole.h"
-#include "vision/landmark/homography.h"
 #include "vision/landmark/pad_reference.h"
 #include "vision/landmark/pad_tracking.h"
+#include "vision/landmark/plane/homography.h"
 
 namespace kestrel::vision {
 

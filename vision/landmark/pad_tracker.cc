@@ -9,9 +9,9 @@
 #include <tuple>
 #include <utility>
 
-#include "vision/landmark/homography.h"
 #include "vision/landmark/look_alike.h"
-#include "vision/landmark/plane_pose.h"
+#include "vision/landmark/plane/homography.h"
+#include "vision/landmark/plane/plane_pose.h"
 
 namespace kestrel::vision {
 namespace {

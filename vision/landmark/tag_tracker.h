@@ -7,8 +7,8 @@
 
 #include "geometry/pose.h"
 #include "vision/camera/pinhole.h"
-#include "vision/landmark/homography.h"
-#include "vision/landmark/plane_pose.h"
+#include "vision/landmark/plane/homography.h"
+#include "vision/landmark/plane/plane_pose.h"
 #include "vision/tag/tag.h"
 #include "vision/tag/tag_detector.h"
 

@@ -8,7 +8,7 @@
 
 #include "geometry/pose.h"
 #include "geometry/tait_bryan.h"
-#include "vision/landmark/plane_pose.h"
+#include "vision/landmark/plane/plane_pose.h"
 
 namespace kestrel::flight {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "geometry/tait_bryan.h"
 #include "vision/camera/camera_mount.h"
-#include "vision/landmark/plane_pose.h"
+#include "vision/landmark/plane/plane_pose.h"
 
 namespace kestrel::mission {
 namespace {

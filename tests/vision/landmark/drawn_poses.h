@@ -10,7 +10,7 @@
 #include "geometry/pose.h"
 #include "tests/vision/landmark/pose_difference.h"
 #include "vision/camera/pinhole.h"
-#include "vision/landmark/homography.h"
+#include "vision/landmark/plane/homography.h"
 
 // Poses of a pad of 1.19 m x 0.91 m before a camera, and the pixels of its points.
 namespace kestrel::vision {

@@ -2,10 +2,10 @@
 #include <gtest/gtest.h>
 
 #include "tests/vision/landmark/pad_photographer.h"
-#include "vision/landmark/homography.h"
 #include "vision/landmark/look_alike.h"
 #include "vision/landmark/pad_tracker.h"
-#include "vision/landmark/plane_pose.h"
+#include "vision/landmark/plane/homography.h"
+#include "vision/landmark/plane/plane_pose.h"
 
 // What looks like the pad and is not it.
 namespace kestrel::vision {

@@ -8,7 +8,7 @@
 #include "tests/vision/landmark/pad_photographer.h"
 #include "tests/vision/landmark/pose_difference.h"
 #include "vision/landmark/pad_tracker.h"
-#include "vision/landmark/plane_pose.h"
+#include "vision/landmark/plane/plane_pose.h"
 
 namespace kestrel::vision {
 namespace {

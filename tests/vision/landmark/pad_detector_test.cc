@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "tests/vision/landmark/pad_photographer.h"
-#include "vision/landmark/homography.h"
-#include "vision/landmark/plane_pose.h"
+#include "vision/landmark/plane/homography.h"
+#include "vision/landmark/plane/plane_pose.h"
 
 namespace kestrel::vision {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "vision/landmark/homography.h"
+#include "vision/landmark/plane/homography.h"
 
 // How an image moves from one to the next as a plane does, thesis 4.2.
 namespace kestrel::vision {

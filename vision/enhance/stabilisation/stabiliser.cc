@@ -14,7 +14,7 @@
 #include "vision/camera/views.h"
 #include "vision/enhance/stabilisation/bounded_path.h"
 #include "vision/enhance/stabilisation/row_warps.h"
-#include "vision/landmark/homography.h"
+#include "vision/landmark/plane/homography.h"
 
 namespace kestrel::vision {
 namespace {

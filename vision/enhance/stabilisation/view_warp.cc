@@ -9,7 +9,7 @@
 
 #include "geometry/pose.h"
 #include "vision/enhance/canvas/pixel_map.h"
-#include "vision/landmark/homography.h"
+#include "vision/landmark/plane/homography.h"
 
 namespace kestrel::vision {
 namespace {

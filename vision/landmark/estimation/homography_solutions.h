@@ -5,7 +5,7 @@
 #include <optional>
 #include <span>
 
-#include "vision/landmark/homography.h"
+#include "vision/landmark/plane/homography.h"
 
 // The solutions of a homography from pairs of points, thesis 3.2.3 (Criminisi et al. 1999). The homogeneous one
 // is FitHomography.

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "vision/landmark/plane_pose.h"
+#include "vision/landmark/plane/plane_pose.h"
 
 // Poses of a plane from pairs (plane m, pixel) without a start, beside that of a homography, thesis 3.3. The
 // covariance of each is what its pixels, if each coordinate has the deviation sigma_px, leave of the pose at best;

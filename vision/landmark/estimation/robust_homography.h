@@ -5,7 +5,7 @@
 #include <optional>
 #include <span>
 
-#include "vision/landmark/homography.h"
+#include "vision/landmark/plane/homography.h"
 
 // Homographies of pairs among which some are wrong, thesis 3.2.3, beside RansacHomography. The samples depend on
 // the seed alone.

@@ -9,7 +9,7 @@
 #include "tests/vision/enhance/mosaic/drawn_ground.h"
 #include "vision/camera/kannala_brandt.h"
 #include "vision/enhance/mosaic/mosaic.h"
-#include "vision/landmark/homography.h"
+#include "vision/landmark/plane/homography.h"
 
 namespace kestrel::vision {
 namespace {

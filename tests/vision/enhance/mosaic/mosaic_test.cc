@@ -11,7 +11,7 @@
 #include "geometry/tait_bryan.h"
 #include "tests/vision/enhance/mosaic/drawn_ground.h"
 #include "vision/enhance/mosaic/mosaic_series.h"
-#include "vision/landmark/homography.h"
+#include "vision/landmark/plane/homography.h"
 
 namespace kestrel::vision {
 namespace {

@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-#include "vision/landmark/homography.h"
+#include "vision/landmark/plane/homography.h"
 
 namespace kestrel::vision {
 

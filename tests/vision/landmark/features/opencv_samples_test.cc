@@ -16,7 +16,7 @@
 #include "vision/landmark/estimation/homography_solutions.h"
 #include "vision/landmark/estimation/robust_homography.h"
 #include "vision/landmark/features/features.h"
-#include "vision/landmark/homography.h"
+#include "vision/landmark/plane/homography.h"
 
 namespace kestrel::vision {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "geometry/pose.h"
 #include "vision/camera/pinhole.h"
-#include "vision/landmark/homography.h"
+#include "vision/landmark/plane/homography.h"
 
 // Pose of a plane from its homography to the image, thesis 3.16 to 3.25. The plane is z = 0 of T; H_w takes
 // (x, y, 1) of T, m, to a pixel.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vision/landmark/homography.h"
+#include "vision/landmark/plane/homography.h"
 
 #include <Eigen/Dense>
 #include <array>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vision/landmark/plane_pose.h"
+#include "vision/landmark/plane/plane_pose.h"
 
 #include <gtest/gtest.h>
 
