@@ -215,7 +215,8 @@ CLI::App* AddServeCommand(CLI::App& app, ServeCommandArguments& a) {
   serve->footer(
       "Exit status: 0 the criteria that the truth can judge were met, 1 they were not, or nobody flew it, 2 "
       "bad\n"
-      "input, 3 it broke off.\n\nExamples:\n  kestrel serve landing --afcs --camera rtp:5600\n"
+      "input, 3 it broke off. With --physics, which judges no flight, 0 or 2.\n\nExamples:\n  kestrel serve "
+      "landing --afcs --camera rtp:5600\n"
       "  kestrel serve landing --mavlink px4 --camera raw:5600 --for 120\n"
       "  kestrel serve hover --physics ardupilot --camera rtp:5600\n"
       "  kestrel serve landing --lockstep tcp:4573");

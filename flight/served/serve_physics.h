@@ -16,7 +16,7 @@ std::unique_ptr<sim::PhysicsServer> MakePhysics(const std::string& kind, const s
                                                 const std::optional<int>& port, const LoadedScenario& loaded);
 
 // Faults that the scenario has and that cannot reach an autopilot of this kind: ArduPilot's JSON interface
-// has fields for inertial samples and the truth alone, and neither kind takes an attitude.
+// has no fields for GPS, barometer and compass, and neither kind takes an attitude.
 void CheckPhysicsFaults(const std::string& kind, const LoadedScenario& loaded, Mistakes& mistakes);
 
 // Lets autopilots of software in the loop fly the scenario's aircraft, one flight after the other, each from

@@ -111,7 +111,7 @@ Colour Sky::At(const Eigen::Vector3f& d) const {
   return light * colour;
 }
 
-// Dark streaks and lit ones in turn, each as wide as a quarter of what is between them, here and there broken.
+// Dark streaks and lit ones in turn, a fifth to four fifths as wide as they lie apart, here and there broken.
 Colour Sky::WithBands(const Colour& colour, float elevation, float azimuth) const {
   Colour with = colour;
   for (int k = 0; k < p_.bands.count; ++k) {

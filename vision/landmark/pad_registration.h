@@ -32,7 +32,8 @@ struct Registered {
 
 // Draws the reference as the camera would see it from where it is expected, and finds its corners in the image, by
 // Lucas-Kanade and RANSAC. First in the exposure that the last image had; where most corners do not agree, also with
-// the light evened out in both pictures, as a pad half in the shade needs it. What worked last is tried first.
+// the light evened out in both pictures, as a pad half in the shade needs it, and then at a half and a quarter of the
+// resolution, as a print does that is seen from near or out of focus.
 class PadRegistration {
  public:
   PadRegistration(const Pinhole& camera, const PadTrackerOptions& options)
