@@ -15,7 +15,7 @@
 #include "app/option/within.h"
 #include "base/diagnostics.h"
 #include "base/file/files.h"
-#include "vision/calibration/board_file.h"
+#include "vision/calibration/board/board_file.h"
 #include "vision/calibration/calibrate.h"
 #include "vision/image_file.h"
 

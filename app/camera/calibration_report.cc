@@ -12,6 +12,7 @@
 #include "base/file/files.h"
 #include "geometry/tait_bryan.h"
 #include "records/plot/gnuplot.h"
+#include "vision/calibration/coverage.h"
 #include "vision/camera/calibration_file.h"
 
 namespace kestrel::app {

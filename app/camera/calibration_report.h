@@ -6,8 +6,8 @@
 #include <span>
 #include <string>
 
-#include "vision/calibration/board.h"
-#include "vision/calibration/calibrate.h"
+#include "vision/calibration/board/board.h"
+#include "vision/calibration/calibration.h"
 
 namespace kestrel::app {
 

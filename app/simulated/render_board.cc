@@ -13,7 +13,7 @@
 #include "base/file/files.h"
 #include "flight/simulated/scenario.h"
 #include "sim/calibration/board_renderer.h"
-#include "vision/calibration/board_file.h"
+#include "vision/calibration/board/board_file.h"
 #include "vision/camera/calibration_file.h"
 #include "vision/write_image.h"
 

@@ -9,7 +9,7 @@
 #include "geometry/pose.h"
 #include "sim/camera/renderer.h"
 #include "sim/world/scene.h"
-#include "vision/calibration/board.h"
+#include "vision/calibration/board/board.h"
 #include "vision/camera/camera_model.h"
 
 namespace kestrel::sim {

@@ -1,63 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <Eigen/Core>
 #include <opencv2/core.hpp>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "base/diagnostics.h"
-#include "geometry/pose.h"
-#include "vision/calibration/board.h"
-#include "vision/calibration/board_detector.h"
-#include "vision/camera/camera_model.h"
+#include "vision/calibration/board/board.h"
+#include "vision/calibration/calibration.h"
 
 namespace kestrel::vision {
-
-// What one image shows of the board.
-struct BoardView {
-  std::string name;  // of the image, for messages
-  std::vector<BoardCorner> corners;
-};
-
-// A corner beside its place by the calibration.
-struct CornerResidual {
-  int index = 0;
-  Eigen::Vector2d pixel, error_px;  // error: projected less seen; NaN if the camera cannot see it there
-  bool used = true;                 // no: too far off to be noise
-};
-
-struct CalibratedView {
-  std::string name;
-  std::string left_out;      // why, in words; empty: it was used
-  std::optional<Pose> X_CT;  // of the board
-  double rms_px = 0;         // of the distances of the used corners, root mean square
-  std::vector<CornerResidual> corners;
-};
-
-struct Calibration {
-  CameraModel camera;
-  // What was found of Parameters(camera): everything but k3 and skew, which Kalibr's models do not have, and
-  // the distortion of a unified camera that shows none; these stay 0. The covariance is (J^T J)^-1 times the
-  // variance that the residuals show; where the errors of one image are alike, so much that this would say
-  // too little, it is ClusteredCovariance (vision/calibration/view_adjustment.h), and a note says so.
-  std::vector<int> free;
-  Eigen::VectorXd sigma;       // of free
-  Eigen::MatrixXd covariance;  // of free
-  std::vector<CalibratedView> views;
-  int corners = 0, corners_not_used = 0;  // of the views that were used
-  double rms_px = 0;                      // over all used corners
-  double worst_uncertainty_px = 0;        // of where a known ray is seen, over the image, one deviation
-  double max_angle_seen_rad = 0;          // of a used corner from the axis
-  std::vector<std::string> notes;         // what a user should know, in words
-};
-
-// The best camera of the model leaves more residual than is accepted.
-struct PoorFit : InputError {
-  using InputError::InputError;
-};
 
 inline constexpr double kAcceptedResidual_px = 0.5;  // usual among users of Kalibr and OpenCV
 
@@ -82,15 +34,5 @@ std::vector<BoardView> Refit(const Board& board, std::span<const cv::Mat> images
 // "unified", "fisheye" (Kannala and Brandt), "double_sphere".
 std::vector<std::string> CalibratedModels();
 CameraModel CameraLike(const std::string& model, cv::Size image);
-
-// The image in cells: which of them lie within the lens, and how many used corners each has. What is dark in
-// all the images, grey ones of the views, is beyond the rim of the lens or mirror.
-struct Coverage {
-  int cols = 16, rows = 12;
-  std::vector<bool> in_lens;  // by rows
-  std::vector<int> corners;
-  double share = 0;  // of the cells within the lens that have a corner
-};
-Coverage CoverageOf(const Calibration& calibration, std::span<const cv::Mat> images);
 
 }  // namespace kestrel::vision

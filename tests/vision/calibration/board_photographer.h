@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "geometry/pose.h"
-#include "vision/calibration/board.h"
+#include "vision/calibration/board/board.h"
 #include "vision/camera/camera_model.h"
 
 // Images of a board from known poses, through any camera: every pixel's rays are met with the board's plane,

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "base/diagnostics.h"
-#include "vision/calibration/board.h"
+#include "vision/calibration/board/board.h"
 
 namespace kestrel::vision {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vision/calibration/corner_fit.h"
+#include "vision/calibration/board/corner_fit.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vision/calibration/tag_finder.h"
+#include "vision/calibration/board/tag_finder.h"
 
 #include <Eigen/QR>
 #include <algorithm>
@@ -10,8 +10,8 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
-#include "vision/calibration/board.h"
-#include "vision/calibration/tag_36h11.h"
+#include "vision/calibration/board/board.h"
+#include "vision/calibration/board/tag_36h11.h"
 #include "vision/landmark/plane/homography.h"
 
 namespace kestrel::vision {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vision/calibration/chessboard_finder.h"
+#include "vision/calibration/board/chessboard_finder.h"
 
 #include <gtest/gtest.h>
 
 #include <random>
 
 #include "tests/vision/calibration/board_photographer.h"
-#include "vision/calibration/board_detector.h"
+#include "vision/calibration/board/board_detector.h"
 #include "vision/camera/brown_conrady.h"
 #include "vision/camera/kannala_brandt.h"
 

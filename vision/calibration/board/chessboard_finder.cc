@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vision/calibration/chessboard_finder.h"
+#include "vision/calibration/board/chessboard_finder.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vision/calibration/board.h"
+#include "vision/calibration/board/board.h"
 
 #ifndef KESTREL_WITHOUT_APRILTAG
 #include <apriltag/tag36h11.h>
@@ -12,7 +12,7 @@
 #include "base/overloaded.h"
 #include "base/yaml/fields.h"
 #include "base/yaml/yaml_fields.h"
-#include "vision/calibration/tag_36h11.h"
+#include "vision/calibration/board/tag_36h11.h"
 
 namespace kestrel::vision {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "geometry/pose.h"
-#include "vision/calibration/board.h"
+#include "vision/calibration/board/board.h"
 #include "vision/camera/camera_model.h"
 
 namespace kestrel::vision {
@@ -15,7 +15,7 @@ namespace kestrel::vision {
 struct BoardCorner {
   int index = 0;  // among Corners(board)
   Eigen::Vector2d pixel;
-  Eigen::Matrix2d covariance;  // px^2, by what is left where it was fitted (vision/calibration/corner_fit.h)
+  Eigen::Matrix2d covariance;  // px^2, by what is left where it was fitted (vision/calibration/board/corner_fit.h)
   // Whether the square at the lower left of the board is black, as Chessboard has it. One that is white there
   // however it is turned is seen with its colours exchanged.
   bool black_lower_left = true;

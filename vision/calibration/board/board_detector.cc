@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vision/calibration/board_detector.h"
+#include "vision/calibration/board/board_detector.h"
 
 #include <Eigen/LU>
 #include <algorithm>
@@ -10,9 +10,9 @@
 #include <optional>
 
 #include "base/diagnostics.h"
-#include "vision/calibration/chessboard_finder.h"
-#include "vision/calibration/corner_fit.h"
-#include "vision/calibration/tag_finder.h"
+#include "vision/calibration/board/chessboard_finder.h"
+#include "vision/calibration/board/corner_fit.h"
+#include "vision/calibration/board/tag_finder.h"
 
 namespace kestrel::vision {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vision/calibration/board_file.h"
+#include "vision/calibration/board/board_file.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
