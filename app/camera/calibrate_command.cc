@@ -78,11 +78,11 @@ CLI::App* AddCalibrateCommand(CLI::App& app, CalibrateArguments& a) {
       ->type_name("DIR")
       ->required();
   command
-      ->add_option("--accept-residual", a.accepted_px,
-                   "What may be left between the camera and what is seen, root mean square, px: with more "
-                   "nothing is written")
-      ->check(Within(0.001, 1000.0))
-      ->capture_default_str();
+      ->add_option(
+          "--accept-residual", a.accepted_px,
+          "What may be left between the camera and what is seen, root mean square, px: with more "
+          "nothing is written (default: a thousandth of the image's diagonal, more where it is blurred)")
+      ->check(Within(0.001, 1000.0));
   AddBitsOption(*command, a.bits);
   command->footer(
       "Examples:\n"

@@ -18,7 +18,7 @@ struct CalibrateArguments {
   std::vector<std::string> images;
   std::string board = "chessboard", model, out;
   std::optional<int> bits;  // of 16-bit pixels
-  double accepted_px = vision::kAcceptedResidual_px;
+  std::optional<double> accepted_px;  // none: vision::AcceptedResidual
 };
 
 CLI::App* AddCalibrateCommand(CLI::App& app, CalibrateArguments& arguments);

@@ -217,7 +217,8 @@ std::string CalibrationReport(const vision::Calibration& c, const vision::Board&
       "{} camera of {} x {} pixels, from {} of {} images of the {}\n"
       "  residual {:.4f} px rms over {} corners\n{}"
       "  corners seen to {:.1f} deg from the axis, in {:.0f} % of the image's cells within the lens\n"
-      "  a known ray is seen where it is to {:.3g} px at worst (one standard deviation)\n",
+      "  a known ray is seen where it is to {:.3g} px at worst (one standard deviation), a turn of the "
+      "camera aside\n",
       vision::NameOf(c.camera), vision::WidthPx(c.camera), vision::HeightPx(c.camera), used, c.views.size(),
       vision::Describe(board), c.rms_px, c.corners - c.corners_not_used, ParameterTable(c),
       Degrees(c.max_angle_seen_rad), 100 * coverage.share, c.worst_uncertainty_px);

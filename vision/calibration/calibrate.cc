@@ -43,8 +43,8 @@ void AddNotes(Calibration& c) {
                     "known all the same",
                     c.sigma[4]));
   }
-  if (std::holds_alternative<Unified>(c.camera) && c.free == kUndistorted)
-    c.notes.push_back("the images ask for no distortion: k1, k2, p1 and p2 are held at 0");
+  if (const std::string held = HeldDistortion(c.camera, c.free); !held.empty())
+    c.notes.push_back("held at 0, because the images do not show that it is there: " + held);
   for (const CalibratedView& view : c.views) {
     if (!view.left_out.empty())
       c.notes.push_back(fmt::format("{} was left out: {}", view.name, view.left_out));
@@ -90,7 +90,7 @@ void AddResiduals(std::span<const BoardView> views, const std::vector<std::size_
 }  // namespace
 
 Calibration Calibrate(const Board& board, std::span<const BoardView> views, const CameraModel& like,
-                      double accepted_px) {
+                      std::optional<double> accepted_px) {
   std::vector<std::size_t> usable;
   for (std::size_t i = 0; i < views.size(); ++i) {
     if (views[i].corners.size() >= kMinCorners) usable.push_back(i);
@@ -118,7 +118,7 @@ Calibration Calibrate(const Board& board, std::span<const BoardView> views, cons
     placed = PlaceViews(agreeing.adjustment.camera, points);
   }
   CheckLeftOut(views, usable, left_out, like);
-  if (std::holds_alternative<Unified>(like)) DropDistortion(like, agreeing, free);
+  DropDistortion(like, agreeing, free);
 
   Calibration c;
   c.camera = agreeing.adjustment.camera;
@@ -132,7 +132,7 @@ Calibration Calibrate(const Board& board, std::span<const BoardView> views, cons
   }
   for (std::size_t i = 0; i < usable.size(); ++i) c.views[usable[i]].left_out = left_out[i];
   AddResiduals(views, usable, points, agreeing, c);
-  CheckResidual(c, accepted_px);
+  CheckResidual(c, accepted_px.value_or(AcceptedResidual(views, like)));
   const double tilts = Degrees(SpreadOfTilts(agreeing.adjustment.views));
   if (tilts < kMinTilts_deg) {
     throw InputError(

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <opencv2/core.hpp>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -11,8 +12,6 @@
 
 namespace kestrel::vision {
 
-inline constexpr double kAcceptedResidual_px = 0.5;  // usual among users of Kalibr and OpenCV
-
 // Finds a camera of the same model and image size as `like`, whose numbers do not matter, and the pose of the
 // board in every view. Starts from many focal lengths and shapes of the lens, so that it holds from 20 to 200
 // degrees of view; large errors count less (Huber), and corners more than five deviations off are set aside,
@@ -20,10 +19,10 @@ inline constexpr double kAcceptedResidual_px = 0.5;  // usual among users of Kal
 // covariance. Throws InputError, with what was seen, if the views cannot determine the camera: fewer than
 // four different ones, boards all parallel or all in the middle of the image, a focal length that stays open
 // by more than a twentieth (a fiftieth of a double sphere), more than a third of the views not of the camera
-// of the others; PoorFit if more than accepted_px are left, root mean square, as when the board's numbers are
-// wrong, the images are of two cameras, or the model is not of this lens.
+// of the others; PoorFit if more than accepted_px are left, root mean square (none: AcceptedResidual), as when
+// the board's numbers are wrong, the images are of two cameras, or the model is not of this lens.
 Calibration Calibrate(const Board& board, std::span<const BoardView> views, const CameraModel& like,
-                      double accepted_px = kAcceptedResidual_px);
+                      std::optional<double> accepted_px = {});
 
 // The views with their corners placed anew by a calibration of them (RefitBoard), for another one; views that
 // it did not use stay as they are. images: those of the views.

@@ -38,7 +38,7 @@ struct CalibratedView {
 struct Calibration {
   CameraModel camera;
   // What was found of Parameters(camera): everything but k3 and skew, which Kalibr's models do not have, and
-  // the distortion of a unified camera that shows none; these stay 0. The covariance is (J^T J)^-1 times the
+  // distortion that the images do not show (vision/calibration/distortion_terms.h); these stay 0. The covariance is (J^T J)^-1 times the
   // variance that the residuals show; where the errors of one image are alike, so much that this would say
   // too little, it is ClusteredCovariance (vision/calibration/view_adjustment.h), and a note says so.
   std::vector<int> free;
@@ -47,7 +47,7 @@ struct Calibration {
   std::vector<CalibratedView> views;
   int corners = 0, corners_not_used = 0;  // of the views that were used
   double rms_px = 0;                      // over all used corners
-  double worst_uncertainty_px = 0;        // of where a known ray is seen, over the image, one deviation
+  double worst_uncertainty_px = 0;        // see vision/calibration/calibration_uncertainty.h
   double max_angle_seen_rad = 0;          // of a used corner from the axis
   std::vector<std::string> notes;         // what a user should know, in words
 };

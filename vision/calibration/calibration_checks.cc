@@ -14,6 +14,8 @@ namespace {
 constexpr double kSamePose = 0.02;       // of the image's diagonal: views nearer than this are one
 constexpr double kMinReach = 0.5;        // of half the image's smaller side: the outermost corner
 constexpr double kMaxLeftOut = 1.0 / 3;  // of the views that show enough of the board
+constexpr double kAcceptedOfDiagonal = 1e-3;
+constexpr double kSharp_px = 0.7;  // blur of an edge that spreads over two pixels
 // Of the focal length. The double sphere has a valley of cameras that fit alike, of which its deviations,
 // straight lines, see only the floor nearby.
 constexpr double kMaxSigmaFocal = 0.05, kMaxSigmaFocalOfSpheres = 0.02;
@@ -113,6 +115,20 @@ void CheckLeftOut(std::span<const BoardView> views, const std::vector<std::size_
           count, usable.size(), NameOf(like), names));
 }
 
+double AcceptedResidual(std::span<const BoardView> views, const CameraModel& like) {
+  std::vector<double> blurs;
+  for (const BoardView& view : views) {
+    for (const BoardCorner& corner : view.corners) blurs.push_back(corner.blur_px);
+  }
+  double blur_px = 0;
+  if (!blurs.empty()) {
+    const auto middle = blurs.begin() + static_cast<std::ptrdiff_t>(blurs.size() / 2);
+    std::nth_element(blurs.begin(), middle, blurs.end());
+    blur_px = *middle;
+  }
+  return kAcceptedOfDiagonal * std::hypot(WidthPx(like), HeightPx(like)) * std::max(1.0, blur_px / kSharp_px);
+}
+
 void CheckResidual(const Calibration& c, double accepted_px) {
   if (c.rms_px <= accepted_px) return;
   std::vector<const CalibratedView*> used;
@@ -123,14 +139,15 @@ void CheckResidual(const Calibration& c, double accepted_px) {
   std::string worst;
   for (std::size_t i = 0; i < std::min<std::size_t>(used.size(), 3); ++i)
     worst += fmt::format("{}{} {:.2f}", i == 0 ? "" : ", ", used[i]->name, used[i]->rms_px);
-  throw PoorFit({}, fmt::format("the {} model does not fit: {:.2f} px rms are left between what it says and "
-                                "what {} images show, where "
-                                "{:g} px are accepted; worst: {}. The board's numbers may be wrong (counts, "
-                                "side, spacing), the images "
-                                "of several cameras, or of one whose zoom or focus changed, the board not "
-                                "flat, or the lens one for "
-                                "another model",
-                                NameOf(c.camera), c.rms_px, used.size(), accepted_px, worst));
+  throw PoorFit({},
+                fmt::format("the {} model does not fit: {:.2f} px rms are left between what it says and "
+                            "what {} images show, where "
+                            "{:.2g} px are accepted; worst: {}. The board's numbers may be wrong (counts, "
+                            "side, spacing), the images "
+                            "of several cameras, or of one whose zoom or focus changed, the board not "
+                            "flat, or the lens one for "
+                            "another model",
+                            NameOf(c.camera), c.rms_px, used.size(), accepted_px, worst));
 }
 
 void CheckFocalLength(const Calibration& c) {

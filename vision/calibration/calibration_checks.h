@@ -21,6 +21,12 @@ void CheckViews(const Board& board, std::span<const BoardView> views, const std:
 void CheckLeftOut(std::span<const BoardView> views, const std::vector<std::size_t>& usable,
                   const std::vector<std::string>& left_out, const CameraModel& like);
 
+// What may be left between a camera and what its images show, root mean square, px: a thousandth of the
+// image's diagonal, 0.8 px of 640 x 480. What is left of a good calibration is mostly of the board (its print,
+// its bend), which more pixels see larger. Where edges are blurred by more than 0.7 px, the median of the
+// corners, as much more as they are: then pixels are finer than the picture.
+double AcceptedResidual(std::span<const BoardView> views, const CameraModel& like);
+
 // A camera that leaves more than accepted_px: throws PoorFit.
 void CheckResidual(const Calibration& calibration, double accepted_px);
 

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/pose.h"
+
 namespace kestrel::vision {
 
 using Eigen::Vector2d;
@@ -23,21 +25,32 @@ double SpreadOfTilts(const std::vector<AdjustedView>& views) {
 
 double WorstUncertainty(const Calibration& c) {
   constexpr int kCols = 9, kRows = 7;
-  double worst = 0;
+  // Of the pixels of some rays, two rows each: by the parameters, and by a turn of the camera.
+  Eigen::MatrixXd d_parameters(0, static_cast<Eigen::Index>(c.free.size()));
+  Eigen::MatrixX3d d_turn(0, 3);
   for (int row = 0; row < kRows; ++row) {
     for (int col = 0; col < kCols; ++col) {
       const Vector2d uv(col * (WidthPx(c.camera) - 1.0) / (kCols - 1),
                         row * (HeightPx(c.camera) - 1.0) / (kRows - 1));
       const auto ray = Ray(c.camera, uv);
+      Eigen::Matrix<double, 2, 3> d_point;
       Eigen::Matrix2Xd d_all;
       // Beyond what was seen the lens may show nothing; there nobody asks.
-      if (!ray || AngleFromAxis(*ray) > c.max_angle_seen_rad || !Project(c.camera, *ray, nullptr, &d_all))
+      if (!ray || AngleFromAxis(*ray) > c.max_angle_seen_rad || !Project(c.camera, *ray, &d_point, &d_all))
         continue;
-      Eigen::Matrix2Xd d(2, static_cast<Eigen::Index>(c.free.size()));
-      for (std::size_t i = 0; i < c.free.size(); ++i)
-        d.col(static_cast<Eigen::Index>(i)) = d_all.col(c.free[i]);
-      worst = std::max(worst, std::sqrt((d * c.covariance * d.transpose()).trace() / 2));
+      const Eigen::Index rows = d_turn.rows();
+      d_parameters.conservativeResize(rows + 2, Eigen::NoChange);
+      d_parameters.bottomRows<2>() = d_all(Eigen::all, c.free);
+      d_turn.conservativeResize(rows + 2, Eigen::NoChange);
+      d_turn.bottomRows<2>() = d_point * Skew(*ray);
     }
+  }
+  if (d_turn.rows() == 0) return 0;
+  d_parameters -= d_turn * (d_turn.transpose() * d_turn).ldlt().solve(d_turn.transpose() * d_parameters);
+  double worst = 0;
+  for (Eigen::Index i = 0; i < d_parameters.rows(); i += 2) {
+    const auto d = d_parameters.middleRows<2>(i);
+    worst = std::max(worst, std::sqrt((d * c.covariance * d.transpose()).trace() / 2));
   }
   return worst;
 }

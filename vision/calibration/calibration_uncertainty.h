@@ -12,7 +12,9 @@ namespace kestrel::vision {
 // The maximum angle between the normals of two boards, rad.
 double SpreadOfTilts(const std::vector<AdjustedView>& views);
 
-// One deviation of the pixel of a known ray, the largest over the image.
+// One deviation of the pixel of a known ray, the largest over what was seen of the image, after the turn of
+// the camera that takes most of it away: where the camera is mounted, the images of a board do not tell, and
+// of a narrow lens a shift of the centre is a turn.
 double WorstUncertainty(const Calibration& calibration);
 
 inline constexpr double kMaxAlike = 2;  // see AllowForImages; of noise alone it is 0.5 to 1

@@ -180,8 +180,8 @@ std::vector<BoardCorner> FitAll(const cv::Mat& grey, const Board& board, CornerM
         if (!fit) continue;
         fitted.At(col, row) = fit->pixel;
         if (x->bend_known && y->bend_known)
-          corners.push_back(
-              {static_cast<int>(map.Index(col, row)), fit->pixel, fit->covariance, black_lower_left});
+          corners.push_back({static_cast<int>(map.Index(col, row)), fit->pixel, fit->covariance,
+                             black_lower_left, fit->blur_px});
       }
     }
     map = fitted;
@@ -364,7 +364,9 @@ std::vector<BoardCorner> RefitBoard(const cv::Mat& image, const Board& board,
     if (!x || !y) continue;
     const auto guess = GuessOf(board, col, row, corner.pixel, *x, *y, kMinClear_px, corner.black_lower_left);
     const auto fit = guess ? FitFree(grey, *guess) : std::nullopt;
-    if (fit) refitted.push_back({corner.index, fit->pixel, fit->covariance, corner.black_lower_left});
+    if (fit) {
+      refitted.push_back({corner.index, fit->pixel, fit->covariance, corner.black_lower_left, fit->blur_px});
+    }
   }
   return refitted;
 }

@@ -15,10 +15,12 @@ namespace kestrel::vision {
 struct BoardCorner {
   int index = 0;  // among Corners(board)
   Eigen::Vector2d pixel;
-  Eigen::Matrix2d covariance;  // px^2, by what is left where it was fitted (vision/calibration/board/corner_fit.h)
+  Eigen::Matrix2d
+      covariance;  // px^2, by what is left where it was fitted (vision/calibration/board/corner_fit.h)
   // Whether the square at the lower left of the board is black, as Chessboard has it. One that is white there
   // however it is turned is seen with its colours exchanged.
   bool black_lower_left = true;
+  double blur_px = 0;  // standard deviation of the light's spread there, as the fit has it; 0: not known
 };
 
 // The corners of a board in an image, by index: of a chessboard only when all of it is in view, of tags those
