@@ -22,6 +22,7 @@ constexpr double kFastestTip_m_s = 240;          // 0.7 of the speed of sound
 constexpr double kShareAtRotors = 0.4;           // of the mass
 constexpr double kPelicanArm_m = 0.21, kPelicanRotor_m = 0.128;
 
+// Spins as the autopilots' own layouts have them (sim/server/physics/motor_layout.h).
 std::vector<RotorPlace> PlacesOf(const VehicleDraft& d) {
   std::vector<RotorPlace> places;
   const auto add = [&](double x, double y, bool clockwise) {
@@ -35,13 +36,13 @@ std::vector<RotorPlace> PlacesOf(const VehicleDraft& d) {
     for (const int side : {1, -1})
       for (int i = 0; i < on_rail; ++i)
         add(d.arm_m * std::cos(kCorner) * (1 - 2.0 * i / (on_rail - 1)), side * d.arm_m * std::sin(kCorner),
-            (i % 2 == 0) == (side > 0));
+            (i % 2 == 0) == ((side > 0) != (d.rotors == 6)));
     return places;
   }
   const double step = 2 * std::numbers::pi / d.rotors, first = d.layout == "x" ? step / 2 : 0;
   for (int i = 0; i < d.rotors; ++i)
     add(d.arm_m * std::cos(first + i * step), d.arm_m * std::sin(first + i * step),
-        (i % 2 == 0) == (d.layout == "plus"));
+        (i % 2 == 0) == (d.layout == "plus" || d.rotors == 8));
   return places;
 }
 

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -38,7 +37,7 @@ struct ArduPilotPhysics::Impl {
   };
 
   Impl(const ArduPilotPhysicsParameters& p, const AirframeParameters& aircraft)
-      : parameters(p), motors(p.layout, aircraft) {
+      : parameters(p), motors(KnownMotorOrder(MultirotorOf(aircraft)), MultirotorOf(aircraft)) {
     const udp::endpoint here(ParseAddress(p.address), static_cast<std::uint16_t>(p.port));
     Listen("udp", here, [&] {
       boost::system::error_code error;
@@ -89,7 +88,7 @@ struct ArduPilotPhysics::Impl {
     owed = true;
     const ardupilot::ServoPacket& packet = received.packet;
     const double range_us = parameters.pwm_max_us - parameters.pwm_min_us;
-    for (std::size_t i = 0; i < commands.size(); ++i)
+    for (std::size_t i = 0; i < motors.order().rotor.size(); ++i)
       commands[i] = (packet.pwm_us[i] - parameters.pwm_min_us) / range_us;
     step_s = packet.frame_rate_hz > 0 ? 1.0 / packet.frame_rate_hz : 0;
   }
@@ -121,12 +120,11 @@ struct ArduPilotPhysics::Impl {
     ardupilot::PhysicsState state;
     state.t_s = truth.t_s;
     const ImuSample imu = gathered.MeanImu();
-    const Eigen::Quaterniond R_AB = motors.R_BA().conjugate();
-    state.w_B = R_AB * imu.w_B;
-    state.specific_force_B = R_AB * imu.specific_force_B;
+    state.w_B = imu.w_B;
+    state.specific_force_B = imu.specific_force_B;
     state.p_N = truth.X_NB.p;
     state.v_N = truth.v_N;
-    state.R_NB = truth.X_NB.R * motors.R_BA();
+    state.R_NB = truth.X_NB.R;
     state.wind_N = truth.wind_N;
     const std::optional<std::string> state_line = ardupilot::StateLine(state);
     if (!state_line) return std::nullopt;
@@ -168,7 +166,7 @@ struct ArduPilotPhysics::Impl {
   Clock::time_point heard;  // from the peer, or state_line to it
   ardupilot::ServoSequence sequence;
   bool owed = false;  // an answer to what has been obeyed: a flight that begins now owes it too
-  std::array<double, 4> commands{};
+  MotorCommands commands{};
   double step_s = 0;  // asked for
   GatheredReadings gathered;
   std::string line;  // the last answer
@@ -192,6 +190,8 @@ std::optional<Actuation> ArduPilotPhysics::Step(double dt_s, const SensorReading
 
 void ArduPilotPhysics::Stop() { impl_->stop = true; }
 PhysicsCounts ArduPilotPhysics::counts() const { return impl_->counts; }
+
+std::string ArduPilotPhysics::Motors() const { return impl_->motors.order().Name(); }
 
 std::string ArduPilotPhysics::Where() const {
   const udp::endpoint here = impl_->socket.Where();

@@ -11,9 +11,8 @@ namespace kestrel::sim {
 
 struct ArduPilotPhysicsParameters {
   std::string address = "127.0.0.1";
-  int port = 9002;                   // 0: any that is free
-  std::string layout = "quad-plus";  // of its motors: sim/server/physics/motor_layout.h
-  double thrust_curvature = 0.65;    // its MOT_THST_EXPO
+  int port = 9002;                 // 0: any that is free
+  double thrust_curvature = 0.65;  // its MOT_THST_EXPO
   int pwm_min_us = 1000, pwm_max_us = 2000;
   double gone_s = 2;  // silent for longer, on this computer's clock, a peer gives way to another
 };
@@ -21,7 +20,6 @@ struct ArduPilotPhysicsParameters {
 inline void Fields(FieldVisitor& v, ArduPilotPhysicsParameters& p) {
   v({"address", "address on which the simulator waits for ArduPilot"}, p.address);
   v({"port", "UDP port on which the simulator waits for ArduPilot; 0: any that is free"}, p.port, 0, 65535);
-  v({"layout", "where ArduPilot has its motors"}, p.layout, {"quad-plus", "quad-x"});
   v({"thrust_curvature", "ArduPilot's MOT_THST_EXPO: how thrust goes with the motors' signal"},
     p.thrust_curvature, 0.0, 1.0);
   v({"pwm_min_us", "pulse width at which a motor stands still"}, p.pwm_min_us, 500, 1500);
@@ -46,7 +44,7 @@ inline void Fields(FieldVisitor& v, ArduPilotPhysicsParameters& p) {
 class ArduPilotPhysics final : public PhysicsServer {
  public:
   // Listens at once. Throws std::runtime_error: not an address, a port that is taken, an aircraft that is no
-  // Multirotor.
+  // Multirotor or whose rotors are in no layout that ArduPilot has (sim/server/physics/motor_layout.h).
   ArduPilotPhysics(const ArduPilotPhysicsParameters& parameters, const AirframeParameters& aircraft);
   ~ArduPilotPhysics() override;
 
@@ -55,6 +53,7 @@ class ArduPilotPhysics final : public PhysicsServer {
   std::optional<Actuation> Step(double dt_s, const SensorReadings& readings, const Truth& truth) override;
   void Stop() override;
   std::string Where() const override;
+  std::string Motors() const override;
   PhysicsCounts counts() const override;
 
  private:

@@ -37,8 +37,7 @@ double StandardPressure_hpa(double altitude_m) {
 double StandardTemperature_c(double altitude_m) { return kSeaLevel_k - 273.15 - kLapse_k_m * altitude_m; }
 
 control::wire::mavlink::HilSensor ToHilSensor(std::uint64_t time_usec, const GatheredReadings& readings,
-                                              SlowSensors& slow, const Eigen::Quaterniond& R_BA,
-                                              const GeodeticOrigin& origin) {
+                                              SlowSensors& slow, const GeodeticOrigin& origin) {
   control::wire::mavlink::HilSensor m;
   m.time_usec = time_usec;
   m.fields_updated = kAccelerometer | kGyro;
@@ -51,12 +50,12 @@ control::wire::mavlink::HilSensor ToHilSensor(std::uint64_t time_usec, const Gat
     m.fields_updated |= kBarometer;
   }
   const ImuSample imu = readings.MeanImu();
-  const Eigen::Vector3f force_A = (R_BA.conjugate() * imu.specific_force_B).cast<float>();
-  const Eigen::Vector3f w_A = (R_BA.conjugate() * imu.w_B).cast<float>();
-  const Eigen::Vector3f field_A = (R_BA.conjugate() * slow.field_B * kGaussPerTesla).cast<float>();
-  m.xacc = force_A.x(), m.yacc = force_A.y(), m.zacc = force_A.z();
-  m.xgyro = w_A.x(), m.ygyro = w_A.y(), m.zgyro = w_A.z();
-  m.xmag = field_A.x(), m.ymag = field_A.y(), m.zmag = field_A.z();
+  const Eigen::Vector3f force_B = imu.specific_force_B.cast<float>();
+  const Eigen::Vector3f w_B = imu.w_B.cast<float>();
+  const Eigen::Vector3f field_B = (slow.field_B * kGaussPerTesla).cast<float>();
+  m.xacc = force_B.x(), m.yacc = force_B.y(), m.zacc = force_B.z();
+  m.xgyro = w_B.x(), m.ygyro = w_B.y(), m.zgyro = w_B.z();
+  m.xmag = field_B.x(), m.ymag = field_B.y(), m.zmag = field_B.z();
   const double altitude_m = origin.altitude_m + slow.height_m;
   m.abs_pressure = static_cast<float>(StandardPressure_hpa(altitude_m));
   m.pressure_alt = static_cast<float>(altitude_m);
@@ -87,14 +86,13 @@ control::wire::mavlink::HilGps ToHilGps(std::uint64_t time_usec, const GpsSample
 
 control::wire::mavlink::HilStateQuaternion ToHilState(std::uint64_t time_usec, const Truth& truth,
                                                       const Eigen::Vector3d& specific_force_B,
-                                                      const Eigen::Quaterniond& R_BA,
                                                       const GeodeticOrigin& origin) {
   control::wire::mavlink::HilStateQuaternion m;
   m.time_usec = time_usec;
-  const Eigen::Quaternionf q = (truth.X_NB.R * R_BA).cast<float>();
+  const Eigen::Quaternionf q = truth.X_NB.R.cast<float>();
   m.attitude_quaternion = {q.w(), q.x(), q.y(), q.z()};
-  const Eigen::Vector3f w_A = (R_BA.conjugate() * truth.w_B).cast<float>();
-  m.rollspeed = w_A.x(), m.pitchspeed = w_A.y(), m.yawspeed = w_A.z();
+  const Eigen::Vector3f w_B = truth.w_B.cast<float>();
+  m.rollspeed = w_B.x(), m.pitchspeed = w_B.y(), m.yawspeed = w_B.z();
   const GeodeticPosition position = GeodeticOf(origin, truth.X_NB.p);
   m.lat = Rounded<std::int32_t>(position.latitude_deg * 1e7);
   m.lon = Rounded<std::int32_t>(position.longitude_deg * 1e7);
@@ -104,7 +102,7 @@ control::wire::mavlink::HilStateQuaternion ToHilState(std::uint64_t time_usec, c
   m.vz = Rounded<std::int16_t>(truth.v_N.z() * 100);
   const double airspeed_cm_s = (truth.v_N - truth.wind_N).norm() * 100;
   m.ind_airspeed = m.true_airspeed = Rounded<std::uint16_t>(airspeed_cm_s);
-  const Eigen::Vector3d force_mg = R_BA.conjugate() * specific_force_B / (kGravity_m_s2 * 1e-3);
+  const Eigen::Vector3d force_mg = specific_force_B / (kGravity_m_s2 * 1e-3);
   m.xacc = Rounded<std::int16_t>(force_mg.x());
   m.yacc = Rounded<std::int16_t>(force_mg.y());
   m.zacc = Rounded<std::int16_t>(force_mg.z());

@@ -9,8 +9,8 @@
 #include "sim/server/geodetic_origin.h"
 #include "sim/server/physics/gathered_readings.h"
 
-// Sensors and truth as the messages that PX4 takes from a simulator, in their units. A is the autopilot's
-// body frame, which may be turned in B: see sim/server/physics/motor_layout.h.
+// Sensors and truth as the messages that PX4 takes from a simulator, in their units. PX4's body
+// frame is B.
 namespace kestrel::sim {
 
 // The international standard atmosphere (ISO 2533) up to 11 km.
@@ -26,8 +26,7 @@ struct SlowSensors {
 // readings: of one step at least. slow is brought up to date with them. The temperature is the standard
 // atmosphere's, there is no air speed.
 control::wire::mavlink::HilSensor ToHilSensor(std::uint64_t time_usec, const GatheredReadings& readings,
-                                              SlowSensors& slow, const Eigen::Quaterniond& R_BA,
-                                              const GeodeticOrigin& origin);
+                                              SlowSensors& slow, const GeodeticOrigin& origin);
 
 // eph and epv are 100: a dilution of 1 as MAVLink has it, 1 m as PX4 reads it. Ten satellites.
 control::wire::mavlink::HilGps ToHilGps(std::uint64_t time_usec, const GpsSample& gps,
@@ -36,7 +35,6 @@ control::wire::mavlink::HilGps ToHilGps(std::uint64_t time_usec, const GpsSample
 // specific_force_B in m/s^2.
 control::wire::mavlink::HilStateQuaternion ToHilState(std::uint64_t time_usec, const Truth& truth,
                                                       const Eigen::Vector3d& specific_force_B,
-                                                      const Eigen::Quaterniond& R_BA,
                                                       const GeodeticOrigin& origin);
 
 }  // namespace kestrel::sim

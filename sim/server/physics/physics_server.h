@@ -41,6 +41,8 @@ class PhysicsServer : public ExternalAutopilot {
   // signal's handler.
   virtual void Stop() = 0;
   virtual std::string Where() const = 0;  // to connect to: "tcp://127.0.0.1:4560"
+  // The layout by which its motors turn the rotors, such as "hexa-x"; empty: none of its own.
+  virtual std::string Motors() const { return {}; }
   virtual PhysicsCounts counts() const = 0;
 };
 

@@ -53,7 +53,7 @@ struct Connection {
 
 struct Px4Physics::Impl {
   Impl(const Px4PhysicsParameters& p, const AirframeParameters& aircraft)
-      : parameters(p), motors(p.layout, aircraft), acceptor(io) {
+      : parameters(p), motors(Px4MotorOrder(MultirotorOf(aircraft)), MultirotorOf(aircraft)), acceptor(io) {
     const tcp::endpoint here(ParseAddress(p.address), static_cast<std::uint16_t>(p.port));
     Listen("tcp", here, [&] {
       acceptor.open(here.protocol());
@@ -128,7 +128,7 @@ struct Px4Physics::Impl {
       lockstep = (controls->flags & kLockstepFlag) != 0;
       answered = true;
       ++counts.answers;
-      for (std::size_t i = 0; i < commands.size(); ++i)
+      for (std::size_t i = 0; i < motors.order().rotor.size(); ++i)
         commands[i] = (controls->mode & kArmed) != 0 ? static_cast<double>(controls->controls[i]) : 0;
     } else if (const auto* command = std::get_if<mav::CommandLong>(&message)) {
       if (command->command == kSetMessageInterval &&
@@ -227,11 +227,10 @@ struct Px4Physics::Impl {
     if (gathered.gps) add(ToHilGps(time_usec, *gathered.gps, parameters.origin));
     if (state_period_s >= 0 && truth.t_s >= state_due_s - parameters.sensor_period_s / 2) {
       state_due_s = std::max(state_due_s + state_period_s, truth.t_s);
-      add(ToHilState(time_usec, truth, gathered.MeanImu().specific_force_B, motors.R_BA(),
-                     parameters.origin));
+      add(ToHilState(time_usec, truth, gathered.MeanImu().specific_force_B, parameters.origin));
     }
     // Last, for it is what PX4 answers.
-    add(ToHilSensor(time_usec, gathered, slow, motors.R_BA(), parameters.origin));
+    add(ToHilSensor(time_usec, gathered, slow, parameters.origin));
     gathered = {};
 
     Pace(truth.t_s);
@@ -266,7 +265,7 @@ struct Px4Physics::Impl {
   // Of the flight.
   std::optional<std::uint64_t> last_usec;
   bool lockstep = false, answered = false;
-  std::array<double, 4> commands{};
+  MotorCommands commands{};
   double state_period_s = -1, state_due_s = 0, due_s = 0;
   GatheredReadings gathered;
   SlowSensors slow;
@@ -302,6 +301,8 @@ std::optional<Actuation> Px4Physics::Step(double dt_s, const SensorReadings& rea
 
 void Px4Physics::Stop() { impl_->wait.Stop(); }
 bool Px4Physics::lockstep() const { return impl_->lockstep; }
+
+std::string Px4Physics::Motors() const { return impl_->motors.order().Name(); }
 
 std::string Px4Physics::Where() const {
   const tcp::endpoint here = impl_->acceptor.local_endpoint();

@@ -12,18 +12,16 @@ namespace kestrel::sim {
 
 struct Px4PhysicsParameters {
   std::string address = "127.0.0.1";
-  int port = 4560;                   // 0: any that is free
-  std::string layout = "quad-plus";  // of its motors: sim/server/physics/motor_layout.h
-  double thrust_curvature = 0;       // its THR_MDL_FAC
-  double sensor_period_s = 0.004;    // of HIL_SENSOR, in simulated time
-  double speed = 1;                  // of the simulated time against the real one; 0: as fast as it answers
+  int port = 4560;                 // 0: any that is free
+  double thrust_curvature = 0;     // its THR_MDL_FAC
+  double sensor_period_s = 0.004;  // of HIL_SENSOR, in simulated time
+  double speed = 1;                // of the simulated time against the real one; 0: as fast as it answers
   GeodeticOrigin origin = {};
 };
 
 inline void Fields(FieldVisitor& v, Px4PhysicsParameters& p) {
   v({"address", "address on which the simulator waits for PX4"}, p.address);
   v({"port", "TCP port on which the simulator waits for PX4; 0: any that is free"}, p.port, 0, 65535);
-  v({"layout", "where PX4 has its motors"}, p.layout, {"quad-plus", "quad-x"});
   v({"thrust_curvature", "PX4's THR_MDL_FAC: how thrust goes with the motors' signal"}, p.thrust_curvature,
     0.0, 1.0);
   v({"sensor_period_s", "time between two HIL_SENSOR messages, in simulated time"}, p.sensor_period_s, 0.002,
@@ -55,6 +53,7 @@ class Px4Physics final : public PhysicsServer {
   std::optional<Actuation> Step(double dt_s, const SensorReadings& readings, const Truth& truth) override;
   void Stop() override;
   std::string Where() const override;
+  std::string Motors() const override;
   PhysicsCounts counts() const override;
   bool lockstep() const;  // its controls say so
 

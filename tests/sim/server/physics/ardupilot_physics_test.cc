@@ -7,9 +7,12 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <thread>
+#include <tuple>
 #include <vector>
 
 #include "sim/server/physics/ardupilot_json.h"
+#include "sim/server/physics/motor_layout.h"
+#include "tests/sim/drafted_aircraft.h"
 #include "tests/sim/on_ground.h"
 #include "tests/sim/server/wire_peer.h"
 #include "tests/sim/test_pilot.h"
@@ -28,11 +31,11 @@ class ArduPilotPeer {
  public:
   explicit ArduPilotPeer(const std::string& where) : wire_(where) {}
 
-  void Send(std::uint32_t count, const std::array<double, 4>& commands, int rate_hz) const {
+  void Send(std::uint32_t count, const MotorCommands& commands, int rate_hz) const {
     ardupilot::ServoPacket packet;
     packet.frame_rate_hz = static_cast<std::uint16_t>(rate_hz);
     packet.frame_count = count;
-    for (std::size_t i = 0; i < 4; ++i)
+    for (std::size_t i = 0; i < commands.size(); ++i)
       packet.pwm_us[i] = static_cast<std::uint16_t>(1000 + std::lround(1000 * commands[i]));
     wire_.Send(ardupilot::EncodeServoPacket(packet));
   }
@@ -43,8 +46,7 @@ class ArduPilotPeer {
     if (text.size() < 2 || text.front() != '\n' || text.back() != '\n') return {};
     return nlohmann::json::parse(text, nullptr, false);
   }
-  nlohmann::json Exchange(std::uint32_t count, const std::array<double, 4>& commands = {},
-                          int rate_hz = 400) const {
+  nlohmann::json Exchange(std::uint32_t count, const MotorCommands& commands = {}, int rate_hz = 400) const {
     Send(count, commands, rate_hz);
     return Receive();
   }
@@ -86,48 +88,65 @@ Flown Fly(ArduPilotPhysics& physics, const SimulatorParameters& parameters) {
   return flown;
 }
 
-TEST(ArduPilotPhysics, APeerTakesOffAndHoversByTheStateItIsSent) {
-  for (const char* layout : {"quad-plus", "quad-x"}) {
-    SCOPED_TRACE(layout);
-    SimulatorParameters p = OnGround();
-    p.duration_s = 15;
-    p.wind.mean_m_s = 1;
-    ArduPilotPhysicsParameters parameters = AnyPort();
-    parameters.layout = layout;
-    ArduPilotPhysics physics(parameters, p.vehicle);
-    bool in_step = true;
-    std::atomic<bool> over = false;
-    std::thread peer([&] {
-      const ArduPilotPeer ardupilot(physics.Where());
-      TestPilot pilot(std::string(layout) == "quad-x", 0.65);
-      nlohmann::json line = ardupilot.Exchange(0);
-      pilot.KeepHeading(YawOf(StateOf(line).R_NA));
-      const double ground_m = StateOf(line).p_N.z();
-      for (std::uint32_t i = 1; line.is_object(); ++i) {
-        PilotState state = StateOf(line);
-        state.p_N.z() -= ground_m;
-        if (std::abs(TimeOf(line) - 0.002 * i) > 1e-9) in_step = false;
-        if (i % 2000 == 0 && ardupilot.wire().Readable(20)) in_step = false;  // said more than was asked
-        ardupilot.Send(i, pilot.Fly(TimeOf(line), state, 2), 400);
-        while (!over && !ardupilot.wire().Readable(20)) continue;
-        if (over) return;
-        line = ardupilot.Receive();
-      }
-    });
-    EXPECT_TRUE(physics.Begin());
-    const Flown flown = Fly(physics, p);
-    over = true;
-    peer.join();
-    EXPECT_TRUE(in_step);
-    ASSERT_EQ(flown.truths.size(), 76U);
-    for (std::size_t k = 0; k < flown.truths.size(); ++k) {
-      EXPECT_NEAR(flown.frames_s[k], 0.2 * static_cast<double>(k), 1e-9);
-      const Truth& truth = flown.truths[k];
-      if (truth.t_s < 5) continue;
-      EXPECT_NEAR(truth.X_NB.p.z() - flown.truths[0].X_NB.p.z(), -2, 0.25) << truth.t_s;
-      EXPECT_LT((truth.X_NB.p - flown.truths[0].X_NB.p).head<2>().norm(), 0.5) << truth.t_s;
-      EXPECT_LT(std::abs(Degrees(YawOf(truth.X_NB.R))), 5) << truth.t_s;
+// A peer with the motors of a layout takes off and stays at 2 m.
+void HoverBy(const std::string& layout, SimulatorParameters p) {
+  SCOPED_TRACE(layout);
+  p.duration_s = 15;
+  p.wind.mean_m_s = 1;
+  ArduPilotPhysics physics(AnyPort(), p.vehicle);
+  EXPECT_EQ(physics.Motors(), layout);
+  bool in_step = true;
+  std::atomic<bool> over = false;
+  std::thread peer([&] {
+    const ArduPilotPeer ardupilot(physics.Where());
+    const MultirotorParameters& aircraft = MultirotorOf(p.vehicle);
+    const double arm_m = LayoutOf(aircraft).hubs_B[0].head<2>().norm();
+    TestPilot pilot(PublishedLayout(layout, arm_m), 0.65, aircraft);
+    nlohmann::json line = ardupilot.Exchange(0);
+    pilot.KeepHeading(YawOf(StateOf(line).R_NA));
+    const double ground_m = StateOf(line).p_N.z();
+    for (std::uint32_t i = 1; line.is_object(); ++i) {
+      PilotState state = StateOf(line);
+      state.p_N.z() -= ground_m;
+      if (std::abs(TimeOf(line) - 0.002 * i) > 1e-9) in_step = false;
+      if (i % 2000 == 0 && ardupilot.wire().Readable(20)) in_step = false;  // said more than was asked
+      ardupilot.Send(i, pilot.Fly(TimeOf(line), state, 2), 400);
+      while (!over && !ardupilot.wire().Readable(20)) continue;
+      if (over) return;
+      line = ardupilot.Receive();
     }
+  });
+  EXPECT_TRUE(physics.Begin());
+  const Flown flown = Fly(physics, p);
+  over = true;
+  peer.join();
+  EXPECT_TRUE(in_step);
+  ASSERT_EQ(flown.truths.size(), 76U);
+  for (std::size_t k = 0; k < flown.truths.size(); ++k) {
+    EXPECT_NEAR(flown.frames_s[k], 0.2 * static_cast<double>(k), 1e-9);
+    const Truth& truth = flown.truths[k];
+    if (truth.t_s < 5) continue;
+    EXPECT_NEAR(truth.X_NB.p.z() - flown.truths[0].X_NB.p.z(), -2, 0.25) << truth.t_s;
+    EXPECT_LT((truth.X_NB.p - flown.truths[0].X_NB.p).head<2>().norm(), 0.5) << truth.t_s;
+    EXPECT_LT(std::abs(Degrees(YawOf(truth.X_NB.R))), 5) << truth.t_s;
+  }
+}
+
+TEST(ArduPilotPhysics, APeerTakesOffAndHoversByTheStateItIsSent) {
+  for (const char* layout : {"quad-plus", "quad-x"}) HoverBy(layout, OnGroundWith(layout));
+}
+
+TEST(ArduPilotPhysics, AnAircraftThatWasBegunHoversByItsAutopilotsTable) {
+  for (const auto& [shape, rotors, layout] :
+       {std::tuple{"x", 6, "hexa-x"}, {"plus", 6, "hexa-plus"}, {"x", 8, "octo-x"}, {"h", 4, "quad-h"}}) {
+    VehicleDraft draft;
+    draft.name = "begun", draft.layout = shape, draft.rotors = rotors;
+    draft.mass_kg = 2.3, draft.arm_m = 0.31;
+    const MultirotorParameters aircraft = DraftedAircraft(draft);
+    SimulatorParameters p = OnGround();
+    p.vehicle = aircraft;
+    p.scene.vehicle_shape = MultirotorShape(aircraft);
+    HoverBy(layout, p);
   }
 }
 
@@ -142,7 +161,7 @@ TEST(ArduPilotPhysics, APeerThatAsksForItsDefaultRateArmsAndFlies) {
     double gyro_hz = 0;
     std::thread peer([&] {
       const ArduPilotPeer ardupilot(physics.Where());
-      TestPilot pilot(false, 0.65);
+      TestPilot pilot(PublishedLayout("quad-plus", MultirotorParameters().arm_m), 0.65);
       nlohmann::json line = ardupilot.Exchange(0, {}, rate_hz);
       pilot.KeepHeading(YawOf(StateOf(line).R_NA));
       const double ground_m = StateOf(line).p_N.z(), began_s = TimeOf(line);
@@ -155,7 +174,7 @@ TEST(ArduPilotPhysics, APeerThatAsksForItsDefaultRateArmsAndFlies) {
         }
         PilotState state = StateOf(line);
         state.p_N.z() -= ground_m;
-        ardupilot.Send(i, armed ? pilot.Fly(t_s, state, 2) : std::array<double, 4>{}, rate_hz);
+        ardupilot.Send(i, armed ? pilot.Fly(t_s, state, 2) : MotorCommands{}, rate_hz);
         while (!over && !ardupilot.wire().Readable(20)) continue;
         if (over) return;
         line = ardupilot.Receive();

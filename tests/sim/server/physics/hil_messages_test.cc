@@ -53,8 +53,7 @@ SensorReadings Readings(const Vector3d& w_B, const Vector3d& force_B) {
   return r;
 }
 
-TEST(HilMessages, SensorsComeInTheUnitsOfTheWireAndInTheAutopilotsFrame) {
-  const Eigen::Quaterniond R_BA = HeadingRotation(Radians(90));  // its forward is our right
+TEST(HilMessages, SensorsComeInTheUnitsOfTheWire) {
   GatheredReadings gathered;
   SensorReadings first = Readings({0.1, 0.2, 0.3}, {1, 2, -9});
   first.field_B = Vector3d(20e-6, 5e-6, 40e-6);
@@ -63,17 +62,17 @@ TEST(HilMessages, SensorsComeInTheUnitsOfTheWireAndInTheAutopilotsFrame) {
   SlowSensors slow;
   GeodeticOrigin origin;
   origin.altitude_m = 900;
-  auto m = ToHilSensor(123456, gathered, slow, R_BA, origin);
+  auto m = ToHilSensor(123456, gathered, slow, origin);
   EXPECT_EQ(m.time_usec, 123456U);
   EXPECT_EQ(m.fields_updated, 0x1FFU);  // accelerometers, gyros, magnetometer
-  EXPECT_FLOAT_EQ(m.xgyro, 0.3F);
-  EXPECT_FLOAT_EQ(m.ygyro, -0.2F);
+  EXPECT_FLOAT_EQ(m.xgyro, 0.2F);
+  EXPECT_FLOAT_EQ(m.ygyro, 0.3F);
   EXPECT_FLOAT_EQ(m.zgyro, 0.4F);
-  EXPECT_FLOAT_EQ(m.xacc, 3);
-  EXPECT_FLOAT_EQ(m.yacc, -2);
+  EXPECT_FLOAT_EQ(m.xacc, 2);
+  EXPECT_FLOAT_EQ(m.yacc, 3);
   EXPECT_FLOAT_EQ(m.zacc, -10);
-  EXPECT_FLOAT_EQ(m.xmag, 0.05F);
-  EXPECT_FLOAT_EQ(m.ymag, -0.2F);
+  EXPECT_FLOAT_EQ(m.xmag, 0.2F);
+  EXPECT_FLOAT_EQ(m.ymag, 0.05F);
   EXPECT_FLOAT_EQ(m.zmag, 0.4F);
   EXPECT_EQ(m.id, 0);
 
@@ -81,7 +80,7 @@ TEST(HilMessages, SensorsComeInTheUnitsOfTheWireAndInTheAutopilotsFrame) {
   SensorReadings second = Readings(Vector3d::Zero(), {0, 0, -9.8});
   second.height_m = 100;
   gathered.Add(second);
-  m = ToHilSensor(127456, gathered, slow, Eigen::Quaterniond::Identity(), origin);
+  m = ToHilSensor(127456, gathered, slow, origin);
   EXPECT_EQ(m.fields_updated, 0x3FU | 0x1A00U);  // barometer: pressure, altitude, temperature
   EXPECT_NEAR(m.abs_pressure, 898.746, 0.01);    // at 1000 m
   EXPECT_FLOAT_EQ(m.pressure_alt, 1000);
@@ -112,18 +111,18 @@ TEST(HilMessages, FixesAndTruthAreInTheUnitsOfTheWire) {
   truth.v_N = {1, 2, -3};
   truth.wind_N = {1, 0, -3};
   truth.w_B = {0.1, 0, 0};
-  const auto state = ToHilState(9, truth, {0, 9.80665, -9.80665}, HeadingRotation(Radians(90)), origin);
+  const auto state = ToHilState(9, truth, {0, 9.80665, -9.80665}, origin);
   EXPECT_EQ(state.alt, 7000);
   EXPECT_EQ(state.vx, 100);
   EXPECT_EQ(state.vy, 200);
   EXPECT_EQ(state.vz, -300);
   EXPECT_EQ(state.true_airspeed, 200);
-  EXPECT_EQ(state.xacc, 1000);
-  EXPECT_EQ(state.yacc, 0);
+  EXPECT_EQ(state.xacc, 0);
+  EXPECT_EQ(state.yacc, 1000);
   EXPECT_EQ(state.zacc, -1000);
-  EXPECT_NEAR(state.pitchspeed, -0.1, 1e-6);
-  EXPECT_NEAR(state.attitude_quaternion[0], std::cos(Radians(60)), 1e-6);  // heading 120 degrees
-  EXPECT_NEAR(state.attitude_quaternion[3], std::sin(Radians(60)), 1e-6);
+  EXPECT_NEAR(state.rollspeed, 0.1, 1e-6);
+  EXPECT_NEAR(state.attitude_quaternion[0], std::cos(Radians(15)), 1e-6);  // heading 30 degrees
+  EXPECT_NEAR(state.attitude_quaternion[3], std::sin(Radians(15)), 1e-6);
 }
 
 }  // namespace

@@ -1,42 +1,136 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/server/physics/motor_layout.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
-#include "geometry/tait_bryan.h"
+#include "tests/sim/drafted_aircraft.h"
+#include "tests/sim/on_ground.h"
+#include "tests/sim/published_layouts.h"
 
 namespace kestrel::sim {
 namespace {
 
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
 // More thrust of a motor turns the aircraft as the autopilot that numbers it so expects: away from it, and
 // against its spin.
 TEST(MotorLayout, EachMotorTurnsTheAircraftAsItsAutopilotExpects) {
-  const MultirotorParameters pelican;
   int checked = 0;
-  for (const MotorLayout& layout : MotorLayouts()) {
-    const MotorMapping mapping(layout.name, pelican);
-    for (std::size_t i = 0; i < 4; ++i, ++checked) {
-      std::array<double, 4> commands{};
+  for (const std::string& name : PublishedLayoutNames()) {
+    const MultirotorParameters aircraft = PelicanWith(name);
+    const MotorOrder order = KnownMotorOrder(aircraft);
+    EXPECT_EQ(order.Name(), name);
+    const MotorMapping mapping(order, aircraft);
+    const std::vector<PublishedMotor> motors = PublishedLayout(name, aircraft.arm_m);
+    ASSERT_EQ(order.rotor.size(), motors.size()) << name;
+    for (std::size_t i = 0; i < motors.size(); ++i, ++checked) {
+      MotorCommands commands{};
       commands[i] = 0.5;
       const auto speeds = std::get<RotorSpeeds>(mapping.Speeds(commands, 0));
-      const Wrench wrench = AerodynamicWrench(pelican, speeds, Eigen::Vector3d::Zero(),
-                                              Eigen::Vector3d::Zero(), {1e6, 1e6, 1e6, 1e6});
-      const Eigen::Vector3d torque_A = mapping.R_BA().conjugate() * wrench.torque;
-      const double thrust = -wrench.force.z(), bearing = Radians(layout.motors[i].bearing_deg);
+      std::array<double, kMaxRotors> high;
+      high.fill(1e6);
+      const Wrench wrench =
+          AerodynamicWrench(aircraft, speeds, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), high);
+      const double thrust = -wrench.force.z();
       const double max_thrust =
-          pelican.rotor.thrust_coefficient_n_s2 * std::pow(pelican.rotor.max_speed_rad_s, 2);
+          aircraft.rotor.thrust_coefficient_n_s2 * std::pow(aircraft.rotor.max_speed_rad_s, 2);
       EXPECT_NEAR(thrust, max_thrust / 2, 1e-9);
-      EXPECT_NEAR(torque_A.x(), -thrust * pelican.arm_m * std::sin(bearing), 1e-9) << layout.name << i;
-      EXPECT_NEAR(torque_A.y(), thrust * pelican.arm_m * std::cos(bearing), 1e-9) << layout.name << i;
-      const double reaction = thrust * pelican.rotor.moment_coefficient_m;  // clockwise is positive
-      EXPECT_NEAR(torque_A.z(), layout.motors[i].spin == Spin::kCounterclockwise ? reaction : -reaction, 1e-9)
-          << layout.name << i;
+      EXPECT_NEAR(wrench.torque.x(), -thrust * motors[i].y, 1e-9) << name << i;
+      EXPECT_NEAR(wrench.torque.y(), thrust * motors[i].x, 1e-9) << name << i;
+      EXPECT_NEAR(wrench.torque.z(), motors[i].yaw * thrust * aircraft.rotor.moment_coefficient_m, 1e-9)
+          << name << i;
     }
   }
-  EXPECT_EQ(checked, 8);
+  EXPECT_EQ(checked, 3 * (4 + 6 + 8));
+}
+
+TEST(MotorLayout, ThePelicansPlusIsFoundWithoutAList) {
+  const MotorOrder order = KnownMotorOrder(MultirotorParameters());
+  EXPECT_EQ(order.Name(), "quad-plus");
+  EXPECT_EQ(order.rotor, (std::vector<std::size_t>{1, 3, 0, 2}));  // right, left, front, back
+  EXPECT_EQ(order.layout->frame_class, 1);
+  EXPECT_EQ(order.layout->frame_type, 0);
+}
+
+// Numbers of ArduPilot's documentation of FRAME_CLASS and FRAME_TYPE.
+TEST(MotorLayout, EachHasArduPilotsNumbers) {
+  for (const std::string& name : PublishedLayoutNames()) {
+    const MotorLayout& layout = *KnownMotorOrder(PelicanWith(name)).layout;
+    EXPECT_EQ(layout.frame_class, name.starts_with("quad") ? 1 : name.starts_with("hexa") ? 2 : 3) << name;
+    EXPECT_EQ(layout.frame_type, name.ends_with("plus") ? 0 : name.ends_with("x") ? 1 : 3) << name;
+  }
+}
+
+MultirotorParameters Turned(const std::string& layout, double by_deg) {
+  MultirotorParameters p = PelicanWith(layout);
+  for (RotorPlace& r : p.rotors) {
+    const double x = r.x_m, y = r.y_m, c = std::cos(Radians(by_deg)), s = std::sin(Radians(by_deg));
+    r.x_m = c * x - s * y, r.y_m = s * x + c * y;
+  }
+  return p;
+}
+
+TEST(MotorLayout, AFrameThatIsALittleOffIsFoundAndOneBetweenTwoIsNot) {
+  int refused = 0;
+  for (const std::string& name : PublishedLayoutNames()) {
+    if (name.ends_with("h")) continue;
+    const double between_deg = name.starts_with("quad") ? 90 : name.starts_with("hexa") ? 60 : 45;
+    for (const double sign : {-1, 1}) {
+      EXPECT_EQ(KnownMotorOrder(Turned(name, sign * between_deg * 0.16)).Name(), name);
+      EXPECT_THROW(KnownMotorOrder(Turned(name, sign * between_deg * 0.2)), std::runtime_error) << name;
+      EXPECT_EQ(Px4MotorOrder(Turned(name, sign * between_deg * 0.2)).layout, nullptr) << name;
+      ++refused;
+    }
+  }
+  EXPECT_EQ(refused, 12);
+}
+
+std::string Refusal(const MultirotorParameters& p) {
+  try {
+    return KnownMotorOrder(p).Name();
+  } catch (const std::runtime_error& e) {
+    return e.what();
+  }
+}
+
+TEST(MotorLayout, WhatFitsNoneIsRefusedRotorByRotor) {
+  MultirotorParameters one = PelicanWith("hexa-x");
+  const RotorPlace was = one.rotors[2];
+  one.rotors[2].spin = was.spin == "clockwise" ? "counterclockwise" : "clockwise";
+  EXPECT_THAT(Refusal(one),
+              AllOf(HasSubstr("hexa-x"), HasSubstr("rotors.2 is at x_m"), Not(HasSubstr("rotors.1 "))));
+  MultirotorParameters moved = PelicanWith("octo-plus");
+  moved.rotors[5].x_m += 0.06;
+  EXPECT_THAT(Refusal(moved), AllOf(HasSubstr("octo-plus"), HasSubstr("rotors.5 is at x_m")));
+  // An X whose motors turn the other way round has no numbers in the X, but those of an H.
+  MultirotorParameters reversed = PelicanWith("quad-x");
+  for (RotorPlace& r : reversed.rotors) r.spin = r.spin == "clockwise" ? "counterclockwise" : "clockwise";
+  EXPECT_EQ(Refusal(reversed), "quad-h");
+  MultirotorParameters five = PelicanWith("hexa-x");
+  five.rotors.pop_back();
+  EXPECT_THAT(Refusal(five), AllOf(HasSubstr("5 rotors"), HasSubstr("4, 6 and 8")));
+  EXPECT_EQ(Px4MotorOrder(five).Name(), "5 rotors as listed");
+  EXPECT_EQ(Px4MotorOrder(five).rotor, (std::vector<std::size_t>{0, 1, 2, 3, 4}));
+}
+
+TEST(MotorLayout, EachVehicleThatIsBegunHasALayout) {
+  int count = 0;
+  for (const auto& [layout, known] : {std::pair{"plus", "-plus"}, {"x", "-x"}, {"h", "-h"}}) {
+    for (const auto& [rotors, kind] : {std::pair{4, "quad"}, {6, "hexa"}, {8, "octo"}}) {
+      VehicleDraft draft;
+      draft.name = "begun", draft.layout = layout, draft.rotors = rotors;
+      EXPECT_EQ(Refusal(DraftedAircraft(draft)), std::string(kind) + known);
+      ++count;
+    }
+  }
+  EXPECT_EQ(count, 9);
 }
 
 TEST(MotorLayout, TheThrustCurveIsTheInverseOfTheAutopilots) {
@@ -47,6 +141,7 @@ TEST(MotorLayout, TheThrustCurveIsTheInverseOfTheAutopilots) {
       const double command =
           c == 0 ? wanted : (c - 1 + std::sqrt((1 - c) * (1 - c) + 4 * c * wanted)) / (2 * c);
       EXPECT_NEAR(ThrustShare(command, curvature), wanted, 1e-12);
+      EXPECT_NEAR(CommandFor(wanted, curvature), command, 1e-12);
     }
   }
   EXPECT_EQ(ThrustShare(-1, 0), 0);

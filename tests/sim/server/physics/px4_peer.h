@@ -50,13 +50,13 @@ class Px4Peer {
   }
   bool Waiting(int within_ms) const { return !waiting_.empty() || wire_.Readable(within_ms); }
 
-  bool Answer(std::uint64_t time_usec, const std::array<double, 4>& commands, bool armed = true,
+  bool Answer(std::uint64_t time_usec, const std::array<double, kMaxRotors>& commands, bool armed = true,
               bool lockstep = true) {
     control::wire::mavlink::HilActuatorControls controls;
     controls.time_usec = time_usec;
     controls.flags = lockstep ? 1 : 0;
     controls.mode = static_cast<std::uint8_t>(1 | (armed ? 128 : 0));
-    for (std::size_t i = 0; i < 4; ++i) controls.controls[i] = static_cast<float>(commands[i]);
+    for (std::size_t i = 0; i < commands.size(); ++i) controls.controls[i] = static_cast<float>(commands[i]);
     return Send(controls);
   }
 

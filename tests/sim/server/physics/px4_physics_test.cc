@@ -9,6 +9,7 @@
 #include <thread>
 #include <utility>
 
+#include "sim/server/physics/motor_layout.h"
 #include "tests/sim/on_ground.h"
 #include "tests/sim/server/physics/px4_peer.h"
 
@@ -24,7 +25,7 @@ Px4PhysicsParameters AnyPort() {
   return p;
 }
 
-constexpr std::array<double, 4> kStill{};
+constexpr MotorCommands kStill{};
 
 // Flies one flight of the server to its end.
 struct Flown {
@@ -48,9 +49,9 @@ Flown Fly(Px4Physics& physics, const SimulatorParameters& parameters) {
 
 // Takes off and stays at 2 m, by what HIL_SENSOR and HIL_GPS say. Each message must be there in its time, and
 // none before its turn.
-void HoverByHil(const std::string& where, bool x_layout, std::atomic<bool>& orderly) {
+void HoverByHil(const std::string& where, const TestPilot& instructed, std::atomic<bool>& orderly) {
   Px4Peer peer(where);
-  TestPilot pilot(x_layout, 0);
+  TestPilot pilot = instructed;
   HilEstimator estimator;
   std::uint64_t expected_usec = 4000;
   int states = 0, fixes = 0;
@@ -75,17 +76,18 @@ void HoverByHil(const std::string& where, bool x_layout, std::atomic<bool>& orde
 TEST(Px4Physics, APeerTakesOffAndHoversByTheSensorsItIsSent) {
   for (const char* layout : {"quad-plus", "quad-x"}) {
     SCOPED_TRACE(layout);
-    SimulatorParameters p = OnGround();
+    SimulatorParameters p = OnGroundWith(layout);
     p.duration_s = 15;
     p.wind.mean_m_s = 1;
-    Px4PhysicsParameters parameters = AnyPort();
-    parameters.layout = layout;
     std::atomic<bool> orderly = true;
     std::thread peer;
     Flown flown;
     {
-      Px4Physics physics(parameters, p.vehicle);
-      peer = std::thread(HoverByHil, physics.Where(), std::string(layout) == "quad-x", std::ref(orderly));
+      Px4Physics physics(AnyPort(), p.vehicle);
+      EXPECT_EQ(physics.Motors(), layout);
+      const MultirotorParameters& aircraft = MultirotorOf(p.vehicle);
+      peer = std::thread(HoverByHil, physics.Where(),
+                         TestPilot(PublishedLayout(layout, aircraft.arm_m), 0, aircraft), std::ref(orderly));
       ASSERT_TRUE(physics.Begin());
       flown = Fly(physics, p);
       EXPECT_TRUE(physics.lockstep());
@@ -273,8 +275,6 @@ TEST(Px4Physics, SaysWhatIsTheMatter) {
   p.port = std::stoi(physics.Where().substr(physics.Where().rfind(':') + 1));
   EXPECT_THROW(Px4Physics(p, pelican), std::runtime_error);
   p = AnyPort(), p.address = "here";
-  EXPECT_THROW(Px4Physics(p, pelican), std::runtime_error);
-  p = AnyPort(), p.layout = "hexa";
   EXPECT_THROW(Px4Physics(p, pelican), std::runtime_error);
   EXPECT_THROW(Px4Physics(AnyPort(), HelicopterParameters{}), std::runtime_error);
 }
