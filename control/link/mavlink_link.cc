@@ -10,12 +10,14 @@
 
 #include "base/diagnostics.h"
 #include "base/stopwatch.h"
+#include "control/link/network_address.h"
 #include "control/link/session_socket.h"
-#include "control/link/udp_address.h"
+#include "control/link/tcp_client.h"
 
 namespace kestrel::control {
 namespace {
 
+using boost::asio::ip::tcp;
 using boost::asio::ip::udp;
 using boost::system::error_code;
 
@@ -25,28 +27,59 @@ constexpr int kMax = 256;  // datagrams at once, lest a flood stops what is due
 }  // namespace
 
 struct MavlinkLink::Wire {
-  Wire(const std::string& text, const MavlinkOptions& options)
-      : address(ParseUdpAddress(text)), session(options) {
-    udp::resolver resolver(context);
-    error_code error;
-    const auto found = resolver.resolve(address.host, std::to_string(address.port), error);
-    if (!error) {
-      const udp::endpoint endpoint = *found.begin();
-      if (address.listen) {
-        socket.Open(endpoint, error);
-      } else {
-        socket.Open(udp::endpoint(endpoint.protocol(), 0), error);
-        if (!error) socket.Own(endpoint);
-      }
-    }
-    if (error) throw InputError({}, "address \"" + text + "\": " + error.message());
-    if (address.listen) address.port = socket.Where().port();
+  Wire(const std::string& text, const MavlinkOptions& options) : session(options), where(text) {
+    if (IsTcp(text))
+      OpenTcp(ParseTcpAddress(text));
+    else
+      OpenUdp(ParseUdpAddress(text));
     Tick();
     thread = std::thread([this] { context.run(); });
   }
   ~Wire() {
     context.stop();
     thread.join();
+  }
+
+  void OpenUdp(UdpAddress address) {
+    listens = address.listen;
+    udp::resolver resolver(context);
+    error_code error;
+    const auto found = resolver.resolve(address.host, std::to_string(address.port), error);
+    SessionSocket& socket = datagrams.emplace(context);
+    if (!error) {
+      const udp::endpoint endpoint = *found.begin();
+      if (listens) {
+        socket.Open(endpoint, error);
+      } else {
+        socket.Open(udp::endpoint(endpoint.protocol(), 0), error);
+        if (!error) socket.Own(endpoint);
+      }
+    }
+    if (error) throw InputError({}, "address \"" + where + "\": " + error.message());
+    if (listens) address.port = socket.Where().port();
+    where = ToText(address);
+  }
+
+  // A server that is not there yet, or leaves, is no mistake: it is waited for.
+  void OpenTcp(const TcpAddress& address) {
+    tcp::resolver resolver(context);
+    error_code error;
+    const auto found = resolver.resolve(address.host, std::to_string(address.port), error);
+    if (error) throw InputError({}, "address \"" + where + "\": " + error.message());
+    where = ToText(address);
+    stream.emplace(context, TcpClient::Handlers{[this](std::span<const std::uint8_t> bytes) {
+                                                  {
+                                                    const std::lock_guard lock(mutex);
+                                                    session.ReceiveStream(bytes, MonotonicNow_s());
+                                                  }
+                                                  Flush();
+                                                },
+                                                [this] {
+                                                  const std::lock_guard lock(mutex);
+                                                  session.BeginStream();
+                                                  TellOfStream();
+                                                }});
+    stream->Open({found.begin(), found.end()});
   }
 
   // All that the autopilot sent, and some of what others did, who come after it.
@@ -56,32 +89,32 @@ struct MavlinkLink::Wire {
       const double now_s = MonotonicNow_s();  // before its queue is empty, so that its silence is its own
       HearAutopilot(now_s);
       for (int i = 0; i < kMax; ++i) {
-        const auto datagram = socket.FromOthers();
+        const auto datagram = datagrams->FromOthers();
         if (!datagram) break;
-        if (datagram->from != socket.owner()) {
-          if (!address.listen || (socket.owner() && session.Open(now_s)) ||
+        if (datagram->from != datagrams->owner()) {
+          if (!listens || (datagrams->owner() && session.Open(now_s)) ||
               !session.IsAutopilot(datagram->bytes))
             continue;
-          socket.Own(datagram->from);
+          datagrams->Own(datagram->from);
         }
         session.Receive(datagram->bytes, now_s);
         HearAutopilot(now_s);
       }
     }
     Flush();
-    socket.WhenReadable([this] { Listen(); });
+    datagrams->WhenReadable([this] { Listen(); });
   }
 
   void HearAutopilot(double now_s) {
     for (int i = 0; i < kMax; ++i) {
-      const auto datagram = socket.FromOwner();
+      const auto datagram = datagrams->FromOwner();
       if (!datagram) return;
       session.Receive(datagram->bytes, now_s);
     }
   }
 
   void Tick() {
-    socket.WhenReadable([this] { Listen(); });
+    if (datagrams) datagrams->WhenReadable([this] { Listen(); });
     Flush();
     timer.expires_after(kTick);
     timer.async_wait([this](error_code error) {
@@ -95,22 +128,31 @@ struct MavlinkLink::Wire {
       const std::lock_guard lock(mutex);
       due = session.Due(MonotonicNow_s());
     }
-    if (!socket.owner()) return;
-    for (const wire::Bytes& datagram : due) {
-      const error_code error = socket.Send(datagram, *socket.owner());
-      const std::lock_guard lock(mutex);
-      send_error = error ? "sending failed: " + error.message() : "";
+    for (const wire::Bytes& message : due) {
+      if (stream) {
+        stream->Send(message);
+        const std::lock_guard lock(mutex);
+        TellOfStream();
+      } else if (datagrams->owner()) {
+        const error_code error = datagrams->Send(message, *datagrams->owner());
+        const std::lock_guard lock(mutex);
+        wire_error = error ? "sending failed: " + error.message() : "";
+      }
     }
   }
 
-  UdpAddress address;
-  mutable std::mutex mutex;  // of session and send_error
-  MavlinkSession session;
-  std::string send_error;
+  void TellOfStream() { wire_error = stream->Error().empty() ? "" : where + ": " + stream->Error(); }
 
-  // The thread's own:
+  mutable std::mutex mutex;  // of session and wire_error
+  MavlinkSession session;
+  std::string wire_error;
+  std::string where;  // as it is after the beginning
+  bool listens = false;
+
+  // The thread's own; one of datagrams and stream:
   boost::asio::io_context context{1};
-  SessionSocket socket{context};
+  std::optional<SessionSocket> datagrams;
+  std::optional<TcpClient> stream;
   boost::asio::steady_timer timer{context};
   std::thread thread;
 };
@@ -140,7 +182,7 @@ void MavlinkLink::Aid(const AttitudeAid&) {
 LinkHealth MavlinkLink::Health() const {
   const std::lock_guard lock(wire_->mutex);
   LinkHealth health = wire_->session.Health(MonotonicNow_s());
-  if (!wire_->send_error.empty()) health.error = wire_->send_error;
+  if (!wire_->wire_error.empty()) health.error = wire_->wire_error;
   return health;
 }
 
@@ -159,6 +201,6 @@ void MavlinkLink::See(const Sighting& sighting) {
   wire_->session.See(sighting);
 }
 
-std::string MavlinkLink::Where() const { return ToText(wire_->address); }
+std::string MavlinkLink::Where() const { return wire_->where; }
 
 }  // namespace kestrel::control

@@ -9,12 +9,14 @@
 
 namespace kestrel::control {
 
-// PX4 or ArduPilot (Copter) by MAVLink 2 over UDP; which of them, its heartbeat tells. MAVLink is used
+// PX4 or ArduPilot (Copter) by MAVLink 2 over UDP, or over TCP as its client; which of them, its heartbeat tells. MAVLink is used
 // without signatures here: whoever reaches the port may pretend to be the autopilot.
 //
 // Listening, it answers to the address from which an autopilot's heartbeat comes first, and takes nothing
 // from any other until that one has been silent for MavlinkSession::kSilent_s. Sending to an address, it
-// takes nothing but what comes from there.
+// takes nothing but what comes from there. By TCP it connects to a server, such as ArduPilot's SITL, and again whenever
+// that refuses it or leaves (tcp_client.h); LinkHealth::error says so meanwhile, and the session goes on as after any
+// silence.
 //
 // LinkHealth::pilot_allows: setpoints are followed, or take_control is on and will ask for that. Once the
 // mode in which they are followed was left, by the pilot or by the autopilot's own fail-safe, it is not asked
@@ -43,7 +45,7 @@ class MavlinkLink final : public AutopilotLink {
   void See(const Sighting& sighting) override;
 
   void TakeControl();  // the mode for setpoints is asked for, once they are streaming
-  // Where it listens, or sends to: as ParseUdpAddress reads it.
+  // Where it listens, sends or is connected to: as control/link/network_address.h reads it.
   std::string Where() const;
 
  private:

@@ -102,7 +102,17 @@ bool MavlinkSession::Open(double now_s) const { return heartbeat_ && now_s - hea
 
 void MavlinkSession::Receive(std::span<const std::uint8_t> datagram, double now_s) {
   const Counts before = parser_.counts();
-  for (const Frame& frame : parser_.Datagram(datagram)) {
+  Take(parser_.Datagram(datagram), before, now_s);
+}
+
+void MavlinkSession::ReceiveStream(std::span<const std::uint8_t> bytes, double now_s) {
+  const Counts before = parser_.counts();
+  Take(parser_.Stream(bytes), before, now_s);
+}
+
+// before: what was counted before they came.
+void MavlinkSession::Take(const std::vector<Frame>& frames, const Counts& before, double now_s) {
+  for (const Frame& frame : frames) {
     const std::optional<Message> message = Decode(frame);
     if (!message) continue;
     const Source source{frame.system, frame.component};

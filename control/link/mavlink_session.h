@@ -86,7 +86,7 @@ class AskedClock {
   std::deque<Sample> samples_;
 };
 
-// The companion's side of MAVLink, without its socket: datagrams and times in, datagrams out. Times are in s
+// The companion's side of MAVLink, without its socket: datagrams, or a stream, and times in, messages out. Times are in s
 // on one monotonic clock, ours. Everything of control/link/mavlink_link.h is said there.
 class MavlinkSession {
  public:
@@ -97,6 +97,9 @@ class MavlinkSession {
   // Whether it holds a heartbeat of an autopilot that this session could be with.
   bool IsAutopilot(std::span<const std::uint8_t> datagram) const;
   void Receive(std::span<const std::uint8_t> datagram, double now_s);
+  // The same of a stream, cut anywhere; and that a new one begins, in which no message goes on.
+  void ReceiveStream(std::span<const std::uint8_t> bytes, double now_s);
+  void BeginStream() { parser_.Datagram({}); }
   std::vector<wire::Bytes> Due(double now_s);  // what is to be sent now; to be asked every few milliseconds
 
   void Send(const Setpoint& setpoint, double now_s);
@@ -132,6 +135,8 @@ class MavlinkSession {
     double at_s = 0;
   };
 
+  void Take(const std::vector<wire::mavlink::Frame>& frames, const wire::mavlink::Counts& before,
+            double now_s);
   void Begin(const wire::mavlink::Frame& frame, const wire::mavlink::Heartbeat& heartbeat, double now_s);
   void Restart(double now_s);
   void Handle(const wire::mavlink::Frame& frame, const wire::mavlink::Message& message, double now_s);

@@ -7,13 +7,14 @@
 
 #include "base/diagnostics.h"
 #include "base/yaml/yaml_fields.h"
-#include "control/link/udp_address.h"
+#include "control/link/network_address.h"
 
 namespace kestrel::flight {
 namespace {
 
 constexpr const char* kForms =
-    "mavlink:udp://HOST:PORT, mavlink:udpin://HOST:PORT (listens), afcs:udp://HOST:PORT, "
+    "mavlink:udp://HOST:PORT, mavlink:udpin://HOST:PORT (listens), mavlink:tcp://HOST:PORT, "
+    "afcs:udp://HOST:PORT, "
     "asctec:serial:/dev/ttyUSB0";
 
 std::unique_ptr<control::AutopilotLink> LinkAt(std::string_view protocol, const std::string& where,

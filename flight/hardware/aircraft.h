@@ -41,7 +41,7 @@ inline void Fields(FieldVisitor& v, Aircraft& a) {
 Aircraft LoadAircraft(const std::string& file, const std::vector<std::string>& overrides, Mistakes& mistakes);
 
 // The link to an autopilot by its address: "mavlink:udp://HOST:PORT", "mavlink:udpin://HOST:PORT",
-// "afcs:udp://HOST:PORT", "asctec:serial:DEVICE". Null: the address is a mistake.
+// "mavlink:tcp://HOST:PORT", "afcs:udp://HOST:PORT", "asctec:serial:DEVICE". Null: the address is a mistake.
 std::unique_ptr<control::AutopilotLink> MakeLink(const std::string& address, const Aircraft& aircraft,
                                                  Mistakes& mistakes);
 

@@ -25,7 +25,7 @@
 #include "base/process/own_program.h"
 #include "base/real_time.h"
 #include "base/stopwatch.h"
-#include "control/link/udp_address.h"
+#include "control/link/network_address.h"
 #include "control/wire/asctec_units.h"
 #include "flight/served/serve_arguments.h"
 #include "flight/served/serve_flight.h"

@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "base/diagnostics.h"
+#include "control/link/network_address.h"
 #include "control/link/session_socket.h"
-#include "control/link/udp_address.h"
 
 namespace kestrel::sim {
 namespace {

@@ -10,7 +10,7 @@
 #include <thread>
 
 #include "base/diagnostics.h"
-#include "control/link/udp_address.h"
+#include "control/link/network_address.h"
 #include "sim/server/mavlink/mavlink_server.h"
 #include "tests/sim/server/fake_aircraft.h"
 

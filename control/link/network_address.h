@@ -15,9 +15,18 @@ struct UdpAddress {
   std::uint16_t port = 0;  // 0 only to listen: the system chooses
 };
 
-// Throws InputError.
+// "tcp://HOST:PORT": a server to connect to.
+struct TcpAddress {
+  std::string host;
+  std::uint16_t port = 0;
+};
+
+// Both throw InputError.
 UdpAddress ParseUdpAddress(const std::string& text);
+TcpAddress ParseTcpAddress(const std::string& text);
+bool IsTcp(const std::string& text);  // it begins so
 
 std::string ToText(const UdpAddress& address);
+std::string ToText(const TcpAddress& address);
 
 }  // namespace kestrel::control
