@@ -122,12 +122,44 @@ std::vector<std::pair<std::string, std::string>> FlownWith(const FlyArguments& a
           {"options", options}};
 }
 
-void CheckFor(const FlyArguments& a, Mistakes& mistakes) {
+void CheckTimes(const FlyArguments& a, Mistakes& mistakes) {
   constexpr double kLeast_s = 0.1, kMost_s = 36000;  // as duration_s
   if (a.for_s && !(*a.for_s >= kLeast_s && *a.for_s <= kMost_s))
     mistakes.Add("--for", "", fmt::format("{:g} is no time in s that a flight may last", *a.for_s),
                  fmt::format("valid: from {:g} to {:g}", kLeast_s, kMost_s));
+  if (!(a.wait_s >= 0 && a.wait_s <= kMost_s))
+    mistakes.Add("--wait", "", fmt::format("{:g} is no time in s to wait", a.wait_s),
+                 fmt::format("valid: from 0 to {:g}", kMost_s));
 }
+
+// What is waited for before a flight: a line on a terminal, ten times a second; elsewhere one for each change of it,
+// and after that every ten seconds. What comes at once is not waited for.
+class Waiting {
+ public:
+  explicit Waiting(double most_s) : most_s_(most_s), terminal_(isatty(STDERR_FILENO)) {}
+  ~Waiting() {
+    if (shown_) ClearLine();
+  }
+  void Show(const std::string& what, double waited_s) {
+    constexpr double kAtOnce_s = 1, kOften_s = 0.1, kSeldom_s = 10;
+    const double now_s = MonotonicNow_s();
+    const bool changed = what != what_;
+    if (waited_s < kAtOnce_s || now_s - last_s_ < kOften_s) return;
+    if (!terminal_ && !changed && now_s - last_s_ < kSeldom_s) return;
+    if (shown_) ClearLine();
+    Print(stderr,
+          fmt::format("waits for {} ({:.0f} of {:g} s){}", what, waited_s, most_s_, terminal_ ? "" : "\n"));
+    shown_ = terminal_;
+    what_ = what;
+    last_s_ = now_s;
+  }
+
+ private:
+  double most_s_;
+  bool terminal_, shown_ = false;
+  double last_s_ = 0;
+  std::string what_;
+};
 
 // A line on a terminal, ten times a second; elsewhere one for each change of what matters.
 class Progress {
@@ -214,8 +246,8 @@ CLI::App* AddFlyCommand(CLI::App& app, FlyArguments& a) {
       ->allow_extra_args(false);
   command
       ->add_option("--autopilot", a.autopilot,
-                   "mavlink:udp://HOST:PORT, mavlink:udpin://HOST:PORT, afcs:udp://HOST:PORT, "
-                   "asctec:serial:DEVICE")
+                   "mavlink:udp://HOST:PORT, mavlink:udpin://HOST:PORT, mavlink:tcp://HOST:PORT, "
+                   "afcs:udp://HOST:PORT, asctec:serial:DEVICE")
       ->required();
   command->add_option("--aircraft", a.aircraft, "YAML file: limits, camera's delay, options of the link")
       ->type_name("FILE");
@@ -232,6 +264,12 @@ CLI::App* AddFlyCommand(CLI::App& app, FlyArguments& a) {
   command->add_flag("--pilot-untold", a.pilot_untold,
                     "Fly though the autopilot does not tell of the pilot's switch");
   command->add_option("--for", a.for_s, "How long at most, in s, instead of the scenario's duration_s");
+  command
+      ->add_option(
+          "--wait", a.wait_s,
+          "How long, in s, the camera's first image is waited for, and then the autopilot's state: its "
+          "estimator may take 40 s")
+      ->capture_default_str();
   AddLiveOptions(*command, a.live, false);
   command->add_option("--out", a.out, "Folder for the records (default results/runs/NAME-flown-TIME)")
       ->type_name("DIR");
@@ -246,6 +284,8 @@ CLI::App* AddFlyCommand(CLI::App& app, FlyArguments& a) {
       "  kestrel fly landing --camera v4l2:/dev/video0 --autopilot asctec:serial:/dev/ttyUSB0 "
       "--aircraft pelican.yaml --dry-run\n"
       "  kestrel fly landing --camera rtp://127.0.0.1:5600 --autopilot mavlink:udp://127.0.0.1:14580 "
+      "--take-control\n"
+      "  kestrel fly hover --camera rtp://127.0.0.1:5600 --autopilot mavlink:tcp://127.0.0.1:5760 "
       "--take-control");
   return command;
 }
@@ -282,7 +322,7 @@ bool FlyCommand(const FlyArguments& a) {
   std::optional<vision::CameraAddress> ground_address;
   if (a.cameras.size() > 1) ground_address = CameraAt(a.cameras[1], of_ground, mistakes);
   const std::unique_ptr<control::AutopilotLink> link = flight::MakeLink(a.autopilot, aircraft, mistakes);
-  CheckFor(a, mistakes);
+  CheckTimes(a, mistakes);
   if (a.dry_run && (a.take_control || a.arm))
     mistakes.Add(a.arm ? "--arm" : "--take-control", "", "commands the aircraft, which --dry-run does not",
                  "valid: one of them");
@@ -330,10 +370,13 @@ bool FlyCommand(const FlyArguments& a) {
   check.ground = ground ? &*ground : nullptr;
   check.pilot_untold = aircraft.pilot_untold;
   check.interrupted = &interrupted;
-  check.tell = [&](const std::string& error) {
-    Print(stderr, fmt::format("camera: {}; tried again for {:g} s\n", error, check.connect_s));
-  };
-  const std::vector<flight::CheckItem> items = flight::PreFlight(plan, *camera, *link, check);
+  check.wait_s = a.wait_s;
+  std::vector<flight::CheckItem> items;
+  {
+    Waiting waiting(a.wait_s);
+    check.waits = [&](const std::string& what, double waited_s) { waiting.Show(what, waited_s); };
+    items = flight::PreFlight(plan, *camera, *link, check);
+  }
   if (interrupted) {
     ReportNotFlown(plan, options, "interrupted during the check list");
     return false;

@@ -27,10 +27,14 @@ constexpr double kSlice_s = 0.05;  // in which an interrupt is looked for
 
 bool Interrupted(const PreFlightOptions& o) { return o.interrupted && *o.interrupted; }
 
-Watched Watch(vision::LiveCamera& camera, const PreFlightOptions& o) {
+void Wait(const PreFlightOptions& o, const char* what, const std::string& why, double since_s) {
+  if (o.waits) o.waits(fmt::format("{}{}{}", what, why.empty() ? "" : ": ", why), MonotonicNow_s() - since_s);
+}
+
+Watched Watch(vision::LiveCamera& camera, const char* first, const PreFlightOptions& o) {
   Watched watched;
-  double until_s = MonotonicNow_s() + o.connect_s;
-  std::string told;
+  const double begun_s = MonotonicNow_s();
+  double until_s = begun_s + o.wait_s;
   while (!Interrupted(o)) {
     const double left_s = until_s - MonotonicNow_s();
     if (left_s <= 0) break;
@@ -38,8 +42,7 @@ Watched Watch(vision::LiveCamera& camera, const PreFlightOptions& o) {
     if (!frame) {
       const vision::LiveCameraHealth health = camera.Health();
       if (health.state == vision::LiveCameraState::kEnded) break;
-      if (watched.images == 0 && o.tell && !health.error.empty() && health.error != told)
-        o.tell(told = health.error);
+      if (watched.images == 0) Wait(o, first, health.error, begun_s);
       continue;
     }
     if (watched.images++ == 0) watched.first_s = frame->t_s, until_s = MonotonicNow_s() + o.watch_s;
@@ -63,15 +66,22 @@ CheckItem RateItem(double rate_hz, double wanted_hz, const PreFlightOptions& o) 
   return item;
 }
 
+// Why no image came that can be flown by.
+std::string NoImageText(const vision::LiveCamera& camera, double waited_s) {
+  const vision::LiveCameraHealth health = camera.Health();
+  return fmt::format("none that can be flown by in {:.0f} s: {}", waited_s,
+                     health.error.empty() ? vision::NameOf(health.state) : health.error);
+}
+
 // Of the second camera: whether it gives images that its mission can use, by the clock of this computer.
 CheckItem GroundItem(const LoadedPlan& plan, vision::LiveCamera& camera, const PreFlightOptions& o) {
   constexpr double kFewest_hz = 5, kOldest_s = 1.5;
-  const Watched watched = Watch(camera, o);
+  const double begun_s = MonotonicNow_s();
+  const Watched watched = Watch(camera, "the ground camera's first image", o);
   const double now_s = MonotonicNow_s();
   CheckItem item{"ground camera", "", false};
   if (watched.images == 0 || !plan.parts.ground) {
-    const vision::LiveCameraHealth health = camera.Health();
-    item.found = health.error.empty() ? vision::NameOf(health.state) : health.error;
+    item.found = NoImageText(camera, now_s - begun_s);
     return item;
   }
   const cv::Mat& image = watched.frame->image;
@@ -112,13 +122,13 @@ CheckItem StateItem(const control::VehicleState& s, const PreFlightOptions& o) {
 }
 
 // What is heard of the autopilot; of one that is there and tells no state, both.
-std::string LinkText(const control::LinkHealth& health) {
-  if (!health.state_age_s) {
-    const std::string heard =
-        health.open ? "the autopilot is heard, its state is not" : "the autopilot is not heard";
-    return heard + (health.error.empty() ? "" : ": " + health.error);
-  }
-  return health.error.empty() ? fmt::format("state {:.0f} ms old", 1e3 * *health.state_age_s) : health.error;
+std::string LinkText(const control::LinkHealth& health, double waited_s) {
+  if (health.state_age_s)
+    return health.error.empty() ? fmt::format("state {:.0f} ms old", 1e3 * *health.state_age_s)
+                                : health.error;
+  return fmt::format("no state in {:.0f} s{}: {}", waited_s,
+                     health.open ? " of the autopilot that is heard" : "",
+                     health.error.empty() ? "nothing came" : health.error);
 }
 
 }  // namespace
@@ -130,15 +140,10 @@ std::vector<CheckItem> PreFlight(const LoadedPlan& plan, vision::LiveCamera& cam
     items.push_back({name, std::move(found), ok});
   };
   const double begun_s = MonotonicNow_s();
-  const Watched watched = Watch(camera, o);
+  const Watched watched = Watch(camera, "the camera's first image", o);
   const double wanted_hz = plan.plan.image.rate_hz;
   if (watched.images == 0) {
-    const vision::LiveCameraHealth health = camera.Health();
-    const double waited_s = MonotonicNow_s() - begun_s;
-    add("camera", false,
-        health.error.empty()
-            ? fmt::format("{}, and no image in {:.1f} s", vision::NameOf(health.state), waited_s)
-            : fmt::format("none in {:.1f} s that can be flown by: {}", waited_s, health.error));
+    add("camera", false, NoImageText(camera, MonotonicNow_s() - begun_s));
   } else {
     items.push_back(RateItem(watched.RateHz(), wanted_hz, o));
     const cv::Mat& image = watched.frame->image;
@@ -155,11 +160,13 @@ std::vector<CheckItem> PreFlight(const LoadedPlan& plan, vision::LiveCamera& cam
   if (o.ground) items.push_back(GroundItem(plan, *o.ground, o));
   control::LinkHealth health = link.Health();
   const auto alive = [&] { return health.state_age_s && *health.state_age_s < 0.5; };
-  while (!alive() && !Interrupted(o) && MonotonicNow_s() - begun_s < o.connect_s) {
+  const double link_s = watched.images > 0 ? MonotonicNow_s() : begun_s;
+  while (!alive() && !Interrupted(o) && MonotonicNow_s() - link_s < o.wait_s) {
+    Wait(o, "the autopilot's state", health.error, link_s);
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
     health = link.Health();
   }
-  add("link", alive() && health.error.empty(), LinkText(health));
+  add("link", alive() && health.error.empty(), LinkText(health, MonotonicNow_s() - link_s));
   if (health.state_age_s) items.push_back(StateItem(link.State(), o));
   if (!health.pilot_allows && (!alive() || !health.open)) {  // whatever it would tell, it tells nothing
     add("pilot's switch", false,

@@ -18,9 +18,13 @@ struct CheckItem {
   bool ok = false;
 };
 
+// An autopilot's estimator takes some 40 s from its start until it tells a position.
+inline constexpr double kWait_s = 60;
+
 struct PreFlightOptions {
-  double watch_s = 2;         // for how long camera and link are watched
-  double connect_s = 15;      // for how long both are waited for
+  double watch_s = 2;  // for how long a camera is watched once it is there
+  double wait_s =
+      kWait_s;  // for how long, at most, each is waited for: a camera's first image, and then the state
   double min_rate = 0.8;      // share of the images that the plan asks for
   double max_rate = 1.6;      // the same: a camera of 30 images/s flies a plan of 20
   double sane_tilt_deg = 40;  // beyond it an attitude is not believed
@@ -28,13 +32,13 @@ struct PreFlightOptions {
   bool pilot_untold = false;  // that the autopilot does not tell of a pilot's switch is no reason not to fly
   const std::atomic<bool>* interrupted = nullptr;  // ends the watching
   vision::LiveCamera* ground = nullptr;            // a second camera, on the ground; null: there is none
-  std::function<void(const std::string&)> tell =
-      {};  // what keeps the first image away, while it is waited for
+  // While one of them is waited for, often: which, with what keeps it away, and for how long until now.
+  std::function<void(const std::string& what, double waited_s)> waits = {};
 };
 
 // The check list before a flight, each item with what was found: camera rate, image against calibration,
-// link, state, pilot's switch. Nothing is sent as a setpoint. Of a check that was interrupted no item is of
-// worth.
+// link, state, pilot's switch. Where there is no image the state is not waited for: the link has had as long by then.
+// Nothing is sent as a setpoint. Of a check that was interrupted no item is of worth.
 std::vector<CheckItem> PreFlight(const LoadedPlan& plan, vision::LiveCamera& camera,
                                  const control::AutopilotLink& link, const PreFlightOptions& options);
 

@@ -21,7 +21,7 @@ void EventLog::Write(const LogRow& row) {
   };
   changed(phase_, row.decision.phase, "phase");
   changed(target_, row.decision.target, "target");
-  changed(mode_, row.heard ? control::NameOf(row.estimate.mode) : "not heard yet", "autopilot");
+  changed(mode_, row.heard ? control::NameOf(row.estimate.mode) : "its state is not heard", "autopilot");
   if (row.estimate.saturated != saturated_) {
     saturated_ = row.estimate.saturated;
     Line(t, "autopilot", saturated_ ? "saturated" : "no longer saturated");

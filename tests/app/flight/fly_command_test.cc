@@ -80,6 +80,14 @@ TEST_F(FlyCommandTest, ATimeThatIsNoneIsRefusedWithNumbersThatCanBeRead) {
   }
 }
 
+TEST_F(FlyCommandTest, HowLongItWaitsMustBeATime) {
+  FlyArguments a = Arguments();
+  for (const double wait_s : {std::numeric_limits<double>::quiet_NaN(), -1.0, 1e9}) {
+    a.wait_s = wait_s;
+    EXPECT_THAT(MistakesOf(a), HasSubstr("--wait: "));
+  }
+}
+
 TEST_F(FlyCommandTest, AFolderToWhichAnotherWritesIsRefusedBeforeAnythingIsOpened) {
   const WriterLock other = LockFolder(folder_ / "run");
   EXPECT_THAT(MistakesOf(Arguments()), HasSubstr("another process is writing to"));

@@ -8,6 +8,8 @@
 #include <atomic>
 #include <chrono>
 #include <fstream>
+#include <memory>
+#include <set>
 #include <sstream>
 #include <thread>
 #include <utility>
@@ -80,7 +82,7 @@ class FlyTest : public InTemporaryFolder {
   }
   void Check(cv::Size size = {640, 480}) {
     vision::LiveCamera camera(Noise(size), {});
-    items_ = PreFlight(plan_, camera, link_, {.watch_s = 0.5, .connect_s = 1});
+    items_ = PreFlight(plan_, camera, link_, {.watch_s = 0.5, .wait_s = 1});
   }
   FlyOptions Options() const {
     FlyOptions options;
@@ -124,7 +126,7 @@ TEST_F(FlyTest, AnInterruptEndsTheCheckList) {
   const std::atomic<bool> interrupted = true;
   vision::LiveCamera camera(Noise(), {});
   const double begun_s = MonotonicNow_s();
-  PreFlight(plan_, camera, link_, {.watch_s = 60, .connect_s = 60, .interrupted = &interrupted});
+  PreFlight(plan_, camera, link_, {.watch_s = 60, .wait_s = 60, .interrupted = &interrupted});
   EXPECT_LT(MonotonicNow_s() - begun_s, 10);
 }
 
@@ -188,7 +190,7 @@ TEST_F(FlyTest, AnAutopilotThatIsThereAndTellsNoStateIsNotSaidToBeUnheard) {
   Check();
   EXPECT_FALSE(Item("link").ok);
   EXPECT_THAT(Item("link").found,
-              ::testing::AllOf(HasSubstr("the autopilot is heard"), HasSubstr("LOCAL_POSITION_NED")));
+              ::testing::AllOf(HasSubstr("of the autopilot that is heard"), HasSubstr("LOCAL_POSITION_NED")));
   EXPECT_TRUE(Item("pilot's switch").ok);
   for (const CheckItem& item : items_) EXPECT_THAT(item.found, ::testing::Not(HasSubstr("not heard")));
 }
@@ -201,13 +203,51 @@ TEST_F(FlyTest, AnImageThatCameAndCannotBeFlownByIsNotSaidToBeNone) {
   };
   vision::LiveCamera camera([] { return std::make_unique<Other>(); }, {});
   std::vector<std::string> told;
-  items_ = PreFlight(
-      plan_, camera, link_,
-      {.watch_s = 0.2, .connect_s = 0.3, .tell = [&](const std::string& error) { told.push_back(error); }});
-  EXPECT_EQ(told, std::vector<std::string>{"an image of 320x240 came"});  // at once, and once
+  double waited_s = 0;
+  items_ = PreFlight(plan_, camera, link_,
+                     {.watch_s = 0.2, .wait_s = 0.3, .waits = [&](const std::string& what, double s) {
+                        told.push_back(what), waited_s = s;
+                      }});
+  EXPECT_EQ(told.back(), "the camera's first image: an image of 320x240 came");
+  EXPECT_LT(waited_s, 0.4);
   EXPECT_FALSE(Item("camera").ok);
   EXPECT_THAT(Item("camera").found, HasSubstr("an image of 320x240 came"));
   EXPECT_THAT(Item("camera").found, ::testing::Not(HasSubstr("no image")));
+}
+
+TEST_F(FlyTest, CameraAndStateAreEachWaitedForAndWhatWasWaitedForIsSaidOnce) {
+  class Late final : public vision::ImageSource {
+   public:
+    bool Open() override { return MonotonicNow_s() > from_s_; }
+    std::optional<vision::Grabbed> Grab() override {
+      std::this_thread::sleep_for(std::chrono::milliseconds(40));
+      return vision::Grabbed{cv::Mat(480, 640, CV_8UC1, cv::Scalar(128)), MonotonicNow_s(), std::nullopt};
+    }
+
+   private:
+    const double from_s_ = MonotonicNow_s() + 0.6;
+  };
+  link_.Set([](control::VehicleState&, control::LinkHealth& health) {
+    health.state_age_s.reset();
+    health.error = "no position comes (LOCAL_POSITION_NED)";
+  });
+  vision::LiveCameraOptions often;
+  often.reopen_first_s = often.reopen_max_s = 0.1;
+  std::set<std::string> waits;
+  double waited_s = 0;
+  const auto wait = [&](const std::string& what, double s) { waits.insert(what), waited_s = s; };
+  {
+    vision::LiveCamera camera([late = std::make_shared<Late>()] { return std::make_unique<Late>(*late); },
+                              often);
+    const double begun_s = MonotonicNow_s();
+    items_ = PreFlight(plan_, camera, link_, {.watch_s = 0.3, .wait_s = 2, .waits = wait});
+    EXPECT_GT(MonotonicNow_s() - begun_s, 0.6 + 0.3 + 2 - 0.1);  // the state has all of its own time
+  }
+  EXPECT_TRUE(waits.contains("the camera's first image"));
+  EXPECT_TRUE(waits.contains("the autopilot's state: no position comes (LOCAL_POSITION_NED)"));
+  EXPECT_NEAR(waited_s, 2, 0.2);
+  EXPECT_THAT(Item("link").found,
+              HasSubstr("no state in 2 s of the autopilot that is heard: no position comes"));
 }
 
 TEST_F(FlyTest, ACameraThatIsNotThereIsSaidToBe) {
@@ -216,7 +256,7 @@ TEST_F(FlyTest, ACameraThatIsNotThereIsSaidToBe) {
     std::optional<vision::Grabbed> Grab() override { return std::nullopt; }
   };
   vision::LiveCamera camera([] { return std::make_unique<Absent>(); }, {});
-  items_ = PreFlight(plan_, camera, link_, {.watch_s = 0.2, .connect_s = 0.2});
+  items_ = PreFlight(plan_, camera, link_, {.watch_s = 0.2, .wait_s = 0.2});
   EXPECT_FALSE(Item("camera").ok);
 }
 
@@ -383,7 +423,7 @@ TEST_F(FlyTest, AStateThatWasNeverHeardIsNotTakenForLanded) {
   EXPECT_FALSE(report.accomplished);
   EXPECT_THAT(phases, ::testing::Not(::testing::Contains("landed")));
   const std::string events = Text(folder_ / "events.log");
-  EXPECT_THAT(events, HasSubstr("autopilot: not heard yet"));
+  EXPECT_THAT(events, HasSubstr("autopilot: its state is not heard"));
   EXPECT_THAT(events, ::testing::Not(HasSubstr("landed")));
 }
 
