@@ -101,9 +101,9 @@ Columns::Columns(const LogRow& row, const TelemetryOptions& options) {
   Number("truth_attitude_failed", truth, row.now.attitude_failed);
   Vector("wind_{}_m_s", truth, row.now.wind_N, "ned");
 
-  Vector("estimate_{}_m", row.estimate.p_NB);
-  Vector("estimate_v{}_m_s", row.estimate.v_N);
-  Angles("estimate", row.estimate.R_NB);
+  Vector("estimate_{}_m", row.heard, row.estimate.p_NB);
+  Vector("estimate_v{}_m_s", row.heard, row.estimate.v_N);
+  Angles("estimate", row.heard ? std::optional(row.estimate.R_NB) : std::nullopt);
   Flag("aided", row.estimate.aided);
   Angles("inertial", row.estimate.R_NB_inertial);
 

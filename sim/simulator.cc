@@ -291,7 +291,7 @@ void Simulator::NoteChanges() {
   for (; !scheduled_.empty() && scheduled_.back().t_s <= truth_.t_s + 1e-9; scheduled_.pop_back())
     state_changes_.push_back(scheduled_.back());
   const NavigationHealth health = autopilot_->Health();
-  if (health == health_) return;
+  if (external_ != nullptr || health == health_) return;  // what does not fly navigates nobody
   health_ = health;
   state_changes_.push_back({truth_.t_s, kNavigation, NameOf(health)});
 }

@@ -42,6 +42,7 @@ namespace kestrel::app {
 namespace {
 
 std::atomic<sim::PhysicsServer*> stopped_physics = nullptr;  // by a signal
+std::atomic<bool> physics_is_stopped = false;                // by a signal, or as its time is over
 
 // What is wrong with it is a mistake among others.
 std::optional<flight::LoadedScenario> Load(const std::string& scenario,
@@ -126,10 +127,12 @@ int ServeLockstep(const flight::ServeArguments& a, const std::vector<std::string
 }
 
 int ServePhysicsAlone(const flight::ServeArguments& a, const flight::LoadedScenario& loaded,
-                      sim::PhysicsServer& physics, const flight::ServeOptions& options) {
+                      sim::PhysicsServer& physics, const flight::ServeOptions& served) {
   // The first asks the flight to end in good order; a second one ends the program.
   stopped_physics = &physics;
+  physics_is_stopped = false;
   OnEndSignals([](int) {
+    physics_is_stopped = true;
     if (sim::PhysicsServer* server = stopped_physics) server->Stop();
     EndOnNextSignal();
   });
@@ -144,11 +147,24 @@ int ServePhysicsAlone(const flight::ServeArguments& a, const flight::LoadedScena
       std::unique_lock lock(mutex);
       std::condition_variable_any never;
       never.wait_for(lock, over, std::chrono::duration<double>(for_s), [] { return false; });
+      physics_is_stopped = true;
       physics.Stop();
     });
-  flight::ServePhysics(loaded, physics, options.publish, options.say);
+  flight::PhysicsOptions options;
+  options.publish = served.publish;
+  options.say = served.say;
+  options.folder = served.folder;
+  options.video = !a.no_video;
+  options.stopped = [] { return physics_is_stopped.load(); };
+  options.over = [](const records::Summary& summary, const auto& folder) {
+    const bool colours = TakesColours(stdout);
+    fmt::print("{}{}", Verdict(summary, colours), CriteriaLines(summary, colours));
+    if (folder) fmt::print("  {}\n", ReportOf(*folder));
+    std::fflush(stdout);
+  };
+  const int status = flight::StatusOf(flight::ServePhysics(loaded, physics, options));
   stopped_physics = nullptr;
-  return 0;
+  return status;
 }
 
 }  // namespace
@@ -203,19 +219,22 @@ CLI::App* AddServeCommand(CLI::App& app, ServeCommandArguments& a) {
   serve->add_option("--lockstep-timeout", a.lockstep_timeout_s,
                     "How long, in s, its client may say nothing; for ever if not given");
   serve->add_flag("--once", a.once, "With --lockstep: end when the first client has gone");
-  serve->add_flag("--no-video", a.no_video, "With --lockstep: leave out video.mp4");
+  serve->add_flag("--no-video", a.no_video, "With --lockstep or --physics: leave out video.mp4");
   AddLiveOptions(*serve, a.live, false);
   serve
-      ->add_option("--out", a.out,
-                   "Folder for the records (default results/runs/NAME-SEED-served, in lockstep "
-                   "NAME-SEED-lockstep); of a further flight in lockstep DIR-2")
+      ->add_option(
+          "--out", a.out,
+          "Folder for the records (default results/runs/NAME-SEED-served, in lockstep "
+          "NAME-SEED-lockstep, with --physics NAME-SEED-physics); of a further flight in lockstep or "
+          "with --physics DIR-2")
       ->type_name("DIR");
   serve->add_option("--pilot-off-at", a.pilot_off_at_s,
                     "When the pilot's switch takes the aircraft away, in s of the flight");
   serve->footer(
       "Exit status: 0 the criteria that the truth can judge were met, 1 they were not, or nobody flew it, 2 "
       "bad\n"
-      "input, 3 it broke off. With --physics, which judges no flight, 0 or 2.\n\nExamples:\n  kestrel serve "
+      "input, 3 it broke off. With --physics 0: all flights that left the ground have met "
+      "them.\n\nExamples:\n  kestrel serve "
       "landing --afcs --camera rtp:5600\n"
       "  kestrel serve landing --mavlink px4 --camera raw:5600 --for 120\n"
       "  kestrel serve hover --physics ardupilot --camera rtp:5600\n"
@@ -235,11 +254,9 @@ int ServeCommand(const ServeCommandArguments& a) {
   if (a.live.port && (a.lockstep || a.physics))
     mistakes.Add("--live", "", fmt::format("is not shown with {}", a.lockstep ? "--lockstep" : "--physics"),
                  "valid: with --afcs, --asctec, --mavlink or --camera");
-  if (a.physics && !a.out.empty())
-    mistakes.Add("--out", "", "no records are written with --physics", "valid: without --physics");
   const std::optional<flight::LoadedScenario> read = Load(a.scenario, overrides, mistakes);
   if (!read) {
-    if (!a.out.empty() && !a.physics) CheckWritableFolder(a.out, "--out", mistakes);
+    if (!a.out.empty()) CheckWritableFolder(a.out, "--out", mistakes);
     mistakes.ThrowIfAny();
   }
   const flight::LoadedScenario& loaded = *read;
@@ -249,9 +266,10 @@ int ServeCommand(const ServeCommandArguments& a) {
     return ServeLockstep(a, overrides, loaded);
   }
   const flight::Scenario& scenario = loaded.scenario;
-  const std::string folder =
-      a.out.empty() ? fmt::format("results/runs/{}-{}-served", scenario.name, scenario.seed) : a.out;
-  if (!a.physics) CheckWritableFolder(folder, "--out", mistakes);
+  const std::string folder = a.out.empty() ? fmt::format("results/runs/{}-{}-{}", scenario.name,
+                                                         scenario.seed, a.physics ? "physics" : "served")
+                                           : a.out;
+  CheckWritableFolder(folder, "--out", mistakes);
   if (a.ground_camera != "none" && !loaded.simulator.ground)
     mistakes.Add("--ground-camera", "",
                  fmt::format("the scenario '{}' has no camera on the ground", scenario.name),

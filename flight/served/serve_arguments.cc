@@ -113,12 +113,12 @@ void CheckStreamsPort(const ServeArguments& a, Mistakes& mistakes) {
 // Time waits for the client: what serves in real time has no place beside it.
 void CheckLockstep(const ServeArguments& a, Mistakes& mistakes) {
   const std::vector<std::pair<const char*, bool>> of_lockstep = {
-      {"--lockstep-timeout", a.lockstep_timeout_s.has_value()},
-      {"--once", a.once},
-      {"--no-video", a.no_video}};
+      {"--lockstep-timeout", a.lockstep_timeout_s.has_value()}, {"--once", a.once}};
   if (!a.lockstep) {
     for (const auto& [option, given] : of_lockstep)
       if (given) mistakes.Add(option, "", "means nothing without --lockstep");
+    if (a.no_video && !a.physics)
+      mistakes.Add("--no-video", "", "means nothing without --lockstep or --physics");
     return;
   }
   const ServeArguments usual;

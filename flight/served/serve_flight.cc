@@ -10,12 +10,12 @@
 
 #include "base/real_time.h"
 #include "base/stopwatch.h"
+#include "flight/served/truth_judgement.h"
 #include "flight/simulated/begin_live.h"
 #include "flight/simulated/changes.h"
 #include "flight/simulated/flight_records.h"
 #include "flight/simulated/judgement.h"
 #include "records/telemetry/flight_mode.h"
-#include "records/telemetry/metrics.h"
 #include "records/video/drawn_view.h"
 #include "vision/capture/live_camera.h"
 
@@ -196,18 +196,9 @@ class ServedFlight {
     live.Wait(row.now.t_s, [] { return true; });  // for no one: it makes the changes that are asked for
   }
 
-  // By what is of the truth alone.
   void Assess(records::Summary& summary) {
-    for (const auto& [name, value] : records::Metrics(result_.rows, simulator_.touch(), nullptr))
-      if (!records::NeedsDecisions(name)) summary.metrics[name] = value;
-    std::map<std::string, Limit> limits = loaded_.scenario.criteria;
-    std::erase_if(limits, [&](const auto& limit) {
-      const bool out = records::NeedsDecisions(limit.first);
-      if (out) Tell("judgement", limit.first + " is left out: only the flight code knows it");
-      return out;
-    });
-    Judge(limits, summary);
-    summary.passed = summary.complete && AllPassed(summary.criteria);
+    JudgeByTruth(loaded_.scenario, result_.rows, simulator_.touch(),
+                 [this](const std::string& what) { Tell("judgement", what); }, summary);
     if (loaded_.scenario.criteria.empty() || Flown()) return;
     summary.passed = false;
     if (summary.outcome == kLasted || summary.outcome == kLanded) summary.outcome = "not flown";

@@ -23,11 +23,11 @@ Eigen::Vector3d None3() { return Eigen::Vector3d::Constant(kNone); }
 struct Sample {
   double t_s = 0;
   // x and y of the frame of the figures, height above it, m
-  Eigen::Vector3d truth, fix = None3(), estimate, setpoint = None3();
+  Eigen::Vector3d truth, fix = None3(), estimate = None3(), setpoint = None3();
   Eigen::Vector3d error = None3();  // of the fix: x, y, z of that frame, m
   double yaw_error_deg = kNone;
   // Against that frame, without leaps.
-  double yaw_deg = 0, fix_yaw_deg = kNone, estimate_yaw_deg = 0, setpoint_yaw_deg = kNone;
+  double yaw_deg = 0, fix_yaw_deg = kNone, estimate_yaw_deg = kNone, setpoint_yaw_deg = kNone;
   double distance_m = 0;
 };
 
@@ -53,10 +53,11 @@ std::vector<Sample> SamplesOf(const std::vector<LogRow>& rows, const PlotOptions
     Sample s;
     s.t_s = row.exposure.t_s;
     s.truth = HeightUp(X_TB.p);
-    s.estimate = HeightUp(X_NT.Inverse() * row.estimate.p_NB);
+    if (row.heard) s.estimate = HeightUp(X_NT.Inverse() * row.estimate.p_NB);
     s.distance_m = X_TB.p.head<2>().norm();
     s.yaw_deg = NearestTurn_deg(YawOf(X_TB.R), samples.empty() ? 0 : samples.back().yaw_deg);
-    s.estimate_yaw_deg = NearestTurn_deg(YawOf(X_NT.R.conjugate() * row.estimate.R_NB), s.yaw_deg);
+    if (row.heard)
+      s.estimate_yaw_deg = NearestTurn_deg(YawOf(X_NT.R.conjugate() * row.estimate.R_NB), s.yaw_deg);
     const auto* position =
         row.decision.setpoint ? std::get_if<control::PositionSetpoint>(&*row.decision.setpoint) : nullptr;
     if (position) {
@@ -104,6 +105,8 @@ std::string Position(const std::filesystem::path& file, const std::vector<Sample
   text += "set xrange " + TimeRange(rows) + '\n';
   const bool sent = std::any_of(samples.begin(), samples.end(),
                                 [](const Sample& s) { return !std::isnan(s.setpoint_yaw_deg); });
+  const bool estimated = std::any_of(samples.begin(), samples.end(),
+                                     [](const Sample& s) { return !std::isnan(s.estimate_yaw_deg); });
   constexpr int kYaw = 3;
   for (int axis = 0; axis <= kYaw; ++axis) {
     Span span;
@@ -121,9 +124,10 @@ std::string Position(const std::filesystem::path& file, const std::vector<Sample
     text += AxisName((options.pad_size_m ? kOfPad : kOfGround)[axis]) + (axis == 0 ? kKey : "unset key\n");
     text += fmt::format("set yrange {}\nplot ", span.Range(axis == kYaw ? 4 : 0.5));
     if (sent) text += fmt::format("$flight using 8:{} with {} title 'setpoint', ", setpoint, kSetpointStyle);
-    text += fmt::format("$flight using 8:{} with {} title 'autopilot', ", estimate, kEstimateStyle);
-    if (fixes) text += fmt::format("'' using 1:{} with {} title 'vision fix', ", fix, kSeenStyle);
-    text += fmt::format("'' using 1:{} with {} title 'truth'\n", truth, kTruthStyle);
+    if (estimated)
+      text += fmt::format("$flight using 8:{} with {} title 'autopilot', ", estimate, kEstimateStyle);
+    if (fixes) text += fmt::format("$flight using 1:{} with {} title 'vision fix', ", fix, kSeenStyle);
+    text += fmt::format("$flight using 1:{} with {} title 'truth'\n", truth, kTruthStyle);
   }
   return text + EndFigure();
 }

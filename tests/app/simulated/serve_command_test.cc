@@ -142,17 +142,11 @@ TEST_F(ServeCommandTest, AFlightAtAnAutopilotsPaceIsNotSaidToBeInRealTime) {
                     Not(HasSubstr("in real time"))));
 }
 
-TEST_F(ServeCommandTest, AFolderForTheRecordsThatPhysicsDoesNotWriteIsRefused) {
+TEST_F(ServeCommandTest, PhysicsThatNobodyFliesEndsWhenItsTimeIsOverAndHasMetNothing) {
   ServeCommandArguments a;
-  a.scenario = "landing", a.physics = "px4", a.out = folder_ / "run";
-  EXPECT_THAT(Refusal(a), HasSubstr("--out: no records are written with --physics"));
-}
-
-TEST_F(ServeCommandTest, PhysicsThatNobodyFliesEndsWhenItsTimeIsOver) {
-  ServeCommandArguments a;
-  a.scenario = "landing", a.physics = "px4", a.physics_port = 0, a.for_s = 0.2;
+  a.scenario = "landing", a.physics = "px4", a.physics_port = 0, a.for_s = 0.2, a.out = folder_ / "run";
   testing::internal::CaptureStdout();
-  EXPECT_EQ(ServeCommand(a), 0);
+  EXPECT_EQ(ServeCommand(a), 1);
   EXPECT_THAT(testing::internal::GetCapturedStdout(), HasSubstr("waits for an autopilot"));
 }
 
