@@ -17,7 +17,8 @@ constexpr double kMaxOutliers = 1.0 / 3;  // of a view's corners
 }  // namespace
 
 std::vector<std::vector<SeenPoint>> PointsOf(const Board& board, std::span<const BoardView> views,
-                                             const std::vector<std::size_t>& usable, double common_px) {
+                                             const std::vector<std::size_t>& usable, double common_px,
+                                             const BoardShape& shape) {
   const std::vector<Vector2d> places = Corners(board);
   std::vector<std::vector<SeenPoint>> all;
   for (const std::size_t i : usable) {
@@ -26,7 +27,10 @@ std::vector<std::vector<SeenPoint>> PointsOf(const Board& board, std::span<const
       const Eigen::Matrix2d covariance =
           corner.covariance + common_px * common_px * Eigen::Matrix2d::Identity();
       const Eigen::Matrix2d L = covariance.llt().matrixL();
-      points.push_back({places[static_cast<std::size_t>(corner.index)], corner.pixel, L.inverse()});
+      const std::size_t number = static_cast<std::size_t>(corner.index);
+      Eigen::Vector3d p_T(places[number].x(), places[number].y(), 0);
+      if (!shape.offsets_m.empty()) p_T += shape.offsets_m[number];
+      points.push_back({p_T, corner.pixel, L.inverse(), corner.index});
     }
     all.push_back(std::move(points));
   }
@@ -41,7 +45,7 @@ double FreedomOf(const Agreeing& a, std::size_t free) {
 
 Agreeing SelectAgreeing(const PlacedViews& placed, std::vector<std::string>& left_out) {
   const double limit = kOutlier * RobustScale(placed.adjustment);
-  Agreeing agreeing{{placed.adjustment.camera, {}}, {}, {}};
+  Agreeing agreeing{{placed.adjustment.camera, {}, placed.adjustment.board}, {}, {}};
   std::fill(left_out.begin(), left_out.end(), "no pose of the board fits it");
   for (std::size_t i = 0; i < placed.numbers.size(); ++i) {
     const AdjustedView& all = placed.adjustment.views[i];
@@ -79,7 +83,7 @@ double CommonError(std::span<const BoardView> views, const std::vector<std::size
       if (error) squares.emplace_back(error->squaredNorm() / 2, own.trace() / 2);
     }
   }
-  const double expected = FreedomOf(a, free) / 2;
+  const double expected = (FreedomOf(a, free) - CostOf(a.adjustment.board)) / 2;
   const auto excess = [&](double common) {
     double sum = -expected;
     for (const auto& [square, own] : squares) sum += square / (own + common * common);

@@ -17,8 +17,10 @@ inline constexpr double kOutlier = 5;
 
 // The corners of the usable views. A corner's error has a part of its own, which its fit knows, and one that
 // is common to all: what the models of corner and lens leave out.
+// shape: where the corners are beside the file.
 std::vector<std::vector<SeenPoint>> PointsOf(const Board& board, std::span<const BoardView> views,
-                                             const std::vector<std::size_t>& usable, double common_px);
+                                             const std::vector<std::size_t>& usable, double common_px,
+                                             const BoardShape& shape = {});
 
 // The views that agree, with those of their corners whose errors are noise.
 struct Agreeing {
@@ -37,7 +39,7 @@ Agreeing SelectAgreeing(const PlacedViews& placed, std::vector<std::string>& lef
 double CommonError(std::span<const BoardView> views, const std::vector<std::size_t>& usable,
                    const Agreeing& agreeing, std::size_t free);
 
-// Large errors count less and less as the rest gets better.
+// Large errors count less and less as the rest gets better. The board is held.
 PlacedViews AdjustRobustly(const CameraModel& start, const std::vector<int>& free,
                            const std::vector<std::vector<SeenPoint>>& points);
 

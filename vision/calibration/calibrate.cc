@@ -9,6 +9,7 @@
 
 #include "geometry/tait_bryan.h"
 #include "vision/calibration/agreeing_views.h"
+#include "vision/calibration/board_shape.h"
 #include "vision/calibration/calibration_checks.h"
 #include "vision/calibration/calibration_start.h"
 #include "vision/calibration/calibration_uncertainty.h"
@@ -45,6 +46,13 @@ void AddNotes(Calibration& c) {
   }
   if (const std::string held = HeldDistortion(c.camera, c.free); !held.empty())
     c.notes.push_back("held at 0, because the images do not show that it is there: " + held);
+  if (!c.board.offsets_m.empty()) {
+    const Vector2d rms_mm = 1000 * RmsOf(c.board);
+    c.notes.push_back(fmt::format(
+        "the board is not quite as its file says: in all images alike its corners are {:.2g} mm "
+        "off in its plane and {:.2g} mm out of it, root mean square; the calibration allows for it",
+        rms_mm.x(), rms_mm.y()));
+  }
   for (const CalibratedView& view : c.views) {
     if (!view.left_out.empty())
       c.notes.push_back(fmt::format("{} was left out: {}", view.name, view.left_out));
@@ -76,8 +84,7 @@ void AddResiduals(std::span<const BoardView> views, const std::vector<std::size_
                               error.value_or(Vector2d::Constant(std::nan(""))), used});
       if (!used) continue;
       view_square += error->squaredNorm();
-      c.max_angle_seen_rad =
-          std::max(c.max_angle_seen_rad, AngleFromAxis(X_CT * Vector3d(point.p_T.x(), point.p_T.y(), 0)));
+      c.max_angle_seen_rad = std::max(c.max_angle_seen_rad, AngleFromAxis(X_CT * point.p_T));
     }
     view.rms_px = std::sqrt(view_square / static_cast<double>(next));
     square += view_square;
@@ -85,6 +92,78 @@ void AddResiduals(std::span<const BoardView> views, const std::vector<std::size_
     c.corners_not_used += static_cast<int>(points[number].size() - next);
   }
   c.rms_px = std::sqrt(square / (c.corners - c.corners_not_used));
+}
+
+// A camera and the views that are of it, on the way to a calibration.
+struct Fit {
+  std::vector<int> free;
+  std::optional<CameraModel> rival;            // see CalibrationStart
+  std::vector<std::vector<SeenPoint>> points;  // of the usable views, all of them
+  Agreeing agreeing;
+  std::vector<std::string> left_out;  // of the usable views, why
+};
+
+// To a board that is as its file says.
+Fit FitFlat(const Board& board, std::span<const BoardView> views, const std::vector<std::size_t>& usable,
+            const CameraModel& like) {
+  Fit fit{.free = FreeParameters(like),
+          .rival = {},
+          .points = PointsOf(board, views, usable, kFirstCommon_px),
+          .agreeing = {},
+          .left_out = std::vector<std::string>(usable.size())};
+  const auto start = StartCalibration(like, fit.free, fit.points);
+  if (!start)
+    throw InputError({},
+                     fmt::format("no start of the {} model sees the board in these images", NameOf(like)));
+  fit.rival = start->rival;
+  PlacedViews placed = AdjustRobustly(start->camera, fit.free, fit.points);
+  for (int round = 0; round < 3; ++round) {
+    fit.agreeing = SelectAgreeing(placed, fit.left_out);
+    if (fit.agreeing.numbers.size() < kMinViews) {
+      throw InputError({}, fmt::format("only {} of {} views agree on a {} camera; a calibration needs {}",
+                                       fit.agreeing.numbers.size(), usable.size(), NameOf(like), kMinViews));
+    }
+    Adjust(fit.agreeing.adjustment, {.free = fit.free});
+    if (round == 2) break;
+    fit.points = PointsOf(board, views, usable, CommonError(views, usable, fit.agreeing, fit.free.size()));
+    placed = PlaceViews(fit.agreeing.adjustment.camera, fit.points);
+  }
+  return fit;
+}
+
+// To the board as it is, where the images ask for it. Then more corners are noise, and errors are smaller.
+void FitBoardToo(const Board& board, std::span<const BoardView> views, const std::vector<std::size_t>& usable,
+                 Fit& fit) {
+  Agreeing& agreeing = fit.agreeing;
+  if (!FindBoardShape(board, agreeing, fit.free)) return;
+  for (int round = 0; round < 3; ++round) {
+    const BoardShape shape = agreeing.adjustment.board;
+    fit.points = PointsOf(board, views, usable, CommonError(views, usable, agreeing, fit.free.size()), shape);
+    PlacedViews placed = PlaceViews(agreeing.adjustment.camera, fit.points);
+    placed.adjustment.board = shape;
+    agreeing = SelectAgreeing(placed, fit.left_out);
+    AdjustBoardShape(agreeing, fit.free);
+  }
+}
+
+// The calibration so far: camera, board, and what is left of each view.
+Calibration CalibrationOf(const Board& board, std::span<const BoardView> views,
+                          const std::vector<std::size_t>& usable, Fit& fit) {
+  Calibration c;
+  c.camera = fit.agreeing.adjustment.camera;
+  c.board = fit.agreeing.adjustment.board;
+  c.free = fit.free;
+  for (const BoardView& view : views) {
+    c.views.push_back({.name = view.name, .left_out = "", .X_CT = {}, .rms_px = 0, .corners = {}});
+    if (view.corners.empty())
+      c.views.back().left_out = "the board was not found";
+    else if (view.corners.size() < kMinCorners)
+      c.views.back().left_out = fmt::format("only {} corners were found", view.corners.size());
+  }
+  for (std::size_t i = 0; i < usable.size(); ++i) c.views[usable[i]].left_out = fit.left_out[i];
+  if (!c.board.offsets_m.empty()) fit.points = PointsOf(board, views, usable, 0, c.board);
+  AddResiduals(views, usable, fit.points, fit.agreeing, c);
+  return c;
 }
 
 }  // namespace
@@ -96,43 +175,19 @@ Calibration Calibrate(const Board& board, std::span<const BoardView> views, cons
     if (views[i].corners.size() >= kMinCorners) usable.push_back(i);
   }
   CheckViews(board, views, usable, like);
+  const double usual_px = AcceptedResidual(views, like);
+  Fit fit = FitFlat(board, views, usable, like);
+  CheckLeftOut(views, usable, fit.left_out, like);
+  // A board whose numbers are wrong would otherwise become another one.
+  CheckResidual(CalibrationOf(board, views, usable, fit), std::max(usual_px, accepted_px.value_or(0)));
+  FitBoardToo(board, views, usable, fit);
+  CheckLeftOut(views, usable, fit.left_out, like);
+  DropDistortion(like, fit.agreeing, fit.free);
 
-  std::vector<int> free = FreeParameters(like);
-  std::vector<std::vector<SeenPoint>> points = PointsOf(board, views, usable, kFirstCommon_px);
-  const auto start = StartCalibration(like, free, points);
-  if (!start)
-    throw InputError({},
-                     fmt::format("no start of the {} model sees the board in these images", NameOf(like)));
-  PlacedViews placed = AdjustRobustly(start->camera, free, points);
-  Agreeing agreeing;
-  std::vector<std::string> left_out(usable.size());
-  for (int round = 0; round < 3; ++round) {
-    agreeing = SelectAgreeing(placed, left_out);
-    if (agreeing.numbers.size() < kMinViews) {
-      throw InputError({}, fmt::format("only {} of {} views agree on a {} camera; a calibration needs {}",
-                                       agreeing.numbers.size(), usable.size(), NameOf(like), kMinViews));
-    }
-    Adjust(agreeing.adjustment, {.free = free});
-    if (round == 2) break;
-    points = PointsOf(board, views, usable, CommonError(views, usable, agreeing, free.size()));
-    placed = PlaceViews(agreeing.adjustment.camera, points);
-  }
-  CheckLeftOut(views, usable, left_out, like);
-  DropDistortion(like, agreeing, free);
-
-  Calibration c;
-  c.camera = agreeing.adjustment.camera;
-  c.free = free;
-  for (const BoardView& view : views) {
-    c.views.push_back({.name = view.name, .left_out = "", .X_CT = {}, .rms_px = 0, .corners = {}});
-    if (view.corners.empty())
-      c.views.back().left_out = "the board was not found";
-    else if (view.corners.size() < kMinCorners)
-      c.views.back().left_out = fmt::format("only {} corners were found", view.corners.size());
-  }
-  for (std::size_t i = 0; i < usable.size(); ++i) c.views[usable[i]].left_out = left_out[i];
-  AddResiduals(views, usable, points, agreeing, c);
-  CheckResidual(c, accepted_px.value_or(AcceptedResidual(views, like)));
+  const std::vector<int>& free = fit.free;
+  const Agreeing& agreeing = fit.agreeing;
+  Calibration c = CalibrationOf(board, views, usable, fit);
+  CheckResidual(c, accepted_px.value_or(usual_px));
   const double tilts = Degrees(SpreadOfTilts(agreeing.adjustment.views));
   if (tilts < kMinTilts_deg) {
     throw InputError(
@@ -168,11 +223,11 @@ Calibration Calibrate(const Board& board, std::span<const BoardView> views, cons
         "focus, the board flat and its numbers right?",
         alike));
   }
-  if (start->rival && std::abs(Parameters(*start->rival)[0] - Parameters(c.camera)[0]) > 5 * c.sigma[0]) {
+  if (fit.rival && std::abs(Parameters(*fit.rival)[0] - Parameters(c.camera)[0]) > 5 * c.sigma[0]) {
     std::string other;
     for (const int i : free) {
-      other += fmt::format(" {} {:.5g}", ParameterNames(*start->rival)[static_cast<std::size_t>(i)],
-                           Parameters(*start->rival)[i]);
+      other += fmt::format(" {} {:.5g}", ParameterNames(*fit.rival)[static_cast<std::size_t>(i)],
+                           Parameters(*fit.rival)[i]);
     }
     c.notes.push_back(
         fmt::format("quite another {} camera fits these images as well:{}", NameOf(like), other));

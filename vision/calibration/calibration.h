@@ -9,6 +9,7 @@
 #include "base/diagnostics.h"
 #include "geometry/pose.h"
 #include "vision/calibration/board/board_detector.h"
+#include "vision/calibration/view_adjustment.h"
 #include "vision/camera/camera_model.h"
 
 // What a calibration starts from and what comes of it.
@@ -45,6 +46,7 @@ struct Calibration {
   Eigen::VectorXd sigma;       // of free
   Eigen::MatrixXd covariance;  // of free
   std::vector<CalibratedView> views;
+  BoardShape board;  // offsets: empty where the images show the board to be as its file says
   int corners = 0, corners_not_used = 0;  // of the views that were used
   double rms_px = 0;                      // over all used corners
   double worst_uncertainty_px = 0;        // see vision/calibration/calibration_uncertainty.h

@@ -32,7 +32,7 @@ double Median(std::vector<double> values) {
 std::optional<Pose> PoseOf(const CameraModel& camera, const std::vector<SeenPoint>& points, int steps) {
   std::vector<PlaneRay> rays;
   for (const SeenPoint& point : points) {
-    if (const auto ray = Ray(camera, point.pixel)) rays.push_back({point.p_T, *ray});
+    if (const auto ray = Ray(camera, point.pixel)) rays.push_back({point.p_T.head<2>(), *ray});
   }
   if (rays.size() < kMinCorners || 3 * rays.size() < 2 * points.size()) return std::nullopt;
   const auto X_CT = PlanePoseFromRays(rays);

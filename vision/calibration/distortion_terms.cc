@@ -67,6 +67,7 @@ std::optional<Adjustment> Restricted(const CameraModel& like, const Agreeing& ag
   }
   PlacedViews placed = AdjustRobustly(camera, free, points);
   if (placed.numbers.size() < points.size()) return std::nullopt;
+  placed.adjustment.board = agreeing.adjustment.board;
   Adjust(placed.adjustment, {.free = free});
   return std::move(placed.adjustment);
 }
