@@ -127,8 +127,8 @@ void CheckTimes(const FlyArguments& a, Mistakes& mistakes) {
   if (a.for_s && !(*a.for_s >= kLeast_s && *a.for_s <= kMost_s))
     mistakes.Add("--for", "", fmt::format("{:g} is no time in s that a flight may last", *a.for_s),
                  fmt::format("valid: from {:g} to {:g}", kLeast_s, kMost_s));
-  if (!(a.wait_s >= 0 && a.wait_s <= kMost_s))
-    mistakes.Add("--wait", "", fmt::format("{:g} is no time in s to wait", a.wait_s),
+  if (a.wait_s && !(*a.wait_s >= 0 && *a.wait_s <= kMost_s))
+    mistakes.Add("--wait", "", fmt::format("{:g} is no time in s to wait", *a.wait_s),
                  fmt::format("valid: from 0 to {:g}", kMost_s));
 }
 
@@ -264,12 +264,12 @@ CLI::App* AddFlyCommand(CLI::App& app, FlyArguments& a) {
   command->add_flag("--pilot-untold", a.pilot_untold,
                     "Fly though the autopilot does not tell of the pilot's switch");
   command->add_option("--for", a.for_s, "How long at most, in s, instead of the scenario's duration_s");
-  command
-      ->add_option(
-          "--wait", a.wait_s,
+  command->add_option(
+      "--wait", a.wait_s,
+      fmt::format(
           "How long, in s, the camera's first image is waited for, and then the autopilot's state: its "
-          "estimator may take 40 s")
-      ->capture_default_str();
+          "estimator may take 40 s (default {:g})",
+          flight::kWait_s));
   AddLiveOptions(*command, a.live, false);
   command->add_option("--out", a.out, "Folder for the records (default results/runs/NAME-flown-TIME)")
       ->type_name("DIR");
@@ -370,10 +370,10 @@ bool FlyCommand(const FlyArguments& a) {
   check.ground = ground ? &*ground : nullptr;
   check.pilot_untold = aircraft.pilot_untold;
   check.interrupted = &interrupted;
-  check.wait_s = a.wait_s;
+  check.wait_s = a.wait_s.value_or(flight::kWait_s);
   std::vector<flight::CheckItem> items;
   {
-    Waiting waiting(a.wait_s);
+    Waiting waiting(check.wait_s);
     check.waits = [&](const std::string& what, double waited_s) { waiting.Show(what, waited_s); };
     items = flight::PreFlight(plan, *camera, *link, check);
   }

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "app/option/live_option.h"
-#include "flight/hardware/pre_flight.h"
 
 namespace kestrel::app {
 
@@ -15,8 +14,7 @@ struct FlyArguments {
   std::string scenario, autopilot, aircraft, out;
   std::vector<std::string> cameras;  // one, or two: on board and on the ground
   std::vector<std::string> overrides, aircraft_overrides;
-  std::optional<double> for_s;
-  double wait_s = flight::kWait_s;
+  std::optional<double> for_s, wait_s;
   LiveArguments live;
   bool dry_run = false, take_control = false, arm = false, pilot_untold = false;
   bool no_video = false, images = false;
