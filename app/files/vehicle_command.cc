@@ -5,14 +5,73 @@
 
 #include <CLI/CLI.hpp>
 #include <fstream>
+#include <optional>
+#include <stdexcept>
 
 #include "app/option/one_of.h"
 #include "base/diagnostics.h"
+#include "flight/simulated/scenario.h"
+#include "sim/server/physics/motor_layout.h"
+#include "sim/server/physics/parameter_file.h"
 
 namespace kestrel::app {
+namespace {
+
+void AddParametersCommand(CLI::App& verb, VehicleArguments& a) {
+  CLI::App* command = verb.add_subcommand(
+      "parameters", "Write the parameters by which ArduPilot or PX4 flies a vehicle in the loop");
+  command->add_option("vehicle", a.vehicle, "A name in models/vehicles, or a vehicle file")->required();
+  command->add_option("--autopilot", a.autopilot, "Whose parameters")
+      ->required()
+      ->check(OneOf({"ardupilot", "px4"}));
+  command->add_option("--out", a.out, "Folder that ardupilot.parm or px4.params is written to")
+      ->capture_default_str();
+  command->callback([&a] { a.parameters = true; });
+  command->footer(
+      "Examples:\n"
+      "  kestrel vehicle parameters mine.yaml --autopilot ardupilot\n"
+      "  kestrel vehicle parameters pelican --autopilot px4 --out /tmp");
+}
+
+void WriteNew(const std::filesystem::path& file, const std::string& text, Mistakes& mistakes) {
+  if (std::filesystem::exists(file))
+    mistakes.Add(file.string(), "", "is there already", "give another name or folder, or remove it");
+  mistakes.ThrowIfAny();
+  std::error_code error;
+  std::filesystem::create_directories(file.parent_path(), error);
+  std::ofstream out(file);
+  out << text;
+  if (!out.flush()) throw InputError(file.string(), "cannot be written");
+}
+
+void WriteParameters(const VehicleArguments& a) {
+  Mistakes mistakes;
+  std::string text;
+  try {
+    const flight::LoadedScenario loaded = flight::LoadScenario("hover", {"vehicle=" + a.vehicle}, false);
+    text = sim::ParameterText(a.autopilot, a.vehicle, sim::MultirotorOf(loaded.simulator.vehicle));
+  } catch (const InputError& e) {
+    for (Diagnostic each : e.diagnostics) {
+      if (each.file.starts_with("--set")) each.file = a.vehicle, each.key.clear();
+      mistakes.Add(each);
+    }
+  } catch (const std::runtime_error& e) {
+    mistakes.Add(a.vehicle, "", e.what());
+  }
+  const std::filesystem::path file = a.out / sim::ParameterFileName(a.autopilot);
+  WriteNew(file, text, mistakes);
+  const bool px4 = a.autopilot == "px4";
+  fmt::print("{}\nServe the aircraft by: kestrel serve hover --set vehicle={} --physics {}\n{}\n",
+             file.string(), a.vehicle, a.autopilot,
+             px4 ? "Load it in QGroundControl, or set PX4_PARAM_ variables of it (docs/guide/sitl.md)"
+                 : fmt::format("Fly it by: arducopter --model JSON:127.0.0.1 --defaults {}", file.string()));
+}
+
+}  // namespace
 
 CLI::App* AddVehicleCommand(CLI::App& app, VehicleArguments& a) {
-  CLI::App* verb = app.add_subcommand("vehicle", "Begin a vehicle of your own");
+  CLI::App* verb =
+      app.add_subcommand("vehicle", "Begin a vehicle of your own, or tell a real autopilot of one");
   verb->require_subcommand(1);
   CLI::App* command =
       verb->add_subcommand("new", "Write a vehicle file that flies, from mass, arms, rotors and battery");
@@ -50,10 +109,12 @@ CLI::App* AddVehicleCommand(CLI::App& app, VehicleArguments& a) {
       "  kestrel vehicle new heavy --mass 6 --arm 0.5 --rotors 8 --battery 6 --kv 380 --propeller 0.35 --out "
       "vehicles\n"
       "  kestrel run hover --set vehicle=mine.yaml");
+  AddParametersCommand(*verb, a);
   return verb;
 }
 
 void VehicleCommand(const VehicleArguments& a) {
+  if (a.parameters) return WriteParameters(a);
   Mistakes mistakes;
   if (a.draft.name.empty() || a.draft.name.front() == '.' ||
       a.draft.name.find_first_of("/\"\\\n") != std::string::npos)
@@ -61,14 +122,7 @@ void VehicleCommand(const VehicleArguments& a) {
                  "valid: no slash, no quote, no leading dot");
   const std::string text = sim::VehicleText(a.draft, mistakes);
   const std::filesystem::path file = a.out / (a.draft.name + ".yaml");
-  if (std::filesystem::exists(file))
-    mistakes.Add(file.string(), "", "is there already", "give another name, or remove it");
-  mistakes.ThrowIfAny();
-  std::error_code error;
-  std::filesystem::create_directories(a.out, error);
-  std::ofstream out(file);
-  out << text;
-  if (!out.flush()) throw InputError(file.string(), "cannot be written");
+  WriteNew(file, text, mistakes);
   fmt::print("{}\nFly it by: kestrel run hover --set vehicle={}\n", file.string(), file.string());
 }
 

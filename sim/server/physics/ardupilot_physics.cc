@@ -24,7 +24,7 @@ namespace asio = boost::asio;
 using asio::ip::udp;
 using Clock = std::chrono::steady_clock;
 
-constexpr double kCoarseStep_s = 0.002, kFineStep_s = 0.001;
+constexpr double kCoarseStep_s = 0.002;
 constexpr double kLongest_s = 0.1;  // steps of this and more do not count for ArduPilot
 constexpr int kLook_ms = 20;        // for Stop()
 
@@ -179,7 +179,7 @@ ArduPilotPhysics::ArduPilotPhysics(const ArduPilotPhysicsParameters& parameters,
 ArduPilotPhysics::~ArduPilotPhysics() = default;
 
 std::optional<double> ArduPilotPhysics::step_s() const {
-  return impl_->step_s > 0 && impl_->step_s < kCoarseStep_s - 1e-6 ? kFineStep_s : kCoarseStep_s;
+  return impl_->step_s > 0 && impl_->step_s < kCoarseStep_s - 1e-6 ? kArduPilotFineStep_s : kCoarseStep_s;
 }
 bool ArduPilotPhysics::Begin() { return impl_->Begin(); }
 

@@ -9,6 +9,9 @@
 
 namespace kestrel::sim {
 
+// The physics' step where more than 500 states a second are asked for.
+inline constexpr double kArduPilotFineStep_s = 0.001;
+
 struct ArduPilotPhysicsParameters {
   std::string address = "127.0.0.1";
   int port = 9002;                 // 0: any that is free
