@@ -136,9 +136,7 @@ int ServePhysicsAlone(const flight::ServeArguments& a, const flight::LoadedScena
     if (sim::PhysicsServer* server = stopped_physics) server->Stop();
     EndOnNextSignal();
   });
-  fmt::print("{}", flight::StartLines(a, loaded, {}, nullptr));
-  fmt::print("  physics  {}, for {}\n", physics.Where(), *a.physics);
-  if (!flight::OnLoopback(a.listen)) fmt::print("{}", flight::Warning("the physics", a.listen));
+  fmt::print("{}", flight::StartLines(a, loaded, {}, nullptr, physics.Where()));
   std::fflush(stdout);
   std::jthread end;
   if (a.for_s)

@@ -13,6 +13,7 @@
 #include <tuple>
 
 #include "flight/load_plugins.h"
+#include "flight/served/physics_lines.h"
 #include "flight/simulated/scenario.h"
 #include "geometry/tait_bryan.h"
 #include "sim/server/afcs_server.h"
@@ -253,7 +254,8 @@ std::vector<NamedServer> MakeServers(const ServeArguments& a, const LoadedScenar
 }
 
 std::string StartLines(const ServeArguments& a, const LoadedScenario& loaded,
-                       const std::vector<NamedServer>& servers, const sim::PanTilt* platform) {
+                       const std::vector<NamedServer>& servers, const sim::PanTilt* platform,
+                       const std::string& physics) {
   const Scenario& scenario = loaded.scenario;
   std::string lines = fmt::format(
       "SIMULATOR  {}, seed {}: {}\n", scenario.name, scenario.seed,
@@ -301,16 +303,19 @@ std::string StartLines(const ServeArguments& a, const LoadedScenario& loaded,
     lines += fmt::format("  {:<8} {}\n", each.name, where);
     if (!address.empty() && !OnLoopback(address)) lines += Warning(each.name, address);
   }
-  std::string plugins;
-  for (const std::string& each : LoadedPlugins()) plugins += fmt::format(" --plugin {}", each);
+  std::string fly = fmt::format("kestrel fly {}", a.scenario);
+  for (const std::string& each : LoadedPlugins()) fly += fmt::format(" --plugin {}", each);
+  fly += camera;
   for (const NamedServer& each : servers) {
     std::string autopilot = fmt::format("{}:{}", each.name, Reachable(each.server->Where()));
     if (each.name == "mavlink") autopilot += " --take-control";
     if (each.name == "afcs") autopilot += " --pilot-untold";
-    lines += fmt::format("  to fly it:  kestrel fly {}{}{} --autopilot {}\n", a.scenario, plugins, camera,
-                         autopilot);
+    lines += fmt::format("  to fly it:  {} --autopilot {}\n", fly, autopilot);
   }
-  return lines;
+  if (physics.empty()) return lines;
+  lines += fmt::format("  physics  {}, for {}\n", physics, *a.physics);
+  if (!OnLoopback(a.listen)) lines += Warning("the physics", a.listen);
+  return lines + PhysicsLines(*a.physics, Reachable(physics), scenario.vehicle, stream ? fly : "");
 }
 
 }  // namespace kestrel::flight

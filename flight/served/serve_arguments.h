@@ -57,8 +57,10 @@ std::vector<NamedServer> MakeServers(const ServeArguments& arguments, const Load
                                      sim::PanTilt* platform, Mistakes& mistakes);
 
 // How to connect, line by line: where each server listens and the camera goes, a warning where that is not
-// this computer alone, and the command line of `kestrel fly` for each.
+// this computer alone, and the command line of `kestrel fly` for each. physics: where autopilots of software in the
+// loop connect to (sim::PhysicsServer::Where), with the command line of theirs too; empty: nowhere.
 std::string StartLines(const ServeArguments& arguments, const LoadedScenario& loaded,
-                       const std::vector<NamedServer>& servers, const sim::PanTilt* platform);
+                       const std::vector<NamedServer>& servers, const sim::PanTilt* platform,
+                       const std::string& physics = {});
 
 }  // namespace kestrel::flight

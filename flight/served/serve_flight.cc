@@ -197,8 +197,9 @@ class ServedFlight {
   }
 
   void Assess(records::Summary& summary) {
-    JudgeByTruth(loaded_.scenario, result_.rows, simulator_.touch(),
-                 [this](const std::string& what) { Tell("judgement", what); }, summary);
+    JudgeByTruth(
+        loaded_.scenario, result_.rows, simulator_.touch(),
+        [this](const std::string& what) { Tell("judgement", what); }, summary);
     if (loaded_.scenario.criteria.empty() || Flown()) return;
     summary.passed = false;
     if (summary.outcome == kLasted || summary.outcome == kLanded) summary.outcome = "not flown";

@@ -137,9 +137,13 @@ TEST_F(ServeCommandTest, AFlightAtAnAutopilotsPaceIsNotSaidToBeInRealTime) {
   ServeCommandArguments a;
   a.scenario = "landing", a.physics = "px4", a.for_s = 30;
   const flight::LoadedScenario loaded = flight::LoadScenario("landing");
-  EXPECT_THAT(flight::StartLines(a, loaded, {}, nullptr),
+  EXPECT_THAT(flight::StartLines(a, loaded, {}, nullptr, "tcp://127.0.0.1:4560"),
               AllOf(HasSubstr("at the autopilot's pace"), HasSubstr("until 30 s are over"),
-                    Not(HasSubstr("in real time"))));
+                    HasSubstr("tcp://127.0.0.1:4560, for px4"), HasSubstr("bin/px4\n"),
+                    Not(HasSubstr("kestrel fly")), Not(HasSubstr("in real time"))));
+  a.camera = "rtp:5600";
+  EXPECT_THAT(flight::StartLines(a, loaded, {}, nullptr, "tcp://127.0.0.1:4560"),
+              HasSubstr("kestrel fly landing --camera rtp://127.0.0.1:5600 --set-aircraft"));
 }
 
 TEST_F(ServeCommandTest, PhysicsThatNobodyFliesEndsWhenItsTimeIsOverAndHasMetNothing) {
