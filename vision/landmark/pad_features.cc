@@ -2,7 +2,10 @@
 #include "vision/landmark/pad_features.h"
 
 #include <Eigen/LU>
+#include <algorithm>
+#include <array>
 #include <opencv2/imgproc.hpp>
+#include <utility>
 
 #include "vision/landmark/plane/homography.h"
 #include "vision/landmark/plane/plane_pose.h"
@@ -10,8 +13,11 @@
 namespace kestrel::vision {
 namespace {
 
-constexpr double kReference_px_per_m = 500;  // blocks and polygons down to a centimetre
+// Blocks and polygons down to a centimetre; and what is left of them far away, where the finer features are not
+// seen and would take all places of a limited number.
+constexpr std::array<double, 3> kReference_px_per_m = {500, 120, 60};
 constexpr int kReferenceFeatures = 2500;
+constexpr double kMatched_px_per_m = 500;  // pairs are compared in pixels of about an image's size
 constexpr double kThreshold_px = 3;
 constexpr int kMinInliers = 12;
 constexpr int kHalvedFrom_px = 400;
@@ -19,35 +25,102 @@ constexpr int kHalvedFrom_px = 400;
 // Those of the other detectors are cheaper, and fewer of them are right.
 int ImageFeatures(FeatureDetector detector) { return detector == FeatureDetector::kSift ? 500 : 1000; }
 
+// A small pad: a part of the image that it fills is this share of the image's width.
+constexpr double kPart = 0.375, kSmall = 0.1;
+constexpr int kContrastScale = 4;   // of the smaller image that contrast is measured in
+constexpr double kBlack_grey = 10;  // noise is no contrast, however dark it is
+
+// The part of this rank: around the largest deviation of grey as a share of grey, over a small pad's size, that lies
+// in no part of lower rank.
+cv::Rect PartOfMostContrast(const cv::Mat& grey, int rank) {
+  cv::Mat small, mean, squares;
+  cv::resize(grey, small, grey.size() / kContrastScale, 0, 0, cv::INTER_AREA);
+  small.convertTo(small, CV_32F);
+  const int side_px = std::max(3, static_cast<int>(kSmall * small.cols));
+  cv::boxFilter(small, mean, CV_32F, {side_px, side_px}, {-1, -1}, true, cv::BORDER_REFLECT);
+  cv::sqrBoxFilter(small, squares, CV_32F, {side_px, side_px}, {-1, -1}, true, cv::BORDER_REFLECT);
+  cv::Mat contrast = squares - mean.mul(mean);
+  cv::max(contrast, 0, contrast);
+  cv::sqrt(contrast, contrast);
+  contrast /= mean + kBlack_grey;
+  const cv::Size part(cvRound(kPart * grey.cols), cvRound(kPart * grey.rows));
+  cv::Rect found;
+  for (int k = 0; k <= rank; ++k) {
+    cv::Point middle;
+    cv::minMaxLoc(contrast, nullptr, nullptr, nullptr, &middle);
+    middle *= kContrastScale;
+    found = {std::clamp(middle.x - part.width / 2, 0, grey.cols - part.width),
+             std::clamp(middle.y - part.height / 2, 0, grey.rows - part.height), part.width, part.height};
+    const cv::Rect looked(found.x / kContrastScale, found.y / kContrastScale, found.width / kContrastScale,
+                          found.height / kContrastScale);
+    contrast(looked & cv::Rect({0, 0}, contrast.size())).setTo(0);
+  }
+  return found;
+}
+
 }  // namespace
 
 PadFeatures::PadFeatures(const PadReference& reference, const Pinhole& camera, FeatureDetector detector)
     : camera_(camera), detector_(detector) {
-  const PadReference::Level& level = reference.LevelFor(kReference_px_per_m);
-  reference_ = Detect(level.image, {detector_, kReferenceFeatures});
-  const Eigen::Matrix3d T_from_pixel = level.pixel_from_T.inverse();
-  for (const cv::KeyPoint& k : reference_.points) places_.push_back(Transfer(T_from_pixel, {k.pt.x, k.pt.y}));
+  const PadReference::Level* last = nullptr;
+  for (const double px_per_m : kReference_px_per_m) {
+    const PadReference::Level& level = reference.LevelFor(px_per_m);
+    if (&level == std::exchange(last, &level)) continue;
+    Scale& scale = scales_.emplace_back(Detect(level.image, {detector_, kReferenceFeatures}));
+    const Eigen::Matrix3d T_from_pixel = level.pixel_from_T.inverse();
+    for (const cv::KeyPoint& k : scale.features.points)
+      scale.places.push_back(Transfer(T_from_pixel, {k.pt.x, k.pt.y}));
+  }
+}
+
+// SIFT looks for its finest in an image of twice the size, where it spends most of its time.
+bool PadFeatures::Halves(const cv::Mat& grey) const {
+  return detector_ == FeatureDetector::kSift && grey.rows >= kHalvedFrom_px;
 }
 
 std::optional<Eigen::Matrix3d> PadFeatures::Find(const cv::Mat& grey, std::uint32_t seed) const {
-  // SIFT looks for its finest in an image of twice the size, where it spends most of its time.
-  const bool halved = detector_ == FeatureDetector::kSift && grey.rows >= kHalvedFrom_px;
+  if (!Halves(grey)) return Match(Detect(grey, {detector_, ImageFeatures(detector_)}), seed);
   cv::Mat half;
-  if (halved) cv::resize(grey, half, {grey.cols / 2, grey.rows / 2}, 0, 0, cv::INTER_AREA);
-  Features found = Detect(halved ? half : grey, {detector_, ImageFeatures(detector_)});
-  if (halved) {
-    for (cv::KeyPoint& k : found.points) k.pt = 2 * k.pt + cv::Point2f(0.5F, 0.5F);
+  cv::resize(grey, half, {grey.cols / 2, grey.rows / 2}, 0, 0, cv::INTER_AREA);
+  Features found = Detect(half, {detector_, ImageFeatures(detector_)});
+  for (cv::KeyPoint& k : found.points) k.pt = 2 * k.pt + cv::Point2f(0.5F, 0.5F);
+  return Match(found, seed);
+}
+
+std::optional<Eigen::Matrix3d> PadFeatures::FindSmall(const cv::Mat& grey, int rank,
+                                                      std::uint32_t seed) const {
+  if (!Halves(grey)) return std::nullopt;
+  const cv::Rect part = PartOfMostContrast(grey, rank);
+  cv::Mat bright;
+  cv::normalize(grey(part), bright, 0, 255, cv::NORM_MINMAX);  // features have a least contrast
+  Features found = Detect(bright, {detector_, ImageFeatures(detector_)});
+  for (cv::KeyPoint& k : found.points) k.pt += cv::Point2f(part.tl());
+  return Match(found, seed);
+}
+
+std::optional<Eigen::Matrix3d> PadFeatures::Match(const Features& found, std::uint32_t seed) const {
+  // Of each feature the scale at which it looks most alike.
+  struct Pair {
+    float distance;
+    Eigen::Vector2d place;
+  };
+  std::vector<std::optional<Pair>> best(found.points.size());
+  for (const Scale& scale : scales_) {
+    for (const kestrel::vision::Match& match : MatchFeatures(found, scale.features, {})) {
+      std::optional<Pair>& pair = best[match.a];
+      if (!pair || match.distance < pair->distance) pair = {match.distance, scale.places[match.b]};
+    }
   }
-  std::vector<PointPair> pairs;  // both sides in pixels of about the image's size, for one threshold
-  const double scale = kReference_px_per_m;
-  for (const Match& match : MatchFeatures(found, reference_, {})) {
-    const cv::Point2f& at = found.points[match.a].pt;
-    pairs.push_back({scale * places_[match.b], {at.x, at.y}});
+  std::vector<PointPair> pairs;
+  for (std::size_t k = 0; k < best.size(); ++k) {
+    const cv::Point2f& at = found.points[k].pt;
+    if (best[k]) pairs.push_back({kMatched_px_per_m * best[k]->place, {at.x, at.y}});
   }
   const auto robust = RansacHomography(
       pairs, {.threshold = kThreshold_px, .max_trials = 2000, .min_inliers = kMinInliers}, seed);
   if (!robust) return std::nullopt;
-  const Eigen::Matrix3d H_w = robust->H * Eigen::Vector3d(scale, scale, 1).asDiagonal();
+  const Eigen::Matrix3d H_w =
+      robust->H * Eigen::Vector3d(kMatched_px_per_m, kMatched_px_per_m, 1).asDiagonal();
   if (!PoseFromHomography(H_w, camera_)) return std::nullopt;
   return H_w;
 }

@@ -13,9 +13,9 @@
 
 namespace kestrel::vision {
 
-// Finds a pad of which only a part is in view, where PadDetector has no rectangle to go by: features
-// (thesis 3.2.2) of the image matched with those of the reference, and a RANSAC homography. Some tens of
-// milliseconds an image.
+// Finds a pad where PadDetector has no rectangle to go by, as only a part of it is in view or in the sun: features
+// (thesis 3.2.2) of the image matched with those of the reference at three of its scales, and a RANSAC homography.
+// Some tens of milliseconds an image.
 class PadFeatures {
  public:
   PadFeatures(const PadReference& reference, const Pinhole& camera,
@@ -24,12 +24,22 @@ class PadFeatures {
   // H_w, the homography from T, m, to the image (CV_8UC1), good to about a pixel. None: too few matches
   // agree.
   std::optional<Eigen::Matrix3d> Find(const cv::Mat& grey, std::uint32_t seed) const;
+  // The same for a pad that is small in the image, in every pixel of one part of it: of the parts that have the
+  // most contrast, the one of this rank. None also where Find leaves no pixel out.
+  std::optional<Eigen::Matrix3d> FindSmall(const cv::Mat& grey, int rank, std::uint32_t seed) const;
 
  private:
+  struct Scale {
+    Features features;
+    std::vector<Eigen::Vector2d> places;  // of the features, in T, m
+  };
+  bool Halves(const cv::Mat& grey) const;
+  // The image's features are in pixels of it.
+  std::optional<Eigen::Matrix3d> Match(const Features& found, std::uint32_t seed) const;
+
   Pinhole camera_;
   FeatureDetector detector_;
-  Features reference_;
-  std::vector<Eigen::Vector2d> places_;  // of the reference's features, in T, m
+  std::vector<Scale> scales_;
 };
 
 }  // namespace kestrel::vision

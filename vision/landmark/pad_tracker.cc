@@ -26,6 +26,8 @@ constexpr double kLargeCorrection_px = 1.5;
 constexpr int kFewInliers = 6;
 // The dear search for a part of the pad is not made in every lost frame.
 constexpr int kFramesBetweenFeatures = 3;
+// Every other of these is for a pad that is small, in one of so many parts of the image after another.
+constexpr int kPartsWithASmallPad = 3;
 // Between two images, from which on its picture may be blurred beyond the corners' knowing it.
 constexpr double kMinBlurringMotion_px = 5;
 const cv::TermCriteria kLucasKanadeEnd(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 20, 0.01);
@@ -188,7 +190,10 @@ std::optional<PadObservation> PadTracker::Find(const cv::Mat& grey,
   if (const auto H = detector_.Detect(grey)) seen = registered(*H);
   if (!seen && lost_frames_++ % kFramesBetweenFeatures == 0) {
     if (!features_) features_.emplace(reference_, camera_, *FeatureDetectorNamed(options_.features));
-    if (const auto H = features_->Find(grey, frames_)) seen = registered(*H);
+    const int look = lost_frames_ / kFramesBetweenFeatures;
+    if (const auto H = look % 2 == 0 ? features_->Find(grey, frames_)
+                                     : features_->FindSmall(grey, look / 2 % kPartsWithASmallPad, frames_))
+      seen = registered(*H);
   }
   if (seen && (LooksMirrored(grey, reference_, seen->H_w) || !RimAgrees(grey, reference_, seen->H_w)))
     return std::nullopt;

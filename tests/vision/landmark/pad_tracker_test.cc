@@ -225,6 +225,26 @@ TEST_F(PadTrackerTest, FollowsBothHalvesOfAPadThatIsHalfInTheShade) {
   }
 }
 
+// Too small, dim and broken by the shade's edge for its frame, or for features of half the image's size, to tell.
+TEST_F(PadTrackerTest, FindsASmallPadHalfInTheShadeOfADimImage) {
+  cv::Mat printed = PadPicture();
+  printed.convertTo(printed, CV_8U, (214 - 28) / 255.0, 28);
+  const PadPhotographer shaded(HalfInTheShade(printed, 0.5));
+  for (const double yaw_deg : {-160.0, -50.0, 20.0, 110.0}) {
+    PadTracker tracker = NewTracker();
+    std::optional<PadObservation> seen;
+    Pose truth;
+    for (int frame = 0; frame < 40 && !seen; ++frame) {
+      truth = PadBelow({1.8 - 0.02 * frame, -2.2, 9}, yaw_deg);
+      cv::Mat image;
+      cv::GaussianBlur(shaded.At(truth, frame, 0.5), image, {}, 0.9);
+      seen = tracker.Track(image, std::nullopt);
+    }
+    ASSERT_TRUE(seen) << yaw_deg;
+    EXPECT_LT(ErrorsOf(*seen, truth).place_m, 0.15) << yaw_deg;
+  }
+}
+
 // Its finest details, which the reference has, are not in the image.
 TEST_F(PadTrackerTest, FollowsABlurredPrintDownToTheGround) {
   cv::Mat grain(PadPicture().size() / 4, CV_32FC1), printed, spread;
