@@ -259,6 +259,7 @@ FlyReport FlyAircraft(const LoadedPlan& plan, vision::LiveCamera& camera, contro
   ControlMonitor watch;
   LagMonitor lag(mission->MaxLag());
   Losses losses;
+  std::string link_error = link.Health().error;  // what the check list said
   const bool needs_target = mission->Target() != mission::TargetNeed::kNone;
   const auto tell = [&](const char* what, const std::string& text) {
     const double t_s = MonotonicNow_s() - begun_s;
@@ -272,6 +273,12 @@ FlyReport FlyAircraft(const LoadedPlan& plan, vision::LiveCamera& camera, contro
     if (known.hazard == control::Hazard::kPilot && !health.pilot_allows)
       known.hazard = control::Hazard::kStateLost;
     watch.Note(t_s, known, state);
+    if (health.error != link_error) {
+      link_error = health.error;
+      const std::string is = link_error.empty() ? "in order again" : link_error;
+      tell("link", is);
+      if (o.told) o.told("link: " + is);
+    }
     losses.Note(camera.Health().age_s.value_or(t_s),
                 autopilot.heard() ? health.state_age_s.value_or(t_s) : t_s, o.limits);
   };

@@ -260,6 +260,25 @@ TEST_F(FlyTest, ACameraThatIsNotThereIsSaidToBe) {
   EXPECT_FALSE(Item("camera").ok);
 }
 
+TEST_F(FlyTest, WhatBecomesOfTheLinkInFlightIsSaidAndOnRecord) {
+  FlyOptions options = Options();
+  options.folder = folder_;
+  std::vector<std::string> told;
+  options.told = [&](const std::string& text) { told.push_back(text); };
+  int frames = 0;
+  options.seen = [&](const vision::Frame&) {
+    link_.Set([&, n = ++frames](control::VehicleState&, control::LinkHealth& health) {
+      health.error = n >= 4 && n < 8 ? "tcp://a:1: the other end has closed the connection" : "";
+    });
+  };
+  vision::LiveCamera camera(Noise(), {});
+  FlyAircraft(plan_, camera, link_, options);
+  ASSERT_GT(frames, 8);
+  EXPECT_EQ(told, (std::vector<std::string>{"link: tcp://a:1: the other end has closed the connection",
+                                            "link: in order again"}));
+  EXPECT_THAT(Text(folder_ / "events.log"), HasSubstr("link: tcp://a:1: the other end has closed"));
+}
+
 TEST_F(FlyTest, AFlightLeavesItsRecords) {
   FlyOptions options = Options();
   options.folder = folder_;
