@@ -207,8 +207,9 @@ Recording::Recording(const fs::path& flight_folder) : folder_(flight_folder / "r
   const FileContent content = ReadUserFile(file, kMaxDataBytes);
   Mistakes mistakes;
   if (!content.error.empty())
-    mistakes.Add(file.string(), "",
-                 content.error + "; fly with --images, and images and states are recorded");
+    mistakes.Add(
+        file.string(), "",
+        content.error + "; images and states are recorded by run and fly with --images, and not by serve");
   mistakes.ThrowIfAny();
   std::istringstream in(content.bytes);
   std::string line;

@@ -171,6 +171,7 @@ std::vector<PhysicsFlight> ServePhysics(const LoadedScenario& loaded, sim::Physi
   parameters.ground.reset();
   parameters.events.reset();
   std::vector<PhysicsFlight> flights;
+  sim::PhysicsCounts told;
   const auto say = [&](const std::string& text) {
     if (options.say) options.say(text);
   };
@@ -188,7 +189,9 @@ std::vector<PhysicsFlight> ServePhysics(const LoadedScenario& loaded, sim::Physi
     flights.push_back(FlightByPhysics(served, server, options, folder).Fly());
     const sim::PhysicsCounts counts = server.counts();
     say(fmt::format("flight {}: over after {:.1f} s; {} answers, {} repeated, {} refused", number,
-                    flights.back().summary.sim_s, counts.answers, counts.repeated, counts.refused));
+                    flights.back().summary.sim_s, counts.answers - told.answers,
+                    counts.repeated - told.repeated, counts.refused - told.refused));
+    told = counts;
     if (options.over) options.over(flights.back().summary, folder);
   }
   return flights;
