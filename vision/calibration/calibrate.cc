@@ -13,6 +13,7 @@
 #include "vision/calibration/calibration_checks.h"
 #include "vision/calibration/calibration_start.h"
 #include "vision/calibration/calibration_uncertainty.h"
+#include "vision/calibration/contradiction.h"
 #include "vision/calibration/distortion_terms.h"
 
 namespace kestrel::vision {
@@ -182,6 +183,7 @@ Calibration Calibrate(const Board& board, std::span<const BoardView> views, cons
   CheckResidual(CalibrationOf(board, views, usable, fit), std::max(usual_px, accepted_px.value_or(0)));
   FitBoardToo(board, views, usable, fit);
   CheckLeftOut(views, usable, fit.left_out, like);
+  const std::size_t contradicting = LeaveOutContradicting(fit.agreeing, fit.free, fit.left_out);
   DropDistortion(like, fit.agreeing, fit.free);
 
   const std::vector<int>& free = fit.free;
@@ -216,12 +218,18 @@ Calibration Calibrate(const Board& board, std::span<const BoardView> views, cons
   }
   CheckFocalLength(c);
   AddNotes(c);
-  if (alike > kMaxAlike) {
+  if (contradicting > 1) {
     c.notes.push_back(fmt::format(
-        "the images contradict each other: errors within one are alike, which makes the deviations {:.1f} "
-        "times as large as errors of single corners would; are all images of one camera with one zoom and "
-        "focus, the board flat and its numbers right?",
-        alike));
+        "the images contradict each other: {} of {} want a focal length and a centre of their own; "
+        "are all of one camera with one zoom and focus?",
+        contradicting, usable.size()));
+  }
+  if (alike > kMaxAlike) {
+    c.notes.push_back(
+        fmt::format("errors within an image are alike, as of a board that bends; the deviations allow for "
+                    "that and are {:.1f} "
+                    "times those of single corners",
+                    alike));
   }
   if (fit.rival && std::abs(Parameters(*fit.rival)[0] - Parameters(c.camera)[0]) > 5 * c.sigma[0]) {
     std::string other;
