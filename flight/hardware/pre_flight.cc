@@ -69,8 +69,9 @@ CheckItem RateItem(double rate_hz, double wanted_hz, const PreFlightOptions& o) 
 // Why no image came that can be flown by.
 std::string NoImageText(const vision::LiveCamera& camera, double waited_s) {
   const vision::LiveCameraHealth health = camera.Health();
-  return fmt::format("none that can be flown by in {:.0f} s: {}", waited_s,
-                     health.error.empty() ? vision::NameOf(health.state) : health.error);
+  return health.error.empty()
+             ? fmt::format("no image in {:.0f} s: {}", waited_s, vision::NameOf(health.state))
+             : fmt::format("none in {:.0f} s that can be flown by: {}", waited_s, health.error);
 }
 
 // Of the second camera: whether it gives images that its mission can use, by the clock of this computer.
