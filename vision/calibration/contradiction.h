@@ -14,12 +14,13 @@ struct OwnCamera {
   double explained = 0;     // share of its sum of squares that this takes away, 0 to 1
   double chance = 1;        // that noise alone takes away so much, by Fisher's F
   double focal_change = 0;  // of its focal length over that of the others, less 1
+  // The share that as many numbers of another kind take away: a bend of the board in this view alone, a quadratic.
+  double by_bend = 0;
 };
 std::vector<OwnCamera> OwnCameras(const Adjustment& adjustment);
 
-// A view contradicts the others if a camera of its own explains more than half of what is left of it, and noise
-// does so once in 100 000 views. A board that each image shows bent in its own way gains less by that: it does
-// not look like another camera.
+// A view contradicts the others if a camera of its own explains more than half of what is left of it, more than a
+// bend of the board does, and noise does so once in 100 000 views.
 bool Contradicts(const OwnCamera& own);
 
 // Leaves out the views that contradict the others, the worst first, and adjusts again each time; but none if more
