@@ -82,7 +82,9 @@ class HoppingPeer final : public sim::PhysicsServer {
     const double sinks_m_s = down ? 0.4 : 1.5 * (height_m - (stood_m_ - truth.X_NB.p.z())) * -1;
     const double thrust = aircraft_.mass_kg * (9.81 - 4 * (sinks_m_s - truth.v_N.z()));
     const Eigen::Vector3d up_B = truth.X_NB.R.conjugate() * Eigen::Vector3d(0, 0, -1);
-    const Eigen::Vector3d torque_B = 2.0 * Eigen::Vector3d(0, 0, -1).cross(up_B) - 0.4 * truth.w_B;
+    const double since_s = truth.t_s - 1, lean = std::abs(since_s) < 0.2 ? std::copysign(0.1, since_s) : 0;
+    const Eigen::Vector3d torque_B =
+        2.0 * Eigen::Vector3d(std::sin(lean), 0, -std::cos(lean)).cross(up_B) - 0.4 * truth.w_B;
     return sim::Allocate(aircraft_, std::max(thrust, 1.0), torque_B);
   }
   void Stop() override {}
@@ -181,6 +183,7 @@ TEST_F(PhysicsRecordsTest, AFlightByPhysicsIsRecordedAndJudgedByTheTruth) {
   }
   EXPECT_EQ(rows, 35);
   EXPECT_GT(highest_m, 0.6);
+  EXPECT_GT(most_deg, 1);
   EXPECT_NEAR(s.metrics.at("max_tilt_deg"), most_deg, 1e-3);
 }
 
