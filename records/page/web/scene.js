@@ -21,7 +21,8 @@ const contextOf = (canvas) => {
 
 const legendOf = (flights, flight) => {
   const entry = (kind, text) => el("li", {}, el("span", {class: `scene-key ${kind}`, "aria-hidden": "true"}), text);
-  return el("ul", {class: "scene-legend"}, ...(flight.has("truth_x_m") ? [entry("truth", "truth")] : []), entry("estimate", "autopilot’s estimate"),
+  return el("ul", {class: "scene-legend"}, ...(flight.has("truth_x_m") ? [entry("truth", "truth")] : []),
+    ...(flight.rows && !flight.has("estimate_x_m") ? [] : [entry("estimate", "autopilot’s estimate")]),
     ...(flight.has("fix_x_m") ? [entry("fix", "vision’s fix, and the pad by it")] : []),
     ...(["setpoint_vx_m_s", "setpoint_x_m"].some((name) => flight.has(name)) ? [entry("setpoint", "setpoint")] : []),
     ...(flights.length > 1 ? [entry("second", "run B")] : []));
