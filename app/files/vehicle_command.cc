@@ -60,11 +60,8 @@ void WriteParameters(const VehicleArguments& a) {
   }
   const std::filesystem::path file = a.out / sim::ParameterFileName(a.autopilot);
   WriteNew(file, text, mistakes);
-  const bool px4 = a.autopilot == "px4";
-  fmt::print("{}\nServe the aircraft by: kestrel serve hover --set vehicle={} --physics {}\n{}\n",
-             file.string(), a.vehicle, a.autopilot,
-             px4 ? "Load it in QGroundControl, or set PX4_PARAM_ variables of it (docs/guide/sitl.md)"
-                 : fmt::format("Fly it by: arducopter --model JSON:127.0.0.1 --defaults {}", file.string()));
+  fmt::print("{}\nServe the aircraft by: kestrel serve hover --set vehicle={} --physics {}\n", file.string(),
+             a.vehicle, a.autopilot);
 }
 
 }  // namespace

@@ -137,6 +137,7 @@ int ServePhysicsAlone(const flight::ServeArguments& a, const flight::LoadedScena
     EndOnNextSignal();
   });
   fmt::print("{}", flight::StartLines(a, loaded, {}, nullptr, physics.Where()));
+  fmt::print("  motors   {}\n", physics.Motors());
   std::fflush(stdout);
   std::jthread end;
   if (a.for_s)
@@ -156,9 +157,8 @@ int ServePhysicsAlone(const flight::ServeArguments& a, const flight::LoadedScena
   options.stopped = [] { return physics_is_stopped.load(); };
   options.over = [](const records::Summary& summary, const auto& folder) {
     const bool colours = TakesColours(stdout);
-    fmt::print("{}{}", Verdict(summary, colours), CriteriaLines(summary, colours));
-    if (folder) fmt::print("  {}\n", ReportOf(*folder));
-    std::fflush(stdout);
+    Say(Verdict(summary, colours) + CriteriaLines(summary, colours) +
+        (folder ? fmt::format("  {}", ReportOf(*folder)) : ""));
   };
   const int status = flight::StatusOf(flight::ServePhysics(loaded, physics, options));
   stopped_physics = nullptr;
