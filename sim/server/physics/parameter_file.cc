@@ -90,21 +90,24 @@ std::vector<Reason> OfArduPilot(const MultirotorParameters& aircraft) {
   return reasons;
 }
 
+// PX4 takes a value that is its own default for none, and then has that of its airframe.
+double NotZero(double place_m) { return std::abs(place_m) < 1e-4 ? 1e-4 : place_m; }
+
 std::vector<Reason> OfPx4(const MultirotorParameters& aircraft) {
   const MotorOrder order = Px4MotorOrder(aircraft);
   const RotorLayout rotors = LayoutOf(aircraft);
   const std::size_t count = order.rotor.size();
   Reason geometry{
       "where each motor is, m, and its torque over its thrust, m, positive for counterclockwise: " +
-          order.Name(),
+          order.Name() + "; 0.0001 is 0, which would give way to the airframe's own",
       {{"CA_AIRFRAME", "0"}, {"CA_ROTOR_COUNT", std::to_string(count)}}};
   Reason outputs{"the outputs of the simulator's message are these motors", {}};
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t rotor = order.rotor[i];
     const std::string prefix = fmt::format("CA_ROTOR{}_", i);
     const double moment = aircraft.rotor.moment_coefficient_m;
-    geometry.parameters.push_back({prefix + "PX", Number(rotors.hubs_B[rotor].x()), true});
-    geometry.parameters.push_back({prefix + "PY", Number(rotors.hubs_B[rotor].y()), true});
+    geometry.parameters.push_back({prefix + "PX", Number(NotZero(rotors.hubs_B[rotor].x())), true});
+    geometry.parameters.push_back({prefix + "PY", Number(NotZero(rotors.hubs_B[rotor].y())), true});
     geometry.parameters.push_back(
         {prefix + "KM", Number(rotors.spins[rotor] == Spin::kCounterclockwise ? moment : -moment), true});
     outputs.parameters.push_back({fmt::format("PWM_MAIN_FUNC{}", i + 1), std::to_string(101 + i)});
