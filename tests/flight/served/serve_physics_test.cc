@@ -132,7 +132,6 @@ TEST_F(PhysicsRecordsTest, AFlightByPhysicsIsRecordedAndJudgedByTheTruth) {
   HoppingPeer peer = Peer(loaded, {0.9});
   PhysicsOptions options;
   options.folder = folder_ / "run";
-  options.video = false;
   std::vector<std::filesystem::path> told;
   options.over = [&](const records::Summary&, const auto& folder) { told.push_back(*folder); };
   const std::vector<PhysicsFlight> flights = ServePhysics(loaded, peer, options);
@@ -148,6 +147,8 @@ TEST_F(PhysicsRecordsTest, AFlightByPhysicsIsRecordedAndJudgedByTheTruth) {
   EXPECT_NEAR(s.metrics.at("touchdown_sink_m_s"), 0.4, 0.2);
   EXPECT_EQ(StatusOf(flights), 0);
   EXPECT_THAT(told, ElementsAre(folder_ / "run"));
+  for (const char* file : {"run/video.mp4", "run/page.json", "run/plots/position.png"})
+    EXPECT_TRUE(std::filesystem::exists(folder_ / file)) << file;
   const records::Summary written = records::ReadSummary(folder_ / "run/summary.json");
   EXPECT_EQ(written.outcome, "landed");
   EXPECT_EQ(written.metrics.at("rest_error_m"), s.metrics.at("rest_error_m"));
