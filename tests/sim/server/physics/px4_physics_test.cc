@@ -10,7 +10,9 @@
 #include <utility>
 
 #include "sim/server/physics/motor_layout.h"
+#include "sim/server/physics/parameter_file.h"
 #include "tests/sim/on_ground.h"
+#include "tests/sim/parameters_read_back.h"
 #include "tests/sim/server/physics/px4_peer.h"
 
 namespace kestrel::sim {
@@ -73,47 +75,71 @@ void HoverByHil(const std::string& where, const TestPilot& instructed, std::atom
   if (std::abs(states - 3000) > 60 || std::abs(fixes - 75) > 2) orderly = false;
 }
 
+// motors: where the peer has them; layout: as the server calls it.
+void HoverWith(const std::vector<PublishedMotor>& motors, const std::string& layout, SimulatorParameters p) {
+  SCOPED_TRACE(layout);
+  p.duration_s = 15;
+  p.wind.mean_m_s = 1;
+  std::atomic<bool> orderly = true;
+  std::thread peer;
+  Flown flown;
+  {
+    Px4Physics physics(AnyPort(), p.vehicle);
+    EXPECT_EQ(physics.Motors(), layout);
+    peer = std::thread(HoverByHil, physics.Where(), TestPilot(motors, 0, MultirotorOf(p.vehicle)),
+                       std::ref(orderly));
+    ASSERT_TRUE(physics.Begin());
+    flown = Fly(physics, p);
+    EXPECT_TRUE(physics.lockstep());
+    EXPECT_EQ(physics.counts().flights, 1U);
+    EXPECT_EQ(physics.counts().refused, 0U);
+  }
+  peer.join();
+  EXPECT_TRUE(orderly);
+  EXPECT_EQ(flown.frames.size(), 76U);
+  int hovering = 0;
+  for (std::size_t k = 0; k < flown.frames.size(); ++k) {
+    EXPECT_NEAR(flown.frames[k].t_s, 0.2 * static_cast<double>(k), 1e-9);
+    const Truth& truth = flown.truths[k];
+    EXPECT_EQ(truth.t_s, flown.frames[k].t_s);
+    EXPECT_TRUE(truth.touching || truth.t_s >= 1);
+    if (truth.t_s < 5) continue;
+    ++hovering;
+    EXPECT_NEAR(truth.X_NB.p.z() - flown.truths[0].X_NB.p.z(), -2, 0.5) << truth.t_s;
+    EXPECT_LT((truth.X_NB.p - flown.truths[0].X_NB.p).head<2>().norm(), 1.5) << truth.t_s;
+    EXPECT_LT(std::abs(Degrees(YawOf(truth.X_NB.R))), 15) << truth.t_s;
+  }
+  EXPECT_EQ(hovering, 51);
+  // The camera saw it: the same picture while it stands, another one from above.
+  EXPECT_LT(cv::norm(flown.frames[0].image, flown.frames[3].image, cv::NORM_L1) / (32 * 24), 4);
+  EXPECT_GT(cv::norm(flown.frames[0].image, flown.frames.back().image, cv::NORM_L1) / (32 * 24), 8);
+}
+
 TEST(Px4Physics, APeerTakesOffAndHoversByTheSensorsItIsSent) {
   for (const char* layout : {"quad-plus", "quad-x"}) {
-    SCOPED_TRACE(layout);
-    SimulatorParameters p = OnGroundWith(layout);
-    p.duration_s = 15;
-    p.wind.mean_m_s = 1;
-    std::atomic<bool> orderly = true;
-    std::thread peer;
-    Flown flown;
-    {
-      Px4Physics physics(AnyPort(), p.vehicle);
-      EXPECT_EQ(physics.Motors(), layout);
-      const MultirotorParameters& aircraft = MultirotorOf(p.vehicle);
-      peer = std::thread(HoverByHil, physics.Where(),
-                         TestPilot(PublishedLayout(layout, aircraft.arm_m), 0, aircraft), std::ref(orderly));
-      ASSERT_TRUE(physics.Begin());
-      flown = Fly(physics, p);
-      EXPECT_TRUE(physics.lockstep());
-      EXPECT_EQ(physics.counts().flights, 1U);
-      EXPECT_EQ(physics.counts().refused, 0U);
-    }
-    peer.join();
-    EXPECT_TRUE(orderly);
-    EXPECT_EQ(flown.frames.size(), 76U);
-    int hovering = 0;
-    for (std::size_t k = 0; k < flown.frames.size(); ++k) {
-      EXPECT_NEAR(flown.frames[k].t_s, 0.2 * static_cast<double>(k), 1e-9);
-      const Truth& truth = flown.truths[k];
-      EXPECT_EQ(truth.t_s, flown.frames[k].t_s);
-      EXPECT_TRUE(truth.touching || truth.t_s >= 1);
-      if (truth.t_s < 5) continue;
-      ++hovering;
-      EXPECT_NEAR(truth.X_NB.p.z() - flown.truths[0].X_NB.p.z(), -2, 0.5) << truth.t_s;
-      EXPECT_LT((truth.X_NB.p - flown.truths[0].X_NB.p).head<2>().norm(), 1.5) << truth.t_s;
-      EXPECT_LT(std::abs(Degrees(YawOf(truth.X_NB.R))), 15) << truth.t_s;
-    }
-    EXPECT_EQ(hovering, 51);
-    // The camera saw it: the same picture while it stands, another one from above.
-    EXPECT_LT(cv::norm(flown.frames[0].image, flown.frames[3].image, cv::NORM_L1) / (32 * 24), 4);
-    EXPECT_GT(cv::norm(flown.frames[0].image, flown.frames.back().image, cv::NORM_L1) / (32 * 24), 8);
+    const SimulatorParameters p = OnGroundWith(layout);
+    HoverWith(PublishedLayout(layout, MultirotorOf(p.vehicle).arm_m), layout, p);
   }
+}
+
+// Six rotors, the middle ones far out, that no autopilot has a name for.
+TEST(Px4Physics, RotorsInNoLayoutFlyByTheParametersThatAreWrittenForThem) {
+  MultirotorParameters aircraft;
+  aircraft.mass_kg = 1.7;
+  aircraft.rotors = {{0.17, 0.12, "clockwise"},     {0.17, -0.12, "counterclockwise"},
+                     {0, 0.31, "counterclockwise"}, {0, -0.31, "clockwise"},
+                     {-0.17, 0.12, "clockwise"},    {-0.17, -0.12, "counterclockwise"}};
+  SimulatorParameters p = OnGround();
+  p.vehicle = aircraft;
+  p.scene.vehicle_shape = MultirotorShape(aircraft);
+  const auto told = ReadPx4Parameters(ParameterText("px4", "any", aircraft));
+  std::vector<PublishedMotor> motors;
+  for (int i = 0; i < told.at("CA_ROTOR_COUNT"); ++i) {
+    const std::string rotor = "CA_ROTOR" + std::to_string(i) + "_";
+    motors.push_back({told.at(rotor + "PX"), told.at(rotor + "PY"), told.at(rotor + "KM") > 0 ? 1 : -1});
+  }
+  EXPECT_THROW(KnownMotorOrder(aircraft), std::runtime_error);
+  HoverWith(motors, "6 rotors as listed", p);
 }
 
 // Answers so many sensors, each with whatever `answer` sends, and is gone. Their time stamps.
