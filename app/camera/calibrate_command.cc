@@ -65,7 +65,8 @@ CLI::App* AddCalibrateCommand(CLI::App& app, CalibrateArguments& a) {
   command->add_option("images", a.images, "Image files, all of one camera and one board")
       ->type_name("FILE")
       ->required();
-  command->add_option("--board", a.board, "chessboard, aprilgrid, or a target file of Kalibr")
+  command
+      ->add_option("--board", a.board, "chessboard, aprilgrid, charuco, circles, or a target file of Kalibr")
       ->type_name("FILE")
       ->capture_default_str();
   command

@@ -37,7 +37,8 @@ CLI::App* AddRenderBoardCommand(CLI::App& app, RenderBoardArguments& a) {
       ->type_name("CAMERA")
       ->required();
   command->add_option("--camera-name", a.camera_name, "Which camera of a Kalibr file (default: its first)");
-  command->add_option("--board", a.board, "chessboard, aprilgrid, or a target file of Kalibr")
+  command
+      ->add_option("--board", a.board, "chessboard, aprilgrid, charuco, circles, or a target file of Kalibr")
       ->type_name("FILE")
       ->capture_default_str();
   command->add_option("--count", a.count, "Images")->check(CLI::Range(1, 1000))->capture_default_str();

@@ -24,7 +24,7 @@ using Eigen::Vector3d;
 constexpr int kMaxSide_px = 8192;    // of an image that is drawn
 constexpr double kEdge_px = 4;       // no corner of a chessboard nearer to the edge of the image
 constexpr double kMinFacing = 0.35;  // cosine between a board's normal and the ray to it
-// Between neighbouring corners of a chessboard, and along the sides of a tag.
+// Along the sides of a square or disc of a board that is found whole only, and of a tag or marker.
 constexpr double kMinSquare_px = 11, kMinTag_px = 22;
 
 // T is MuJoCo's world: both have z up and out of the picture.
@@ -87,19 +87,18 @@ std::optional<Seen> SeenAt(const vision::CameraModel& camera, const Pose& X_CT, 
 
 bool InView(const vision::CameraModel& camera, const vision::Board& board,
             const std::vector<Vector2d>& places, const Pose& X_CT) {
-  const vision::Chessboard* chess = std::get_if<vision::Chessboard>(&board);
-  const double length =
-      chess ? std::min(chess->col_m, chess->row_m) : std::get<vision::AprilGrid>(board).tag_m;
+  const bool whole = vision::IsSeenWholeOnly(board);
+  const double length = vision::DetailOf(board);
   std::size_t seen = 0;
   for (const Vector2d& place : places) {
     const auto at = SeenAt(camera, X_CT, place, length);
-    const bool good = at && at->min_px > (chess ? kMinSquare_px : kMinTag_px) && at->pixel.x() > kEdge_px &&
+    const bool good = at && at->min_px > (whole ? kMinSquare_px : kMinTag_px) && at->pixel.x() > kEdge_px &&
                       at->pixel.y() > kEdge_px && at->pixel.x() < vision::WidthPx(camera) - 1 - kEdge_px &&
                       at->pixel.y() < vision::HeightPx(camera) - 1 - kEdge_px;
-    if (chess && !good) return false;
+    if (whole && !good) return false;
     seen += good;
   }
-  if (!chess) return 3 * seen > places.size();
+  if (!whole) return 3 * seen > places.size();
   // A detector wants the white around it too.
   const vision::Rectangle sheet = vision::Sheet(board);
   for (const Vector2d& corner : {sheet.low, sheet.high, Vector2d(sheet.low.x(), sheet.high.y()),
@@ -124,7 +123,7 @@ std::vector<Pose> SpreadPoses(const vision::CameraModel& camera, const vision::B
   std::vector<Pose> poses;
   for (int place = 0; static_cast<int>(poses.size()) < count; ++place) {
     if (place == kMostPlaces || (place == 200 && poses.empty())) {
-      const bool chess = std::holds_alternative<vision::Chessboard>(board);
+      const bool whole = vision::IsSeenWholeOnly(board);
       throw std::runtime_error(
           fmt::format("no place before this camera of {} x {} pixels, whose lens sees {:.1f} deg from its "
                       "axis, shows {} of "
@@ -132,8 +131,8 @@ std::vector<Pose> SpreadPoses(const vision::CameraModel& camera, const vision::B
                       "fewer and larger "
                       "{}",
                       vision::WidthPx(camera), vision::HeightPx(camera), Degrees(vision::MaxAngle(camera)),
-                      chess ? "all" : "a third", vision::Describe(board), chess ? "squares" : "tags",
-                      chess ? kMinSquare_px : kMinTag_px, chess ? "squares" : "tags"));
+                      whole ? "all" : "a third", vision::Describe(board), whole ? "squares" : "tags",
+                      whole ? kMinSquare_px : kMinTag_px, whole ? "squares" : "tags"));
     }
     share.x() = std::fmod(share.x() + 1 / kPlastic, 1.0);
     share.y() = std::fmod(share.y() + 1 / (kPlastic * kPlastic), 1.0);

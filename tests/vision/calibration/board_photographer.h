@@ -25,7 +25,7 @@ inline Pose ScatteredPose(const CameraModel& camera, const Board& board, std::mt
   const auto uniform = [&](double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(random);
   };
-  const bool chess = std::holds_alternative<Chessboard>(board);
+  const bool chess = IsSeenWholeOnly(board);
   const double width = WidthPx(camera), height = HeightPx(camera);
   const double f = Parameters(camera)[0], size = (corners.back() - corners.front()).norm();
   while (true) {

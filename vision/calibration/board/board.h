@@ -33,7 +33,28 @@ struct AprilGrid {
   double spacing = 0.3;  // gap between two tags over the side of a tag
 };
 
-using Board = std::variant<Chessboard, AprilGrid>;
+// A chessboard of cols x rows squares with a marker of ArUco in the middle of each white one, counted by rows from the
+// upper left, as OpenCV draws them. Its corners are those where four squares meet; any that are seen count.
+struct CharucoBoard {
+  int cols = 8, rows = 11;  // squares
+  double square_m = 0.03, marker_m = 0.0225;
+  std::string dictionary = "DICT_5X5_100";  // of vision/tag
+  // The square at the upper left is black; in the pattern of OpenCV before 4.6 that at the lower left is instead,
+  // which is another one where rows are even.
+  bool legacy = false;
+};
+bool BlackLowerLeft(const CharucoBoard& board);
+
+// cols x rows black discs, of which the middles count. Asymmetric: every second row, from the second on, is shifted by
+// spacing_m, and circles of a row are twice that apart.
+struct CircleGrid {
+  int cols = 7, rows = 5;
+  double spacing_m = 0.03;    // between rows
+  double diameter_m = 0.018;  // of a disc
+  bool asymmetric = false;
+};
+
+using Board = std::variant<Chessboard, AprilGrid, CharucoBoard, CircleGrid>;
 
 // Corners in a row and in a column, and all of them in T by their index, m.
 Eigen::Vector2i CornerGrid(const Board& board);
@@ -44,7 +65,20 @@ struct Rectangle {
   Eigen::Vector2d low, high;
 };
 
-// Everything that is black on a board, rectangles without overlap; and the sheet of white that holds it, with
+// A white square of a Charuco board: the lower left corner of its marker in T, m, and the marker's number.
+struct CharucoMarker {
+  int id = 0;
+  Eigen::Vector2d low;
+};
+std::vector<CharucoMarker> Markers(const CharucoBoard& board);
+
+// What must be seen of a board for it to be found: all of it, or some of its corners.
+bool IsSeenWholeOnly(const Board& board);
+
+// The side of what must be told apart to find it, m: of a square, a tag, a marker, a disc.
+double DetailOf(const Board& board);
+
+// Everything that is black on a board but discs, rectangles without overlap; and the sheet of white that holds it, with
 // the margin that detectors need.
 std::vector<Rectangle> BlackRectangles(const Board& board);
 Rectangle Sheet(const Board& board);
@@ -63,7 +97,9 @@ std::uint64_t TagCode(int id);
 inline constexpr int kTagCount = 587;
 
 // A board as Kalibr's target file has it: target_type "checkerboard" with targetCols, targetRows,
-// rowSpacingMeters and colSpacingMeters, or "aprilgrid" with tagCols, tagRows, tagSize and tagSpacing.
+// rowSpacingMeters and colSpacingMeters, "aprilgrid" with tagCols, tagRows, tagSize and tagSpacing, "circlegrid" with
+// targetCols, targetRows, spacingMeters, asymmetricGrid and, of ours, circleDiameter; or, which Kalibr does not have,
+// "charuco" with squareCols, squareRows, squareSize, markerSize, dictionary and legacyPattern.
 Board LoadBoard(const std::filesystem::path& file, Mistakes& mistakes);
 std::string ToKalibr(const Board& board);
 

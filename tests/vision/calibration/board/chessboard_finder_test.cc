@@ -5,7 +5,7 @@
 
 #include <random>
 
-#include "tests/vision/calibration/board_photographer.h"
+#include "tests/vision/calibration/board/board_set.h"
 #include "vision/calibration/board/board_detector.h"
 #include "vision/camera/brown_conrady.h"
 #include "vision/camera/kannala_brandt.h"
@@ -75,6 +75,22 @@ TEST(FindBoard, FindsBoardsThroughAFisheye) {
   const Count count = CountFound(FisheyeOf640(), {9, 6, 0.03, 0.03}, false, 8, 72);
   EXPECT_GE(count.exact, 6);
   EXPECT_EQ(count.wrong, 0);
+}
+
+TEST(FindBoard, CalibratesAWideLensByALargeBoard) {
+  const Chessboard board{15, 9, 0.03, 0.03};
+  KannalaBrandt wide;
+  wide.width_px = 960, wide.height_px = 720;
+  wide.fx = wide.fy = 440, wide.cx = 483, wide.cy = 356, wide.k1 = 0.03, wide.k2 = -0.01;
+  const BoardSet set = PhotographSet(wide, board, 10, 73);
+  int found = 0;
+  for (const BoardView& view : set.views) found += view.corners.size() > 100;
+  EXPECT_GE(found, 9);
+  const Calibration c = CalibrateSet(board, set, CameraLike("fisheye", {960, 720}));
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_LT(std::abs(Parameters(c.camera)[i] - Parameters(wide)[i]), 4 * c.sigma[i]) << i;
+    EXPECT_LT(c.sigma[i], 0.3) << i;
+  }
 }
 
 // A flat board of squares of 40 px from (60, 60), and its corners.
