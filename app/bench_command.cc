@@ -2,6 +2,7 @@
 #include "app/bench_command.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
 #include <vector>
 
@@ -24,6 +25,7 @@
 #include "bench/enhance/bench_stabilise.h"
 #include "bench/horizon/bench_horizon.h"
 #include "bench/horizon/bench_photographs.h"
+#include "bench/horizon/border_training.h"
 #include "bench/landmark/bench_features.h"
 #include "bench/landmark/bench_homographies.h"
 #include "bench/landmark/bench_landings.h"
@@ -41,28 +43,28 @@ namespace kestrel::app {
 
 CLI::App* AddBenchCommand(CLI::App& app, BenchArguments& a) {
   const std::vector<std::string> names = {
-      "flights",  "fisheye",      "attitude",      "horizon",      "gyro_failure",  "drift",
-      "heights",  "speed",        "render",        "calibration",  "servo",         "trackers",
-      "contrast", "follow",       "avoid",         "stream",       "planar",        "alignment",
-      "features", "homographies", "plane_pose",    "landings",     "servo_flights", "direct",
-      "mosaic",   "stabilise",    "follow_thesis", "avoid_thesis", "wire",          "link_faults",
-      "campaign", "hashes",       "lockstep",      "frames",       "live",          "horizon_pictures"};
+      "flights",         "fisheye",      "attitude",      "horizon",      "gyro_failure",  "drift",
+      "heights",         "speed",        "render",        "calibration",  "servo",         "trackers",
+      "contrast",        "follow",       "avoid",         "stream",       "planar",        "alignment",
+      "features",        "homographies", "plane_pose",    "landings",     "servo_flights", "direct",
+      "mosaic",          "stabilise",    "follow_thesis", "avoid_thesis", "wire",          "link_faults",
+      "campaign",        "hashes",       "lockstep",      "frames",       "live",          "horizon_pictures",
+      "horizon_training"};
   CLI::App* command = app.add_subcommand("bench", "Measure: a table of figures beside their targets");
   // Of campaigns by its name alone: it flies for minutes, and kills itself.
   command
       ->add_option("name", a.name,
-                   "All but campaign, wire, link_faults, hashes, lockstep, frames, live and horizon_pictures "
-                   "when none is "
-                   "given")
+                   "All but campaign, wire, link_faults, hashes, lockstep, frames, live, horizon_pictures "
+                   "and horizon_training when none is given")
       ->check(OneOf(names));
   command
-      ->add_option(
-          "pictures", a.pictures,
-          "Of horizon_pictures: a folder of photographs, with label.csv (filename,slope,offset) or without")
+      ->add_option("pictures", a.pictures,
+                   "Of horizon_pictures and horizon_training: a folder of photographs, with label.csv "
+                   "(filename,slope,offset; none,none where no horizon is in view) or without")
       ->type_name("DIR");
   command
       ->add_option("--fov-deg", a.fov_deg,
-                   "Of horizon_pictures: what the longer side of the photographs sees")
+                   "Of horizon_pictures and horizon_training: what the longer side of the photographs sees")
       ->check(CLI::Range(5.0, 120.0))
       ->capture_default_str();
   command->add_option("--seeds", a.seeds, "A..B, first and last")->capture_default_str();
@@ -88,11 +90,17 @@ bool BenchCommand(const BenchArguments& arguments) {
   CheckWritableFile(arguments.json, "--json", mistakes);
   if (arguments.name.empty() || arguments.name == "horizon" || arguments.name == "frames")
     CheckWritableFolder(arguments.out, "--out", mistakes);
-  const bool of_photographs = arguments.name == "horizon_pictures";
+  const bool of_training = arguments.name == "horizon_training";
+  const bool of_photographs = of_training || arguments.name == "horizon_pictures";
   std::vector<bench::Photograph> photographs;
   if (of_photographs) photographs = bench::ReadPhotographs(arguments.pictures, mistakes);
   if (!of_photographs && !arguments.pictures.empty())
-    mistakes.Add("bench", arguments.name, arguments.pictures, "valid: a folder after horizon_pictures alone");
+    mistakes.Add("bench", arguments.name, arguments.pictures,
+                 "valid: a folder after horizon_pictures or horizon_training alone");
+  if (of_training && !photographs.empty() &&
+      std::none_of(photographs.begin(), photographs.end(), [](const auto& p) { return p.labelled; }))
+    mistakes.Add("bench", arguments.name, "no photograph there has a label",
+                 "valid: a folder with label.csv (filename,slope,offset)");
   mistakes.ThrowIfAny();
   const flight::SeedRange seeds = flight::ParseSeeds(arguments.seeds);
   const auto chosen = [&](const char* name) { return arguments.name.empty() || arguments.name == name; };
@@ -141,9 +149,12 @@ bool BenchCommand(const BenchArguments& arguments) {
   // By name alone: they take long, and are asked for by who changes what they measure.
   if (arguments.name == "campaign")
     bench::BenchCampaign(static_cast<int>(seeds.last - seeds.first) + 1, wires / "bench_campaign", table);
-  if (of_photographs)
+  if (of_training) {
+    bench::TrainBorderBelief(photographs, arguments.fov_deg, seeds.first, arguments.jobs, table);
+  } else if (of_photographs) {
     bench::BenchPhotographs(photographs, arguments.fov_deg,
                             std::filesystem::path(arguments.out) / "photographs", table);
+  }
   if (arguments.name == "lockstep") bench::BenchLockstep(table);
   if (arguments.name == "live") bench::BenchLive(seeds, wires / "bench_live", table);
   if (arguments.name == "frames")

@@ -8,9 +8,11 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
+#include <limits>
 #include <map>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <tuple>
 
 #include "base/file/files.h"
 #include "base/stopwatch.h"
@@ -21,6 +23,8 @@
 
 namespace kestrel::bench {
 namespace {
+
+constexpr double kNoneIsThere_deg = 180;  // the error of an answer where no horizon is in view
 
 struct Tally {
   int photographs = 0, answered = 0;
@@ -46,13 +50,17 @@ std::string LineOf(const std::string& name, const Tally& t) {
   return line + "  " + refused;
 }
 
-// "Down" of the label: the plane through the eye and its line.
+}  // namespace
+
+vision::Pinhole PhotographCamera(const cv::Size& size, double fov_deg) {
+  const double f = (std::max(size.width, size.height) / 2.0) / std::tan(Radians(fov_deg) / 2);
+  return {size.width, size.height, f, f, (size.width - 1) / 2.0, (size.height - 1) / 2.0};
+}
+
 Eigen::Vector3d LabelledDown(const Photograph& p, const vision::Pinhole& camera) {
   const double c = p.offset * camera.height_px;
   return Eigen::Vector3d(-p.slope * camera.fx, camera.fx, camera.cy - p.slope * camera.cx - c).normalized();
 }
-
-}  // namespace
 
 std::vector<Photograph> ReadPhotographs(const std::filesystem::path& folder, Mistakes& mistakes) {
   std::vector<Photograph> out;
@@ -60,6 +68,7 @@ std::vector<Photograph> ReadPhotographs(const std::filesystem::path& folder, Mis
     mistakes.Add(folder.string(), "", "no such folder", "valid: a folder of .jpg, .jpeg or .png files");
     return out;
   }
+  constexpr auto kNone = std::numeric_limits<double>::quiet_NaN();
   std::map<std::string, std::pair<double, double>> labels;
   std::ifstream file(folder / "label.csv");
   std::string text;
@@ -68,11 +77,15 @@ std::vector<Photograph> ReadPhotographs(const std::filesystem::path& folder, Mis
     if (number == 1 || text.empty()) continue;
     const auto second = text.rfind(','), first = second == 0 ? second : text.rfind(',', second - 1);
     double slope = 0, offset = 0;
+    if (first != std::string::npos && text.substr(first) == ",none,none") {
+      labels[text.substr(0, first)] = {kNone, kNone};
+      continue;
+    }
     if (second == std::string::npos || first == std::string::npos || first == second ||
         std::sscanf(text.c_str() + first, ",%lf,%lf", &slope, &offset) != 2 ||
         !std::isfinite(slope + offset)) {
       mistakes.Add((folder / "label.csv").string(), fmt::format("line {}", number), text,
-                   "valid: filename,slope,offset");
+                   "valid: filename,slope,offset, or filename,none,none where no horizon is in view");
       continue;
     }
     labels[text.substr(0, first)] = {slope, offset};
@@ -80,9 +93,11 @@ std::vector<Photograph> ReadPhotographs(const std::filesystem::path& folder, Mis
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     const std::string extension = entry.path().extension(), stem = entry.path().stem();
     if (extension != ".jpg" && extension != ".jpeg" && extension != ".png") continue;
-    Photograph p{entry.path(), stem.substr(0, stem.rfind('_')), false, 0, 0};
-    if (const auto found = labels.find(entry.path().filename()); found != labels.end())
-      p.labelled = true, p.slope = found->second.first, p.offset = found->second.second;
+    Photograph p{.file = entry.path(), .flight = stem.substr(0, stem.rfind('_'))};
+    if (const auto found = labels.find(entry.path().filename()); found != labels.end()) {
+      std::tie(p.slope, p.offset) = found->second;
+      p.labelled = true, p.none = std::isnan(p.slope);
+    }
     out.push_back(p);
   }
   std::sort(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.file < b.file; });
@@ -100,7 +115,9 @@ void BenchPhotographs(const std::vector<Photograph>& photographs, double fov_deg
   std::map<std::string, Tally> flights;
   Tally all;
   double cpu_ms = 0;
+  int none = 0, none_answered = 0;
   for (const Photograph& p : photographs) {
+    none += p.none;
     const cv::Mat image = cv::imread(p.file.string(), cv::IMREAD_COLOR);
     Tally& flight = flights[p.flight];
     for (Tally* t : {&flight, &all}) ++t->photographs;
@@ -108,9 +125,7 @@ void BenchPhotographs(const std::vector<Photograph>& photographs, double fov_deg
       for (Tally* t : {&flight, &all}) ++t->refused["unreadable"];
       continue;
     }
-    const double f = (std::max(image.cols, image.rows) / 2.0) / std::tan(Radians(fov_deg) / 2);
-    const vision::Pinhole camera{
-        image.cols, image.rows, f, f, (image.cols - 1) / 2.0, (image.rows - 1) / 2.0};
+    const vision::Pinhole camera = PhotographCamera(image.size(), fov_deg);
     const vision::Skyline skyline(camera, R_BC, {}, {});
     const double start_ms = ThreadCpu_ms();
     const vision::SkylineResult result = skyline.Measure(image);
@@ -131,7 +146,10 @@ void BenchPhotographs(const std::vector<Photograph>& photographs, double fov_deg
         vision::RollPitchFromDown(R_BC * fix->down_C, R_BC * fix->covariance * R_BC.transpose());
     const double roll_sigma = std::sqrt(is.covariance(0, 0)), pitch_sigma = std::sqrt(is.covariance(1, 1));
     std::string error;
-    if (p.labelled) {
+    if (p.none) {
+      for (Tally* t : {&flight, &all}) t->errors_deg.push_back(kNoneIsThere_deg);
+      ++none_answered;
+    } else if (p.labelled) {
       const Eigen::Vector3d down_C = LabelledDown(p, camera);
       const double error_deg = Degrees(std::acos(std::clamp(fix->down_C.dot(down_C), -1.0, 1.0)));
       const vision::RollPitch said = vision::RollPitchFromDown(R_BC * down_C);
@@ -154,7 +172,9 @@ void BenchPhotographs(const std::vector<Photograph>& photographs, double fov_deg
     table.push_back({std::string("photographs, ") + what, value, unit, target, at_least, ""});
   };
   const auto n = static_cast<double>(all.photographs);
-  add("answered", all.answered / n, "share", 0.90, true);
+  if (none < all.photographs)
+    add("answered", (all.answered - none_answered) / (n - none), "share", 0.90, true);
+  if (none > 0) add("answered though no horizon is in view", none_answered, "photographs", 0);
   add("mean of one core", cpu_ms / n, "ms", {});
   if (all.errors_deg.empty()) return;
   const auto over = [&](double deg) {

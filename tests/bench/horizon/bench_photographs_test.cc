@@ -50,6 +50,31 @@ TEST_F(PhotographsTest, EveryMistakeIsToldAtOnce) {
   EXPECT_THAT(Refusal(folder_), AllOf(HasSubstr("line 2"), HasSubstr("line 3"), HasSubstr("no photograph")));
 }
 
+TEST_F(PhotographsTest, AnAnswerWhereNoHorizonIsInViewIsWrong) {
+  cv::Mat level(300, 400, CV_8UC3, cv::Scalar(230, 200, 175)), noise(300, 400, CV_8UC3);
+  level.rowRange(150, 300).setTo(cv::Scalar(60, 95, 80));
+  cv::RNG(5).fill(noise, cv::RNG::NORMAL, 10, 3);
+  for (const char* name : {"f_1.png", "f_2.png"}) cv::imwrite((folder_ / name).string(), level + noise);
+  cv::imwrite((folder_ / "f_3.png").string(), cv::Mat::zeros(300, 400, CV_8UC3));
+  std::ofstream(folder_ / "label.csv")
+      << "filename,slope,offset\nf_1.png,0,0.4983\nf_2.png,none,none\nf_3.png,none,none\n";
+  Mistakes mistakes;
+  const auto photographs = ReadPhotographs(folder_, mistakes);
+  mistakes.ThrowIfAny();
+  EXPECT_FALSE(photographs[0].none);
+  EXPECT_TRUE(photographs[1].labelled && photographs[1].none);
+  std::vector<records::Figure> table;
+  BenchPhotographs(photographs, 60, folder_ / "out", table);
+  const auto figure = [&](const std::string& name) {
+    for (const auto& row : table)
+      if (row.name == "photographs, " + name) return row.value;
+    return -1.0;
+  };
+  EXPECT_EQ(figure("answered"), 1);
+  EXPECT_EQ(figure("answered though no horizon is in view"), 1);
+  EXPECT_EQ(figure("answers off by more than 10 degrees"), 1);
+}
+
 TEST_F(PhotographsTest, AreAnsweredOrCountedByTheirReasons) {
   // A label that lies 3 degrees below the level horizon that is painted.
   cv::Mat level(300, 400, CV_8UC3, cv::Scalar(230, 200, 175)), noise(300, 400, CV_8UC3);

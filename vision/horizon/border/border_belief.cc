@@ -8,11 +8,10 @@ namespace kestrel::vision {
 
 namespace {
 
-// Fitted by ridge regression; docs/guide/horizon.md says to what. In the order of BorderFeatures. The last was set by
-// hand, to more than the fit has it for want of examples.
+// Fitted by ridge regression; docs/guide/horizon.md says to what. In the order of BorderFeatures.
 constexpr std::array<double, kBorderFeatures> kWeights = {-3.670, 4.525,  1.725,  0.922, 1.967,  1.272,
                                                           -0.826, -0.537, 1.962,  3.213, -0.269, 1.215,
-                                                          2.252,  0.363,  -1.585, 2.115, -2.5};
+                                                          2.252,  0.363,  -1.585, 2.115};
 
 }  // namespace
 
@@ -27,6 +26,8 @@ std::array<double, kBorderFeatures> BorderFeatures(const BorderLook& look, const
       // Above the horizon the sky hardly changes; above a shore, a wood or a near ridge there is more to come.
       std::log((look.contrast + 5) / (look.drift + 5)), -std::log(look.drift + 5)};
 }
+
+std::array<double, kBorderFeatures> BorderWeights() { return kWeights; }
 
 double BorderBelief(const BorderLook& look, const BorderSides& sides) {
   const auto features = BorderFeatures(look, sides);

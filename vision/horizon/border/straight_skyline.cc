@@ -19,22 +19,16 @@ namespace {
 constexpr std::size_t kCandidates = 8, kClimbed = 3, kPlain = 4;
 constexpr double kClimbs_px[] = {16, 32, 50};  // over a line that may have a farther one above it
 constexpr double kSameOffset_px = 3, kSameTurn = Radians(1.5);
-constexpr double kLeastBelief = 1.6, kNothing = -1;
+constexpr double kNothing = -1;
 constexpr double kRival = 0.5, kRivalApart = Radians(4);  // of the beliefs of two answers
 constexpr double kLeastSide = 0.01;                       // of the view, on either side
 constexpr double kWidestLens = Radians(62);
-constexpr double kLeastContrast = 12, kLeastNear = 0.6;
+constexpr double kLeastNear = 0.6;
 constexpr double kRelief = Radians(1.1);  // of the skyline, beforehand
 constexpr double kDip = 0.002;            // of the horizon from 13 m up, rad
 constexpr double kUnevenShare = 1.0, kRollShare = 0.9;
 
-struct Seen {
-  BorderLook look;
-  double belief = 0;
-  Eigen::Vector3d down_C;
-};
-
-bool MoreBelieved(const Seen& a, const Seen& b) { return a.belief > b.belief; }
+bool MoreBelieved(const LookedAtLine& a, const LookedAtLine& b) { return a.belief > b.belief; }
 
 bool Same(const SkyBorder& a, const SkyBorder& b, const Eigen::Vector2d& middle) {
   return a.normal.dot(b.normal) > std::cos(kSameTurn) &&
@@ -59,13 +53,13 @@ bool StraightSkyline::Suits(const CameraModel& camera) {
   return seen > 0 && near == seen;
 }
 
-SkylineResult StraightSkyline::Measure(const cv::Mat& image) const {
+std::vector<LookedAtLine> StraightSkyline::Lines(const cv::Mat& image) const {
   const cv::Mat view = plane_.Of(image);
   const Eigen::Vector2d middle(view.cols / 2.0, view.rows / 2.0);
   std::vector<SkyBorder> starts;
   for (const BorderCandidate& c : SearchBorders(view, plane_.shown(), {0, -1}, M_PI, kCandidates))
     starts.push_back(c.line);
-  std::vector<Seen> all;
+  std::vector<LookedAtLine> all;
   std::array<std::vector<SkyBorder>, 2> tried;
   const auto look_at = [&](const SkyBorder& line, bool topmost) {
     auto& done = tried[topmost];
@@ -79,7 +73,7 @@ SkylineResult StraightSkyline::Measure(const cv::Mat& image) const {
     done.push_back(look->line);
     const double belief = BorderBelief(*look, sides);
     // What is hardly an edge is none, whatever lies on its sides.
-    all.push_back({*look, look->contrast < kLeastContrast ? std::min(belief, 0.0) : belief,
+    all.push_back({*look, sides, look->contrast < kLeastContrast ? std::min(belief, 0.0) : belief,
                    plane_.DownOf(look->line, kDip)});
   };
   for (std::size_t k = 0; k < starts.size(); ++k) {
@@ -88,17 +82,22 @@ SkylineResult StraightSkyline::Measure(const cv::Mat& image) const {
   }
   std::sort(all.begin(), all.end(), MoreBelieved);
   // Behind the likeliest there may be a farther one, above it.
-  const std::vector<Seen> first(all.begin(),
-                                all.begin() + static_cast<std::ptrdiff_t>(std::min(all.size(), kClimbed)));
-  for (const Seen& seen : first)
+  const std::vector<LookedAtLine> first(
+      all.begin(), all.begin() + static_cast<std::ptrdiff_t>(std::min(all.size(), kClimbed)));
+  for (const LookedAtLine& seen : first)
     for (const double climb : kClimbs_px) {
       SkyBorder higher = seen.look.line;
       higher.offset += climb;
       look_at(higher, true);
     }
-  if (all.empty()) return NoSkyline::kNoContrast;
   std::sort(all.begin(), all.end(), MoreBelieved);
-  const Seen& best = all.front();
+  return all;
+}
+
+SkylineResult StraightSkyline::Measure(const cv::Mat& image) const {
+  const std::vector<LookedAtLine> all = Lines(image);
+  if (all.empty()) return NoSkyline::kNoContrast;
+  const LookedAtLine& best = all.front();
   if (best.belief < kLeastBelief) {
     if (best.belief < kNothing) return NoSkyline::kNoLine;
     if (best.look.contrast < kLeastContrast) return NoSkyline::kHazy;
@@ -107,7 +106,7 @@ SkylineResult StraightSkyline::Measure(const cv::Mat& image) const {
   }
   if (best.down_C.dot(down_C_) < std::cos(max_tilt_))
     return best.down_C.dot(down_C_) < 0 ? NoSkyline::kUpsideDown : NoSkyline::kTooLittle;
-  for (const Seen& other : all)
+  for (const LookedAtLine& other : all)
     if (other.belief > std::max(kLeastBelief, best.belief - kRival) &&
         best.down_C.dot(other.down_C) < std::cos(kRivalApart))
       return NoSkyline::kAmbiguous;
@@ -131,7 +130,8 @@ SkylineResult StraightSkyline::Measure(const cv::Mat& image) const {
       relief * relief * ahead * ahead.transpose() + roll_sigma * roll_sigma * side * side.transpose();
   double least = M_PI, most = -M_PI;
   const Eigen::Vector2d along(-best.look.line.normal.y(), best.look.line.normal.x());
-  const Eigen::Vector2d middle_px((view.cols - 1) / 2.0, (view.rows - 1) / 2.0);
+  const cv::Size view = plane_.shown().size();
+  const Eigen::Vector2d middle_px((view.width - 1) / 2.0, (view.height - 1) / 2.0);
   const Eigen::Vector2d foot =
       middle_px + (best.look.line.offset - best.look.line.normal.dot(middle_px)) * best.look.line.normal;
   for (const BorderPoint& p : best.look.points) {

@@ -3,12 +3,23 @@
 
 #include <Eigen/Core>
 #include <opencv2/core.hpp>
+#include <vector>
 
 #include "vision/camera/camera_model.h"
+#include "vision/horizon/border/border_look.h"
+#include "vision/horizon/border/border_search.h"
 #include "vision/horizon/border/plane_view.h"
 #include "vision/horizon/border/skyline_fix.h"
 
 namespace kestrel::vision {
+
+// A line that may be the horizon, after a close look at it, and the "down" that it would be the horizon of.
+struct LookedAtLine {
+  BorderLook look;
+  BorderSides sides;
+  double belief = 0;  // log of the odds that it is
+  Eigen::Vector3d down_C;
+};
 
 // Attitude from one image of a lens that looks one way, in whose view the horizon is a straight line, without any
 // guess: photographs, and flights through ordinary lenses. Lines are searched for over the whole image, looked at
@@ -25,6 +36,8 @@ class StraightSkyline {
 
   // image: CV_8UC3 of the camera's size.
   SkylineResult Measure(const cv::Mat& image) const;
+  // The lines that it chooses from, the likeliest first.
+  std::vector<LookedAtLine> Lines(const cv::Mat& image) const;
 
  private:
   PlaneView plane_;
