@@ -202,11 +202,15 @@ TEST_F(CommandLineTest, FilesThatAreNotCamerasAreRefusedByWhatTheyAre) {
   EXPECT_THAT(Kestrel("render-board --camera grey.png --out x").err, HasSubstr("is not a calibration file"));
   const std::string xml = Kestrel("render-board --camera opencv.xml --out x").err;
   EXPECT_THAT(xml, AllOf(HasSubstr("opencv.xml:1: is not a camera"), Not(HasSubstr("<fx>"))));
-  Write("circles.yaml", "target_type: circlegrid\ntargetCols: 6\nspacingMeters: 0.02\n");
-  const std::string circles = Kestrel("render-board --camera fisheye --board circles.yaml --out x").err;
-  EXPECT_EQ(std::count(circles.begin(), circles.end(), '\n'), 1) << circles;
-  EXPECT_THAT(circles,
-              HasSubstr("circles.yaml:1: target_type: 'circlegrid' is not valid; valid: checkerboard"));
+  const auto refused = [&](const char* board) {
+    Write("board.yaml", board);
+    return Kestrel("render-board --camera fisheye --board board.yaml --out x").err;
+  };
+  EXPECT_THAT(refused("target_type: dots\ntargetCols: 6\nspacingMeters: 0.02\n"),
+              AllOf(HasSubstr("board.yaml:1: target_type: 'dots' is not valid; valid: checkerboard"),
+                    Not(HasSubstr("targetRows"))));
+  EXPECT_EQ(refused("target_type: circlegrid\ntargetCols: 6\nspacingMeters: 0.02\n"),
+            "board.yaml:1: targetRows: must be given\nboard.yaml:1: circleDiameter: must be given\n");
 }
 
 TEST_F(CommandLineTest, MirrorRefusesFilesThatAreNotWhatTheirNamesSay) {
