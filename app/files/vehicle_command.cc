@@ -24,7 +24,10 @@ void AddParametersCommand(CLI::App& verb, VehicleArguments& a) {
   command->add_option("--autopilot", a.autopilot, "Whose parameters")
       ->required()
       ->check(OneOf({"ardupilot", "px4"}));
-  command->add_option("--out", a.out, "Folder that ardupilot.parm or px4.params is written to")
+  command
+      ->add_option("--out", a.out,
+                   "Folder that ardupilot.parm or px4.params is written to; of a vehicle file NAME.yaml "
+                   "NAME.ardupilot.parm or NAME.px4.params")
       ->capture_default_str();
   command->callback([&a] { a.parameters = true; });
   command->footer(
@@ -58,7 +61,7 @@ void WriteParameters(const VehicleArguments& a) {
   } catch (const std::runtime_error& e) {
     mistakes.Add(a.vehicle, "", e.what());
   }
-  const std::filesystem::path file = a.out / sim::ParameterFileName(a.autopilot);
+  const std::filesystem::path file = a.out / sim::ParameterFileName(a.autopilot, a.vehicle);
   WriteNew(file, text, mistakes);
   fmt::print("{}\nServe the aircraft by: kestrel serve hover --set vehicle={} --physics {}\n", file.string(),
              a.vehicle, a.autopilot);

@@ -102,6 +102,13 @@ std::optional<fs::path> ModelFile(Model model, std::string& name, const fs::path
   if (std::find(names.begin(), names.end(), name) != names.end()) return FileInModels(model, name);
   for (const fs::path& candidate : {beside / name, fs::path(name)}) {
     if (!IsFile(candidate)) continue;
+    // Beside a vehicle's numbers lie files of other kinds with its name.
+    if ((model == Model::kVehicle || model == Model::kWorld) && !HasEnding(name, {".yaml", ".xml"})) {
+      mistakes.Add(where, KindOf(model).key,
+                   fmt::format("'{}' ends in neither .yaml nor .xml", candidate.string()),
+                   fmt::format("valid: the file of a {}, NAME.yaml or NAME.xml", KindOf(model).key));
+      return std::nullopt;
+    }
     name = fs::absolute(candidate).lexically_normal().string();
     return name;
   }

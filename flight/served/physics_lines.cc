@@ -72,7 +72,7 @@ std::string Px4Command(const std::string& where, int instance, const std::option
 std::string PhysicsLines(const std::string& kind, const std::string& where, const std::string& vehicle,
                          const std::string& fly) {
   const std::filesystem::path folder = FolderOf(vehicle);
-  std::optional<std::string> parameters = (folder / sim::ParameterFileName(kind)).string();
+  std::optional<std::string> parameters = (folder / sim::ParameterFileName(kind, vehicle)).string();
   std::string lines;
   if (!IsFile(*parameters)) {
     parameters.reset();

@@ -128,8 +128,11 @@ std::vector<Reason> OfPx4(const MultirotorParameters& aircraft) {
 
 }  // namespace
 
-std::string ParameterFileName(const std::string& autopilot) {
-  return autopilot == "px4" ? "px4.params" : "ardupilot.parm";
+std::string ParameterFileName(const std::string& autopilot, const std::string& vehicle) {
+  const std::string name = autopilot == "px4" ? "px4.params" : "ardupilot.parm";
+  const std::filesystem::path file = vehicle;
+  const bool shares = file.has_extension() && file.parent_path().filename() != file.stem();
+  return shares ? file.stem().string() + '.' + name : name;
 }
 
 std::string ParameterText(const std::string& autopilot, const std::string& vehicle,

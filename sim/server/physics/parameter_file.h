@@ -15,11 +15,12 @@ namespace kestrel::sim {
 //
 // Both take a line that begins with # as a comment. ArduPilot reads lines of up to 98 characters.
 
-// In the folder of the vehicle.
-std::string ParameterFileName(const std::string& autopilot);
+// In the folder of the vehicle, a name in models/vehicles or a file: ardupilot.parm; beside a file that is not alone in
+// a folder of its name, NAME.ardupilot.parm, as others may be there.
+std::string ParameterFileName(const std::string& autopilot, const std::string& vehicle);
 
-// vehicle: as the command that writes the file was given it, of which the last part is told. Throws std::runtime_error: ArduPilot has no layout with these
-// rotors (sim/server/physics/motor_layout.h).
+// vehicle: as the command that writes the file was given it, of which the last part is told. Throws
+// std::runtime_error: ArduPilot has no layout with these rotors (sim/server/physics/motor_layout.h).
 std::string ParameterText(const std::string& autopilot, const std::string& vehicle,
                           const MultirotorParameters& aircraft);
 

@@ -63,8 +63,16 @@ TEST_F(VehicleCommands, AVehicleThatWasBegunHasParametersToo) {
   const std::string file = folder_ / "mine.yaml";
   VehicleCommand(Parameters(file, "ardupilot"));
   VehicleCommand(Parameters(file, "px4"));
-  EXPECT_THAT(Content(folder_ / "ardupilot.parm"), HasSubstr("\nFRAME_CLASS 2\nFRAME_TYPE 1\n"));
-  EXPECT_THAT(Content(folder_ / "px4.params"), HasSubstr("\tCA_ROTOR_COUNT\t6\t6\n"));
+  EXPECT_THAT(Content(folder_ / "mine.ardupilot.parm"), HasSubstr("\nFRAME_CLASS 2\nFRAME_TYPE 1\n"));
+  EXPECT_THAT(Content(folder_ / "mine.px4.params"), HasSubstr("\tCA_ROTOR_COUNT\t6\t6\n"));
+}
+
+TEST_F(VehicleCommands, AFileOfAnotherKindIsNoVehicle) {
+  for (const char* name : {"mine.yml", "mine.parm"}) {
+    std::ofstream(folder_ / name) << "mass_kg: 1\n";
+    EXPECT_THAT(Refusal(Parameters(folder_ / name, "px4")), HasSubstr("ends in neither .yaml nor .xml"))
+        << name;
+  }
 }
 
 TEST_F(VehicleCommands, WhatCannotBeWrittenIsRefused) {

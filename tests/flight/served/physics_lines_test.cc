@@ -68,10 +68,11 @@ TEST_F(OwnVehicle, ParametersThatAreNotThereAreNotNamedAndHowToWriteThemIsSaid) 
   EXPECT_THAT(lines, HasSubstr("copter.parm\n"));
   EXPECT_THAT(lines, HasSubstr("kestrel vehicle parameters " + file.string() +
                                " --autopilot ardupilot --out " + folder_.string() + "\n"));
-  EXPECT_THAT(lines, Not(HasSubstr("kestrel fly")));  // no camera is served
-  std::ofstream(folder_ / "ardupilot.parm") << "FRAME_CLASS 1\n";
+  EXPECT_THAT(lines, Not(HasSubstr("kestrel fly")));               // no camera is served
+  std::ofstream(folder_ / "ardupilot.parm") << "FRAME_CLASS 1\n";  // of whoever
+  std::ofstream(folder_ / "mine.ardupilot.parm") << "FRAME_CLASS 1\n";
   EXPECT_THAT(PhysicsLines("ardupilot", "udp://127.0.0.1:9002", file.string(), ""),
-              HasSubstr("copter.parm," + (folder_ / "ardupilot.parm").string() + "\n"));
+              HasSubstr("copter.parm," + (folder_ / "mine.ardupilot.parm").string() + "\n"));
 }
 
 }  // namespace
