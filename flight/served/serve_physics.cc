@@ -20,7 +20,8 @@
 namespace kestrel::flight {
 namespace {
 
-constexpr double kLeft_m = 0.1;  // above where it stood, off the ground: it flies
+constexpr double kLeft_m = 0.1;     // above where it stood, off the ground: it flies
+constexpr double kCrash_m_s = 1.5;  // into the ground; what legs are built for
 
 std::filesystem::path FurtherFolder(const std::filesystem::path& first, std::size_t number) {
   std::filesystem::path plain = first.has_filename() ? first : first.parent_path();  // of "DIR/"
@@ -59,7 +60,10 @@ class FlightByPhysics {
     try {
       while (const auto frame = simulator_.Next()) Receive(*frame);
       summary.outcome = options_.stopped() ? "ended from outside" : "the autopilot left";
-      if (simulator_.touch() && simulator_.truth().touching) summary.outcome = "landed";
+      if (simulator_.touch() && simulator_.truth().touching)
+        summary.outcome = "landed";
+      else if (!simulator_.truth().touching)
+        summary.outcome += ", in the air";
     } catch (const std::exception& e) {
       summary.outcome = "broke off";
       summary.error = e.what();
@@ -71,6 +75,12 @@ class FlightByPhysics {
         loaded_.scenario, Judged(), simulator_.touch(),
         [this](const std::string& what) { Tell("judgement", what); }, summary);
     flight.flown = left_ || simulator_.touch();
+    if (summary.complete && simulator_.touch() && simulator_.touch()->v_N.z() > kCrash_m_s) {
+      summary.passed = false;
+      summary.outcome = "crashed";
+      Tell("judgement", fmt::format("it hit the ground by {:.1f} m/s, more than {:g}",
+                                    simulator_.touch()->v_N.z(), kCrash_m_s));
+    }
     if (summary.complete && !flight.flown) {
       summary.passed = false;
       summary.outcome = "not flown";

@@ -77,7 +77,7 @@ class HoppingPeer final : public sim::PhysicsServer {
     const bool down = truth.t_s > 3;
     landed_ = landed_ || (down && truth.touching);
     if (truth.t_s >= leaves_s) return std::nullopt;
-    if (height_m == 0 || landed_ || truth.t_s < 0.3) return sim::Actuation{};
+    if (height_m == 0 || landed_ || truth.t_s < 0.3 || (falls && down)) return sim::Actuation{};
     highest_m = std::max(highest_m, stood_m_ - truth.X_NB.p.z());
     const double sinks_m_s = down ? 0.4 : 1.5 * (height_m - (stood_m_ - truth.X_NB.p.z())) * -1;
     const double thrust = aircraft_.mass_kg * (9.81 - 4 * (sinks_m_s - truth.v_N.z()));
@@ -92,6 +92,7 @@ class HoppingPeer final : public sim::PhysicsServer {
   sim::PhysicsCounts counts() const override { return {}; }
 
   double leaves_s = 7, highest_m = 0;
+  bool falls = false;  // it does not sink, but stops its motors
 
  private:
   sim::MultirotorParameters aircraft_;
@@ -198,11 +199,22 @@ TEST_F(PhysicsRecordsTest, FurtherFlightsHaveFoldersOfTheirOwnAndOneThatStoodIsN
   const std::vector<PhysicsFlight> flights = ServePhysics(loaded, peer, options);
   ASSERT_EQ(flights.size(), 3u);
   EXPECT_EQ(records::ReadSummary(folder_ / "run/summary.json").outcome, "not flown");
-  EXPECT_EQ(records::ReadSummary(folder_ / "run-2/summary.json").outcome, "the autopilot left");
+  EXPECT_EQ(records::ReadSummary(folder_ / "run-2/summary.json").outcome, "the autopilot left, in the air");
   EXPECT_EQ(records::ReadSummary(folder_ / "run-3/summary.json").outcome, "not flown");
   EXPECT_FALSE(flights[0].summary.passed);
   EXPECT_TRUE(flights[1].summary.passed);
   EXPECT_EQ(StatusOf(flights), 0);  // by those that were flown
+}
+
+TEST_F(PhysicsRecordsTest, ACrashIsNoFlightThatHasPassedThoughNoCriterionSaysSo) {
+  const LoadedScenario loaded = Calm({"criteria={}"});
+  HoppingPeer peer = Peer(loaded, {1.2});
+  peer.falls = true;
+  const std::vector<PhysicsFlight> flights = ServePhysics(loaded, peer, {});
+  ASSERT_EQ(flights.size(), 1u);
+  EXPECT_EQ(flights[0].summary.outcome, "crashed");
+  EXPECT_FALSE(flights[0].summary.passed);
+  EXPECT_EQ(StatusOf(flights), 1);
 }
 
 TEST_F(PhysicsRecordsTest, TheStatusIsOfWhatWasFlown) {
@@ -222,7 +234,7 @@ TEST_F(PhysicsRecordsTest, AnEndFromOutsideIsSaid) {
   peer.leaves_s = 2.5;
   PhysicsOptions options;
   options.stopped = [] { return true; };
-  EXPECT_EQ(ServePhysics(loaded, peer, options).at(0).summary.outcome, "ended from outside");
+  EXPECT_EQ(ServePhysics(loaded, peer, options).at(0).summary.outcome, "ended from outside, in the air");
 }
 
 TEST(ServePhysics, FaultsThatCannotReachTheAutopilotAreRefusedAllAtOnce) {
