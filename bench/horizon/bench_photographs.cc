@@ -16,6 +16,7 @@
 
 #include "base/file/files.h"
 #include "base/stopwatch.h"
+#include "base/user_file.h"
 #include "geometry/tait_bryan.h"
 #include "vision/camera/camera_mount.h"
 #include "vision/horizon/horizon_drawing.h"
@@ -23,8 +24,6 @@
 
 namespace kestrel::bench {
 namespace {
-
-constexpr double kNoneIsThere_deg = 180;  // the error of an answer where no horizon is in view
 
 struct Tally {
   int photographs = 0, answered = 0;
@@ -70,6 +69,13 @@ std::vector<Photograph> ReadPhotographs(const std::filesystem::path& folder, Mis
   }
   constexpr auto kNone = std::numeric_limits<double>::quiet_NaN();
   std::map<std::string, std::pair<double, double>> labels;
+  const auto label = [&](int number, const std::string& name, std::pair<double, double> is) {
+    const std::string csv = (folder / "label.csv").string(), line = fmt::format("line {}", number);
+    if (!IsFile(folder / name))
+      mistakes.Add(csv, line, fmt::format("'{}' is not in the folder", name));
+    else if (!labels.emplace(name, is).second)
+      mistakes.Add(csv, line, fmt::format("'{}' has a label already", name));
+  };
   std::ifstream file(folder / "label.csv");
   std::string text;
   for (int number = 1; std::getline(file, text); ++number) {
@@ -78,7 +84,7 @@ std::vector<Photograph> ReadPhotographs(const std::filesystem::path& folder, Mis
     const auto second = text.rfind(','), first = second == 0 ? second : text.rfind(',', second - 1);
     double slope = 0, offset = 0;
     if (first != std::string::npos && text.substr(first) == ",none,none") {
-      labels[text.substr(0, first)] = {kNone, kNone};
+      label(number, text.substr(0, first), {kNone, kNone});
       continue;
     }
     if (second == std::string::npos || first == std::string::npos || first == second ||
@@ -88,7 +94,7 @@ std::vector<Photograph> ReadPhotographs(const std::filesystem::path& folder, Mis
                    "valid: filename,slope,offset, or filename,none,none where no horizon is in view");
       continue;
     }
-    labels[text.substr(0, first)] = {slope, offset};
+    label(number, text.substr(0, first), {slope, offset});
   }
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     const std::string extension = entry.path().extension(), stem = entry.path().stem();
@@ -147,7 +153,6 @@ void BenchPhotographs(const std::vector<Photograph>& photographs, double fov_deg
     const double roll_sigma = std::sqrt(is.covariance(0, 0)), pitch_sigma = std::sqrt(is.covariance(1, 1));
     std::string error;
     if (p.none) {
-      for (Tally* t : {&flight, &all}) t->errors_deg.push_back(kNoneIsThere_deg);
       ++none_answered;
     } else if (p.labelled) {
       const Eigen::Vector3d down_C = LabelledDown(p, camera);
