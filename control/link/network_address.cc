@@ -48,7 +48,8 @@ std::string Bracketed(const std::string& host) {
 
 UdpAddress ParseUdpAddress(const std::string& text) {
   const bool listen = text.starts_with(kIn);
-  if (!listen && !text.starts_with(kTo)) Refuse(text, "begins otherwise", kUdpForms);
+  if (!listen && !text.starts_with(kTo))
+    Refuse(text, "begins otherwise", text.starts_with("tcp:") ? kTcpForms : kUdpForms);
   const auto [host, port] =
       Split(text, std::string_view(text).substr((listen ? kIn : kTo).size()), kUdpForms);
   if (port == 0 && !listen) Refuse(text, "port 0 cannot be sent to", kUdpForms);
