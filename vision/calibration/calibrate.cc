@@ -132,6 +132,9 @@ Fit FitFlat(const Board& board, std::span<const BoardView> views, const std::vec
   return fit;
 }
 
+// A board that is found in fewer than one of so many images may not be the one in them.
+constexpr std::size_t kSeldom = 3;
+
 // To the board as it is, where the images ask for it. Then more corners are noise, and errors are smaller.
 void FitBoardToo(const Board& board, std::span<const BoardView> views, const std::vector<std::size_t>& usable,
                  Fit& fit) {
@@ -218,6 +221,11 @@ Calibration Calibrate(const Board& board, std::span<const BoardView> views, cons
   }
   CheckFocalLength(c);
   AddNotes(c);
+  if (kSeldom * usable.size() < views.size())
+    c.notes.insert(c.notes.begin(),
+                   fmt::format("the board was found in {} of {} images only: a part of another board may "
+                               "look like it; are the numbers in its file right?",
+                               usable.size(), views.size()));
   if (contradicting > 1) {
     c.notes.push_back(fmt::format(
         "the images contradict each other: {} of {} want a focal length and a centre of their own; "

@@ -109,6 +109,18 @@ TEST(Calibrate, SaysThatImagesOfTwoCamerasContradictEachOther) {
   }
 }
 
+TEST(Calibrate, SaysThatABoardSeldomFoundMayBeAnother) {
+  const BrownConrady camera = Narrow(500);
+  const Board board;
+  std::vector<BoardView> views = Views(camera, board, 12, 43);
+  const auto says = HasSubstr("the board was found in 12 of");
+  const auto none = [](int number) { return BoardView{fmt::format("none {}", number), {}}; };
+  for (int i = 0; i < 24; ++i) views.push_back(none(i));
+  EXPECT_THAT(Calibrate(board, views, camera).notes, Not(Contains(says)));
+  views.push_back(none(24));
+  EXPECT_THAT(Calibrate(board, views, camera).notes.front(), says);
+}
+
 TEST(Calibrate, LeavesOutTheOneImageThatContradictsTheOthers) {
   int left_out = 0;
   for (std::uint64_t seed = 21; seed <= 26; ++seed) {
