@@ -9,6 +9,7 @@
 
 #include "geometry/tait_bryan.h"
 #include "vision/calibration/agreeing_views.h"
+#include "vision/calibration/board/circle_finder.h"
 #include "vision/calibration/board_shape.h"
 #include "vision/calibration/calibration_checks.h"
 #include "vision/calibration/calibration_start.h"
@@ -170,6 +171,29 @@ Calibration CalibrationOf(const Board& board, std::span<const BoardView> views,
   return c;
 }
 
+// Of the discs against their spacing, which every image shows: by a wrong one their middles would be moved wrongly.
+void CheckDiameter(const Board& board, std::span<const cv::Mat> images, std::span<const BoardView> views,
+                   const Calibration& calibration) {
+  constexpr double kOff = 0.1;
+  const auto* grid = std::get_if<CircleGrid>(&board);
+  if (!grid) return;
+  std::vector<double> seen_m;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const auto& X_CT = calibration.views[i].X_CT;
+    if (!X_CT) continue;
+    const auto of_view = SeenDiameters_m(images[i], *grid, views[i].corners, calibration.camera, *X_CT);
+    seen_m.insert(seen_m.end(), of_view.begin(), of_view.end());
+  }
+  if (seen_m.empty()) return;
+  const auto middle = seen_m.begin() + static_cast<std::ptrdiff_t>(seen_m.size() / 2);
+  std::nth_element(seen_m.begin(), middle, seen_m.end());
+  if (std::abs(*middle / grid->diameter_m - 1) < kOff) return;
+  throw InputError(
+      {}, fmt::format("the board's file says circles of {:.3g} mm with a spacing of {:.3g} mm; by the "
+                      "images they are of {:.3g} mm: one of the numbers is wrong",
+                      1000 * grid->diameter_m, 1000 * grid->spacing_m, 1000 * *middle));
+}
+
 }  // namespace
 
 Calibration Calibrate(const Board& board, std::span<const BoardView> views, const CameraModel& like,
@@ -253,6 +277,7 @@ Calibration Calibrate(const Board& board, std::span<const BoardView> views, cons
 
 std::vector<BoardView> Refit(const Board& board, std::span<const cv::Mat> images,
                              std::span<const BoardView> views, const Calibration& calibration) {
+  CheckDiameter(board, images, views, calibration);
   std::vector<BoardView> refitted(views.begin(), views.end());
   for (std::size_t i = 0; i < views.size(); ++i) {
     const auto& X_CT = calibration.views[i].X_CT;

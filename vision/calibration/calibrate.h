@@ -25,7 +25,8 @@ Calibration Calibrate(const Board& board, std::span<const BoardView> views, cons
                       std::optional<double> accepted_px = {});
 
 // The views with their corners placed anew by a calibration of them (RefitBoard), for another one; views that
-// it did not use stay as they are. images: those of the views.
+// it did not use stay as they are. images: those of the views. Throws InputError: the discs of a grid of circles are of
+// another size, against their spacing, than the board says.
 std::vector<BoardView> Refit(const Board& board, std::span<const cv::Mat> images,
                              std::span<const BoardView> views, const Calibration& calibration);
 

@@ -81,9 +81,13 @@ cv::Ptr<cv::FeatureDetector> BlobDetector(const cv::Mat& grey) {
   return cv::SimpleBlobDetector::create(parameters);
 }
 
-// How much further the middle of the disc's image is than the image of the disc's middle, px.
-std::optional<Vector2d> ShiftOfDisc(const CircleGrid& board, const Vector2d& place, const CameraModel& camera,
-                                    const Pose& X_CT) {
+struct ExpectedDisc {
+  Vector2d shift;       // from the image of the disc's middle to the middle of its image, px
+  double px_per_m = 0;  // square root of how much larger its image is than it
+};
+
+std::optional<ExpectedDisc> ExpectDisc(const CircleGrid& board, const Vector2d& place,
+                                       const CameraModel& camera, const Pose& X_CT) {
   constexpr int kRings = 5, kAngles = 16;
   const auto middle = Project(camera, X_CT * Eigen::Vector3d(place.x(), place.y(), 0));
   if (!middle) return std::nullopt;
@@ -103,7 +107,23 @@ std::optional<Vector2d> ShiftOfDisc(const CircleGrid& board, const Vector2d& pla
       sum += share * *uv, area += share;
     }
   }
-  return Vector2d(sum / area - *middle);
+  return ExpectedDisc{sum / area - *middle, std::sqrt(area / (kRings * kAngles))};
+}
+
+// Each disc that is seen, by its index, as it is and as it was to be expected.
+template <typename Use>
+void EachDisc(const cv::Mat& grey, const CircleGrid& board, std::span<const BoardCorner> corners,
+              const CameraModel& camera, const Pose& X_CT, Use&& use) {
+  const std::vector<Vector2d> places = Corners(board);
+  for (const BoardCorner& corner : corners) {
+    const auto expected = ExpectDisc(board, places[static_cast<std::size_t>(corner.index)], camera, X_CT);
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const BoardCorner& other : corners) {
+      if (other.index != corner.index) nearest = std::min(nearest, (other.pixel - corner.pixel).norm());
+    }
+    const auto disc = expected ? MiddleOfDarkness(grey, corner.pixel, nearest / 2) : std::nullopt;
+    if (disc) use(corner.index, *disc, *expected);
+  }
 }
 
 // Reverses the order of rows, or of all.
@@ -150,21 +170,22 @@ std::vector<BoardCorner> FindCircleGrid(const cv::Mat& grey, const CircleGrid& b
 std::vector<BoardCorner> RefitCircleGrid(const cv::Mat& grey, const CircleGrid& board,
                                          std::span<const BoardCorner> corners, const CameraModel& camera,
                                          const Pose& X_CT) {
-  const std::vector<Vector2d> places = Corners(board);
   std::vector<BoardCorner> refitted;
-  for (const BoardCorner& corner : corners) {
-    const Vector2d& place = places[static_cast<std::size_t>(corner.index)];
-    const auto shift = ShiftOfDisc(board, place, camera, X_CT);
-    double nearest = std::numeric_limits<double>::infinity();
-    for (const BoardCorner& other : corners) {
-      if (other.index != corner.index) nearest = std::min(nearest, (other.pixel - corner.pixel).norm());
-    }
-    const auto disc = shift ? MiddleOfDarkness(grey, corner.pixel, nearest / 2) : std::nullopt;
-    if (disc) {
-      refitted.push_back({corner.index, disc->pixel - *shift, disc->variance * Eigen::Matrix2d::Identity()});
-    }
-  }
+  EachDisc(
+      grey, board, corners, camera, X_CT, [&](int index, const SeenDisc& disc, const ExpectedDisc& expected) {
+        refitted.push_back({index, disc.pixel - expected.shift, disc.variance * Eigen::Matrix2d::Identity()});
+      });
   return refitted;
+}
+
+std::vector<double> SeenDiameters_m(const cv::Mat& grey, const CircleGrid& board,
+                                    std::span<const BoardCorner> corners, const CameraModel& camera,
+                                    const Pose& X_CT) {
+  std::vector<double> diameters_m;
+  EachDisc(grey, board, corners, camera, X_CT, [&](int, const SeenDisc& disc, const ExpectedDisc& expected) {
+    diameters_m.push_back(2 * disc.radius_px / expected.px_per_m);
+  });
+  return diameters_m;
 }
 
 }  // namespace kestrel::vision

@@ -19,4 +19,9 @@ std::vector<BoardCorner> RefitCircleGrid(const cv::Mat& grey, const CircleGrid& 
                                          std::span<const BoardCorner> corners, const CameraModel& camera,
                                          const Pose& X_CT);
 
+// The diameter of each disc, m, by how dark the image is around it.
+std::vector<double> SeenDiameters_m(const cv::Mat& grey, const CircleGrid& board,
+                                    std::span<const BoardCorner> corners, const CameraModel& camera,
+                                    const Pose& X_CT);
+
 }  // namespace kestrel::vision

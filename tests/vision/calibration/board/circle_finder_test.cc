@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/calibration/board/circle_finder.h"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
+#include "base/diagnostics.h"
 #include "tests/vision/calibration/board/board_set.h"
 #include "vision/camera/brown_conrady.h"
 #include "vision/camera/kannala_brandt.h"
 
 namespace kestrel::vision {
 namespace {
+
+using ::testing::HasSubstr;
 
 BrownConrady NarrowLens() {
   BrownConrady c;
@@ -46,6 +49,25 @@ TEST(FindCircleGrid, FindsSymmetricGridsThroughAFisheye) {
   for (int i = 0; i < 4; ++i)
     EXPECT_LT(std::abs(Parameters(c.camera)[i] - Parameters(camera)[i]), 4 * c.sigma[i]) << i;
   EXPECT_LT(c.rms_px, 0.05);
+}
+
+TEST(FindCircleGrid, DiscsOfAnotherSizeThanTheFileSaysAreRefused) {
+  const CircleGrid board{4, 11, 0.03, 0.025, true};
+  const BoardSet set = PhotographSet(NarrowLens(), board, 8, 93);
+  const CameraModel like = CameraLike("pinhole", {640, 480});
+  const auto refusal = [&](double spacing_m, double diameter_m) -> std::string {
+    const CircleGrid wrong{4, 11, spacing_m, diameter_m, true};
+    try {
+      CalibrateSet(wrong, set, like);
+    } catch (const InputError& e) {
+      return e.what();
+    }
+    return "accepted";
+  };
+  EXPECT_THAT(refusal(0.03, 0.015),
+              HasSubstr("circles of 15 mm with a spacing of 30 mm; by the images they are of 2"));
+  EXPECT_THAT(refusal(0.06, 0.025), HasSubstr("one of the numbers is wrong"));
+  EXPECT_EQ(refusal(0.03, 0.0245), "accepted");
 }
 
 TEST(FindCircleGrid, FindsNothingWhereThereIsNone) {
