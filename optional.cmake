@@ -31,7 +31,7 @@ if(KESTREL_TARGET STREQUAL "simulator")
     find_package(embree 3.13 QUIET)
   endif()
   if(NOT embree_FOUND)
-    kestrel_without(Embree libembree-dev "no meshes and height fields by the ray renderer")
+    kestrel_without(Embree libembree-dev "no shadows of meshes and height fields by the ray renderer, and none that is transparent")
   endif()
   find_package(pagmo QUIET)  # 2.18 or later: asked for one, it refuses the next minor version
   if(NOT pagmo_FOUND)

@@ -17,6 +17,7 @@
 #include <hwy/highway.h>
 
 #include "sim/render/ray/surface-inl.h"
+#include "sim/render/ray/tile_triangles-inl.h"
 #include "sim/render/ray/trace-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -146,41 +147,32 @@ MF NearThin(const Slice& slice, const Seen& seen, const Vec3& d) {
 
 const char* Name() { return hwy::TargetName(HWY_TARGET); }
 
-// Of large meshes and height fields by their parts.
-HWY_INLINE MF MayMeet(const Geom& thing, const GeomInstance& placed, const Vec3& axis, VF reach) {
-  const MF may = MayMeet(thing.box_centre, thing.box_half, placed, axis, reach);
-  if (!thing.triangles || hn::AllFalse(df, may)) return may;
-  const std::vector<Triangles::Part>& parts = thing.triangles->parts;
-  MF found = hn::Lt(F(1), F(0));
-  for (std::size_t i = 0; i < parts.size();) {
-    const MF here =
-        hn::And(hn::AndNot(found, may), MayMeet(parts[i].centre, parts[i].half, placed, axis, reach));
-    const bool leaf = parts[i].next == i + 1;
-    if (leaf) found = hn::Or(found, here);
-    i = hn::AllFalse(df, here) ? parts[i].next : i + 1;
-  }
-  return found;
-}
-
-void CullImpl(const Slice& slice, int tile_row) {
+void CullImpl(const Slice& slice, int begin, int end) {
   const Lens& lens = *slice.lens;
+  const int tile_row = begin / Lens::kTile;
   std::fill(slice.visible, slice.visible + static_cast<std::ptrdiff_t>(lens.tiles_x) * slice.words, 0);
   const int first = tile_row * lens.tiles_x;
+  for (int c = 0; c < lens.tiles_x; ++c) slice.triangles[c].Clear();
   for (std::size_t i = 0; i < slice.things->all.size(); ++i) {
     const Geom& thing = slice.things->all[i];
     const GeomInstance& placed = slice.placement->things[i];
     for (int c = 0; c < lens.tiles_x; c += kLanes) {
       const auto load = [&](const Aligned<float>& v) { return hn::LoadU(df, v.get() + first + c); };
       const Vec3 axis{load(lens.axis_x), load(lens.axis_y), load(lens.axis_z)};
-      const MF may = MayMeet(thing, placed, Rotate(placed.R, axis), load(lens.reach));
+      const MF may =
+          MayMeet(thing.box_centre, thing.box_half, placed, Rotate(placed.R, axis), load(lens.reach));
       for (std::uint32_t bits = BitsOf(may); bits != 0; bits &= bits - 1) {
         const int column = c + std::countr_zero(bits);
         if (column >= lens.tiles_x) break;
         slice.visible[static_cast<std::ptrdiff_t>(column) * slice.words +
                       static_cast<std::ptrdiff_t>(i / 64)] |= std::uint64_t{1} << (i % 64);
+        if (thing.triangles && !placed.transparent)
+          ListTriangles(slice, first + column, begin % Lens::kTile, begin % Lens::kTile + end - begin,
+                        static_cast<int>(i), slice.triangles[column]);
       }
     }
   }
+  for (int c = 0; c < lens.tiles_x; ++c) slice.triangles[c].SortByRow();
 }
 
 // A packet of a row that shows one thing alone, planned but not yet fetched.
@@ -271,7 +263,7 @@ void DrawRowsImpl(const Slice& slice, int begin, int end, const Canvas& canvas) 
         }
         const Rays rays = RaysAt(lens, at);
         TriangleHits triangles;
-        Hit hit = Trace(slice, here, rays.d, triangles);
+        Hit hit = Trace(slice, here, OneRow(v), rays.d, triangles);
         EndPlane(slice, rays.d, hit);
         VI code;
         alignas(64) std::int32_t index[kLanes];
@@ -329,9 +321,15 @@ alignas(64) constexpr float kDown[kSubpixels] = {-3 / 16.f, 3 / 16.f,  1 / 16.f,
 // Up to kLanes pixels of one tile, a lane each. `wanted`: the lanes in use.
 struct EdgePixels {
   int count = 0;
+  TilePixels places[kLanes];
   // The rays of the pixels, and the steps to the neighbours': x, y, z of each. Beyond `count` the last again.
   alignas(64) float middle[3][kLanes], across[3][kLanes], down[3][kLanes];
 
+  TilePixels Places(int from, int to) const {
+    TilePixels all;
+    for (int i = from; i < std::min(to, kLanes); ++i) all.rows |= places[i].rows, all.columns |= places[i].columns;
+    return all;
+  }
   MF Wanted() const { return hn::FirstN(df, static_cast<std::size_t>(count)); }
   // Of each pixel the k-th ray.
   Rays At(int k) const {
@@ -385,7 +383,7 @@ void MeanOfAll(const Slice& slice, const Seen& seen, const EdgePixels& pixels, C
     Rays rays = pixels.At(k);
     rays.du = Scale(rays.du, F(0.5f)), rays.dv = Scale(rays.dv, F(0.5f));
     TriangleHits triangles;
-    Hit hit = Trace(slice, seen, rays.d, triangles);
+    Hit hit = Trace(slice, seen, pixels.Places(0, pixels.count), rays.d, triangles);
     EndPlane(slice, rays.d, hit);
     Add(Look(slice, seen, rays, hit, triangles, pixels.Wanted()).colour, F(1.0f / kSubpixels), sum);
   }
@@ -404,23 +402,24 @@ bool MeetSides(const Slice& slice, const Seen& seen, const EdgePixels& pixels, E
   alignas(64) float t_of[kSubpixels][kLanes] = {};
   alignas(64) std::int32_t thing_of[kSubpixels][kLanes] = {};
   for (int ray = 0; ray < pixels.count * kSubpixels; ray += kLanes) {
-    const Vec3 d = pixels.Of(ray / kSubpixels, ray % kSubpixels);
     TriangleHits own;
-    const Hit hit = Trace(slice, seen, d, own);
+    const int pixel = ray / kSubpixels;
+    const Vec3 d = pixels.Of(pixel, ray % kSubpixels);
+    const Hit hit = Trace(slice, seen, pixels.Places(pixel, pixel + EdgePixels::kTogether), d, own);
     if (!hn::AllFalse(df, Veiled(slice, seen, d, hit.t))) return false;
     alignas(64) float t[kLanes];
     alignas(64) std::int32_t thing[kLanes];
     hn::Store(hit.t, df, t);
     hn::Store(hit.thing, di, thing);
     for (int i = 0; i < kLanes; ++i) {
-      const int k = (ray + i) % kSubpixels, pixel = (ray + i) / kSubpixels;
-      if (pixel >= kLanes) break;
-      t_of[k][pixel] = t[i];
-      thing_of[k][pixel] = thing[i];
+      const int k = (ray + i) % kSubpixels, of = (ray + i) / kSubpixels;
+      if (of >= kLanes) break;
+      t_of[k][of] = t[i];
+      thing_of[k][of] = thing[i];
       if (thing[i] < 0 || !slice.things->all[thing[i]].triangles) continue;
-      met.triangles[k].face[pixel] = own.face[i];
-      met.triangles[k].u[pixel] = own.u[i];
-      met.triangles[k].v[pixel] = own.v[i];
+      met.triangles[k].face[of] = own.face[i];
+      met.triangles[k].u[of] = own.u[i];
+      met.triangles[k].v[of] = own.v[i];
     }
   }
   met.wanted = pixels.Wanted();
@@ -578,6 +577,7 @@ void SmoothRowsImpl(const Slice& slice, int begin, int end, const Canvas& canvas
         for (int i = 0; i < kLanes; ++i) {
           const Place& place = places[std::min(i, pixels.count - 1)];
           const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(place.v) * lens.stride + place.u;
+          pixels.places[i] = OnePixel(place.u, place.v);
           for (int c = 0; c < 3; ++c) {
             const float* const of = table[c]->get() + at;
             pixels.middle[c][i] = of[0];
@@ -626,7 +626,7 @@ void SeeRowsImpl(const Slice& slice, int begin, int end, float* depth_m, std::in
         const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(v) * lens.stride + u0 + k;
         const Rays rays = RaysAt(lens, at);
         TriangleHits unused;
-        Hit hit = Trace(slice, seen, rays.d, unused);
+        Hit hit = Trace(slice, seen, OneRow(v), rays.d, unused);
         EndPlane(slice, rays.d, hit);
         alignas(64) float t[kLanes];
         alignas(64) std::int32_t thing[kLanes];
@@ -657,7 +657,7 @@ HWY_EXPORT(SmoothRowsImpl);
 HWY_EXPORT(SeeRowsImpl);
 
 const char* InstructionSet() { return HWY_DYNAMIC_DISPATCH(Name)(); }
-void Cull(const Slice& slice, int tile_row) { HWY_DYNAMIC_DISPATCH(CullImpl)(slice, tile_row); }
+void Cull(const Slice& slice, int begin, int end) { HWY_DYNAMIC_DISPATCH(CullImpl)(slice, begin, end); }
 void DrawRows(const Slice& slice, int begin, int end, const Canvas& canvas) {
   HWY_DYNAMIC_DISPATCH(DrawRowsImpl)(slice, begin, end, canvas);
 }

@@ -6,6 +6,7 @@
 
 #include "sim/render/ray/lens.h"
 #include "sim/render/ray/render_scene.h"
+#include "sim/render/ray/tile_triangles.h"
 
 // The inner loops, in SIMD: compiled for several instruction sets, the best of which is chosen when the
 // program runs. A packet is as many rays as a vector is wide, at most 16.
@@ -29,16 +30,18 @@ struct Slice {
   const Lens* lens = nullptr;
   const RenderScene* things = nullptr;
   const SceneInstance* placement = nullptr;
-  // Of each tile of the row of tiles: a bit for each thing that some ray of the tile may meet.
+  // Of each tile of the row of tiles: a bit for each thing that some ray of the tile may meet, and the triangles of
+  // those that are opaque.
   std::uint64_t* visible = nullptr;
-  int words = 0;  // for each tile
+  TileTriangles* triangles = nullptr;
+  int words = 0;  // of `visible`, for each tile
   bool shadows = false;
 };
 
 inline int VisibleWords(const RenderScene& things) { return static_cast<int>((things.all.size() + 63) / 64); }
 
-// Fills slice.seen of all tiles of a row of tiles.
-void Cull(const Slice& slice, int tile_row);
+// Fills slice.visible and slice.triangles of all tiles of a row of tiles, for its rows [begin, end).
+void Cull(const Slice& slice, int begin, int end);
 // Draws the rows [begin, end) of one row of tiles, a ray to a pixel.
 void DrawRows(const Slice& slice, int begin, int end, const Canvas& canvas);
 // Draws the pixels at edges in the rows [begin, end) of one row of tiles again, 8 rays to each. All rows of

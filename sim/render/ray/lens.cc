@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/render/ray/lens.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -14,6 +15,29 @@ Aligned<T> Zeros(std::size_t size) {
   auto array = hwy::AllocateAligned<T>(size + kPadding);
   std::fill(array.get(), array.get() + size + kPadding, T{});
   return array;
+}
+
+void SetEmpty(Lens::Plane& plane) {
+  plane = {};
+  plane.low_x = plane.low_y = 1e9f, plane.high_x = plane.high_y = -1e9f;
+  std::fill_n(plane.column_low_x, Lens::kTile, 1e9f), std::fill_n(plane.column_high_x, Lens::kTile, -1e9f);
+  std::fill_n(plane.row_low_y, Lens::kTile, 1e9f), std::fill_n(plane.row_high_y, Lens::kTile, -1e9f);
+}
+
+// By a ray of the tile's pixel, and by what rounding does.
+void Extend(Lens::Plane& plane, int column, int row, const Eigen::Vector3d& d, const Eigen::Vector3d& axis,
+            const Eigen::Vector3d& across, const Eigen::Vector3d& down) {
+  constexpr double kRoom = 1e-6;
+  const double along = std::max(d.dot(axis), 1e-3);
+  const double x = d.dot(across) / along, y = d.dot(down) / along;
+  const auto extend = [](float& low, float& high, double by) {
+    low = std::min(low, static_cast<float>(by - kRoom));
+    high = std::max(high, static_cast<float>(by + kRoom));
+  };
+  extend(plane.low_x, plane.high_x, x);
+  extend(plane.low_y, plane.high_y, y);
+  extend(plane.column_low_x[column], plane.column_high_x[column], x);
+  extend(plane.row_low_y[row], plane.row_high_y[row], y);
 }
 
 }  // namespace
@@ -80,13 +104,20 @@ Lens MakeLens(const vision::CameraModel& camera) {
   lens.reach = Zeros<float>(lens.tiles_padded);
   std::fill(lens.reach.get(), lens.reach.get() + lens.tiles_padded, -1.0f);
   double widest = 0;
+  lens.planes.resize(static_cast<std::size_t>(tiles));
   for (int t = 0; t < tiles; ++t) {
     const int u0 = t % lens.tiles_x * Lens::kTile, v0 = t / lens.tiles_x * Lens::kTile;
     const int u1 = std::min(u0 + Lens::kTile, lens.width), v1 = std::min(v0 + Lens::kTile, lens.height);
-    Eigen::Vector3d axis = Eigen::Vector3d::Zero();
-    for (int v = v0; v < v1; ++v)
-      for (int u = u0; u < u1; ++u)
-        if (lens.inside[at(u, v)]) axis += ray[at(u, v)];
+    Lens::Plane& plane = lens.planes[static_cast<std::size_t>(t)];
+    SetEmpty(plane);
+    Eigen::Vector3d axis = Eigen::Vector3d::Zero(), across = axis;
+    for (int v = v0; v < v1; ++v) {
+      for (int u = u0; u < u1; ++u) {
+        if (!lens.inside[at(u, v)]) continue;
+        axis += ray[at(u, v)];
+        across += ray[at(u + 1, v)] - ray[at(u, v)];
+      }
+    }
     if (axis.norm() == 0) continue;
     axis.normalize();
     double reach = 0, pixel = 0;
@@ -103,6 +134,25 @@ Lens MakeLens(const vision::CameraModel& camera) {
     lens.axis_y[t] = static_cast<float>(axis.y());
     lens.axis_z[t] = static_cast<float>(axis.z());
     lens.reach[t] = static_cast<float>((reach + pixel) * 1.0001);
+
+    across = (across - axis.dot(across) * axis).normalized();
+    if (!across.allFinite()) across = axis.unitOrthogonal();
+    const Eigen::Vector3d down = axis.cross(across);
+    for (int k = 0; k < 3; ++k) {
+      plane.axis[k] = static_cast<float>(axis[k]);
+      plane.across[k] = static_cast<float>(across[k]);
+      plane.down[k] = static_cast<float>(down[k]);
+    }
+    // By the corners of its pixels.
+    for (int v = v0; v < v1; ++v) {
+      for (int u = u0; u < u1; ++u) {
+        if (!lens.inside[at(u, v)]) continue;
+        const Eigen::Vector3d& d = ray[at(u, v)];
+        const Eigen::Vector3d half_u = 0.5 * (ray[at(u + 1, v)] - d), half_v = 0.5 * (ray[at(u, v + 1)] - d);
+        for (const int i : {-1, 1})
+          for (const int j : {-1, 1}) Extend(plane, u - u0, v - v0, d + i * half_u + j * half_v, axis, across, down);
+      }
+    }
   }
   lens.pixel_rad = static_cast<float>(widest);
   return lens;

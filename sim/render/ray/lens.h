@@ -32,6 +32,15 @@ struct Lens {
   int tiles_x = 0, tiles_y = 0;
   int tiles_padded = 0;  // length of the arrays, for whole vectors
   Aligned<float> axis_x, axis_y, axis_z, reach;
+  // Each tile's picture plane, square to its axis: a direction d is at x = d across / d axis, y = d down / d axis. Its
+  // pixels are all within low to high, those of each of its columns and rows within that one's. Outside the lens:
+  // low > high.
+  struct Plane {
+    float axis[3], across[3], down[3];  // unit vectors in C
+    float low_x, high_x, low_y, high_y;
+    float column_low_x[kTile], column_high_x[kTile], row_low_y[kTile], row_high_y[kTile];
+  };
+  std::vector<Plane> planes;  // of the tiles
   float pixel_rad = 0;  // the widest angle between neighbouring pixels
 };
 

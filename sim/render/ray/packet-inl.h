@@ -60,6 +60,10 @@ HWY_INLINE Vec3 RotateBack(const float* R, const Vec3& v) {
           hn::MulAdd(F(R[1]), v.x, hn::MulAdd(F(R[4]), v.y, hn::Mul(F(R[7]), v.z))),
           hn::MulAdd(F(R[2]), v.x, hn::MulAdd(F(R[5]), v.y, hn::Mul(F(R[8]), v.z)))};
 }
+HWY_INLINE Vec3 Cross(const Vec3& a, const Vec3& b) {
+  return {hn::Sub(hn::Mul(a.y, b.z), hn::Mul(a.z, b.y)), hn::Sub(hn::Mul(a.z, b.x), hn::Mul(a.x, b.z)),
+          hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x))};
+}
 HWY_INLINE VF LengthOf(const Vec3& v) { return hn::Sqrt(Dot(v, v)); }
 
 // Rays of one packet with the width of their pixels: the differences to the neighbours' rays.

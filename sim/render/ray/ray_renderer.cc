@@ -65,17 +65,25 @@ struct RayRenderer::Stage {
   cv::Mat code, common;                  // CV_32S, as in Canvas
   std::vector<SceneInstance> instances;  // one, or one for each row
   std::vector<std::uint64_t> seen;       // of each row of tiles, or of each row
+  std::vector<ray::TileTriangles> triangles;  // the same
   std::vector<ray::ScenePose> worlds;    // of the states
   std::vector<cv::Mat> given_out;
   cv::Mat rays;  // as RaysOf(), once they are asked for
 
   int SeenOfRow() const { return lens.tiles_x * ray::VisibleWords(scene); }
 
+  // Of tiles, or of pixels.
+  void SetRows(int rows) {
+    seen.resize(static_cast<std::size_t>(rows) * SeenOfRow());
+    triangles.resize(static_cast<std::size_t>(rows) * lens.tiles_x);
+  }
+
   Slice SliceOf(int instance, int seen_row) {
     return {&lens,
             &scene,
             &instances[instance],
             seen.data() + static_cast<std::ptrdiff_t>(seen_row) * SeenOfRow(),
+            triangles.data() + static_cast<std::ptrdiff_t>(seen_row) * lens.tiles_x,
             ray::VisibleWords(scene),
             shadows};
   }
@@ -98,7 +106,7 @@ struct RayRenderer::Stage {
     const ray::Canvas canvas{grey ? nullptr : picture.data, grey ? picture.ptr<float>() : nullptr,
                              picture.step1(), code.ptr<std::uint32_t>(), common.ptr<std::uint32_t>()};
     instances.resize(rolling ? lens.height : 1);
-    seen.resize(static_cast<std::size_t>(rolling ? lens.height : lens.tiles_y) * SeenOfRow());
+    SetRows(rolling ? lens.height : lens.tiles_y);
     if (!rolling) fill(0, instances[0]);
     const auto rows_of = [&](int tile_row, const auto& each) {
       const int begin = tile_row * Lens::kTile, end = std::min(begin + Lens::kTile, lens.height);
@@ -108,14 +116,14 @@ struct RayRenderer::Stage {
       rows_of(tile_row, [&](int begin, int end) {
         if (!rolling) {
           const Slice slice = SliceOf(0, tile_row);
-          ray::Cull(slice, tile_row);
+          ray::Cull(slice, begin, end);
           ray::DrawRows(slice, begin, end, canvas);
           return;
         }
         for (int v = begin; v < end; ++v) {
           fill(v, instances[v]);
           const Slice slice = SliceOf(v, v);
-          ray::Cull(slice, tile_row);
+          ray::Cull(slice, v, v + 1);
           ray::DrawRows(slice, v, v + 1, canvas);
         }
       });
@@ -159,9 +167,9 @@ RayRenderer::RayRenderer(const mjModel* model, const vision::CameraModel& camera
                          const RenderOptions& options)
     : camera_(camera), stage_(std::make_unique<Stage>()) {
   stage_->SetLens(camera);
-  stage_->scene = ray::CompileScene(model);
   stage_->sky_light = options.light == "sky";
   stage_->shadows = options.shadows && !stage_->sky_light;
+  stage_->scene = ray::CompileScene(model, stage_->sky_light || stage_->shadows);
   stage_->threads = options.threads > 0 ? options.threads
                                         : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   name_ = fmt::format("ray renderer ({})", ray::InstructionSet());
@@ -216,14 +224,14 @@ Surfaces RayRenderer::Trace(const mjData* data, const Pose& X_NC) {
   Stage& s = *stage_;
   const ray::ScenePose world = ray::PoseOfScene(s.scene, data);
   s.instances.resize(1);
-  s.seen.resize(static_cast<std::size_t>(s.lens.tiles_y) * s.SeenOfRow());
+  s.SetRows(s.lens.tiles_y);
   ray::InstantiateScene(s.scene, world, X_NC, s.lens.pixel_rad, s.instances[0]);
   Surfaces surfaces{cv::Mat(s.lens.height, s.lens.width, CV_32F),
                     cv::Mat(s.lens.height, s.lens.width, CV_32S)};
   InParallel(s.threads, s.lens.tiles_y, [&](int tile_row) {
     const Slice slice = s.SliceOf(0, tile_row);
-    ray::Cull(slice, tile_row);
     const int begin = tile_row * Lens::kTile, end = std::min(begin + Lens::kTile, s.lens.height);
+    ray::Cull(slice, begin, end);
     ray::TraceRows(slice, begin, end, surfaces.depth_m.ptr<float>(), surfaces.geom.ptr<std::int32_t>(),
                    surfaces.depth_m.step1());
   });

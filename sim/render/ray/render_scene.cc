@@ -161,7 +161,7 @@ Air AirOf(const mjModel* m) {
 
 }  // namespace
 
-RenderScene CompileScene(const mjModel* m) {
+RenderScene CompileScene(const mjModel* m, bool shadows) {
   RenderScene things;
   const Drawn drawn(m);
   const PyramidCache pyramids(m);
@@ -174,7 +174,7 @@ RenderScene CompileScene(const mjModel* m) {
     }
     return found;
   };
-  std::map<std::pair<int, int>, const Triangles*> meshes;
+  std::map<std::pair<int, int>, Triangles*> meshes;
   for (int i = 0; i < drawn.scene.ngeom; ++i) {
     const mjvGeom& g = drawn.scene.geoms[i];
     if (g.type == mjGEOM_SKIN) {
@@ -208,12 +208,13 @@ RenderScene CompileScene(const mjModel* m) {
       case mjGEOM_MESH:
       case mjGEOM_HFIELD: {
         const int id = m->geom_dataid[t.geom];
-        const Triangles*& found = meshes[{t.type, id}];
+        Triangles*& found = meshes[{t.type, id}];
         if (!found) {
           things.meshes.push_back(std::make_unique<Triangles>(
               t.type == mjGEOM_MESH ? Triangles::OfMesh(m, id) : Triangles::OfHeightField(m, id)));
           found = things.meshes.back().get();
         }
+        if (shadows || t.rgba[3] < kOpaque) found->MakeTree();
         t.triangles = found;
         break;
       }

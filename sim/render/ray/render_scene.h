@@ -79,7 +79,8 @@ struct RenderScene {
 
 // The geoms that MuJoCo would draw, as it would draw them: groups 0 to 2, whole or part transparent. Throws
 // std::runtime_error that names the first geom or texture of a kind that the ray renderer does not draw.
-RenderScene CompileScene(const mjModel* model);
+// shadows: whether rays go on from what is seen.
+RenderScene CompileScene(const mjModel* model, bool shadows);
 
 // A thing in the camera's frame at one instant.
 struct GeomInstance {

@@ -191,11 +191,11 @@ struct alignas(64) Packet {
 };
 
 // Fills the packet but for its ball.
-void Meet(const Slice& slice, const Seen& seen, std::ptrdiff_t at, Packet& packet) {
+void Meet(const Slice& slice, const Seen& seen, int v, std::ptrdiff_t at, Packet& packet) {
   const Rays rays = RaysAt(*slice.lens, at);
   packet.d = rays.d;
   TriangleHits triangles;
-  Hit hit = Trace(slice, seen, rays.d, triangles);
+  Hit hit = Trace(slice, seen, OneRow(v), rays.d, triangles);
   EndPlane(slice, rays.d, hit);
   packet.wanted = hn::And(InsideAt(*slice.lens, at), hn::Lt(hit.t, F(kEnd_m)));
   const VF zero = hn::Zero(df);
@@ -420,7 +420,7 @@ void LightRowsImpl(const Slice& slice, int begin, int end, const Canvas& canvas)
   for (int column = 0; column < lens.tiles_x; ++column) {
     if (lens.reach[tile_row * lens.tiles_x + column] < 0) continue;
     ListSeen(slice, column, seen);
-    if (seen.opaque.empty()) continue;
+    if (seen.opaque.empty() && seen.triangles->all.empty()) continue;
     const int u0 = column * Lens::kTile;
     Ball tile;
     for (int v = begin; v < end; ++v) {
@@ -428,7 +428,7 @@ void LightRowsImpl(const Slice& slice, int begin, int end, const Canvas& canvas)
         Packet& packet = packets[static_cast<std::size_t>((v - begin) * kPackets + k)];
         packet.ball = {};
         if (u0 + k * kLanes >= lens.width) continue;
-        Meet(slice, seen, static_cast<std::ptrdiff_t>(v) * lens.stride + u0 + k * kLanes, packet);
+        Meet(slice, seen, v, static_cast<std::ptrdiff_t>(v) * lens.stride + u0 + k * kLanes, packet);
         packet.ball = BallAround(packet.p, packet.wanted);
         tile = Joined(tile, packet.ball);
       }

@@ -149,7 +149,8 @@ HWY_INLINE void NormalOf(const Geom& thing, const Vec3& p, const TriangleHits& h
     }
     default: {
       alignas(64) float x[kLanes] = {}, y[kLanes] = {}, z[kLanes] = {};
-      const std::uint32_t bits = BitsOf(wanted);
+      const auto& common = thing.triangles->one_normal;
+      const std::uint32_t bits = common ? 0 : BitsOf(wanted);
       for (int i = 0; i < kLanes; ++i) {
         if (!(bits >> i & 1)) continue;
         const Triangles::Corner* corner =
@@ -158,7 +159,7 @@ HWY_INLINE void NormalOf(const Geom& thing, const Vec3& p, const TriangleHits& h
                                        hits.u[i] * corner[1].normal + hits.v[i] * corner[2].normal;
         x[i] = normal.x(), y[i] = normal.y(), z[i] = normal.z();
       }
-      n = {hn::Load(df, x), hn::Load(df, y), hn::Load(df, z)};
+      n = common ? Load3(common->data()) : Vec3{hn::Load(df, x), hn::Load(df, y), hn::Load(df, z)};
       n = Scale(n, hn::Div(one, hn::Max(LengthOf(n), F(1e-30f))));
       // A crease shows by a turn of the normal.
       const auto part = [&](VF v) { return hn::NearestInt(hn::MulAdd(v, F(3), F(3))); };

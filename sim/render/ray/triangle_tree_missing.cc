@@ -8,9 +8,8 @@ namespace kestrel::sim::ray {
 
 TriangleTree::TriangleTree(const std::vector<Eigen::Vector3f>&, const std::vector<Eigen::Vector3i>&) {
   throw std::runtime_error(
-      "The world has a mesh or a height field, which the ray renderer cannot draw without Embree; build anew "
-      "with "
-      "Debian's libembree-dev.");
+      "The world has a mesh or a height field, and the ray renderer draws its shadow, or one that is transparent, by "
+      "Embree alone; build anew with Debian's libembree-dev, or fly without shadows.");
 }
 TriangleTree::TriangleTree(TriangleTree&&) noexcept = default;
 TriangleTree::~TriangleTree() = default;

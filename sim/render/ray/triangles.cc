@@ -138,7 +138,15 @@ void Triangles::Finish() {
       st_gradient.push_back(gradient.allFinite() ? gradient : Eigen::Matrix<float, 2, 3>::Zero().eval());
     }
   }
-  tree_.emplace(vertices, faces);
+  if (!corners.empty() && std::all_of(corners.begin(), corners.end(), [&](const Corner& c) {
+        return c.normal == corners.front().normal;
+      }))
+    one_normal = corners.front().normal;
+  blocks = MakeBlocks(vertices, faces);
+}
+
+void Triangles::MakeTree() {
+  if (!tree_) tree_.emplace(vertices, faces);
 }
 
 }  // namespace kestrel::sim::ray

@@ -8,12 +8,12 @@
 #include <optional>
 #include <vector>
 
+#include "sim/render/ray/triangle_blocks.h"
 #include "sim/render/ray/triangle_tree.h"
 
 namespace kestrel::sim::ray {
 
-// A mesh or a height field in its geom's frame, in an Embree scene of its own: a moving mesh needs no new
-// tree.
+// A mesh or a height field in its geom's frame.
 class Triangles {
  public:
   static Triangles OfMesh(const mjModel* model, int mesh);
@@ -26,7 +26,8 @@ class Triangles {
   };
   std::vector<Eigen::Vector3f> vertices;
   std::vector<Eigen::Vector3i> faces;
-  std::vector<Corner> corners;  // three for each face
+  std::vector<Corner> corners;                 // three for each face
+  std::optional<Eigen::Vector3f> one_normal;  // of all corners, as of what is drawn with its light painted in
   // Of each face: how s and t change along x, y, z.
   std::vector<Eigen::Matrix<float, 2, 3>> st_gradient;
   bool has_st = false;
@@ -38,8 +39,12 @@ class Triangles {
     std::size_t next;
   };
   std::vector<Part> parts;
+  TriangleBlocks blocks;
 
-  const TriangleTree& tree() const { return *tree_; }
+  // What rays need that do not come from the viewpoint: in an Embree scene of its own, so that a moving mesh needs no new
+  // one. Throws std::runtime_error as TriangleTree does.
+  void MakeTree();
+  const TriangleTree& tree() const { return *tree_; }  // once it is made
 
  private:
   Triangles() = default;
