@@ -30,7 +30,7 @@ double Seconds(steady_clock::time_point from) {
 
 // Frames a second of all together. Each of them has a world and a renderer of its own, on a thread of its own.
 double Rate(const BenchCamera& bench, const sim::RenderOptions& options, std::uint64_t first_seed,
-            std::uint64_t last_seed, int at_once) {
+            std::uint64_t last_seed, int at_once, const char* scenario) {
   std::barrier all_warm(at_once), all_stop(at_once);
   std::atomic<bool> enough = false;
   std::atomic<long> frames = 0;
@@ -38,7 +38,7 @@ double Rate(const BenchCamera& bench, const sim::RenderOptions& options, std::ui
   std::vector<std::jthread> threads;
   for (int k = 0; k < at_once; ++k)
     threads.emplace_back([&, k] {
-      World world("landing");
+      World world(scenario);
       sim::Renderer renderer(world.model(), bench.camera, options);
       const auto round = [&] {
         for (std::uint64_t seed = first_seed; seed <= last_seed; ++seed)
@@ -65,9 +65,10 @@ double Rate(const BenchCamera& bench, const sim::RenderOptions& options, std::ui
 void Speed(const BenchCamera& bench, const std::string& size, std::uint64_t first_seed,
            std::uint64_t last_seed, int jobs, const std::string& opengl,
            std::vector<records::Figure>& table) {
-  const auto add = [&](const std::string& what, const sim::RenderOptions& options, int at_once) {
+  const auto add = [&](const std::string& what, const sim::RenderOptions& options, int at_once,
+                       const char* scenario = "landing") {
     table.push_back({fmt::format("{} {}, {}", bench.name, size, what),
-                     Rate(bench, options, first_seed, last_seed, at_once),
+                     Rate(bench, options, first_seed, last_seed, at_once, scenario),
                      "frames/s",
                      {},
                      true,
@@ -75,6 +76,7 @@ void Speed(const BenchCamera& bench, const std::string& size, std::uint64_t firs
   };
   const int cores = static_cast<int>(std::thread::hardware_concurrency());
   add("ray, one thread", {.backend = "ray"}, 1);
+  add("ray, one thread, a landscape", {.backend = "ray"}, 1, "attitude_2");
   add(fmt::format("ray, {} threads", cores), {.backend = "ray", .threads = 0}, 1);
   add(opengl, {.backend = opengl}, 1);
   if (jobs == 1) return;

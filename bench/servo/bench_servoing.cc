@@ -92,7 +92,7 @@ void BenchFollowSteps(flight::SeedRange seeds, int jobs, std::vector<records::Fi
       {"+ level camera", {"flight.features.level=true"}},
       {"+ outline", {"flight.features.outline=true"}},
       // With the gains that it allows.
-      {"+ prediction", {"flight.features.filter=true", "gains=gains/follow.yaml"}},
+      {"+ prediction", {"flight.features.filter=true", "gains=gains/prompt.yaml"}},
       {"+ target's velocity", {"flight.gains.feed_forward=true"}},
   };
   const auto add = [&](const std::string& name, double value, const char* unit,

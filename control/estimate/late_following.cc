@@ -19,31 +19,36 @@ double Reckoned_s(const std::optional<VelocityLagEstimator::Late>& measured, dou
 
 }  // namespace
 
-void LateFollowing::Hear(const VehicleState& state) {
-  if (state_) {
+LateFollowing::Kind LateFollowing::OfTurns() {
+  return {.prompt_climb_s = 0.5,
+          .search = {.step_s = 0.05, .max_delay_s = 0.6, .max_lag_s = 0.8, .least_s = 1.5, .moved_climb = 0.05}};
+}
+
+void LateFollowing::Hear(double t_s, const Eigen::Vector3d& flown_N) {
+  if (heard_) {
     std::optional<Eigen::Vector3d> asked_N;
     if (given_) asked_N = given_->first;
-    estimator_.Add(state_->t_s, asked_N, state_->t_s, state_->v_N);
+    estimator_.Add(heard_->t_s, asked_N, heard_->t_s, heard_->flown_N);
     if (given_)
-      past_.push_back({state_->t_s, given_->second});
+      past_.push_back({heard_->t_s, given_->second});
     else
       past_.clear();
   }
-  state_ = state;
+  heard_ = Heard{t_s, flown_N};
   given_.reset();
-  while (!past_.empty() && past_.front().t_s < state.t_s - 2 * kMaxLate_s) past_.pop_front();
-  if (state.t_s - measured_s_ < kPeriod_s) return;
-  measured_s_ = state.t_s;
-  level_s_ = Reckoned_s(estimator_.Horizontal(), kPromptLevel_s, level_s_);
-  climb_s_ = Reckoned_s(estimator_.Vertical(), kPromptClimb_s, climb_s_);
+  while (!past_.empty() && past_.front().t_s < t_s - 2 * kMaxLate_s) past_.pop_front();
+  if (t_s - measured_s_ < kPeriod_s) return;
+  measured_s_ = t_s;
+  level_s_ = Reckoned_s(estimator_.Horizontal(), kind_.prompt_level_s, level_s_);
+  climb_s_ = Reckoned_s(estimator_.Vertical(), kind_.prompt_climb_s, climb_s_);
 }
 
 void LateFollowing::Give(const Eigen::Vector3d& asked_N, const Eigen::Vector3d& flown_N) {
-  if (state_) given_ = {asked_N, flown_N};
+  if (heard_) given_ = {asked_N, flown_N};
 }
 
 double LateFollowing::Way(int axis, double late_s) const {
-  double way = 0, until_s = state_ ? state_->t_s : 0;
+  double way = 0, until_s = heard_ ? heard_->t_s : 0;
   const double from_s = until_s - late_s;
   for (auto each = past_.rbegin(); each != past_.rend() && until_s > from_s; ++each) {
     const double since_s = std::max(each->t_s, from_s);

@@ -24,8 +24,20 @@ class LateFollowing {
  public:
   static constexpr double kPromptLevel_s = 0.35, kPromptClimb_s = 0.45;
 
-  // Of each frame, in the order of time: the state, on which what is given next is decided.
-  void Hear(const VehicleState& state);
+  // What answers as fast as this is prompt, and how its lateness is measured.
+  struct Kind {
+    double prompt_level_s = kPromptLevel_s, prompt_climb_s = kPromptClimb_s;
+    LagSearch search = {};
+  };
+  // Of rates of turn, rad/s, about the vertical as the third axis. The rate gyros tell them soon and well.
+  static Kind OfTurns();
+
+  LateFollowing() : LateFollowing(Kind{}) {}
+  explicit LateFollowing(const Kind& kind) : kind_(kind), estimator_(kind.search) {}
+
+  // Of each frame, in the order of time: the velocity that is flown, on which what is given next is decided.
+  void Hear(double t_s, const Eigen::Vector3d& flown_N);
+  void Hear(const VehicleState& state) { Hear(state.t_s, state.v_N); }
   // What the autopilot is given on the state that was heard last, m/s, and what is flown by it where that is
   // something else, as the autopilot errs in its own velocity. The last word on a state counts; a state on
   // which nothing is given begins anew, but for the lateness.
@@ -44,8 +56,13 @@ class LateFollowing {
   };
   double Way(int axis, double late_s) const;
 
+  struct Heard {
+    double t_s;
+    Eigen::Vector3d flown_N;
+  };
+  Kind kind_;
   VelocityLagEstimator estimator_;
-  std::optional<VehicleState> state_;                                 // heard last
+  std::optional<Heard> heard_;                                        // last
   std::optional<std::pair<Eigen::Vector3d, Eigen::Vector3d>> given_;  // on that: asked, flown
   std::deque<Given> past_;
   double measured_s_ = 0;

@@ -30,6 +30,15 @@ struct VelocityLag {
 // which the estimators of these loops make up for. Endless for lambda = 0.
 double MaxLag(double lambda_per_s);
 
+// Which lags and delays are tried, and what tells of them.
+struct LagSearch {
+  double step_s = 0.1, max_delay_s = 1.6, max_lag_s = 2;
+  double least_s = 5;  // of samples, beyond the longest delay
+  // Root mean square about the mean, m/s: less tells nothing. Up and down an estimate wanders more, with the
+  // barometer.
+  double moved_level = 0.07, moved_climb = 0.15;
+};
+
 // The lateness by what was commanded and flown in the last kWindow_s: of all lags of first order after
 // delays, those that explain it best, by least squares. The flown velocity may be off by a constant.
 class VelocityLagEstimator {
@@ -40,6 +49,8 @@ class VelocityLagEstimator {
     double s = 0;
     double min_s = 0;  // whatever is less late explains it much worse
   };
+
+  explicit VelocityLagEstimator(const LagSearch& search = {}) : search_(search) {}
 
   // In the order of time. t_s: of the flown velocity, on the clock of commanded_s. None commanded: not
   // a velocity, or nothing: what came before counts no more.
@@ -60,6 +71,7 @@ class VelocityLagEstimator {
   };
   std::optional<Late> Fit(int axis, int axes) const;
 
+  LagSearch search_;
   std::deque<Sample> samples_;
 };
 

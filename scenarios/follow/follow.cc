@@ -51,6 +51,7 @@ class FollowMission final : public mission::Mission {
     yaw_ = YawOf(state.R_NB);
     history_.Add(state);
     following_.Hear(state);
+    turning_.Hear(state.t_s, {0, 0, state.w_B.z()});
     exposed_R_NB_ = history_.At(frame.t_s).value_or(state).R_NB;
     sight_.reset();
     wanted_ = WantedAt(state.t_s);
@@ -59,6 +60,8 @@ class FollowMission final : public mission::Mission {
       decision.setpoint = Follow(state);
       const Eigen::Vector3d asked_N = HeadingRotation(yaw_) * command_.v_H;
       following_.Give(asked_N, asked_N);
+      const Eigen::Vector3d turn(0, 0, command_.yaw_rate);
+      turning_.Give(turn, turn);
       if (sight_) {
         const auto report = std::make_shared<FollowReport>();
         report->sight = *sight_;
@@ -151,7 +154,8 @@ class FollowMission final : public mission::Mission {
     command_ = {};
     const Eigen::Vector3d now_V = control::LevelAhead(balloon_->p_N, X_NC_.p, yaw_);
     side_ = now_V.x() < 0 ? -1 : 1;
-    const double turned = g.yaw_response_s * state.w_B.z();
+    // By when it answers: at the rate that it has, or, where the autopilot turns out to be late, at those it was given.
+    const double turned = turning_.climb_s() > 0 ? turning_.ToCome_N().z() : g.yaw_response_s * state.w_B.z();
     const Eigen::Vector3d v_T_N = g.feed_forward ? balloon_->v_N : Eigen::Vector3d::Zero();
     const Eigen::Vector3d ahead_N = Ahead_N(state, v_T_N);
     const Eigen::Vector3d ahead_V = control::LevelAhead(ahead_N, X_NC_.p, yaw_ + turned);
@@ -235,7 +239,7 @@ class FollowMission final : public mission::Mission {
   std::string_view phase_ = "stop";
   Pose X_NC_;  // now, by the autopilot
   control::StateHistory history_;
-  control::LateFollowing following_;
+  control::LateFollowing following_, turning_{control::LateFollowing::OfTurns()};
   Eigen::Quaterniond exposed_R_NB_ = Eigen::Quaterniond::Identity();  // when the last image was exposed
   double yaw_ = 0;
   std::optional<Balloon> balloon_;  // as it is reckoned with now; none: it is lost

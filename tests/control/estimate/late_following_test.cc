@@ -111,5 +111,36 @@ TEST(LateFollowing, TheWayToComeIsThatOfWhatWasGivenAndIsNotYetFlown) {
   EXPECT_EQ(following.level_s(), level_s);
 }
 
+// A turn towards a heading by a rate that follows late, at a gain that a prompt one bears. predicts: false, by the
+// heading that it has. The farthest from the goal in the last 5 s of 15, rad.
+double TurnTo(double lag_s, double delay_s, double gain_per_s, bool predicts, double* late_s = nullptr) {
+  Late autopilot{lag_s, delay_s};
+  autopilot.state.p_NB.z() = 0.5;  // its heading, and v_N its rate of turn
+  LateFollowing turning(LateFollowing::OfTurns());
+  double swing = 0;
+  for (double t_s = 0; t_s < 15; t_s += kFrame_s) {
+    turning.Hear(autopilot.state);
+    const double ahead = autopilot.state.p_NB.z() + (predicts ? turning.ToCome_N().z() : 0);
+    const Vector3d rate(0, 0, std::clamp(-gain_per_s * ahead, -1.0, 1.0));
+    turning.Give(rate, rate);
+    autopilot.Fly(rate);
+    if (t_s > 10) swing = std::max(swing, std::abs(autopilot.state.p_NB.z()));
+  }
+  if (late_s) *late_s = turning.climb_s();
+  return swing;
+}
+
+TEST(LateFollowing, ALateTurnIsKnownWithinSecondsAndReckonedWith) {
+  for (const double delay_s : {0.3, 0.45}) {
+    double late_s = 0;
+    EXPECT_GT(TurnTo(0.3, delay_s, 4, false), 0.2) << delay_s;
+    EXPECT_LT(TurnTo(0.3, delay_s, 4, true, &late_s), 0.03) << delay_s;
+    EXPECT_NEAR(late_s, 0.3 + delay_s, 0.1);
+  }
+  double late_s = 1;
+  TurnTo(0.3, 0, 2, true, &late_s);
+  EXPECT_EQ(late_s, 0);
+}
+
 }  // namespace
 }  // namespace kestrel::control
