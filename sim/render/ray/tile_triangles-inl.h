@@ -60,19 +60,25 @@ HWY_INLINE VF Most(const Vec3& n, float low_x, float high_x, float low_y, float 
 // plane.
 HWY_INLINE std::uint32_t RowsOf(const Lens::Plane& plane, const float (*edge)[3], float low, float high) {
   std::uint32_t rows = 0;
+  for (int r = 0; r < Lens::kTile; r += kLanes)
+    rows |= BitsOf(hn::And(hn::Le(F(low), hn::LoadU(df, plane.row_high_y + r)),
+                           hn::Ge(F(high), hn::LoadU(df, plane.row_low_y + r))))
+            << r;
+  if (std::popcount(rows) < 4) return rows;  // as of most that are far: a closer look would cost more than it spares
+  std::uint32_t passed = 0;
   float most_x[3];  // of x and 1
   for (int k = 0; k < 3; ++k)
     most_x[k] = edge[k][2] + std::max(edge[k][0] * plane.low_x, edge[k][0] * plane.high_x);
   for (int r = 0; r < Lens::kTile; r += kLanes) {
     const VF low_y = hn::LoadU(df, plane.row_low_y + r), high_y = hn::LoadU(df, plane.row_high_y + r);
-    MF may = hn::And(hn::Le(F(low), high_y), hn::Ge(F(high), low_y));
+    MF may = hn::Ge(hn::Zero(df), hn::Zero(df));
     for (int k = 0; k < 3; ++k) {
       const VF most = hn::Add(F(most_x[k]), hn::Max(hn::Mul(F(edge[k][1]), low_y), hn::Mul(F(edge[k][1]), high_y)));
       may = hn::And(may, hn::Ge(most, hn::Zero(df)));
     }
-    rows |= BitsOf(may) << r;
+    passed |= BitsOf(may) << r;
   }
-  return rows;
+  return rows & passed;
 }
 
 HWY_INLINE std::uint32_t ColumnsOf(const Lens::Plane& plane, float low, float high) {
