@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
+#include <thread>
 
 #include "app/camera/calibration_report.h"
 #include "app/option/bits_option.h"
@@ -15,6 +16,7 @@
 #include "app/option/within.h"
 #include "base/diagnostics.h"
 #include "base/file/files.h"
+#include "base/process/in_parallel.h"
 #include "vision/calibration/board/board_file.h"
 #include "vision/calibration/calibrate.h"
 #include "vision/image_file.h"
@@ -103,11 +105,9 @@ void CalibrateCommand(const CalibrateArguments& a) {
   mistakes.ThrowIfAny();
 
   const bool terminal = isatty(STDERR_FILENO);
-  std::vector<vision::BoardView> views;
-  for (std::size_t i = 0; i < images.size(); ++i) {
-    if (terminal) fmt::print(stderr, "\r\033[Klooking for the board: {} of {}", i + 1, images.size());
-    views.push_back({a.images[i], vision::FindBoard(images[i], board)});
-  }
+  std::vector<vision::BoardView> views(images.size());
+  InParallel(images.size(), static_cast<int>(std::max(1u, std::thread::hardware_concurrency())), "calibrate", "images",
+             [&](std::size_t i) { views[i] = {a.images[i], vision::FindBoard(images[i], board)}; });
   if (terminal) fmt::print(stderr, "\r\033[Kcalibrating");
   const vision::CameraModel like = vision::CameraLike(a.model, images.front().size());
   const vision::Calibration calibration = [&] {

@@ -10,6 +10,7 @@
 
 #include "app/option/one_of.h"
 #include "base/diagnostics.h"
+#include "base/process/shell_word.h"
 #include "flight/simulated/scenario.h"
 #include "sim/server/physics/motor_layout.h"
 #include "sim/server/physics/parameter_file.h"
@@ -64,7 +65,7 @@ void WriteParameters(const VehicleArguments& a) {
   const std::filesystem::path file = a.out / sim::ParameterFileName(a.autopilot, a.vehicle);
   WriteNew(file, text, mistakes);
   fmt::print("{}\nServe the aircraft by: kestrel serve hover --set vehicle={} --physics {}\n", file.string(),
-             a.vehicle, a.autopilot);
+             ShellWord(a.vehicle), a.autopilot);
 }
 
 }  // namespace
@@ -123,7 +124,7 @@ void VehicleCommand(const VehicleArguments& a) {
   const std::string text = sim::VehicleText(a.draft, mistakes);
   const std::filesystem::path file = a.out / (a.draft.name + ".yaml");
   WriteNew(file, text, mistakes);
-  fmt::print("{}\nFly it by: kestrel run hover --set vehicle={}\n", file.string(), file.string());
+  fmt::print("{}\nFly it by: kestrel run hover --set vehicle={}\n", file.string(), ShellWord(file.string()));
 }
 
 }  // namespace kestrel::app

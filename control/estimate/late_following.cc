@@ -20,8 +20,9 @@ double Reckoned_s(const std::optional<VelocityLagEstimator::Late>& measured, dou
 }  // namespace
 
 LateFollowing::Kind LateFollowing::OfTurns() {
-  return {.prompt_climb_s = 0.5,
-          .search = {.step_s = 0.05, .max_delay_s = 0.6, .max_lag_s = 0.8, .least_s = 1.5, .moved_climb = 0.05}};
+  return {
+      .prompt_climb_s = 0.5,
+      .search = {.step_s = 0.05, .max_delay_s = 0.6, .max_lag_s = 0.8, .least_s = 1.5, .moved_climb = 0.05}};
 }
 
 void LateFollowing::Hear(double t_s, const Eigen::Vector3d& flown_N) {

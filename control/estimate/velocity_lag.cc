@@ -68,7 +68,8 @@ std::optional<VelocityLagEstimator::Late> VelocityLagEstimator::Fit(int axis, in
     for (int l = 0; l * search_.step_s <= search_.max_lag_s + 1e-9; ++l) {
       answered[begin - 1] = samples_[begin - 1].flown_N;
       for (std::ptrdiff_t i = begin; i < count; ++i) {
-        const double kept = l == 0 ? 0 : std::exp(-(samples_[i].t_s - samples_[i - 1].t_s) / (l * search_.step_s));
+        const double kept =
+            l == 0 ? 0 : std::exp(-(samples_[i].t_s - samples_[i - 1].t_s) / (l * search_.step_s));
         answered[i] = kept * answered[i - 1] + (1 - kept) * commanded[i];
       }
       const double left =

@@ -327,7 +327,8 @@ struct EdgePixels {
 
   TilePixels Places(int from, int to) const {
     TilePixels all;
-    for (int i = from; i < std::min(to, kLanes); ++i) all.rows |= places[i].rows, all.columns |= places[i].columns;
+    for (int i = from; i < std::min(to, kLanes); ++i)
+      all.rows |= places[i].rows, all.columns |= places[i].columns;
     return all;
   }
   MF Wanted() const { return hn::FirstN(df, static_cast<std::size_t>(count)); }

@@ -150,7 +150,8 @@ Lens MakeLens(const vision::CameraModel& camera) {
         const Eigen::Vector3d& d = ray[at(u, v)];
         const Eigen::Vector3d half_u = 0.5 * (ray[at(u + 1, v)] - d), half_v = 0.5 * (ray[at(u, v + 1)] - d);
         for (const int i : {-1, 1})
-          for (const int j : {-1, 1}) Extend(plane, u - u0, v - v0, d + i * half_u + j * half_v, axis, across, down);
+          for (const int j : {-1, 1})
+            Extend(plane, u - u0, v - v0, d + i * half_u + j * half_v, axis, across, down);
       }
     }
   }

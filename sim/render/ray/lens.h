@@ -41,7 +41,7 @@ struct Lens {
     float column_low_x[kTile], column_high_x[kTile], row_low_y[kTile], row_high_y[kTile];
   };
   std::vector<Plane> planes;  // of the tiles
-  float pixel_rad = 0;  // the widest angle between neighbouring pixels
+  float pixel_rad = 0;        // the widest angle between neighbouring pixels
 };
 
 Lens MakeLens(const vision::CameraModel& camera);

@@ -26,8 +26,8 @@ namespace {
 struct Part {
   const Lens::Plane* plane;
   float low_y, high_y;
-  std::uint32_t rows;        // a bit for each
-  float R[9], o[3];          // of the thing: a point p in its frame is at R (p - o) across, down and along the axis
+  std::uint32_t rows;  // a bit for each
+  float R[9], o[3];    // of the thing: a point p in its frame is at R (p - o) across, down and along the axis
   // In the thing's frame: all that the part shows is at side (p - o) <= 0, of its four sides and of what is behind.
   float side[5][3];
 };
@@ -64,7 +64,8 @@ HWY_INLINE std::uint32_t RowsOf(const Lens::Plane& plane, const float (*edge)[3]
     rows |= BitsOf(hn::And(hn::Le(F(low), hn::LoadU(df, plane.row_high_y + r)),
                            hn::Ge(F(high), hn::LoadU(df, plane.row_low_y + r))))
             << r;
-  if (std::popcount(rows) < 4) return rows;  // as of most that are far: a closer look would cost more than it spares
+  if (std::popcount(rows) < 4)
+    return rows;  // as of most that are far: a closer look would cost more than it spares
   std::uint32_t passed = 0;
   float most_x[3];  // of x and 1
   for (int k = 0; k < 3; ++k)
@@ -73,7 +74,8 @@ HWY_INLINE std::uint32_t RowsOf(const Lens::Plane& plane, const float (*edge)[3]
     const VF low_y = hn::LoadU(df, plane.row_low_y + r), high_y = hn::LoadU(df, plane.row_high_y + r);
     MF may = hn::Ge(hn::Zero(df), hn::Zero(df));
     for (int k = 0; k < 3; ++k) {
-      const VF most = hn::Add(F(most_x[k]), hn::Max(hn::Mul(F(edge[k][1]), low_y), hn::Mul(F(edge[k][1]), high_y)));
+      const VF most =
+          hn::Add(F(most_x[k]), hn::Max(hn::Mul(F(edge[k][1]), low_y), hn::Mul(F(edge[k][1]), high_y)));
       may = hn::And(may, hn::Ge(most, hn::Zero(df)));
     }
     passed |= BitsOf(may) << r;
@@ -102,10 +104,12 @@ void AddBlock(const Part& part, int thing, const TriangleBlocks::Block& block, T
       corner[k] = Rotate(part.R, at - Load3(part.o));
     }
     // Not wholly behind, nor to one side. What reaches behind the viewpoint has no bounds in the plane.
-    VF low_x = F(kNone), high_x = F(-kNone), low_y = low_x, high_y = high_x, nearest = low_x, farthest = high_x;
+    VF low_x = F(kNone), high_x = F(-kNone), low_y = low_x, high_y = high_x, nearest = low_x,
+       farthest = high_x;
     for (const Vec3& c : corner) {
       const VF inverse = hn::Div(F(1), c.z), x = hn::Mul(c.x, inverse), y = hn::Mul(c.y, inverse);
-      low_x = hn::Min(low_x, x), high_x = hn::Max(high_x, x), low_y = hn::Min(low_y, y), high_y = hn::Max(high_y, y);
+      low_x = hn::Min(low_x, x), high_x = hn::Max(high_x, x), low_y = hn::Min(low_y, y),
+      high_y = hn::Max(high_y, y);
       nearest = hn::Min(nearest, c.z), farthest = hn::Max(farthest, c.z);
     }
     const MF bounded = hn::Gt(nearest, zero);
@@ -130,7 +134,8 @@ void AddBlock(const Part& part, int thing, const TriangleBlocks::Block& block, T
     if (bits == 0) continue;
     alignas(64) float lanes[26][kLanes];
     const auto put = [&](const Vec3& v, int first) {
-      hn::Store(v.x, df, lanes[first]), hn::Store(v.y, df, lanes[first + 1]), hn::Store(v.z, df, lanes[first + 2]);
+      hn::Store(v.x, df, lanes[first]), hn::Store(v.y, df, lanes[first + 1]),
+          hn::Store(v.z, df, lanes[first + 2]);
     };
     // From the tile's frame into C.
     const auto turned = [&](const Vec3& v) {
@@ -191,7 +196,8 @@ void ListTriangles(const Slice& slice, int tile, int begin, int end, int thing, 
     left.pop_back();
     const TriangleBlocks::Boxes& boxes = from.levels[group.level][group.index];
     for (std::uint32_t bits = MayShow(part, boxes); bits != 0; bits &= bits - 1) {
-      const std::size_t index = TriangleBlocks::kWidth * group.index + static_cast<std::size_t>(std::countr_zero(bits));
+      const std::size_t index =
+          TriangleBlocks::kWidth * group.index + static_cast<std::size_t>(std::countr_zero(bits));
       if (group.level > 0)
         left.push_back({group.level - 1, index});
       else

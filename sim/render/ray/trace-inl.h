@@ -21,9 +21,9 @@ namespace {
 
 // The things that a tile may see.
 struct Seen {
-  std::vector<int> opaque, transparent;  // of the opaque, all but those of triangles
+  std::vector<int> opaque, transparent;      // of the opaque, all but those of triangles
   const TileTriangles* triangles = nullptr;  // of what is opaque
-  bool thin = false;                     // some are so thin that a pixel's ray may miss them
+  bool thin = false;                         // some are so thin that a pixel's ray may miss them
 };
 
 void ListSeen(const Slice& slice, int tile_column, Seen& seen) {
@@ -68,27 +68,35 @@ HWY_INLINE void MeetTriangles(const TileTriangles& triangles, const TilePixels& 
   VF nearest = hn::Min(hit.t, F(kFar));
   for (std::uint32_t rows = of.rows; rows != 0; rows &= rows - 1) {
     const int row = std::countr_zero(rows);
-    for (std::uint32_t i = triangles.first[row]; i < triangles.first[row + 1]; ++i) {
-      const TileTriangles::Entry& entry = triangles.by_row[i];
-      if (!(entry.columns & of.columns)) continue;
-      const TileTriangle& triangle = triangles.all[entry.index];
-      const VF a = Dot(Load3(triangle.edge[0]), d), b = Dot(Load3(triangle.edge[1]), d),
-               c = Dot(Load3(triangle.edge[2]), d);
-      const MF inside = hn::Ge(hn::Min(a, hn::Min(b, c)), hn::Zero(df));
-      if (hn::AllFalse(df, inside)) continue;
-      const VF inverse = hn::Div(F(1), Dot(Load3(triangle.normal), d));
-      const VF t = hn::Mul(F(triangle.height), inverse);
-      const MF nearer = hn::And(inside, hn::And(hn::Gt(t, hn::Zero(df)), hn::Lt(t, nearest)));
-      if (hn::AllFalse(df, nearer)) continue;
-      any = hn::Or(any, nearer);
-      nearest = hn::IfThenElse(nearer, t, nearest);
-      // An edge's dot products are minus twice the corner's share of the normal's.
-      const VF share = hn::Mul(F(-0.5f), inverse);
-      u = hn::IfThenElse(nearer, hn::Mul(b, share), u);
-      v = hn::IfThenElse(nearer, hn::Mul(c, share), v);
-      const auto is = hn::RebindMask(di, nearer);
-      face = hn::IfThenElse(is, hn::Set(di, static_cast<std::int32_t>(triangle.face)), face);
-      hit.thing = hn::IfThenElse(is, hn::Set(di, triangle.thing), hit.thing);
+    constexpr std::uint32_t kAtOnce = 64;
+    for (std::uint32_t first = triangles.first[row], end = triangles.first[row + 1]; first < end;
+         first += kAtOnce) {
+      // Those of the columns, without a branch that cannot be foreseen.
+      std::uint32_t near[kAtOnce], count = 0;
+      for (std::uint32_t i = first; i < std::min(first + kAtOnce, end); ++i) {
+        near[count] = triangles.by_row[i].index;
+        count += (triangles.by_row[i].columns & of.columns) != 0;
+      }
+      for (std::uint32_t i = 0; i < count; ++i) {
+        const TileTriangle& triangle = triangles.all[near[i]];
+        const VF a = Dot(Load3(triangle.edge[0]), d), b = Dot(Load3(triangle.edge[1]), d),
+                 c = Dot(Load3(triangle.edge[2]), d);
+        const MF inside = hn::Ge(hn::Min(a, hn::Min(b, c)), hn::Zero(df));
+        if (hn::AllFalse(df, inside)) continue;
+        const VF inverse = hn::Div(F(1), Dot(Load3(triangle.normal), d));
+        const VF t = hn::Mul(F(triangle.height), inverse);
+        const MF nearer = hn::And(inside, hn::And(hn::Gt(t, hn::Zero(df)), hn::Lt(t, nearest)));
+        if (hn::AllFalse(df, nearer)) continue;
+        any = hn::Or(any, nearer);
+        nearest = hn::IfThenElse(nearer, t, nearest);
+        // An edge's dot products are minus twice the corner's share of the normal's.
+        const VF share = hn::Mul(F(-0.5f), inverse);
+        u = hn::IfThenElse(nearer, hn::Mul(b, share), u);
+        v = hn::IfThenElse(nearer, hn::Mul(c, share), v);
+        const auto is = hn::RebindMask(di, nearer);
+        face = hn::IfThenElse(is, hn::Set(di, static_cast<std::int32_t>(triangle.face)), face);
+        hit.thing = hn::IfThenElse(is, hn::Set(di, triangle.thing), hit.thing);
+      }
     }
   }
   if (hn::AllFalse(df, any)) return;

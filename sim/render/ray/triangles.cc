@@ -138,9 +138,8 @@ void Triangles::Finish() {
       st_gradient.push_back(gradient.allFinite() ? gradient : Eigen::Matrix<float, 2, 3>::Zero().eval());
     }
   }
-  if (!corners.empty() && std::all_of(corners.begin(), corners.end(), [&](const Corner& c) {
-        return c.normal == corners.front().normal;
-      }))
+  if (!corners.empty() && std::all_of(corners.begin(), corners.end(),
+                                      [&](const Corner& c) { return c.normal == corners.front().normal; }))
     one_normal = corners.front().normal;
   blocks = MakeBlocks(vertices, faces);
 }

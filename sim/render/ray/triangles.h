@@ -26,7 +26,7 @@ class Triangles {
   };
   std::vector<Eigen::Vector3f> vertices;
   std::vector<Eigen::Vector3i> faces;
-  std::vector<Corner> corners;                 // three for each face
+  std::vector<Corner> corners;                // three for each face
   std::optional<Eigen::Vector3f> one_normal;  // of all corners, as of what is drawn with its light painted in
   // Of each face: how s and t change along x, y, z.
   std::vector<Eigen::Matrix<float, 2, 3>> st_gradient;

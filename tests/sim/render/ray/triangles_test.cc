@@ -68,7 +68,9 @@ std::string Ball(int rings, double rough) {
     }
   }
   vertices += "0 0 -1";
-  const auto at = [&](int i, int j) { return i == 0 ? 0 : i == rings ? 1 + (rings - 1) * around : 1 + (i - 1) * around + j % around; };
+  const auto at = [&](int i, int j) {
+    return i == 0 ? 0 : i == rings ? 1 + (rings - 1) * around : 1 + (i - 1) * around + j % around;
+  };
   for (int i = 0; i < rings; ++i) {
     for (int j = 0; j < around; ++j) {
       if (i > 0) faces += fmt::format("{} {} {} ", at(i, j), at(i + 1, j), at(i, j + 1));
@@ -77,14 +79,16 @@ std::string Ball(int rings, double rough) {
   }
   return fmt::format(R"(<mujoco>
   <asset><mesh name="ball" vertex="{}" face="{}"/></asset>
-  <worldbody><geom type="mesh" mesh="ball" contype="0" conaffinity="0"/></worldbody></mujoco>)", vertices, faces);
+  <worldbody><geom type="mesh" mesh="ball" contype="0" conaffinity="0"/></worldbody></mujoco>)",
+                     vertices, faces);
 }
 
 // From far off, where a pixel holds many triangles, to where one is larger than the image.
 TEST(Meshes, NoRaySlipsThroughBetweenTheirTriangles) {
   const ModelPtr model = CompileScene(Ball(60, 0.05));
   const DataPtr data = StateOf(model.get());
-  vision::KannalaBrandt fisheye{.width_px = 201, .height_px = 203, .fx = 60, .fy = 60, .cx = 100.2, .cy = 101.7};
+  vision::KannalaBrandt fisheye{
+      .width_px = 201, .height_px = 203, .fx = 60, .fy = 60, .cx = 100.2, .cy = 101.7};
   fisheye.max_angle_rad = 1.66;
   const vision::CameraModel cameras[] = {vision::Pinhole{200, 150, 300, 300, 99.3, 75.4}, fisheye};
   int met = 0;
