@@ -18,7 +18,7 @@
 #include <utility>
 
 #include "sim/render/ray/instruction_set.h"
-#include "sim/render/ray/triangle_tree.h"
+#include "sim/render/ray/mesh/triangle_tree.h"
 
 #ifdef __GLIBC__
 #include <gnu/libc-version.h>

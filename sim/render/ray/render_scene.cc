@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "sim/render/pyramid/pyramid_cache.h"
+#include "sim/render/ray/instruction_set.h"
 #include "sim/world/frames.h"
 #include "sim/world/scene.h"
 
@@ -214,7 +215,7 @@ RenderScene CompileScene(const mjModel* m, bool shadows) {
               t.type == mjGEOM_MESH ? Triangles::OfMesh(m, id) : Triangles::OfHeightField(m, id)));
           found = things.meshes.back().get();
         }
-        if (shadows || t.rgba[3] < kOpaque) found->MakeTree();
+        if (shadows || t.rgba[3] < kOpaque) found->MakeTree(InstructionSet());
         t.triangles = found;
         break;
       }

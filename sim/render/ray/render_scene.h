@@ -11,7 +11,7 @@
 
 #include "geometry/pose.h"
 #include "sim/render/pyramid/pyramid.h"
-#include "sim/render/ray/triangles.h"
+#include "sim/render/ray/mesh/triangles.h"
 
 namespace kestrel::sim::ray {
 

@@ -11,7 +11,7 @@
 #include <algorithm>
 
 #ifndef KESTREL_WITHOUT_EMBREE
-#include "sim/render/ray/embree.h"
+#include "sim/render/ray/mesh/embree.h"
 #endif
 #include "sim/render/ray/packet-inl.h"
 #include "sim/render/ray/render_scene.h"

@@ -6,7 +6,7 @@
 #include "base/random.h"
 #include "geometry/tait_bryan.h"
 #include "sim/render/ray/ray_renderer.h"
-#include "sim/render/ray/triangles.h"
+#include "sim/render/ray/mesh/triangles.h"
 #include "sim/world/frames.h"
 #include "tests/sim/scenes.h"
 

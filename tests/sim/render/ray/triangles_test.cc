@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "sim/render/ray/ray_renderer.h"
-#include "sim/render/ray/triangle_blocks.h"
+#include "sim/render/ray/mesh/triangle_blocks.h"
 #include "tests/sim/scenes.h"
 
 namespace kestrel::sim {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/render/ray/triangles.h"
+#include "sim/render/ray/mesh/triangles.h"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -144,8 +144,8 @@ void Triangles::Finish() {
   blocks = MakeBlocks(vertices, faces);
 }
 
-void Triangles::MakeTree() {
-  if (!tree_) tree_.emplace(vertices, faces);
+void Triangles::MakeTree(const std::string& instruction_set) {
+  if (!tree_) tree_.emplace(vertices, faces, instruction_set);
 }
 
 }  // namespace kestrel::sim::ray

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/render/ray/triangle_blocks.h"
+#include "sim/render/ray/mesh/triangle_blocks.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -14,7 +14,9 @@ namespace kestrel::sim::ray {
 // std::runtime_error where Embree cannot be started, or Kestrel was built without it.
 class TriangleTree {
  public:
-  TriangleTree(const std::vector<Eigen::Vector3f>& vertices, const std::vector<Eigen::Vector3i>& faces);
+  // instruction_set: a name of sim/render/ray/instruction_set.h.
+  TriangleTree(const std::vector<Eigen::Vector3f>& vertices, const std::vector<Eigen::Vector3i>& faces,
+               const std::string& instruction_set);
   TriangleTree(TriangleTree&&) noexcept;
   TriangleTree& operator=(TriangleTree&&) = delete;
   ~TriangleTree();

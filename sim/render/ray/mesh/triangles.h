@@ -6,10 +6,11 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
-#include "sim/render/ray/triangle_blocks.h"
-#include "sim/render/ray/triangle_tree.h"
+#include "sim/render/ray/mesh/triangle_blocks.h"
+#include "sim/render/ray/mesh/triangle_tree.h"
 
 namespace kestrel::sim::ray {
 
@@ -43,7 +44,7 @@ class Triangles {
 
   // What rays need that do not come from the viewpoint: in an Embree scene of its own, so that a moving mesh needs no new
   // one. Throws std::runtime_error as TriangleTree does.
-  void MakeTree();
+  void MakeTree(const std::string& instruction_set);
   const TriangleTree& tree() const { return *tree_; }  // once it is made
 
  private:

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/render/ray/triangle_tree.h"
+#include "sim/render/ray/mesh/triangle_tree.h"
 
 #include <fmt/format.h>
 
 #include <stdexcept>
 #include <utility>
 
-#include "sim/render/ray/embree.h"
-#include "sim/render/ray/instruction_set.h"
+#include "sim/render/ray/mesh/embree.h"
 
 namespace kestrel::sim::ray {
 namespace {
@@ -22,9 +21,8 @@ void RefuseBacks(const RTCFilterFunctionNArguments* a) {
   }
 }
 
-// Of its ways to trace rays the one that goes with the renderer's own instruction set.
-std::string EmbreeConfig() {
-  const std::string set = InstructionSet();
+// Of its ways to trace rays the one that goes with the instruction set.
+std::string EmbreeConfig(const std::string& set) {
   const char* const isa = set == "avx512" ? "avx512" : set == "avx2" ? "avx2" : set == "ssse3" ? "sse2" : "";
   return *isa ? fmt::format("threads=1,isa={}", isa) : "threads=1";
 }
@@ -32,8 +30,8 @@ std::string EmbreeConfig() {
 }  // namespace
 
 TriangleTree::TriangleTree(const std::vector<Eigen::Vector3f>& vertices,
-                           const std::vector<Eigen::Vector3i>& faces) {
-  device_ = rtcNewDevice(EmbreeConfig().c_str());
+                           const std::vector<Eigen::Vector3i>& faces, const std::string& instruction_set) {
+  device_ = rtcNewDevice(EmbreeConfig(instruction_set).c_str());
   if (!device_) throw std::runtime_error("Embree, which finds the triangles of meshes, cannot be started.");
   scene_ = rtcNewScene(device_);
   rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
