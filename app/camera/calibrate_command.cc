@@ -106,8 +106,10 @@ void CalibrateCommand(const CalibrateArguments& a) {
 
   const bool terminal = isatty(STDERR_FILENO);
   std::vector<vision::BoardView> views(images.size());
-  InParallel(images.size(), static_cast<int>(std::max(1u, std::thread::hardware_concurrency())), "calibrate", "images",
-             [&](std::size_t i) { views[i] = {a.images[i], vision::FindBoard(images[i], board)}; });
+  InParallel(images.size(), static_cast<int>(std::max(1u, std::thread::hardware_concurrency())), "calibrate",
+             "images", [&](std::size_t i) {
+               views[i] = {a.images[i], vision::FindBoard(images[i], board)};
+             });
   if (terminal) fmt::print(stderr, "\r\033[Kcalibrating");
   const vision::CameraModel like = vision::CameraLike(a.model, images.front().size());
   const vision::Calibration calibration = [&] {

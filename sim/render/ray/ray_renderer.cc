@@ -62,11 +62,11 @@ struct RayRenderer::Stage {
   RenderScene scene;
   bool shadows = false, sky_light = false;
   int threads = 1;
-  cv::Mat code, common;                  // CV_32S, as in Canvas
-  std::vector<SceneInstance> instances;  // one, or one for each row
-  std::vector<std::uint64_t> seen;       // of each row of tiles, or of each row
+  cv::Mat code, common;                       // CV_32S, as in Canvas
+  std::vector<SceneInstance> instances;       // one, or one for each row
+  std::vector<std::uint64_t> seen;            // of each row of tiles, or of each row
   std::vector<ray::TileTriangles> triangles;  // the same
-  std::vector<ray::ScenePose> worlds;    // of the states
+  std::vector<ray::ScenePose> worlds;         // of the states
   std::vector<cv::Mat> given_out;
   cv::Mat rays;  // as RaysOf(), once they are asked for
 

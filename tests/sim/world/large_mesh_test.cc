@@ -5,8 +5,8 @@
 
 #include "base/random.h"
 #include "geometry/tait_bryan.h"
-#include "sim/render/ray/ray_renderer.h"
 #include "sim/render/ray/mesh/triangles.h"
+#include "sim/render/ray/ray_renderer.h"
 #include "sim/world/frames.h"
 #include "tests/sim/scenes.h"
 

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "sim/render/ray/ray_renderer.h"
 #include "sim/render/ray/mesh/triangle_blocks.h"
+#include "sim/render/ray/ray_renderer.h"
 #include "tests/sim/scenes.h"
 
 namespace kestrel::sim {
