@@ -19,6 +19,7 @@ Aligned<T> Zeros(std::size_t size) {
 
 void SetEmpty(Lens::Plane& plane) {
   plane = {};
+  plane.bounded = true;
   plane.low_x = plane.low_y = 1e9f, plane.high_x = plane.high_y = -1e9f;
   std::fill_n(plane.column_low_x, Lens::kTile, 1e9f), std::fill_n(plane.column_high_x, Lens::kTile, -1e9f);
   std::fill_n(plane.row_low_y, Lens::kTile, 1e9f), std::fill_n(plane.row_high_y, Lens::kTile, -1e9f);
@@ -27,8 +28,9 @@ void SetEmpty(Lens::Plane& plane) {
 // By a ray of the tile's pixel, and by what rounding does.
 void Extend(Lens::Plane& plane, int column, int row, const Eigen::Vector3d& d, const Eigen::Vector3d& axis,
             const Eigen::Vector3d& across, const Eigen::Vector3d& down) {
-  constexpr double kRoom = 1e-6;
-  const double along = std::max(d.dot(axis), 1e-3);
+  constexpr double kRoom = 1e-6, kLeastAlong = 0.05;
+  const double along = std::max(d.dot(axis), kLeastAlong);
+  if (d.dot(axis) < kLeastAlong) plane.bounded = false;
   const double x = d.dot(across) / along, y = d.dot(down) / along;
   const auto extend = [](float& low, float& high, double by) {
     low = std::min(low, static_cast<float>(by - kRoom));

@@ -38,6 +38,8 @@ struct Lens {
   struct Plane {
     float axis[3], across[3], down[3];  // unit vectors in C
     float low_x, high_x, low_y, high_y;
+    bool
+        bounded;  // false: some of its rays are square to the axis, or behind it, and the bounds hold nothing
     float column_low_x[kTile], column_high_x[kTile], row_low_y[kTile], row_high_y[kTile];
   };
   std::vector<Plane> planes;  // of the tiles

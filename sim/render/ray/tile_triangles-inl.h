@@ -42,6 +42,7 @@ HWY_INLINE std::uint32_t MayShow(const Part& part, const TriangleBlocks::Boxes& 
     const Vec3 centre = load(boxes.centre) - Load3(part.o), half = load(boxes.half);
     MF may = hn::Ge(half.x, hn::Zero(df));
     for (const auto& side : part.side) {
+      if (!part.plane->bounded) break;
       const float widest[3] = {std::abs(side[0]), std::abs(side[1]), std::abs(side[2])};
       may = hn::And(may, hn::Le(Dot(Load3(side), centre), Dot(Load3(widest), half)));
     }
@@ -59,6 +60,7 @@ HWY_INLINE VF Most(const Vec3& n, float low_x, float high_x, float low_y, float 
 // Which rows of a tile may see a triangle by the edges' normals and the lowest and the highest of it, in the tile's
 // plane.
 HWY_INLINE std::uint32_t RowsOf(const Lens::Plane& plane, const float (*edge)[3], float low, float high) {
+  if (!plane.bounded) return ~0u;
   std::uint32_t rows = 0;
   for (int r = 0; r < Lens::kTile; r += kLanes)
     rows |= BitsOf(hn::And(hn::Le(F(low), hn::LoadU(df, plane.row_high_y + r)),
@@ -84,6 +86,7 @@ HWY_INLINE std::uint32_t RowsOf(const Lens::Plane& plane, const float (*edge)[3]
 }
 
 HWY_INLINE std::uint32_t ColumnsOf(const Lens::Plane& plane, float low, float high) {
+  if (!plane.bounded) return ~0u;
   std::uint32_t columns = 0;
   for (int c = 0; c < Lens::kTile; c += kLanes) {
     const VF low_x = hn::LoadU(df, plane.column_low_x + c), high_x = hn::LoadU(df, plane.column_high_x + c);
@@ -119,6 +122,8 @@ void AddBlock(const Part& part, int thing, const TriangleBlocks::Block& block, T
     MF may = hn::And(hn::And(hn::Le(low_x, F(plane.high_x)), hn::Ge(high_x, F(plane.low_x))),
                      hn::And(hn::Le(low_y, F(part.high_y)), hn::Ge(high_y, F(part.low_y))));
     may = hn::And(may, hn::Gt(farthest, zero));
+    const MF anywhere = hn::Eq(F(plane.bounded ? 1 : 0), zero);
+    may = hn::Or(may, anywhere);
     if (hn::AllFalse(df, may)) continue;
     const Vec3 normal = Cross(corner[1] - corner[0], corner[2] - corner[0]);
     const VF height = Dot(normal, corner[0]);
@@ -128,7 +133,7 @@ void AddBlock(const Part& part, int thing, const TriangleBlocks::Block& block, T
       const Vec3 &from = corner[(k + 1) % 3], &end = corner[(k + 2) % 3];
       edge[k] = Cross(end - from, from + end);
       const VF most = Most(edge[k], plane.low_x, plane.high_x, part.low_y, part.high_y);
-      may = hn::And(may, hn::Ge(most, zero));
+      may = hn::And(may, hn::Or(anywhere, hn::Ge(most, zero)));
     }
     std::uint32_t bits = BitsOf(may);
     if (bits == 0) continue;

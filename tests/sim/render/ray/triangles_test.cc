@@ -6,10 +6,12 @@
 #include <cmath>
 #include <random>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "sim/render/ray/mesh/triangle_blocks.h"
 #include "sim/render/ray/ray_renderer.h"
+#include "tests/sim/render/reference_renderer.h"
 #include "tests/sim/scenes.h"
 
 namespace kestrel::sim {
@@ -114,6 +116,30 @@ TEST(Meshes, NoRaySlipsThroughBetweenTheirTriangles) {
     }
   }
   EXPECT_GT(met, 100000);
+}
+
+// In an image of few pixels the rays of one tile part by more than a right angle from their mean.
+TEST(Meshes, AreSeenAllRoundByATileThatLooksAllRound) {
+  std::string geoms;
+  for (const auto& [x, y, z] :
+       {std::tuple{3, 0, 0}, {-3, 0, 1}, {0, 3, 0}, {0, -3, -1}, {2, 2, 2}, {2, -2, -2}})
+    geoms += fmt::format(R"(<geom type="mesh" mesh="ball" pos="{} {} {}"/>)", x, y, z);
+  std::string world = Ball(8, 0.05);
+  const std::string one = R"(<geom type="mesh" mesh="ball" contype="0" conaffinity="0"/>)";
+  world.replace(world.find(one), one.size(), geoms);
+  const ModelPtr model = CompileScene(world);
+  const DataPtr data = StateOf(model.get());
+  for (const int size : {9, 16, 20, 40}) {
+    vision::KannalaBrandt fisheye{.width_px = size, .height_px = size};
+    fisheye.fx = fisheye.fy = size / 3.6;
+    fisheye.cx = fisheye.cy = (size - 1) / 2.0;
+    fisheye.max_angle_rad = 1.9;
+    const Pose X_NC = LookingFrom({0, 0, 0}, 0.2, 0.1);
+    const Surfaces seen = RayRenderer(model.get(), fisheye, {}).Trace(data.get(), X_NC);
+    const reference::SurfaceErrors errors = reference::ErrorsOf(seen, model.get(), data.get(), X_NC, fisheye);
+    EXPECT_LE(errors.other_geom, 1) << size;
+    EXPECT_LT(errors.depth, 1e-4) << size;
+  }
 }
 
 }  // namespace
