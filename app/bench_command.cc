@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
+#include <iostream>
 #include <vector>
 
 #include "app/option/one_of.h"
@@ -38,24 +39,44 @@
 #include "bench/servo/bench_servo.h"
 #include "bench/servo/bench_servo_flights.h"
 #include "bench/servo/bench_servoing.h"
+#include "bench/throughput/bench_throughput.h"
+#include "bench/timings/bench_timings.h"
+#include "bench/timings/timing_server.h"
 
 namespace kestrel::app {
+namespace {
+
+bool Timings(const BenchArguments& a) {
+  if (a.in_turn) {
+    bench::ServeTimings(std::cin, std::cout);
+    return true;
+  }
+  const auto clock = a.clock == "wall" ? bench::TimingClock::kWall : bench::TimingClock::kProcessor;
+  return bench::BenchTimings({.rounds = a.rounds, .clock = clock, .against = a.against, .json = a.json});
+}
+
+}  // namespace
 
 CLI::App* AddBenchCommand(CLI::App& app, BenchArguments& a) {
-  const std::vector<std::string> names = {
-      "flights",         "fisheye",      "attitude",      "horizon",      "gyro_failure",  "drift",
-      "heights",         "speed",        "render",        "calibration",  "servo",         "trackers",
-      "contrast",        "follow",       "avoid",         "stream",       "planar",        "alignment",
-      "features",        "homographies", "plane_pose",    "landings",     "servo_flights", "direct",
-      "mosaic",          "stabilise",    "follow_thesis", "avoid_thesis", "wire",          "link_faults",
-      "campaign",        "hashes",       "lockstep",      "frames",       "live",          "horizon_pictures",
-      "horizon_training"};
+  const std::vector<std::string> names = {"flights",          "fisheye",       "attitude",
+                                          "horizon",          "gyro_failure",  "drift",
+                                          "heights",          "speed",         "render",
+                                          "calibration",      "servo",         "trackers",
+                                          "contrast",         "follow",        "avoid",
+                                          "stream",           "planar",        "alignment",
+                                          "features",         "homographies",  "plane_pose",
+                                          "landings",         "servo_flights", "direct",
+                                          "mosaic",           "stabilise",     "follow_thesis",
+                                          "avoid_thesis",     "wire",          "link_faults",
+                                          "campaign",         "hashes",        "lockstep",
+                                          "frames",           "live",          "horizon_pictures",
+                                          "horizon_training", "timings",       "throughput"};
   CLI::App* command = app.add_subcommand("bench", "Measure: a table of figures beside their targets");
   // Of campaigns by its name alone: it flies for minutes, and kills itself.
   command
       ->add_option("name", a.name,
-                   "All but campaign, wire, link_faults, hashes, lockstep, frames, live, horizon_pictures "
-                   "and horizon_training when none is given")
+                   "All but campaign, wire, link_faults, hashes, lockstep, frames, live, horizon_pictures, "
+                   "horizon_training, timings and throughput when none is given")
       ->check(OneOf(names));
   command
       ->add_option("pictures", a.pictures,
@@ -81,7 +102,30 @@ CLI::App* AddBenchCommand(CLI::App& app, BenchArguments& a) {
   command->add_option("--backend", a.backend, "What OpenGL draws by in render and frames")
       ->check(OneOf({"osmesa", "egl"}))
       ->capture_default_str();
-  command->footer("Examples:\n  kestrel bench flights --seeds 1..20\n  kestrel bench render");
+  command
+      ->add_option(
+          "--against", a.against,
+          "Of timings: what to compare with. A program kestrel of another build, which runs in turn "
+          "with this one and shows 5 %; or what --json wrote on this machine before, which shows less")
+      ->type_name("FILE");
+  command
+      ->add_option("--rounds", a.rounds,
+                   "Of timings: processes of each program that are timed; of fewer nothing follows")
+      ->check(CLI::Range(9, 200))
+      ->capture_default_str();
+  command
+      ->add_option("--clock", a.clock,
+                   "Of timings: the processor's time of all threads, or the wall's, which has what else the "
+                   "machine does in it")
+      ->check(OneOf({"processor", "wall"}))
+      ->capture_default_str();
+  command
+      ->add_flag("--in-turn", a.in_turn,
+                 "Of timings: answer another program, that reads names of work from here line by line")
+      ->group("");
+  command->footer(
+      "Examples:\n  kestrel bench flights --seeds 1..20\n  kestrel bench render\n"
+      "  kestrel bench timings --against build-before/kestrel");
   return command;
 }
 
@@ -101,7 +145,17 @@ bool BenchCommand(const BenchArguments& arguments) {
       std::none_of(photographs.begin(), photographs.end(), [](const auto& p) { return p.labelled; }))
     mistakes.Add("bench", arguments.name, "no photograph there has a label",
                  "valid: a folder with label.csv (filename,slope,offset)");
+  const bool of_timings = arguments.name == "timings";
+  if (!of_timings && !arguments.against.empty())
+    mistakes.Add("bench", arguments.name, "--against", "valid: with timings");
   mistakes.ThrowIfAny();
+  if (of_timings) return Timings(arguments);
+  if (arguments.name == "throughput") {
+    std::vector<records::Figure> figures;
+    bench::BenchThroughput("results/runs/bench_throughput", figures);
+    if (!arguments.json.empty()) records::WriteFigures(arguments.json, figures);
+    return true;
+  }
   const flight::SeedRange seeds = flight::ParseSeeds(arguments.seeds);
   const auto chosen = [&](const char* name) { return arguments.name.empty() || arguments.name == name; };
   std::vector<records::Figure> table;

@@ -19,6 +19,11 @@ struct BenchArguments {
   std::string json;
   std::string out = "results/runs/bench_horizon";  // folder of what horizon, contrast and frames leave
   std::string backend = "osmesa";                  // of OpenGL
+  // Of timings alone.
+  std::string against;
+  int rounds = 16;
+  std::string clock = "processor";
+  bool in_turn = false;
 };
 
 CLI::App* AddBenchCommand(CLI::App& app, BenchArguments& arguments);

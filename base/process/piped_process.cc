@@ -48,10 +48,14 @@ PipedProcess::PipedProcess(std::vector<std::string> command, Direction does) : n
 
   posix_spawn_file_actions_t files;
   posix_spawn_file_actions_init(&files);
-  const int piped = does == Direction::kWrite ? STDIN_FILENO : STDOUT_FILENO;
-  const int other = does == Direction::kWrite ? STDOUT_FILENO : STDIN_FILENO;
-  posix_spawn_file_actions_adddup2(&files, ends[1], piped);
-  posix_spawn_file_actions_addopen(&files, other, "/dev/null", O_RDWR, 0);
+  const auto join = [&](int file, bool piped) {
+    if (piped)
+      posix_spawn_file_actions_adddup2(&files, ends[1], file);
+    else
+      posix_spawn_file_actions_addopen(&files, file, "/dev/null", O_RDWR, 0);
+  };
+  join(STDIN_FILENO, does != Direction::kRead);
+  join(STDOUT_FILENO, does != Direction::kWrite);
   posix_spawn_file_actions_adddup2(&files, errors_, STDERR_FILENO);
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
@@ -97,6 +101,13 @@ std::size_t PipedProcess::Read(char* bytes, std::size_t most) {
     got += static_cast<std::size_t>(n);
   }
   return got;
+}
+
+std::optional<std::string> PipedProcess::ReadLine(std::size_t most) {
+  std::string line;
+  for (char next; line.size() <= most && Read(&next, 1) == 1; line += next)
+    if (next == '\n') return line;
+  return {};
 }
 
 void PipedProcess::Close() {

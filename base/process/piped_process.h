@@ -3,18 +3,19 @@
 
 #include <sys/types.h>
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace kestrel {
 
-// Another program that eats what is written to it, or gives what is read from it, started without a shell.
+// Another program that eats what is written to it, gives what is read from it, or answers, started without a shell.
 // It does not hear the terminal's interrupt, so that it can finish its file when the run is broken off.
 // Throws std::runtime_error: the program is missing, or it failed, with the last line that it said.
 class PipedProcess {
  public:
-  enum class Direction { kWrite, kRead };
+  enum class Direction { kWrite, kRead, kBoth };
   explicit PipedProcess(std::vector<std::string> command, Direction does = Direction::kWrite);
   ~PipedProcess();
   PipedProcess(const PipedProcess&) = delete;
@@ -22,7 +23,10 @@ class PipedProcess {
 
   void Write(std::string_view bytes);
   std::size_t Read(char* bytes, std::size_t most);  // less than most: its output has ended
-  void Close();                                     // the end of the pipe; waits for the program
+  // Of a program that answers: the next line, without its end. None: its output has ended, or the line is longer than
+  // most.
+  std::optional<std::string> ReadLine(std::size_t most);
+  void Close();  // the end of the pipe; waits for the program
 
  private:
   void Wait();
