@@ -14,6 +14,7 @@
 
 #include "base/random.h"
 #include "base/statistics.h"
+#include "bench/render/agreement.h"
 #include "bench/render/drawer.h"
 #include "bench/render/peer_renderer.h"
 #include "bench/render/render_world.h"
@@ -110,41 +111,6 @@ void Speed(const BenchCamera& bench, World& world, const sim::RenderOptions& by_
   if (wide) add("ray over " + coarse_way, gain(all.coarse_ms, all.ray_ms), "times", {}, "1");
   add("OpenGL", 1000 / Quantile(all.opengl_ms, 0.5), "frames/s", {}, fmt::format("{:.3g}", peer_rate));
   add("OpenGL over " + way, gain(all.peer_ms, all.opengl_ms), "times", {}, "1");
-}
-
-// Pixels with no edge of a thing within two of them.
-cv::Mat AwayFromEdges(const sim::Surfaces& seen) {
-  cv::Mat geom, low, high;
-  seen.geom.convertTo(geom, CV_32F);
-  const cv::Mat around = cv::Mat::ones(5, 5, CV_8U);
-  cv::erode(geom, low, around);
-  cv::dilate(geom, high, around);
-  return (low == high) & (geom > -2);
-}
-
-// Mean absolute difference of the two renderers, grey levels of 255.
-void Agreement(const BenchCamera& bench, World& world, const sim::RenderOptions& by_opengl,
-               std::uint64_t first_seed, std::uint64_t last_seed, std::vector<records::Figure>& table) {
-  Drawer<sim::Renderer> ray(world.model(), bench.camera, kByRay),
-      opengl(world.model(), bench.camera, by_opengl);
-  std::vector<double> differences;
-  for (std::uint64_t seed = first_seed; seed <= last_seed; ++seed) {
-    Progress(fmt::format("{}, agreement: seed {} of {}..{}", bench.name, seed, first_seed, last_seed));
-    for (const Height height : kHeights) {
-      const Pose X_NC = world.Put(AircraftPose(bench, height, seed));
-      cv::Mat difference;
-      cv::absdiff(ray.Render(world.data(), X_NC), opengl.Render(world.data(), X_NC), difference);
-      const cv::Mat mask =
-          AwayFromEdges(ray.Trace(world.data(), X_NC)) & AwayFromEdges(opengl.Trace(world.data(), X_NC));
-      const cv::Scalar mean = cv::mean(difference, mask);
-      differences.push_back((mean[0] + mean[1] + mean[2]) / 3);
-    }
-  }
-  Progress("");
-  table.push_back({bench.name + ", ray and OpenGL differ away from edges, mean", Mean(differences),
-                   "grey levels", 2, false, ""});
-  table.push_back(
-      {bench.name + ", the same, the worst image", Quantile(differences, 1), "grey levels", 2, false, ""});
 }
 
 sim::ModelPtr ModelOf(const std::string& xml) {
@@ -393,7 +359,9 @@ void BenchRender(std::uint64_t first_seed, std::uint64_t last_seed, const std::s
   World world("landing");
   for (const BenchCamera& bench : BenchCameras()) {
     Speed(bench, world, by_opengl, first_seed, last_seed, table);
-    Agreement(bench, world, by_opengl, first_seed, last_seed, table);
+    Progress(bench.name + ", agreement");
+    BenchAgreement(bench, world, by_opengl, first_seed, last_seed, table);
+    Progress("");
     Edges(bench, by_opengl, first_seed, last_seed, table);
     Markers(bench, by_opengl, first_seed, table);
   }

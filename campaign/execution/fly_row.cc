@@ -12,6 +12,7 @@
 #include "base/diagnostics.h"
 #include "base/stopwatch.h"
 #include "flight/simulated/runner.h"
+#include "vision/landmark/pad_features.h"
 
 namespace kestrel::campaign {
 namespace {
@@ -26,6 +27,15 @@ double PeakMemory_mib() {
   return static_cast<double>(used.ru_maxrss) / 1024;
 }
 
+// What the search for a lost pad needs beside the images, before the textures are there, which take most of a worker's
+// memory: the two are never there together, and of many flights some lose it.
+void PrepareSearch(const flight::LoadedScenario& loaded) {
+  if (!loaded.scenario.flight.type().looks_for_pad || loaded.pad.levels.empty() || !loaded.pad.tags.empty())
+    return;
+  if (const auto detector = vision::FeatureDetectorNamed(loaded.scenario.pilot.tracker.features))
+    vision::PadFeatures::Prepare(loaded.pad, *detector);
+}
+
 }  // namespace
 
 RunResult FlyRow(const RunOrder& order) {
@@ -37,6 +47,7 @@ RunResult FlyRow(const RunOrder& order) {
   try {
     flight::LoadedScenario loaded = flight::LoadScenario(order.scenario, order.overrides, false);
     loaded.simulator.draw_beside = false;
+    PrepareSearch(loaded);
     flight::RunOptions options;
     options.folder = order.folder;
     options.video = order.video;

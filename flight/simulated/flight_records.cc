@@ -12,7 +12,6 @@
 #include "flight/flight_subject.h"
 #include "records/telemetry/flight_mode.h"
 #include "sim/gltf/scene_glb.h"
-#include "vision/image_file.h"
 
 namespace kestrel::flight {
 namespace {
@@ -60,12 +59,8 @@ records::FlightSubject SubjectOf(const LoadedScenario& loaded, const sim::Simula
   subject.again = loaded.again;
   if (subject.pad) {
     subject.pad->X_NT = simulator.truth().X_NT;
-    const sim::SceneParameters& scene = loaded.simulator.scene;
-    const cv::Mat picture =
-        scene.pad_picture.empty()
-            ? vision::ReadImageFile(scene.pad_texture, vision::ImageColours::kColour).pixels
-            : scene.pad_picture;
-    if (picture.depth() == CV_8U) subject.pad->picture = records::PictureOf(picture);
+    if (const cv::Mat& picture = loaded.simulator.scene.pad_picture; !picture.empty())
+      subject.pad->picture = records::PictureOf(picture);
   }
   return subject;
 }

@@ -29,7 +29,6 @@
 #include "sim/camera/skyline/horizon.h"
 #include "sim/vehicle_file.h"
 #include "vision/camera/calibration_file.h"
-#include "vision/image_file.h"
 
 namespace kestrel::flight {
 namespace {
@@ -343,12 +342,8 @@ LoadedScenario LoadWhole(const fs::path& file, const std::vector<std::string>& o
     sim.scene.pad = pad.parameters;
     sim.scene.pad_texture = pad.texture;
     sim.scene.pad_picture = pad.picture;
-    if (s.pad.print && !pad.reference.levels.empty()) {
-      const cv::Mat picture = pad.picture.empty()
-                                  ? vision::ReadImageFile(pad.texture, vision::ImageColours::kGrey).pixels
-                                  : pad.picture;
-      sim.scene.pad_picture = sim::Printed(picture, pad.parameters.size_m, *s.pad.print, s.seed);
-    }
+    if (s.pad.print && !pad.reference.levels.empty())
+      sim.scene.pad_picture = sim::Printed(pad.picture, pad.parameters.size_m, *s.pad.print, s.seed);
     loaded.pad = pad.reference;
     std::optional<double> start_m;
     if (!s.start.on_ground && !s.carry) start_m = s.start.height_m;

@@ -38,7 +38,7 @@ Ground::Ground(const LandscapeParameters& p, std::uint64_t seed, const Terrain& 
 
 bool Ground::IsWater(float north, float east) const {
   if (p_.water_share <= 0 || north * north + east * east < 150 * 150) return false;
-  return lakes_.Fractal(north / kLakes_m, east / kLakes_m, 5) > water_above_ &&
+  return lakes_.Fractal(north / kLakes_m, east / kLakes_m, 5, water_above_, water_above_) > water_above_ &&
          terrain_.HillHeight(north, east) < 0.004f * std::hypot(north, east);
 }
 
@@ -71,8 +71,9 @@ Colour Ground::Albedo(float north, float east, float texel) const {
 
   float wooded = Step(60, 160, std::hypot(north, east));  // the start stays free
   if (wooded > 0) {
-    const float wood = woods_.Fractal(north / kWoods_m, east / kWoods_m, Octaves(kWoods_m, texel, 6));
-    wooded *= Step(forest_above_ - 0.004f, forest_above_ + 0.008f, wood);
+    const float low = forest_above_ - 0.004f, high = forest_above_ + 0.008f;
+    wooded *= Step(low, high,
+                   woods_.Fractal(north / kWoods_m, east / kWoods_m, Octaves(kWoods_m, texel, 6), low, high));
   }
   if (wooded > 0) {
     // The crowns of trees, seen as mottle.
@@ -87,15 +88,18 @@ Colour Ground::Albedo(float north, float east, float texel) const {
     blades = inner * (detail_.Fractal(north / 0.4f, east / 0.4f, 3) - 0.5f);
   }
   colour *= std::max(0.2f, 0.4f + 1.2f * rough + 0.6f * blades * (1 - wooded));
-  const float dry = Step(0.45f, 0.7f, detail_.Fractal(north / 15 + 100, east / 15, Octaves(15, texel, 4)));
+  const float dry =
+      Step(0.45f, 0.7f, detail_.Fractal(north / 15 + 100, east / 15, Octaves(15, texel, 4), 0.45f, 0.7f));
   colour = Mixed(colour, soil_ * (0.7f + 0.6f * rough), 0.35f * dry * (1 - wooded));
 
   if (p_.snow_share > 0) {
     const float height = 0.0006f * terrain_.HillHeight(north, east);
-    const float drift = drifts_.Fractal(north / 170, east / 170, Octaves(170, texel, 8)) + height -
-                        0.12f * wooded + 0.1f * (shade - 0.5f) * (1 - blend);
-    colour = Mixed(colour, kSnow * (0.92f + 0.16f * (rough - 0.5f)),
-                   Step(snow_above_ - 0.03f, snow_above_ + 0.03f, drift));
+    const float low = snow_above_ - 0.03f, high = snow_above_ + 0.03f;
+    const float here = height - 0.12f * wooded + 0.1f * (shade - 0.5f) * (1 - blend);
+    const float noise =
+        drifts_.Fractal(north / 170, east / 170, Octaves(170, texel, 8), low - here, high - here);
+    const float drift = noise + height - 0.12f * wooded + 0.1f * (shade - 0.5f) * (1 - blend);
+    colour = Mixed(colour, kSnow * (0.92f + 0.16f * (rough - 0.5f)), Step(low, high, drift));
   }
   return colour;
 }
@@ -133,9 +137,10 @@ Colour Ground::Waves(float north, float east, float texel) const {
 Colour Ground::At(float north, float east, float texel) const {
   const float r = std::hypot(north, east), azimuth = std::atan2(east, north);
   Colour colour;
-  if (IsWater(north, east) && p_.waves.slope > 0) {
+  const bool water = IsWater(north, east);
+  if (water && p_.waves.slope > 0) {
     colour = Waves(north, east, texel);
-  } else if (IsWater(north, east)) {
+  } else if (water) {
     // A mirror of the sky, ruffled: what is seen in it lies somewhat higher than the image of the eye, 60 m
     // up.
     const float up = std::atan2(kEye_m, r) + 0.05f + 0.04f * (detail_.At(north / 30, east / 30) - 0.5f);

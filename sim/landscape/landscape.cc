@@ -3,13 +3,17 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
 #include <thread>
+#include <utility>
 #include <vector>
 
+#include "base/recent/recent.h"
+#include "base/yaml/yaml_fields.h"
 #include "sim/landscape/ground.h"
 #include "sim/landscape/scenery.h"
 #include "sim/landscape/sky.h"
@@ -58,31 +62,41 @@ void InRows(int rows, const Paint& paint) {
   run();
 }
 
-// The picture of a name, and its number of columns.
-mjtByte* RenderedFrame(mjModel* m, const char* name, int columns) {
+// Red, green and blue of each texel.
+using Picture = std::vector<mjtByte>;
+
+Picture Blank(int columns, int rows) {
+  return Picture(3 * static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
+}
+
+// Puts a picture, or the first part of one, into that of this name and number of columns.
+void Hang(const Picture& picture, const char* name, int columns, mjModel* m) {
   const int id = mj_name2id(m, mjOBJ_TEXTURE, name);
   if (id < 0 || m->tex_width[id] != columns)
     throw std::runtime_error("The model holds no landscape to be painted.");
-  return m->tex_rgb + m->tex_adr[id];
+  std::copy(picture.begin(), picture.end(), m->tex_rgb + m->tex_adr[id]);
 }
 
 // A square of level ground, whose light MuJoCo multiplies again; the first row is the west, columns go north.
-void PaintPlain(const Ground& ground, const Colour& light, float half_m, mjtByte* picture) {
+Picture PaintedPlain(const Ground& ground, const Colour& light, float half_m) {
+  Picture picture = Blank(kPlainTexels, kPlainTexels);
   const float texel = 2 * half_m / kPlainTexels;
   InRows(kPlainTexels, [&](int row) {
-    mjtByte* rgb = picture + 3 * static_cast<std::ptrdiff_t>(row) * kPlainTexels;
+    mjtByte* rgb = picture.data() + 3 * static_cast<std::ptrdiff_t>(row) * kPlainTexels;
     for (int column = 0; column < kPlainTexels; ++column, rgb += 3) {
       const float north = (static_cast<float>(column) + 0.5f) * texel - half_m;
       const float east = (static_cast<float>(row) + 0.5f) * texel - half_m;
       Put(ground.At(north, east, texel).cwiseQuotient(light), rgb);
     }
   });
+  return picture;
 }
 
-void PaintRound(const Ground& ground, mjtByte* picture) {
+Picture PaintedRound(const Ground& ground) {
+  Picture picture = Blank(kRoundTexels[0], kRoundTexels[1]);
   const float spread = std::log(kOuter_m / kInner_m);
   InRows(kRoundTexels[1], [&](int row) {
-    mjtByte* rgb = picture + 3 * static_cast<std::ptrdiff_t>(row) * kRoundTexels[0];
+    mjtByte* rgb = picture.data() + 3 * static_cast<std::ptrdiff_t>(row) * kRoundTexels[0];
     const float r = kInner_m * std::exp(spread * (static_cast<float>(row) + 0.5f) / kRoundTexels[1]);
     const float texel = r * spread / kRoundTexels[1];
     for (int column = 0; column < kRoundTexels[0]; ++column, rgb += 3) {
@@ -91,12 +105,14 @@ void PaintRound(const Ground& ground, mjtByte* picture) {
       Put(ground.At(r * std::cos(azimuth), r * std::sin(azimuth), texel), rgb);
     }
   });
+  return picture;
 }
 
 // The faces of the cube as OpenGL numbers and turns them; its axes are x north, y up, z east.
-void PaintSky(const Sky& sky, mjtByte* picture) {
+Picture PaintedSky(const Sky& sky) {
+  Picture picture = Blank(kSkyTexels, 6 * kSkyTexels);
   InRows(6 * kSkyTexels, [&](int row) {
-    mjtByte* rgb = picture + 3 * static_cast<std::ptrdiff_t>(row) * kSkyTexels;
+    mjtByte* rgb = picture.data() + 3 * static_cast<std::ptrdiff_t>(row) * kSkyTexels;
     const float t = (2 * static_cast<float>(row % kSkyTexels) + 1) / kSkyTexels - 1;
     for (int column = 0; column < kSkyTexels; ++column, rgb += 3) {
       const float s = (2 * static_cast<float>(column) + 1) / kSkyTexels - 1;
@@ -106,6 +122,7 @@ void PaintSky(const Sky& sky, mjtByte* picture) {
       Put(sky.At(Eigen::Vector3f(q.x(), q.z(), q.y()).normalized()), rgb);
     }
   });
+  return picture;
 }
 
 std::string Rgb(const Colour& c) { return fmt::format("{} {} {}", c.x(), c.y(), c.z()); }
@@ -119,6 +136,26 @@ float PlainGlow(const Sky& sky) {
   const Colour black = Colour::Zero(), edge = sky.Hazed(black, kPlaneHalf_m, 0);
   const float thick = edge.maxCoeff() / std::max(1e-6f, sky.Hazed(black, 1e9f, 0).maxCoeff());
   return std::max(0.0f, 2 * thick - 1) * (1 - PlainLight(sky).minCoeff());
+}
+
+struct Pictures {
+  Picture plain, lawn, round, sky;
+  Picture colours;  // of the faces of what stands on the ground
+};
+
+Pictures Paint(const LandscapeParameters& p, std::uint64_t seed) {
+  const Parts parts(p, seed);
+  const Colour light = PlainLight(parts.sky);
+  Pictures all;
+  all.plain = PaintedPlain(parts.ground, (light.array() + PlainGlow(parts.sky)).cwiseMin(1.0f), kPlaneHalf_m);
+  all.lawn = PaintedPlain(parts.ground, light, kLawnHalf_m);
+  all.round = PaintedRound(parts.ground);
+  all.sky = PaintedSky(parts.sky);
+  const Scenery scenery = MakeScenery(p, seed, parts.terrain, parts.sky, parts.ground);
+  all.colours = Blank(static_cast<int>(scenery.colours.size()), 1);
+  for (std::size_t face = 0; face < scenery.colours.size(); ++face)
+    Put(scenery.colours[face], &all.colours[3 * face]);
+  return all;
 }
 
 }  // namespace
@@ -172,17 +209,15 @@ LandscapeModel MakeLandscape(const LandscapeParameters& p, std::uint64_t run_see
 }
 
 void PaintLandscape(const LandscapeParameters& p, std::uint64_t run_seed, mjModel* m) {
-  const Parts parts(p, SeedOf(p, run_seed));
-  const Colour light = PlainLight(parts.sky);
-  PaintPlain(parts.ground, (light.array() + PlainGlow(parts.sky)).cwiseMin(1.0f), kPlaneHalf_m,
-             RenderedFrame(m, "plain", kPlainTexels));
-  PaintPlain(parts.ground, light, kLawnHalf_m, RenderedFrame(m, "lawn", kPlainTexels));
-  PaintRound(parts.ground, RenderedFrame(m, "round", kRoundTexels[0]));
-  PaintSky(parts.sky, RenderedFrame(m, "sky", kSkyTexels));
-  const Scenery scenery = MakeScenery(p, SeedOf(p, run_seed), parts.terrain, parts.sky, parts.ground);
-  mjtByte* palette = RenderedFrame(m, "scenery", kPalette);
-  for (std::size_t face = 0; face < scenery.colours.size(); ++face)
-    Put(scenery.colours[face], palette + 3 * face);
+  // To paint takes longer than all else of a flight's start, and most flights of a process are in the same landscape.
+  static Recent<std::pair<std::string, std::uint64_t>, Pictures> recent(1);
+  const std::uint64_t seed = SeedOf(p, run_seed);
+  const auto pictures = recent.Of({ToYaml(p), seed}, [&] { return Paint(p, seed); });
+  Hang(pictures->plain, "plain", kPlainTexels, m);
+  Hang(pictures->lawn, "lawn", kPlainTexels, m);
+  Hang(pictures->round, "round", kRoundTexels[0], m);
+  Hang(pictures->sky, "sky", kSkyTexels, m);
+  Hang(pictures->colours, "scenery", kPalette, m);
 }
 
 }  // namespace kestrel::sim

@@ -21,11 +21,15 @@ class Noise {
   }
 
   float At(float x, float y) const {
-    const float fx = std::floor(x), fy = std::floor(y);
+    // The whole number below, without a call into the library.
+    const auto below_it = [](float t) {
+      const int cut = static_cast<int>(t);
+      return cut - (t < static_cast<float>(cut) ? 1 : 0);
+    };
     const auto smooth = [](float t) { return t * t * (3 - 2 * t); };
-    const float u = smooth(x - fx), v = smooth(y - fy);
-    const unsigned i = static_cast<unsigned>(static_cast<int>(fx)),
-                   j = static_cast<unsigned>(static_cast<int>(fy));
+    const int column = below_it(x), row = below_it(y);
+    const float u = smooth(x - static_cast<float>(column)), v = smooth(y - static_cast<float>(row));
+    const unsigned i = static_cast<unsigned>(column), j = static_cast<unsigned>(row);
     const float* low = &lattice_[(j % kSize) * kSize];
     const float* high = &lattice_[((j + 1) % kSize) * kSize];
     const unsigned a = i % kSize, b = (i + 1) % kSize;
@@ -34,11 +38,29 @@ class Noise {
   }
 
   // Octaves of half the size and half the height each; mean 1/2, mostly within 0.2 to 0.8.
-  float Fractal(float x, float y, int octaves) const {
+  float Fractal(float x, float y, int octaves) const { return Sum<false>(x, y, octaves, 0, 0); }
+
+  // The same where it lies between low and high; otherwise any number beyond the one that it is beyond. Most places are
+  // so after an octave or two, since the others together are as high as the last one.
+  float Fractal(float x, float y, int octaves, float low, float high) const {
+    return Sum<true>(x, y, octaves, low, high);
+  }
+
+ private:
+  static constexpr unsigned kSize = 256;
+
+  template <bool bounded>
+  float Sum(float x, float y, int octaves, float low, float high) const {
+    constexpr float kRoom = 1e-4f;  // for what rounding may do
     float sum = 0, height = 0.5f, whole = 0;
+    const float all = 1 - 1.0f / static_cast<float>(1 << octaves);
     for (int k = 0; k < octaves; ++k) {
       sum += height * At(x, y);
       whole += height;
+      if constexpr (bounded) {
+        if (sum + (all - whole) < (low - kRoom) * all) return low - 1;
+        if (sum > (high + kRoom) * all) return high + 1;
+      }
       height *= 0.5f;
       // Turned by an angle without pattern, so that the lattices of the octaves do not lie on each other.
       const float turned = 1.6f * x - 1.2f * y + 17.3f;
@@ -48,8 +70,6 @@ class Noise {
     return whole > 0 ? sum / whole : 0.5f;
   }
 
- private:
-  static constexpr unsigned kSize = 256;
   std::vector<float> lattice_;
 };
 

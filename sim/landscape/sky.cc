@@ -10,6 +10,7 @@ namespace {
 
 constexpr float kCloudBase_m = 1500;
 constexpr float kCloudSize_m = 2600;
+constexpr float kThin = 0.05f, kThick = 0.10f;  // of the noise round its threshold: no cloud, and all of it
 constexpr float kSunRadius = 0.265f * 0.0174533f;
 constexpr float kDegree = 0.0174533f;
 // Under Koschmieder's law contrast is exp(-kFade distance / visibility): 2 % at the visibility.
@@ -47,7 +48,7 @@ float Sky::Cloud(float north_m, float east_m, int octaves) const {
   return clouds_.Fractal(north_m / kCloudSize_m, east_m / kCloudSize_m, octaves);
 }
 
-float Sky::Density(float noise) const { return Step(threshold_ - 0.05f, threshold_ + 0.10f, noise); }
+float Sky::Density(float noise) const { return Step(threshold_ - kThin, threshold_ + kThick, noise); }
 
 Colour Sky::Haze(float azimuth) const {
   // Towards the sun the haze takes its colour; under a closed cover there is no such side.
@@ -141,7 +142,10 @@ Colour Sky::Lit(const Colour& albedo, const Eigen::Vector3f& normal, float north
   if (p_.cloud_cover > 0 && p_.cloud_cover < 1) {
     // The cloud between here and the sun.
     const float shift = kCloudBase_m / std::max(sun_.z(), 0.1f);
-    clear = 1 - 0.75f * Density(Cloud(north + shift * sun_.x(), east + shift * sun_.y(), 3));
+    const float above =
+        clouds_.Fractal((north + shift * sun_.x()) / kCloudSize_m, (east + shift * sun_.y()) / kCloudSize_m,
+                        3, threshold_ - kThin, threshold_ + kThick);
+    clear = 1 - 0.75f * Density(above);
   }
   const float facing = std::max(0.0f, normal.dot(sun_));
   return static_cast<float>(p_.light) *

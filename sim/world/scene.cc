@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <opencv2/imgproc.hpp>
 #include <pugixml.hpp>
 #include <sstream>
 #include <stdexcept>
@@ -26,7 +27,6 @@ namespace {
 
 constexpr double kTimestep_s = 0.002;
 constexpr double kPadThickness_m = 0.01;
-constexpr const char* kPadFile = "picture of the pad.png";  // in memory
 constexpr double kDeckThickness_m = 0.2;
 constexpr double kDeckMass_kg = 1e5;  // no aircraft moves it
 constexpr double kOccluderClearance_m = 0.03;
@@ -146,7 +146,8 @@ void AppendPlaceOfPad(pugi::xml_node model, const SceneParameters& p) {
   if (p.deck) PutOnDeck(model, body, *p.deck);
 }
 
-void AppendPad(pugi::xml_node model, const SceneParameters& p) {
+// picture: as it is painted later; none: MuJoCo reads the file.
+void AppendPad(pugi::xml_node model, const SceneParameters& p, const cv::Mat& picture) {
   if (p.pad_texture.empty()) return AppendPlaceOfPad(model, p);
   if (!IsFile(p.pad_texture))
     throw std::runtime_error(fmt::format("The pad's picture {} is not there.", p.pad_texture.string()));
@@ -155,7 +156,7 @@ void AppendPad(pugi::xml_node model, const SceneParameters& p) {
   const std::string text = fmt::format(
       R"(<mujoco>
   <asset>
-    <texture name="pad" type="2d" file=""/>
+    <texture name="pad" type="2d"/>
     <material name="pad" texture="pad" specular="0"/>
   </asset>
   <worldbody>
@@ -169,9 +170,14 @@ void AppendPad(pugi::xml_node model, const SceneParameters& p) {
   PutPad(part.document_element().child("worldbody").child("body"), p, kPadThickness_m);
   if (p.deck)
     PutOnDeck(part.document_element(), part.document_element().child("worldbody").child("body"), *p.deck);
-  const std::string texture =
-      p.pad_picture.empty() ? std::filesystem::absolute(p.pad_texture).string() : kPadFile;
-  part.document_element().child("asset").child("texture").attribute("file").set_value(texture.c_str());
+  pugi::xml_node texture = part.document_element().child("asset").child("texture");
+  if (picture.empty()) {
+    texture.append_attribute("file") = std::filesystem::absolute(p.pad_texture).c_str();
+  } else {
+    texture.append_attribute("builtin") = "flat";
+    texture.append_attribute("width") = picture.cols;
+    texture.append_attribute("height") = picture.rows;
+  }
   if (p.occluder) {
     pugi::xml_node body = part.document_element().child("worldbody").append_child("body");
     body.append_attribute("name") = "occluder";
@@ -291,7 +297,9 @@ struct Part {
   std::filesystem::path path;
 };
 
-CompiledModel Compose(const SceneParameters& p, const AdditionsModel& additions, int parts) {
+// pad: its picture, as of AppendPad.
+CompiledModel Compose(const SceneParameters& p, const AdditionsModel& additions, const cv::Mat& pad,
+                      int parts) {
   LandscapeModel landscape = p.landscape ? MakeLandscape(*p.landscape, p.seed) : LandscapeModel{};
   pugi::xml_document document;
   pugi::xml_node model = document.append_child("mujoco");
@@ -301,18 +309,17 @@ CompiledModel Compose(const SceneParameters& p, const AdditionsModel& additions,
   else
     Append(model, p.world, "world");
   AppendAdditions(model, p.additions, additions);
-  if (parts > 1 && !p.deck) AppendPad(model, p);
+  if (parts > 1 && !p.deck) AppendPad(model, p, pad);
   if (parts > 2) {
     if (p.vehicle_shape.empty())
       Append(model, p.vehicle, "vehicle");
     else
       AppendText(model, p.vehicle_shape, p.vehicle, "The vehicle");
   }
-  if (parts > 1 && p.deck) AppendPad(model, p);
+  if (parts > 1 && p.deck) AppendPad(model, p, pad);
   if (parts > 2) AppendTargets(model, p);
   if (parts > 2 && p.lights) AppendLights(model, *p.lights);
   if (p.blind) AppendBlind(model);
-  if (!p.pad_picture.empty()) landscape.files[kPadFile] = TextureOf(p.pad_picture);
   landscape.files.insert(additions.files.begin(), additions.files.end());
   std::ostringstream text;
   document.save(text);
@@ -320,6 +327,13 @@ CompiledModel Compose(const SceneParameters& p, const AdditionsModel& additions,
 }
 
 int Find(const mjModel* model, mjtObj type, const char* name) { return mj_name2id(model, type, name); }
+
+// Grey or blue, green, red.
+void PaintPad(const cv::Mat& picture, mjModel* m) {
+  const int id = Find(m, mjOBJ_TEXTURE, "pad");
+  cv::Mat rgb(picture.size(), CV_8UC3, m->tex_rgb + m->tex_adr[id]);
+  cv::cvtColor(picture, rgb, picture.channels() == 1 ? cv::COLOR_GRAY2RGB : cv::COLOR_BGR2RGB);
+}
 
 void CheckGround(const mjModel* model, const SceneParameters& p) {
   const int ground = Find(model, mjOBJ_GEOM, "ground");
@@ -358,12 +372,13 @@ ModelPtr MakeModel(const SceneParameters& parameters, bool paint) {
                                         {"pad's picture", parameters.pad_texture},
                                         {"vehicle", parameters.vehicle}}};
   const AdditionsModel additions = MakeAdditions(parameters.additions);
-  CompiledModel whole = Compose(parameters, additions, kParts);
+  const cv::Mat pad = parameters.pad_picture.empty() ? cv::Mat() : TexturePicture(parameters.pad_picture);
+  CompiledModel whole = Compose(parameters, additions, pad, kParts);
   if (!whole.model) {
     // MuJoCo does not say which file: the first part without which it would have compiled.
     int at_fault = 1;
-    while (at_fault < kParts && Compose(parameters, additions, at_fault).model) ++at_fault;
-    if (at_fault == 1 && !parameters.additions.meshes.empty() && Compose(parameters, {}, at_fault).model)
+    while (at_fault < kParts && Compose(parameters, additions, pad, at_fault).model) ++at_fault;
+    if (at_fault == 1 && !parameters.additions.meshes.empty() && Compose(parameters, {}, pad, at_fault).model)
       throw std::runtime_error(fmt::format("The meshes of the world do not load: {}.", whole.message));
     const Part& part = parts[static_cast<std::size_t>(at_fault - 1)];
     throw std::runtime_error(
@@ -376,6 +391,7 @@ ModelPtr MakeModel(const SceneParameters& parameters, bool paint) {
   if (parameters.landscape && paint)
     PaintLandscape(*parameters.landscape, parameters.seed, whole.model.get());
   if (paint) PaintAdditions(additions, whole.model.get());
+  if (paint && !pad.empty() && !parameters.pad_texture.empty()) PaintPad(pad, whole.model.get());
   whole.model->opt.timestep = kTimestep_s;
   whole.model->opt.gravity[0] = whole.model->opt.gravity[1] = 0;
   whole.model->opt.gravity[2] = -kGravity_m_s2;

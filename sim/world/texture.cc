@@ -3,9 +3,7 @@
 
 #include <algorithm>
 #include <bit>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
-#include <vector>
 
 namespace kestrel::sim {
 namespace {
@@ -28,13 +26,8 @@ cv::Mat Resized(const cv::Mat& picture, const cv::Size& size) {
 
 cv::Mat TexturePicture(const cv::Mat& picture) {
   const cv::Size size(SideOf(picture.cols), SideOf(picture.rows));
+  if (size == picture.size() && picture.isContinuous()) return picture;
   return Resized(Resized(picture, {size.width, picture.rows}), size);
-}
-
-std::string TextureOf(const cv::Mat& picture) {
-  std::vector<uchar> bytes;
-  cv::imencode(".png", TexturePicture(picture), bytes, {cv::IMWRITE_PNG_COMPRESSION, 1});
-  return {bytes.begin(), bytes.end()};
 }
 
 }  // namespace kestrel::sim

@@ -4,9 +4,10 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <opencv2/imgproc.hpp>
-#include <utility>
 
+#include "base/recent/recent.h"
 #include "vision/landmark/plane/homography.h"
 #include "vision/landmark/plane/plane_pose.h"
 
@@ -29,6 +30,27 @@ int ImageFeatures(FeatureDetector detector) { return detector == FeatureDetector
 constexpr double kPart = 0.375, kSmall = 0.1;
 constexpr int kContrastScale = 4;   // of the smaller image that contrast is measured in
 constexpr double kBlack_grey = 10;  // noise is no contrast, however dark it is
+
+bool SamePixels(const cv::Mat& a, const cv::Mat& b) {
+  if (a.size() != b.size()) return false;
+  for (int y = 0; y < a.rows; ++y)
+    if (std::memcmp(a.ptr(y), b.ptr(y), static_cast<std::size_t>(a.cols)) != 0) return false;
+  return true;
+}
+
+// What the features of a reference depend on.
+struct OfReference {
+  FeatureDetector detector;
+  std::vector<PadReference::Level> levels;
+
+  bool operator==(const OfReference& other) const {
+    return detector == other.detector &&
+           std::equal(levels.begin(), levels.end(), other.levels.begin(), other.levels.end(),
+                      [](const PadReference::Level& a, const PadReference::Level& b) {
+                        return a.pixel_from_T == b.pixel_from_T && SamePixels(a.image, b.image);
+                      });
+  }
+};
 
 // The part of this rank: around the largest deviation of grey as a share of grey, over a small pad's size, that lies
 // in no part of lower rank.
@@ -61,16 +83,26 @@ cv::Rect PartOfMostContrast(const cv::Mat& grey, int rank) {
 }  // namespace
 
 PadFeatures::PadFeatures(const PadReference& reference, const Pinhole& camera, FeatureDetector detector)
-    : camera_(camera), detector_(detector) {
-  const PadReference::Level* last = nullptr;
+    : camera_(camera), detector_(detector), scales_(ScalesOf(reference, detector)) {}
+
+std::shared_ptr<const std::vector<PadFeatures::Scale>> PadFeatures::ScalesOf(const PadReference& reference,
+                                                                             FeatureDetector detector) {
+  static Recent<OfReference, std::vector<Scale>> recent(1);
+  OfReference of{detector, {}};
   for (const double px_per_m : kReference_px_per_m) {
     const PadReference::Level& level = reference.LevelFor(px_per_m);
-    if (&level == std::exchange(last, &level)) continue;
-    Scale& scale = scales_.emplace_back(Detect(level.image, {detector_, kReferenceFeatures}));
-    const Eigen::Matrix3d T_from_pixel = level.pixel_from_T.inverse();
-    for (const cv::KeyPoint& k : scale.features.points)
-      scale.places.push_back(Transfer(T_from_pixel, {k.pt.x, k.pt.y}));
+    if (of.levels.empty() || of.levels.back().image.data != level.image.data) of.levels.push_back(level);
   }
+  return recent.Of(of, [&] {
+    std::vector<Scale> scales;
+    for (const PadReference::Level& level : of.levels) {
+      Scale& scale = scales.emplace_back(Detect(level.image, {detector, kReferenceFeatures}));
+      const Eigen::Matrix3d T_from_pixel = level.pixel_from_T.inverse();
+      for (const cv::KeyPoint& k : scale.features.points)
+        scale.places.push_back(Transfer(T_from_pixel, {k.pt.x, k.pt.y}));
+    }
+    return scales;
+  });
 }
 
 // SIFT looks for its finest in an image of twice the size, where it spends most of its time.
@@ -105,7 +137,7 @@ std::optional<Eigen::Matrix3d> PadFeatures::Match(const Features& found, std::ui
     Eigen::Vector2d place;
   };
   std::vector<std::optional<Pair>> best(found.points.size());
-  for (const Scale& scale : scales_) {
+  for (const Scale& scale : *scales_) {
     for (const kestrel::vision::Match& match : MatchFeatures(found, scale.features, {})) {
       std::optional<Pair>& pair = best[match.a];
       if (!pair || match.distance < pair->distance) pair = {match.distance, scale.places[match.b]};

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <memory>
 #include <opencv2/core.hpp>
 #include <optional>
 #include <vector>
@@ -15,11 +16,17 @@ namespace kestrel::vision {
 
 // Finds a pad where PadDetector has no rectangle to go by, as only a part of it is in view or in the sun: features
 // (thesis 3.2.2) of the image matched with those of the reference at three of its scales, and a RANSAC homography.
-// Some tens of milliseconds an image.
+// Some tens of milliseconds an image. Those of the last reference are kept, as most flights of a process are over the
+// same pad as the one before.
 class PadFeatures {
  public:
   PadFeatures(const PadReference& reference, const Pinhole& camera,
               FeatureDetector detector = FeatureDetector::kSift);
+
+  // Finds those of the reference now, which takes some 60 MB for as long as it lasts, and not in a flight.
+  static void Prepare(const PadReference& reference, FeatureDetector detector) {
+    ScalesOf(reference, detector);
+  }
 
   // H_w, the homography from T, m, to the image (CV_8UC1), good to about a pixel. None: too few matches
   // agree.
@@ -33,13 +40,15 @@ class PadFeatures {
     Features features;
     std::vector<Eigen::Vector2d> places;  // of the features, in T, m
   };
+  static std::shared_ptr<const std::vector<Scale>> ScalesOf(const PadReference& reference,
+                                                            FeatureDetector detector);
   bool Halves(const cv::Mat& grey) const;
   // The image's features are in pixels of it.
   std::optional<Eigen::Matrix3d> Match(const Features& found, std::uint32_t seed) const;
 
   Pinhole camera_;
   FeatureDetector detector_;
-  std::vector<Scale> scales_;
+  std::shared_ptr<const std::vector<Scale>> scales_;
 };
 
 }  // namespace kestrel::vision

@@ -34,9 +34,12 @@ constexpr int kMinSide_px = 32, kMaxReferenceSide_px = 4096;
 // Of its grey: less is one colour, in the noise of a camera.
 constexpr double kMinSigma_grey = 4;
 
-// Whether MuJoCo reads this file itself, and OpenGL halves it without a row left over.
-bool IsTexture(const std::string& bytes, const cv::Mat& pixels) {
-  return bytes.starts_with("\x89PNG") && std::has_single_bit(static_cast<unsigned>(pixels.cols)) &&
+// Whether a renderer takes the grey picture of this PNG file as it is: the file has no colours, and the sides are
+// powers of two.
+bool IsGreyTexture(const std::string& bytes, const cv::Mat& pixels) {
+  constexpr std::size_t kColourType = 25;  // its place in the file
+  return bytes.starts_with("\x89PNG") && bytes.size() > kColourType && bytes[kColourType] == 0 &&
+         std::has_single_bit(static_cast<unsigned>(pixels.cols)) &&
          std::has_single_bit(static_cast<unsigned>(pixels.rows)) &&
          std::max(pixels.cols, pixels.rows) <= kMaxReferenceSide_px;
 }
@@ -108,8 +111,8 @@ PadFile LoadPad(const std::filesystem::path& file, Mistakes& mistakes) {
     if (picture.pixels.empty()) return wrong(picture.error), pad;
     if (picture.pixels.depth() != CV_8U) return wrong("has pixels of 16 bits", "valid: 8"), pad;
     grey = picture.pixels;
-    if (!IsTexture(content.bytes, grey))
-      pad.picture = DecodeImage(content.bytes, ImageColours::kColour).pixels;
+    pad.picture =
+        IsGreyTexture(content.bytes, grey) ? grey : DecodeImage(content.bytes, ImageColours::kColour).pixels;
   }
   pad.reference = ReferenceOfPicture(grey, parameters.size_m, pad.texture.string(), where,
                                      of_tags ? "tags" : "texture", mistakes);

@@ -34,9 +34,7 @@ inline void Fields(FieldVisitor& v, PadParameters& p) {
 struct PadFile {
   PadParameters parameters;
   std::filesystem::path texture;  // the file of its picture; of tags the pad's own
-  // CV_8UC1 or CV_8UC3, for a renderer. Empty: the texture is a PNG file whose sides are powers of two, which it
-  // can read as it is.
-  cv::Mat picture;
+  cv::Mat picture;                // CV_8UC1 or CV_8UC3, for a renderer
   PadReference reference;
 };
 

@@ -89,8 +89,8 @@ PadReference MakePadReference(const cv::Mat& picture, double length_m, double wi
     const cv::Size size(static_cast<int>(std::lround(grey.cols * scale)),
                         static_cast<int>(std::lround(grey.rows * scale)));
     if (std::min(size.width, size.height) < kSmallestSide_px && scale < 1) break;
-    cv::Mat image;
-    cv::resize(grey, image, size, 0, 0, cv::INTER_AREA);
+    cv::Mat image = grey;  // which nobody changes
+    if (size != grey.size()) cv::resize(grey, image, size, 0, 0, cv::INTER_AREA);
     reference.levels.push_back(MakeLevel(image, length_m, width_m));
   }
   return reference;

@@ -37,7 +37,7 @@ struct PadReference {
 Eigen::Matrix3d NearestTurn(const Eigen::Matrix3d& H_w, int turns,
                             const std::optional<Eigen::Matrix3d>& H_expected);
 
-// picture: the pad seen from above, CV_8UC1 or CV_8UC3, filled to its rim.
+// picture: the pad seen from above, CV_8UC1 or CV_8UC3, filled to its rim. One that is grey is kept, not copied.
 PadReference MakePadReference(const cv::Mat& picture, double length_m, double width_m);
 
 }  // namespace kestrel::vision

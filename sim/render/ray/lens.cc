@@ -4,6 +4,11 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <type_traits>
+#include <variant>
+
+#include "base/recent/recent.h"
 
 namespace kestrel::sim::ray {
 namespace {
@@ -40,6 +45,20 @@ void Extend(Lens::Plane& plane, int column, int row, const Eigen::Vector3d& d, c
   extend(plane.low_y, plane.high_y, y);
   extend(plane.column_low_x[column], plane.column_high_x[column], x);
   extend(plane.row_low_y[row], plane.row_high_y[row], y);
+}
+
+// Which model, and all of its numbers. Empty: it is not known what there is to it.
+std::string KeyOf(const vision::CameraModel& camera) {
+  return std::visit(
+      [&](const auto& model) {
+        std::string key;
+        if constexpr (std::is_trivially_copyable_v<std::decay_t<decltype(model)>>) {
+          key = std::to_string(camera.index()) + ' ';
+          key.append(reinterpret_cast<const char*>(&model), sizeof model);
+        }
+        return key;
+      },
+      camera);
 }
 
 }  // namespace
@@ -159,6 +178,13 @@ Lens MakeLens(const vision::CameraModel& camera) {
   }
   lens.pixel_rad = static_cast<float>(widest);
   return lens;
+}
+
+std::shared_ptr<const Lens> LensOf(const vision::CameraModel& camera) {
+  static Recent<std::string, Lens> recent(2);  // the aircraft's, and that on the ground
+  const std::string key = KeyOf(camera);
+  if (key.empty()) return std::make_shared<const Lens>(MakeLens(camera));
+  return recent.Of(key, [&] { return MakeLens(camera); });
 }
 
 }  // namespace kestrel::sim::ray

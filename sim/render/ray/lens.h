@@ -4,6 +4,7 @@
 #include <hwy/aligned_allocator.h>
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "vision/camera/camera_model.h"
@@ -47,5 +48,8 @@ struct Lens {
 };
 
 Lens MakeLens(const vision::CameraModel& camera);
+
+// The same, and made once for flights of a process that have the same camera.
+std::shared_ptr<const Lens> LensOf(const vision::CameraModel& camera);
 
 }  // namespace kestrel::sim::ray

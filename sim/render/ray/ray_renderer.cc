@@ -5,7 +5,6 @@
 #include <hwy/targets.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -27,18 +26,6 @@ using ray::RenderScene;
 using ray::SceneInstance;
 using ray::Slice;
 
-// Calls work(0) to work(count - 1), each once, on so many threads.
-template <class Work>
-void InParallel(int threads, int count, const Work& work) {
-  std::atomic<int> next = 0;
-  const auto run = [&] {
-    for (int i = next++; i < count; i = next++) work(i);
-  };
-  std::vector<std::jthread> others;
-  for (int i = 1; i < std::min(threads, count); ++i) others.emplace_back(run);
-  run();
-}
-
 Pose InterpolatePose(const Pose& a, const Pose& b, double share) {
   return {a.R.slerp(share, b.R), a.p + share * (b.p - a.p)};
 }
@@ -58,10 +45,12 @@ cv::Mat RaysOf(const vision::CameraModel& camera) {
 
 // What is kept between pictures.
 struct RayRenderer::Stage {
-  Lens lens;
+  std::shared_ptr<const Lens> lens;
   RenderScene scene;
   bool shadows = false, sky_light = false;
   int threads = 1;
+  SharedLoop own_loop;
+  SharedLoop* loop = &own_loop;
   cv::Mat code, common;                       // CV_32S, as in Canvas
   std::vector<SceneInstance> instances;       // one, or one for each row
   std::vector<std::uint64_t> seen;            // of each row of tiles, or of each row
@@ -70,20 +59,20 @@ struct RayRenderer::Stage {
   std::vector<cv::Mat> given_out;
   cv::Mat rays;  // as RaysOf(), once they are asked for
 
-  int SeenOfRow() const { return lens.tiles_x * ray::VisibleWords(scene); }
+  int SeenOfRow() const { return lens->tiles_x * ray::VisibleWords(scene); }
 
   // Of tiles, or of pixels.
   void SetRows(int rows) {
     seen.resize(static_cast<std::size_t>(rows) * SeenOfRow());
-    triangles.resize(static_cast<std::size_t>(rows) * lens.tiles_x);
+    triangles.resize(static_cast<std::size_t>(rows) * lens->tiles_x);
   }
 
   Slice SliceOf(int instance, int seen_row) {
-    return {&lens,
+    return {lens.get(),
             &scene,
             &instances[instance],
             seen.data() + static_cast<std::ptrdiff_t>(seen_row) * SeenOfRow(),
-            triangles.data() + static_cast<std::ptrdiff_t>(seen_row) * lens.tiles_x,
+            triangles.data() + static_cast<std::ptrdiff_t>(seen_row) * lens->tiles_x,
             ray::VisibleWords(scene),
             shadows};
   }
@@ -94,7 +83,7 @@ struct RayRenderer::Stage {
     for (const cv::Mat& old : given_out)
       if (old.u && old.u->refcount == 1) return old;
     if (given_out.size() == 4) given_out.erase(given_out.begin());
-    given_out.emplace_back(lens.height, lens.width, CV_8UC3);
+    given_out.emplace_back(lens->height, lens->width, CV_8UC3);
     return given_out.back();
   }
 
@@ -105,14 +94,14 @@ struct RayRenderer::Stage {
     const bool grey = picture.depth() == CV_32F;  // or the bytes of blue, green, red
     const ray::Canvas canvas{grey ? nullptr : picture.data, grey ? picture.ptr<float>() : nullptr,
                              picture.step1(), code.ptr<std::uint32_t>(), common.ptr<std::uint32_t>()};
-    instances.resize(rolling ? lens.height : 1);
-    SetRows(rolling ? lens.height : lens.tiles_y);
+    instances.resize(rolling ? lens->height : 1);
+    SetRows(rolling ? lens->height : lens->tiles_y);
     if (!rolling) fill(0, instances[0]);
     const auto rows_of = [&](int tile_row, const auto& each) {
-      const int begin = tile_row * Lens::kTile, end = std::min(begin + Lens::kTile, lens.height);
+      const int begin = tile_row * Lens::kTile, end = std::min(begin + Lens::kTile, lens->height);
       each(begin, end);
     };
-    InParallel(threads, lens.tiles_y, [&](int tile_row) {
+    loop->Run(threads, lens->tiles_y, [&](int tile_row) {
       rows_of(tile_row, [&](int begin, int end) {
         if (!rolling) {
           const Slice slice = SliceOf(0, tile_row);
@@ -128,7 +117,7 @@ struct RayRenderer::Stage {
         }
       });
     });
-    InParallel(threads, lens.tiles_y, [&](int tile_row) {
+    loop->Run(threads, lens->tiles_y, [&](int tile_row) {
       rows_of(tile_row, [&](int begin, int end) {
         const auto finish = [&](const Slice& slice, int from, int to) {
           ray::SmoothRows(slice, from, to, canvas);
@@ -141,10 +130,10 @@ struct RayRenderer::Stage {
   }
 
   void SetLens(const vision::CameraModel& camera) {
-    lens = ray::MakeLens(camera);
-    code = cv::Mat(lens.tiles_y * Lens::kTile, lens.stride, CV_32S, cv::Scalar(0x7fffffff));
-    common = cv::Mat(lens.height, lens.tiles_x, CV_32S);
-    if (!given_out.empty() && given_out[0].size() != cv::Size(lens.width, lens.height)) given_out.clear();
+    lens = ray::LensOf(camera);
+    code = cv::Mat(lens->tiles_y * Lens::kTile, lens->stride, CV_32S, cv::Scalar(0x7fffffff));
+    common = cv::Mat(lens->height, lens->tiles_x, CV_32S);
+    if (!given_out.empty() && given_out[0].size() != cv::Size(lens->width, lens->height)) given_out.clear();
     rays.release();
   }
 
@@ -154,18 +143,19 @@ struct RayRenderer::Stage {
     while (after < states.size() && states[after].t_s < t_s) ++after;
     if (after == 0 || after == states.size()) {
       const std::size_t i = after == 0 ? 0 : after - 1;
-      return ray::InstantiateScene(scene, worlds[i], states[i].X_NC, lens.pixel_rad, instance);
+      return ray::InstantiateScene(scene, worlds[i], states[i].X_NC, lens->pixel_rad, instance);
     }
     const SceneState &a = states[after - 1], &b = states[after];
     const double share = (t_s - a.t_s) / (b.t_s - a.t_s);
     ray::InstantiateScene(scene, ray::Interpolate(scene, worlds[after - 1], worlds[after], share),
-                          InterpolatePose(a.X_NC, b.X_NC, share), lens.pixel_rad, instance);
+                          InterpolatePose(a.X_NC, b.X_NC, share), lens->pixel_rad, instance);
   }
 };
 
 RayRenderer::RayRenderer(const mjModel* model, const vision::CameraModel& camera,
-                         const RenderOptions& options)
+                         const RenderOptions& options, SharedLoop* shared)
     : camera_(camera), stage_(std::make_unique<Stage>()) {
+  if (shared) stage_->loop = shared;
   stage_->SetLens(camera);
   stage_->sky_light = options.light == "sky";
   stage_->shadows = options.shadows && !stage_->sky_light;
@@ -186,7 +176,7 @@ cv::Mat RayRenderer::Render(const mjData* data, const Pose& X_NC) {
   const ray::ScenePose world = ray::PoseOfScene(stage_->scene, data);
   cv::Mat bgr = stage_->Blank();
   stage_->Draw(bgr, false, [&](int, SceneInstance& instance) {
-    ray::InstantiateScene(stage_->scene, world, X_NC, stage_->lens.pixel_rad, instance);
+    ray::InstantiateScene(stage_->scene, world, X_NC, stage_->lens->pixel_rad, instance);
   });
   return bgr;
 }
@@ -215,7 +205,7 @@ cv::Mat RayRenderer::RenderGrey(std::span<const SceneState> states, double t_s) 
   if (states.empty()) throw std::runtime_error("A picture needs at least one instant of the world.");
   stage_->worlds.clear();
   for (const SceneState& i : states) stage_->worlds.push_back(ray::PoseOfScene(stage_->scene, i.data));
-  cv::Mat grey(stage_->lens.height, stage_->lens.width, CV_32FC1);
+  cv::Mat grey(stage_->lens->height, stage_->lens->width, CV_32FC1);
   stage_->Draw(grey, false, [&](int, SceneInstance& instance) { stage_->PlaceAt(t_s, states, instance); });
   return grey;
 }
@@ -224,13 +214,13 @@ Surfaces RayRenderer::Trace(const mjData* data, const Pose& X_NC) {
   Stage& s = *stage_;
   const ray::ScenePose world = ray::PoseOfScene(s.scene, data);
   s.instances.resize(1);
-  s.SetRows(s.lens.tiles_y);
-  ray::InstantiateScene(s.scene, world, X_NC, s.lens.pixel_rad, s.instances[0]);
-  Surfaces surfaces{cv::Mat(s.lens.height, s.lens.width, CV_32F),
-                    cv::Mat(s.lens.height, s.lens.width, CV_32S)};
-  InParallel(s.threads, s.lens.tiles_y, [&](int tile_row) {
+  s.SetRows(s.lens->tiles_y);
+  ray::InstantiateScene(s.scene, world, X_NC, s.lens->pixel_rad, s.instances[0]);
+  Surfaces surfaces{cv::Mat(s.lens->height, s.lens->width, CV_32F),
+                    cv::Mat(s.lens->height, s.lens->width, CV_32S)};
+  s.loop->Run(s.threads, s.lens->tiles_y, [&](int tile_row) {
     const Slice slice = s.SliceOf(0, tile_row);
-    const int begin = tile_row * Lens::kTile, end = std::min(begin + Lens::kTile, s.lens.height);
+    const int begin = tile_row * Lens::kTile, end = std::min(begin + Lens::kTile, s.lens->height);
     ray::Cull(slice, begin, end);
     ray::TraceRows(slice, begin, end, surfaces.depth_m.ptr<float>(), surfaces.geom.ptr<std::int32_t>(),
                    surfaces.depth_m.step1());
@@ -265,7 +255,7 @@ cv::Mat RayRenderer::Flow(const Surfaces& seen_now, const SceneState& now, const
   cv::Mat flow(seen_now.geom.size(), CV_32FC2, cv::Scalar::all(std::numeric_limits<float>::quiet_NaN()));
   std::visit(  // once, and not for each pixel
       [&](const auto& camera) {
-        InParallel(stage_->threads, flow.rows, [&](int v) {
+        stage_->loop->Run(stage_->threads, flow.rows, [&](int v) {
           const auto* rays = stage_->rays.ptr<cv::Vec3d>(v);
           const int* geoms = seen_now.geom.ptr<int>(v);
           const float* depths_m = seen_now.depth_m.ptr<float>(v);

@@ -10,6 +10,7 @@
 
 #include "geometry/pose.h"
 #include "sim/render/rendering.h"
+#include "sim/render/shared_loop.h"
 #include "vision/camera/camera_model.h"
 
 namespace kestrel::sim {
@@ -30,8 +31,10 @@ namespace kestrel::sim {
 // and takes the best at run time; name() tells which.
 class RayRenderer {
  public:
-  // The model must outlive it. Throws std::runtime_error that names what cannot be drawn.
-  RayRenderer(const mjModel* model, const vision::CameraModel& camera, const RenderOptions& options);
+  // The model must outlive it. Throws std::runtime_error that names what cannot be drawn. shared: in which another
+  // thread may help to draw; none: none does. It must outlive it too.
+  RayRenderer(const mjModel* model, const vision::CameraModel& camera, const RenderOptions& options,
+              SharedLoop* shared = nullptr);
   ~RayRenderer();
 
   void SetCamera(const vision::CameraModel& camera);     // from now on; a lens that zooms

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <fstream>
 #include <numbers>
 #include <opencv2/imgcodecs.hpp>
@@ -82,6 +83,20 @@ TEST_F(Scene, PadLiesWhereItIsPutOneCentimetreAboveTheGround) {
   // Its x is turned from north to the east by the yaw, its z is down.
   EXPECT_LT((X_NT.R * Eigen::Vector3d::UnitX() - Eigen::Vector3d(std::sqrt(3) / 2, 0.5, 0)).norm(), 1e-12);
   EXPECT_LT((X_NT.R * Eigen::Vector3d::UnitZ() - Eigen::Vector3d::UnitZ()).norm(), 1e-12);
+}
+
+TEST_F(Scene, ThePadIsPaintedAsMujocoReadsItsFile) {
+  for (const bool grey : {false, true}) {
+    cv::Mat picture(64, 128, grey ? CV_8UC1 : CV_8UC3);
+    cv::RNG(2).fill(picture, cv::RNG::UNIFORM, 0, 256);
+    cv::imwrite(p_.pad_texture, picture);
+    p_.pad_picture = cv::Mat();
+    const ModelPtr read = MakeModel(p_);
+    p_.pad_picture = picture;
+    const ModelPtr painted = MakeModel(p_);
+    ASSERT_EQ(painted->ntexdata, read->ntexdata);
+    EXPECT_TRUE(std::equal(read->tex_rgb, read->tex_rgb + read->ntexdata, painted->tex_rgb)) << grey;
+  }
 }
 
 TEST_F(Scene, APadHangsOnTheWallThatItsTopFacedWithItsFaceBeforeIt) {

@@ -4,14 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <bit>
-#include <opencv2/imgcodecs.hpp>
 
 namespace kestrel::sim {
 namespace {
-
-cv::Mat Read(const std::string& bytes) {
-  return cv::imdecode(std::vector<uchar>(bytes.begin(), bytes.end()), cv::IMREAD_GRAYSCALE);
-}
 
 // Where a row or column passes from dark to light, in shares of its length.
 double Edge(const cv::Mat& line) {
@@ -27,7 +22,7 @@ TEST(Texture, HasSidesOfPowersOfTwoAndShowsTheSameFromEdgeToEdge) {
     const int right = size.width / 3, down = size.height / 4;
     picture.colRange(0, right).setTo(0);
     picture.rowRange(0, down).setTo(0);
-    const cv::Mat texture = Read(TextureOf(picture));
+    const cv::Mat texture = TexturePicture(picture);
     EXPECT_TRUE(std::has_single_bit(static_cast<unsigned>(texture.cols))) << size;
     EXPECT_TRUE(std::has_single_bit(static_cast<unsigned>(texture.rows))) << size;
     EXPECT_LE(std::max(texture.cols, texture.rows), 4096);
@@ -41,7 +36,15 @@ TEST(Texture, HasSidesOfPowersOfTwoAndShowsTheSameFromEdgeToEdge) {
 TEST(Texture, OfAPictureThatIsOneAlreadyIsThePicture) {
   cv::Mat picture(64, 128, CV_8UC1);
   cv::RNG(1).fill(picture, cv::RNG::UNIFORM, 0, 256);
-  EXPECT_EQ(cv::norm(Read(TextureOf(picture)), picture, cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(TexturePicture(picture), picture, cv::NORM_INF), 0);
+}
+
+TEST(Texture, OfAPartOfAPictureHasItsPixelsWithoutGaps) {
+  cv::Mat picture(64, 128, CV_8UC1);
+  cv::RNG(1).fill(picture, cv::RNG::UNIFORM, 0, 256);
+  const cv::Mat part = picture.colRange(32, 64), texture = TexturePicture(part);
+  EXPECT_TRUE(texture.isContinuous());
+  EXPECT_EQ(cv::norm(texture, part, cv::NORM_INF), 0);
 }
 
 }  // namespace

@@ -61,10 +61,21 @@ TEST_F(PadFileTest, APictureOfAnySizeAndFormatSpansThePad) {
       // One corner of light and dark, in the middle of the pad.
       ASSERT_FALSE(pad.reference.levels[0].corners.empty());
       EXPECT_LT(pad.reference.levels[0].corners[0].norm(), 0.6 * 3 / size.width) << name << size;
-      const bool as_it_is = name == std::string("pad.png") && size.width == 256;
-      EXPECT_EQ(pad.picture.empty(), as_it_is);
+      EXPECT_EQ(pad.picture.size(), size);
+      EXPECT_EQ(pad.picture.channels(), 3);
     }
   }
+}
+
+TEST_F(PadFileTest, OneThatIsGreyIsKeptOnce) {
+  cv::Mat picture(256, 256, CV_8UC1);
+  cv::RNG(1).fill(picture, cv::RNG::UNIFORM, 0, 256);
+  cv::imwrite((folder_ / "pad.png").string(), picture);
+  const PadFile pad = Load("texture: pad.png\nsize_m: [0.4, 0.6]\n");
+  ASSERT_TRUE(refusals_.empty()) << refusals_;
+  ASSERT_EQ(pad.picture.type(), CV_8UC1);
+  EXPECT_EQ(cv::norm(pad.picture, picture, cv::NORM_INF), 0);
+  EXPECT_EQ(pad.picture.data, pad.reference.levels[0].image.data);
 }
 
 TEST_F(PadFileTest, TagsAreThePicture) {

@@ -131,6 +131,23 @@ TEST_P(EveryDetector, FindsAPadOfWhichAPartIsInView) {
   }
 }
 
+// Those of a reference are kept: it is found by its own all the same, after another one and again.
+TEST(PadFeatures, AreThoseOfTheirReference) {
+  static const PadReference pad = MakePadReference(PadPicture(), kPadLength_m, kPadWidth_m);
+  cv::Mat turned;
+  cv::rotate(PadPicture(), turned, cv::ROTATE_180);
+  const PadReference upside_down = MakePadReference(turned, kPadLength_m, kPadWidth_m);
+  const cv::Mat image = PadPhotographer(PadPicture()).At(PadBelow({0, 0, 2.5}, 10), 3);
+  const auto first = PadFeatures(pad, kPadCamera).Find(image, 1);
+  const auto other = PadFeatures(upside_down, kPadCamera).Find(image, 1);
+  const auto again = PadFeatures(pad, kPadCamera).Find(image, 1);
+  ASSERT_TRUE(first && other && again);
+  EXPECT_EQ(*first, *again);
+  const Eigen::Vector2d top = (*first * Eigen::Vector3d(0.5, 0, 1)).hnormalized();
+  const Eigen::Vector2d bottom = (*other * Eigen::Vector3d(-0.5, 0, 1)).hnormalized();
+  EXPECT_LT((top - bottom).norm(), 2);
+}
+
 INSTANTIATE_TEST_SUITE_P(Features, EveryDetector, ::testing::ValuesIn(kAll),
                          [](const auto& each) { return NameOf(each.param); });
 
