@@ -67,14 +67,16 @@ void FrameRenderer::Submit(FrameRequest request) {
 }
 
 RenderedFrame FrameRenderer::Next() {
-  RenderedFrame picture = pictures_.front().get();
+  std::future<RenderedFrame>& next = pictures_.front();
+  loop_.HelpUntil([&] { return next.wait_for(std::chrono::seconds(0)) == std::future_status::ready; });
+  RenderedFrame picture = next.get();
   pictures_.pop_front();
   return picture;
 }
 
 void FrameRenderer::Work(std::promise<void> ready) {
   try {
-    renderer_ = std::make_unique<Renderer>(model_, camera_, options_);
+    renderer_ = std::make_unique<Renderer>(model_, camera_, options_, &loop_);
     ready.set_value();
   } catch (...) {
     renderer_.reset();
@@ -89,6 +91,7 @@ void FrameRenderer::Work(std::promise<void> ready) {
     tasks_.pop();
     lock.unlock();
     task();
+    loop_.Wake();
   }
   renderer_.reset();  // on the thread of its context
 }

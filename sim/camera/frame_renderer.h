@@ -40,7 +40,8 @@ struct RenderedFrame {
 
 // Draws frames in the order in which they come: renders what is seen while the shutter is open, makes the
 // sensor's image of it, and meters that for the next. Beside who submits them, on a thread of its own that
-// holds the renderer; or, if not beside, in Submit(), all of it on one thread.
+// holds the renderer, and that is helped by who waits for a frame; or, if not beside, in Submit(), all of it on one
+// thread.
 class FrameRenderer {
  public:
   // image: without scatter. surfaces: whether they and the flow are asked for. The model must outlive it.
@@ -69,6 +70,7 @@ class FrameRenderer {
   ImageSensor sensor_;
   ExposureControl control_;
   SnapshotInterpolator interpolator_;
+  SharedLoop loop_;
   std::unique_ptr<Renderer> renderer_;
   bool may_repeat_, surfaces_;
   std::vector<Snapshot> surveyed_;  // the snapshots around the last frame, if surfaces are asked for

@@ -6,9 +6,10 @@
 
 namespace kestrel::sim {
 
-Renderer::Renderer(const mjModel* model, const vision::CameraModel& camera, const RenderOptions& options) {
+Renderer::Renderer(const mjModel* model, const vision::CameraModel& camera, const RenderOptions& options,
+                   SharedLoop* shared) {
   if (options.backend == "ray" || options.backend == "auto") {
-    by_ = std::make_unique<RayRenderer>(model, camera, options);
+    by_ = std::make_unique<RayRenderer>(model, camera, options, shared);
   } else {
     by_ = std::make_unique<OpenGlRenderer>(model, camera, options);
   }

@@ -11,6 +11,7 @@
 
 #include "geometry/pose.h"
 #include "sim/render/rendering.h"
+#include "sim/render/shared_loop.h"
 #include "vision/camera/camera_model.h"
 
 namespace kestrel::sim {
@@ -22,8 +23,10 @@ class RayRenderer;
 // bit for bit, with the same name().
 class Renderer {
  public:
-  // The model must outlive it. Throws std::runtime_error with one sentence that names what cannot be drawn.
-  Renderer(const mjModel* model, const vision::CameraModel& camera, const RenderOptions& options);
+  // The model must outlive it. Throws std::runtime_error with one sentence that names what cannot be drawn. shared: as
+  // in RayRenderer; OpenGL draws alone.
+  Renderer(const mjModel* model, const vision::CameraModel& camera, const RenderOptions& options,
+           SharedLoop* shared = nullptr);
   ~Renderer();
 
   // The image, CV_8UC3 in the order blue, green, red; black outside the lens.

@@ -18,7 +18,7 @@ struct PanoramaStrip {
 };
 
 // Little of the ground: it is near, and shifts as the camera moves.
-inline const BandGrid kStripGrid{720, 15, -2.5 * M_PI / 180, M_PI / 180};
+inline constexpr BandGrid kStripGrid{720, 15, -2.5 * M_PI / 180, M_PI / 180};
 
 // Makes strips of one camera's images.
 class StripMaker {

@@ -15,6 +15,7 @@ namespace kestrel::vision {
 
 namespace {
 
+static_assert(kStripGrid.elevations <= StripColumn::kRows);
 constexpr float kMinShared = 0.06f;  // of the strip, in which two must overlap
 constexpr double kTukey = 1.6;       // where a difference says nothing more, in units of the pattern
 
@@ -47,21 +48,58 @@ cv::Mat Correlate(const cv::Mat& a, const cv::Mat& b) {
   return out;
 }
 
+using Lanes = std::array<float, StripColumn::kRows>;
+
+float Sum(const Lanes& lanes) {
+  std::array<float, 4> four{};
+  for (std::size_t j = 0; j < lanes.size(); ++j) four[j % 4] += lanes[j];
+  return (four[0] + four[1]) + (four[2] + four[3]);
+}
+
+// Of the rows of a column: products of the slopes a by column and e by row and of the residual r, weighted; and,
+// not weighted, of both patterns.
+struct ColumnSums {
+  float aa, ae, ee, ar, er, rr, weight;
+  float cross, energy_now, energy_then;
+};
+
+// left, right, f: between which columns `then` is seen where `now` is; up: rows by which it is higher there.
+ColumnSums Compare(const StripColumn& left, const StripColumn& right, float f, const StripColumn& now,
+                   float up) {
+  Lanes aa, ae, ee, ar, er, rr, weight, cross, energy_now, energy_then;
+  for (std::size_t j = 0; j < StripColumn::kRows; ++j) {
+    const float both = now.shown[j] * left.shown[j] * right.shown[j];
+    const float a = (1 - f) * left.by_column[j] + f * right.by_column[j];
+    const float e = (1 - f) * left.by_row[j] + f * right.by_row[j];
+    const float here = both * now.pattern[j];
+    const float there = both * ((1 - f) * left.pattern[j] + f * right.pattern[j] + up * e);
+    const float r = here - there, u = r / static_cast<float>(kTukey);
+    const float w = both * TukeyWeight(u);
+    aa[j] = w * a * a, ae[j] = w * a * e, ee[j] = w * e * e;
+    ar[j] = w * a * r, er[j] = w * e * r, rr[j] = w * r * r;
+    weight[j] = w;
+    cross[j] = here * there, energy_now[j] = here * here, energy_then[j] = there * there;
+  }
+  return {Sum(aa), Sum(ae),     Sum(ee),    Sum(ar),         Sum(er),
+          Sum(rr), Sum(weight), Sum(cross), Sum(energy_now), Sum(energy_then)};
+}
+
 }  // namespace
 
 StripReference MakeReference(PanoramaStrip strip) {
   StripReference r;
   const int columns = strip.pattern.cols, rows = strip.pattern.rows;
-  r.slope_azimuth = cv::Mat::zeros(rows, columns, CV_32FC1);
-  r.slope_elevation = cv::Mat::zeros(rows, columns, CV_32FC1);
-  for (int j = 0; j < rows; ++j) {
+  r.columns.resize(static_cast<std::size_t>(columns));
+  for (int j = 1; j + 1 < rows; ++j) {
     const auto* p = strip.pattern.ptr<float>(j);
-    const auto* low = strip.pattern.ptr<float>(std::max(0, j - 1));
-    const auto* high = strip.pattern.ptr<float>(std::min(rows - 1, j + 1));
-    const float over = static_cast<float>(std::min(rows - 1, j + 1) - std::max(0, j - 1));
+    const auto *low = strip.pattern.ptr<float>(j - 1), *high = strip.pattern.ptr<float>(j + 1);
+    const auto at = static_cast<std::size_t>(j);
     for (int i = 0; i < columns; ++i) {
-      r.slope_azimuth.at<float>(j, i) = (p[(i + 1) % columns] - p[(i + columns - 1) % columns]) / 2;
-      r.slope_elevation.at<float>(j, i) = (high[i] - low[i]) / over;
+      StripColumn& column = r.columns[static_cast<std::size_t>(i)];
+      column.pattern[at] = p[i];
+      column.by_column[at] = (p[(i + 1) % columns] - p[(i + columns - 1) % columns]) / 2;
+      column.by_row[at] = (high[i] - low[i]) / 2;
+      column.shown[at] = strip.shown.at<float>(j, i) == 0 ? 0.0f : 1.0f;
     }
   }
   const cv::Mat half = Halved(strip.pattern), shown = Halved(strip.shown);
@@ -89,9 +127,8 @@ std::vector<float> TurnLikeness(const StripReference& then, const StripReference
 
 TurnFit RefineTurn(const StripReference& then, const StripReference& now, double turn) {
   using Vector6 = Eigen::Matrix<double, 6, 1>;  // turn, parallax (2), columns; tilt (2), height, rows
-  using Vector6f = Eigen::Matrix<float, 6, 1>;
   using Matrix6 = Eigen::Matrix<double, 6, 6>;
-  const int columns = kStripGrid.azimuths, rows = kStripGrid.elevations;
+  const int columns = kStripGrid.azimuths;
   const double per_rad = columns / (2 * M_PI);
   Vector6 x = Vector6::Zero();
   x[0] = turn * per_rad;
@@ -119,25 +156,20 @@ TurnFit RefineTurn(const StripReference& then, const StripReference& now, double
       int left = static_cast<int>(whole) % columns;
       if (left < 0) left += columns;
       const int right = left + 1 == columns ? 0 : left + 1;
-      for (int j = 1; j + 1 < rows; ++j) {
-        if (now.strip.shown.at<float>(j, i) == 0) continue;
-        if (then.strip.shown.at<float>(j, left) == 0 || then.strip.shown.at<float>(j, right) == 0) continue;
-        const float value =
-            (1 - f) * then.strip.pattern.at<float>(j, left) + f * then.strip.pattern.at<float>(j, right);
-        const float da =
-            (1 - f) * then.slope_azimuth.at<float>(j, left) + f * then.slope_azimuth.at<float>(j, right);
-        const float de =
-            (1 - f) * then.slope_elevation.at<float>(j, left) + f * then.slope_elevation.at<float>(j, right);
-        const float here = now.strip.pattern.at<float>(j, i), there = value + up * de;
-        const float r = here - there, u = r / static_cast<float>(kTukey);
-        cross += here * there, energy_now += here * here, energy_then += there * there;
-        const float w = TukeyWeight(u);
-        if (w == 0) continue;
-        Vector6f J;
-        J << da, da * c, da * s, de * c, de * s, de;
-        normal.Add(J, r, w);
-      }
+      const ColumnSums sums =
+          Compare(then.columns[static_cast<std::size_t>(left)], then.columns[static_cast<std::size_t>(right)],
+                  f, now.columns[static_cast<std::size_t>(i)], up);
+      cross += sums.cross, energy_now += sums.energy_now, energy_then += sums.energy_then;
+      // By the unknowns the pattern changes as (a, a c, a s, e c, e s, e), of its slopes a and e.
+      const Eigen::Vector3f by_a(1, c, s), by_e(c, s, 1);
+      normal.H.topLeftCorner<3, 3>() += sums.aa * by_a * by_a.transpose();
+      normal.H.topRightCorner<3, 3>() += sums.ae * by_a * by_e.transpose();
+      normal.H.bottomRightCorner<3, 3>() += sums.ee * by_e * by_e.transpose();
+      normal.g.head<3>() += sums.ar * by_a;
+      normal.g.tail<3>() += sums.er * by_e;
+      normal.squares += sums.rr, normal.weight += sums.weight;
     }
+    normal.H.bottomLeftCorner<3, 3>() = normal.H.topRightCorner<3, 3>().transpose();
     if (normal.weight < 200) return fit;
     fit.likeness = cross / std::sqrt(energy_now * energy_then + 1e-9);
     const double noise2 = std::max(0.01, normal.squares / normal.weight);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <opencv2/core.hpp>
 #include <vector>
 
@@ -8,10 +9,17 @@
 
 namespace kestrel::vision {
 
+// One azimuth of a strip, from the lowest row up; the first and the last row, and what is not shown, count nothing.
+struct StripColumn {
+  static constexpr int kRows = 16;                            // whole registers
+  std::array<float, kRows> pattern{}, by_column{}, by_row{};  // and its slopes
+  std::array<float, kRows> shown{};                           // 1 or 0
+};
+
 // A strip made ready for matching.
 struct StripReference {
   PanoramaStrip strip;
-  cv::Mat slope_azimuth, slope_elevation;  // CV_32F, of the pattern, per column and per row
+  std::vector<StripColumn> columns;
   // Spectra along the rows at half the columns: of the pattern, its square and of what is shown.
   cv::Mat spectrum, spectrum_square, spectrum_shown;
 };

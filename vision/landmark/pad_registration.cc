@@ -7,7 +7,6 @@
 #include <opencv2/core/eigen.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
-#include <set>
 #include <utility>
 
 #include "vision/landmark/even_light.h"
@@ -21,6 +20,8 @@ constexpr int kLevelsOfRegistration = 2;
 // Than the image, where the light is evened out: the fine details of a print are blurred from near.
 constexpr std::array kCoarser = {1, 2, 4};
 constexpr double kMinVisibleArea_px2 = 300;
+// Square root of the area of the pad's visible part, in which it is still drawn as a whole.
+constexpr double kCoarseSide_px = 60;
 // Correlation of a patch with the reference from which on the point counts.
 constexpr double kMinPatchCorrelation = 0.7;
 constexpr double kRimInset_px = 3;  // of corners from the image's border
@@ -43,39 +44,38 @@ double ScaleOf(const std::vector<cv::Point2f>& visible, const Eigen::Matrix3d& H
   return std::sqrt(cv::contourArea(visible) / std::max(cv::contourArea(on_pad), 1e-9));
 }
 
-// Zero-mean normalised correlation of two square patches.
-double PatchCorrelation(const cv::Mat& a, const cv::Point2f& at_a, const cv::Mat& b,
-                        const cv::Point2f& at_b) {
+// Of two square patches.
+GreySums SumsOf(const cv::Mat& a, const cv::Point2f& at_a, const cv::Mat& b, const cv::Point2f& at_b) {
   constexpr int kSide = 11;
   cv::Mat patch_a, patch_b;
   cv::getRectSubPix(a, {kSide, kSide}, at_a, patch_a);
   cv::getRectSubPix(b, {kSide, kSide}, at_b, patch_b);
-  double sa = 0, sb = 0, saa = 0, sbb = 0, sab = 0;
+  GreySums sums;
   for (int y = 0; y < kSide; ++y) {
     const uchar *ra = patch_a.ptr(y), *rb = patch_b.ptr(y);
     for (int x = 0; x < kSide; ++x) {
       const double va = ra[x], vb = rb[x];
-      sa += va, sb += vb, saa += va * va, sbb += vb * vb, sab += va * vb;
+      sums += {1, va, vb, va * va, vb * vb, va * vb};
     }
   }
-  const double n = kSide * kSide;
-  const double variance = (saa - sa * sa / n) * (sbb - sb * sb / n);
-  return variance > 0 ? (sab - sa * sb / n) / std::sqrt(variance) : 0;
+  return sums;
 }
 
 // The strongest corners, spread over the visible part: one for each cell of a grid.
 std::vector<Eigen::Vector2d> SpreadCorners(const std::vector<Eigen::Vector2d>& corners_T,
                                            const Eigen::Matrix3d& H_predicted, const cv::Size& image,
                                            double cell_px, int most) {
-  std::set<std::pair<int, int>> taken;
+  const int columns = static_cast<int>(image.width / cell_px) + 1;
+  std::vector<bool> taken(static_cast<std::size_t>(columns * (static_cast<int>(image.height / cell_px) + 1)));
   std::vector<Eigen::Vector2d> spread;
+  const Eigen::Array2d most_uv(image.width - 1 - kRimInset_px, image.height - 1 - kRimInset_px);
   for (const Eigen::Vector2d& corner : corners_T) {
-    const Eigen::Vector2d uv = Transfer(H_predicted, corner);
-    if (!(uv.x() > kRimInset_px && uv.y() > kRimInset_px && uv.x() < image.width - 1 - kRimInset_px &&
-          uv.y() < image.height - 1 - kRimInset_px))
-      continue;
-    if (!taken.emplace(static_cast<int>(uv.x() / cell_px), static_cast<int>(uv.y() / cell_px)).second)
-      continue;
+    const Eigen::Vector2d uv = (H_predicted.leftCols<2>() * corner + H_predicted.col(2)).hnormalized();
+    if (!((uv.array() > kRimInset_px).all() && (uv.array() < most_uv).all())) continue;
+    const auto cell = static_cast<std::size_t>(static_cast<int>(uv.y() / cell_px) * columns +
+                                               static_cast<int>(uv.x() / cell_px));
+    if (taken[cell]) continue;
+    taken[cell] = true;
     spread.push_back(corner);
     if (static_cast<int>(spread.size()) >= most) break;
   }
@@ -85,6 +85,15 @@ std::vector<Eigen::Vector2d> SpreadCorners(const std::vector<Eigen::Vector2d>& c
 // What lies around the pad is not known: its mean grey makes the pad's own rim an honest edge.
 void DrawAround(cv::Mat& drawn, const cv::Mat& seen, const cv::Mat& on_pad) {
   drawn.setTo(cv::mean(seen, ~on_pad), ~on_pad);
+}
+
+// A first guess, from the greys of the whole.
+Exposure GuessExposure(const cv::Mat& drawn, const cv::Mat& seen, const cv::Mat& on_pad) {
+  cv::Scalar mean_drawn, mean_seen, sigma_drawn, sigma_seen;
+  cv::meanStdDev(drawn, mean_drawn, sigma_drawn, on_pad);
+  cv::meanStdDev(seen, mean_seen, sigma_seen, on_pad);
+  const double gain = std::clamp(sigma_seen[0] / std::max(sigma_drawn[0], 1.0), 0.2, 5.0);
+  return {gain, mean_seen[0] - gain * mean_drawn[0]};
 }
 
 bool MostAgree(const Registered& r) {
@@ -109,49 +118,78 @@ std::vector<cv::Point2f> VisiblePart(const PadReference& reference, const Eigen:
   return visible;
 }
 
+std::optional<PadRegistration::Place> PadRegistration::PlaceOf(const PadReference& reference,
+                                                               const cv::Size& image,
+                                                               const Eigen::Matrix3d& H_w) const {
+  Place place{H_w, VisiblePart(reference, H_w, image), 0, nullptr, {}};
+  if (place.visible.empty()) return std::nullopt;
+  place.px_per_m = ScaleOf(place.visible, H_w);
+  place.level = &reference.LevelFor(place.px_per_m);
+  const double cell_px = std::max(4.0, std::sqrt(cv::contourArea(place.visible) / options_.max_points));
+  place.corners_T = SpreadCorners(place.level->corners, H_w, image, cell_px, 2 * options_.max_points);
+  return place;
+}
+
 std::optional<PadRegistration::Sight> PadRegistration::Look(const PadReference& reference,
                                                             const cv::Mat& grey,
                                                             const Eigen::Matrix3d& H_predicted,
                                                             int coarser) const {
-  Sight s;
-  s.coarser = coarser;
   cv::Mat image = grey;
-  s.H_w = H_predicted;
+  Eigen::Matrix3d H_w = H_predicted;
   if (coarser > 1) {
     cv::resize(grey, image, grey.size() / coarser, 0, 0, cv::INTER_AREA);
     Eigen::Matrix3d coarse_from_image = Eigen::Matrix3d::Identity();
     coarse_from_image.topLeftCorner<2, 2>() /= coarser;
     coarse_from_image.topRightCorner<2, 1>().setConstant(0.5 / coarser - 0.5);
-    s.H_w = coarse_from_image * H_predicted;
+    H_w = coarse_from_image * H_predicted;
   }
-  const std::vector<cv::Point2f> visible = VisiblePart(reference, s.H_w, image.size());
-  if (visible.empty()) return std::nullopt;
-  const double px_per_m = ScaleOf(visible, s.H_w);
-  const PadReference::Level& level = reference.LevelFor(px_per_m);
-  s.window_px = px_per_m * reference.width_m < 120 ? 9 : 13;
-  s.evened_px = std::clamp(static_cast<int>(kEvenedOfPad_m * px_per_m), 2 * s.window_px, 8 * s.window_px) | 1;
+  const auto place = PlaceOf(reference, image.size(), H_w);
+  if (!place) return std::nullopt;
+  Sight s;
+  s.coarser = coarser;
+  s.H_w = H_w;
+  s.H_predicted = H_predicted;
+  s.corners_T = place->corners_T;
+  s.window_px = place->px_per_m * reference.width_m < 120 ? 9 : 13;
+  s.evened_px =
+      std::clamp(static_cast<int>(kEvenedOfPad_m * place->px_per_m), 2 * s.window_px, 8 * s.window_px) | 1;
 
   const int margin = 2 * s.window_px;
-  cv::Rect box = cv::boundingRect(visible);
+  cv::Rect box = cv::boundingRect(place->visible);
   box = cv::Rect(box.x - margin, box.y - margin, box.width + 2 * margin, box.height + 2 * margin) &
         cv::Rect({0, 0}, image.size());
   s.seen = image(box);
   s.offset = cv::Point2f(static_cast<float>(box.x), static_cast<float>(box.y));
 
   std::vector<cv::Point> polygon;
-  for (const cv::Point2f& p : visible) polygon.emplace_back(cvRound(p.x) - box.x, cvRound(p.y) - box.y);
+  for (const cv::Point2f& p : place->visible)
+    polygon.emplace_back(cvRound(p.x) - box.x, cvRound(p.y) - box.y);
   s.on_pad = cv::Mat(box.size(), CV_8UC1, cv::Scalar(0));
   cv::fillConvexPoly(s.on_pad, polygon, 255);
 
   Eigen::Matrix3d to_box = Eigen::Matrix3d::Identity();
   to_box(0, 2) = -box.x, to_box(1, 2) = -box.y;
   cv::Mat map;
-  cv::eigen2cv(Eigen::Matrix3d(to_box * s.H_w * level.pixel_from_T.inverse()), map);
-  cv::warpPerspective(level.image, s.drawn, map, box.size(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
-
-  const double cell_px = std::max(4.0, std::sqrt(cv::contourArea(visible) / options_.max_points));
-  s.corners_T = SpreadCorners(level.corners, s.H_w, image.size(), cell_px, 2 * options_.max_points);
+  cv::eigen2cv(Eigen::Matrix3d(to_box * H_w * place->level->pixel_from_T.inverse()), map);
+  cv::warpPerspective(place->level->image, s.drawn, map, box.size(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
   return s;
+}
+
+Registered PadRegistration::RegisterPlain(const PadReference& reference, const cv::Mat& grey,
+                                          const Eigen::Matrix3d& H_predicted, int min_inliers,
+                                          std::uint32_t draw) {
+  const Consensus consensus{min_inliers, draw, reference.length_m * reference.width_m};
+  const std::vector<cv::Point2f> visible = VisiblePart(reference, H_predicted, grey.size());
+  if (visible.empty()) return {};
+  const double area_px2 = cv::contourArea(visible);
+  const int coarser = area_px2 > std::pow(4 * kCoarseSide_px, 2)   ? 4
+                      : area_px2 > std::pow(2 * kCoarseSide_px, 2) ? 2
+                                                                   : 1;
+  const auto sight = Look(reference, grey, H_predicted, coarser);
+  if (!sight || static_cast<int>(sight->corners_T.size()) < min_inliers) return {};
+  Registered plain =
+      coarser == 1 ? InExposure(*sight, consensus) : CoarseToFine(reference, grey, *sight, consensus);
+  return MostAgree(plain) ? plain : Registered();
 }
 
 Registered PadRegistration::Register(const PadReference& reference, const cv::Mat& grey,
@@ -160,33 +198,59 @@ Registered PadRegistration::Register(const PadReference& reference, const cv::Ma
   const Consensus consensus{min_inliers, draw, reference.length_m * reference.width_m};
   std::optional<Sight> sight = Look(reference, grey, H_predicted, 1);
   if (!sight || static_cast<int>(sight->corners_T.size()) < min_inliers) return {};
-  Registered best = InExposure(*sight, consensus);
+  const Registered best = InExposure(*sight, consensus);
   if (MostAgree(best)) return best;
   for (const int coarser : kCoarser) {
     if (coarser > 1) sight = Look(reference, grey, H_predicted, coarser);
     if (!sight || static_cast<int>(sight->corners_T.size()) < min_inliers) break;
     Registered even = InEvenLight(*sight, consensus);
-    even.coarser = coarser;
     // Of an evenly lit picture some corners agree with whatever is there.
     if (MostAgree(even)) return even;
   }
   return best;
 }
 
-Registered PadRegistration::InExposure(const Sight& s, const Consensus& consensus) {
-  if (!exposure_known_) {
-    cv::Scalar mean_drawn, mean_seen, sigma_drawn, sigma_seen;
-    cv::meanStdDev(s.drawn, mean_drawn, sigma_drawn, s.on_pad);
-    cv::meanStdDev(s.seen, mean_seen, sigma_seen, s.on_pad);
-    gain_ = std::clamp(sigma_seen[0] / std::max(sigma_drawn[0], 1.0), 0.2, 5.0);
-    offset_ = mean_seen[0] - gain_ * mean_drawn[0];
+Registered PadRegistration::CoarseToFine(const PadReference& reference, const cv::Mat& grey,
+                                         const Sight& sight, const Consensus& consensus) {
+  const Exposure exposure = ExposureOf(sight);
+  GreySums of_coarse;
+  const Registered coarse = Agree(Compare(DrawnIn(exposure, sight), sight.seen, sight), sight.coarser,
+                                  sight.H_predicted, consensus, of_coarse);
+  if (!MostAgree(coarse)) return {};
+  const auto place = PlaceOf(reference, grey.size(), coarse.seen->H_w);
+  if (!place) return {};
+  std::vector<Eigen::Vector2d> drawn;
+  for (const Eigen::Vector2d& corner : place->corners_T) drawn.push_back(Transfer(place->H_w, corner));
+  const std::vector<CornerMatch> seen =
+      MatchCorners(place->level->image, place->level->pixel_from_T * place->H_w.inverse(), grey, drawn,
+                   exposure, cv::mean(sight.seen, ~sight.on_pad)[0]);
+  std::vector<Match> matches;
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    if (seen[i].found) matches.push_back({place->corners_T[i], drawn[i], seen[i].at, seen[i].greys});
   }
+  GreySums greys;
+  const Registered fine = Agree(matches, 1, place->H_w, consensus, greys);
+  if (MostAgree(fine)) LearnExposure(exposure, greys);
+  return fine;
+}
+
+Exposure PadRegistration::ExposureOf(const Sight& s) const {
+  return exposure_ ? *exposure_ : GuessExposure(s.drawn, s.seen, s.on_pad);
+}
+
+cv::Mat PadRegistration::DrawnIn(const Exposure& exposure, const Sight& s) {
   cv::Mat drawn;
-  s.drawn.convertTo(drawn, -1, gain_, offset_);
+  s.drawn.convertTo(drawn, -1, exposure.gain, exposure.offset);
   DrawAround(drawn, s.seen, s.on_pad);
-  Matches matches;
-  Registered registered = Match(drawn, s.seen, s, consensus, matches);
-  if (registered.seen) LearnExposure(drawn, s.seen, matches);
+  return drawn;
+}
+
+Registered PadRegistration::InExposure(const Sight& s, const Consensus& consensus) {
+  const Exposure exposure = ExposureOf(s);
+  GreySums greys;
+  const Registered registered =
+      Agree(Compare(DrawnIn(exposure, s), s.seen, s), s.coarser, s.H_predicted, consensus, greys);
+  if (registered.seen) LearnExposure(exposure, greys);
   return registered;
 }
 
@@ -195,12 +259,12 @@ Registered PadRegistration::InEvenLight(const Sight& s, const Consensus& consens
   EvenlyLit(s.seen, s.evened_px, s.on_pad).convertTo(seen, CV_8UC1, kGreyOfDeviation, 128);
   EvenlyLit(s.drawn, s.evened_px, s.on_pad).convertTo(drawn, CV_8UC1, kGreyOfDeviation, 128);
   DrawAround(drawn, seen, s.on_pad);
-  Matches matches;
-  return Match(drawn, seen, s, consensus, matches);
+  GreySums greys;
+  return Agree(Compare(drawn, seen, s), s.coarser, s.H_predicted, consensus, greys);
 }
 
-Registered PadRegistration::Match(const cv::Mat& drawn, const cv::Mat& seen, const Sight& sight,
-                                  const Consensus& consensus, Matches& matches) const {
+std::vector<PadRegistration::Match> PadRegistration::Compare(const cv::Mat& drawn, const cv::Mat& seen,
+                                                             const Sight& sight) {
   std::vector<cv::Point2f> from, to;
   for (const Eigen::Vector2d& corner : sight.corners_T)
     from.push_back(ToPoint(Transfer(sight.H_w, corner)) - sight.offset);
@@ -213,20 +277,35 @@ Registered PadRegistration::Match(const cv::Mat& drawn, const cv::Mat& seen, con
     if (sight.coarser == 1) return of_sight;
     return (of_sight.array() + 0.5) * sight.coarser - 0.5;
   };
-
-  Registered registered;
-  std::vector<PointPair> pairs;    // drawn pixel to seen pixel
-  std::vector<PointPair> pairs_T;  // pad to seen pixel
+  std::vector<Match> matches;
   for (std::size_t i = 0; i < from.size(); ++i) {
-    if (!status[i]) continue;
-    registered.tracked.push_back(in_image(to[i]));
-    // Where something hides the pad, Lucas-Kanade converges too, but not onto the same picture.
-    if (!(PatchCorrelation(drawn, from[i], seen, to[i]) > kMinPatchCorrelation)) continue;
-    pairs.push_back({ToVector(from[i]), ToVector(to[i])});
-    pairs_T.push_back({sight.corners_T[i], in_image(to[i])});
+    if (status[i])
+      matches.push_back(
+          {sight.corners_T[i], in_image(from[i]), in_image(to[i]), SumsOf(drawn, from[i], seen, to[i])});
   }
+  return matches;
+}
+
+Registered PadRegistration::Agree(const std::vector<Match>& matches, int coarser,
+                                  const Eigen::Matrix3d& H_drawn, const Consensus& consensus,
+                                  GreySums& greys) const {
+  Registered registered;
+  registered.coarser = coarser;
+  registered.H_drawn = H_drawn;
+  std::vector<PointPair> pairs;    // drawn to seen pixel
+  std::vector<PointPair> pairs_T;  // pad to seen pixel
+  std::vector<const Match*> alike;
+  for (const Match& match : matches) {
+    registered.tracked.push_back(match.seen);
+    // Where something hides the pad, Lucas-Kanade converges too, but not onto the same picture.
+    if (!(match.greys.Correlation() > kMinPatchCorrelation)) continue;
+    pairs.push_back({match.drawn, match.seen});
+    pairs_T.push_back({match.corner_T, match.seen});
+    alike.push_back(&match);
+  }
+  const double threshold_px = options_.threshold_px * coarser;
   const auto robust = RansacHomography(
-      pairs, {.threshold = options_.threshold_px, .min_inliers = consensus.min_inliers}, consensus.draw);
+      pairs, {.threshold = threshold_px, .min_inliers = consensus.min_inliers}, consensus.draw);
   if (!robust) return registered;
   std::vector<PointPair> inliers;
   for (const int i : robust->inliers) inliers.push_back(pairs_T[i]);
@@ -234,10 +313,10 @@ Registered PadRegistration::Match(const cv::Mat& drawn, const cv::Mat& seen, con
   if (!H_w) return registered;
   const auto start = PoseFromHomography(*H_w, camera_);
   if (!start) return registered;
-  auto pose = RefinePlanePose(inliers, camera_, *start, options_.sigma_px * sight.coarser);
-  if (!pose || !(pose->rms_px < options_.threshold_px * sight.coarser)) return registered;
+  auto pose = RefinePlanePose(inliers, camera_, *start, options_.sigma_px * coarser);
+  if (!pose || !(pose->rms_px < threshold_px)) return registered;
   if (static_cast<int>(inliers.size()) < options_.min_inliers &&
-      !(pose->rms_px < kFewThreshold_px * sight.coarser &&
+      !(pose->rms_px < kFewThreshold_px * coarser &&
         inliers.size() > kMostlyAgree * static_cast<double>(pairs.size())))
     return registered;
   pose->covariance += CovarianceOfShift(pose->X_CT, options_.shift_px / camera_.fx);
@@ -257,30 +336,17 @@ Registered PadRegistration::Match(const cv::Mat& drawn, const cv::Mat& seen, con
   cv::convexHull(spread, hull);
   of_pad.visible = cv::contourArea(hull) / consensus.pad_area_m2;
   registered.seen = of_pad;
-  for (const int i : robust->inliers) matches.push_back(pairs[i]);
+  for (const int i : robust->inliers) greys += alike[static_cast<std::size_t>(i)]->greys;
   return registered;
 }
 
 // The exposure of this image, for the next one: regression of grey on grey over the patches that agreed.
-void PadRegistration::LearnExposure(const cv::Mat& drawn, const cv::Mat& seen, const Matches& matches) {
-  double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
-  for (const PointPair& match : matches) {
-    cv::Mat a, b;
-    cv::getRectSubPix(drawn, {7, 7}, ToPoint(match.from), a);
-    cv::getRectSubPix(seen, {7, 7}, ToPoint(match.to), b);
-    for (int k = 0; k < 49; ++k) {
-      const double x = a.data[k], y = b.data[k];
-      n += 1, sx += x, sy += y, sxx += x * x, sxy += x * y;
-    }
-  }
-  const double slope = (sxy - sx * sy / n) / std::max(sxx - sx * sx / n, 1e-9);
-  if (slope > 0.5 && slope < 2) {
-    // drawn = gain * reference + offset and seen = slope * drawn + shift: the two affine maps one after the
-    // other
-    offset_ = slope * offset_ + (sy - slope * sx) / n;
-    gain_ = std::clamp(slope * gain_, 0.1, 10.0);
-    exposure_known_ = true;
-  }
+void PadRegistration::LearnExposure(const Exposure& drawn_in, const GreySums& g) {
+  const double slope = (g.xy - g.x * g.y / g.n) / std::max(g.xx - g.x * g.x / g.n, 1e-9);
+  // drawn = gain * reference + offset and seen = slope * drawn + shift: the two affine maps one after the other
+  if (slope > 0.5 && slope < 2)
+    exposure_ = Exposure{std::clamp(slope * drawn_in.gain, 0.1, 10.0),
+                         slope * drawn_in.offset + (g.y - slope * g.x) / g.n};
 }
 
 }  // namespace kestrel::vision

@@ -76,33 +76,34 @@ std::optional<PadObservation> PadTracker::TrackPicture(const cv::Mat& grey,
 
 std::optional<PadObservation> PadTracker::TrackCorners(const cv::Mat& grey,
                                                        const std::optional<Pose>& X_CT_expected) {
-  std::vector<cv::Mat> pyramid;
-  cv::buildOpticalFlowPyramid(grey, pyramid, kFollowWindow, kFollowLevels, true);
-
   std::optional<PadObservation> seen;
   if (tags_) seen = FindTags(grey, X_CT_expected);
   if (!seen && !options_.registration) {  // the thesis's chain
-    if (const auto H_chain = Follow(pyramid, X_CT_expected)) seen = FromChain(*H_chain);
+    if (const auto H_chain = Follow(grey, X_CT_expected)) seen = FromChain(*H_chain);
   } else if (!seen) {
-    seen = FollowRegistered(grey, pyramid, X_CT_expected);
+    seen = FollowRegistered(grey, X_CT_expected);
   }
   if (!seen && !tags_) seen = Find(grey, X_CT_expected);
   if (seen) {
-    Remember(grey, std::move(pyramid), *seen);
+    Remember(grey, *seen);
   } else {
     Forget();
   }
   return seen;
 }
 
-// From the likeliest guess to the least: by the chain, by what is expected, blurred by its motion, by few corners, by
-// the whole picture, by a chain that expects nothing.
+// Mostly the pad is where it is expected, and most of its corners say so. Otherwise from the likeliest guess to the
+// least: by the chain, by what is expected, blurred by its motion, by few corners, by the whole picture, by a chain
+// that expects nothing.
 std::optional<PadObservation> PadTracker::FollowRegistered(const cv::Mat& grey,
-                                                           const std::vector<cv::Mat>& pyramid,
                                                            const std::optional<Pose>& X_CT_expected) {
   const auto expected = X_CT_expected ? X_CT_expected : OfConstantVelocity();
-  const auto H_chain = Follow(pyramid, expected);
   std::optional<PadObservation> seen;
+  if (expected && X_CT_last_) {
+    seen = Settle(grey, HomographyFromPose(*expected, camera_), 2, options_.min_inliers, true);
+    if (seen) return seen;
+  }
+  const auto H_chain = Follow(grey, expected);
   if (H_chain) seen = Settle(grey, *H_chain, 2, options_.min_inliers);
   if (!seen && expected) seen = Settle(grey, HomographyFromPose(*expected, camera_), 3, options_.min_inliers);
   // The few corners that are left of a blurred picture mislead.
@@ -128,7 +129,7 @@ std::optional<PadObservation> PadTracker::FollowRegistered(const cv::Mat& grey,
   if (!seen && H_chain) seen = FollowPicture(grey, *H_chain);
   if (!seen && expected) seen = FollowPicture(grey, HomographyFromPose(*expected, camera_));
   if (!seen && expected && !X_CT_expected) {
-    if (const auto H_still = Follow(pyramid, std::nullopt))
+    if (const auto H_still = Follow(grey, std::nullopt))
       seen = Settle(grey, *H_still, 2, options_.min_inliers);
   }
   return seen;
@@ -225,9 +226,9 @@ std::optional<PadObservation> PadTracker::FindTags(const cv::Mat& grey,
 }
 
 // Eq. (3.20): the homography of the last frame times the step to this one.
-std::optional<Eigen::Matrix3d> PadTracker::Follow(const std::vector<cv::Mat>& pyramid,
+std::optional<Eigen::Matrix3d> PadTracker::Follow(const cv::Mat& grey,
                                                   const std::optional<Pose>& X_CT_expected) {
-  if (last_pyramid_.empty() || last_points_.size() < 4) return std::nullopt;
+  if (last_grey_.empty() || last_points_.size() < 4) return std::nullopt;
   std::vector<cv::Point2f> points = last_points_;
   int flags = 0;
   if (X_CT_expected) {
@@ -237,7 +238,7 @@ std::optional<Eigen::Matrix3d> PadTracker::Follow(const std::vector<cv::Mat>& py
   }
   std::vector<uchar> status;
   std::vector<float> error;
-  cv::calcOpticalFlowPyrLK(last_pyramid_, pyramid, last_points_, points, status, error, kFollowWindow,
+  cv::calcOpticalFlowPyrLK(last_grey_, grey, last_points_, points, status, error, kFollowWindow,
                            kFollowLevels, kLucasKanadeEnd, flags, 1e-3);
   std::vector<PointPair> pairs;
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -265,16 +266,16 @@ std::optional<PadObservation> PadTracker::Align(const cv::Mat& grey, const Eigen
 
 // Registers until the correction is small, at most `passes` times.
 std::optional<PadObservation> PadTracker::Settle(const cv::Mat& grey, const Eigen::Matrix3d& H_guess,
-                                                 int passes, int min_inliers) {
+                                                 int passes, int min_inliers, bool plain) {
   Eigen::Matrix3d H = H_guess;
   std::optional<PadObservation> before;
   for (int pass = 1;; ++pass) {
-    const auto seen = Register(grey, H, min_inliers);
+    const auto seen = Register(grey, H, min_inliers, plain);
     if (!seen) return before;
     if (pass >= passes) return seen;
     double moved = 0;
     for (const Eigen::Vector2d& corner : reference_.Outline()) {
-      moved = std::max(moved, (Transfer(seen->H_w, corner) - Transfer(H, corner)).norm());
+      moved = std::max(moved, (Transfer(seen->H_w, corner) - Transfer(H_drawn_, corner)).norm());
     }
     if (moved < kLargeCorrection_px) return seen;
     H = seen->H_w;
@@ -283,12 +284,14 @@ std::optional<PadObservation> PadTracker::Settle(const cv::Mat& grey, const Eige
 }
 
 std::optional<PadObservation> PadTracker::Register(const cv::Mat& grey, const Eigen::Matrix3d& H_predicted,
-                                                   int min_inliers) {
-  Registered registered = registration_.Register(reference_, grey, H_predicted, min_inliers, frames_);
+                                                   int min_inliers, bool plain) {
+  Registered registered =
+      plain ? registration_.RegisterPlain(reference_, grey, H_predicted, min_inliers, frames_)
+            : registration_.Register(reference_, grey, H_predicted, min_inliers, frames_);
   if (registered.tracked.empty()) return std::nullopt;
   tracked_ = std::move(registered.tracked);
   agreed_ = std::move(registered.agreed);
-  if (registered.seen) corners_agreed_ = true, fine_ = registered.coarser == 1;
+  if (registered.seen) corners_agreed_ = true, fine_ = registered.coarser == 1, H_drawn_ = registered.H_drawn;
   return registered.seen;
 }
 
@@ -310,10 +313,10 @@ std::optional<PadObservation> PadTracker::FromChain(const Eigen::Matrix3d& H_w) 
   return seen;
 }
 
-void PadTracker::Remember(const cv::Mat& grey, std::vector<cv::Mat> pyramid, const PadObservation& seen) {
+void PadTracker::Remember(const cv::Mat& grey, const PadObservation& seen) {
   lost_frames_ = 0;
   if (!corners_agreed_) registration_.ForgetExposure();
-  last_pyramid_ = std::move(pyramid);
+  grey.copyTo(last_grey_);
   last_H_w_ = seen.H_w;
   last_points_.clear();
   if (corners_agreed_) {
@@ -335,7 +338,7 @@ void PadTracker::Remember(const cv::Mat& grey, std::vector<cv::Mat> pyramid, con
 }
 
 void PadTracker::Forget() {
-  last_pyramid_.clear();
+  last_grey_.release();
   last_points_.clear();
   registration_.ForgetExposure();
 }

@@ -22,9 +22,8 @@ namespace kestrel::vision {
 
 // The helipad from image to image, thesis 4.4: corners followed by pyramidal Lucas-Kanade from the last
 // frame, a RANSAC homography (algorithm 1), the chain of 3.19 and 3.20, the pose of 3.22 to 3.25. The thesis
-// names the drift of that chain as its weakness: here the chain is only the prediction, and the reference
-// appearance, drawn as the prediction would see it, is registered to the frame, again by Lucas-Kanade and
-// RANSAC. By the method icia, PadAlignment takes the place of both; it also follows, by either method, a pad that
+// names the drift of that chain as its weakness: here the reference appearance, drawn as it is expected to be seen,
+// is registered to the frame, again by Lucas-Kanade and RANSAC; the chain predicts only where that fails. By the method icia, PadAlignment takes the place of both; it also follows, by either method, a pad that
 // moves so fast that its picture is blurred. The pad is found anew by PadDetector when there is nothing to track.
 //
 // A pad of tags is searched in each image by TagTracker, and its picture registered only where no whole tag is
@@ -46,23 +45,22 @@ class PadTracker {
  private:
   std::optional<PadObservation> TrackCorners(const cv::Mat& grey, const std::optional<Pose>& X_CT_expected);
   std::optional<PadObservation> TrackPicture(const cv::Mat& grey, const std::optional<Pose>& X_CT_expected);
-  std::optional<PadObservation> FollowRegistered(const cv::Mat& grey, const std::vector<cv::Mat>& pyramid,
+  std::optional<PadObservation> FollowRegistered(const cv::Mat& grey,
                                                  const std::optional<Pose>& X_CT_expected);
   std::optional<Pose> OfConstantVelocity() const;
-  std::optional<Eigen::Matrix3d> Follow(const std::vector<cv::Mat>& pyramid,
-                                        const std::optional<Pose>& X_CT_expected);
+  std::optional<Eigen::Matrix3d> Follow(const cv::Mat& grey, const std::optional<Pose>& X_CT_expected);
   std::optional<PadObservation> FollowPicture(const cv::Mat& grey, const Eigen::Matrix3d& H_predicted);
   bool MovesFast(const Eigen::Matrix3d& H_w) const;
   std::optional<PadObservation> FollowBlurred(const cv::Mat& grey, const Pose& X_CT_expected);
   std::optional<PadObservation> Register(const cv::Mat& grey, const Eigen::Matrix3d& H_predicted,
-                                         int min_inliers);
+                                         int min_inliers, bool plain);
   std::optional<PadObservation> Settle(const cv::Mat& grey, const Eigen::Matrix3d& H_guess, int passes,
-                                       int min_inliers);
+                                       int min_inliers, bool plain = false);
   std::optional<PadObservation> Align(const cv::Mat& grey, const Eigen::Matrix3d& H_guess);
   std::optional<PadObservation> Find(const cv::Mat& grey, const std::optional<Pose>& X_CT_expected);
   std::optional<PadObservation> FindTags(const cv::Mat& grey, const std::optional<Pose>& X_CT_expected);
   std::optional<PadObservation> FromChain(const Eigen::Matrix3d& H_w) const;
-  void Remember(const cv::Mat& grey, std::vector<cv::Mat> pyramid, const PadObservation& seen);
+  void Remember(const cv::Mat& grey, const PadObservation& seen);
   void Forget();
 
   PadReference reference_;
@@ -74,8 +72,8 @@ class PadTracker {
   PadTrackerOptions options_;
   std::uint32_t frames_ = 0;
 
-  // Memory of the last frame in which the pad was seen; an empty pyramid: none.
-  std::vector<cv::Mat> last_pyramid_;
+  // Memory of the last frame in which the pad was seen; an empty image: none.
+  cv::Mat last_grey_;
   std::vector<cv::Point2f> last_points_;
   Eigen::Matrix3d last_H_w_;
   std::optional<Pose> X_CT_last_, X_CT_before_;  // in the last frame, and in that before it
@@ -87,6 +85,7 @@ class PadTracker {
   std::vector<Eigen::Vector2d> tracked_, agreed_;
   bool corners_agreed_ = false;  // agreed_ are corners of the reference
   bool fine_ = true;             // those were found in the image as it is, not in one that is coarser
+  Eigen::Matrix3d H_drawn_;      // by which the reference was drawn for them
 };
 
 }  // namespace kestrel::vision
