@@ -3,51 +3,29 @@
 
 #include <Eigen/Core>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
-
-#include "sim/render/pyramid/footprint_filter.h"
 
 namespace kestrel::sim::ray {
 namespace {
 
-// In one channel where red, green and blue are the same everywhere, as of a printed pad: it takes a third of the work.
-constexpr std::uint32_t Packed(const std::uint8_t* pixel, int channels) {
-  if (channels == 1) return pixel[0] * 0x010101u;
-  return static_cast<std::uint32_t>(pixel[2] | pixel[1] << 8 | pixel[0] << 16);
-}
-
-bool IsGrey(const cv::Mat& rgb) {
-  for (int y = 0; y < rgb.rows; ++y) {
-    const std::uint8_t* row = rgb.ptr(y);
-    unsigned differs = 0;
-    for (int x = 0; x < 3 * rgb.cols; x += 3)
-      differs |= static_cast<unsigned>(row[x] ^ row[x + 1]) | static_cast<unsigned>(row[x] ^ row[x + 2]);
-    if (differs) return false;
-  }
-  return true;
+std::uint32_t Packed(const cv::Vec3b& rgb) {
+  return static_cast<std::uint32_t>(rgb[2] | rgb[1] << 8 | rgb[0] << 16);
 }
 
 // Writes some rows, from the one at top on, of one level of a picture that repeats, so many rows high; with a
 // border of what repeats.
-void StoreRepeating(const cv::Mat& picture, int top, int height, std::uint32_t* origin, int stride) {
-  const int channels = picture.channels(), width = picture.cols;
-  for (int y = 0; y < picture.rows; ++y) {
-    const std::uint8_t* pixels = picture.ptr(y);
-    std::uint32_t* row = origin + static_cast<std::ptrdiff_t>(top + y) * stride;
-    if (channels == 1) {
-      for (int x = 0; x < width; ++x) row[x] = Packed(pixels + x, 1);
-    } else {
-      for (int x = 0; x < width; ++x) row[x] = Packed(pixels + 3 * x, 3);
-    }
-    row[-1] = row[width - 1];
-    row[width] = row[0];
-    const auto again = [&](int at) {
-      std::copy_n(row - 1, width + 2, origin + static_cast<std::ptrdiff_t>(at) * stride - 1);
+void StoreRepeating(const cv::Mat& rgb, int top, int height, std::uint32_t* origin, int stride) {
+  for (int y = 0; y < rgb.rows; ++y) {
+    const auto write = [&](int row) {
+      for (int x = -1; x <= rgb.cols; ++x) {
+        origin[static_cast<std::ptrdiff_t>(row) * stride + x] =
+            Packed(rgb.at<cv::Vec3b>(y, (x + rgb.cols) % rgb.cols));
+      }
     };
-    if (top + y == 0) again(height);
-    if (top + y == height - 1) again(-1);
+    write(top + y);
+    if (top + y == 0) write(height);
+    if (top + y == height - 1) write(-1);
   }
 }
 
@@ -93,20 +71,28 @@ void StoreFace(const std::vector<cv::Mat>& faces, int face, std::uint32_t* origi
         column = texel(sc);
         row = texel(tc);
       }
-      origin[static_cast<std::ptrdiff_t>(y) * stride + x] =
-          Packed(faces[of].ptr(row, column), faces[of].channels());
+      origin[static_cast<std::ptrdiff_t>(y) * stride + x] = Packed(faces[of].at<cv::Vec3b>(row, column));
     }
   }
 }
 
-// The footprint in the middle of each of the four parts of an octave, texels.
-constexpr double kMiddles[4] = {1.107, 1.316, 1.565, 1.861};
-
-std::array<FootprintFilter, 4> FiltersFor(bool original) {
-  std::array<FootprintFilter, 4> filters{};
-  for (int part = 0; part < 4; ++part) filters[part] = FilterFor(kMiddles[part], original);
-  return filters;
+// Rows of the picture at another size, its larger neighbour's texels between its own.
+cv::Mat Enlarged(const cv::Mat& small, cv::Size size, cv::Range rows, bool repeats) {
+  const cv::Size2d ratio(static_cast<double>(small.cols) / size.width,
+                         static_cast<double>(small.rows) / size.height);
+  cv::Mat x(rows.size(), size.width, CV_32F), y(x.size(), CV_32F), large;
+  for (int v = 0; v < x.rows; ++v) {
+    for (int u = 0; u < x.cols; ++u) {
+      x.at<float>(v, u) = static_cast<float>((u + 0.5) * ratio.width - 0.5);
+      y.at<float>(v, u) = static_cast<float>((rows.start + v + 0.5) * ratio.height - 0.5);
+    }
+  }
+  cv::remap(small, large, x, y, cv::INTER_LINEAR, repeats ? cv::BORDER_WRAP : cv::BORDER_REPLICATE);
+  return large;
 }
+
+// log2 of the footprint in the middle of each of the four parts of an octave.
+constexpr double kMiddles[4] = {0.146, 0.396, 0.646, 0.896};
 
 }  // namespace
 
@@ -134,41 +120,37 @@ Pyramid MakePyramid(const mjModel* model, int texture) {
     total += (size.width + 2) * (size.height + 2);
   }
   p.face_stride = p.faces == 6 ? total : 0;
-  p.texels.resize(static_cast<std::size_t>(total) * p.faces + 1);
-  p.texels.back() = 0;  // is read with the one before it
+  p.texels.assign(static_cast<std::size_t>(total) * p.faces + 1, 0);  // the last is read with one more
   std::vector<cv::Mat> faces;
   for (int face = 0; face < p.faces; ++face) {
     // A cube of one picture shows it on all sides.
     const std::size_t from = rows == width ? 0 : static_cast<std::size_t>(face) * 3 * width * width;
     faces.emplace_back(height, width, CV_8UC3, data + (cube ? from : 0));
   }
-  if (std::all_of(faces.begin(), faces.end(), IsGrey))
-    for (cv::Mat& face : faces) cv::extractChannel(face, face, 0);
-  const auto store = [&](const std::vector<cv::Mat>& pictures, int level, int top = 0) {
+  const auto store = [&](const std::vector<cv::Mat>& rgb, int level, int top = 0) {
     std::uint32_t* origin = p.texels.data() + p.offset[level];
-    if (!cube)
-      return StoreRepeating(pictures[0], top, static_cast<int>(p.height[level]), origin, p.stride[level]);
+    if (!cube) return StoreRepeating(rgb[0], top, static_cast<int>(p.height[level]), origin, p.stride[level]);
     for (int face = 0; face < 6; ++face)
-      StoreFace(pictures, face, origin + static_cast<std::ptrdiff_t>(face) * p.face_stride, p.stride[level]);
+      StoreFace(rgb, face, origin + static_cast<std::ptrdiff_t>(face) * p.face_stride, p.stride[level]);
   };
   store(faces, 0);
-  static const std::array<FootprintFilter, 4> of_original = FiltersFor(true), of_smaller = FiltersFor(false);
   for (std::size_t octave = 0; octave + 1 < octaves.size(); ++octave) {
     std::vector<cv::Mat> halves(faces.size());
     for (std::size_t face = 0; face < faces.size(); ++face)
       cv::resize(faces[face], halves[face], octaves[octave + 1], 0, 0, cv::INTER_AREA);
-    const std::array<FootprintFilter, 4>& filters = octave == 0 ? of_original : of_smaller;
     // A few rows at a time, for a large picture and all that is made of it on the way would take much room;
     // the faces of a cube, which are small, need each other.
     const cv::Size size = octaves[octave];
     const int rows_at_once = cube ? size.height : 64;
     for (int top = 0; top < size.height; top += rows_at_once) {
       const cv::Range strip(top, std::min(top + rows_at_once, size.height));
-      std::vector<cv::Mat> filtered(faces.size());
+      std::vector<cv::Mat> blurred, mixed(faces.size());
+      for (const cv::Mat& half : halves) blurred.push_back(Enlarged(half, size, strip, !cube));
       for (int part = 0; part < 4; ++part) {
         for (std::size_t face = 0; face < faces.size(); ++face)
-          filtered[face] = Filtered(faces[face], strip, filters[part], !cube);
-        store(filtered, 1 + 4 * static_cast<int>(octave) + part, top);
+          cv::addWeighted(faces[face].rowRange(strip), 1 - kMiddles[part], blurred[face], kMiddles[part], 0,
+                          mixed[face]);
+        store(mixed, 1 + 4 * static_cast<int>(octave) + part, top);
       }
     }
     faces = halves;

@@ -4,37 +4,21 @@
 #include <mujoco/mujoco.h>
 
 #include <cstdint>
-#include <memory>
-#include <new>
 #include <vector>
 
 namespace kestrel::sim::ray {
 
-// Of memory that is written before it is read, and need not be cleared: that of a large picture takes as long as to
-// make half of its sizes.
-template <class T>
-struct Uncleared : std::allocator<T> {
-  template <class U>
-  struct rebind {
-    using other = Uncleared<U>;
-  };
-  template <class U>
-  void construct(U* at) noexcept {
-    ::new (static_cast<void*>(at)) U;
-  }
-};
-
 // A picture at all sizes down to one texel, for filtering by footprint; or the six faces of a cube, in
-// OpenGL's order (+x, -x, +y, -y, +z, -z). For four footprints in each octave the picture is filtered
-// beforehand, so that interpolation between four texels gives what is nearest to the mean over the footprint: to mix
-// the two sizes next to it, as OpenGL does, takes eight texels and blurs more.
+// OpenGL's order (+x, -x, +y, -y, +z, -z). Trilinear filtering mixes the two sizes next to the footprint,
+// four texels of each. Here they are mixed beforehand, for four footprints in each octave, so that four
+// texels do.
 //
 // A texel is four bytes: blue, green, red, 0. Every level has a border of one texel: that of the opposite
 // side where the picture repeats, the same again on the face of a cube.
 struct Pyramid {
   static constexpr int kMaxLevels = 64;
 
-  std::vector<std::uint32_t, Uncleared<std::uint32_t>> texels;
+  std::vector<std::uint32_t> texels;
   int levels = 0;
   int faces = 1;
   std::int32_t face_stride = 0;  // from a face's texel to the same one of the next face

@@ -147,13 +147,11 @@ HWY_INLINE Colours Unpack(const std::int32_t* mixed) {
           hn::Mul(hn::ConvertTo(df, b), scale)};
 }
 
-// The mean of the squares of a pixel's footprint's sides, in texels. The longer side alone would blur what is seen
-// aslant much more than the pixel does.
+// The longer side of a pixel's footprint, in texels, squared.
 HWY_INLINE VF Footprint2(const Pyramid& p, VF s_u, VF t_u, VF s_v, VF t_v) {
-  constexpr float kRootHalf = 0.70710678f;
-  const VF w = F(kRootHalf * p.width[0]), h = F(kRootHalf * p.height[0]);
+  const VF w = F(p.width[0]), h = F(p.height[0]);
   const VF a = hn::Mul(s_u, w), b = hn::Mul(t_u, h), c = hn::Mul(s_v, w), d = hn::Mul(t_v, h);
-  return hn::Add(hn::MulAdd(a, a, hn::Mul(b, b)), hn::MulAdd(c, c, hn::Mul(d, d)));
+  return hn::Max(hn::MulAdd(a, a, hn::Mul(b, b)), hn::MulAdd(c, c, hn::Mul(d, d)));
 }
 
 HWY_INLINE void PlanRepeating(const Pyramid& p, VF s, VF t, VF s_u, VF t_u, VF s_v, VF t_v, MF wanted,
