@@ -9,23 +9,42 @@
 namespace kestrel::sim::ray {
 namespace {
 
-std::uint32_t Packed(const cv::Vec3b& rgb) {
-  return static_cast<std::uint32_t>(rgb[2] | rgb[1] << 8 | rgb[0] << 16);
+// In one channel where red, green and blue are the same everywhere, as of a printed pad: it takes a third of the work.
+constexpr std::uint32_t Packed(const std::uint8_t* pixel, int channels) {
+  if (channels == 1) return pixel[0] * 0x010101u;
+  return static_cast<std::uint32_t>(pixel[2] | pixel[1] << 8 | pixel[0] << 16);
+}
+
+bool IsGrey(const cv::Mat& rgb) {
+  for (int y = 0; y < rgb.rows; ++y) {
+    const std::uint8_t* row = rgb.ptr(y);
+    unsigned differs = 0;
+    for (int x = 0; x < 3 * rgb.cols; x += 3)
+      differs |= static_cast<unsigned>(row[x] ^ row[x + 1]) | static_cast<unsigned>(row[x] ^ row[x + 2]);
+    if (differs) return false;
+  }
+  return true;
 }
 
 // Writes some rows, from the one at top on, of one level of a picture that repeats, so many rows high; with a
 // border of what repeats.
-void StoreRepeating(const cv::Mat& rgb, int top, int height, std::uint32_t* origin, int stride) {
-  for (int y = 0; y < rgb.rows; ++y) {
-    const auto write = [&](int row) {
-      for (int x = -1; x <= rgb.cols; ++x) {
-        origin[static_cast<std::ptrdiff_t>(row) * stride + x] =
-            Packed(rgb.at<cv::Vec3b>(y, (x + rgb.cols) % rgb.cols));
-      }
+void StoreRepeating(const cv::Mat& picture, int top, int height, std::uint32_t* origin, int stride) {
+  const int channels = picture.channels(), width = picture.cols;
+  for (int y = 0; y < picture.rows; ++y) {
+    const std::uint8_t* pixels = picture.ptr(y);
+    std::uint32_t* row = origin + static_cast<std::ptrdiff_t>(top + y) * stride;
+    if (channels == 1) {
+      for (int x = 0; x < width; ++x) row[x] = Packed(pixels + x, 1);
+    } else {
+      for (int x = 0; x < width; ++x) row[x] = Packed(pixels + 3 * x, 3);
+    }
+    row[-1] = row[width - 1];
+    row[width] = row[0];
+    const auto again = [&](int at) {
+      std::copy_n(row - 1, width + 2, origin + static_cast<std::ptrdiff_t>(at) * stride - 1);
     };
-    write(top + y);
-    if (top + y == 0) write(height);
-    if (top + y == height - 1) write(-1);
+    if (top + y == 0) again(height);
+    if (top + y == height - 1) again(-1);
   }
 }
 
@@ -71,7 +90,8 @@ void StoreFace(const std::vector<cv::Mat>& faces, int face, std::uint32_t* origi
         column = texel(sc);
         row = texel(tc);
       }
-      origin[static_cast<std::ptrdiff_t>(y) * stride + x] = Packed(faces[of].at<cv::Vec3b>(row, column));
+      origin[static_cast<std::ptrdiff_t>(y) * stride + x] =
+          Packed(faces[of].ptr(row, column), faces[of].channels());
     }
   }
 }
@@ -120,18 +140,22 @@ Pyramid MakePyramid(const mjModel* model, int texture) {
     total += (size.width + 2) * (size.height + 2);
   }
   p.face_stride = p.faces == 6 ? total : 0;
-  p.texels.assign(static_cast<std::size_t>(total) * p.faces + 1, 0);  // the last is read with one more
+  p.texels.resize(static_cast<std::size_t>(total) * p.faces + 1);
+  p.texels.back() = 0;  // is read with the one before it
   std::vector<cv::Mat> faces;
   for (int face = 0; face < p.faces; ++face) {
     // A cube of one picture shows it on all sides.
     const std::size_t from = rows == width ? 0 : static_cast<std::size_t>(face) * 3 * width * width;
     faces.emplace_back(height, width, CV_8UC3, data + (cube ? from : 0));
   }
-  const auto store = [&](const std::vector<cv::Mat>& rgb, int level, int top = 0) {
+  if (std::all_of(faces.begin(), faces.end(), IsGrey))
+    for (cv::Mat& face : faces) cv::extractChannel(face, face, 0);
+  const auto store = [&](const std::vector<cv::Mat>& pictures, int level, int top = 0) {
     std::uint32_t* origin = p.texels.data() + p.offset[level];
-    if (!cube) return StoreRepeating(rgb[0], top, static_cast<int>(p.height[level]), origin, p.stride[level]);
+    if (!cube)
+      return StoreRepeating(pictures[0], top, static_cast<int>(p.height[level]), origin, p.stride[level]);
     for (int face = 0; face < 6; ++face)
-      StoreFace(rgb, face, origin + static_cast<std::ptrdiff_t>(face) * p.face_stride, p.stride[level]);
+      StoreFace(pictures, face, origin + static_cast<std::ptrdiff_t>(face) * p.face_stride, p.stride[level]);
   };
   store(faces, 0);
   for (std::size_t octave = 0; octave + 1 < octaves.size(); ++octave) {

@@ -4,9 +4,25 @@
 #include <mujoco/mujoco.h>
 
 #include <cstdint>
+#include <memory>
+#include <new>
 #include <vector>
 
 namespace kestrel::sim::ray {
+
+// Of memory that is written before it is read, and need not be cleared: that of a large picture takes as long as to
+// make half of its sizes.
+template <class T>
+struct Uncleared : std::allocator<T> {
+  template <class U>
+  struct rebind {
+    using other = Uncleared<U>;
+  };
+  template <class U>
+  void construct(U* at) noexcept {
+    ::new (static_cast<void*>(at)) U;
+  }
+};
 
 // A picture at all sizes down to one texel, for filtering by footprint; or the six faces of a cube, in
 // OpenGL's order (+x, -x, +y, -y, +z, -z). Trilinear filtering mixes the two sizes next to the footprint,
@@ -18,7 +34,7 @@ namespace kestrel::sim::ray {
 struct Pyramid {
   static constexpr int kMaxLevels = 64;
 
-  std::vector<std::uint32_t> texels;
+  std::vector<std::uint32_t, Uncleared<std::uint32_t>> texels;
   int levels = 0;
   int faces = 1;
   std::int32_t face_stride = 0;  // from a face's texel to the same one of the next face

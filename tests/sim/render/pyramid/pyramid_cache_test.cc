@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "sim/world/mjcf.h"
 
 namespace kestrel::sim {
@@ -32,6 +34,23 @@ TEST(KeptPyramids, OtherPicturesAreOthersAndTexelsAreTheirs) {
   EXPECT_NE(of_red, of_green);
   EXPECT_EQ(of_green->texels, ray::MakePyramid(green.get(), 0).texels);
   EXPECT_NE(of_green->texels, of_red->texels);
+}
+
+// Of noise in grey, but for the colour of its first texel.
+ModelPtr Noise(int colour) {
+  ModelPtr model = Painted("0 0 0");
+  for (int texel = 0; texel < 64; ++texel)
+    std::fill_n(model->tex_rgb + model->tex_adr[0] + 3 * texel, 3, static_cast<mjtByte>(texel * 37 % 256));
+  model->tex_rgb[model->tex_adr[0]] = static_cast<mjtByte>(colour);
+  return model;
+}
+
+TEST(Pyramid, AGreyPictureHasTheTexelsThatItHasInColours) {
+  const ray::Pyramid grey = ray::MakePyramid(Noise(0).get(), 0), red = ray::MakePyramid(Noise(200).get(), 0);
+  ASSERT_EQ(grey.texels.size(), red.texels.size());
+  EXPECT_NE(grey.texels, red.texels);
+  for (std::size_t i = 0; i < grey.texels.size(); ++i)
+    EXPECT_EQ(grey.texels[i] & 0xffff, red.texels[i] & 0xffff) << i;  // green and blue
 }
 
 TEST(KeptPyramids, WhatAnotherModelDoesNotHaveIsDropped) {
