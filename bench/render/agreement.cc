@@ -15,8 +15,8 @@
 namespace kestrel::bench {
 namespace {
 
-// Rays of the reference, along each side of a pixel. Each has a 64th of a pixel's footprint: of its filter for textures
-// next to nothing is left.
+// Rays of the reference, along each side of a pixel. Each has a 64th of a pixel's footprint, for which little of its
+// filter for textures is left, except towards the horizon, where a pixel is hundreds of texels long.
 constexpr int kRays = 8;
 
 // The same lens with so many pixels along each side of one.

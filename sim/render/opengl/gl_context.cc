@@ -75,8 +75,8 @@ class OsMesa final : public GlContext {
   OsMesa& operator=(const OsMesa&) = delete;
 
   std::string RendererName() const override { return NameOf("osmesa", get_string_); }
-  void SharpenTextures(double octaves) override {
-    tex_env_(kGlTextureFilterControl, kGlTextureLodBias, static_cast<float>(-octaves));
+  void BlurTextures(double octaves) override {
+    tex_env_(kGlTextureFilterControl, kGlTextureLodBias, static_cast<float>(octaves));
   }
   void* Function(const char* name) const override { return get_(name); }
 
@@ -135,8 +135,8 @@ class Egl final : public GlContext {
   Egl& operator=(const Egl&) = delete;
 
   std::string RendererName() const override { return NameOf("egl", get_string_); }
-  void SharpenTextures(double octaves) override {
-    tex_env_(kGlTextureFilterControl, kGlTextureLodBias, static_cast<float>(-octaves));
+  void BlurTextures(double octaves) override {
+    tex_env_(kGlTextureFilterControl, kGlTextureLodBias, static_cast<float>(octaves));
   }
   void* Function(const char* name) const override { return get_(name); }
 

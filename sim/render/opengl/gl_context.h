@@ -14,8 +14,8 @@ class GlContext {
   virtual ~GlContext() = default;
   // The backend, what draws, and its version: "osmesa: llvmpipe (LLVM 15.0.6, 256 bits), Mesa 22.3.6".
   virtual std::string RendererName() const = 0;
-  // Textures are taken from pictures that are larger by so many octaves than OpenGL would choose.
-  virtual void SharpenTextures(double octaves) = 0;
+  // Textures are taken from pictures that are smaller by so many octaves than OpenGL would choose.
+  virtual void BlurTextures(double octaves) = 0;
   // One of OpenGL's, as "glFlush"; null where there is none.
   virtual void* Function(const char* name) const = 0;
 };

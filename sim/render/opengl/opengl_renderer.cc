@@ -25,11 +25,6 @@ constexpr int kMaxSide_px = 8192;
 constexpr int kSceneRoom = 2000;  // drawn things beyond the geoms of the model
 constexpr int kBandRows = 16;
 
-// Octaves of textures' sizes. OpenGL interpolates between the texels of a size whose texels are as large as a pixel,
-// and so blurs by more than a pixel: by log2(3) / 2 = 0.8 octaves where a pixel is many texels, less where it is few. A
-// pixel of a lens is the mean over its patch of a face besides, so that the size counts for less.
-constexpr double kSharpening = 0.75, kSharpeningOfFaces = 0.5;
-
 // MuJoCo fills its process-wide table of OpenGL functions anew for each context: nobody may draw meanwhile.
 std::shared_mutex gl_functions;
 
@@ -151,7 +146,9 @@ OpenGlRenderer::OpenGlRenderer(const mjModel* model, const vision::CameraModel& 
     const std::unique_lock lock(gl_functions);
     mjr_makeContext(&shown, &gpu_, mjFONTSCALE_50);
   }
-  context_->SharpenTextures(direct_ ? kSharpening : kSharpeningOfFaces);
+  // The faces' finer pixels are for edges. Of textures, a pixel of the lens shows what its own size lets
+  // through.
+  if (!direct_) context_->BlurTextures(std::log2(kFinerThanLens));
   mjr_setBuffer(mjFB_OFFSCREEN, &gpu_);
   if (gpu_.currentBuffer != mjFB_OFFSCREEN || gpu_.offWidth != width || gpu_.offHeight != height) {
     mjr_freeContext(&gpu_);
