@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <memory>
 #include <numbers>
 #include <stdexcept>
 #include <thread>
-#include <utility>
 #include <vector>
 
 #include "base/recent/recent.h"
@@ -209,10 +209,11 @@ LandscapeModel MakeLandscape(const LandscapeParameters& p, std::uint64_t run_see
 }
 
 void PaintLandscape(const LandscapeParameters& p, std::uint64_t run_seed, mjModel* m) {
-  // To paint takes longer than all else of a flight's start, and most flights of a process are in the same landscape.
-  static Recent<std::pair<std::string, std::uint64_t>, Pictures> recent(1);
-  const std::uint64_t seed = SeedOf(p, run_seed);
-  const auto pictures = recent.Of({ToYaml(p), seed}, [&] { return Paint(p, seed); });
+  // To paint takes longer than all else of a flight's start. Who gives a landscape a seed of its own flies in it again;
+  // otherwise it is that of one run, and its pictures need not be held.
+  static Recent<std::string, Pictures> recent(1);
+  const auto paint = [&] { return Paint(p, SeedOf(p, run_seed)); };
+  const auto pictures = p.seed ? recent.Of(ToYaml(p), paint) : std::make_shared<const Pictures>(paint());
   Hang(pictures->plain, "plain", kPlainTexels, m);
   Hang(pictures->lawn, "lawn", kPlainTexels, m);
   Hang(pictures->round, "round", kRoundTexels[0], m);
