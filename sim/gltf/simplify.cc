@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <unordered_map>
 
@@ -17,6 +18,9 @@ using Eigen::Vector3f;
 constexpr float kNear_m = 20;  // within which cells are of one size
 constexpr int kMostSteps = 12;
 constexpr float kEdgeCosine = 0.3f;  // of the angle between normals
+
+// As seen from the origin.
+float Elevation(const Vector3f& p) { return std::atan2(p.z(), p.head<2>().norm()); }
 
 // The cell of each vertex, and how many there are.
 struct Cells {
@@ -73,7 +77,8 @@ std::vector<std::size_t> Remaining(const Mesh& mesh, const Cells& cells) {
 struct Kept {
   Cells cells;
   std::vector<std::size_t> faces;
-  std::vector<Vector3f> middles;  // of the vertices in each cell
+  std::vector<Vector3f>
+      points;  // of the vertices in each cell the one seen highest from the origin: the skyline stays
 };
 
 Kept Keep(const Mesh& mesh, std::size_t faces) {
@@ -86,14 +91,16 @@ Kept Keep(const Mesh& mesh, std::size_t faces) {
     size *=
         std::clamp(std::sqrt(static_cast<float>(kept.faces.size()) / static_cast<float>(faces)), 1.1f, 4.0f);
   }
-  kept.middles.assign(static_cast<std::size_t>(kept.cells.count), Vector3f::Zero());
-  std::vector<float> counts(kept.middles.size());
+  kept.points.resize(static_cast<std::size_t>(kept.cells.count));
+  std::vector<float> highest(kept.points.size(), -std::numeric_limits<float>::infinity());
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
     const auto cell = static_cast<std::size_t>(kept.cells.of[v]);
-    kept.middles[cell] += mesh.positions[v];
-    ++counts[cell];
+    const Vector3f& p = mesh.positions[v];
+    const float elevation = Elevation(p);
+    if (elevation <= highest[cell]) continue;
+    highest[cell] = elevation;
+    kept.points[cell] = p;
   }
-  for (std::size_t c = 0; c < counts.size(); ++c) kept.middles[c] /= counts[c];
   return kept;
 }
 
@@ -104,9 +111,9 @@ Mesh Simplified(const Mesh& mesh, std::size_t faces) {
   const Kept kept = Keep(mesh, faces);
   Mesh simple;
   Numbering numbering;
-  std::vector<int> becomes;  // of each vertex
-  std::vector<float> counts;
-  std::vector<std::size_t> firsts(kept.middles.size(), mesh.positions.size());
+  std::vector<int> becomes;    // of each vertex
+  std::vector<float> highest;  // of each vertex that is made, as of its cell
+  std::vector<std::size_t> firsts(kept.points.size(), mesh.positions.size());
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
     const auto cell = static_cast<std::size_t>(kept.cells.of[v]);
     const std::size_t first = firsts[cell] = std::min(firsts[cell], v);
@@ -119,20 +126,19 @@ Mesh Simplified(const Mesh& mesh, std::size_t faces) {
     const int made = numbering.Of(key);
     becomes.push_back(made);
     const auto at = static_cast<std::size_t>(made);
-    if (at == counts.size()) {
-      simple.positions.push_back(kept.middles[cell]);
+    const float elevation = Elevation(mesh.positions[v]);
+    if (at == highest.size()) {
+      simple.positions.push_back(kept.points[cell]);
       simple.normals.push_back(Vector3f::Zero());
       if (!mesh.st.empty()) simple.st.push_back(Eigen::Vector2f::Zero());
-      counts.push_back(0);
+      highest.push_back(-std::numeric_limits<float>::infinity());
     }
     simple.normals[at] += mesh.normals[v];
-    if (!mesh.st.empty()) simple.st[at] += mesh.st[v];
-    ++counts[at];
+    if (elevation <= highest[at]) continue;
+    highest[at] = elevation;
+    if (!mesh.st.empty()) simple.st[at] = mesh.st[v];
   }
-  for (std::size_t v = 0; v < counts.size(); ++v) {
-    if (!simple.st.empty()) simple.st[v] /= counts[v];
-    simple.normals[v] = simple.normals[v].norm() > 1e-6f ? simple.normals[v].normalized() : Vector3f::UnitZ();
-  }
+  for (Vector3f& n : simple.normals) n = n.norm() > 1e-6f ? n.normalized() : Vector3f::UnitZ();
   for (const std::size_t f : kept.faces) {
     simple.faces.emplace_back();
     for (int k = 0; k < 3; ++k) simple.faces.back()[k] = becomes[static_cast<std::size_t>(mesh.faces[f][k])];
@@ -156,7 +162,7 @@ Mesh SimplifiedPainted(const Mesh& mesh, std::size_t faces) {
     const auto first = static_cast<int>(simple.positions.size());
     for (const int corner : mesh.faces[f]) {
       const auto v = static_cast<std::size_t>(corner);
-      simple.positions.push_back(kept.middles[static_cast<std::size_t>(kept.cells.of[v])]);
+      simple.positions.push_back(kept.points[static_cast<std::size_t>(kept.cells.of[v])]);
       simple.normals.push_back(mesh.normals[v]);
       simple.st.push_back(mesh.st[v]);
     }

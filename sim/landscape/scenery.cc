@@ -2,6 +2,7 @@
 #include "sim/landscape/scenery.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -54,45 +55,67 @@ struct Site {
   float north, east, up;
 };
 
+// How many facets a round thing has: so many, but none finer than is seen from the origin, about which flights are
+// flown.
+int Facets(int most, int least, float around_m, const Site& site) {
+  constexpr float kFinest_rad = 0.014f;
+  const float seen = around_m / (kFinest_rad * std::hypot(site.north, site.east));
+  return std::clamp(static_cast<int>(seen), least, most);
+}
+
 // A leafy crown: a rough ball of rings, wider than high or the other way.
-void Crown(Builder& builder, const Point& centre, float radius, float half_height, const Colour& leaves,
-           RandomStream& random) {
+void Crown(Builder& builder, const Site& site, const Point& centre, float radius, float half_height,
+           const Colour& leaves, RandomStream& random) {
   constexpr int kBands = 9, kAround = 14;
-  Point p[kBands + 1][kAround];
-  Colour light[kBands][kAround];
+  // All are drawn, so that nothing else depends on how many there are.
+  float bumps[kBands + 1][kAround], lights[kBands][kAround];
   for (int i = 0; i <= kBands; ++i) {
-    const float polar = std::numbers::pi_v<float> * static_cast<float>(i) / kBands;
     for (int j = 0; j < kAround; ++j) {
-      const float around = kFullTurn * (static_cast<float>(j) + 0.5f * static_cast<float>(i % 2)) / kAround;
-      const float bump = i == 0 || i == kBands ? 1.0f : static_cast<float>(random.Uniform(0.70, 1.18));
-      p[i][j] = centre + Point(bump * radius * std::sin(polar) * std::cos(around),
-                               bump * radius * std::sin(polar) * std::sin(around),
-                               bump * half_height * std::cos(polar));
-      if (i < kBands) light[i][j] = leaves * static_cast<float>(random.Uniform(0.5, 1.4));
+      bumps[i][j] = i == 0 || i == kBands ? 1.0f : static_cast<float>(random.Uniform(0.70, 1.18));
+      if (i < kBands) lights[i][j] = static_cast<float>(random.Uniform(0.5, 1.4));
     }
   }
-  for (int i = 0; i < kBands; ++i) {
-    for (int j = 0; j < kAround; ++j) {
-      const int k = (j + 1) % kAround, odd = i % 2;
+  const int around = Facets(kAround, 6, kFullTurn * radius, site),
+            bands = std::max(4, kBands * around / kAround);
+  Point p[kBands + 1][kAround];
+  Colour light[kBands][kAround];
+  for (int i = 0; i <= bands; ++i) {
+    const float polar = std::numbers::pi_v<float> * static_cast<float>(i) / static_cast<float>(bands);
+    for (int j = 0; j < around; ++j) {
+      const float turn =
+          kFullTurn * (static_cast<float>(j) + 0.5f * static_cast<float>(i % 2)) / static_cast<float>(around);
+      const float bump = i == bands ? 1.0f : bumps[i][j];
+      p[i][j] = centre + Point(bump * radius * std::sin(polar) * std::cos(turn),
+                               bump * radius * std::sin(polar) * std::sin(turn),
+                               bump * half_height * std::cos(polar));
+      if (i < bands) light[i][j] = leaves * lights[i][j];
+    }
+  }
+  for (int i = 0; i < bands; ++i) {
+    for (int j = 0; j < around; ++j) {
+      const int k = (j + 1) % around, odd = i % 2;
       // Rows are half a step apart: which diagonal is the short one alternates.
       const Point &a = p[i][j], &b = p[i][k], &c = p[i + 1][odd ? k : j],
-                  &e = p[i + 1][odd ? (k + 1) % kAround : k];
+                  &e = p[i + 1][odd ? (k + 1) % around : k];
       if (i > 0) builder.Triangle(a, c, b, light[i][j]);
-      if (i + 1 < kBands) builder.Triangle(b, c, e, 0.9f * light[i][j]);
+      if (i + 1 < bands) builder.Triangle(b, c, e, 0.9f * light[i][j]);
     }
   }
 }
 
-void Cone(Builder& builder, const Point& base, float radius, float height, const Colour& colour,
-          RandomStream& random) {
+void Cone(Builder& builder, const Site& site, const Point& base, float radius, float height,
+          const Colour& colour, RandomStream& random) {
   constexpr int kAround = 9;
+  float lights[kAround];
+  for (float& light : lights) light = static_cast<float>(random.Uniform(0.7, 1.2));
+  const int around = Facets(kAround, 5, kFullTurn * radius, site);
   const Point tip = base + Point(0, 0, height);
-  for (int j = 0; j < kAround; ++j) {
+  for (int j = 0; j < around; ++j) {
     const auto at = [&](int k) {
-      const float around = kFullTurn * static_cast<float>(k % kAround) / kAround;
-      return Point(base + radius * Point(std::cos(around), std::sin(around), 0));
+      const float turn = kFullTurn * static_cast<float>(k % around) / static_cast<float>(around);
+      return Point(base + radius * Point(std::cos(turn), std::sin(turn), 0));
     };
-    builder.Triangle(tip, at(j), at(j + 1), colour * static_cast<float>(random.Uniform(0.7, 1.2)));
+    builder.Triangle(tip, at(j), at(j + 1), colour * lights[j]);
   }
 }
 
@@ -149,19 +172,20 @@ void Tree(Builder& builder, const LandscapeParameters& p, const Site& site, Shad
   const Point foot(site.north, site.east, site.up - 0.5f);
   const float radius = conifer ? 0.2f * height : 0.30f * height;
   shadows.Cast(builder, site, radius, height);
-  constexpr int kSides = 5;
   const float thick = 0.025f * height, top = conifer ? 0.25f * height : 0.45f * height;
-  for (int k = 0; k < kSides; ++k) {
+  const int sides = Facets(5, 3, kFullTurn * thick, site);
+  for (int k = 0; k < sides; ++k) {
     const auto at = [&](int j, float up) {
-      const float turn = kFullTurn * static_cast<float>(j % kSides) / kSides;
+      const float turn = kFullTurn * static_cast<float>(j % sides) / static_cast<float>(sides);
       return Point(foot + Point(thick * std::cos(turn), thick * std::sin(turn), up));
     };
     builder.Quad(at(k, top), at(k, 0), at(k + 1, 0), at(k + 1, top), kTrunk);
   }
   if (!conifer)
-    return Crown(builder, foot + Point(0, 0, 0.64f * height), radius, 0.36f * height, leaves, random);
+    return Crown(builder, site, foot + Point(0, 0, 0.64f * height), radius, 0.36f * height, leaves, random);
   for (const float from : {0.16f, 0.42f, 0.66f})
-    Cone(builder, foot + Point(0, 0, from * height), radius * (1.1f - from), 0.42f * height, leaves, random);
+    Cone(builder, site, foot + Point(0, 0, from * height), radius * (1.1f - from), 0.42f * height, leaves,
+         random);
 }
 
 void Building(Builder& builder, const Site& site, Shadows& shadows, RandomStream& random) {

@@ -108,25 +108,88 @@ Eigen::Vector3f Terrain::Normal(float north, float east) const {
   return Eigen::Vector3f(-along, -across, 1).normalized();
 }
 
+float Terrain::MeshHeight(int ring, int sector) const {
+  const float r = Radius(ring);
+  return hills_[static_cast<std::size_t>(ring) * kSectors + sector % kSectors] - Drop(r) - Sunk(r);
+}
+
+std::vector<int> Terrain::KeptRings() const {
+  constexpr int kMostAtOnce = 4;
+  // Whether those between two rings are as if drawn from one to the other.
+  const auto straight = [&](int from, int to) {
+    for (int i = from + 1; i < to; ++i) {
+      const float share = (Radius(i) - Radius(from)) / (Radius(to) - Radius(from));
+      for (int j = 0; j < kSectors; ++j) {
+        const float drawn = std::lerp(MeshHeight(from, j), MeshHeight(to, j), share);
+        if (std::abs(MeshHeight(i, j) - drawn) > kUnseen_rad * Radius(i)) return false;
+      }
+    }
+    return true;
+  };
+  std::vector<int> kept{0};
+  while (kept.back() + 1 < kRings) {
+    int next = kept.back() + 1;
+    while (next + 1 < kRings && next - kept.back() < kMostAtOnce && straight(kept.back(), next + 1)) ++next;
+    kept.push_back(next);
+  }
+  return kept;
+}
+
+std::vector<int> Terrain::KeptSectors(int ring) const {
+  constexpr int kMostAtOnce = 8;
+  std::vector<int> kept;
+  // Those from one sector on and before another. (Douglas and Peucker, 1973.)
+  const auto keep = [&](const auto& self, int from, int to) -> void {
+    int farthest = (from + to) / 2;
+    float most = 0;
+    for (int j = from + 1; j < to; ++j) {
+      const float share = static_cast<float>(j - from) / static_cast<float>(to - from);
+      const float drawn = std::lerp(MeshHeight(ring, from), MeshHeight(ring, to), share);
+      const float off = std::abs(MeshHeight(ring, j) - drawn);
+      if (off > most) most = off, farthest = j;
+    }
+    const bool seen = most > kUnseen_rad * Radius(ring);
+    if (!seen && to - from <= kMostAtOnce) return kept.push_back(from);
+    if (!seen) farthest = (from + to) / 2;
+    self(self, from, farthest);
+    self(self, farthest, to);
+  };
+  keep(keep, 0, kSectors);
+  kept.push_back(kSectors);
+  return kept;
+}
+
 Mesh Terrain::ToMesh() const {
   Mesh mesh;
-  for (int i = 0; i < kRings; ++i) {
-    for (int j = 0; j <= kSectors; ++j) {
+  struct Line {
+    std::vector<int> sectors;
+    int first;  // vertex
+  };
+  std::vector<Line> lines;
+  for (const int i : KeptRings()) {
+    lines.push_back({KeptSectors(i), static_cast<int>(mesh.vertices.size())});
+    for (const int j : lines.back().sectors) {
       const float azimuth = kTurn * static_cast<float>(j) / kSectors, r = Radius(i);
-      const float north = r * std::cos(azimuth), east = r * std::sin(azimuth);
-      const float hill = hills_[static_cast<std::size_t>(i) * kSectors + j % kSectors];
-      mesh.vertices.emplace_back(north, -east, hill - Drop(r) - Sunk(r));
+      mesh.vertices.emplace_back(r * std::cos(azimuth), -r * std::sin(azimuth), MeshHeight(i, j));
       // It is drawn as painted, so its normals only tell edges from smooth ground.
       mesh.normals.emplace_back(0.0f, 0.0f, 1.0f);
       mesh.st.emplace_back(static_cast<float>(j) / kSectors, static_cast<float>(i) / (kRings - 1));
     }
   }
-  const auto at = [](int i, int j) { return i * (kSectors + 1) + j; };
-  for (int i = 0; i + 1 < kRings; ++i) {
-    for (int j = 0; j < kSectors; ++j) {
-      // Azimuth grows clockwise as seen from above.
-      mesh.faces.emplace_back(at(i, j), at(i + 1, j + 1), at(i + 1, j));
-      mesh.faces.emplace_back(at(i, j), at(i, j + 1), at(i + 1, j + 1));
+  for (std::size_t k = 0; k + 1 < lines.size(); ++k) {
+    // Azimuth grows clockwise as seen from above. Every line is the border of two strips, which leaves no gap.
+    const Line &inner = lines[k], &outer = lines[k + 1];
+    std::size_t a = 0, b = 0;
+    while (a + 1 < inner.sectors.size() || b + 1 < outer.sectors.size()) {
+      const int own = inner.first + static_cast<int>(a), other = outer.first + static_cast<int>(b);
+      const bool at_end = a + 1 == inner.sectors.size();
+      if (at_end || (b + 1 < outer.sectors.size() && outer.sectors[b + 1] <= inner.sectors[a + 1])) {
+        mesh.faces.emplace_back(own, other + 1, other);
+        ++b;
+      } else {
+        mesh.faces.emplace_back(own, own + 1, other);
+        ++a;
+      }
     }
   }
   return mesh;

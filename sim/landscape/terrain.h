@@ -22,13 +22,18 @@ class Terrain {
   float Height(float north, float east) const;
   float HillHeight(float north, float east) const;
   Eigen::Vector3f Normal(float north, float east) const;  // north, east, up
-  // s: azimuth from 0 to 1; t: the logarithm of the distance, 0 at kInner_m, 1 at kOuter_m.
+  // s: azimuth from 0 to 1; t: the logarithm of the distance, 0 at kInner_m, 1 at kOuter_m. As seen from the origin,
+  // about which flights are flown, no point is off by more than 1 mrad in elevation: half a pixel where 640 see 73
+  // degrees.
   Mesh ToMesh() const;
 
  private:
   static constexpr int kRings = 96, kSectors = 360;
-  float Grid(const std::vector<float>& of, float north, float east) const;
+  static constexpr float kUnseen_rad = 5e-4f;  // along rings, and across them
   float Radius(int ring) const;
+  float MeshHeight(int ring, int sector) const;
+  std::vector<int> KeptRings() const;
+  std::vector<int> KeptSectors(int ring) const;  // from 0 to kSectors
 
   std::vector<float> hills_;  // ring after ring
 };

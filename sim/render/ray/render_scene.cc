@@ -236,6 +236,7 @@ RenderScene CompileScene(const mjModel* m, bool shadows) {
     }
     BoundThing(t);
     t.sheet = IsSheet(t);
+    t.bright = t.emission * t.rgba.head<3>().minCoeff() >= 1;
     t.baked = t.still && t.triangles && t.texture && t.emission >= 1;
     t.bound = static_cast<float>(m->geom_rbound[t.geom]);
     if (t.type == mjGEOM_PLANE && t.size.x() == 0 && t.size.y() == 0 && things.haze.thing < 0) {

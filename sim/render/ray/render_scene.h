@@ -40,8 +40,9 @@ struct Geom {
   Eigen::Vector3f cube_scale = Eigen::Vector3f::Ones();
   const Triangles* triangles = nullptr;  // of a mesh or a height field
   bool still = false;                    // fixed to the world
-  bool sheet = false;  // ground, or as flat and wide as that: it casts no shadow that one would see
-  bool baked = false;  // a still mesh whose picture has its light painted in
+  bool sheet = false;   // ground, or as flat and wide as that: it casts no shadow that one would see
+  bool bright = false;  // shines so much by itself that no light on it shows
+  bool baked = false;   // a still mesh whose picture has its light painted in
 };
 
 struct Light {

@@ -171,11 +171,12 @@ HWY_INLINE void NormalOf(const Geom& thing, const Vec3& p, const TriangleHits& h
 }
 
 // A mesh in front of itself shows by a leap of its tangent plane's distance from the viewpoint, which on
-// level ground is the same near and far. In bits of the side that the normal leaves free; from: the
-// viewpoint, to the point.
-HWY_INLINE VI LeapOf(const Vec3& n, const Vec3& from) {
-  const VF plane = hn::Max(hn::Abs(Dot(n, from)), hn::Mul(F(1e-2f), LengthOf(from)));
-  const VI octave = hn::ConvertTo(di, hn::Floor(Log2(hn::Max(plane, F(1e-9f)))));
+// level ground is the same near and far; one of plain facets, whose normals say nothing, by a leap of its own distance.
+// In bits of the side that the normal leaves free; from: the viewpoint, to the point.
+HWY_INLINE VI LeapOf(const Triangles& triangles, const Vec3& n, const Vec3& from) {
+  VF away = LengthOf(from);
+  if (!triangles.plain_facets) away = hn::Max(hn::Abs(Dot(n, from)), hn::Mul(F(1e-2f), away));
+  const VI octave = hn::ConvertTo(di, hn::Floor(Log2(hn::Max(away, F(1e-9f)))));
   return hn::ShiftLeft<9>(hn::And(octave, hn::Set(di, 255)));
 }
 
@@ -222,7 +223,7 @@ HWY_INLINE void Shade(const Slice& slice, int index, const Rays& rays, VF t, con
   const Vec3 p = Along(Load3(placed.o), t, d);
   Vec3 n;
   NormalOf(thing, p, hits, wanted, n, surface.side);
-  if (thing.triangles) surface.side = hn::Or(surface.side, LeapOf(n, Scale(d, t)));
+  if (thing.triangles) surface.side = hn::Or(surface.side, LeapOf(*thing.triangles, n, Scale(d, t)));
   Colours& colour = surface.lit;
   if (flat && thing.type == mjGEOM_PLANE) {
     colour = constant(4);
@@ -234,12 +235,25 @@ HWY_INLINE void Shade(const Slice& slice, int index, const Rays& rays, VF t, con
     const MF on_xy = hn::RebindMask(df, hn::Lt(surface.side, hn::Set(di, 4)));
     const auto pick = [&](VF a, VF b, VF c) { return hn::IfThenElse(on_x, a, hn::IfThenElse(on_xy, b, c)); };
     colour = {pick(x.r, y.r, z.r), pick(x.g, y.g, z.g), pick(x.b, y.b, z.b)};
+  } else if (thing.bright) {
+    colour = {F(255), F(255), F(255)};
   } else {
     colour = Light(slice, thing, Scale(rays.d, t), RotateBack(placed.R, n), rays.d, wanted, surface.side);
     const VF whole = F(255);
     colour = {hn::Mul(colour.r, whole), hn::Mul(colour.g, whole), hn::Mul(colour.b, whole)};
   }
   if (!thing.texture) return;
+  if (thing.mapping == Mapping::kExplicit && thing.triangles->plain_facets) {
+    alignas(64) float s[kLanes] = {}, tt[kLanes] = {};
+    for (std::uint32_t bits = BitsOf(wanted); bits != 0; bits &= bits - 1) {
+      const int i = std::countr_zero(bits);
+      const auto& st = thing.triangles->corners[3 * static_cast<std::size_t>(hits.face[i])].st;
+      s[i] = st.x(), tt[i] = st.y();
+    }
+    const VF none = hn::Zero(df);
+    return PlanRepeating(*thing.texture, hn::Load(df, s), hn::Load(df, tt), none, none, none, none, wanted,
+                         surface.fetch);
+  }
 
   const Steps steps(thing, d, n, t);
   const Vec3 p_u = steps.To(Rotate(placed.R, rays.du)), p_v = steps.To(Rotate(placed.R, rays.dv));

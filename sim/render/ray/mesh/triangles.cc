@@ -141,6 +141,9 @@ void Triangles::Finish() {
   if (!corners.empty() && std::all_of(corners.begin(), corners.end(),
                                       [&](const Corner& c) { return c.normal == corners.front().normal; }))
     one_normal = corners.front().normal;
+  plain_facets = has_st && one_normal;
+  for (std::size_t f = 0; f < faces.size() && plain_facets; ++f)
+    plain_facets = corners[3 * f].st == corners[3 * f + 1].st && corners[3 * f].st == corners[3 * f + 2].st;
   blocks = MakeBlocks(vertices, faces);
 }
 

@@ -32,6 +32,7 @@ class Triangles {
   // Of each face: how s and t change along x, y, z.
   std::vector<Eigen::Matrix<float, 2, 3>> st_gradient;
   bool has_st = false;
+  bool plain_facets = false;  // each shows one point of the texture, and all have one normal
   Eigen::Vector3f low, high;  // bounds
   // Boxes in boxes, that say where the triangles are more closely than the bounds: each is followed by those
   // within it, and `next` is the first that is not. The first holds all.
