@@ -57,10 +57,15 @@ std::vector<Eigen::Vector2d> PadReference::Outline() const {
 
 const PadReference::Level& PadReference::LevelFor(double px_per_m) const {
   const Level* best = &levels.front();
-  for (const Level& level : levels) {
-    if (level.px_per_m >= 0.75 * px_per_m) best = &level;
-  }
+  for (std::size_t i = 0; i < levels.size(); i += 2)
+    if (levels[i].px_per_m >= 0.75 * px_per_m) best = &levels[i];
   return *best;
+}
+
+const PadReference::Level& PadReference::NearestLevel(double px_per_m) const {
+  const auto octaves = [&](const Level& level) { return std::abs(std::log2(level.px_per_m / px_per_m)); };
+  return *std::min_element(levels.begin(), levels.end(),
+                           [&](const Level& a, const Level& b) { return octaves(a) < octaves(b); });
 }
 
 Eigen::Matrix3d NearestTurn(const Eigen::Matrix3d& H_w, int turns,
@@ -85,7 +90,9 @@ PadReference MakePadReference(const cv::Mat& picture, double length_m, double wi
   cv::Mat grey = picture;
   if (picture.channels() == 3) cv::cvtColor(picture, grey, cv::COLOR_BGR2GRAY);
   PadReference reference{length_m, width_m, {}, {}, TurnsOf(grey, length_m, width_m)};
-  for (double scale = 1;; scale /= 2) {
+  // By half octaves: drawn from one that is farther from the image's resolution, the pad is blurred, or shows what the
+  // image does not.
+  for (double scale = 1;; scale *= M_SQRT1_2) {
     const cv::Size size(static_cast<int>(std::lround(grey.cols * scale)),
                         static_cast<int>(std::lround(grey.rows * scale)));
     if (std::min(size.width, size.height) < kSmallestSide_px && scale < 1) break;

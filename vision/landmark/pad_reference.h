@@ -10,7 +10,7 @@
 
 namespace kestrel::vision {
 
-// The reference appearance of a rectangular helipad, at scales half of each other, with its corners by Shi
+// The reference appearance of a rectangular helipad, at scales half an octave apart, with its corners by Shi
 // and Tomasi. T is the pad's frame: origin at its centre, x along its length towards the top of the picture,
 // y to the right of the picture, z down into the ground.
 struct PadReference {
@@ -22,14 +22,16 @@ struct PadReference {
     double px_per_m = 0;
   };
   double length_m = 0, width_m = 0;
-  std::vector<Level> levels;  // the finest first
+  std::vector<Level> levels;  // the finest first, which is the picture itself
   std::vector<Tag> tags;      // of which its picture is made, if it is: then it is found by them
   int turns = 1;  // in how many directions it looks alike: 2 after half a turn, 4 after each quarter
 
   // The four corners in T, m, clockwise as seen from above, from the picture's top left.
   std::vector<Eigen::Vector2d> Outline() const;
-  // The level whose pixels are at least as fine as px_per_m and nearest to it, the finest where none is.
+  // Of whole octaves: the coarsest that is at least three quarters as fine as px_per_m, the finest where none is.
   const Level& LevelFor(double px_per_m) const;
+  // Of all: what an image of that resolution would show, neither blurred nor finer.
+  const Level& NearestLevel(double px_per_m) const;
 };
 
 // The direction, of those in which the pad looks alike, that is nearest to what is expected; where nothing is,

@@ -16,6 +16,7 @@
 namespace kestrel::vision {
 namespace {
 
+constexpr double kFiner = 1.2;
 constexpr int kLevelsOfRegistration = 2;
 // Than the image, where the light is evened out: the fine details of a print are blurred from near.
 constexpr std::array kCoarser = {1, 2, 4};
@@ -124,7 +125,8 @@ std::optional<PadRegistration::Place> PadRegistration::PlaceOf(const PadReferenc
   Place place{H_w, VisiblePart(reference, H_w, image), 0, nullptr, {}};
   if (place.visible.empty()) return std::nullopt;
   place.px_per_m = ScaleOf(place.visible, H_w);
-  place.level = &reference.LevelFor(place.px_per_m);
+  // Somewhat finer than the image, since it is blurred once more where it is drawn.
+  place.level = &reference.NearestLevel(kFiner * place.px_per_m);
   const double cell_px = std::max(4.0, std::sqrt(cv::contourArea(place.visible) / options_.max_points));
   place.corners_T = SpreadCorners(place.level->corners, H_w, image, cell_px, 2 * options_.max_points);
   return place;

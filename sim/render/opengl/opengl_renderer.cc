@@ -24,6 +24,9 @@ constexpr std::array<DepthRange, 3> kDepthParts{{{12, 500}, {0.5, 12.01}, {0.02,
 constexpr int kMaxSide_px = 8192;
 constexpr int kSceneRoom = 2000;  // drawn things beyond the geoms of the model
 constexpr int kBandRows = 16;
+// Octaves of textures' sizes: OpenGL goes by the longer side of a pixel's footprint and interpolates between sizes,
+// which blurs by more than the pixel does. With so much less it is nearest to the mean over many rays a pixel.
+constexpr double kSharpening = 0.4;
 
 // MuJoCo fills its process-wide table of OpenGL functions anew for each context: nobody may draw meanwhile.
 std::shared_mutex gl_functions;
@@ -148,7 +151,7 @@ OpenGlRenderer::OpenGlRenderer(const mjModel* model, const vision::CameraModel& 
   }
   // The faces' finer pixels are for edges. Of textures, a pixel of the lens shows what its own size lets
   // through.
-  if (!direct_) context_->BlurTextures(std::log2(kFinerThanLens));
+  context_->BlurTextures(direct_ ? -kSharpening : std::log2(kFinerThanLens));
   mjr_setBuffer(mjFB_OFFSCREEN, &gpu_);
   if (gpu_.currentBuffer != mjFB_OFFSCREEN || gpu_.offWidth != width || gpu_.offHeight != height) {
     mjr_freeContext(&gpu_);

@@ -9,11 +9,16 @@
 namespace kestrel::sim::ray {
 namespace {
 
-// In one channel where red, green and blue are the same everywhere, as of a printed pad: it takes a third of the work.
-constexpr std::uint32_t Packed(const std::uint8_t* pixel, int channels) {
-  if (channels == 1) return pixel[0] * 0x010101u;
-  return static_cast<std::uint32_t>(pixel[2] | pixel[1] << 8 | pixel[0] << 16);
+template <class Texel>
+constexpr Texel Packed(const std::uint8_t* pixel) {
+  if constexpr (sizeof(Texel) == 1)
+    return pixel[0];
+  else
+    return static_cast<std::uint32_t>(pixel[2] | pixel[1] << 8 | pixel[0] << 16);
 }
+
+template <class Texel>
+constexpr int kChannels = sizeof(Texel) == 1 ? 1 : 3;
 
 bool IsGrey(const cv::Mat& rgb) {
   for (int y = 0; y < rgb.rows; ++y) {
@@ -28,16 +33,13 @@ bool IsGrey(const cv::Mat& rgb) {
 
 // Writes some rows, from the one at top on, of one level of a picture that repeats, so many rows high; with a
 // border of what repeats.
-void StoreRepeating(const cv::Mat& picture, int top, int height, std::uint32_t* origin, int stride) {
-  const int channels = picture.channels(), width = picture.cols;
+template <class Texel>
+void StoreRepeating(const cv::Mat& picture, int top, int height, Texel* origin, int stride) {
+  const int width = picture.cols;
   for (int y = 0; y < picture.rows; ++y) {
     const std::uint8_t* pixels = picture.ptr(y);
-    std::uint32_t* row = origin + static_cast<std::ptrdiff_t>(top + y) * stride;
-    if (channels == 1) {
-      for (int x = 0; x < width; ++x) row[x] = Packed(pixels + x, 1);
-    } else {
-      for (int x = 0; x < width; ++x) row[x] = Packed(pixels + 3 * x, 3);
-    }
+    Texel* row = origin + static_cast<std::ptrdiff_t>(top + y) * stride;
+    for (int x = 0; x < width; ++x) row[x] = Packed<Texel>(pixels + kChannels<Texel> * x);
     row[-1] = row[width - 1];
     row[width] = row[0];
     const auto again = [&](int at) {
@@ -76,7 +78,8 @@ int FaceOf(const Eigen::Vector3d& d, double& sc, double& tc) {
 }
 
 // Writes one level of one face; its border is the nearest texels of the faces beside it.
-void StoreFace(const std::vector<cv::Mat>& faces, int face, std::uint32_t* origin, int stride) {
+template <class Texel>
+void StoreFace(const std::vector<cv::Mat>& faces, int face, Texel* origin, int stride) {
   const int size = faces[face].cols;
   for (int y = -1; y <= size; ++y) {
     for (int x = -1; x <= size; ++x) {
@@ -90,8 +93,7 @@ void StoreFace(const std::vector<cv::Mat>& faces, int face, std::uint32_t* origi
         column = texel(sc);
         row = texel(tc);
       }
-      origin[static_cast<std::ptrdiff_t>(y) * stride + x] =
-          Packed(faces[of].ptr(row, column), faces[of].channels());
+      origin[static_cast<std::ptrdiff_t>(y) * stride + x] = Packed<Texel>(faces[of].ptr(row, column));
     }
   }
 }
@@ -114,44 +116,13 @@ cv::Mat Enlarged(const cv::Mat& small, cv::Size size, cv::Range rows, bool repea
 // log2 of the footprint in the middle of each of the four parts of an octave.
 constexpr double kMiddles[4] = {0.146, 0.396, 0.646, 0.896};
 
-}  // namespace
-
-Pyramid MakePyramid(const mjModel* model, int texture) {
-  Pyramid p;
-  const int type = model->tex_type[texture];
-  const int width = model->tex_width[texture];
-  const int rows = model->tex_height[texture];
-  mjtByte* data = model->tex_rgb + model->tex_adr[texture];
-  const bool cube = type != mjTEXTURE_2D;
-  const int height = cube ? width : rows;
-  p.faces = cube ? 6 : 1;
-
-  std::vector<cv::Size> octaves = {{width, height}};
-  while (octaves.back() != cv::Size(1, 1))
-    octaves.emplace_back(std::max(1, octaves.back().width / 2), std::max(1, octaves.back().height / 2));
-  p.levels = 4 * static_cast<int>(octaves.size() - 1) + 2;
-  std::int32_t total = 0;
-  for (int l = 0; l < p.levels; ++l) {
-    const cv::Size size = octaves[l == 0 ? 0 : (l - 1) / 4];
-    p.width[l] = static_cast<float>(size.width);
-    p.height[l] = static_cast<float>(size.height);
-    p.stride[l] = size.width + 2;
-    p.offset[l] = total + p.stride[l] + 1;
-    total += (size.width + 2) * (size.height + 2);
-  }
-  p.face_stride = p.faces == 6 ? total : 0;
-  p.texels.resize(static_cast<std::size_t>(total) * p.faces + 1);
-  p.texels.back() = 0;  // is read with the one before it
-  std::vector<cv::Mat> faces;
-  for (int face = 0; face < p.faces; ++face) {
-    // A cube of one picture shows it on all sides.
-    const std::size_t from = rows == width ? 0 : static_cast<std::size_t>(face) * 3 * width * width;
-    faces.emplace_back(height, width, CV_8UC3, data + (cube ? from : 0));
-  }
-  if (std::all_of(faces.begin(), faces.end(), IsGrey))
-    for (cv::Mat& face : faces) cv::extractChannel(face, face, 0);
+// Fills the levels, which have their sizes and places.
+template <class Texel>
+void Fill(std::vector<cv::Mat> faces, const std::vector<cv::Size>& octaves,
+          std::vector<Texel, Uncleared<Texel>>& texels, Pyramid& p) {
+  const bool cube = p.faces == 6;
   const auto store = [&](const std::vector<cv::Mat>& pictures, int level, int top = 0) {
-    std::uint32_t* origin = p.texels.data() + p.offset[level];
+    Texel* origin = texels.data() + p.offset[level];
     if (!cube)
       return StoreRepeating(pictures[0], top, static_cast<int>(p.height[level]), origin, p.stride[level]);
     for (int face = 0; face < 6; ++face)
@@ -180,6 +151,51 @@ Pyramid MakePyramid(const mjModel* model, int texture) {
     faces = halves;
   }
   store(faces, p.levels - 1);
+}
+
+}  // namespace
+
+Pyramid MakePyramid(const mjModel* model, int texture) {
+  Pyramid p;
+  const int type = model->tex_type[texture];
+  const int width = model->tex_width[texture];
+  const int rows = model->tex_height[texture];
+  mjtByte* data = model->tex_rgb + model->tex_adr[texture];
+  const bool cube = type != mjTEXTURE_2D;
+  const int height = cube ? width : rows;
+  p.faces = cube ? 6 : 1;
+
+  std::vector<cv::Size> octaves = {{width, height}};
+  while (octaves.back() != cv::Size(1, 1))
+    octaves.emplace_back(std::max(1, octaves.back().width / 2), std::max(1, octaves.back().height / 2));
+  p.levels = 4 * static_cast<int>(octaves.size() - 1) + 2;
+  std::int32_t total = 0;
+  for (int l = 0; l < p.levels; ++l) {
+    const cv::Size size = octaves[l == 0 ? 0 : (l - 1) / 4];
+    p.width[l] = static_cast<float>(size.width);
+    p.height[l] = static_cast<float>(size.height);
+    p.stride[l] = size.width + 2;
+    p.offset[l] = total + p.stride[l] + 1;
+    total += (size.width + 2) * (size.height + 2);
+  }
+  p.face_stride = p.faces == 6 ? total : 0;
+  std::vector<cv::Mat> faces;
+  for (int face = 0; face < p.faces; ++face) {
+    // A cube of one picture shows it on all sides.
+    const std::size_t from = rows == width ? 0 : static_cast<std::size_t>(face) * 3 * width * width;
+    faces.emplace_back(height, width, CV_8UC3, data + (cube ? from : 0));
+  }
+  const std::size_t texels = static_cast<std::size_t>(total) * static_cast<std::size_t>(p.faces);
+  if (std::all_of(faces.begin(), faces.end(), IsGrey)) {
+    for (cv::Mat& face : faces) cv::extractChannel(face, face, 0);
+    p.grey_texels.resize(texels + 7);
+    std::fill_n(p.grey_texels.end() - 7, 7, std::uint8_t{0});
+    Fill(faces, octaves, p.grey_texels, p);
+  } else {
+    p.texels.resize(texels + 1);
+    p.texels.back() = 0;
+    Fill(faces, octaves, p.texels, p);
+  }
   return p;
 }
 

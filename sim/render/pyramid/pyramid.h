@@ -29,12 +29,15 @@ struct Uncleared : std::allocator<T> {
 // four texels of each. Here they are mixed beforehand, for four footprints in each octave, so that four
 // texels do.
 //
-// A texel is four bytes: blue, green, red, 0. Every level has a border of one texel: that of the opposite
+// A texel is four bytes: blue, green, red, 0; or one, where red, green and blue are the same all over the picture, as of
+// a printed pad. Every level has a border of one texel: that of the opposite
 // side where the picture repeats, the same again on the face of a cube.
 struct Pyramid {
   static constexpr int kMaxLevels = 64;
 
+  // One of the two is empty. Eight bytes can be read from every texel on.
   std::vector<std::uint32_t, Uncleared<std::uint32_t>> texels;
+  std::vector<std::uint8_t, Uncleared<std::uint8_t>> grey_texels;
   int levels = 0;
   int faces = 1;
   std::int32_t face_stride = 0;  // from a face's texel to the same one of the next face

@@ -201,11 +201,11 @@ void DrawRowsImpl(const Slice& slice, int begin, int end, const Canvas& canvas) 
       if (hn::AllFalse(di, differ)) common = codes[0];
     }
     for (int i = 0; i < planned; ++i)
-      if (jobs[i].surface.fetch.texels) Mix(jobs[i].surface.fetch, jobs[i].mixed);
+      if (jobs[i].surface.fetch.picture) Mix(jobs[i].surface.fetch, jobs[i].mixed);
     for (int i = 0; i < planned; ++i) {
       const Job& job = jobs[i];
       const Colours& lit = job.surface.lit;
-      Colours colour = job.surface.fetch.texels ? Tinted(lit, job.mixed) : lit;
+      Colours colour = job.surface.fetch.picture ? Tinted(lit, job.mixed) : lit;
       if (job.hazed) colour = ThroughAir(air, job.contrast, colour);
       if (job.veiled) colour = Through(job.veil, colour);
       StorePixels(colour, job.inside, job.pixels, canvas, v, job.u);

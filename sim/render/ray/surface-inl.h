@@ -213,7 +213,7 @@ HWY_INLINE void Shade(const Slice& slice, int index, const Rays& rays, VF t, con
     return Colours{F(c[0]), F(c[1]), F(c[2])};
   };
   t = hn::IfThenElse(wanted, t, F(1));
-  surface.fetch.texels = nullptr;
+  surface.fetch.picture = nullptr;
   if (flat && thing.type == mjGEOM_PLANE && !thing.texture) {
     surface.lit = constant(4);
     surface.side = hn::Set(di, 4);
@@ -305,7 +305,7 @@ HWY_INLINE void Shade(const Slice& slice, int index, const Rays& rays, VF t, con
 
 HWY_INLINE void ShadeSky(const Slice& slice, const Rays& rays, MF wanted, Surface& surface) {
   surface.side = hn::Zero(di);
-  surface.fetch.texels = nullptr;
+  surface.fetch.picture = nullptr;
   const VF light = slice.things->sky ? F(255) : hn::Zero(df);
   surface.lit = {light, light, light};
   if (!slice.things->sky) return;
@@ -324,7 +324,7 @@ HWY_INLINE Colours Tinted(const Colours& lit, const std::int32_t* mixed) {
 }
 
 HWY_INLINE Colours Finish(const Surface& surface) {
-  if (!surface.fetch.texels) return surface.lit;
+  if (!surface.fetch.picture) return surface.lit;
   alignas(64) std::int32_t mixed[4 * kLanes];
   Mix(surface.fetch, mixed);
   return Tinted(surface.lit, mixed);

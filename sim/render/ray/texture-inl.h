@@ -68,7 +68,7 @@ HWY_INLINE void MakeTaps(const LevelOf& level, VF s, VF t, VI face, Taps& taps) 
 // the processor can plan for one packet while it waits for the texels of others.
 struct Fetch {
   Taps taps;
-  const std::uint32_t* texels = nullptr;  // null: no texture
+  const Pyramid* picture = nullptr;  // null: no texture
 };
 
 // From the level of the pyramid that suits the footprint, between its four nearest texels. s, t in 0 to 1;
@@ -83,12 +83,12 @@ HWY_INLINE void Plan(const Pyramid& p, VF s, VF t, VF footprint2, VI face, MF wa
   const bool same =
       hn::AllTrue(df, hn::Or(hn::Not(wanted), hn::RebindMask(df, hn::Eq(level, hn::Set(di, first)))));
   MakeTaps(Level(p, level, same, first), s, t, face, fetch.taps);
-  fetch.texels = p.texels.data();
+  fetch.picture = &p;
 }
 
-// Two texels from each of two places, for so many pixels: one block of 16 bytes each.
-template <int blocks>
-HWY_INLINE auto Blocks(const std::uint32_t* texels, const std::int32_t* above, const std::int32_t* below) {
+// Eight bytes, which have two texels, from each of two places, for so many pixels: one block of 16 bytes each.
+template <int blocks, class Texel>
+HWY_INLINE auto Blocks(const Texel* texels, const std::int32_t* above, const std::int32_t* below) {
   if constexpr (blocks == 1) {
     const hn::FixedTag<std::uint64_t, 2> d;
     std::uint64_t two[2];
@@ -116,19 +116,20 @@ HWY_INLINE auto Spread(const std::int32_t* numbers) {
 // Mixes the four texels of each lane: mixed + 4 lane is blue, green, red, 0, times kWeightScale. Every lane
 // has a place in the picture, wanted or not. A block of 16 bytes holds the upper and the lower two texels of
 // one lane.
-HWY_INLINE void Mix(const Fetch& fetch, std::int32_t* mixed) {
+template <class Texel>
+HWY_INLINE void MixOf(const Texel* texels_of, const Taps& taps, std::int32_t* mixed) {
   const hn::Repartition<std::uint8_t, DF> d8;
   const hn::Repartition<std::int16_t, DF> d16;
   constexpr int kBlocks = kLanes / 4;
   // Of two texels side by side, channel by channel, 16 bits each: b b' g g' r r' 0 0.
-  alignas(16) static constexpr std::uint8_t kUpper[16] = {0, 0x80, 4, 0x80, 1, 0x80, 5, 0x80,
-                                                          2, 0x80, 6, 0x80, 3, 0x80, 7, 0x80};
-  alignas(16) static constexpr std::uint8_t kLower[16] = {8,  0x80, 12, 0x80, 9,  0x80, 13, 0x80,
-                                                          10, 0x80, 14, 0x80, 11, 0x80, 15, 0x80};
-  const auto upper = hn::LoadDup128(d8, kUpper), lower = hn::LoadDup128(d8, kLower);
-  const Taps& taps = fetch.taps;
+  alignas(16) static constexpr std::uint8_t kOfColours[16] = {0, 0x80, 4, 0x80, 1, 0x80, 5, 0x80,
+                                                              2, 0x80, 6, 0x80, 3, 0x80, 7, 0x80};
+  alignas(16) static constexpr std::uint8_t kOfGreys[16] = {0, 0x80, 1, 0x80, 0,    0x80, 1,    0x80,
+                                                            0, 0x80, 1, 0x80, 0x80, 0x80, 0x80, 0x80};
+  const auto upper = hn::LoadDup128(d8, sizeof(Texel) == 1 ? kOfGreys : kOfColours);
+  const auto lower = hn::Or(upper, hn::Set(d8, 8));
   for (int i = 0; i < kLanes; i += kBlocks) {
-    const auto texels = hn::BitCast(d8, Blocks<kBlocks>(fetch.texels, taps.offset + i, taps.below + i));
+    const auto texels = hn::BitCast(d8, Blocks<kBlocks>(texels_of, taps.offset + i, taps.below + i));
     const auto weights = [&](const std::int32_t* of) { return hn::BitCast(d16, Spread<kBlocks>(of + i)); };
     auto none = hn::Zero(di);
     const VI sum = hn::ReorderWidenMulAccumulate(di, hn::BitCast(d16, hn::TableLookupBytesOr0(texels, upper)),
@@ -139,6 +140,12 @@ HWY_INLINE void Mix(const Fetch& fetch, std::int32_t* mixed) {
   }
 }
 
+HWY_INLINE void Mix(const Fetch& fetch, std::int32_t* mixed) {
+  const Pyramid& p = *fetch.picture;
+  if (p.texels.empty()) return MixOf(p.grey_texels.data(), fetch.taps, mixed);
+  MixOf(p.texels.data(), fetch.taps, mixed);
+}
+
 HWY_INLINE Colours Unpack(const std::int32_t* mixed) {
   VI b, g, r, unused;
   hn::LoadInterleaved4(di, mixed, b, g, r, unused);
@@ -147,11 +154,13 @@ HWY_INLINE Colours Unpack(const std::int32_t* mixed) {
           hn::Mul(hn::ConvertTo(df, b), scale)};
 }
 
-// The longer side of a pixel's footprint, in texels, squared.
+// By the mean of the squares of the sides of a pixel's footprint, in texels: by the longer one, what is seen aslant is
+// blurred. Somewhat smaller, since the texels are interpolated besides. Both as they come nearest to the mean over
+// many rays a pixel.
 HWY_INLINE VF Footprint2(const Pyramid& p, VF s_u, VF t_u, VF s_v, VF t_v) {
   const VF w = F(p.width[0]), h = F(p.height[0]);
   const VF a = hn::Mul(s_u, w), b = hn::Mul(t_u, h), c = hn::Mul(s_v, w), d = hn::Mul(t_v, h);
-  return hn::Max(hn::MulAdd(a, a, hn::Mul(b, b)), hn::MulAdd(c, c, hn::Mul(d, d)));
+  return hn::Mul(F(0.4f), hn::MulAdd(a, a, hn::MulAdd(b, b, hn::MulAdd(c, c, hn::Mul(d, d)))));
 }
 
 HWY_INLINE void PlanRepeating(const Pyramid& p, VF s, VF t, VF s_u, VF t_u, VF s_v, VF t_v, MF wanted,

@@ -43,12 +43,12 @@ TEST(PadReference, EveryLevelMapsTheRimAndTheCentreOfThePadToThoseOfItsPicture) 
   }
 }
 
-TEST(PadReference, LevelsAreHalvesOfEachOther) {
+TEST(PadReference, LevelsAreHalfAnOctaveApart) {
   const PadReference reference = MakePadReference(RenderedFrame(), kLength_m, kWidth_m);
   EXPECT_EQ(reference.levels.front().image.size(), cv::Size(400, 600));
   EXPECT_NEAR(reference.levels.front().px_per_m, 500, 1e-9);
   for (std::size_t i = 1; i < reference.levels.size(); ++i) {
-    EXPECT_NEAR(reference.levels[i - 1].px_per_m / reference.levels[i].px_per_m, 2, 0.05);
+    EXPECT_NEAR(reference.levels[i - 1].px_per_m / reference.levels[i].px_per_m, std::sqrt(2), 0.05);
     EXPECT_NEAR(cv::mean(reference.levels[i].image)[0], cv::mean(RenderedFrame())[0], 1);
   }
 }
@@ -106,9 +106,17 @@ TEST(PadReference, ChoosesTheCoarsestLevelThatStillShowsWhatTheCameraSees) {
   const PadReference reference = MakePadReference(RenderedFrame(), kLength_m, kWidth_m);
   EXPECT_EQ(&reference.LevelFor(2000), &reference.levels.front());
   EXPECT_EQ(&reference.LevelFor(500), &reference.levels.front());
-  EXPECT_EQ(&reference.LevelFor(250), &reference.levels[1]);
-  EXPECT_EQ(&reference.LevelFor(200), &reference.levels[1]);
-  EXPECT_EQ(&reference.LevelFor(1e-3), &reference.levels.back());
+  EXPECT_EQ(&reference.LevelFor(250), &reference.levels[2]);
+  EXPECT_EQ(&reference.LevelFor(200), &reference.levels[2]);
+  EXPECT_GE(&reference.LevelFor(1e-3), &reference.levels.back() - 1);
+}
+
+TEST(PadReference, TheNearestLevelIsWithinAQuarterOfAnOctave) {
+  const PadReference reference = MakePadReference(RenderedFrame(), kLength_m, kWidth_m);
+  for (double px_per_m = 500; px_per_m > reference.levels.back().px_per_m; px_per_m *= 0.9)
+    EXPECT_LT(std::abs(std::log2(reference.NearestLevel(px_per_m).px_per_m / px_per_m)), 0.27) << px_per_m;
+  EXPECT_EQ(&reference.NearestLevel(2000), &reference.levels.front());
+  EXPECT_EQ(&reference.NearestLevel(1e-3), &reference.levels.back());
 }
 
 }  // namespace
