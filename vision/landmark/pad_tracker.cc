@@ -188,10 +188,8 @@ std::optional<PadObservation> PadTracker::Find(const cv::Mat& grey,
     return options_.method == "icia" ? Align(grey, turned(H_w))
                                      : Settle(grey, turned(H_w), 3, options_.min_inliers);
   };
-  // One way a frame, the quicker one first: neither image nor flight waits for both.
-  if (lost_frames_++ % kFramesBetweenFeatures != 1) {
-    if (const auto H = detector_.Detect(grey)) seen = registered(*H);
-  } else {
+  if (const auto H = detector_.Detect(grey)) seen = registered(*H);
+  if (!seen && lost_frames_++ % kFramesBetweenFeatures == 0) {
     if (!features_) features_.emplace(reference_, camera_, *FeatureDetectorNamed(options_.features));
     const int look = lost_frames_ / kFramesBetweenFeatures;
     if (const auto H = look % 2 == 0 ? features_->Find(grey, frames_)
