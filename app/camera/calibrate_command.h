@@ -17,7 +17,7 @@ namespace kestrel::app {
 struct CalibrateArguments {
   std::vector<std::string> images;
   std::string board = "chessboard", model, out;
-  std::optional<int> bits;  // of 16-bit pixels
+  std::optional<int> bits;            // of 16-bit pixels
   std::optional<double> accepted_px;  // none: vision::AcceptedResidual
 };
 

@@ -77,8 +77,8 @@ std::vector<std::size_t> Remaining(const Mesh& mesh, const Cells& cells) {
 struct Kept {
   Cells cells;
   std::vector<std::size_t> faces;
-  std::vector<Vector3f>
-      points;  // of the vertices in each cell the one seen highest from the origin: the skyline stays
+  // Of the vertices in each cell the one seen highest from the origin: the skyline stays.
+  std::vector<Vector3f> points;
 };
 
 Kept Keep(const Mesh& mesh, std::size_t faces) {

@@ -55,8 +55,7 @@ struct Site {
   float north, east, up;
 };
 
-// How many facets a round thing has: so many, but none finer than is seen from the origin, about which flights are
-// flown.
+// How many facets a round thing has: the fewer, the smaller it is as seen from the origin, about which flights are flown.
 int Facets(int most, int least, float around_m, const Site& site) {
   constexpr float kFinest_rad = 0.014f;
   const float seen = around_m / (kFinest_rad * std::hypot(site.north, site.east));

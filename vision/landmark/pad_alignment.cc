@@ -68,7 +68,7 @@ cv::Mat Blurred(const cv::Mat& picture, const Eigen::Matrix3d& pixel_from_T, con
 PadAlignment::PadAlignment(const PadReference& reference, const Pinhole& camera,
                            const PadTrackerOptions& options)
     : camera_(camera), options_(options) {
-  for (std::size_t i = 0; i < reference.levels.size(); i += 2) {  // whole octaves
+  for (std::size_t i = 0; i < reference.levels.size(); i += PadReference::kLevelsOfOctave) {
     const PadReference::Level& level = reference.levels[i];
     const int side = std::min(level.image.cols, level.image.rows);
     if (side > kMaxTemplate_px || (side < kMinTemplate_px && !templates_.empty())) continue;

@@ -57,7 +57,7 @@ std::vector<Eigen::Vector2d> PadReference::Outline() const {
 
 const PadReference::Level& PadReference::LevelFor(double px_per_m) const {
   const Level* best = &levels.front();
-  for (std::size_t i = 0; i < levels.size(); i += 2)
+  for (std::size_t i = 0; i < levels.size(); i += kLevelsOfOctave)
     if (levels[i].px_per_m >= 0.75 * px_per_m) best = &levels[i];
   return *best;
 }
@@ -92,7 +92,7 @@ PadReference MakePadReference(const cv::Mat& picture, double length_m, double wi
   PadReference reference{length_m, width_m, {}, {}, TurnsOf(grey, length_m, width_m)};
   // By half octaves: drawn from one that is farther from the image's resolution, the pad is blurred, or shows what the
   // image does not.
-  for (double scale = 1;; scale *= M_SQRT1_2) {
+  for (double scale = 1;; scale *= std::exp2(-1.0 / PadReference::kLevelsOfOctave)) {
     const cv::Size size(static_cast<int>(std::lround(grey.cols * scale)),
                         static_cast<int>(std::lround(grey.rows * scale)));
     if (std::min(size.width, size.height) < kSmallestSide_px && scale < 1) break;

@@ -22,6 +22,7 @@ struct PadReference {
     double px_per_m = 0;
   };
   double length_m = 0, width_m = 0;
+  static constexpr std::size_t kLevelsOfOctave = 2;
   std::vector<Level> levels;  // the finest first, which is the picture itself
   std::vector<Tag> tags;      // of which its picture is made, if it is: then it is found by them
   int turns = 1;  // in how many directions it looks alike: 2 after half a turn, 4 after each quarter

@@ -16,6 +16,17 @@ HWY_BEFORE_NAMESPACE();
 namespace kestrel::sim::ray::HWY_NAMESPACE {
 namespace {
 
+constexpr std::uint32_t kOutside = 0x7fffffff;  // codes of a pixel
+constexpr std::uint32_t kAlwaysSmooth = 0x80000000;
+
+// Of a colour, which is in 0 to 255 by its making.
+HWY_INLINE VI Rounded(VF colour) { return hn::NearestInt(colour); }
+
+// The weights of ITU-R BT.601, as OpenCV's conversion to grey has them.
+HWY_INLINE VF GreyOf(const Colours& c) {
+  return hn::MulAdd(c.r, F(0.299f), hn::MulAdd(c.g, F(0.587f), hn::Mul(c.b, F(0.114f))));
+}
+
 // What is transparent before a packet: of what is behind it, `share` is seen, and `add` comes to it.
 struct Veil {
   VF share;

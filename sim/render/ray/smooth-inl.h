@@ -20,17 +20,6 @@ HWY_BEFORE_NAMESPACE();
 namespace kestrel::sim::ray::HWY_NAMESPACE {
 namespace {
 
-constexpr std::uint32_t kOutside = 0x7fffffff;  // codes of a pixel
-constexpr std::uint32_t kAlwaysSmooth = 0x80000000;
-
-// Of a colour, which is in 0 to 255 by its making.
-HWY_INLINE VI Rounded(VF colour) { return hn::NearestInt(colour); }
-
-// The weights of ITU-R BT.601, as OpenCV's conversion to grey has them.
-HWY_INLINE VF GreyOf(const Colours& c) {
-  return hn::MulAdd(c.r, F(0.299f), hn::MulAdd(c.g, F(0.587f), hn::Mul(c.b, F(0.114f))));
-}
-
 // Eight places in a pixel, each in a column and a row of its own, the nearest to the middle first.
 constexpr int kSubpixels = 8;
 alignas(64) constexpr float kAcross[kSubpixels] = {1 / 16.f,  -1 / 16.f, 5 / 16.f, -3 / 16.f,
@@ -52,13 +41,16 @@ struct EdgePixels {
     return all;
   }
   MF Wanted() const { return hn::FirstN(df, static_cast<std::size_t>(count)); }
-  // Of each pixel the k-th ray.
-  Rays At(int k) const {
+  Rays Middles() const {
     const auto load = [](const float(&of)[3][kLanes]) {
       return Vec3{hn::Load(df, of[0]), hn::Load(df, of[1]), hn::Load(df, of[2])};
     };
-    const Vec3 du = load(across), dv = load(down);
-    return {Along(Along(load(middle), F(kAcross[k]), du), F(kDown[k]), dv), du, dv};
+    return {load(middle), load(across), load(down)};
+  }
+  // Of each pixel the k-th ray.
+  Rays At(int k) const {
+    const Rays of = Middles();
+    return {Along(Along(of.d, F(kAcross[k]), of.du), F(kDown[k]), of.dv), of.du, of.dv};
   }
   // The rays of one or two pixels, one after the other: side by side, they go the same way.
   static constexpr int kTogether = std::max(1, kLanes / kSubpixels);
@@ -184,11 +176,7 @@ void AddVeil(const Slice& slice, const Seen& seen, const EdgePixels& pixels, con
   if (seen.transparent.empty()) return;
   VF most = met.hits[0].t;
   for (int k = 1; k < kSubpixels; ++k) most = hn::Max(most, met.hits[k].t);
-  const auto load = [](const float(&of)[3][kLanes]) {
-    return Vec3{hn::Load(df, of[0]), hn::Load(df, of[1]), hn::Load(df, of[2])};
-  };
-  const Rays rays{load(pixels.middle), load(pixels.across), load(pixels.down)};
-  c = Through(VeilOf(slice, seen, rays, most, met.wanted), c);
+  c = Through(VeilOf(slice, seen, pixels.Middles(), most, met.wanted), c);
 }
 
 // Adds the colour of one side of a thing (index -1: the sky) to the pixels that it is met in by a ray from

@@ -49,7 +49,8 @@ TEST(Pyramid, AGreyPictureHasInOneByteTheTexelsThatItHasInColours) {
   const ray::Pyramid grey = ray::MakePyramid(Noise(0).get(), 0), red = ray::MakePyramid(Noise(200).get(), 0);
   EXPECT_TRUE(grey.texels.empty());
   EXPECT_TRUE(red.grey_texels.empty());
-  ASSERT_EQ(grey.grey_texels.size(), red.texels.size() + 6);  // what may be read beyond the last: 7 bytes, and 4
+  ASSERT_EQ(grey.grey_texels.size(),
+            red.texels.size() + 6);  // what may be read beyond the last: 7 bytes, and 4
   for (std::size_t i = 0; i + 1 < red.texels.size(); ++i)
     EXPECT_EQ(grey.grey_texels[i] * 0x0101u, red.texels[i] & 0xffff) << i;  // green and blue
 }
