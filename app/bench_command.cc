@@ -31,6 +31,7 @@
 #include "bench/landmark/bench_homographies.h"
 #include "bench/landmark/bench_landings.h"
 #include "bench/landmark/bench_plane_pose.h"
+#include "bench/limits/bench_limits.h"
 #include "bench/live/bench_live.h"
 #include "bench/lockstep/bench_lockstep.h"
 #include "bench/planar/bench_planar.h"
@@ -70,13 +71,14 @@ CLI::App* AddBenchCommand(CLI::App& app, BenchArguments& a) {
                                           "avoid_thesis",     "wire",          "link_faults",
                                           "campaign",         "hashes",        "lockstep",
                                           "frames",           "live",          "horizon_pictures",
-                                          "horizon_training", "timings",       "throughput"};
+                                          "horizon_training", "timings",       "throughput",
+                                          "limits"};
   CLI::App* command = app.add_subcommand("bench", "Measure: a table of figures beside their targets");
   // Of campaigns by its name alone: it flies for minutes, and kills itself.
   command
       ->add_option("name", a.name,
                    "All but campaign, wire, link_faults, hashes, lockstep, frames, live, horizon_pictures, "
-                   "horizon_training, timings and throughput when none is given")
+                   "horizon_training, timings, throughput and limits when none is given")
       ->check(OneOf(names));
   command
       ->add_option("pictures", a.pictures,
@@ -150,9 +152,12 @@ bool BenchCommand(const BenchArguments& arguments) {
     mistakes.Add("bench", arguments.name, "--against", "valid: with timings");
   mistakes.ThrowIfAny();
   if (of_timings) return Timings(arguments);
-  if (arguments.name == "throughput") {
+  if (arguments.name == "throughput" || arguments.name == "limits") {  // tables of their own
     std::vector<records::Figure> figures;
-    bench::BenchThroughput("results/runs/bench_throughput", figures);
+    if (arguments.name == "throughput")
+      bench::BenchThroughput("results/runs/bench_throughput", figures);
+    else
+      bench::BenchLimits(figures);
     if (!arguments.json.empty()) records::WriteFigures(arguments.json, figures);
     return true;
   }

@@ -105,6 +105,16 @@ const std::string kMeshes = R"(
       face="0 1 2  0 2 3  1 0 4  2 1 4  3 2 4  0 3 4"/>
     <mesh name="bowl" vertex="-1 -1 0  1 -1 0  1 1 0  -1 1 0  0 0 -0.7  -1 -1 -1  1 -1 -1  1 1 -1  -1 1 -1"
       face="0 4 1  1 4 2  2 4 3  3 4 0  5 7 6  5 8 7  0 1 6  0 6 5  1 2 7  1 7 6  2 3 8  2 8 7  3 0 5  3 5 8"/>)";
+// Facets that have one point of the texture each, and all one normal, as a landscape's: two upright ones, and two
+// before them that lie no farther from the plane through the camera that is square to the normal.
+const std::string kFacets = R"(
+    <mesh name="facets"
+      vertex="4.9 -1.6 -1.95  4.9 1.6 -1.95  4.9 1.6 -1.05  4.9 -1.6 -1.95  4.9 1.6 -1.05  4.9 -1.6 -1.05
+              3.4 -0.5 -1.3  3.4 0.1 -1.3  3.4 -0.2 -1.05   3.4 0.2 -1.3  3.4 0.6 -1.3  3.4 0.3 -1.08"
+      normal="0 0 1  0 0 1  0 0 1  0 0 1  0 0 1  0 0 1  0 0 1  0 0 1  0 0 1  0 0 1  0 0 1  0 0 1"
+      texcoord="0.2 0.3  0.2 0.3  0.2 0.3  0.25 0.4  0.25 0.4  0.25 0.4
+                0.7 0.6  0.7 0.6  0.7 0.6  0.9 0.2  0.9 0.2  0.9 0.2"
+      face="0 2 1  3 5 4  6 8 7  9 11 10"/>)";
 const std::string kHill = R"(
     <hfield name="hill" file="relief.png" size="3 2 1.5 0.4"/>)";
 
@@ -149,6 +159,9 @@ std::vector<TestScene> Make() {
     <geom type="mesh" mesh="mapped" pos="5 1.5 -1" euler="20 -60 30" material="picture"/>
     <geom type="mesh" mesh="bowl" pos="6 0 0" euler="20 -50 30" rgba="0.7 0.7 0.2 1"/>)"),
        ahead},
+      {"Facets", World(kWhite, kFacets, R"(
+    <geom type="mesh" mesh="facets" material="picture"/>)"),
+       LookingFrom({0, 0, 0}, 0, -0.3)},
       {"HeightFields", World(kDim, kHill, kSun + R"(
     <geom type="hfield" hfield="hill" pos="5 2.2 -1.2" euler="0 0 20" material="picture"/>
     <geom type="hfield" hfield="hill" pos="7 -2.5 -1.2" euler="0 0 -70" material="faces_metric"/>
