@@ -2,6 +2,7 @@
 #include "bench/limits/frame_stages.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <utility>
@@ -95,7 +96,7 @@ StagedFrame StagedRenderer::Draw(const Pose& X_NB) {
   frame.stages.edges_ms =
       rows([&](const Slice& slice, int begin, int end) { sim::ray::SmoothRows(slice, begin, end, canvas); });
   cv::Mat depth_m(lens.height, lens.width, CV_32F), geom(lens.height, lens.width, CV_32S);
-  frame.stages.meet_ms = rows([&](const Slice& slice, int begin, int end) {
+  rows([&](const Slice& slice, int begin, int end) {
     sim::ray::TraceRows(slice, begin, end, depth_m.ptr<float>(), geom.ptr<std::int32_t>(), depth_m.step1());
   });
 
@@ -116,21 +117,18 @@ StagedFrame StagedRenderer::Draw(const Pose& X_NB) {
 
 StagedFrame MeanFrame(StagedRenderer& renderer, double height_m, int frames) {
   constexpr int kTries = 5;
+  constexpr std::array kParts = {&FrameStages::place_ms, &FrameStages::list_ms, &FrameStages::rays_ms,
+                                 &FrameStages::edges_ms};
+  constexpr std::array kCounts = {&FrameContent::pixels, &FrameContent::textured, &FrameContent::at_edges};
   StagedFrame mean;
-  const auto add = [&](double& to, double what) { to += what / frames; };
   for (int i = 0; i < frames; ++i) {
     StagedFrame best = renderer.Draw(PathPose(height_m, i));
     for (int k = 1; k < kTries; ++k) {
       const FrameStages now = renderer.Draw(PathPose(height_m, i)).stages;
-      for (const auto part : {&FrameStages::place_ms, &FrameStages::list_ms, &FrameStages::rays_ms,
-                              &FrameStages::meet_ms, &FrameStages::edges_ms})
-        best.stages.*part = std::min(best.stages.*part, now.*part);
+      for (const auto part : kParts) best.stages.*part = std::min(best.stages.*part, now.*part);
     }
-    for (const auto part : {&FrameStages::place_ms, &FrameStages::list_ms, &FrameStages::rays_ms,
-                            &FrameStages::meet_ms, &FrameStages::edges_ms})
-      add(mean.stages.*part, best.stages.*part);
-    for (const auto part : {&FrameContent::pixels, &FrameContent::textured, &FrameContent::at_edges})
-      add(mean.content.*part, best.content.*part);
+    for (const auto part : kParts) mean.stages.*part += best.stages.*part / frames;
+    for (const auto count : kCounts) mean.content.*count += best.content.*count / frames;
   }
   return mean;
 }

@@ -29,7 +29,6 @@ struct FrameStages {
   double place_ms = 0;  // things and lights into the camera's frame
   double list_ms = 0;   // what each tile may meet, and its triangles
   double rays_ms = 0;   // a ray to each pixel: what it meets, its colour and the code of edges
-  double meet_ms = 0;   // of rays_ms, about what it takes to find what is met: a pass that does that alone
   double edges_ms = 0;  // pixels at edges again
   double Sum() const { return place_ms + list_ms + rays_ms + edges_ms; }
 };

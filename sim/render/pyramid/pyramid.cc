@@ -14,7 +14,7 @@ constexpr Texel Packed(const std::uint8_t* pixel) {
   if constexpr (sizeof(Texel) == 1)
     return pixel[0];
   else
-    return static_cast<std::uint32_t>(pixel[2] | pixel[1] << 8 | pixel[0] << 16);
+    return {pixel[2], pixel[1], pixel[0]};
 }
 
 template <class Texel>
@@ -77,14 +77,14 @@ int FaceOf(const Eigen::Vector3d& d, double& sc, double& tc) {
   return 2 * axis + (sign < 0 ? 1 : 0);
 }
 
-// Writes one level of one face; its border is the nearest texels of the faces beside it.
+// Writes one level of one face; its border is the nearest texels of the faces beside it, or its own if it is alone.
 template <class Texel>
 void StoreFace(const std::vector<cv::Mat>& faces, int face, Texel* origin, int stride) {
   const int size = faces[face].cols;
   for (int y = -1; y <= size; ++y) {
     for (int x = -1; x <= size; ++x) {
-      int of = face, column = x, row = y;
-      if (x < 0 || y < 0 || x == size || y == size) {
+      int of = face, column = std::clamp(x, 0, size - 1), row = std::clamp(y, 0, size - 1);
+      if (faces.size() > 1 && (column != x || row != y)) {
         double sc = 0, tc = 0;
         of = FaceOf(DirectionOn(face, (2 * x + 1.0) / size - 1, (2 * y + 1.0) / size - 1), sc, tc);
         const auto texel = [&](double c) {
@@ -118,14 +118,13 @@ constexpr double kMiddles[4] = {0.146, 0.396, 0.646, 0.896};
 
 // Fills the levels, which have their sizes and places.
 template <class Texel>
-void Fill(std::vector<cv::Mat> faces, const std::vector<cv::Size>& octaves,
+void Fill(std::vector<cv::Mat> faces, bool cube, const std::vector<cv::Size>& octaves,
           std::vector<Texel, Uncleared<Texel>>& texels, Pyramid& p) {
-  const bool cube = p.faces == 6;
   const auto store = [&](const std::vector<cv::Mat>& pictures, int level, int top = 0) {
     Texel* origin = texels.data() + p.offset[level];
     if (!cube)
       return StoreRepeating(pictures[0], top, static_cast<int>(p.height[level]), origin, p.stride[level]);
-    for (int face = 0; face < 6; ++face)
+    for (int face = 0; face < static_cast<int>(pictures.size()); ++face)
       StoreFace(pictures, face, origin + static_cast<std::ptrdiff_t>(face) * p.face_stride, p.stride[level]);
   };
   store(faces, 0);
@@ -163,7 +162,6 @@ Pyramid MakePyramid(const mjModel* model, int texture) {
   mjtByte* data = model->tex_rgb + model->tex_adr[texture];
   const bool cube = type != mjTEXTURE_2D;
   const int height = cube ? width : rows;
-  p.faces = cube ? 6 : 1;
 
   std::vector<cv::Size> octaves = {{width, height}};
   while (octaves.back() != cv::Size(1, 1))
@@ -178,23 +176,22 @@ Pyramid MakePyramid(const mjModel* model, int texture) {
     p.offset[l] = total + p.stride[l] + 1;
     total += (size.width + 2) * (size.height + 2);
   }
-  p.face_stride = p.faces == 6 ? total : 0;
+  // A cube of one picture shows it on all sides.
+  const int pictures = cube && rows != width ? 6 : 1;
+  p.face_stride = pictures == 6 ? total : 0;
   std::vector<cv::Mat> faces;
-  for (int face = 0; face < p.faces; ++face) {
-    // A cube of one picture shows it on all sides.
-    const std::size_t from = rows == width ? 0 : static_cast<std::size_t>(face) * 3 * width * width;
-    faces.emplace_back(height, width, CV_8UC3, data + (cube ? from : 0));
-  }
-  const std::size_t texels = static_cast<std::size_t>(total) * static_cast<std::size_t>(p.faces);
+  for (int face = 0; face < pictures; ++face)
+    faces.emplace_back(height, width, CV_8UC3, data + static_cast<std::size_t>(face) * 3 * width * width);
+  const std::size_t texels = static_cast<std::size_t>(total) * static_cast<std::size_t>(pictures);
   if (std::all_of(faces.begin(), faces.end(), IsGrey)) {
     for (cv::Mat& face : faces) cv::extractChannel(face, face, 0);
     p.grey_texels.resize(texels + 7);
     std::fill_n(p.grey_texels.end() - 7, 7, std::uint8_t{0});
-    Fill(faces, octaves, p.grey_texels, p);
+    Fill(faces, cube, octaves, p.grey_texels, p);
   } else {
-    p.texels.resize(texels + 1);
-    p.texels.back() = 0;
-    Fill(faces, octaves, p.texels, p);
+    p.texels.resize(texels + 2);
+    std::fill_n(p.texels.end() - 2, 2, ColourTexel{});
+    Fill(faces, cube, octaves, p.texels, p);
   }
   return p;
 }

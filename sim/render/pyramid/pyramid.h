@@ -24,23 +24,28 @@ struct Uncleared : std::allocator<T> {
   }
 };
 
+// Of a picture whose red, green and blue differ.
+struct ColourTexel {
+  std::uint8_t blue, green, red;
+  bool operator==(const ColourTexel&) const = default;
+};
+
 // A picture at all sizes down to one texel, for filtering by footprint; or the six faces of a cube, in
 // OpenGL's order (+x, -x, +y, -y, +z, -z). Trilinear filtering mixes the two sizes next to the footprint,
 // four texels of each. Here they are mixed beforehand, for four footprints in each octave, so that four
 // texels do.
 //
-// A texel is four bytes: blue, green, red, 0; or one, where red, green and blue are the same all over the picture, as of
-// a printed pad. Every level has a border of one texel: that of the opposite
-// side where the picture repeats, the same again on the face of a cube.
+// A texel is three bytes; or one, where red, green and blue are the same all over the picture, as of a printed pad.
+// Every level has a border of one texel: that of the opposite side where the picture repeats, of the face beside it on a
+// cube, the nearest of its own where one picture is on all six.
 struct Pyramid {
   static constexpr int kMaxLevels = 64;
 
   // One of the two is empty. Eight bytes can be read from every texel on.
-  std::vector<std::uint32_t, Uncleared<std::uint32_t>> texels;
+  std::vector<ColourTexel, Uncleared<ColourTexel>> texels;
   std::vector<std::uint8_t, Uncleared<std::uint8_t>> grey_texels;
   int levels = 0;
-  int faces = 1;
-  std::int32_t face_stride = 0;  // from a face's texel to the same one of the next face
+  std::int32_t face_stride = 0;  // from a face's texel to the same one of the next; 0: all have one picture
   // Of each level; offset: of the texel (0, 0) of the first face. Level 0 is the picture itself, for
   // footprints below one texel; the others are for those whose square is in one half octave each, [1, 1.5),
   // [1.5, 2), ...

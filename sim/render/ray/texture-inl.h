@@ -122,8 +122,8 @@ HWY_INLINE void MixOf(const Texel* texels_of, const Taps& taps, std::int32_t* mi
   const hn::Repartition<std::int16_t, DF> d16;
   constexpr int kBlocks = kLanes / 4;
   // Of two texels side by side, channel by channel, 16 bits each: b b' g g' r r' 0 0.
-  alignas(16) static constexpr std::uint8_t kOfColours[16] = {0, 0x80, 4, 0x80, 1, 0x80, 5, 0x80,
-                                                              2, 0x80, 6, 0x80, 3, 0x80, 7, 0x80};
+  alignas(16) static constexpr std::uint8_t kOfColours[16] = {0, 0x80, 3, 0x80, 1,    0x80, 4,    0x80,
+                                                              2, 0x80, 5, 0x80, 0x80, 0x80, 0x80, 0x80};
   alignas(16) static constexpr std::uint8_t kOfGreys[16] = {0, 0x80, 1, 0x80, 0,    0x80, 1,    0x80,
                                                             0, 0x80, 1, 0x80, 0x80, 0x80, 0x80, 0x80};
   const auto upper = hn::LoadDup128(d8, sizeof(Texel) == 1 ? kOfGreys : kOfColours);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/render/pyramid/pyramid_cache.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -50,9 +51,30 @@ TEST(Pyramid, AGreyPictureHasInOneByteTheTexelsThatItHasInColours) {
   EXPECT_TRUE(grey.texels.empty());
   EXPECT_TRUE(red.grey_texels.empty());
   ASSERT_EQ(grey.grey_texels.size(),
-            red.texels.size() + 6);  // what may be read beyond the last: 7 bytes, and 4
-  for (std::size_t i = 0; i + 1 < red.texels.size(); ++i)
-    EXPECT_EQ(grey.grey_texels[i] * 0x0101u, red.texels[i] & 0xffff) << i;  // green and blue
+            red.texels.size() + 5);  // what may be read beyond the last: 7 bytes, and 2 texels
+  for (std::size_t i = 0; i + 2 < red.texels.size(); ++i) {
+    EXPECT_EQ(grey.grey_texels[i], red.texels[i].blue) << i;
+    EXPECT_EQ(grey.grey_texels[i], red.texels[i].green) << i;
+  }
+}
+
+// A cube of so many pictures, each of one grey.
+ModelPtr Cube(int pictures) {
+  CompiledModel compiled = CompileMjcf(fmt::format(
+      R"(<mujoco><asset><texture name="own" type="cube" builtin="flat" width="8" height="{}" rgb1="0.2 0.4 0.6"
+      rgb2="0.2 0.4 0.6"/></asset><worldbody/></mujoco>)",
+      8 * pictures));
+  EXPECT_TRUE(compiled.model) << compiled.message;
+  return std::move(compiled.model);
+}
+
+TEST(Pyramid, ACubeOfOnePictureKeepsItOnce) {
+  const ray::Pyramid one = ray::MakePyramid(Cube(1).get(), 0), six = ray::MakePyramid(Cube(6).get(), 0);
+  EXPECT_EQ(one.face_stride, 0);
+  EXPECT_GT(six.face_stride, 0);
+  ASSERT_EQ(6 * (one.texels.size() - 2), six.texels.size() - 2);
+  for (std::size_t i = 0; i + 2 < six.texels.size(); ++i)
+    EXPECT_EQ(six.texels[i], one.texels[i % (one.texels.size() - 2)]) << i;
 }
 
 TEST(KeptPyramids, WhatAnotherModelDoesNotHaveIsDropped) {
