@@ -72,7 +72,9 @@ StagedFrame StagedRenderer::Draw(const Pose& X_NB) {
   const int words = sim::ray::VisibleWords(scene_);
   std::vector<std::uint64_t> visible(static_cast<std::size_t>(lens.tiles_y) * lens.tiles_x * words);
   std::vector<sim::ray::TileTriangles> triangles(static_cast<std::size_t>(lens.tiles_y) * lens.tiles_x);
-  cv::Mat bgr(lens.height, lens.width, CV_8UC3), common(lens.height, lens.tiles_x, CV_32S);
+  // Written once before, so that its memory is there, as that of a flight's images is.
+  cv::Mat bgr(lens.height, lens.width, CV_8UC3, cv::Scalar::all(0)),
+      common(lens.height, lens.tiles_x, CV_32S, cv::Scalar(0));
   cv::Mat code(lens.tiles_y * Lens::kTile, lens.stride, CV_32S, cv::Scalar(0x7fffffff));
   const sim::ray::Canvas canvas{bgr.data, nullptr, bgr.step1(), code.ptr<std::uint32_t>(),
                                 common.ptr<std::uint32_t>()};

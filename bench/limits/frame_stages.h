@@ -9,7 +9,6 @@
 
 #include "flight/simulated/scenario.h"
 #include "geometry/pose.h"
-#include "sim/render/ray/kernel.h"
 #include "sim/render/ray/lens.h"
 #include "sim/render/ray/render_scene.h"
 #include "sim/world/scene.h"
