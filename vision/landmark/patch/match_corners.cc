@@ -167,8 +167,8 @@ CornerMatch ShiftOnto(const cv::Mat& image, const Eigen::Vector2d& corner, const
   const float least = (uu + vv - std::sqrt((uu - vv) * (uu - vv) + 4 * uv * uv)) / 2;
   if (!(least > kMinGradient2 * n) || !(determinant > 0)) return match;
   Eigen::Vector2d shift = Eigen::Vector2d::Zero();
-  Plane seen{},
-      difference;  // at the rim only the patch itself is cut: beyond its width there must be numbers
+  // At the rim of the image only the patch itself is cut: what lies beyond its width must be numbers all the same.
+  Plane seen{}, difference;
   for (int step = 0; step < kMaxSteps; ++step) {
     Cut(image, corner.x() + shift.x(), corner.y() + shift.y(), seen);
     for (std::size_t i = 0; i < seen.size(); ++i) difference[i] = seen[i] - drawn.grey[i];
