@@ -7,7 +7,7 @@ namespace {
 constexpr double kRaysAtAnEdge = 8;
 
 // Floats of a direction, three bytes of the picture; a texel for each pixel, since its level has them so wide.
-constexpr double kBytesOfAPixel = 3 * 4 + 3, kBytesOfATexel = 4;
+constexpr double kBytesOfAPixel = 3 * 4 + 3, kBytesOfATexel = 3;
 constexpr double kPlacesOfATexel = 2;
 
 // Additions and multiplications. To meet a plane: the direction into its frame 15, the distance 2, the point 6.

@@ -23,9 +23,9 @@ TEST(FrameBounds, AreBytesPlacesAndOperationsByWhatTheMachineGives) {
   EXPECT_NEAR(plain.places_ms, 0, 1e-9);
   EXPECT_NEAR(plain.arithmetic_ms, 1, 1e-9);
   EXPECT_EQ(plain.Least(), plain.memory_ms);
-  // Texels are 4 bytes, found at two places for each pixel.
+  // Texels are 3 bytes, found at two places for each pixel.
   const FrameBounds textured = BoundsOf({.pixels = 1e6, .textured = 1e6}, Machine());
-  EXPECT_NEAR(textured.memory_ms, 1.9, 1e-9);
+  EXPECT_NEAR(textured.memory_ms, 1.8, 1e-9);
   EXPECT_NEAR(textured.places_ms, 2, 1e-9);
   EXPECT_GT(textured.arithmetic_ms, plain.arithmetic_ms);
   EXPECT_EQ(textured.Least(), textured.arithmetic_ms);

@@ -76,6 +76,22 @@ TEST(Pyramid, ACubeOfOnePictureKeepsItOnce) {
     EXPECT_EQ(six.texels[i], one.texels[i % (one.texels.size() - 2)]) << i;
 }
 
+TEST(Pyramid, BeyondTheRimOfACubeOfOnePictureIsItsNearestTexel) {
+  const ModelPtr model = Cube(1);
+  for (int i = 0; i < 3 * 64; ++i) model->tex_rgb[model->tex_adr[0] + i] = static_cast<mjtByte>(i * 37 % 256);
+  const ray::Pyramid p = ray::MakePyramid(model.get(), 0);
+  const auto at = [&](int x, int y) {
+    return p.texels[static_cast<std::size_t>(p.offset[0] + y * p.stride[0] + x)];
+  };
+  for (int i = 0; i < 8; ++i) {
+    EXPECT_EQ(at(-1, i), at(0, i));
+    EXPECT_EQ(at(8, i), at(7, i));
+    EXPECT_EQ(at(i, -1), at(i, 0));
+    EXPECT_EQ(at(i, 8), at(i, 7));
+  }
+  EXPECT_NE(at(0, 0), at(7, 0));
+}
+
 TEST(KeptPyramids, WhatAnotherModelDoesNotHaveIsDropped) {
   const ModelPtr red = Painted("1 0 0"), green = Painted("0 1 0");
   std::weak_ptr<const ray::Pyramid> own, common;
