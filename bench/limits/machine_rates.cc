@@ -5,8 +5,7 @@
 #include <chrono>
 #include <cstdint>
 
-// As the ray renderer's kernel: the better, the lower its bit.
-#define HWY_DISABLED_TARGETS (HWY_SSE4 | (HWY_AVX3 - 1))
+#include "sim/render/ray/instruction_targets.h"  // before Highway
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "bench/limits/machine_rates.cc"
 #include <hwy/foreach_target.h>

@@ -7,9 +7,7 @@
 #include <cstring>
 #include <vector>
 
-// Compiled once for each of AVX-512, AVX2 and SSSE3, and not for what lies between or has yet more: the better, the
-// lower its bit.
-#define HWY_DISABLED_TARGETS (HWY_SSE4 | (HWY_AVX3 - 1))
+#include "sim/render/ray/instruction_targets.h"  // before Highway
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "sim/render/ray/kernel.cc"
 #include <hwy/foreach_target.h>

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <vector>
 
-#define HWY_DISABLED_TARGETS (HWY_SSE4 | (HWY_AVX3 - 1))  // as in kernel.cc
+#include "sim/render/ray/instruction_targets.h"  // before Highway
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "sim/render/ray/sky_light.cc"
 #include <hwy/foreach_target.h>
