@@ -86,9 +86,10 @@ HWY_INLINE void Plan(const Pyramid& p, VF s, VF t, VF footprint2, VI face, MF wa
   fetch.picture = &p;
 }
 
-// Eight bytes, which have two texels, from each of two places, for so many pixels: one block of 16 bytes each.
-template <int blocks, class Texel>
-HWY_INLINE auto Blocks(const Texel* texels, const std::int32_t* above, const std::int32_t* below) {
+// Eight bytes, which have two texels, from each of two places, for so many pixels: one block of 16 bytes each. Places
+// in bytes.
+template <int blocks>
+HWY_INLINE auto Blocks(const std::uint8_t* texels, const std::int32_t* above, const std::int32_t* below) {
   if constexpr (blocks == 1) {
     const hn::FixedTag<std::uint64_t, 2> d;
     std::uint64_t two[2];
@@ -99,17 +100,6 @@ HWY_INLINE auto Blocks(const Texel* texels, const std::int32_t* above, const std
     const hn::FixedTag<std::uint64_t, 2 * blocks> d;
     return hn::Combine(d, Blocks<blocks / 2>(texels, above + blocks / 2, below + blocks / 2),
                        Blocks<blocks / 2>(texels, above, below));
-  }
-}
-
-// Each number over a block of its own.
-template <int blocks>
-HWY_INLINE auto Spread(const std::int32_t* numbers) {
-  if constexpr (blocks == 1) {
-    return hn::Set(hn::FixedTag<std::int32_t, 4>(), numbers[0]);
-  } else {
-    const hn::FixedTag<std::int32_t, 4 * blocks> d;
-    return hn::Combine(d, Spread<blocks / 2>(numbers + blocks / 2), Spread<blocks / 2>(numbers));
   }
 }
 
@@ -128,14 +118,22 @@ HWY_INLINE void MixOf(const Texel* texels_of, const Taps& taps, std::int32_t* mi
                                                             0, 0x80, 1, 0x80, 0x80, 0x80, 0x80, 0x80};
   const auto upper = hn::LoadDup128(d8, sizeof(Texel) == 1 ? kOfGreys : kOfColours);
   const auto lower = hn::Or(upper, hn::Set(d8, 8));
+  const auto* bytes = reinterpret_cast<const std::uint8_t*>(texels_of);
+  const VI size = hn::Set(di, sizeof(Texel));
+  alignas(64) std::int32_t above[kLanes], below[kLanes];
+  hn::Store(hn::Mul(hn::Load(di, taps.offset), size), di, above);
+  hn::Store(hn::Mul(hn::Load(di, taps.below), size), di, below);
+  const VI upper_weights = hn::Load(di, taps.upper), lower_weights = hn::Load(di, taps.lower);
   for (int i = 0; i < kLanes; i += kBlocks) {
-    const auto texels = hn::BitCast(d8, Blocks<kBlocks>(texels_of, taps.offset + i, taps.below + i));
-    const auto weights = [&](const std::int32_t* of) { return hn::BitCast(d16, Spread<kBlocks>(of + i)); };
+    const auto texels = hn::BitCast(d8, Blocks<kBlocks>(bytes, above + i, below + i));
+    // The weights of a lane over all of its block.
+    const auto lanes = hn::IndicesFromVec(di, hn::Add(hn::Set(di, i), hn::ShiftRight<2>(hn::Iota(di, 0))));
+    const auto weights = [&](VI of) { return hn::BitCast(d16, hn::TableLookupLanes(of, lanes)); };
     auto none = hn::Zero(di);
     const VI sum = hn::ReorderWidenMulAccumulate(di, hn::BitCast(d16, hn::TableLookupBytesOr0(texels, upper)),
-                                                 weights(taps.upper), hn::Zero(di), none);
+                                                 weights(upper_weights), hn::Zero(di), none);
     hn::Store(hn::ReorderWidenMulAccumulate(di, hn::BitCast(d16, hn::TableLookupBytesOr0(texels, lower)),
-                                            weights(taps.lower), sum, none),
+                                            weights(lower_weights), sum, none),
               di, mixed + 4 * i);
   }
 }
