@@ -31,7 +31,10 @@ PanoramaStrip StripMaker::Make(const cv::Mat& image, const Eigen::Vector3d& down
   cv::Mat reduced = image;
   if (reduction_ > 1)
     cv::resize(image, reduced, {image.cols / reduction_, image.rows / reduction_}, 0, 0, cv::INTER_AREA);
-  const BandSamples band = sampler_.Read(reduced, reduction_, HorizontalAbout(down_C, nose_C_), kStripGrid);
+  // Detail as fine as a column looks different from each place: it makes strips less alike, and turns them.
+  cv::Mat smooth;
+  cv::blur(reduced, smooth, {3, 3});
+  const BandSamples band = sampler_.Read(smooth, reduction_, HorizontalAbout(down_C, nose_C_), kStripGrid);
   const int columns = kStripGrid.azimuths, rows = kStripGrid.elevations;
   PanoramaStrip strip;
   strip.pattern.create(rows, columns, CV_32FC1);
