@@ -72,7 +72,7 @@ TEST(VisualCompass, APinholeMeasuresTurnsWithinItsViewAsWellAsItSays) {
     }
   }
   ASSERT_EQ(count, 18);
-  EXPECT_LT(std::sqrt(squares_deg2 / count), 0.4);
+  EXPECT_LT(std::sqrt(squares_deg2 / count), 0.3);
   EXPECT_LT(squares_by_variance / count, 1.5);
 }
 
