@@ -8,9 +8,15 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "vision/landmark/even_light.h"
+
 namespace kestrel::vision {
 namespace {
 
+constexpr double kCoarseView_px = 45;  // at least, of the shorter side
+constexpr int kCoarseEvened_px = 9, kCoarseShift_px = 3;
+constexpr int kMinCoarse_px2 = 64;  // that are in view
+constexpr double kMinCoarseLikeness = 0.4;
 constexpr double kMirrored_px_per_m = 60;
 constexpr double kClearlyMore = 0.1;  // of the correlation
 constexpr double kRimView_px = 110;   // shorter side of the picture in which the rim is compared
@@ -25,13 +31,43 @@ double Likeness(const cv::Mat& view, const cv::Mat& picture) {
   return correlation.at<float>(0, 0);
 }
 
+// The image seen by the pixels of a level of the reference.
+cv::Mat InPixelsOf(const PadReference::Level& level, const cv::Mat& image, const Eigen::Matrix3d& H_w,
+                   int interpolation, cv::BorderTypes border = cv::BORDER_CONSTANT) {
+  cv::Mat map, view;
+  cv::eigen2cv(Eigen::Matrix3d(H_w * level.pixel_from_T.inverse()), map);
+  cv::warpPerspective(image, view, map, level.image.size(), interpolation | cv::WARP_INVERSE_MAP, border);
+  return view;
+}
+
+// Which pixels of a level an image of that size shows: 255, and 0.
+cv::Mat InView(const PadReference::Level& level, const cv::Size& image, const Eigen::Matrix3d& H_w) {
+  return InPixelsOf(level, cv::Mat(image, CV_8UC1, cv::Scalar(255)), H_w, cv::INTER_NEAREST);
+}
+
 }  // namespace
+
+bool MayBeThere(const cv::Mat& grey, const PadReference& reference, const Eigen::Matrix3d& H_w) {
+  const PadReference::Level& level =
+      reference.LevelFor(kCoarseView_px / std::min(reference.length_m, reference.width_m));
+  const cv::Rect inner(kCoarseShift_px, kCoarseShift_px, level.image.cols - 2 * kCoarseShift_px,
+                       level.image.rows - 2 * kCoarseShift_px);
+  const cv::Mat seen = InView(level, grey.size(), H_w);
+  if (inner.empty() || cv::countNonZero(seen(inner)) < kMinCoarse_px2) return true;
+  const cv::Mat view = InPixelsOf(level, grey, H_w, cv::INTER_AREA, cv::BORDER_REPLICATE);
+  cv::Mat likeness;
+  cv::matchTemplate(EvenlyLit(view, kCoarseEvened_px, seen),
+                    EvenlyLit(level.image, kCoarseEvened_px, seen)(inner), likeness, cv::TM_CCOEFF_NORMED,
+                    seen(inner));
+  cv::patchNaNs(likeness, 1);  // of an even picture
+  double most = 0;
+  cv::minMaxLoc(likeness, nullptr, &most);
+  return most > kMinCoarseLikeness;
+}
 
 bool LooksMirrored(const cv::Mat& grey, const PadReference& reference, const Eigen::Matrix3d& H_w) {
   const PadReference::Level& level = reference.LevelFor(kMirrored_px_per_m);
-  cv::Mat map, view;
-  cv::eigen2cv(Eigen::Matrix3d(H_w * level.pixel_from_T.inverse()), map);
-  cv::warpPerspective(grey, view, map, level.image.size(), cv::INTER_AREA | cv::WARP_INVERSE_MAP);
+  const cv::Mat view = InPixelsOf(level, grey, H_w, cv::INTER_AREA);
   std::vector<cv::Mat> mirrored(2);
   cv::flip(level.image, mirrored[0], 0);
   cv::flip(level.image, mirrored[1], 1);
@@ -49,13 +85,8 @@ bool LooksMirrored(const cv::Mat& grey, const PadReference& reference, const Eig
 bool RimAgrees(const cv::Mat& grey, const PadReference& reference, const Eigen::Matrix3d& H_w) {
   const PadReference::Level& level =
       reference.LevelFor(kRimView_px / std::min(reference.length_m, reference.width_m));
-  const Eigen::Matrix3d image_from_level = H_w * level.pixel_from_T.inverse();
-  cv::Mat map, view, seen;
-  cv::eigen2cv(image_from_level, map);
   const cv::Size size = level.image.size();
-  cv::warpPerspective(grey, view, map, size, cv::INTER_LINEAR | cv::WARP_INVERSE_MAP);
-  cv::warpPerspective(cv::Mat(grey.size(), CV_8UC1, cv::Scalar(255)), seen, map, size,
-                      cv::INTER_NEAREST | cv::WARP_INVERSE_MAP);
+  const cv::Mat view = InPixelsOf(level, grey, H_w, cv::INTER_LINEAR), seen = InView(level, grey.size(), H_w);
   const cv::Rect middles(kRimPatch_px / 2 + 1, kRimPatch_px / 2 + 1, size.width - kRimPatch_px - 2,
                          size.height - kRimPatch_px - 2);
   if (middles.width < kRimPatch_px || middles.height < kRimPatch_px) return true;

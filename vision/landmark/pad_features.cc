@@ -17,14 +17,14 @@ namespace {
 // Blocks and polygons down to a centimetre; and what is left of them far away, where the finer features are not
 // seen and would take all places of a limited number.
 constexpr std::array<double, 3> kReference_px_per_m = {500, 120, 60};
-constexpr int kReferenceFeatures = 2500;
 constexpr double kMatched_px_per_m = 500;  // pairs are compared in pixels of about an image's size
 constexpr double kThreshold_px = 3;
 constexpr int kMinInliers = 12;
 constexpr int kHalvedFrom_px = 400;
 
-// Those of the other detectors are cheaper, and fewer of them are right.
-int ImageFeatures(FeatureDetector detector) { return detector == FeatureDetector::kSift ? 500 : 1000; }
+// How many, the strongest: those of the other detectors are cheaper, and fewer of them are right.
+int ImageFeatures(FeatureDetector detector) { return detector == FeatureDetector::kSift ? 350 : 1000; }
+int ReferenceFeatures(FeatureDetector detector) { return detector == FeatureDetector::kSift ? 1000 : 2500; }
 
 // A small pad: a part of the image that it fills is this share of the image's width.
 constexpr double kPart = 0.375, kSmall = 0.1;
@@ -96,7 +96,7 @@ std::shared_ptr<const std::vector<PadFeatures::Scale>> PadFeatures::ScalesOf(con
   return recent.Of(of, [&] {
     std::vector<Scale> scales;
     for (const PadReference::Level& level : of.levels) {
-      Scale& scale = scales.emplace_back(Detect(level.image, {detector, kReferenceFeatures}));
+      Scale& scale = scales.emplace_back(Detect(level.image, {detector, ReferenceFeatures(detector)}));
       const Eigen::Matrix3d T_from_pixel = level.pixel_from_T.inverse();
       for (const cv::KeyPoint& k : scale.features.points)
         scale.places.push_back(Transfer(T_from_pixel, {k.pt.x, k.pt.y}));

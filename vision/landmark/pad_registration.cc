@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "vision/landmark/even_light.h"
+#include "vision/landmark/look_alike.h"
 #include "vision/landmark/plane/homography.h"
 #include "vision/landmark/plane/plane_pose.h"
 
@@ -201,7 +202,7 @@ Registered PadRegistration::Register(const PadReference& reference, const cv::Ma
   std::optional<Sight> sight = Look(reference, grey, H_predicted, 1);
   if (!sight || static_cast<int>(sight->corners_T.size()) < min_inliers) return {};
   const Registered best = InExposure(*sight, consensus);
-  if (MostAgree(best)) return best;
+  if (MostAgree(best) || !MayBeThere(grey, reference, H_predicted)) return best;
   for (const int coarser : kCoarser) {
     if (coarser > 1) sight = Look(reference, grey, H_predicted, coarser);
     if (!sight || static_cast<int>(sight->corners_T.size()) < min_inliers) break;

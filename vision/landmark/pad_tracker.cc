@@ -166,7 +166,7 @@ std::optional<PadObservation> PadTracker::FollowBlurred(const cv::Mat& grey, con
   if (!X_CT_last_) return std::nullopt;
   const Eigen::Matrix3d H_predicted = HomographyFromPose(X_CT_expected, camera_),
                         H_last = HomographyFromPose(*X_CT_last_, camera_);
-  if (!MovesFast(H_predicted)) return std::nullopt;
+  if (!MovesFast(H_predicted) || !MayBeThere(grey, reference_, H_predicted)) return std::nullopt;
   if (!alignment_) alignment_.emplace(reference_, camera_, options_);
   alignment_->Look(grey);
   const auto seen = alignment_->FollowBlurred(H_predicted, H_last);
@@ -188,8 +188,12 @@ std::optional<PadObservation> PadTracker::Find(const cv::Mat& grey,
     return options_.method == "icia" ? Align(grey, turned(H_w))
                                      : Settle(grey, turned(H_w), 3, options_.min_inliers);
   };
-  if (const auto H = detector_.Detect(grey)) seen = registered(*H);
-  if (!seen && lost_frames_++ % kFramesBetweenFeatures == 0) {
+  // In the image in which the pad is lost, to follow it has taken its time, and features would take as much again. In
+  // the very first image nothing has.
+  const bool by_features = lost_frames_++ % kFramesBetweenFeatures == 1;
+  if (!by_features || frames_ == 1)
+    if (const auto H = detector_.Detect(grey)) seen = registered(*H);
+  if (!seen && by_features) {
     if (!features_) features_.emplace(reference_, camera_, *FeatureDetectorNamed(options_.features));
     const int look = lost_frames_ / kFramesBetweenFeatures;
     if (const auto H = look % 2 == 0 ? features_->Find(grey, frames_)

@@ -77,7 +77,7 @@ class PadTracker {
   std::vector<cv::Point2f> last_points_;
   Eigen::Matrix3d last_H_w_;
   std::optional<Pose> X_CT_last_, X_CT_before_;  // in the last frame, and in that before it
-  int lost_frames_ = 0;
+  int lost_frames_ = 1;  // as in the image after that of a loss
   int chain_inliers_ = 0;
   double chain_rms_px_ = 0;
 
