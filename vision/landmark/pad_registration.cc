@@ -201,7 +201,7 @@ Registered PadRegistration::Register(const PadReference& reference, const cv::Ma
   const Consensus consensus{min_inliers, draw, reference.length_m * reference.width_m};
   std::optional<Sight> sight = Look(reference, grey, H_predicted, 1);
   if (!sight || static_cast<int>(sight->corners_T.size()) < min_inliers) return {};
-  const Registered best = InExposure(*sight, consensus);
+  Registered best = InExposure(*sight, consensus);
   if (MostAgree(best) || !MayBeThere(grey, reference, H_predicted)) return best;
   for (const int coarser : kCoarser) {
     if (coarser > 1) sight = Look(reference, grey, H_predicted, coarser);
@@ -209,6 +209,7 @@ Registered PadRegistration::Register(const PadReference& reference, const cv::Ma
     Registered even = InEvenLight(*sight, consensus);
     // Of an evenly lit picture some corners agree with whatever is there.
     if (MostAgree(even)) return even;
+    best.alike = std::max(best.alike, even.alike);
   }
   return best;
 }
@@ -306,6 +307,7 @@ Registered PadRegistration::Agree(const std::vector<Match>& matches, int coarser
     pairs_T.push_back({match.corner_T, match.seen});
     alike.push_back(&match);
   }
+  registered.alike = static_cast<int>(alike.size());
   const double threshold_px = options_.threshold_px * coarser;
   const auto robust = RansacHomography(
       pairs, {.threshold = threshold_px, .min_inliers = consensus.min_inliers}, consensus.draw);

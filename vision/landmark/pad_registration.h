@@ -28,6 +28,7 @@ struct Registered {
   std::optional<PadObservation> seen;
   std::vector<Eigen::Vector2d> tracked;  // corners of the reference, where Lucas-Kanade found them
   std::vector<Eigen::Vector2d> agreed;   // those that one pose explains
+  int alike = 0;                         // corners that look like the reference: more cannot agree
   int coarser = 1;                       // than the image, where only so a pose was found
   Eigen::Matrix3d H_drawn;               // by which the reference was drawn, from T, m, to the image
 };

@@ -104,8 +104,15 @@ std::optional<PadObservation> PadTracker::FollowRegistered(const cv::Mat& grey,
     if (seen) return seen;
   }
   const auto H_chain = Follow(grey, expected);
-  if (H_chain) seen = Settle(grey, *H_chain, 2, options_.min_inliers);
-  if (!seen && expected) seen = Settle(grey, HomographyFromPose(*expected, camera_), 3, options_.min_inliers);
+  bool few_of_chain = false, few_of_expected = false;
+  if (H_chain) {
+    seen = Settle(grey, *H_chain, 2, options_.min_inliers);
+    few_of_chain = alike_ >= kFewInliers;
+  }
+  if (!seen && expected) {
+    seen = Settle(grey, HomographyFromPose(*expected, camera_), 3, options_.min_inliers);
+    few_of_expected = alike_ >= kFewInliers;
+  }
   // The few corners that are left of a blurred picture mislead.
   if (!seen || !fine_ || seen->inliers < kMostlyAgree * static_cast<double>(tracked_.size())) {
     const auto corners = std::make_tuple(tracked_, agreed_, corners_agreed_);
@@ -124,8 +131,8 @@ std::optional<PadObservation> PadTracker::FollowRegistered(const cv::Mat& grey,
       std::tie(tracked_, agreed_, corners_agreed_) = corners;
     }
   }
-  if (!seen && H_chain) seen = Settle(grey, *H_chain, 2, kFewInliers);
-  if (!seen && expected) seen = Settle(grey, HomographyFromPose(*expected, camera_), 2, kFewInliers);
+  if (!seen && few_of_chain) seen = Settle(grey, *H_chain, 2, kFewInliers);
+  if (!seen && few_of_expected) seen = Settle(grey, HomographyFromPose(*expected, camera_), 2, kFewInliers);
   if (!seen && H_chain) seen = FollowPicture(grey, *H_chain);
   if (!seen && expected) seen = FollowPicture(grey, HomographyFromPose(*expected, camera_));
   if (!seen && expected && !X_CT_expected) {
@@ -292,6 +299,8 @@ std::optional<PadObservation> PadTracker::Register(const cv::Mat& grey, const Ei
   Registered registered =
       plain ? registration_.RegisterPlain(reference_, grey, H_predicted, min_inliers, frames_)
             : registration_.Register(reference_, grey, H_predicted, min_inliers, frames_);
+  // Of fewer corners than were asked for nothing is known.
+  alike_ = registered.tracked.empty() ? min_inliers : registered.alike;
   if (registered.tracked.empty()) return std::nullopt;
   tracked_ = std::move(registered.tracked);
   agreed_ = std::move(registered.agreed);

@@ -77,7 +77,7 @@ class PadTracker {
   std::vector<cv::Point2f> last_points_;
   Eigen::Matrix3d last_H_w_;
   std::optional<Pose> X_CT_last_, X_CT_before_;  // in the last frame, and in that before it
-  int lost_frames_ = 1;  // as in the image after that of a loss
+  int lost_frames_ = 1;                          // as in the image after that of a loss
   int chain_inliers_ = 0;
   double chain_rms_px_ = 0;
 
@@ -85,6 +85,7 @@ class PadTracker {
   std::vector<Eigen::Vector2d> tracked_, agreed_;
   bool corners_agreed_ = false;  // agreed_ are corners of the reference
   bool fine_ = true;             // those were found in the image as it is, not in one that is coarser
+  int alike_ = 0;                // of the last that were registered, see Registered
   Eigen::Matrix3d H_drawn_;      // by which the reference was drawn for them
 };
 
