@@ -78,6 +78,40 @@ Block PadTracking() {
   };
 }
 
+// The image in which a pad is lost, the dearest: it is followed in vain in every way, and then searched for. Beside the
+// pad nothing but ground is in view.
+Block LossOfThePad() {
+  constexpr int kImages = 6, kTries = 9;  // to see it again: features look in each third image
+  constexpr double kHeight_m = 3, kFrame_s = 1.0 / 20, kBeside_m = 6;
+  PadScene scene;
+  const PadSway sway(1, "timings");
+  const sim::ImageSensor sensor = scene.Sensor(1);
+  const auto image = [&](double along_m, int k) {
+    Pose X_TC = sway.X_TC(kHeight_m, k * kFrame_s);
+    X_TC.p.x() += along_m;
+    cv::Mat grey = sensor.Expose(scene.Render(X_TC), k);
+    if (grey.channels() == 3) cv::cvtColor(grey, grey, cv::COLOR_BGR2GRAY);
+    return grey.clone();
+  };
+  std::vector<cv::Mat> with, without;
+  for (int k = 0; k < kImages; ++k) with.push_back(image(0, k)), without.push_back(image(kBeside_m, k));
+  auto tracker = std::make_shared<vision::PadTracker>(
+      scene.loaded().pad, std::get<vision::Pinhole>(scene.loaded().simulator.camera),
+      scene.loaded().scenario.pilot.tracker);
+  return [with, without, tracker] {
+    WorkTimes all{0, 0, kImages};
+    for (int k = 0; k < kImages; ++k) {
+      for (int i = 0; i < kTries && !tracker->Track(with[k], std::nullopt); ++i) {}
+      const WorkClock clock;
+      tracker->Track(without[k], std::nullopt);
+      const WorkTimes taken = clock.Taken(1);
+      all.processor_ms += taken.processor_ms;
+      all.wall_ms += taken.wall_ms;
+    }
+    return all;
+  };
+}
+
 Block SkylineAndCompass() {
   constexpr int kImages = 6;
   constexpr double kHeight_m = 30;
@@ -146,6 +180,7 @@ const std::vector<Maker>& Makers() {
       {{"fisheye, airfield", "frame", 10}, [] { return Frames("survey_airfield", "fisheye", 5, 8); }},
       {{"mirror, landscape", "frame"}, [] { return Frames("attitude_2", "hyperbolic_mirror", 20, 4); }},
       {{"pad tracking", "frame", 10}, PadTracking},
+      {{"loss of the pad", "loss"}, LossOfThePad},
       {{"skyline and compass", "frame"}, SkylineAndCompass},
       {{"landing", "second flown"}, LandingFlight},
       {{"start of a flight", "start"}, StartOfAFlight},

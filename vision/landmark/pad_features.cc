@@ -153,7 +153,9 @@ std::optional<Eigen::Matrix3d> PadFeatures::Match(const Features& found, std::ui
   if (!robust) return std::nullopt;
   const Eigen::Matrix3d H_w =
       robust->H * Eigen::Vector3d(kMatched_px_per_m, kMatched_px_per_m, 1).asDiagonal();
-  if (!PoseFromHomography(H_w, camera_)) return std::nullopt;
+  const auto X_CT = PoseFromHomography(H_w, camera_);
+  // Round marks look alike mirrored too, and then agree on a pad that is seen from below.
+  if (!X_CT || !(X_CT->R.toRotationMatrix().col(2).dot(X_CT->p) > 0)) return std::nullopt;
   return H_w;
 }
 

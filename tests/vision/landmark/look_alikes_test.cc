@@ -3,6 +3,7 @@
 
 #include "tests/vision/landmark/pad_photographer.h"
 #include "vision/landmark/look_alike.h"
+#include "vision/landmark/pad_features.h"
 #include "vision/landmark/pad_tracker.h"
 #include "vision/landmark/plane/homography.h"
 #include "vision/landmark/plane/plane_pose.h"
@@ -80,6 +81,19 @@ TEST(LookAlikes, AMirroredOneIsNotFound) {
   }
 }
 
+// Round marks look alike mirrored too, and all of them agree on a pad that is seen from below.
+TEST(LookAlikes, FeaturesOfAMirroredOneAreNotTaken) {
+  const PadReference reference = MakePadReference(PadPicture(), kPadLength_m, kPadWidth_m);
+  const PadFeatures features(reference, kPadCamera);
+  for (const int flip : {0, 1}) {
+    cv::Mat picture;
+    cv::flip(PadPicture(), picture, flip);
+    const PadPhotographer mirrored(picture);
+    for (int k = 6; k < 14; ++k)
+      EXPECT_FALSE(features.Find(mirrored.At(PathPose(112 + k, 4.1), 1600 + k), 1 + k)) << flip << " " << k;
+  }
+}
+
 TEST(LookAlikes, AnotherPictureInTheSameFrameIsNotTaken) {
   for (const Kind& kind : Kinds()) {
     const PadPhotographer mine(kind.picture), other(kind.other);
@@ -100,6 +114,26 @@ cv::Mat TiledPicture() {
   cv::Mat picture = cv::repeat(tile, 16, 16);
   cv::rectangle(picture, {16, 16}, {picture.cols - 17, picture.rows - 17}, 20, 32);
   return picture;
+}
+
+// Coarsely: its place, also hidden to a third or half in the shade, is not ruled out, and ground and another pad are.
+TEST(LookAlikes, ACoarseLookRulesOutWhatIsNotThere) {
+  const PadReference reference = MakePadReference(PadPicture(), kPadLength_m, kPadWidth_m);
+  cv::Mat hidden = PadPicture();
+  hidden.rowRange(0, hidden.rows / 3).setTo(110);
+  const PadPhotographer pad(PadPicture()), shaded(HalfInTheShade(PadPicture(), 0.25)), partly(hidden),
+      ground{cv::Mat()}, other(OtherPad());
+  int ruled_out = 0;
+  constexpr int kPoses = 10;
+  for (int k = 0; k < kPoses; ++k) {
+    const Pose X_CT = PathPose(10 * k, 2 + 0.8 * k);
+    const Eigen::Matrix3d H_w = HomographyFromPose(X_CT, kPadCamera);
+    for (const PadPhotographer* there : {&pad, &shaded, &partly})
+      EXPECT_TRUE(MayBeThere(there->At(X_CT, k), reference, H_w)) << k;
+    for (const PadPhotographer* elsewhere : {&ground, &other})
+      ruled_out += !MayBeThere(elsewhere->At(X_CT, k), reference, H_w);
+  }
+  EXPECT_GE(ruled_out, 1.8 * kPoses);  // of twice as many
 }
 
 TEST(LookAlikes, ARimThatDoesNotShowGivesAShiftedPoseAway) {
