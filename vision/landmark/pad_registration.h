@@ -36,9 +36,9 @@ struct Registered {
 // Draws the reference as the camera would see it from where it is expected, and finds its corners in the image, by
 // Lucas-Kanade and RANSAC. A pad that is large in the image is drawn as a whole at a half or a quarter of the
 // resolution; from where it is found so, patches about its corners are drawn and found in the image as it is. First
-// in the exposure that the last image had; where most corners do not agree, but a coarse look does not rule the pad out,
-// also with the light evened out in both pictures, as a pad half in the shade needs it, and then at a half and a quarter of the resolution, as a print does
-// that is seen from near or out of focus.
+// in the exposure that the last image had. Where most corners do not agree, but a coarse look does not rule the
+// pad out, also with the light evened out in both pictures, as a pad half in the shade needs it, and then at a
+// half and a quarter of the resolution, as a print does that is seen from near or out of focus.
 class PadRegistration {
  public:
   PadRegistration(const Pinhole& camera, const PadTrackerOptions& options)

@@ -23,8 +23,10 @@ namespace kestrel::vision {
 // The helipad from image to image, thesis 4.4: corners followed by pyramidal Lucas-Kanade from the last
 // frame, a RANSAC homography (algorithm 1), the chain of 3.19 and 3.20, the pose of 3.22 to 3.25. The thesis
 // names the drift of that chain as its weakness: here the reference appearance, drawn as it is expected to be seen,
-// is registered to the frame, again by Lucas-Kanade and RANSAC; the chain predicts only where that fails. By the method icia, PadAlignment takes the place of both; it also follows, by either method, a pad that
-// moves so fast that its picture is blurred. The pad is found anew by PadDetector when there is nothing to track.
+// is registered to the frame, again by Lucas-Kanade and RANSAC; the chain predicts only where that fails. By the method
+// icia, PadAlignment takes the place of both; it also follows, by either method, a pad that moves so fast that its
+// picture is blurred. Where there is nothing to track the pad is found anew by PadDetector, and in each third image, but
+// not in that in which it was lost, by PadFeatures.
 //
 // A pad of tags is searched in each image by TagTracker, and its picture registered only where no whole tag is
 // in view. Of a pad that looks the same turned, such as an H, the direction is that of NearestTurn.
