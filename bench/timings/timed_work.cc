@@ -8,6 +8,7 @@
 #include <memory>
 #include <opencv2/imgproc.hpp>
 #include <optional>
+#include <stdexcept>
 #include <utility>
 #include <variant>
 
@@ -101,7 +102,10 @@ Block LossOfThePad() {
   return [with, without, tracker] {
     WorkTimes all{0, 0, kImages};
     for (int k = 0; k < kImages; ++k) {
-      for (int i = 0; i < kTries && !tracker->Track(with[k], std::nullopt); ++i) {}
+      int tries = 0;
+      while (!tracker->Track(with[k], std::nullopt))
+        if (++tries == kTries)
+          throw std::runtime_error("bench timings: the pad that is to be lost is not found");
       const WorkClock clock;
       tracker->Track(without[k], std::nullopt);
       const WorkTimes taken = clock.Taken(1);
