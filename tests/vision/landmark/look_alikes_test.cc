@@ -136,6 +136,13 @@ TEST(LookAlikes, ACoarseLookRulesOutWhatIsNotThere) {
   EXPECT_GE(ruled_out, 1.8 * kPoses);  // of twice as many
 }
 
+// Features of tiles are ambiguous: of the first image already the frame must tell.
+TEST(LookAlikes, ThePadOfTilesIsFoundByItsFrameInTheFirstImage) {
+  const cv::Mat picture = TiledPicture();
+  PadTracker tracker(MakePadReference(picture, kPadLength_m, kPadWidth_m), kPadCamera, {});
+  EXPECT_TRUE(tracker.Track(PadPhotographer(picture).At(PadBelow({0.1, 0, 4}, 10), 1), std::nullopt));
+}
+
 TEST(LookAlikes, ARimThatDoesNotShowGivesAShiftedPoseAway) {
   const cv::Mat picture = TiledPicture();
   const PadReference reference = MakePadReference(picture, kPadLength_m, kPadWidth_m);
