@@ -16,7 +16,6 @@ namespace {
 constexpr double kCoarseView_px = 45;  // at least, of the shorter side
 constexpr int kCoarseEvened_px = 9, kCoarseShift_px = 3;
 constexpr int kMinCoarse_px2 = 64;  // that are in view
-constexpr double kMinCoarseLikeness = 0.4;
 constexpr double kMirrored_px_per_m = 60;
 constexpr double kClearlyMore = 0.1;  // of the correlation
 constexpr double kRimView_px = 110;   // shorter side of the picture in which the rim is compared
@@ -47,13 +46,13 @@ cv::Mat InView(const PadReference::Level& level, const cv::Size& image, const Ei
 
 }  // namespace
 
-bool MayBeThere(const cv::Mat& grey, const PadReference& reference, const Eigen::Matrix3d& H_w) {
+double CoarseLikeness(const cv::Mat& grey, const PadReference& reference, const Eigen::Matrix3d& H_w) {
   const PadReference::Level& level =
       reference.LevelFor(kCoarseView_px / std::min(reference.length_m, reference.width_m));
   const cv::Rect inner(kCoarseShift_px, kCoarseShift_px, level.image.cols - 2 * kCoarseShift_px,
                        level.image.rows - 2 * kCoarseShift_px);
   const cv::Mat seen = InView(level, grey.size(), H_w);
-  if (inner.empty() || cv::countNonZero(seen(inner)) < kMinCoarse_px2) return true;
+  if (inner.empty() || cv::countNonZero(seen(inner)) < kMinCoarse_px2) return 1;
   const cv::Mat view = InPixelsOf(level, grey, H_w, cv::INTER_AREA, cv::BORDER_REPLICATE);
   cv::Mat likeness;
   cv::matchTemplate(EvenlyLit(view, kCoarseEvened_px, seen),
@@ -62,7 +61,7 @@ bool MayBeThere(const cv::Mat& grey, const PadReference& reference, const Eigen:
   cv::patchNaNs(likeness, 1);  // of an even picture
   double most = 0;
   cv::minMaxLoc(likeness, nullptr, &most);
-  return most > kMinCoarseLikeness;
+  return most;
 }
 
 bool LooksMirrored(const cv::Mat& grey, const PadReference& reference, const Eigen::Matrix3d& H_w) {

@@ -8,11 +8,10 @@
 
 namespace kestrel::vision {
 
-// Whether the pad may be where H_w puts it, or a few percent of its size beside: its picture and what lies there are
-// compared coarsely, some 60 px wide and with the light evened out, in a fifth of a millisecond. Of 880 places at which
-// tests and landings found a pad in even light or blurred, the least alike correlated by 0.64; ground alone does by
-// 0.03 to 0.16. True where too little of it is in view to tell.
-bool MayBeThere(const cv::Mat& grey, const PadReference& reference, const Eigen::Matrix3d& H_w);
+// How much what lies where H_w puts the pad, or a few percent of its size beside, looks like it: the correlation of both
+// seen coarsely, some 60 px wide and with the light evened out, in a fifth of a millisecond. Ground alone has 0.03 to
+// 0.16; 1 where too little of the pad is in view to tell. A low one rules the pad out before anything dearer is tried.
+double CoarseLikeness(const cv::Mat& grey, const PadReference& reference, const Eigen::Matrix3d& H_w);
 
 // Whether what lies there in an image (CV_8UC1) is rather a mirror image of the pad: of its outline and its
 // frames, which are the same, neither detector tells. H_w: from T, m, to the image.
