@@ -47,7 +47,8 @@ PadDetector::PadDetector(const PadReference& reference, const Pinhole& camera)
                      cv::BORDER_CONSTANT, 128);
   const Eigen::Matrix3d T_from_pixel = fine.pixel_from_T.inverse();
   const double side = std::sqrt(AreaOf(rectangles_[0]));
-  for (const Quad& quad : FindQuads(bordered)) {
+  const Contours contours = LargeContours(bordered);
+  for (const Quad& quad : QuadsOf(contours)) {
     Quad quad_T;
     for (int k = 0; k < 4; ++k)
       quad_T[k] = Transfer(T_from_pixel, quad[k] - Eigen::Vector2d(kBorder_px, kBorder_px));
@@ -63,7 +64,7 @@ PadDetector::PadDetector(const PadReference& reference, const Pinhole& camera)
     });
     if (!known) rectangles_.push_back(quad_T);
   }
-  for (const Ellipse& ellipse : FindEllipses(bordered)) {
+  for (const Ellipse& ellipse : EllipsesOf(contours)) {
     const Eigen::Vector2d middle_T =
         Transfer(T_from_pixel, ellipse.middle - Eigen::Vector2d(kBorder_px, kBorder_px));
     const Eigen::Matrix2d axes_T = T_from_pixel.topLeftCorner<2, 2>() * ellipse.axes;
@@ -78,9 +79,9 @@ PadDetector::PadDetector(const PadReference& reference, const Pinhole& camera)
 }
 
 // A circle tells all but the direction, as long as the view is not very oblique from near.
-void PadDetector::AddCircles(const cv::Mat& grey, std::vector<Eigen::Matrix3d>& candidates) const {
+void PadDetector::AddCircles(const Contours& contours, std::vector<Eigen::Matrix3d>& candidates) const {
   if (circles_.empty()) return;
-  for (const Ellipse& ellipse : FindEllipses(grey)) {
+  for (const Ellipse& ellipse : EllipsesOf(contours)) {
     for (const Circle& circle : circles_) {
       for (int turn = 0; turn < kDirections; ++turn) {
         const Eigen::Matrix2d A = ellipse.axes *
@@ -119,10 +120,11 @@ void PadDetector::AddQuads(const std::vector<Quad>& quads, std::vector<Eigen::Ma
 // What each candidate makes of the image is compared with the reference.
 std::optional<Eigen::Matrix3d> PadDetector::Detect(const cv::Mat& grey) const {
   std::vector<Eigen::Matrix3d> candidates;
-  AddQuads(FindQuads(grey), candidates);
-  AddCircles(grey, candidates);
+  const Contours contours = LargeContours(grey);
+  AddQuads(QuadsOf(contours), candidates);
+  AddCircles(contours, candidates);
   for (const bool evened : {false, true}) {
-    if (evened) AddQuads(FindDarkQuads(grey), candidates);
+    if (evened) AddQuads(QuadsOf(DarkContours(grey)), candidates);
     double best = evened ? kMinEvenlyLitCorrelation : kMinPlausibleCorrelation;
     std::optional<Eigen::Matrix3d> found;
     for (const Eigen::Matrix3d& H_w : candidates) {

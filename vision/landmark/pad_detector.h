@@ -31,7 +31,7 @@ class PadDetector {
     double radius;
   };
   void AddQuads(const std::vector<Quad>& quads, std::vector<Eigen::Matrix3d>& candidates) const;
-  void AddCircles(const cv::Mat& grey, std::vector<Eigen::Matrix3d>& candidates) const;
+  void AddCircles(const Contours& contours, std::vector<Eigen::Matrix3d>& candidates) const;
 
   Pinhole camera_;
   PadReference::Level level_;  // the scale at which candidates are compared

@@ -45,7 +45,6 @@ PadTracker::PadTracker(PadReference reference, const Pinhole& camera, const PadT
       camera_(camera),
       options_(options),
       registration_(camera, options) {
-  if (options.method == "icia") alignment_.emplace(reference_, camera, options);
   if (!reference_.tags.empty()) tags_.emplace(reference_.tags, camera);
 }
 
@@ -66,9 +65,8 @@ std::optional<PadObservation> PadTracker::TrackPicture(const cv::Mat& grey,
   std::optional<PadObservation> seen;
   if (tags_) seen = FindTags(grey, X_CT_expected);
   const auto expected = X_CT_expected ? X_CT_expected : OfConstantVelocity();
-  if (!seen && expected) alignment_->Look(grey);
-  if (!seen && expected) seen = alignment_->Follow(HomographyFromPose(*expected, camera_));
-  if (!seen && X_CT_last_) seen = alignment_->Follow(last_H_w_);
+  if (!seen && expected) seen = AlignmentTo(grey).Follow(HomographyFromPose(*expected, camera_));
+  if (!seen && X_CT_last_) seen = AlignmentTo(grey).Follow(last_H_w_);
   if (!seen && expected) seen = FollowBlurred(grey, *expected);
   if (seen && tracked_.empty()) tracked_ = agreed_ = alignment_->points();
   if (!seen && !tags_) seen = Find(grey, X_CT_expected);
@@ -144,13 +142,17 @@ std::optional<PadObservation> PadTracker::FollowRegistered(const cv::Mat& grey,
   return seen;
 }
 
+PadAlignment& PadTracker::AlignmentTo(const cv::Mat& grey) {
+  if (!alignment_) alignment_.emplace(reference_, camera_, options_);
+  if (std::exchange(aligned_frame_, frames_) != frames_) alignment_->Look(grey);
+  return *alignment_;
+}
+
 // Where too few corners are seen: of a picture that has few, far away, or mostly hidden.
 std::optional<PadObservation> PadTracker::FollowPicture(const cv::Mat& grey,
                                                         const Eigen::Matrix3d& H_predicted) {
   if (!X_CT_last_) return std::nullopt;
-  if (!alignment_) alignment_.emplace(reference_, camera_, options_);
-  alignment_->Look(grey);
-  const auto seen = alignment_->Follow(H_predicted);
+  const auto seen = AlignmentTo(grey).Follow(H_predicted);
   if (seen) tracked_ = agreed_ = alignment_->points(), corners_agreed_ = false;
   return seen;
 }
@@ -177,9 +179,7 @@ std::optional<PadObservation> PadTracker::FollowBlurred(const cv::Mat& grey, con
                         H_last = HomographyFromPose(*X_CT_last_, camera_);
   if (!MovesFast(H_predicted) || CoarseLikeness(grey, reference_, H_predicted) < kMinBlurredLikeness)
     return std::nullopt;
-  if (!alignment_) alignment_.emplace(reference_, camera_, options_);
-  alignment_->Look(grey);
-  const auto seen = alignment_->FollowBlurred(H_predicted, H_last);
+  const auto seen = AlignmentTo(grey).FollowBlurred(H_predicted, H_last);
   if (seen) tracked_ = agreed_ = alignment_->points(), corners_agreed_ = false;
   return seen;
 }
@@ -272,8 +272,7 @@ std::optional<Eigen::Matrix3d> PadTracker::Follow(const cv::Mat& grey,
 }
 
 std::optional<PadObservation> PadTracker::Align(const cv::Mat& grey, const Eigen::Matrix3d& H_guess) {
-  alignment_->Look(grey);
-  auto seen = alignment_->Follow(H_guess);
+  auto seen = AlignmentTo(grey).Follow(H_guess);
   if (seen) tracked_ = agreed_ = alignment_->points();
   return seen;
 }

@@ -51,6 +51,7 @@ class PadTracker {
                                                  const std::optional<Pose>& X_CT_expected);
   std::optional<Pose> OfConstantVelocity() const;
   std::optional<Eigen::Matrix3d> Follow(const cv::Mat& grey, const std::optional<Pose>& X_CT_expected);
+  PadAlignment& AlignmentTo(const cv::Mat& grey);
   std::optional<PadObservation> FollowPicture(const cv::Mat& grey, const Eigen::Matrix3d& H_predicted);
   bool MovesFast(const Eigen::Matrix3d& H_w) const;
   std::optional<PadObservation> FollowBlurred(const cv::Mat& grey, const Pose& X_CT_expected);
@@ -68,11 +69,11 @@ class PadTracker {
   PadReference reference_;
   PadDetector detector_;
   std::optional<PadFeatures> features_;    // made when first needed
-  std::optional<PadAlignment> alignment_;  // of the method icia, or made when first needed
+  std::optional<PadAlignment> alignment_;  // made when first needed
   std::optional<TagTracker> tags_;         // of a pad of tags
   Pinhole camera_;
   PadTrackerOptions options_;
-  std::uint32_t frames_ = 0;
+  std::uint32_t frames_ = 0, aligned_frame_ = 0;  // of all images, and that which alignment_ looks at
 
   // Memory of the last frame in which the pad was seen; an empty image: none.
   cv::Mat last_grey_;

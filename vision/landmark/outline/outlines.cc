@@ -16,11 +16,11 @@ constexpr std::size_t kMinPoints = 40, kMaxCandidates = 40;
 constexpr double kRound =
     0.03;  // root mean square of a contour's distance from its ellipse, as a share of its size
 
-using Contour = std::vector<cv::Point>;
+using Contour = Contours::value_type;
 
 // Of a picture of two values, the largest.
-void AddLarge(const cv::Mat& binary, std::vector<Contour>& all) {
-  std::vector<Contour> contours;
+void AddLarge(const cv::Mat& binary, Contours& all) {
+  Contours contours;
   cv::findContours(binary, contours, cv::RETR_LIST, cv::CHAIN_APPROX_NONE);
   std::erase_if(contours, [](const Contour& c) {
     return c.size() < kMinPoints || std::abs(cv::contourArea(c)) < kMinArea_px2;
@@ -29,38 +29,6 @@ void AddLarge(const cv::Mat& binary, std::vector<Contour>& all) {
             [](const Contour& a, const Contour& b) { return a.size() > b.size(); });
   if (contours.size() > kMaxCandidates) contours.resize(kMaxCandidates);
   all.insert(all.end(), contours.begin(), contours.end());
-}
-
-// By a global threshold, then by local ones against uneven light.
-std::vector<Contour> LargeContours(const cv::Mat& grey) {
-  std::vector<Contour> all;
-  cv::Mat smooth, binary;
-  cv::GaussianBlur(grey, smooth, {3, 3}, 0);
-  for (const int block : {0, 31, 101}) {
-    if (block == 0) {
-      cv::threshold(smooth, binary, 0, 255, cv::THRESH_BINARY | cv::THRESH_OTSU);
-    } else {
-      cv::adaptiveThreshold(smooth, binary, 255, cv::ADAPTIVE_THRESH_MEAN_C, cv::THRESH_BINARY, block, 0);
-    }
-    AddLarge(binary, all);
-  }
-  return all;
-}
-
-// By global thresholds that leave so small a share of the image below them.
-std::vector<Contour> DarkContours(const cv::Mat& grey) {
-  std::vector<Contour> all;
-  cv::Mat smooth;
-  cv::GaussianBlur(grey, smooth, {5, 5}, 0);
-  std::array<int, 256> counts{};
-  for (int y = 0; y < smooth.rows; ++y)
-    for (int x = 0; x < smooth.cols; ++x) ++counts[smooth.at<uchar>(y, x)];
-  int level = 0, below = 0, last = -1;
-  for (const double share : {0.01, 0.02, 0.04, 0.08, 0.16}) {
-    while (level < 255 && below < share * static_cast<double>(smooth.total())) below += counts[level++];
-    if (std::exchange(last, level) != level) AddLarge(smooth < level, all);
-  }
-  return all;
 }
 
 // A straight line through the contour's points between two corners, away from the corners themselves.
@@ -100,13 +68,6 @@ std::optional<Quad> QuadOf(const std::vector<cv::Point>& contour) {
   return quad;
 }
 
-std::vector<Quad> QuadsOf(const std::vector<Contour>& contours) {
-  std::vector<Quad> quads;
-  for (const Contour& contour : contours)
-    if (const auto quad = QuadOf(contour)) quads.push_back(*quad);
-  return quads;
-}
-
 std::optional<Ellipse> EllipseOf(const Contour& contour) {
   const cv::RotatedRect box = cv::fitEllipse(contour);
   if (!(std::min(box.size.width, box.size.height) > 4)) return std::nullopt;
@@ -125,12 +86,48 @@ std::optional<Ellipse> EllipseOf(const Contour& contour) {
 
 }  // namespace
 
-std::vector<Quad> FindQuads(const cv::Mat& grey) { return QuadsOf(LargeContours(grey)); }
-std::vector<Quad> FindDarkQuads(const cv::Mat& grey) { return QuadsOf(DarkContours(grey)); }
+// By a global threshold, then by local ones against uneven light.
+Contours LargeContours(const cv::Mat& grey) {
+  Contours all;
+  cv::Mat smooth, binary;
+  cv::GaussianBlur(grey, smooth, {3, 3}, 0);
+  for (const int block : {0, 31, 101}) {
+    if (block == 0) {
+      cv::threshold(smooth, binary, 0, 255, cv::THRESH_BINARY | cv::THRESH_OTSU);
+    } else {
+      cv::adaptiveThreshold(smooth, binary, 255, cv::ADAPTIVE_THRESH_MEAN_C, cv::THRESH_BINARY, block, 0);
+    }
+    AddLarge(binary, all);
+  }
+  return all;
+}
 
-std::vector<Ellipse> FindEllipses(const cv::Mat& grey) {
+// By global thresholds that leave so small a share of the image below them.
+Contours DarkContours(const cv::Mat& grey) {
+  Contours all;
+  cv::Mat smooth;
+  cv::GaussianBlur(grey, smooth, {5, 5}, 0);
+  std::array<int, 256> counts{};
+  for (int y = 0; y < smooth.rows; ++y)
+    for (int x = 0; x < smooth.cols; ++x) ++counts[smooth.at<uchar>(y, x)];
+  int level = 0, below = 0, last = -1;
+  for (const double share : {0.01, 0.02, 0.04, 0.08, 0.16}) {
+    while (level < 255 && below < share * static_cast<double>(smooth.total())) below += counts[level++];
+    if (std::exchange(last, level) != level) AddLarge(smooth < level, all);
+  }
+  return all;
+}
+
+std::vector<Quad> QuadsOf(const Contours& contours) {
+  std::vector<Quad> quads;
+  for (const Contour& contour : contours)
+    if (const auto quad = QuadOf(contour)) quads.push_back(*quad);
+  return quads;
+}
+
+std::vector<Ellipse> EllipsesOf(const Contours& contours) {
   std::vector<Ellipse> ellipses;
-  for (const Contour& contour : LargeContours(grey)) {
+  for (const Contour& contour : contours) {
     if (const auto ellipse = EllipseOf(contour)) ellipses.push_back(*ellipse);
   }
   return ellipses;

@@ -31,7 +31,7 @@ cv::Mat EllipseImage(const Eigen::Vector2d& middle, const Eigen::Matrix2d& axes)
 
 // Without the rim of the image, which is a rectangle too.
 std::vector<Quad> QuadsWithin(const cv::Mat& image) {
-  std::vector<Quad> quads = FindQuads(image);
+  std::vector<Quad> quads = QuadsOf(LargeContours(image));
   std::erase_if(quads, [&](const Quad& quad) {
     return (quad[2] - quad[0]).norm() > 0.95 * std::hypot(image.cols, image.rows);
   });
@@ -43,7 +43,7 @@ TEST(Outlines, AnEllipseIsFoundToAFractionOfAPixel) {
   for (const double turn : {0.0, 0.4, 1.3, 2.5}) {
     const Eigen::Matrix2d axes =
         Eigen::Rotation2Dd(turn).toRotationMatrix() * Eigen::Vector2d(70, 45).asDiagonal();
-    const auto found = FindEllipses(EllipseImage(middle, axes));
+    const auto found = EllipsesOf(LargeContours(EllipseImage(middle, axes)));
     ASSERT_FALSE(found.empty()) << turn;
     EXPECT_LT((found[0].middle - middle).norm(), 0.3) << turn;
     EXPECT_GT(found[0].axes.determinant(), 0);
@@ -56,7 +56,7 @@ TEST(Outlines, AnEllipseIsFoundToAFractionOfAPixel) {
 TEST(Outlines, ARectangleIsNoEllipseAndAnEllipseNoRectangle) {
   cv::Mat image(200, 300, CV_8UC1, cv::Scalar(200));
   cv::rectangle(image, cv::Rect(60, 50, 150, 90), 50, cv::FILLED);
-  EXPECT_TRUE(FindEllipses(image).empty());
+  EXPECT_TRUE(EllipsesOf(LargeContours(image)).empty());
   EXPECT_FALSE(QuadsWithin(image).empty());
   const cv::Mat round = EllipseImage({150, 100}, Eigen::Vector2d(80, 60).asDiagonal());
   EXPECT_TRUE(QuadsWithin(round).empty());
