@@ -135,6 +135,9 @@ CLI::App* AddBenchCommand(CLI::App& app, BenchArguments& a) {
           "--against", a.against,
           "Of timings: what to compare with. A program kestrel of another build, which runs in turn "
           "with this one and shows 5 %; or what --json wrote on this machine before, which shows less")
+      ->check([](const std::string& file) {
+        return file.empty() ? "no file; valid: a program kestrel, or what --json wrote" : "";
+      })
       ->type_name("FILE");
   command
       ->add_option("--rounds", a.rounds,
@@ -175,7 +178,8 @@ bool BenchCommand(const BenchArguments& arguments) {
                  "valid: a folder with label.csv (filename,slope,offset)");
   const bool of_timings = arguments.name == "timings";
   if (!of_timings && !arguments.against.empty())
-    mistakes.Add("bench", arguments.name, "--against", "valid: with timings");
+    mistakes.Add("bench", arguments.name, "has nothing to compare --against",
+                 "valid: bench timings --against FILE");
   mistakes.ThrowIfAny();
   if (of_timings) return Timings(arguments);
   if (arguments.name == "throughput" || arguments.name == "limits") {  // tables of their own

@@ -57,6 +57,9 @@ void Order(std::vector<Row>& rows) {
 
 bool PrintComparison(std::vector<SpeedRow> rows) {
   Order(rows);
+  if (rows.empty())
+    throw InputError("--against", "none of its work is what this program times",
+                     "valid: a build or a run of a nearer version");
   fmt::print("| {:<20} | {:<12} | {:>9} | {:>9} | {:>5} | {:<15} | {:<7} |\n", "work", "ms for each",
              "before", "now", "ratio", "interval", "verdict");
   fmt::print("|{:-<22}|{:-<14}|{:->10}:|{:->10}:|{:->6}:|{:-<17}|{:-<9}|\n", "", "", "", "", "", "", "");

@@ -152,6 +152,9 @@ TEST(BenchTimings, RefusesAtTheDoorWhatItCannotCompareWith) {
   const std::string of_another_bench = says("speed --against /bin/true");
   EXPECT_THAT(of_another_bench, testing::StartsWith("2 "));
   EXPECT_THAT(of_another_bench, HasSubstr("--against"));
+  const std::string empty = says("timings --against ''");
+  EXPECT_THAT(empty, testing::StartsWith("2 "));
+  EXPECT_THAT(empty, HasSubstr("no file"));
   EXPECT_THAT(says("timings --against /bin/true --json x.json"), HasSubstr("--json"));
 }
 
