@@ -84,6 +84,9 @@ InterleavedTimings MeasureInterleaved(const std::filesystem::path& before, const
         if (!Has(a->work(), work)) timings.of_one_alone.push_back(work);
       for (const std::string& work : a->work())
         if (!Has(b->work(), work)) timings.of_one_alone.push_back(work);
+      if (timings.of_one_alone.size() == a->work().size() + b->work().size())
+        throw InputError(before.string(), "none of its work is what this program times",
+                         "valid: a build of a nearer version");
     }
     std::map<std::string, std::vector<BlockPair>> of_round;
     for (int k = -1; k < MostBlocks(b->work()); ++k)

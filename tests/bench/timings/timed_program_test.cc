@@ -155,6 +155,17 @@ TEST(BenchTimings, RefusesAtTheDoorWhatItCannotCompareWith) {
   const std::string empty = says("timings --against ''");
   EXPECT_THAT(empty, testing::StartsWith("2 "));
   EXPECT_THAT(empty, HasSubstr("no file"));
+  const fs::path of_other_work = fs::path(testing::TempDir()) / "of_other_work";
+  WriteFile(of_other_work, fmt::format(R"(#!/bin/sh
+'{}' bench timings --in-turn </dev/null | sed 's/"work": *\[[^]]*\]/"work": ["another"]/'
+while read -r work; do echo 1 1 1; done
+)",
+                                       KESTREL_PROGRAM));
+  fs::permissions(of_other_work, fs::perms::owner_all);
+  const std::string nothing_common =
+      says(fmt::format("timings --rounds 9 --against '{}'", of_other_work.string()));
+  EXPECT_THAT(nothing_common, testing::StartsWith("2 "));
+  EXPECT_THAT(nothing_common, HasSubstr("none of its work"));
   EXPECT_THAT(says("timings --against /bin/true --json x.json"), HasSubstr("--json"));
 }
 
