@@ -29,7 +29,7 @@ struct InterleavedTimings {
   std::map<std::string, std::vector<std::vector<BlockPair>>> pairs;  // ms a piece
   std::vector<std::string> of_one_alone;                             // work that the other does not have
 };
-// Throws as TimedProgram does, and InputError: they are of different instruction sets, or none of their work has the same name.
+// Throws as TimedProgram does, and InputError: they are of different instruction sets, or time no work of one name.
 InterleavedTimings MeasureInterleaved(const std::filesystem::path& before, const std::filesystem::path& now,
                                       int rounds, TimingClock clock, const TimingProgress& show);
 

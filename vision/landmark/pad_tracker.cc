@@ -54,7 +54,7 @@ std::optional<PadObservation> PadTracker::Track(const cv::Mat& grey,
   tracked_.clear();
   agreed_.clear();
   corners_agreed_ = false;
-  const auto seen =
+  auto seen =
       options_.method == "icia" ? TrackPicture(grey, X_CT_expected) : TrackCorners(grey, X_CT_expected);
   X_CT_before_ = std::exchange(X_CT_last_, seen ? std::optional(seen->X_CT) : std::nullopt);
   return seen;
@@ -152,7 +152,7 @@ PadAlignment& PadTracker::AlignmentTo(const cv::Mat& grey) {
 std::optional<PadObservation> PadTracker::FollowPicture(const cv::Mat& grey,
                                                         const Eigen::Matrix3d& H_predicted) {
   if (!X_CT_last_) return std::nullopt;
-  const auto seen = AlignmentTo(grey).Follow(H_predicted);
+  auto seen = AlignmentTo(grey).Follow(H_predicted);
   if (seen) tracked_ = agreed_ = alignment_->points(), corners_agreed_ = false;
   return seen;
 }
@@ -179,7 +179,7 @@ std::optional<PadObservation> PadTracker::FollowBlurred(const cv::Mat& grey, con
                         H_last = HomographyFromPose(*X_CT_last_, camera_);
   if (!MovesFast(H_predicted) || CoarseLikeness(grey, reference_, H_predicted) < kMinBlurredLikeness)
     return std::nullopt;
-  const auto seen = AlignmentTo(grey).FollowBlurred(H_predicted, H_last);
+  auto seen = AlignmentTo(grey).FollowBlurred(H_predicted, H_last);
   if (seen) tracked_ = agreed_ = alignment_->points(), corners_agreed_ = false;
   return seen;
 }
@@ -283,7 +283,7 @@ std::optional<PadObservation> PadTracker::Settle(const cv::Mat& grey, const Eige
   Eigen::Matrix3d H = H_guess;
   std::optional<PadObservation> before;
   for (int pass = 1;; ++pass) {
-    const auto seen = Register(grey, H, min_inliers, plain);
+    auto seen = Register(grey, H, min_inliers, plain);
     if (!seen) return before;
     if (pass >= passes) return seen;
     double moved = 0;
