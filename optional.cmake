@@ -49,14 +49,14 @@ if(KESTREL_TARGET STREQUAL "simulator")
   endif()
 endif()
 
-# In place of a file that needs a library that is not there, a definition for the one that stands at the door.
+# In place of a file that needs a library that is not there, a definition for those that stand at the door, which follow.
 # Called in the folder of both.
-function(kestrel_source_needs library source door)
+function(kestrel_source_needs library source)
   if(NOT ${library}_FOUND)
     string(TOUPPER ${library} name)
     if(source)
       set_source_files_properties(${source} PROPERTIES HEADER_FILE_ONLY ON)
     endif()
-    set_source_files_properties(${door} PROPERTIES COMPILE_DEFINITIONS KESTREL_WITHOUT_${name})
+    set_source_files_properties(${ARGN} PROPERTIES COMPILE_DEFINITIONS KESTREL_WITHOUT_${name})
   endif()
 endfunction()
