@@ -9,6 +9,8 @@
 
 #include "base/file/files.h"
 #include "bench/timings/measure_timings.h"
+#include "bench/timings/timing_machine.h"
+#include "bench/timings/timing_record.h"
 #include "bench/timings/timing_server.h"
 
 namespace kestrel::bench {
@@ -166,6 +168,12 @@ while read -r work; do echo 1 1 1; done
       says(fmt::format("timings --rounds 9 --against '{}'", of_other_work.string()));
   EXPECT_THAT(nothing_common, testing::StartsWith("2 "));
   EXPECT_THAT(nothing_common, HasSubstr("none of its work"));
+  const fs::path kept = fs::path(testing::TempDir()) / "of_other_work.json";
+  const TimingRound round{{"another", {CalibratedBlock{{1, 1, 1}, {1, 1, 1}, {1, 1, 1}}}}};
+  WriteFile(kept, ToJson({"old", ThisTimingMachine(), {round, round}}));
+  const std::string nothing_kept = says(fmt::format("timings --against '{}'", kept.string()));
+  EXPECT_THAT(nothing_kept, testing::StartsWith("2 "));
+  EXPECT_THAT(nothing_kept, HasSubstr("none of its work"));
   EXPECT_THAT(says("timings --against /bin/true --json x.json"), HasSubstr("--json"));
 }
 
