@@ -250,9 +250,13 @@ std::optional<Eigen::Matrix3d> PadTracker::Follow(const cv::Mat& grey,
     for (cv::Point2f& p : points) p = ToCv(Transfer(guess, FromCv(p)));
     flags = cv::OPTFLOW_USE_INITIAL_FLOW;
   }
+  if (std::exchange(flow_frame_, frames_) != frames_) {
+    cv::buildOpticalFlowPyramid(last_grey_, last_pyramid_, kFollowWindow, kFollowLevels, true);
+    cv::buildOpticalFlowPyramid(grey, pyramid_, kFollowWindow, kFollowLevels, false);
+  }
   std::vector<uchar> status;
   std::vector<float> error;
-  cv::calcOpticalFlowPyrLK(last_grey_, grey, last_points_, points, status, error, kFollowWindow,
+  cv::calcOpticalFlowPyrLK(last_pyramid_, pyramid_, last_points_, points, status, error, kFollowWindow,
                            kFollowLevels, kLucasKanadeEnd, flags, 1e-3);
   std::vector<PointPair> pairs;
   for (std::size_t i = 0; i < points.size(); ++i) {

@@ -74,6 +74,8 @@ class PadTracker {
   Pinhole camera_;
   PadTrackerOptions options_;
   std::uint32_t frames_ = 0, aligned_frame_ = 0;  // of all images, and that which alignment_ looks at
+  std::uint32_t flow_frame_ = 0;                  // that of pyramid_
+  std::vector<cv::Mat> pyramid_, last_pyramid_;   // for optical flow from last_grey_
 
   // Memory of the last frame in which the pad was seen; an empty image: none.
   cv::Mat last_grey_;

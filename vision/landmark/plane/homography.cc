@@ -67,18 +67,17 @@ std::optional<Eigen::Matrix3d> FitFour(std::span<const PointPair> pairs) {
   return Finish(normalised, n_from, n_to);
 }
 
-// Symmetric transfer distance squared: d(x', Hx)^2 + d(x, H^-1 x')^2.
-double TransferError2(const Eigen::Matrix3d& H, const Eigen::Matrix3d& H_inverse, const PointPair& pair) {
-  return (Transfer(H, pair.from) - pair.to).squaredNorm() +
-         (Transfer(H_inverse, pair.to) - pair.from).squaredNorm();
-}
-
+// By the symmetric transfer distance squared: d(x', Hx)^2 + d(x, H^-1 x')^2.
 std::vector<int> InliersOf(const Eigen::Matrix3d& H, std::span<const PointPair> pairs, double threshold) {
   const Eigen::Matrix3d H_inverse = H.inverse();
+  const double most = threshold * threshold;
   std::vector<int> inliers;
   for (int i = 0; i < static_cast<int>(pairs.size()); ++i) {
-    // written so that NaN is an outlier
-    if (TransferError2(H, H_inverse, pairs[i]) < threshold * threshold) inliers.push_back(i);
+    const PointPair& pair = pairs[i];
+    // Written so that NaN is an outlier. Of most outliers the first part says it.
+    const double forth = (Transfer(H, pair.from) - pair.to).squaredNorm();
+    if (!(forth < most)) continue;
+    if (forth + (Transfer(H_inverse, pair.to) - pair.from).squaredNorm() < most) inliers.push_back(i);
   }
   return inliers;
 }
