@@ -2,7 +2,6 @@
 #include "bench/bench_trackers.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -12,6 +11,7 @@
 #include <string>
 
 #include "base/diagnostics.h"
+#include "base/process/status_line.h"
 #include "base/random.h"
 #include "base/statistics.h"
 #include "base/stopwatch.h"
@@ -251,12 +251,11 @@ void BenchTrackers(std::uint64_t first_seed, std::uint64_t last_seed, std::vecto
   std::vector<std::vector<Score>> scores(nuisances.size(), std::vector<Score>(kTrackers));
   std::vector<Honesty> honesty(nuisances.size());
   std::vector<std::string> names;
+  StatusLine line("trackers");
   for (std::uint64_t seed = first_seed; seed <= last_seed; ++seed) {
     std::optional<vision::ColourModel> colour;
     for (std::size_t i = 0; i < nuisances.size(); ++i) {
-      if (isatty(STDERR_FILENO))
-        fmt::print(stderr, "\r\033[Ktrackers: seed {} of {}..{}, {}", seed, first_seed, last_seed,
-                   nuisances[i].name);
+      line.Show(fmt::format("seed {} of {}..{}, {}", seed, first_seed, last_seed, nuisances[i].name));
       const BalloonClip clip(model.get(), nuisances[i], seed);
       const std::vector<Photo> frames = clip.Draw();
       if (!colour) colour = Learn(frames.front(), clip.camera());
@@ -271,7 +270,7 @@ void BenchTrackers(std::uint64_t first_seed, std::uint64_t last_seed, std::vecto
       Judge(*colour, frames, clip.camera(), honesty[i]);
     }
   }
-  if (isatty(STDERR_FILENO)) fmt::print(stderr, "\r\033[K");
+  line.Clear();
   cv::setNumThreads(threads);
 
   fmt::print(

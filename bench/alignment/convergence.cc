@@ -2,13 +2,13 @@
 #include "bench/alignment/convergence.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <Eigen/Dense>
 #include <memory>
 #include <opencv2/core/eigen.hpp>
 #include <opencv2/video/tracking.hpp>
 
+#include "base/process/status_line.h"
 #include "base/stopwatch.h"
 #include "vision/landmark/alignment/aligner.h"
 
@@ -55,12 +55,12 @@ ConvergenceTable StudyConvergence(
   const int threads = cv::getNumThreads();
   cv::setNumThreads(1);
   ConvergenceTable table;
+  StatusLine line("alignment");
   for (const AlignmentPicture& picture : AlignmentPictures()) {
     const std::vector<NamedAligner> each = aligners(DrawReference(picture));
     for (const AlignmentNuisance& nuisance : AlignmentNuisances()) {
       for (const double sigma_px : kDisplacements_px) {
-        if (isatty(STDERR_FILENO))
-          fmt::print(stderr, "\r\033[Kalignment: {}, {}, {:g} px", picture.name, nuisance.name, sigma_px);
+        line.Show(fmt::format("{}, {}, {:g} px", picture.name, nuisance.name, sigma_px));
         for (std::uint64_t seed = seeds.first; seed <= seeds.last; ++seed) {
           const AlignmentDraw draw = DrawDisplaced(picture, sigma_px, nuisance, seed);
           for (const NamedAligner& aligner : each) {
@@ -77,7 +77,6 @@ ConvergenceTable StudyConvergence(
       }
     }
   }
-  if (isatty(STDERR_FILENO)) fmt::print(stderr, "\r\033[K");
   cv::setNumThreads(threads);
   return table;
 }

@@ -2,7 +2,6 @@
 #include "bench/render/bench_render.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -12,6 +11,7 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
+#include "base/process/status_line.h"
 #include "base/random.h"
 #include "base/statistics.h"
 #include "bench/render/agreement.h"
@@ -28,16 +28,13 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-void Progress(const std::string& what) {
-  if (isatty(STDERR_FILENO)) fmt::print(stderr, "\r\033[K{}", what);
-}
-
 constexpr std::uint64_t kTurn = 5;
 
 const sim::RenderOptions kByRay{.backend = "ray"};
 
 void Speed(const BenchCamera& bench, World& world, const sim::RenderOptions& by_opengl,
-           std::uint64_t first_seed, std::uint64_t last_seed, std::vector<records::Figure>& table) {
+           std::uint64_t first_seed, std::uint64_t last_seed, StatusLine& line,
+           std::vector<records::Figure>& table) {
   Drawer<PeerRenderer> peer(world.model(), bench.camera, by_opengl.backend, 0, 1.0),
       coarse(world.model(), bench.camera, by_opengl.backend, 0, 0.5);
   Drawer<sim::Renderer> ray(world.model(), bench.camera, kByRay),
@@ -67,8 +64,8 @@ void Speed(const BenchCamera& bench, World& world, const sim::RenderOptions& by_
     // itself.
     for (std::uint64_t from = first_seed; from <= last_seed; from += kTurn) {
       const std::uint64_t until = std::min(from + kTurn - 1, last_seed);
-      Progress(fmt::format("{}, {}, speed: seed {} of {}..{}", bench.name, kHeightNames[h], from, first_seed,
-                           last_seed));
+      line.Show(fmt::format("{}, {}, speed: seed {} of {}..{}", bench.name, kHeightNames[h], from, first_seed,
+                            last_seed));
       const auto turn = [&](auto& drawer, std::vector<double>& times_ms) {
         for (std::uint64_t seed = from; seed <= until; ++seed) {
           const Pose X_NC = world.Put(AircraftPose(bench, kHeights[h], seed));
@@ -78,7 +75,7 @@ void Speed(const BenchCamera& bench, World& world, const sim::RenderOptions& by_
       turn(peer, here.peer_ms), turn(ray, here.ray_ms), turn(opengl, here.opengl_ms);
       if (wide) turn(coarse, here.coarse_ms);
     }
-    Progress("");
+    line.Clear();
     const auto both = [](const std::vector<double>& ms) {
       return fmt::format("{:.1f} {:.1f}", Quantile(ms, 0.5), Quantile(ms, 0.95));
     };
@@ -302,13 +299,13 @@ void EdgesOf(const Box& box, const vision::CameraModel& camera, const cv::Mat& b
 
 // Where both draw the straight edges of boxes: each edge as a whole, since OpenGL's steps are pixels.
 void Edges(const BenchCamera& bench, const sim::RenderOptions& by_opengl, std::uint64_t first_seed,
-           std::uint64_t last_seed, std::vector<records::Figure>& table) {
+           std::uint64_t last_seed, StatusLine& line, std::vector<records::Figure>& table) {
   sim::RenderOptions smooth = by_opengl;
   smooth.samples = 4;
   const Pose X_NC{Eigen::Quaterniond(RotationFromTaitBryan({0.4, -0.9, 0.2})), {3, -2, -4}};
   EdgeErrors errors;
   for (std::uint64_t seed = first_seed; seed <= last_seed; ++seed) {
-    Progress(fmt::format("{}, edges: seed {} of {}..{}", bench.name, seed, first_seed, last_seed));
+    line.Show(fmt::format("{}, edges: seed {} of {}..{}", bench.name, seed, first_seed, last_seed));
     RandomStream random(seed, "bench render edges");
     std::vector<Box> boxes;
     std::string geoms;
@@ -337,7 +334,7 @@ void Edges(const BenchCamera& bench, const sim::RenderOptions& by_opengl, std::u
                        seen_by_opengl, 0);
     for (const Box& box : boxes) EdgesOf(box, bench.camera, seen_by_ray, seen_by_opengl, errors);
   }
-  Progress("");
+  line.Clear();
   const auto name = [&](const char* what) {
     return fmt::format("{}, {} edges, {}", bench.name, errors.between.size(), what);
   };
@@ -357,12 +354,13 @@ void BenchRender(std::uint64_t first_seed, std::uint64_t last_seed, const std::s
   setenv("LP_NUM_THREADS", "0", 0);
   const sim::RenderOptions by_opengl{.backend = opengl};
   World world("landing");
+  StatusLine line("render");
   for (const BenchCamera& bench : BenchCameras()) {
-    Speed(bench, world, by_opengl, first_seed, last_seed, table);
-    Progress(bench.name + ", agreement");
+    Speed(bench, world, by_opengl, first_seed, last_seed, line, table);
+    line.Show(bench.name + ", agreement");
     BenchAgreement(bench, world, by_opengl, first_seed, last_seed, table);
-    Progress("");
-    Edges(bench, by_opengl, first_seed, last_seed, table);
+    line.Clear();
+    Edges(bench, by_opengl, first_seed, last_seed, line, table);
     Markers(bench, by_opengl, first_seed, table);
   }
 }
