@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <poll.h>
 #include <spawn.h>
 #include <sys/mman.h>
 #include <sys/socket.h>
@@ -10,10 +11,14 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cmath>
+#include <csignal>
 #include <cstring>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
+
+#include "base/stopwatch.h"
 
 extern char** environ;
 
@@ -103,9 +108,19 @@ std::size_t PipedProcess::Read(char* bytes, std::size_t most) {
   return got;
 }
 
-std::optional<std::string> PipedProcess::ReadLine(std::size_t most) {
+std::optional<std::string> PipedProcess::ReadLine(std::size_t most, double patience_s) {
+  const double until_s = MonotonicNow_s() + patience_s;
+  const auto comes = [&] {
+    pollfd from{pipe_, POLLIN, 0};
+    for (double left_s; (left_s = until_s - MonotonicNow_s()) > 0;) {
+      const int n = poll(&from, 1, static_cast<int>(std::ceil(1e3 * left_s)));
+      if (n > 0) return true;
+      if (n < 0 && errno != EINTR) return false;
+    }
+    return false;
+  };
   std::string line;
-  for (char next; line.size() <= most && Read(&next, 1) == 1; line += next)
+  for (char next; line.size() <= most && comes() && Read(&next, 1) == 1; line += next)
     if (next == '\n') return line;
   return {};
 }
@@ -113,6 +128,11 @@ std::optional<std::string> PipedProcess::ReadLine(std::size_t most) {
 void PipedProcess::Close() {
   Wait();
   if (failed_ || status_ != 0) Fail();
+}
+
+void PipedProcess::Kill() {
+  if (child_ > 0) kill(-child_, SIGKILL);  // it leads a group of its own
+  Wait();
 }
 
 void PipedProcess::Wait() {

@@ -23,10 +23,11 @@ class PipedProcess {
 
   void Write(std::string_view bytes);
   std::size_t Read(char* bytes, std::size_t most);  // less than most: its output has ended
-  // Of a program that answers: the next line, without its end. None: its output has ended, or the line is longer than
-  // most.
-  std::optional<std::string> ReadLine(std::size_t most);
+  // Of a program that answers: the next line, without its end. None: its output has ended, the line is longer than
+  // most, or it did not come within the patience.
+  std::optional<std::string> ReadLine(std::size_t most, double patience_s);
   void Close();  // the end of the pipe; waits for the program
+  void Kill();   // of the program, whatever it is at
 
  private:
   void Wait();

@@ -11,7 +11,7 @@
 #include "base/diagnostics.h"
 #include "base/file/files.h"
 #include "base/process/own_program.h"
-#include "base/process/print_note.h"
+#include "base/process/status_line.h"
 #include "base/statistics.h"
 #include "base/user_file.h"
 
@@ -20,22 +20,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class TerminalLine {
- public:
-  explicit TerminalLine(int rounds) : rounds_(rounds) {}
-  ~TerminalLine() {
-    if (terminal_) PrintNote("\r\033[K");
-  }
-  TimingProgress Show() {
-    return [this](int round, const std::string& work) {
-      if (terminal_) PrintNote("\r\033[Ktimings: round {} of {}, {}", round + 1, rounds_, work);
-    };
-  }
-
- private:
-  int rounds_;
-  bool terminal_ = isatty(STDERR_FILENO);
-};
+TimingProgress ShownBy(StatusLine& line, int rounds) {
+  return [&line, rounds](int round, const std::string& work) {
+    line.Show(fmt::format("round {} of {}, {}", round + 1, rounds, work));
+  };
+}
 
 std::string PieceOf(const std::string& name) {
   for (const TimedWork& work : AllTimedWork())
@@ -117,9 +106,9 @@ bool AgainstProgram(const TimingOptions& options) {
                      "valid: --json without --against, or with a run that was kept");
   InterleavedTimings timings;
   {
-    TerminalLine line(options.rounds);
+    StatusLine line("timings");
     timings = MeasureInterleaved(fs::absolute(options.against), OwnProgram(), options.rounds, options.clock,
-                                 line.Show());
+                                 ShownBy(line, options.rounds));
   }
   fmt::print("before: {}\nnow:    {}\n", timings.version_before, timings.version_now);
   for (const std::string& work : timings.of_one_alone)
@@ -152,8 +141,8 @@ bool BenchTimings(const TimingOptions& options) {
   TimingRecord before, now;
   if (!options.against.empty()) before = ReadComparable(options.against);
   {
-    TerminalLine line(options.rounds);
-    now = MeasureTimings(OwnProgram(), options.rounds, line.Show());
+    StatusLine line("timings");
+    now = MeasureTimings(OwnProgram(), options.rounds, ShownBy(line, options.rounds));
   }
   if (!options.json.empty()) WriteFile(options.json, ToJson(now));
   if (options.against.empty()) {

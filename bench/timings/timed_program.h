@@ -14,8 +14,9 @@ namespace kestrel::bench {
 // A program `kestrel`, of this build or another, as a process that times its own work when told to.
 class TimedProgram {
  public:
-  // Starts `PROGRAM bench timings --in-turn`. Throws InputError: that is no such program.
-  explicit TimedProgram(const std::filesystem::path& program);
+  // Starts `PROGRAM bench timings --in-turn`. Throws InputError: that is no such program, or it says nothing within the
+  // patience.
+  explicit TimedProgram(const std::filesystem::path& program, double patience_s = 60);
   const std::string& version() const { return version_; }
   const TimingMachine& machine() const { return machine_; }
   const std::vector<std::string>& work() const { return work_; }  // names that it knows

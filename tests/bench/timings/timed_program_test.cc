@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <sstream>
@@ -108,6 +109,23 @@ TEST(TimedProgram, WhatIsNoSuchProgramOrOfAnotherInstructionSetIsRefused) {
               HasSubstr("instruction_set: avx512 there, avx2 here"));
 }
 
+TEST(TimedProgram, WhatNeverAnswersIsEndedAndRefused) {
+  const fs::path folder = fs::path(testing::TempDir()) / "timed_program", file = folder / "silent";
+  fs::create_directories(folder);
+  WriteFile(file, "#!/bin/sh\necho $$ >\"$0.id\"\nsleep 1000\n");
+  fs::permissions(file, fs::perms::owner_all);
+  EXPECT_THROW(TimedProgram(file, 0.3), InputError);
+  EXPECT_NE(kill(std::stoi(ReadFile(file.string() + ".id")), 0), 0);
+}
+
+TEST(TimedProgram, AnExecutableTextIsRefused) {
+  const fs::path folder = fs::path(testing::TempDir()) / "timed_program", file = folder / "text";
+  fs::create_directories(folder);
+  WriteFile(file, "{}");
+  fs::permissions(file, fs::perms::owner_all);
+  EXPECT_THROW(TimedProgram{file}, InputError);
+}
+
 TEST(TimedProgram, WorkOfOneAloneIsNamedAndNotCompared) {
   const InterleavedTimings timings = MeasureInterleaved(
       Says("before", 20), Says("more", 20, "avx2", ", \"new\""), 2, TimingClock::kProcessor, kNothing);
@@ -154,6 +172,11 @@ TEST(BenchTimings, RefusesAtTheDoorWhatItCannotCompareWith) {
   const std::string of_another_bench = says("speed --against /bin/true");
   EXPECT_THAT(of_another_bench, testing::StartsWith("2 "));
   EXPECT_THAT(of_another_bench, HasSubstr("--against"));
+  EXPECT_THAT(says("limits --rounds 9 --seeds 1..2"),
+              testing::AllOf(testing::StartsWith("2 "),
+                             HasSubstr("--rounds is of no use to bench limits; valid: with timings"),
+                             HasSubstr("--seeds is of no use")));
+  EXPECT_THAT(says("timings --seeds 5..1"), HasSubstr("--seeds is of no use to bench timings"));
   const std::string empty = says("timings --against ''");
   EXPECT_THAT(empty, testing::StartsWith("2 "));
   EXPECT_THAT(empty, HasSubstr("no file"));
