@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <charconv>
 #include <sstream>
 #include <string>
 #include <string_view>
@@ -22,18 +21,6 @@ void End(int) {
 }
 
 }  // namespace
-
-CLI::Validator WholeNumber(int low, int high) {
-  return CLI::Validator(
-      [low, high](std::string& text) {
-        int value = 0;
-        const char* last = text.data() + text.size();
-        const auto end = std::from_chars(text.data(), last, value);
-        if (end.ec == std::errc{} && end.ptr == last && value >= low && value <= high) return std::string();
-        return fmt::format("'{}' is not valid; valid: a whole number, {} to {}", text, low, high);
-      },
-      fmt::format("INT in [{} - {}]", low, high), "");
-}
 
 std::string NoneNamed(const std::string& kind) {
   std::string text = fmt::format("kestrel: no {0} is named; valid: a {0}'s YAML file, or one of", kind);

@@ -15,16 +15,10 @@ namespace kestrel::app {
 
 // Beside what CLI11 itself checks; a text says what is wrong.
 
-// An option that is given and empty would be as if it were not.
-inline std::string NotEmpty(const std::string& text) { return text.empty() ? "it is empty" : ""; }
-
 // nan is neither below nor above a range.
 inline std::string NotNan(const std::string& text) {
   return std::isnan(std::strtod(text.c_str(), nullptr)) ? '\'' + text + "' is not a number" : "";
 }
-
-// Refuses an option that is no whole number from low to high.
-CLI::Validator WholeNumber(int low, int high);
 
 // What to say to `kestrel campaign` or `kestrel tune` alone: what there is. kind: "campaign" or "tuning".
 std::string NoneNamed(const std::string& kind);

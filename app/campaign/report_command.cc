@@ -8,6 +8,7 @@
 
 #include "app/campaign/campaign_command.h"
 #include "app/campaign/command_line.h"
+#include "app/option/within.h"
 #include "app/run/isa_option.h"
 #include "base/diagnostics.h"
 #include "base/file/files.h"

@@ -10,6 +10,7 @@
 #include <atomic>
 
 #include "app/campaign/command_line.h"
+#include "app/option/within.h"
 #include "app/run/isa_option.h"
 #include "base/diagnostics.h"
 #include "base/file/files.h"

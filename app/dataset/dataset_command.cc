@@ -33,11 +33,11 @@ CLI::App* AddDatasetCommand(CLI::App& app, DatasetCommandArguments& a) {
       ->type_name("DIR")
       ->required();
   command->add_option("--count", set.count, "Sequences, of the seed and those after it")
-      ->check(CLI::Range(1, 100000))
+      ->check(WholeNumber(1, 100000))
       ->capture_default_str();
-  command->add_option("--frames", set.frames, "Of each sequence, at most")->check(CLI::Range(1, 100000000));
+  command->add_option("--frames", set.frames, "Of each sequence, at most")->check(WholeNumber(1, 100000000));
   command->add_option("--duration", set.duration_s, "Of each sequence, at most, s")
-      ->check(Within(0.01, 36000));
+      ->check(Within(0.01, 36000.0));
   command->add_option("--seed", a.seed, "Of the first sequence, in place of the scenario's");
   command->add_flag("--colour", set.extras.colour, "Colour images; those of tum always are");
   command->add_flag("--depth", set.extras.depth, "Depth of each image");
@@ -52,7 +52,7 @@ CLI::App* AddDatasetCommand(CLI::App& app, DatasetCommandArguments& a) {
   command
       ->add_option("--imu-rate", set.imu_rate_hz,
                    "Readings of the IMU in a second (default: the scenario's; 200 where it has no IMU)")
-      ->check(Within(1, 1000))
+      ->check(Within(1.0, 1000.0))
       ->type_name("HZ");
   command->add_option("--set", set.overrides, "key.path=value, as for run")
       ->type_name("KEY=VALUE")
@@ -60,7 +60,7 @@ CLI::App* AddDatasetCommand(CLI::App& app, DatasetCommandArguments& a) {
   command
       ->add_option("--jobs", set.jobs,
                    "Threads (default: one for each core); the bytes are the same for any number")
-      ->check(CLI::Range(1, 256))
+      ->check(WholeNumber(1, 256))
       ->type_name("N");
   command->footer(
       "Examples:\n"

@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "app/option/one_of.h"
+#include "app/option/within.h"
 #include "base/diagnostics.h"
 #include "base/process/shell_word.h"
 #include "flight/simulated/scenario.h"
@@ -79,10 +80,10 @@ CLI::App* AddVehicleCommand(CLI::App& app, VehicleArguments& a) {
   command->add_option("name", a.draft.name, "Name of the vehicle and its file")->required();
   command->add_option("--mass", a.draft.mass_kg, "Mass ready to fly, kg")
       ->required()
-      ->check(CLI::Range(0.05, 50.0));
+      ->check(Within(0.05, 50.0));
   command->add_option("--arm", a.draft.arm_m, "From the centre to each shaft, m")
       ->required()
-      ->check(CLI::Range(0.05, 2.0));
+      ->check(Within(0.05, 2.0));
   command->add_option("--layout", a.draft.layout, "Where the rotors are: plus, x, or h (two rails)")
       ->capture_default_str()
       ->check(OneOf({"plus", "x", "h"}));
@@ -91,18 +92,18 @@ CLI::App* AddVehicleCommand(CLI::App& app, VehicleArguments& a) {
       ->check(CLI::IsMember({4, 6, 8}));
   command->add_option("--battery", a.draft.cells, "Lithium cells in series")
       ->capture_default_str()
-      ->check(CLI::Range(1, 16));
+      ->check(WholeNumber(1, 16));
   command
       ->add_option("--kv", a.draft.kv_rpm_v,
                    "Of the motors, rpm/V; without it --thrust-to-weight tells their speed")
-      ->check(CLI::Range(20.0, 10000.0));
+      ->check(Within(20.0, 10000.0));
   command
       ->add_option("--propeller", a.draft.propeller_m,
                    "Diameter, m; without it the largest that leaves a gap of a tenth")
-      ->check(CLI::Range(0.03, 3.0));
+      ->check(Within(0.03, 3.0));
   command->add_option("--thrust-to-weight", a.draft.thrust_to_weight, "Of all rotors at full speed")
       ->capture_default_str()
-      ->check(CLI::Range(0.1, 10.0));
+      ->check(Within(0.1, 10.0));
   command->add_option("--out", a.out, "Folder that the file is written to")->capture_default_str();
   command->footer(
       "Examples:\n"

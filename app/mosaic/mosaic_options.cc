@@ -156,10 +156,10 @@ CLI::App* AddMosaicCommand(CLI::App& app, MosaicArguments& a) {
   command->add_option("--csv", a.csv, "A row for each image: what became of it, and where it lies")
       ->type_name("FILE");
   command->add_option("--memory-mb", a.memory_mb, "Memory for images and mosaic")
-      ->check(CLI::Range(50, 1000000))
+      ->check(WholeNumber(50, 1000000))
       ->capture_default_str();
   command->add_option("--every", a.every, "Of so many images one")
-      ->check(CLI::Range(1, 10000))
+      ->check(WholeNumber(1, 10000))
       ->capture_default_str();
   AddFramesOption(*command, "images", a.frames);
   AddDeinterlaceOption(*command, a);

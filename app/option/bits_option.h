@@ -4,6 +4,8 @@
 #include <CLI/CLI.hpp>
 #include <optional>
 
+#include "app/option/within.h"
+
 namespace kestrel::app {
 
 // --bits of a command that reads images: for PixelDepth.
@@ -12,7 +14,7 @@ inline void AddBitsOption(CLI::App& command, std::optional<int>& bits) {
       .add_option("--bits", bits,
                   "How many bits the camera has, of images in 16 bits that do not say it (default: as few as "
                   "hold their largest value)")
-      ->check(CLI::Range(8, 16));
+      ->check(WholeNumber(8, 16));
 }
 
 }  // namespace kestrel::app

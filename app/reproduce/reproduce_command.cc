@@ -11,6 +11,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "app/option/within.h"
 #include "app/reproduce/image_drawings.h"
 #include "app/reproduce/reproduce_page.h"
 #include "app/reproduce/thesis_items.h"
@@ -129,7 +130,7 @@ CLI::App* AddReproduceCommand(CLI::App& app, ReproduceArguments& a) {
   command->add_flag("--list", a.list, "List the tables and figures, with their flights, and end");
   command->add_option("--seed", a.seed, "Of every flight")->capture_default_str();
   command->add_option("--jobs", a.jobs, "Flights at the same time")
-      ->check(CLI::Range(1, 256))
+      ->check(WholeNumber(1, 256))
       ->capture_default_str();
   command->add_option("--out", a.out, "Folder of the page, index.html, and of the flights' records")
       ->type_name("DIR")

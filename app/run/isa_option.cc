@@ -10,6 +10,7 @@
 #include <cstring>
 #include <stdexcept>
 
+#include "app/option/within.h"
 #include "base/process/own_program.h"
 #include "sim/render/ray/instruction_set.h"
 
@@ -21,18 +22,19 @@ constexpr const char* kVariable = "KESTREL_ISA";
 }  // namespace
 
 void AddIsaOption(CLI::App* command, std::string& isa) {
-  command->add_option(
-      "--isa", isa,
-      fmt::format("Instruction set to keep to: {}. Machines that are to come to the same bits "
-                  "take the same (default: the best of each)",
-                  fmt::join(sim::InstructionSets(), ", ")));
+  command
+      ->add_option("--isa", isa,
+                   fmt::format("Instruction set to keep to: {}. Machines that are to come to the same bits "
+                               "take the same (default: the best of each)",
+                               fmt::join(sim::InstructionSets(), ", ")))
+      ->check(NotEmpty);
   for (CLI::App* each : command->get_subcommands({})) AddIsaOption(each, isa);
 }
 
 void GoBy(const std::string& isa, char** arguments) {
   const std::string set = isa.empty() ? ChosenInstructionSet() : isa;
   if (set.empty()) return;
-  sim::UseInstructionSet(set);
+  sim::UseInstructionSet(set, isa.empty() ? kVariable : "--isa");
   bool as_wanted = true;
   for (const auto& [name, value] : sim::EnvironmentOf(set)) {
     const char* const now = std::getenv(name.c_str());
@@ -48,7 +50,7 @@ void GoBy(const std::string& isa, char** arguments) {
 }
 
 void GoByTheEnvironment() {
-  if (!ChosenInstructionSet().empty()) sim::UseInstructionSet(ChosenInstructionSet());
+  if (!ChosenInstructionSet().empty()) sim::UseInstructionSet(ChosenInstructionSet(), kVariable);
 }
 
 std::string ChosenInstructionSet() {

@@ -14,6 +14,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "app/option/within.h"
 #include "base/diagnostics.h"
 #include "base/file/files.h"
 #include "base/file/writer_lock.h"
@@ -260,15 +261,15 @@ CLI::App* AddEncountersCommand(CLI::App& app, EncountersArguments& a) {
       ->type_name("SCENARIO")
       ->capture_default_str();
   command->add_option("--count", a.count, "Near encounters, each flown twice")
-      ->check(CLI::Range(0, 100000))
+      ->check(WholeNumber(0, 100000))
       ->capture_default_str();
   command->add_option("--harmless", a.harmless, "Harmless encounters, in which nothing should be done")
-      ->check(CLI::Range(0, 100000))
+      ->check(WholeNumber(0, 100000))
       ->capture_default_str();
   command->add_option("--seed", a.seed, "Of the first encounter; the next ones follow")
       ->capture_default_str();
   command->add_option("--jobs", a.jobs, "Flights at the same time")
-      ->check(CLI::Range(1, 256))
+      ->check(WholeNumber(1, 256))
       ->capture_default_str();
   command->add_option("--set", a.overrides, "key.path=value, as for run")
       ->type_name("KEY=VALUE")

@@ -58,7 +58,7 @@ void AddFramesOption(CLI::App& command, const std::string& images, int& frames) 
   command
       .add_option("--frames", frames,
                   fmt::format("End after so many {} (default: with the input, or when interrupted)", images))
-      ->check(CLI::Range(1, 100000000));
+      ->check(WholeNumber(1, 100000000));
 }
 
 void AddOutputOptions(CLI::App& command, const std::string& csv_rows, ImageArguments& a) {

@@ -41,7 +41,7 @@ CLI::App* AddRenderBoardCommand(CLI::App& app, RenderBoardArguments& a) {
       ->add_option("--board", a.board, "chessboard, aprilgrid, charuco, circles, or a target file of Kalibr")
       ->type_name("FILE")
       ->capture_default_str();
-  command->add_option("--count", a.count, "Images")->check(CLI::Range(1, 1000))->capture_default_str();
+  command->add_option("--count", a.count, "Images")->check(WholeNumber(1, 1000))->capture_default_str();
   command->add_option("--seed", a.seed, "Of the poses and the noise")->capture_default_str();
   command->add_option("--blur", a.blur_px, "Of the lens: its standard deviation, px")
       ->check(Within(0.0, 10.0))

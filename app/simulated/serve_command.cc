@@ -22,6 +22,7 @@
 
 #include "app/option/colour.h"
 #include "app/option/one_of.h"
+#include "app/option/within.h"
 #include "app/page/report_command.h"
 #include "app/run/run_report.h"
 #include "base/diagnostics.h"
@@ -183,7 +184,7 @@ CLI::App* AddServeCommand(CLI::App& app, ServeCommandArguments& a) {
   serve->add_option("--mavlink", a.mavlink, "MAVLink 2 by UDP, as this autopilot speaks it")
       ->check(OneOf({"px4", "ardupilot"}));
   serve->add_option("--mavlink-port", a.mavlink_port, "Instead of the usual one")
-      ->check(CLI::Range(0, 65535));
+      ->check(WholeNumber(0, 65535));
   serve
       ->add_option(
           "--physics", a.physics,
@@ -191,7 +192,7 @@ CLI::App* AddServeCommand(CLI::App& app, ServeCommandArguments& a) {
           "simulator protocol, or ArduPilot's JSON")
       ->check(OneOf({"px4", "ardupilot"}));
   serve->add_option("--physics-port", a.physics_port, "Instead of the usual one")
-      ->check(CLI::Range(0, 65535));
+      ->check(WholeNumber(0, 65535));
   serve
       ->add_option("--camera", a.camera,
                    "rtp:PORT (MJPEG), raw:PORT (uncoded) on this computer, rtp:ADDRESS:PORT, "

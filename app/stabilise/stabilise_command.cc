@@ -73,7 +73,7 @@ CLI::App* AddStabiliseCommand(CLI::App& app, StabiliseArguments& a) {
       ->check(OneOf({"lk", "sift", "surf", "orb"}))
       ->capture_default_str();
   command->add_option("--points", a.options.motion.max_points, "Maximum number of points in an image")
-      ->check(CLI::Range(20, 5000))
+      ->check(WholeNumber(20, 5000))
       ->capture_default_str();
   AddOpenClOption(*command, a.options.motion.opencl);
   command->add_option("--lag-s", a.options.lag_s, "How late the view comes")

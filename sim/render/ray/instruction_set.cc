@@ -82,7 +82,7 @@ std::string InstructionSet() {
   return target;
 }
 
-void UseInstructionSet(const std::string& name) {
+void UseInstructionSet(const std::string& name, const char* chosen_by) {
   hwy::DisableTargets(0);
   const std::int64_t supported = hwy::SupportedTargets();
   std::vector<std::string_view> here;
@@ -92,7 +92,7 @@ void UseInstructionSet(const std::string& name) {
       std::find_if(kSets.begin(), kSets.end(), [&](const Named& s) { return s.name == name; });
   if (std::find(here.begin(), here.end(), name) == here.end())
     throw InputError(
-        "--isa",
+        chosen_by,
         fmt::format("{}", wanted == kSets.end()
                               ? fmt::format("'{}' is no instruction set that can be chosen", name)
                               : fmt::format("this machine has no {}", name)),

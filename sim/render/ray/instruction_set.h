@@ -19,8 +19,8 @@ std::span<const std::string_view> InstructionSets();
 std::string InstructionSet();
 
 // Has the ray renderer and Embree go by this one, from the next picture and the next world on. Throws
-// InputError: there is no such name, or this machine has not got it.
-void UseInstructionSet(const std::string& name);
+// InputError: there is no such name, or this machine has not got it. chosen_by: the option or variable that named it.
+void UseInstructionSet(const std::string& name, const char* chosen_by = "--isa");
 
 // What the environment of a process must hold from its start for the C library and OpenCV to go by one too:
 // variables with their values, empty: none.

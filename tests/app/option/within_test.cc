@@ -23,5 +23,13 @@ TEST(WithinTest, WhatIsNotWithinIsToldWithWhatIsValid) {
     EXPECT_THAT(Refusal(text), HasSubstr("valid: 0.3 to 0.95")) << text;
 }
 
+TEST(WholeNumberTest, WhatIsNoneOrNotWithinIsToldWithWhatIsValid) {
+  const auto refusal = [](std::string text) { return WholeNumber(9, 200)(text); };
+  EXPECT_THAT(refusal("9"), IsEmpty());
+  EXPECT_THAT(refusal("200"), IsEmpty());
+  for (const char* text : {"8", "201", "9.5", "x", "", "99999999999"})
+    EXPECT_THAT(refusal(text), HasSubstr("valid: a whole number, 9 to 200")) << text;
+}
+
 }  // namespace
 }  // namespace kestrel::app
