@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "app/bench_command.h"
+#include "app/bench/bench_command.h"
 #include "app/camera/calibrate_command.h"
 #include "app/camera/mirror_command.h"
 #include "app/campaign/campaign_command.h"

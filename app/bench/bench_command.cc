@@ -1,51 +1,63 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "app/bench_command.h"
+#include "app/bench/bench_command.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
 #include <iostream>
+#include <string>
 #include <vector>
 
+#include "app/bench/bench_list.h"
 #include "app/option/one_of.h"
+#include "app/option/within.h"
 #include "base/diagnostics.h"
 #include "base/file/files.h"
-#include "base/file/model_files.h"
-#include "bench/alignment/bench_alignment.h"
-#include "bench/alignment/bench_pad_trackers.h"
-#include "bench/bench_attitude.h"
-#include "bench/bench_calibration.h"
-#include "bench/bench_campaign.h"
-#include "bench/bench_contrast.h"
-#include "bench/bench_flights.h"
-#include "bench/bench_hashes.h"
-#include "bench/bench_stream.h"
-#include "bench/bench_trackers.h"
-#include "bench/bench_wire.h"
-#include "bench/enhance/bench_mosaic.h"
-#include "bench/enhance/bench_stabilise.h"
-#include "bench/horizon/bench_horizon.h"
-#include "bench/horizon/bench_photographs.h"
-#include "bench/horizon/border_training.h"
-#include "bench/landmark/bench_features.h"
-#include "bench/landmark/bench_homographies.h"
-#include "bench/landmark/bench_landings.h"
-#include "bench/landmark/bench_plane_pose.h"
-#include "bench/limits/bench_limits.h"
-#include "bench/live/bench_live.h"
-#include "bench/lockstep/bench_lockstep.h"
-#include "bench/planar/bench_planar.h"
-#include "bench/render/bench_frames.h"
-#include "bench/render/bench_render.h"
-#include "bench/servo/bench_servo.h"
-#include "bench/servo/bench_servo_flights.h"
-#include "bench/servo/bench_servoing.h"
-#include "bench/throughput/bench_throughput.h"
 #include "bench/timings/bench_timings.h"
 #include "bench/timings/timing_server.h"
 
 namespace kestrel::app {
 namespace {
+
+using Kind = Bench::Kind;
+
+std::vector<std::string> Names(bool (*which)(const Bench&)) {
+  std::vector<std::string> names;
+  for (const Bench& bench : Benches())
+    if (which(bench)) names.push_back(bench.name);
+  return names;
+}
+
+// Those that `kestrel bench NAME` runs.
+std::vector<const Bench*> Chosen(const std::string& name) {
+  std::vector<const Bench*> chosen;
+  for (const Bench& bench : Benches())
+    if (name.empty() ? bench.kind == Kind::kGeneral : bench.name == name) chosen.push_back(&bench);
+  return chosen;
+}
+
+// An option that no chosen bench takes would be left out without a word.
+void RefuseUseless(const CLI::App& command, const std::string& name) {
+  const std::vector<const Bench*> chosen = Chosen(name);
+  std::vector<std::string> refusals;
+  for (const char* option : {"--fov-deg", "--seeds", "--jobs", "--out", "--backend", "--against", "--rounds",
+                             "--clock", "--in-turn"}) {
+    const auto takes = [&](const Bench& bench) { return bench.Takes(option); };
+    if (command.count(option) == 0 ||
+        std::any_of(chosen.begin(), chosen.end(), [&](const Bench* each) { return takes(*each); }))
+      continue;
+    std::vector<std::string> valid;
+    for (const Bench& bench : Benches())
+      if (takes(bench)) valid.push_back(bench.name);
+    refusals.push_back(fmt::format("{} is of no use to {}; valid: with {}", option,
+                                   name.empty() ? "bench without a name" : "bench " + name,
+                                   fmt::join(valid, ", ")));
+  }
+  if (!refusals.empty()) throw CLI::ValidationError(fmt::format("{}", fmt::join(refusals, "\n")));
+}
 
 bool Timings(const BenchArguments& a) {
   if (a.in_turn) {
@@ -59,53 +71,10 @@ bool Timings(const BenchArguments& a) {
 }  // namespace
 
 CLI::App* AddBenchCommand(CLI::App& app, BenchArguments& a) {
-  const std::vector<std::string> names = {"flights",
-                                          "fisheye",
-                                          "attitude",
-                                          "horizon",
-                                          "gyro_failure",
-                                          "drift",
-                                          "heights",
-                                          "speed",
-                                          "render",
-                                          "calibration",
-                                          "servo",
-                                          "trackers",
-                                          "contrast",
-                                          "follow",
-                                          "avoid",
-                                          "stream",
-                                          "planar",
-                                          "alignment",
-                                          "features",
-                                          "homographies",
-                                          "plane_pose",
-                                          "landings",
-                                          "servo_flights",
-                                          "direct",
-                                          "mosaic",
-                                          "stabilise",
-                                          "follow_thesis",
-                                          "avoid_thesis",
-                                          "wire",
-                                          "link_faults",
-                                          "campaign",
-                                          "hashes",
-                                          "lockstep",
-                                          "frames",
-                                          "live",
-                                          "horizon_pictures",
-                                          "horizon_training",
-                                          "timings",
-                                          "throughput",
-                                          "limits"};
   CLI::App* command = app.add_subcommand("bench", "Measure: a table of figures beside their targets");
-  // Of campaigns by its name alone: it flies for minutes, and kills itself.
-  command
-      ->add_option("name", a.name,
-                   "All but campaign, wire, link_faults, hashes, lockstep, frames, live, horizon_pictures, "
-                   "horizon_training, timings, throughput and limits when none is given")
-      ->check(OneOf(names));
+  const auto by_name = Names([](const Bench& bench) { return bench.kind != Kind::kGeneral; });
+  command->add_option("name", a.name, fmt::format("All but {} when none is given", fmt::join(by_name, ", ")))
+      ->check(OneOf(Names([](const Bench&) { return true; })));
   command
       ->add_option("pictures", a.pictures,
                    "Of horizon_pictures and horizon_training: a folder of photographs, with label.csv "
@@ -114,17 +83,16 @@ CLI::App* AddBenchCommand(CLI::App& app, BenchArguments& a) {
   command
       ->add_option("--fov-deg", a.fov_deg,
                    "Of horizon_pictures and horizon_training: what the longer side of the photographs sees")
-      ->check(CLI::Range(5.0, 120.0))
+      ->check(Within(5.0, 120.0))
       ->capture_default_str();
   command->add_option("--seeds", a.seeds, "A..B, first and last")->capture_default_str();
   command->add_option("--jobs", a.jobs, "Flights at the same time")
-      ->check(CLI::Range(1, 256))
+      ->check(WholeNumber(1, 256))
       ->capture_default_str();
-  command->add_option("--json", a.json, "Also write the figures as JSON to this file")->type_name("FILE");
-  command
-      ->add_option("--out", a.out,
-                   "Folder for the rows and pictures of horizon, and for the pictures of frames and of "
-                   "contrast's failures")
+  command->add_option("--json", a.json, "Also write the figures as JSON to this file")
+      ->check(NotEmpty)
+      ->type_name("FILE");
+  command->add_option("--out", a.out, "Folder where each bench that leaves files has one of its name")
       ->type_name("DIR")
       ->capture_default_str();
   command->add_option("--backend", a.backend, "What OpenGL draws by in render and frames")
@@ -142,7 +110,7 @@ CLI::App* AddBenchCommand(CLI::App& app, BenchArguments& a) {
   command
       ->add_option("--rounds", a.rounds,
                    "Of timings: processes of each program that are timed; of fewer nothing follows")
-      ->check(CLI::Range(9, 200))
+      ->check(WholeNumber(9, 200))
       ->capture_default_str();
   command
       ->add_option("--clock", a.clock,
@@ -154,17 +122,23 @@ CLI::App* AddBenchCommand(CLI::App& app, BenchArguments& a) {
       ->add_flag("--in-turn", a.in_turn,
                  "Of timings: answer another program, that reads names of work from here line by line")
       ->group("");
+  command->parse_complete_callback([command, &a] { RefuseUseless(*command, a.name); });
   command->footer(
       "Examples:\n  kestrel bench flights --seeds 1..20\n  kestrel bench render\n"
-      "  kestrel bench timings --against build-before/kestrel");
+      "  kestrel bench timings --against build/kestrel-before");
   return command;
 }
 
 bool BenchCommand(const BenchArguments& arguments) {
+  const std::vector<const Bench*> chosen = Chosen(arguments.name);
   Mistakes mistakes;
   CheckWritableFile(arguments.json, "--json", mistakes);
-  if (arguments.name.empty() || arguments.name == "horizon" || arguments.name == "frames")
-    CheckWritableFolder(arguments.out, "--out", mistakes);
+  const std::filesystem::path out = arguments.out;
+  if (std::any_of(chosen.begin(), chosen.end(), [](const Bench* each) { return each->Takes("--out"); }))
+    CheckWritableFolder(out, "--out", mistakes);
+  // They empty their folder, which is never one of the user's.
+  if (arguments.name == "campaign" || arguments.name == "throughput")
+    CheckWritableFolder(out / arguments.name, "the working directory", mistakes);
   const bool of_training = arguments.name == "horizon_training";
   const bool of_photographs = of_training || arguments.name == "horizon_pictures";
   std::vector<bench::Photograph> photographs;
@@ -176,82 +150,17 @@ bool BenchCommand(const BenchArguments& arguments) {
       std::none_of(photographs.begin(), photographs.end(), [](const auto& p) { return p.labelled; }))
     mistakes.Add("bench", arguments.name, "no photograph there has a label",
                  "valid: a folder with label.csv (filename,slope,offset)");
-  const bool of_timings = arguments.name == "timings";
-  if (!of_timings && !arguments.against.empty())
-    mistakes.Add("bench", arguments.name, "has nothing to compare --against",
-                 "valid: bench timings --against FILE");
+  flight::SeedRange seeds;
+  try {
+    seeds = flight::ParseSeeds(arguments.seeds);
+  } catch (const InputError& error) {
+    mistakes.Add(error);
+  }
   mistakes.ThrowIfAny();
-  if (of_timings) return Timings(arguments);
-  if (arguments.name == "throughput" || arguments.name == "limits") {  // tables of their own
-    std::vector<records::Figure> figures;
-    if (arguments.name == "throughput")
-      bench::BenchThroughput("results/runs/bench_throughput", figures);
-    else
-      bench::BenchLimits(figures);
-    if (!arguments.json.empty()) records::WriteFigures(arguments.json, figures);
-    return true;
-  }
-  const flight::SeedRange seeds = flight::ParseSeeds(arguments.seeds);
-  const auto chosen = [&](const char* name) { return arguments.name.empty() || arguments.name == name; };
+  if (arguments.name == "timings") return Timings(arguments);
   std::vector<records::Figure> table;
-  if (chosen("flights")) bench::BenchFlights(seeds, arguments.jobs, table);
-  if (chosen("fisheye")) bench::BenchFisheye(seeds, arguments.jobs, table);
-  if (chosen("landings")) bench::BenchLandings(seeds, arguments.jobs, table);
-  if (chosen("attitude")) bench::BenchAttitude(seeds, arguments.jobs, table);
-  if (chosen("horizon")) bench::BenchHorizon(seeds.first, arguments.jobs, arguments.out, table);
-  if (chosen("gyro_failure")) bench::BenchGyroFailure(seeds, arguments.jobs, table);
-  if (chosen("drift")) bench::BenchDrift(seeds, arguments.jobs, table);
-  if (chosen("heights")) bench::BenchHeights(seeds, table);
-  if (chosen("speed")) bench::BenchSpeed(seeds, table);
-  if (chosen("render")) bench::BenchRender(seeds.first, seeds.last, arguments.backend, table);
-  if (chosen("calibration")) bench::BenchCalibration(seeds.first, seeds.last, arguments.jobs, table);
-  if (chosen("servo")) bench::BenchServo(table);
-  if (chosen("servo_flights")) bench::BenchServoFlights(seeds, arguments.jobs, table);
-  if (chosen("direct")) bench::BenchDirect(seeds, arguments.jobs, table);
-  if (chosen("trackers")) {
-    bench::BenchTrackers(seeds.first, seeds.last, table);
-    bench::BenchPadTrackers(seeds, table);
-  }
-  if (chosen("alignment")) bench::BenchAlignment(seeds, table);
-  if (chosen("follow")) bench::BenchFollow(seeds, arguments.jobs, table);
-  if (chosen("follow_thesis")) bench::BenchFollowSteps(seeds, arguments.jobs, table);
-  if (chosen("avoid_thesis")) bench::BenchAvoidSight(seeds, arguments.jobs, table);
-  if (chosen("avoid")) bench::BenchAvoid(seeds, arguments.jobs, table);
-  if (chosen("contrast"))
-    bench::BenchContrast(seeds.first, seeds.last, arguments.jobs,
-                         std::filesystem::path(arguments.out) / "contrast", table);
-  if (chosen("planar"))
-    bench::BenchPlanar(seeds, arguments.jobs, std::filesystem::path(arguments.out) / "planar",
-                       bench::PlanarTrackers, table);
-  if (chosen("stabilise"))
-    bench::BenchStabilise(seeds, std::filesystem::path(arguments.out) / "stabilise", table);
-  if (chosen("mosaic")) bench::BenchMosaic(seeds, std::filesystem::path(arguments.out) / "mosaic", table);
-  if (chosen("stream")) bench::BenchStream(table);
-  if (chosen("features")) bench::BenchFeatures(seeds.first, seeds.last, table);
-  if (chosen("homographies")) bench::BenchHomographies(seeds.first, table);
-  if (chosen("plane_pose")) bench::BenchPlanePose(seeds.first, table);
-  // By name alone: they need the program for real aircraft, and real time.
-  const std::filesystem::path wires = "results/runs";
-  if (arguments.name == "wire") bench::BenchWire(seeds, arguments.jobs, wires / "bench_wire", table);
-  if (arguments.name == "link_faults")
-    bench::BenchLinkFaults(seeds, arguments.jobs, wires / "bench_link_faults", table);
-  // By name alone: they take long, and are asked for by who changes what they measure.
-  if (arguments.name == "campaign")
-    bench::BenchCampaign(static_cast<int>(seeds.last - seeds.first) + 1, wires / "bench_campaign", table);
-  if (of_training) {
-    bench::TrainBorderBelief(photographs, arguments.fov_deg, seeds.first, arguments.jobs, table);
-  } else if (of_photographs) {
-    bench::BenchPhotographs(photographs, arguments.fov_deg,
-                            std::filesystem::path(arguments.out) / "photographs", table);
-  }
-  if (arguments.name == "lockstep") bench::BenchLockstep(table);
-  if (arguments.name == "live") bench::BenchLive(seeds, wires / "bench_live", table);
-  if (arguments.name == "frames")
-    bench::BenchFrames(seeds.first, seeds.last, arguments.jobs, arguments.backend,
-                       std::filesystem::path(arguments.out) / "frames", table);
-  if (arguments.name == "hashes")
-    bench::BenchHashes(seeds, arguments.jobs, Root() / "results" / "hashes.csv", table);
-  records::PrintFigures(table);
+  for (const Bench* bench : chosen) bench->run({arguments, seeds, out / bench->name, photographs}, table);
+  if (chosen.front()->kind != Kind::kOfOwnTables) records::PrintFigures(table);
   if (!arguments.json.empty()) records::WriteFigures(arguments.json, table);
   return records::AllMet(table);
 }

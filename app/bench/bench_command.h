@@ -17,8 +17,8 @@ struct BenchArguments {
   std::string seeds = "1..20";
   int jobs = 2;
   std::string json;
-  std::string out = "results/runs/bench_horizon";  // folder of what horizon, contrast and frames leave
-  std::string backend = "osmesa";                  // of OpenGL
+  std::string out = "results/runs/bench";  // has a folder for the files of each bench that leaves some
+  std::string backend = "osmesa";          // of OpenGL
   // Of timings alone.
   std::string against;
   int rounds = 16;

@@ -8,7 +8,7 @@ constexpr double kRaysAtAnEdge = 8;
 
 // Floats of a direction, three bytes of the picture; a texel for each pixel, since its level has them so wide.
 constexpr double kBytesOfAPixel = 3 * 4 + 3, kBytesOfATexel = 3;
-constexpr double kPlacesOfATexel = 2;
+constexpr double kReadsOfATexel = 2;
 
 // Additions and multiplications. To meet a plane: the direction into its frame 15, the distance 2, the point 6.
 constexpr double kToMeet = 23;
@@ -25,7 +25,7 @@ FrameBounds BoundsOf(const FrameContent& content, const MachineRates& rates) {
   const double operations = content.pixels * (kToMeet + kToColour) + content.textured * kToTexture +
                             content.at_edges * (kRaysAtAnEdge * kToMeet + kToColour);
   return {.memory_ms = 1e-6 * bytes / RateFor(rates, bytes).read_gb_s,
-          .places_ms = 1e-3 * content.textured * kPlacesOfATexel / rates.memory.front().places_per_us,
+          .random_ms = 1e-3 * content.textured * kReadsOfATexel / rates.memory.front().random_reads_per_us,
           .arithmetic_ms = 1e-6 * operations / rates.multiply_adds_gflop_s};
 }
 

@@ -65,7 +65,7 @@ StagedFrame StagedRenderer::Draw(const Pose& X_NB) {
 
   StagedFrame frame;
   sim::ray::SceneInstance placed;
-  frame.stages.place_ms = Taken_ms([&] {
+  frame.stages.set_up_ms = Taken_ms([&] {
     sim::ray::InstantiateScene(scene_, sim::ray::PoseOfScene(scene_, data_.get()), X_NB * X_BC_,
                                lens.pixel_rad, placed);
   });
@@ -119,7 +119,7 @@ StagedFrame StagedRenderer::Draw(const Pose& X_NB) {
 
 StagedFrame MeanFrame(StagedRenderer& renderer, double height_m, int frames) {
   constexpr int kTries = 5;
-  constexpr std::array kParts = {&FrameStages::place_ms, &FrameStages::list_ms, &FrameStages::rays_ms,
+  constexpr std::array kParts = {&FrameStages::set_up_ms, &FrameStages::list_ms, &FrameStages::rays_ms,
                                  &FrameStages::edges_ms};
   constexpr std::array kCounts = {&FrameContent::pixels, &FrameContent::textured, &FrameContent::at_edges};
   StagedFrame mean;

@@ -25,11 +25,11 @@ struct FrameContent {
 
 // Of the ray renderer on one thread.
 struct FrameStages {
-  double place_ms = 0;  // things and lights into the camera's frame
-  double list_ms = 0;   // what each tile may meet, and its triangles
-  double rays_ms = 0;   // a ray to each pixel: what it meets, its colour and the code of edges
-  double edges_ms = 0;  // pixels at edges again
-  double Sum() const { return place_ms + list_ms + rays_ms + edges_ms; }
+  double set_up_ms = 0;  // things and lights into the camera's frame
+  double list_ms = 0;    // what each tile may meet, and its triangles
+  double rays_ms = 0;    // a ray to each pixel: what it meets, its colour and the code of edges
+  double edges_ms = 0;   // pixels at edges again
+  double Sum() const { return set_up_ms + list_ms + rays_ms + edges_ms; }
 };
 
 struct StagedFrame {

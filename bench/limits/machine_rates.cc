@@ -13,6 +13,8 @@
 #include <hwy/aligned_allocator.h>
 #include <hwy/highway.h>
 
+#include "sim/render/ray/instruction_set.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace kestrel::bench::HWY_NAMESPACE {
 namespace {
@@ -70,8 +72,6 @@ void ReadInOrder(const std::uint64_t* from, std::size_t count, volatile float& k
   kept = static_cast<float>(hn::GetLane(hn::Add(hn::Add(a, b), hn::Add(c, e))));
 }
 
-const char* Name() { return hwy::TargetName(HWY_TARGET); }
-
 }  // namespace
 }  // namespace kestrel::bench::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
@@ -83,7 +83,6 @@ namespace {
 HWY_EXPORT(MultiplyAdds);
 HWY_EXPORT(Divisions);
 HWY_EXPORT(ReadInOrder);
-HWY_EXPORT(Name);
 
 volatile float kept = 0;
 constexpr int kTries = 7;
@@ -112,7 +111,7 @@ MemoryRate RateOf(const char* level, std::size_t bytes) {
                        HWY_DYNAMIC_DISPATCH(ReadInOrder)(buffer.get(), count, kept);
                    });
   constexpr std::size_t kPlaces = 1 << 20;
-  rate.places_per_us = 1e-6 * kPlaces / Fastest_s([&] {
+  rate.random_reads_per_us = 1e-6 * kPlaces / Fastest_s([&] {
                          std::uint64_t at = 1, sum = 0;
                          for (std::size_t i = 0; i < kPlaces; ++i) {
                            at = at * 6364136223846793005u + 1442695040888963407u;
@@ -127,7 +126,7 @@ MemoryRate RateOf(const char* level, std::size_t bytes) {
 
 MachineRates MeasureMachineRates() {
   MachineRates rates;
-  rates.instruction_set = HWY_DYNAMIC_DISPATCH(Name)();
+  rates.instruction_set = sim::InstructionSet();
   double done = 0;
   const double adds_s = Fastest_s([&] { done = HWY_DYNAMIC_DISPATCH(MultiplyAdds)(kept); });
   rates.multiply_adds_gflop_s = 2e-9 * done / adds_s;

@@ -10,9 +10,10 @@ namespace kestrel::bench {
 // What one core and its memory give, each the best of several tries: bounds that no program passes.
 struct MemoryRate {
   std::string level;
-  std::size_t bytes = 0;     // of the buffer that was read
-  double read_gb_s = 0;      // in order, by whole vectors
-  double places_per_us = 0;  // reads of 8 bytes from places in no order, none of which waits for another
+  std::size_t bytes = 0;  // of the buffer that was read
+  double read_gb_s = 0;   // in order, by whole vectors
+  double random_reads_per_us =
+      0;  // reads of 8 bytes from addresses in no order, none of which waits for another
 };
 
 struct MachineRates {

@@ -2,7 +2,6 @@
 #include "bench/throughput/bench_throughput.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
@@ -16,7 +15,7 @@
 #include <thread>
 
 #include "base/process/own_program.h"
-#include "base/process/print_note.h"
+#include "base/process/status_line.h"
 #include "base/statistics.h"
 #include "base/stopwatch.h"
 #include "base/version.h"
@@ -32,10 +31,6 @@ namespace fs = std::filesystem;
 constexpr int kFlightsOfAWorker = 6;
 constexpr double kSecondsOfFrames = 3;
 constexpr const char* kFrames = "pinhole, airfield";  // as bench timings has it
-
-void Note(const std::string& text) {
-  if (isatty(STDERR_FILENO)) PrintNote("\r\033[K{}", text.empty() ? text : "throughput: " + text);
-}
 
 // Landings from low above the pad, in winds from none to 6 m/s.
 campaign::CampaignWork ShortLandings(int rows, const std::vector<std::string>& more) {
@@ -58,7 +53,7 @@ struct Flown {
 };
 
 // Each worker has the same flights to fly, however many they are.
-Flown Fly(int workers, const fs::path& folder, const std::string& what,
+Flown Fly(int workers, const fs::path& folder, StatusLine& line, const std::string& what,
           const std::vector<std::string>& more = {}) {
   const campaign::CampaignWork work = ShortLandings(workers * kFlightsOfAWorker, more);
   campaign::CampaignOptions options;
@@ -66,7 +61,7 @@ Flown Fly(int workers, const fs::path& folder, const std::string& what,
   options.jobs = workers;
   options.record_failures = 0;
   options.show = [&](const campaign::Progress& p) {
-    Note(fmt::format("{}, {} at a time: {} of {} flights", what, workers, p.done, p.rows));
+    line.Show(fmt::format("{}, {} at a time: {} of {} flights", what, workers, p.done, p.rows));
   };
   const campaign::Progress progress = campaign::RunCampaign(work, options).progress;
   Flown flown{3600 * progress.Rate(), 0, 0};
@@ -118,15 +113,15 @@ double FrameRate(int at_once, const std::function<Draw()>& make) {
   return frames;
 }
 
-double ByProcesses(int at_once) {
-  Note(fmt::format("frames by {} processes", at_once));
+double ByProcesses(int at_once, StatusLine& line) {
+  line.Show(fmt::format("frames by {} processes", at_once));
   return FrameRate(at_once, [] {
     return [program = std::make_shared<TimedProgram>(OwnProgram())] { return program->Time(kFrames).pieces; };
   });
 }
 
-double ByThreads(int at_once) {
-  Note(fmt::format("frames by {} threads", at_once));
+double ByThreads(int at_once, StatusLine& line) {
+  line.Show(fmt::format("frames by {} threads", at_once));
   return FrameRate(at_once, [] { return [block = PrepareWork(kFrames)] { return block().pieces; }; });
 }
 
@@ -144,13 +139,13 @@ void Print(const std::vector<Column>& columns, const std::vector<Flown>& flown) 
   }
   fmt::print("{} {:>10} |\n{}{:->11}:|\n", head, "peak, MiB", rule, "");
   for (std::size_t i = 0; i < flown.size(); ++i) {
-    std::string line = fmt::format("| {:>7} |", columns.front().rates[i].workers);
+    std::string row = fmt::format("| {:>7} |", columns.front().rates[i].workers);
     for (const Column& column : columns) {
       const Scaling scaling = ScalingOf(column.rates)[i];
-      line += fmt::format(" {:>20.0f} | {:>5.2f} | {:>10.2f} |", column.rates[i].rate, scaling.times_one,
-                          scaling.efficiency);
+      row += fmt::format(" {:>20.0f} | {:>5.2f} | {:>10.2f} |", column.rates[i].rate, scaling.times_one,
+                         scaling.efficiency);
     }
-    fmt::print("{} {:>10.0f} |\n", line, flown[i].peak_mib);
+    fmt::print("{} {:>10.0f} |\n", row, flown[i].peak_mib);
   }
 }
 
@@ -158,6 +153,7 @@ void Print(const std::vector<Column>& columns, const std::vector<Flown>& flown) 
 
 void BenchThroughput(const fs::path& folder, std::vector<records::Figure>& table) {
   fs::remove_all(folder);
+  StatusLine line("throughput");
   const std::vector<int> counts = WorkerCounts(campaign::Cores());
   Column landings{"landings an hour", "flights/h", {}};
   Column by_processes{"frames/s, processes", "frames/s", {}}, by_threads{"frames/s, threads", "frames/s", {}};
@@ -176,20 +172,20 @@ void BenchThroughput(const fs::path& folder, std::vector<records::Figure>& table
     const std::size_t i = order[step];
     const int n = counts[i];
     const auto better = [](double& best, double now) { best = std::max(best, now); };
-    const Flown now = Fly(n, folder / fmt::format("{}", step), "landings");
+    const Flown now = Fly(n, folder / fmt::format("{}", step), line, "landings");
     better(landings.rates[i].rate, now.an_hour);
     better(flown[i].peak_mib, now.peak_mib);
     if (n == 1) {
       const double start_now_s =
-          Fly(1, folder / fmt::format("start-{}", step), "starts", {"duration_s=0.1", "criteria={}"})
+          Fly(1, folder / fmt::format("start-{}", step), line, "starts", {"duration_s=0.1", "criteria={}"})
               .flight_s;
       flight_s = flight_s > 0 ? std::min(flight_s, now.flight_s) : now.flight_s;
       start_s = start_s > 0 ? std::min(start_s, start_now_s) : start_now_s;
     }
-    better(by_processes.rates[i].rate, ByProcesses(n));
-    better(by_threads.rates[i].rate, ByThreads(n));
+    better(by_processes.rates[i].rate, ByProcesses(n, line));
+    better(by_threads.rates[i].rate, ByThreads(n, line));
   }
-  Note("");
+  line.Clear();
   const std::vector<Column> columns = {landings, by_processes, by_threads};
   Print(columns, flown);
   fmt::print(

@@ -20,13 +20,13 @@ TEST(FrameBounds, AreBytesPlacesAndOperationsByWhatTheMachineGives) {
   // A million pixels of 15 bytes and 43 operations: from far memory, for so many bytes are not near.
   const FrameBounds plain = BoundsOf({.pixels = 1e6}, Machine());
   EXPECT_NEAR(plain.memory_ms, 1.5, 1e-9);
-  EXPECT_NEAR(plain.places_ms, 0, 1e-9);
+  EXPECT_NEAR(plain.random_ms, 0, 1e-9);
   EXPECT_NEAR(plain.arithmetic_ms, 1, 1e-9);
   EXPECT_EQ(plain.Least(), plain.memory_ms);
   // Texels are 3 bytes, found at two places for each pixel.
   const FrameBounds textured = BoundsOf({.pixels = 1e6, .textured = 1e6}, Machine());
   EXPECT_NEAR(textured.memory_ms, 1.8, 1e-9);
-  EXPECT_NEAR(textured.places_ms, 2, 1e-9);
+  EXPECT_NEAR(textured.random_ms, 2, 1e-9);
   EXPECT_GT(textured.arithmetic_ms, plain.arithmetic_ms);
   EXPECT_EQ(textured.Least(), textured.arithmetic_ms);
   // An edge costs arithmetic alone.
