@@ -112,13 +112,13 @@ MemoryRate RateOf(const char* level, std::size_t bytes) {
                    });
   constexpr std::size_t kPlaces = 1 << 20;
   rate.random_reads_per_us = 1e-6 * kPlaces / Fastest_s([&] {
-                         std::uint64_t at = 1, sum = 0;
-                         for (std::size_t i = 0; i < kPlaces; ++i) {
-                           at = at * 6364136223846793005u + 1442695040888963407u;
-                           sum += buffer[(at >> 20) & (count - 1)];
-                         }
-                         kept = static_cast<float>(sum);
-                       });
+                               std::uint64_t at = 1, sum = 0;
+                               for (std::size_t i = 0; i < kPlaces; ++i) {
+                                 at = at * 6364136223846793005u + 1442695040888963407u;
+                                 sum += buffer[(at >> 20) & (count - 1)];
+                               }
+                               kept = static_cast<float>(sum);
+                             });
   return rate;
 }
 
