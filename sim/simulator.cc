@@ -85,6 +85,7 @@ Simulator::Simulator(const SimulatorParameters& parameters)
              model_->opt.timestep) {
   std::reverse(scheduled_.begin(), scheduled_.end());
   mj_forward(model_.get(), data_.get());
+  contact_search_.emplace(model_.get(), data_.get());
   const Pose X_NT = PadPose(model_.get(), data_.get());
   if (parameters.ground)
     ground_ = std::make_unique<SimulatedGroundCamera>(model_.get(), X_NT, *parameters.ground,
@@ -207,6 +208,7 @@ void Simulator::Step() {
     SetConditions(vehicle_, ConditionsAt(parameters_.actuators.faults, before.t_s));
   Apply(vehicle_, data_.get(), dt, wind_.Velocity(), SurfaceBelow_m());
   MoveTargets();
+  contact_search_->Set(model_.get(), data_.get());
   mj_step(model_.get(), data_.get());
   ++steps_;
   if (deck_) MoveDeck();

@@ -27,6 +27,7 @@
 #include "sim/camera/snapshots.h"
 #include "sim/camera/vibration.h"
 #include "sim/carried_path.h"
+#include "sim/contact_search.h"
 #include "sim/deck/deck.h"
 #include "sim/fault_schedule.h"
 #include "sim/ground/simulated_ground_camera.h"
@@ -207,6 +208,7 @@ class Simulator final : public vision::Camera, public control::Autopilot {
   ModelPtr model_;
   DataPtr data_;
   Airframe vehicle_;
+  std::optional<ContactSearch> contact_search_;
   Wind wind_;
   Sensors sensors_;
   SensorFaults sensor_faults_;

@@ -7,15 +7,18 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <map>
 #include <opencv2/imgproc.hpp>
 #include <pugixml.hpp>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "base/gravity.h"
 #include "base/user_file.h"
 #include "geometry/tait_bryan.h"
+#include "sim/world/decoded_texture.h"
 #include "sim/world/frames.h"
 #include "sim/world/mjcf.h"
 #include "sim/world/texture.h"
@@ -48,7 +51,7 @@ Eigen::Vector3d PureColour(double hue_deg) {
 std::string TargetName(std::size_t index) { return fmt::format("target {}", index); }
 
 // What MuJoCo is to read itself, pictures and meshes: it would read anything to its end.
-void RequireModest(const std::filesystem::path& file, const std::string& owner) {
+std::string RequireModest(const std::filesystem::path& file, const std::string& owner) {
   if (!IsFile(file)) throw std::runtime_error(fmt::format("{} needs a file: {}.", owner, NoSuchFile(file)));
   const FileContent content = ReadUserFile(file, kMaxDataBytes);
   if (!content.error.empty())
@@ -58,41 +61,52 @@ void RequireModest(const std::filesystem::path& file, const std::string& owner) 
     throw std::runtime_error(fmt::format("{} needs {}, which has {} x {} pixels; valid: up to {} x {}.",
                                          owner, file.string(), picture->size.width, picture->size.height,
                                          vision::kMaxImageSide_px, vision::kMaxImageSide_px));
+  return content.bytes;
 }
 
-// File names relative to the file they stand in, as absolute ones: the composed model stands nowhere.
-void MakeFilesAbsolute(pugi::xml_node node, const std::filesystem::path& folder, const std::string& owner) {
+using Files = std::map<std::string, std::string>;
+
+// File names relative to the file they stand in, as absolute ones: the composed model stands nowhere. Textures are
+// decoded into files.
+void MakeFilesAbsolute(pugi::xml_node node, const std::filesystem::path& folder, const std::string& owner,
+                       Files& files) {
   for (pugi::xml_attribute attribute : node.attributes()) {
     if (std::strncmp(attribute.name(), "file", 4) != 0)
       continue;  // file, and fileright to fileback of cube textures
     const std::filesystem::path file = folder / attribute.value();
-    RequireModest(file, owner);
+    const std::string bytes = RequireModest(file, owner);
     attribute.set_value(file.c_str());
+    if (std::strcmp(node.name(), "texture") != 0) continue;
+    if (const auto decoded = DecodedTexture(bytes)) {
+      const std::string name = fmt::format("/decoded texture {}", files.size());
+      files[name] = *decoded;
+      attribute.set_value(name.c_str());
+    }
   }
-  for (const pugi::xml_node child : node.children()) MakeFilesAbsolute(child, folder, owner);
+  for (const pugi::xml_node child : node.children()) MakeFilesAbsolute(child, folder, owner, files);
 }
 
 // Appends the sections of an MJCF file, or of a fragment, to the model.
 // What is in text, as if it stood in a file there.
 void AppendText(pugi::xml_node model, const std::string& text, const std::filesystem::path& path,
-                const std::string& owner) {
+                const std::string& owner, Files& files) {
   pugi::xml_document part;
   const pugi::xml_parse_result result = part.load_buffer(text.data(), text.size());
   if (!result)
     throw std::runtime_error(fmt::format("{} is not XML: {} in line {}.", owner, result.description(),
                                          1 + std::count(text.begin(), text.begin() + result.offset, '\n')));
-  MakeFilesAbsolute(part, std::filesystem::absolute(path).parent_path(), owner);
+  MakeFilesAbsolute(part, std::filesystem::absolute(path).parent_path(), owner, files);
   for (const pugi::xml_node section : part.document_element().children()) {
     const bool bare = std::strcmp(section.name(), "body") == 0;
     (bare ? model.append_child("worldbody") : model).append_copy(section);
   }
 }
 
-void Append(pugi::xml_node model, const std::filesystem::path& path, const char* what) {
+void Append(pugi::xml_node model, const std::filesystem::path& path, const char* what, Files& files) {
   const std::string owner = fmt::format("The {} {}", what, path.string());
   const auto [text, error] = ReadUserFile(path, kMaxMjcfBytes);
   if (!error.empty()) throw std::runtime_error(fmt::format("{} {}.", owner, error));
-  AppendText(model, text, path, owner);
+  AppendText(model, text, path, owner, files);
 }
 
 // Where there is none, a product with it changes no bit.
@@ -301,29 +315,30 @@ struct Part {
 CompiledModel Compose(const SceneParameters& p, const AdditionsModel& additions, const cv::Mat& pad,
                       int parts) {
   LandscapeModel landscape = p.landscape ? MakeLandscape(*p.landscape, p.seed) : LandscapeModel{};
+  Files files = std::move(landscape.files);
   pugi::xml_document document;
   pugi::xml_node model = document.append_child("mujoco");
   model.append_attribute("model") = "kestrel";
   if (p.landscape)
     AppendLandscape(model, landscape);
   else
-    Append(model, p.world, "world");
+    Append(model, p.world, "world", files);
   AppendAdditions(model, p.additions, additions);
   if (parts > 1 && !p.deck) AppendPad(model, p, pad);
   if (parts > 2) {
     if (p.vehicle_shape.empty())
-      Append(model, p.vehicle, "vehicle");
+      Append(model, p.vehicle, "vehicle", files);
     else
-      AppendText(model, p.vehicle_shape, p.vehicle, "The vehicle");
+      AppendText(model, p.vehicle_shape, p.vehicle, "The vehicle", files);
   }
   if (parts > 1 && p.deck) AppendPad(model, p, pad);
   if (parts > 2) AppendTargets(model, p);
   if (parts > 2 && p.lights) AppendLights(model, *p.lights);
   if (p.blind) AppendBlind(model);
-  landscape.files.insert(additions.files.begin(), additions.files.end());
+  files.insert(additions.files.begin(), additions.files.end());
   std::ostringstream text;
   document.save(text);
-  return CompileMjcf(text.str(), landscape.files);
+  return CompileMjcf(text.str(), files);
 }
 
 int Find(const mjModel* model, mjtObj type, const char* name) { return mj_name2id(model, type, name); }
