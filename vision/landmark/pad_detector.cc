@@ -21,68 +21,21 @@ constexpr double kMinEvenlyLitCorrelation =
     0.5;                                  // see EvenlyLit: less of it is the frame's, which many things have
 constexpr double kCompare_px_per_m = 60;  // scale at which candidates are compared with the reference
 constexpr int kEvened_px = 19;  // over which light is evened there: 0.3 m, some of the pad's details
-constexpr double kRectangles_px_per_m =
-    300;                               // scale at which the reference is searched for its own rectangles
-constexpr double kMinRectangle = 0.3;  // share of the pad that such a rectangle or circle covers
-constexpr double kRoundCircle = 1.03;  // ratio of its axes
 constexpr int kDirections = 24;
-
-double AreaOf(const Quad& quad) {
-  const Eigen::Vector2d a = quad[2] - quad[0], b = quad[3] - quad[1];
-  return std::abs(a.x() * b.y() - a.y() * b.x()) / 2;
-}
 
 }  // namespace
 
 PadDetector::PadDetector(const PadReference& reference, const Pinhole& camera)
     : camera_(camera),
       level_(reference.LevelFor(kCompare_px_per_m)),
-      evenly_lit_(EvenlyLit(level_.image, kEvened_px)) {
-  const std::vector<Eigen::Vector2d> outline = reference.Outline();
-  rectangles_.push_back({outline[0], outline[1], outline[2], outline[3]});
-  const PadReference::Level& fine = reference.LevelFor(kRectangles_px_per_m);
-  constexpr int kBorder_px = 20;
-  cv::Mat bordered;
-  cv::copyMakeBorder(fine.image, bordered, kBorder_px, kBorder_px, kBorder_px, kBorder_px,
-                     cv::BORDER_CONSTANT, 128);
-  const Eigen::Matrix3d T_from_pixel = fine.pixel_from_T.inverse();
-  const double side = std::sqrt(AreaOf(rectangles_[0]));
-  const Contours contours = LargeContours(bordered);
-  for (const Quad& quad : QuadsOf(contours)) {
-    Quad quad_T;
-    for (int k = 0; k < 4; ++k)
-      quad_T[k] = Transfer(T_from_pixel, quad[k] - Eigen::Vector2d(kBorder_px, kBorder_px));
-    if (AreaOf(quad_T) < kMinRectangle * side * side) continue;
-    // First the corner nearest to the picture's top left, as in the outline.
-    int first = 0;
-    for (int k = 1; k < 4; ++k) {
-      if ((quad_T[k] - outline[0]).norm() < (quad_T[first] - outline[0]).norm()) first = k;
-    }
-    std::rotate(quad_T.begin(), quad_T.begin() + first, quad_T.end());
-    const bool known = std::any_of(rectangles_.begin(), rectangles_.end(), [&](const Quad& other) {
-      return (other[0] - quad_T[0]).norm() + (other[2] - quad_T[2]).norm() < 0.02 * side;
-    });
-    if (!known) rectangles_.push_back(quad_T);
-  }
-  for (const Ellipse& ellipse : EllipsesOf(contours)) {
-    const Eigen::Vector2d middle_T =
-        Transfer(T_from_pixel, ellipse.middle - Eigen::Vector2d(kBorder_px, kBorder_px));
-    const Eigen::Matrix2d axes_T = T_from_pixel.topLeftCorner<2, 2>() * ellipse.axes;
-    const double a = axes_T.col(0).norm(), b = axes_T.col(1).norm(), radius = std::sqrt(a * b);
-    if (!(std::max(a, b) < kRoundCircle * std::min(a, b)) || M_PI * a * b < kMinRectangle * side * side)
-      continue;
-    const bool known = std::any_of(circles_.begin(), circles_.end(), [&](const Circle& other) {
-      return (other.middle - middle_T).norm() + std::abs(other.radius - radius) < 0.02 * side;
-    });
-    if (!known) circles_.push_back({middle_T, radius});
-  }
-}
+      evenly_lit_(EvenlyLit(level_.image, kEvened_px)),
+      shapes_(reference.shapes) {}
 
 // A circle tells all but the direction, as long as the view is not very oblique from near.
 void PadDetector::AddCircles(const Contours& contours, std::vector<Eigen::Matrix3d>& candidates) const {
-  if (circles_.empty()) return;
+  if (shapes_.circles.empty()) return;
   for (const Ellipse& ellipse : EllipsesOf(contours)) {
-    for (const Circle& circle : circles_) {
+    for (const PadShapes::Circle& circle : shapes_.circles) {
       for (int turn = 0; turn < kDirections; ++turn) {
         const Eigen::Matrix2d A = ellipse.axes *
                                   Eigen::Rotation2Dd(2 * M_PI * turn / kDirections).toRotationMatrix() /
@@ -100,7 +53,7 @@ void PadDetector::AddQuads(const std::vector<Quad>& quads, std::vector<Eigen::Ma
   const Quad square = {
       {{1, 0}, {1, 1}, {0, 1}, {0, 0}}};  // the corners of a unit rectangle, in the outline's order
   for (const Quad& quad : quads) {
-    for (const Quad& rectangle : rectangles_) {
+    for (const Quad& rectangle : shapes_.rectangles) {
       const double aspect = (rectangle[1] - rectangle[0]).norm() / (rectangle[3] - rectangle[0]).norm();
       for (int turn = 0; turn < 4; ++turn) {
         std::array<PointPair, 4> unit, metric;

@@ -26,18 +26,13 @@ class PadDetector {
   std::optional<Eigen::Matrix3d> Detect(const cv::Mat& grey) const;
 
  private:
-  struct Circle {  // in T, m
-    Eigen::Vector2d middle;
-    double radius;
-  };
   void AddQuads(const std::vector<Quad>& quads, std::vector<Eigen::Matrix3d>& candidates) const;
   void AddCircles(const Contours& contours, std::vector<Eigen::Matrix3d>& candidates) const;
 
   Pinhole camera_;
   PadReference::Level level_;  // the scale at which candidates are compared
   cv::Mat evenly_lit_;         // the same, as it is compared where light and shade lie over the pad
-  std::vector<Circle> circles_;
-  std::vector<Quad> rectangles_;  // of the pad's picture, in T, m, clockwise from the picture's top left
+  PadShapes shapes_;
 };
 
 }  // namespace kestrel::vision

@@ -14,8 +14,9 @@ constexpr int kMaxCorners = 6000;
 constexpr double kCornerQuality = 0.02;
 constexpr double kCornerDistance_px = 5;
 constexpr int kRim_px = 4;
-constexpr int kAlike_px = 64;    // side at which a picture is compared with itself turned
-constexpr double kAlike = 0.95;  // correlation from which on it looks the same
+constexpr double kShapes_px_per_m = 300;  // scale at which it is searched for rectangles and circles
+constexpr int kAlike_px = 64;             // side at which a picture is compared with itself turned
+constexpr double kAlike = 0.95;           // correlation from which on it looks the same
 
 PadReference::Level MakeLevel(const cv::Mat& image, double length_m, double width_m) {
   PadReference::Level level;
@@ -89,7 +90,7 @@ Eigen::Matrix3d NearestTurn(const Eigen::Matrix3d& H_w, int turns,
 PadReference MakePadReference(const cv::Mat& picture, double length_m, double width_m) {
   cv::Mat grey = picture;
   if (picture.channels() == 3) cv::cvtColor(picture, grey, cv::COLOR_BGR2GRAY);
-  PadReference reference{length_m, width_m, {}, {}, TurnsOf(grey, length_m, width_m)};
+  PadReference reference{length_m, width_m, {}, {}, TurnsOf(grey, length_m, width_m), {}};
   // By half octaves: drawn from one that is farther from the image's resolution, the pad is blurred, or shows what the
   // image does not.
   for (double scale = 1;; scale *= std::exp2(-1.0 / PadReference::kLevelsOfOctave)) {
@@ -100,6 +101,8 @@ PadReference MakePadReference(const cv::Mat& picture, double length_m, double wi
     if (size != grey.size()) cv::resize(grey, image, size, 0, 0, cv::INTER_AREA);
     reference.levels.push_back(MakeLevel(image, length_m, width_m));
   }
+  const PadReference::Level& fine = reference.LevelFor(kShapes_px_per_m);
+  reference.shapes = ShapesOf(fine.image, fine.pixel_from_T, reference.Outline());
   return reference;
 }
 

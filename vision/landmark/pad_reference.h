@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "vision/landmark/pad_shapes.h"
 #include "vision/tag/tag.h"
 
 namespace kestrel::vision {
@@ -26,6 +27,7 @@ struct PadReference {
   std::vector<Level> levels;  // the finest first, which is the picture itself
   std::vector<Tag> tags;      // of which its picture is made, if it is: then it is found by them
   int turns = 1;  // in how many directions it looks alike: 2 after half a turn, 4 after each quarter
+  PadShapes shapes;
 
   // The four corners in T, m, clockwise as seen from above, from the picture's top left.
   std::vector<Eigen::Vector2d> Outline() const;
