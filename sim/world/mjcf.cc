@@ -31,7 +31,7 @@ void AddFile(mjVFS* files, const std::string& name, const std::string& bytes) {
 
 }  // namespace
 
-CompiledModel CompileMjcf(const std::string& mjcf, const std::map<std::string, std::string>& files) {
+CompiledModel CompileMjcf(const std::string& mjcf, std::map<std::string, std::string> files) {
   static std::mutex parser;  // MuJoCo keeps the last parsed model in a global variable,
   const std::lock_guard lock(parser);
 
@@ -39,7 +39,10 @@ CompiledModel CompileMjcf(const std::string& mjcf, const std::map<std::string, s
   const auto in_memory = std::make_unique<mjVFS>();
   mj_defaultVFS(in_memory.get());
   AddFile(in_memory.get(), kName, mjcf);
-  for (const auto& [name, bytes] : files) AddFile(in_memory.get(), name, bytes);
+  while (!files.empty()) {  // which are large, and MuJoCo makes two copies more
+    const auto file = files.extract(files.begin());
+    AddFile(in_memory.get(), file.key(), file.mapped());
+  }
   char message[1000] = "";
   CompiledModel compiled{ModelPtr(mj_loadXML(kName, in_memory.get(), message, sizeof message)), ""};
   mj_deleteVFS(in_memory.get());

@@ -16,6 +16,6 @@ struct CompiledModel {
 
 // Compiles a model in MJCF. files: what it names that lies in memory only, by its name. May be called on any
 // thread.
-CompiledModel CompileMjcf(const std::string& mjcf, const std::map<std::string, std::string>& files = {});
+CompiledModel CompileMjcf(const std::string& mjcf, std::map<std::string, std::string> files = {});
 
 }  // namespace kestrel::sim

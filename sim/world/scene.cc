@@ -338,7 +338,7 @@ CompiledModel Compose(const SceneParameters& p, const AdditionsModel& additions,
   files.insert(additions.files.begin(), additions.files.end());
   std::ostringstream text;
   document.save(text);
-  return CompileMjcf(text.str(), files);
+  return CompileMjcf(text.str(), std::move(files));
 }
 
 int Find(const mjModel* model, mjtObj type, const char* name) { return mj_name2id(model, type, name); }

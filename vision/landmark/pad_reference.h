@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "vision/landmark/pad_shapes.h"
+#include "vision/landmark/outline/pad_shapes.h"
 #include "vision/tag/tag.h"
 
 namespace kestrel::vision {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vision/landmark/pad_shapes.h"
+#include "vision/landmark/outline/pad_shapes.h"
 
 #include <Eigen/LU>
 #include <algorithm>
