@@ -17,9 +17,10 @@ bool MayTouchAnything(const mjModel* m, int geom) {
 ContactSearch::ContactSearch(const mjModel* model, const mjData* data) {
   const int vehicle = mj_name2id(model, mjOBJ_BODY, "vehicle");
   const int joint = vehicle < 0 ? -1 : model->body_jntadr[vehicle];
-  always_ = joint < 0 || model->jnt_type[joint] != mjJNT_FREE || model->npair > 0 ||
-            (model->opt.enableflags & mjENBL_OVERRIDE) != 0;
-  if (always_) return;
+  as_it_is_ = joint < 0 || model->jnt_type[joint] != mjJNT_FREE || model->npair > 0 ||
+              (model->opt.enableflags & mjENBL_OVERRIDE) != 0 ||
+              (model->opt.disableflags & mjDSBL_CONTACT) != 0;
+  if (as_it_is_) return;
   place_ = model->jnt_qposadr[joint];
   for (int g = 0; g < model->ngeom; ++g) {
     if (!MayTouchAnything(model, g)) continue;
@@ -31,7 +32,7 @@ ContactSearch::ContactSearch(const mjModel* model, const mjData* data) {
       const Eigen::Map<const Eigen::Vector3d> origin(data->xpos + 3 * vehicle);
       radius_ = std::max(radius_, (at - origin).norm() + reach);
     } else if (moves_with != 0 || is_carried) {
-      always_ = true;
+      as_it_is_ = true;
     } else if (model->geom_type[g] == mjGEOM_PLANE) {
       const mjtNum* const R = data->geom_xmat + 9 * g;
       planes_.push_back({at + reach * Eigen::Vector3d(R[2], R[5], R[8]), {R[2], R[5], R[8]}});
@@ -50,7 +51,8 @@ bool ContactSearch::MayTouch(const Eigen::Vector3d& vehicle) const {
 }
 
 void ContactSearch::Set(mjModel* model, const mjData* data) const {
-  const bool search = always_ || MayTouch(Eigen::Map<const Eigen::Vector3d>(data->qpos + place_));
+  if (as_it_is_) return;
+  const bool search = MayTouch(Eigen::Map<const Eigen::Vector3d>(data->qpos + place_));
   const int bits = model->opt.disableflags;
   const int wanted = search ? bits & ~mjDSBL_CONTACT : bits | mjDSBL_CONTACT;
   if (bits != wanted) model->opt.disableflags = wanted;

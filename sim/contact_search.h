@@ -12,8 +12,8 @@ namespace kestrel::sim {
 // for only near what the aircraft may touch: the states are the same to the last bit.
 class ContactSearch {
  public:
-  // data: with positions computed. Where anything but one free body "vehicle" moves and may touch something, contacts
-  // are always searched for.
+  // data: with positions computed. Where anything but one free body "vehicle" moves and may touch something, and where
+  // the world has options or pairs of contacts of its own, the model stays as it is.
   ContactSearch(const mjModel* model, const mjData* data);
 
   // Before each mj_step: whether that step is to search. Sets or clears mjDSBL_CONTACT of the model's options.
@@ -29,10 +29,9 @@ class ContactSearch {
     Eigen::Vector3d centre;
     double radius;
   };
-  bool always_ = false;
-  int place_ = 0;  // of the vehicle in qpos
-  double radius_ =
-      0;  // about the vehicle's origin, m: of all that may touch, and of what may happen in a step
+  bool as_it_is_ = false;
+  int place_ = 0;      // of the vehicle in qpos
+  double radius_ = 0;  // m, about the vehicle's origin: of all of it that may touch, and some room
   std::vector<Plane> planes_;
   std::vector<Ball> balls_;
 };

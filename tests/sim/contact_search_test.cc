@@ -98,5 +98,14 @@ TEST_F(ContactSearchTest, WhereAnythingElseMovesItIsAlwaysOn) {
   EXPECT_FALSE(Searches());
 }
 
+TEST_F(ContactSearchTest, AWorldWithoutContactsStaysOne) {
+  Make();
+  model_->opt.disableflags |= mjDSBL_CONTACT;
+  const ContactSearch search(model_.get(), data_.get());
+  data_->qpos[2] = 0.1;
+  search.Set(model_.get(), data_.get());
+  EXPECT_FALSE(Searches());
+}
+
 }  // namespace
 }  // namespace kestrel::sim
