@@ -50,7 +50,7 @@ Eigen::Vector3d PureColour(double hue_deg) {
 
 std::string TargetName(std::size_t index) { return fmt::format("target {}", index); }
 
-// What MuJoCo is to read itself, pictures and meshes: it would read anything to its end.
+// The bytes of what MuJoCo is to read, pictures and meshes: it would read anything to its end.
 std::string RequireModest(const std::filesystem::path& file, const std::string& owner) {
   if (!IsFile(file)) throw std::runtime_error(fmt::format("{} needs a file: {}.", owner, NoSuchFile(file)));
   const FileContent content = ReadUserFile(file, kMaxDataBytes);
@@ -64,7 +64,11 @@ std::string RequireModest(const std::filesystem::path& file, const std::string& 
   return content.bytes;
 }
 
-using Files = std::map<std::string, std::string>;
+// What a model names that lies in memory only.
+struct Files {
+  std::map<std::string, std::string> bytes;    // by its name
+  std::map<std::string, std::string> decoded;  // of a texture by its name: the file that it was decoded of
+};
 
 // File names relative to the file they stand in, as absolute ones: the composed model stands nowhere. Textures are
 // decoded into files.
@@ -78,16 +82,16 @@ void MakeFilesAbsolute(pugi::xml_node node, const std::filesystem::path& folder,
     attribute.set_value(file.c_str());
     if (std::strcmp(node.name(), "texture") != 0) continue;
     if (const auto decoded = DecodedTexture(bytes)) {
-      const std::string name = fmt::format("/decoded texture {}", files.size());
-      files[name] = *decoded;
+      const std::string name = fmt::format("/decoded/{}.texture", files.decoded.size());
+      files.bytes[name] = *decoded;
+      files.decoded[name] = file;
       attribute.set_value(name.c_str());
     }
   }
   for (const pugi::xml_node child : node.children()) MakeFilesAbsolute(child, folder, owner, files);
 }
 
-// Appends the sections of an MJCF file, or of a fragment, to the model.
-// What is in text, as if it stood in a file there.
+// Appends the sections of text to the model, as if it stood in a file there: MJCF, or a fragment of it.
 void AppendText(pugi::xml_node model, const std::string& text, const std::filesystem::path& path,
                 const std::string& owner, Files& files) {
   pugi::xml_document part;
@@ -315,7 +319,7 @@ struct Part {
 CompiledModel Compose(const SceneParameters& p, const AdditionsModel& additions, const cv::Mat& pad,
                       int parts) {
   LandscapeModel landscape = p.landscape ? MakeLandscape(*p.landscape, p.seed) : LandscapeModel{};
-  Files files = std::move(landscape.files);
+  Files files{std::move(landscape.files), {}};
   pugi::xml_document document;
   pugi::xml_node model = document.append_child("mujoco");
   model.append_attribute("model") = "kestrel";
@@ -335,10 +339,14 @@ CompiledModel Compose(const SceneParameters& p, const AdditionsModel& additions,
   if (parts > 2) AppendTargets(model, p);
   if (parts > 2 && p.lights) AppendLights(model, *p.lights);
   if (p.blind) AppendBlind(model);
-  files.insert(additions.files.begin(), additions.files.end());
+  files.bytes.insert(additions.files.begin(), additions.files.end());
   std::ostringstream text;
   document.save(text);
-  return CompileMjcf(text.str(), std::move(files));
+  CompiledModel compiled = CompileMjcf(text.str(), std::move(files.bytes));
+  for (const auto& [name, file] : files.decoded)
+    if (const std::size_t at = compiled.message.find(name); at != std::string::npos)
+      compiled.message.replace(at, name.size(), file);
+  return compiled;
 }
 
 int Find(const mjModel* model, mjtObj type, const char* name) { return mj_name2id(model, type, name); }

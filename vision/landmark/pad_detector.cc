@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/landmark/pad_detector.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <opencv2/core/eigen.hpp>

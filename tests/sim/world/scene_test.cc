@@ -238,6 +238,13 @@ TEST_F(Scene, RefusalsNameTheFileAtFault) {
   EXPECT_THAT(Refusal(), AllOf(one_line("nobody.xml"), HasSubstr("\"vehicle\"")));
 }
 
+TEST_F(Scene, RefusalOfATextureNamesItsFile) {
+  p_.world = Write("world.xml", R"(<mujoco><asset><texture name="t" type="cube" file="picture.png"/></asset>
+    <worldbody><geom name="ground" type="plane" size="9 9 1"/></worldbody></mujoco>)");
+  EXPECT_THAT(Refusal(),
+              AllOf(HasSubstr("'" + (folder_ / "picture.png").string() + "'"), Not(HasSubstr("decoded"))));
+}
+
 TEST_F(Scene, RefusesAPadThatReachesBeyondTheGroundWithTheNumbers) {
   p_.pad_position_m = {19.3, 0};
   EXPECT_EQ(Refusal(), "accepted");
