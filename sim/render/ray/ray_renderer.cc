@@ -5,11 +5,13 @@
 #include <hwy/targets.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <optional>
 #include <stdexcept>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "sim/render/ray/kernel.h"
@@ -97,34 +99,42 @@ struct RayRenderer::Stage {
     instances.resize(rolling ? lens->height : 1);
     SetRows(rolling ? lens->height : lens->tiles_y);
     if (!rolling) fill(0, instances[0]);
-    const auto rows_of = [&](int tile_row, const auto& each) {
-      const int begin = tile_row * Lens::kTile, end = std::min(begin + Lens::kTile, lens->height);
-      each(begin, end);
+    const auto draw = [&](int tile_row, int begin, int end) {
+      if (!rolling) {
+        const Slice slice = SliceOf(0, tile_row);
+        ray::Cull(slice, begin, end);
+        return ray::DrawRows(slice, begin, end, canvas);
+      }
+      for (int v = begin; v < end; ++v) {
+        fill(v, instances[v]);
+        const Slice slice = SliceOf(v, v);
+        ray::Cull(slice, v, v + 1);
+        ray::DrawRows(slice, v, v + 1, canvas);
+      }
     };
+    const auto finish = [&](const Slice& slice, int begin, int end) {
+      ray::SmoothRows(slice, begin, end, canvas);
+      if (sky_light) ray::LightRows(slice, begin, end, canvas);
+    };
+    const auto rows_of = [&](int tile_row) {
+      const int begin = tile_row * Lens::kTile;
+      return std::pair(begin, std::min(begin + Lens::kTile, lens->height));
+    };
+    // Of each row of tiles how many must be drawn before it can be finished: the row and its neighbours. It is
+    // finished as soon as they are, while what was listed and drawn is still in the cache.
+    std::vector<std::atomic<int>> awaited(static_cast<std::size_t>(lens->tiles_y));
+    const auto each_beside = [&](int row, const auto& act) {
+      for (int r = std::max(row - 1, 0); r <= std::min(row + 1, lens->tiles_y - 1); ++r) act(r);
+    };
+    for (int row = 0; row < lens->tiles_y; ++row) each_beside(row, [&](int r) { ++awaited[r]; });
     loop->Run(threads, lens->tiles_y, [&](int tile_row) {
-      rows_of(tile_row, [&](int begin, int end) {
-        if (!rolling) {
-          const Slice slice = SliceOf(0, tile_row);
-          ray::Cull(slice, begin, end);
-          ray::DrawRows(slice, begin, end, canvas);
-          return;
-        }
-        for (int v = begin; v < end; ++v) {
-          fill(v, instances[v]);
-          const Slice slice = SliceOf(v, v);
-          ray::Cull(slice, v, v + 1);
-          ray::DrawRows(slice, v, v + 1, canvas);
-        }
-      });
-    });
-    loop->Run(threads, lens->tiles_y, [&](int tile_row) {
-      rows_of(tile_row, [&](int begin, int end) {
-        const auto finish = [&](const Slice& slice, int from, int to) {
-          ray::SmoothRows(slice, from, to, canvas);
-          if (sky_light) ray::LightRows(slice, from, to, canvas);
-        };
-        if (!rolling) return finish(SliceOf(0, tile_row), begin, end);
-        for (int v = begin; v < end; ++v) finish(SliceOf(v, v), v, v + 1);
+      const auto [begin, end] = rows_of(tile_row);
+      draw(tile_row, begin, end);
+      each_beside(tile_row, [&](int row) {
+        if (--awaited[row] > 0) return;
+        const auto [from, to] = rows_of(row);
+        if (!rolling) return finish(SliceOf(0, row), from, to);
+        for (int v = from; v < to; ++v) finish(SliceOf(v, v), v, v + 1);
       });
     });
   }
