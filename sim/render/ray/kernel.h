@@ -44,8 +44,8 @@ inline int VisibleWords(const RenderScene& things) { return static_cast<int>((th
 void Cull(const Slice& slice, int begin, int end);
 // Draws the rows [begin, end) of one row of tiles, a ray to a pixel.
 void DrawRows(const Slice& slice, int begin, int end, const Canvas& canvas);
-// Draws the pixels at edges in the rows [begin, end) of one row of tiles again, 8 rays to each. All rows of
-// the canvas are drawn.
+// Draws the pixels at edges in the rows [begin, end) of one row of tiles again, 8 rays to each. The row
+// of tiles and those above and below are drawn.
 void SmoothRows(const Slice& slice, int begin, int end, const Canvas& canvas);
 // Distance along the ray and id of the geom of each pixel of the rows [begin, end), of what is opaque.
 void TraceRows(const Slice& slice, int begin, int end, float* depth_m, std::int32_t* geom,

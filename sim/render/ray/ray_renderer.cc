@@ -11,7 +11,6 @@
 #include <optional>
 #include <stdexcept>
 #include <thread>
-#include <utility>
 #include <vector>
 
 #include "sim/render/ray/kernel.h"
@@ -89,8 +88,8 @@ struct RayRenderer::Stage {
     return given_out.back();
   }
 
-  // One sharp picture; `instant_of_row` gives world and camera of a row, or none if all rows share
-  // instances[0].
+  // One sharp picture. fill(row, instance): places world and camera as at the row's instant; if not rolling, it is
+  // asked for row 0 alone.
   template <class Fill>
   void Draw(cv::Mat& picture, bool rolling, const Fill& fill) {
     const bool grey = picture.depth() == CV_32F;  // or the bytes of blue, green, red
@@ -99,26 +98,20 @@ struct RayRenderer::Stage {
     instances.resize(rolling ? lens->height : 1);
     SetRows(rolling ? lens->height : lens->tiles_y);
     if (!rolling) fill(0, instances[0]);
-    const auto draw = [&](int tile_row, int begin, int end) {
-      if (!rolling) {
-        const Slice slice = SliceOf(0, tile_row);
-        ray::Cull(slice, begin, end);
-        return ray::DrawRows(slice, begin, end, canvas);
-      }
-      for (int v = begin; v < end; ++v) {
-        fill(v, instances[v]);
-        const Slice slice = SliceOf(v, v);
-        ray::Cull(slice, v, v + 1);
-        ray::DrawRows(slice, v, v + 1, canvas);
-      }
+    // What is drawn of a row of tiles at once: all of it, or where each row has an instant of its own, one row.
+    const auto each_slice = [&](int tile_row, const auto& act) {
+      const int begin = tile_row * Lens::kTile, end = std::min(begin + Lens::kTile, lens->height);
+      if (!rolling) return act(SliceOf(0, tile_row), begin, end);
+      for (int v = begin; v < end; ++v) act(SliceOf(v, v), v, v + 1);
+    };
+    const auto draw = [&](const Slice& slice, int begin, int end) {
+      if (rolling) fill(begin, instances[begin]);
+      ray::Cull(slice, begin, end);
+      ray::DrawRows(slice, begin, end, canvas);
     };
     const auto finish = [&](const Slice& slice, int begin, int end) {
       ray::SmoothRows(slice, begin, end, canvas);
       if (sky_light) ray::LightRows(slice, begin, end, canvas);
-    };
-    const auto rows_of = [&](int tile_row) {
-      const int begin = tile_row * Lens::kTile;
-      return std::pair(begin, std::min(begin + Lens::kTile, lens->height));
     };
     // Of each row of tiles how many must be drawn before it can be finished: the row and its neighbours. It is
     // finished as soon as they are, while what was listed and drawn is still in the cache.
@@ -128,13 +121,9 @@ struct RayRenderer::Stage {
     };
     for (int row = 0; row < lens->tiles_y; ++row) each_beside(row, [&](int r) { ++awaited[r]; });
     loop->Run(threads, lens->tiles_y, [&](int tile_row) {
-      const auto [begin, end] = rows_of(tile_row);
-      draw(tile_row, begin, end);
+      each_slice(tile_row, draw);
       each_beside(tile_row, [&](int row) {
-        if (--awaited[row] > 0) return;
-        const auto [from, to] = rows_of(row);
-        if (!rolling) return finish(SliceOf(0, row), from, to);
-        for (int v = from; v < to; ++v) finish(SliceOf(v, v), v, v + 1);
+        if (--awaited[row] == 0) each_slice(row, finish);
       });
     });
   }
