@@ -109,6 +109,7 @@ TEST(LiveCamera, WhoIsSlowGetsTheNewestAndTheOthersAreCounted) {
   EXPECT_EQ(frame->sequence, 19);
   EXPECT_EQ(camera.Health().overwritten, 19);
   EXPECT_FALSE(camera.Next(0.01));  // nothing newer: the same is not given twice
+  rig.script->released = true;  // or the camera would wait for its thread as long as it waits for an image
 }
 
 TEST(LiveCamera, ExposuresThatTheDriverCountedAndNobodySawAreAGap) {
@@ -206,6 +207,7 @@ TEST(LiveCamera, StopEndsTheWaitAtOnceFromAnotherThread) {
   EXPECT_FALSE(camera.Next());
   EXPECT_LT(MonotonicNow_s() - begun_s, 5);
   other.join();
+  rig.script->released = true;
 }
 
 // A source that takes its time for an image, and knows whether it is still there.
