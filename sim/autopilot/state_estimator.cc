@@ -131,13 +131,18 @@ void StateEstimator::Predict(double dt_s, const ImuSample& imu) {
   v_N_ += dt_s * a_N;
   X_NB_.R = (X_NB_.R * ExpRotation(dt_s * w_B_)).normalized();
 
-  Matrix15 F = Matrix15::Identity();
-  F.block<3, 3>(0, 3) = dt_s * Eigen::Matrix3d::Identity();
-  F.block<3, 3>(3, 6) = -dt_s * R * Skew(force_B);
-  F.block<3, 3>(3, 12) = -dt_s * R;
-  F.block<3, 3>(6, 6) -= dt_s * Skew(w_B_);
-  F.block<3, 3>(6, 9) = -dt_s * Eigen::Matrix3d::Identity();
-  P_ = (F * P_ * F.transpose()).eval();
+  // P becomes F P F^T. F is the identity but for five blocks of three rows and columns: a whole product would be nearly
+  // all multiplications by 0.
+  const Eigen::Matrix3d velocity_of_turn = -dt_s * R * Skew(force_B), velocity_of_bias = -dt_s * R,
+                        turn_of_turn = Eigen::Matrix3d::Identity() - dt_s * Skew(w_B_);
+  for (int side = 0; side < 2; ++side) {  // P F^T, and as P is symmetric, the same of its transpose
+    P_.middleCols<3>(0) += dt_s * P_.middleCols<3>(3);
+    for (int k = 0; k < 3; ++k) P_.middleCols<3>(3) += P_.col(6 + k) * velocity_of_turn.col(k).transpose();
+    for (int k = 0; k < 3; ++k) P_.middleCols<3>(3) += P_.col(12 + k) * velocity_of_bias.col(k).transpose();
+    P_.middleCols<3>(6) =
+        (P_.middleCols<3>(6).lazyProduct(turn_of_turn.transpose()) - dt_s * P_.middleCols<3>(9)).eval();
+    P_.transposeInPlace();
+  }
   const auto add = [&](int at, double density) {
     P_.diagonal().segment<3>(at).array() += density * density * dt_s;
   };

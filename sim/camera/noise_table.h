@@ -32,7 +32,7 @@ class NoiseTable {
   }
 
  private:
-  static constexpr std::size_t kSize = std::size_t{1} << 20;
+  static constexpr std::size_t kSize = std::size_t{1} << 18;
   std::uint64_t seed_ = 0;
   std::vector<Number> numbers_;
 };
