@@ -22,8 +22,9 @@ constexpr int kLevelsOfRegistration = 2;
 // Than the image, where the light is evened out: the fine details of a print are blurred from near.
 constexpr std::array kCoarser = {1, 2, 4};
 constexpr double kMinVisibleArea_px2 = 300;
-// Square root of the area of the pad's visible part, in which it is still drawn as a whole.
-constexpr double kCoarseSide_px = 60;
+// Square root of the area of the pad's visible part: below it the pad is drawn as a whole in the image's resolution,
+// above it in one by which it is at least half as large.
+constexpr double kWholeSide_px = 120;
 // Correlation of a patch with the reference from which on the point counts.
 constexpr double kMinPatchCorrelation = 0.7;
 // Of 880 places at which tests and landings found a pad in even light the least alike had 0.64.
@@ -155,7 +156,7 @@ std::optional<PadRegistration::Sight> PadRegistration::Look(const PadReference& 
   s.H_w = H_w;
   s.H_predicted = H_predicted;
   s.corners_T = place->corners_T;
-  s.window_px = place->px_per_m * reference.width_m < 120 ? 9 : 13;
+  s.window_px = coarser > 1 && place->px_per_m * reference.width_m < 120 ? 9 : 13;
   s.evened_px =
       std::clamp(static_cast<int>(kEvenedOfPad_m * place->px_per_m), 2 * s.window_px, 8 * s.window_px) | 1;
 
@@ -172,11 +173,17 @@ std::optional<PadRegistration::Sight> PadRegistration::Look(const PadReference& 
   s.on_pad = cv::Mat(box.size(), CV_8UC1, cv::Scalar(0));
   cv::fillConvexPoly(s.on_pad, polygon, 255);
 
-  Eigen::Matrix3d to_box = Eigen::Matrix3d::Identity();
-  to_box(0, 2) = -box.x, to_box(1, 2) = -box.y;
+  // What comes of a small pad is what is measured of it: each of its pixels is drawn as the mean of some.
+  const int finer = coarser == 1 && cv::contourArea(place->visible) < kWholeSide_px * kWholeSide_px ? 2 : 1;
+  const PadReference::Level& level =
+      finer == 1 ? *place->level : reference.NearestLevel(finer * place->px_per_m);
+  Eigen::Matrix3d to_drawn = Eigen::Matrix3d::Identity();
+  to_drawn.topLeftCorner<2, 2>() *= finer;
+  to_drawn.topRightCorner<2, 1>() << (0.5 - box.x) * finer - 0.5, (0.5 - box.y) * finer - 0.5;
   cv::Mat map;
-  cv::eigen2cv(Eigen::Matrix3d(to_box * H_w * place->level->pixel_from_T.inverse()), map);
-  cv::warpPerspective(place->level->image, s.drawn, map, box.size(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  cv::eigen2cv(Eigen::Matrix3d(to_drawn * H_w * level.pixel_from_T.inverse()), map);
+  cv::warpPerspective(level.image, s.drawn, map, box.size() * finer, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  if (finer > 1) cv::resize(s.drawn, s.drawn, box.size(), 0, 0, cv::INTER_AREA);
   return s;
 }
 
@@ -187,9 +194,9 @@ Registered PadRegistration::RegisterPlain(const PadReference& reference, const c
   const std::vector<cv::Point2f> visible = VisiblePart(reference, H_predicted, grey.size());
   if (visible.empty()) return {};
   const double area_px2 = cv::contourArea(visible);
-  const int coarser = area_px2 > std::pow(4 * kCoarseSide_px, 2)   ? 4
-                      : area_px2 > std::pow(2 * kCoarseSide_px, 2) ? 2
-                                                                   : 1;
+  const int coarser = area_px2 > std::pow(2 * kWholeSide_px, 2) ? 4
+                      : area_px2 > std::pow(kWholeSide_px, 2)   ? 2
+                                                                : 1;
   const auto sight = Look(reference, grey, H_predicted, coarser);
   if (!sight || static_cast<int>(sight->corners_T.size()) < min_inliers) return {};
   Registered plain =

@@ -20,7 +20,7 @@ const cv::Size kFollowWindow(15, 15);
 constexpr int kFollowLevels = 3;
 constexpr double kFollowThreshold_px = 2;
 // A registration that moves the outline this far is done once more.
-constexpr double kLargeCorrection_px = 1.5;
+constexpr double kLargeCorrection_px = 0.5;
 // That are enough where they go on from the last image, closely and mostly agreed: of a picture with few corners,
 // or one that is mostly hidden.
 constexpr int kFewInliers = 6;
