@@ -156,7 +156,7 @@ std::optional<PadRegistration::Sight> PadRegistration::Look(const PadReference& 
   s.H_w = H_w;
   s.H_predicted = H_predicted;
   s.corners_T = place->corners_T;
-  s.window_px = coarser > 1 && place->px_per_m * reference.width_m < 120 ? 9 : 13;
+  s.window_px = place->px_per_m * reference.width_m >= 120 ? 13 : coarser == 1 ? 11 : 9;
   s.evened_px =
       std::clamp(static_cast<int>(kEvenedOfPad_m * place->px_per_m), 2 * s.window_px, 8 * s.window_px) | 1;
 

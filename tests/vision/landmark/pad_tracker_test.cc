@@ -94,6 +94,23 @@ TEST_F(PadTrackerTest, FollowsThePadAtEveryHeight) {
   }
 }
 
+// What the camera leans by tells where it is over a small pad, and shifts of hundredths of a pixel tell the lean: those
+// by which a picture seems to move as it falls anew onto the pixels would be as large.
+TEST_F(PadTrackerTest, FromTwelveMetresItsLeanIsKnownWhereverOnThePixelsThePadFalls) {
+  PadTracker tracker = NewTracker();
+  cv::RNG random(5);
+  double sum_rad2 = 0;
+  constexpr int kFrames = 40;
+  for (int frame = 0; frame < kFrames; ++frame) {
+    const Pose truth = PadBelow({random.uniform(-0.02, 0.02), random.uniform(-0.02, 0.02), 12}, 20 + frame,
+                                random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1));
+    const auto seen = tracker.Track(photographer_->At(truth, frame), std::nullopt);
+    ASSERT_TRUE(seen) << frame;
+    sum_rad2 += std::pow(ErrorsOf(*seen, truth).turn_rad, 2);
+  }
+  EXPECT_LT(Degrees(std::sqrt(sum_rad2 / kFrames)), 0.4);
+}
+
 // sigma_px bounds it from below, so on these clean images it may be a few times what the errors are, and
 // never less.
 TEST_F(PadTrackerTest, CovarianceCoversTheErrors) {
