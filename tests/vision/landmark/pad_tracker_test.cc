@@ -108,7 +108,7 @@ TEST_F(PadTrackerTest, FromTwelveMetresItsLeanIsKnownWhereverOnThePixelsThePadFa
     ASSERT_TRUE(seen) << frame;
     sum_rad2 += std::pow(ErrorsOf(*seen, truth).turn_rad, 2);
   }
-  EXPECT_LT(Degrees(std::sqrt(sum_rad2 / kFrames)), 0.4);
+  EXPECT_LT(Degrees(std::sqrt(sum_rad2 / kFrames)), 0.25);
 }
 
 // sigma_px bounds it from below, so on these clean images it may be a few times what the errors are, and
