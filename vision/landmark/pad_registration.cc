@@ -173,7 +173,8 @@ std::optional<PadRegistration::Sight> PadRegistration::Look(const PadReference& 
   s.on_pad = cv::Mat(box.size(), CV_8UC1, cv::Scalar(0));
   cv::fillConvexPoly(s.on_pad, polygon, 255);
 
-  // What comes of a small pad is what is measured of it: each of its pixels is drawn as the mean of some.
+  // The pose of a small pad rests on this drawing alone, without patches about its corners: each pixel is the mean of
+  // four samples, as a camera's is of all that falls onto it.
   const int finer = coarser == 1 && cv::contourArea(place->visible) < kWholeSide_px * kWholeSide_px ? 2 : 1;
   const PadReference::Level& level =
       finer == 1 ? *place->level : reference.NearestLevel(finer * place->px_per_m);

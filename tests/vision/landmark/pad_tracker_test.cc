@@ -94,8 +94,8 @@ TEST_F(PadTrackerTest, FollowsThePadAtEveryHeight) {
   }
 }
 
-// What the camera leans by tells where it is over a small pad, and shifts of hundredths of a pixel tell the lean: those
-// by which a picture seems to move as it falls anew onto the pixels would be as large.
+// The place of a camera over a small pad follows from its lean, and its lean from shifts of hundredths of a pixel. A
+// reference that is drawn too coarsely shifts as much, by how the pad falls onto the pixels.
 TEST_F(PadTrackerTest, FromTwelveMetresItsLeanIsKnownWhereverOnThePixelsThePadFalls) {
   PadTracker tracker = NewTracker();
   cv::RNG random(5);
