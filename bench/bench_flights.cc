@@ -195,7 +195,7 @@ void BenchDrift(flight::SeedRange seeds, int jobs, std::vector<records::Figure>&
 // The tracker alone, on images drawn along a path that goes from 3 m to each height and stays there, swaying.
 void BenchHeights(flight::SeedRange seeds, std::vector<records::Figure>& table) {
   PadScene scene;
-  for (const double height : {0.3, 0.5, 1.0, 2.0, 6.0, 12.0, 15.0}) {
+  for (const double height : {0.3, 0.5, 1.0, 2.0, 6.0, 9.0, 12.0, 15.0}) {
     int frames = 0, seen = 0;
     double square = 0;
     for (std::uint64_t seed = seeds.first; seed <= seeds.last; ++seed) {

@@ -30,6 +30,9 @@ constexpr double kMinPatchCorrelation = 0.7;
 // Of 880 places at which tests and landings found a pad in even light the least alike had 0.64.
 constexpr double kMinCoarseLikeness = 0.4;
 constexpr double kRimInset_px = 3;  // of corners from the image's border
+// And from the pad's rim: half a window nearer, more of the ground is seen than of the corner. Those of a frame around
+// the pad are the farthest out: an error of theirs leans all of it.
+constexpr double kPadInset_px = 5;
 // Of fewer corners than are asked for, where they go on from the last image.
 constexpr double kFewThreshold_px = 0.5;
 constexpr double kEvenedOfPad_m = 0.3;   // over which light is evened out: some of the pad's details
@@ -66,15 +69,17 @@ GreySums SumsOf(const cv::Mat& a, const cv::Point2f& at_a, const cv::Mat& b, con
   return sums;
 }
 
-// The strongest corners, spread over the visible part: one for each cell of a grid.
+// The strongest corners, spread over the visible part: one for each cell of a grid. inner: half of the length and width
+// within which they lie on the pad, m.
 std::vector<Eigen::Vector2d> SpreadCorners(const std::vector<Eigen::Vector2d>& corners_T,
-                                           const Eigen::Matrix3d& H_predicted, const cv::Size& image,
-                                           double cell_px, int most) {
+                                           const Eigen::Array2d& inner, const Eigen::Matrix3d& H_predicted,
+                                           const cv::Size& image, double cell_px, int most) {
   const int columns = static_cast<int>(image.width / cell_px) + 1;
   std::vector<bool> taken(static_cast<std::size_t>(columns * (static_cast<int>(image.height / cell_px) + 1)));
   std::vector<Eigen::Vector2d> spread;
   const Eigen::Array2d most_uv(image.width - 1 - kRimInset_px, image.height - 1 - kRimInset_px);
   for (const Eigen::Vector2d& corner : corners_T) {
+    if ((corner.array().abs() > inner).any()) continue;
     const Eigen::Vector2d uv = (H_predicted.leftCols<2>() * corner + H_predicted.col(2)).hnormalized();
     if (!((uv.array() > kRimInset_px).all() && (uv.array() < most_uv).all())) continue;
     const auto cell = static_cast<std::size_t>(static_cast<int>(uv.y() / cell_px) * columns +
@@ -132,7 +137,9 @@ std::optional<PadRegistration::Place> PadRegistration::PlaceOf(const PadReferenc
   // Somewhat finer than the image, since it is blurred once more where it is drawn.
   place.level = &reference.NearestLevel(kFiner * place.px_per_m);
   const double cell_px = std::max(4.0, std::sqrt(cv::contourArea(place.visible) / options_.max_points));
-  place.corners_T = SpreadCorners(place.level->corners, H_w, image, cell_px, 2 * options_.max_points);
+  const Eigen::Array2d inner =
+      Eigen::Array2d(reference.length_m, reference.width_m) / 2 - kPadInset_px / place.px_per_m;
+  place.corners_T = SpreadCorners(place.level->corners, inner, H_w, image, cell_px, 2 * options_.max_points);
   return place;
 }
 
@@ -156,7 +163,8 @@ std::optional<PadRegistration::Sight> PadRegistration::Look(const PadReference& 
   s.H_w = H_w;
   s.H_predicted = H_predicted;
   s.corners_T = place->corners_T;
-  s.window_px = place->px_per_m * reference.width_m >= 120 ? 13 : coarser == 1 ? 11 : 9;
+  const double width_px = place->px_per_m * reference.width_m;
+  s.window_px = coarser == 1 ? (width_px >= 70 ? 13 : 11) : (width_px >= 120 ? 13 : 9);
   s.evened_px =
       std::clamp(static_cast<int>(kEvenedOfPad_m * place->px_per_m), 2 * s.window_px, 8 * s.window_px) | 1;
 
