@@ -11,6 +11,7 @@
 namespace kestrel::records {
 
 void PrintFigures(const std::vector<Figure>& table) {
+  if (table.empty()) return;
   fmt::print("| {:<60} | {:>9} | {:>9} | {:>9} | {:<11} |    |\n", "figure", "reference", "target",
              "measured", "unit");
   fmt::print("|{:-<62}|{:->10}:|{:->10}:|{:->10}:|{:-<13}|----|\n", "", "", "", "", "");
