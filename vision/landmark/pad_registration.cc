@@ -29,9 +29,9 @@ constexpr double kWholeSide_px = 120;
 constexpr double kMinPatchCorrelation = 0.7;
 // Of 880 places at which tests and landings found a pad in even light the least alike had 0.64.
 constexpr double kMinCoarseLikeness = 0.4;
-constexpr double kRimInset_px = 3;  // of corners from the image's border
-// And from the pad's rim: half a window nearer, more of the ground is seen than of the corner. Those of a frame around
-// the pad are the farthest out: an error of theirs leans all of it.
+constexpr double kImageInset_px = 3;  // of corners from the image's border
+// Of corners from the pad's rim. A nearer one's window shows the ground, whose grey nobody knows, and the corners of a
+// frame around the pad have the longest lever on its lean.
 constexpr double kPadInset_px = 5;
 // Of fewer corners than are asked for, where they go on from the last image.
 constexpr double kFewThreshold_px = 0.5;
@@ -77,11 +77,11 @@ std::vector<Eigen::Vector2d> SpreadCorners(const std::vector<Eigen::Vector2d>& c
   const int columns = static_cast<int>(image.width / cell_px) + 1;
   std::vector<bool> taken(static_cast<std::size_t>(columns * (static_cast<int>(image.height / cell_px) + 1)));
   std::vector<Eigen::Vector2d> spread;
-  const Eigen::Array2d most_uv(image.width - 1 - kRimInset_px, image.height - 1 - kRimInset_px);
+  const Eigen::Array2d most_uv(image.width - 1 - kImageInset_px, image.height - 1 - kImageInset_px);
   for (const Eigen::Vector2d& corner : corners_T) {
     if ((corner.array().abs() > inner).any()) continue;
     const Eigen::Vector2d uv = (H_predicted.leftCols<2>() * corner + H_predicted.col(2)).hnormalized();
-    if (!((uv.array() > kRimInset_px).all() && (uv.array() < most_uv).all())) continue;
+    if (!((uv.array() > kImageInset_px).all() && (uv.array() < most_uv).all())) continue;
     const auto cell = static_cast<std::size_t>(static_cast<int>(uv.y() / cell_px) * columns +
                                                static_cast<int>(uv.x() / cell_px));
     if (taken[cell]) continue;
